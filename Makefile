@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: MIT
+#
+#   make                 build/release/rbsim and its HDF5 module
+#   make deps            install what is missing (says what and why)
+#   make demo            run a scene        make test        all tests, in a minute or two
+#   make lint            all style gates    make test-long   with those that take longer
+#   make bench           the numbers        make fuzz        FUZZ_SECONDS=600 per target
+#   make install         DESTDIR, prefix, bindir, libdir, mandir, datadir
+#   make format          lay the sources out as .clang-format says
+#
+# MODE=release|debug|asan|tsan|cov builds into build/$(MODE)/ (or BUILD=folder); WERROR=1 makes warnings
+# errors; V=1 shows whole commands; LAYERS="base math" leaves out the other layers. CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the
+# user's: they are appended to what the project needs. Nothing here asks pkg-config before a recipe
+# needs the answer, so that `make deps test` works where nothing is installed.
+
+MODE ?= release
+BUILD ?= build/$(MODE)
+LAYERS ?=
+FUZZ_SECONDS ?= 600
+V ?= 0
+prefix ?= /usr/local
+bindir ?= $(prefix)/bin
+libdir ?= $(prefix)/lib
+datadir ?= $(prefix)/share
+mandir ?= $(datadir)/man
+
+flags_release = -O2 -g
+flags_debug = -O0 -g3
+flags_asan = -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=undefined
+flags_tsan = -O1 -g -fno-omit-frame-pointer -fsanitize=thread
+flags_cov = -O0 -g --coverage
+flags_fuzz = -O1 -g -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined
+ifeq ($(filter-out undefined,$(origin flags_$(MODE))),)
+$(error MODE='$(MODE)' is not one of release, debug, asan, tsan, cov)
+endif
+
+warnings = -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes \
+	-Wmissing-prototypes -Wvla -Wundef -Wformat=2 -Wwrite-strings $(if $(filter 1,$(WERROR)),-Werror)
+mode_flags = $(flags_$(MODE))
+compile = $(CC) -std=c17 -D_GNU_SOURCE -Iinclude -Isrc -ffp-contract=off -pthread $(mode_flags) $(warnings)
+compile_user = $(CPPFLAGS) $(CFLAGS)
+link = $(CC) $(mode_flags) -pthread -Wl,--as-needed $(CFLAGS) $(LDFLAGS)
+
+say = @$(if $(filter 0,$(V)),printf '%-5s %s\n' '$1' '$@',printf '%s\n' $(call shell_word,$2)) && $2
+
+# Flags of the first package of $2 that pkg-config knows, asked once and only when a recipe needs them.
+found = $(if $2,$(patsubst -I%,-isystem %,$(wordlist 2,99,$2)),$(error no library '$1' for pkg-config: try 'make deps'))
+package = $(call found,$(firstword $2),$(shell for p in $2; do \
+	pkg-config --exists $$p && echo found && pkg-config $1 $$p && break; done 2>/dev/null))
+LUA_CFLAGS = $(eval LUA_CFLAGS := $(call package,--cflags,lua5.4 lua-5.4))$(LUA_CFLAGS)
+LUA_LIBS = $(eval LUA_LIBS := $(call package,--libs,lua5.4 lua-5.4))$(LUA_LIBS)
+HDF5_CFLAGS = $(eval HDF5_CFLAGS := $(call package,--cflags,hdf5-serial hdf5))$(HDF5_CFLAGS)
+HDF5_LIBS = $(eval HDF5_LIBS := $(call package,--libs,hdf5-serial hdf5))$(HDF5_LIBS)
+CMOCKA_CFLAGS = $(eval CMOCKA_CFLAGS := $(call package,--cflags,cmocka))$(CMOCKA_CFLAGS)
+CMOCKA_LIBS = $(eval CMOCKA_LIBS := $(call package,--libs,cmocka))$(CMOCKA_LIBS)
+libs = $(LUA_LIBS) -lm -ldl $(LDLIBS)
+
+# src/ORDER is the only list of modules; what needs HDF5 becomes a module that is loaded at run time.
+listed := $(shell sh tools/modules src/ORDER)
+modules := $(if $(LAYERS),$(filter $(LAYERS:%=%/%),$(listed)),$(listed))
+absent := $(strip $(foreach m,$(modules),$(if $(wildcard src/$(m).c src/$(m).h),,$(m))))
+$(if $(absent),$(warning src/ORDER lists modules without files: $(absent)))
+sources := $(foreach m,$(modules),$(wildcard src/$(m).c))
+h5_sources := $(filter src/sink/h5% src/sink/recorder.c src/sink/reader.c,$(sources))
+main_source := $(filter src/app/main.c,$(sources))
+objects = $(patsubst %.c,$(BUILD)/%.o,$1)
+h5_objects := $(call objects,$(h5_sources))
+lib_objects := $(call objects,$(filter-out $(h5_sources) $(main_source),$(sources)))
+test_sources := $(wildcard tests/test_*.c)
+tests := $(test_sources:%.c=$(BUILD)/%)
+cli_tests := $(wildcard tests/cli/*.sh)
+fuzz_sources := $(wildcard tests/fuzz/fuzz_*.c)
+
+program := $(BUILD)/rbsim
+library := $(BUILD)/librbsim.a
+h5_module := $(BUILD)/rbsim-hdf5.so
+seconds = $(if $(filter release debug,$(MODE)),120,600)
+run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
+	TEST_WRAP="$(if $(filter tsan,$(MODE)),$$(setarch -R true 2>/dev/null && echo setarch -R))" tools/run-tests $(program)
+
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.SECONDARY:
+.PHONY: all deps demo test test-long bench fuzz fuzz-run lint format install uninstall clean FORCE
+
+all: $(program) $(h5_module) $(library) compile_commands.json
+
+# The program takes all objects, not what it happens to use of the library: the module uses the others.
+$(program): $(lib_objects) $(call objects,$(main_source)) $(BUILD)/modules
+	$(call say,LD,$(link) -rdynamic -o $@ $(filter %.o,$^) $(libs))
+$(h5_module): $(h5_objects) $(BUILD)/modules
+	$(call say,LD,$(link) -shared -o $@ $(filter %.o,$^) $(HDF5_LIBS) $(LDLIBS))
+$(library): $(lib_objects) $(BUILD)/modules
+	@rm -f $@
+	$(call say,AR,$(AR) rcs $@ $(filter %.o,$^))
+$(tests): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(library)
+	$(call say,LD,$(link) -o $@ $(filter %.o,$^) $(library) $(h5_libs) $(CMOCKA_LIBS) $(libs))
+$(filter $(BUILD)/tests/test_h5%,$(tests)): $(h5_objects)
+$(filter $(BUILD)/tests/test_h5%,$(tests)): h5_libs = $(HDF5_LIBS)
+
+extra =
+$(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)
+$(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
+$(BUILD)/tests/%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS)
+$(BUILD)/tests/test_h5%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(HDF5_CFLAGS)
+$(BUILD)/tests/fuzz/%.o: extra = $(LUA_CFLAGS)
+$(BUILD)/%.o: %.c $(BUILD)/flags
+	@mkdir -p $(@D)
+	$(call say,CC,$(compile) $(extra) $(compile_user) -MMD -MP -c -o $@ $<)
+
+comma := ,
+shell_word = '$(subst ','\'',$1)'
+# Stamps, rewritten only when their text changes. `deps` goes first when it is asked for too, even under -j.
+$(BUILD)/flags: text = $(compile) $(compile_user) $(link) $(LDLIBS)
+$(BUILD)/modules: text = $(modules) $(link) $(LDLIBS)
+$(BUILD)/flags $(BUILD)/modules: FORCE | $(BUILD)/ $(filter deps,$(MAKECMDGOALS))
+	@printf '%s\n' $(call shell_word,$(text)) >$@.new; cmp -s $@.new $@ && rm $@.new || mv $@.new $@
+$(BUILD)/:
+	@mkdir -p $@
+
+json = "$(subst ",\",$(subst \,\\,$1))"
+entry = $(call shell_word,{"directory": $(call json,$(CURDIR))$(comma) "file": "$1"$(comma) "command": $(call \
+	json,$(compile) $2 $(compile_user) -c $1)}$(if $(filter-out $(lastword $(sources)),$1),$(comma)))
+compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
+	@printf '%s\n' [ $(foreach s,$(sources),$(call entry,$(s),$(if $(filter $(s),$(h5_sources)),-fPIC \
+	$(HDF5_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS))))) ] >$@
+
+# What is needed follows from what else is asked for; alone, all but the fuzzer.
+deps:
+	@tools/deps $(if $(filter-out deps,$(MAKECMDGOALS)),build $(if $(filter test test-long bench,$(MAKECMDGOALS)),test) \
+	$(filter lint fuzz,$(MAKECMDGOALS)))
+demo: all
+	@mkdir -p build/demo
+	$(program) scenes/bounce.lua -o build/demo/bounce.h5 --force
+	@echo "the recording is build/demo/bounce.h5 (look inside: $(program) info build/demo/bounce.h5)"
+test: $(program) $(h5_module) $(tests)
+	@$(run_tests) $(tests) $(cli_tests)
+test-long: seconds = 3600
+test-long: $(program) $(h5_module) $(tests)
+	@$(run_tests) $(tests) $(cli_tests) $(wildcard tests/long/*.sh)
+bench: $(program) $(h5_module)
+	@for b in $(wildcard tests/bench/*.sh); do RBSIM=$(abspath $(program)) "$$b" || exit 1; done
+fuzz: | $(filter deps,$(MAKECMDGOALS))
+	@$(MAKE) --no-print-directory MODE=fuzz BUILD=build/fuzz CC=clang fuzz-run
+fuzz-run: $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(fuzz_sources))
+	@for f in $^; do n=$${f##*/fuzz_}; c=$(BUILD)/corpus_$$n; s=tests/fuzz/corpus_$$n; mkdir -p $$c; \
+	[ -d $$s ] || s=; echo "$${f##*/}: $(FUZZ_SECONDS) s"; $$f -max_total_time=$(FUZZ_SECONDS) -timeout=20 \
+	-print_final_stats=1 -artifact_prefix=$(BUILD)/$$n- $$c $$s >$$f.log 2>&1 || { tail -n 40 $$f.log; exit 1; }; \
+	grep -E 'number_of_executed_units|slowest_unit' $$f.log; done
+$(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(library)
+	$(call say,LD,$(link) -fsanitize=fuzzer -o $@ $< $(library) $(libs))
+lint: $(program) $(h5_module) $(library)
+	@tools/lint $(BUILD)
+format:
+	tools/check-format --fix
+
+install_all = install -d $(DESTDIR)$2 && install -m $1 $3 $(DESTDIR)$2
+scene_folders = $(if $(wildcard scenes),$(shell cd scenes && find . -type d))
+install: all
+	$(call install_all,755,$(bindir),$(program))
+	$(call install_all,644,$(libdir)/rbsim,$(h5_module))
+	$(if $(wildcard lua/rbsim/*.lua),$(call install_all,644,$(datadir)/rbsim/lua/rbsim,$(wildcard lua/rbsim/*.lua)))
+	$(foreach d,$(scene_folders),$(if $(wildcard scenes/$(d)/*.lua),$(call \
+	install_all,644,$(datadir)/rbsim/scenes/$(d:./%=%),$(wildcard scenes/$(d)/*.lua)) &&)) :
+	$(foreach s,1 5,$(if $(wildcard man/*.$(s)),$(call install_all,644,$(mandir)/man$(s),$(wildcard man/*.$(s))) &&)) :
+	$(if $(wildcard tools/completion/rbsim.bash),install -D -m 644 tools/completion/rbsim.bash \
+	$(DESTDIR)$(datadir)/bash-completion/completions/rbsim)
+	$(if $(wildcard tools/completion/_rbsim),install -D -m 644 tools/completion/_rbsim \
+	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim)
+uninstall:
+	rm -f $(DESTDIR)$(bindir)/rbsim $(DESTDIR)$(datadir)/bash-completion/completions/rbsim \
+	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim $(foreach s,1 5,$(addprefix $(DESTDIR)$(mandir)/man$(s)/,$(notdir $(wildcard man/*.$(s)))))
+	rm -rf $(DESTDIR)$(libdir)/rbsim $(DESTDIR)$(datadir)/rbsim
+clean:
+	rm -rf build compile_commands.json
+
+-include $(shell find $(BUILD) -name '*.d' 2>/dev/null)

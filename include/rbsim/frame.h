@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a consumer may see of one moment: poses, contacts, numbers.
+ *
+ * A frame is a slot of the ring or of a reader. Its columns are preallocated; a column nobody asked
+ * for, or that the scene cannot change, is NULL. Read only for sinks, valid until their `frame`
+ * call returns.
+ */
+#ifndef RBSIM_FRAME_H
+#define RBSIM_FRAME_H
+
+#include <stdint.h>
+
+#include <rbsim/error.h>
+#include <rbsim/math.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum rb_event_kind { RB_EVENT_COLLISION, RB_EVENT_KIND_COUNT };
+
+/* An impact: touching and approaching bodies, once each. */
+struct rb_event {
+	double time_s;
+	enum rb_event_kind kind;
+	int a, b;           /* ids, a < b */
+	rb_vec3 point;      /* m, world */
+	rb_vec3 normal;     /* unit, from a to b */
+	rb_vec3 impulse;    /* N s, on b */
+	double approach_speed; /* m/s, > 0, along the normal */
+};
+
+/* A contact that lasts, as seen at a frame. */
+struct rb_frame_contact {
+	int a, b; /* ids, a < b */
+	rb_vec3 point, normal;
+	rb_vec3 force; /* N, on b */
+	double gap;    /* m, negative: overlap */
+};
+
+/* Numbers of the whole scene at a frame; counts are since the frame before. */
+struct rb_frame_numbers {
+	double kinetic_energy, potential_energy; /* J; zero of potential at the origin */
+	rb_vec3 momentum, angular_momentum;      /* kg m/s; kg m^2/s about the origin */
+	double max_penetration;                  /* m, >= 0 */
+	uint64_t contacts;                       /* lasting now */
+	uint64_t collisions, rollbacks, substeps; /* substeps: accepted, all groups */
+	double smallest_step;                    /* s, the smallest substep tried */
+};
+
+struct rb_frame {
+	uint64_t index; /* k: frame k is at k / frame_rate */
+	double time_s;
+	int body_count; /* moving bodies, in the order of the scene */
+
+	double *position;         /* [body_count][3] m, of the object's origin */
+	double *orientation;      /* [body_count][4] w, x, y, z; NULL when nothing can turn */
+	double *velocity;         /* [body_count][3] m/s, of the centre of mass */
+	double *angular_velocity; /* [body_count][3] rad/s, world axes; NULL when nothing can turn */
+
+	struct rb_frame_numbers numbers;
+
+	struct rb_event *events; /* since the frame before, in order of time */
+	int event_count, event_capacity;
+	struct rb_frame_contact *contacts;
+	int contact_count, contact_capacity;
+};
+
+#ifdef __cplusplus
+}
+#endif
+#endif

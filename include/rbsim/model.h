@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The sealed constants of a run, made once from a scene and then read only by every thread.
+ *
+ * Bodies have two numbers: the *id*, their place in the scene, and the *index*: moving bodies first
+ * (0 .. body_count-1, in the order of the scene), then statics (body_count .. body_count+static_count-1).
+ * Columns are by index. A column that an absent feature would use is NULL.
+ */
+#ifndef RBSIM_MODEL_H
+#define RBSIM_MODEL_H
+
+#include <rbsim/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* One bit per feature, one row each in model/features. */
+typedef unsigned rb_features;
+enum {
+	RB_FEATURE_GRAVITY = 1u << 0,
+	RB_FEATURE_GRAVITY_FORCE = 1u << 1,
+	RB_FEATURE_FORCES = 1u << 2,   /* `forces` of a body */
+	RB_FEATURE_ROTATION = 1u << 3, /* some body turns or can come to turn */
+	RB_FEATURE_GYROSCOPIC = 1u << 4, /* a body with unequal principal moments that can turn */
+	RB_FEATURE_OFF_CENTER = 1u << 5, /* a centre of mass off the centroid */
+	RB_FEATURE_CONTACT = 1u << 6,  /* two bodies that could touch */
+	RB_FEATURE_FRICTION = 1u << 7,
+	RB_FEATURE_RESTITUTION = 1u << 8,
+	RB_FEATURE_FILTERS = 1u << 9,
+	RB_FEATURE_HOOK_STEP = 1u << 10,
+	RB_FEATURE_HOOK_COLLISION = 1u << 11,
+	RB_FEATURE_EVENTS = 1u << 12,  /* impacts are kept for frames or hooks */
+	RB_FEATURE_PUSHES = 1u << 13,  /* callbacks that can push: step, collision or frame */
+};
+
+/* Entry of the dense materials table. */
+struct rb_pair_material {
+	double friction, restitution;
+};
+
+struct rb_model {
+	const struct rb_scene *scene; /* borrowed: must outlive the model */
+	rb_features features;
+
+	int body_count, static_count; /* moving, never moving */
+	int *id_of;                   /* [body_count + static_count] */
+	int *index_of;                /* [scene->body_count] */
+
+	/* columns by index */
+	struct rb_shape *shape;
+	int *material;
+	double *mass, *inverse_mass;     /* statics: INFINITY, 0 */
+	rb_mat3 *inertia, *inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
+	double *inverse_inertia_scalar;  /* where the tensor is a multiple of 1, else NAN; NULL without rotation */
+	rb_vec3 *center_of_mass;         /* object coordinates; NULL: all at the centroid */
+	uint64_t *group_bit, *collides;  /* NULL without filters */
+	rb_vec3 *position;               /* initial: of the object's origin; for good: statics */
+	rb_quat *orientation;
+
+	int material_count;
+	struct rb_pair_material *pair_materials; /* [material_count][material_count] */
+
+	double duration_s, frame_rate, time_step_s;
+	double tolerance_m, size_min_m;   /* smallest radius of a moving body */
+	double coordinate_max_m;          /* largest |coordinate| or size at the start */
+	enum rb_rollback_kind rollback;
+	uint64_t frame_count;             /* frame 0 included */
+	size_t bytes;                     /* that the columns take */
+};
+
+/*
+ * Checks what can only be known from the whole scene (mass, overlaps at the start, tolerance,
+ * duration), derives the constants and seals them. Mistakes are of the scene: RB_ERR_SCENE, each
+ * added to `mistakes` (may be NULL) as one line, the first one in `err` too.
+ */
+struct rb_mistakes;
+RB_CHECKED enum rb_status rb_model_create(struct rb_model **model, const struct rb_scene *scene,
+                                          struct rb_mistakes *mistakes, struct rb_error *err);
+void rb_model_destroy(struct rb_model *model); /* NULL is fine */
+
+/* Time of frame k: k / frame_rate, the last one at the duration. */
+double rb_model_frame_time(const struct rb_model *model, uint64_t k);
+/* The method's name for summary and recording. */
+const char *rb_model_method(const struct rb_model *model);
+const char *rb_rollback_name(enum rb_rollback_kind kind);
+
+/*
+ * Every mistake of a scene that can be found in one pass. `file:line: call 'name': what` each;
+ * bounded: after 50 it only counts.
+ */
+enum { RB_MISTAKES_MAX = 50 };
+struct rb_mistakes {
+	int count; /* all of them */
+	char *line[RB_MISTAKES_MAX]; /* owned */
+};
+void rb_mistakes_add(struct rb_mistakes *mistakes, const char *format, ...) RB_PRINTF(2, 3);
+void rb_mistakes_release(struct rb_mistakes *mistakes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the author of a scene asked for: plain data, no Lua in it and no derived number.
+ *
+ * Owner: whoever made it (`script/load`, or a test by hand). Single thread until sealed into a model;
+ * after that it is read only and may be read by every thread. All arrays and texts live in memory
+ * that the scene owns and frees in rb_scene_release. "Not given" is NAN for a number, NULL for a
+ * text, -1 for an index.
+ */
+#ifndef RBSIM_SCENE_H
+#define RBSIM_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <rbsim/error.h>
+#include <rbsim/math.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum rb_shape_kind { RB_SHAPE_SPHERE, RB_SHAPE_PLANE, RB_SHAPE_RECTANGLE, RB_SHAPE_KIND_COUNT };
+
+/*
+ * A shape in object coordinates, its centroid at the origin of the object.
+ *   sphere     radius
+ *   plane      infinite half-space, solid where local z < 0
+ *   rectangle  finite plane in local z = 0, two-sided, without thickness: |x| <= size[0]/2, |y| <= size[1]/2
+ */
+struct rb_shape {
+	enum rb_shape_kind kind;
+	double radius;  /* m */
+	double size[2]; /* m */
+};
+
+struct rb_material_def {
+	const char *name;    /* NULL: none */
+	double density;      /* kg/m^3 */
+	double friction;     /* 1 */
+	double restitution;  /* 1, in [0, 1] */
+	double color[3];     /* sRGB in [0, 1]; color[0] is NAN when not given */
+	const char *texture; /* NULL: none */
+	double shininess;    /* NAN: not given */
+};
+
+/* An entry of the materials table; NAN where the pair leaves a key out. */
+struct rb_contact_pair_def {
+	int material_a, material_b; /* indices into materials */
+	double friction, restitution;
+};
+
+enum rb_force_frame { RB_FORCE_WORLD, RB_FORCE_BODY };
+
+struct rb_force_def {
+	rb_vec3 vector;            /* N */
+	rb_vec3 point;             /* m, object coordinates; x is NAN: the centre of mass */
+	double start_s, duration_s; /* duration may be INFINITY: to the end */
+	enum rb_force_frame frame;
+};
+
+struct rb_body_def {
+	const char *name; /* NULL: none */
+	const char *call; /* the scene's word for it: "sphere", "plane" */
+	int line;         /* of the call in the scene's source, 0: unknown */
+
+	struct rb_shape shape;
+	int material;
+	double mass, density;   /* kg, kg/m^3; NAN: from the material */
+	rb_vec3 center_of_mass; /* m, object coordinates; default: the centroid */
+	bool has_inertia;
+	rb_mat3 inertia; /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
+
+	rb_vec3 position;         /* m, of the object's origin */
+	rb_quat orientation;      /* a unit quaternion */
+	rb_vec3 velocity;         /* m/s, of the centre of mass */
+	rb_vec3 angular_velocity; /* rad/s, world axes */
+	bool is_static;
+
+	int force_first, force_count; /* in scene.forces */
+
+	int group;             /* index into groups, -1: none */
+	bool filters;          /* collides_with was given */
+	uint64_t collides_with; /* bit k: groups[k] */
+
+	double color[3]; /* color[0] is NAN: the palette's */
+	const char *texture;
+	bool visible;
+};
+
+/* Where a camera's vector comes from. Functions are kept by the script under `function`. */
+enum rb_camera_source { RB_CAMERA_FIXED, RB_CAMERA_BODY, RB_CAMERA_FUNCTION };
+struct rb_camera_vector {
+	enum rb_camera_source source;
+	rb_vec3 value;
+	int body;     /* id of a body, for RB_CAMERA_BODY */
+	int function; /* the script's number of a function, for RB_CAMERA_FUNCTION */
+};
+
+enum { RB_CAMERA_LIGHTS_MAX = 8, RB_CAMERA_TRAILS_MAX = 64 };
+enum {
+	RB_OVERLAY_TIME = 1u << 0,
+	RB_OVERLAY_TITLE = 1u << 1,
+	RB_OVERLAY_ENERGY = 1u << 2
+};
+enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1 };
+
+struct rb_light_def {
+	rb_vec3 position; /* m, or the direction towards the light when directional */
+	bool directional;
+	double color[3], intensity;
+};
+
+/* Parsed, checked and kept; drawn by a renderer when there is one. */
+struct rb_camera_def {
+	const char *name;
+	int line;
+	struct rb_camera_vector position, look_at, up;
+	int mount; /* id of a body, -1: none */
+	rb_vec3 offset;
+	bool level;
+	double fov;        /* rad, vertical */
+	bool has_frustum;
+	double frustum[6]; /* left, right, bottom, top, near, far */
+	double near, far;  /* m; NAN: chosen from the scene */
+	int size_px[2];
+	double fps, speed, from_s, to_s; /* fps NAN: the frame rate; to_s INFINITY: the end */
+	double background[3];            /* background[0] NAN: the sky */
+	struct rb_light_def lights[RB_CAMERA_LIGHTS_MAX];
+	int light_count; /* -1: the default lights */
+	bool shadows;
+	int samples;
+	unsigned overlay, vectors; /* RB_OVERLAY_*, RB_VECTORS_* */
+	int trails[RB_CAMERA_TRAILS_MAX], trail_count; /* ids of bodies */
+	bool wireframe;
+	const char *png, *video; /* output patterns, NULL: none */
+};
+
+enum {
+	RB_FIELD_POSITION = 1u << 0,
+	RB_FIELD_ORIENTATION = 1u << 1,
+	RB_FIELD_VELOCITY = 1u << 2,
+	RB_FIELD_ANGULAR_VELOCITY = 1u << 3,
+	RB_FIELD_CONTACTS = 1u << 4,
+	RB_FIELD_EVENTS = 1u << 5,
+	RB_FIELD_DEFAULT = RB_FIELD_POSITION | RB_FIELD_ORIENTATION | RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY
+};
+
+struct rb_record_def {
+	const char *file;    /* NULL: from the scene's name */
+	int every;           /* record every n-th frame */
+	unsigned fields;     /* RB_FIELD_* */
+	bool single_precision;
+	int compression;     /* 0 to 9 */
+};
+
+enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };
+enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC };
+
+struct rb_world_def {
+	const char *title, *description; /* "" when not given */
+	double duration_s;               /* NAN: not given */
+	double frame_rate;               /* 1/s */
+	double time_step_s;              /* NAN: 1/(4 frame_rate) */
+	double tolerance_m;              /* NAN: the rule of rbsim-scene(5) */
+	rb_vec3 gravity;                 /* m/s^2 */
+	rb_vec3 gravity_force;           /* N, on every moving body */
+	enum rb_rollback_kind rollback;
+	enum rb_method_kind method;
+	uint64_t seed;
+	bool pause_on_collision;
+};
+
+enum rb_param_type { RB_PARAM_NUMBER, RB_PARAM_INTEGER, RB_PARAM_BOOLEAN, RB_PARAM_TEXT };
+
+struct rb_param_def {
+	const char *name, *help;
+	enum rb_param_type type;
+	const char *default_text, *value_text; /* as a Lua literal without quotes */
+	double value;                          /* for numbers, integers and booleans */
+	double min, max;                       /* NAN: none */
+	const char *choices;                   /* "a, b, c", NULL: any */
+};
+
+struct rb_expect_def {
+	const char *text;
+	int line;
+	bool always;  /* checked at every frame */
+	int function; /* the script's number of it */
+};
+
+/* A file that the scene is made of: the scene itself first, then all that it required. */
+struct rb_source_file {
+	const char *name; /* as required, e.g. "rbsim.lattice"; the scene's base name for the first */
+	const char *text;
+	size_t size_bytes;
+	char sha256[65];
+};
+
+/* Which callbacks a scene has. */
+enum {
+	RB_HOOK_STEP = 1u << 0,
+	RB_HOOK_FRAME = 1u << 1,
+	RB_HOOK_COLLISION = 1u << 2,
+	RB_HOOK_EXPECT_ALWAYS = 1u << 3,
+	RB_HOOK_TRANSITION = 1u << 4
+};
+
+struct rb_scene {
+	const char *file; /* as named on the command line, for messages; "" when made by hand */
+	struct rb_world_def world;
+
+	struct rb_material_def *materials; /* [0] is the plain default */
+	int material_count;
+	struct rb_contact_pair_def *contact_pairs;
+	int contact_pair_count;
+	struct rb_body_def *bodies; /* in the order of the scene: the index is the body's id */
+	int body_count;
+	struct rb_force_def *forces;
+	int force_count;
+	const char **groups; /* names of collision groups, 63 at most */
+	int group_count;
+	struct rb_camera_def *cameras;
+	int camera_count;
+	struct rb_record_def record;
+	struct rb_param_def *params;
+	int param_count;
+	struct rb_expect_def *expects;
+	int expect_count;
+	struct rb_source_file *files;
+	int file_count;
+	unsigned hooks;        /* RB_HOOK_* */
+	int expect_refused;    /* exit status that the scene expects to be refused with, 0: none */
+	const char *expect_refused_pattern;
+
+	struct rb_scene_memory *memory; /* owned */
+};
+
+/* A scene with the defaults of rbsim-scene(5) and the default material. Fails on memory only. */
+RB_CHECKED enum rb_status rb_scene_init(struct rb_scene *scene, struct rb_error *err);
+
+/* Safe on a zeroed scene and on one already released. */
+void rb_scene_release(struct rb_scene *scene);
+
+/* Defaults of each definition, to be changed and then added. */
+struct rb_body_def rb_body_def_default(void);
+struct rb_material_def rb_material_def_default(void);
+struct rb_force_def rb_force_def_default(void);
+struct rb_camera_def rb_camera_def_default(void);
+
+/* Append a copy; texts are copied too. `*index` (may be NULL) receives its place. Fail on memory only. */
+RB_CHECKED enum rb_status rb_scene_add_material(struct rb_scene *scene, const struct rb_material_def *def,
+                                                int *index, struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_contact_pair(struct rb_scene *scene,
+                                                    const struct rb_contact_pair_def *def,
+                                                    struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_def *def, int *index,
+                                            struct rb_error *err);
+/* To the body added last. */
+RB_CHECKED enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_def *def,
+                                             struct rb_error *err);
+/* Index of the group of that name, added when new; RB_ERR_SCENE beyond 63. */
+RB_CHECKED enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *index,
+                                         struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camera_def *def,
+                                              struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_param(struct rb_scene *scene, const struct rb_param_def *def,
+                                             struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_expect(struct rb_scene *scene, const struct rb_expect_def *def,
+                                              struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name, const char *text,
+                                            size_t size_bytes, const char *sha256, struct rb_error *err);
+/* A copy of a text that lives as long as the scene; NULL when memory is out. */
+const char *rb_scene_text(struct rb_scene *scene, const char *text);
+
+/* Name of a body for messages: its name, or "#12" by id; written to `out`, which is returned. */
+const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64]);
+
+/*
+ * How an infinite or finite plane's frame comes from its normal: local z is the normal, local x is
+ * `axis` (NAN: the world's x, else y) projected on the plane. Neither needs unit length; both must
+ * be finite, `normal` not zero. (scene language, "plane")
+ */
+rb_quat rb_plane_orientation(rb_vec3 normal, rb_vec3 axis);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A running world: a sealed model, the state that steps change, and the plan that changes it.
+ *
+ * Owned by one thread, the simulator's; nobody else may touch it while a run goes on. `id` is the
+ * body's place in the scene, in [0, rb_world_id_count): moving and static bodies alike.
+ */
+#ifndef RBSIM_WORLD_H
+#define RBSIM_WORLD_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <rbsim/error.h>
+#include <rbsim/frame.h>
+#include <rbsim/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct rb_model;
+struct rb_world;
+
+/*
+ * Called by the step, on the thread that runs it, where a scene asks for it: optional, NULL is free.
+ * A status other than RB_OK ends the run with it. They may read the world and change it through the
+ * rb_world_* calls below.
+ */
+struct rb_world_hooks {
+	void *user;
+	enum rb_status (*step)(void *user, struct rb_world *world, double time_s, double dt_s, struct rb_error *err);
+	enum rb_status (*collision)(void *user, struct rb_world *world, const struct rb_event *event,
+	                            struct rb_error *err);
+};
+
+/* Set before the first step, then only read. */
+struct rb_world_options {
+	int threads;        /* workers of the simulator; 0: one */
+	bool keep_events;   /* for the frames */
+	bool keep_contacts; /* for the frames */
+	/* Polled between attempts; true ends the run at the next whole step. May be NULL. */
+	bool (*stop)(void *user);
+	void *stop_user;
+};
+
+/* The world takes its starting values from the model, which must outlive it. */
+RB_CHECKED enum rb_status rb_world_create(struct rb_world **world, const struct rb_model *model,
+                                          const struct rb_world_options *options,
+                                          const struct rb_world_hooks *hooks, struct rb_error *err);
+void rb_world_destroy(struct rb_world *world); /* NULL is fine */
+
+/*
+ * Advances to the next frame: k becomes k + 1. RB_ERR_PHYSICS when no step resolves an overlap or a
+ * state is not finite; the world is then at the last good step. RB_OK with rb_world_stopped when `stop` said so.
+ */
+RB_CHECKED enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err);
+bool rb_world_stopped(const struct rb_world *world);
+
+uint64_t rb_world_frame(const struct rb_world *world);       /* k */
+uint64_t rb_world_frame_count(const struct rb_world *world); /* of the whole run, frame 0 included */
+double rb_world_time(const struct rb_world *world);          /* s */
+uint64_t rb_world_hash(const struct rb_world *world);        /* of all that decides the future */
+
+/*
+ * Fills the columns that `frame` has, its numbers, events and contacts, and begins to count anew for the next
+ * frame. Fails on memory only (events).
+ */
+RB_CHECKED enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame,
+                                              struct rb_error *err);
+/* Numbers of this moment; counts are of the whole run. */
+struct rb_frame_numbers rb_world_totals(struct rb_world *world);
+/* Accepted and discarded (rolled back) body substeps of the whole run, and pair tests of the broadphase. */
+struct rb_world_work {
+	uint64_t body_steps, discarded_body_steps, pair_tests;
+	uint64_t plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
+};
+struct rb_world_work rb_world_work(const struct rb_world *world);
+
+int rb_world_id_count(const struct rb_world *world);
+bool rb_world_is_static(const struct rb_world *world, int id);
+double rb_world_mass(const struct rb_world *world, int id);      /* kg; INFINITY: static */
+rb_mat3 rb_world_inertia(const struct rb_world *world, int id);  /* kg m^2, object axes; zero: static */
+rb_vec3 rb_world_position(const struct rb_world *world, int id); /* m, of the object's origin */
+rb_quat rb_world_orientation(const struct rb_world *world, int id);
+rb_vec3 rb_world_velocity(const struct rb_world *world, int id); /* m/s, of the centre of mass */
+rb_vec3 rb_world_angular_velocity(const struct rb_world *world, int id);
+double rb_world_kinetic_energy(const struct rb_world *world, int id); /* J */
+rb_vec3 rb_world_momentum(const struct rb_world *world, int id);
+rb_vec3 rb_world_angular_momentum(const struct rb_world *world, int id); /* about the origin */
+rb_vec3 rb_world_point(const struct rb_world *world, int id, rb_vec3 point_local); /* world position */
+
+/* Changes from callbacks; `id` must be a moving body, values finite. Points are world positions. */
+void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_vec3 point);
+/* Holds until the next step hook. */
+void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3 point);
+void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity);
+void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angular_velocity);
+void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position);
+/* Where an impulse or force goes that names no point: the centre of mass, world. */
+rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/arena.h"
+
+#include <stdint.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+enum { ALIGNMENT = 64, SMALLEST_BLOCK = 16384 };
+
+/* A block taken when the first was full; the newest stands first and is the only one that is filled. */
+struct rb_arena_overflow {
+	struct rb_arena_overflow *older;
+	unsigned char *block; /* owned */
+	size_t size, used;
+};
+
+static size_t total_used(const struct rb_arena *arena)
+{
+	size_t total = arena->used;
+
+	for (const struct rb_arena_overflow *o = arena->overflow; o; o = o->older)
+		total += o->used;
+	return total;
+}
+
+static struct rb_arena_overflow *add_overflow(struct rb_arena *arena, size_t bytes)
+{
+	/* As much again as there is, so that few blocks are taken until the next reset. */
+	size_t size = arena->size;
+	for (const struct rb_arena_overflow *o = arena->overflow; o; o = o->older)
+		size += o->size;
+	if (size < SMALLEST_BLOCK)
+		size = SMALLEST_BLOCK;
+	if (size < bytes)
+		size = bytes;
+
+	struct rb_arena_overflow *overflow = rb_memory_take(1, sizeof *overflow);
+	unsigned char *block = rb_memory_take(size, 1);
+	if (!overflow || !block) {
+		rb_memory_free(overflow);
+		rb_memory_free(block);
+		return NULL;
+	}
+	*overflow = (struct rb_arena_overflow){
+		.older = arena->overflow, .block = block, .size = size};
+	arena->overflow = overflow;
+	return overflow;
+}
+
+void *rb_arena_take(struct rb_arena *arena, size_t count, size_t size)
+{
+	size_t bytes;
+
+	if (__builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 4)
+		return NULL;
+	bytes = bytes ? (bytes + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT : ALIGNMENT;
+
+	unsigned char *taken;
+	if (!arena->overflow && bytes <= arena->size - arena->used) {
+		taken = arena->block + arena->used;
+		arena->used += bytes;
+	} else {
+		struct rb_arena_overflow *overflow = arena->overflow;
+		if (!overflow || bytes > overflow->size - overflow->used)
+			overflow = add_overflow(arena, bytes);
+		if (!overflow)
+			return NULL;
+		taken = overflow->block + overflow->used;
+		overflow->used += bytes;
+	}
+	const size_t total = total_used(arena);
+	if (total > arena->high_water)
+		arena->high_water = total;
+	return taken;
+}
+
+rb_arena_mark rb_arena_here(const struct rb_arena *arena)
+{
+	return (rb_arena_mark){
+		.used = arena->used,
+		.overflow = arena->overflow,
+		.overflow_used = arena->overflow ? arena->overflow->used : 0,
+	};
+}
+
+static void drop_newest(struct rb_arena *arena)
+{
+	struct rb_arena_overflow *overflow = arena->overflow;
+
+	arena->overflow = overflow->older;
+	rb_memory_free(overflow->block);
+	rb_memory_free(overflow);
+}
+
+void rb_arena_back(struct rb_arena *arena, rb_arena_mark mark)
+{
+	while (arena->overflow != mark.overflow) {
+		RB_ASSERT(arena->overflow); /* else the mark is older than the last reset */
+		drop_newest(arena);
+	}
+	if (arena->overflow)
+		arena->overflow->used = mark.overflow_used;
+	RB_ASSERT(mark.used <= arena->used);
+	arena->used = mark.used;
+}
+
+void rb_arena_reset(struct rb_arena *arena)
+{
+	while (arena->overflow)
+		drop_newest(arena);
+	arena->used = 0;
+	if (arena->high_water <= arena->size)
+		return;
+
+	/* Somewhat more than was needed: the next steps resemble the last ones, but are not equal to them. */
+	const size_t wanted = (arena->high_water + arena->high_water / 4 + ALIGNMENT - 1) /
+	                      ALIGNMENT * ALIGNMENT;
+	unsigned char *block = rb_memory_take(wanted, 1);
+	if (!block)
+		return; /* the smaller block still serves, with overflows */
+	rb_memory_free(arena->block);
+	arena->block = block;
+	arena->size = wanted;
+}
+
+void rb_arena_release(struct rb_arena *arena)
+{
+	while (arena->overflow)
+		drop_newest(arena);
+	rb_memory_free(arena->block);
+	*arena = (struct rb_arena){0};
+}

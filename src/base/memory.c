@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/memory.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ALIGNMENT = 64 };
+
+/* From here on calloc hands out pages that the kernel zeroes when they are first touched; below, an
+ * exact block, so that a sanitizer sees the first byte beyond the end. */
+static const size_t large_bytes = 65536;
+
+/* Stands in the ALIGNMENT bytes before each block. */
+struct head {
+	void *origin; /* what the system gave */
+	size_t size;  /* bytes asked for */
+};
+_Static_assert(sizeof(struct head) <= ALIGNMENT,
+               "the head must not move the block off its alignment");
+
+static atomic_uint_fast64_t taken, freed, bytes_now, bytes_peak;
+static atomic_uint_fast64_t attempts, fail_from; /* fail_from 0: nothing fails */
+static pthread_once_t environment_read = PTHREAD_ONCE_INIT;
+
+static void read_environment(void)
+{
+	const char *text = getenv("RBSIM_FAIL_ALLOCATION");
+
+	if (text)
+		atomic_store(&fail_from, strtoull(text, NULL, 10));
+}
+
+void rb_memory_fail_at(uint64_t k)
+{
+	pthread_once(&environment_read, read_environment);
+	atomic_store(&fail_from, k == 0 ? 0 : atomic_load(&attempts) + k);
+}
+
+static bool must_fail(void)
+{
+	pthread_once(&environment_read, read_environment);
+	const uint64_t attempt = atomic_fetch_add(&attempts, 1) + 1;
+	const uint64_t from = atomic_load(&fail_from);
+	return from != 0 && attempt >= from;
+}
+
+static struct head *head_of(void *block)
+{
+	return (struct head *)(void *)((unsigned char *)block - ALIGNMENT);
+}
+
+static void count_taken(size_t size)
+{
+	const uint64_t now = atomic_fetch_add(&bytes_now, size) + size;
+	uint64_t peak = atomic_load(&bytes_peak);
+
+	while (now > peak && !atomic_compare_exchange_weak(&bytes_peak, &peak, now))
+		;
+	atomic_fetch_add(&taken, 1);
+}
+
+void *rb_memory_take(size_t count, size_t size)
+{
+	size_t bytes;
+
+	if (must_fail() || __builtin_mul_overflow(count, size, &bytes) || bytes > SIZE_MAX / 2)
+		return NULL;
+
+	void *origin = NULL;
+	unsigned char *block;
+	if (bytes >= large_bytes) {
+		origin = calloc(1, bytes + 2 * ALIGNMENT);
+		if (!origin)
+			return NULL;
+		const uintptr_t first = (uintptr_t)origin + ALIGNMENT;
+		block = (unsigned char *)origin + ALIGNMENT +
+		        (ALIGNMENT - first % ALIGNMENT) % ALIGNMENT;
+	} else {
+		if (posix_memalign(&origin, ALIGNMENT, bytes + ALIGNMENT) != 0)
+			return NULL;
+		block = (unsigned char *)origin + ALIGNMENT;
+		memset(block, 0, bytes);
+	}
+	*head_of(block) = (struct head){.origin = origin, .size = bytes};
+	count_taken(bytes);
+	return block;
+}
+
+void *rb_memory_grow(void *block, size_t old_count, size_t new_count, size_t size)
+{
+	unsigned char *grown = rb_memory_take(new_count, size);
+
+	if (!grown)
+		return NULL;
+	if (block)
+		memcpy(grown, block, (old_count < new_count ? old_count : new_count) * size);
+	rb_memory_free(block);
+	return grown;
+}
+
+_Bool rb_memory_reserve(void *block_address, size_t *capacity, size_t needed, size_t size)
+{
+	if (needed <= *capacity)
+		return true;
+
+	size_t wanted = *capacity ? *capacity : 8;
+	while (wanted < needed) {
+		if (wanted > SIZE_MAX / 2)
+			return false;
+		wanted *= 2;
+	}
+	/* The caller's pointer may be of any type: its bytes are moved, it is not read as a void pointer. */
+	void *block;
+	memcpy(&block, block_address, sizeof block);
+	void *grown = rb_memory_grow(block, *capacity, wanted, size);
+	if (!grown)
+		return false;
+	memcpy(block_address, &grown, sizeof grown);
+	*capacity = wanted;
+	return true;
+}
+
+void rb_memory_free(void *block)
+{
+	if (!block)
+		return;
+	const struct head head = *head_of(block);
+	atomic_fetch_sub(&bytes_now, head.size);
+	atomic_fetch_add(&freed, 1);
+	free(head.origin);
+}
+
+char *rb_memory_copy_text(const char *text)
+{
+	const size_t size = strlen(text) + 1;
+	char *copy = rb_memory_take(size, 1);
+
+	if (copy)
+		memcpy(copy, text, size);
+	return copy;
+}
+
+struct rb_memory_counts rb_memory_counts(void)
+{
+	return (struct rb_memory_counts){
+		.taken = atomic_load(&taken),
+		.freed = atomic_load(&freed),
+		.bytes_now = atomic_load(&bytes_now),
+		.bytes_peak = atomic_load(&bytes_peak),
+	};
+}

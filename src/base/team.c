@@ -1,0 +1,277 @@
+/* SPDX-License-Identifier: MIT */
+#include "base/team.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+struct member {
+	struct rb_team *team;
+	int worker; /* from 1; the caller is 0 */
+	pthread_t thread;
+};
+
+struct job {
+	rb_team_work *work;
+	void *user;
+	int block_count;
+};
+
+struct rb_team {
+	/* set before any thread starts, then only read */
+	int worker_count;
+	struct member *members; /* owned: worker_count - 1 */
+
+	/* handed out to whoever asks; set to 0 under lock while nobody is active */
+	atomic_int next_block;
+
+	/* protected by lock */
+	pthread_mutex_t lock;
+	pthread_cond_t opened, finished;
+	struct job job;
+	uint64_t job_number;
+	bool open;  /* the job still may be joined */
+	int active; /* members at it; the caller does not wait for those who slept through it */
+	bool stop;
+
+	/* owned by the creating thread */
+	int started;
+};
+
+static void do_blocks(struct rb_team *team, const struct job *job, int worker)
+{
+	for (;;) {
+		const int block = atomic_fetch_add_explicit(&team->next_block, 1,
+		                                            memory_order_relaxed);
+		if (block >= job->block_count)
+			return;
+		job->work(job->user, block, worker);
+	}
+}
+
+static void *live(void *argument)
+{
+	const struct member *me = argument;
+	struct rb_team *team = me->team;
+	uint64_t seen = 0;
+
+	pthread_mutex_lock(&team->lock);
+	for (;;) {
+		while (!team->stop && !(team->open && team->job_number != seen))
+			pthread_cond_wait(&team->opened, &team->lock);
+		if (team->stop)
+			break;
+		seen = team->job_number;
+		const struct job job = team->job;
+		team->active++;
+		pthread_mutex_unlock(&team->lock);
+		do_blocks(team, &job, me->worker);
+		pthread_mutex_lock(&team->lock);
+		if (--team->active == 0)
+			pthread_cond_signal(&team->finished);
+	}
+	pthread_mutex_unlock(&team->lock);
+	return NULL;
+}
+
+/* Signals are for one thread of the program, never for a worker. */
+static int start_member(struct member *member)
+{
+	sigset_t all, before;
+
+	sigfillset(&all);
+	pthread_sigmask(SIG_SETMASK, &all, &before);
+	const int failed = pthread_create(&member->thread, NULL, live, member);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	return failed;
+}
+
+enum rb_status rb_team_create(struct rb_team **team, int worker_count, struct rb_error *err)
+{
+	RB_ASSERT(worker_count >= 1);
+	*team = NULL;
+
+	struct rb_team *made = rb_memory_take(1, sizeof *made);
+	struct member *members = rb_memory_take((size_t)worker_count - 1, sizeof *members);
+	if (!made || !members) {
+		rb_memory_free(made);
+		rb_memory_free(members);
+		return RB_FAIL(err, RB_ERR_MEMORY,
+		               "cannot make a team of %d threads: out of memory", worker_count);
+	}
+	made->worker_count = worker_count;
+	made->members = members;
+	pthread_mutex_init(&made->lock, NULL);
+	pthread_cond_init(&made->opened, NULL);
+	pthread_cond_init(&made->finished, NULL);
+	for (int i = 0; i < worker_count - 1; i++) {
+		members[i] = (struct member){.team = made, .worker = i + 1};
+		const int failed = start_member(&members[i]);
+		if (failed) {
+			rb_team_destroy(made);
+			return RB_FAIL(err, RB_ERR_MEMORY, "cannot start thread %d of %d: %s",
+			               i + 2, worker_count, strerror(failed));
+		}
+		made->started++;
+	}
+	*team = made;
+	return RB_OK;
+}
+
+void rb_team_destroy(struct rb_team *team)
+{
+	if (!team)
+		return;
+	pthread_mutex_lock(&team->lock);
+	team->stop = true;
+	pthread_cond_broadcast(&team->opened);
+	pthread_mutex_unlock(&team->lock);
+	for (int i = 0; i < team->started; i++)
+		pthread_join(team->members[i].thread, NULL);
+	pthread_cond_destroy(&team->finished);
+	pthread_cond_destroy(&team->opened);
+	pthread_mutex_destroy(&team->lock);
+	rb_memory_free(team->members);
+	rb_memory_free(team);
+}
+
+int rb_team_workers(const struct rb_team *team)
+{
+	return team->worker_count;
+}
+
+void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user)
+{
+	if (team->worker_count == 1 || block_count <= 1) {
+		for (int block = 0; block < block_count; block++)
+			work(user, block, 0);
+		return;
+	}
+
+	const struct job job = {.work = work, .user = user, .block_count = block_count};
+	pthread_mutex_lock(&team->lock);
+	RB_ASSERT(!team->open); /* else called from a block */
+	team->job = job;
+	team->job_number++;
+	team->open = true;
+	atomic_store_explicit(&team->next_block, 0, memory_order_relaxed);
+	pthread_cond_broadcast(&team->opened);
+	pthread_mutex_unlock(&team->lock);
+
+	do_blocks(team, &job, 0);
+
+	/* All blocks are handed out: who has not come yet need not, who is at one is waited for. */
+	pthread_mutex_lock(&team->lock);
+	team->open = false;
+	while (team->active > 0)
+		pthread_cond_wait(&team->finished, &team->lock);
+	pthread_mutex_unlock(&team->lock);
+}
+
+/* Quota over period of one cgroup, rounded up; 0 when it sets none. */
+static int quota_in(const char *folder)
+{
+	char path[4200];
+	long long quota = -1, period = -1;
+
+	/* version 2: "max 100000" or "150000 100000" in one file; version 1: two files, -1 for no quota */
+	snprintf(path, sizeof path, "%s/cpu.max", folder);
+	FILE *file = fopen(path, "re");
+	if (file) {
+		if (fscanf(file, "%lld %lld", &quota, &period) != 2)
+			quota = -1;
+		fclose(file);
+	} else {
+		snprintf(path, sizeof path, "%s/cpu.cfs_quota_us", folder);
+		file = fopen(path, "re");
+		if (file) {
+			if (fscanf(file, "%lld", &quota) != 1)
+				quota = -1;
+			fclose(file);
+		}
+		snprintf(path, sizeof path, "%s/cpu.cfs_period_us", folder);
+		file = fopen(path, "re");
+		if (file) {
+			if (fscanf(file, "%lld", &period) != 1)
+				period = -1;
+			fclose(file);
+		}
+	}
+	if (quota <= 0 || period <= 0)
+		return 0;
+	const long long processors = quota / period + (quota % period != 0);
+	return processors < 1024 ? (int)processors : 1024;
+}
+
+/* The least quota from our cgroup up to the root of its tree; 0 when there is none. */
+static int quota_along(const char *root, const char *group)
+{
+	char folder[4160];
+	int least = 0;
+
+	if (snprintf(folder, sizeof folder, "%s%s", root, group) >= (int)sizeof folder)
+		return 0;
+	const size_t root_length = strlen(root);
+	for (;;) {
+		const int quota = quota_in(folder);
+		if (quota > 0 && (least == 0 || quota < least))
+			least = quota;
+		char *slash = strrchr(folder, '/');
+		if (!slash || (size_t)(slash - folder) < root_length)
+			return least;
+		*slash = '\0';
+	}
+}
+
+/* Lines of /proc/self/cgroup are number:controllers:path; version 2 is "0::path" (cgroups(7)). */
+static int cgroup_quota(void)
+{
+	FILE *file = fopen("/proc/self/cgroup", "re");
+	char line[4096];
+	int least = 0;
+
+	while (file && fgets(line, sizeof line, file)) {
+		line[strcspn(line, "\n")] = '\0';
+		char *controllers = strchr(line, ':');
+		char *group = controllers ? strchr(controllers + 1, ':') : NULL;
+		if (!group)
+			continue;
+		*group++ = '\0';
+		controllers++;
+		int quota = 0;
+		if (*controllers == '\0')
+			quota = quota_along("/sys/fs/cgroup", group);
+		else if (strcmp(controllers, "cpu") == 0 || strncmp(controllers, "cpu,", 4) == 0)
+			quota = quota_along("/sys/fs/cgroup/cpu", group);
+		if (quota > 0 && (least == 0 || quota < least))
+			least = quota;
+	}
+	if (file)
+		fclose(file);
+	return least;
+}
+
+int rb_team_processors(void)
+{
+	cpu_set_t allowed;
+	long count = 0;
+
+	CPU_ZERO(&allowed);
+	if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
+		count = CPU_COUNT(&allowed);
+	else
+		count = sysconf(_SC_NPROCESSORS_ONLN); /* more processors than a cpu_set_t holds */
+	const int quota = cgroup_quota();
+	if (quota > 0 && quota < count)
+		count = quota;
+	return count < 1 ? 1 : (int)count;
+}

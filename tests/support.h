@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What tests share: cmocka with the headers it wants, comparison of doubles, a temporary folder.
+ * Included first by every test; header only, used by one thread.
+ */
+#ifndef RB_TESTS_SUPPORT_H
+#define RB_TESTS_SUPPORT_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+/* |a - b| <= tol; not-a-number is near nothing. On failure both values are printed to the last digit. */
+#define assert_near(a, b, tol) \
+	support_assert_near((a), (b), (tol), "'" #a "' and '" #b "'", __FILE__, __LINE__)
+
+static inline void support_assert_near(double a, double b, double tol, const char *what,
+                                       const char *file, int line)
+{
+	if (a == b || fabs(a - b) <= tol)
+		return;
+	print_error("%s: %.17g and %.17g differ by %.3g, more than %.3g\n", what, a, b, fabs(a - b),
+	            tol);
+	_fail(file, line);
+}
+
+/* Calls a function of ours and expects RB_OK; its `err` is named `err` and is printed when not. */
+#define assert_ok(call)                                          \
+	do {                                                     \
+		if ((call) != RB_OK)                             \
+			fail_msg("%s: '%s'", #call, (err).text); \
+	} while (0)
+
+/* A fresh folder below $TMPDIR, which tools/run-tests removes with all that is in it. `path` is returned. */
+static inline char *support_folder(char path[256])
+{
+	const char *top = getenv("TMPDIR");
+
+	snprintf(path, 256, "%s/rbsim-test-XXXXXX", top ? top : "/tmp");
+	if (!mkdtemp(path))
+		fail_msg("cannot make a folder '%s'", path);
+	return path;
+}
+
+#endif

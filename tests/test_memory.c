@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+/* src/base/memory.c */
+#include "support.h"
+
+#include <pthread.h>
+
+#include "base/memory.h"
+
+static void blocks_are_zeroed_and_aligned(void **state)
+{
+	(void)state;
+	for (size_t size = 0; size < 300000; size = size * 3 + 1) {
+		/* dirty what the system will hand out again */
+		unsigned char *block = rb_memory_take(size, 1);
+		assert_non_null(block);
+		memset(block, 0xff, size);
+		rb_memory_free(block);
+
+		block = rb_memory_take(size, 1);
+		assert_non_null(block);
+		assert_int_equal((uintptr_t)block % 64, 0);
+		for (size_t i = 0; i < size; i++)
+			assert_int_equal(block[i], 0);
+		memset(block, 0xff, size);
+		rb_memory_free(block);
+	}
+}
+
+static void a_product_that_overflows_is_refused(void **state)
+{
+	(void)state;
+	assert_null(rb_memory_take(SIZE_MAX / 2, 3));
+	assert_null(rb_memory_take(SIZE_MAX, SIZE_MAX));
+	assert_null(rb_memory_take(SIZE_MAX - 10, 1));
+}
+
+static void counts_follow_what_is_held(void **state)
+{
+	const struct rb_memory_counts before = rb_memory_counts();
+
+	(void)state;
+	void *small = rb_memory_take(3, 7);
+	void *large = rb_memory_take(1000, 1000);
+	struct rb_memory_counts now = rb_memory_counts();
+	assert_int_equal(now.taken - before.taken, 2);
+	assert_int_equal(now.bytes_now - before.bytes_now, 1000021);
+	assert_true(now.bytes_peak >= now.bytes_now);
+	rb_memory_free(small);
+	rb_memory_free(large);
+	rb_memory_free(NULL);
+	now = rb_memory_counts();
+	assert_int_equal(now.freed - before.freed, 2);
+	assert_int_equal(now.bytes_now, before.bytes_now);
+	assert_true(now.bytes_peak >= before.bytes_now + 1000021);
+}
+
+static void growing_keeps_the_old_part_and_zeroes_the_new(void **state)
+{
+	int *block = rb_memory_grow(NULL, 0, 10, sizeof *block);
+
+	(void)state;
+	assert_non_null(block);
+	for (int i = 0; i < 10; i++)
+		block[i] = i + 1;
+	block = rb_memory_grow(block, 10, 1000, sizeof *block);
+	assert_non_null(block);
+	for (int i = 0; i < 1000; i++)
+		assert_int_equal(block[i], i < 10 ? i + 1 : 0);
+	rb_memory_free(block);
+}
+
+static void reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out(void **state)
+{
+	double *block = NULL;
+	size_t capacity = 0;
+
+	(void)state;
+	assert_true(rb_memory_reserve(&block, &capacity, 5, sizeof *block));
+	assert_true(capacity >= 5);
+	block[4] = 2.5;
+	const size_t first = capacity;
+	assert_true(rb_memory_reserve(&block, &capacity, first, sizeof *block));
+	assert_int_equal(capacity, first);
+	assert_true(rb_memory_reserve(&block, &capacity, first + 1, sizeof *block));
+	assert_int_equal(capacity, 2 * first);
+	assert_near(block[4], 2.5, 0);
+
+	double *const old = block;
+	rb_memory_fail_at(1);
+	assert_false(rb_memory_reserve(&block, &capacity, 1000, sizeof *block));
+	rb_memory_fail_at(0);
+	assert_false(rb_memory_reserve(&block, &capacity, SIZE_MAX / 4, sizeof *block));
+	assert_ptr_equal(block, old);
+	assert_int_equal(capacity, 2 * first);
+	assert_near(block[4], 2.5, 0);
+	rb_memory_free(block);
+}
+
+static void the_kth_allocation_fails_and_all_after_it(void **state)
+{
+	const struct rb_memory_counts before = rb_memory_counts();
+
+	(void)state;
+	rb_memory_fail_at(3);
+	void *first = rb_memory_take(1, 1);
+	void *second = rb_memory_take(1, 1);
+	void *third = rb_memory_take(1, 1);
+	void *fourth = rb_memory_take(1, 1);
+	rb_memory_fail_at(0);
+	void *fifth = rb_memory_take(1, 1);
+	assert_non_null(first);
+	assert_non_null(second);
+	assert_null(third);
+	assert_null(fourth);
+	assert_non_null(fifth);
+	rb_memory_free(first);
+	rb_memory_free(second);
+	rb_memory_free(fifth);
+	const struct rb_memory_counts after = rb_memory_counts();
+	assert_int_equal(after.taken - before.taken, 3);
+	assert_int_equal(after.bytes_now, before.bytes_now);
+}
+
+static void a_copied_text_is_a_block_of_its_own(void **state)
+{
+	char text[] = "ball";
+	char *copy = rb_memory_copy_text(text);
+
+	(void)state;
+	assert_non_null(copy);
+	text[0] = 'f';
+	assert_string_equal(copy, "ball");
+	rb_memory_free(copy);
+}
+
+static void *take_and_free_often(void *argument)
+{
+	(void)argument;
+	for (size_t i = 0; i < 2000; i++) {
+		void *block = rb_memory_take(i % 100, 16);
+		if (block)
+			memset(block, 1, i % 100 * 16);
+		rb_memory_free(block);
+	}
+	return NULL;
+}
+
+static void counts_hold_with_several_threads(void **state)
+{
+	const struct rb_memory_counts before = rb_memory_counts();
+	pthread_t threads[4];
+
+	(void)state;
+	for (int i = 0; i < 4; i++)
+		assert_int_equal(pthread_create(&threads[i], NULL, take_and_free_often, NULL), 0);
+	for (int i = 0; i < 4; i++)
+		pthread_join(threads[i], NULL);
+	const struct rb_memory_counts after = rb_memory_counts();
+	assert_int_equal(after.taken - before.taken, 8000);
+	assert_int_equal(after.freed - before.freed, 8000);
+	assert_int_equal(after.bytes_now, before.bytes_now);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(blocks_are_zeroed_and_aligned),
+		cmocka_unit_test(a_product_that_overflows_is_refused),
+		cmocka_unit_test(counts_follow_what_is_held),
+		cmocka_unit_test(growing_keeps_the_old_part_and_zeroes_the_new),
+		cmocka_unit_test(reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out),
+		cmocka_unit_test(the_kth_allocation_fails_and_all_after_it),
+		cmocka_unit_test(a_copied_text_is_a_block_of_its_own),
+		cmocka_unit_test(counts_hold_with_several_threads),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+/* src/base/team.c */
+#include "support.h"
+
+#include <pthread.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdatomic.h>
+
+#include "base/memory.h"
+#include "base/team.h"
+
+enum { BLOCKS = 500 };
+
+struct tally {
+	int times
+		[BLOCKS]; /* each block writes its own: no lock, and the thread sanitizer watches */
+	int workers;
+	bool worker_out_of_range;
+	pthread_t caller;
+	bool left_the_caller;
+};
+
+static void count_block(void *user, int block, int worker)
+{
+	struct tally *tally = user;
+
+	tally->times[block]++;
+	if (worker < 0 || worker >= tally->workers)
+		tally->worker_out_of_range = true;
+}
+
+static void every_block_is_done_once_by_any_number_of_workers(void **state)
+{
+	static const int workers[] = {1, 2, 3, 8};
+	static const int counts[] = {0, 1, 2, 3, 17, BLOCKS};
+	struct rb_error err;
+
+	(void)state;
+	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++) {
+		struct rb_team *team;
+		assert_ok(rb_team_create(&team, workers[w], &err));
+		assert_int_equal(rb_team_workers(team), workers[w]);
+		for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
+			struct tally tally = {.workers = workers[w]};
+			rb_team_run(team, counts[c], count_block, &tally);
+			for (int block = 0; block < BLOCKS; block++)
+				assert_int_equal(tally.times[block], block < counts[c] ? 1 : 0);
+			assert_false(tally.worker_out_of_range);
+		}
+		rb_team_destroy(team);
+	}
+}
+
+/* Thousands of short jobs: who wakes late for one must not disturb the next. */
+static void jobs_in_quick_succession_do_not_mix(void **state)
+{
+	struct rb_team *team;
+	struct rb_error err;
+	struct tally tally = {.workers = 4};
+
+	(void)state;
+	assert_ok(rb_team_create(&team, 4, &err));
+	int expected[BLOCKS] = {0};
+	for (int job = 0; job < 5000; job++) {
+		const int count = job % 7;
+		rb_team_run(team, count, count_block, &tally);
+		for (int block = 0; block < count; block++)
+			expected[block]++;
+	}
+	assert_memory_equal(tally.times, expected, sizeof expected);
+	rb_team_destroy(team);
+}
+
+struct chain {
+	double value[BLOCKS];
+};
+
+static void advance(void *user, int block, int worker)
+{
+	struct chain *chain = user;
+
+	(void)worker;
+	for (int i = 0; i < 100; i++)
+		chain->value[block] = chain->value[block] * 0.999 + 1.0 / (block + 1);
+}
+
+static void what_one_job_wrote_the_next_one_reads(void **state)
+{
+	struct chain chains[2] = {0};
+	struct rb_error err;
+
+	(void)state;
+	for (int c = 0; c < 2; c++) {
+		struct rb_team *team;
+		assert_ok(rb_team_create(&team, c == 0 ? 1 : 3, &err));
+		for (int job = 0; job < 50; job++)
+			rb_team_run(team, BLOCKS, advance, &chains[c]);
+		rb_team_destroy(team);
+	}
+	assert_memory_equal(chains[0].value, chains[1].value, sizeof chains[0].value);
+}
+
+static void note_thread(void *user, int block, int worker)
+{
+	struct tally *tally = user;
+
+	(void)block;
+	if (worker != 0 || !pthread_equal(pthread_self(), tally->caller))
+		tally->left_the_caller = true;
+}
+
+static void one_worker_is_the_caller(void **state)
+{
+	struct rb_team *team;
+	struct rb_error err;
+	struct tally tally = {.workers = 1, .caller = pthread_self()};
+
+	(void)state;
+	assert_ok(rb_team_create(&team, 1, &err));
+	rb_team_run(team, 20, note_thread, &tally);
+	assert_false(tally.left_the_caller);
+	rb_team_destroy(team);
+}
+
+struct gate {
+	pthread_mutex_t lock;
+	pthread_cond_t changed;
+	int inside;
+	bool signals_blocked;
+};
+
+static void wait_for_the_other(void *user, int block, int worker)
+{
+	struct gate *gate = user;
+	sigset_t mask;
+
+	(void)block;
+	pthread_sigmask(SIG_SETMASK, NULL, &mask);
+	pthread_mutex_lock(&gate->lock);
+	if (worker != 0)
+		gate->signals_blocked = sigismember(&mask, SIGINT) && sigismember(&mask, SIGTERM);
+	gate->inside++;
+	pthread_cond_broadcast(&gate->changed);
+	while (gate->inside < 2)
+		pthread_cond_wait(&gate->changed, &gate->lock);
+	pthread_mutex_unlock(&gate->lock);
+}
+
+/* Two blocks that wait for each other end only where two threads are at work. */
+static void workers_run_at_the_same_time_and_block_signals(void **state)
+{
+	struct gate gate = {.lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER};
+	struct rb_team *team;
+	struct rb_error err;
+	sigset_t before, after;
+
+	(void)state;
+	pthread_sigmask(SIG_SETMASK, NULL, &before);
+	assert_ok(rb_team_create(&team, 2, &err));
+	pthread_sigmask(SIG_SETMASK, NULL, &after);
+	assert_int_equal(sigismember(&after, SIGINT), sigismember(&before, SIGINT));
+	alarm(60);
+	rb_team_run(team, 2, wait_for_the_other, &gate);
+	alarm(0);
+	assert_int_equal(gate.inside, 2);
+	assert_true(gate.signals_blocked);
+	rb_team_destroy(team);
+}
+
+struct late {
+	atomic_bool other_came;
+	bool other_finished;
+};
+
+static void leave_the_caller_early(void *user, int block, int worker)
+{
+	struct late *late = user;
+
+	(void)block;
+	if (worker == 0) {
+		while (!atomic_load(&late->other_came))
+			usleep(100);
+	} else {
+		atomic_store(&late->other_came, true);
+		usleep(50000);
+		late->other_finished = true;
+	}
+}
+
+static void running_waits_for_blocks_that_others_are_still_at(void **state)
+{
+	struct late late = {0};
+	struct rb_team *team;
+	struct rb_error err;
+
+	(void)state;
+	assert_ok(rb_team_create(&team, 2, &err));
+	alarm(60);
+	rb_team_run(team, 2, leave_the_caller_early, &late);
+	alarm(0);
+	assert_true(late.other_finished);
+	rb_team_destroy(team);
+}
+
+static void a_team_without_memory_says_so_and_leaves_nothing(void **state)
+{
+	const uint64_t bytes = rb_memory_counts().bytes_now;
+
+	(void)state;
+	for (uint64_t k = 1; k <= 2; k++) {
+		struct rb_team *team;
+		struct rb_error err;
+		rb_memory_fail_at(k);
+		const enum rb_status status = rb_team_create(&team, 3, &err);
+		rb_memory_fail_at(0);
+		assert_int_equal(status, RB_ERR_MEMORY);
+		assert_null(team);
+		assert_int_equal(rb_memory_counts().bytes_now, bytes);
+	}
+	rb_team_destroy(NULL);
+}
+
+static void processors_are_at_least_one_and_no_more_than_affinity_allows(void **state)
+{
+	cpu_set_t all, one;
+
+	(void)state;
+	assert_int_equal(sched_getaffinity(0, sizeof all, &all), 0);
+	assert_in_range(rb_team_processors(), 1, CPU_COUNT(&all));
+	CPU_ZERO(&one);
+	for (size_t cpu = 0; cpu < CPU_SETSIZE && CPU_COUNT(&one) == 0; cpu++)
+		if (CPU_ISSET(cpu, &all))
+			CPU_SET(cpu, &one);
+	assert_int_equal(sched_setaffinity(0, sizeof one, &one), 0);
+	const int processors = rb_team_processors();
+	sched_setaffinity(0, sizeof all, &all);
+	assert_int_equal(processors, 1);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_block_is_done_once_by_any_number_of_workers),
+		cmocka_unit_test(jobs_in_quick_succession_do_not_mix),
+		cmocka_unit_test(what_one_job_wrote_the_next_one_reads),
+		cmocka_unit_test(one_worker_is_the_caller),
+		cmocka_unit_test(workers_run_at_the_same_time_and_block_signals),
+		cmocka_unit_test(running_waits_for_blocks_that_others_are_still_at),
+		cmocka_unit_test(a_team_without_memory_says_so_and_leaves_nothing),
+		cmocka_unit_test(processors_are_at_least_one_and_no_more_than_affinity_allows),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: MIT
+# Completion of rbsim for bash; made by `rbsim --print-tables bash`.
+_rbsim()
+{
+	local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=run w
+	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
+	[ "$word" = = ] && word=
+	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
+		case $w in run|check|info|diff|methods) verb=$w ;; esac
+	done
+	case $before in
+	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
+	-p|--param) return ;;
+	--duration) return ;;
+	--time-step) return ;;
+	--tolerance) return ;;
+	--method) COMPREPLY=($(compgen -W 'auto classic' -- "$word")); return ;;
+	--rollback) COMPREPLY=($(compgen -W 'selective global none' -- "$word")); return ;;
+	--seed) return ;;
+	--threads) return ;;
+	esac
+	if [[ $word == -* ]]; then
+		case $verb in
+		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
+		diff) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
+		methods) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
+		esac
+		return
+	fi
+	compopt -o filenames
+	COMPREPLY=($(compgen -f -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info diff methods' -- "$word"))
+}
+complete -F _rbsim rbsim
