@@ -1,0 +1,456 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The table is a counting sort of the boxes by bucket. Runs of RUN cells along x share one hash
+ * and lie in neighbouring buckets, so that the two or three cells of a row that a query needs are
+ * one stretch of memory; longer runs would let a regular line of bodies fall into few buckets.
+ *
+ *   row (level, iy, iz), run ix / RUN --hash--> 64-bit key --high half--> first bucket; + ix % RUN
+ *
+ * Different rows may share buckets; the key tells their boxes apart. Should two keys of one query
+ * be equal by chance, a pair is found twice, and rb_grid_sort drops the copy.
+ */
+#include "geom/grid.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+
+enum {
+	RUN_BITS = 4,
+	RUN = 1 << RUN_BITS,
+	/* Fewer boxes than this are tested all against all: cheaper than any table. */
+	FEW = 32,
+	/* Levels are exponents of 2: cells of 2^level m. Cells finer than the lowest make no
+	 * sense where coordinates could be anything, and their inverse must be finite. */
+	LEVEL_LOWEST = -1000,
+	LEVEL_HIGHEST = 1026,
+	LEVEL_COUNT = LEVEL_HIGHEST - LEVEL_LOWEST + 1,
+	/* A box's level is at least such that its cell numbers stay below 2^CELL_BITS: they then
+	 * are exact integers, and rounding is far less than the margin below. */
+	CELL_BITS = 40
+};
+
+/* In cells: covers the rounding of "low corner minus the largest size". */
+static const double margin = 0x1p-10;
+
+struct rb_grid_item {
+	rb_aabb box;
+	uint64_t key;
+	int index;
+	int rank; /* of its level among those in use */
+};
+
+struct rb_grid_place {
+	uint64_t key;
+	uint32_t bucket;
+	int level;
+};
+
+/* Those in use, ascending. */
+struct level {
+	double inverse; /* 1 / cell size, 1/m */
+	double reach;   /* cells that the largest box of the level covers, and the margin */
+	uint64_t salt;
+};
+
+struct rb_grid_levels {
+	int used;
+	int lowest, highest; /* of all boxes, less LEVEL_LOWEST */
+	struct level level[LEVEL_COUNT];
+	int rank[LEVEL_COUNT];
+	double half_max[LEVEL_COUNT]; /* m; below 0: level not in use */
+};
+
+struct query {
+	struct rb_grid *grid;
+	const struct rb_grid_boxes *boxes;
+	uint64_t mask;
+	uint64_t tests;
+	bool failed; /* memory is out */
+};
+
+void rb_grid_init(struct rb_grid *grid)
+{
+	*grid = (struct rb_grid){0};
+}
+
+void rb_grid_release(struct rb_grid *grid)
+{
+	rb_memory_free(grid->pairs);
+	rb_memory_free(grid->items);
+	rb_memory_free(grid->places);
+	rb_memory_free(grid->start);
+	rb_memory_free(grid->levels);
+	rb_memory_free(grid->sorted);
+	rb_memory_free(grid->column);
+	*grid = (struct rb_grid){0};
+}
+
+static enum rb_status out_of_memory(struct rb_error *err)
+{
+	return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the table of boxes");
+}
+
+static bool emit(struct rb_grid *grid, int a, int b)
+{
+	if (grid->pair_count == grid->pair_capacity &&
+	    !rb_memory_reserve(&grid->pairs, &grid->pair_capacity, grid->pair_count + 1,
+	                       sizeof *grid->pairs))
+		return false;
+	grid->pairs[grid->pair_count++] = a < b ? (struct rb_pair){a, b} : (struct rb_pair){b, a};
+	return true;
+}
+
+enum rb_status rb_grid_add_pair(struct rb_grid *grid, int a, int b, struct rb_error *err)
+{
+	return emit(grid, a, b) ? RB_OK : out_of_memory(err);
+}
+
+static inline bool wanted(const struct rb_grid_boxes *boxes, int a, int b)
+{
+	if (a >= boxes->moving_count && b >= boxes->moving_count)
+		return false;
+	return !boxes->group_bit || ((boxes->collides[a] & boxes->group_bit[b]) != 0 &&
+	                             (boxes->collides[b] & boxes->group_bit[a]) != 0);
+}
+
+static inline const rb_aabb *box_of(const struct rb_grid_boxes *boxes, int index)
+{
+	return index < boxes->moving_count ? &boxes->moving[index]
+	                                   : &boxes->fixed[index - boxes->moving_count];
+}
+
+static enum rb_status find_all_pairs(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
+                                     struct rb_error *err)
+{
+	const int count = boxes->moving_count + boxes->fixed_count;
+
+	for (int a = 0; a < boxes->moving_count; a++) {
+		const rb_aabb box = boxes->moving[a];
+
+		for (int b = a + 1; b < count; b++)
+			if (rb_aabb_overlap(&box, box_of(boxes, b)) && wanted(boxes, a, b) &&
+			    !emit(grid, a, b))
+				return out_of_memory(err);
+		grid->tests += (uint64_t)(count - a - 1);
+	}
+	return RB_OK;
+}
+
+/* Least e with x < 2^e; for 0 and subnormal x some value below LEVEL_LOWEST. */
+static inline int exponent_above(double x)
+{
+	uint64_t bits;
+
+	memcpy(&bits, &x, sizeof bits);
+	return (int)(bits >> 52 & 0x7ff) - 1022;
+}
+
+/* Largest half extent and largest |coordinate|; false where the box is not finite. */
+static inline bool measure(const rb_aabb *box, double *half, double *largest)
+{
+	/* halves first: the difference of two finite numbers may overflow */
+	const double x = 0.5 * box->high.x - 0.5 * box->low.x;
+	const double y = 0.5 * box->high.y - 0.5 * box->low.y;
+	const double z = 0.5 * box->high.z - 0.5 * box->low.z;
+	const double ax = fabs(box->low.x) > fabs(box->high.x) ? fabs(box->low.x)
+	                                                       : fabs(box->high.x);
+	const double ay = fabs(box->low.y) > fabs(box->high.y) ? fabs(box->low.y)
+	                                                       : fabs(box->high.y);
+	const double az = fabs(box->low.z) > fabs(box->high.z) ? fabs(box->low.z)
+	                                                       : fabs(box->high.z);
+
+	*half = x > y ? x : y;
+	*half = *half > z ? *half : z;
+	*largest = ax > ay ? ax : ay;
+	*largest = *largest > az ? *largest : az;
+	/* NaN fails each of these */
+	return x >= 0 && y >= 0 && z >= 0 && *largest <= DBL_MAX;
+}
+
+/* Level of each box; which levels are in use, and how large their boxes get. */
+static enum rb_status choose_levels(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
+                                    struct rb_error *err)
+{
+	struct rb_grid_levels *levels = grid->levels;
+	const int count = boxes->moving_count + boxes->fixed_count;
+
+	for (int i = levels->lowest; i <= levels->highest; i++)
+		levels->half_max[i] = -1;
+	levels->lowest = LEVEL_COUNT;
+	levels->highest = -1;
+	for (int i = 0; i < count; i++) {
+		double half, largest;
+
+		if (!measure(box_of(boxes, i), &half, &largest))
+			return RB_FAIL(err, RB_ERR_PHYSICS,
+			               "the box of body index %d is not finite", i);
+		int level = exponent_above(half) + 1; /* 2 half < 2^level */
+		const int far = exponent_above(largest) - CELL_BITS;
+		level = level > far ? level : far;
+		level = (level > LEVEL_LOWEST ? level : LEVEL_LOWEST) - LEVEL_LOWEST;
+		grid->places[i].level = level;
+		levels->half_max[level] = half > levels->half_max[level] ? half
+		                                                         : levels->half_max[level];
+		levels->lowest = level < levels->lowest ? level : levels->lowest;
+		levels->highest = level > levels->highest ? level : levels->highest;
+	}
+	levels->used = 0;
+	for (int i = levels->lowest; i <= levels->highest; i++) {
+		if (levels->half_max[i] < 0)
+			continue;
+		struct level *level = &levels->level[levels->used];
+		level->inverse = ldexp(1, -(i + LEVEL_LOWEST));
+		level->reach = ldexp(levels->half_max[i], 1 - (i + LEVEL_LOWEST)) + margin;
+		level->salt = (uint64_t)i * 0x9e3779b97f4a7c15u;
+		levels->rank[i] = levels->used++;
+	}
+	return RB_OK;
+}
+
+/* Exact below 2^CELL_BITS, and much faster than a call of floor(). */
+static inline int64_t cell(double x)
+{
+	const int64_t i = (int64_t)x;
+
+	return i - (x < (double)i);
+}
+
+static inline uint64_t row_salt(const struct level *level, int64_t y, int64_t z)
+{
+	return level->salt + (uint64_t)y * 0xd6e8feb86659fd93u + (uint64_t)z * 0xa0761d6478bd642fu;
+}
+
+static inline uint64_t run_key(uint64_t row, int64_t x)
+{
+	return rb_hash_mix(row + (uint64_t)(x >> RUN_BITS) * 0xe7037ed1a0b428dbu);
+}
+
+static inline uint32_t bucket_of(uint64_t key, uint64_t mask, int64_t x)
+{
+	return (uint32_t)((key >> 32 & mask) + (uint64_t)(x & (RUN - 1)));
+}
+
+/* Counting sort of the boxes by bucket: start[b] .. start[b + 1] are the items of bucket b. */
+static void fill_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes, uint64_t mask)
+{
+	const int count = boxes->moving_count + boxes->fixed_count;
+	const size_t buckets = (size_t)mask + RUN;
+	uint32_t *start = grid->start;
+
+	memset(start, 0, (buckets + 1) * sizeof *start);
+	for (int i = 0; i < count; i++) {
+		struct rb_grid_place *place = &grid->places[i];
+		const rb_vec3 low = box_of(boxes, i)->low;
+		const struct level *level = &grid->levels->level[grid->levels->rank[place->level]];
+		const int64_t x = cell(low.x * level->inverse);
+		const int64_t y = cell(low.y * level->inverse);
+		const int64_t z = cell(low.z * level->inverse);
+
+		place->key = run_key(row_salt(level, y, z), x);
+		place->bucket = bucket_of(place->key, mask, x);
+		start[place->bucket]++;
+	}
+	/* sums to the end of each bucket, then back to its start while items are put down from the last:
+	 * within a bucket they keep the order of their indices */
+	uint32_t sum = 0;
+	for (size_t b = 0; b <= buckets; b++) {
+		sum += start[b];
+		start[b] = sum;
+	}
+	for (int i = count; i-- > 0;) {
+		const struct rb_grid_place *place = &grid->places[i];
+
+		grid->items[--start[place->bucket]] = (struct rb_grid_item){
+			.box = *box_of(boxes, i),
+			.key = place->key,
+			.index = i,
+			.rank = grid->levels->rank[place->level],
+		};
+	}
+}
+
+/* Tests `item` against those of items[from .. to) that have the key. */
+static void scan(struct query *query, const struct rb_grid_item *item, uint64_t key, uint32_t from,
+                 uint32_t to)
+{
+	const struct rb_grid_item *items = query->grid->items;
+
+	for (uint32_t i = from; i < to; i++) {
+		if (items[i].key != key)
+			continue;
+		query->tests++;
+		if (rb_aabb_overlap(&item->box, &items[i].box) &&
+		    wanted(query->boxes, item->index, items[i].index) &&
+		    !emit(query->grid, item->index, items[i].index))
+			query->failed = true;
+	}
+}
+
+/* Cells x_first .. x_last of one row, run by run. */
+static void scan_row(struct query *query, const struct rb_grid_item *item, uint64_t row,
+                     int64_t x_first, int64_t x_last)
+{
+	const uint32_t *start = query->grid->start;
+
+	while (x_first <= x_last) {
+		const int64_t run_last = x_first | (RUN - 1);
+		const int64_t last = run_last < x_last ? run_last : x_last;
+		const uint64_t key = run_key(row, x_first);
+
+		scan(query, item, key, start[bucket_of(key, query->mask, x_first)],
+		     start[bucket_of(key, query->mask, last) + 1]);
+		x_first = run_last + 1;
+	}
+}
+
+/*
+ * Partners of the item's own level. Half of the neighbourhood is enough: the cells that come after
+ * its own by (z, y, x), and of its own those items that lie behind it.
+ */
+static void scan_own_level(struct query *query, uint32_t place)
+{
+	const struct rb_grid_item *item = &query->grid->items[place];
+	const struct level *level = &query->grid->levels->level[item->rank];
+	const double s = level->inverse, reach = level->reach;
+	const int64_t x = cell(item->box.low.x * s), x_low = cell(item->box.low.x * s - reach);
+	const int64_t x_high = cell(item->box.high.x * s);
+	const int64_t y = cell(item->box.low.y * s), y_low = cell(item->box.low.y * s - reach);
+	const int64_t y_high = cell(item->box.high.y * s);
+	const int64_t z = cell(item->box.low.z * s), z_high = cell(item->box.high.z * s);
+	const int64_t run_last = (x | (RUN - 1)) < x_high ? (x | (RUN - 1)) : x_high;
+	const uint64_t row = row_salt(level, y, z);
+
+	scan(query, item, item->key, place + 1,
+	     query->grid->start[bucket_of(item->key, query->mask, run_last) + 1]);
+	scan_row(query, item, row, run_last + 1, x_high);
+	for (int64_t iz = z; iz <= z_high; iz++)
+		for (int64_t iy = iz == z ? y + 1 : y_low; iy <= y_high; iy++)
+			scan_row(query, item, row_salt(level, iy, iz), x_low, x_high);
+}
+
+static void scan_coarser_level(struct query *query, const struct rb_grid_item *item,
+                               const struct level *level)
+{
+	const double s = level->inverse, reach = level->reach;
+	const int64_t x_low = cell(item->box.low.x * s - reach),
+		      x_high = cell(item->box.high.x * s);
+	const int64_t y_low = cell(item->box.low.y * s - reach),
+		      y_high = cell(item->box.high.y * s);
+	const int64_t z_low = cell(item->box.low.z * s - reach),
+		      z_high = cell(item->box.high.z * s);
+
+	for (int64_t z = z_low; z <= z_high; z++)
+		for (int64_t y = y_low; y <= y_high; y++)
+			scan_row(query, item, row_salt(level, y, z), x_low, x_high);
+}
+
+static bool reserve(struct rb_grid *grid, size_t count, size_t table)
+{
+	if (!grid->levels) {
+		grid->levels = rb_memory_take(1, sizeof *grid->levels);
+		if (!grid->levels)
+			return false;
+		grid->levels->highest = LEVEL_COUNT -
+		                        1; /* lowest is 0: all are cleared the first time */
+	}
+	if (count > grid->item_capacity) {
+		rb_memory_free(grid->items);
+		rb_memory_free(grid->places);
+		grid->item_capacity = 0;
+		grid->items = rb_memory_take(count, sizeof *grid->items);
+		grid->places = rb_memory_take(count, sizeof *grid->places);
+		if (!grid->items || !grid->places)
+			return false;
+		grid->item_capacity = count;
+	}
+	return table <= grid->table_capacity ||
+	       rb_memory_reserve(&grid->start, &grid->table_capacity, table, sizeof *grid->start);
+}
+
+enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
+                            struct rb_error *err)
+{
+	const size_t count = (size_t)boxes->moving_count + (size_t)boxes->fixed_count;
+	size_t table = 64;
+
+	grid->pair_count = 0;
+	if (count <= FEW)
+		return find_all_pairs(grid, boxes, err);
+	while (table < 2 * count)
+		table *= 2;
+	if (!reserve(grid, count, table + RUN + 1))
+		return out_of_memory(err);
+	const enum rb_status status = choose_levels(grid, boxes, err);
+	if (status != RB_OK)
+		return status;
+	struct query query = {.grid = grid, .boxes = boxes, .mask = table - 1};
+	fill_table(grid, boxes, query.mask);
+	for (uint32_t i = 0; i < count; i++) {
+		const struct rb_grid_item *item = &grid->items[i];
+
+		scan_own_level(&query, i);
+		for (int rank = item->rank + 1; rank < grid->levels->used; rank++)
+			scan_coarser_level(&query, item, &grid->levels->level[rank]);
+	}
+	grid->tests += query.tests;
+	return query.failed ? out_of_memory(err) : RB_OK;
+}
+
+/* Puts each pair down at its index's place, which moves on: stable. */
+static void sort_by(const struct rb_pair *from, struct rb_pair *to, size_t count, bool by_a,
+                    uint32_t *column)
+{
+	for (size_t i = 0; i < count; i++)
+		to[column[by_a ? from[i].a : from[i].b]++] = from[i];
+}
+
+/* Place of the first pair of each index. */
+static void count_by(const struct rb_pair *from, size_t count, bool by_a, uint32_t *column,
+                     size_t index_count)
+{
+	memset(column, 0, index_count * sizeof *column);
+	for (size_t i = 0; i < count; i++)
+		column[by_a ? from[i].a : from[i].b]++;
+	uint32_t sum = 0;
+	for (size_t i = 0; i < index_count; i++) {
+		const uint32_t next = sum + column[i];
+
+		column[i] = sum;
+		sum = next;
+	}
+}
+
+enum rb_status rb_grid_sort(struct rb_grid *grid, int index_count, struct rb_error *err)
+{
+	const size_t count = grid->pair_count, columns = (size_t)index_count;
+
+	if (count < 2)
+		return RB_OK;
+	if (count > UINT32_MAX)
+		return RB_FAIL(err, RB_ERR_PHYSICS, "%zu pairs of bodies may touch at once", count);
+	if ((count > grid->sorted_capacity &&
+	     !rb_memory_reserve(&grid->sorted, &grid->sorted_capacity, count,
+	                        sizeof *grid->sorted)) ||
+	    (columns > grid->column_capacity &&
+	     !rb_memory_reserve(&grid->column, &grid->column_capacity, columns,
+	                        sizeof *grid->column)))
+		return out_of_memory(err);
+	/* by b, then stably by a: the order of (a, b) in linear time, whatever the pairs */
+	count_by(grid->pairs, count, false, grid->column, columns);
+	sort_by(grid->pairs, grid->sorted, count, false, grid->column);
+	count_by(grid->sorted, count, true, grid->column, columns);
+	sort_by(grid->sorted, grid->pairs, count, true, grid->column);
+
+	size_t kept = 1;
+	for (size_t i = 1; i < count; i++)
+		if (grid->pairs[i].a != grid->pairs[kept - 1].a ||
+		    grid->pairs[i].b != grid->pairs[kept - 1].b)
+			grid->pairs[kept++] = grid->pairs[i];
+	grid->pair_count = kept;
+	return RB_OK;
+}

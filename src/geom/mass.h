@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Volume and inertia of a shape, and what makes an inertia tensor possible. Pure functions.
+ *
+ * A body whose centre of mass is given off the centroid keeps its shape where it is. Without an
+ * inertia of its own it takes the tensor of the uniform shape (2/5 m r^2 for a sphere) as the one
+ * about that given centre of mass: only the author knows how the mass is spread, and says so with
+ * `inertia` where it matters.
+ */
+#ifndef RB_GEOM_MASS_H
+#define RB_GEOM_MASS_H
+
+#include "math/mat3.h"
+
+#include <rbsim/scene.h>
+
+/* m^3; 0 for planes and rectangles, which have none. The centroid is the object's origin. */
+double rb_shape_volume(const struct rb_shape *shape);
+
+/* kg m^2 about the centroid, uniform density; zero for planes and rectangles. */
+rb_mat3 rb_shape_inertia(const struct rb_shape *shape, double mass);
+
+/* Ascending eigenvalues of a symmetric tensor (its lower half is not read). */
+void rb_inertia_principal(const rb_mat3 *inertia, double moments[3]);
+
+/* A multiple of 1 up to rounding. */
+bool rb_inertia_is_scalar(const rb_mat3 *inertia);
+
+/*
+ * NULL where a rigid body of positive mass can have this tensor, else what is wrong with it: it
+ * must be symmetric and positive, and no principal moment may exceed the sum of the other two,
+ * each up to rounding.
+ */
+const char *rb_inertia_fault(const rb_mat3 *inertia);
+
+#endif

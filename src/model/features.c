@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+#include "model/features.h"
+
+#include <math.h>
+
+#include "geom/mass.h"
+#include "model/check.h"
+
+/* Bodies that are alike for the question who can meet whom, and with what material. */
+struct kind {
+	const struct rb_body_def *body;
+	bool several;
+};
+
+/* With more kinds than this the answer is a plain yes: it costs columns, not correctness. */
+enum { KINDS_MOST = 256 };
+
+static bool callbacks(const struct rb_feature_facts *facts)
+{
+	return (facts->scene->hooks & (RB_HOOK_STEP | RB_HOOK_COLLISION | RB_HOOK_FRAME)) != 0;
+}
+
+static bool has_gravity(const struct rb_feature_facts *facts)
+{
+	return facts->moves && rb_vec3_max_abs(facts->scene->world.gravity) > 0;
+}
+
+static bool has_gravity_force(const struct rb_feature_facts *facts)
+{
+	return facts->moves && rb_vec3_max_abs(facts->scene->world.gravity_force) > 0;
+}
+
+static bool has_forces(const struct rb_feature_facts *facts)
+{
+	return facts->moves && facts->forces;
+}
+
+static bool has_pushes(const struct rb_feature_facts *facts)
+{
+	return facts->moves && callbacks(facts);
+}
+
+/* Contact forces turn a body by friction, or when they pass beside its centre of mass. */
+static bool has_rotation(const struct rb_feature_facts *facts)
+{
+	return facts->moves && (facts->spins || facts->friction || facts->torque ||
+	                        callbacks(facts) || (facts->off_center && facts->meet));
+}
+
+static bool has_gyroscopic(const struct rb_feature_facts *facts)
+{
+	return facts->unequal && has_rotation(facts);
+}
+
+static bool has_off_center(const struct rb_feature_facts *facts)
+{
+	return facts->off_center;
+}
+
+static bool has_contact(const struct rb_feature_facts *facts)
+{
+	return facts->meet;
+}
+
+static bool has_friction(const struct rb_feature_facts *facts)
+{
+	return facts->friction;
+}
+
+static bool has_restitution(const struct rb_feature_facts *facts)
+{
+	return facts->restitution;
+}
+
+static bool has_filters(const struct rb_feature_facts *facts)
+{
+	return facts->filters;
+}
+
+static bool has_hook_step(const struct rb_feature_facts *facts)
+{
+	return (facts->scene->hooks & RB_HOOK_STEP) != 0;
+}
+
+static bool has_hook_collision(const struct rb_feature_facts *facts)
+{
+	return (facts->scene->hooks & RB_HOOK_COLLISION) != 0;
+}
+
+static bool has_events(const struct rb_feature_facts *facts)
+{
+	return (facts->scene->record.fields & RB_FIELD_EVENTS) != 0 || has_hook_collision(facts);
+}
+
+static const struct rb_feature_row rows[] = {
+	{RB_FEATURE_GRAVITY, "gravity", has_gravity, "the same acceleration on every moving body",
+         "'gravity' is zero or nothing moves"},
+	{RB_FEATURE_GRAVITY_FORCE, "gravity_force", has_gravity_force,
+         "the same force on every moving body", "'gravity_force' is not given"},
+	{RB_FEATURE_FORCES, "forces", has_forces, "forces of bodies' lists", "no body has 'forces'"},
+	{RB_FEATURE_ROTATION, "rotation", has_rotation,
+         "orientation and angular velocity of bodies",
+         "nothing turns at the start and nothing could turn a body later"},
+	{RB_FEATURE_GYROSCOPIC, "gyroscopic", has_gyroscopic,
+         "the axis of a turning body with unequal principal moments wanders",
+         "no turning body has unequal principal moments"},
+	{RB_FEATURE_OFF_CENTER, "off_center", has_off_center, "centres of mass off the centroid",
+         "every centre of mass is at its centroid"},
+	{RB_FEATURE_CONTACT, "contact", has_contact,
+         "bodies that could touch: search, gaps, impulses", "no two bodies could touch"},
+	{RB_FEATURE_FRICTION, "friction", has_friction, "friction of materials that could meet",
+         "no materials with friction could meet"},
+	{RB_FEATURE_RESTITUTION, "restitution", has_restitution,
+         "restitution of materials that could meet", "no materials with restitution could meet"},
+	{RB_FEATURE_FILTERS, "filters", has_filters, "collision filters by group",
+         "no body has 'collides_with'"},
+	{RB_FEATURE_HOOK_STEP, "on_step", has_hook_step, "the scene's callback of every step",
+         "the scene has no 'on_step'"},
+	{RB_FEATURE_HOOK_COLLISION, "on_collision", has_hook_collision,
+         "the scene's callback of every impact", "the scene has no 'on_collision'"},
+	{RB_FEATURE_EVENTS, "events", has_events,
+         "impacts are kept for the recording and for callbacks",
+         "the recording has no \"events\" and the scene no 'on_collision'"},
+	{RB_FEATURE_PUSHES, "pushes", has_pushes, "forces that callbacks apply",
+         "the scene has no callback that could push"},
+};
+
+const struct rb_feature_row *rb_feature_rows(int *count)
+{
+	*count = (int)(sizeof rows / sizeof rows[0]);
+	return rows;
+}
+
+static bool alike(const struct rb_body_def *a, const struct rb_body_def *b)
+{
+	return a->material == b->material && a->is_static == b->is_static &&
+	       rb_body_collides(a) == rb_body_collides(b) &&
+	       rb_body_group_bit(a) == rb_body_group_bit(b);
+}
+
+static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MOST])
+{
+	int count = 0;
+
+	for (int i = 0; i < scene->body_count; i++) {
+		int k = 0;
+
+		while (k < count && !alike(kinds[k].body, &scene->bodies[i]))
+			k++;
+		if (k == KINDS_MOST)
+			return -1;
+		if (k == count)
+			kinds[count++] = (struct kind){.body = &scene->bodies[i]};
+		else
+			kinds[k].several = true;
+	}
+	return count;
+}
+
+static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_material *pair)
+{
+	const struct rb_scene *scene = facts->scene;
+	struct kind kinds[KINDS_MOST];
+	const int count = find_kinds(scene, kinds);
+
+	if (count < 0) {
+		facts->meet = facts->friction = facts->restitution = true;
+		return;
+	}
+	for (int a = 0; a < count; a++) {
+		for (int b = a; b < count; b++) {
+			if ((a == b && !kinds[a].several) ||
+			    !rb_bodies_can_meet(kinds[a].body, kinds[b].body))
+				continue;
+			const struct rb_pair_material *p =
+				&pair[kinds[a].body->material * scene->material_count +
+			              kinds[b].body->material];
+			facts->meet = true;
+			facts->friction = facts->friction || p->friction > 0;
+			facts->restitution = facts->restitution || p->restitution > 0;
+		}
+	}
+}
+
+/* `point` of a force, unless it is where the centre of mass is anyway. */
+static bool beside(const struct rb_force_def *force, rb_vec3 center_of_mass)
+{
+	return !isnan(force->point.x) && rb_vec3_max_abs(force->vector) > 0 &&
+	       rb_vec3_max_abs(rb_vec3_sub(force->point, center_of_mass)) > 0;
+}
+
+struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
+                                            const struct rb_pair_material *pair)
+{
+	struct rb_feature_facts facts = {.scene = scene};
+
+	for (int i = 0; i < scene->body_count; i++) {
+		const struct rb_body_def *body = &scene->bodies[i];
+
+		facts.filters = facts.filters || body->filters;
+		if (body->is_static)
+			continue;
+		facts.moves = true;
+		facts.spins = facts.spins || rb_vec3_max_abs(body->angular_velocity) > 0;
+		facts.off_center = facts.off_center || rb_vec3_max_abs(body->center_of_mass) > 0;
+		facts.unequal = facts.unequal ||
+		                (body->has_inertia && !rb_inertia_is_scalar(&body->inertia));
+		facts.forces = facts.forces || body->force_count > 0;
+		for (int f = 0; f < body->force_count; f++)
+			facts.torque = facts.torque || beside(&scene->forces[body->force_first + f],
+			                                      body->center_of_mass);
+	}
+	if (facts.moves)
+		see_pairs(&facts, pair);
+	return facts;
+}
+
+rb_features rb_features_of(const struct rb_scene *scene, const struct rb_pair_material *pair)
+{
+	const struct rb_feature_facts facts = rb_feature_facts_of(scene, pair);
+	rb_features features = 0;
+
+	for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+		if (rows[i].present(&facts))
+			features |= rows[i].bit;
+	return features;
+}

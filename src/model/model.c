@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+#include <rbsim/model.h>
+
+#include <float.h>
+#include <math.h>
+
+#include "base/memory.h"
+#include "geom/mass.h"
+#include "math/quat.h"
+#include "model/check.h"
+#include "model/features.h"
+
+const char *rb_model_method(const struct rb_model *model)
+{
+	(void)model; /* "auto" and "classic" are one and the same so far */
+	return "classic";
+}
+
+const char *rb_rollback_name(enum rb_rollback_kind kind)
+{
+	switch (kind) {
+	case RB_ROLLBACK_SELECTIVE:
+		return "selective";
+	case RB_ROLLBACK_GLOBAL:
+		return "global";
+	case RB_ROLLBACK_NONE:
+		return "none";
+	}
+	return "unknown";
+}
+
+double rb_model_frame_time(const struct rb_model *model, uint64_t k)
+{
+	bool whole;
+	const double intervals = rb_frame_intervals(model->duration_s, model->frame_rate, &whole);
+
+	return (double)k > intervals ? model->duration_s : (double)k / model->frame_rate;
+}
+
+/* A column of the model; its bytes are counted. */
+static void *column(struct rb_model *model, bool wanted, size_t count, size_t size, bool *failed)
+{
+	if (!wanted)
+		return NULL;
+	void *block = rb_memory_take(count, size);
+	if (!block)
+		*failed = true;
+	else
+		model->bytes += count * size;
+	return block;
+}
+
+static double geometric_mean(double a, double b)
+{
+	const double product = a * b;
+
+	if (a == b)
+		return a;
+	/* the product of tiny or huge values leaves the doubles, their mean does not */
+	return product >= DBL_MIN && product <= DBL_MAX ? sqrt(product) : sqrt(a) * sqrt(b);
+}
+
+static void fill_pair_materials(struct rb_model *model)
+{
+	const struct rb_scene *scene = model->scene;
+	const int n = scene->material_count;
+
+	for (int a = 0; a < n; a++) {
+		for (int b = 0; b < n; b++) {
+			const struct rb_material_def *ma = &scene->materials[a],
+						     *mb = &scene->materials[b];
+
+			model->pair_materials[a * n + b] = (struct rb_pair_material){
+				.friction = geometric_mean(ma->friction, mb->friction),
+				.restitution = fmax(ma->restitution, mb->restitution),
+			};
+		}
+	}
+	for (int i = 0; i < scene->contact_pair_count; i++) {
+		const struct rb_contact_pair_def *def = &scene->contact_pairs[i];
+		struct rb_pair_material *ab =
+			&model->pair_materials[def->material_a * n + def->material_b];
+		struct rb_pair_material *ba =
+			&model->pair_materials[def->material_b * n + def->material_a];
+
+		if (!isnan(def->friction))
+			ab->friction = ba->friction = def->friction;
+		if (!isnan(def->restitution))
+			ab->restitution = ba->restitution = def->restitution;
+	}
+}
+
+static void take_columns(struct rb_model *model, bool *failed)
+{
+	const size_t all = (size_t)model->body_count + (size_t)model->static_count;
+	const bool turns = (model->features & RB_FEATURE_ROTATION) != 0;
+	const bool filters = (model->features & RB_FEATURE_FILTERS) != 0;
+	const bool off_center = (model->features & RB_FEATURE_OFF_CENTER) != 0;
+
+	model->id_of = column(model, true, all, sizeof *model->id_of, failed);
+	model->index_of = column(model, true, all, sizeof *model->index_of, failed);
+	model->shape = column(model, true, all, sizeof *model->shape, failed);
+	model->material = column(model, true, all, sizeof *model->material, failed);
+	model->mass = column(model, true, all, sizeof *model->mass, failed);
+	model->inverse_mass = column(model, true, all, sizeof *model->inverse_mass, failed);
+	model->inertia = column(model, turns, all, sizeof *model->inertia, failed);
+	model->inverse_inertia = column(model, turns, all, sizeof *model->inverse_inertia, failed);
+	model->inverse_inertia_scalar = column(model, turns, all,
+	                                       sizeof *model->inverse_inertia_scalar, failed);
+	model->center_of_mass = column(model, off_center, all, sizeof *model->center_of_mass,
+	                               failed);
+	model->group_bit = column(model, filters, all, sizeof *model->group_bit, failed);
+	model->collides = column(model, filters, all, sizeof *model->collides, failed);
+	model->position = column(model, true, all, sizeof *model->position, failed);
+	model->orientation = column(model, true, all, sizeof *model->orientation, failed);
+}
+
+static void number_bodies(struct rb_model *model)
+{
+	int moving = 0, fixed = model->body_count;
+
+	for (int id = 0; id < model->scene->body_count; id++) {
+		const int index = model->scene->bodies[id].is_static ? fixed++ : moving++;
+
+		model->id_of[index] = id;
+		model->index_of[id] = index;
+	}
+}
+
+/* Statics keep the zero tensors of the fresh columns: nothing turns them. */
+static void fill_inertia(struct rb_model *model, int index, const struct rb_body_def *body)
+{
+	const rb_mat3 inertia = rb_body_inertia(body, model->mass[index]);
+
+	model->inertia[index] = inertia;
+	if (rb_inertia_is_scalar(&inertia)) {
+		const double inverse = 1 / inertia.m[0][0];
+
+		model->inverse_inertia[index] = rb_mat3_diagonal(inverse, inverse, inverse);
+		model->inverse_inertia_scalar[index] = inverse;
+	} else {
+		/* the check has seen to it that there is one */
+		(void)rb_mat3_inverse(&inertia, &model->inverse_inertia[index]);
+		model->inverse_inertia_scalar[index] = (double)NAN;
+	}
+}
+
+static void fill_body(struct rb_model *model, int index)
+{
+	const struct rb_body_def *body = &model->scene->bodies[model->id_of[index]];
+
+	model->shape[index] = body->shape;
+	model->material[index] = body->material;
+	model->position[index] = body->position;
+	model->orientation[index] = rb_quat_unit(body->orientation);
+	if (model->group_bit) {
+		model->group_bit[index] = rb_body_group_bit(body);
+		model->collides[index] = rb_body_collides(body);
+	}
+	if (body->is_static) {
+		model->mass[index] = (double)INFINITY;
+		return;
+	}
+	model->mass[index] = rb_body_mass(model->scene, body);
+	model->inverse_mass[index] = 1 / model->mass[index];
+	if (model->center_of_mass)
+		model->center_of_mass[index] = body->center_of_mass;
+	if (model->inertia)
+		fill_inertia(model, index, body);
+}
+
+static void fill_numbers(struct rb_model *model)
+{
+	const struct rb_world_def *world = &model->scene->world;
+	const struct rb_sizes sizes = rb_scene_sizes(model->scene);
+	bool whole;
+
+	model->duration_s = world->duration_s;
+	model->frame_rate = world->frame_rate;
+	model->time_step_s = isnan(world->time_step_s) ? 1 / (4 * world->frame_rate)
+	                                               : world->time_step_s;
+	model->tolerance_m = sizes.tolerance_m;
+	model->size_min_m = sizes.size_min_m;
+	model->coordinate_max_m = sizes.coordinate_max_m;
+	model->rollback = world->rollback;
+	model->frame_count = (uint64_t)rb_frame_intervals(world->duration_s, world->frame_rate,
+	                                                  &whole) +
+	                     1;
+	/* where the grid of frames ends before the duration, one more at its end */
+	if (!whole)
+		model->frame_count++;
+}
+
+static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
+                           struct rb_error *err)
+{
+	const struct rb_scene *scene = model->scene;
+	const size_t n = (size_t)scene->material_count;
+	bool failed = false;
+
+	for (int i = 0; i < scene->body_count; i++) {
+		if (scene->bodies[i].is_static)
+			model->static_count++;
+		else
+			model->body_count++;
+	}
+	/* materials first: what can touch decides what else there is */
+	model->material_count = scene->material_count;
+	model->pair_materials = n > 0 && n < INT32_MAX / n
+	                                ? column(model, true, n * n, sizeof *model->pair_materials,
+	                                         &failed)
+	                                : NULL;
+	if (!model->pair_materials)
+		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the table of %zu materials",
+		               n);
+	fill_pair_materials(model);
+	model->features = rb_features_of(scene, model->pair_materials);
+	const bool turns = (model->features & RB_FEATURE_ROTATION) != 0;
+	const enum rb_status status = rb_scene_check(scene, turns, mistakes, err);
+	if (status != RB_OK)
+		return status;
+
+	take_columns(model, &failed);
+	if (failed)
+		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the constants of %d bodies",
+		               scene->body_count);
+	number_bodies(model);
+	for (int i = 0; i < scene->body_count; i++)
+		fill_body(model, i);
+	fill_numbers(model);
+	return RB_OK;
+}
+
+enum rb_status rb_model_create(struct rb_model **model, const struct rb_scene *scene,
+                               struct rb_mistakes *mistakes, struct rb_error *err)
+{
+	struct rb_model *made = rb_memory_take(1, sizeof *made);
+
+	*model = NULL;
+	if (!made)
+		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the model");
+	made->scene = scene;
+	const enum rb_status status = fill(made, mistakes, err);
+	if (status != RB_OK) {
+		rb_model_destroy(made);
+		return status;
+	}
+	*model = made;
+	return RB_OK;
+}
+
+void rb_model_destroy(struct rb_model *model)
+{
+	if (!model)
+		return;
+	rb_memory_free(model->id_of);
+	rb_memory_free(model->index_of);
+	rb_memory_free(model->shape);
+	rb_memory_free(model->material);
+	rb_memory_free(model->mass);
+	rb_memory_free(model->inverse_mass);
+	rb_memory_free(model->inertia);
+	rb_memory_free(model->inverse_inertia);
+	rb_memory_free(model->inverse_inertia_scalar);
+	rb_memory_free(model->center_of_mass);
+	rb_memory_free(model->group_bit);
+	rb_memory_free(model->collides);
+	rb_memory_free(model->position);
+	rb_memory_free(model->orientation);
+	rb_memory_free(model->pair_materials);
+	rb_memory_free(model);
+}

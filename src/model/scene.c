@@ -1,0 +1,359 @@
+/* SPDX-License-Identifier: MIT */
+#include <rbsim/scene.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "math/quat.h"
+
+/* Texts never move and are freed together; a long one gets a block of its own size. */
+enum { TEXT_BLOCK_SIZE = 4096 };
+
+struct text_block {
+	struct text_block *next;
+	size_t size, used;
+	char bytes[];
+};
+
+/* The arrays of the scene that grow, by the place of their capacity. */
+enum {
+	ARRAY_MATERIALS,
+	ARRAY_PAIRS,
+	ARRAY_BODIES,
+	ARRAY_FORCES,
+	ARRAY_GROUPS,
+	ARRAY_CAMERAS,
+	ARRAY_PARAMS,
+	ARRAY_EXPECTS,
+	ARRAY_FILES,
+	ARRAY_COUNT
+};
+
+struct rb_scene_memory {
+	struct text_block *texts; /* newest first */
+	size_t capacity[ARRAY_COUNT];
+};
+
+enum { GROUP_MAX = 63 };
+
+static char *take_bytes(struct rb_scene *scene, size_t size)
+{
+	struct rb_scene_memory *memory = scene->memory;
+	struct text_block *block = memory->texts;
+
+	if (!block || block->size - block->used < size) {
+		const size_t room = size > TEXT_BLOCK_SIZE / 4 ? size : TEXT_BLOCK_SIZE;
+
+		block = rb_memory_take(1, sizeof *block + room);
+		if (!block)
+			return NULL;
+		block->size = room;
+		/* behind the block in use when full at once, so that the rest of that one is not lost */
+		if (room == size && memory->texts) {
+			block->next = memory->texts->next;
+			memory->texts->next = block;
+		} else {
+			block->next = memory->texts;
+			memory->texts = block;
+		}
+	}
+	char *bytes = block->bytes + block->used;
+	block->used += size;
+	return bytes;
+}
+
+const char *rb_scene_text(struct rb_scene *scene, const char *text)
+{
+	const size_t size = strlen(text) + 1;
+	char *copy = take_bytes(scene, size);
+
+	return copy ? memcpy(copy, text, size) : NULL;
+}
+
+/* Replaces `*text` by the scene's own copy; a NULL text stays as it is. */
+static bool own(struct rb_scene *scene, const char **text)
+{
+	if (!*text)
+		return true;
+	*text = rb_scene_text(scene, *text);
+	return *text != NULL;
+}
+
+static enum rb_status out_of_memory(const char *what, struct rb_error *err)
+{
+	return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the scene's %s", what);
+}
+
+/* Makes room for one element more in `*array`. */
+static bool room(struct rb_scene *scene, void *array, int which, int count, size_t size)
+{
+	return rb_memory_reserve(array, &scene->memory->capacity[which], (size_t)count + 1, size);
+}
+
+enum rb_status rb_scene_init(struct rb_scene *scene, struct rb_error *err)
+{
+	*scene = (struct rb_scene){
+		.file = "",
+		.world = {.title = "",
+	                  .description = "",
+	                  .duration_s = (double)NAN,
+	                  .frame_rate = 60,
+	                  .time_step_s = (double)NAN,
+	                  .tolerance_m = (double)NAN,
+	                  .rollback = RB_ROLLBACK_SELECTIVE,
+	                  .method = RB_METHOD_AUTO,
+	                  .seed = 1},
+		.record = {.every = 1, .fields = RB_FIELD_DEFAULT},
+	};
+	scene->memory = rb_memory_take(1, sizeof *scene->memory);
+	if (!scene->memory)
+		return out_of_memory("start", err);
+	const struct rb_material_def plain = rb_material_def_default();
+	const enum rb_status status = rb_scene_add_material(scene, &plain, NULL, err);
+	if (status != RB_OK)
+		rb_scene_release(scene);
+	return status;
+}
+
+void rb_scene_release(struct rb_scene *scene)
+{
+	if (scene->memory) {
+		for (struct text_block *block = scene->memory->texts; block;) {
+			struct text_block *next = block->next;
+
+			rb_memory_free(block);
+			block = next;
+		}
+	}
+	rb_memory_free(scene->materials);
+	rb_memory_free(scene->contact_pairs);
+	rb_memory_free(scene->bodies);
+	rb_memory_free(scene->forces);
+	rb_memory_free(scene->groups);
+	rb_memory_free(scene->cameras);
+	rb_memory_free(scene->params);
+	rb_memory_free(scene->expects);
+	rb_memory_free(scene->files);
+	rb_memory_free(scene->memory);
+	*scene = (struct rb_scene){0};
+}
+
+struct rb_body_def rb_body_def_default(void)
+{
+	return (struct rb_body_def){
+		.call = "sphere",
+		.shape = {.kind = RB_SHAPE_SPHERE, .radius = (double)NAN},
+		.mass = (double)NAN,
+		.density = (double)NAN,
+		.orientation = {1, 0, 0, 0},
+		.group = -1,
+		.color = {(double)NAN, 0, 0},
+		.visible = true,
+	};
+}
+
+struct rb_material_def rb_material_def_default(void)
+{
+	return (struct rb_material_def){
+		.density = 1000,
+		.friction = 0.5,
+		.restitution = 0,
+		.color = {(double)NAN, 0, 0},
+		.shininess = (double)NAN,
+	};
+}
+
+struct rb_force_def rb_force_def_default(void)
+{
+	return (struct rb_force_def){
+		.point = {(double)NAN, 0, 0},
+		.duration_s = (double)INFINITY,
+		.frame = RB_FORCE_WORLD,
+	};
+}
+
+struct rb_camera_def rb_camera_def_default(void)
+{
+	return (struct rb_camera_def){
+		.position = {.value = {6, -8, 4}, .body = -1, .function = -1},
+		.look_at = {.body = -1, .function = -1},
+		.up = {.value = {0, 0, 1}, .body = -1, .function = -1},
+		.mount = -1,
+		.fov = 0.78539816339744828, /* 45 degrees */
+		.near = (double)NAN,
+		.far = (double)NAN,
+		.size_px = {1280, 720},
+		.fps = (double)NAN,
+		.speed = 1,
+		.to_s = (double)INFINITY,
+		.background = {(double)NAN, 0, 0},
+		.light_count = -1,
+		.shadows = true,
+		.samples = 4,
+	};
+}
+
+enum rb_status rb_scene_add_material(struct rb_scene *scene, const struct rb_material_def *def,
+                                     int *index, struct rb_error *err)
+{
+	struct rb_material_def material = *def;
+
+	if (!own(scene, &material.name) || !own(scene, &material.texture) ||
+	    !room(scene, &scene->materials, ARRAY_MATERIALS, scene->material_count,
+	          sizeof material))
+		return out_of_memory("materials", err);
+	if (index)
+		*index = scene->material_count;
+	scene->materials[scene->material_count++] = material;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_contact_pair(struct rb_scene *scene,
+                                         const struct rb_contact_pair_def *def,
+                                         struct rb_error *err)
+{
+	if (!room(scene, &scene->contact_pairs, ARRAY_PAIRS, scene->contact_pair_count,
+	          sizeof *def))
+		return out_of_memory("contact pairs", err);
+	scene->contact_pairs[scene->contact_pair_count++] = *def;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_def *def, int *index,
+                                 struct rb_error *err)
+{
+	struct rb_body_def body = *def;
+
+	body.force_first = scene->force_count;
+	body.force_count = 0;
+	if (!own(scene, &body.name) || !own(scene, &body.call) || !own(scene, &body.texture) ||
+	    !room(scene, &scene->bodies, ARRAY_BODIES, scene->body_count, sizeof body))
+		return out_of_memory("bodies", err);
+	if (index)
+		*index = scene->body_count;
+	scene->bodies[scene->body_count++] = body;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_def *def,
+                                  struct rb_error *err)
+{
+	RB_ASSERT(scene->body_count > 0);
+	if (!room(scene, &scene->forces, ARRAY_FORCES, scene->force_count, sizeof *def))
+		return out_of_memory("forces", err);
+	scene->forces[scene->force_count++] = *def;
+	scene->bodies[scene->body_count - 1].force_count++;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *index,
+                              struct rb_error *err)
+{
+	for (int i = 0; i < scene->group_count; i++) {
+		if (strcmp(scene->groups[i], name) == 0) {
+			*index = i;
+			return RB_OK;
+		}
+	}
+	*index = -1;
+	if (scene->group_count >= GROUP_MAX)
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "group '%s' is one too many (wanted at most %d groups)", name,
+		               GROUP_MAX);
+	const char *copy = rb_scene_text(scene, name);
+	if (!copy || !room(scene, &scene->groups, ARRAY_GROUPS, scene->group_count, sizeof copy))
+		return out_of_memory("groups", err);
+	*index = scene->group_count;
+	scene->groups[scene->group_count++] = copy;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camera_def *def,
+                                   struct rb_error *err)
+{
+	struct rb_camera_def camera = *def;
+
+	if (!own(scene, &camera.name) || !own(scene, &camera.png) || !own(scene, &camera.video) ||
+	    !room(scene, &scene->cameras, ARRAY_CAMERAS, scene->camera_count, sizeof camera))
+		return out_of_memory("cameras", err);
+	scene->cameras[scene->camera_count++] = camera;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_param(struct rb_scene *scene, const struct rb_param_def *def,
+                                  struct rb_error *err)
+{
+	struct rb_param_def param = *def;
+
+	if (!own(scene, &param.name) || !own(scene, &param.help) ||
+	    !own(scene, &param.default_text) || !own(scene, &param.value_text) ||
+	    !own(scene, &param.choices) ||
+	    !room(scene, &scene->params, ARRAY_PARAMS, scene->param_count, sizeof param))
+		return out_of_memory("parameters", err);
+	scene->params[scene->param_count++] = param;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_expect(struct rb_scene *scene, const struct rb_expect_def *def,
+                                   struct rb_error *err)
+{
+	struct rb_expect_def expect = *def;
+
+	if (!own(scene, &expect.text) ||
+	    !room(scene, &scene->expects, ARRAY_EXPECTS, scene->expect_count, sizeof expect))
+		return out_of_memory("expectations", err);
+	scene->expects[scene->expect_count++] = expect;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name, const char *text,
+                                 size_t size_bytes, const char *sha256, struct rb_error *err)
+{
+	struct rb_source_file file = {.name = name, .size_bytes = size_bytes};
+	char *copy = size_bytes < SIZE_MAX ? take_bytes(scene, size_bytes + 1) : NULL;
+
+	if (!copy || !own(scene, &file.name) ||
+	    !room(scene, &scene->files, ARRAY_FILES, scene->file_count, sizeof file))
+		return out_of_memory("files", err);
+	if (size_bytes > 0)
+		memcpy(copy, text, size_bytes);
+	copy[size_bytes] = '\0';
+	file.text = copy;
+	snprintf(file.sha256, sizeof file.sha256, "%s", sha256 ? sha256 : "");
+	scene->files[scene->file_count++] = file;
+	return RB_OK;
+}
+
+const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64])
+{
+	const char *name = id >= 0 && id < scene->body_count ? scene->bodies[id].name : NULL;
+
+	if (name)
+		snprintf(out, 64, "%.63s", name);
+	else
+		snprintf(out, 64, "#%d", id);
+	return out;
+}
+
+rb_quat rb_plane_orientation(rb_vec3 normal, rb_vec3 axis)
+{
+	const rb_vec3 z = rb_vec3_unit(normal, (rb_vec3){0, 0, 1});
+	rb_vec3 x = {0, 0, 0};
+
+	if (!isnan(axis.x)) {
+		const rb_vec3 along = rb_vec3_unit(axis, x);
+		x = rb_vec3_add_scaled(along, -rb_vec3_dot(along, z), z);
+	}
+	/* Too little left of it to name a direction: the default takes over. */
+	if (rb_vec3_length(x) < 1e-8)
+		x = rb_vec3_add_scaled((rb_vec3){1, 0, 0}, -z.x, z);
+	if (rb_vec3_length(x) < 1e-8)
+		x = rb_vec3_add_scaled((rb_vec3){0, 1, 0}, -z.y, z);
+	x = rb_vec3_unit(x, rb_vec3_across(z));
+	const rb_vec3 y = rb_vec3_cross(z, x);
+	const rb_mat3 r = {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
+	return rb_quat_from_mat3(&r);
+}
