@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+#include "step/flow.h"
+
+static void translate(struct rb_pass *pass)
+{
+	double *const position = pass->world->state.position;
+	const double *const velocity = pass->world->state.velocity;
+	const double h = pass->h_s;
+
+	for (int k = 0; k < pass->member_count; k++) {
+		const size_t row = 3 * (size_t)pass->member[k];
+
+		position[row] += h * velocity[row];
+		position[row + 1] += h * velocity[row + 1];
+		position[row + 2] += h * velocity[row + 2];
+	}
+}
+
+/* By the rotation through |w| h about w, exactly, so that a constant spin is right for any step. */
+static void turn(double *orientation, rb_vec3 spin, double h)
+{
+	const rb_quat q = rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(h, spin)), rb_quat_from(orientation));
+
+	rb_quat_to(orientation, rb_quat_unit(q));
+}
+
+static void rotate(struct rb_pass *pass)
+{
+	struct rb_state *state = &pass->world->state;
+
+	for (int k = 0; k < pass->member_count; k++) {
+		const size_t i = (size_t)pass->member[k];
+		const rb_vec3 spin = rb_vec3_from(state->spin + 3 * i);
+
+		if (spin.x != 0 || spin.y != 0 || spin.z != 0)
+			turn(state->orientation + 4 * i, spin, pass->h_s);
+	}
+}
+
+static void rotate_gyroscopic(struct rb_pass *pass)
+{
+	struct rb_world *world = pass->world;
+	struct rb_state *state = &world->state;
+
+	for (int k = 0; k < pass->member_count; k++) {
+		const int i = pass->member[k];
+		double *const orientation = state->orientation + 4 * (size_t)i;
+		const rb_vec3 spin = rb_world_row3(state->spin, i);
+
+		if (!isnan(world->model->inverse_inertia_scalar[i])) {
+			turn(orientation, spin, pass->h_s);
+			continue;
+		}
+		const rb_quat q = rb_quat_from(orientation);
+		const rb_vec3 momentum = rb_quat_rotate(
+			q, rb_mat3_apply(&world->model->inertia[i], rb_quat_rotate_back(q, spin)));
+		turn(orientation, spin, pass->h_s);
+		rb_vec3_to(state->spin + 3 * (size_t)i, rb_world_turn(world, state, i, momentum));
+	}
+}
+
+const struct rb_stage rb_stage_translate = {"translate", "positions move", 0, translate};
+const struct rb_stage rb_stage_rotate = {"rotate", "orientations turn", RB_FEATURE_ROTATION, rotate};
+const struct rb_stage rb_stage_rotate_gyroscopic = {
+	"rotate_gyroscopic", "orientations turn, unequal moments of inertia", RB_FEATURE_GYROSCOPIC, rotate_gyroscopic};

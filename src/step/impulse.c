@@ -1,0 +1,332 @@
+/* SPDX-License-Identifier: MIT */
+#include "step/impulse.h"
+
+#include <float.h>
+
+static bool is_moving(const struct rb_world *world, int index)
+{
+	return index < world->model->body_count;
+}
+
+/* Adds what a body at that arm contributes to K: 1/m - [r] I^-1 [r]. */
+static void add_yield(const struct rb_world *world, const struct rb_state *state, int i, rb_vec3 arm, rb_mat3 *k)
+{
+	const double inverse_mass = world->model->inverse_mass[i];
+
+	for (int column = 0; column < 3; column++) {
+		const rb_vec3 unit = {column == 0, column == 1, column == 2};
+		rb_vec3 dv = rb_vec3_scale(inverse_mass, unit);
+
+		if (state->spin)
+			dv = rb_vec3_add(dv, rb_vec3_cross(rb_world_turn(world, state, i, rb_vec3_cross(arm, unit)),
+			                                   arm));
+		k->m[0][column] += dv.x;
+		k->m[1][column] += dv.y;
+		k->m[2][column] += dv.z;
+	}
+}
+
+/* Yield of the body along the normal and across it, if its contact is central and its inertia isotropic. */
+static bool central_yield(const struct rb_world *world, const struct rb_state *state, int i, double *along,
+                          double *across)
+{
+	const struct rb_model *model = world->model;
+
+	if (!is_moving(world, i))
+		return true;
+	*along += model->inverse_mass[i];
+	*across += model->inverse_mass[i];
+	if (!state->spin)
+		return true;
+	if (isnan(model->inverse_inertia_scalar[i]))
+		return false;
+	if (model->center_of_mass) {
+		const rb_vec3 c = model->center_of_mass[i];
+
+		if (c.x != 0 || c.y != 0 || c.z != 0)
+			return false;
+	}
+	*across += model->shape[i].radius * model->shape[i].radius * model->inverse_inertia_scalar[i];
+	return true;
+}
+
+static double largest_tangent_yield(const struct rb_link *link)
+{
+	/* two tangents and their 2x2 block; its larger eigenvalue */
+	const rb_vec3 t = rb_vec3_across(link->normal), s = rb_vec3_cross(link->normal, t);
+	const rb_vec3 kt = rb_mat3_apply(&link->yield, t), ks = rb_mat3_apply(&link->yield, s);
+	const double tt = rb_vec3_dot(t, kt), ss = rb_vec3_dot(s, ks), ts = rb_vec3_dot(s, kt);
+
+	return 0.5 * (tt + ss) + hypot(0.5 * (tt - ss), ts);
+}
+
+struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state, const struct rb_touch *touch,
+                          const struct rb_gap *gap)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_pair_material *pair =
+		&model->pair_materials[model->material[touch->a] * model->material_count + model->material[touch->b]];
+	struct rb_link link = {.a = touch->a,
+	                       .b = touch->b,
+	                       .normal = gap->normal,
+	                       .friction = pair->friction,
+	                       .restitution = pair->restitution};
+
+	link.arm_a = rb_vec3_sub(gap->point, rb_world_row3(state->position, touch->a));
+	if (is_moving(world, touch->b))
+		link.arm_b = rb_vec3_sub(gap->point, rb_world_row3(state->position, touch->b));
+
+	link.central = central_yield(world, state, link.a, &link.normal_yield, &link.tangent_yield) &&
+	               central_yield(world, state, link.b, &link.normal_yield, &link.tangent_yield);
+	if (link.central) {
+		/* a sphere's arm is its radius along the normal, whatever the gap within the tolerance */
+		link.arm_a = rb_vec3_scale(model->shape[link.a].radius, link.normal);
+		if (is_moving(world, link.b))
+			link.arm_b = rb_vec3_scale(-model->shape[link.b].radius, link.normal);
+		return link;
+	}
+	add_yield(world, state, link.a, link.arm_a, &link.yield);
+	if (is_moving(world, link.b))
+		add_yield(world, state, link.b, link.arm_b, &link.yield);
+	link.normal_yield = rb_vec3_dot(link.normal, rb_mat3_apply(&link.yield, link.normal));
+	link.tangent_yield = largest_tangent_yield(&link);
+	return link;
+}
+
+static rb_vec3 velocity_at(const struct rb_state *state, int i, rb_vec3 arm)
+{
+	const rb_vec3 v = rb_world_row3(state->velocity, i);
+
+	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i), arm)) : v;
+}
+
+rb_vec3 rb_link_velocity(const struct rb_world *world, const struct rb_state *state, const struct rb_link *link)
+{
+	const rb_vec3 of_a = velocity_at(state, link->a, link->arm_a);
+
+	return is_moving(world, link->b) ? rb_vec3_sub(velocity_at(state, link->b, link->arm_b), of_a)
+	                                 : rb_vec3_neg(of_a);
+}
+
+static double speed_bound(const struct rb_world *world, int i, rb_vec3 arm)
+{
+	const struct rb_state *state = &world->state;
+
+	if (!is_moving(world, i))
+		return 0;
+	double speed = rb_vec3_max_abs(rb_world_row3(state->velocity, i));
+	if (state->spin)
+		speed += rb_vec3_max_abs(rb_world_row3(state->spin, i)) * rb_vec3_max_abs(arm);
+	return speed;
+}
+
+double rb_link_noise(const struct rb_world *world, const struct rb_link *link)
+{
+	return 8 * DBL_EPSILON *
+	       (speed_bound(world, link->a, link->arm_a) + speed_bound(world, link->b, link->arm_b));
+}
+
+static void push_body(struct rb_world *world, int i, rb_vec3 arm, rb_vec3 impulse)
+{
+	struct rb_state *state = &world->state;
+
+	if (!is_moving(world, i))
+		return;
+	const rb_vec3 v = rb_world_row3(state->velocity, i);
+	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_vec3_add_scaled(v, world->model->inverse_mass[i], impulse));
+	if (!state->spin)
+		return;
+	const rb_vec3 w = rb_world_row3(state->spin, i);
+	rb_vec3_to(state->spin + 3 * (size_t)i,
+	           rb_vec3_add(w, rb_world_turn(world, state, i, rb_vec3_cross(arm, impulse))));
+}
+
+void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse)
+{
+	push_body(world, link->a, link->arm_a, rb_vec3_neg(impulse));
+	push_body(world, link->b, link->arm_b, impulse);
+}
+
+/* The part of u across the normal. */
+static rb_vec3 across(const struct rb_link *link, rb_vec3 u)
+{
+	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, link->normal), link->normal);
+}
+
+/* Shortened to `most` where it is longer: the circular friction cone. */
+static rb_vec3 within(rb_vec3 tangent, double most)
+{
+	const double length = rb_vec3_length(tangent);
+
+	return length > most ? rb_vec3_scale(most / length, tangent) : tangent;
+}
+
+/*
+ * Direction of the impulse per unit of normal impulse at relative velocity u: n - mu s while it slips along s; where
+ * it does not, what keeps it from slipping if the cone allows that, else the slip that then sets in.
+ */
+static rb_vec3 direction(const struct rb_link *link, rb_vec3 slip, double still)
+{
+	const double speed = rb_vec3_length(slip);
+
+	if (speed > still)
+		return rb_vec3_add_scaled(link->normal, -link->friction / speed, slip);
+
+	/* tangential part of K (n + x t + y s) = 0 */
+	const rb_vec3 t = rb_vec3_across(link->normal), s = rb_vec3_cross(link->normal, t);
+	const rb_vec3 kn = rb_mat3_apply(&link->yield, link->normal);
+	const rb_vec3 kt = rb_mat3_apply(&link->yield, t), ks = rb_mat3_apply(&link->yield, s);
+	const double tt = rb_vec3_dot(t, kt), ts = rb_vec3_dot(t, ks), ss = rb_vec3_dot(s, ks);
+	const double nt = rb_vec3_dot(t, kn), ns = rb_vec3_dot(s, kn);
+	const double determinant = tt * ss - ts * ts;
+	const double x = (ts * ns - ss * nt) / determinant, y = (ts * nt - tt * ns) / determinant;
+	if (hypot(x, y) <= link->friction)
+		return rb_vec3_add_scaled(rb_vec3_add_scaled(link->normal, x, t), y, s);
+
+	/* slip sets in along its own change of velocity: a fixed point, found by iteration from the frictionless one */
+	rb_vec3 along = rb_vec3_unit(across(link, kn), t);
+	for (int round = 0; round < 64; round++)
+		along = rb_vec3_unit(across(link, rb_mat3_apply(&link->yield, rb_vec3_add_scaled(link->normal,
+		                                                                                 -link->friction, along))),
+		                     along);
+	return rb_vec3_add_scaled(link->normal, -link->friction, along);
+}
+
+/*
+ * Stronge's process: the normal impulse p grows, the relative velocity follows du/dp = K d(u), compression ends
+ * where u_n = 0, restitution where the normal work has come back to -e^2 times that of compression. Midpoint
+ * steps; a step that would carry slip through zero ends on zero, so that sticking is seen.
+ */
+static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, double restitution)
+{
+	enum { STEPS = 256, MOST = 64 * STEPS };
+	const double approach = -rb_vec3_dot(velocity, link->normal);
+	const double dp = approach / (link->normal_yield * STEPS);
+	const double still = 1e-9 * rb_vec3_length(velocity);
+	double compression = 0, restored = 0;
+	rb_vec3 u = velocity, impulse = {0, 0, 0};
+
+	for (int round = 0; round < MOST; round++) {
+		const double normal_before = rb_vec3_dot(u, link->normal);
+		const rb_vec3 slip = across(link, u);
+		rb_vec3 d = direction(link, slip, still);
+		const rb_vec3 half = rb_vec3_add_scaled(u, 0.5 * dp, rb_mat3_apply(&link->yield, d));
+		const rb_vec3 half_slip = across(link, half);
+
+		if (rb_vec3_length(slip) > still && rb_vec3_dot(half_slip, slip) > 0)
+			d = direction(link, half_slip, still);
+		const rb_vec3 rate = rb_mat3_apply(&link->yield, d);
+		double step = dp;
+
+		/* not beyond the end of slip */
+		const rb_vec3 slip_rate = across(link, rate);
+		const double closing = -rb_vec3_dot(slip, slip_rate);
+		if (rb_vec3_length(slip) > still && closing > 0)
+			step = fmin(step, rb_vec3_dot(slip, slip) / closing);
+		/* nor beyond the end of compression or of restitution */
+		const double normal_rate = rb_vec3_dot(rate, link->normal);
+		bool last = false;
+		if (normal_before < 0 && normal_rate > 0 && normal_before + step * normal_rate > 0)
+			step = -normal_before / normal_rate;
+		if (normal_before >= 0) {
+			/* work still to come back: u step + rate step^2 / 2 */
+			const double owed = -restitution * restitution * compression - restored;
+			const double gives = normal_before * step + 0.5 * normal_rate * step * step;
+			if (!(owed > 0)) {
+				step = 0;
+				last = true;
+			} else if (gives >= owed) {
+				/* the smaller root of owed = u s + rate s^2 / 2, without cancellation */
+				step = 2 * owed / (normal_before + sqrt(normal_before * normal_before +
+				                                        2 * normal_rate * owed));
+				last = true;
+			}
+		}
+		const double work = normal_before * step + 0.5 * normal_rate * step * step;
+		*(normal_before < 0 ? &compression : &restored) += work;
+		u = rb_vec3_add_scaled(u, step, rate);
+		impulse = rb_vec3_add_scaled(impulse, step, d);
+		if (normal_before < 0 && fabs(rb_vec3_dot(u, link->normal)) <= 4 * DBL_EPSILON * approach)
+			u = across(link, u); /* exactly at the end of compression */
+		if (last)
+			break;
+	}
+	return impulse;
+}
+
+rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double leave)
+{
+	const double approach = -rb_vec3_dot(velocity, link->normal);
+
+	if (!link->central && link->friction > 0)
+		return energetic_impact(link, velocity, leave / approach);
+	const double normal = (leave + approach) / link->normal_yield;
+	if (!(link->friction > 0))
+		return rb_vec3_scale(normal, link->normal);
+	const rb_vec3 stick = rb_vec3_scale(-1 / link->tangent_yield, across(link, velocity));
+	return rb_vec3_add_scaled(within(stick, link->friction * normal), normal, link->normal);
+}
+
+/* One row on its own: returns the larger change of velocity that it made. */
+static double solve_row(struct rb_world *world, struct rb_row *row)
+{
+	const struct rb_link *link = &row->link;
+	const rb_vec3 u = rb_link_velocity(world, &world->state, link);
+	/* the sum is clamped, not the increment: a later sweep may take back what this one gives too much */
+	const double normal = fmax(0, row->normal + (row->leave - rb_vec3_dot(u, link->normal)) / link->normal_yield);
+	const double more = normal - row->normal;
+	double change = fabs(more) * link->normal_yield;
+
+	row->normal = normal;
+	row->change = rb_vec3_scale(more, link->normal);
+	if (link->friction > 0) {
+		rb_vec3 slip = across(link, u);
+		if (!link->central) /* the normal impulse changes slip too */
+			slip = rb_vec3_add_scaled(slip, more, across(link, rb_mat3_apply(&link->yield, link->normal)));
+		const rb_vec3 tangent = within(rb_vec3_add_scaled(row->tangent, -1 / link->tangent_yield, slip),
+		                               link->friction * normal);
+		const rb_vec3 extra = rb_vec3_sub(tangent, row->tangent);
+
+		row->tangent = tangent;
+		row->change = rb_vec3_add(row->change, extra);
+		change = fmax(change, rb_vec3_length(extra) * link->tangent_yield);
+	}
+	rb_link_push(world, link, row->change);
+	return change;
+}
+
+/* Adds `share` of each row's direction to its impulse; the sweep that follows projects it back to the cone. */
+static void follow(struct rb_world *world, struct rb_row *row, int count, double share)
+{
+	for (int k = 0; k < count; k++) {
+		const rb_vec3 extra = rb_vec3_scale(share, row[k].direction);
+		const double normal = rb_vec3_dot(extra, row[k].link.normal);
+
+		row[k].normal += normal;
+		row[k].tangent = rb_vec3_add(row[k].tangent, rb_vec3_add_scaled(extra, -normal, row[k].link.normal));
+		rb_link_push(world, &row[k].link, extra);
+	}
+}
+
+double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough)
+{
+	double change = 0, size = 0, size_before = 0;
+
+	for (int sweep = 0; sweep < sweeps; sweep++) {
+		change = size = 0;
+		for (int k = 0; k < count; k++) {
+			change = fmax(change, solve_row(world, &row[k]));
+			size += row[k].link.normal_yield * rb_vec3_dot(row[k].change, row[k].change);
+		}
+		if (change <= enough)
+			break;
+		/* one row is exact after a sweep, and the last sweep must stand; where it got worse begin anew */
+		const double share = sweep > 0 && size <= size_before ? size / size_before : 0;
+		if (count > 1 && share > 0 && sweep + 1 < sweeps)
+			follow(world, row, count, share);
+		for (int k = 0; k < count; k++)
+			row[k].direction = rb_vec3_add_scaled(row[k].change, share, row[k].direction);
+		size_before = size;
+	}
+	return change;
+}

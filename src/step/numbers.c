@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+#include "step/numbers.h"
+
+#include "base/memory.h"
+#include "step/broadphase.h"
+
+#include <string.h>
+
+void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_world_def *def = &model->scene->world;
+
+	*numbers = (struct rb_frame_numbers){0};
+	for (int i = 0; i < model->body_count; i++) {
+		const int id = model->id_of[i];
+		const rb_vec3 at = rb_world_row3(world->state.position, i);
+
+		numbers->kinetic_energy += rb_world_kinetic_energy(world, id);
+		numbers->potential_energy -= model->mass[i] * rb_vec3_dot(def->gravity, at) +
+		                             rb_vec3_dot(def->gravity_force, at);
+		numbers->momentum = rb_vec3_add(numbers->momentum, rb_world_momentum(world, id));
+		numbers->angular_momentum = rb_vec3_add(numbers->angular_momentum,
+		                                        rb_world_angular_momentum(world, id));
+	}
+}
+
+void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts, size_t contacts)
+{
+	numbers->contacts = contacts;
+	numbers->collisions = counts->collisions;
+	numbers->rollbacks = counts->rollbacks;
+	numbers->substeps = counts->substeps;
+	numbers->smallest_step = isfinite(counts->smallest_step_s) ? counts->smallest_step_s : 0;
+	numbers->max_penetration = counts->max_penetration_m;
+}
+
+struct rb_frame_numbers rb_world_totals(struct rb_world *world)
+{
+	struct rb_frame_numbers numbers;
+	struct rb_counts counts = world->total_counts;
+
+	rb_counts_add(&counts, &world->frame_counts);
+	rb_numbers_measure(world, &numbers);
+	rb_numbers_count(&numbers, &counts, world->contacts.count);
+	return numbers;
+}
+
+struct rb_world_work rb_world_work(const struct rb_world *world)
+{
+	struct rb_counts counts = world->total_counts;
+
+	rb_counts_add(&counts, &world->frame_counts);
+	return (struct rb_world_work){.body_steps = counts.body_steps,
+	                              .discarded_body_steps = counts.discarded_body_steps,
+	                              .plastic_ends = counts.plastic_ends,
+	                              .pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase)
+	                                                              : 0};
+}
+
+static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
+{
+	const struct rb_model *model = world->model;
+	const size_t n = (size_t)model->body_count;
+
+	if (frame->position && !model->center_of_mass)
+		memcpy(frame->position, world->state.position, 3 * n * sizeof(double));
+	else if (frame->position)
+		for (size_t i = 0; i < n; i++)
+			rb_vec3_to(frame->position + 3 * i, rb_world_origin_at(world, &world->state, (int)i));
+	if (frame->orientation)
+		memcpy(frame->orientation, world->state.orientation, 4 * n * sizeof(double));
+	if (frame->velocity)
+		memcpy(frame->velocity, world->state.velocity, 3 * n * sizeof(double));
+	if (frame->angular_velocity)
+		memcpy(frame->angular_velocity, world->state.spin, 3 * n * sizeof(double));
+}
+
+static bool fill_events(struct rb_world *world, struct rb_frame *frame)
+{
+	size_t capacity = (size_t)frame->event_capacity;
+
+	if (!rb_memory_reserve(&frame->events, &capacity, world->events.count, sizeof *frame->events))
+		return false;
+	frame->event_capacity = (int)capacity;
+	frame->event_count = (int)world->events.count;
+	if (world->events.count > 0)
+		memcpy(frame->events, world->events.row, world->events.count * sizeof *frame->events);
+	return true;
+}
+
+static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
+{
+	size_t capacity = (size_t)frame->contact_capacity;
+
+	if (!rb_memory_reserve(&frame->contacts, &capacity, world->contacts.count, sizeof *frame->contacts))
+		return false;
+	frame->contact_capacity = (int)capacity;
+	frame->contact_count = (int)world->contacts.count;
+	for (size_t k = 0; k < world->contacts.count; k++) {
+		const struct rb_contact *c = &world->contacts.row[k];
+		struct rb_frame_contact *out = &frame->contacts[k];
+		const int a = world->model->id_of[c->a], b = world->model->id_of[c->b];
+		const double sign = a < b ? 1 : -1;
+
+		*out = (struct rb_frame_contact){.a = a < b ? a : b,
+		                                 .b = a < b ? b : a,
+		                                 .point = c->point,
+		                                 .normal = rb_vec3_scale(sign, c->normal),
+		                                 .gap = c->gap};
+		out->force = rb_vec3_scale(sign, rb_vec3_add_scaled(c->tangent_force, c->normal_force, c->normal));
+	}
+	return true;
+}
+
+enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame, struct rb_error *err)
+{
+	frame->index = world->state.frame;
+	frame->time_s = world->state.time_s;
+	frame->body_count = world->model->body_count;
+	fill_poses(world, frame);
+	rb_numbers_measure(world, &frame->numbers);
+	rb_numbers_count(&frame->numbers, &world->frame_counts, world->contacts.count);
+	frame->event_count = frame->contact_count = 0;
+	if ((world->options.keep_events && !fill_events(world, frame)) ||
+	    (world->options.keep_contacts && !fill_contacts(world, frame)))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu events and %zu contacts of a frame",
+		               world->events.count, world->contacts.count);
+	rb_counts_add(&world->total_counts, &world->frame_counts);
+	world->frame_counts = rb_counts_none;
+	world->events.count = 0;
+	return RB_OK;
+}

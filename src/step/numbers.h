@@ -1,0 +1,12 @@
+/* SPDX-License-Identifier: MIT */
+/* Energy, momentum and counts of a moment; sums run over bodies in their order, whatever the threads. */
+#ifndef RB_STEP_NUMBERS_H
+#define RB_STEP_NUMBERS_H
+
+#include "world/world.h"
+
+/* Fills all but the counts. Potential energy is of gravity and gravity_force, zero at the origin. */
+void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers);
+void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts, size_t contacts);
+
+#endif

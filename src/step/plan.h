@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Features -> the list of stages of a substep. What a scene lacks is not in the list.
+ *
+ * Built when a world is made, then read only.
+ */
+#ifndef RB_STEP_PLAN_H
+#define RB_STEP_PLAN_H
+
+#include <stdio.h>
+
+#include "step/stage.h"
+
+enum { RB_PLAN_STAGES_MAX = 16 };
+
+struct rb_plan {
+	const struct rb_stage *stage[RB_PLAN_STAGES_MAX];
+	int count;
+};
+
+void rb_plan_build(struct rb_plan *plan, rb_features features);
+void rb_plan_run(const struct rb_plan *plan, struct rb_pass *pass);
+
+/* All stages there are, in the order of a substep; `count` receives their number. */
+const struct rb_stage *const *rb_plan_stages(int *count);
+/* Would this stage run in a scene of these features? */
+bool rb_plan_has(const struct rb_stage *stage, rb_features features);
+
+/* Prints what runs, what is left out and why, and the columns with their bytes. */
+void rb_plan_print(const struct rb_model *model, FILE *to);
+
+/* Bytes that a world of this model takes while it runs, model and contacts of a dense heap included. */
+size_t rb_plan_bytes(const struct rb_model *model);
+
+#endif

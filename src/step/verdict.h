@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* Is the substep good? Every number finite, no overlap beyond what step/gap allows. */
+#ifndef RB_STEP_VERDICT_H
+#define RB_STEP_VERDICT_H
+
+#include "step/stage.h"
+
+enum rb_verdict { RB_VERDICT_GOOD, RB_VERDICT_OVERLAP, RB_VERDICT_NOT_FINITE };
+
+/* Every number of a body's row that moves it. */
+bool rb_verdict_finite(const struct rb_state *state, int index);
+
+/* `*body` receives a body index when a state is not finite. */
+enum rb_verdict rb_verdict_of(const struct rb_pass *pass, int *body);
+
+#endif

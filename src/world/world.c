@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/* What callers may read of a world and what callbacks may change in it. */
+#include "world/world.h"
+
+static bool moves(const struct rb_world *world, int id)
+{
+	return world->model->index_of[id] < world->model->body_count;
+}
+
+int rb_world_id_count(const struct rb_world *world)
+{
+	return world->model->body_count + world->model->static_count;
+}
+
+bool rb_world_is_static(const struct rb_world *world, int id)
+{
+	return !moves(world, id);
+}
+
+bool rb_world_stopped(const struct rb_world *world)
+{
+	return world->stopped;
+}
+
+uint64_t rb_world_frame(const struct rb_world *world)
+{
+	return world->state.frame;
+}
+
+uint64_t rb_world_frame_count(const struct rb_world *world)
+{
+	return world->model->frame_count;
+}
+
+double rb_world_time(const struct rb_world *world)
+{
+	return world->state.time_s;
+}
+
+uint64_t rb_world_hash(const struct rb_world *world)
+{
+	return rb_contacts_hash(&world->contacts, rb_state_hash(&world->state));
+}
+
+double rb_world_mass(const struct rb_world *world, int id)
+{
+	return world->model->mass[world->model->index_of[id]];
+}
+
+rb_mat3 rb_world_inertia(const struct rb_world *world, int id)
+{
+	const struct rb_model *model = world->model;
+
+	return moves(world, id) && model->inertia ? model->inertia[model->index_of[id]] : (rb_mat3){{{0}}};
+}
+
+rb_vec3 rb_world_position(const struct rb_world *world, int id)
+{
+	return rb_world_origin_at(world, &world->state, world->model->index_of[id]);
+}
+
+rb_quat rb_world_orientation(const struct rb_world *world, int id)
+{
+	return rb_world_orientation_at(world, &world->state, world->model->index_of[id]);
+}
+
+rb_vec3 rb_world_velocity(const struct rb_world *world, int id)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	return moves(world, id) ? rb_world_row3(world->state.velocity, world->model->index_of[id]) : none;
+}
+
+rb_vec3 rb_world_angular_velocity(const struct rb_world *world, int id)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	return moves(world, id) && world->state.spin ? rb_world_row3(world->state.spin, world->model->index_of[id])
+	                                             : none;
+}
+
+rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id)
+{
+	return moves(world, id) ? rb_world_row3(world->state.position, world->model->index_of[id])
+	                        : rb_world_position(world, id);
+}
+
+/* Spin angular momentum about the centre of mass. */
+static rb_vec3 spin_momentum(const struct rb_world *world, int id)
+{
+	const struct rb_model *model = world->model;
+
+	if (!moves(world, id) || !world->state.spin)
+		return (rb_vec3){0, 0, 0};
+	const int i = model->index_of[id];
+	const rb_vec3 spin = rb_world_row3(world->state.spin, i);
+	const double scalar = model->inverse_inertia_scalar[i];
+	if (!isnan(scalar))
+		return rb_vec3_scale(model->inertia[i].m[0][0], spin);
+	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
+	return rb_quat_rotate(q, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(q, spin)));
+}
+
+double rb_world_kinetic_energy(const struct rb_world *world, int id)
+{
+	if (!moves(world, id))
+		return 0;
+	const rb_vec3 v = rb_world_velocity(world, id);
+	const rb_vec3 w = rb_world_angular_velocity(world, id);
+	return 0.5 * rb_world_mass(world, id) * rb_vec3_dot(v, v) + 0.5 * rb_vec3_dot(w, spin_momentum(world, id));
+}
+
+rb_vec3 rb_world_momentum(const struct rb_world *world, int id)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	return moves(world, id) ? rb_vec3_scale(rb_world_mass(world, id), rb_world_velocity(world, id)) : none;
+}
+
+rb_vec3 rb_world_angular_momentum(const struct rb_world *world, int id)
+{
+	const rb_vec3 orbital = rb_vec3_cross(rb_world_center_of_mass(world, id), rb_world_momentum(world, id));
+
+	return rb_vec3_add(orbital, spin_momentum(world, id));
+}
+
+rb_vec3 rb_world_point(const struct rb_world *world, int id, rb_vec3 point_local)
+{
+	return rb_vec3_add(rb_world_position(world, id),
+	                   rb_quat_rotate(rb_world_orientation(world, id), point_local));
+}
+
+void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_vec3 point)
+{
+	const struct rb_model *model = world->model;
+	const int i = model->index_of[id];
+	const rb_vec3 arm = rb_vec3_sub(point, rb_world_row3(world->state.position, i));
+	const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+
+	rb_contacts_drop(&world->contacts, i);
+	rb_vec3_to(world->state.velocity + 3 * i, rb_vec3_add_scaled(v, model->inverse_mass[i], impulse));
+	if (!world->state.spin)
+		return;
+	const rb_vec3 w = rb_world_row3(world->state.spin, i);
+	const rb_vec3 turn = rb_world_turn(world, &world->state, i, rb_vec3_cross(arm, impulse));
+	rb_vec3_to(world->state.spin + 3 * i, rb_vec3_add(w, turn));
+}
+
+void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3 point)
+{
+	const int i = world->model->index_of[id];
+	const rb_vec3 arm = rb_vec3_sub(point, rb_world_row3(world->state.position, i));
+
+	if (!world->state.push)
+		return;
+	rb_vec3_to(world->state.push + 3 * i, rb_vec3_add(rb_world_row3(world->state.push, i), force));
+	rb_vec3_to(world->state.twist + 3 * i,
+	           rb_vec3_add(rb_world_row3(world->state.twist, i), rb_vec3_cross(arm, force)));
+}
+
+void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity)
+{
+	const int i = world->model->index_of[id];
+
+	rb_contacts_drop(&world->contacts, i);
+	rb_vec3_to(world->state.velocity + 3 * i, velocity);
+}
+
+void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angular_velocity)
+{
+	const int i = world->model->index_of[id];
+
+	if (!world->state.spin)
+		return;
+	rb_contacts_drop(&world->contacts, i);
+	rb_vec3_to(world->state.spin + 3 * i, angular_velocity);
+}
+
+void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position)
+{
+	const int i = world->model->index_of[id];
+	const rb_vec3 shift = rb_vec3_sub(position, rb_world_origin_at(world, &world->state, i));
+
+	rb_contacts_drop(&world->contacts, i);
+	world->moved_by_hand = true;
+	rb_vec3_to(world->state.position + 3 * i, rb_vec3_add(rb_world_row3(world->state.position, i), shift));
+}

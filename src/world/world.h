@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The inside of a running world: model + state + scratch, and who may touch it when.
+ *
+ * Between steps everything belongs to the simulator thread. While groups run, a worker touches only the state
+ * rows of its group's bodies and its own arena; all else is read only until the team has come back.
+ */
+#ifndef RB_WORLD_WORLD_H
+#define RB_WORLD_WORLD_H
+
+#include <rbsim/world.h>
+
+
+#include "base/arena.h"
+#include "base/team.h"
+#include "math/quat.h"
+#include "world/contacts.h"
+#include "world/state.h"
+
+#include <math.h>
+
+struct rb_broadphase;
+struct rb_plan;
+struct rb_groups;
+
+/* Counts since some moment; all are sums or extremes, so the order of adding does not matter. */
+struct rb_counts {
+	uint64_t collisions, rollbacks, substeps;
+	uint64_t body_steps, discarded_body_steps;
+	uint64_t plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
+	double smallest_step_s; /* HUGE_VAL: no step yet */
+	double max_penetration_m;
+};
+
+static const struct rb_counts rb_counts_none = {.smallest_step_s = HUGE_VAL};
+
+static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *from)
+{
+	to->collisions += from->collisions;
+	to->rollbacks += from->rollbacks;
+	to->substeps += from->substeps;
+	to->body_steps += from->body_steps;
+	to->discarded_body_steps += from->discarded_body_steps;
+	to->plastic_ends += from->plastic_ends;
+	to->smallest_step_s = fmin(to->smallest_step_s, from->smallest_step_s);
+	to->max_penetration_m = fmax(to->max_penetration_m, from->max_penetration_m);
+}
+
+struct rb_events {
+	struct rb_event *row; /* owned; `a`, `b` are ids */
+	size_t count, capacity;
+};
+
+struct rb_world {
+	/* set when it is made, then only read */
+	const struct rb_model *model;
+	struct rb_world_options options;
+	struct rb_world_hooks hooks;
+	struct rb_plan *plan; /* owned */
+
+	/* simulator thread; rows of `state` are lent to workers while groups run */
+	struct rb_state state;
+	struct rb_state start;     /* as it was at the beginning of the step */
+	struct rb_state mark;      /* rows as they were at the beginning of the group's substep */
+	struct rb_contacts contacts, next_contacts;
+	struct rb_broadphase *broadphase; /* owned; NULL without contact */
+	struct rb_groups *groups;         /* owned; NULL without contact */
+	struct rb_team *team;             /* owned */
+	struct rb_arena *arena;           /* owned; [workers]: scratch of a pass */
+	struct rb_arena *kept;            /* owned; [workers]: what a pass leaves for the commit of the step */
+	int worker_count;
+	struct rb_counts frame_counts; /* since the frame before */
+	struct rb_counts total_counts; /* of the run, without frame_counts */
+	struct rb_events events;       /* since the frame before */
+	bool moved_by_hand;            /* a callback has set a position */
+	bool stopped;
+};
+
+static inline rb_vec3 rb_world_row3(const double *column, int index)
+{
+	return rb_vec3_from(column + 3 * (size_t)index);
+}
+
+/* Orientation of a body by index, moving or not. */
+static inline rb_quat rb_world_orientation_at(const struct rb_world *world, const struct rb_state *state, int index)
+{
+	if (index < world->model->body_count && state->orientation)
+		return rb_quat_from(state->orientation + 4 * (size_t)index);
+	return world->model->orientation[index];
+}
+
+/* Position of the object's origin, which is the centre of its shape. */
+static inline rb_vec3 rb_world_origin_at(const struct rb_world *world, const struct rb_state *state, int index)
+{
+	const struct rb_model *model = world->model;
+
+	if (index >= model->body_count)
+		return model->position[index];
+	const rb_vec3 center = rb_world_row3(state->position, index);
+	if (!model->center_of_mass)
+		return center;
+	return rb_vec3_sub(center, rb_quat_rotate(rb_world_orientation_at(world, state, index),
+	                                          model->center_of_mass[index]));
+}
+
+/* I^-1 applied to an angular impulse, world axes; the body must be moving and able to turn. */
+static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct rb_state *state, int index,
+                                    rb_vec3 angular_impulse)
+{
+	const struct rb_model *model = world->model;
+	const double scalar = model->inverse_inertia_scalar[index];
+
+	if (!isnan(scalar))
+		return rb_vec3_scale(scalar, angular_impulse);
+	const rb_quat q = rb_quat_from(state->orientation + 4 * (size_t)index);
+	return rb_quat_rotate(q, rb_mat3_apply(&model->inverse_inertia[index],
+	                                       rb_quat_rotate_back(q, angular_impulse)));
+}
+
+#endif
