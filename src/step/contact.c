@@ -2,6 +2,7 @@
 #include "step/contact.h"
 
 #include "step/gap.h"
+#include "step/groups.h"
 #include "step/impulse.h"
 
 enum { SWEEPS = 400 };
@@ -96,9 +97,15 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 	const rb_vec3 arm = rb_vec3_neg(rb_quat_rotate(rb_world_orientation_at(world, &world->state, i),
 	                                               model->center_of_mass[i]));
 	const rb_vec3 turn = rb_vec3_scale(pass->h_s, rb_world_row3(world->state.spin, i));
-	const rb_vec3 turned = rb_quat_rotate(rb_quat_from_turn(turn), arm);
+	const double angle = rb_vec3_length(turn);
 
-	return rb_vec3_sub(rb_vec3_sub(turned, arm), rb_vec3_cross(turn, arm));
+	/* (1 - cos) k x (k x r) + (sin - angle) k x r, without the cancellation of either bracket */
+	const double half_sine = sin(0.5 * angle), square = angle * angle;
+	const double bend = angle > 0 ? 2 * half_sine * half_sine / square : 0;
+	const double lag = angle < 1e-2 ? -1.0 / 6 + square / 120 : (sin(angle) - angle) / (square * angle);
+	const rb_vec3 once = rb_vec3_cross(turn, arm);
+
+	return rb_vec3_add_scaled(rb_vec3_scale(bend, rb_vec3_cross(turn, once)), lag * square, once);
 }
 
 /*
@@ -168,7 +175,9 @@ static void reactions(struct rb_pass *pass)
 	for (int n = 0; n < count; n++)
 		rb_link_push(world, &row[n].link, rb_vec3_add_scaled(row[n].tangent, row[n].normal,
 		                                                     row[n].link.normal));
-	rb_rows_solve(world, row, count, SWEEPS, rb_contact_enough(pass));
+	/* a short substep moves nothing far: what it leaves is taken up by the next long one */
+	const double enough = rb_contact_enough(pass) * fmin(pass->dt_s / pass->h_s, 100);
+	rb_rows_solve(world, row, count, SWEEPS, enough);
 	for (int n = 0; n < count; n++) {
 		struct rb_touch *touch = &pass->touch[of[n]];
 
@@ -178,6 +187,57 @@ static void reactions(struct rb_pass *pass)
 		touch->tangent_force = rb_vec3_scale(1 / pass->h_s, row[n].tangent);
 	}
 	rb_arena_back(pass->arena, here);
+}
+
+/* Velocity that a body will about have at the end of the substep: of one that rests on others, that of before. */
+static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
+{
+	if (i >= world->model->body_count)
+		return (rb_vec3){0, 0, 0};
+	return rb_world_row3(world->groups->held[i] ? world->mark.velocity : world->state.velocity, i);
+}
+
+/*
+ * A try that is lost anyway need not be worked out: when two bodies that are not in contact would overlap by far if
+ * they went on straight, at a speed that is an impact's. `worst` is then set, and the plan ends there.
+ */
+static void look_ahead(struct rb_pass *pass)
+{
+	const struct rb_world *world = pass->world;
+	const double far = 16 * world->model->tolerance_m;
+	unsigned char *const held = world->groups->held;
+	bool any = false;
+
+	for (int k = 0; k < pass->member_count; k++)
+		held[pass->member[k]] = 0;
+	for (int k = 0; k < pass->touch_count; k++)
+		if (pass->touch[k].lasting) {
+			any = true;
+			held[pass->touch[k].a] = 1;
+			if (pass->touch[k].b < world->model->body_count)
+				held[pass->touch[k].b] = 1;
+		}
+	for (int k = 0; any && k < pass->touch_count; k++) {
+		const struct rb_touch *touch = &pass->touch[k];
+
+		if (touch->lasting || pass->now[k].gap <= touch->band)
+			continue;
+		const rb_vec3 closing = rb_vec3_sub(foreseen_velocity(world, touch->a), foreseen_velocity(world, touch->b));
+		const double speed = rb_vec3_dot(closing, pass->now[k].normal);
+		double forced = world->groups->acceleration[touch->a];
+		if (touch->b < world->model->body_count)
+			forced += world->groups->acceleration[touch->b];
+		/* straight on towards each other: the surfaces only bend away from that */
+		const rb_vec3 aside = rb_vec3_add_scaled(closing, -speed, pass->now[k].normal);
+		const double bend = rb_vec3_dot(aside, aside) * pass->h_s * pass->h_s /
+		                    rb_gap_radius(world->model, touch->a, touch->b);
+		const double gap = pass->now[k].gap - speed * pass->h_s + bend;
+		if (speed > forced * pass->dt_s && gap < -far) {
+			pass->worst = k;
+			pass->worst_gap = gap;
+			return;
+		}
+	}
 }
 
 /* Moves two bodies apart along the normal, the lighter one more. */
@@ -221,5 +281,7 @@ void rb_contact_settle(struct rb_pass *pass)
 	pass->next = gaps;
 }
 
+const struct rb_stage rb_stage_look_ahead = {"look_ahead", "spares the reactions of a try that is lost anyway",
+                                             RB_FEATURE_CONTACT, look_ahead};
 const struct rb_stage rb_stage_reactions = {"reactions", "lasting contacts, after all other forces",
                                             RB_FEATURE_CONTACT, reactions};

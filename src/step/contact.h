@@ -14,6 +14,7 @@
 
 #include "step/impulse.h"
 
+extern const struct rb_stage rb_stage_look_ahead;
 extern const struct rb_stage rb_stage_reactions;
 
 /* Change of velocity at which iteration over resting contacts stops: it moves a body by a small share (1e-3) of the

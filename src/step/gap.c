@@ -152,7 +152,6 @@ static void measure(struct rb_pass *pass)
 	const struct rb_world *world = pass->world;
 	double worst_excess = 0;
 
-	pass->worst = -1;
 	for (int k = 0; k < pass->touch_count; k++) {
 		const struct rb_touch *touch = &pass->touch[k];
 		const double floor = allowed(pass, touch, pass->now[k].gap);

@@ -23,13 +23,14 @@ enum rb_status rb_groups_create(struct rb_groups **made, const struct rb_model *
 	groups->margin = rb_memory_take(n, sizeof *groups->margin);
 	groups->reach = rb_memory_take(n, sizeof *groups->reach);
 	groups->travelled = rb_memory_take(n, sizeof *groups->travelled);
+	groups->held = rb_memory_take(n, sizeof *groups->held);
 	groups->parent = rb_memory_take(n, sizeof *groups->parent);
 	groups->group_of = rb_memory_take(n, sizeof *groups->group_of);
 	groups->box = rb_memory_take(n, sizeof *groups->box);
 	groups->acceleration = rb_memory_take(n, sizeof *groups->acceleration);
 	groups->alone = rb_memory_take(n, sizeof *groups->alone);
 	groups->member = rb_memory_take(groups->member_capacity, sizeof *groups->member);
-	if (!groups->built_at || !groups->margin || !groups->reach || !groups->travelled || !groups->parent ||
+	if (!groups->built_at || !groups->margin || !groups->reach || !groups->travelled || !groups->held || !groups->parent ||
 	    !groups->group_of || !groups->box || !groups->acceleration || !groups->alone || !groups->member) {
 		rb_groups_destroy(groups);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of %zu bodies", n);
@@ -46,6 +47,7 @@ void rb_groups_destroy(struct rb_groups *groups)
 	rb_memory_free(groups->margin);
 	rb_memory_free(groups->reach);
 	rb_memory_free(groups->travelled);
+	rb_memory_free(groups->held);
 	rb_memory_free(groups->parent);
 	rb_memory_free(groups->group_of);
 	rb_memory_free(groups->box);

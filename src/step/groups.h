@@ -33,6 +33,7 @@ struct rb_groups {
 	double *margin;     /* how far it may get from there, m */
 	double *reach;      /* how far it can get in this step, m */
 	double *travelled;  /* how far it has been from its start at the end of a substep, m; of group members */
+	unsigned char *held; /* scratch of step/contact: has a lasting contact */
 	int *parent;        /* union-find; the root is the smallest member */
 	int *group_of;      /* -1: alone */
 	rb_aabb *box;

@@ -76,6 +76,12 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
 	if (is_moving(world, touch->b))
 		link.arm_b = rb_vec3_sub(gap->point, rb_world_row3(state->position, touch->b));
 
+	link.inverse_mass_a = model->inverse_mass[link.a];
+	link.inverse_mass_b = is_moving(world, link.b) ? model->inverse_mass[link.b] : 0;
+	if (state->spin) {
+		link.inverse_inertia_a = model->inverse_inertia_scalar[link.a];
+		link.inverse_inertia_b = is_moving(world, link.b) ? model->inverse_inertia_scalar[link.b] : 0;
+	}
 	link.central = central_yield(world, state, link.a, &link.normal_yield, &link.tangent_yield) &&
 	               central_yield(world, state, link.b, &link.normal_yield, &link.tangent_yield);
 	if (link.central) {
@@ -93,7 +99,7 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
 	return link;
 }
 
-static rb_vec3 velocity_at(const struct rb_state *state, int i, rb_vec3 arm)
+static inline rb_vec3 velocity_at(const struct rb_state *state, int i, rb_vec3 arm)
 {
 	const rb_vec3 v = rb_world_row3(state->velocity, i);
 
@@ -126,25 +132,32 @@ double rb_link_noise(const struct rb_world *world, const struct rb_link *link)
 	       (speed_bound(world, link->a, link->arm_a) + speed_bound(world, link->b, link->arm_b));
 }
 
-static void push_body(struct rb_world *world, int i, rb_vec3 arm, rb_vec3 impulse)
+/* The hot path of every iteration: a body's inverse mass and inertia come with the link. */
+static inline void push_body(struct rb_world *world, int i, double inverse_mass, double inverse_inertia, rb_vec3 arm,
+                             rb_vec3 impulse)
 {
-	struct rb_state *state = &world->state;
+	double *const v = world->state.velocity + 3 * (size_t)i;
 
-	if (!is_moving(world, i))
+	v[0] += inverse_mass * impulse.x;
+	v[1] += inverse_mass * impulse.y;
+	v[2] += inverse_mass * impulse.z;
+	if (inverse_inertia == 0)
 		return;
-	const rb_vec3 v = rb_world_row3(state->velocity, i);
-	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_vec3_add_scaled(v, world->model->inverse_mass[i], impulse));
-	if (!state->spin)
-		return;
-	const rb_vec3 w = rb_world_row3(state->spin, i);
-	rb_vec3_to(state->spin + 3 * (size_t)i,
-	           rb_vec3_add(w, rb_world_turn(world, state, i, rb_vec3_cross(arm, impulse))));
+	const rb_vec3 torque = rb_vec3_cross(arm, impulse);
+	const rb_vec3 turn = isnan(inverse_inertia) ? rb_world_turn(world, &world->state, i, torque)
+	                                            : rb_vec3_scale(inverse_inertia, torque);
+	double *const w = world->state.spin + 3 * (size_t)i;
+
+	w[0] += turn.x;
+	w[1] += turn.y;
+	w[2] += turn.z;
 }
 
 void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse)
 {
-	push_body(world, link->a, link->arm_a, rb_vec3_neg(impulse));
-	push_body(world, link->b, link->arm_b, impulse);
+	push_body(world, link->a, link->inverse_mass_a, link->inverse_inertia_a, link->arm_a, rb_vec3_neg(impulse));
+	if (link->inverse_mass_b > 0)
+		push_body(world, link->b, link->inverse_mass_b, link->inverse_inertia_b, link->arm_b, impulse);
 }
 
 /* The part of u across the normal. */
@@ -267,32 +280,79 @@ rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double leav
 	return rb_vec3_add_scaled(within(stick, link->friction * normal), normal, link->normal);
 }
 
-/* One row on its own: returns the larger change of velocity that it made. */
+/* Normal and friction of a central contact do not meddle with each other: one after the other. */
+static rb_vec3 central_impulse(const struct rb_row *row, rb_vec3 u)
+{
+	const struct rb_link *link = &row->link;
+	/* the sum is clamped, not the increment: a later sweep may take back what this one gives too much */
+	const double normal = fmax(0, row->normal + (row->leave - rb_vec3_dot(u, link->normal)) / link->normal_yield);
+	rb_vec3 tangent = {0, 0, 0};
+
+	if (link->friction > 0)
+		tangent = within(rb_vec3_add_scaled(row->tangent, -1 / link->tangent_yield, across(link, u)),
+		                 link->friction * normal);
+	return rb_vec3_add_scaled(tangent, normal, link->normal);
+}
+
+/*
+ * Of an eccentric contact: the impulse that alone takes the relative velocity `free` to the wanted one, sticking if the
+ * cone allows that, else sliding against the slip that it leaves (damped fixed point of its direction). Where
+ * friction would pull the bodies together faster than the impulse parts them (Painleve), the sticking impulse, cut
+ * to the cone.
+ */
+static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, double leave)
+{
+	const double short_of = leave - rb_vec3_dot(free, link->normal);
+	rb_mat3 inverse;
+
+	if (short_of <= 0)
+		return (rb_vec3){0, 0, 0};
+	if (!(link->friction > 0) || !rb_mat3_inverse(&link->yield, &inverse))
+		return rb_vec3_scale(short_of / link->normal_yield, link->normal);
+	const rb_vec3 stick = rb_mat3_apply(&inverse, rb_vec3_sub(rb_vec3_scale(leave, link->normal), free));
+	const double stick_normal = rb_vec3_dot(stick, link->normal);
+	const rb_vec3 stick_tangent = across(link, stick);
+	if (stick_normal >= 0 && rb_vec3_length(stick_tangent) <= link->friction * stick_normal)
+		return stick;
+
+	rb_vec3 along = rb_vec3_unit(across(link, free), rb_vec3_unit(rb_vec3_neg(stick_tangent),
+	                                                              rb_vec3_across(link->normal)));
+	for (int round = 0; round < 64; round++) {
+		const rb_vec3 d = rb_vec3_add_scaled(link->normal, -link->friction, along);
+		const rb_vec3 kd = rb_mat3_apply(&link->yield, d);
+		const double yield = rb_vec3_dot(kd, link->normal);
+
+		if (!(yield > 1e-3 * link->normal_yield))
+			break;
+		const rb_vec3 slip = across(link, rb_vec3_add_scaled(free, short_of / yield, kd));
+		const rb_vec3 next = rb_vec3_unit(rb_vec3_add(along, rb_vec3_unit(slip, along)), along);
+		const bool settled = rb_vec3_length(rb_vec3_sub(next, along)) <= 1e-13;
+
+		along = next;
+		if (settled || round == 63)
+			return rb_vec3_scale(short_of / yield, d);
+	}
+	const double normal = fmax(stick_normal, short_of / link->normal_yield);
+	return rb_vec3_add_scaled(within(stick_tangent, link->friction * normal), normal, link->normal);
+}
+
+/* One row on its own: returns the change of velocity that it made. */
 static double solve_row(struct rb_world *world, struct rb_row *row)
 {
 	const struct rb_link *link = &row->link;
 	const rb_vec3 u = rb_link_velocity(world, &world->state, link);
-	/* the sum is clamped, not the increment: a later sweep may take back what this one gives too much */
-	const double normal = fmax(0, row->normal + (row->leave - rb_vec3_dot(u, link->normal)) / link->normal_yield);
-	const double more = normal - row->normal;
-	double change = fabs(more) * link->normal_yield;
+	const rb_vec3 before = rb_vec3_add_scaled(row->tangent, row->normal, link->normal);
+	const rb_vec3 after = link->central
+	                              ? central_impulse(row, u)
+	                              : eccentric_impulse(link,
+	                                                  rb_vec3_sub(u, rb_mat3_apply(&link->yield, before)),
+	                                                  row->leave);
 
-	row->normal = normal;
-	row->change = rb_vec3_scale(more, link->normal);
-	if (link->friction > 0) {
-		rb_vec3 slip = across(link, u);
-		if (!link->central) /* the normal impulse changes slip too */
-			slip = rb_vec3_add_scaled(slip, more, across(link, rb_mat3_apply(&link->yield, link->normal)));
-		const rb_vec3 tangent = within(rb_vec3_add_scaled(row->tangent, -1 / link->tangent_yield, slip),
-		                               link->friction * normal);
-		const rb_vec3 extra = rb_vec3_sub(tangent, row->tangent);
-
-		row->tangent = tangent;
-		row->change = rb_vec3_add(row->change, extra);
-		change = fmax(change, rb_vec3_length(extra) * link->tangent_yield);
-	}
+	row->normal = rb_vec3_dot(after, link->normal);
+	row->tangent = rb_vec3_add_scaled(after, -row->normal, link->normal);
+	row->change = rb_vec3_sub(after, before);
 	rb_link_push(world, link, row->change);
-	return change;
+	return rb_vec3_length(row->change) * fmax(link->normal_yield, link->tangent_yield);
 }
 
 /* Adds `share` of each row's direction to its impulse; the sweep that follows projects it back to the cone. */
@@ -308,9 +368,11 @@ static void follow(struct rb_world *world, struct rb_row *row, int count, double
 	}
 }
 
-double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough)
+/* One attempt at the rows; `*diverged` where the impulses grow without end. */
+static double iterate(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough, bool *diverged)
 {
-	double change = 0, size = 0, size_before = 0;
+	enum { FIRST = 8 };
+	double change = 0, size = 0, size_before = 0, largest = 0;
 
 	for (int sweep = 0; sweep < sweeps; sweep++) {
 		change = size = 0;
@@ -320,6 +382,12 @@ double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int 
 		}
 		if (change <= enough)
 			break;
+		if (sweep < FIRST)
+			largest = fmax(largest, change);
+		*diverged = !(size < HUGE_VAL) || (sweep >= FIRST && change > 100 * largest) ||
+		            (sweep + 1 == sweeps && change > 0.5 * largest);
+		if (*diverged)
+			break;
 		/* one row is exact after a sweep, and the last sweep must stand; where it got worse begin anew */
 		const double share = sweep > 0 && size <= size_before ? size / size_before : 0;
 		if (count > 1 && share > 0 && sweep + 1 < sweeps)
@@ -327,6 +395,28 @@ double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int 
 		for (int k = 0; k < count; k++)
 			row[k].direction = rb_vec3_add_scaled(row[k].change, share, row[k].direction);
 		size_before = size;
+	}
+	return change;
+}
+
+double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough)
+{
+	double change = 0;
+
+	for (int round = 0; round < 4; round++) {
+		bool diverged = false;
+
+		change = iterate(world, row, count, sweeps, enough, &diverged);
+		if (!diverged)
+			break;
+		/* a body jammed by friction between others (Painleve): give way with half the friction, at last without */
+		for (int k = 0; k < count; k++) {
+			rb_link_push(world, &row[k].link, rb_vec3_neg(rb_vec3_add_scaled(row[k].tangent, row[k].normal,
+			                                                                 row[k].link.normal)));
+			row[k].normal = 0;
+			row[k].tangent = row[k].direction = (rb_vec3){0, 0, 0};
+			row[k].link.friction = round < 2 ? 0.5 * row[k].link.friction : 0;
+		}
 	}
 	return change;
 }

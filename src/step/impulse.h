@@ -20,6 +20,8 @@ struct rb_link {
 	double normal_yield;  /* 1/kg: n.K n, change of normal velocity by a unit normal impulse */
 	double tangent_yield; /* 1/kg: the largest of t.K t */
 	bool central;         /* K is diagonal in normal and tangent, and the same for every tangent */
+	double inverse_mass_a, inverse_mass_b;       /* 1/kg; 0: does not move */
+	double inverse_inertia_a, inverse_inertia_b; /* 1/(kg m^2); 0: does not turn, NAN: a tensor */
 	rb_mat3 yield;        /* 1/kg: K, filled unless central */
 };
 

@@ -9,9 +9,9 @@
 
 /* The order of a substep: forces, reactions last of them, then motion, then the look at the gaps. */
 static const struct rb_stage *const all_stages[] = {
-	&rb_stage_gravity,   &rb_stage_gravity_force, &rb_stage_applied,           &rb_stage_pushes,
-	&rb_stage_reactions, &rb_stage_translate,     &rb_stage_rotate_gyroscopic, &rb_stage_rotate,
-	&rb_stage_gap,
+	&rb_stage_gravity,    &rb_stage_gravity_force, &rb_stage_applied,   &rb_stage_pushes,
+	&rb_stage_look_ahead, &rb_stage_reactions,     &rb_stage_translate, &rb_stage_rotate_gyroscopic,
+	&rb_stage_rotate,     &rb_stage_gap,
 };
 enum { ALL_STAGES = sizeof all_stages / sizeof all_stages[0] };
 
@@ -39,7 +39,8 @@ void rb_plan_build(struct rb_plan *plan, rb_features features)
 
 void rb_plan_run(const struct rb_plan *plan, struct rb_pass *pass)
 {
-	for (int k = 0; k < plan->count; k++)
+	pass->worst = -1;
+	for (int k = 0; k < plan->count && pass->worst < 0; k++)
 		plan->stage[k]->run(pass);
 }
 

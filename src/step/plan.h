@@ -19,6 +19,7 @@ struct rb_plan {
 };
 
 void rb_plan_build(struct rb_plan *plan, rb_features features);
+/* One try of a substep: ends early once pass->worst says that it is lost. */
 void rb_plan_run(const struct rb_plan *plan, struct rb_pass *pass);
 
 /* All stages there are, in the order of a substep; `count` receives their number. */
@@ -28,8 +29,5 @@ bool rb_plan_has(const struct rb_stage *stage, rb_features features);
 
 /* Prints what runs, what is left out and why, and the columns with their bytes. */
 void rb_plan_print(const struct rb_model *model, FILE *to);
-
-/* Bytes that a world of this model takes while it runs, model and contacts of a dense heap included. */
-size_t rb_plan_bytes(const struct rb_model *model);
 
 #endif

@@ -42,7 +42,7 @@ struct rb_pass {
 	double done_s;        /* of it, accepted */
 	double h_s;           /* the substep under way */
 
-	/* found by step/gap for step/verdict: the touch that breaks the tolerance most, -1: none */
+	/* for step/verdict: the touch that breaks the tolerance most, -1: none */
 	int worst;
 	double worst_gap;
 
