@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/check.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+
+#include "app/json.h"
+#include "app/simulate.h"
+#include "base/clock.h"
+#include "flow/frame.h"
+#include "flow/ring.h"
+#include "model/check.h"
+#include "model/features.h"
+#include "sink/module.h"
+#include "step/plan.h"
+#include "step/step.h"
+
+/* What a run will take. */
+struct needs {
+	uint64_t memory_bytes; /* largest resident set */
+	uint64_t tried_frames; /* that the memory is known from */
+	uint64_t disk_bytes;
+	uint64_t steps; /* of the longest kind, rollbacks apart */
+};
+
+static uint64_t smaller(uint64_t a, uint64_t b)
+{
+	return a < b ? a : b;
+}
+
+/*
+ * What the recorder takes on top of the code of HDF5: the library's own tables, measured, and rows
+ * that wait to be written, which are 2 MiB or a frame; with compression chunks of some frames, once
+ * more in the library's cache. Never more than the run has. (sink/h5frames; held against real runs
+ * by tests/cli/check-estimates.sh)
+ */
+static uint64_t recorder_bytes(const struct rb_model *model, const struct rb_record_def *record)
+{
+	enum { COMPRESSED_FRAMES = 16 };
+	const uint64_t tables = 400000, mebibyte = 1 << 20;
+	const uint64_t frame = rb_frame_bytes(model, record->fields);
+	const uint64_t whole_run = model->frame_count * frame;
+	uint64_t waiting = frame > 2 * mebibyte ? frame : 2 * mebibyte, cache = 0;
+
+	if (record->compression > 0) {
+		const uint64_t chunks = smaller(COMPRESSED_FRAMES * frame, 64 * mebibyte);
+		const uint64_t pieces = 1 + COMPRESSED_FRAMES * (uint64_t)model->body_count * 24 /
+		                                    mebibyte;
+		cache = smaller(chunks + chunks / pieces, whole_run);
+		waiting = chunks > waiting ? chunks : waiting;
+	}
+	return tables + smaller(waiting, whole_run) + cache;
+}
+
+/* The trial is for its memory only: it may not take long. */
+static bool time_is_up(void *user)
+{
+	const uint64_t *const deadline_ns = user;
+
+	return rb_clock_now_ns() > *deadline_ns;
+}
+
+/*
+ * Memory of the simulator: a world is made and goes as far as one second allows, without callbacks
+ * and without a sink, so that its scratch grows as it will. How the trial ends is not looked at.
+ */
+static enum rb_status try_world(const struct rb_loaded *loaded, int threads, struct needs *needs,
+                                struct rb_error *err)
+{
+	uint64_t deadline_ns = rb_clock_now_ns() + 1000000000;
+	const struct rb_world_options options = {
+		.threads = threads,
+		.keep_events = loaded->output && loaded->scene.record.fields & RB_FIELD_EVENTS,
+		.keep_contacts = loaded->output && loaded->scene.record.fields & RB_FIELD_CONTACTS,
+		.stop = time_is_up,
+		.stop_user = &deadline_ns,
+	};
+	struct rb_world *world;
+	struct rb_frame frame;
+	enum rb_status status = rb_world_create(&world, loaded->model, &options, NULL, err);
+
+	if (status)
+		return status;
+	status = rb_frame_init(&frame, loaded->model, 0, err);
+	while (!status && rb_world_frame(world) + 1 < rb_world_frame_count(world))
+		if (rb_world_step_frame(world, NULL) || rb_world_stopped(world) ||
+		    rb_world_fill_frame(world, &frame, NULL))
+			break;
+	needs->tried_frames = rb_world_frame(world) + 1;
+	needs->memory_bytes = rb_process_bytes("VmHWM");
+	rb_frame_release(&frame);
+	rb_world_destroy(world);
+	return status;
+}
+
+static uint64_t ring_bytes(const struct rb_model *model, unsigned fields)
+{
+	const uint64_t slots = (uint64_t)rb_ring_slots_for(model, fields);
+
+	return (slots < model->frame_count ? slots : model->frame_count) *
+	       rb_frame_bytes(model, fields);
+}
+
+static uint64_t step_count(const struct rb_model *model)
+{
+	const uint64_t intervals = model->frame_count - 1;
+	const uint64_t whole_steps = (uint64_t)rb_step_count(1 / model->frame_rate,
+	                                                     model->time_step_s);
+	const double before_last_s = rb_model_frame_time(model, intervals - 1);
+
+	/* All intervals are alike but the last, which the end of the run may cut short. */
+	if (rb_model_frame_time(model, intervals) == (double)intervals / model->frame_rate)
+		return intervals * whole_steps;
+	return (intervals - 1) * whole_steps +
+	       (uint64_t)rb_step_count(model->duration_s - before_last_s, model->time_step_s);
+}
+
+static enum rb_status estimate(const struct rb_loaded *loaded, const struct rb_run_info *info,
+                               struct needs *needs, struct rb_error *err)
+{
+	const struct rb_hdf5_module *module;
+	enum rb_status status = try_world(loaded, info->threads, needs, err);
+
+	needs->steps = step_count(loaded->model);
+	if (status || !loaded->output)
+		return status;
+	const uint64_t before = rb_process_bytes("VmRSS");
+	status = rb_module_hdf5(&module, err);
+	if (status)
+		return status;
+	needs->disk_bytes = module->recorder_estimate(info);
+	const uint64_t after = rb_process_bytes("VmRSS");
+	needs->memory_bytes += (after > before ? after - before : 0) +
+	                       recorder_bytes(loaded->model, &loaded->scene.record);
+	needs->memory_bytes += ring_bytes(loaded->model, loaded->scene.record.fields);
+	return RB_OK;
+}
+
+static const char *material_name(const struct rb_scene *scene, int material)
+{
+	const char *name = scene->materials[material].name;
+
+	return name ? name : material == 0 ? "(default)" : "(unnamed)";
+}
+
+static struct rb_pair_material pair_of(const struct rb_model *model, int a, int b)
+{
+	return model->pair_materials[(size_t)a * (size_t)model->material_count + (size_t)b];
+}
+
+static void print_materials(const struct rb_loaded *loaded)
+{
+	const struct rb_model *const model = loaded->model;
+
+	printf("materials\n");
+	for (int a = 0; a < model->material_count; a++)
+		for (int b = a; b < model->material_count; b++) {
+			const struct rb_pair_material pair = pair_of(model, a, b);
+			printf("  %s on %s: friction %g, restitution %g\n",
+			       material_name(&loaded->scene, a), material_name(&loaded->scene, b),
+			       pair.friction, pair.restitution);
+		}
+}
+
+static void print_text(const struct rb_loaded *loaded, const struct rb_options *options,
+                       const struct rb_run_info *info, const struct needs *needs)
+{
+	struct rb_error refusal;
+	const struct rb_model *const model = loaded->model;
+	const char *title = loaded->scene.world.title;
+	char size[32];
+
+	printf("%s%s%s\n", loaded->scene.file, title && *title ? ": " : "", title ? title : "");
+	printf("  bodies      %d moving, %d static\n", model->body_count, model->static_count);
+	printf("  run         %g s in %" PRIu64 " frames at %g per second, %" PRIu64
+	       " steps of at most %g s, seed %" PRIu64 "\n",
+	       model->duration_s, model->frame_count, model->frame_rate, needs->steps,
+	       model->time_step_s, loaded->scene.world.seed);
+	printf("  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
+	       info->rollback, model->tolerance_m, info->threads,
+	       rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	printf("  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
+	       "              a touching pair that no force parts beyond that is in lasting contact: the only rest rule\n",
+	       8 * rb_ulp(model->coordinate_max_m));
+	printf("  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 ")\n",
+	       rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count);
+	if (loaded->output)
+		printf("  disk        %s: %s\n", loaded->output,
+		       rb_text_bytes(needs->disk_bytes, size));
+	else
+		printf("  disk        nothing is recorded\n");
+	if (rb_simulate_check_output(loaded, options, &refusal))
+		printf("  but         %s\n", refusal.text);
+	print_materials(loaded);
+	rb_plan_print(model, stdout);
+}
+
+static void json_plan(struct rb_json *json, const struct rb_model *model)
+{
+	int count;
+	const struct rb_feature_row *const feature = rb_feature_rows(&count);
+
+	rb_json_open(json, "features", '{');
+	for (int k = 0; k < count; k++)
+		rb_json_bool(json, feature[k].name, model->features & feature[k].bit);
+	rb_json_close(json, '}');
+	const struct rb_stage *const *const stage = rb_plan_stages(&count);
+	rb_json_open(json, "stages", '{');
+	for (int k = 0; k < count; k++)
+		rb_json_bool(json, stage[k]->name, rb_plan_has(stage[k], model->features));
+	rb_json_close(json, '}');
+}
+
+static void json_materials(struct rb_json *json, const struct rb_loaded *loaded)
+{
+	const struct rb_model *const model = loaded->model;
+
+	rb_json_open(json, "materials", '[');
+	for (int a = 0; a < model->material_count; a++)
+		for (int b = a; b < model->material_count; b++) {
+			const struct rb_pair_material pair = pair_of(model, a, b);
+			rb_json_open(json, NULL, '{');
+			rb_json_text(json, "a", material_name(&loaded->scene, a));
+			rb_json_text(json, "b", material_name(&loaded->scene, b));
+			rb_json_number(json, "friction", pair.friction);
+			rb_json_number(json, "restitution", pair.restitution);
+			rb_json_close(json, '}');
+		}
+	rb_json_close(json, ']');
+}
+
+static void print_json(const struct rb_loaded *loaded, const struct rb_run_info *info,
+                       const struct needs *needs)
+{
+	const struct rb_model *const model = loaded->model;
+	struct rb_json json = {.file = stdout};
+
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "scene", loaded->scene.file);
+	rb_json_text(&json, "title", loaded->scene.world.title);
+	rb_json_count(&json, "bodies", (uint64_t)model->body_count);
+	rb_json_count(&json, "statics", (uint64_t)model->static_count);
+	rb_json_count(&json, "frames", model->frame_count);
+	rb_json_number(&json, "duration", model->duration_s);
+	rb_json_number(&json, "frame_rate", model->frame_rate);
+	rb_json_number(&json, "time_step", model->time_step_s);
+	rb_json_count(&json, "steps", needs->steps);
+	rb_json_number(&json, "tolerance", model->tolerance_m);
+	rb_json_number(&json, "touching", 8 * rb_ulp(model->coordinate_max_m));
+	rb_json_text(&json, "method", info->method);
+	rb_json_text(&json, "rollback", info->rollback);
+	rb_json_count(&json, "seed", loaded->scene.world.seed);
+	rb_json_count(&json, "threads", (uint64_t)info->threads);
+	rb_json_text(&json, "recording", loaded->output);
+	rb_json_count(&json, "memory_bytes", needs->memory_bytes);
+	rb_json_count(&json, "tried_frames", needs->tried_frames);
+	rb_json_count(&json, "disk_bytes", needs->disk_bytes);
+	json_plan(&json, model);
+	json_materials(&json, loaded);
+	rb_json_close(&json, '}');
+	putchar('\n');
+}
+
+int rb_check_main(const struct rb_options *options)
+{
+	struct rb_loaded loaded;
+	struct rb_run_texts texts = {0};
+	struct rb_run_info info;
+	struct needs needs = {0};
+	struct rb_error err;
+	enum rb_status status = rb_loaded_init(&loaded, options, &err);
+	int exit_code = 0;
+
+	if (!status)
+		status = rb_simulate_info(&info, &texts, &loaded, options, &err);
+	if (!status)
+		status = estimate(&loaded, &info, &needs, &err);
+	if (status) {
+		exit_code = rb_app_fail_scene(options, &loaded, &err);
+	} else {
+		if (options->json)
+			print_json(&loaded, &info, &needs);
+		else if (!options->quiet)
+			print_text(&loaded, options, &info, &needs);
+		/* A refusal of another kind comes while it runs, if it comes. */
+		if (loaded.scene.expect_refused == rb_status_exit_code(RB_ERR_SCENE))
+			exit_code = rb_app_not_refused(&loaded);
+	}
+	rb_run_texts_release(&texts);
+	rb_loaded_release(&loaded);
+	return rb_app_finish(options, exit_code);
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What several verbs share: loading a scene, telling errors, ending output, how numbers look. Main
+ * thread.
+ */
+#ifndef RB_APP_COMMON_H
+#define RB_APP_COMMON_H
+
+#include <stdint.h>
+#include <stdio.h>
+
+#include <rbsim/error.h>
+#include <rbsim/model.h>
+
+#include "app/options.h"
+#include "script/load.h"
+
+#define RB_VERSION "0.1.0"
+
+/* A scene as this command line wants it. The owner releases it, after the world made from it. */
+struct rb_loaded {
+	struct rb_script *script;
+	struct rb_scene scene;
+	struct rb_model *model;
+	struct rb_mistakes mistakes;
+	char *output; /* the recording's name; NULL: none is wanted */
+};
+
+/*
+ * Loads the scene of the first operand, puts the options in place of what it says, and seals the
+ * model.
+ */
+RB_CHECKED enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,
+                                         struct rb_error *err);
+void rb_loaded_release(struct rb_loaded *loaded); /* safe on a zeroed one */
+
+/* Tells an error on standard error and gives its exit status; with --debug also where it arose. */
+int rb_app_fail(const struct rb_options *options, const struct rb_error *err);
+
+/*
+ * As rb_app_fail, with every mistake of the scene on a line of its own. A scene that expects to be
+ * refused this way (expect_refused) is told so and gives 0.
+ */
+int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *loaded,
+                      const struct rb_error *err);
+/* A scene that expects to be refused and was not: tells it and gives the exit status. */
+int rb_app_not_refused(const struct rb_loaded *loaded);
+
+/*
+ * The end of a verb: standard output is flushed; `exit_code` if all of it was written or there is
+ * a failure to tell already, that of RB_ERR_IO otherwise (a closed pipe, a full disk).
+ */
+int rb_app_finish(const struct rb_options *options, int exit_code);
+
+/*
+ * Memory of this process in bytes, "VmHWM" (largest resident set) or "VmRSS" (resident now); what
+ * base/memory knows where the system does not tell.
+ */
+uint64_t rb_process_bytes(const char *key);
+
+/* A size for people: 512 bytes, 1.2 kB, 34 MB. */
+const char *rb_text_bytes(uint64_t bytes, char out[32]);
+
+const char *rb_text_plural(uint64_t count, const char *one, const char *many);
+
+#endif

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/diff.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/common.h"
+#include "app/json.h"
+#include "sink/module.h"
+
+static const struct {
+	unsigned field;
+	const char *name;
+	int width;
+	size_t offset; /* of the column in struct rb_frame */
+} columns[] = {
+	{RB_FIELD_POSITION, "position", 3, offsetof(struct rb_frame, position)},
+	{RB_FIELD_ORIENTATION, "orientation", 4, offsetof(struct rb_frame, orientation)},
+	{RB_FIELD_VELOCITY, "velocity", 3, offsetof(struct rb_frame, velocity)},
+	{RB_FIELD_ANGULAR_VELOCITY, "angular_velocity", 3,
+         offsetof(struct rb_frame, angular_velocity)},
+};
+enum { COLUMN_COUNT = sizeof columns / sizeof *columns };
+
+enum kind { SAME, BODIES, FIELDS, TIMES, VALUES, FRAME_COUNTS, HASHES };
+static const char *const kind_names[] = {
+	[SAME] = "none",     [BODIES] = "bodies",       [FIELDS] = "columns",    [TIMES] = "times",
+	[VALUES] = "values", [FRAME_COUNTS] = "frames", [HASHES] = "state_hash",
+};
+
+/* What was found first. */
+struct difference {
+	enum kind kind;
+	uint64_t row;
+	int body, column;        /* of VALUES */
+	double time[2];          /* of TIMES and VALUES */
+	double value[2][4];      /* of VALUES */
+	double largest;          /* of VALUES: |a - b| of that body's column */
+	double largest_in_frame; /* over all bodies of that column */
+	unsigned only[2];        /* of FIELDS: columns that the other one has not */
+};
+
+struct side {
+	const char *path;
+	struct rb_reader *reader;
+	const struct rb_reading *reading;
+	struct rb_frame frame;
+};
+
+static const double *column_of(const struct side *side, int column)
+{
+	const double *values;
+
+	memcpy(&values, (const char *)&side->frame + columns[column].offset, sizeof values);
+	return values;
+}
+
+static double distance(const double *a, const double *b, int width)
+{
+	double largest = 0;
+
+	for (int i = 0; i < width; i++) {
+		const double d = fabs(a[i] - b[i]);
+		largest = d > largest || isnan(d) ? d : largest;
+	}
+	return largest;
+}
+
+/* The first body, in its first column, that differs in the two frames that were read. */
+static bool compare_frames(const struct side *side, struct difference *found)
+{
+	int body_count = side[0].frame.body_count;
+
+	found->column = -1;
+	for (int c = 0; c < COLUMN_COUNT; c++) {
+		const double *a = column_of(&side[0], c), *b = column_of(&side[1], c);
+		const size_t width = (size_t)columns[c].width;
+		if (!a || !b ||
+		    memcmp(a, b, (size_t)side[0].frame.body_count * width * sizeof *a) == 0)
+			continue;
+		for (int k = 0; k < body_count; k++)
+			if (memcmp(a + width * (size_t)k, b + width * (size_t)k,
+			           width * sizeof *a) != 0) {
+				found->body = k;
+				found->column = c;
+				body_count =
+					k; /* a later column counts only with an earlier body */
+			}
+	}
+	if (found->column < 0)
+		return false;
+
+	const int width = columns[found->column].width;
+	const double *a = column_of(&side[0], found->column),
+		     *b = column_of(&side[1], found->column);
+	memcpy(found->value[0], a + width * found->body, (size_t)width * sizeof *a);
+	memcpy(found->value[1], b + width * found->body, (size_t)width * sizeof *b);
+	found->largest = distance(found->value[0], found->value[1], width);
+	for (int k = 0; k < side[0].frame.body_count; k++)
+		found->largest_in_frame = fmax(found->largest_in_frame,
+		                               distance(a + width * k, b + width * k, width));
+	found->kind = VALUES;
+	return true;
+}
+
+static enum rb_status compare(const struct rb_hdf5_module *module, struct side *side,
+                              struct difference *found, struct rb_error *err)
+{
+	const struct rb_reading *const a = side[0].reading, *const b = side[1].reading;
+	const uint64_t rows = a->frame_count < b->frame_count ? a->frame_count : b->frame_count;
+
+	*found = (struct difference){0};
+	if (a->body_count != b->body_count || a->static_count != b->static_count) {
+		found->kind = BODIES;
+		return RB_OK;
+	}
+	for (uint64_t row = 0; row < rows; row++) {
+		found->row = row;
+		for (int i = 0; i < 2; i++) {
+			const enum rb_status status = module->reader_frame(side[i].reader, row,
+			                                                   &side[i].frame, err);
+			if (status)
+				return status;
+			found->time[i] = side[i].frame.time_s;
+		}
+		if (memcmp(&found->time[0], &found->time[1], sizeof(double)) != 0) {
+			found->kind = TIMES;
+			return RB_OK;
+		}
+		if (compare_frames(side, found))
+			return RB_OK;
+	}
+	found->only[0] = a->fields & ~b->fields;
+	found->only[1] = b->fields & ~a->fields;
+	if (found->only[0] | found->only[1])
+		found->kind = FIELDS;
+	else if (a->frame_count != b->frame_count)
+		found->kind = FRAME_COUNTS;
+	else if (strcmp(a->state_hash, b->state_hash) != 0 && strcmp(a->status, b->status) == 0)
+		found->kind = HASHES;
+	return RB_OK;
+}
+
+static const char *label_of(const struct side *side, int body, char out[64])
+{
+	const int id = side->reading->id[body];
+
+	if (*side->reading->names[id])
+		snprintf(out, 64, "'%s'", side->reading->names[id]);
+	else
+		snprintf(out, 64, "#%d", id);
+	return out;
+}
+
+static void print_vector(const struct side *side, const struct difference *found, int i)
+{
+	printf("  %s:", side[i].path);
+	for (int k = 0; k < columns[found->column].width; k++)
+		printf(" %.17g", found->value[i][k]);
+	putchar('\n');
+}
+
+static void print_fields(const struct side *side, const struct difference *found)
+{
+	for (int i = 0; i < 2; i++)
+		for (int c = 0; c < COLUMN_COUNT; c++)
+			if (found->only[i] & columns[c].field)
+				printf("only '%s' has the column '%s'; what both have is the same\n",
+				       side[i].path, columns[c].name);
+	if ((found->only[0] | found->only[1]) & (RB_FIELD_CONTACTS | RB_FIELD_EVENTS))
+		printf("only one of them has contacts or events; the bodies are the same\n");
+}
+
+static void print_text(const struct side *side, const struct difference *found)
+{
+	const struct rb_reading *const a = side[0].reading, *const b = side[1].reading;
+	char label[64];
+
+	switch (found->kind) {
+	case SAME:
+		printf("the same to the bit: %" PRIu64 " frames of %d bodies\n", a->frame_count,
+		       a->body_count);
+		break;
+	case BODIES:
+		printf("the bodies differ: '%s' has %d moving and %d static, '%s' has %d and %d\n",
+		       side[0].path, a->body_count, a->static_count, side[1].path, b->body_count,
+		       b->static_count);
+		break;
+	case FIELDS:
+		print_fields(side, found);
+		break;
+	case TIMES:
+		printf("frame %" PRIu64 " is at %.17g s in '%s' and at %.17g s in '%s'\n",
+		       found->row, found->time[0], side[0].path, found->time[1], side[1].path);
+		break;
+	case VALUES:
+		printf("frame %" PRIu64
+		       " (%.9g s): body %s: %s differs by %.3g (the largest difference of any body: %.3g)\n",
+		       found->row, found->time[0], label_of(&side[0], found->body, label),
+		       columns[found->column].name, found->largest, found->largest_in_frame);
+		print_vector(side, found, 0);
+		print_vector(side, found, 1);
+		break;
+	case FRAME_COUNTS:
+		printf("the same as far as both go, but '%s' has %" PRIu64
+		       " frames and '%s' has %" PRIu64 "\n",
+		       side[0].path, a->frame_count, side[1].path, b->frame_count);
+		break;
+	case HASHES:
+		printf("the frames are the same, but the states at the end differ: %s and %s\n",
+		       a->state_hash, b->state_hash);
+		break;
+	}
+}
+
+static void print_json(const struct side *side, const struct difference *found)
+{
+	struct rb_json json = {.file = stdout};
+
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "a", side[0].path);
+	rb_json_text(&json, "b", side[1].path);
+	rb_json_bool(&json, "same", found->kind == SAME);
+	rb_json_text(&json, "difference", kind_names[found->kind]);
+	rb_json_count(&json, "frames_a", side[0].reading->frame_count);
+	rb_json_count(&json, "frames_b", side[1].reading->frame_count);
+	rb_json_count(&json, "bodies_a", (uint64_t)side[0].reading->body_count);
+	rb_json_count(&json, "bodies_b", (uint64_t)side[1].reading->body_count);
+	if (found->kind == TIMES || found->kind == VALUES) {
+		rb_json_count(&json, "frame", found->row);
+		rb_json_vector(&json, "time", found->time, 2);
+	}
+	if (found->kind == VALUES) {
+		const int id = side[0].reading->id[found->body];
+		rb_json_count(&json, "id", (uint64_t)id);
+		rb_json_text(&json, "name",
+		             *side[0].reading->names[id] ? side[0].reading->names[id] : NULL);
+		rb_json_text(&json, "column", columns[found->column].name);
+		rb_json_vector(&json, "value_a", found->value[0], columns[found->column].width);
+		rb_json_vector(&json, "value_b", found->value[1], columns[found->column].width);
+		rb_json_number(&json, "by", found->largest);
+		rb_json_number(&json, "largest", found->largest_in_frame);
+	}
+	rb_json_close(&json, '}');
+	putchar('\n');
+}
+
+static enum rb_status diff(const struct rb_options *options, struct difference *found,
+                           struct rb_error *err)
+{
+	const struct rb_hdf5_module *module;
+	struct side side[2] = {{.path = options->operand[0]}, {.path = options->operand[1]}};
+	enum rb_status status = rb_module_hdf5(&module, err);
+
+	for (int i = 0; i < 2 && !status; i++) {
+		status = module->reader_open(&side[i].reader, side[i].path, err);
+		if (!status)
+			side[i].reading = module->reader_reading(side[i].reader);
+	}
+	if (!status)
+		status = compare(module, side, found, err);
+	if (!status && options->json)
+		print_json(side, found);
+	else if (!status && !options->quiet)
+		print_text(side, found);
+	for (int i = 0; i < 2; i++)
+		if (side[i].reader)
+			module->reader_close(side[i].reader);
+	return status;
+}
+
+int rb_diff_main(const struct rb_options *options)
+{
+	struct difference found;
+	struct rb_error err;
+	const enum rb_status status = diff(options, &found, &err);
+	int exit_code;
+
+	if (status)
+		exit_code = rb_app_fail(options, &err);
+	else
+		exit_code = rb_status_exit_code(found.kind == SAME ? RB_OK : RB_ERR_EXPECT);
+	return rb_app_finish(options, exit_code);
+}

@@ -1,0 +1,276 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/info.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/common.h"
+#include "app/json.h"
+#include "base/memory.h"
+#include "math/vec3.h"
+#include "sink/module.h"
+
+/* How the run went, from the observables; NAN where they are not in the file. */
+struct course {
+	double first_s, last_s;
+	double energy_first, energy_last, kinetic_max;   /* J */
+	double momentum_change, angular_momentum_change; /* largest |x(t) - x(0)| */
+	double max_penetration, smallest_step;
+	double collisions, rollbacks, substeps;
+};
+
+struct observer {
+	const struct rb_hdf5_module *module;
+	struct rb_reader *reader;
+	uint64_t frame_count;
+	double *values; /* room for 3 per frame */
+};
+
+/* False where the recording has no such observable. */
+static bool observe(const struct observer *observer, const char *name, int width)
+{
+	return observer->module->reader_observable(observer->reader, name, width, observer->values,
+	                                           NULL) == RB_OK;
+}
+
+static double sum_of(const struct observer *observer, const char *name)
+{
+	double sum = 0;
+
+	if (!observe(observer, name, 1))
+		return NAN;
+	for (uint64_t k = 0; k < observer->frame_count; k++)
+		sum += observer->values[k];
+	return sum;
+}
+
+static double largest_change(const struct observer *observer, const char *name)
+{
+	double largest = 0;
+
+	if (!observe(observer, name, 3))
+		return NAN;
+	for (uint64_t k = 0; k < observer->frame_count; k++) {
+		const rb_vec3 change = rb_vec3_sub(rb_vec3_from(observer->values + 3 * k),
+		                                   rb_vec3_from(observer->values));
+		largest = fmax(largest, rb_vec3_length(change));
+	}
+	return largest;
+}
+
+static void observe_energy(const struct observer *observer, struct course *course)
+{
+	const uint64_t last = observer->frame_count - 1;
+
+	course->energy_first = course->energy_last = course->kinetic_max = NAN;
+	if (!observe(observer, "kinetic_energy", 1))
+		return;
+	const double kinetic_first = observer->values[0], kinetic_last = observer->values[last];
+	for (uint64_t k = 0; k <= last; k++)
+		course->kinetic_max = fmax(course->kinetic_max, observer->values[k]);
+	if (!observe(observer, "potential_energy", 1))
+		return;
+	course->energy_first = kinetic_first + observer->values[0];
+	course->energy_last = kinetic_last + observer->values[last];
+}
+
+static enum rb_status observe_all(const struct rb_hdf5_module *module, struct rb_reader *reader,
+                                  struct course *course, struct rb_error *err)
+{
+	const struct rb_reading *const reading = module->reader_reading(reader);
+	struct observer observer = {module, reader, reading->frame_count, NULL};
+	struct rb_frame frame;
+	enum rb_status status;
+
+	*course = (struct course){0};
+	if (reading->frame_count == 0)
+		return RB_OK;
+	status = module->reader_frame(reader, 0, &frame, err);
+	if (status)
+		return status;
+	course->first_s = frame.time_s;
+	status = module->reader_frame(reader, reading->frame_count - 1, &frame, err);
+	if (status)
+		return status;
+	course->last_s = frame.time_s;
+
+	observer.values = rb_memory_take(reading->frame_count, 3 * sizeof(double));
+	if (!observer.values)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read %" PRIu64 " frames: out of memory",
+		               reading->frame_count);
+	observe_energy(&observer, course);
+	course->momentum_change = largest_change(&observer, "momentum");
+	course->angular_momentum_change = largest_change(&observer, "angular_momentum");
+	course->max_penetration = course->smallest_step = NAN;
+	if (observe(&observer, "max_penetration", 1))
+		for (uint64_t k = 0; k < observer.frame_count; k++)
+			course->max_penetration = fmax(course->max_penetration, observer.values[k]);
+	if (observe(&observer, "smallest_step", 1))
+		for (uint64_t k = 0; k < observer.frame_count; k++)
+			if (observer.values[k] > 0) /* frame 0 had no step */
+				course->smallest_step = fmin(course->smallest_step,
+				                             observer.values[k]);
+	course->collisions = sum_of(&observer, "collisions");
+	course->rollbacks = sum_of(&observer, "rollbacks");
+	course->substeps = sum_of(&observer, "substeps");
+	rb_memory_free(observer.values);
+	return RB_OK;
+}
+
+static const struct {
+	unsigned bit;
+	const char *name;
+} field_names[] = {
+	{RB_FIELD_POSITION, "position"}, {RB_FIELD_ORIENTATION, "orientation"},
+	{RB_FIELD_VELOCITY, "velocity"}, {RB_FIELD_ANGULAR_VELOCITY, "angular_velocity"},
+	{RB_FIELD_CONTACTS, "contacts"}, {RB_FIELD_EVENTS, "events"},
+};
+enum { FIELD_COUNT = sizeof field_names / sizeof *field_names };
+
+static void print_json(const char *path, const struct rb_reading *reading,
+                       const struct course *course)
+{
+	struct rb_json json = {.file = stdout};
+
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "file", path);
+	rb_json_text(&json, "title", reading->title);
+	rb_json_text(&json, "status", reading->status);
+	rb_json_text(&json, "reason", reading->reason);
+	rb_json_text(&json, "state_hash", reading->state_hash);
+	rb_json_count(&json, "frames", reading->frame_count);
+	rb_json_count(&json, "bodies", (uint64_t)reading->body_count);
+	rb_json_count(&json, "statics", (uint64_t)reading->static_count);
+	rb_json_count(&json, "events", reading->event_count);
+	rb_json_open(&json, "fields", '[');
+	for (int i = 0; i < FIELD_COUNT; i++)
+		if (reading->fields & field_names[i].bit)
+			rb_json_text(&json, NULL, field_names[i].name);
+	rb_json_close(&json, ']');
+	rb_json_number(&json, "first_time", course->first_s);
+	rb_json_number(&json, "last_time", course->last_s);
+	rb_json_number(&json, "duration", reading->duration_s);
+	rb_json_number(&json, "frame_rate", reading->frame_rate);
+	rb_json_number(&json, "time_step", reading->time_step_s);
+	rb_json_number(&json, "tolerance", reading->tolerance_m);
+	rb_json_text(&json, "method", reading->method);
+	rb_json_text(&json, "rollback", reading->rollback);
+	rb_json_count(&json, "seed", reading->seed);
+	rb_json_count(&json, "threads", (uint64_t)reading->threads);
+	rb_json_text(&json, "started", reading->started);
+	rb_json_text(&json, "ended", reading->ended);
+	rb_json_text(&json, "version", reading->version);
+	rb_json_text(&json, "build", reading->build);
+	rb_json_text(&json, "command", reading->command);
+	rb_json_text(&json, "host", reading->host);
+	rb_json_open(&json, "parameters", '{');
+	for (int i = 0; i < reading->param_count; i++)
+		rb_json_text(&json, reading->param_names[i], reading->param_values[i]);
+	rb_json_close(&json, '}');
+	rb_json_open(&json, "files", '[');
+	for (int i = 0; i < reading->file_count; i++)
+		rb_json_text(&json, NULL, reading->file_names[i]);
+	rb_json_close(&json, ']');
+	rb_json_number(&json, "energy_first", course->energy_first);
+	rb_json_number(&json, "energy_last", course->energy_last);
+	rb_json_number(&json, "kinetic_energy_max", course->kinetic_max);
+	rb_json_number(&json, "momentum_change", course->momentum_change);
+	rb_json_number(&json, "angular_momentum_change", course->angular_momentum_change);
+	rb_json_number(&json, "max_penetration", course->max_penetration);
+	rb_json_number(&json, "smallest_step", course->smallest_step);
+	rb_json_number(&json, "collisions", course->collisions);
+	rb_json_number(&json, "rollbacks", course->rollbacks);
+	rb_json_number(&json, "substeps", course->substeps);
+	rb_json_close(&json, '}');
+	putchar('\n');
+}
+
+static void print_text(const char *path, const struct rb_reading *reading,
+                       const struct course *course)
+{
+	const double change = course->energy_last - course->energy_first;
+
+	printf("%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
+	       rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
+	       rb_text_plural((uint64_t)reading->body_count, "body", "bodies"));
+	if (reading->static_count > 0)
+		printf(" (and %d that %s)", reading->static_count,
+		       rb_text_plural((uint64_t)reading->static_count, "is static", "are static"));
+	printf(", %g to %g s of %g s\n", course->first_s, course->last_s, reading->duration_s);
+	if (*reading->title)
+		printf("  title       %s\n", reading->title);
+	printf("  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",
+	       reading->reason);
+	printf("  columns    ");
+	for (int i = 0; i < FIELD_COUNT; i++)
+		if (reading->fields & field_names[i].bit)
+			printf(" %s", field_names[i].name);
+	printf("\n  method      %s, rollback %s, time step %g s, tolerance %g m\n", reading->method,
+	       reading->rollback, reading->time_step_s, reading->tolerance_m);
+	printf("  run         %g frames per second, seed %" PRIu64
+	       ", %d %s, rbsim %s on %s, %s to %s\n",
+	       reading->frame_rate, reading->seed, reading->threads,
+	       rb_text_plural((uint64_t)reading->threads, "thread", "threads"), reading->version,
+	       reading->host, reading->started, *reading->ended ? reading->ended : "?");
+	printf("  command     %s\n", reading->command);
+	for (int i = 0; i < reading->param_count; i++)
+		printf("  %-11s %s = %s\n", i == 0 ? "parameters" : "", reading->param_names[i],
+		       reading->param_values[i]);
+	for (int i = 0; i < reading->file_count; i++)
+		printf("  %-11s %s%s\n", i == 0 ? "files" : "", reading->file_names[i],
+		       i == 0 ? " (see --scene)" : "");
+	if (reading->frame_count == 0)
+		return;
+	if (isfinite(change))
+		printf("  energy      %.6g J at the start, %.6g J at the end: %+.3g J, largest kinetic %.6g J\n",
+		       course->energy_first, course->energy_last, change, course->kinetic_max);
+	if (isfinite(course->momentum_change))
+		printf("  momentum    changed by up to %.3g kg m/s, angular momentum by up to %.3g kg m^2/s\n",
+		       course->momentum_change, course->angular_momentum_change);
+	if (isfinite(course->max_penetration))
+		printf("  overlap     %.3g m at most\n", course->max_penetration);
+	if (isfinite(course->collisions))
+		printf("  work        %.0f impacts, %.0f rollbacks, %.0f substeps",
+		       course->collisions, course->rollbacks, course->substeps);
+	if (isfinite(course->smallest_step))
+		printf(", smallest step %.3g s", course->smallest_step);
+	printf("\n  state       %s\n", *reading->state_hash ? reading->state_hash : "not told");
+}
+
+static enum rb_status look(const struct rb_options *options, struct rb_error *err)
+{
+	const struct rb_hdf5_module *module;
+	struct rb_reader *reader;
+	struct course course;
+	enum rb_status status = rb_module_hdf5(&module, err);
+
+	if (status)
+		return status;
+	status = module->reader_open(&reader, options->operand[0], err);
+	if (status)
+		return status;
+	const struct rb_reading *reading = module->reader_reading(reader);
+	if (options->scene_text) {
+		if (reading->file_count > 0)
+			fputs(reading->file_texts[0], stdout);
+		else
+			status = RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no scene",
+			                 options->operand[0]);
+	} else {
+		status = observe_all(module, reader, &course, err);
+		if (!status && options->json)
+			print_json(options->operand[0], reading, &course);
+		else if (!status)
+			print_text(options->operand[0], reading, &course);
+	}
+	module->reader_close(reader);
+	return status;
+}
+
+int rb_info_main(const struct rb_options *options)
+{
+	struct rb_error err;
+
+	return rb_app_finish(options, look(options, &err) ? rb_app_fail(options, &err) : 0);
+}

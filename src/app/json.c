@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/json.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+/*
+ * Length of the UTF-8 character at `s`, 0 where there is none (overlong forms and surrogates too).
+ */
+static int character_length(const unsigned char *s)
+{
+	static const struct {
+		unsigned char mask, lead, second_low, second_high;
+		int length;
+	} forms[] = {
+		{0xff, 0xe0, 0xa0, 0xbf, 3}, {0xff, 0xed, 0x80, 0x9f, 3},
+		{0xff, 0xf0, 0x90, 0xbf, 4}, {0xff, 0xf4, 0x80, 0x8f, 4},
+		{0xe0, 0xc0, 0x80, 0xbf, 2}, {0xf0, 0xe0, 0x80, 0xbf, 3},
+		{0xfc, 0xf0, 0x80, 0xbf, 4},
+	};
+
+	if (s[0] < 0x80)
+		return 1;
+	if (s[0] < 0xc2)
+		return 0;
+	for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+		if ((s[0] & forms[i].mask) != forms[i].lead)
+			continue;
+		if (s[1] < forms[i].second_low || s[1] > forms[i].second_high)
+			return 0;
+		for (int k = 2; k < forms[i].length; k++)
+			if ((s[k] & 0xc0) != 0x80)
+				return 0;
+		return forms[i].length;
+	}
+	return 0;
+}
+
+static void put_text(FILE *file, const char *text)
+{
+	const unsigned char *s = (const unsigned char *)text;
+
+	putc('"', file);
+	while (*s) {
+		const int length = character_length(s);
+		if (length == 0) {
+			fputs("\\ufffd", file);
+			s++;
+			continue;
+		}
+		if (*s == '"' || *s == '\\')
+			fprintf(file, "\\%c", *s);
+		else if (*s == '\n')
+			fputs("\\n", file);
+		else if (*s < 0x20 || *s == 0x7f)
+			fprintf(file, "\\u%04x", *s);
+		else
+			fwrite(s, 1, (size_t)length, file);
+		s += length;
+	}
+	putc('"', file);
+}
+
+static void begin(struct rb_json *json, const char *name)
+{
+	if (json->follows)
+		putc(',', json->file);
+	json->follows = true;
+	if (name) {
+		put_text(json->file, name);
+		putc(':', json->file);
+	}
+}
+
+void rb_json_open(struct rb_json *json, const char *name, char bracket)
+{
+	begin(json, name);
+	putc(bracket, json->file);
+	json->follows = false;
+}
+
+void rb_json_close(struct rb_json *json, char bracket)
+{
+	putc(bracket, json->file);
+	json->follows = true;
+}
+
+void rb_json_text(struct rb_json *json, const char *name, const char *value)
+{
+	begin(json, name);
+	if (value)
+		put_text(json->file, value);
+	else
+		fputs("null", json->file);
+}
+
+void rb_json_number(struct rb_json *json, const char *name, double value)
+{
+	begin(json, name);
+	if (isfinite(value))
+		fprintf(json->file, "%.17g", value);
+	else
+		fputs("null", json->file);
+}
+
+void rb_json_count(struct rb_json *json, const char *name, uint64_t value)
+{
+	begin(json, name);
+	fprintf(json->file, "%" PRIu64, value);
+}
+
+void rb_json_bool(struct rb_json *json, const char *name, bool value)
+{
+	begin(json, name);
+	fputs(value ? "true" : "false", json->file);
+}
+
+void rb_json_vector(struct rb_json *json, const char *name, const double *value, int count)
+{
+	rb_json_open(json, name, '[');
+	for (int i = 0; i < count; i++)
+		rb_json_number(json, NULL, value[i]);
+	rb_json_close(json, ']');
+}

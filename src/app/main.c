@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT */
+#include <signal.h>
+#include <stdio.h>
+#include <unistd.h>
+
+#include "app/check.h"
+#include "app/common.h"
+#include "app/diff.h"
+#include "app/help.h"
+#include "app/info.h"
+#include "app/methods.h"
+#include "app/progress.h"
+#include "app/run.h"
+#include "app/simulate.h"
+#include "base/log.h"
+#include "script/rows.h"
+
+static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
+	[RB_VERB_RUN] = rb_run_main,         [RB_VERB_CHECK] = rb_check_main,
+	[RB_VERB_INFO] = rb_info_main,       [RB_VERB_DIFF] = rb_diff_main,
+	[RB_VERB_METHODS] = rb_methods_main,
+};
+
+/* In one write, over a progress bar that may stand there. */
+static void tell(enum rb_log_level level, const char *text, void *user)
+{
+	const bool *const bar = user;
+
+	fprintf(stderr, "%s%s%s\n", *bar ? "\r\033[K" : "",
+	        level == RB_LOG_WARNING ? "rbsim: warning: " : "", text);
+}
+
+static int print_version(const struct rb_options *options)
+{
+	char build[128];
+
+	rb_build_text(build, sizeof build);
+	printf("rbsim %s\n%s\n", RB_VERSION, build);
+	return rb_app_finish(options, 0);
+}
+
+static int print_help(const struct rb_options *options)
+{
+	if (options->operand_count > 0 && options->verb == RB_VERB_RUN)
+		return rb_run_help(options);
+	rb_help_print(stdout, options);
+	return rb_app_finish(options, 0);
+}
+
+static int print_table(const struct rb_options *options)
+{
+	switch (*options->print_tables) {
+	case 's':
+		rb_fields_print(stdout);
+		break;
+	case 'o':
+		rb_help_print_options(stdout);
+		break;
+	default:
+		rb_help_print_completion(stdout, options->print_tables);
+		break;
+	}
+	return rb_app_finish(options, 0);
+}
+
+static int run_verb(const struct rb_options *options)
+{
+	if (options->print_tables)
+		return print_table(options);
+	if (options->version)
+		return print_version(options);
+	if (options->help)
+		return print_help(options);
+	return verb_main[options->verb](options);
+}
+
+int main(int argc, char **argv)
+{
+	struct rb_options options;
+	struct rb_error err;
+	bool bar = rb_terminal_is_capable(STDERR_FILENO);
+	int exit_code;
+
+	/* A reader that goes away or a file at its limit is an error of a write, not an end. */
+	signal(SIGPIPE, SIG_IGN);
+	signal(SIGXFSZ, SIG_IGN);
+
+	if (rb_options_parse(&options, argc, argv, &err)) {
+		exit_code = rb_app_fail(&options, &err);
+		if (err.status == RB_ERR_USAGE)
+			fprintf(stderr, "rbsim: 'rbsim --help' tells more\n");
+	} else {
+		if (!options.quiet)
+			rb_log_to(tell, &bar, options.debug ? RB_LOG_DEBUG : RB_LOG_NOTE);
+		exit_code = run_verb(&options);
+	}
+	rb_options_release(&options);
+	return exit_code;
+}

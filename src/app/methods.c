@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/methods.h"
+
+#include "app/common.h"
+#include "app/json.h"
+
+static const struct {
+	const char *name, *what, *good_for, *mind;
+} methods[] = {
+	{"classic", "one step for all; a step that ends in an overlap is taken back and halved",
+         "few bodies and clear impacts; lectures; a baseline for every other method",
+         "impact times are as fine as the step, so errors fall with the first power of time_step; heaps cost much"},
+	{"auto", "the best that this version has: classic", "whoever does not want to choose",
+         "the method taken is named in the summary and in the recording"},
+};
+static const struct {
+	const char *name, *what;
+} rollbacks[] = {
+	{"selective",
+         "only the bodies concerned are restored and go on in shorter steps (the default)"},
+	{"global", "the whole scene is restored and goes on in shorter steps, as first described"},
+	{"none", "nothing is restored: the tolerance is reported, not promised"},
+};
+
+int rb_methods_main(const struct rb_options *options)
+{
+	const int method_count = sizeof methods / sizeof *methods;
+	const int rollback_count = sizeof rollbacks / sizeof *rollbacks;
+
+	if (options->json) {
+		struct rb_json json = {.file = stdout};
+		rb_json_open(&json, NULL, '{');
+		rb_json_open(&json, "methods", '[');
+		for (int i = 0; i < method_count; i++) {
+			rb_json_open(&json, NULL, '{');
+			rb_json_text(&json, "name", methods[i].name);
+			rb_json_text(&json, "what", methods[i].what);
+			rb_json_text(&json, "good_for", methods[i].good_for);
+			rb_json_text(&json, "mind", methods[i].mind);
+			rb_json_close(&json, '}');
+		}
+		rb_json_close(&json, ']');
+		rb_json_open(&json, "rollbacks", '[');
+		for (int i = 0; i < rollback_count; i++) {
+			rb_json_open(&json, NULL, '{');
+			rb_json_text(&json, "name", rollbacks[i].name);
+			rb_json_text(&json, "what", rollbacks[i].what);
+			rb_json_close(&json, '}');
+		}
+		rb_json_close(&json, ']');
+		rb_json_close(&json, '}');
+		putchar('\n');
+		return rb_app_finish(options, 0);
+	}
+	printf("method = ... (or --method)\n");
+	for (int i = 0; i < method_count; i++)
+		printf("  %-10s %s\n  %-10s good for: %s\n  %-10s mind: %s\n", methods[i].name,
+		       methods[i].what, "", methods[i].good_for, "", methods[i].mind);
+	printf("rollback = ... (or --rollback)\n");
+	for (int i = 0; i < rollback_count; i++)
+		printf("  %-10s %s\n", rollbacks[i].name, rollbacks[i].what);
+	return rb_app_finish(options, 0);
+}

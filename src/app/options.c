@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/options.h"
+
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/memory.h"
+#include "script/nearest.h"
+
+#define VERB(name) (1u << RB_VERB_##name)
+#define ALL (VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(DIFF) | VERB(METHODS))
+#define SCENE (VERB(RUN) | VERB(CHECK))
+#define AT(field) offsetof(struct rb_options, field)
+
+const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
+	[RB_VERB_RUN] = {"run", "SCENE.lua", 1, "simulate a scene and record every frame",
+                         "rbsim bounce.lua\tsimulate; the recording is bounce.h5\n"
+                         "rbsim bounce.lua --help\tthe scene's own parameters\n"
+                         "rbsim bounce.lua --param e=0.5 -o half.h5\tanother value, another file\n"
+                         "rbsim bounce.lua --no-record --json\tonly the result, for a script\n"},
+	[RB_VERB_CHECK] = {"check", "SCENE.lua", 1,
+                           "validate a scene and print what a run will do and take",
+                           "rbsim check bounce.lua\tplan, memory and disk\n"
+                           "rbsim check bounce.lua --json\tthe same for a script\n"},
+	[RB_VERB_INFO] = {"info", "RUN.h5", 1, "what is in a recording and how the run went",
+                          "rbsim info bounce.h5\tat a glance\n"
+                          "rbsim info bounce.h5 --scene >again.lua\tthe scene it was made from\n"},
+	[RB_VERB_DIFF] = {"diff", "A.h5 B.h5", 2,
+                          "the first frame and body at which two recordings differ",
+                          "rbsim diff before.h5 after.h5\texit status 0: the same to the bit\n"},
+	[RB_VERB_METHODS] = {"methods", "", 0, "the methods and what each is good for",
+                             "rbsim methods\ta table\n"},
+};
+
+/* clang-format off */
+const struct rb_option_row rb_option_rows[] = {
+	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), SCENE, 0, 0, false, NULL,
+	 "record to FILE (default: the scene's record file, else its name with .h5, here)"},
+	{"param", 'p', "NAME=VALUE", RB_OPTION_LIST, AT(params), SCENE, 0, 0, false, NULL,
+	 "set a parameter of the scene; may be given again"},
+	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE, 0, INFINITY, true, NULL,
+	 "simulated time, instead of the scene's"},
+	{"time-step", 0, "SECONDS", RB_OPTION_NUMBER, AT(time_step_s), SCENE, 0, INFINITY, true, NULL,
+	 "longest step of the solver, instead of the scene's"},
+	{"tolerance", 0, "METRES", RB_OPTION_NUMBER, AT(tolerance_m), SCENE, 0, INFINITY, true, NULL,
+	 "largest overlap a frame may show, instead of the scene's"},
+	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE, 0, 0, false, "auto, classic",
+	 "method of the solver (see rbsim methods)"},
+	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE, 0, 0, false, "selective, global, none",
+	 "what is restored when an overlap shows (the bodies concerned, the whole scene, nothing)"},
+	{"seed", 0, "N", RB_OPTION_SEED, AT(seed), SCENE, 0, 0, false, NULL,
+	 "seed of the scene's random numbers"},
+	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), SCENE, 1, 1024, false, NULL,
+	 "workers of the simulator (default: the processors this process may use)"},
+	{"no-record", 0, NULL, RB_OPTION_FLAG, AT(no_record), SCENE, 0, 0, false, NULL,
+	 "write no recording"},
+	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE, 0, 0, false, NULL,
+	 "replace an existing recording"},
+	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE, 0, 0, false, NULL,
+	 "run the scene's script without the sandbox: only for your own"},
+	{"scene", 0, NULL, RB_OPTION_FLAG, AT(scene_text), VERB(INFO), 0, 0, false, NULL,
+	 "print the text of the recorded scene and nothing else"},
+	{"quiet", 'q', NULL, RB_OPTION_FLAG, AT(quiet), ALL, 0, 0, false, NULL,
+	 "no progress and no summary; mistakes are still told"},
+	{"json", 0, NULL, RB_OPTION_FLAG, AT(json), ALL, 0, 0, false, NULL,
+	 "one JSON object on standard output"},
+	{"debug", 0, NULL, RB_OPTION_FLAG, AT(debug), ALL, 0, 0, false, NULL,
+	 "with an error, where in the program and in the script it arose"},
+	{"help", 'h', NULL, RB_OPTION_FLAG, AT(help), ALL, 0, 0, false, NULL,
+	 "this text; with a scene also its parameters"},
+	{"version", 'V', NULL, RB_OPTION_FLAG, AT(version), ALL, 0, 0, false, NULL,
+	 "version and libraries"},
+	{"print-tables", 0, "WHICH", RB_OPTION_CHOICE, AT(print_tables), ALL, 0, 0, false, "scene, options, bash, zsh", NULL},
+};
+/* clang-format on */
+const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
+
+const char *const rb_later_verbs[] = {"console",  "attach", "render", "plot",    "export",
+                                      "converge", "verify", "sweep",  "collect", "replay",
+                                      "repair",   "ctl",    NULL};
+const char *const rb_later_options[] = {
+	"no-render", "camera", "checkpoint-every", "resume", "listen", "commands", NULL};
+static const char *const later_methods[] = {"located", "stepped", NULL};
+
+/* One command line being read. */
+struct parse {
+	struct rb_options *options;
+	char *const *argv;
+	int argc, next;
+	bool given[64]; /* by row, to be held against the verb once that is known */
+	struct rb_error *err;
+};
+_Static_assert(sizeof rb_option_rows / sizeof *rb_option_rows <= 64, "parse.given is too short");
+
+bool rb_text_number(const char *text, double *value)
+{
+	char *end;
+
+	if (*text == '\0' || strchr(" \t\n\v\f\r", *text)) /* which strtod would skip */
+		return false;
+	*value = strtod(text, &end);
+	return *end == '\0' && isfinite(*value);
+}
+
+static bool listed(const char *const *names, const char *name, size_t length)
+{
+	for (; *names; names++)
+		if (strlen(*names) == length && memcmp(*names, name, length) == 0)
+			return true;
+	return false;
+}
+
+static enum rb_status unknown_option(struct parse *parse, const char *name, size_t length)
+{
+	char word[64];
+
+	if (listed(rb_later_options, name, length))
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%.*s' is not in this version",
+		               (int)length, name);
+	snprintf(word, sizeof word, "%.*s", (int)length, name);
+	struct rb_nearest nearest = rb_nearest_to(word);
+	for (int i = 0; i < rb_option_row_count; i++)
+		if (rb_option_rows[i].help)
+			rb_nearest_offer(&nearest, rb_option_rows[i].name,
+			                 strlen(rb_option_rows[i].name));
+	if (*nearest.best)
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "unknown option '--%s' (did you mean '--%s'?)", word, nearest.best);
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown option '--%s'", word);
+}
+
+static enum rb_status bad_number(struct parse *parse, const struct rb_option_row *row,
+                                 const char *text)
+{
+	const char *kind = row->type == RB_OPTION_NUMBER ? "number" : "whole number";
+
+	if (row->type == RB_OPTION_SEED)
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--%s': '%s' is not a whole number from 0 to %lld",
+		               row->name, text, LLONG_MAX);
+	if (row->above_low)
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--%s': '%s' is not a finite %s above %g", row->name, text,
+		               kind, row->low);
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%s': '%s' is not a %s from %g to %.19g",
+	               row->name, text, kind, row->low, row->high);
+}
+
+/* Digits alone; false when they do not fit. */
+static bool whole_number(const char *text, uint64_t high, uint64_t *value)
+{
+	if (text[0] == '\0' || text[strspn(text, "0123456789")] != '\0')
+		return false;
+	errno = 0;
+	*value = strtoull(text, NULL, 10);
+	return errno == 0 && *value <= high;
+}
+
+static enum rb_status take_choice(struct parse *parse, const struct rb_option_row *row,
+                                  const char *text, const char **value)
+{
+	const size_t length = strlen(text);
+
+	for (const char *at = row->choices; at;) {
+		const size_t one = strcspn(at, ",");
+		if (one == length && memcmp(at, text, one) == 0) {
+			*value = text;
+			return RB_OK;
+		}
+		at = at[one] ? at + one + 2 : NULL;
+	}
+	if (strcmp(row->name, "method") == 0 && listed(later_methods, text, length))
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--method': '%s' is not in this version (it has: %s)", text,
+		               row->choices);
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%s': '%s' is not one of: %s", row->name,
+	               text, row->choices);
+}
+
+static enum rb_status take_value(struct parse *parse, const struct rb_option_row *row,
+                                 const char *text)
+{
+	void *const field = (char *)parse->options + row->offset;
+	uint64_t whole;
+
+	parse->given[row - rb_option_rows] = true;
+	switch (row->type) {
+	case RB_OPTION_FLAG:
+		*(bool *)field = true;
+		return RB_OK;
+	case RB_OPTION_TEXT:
+		if (*text == '\0')
+			return RB_FAIL(parse->err, RB_ERR_USAGE,
+			               "option '--%s' needs a %s that is not empty", row->name,
+			               row->argument);
+		*(const char **)field = text;
+		return RB_OK;
+	case RB_OPTION_CHOICE:
+		return take_choice(parse, row, text, field);
+	case RB_OPTION_NUMBER: {
+		double number;
+		if (!rb_text_number(text, &number) || number < row->low || number > row->high ||
+		    (row->above_low && number == row->low))
+			return bad_number(parse, row, text);
+		*(double *)field = number;
+		return RB_OK;
+	}
+	case RB_OPTION_INTEGER:
+		if (!whole_number(text, (uint64_t)row->high, &whole) || (double)whole < row->low)
+			return bad_number(parse, row, text);
+		*(int *)field = (int)whole;
+		return RB_OK;
+	case RB_OPTION_SEED:
+		if (!whole_number(text, INT64_MAX, &whole))
+			return bad_number(parse, row, text);
+		*(uint64_t *)field = whole;
+		parse->options->has_seed = true;
+		return RB_OK;
+	case RB_OPTION_LIST:
+		if (*text == '=' || !strchr(text, '='))
+			return RB_FAIL(parse->err, RB_ERR_USAGE,
+			               "option '--%s': '%s' is not of the form %s", row->name, text,
+			               row->argument);
+		parse->options->params[parse->options->param_count++] = text;
+		return RB_OK;
+	}
+	return RB_OK;
+}
+
+/* `text` NULL: the next word. */
+static enum rb_status take_option(struct parse *parse, const struct rb_option_row *row,
+                                  const char *text)
+{
+	if (row->type == RB_OPTION_FLAG) {
+		if (text)
+			return RB_FAIL(parse->err, RB_ERR_USAGE,
+			               "option '--%s' takes no value (got '%s')", row->name, text);
+	} else if (!text) {
+		if (parse->next >= parse->argc)
+			return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%s' needs a %s",
+			               row->name, row->argument);
+		text = parse->argv[parse->next++];
+	}
+	return take_value(parse, row, text);
+}
+
+static enum rb_status take_long(struct parse *parse, const char *word)
+{
+	const size_t length = strcspn(word, "=");
+
+	for (int i = 0; i < rb_option_row_count; i++) {
+		const char *name = rb_option_rows[i].name;
+		if (strlen(name) == length && memcmp(name, word, length) == 0)
+			return take_option(parse, &rb_option_rows[i],
+			                   word[length] ? word + length + 1 : NULL);
+	}
+	return unknown_option(parse, word, length);
+}
+
+/* -q, -qo FILE, -oFILE */
+static enum rb_status take_short(struct parse *parse, const char *letters)
+{
+	for (; *letters; letters++) {
+		const struct rb_option_row *row = NULL;
+		for (int i = 0; i < rb_option_row_count && !row; i++)
+			if (rb_option_rows[i].letter == *letters)
+				row = &rb_option_rows[i];
+		if (!row)
+			return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown option '-%c'", *letters);
+		const bool flag = row->type == RB_OPTION_FLAG;
+		const enum rb_status status = take_option(parse, row,
+		                                          !flag && letters[1] ? letters + 1 : NULL);
+		if (status || !flag)
+			return status;
+	}
+	return RB_OK;
+}
+
+/* A word that is no file and looks like none is a verb that is not known. */
+static enum rb_status check_not_verb(struct parse *parse, const char *word)
+{
+	char hint[96];
+
+	if (listed(rb_later_verbs, word, strlen(word)))
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "verb '%s' is not in this version", word);
+	if (strpbrk(word, "./") || access(word, F_OK) == 0)
+		return RB_OK;
+	struct rb_nearest nearest = rb_nearest_to(word);
+	for (int i = 0; i < RB_VERB_COUNT; i++)
+		rb_nearest_offer(&nearest, rb_verbs[i].name, strlen(rb_verbs[i].name));
+	if (*nearest.best)
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown verb '%s'%s", word,
+		               rb_nearest_hint(&nearest, hint));
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' is neither a verb nor a scene", word);
+}
+
+static enum rb_status take_operand(struct parse *parse, const char *word, bool may_be_verb)
+{
+	struct rb_options *const options = parse->options;
+
+	if (may_be_verb) {
+		for (int i = 0; i < RB_VERB_COUNT; i++)
+			if (strcmp(rb_verbs[i].name, word) == 0) {
+				options->verb = (enum rb_verb)i;
+				options->verb_given = true;
+				return RB_OK;
+			}
+		const enum rb_status status = check_not_verb(parse, word);
+		if (status)
+			return status;
+	}
+	const struct rb_verb_row *verb = &rb_verbs[options->verb];
+	if (options->operand_count >= verb->operand_count)
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "unexpected operand '%s': %s takes %s",
+		               word, verb->name,
+		               verb->operand_count == 0 ? "none" : verb->operands);
+	options->operand[options->operand_count++] = word;
+	return RB_OK;
+}
+
+static enum rb_status check_whole(const struct parse *parse)
+{
+	const struct rb_options *const options = parse->options;
+	const struct rb_verb_row *verb = &rb_verbs[options->verb];
+
+	for (int i = 0; i < rb_option_row_count; i++)
+		if (parse->given[i] && !(rb_option_rows[i].verbs & 1u << options->verb))
+			return RB_FAIL(parse->err, RB_ERR_USAGE,
+			               "option '--%s' does not belong to '%s'",
+			               rb_option_rows[i].name, verb->name);
+	if (options->help || options->version || options->print_tables)
+		return RB_OK;
+	if (options->operand_count < verb->operand_count)
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s%s", verb->name,
+		               verb->operands, options->operand_count == 0 ? "" : " (two files)");
+	if (options->no_record && options->output)
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--output' contradicts '--no-record'");
+	return RB_OK;
+}
+
+enum rb_status rb_options_parse(struct rb_options *options, int argc, char *const *argv,
+                                struct rb_error *err)
+{
+	struct parse parse = {
+		.options = options, .argv = argv, .argc = argc, .next = 1, .err = err};
+	bool first = true, only_operands = false;
+
+	*options = (struct rb_options){.duration_s = NAN,
+	                               .time_step_s = NAN,
+	                               .tolerance_m = NAN,
+	                               .argc = argc,
+	                               .argv = argv};
+	options->params = rb_memory_take((size_t)argc + 1, sizeof *options->params);
+	if (!options->params)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read the command line: out of memory");
+	while (parse.next < argc) {
+		const char *const word = argv[parse.next++];
+		enum rb_status status = RB_OK;
+
+		if (only_operands || word[0] != '-' || word[1] == '\0') {
+			/* behind -- a word is a file, even if it is called 'check' */
+			status = take_operand(&parse, word, first && !only_operands);
+			first = false;
+		} else if (strcmp(word, "--") == 0) {
+			only_operands = true;
+		} else if (word[1] == '-') {
+			status = take_long(&parse, word + 2);
+		} else {
+			status = take_short(&parse, word + 1);
+		}
+		if (status)
+			return status;
+	}
+	return check_whole(&parse);
+}
+
+void rb_options_release(struct rb_options *options)
+{
+	rb_memory_free(options->params);
+	*options = (struct rb_options){0};
+}

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The command line, from two tables: verbs and options. The parser, `--help`, the shell
+ * completions and the check of the manual page read the same rows.
+ *
+ * The result borrows the texts of argv. Nothing here prints.
+ */
+#ifndef RB_APP_OPTIONS_H
+#define RB_APP_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <rbsim/error.h>
+
+enum rb_verb {
+	RB_VERB_RUN,
+	RB_VERB_CHECK,
+	RB_VERB_INFO,
+	RB_VERB_DIFF,
+	RB_VERB_METHODS,
+	RB_VERB_COUNT
+};
+
+struct rb_verb_row {
+	const char *name;
+	const char *operands; /* as in the usage line, "" without */
+	int operand_count;
+	const char *help;
+	const char *examples; /* for --help: lines "command\tremark\n" */
+};
+extern const struct rb_verb_row rb_verbs[RB_VERB_COUNT];
+
+enum rb_option_type {
+	RB_OPTION_FLAG,
+	RB_OPTION_TEXT,
+	RB_OPTION_CHOICE,
+	RB_OPTION_NUMBER,  /* double, finite */
+	RB_OPTION_INTEGER, /* int */
+	RB_OPTION_SEED,    /* uint64_t */
+	RB_OPTION_LIST     /* K=V, may be given again */
+};
+
+/* Values of a parsed command line. */
+struct rb_options {
+	enum rb_verb verb;
+	bool verb_given; /* by name, not by default */
+	const char *operand[2];
+	int operand_count;
+
+	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
+	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
+	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */
+	uint64_t seed;
+	int threads;         /* 0: not given */
+	const char **params; /* owned: K=V each */
+	int param_count;
+	int argc; /* the command line itself */
+	char *const *argv;
+};
+
+struct rb_option_row {
+	const char *name;     /* long, without dashes */
+	char letter;          /* 0: none */
+	const char *argument; /* its name in the help, NULL: a flag */
+	enum rb_option_type type;
+	size_t offset;       /* in struct rb_options */
+	unsigned verbs;      /* bit k: verb k takes it */
+	double low, high;    /* of numbers */
+	bool above_low;      /* the range leaves out `low` */
+	const char *choices; /* "a, b" */
+	const char *help;    /* NULL: not shown */
+};
+extern const struct rb_option_row rb_option_rows[];
+extern const int rb_option_row_count;
+
+/* Verbs and options that are spoken for but not in this version; both end with NULL. */
+extern const char *const rb_later_verbs[], *const rb_later_options[];
+
+/*
+ * RB_ERR_USAGE with the nearest name for what is not known. --help and --version excuse missing
+ * operands. Release with rb_options_release in any case.
+ */
+RB_CHECKED enum rb_status rb_options_parse(struct rb_options *options, int argc, char *const *argv,
+                                           struct rb_error *err);
+void rb_options_release(struct rb_options *options);
+
+/* A whole text that is a finite number; false for anything else. */
+bool rb_text_number(const char *text, double *value);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The thread beside a simulation: takes the signals and says how far the run is.
+ *
+ * Owned by the simulator's thread, which starts and stops it. From start to stop SIGINT, SIGTERM
+ * and SIGUSR1 go to this thread alone: the first one asks the simulator to stop
+ * (rb_progress_signal), a SIGINT after that ends the process at once with 130.
+ */
+#ifndef RB_APP_PROGRESS_H
+#define RB_APP_PROGRESS_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <rbsim/error.h>
+
+struct rb_progress;
+
+struct rb_progress_options {
+	bool quiet;
+	double duration_s; /* of the whole run, simulated */
+};
+
+RB_CHECKED enum rb_status rb_progress_start(struct rb_progress **progress,
+                                            const struct rb_progress_options *options,
+                                            struct rb_error *err);
+/* Takes the bar off the screen and ends the thread; signals are as before. NULL is fine. */
+void rb_progress_stop(struct rb_progress *progress);
+
+/* Simulator's thread: where it is. Cheap enough for every step. */
+void rb_progress_at(struct rb_progress *progress, double time_s);
+/* The signal that asked for an end, 0: none. From any thread. */
+int rb_progress_signal(const struct rb_progress *progress);
+
+/* A progress line of at most `width` columns, for tests too. `line` has room for `size` bytes. */
+void rb_progress_line(char *line, int size, int width, double time_s, double duration_s,
+                      double wall_s);
+
+/* Colour and redrawing make sense on this descriptor: a terminal that is not dumb. */
+bool rb_terminal_is_capable(int descriptor);
+
+#endif

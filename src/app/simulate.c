@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/simulate.h"
+
+#include <math.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <lua.h>
+
+#include "app/progress.h"
+#include "base/clock.h"
+#include "base/memory.h"
+#include "base/team.h"
+#include "flow/frame.h"
+#include "flow/pump.h"
+#include "math/vec3.h"
+#include "sink/module.h"
+
+/* Everything of a run that is under way; simulator's thread. */
+struct run {
+	struct rb_loaded *loaded;
+	const struct rb_options *options;
+	const struct rb_run_info *info;
+	struct rb_run_result *result;
+
+	const struct rb_hdf5_module *module; /* NULL: no recording */
+	struct rb_recorder *recorder;
+	struct rb_sink sink;
+	struct rb_ring *ring;
+	struct rb_pump *pump;
+	struct rb_frame numbers_only; /* the frame when there is no ring */
+	struct rb_outcome outcome;    /* shared with the pump: see flow/pump.h */
+	struct rb_world *world;
+	struct rb_progress *progress;
+};
+
+int rb_simulate_threads(const struct rb_options *options)
+{
+	return options->threads > 0 ? options->threads : rb_team_processors();
+}
+
+void rb_build_text(char *out, size_t size)
+{
+#if defined(__clang__)
+	snprintf(out, size, "clang %d.%d.%d, %s", __clang_major__, __clang_minor__,
+	         __clang_patchlevel__, LUA_RELEASE);
+#elif defined(__GNUC__)
+	snprintf(out, size, "gcc %d.%d.%d, %s", __GNUC__, __GNUC_MINOR__, __GNUC_PATCHLEVEL__,
+	         LUA_RELEASE);
+#else
+	snprintf(out, size, "%s", LUA_RELEASE);
+#endif
+}
+
+/* The words as a shell would read them again. Words of plain characters stay as they are. */
+static char *command_text(int argc, char *const *argv)
+{
+	static const char plain[] =
+		"abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+	size_t size = 1;
+
+	for (int i = 0; i < argc; i++)
+		size += 4 * strlen(argv[i]) + 3;
+	char *const text = rb_memory_take(size, 1);
+	char *to = text;
+	for (int i = 0; text && i < argc; i++) {
+		const bool quoted = !*argv[i] || argv[i][strspn(argv[i], plain)];
+		if (i > 0)
+			*to++ = ' ';
+		if (quoted)
+			*to++ = '\'';
+		for (const char *from = argv[i]; *from; from++) {
+			if (*from == '\'')
+				to = stpcpy(to, "'\\'");
+			*to++ = *from;
+		}
+		if (quoted)
+			*to++ = '\'';
+	}
+	return text;
+}
+
+enum rb_status rb_simulate_info(struct rb_run_info *info, struct rb_run_texts *texts,
+                                const struct rb_loaded *loaded, const struct rb_options *options,
+                                struct rb_error *err)
+{
+	const char *author = getenv("USER");
+
+	*texts = (struct rb_run_texts){0};
+	texts->command = command_text(options->argc, options->argv);
+	if (!texts->command)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot keep the command line: out of memory");
+	if (gethostname(texts->host, sizeof texts->host - 1) != 0)
+		snprintf(texts->host, sizeof texts->host, "unknown");
+	rb_build_text(texts->build, sizeof texts->build);
+	*info = (struct rb_run_info){
+		.version = RB_VERSION,
+		.build = texts->build,
+		.command = texts->command,
+		.host = texts->host,
+		.author = author && *author ? author : "unknown",
+		.threads = rb_simulate_threads(options),
+		.method = rb_model_method(loaded->model),
+		.rollback = rb_rollback_name(loaded->model->rollback),
+		.model = loaded->model,
+		.scene = &loaded->scene,
+	};
+	rb_clock_utc(info->started);
+	return RB_OK;
+}
+
+void rb_run_texts_release(struct rb_run_texts *texts)
+{
+	rb_memory_free(texts->command);
+	*texts = (struct rb_run_texts){0};
+}
+
+enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
+                                        const struct rb_options *options, struct rb_error *err)
+{
+	struct stat output, scene;
+
+	if (!loaded->output || stat(loaded->output, &output) != 0)
+		return RB_OK; /* what else is wrong with the name shows when it is created */
+	if (stat(options->operand[0], &scene) == 0 && scene.st_dev == output.st_dev &&
+	    scene.st_ino == output.st_ino)
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot record to '%s': it is the scene",
+		               loaded->output);
+	if (!options->force && S_ISREG(output.st_mode))
+		return RB_FAIL(
+			err, RB_ERR_CREATE,
+			"cannot create '%s': it exists (--force replaces it, -o takes another name)",
+			loaded->output);
+	return RB_OK;
+}
+
+/* Polled by the world between attempts. */
+static bool stop_wanted(void *user)
+{
+	const struct run *const run = user;
+
+	rb_progress_at(run->progress, rb_world_time(run->world));
+	return rb_progress_signal(run->progress) != 0 ||
+	       (run->pump && rb_pump_must_stop(run->pump));
+}
+
+static enum rb_status start_world(struct run *run, struct rb_error *err)
+{
+	const struct rb_world_hooks hooks = rb_script_hooks(run->loaded->script);
+	const struct rb_world_options options = {
+		.threads = run->info->threads,
+		.keep_events = run->loaded->output &&
+	                       run->loaded->scene.record.fields & RB_FIELD_EVENTS,
+		.keep_contacts = run->loaded->output &&
+	                         run->loaded->scene.record.fields & RB_FIELD_CONTACTS,
+		.stop = stop_wanted,
+		.stop_user = run,
+	};
+
+	return rb_world_create(&run->world, run->loaded->model, &options, &hooks, err);
+}
+
+static enum rb_status start_recorder(struct run *run, struct rb_error *err)
+{
+	const struct rb_recorder_options options = {.path = run->loaded->output,
+	                                            .replace = run->options->force};
+	enum rb_status status = rb_module_hdf5(&run->module, err);
+
+	if (!status)
+		status = run->module->recorder_create(&run->recorder, &run->sink, run->info,
+		                                      &options, err);
+	if (!status)
+		status = rb_ring_create(&run->ring, run->loaded->model, run->sink.fields, 0, err);
+	if (!status)
+		status = rb_pump_start(&run->pump, run->ring, &run->sink, &run->outcome, err);
+	return status;
+}
+
+/* The thread of signals first: what it blocks, all others inherit. */
+static enum rb_status start(struct run *run, struct rb_error *err)
+{
+	const struct rb_progress_options options = {
+		.quiet = run->options->quiet || run->options->json,
+		.duration_s = run->loaded->model->duration_s,
+	};
+	enum rb_status status = rb_progress_start(&run->progress, &options, err);
+
+	if (!status)
+		status = start_world(run, err);
+	if (!status && run->loaded->output)
+		status = start_recorder(run, err);
+	else if (!status)
+		status = rb_frame_init(&run->numbers_only, run->loaded->model, 0, err);
+	return status;
+}
+
+static double change_of(rb_vec3 now, rb_vec3 then)
+{
+	return rb_vec3_length(rb_vec3_sub(now, then));
+}
+
+static void take_numbers(struct rb_run_result *result, const struct rb_frame *frame)
+{
+	const struct rb_frame_numbers *const n = &frame->numbers;
+
+	if (frame->index == 0)
+		result->first = *n;
+	const struct rb_frame_numbers *const first = &result->first;
+	const double drift = fabs(n->kinetic_energy + n->potential_energy - first->kinetic_energy -
+	                          first->potential_energy);
+	result->last = *n;
+	result->kinetic_max_j = fmax(result->kinetic_max_j, n->kinetic_energy);
+	result->max_penetration_m = fmax(result->max_penetration_m, n->max_penetration);
+	result->energy_drift_j = fmax(result->energy_drift_j, drift);
+	result->momentum_drift = fmax(result->momentum_drift,
+	                              change_of(n->momentum, first->momentum));
+	result->angular_momentum_drift = fmax(
+		result->angular_momentum_drift,
+		change_of(n->angular_momentum, first->angular_momentum));
+	result->frames++;
+	result->time_s = frame->time_s;
+}
+
+/*
+ * The frame of this moment to the consumers, then to the script. `*ended`: an essential sink has
+ * failed.
+ */
+static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
+{
+	struct rb_frame *const frame = run->ring ? rb_ring_acquire(run->ring) : &run->numbers_only;
+
+	*ended = !frame || (run->pump && rb_pump_must_stop(run->pump));
+	if (*ended)
+		return RB_OK;
+	const enum rb_status status = rb_world_fill_frame(run->world, frame, err);
+	if (status)
+		return status;
+	take_numbers(run->result, frame);
+	if (run->ring)
+		rb_ring_publish(run->ring);
+	const uint64_t k = rb_world_frame(run->world);
+	return rb_script_on_frame(run->loaded->script, run->world, rb_world_time(run->world), k,
+	                          err);
+}
+
+static enum rb_status run_frames(struct run *run, struct rb_error *err)
+{
+	const uint64_t frame_count = rb_world_frame_count(run->world);
+	bool ended = false;
+	enum rb_status status = emit(run, &ended, err);
+
+	while (!status && !ended && rb_world_frame(run->world) + 1 < frame_count) {
+		status = rb_world_step_frame(run->world, err);
+		if (status || rb_world_stopped(run->world))
+			break;
+		status = emit(run, &ended, err);
+		rb_progress_at(run->progress, rb_world_time(run->world));
+		if (rb_progress_signal(run->progress) != 0)
+			break;
+	}
+	return status;
+}
+
+/* Whether the scene's expectations hold; only of a run that came to its end. */
+static enum rb_status expect(struct run *run, struct rb_error *err)
+{
+	struct rb_run_result *const result = run->result;
+	const int count = run->loaded->scene.expect_count;
+
+	if (count == 0)
+		return RB_OK;
+	result->expects = rb_memory_take((size_t)count, sizeof *result->expects);
+	if (!result->expects)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot check %d expectations: out of memory",
+		               count);
+	const enum rb_status status = rb_script_expects(run->loaded->script, run->world,
+	                                                result->expects, err);
+	if (status)
+		return status;
+	result->expect_count = count;
+	for (int i = 0; i < count; i++)
+		result->expect_failures += !result->expects[i].ok;
+	return RB_OK;
+}
+
+static enum rb_status tell_signal(struct run *run, int signal, struct rb_error *err)
+{
+	const double time_s = rb_world_time(run->world);
+
+	run->result->signal = signal;
+	switch (signal) {
+	case SIGINT:
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted by SIGINT at %g s", time_s);
+	case SIGUSR1:
+		return RB_FAIL(
+			err, RB_ERR_TERMINATE,
+			"terminated by SIGUSR1 at %g s (there are no checkpoints in this version)",
+			time_s);
+	default:
+		return RB_FAIL(err, RB_ERR_TERMINATE, "terminated by SIGTERM at %g s", time_s);
+	}
+}
+
+/* From the first frame to the verdict over the run, recorder and its failures apart. */
+static enum rb_status simulate(struct run *run, struct rb_error *err)
+{
+	enum rb_status status = run_frames(run, err);
+
+	if (status)
+		return status;
+	if (run->result->frames == rb_world_frame_count(run->world))
+		return expect(run, err);
+	const int signal = rb_progress_signal(run->progress);
+	if (signal)
+		return tell_signal(run, signal, err);
+	return RB_OK; /* the recorder has failed: joining it tells how */
+}
+
+/* Closes the outputs with what has become of the run; the first failure is the one that is told. */
+static void finish(struct run *run)
+{
+	struct rb_run_result *const result = run->result;
+	struct rb_error err = {0};
+	struct stat file;
+
+	if (run->world) {
+		result->frame_count = rb_world_frame_count(run->world);
+		result->totals = rb_world_totals(run->world);
+		result->work = rb_world_work(run->world);
+		result->state_hash = rb_world_hash(run->world);
+	}
+	run->outcome = (struct rb_outcome){
+		.status = result->status,
+		.reason = result->status ? result->error.text : "",
+		.state_hash = result->state_hash,
+	};
+	if (run->ring)
+		rb_ring_close(run->ring);
+	const enum rb_status status = rb_pump_join(run->pump, &err);
+	if (status && !result->status) {
+		result->status = status;
+		result->error = err;
+	}
+	if (run->recorder)
+		run->module->recorder_destroy(run->recorder);
+	if (run->recorder && stat(run->loaded->output, &file) == 0)
+		result->recording_bytes = (uint64_t)file.st_size;
+	rb_ring_destroy(run->ring);
+	rb_frame_release(&run->numbers_only);
+	rb_world_destroy(run->world);
+	rb_progress_stop(run->progress);
+}
+
+enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
+                           const struct rb_options *options, const struct rb_run_info *info)
+{
+	struct run run = {.loaded = loaded,
+	                  .options = options,
+	                  .info = info,
+	                  .result = result,
+	                  .outcome = {.reason = ""}};
+	const uint64_t start_ns = rb_clock_now_ns();
+
+	*result = (struct rb_run_result){.frame_count = loaded->model->frame_count};
+	result->status = start(&run, &result->error);
+	if (!result->status)
+		result->status = simulate(&run, &result->error);
+	finish(&run);
+	result->memory_bytes = rb_process_bytes("VmHWM");
+	result->wall_s = (double)(rb_clock_now_ns() - start_ns) * 1e-9;
+	return result->status;
+}
+
+void rb_run_result_release(struct rb_run_result *result)
+{
+	rb_memory_free(result->expects);
+	*result = (struct rb_run_result){0};
+}

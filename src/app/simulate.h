@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One run from frame 0 to its end: world, ring, recorder and progress thread.
+ *
+ * The calling thread becomes the simulator's: it owns world and script until rb_simulate returns.
+ * The recorder's thread (flow/pump) and the thread of signals and progress (app/progress) live
+ * inside the call.
+ */
+#ifndef RB_APP_SIMULATE_H
+#define RB_APP_SIMULATE_H
+
+#include <rbsim/world.h>
+
+#include "app/common.h"
+#include "flow/info.h"
+#include "script/hooks.h"
+
+/* What a run tells of itself; filled as far as it came. */
+struct rb_run_result {
+	enum rb_status status; /* of the simulation and its outputs; expectations apart */
+	struct rb_error error; /* when status is not RB_OK */
+	int signal;            /* that ended it, 0: none */
+
+	uint64_t frames, frame_count; /* made; of the whole run */
+	double time_s, wall_s;        /* reached; taken */
+	uint64_t memory_bytes;        /* largest resident set of the process */
+	uint64_t recording_bytes;     /* size of the file */
+	uint64_t state_hash;
+
+	struct rb_frame_numbers first, last; /* of frame 0 and of the last one made */
+	double kinetic_max_j, max_penetration_m;
+	double energy_drift_j, momentum_drift, angular_momentum_drift; /* largest |x(t) - x(0)| */
+	struct rb_frame_numbers totals;                                /* counts of the whole run */
+	struct rb_world_work work;
+
+	struct rb_expect_result
+		*expects; /* owned; [expect_count] of the scene, NULL: not reached */
+	int expect_count, expect_failures;
+};
+
+/* Texts that a struct rb_run_info borrows. */
+struct rb_run_texts {
+	char host[256], build[256];
+	char *command; /* owned */
+};
+
+/* What the recording says of the run. `texts` is released with rb_run_texts_release in any case. */
+RB_CHECKED enum rb_status rb_simulate_info(struct rb_run_info *info, struct rb_run_texts *texts,
+                                           const struct rb_loaded *loaded,
+                                           const struct rb_options *options, struct rb_error *err);
+void rb_run_texts_release(struct rb_run_texts *texts);
+
+/* "gcc 12.2.0, Lua 5.4.4" */
+void rb_build_text(char *out, size_t size);
+
+/* Threads that the options ask for. */
+int rb_simulate_threads(const struct rb_options *options);
+
+/* An existing file that may not be replaced is refused before anything starts. */
+RB_CHECKED enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
+                                                   const struct rb_options *options,
+                                                   struct rb_error *err);
+
+/* The status is also in the result, which is to be released in any case. */
+enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
+                           const struct rb_options *options, const struct rb_run_info *info);
+void rb_run_result_release(struct rb_run_result *result);
+
+#endif

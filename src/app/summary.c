@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/summary.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <string.h>
+
+#include "app/json.h"
+
+static double per_second(uint64_t count, double seconds)
+{
+	return seconds > 0 ? (double)count / seconds : (double)NAN;
+}
+
+void rb_summary_print_expects(FILE *file, const struct rb_run_result *result, bool failed_only,
+                              bool color)
+{
+	for (int i = 0; i < result->expect_count; i++) {
+		const struct rb_expect_result *const e = &result->expects[i];
+		if (failed_only && e->ok)
+			continue;
+		const char *paint = e->ok ? "\033[32m" : "\033[31m";
+		fprintf(file, "    %s%-4s%s %s", color ? paint : "", e->ok ? "ok" : "FAIL",
+		        color ? "\033[0m" : "", e->text);
+		if (e->has_numbers)
+			fprintf(file, ": measured %.6g, bound %.6g", e->measured, e->bound);
+		if (!e->ok && *e->message && !e->has_numbers)
+			fprintf(file, ": %s", e->message);
+		if (!e->ok && e->always && !isnan(e->failed_s))
+			fprintf(file, " (first at %g s)", e->failed_s);
+		putc('\n', file);
+	}
+}
+
+static void print_work(FILE *file, const struct rb_run_result *result)
+{
+	const struct rb_world_work *const work = &result->work;
+	const uint64_t tried = work->body_steps + work->discarded_body_steps;
+
+	fprintf(file, "  work          %" PRIu64 " body steps, %.3g per second", work->body_steps,
+	        per_second(work->body_steps, result->wall_s));
+	if (work->discarded_body_steps > 0)
+		fprintf(file, "; %.3g %% of the work thrown away",
+		        100 * (double)work->discarded_body_steps / (double)tried);
+	fprintf(file, "\n  rollbacks     %" PRIu64, result->totals.rollbacks);
+	if (isfinite(result->totals.smallest_step) && result->totals.smallest_step > 0)
+		fprintf(file, ", smallest step %.3g s", result->totals.smallest_step);
+	fprintf(file, "\n  impacts       %" PRIu64, result->totals.collisions);
+	if (work->plastic_ends > 0)
+		fprintf(file, "; %" PRIu64 " clusters of impacts ended without restitution",
+		        work->plastic_ends);
+	putc('\n', file);
+}
+
+void rb_summary_print(FILE *file, const struct rb_run_result *result,
+                      const struct rb_loaded *loaded, const struct rb_run_info *info, bool color)
+{
+	const char *title = loaded->scene.world.title;
+	const double energy_first = result->first.kinetic_energy + result->first.potential_energy;
+	const double energy_last = result->last.kinetic_energy + result->last.potential_energy;
+	char size[32];
+
+	fprintf(file, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
+	        title ? title : "");
+	fprintf(file, "  frames        %" PRIu64 " of %" PRIu64 "\n", result->frames,
+	        result->frame_count);
+	fprintf(file, "  time          %.6g s simulated in %.3g s: %.3g x real time, %d %s\n",
+	        result->time_s, result->wall_s, result->time_s / result->wall_s, info->threads,
+	        rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	fprintf(file, "  method        %s, rollback %s, time step %g s\n", info->method,
+	        info->rollback, loaded->model->time_step_s);
+	print_work(file, result);
+	fprintf(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
+	        result->max_penetration_m, loaded->model->tolerance_m,
+	        loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
+	fprintf(file,
+	        "  energy        %.6g J at the start, %.6g J at the end; off by up to %.3g J\n",
+	        energy_first, energy_last, result->energy_drift_j);
+	fprintf(file,
+	        "  momentum      off by up to %.3g kg m/s, angular momentum by %.3g kg m^2/s\n",
+	        result->momentum_drift, result->angular_momentum_drift);
+	if (result->expect_count > 0) {
+		fprintf(file, "  expectations  %d of %d hold\n",
+		        result->expect_count - result->expect_failures, result->expect_count);
+		rb_summary_print_expects(file, result, false, color);
+	} else if (loaded->scene.expect_count > 0) {
+		fprintf(file,
+		        "  expectations  %d, not looked at: the run did not come to its end\n",
+		        loaded->scene.expect_count);
+	}
+	fprintf(file, "  memory        %s at most\n", rb_text_bytes(result->memory_bytes, size));
+	if (loaded->output)
+		fprintf(file, "  recording     %s, %s\n", loaded->output,
+		        rb_text_bytes(result->recording_bytes, size));
+}
+
+static void json_vector(struct rb_json *json, const char *name, rb_vec3 v)
+{
+	rb_json_vector(json, name, (const double[]){v.x, v.y, v.z}, 3);
+}
+
+static void json_numbers(struct rb_json *json, const char *name,
+                         const struct rb_frame_numbers *numbers)
+{
+	rb_json_open(json, name, '{');
+	rb_json_number(json, "kinetic_energy", numbers->kinetic_energy);
+	rb_json_number(json, "potential_energy", numbers->potential_energy);
+	json_vector(json, "momentum", numbers->momentum);
+	json_vector(json, "angular_momentum", numbers->angular_momentum);
+	rb_json_close(json, '}');
+}
+
+static void json_expects(struct rb_json *json, const struct rb_run_result *result)
+{
+	rb_json_open(json, "expectations", '[');
+	for (int i = 0; i < result->expect_count; i++) {
+		const struct rb_expect_result *const e = &result->expects[i];
+		rb_json_open(json, NULL, '{');
+		rb_json_text(json, "text", e->text);
+		rb_json_count(json, "line", (uint64_t)e->line);
+		rb_json_bool(json, "always", e->always);
+		rb_json_bool(json, "ok", e->ok);
+		rb_json_number(json, "measured", e->has_numbers ? e->measured : (double)NAN);
+		rb_json_number(json, "bound", e->has_numbers ? e->bound : (double)NAN);
+		rb_json_text(json, "message", e->message);
+		rb_json_close(json, '}');
+	}
+	rb_json_close(json, ']');
+}
+
+void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
+                           const struct rb_loaded *loaded, const struct rb_run_info *info)
+{
+	struct rb_json json = {.file = file};
+	char hash[17];
+
+	snprintf(hash, sizeof hash, "%016" PRIx64, result->state_hash);
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "scene", loaded->scene.file);
+	rb_json_text(&json, "title", loaded->scene.world.title);
+	rb_json_text(&json, "status", result->status ? rb_status_name(result->status) : "complete");
+	rb_json_text(&json, "reason", result->status ? result->error.text : "");
+	rb_json_text(&json, "recording", loaded->output);
+	rb_json_count(&json, "recording_bytes", result->recording_bytes);
+	rb_json_count(&json, "frames", result->frames);
+	rb_json_count(&json, "frame_count", result->frame_count);
+	rb_json_count(&json, "memory_bytes", result->memory_bytes);
+	rb_json_number(&json, "time", result->time_s);
+	rb_json_number(&json, "duration", loaded->model->duration_s);
+	rb_json_number(&json, "wall_time", result->wall_s);
+	rb_json_number(&json, "real_time_factor", result->time_s / result->wall_s);
+	rb_json_count(&json, "threads", (uint64_t)info->threads);
+	rb_json_count(&json, "seed", loaded->scene.world.seed);
+	rb_json_text(&json, "method", info->method);
+	rb_json_text(&json, "rollback", info->rollback);
+	rb_json_number(&json, "time_step", loaded->model->time_step_s);
+	rb_json_number(&json, "tolerance", loaded->model->tolerance_m);
+	rb_json_count(&json, "bodies", (uint64_t)loaded->model->body_count);
+	rb_json_count(&json, "statics", (uint64_t)loaded->model->static_count);
+	rb_json_count(&json, "body_steps", result->work.body_steps);
+	rb_json_count(&json, "discarded_body_steps", result->work.discarded_body_steps);
+	rb_json_number(&json, "body_steps_per_second",
+	               per_second(result->work.body_steps, result->wall_s));
+	rb_json_count(&json, "pair_tests", result->work.pair_tests);
+	rb_json_count(&json, "plastic_ends", result->work.plastic_ends);
+	rb_json_count(&json, "substeps", result->totals.substeps);
+	rb_json_count(&json, "rollbacks", result->totals.rollbacks);
+	rb_json_count(&json, "collisions", result->totals.collisions);
+	rb_json_number(&json, "smallest_step", result->totals.smallest_step);
+	rb_json_number(&json, "max_penetration", result->max_penetration_m);
+	rb_json_number(&json, "kinetic_energy_max", result->kinetic_max_j);
+	rb_json_number(&json, "energy_drift", result->energy_drift_j);
+	rb_json_number(&json, "momentum_drift", result->momentum_drift);
+	rb_json_number(&json, "angular_momentum_drift", result->angular_momentum_drift);
+	json_numbers(&json, "first", &result->first);
+	json_numbers(&json, "last", &result->last);
+	rb_json_text(&json, "state_hash", hash);
+	json_expects(&json, result);
+	rb_json_close(&json, '}');
+	putc('\n', file);
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+#include "flow/frame.h"
+
+#include "base/memory.h"
+
+/* Room at the start: a scene with few impacts never grows it. */
+enum { EVENTS_AT_START = 16, CONTACTS_AT_START = 16 };
+
+/* Columns of a frame, one row each. */
+#define COLUMNS(X)                              \
+	X(RB_FIELD_POSITION, position, 3)       \
+	X(RB_FIELD_ORIENTATION, orientation, 4) \
+	X(RB_FIELD_VELOCITY, velocity, 3)       \
+	X(RB_FIELD_ANGULAR_VELOCITY, angular_velocity, 3)
+
+unsigned rb_frame_fields(const struct rb_model *model, unsigned fields)
+{
+	if (!(model->features & RB_FEATURE_ROTATION))
+		fields &= ~(unsigned)(RB_FIELD_ORIENTATION | RB_FIELD_ANGULAR_VELOCITY);
+	return fields;
+}
+
+size_t rb_frame_bytes(const struct rb_model *model, unsigned fields)
+{
+	const unsigned wanted = rb_frame_fields(model, fields);
+	size_t doubles = 0;
+
+#define X(field, name, width) doubles += wanted & (field) ? (size_t)(width) : 0;
+	COLUMNS(X)
+#undef X
+	return doubles * (size_t)model->body_count * sizeof(double);
+}
+
+enum rb_status rb_frame_init(struct rb_frame *frame, const struct rb_model *model, unsigned fields,
+                             struct rb_error *err)
+{
+	const unsigned wanted = rb_frame_fields(model, fields);
+	const size_t count = (size_t)model->body_count;
+	bool failed = false;
+
+	*frame = (struct rb_frame){.body_count = model->body_count};
+#define X(field, name, width) \
+	if (wanted & (field)) \
+		failed |= !(frame->name = rb_memory_take(count, (width) * sizeof(double)));
+	COLUMNS(X)
+#undef X
+	if (wanted & RB_FIELD_EVENTS) {
+		frame->events = rb_memory_take(EVENTS_AT_START, sizeof *frame->events);
+		frame->event_capacity = EVENTS_AT_START;
+		failed |= !frame->events;
+	}
+	if (wanted & RB_FIELD_CONTACTS) {
+		frame->contacts = rb_memory_take(CONTACTS_AT_START, sizeof *frame->contacts);
+		frame->contact_capacity = CONTACTS_AT_START;
+		failed |= !frame->contacts;
+	}
+	if (failed) {
+		rb_frame_release(frame);
+		return RB_FAIL(err, RB_ERR_MEMORY,
+		               "cannot hold a frame of %zu bodies: out of memory", count);
+	}
+	return RB_OK;
+}
+
+void rb_frame_release(struct rb_frame *frame)
+{
+#define X(field, name, width) rb_memory_free(frame->name);
+	COLUMNS(X)
+#undef X
+	rb_memory_free(frame->events);
+	rb_memory_free(frame->contacts);
+	*frame = (struct rb_frame){0};
+}

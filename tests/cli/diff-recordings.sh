@@ -1,0 +1,41 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# diff finds the first frame and body at which two recordings differ, and by how much.
+. tests/cli/functions
+
+cat >s.lua <<'END'
+local kick = param("kick", 0.0, "m/s that one ball gets at 0.25 s")
+local extra = param("extra", false, "a third ball")
+world { duration = param("duration", 0.5, "s"), gravity = {0, 0, -9.81} }
+sphere { name = "left", radius = 0.1, position = {-0.5, 0, 2}, angular_velocity = {0, 0, param("spin", 0.5, "rad/s")} }
+local right = sphere { name = "right", radius = 0.1, position = {0.5, 0, 2} }
+if extra then sphere { radius = 0.1, position = {0, 5, 2} } end
+if kick ~= 0 then
+	on_step(function(t) if t == 0.25 then right:set_velocity({kick, 0, right.velocity.z}) end end)
+end
+END
+exits 0 s.lua -q -o a.h5
+exits 0 s.lua -q -o same.h5
+exits 0 diff a.h5 same.h5
+says out 'the same to the bit: 31 frames of 2 bodies'
+exits 0 diff a.h5 same.h5 --json
+says out '"same":true'
+
+exits 0 s.lua -q -o kicked.h5 --param kick=1e-9
+exits 1 diff a.h5 kicked.h5
+says out "frame 16 .*body 'right': position differs by "
+exits 1 diff a.h5 kicked.h5 --json
+[ "$(value frame)" = 16 ] || fail "frame $(value frame)"
+[ "$(value name)" = right ] || fail "name $(value name)"
+says out '"column":"position"'
+exits 1 diff a.h5 kicked.h5 -q
+says_nothing out
+
+exits 0 s.lua -q -o more.h5 --param extra=true
+exits 1 diff a.h5 more.h5
+says out "bodies differ: 'a.h5' has 2 moving .* 'more.h5' has 3"
+exits 0 s.lua -q -o short.h5 --param duration=0.25
+exits 1 diff a.h5 short.h5
+says out "'a.h5' has 31 frames and 'short.h5' has 16"
+exits 66 diff a.h5 missing.h5
+says err 'missing.h5'

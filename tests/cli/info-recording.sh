@@ -1,0 +1,49 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# info tells what is in a recording: whole ones, one that grows, one whose run was killed.
+. tests/cli/functions
+
+small_scene 'param("e", 0.5, "unused")' >s.lua
+exits 0 s.lua -q --param e=0.25
+exits 0 info s.h5
+says out '^s.h5: 31 frames of 2 moving bodies \(and 1 that is static\), 0 to 0.5 s of 0.5 s'
+says out 'title +Two balls'
+says out 'status +complete'
+says out 'columns +position orientation velocity angular_velocity'
+says out 'e = 0.25'
+says out 'energy'
+says out 'momentum'
+says out 'overlap'
+says out 'command +.*s.lua -q --param e=0.25'
+exits 0 info s.h5 --json
+[ "$(value frames)" = 31 ] || fail "frames: $(value frames)"
+[ "$(value status)" = complete ] || fail "status"
+exits 0 info s.h5 --scene
+cmp -s out s.lua || fail "--scene is not the scene"
+echo "not a recording" >text.h5
+exits 66 info text.h5
+exits 66 info .
+
+long_scene >long.lua
+"$RBSIM" long.lua -q &
+pid=$!
+trap 'kill -9 $pid 2>/dev/null' EXIT
+growing()
+{
+	"$RBSIM" info long.h5 --json >out 2>err && [ "$(value frames)" -gt 1 ]
+}
+until_true growing
+[ "$(value status)" = running ] || fail "status of a growing recording: $(value status)"
+first=$(value frames)
+grown()
+{
+	growing && [ "$(value frames)" -gt "$first" ]
+}
+until_true grown
+kill -9 $pid
+wait $pid 2>/dev/null
+growing || fail "unreadable after kill -9"
+frames=$(value frames)
+[ "$frames" -ge "$first" ] || fail "$frames frames after kill -9, $first before"
+exits 0 info long.h5
+says out 'status +running'

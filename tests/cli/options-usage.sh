@@ -1,0 +1,45 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What the command line understands, what it refuses, and how it says so.
+. tests/cli/functions
+
+exits 64
+says err "'run' needs SCENE.lua"
+says_nothing out
+exits 64 --durration 3 s.lua
+says err "unknown option '--durration' \(did you mean '--duration'\?\)"
+exits 64 chekc s.lua
+says err "did you mean 'check'"
+exits 64 render run.h5
+says err "verb 'render' is not in this version"
+exits 64 s.lua --resume
+says err "option '--resume' is not in this version"
+exits 64 s.lua --method located
+says err "'located' is not in this version"
+exits 64 s.lua --duration 1x
+says err "'1x' is not a finite number above 0"
+exits 64 info a.h5 --force
+says err "'--force' does not belong to 'info'"
+exits 64 diff a.h5
+exits 66 missing.lua
+says err "missing.lua"
+exits 66 info missing.h5
+says err "missing.h5"
+exits 66 -- check
+says err "'check'"
+
+exits 0 --version
+says out '^rbsim [0-9]+\.[0-9]+\.[0-9]+$'
+says_nothing err
+exits 0 --help
+says out '^usage: rbsim'
+says out '^Examples:'
+says_nothing err
+for verb in run check info diff methods; do
+	exits 0 $verb --help
+	says out "^usage: rbsim $verb"
+done
+exits 0 methods
+says out 'classic'
+exits 0 methods --json
+says out '"name":"classic"'

@@ -1,0 +1,15 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A file that may grow no more ends the run with 74, and what was written before is readable.
+. tests/cli/functions
+
+long_scene >s.lua
+(
+	ulimit -f 4000 # of 512 or 1024 bytes
+	exec timeout 60 "$RBSIM" s.lua >out 2>err
+)
+got=$?
+[ $got -eq 74 ] || fail "exit status $got, wanted 74"
+says err 'rbsim: '
+exits 0 info s.h5 --json
+[ "$(value frames)" -gt 10 ] || fail "$(value frames) frames are readable"

@@ -1,0 +1,27 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Whichever allocation fails, the run ends with 71 and a message, and what it leaves behind is no wreck.
+. tests/cli/functions
+
+small_scene 'on_frame(function() end)
+expect("the end comes", function() return true end)' >s.lua
+for args in "--no-record" "-o r.h5" ; do
+	k=1
+	while :; do
+		rm -f r.h5
+		# shellcheck disable=SC2086
+		RBSIM_FAIL_ALLOCATION=$k "$RBSIM" s.lua -q --duration 0.1 $args >out 2>err </dev/null
+		got=$?
+		[ $got -eq 0 ] && break
+		[ $got -eq 71 ] || fail "$args: allocation $k: exit status $got, wanted 71"
+		says err 'memory'
+		if [ -e r.h5 ]; then
+			exits 0 info r.h5 --json
+			[ "$(value status)" = failed ] || fail "$args: allocation $k: the recording is '$(value status)'"
+		fi
+		k=$((k + 1))
+		[ $k -lt 2000 ] || fail "$args: no end of allocations"
+	done
+	[ $k -gt 20 ] || fail "$args: only $k allocations could fail"
+	echo "$args: $((k - 1)) allocations, each failed once"
+done

@@ -1,0 +1,40 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A bar on a terminal, in the width that there is; none where it would not belong.
+. tests/cli/functions
+script -qec true /dev/null >/dev/null 2>&1 || { echo "no script(1)"; exit 77; }
+
+long_scene >s.lua
+# on_terminal COLUMNS ENVIRONMENT... -- ARGUMENT...: a run in a terminal that is interrupted after a while
+on_terminal()
+{
+	columns=$1
+	shift
+	env=
+	while [ "$1" != -- ]; do env="$env $1"; shift; done
+	shift
+	script -qec "stty cols $columns; env $env timeout --foreground -s INT 1.5 $RBSIM s.lua --no-record $*" /dev/null \
+		</dev/null >out 2>err
+	tr '\r' '\n' <out | sed 's/\x1b\[K//' >lines
+}
+
+on_terminal 100 TERM=xterm --
+says lines '^ *[0-9]+ % \[=* *\]  .* of 1000 s  .* x real time  .* left$'
+says lines 'frames'
+on_terminal 30 TERM=xterm --
+says lines '^ *[0-9]+ %'
+grep -E '^ *[0-9]+ %' lines >bars
+[ "$(awk '{ if (length($0) > m) m = length($0) } END { print m }' bars)" -lt 30 ] || fail "a bar is wider than its terminal"
+for env in "TERM=dumb --" "TERM=xterm -- --quiet" "TERM=xterm -- --json"; do
+	# shellcheck disable=SC2086
+	on_terminal 80 $env
+	! grep -Eq '[0-9] % \[' lines || fail "a bar with $env"
+done
+
+# the expectations are painted on a terminal, unless asked not to
+small_scene 'expect("fine", function() return true end)' >small.lua
+for case in "0 TERM=xterm NO_COLOR=" "1 TERM=xterm NO_COLOR=1" "1 TERM=dumb NO_COLOR="; do
+	script -qec "env ${case#* } $RBSIM small.lua --no-record" /dev/null </dev/null >out 2>err
+	grep -q "$(printf '\033\[32m')" out
+	[ $? -eq "${case%% *}" ] || fail "colour with ${case#* }"
+done

@@ -1,0 +1,45 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The main job: a scene goes in, a recording and a summary come out; nothing is replaced unasked.
+. tests/cli/functions
+
+mkdir scenes
+small_scene 'expect("there are balls", function() return true end)' >scenes/two.lua
+exits 0 scenes/two.lua
+[ -f two.h5 ] || fail "no two.h5 in the current folder"
+says_nothing out
+says err 'frames +31 of 31'
+says err 'overlap'
+says err 'energy'
+says err 'expectations +1 of 1 hold'
+says err 'recording +two.h5'
+
+before=$(cksum <two.h5)
+exits 73 scenes/two.lua
+says err "'two.h5'.*exists.*--force"
+[ "$(cksum <two.h5)" = "$before" ] || fail "a recording was touched without --force"
+exits 0 scenes/two.lua --force -q
+says_nothing out
+says_nothing err
+exits 0 run scenes/two.lua --output other.h5 --quiet
+exits 0 diff two.h5 other.h5
+exits 73 scenes/two.lua -o no/such/folder/a.h5
+exits 73 scenes/two.lua -o scenes/two.lua --force
+says err 'it is the scene'
+grep -q 'Two balls' scenes/two.lua || fail "the scene was replaced by its recording"
+
+rm -f two.h5
+exits 0 scenes/two.lua --no-record --quiet
+[ ! -e two.h5 ] || fail "--no-record has recorded"
+
+small_scene 'record { file = "named.h5" }' >scenes/named.lua
+exits 0 scenes/named.lua -q
+[ -f named.h5 ] || fail "the scene's record file was not taken"
+
+# what the options put in place of the scene's words
+exits 0 scenes/two.lua --no-record --json --duration 0.25 --time-step 0.001 --tolerance 1e-5 --rollback global --seed 9 --threads 1
+[ "$(value frames)" = 16 ] || fail "duration: $(value frames) frames"
+[ "$(value time_step)" = 0.001 ] || fail "time step"
+[ "$(value rollback)" = global ] || fail "rollback"
+[ "$(value seed)" = 9 ] || fail "seed"
+[ "$(value threads)" = 1 ] || fail "threads"

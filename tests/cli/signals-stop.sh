@@ -1,0 +1,58 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# SIGINT, SIGTERM and SIGUSR1 close everything properly; another SIGINT stops at once.
+. tests/cli/functions
+
+long_scene >s.lua
+pid=
+trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
+for case in "INT 130" "TERM 143" "USR1 143"; do
+	signal=${case% *} wanted=${case#* }
+	"$RBSIM" s.lua --force -o $signal.h5 >out 2>err &
+	pid=$!
+	until_true [ -s $signal.h5 ]
+	sleep 0.3
+	kill -"$signal" $pid
+	wait $pid
+	got=$?
+	pid=
+	[ $got -eq "$wanted" ] || fail "SIG$signal: exit status $got, wanted $wanted"
+	says err "SIG$signal at [0-9.]+ s"
+	says err 'frames +[0-9]+ of 60001'
+	frames=$(sed -n 's/.*frames *\([0-9]*\) of.*/\1/p' err)
+	exits 0 info $signal.h5 --json
+	[ "$(value status)" = interrupted ] || fail "SIG$signal: the recording is '$(value status)'"
+	[ "$(value frames)" = "$frames" ] || fail "SIG$signal: $(value frames) frames recorded, $frames made"
+	[ "$frames" -gt 1 ] || fail "SIG$signal: stopped before it began"
+done
+
+# without a recording too
+"$RBSIM" s.lua --no-record -q >out 2>err &
+pid=$!
+sleep 0.3
+kill -TERM $pid
+wait $pid
+got=$?
+pid=
+[ $got -eq 143 ] || fail "--no-record: exit status $got"
+
+# One that can't come to a whole step soon: a callback that works for a while.
+cat >busy.lua <<'END'
+world { duration = 10 }
+sphere { radius = 1 }
+on_frame(function()
+	local x = 0
+	for i = 1, 1e9 do x = x + i end
+end)
+END
+"$RBSIM" busy.lua --trust --no-record >out 2>err &
+pid=$!
+sleep 0.3
+kill -INT $pid
+sleep 0.3
+kill -0 $pid 2>/dev/null || fail "the first SIGINT has not waited for the step"
+kill -INT $pid
+wait $pid
+got=$?
+pid=
+[ $got -eq 130 ] || fail "second SIGINT: exit status $got"

@@ -1,0 +1,281 @@
+/* SPDX-License-Identifier: MIT */
+/* src/app/options.c, src/app/help.c, src/app/json.c, and the line of src/app/progress.c */
+#include "support.h"
+
+#include "app/help.h"
+#include "app/json.h"
+#include "app/options.h"
+#include "app/progress.h"
+#include "base/memory.h"
+
+enum { WORDS_MAX = 16 };
+
+/* Parses "run a.lua -q", words parted by spaces; the texts live in `line`. */
+static enum rb_status parse(struct rb_options *options, char *line, struct rb_error *err)
+{
+	static char *argv[WORDS_MAX + 2];
+	int argc = 1;
+
+	argv[0] = line; /* not looked at */
+	for (char *word = strtok(line, " "); word && argc < WORDS_MAX; word = strtok(NULL, " "))
+		argv[argc++] = word;
+	argv[argc] = NULL;
+	return rb_options_parse(options, argc, argv, err);
+}
+
+static struct rb_options right(const char *text)
+{
+	static char line[512];
+	struct rb_options options;
+	struct rb_error err;
+
+	snprintf(line, sizeof line, "%s", text);
+	if (parse(&options, line, &err) != RB_OK)
+		fail_msg("'%s': %s", text, err.text);
+	return options;
+}
+
+static void assert_wrong(const char *text, const char *message)
+{
+	char line[512];
+	struct rb_options options;
+	struct rb_error err;
+
+	snprintf(line, sizeof line, "%s", text);
+	if (parse(&options, line, &err) != RB_ERR_USAGE)
+		fail_msg("'%s' was accepted", text);
+	if (!strstr(err.text, message))
+		fail_msg("'%s': said \"%s\", wanted \"%s\"", text, err.text, message);
+	rb_options_release(&options);
+}
+
+static void a_scene_alone_is_run(void **state)
+{
+	struct rb_options options = right("scene.lua");
+
+	(void)state;
+	assert_int_equal(options.verb, RB_VERB_RUN);
+	assert_false(options.verb_given);
+	assert_string_equal(options.operand[0], "scene.lua");
+	assert_true(isnan(options.duration_s));
+	assert_null(options.output);
+	assert_int_equal(options.threads, 0);
+	rb_options_release(&options);
+}
+
+static void options_may_stand_anywhere_and_in_every_form(void **state)
+{
+	struct rb_options options = right(
+		"-qo a.h5 --param e=0.5 run --duration=2.5e1 scene.lua -p name= --seed 7 --threads=3 --rollback global");
+
+	(void)state;
+	assert_true(options.verb_given);
+	assert_true(options.quiet);
+	assert_string_equal(options.output, "a.h5");
+	assert_int_equal(options.param_count, 2);
+	assert_string_equal(options.params[0], "e=0.5");
+	assert_string_equal(options.params[1], "name=");
+	assert_near(options.duration_s, 25, 0);
+	assert_true(options.has_seed);
+	assert_int_equal(options.seed, 7);
+	assert_int_equal(options.threads, 3);
+	assert_string_equal(options.rollback, "global");
+	rb_options_release(&options);
+
+	options = right("-oa.h5 scene.lua");
+	assert_string_equal(options.output, "a.h5");
+	rb_options_release(&options);
+}
+
+static void two_dashes_end_options_and_verbs(void **state)
+{
+	struct rb_options options = right("-q -- --odd.lua");
+
+	(void)state;
+	assert_string_equal(options.operand[0], "--odd.lua");
+	rb_options_release(&options);
+	options = right("-- check");
+	assert_int_equal(options.verb, RB_VERB_RUN);
+	assert_string_equal(options.operand[0], "check");
+	rb_options_release(&options);
+}
+
+static void help_and_version_excuse_missing_operands(void **state)
+{
+	struct rb_options options = right("--help");
+
+	(void)state;
+	assert_true(options.help);
+	rb_options_release(&options);
+	options = right("diff -h");
+	assert_int_equal(options.verb, RB_VERB_DIFF);
+	rb_options_release(&options);
+	options = right("-V");
+	assert_true(options.version);
+	rb_options_release(&options);
+}
+
+static void a_number_is_read_whole_finite_and_in_range(void **state)
+{
+	(void)state;
+	assert_wrong("s.lua --duration 1x", "'1x' is not a finite number above 0");
+	assert_wrong("s.lua --duration 0", "above 0");
+	assert_wrong("s.lua --duration -1", "above 0");
+	assert_wrong("s.lua --duration nan", "finite");
+	assert_wrong("s.lua --duration inf", "finite");
+	assert_wrong("s.lua --duration 1e999", "finite");
+	assert_wrong("s.lua --duration=", "finite");
+	assert_wrong("s.lua --time-step -3", "'-3'");
+	assert_wrong("s.lua --threads 0", "whole number from 1 to 1024");
+	assert_wrong("s.lua --threads 1.5", "whole number");
+	assert_wrong("s.lua --threads 99999999999999999999", "whole number");
+	assert_wrong("s.lua --seed -1", "from 0 to 9223372036854775807");
+	assert_wrong("s.lua --seed 9223372036854775808", "whole number");
+	assert_wrong("s.lua --seed 0x10", "whole number");
+}
+
+static void what_is_not_known_gets_the_nearest_name(void **state)
+{
+	(void)state;
+	assert_wrong("s.lua --durration 1",
+	             "unknown option '--durration' (did you mean '--duration'?)");
+	assert_wrong("s.lua --xyzzyxyzzy", "unknown option '--xyzzyxyzzy'");
+	assert_wrong("s.lua -z", "unknown option '-z'");
+	assert_wrong("chekc s.lua", "unknown verb 'chekc' (did you mean 'check'?)");
+	assert_wrong("s.lua --method clasic", "is not one of: auto, classic");
+}
+
+static void what_comes_later_is_refused_by_name(void **state)
+{
+	(void)state;
+	for (int i = 0; rb_later_options[i]; i++) {
+		char line[64], wanted[96];
+		snprintf(line, sizeof line, "s.lua --%s", rb_later_options[i]);
+		snprintf(wanted, sizeof wanted, "option '--%s' is not in this version",
+		         rb_later_options[i]);
+		assert_wrong(line, wanted);
+	}
+	for (int i = 0; rb_later_verbs[i]; i++) {
+		char wanted[96];
+		snprintf(wanted, sizeof wanted, "verb '%s' is not in this version",
+		         rb_later_verbs[i]);
+		assert_wrong(rb_later_verbs[i], wanted);
+	}
+	assert_wrong("s.lua --method located", "'located' is not in this version");
+}
+
+static void a_command_line_that_makes_no_sense_is_refused(void **state)
+{
+	(void)state;
+	assert_wrong("", "'run' needs SCENE.lua");
+	assert_wrong("diff a.h5", "two files");
+	assert_wrong("diff a.h5 b.h5 c.h5", "unexpected operand 'c.h5'");
+	assert_wrong("methods more", "unexpected operand 'more'");
+	assert_wrong("s.lua -o", "needs a FILE");
+	assert_wrong("s.lua --output=", "not empty");
+	assert_wrong("s.lua --quiet=1", "takes no value");
+	assert_wrong("s.lua --param e", "not of the form NAME=VALUE");
+	assert_wrong("s.lua --param =3", "not of the form");
+	assert_wrong("info a.h5 --seed 3", "option '--seed' does not belong to 'info'");
+	assert_wrong("s.lua -o a.h5 --no-record", "contradicts");
+}
+
+static void every_option_stands_in_the_help_of_its_verbs(void **state)
+{
+	(void)state;
+	for (int verb = 0; verb < RB_VERB_COUNT; verb++) {
+		const struct rb_options options = {.verb = (enum rb_verb)verb, .verb_given = true};
+		static char text[16384];
+		FILE *file = fmemopen(text, sizeof text, "w");
+
+		rb_help_print(file, &options);
+		assert_int_equal(fclose(file), 0);
+		assert_true(strstr(text, "Examples:") < strstr(text, "Options:"));
+		for (int i = 0; i < rb_option_row_count; i++) {
+			const struct rb_option_row *row = &rb_option_rows[i];
+			char wanted[96];
+			snprintf(wanted, sizeof wanted, "--%s%s%s ", row->name,
+			         row->argument ? " " : "", row->argument ? row->argument : "");
+			assert_true((strstr(text, wanted) != NULL) ==
+			            (row->help && row->verbs & 1u << verb));
+		}
+	}
+}
+
+static void a_failed_allocation_is_told(void **state)
+{
+	char line[] = "s.lua", *argv[] = {line, line, NULL};
+	struct rb_options options;
+	struct rb_error err;
+
+	(void)state;
+	rb_memory_fail_at(1);
+	assert_int_equal(rb_options_parse(&options, 2, argv, &err), RB_ERR_MEMORY);
+	rb_memory_fail_at(0);
+	rb_options_release(&options);
+}
+
+static void json_escapes_what_must_not_stand_in_it(void **state)
+{
+	char text[512] = "";
+	FILE *file = fmemopen(text, sizeof text, "w");
+	struct rb_json json = {.file = file};
+
+	(void)state;
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "a", "q\" b\\ n\n e\033 \xc3\xa9 bad\xff\xc3");
+	rb_json_number(&json, "b", (double)NAN);
+	rb_json_number(&json, "c", 0.1);
+	rb_json_open(&json, "d", '[');
+	rb_json_bool(&json, NULL, true);
+	rb_json_text(&json, NULL, NULL);
+	rb_json_close(&json, ']');
+	rb_json_open(&json, "e", '{');
+	rb_json_close(&json, '}');
+	rb_json_vector(&json, "f", (const double[]){1, -HUGE_VAL}, 2);
+	rb_json_close(&json, '}');
+	fclose(file);
+	assert_string_equal(
+		text, "{\"a\":\"q\\\" b\\\\ n\\n e\\u001b \xc3\xa9 bad\\ufffd\\ufffd\",\"b\":null,"
+		      "\"c\":0.10000000000000001,\"d\":[true,null],\"e\":{},\"f\":[1,null]}");
+}
+
+static void a_progress_line_fits_its_terminal(void **state)
+{
+	(void)state;
+	for (int width = 1; width < 200; width++) {
+		char line[256];
+		rb_progress_line(line, sizeof line, width, 123.456, 1000, 7200);
+		assert_true((int)strlen(line) <= width);
+	}
+	char line[256];
+	rb_progress_line(line, sizeof line, 100, 5, 10, 2);
+	assert_non_null(strstr(line, " 50 % [========"));
+	assert_non_null(strstr(line, "5 of 10 s"));
+	assert_non_null(strstr(line, "2.5 x real time"));
+	assert_non_null(strstr(line, "2.0 s left"));
+	rb_progress_line(line, sizeof line, 30, 5, 10, 2);
+	assert_non_null(strstr(line, " 50 %"));
+	rb_progress_line(line, sizeof line, 100, 9.9999, 10, 2);
+	assert_non_null(strstr(line, " 99 %"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_scene_alone_is_run),
+		cmocka_unit_test(options_may_stand_anywhere_and_in_every_form),
+		cmocka_unit_test(two_dashes_end_options_and_verbs),
+		cmocka_unit_test(help_and_version_excuse_missing_operands),
+		cmocka_unit_test(a_number_is_read_whole_finite_and_in_range),
+		cmocka_unit_test(what_is_not_known_gets_the_nearest_name),
+		cmocka_unit_test(what_comes_later_is_refused_by_name),
+		cmocka_unit_test(a_command_line_that_makes_no_sense_is_refused),
+		cmocka_unit_test(every_option_stands_in_the_help_of_its_verbs),
+		cmocka_unit_test(a_failed_allocation_is_told),
+		cmocka_unit_test(json_escapes_what_must_not_stand_in_it),
+		cmocka_unit_test(a_progress_line_fits_its_terminal),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
