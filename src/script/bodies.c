@@ -1,0 +1,284 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/bodies.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "math/vec3.h"
+#include "script/fields.h"
+#include "script/handles.h"
+#include "script/values.h"
+
+void rb_name_take(const struct rb_call *call, const char *kind, const char *name)
+{
+	lua_State *L = call->L;
+	char key[64];
+
+	if (!name)
+		return;
+	if (name[0] == '\0') {
+		rb_call_mistake(call, "'name' must not be empty");
+		return;
+	}
+	snprintf(key, sizeof key, "rbsim.names.%s", kind);
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, key);
+	if (lua_getfield(L, -1, name) != LUA_TNIL)
+		rb_call_mistake(call, "name '%.60s' is taken by the %s of line %d", name, kind, (int)lua_tointeger(L, -1));
+	lua_pop(L, 1);
+	lua_pushinteger(L, call->line);
+	lua_setfield(L, -2, name);
+	lua_pop(L, 1);
+}
+
+/* ---- forces ---- */
+
+static void add_force(struct rb_call *part)
+{
+	struct rb_force_def def = rb_force_def_default();
+	static const struct rb_row_table *const table = &rb_rows_force;
+	struct rb_error err;
+	rb_vec3 direction = {0, 0, 0};
+	double magnitude = 0;
+
+	rb_call_read(part, &def);
+	if (part->index == 0)
+		return;
+	const bool has_vector = rb_call_tried(part, "vector");
+	const bool has_direction = rb_call_push(part, "direction") != LUA_TNIL;
+	const bool has_magnitude = rb_call_push(part, "magnitude") != LUA_TNIL;
+	if (has_vector ? has_direction || has_magnitude : !(has_direction && has_magnitude)) {
+		rb_call_mistake(part, "wants 'vector', or 'direction' and 'magnitude'");
+	} else if (!has_vector) {
+		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2, &direction);
+		if (rb_call_value(part, rb_row_find(table, "magnitude", NULL), -1, &magnitude) && right)
+			def.vector = rb_vec3_scale(magnitude, rb_vec3_unit(direction, direction));
+	}
+	lua_pop(part->L, 2);
+	rb_sandbox_charge_bytes(part->L, sizeof def);
+	rb_script_need(part->L, rb_scene_add_force(part->script->scene, &def, &err), &err);
+}
+
+/* Of the body that was added last. */
+static void add_forces(struct rb_call *call, bool is_static)
+{
+	lua_State *L = call->L;
+	char found[80];
+
+	if (rb_call_push(call, "forces") == LUA_TNIL) {
+		lua_pop(L, 1);
+		return;
+	}
+	const int list = lua_gettop(L);
+	if (lua_type(L, list) != LUA_TTABLE || (lua_rawlen(L, list) == 0 && (lua_pushnil(L), lua_next(L, list)))) {
+		rb_call_mistake(call, "'forces' must be a list of tables {{vector = {...}}, ...} (got %s)",
+		                rb_describe(L, list, found));
+	} else {
+		const lua_Integer count = (lua_Integer)lua_rawlen(L, list);
+		if (is_static && count > 0)
+			rb_call_mistake(call, "'forces' of a static body: it never moves");
+		for (lua_Integer i = 1; i <= count; i++) {
+			lua_rawgeti(L, list, i);
+			struct rb_call part = rb_call_part(call, &rb_rows_force, -1, (int)i);
+			add_force(&part);
+			lua_pop(L, 1);
+		}
+	}
+	lua_settop(L, list - 1);
+}
+
+/* ---- groups ---- */
+
+/* The number of the group named by the value on top of the stack, which is taken off; -1: a mistake was noted. */
+static int group_of(struct rb_call *call, const char *key)
+{
+	struct rb_error err;
+	char found[80];
+	int group = -1;
+
+	if (lua_type(call->L, -1) != LUA_TSTRING || lua_rawlen(call->L, -1) == 0) {
+		rb_call_mistake(call, "'%s' must be the name of a group (got %s)", key, rb_describe(call->L, -1, found));
+	} else {
+		const enum rb_status status =
+			rb_scene_group(call->script->scene, lua_tostring(call->L, -1), &group, &err);
+		if (status == RB_ERR_MEMORY)
+			rb_script_need(call->L, status, &err);
+		if (status != RB_OK) {
+			rb_call_mistake(call, "'%s': %s", key, err.text);
+			group = -1;
+		}
+	}
+	lua_pop(call->L, 1);
+	return group;
+}
+
+static void read_groups(struct rb_call *call, struct rb_body_def *def)
+{
+	lua_State *L = call->L;
+	char found[80];
+
+	if (rb_call_push(call, "group") != LUA_TNIL)
+		def->group = group_of(call, "group");
+	else
+		lua_pop(L, 1);
+
+	const int type = rb_call_push(call, "collides_with");
+	if (type == LUA_TNIL) {
+		lua_pop(L, 1);
+		return;
+	}
+	def->filters = true;
+	if (type == LUA_TSTRING) {
+		const int group = group_of(call, "collides_with");
+		if (group >= 0)
+			def->collides_with = (uint64_t)1 << group;
+		return;
+	}
+	if (type != LUA_TTABLE) {
+		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got %s)", rb_describe(L, -1, found));
+		lua_pop(L, 1);
+		return;
+	}
+	const lua_Integer count = (lua_Integer)lua_rawlen(L, -1);
+	lua_Integer keys = 0;
+	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+		keys++;
+	if (keys != count)
+		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got a table with keys)");
+	for (lua_Integer i = 1; i <= count; i++) {
+		lua_rawgeti(L, -1, i);
+		const int group = group_of(call, "collides_with");
+		if (group >= 0)
+			def->collides_with |= (uint64_t)1 << group;
+	}
+	lua_pop(L, 1);
+}
+
+/* ---- bodies ---- */
+
+/* What no single key can tell. */
+static void check_body(const struct rb_call *call, const struct rb_body_def *def)
+{
+	if (rb_call_tried(call, "mass") && rb_call_tried(call, "density"))
+		rb_call_mistake(call, "'mass' and 'density' exclude each other");
+	if (!def->is_static)
+		return;
+	if (rb_vec3_max_abs(def->velocity) > 0)
+		rb_call_mistake(call, "'velocity' of a static body: it never moves");
+	if (rb_vec3_max_abs(def->angular_velocity) > 0)
+		rb_call_mistake(call, "'angular_velocity' of a static body: it never moves");
+}
+
+static int finish_body(struct rb_call *call, struct rb_body_def *def)
+{
+	struct rb_error err;
+	int id;
+
+	def->line = call->line;
+	def->has_inertia = rb_call_given(call, "inertia");
+	check_body(call, def);
+	read_groups(call, def);
+	rb_name_take(call, "body", def->name);
+	rb_sandbox_charge_bytes(call->L, sizeof *def + (def->name ? strlen(def->name) : 0));
+	rb_script_need(call->L, rb_scene_add_body(call->script->scene, def, &id, &err), &err);
+	add_forces(call, def->is_static);
+	rb_handle_push(call->L, id);
+	return 1;
+}
+
+int rb_bodies_stand_in(lua_State *L, const struct rb_call *call)
+{
+	struct rb_body_def def = rb_body_def_default();
+	struct rb_error err;
+	int id;
+
+	def.shape.radius = 1;
+	def.line = call->line;
+	rb_sandbox_charge_bytes(L, sizeof def);
+	rb_script_need(L, rb_scene_add_body(call->script->scene, &def, &id, &err), &err);
+	rb_handle_push(L, id);
+	return 1;
+}
+
+static int l_sphere(lua_State *L)
+{
+	struct rb_call call = rb_call_begin(L, "sphere", &rb_rows_sphere, 1);
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "sphere";
+	def.shape = (struct rb_shape){.kind = RB_SHAPE_SPHERE, .radius = 1};
+	rb_call_read(&call, &def);
+	if (!def.texture && !call.script->scene->materials[def.material].texture)
+		def.texture = "beachball"; /* so that rotation shows */
+	/* where a key is misspelt it may be this one: one message is enough */
+	if (call.index && !call.unknown && !rb_call_tried(&call, "radius"))
+		rb_call_mistake(&call, "'radius' is missing");
+	return finish_body(&call, &def);
+}
+
+/* Reads a key that is a row of planes and has no place in the definition; false: not given, or wrong. */
+static bool read_vector(struct rb_call *call, const char *key, rb_vec3 *value)
+{
+	const bool given = rb_call_push(call, key) != LUA_TNIL;
+	const bool right = given && rb_call_value(call, rb_row_find(&rb_rows_plane, key, NULL), -1, value);
+
+	lua_pop(call->L, 1);
+	return right;
+}
+
+static void place_plane(struct rb_call *call, struct rb_body_def *def)
+{
+	rb_vec3 normal = {0, 0, 1};
+	rb_vec3 axis = {(double)NAN, (double)NAN, (double)NAN};
+	const bool has_normal = read_vector(call, "normal", &normal);
+	const bool has_axis = read_vector(call, "axis", &axis);
+
+	if (rb_call_tried(call, "normal") && rb_call_tried(call, "orientation"))
+		rb_call_mistake(call, "'normal' and 'orientation' exclude each other");
+	if (rb_call_tried(call, "point") && rb_call_tried(call, "position"))
+		rb_call_mistake(call, "'point' and 'position' exclude each other");
+	if (rb_call_tried(call, "axis") && !rb_call_tried(call, "size"))
+		rb_call_mistake(call, "'axis' goes with 'size': an infinite plane has no sides");
+	if (rb_call_tried(call, "axis") && rb_call_tried(call, "orientation"))
+		rb_call_mistake(call, "'axis' and 'orientation' exclude each other");
+	read_vector(call, "point", &def->position);
+	if (rb_call_tried(call, "orientation"))
+		return;
+	if (has_axis) {
+		const rb_vec3 across = rb_vec3_cross(rb_vec3_unit(normal, normal), rb_vec3_unit(axis, axis));
+		if (rb_vec3_length(across) < 1e-9) {
+			rb_call_mistake(call, "'axis' must not be along the normal (got {%.12g, %.12g, %.12g})", axis.x, axis.y,
+			                axis.z);
+			return;
+		}
+	}
+	if (has_normal || has_axis)
+		def->orientation = rb_plane_orientation(normal, axis);
+}
+
+static int l_plane(lua_State *L)
+{
+	struct rb_call call = rb_call_begin(L, "plane", &rb_rows_plane, 1);
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "plane";
+	def.shape = (struct rb_shape){.kind = RB_SHAPE_PLANE};
+	def.is_static = true;
+	rb_call_read(&call, &def);
+	if (rb_call_given(&call, "size"))
+		def.shape.kind = RB_SHAPE_RECTANGLE;
+	if (!def.is_static) {
+		rb_call_mistake(&call, "'static' = false: a plane that moves is not in this version");
+		def.is_static = true;
+	}
+	place_plane(&call, &def);
+	return finish_body(&call, &def);
+}
+
+void rb_bodies_open(lua_State *L)
+{
+	lua_register(L, "sphere", l_sphere);
+	lua_register(L, "plane", l_plane);
+}

@@ -1,0 +1,106 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/fields.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "script/nearest.h"
+#include "script/values.h"
+
+/* Keys that no row knows, in the order of their names; also what stands without a key. */
+static void note_unknown(struct rb_call *call)
+{
+	lua_State *L = call->L;
+	char after[64] = "", next[64];
+	bool unnamed = false;
+
+	for (int noted = 0; noted < 20; noted++) {
+		next[0] = '\0';
+		for (lua_pushnil(L); lua_next(L, call->index); lua_pop(L, 1)) {
+			if (lua_type(L, -2) != LUA_TSTRING) {
+				unnamed = true;
+				continue;
+			}
+			size_t size;
+			const char *key = lua_tolstring(L, -2, &size);
+			if (size == 0 || strlen(key) != size) {
+				unnamed = true;
+				continue;
+			}
+			if (rb_row_find(call->table, key, NULL) || strncmp(key, after, sizeof after - 1) <= 0)
+				continue;
+			if (next[0] == '\0' || strcmp(key, next) < 0)
+				snprintf(next, sizeof next, "%s", key);
+		}
+		if (next[0] == '\0')
+			break;
+		struct rb_nearest nearest = rb_nearest_to(next);
+		for (const struct rb_row_table *table = call->table; table; table = table->more)
+			for (int i = 0; i < table->count; i++)
+				rb_nearest_offer(&nearest, table->rows[i].key, strlen(table->rows[i].key));
+		char hint[96];
+		call->unknown++;
+		rb_call_mistake(call, "unknown key '%s'%s", next, rb_nearest_hint(&nearest, hint));
+		memcpy(after, next, sizeof after);
+	}
+	if (unnamed)
+		rb_call_mistake(call, "a value without a name (write key = value)");
+}
+
+void rb_call_read(struct rb_call *call, void *definition)
+{
+	lua_State *L = call->L;
+	int index = 0;
+
+	if (call->index == 0)
+		return;
+	for (const struct rb_row_table *table = call->table; table; table = table->more) {
+		for (int i = 0; i < table->count; i++, index++) {
+			const struct rb_row *row = &table->rows[i];
+			lua_pushstring(L, row->key);
+			if (lua_rawget(L, call->index) == LUA_TNIL) {
+				lua_pop(L, 1);
+				continue;
+			}
+			bool right = true;
+			if (row->type == RB_ROW_LATER) {
+				rb_call_mistake(call, "'%s': not in this version", row->key);
+				right = false;
+			} else if (row->at != RB_ROW_BY_HAND) {
+				right = rb_call_value(call, row, -1, (char *)definition + row->at);
+			}
+			*(right ? &call->given : &call->wrong) |= (uint64_t)1 << index;
+			lua_pop(L, 1);
+		}
+	}
+	note_unknown(call);
+}
+
+static uint64_t bit_of(const struct rb_call *call, const char *key)
+{
+	int index;
+
+	return rb_row_find(call->table, key, &index) ? (uint64_t)1 << index : 0;
+}
+
+bool rb_call_given(const struct rb_call *call, const char *key)
+{
+	return (call->given & bit_of(call, key)) != 0;
+}
+
+bool rb_call_tried(const struct rb_call *call, const char *key)
+{
+	return ((call->given | call->wrong) & bit_of(call, key)) != 0;
+}
+
+int rb_call_push(const struct rb_call *call, const char *key)
+{
+	if (call->index == 0) {
+		lua_pushnil(call->L);
+		return LUA_TNIL;
+	}
+	lua_pushstring(call->L, key);
+	return lua_rawget(call->L, call->index);
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/files.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <lauxlib.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "script/call.h"
+#include "script/values.h"
+
+enum { PATH_BYTES = 4096 };
+
+void rb_files_forget(struct rb_script *script)
+{
+	rb_memory_free(script->reading);
+	script->reading = NULL;
+	script->reading_size = 0;
+}
+
+/* All of an open file; its size is not known beforehand where it is a pipe. */
+static enum rb_status read_all(struct rb_script *script, int file, const char *path, struct rb_error *err)
+{
+	size_t capacity = 0, used = 0;
+
+	for (;;) {
+		if (!rb_memory_reserve(&script->reading, &capacity, used + 16384, 1))
+			return RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", path);
+		const ssize_t got = read(file, script->reading + used, capacity - used - 1);
+		if (got < 0 && errno == EINTR)
+			continue;
+		if (got < 0)
+			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path, strerror(errno));
+		if (got == 0)
+			break;
+		used += (size_t)got;
+		if (used > RB_SCENE_FILE_BYTES)
+			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no scene: it has more than %d MiB", path,
+			               RB_SCENE_FILE_BYTES >> 20);
+	}
+	script->reading[used] = '\0';
+	script->reading_size = used;
+	return RB_OK;
+}
+
+enum rb_status rb_files_read(struct rb_script *script, const char *path, struct rb_error *err)
+{
+	struct stat status;
+
+	rb_files_forget(script);
+	const int file = open(path, O_RDONLY | O_CLOEXEC);
+	if (file < 0)
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path, strerror(errno));
+	enum rb_status result;
+	if (fstat(file, &status) == 0 && S_ISDIR(status.st_mode))
+		result = RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path, strerror(EISDIR));
+	else
+		result = read_all(script, file, path, err);
+	close(file);
+	if (result != RB_OK)
+		rb_files_forget(script);
+	return result;
+}
+
+const char *rb_files_body(const char *text, size_t *size)
+{
+	if (*size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) {
+		text += 3;
+		*size -= 3;
+	}
+	if (*size == 0 || *text != '#')
+		return text;
+	const char *end = memchr(text, '\n', *size);
+	if (!end)
+		end = text + *size;
+	*size -= (size_t)(end - text);
+	return end;
+}
+
+/* ---- require ---- */
+
+/* Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a folder. */
+static bool is_module_name(const char *name, size_t size)
+{
+	if (size == 0 || size > 100 || name[0] == '.' || name[size - 1] == '.')
+		return false;
+	for (size_t i = 0; i < size; i++) {
+		const unsigned char c = (unsigned char)name[i];
+		if (!(isalnum(c) && c < 128) && c != '_' && c != '-' && !(c == '.' && name[i - 1] != '.'))
+			return false;
+	}
+	return true;
+}
+
+/* folder/a/b.lua for "a.b"; false: too long. */
+static bool module_path(char path[PATH_BYTES], const char *folder, size_t folder_size, const char *name)
+{
+	const int size = snprintf(path, PATH_BYTES, "%.*s/%s.lua", (int)folder_size, folder, name);
+
+	if (size < 0 || size >= PATH_BYTES)
+		return false;
+	for (char *c = path + folder_size; c < path + size - 4; c++)
+		if (*c == '.')
+			*c = '/';
+	return true;
+}
+
+static bool found_in(char path[PATH_BYTES], const char *folder, size_t folder_size, const char *name)
+{
+	return module_path(path, folder, folder_size, name) && access(path, R_OK) == 0;
+}
+
+/* Where a shipped helper is. */
+static bool find_shipped(const struct rb_script *script, const char *name, char path[PATH_BYTES])
+{
+	static const char *const beside[] = {"../lua", "../../lua", "../share/rbsim/lua"};
+	const struct rb_script_options *options = script->options;
+	const char *folders = getenv("RBSIM_LUA_PATH");
+	char program[PATH_MAX], folder[PATH_BYTES];
+
+	for (int i = 0; i < options->lua_folder_count; i++)
+		if (found_in(path, options->lua_folders[i], strlen(options->lua_folders[i]), name))
+			return true;
+	if (options->lua_folder_count > 0)
+		return false;
+	while (folders && *folders) {
+		const size_t size = strcspn(folders, ":");
+		if (size > 0 && found_in(path, folders, size, name))
+			return true;
+		folders += size + (folders[size] == ':');
+		if (!*folders)
+			return false;
+	}
+	const ssize_t size = readlink("/proc/self/exe", program, sizeof program - 1);
+	if (size <= 0)
+		return false;
+	program[size] = '\0';
+	*strrchr(program, '/') = '\0';
+	for (size_t i = 0; i < sizeof beside / sizeof *beside; i++) {
+		const int length = snprintf(folder, sizeof folder, "%s/%s", program, beside[i]);
+		if (length > 0 && length < (int)sizeof folder && found_in(path, folder, (size_t)length, name))
+			return true;
+	}
+	return false;
+}
+
+static bool is_shipped(const char *name)
+{
+	return strncmp(name, "rbsim.", 6) == 0;
+}
+
+/* A stored file of that name; NULL: none. */
+static const struct rb_source_file *stored_file(const struct rb_script_options *options, const char *name)
+{
+	for (int i = 1; i < options->file_count; i++)
+		if (strcmp(options->files[i].name, name) == 0)
+			return &options->files[i];
+	return NULL;
+}
+
+/* Finds and reads the file of a module: its text and the name that messages have for it. False: there is none. */
+static bool get_module(lua_State *L, const char *name, const char **text, size_t *size, char chunk[PATH_BYTES])
+{
+	struct rb_script *script = rb_script_of(L);
+	struct rb_error err;
+	char path[PATH_BYTES];
+
+	if (script->options->files) {
+		const struct rb_source_file *file = stored_file(script->options, name);
+		if (!file)
+			return false;
+		*text = file->text;
+		*size = file->size_bytes;
+		snprintf(chunk, PATH_BYTES, "@%s.lua", name);
+		return true;
+	}
+	if (is_shipped(name)) {
+		if (!find_shipped(script, name, path))
+			return false;
+		snprintf(chunk, PATH_BYTES, "@%s", name);
+	} else {
+		/* as the scene's folder is named on the command line, so that messages can be clicked */
+		char inside[PATH_BYTES];
+		if (!module_path(inside, "", 0, name) || !rb_file_beside_scene(script, inside + 1))
+			return false;
+		const bool here = strcmp(script->folder, ".") == 0;
+		if (!module_path(path, script->folder, strlen(script->folder), name))
+			return false;
+		chunk[0] = '@';
+		snprintf(chunk + 1, PATH_BYTES - 1, "%.*s", PATH_BYTES - 2, here ? inside + 1 : path);
+	}
+	const enum rb_status status = rb_files_read(script, path, &err);
+	if (status == RB_ERR_MEMORY)
+		rb_script_need(L, status, &err);
+	if (status != RB_OK)
+		luaL_error(L, "require '%s': %s", name, err.text);
+	*text = script->reading;
+	*size = script->reading_size;
+	return true;
+}
+
+/* Pushes the module's function. */
+static void load_module(lua_State *L, const char *name, const char *text, size_t size, const char *chunk)
+{
+	struct rb_script *script = rb_script_of(L);
+	struct rb_error err;
+	char hex[65];
+
+	rb_sandbox_charge_bytes(L, size + sizeof(struct rb_source_file));
+	rb_hash_sha256(text, size, hex);
+	rb_script_need(L, rb_scene_add_file(script->scene, name, text, size, hex, &err), &err);
+	size_t body_size = size;
+	const char *body = rb_files_body(text, &body_size);
+	const int status = luaL_loadbufferx(L, body, body_size, chunk, script->sandbox.trust ? NULL : "t");
+	rb_files_forget(script);
+	if (status != LUA_OK)
+		lua_error(L);
+}
+
+/* What a trusted script's own `require` finds (upvalue 1). */
+static int require_elsewhere(lua_State *L, const char *name)
+{
+	if (lua_type(L, lua_upvalueindex(1)) == LUA_TFUNCTION) {
+		lua_pushvalue(L, lua_upvalueindex(1));
+		lua_pushvalue(L, 1);
+		lua_call(L, 1, 1);
+		return 1;
+	}
+	if (is_shipped(name))
+		return luaL_error(L, "require '%s': no such helper is shipped with rbsim", name);
+	return luaL_error(L, "require '%s': there is no such file in the scene's folder", name);
+}
+
+static int l_require(lua_State *L)
+{
+	size_t name_size, size;
+	const char *text;
+	char chunk[PATH_BYTES];
+
+	lua_settop(L, 1);
+	if (lua_type(L, 1) != LUA_TSTRING)
+		return luaL_error(L, "require: wants a name (got %s)", luaL_typename(L, 1));
+	const char *name = lua_tolstring(L, 1, &name_size);
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, "rbsim.modules");
+	lua_pushvalue(L, 1);
+	const int known = lua_rawget(L, 2);
+	if (known == LUA_TLIGHTUSERDATA)
+		return luaL_error(L, "require '%s': it requires itself, in a circle", name);
+	if (known != LUA_TNIL)
+		return 1;
+	lua_pop(L, 1);
+	if (!is_module_name(name, name_size)) {
+		if (rb_sandbox_of(L)->trust)
+			return require_elsewhere(L, name);
+		return luaL_error(L, "require '%s': a name is a file beside the scene, without '.lua', or rbsim.NAME", name);
+	}
+	rb_script_while_loading(L, "require");
+	if (!get_module(L, name, &text, &size, chunk))
+		return require_elsewhere(L, name);
+	lua_pushvalue(L, 1);
+	lua_pushlightuserdata(L, L);
+	lua_rawset(L, 2);
+	load_module(L, name, text, size, chunk);
+	lua_pushvalue(L, 1);
+	lua_call(L, 1, 1);
+	if (lua_isnil(L, -1)) {
+		lua_pop(L, 1);
+		lua_pushboolean(L, 1);
+	}
+	lua_pushvalue(L, 1);
+	lua_pushvalue(L, -2);
+	lua_rawset(L, 2);
+	return 1;
+}
+
+void rb_files_open(lua_State *L)
+{
+	lua_pushglobaltable(L);
+	lua_pushliteral(L, "require");
+	lua_rawget(L, -2);
+	lua_pushcclosure(L, l_require, 1);
+	lua_setfield(L, -2, "require");
+	lua_pop(L, 1);
+}

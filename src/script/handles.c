@@ -1,0 +1,475 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/handles.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "geom/mass.h"
+#include "math/quat.h"
+#include "script/call.h"
+#include "script/nearest.h"
+#include "script/vector.h"
+
+static const char handles_key[] = "rbsim.handles";
+
+void rb_handle_push(lua_State *L, int id)
+{
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, handles_key);
+	if (lua_rawgeti(L, -1, id + 1) == LUA_TNIL) {
+		lua_pop(L, 1);
+		int *handle = lua_newuserdatauv(L, sizeof *handle, 0);
+		*handle = id;
+		luaL_setmetatable(L, RB_HANDLE_TYPE);
+		lua_pushvalue(L, -1);
+		lua_rawseti(L, -3, id + 1);
+	}
+	lua_remove(L, -2);
+}
+
+static int self_id(lua_State *L, const char *method)
+{
+	const int id = rb_handle_id(L, 1);
+
+	if (id < 0)
+		luaL_error(L, "%s: called without its body (write body:%s(...))", method, method);
+	return id;
+}
+
+static const struct rb_body_def *definition(lua_State *L, int id)
+{
+	return &rb_script_of(L)->scene->bodies[id];
+}
+
+/* ---- fields, before a run and in it ---- */
+
+static double mass_at_start(lua_State *L, int id)
+{
+	const struct rb_body_def *def = definition(L, id);
+
+	if (def->is_static)
+		return (double)INFINITY;
+	if (!isnan(def->mass))
+		return def->mass;
+	const double density = isnan(def->density) ? rb_script_of(L)->scene->materials[def->material].density : def->density;
+	return density * rb_shape_volume(&def->shape);
+}
+
+static rb_mat3 inertia_at_start(lua_State *L, int id)
+{
+	const struct rb_body_def *def = definition(L, id);
+
+	if (def->is_static)
+		return (rb_mat3){{{0}}};
+	if (def->has_inertia)
+		return def->inertia;
+	return rb_shape_inertia(&def->shape, mass_at_start(L, id));
+}
+
+static double mass_of(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	return world ? rb_world_mass(world, id) : mass_at_start(L, id);
+}
+
+static rb_mat3 inertia_of(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	return world ? rb_world_inertia(world, id) : inertia_at_start(L, id);
+}
+
+static rb_vec3 position_of(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	return world ? rb_world_position(world, id) : definition(L, id)->position;
+}
+
+static rb_quat orientation_of(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	return world ? rb_world_orientation(world, id) : definition(L, id)->orientation;
+}
+
+static rb_vec3 velocity_of(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	return world ? rb_world_velocity(world, id) : definition(L, id)->velocity;
+}
+
+static rb_vec3 angular_velocity_of(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	return world ? rb_world_angular_velocity(world, id) : definition(L, id)->angular_velocity;
+}
+
+static rb_vec3 point_of(lua_State *L, int id, rb_vec3 point)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	if (world)
+		return rb_world_point(world, id, point);
+	const struct rb_body_def *def = definition(L, id);
+	return rb_vec3_add(def->position, rb_quat_rotate(def->orientation, point));
+}
+
+/* Angular momentum about the centre of mass before a run, world axes. */
+static rb_vec3 spin_at_start(lua_State *L, int id)
+{
+	const struct rb_body_def *def = definition(L, id);
+	const rb_mat3 inertia = inertia_at_start(L, id);
+	const rb_vec3 local = rb_quat_rotate_back(def->orientation, def->angular_velocity);
+
+	return rb_quat_rotate(def->orientation, rb_mat3_apply(&inertia, local));
+}
+
+static int get_name(lua_State *L, int id)
+{
+	lua_pushstring(L, definition(L, id)->name); /* nil where there is none */
+	return 1;
+}
+
+static int get_position(lua_State *L, int id)
+{
+	rb_vector_push(L, position_of(L, id));
+	return 1;
+}
+
+static int get_orientation(lua_State *L, int id)
+{
+	double values[4];
+
+	rb_quat_to(values, orientation_of(L, id));
+	lua_createtable(L, 4, 0);
+	for (int i = 0; i < 4; i++) {
+		lua_pushnumber(L, values[i]);
+		lua_rawseti(L, -2, i + 1);
+	}
+	return 1;
+}
+
+static int get_velocity(lua_State *L, int id)
+{
+	rb_vector_push(L, velocity_of(L, id));
+	return 1;
+}
+
+static int get_angular_velocity(lua_State *L, int id)
+{
+	rb_vector_push(L, angular_velocity_of(L, id));
+	return 1;
+}
+
+static int get_mass(lua_State *L, int id)
+{
+	lua_pushnumber(L, mass_of(L, id));
+	return 1;
+}
+
+/* Three rows of three numbers. */
+static int get_inertia(lua_State *L, int id)
+{
+	const rb_mat3 inertia = inertia_of(L, id);
+
+	lua_createtable(L, 3, 0);
+	for (int i = 0; i < 3; i++) {
+		rb_vector_push(L, rb_vec3_from(inertia.m[i]));
+		lua_rawseti(L, -2, i + 1);
+	}
+	return 1;
+}
+
+static int get_kinetic_energy(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+	const struct rb_body_def *def = definition(L, id);
+	double energy = 0;
+
+	if (world)
+		energy = rb_world_kinetic_energy(world, id);
+	else if (!def->is_static)
+		energy = 0.5 * mass_at_start(L, id) * rb_vec3_dot(def->velocity, def->velocity) +
+		         0.5 * rb_vec3_dot(def->angular_velocity, spin_at_start(L, id));
+	lua_pushnumber(L, energy);
+	return 1;
+}
+
+static int get_momentum(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+	const struct rb_body_def *def = definition(L, id);
+	rb_vec3 momentum = {0, 0, 0};
+
+	if (world)
+		momentum = rb_world_momentum(world, id);
+	else if (!def->is_static)
+		momentum = rb_vec3_scale(mass_at_start(L, id), def->velocity);
+	rb_vector_push(L, momentum);
+	return 1;
+}
+
+static int get_angular_momentum(lua_State *L, int id)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+	const struct rb_body_def *def = definition(L, id);
+	rb_vec3 momentum = {0, 0, 0};
+
+	if (world) {
+		momentum = rb_world_angular_momentum(world, id);
+	} else if (!def->is_static) {
+		const rb_vec3 arm = point_of(L, id, def->center_of_mass);
+		momentum = rb_vec3_add(spin_at_start(L, id),
+		                       rb_vec3_cross(arm, rb_vec3_scale(mass_at_start(L, id), def->velocity)));
+	}
+	rb_vector_push(L, momentum);
+	return 1;
+}
+
+static int get_is_static(lua_State *L, int id)
+{
+	lua_pushboolean(L, definition(L, id)->is_static);
+	return 1;
+}
+
+/* point(p) of the body in upvalue 1: `body.point(p)` and `body:point(p)` are the same. */
+static int l_point(lua_State *L)
+{
+	const int index = rb_handle_id(L, 1) >= 0 ? 2 : 1;
+	const int *handle = lua_touserdata(L, lua_upvalueindex(1));
+
+	rb_vector_push(L, point_of(L, *handle, rb_vector_check(L, index, "point")));
+	return 1;
+}
+
+static int get_point(lua_State *L, int id)
+{
+	(void)id;
+	lua_pushvalue(L, 1);
+	lua_pushcclosure(L, l_point, 1);
+	return 1;
+}
+
+static const struct field {
+	const char *name;
+	int (*get)(lua_State *L, int id);
+	const char *instead; /* how to change it */
+} fields[] = {
+	{"name", get_name, NULL},
+	{"position", get_position, "set_position(p)"},
+	{"orientation", get_orientation, NULL},
+	{"velocity", get_velocity, "set_velocity(v)"},
+	{"angular_velocity", get_angular_velocity, "set_angular_velocity(w)"},
+	{"mass", get_mass, NULL},
+	{"inertia", get_inertia, NULL},
+	{"kinetic_energy", get_kinetic_energy, NULL},
+	{"momentum", get_momentum, "apply_impulse(j)"},
+	{"angular_momentum", get_angular_momentum, NULL},
+	{"point", get_point, NULL},
+	{"static", get_is_static, NULL},
+};
+enum { FIELD_COUNT = sizeof fields / sizeof *fields };
+
+/* ---- changes ---- */
+
+/* The moving body that a method is called on, in a callback. */
+static int body_to_change(lua_State *L, const char *method)
+{
+	const struct rb_script *script = rb_script_of(L);
+	const int id = self_id(L, method);
+
+	if (script->phase != RB_PHASE_CHANGE || !script->world)
+		luaL_error(L, "%s: only in on_step, on_frame and on_collision", method);
+	if (rb_world_is_static(script->world, id)) {
+		char label[64];
+		luaL_error(L, "%s: body %s is static", method, rb_scene_body_label(script->scene, id, label));
+	}
+	return id;
+}
+
+/* Argument 3, a world position; left out, the centre of mass. */
+static rb_vec3 point_to_push(lua_State *L, int id, const char *method)
+{
+	return lua_isnoneornil(L, 3) ? rb_world_center_of_mass(rb_script_of(L)->world, id) : rb_vector_check(L, 3, method);
+}
+
+static int l_apply_impulse(lua_State *L)
+{
+	const int id = body_to_change(L, "apply_impulse");
+	const rb_vec3 impulse = rb_vector_check(L, 2, "apply_impulse");
+
+	rb_world_apply_impulse(rb_script_of(L)->world, id, impulse, point_to_push(L, id, "apply_impulse"));
+	return 0;
+}
+
+static int l_apply_force(lua_State *L)
+{
+	const int id = body_to_change(L, "apply_force");
+	const rb_vec3 force = rb_vector_check(L, 2, "apply_force");
+
+	rb_world_apply_force(rb_script_of(L)->world, id, force, point_to_push(L, id, "apply_force"));
+	return 0;
+}
+
+static int l_set_velocity(lua_State *L)
+{
+	const int id = body_to_change(L, "set_velocity");
+
+	rb_world_set_velocity(rb_script_of(L)->world, id, rb_vector_check(L, 2, "set_velocity"));
+	return 0;
+}
+
+static int l_set_angular_velocity(lua_State *L)
+{
+	const int id = body_to_change(L, "set_angular_velocity");
+
+	rb_world_set_angular_velocity(rb_script_of(L)->world, id, rb_vector_check(L, 2, "set_angular_velocity"));
+	return 0;
+}
+
+static int l_set_position(lua_State *L)
+{
+	const int id = body_to_change(L, "set_position");
+
+	rb_world_set_position(rb_script_of(L)->world, id, rb_vector_check(L, 2, "set_position"));
+	return 0;
+}
+
+static const luaL_Reg methods[] = {{"apply_impulse", l_apply_impulse},
+                                   {"apply_force", l_apply_force},
+                                   {"set_velocity", l_set_velocity},
+                                   {"set_angular_velocity", l_set_angular_velocity},
+                                   {"set_position", l_set_position},
+                                   {NULL, NULL}};
+
+/* ---- the metatable ---- */
+
+static int l_index(lua_State *L)
+{
+	const int id = self_id(L, "a field");
+	char label[64], hint[96];
+
+	if (lua_type(L, 2) != LUA_TSTRING)
+		return luaL_error(L, "a body has no field %s", luaL_typename(L, 2));
+	const char *key = lua_tostring(L, 2);
+	for (int i = 0; i < FIELD_COUNT; i++)
+		if (strcmp(fields[i].name, key) == 0)
+			return fields[i].get(L, id);
+	lua_pushvalue(L, 2);
+	if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL)
+		return 1;
+	struct rb_nearest nearest = rb_nearest_to(key);
+	for (int i = 0; i < FIELD_COUNT; i++)
+		rb_nearest_offer(&nearest, fields[i].name, strlen(fields[i].name));
+	for (const luaL_Reg *method = methods; method->name; method++)
+		rb_nearest_offer(&nearest, method->name, strlen(method->name));
+	return luaL_error(L, "body %s has no field '%s'%s", rb_scene_body_label(rb_script_of(L)->scene, id, label), key,
+	                  rb_nearest_hint(&nearest, hint));
+}
+
+static int l_newindex(lua_State *L)
+{
+	const char *key = lua_type(L, 2) == LUA_TSTRING ? lua_tostring(L, 2) : "?";
+
+	for (int i = 0; i < FIELD_COUNT; i++) {
+		if (strcmp(fields[i].name, key) != 0)
+			continue;
+		if (fields[i].instead)
+			return luaL_error(L, "a body's '%s' can't be assigned: call body:%s in a callback", key,
+			                  fields[i].instead);
+		return luaL_error(L, "a body's '%s' can't be changed", key);
+	}
+	return luaL_error(L, "a body has no field '%s' to assign (keep your own values in a table)", key);
+}
+
+static int l_tostring(lua_State *L)
+{
+	char label[64];
+
+	lua_pushfstring(L, "body %s", rb_scene_body_label(rb_script_of(L)->scene, self_id(L, "tostring"), label));
+	return 1;
+}
+
+/* ---- the world ---- */
+
+static struct rb_frame_numbers numbers_of(lua_State *L, const char *call)
+{
+	struct rb_script *script = rb_script_of(L);
+
+	if (!script->world)
+		luaL_error(L, "%s: only in callbacks and at the end of a run", call);
+	return rb_world_totals(script->world);
+}
+
+static int l_time(lua_State *L)
+{
+	const struct rb_world *world = rb_script_of(L)->world;
+
+	lua_pushnumber(L, world ? rb_world_time(world) : 0);
+	return 1;
+}
+
+static int l_energy(lua_State *L)
+{
+	const struct rb_frame_numbers numbers = numbers_of(L, "energy");
+
+	lua_pushnumber(L, numbers.kinetic_energy + numbers.potential_energy);
+	return 1;
+}
+
+static int l_momentum(lua_State *L)
+{
+	rb_vector_push(L, numbers_of(L, "momentum").momentum);
+	return 1;
+}
+
+static int l_angular_momentum(lua_State *L)
+{
+	rb_vector_push(L, numbers_of(L, "angular_momentum").angular_momentum);
+	return 1;
+}
+
+static int l_collisions(lua_State *L)
+{
+	lua_pushinteger(L, (lua_Integer)numbers_of(L, "collisions").collisions);
+	return 1;
+}
+
+static int l_max_penetration(lua_State *L)
+{
+	lua_pushnumber(L, numbers_of(L, "max_penetration").max_penetration);
+	return 1;
+}
+
+void rb_handles_open(lua_State *L)
+{
+	static const luaL_Reg world[] = {{"time", l_time},
+	                                 {"energy", l_energy},
+	                                 {"momentum", l_momentum},
+	                                 {"angular_momentum", l_angular_momentum},
+	                                 {"collisions", l_collisions},
+	                                 {"max_penetration", l_max_penetration},
+	                                 {NULL, NULL}};
+
+	luaL_newmetatable(L, RB_HANDLE_TYPE);
+	luaL_newlib(L, methods);
+	lua_pushcclosure(L, l_index, 1);
+	lua_setfield(L, -2, "__index");
+	lua_pushcfunction(L, l_newindex);
+	lua_setfield(L, -2, "__newindex");
+	lua_pushcfunction(L, l_tostring);
+	lua_setfield(L, -2, "__tostring");
+	lua_pushinteger(L, 1);
+	lua_setfield(L, -2, "__order");
+	lua_pushliteral(L, "body");
+	lua_setfield(L, -2, "__metatable");
+	lua_pop(L, 1);
+	lua_pushglobaltable(L);
+	luaL_setfuncs(L, world, 0);
+	lua_pop(L, 1);
+}

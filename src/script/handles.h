@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Bodies as a scene sees them: one handle per body, the same one wherever the body turns up.
+ *
+ * Before a run a handle shows the initial values of the scene, in callbacks and at the end those of the world.
+ */
+#ifndef RB_SCRIPT_HANDLES_H
+#define RB_SCRIPT_HANDLES_H
+
+#include "script/script.h"
+
+/* The handles' metatable, and the functions of the world: time, energy, ... */
+void rb_handles_open(lua_State *L);
+
+/* Pushes the handle of a body. */
+void rb_handle_push(lua_State *L, int id);
+
+#endif

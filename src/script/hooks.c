@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/hooks.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "script/call.h"
+#include "script/expects.h"
+#include "script/handles.h"
+#include "script/vector.h"
+
+/* ---- while loading ---- */
+
+static const struct {
+	const char *name;
+	unsigned hook;
+} callbacks[RB_CALLBACK_COUNT] = {
+	[RB_ON_STEP] = {"on_step", RB_HOOK_STEP},
+	[RB_ON_FRAME] = {"on_frame", RB_HOOK_FRAME},
+	[RB_ON_COLLISION] = {"on_collision", RB_HOOK_COLLISION},
+};
+
+/* Upvalue: which. Several functions of one kind are called in the order of the scene. */
+static int l_callback(lua_State *L)
+{
+	const enum rb_callback which = (enum rb_callback)lua_tointeger(L, lua_upvalueindex(1));
+	const struct rb_call call = rb_call_begin(L, callbacks[which].name, NULL, 0);
+	struct rb_script *script = call.script;
+	char found[80];
+
+	if (lua_type(L, 1) != LUA_TFUNCTION) {
+		rb_call_mistake(&call, "wants a function (got %s)", rb_describe(L, 1, found));
+		return 0;
+	}
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, callbacks[which].name);
+	lua_pushvalue(L, 1);
+	lua_rawseti(L, -2, ++script->callback_count[which]);
+	script->scene->hooks |= callbacks[which].hook;
+	return 0;
+}
+
+void rb_hooks_open(lua_State *L)
+{
+	for (int i = 0; i < RB_CALLBACK_COUNT; i++) {
+		lua_pushinteger(L, i);
+		lua_pushcclosure(L, l_callback, 1);
+		lua_setglobal(L, callbacks[i].name);
+	}
+}
+
+/* ---- while running ---- */
+
+/* What a call from outside hands to the protected function that serves it. */
+struct request {
+	enum rb_callback which;
+	int number; /* of the function among those of its kind */
+	double time_s, dt_s;
+	uint64_t frame;
+	const struct rb_event *event;
+	struct rb_expect_result *result;
+	int expect, function;
+	rb_vec3 value;
+};
+
+/* One protected call: `serve` gets the request as a light userdata. */
+static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_CFunction serve, struct request *request,
+                          enum rb_script_phase phase, struct rb_error *err)
+{
+	lua_State *L = script->sandbox.L;
+
+	script->phase = phase;
+	script->world = world;
+	lua_pushcfunction(L, serve);
+	lua_pushlightuserdata(L, request);
+	const enum rb_status status = rb_sandbox_call(&script->sandbox, 1, 0, script->callback_instructions, err);
+	script->phase = RB_PHASE_REST;
+	script->world = NULL;
+	return status;
+}
+
+static void push_callback(lua_State *L, const struct request *request)
+{
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, callbacks[request->which].name);
+	lua_rawgeti(L, -1, request->number);
+	lua_remove(L, -2);
+}
+
+static int serve_step(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+
+	push_callback(L, request);
+	lua_pushnumber(L, request->time_s);
+	lua_pushnumber(L, request->dt_s);
+	lua_call(L, 2, 0);
+	return 0;
+}
+
+static int serve_frame(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+
+	push_callback(L, request);
+	lua_pushnumber(L, request->time_s);
+	lua_pushinteger(L, (lua_Integer)request->frame);
+	lua_call(L, 2, 0);
+	return 0;
+}
+
+static int serve_collision(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+	const struct rb_event *event = request->event;
+
+	push_callback(L, request);
+	lua_createtable(L, 0, 7);
+	lua_pushnumber(L, event->time_s);
+	lua_setfield(L, -2, "time");
+	rb_handle_push(L, event->a);
+	lua_setfield(L, -2, "a");
+	rb_handle_push(L, event->b);
+	lua_setfield(L, -2, "b");
+	rb_vector_push(L, event->point);
+	lua_setfield(L, -2, "point");
+	rb_vector_push(L, event->normal);
+	lua_setfield(L, -2, "normal");
+	rb_vector_push(L, event->impulse);
+	lua_setfield(L, -2, "impulse");
+	lua_pushnumber(L, event->approach_speed);
+	lua_setfield(L, -2, "approach_speed");
+	lua_call(L, 1, 0);
+	return 0;
+}
+
+/* All functions of a kind, one after the other. */
+static enum rb_status call_all(struct rb_script *script, struct rb_world *world, lua_CFunction serve,
+                               struct request *request, struct rb_error *err)
+{
+	for (int i = 1; i <= script->callback_count[request->which]; i++) {
+		request->number = i;
+		const enum rb_status status = ask(script, world, serve, request, RB_PHASE_CHANGE, err);
+		if (status != RB_OK)
+			return status;
+	}
+	return RB_OK;
+}
+
+static enum rb_status on_step(void *user, struct rb_world *world, double time_s, double dt_s, struct rb_error *err)
+{
+	struct request request = {.which = RB_ON_STEP, .time_s = time_s, .dt_s = dt_s};
+
+	return call_all(user, world, serve_step, &request, err);
+}
+
+static enum rb_status on_collision(void *user, struct rb_world *world, const struct rb_event *event,
+                                   struct rb_error *err)
+{
+	struct request request = {.which = RB_ON_COLLISION, .event = event};
+
+	return call_all(user, world, serve_collision, &request, err);
+}
+
+struct rb_world_hooks rb_script_hooks(struct rb_script *script)
+{
+	return (struct rb_world_hooks){
+		.user = script,
+		.step = script->callback_count[RB_ON_STEP] ? on_step : NULL,
+		.collision = script->callback_count[RB_ON_COLLISION] ? on_collision : NULL,
+	};
+}
+
+/* ---- expectations ---- */
+
+static int serve_expect(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+	const struct rb_expect_def *def = &rb_script_of(L)->scene->expects[request->expect];
+	struct rb_expect_result *result = request->result;
+
+	rb_script_push_function(L, def->function);
+	lua_call(L, 0, 2);
+	rb_expect_judge(L, def, result);
+	return 0;
+}
+
+static enum rb_status call_expect(struct rb_script *script, struct rb_world *world, int i,
+                                  struct rb_expect_result *result, struct rb_error *err)
+{
+	const struct rb_expect_def *def = &script->scene->expects[i];
+	struct request request = {.expect = i, .result = result};
+
+	*result = (struct rb_expect_result){.text = def->text, .line = def->line, .always = def->always,
+	                                    .failed_s = (double)NAN};
+	return ask(script, world, serve_expect, &request, RB_PHASE_LOOK, err);
+}
+
+enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *world, double time_s, uint64_t frame,
+                                  struct rb_error *err)
+{
+	struct request request = {.which = RB_ON_FRAME, .time_s = time_s, .frame = frame};
+	enum rb_status status = call_all(script, world, serve_frame, &request, err);
+
+	if (!(script->scene->hooks & RB_HOOK_EXPECT_ALWAYS))
+		return status;
+	for (int i = 0; i < script->scene->expect_count && status == RB_OK; i++) {
+		struct rb_expect_result now;
+		if (!script->scene->expects[i].always)
+			continue;
+		status = call_expect(script, world, i, &now, err);
+		if (status == RB_OK)
+			rb_expect_remember(&script->expects[i], &now, time_s);
+	}
+	return status;
+}
+
+enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world, struct rb_expect_result *results,
+                                 struct rb_error *err)
+{
+	for (int i = 0; i < script->scene->expect_count; i++) {
+		const struct rb_expect_def *def = &script->scene->expects[i];
+		if (def->always) {
+			results[i] = rb_expect_recall(&script->expects[i], def);
+			continue;
+		}
+		const enum rb_status status = call_expect(script, world, i, &results[i], err);
+		if (status != RB_OK)
+			return status;
+	}
+	return RB_OK;
+}
+
+static int serve_vector(lua_State *L)
+{
+	struct request *request = lua_touserdata(L, 1);
+
+	rb_script_push_function(L, request->function);
+	lua_pushnumber(L, request->time_s);
+	lua_call(L, 1, 1);
+	request->value = rb_vector_check(L, -1, "a function of time");
+	return 0;
+}
+
+enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world, int function, double time_s,
+                                   rb_vec3 *value, struct rb_error *err)
+{
+	struct request request = {.function = function, .time_s = time_s};
+	const enum rb_status status = ask(script, world, serve_vector, &request, RB_PHASE_LOOK, err);
+
+	*value = request.value;
+	return status;
+}

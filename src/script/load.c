@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/load.h"
+
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "script/bind.h"
+#include "script/call.h"
+#include "script/expects.h"
+#include "script/files.h"
+#include "script/hooks.h"
+#include "script/library.h"
+#include "script/nearest.h"
+#include "script/params.h"
+
+/* The protected part: everything in here may be left by a jump, and owns nothing. */
+static int run_scene(lua_State *L)
+{
+	struct rb_script *script = rb_script_of(L);
+	const struct rb_source_file *file = &script->scene->files[0];
+	size_t size = file->size_bytes;
+
+	rb_library_open(L);
+	rb_bind_open(L);
+	rb_expects_open(L);
+	rb_hooks_open(L);
+	rb_files_open(L);
+
+	const char *body = rb_files_body(file->text, &size);
+	lua_pushfstring(L, "@%s", script->scene->file);
+	if (luaL_loadbufferx(L, body, size, lua_tostring(L, -1), script->sandbox.trust ? NULL : "t") != LUA_OK)
+		return lua_error(L);
+	lua_call(L, 0, 0);
+	return 0;
+}
+
+struct misspelt {
+	const char *message;
+	char hint[96];
+};
+
+/* "attempt to call a nil value (global 'shpere')": the nearest of the globals that there are. */
+static int find_misspelt(lua_State *L)
+{
+	static const char mark[] = "(global '";
+	struct misspelt *misspelt = lua_touserdata(L, 1);
+	const char *found = strstr(misspelt->message, mark);
+	char name[64];
+
+	if (!found)
+		return 0;
+	found += sizeof mark - 1;
+	const size_t size = strcspn(found, "'");
+	if (size == 0 || size >= sizeof name)
+		return 0;
+	memcpy(name, found, size);
+	name[size] = '\0';
+	struct rb_nearest nearest = rb_nearest_to(name);
+	lua_pushglobaltable(L);
+	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
+		size_t candidate_size;
+		if (lua_type(L, -2) != LUA_TSTRING)
+			continue;
+		const char *candidate = lua_tolstring(L, -2, &candidate_size);
+		rb_nearest_offer(&nearest, candidate, candidate_size);
+	}
+	rb_nearest_hint(&nearest, misspelt->hint);
+	return 0;
+}
+
+/* A message of Lua's becomes a mistake like the others: it has its place in front, or none. */
+static void note_error(struct rb_script *script, const struct rb_error *err)
+{
+	lua_State *L = script->sandbox.L;
+	const char *text = err->text;
+	const size_t size = strlen(script->scene->file);
+	struct misspelt misspelt = {.message = text};
+	long line = 0;
+
+	lua_pushcfunction(L, find_misspelt);
+	lua_pushlightuserdata(L, &misspelt);
+	if (lua_pcall(L, 1, 0, 0) != LUA_OK)
+		lua_pop(L, 1);
+	if (strncmp(text, script->scene->file, size) == 0 && text[size] == ':') {
+		char *rest;
+		line = strtol(text + size + 1, &rest, 10);
+		if (line > 0 && line < INT_MAX && rest[0] == ':')
+			text = rest + 1 + (rest[1] == ' ');
+		else
+			line = 0;
+	}
+	rb_script_mistake(script, (int)line, "%s%s", text, misspelt.hint);
+}
+
+/* The scene's own text into scene->files[0], and its folder. */
+static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *err)
+{
+	const struct rb_script_options *options = script->options;
+	const char *slash = strrchr(options->path, '/');
+	const char *base = slash ? slash + 1 : options->path;
+	char hex[65];
+
+	script->folder = rb_memory_copy_text(slash ? options->path : ".");
+	if (!script->folder)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", options->path);
+	if (slash) /* "/" itself stays */
+		script->folder[slash == options->path ? 1 : slash - options->path] = '\0';
+
+	const char *text;
+	size_t size;
+	if (options->files) {
+		text = options->files[0].text;
+		size = options->files[0].size_bytes;
+	} else {
+		const enum rb_status status = rb_files_read(script, options->path, err);
+		if (status != RB_OK)
+			return status;
+		text = script->reading;
+		size = script->reading_size;
+	}
+	rb_hash_sha256(text, size, hex);
+	const enum rb_status status = rb_scene_add_file(script->scene, base, text, size, hex, err);
+	rb_files_forget(script);
+	return status;
+}
+
+/* What the scene is after its script has run, with all that was noted on the way. */
+static enum rb_status conclude(struct rb_script *script, enum rb_status status, struct rb_error *err)
+{
+	if (status != RB_OK && status != RB_ERR_SCENE)
+		return status;
+	rb_params_check(script);
+	if (script->mistake_count > 0) {
+		const bool usage = script->usage_mistake_count == script->mistake_count;
+		return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s", script->first_mistake);
+	}
+	const size_t count = script->scene->expect_count > 0 ? (size_t)script->scene->expect_count : 1;
+	script->expects = rb_memory_take(count, sizeof *script->expects);
+	if (!script->expects)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", script->scene->file);
+	return RB_OK;
+}
+
+static enum rb_status load(struct rb_script *script, struct rb_error *err)
+{
+	const struct rb_script_options *options = script->options;
+	struct rb_scene *scene = script->scene;
+	struct rb_error own;
+
+	if (!err)
+		err = &own;
+	enum rb_status status = rb_scene_init(scene, err);
+	if (status != RB_OK)
+		return status;
+	scene->file = rb_scene_text(scene, options->path);
+	if (!scene->file)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", options->path);
+	status = get_scene_file(script, err);
+	if (status != RB_OK)
+		return status;
+	const size_t bytes = options->memory_bytes ? options->memory_bytes : rb_sandbox_memory_bytes;
+	status = rb_sandbox_init(&script->sandbox, bytes, options->trust, err);
+	if (status != RB_OK)
+		return status;
+	script->sandbox.user = script;
+	if (options->has_seed)
+		script->sandbox.seed = scene->world.seed = options->seed;
+
+	lua_pushcfunction(script->sandbox.L, run_scene);
+	status = rb_sandbox_call(&script->sandbox, 0, 0,
+	                         options->load_instructions ? options->load_instructions : rb_sandbox_load_instructions,
+	                         err);
+	rb_files_forget(script);
+	if (status == RB_ERR_SCENE)
+		note_error(script, err);
+	return conclude(script, status, err);
+}
+
+enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene, struct rb_mistakes *mistakes,
+                              const struct rb_script_options *options, struct rb_error *err)
+{
+	*scene = (struct rb_scene){0};
+	*script = rb_memory_take(1, sizeof **script);
+	if (!*script)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", options->path);
+	struct rb_script *it = *script;
+	it->scene = scene;
+	it->mistakes = mistakes;
+	it->options = options;
+	it->callback_instructions =
+		options->callback_instructions ? options->callback_instructions : rb_sandbox_callback_instructions;
+	it->phase = RB_PHASE_LOAD;
+	const enum rb_status status = load(it, err);
+	it->phase = RB_PHASE_REST;
+	it->mistakes = NULL;
+	it->options = NULL;
+	return status;
+}
+
+void rb_script_destroy(struct rb_script *script)
+{
+	if (!script)
+		return;
+	rb_sandbox_release(&script->sandbox);
+	rb_memory_free(script->folder);
+	rb_memory_free(script->reading);
+	rb_memory_free(script->expects);
+	rb_memory_free(script);
+}
+
+const char *rb_script_traceback(const struct rb_script *script)
+{
+	return script->sandbox.traceback ? script->sandbox.traceback : "";
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* param: a scene's parameters, their values from the command line. */
+#ifndef RB_SCRIPT_PARAMS_H
+#define RB_SCRIPT_PARAMS_H
+
+#include "script/script.h"
+
+/* param as a global. */
+void rb_params_open(lua_State *L);
+
+/* After the script ran: notes the parameters given on the command line that it never declared. */
+void rb_params_check(struct rb_script *script);
+
+#endif

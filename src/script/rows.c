@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/rows.h"
+
+#include <string.h>
+
+#include <rbsim/scene.h>
+
+#define AT(type, member) offsetof(struct type, member)
+#define HAND RB_ROW_BY_HAND
+#define ROWS(array) array, (int)(sizeof(array) / sizeof *(array))
+
+static const struct rb_row world_rows[] = {
+	{"title", RB_ROW_TEXT, 0, 0, AT(rb_world_def, title), NULL, NULL, "none", "", "recorded"},
+	{"description", RB_ROW_TEXT, 0, 0, AT(rb_world_def, description), NULL, NULL, "none", "", "recorded"},
+	{"duration", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_world_def, duration_s), NULL, NULL,
+         "required, here or on the command line", "s", "simulated time"},
+	{"frame_rate", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_world_def, frame_rate), NULL, NULL, "60", "1/s",
+         "recorded frames per simulated second; frame 0 is the initial state"},
+	{"time_step", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_world_def, time_step_s), NULL, NULL,
+         "1/(4*frame_rate)", "s", "the longest step that the solver takes"},
+	{"tolerance", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_world_def, tolerance_m), NULL, NULL, "see TOLERANCE",
+         "m", "the largest overlap that a recorded frame may show"},
+	{"gravity", RB_ROW_VECTOR, 0, 0, AT(rb_world_def, gravity), NULL, NULL, "{0, 0, 0}", "m/s^2",
+         "an acceleration of every moving body"},
+	{"gravity_force", RB_ROW_VECTOR, 0, 0, AT(rb_world_def, gravity_force), NULL, NULL, "none", "N",
+         "the same force on every moving body"},
+	{"gravitation", RB_ROW_LATER, 0, 0, HAND, NULL, NULL, "none", "", "mutual gravitation of all bodies"},
+	{"rollback", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, rollback), "selective, global, none", NULL, "selective", "",
+         "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing (the tolerance is "
+         "then reported and not promised)"},
+	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic", "located, stepped", "auto", "",
+         "how time is advanced; auto is the best that this version has"},
+	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",
+         "of math.random and all helpers; comes before the first random number is drawn"},
+	{"pause_on_collision", RB_ROW_BOOLEAN, 0, 0, AT(rb_world_def, pause_on_collision), NULL, NULL, "false", "",
+         "playback in a console stops at each new collision"},
+};
+
+static const struct rb_row material_rows[] = {
+	{"name", RB_ROW_TEXT, 0, 0, AT(rb_material_def, name), NULL, NULL, "none", "", "unique; bodies may refer to it"},
+	{"density", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_material_def, density), NULL, NULL, "1000", "kg/m^3",
+         "mass of a body that states none"},
+	{"friction", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_material_def, friction), NULL, NULL, "0.5", "1",
+         "Coulomb's coefficient"},
+	{"restitution", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_material_def, restitution), NULL, NULL, "0", "1",
+         "part of the approach speed that an impact gives back"},
+	{"color", RB_ROW_COLOR, 0, 0, AT(rb_material_def, color), NULL, NULL, "one of a palette", "",
+         "of the bodies made of it"},
+	{"texture", RB_ROW_TEXTURE, 0, 0, AT(rb_material_def, texture), "checker, stripes, beachball", NULL, "none", "",
+         "of the bodies made of it"},
+	{"shininess", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_material_def, shininess), NULL, NULL,
+         "chosen by the renderer", "", "exponent of the highlight"},
+};
+
+static const struct rb_row contact_pair_rows[] = {
+	{"friction", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_contact_pair_def, friction), NULL, NULL,
+         "the geometric mean of the two", "1", "between the two materials"},
+	{"restitution", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_contact_pair_def, restitution), NULL, NULL,
+         "the larger of the two", "1", "between the two materials"},
+};
+
+static const struct rb_row body_rows[] = {
+	{"name", RB_ROW_TEXT, 0, 0, AT(rb_body_def, name), NULL, NULL, "none", "", "unique; recorded"},
+	{"material", RB_ROW_MATERIAL, 0, 0, AT(rb_body_def, material), NULL, NULL, "a plain one", "",
+         "a material or its name"},
+	{"mass", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, mass), NULL, NULL, "from the density", "kg",
+         "excludes density"},
+	{"density", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, density), NULL, NULL, "of the material",
+         "kg/m^3", "excludes mass"},
+	{"center_of_mass", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, center_of_mass), NULL, NULL, "the shape's centroid", "m",
+         "in object coordinates; the shape stays where it is"},
+	{"inertia", RB_ROW_INERTIA, 0, 0, AT(rb_body_def, inertia), NULL, NULL, "from shape and mass", "kg m^2",
+         "about the centre of mass, object axes: {Ix, Iy, Iz} or three rows"},
+	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, position), NULL, NULL, "{0, 0, 0}", "m",
+         "of the object's origin"},
+	{"orientation", RB_ROW_ORIENTATION, 0, 0, AT(rb_body_def, orientation), NULL, NULL, "{1, 0, 0, 0}", "",
+         "{w, x, y, z} of unit length or {axis = {x, y, z}, angle = radians}"},
+	{"velocity", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, velocity), NULL, NULL, "{0, 0, 0}", "m/s",
+         "of the centre of mass"},
+	{"angular_velocity", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, angular_velocity), NULL, NULL, "{0, 0, 0}", "rad/s",
+         "about world axes"},
+	{"static", RB_ROW_BOOLEAN, 0, 0, AT(rb_body_def, is_static), NULL, NULL, "false; planes: true", "",
+         "never moves"},
+	{"motion", RB_ROW_LATER, 0, 0, HAND, NULL, NULL, "none", "", "a driven body"},
+	{"forces", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "", "a list of forces, see below"},
+	{"group", RB_ROW_TEXT, 0, 0, HAND, NULL, NULL, "none", "", "collision group that it belongs to"},
+	{"collides_with", RB_ROW_NAMES, 0, 0, HAND, NULL, NULL, "all", "", "groups that it can touch, and no others"},
+	{"color", RB_ROW_COLOR, 0, 0, AT(rb_body_def, color), NULL, NULL, "of the material", "", "what it looks like"},
+	{"texture", RB_ROW_TEXTURE, 0, 0, AT(rb_body_def, texture), "checker, stripes, beachball", NULL,
+         "spheres: beachball", "", "a built-in one or a PNG file beside the scene"},
+	{"visible", RB_ROW_BOOLEAN, 0, 0, AT(rb_body_def, visible), NULL, NULL, "true", "", "drawn by cameras"},
+};
+
+static const struct rb_row sphere_rows[] = {
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL, "required", "m", ""},
+};
+
+static const struct rb_row plane_rows[] = {
+	{"normal", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "{0, 0, 1}", "",
+         "of any length; excludes orientation"},
+	{"point", RB_ROW_VECTOR, 0, 0, HAND, NULL, NULL, "{0, 0, 0}", "m", "a point of it, its centre if finite; excludes "
+                                                                           "position"},
+	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 2, AT(rb_body_def, shape.size), NULL, NULL, "infinite", "m",
+         "{w, h}: makes it finite"},
+	{"axis", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "the world's x, else y", "",
+         "the direction of w, projected on the plane"},
+};
+
+static const struct rb_row force_rows[] = {
+	{"vector", RB_ROW_VECTOR, 0, 0, AT(rb_force_def, vector), NULL, NULL, "required, or direction and magnitude", "N",
+         ""},
+	{"direction", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "none", "", "of any length"},
+	{"magnitude", RB_ROW_NUMBER, 0, 0, HAND, NULL, NULL, "none", "N", "along the direction"},
+	{"point", RB_ROW_VECTOR, 0, 0, AT(rb_force_def, point), NULL, NULL, "the centre of mass", "m",
+         "where it acts, in object coordinates"},
+	{"start", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_force_def, start_s), NULL, NULL, "0", "s", ""},
+	{"duration", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_force_def, duration_s), NULL, NULL, "to the end", "s", ""},
+	{"frame", RB_ROW_CHOICE, 0, 0, AT(rb_force_def, frame), "world, body", NULL, "world", "",
+         "axes of the vector; those of the body turn with it"},
+};
+
+static const struct rb_row camera_rows[] = {
+	{"name", RB_ROW_TEXT, 0, 0, AT(rb_camera_def, name), NULL, NULL, "none", "", "unique"},
+	{"position", RB_ROW_SOURCE, 0, 0, AT(rb_camera_def, position), NULL, NULL, "{6, -8, 4}", "m",
+         "a vector, a body or a function of t"},
+	{"look_at", RB_ROW_SOURCE, 0, 0, AT(rb_camera_def, look_at), NULL, NULL, "{0, 0, 0}", "m",
+         "a vector, a body or a function of t"},
+	{"up", RB_ROW_SOURCE, RB_RANGE_NOT_ZERO, 0, AT(rb_camera_def, up), NULL, NULL, "{0, 0, 1}", "",
+         "a vector, a body or a function of t"},
+	{"mount", RB_ROW_BODY, 0, 0, AT(rb_camera_def, mount), NULL, NULL, "none", "", "a body that the camera rides on"},
+	{"offset", RB_ROW_VECTOR, 0, 0, AT(rb_camera_def, offset), NULL, NULL, "{0, 0, 0}", "m",
+         "from the mount, in its object coordinates"},
+	{"level", RB_ROW_BOOLEAN, 0, 0, AT(rb_camera_def, level), NULL, NULL, "false", "",
+         "does not turn with the mount"},
+	{"fov", RB_ROW_NUMBER, RB_RANGE_FOV, 0, AT(rb_camera_def, fov), NULL, NULL, "deg(45)", "rad", "vertical"},
+	{"frustum", RB_ROW_NUMBERS, 0, 6, AT(rb_camera_def, frustum), NULL, NULL, "none", "m",
+         "{left, right, bottom, top, near, far}; excludes fov, near and far"},
+	{"near", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, near), NULL, NULL, "chosen from the scene", "m",
+         "nothing nearer is drawn"},
+	{"far", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, far), NULL, NULL, "chosen from the scene", "m",
+         "nothing farther is drawn"},
+	{"size", RB_ROW_INTEGERS, RB_RANGE_PIXELS, 2, AT(rb_camera_def, size_px), NULL, NULL, "{1280, 720}", "pixels",
+         "{w, h}"},
+	{"fps", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, fps), NULL, NULL, "the frame rate", "1/s",
+         "pictures per second of film"},
+	{"speed", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, speed), NULL, NULL, "1", "",
+         "0.25 is slow motion"},
+	{"from", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_camera_def, from_s), NULL, NULL, "0", "s",
+         "time of the first picture"},
+	{"to", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_camera_def, to_s), NULL, NULL, "the end", "s",
+         "time of the last picture"},
+	{"background", RB_ROW_COLOR, 0, 0, AT(rb_camera_def, background), NULL, NULL, "a sky", "", ""},
+	{"lights", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "two", "", "a list of lights, see below, at most 8"},
+	{"shadows", RB_ROW_BOOLEAN, 0, 0, AT(rb_camera_def, shadows), NULL, NULL, "true", "", ""},
+	{"samples", RB_ROW_INTEGER, RB_RANGE_SAMPLES, 0, AT(rb_camera_def, samples), NULL, NULL, "4", "",
+         "per pixel, against jagged edges"},
+	{"overlay", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, overlay), "time, title, energy", NULL, "none", "",
+         "written over the picture; one or a list"},
+	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "", "a list of bodies whose paths are drawn, at most 64"},
+	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact", NULL, "none", "",
+         "drawn as arrows; one or a list"},
+	{"style", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, wireframe), "shaded, wireframe", NULL, "shaded", "", ""},
+	{"png", RB_ROW_FILE, 0, 0, AT(rb_camera_def, png), NULL, NULL, "none", "",
+         "pictures, with one %d for their number: frames/%05d.png"},
+	{"video", RB_ROW_FILE, 0, 0, AT(rb_camera_def, video), NULL, NULL, "none", "",
+         "a film: .mp4, .webm or .gif"},
+};
+
+static const struct rb_row light_rows[] = {
+	{"position", RB_ROW_VECTOR, 0, 0, HAND, NULL, NULL, "required, or direction", "m", "a lamp"},
+	{"direction", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "none", "",
+         "towards a light that is far away, like the sun"},
+	{"color", RB_ROW_COLOR, 0, 0, AT(rb_light_def, color), NULL, NULL, "{1, 1, 1}", "", ""},
+	{"intensity", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_light_def, intensity), NULL, NULL, "1", "", ""},
+};
+
+static const struct rb_row record_rows[] = {
+	{"file", RB_ROW_FILE, 0, 0, AT(rb_record_def, file), NULL, NULL, "the scene's name with .h5", "",
+         "name of the recording, in the folder where rbsim runs"},
+	{"every", RB_ROW_INTEGER, RB_RANGE_COUNT, 0, AT(rb_record_def, every), NULL, NULL, "1", "frames",
+         "record every n-th frame"},
+	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
+         "position, orientation, velocity, angular_velocity, contacts, events", NULL,
+         "the first four", "", "what is kept of each frame: one or a list"},
+	{"precision", RB_ROW_SWITCH, 0, 0, AT(rb_record_def, single_precision), "double, single", NULL, "double", "", ""},
+	{"compression", RB_ROW_INTEGER, RB_RANGE_DIGIT, 0, AT(rb_record_def, compression), NULL, NULL, "0", "",
+         "0 is none, 9 the most"},
+};
+
+/* The last argument of param. */
+static const struct rb_row param_rows[] = {
+	{"min", RB_ROW_NUMBER, 0, 0, AT(rb_param_def, min), NULL, NULL, "none", "", "the smallest value allowed"},
+	{"max", RB_ROW_NUMBER, 0, 0, AT(rb_param_def, max), NULL, NULL, "none", "", "the largest value allowed"},
+	{"choices", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "any", "", "a list of the values allowed"},
+};
+
+const struct rb_row_table rb_rows_world = {"world", ROWS(world_rows), NULL};
+const struct rb_row_table rb_rows_material = {"material", ROWS(material_rows), NULL};
+const struct rb_row_table rb_rows_contact_pair = {"contact_pair", ROWS(contact_pair_rows), NULL};
+const struct rb_row_table rb_rows_body = {"body", ROWS(body_rows), NULL};
+const struct rb_row_table rb_rows_sphere = {"sphere", ROWS(sphere_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_plane = {"plane", ROWS(plane_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
+const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
+const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
+const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
+const struct rb_row_table rb_rows_param = {"param", ROWS(param_rows), NULL};
+
+const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *key, int *index)
+{
+	int first = 0;
+
+	for (; table; table = table->more) {
+		for (int i = 0; i < table->count; i++) {
+			if (strcmp(table->rows[i].key, key) != 0)
+				continue;
+			if (index)
+				*index = first + i;
+			return &table->rows[i];
+		}
+		first += table->count;
+	}
+	return NULL;
+}
+
+const char *rb_range_text(enum rb_row_range range)
+{
+	static const char *const texts[RB_RANGE_KIND_COUNT] = {
+		[RB_RANGE_ANY] = "",
+		[RB_RANGE_POSITIVE] = "positive",
+		[RB_RANGE_NOT_NEGATIVE] = "0 or more",
+		[RB_RANGE_UNIT] = "in [0, 1]",
+		[RB_RANGE_NOT_ZERO] = "not zero",
+		[RB_RANGE_DIGIT] = "in [0, 9]",
+		[RB_RANGE_PIXELS] = "in [1, 16384]",
+		[RB_RANGE_SAMPLES] = "in [1, 64]",
+		[RB_RANGE_COUNT] = "1 or more",
+		[RB_RANGE_FOV] = "between 0 and pi",
+	};
+
+	return texts[range];
+}
+
+size_t rb_choice_at(const char *choices, int k, const char **name)
+{
+	while (choices && *choices) {
+		const size_t size = strcspn(choices, ",");
+		if (k-- == 0) {
+			*name = choices;
+			return size;
+		}
+		choices += size;
+		choices += strspn(choices, ", ");
+	}
+	*name = "";
+	return 0;
+}
+
+static const char *const type_texts[RB_ROW_TYPE_COUNT] = {
+	[RB_ROW_NUMBER] = "number",
+	[RB_ROW_INTEGER] = "integer",
+	[RB_ROW_SEED] = "integer, 0 or more",
+	[RB_ROW_BOOLEAN] = "boolean",
+	[RB_ROW_TEXT] = "text",
+	[RB_ROW_FILE] = "path",
+	[RB_ROW_TEXTURE] = "text",
+	[RB_ROW_VECTOR] = "vector",
+	[RB_ROW_NUMBERS] = "numbers",
+	[RB_ROW_INTEGERS] = "integers",
+	[RB_ROW_ORIENTATION] = "orientation",
+	[RB_ROW_COLOR] = "color",
+	[RB_ROW_CHOICE] = "one of",
+	[RB_ROW_SWITCH] = "one of",
+	[RB_ROW_FLAGS] = "some of",
+	[RB_ROW_MATERIAL] = "material",
+	[RB_ROW_BODY] = "body",
+	[RB_ROW_SOURCE] = "vector, body or function",
+	[RB_ROW_INERTIA] = "three numbers or three rows",
+	[RB_ROW_LIST] = "list",
+	[RB_ROW_NAMES] = "text or list of texts",
+	[RB_ROW_LATER] = "not in this version",
+};
+
+/* An mdoc item; a '.' or a quote at the start of a line would be a request. */
+static void print_row(FILE *file, const struct rb_row *row)
+{
+	fprintf(file, ".It Ic %s\n%s", row->key, type_texts[row->type]);
+	if (row->choices)
+		fprintf(file, "%s %s", row->type == RB_ROW_TEXTURE ? ", a file or one of" : "", row->choices);
+	if (row->later)
+		fprintf(file, " (%s: not in this version)", row->later);
+	if (row->range != RB_RANGE_ANY)
+		fprintf(file, ", %s", rb_range_text(row->range));
+	if (*row->unit && strcmp(row->unit, "1") != 0)
+		fprintf(file, ", %s", row->unit);
+	if (*row->help)
+		fprintf(file, ": %s", row->help);
+	fprintf(file, ".\nDefault: %s.\n", row->fallback);
+}
+
+void rb_fields_print(FILE *file)
+{
+	static const struct rb_row_table *const tables[] = {
+		&rb_rows_world, &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere, &rb_rows_plane, &rb_rows_body,
+		&rb_rows_force, &rb_rows_camera,   &rb_rows_light,        &rb_rows_record, &rb_rows_param};
+
+	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
+		fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", tables[t]->name);
+		for (int i = 0; i < tables[t]->count; i++)
+			print_row(file, &tables[t]->rows[i]);
+		fprintf(file, ".El\n.\\\" end\n");
+	}
+}

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/sandbox.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+#include <lualib.h>
+
+#include "base/clock.h"
+#include "base/memory.h"
+
+enum {
+	GRAIN = 16,
+	SMALL_MAX = GRAIN * RB_SANDBOX_CLASSES,
+	CHUNK_BYTES = 32768,
+	HOOK_COUNT = 4000,
+	BYTES_PER_INSTRUCTION = 16,
+	TRACEBACK_MAX = 16000
+};
+
+struct rb_sandbox_chunk {
+	struct rb_sandbox_chunk *next;
+	_Alignas(16) unsigned char bytes[CHUNK_BYTES];
+};
+
+/* Small blocks are cut from chunks and kept in lists by size: base/memory zeroes, aligns and counts each block, which
+ * is too dear for the millions of small ones that a script takes. */
+static void *small_take(struct rb_sandbox *sandbox, size_t class)
+{
+	void *block = sandbox->free_list[class];
+
+	if (block) {
+		memcpy(&sandbox->free_list[class], block, sizeof(void *));
+		return block;
+	}
+	const size_t size = (class + 1) * GRAIN;
+	if (!sandbox->chunks || sandbox->chunk_used + size > CHUNK_BYTES) {
+		struct rb_sandbox_chunk *chunk = rb_memory_take(1, sizeof *chunk);
+		if (!chunk)
+			return NULL;
+		chunk->next = sandbox->chunks;
+		sandbox->chunks = chunk;
+		sandbox->chunk_used = 0;
+	}
+	block = sandbox->chunks->bytes + sandbox->chunk_used;
+	sandbox->chunk_used += size;
+	return block;
+}
+
+static void *block_take(struct rb_sandbox *sandbox, size_t size)
+{
+	return size <= SMALL_MAX ? small_take(sandbox, (size - 1) / GRAIN) : rb_memory_take(1, size);
+}
+
+static void block_give(struct rb_sandbox *sandbox, void *block, size_t size)
+{
+	if (size > SMALL_MAX) {
+		rb_memory_free(block);
+		return;
+	}
+	const size_t class = (size - 1) / GRAIN;
+	memcpy(block, &sandbox->free_list[class], sizeof(void *));
+	sandbox->free_list[class] = block;
+}
+
+static bool within_budget(struct rb_sandbox *sandbox, size_t old_size, size_t new_size, bool text)
+{
+	if (new_size <= old_size || sandbox->trust)
+		return true;
+	sandbox->work += (new_size - old_size) / BYTES_PER_INSTRUCTION;
+	if (text && new_size > RB_SANDBOX_TEXT_BYTES) {
+		sandbox->spent = RB_SPENT_TEXT;
+		return false;
+	}
+	/* Lua collects and asks again before it gives up: the verdict is made in `explain`. */
+	return new_size - old_size <= sandbox->bytes_max && sandbox->bytes <= sandbox->bytes_max - (new_size - old_size);
+}
+
+/* lua_Alloc. With block NULL, old_size is the kind of the object. */
+static void *allocate(void *user, void *block, size_t old_size, size_t new_size)
+{
+	struct rb_sandbox *sandbox = user;
+	const bool text = !block && old_size == LUA_TSTRING;
+
+	if (!block)
+		old_size = 0;
+	if (new_size == 0) {
+		if (old_size > 0)
+			block_give(sandbox, block, old_size);
+		sandbox->bytes -= old_size;
+		return NULL;
+	}
+	if (!within_budget(sandbox, old_size, new_size, text))
+		return NULL;
+	const bool same_class = old_size > 0 && old_size <= SMALL_MAX && new_size <= SMALL_MAX &&
+	                        (old_size - 1) / GRAIN == (new_size - 1) / GRAIN;
+	if (!same_class) {
+		void *fresh = block_take(sandbox, new_size);
+		/* Lua relies on shrinking never to fail */
+		if (!fresh && old_size >= new_size && old_size > SMALL_MAX && new_size > SMALL_MAX)
+			fresh = block;
+		if (!fresh) {
+			sandbox->refused = true;
+			return NULL;
+		}
+		if (old_size > 0 && fresh != block) {
+			memcpy(fresh, block, old_size < new_size ? old_size : new_size);
+			block_give(sandbox, block, old_size);
+		}
+		block = fresh;
+	}
+	sandbox->bytes += new_size - old_size;
+	return block;
+}
+
+struct rb_sandbox *rb_sandbox_of(lua_State *L)
+{
+	struct rb_sandbox *sandbox;
+
+	memcpy(&sandbox, lua_getextraspace(L), sizeof(void *));
+	return sandbox;
+}
+
+static void count_hook(lua_State *L, lua_Debug *activation);
+
+/* `level` of the Lua function to blame: 0 inside of a hook, 1 inside of a C function. */
+static void raise_spent(lua_State *L, int level)
+{
+	const struct rb_sandbox *sandbox = rb_sandbox_of(L);
+	const char *lifted = "(--trust lifts this)";
+
+	/* each next instruction raises again, so that a pcall around this one is of no use */
+	lua_sethook(L, count_hook, LUA_MASKCOUNT, 1);
+	luaL_where(L, level);
+	if (sandbox->spent == RB_SPENT_TIME)
+		lua_pushfstring(L, "the script ran longer than %d seconds %s", RB_SANDBOX_SECONDS, lifted);
+	else if (sandbox->spent == RB_SPENT_MEMORY)
+		lua_pushfstring(L, "the script wants more than %d MiB of memory %s", (int)(sandbox->bytes_max >> 20),
+		                lifted);
+	else if (sandbox->work_max >= 1000000)
+		lua_pushfstring(L, "the script ran longer than %d million instructions %s",
+		                (int)(sandbox->work_max / 1000000), lifted);
+	else
+		lua_pushfstring(L, "the script ran longer than %d instructions %s", (int)sandbox->work_max, lifted);
+	lua_concat(L, 2);
+	lua_error(L);
+}
+
+static void verify(lua_State *L, int level)
+{
+	struct rb_sandbox *sandbox = rb_sandbox_of(L);
+
+	if (sandbox->trust)
+		return;
+	if (sandbox->spent != RB_SPENT_INSTRUCTIONS && sandbox->spent != RB_SPENT_TIME &&
+	    sandbox->spent != RB_SPENT_MEMORY) {
+		if (sandbox->work > sandbox->work_max)
+			sandbox->spent = RB_SPENT_INSTRUCTIONS;
+		else if (rb_clock_cpu_ns() > sandbox->cpu_end_ns)
+			sandbox->spent = RB_SPENT_TIME;
+		else
+			return;
+	}
+	raise_spent(L, level);
+}
+
+static void count_hook(lua_State *L, lua_Debug *activation)
+{
+	(void)activation;
+	rb_sandbox_of(L)->work += HOOK_COUNT;
+	verify(L, 0);
+}
+
+void rb_sandbox_charge(lua_State *L, uint64_t work)
+{
+	struct rb_sandbox *sandbox = rb_sandbox_of(L);
+
+	if (__builtin_add_overflow(sandbox->work, work, &sandbox->work))
+		sandbox->work = UINT64_MAX / 2;
+	if (sandbox->work > sandbox->work_max)
+		verify(L, 1);
+}
+
+uint64_t rb_sandbox_left(lua_State *L)
+{
+	const struct rb_sandbox *sandbox = rb_sandbox_of(L);
+
+	if (sandbox->trust)
+		return UINT64_MAX / 2;
+	return sandbox->work < sandbox->work_max ? sandbox->work_max - sandbox->work : 0;
+}
+
+void rb_sandbox_charge_bytes(lua_State *L, size_t bytes)
+{
+	struct rb_sandbox *sandbox = rb_sandbox_of(L);
+
+	if (!within_budget(sandbox, 0, bytes, false)) {
+		sandbox->spent = RB_SPENT_MEMORY;
+		raise_spent(L, 1);
+	}
+	/* the state's own release does not give these back: they are never asked for again */
+	sandbox->bytes += bytes;
+}
+
+enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, bool trust, struct rb_error *err)
+{
+	*sandbox = (struct rb_sandbox){.bytes_max = bytes_max, .trust = trust, .seed = 1};
+	sandbox->work_max = rb_sandbox_load_instructions;
+	sandbox->cpu_end_ns = UINT64_MAX;
+	sandbox->L = lua_newstate(allocate, sandbox);
+	if (!sandbox->L) {
+		rb_sandbox_release(sandbox);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a Lua state");
+	}
+	memcpy(lua_getextraspace(sandbox->L), &sandbox, sizeof(void *));
+	return RB_OK;
+}
+
+void rb_sandbox_release(struct rb_sandbox *sandbox)
+{
+	if (sandbox->L) {
+		/* finalizers (files of trusted scripts) may run here, without end if they wish: not ours to stop */
+		lua_sethook(sandbox->L, NULL, 0, 0);
+		lua_close(sandbox->L);
+	}
+	while (sandbox->chunks) {
+		struct rb_sandbox_chunk *next = sandbox->chunks->next;
+		rb_memory_free(sandbox->chunks);
+		sandbox->chunks = next;
+	}
+	rb_memory_free(sandbox->traceback);
+	*sandbox = (struct rb_sandbox){0};
+}
+
+/* An error object that is no text becomes one. */
+static void error_to_text(lua_State *L)
+{
+	if (luaL_getmetafield(L, 1, "__tostring") != LUA_TNIL) {
+		lua_pop(L, 1);
+		luaL_tolstring(L, 1, NULL);
+	} else if (lua_type(L, 1) == LUA_TNUMBER) {
+		lua_pushvalue(L, 1);
+		lua_tostring(L, -1);
+	} else {
+		lua_pushfstring(L, "(error object is a %s value)", luaL_typename(L, 1));
+	}
+	lua_replace(L, 1);
+}
+
+/* Message handler: leaves the message, keeps the traceback in the registry. */
+static int keep_traceback(lua_State *L)
+{
+	if (lua_type(L, 1) != LUA_TSTRING)
+		error_to_text(L);
+	if (rb_sandbox_of(L)->spent != RB_SPENT_MEMORY) {
+		luaL_traceback(L, L, lua_tostring(L, 1), 1);
+		lua_setfield(L, LUA_REGISTRYINDEX, "rbsim.traceback");
+	}
+	return 1;
+}
+
+/* The budget is for one call; it stays exhausted until then. */
+static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
+{
+	sandbox->work = 0;
+	sandbox->work_max = instructions;
+	sandbox->spent = RB_SPENT_NOTHING;
+	sandbox->refused = false;
+	rb_memory_free(sandbox->traceback);
+	sandbox->traceback = NULL;
+	if (!sandbox->trust) {
+		sandbox->cpu_end_ns = rb_clock_cpu_ns() + (uint64_t)RB_SANDBOX_SECONDS * 1000000000u;
+		lua_sethook(sandbox->L, count_hook, LUA_MASKCOUNT, HOOK_COUNT);
+	}
+}
+
+/* In protected mode: the traceback out of the registry, cut. */
+static int fetch_traceback(lua_State *L)
+{
+	struct rb_sandbox *sandbox = rb_sandbox_of(L);
+
+	if (lua_getfield(L, LUA_REGISTRYINDEX, "rbsim.traceback") == LUA_TSTRING) {
+		size_t size;
+		const char *text = lua_tolstring(L, -1, &size);
+		size = size < TRACEBACK_MAX ? size : TRACEBACK_MAX;
+		sandbox->traceback = rb_memory_take(size + 1, 1);
+		if (sandbox->traceback)
+			memcpy(sandbox->traceback, text, size);
+	}
+	lua_pushnil(L);
+	lua_setfield(L, LUA_REGISTRYINDEX, "rbsim.traceback");
+	return 0;
+}
+
+static enum rb_status explain(struct rb_sandbox *sandbox, int status, struct rb_error *err)
+{
+	lua_State *L = sandbox->L;
+	const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error without a message";
+	const bool memory = status == LUA_ERRMEM || strstr(text, "not enough memory");
+	enum rb_status result;
+
+	if (memory && sandbox->refused)
+		result = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the scene's script");
+	else if (memory && sandbox->spent == RB_SPENT_TEXT)
+		result = RB_FAIL(err, RB_ERR_SCENE, "the script makes a text of more than %d MiB (--trust lifts this)",
+		                 RB_SANDBOX_TEXT_BYTES >> 20);
+	else if (memory)
+		result = RB_FAIL(err, RB_ERR_SCENE, "the script wants more than %zu MiB of memory (--trust lifts this)",
+		                 sandbox->bytes_max >> 20);
+	else
+		result = RB_FAIL(err, RB_ERR_SCENE, "%s", text);
+	lua_pop(L, 1);
+	return result;
+}
+
+/* In protected mode: raises the message of the budget that is used up. */
+static int spent_text(lua_State *L)
+{
+	raise_spent(L, 1);
+	return 0;
+}
+
+enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, int result_count,
+                               uint64_t instructions, struct rb_error *err)
+{
+	lua_State *L = sandbox->L;
+	const int base = lua_gettop(L) - argument_count;
+
+	start_budget(sandbox, instructions);
+	lua_pushcfunction(L, keep_traceback); /* allocates nothing: a light function */
+	lua_insert(L, base);
+	const int status = lua_pcall(L, argument_count, result_count, base);
+	lua_sethook(L, NULL, 0, 0);
+	lua_remove(L, base);
+	if (status == LUA_OK && (sandbox->spent == RB_SPENT_NOTHING || sandbox->spent == RB_SPENT_TEXT))
+		return RB_OK;
+	if (status == LUA_OK) { /* the error came to nothing in a coroutine or a pcall: it holds all the same */
+		lua_settop(L, base - 1);
+		lua_pushcfunction(L, spent_text);
+		if (lua_pcall(L, 0, 1, 0) == LUA_OK)
+			lua_pushnil(L); /* it raises always */
+	}
+
+	const enum rb_status result = explain(sandbox, status, err);
+	sandbox->work_max = UINT64_MAX;
+	lua_pushcfunction(L, fetch_traceback);
+	if (lua_pcall(L, 0, 0, 0) != LUA_OK)
+		lua_pop(L, 1);
+	return result;
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/script.h"
+
+#include <lauxlib.h>
+
+static const char functions_key[] = "rbsim.functions";
+
+void rb_script_need(lua_State *L, enum rb_status status, const struct rb_error *err)
+{
+	if (status == RB_OK)
+		return;
+	if (status == RB_ERR_MEMORY) {
+		rb_sandbox_of(L)->refused = true;
+		luaL_error(L, "not enough memory");
+	}
+	luaL_error(L, "%s", err->text);
+}
+
+int rb_script_keep_function(lua_State *L, int index)
+{
+	struct rb_script *script = rb_script_of(L);
+
+	index = lua_absindex(L, index);
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, functions_key);
+	lua_pushvalue(L, index);
+	lua_rawseti(L, -2, ++script->function_count);
+	lua_pop(L, 1);
+	return script->function_count;
+}
+
+void rb_script_push_function(lua_State *L, int number)
+{
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, functions_key);
+	lua_rawgeti(L, -1, number);
+	lua_remove(L, -2);
+}
+
+void rb_script_while_loading(lua_State *L, const char *call)
+{
+	if (rb_script_of(L)->phase != RB_PHASE_LOAD)
+		luaL_error(L, "%s: only while the scene is loaded, not in a callback", call);
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/* The script behind a scene, as the modules of this layer share it; everybody else sees load.h and hooks.h. */
+#ifndef RB_SCRIPT_SCRIPT_H
+#define RB_SCRIPT_SCRIPT_H
+
+#include <rbsim/model.h>
+#include <rbsim/scene.h>
+#include <rbsim/world.h>
+
+#include "script/sandbox.h"
+#include "script/types.h"
+
+enum rb_script_phase {
+	RB_PHASE_LOAD,   /* definitions are taken */
+	RB_PHASE_REST,   /* nothing is called */
+	RB_PHASE_CHANGE, /* on_step, on_collision, on_frame: bodies can be changed */
+	RB_PHASE_LOOK,   /* expects and functions of time: bodies can be read */
+};
+
+/* Lists of functions, by callback. */
+enum rb_callback { RB_ON_STEP, RB_ON_FRAME, RB_ON_COLLISION, RB_CALLBACK_COUNT };
+
+/* What is known of an expectation while the run goes on. */
+struct rb_expect_state {
+	bool seen, failed, has_numbers;
+	double measured, bound, failed_s;
+	char message[RB_EXPECT_MESSAGE_SIZE];
+};
+
+struct rb_script {
+	struct rb_sandbox sandbox;
+	enum rb_script_phase phase;
+	struct rb_scene *scene; /* borrowed: the caller's, which must stay where it is */
+	struct rb_world *world; /* borrowed, while a call from outside goes on */
+	uint64_t callback_instructions;
+	bool traceback_kept;
+
+	/* while loading */
+	struct rb_mistakes *mistakes; /* borrowed */
+	const struct rb_script_options *options; /* borrowed */
+	int mistake_count, usage_mistake_count;
+	uint64_t last_mistake; /* hash of its text */
+	char first_mistake[RB_ERROR_TEXT_SIZE];
+	int world_line, record_line; /* of their only call, 0: none yet */
+	char *folder;                /* owned: of the scene, "." for the current one */
+	char *reading;               /* owned: a file between disk and Lua */
+	size_t reading_size;
+
+	/* while running */
+	struct rb_expect_state *expects; /* owned: [scene->expect_count] */
+	int function_count;              /* stored under numbers, from 1 */
+	int callback_count[RB_CALLBACK_COUNT];
+};
+
+static inline struct rb_script *rb_script_of(lua_State *L)
+{
+	return rb_sandbox_user(L);
+}
+
+/* Raises a Lua error for a status of ours: "not enough memory", or its text. RB_OK does nothing. */
+void rb_script_need(lua_State *L, enum rb_status status, const struct rb_error *err);
+
+/* Stores the function at `index`; its number, from 1. */
+int rb_script_keep_function(lua_State *L, int index);
+/* Pushes the function of a number. */
+void rb_script_push_function(lua_State *L, int number);
+
+/* Raises an error outside of loading: `call` is a definition. */
+void rb_script_while_loading(lua_State *L, const char *call);
+
+#endif

@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/vector.h"
+
+#include <lauxlib.h>
+
+#include "math/vec3.h"
+
+static const char vector_type[] = "rbsim.vec3";
+
+void rb_vector_push(lua_State *L, rb_vec3 v)
+{
+	const double values[3] = {v.x, v.y, v.z};
+
+	lua_createtable(L, 3, 0);
+	for (int i = 0; i < 3; i++) {
+		lua_pushnumber(L, values[i]);
+		lua_rawseti(L, -2, i + 1);
+	}
+	luaL_setmetatable(L, vector_type);
+}
+
+bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *count_found)
+{
+	int found = 0;
+	bool plain = lua_type(L, index) == LUA_TTABLE;
+
+	index = lua_absindex(L, index);
+	while (plain && found <= count) {
+		const int type = lua_rawgeti(L, index, found + 1);
+		if (type == LUA_TNUMBER && found < count)
+			values[found] = lua_tonumber(L, -1);
+		lua_pop(L, 1);
+		if (type != LUA_TNUMBER) {
+			plain = type == LUA_TNIL;
+			break;
+		}
+		found++;
+	}
+	if (count_found)
+		*count_found = found;
+	if (!plain || found != count)
+		return false;
+	/* keys beside the numbers are a mistake: {1, 2, 3, z = 4} */
+	int keys = 0;
+	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
+		keys++;
+	return keys == count;
+}
+
+static bool get(lua_State *L, int index, rb_vec3 *v)
+{
+	double values[3] = {0};
+	const bool is = rb_vector_numbers(L, index, 3, values, NULL);
+
+	*v = (rb_vec3){values[0], values[1], values[2]};
+	return is;
+}
+
+rb_vec3 rb_vector_check(lua_State *L, int index, const char *what)
+{
+	rb_vec3 v;
+
+	if (!get(L, index, &v))
+		luaL_error(L, "%s: wants a vector {x, y, z} (got %s)", what, luaL_typename(L, index));
+	if (!rb_vec3_finite(v))
+		luaL_error(L, "%s: wants finite numbers (got {%f, %f, %f})", what, v.x, v.y, v.z);
+	return v;
+}
+
+/* Operand of an operator. */
+static rb_vec3 operand(lua_State *L, int index, const char *operator)
+{
+	rb_vec3 v;
+
+	if (!get(L, index, &v))
+		luaL_error(L, "vec3: '%s' wants two vectors (got %s)", operator, luaL_typename(L, index));
+	return v;
+}
+
+static int l_vec3(lua_State *L)
+{
+	rb_vec3 v;
+
+	if (lua_gettop(L) == 1 && get(L, 1, &v)) {
+		rb_vector_push(L, v);
+		return 1;
+	}
+	for (int i = 1; i <= 3; i++)
+		if (lua_type(L, i) != LUA_TNUMBER)
+			return luaL_error(L, "vec3: wants three numbers (got %s for number %d)", luaL_typename(L, i), i);
+	rb_vector_push(L, (rb_vec3){lua_tonumber(L, 1), lua_tonumber(L, 2), lua_tonumber(L, 3)});
+	return 1;
+}
+
+static int l_deg(lua_State *L)
+{
+	lua_pushnumber(L, luaL_checknumber(L, 1) * (3.14159265358979323846 / 180));
+	return 1;
+}
+
+static int l_add(lua_State *L)
+{
+	rb_vector_push(L, rb_vec3_add(operand(L, 1, "+"), operand(L, 2, "+")));
+	return 1;
+}
+
+static int l_sub(lua_State *L)
+{
+	rb_vector_push(L, rb_vec3_sub(operand(L, 1, "-"), operand(L, 2, "-")));
+	return 1;
+}
+
+static int l_mul(lua_State *L)
+{
+	const int number = lua_type(L, 1) == LUA_TNUMBER ? 1 : 2;
+	rb_vec3 v;
+
+	if (lua_type(L, number) != LUA_TNUMBER || !get(L, 3 - number, &v))
+		return luaL_error(L, "vec3: '*' wants a number and a vector (a:dot(b) and a:cross(b) multiply vectors)");
+	rb_vector_push(L, rb_vec3_scale(lua_tonumber(L, number), v));
+	return 1;
+}
+
+static int l_div(lua_State *L)
+{
+	rb_vec3 v;
+
+	if (lua_type(L, 2) != LUA_TNUMBER || !get(L, 1, &v))
+		return luaL_error(L, "vec3: '/' wants a vector and a number");
+	const double by = lua_tonumber(L, 2);
+	rb_vector_push(L, (rb_vec3){v.x / by, v.y / by, v.z / by});
+	return 1;
+}
+
+static int l_unm(lua_State *L)
+{
+	rb_vector_push(L, rb_vec3_neg(operand(L, 1, "-")));
+	return 1;
+}
+
+static int l_eq(lua_State *L)
+{
+	rb_vec3 a, b;
+
+	lua_pushboolean(L, get(L, 1, &a) && get(L, 2, &b) && a.x == b.x && a.y == b.y && a.z == b.z);
+	return 1;
+}
+
+static int l_tostring(lua_State *L)
+{
+	rb_vec3 v;
+
+	if (get(L, 1, &v))
+		lua_pushfstring(L, "{%f, %f, %f}", v.x, v.y, v.z);
+	else
+		lua_pushliteral(L, "{a broken vec3}");
+	return 1;
+}
+
+static int l_length(lua_State *L)
+{
+	lua_pushnumber(L, rb_vec3_length(operand(L, 1, "length")));
+	return 1;
+}
+
+static int l_dot(lua_State *L)
+{
+	lua_pushnumber(L, rb_vec3_dot(operand(L, 1, "dot"), operand(L, 2, "dot")));
+	return 1;
+}
+
+static int l_cross(lua_State *L)
+{
+	rb_vector_push(L, rb_vec3_cross(operand(L, 1, "cross"), operand(L, 2, "cross")));
+	return 1;
+}
+
+static int l_unit(lua_State *L)
+{
+	const rb_vec3 v = operand(L, 1, "unit");
+	const double length = rb_vec3_length(v);
+
+	if (!(length > 0))
+		return luaL_error(L, "vec3: a vector without length has no unit vector");
+	rb_vector_push(L, (rb_vec3){v.x / length, v.y / length, v.z / length});
+	return 1;
+}
+
+/* 1, 2, 3 for "x", "y", "z"; 0 for anything else. */
+static int coordinate(lua_State *L, int index)
+{
+	const char *key = lua_type(L, index) == LUA_TSTRING ? lua_tostring(L, index) : "";
+
+	return key[0] >= 'x' && key[0] <= 'z' && key[1] == '\0' ? key[0] - 'x' + 1 : 0;
+}
+
+/* Upvalue: the table of methods. */
+static int l_index(lua_State *L)
+{
+	const int i = coordinate(L, 2);
+
+	if (i) {
+		lua_rawgeti(L, 1, i);
+		return 1;
+	}
+	lua_pushvalue(L, 2);
+	if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TNIL && lua_type(L, 2) == LUA_TSTRING)
+		return luaL_error(L, "vec3: no field '%s' (there are x, y, z, length, dot, cross, unit)", lua_tostring(L, 2));
+	return 1;
+}
+
+static int l_newindex(lua_State *L)
+{
+	const int i = coordinate(L, 2);
+
+	if (!i || lua_type(L, 3) != LUA_TNUMBER)
+		return luaL_error(L, "vec3: only x, y and z can be set, to numbers");
+	lua_settop(L, 3);
+	lua_rawseti(L, 1, i);
+	return 0;
+}
+
+void rb_vector_open(lua_State *L)
+{
+	static const luaL_Reg operators[] = {{"__add", l_add},     {"__sub", l_sub}, {"__mul", l_mul},
+	                                     {"__div", l_div},     {"__unm", l_unm}, {"__eq", l_eq},
+	                                     {"__newindex", l_newindex}, {"__tostring", l_tostring}, {NULL, NULL}};
+	static const luaL_Reg methods[] = {
+		{"length", l_length}, {"dot", l_dot}, {"cross", l_cross}, {"unit", l_unit}, {NULL, NULL}};
+
+	luaL_newmetatable(L, vector_type);
+	luaL_setfuncs(L, operators, 0);
+	luaL_newlib(L, methods);
+	lua_pushcclosure(L, l_index, 1);
+	lua_setfield(L, -2, "__index");
+	lua_pushliteral(L, "vec3");
+	lua_setfield(L, -2, "__metatable");
+	lua_pop(L, 1);
+	lua_register(L, "vec3", l_vec3);
+	lua_register(L, "deg", l_deg);
+}
