@@ -1,0 +1,395 @@
+/* SPDX-License-Identifier: MIT */
+#include "sink/h5about.h"
+
+#include "base/hash.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* A column made from one member of an array of structs. */
+enum cell_kind { CELL_NUMBER, CELL_INT, CELL_BOOL, CELL_TEXT };
+struct cell {
+	const char *name;
+	enum cell_kind kind;
+	int width; /* numbers in one cell; 1: a plain column */
+	size_t offset;
+	const char *units;
+};
+
+static const struct cell material_cells[] = {
+        {"name", CELL_TEXT, 1, offsetof(struct rb_material_def, name), NULL},
+        {"density", CELL_NUMBER, 1, offsetof(struct rb_material_def, density), "kg/m^3"},
+        {"friction", CELL_NUMBER, 1, offsetof(struct rb_material_def, friction), NULL},
+        {"restitution", CELL_NUMBER, 1, offsetof(struct rb_material_def, restitution), NULL},
+        {"color", CELL_NUMBER, 3, offsetof(struct rb_material_def, color), NULL},
+        {"texture", CELL_TEXT, 1, offsetof(struct rb_material_def, texture), NULL},
+        {"shininess", CELL_NUMBER, 1, offsetof(struct rb_material_def, shininess), NULL},
+};
+
+/* By id: all bodies of the scene. */
+static const struct cell body_cells[] = {
+        {"kind", CELL_INT, 1, offsetof(struct rb_body_def, shape.kind), NULL},
+        {"radius", CELL_NUMBER, 1, offsetof(struct rb_body_def, shape.radius), "m"},
+        {"size", CELL_NUMBER, 2, offsetof(struct rb_body_def, shape.size), "m"},
+        {"material", CELL_INT, 1, offsetof(struct rb_body_def, material), NULL},
+        {"static", CELL_BOOL, 1, offsetof(struct rb_body_def, is_static), NULL},
+        {"color", CELL_NUMBER, 3, offsetof(struct rb_body_def, color), NULL},
+        {"texture", CELL_TEXT, 1, offsetof(struct rb_body_def, texture), NULL},
+        {"visible", CELL_BOOL, 1, offsetof(struct rb_body_def, visible), NULL},
+};
+
+#define CAMERA(member) offsetof(struct rb_camera_def, member)
+static const struct cell camera_cells[] = {
+        {"name", CELL_TEXT, 1, CAMERA(name), NULL},
+        {"position_source", CELL_INT, 1, CAMERA(position.source), NULL},
+        {"position", CELL_NUMBER, 3, CAMERA(position.value), "m"},
+        {"position_body", CELL_INT, 1, CAMERA(position.body), NULL},
+        {"look_at_source", CELL_INT, 1, CAMERA(look_at.source), NULL},
+        {"look_at", CELL_NUMBER, 3, CAMERA(look_at.value), "m"},
+        {"look_at_body", CELL_INT, 1, CAMERA(look_at.body), NULL},
+        {"up_source", CELL_INT, 1, CAMERA(up.source), NULL},
+        {"up", CELL_NUMBER, 3, CAMERA(up.value), NULL},
+        {"up_body", CELL_INT, 1, CAMERA(up.body), NULL},
+        {"mount", CELL_INT, 1, CAMERA(mount), NULL},
+        {"offset", CELL_NUMBER, 3, CAMERA(offset), "m"},
+        {"level", CELL_BOOL, 1, CAMERA(level), NULL},
+        {"fov", CELL_NUMBER, 1, CAMERA(fov), "rad"},
+        {"has_frustum", CELL_BOOL, 1, CAMERA(has_frustum), NULL},
+        {"frustum", CELL_NUMBER, 6, CAMERA(frustum), "m"},
+        {"near", CELL_NUMBER, 1, CAMERA(near), "m"},
+        {"far", CELL_NUMBER, 1, CAMERA(far), "m"},
+        {"size", CELL_INT, 2, CAMERA(size_px), NULL},
+        {"fps", CELL_NUMBER, 1, CAMERA(fps), "1/s"},
+        {"speed", CELL_NUMBER, 1, CAMERA(speed), NULL},
+        {"from", CELL_NUMBER, 1, CAMERA(from_s), "s"},
+        {"to", CELL_NUMBER, 1, CAMERA(to_s), "s"},
+        {"background", CELL_NUMBER, 3, CAMERA(background), NULL},
+        {"light_count", CELL_INT, 1, CAMERA(light_count), NULL},
+        {"shadows", CELL_BOOL, 1, CAMERA(shadows), NULL},
+        {"samples", CELL_INT, 1, CAMERA(samples), NULL},
+        {"overlay", CELL_INT, 1, CAMERA(overlay), NULL},
+        {"vectors", CELL_INT, 1, CAMERA(vectors), NULL},
+        {"trail_count", CELL_INT, 1, CAMERA(trail_count), NULL},
+        {"trails", CELL_INT, RB_CAMERA_TRAILS_MAX, CAMERA(trails), NULL},
+        {"wireframe", CELL_BOOL, 1, CAMERA(wireframe), NULL},
+        {"png", CELL_TEXT, 1, CAMERA(png), NULL},
+        {"video", CELL_TEXT, 1, CAMERA(video), NULL},
+};
+
+_Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) == 4 && sizeof(int) == 4,
+               "enums and ints are recorded as 32-bit integers");
+
+struct rows {
+	const char *group; /* path */
+	const void *first;
+	size_t count, stride;
+};
+
+static void no_memory(struct rb_h5 *h5, const char *path)
+{
+	if (!h5->status)
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory", path);
+}
+
+static void put_cells(struct rb_h5 *h5, const struct rows *rows, const struct cell *cell)
+{
+	static const size_t size_of[] = {sizeof(double), sizeof(int), sizeof(bool), sizeof(char *)};
+	static const enum rb_h5_kind kind_of[] = {RB_H5_F64, RB_H5_I32, RB_H5_I8, RB_H5_I8};
+	const size_t bytes = size_of[cell->kind] * (size_t)cell->width;
+	char path[160];
+
+	snprintf(path, sizeof path, "%s/%s", rows->group, cell->name);
+	unsigned char *column = rb_memory_take(rows->count, bytes);
+	if (!column) {
+		no_memory(h5, path);
+		return;
+	}
+	for (size_t i = 0; i < rows->count; i++)
+		memcpy(column + i * bytes, (const unsigned char *)rows->first + i * rows->stride + cell->offset, bytes);
+	if (cell->kind == CELL_TEXT)
+		rb_h5_texts(h5, path, (const char *const *)(void *)column, rows->count);
+	else
+		rb_h5_put(h5, path, kind_of[cell->kind],
+		          (rb_h5_shape){cell->width > 1 ? 2 : 1, {rows->count, (hsize_t)cell->width}}, column);
+	rb_h5_units(h5, path, cell->units);
+	rb_memory_free(column);
+}
+
+static void put_table(struct rb_h5 *h5, const struct rows *rows, const struct cell *cells, size_t cell_count)
+{
+	rb_h5_group(h5, rows->group);
+	for (size_t i = 0; i < cell_count && rows->count > 0; i++)
+		put_cells(h5, rows, &cells[i]);
+}
+
+#define COUNT(array) (sizeof(array) / sizeof(array)[0])
+
+static void put_h5md(struct rb_h5 *h5, const struct rb_run_info *info)
+{
+	rb_h5_group(h5, "/h5md");
+	rb_h5_attribute(h5, "/h5md", "version", RB_H5_I32, 2, (const int[]){1, 1});
+	rb_h5_group(h5, "/h5md/author");
+	rb_h5_attribute_text(h5, "/h5md/author", "name", info->author);
+	rb_h5_group(h5, "/h5md/creator");
+	rb_h5_attribute_text(h5, "/h5md/creator", "name", "rbsim");
+	rb_h5_attribute_text(h5, "/h5md/creator", "version", info->version);
+	rb_h5_group(h5, "/h5md/modules");
+	rb_h5_group(h5, "/h5md/modules/units");
+	rb_h5_attribute(h5, "/h5md/modules/units", "version", RB_H5_I32, 2, (const int[]){1, 0});
+	rb_h5_attribute_text(h5, "/h5md/modules/units", "system", "SI");
+}
+
+/* H5MD wants one text per axis. */
+static void put_box(struct rb_h5 *h5)
+{
+	static const char none[3][4] = {"none", "none", "none"};
+
+	rb_h5_group(h5, "/particles/bodies");
+	rb_h5_group(h5, "/particles/bodies/box");
+	rb_h5_attribute(h5, "/particles/bodies/box", "dimension", RB_H5_I32, 0, &(int){3});
+	if (h5->status)
+		return;
+	const hid_t box = H5Gopen2(h5->file, "/particles/bodies/box", H5P_DEFAULT);
+	const hid_t type = H5Tcopy(H5T_C_S1);
+	H5Tset_size(type, sizeof none[0]);
+	H5Tset_strpad(type, H5T_STR_NULLPAD);
+	const hid_t space = H5Screate_simple(1, (const hsize_t[]){3}, NULL);
+	const hid_t boundary = H5Acreate2(box, "boundary", type, space, H5P_DEFAULT, H5P_DEFAULT);
+	if (boundary < 0 || H5Awrite(boundary, type, none) < 0)
+		rb_h5_fail(h5, "describe", "/particles/bodies/box");
+	rb_h5_done(boundary);
+	rb_h5_done(space);
+	rb_h5_done(type);
+	rb_h5_done(box);
+}
+
+/* id and species of the indices [first, first + count) */
+static void put_who(struct rb_h5 *h5, const struct rb_model *model, const char *group, int first, int count)
+{
+	char path[80];
+	int *species = rb_memory_take((size_t)count, sizeof *species);
+
+	if (!species) {
+		no_memory(h5, group);
+		return;
+	}
+	for (int i = 0; i < count; i++)
+		species[i] = model->material[first + i];
+	const rb_h5_shape shape = {1, {(hsize_t)count}};
+	snprintf(path, sizeof path, "%s/id", group);
+	rb_h5_put(h5, path, RB_H5_I32, shape, model->id_of + first);
+	snprintf(path, sizeof path, "%s/species", group);
+	rb_h5_put(h5, path, RB_H5_I32, shape, species);
+	rb_memory_free(species);
+}
+
+static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
+{
+	const hsize_t count = (hsize_t)model->body_count;
+
+	put_box(h5);
+	put_who(h5, model, "/particles/bodies", 0, model->body_count);
+	rb_h5_put(h5, "/particles/bodies/mass", RB_H5_F64, (rb_h5_shape){1, {count}}, model->mass);
+	rb_h5_units(h5, "/particles/bodies/mass", "kg");
+	if (model->inertia) {
+		rb_h5_put(h5, "/particles/bodies/inertia", RB_H5_F64, (rb_h5_shape){3, {count, 3, 3}}, model->inertia);
+		rb_h5_units(h5, "/particles/bodies/inertia", "kg m^2");
+	}
+	rb_vec3 *none = model->center_of_mass ? NULL : rb_memory_take(count, sizeof *none);
+	if (!model->center_of_mass && !none)
+		no_memory(h5, "/particles/bodies/center_of_mass");
+	rb_h5_put(h5, "/particles/bodies/center_of_mass", RB_H5_F64, (rb_h5_shape){2, {count, 3}},
+	          none ? none : model->center_of_mass);
+	rb_h5_units(h5, "/particles/bodies/center_of_mass", "m");
+	rb_memory_free(none);
+	if (!(model->features & RB_FEATURE_ROTATION))
+		rb_h5_put(h5, "/particles/bodies/orientation", RB_H5_F64, (rb_h5_shape){2, {count, 4}},
+		          model->orientation);
+}
+
+static void put_statics(struct rb_h5 *h5, const struct rb_model *model)
+{
+	const hsize_t count = (hsize_t)model->static_count;
+
+	rb_h5_group(h5, "/particles/statics");
+	put_who(h5, model, "/particles/statics", model->body_count, model->static_count);
+	rb_h5_put(h5, "/particles/statics/position", RB_H5_F64, (rb_h5_shape){2, {count, 3}},
+	          model->position + model->body_count);
+	rb_h5_units(h5, "/particles/statics/position", "m");
+	rb_h5_put(h5, "/particles/statics/orientation", RB_H5_F64, (rb_h5_shape){2, {count, 4}},
+	          model->orientation + model->body_count);
+}
+
+static void put_param(struct rb_h5 *h5, const struct rb_param_def *param)
+{
+	char name[256], path[300];
+
+	snprintf(path, sizeof path, "/rbsim/parameters/%s", rb_h5_escape(param->name, name, sizeof name));
+	switch (param->type) {
+	case RB_PARAM_NUMBER:
+		rb_h5_put_f64(h5, path, param->value);
+		break;
+	case RB_PARAM_INTEGER:
+		rb_h5_put_i64(h5, path, (int64_t)param->value);
+		break;
+	case RB_PARAM_BOOLEAN:
+		rb_h5_put(h5, path, RB_H5_I8, (rb_h5_shape){0}, &(int8_t){param->value != 0});
+		break;
+	case RB_PARAM_TEXT:
+		rb_h5_text(h5, path, param->value_text, 0);
+		break;
+	}
+	if (param->type != RB_PARAM_TEXT)
+		rb_h5_attribute_text(h5, path, "text", param->value_text);
+	rb_h5_attribute_text(h5, path, "default", param->default_text);
+	rb_h5_attribute_text(h5, path, "help", param->help);
+	if (!isnan(param->min))
+		rb_h5_attribute(h5, path, "min", RB_H5_F64, 0, &param->min);
+	if (!isnan(param->max))
+		rb_h5_attribute(h5, path, "max", RB_H5_F64, 0, &param->max);
+	if (param->choices)
+		rb_h5_attribute_text(h5, path, "choices", param->choices);
+}
+
+static void put_source(struct rb_h5 *h5, const char *path, const struct rb_source_file *file)
+{
+	char sha256[65];
+
+	rb_hash_sha256(file->text, file->size_bytes, sha256);
+	rb_h5_text_sized(h5, path, file->text, file->size_bytes);
+	rb_h5_attribute_text(h5, path, "name", file->name);
+	rb_h5_attribute_text(h5, path, "sha256", sha256);
+}
+
+static void put_scene(struct rb_h5 *h5, const struct rb_scene *scene)
+{
+	char name[256], path[300];
+
+	rb_h5_group_ordered(h5, "/rbsim/parameters");
+	for (int i = 0; i < scene->param_count; i++)
+		put_param(h5, &scene->params[i]);
+	if (scene->file_count > 0)
+		put_source(h5, "/rbsim/scene", &scene->files[0]);
+	else
+		rb_h5_text(h5, "/rbsim/scene", "", 0);
+	rb_h5_group_ordered(h5, "/rbsim/files");
+	for (int i = 1; i < scene->file_count; i++) {
+		snprintf(path, sizeof path, "/rbsim/files/%s", rb_h5_escape(scene->files[i].name, name, sizeof name));
+		put_source(h5, path, &scene->files[i]);
+	}
+}
+
+static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const struct rb_scene *scene)
+{
+	static const struct cell name = {"names", CELL_TEXT, 1, offsetof(struct rb_body_def, name), NULL};
+	const size_t bodies = (size_t)scene->body_count;
+	const hsize_t count = (hsize_t)model->material_count;
+
+	put_cells(h5, &(struct rows){"/rbsim", scene->bodies, bodies, sizeof *scene->bodies}, &name);
+	put_table(h5, &(struct rows){"/rbsim/materials", scene->materials, (size_t)scene->material_count,
+	                             sizeof *scene->materials}, material_cells, COUNT(material_cells));
+	/* the dense table: what two of them do together */
+	double *pair = rb_memory_take(count * count, sizeof *pair);
+	if (!pair) {
+		no_memory(h5, "/rbsim/materials/pair_friction");
+		return;
+	}
+	for (hsize_t i = 0; i < count * count; i++)
+		pair[i] = model->pair_materials[i].friction;
+	rb_h5_put(h5, "/rbsim/materials/pair_friction", RB_H5_F64, (rb_h5_shape){2, {count, count}}, pair);
+	for (hsize_t i = 0; i < count * count; i++)
+		pair[i] = model->pair_materials[i].restitution;
+	rb_h5_put(h5, "/rbsim/materials/pair_restitution", RB_H5_F64, (rb_h5_shape){2, {count, count}}, pair);
+	rb_memory_free(pair);
+
+	put_table(h5, &(struct rows){"/rbsim/shapes", scene->bodies, bodies, sizeof *scene->bodies}, body_cells,
+	          COUNT(body_cells));
+	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", "0 sphere, 1 plane, 2 rectangle");
+	put_table(h5, &(struct rows){"/rbsim/cameras", scene->cameras, (size_t)scene->camera_count,
+	                             sizeof *scene->cameras}, camera_cells, COUNT(camera_cells));
+	rb_h5_attribute_text(h5, "/rbsim/cameras", "sources", "0 fixed, 1 body, 2 function");
+}
+
+/* Lights: [cameras][RB_CAMERA_LIGHTS_MAX][8] position, directional, colour, intensity. */
+static void put_lights(struct rb_h5 *h5, const struct rb_scene *scene)
+{
+	const size_t count = (size_t)scene->camera_count;
+	double(*lights)[RB_CAMERA_LIGHTS_MAX][8];
+
+	if (count == 0)
+		return;
+	lights = rb_memory_take(count, sizeof *lights);
+	if (!lights) {
+		no_memory(h5, "/rbsim/cameras/lights");
+		return;
+	}
+	for (size_t i = 0; i < count; i++)
+		for (int k = 0; k < scene->cameras[i].light_count; k++) {
+			const struct rb_light_def *light = &scene->cameras[i].lights[k];
+			const double cells[8] = {light->position.x, light->position.y, light->position.z,
+			                         light->directional, light->color[0],  light->color[1],
+			                         light->color[2],   light->intensity};
+			memcpy(lights[i][k], cells, sizeof cells);
+		}
+	rb_h5_put(h5, "/rbsim/cameras/lights", RB_H5_F64, (rb_h5_shape){3, {count, RB_CAMERA_LIGHTS_MAX, 8}}, lights);
+	rb_memory_free(lights);
+}
+
+static void put_run(struct rb_h5 *h5, const struct rb_run_info *info)
+{
+	const struct rb_model *const model = info->model;
+	const struct rb_world_def *const world = &info->scene->world;
+	const struct {
+		const char *path, *text;
+	} texts[] = {
+	        {"/rbsim/version", info->version},   {"/rbsim/build", info->build},
+	        {"/rbsim/command", info->command},   {"/rbsim/host", info->host},
+	        {"/rbsim/started", info->started},   {"/rbsim/method", info->method},
+	        {"/rbsim/rollback", info->rollback}, {"/rbsim/title", world->title},
+	        {"/rbsim/description", world->description},
+	};
+	const struct {
+		const char *path;
+		double value;
+		const char *units;
+	} numbers[] = {
+	        {"/rbsim/time_step", model->time_step_s, "s"},   {"/rbsim/tolerance", model->tolerance_m, "m"},
+	        {"/rbsim/frame_rate", model->frame_rate, "1/s"}, {"/rbsim/duration", model->duration_s, "s"},
+	};
+
+	rb_h5_group(h5, "/rbsim");
+	for (size_t i = 0; i < COUNT(texts); i++)
+		rb_h5_text(h5, texts[i].path, texts[i].text, 0);
+	for (size_t i = 0; i < COUNT(numbers); i++) {
+		rb_h5_put_f64(h5, numbers[i].path, numbers[i].value);
+		rb_h5_units(h5, numbers[i].path, numbers[i].units);
+	}
+	rb_h5_put(h5, "/rbsim/seed", RB_H5_U64, (rb_h5_shape){0}, &world->seed);
+	rb_h5_put_i64(h5, "/rbsim/threads", info->threads);
+	rb_h5_put(h5, "/rbsim/gravity", RB_H5_F64, (rb_h5_shape){1, {3}}, &world->gravity);
+	rb_h5_units(h5, "/rbsim/gravity", "m/s^2");
+	rb_h5_put(h5, "/rbsim/gravity_force", RB_H5_F64, (rb_h5_shape){1, {3}}, &world->gravity_force);
+	rb_h5_units(h5, "/rbsim/gravity_force", "N");
+}
+
+void rb_about_write(struct rb_h5 *h5, const struct rb_run_info *info)
+{
+	put_h5md(h5, info);
+	put_bodies(h5, info->model);
+	put_statics(h5, info->model);
+	rb_h5_group(h5, "/observables");
+	put_run(h5, info);
+	put_tables(h5, info->model, info->scene);
+	put_lights(h5, info->scene);
+	put_scene(h5, info->scene);
+}
+
+void rb_about_write_changing(struct rb_h5 *h5)
+{
+	rb_h5_text(h5, "/rbsim/status", "running", RB_ABOUT_STATUS_ROOM);
+	rb_h5_text(h5, "/rbsim/reason", "", RB_ABOUT_REASON_ROOM);
+	rb_h5_text(h5, "/rbsim/state_hash", "", RB_ABOUT_HASH_ROOM);
+	rb_h5_text(h5, "/rbsim/ended", "", RB_ABOUT_ENDED_ROOM);
+}

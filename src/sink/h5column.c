@@ -1,0 +1,172 @@
+/* SPDX-License-Identifier: MIT */
+#include "sink/h5column.h"
+
+static hsize_t pieces(const struct rb_h5_layout *layout)
+{
+	if (layout->row.rank == 0 || layout->chunk_first == 0 || layout->row.size[0] == 0)
+		return 1;
+	return (layout->row.size[0] + layout->chunk_first - 1) / layout->chunk_first;
+}
+
+static uint64_t chunk_bytes(const struct rb_h5_layout *layout)
+{
+	uint64_t bytes = layout->chunk_rows * rb_h5_size(layout->kind);
+
+	for (int i = 0; i < layout->row.rank; i++)
+		bytes *= i == 0 && layout->chunk_first > 0 ? layout->chunk_first : layout->row.size[i];
+	return bytes;
+}
+
+static void set_creation(const struct rb_h5_layout *layout, hid_t creation)
+{
+	hsize_t chunk[RB_H5_RANK_MAX] = {layout->chunk_rows};
+
+	for (int i = 0; i < layout->row.rank; i++)
+		chunk[i + 1] = i == 0 && layout->chunk_first > 0 ? layout->chunk_first : layout->row.size[i];
+	H5Pset_chunk(creation, layout->row.rank + 1, chunk);
+	if (layout->compression > 0) {
+		H5Pset_shuffle(creation);
+		H5Pset_deflate(creation, (unsigned)layout->compression);
+	} else {
+		/* never filled and too large for a cache of nothing: written straight to the file */
+		H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
+	}
+}
+
+/* A cache for chunks with a filter only. */
+static hid_t access_properties(const struct rb_h5_layout *layout)
+{
+	const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
+	const size_t count = pieces(layout);
+
+	if (layout->compression > 0)
+		H5Pset_chunk_cache(access, 101 * count + 1, (count + 1) * chunk_bytes(layout) + 1, 1.0);
+	else
+		H5Pset_chunk_cache(access, 0, 0, 1.0);
+	return access;
+}
+
+void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const char *path,
+                         const struct rb_h5_layout *layout)
+{
+	hsize_t size[RB_H5_RANK_MAX] = {0}, most[RB_H5_RANK_MAX] = {H5S_UNLIMITED};
+
+	*column = (struct rb_h5_column){.dataset = -1, .type = rb_h5_type(layout->kind), .layout = *layout, .path = path};
+	column->row_bytes = rb_h5_size(layout->kind);
+	for (int i = 0; i < layout->row.rank; i++) {
+		size[i + 1] = most[i + 1] = layout->row.size[i];
+		column->row_bytes *= layout->row.size[i];
+	}
+	if (h5->status)
+		return;
+
+	const hid_t creation = rb_h5_dataset_properties();
+	const hid_t access = access_properties(layout);
+	const hid_t links = rb_h5_link_properties();
+	const hid_t space = H5Screate_simple(layout->row.rank + 1, size, most);
+	set_creation(layout, creation);
+	column->dataset = H5Dcreate2(h5->file, path, rb_h5_type_file(layout->kind), space, links, creation, access);
+	if (column->dataset < 0)
+		rb_h5_fail(h5, "make", path);
+	rb_h5_done(space);
+	rb_h5_done(links);
+	rb_h5_done(access);
+	rb_h5_done(creation);
+}
+
+void rb_h5_column_detach(struct rb_h5_column *column)
+{
+	rb_h5_done(column->dataset);
+	column->dataset = -1;
+}
+
+void rb_h5_column_attach(struct rb_h5 *h5, struct rb_h5_column *column)
+{
+	if (h5->status)
+		return;
+	const hid_t access = access_properties(&column->layout);
+
+	column->dataset = H5Dopen2(h5->file, column->path, access);
+	if (column->dataset < 0)
+		rb_h5_fail(h5, "open", column->path);
+	rb_h5_done(access);
+}
+
+static bool grow(struct rb_h5_column *column, hsize_t rows)
+{
+	const struct rb_h5_layout *const layout = &column->layout;
+	hsize_t size[RB_H5_RANK_MAX] = {rows};
+
+	for (int i = 0; i < layout->row.rank; i++)
+		size[i + 1] = layout->row.size[i];
+	return H5Dset_extent(column->dataset, size) >= 0;
+}
+
+void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count, const void *data)
+{
+	const struct rb_h5_layout *const layout = &column->layout;
+	hsize_t start[RB_H5_RANK_MAX] = {column->rows}, size[RB_H5_RANK_MAX] = {count};
+
+	if (h5->status || count == 0)
+		return;
+	for (int i = 0; i < layout->row.rank; i++)
+		size[i + 1] = layout->row.size[i];
+
+	bool failed = !grow(column, column->rows + count);
+	const hid_t space = failed ? -1 : H5Dget_space(column->dataset);
+	const hid_t memory = H5Screate_simple(layout->row.rank + 1, size, NULL);
+	failed = failed || space < 0 || H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) < 0 ||
+	         H5Dwrite(column->dataset, column->type, memory, space, H5P_DEFAULT, data) < 0;
+	if (failed)
+		rb_h5_fail(h5, "write", column->path);
+	else
+		column->rows += count;
+	rb_h5_done(memory);
+	rb_h5_done(space);
+}
+
+void rb_h5_column_extend(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count)
+{
+	if (h5->status)
+		return;
+	if (!grow(column, column->rows + count))
+		rb_h5_fail(h5, "extend", column->path);
+	column->rows += count;
+}
+
+void rb_h5_column_close(struct rb_h5_column *column)
+{
+	if (column->path)
+		rb_h5_done(column->dataset);
+	*column = (struct rb_h5_column){.dataset = -1};
+}
+
+static uint64_t chunk_count(const struct rb_h5_column *column, hsize_t rows)
+{
+	const hsize_t along = (rows + column->layout.chunk_rows - 1) / column->layout.chunk_rows;
+
+	return along * pieces(&column->layout);
+}
+
+uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
+{
+	/* A chunk with a filter is written anew when rows are added to it, and the old one's space is not used again. */
+	const hsize_t before = column->layout.compression > 0
+	                               ? column->rows / column->layout.chunk_rows * pieces(&column->layout)
+	                               : chunk_count(column, column->rows);
+	const uint64_t chunks = chunk_count(column, column->rows + count) - before;
+
+	/* The index: 8 or 16 bytes a chunk, given out in blocks that grow with the root of their number. */
+	uint64_t block = 512;
+	while (block * block / 256 < chunk_count(column, column->rows + count))
+		block *= 2;
+	return chunks * chunk_bytes(&column->layout) + (chunks > 0 ? 32 * chunks + 4 * block : 0);
+}
+
+uint64_t rb_h5_column_bytes(const struct rb_h5_column *column, hsize_t rows)
+{
+	const uint64_t chunks = chunk_count(column, rows);
+
+	/* the index: a header, and a block of addresses per so many chunks */
+	return chunks * chunk_bytes(&column->layout) + 10 * chunks + 360;
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What of a recording grows with its frames: the columns of elements and observables, the tables of events and
+ * contacts, and the buffers before them.
+ *
+ * A frame is copied into the next row of every buffer; it counts once it is committed. One that `every` leaves out
+ * stays there uncommitted, to be overwritten by the next one or, when it was the last, committed after all. Owned by
+ * one thread. Buffers are taken once; those of events and contacts grow.
+ */
+#ifndef RB_SINK_H5FRAMES_H
+#define RB_SINK_H5FRAMES_H
+
+#include <rbsim/frame.h>
+
+#include "flow/info.h"
+#include "sink/h5column.h"
+
+/* Where a column of a frame comes from, and where it stands in the file: one table for recorder and reader. */
+struct rb_frames_source {
+	const char *path;  /* of the element: .../value, .../step, .../time stand below */
+	const char *units; /* NULL: a pure number */
+	unsigned field;    /* RB_FIELD_*: a column of bodies; 0: one of the numbers */
+	rb_features needs; /* without it the number is always 0 and stored once */
+	enum rb_h5_kind kind;
+	int width;
+	size_t offset; /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
+};
+enum { RB_FRAMES_SOURCE_COUNT = 14 };
+const struct rb_frames_source *rb_frames_sources(void); /* [RB_FRAMES_SOURCE_COUNT] */
+
+/* One column of a table: events are rows of struct rb_event, contacts of struct rb_contact_row. */
+struct rb_table_cell {
+	const char *path, *units;
+	enum rb_h5_kind kind;
+	int width;
+	size_t offset;
+};
+struct rb_contact_row {
+	int64_t step; /* of its frame */
+	struct rb_frame_contact contact;
+};
+enum { RB_EVENT_CELL_COUNT = 8, RB_CONTACT_CELL_COUNT = 7 };
+const struct rb_table_cell *rb_event_cells(void);
+const struct rb_table_cell *rb_contact_cells(void);
+
+enum { RB_FRAMES_COLUMNS_MAX = 20, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZE = 64 };
+
+struct rb_frames_column {
+	struct rb_h5_column column;
+	const struct rb_frames_source *source; /* NULL: step, time and ends, which are no part of a frame's columns */
+	unsigned char *buffer;                 /* owned, [capacity] rows; NULL: none is needed */
+	bool borrows;                          /* rows are written from the frame itself */
+	const double *borrowed;                /* valid until rb_frames_write, which follows at once (rb_frames_full) */
+	char path[RB_FRAMES_PATH_SIZE];
+};
+
+/* Rows of any number to a frame. */
+struct rb_frames_table {
+	bool on;
+	struct rb_h5_column columns[RB_TABLE_COLUMNS_MAX];
+	int column_count;
+	const struct rb_table_cell *cells;
+	size_t row_size;
+	unsigned char *rows;  /* owned: waiting, [capacity][row_size] */
+	unsigned char *cells_out; /* owned: one column of them */
+	size_t cells_out_size;
+	size_t count, committed, capacity;
+	uint64_t rows_written; /* to the file */
+};
+
+struct rb_frames {
+	const struct rb_model *model; /* borrowed */
+	unsigned fields;              /* RB_FIELD_*: stored per frame */
+	uint64_t every;
+	struct rb_frames_column columns[RB_FRAMES_COLUMNS_MAX];
+	int column_count;
+	struct rb_frames_column *time, *event_end, *contact_end, *step; /* in columns; step is the last */
+	struct rb_frames_table events, contacts;
+
+	hsize_t capacity; /* rows that the buffers hold */
+	hsize_t written;  /* frames in the file */
+	hsize_t count;    /* committed frames in the buffers */
+	bool pending;     /* one more row is filled, not committed */
+	struct rb_frame_numbers since; /* of the frames left out since the last one committed */
+	bool has_since;
+};
+
+/* Frames that a whole run records. */
+uint64_t rb_frames_expected(const struct rb_run_info *info);
+
+/* Where headers and indices of the datasets are to stand so that none of them crosses a page, in bytes. */
+unsigned rb_frames_alignment(const struct rb_run_info *info);
+
+/* Makes the datasets. `buffers` false: for estimates, nothing can be taken. Release it whatever the outcome. */
+void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info, bool buffers);
+void rb_frames_release(struct rb_frames *frames); /* safe on a zeroed one */
+/* Closes all datasets, and opens them again (rb_h5_column_detach). */
+void rb_frames_detach(struct rb_frames *frames);
+/* Leaves the datasets open for good: for a library that is not to be asked again. */
+void rb_frames_forget(struct rb_frames *frames);
+void rb_frames_attach(struct rb_h5 *h5, struct rb_frames *frames);
+
+/* Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing; RB_ERR_MEMORY. */
+RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame, struct rb_error *err);
+void rb_frames_commit(struct rb_frames *frames); /* the pending frame too */
+
+bool rb_frames_full(const struct rb_frames *frames);   /* write before the next one is taken */
+uint64_t rb_frames_need(const struct rb_frames *frames); /* bytes that writing may take at most */
+/* Appends what is committed, `step` last. */
+void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames);
+
+/* For estimates: the datasets as long as after `count` frames, and the bytes that the rows take. */
+uint64_t rb_frames_pretend(struct rb_h5 *h5, struct rb_frames *frames, uint64_t count);
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The file under a recording: its two names and its room on disk. No HDF5 in here.
+ *
+ * It is written as NAME.partial-PID beside NAME and renamed when its first frame is in it; until then nothing that
+ * stands under NAME is touched. Owned by one thread.
+ */
+#ifndef RB_SINK_H5OUTPUT_H
+#define RB_SINK_H5OUTPUT_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include <rbsim/error.h>
+
+struct rb_output {
+	char *name;    /* owned: the final name, symbolic links followed */
+	char *partial; /* owned */
+	bool replace;
+	bool published; /* stands under its final name */
+	int fd;         /* owned; -1: none */
+	uint64_t reserved_bytes; /* the disk has room up to here */
+	bool cannot_reserve;     /* the file system has no such call */
+};
+
+/*
+ * Follows links, checks that NAME may be made, and finds a name for the partial file under which the library can make
+ * it; rb_output_attach then opens it. RB_ERR_CREATE. A NAME that is a symbolic link means what it points to: the link
+ * stays.
+ */
+RB_CHECKED enum rb_status rb_output_open(struct rb_output *output, const char *name, bool replace,
+                                         struct rb_error *err);
+
+RB_CHECKED enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err);
+
+/* The partial file gets its final name; without `replace` never over another one. Once; then it does nothing. */
+RB_CHECKED enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err);
+
+/* Room for `need` bytes from `end` on, or the number of the system's error: before anything is written. */
+int rb_output_reserve(struct rb_output *output, uint64_t end, uint64_t need);
+
+/* The file is at least `end` long from now on, as far as that can be had. */
+void rb_output_lengthen(struct rb_output *output, uint64_t end);
+
+/* Gives back what was reserved beyond the end. A file that was never published is removed. Safe on a zeroed one. */
+void rb_output_release(struct rb_output *output);
+
+#endif

@@ -1,0 +1,520 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What makes every flushed frame survive.
+ *
+ *   open    the partial file is made; all objects and attributes are made; H5Fstart_swmr_write
+ *   frame   into the buffers; when they are full or the oldest frame is getting old:
+ *             1. room on disk is reserved for all that the buffers can need: where there is none, the run fails
+ *                here, with a file and a library that nothing has happened to
+ *             2. rows are appended, `step` last      3. H5Fflush: index, lengths, end-of-file mark
+ *           after the first flush the file gets its name
+ *   close   the same, the texts that change, H5Fclose: a plain file now; then /VTKHDF is added (add_vtk)
+ *
+ * A kill can tear a write, between the pages that it touches: the kernel looks for deadly signals there. So nothing
+ * that is overwritten in mid-run may lie across a page boundary: headers and indices of what grows, and the texts that
+ * change, stand at multiples of ALIGNMENT and are no longer than that (h5frames keeps the indices short). All the rest
+ * is made before, without that waste, and the file closed and opened again in between.
+ *
+ * H5Fflush, never H5Dflush alone: only the former moves the end-of-file mark, beyond which tools cut a file off.
+ * After a failure of the library itself (an I/O error, not a full disk) nothing more is asked of it than to note the
+ * failure; if that fails too the file is left as it is, open for readers in SWMR mode: H5Fclose with changes that it
+ * cannot write may hang or abort.
+ */
+#include "sink/recorder.h"
+
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "sink/h5about.h"
+#include "sink/h5frames.h"
+#include "sink/h5output.h"
+#include "sink/h5vtk.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+enum {
+	SUPERBLOCK_SIZE = 48, /* of version 2 and 3 with 8-byte addresses */
+	ALIGNED_FROM = 16,    /* bytes: smaller objects may stand anywhere */
+};
+
+struct rb_recorder {
+	/* set before the thread starts, then only read */
+	const struct rb_run_info *info;
+	char *path;
+	bool replace;
+	uint64_t flush_ns; /* a frame older than this is flushed */
+
+	/* the sink's thread */
+	struct rb_output output;
+	struct rb_h5 h5;
+	bool file_open;
+	struct rb_frames frames;
+	uint64_t oldest_ns; /* when the oldest frame came that no flush has seen; 0: there is none */
+	bool failed;        /* no more frames: `why` says why */
+	struct rb_error why;
+};
+
+/* `alignment` 1: none. */
+static hid_t file_access(unsigned alignment)
+{
+	const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+
+	H5Pset_alignment(access, ALIGNED_FROM, alignment);
+	if (alignment > 1)
+		H5Pset_meta_block_size(access, 0);
+	/* What every HDF5 from 1.10 on can read, whatever this one is. */
+	H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+	H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
+	return access;
+}
+
+static hid_t file_creation(void)
+{
+	const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
+
+	/* Room in the root's header for all its links: /VTKHDF is added without moving anything (add_vtk). */
+	H5Pset_est_link_info(creation, 8, 12);
+	H5Pset_obj_track_times(creation, 0);
+	return creation;
+}
+
+static hid_t create_file(const char *path, hid_t access)
+{
+	const hid_t creation = file_creation();
+	const hid_t file = H5Fcreate(path, H5F_ACC_EXCL, creation, access);
+
+	rb_h5_done(creation);
+	return file;
+}
+
+/* Locks are refused on some file systems; the library can be told to do without. */
+static const char *lock_advice(int number)
+{
+	return number == EAGAIN || number == ENOLCK || number == ENOSYS || number == EOPNOTSUPP
+	               ? " (try HDF5_USE_FILE_LOCKING=FALSE)"
+	               : "";
+}
+
+static enum rb_status note_failure(struct rb_recorder *recorder, enum rb_status status, struct rb_error *err)
+{
+	if (!recorder->failed) {
+		recorder->failed = true;
+		recorder->why = err ? *err : (struct rb_error){.status = status};
+	}
+	return status;
+}
+
+/* A failure of the library. */
+static enum rb_status note_h5(struct rb_recorder *recorder, struct rb_error *err)
+{
+	if (err)
+		*err = recorder->h5.error;
+	return note_failure(recorder, recorder->h5.status, &recorder->h5.error);
+}
+
+static enum rb_status reserve(struct rb_recorder *recorder, uint64_t need, struct rb_error *err)
+{
+	haddr_t end = 0;
+
+	H5Fget_eoa(recorder->h5.file, &end);
+	const int number = rb_output_reserve(&recorder->output, end, need);
+	if (number != 0)
+		return RB_FAIL(err, RB_ERR_IO, "cannot write '%s': %s", recorder->path, strerror(number));
+	return RB_OK;
+}
+
+static enum rb_status flush(struct rb_recorder *recorder, struct rb_error *err)
+{
+	haddr_t end = 0;
+
+	/* The library writes its end-of-file mark first and makes the file that long after it. */
+	if (H5Fget_eoa(recorder->h5.file, &end) >= 0)
+		rb_output_lengthen(&recorder->output, end);
+	if (H5Fflush(recorder->h5.file, H5F_SCOPE_LOCAL) < 0)
+		rb_h5_fail(&recorder->h5, "flush", "/");
+	if (recorder->h5.status)
+		return note_h5(recorder, err);
+	recorder->oldest_ns = 0;
+	struct rb_error error;
+	const enum rb_status status = rb_output_publish(&recorder->output, &error);
+	if (status) {
+		if (err)
+			*err = error;
+		return note_failure(recorder, status, &error);
+	}
+	return RB_OK;
+}
+
+/* What is committed goes to the file and can be read from now on. */
+static enum rb_status write_out(struct rb_recorder *recorder, struct rb_error *err)
+{
+	struct rb_error error;
+
+	if (recorder->frames.count > 0) {
+		const enum rb_status status = reserve(recorder, rb_frames_need(&recorder->frames), &error);
+		if (status) {
+			if (err)
+				*err = error;
+			return note_failure(recorder, status, &error);
+		}
+		rb_frames_write(&recorder->h5, &recorder->frames);
+		if (recorder->h5.status)
+			return note_h5(recorder, err);
+	}
+	return recorder->frames.written > 0 ? flush(recorder, err) : RB_OK;
+}
+
+static void fail_create(struct rb_h5 *h5)
+{
+	char reason[160];
+
+	if (h5->status)
+		return;
+	h5->status = RB_FAIL(&h5->error, RB_ERR_CREATE, "cannot create '%s': %s%s", h5->name, rb_h5_reason(reason),
+	                     lock_advice(rb_h5_errno()));
+}
+
+/* All that does not change: a complete file of its own. */
+static void make_about(struct rb_recorder *recorder)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+	const hid_t access = file_access(1);
+
+	*h5 = (struct rb_h5){.file = create_file(recorder->output.partial, access), .name = recorder->path};
+	rb_h5_done(access);
+	if (h5->file < 0) {
+		fail_create(h5);
+		return;
+	}
+	recorder->file_open = true;
+	rb_about_write(h5, recorder->info);
+	if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {
+		if (H5Fclose(h5->file) < 0)
+			fail_create(h5);
+		else
+			recorder->file_open = false;
+	}
+}
+
+/* All that grows or changes, and the switch to where others may read. */
+static void make_growing(struct rb_recorder *recorder)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+
+	if (h5->status)
+		return;
+	const hid_t access = file_access(rb_frames_alignment(recorder->info));
+	h5->file = H5Fopen(recorder->output.partial, H5F_ACC_RDWR, access);
+	rb_h5_done(access);
+	if (h5->file < 0) {
+		fail_create(h5);
+		return;
+	}
+	recorder->file_open = true;
+	rb_about_write_changing(h5);
+	rb_frames_create(h5, &recorder->frames, recorder->info, true);
+	rb_frames_detach(&recorder->frames);
+	if (!h5->status && H5Fstart_swmr_write(h5->file) < 0)
+		rb_h5_fail(h5, "share", "/");
+	rb_frames_attach(h5, &recorder->frames);
+	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
+		rb_h5_fail(h5, "flush", "/");
+}
+
+static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *err)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+
+	make_about(recorder);
+	make_growing(recorder);
+	const enum rb_status status = h5->status ? RB_OK : rb_output_attach(&recorder->output, err);
+	if (!h5->status)
+		return status;
+	/* nothing can be written in mid-run that could not be made */
+	if (h5->status == RB_ERR_IO)
+		h5->status = h5->error.status = RB_ERR_CREATE;
+	if (err)
+		*err = h5->error;
+	return h5->status;
+}
+
+static enum rb_status open_file(void *self, struct rb_error *err)
+{
+	struct rb_recorder *const recorder = self;
+
+	rb_h5_quiet();
+	enum rb_status status = rb_output_open(&recorder->output, recorder->path, recorder->replace, err);
+	if (status)
+		return status;
+	status = make_file(recorder, err);
+	if (status) {
+		/* The library's file is left alone where its changes cannot be written: it has no name any more. */
+		if (recorder->file_open && recorder->h5.status == RB_ERR_MEMORY) {
+			rb_frames_detach(&recorder->frames);
+			H5Fclose(recorder->h5.file);
+		}
+		rb_frames_forget(&recorder->frames);
+		recorder->file_open = false;
+		rb_output_release(&recorder->output);
+	}
+	return status;
+}
+
+static enum rb_status take_frame(void *self, const struct rb_frame *frame, struct rb_error *err)
+{
+	struct rb_recorder *const recorder = self;
+	struct rb_frames *const frames = &recorder->frames;
+	struct rb_error error;
+
+	const enum rb_status status = rb_frames_take(frames, frame, &error);
+	if (status) {
+		if (err)
+			*err = error;
+		return note_failure(recorder, status, &error);
+	}
+	const uint64_t now = rb_clock_now_ns();
+	if (recorder->oldest_ns == 0)
+		recorder->oldest_ns = now;
+	if (rb_frames_full(frames) || now - recorder->oldest_ns >= recorder->flush_ns ||
+	    (frames->written == 0 && frames->count > 0))
+		return write_out(recorder, err);
+	return RB_OK;
+}
+
+static enum rb_status flush_idle(void *self, struct rb_error *err)
+{
+	struct rb_recorder *const recorder = self;
+
+	return recorder->oldest_ns != 0 ? write_out(recorder, err) : RB_OK;
+}
+
+static const char *status_text(enum rb_status status)
+{
+	switch (status) {
+	case RB_OK:
+	case RB_ERR_EXPECT: /* the run went to its end; what the scene expected is not the recording's matter */
+		return "complete";
+	case RB_ERR_AGAIN:
+	case RB_ERR_INTERRUPT:
+	case RB_ERR_TERMINATE:
+		return "interrupted";
+	default:
+		return "failed";
+	}
+}
+
+/* The texts that change; they have their place in the file since it was made. */
+static void write_end(struct rb_recorder *recorder, const struct rb_outcome *outcome)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+	char text[32];
+
+	h5->status = RB_OK; /* of what came before; it is kept in `why` */
+	rb_h5_retext(h5, "/rbsim/reason", recorder->failed ? recorder->why.text : outcome->reason);
+	if (!recorder->failed) {
+		snprintf(text, sizeof text, "%016llx", (unsigned long long)outcome->state_hash);
+		rb_h5_retext(h5, "/rbsim/state_hash", text);
+	}
+	rb_clock_utc(text);
+	rb_h5_retext(h5, "/rbsim/ended", text);
+	rb_h5_retext(h5, "/rbsim/status", recorder->failed ? "failed" : status_text(outcome->status));
+	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
+		rb_h5_fail(h5, "flush", "/");
+}
+
+/* Columns that a failure left longer than `step`. */
+static void trim(struct rb_h5 *h5, const struct rb_frames *frames)
+{
+	for (int i = 0; i < frames->column_count && !h5->status; i++) {
+		hsize_t size[RB_H5_RANK_MAX];
+		const hid_t dataset = H5Dopen2(h5->file, frames->columns[i].path, H5P_DEFAULT);
+		const hid_t space = dataset < 0 ? -1 : H5Dget_space(dataset);
+
+		if (space >= 0 && H5Sget_simple_extent_dims(space, size, NULL) > 0 && size[0] > frames->written) {
+			size[0] = frames->written;
+			if (H5Dset_extent(dataset, size) < 0)
+				rb_h5_fail(h5, "cut", frames->columns[i].path);
+		}
+		rb_h5_done(space);
+		rb_h5_done(dataset);
+	}
+}
+
+/*
+ * The file is opened once more to add objects, which no reader may see half made. Should the process be killed
+ * meanwhile, the file must not be left marked as open for writing: that mark, and the end-of-file mark beside it, are
+ * put back as they were as soon as the library has made its own. What it adds goes behind the old end; the only old
+ * bytes that change are the root's header, in one small write. (SWMR once more, so that the mark that the library
+ * makes for the moment of its close is one that readers get past.)
+ */
+static void add_vtk(struct rb_recorder *recorder)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+	const struct rb_frames *const frames = &recorder->frames;
+	unsigned char superblock[SUPERBLOCK_SIZE];
+
+	if (frames->written == 0 || recorder->info->model->body_count == 0 || !(frames->fields & RB_FIELD_POSITION))
+		return;
+	const off_t end = lseek(recorder->output.fd, 0, SEEK_END);
+	const uint64_t need = rb_vtk_need(recorder->info->model, frames->written);
+	int number = end < 0 ? errno : rb_output_reserve(&recorder->output, (uint64_t)end, need);
+	if (number == 0 && pread(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
+		number = EIO;
+	if (number != 0) {
+		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path, strerror(number));
+		return;
+	}
+
+	const hid_t access = file_access(1);
+	*h5 = (struct rb_h5){.name = recorder->path};
+	h5->file = H5Fopen(recorder->output.name, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
+	rb_h5_done(access);
+	if (h5->file < 0) {
+		rb_h5_fail(h5, "open", "/");
+	} else {
+		if (pwrite(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
+			rb_log(RB_LOG_DEBUG, "cannot put back the superblock: %s", strerror(errno));
+		trim(h5, frames);
+		rb_vtk_write(h5, recorder->info->model, frames->fields, frames->written, frames->time->path);
+		if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {
+			if (H5Fclose(h5->file) < 0)
+				rb_h5_fail(h5, "close", "/");
+		}
+	}
+	if (h5->status)
+		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path, h5->error.text);
+}
+
+static enum rb_status close_file(void *self, const struct rb_outcome *outcome, struct rb_error *err)
+{
+	struct rb_recorder *const recorder = self;
+	struct rb_h5 *const h5 = &recorder->h5;
+
+	if (!recorder->file_open)
+		return RB_OK;
+	recorder->file_open = false;
+	const bool failed_before = recorder->failed;
+	if (!recorder->failed) {
+		rb_frames_commit(&recorder->frames);
+		(void)write_out(recorder, NULL);
+	}
+	if (recorder->output.published) {
+		write_end(recorder, outcome);
+		if (h5->status && !recorder->failed)
+			(void)note_failure(recorder, h5->status, &h5->error);
+	}
+	/* Once the library has failed it is only closed when all it knew has reached the file after all. */
+	if (!h5->status) {
+		rb_frames_detach(&recorder->frames);
+		if (H5Fclose(h5->file) < 0) {
+			rb_h5_fail(h5, "close", "/");
+			if (!recorder->failed)
+				(void)note_failure(recorder, h5->status, &h5->error);
+		} else if (recorder->output.published) {
+			add_vtk(recorder);
+		}
+	}
+	if (h5->status)
+		rb_frames_forget(&recorder->frames);
+	rb_output_release(&recorder->output);
+	if (!recorder->failed)
+		return RB_OK;
+	if (err)
+		*err = recorder->why;
+	/* a failure that `frame` has told is not told again */
+	return failed_before ? RB_OK : recorder->why.status;
+}
+
+enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink *sink, const struct rb_run_info *info,
+                                  const struct rb_recorder_options *options, struct rb_error *err)
+{
+	*recorder = NULL;
+	*sink = (struct rb_sink){0};
+	struct rb_recorder *const made = rb_memory_take(1, sizeof *made);
+	char *const path = rb_memory_copy_text(options->path);
+	if (!made || !path) {
+		rb_memory_free(made);
+		rb_memory_free(path);
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot record '%s': out of memory", options->path);
+	}
+	made->info = info;
+	made->path = path;
+	made->replace = options->replace;
+	made->output.fd = -1;
+	/* The next look at the clock may come a quarter of a second later (rb_sink.idle). */
+	const double flush_s = options->flush_s > 0 ? options->flush_s : 1;
+	made->flush_ns = (uint64_t)(1e9 * (flush_s > 0.5 ? flush_s - 0.3 : 0.4 * flush_s));
+
+	*sink = (struct rb_sink){.name = "recorder",
+	                         .lossless = true,
+	                         .essential = true,
+	                         .fields = info->scene->record.fields,
+	                         .self = made,
+	                         .open = open_file,
+	                         .frame = take_frame,
+	                         .idle = flush_idle,
+	                         .close = close_file};
+	*recorder = made;
+	return RB_OK;
+}
+
+void rb_recorder_destroy(struct rb_recorder *recorder)
+{
+	if (!recorder)
+		return;
+	if (recorder->file_open) { /* never closed: nothing is known of how the run ended */
+		rb_frames_forget(&recorder->frames);
+		rb_output_release(&recorder->output);
+	}
+	rb_frames_release(&recorder->frames);
+	rb_memory_free(recorder->path);
+	rb_memory_free(recorder);
+}
+
+/* A file in memory. */
+static hid_t memory_file(unsigned alignment)
+{
+	const hid_t access = file_access(alignment);
+
+	H5Pset_fapl_core(access, 1 << 16, 0);
+	const hid_t file = create_file("/dev/null/estimate", access); /* a name that no file can have: none is made */
+	rb_h5_done(access);
+	return file;
+}
+
+/* Its size, that of its image, for the file itself goes by whole blocks; then it is closed. */
+static size_t close_memory_file(hid_t file)
+{
+	const ssize_t size = H5Fflush(file, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(file, NULL, 0);
+
+	H5Fclose(file);
+	return size < 0 ? 0 : (size_t)size;
+}
+
+/* Both parts of the file are made in memory as they will be, but for the rows: these take what their chunks take. */
+uint64_t rb_recorder_estimate(const struct rb_run_info *info)
+{
+	struct rb_h5 about = {.name = "estimate"}, growing = about;
+	struct rb_frames frames;
+
+	rb_h5_quiet();
+	about.file = memory_file(1);
+	growing.file = memory_file(rb_frames_alignment(info));
+	if (about.file < 0 || growing.file < 0) {
+		rb_h5_done(about.file);
+		rb_h5_done(growing.file);
+		return 0;
+	}
+	rb_about_write(&about, info);
+	const uint64_t expected = rb_frames_expected(info);
+	rb_about_write_changing(&growing);
+	rb_frames_create(&growing, &frames, info, false);
+	const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
+	rb_vtk_write(&growing, info->model, frames.fields, expected, frames.time->path);
+	rb_frames_release(&frames);
+	const size_t fixed = close_memory_file(about.file), moving = close_memory_file(growing.file);
+	return about.status || growing.status || fixed == 0 || moving == 0 ? 0 : fixed + moving + rows;
+}

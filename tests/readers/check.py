@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Opens a recording with the readers people use and compares what they see, bit for bit, with h5py.
+
+    check.py RUN.h5
+
+h5py is needed (exit 77 without it); h5dump, MDAnalysis, pyh5md and VTK are each used when present and named when
+absent. Exit 0: all that are present agree. Where a package stands in another Python, run it with that one.
+"""
+import hashlib
+import shutil
+import subprocess
+import sys
+
+try:
+    import h5py
+    import numpy as np
+except ImportError as error:
+    print("h5py and numpy are needed:", error)
+    sys.exit(77)
+
+ELEMENTS = {"position": 3, "orientation": 4, "velocity": 3, "angular_velocity": 3}
+OBSERVABLES = ["kinetic_energy", "potential_energy", "momentum", "angular_momentum", "max_penetration",
+               "contacts", "collisions", "rollbacks", "substeps", "smallest_step"]
+
+
+def same(what, a, b):
+    a, b = np.asarray(a), np.asarray(b)
+    if a.shape != b.shape:
+        raise AssertionError(f"{what}: shape {a.shape}, wanted {b.shape}")
+    if a.dtype != b.dtype:
+        b = b.astype(a.dtype)
+    if a.tobytes() != b.tobytes():
+        raise AssertionError(f"{what}: {np.count_nonzero(a != b)} of {a.size} values differ")
+
+
+def text(value):
+    return (value.decode() if isinstance(value, bytes) else str(value)).rstrip("\0")
+
+
+def check_h5py(path):
+    """The layout that rbsim-recording(5) states."""
+    with h5py.File(path, "r") as f:
+        assert list(f["h5md"].attrs["version"]) == [1, 1]
+        assert text(f["h5md/modules/units"].attrs["system"]) == "SI"
+        bodies = f["particles/bodies"]
+        assert sorted(f["particles"])[0] == "bodies"
+        assert bodies["box"].attrs["dimension"] == 3 and "edges" not in bodies["box"]
+        assert [text(b) for b in bodies["box"].attrs["boundary"]] == ["none"] * 3
+        count, statics = len(bodies["id"]), len(f["particles/statics/id"])
+        step, time = bodies["position/step"], bodies["position/time"]
+        frames = len(step)
+        for name, width in ELEMENTS.items():
+            if name not in bodies or isinstance(bodies[name], h5py.Dataset):
+                continue
+            assert bodies[name]["value"].shape == (frames, count, width), name
+            assert bodies[name]["step"] == step and bodies[name]["time"] == time, f"{name}: not linked"
+        for name in OBSERVABLES:
+            element = f["observables"][name]
+            if isinstance(element, h5py.Group):
+                assert len(element["value"]) == frames, name
+                assert element["step"] == step and element["time"] == time, f"{name}: not linked"
+        assert text(bodies["position/value"].attrs["units"]) == "m"
+        assert "unit" not in bodies["position/value"].attrs
+        assert len(f["rbsim/names"]) == count + statics
+        assert sorted(list(bodies["id"]) + list(f["particles/statics/id"])) == list(range(count + statics))
+        assert text(f["rbsim/status"][()]) in ("complete", "interrupted", "failed")
+        for source in [f["rbsim/scene"]] + list(f["rbsim/files"].values()):
+            if "sha256" in source.attrs:
+                digest = hashlib.sha256(source[()]).hexdigest()
+                assert text(source.attrs["sha256"]) == digest, f"{source.name}: sha256"
+        if "orientation" in bodies and isinstance(bodies["orientation"], h5py.Group):
+            q = bodies["orientation/value"][:]
+            assert np.all(np.abs(np.sum(q * q, axis=2) - 1) < 1e-5), "quaternions of other than unit length"
+        if "events" in f["rbsim"]:
+            lengths = {len(column) for column in f["rbsim/events"].values()}
+            assert len(lengths) == 1 and lengths.pop() == f["rbsim/frames/event_end"][-1]
+        if "contacts" in f["rbsim"]:
+            ends = f["rbsim/frames/contact_end"][:]
+            per_frame = np.diff(ends, prepend=np.uint64(0))
+            same("steps of contacts", f["rbsim/contacts/step"][:], np.repeat(step[:], per_frame.astype(int)))
+        return f"{frames} frames, {count} bodies, {statics} statics"
+
+
+def check_h5dump(path):
+    tool = shutil.which("h5dump")
+    if not tool:
+        return None
+    done = subprocess.run([tool, path], stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    if done.returncode != 0 or done.stderr:
+        raise AssertionError(f"exit {done.returncode}: {done.stderr.decode(errors='replace')[:500]}")
+    return f"{len(done.stdout)} characters"
+
+
+def check_mdanalysis(path):
+    try:
+        import MDAnalysis
+        from MDAnalysis.coordinates.H5MD import H5MDReader
+    except ImportError:
+        return None
+    with h5py.File(path, "r") as f:
+        position = f["particles/bodies/position/value"][:]
+        velocity = f["particles/bodies/velocity/value"][:] if "velocity" in f["particles/bodies"] else None
+        time = f["particles/bodies/position/time"][:]
+    with H5MDReader(path, convert_units=False) as reader:
+        assert reader.n_frames == len(position) and reader.n_atoms == position.shape[1]
+        for k, frame in enumerate(reader):
+            same(f"positions of frame {k}", frame.positions, position[k].astype(np.float32))
+            if velocity is not None:
+                same(f"velocities of frame {k}", frame.velocities, velocity[k].astype(np.float32))
+            assert frame.time == time[k]
+    return f"MDAnalysis {MDAnalysis.__version__}"
+
+
+def check_pyh5md(path):
+    try:
+        import pyh5md
+    except ImportError:
+        return None
+    with h5py.File(path, "r") as f:
+        position = f["particles/bodies/position/value"][:]
+        step = f["particles/bodies/position/step"][:]
+    with pyh5md.File(path, "r") as f:
+        element = pyh5md.element(f.particles_group("bodies"), "position")
+        same("positions", element.value[:], position)
+        same("steps", element.step[:], step)
+    return "pyh5md " + getattr(pyh5md, "__version__", "")
+
+
+def check_vtk(path):
+    try:
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkVersion
+        from vtkmodules.vtkIOHDF import vtkHDFReader
+    except ImportError:
+        return None
+    with h5py.File(path, "r") as f:
+        bodies = f["particles/bodies"]
+        position = bodies["position/value"][:]
+        time = bodies["position/time"][:]
+        moving = {n: bodies[n]["value"][:] for n in list(ELEMENTS)[1:]
+                  if n in bodies and isinstance(bodies[n], h5py.Group)}
+        fixed = {"mass": bodies["mass"][:], "id": bodies["id"][:]}
+    reader = vtkHDFReader()
+    reader.SetFileName(path)
+    assert reader.CanReadFile(path), "VTK cannot read it"
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == len(time), f"{reader.GetNumberOfSteps()} steps of {len(time)}"
+    for k in range(len(time)):
+        reader.SetStep(k)
+        reader.Update()
+        data = reader.GetOutputDataObject(0)
+        same(f"points of step {k}", vtk_to_numpy(data.GetPoints().GetData()), position[k])
+        assert data.GetNumberOfVerts() == position.shape[1], f"{data.GetNumberOfVerts()} vertices"
+        for name, value in moving.items():
+            same(f"{name} of step {k}", vtk_to_numpy(data.GetPointData().GetArray(name)), value[k])
+        for name, value in fixed.items():
+            same(f"{name} of step {k}", vtk_to_numpy(data.GetPointData().GetArray(name)), value)
+    return "VTK " + vtkVersion.GetVTKVersion()
+
+
+def main():
+    path = sys.argv[1]
+    failed = False
+    for name, check in [("h5py", check_h5py), ("h5dump", check_h5dump), ("MDAnalysis", check_mdanalysis),
+                        ("pyh5md", check_pyh5md), ("VTK", check_vtk)]:
+        try:
+            said = check(path)
+            print(f"{name}: {'absent' if said is None else 'ok, ' + said}")
+        except Exception as error:  # whatever a reader throws at this file is a finding
+            print(f"{name}: FAILED: {type(error).__name__}: {error}")
+            failed = True
+    return failed
+
+
+sys.exit(main())
