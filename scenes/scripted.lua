@@ -1,0 +1,36 @@
+-- A juggler in Lua: a callback watches a ball and throws it up again whenever it comes down to the hand.
+-- Watch: the ball is thrown by an impulse in on_step; a second ball is held up by a steady force.
+-- Expected end: as many throws as fit into the run, and the floating ball where it was.
+-- Callbacks see committed steps only; what they must remember they keep in the table `state`.
+-- Try: --param throw=3
+local throw = param("throw", 5, "speed of each throw, m/s", {min = 1, max = 20})
+local hand = param("hand", 1, "height of the hand, m", {min = 0.5, max = 5})
+local g, radius, dt, duration = 9.81, 0.1, 1 / 480, 10
+
+world { title = "Juggling by script", duration = duration, frame_rate = 60, time_step = dt, gravity = {0, 0, -g} }
+plane { normal = {0, 0, 1}, texture = "checker" }
+local ball = sphere { name = "ball", radius = radius, mass = 0.5, position = {0, 0, hand}, velocity = {0, 0, throw} }
+local floating = sphere { name = "floating", radius = radius, mass = 0.5, position = {1, 0, 1} }
+camera { name = "main", position = {0.5, -5, 2}, look_at = {0.5, 0, 1.5}, size = {1280, 720} }
+
+state.throws, state.highest = 0, 0
+on_step(function(t, step)
+	floating:apply_force({0, 0, floating.mass * g})
+	if ball.position.z <= hand and ball.velocity.z < 0 then
+		ball:apply_impulse({0, 0, ball.mass * (throw - ball.velocity.z)})
+		state.throws = state.throws + 1
+	end
+end)
+on_frame(function(t)
+	state.highest = math.max(state.highest, ball.position.z)
+end)
+
+-- A cycle takes 2 throw/g; each is caught up to a step late, and starts below the hand by what it fell in it.
+expect("as many throws as fit", function()
+	local cycle = 2 * throw / g
+	return math.abs(state.throws - duration / cycle), 1 + duration / cycle * 2 * dt / cycle
+end)
+expect("it rises to hand + v^2/(2g)", function()
+	return math.abs(state.highest - hand - throw ^ 2 / (2 * g)), throw * dt * 2 + g / 2 / 120 ^ 2
+end)
+expect("the other one floats", function() return math.abs(floating.position.z - 1), 1e-9 end)
