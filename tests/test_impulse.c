@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/step/impulse: single impacts, central and eccentric. */
-#include "tests/support.h"
+#include "support.h"
 
 #include "math/random.h"
 #include "step/impulse.h"
@@ -12,7 +12,8 @@ static double pick(uint64_t stream, uint64_t k, double low, double high)
 
 static rb_vec3 pick_vector(uint64_t stream, uint64_t k)
 {
-	return (rb_vec3){pick(stream, 3 * k, -1, 1), pick(stream, 3 * k + 1, -1, 1), pick(stream, 3 * k + 2, -1, 1)};
+	return (rb_vec3){pick(stream, 3 * k, -1, 1), pick(stream, 3 * k + 1, -1, 1),
+	                 pick(stream, 3 * k + 2, -1, 1)};
 }
 
 /* A random body, rod or box, met at a random point: K = 1/m - [r] I^-1 [r]. */
@@ -21,8 +22,10 @@ static struct rb_link random_link(uint64_t k)
 	struct rb_link link = {.friction = pick(1, k, 0, 2), .restitution = pick(2, k, 0, 1)};
 	const double mass = exp(pick(3, k, -3, 3));
 	/* principal moments of a box of random edges, from needles to cubes */
-	const double x = exp(pick(4, 3 * k, -4, 1)), y = exp(pick(4, 3 * k + 1, -4, 1)), z = exp(pick(4, 3 * k + 2, -4, 1));
-	const rb_vec3 inertia = {mass / 12 * (y * y + z * z), mass / 12 * (x * x + z * z), mass / 12 * (x * x + y * y)};
+	const double x = exp(pick(4, 3 * k, -4, 1)), y = exp(pick(4, 3 * k + 1, -4, 1)),
+		     z = exp(pick(4, 3 * k + 2, -4, 1));
+	const rb_vec3 inertia = {mass / 12 * (y * y + z * z), mass / 12 * (x * x + z * z),
+	                         mass / 12 * (x * x + y * y)};
 	const rb_vec3 corner = pick_vector(5, k);
 	const rb_vec3 arm = {0.5 * x * corner.x, 0.5 * y * corner.y, 0.5 * z * corner.z};
 
@@ -30,7 +33,8 @@ static struct rb_link random_link(uint64_t k)
 	for (int column = 0; column < 3; column++) {
 		const rb_vec3 unit = {column == 0, column == 1, column == 2};
 		const rb_vec3 torque = rb_vec3_cross(arm, unit);
-		const rb_vec3 turn = {torque.x / inertia.x, torque.y / inertia.y, torque.z / inertia.z};
+		const rb_vec3 turn = {torque.x / inertia.x, torque.y / inertia.y,
+		                      torque.z / inertia.z};
 		const rb_vec3 dv = rb_vec3_add_scaled(rb_vec3_cross(turn, arm), 1 / mass, unit);
 
 		link.yield.m[0][column] = dv.x;
@@ -70,7 +74,8 @@ static void an_impact_never_raises_kinetic_energy(void **slot)
 static void a_frictionless_rod_follows_newton(void **slot)
 {
 	struct rb_link link = {.normal = {0, 0, 1}, .restitution = 0.5};
-	const double m = 1, a = 0.5, inertia = m * a * a / 3, rx = -a * sqrt(0.5), rz = -a * sqrt(0.5);
+	const double m = 1, a = 0.5, inertia = m * a * a / 3, rx = -a * sqrt(0.5),
+		     rz = -a * sqrt(0.5);
 
 	(void)slot;
 	link.yield = (rb_mat3){{{1 / m + rz * rz / inertia, 0, -rx * rz / inertia},
@@ -96,9 +101,14 @@ static void an_oblique_sphere_sticks_or_slips_as_coulomb_says(void **slot)
 {
 	const struct {
 		double degrees, ratio;
-	} table[] = {{10, 0.71428571}, {30, 0.71428571}, {35, 0.73984856}, {45, 0.81784}, {60, 0.89482987}, {85, 0.98406307}};
-	struct rb_link link = {.normal = {0, 0, 1}, .central = true, .friction = 0.092, .restitution = 0.98,
-	                       .normal_yield = 1, .tangent_yield = 3.5};
+	} table[] = {{10, 0.71428571}, {30, 0.71428571}, {35, 0.73984856},
+	             {45, 0.81784},    {60, 0.89482987}, {85, 0.98406307}};
+	struct rb_link link = {.normal = {0, 0, 1},
+	                       .central = true,
+	                       .friction = 0.092,
+	                       .restitution = 0.98,
+	                       .normal_yield = 1,
+	                       .tangent_yield = 3.5};
 
 	(void)slot;
 	for (size_t k = 0; k < sizeof table / sizeof table[0]; k++) {

@@ -453,10 +453,10 @@ static void callbacks_bring_what_they_could_need(void **slot)
 	assert_int_equal(features(&b), 0);
 	b.scene.hooks = RB_HOOK_STEP;
 	assert_int_equal(features(&b),
-	                 RB_FEATURE_HOOK_STEP | RB_FEATURE_FORCES | RB_FEATURE_ROTATION);
+	                 RB_FEATURE_HOOK_STEP | RB_FEATURE_PUSHES | RB_FEATURE_ROTATION);
 	b.scene.hooks = RB_HOOK_COLLISION;
 	assert_int_equal(features(&b), RB_FEATURE_HOOK_COLLISION | RB_FEATURE_EVENTS |
-	                                       RB_FEATURE_FORCES | RB_FEATURE_ROTATION);
+	                                       RB_FEATURE_PUSHES | RB_FEATURE_ROTATION);
 	b.scene.hooks = 0;
 	b.scene.record.fields |= RB_FIELD_EVENTS;
 	assert_int_equal(features(&b), RB_FEATURE_EVENTS);
@@ -476,7 +476,7 @@ static void every_feature_has_one_row_with_texts(void **slot)
 		            rows[i].present);
 		seen |= rows[i].bit;
 	}
-	assert_int_equal(seen, 2 * RB_FEATURE_EVENTS - 1);
+	assert_int_equal(seen, 2 * RB_FEATURE_PUSHES - 1);
 }
 
 static void running_out_of_memory_is_an_error_at_every_allocation(void **slot)

@@ -25,7 +25,8 @@ static const char *const shipped = "lua";
 /* Loads, runs to the end as the program does, asks the expectations. The first status that is not RB_OK stays. */
 static void run_text(struct run *run, const char *text)
 {
-	const struct rb_source_file file = {.name = "t.lua", .text = text, .size_bytes = strlen(text)};
+	const struct rb_source_file file = {
+		.name = "t.lua", .text = text, .size_bytes = strlen(text)};
 	const struct rb_script_options options = {.path = "t.lua",
 	                                          .files = &file,
 	                                          .file_count = 1,
@@ -45,10 +46,12 @@ static void run_text(struct run *run, const char *text)
 	run->status = rb_world_create(&run->world, run->model, &world_options, &hooks, err);
 	if (run->status == RB_OK)
 		run->status = rb_script_on_frame(run->script, run->world, 0, 0, err);
-	while (run->status == RB_OK && rb_world_frame(run->world) + 1 < rb_world_frame_count(run->world)) {
+	while (run->status == RB_OK &&
+	       rb_world_frame(run->world) + 1 < rb_world_frame_count(run->world)) {
 		run->status = rb_world_step_frame(run->world, err);
 		if (run->status == RB_OK)
-			run->status = rb_script_on_frame(run->script, run->world, rb_world_time(run->world),
+			run->status = rb_script_on_frame(run->script, run->world,
+			                                 rb_world_time(run->world),
 			                                 rb_world_frame(run->world), err);
 	}
 	assert_true(run->scene.expect_count <= EXPECTS_MAX);
@@ -86,7 +89,9 @@ static void a_scene_without_callbacks_has_no_hooks(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(&run, "world { duration = 0.1 } sphere { radius = 1 } on_frame(function() end) expect('e', function() return true end)");
+	must_run(
+		&run,
+		"world { duration = 0.1 } sphere { radius = 1 } on_frame(function() end) expect('e', function() return true end)");
 	const struct rb_world_hooks hooks = rb_script_hooks(run.script);
 	assert_null(hooks.step);
 	assert_null(hooks.collision);
@@ -99,16 +104,18 @@ static void on_step_and_on_frame_come_on_their_grids(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(&run, "world { duration = 1, frame_rate = 10, time_step = 0.05 } sphere { radius = 1 }\n"
-	               "state.steps, state.frames, state.last, state.span = 0, {}, -1, 0\n"
-	               "on_step(function(t, dt) state.steps = state.steps + 1 assert(t > state.last and t == time()) state.last = t\n"
-	               "  state.span = state.span + dt end)\n"
-	               "on_frame(function(t, k) state.frames[#state.frames + 1] = {t, k} end)\n"
-	               "on_frame(function(t, k) state.second = k end)\n"
-	               "expect('20 steps', function() return math.abs(state.steps - 20), 0 end)\n"
-	               "expect('they make a second', function() return math.abs(state.span - 1), 1e-12 end)\n"
-	               "expect('11 frames', function() return #state.frames == 11 and state.frames[1][1] == 0 and state.frames[11][2] == 10\n"
-	               "  and state.frames[4][1] == 3 / 10 and state.second == 10 end)\n");
+	must_run(
+		&run,
+		"world { duration = 1, frame_rate = 10, time_step = 0.05 } sphere { radius = 1 }\n"
+		"state.steps, state.frames, state.last, state.span = 0, {}, -1, 0\n"
+		"on_step(function(t, dt) state.steps = state.steps + 1 assert(t > state.last and t == time()) state.last = t\n"
+		"  state.span = state.span + dt end)\n"
+		"on_frame(function(t, k) state.frames[#state.frames + 1] = {t, k} end)\n"
+		"on_frame(function(t, k) state.second = k end)\n"
+		"expect('20 steps', function() return math.abs(state.steps - 20), 0 end)\n"
+		"expect('they make a second', function() return math.abs(state.span - 1), 1e-12 end)\n"
+		"expect('11 frames', function() return #state.frames == 11 and state.frames[1][1] == 0 and state.frames[11][2] == 10\n"
+		"  and state.frames[4][1] == 3 / 10 and state.second == 10 end)\n");
 	for (int i = 0; i < run.scene.expect_count; i++)
 		if (!run.results[i].ok)
 			fail_msg("%s: %s", run.results[i].text, run.results[i].message);
@@ -120,17 +127,19 @@ static void a_collision_is_told_once_with_its_numbers(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(&run, "world { duration = 1, frame_rate = 100 }\n"
-	               "local m = material { restitution = 1, friction = 0 }\n"
-	               "local a = sphere { name = 'a', radius = 0.5, mass = 1, velocity = {2, 0, 0}, material = m }\n"
-	               "local b = sphere { name = 'b', radius = 0.5, mass = 1, position = {2, 0, 0}, material = m }\n"
-	               "local seen = {}\n"
-	               "on_collision(function(c) seen[#seen + 1] = c end)\n"
-	               "expect('one', function() return #seen == 1 and collisions() == 1 end)\n"
-	               "expect('of these', function() local c = seen[1] return c.a == a and c.b == b and c.a.name == 'a' end)\n"
-	               "expect('numbers', function() local c = seen[1] return math.abs(c.approach_speed - 2) < 1e-9 and c.normal.x > 0.999\n"
-	               "  and math.abs(c.impulse.x - 2) < 1e-9 and math.abs(c.point.x - 1.5) < 0.05 and math.abs(c.time - 0.5) < 0.02 end)\n"
-	               "expect('velocities change hands', function() return b.velocity.x, 2 + 1e-9 end)\n");
+	must_run(
+		&run,
+		"world { duration = 1, frame_rate = 100 }\n"
+		"local m = material { restitution = 1, friction = 0 }\n"
+		"local a = sphere { name = 'a', radius = 0.5, mass = 1, velocity = {2, 0, 0}, material = m }\n"
+		"local b = sphere { name = 'b', radius = 0.5, mass = 1, position = {2, 0, 0}, material = m }\n"
+		"local seen = {}\n"
+		"on_collision(function(c) seen[#seen + 1] = c end)\n"
+		"expect('one', function() return #seen == 1 and collisions() == 1 end)\n"
+		"expect('of these', function() local c = seen[1] return c.a == a and c.b == b and c.a.name == 'a' end)\n"
+		"expect('numbers', function() local c = seen[1] return math.abs(c.approach_speed - 2) < 1e-9 and c.normal.x > 0.999\n"
+		"  and math.abs(c.impulse.x - 2) < 1e-9 and math.abs(c.point.x - 1.5) < 0.05 and math.abs(c.time - 0.5) < 0.02 end)\n"
+		"expect('velocities change hands', function() return b.velocity.x, 2 + 1e-9 end)\n");
 	assert_int_equal(run.scene.expect_count, 4);
 	for (int i = 0; i < 4; i++)
 		if (!run.results[i].ok)
@@ -143,21 +152,24 @@ static void handles_change_bodies_in_callbacks(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(&run, "world { duration = 1, frame_rate = 10 }\n"
-	               "local a = sphere { radius = 0.1, mass = 2 } local b = sphere { radius = 0.1, position = {5, 0, 0} }\n"
-	               "local c = sphere { radius = 0.1, position = {0, 5, 0}, mass = 2 } local f = plane { point = {0, 0, -50} }\n"
-	               "local first = true\n"
-	               "on_step(function(t) if first then a:apply_impulse({4, 0, 0}) b:set_velocity {0, 1, 0} b:set_angular_velocity {0, 0, 3}\n"
-	               "  b:set_position(vec3(7, 0, 0)) first = false end c:apply_force({2, 0, 0}) end)\n"
-	               "expect('impulse', function() return math.abs(a.velocity.x - 2), 1e-12 end)\n"
-	               "expect('velocity', function() return b.velocity == vec3(0, 1, 0) and b.position.x == 7 and b.angular_velocity.z == 3 end)\n"
-	               "expect('force', function() return math.abs(c.velocity.x - 1), 1e-9 end)\n"
-	               "expect('mass', function() return a.mass == 2 and a.momentum.x == 4 and f.mass == math.huge end)\n"
-	               "expect('energy', function() return math.abs(a.kinetic_energy - 4), 1e-9 end)\n"
-	               "expect('whole', function() return math.abs(momentum().x - 6), 1e-9 end)\n");
+	must_run(
+		&run,
+		"world { duration = 1, frame_rate = 10 }\n"
+		"local a = sphere { radius = 0.1, mass = 2 } local b = sphere { radius = 0.1, position = {5, 0, 0} }\n"
+		"local c = sphere { radius = 0.1, position = {0, 5, 0}, mass = 2 } local f = plane { point = {0, 0, -50} }\n"
+		"local first = true\n"
+		"on_step(function(t) if first then a:apply_impulse({4, 0, 0}) b:set_velocity {0, 1, 0} b:set_angular_velocity {0, 0, 3}\n"
+		"  b:set_position(vec3(7, 0, 0)) first = false end c:apply_force({2, 0, 0}) end)\n"
+		"expect('impulse', function() return math.abs(a.velocity.x - 2), 1e-12 end)\n"
+		"expect('velocity', function() return b.velocity == vec3(0, 1, 0) and b.position.x == 7 and b.angular_velocity.z == 3 end)\n"
+		"expect('force', function() return math.abs(c.velocity.x - 1), 1e-9 end)\n"
+		"expect('mass', function() return a.mass == 2 and a.momentum.x == 4 and f.mass == math.huge end)\n"
+		"expect('energy', function() return math.abs(a.kinetic_energy - 4), 1e-9 end)\n"
+		"expect('whole', function() return math.abs(momentum().x - 6), 1e-9 end)\n");
 	for (int i = 0; i < run.scene.expect_count; i++)
 		if (!run.results[i].ok)
-			fail_msg("%s: %s (%.17g, %.17g)", run.results[i].text, run.results[i].message, run.results[i].measured,
+			fail_msg("%s: %s (%.17g, %.17g)", run.results[i].text,
+			         run.results[i].message, run.results[i].measured,
 			         run.results[i].bound);
 	end(&run);
 }
@@ -171,7 +183,8 @@ static void an_error_in_a_callback_has_its_place_and_a_traceback(void **state)
 	               "local function inner() local x = nil + 1 end\n"
 	               "on_step(function(t) inner() end)\n");
 	assert_int_equal(run.status, RB_ERR_SCENE);
-	assert_string_equal(run.error.text, "t.lua:2: attempt to perform arithmetic on a nil value");
+	assert_string_equal(run.error.text,
+	                    "t.lua:2: attempt to perform arithmetic on a nil value");
 	assert_non_null(strstr(rb_script_traceback(run.script), "stack traceback:"));
 	assert_non_null(strstr(rb_script_traceback(run.script), "t.lua:3:"));
 	end(&run);
@@ -179,27 +192,39 @@ static void an_error_in_a_callback_has_its_place_and_a_traceback(void **state)
 
 static void mistakes_in_callbacks_are_told(void **state)
 {
-	static const char *const head = "world { duration = 1 } local f = plane { name = 'f', point = {0, 0, -9} } local b = sphere { radius = 1 } ";
+	static const char *const head =
+		"world { duration = 1 } local f = plane { name = 'f', point = {0, 0, -9} } local b = sphere { radius = 1 } ";
 	static const struct {
 		const char *text, *message;
 	} cases[] = {
-		{"on_step(function() f:set_velocity {0, 0, 1} end)", "t.lua:1: set_velocity: body f is static"},
-		{"on_step(function() b:set_velocity(5) end)", "t.lua:1: set_velocity: wants a vector {x, y, z} (got number)"},
-		{"on_step(function() b:set_velocity {0, 0, 0 / 1, 1} end)", "t.lua:1: set_velocity: wants a vector {x, y, z} (got table)"},
-		{"on_step(function() b:apply_force({1, 0, math.huge}) end)", "t.lua:1: apply_force: wants finite numbers (got {1.0, 0.0, inf})"},
-		{"on_step(function() b:aply_force({1, 0, 0}) end)", "t.lua:1: body #1 has no field 'aply_force' (did you mean 'apply_force'?)"},
-		{"on_step(function() sphere { radius = 1 } end)", "t.lua:1: sphere: only while the scene is loaded, not in a callback"},
-		{"on_step(function() param('x', 1) end)", "t.lua:1: param: only while the scene is loaded, not in a callback"},
-		{"on_step(function() on_step(print) end)", "t.lua:1: on_step: only while the scene is loaded, not in a callback"},
-		{"on_step(function() require 'x' end)", "t.lua:1: require: only while the scene is loaded, not in a callback"},
-		{"on_frame(function() while true do end end)", "t.lua:1: the script ran longer than 100000 instructions (--trust lifts this)"},
-		{"expect('e', function() b:set_velocity {1, 1, 1} end)", "t.lua:1: set_velocity: only in on_step, on_frame and on_collision"},
+		{"on_step(function() f:set_velocity {0, 0, 1} end)",
+	         "t.lua:1: set_velocity: body f is static"},
+		{"on_step(function() b:set_velocity(5) end)",
+	         "t.lua:1: set_velocity: wants a vector {x, y, z} (got number)"},
+		{"on_step(function() b:set_velocity {0, 0, 0 / 1, 1} end)",
+	         "t.lua:1: set_velocity: wants a vector {x, y, z} (got table)"},
+		{"on_step(function() b:apply_force({1, 0, math.huge}) end)",
+	         "t.lua:1: apply_force: wants finite numbers (got {1.0, 0.0, inf})"},
+		{"on_step(function() b:aply_force({1, 0, 0}) end)",
+	         "t.lua:1: body #1 has no field 'aply_force' (did you mean 'apply_force'?)"},
+		{"on_step(function() sphere { radius = 1 } end)",
+	         "t.lua:1: sphere: only while the scene is loaded, not in a callback"},
+		{"on_step(function() param('x', 1) end)",
+	         "t.lua:1: param: only while the scene is loaded, not in a callback"},
+		{"on_step(function() on_step(print) end)",
+	         "t.lua:1: on_step: only while the scene is loaded, not in a callback"},
+		{"on_step(function() require 'x' end)",
+	         "t.lua:1: require: only while the scene is loaded, not in a callback"},
+		{"on_frame(function() while true do end end)",
+	         "t.lua:1: the script ran longer than 100000 instructions (--trust lifts this)"},
+		{"expect('e', function() b:set_velocity {1, 1, 1} end)",
+	         "t.lua:1: set_velocity: only in on_step, on_frame and on_collision"},
 		{"expect('e', function() return 1 end)",
-		 "t.lua:1: expect 'e': the function must return a boolean, or measured and bound (got number and nil)"},
+	         "t.lua:1: expect 'e': the function must return a boolean, or measured and bound (got number and nil)"},
 		{"expect_always('e', function() return 'x' end)",
-		 "t.lua:1: expect_always 'e': the function must return a boolean, or measured and bound (got string and nil)"},
+	         "t.lua:1: expect_always 'e': the function must return a boolean, or measured and bound (got string and nil)"},
 		{"on_step(function() b.position = {0, 0, 0} end)",
-		 "t.lua:1: a body's 'position' can't be assigned: call body:set_position(p) in a callback"},
+	         "t.lua:1: a body's 'position' can't be assigned: call body:set_position(p) in a callback"},
 		{"on_frame(function() error(b) end)", "body #1"},
 	};
 	char text[400];
@@ -216,14 +241,15 @@ static void expectations_are_measured_against_their_bounds(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(&run, "world { duration = 1, frame_rate = 10 } sphere { radius = 1 }\n"
-	               "expect('holds', function() return 1, 2 end)\n"
-	               "expect('fails', function() return 3, 2 end)\n"
-	               "expect('is no number', function() return 0 / 0, 2 end)\n"
-	               "expect('false', function() return false end)\n"
-	               "expect_always('always', function() return time(), 0.55 end)\n"
-	               "expect_always('ever', function() return true end)\n"
-	               "expect_always('worst', function() return 0.5 - math.abs(time() - 0.3), 1 end)\n");
+	must_run(&run,
+	         "world { duration = 1, frame_rate = 10 } sphere { radius = 1 }\n"
+	         "expect('holds', function() return 1, 2 end)\n"
+	         "expect('fails', function() return 3, 2 end)\n"
+	         "expect('is no number', function() return 0 / 0, 2 end)\n"
+	         "expect('false', function() return false end)\n"
+	         "expect_always('always', function() return time(), 0.55 end)\n"
+	         "expect_always('ever', function() return true end)\n"
+	         "expect_always('worst', function() return 0.5 - math.abs(time() - 0.3), 1 end)\n");
 	assert_true(run.results[0].ok && run.results[0].has_numbers);
 	assert_near(run.results[0].measured, 1, 0);
 	assert_near(run.results[0].bound, 2, 0);
@@ -250,9 +276,11 @@ static void a_reference_can_be_used_by_expects(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(&run, "world { duration = 1 } local b = sphere { radius = 1, velocity = {2, 0, 0} }\n"
-	               "local exact = reference(function(t) return { b = { position = vec3(2 * t, 0, 0) } } end)\n"
-	               "expect('where it should be', function() return (b.position - exact(time()).b.position):length(), 1e-12 end)\n");
+	must_run(
+		&run,
+		"world { duration = 1 } local b = sphere { radius = 1, velocity = {2, 0, 0} }\n"
+		"local exact = reference(function(t) return { b = { position = vec3(2 * t, 0, 0) } } end)\n"
+		"expect('where it should be', function() return (b.position - exact(time()).b.position):length(), 1e-12 end)\n");
 	assert_true(run.results[0].ok);
 	end(&run);
 }
@@ -263,20 +291,25 @@ static void a_cameras_function_of_time_can_be_asked(void **state)
 	rb_vec3 at;
 
 	(void)state;
-	must_run(&run, "world { duration = 0.1 } local b = sphere { radius = 1 }\n"
-	               "camera { position = function(t) return {t, 2, 3} end, look_at = function(t) return 'x' end }");
+	must_run(
+		&run,
+		"world { duration = 0.1 } local b = sphere { radius = 1 }\n"
+		"camera { position = function(t) return {t, 2, 3} end, look_at = function(t) return 'x' end }");
 	assert_int_equal(run.scene.cameras[0].position.source, RB_CAMERA_FUNCTION);
-	const int place = run.scene.cameras[0].position.function, target = run.scene.cameras[0].look_at.function;
+	const int place = run.scene.cameras[0].position.function,
+		  target = run.scene.cameras[0].look_at.function;
 	assert_int_equal(rb_script_vector_at(run.script, NULL, place, 5, &at, &run.error), RB_OK);
 	assert_near(at.x, 5, 0);
-	assert_int_equal(rb_script_vector_at(run.script, run.world, target, 5, &at, &run.error), RB_ERR_SCENE);
+	assert_int_equal(rb_script_vector_at(run.script, run.world, target, 5, &at, &run.error),
+	                 RB_ERR_SCENE);
 	end(&run);
 }
 
 static void random_numbers_in_callbacks_repeat_from_run_to_run(void **state)
 {
-	static const char text[] = "world { duration = 0.5, seed = 5 } local b = sphere { radius = 1, mass = 1 }\n"
-	                           "on_step(function() b:apply_impulse({math.random() - 0.5, math.random(), 0}) end)\n";
+	static const char text[] =
+		"world { duration = 0.5, seed = 5 } local b = sphere { radius = 1, mass = 1 }\n"
+		"on_step(function() b:apply_impulse({math.random() - 0.5, math.random(), 0}) end)\n";
 	struct run first, second;
 
 	(void)state;

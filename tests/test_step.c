@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/step: the classic method against closed forms, and its promises. */
-#include "tests/worlds.h"
+#include "worlds.h"
 
 static const rb_vec3 up = {0, 0, 1};
 static const rb_vec3 origin = {0, 0, 0};
@@ -96,7 +96,8 @@ static void an_oblique_impact_sticks_and_spins(void **slot)
 	lab_plane(&lab, origin, up);
 	lab_seal(&lab, 1);
 	lab_run(&lab);
-	const rb_vec3 v = rb_world_velocity(lab.world, ball), w = rb_world_angular_velocity(lab.world, ball);
+	const rb_vec3 v = rb_world_velocity(lab.world, ball),
+		      w = rb_world_angular_velocity(lab.world, ball);
 	assert_near(v.x, -5.0 / 7, 1e-12);
 	assert_near(v.y, 0, 1e-15);
 	assert_near(v.z, 2, 1e-12);
@@ -244,12 +245,14 @@ static void a_ball_rolls_or_slides_down_a_slope(void **slot)
 		lab_open(&lab, 1, 50);
 		lab.scene.world.gravity = earth;
 		lab_surface(&lab, friction[k], 0);
-		const int ball = lab_sphere(&lab, 0.1, 1, at(0.1 * normal.x, 0, 0.1 * normal.z), origin);
+		const int ball = lab_sphere(&lab, 0.1, 1, at(0.1 * normal.x, 0, 0.1 * normal.z),
+		                            origin);
 		lab_plane(&lab, origin, normal);
 		lab_seal(&lab, 1);
 		lab_run(&lab);
 		const rb_vec3 v = rb_world_velocity(lab.world, ball);
-		const double speed = k == 0 ? 5.0 / 7 * 9.81 * sin(angle) : 9.81 * (sin(angle) - 0.05 * cos(angle));
+		const double speed = k == 0 ? 5.0 / 7 * 9.81 * sin(angle)
+		                            : 9.81 * (sin(angle) - 0.05 * cos(angle));
 		assert_near(v.x, speed * cos(angle), 1e-6);
 		assert_near(v.z, -speed * sin(angle), 1e-6);
 		assert_near(v.y, 0, 1e-12);
@@ -294,7 +297,8 @@ static void a_symmetric_break_stays_symmetric(void **slot)
 	assert_near(rb_world_velocity(lab.world, cue).x, -0.4, 1e-5);
 	assert_near(rb_world_velocity(lab.world, left).x, 1.2, 1e-5);
 	assert_near(rb_world_velocity(lab.world, left).y, 2 * 0.2 * sqrt(3), 1e-5);
-	assert_near(rb_world_velocity(lab.world, right).y, -rb_world_velocity(lab.world, left).y, 1e-12);
+	assert_near(rb_world_velocity(lab.world, right).y, -rb_world_velocity(lab.world, left).y,
+	            1e-12);
 	lab_close(&lab);
 }
 
@@ -346,7 +350,8 @@ static void fill_box(struct lab *lab, int n, double spacing, double radius)
 	const double half = 0.5 * n * spacing;
 
 	for (int k = 0; k < n * n * n; k++) {
-		const double x = (k % n + 0.5) * spacing - half, y = (k / n % n + 0.5) * spacing - half;
+		const double x = (k % n + 0.5) * spacing - half,
+			     y = (k / n % n + 0.5) * spacing - half;
 		const double z = (k / n / n + 0.5) * spacing;
 		const rb_vec3 v = {sin(1.0 + k), cos(2.0 * k), sin(3.0 * k + 1)};
 
@@ -419,7 +424,8 @@ static void an_eccentric_impact_never_raises_energy(void **slot)
 
 		lab_open(&lab, 0.2, 200);
 		lab_surface(&lab, mu, fmin(e, 1));
-		struct rb_body_def def = lab_sphere_def(0.1, 1, at(0, 0, 0.15), at(sin(k), cos(3.0 * k), -1 - k % 5));
+		struct rb_body_def def = lab_sphere_def(0.1, 1, at(0, 0, 0.15),
+		                                        at(sin(k), cos(3.0 * k), -1 - k % 5));
 		def.center_of_mass = at(0.08 * sin(5.0 * k), 0.08 * cos(7.0 * k), 0.03);
 		def.angular_velocity = at(20 * sin(2.0 * k), 10 * cos(k), 5);
 		const int ball = lab_add(&lab, &def);

@@ -8,7 +8,7 @@
 #include <rbsim/model.h>
 
 #include "math/vec3.h"
-#include "tests/support.h"
+#include "support.h"
 
 struct lab {
 	struct rb_scene scene;
@@ -47,7 +47,8 @@ static inline int lab_add(struct lab *lab, const struct rb_body_def *def)
 	return id;
 }
 
-static inline struct rb_body_def lab_sphere_def(double radius, double mass, rb_vec3 position, rb_vec3 velocity)
+static inline struct rb_body_def lab_sphere_def(double radius, double mass, rb_vec3 position,
+                                                rb_vec3 velocity)
 {
 	struct rb_body_def def = rb_body_def_default();
 
@@ -60,7 +61,8 @@ static inline struct rb_body_def lab_sphere_def(double radius, double mass, rb_v
 	return def;
 }
 
-static inline int lab_sphere(struct lab *lab, double radius, double mass, rb_vec3 position, rb_vec3 velocity)
+static inline int lab_sphere(struct lab *lab, double radius, double mass, rb_vec3 position,
+                             rb_vec3 velocity)
 {
 	const struct rb_body_def def = lab_sphere_def(radius, mass, position, velocity);
 
@@ -95,7 +97,8 @@ static inline int lab_rectangle(struct lab *lab, rb_vec3 point, rb_vec3 normal, 
 
 static inline void lab_seal(struct lab *lab, int threads)
 {
-	const struct rb_world_options options = {.threads = threads, .keep_events = true, .keep_contacts = true};
+	const struct rb_world_options options = {
+		.threads = threads, .keep_events = true, .keep_contacts = true};
 
 	if (rb_model_create(&lab->model, &lab->scene, NULL, &lab->error) != RB_OK)
 		fail_msg("model: %s", lab->error.text);

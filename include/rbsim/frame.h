@@ -24,10 +24,10 @@ enum rb_event_kind { RB_EVENT_COLLISION, RB_EVENT_KIND_COUNT };
 struct rb_event {
 	double time_s;
 	enum rb_event_kind kind;
-	int a, b;           /* ids, a < b */
-	rb_vec3 point;      /* m, world */
-	rb_vec3 normal;     /* unit, from a to b */
-	rb_vec3 impulse;    /* N s, on b */
+	int a, b;              /* ids, a < b */
+	rb_vec3 point;         /* m, world */
+	rb_vec3 normal;        /* unit, from a to b */
+	rb_vec3 impulse;       /* N s, on b */
 	double approach_speed; /* m/s, > 0, along the normal */
 };
 
@@ -41,12 +41,12 @@ struct rb_frame_contact {
 
 /* Numbers of the whole scene at a frame; counts are since the frame before. */
 struct rb_frame_numbers {
-	double kinetic_energy, potential_energy; /* J; zero of potential at the origin */
-	rb_vec3 momentum, angular_momentum;      /* kg m/s; kg m^2/s about the origin */
-	double max_penetration;                  /* m, >= 0 */
-	uint64_t contacts;                       /* lasting now */
+	double kinetic_energy, potential_energy;  /* J; zero of potential at the origin */
+	rb_vec3 momentum, angular_momentum;       /* kg m/s; kg m^2/s about the origin */
+	double max_penetration;                   /* m, >= 0 */
+	uint64_t contacts;                        /* lasting now */
 	uint64_t collisions, rollbacks, substeps; /* substeps: accepted, all groups */
-	double smallest_step;                    /* s, the smallest substep tried */
+	double smallest_step;                     /* s, the smallest substep tried */
 };
 
 struct rb_frame {

@@ -20,18 +20,18 @@ typedef unsigned rb_features;
 enum {
 	RB_FEATURE_GRAVITY = 1u << 0,
 	RB_FEATURE_GRAVITY_FORCE = 1u << 1,
-	RB_FEATURE_FORCES = 1u << 2,   /* `forces` of a body */
-	RB_FEATURE_ROTATION = 1u << 3, /* some body turns or can come to turn */
+	RB_FEATURE_FORCES = 1u << 2,     /* `forces` of a body */
+	RB_FEATURE_ROTATION = 1u << 3,   /* some body turns or can come to turn */
 	RB_FEATURE_GYROSCOPIC = 1u << 4, /* a body with unequal principal moments that can turn */
 	RB_FEATURE_OFF_CENTER = 1u << 5, /* a centre of mass off the centroid */
-	RB_FEATURE_CONTACT = 1u << 6,  /* two bodies that could touch */
+	RB_FEATURE_CONTACT = 1u << 6,    /* two bodies that could touch */
 	RB_FEATURE_FRICTION = 1u << 7,
 	RB_FEATURE_RESTITUTION = 1u << 8,
 	RB_FEATURE_FILTERS = 1u << 9,
 	RB_FEATURE_HOOK_STEP = 1u << 10,
 	RB_FEATURE_HOOK_COLLISION = 1u << 11,
-	RB_FEATURE_EVENTS = 1u << 12,  /* impacts are kept for frames or hooks */
-	RB_FEATURE_PUSHES = 1u << 13,  /* callbacks that can push: step, collision or frame */
+	RB_FEATURE_EVENTS = 1u << 12, /* impacts are kept for frames or hooks */
+	RB_FEATURE_PUSHES = 1u << 13, /* callbacks that can push: step, collision or frame */
 };
 
 /* Entry of the dense materials table. */
@@ -50,23 +50,24 @@ struct rb_model {
 	/* columns by index */
 	struct rb_shape *shape;
 	int *material;
-	double *mass, *inverse_mass;     /* statics: INFINITY, 0 */
-	rb_mat3 *inertia, *inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
-	double *inverse_inertia_scalar;  /* where the tensor is a multiple of 1, else NAN; NULL without rotation */
-	rb_vec3 *center_of_mass;         /* object coordinates; NULL: all at the centroid */
-	uint64_t *group_bit, *collides;  /* NULL without filters */
-	rb_vec3 *position;               /* initial: of the object's origin; for good: statics */
+	double *mass, *inverse_mass; /* statics: INFINITY, 0 */
+	rb_mat3 *inertia,
+		*inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
+	double *inverse_inertia_scalar; /* where the tensor is a multiple of 1, else NAN; NULL without rotation */
+	rb_vec3 *center_of_mass;        /* object coordinates; NULL: all at the centroid */
+	uint64_t *group_bit, *collides; /* NULL without filters */
+	rb_vec3 *position;              /* initial: of the object's origin; for good: statics */
 	rb_quat *orientation;
 
 	int material_count;
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */
 
 	double duration_s, frame_rate, time_step_s;
-	double tolerance_m, size_min_m;   /* smallest radius of a moving body */
-	double coordinate_max_m;          /* largest |coordinate| or size at the start */
+	double tolerance_m, size_min_m; /* smallest radius of a moving body */
+	double coordinate_max_m;        /* largest |coordinate| or size at the start */
 	enum rb_rollback_kind rollback;
-	uint64_t frame_count;             /* frame 0 included */
-	size_t bytes;                     /* that the columns take */
+	uint64_t frame_count; /* frame 0 included */
+	size_t bytes;         /* that the columns take */
 };
 
 /*
@@ -91,7 +92,7 @@ const char *rb_rollback_name(enum rb_rollback_kind kind);
  */
 enum { RB_MISTAKES_MAX = 50 };
 struct rb_mistakes {
-	int count; /* all of them */
+	int count;                   /* all of them */
 	char *line[RB_MISTAKES_MAX]; /* owned */
 };
 void rb_mistakes_add(struct rb_mistakes *mistakes, const char *format, ...) RB_PRINTF(2, 3);

@@ -54,8 +54,8 @@ struct rb_contact_pair_def {
 enum rb_force_frame { RB_FORCE_WORLD, RB_FORCE_BODY };
 
 struct rb_force_def {
-	rb_vec3 vector;            /* N */
-	rb_vec3 point;             /* m, object coordinates; x is NAN: the centre of mass */
+	rb_vec3 vector;             /* N */
+	rb_vec3 point;              /* m, object coordinates; x is NAN: the centre of mass */
 	double start_s, duration_s; /* duration may be INFINITY: to the end */
 	enum rb_force_frame frame;
 };
@@ -80,8 +80,8 @@ struct rb_body_def {
 
 	int force_first, force_count; /* in scene.forces */
 
-	int group;             /* index into groups, -1: none */
-	bool filters;          /* collides_with was given */
+	int group;              /* index into groups, -1: none */
+	bool filters;           /* collides_with was given */
 	uint64_t collides_with; /* bit k: groups[k] */
 
 	double color[3]; /* color[0] is NAN: the palette's */
@@ -99,11 +99,7 @@ struct rb_camera_vector {
 };
 
 enum { RB_CAMERA_LIGHTS_MAX = 8, RB_CAMERA_TRAILS_MAX = 64 };
-enum {
-	RB_OVERLAY_TIME = 1u << 0,
-	RB_OVERLAY_TITLE = 1u << 1,
-	RB_OVERLAY_ENERGY = 1u << 2
-};
+enum { RB_OVERLAY_TIME = 1u << 0, RB_OVERLAY_TITLE = 1u << 1, RB_OVERLAY_ENERGY = 1u << 2 };
 enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1 };
 
 struct rb_light_def {
@@ -120,7 +116,7 @@ struct rb_camera_def {
 	int mount; /* id of a body, -1: none */
 	rb_vec3 offset;
 	bool level;
-	double fov;        /* rad, vertical */
+	double fov; /* rad, vertical */
 	bool has_frustum;
 	double frustum[6]; /* left, right, bottom, top, near, far */
 	double near, far;  /* m; NAN: chosen from the scene */
@@ -131,7 +127,7 @@ struct rb_camera_def {
 	int light_count; /* -1: the default lights */
 	bool shadows;
 	int samples;
-	unsigned overlay, vectors; /* RB_OVERLAY_*, RB_VECTORS_* */
+	unsigned overlay, vectors;                     /* RB_OVERLAY_*, RB_VECTORS_* */
 	int trails[RB_CAMERA_TRAILS_MAX], trail_count; /* ids of bodies */
 	bool wireframe;
 	const char *png, *video; /* output patterns, NULL: none */
@@ -144,15 +140,16 @@ enum {
 	RB_FIELD_ANGULAR_VELOCITY = 1u << 3,
 	RB_FIELD_CONTACTS = 1u << 4,
 	RB_FIELD_EVENTS = 1u << 5,
-	RB_FIELD_DEFAULT = RB_FIELD_POSITION | RB_FIELD_ORIENTATION | RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY
+	RB_FIELD_DEFAULT = RB_FIELD_POSITION | RB_FIELD_ORIENTATION | RB_FIELD_VELOCITY |
+	                   RB_FIELD_ANGULAR_VELOCITY
 };
 
 struct rb_record_def {
-	const char *file;    /* NULL: from the scene's name */
-	int every;           /* record every n-th frame */
-	unsigned fields;     /* RB_FIELD_* */
+	const char *file; /* NULL: from the scene's name */
+	int every;        /* record every n-th frame */
+	unsigned fields;  /* RB_FIELD_* */
 	bool single_precision;
-	int compression;     /* 0 to 9 */
+	int compression; /* 0 to 9 */
 };
 
 enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };
@@ -192,7 +189,8 @@ struct rb_expect_def {
 
 /* A file that the scene is made of: the scene itself first, then all that it required. */
 struct rb_source_file {
-	const char *name; /* as required, e.g. "rbsim.lattice"; the scene's base name for the first */
+	const char
+		*name; /* as required, e.g. "rbsim.lattice"; the scene's base name for the first */
 	const char *text;
 	size_t size_bytes;
 	char sha256[65];
@@ -230,8 +228,8 @@ struct rb_scene {
 	int expect_count;
 	struct rb_source_file *files;
 	int file_count;
-	unsigned hooks;        /* RB_HOOK_* */
-	int expect_refused;    /* exit status that the scene expects to be refused with, 0: none */
+	unsigned hooks;     /* RB_HOOK_* */
+	int expect_refused; /* exit status that the scene expects to be refused with, 0: none */
 	const char *expect_refused_pattern;
 
 	struct rb_scene_memory *memory; /* owned */
@@ -250,27 +248,31 @@ struct rb_force_def rb_force_def_default(void);
 struct rb_camera_def rb_camera_def_default(void);
 
 /* Append a copy; texts are copied too. `*index` (may be NULL) receives its place. Fail on memory only. */
-RB_CHECKED enum rb_status rb_scene_add_material(struct rb_scene *scene, const struct rb_material_def *def,
-                                                int *index, struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_material(struct rb_scene *scene,
+                                                const struct rb_material_def *def, int *index,
+                                                struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_contact_pair(struct rb_scene *scene,
                                                     const struct rb_contact_pair_def *def,
                                                     struct rb_error *err);
-RB_CHECKED enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_def *def, int *index,
-                                            struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_def *def,
+                                            int *index, struct rb_error *err);
 /* To the body added last. */
 RB_CHECKED enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_def *def,
                                              struct rb_error *err);
 /* Index of the group of that name, added when new; RB_ERR_SCENE beyond 63. */
 RB_CHECKED enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *index,
                                          struct rb_error *err);
-RB_CHECKED enum rb_status rb_scene_add_camera(struct rb_scene *scene, const struct rb_camera_def *def,
+RB_CHECKED enum rb_status rb_scene_add_camera(struct rb_scene *scene,
+                                              const struct rb_camera_def *def,
                                               struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_param(struct rb_scene *scene, const struct rb_param_def *def,
                                              struct rb_error *err);
-RB_CHECKED enum rb_status rb_scene_add_expect(struct rb_scene *scene, const struct rb_expect_def *def,
+RB_CHECKED enum rb_status rb_scene_add_expect(struct rb_scene *scene,
+                                              const struct rb_expect_def *def,
                                               struct rb_error *err);
-RB_CHECKED enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name, const char *text,
-                                            size_t size_bytes, const char *sha256, struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *name,
+                                            const char *text, size_t size_bytes, const char *sha256,
+                                            struct rb_error *err);
 /* A copy of a text that lives as long as the scene; NULL when memory is out. */
 const char *rb_scene_text(struct rb_scene *scene, const char *text);
 

@@ -21,15 +21,16 @@ extern "C" {
 
 /* How a run ended, handed to every sink when it is closed. */
 struct rb_outcome {
-	enum rb_status status;    /* RB_OK: complete; RB_ERR_INTERRUPT, RB_ERR_TERMINATE: interrupted; else failed */
-	const char *reason;       /* never NULL, "" when complete */
-	uint64_t state_hash;      /* of the last state */
+	enum rb_status
+		status; /* RB_OK: complete; RB_ERR_INTERRUPT, RB_ERR_TERMINATE: interrupted; else failed */
+	const char *reason;  /* never NULL, "" when complete */
+	uint64_t state_hash; /* of the last state */
 };
 
 struct rb_sink {
 	const char *name;
 	bool lossless;
-	bool essential; /* its failure ends the run */
+	bool essential;  /* its failure ends the run */
 	unsigned fields; /* RB_FIELD_* it reads; others may be NULL in its frames */
 	void *self;
 

@@ -29,9 +29,10 @@ struct rb_world;
  */
 struct rb_world_hooks {
 	void *user;
-	enum rb_status (*step)(void *user, struct rb_world *world, double time_s, double dt_s, struct rb_error *err);
-	enum rb_status (*collision)(void *user, struct rb_world *world, const struct rb_event *event,
-	                            struct rb_error *err);
+	enum rb_status (*step)(void *user, struct rb_world *world, double time_s, double dt_s,
+	                       struct rb_error *err);
+	enum rb_status (*collision)(void *user, struct rb_world *world,
+	                            const struct rb_event *event, struct rb_error *err);
 };
 
 /* Set before the first step, then only read. */
@@ -57,10 +58,11 @@ void rb_world_destroy(struct rb_world *world); /* NULL is fine */
 RB_CHECKED enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err);
 bool rb_world_stopped(const struct rb_world *world);
 
-uint64_t rb_world_frame(const struct rb_world *world);       /* k */
-uint64_t rb_world_frame_count(const struct rb_world *world); /* of the whole run, frame 0 included */
-double rb_world_time(const struct rb_world *world);          /* s */
-uint64_t rb_world_hash(const struct rb_world *world);        /* of all that decides the future */
+uint64_t rb_world_frame(const struct rb_world *world); /* k */
+uint64_t rb_world_frame_count(
+	const struct rb_world *world);                /* of the whole run, frame 0 included */
+double rb_world_time(const struct rb_world *world);   /* s */
+uint64_t rb_world_hash(const struct rb_world *world); /* of all that decides the future */
 
 /*
  * Fills the columns that `frame` has, its numbers, events and contacts, and begins to count anew for the next
@@ -73,14 +75,16 @@ struct rb_frame_numbers rb_world_totals(struct rb_world *world);
 /* Accepted and discarded (rolled back) body substeps of the whole run, and pair tests of the broadphase. */
 struct rb_world_work {
 	uint64_t body_steps, discarded_body_steps, pair_tests;
-	uint64_t plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
+	uint64_t
+		plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
 };
 struct rb_world_work rb_world_work(const struct rb_world *world);
 
 int rb_world_id_count(const struct rb_world *world);
 bool rb_world_is_static(const struct rb_world *world, int id);
-double rb_world_mass(const struct rb_world *world, int id);      /* kg; INFINITY: static */
-rb_mat3 rb_world_inertia(const struct rb_world *world, int id);  /* kg m^2, object axes; zero: static */
+double rb_world_mass(const struct rb_world *world, int id); /* kg; INFINITY: static */
+rb_mat3 rb_world_inertia(const struct rb_world *world,
+                         int id); /* kg m^2, object axes; zero: static */
 rb_vec3 rb_world_position(const struct rb_world *world, int id); /* m, of the object's origin */
 rb_quat rb_world_orientation(const struct rb_world *world, int id);
 rb_vec3 rb_world_velocity(const struct rb_world *world, int id); /* m/s, of the centre of mass */
@@ -88,7 +92,8 @@ rb_vec3 rb_world_angular_velocity(const struct rb_world *world, int id);
 double rb_world_kinetic_energy(const struct rb_world *world, int id); /* J */
 rb_vec3 rb_world_momentum(const struct rb_world *world, int id);
 rb_vec3 rb_world_angular_momentum(const struct rb_world *world, int id); /* about the origin */
-rb_vec3 rb_world_point(const struct rb_world *world, int id, rb_vec3 point_local); /* world position */
+rb_vec3 rb_world_point(const struct rb_world *world, int id,
+                       rb_vec3 point_local); /* world position */
 
 /* Changes from callbacks; `id` must be a moving body, values finite. Points are world positions. */
 void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_vec3 point);

@@ -15,10 +15,11 @@ struct rb_run_info {
 	const char *version, *build; /* "0.1.0"; compiler, flags, libraries, commit where known */
 	const char *command;         /* the command line */
 	const char *host, *author;
-	char started[32];            /* UTC */
+	char started[32]; /* UTC */
 	int threads;
 	const char *method, *rollback; /* as run */
-	const struct rb_model *model;  /* numbers as run: seed, time_step, tolerance, frame_rate, duration */
+	const struct rb_model
+		*model; /* numbers as run: seed, time_step, tolerance, frame_rate, duration */
 	const struct rb_scene *scene;
 };
 

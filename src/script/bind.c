@@ -54,7 +54,8 @@ static int l_world(lua_State *L)
 	world.description = keep_text(&call, world.description);
 	if (script->options->has_seed)
 		world.seed = script->options->seed;
-	else if (rb_call_given(&call, "seed") && script->sandbox.random_used && world.seed != script->sandbox.seed)
+	else if (rb_call_given(&call, "seed") && script->sandbox.random_used &&
+	         world.seed != script->sandbox.seed)
 		rb_call_mistake(&call, "'seed' must come before the first random number is drawn");
 	script->sandbox.seed = world.seed;
 	script->scene->world = world;
@@ -113,7 +114,8 @@ static int l_material_index(lua_State *L)
 		struct rb_nearest nearest = rb_nearest_to(key);
 		for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
 			rb_nearest_offer(&nearest, keys[i], strlen(keys[i]));
-		return luaL_error(L, "a material has no field '%s'%s", key, rb_nearest_hint(&nearest, hint));
+		return luaL_error(L, "a material has no field '%s'%s", key,
+		                  rb_nearest_hint(&nearest, hint));
 	}
 	return 1;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* world, material, contact_pair, record: a call's table to the scene. And the words of later versions, refused by name. */
+/* world, material, contact_pair, record: a call's table to the scene. And the words of later
+ * versions, refused by name. */
 #ifndef RB_SCRIPT_BIND_H
 #define RB_SCRIPT_BIND_H
 

@@ -26,7 +26,8 @@ void rb_name_take(const struct rb_call *call, const char *kind, const char *name
 	snprintf(key, sizeof key, "rbsim.names.%s", kind);
 	luaL_getsubtable(L, LUA_REGISTRYINDEX, key);
 	if (lua_getfield(L, -1, name) != LUA_TNIL)
-		rb_call_mistake(call, "name '%.60s' is taken by the %s of line %d", name, kind, (int)lua_tointeger(L, -1));
+		rb_call_mistake(call, "name '%.60s' is taken by the %s of line %d", name, kind,
+		                (int)lua_tointeger(L, -1));
 	lua_pop(L, 1);
 	lua_pushinteger(L, call->line);
 	lua_setfield(L, -2, name);
@@ -52,8 +53,10 @@ static void add_force(struct rb_call *part)
 	if (has_vector ? has_direction || has_magnitude : !(has_direction && has_magnitude)) {
 		rb_call_mistake(part, "wants 'vector', or 'direction' and 'magnitude'");
 	} else if (!has_vector) {
-		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2, &direction);
-		if (rb_call_value(part, rb_row_find(table, "magnitude", NULL), -1, &magnitude) && right)
+		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2,
+		                                 &direction);
+		if (rb_call_value(part, rb_row_find(table, "magnitude", NULL), -1, &magnitude) &&
+		    right)
 			def.vector = rb_vec3_scale(magnitude, rb_vec3_unit(direction, direction));
 	}
 	lua_pop(part->L, 2);
@@ -72,9 +75,11 @@ static void add_forces(struct rb_call *call, bool is_static)
 		return;
 	}
 	const int list = lua_gettop(L);
-	if (lua_type(L, list) != LUA_TTABLE || (lua_rawlen(L, list) == 0 && (lua_pushnil(L), lua_next(L, list)))) {
-		rb_call_mistake(call, "'forces' must be a list of tables {{vector = {...}}, ...} (got %s)",
-		                rb_describe(L, list, found));
+	if (lua_type(L, list) != LUA_TTABLE ||
+	    (lua_rawlen(L, list) == 0 && (lua_pushnil(L), lua_next(L, list)))) {
+		rb_call_mistake(
+			call, "'forces' must be a list of tables {{vector = {...}}, ...} (got %s)",
+			rb_describe(L, list, found));
 	} else {
 		const lua_Integer count = (lua_Integer)lua_rawlen(L, list);
 		if (is_static && count > 0)
@@ -91,7 +96,8 @@ static void add_forces(struct rb_call *call, bool is_static)
 
 /* ---- groups ---- */
 
-/* The number of the group named by the value on top of the stack, which is taken off; -1: a mistake was noted. */
+/* The number of the group named by the value on top of the stack, which is taken off; -1: a mistake
+ * was noted. */
 static int group_of(struct rb_call *call, const char *key)
 {
 	struct rb_error err;
@@ -99,10 +105,11 @@ static int group_of(struct rb_call *call, const char *key)
 	int group = -1;
 
 	if (lua_type(call->L, -1) != LUA_TSTRING || lua_rawlen(call->L, -1) == 0) {
-		rb_call_mistake(call, "'%s' must be the name of a group (got %s)", key, rb_describe(call->L, -1, found));
+		rb_call_mistake(call, "'%s' must be the name of a group (got %s)", key,
+		                rb_describe(call->L, -1, found));
 	} else {
-		const enum rb_status status =
-			rb_scene_group(call->script->scene, lua_tostring(call->L, -1), &group, &err);
+		const enum rb_status status = rb_scene_group(
+			call->script->scene, lua_tostring(call->L, -1), &group, &err);
 		if (status == RB_ERR_MEMORY)
 			rb_script_need(call->L, status, &err);
 		if (status != RB_OK) {
@@ -137,7 +144,8 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 		return;
 	}
 	if (type != LUA_TTABLE) {
-		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got %s)", rb_describe(L, -1, found));
+		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got %s)",
+		                rb_describe(L, -1, found));
 		lua_pop(L, 1);
 		return;
 	}
@@ -146,7 +154,9 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
 		keys++;
 	if (keys != count)
-		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got a table with keys)");
+		rb_call_mistake(
+			call,
+			"'collides_with' must be a list of names of groups (got a table with keys)");
 	for (lua_Integer i = 1; i <= count; i++) {
 		lua_rawgeti(L, -1, i);
 		const int group = group_of(call, "collides_with");
@@ -218,11 +228,13 @@ static int l_sphere(lua_State *L)
 	return finish_body(&call, &def);
 }
 
-/* Reads a key that is a row of planes and has no place in the definition; false: not given, or wrong. */
+/* Reads a key that is a row of planes and has no place in the definition; false: not given, or
+ * wrong. */
 static bool read_vector(struct rb_call *call, const char *key, rb_vec3 *value)
 {
 	const bool given = rb_call_push(call, key) != LUA_TNIL;
-	const bool right = given && rb_call_value(call, rb_row_find(&rb_rows_plane, key, NULL), -1, value);
+	const bool right = given &&
+	                   rb_call_value(call, rb_row_find(&rb_rows_plane, key, NULL), -1, value);
 
 	lua_pop(call->L, 1);
 	return right;
@@ -247,10 +259,13 @@ static void place_plane(struct rb_call *call, struct rb_body_def *def)
 	if (rb_call_tried(call, "orientation"))
 		return;
 	if (has_axis) {
-		const rb_vec3 across = rb_vec3_cross(rb_vec3_unit(normal, normal), rb_vec3_unit(axis, axis));
+		const rb_vec3 across = rb_vec3_cross(rb_vec3_unit(normal, normal),
+		                                     rb_vec3_unit(axis, axis));
 		if (rb_vec3_length(across) < 1e-9) {
-			rb_call_mistake(call, "'axis' must not be along the normal (got {%.12g, %.12g, %.12g})", axis.x, axis.y,
-			                axis.z);
+			rb_call_mistake(
+				call,
+				"'axis' must not be along the normal (got {%.12g, %.12g, %.12g})",
+				axis.x, axis.y, axis.z);
 			return;
 		}
 	}
@@ -270,7 +285,8 @@ static int l_plane(lua_State *L)
 	if (rb_call_given(&call, "size"))
 		def.shape.kind = RB_SHAPE_RECTANGLE;
 	if (!def.is_static) {
-		rb_call_mistake(&call, "'static' = false: a plane that moves is not in this version");
+		rb_call_mistake(&call,
+		                "'static' = false: a plane that moves is not in this version");
 		def.is_static = true;
 	}
 	place_plane(&call, &def);

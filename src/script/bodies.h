@@ -11,7 +11,8 @@ void rb_bodies_open(lua_State *L);
 /* Adds a body that stands for one that can't be had, so that loading goes on; pushes its handle. */
 int rb_bodies_stand_in(lua_State *L, const struct rb_call *call);
 
-/* Notes a mistake when `name` is taken among names of one kind ("body", "material", "camera"), else takes it. */
+/* Notes a mistake when `name` is taken among names of one kind ("body", "material", "camera"), else
+ * takes it. */
 void rb_name_take(const struct rb_call *call, const char *kind, const char *name);
 
 #endif

@@ -25,7 +25,8 @@ int rb_scene_line(lua_State *L, char *helper, size_t helper_size)
 		if (at.source[0] == '@' && strcmp(at.source + 1, script->scene->file) == 0)
 			return at.currentline;
 		if (caller && helper)
-			snprintf(helper, helper_size, " (in %s:%d)", at.source + (at.source[0] == '@' || at.source[0] == '='),
+			snprintf(helper, helper_size, " (in %s:%d)",
+			         at.source + (at.source[0] == '@' || at.source[0] == '='),
 			         at.currentline);
 		caller = false;
 	}
@@ -50,8 +51,8 @@ static void note(struct rb_script *script, int line, const char *text)
 		return;
 	script->last_mistake = hash;
 	if (script->mistake_count++ == 0)
-		snprintf(script->first_mistake, sizeof script->first_mistake, "%.*s", (int)sizeof script->first_mistake - 1,
-		         whole);
+		snprintf(script->first_mistake, sizeof script->first_mistake, "%.*s",
+		         (int)sizeof script->first_mistake - 1, whole);
 	if (script->mistakes)
 		rb_mistakes_add(script->mistakes, "%s", whole);
 }
@@ -132,9 +133,10 @@ const char *rb_describe(lua_State *L, int index, char out[80])
 			snprintf(out, 80, "a table");
 		break;
 	case LUA_TUSERDATA:
-		snprintf(out, 80, "%s", rb_handle_id(L, index) >= 0                        ? "a body"
-		                        : luaL_testudata(L, index, RB_MATERIAL_TYPE) ? "a material"
-		                                                                           : "an object");
+		snprintf(out, 80, "%s",
+		         rb_handle_id(L, index) >= 0                  ? "a body"
+		         : luaL_testudata(L, index, RB_MATERIAL_TYPE) ? "a material"
+		                                                      : "an object");
 		break;
 	case LUA_TNIL:
 	case LUA_TNONE:
@@ -154,7 +156,8 @@ int rb_handle_id(lua_State *L, int index)
 	return handle ? *handle : -1;
 }
 
-struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row_table *table, int index)
+struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row_table *table,
+                             int index)
 {
 	struct rb_call call = {.L = L, .script = rb_script_of(L), .table = table};
 
@@ -167,8 +170,10 @@ struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row
 	char found[80];
 	const bool table_given = lua_type(L, index) == LUA_TTABLE;
 	if (!table_given)
-		rb_call_mistake(&call, "wants a table of keys, like %s { ... } (got %s)", word, rb_describe(L, index, found));
-	else if (luaL_getmetafield(L, index, "__index") != LUA_TNIL) /* what it inherits would be passed over */
+		rb_call_mistake(&call, "wants a table of keys, like %s { ... } (got %s)", word,
+		                rb_describe(L, index, found));
+	else if (luaL_getmetafield(L, index, "__index") !=
+	         LUA_TNIL) /* what it inherits would be passed over */
 		rb_call_mistake(&call, "wants a plain table of keys (got one with '__index')");
 	else
 		call.index = index;
@@ -181,7 +186,8 @@ struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row
 	return call;
 }
 
-struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_table *table, int index, int number)
+struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_table *table, int index,
+                            int number)
 {
 	struct rb_call part = *call;
 	char found[80];
@@ -192,7 +198,8 @@ struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_tabl
 	const size_t used = strlen(part.label);
 	snprintf(part.label + used, sizeof part.label - used, ": %s[%d]", table->name, number);
 	if (lua_type(call->L, part.index) != LUA_TTABLE) {
-		rb_call_mistake(&part, "must be a table of keys (got %s)", rb_describe(call->L, part.index, found));
+		rb_call_mistake(&part, "must be a table of keys (got %s)",
+		                rb_describe(call->L, part.index, found));
 		part.index = 0;
 	}
 	return part;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One call of a scene's and the mistakes in it. A mistake is noted with the scene's line and the call's name, and loading goes
- * on, so that one pass finds them all.
+ * One call of a scene's and the mistakes in it. A mistake is noted with the scene's line and the
+ * call's name, and loading goes on, so that one pass finds them all.
  */
 #ifndef RB_SCRIPT_CALL_H
 #define RB_SCRIPT_CALL_H
@@ -26,12 +26,15 @@ struct rb_call {
 	int unknown;     /* keys that no row knows */
 };
 
-/* Starts to serve `word`, whose table of keys is argument `index` (0: it has none). Notes a mistake when it is no table;
- * raises an error when nothing is being loaded. */
-struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row_table *table, int index);
+/* Starts to serve `word`, whose table of keys is argument `index` (0: it has none). Notes a mistake
+ * when it is no table; raises an error when nothing is being loaded. */
+struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row_table *table,
+                             int index);
 
-/* A part of a call, like the second of its forces: its own table at `index`, the same place in the scene. */
-struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_table *table, int index, int number);
+/* A part of a call, like the second of its forces: its own table at `index`, the same place in the
+ * scene. */
+struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_table *table, int index,
+                            int number);
 
 /* file:line: label: what. */
 void rb_call_mistake(const struct rb_call *call, const char *format, ...) RB_PRINTF(2, 3);
@@ -42,10 +45,12 @@ void rb_script_mistake(struct rb_script *script, int line, const char *format, .
 /* What was found, for "(got ...)": a number, the text 'x', a table ... Returns `out`. */
 const char *rb_describe(lua_State *L, int index, char out[80]);
 
-/* The line of the scene's own file that is being run (0: none), and the helper that it called (may be NULL). */
+/* The line of the scene's own file that is being run (0: none), and the helper that it called (may
+ * be NULL). */
 int rb_scene_line(lua_State *L, char *helper, size_t helper_size);
 
-/* A body's id from a handle; -1: it is none. The metatables are made by script/handles and script/bind. */
+/* A body's id from a handle; -1: it is none. The metatables are made by script/handles and
+ * script/bind. */
 int rb_handle_id(lua_State *L, int index);
 #define RB_HANDLE_TYPE "rbsim.body"
 #define RB_MATERIAL_TYPE "rbsim.material"

@@ -11,7 +11,8 @@
 #include "script/fields.h"
 #include "script/values.h"
 
-/* The list at `key`, pushed; its length, or -1 with nothing pushed when there is none or it is no list. */
+/* The list at `key`, pushed; its length, or -1 with nothing pushed when there is none or it is no
+ * list. */
 static int push_list(struct rb_call *call, const char *key, const char *of, int most)
 {
 	lua_State *L = call->L;
@@ -28,7 +29,8 @@ static int push_list(struct rb_call *call, const char *key, const char *of, int 
 		if (keys == (lua_Integer)lua_rawlen(L, -1) && keys <= most)
 			return (int)keys;
 	}
-	rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %s)", key, most, of, rb_describe(L, -1, found));
+	rb_call_mistake(call, "'%s' must be a list of at most %d %s (got %s)", key, most, of,
+	                rb_describe(L, -1, found));
 	lua_pop(L, 1);
 	return -1;
 }
@@ -46,9 +48,11 @@ static void read_light(struct rb_call *part, struct rb_light_def *light)
 	if (lamp == light->directional)
 		rb_call_mistake(part, "wants one of 'position' and 'direction'");
 	else if (lamp)
-		rb_call_value(part, rb_row_find(&rb_rows_light, "position", NULL), -2, &light->position);
+		rb_call_value(part, rb_row_find(&rb_rows_light, "position", NULL), -2,
+		              &light->position);
 	else
-		rb_call_value(part, rb_row_find(&rb_rows_light, "direction", NULL), -1, &light->position);
+		rb_call_value(part, rb_row_find(&rb_rows_light, "direction", NULL), -1,
+		              &light->position);
 	lua_pop(L, 2);
 }
 
@@ -112,13 +116,17 @@ static bool is_numbered(const char *pattern)
 static void check_outputs(const struct rb_call *call, const struct rb_camera_def *def)
 {
 	if (def->png && !is_numbered(def->png))
-		rb_call_mistake(call, "'png' must hold one %%d for the number of the picture, like 'frames/%%05d.png' (got '%.60s')",
-		                def->png);
+		rb_call_mistake(
+			call,
+			"'png' must hold one %%d for the number of the picture, like 'frames/%%05d.png' (got '%.60s')",
+			def->png);
 	if (!def->video)
 		return;
 	const char *dot = strrchr(def->video, '.');
-	if (!dot || (strcmp(dot, ".mp4") != 0 && strcmp(dot, ".webm") != 0 && strcmp(dot, ".gif") != 0))
-		rb_call_mistake(call, "'video' must end in .mp4, .webm or .gif (got '%.60s')", def->video);
+	if (!dot ||
+	    (strcmp(dot, ".mp4") != 0 && strcmp(dot, ".webm") != 0 && strcmp(dot, ".gif") != 0))
+		rb_call_mistake(call, "'video' must end in .mp4, .webm or .gif (got '%.60s')",
+		                def->video);
 }
 
 static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
@@ -134,24 +142,32 @@ static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 	def->has_frustum = rb_call_given(call, "frustum");
 	if (def->has_frustum) {
 		const double *f = def->frustum;
-		if (rb_call_tried(call, "fov") || rb_call_tried(call, "near") || rb_call_tried(call, "far"))
+		if (rb_call_tried(call, "fov") || rb_call_tried(call, "near") ||
+		    rb_call_tried(call, "far"))
 			rb_call_mistake(call, "'frustum' excludes 'fov', 'near' and 'far'");
 		if (!(f[0] < f[1] && f[2] < f[3] && f[4] > 0 && f[4] < f[5]))
-			rb_call_mistake(call, "'frustum' must be {left, right, bottom, top, near, far} with left < right, "
-			                      "bottom < top and 0 < near < far");
+			rb_call_mistake(
+				call,
+				"'frustum' must be {left, right, bottom, top, near, far} with left < right, "
+				"bottom < top and 0 < near < far");
 	}
 	if (def->near >= def->far)
-		rb_call_mistake(call, "'near' must be less than 'far' (got %.12g and %.12g)", def->near, def->far);
+		rb_call_mistake(call, "'near' must be less than 'far' (got %.12g and %.12g)",
+		                def->near, def->far);
 	if (def->from_s > def->to_s)
-		rb_call_mistake(call, "'from' must not be after 'to' (got %.12g and %.12g)", def->from_s, def->to_s);
+		rb_call_mistake(call, "'from' must not be after 'to' (got %.12g and %.12g)",
+		                def->from_s, def->to_s);
 	const rb_vec3 up = def->up.value;
-	if (def->position.source == RB_CAMERA_FIXED && def->look_at.source == RB_CAMERA_FIXED && !mounted) {
+	if (def->position.source == RB_CAMERA_FIXED && def->look_at.source == RB_CAMERA_FIXED &&
+	    !mounted) {
 		const rb_vec3 sight = rb_vec3_sub(def->look_at.value, def->position.value);
 		const double length = rb_vec3_length(sight);
 		if (!(length > 0))
-			rb_call_mistake(call, "'position' and 'look_at' must not be the same point");
+			rb_call_mistake(call,
+			                "'position' and 'look_at' must not be the same point");
 		else if (def->up.source == RB_CAMERA_FIXED &&
-		         rb_vec3_length(rb_vec3_cross(sight, up)) < 1e-9 * length * rb_vec3_length(up))
+		         rb_vec3_length(rb_vec3_cross(sight, up)) <
+		                 1e-9 * length * rb_vec3_length(up))
 			rb_call_mistake(call, "'up' must not be along the line of sight");
 	}
 	check_outputs(call, def);

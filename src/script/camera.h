@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* camera: parsed, checked and kept in the scene; what it asks for is drawn by a renderer where there is one. */
+/* camera: parsed, checked and kept in the scene; what it asks for is drawn by a renderer where
+ * there is one. */
 #ifndef RB_SCRIPT_CAMERA_H
 #define RB_SCRIPT_CAMERA_H
 

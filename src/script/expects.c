@@ -21,7 +21,8 @@ static int add_expect(lua_State *L, const char *word, bool always)
 	if (lua_type(L, 1) != LUA_TSTRING || lua_type(L, 2) != LUA_TFUNCTION) {
 		rb_call_mistake(&call, "wants a text and a function (got %s%s)",
 		                rb_describe(L, lua_type(L, 1) != LUA_TSTRING ? 1 : 2, found),
-		                lua_type(L, 1) != LUA_TSTRING ? " for the text" : " for the function");
+		                lua_type(L, 1) != LUA_TSTRING ? " for the text"
+		                                              : " for the function");
 		return 0;
 	}
 	const struct rb_expect_def def = {.text = lua_tostring(L, 1),
@@ -45,7 +46,8 @@ static int l_expect_always(lua_State *L)
 	return add_expect(L, "expect_always", true);
 }
 
-/* expect_refused(status, pattern): the exit status that the scene must end with, and what the message must show. */
+/* expect_refused(status, pattern): the exit status that the scene must end with, and what the
+ * message must show. */
 static int l_expect_refused(lua_State *L)
 {
 	static const int statuses[] = {64, 65, 66, 69, 73, 74, 76};
@@ -59,11 +61,13 @@ static int l_expect_refused(lua_State *L)
 	for (size_t i = 0; i < sizeof statuses / sizeof *statuses; i++)
 		known = known || (whole && statuses[i] == status);
 	if (lua_type(L, 1) != LUA_TNUMBER || !known) {
-		rb_call_mistake(&call, "wants an exit status of rbsim(1) first, like 65 (got %s)", rb_describe(L, 1, found));
+		rb_call_mistake(&call, "wants an exit status of rbsim(1) first, like 65 (got %s)",
+		                rb_describe(L, 1, found));
 		return 0;
 	}
 	if (!lua_isnoneornil(L, 2) && lua_type(L, 2) != LUA_TSTRING) {
-		rb_call_mistake(&call, "wants a pattern as a text (got %s)", rb_describe(L, 2, found));
+		rb_call_mistake(&call, "wants a pattern as a text (got %s)",
+		                rb_describe(L, 2, found));
 		return 0;
 	}
 	scene->expect_refused = (int)status;
@@ -119,12 +123,14 @@ void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_ex
 		result->bound = lua_tonumber(L, -1);
 		result->ok = result->measured <= result->bound; /* false for what is not a number */
 		if (!result->ok)
-			snprintf(result->message, sizeof result->message, "measured %.9g, bound %.9g", result->measured,
-			         result->bound);
+			snprintf(result->message, sizeof result->message,
+			         "measured %.9g, bound %.9g", result->measured, result->bound);
 	} else {
-		luaL_error(L, "%s:%d: %s '%s': the function must return a boolean, or measured and bound (got %s and %s)", file,
-		           def->line, def->always ? "expect_always" : "expect", def->text, lua_typename(L, first),
-		           lua_typename(L, second));
+		luaL_error(
+			L,
+			"%s:%d: %s '%s': the function must return a boolean, or measured and bound (got %s and %s)",
+			file, def->line, def->always ? "expect_always" : "expect", def->text,
+			lua_typename(L, first), lua_typename(L, second));
 	}
 }
 
@@ -136,10 +142,12 @@ static double excess(double measured, double bound)
 	return isnan(difference) ? (double)INFINITY : difference;
 }
 
-void rb_expect_remember(struct rb_expect_state *state, const struct rb_expect_result *now, double time_s)
+void rb_expect_remember(struct rb_expect_state *state, const struct rb_expect_result *now,
+                        double time_s)
 {
 	if (now->has_numbers &&
-	    (!state->has_numbers || excess(now->measured, now->bound) > excess(state->measured, state->bound))) {
+	    (!state->has_numbers ||
+	     excess(now->measured, now->bound) > excess(state->measured, state->bound))) {
 		state->has_numbers = true;
 		state->measured = now->measured;
 		state->bound = now->bound;
@@ -149,10 +157,12 @@ void rb_expect_remember(struct rb_expect_state *state, const struct rb_expect_re
 		return;
 	state->failed = true;
 	state->failed_s = time_s;
-	snprintf(state->message, sizeof state->message, "at t = %.9g s: %.120s", time_s, now->message);
+	snprintf(state->message, sizeof state->message, "at t = %.9g s: %.120s", time_s,
+	         now->message);
 }
 
-struct rb_expect_result rb_expect_recall(const struct rb_expect_state *state, const struct rb_expect_def *def)
+struct rb_expect_result rb_expect_recall(const struct rb_expect_state *state,
+                                         const struct rb_expect_def *def)
 {
 	struct rb_expect_result result = {.text = def->text,
 	                                  .line = def->line,
@@ -161,9 +171,12 @@ struct rb_expect_result rb_expect_recall(const struct rb_expect_state *state, co
 	                                  .has_numbers = state->has_numbers,
 	                                  .measured = state->measured,
 	                                  .bound = state->bound,
-	                                  .failed_s = state->failed ? state->failed_s : (double)NAN};
+	                                  .failed_s = state->failed ? state->failed_s
+	                                                            : (double)NAN};
 
 	snprintf(result.message, sizeof result.message, "%s",
-	         state->failed ? state->message : state->seen ? "" : "no frame was looked at");
+	         state->failed ? state->message
+	         : state->seen ? ""
+	                       : "no frame was looked at");
 	return result;
 }

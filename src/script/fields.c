@@ -29,7 +29,8 @@ static void note_unknown(struct rb_call *call)
 				unnamed = true;
 				continue;
 			}
-			if (rb_row_find(call->table, key, NULL) || strncmp(key, after, sizeof after - 1) <= 0)
+			if (rb_row_find(call->table, key, NULL) ||
+			    strncmp(key, after, sizeof after - 1) <= 0)
 				continue;
 			if (next[0] == '\0' || strcmp(key, next) < 0)
 				snprintf(next, sizeof next, "%s", key);
@@ -39,7 +40,8 @@ static void note_unknown(struct rb_call *call)
 		struct rb_nearest nearest = rb_nearest_to(next);
 		for (const struct rb_row_table *table = call->table; table; table = table->more)
 			for (int i = 0; i < table->count; i++)
-				rb_nearest_offer(&nearest, table->rows[i].key, strlen(table->rows[i].key));
+				rb_nearest_offer(&nearest, table->rows[i].key,
+				                 strlen(table->rows[i].key));
 		char hint[96];
 		call->unknown++;
 		rb_call_mistake(call, "unknown key '%s'%s", next, rb_nearest_hint(&nearest, hint));

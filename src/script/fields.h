@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Checked access to the table of keys that a scene hands to a call; a wrong value leaves the default in its place. */
+/* Checked access to the table of keys that a scene hands to a call; a wrong value leaves the
+ * default in its place. */
 #ifndef RB_SCRIPT_FIELDS_H
 #define RB_SCRIPT_FIELDS_H
 

@@ -28,7 +28,8 @@ void rb_files_forget(struct rb_script *script)
 }
 
 /* All of an open file; its size is not known beforehand where it is a pipe. */
-static enum rb_status read_all(struct rb_script *script, int file, const char *path, struct rb_error *err)
+static enum rb_status read_all(struct rb_script *script, int file, const char *path,
+                               struct rb_error *err)
 {
 	size_t capacity = 0, used = 0;
 
@@ -39,12 +40,14 @@ static enum rb_status read_all(struct rb_script *script, int file, const char *p
 		if (got < 0 && errno == EINTR)
 			continue;
 		if (got < 0)
-			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path, strerror(errno));
+			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path,
+			               strerror(errno));
 		if (got == 0)
 			break;
 		used += (size_t)got;
 		if (used > RB_SCENE_FILE_BYTES)
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no scene: it has more than %d MiB", path,
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "'%s' is no scene: it has more than %d MiB", path,
 			               RB_SCENE_FILE_BYTES >> 20);
 	}
 	script->reading[used] = '\0';
@@ -88,21 +91,24 @@ const char *rb_files_body(const char *text, size_t *size)
 
 /* ---- require ---- */
 
-/* Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a folder. */
+/* Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a
+ * folder. */
 static bool is_module_name(const char *name, size_t size)
 {
 	if (size == 0 || size > 100 || name[0] == '.' || name[size - 1] == '.')
 		return false;
 	for (size_t i = 0; i < size; i++) {
 		const unsigned char c = (unsigned char)name[i];
-		if (!(isalnum(c) && c < 128) && c != '_' && c != '-' && !(c == '.' && name[i - 1] != '.'))
+		if (!(isalnum(c) && c < 128) && c != '_' && c != '-' &&
+		    !(c == '.' && name[i - 1] != '.'))
 			return false;
 	}
 	return true;
 }
 
 /* folder/a/b.lua for "a.b"; false: too long. */
-static bool module_path(char path[PATH_BYTES], const char *folder, size_t folder_size, const char *name)
+static bool module_path(char path[PATH_BYTES], const char *folder, size_t folder_size,
+                        const char *name)
 {
 	const int size = snprintf(path, PATH_BYTES, "%.*s/%s.lua", (int)folder_size, folder, name);
 
@@ -114,7 +120,8 @@ static bool module_path(char path[PATH_BYTES], const char *folder, size_t folder
 	return true;
 }
 
-static bool found_in(char path[PATH_BYTES], const char *folder, size_t folder_size, const char *name)
+static bool found_in(char path[PATH_BYTES], const char *folder, size_t folder_size,
+                     const char *name)
 {
 	return module_path(path, folder, folder_size, name) && access(path, R_OK) == 0;
 }
@@ -147,7 +154,8 @@ static bool find_shipped(const struct rb_script *script, const char *name, char 
 	*strrchr(program, '/') = '\0';
 	for (size_t i = 0; i < sizeof beside / sizeof *beside; i++) {
 		const int length = snprintf(folder, sizeof folder, "%s/%s", program, beside[i]);
-		if (length > 0 && length < (int)sizeof folder && found_in(path, folder, (size_t)length, name))
+		if (length > 0 && length < (int)sizeof folder &&
+		    found_in(path, folder, (size_t)length, name))
 			return true;
 	}
 	return false;
@@ -159,7 +167,8 @@ static bool is_shipped(const char *name)
 }
 
 /* A stored file of that name; NULL: none. */
-static const struct rb_source_file *stored_file(const struct rb_script_options *options, const char *name)
+static const struct rb_source_file *stored_file(const struct rb_script_options *options,
+                                                const char *name)
 {
 	for (int i = 1; i < options->file_count; i++)
 		if (strcmp(options->files[i].name, name) == 0)
@@ -167,8 +176,10 @@ static const struct rb_source_file *stored_file(const struct rb_script_options *
 	return NULL;
 }
 
-/* Finds and reads the file of a module: its text and the name that messages have for it. False: there is none. */
-static bool get_module(lua_State *L, const char *name, const char **text, size_t *size, char chunk[PATH_BYTES])
+/* Finds and reads the file of a module: its text and the name that messages have for it. False:
+ * there is none. */
+static bool get_module(lua_State *L, const char *name, const char **text, size_t *size,
+                       char chunk[PATH_BYTES])
 {
 	struct rb_script *script = rb_script_of(L);
 	struct rb_error err;
@@ -188,7 +199,8 @@ static bool get_module(lua_State *L, const char *name, const char **text, size_t
 			return false;
 		snprintf(chunk, PATH_BYTES, "@%s", name);
 	} else {
-		/* as the scene's folder is named on the command line, so that messages can be clicked */
+		/* as the scene's folder is named on the command line, so that messages can be
+		 * clicked */
 		char inside[PATH_BYTES];
 		if (!module_path(inside, "", 0, name) || !rb_file_beside_scene(script, inside + 1))
 			return false;
@@ -196,7 +208,8 @@ static bool get_module(lua_State *L, const char *name, const char **text, size_t
 		if (!module_path(path, script->folder, strlen(script->folder), name))
 			return false;
 		chunk[0] = '@';
-		snprintf(chunk + 1, PATH_BYTES - 1, "%.*s", PATH_BYTES - 2, here ? inside + 1 : path);
+		snprintf(chunk + 1, PATH_BYTES - 1, "%.*s", PATH_BYTES - 2,
+		         here ? inside + 1 : path);
 	}
 	const enum rb_status status = rb_files_read(script, path, &err);
 	if (status == RB_ERR_MEMORY)
@@ -209,7 +222,8 @@ static bool get_module(lua_State *L, const char *name, const char **text, size_t
 }
 
 /* Pushes the module's function. */
-static void load_module(lua_State *L, const char *name, const char *text, size_t size, const char *chunk)
+static void load_module(lua_State *L, const char *name, const char *text, size_t size,
+                        const char *chunk)
 {
 	struct rb_script *script = rb_script_of(L);
 	struct rb_error err;
@@ -220,7 +234,8 @@ static void load_module(lua_State *L, const char *name, const char *text, size_t
 	rb_script_need(L, rb_scene_add_file(script->scene, name, text, size, hex, &err), &err);
 	size_t body_size = size;
 	const char *body = rb_files_body(text, &body_size);
-	const int status = luaL_loadbufferx(L, body, body_size, chunk, script->sandbox.trust ? NULL : "t");
+	const int status = luaL_loadbufferx(L, body, body_size, chunk,
+	                                    script->sandbox.trust ? NULL : "t");
 	rb_files_forget(script);
 	if (status != LUA_OK)
 		lua_error(L);
@@ -261,7 +276,10 @@ static int l_require(lua_State *L)
 	if (!is_module_name(name, name_size)) {
 		if (rb_sandbox_of(L)->trust)
 			return require_elsewhere(L, name);
-		return luaL_error(L, "require '%s': a name is a file beside the scene, without '.lua', or rbsim.NAME", name);
+		return luaL_error(
+			L,
+			"require '%s': a name is a file beside the scene, without '.lua', or rbsim.NAME",
+			name);
 	}
 	rb_script_while_loading(L, "require");
 	if (!get_module(L, name, &text, &size, chunk))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The files a scene is made of: itself, and what it requires from beside it or from the shipped helpers. */
+/* The files a scene is made of: itself, and what it requires from beside it or from the shipped
+ * helpers. */
 #ifndef RB_SCRIPT_FILES_H
 #define RB_SCRIPT_FILES_H
 
@@ -8,13 +9,16 @@
 enum { RB_SCENE_FILE_BYTES = 16 << 20 };
 
 /* A whole file into script->reading; RB_ERR_INPUT where it can't be read or is too large. */
-RB_CHECKED enum rb_status rb_files_read(struct rb_script *script, const char *path, struct rb_error *err);
+RB_CHECKED enum rb_status rb_files_read(struct rb_script *script, const char *path,
+                                        struct rb_error *err);
 void rb_files_forget(struct rb_script *script); /* frees script->reading */
 
-/* The text without what Lua does not read: a byte order mark and a first line that begins with '#', whose end stays. */
+/* The text without what Lua does not read: a byte order mark and a first line that begins with '#',
+ * whose end stays. */
 const char *rb_files_body(const char *text, size_t *size);
 
-/* require as a global; the one that is there (a trusted script's) is asked where ours finds nothing. */
+/* require as a global; the one that is there (a trusted script's) is asked where ours finds
+ * nothing. */
 void rb_files_open(lua_State *L);
 
 #endif

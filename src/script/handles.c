@@ -52,7 +52,9 @@ static double mass_at_start(lua_State *L, int id)
 		return (double)INFINITY;
 	if (!isnan(def->mass))
 		return def->mass;
-	const double density = isnan(def->density) ? rb_script_of(L)->scene->materials[def->material].density : def->density;
+	const double density = isnan(def->density)
+	                               ? rb_script_of(L)->scene->materials[def->material].density
+	                               : def->density;
 	return density * rb_shape_volume(&def->shape);
 }
 
@@ -224,8 +226,9 @@ static int get_angular_momentum(lua_State *L, int id)
 		momentum = rb_world_angular_momentum(world, id);
 	} else if (!def->is_static) {
 		const rb_vec3 arm = point_of(L, id, def->center_of_mass);
-		momentum = rb_vec3_add(spin_at_start(L, id),
-		                       rb_vec3_cross(arm, rb_vec3_scale(mass_at_start(L, id), def->velocity)));
+		momentum = rb_vec3_add(
+			spin_at_start(L, id),
+			rb_vec3_cross(arm, rb_vec3_scale(mass_at_start(L, id), def->velocity)));
 	}
 	rb_vector_push(L, momentum);
 	return 1;
@@ -287,7 +290,8 @@ static int body_to_change(lua_State *L, const char *method)
 		luaL_error(L, "%s: only in on_step, on_frame and on_collision", method);
 	if (rb_world_is_static(script->world, id)) {
 		char label[64];
-		luaL_error(L, "%s: body %s is static", method, rb_scene_body_label(script->scene, id, label));
+		luaL_error(L, "%s: body %s is static", method,
+		           rb_scene_body_label(script->scene, id, label));
 	}
 	return id;
 }
@@ -295,7 +299,8 @@ static int body_to_change(lua_State *L, const char *method)
 /* Argument 3, a world position; left out, the centre of mass. */
 static rb_vec3 point_to_push(lua_State *L, int id, const char *method)
 {
-	return lua_isnoneornil(L, 3) ? rb_world_center_of_mass(rb_script_of(L)->world, id) : rb_vector_check(L, 3, method);
+	return lua_isnoneornil(L, 3) ? rb_world_center_of_mass(rb_script_of(L)->world, id)
+	                             : rb_vector_check(L, 3, method);
 }
 
 static int l_apply_impulse(lua_State *L)
@@ -303,7 +308,8 @@ static int l_apply_impulse(lua_State *L)
 	const int id = body_to_change(L, "apply_impulse");
 	const rb_vec3 impulse = rb_vector_check(L, 2, "apply_impulse");
 
-	rb_world_apply_impulse(rb_script_of(L)->world, id, impulse, point_to_push(L, id, "apply_impulse"));
+	rb_world_apply_impulse(rb_script_of(L)->world, id, impulse,
+	                       point_to_push(L, id, "apply_impulse"));
 	return 0;
 }
 
@@ -312,7 +318,8 @@ static int l_apply_force(lua_State *L)
 	const int id = body_to_change(L, "apply_force");
 	const rb_vec3 force = rb_vector_check(L, 2, "apply_force");
 
-	rb_world_apply_force(rb_script_of(L)->world, id, force, point_to_push(L, id, "apply_force"));
+	rb_world_apply_force(rb_script_of(L)->world, id, force,
+	                     point_to_push(L, id, "apply_force"));
 	return 0;
 }
 
@@ -328,7 +335,8 @@ static int l_set_angular_velocity(lua_State *L)
 {
 	const int id = body_to_change(L, "set_angular_velocity");
 
-	rb_world_set_angular_velocity(rb_script_of(L)->world, id, rb_vector_check(L, 2, "set_angular_velocity"));
+	rb_world_set_angular_velocity(rb_script_of(L)->world, id,
+	                              rb_vector_check(L, 2, "set_angular_velocity"));
 	return 0;
 }
 
@@ -340,12 +348,10 @@ static int l_set_position(lua_State *L)
 	return 0;
 }
 
-static const luaL_Reg methods[] = {{"apply_impulse", l_apply_impulse},
-                                   {"apply_force", l_apply_force},
-                                   {"set_velocity", l_set_velocity},
-                                   {"set_angular_velocity", l_set_angular_velocity},
-                                   {"set_position", l_set_position},
-                                   {NULL, NULL}};
+static const luaL_Reg methods[] = {
+	{"apply_impulse", l_apply_impulse}, {"apply_force", l_apply_force},
+	{"set_velocity", l_set_velocity},   {"set_angular_velocity", l_set_angular_velocity},
+	{"set_position", l_set_position},   {NULL, NULL}};
 
 /* ---- the metatable ---- */
 
@@ -368,7 +374,8 @@ static int l_index(lua_State *L)
 		rb_nearest_offer(&nearest, fields[i].name, strlen(fields[i].name));
 	for (const luaL_Reg *method = methods; method->name; method++)
 		rb_nearest_offer(&nearest, method->name, strlen(method->name));
-	return luaL_error(L, "body %s has no field '%s'%s", rb_scene_body_label(rb_script_of(L)->scene, id, label), key,
+	return luaL_error(L, "body %s has no field '%s'%s",
+	                  rb_scene_body_label(rb_script_of(L)->scene, id, label), key,
 	                  rb_nearest_hint(&nearest, hint));
 }
 
@@ -380,18 +387,21 @@ static int l_newindex(lua_State *L)
 		if (strcmp(fields[i].name, key) != 0)
 			continue;
 		if (fields[i].instead)
-			return luaL_error(L, "a body's '%s' can't be assigned: call body:%s in a callback", key,
-			                  fields[i].instead);
+			return luaL_error(
+				L, "a body's '%s' can't be assigned: call body:%s in a callback",
+				key, fields[i].instead);
 		return luaL_error(L, "a body's '%s' can't be changed", key);
 	}
-	return luaL_error(L, "a body has no field '%s' to assign (keep your own values in a table)", key);
+	return luaL_error(L, "a body has no field '%s' to assign (keep your own values in a table)",
+	                  key);
 }
 
 static int l_tostring(lua_State *L)
 {
 	char label[64];
 
-	lua_pushfstring(L, "body %s", rb_scene_body_label(rb_script_of(L)->scene, self_id(L, "tostring"), label));
+	lua_pushfstring(L, "body %s",
+	                rb_scene_body_label(rb_script_of(L)->scene, self_id(L, "tostring"), label));
 	return 1;
 }
 

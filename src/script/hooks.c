@@ -66,8 +66,8 @@ struct request {
 };
 
 /* One protected call: `serve` gets the request as a light userdata. */
-static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_CFunction serve, struct request *request,
-                          enum rb_script_phase phase, struct rb_error *err)
+static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_CFunction serve,
+                          struct request *request, enum rb_script_phase phase, struct rb_error *err)
 {
 	lua_State *L = script->sandbox.L;
 
@@ -75,7 +75,8 @@ static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_
 	script->world = world;
 	lua_pushcfunction(L, serve);
 	lua_pushlightuserdata(L, request);
-	const enum rb_status status = rb_sandbox_call(&script->sandbox, 1, 0, script->callback_instructions, err);
+	const enum rb_status status = rb_sandbox_call(&script->sandbox, 1, 0,
+	                                              script->callback_instructions, err);
 	script->phase = RB_PHASE_REST;
 	script->world = NULL;
 	return status;
@@ -136,19 +137,21 @@ static int serve_collision(lua_State *L)
 }
 
 /* All functions of a kind, one after the other. */
-static enum rb_status call_all(struct rb_script *script, struct rb_world *world, lua_CFunction serve,
-                               struct request *request, struct rb_error *err)
+static enum rb_status call_all(struct rb_script *script, struct rb_world *world,
+                               lua_CFunction serve, struct request *request, struct rb_error *err)
 {
 	for (int i = 1; i <= script->callback_count[request->which]; i++) {
 		request->number = i;
-		const enum rb_status status = ask(script, world, serve, request, RB_PHASE_CHANGE, err);
+		const enum rb_status status = ask(script, world, serve, request, RB_PHASE_CHANGE,
+		                                  err);
 		if (status != RB_OK)
 			return status;
 	}
 	return RB_OK;
 }
 
-static enum rb_status on_step(void *user, struct rb_world *world, double time_s, double dt_s, struct rb_error *err)
+static enum rb_status on_step(void *user, struct rb_world *world, double time_s, double dt_s,
+                              struct rb_error *err)
 {
 	struct request request = {.which = RB_ON_STEP, .time_s = time_s, .dt_s = dt_s};
 
@@ -192,13 +195,15 @@ static enum rb_status call_expect(struct rb_script *script, struct rb_world *wor
 	const struct rb_expect_def *def = &script->scene->expects[i];
 	struct request request = {.expect = i, .result = result};
 
-	*result = (struct rb_expect_result){.text = def->text, .line = def->line, .always = def->always,
+	*result = (struct rb_expect_result){.text = def->text,
+	                                    .line = def->line,
+	                                    .always = def->always,
 	                                    .failed_s = (double)NAN};
 	return ask(script, world, serve_expect, &request, RB_PHASE_LOOK, err);
 }
 
-enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *world, double time_s, uint64_t frame,
-                                  struct rb_error *err)
+enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *world, double time_s,
+                                  uint64_t frame, struct rb_error *err)
 {
 	struct request request = {.which = RB_ON_FRAME, .time_s = time_s, .frame = frame};
 	enum rb_status status = call_all(script, world, serve_frame, &request, err);
@@ -216,8 +221,8 @@ enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *wor
 	return status;
 }
 
-enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world, struct rb_expect_result *results,
-                                 struct rb_error *err)
+enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world,
+                                 struct rb_expect_result *results, struct rb_error *err)
 {
 	for (int i = 0; i < script->scene->expect_count; i++) {
 		const struct rb_expect_def *def = &script->scene->expects[i];
@@ -243,11 +248,12 @@ static int serve_vector(lua_State *L)
 	return 0;
 }
 
-enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world, int function, double time_s,
-                                   rb_vec3 *value, struct rb_error *err)
+enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world, int function,
+                                   double time_s, rb_vec3 *value, struct rb_error *err)
 {
 	struct request request = {.function = function, .time_s = time_s};
-	const enum rb_status status = ask(script, world, serve_vector, &request, RB_PHASE_LOOK, err);
+	const enum rb_status status = ask(script, world, serve_vector, &request, RB_PHASE_LOOK,
+	                                  err);
 
 	*value = request.value;
 	return status;

@@ -2,8 +2,8 @@
 /*
  * A scene's callbacks and expectations, called while a world runs and at its end.
  *
- * All calls come from the thread that owns the world. An error in a callback is RB_ERR_SCENE with `file:line: what`;
- * the traceback is then to be had from rb_script_traceback.
+ * All calls come from the thread that owns the world. An error in a callback is RB_ERR_SCENE with
+ * `file:line: what`; the traceback is then to be had from rb_script_traceback.
  */
 #ifndef RB_SCRIPT_HOOKS_H
 #define RB_SCRIPT_HOOKS_H
@@ -18,22 +18,25 @@ struct lua_State;
 /* on_step, on_frame, on_collision as globals. */
 void rb_hooks_open(struct lua_State *L);
 
-/* To hand to rb_world_create; members are NULL where the scene has no such callback. Borrows the script. */
+/* To hand to rb_world_create; members are NULL where the scene has no such callback. Borrows the
+ * script. */
 struct rb_world_hooks rb_script_hooks(struct rb_script *script);
 
-/* on_frame, then every expect_always; call it for each recorded frame, frame 0 included. Costs nothing where the
- * scene has neither. */
-RB_CHECKED enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *world, double time_s,
-                                             uint64_t frame, struct rb_error *err);
+/* on_frame, then every expect_always; call it for each recorded frame, frame 0 included. Costs
+ * nothing where the scene has neither. */
+RB_CHECKED enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *world,
+                                             double time_s, uint64_t frame, struct rb_error *err);
 
-/* At the end of the run: calls every `expect`, and tells how every `expect_always` went. `results` has room for
- * scene->expect_count, in the order of the scene. A failed expectation is not an error here. */
+/* At the end of the run: calls every `expect`, and tells how every `expect_always` went. `results`
+ * has room for scene->expect_count, in the order of the scene. A failed expectation is not an error
+ * here. */
 RB_CHECKED enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world,
                                             struct rb_expect_result *results, struct rb_error *err);
 
-/* The function that the scene stored under this number (`function` of a camera's vector) at a time: a vector.
- * `world` may be NULL while nothing runs. */
-RB_CHECKED enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world, int function,
-                                              double time_s, rb_vec3 *value, struct rb_error *err);
+/* The function that the scene stored under this number (`function` of a camera's vector) at a time:
+ * a vector. `world` may be NULL while nothing runs. */
+RB_CHECKED enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world,
+                                              int function, double time_s, rb_vec3 *value,
+                                              struct rb_error *err);
 
 #endif

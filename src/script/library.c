@@ -51,10 +51,11 @@ const char *rb_library_text(lua_State *L, int index, size_t *size)
 	const int type = lua_type(L, index);
 
 	index = lua_absindex(L, index);
-	if (type == LUA_TTABLE || type == LUA_TFUNCTION || type == LUA_TUSERDATA || type == LUA_TTHREAD ||
-	    type == LUA_TLIGHTUSERDATA) {
+	if (type == LUA_TTABLE || type == LUA_TFUNCTION || type == LUA_TUSERDATA ||
+	    type == LUA_TTHREAD || type == LUA_TLIGHTUSERDATA) {
 		if (luaL_getmetafield(L, index, "__tostring") == LUA_TNIL) {
-			lua_pushfstring(L, "%s: %I", luaL_typename(L, index), (LUAI_UACINT)object_number(L, index));
+			lua_pushfstring(L, "%s: %I", luaL_typename(L, index),
+			                (LUAI_UACINT)object_number(L, index));
 			return lua_tolstring(L, -1, size);
 		}
 		lua_pop(L, 1);
@@ -200,11 +201,14 @@ static void push_key(lua_State *L, const struct key *key, int list)
 
 static int no_order(lua_State *L)
 {
-	return luaL_error(L, "pairs: a table with two keys or more that are tables or functions has no order that holds "
-	                     "from run to run: keep a list beside it");
+	return luaL_error(
+		L,
+		"pairs: a table with two keys or more that are tables or functions has no order that holds "
+		"from run to run: keep a list beside it");
 }
 
-/* Iterator of pairs: upvalues the sorted keys, how many, where it is, and the one key without an order. */
+/* Iterator of pairs: upvalues the sorted keys, how many, where it is, and the one key without an
+ * order. */
 static int pairs_step(lua_State *L)
 {
 	const struct key *keys = lua_touserdata(L, lua_upvalueindex(1));
@@ -251,8 +255,9 @@ static int l_pairs(lua_State *L)
 		count++;
 	rb_sandbox_charge(L, 10 * count);
 	struct key *keys = lua_newuserdatauv(L, (count ? count : 1) * sizeof *keys, 1);
-	lua_pushnil(L);           /* 3: the one without an order */
-	lua_createtable(L, 0, 0); /* 4: texts and objects, which must live as long as the iterator */
+	lua_pushnil(L); /* 3: the one without an order */
+	lua_createtable(L, 0,
+	                0); /* 4: texts and objects, which must live as long as the iterator */
 	size_t filled = 0;
 	lua_Integer kept = 0;
 	for (lua_pushnil(L); lua_next(L, 1); lua_pop(L, 1)) {
@@ -403,7 +408,9 @@ static int l_setmetatable(lua_State *L)
 	if (type == LUA_TTABLE && !rb_sandbox_of(L)->trust) {
 		lua_pushliteral(L, "__gc");
 		if (lua_rawget(L, 2) != LUA_TNIL)
-			return luaL_error(L, "setmetatable: no '__gc' in a scene: when it would run is nobody's choice");
+			return luaL_error(
+				L,
+				"setmetatable: no '__gc' in a scene: when it would run is nobody's choice");
 	}
 	if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL)
 		return luaL_error(L, "cannot change a protected metatable");
@@ -412,8 +419,9 @@ static int l_setmetatable(lua_State *L)
 	return 1;
 }
 
-/* Calls the original (upvalue 1, named by upvalue 2) after charging for what it goes through. The position in a message of
- * its own would be that of this function, which has none: it is put in here. */
+/* Calls the original (upvalue 1, named by upvalue 2) after charging for what it goes through. The
+ * position in a message of its own would be that of this function, which has none: it is put in
+ * here. */
 static int metered(lua_State *L)
 {
 	const int count = lua_gettop(L);
@@ -426,7 +434,8 @@ static int metered(lua_State *L)
 		else if (type == LUA_TTABLE)
 			work += 4 * lua_rawlen(L, i);
 		if (type == LUA_TTABLE && luaL_getmetafield(L, i, "__len") != LUA_TNIL)
-			return luaL_error(L, "%s: not with a table that has '__len'", lua_tostring(L, lua_upvalueindex(2)));
+			return luaL_error(L, "%s: not with a table that has '__len'",
+			                  lua_tostring(L, lua_upvalueindex(2)));
 	}
 	rb_sandbox_charge(L, work);
 	lua_pushvalue(L, lua_upvalueindex(1));
@@ -437,8 +446,9 @@ static int metered(lua_State *L)
 	if (text && strcmp(text, "not enough memory") != 0 &&
 	    (strncmp(text, "bad argument", 12) == 0 || !strchr(text, ':'))) {
 		luaL_where(L, 1);
-		lua_pushstring(L, luaL_gsub(L, text, "to '?'", lua_pushfstring(L, "to '%s'",
-		                                                              lua_tostring(L, lua_upvalueindex(2)))));
+		lua_pushstring(L, luaL_gsub(L, text, "to '?'",
+		                            lua_pushfstring(L, "to '%s'",
+		                                            lua_tostring(L, lua_upvalueindex(2)))));
 		lua_pushfstring(L, "%s%s", lua_tostring(L, -4), lua_tostring(L, -1));
 	}
 	return lua_error(L);
@@ -473,7 +483,8 @@ static int l_rep(lua_State *L)
 		lua_pushliteral(L, "");
 		return 1;
 	}
-	if (times > 0 && !rb_sandbox_of(L)->trust && (uint64_t)times > RB_SANDBOX_TEXT_BYTES / (size + gap) + 1)
+	if (times > 0 && !rb_sandbox_of(L)->trust &&
+	    (uint64_t)times > RB_SANDBOX_TEXT_BYTES / (size + gap) + 1)
 		return luaL_error(L, "string.rep: a text of more than %d MiB (--trust lifts this)",
 		                  RB_SANDBOX_TEXT_BYTES >> 20);
 	return metered(L);
@@ -492,11 +503,14 @@ static int l_format(lua_State *L)
 		for (p++; p < end && strchr("-+ #0.123456789", *p) && *p != '\0'; p++)
 			;
 		if (p < end && *p == 'p')
-			return luaL_error(L, "string.format: no '%%p' in a scene: addresses differ from run to run");
+			return luaL_error(
+				L,
+				"string.format: no '%%p' in a scene: addresses differ from run to run");
 	}
 	for (int i = 2; i <= count; i++) {
 		const int type = lua_type(L, i);
-		if (type == LUA_TTABLE || type == LUA_TFUNCTION || type == LUA_TUSERDATA || type == LUA_TTHREAD) {
+		if (type == LUA_TTABLE || type == LUA_TFUNCTION || type == LUA_TUSERDATA ||
+		    type == LUA_TTHREAD) {
 			rb_library_text(L, i, NULL);
 			lua_replace(L, i);
 		}
@@ -506,11 +520,12 @@ static int l_format(lua_State *L)
 
 /* ---- coroutines and xpcall ----
  *
- * Lua runs no hooks while a hook runs, and an error that the count hook raises leaves them off until a protected call
- * has unwound. Three things of the standard library let a script run before that: the message handler of xpcall, and the
- * closing of a coroutine that died of an error, by coroutine.close and by coroutine.wrap. With a loop in the right place
- * each would run for ever, so they are done here in another way: the handler is called after unwinding, and the
- * to-be-closed variables of a coroutine that died are left alone.
+ * Lua runs no hooks while a hook runs, and an error that the count hook raises leaves them off
+ * until a protected call has unwound. Three things of the standard library let a script run before
+ * that: the message handler of xpcall, and the closing of a coroutine that died of an error, by
+ * coroutine.close and by coroutine.wrap. With a loop in the right place each would run for ever, so
+ * they are done here in another way: the handler is called after unwinding, and the to-be-closed
+ * variables of a coroutine that died are left alone.
  */
 
 static int finish_xpcall(lua_State *L, int status, lua_KContext context)
@@ -551,7 +566,8 @@ static lua_State *checked_coroutine(lua_State *L)
 	return co;
 }
 
-/* A new coroutine counts its instructions by itself, from the start: the part below one count is charged here. */
+/* A new coroutine counts its instructions by itself, from the start: the part below one count is
+ * charged here. */
 static lua_State *new_coroutine(lua_State *L)
 {
 	rb_sandbox_charge(L, 4000);
@@ -576,7 +592,8 @@ static int wrapped(lua_State *L)
 	int results = 0;
 
 	lua_Debug activation;
-	if (lua_status(co) == LUA_OK && lua_getstack(co, 0, &activation)) /* it runs, and asks for itself */
+	if (lua_status(co) == LUA_OK &&
+	    lua_getstack(co, 0, &activation)) /* it runs, and asks for itself */
 		return luaL_error(L, "cannot resume non-suspended coroutine");
 	if (lua_status(co) != LUA_YIELD && (lua_status(co) != LUA_OK || lua_gettop(co) == 0))
 		return luaL_error(L, "cannot resume dead coroutine");
@@ -638,12 +655,13 @@ static void drop(lua_State *L, const char *const *names)
 
 static void open_sandboxed(lua_State *L)
 {
-	static const char *const not_basic[] = {"collectgarbage", "dofile", "load", "loadfile", "require", "warn", NULL};
+	static const char *const not_basic[] = {"collectgarbage", "dofile", "load", "loadfile",
+	                                        "require",        "warn",   NULL};
 	static const char *const not_string[] = {"dump", NULL};
 	static const struct {
 		const char *name;
 		lua_CFunction open;
-	} libraries[] = {{LUA_GNAME, luaopen_base},       {LUA_MATHLIBNAME, luaopen_math},
+	} libraries[] = {{LUA_GNAME, luaopen_base},        {LUA_MATHLIBNAME, luaopen_math},
 	                 {LUA_STRLIBNAME, luaopen_string}, {LUA_TABLIBNAME, luaopen_table},
 	                 {LUA_UTF8LIBNAME, luaopen_utf8},  {LUA_COLIBNAME, luaopen_coroutine}};
 
@@ -661,7 +679,8 @@ static void open_sandboxed(lua_State *L)
 	wrap(L, "rep", l_rep);
 	wrap(L, "format", l_format);
 	lua_pop(L, 1);
-	/* ("").x still finds the functions; getmetatable("") does not find the table that finds them */
+	/* ("").x still finds the functions; getmetatable("") does not find the table that finds
+	 * them */
 	lua_pushliteral(L, "");
 	lua_getmetatable(L, -1);
 	lua_pushliteral(L, "string");

@@ -34,7 +34,8 @@ static int run_scene(lua_State *L)
 
 	const char *body = rb_files_body(file->text, &size);
 	lua_pushfstring(L, "@%s", script->scene->file);
-	if (luaL_loadbufferx(L, body, size, lua_tostring(L, -1), script->sandbox.trust ? NULL : "t") != LUA_OK)
+	if (luaL_loadbufferx(L, body, size, lua_tostring(L, -1),
+	                     script->sandbox.trust ? NULL : "t") != LUA_OK)
 		return lua_error(L);
 	lua_call(L, 0, 0);
 	return 0;
@@ -108,7 +109,8 @@ static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *
 
 	script->folder = rb_memory_copy_text(slash ? options->path : ".");
 	if (!script->folder)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", options->path);
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
+		               options->path);
 	if (slash) /* "/" itself stays */
 		script->folder[slash == options->path ? 1 : slash - options->path] = '\0';
 
@@ -131,19 +133,23 @@ static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *
 }
 
 /* What the scene is after its script has run, with all that was noted on the way. */
-static enum rb_status conclude(struct rb_script *script, enum rb_status status, struct rb_error *err)
+static enum rb_status conclude(struct rb_script *script, enum rb_status status,
+                               struct rb_error *err)
 {
 	if (status != RB_OK && status != RB_ERR_SCENE)
 		return status;
 	rb_params_check(script);
 	if (script->mistake_count > 0) {
 		const bool usage = script->usage_mistake_count == script->mistake_count;
-		return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s", script->first_mistake);
+		return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s",
+		               script->first_mistake);
 	}
-	const size_t count = script->scene->expect_count > 0 ? (size_t)script->scene->expect_count : 1;
+	const size_t count = script->scene->expect_count > 0 ? (size_t)script->scene->expect_count
+	                                                     : 1;
 	script->expects = rb_memory_take(count, sizeof *script->expects);
 	if (!script->expects)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", script->scene->file);
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
+		               script->scene->file);
 	return RB_OK;
 }
 
@@ -160,11 +166,13 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 		return status;
 	scene->file = rb_scene_text(scene, options->path);
 	if (!scene->file)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", options->path);
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
+		               options->path);
 	status = get_scene_file(script, err);
 	if (status != RB_OK)
 		return status;
-	const size_t bytes = options->memory_bytes ? options->memory_bytes : rb_sandbox_memory_bytes;
+	const size_t bytes = options->memory_bytes ? options->memory_bytes
+	                                           : rb_sandbox_memory_bytes;
 	status = rb_sandbox_init(&script->sandbox, bytes, options->trust, err);
 	if (status != RB_OK)
 		return status;
@@ -174,7 +182,8 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 
 	lua_pushcfunction(script->sandbox.L, run_scene);
 	status = rb_sandbox_call(&script->sandbox, 0, 0,
-	                         options->load_instructions ? options->load_instructions : rb_sandbox_load_instructions,
+	                         options->load_instructions ? options->load_instructions
+	                                                    : rb_sandbox_load_instructions,
 	                         err);
 	rb_files_forget(script);
 	if (status == RB_ERR_SCENE)
@@ -182,19 +191,22 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	return conclude(script, status, err);
 }
 
-enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene, struct rb_mistakes *mistakes,
-                              const struct rb_script_options *options, struct rb_error *err)
+enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene,
+                              struct rb_mistakes *mistakes, const struct rb_script_options *options,
+                              struct rb_error *err)
 {
 	*scene = (struct rb_scene){0};
 	*script = rb_memory_take(1, sizeof **script);
 	if (!*script)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", options->path);
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
+		               options->path);
 	struct rb_script *it = *script;
 	it->scene = scene;
 	it->mistakes = mistakes;
 	it->options = options;
-	it->callback_instructions =
-		options->callback_instructions ? options->callback_instructions : rb_sandbox_callback_instructions;
+	it->callback_instructions = options->callback_instructions
+	                                    ? options->callback_instructions
+	                                    : rb_sandbox_callback_instructions;
 	it->phase = RB_PHASE_LOAD;
 	const enum rb_status status = load(it, err);
 	it->phase = RB_PHASE_REST;

@@ -2,9 +2,9 @@
 /*
  * A scene's file to a struct rb_scene, and the script that stays behind it.
  *
- * The script owns the Lua state with the scene's callbacks; whoever loaded it destroys it, after the last call
- * into it and after the world that uses its hooks. One thread at a time: the main thread while it loads,
- * the simulator's while a run goes on.
+ * The script owns the Lua state with the scene's callbacks; whoever loaded it destroys it, after
+ * the last call into it and after the world that uses its hooks. One thread at a time: the main
+ * thread while it loads, the simulator's while a run goes on.
  */
 #ifndef RB_SCRIPT_LOAD_H
 #define RB_SCRIPT_LOAD_H
@@ -17,17 +17,21 @@
 struct rb_script;
 
 /*
- * Fills `scene`, which the caller releases, whatever comes of it. On a mistake of the scene RB_ERR_SCENE with every mistake
- * found in `mistakes` (one line each; `err` has the first), and what was read so far in `scene`: expect_refused
- * and params, for one. RB_ERR_USAGE where all mistakes are of `params`; RB_ERR_INPUT where the file can't be read.
- * `*script` is made even then, to be asked for its traceback and destroyed; NULL only without memory for it.
+ * Fills `scene`, which the caller releases, whatever comes of it. On a mistake of the scene
+ * RB_ERR_SCENE with every mistake found in `mistakes` (one line each; `err` has the first), and
+ * what was read so far in `scene`: expect_refused and params, for one. RB_ERR_USAGE where all
+ * mistakes are of `params`; RB_ERR_INPUT where the file can't be read.
+ * `*script` is made even then, to be asked for its traceback and destroyed; NULL only without
+ * memory for it.
  */
 RB_CHECKED enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene,
-                                         struct rb_mistakes *mistakes, const struct rb_script_options *options,
+                                         struct rb_mistakes *mistakes,
+                                         const struct rb_script_options *options,
                                          struct rb_error *err);
 void rb_script_destroy(struct rb_script *script); /* NULL is fine */
 
-/* Lua's traceback of the last runtime error, "" when there was none. Holds until the next call into the script. */
+/* Lua's traceback of the last runtime error, "" when there was none. Holds until the next call into
+ * the script. */
 const char *rb_script_traceback(const struct rb_script *script);
 
 #endif

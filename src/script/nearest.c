@@ -11,7 +11,8 @@ static int least(int a, int b)
 	return a < b ? a : b;
 }
 
-/* Edits (insert, delete, change, swap neighbours) between two words; words that are too long are far apart. */
+/* Edits (insert, delete, change, swap neighbours) between two words; words that are too long are
+ * far apart. */
 static int distance_of(const char *a, size_t a_size, const char *b, size_t b_size)
 {
 	int rows[3][WORD_MAX + 1];
@@ -56,7 +57,8 @@ void rb_nearest_offer(struct rb_nearest *nearest, const char *candidate, size_t 
 		distance = allowed;
 	if (distance > allowed || distance > nearest->distance || size >= sizeof nearest->best)
 		return;
-	/* of two that are as near the first by name, so that the order of offering is of no account */
+	/* of two that are as near the first by name, so that the order of offering is of no account
+	 */
 	if (distance == nearest->distance && nearest->best[0]) {
 		const int order = strncmp(candidate, nearest->best, size);
 		if (order > 0 || (order == 0 && size >= strlen(nearest->best)))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The nearest of many names to a word that is none of them: offer all, then ask. Values only, nothing is owned. */
+/* The nearest of many names to a word that is none of them: offer all, then ask. Values only,
+ * nothing is owned. */
 #ifndef RB_SCRIPT_NEAREST_H
 #define RB_SCRIPT_NEAREST_H
 

@@ -60,7 +60,8 @@ static const char *given_text(const struct rb_script_options *options, const cha
 	return NULL;
 }
 
-/* Pushes the value that a text of the command line stands for; false with nothing pushed: it can't be read as that type. */
+/* Pushes the value that a text of the command line stands for; false with nothing pushed: it can't
+ * be read as that type. */
 static bool push_given(lua_State *L, enum rb_param_type type, const char *text)
 {
 	lua_Integer whole;
@@ -99,12 +100,13 @@ static bool push_given(lua_State *L, enum rb_param_type type, const char *text)
 }
 
 /* A mistake in a value: of the command line, or of the scene's default. */
-static void value_mistake(struct rb_call *call, bool from_command_line, const char *name, const char *wanted,
-                          const char *found)
+static void value_mistake(struct rb_call *call, bool from_command_line, const char *name,
+                          const char *wanted, const char *found)
 {
 	if (from_command_line) {
 		call->script->usage_mistake_count++;
-		rb_script_mistake(call->script, 0, "--param %s: must be %s (got '%.60s')", name, wanted, found);
+		rb_script_mistake(call->script, 0, "--param %s: must be %s (got '%.60s')", name,
+		                  wanted, found);
 	} else {
 		rb_call_mistake(call, "the default must be %s (got %.60s)", wanted, found);
 	}
@@ -124,12 +126,14 @@ static bool is_chosen(lua_State *L, int index, int list)
 	return found;
 }
 
-/* Pushes "a, b, c" for the list of choices at the top of the stack; false: it is none, a mistake was noted. */
+/* Pushes "a, b, c" for the list of choices at the top of the stack; false: it is none, a mistake
+ * was noted. */
 static bool push_choices(struct rb_call *call)
 {
 	lua_State *L = call->L;
 	const int list = lua_gettop(L);
-	const lua_Integer count = lua_type(L, list) == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list) : 0;
+	const lua_Integer count = lua_type(L, list) == LUA_TTABLE ? (lua_Integer)lua_rawlen(L, list)
+	                                                          : 0;
 	bool right = count > 0;
 	char text[TEXT_MAX];
 	luaL_Buffer all;
@@ -140,7 +144,8 @@ static bool push_choices(struct rb_call *call)
 		lua_pop(L, 1);
 	}
 	if (!right) {
-		rb_call_mistake(call, "'choices' must be a list of numbers, texts or booleans (got %s)",
+		rb_call_mistake(call,
+		                "'choices' must be a list of numbers, texts or booleans (got %s)",
 		                rb_describe(L, list, text));
 		return false;
 	}
@@ -156,8 +161,10 @@ static bool push_choices(struct rb_call *call)
 	return true;
 }
 
-/* Range and choices of the value at `index`; false: a mistake was noted. `list`: where the choices are, 0: none. */
-static bool allowed(struct rb_call *call, const struct rb_param_def *def, int index, int list, bool from_command_line)
+/* Range and choices of the value at `index`; false: a mistake was noted. `list`: where the choices
+ * are, 0: none. */
+static bool allowed(struct rb_call *call, const struct rb_param_def *def, int index, int list,
+                    bool from_command_line)
 {
 	char text[TEXT_MAX], wanted[TEXT_MAX];
 
@@ -170,7 +177,8 @@ static bool allowed(struct rb_call *call, const struct rb_param_def *def, int in
 			else if (isnan(def->min))
 				snprintf(wanted, sizeof wanted, "at most %.12g", def->max);
 			else
-				snprintf(wanted, sizeof wanted, "in [%.12g, %.12g]", def->min, def->max);
+				snprintf(wanted, sizeof wanted, "in [%.12g, %.12g]", def->min,
+				         def->max);
 			value_mistake(call, from_command_line, def->name, wanted, text);
 			return false;
 		}
@@ -183,7 +191,8 @@ static bool allowed(struct rb_call *call, const struct rb_param_def *def, int in
 	return true;
 }
 
-/* Arguments 1 to 4: name, default, help, what is allowed. False: a mistake that leaves nothing to go on with. */
+/* Arguments 1 to 4: name, default, help, what is allowed. False: a mistake that leaves nothing to
+ * go on with. */
 static bool check_arguments(struct rb_call *call)
 {
 	lua_State *L = call->L;
@@ -191,7 +200,8 @@ static bool check_arguments(struct rb_call *call)
 	size_t size;
 
 	if (lua_type(L, 1) != LUA_TSTRING) {
-		rb_call_mistake(call, "wants a name, a default, a help text (got %s for the name)", rb_describe(L, 1, found));
+		rb_call_mistake(call, "wants a name, a default, a help text (got %s for the name)",
+		                rb_describe(L, 1, found));
 		return false;
 	}
 	const char *name = lua_tolstring(L, 1, &size);
@@ -201,11 +211,13 @@ static bool check_arguments(struct rb_call *call)
 	}
 	const int type = lua_type(L, 2);
 	if (type != LUA_TNUMBER && type != LUA_TBOOLEAN && type != LUA_TSTRING) {
-		rb_call_mistake(call, "the default must be a number, a boolean or a text (got %s)", rb_describe(L, 2, found));
+		rb_call_mistake(call, "the default must be a number, a boolean or a text (got %s)",
+		                rb_describe(L, 2, found));
 		return false;
 	}
 	if (type == LUA_TNUMBER && !isfinite(lua_tonumber(L, 2))) {
-		rb_call_mistake(call, "the default must be finite (got %s)", rb_describe(L, 2, found));
+		rb_call_mistake(call, "the default must be finite (got %s)",
+		                rb_describe(L, 2, found));
 		return false;
 	}
 	if (!lua_isnil(L, 3) && lua_type(L, 3) != LUA_TSTRING)
@@ -236,8 +248,8 @@ static int l_param(lua_State *L)
 	                           .min = (double)NAN,
 	                           .max = (double)NAN};
 	rb_call_read(&call, &def);
-	if ((rb_call_given(&call, "min") || rb_call_given(&call, "max")) && def.type != RB_PARAM_NUMBER &&
-	    def.type != RB_PARAM_INTEGER)
+	if ((rb_call_given(&call, "min") || rb_call_given(&call, "max")) &&
+	    def.type != RB_PARAM_NUMBER && def.type != RB_PARAM_INTEGER)
 		rb_call_mistake(&call, "'min' and 'max' are for numbers");
 	if (rb_call_push(&call, "choices") != LUA_TNIL && push_choices(&call)) {
 		list = lua_gettop(L) - 1;
@@ -253,7 +265,8 @@ static int l_param(lua_State *L)
 		else
 			lua_pop(L, 1);
 	} else if (given) {
-		static const char *const names[] = {"a number", "a whole number", "true or false", "a text"};
+		static const char *const names[] = {"a number", "a whole number", "true or false",
+		                                    "a text"};
 		snprintf(wanted, sizeof wanted, "%s", names[def.type]);
 		value_mistake(&call, true, def.name, wanted, given);
 	}
@@ -287,14 +300,17 @@ void rb_params_check(struct rb_script *script)
 		struct rb_nearest nearest = rb_nearest_to(name);
 		bool known = false;
 		for (int k = 0; k < scene->param_count && !known; k++) {
-			known = strlen(scene->params[k].name) == size && strncmp(scene->params[k].name, given, size) == 0;
-			rb_nearest_offer(&nearest, scene->params[k].name, strlen(scene->params[k].name));
+			known = strlen(scene->params[k].name) == size &&
+			        strncmp(scene->params[k].name, given, size) == 0;
+			rb_nearest_offer(&nearest, scene->params[k].name,
+			                 strlen(scene->params[k].name));
 		}
 		if (known)
 			continue;
 		script->usage_mistake_count++;
 		rb_script_mistake(script, 0, "--param %s: the scene has no such parameter%s", name,
-		                  scene->param_count ? rb_nearest_hint(&nearest, hint) : " (it has none)");
+		                  scene->param_count ? rb_nearest_hint(&nearest, hint)
+		                                     : " (it has none)");
 	}
 }
 

@@ -221,7 +221,8 @@ static const char *match_again(struct rb_match *m, const char *s, int digit)
 	return s + size;
 }
 
-/* At '%f[set]': a border between a character outside of the set and one in it. Behind the set, or NULL. */
+/* At '%f[set]': a border between a character outside of the set and one in it. Behind the set, or
+ * NULL. */
 static const char *frontier(struct rb_match *m, const char *s, const char *p)
 {
 	if (p == m->pattern_end || *p != '[')
@@ -306,7 +307,8 @@ static const char *match_steps(struct rb_match *m, const char *s, const char *p)
 			return capture_close(m, s, p + 1);
 		if (*p == '$' && p + 1 == m->pattern_end)
 			return s == m->subject_end ? s : NULL;
-		if (*p == '%' && p + 1 < m->pattern_end && (p[1] == 'b' || p[1] == 'f' || isdigit(byte_at(p + 1))))
+		if (*p == '%' && p + 1 < m->pattern_end &&
+		    (p[1] == 'b' || p[1] == 'f' || isdigit(byte_at(p + 1))))
 			end = match_special(m, &s, &p, &go);
 		else
 			end = match_item(m, &s, &p, &go);
@@ -327,8 +329,8 @@ static const char *match_here(struct rb_match *m, const char *s, const char *p)
 	return end;
 }
 
-void rb_match_start(struct rb_match *match, const char *subject, size_t subject_size, const char *pattern,
-                    size_t pattern_size, uint64_t steps)
+void rb_match_start(struct rb_match *match, const char *subject, size_t subject_size,
+                    const char *pattern, size_t pattern_size, uint64_t steps)
 {
 	match->subject = subject;
 	match->subject_end = subject + subject_size;

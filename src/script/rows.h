@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every key that a scene can write, one row each: type, range, default, unit, help, and where its value goes.
+ * Every key that a scene can write, one row each: type, range, default, unit, help, and where its
+ * value goes.
  *
- * Checks (script/fields), messages and the tables of rbsim-scene(5) all come from these rows. A row whose value needs more
- * than a type has no place (`at` is RB_ROW_BY_HAND): the call reads it itself.
+ * Checks (script/fields), messages and the tables of rbsim-scene(5) all come from these rows. A row
+ * whose value needs more than a type has no place (`at` is RB_ROW_BY_HAND): the call reads it
+ * itself.
  */
 #ifndef RB_SCRIPT_ROWS_H
 #define RB_SCRIPT_ROWS_H
@@ -42,13 +44,13 @@ enum rb_row_range {
 	RB_RANGE_ANY,
 	RB_RANGE_POSITIVE,
 	RB_RANGE_NOT_NEGATIVE,
-	RB_RANGE_UNIT,    /* [0, 1] */
+	RB_RANGE_UNIT,     /* [0, 1] */
 	RB_RANGE_NOT_ZERO, /* a vector with a length */
-	RB_RANGE_DIGIT,   /* [0, 9] */
-	RB_RANGE_PIXELS,  /* [1, 16384] */
-	RB_RANGE_SAMPLES, /* [1, 64] */
-	RB_RANGE_COUNT,   /* 1 or more */
-	RB_RANGE_FOV,     /* (0, pi) */
+	RB_RANGE_DIGIT,    /* [0, 9] */
+	RB_RANGE_PIXELS,   /* [1, 16384] */
+	RB_RANGE_SAMPLES,  /* [1, 64] */
+	RB_RANGE_COUNT,    /* 1 or more */
+	RB_RANGE_FOV,      /* (0, pi) */
 	RB_RANGE_KIND_COUNT
 };
 
@@ -74,8 +76,9 @@ struct rb_row_table {
 
 enum { RB_ROWS_MAX = 64 }; /* of a table and what it shares */
 
-extern const struct rb_row_table rb_rows_world, rb_rows_material, rb_rows_contact_pair, rb_rows_body, rb_rows_sphere,
-	rb_rows_plane, rb_rows_force, rb_rows_camera, rb_rows_light, rb_rows_record, rb_rows_param;
+extern const struct rb_row_table rb_rows_world, rb_rows_material, rb_rows_contact_pair,
+	rb_rows_body, rb_rows_sphere, rb_rows_plane, rb_rows_force, rb_rows_camera, rb_rows_light,
+	rb_rows_record, rb_rows_param;
 
 /* NULL when there is no such key; *index (may be NULL) counts through `more`. */
 const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *key, int *index);

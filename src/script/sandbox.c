@@ -24,8 +24,8 @@ struct rb_sandbox_chunk {
 	_Alignas(16) unsigned char bytes[CHUNK_BYTES];
 };
 
-/* Small blocks are cut from chunks and kept in lists by size: base/memory zeroes, aligns and counts each block, which
- * is too dear for the millions of small ones that a script takes. */
+/* Small blocks are cut from chunks and kept in lists by size: base/memory zeroes, aligns and counts
+ * each block, which is too dear for the millions of small ones that a script takes. */
 static void *small_take(struct rb_sandbox *sandbox, size_t class)
 {
 	void *block = sandbox->free_list[class];
@@ -50,7 +50,8 @@ static void *small_take(struct rb_sandbox *sandbox, size_t class)
 
 static void *block_take(struct rb_sandbox *sandbox, size_t size)
 {
-	return size <= SMALL_MAX ? small_take(sandbox, (size - 1) / GRAIN) : rb_memory_take(1, size);
+	return size <= SMALL_MAX ? small_take(sandbox, (size - 1) / GRAIN)
+	                         : rb_memory_take(1, size);
 }
 
 static void block_give(struct rb_sandbox *sandbox, void *block, size_t size)
@@ -74,7 +75,8 @@ static bool within_budget(struct rb_sandbox *sandbox, size_t old_size, size_t ne
 		return false;
 	}
 	/* Lua collects and asks again before it gives up: the verdict is made in `explain`. */
-	return new_size - old_size <= sandbox->bytes_max && sandbox->bytes <= sandbox->bytes_max - (new_size - old_size);
+	return new_size - old_size <= sandbox->bytes_max &&
+	       sandbox->bytes <= sandbox->bytes_max - (new_size - old_size);
 }
 
 /* lua_Alloc. With block NULL, old_size is the kind of the object. */
@@ -134,15 +136,17 @@ static void raise_spent(lua_State *L, int level)
 	lua_sethook(L, count_hook, LUA_MASKCOUNT, 1);
 	luaL_where(L, level);
 	if (sandbox->spent == RB_SPENT_TIME)
-		lua_pushfstring(L, "the script ran longer than %d seconds %s", RB_SANDBOX_SECONDS, lifted);
-	else if (sandbox->spent == RB_SPENT_MEMORY)
-		lua_pushfstring(L, "the script wants more than %d MiB of memory %s", (int)(sandbox->bytes_max >> 20),
+		lua_pushfstring(L, "the script ran longer than %d seconds %s", RB_SANDBOX_SECONDS,
 		                lifted);
+	else if (sandbox->spent == RB_SPENT_MEMORY)
+		lua_pushfstring(L, "the script wants more than %d MiB of memory %s",
+		                (int)(sandbox->bytes_max >> 20), lifted);
 	else if (sandbox->work_max >= 1000000)
 		lua_pushfstring(L, "the script ran longer than %d million instructions %s",
 		                (int)(sandbox->work_max / 1000000), lifted);
 	else
-		lua_pushfstring(L, "the script ran longer than %d instructions %s", (int)sandbox->work_max, lifted);
+		lua_pushfstring(L, "the script ran longer than %d instructions %s",
+		                (int)sandbox->work_max, lifted);
 	lua_concat(L, 2);
 	lua_error(L);
 }
@@ -203,7 +207,8 @@ void rb_sandbox_charge_bytes(lua_State *L, size_t bytes)
 	sandbox->bytes += bytes;
 }
 
-enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, bool trust, struct rb_error *err)
+enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, bool trust,
+                               struct rb_error *err)
 {
 	*sandbox = (struct rb_sandbox){.bytes_max = bytes_max, .trust = trust, .seed = 1};
 	sandbox->work_max = rb_sandbox_load_instructions;
@@ -220,7 +225,8 @@ enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, boo
 void rb_sandbox_release(struct rb_sandbox *sandbox)
 {
 	if (sandbox->L) {
-		/* finalizers (files of trusted scripts) may run here, without end if they wish: not ours to stop */
+		/* finalizers (files of trusted scripts) may run here, without end if they wish: not
+		 * ours to stop */
 		lua_sethook(sandbox->L, NULL, 0, 0);
 		lua_close(sandbox->L);
 	}
@@ -270,7 +276,8 @@ static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 	rb_memory_free(sandbox->traceback);
 	sandbox->traceback = NULL;
 	if (!sandbox->trust) {
-		sandbox->cpu_end_ns = rb_clock_cpu_ns() + (uint64_t)RB_SANDBOX_SECONDS * 1000000000u;
+		sandbox->cpu_end_ns = rb_clock_cpu_ns() +
+		                      (uint64_t)RB_SANDBOX_SECONDS * 1000000000u;
 		lua_sethook(sandbox->L, count_hook, LUA_MASKCOUNT, HOOK_COUNT);
 	}
 }
@@ -296,18 +303,22 @@ static int fetch_traceback(lua_State *L)
 static enum rb_status explain(struct rb_sandbox *sandbox, int status, struct rb_error *err)
 {
 	lua_State *L = sandbox->L;
-	const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "an error without a message";
+	const char *text = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1)
+	                                                  : "an error without a message";
 	const bool memory = status == LUA_ERRMEM || strstr(text, "not enough memory");
 	enum rb_status result;
 
 	if (memory && sandbox->refused)
 		result = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the scene's script");
 	else if (memory && sandbox->spent == RB_SPENT_TEXT)
-		result = RB_FAIL(err, RB_ERR_SCENE, "the script makes a text of more than %d MiB (--trust lifts this)",
+		result = RB_FAIL(err, RB_ERR_SCENE,
+		                 "the script makes a text of more than %d MiB (--trust lifts this)",
 		                 RB_SANDBOX_TEXT_BYTES >> 20);
 	else if (memory)
-		result = RB_FAIL(err, RB_ERR_SCENE, "the script wants more than %zu MiB of memory (--trust lifts this)",
-		                 sandbox->bytes_max >> 20);
+		result = RB_FAIL(
+			err, RB_ERR_SCENE,
+			"the script wants more than %zu MiB of memory (--trust lifts this)",
+			sandbox->bytes_max >> 20);
 	else
 		result = RB_FAIL(err, RB_ERR_SCENE, "%s", text);
 	lua_pop(L, 1);
@@ -333,9 +344,11 @@ enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, i
 	const int status = lua_pcall(L, argument_count, result_count, base);
 	lua_sethook(L, NULL, 0, 0);
 	lua_remove(L, base);
-	if (status == LUA_OK && (sandbox->spent == RB_SPENT_NOTHING || sandbox->spent == RB_SPENT_TEXT))
+	if (status == LUA_OK &&
+	    (sandbox->spent == RB_SPENT_NOTHING || sandbox->spent == RB_SPENT_TEXT))
 		return RB_OK;
-	if (status == LUA_OK) { /* the error came to nothing in a coroutine or a pcall: it holds all the same */
+	if (status == LUA_OK) { /* the error came to nothing in a coroutine or a pcall: it holds all
+		                   the same */
 		lua_settop(L, base - 1);
 		lua_pushcfunction(L, spent_text);
 		if (lua_pcall(L, 0, 1, 0) == LUA_OK)

@@ -2,12 +2,14 @@
 /*
  * A Lua state with a budget of memory, of instructions and of processor time.
  *
- * Budgets: every byte the state takes is counted, and what C functions work through is charged as if it had been
- * instructions (rb_sandbox_charge), because the count hook of Lua does not run inside of them. A budget that is used up
- * raises errors until the call from outside returns: a script that catches one gets the next.
+ * Budgets: every byte the state takes is counted, and what C functions work through is charged as
+ * if it had been instructions (rb_sandbox_charge), because the count hook of Lua does not run
+ * inside of them. A budget that is used up raises errors until the call from outside returns: a
+ * script that catches one gets the next.
  *
- * Owned by one thread at a time. C functions called from Lua may be left by a jump at any call into Lua: they own
- * nothing; what must be released belongs to the state, to this struct or to the scene.
+ * Owned by one thread at a time. C functions called from Lua may be left by a jump at any call into
+ * Lua: they own nothing; what must be released belongs to the state, to this struct or to the
+ * scene.
  */
 #ifndef RB_SCRIPT_SANDBOX_H
 #define RB_SCRIPT_SANDBOX_H
@@ -20,7 +22,13 @@
 
 #include <rbsim/error.h>
 
-enum rb_spent { RB_SPENT_NOTHING, RB_SPENT_INSTRUCTIONS, RB_SPENT_TIME, RB_SPENT_MEMORY, RB_SPENT_TEXT };
+enum rb_spent {
+	RB_SPENT_NOTHING,
+	RB_SPENT_INSTRUCTIONS,
+	RB_SPENT_TIME,
+	RB_SPENT_MEMORY,
+	RB_SPENT_TEXT
+};
 
 enum { RB_SANDBOX_CLASSES = 32 }; /* blocks of 16, 32, ... 512 bytes come from chunks */
 
@@ -54,7 +62,8 @@ static const uint64_t rb_sandbox_callback_instructions = 100000000;
 static const size_t rb_sandbox_memory_bytes = (size_t)256 << 20;
 enum { RB_SANDBOX_TEXT_BYTES = 16 << 20, RB_SANDBOX_SECONDS = 120 };
 
-/* An empty state: script/library fills it. `sandbox` must stay where it is. Fails on memory only. */
+/* An empty state: script/library fills it. `sandbox` must stay where it is. Fails on memory only.
+ */
 RB_CHECKED enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, bool trust,
                                           struct rb_error *err);
 void rb_sandbox_release(struct rb_sandbox *sandbox); /* safe on a zeroed one */
@@ -66,17 +75,20 @@ static inline void *rb_sandbox_user(lua_State *L)
 }
 
 /*
- * Calls the function below its `argument_count` arguments on top of the stack, which takes them off and pushes
- * `result_count` results. RB_ERR_SCENE with Lua's message, RB_ERR_MEMORY; nothing is then pushed and the traceback is kept.
+ * Calls the function below its `argument_count` arguments on top of the stack, which takes them off
+ * and pushes `result_count` results. RB_ERR_SCENE with Lua's message, RB_ERR_MEMORY; nothing is
+ * then pushed and the traceback is kept.
  */
-RB_CHECKED enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, int result_count,
-                                          uint64_t instructions, struct rb_error *err);
+RB_CHECKED enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count,
+                                          int result_count, uint64_t instructions,
+                                          struct rb_error *err);
 
 /* Counts as so many instructions; raises a Lua error when the budget is used up. */
 void rb_sandbox_charge(lua_State *L, uint64_t work);
 /* What is left of the budget, in instructions. */
 uint64_t rb_sandbox_left(lua_State *L);
-/* Counts memory that a script makes us take outside of its state, for good; raises a Lua error beyond the budget. */
+/* Counts memory that a script makes us take outside of its state, for good; raises a Lua error
+ * beyond the budget. */
 void rb_sandbox_charge_bytes(lua_State *L, size_t bytes);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The script behind a scene, as the modules of this layer share it; everybody else sees load.h and hooks.h. */
+/* The script behind a scene, as the modules of this layer share it; everybody else sees load.h and
+ * hooks.h. */
 #ifndef RB_SCRIPT_SCRIPT_H
 #define RB_SCRIPT_SCRIPT_H
 
@@ -36,7 +37,7 @@ struct rb_script {
 	bool traceback_kept;
 
 	/* while loading */
-	struct rb_mistakes *mistakes; /* borrowed */
+	struct rb_mistakes *mistakes;            /* borrowed */
 	const struct rb_script_options *options; /* borrowed */
 	int mistake_count, usage_mistake_count;
 	uint64_t last_mistake; /* hash of its text */

@@ -17,10 +17,12 @@ static size_t start_offset(lua_Integer start, size_t size)
 		return (lua_Unsigned)start - 1 <= size ? (size_t)start - 1 : size + 1;
 	if (start == 0)
 		return 0;
-	return (lua_Unsigned)0 - (lua_Unsigned)start <= size ? size - ((size_t)0 - (size_t)start) : 0;
+	return (lua_Unsigned)0 - (lua_Unsigned)start <= size ? size - ((size_t)0 - (size_t)start)
+	                                                     : 0;
 }
 
-/* A step of the matcher costs as much as an instruction. Charges those taken since there were `before`; raises the pattern's mistake. */
+/* A step of the matcher costs as much as an instruction. Charges those taken since there were
+ * `before`; raises the pattern's mistake. */
 static void settle(lua_State *L, const struct rb_match *match, uint64_t before)
 {
 	rb_sandbox_charge(L, before - match->steps + (match->steps == 0));
@@ -29,7 +31,8 @@ static void settle(lua_State *L, const struct rb_match *match, uint64_t before)
 }
 
 /* The match at `at`, its steps charged; NULL: none. */
-static const char *charged_match(lua_State *L, struct rb_match *match, const char *at, const char *pattern)
+static const char *charged_match(lua_State *L, struct rb_match *match, const char *at,
+                                 const char *pattern)
 {
 	const uint64_t before = match->steps = rb_sandbox_left(L);
 	const char *end = rb_match_at(match, at, pattern);
@@ -38,7 +41,8 @@ static const char *charged_match(lua_State *L, struct rb_match *match, const cha
 	return end;
 }
 
-static void push_capture(lua_State *L, const struct rb_match *match, int i, const char *start, const char *end)
+static void push_capture(lua_State *L, const struct rb_match *match, int i, const char *start,
+                         const char *end)
 {
 	if (i >= match->capture_count) {
 		if (i != 0)
@@ -53,7 +57,8 @@ static void push_capture(lua_State *L, const struct rb_match *match, int i, cons
 	}
 }
 
-static int push_captures(lua_State *L, const struct rb_match *match, const char *start, const char *end, int least)
+static int push_captures(lua_State *L, const struct rb_match *match, const char *start,
+                         const char *end, int least)
 {
 	const int count = match->capture_count > least ? match->capture_count : least;
 
@@ -63,9 +68,11 @@ static int push_captures(lua_State *L, const struct rb_match *match, const char 
 	return count;
 }
 
-static int find_plain(lua_State *L, const char *text, size_t size, size_t offset, const char *what, size_t what_size)
+static int find_plain(lua_State *L, const char *text, size_t size, size_t offset, const char *what,
+                      size_t what_size)
 {
-	const char *found = what_size ? memmem(text + offset, size - offset, what, what_size) : text + offset;
+	const char *found = what_size ? memmem(text + offset, size - offset, what, what_size)
+	                              : text + offset;
 
 	rb_sandbox_charge(L, (found ? (size_t)(found - text) - offset : size - offset) / 16);
 	if (!found) {
@@ -89,7 +96,8 @@ static int find_or_match(lua_State *L, bool find)
 		lua_pushnil(L);
 		return 1;
 	}
-	if (find && (lua_toboolean(L, 4) || (!strpbrk(pattern, "^$*+?.([%-") && strlen(pattern) == pattern_size)))
+	if (find && (lua_toboolean(L, 4) ||
+	             (!strpbrk(pattern, "^$*+?.([%-") && strlen(pattern) == pattern_size)))
 		return find_plain(L, text, size, offset, pattern, pattern_size);
 
 	const bool anchored = pattern_size > 0 && *pattern == '^';
@@ -135,7 +143,8 @@ static int gmatch_step(lua_State *L)
 	struct rb_match match;
 
 	rb_match_start(&match, text, size, pattern, pattern_size, 0);
-	for (lua_Integer at = lua_tointeger(L, lua_upvalueindex(3)); at <= (lua_Integer)size; at++) {
+	for (lua_Integer at = lua_tointeger(L, lua_upvalueindex(3)); at <= (lua_Integer)size;
+	     at++) {
 		const char *end = charged_match(L, &match, text + at, pattern);
 		if (!end || end - text == last)
 			continue;
@@ -161,8 +170,8 @@ static int l_gmatch(lua_State *L)
 	return 1;
 }
 
-static void add_template(lua_State *L, luaL_Buffer *out, const struct rb_match *match, const char *start,
-                         const char *end)
+static void add_template(lua_State *L, luaL_Buffer *out, const struct rb_match *match,
+                         const char *start, const char *end)
 {
 	size_t size;
 	const char *text = lua_tolstring(L, 3, &size);
@@ -189,8 +198,8 @@ static void add_template(lua_State *L, luaL_Buffer *out, const struct rb_match *
 }
 
 /* Adds what stands for the match; the replacement is argument 3. */
-static void add_replacement(lua_State *L, luaL_Buffer *out, const struct rb_match *match, const char *start,
-                            const char *end)
+static void add_replacement(lua_State *L, luaL_Buffer *out, const struct rb_match *match,
+                            const char *start, const char *end)
 {
 	const int type = lua_type(L, 3);
 
@@ -229,8 +238,10 @@ static int l_gsub(lua_State *L)
 	struct rb_match match;
 	luaL_Buffer out;
 
-	luaL_argexpected(L, type == LUA_TNUMBER || type == LUA_TSTRING || type == LUA_TFUNCTION || type == LUA_TTABLE, 3,
-	                 "string/function/table");
+	luaL_argexpected(L,
+	                 type == LUA_TNUMBER || type == LUA_TSTRING || type == LUA_TFUNCTION ||
+	                         type == LUA_TTABLE,
+	                 3, "string/function/table");
 	luaL_buffinit(L, &out);
 	rb_match_start(&match, text, size, pattern, pattern_size, 0);
 	while (count < most) {
@@ -255,8 +266,11 @@ static int l_gsub(lua_State *L)
 
 void rb_strings_open(lua_State *L)
 {
-	static const luaL_Reg functions[] = {
-		{"find", l_find}, {"match", l_match}, {"gmatch", l_gmatch}, {"gsub", l_gsub}, {NULL, NULL}};
+	static const luaL_Reg functions[] = {{"find", l_find},
+	                                     {"match", l_match},
+	                                     {"gmatch", l_gmatch},
+	                                     {"gsub", l_gsub},
+	                                     {NULL, NULL}};
 
 	luaL_setfuncs(L, functions, 0);
 }

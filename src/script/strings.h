@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* string.find, match, gmatch and gsub over script/pattern, so that what they work through counts. */
+/* string.find, match, gmatch and gsub over script/pattern, so that what they work through counts.
+ */
 #ifndef RB_SCRIPT_STRINGS_H
 #define RB_SCRIPT_STRINGS_H
 

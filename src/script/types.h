@@ -9,22 +9,24 @@
 
 #include <rbsim/scene.h>
 
-/* All texts are borrowed for the time of the call. Zeroed is a good start: only `path` must be set. */
+/* All texts are borrowed for the time of the call. Zeroed is a good start: only `path` must be set.
+ */
 struct rb_script_options {
 	const char *path;          /* of the scene, as named on the command line */
 	const char *const *params; /* "K=V" each; of two with one name the last holds */
 	int param_count;
-	bool has_seed;             /* then world.seed is not looked at */
+	bool has_seed; /* then world.seed is not looked at */
 	uint64_t seed;
-	bool trust;                /* all of Lua's libraries, no budgets */
+	bool trust; /* all of Lua's libraries, no budgets */
 
-	/* Where `require "rbsim.NAME"` looks for rbsim/NAME.lua; none: RBSIM_LUA_PATH (folders parted by ':') if set,
-	 * else ../lua, ../../lua and ../share/rbsim/lua beside the program. */
+	/* Where `require "rbsim.NAME"` looks for rbsim/NAME.lua; none: RBSIM_LUA_PATH (folders
+	 * parted by ':') if set, else ../lua, ../../lua and ../share/rbsim/lua beside the program.
+	 */
 	const char *const *lua_folders;
 	int lua_folder_count;
 
-	/* Stored files instead of those on disk: [0] is the scene, the others what it required. No file is then
-	 * opened, nor is a texture looked for. NULL: files on disk. */
+	/* Stored files instead of those on disk: [0] is the scene, the others what it required. No
+	 * file is then opened, nor is a texture looked for. NULL: files on disk. */
 	const struct rb_source_file *files;
 	int file_count;
 
@@ -39,9 +41,11 @@ struct rb_expect_result {
 	const char *text; /* the scene's */
 	int line;
 	bool always, ok;
-	bool has_numbers;       /* the function gave measured and bound; for `always` the worst of all frames */
+	bool has_numbers; /* the function gave measured and bound; for `always` the worst of all
+	                     frames */
 	double measured, bound;
-	double failed_s;        /* `always`: the first frame that failed; NAN: none did, or a plain expect */
+	double failed_s; /* `always`: the first frame that failed; NAN: none did, or a plain expect
+	                  */
 	char message[RB_EXPECT_MESSAGE_SIZE]; /* why it failed, "" when ok */
 };
 

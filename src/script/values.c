@@ -44,7 +44,8 @@ static bool is_wrong(struct rb_call *call, const struct rb_row *row, int index, 
 {
 	char found[80];
 
-	rb_call_mistake(call, "'%s' must be %s (got %s)", row->key, wanted, rb_describe(call->L, index, found));
+	rb_call_mistake(call, "'%s' must be %s (got %s)", row->key, wanted,
+	                rb_describe(call->L, index, found));
 	return false;
 }
 
@@ -56,7 +57,8 @@ static bool out_of_range(struct rb_call *call, const struct rb_row *row, int ind
 	/* "must lie in [0, 1]", "must be positive" */
 	if (strncmp(range, "in [", 4) == 0) {
 		char found[80];
-		rb_call_mistake(call, "'%s' must lie %s (got %s)", row->key, range, rb_describe(call->L, index, found));
+		rb_call_mistake(call, "'%s' must lie %s (got %s)", row->key, range,
+		                rb_describe(call->L, index, found));
 		return false;
 	}
 	snprintf(wanted, sizeof wanted, "%s", range);
@@ -142,7 +144,8 @@ static bool read_file(struct rb_call *call, const struct rb_row *row, int index,
 	if (!read_text(call, row, index, &path))
 		return false;
 	if (!call->script->sandbox.trust && !rb_path_stays(path))
-		return is_wrong(call, row, index, "a path within the output folder (--trust lifts this)");
+		return is_wrong(call, row, index,
+		                "a path within the output folder (--trust lifts this)");
 	*value = path;
 	return true;
 }
@@ -174,7 +177,8 @@ static bool is_choice(const char *choices, const char *text)
 	return false;
 }
 
-static bool read_texture(struct rb_call *call, const struct rb_row *row, int index, const char **value)
+static bool read_texture(struct rb_call *call, const struct rb_row *row, int index,
+                         const char **value)
 {
 	const char *text;
 
@@ -192,14 +196,18 @@ static bool read_texture(struct rb_call *call, const struct rb_row *row, int ind
 		size_t size;
 		for (int k = 0; (size = rb_choice_at(row->choices, k, &name)) > 0; k++)
 			rb_nearest_offer(&nearest, name, size);
-		rb_call_mistake(call, "'%s' must be one of %s, or a PNG file beside the scene (got '%.60s')%s", row->key,
-		                row->choices, text, rb_nearest_hint(&nearest, hint));
+		rb_call_mistake(
+			call,
+			"'%s' must be one of %s, or a PNG file beside the scene (got '%.60s')%s",
+			row->key, row->choices, text, rb_nearest_hint(&nearest, hint));
 		return false;
 	}
 	if (!call->script->sandbox.trust && !rb_path_stays(text))
-		return is_wrong(call, row, index, "a path within the scene's folder (--trust lifts this)");
+		return is_wrong(call, row, index,
+		                "a path within the scene's folder (--trust lifts this)");
 	if (!call->script->options->files && !rb_file_beside_scene(call->script, text)) {
-		rb_call_mistake(call, "'%s': there is no file '%.60s' in the scene's folder", row->key, text);
+		rb_call_mistake(call, "'%s': there is no file '%.60s' in the scene's folder",
+		                row->key, text);
 		return false;
 	}
 	*value = text;
@@ -215,8 +223,9 @@ static bool read_numbers(struct rb_call *call, const struct rb_row *row, int ind
 	if (!rb_vector_numbers(call->L, index, row->count, numbers, &found)) {
 		if (row->type == RB_ROW_VECTOR || row->type == RB_ROW_SOURCE)
 			return is_wrong(call, row, index,
-			                row->type == RB_ROW_SOURCE ? "a vector {x, y, z}, a body or a function"
-			                                           : "a vector {x, y, z}");
+			                row->type == RB_ROW_SOURCE
+			                        ? "a vector {x, y, z}, a body or a function"
+			                        : "a vector {x, y, z}");
 		snprintf(wanted, sizeof wanted, "a list of %d numbers", row->count);
 		return is_wrong(call, row, index, wanted);
 	}
@@ -259,7 +268,8 @@ static bool read_integers(struct rb_call *call, const struct rb_row *row, int in
 	return true;
 }
 
-static bool read_axis_angle(struct rb_call *call, const struct rb_row *row, int index, rb_quat *value)
+static bool read_axis_angle(struct rb_call *call, const struct rb_row *row, int index,
+                            rb_quat *value)
 {
 	lua_State *L = call->L;
 	double axis[3];
@@ -269,7 +279,8 @@ static bool read_axis_angle(struct rb_call *call, const struct rb_row *row, int 
 		if (strcmp(key, "axis") == 0 || strcmp(key, "angle") == 0)
 			continue;
 		lua_pop(L, 2);
-		return is_wrong(call, row, index, "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
+		return is_wrong(call, row, index,
+		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
 	}
 	lua_pushliteral(L, "angle");
 	const bool has_angle = lua_rawget(L, index) == LUA_TNUMBER;
@@ -279,11 +290,14 @@ static bool read_axis_angle(struct rb_call *call, const struct rb_row *row, int 
 	const bool has_axis = rb_vector_numbers(L, -1, 3, axis, NULL);
 	lua_pop(L, 2);
 	if (!has_angle || !has_axis)
-		return is_wrong(call, row, index, "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
+		return is_wrong(call, row, index,
+		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
 	const rb_vec3 v = rb_vec3_from(axis);
 	if (!rb_vec3_finite(v) || !isfinite(angle)) {
-		rb_call_mistake(call, "'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, %.12g} and %.12g)", row->key,
-		                v.x, v.y, v.z, angle);
+		rb_call_mistake(
+			call,
+			"'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, %.12g} and %.12g)",
+			row->key, v.x, v.y, v.z, angle);
 		return false;
 	}
 	if (!(rb_vec3_max_abs(v) >= DBL_MIN)) {
@@ -296,26 +310,31 @@ static bool read_axis_angle(struct rb_call *call, const struct rb_row *row, int 
 	return true;
 }
 
-static bool read_orientation(struct rb_call *call, const struct rb_row *row, int index, rb_quat *value)
+static bool read_orientation(struct rb_call *call, const struct rb_row *row, int index,
+                             rb_quat *value)
 {
 	double numbers[4];
 
 	if (lua_type(call->L, index) != LUA_TTABLE)
-		return is_wrong(call, row, index, "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
+		return is_wrong(call, row, index,
+		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
 	if (lua_rawgeti(call->L, index, 1) == LUA_TNIL) {
 		lua_pop(call->L, 1);
 		return read_axis_angle(call, row, index, value);
 	}
 	lua_pop(call->L, 1);
 	if (!rb_vector_numbers(call->L, index, 4, numbers, NULL))
-		return is_wrong(call, row, index, "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
+		return is_wrong(call, row, index,
+		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
 	const rb_quat q = rb_quat_from(numbers);
 	const double length = rb_quat_length(q);
 	if (!isfinite(length))
 		return is_wrong(call, row, index, "finite");
 	if (fabs(length - 1) > 1e-3) {
-		rb_call_mistake(call, "'%s' must be a quaternion of length 1, within 1e-3 (got length %.12g)", row->key,
-		                length);
+		rb_call_mistake(
+			call,
+			"'%s' must be a quaternion of length 1, within 1e-3 (got length %.12g)",
+			row->key, length);
 		return false;
 	}
 	*value = rb_quat_unit(q);
@@ -324,7 +343,10 @@ static bool read_orientation(struct rb_call *call, const struct rb_row *row, int
 
 static int hex_digit(char c)
 {
-	return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
+	return c >= '0' && c <= '9'   ? c - '0'
+	       : c >= 'a' && c <= 'f' ? c - 'a' + 10
+	       : c >= 'A' && c <= 'F' ? c - 'A' + 10
+	                              : -1;
 }
 
 /* {r, g, b} in [0, 1] or "#rrggbb". */
@@ -336,7 +358,8 @@ static bool read_color(struct rb_call *call, const struct rb_row *row, int index
 		const char *text = lua_tostring(call->L, index);
 		bool right = text[0] == '#' && strlen(text) == 7;
 		for (int i = 0; right && i < 3; i++) {
-			const int high = hex_digit(text[1 + 2 * i]), low = hex_digit(text[2 + 2 * i]);
+			const int high = hex_digit(text[1 + 2 * i]),
+				  low = hex_digit(text[2 + 2 * i]);
 			right = high >= 0 && low >= 0;
 			values[i] = (16 * high + low) / 255.0;
 		}
@@ -373,11 +396,12 @@ static int read_choice(struct rb_call *call, const struct rb_row *row, int index
 		rb_nearest_offer(&nearest, name, size);
 	}
 	if (is_choice(row->later, text)) {
-		rb_call_mistake(call, "'%s' '%s': not in this version (this one has %s)", row->key, text, row->choices);
+		rb_call_mistake(call, "'%s' '%s': not in this version (this one has %s)", row->key,
+		                text, row->choices);
 		return -1;
 	}
-	rb_call_mistake(call, "'%s' must be one of %s (got '%.60s')%s", row->key, row->choices, text,
-	                rb_nearest_hint(&nearest, hint));
+	rb_call_mistake(call, "'%s' must be one of %s (got '%.60s')%s", row->key, row->choices,
+	                text, rb_nearest_hint(&nearest, hint));
 	return -1;
 }
 
@@ -435,7 +459,8 @@ int rb_call_material(struct rb_call *call, const char *key, int index)
 		if (candidate)
 			rb_nearest_offer(&nearest, candidate, strlen(candidate));
 	}
-	rb_call_mistake(call, "%s: no material is named '%.60s' so far%s", key, name, rb_nearest_hint(&nearest, hint));
+	rb_call_mistake(call, "%s: no material is named '%.60s' so far%s", key, name,
+	                rb_nearest_hint(&nearest, hint));
 	return -1;
 }
 
@@ -449,7 +474,8 @@ static bool read_body(struct rb_call *call, const struct rb_row *row, int index,
 	return true;
 }
 
-static bool read_source(struct rb_call *call, const struct rb_row *row, int index, struct rb_camera_vector *value)
+static bool read_source(struct rb_call *call, const struct rb_row *row, int index,
+                        struct rb_camera_vector *value)
 {
 	struct rb_camera_vector source = {.body = -1, .function = -1};
 
@@ -498,7 +524,8 @@ static bool read_inertia(struct rb_call *call, const struct rb_row *row, int ind
 	}
 	const char *fault = rb_inertia_fault(&m);
 	if (fault) {
-		rb_call_mistake(call, "'%s' %s (got %s)", row->key, fault, rb_describe(L, index, found));
+		rb_call_mistake(call, "'%s' %s (got %s)", row->key, fault,
+		                rb_describe(L, index, found));
 		return false;
 	}
 	*value = m;

@@ -61,7 +61,8 @@ rb_vec3 rb_vector_check(lua_State *L, int index, const char *what)
 	rb_vec3 v;
 
 	if (!get(L, index, &v))
-		luaL_error(L, "%s: wants a vector {x, y, z} (got %s)", what, luaL_typename(L, index));
+		luaL_error(L, "%s: wants a vector {x, y, z} (got %s)", what,
+		           luaL_typename(L, index));
 	if (!rb_vec3_finite(v))
 		luaL_error(L, "%s: wants finite numbers (got {%f, %f, %f})", what, v.x, v.y, v.z);
 	return v;
@@ -73,7 +74,8 @@ static rb_vec3 operand(lua_State *L, int index, const char *operator)
 	rb_vec3 v;
 
 	if (!get(L, index, &v))
-		luaL_error(L, "vec3: '%s' wants two vectors (got %s)", operator, luaL_typename(L, index));
+		luaL_error(L, "vec3: '%s' wants two vectors (got %s)", operator,
+		           luaL_typename(L, index));
 	return v;
 }
 
@@ -87,7 +89,8 @@ static int l_vec3(lua_State *L)
 	}
 	for (int i = 1; i <= 3; i++)
 		if (lua_type(L, i) != LUA_TNUMBER)
-			return luaL_error(L, "vec3: wants three numbers (got %s for number %d)", luaL_typename(L, i), i);
+			return luaL_error(L, "vec3: wants three numbers (got %s for number %d)",
+			                  luaL_typename(L, i), i);
 	rb_vector_push(L, (rb_vec3){lua_tonumber(L, 1), lua_tonumber(L, 2), lua_tonumber(L, 3)});
 	return 1;
 }
@@ -116,7 +119,9 @@ static int l_mul(lua_State *L)
 	rb_vec3 v;
 
 	if (lua_type(L, number) != LUA_TNUMBER || !get(L, 3 - number, &v))
-		return luaL_error(L, "vec3: '*' wants a number and a vector (a:dot(b) and a:cross(b) multiply vectors)");
+		return luaL_error(
+			L,
+			"vec3: '*' wants a number and a vector (a:dot(b) and a:cross(b) multiply vectors)");
 	rb_vector_push(L, rb_vec3_scale(lua_tonumber(L, number), v));
 	return 1;
 }
@@ -142,7 +147,8 @@ static int l_eq(lua_State *L)
 {
 	rb_vec3 a, b;
 
-	lua_pushboolean(L, get(L, 1, &a) && get(L, 2, &b) && a.x == b.x && a.y == b.y && a.z == b.z);
+	lua_pushboolean(L,
+	                get(L, 1, &a) && get(L, 2, &b) && a.x == b.x && a.y == b.y && a.z == b.z);
 	return 1;
 }
 
@@ -205,7 +211,9 @@ static int l_index(lua_State *L)
 	}
 	lua_pushvalue(L, 2);
 	if (lua_rawget(L, lua_upvalueindex(1)) == LUA_TNIL && lua_type(L, 2) == LUA_TSTRING)
-		return luaL_error(L, "vec3: no field '%s' (there are x, y, z, length, dot, cross, unit)", lua_tostring(L, 2));
+		return luaL_error(
+			L, "vec3: no field '%s' (there are x, y, z, length, dot, cross, unit)",
+			lua_tostring(L, 2));
 	return 1;
 }
 
@@ -222,11 +230,15 @@ static int l_newindex(lua_State *L)
 
 void rb_vector_open(lua_State *L)
 {
-	static const luaL_Reg operators[] = {{"__add", l_add},     {"__sub", l_sub}, {"__mul", l_mul},
-	                                     {"__div", l_div},     {"__unm", l_unm}, {"__eq", l_eq},
-	                                     {"__newindex", l_newindex}, {"__tostring", l_tostring}, {NULL, NULL}};
-	static const luaL_Reg methods[] = {
-		{"length", l_length}, {"dot", l_dot}, {"cross", l_cross}, {"unit", l_unit}, {NULL, NULL}};
+	static const luaL_Reg operators[] = {
+		{"__add", l_add},           {"__sub", l_sub},           {"__mul", l_mul},
+		{"__div", l_div},           {"__unm", l_unm},           {"__eq", l_eq},
+		{"__newindex", l_newindex}, {"__tostring", l_tostring}, {NULL, NULL}};
+	static const luaL_Reg methods[] = {{"length", l_length},
+	                                   {"dot", l_dot},
+	                                   {"cross", l_cross},
+	                                   {"unit", l_unit},
+	                                   {NULL, NULL}};
 
 	luaL_newmetatable(L, vector_type);
 	luaL_setfuncs(L, operators, 0);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Vectors for scenes: `vec3(x, y, z)` is a list of three numbers with operators, `.x .y .z`, `:length()`, `:dot(v)`,
+ * Vectors for scenes: `vec3(x, y, z)` is a list of three numbers with operators, `.x .y .z`,
+ * `:length()`, `:dot(v)`,
  * `:cross(v)` and `:unit()`. Wherever one is taken, {x, y, z} will do.
  */
 #ifndef RB_SCRIPT_VECTOR_H
@@ -17,11 +18,13 @@ void rb_vector_open(lua_State *L);
 
 void rb_vector_push(lua_State *L, rb_vec3 v);
 
-/* `count` numbers in a list at `index`, and nothing else in it, by raw access; false and *count_found (may be NULL) otherwise.
- * They may be infinite or not numbers in the sense of IEEE 754. */
+/* `count` numbers in a list at `index`, and nothing else in it, by raw access; false and
+ * *count_found (may be NULL) otherwise. They may be infinite or not numbers in the sense of IEEE
+ * 754. */
 bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *count_found);
 
-/* Argument `index` as a finite vector, or a Lua error that says what it must be; `what` names the call. */
+/* Argument `index` as a finite vector, or a Lua error that says what it must be; `what` names the
+ * call. */
 rb_vec3 rb_vector_check(lua_State *L, int index, const char *what);
 
 #endif

@@ -19,7 +19,8 @@ void rb_contact_begin(struct rb_pass *pass)
 	for (int k = 0; k < pass->touch_count; k++) {
 		struct rb_touch *touch = &pass->touch[k];
 		const struct rb_contact *before = world->contacts.count > 0
-		                                          ? rb_contacts_find(&world->contacts, touch->a, touch->b)
+		                                          ? rb_contacts_find(&world->contacts,
+		                                                             touch->a, touch->b)
 		                                          : NULL;
 
 		touch->lasting = before != NULL;
@@ -34,13 +35,17 @@ static double opening(double before, double after, double h)
 	if (before <= 0)
 		return 0;
 	/* thrown up and drawn back: v^2 / (2 a) with a = (before - after) / h */
-	return after < 0 ? 0.5 * before * before * h / (before - after) : 0.5 * (before + after) * h;
+	return after < 0 ? 0.5 * before * before * h / (before - after)
+	                 : 0.5 * (before + after) * h;
 }
 
 /* Speed to get out of the second half of the tolerance, m/s. */
 static double given_back(const struct rb_pass *pass, double gap)
 {
-	return fmax(0, -gap - 0.5 * pass->world->model->tolerance_m) / pass->dt_s;
+	const double tolerance = pass->world->model->tolerance_m;
+
+	/* more than the tolerance there is only where no rollback keeps it: that must not become speed */
+	return fmin(fmax(0, -gap - 0.5 * tolerance), tolerance) / pass->dt_s;
 }
 
 double rb_contact_forced(const struct rb_pass *pass, const struct rb_link *link)
@@ -51,18 +56,21 @@ double rb_contact_forced(const struct rb_pass *pass, const struct rb_link *link)
 
 	for (int k = 0; k < 2; k++)
 		if (body[k] < world->model->body_count)
-			sum += fabs(rb_vec3_dot(rb_vec3_sub(rb_world_row3(world->state.velocity, body[k]),
-			                                    rb_world_row3(world->mark.velocity, body[k])),
-			                        link->normal));
+			sum += fabs(rb_vec3_dot(
+				rb_vec3_sub(rb_world_row3(world->state.velocity, body[k]),
+			                    rb_world_row3(world->mark.velocity, body[k])),
+				link->normal));
 	return sum * pass->dt_s / pass->h_s;
 }
 
-static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch, const struct rb_gap *gap,
-                       const struct rb_link *link)
+static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
+                       const struct rb_gap *gap, const struct rb_link *link)
 {
 	const struct rb_world *world = pass->world;
-	const double before = rb_vec3_dot(rb_link_velocity(world, &world->mark, link), link->normal);
-	const double after = rb_vec3_dot(rb_link_velocity(world, &world->state, link), link->normal);
+	const double before = rb_vec3_dot(rb_link_velocity(world, &world->mark, link),
+	                                  link->normal);
+	const double after = rb_vec3_dot(rb_link_velocity(world, &world->state, link),
+	                                 link->normal);
 
 	if (gap->gap <= touch->band) {
 		/* what leave_speed gives back of an overlap is no opening */
@@ -76,14 +84,17 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 	double most = forced;
 	if (touch->lasting) {
 		/* the centres move straight while the surfaces bend away: s^2 / (2 r) a step */
-		const rb_vec3 slide = rb_vec3_sub(rb_world_row3(world->mark.velocity, link->a),
-		                                  link->b < world->model->body_count
-		                                          ? rb_world_row3(world->mark.velocity, link->b)
-		                                          : (rb_vec3){0, 0, 0});
+		const rb_vec3 slide = rb_vec3_sub(
+			rb_world_row3(world->mark.velocity, link->a),
+			link->b < world->model->body_count
+				? rb_world_row3(world->mark.velocity, link->b)
+				: (rb_vec3){0, 0, 0});
 
-		most += rb_vec3_dot(slide, slide) * pass->dt_s / rb_gap_radius(world->model, touch->a, touch->b);
+		most += rb_vec3_dot(slide, slide) * pass->dt_s /
+		        rb_gap_radius(world->model, touch->a, touch->b);
 	}
-	return -before <= most && gap->gap < pass->h_s * (fmax(0, -before) + forced * pass->h_s / pass->dt_s);
+	return -before <= most &&
+	       gap->gap < pass->h_s * (fmax(0, -before) + forced * pass->h_s / pass->dt_s);
 }
 
 /* How far the centre of a shape off its centre of mass leaves the straight line in this substep, m. */
@@ -94,18 +105,20 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 
 	if (i >= model->body_count || !model->center_of_mass)
 		return (rb_vec3){0, 0, 0};
-	const rb_vec3 arm = rb_vec3_neg(rb_quat_rotate(rb_world_orientation_at(world, &world->state, i),
-	                                               model->center_of_mass[i]));
+	const rb_vec3 arm = rb_vec3_neg(rb_quat_rotate(
+		rb_world_orientation_at(world, &world->state, i), model->center_of_mass[i]));
 	const rb_vec3 turn = rb_vec3_scale(pass->h_s, rb_world_row3(world->state.spin, i));
 	const double angle = rb_vec3_length(turn);
 
 	/* (1 - cos) k x (k x r) + (sin - angle) k x r, without the cancellation of either bracket */
 	const double half_sine = sin(0.5 * angle), square = angle * angle;
 	const double bend = angle > 0 ? 2 * half_sine * half_sine / square : 0;
-	const double lag = angle < 1e-2 ? -1.0 / 6 + square / 120 : (sin(angle) - angle) / (square * angle);
+	const double lag = angle < 1e-2 ? -1.0 / 6 + square / 120
+	                                : (sin(angle) - angle) / (square * angle);
 	const rb_vec3 once = rb_vec3_cross(turn, arm);
 
-	return rb_vec3_add_scaled(rb_vec3_scale(bend, rb_vec3_cross(turn, once)), lag * square, once);
+	return rb_vec3_add_scaled(rb_vec3_scale(bend, rb_vec3_cross(turn, once)), lag * square,
+	                          once);
 }
 
 /*
@@ -114,7 +127,8 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
  */
 static double leave_speed(const struct rb_pass *pass, const struct rb_link *link, double gap)
 {
-	const double arcs = rb_vec3_dot(rb_vec3_sub(arc(pass, link->b), arc(pass, link->a)), link->normal);
+	const double arcs = rb_vec3_dot(rb_vec3_sub(arc(pass, link->b), arc(pass, link->a)),
+	                                link->normal);
 
 	return (-fmax(gap, 0) - arcs) / pass->h_s + given_back(pass, gap);
 }
@@ -130,8 +144,9 @@ static double closing(const struct rb_pass *pass, const struct rb_touch *touch)
 
 		if (i < world->model->body_count) /* before the forces, and twice what they add */
 			speed += rb_vec3_length(rb_world_row3(world->mark.velocity, i)) +
-			         2 * rb_vec3_length(rb_vec3_sub(rb_world_row3(world->state.velocity, i),
-			                                        rb_world_row3(world->mark.velocity, i)));
+			         2 * rb_vec3_length(
+					     rb_vec3_sub(rb_world_row3(world->state.velocity, i),
+			                                 rb_world_row3(world->mark.velocity, i)));
 	}
 	return speed * pass->h_s;
 }
@@ -147,7 +162,8 @@ static void reactions(struct rb_pass *pass)
 	for (int k = 0; k < pass->touch_count; k++) {
 		struct rb_touch *touch = &pass->touch[k];
 
-		if (!touch->lasting && pass->now[k].gap > touch->band && pass->now[k].gap > closing(pass, touch))
+		if (!touch->lasting && pass->now[k].gap > touch->band &&
+		    pass->now[k].gap > closing(pass, touch))
 			continue;
 		const struct rb_link link = rb_link_of(world, &world->mark, touch, &pass->now[k]);
 		touch->lasting = is_lasting(pass, touch, &pass->now[k], &link);
@@ -163,18 +179,20 @@ static void reactions(struct rb_pass *pass)
 				return;
 		}
 		/* starts from the reaction of the substep before; across the normal of now */
-		const rb_vec3 along = rb_vec3_scale(rb_vec3_dot(touch->tangent_force, link.normal), link.normal);
+		const rb_vec3 along = rb_vec3_scale(rb_vec3_dot(touch->tangent_force, link.normal),
+		                                    link.normal);
 		row[count] = (struct rb_row){
 			.link = link,
 			.leave = leave_speed(pass, &link, pass->now[k].gap),
 			.normal = pass->h_s * touch->normal_force,
-			.tangent = rb_vec3_scale(pass->h_s, rb_vec3_sub(touch->tangent_force, along)),
+			.tangent = rb_vec3_scale(pass->h_s,
+		                                 rb_vec3_sub(touch->tangent_force, along)),
 		};
 		of[count++] = k;
 	}
 	for (int n = 0; n < count; n++)
-		rb_link_push(world, &row[n].link, rb_vec3_add_scaled(row[n].tangent, row[n].normal,
-		                                                     row[n].link.normal));
+		rb_link_push(world, &row[n].link,
+		             rb_vec3_add_scaled(row[n].tangent, row[n].normal, row[n].link.normal));
 	/* a short substep moves nothing far: what it leaves is taken up by the next long one */
 	const double enough = rb_contact_enough(pass) * fmin(pass->dt_s / pass->h_s, 100);
 	rb_rows_solve(world, row, count, SWEEPS, enough);
@@ -194,7 +212,8 @@ static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
 {
 	if (i >= world->model->body_count)
 		return (rb_vec3){0, 0, 0};
-	return rb_world_row3(world->groups->held[i] ? world->mark.velocity : world->state.velocity, i);
+	return rb_world_row3(world->groups->held[i] ? world->mark.velocity : world->state.velocity,
+	                     i);
 }
 
 /*
@@ -208,6 +227,8 @@ static void look_ahead(struct rb_pass *pass)
 	unsigned char *const held = world->groups->held;
 	bool any = false;
 
+	if (world->model->rollback == RB_ROLLBACK_NONE) /* no try is lost */
+		return;
 	for (int k = 0; k < pass->member_count; k++)
 		held[pass->member[k]] = 0;
 	for (int k = 0; k < pass->touch_count; k++)
@@ -222,7 +243,8 @@ static void look_ahead(struct rb_pass *pass)
 
 		if (touch->lasting || pass->now[k].gap <= touch->band)
 			continue;
-		const rb_vec3 closing = rb_vec3_sub(foreseen_velocity(world, touch->a), foreseen_velocity(world, touch->b));
+		const rb_vec3 closing = rb_vec3_sub(foreseen_velocity(world, touch->a),
+		                                    foreseen_velocity(world, touch->b));
 		const double speed = rb_vec3_dot(closing, pass->now[k].normal);
 		double forced = world->groups->acceleration[touch->a];
 		if (touch->b < world->model->body_count)
@@ -241,17 +263,20 @@ static void look_ahead(struct rb_pass *pass)
 }
 
 /* Moves two bodies apart along the normal, the lighter one more. */
-static void part(struct rb_world *world, const struct rb_touch *touch, rb_vec3 normal, double distance)
+static void part(struct rb_world *world, const struct rb_touch *touch, rb_vec3 normal,
+                 double distance)
 {
 	const struct rb_model *model = world->model;
-	const double share = model->inverse_mass[touch->a] / (model->inverse_mass[touch->a] + model->inverse_mass[touch->b]);
+	const double share = model->inverse_mass[touch->a] /
+	                     (model->inverse_mass[touch->a] + model->inverse_mass[touch->b]);
 	const int body[2] = {touch->a, touch->b};
 	const double shift[2] = {-share * distance, (1 - share) * distance};
 
 	for (int k = 0; k < 2; k++)
 		if (body[k] < model->body_count)
 			rb_vec3_to(world->state.position + 3 * (size_t)body[k],
-			           rb_vec3_add_scaled(rb_world_row3(world->state.position, body[k]), shift[k], normal));
+			           rb_vec3_add_scaled(rb_world_row3(world->state.position, body[k]),
+			                              shift[k], normal));
 }
 
 void rb_contact_settle(struct rb_pass *pass)
@@ -281,7 +306,8 @@ void rb_contact_settle(struct rb_pass *pass)
 	pass->next = gaps;
 }
 
-const struct rb_stage rb_stage_look_ahead = {"look_ahead", "spares the reactions of a try that is lost anyway",
+const struct rb_stage rb_stage_look_ahead = {"look_ahead",
+                                             "spares the reactions of a try that is lost anyway",
                                              RB_FEATURE_CONTACT, look_ahead};
 const struct rb_stage rb_stage_reactions = {"reactions", "lasting contacts, after all other forces",
                                             RB_FEATURE_CONTACT, reactions};

@@ -19,7 +19,8 @@ static void translate(struct rb_pass *pass)
 /* By the rotation through |w| h about w, exactly, so that a constant spin is right for any step. */
 static void turn(double *orientation, rb_vec3 spin, double h)
 {
-	const rb_quat q = rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(h, spin)), rb_quat_from(orientation));
+	const rb_quat q = rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(h, spin)),
+	                                   rb_quat_from(orientation));
 
 	rb_quat_to(orientation, rb_quat_unit(q));
 }
@@ -60,6 +61,8 @@ static void rotate_gyroscopic(struct rb_pass *pass)
 }
 
 const struct rb_stage rb_stage_translate = {"translate", "positions move", 0, translate};
-const struct rb_stage rb_stage_rotate = {"rotate", "orientations turn", RB_FEATURE_ROTATION, rotate};
-const struct rb_stage rb_stage_rotate_gyroscopic = {
-	"rotate_gyroscopic", "orientations turn, unequal moments of inertia", RB_FEATURE_GYROSCOPIC, rotate_gyroscopic};
+const struct rb_stage rb_stage_rotate = {"rotate", "orientations turn", RB_FEATURE_ROTATION,
+                                         rotate};
+const struct rb_stage rb_stage_rotate_gyroscopic = {"rotate_gyroscopic",
+                                                    "orientations turn, unequal moments of inertia",
+                                                    RB_FEATURE_GYROSCOPIC, rotate_gyroscopic};

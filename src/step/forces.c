@@ -37,11 +37,13 @@ static void push(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 angular
 	struct rb_state *state = &world->state;
 	const rb_vec3 v = rb_world_row3(state->velocity, i);
 
-	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_vec3_add_scaled(v, world->model->inverse_mass[i], impulse));
+	rb_vec3_to(state->velocity + 3 * (size_t)i,
+	           rb_vec3_add_scaled(v, world->model->inverse_mass[i], impulse));
 	if (!state->spin)
 		return;
 	const rb_vec3 w = rb_world_row3(state->spin, i);
-	rb_vec3_to(state->spin + 3 * (size_t)i, rb_vec3_add(w, rb_world_turn(world, state, i, angular_impulse)));
+	rb_vec3_to(state->spin + 3 * (size_t)i,
+	           rb_vec3_add(w, rb_world_turn(world, state, i, angular_impulse)));
 }
 
 /* Seconds of [from, from + h] in which the force acts: its start and end fall where they fall, not on a step. */
@@ -64,12 +66,14 @@ static void applied(struct rb_pass *pass)
 
 		for (int f = 0; f < body->force_count; f++) {
 			const struct rb_force_def *force = &scene->forces[body->force_first + f];
-			const double span = acting_s(force, pass->start_s + pass->done_s, pass->h_s);
+			const double span = acting_s(force, pass->start_s + pass->done_s,
+			                             pass->h_s);
 			if (!(span > 0))
 				continue;
 			const rb_quat q = rb_world_orientation_at(world, &world->state, i);
-			const rb_vec3 newton = force->frame == RB_FORCE_BODY ? rb_quat_rotate(q, force->vector)
-			                                                     : force->vector;
+			const rb_vec3 newton = force->frame == RB_FORCE_BODY
+			                               ? rb_quat_rotate(q, force->vector)
+			                               : force->vector;
 			rb_vec3 arm = {0, 0, 0};
 			if (!isnan(force->point.x)) {
 				arm = force->point;
@@ -109,8 +113,11 @@ double rb_forces_bound(const struct rb_world *world, int index)
 	return rb_vec3_length(scene->world.gravity) + newton * model->inverse_mass[index];
 }
 
-const struct rb_stage rb_stage_gravity = {"gravity", "the acceleration of the world", RB_FEATURE_GRAVITY, gravity};
+const struct rb_stage rb_stage_gravity = {"gravity", "the acceleration of the world",
+                                          RB_FEATURE_GRAVITY, gravity};
 const struct rb_stage rb_stage_gravity_force = {"gravity_force", "the same force on every body",
                                                 RB_FEATURE_GRAVITY_FORCE, gravity_force};
-const struct rb_stage rb_stage_applied = {"forces", "each body's list of forces", RB_FEATURE_FORCES, applied};
-const struct rb_stage rb_stage_pushes = {"pushes", "forces applied by callbacks", RB_FEATURE_PUSHES, pushes};
+const struct rb_stage rb_stage_applied = {"forces", "each body's list of forces", RB_FEATURE_FORCES,
+                                          applied};
+const struct rb_stage rb_stage_pushes = {"pushes", "forces applied by callbacks", RB_FEATURE_PUSHES,
+                                         pushes};

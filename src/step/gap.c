@@ -6,35 +6,42 @@
 #include <float.h>
 
 /* Centre of the sphere `a` against the body `b`. */
-typedef struct rb_gap gap_function(const struct rb_model *model, int a, rb_vec3 center, int b, rb_vec3 origin_b);
+typedef struct rb_gap gap_function(const struct rb_model *model, int a, rb_vec3 center, int b,
+                                   rb_vec3 origin_b);
 /* Smallest gap while the sphere's centre moves from `from` to `to` in a straight line, relative to b at origin_b. */
 typedef double swept_function(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                               rb_vec3 origin_b);
 
-static struct rb_gap sphere_sphere(const struct rb_model *model, int a, rb_vec3 center, int b, rb_vec3 origin_b)
+static struct rb_gap sphere_sphere(const struct rb_model *model, int a, rb_vec3 center, int b,
+                                   rb_vec3 origin_b)
 {
 	const double radius = model->shape[a].radius;
 	struct rb_gap g;
 
-	g.gap = rb_distance_sphere_sphere(center, radius, origin_b, model->shape[b].radius, &g.normal);
+	g.gap = rb_distance_sphere_sphere(center, radius, origin_b, model->shape[b].radius,
+	                                  &g.normal);
 	g.point = rb_vec3_add_scaled(center, radius + 0.5 * g.gap, g.normal);
 	return g;
 }
 
-static struct rb_gap sphere_plane(const struct rb_model *model, int a, rb_vec3 center, int b, rb_vec3 origin_b)
+static struct rb_gap sphere_plane(const struct rb_model *model, int a, rb_vec3 center, int b,
+                                  rb_vec3 origin_b)
 {
 	const double radius = model->shape[a].radius;
 	struct rb_gap g;
 
-	g.gap = rb_distance_sphere_plane(center, radius, origin_b, rb_plane_normal(model->orientation[b]), &g.normal);
+	g.gap = rb_distance_sphere_plane(center, radius, origin_b,
+	                                 rb_plane_normal(model->orientation[b]), &g.normal);
 	g.point = rb_vec3_add_scaled(center, radius + 0.5 * g.gap, g.normal);
 	return g;
 }
 
-static struct rb_gap sphere_rectangle(const struct rb_model *model, int a, rb_vec3 center, int b, rb_vec3 origin_b)
+static struct rb_gap sphere_rectangle(const struct rb_model *model, int a, rb_vec3 center, int b,
+                                      rb_vec3 origin_b)
 {
 	const double radius = model->shape[a].radius;
-	const rb_rectangle sheet = rb_rectangle_of(origin_b, model->orientation[b], model->shape[b].size);
+	const rb_rectangle sheet = rb_rectangle_of(origin_b, model->orientation[b],
+	                                           model->shape[b].size);
 	struct rb_gap g;
 
 	g.gap = rb_distance_sphere_rectangle(center, radius, &sheet, &g.normal, NULL);
@@ -58,13 +65,16 @@ static double point_to_segment(rb_vec3 p, rb_vec3 from, rb_vec3 to)
 	return rb_vec3_length(rb_vec3_sub(p, rb_vec3_add_scaled(from, fmin(fmax(s, 0), 1), along)));
 }
 
-static double swept_sphere(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b, rb_vec3 origin_b)
+static double swept_sphere(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
+                           rb_vec3 origin_b)
 {
-	return point_to_segment(origin_b, from, to) - (model->shape[a].radius + model->shape[b].radius);
+	return point_to_segment(origin_b, from, to) -
+	       (model->shape[a].radius + model->shape[b].radius);
 }
 
 /* A half-space is deepest at an end of a straight path, and both ends are looked at anyway. */
-static double swept_plane(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b, rb_vec3 origin_b)
+static double swept_plane(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
+                          rb_vec3 origin_b)
 {
 	(void)model, (void)a, (void)from, (void)to, (void)b, (void)origin_b;
 	return HUGE_VAL;
@@ -78,7 +88,8 @@ static double swept_rectangle(const struct rb_model *model, int a, rb_vec3 from,
                               rb_vec3 origin_b)
 {
 	const double radius = model->shape[a].radius;
-	const rb_rectangle sheet = rb_rectangle_of(origin_b, model->orientation[b], model->shape[b].size);
+	const rb_rectangle sheet = rb_rectangle_of(origin_b, model->orientation[b],
+	                                           model->shape[b].size);
 	const rb_vec3 along = rb_vec3_sub(to, from);
 	const double side_from = rb_vec3_dot(rb_vec3_sub(from, sheet.center), sheet.normal);
 	const double side_to = rb_vec3_dot(rb_vec3_sub(to, sheet.center), sheet.normal);
@@ -86,7 +97,8 @@ static double swept_rectangle(const struct rb_model *model, int a, rb_vec3 from,
 	double low = 0, high = 1;
 
 	if ((side_from < 0) != (side_to < 0)) {
-		const rb_vec3 through = rb_vec3_add_scaled(from, side_from / (side_from - side_to), along);
+		const rb_vec3 through = rb_vec3_add_scaled(from, side_from / (side_from - side_to),
+		                                           along);
 		const rb_vec3 d = rb_vec3_sub(through, sheet.center);
 
 		if (fabs(rb_vec3_dot(d, sheet.axis_x)) <= sheet.half_x &&
@@ -96,18 +108,19 @@ static double swept_rectangle(const struct rb_model *model, int a, rb_vec3 from,
 		return fmin(fabs(side_from), fabs(side_to)) - radius;
 	}
 	for (int round = 0; round < 48; round++) {
-		const double s = low + 0.381966011250105 * (high - low), t = high - 0.381966011250105 * (high - low);
-		const double at_s = rb_distance_sphere_rectangle(rb_vec3_add_scaled(from, s, along), radius, &sheet,
-		                                                 &normal, NULL);
-		const double at_t = rb_distance_sphere_rectangle(rb_vec3_add_scaled(from, t, along), radius, &sheet,
-		                                                 &normal, NULL);
+		const double s = low + 0.381966011250105 * (high - low),
+			     t = high - 0.381966011250105 * (high - low);
+		const double at_s = rb_distance_sphere_rectangle(rb_vec3_add_scaled(from, s, along),
+		                                                 radius, &sheet, &normal, NULL);
+		const double at_t = rb_distance_sphere_rectangle(rb_vec3_add_scaled(from, t, along),
+		                                                 radius, &sheet, &normal, NULL);
 		if (at_s < at_t)
 			high = t;
 		else
 			low = s;
 	}
-	return rb_distance_sphere_rectangle(rb_vec3_add_scaled(from, 0.5 * (low + high), along), radius, &sheet,
-	                                    &normal, NULL);
+	return rb_distance_sphere_rectangle(rb_vec3_add_scaled(from, 0.5 * (low + high), along),
+	                                    radius, &sheet, &normal, NULL);
 }
 
 static swept_function *const swept_of[RB_SHAPE_KIND_COUNT] = {
@@ -118,23 +131,28 @@ static swept_function *const swept_of[RB_SHAPE_KIND_COUNT] = {
 
 struct rb_gap rb_gap_of(const struct rb_world *world, const struct rb_state *state, int a, int b)
 {
-	return gap_of[world->model->shape[b].kind](world->model, a, rb_world_origin_at(world, state, a), b,
+	return gap_of[world->model->shape[b].kind](world->model, a,
+	                                           rb_world_origin_at(world, state, a), b,
 	                                           rb_world_origin_at(world, state, b));
 }
 
 double rb_gap_band(const struct rb_world *world, const struct rb_state *state, int a, int b)
 {
 	const struct rb_model *model = world->model;
-	double largest = fmax(model->shape[a].radius, rb_vec3_max_abs(rb_world_row3(state->position, a)));
+	double largest = fmax(model->shape[a].radius,
+	                      rb_vec3_max_abs(rb_world_row3(state->position, a)));
 
 	if (b < model->body_count || model->shape[b].kind == RB_SHAPE_SPHERE)
 		largest = fmax(largest, model->shape[b].radius);
-	return RB_TOUCHING_ULP * DBL_EPSILON * fmax(largest, rb_vec3_max_abs(rb_world_origin_at(world, state, b)));
+	return RB_TOUCHING_ULP * DBL_EPSILON *
+	       fmax(largest, rb_vec3_max_abs(rb_world_origin_at(world, state, b)));
 }
 
 double rb_gap_radius(const struct rb_model *model, int a, int b)
 {
-	return model->shape[b].kind == RB_SHAPE_SPHERE ? model->shape[a].radius + model->shape[b].radius : HUGE_VAL;
+	return model->shape[b].kind == RB_SHAPE_SPHERE
+	               ? model->shape[a].radius + model->shape[b].radius
+	               : HUGE_VAL;
 }
 
 /* How deep this pair may be at the end of the substep. */
@@ -162,12 +180,14 @@ static void measure(struct rb_pass *pass)
 		if (gap >= floor && !touch->lasting) {
 			/* seen from b, which stands still at its end */
 			const rb_vec3 b_to = rb_world_origin_at(world, &world->state, touch->b);
-			const rb_vec3 b_moved = rb_vec3_sub(b_to, rb_world_origin_at(world, &world->mark, touch->b));
-			const rb_vec3 from = rb_vec3_add(rb_world_origin_at(world, &world->mark, touch->a), b_moved);
+			const rb_vec3 b_moved = rb_vec3_sub(
+				b_to, rb_world_origin_at(world, &world->mark, touch->b));
+			const rb_vec3 from = rb_vec3_add(
+				rb_world_origin_at(world, &world->mark, touch->a), b_moved);
 			const rb_vec3 to = rb_world_origin_at(world, &world->state, touch->a);
 
-			gap = fmin(gap, swept_of[world->model->shape[touch->b].kind](world->model, touch->a, from, to,
-			                                                             touch->b, b_to));
+			gap = fmin(gap, swept_of[world->model->shape[touch->b].kind](
+						world->model, touch->a, from, to, touch->b, b_to));
 		}
 		/* written so that NaN counts as the worst */
 		if (!(floor - gap <= worst_excess)) {
@@ -178,4 +198,5 @@ static void measure(struct rb_pass *pass)
 	}
 }
 
-const struct rb_stage rb_stage_gap = {"gap", "signed gaps of the pairs that may touch", RB_FEATURE_CONTACT, measure};
+const struct rb_stage rb_stage_gap = {"gap", "signed gaps of the pairs that may touch",
+                                      RB_FEATURE_CONTACT, measure};

@@ -9,7 +9,8 @@
 /* Steps that a fat box is meant to last; it decides cost only. */
 enum { STEPS_PER_BOX = 8 };
 
-enum rb_status rb_groups_create(struct rb_groups **made, const struct rb_model *model, struct rb_error *err)
+enum rb_status rb_groups_create(struct rb_groups **made, const struct rb_model *model,
+                                struct rb_error *err)
 {
 	const size_t n = (size_t)model->body_count;
 	struct rb_groups *groups = rb_memory_take(1, sizeof *groups);
@@ -30,8 +31,9 @@ enum rb_status rb_groups_create(struct rb_groups **made, const struct rb_model *
 	groups->acceleration = rb_memory_take(n, sizeof *groups->acceleration);
 	groups->alone = rb_memory_take(n, sizeof *groups->alone);
 	groups->member = rb_memory_take(groups->member_capacity, sizeof *groups->member);
-	if (!groups->built_at || !groups->margin || !groups->reach || !groups->travelled || !groups->held || !groups->parent ||
-	    !groups->group_of || !groups->box || !groups->acceleration || !groups->alone || !groups->member) {
+	if (!groups->built_at || !groups->margin || !groups->reach || !groups->travelled ||
+	    !groups->held || !groups->parent || !groups->group_of || !groups->box ||
+	    !groups->acceleration || !groups->alone || !groups->member) {
 		rb_groups_destroy(groups);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of %zu bodies", n);
 	}
@@ -70,7 +72,9 @@ void rb_groups_forget(struct rb_groups *groups)
 static double distance_in(const struct rb_world *world, int i, double acceleration, double time)
 {
 	const struct rb_model *model = world->model;
-	double distance = (rb_vec3_length(rb_world_row3(world->state.velocity, i)) + acceleration * time) * time;
+	double distance = (rb_vec3_length(rb_world_row3(world->state.velocity, i)) +
+	                   acceleration * time) *
+	                  time;
 
 	if (model->center_of_mass) {
 		const double arm = rb_vec3_length(model->center_of_mass[i]);
@@ -90,8 +94,8 @@ static void find_reaches(struct rb_world *world, double dt)
 		groups->reach[i] = distance_in(world, i, groups->acceleration[i], dt);
 		groups->travelled[i] = 0;
 		if (groups->valid) {
-			const rb_vec3 moved = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
-			                                  groups->built_at[i]);
+			const rb_vec3 moved = rb_vec3_sub(
+				rb_world_origin_at(world, &world->state, i), groups->built_at[i]);
 
 			/* written so that NaN asks for new boxes */
 			if (!(rb_vec3_length(moved) + groups->reach[i] <= groups->margin[i]))
@@ -108,24 +112,29 @@ static enum rb_status find_candidates(struct rb_world *world, double dt, struct 
 	double mean_speed = 0;
 
 	for (int i = 0; i < groups->body_count; i++)
-		mean_speed += rb_vec3_length(rb_world_row3(world->state.velocity, i)) / groups->body_count;
+		mean_speed += rb_vec3_length(rb_world_row3(world->state.velocity, i)) /
+		              groups->body_count;
 	for (int i = 0; i < groups->body_count; i++) {
 		const rb_vec3 c = rb_world_origin_at(world, &world->state, i);
 		const double size = model->shape[i].radius;
 
 		groups->built_at[i] = c;
-		groups->margin[i] = fmax(distance_in(world, i, groups->acceleration[i], span), mean_speed * span) +
+		groups->margin[i] = fmax(distance_in(world, i, groups->acceleration[i], span),
+		                         mean_speed * span) +
 		                    size / 64;
 		/* the boxes also hold what counts as touching */
 		const double half = (size + groups->margin[i] + model->tolerance_m) * (1 + 1e-12);
-		groups->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half}, {c.x + half, c.y + half, c.z + half}};
+		groups->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
+		                           {c.x + half, c.y + half, c.z + half}};
 	}
 	groups->valid = true;
-	return rb_broadphase_find(world->broadphase, groups->box, &groups->candidate, &groups->candidate_count, err);
+	return rb_broadphase_find(world->broadphase, groups->box, &groups->candidate,
+	                          &groups->candidate_count, err);
 }
 
 /* Could these two touch if each gets that far from where it is in `state`? */
-static bool in_reach(const struct rb_world *world, const struct rb_state *state, struct rb_pair pair, double reach)
+static bool in_reach(const struct rb_world *world, const struct rb_state *state,
+                     struct rb_pair pair, double reach)
 {
 	const struct rb_model *model = world->model;
 	const double slack = reach + model->tolerance_m;
@@ -134,7 +143,9 @@ static bool in_reach(const struct rb_world *world, const struct rb_state *state,
 		/* the common case without a square root */
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, state, pair.b),
 		                              rb_world_origin_at(world, state, pair.a));
-		const double most = (model->shape[pair.a].radius + model->shape[pair.b].radius + slack) * (1 + 1e-15);
+		const double most = (model->shape[pair.a].radius + model->shape[pair.b].radius +
+		                     slack) *
+		                    (1 + 1e-15);
 
 		return !(rb_vec3_dot(d, d) > most * most);
 	}
@@ -205,7 +216,8 @@ static bool find_active(struct rb_world *world)
 
 		if (!in_reach(world, &world->state, pair, pair_reach(groups, groups->reach, pair)))
 			continue;
-		if (!append_pair(&groups->active, &groups->active_count, &groups->active_capacity, pair))
+		if (!append_pair(&groups->active, &groups->active_count, &groups->active_capacity,
+		                 pair))
 			return false;
 		if (pair.b < groups->body_count)
 			join(groups->parent, pair.a, pair.b);
@@ -224,10 +236,11 @@ static bool add_group(struct rb_groups *groups, int root)
 }
 
 /* Lays the members of the groups from `first` on, and their pairs, one after the other. */
-static bool lay_out(struct rb_groups *groups, size_t first, const struct rb_pair *pair, size_t pair_count)
+static bool lay_out(struct rb_groups *groups, size_t first, const struct rb_pair *pair,
+                    size_t pair_count)
 {
-	if (!rb_memory_reserve(&groups->touch, &groups->touch_capacity, groups->touch_count + pair_count,
-	                       sizeof *groups->touch))
+	if (!rb_memory_reserve(&groups->touch, &groups->touch_capacity,
+	                       groups->touch_count + pair_count, sizeof *groups->touch))
 		return false;
 	for (size_t g = 0; g < first; g++) { /* the lists may have moved */
 		groups->group[g].pass.touch = groups->touch + groups->group[g].touch_first;
@@ -350,8 +363,8 @@ static bool find_missed_far(struct rb_world *world, int i)
 		if (j == i || (model->group_bit && (!(model->group_bit[i] & model->collides[j]) ||
 		                                    !(model->group_bit[j] & model->collides[i]))))
 			continue;
-		if (was_missed(world, pair) &&
-		    !append_pair(&groups->missed, &groups->missed_count, &groups->missed_capacity, pair))
+		if (was_missed(world, pair) && !append_pair(&groups->missed, &groups->missed_count,
+		                                            &groups->missed_capacity, pair))
 			return false;
 	}
 	groups->valid = false;
@@ -374,16 +387,19 @@ static bool find_missed(struct rb_world *world, bool *any)
 		const rb_vec3 start = rb_world_origin_at(world, &world->start, i);
 		const double from_built = rb_vec3_length(rb_vec3_sub(start, groups->built_at[i]));
 
-		if (from_built + groups->travelled[i] > groups->margin[i] && !find_missed_far(world, i))
+		if (from_built + groups->travelled[i] > groups->margin[i] &&
+		    !find_missed_far(world, i))
 			return false;
 	}
 	for (size_t k = 0; leavers && k < groups->candidate_count; k++) {
 		const struct rb_pair pair = groups->candidate[k];
 		const bool left = groups->travelled[pair.a] > groups->reach[pair.a] ||
-		                  (pair.b < groups->body_count && groups->travelled[pair.b] > groups->reach[pair.b]);
+		                  (pair.b < groups->body_count &&
+		                   groups->travelled[pair.b] > groups->reach[pair.b]);
 
 		if (left && was_missed(world, pair) &&
-		    !append_pair(&groups->missed, &groups->missed_count, &groups->missed_capacity, pair))
+		    !append_pair(&groups->missed, &groups->missed_count, &groups->missed_capacity,
+		                 pair))
 			return false;
 	}
 	*any = groups->missed_count > 0;
@@ -401,13 +417,14 @@ static bool sort_active(struct rb_world *world)
 	if (!item)
 		return false;
 	for (size_t k = 0; k < n; k++)
-		item[k].key = (uint64_t)(uint32_t)groups->active[k].a << 32 | (uint32_t)groups->active[k].b;
+		item[k].key = (uint64_t)(uint32_t)groups->active[k].a << 32 |
+		              (uint32_t)groups->active[k].b;
 	rb_sort_by_key(item, item + n, n);
 	groups->active_count = 0;
 	for (size_t k = 0; k < n; k++)
 		if (k == 0 || item[k].key != item[k - 1].key)
-			groups->active[groups->active_count++] =
-				(struct rb_pair){(int)(item[k].key >> 32), (int)(item[k].key & 0xffffffffu)};
+			groups->active[groups->active_count++] = (struct rb_pair){
+				(int)(item[k].key >> 32), (int)(item[k].key & 0xffffffffu)};
 	rb_arena_back(arena, here);
 	return true;
 }
@@ -423,7 +440,8 @@ static bool regroup(struct rb_world *world)
 
 		if (pair.b < groups->body_count)
 			join(groups->parent, pair.a, pair.b);
-		if (!append_pair(&groups->active, &groups->active_count, &groups->active_capacity, pair))
+		if (!append_pair(&groups->active, &groups->active_count, &groups->active_capacity,
+		                 pair))
 			return false;
 	}
 	if (!sort_active(world))
@@ -449,7 +467,8 @@ static bool regroup(struct rb_world *world)
 	for (size_t g = 0; g < first; g++)
 		if (groups->group_of[groups->member[groups->group[g].member_first]] != (int)g)
 			groups->group[g].dead = true;
-	return rb_memory_reserve(&groups->member, &groups->member_capacity, members, sizeof *groups->member) &&
+	return rb_memory_reserve(&groups->member, &groups->member_capacity, members,
+	                         sizeof *groups->member) &&
 	       lay_out(groups, first, groups->active, groups->active_count);
 }
 

@@ -17,8 +17,8 @@
 struct rb_group {
 	int member_first, member_count; /* in rb_groups.member */
 	int touch_first, touch_count;   /* in rb_groups.touch */
-	bool dead; /* merged into another */
-	struct rb_pass pass; /* as it ended; its touches and events live in the step's arenas */
+	bool dead;                      /* merged into another */
+	struct rb_pass pass;   /* as it ended; its touches and events live in the step's arenas */
 	struct rb_error error; /* status RB_OK: it went well */
 };
 
@@ -29,13 +29,13 @@ struct rb_groups {
 	bool valid; /* the candidates hold */
 
 	/* by body */
-	rb_vec3 *built_at;  /* centre of the shape when the boxes were made, m */
-	double *margin;     /* how far it may get from there, m */
-	double *reach;      /* how far it can get in this step, m */
-	double *travelled;  /* how far it has been from its start at the end of a substep, m; of group members */
+	rb_vec3 *built_at; /* centre of the shape when the boxes were made, m */
+	double *margin;    /* how far it may get from there, m */
+	double *reach;     /* how far it can get in this step, m */
+	double *travelled; /* how far it has been from its start at the end of a substep, m; of group members */
 	unsigned char *held; /* scratch of step/contact: has a lasting contact */
-	int *parent;        /* union-find; the root is the smallest member */
-	int *group_of;      /* -1: alone */
+	int *parent;         /* union-find; the root is the smallest member */
+	int *group_of;       /* -1: alone */
 	rb_aabb *box;
 	double *acceleration; /* bound, m/s^2 */
 
@@ -63,7 +63,8 @@ RB_CHECKED enum rb_status rb_groups_form(struct rb_world *world, double dt_s, st
  * After the groups from `first` on have run: merges those that met in truth. New groups stand at the end of the
  * list and must run, the rows of their members are back at the beginning of the step; `*again` says how many.
  */
-RB_CHECKED enum rb_status rb_groups_merge(struct rb_world *world, size_t *again, struct rb_error *err);
+RB_CHECKED enum rb_status rb_groups_merge(struct rb_world *world, size_t *again,
+                                          struct rb_error *err);
 
 /* A callback has moved bodies: look for candidates anew. */
 void rb_groups_forget(struct rb_groups *groups);

@@ -9,13 +9,13 @@
 /* A touching pair during the rounds. */
 struct meeting {
 	struct rb_link link;
-	int touch;        /* index into pass->touch */
-	double unforced;  /* m/s, <= 0: normal velocity that is not approach but this substep's forces */
-	double forced;    /* m/s, >= 0: an approach that the forces could have made within one whole step */
-	bool impact;      /* it is one, in this round */
-	rb_vec3 before;   /* relative velocity at the beginning of the round */
-	double approach;  /* m/s at its first impact of this moment; 0: none yet */
-	rb_vec3 impulse;  /* N s on b, so far */
+	int touch;       /* index into pass->touch */
+	double unforced; /* m/s, <= 0: normal velocity that is not approach but this substep's forces */
+	double forced; /* m/s, >= 0: an approach that the forces could have made within one whole step */
+	bool impact;     /* it is one, in this round */
+	rb_vec3 before;  /* relative velocity at the beginning of the round */
+	double approach; /* m/s at its first impact of this moment; 0: none yet */
+	rb_vec3 impulse; /* N s on b, so far */
 };
 
 struct meetings {
@@ -29,8 +29,8 @@ struct meetings {
 };
 
 enum {
-	SWEEPS = 200,  /* of one round's solve */
-	ROUNDS = 64,   /* and 8 per contact: then the cluster ends without restitution */
+	SWEEPS = 200, /* of one round's solve */
+	ROUNDS = 64,  /* and 8 per contact: then the cluster ends without restitution */
 	ROUNDS_PER_CONTACT = 8
 };
 
@@ -62,15 +62,19 @@ static bool gather(struct rb_pass *pass, struct meetings *all, bool after_subste
 		if (!(pass->now[k].gap <= touch->band))
 			continue;
 		m.link = rb_link_of(world, &world->state, touch, &pass->now[k]);
-		const double normal = rb_vec3_dot(rb_link_velocity(world, &world->state, &m.link), m.link.normal);
+		const double normal = rb_vec3_dot(rb_link_velocity(world, &world->state, &m.link),
+		                                  m.link.normal);
 		/* of a lasting contact, all that its reaction left; else what the forces added */
 		if (touch->lasting)
 			m.unforced = fmin(normal, 0);
 		else if (after_substep)
-			m.unforced = fmin(normal - rb_vec3_dot(rb_link_velocity(world, &world->mark, &m.link),
-			                                       m.link.normal), 0);
+			m.unforced = fmin(
+				normal - rb_vec3_dot(rb_link_velocity(world, &world->mark, &m.link),
+			                             m.link.normal),
+				0);
 		if (after_substep)
-			m.forced = fmax(rb_contact_forced(pass, &m.link), touch->normal_force * m.link.normal_yield * pass->dt_s);
+			m.forced = fmax(rb_contact_forced(pass, &m.link),
+			                touch->normal_force * m.link.normal_yield * pass->dt_s);
 		all->row[all->count++] = m;
 	}
 	return all->count > 0;
@@ -141,7 +145,8 @@ static bool solve_together(struct meetings *all)
 	if (work <= 1024 * DBL_EPSILON * moved)
 		return true;
 	for (int n = 0; n < all->active_count; n++)
-		rb_link_push(world, &all->solver[n].link, rb_vec3_neg(row_impulse(&all->solver[n])));
+		rb_link_push(world, &all->solver[n].link,
+		             rb_vec3_neg(row_impulse(&all->solver[n])));
 	return false;
 }
 
@@ -190,11 +195,13 @@ static bool stop_the_rest(struct meetings *all)
 
 	for (int k = 0; k < all->count; k++) {
 		const struct rb_link *link = &all->row[k].link;
-		const double normal = rb_vec3_dot(rb_link_velocity(world, &world->state, link), link->normal);
+		const double normal = rb_vec3_dot(rb_link_velocity(world, &world->state, link),
+		                                  link->normal);
 		const bool approaches = normal < -rb_link_noise(world, link);
 
 		/* of a lasting contact that nothing has hit, the next substep's reaction takes care */
-		any = any || (approaches && !(all->pass->touch[all->row[k].touch].lasting && normal >= all->row[k].unforced));
+		any = any || (approaches && !(all->pass->touch[all->row[k].touch].lasting &&
+		                              normal >= all->row[k].unforced));
 		all->solver[k] = (struct rb_row){.link = *link};
 	}
 	if (!any)
@@ -210,7 +217,8 @@ static void keep_event(struct rb_pass *pass, const struct meeting *m)
 {
 	if (pass->event_count == pass->event_capacity) {
 		const int capacity = pass->event_capacity > 0 ? 2 * pass->event_capacity : 16;
-		struct rb_event *const grown = rb_pass_take(pass, pass->kept, capacity, sizeof *grown);
+		struct rb_event *const grown = rb_pass_take(pass, pass->kept, capacity,
+		                                            sizeof *grown);
 
 		if (!grown)
 			return;
@@ -241,7 +249,8 @@ bool rb_impact_resolve(struct rb_pass *pass, bool after_substep)
 		return false;
 	const int rounds = ROUNDS + ROUNDS_PER_CONTACT * all.count;
 	int round = 0;
-	for (find_active(&all, 0); all.active_count > 0 && round < rounds; find_active(&all, ++round))
+	for (find_active(&all, 0); all.active_count > 0 && round < rounds;
+	     find_active(&all, ++round))
 		run_round(&all);
 	pass->counts.plastic_ends += all.active_count > 0;
 	const bool stopped = stop_the_rest(&all);

@@ -9,7 +9,8 @@ static bool is_moving(const struct rb_world *world, int index)
 }
 
 /* Adds what a body at that arm contributes to K: 1/m - [r] I^-1 [r]. */
-static void add_yield(const struct rb_world *world, const struct rb_state *state, int i, rb_vec3 arm, rb_mat3 *k)
+static void add_yield(const struct rb_world *world, const struct rb_state *state, int i,
+                      rb_vec3 arm, rb_mat3 *k)
 {
 	const double inverse_mass = world->model->inverse_mass[i];
 
@@ -18,7 +19,8 @@ static void add_yield(const struct rb_world *world, const struct rb_state *state
 		rb_vec3 dv = rb_vec3_scale(inverse_mass, unit);
 
 		if (state->spin)
-			dv = rb_vec3_add(dv, rb_vec3_cross(rb_world_turn(world, state, i, rb_vec3_cross(arm, unit)),
+			dv = rb_vec3_add(dv, rb_vec3_cross(rb_world_turn(world, state, i,
+			                                                 rb_vec3_cross(arm, unit)),
 			                                   arm));
 		k->m[0][column] += dv.x;
 		k->m[1][column] += dv.y;
@@ -27,8 +29,8 @@ static void add_yield(const struct rb_world *world, const struct rb_state *state
 }
 
 /* Yield of the body along the normal and across it, if its contact is central and its inertia isotropic. */
-static bool central_yield(const struct rb_world *world, const struct rb_state *state, int i, double *along,
-                          double *across)
+static bool central_yield(const struct rb_world *world, const struct rb_state *state, int i,
+                          double *along, double *across)
 {
 	const struct rb_model *model = world->model;
 
@@ -46,7 +48,8 @@ static bool central_yield(const struct rb_world *world, const struct rb_state *s
 		if (c.x != 0 || c.y != 0 || c.z != 0)
 			return false;
 	}
-	*across += model->shape[i].radius * model->shape[i].radius * model->inverse_inertia_scalar[i];
+	*across += model->shape[i].radius * model->shape[i].radius *
+	           model->inverse_inertia_scalar[i];
 	return true;
 }
 
@@ -60,12 +63,13 @@ static double largest_tangent_yield(const struct rb_link *link)
 	return 0.5 * (tt + ss) + hypot(0.5 * (tt - ss), ts);
 }
 
-struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state, const struct rb_touch *touch,
-                          const struct rb_gap *gap)
+struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state,
+                          const struct rb_touch *touch, const struct rb_gap *gap)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_pair_material *pair =
-		&model->pair_materials[model->material[touch->a] * model->material_count + model->material[touch->b]];
+		&model->pair_materials[model->material[touch->a] * model->material_count +
+	                               model->material[touch->b]];
 	struct rb_link link = {.a = touch->a,
 	                       .b = touch->b,
 	                       .normal = gap->normal,
@@ -80,9 +84,12 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
 	link.inverse_mass_b = is_moving(world, link.b) ? model->inverse_mass[link.b] : 0;
 	if (state->spin) {
 		link.inverse_inertia_a = model->inverse_inertia_scalar[link.a];
-		link.inverse_inertia_b = is_moving(world, link.b) ? model->inverse_inertia_scalar[link.b] : 0;
+		link.inverse_inertia_b = is_moving(world, link.b)
+		                                 ? model->inverse_inertia_scalar[link.b]
+		                                 : 0;
 	}
-	link.central = central_yield(world, state, link.a, &link.normal_yield, &link.tangent_yield) &&
+	link.central = central_yield(world, state, link.a, &link.normal_yield,
+	                             &link.tangent_yield) &&
 	               central_yield(world, state, link.b, &link.normal_yield, &link.tangent_yield);
 	if (link.central) {
 		/* a sphere's arm is its radius along the normal, whatever the gap within the tolerance */
@@ -106,12 +113,14 @@ static inline rb_vec3 velocity_at(const struct rb_state *state, int i, rb_vec3 a
 	return state->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(state->spin, i), arm)) : v;
 }
 
-rb_vec3 rb_link_velocity(const struct rb_world *world, const struct rb_state *state, const struct rb_link *link)
+rb_vec3 rb_link_velocity(const struct rb_world *world, const struct rb_state *state,
+                         const struct rb_link *link)
 {
 	const rb_vec3 of_a = velocity_at(state, link->a, link->arm_a);
 
-	return is_moving(world, link->b) ? rb_vec3_sub(velocity_at(state, link->b, link->arm_b), of_a)
-	                                 : rb_vec3_neg(of_a);
+	return is_moving(world, link->b)
+	               ? rb_vec3_sub(velocity_at(state, link->b, link->arm_b), of_a)
+	               : rb_vec3_neg(of_a);
 }
 
 static double speed_bound(const struct rb_world *world, int i, rb_vec3 arm)
@@ -129,12 +138,13 @@ static double speed_bound(const struct rb_world *world, int i, rb_vec3 arm)
 double rb_link_noise(const struct rb_world *world, const struct rb_link *link)
 {
 	return 8 * DBL_EPSILON *
-	       (speed_bound(world, link->a, link->arm_a) + speed_bound(world, link->b, link->arm_b));
+	       (speed_bound(world, link->a, link->arm_a) +
+	        speed_bound(world, link->b, link->arm_b));
 }
 
 /* The hot path of every iteration: a body's inverse mass and inertia come with the link. */
-static inline void push_body(struct rb_world *world, int i, double inverse_mass, double inverse_inertia, rb_vec3 arm,
-                             rb_vec3 impulse)
+static inline void push_body(struct rb_world *world, int i, double inverse_mass,
+                             double inverse_inertia, rb_vec3 arm, rb_vec3 impulse)
 {
 	double *const v = world->state.velocity + 3 * (size_t)i;
 
@@ -155,9 +165,11 @@ static inline void push_body(struct rb_world *world, int i, double inverse_mass,
 
 void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse)
 {
-	push_body(world, link->a, link->inverse_mass_a, link->inverse_inertia_a, link->arm_a, rb_vec3_neg(impulse));
+	push_body(world, link->a, link->inverse_mass_a, link->inverse_inertia_a, link->arm_a,
+	          rb_vec3_neg(impulse));
 	if (link->inverse_mass_b > 0)
-		push_body(world, link->b, link->inverse_mass_b, link->inverse_inertia_b, link->arm_b, impulse);
+		push_body(world, link->b, link->inverse_mass_b, link->inverse_inertia_b,
+		          link->arm_b, impulse);
 }
 
 /* The part of u across the normal. */
@@ -199,9 +211,11 @@ static rb_vec3 direction(const struct rb_link *link, rb_vec3 slip, double still)
 	/* slip sets in along its own change of velocity: a fixed point, found by iteration from the frictionless one */
 	rb_vec3 along = rb_vec3_unit(across(link, kn), t);
 	for (int round = 0; round < 64; round++)
-		along = rb_vec3_unit(across(link, rb_mat3_apply(&link->yield, rb_vec3_add_scaled(link->normal,
-		                                                                                 -link->friction, along))),
-		                     along);
+		along = rb_vec3_unit(
+			across(link, rb_mat3_apply(&link->yield,
+		                                   rb_vec3_add_scaled(link->normal, -link->friction,
+		                                                      along))),
+			along);
 	return rb_vec3_add_scaled(link->normal, -link->friction, along);
 }
 
@@ -223,7 +237,8 @@ static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, do
 		const double normal_before = rb_vec3_dot(u, link->normal);
 		const rb_vec3 slip = across(link, u);
 		rb_vec3 d = direction(link, slip, still);
-		const rb_vec3 half = rb_vec3_add_scaled(u, 0.5 * dp, rb_mat3_apply(&link->yield, d));
+		const rb_vec3 half = rb_vec3_add_scaled(u, 0.5 * dp,
+		                                        rb_mat3_apply(&link->yield, d));
 		const rb_vec3 half_slip = across(link, half);
 
 		if (rb_vec3_length(slip) > still && rb_vec3_dot(half_slip, slip) > 0)
@@ -250,8 +265,9 @@ static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, do
 				last = true;
 			} else if (gives >= owed) {
 				/* the smaller root of owed = u s + rate s^2 / 2, without cancellation */
-				step = 2 * owed / (normal_before + sqrt(normal_before * normal_before +
-				                                        2 * normal_rate * owed));
+				step = 2 * owed /
+				       (normal_before + sqrt(normal_before * normal_before +
+				                             2 * normal_rate * owed));
 				last = true;
 			}
 		}
@@ -259,7 +275,8 @@ static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, do
 		*(normal_before < 0 ? &compression : &restored) += work;
 		u = rb_vec3_add_scaled(u, step, rate);
 		impulse = rb_vec3_add_scaled(impulse, step, d);
-		if (normal_before < 0 && fabs(rb_vec3_dot(u, link->normal)) <= 4 * DBL_EPSILON * approach)
+		if (normal_before < 0 &&
+		    fabs(rb_vec3_dot(u, link->normal)) <= 4 * DBL_EPSILON * approach)
 			u = across(link, u); /* exactly at the end of compression */
 		if (last)
 			break;
@@ -285,12 +302,14 @@ static rb_vec3 central_impulse(const struct rb_row *row, rb_vec3 u)
 {
 	const struct rb_link *link = &row->link;
 	/* the sum is clamped, not the increment: a later sweep may take back what this one gives too much */
-	const double normal = fmax(0, row->normal + (row->leave - rb_vec3_dot(u, link->normal)) / link->normal_yield);
+	const double normal = fmax(0, row->normal + (row->leave - rb_vec3_dot(u, link->normal)) /
+	                                                    link->normal_yield);
 	rb_vec3 tangent = {0, 0, 0};
 
 	if (link->friction > 0)
-		tangent = within(rb_vec3_add_scaled(row->tangent, -1 / link->tangent_yield, across(link, u)),
-		                 link->friction * normal);
+		tangent = within(
+			rb_vec3_add_scaled(row->tangent, -1 / link->tangent_yield, across(link, u)),
+			link->friction * normal);
 	return rb_vec3_add_scaled(tangent, normal, link->normal);
 }
 
@@ -309,14 +328,16 @@ static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, doubl
 		return (rb_vec3){0, 0, 0};
 	if (!(link->friction > 0) || !rb_mat3_inverse(&link->yield, &inverse))
 		return rb_vec3_scale(short_of / link->normal_yield, link->normal);
-	const rb_vec3 stick = rb_mat3_apply(&inverse, rb_vec3_sub(rb_vec3_scale(leave, link->normal), free));
+	const rb_vec3 stick = rb_mat3_apply(&inverse,
+	                                    rb_vec3_sub(rb_vec3_scale(leave, link->normal), free));
 	const double stick_normal = rb_vec3_dot(stick, link->normal);
 	const rb_vec3 stick_tangent = across(link, stick);
 	if (stick_normal >= 0 && rb_vec3_length(stick_tangent) <= link->friction * stick_normal)
 		return stick;
 
-	rb_vec3 along = rb_vec3_unit(across(link, free), rb_vec3_unit(rb_vec3_neg(stick_tangent),
-	                                                              rb_vec3_across(link->normal)));
+	rb_vec3 along = rb_vec3_unit(
+		across(link, free),
+		rb_vec3_unit(rb_vec3_neg(stick_tangent), rb_vec3_across(link->normal)));
 	for (int round = 0; round < 64; round++) {
 		const rb_vec3 d = rb_vec3_add_scaled(link->normal, -link->friction, along);
 		const rb_vec3 kd = rb_mat3_apply(&link->yield, d);
@@ -325,7 +346,8 @@ static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, doubl
 		if (!(yield > 1e-3 * link->normal_yield))
 			break;
 		const rb_vec3 slip = across(link, rb_vec3_add_scaled(free, short_of / yield, kd));
-		const rb_vec3 next = rb_vec3_unit(rb_vec3_add(along, rb_vec3_unit(slip, along)), along);
+		const rb_vec3 next = rb_vec3_unit(rb_vec3_add(along, rb_vec3_unit(slip, along)),
+		                                  along);
 		const bool settled = rb_vec3_length(rb_vec3_sub(next, along)) <= 1e-13;
 
 		along = next;
@@ -333,7 +355,8 @@ static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, doubl
 			return rb_vec3_scale(short_of / yield, d);
 	}
 	const double normal = fmax(stick_normal, short_of / link->normal_yield);
-	return rb_vec3_add_scaled(within(stick_tangent, link->friction * normal), normal, link->normal);
+	return rb_vec3_add_scaled(within(stick_tangent, link->friction * normal), normal,
+	                          link->normal);
 }
 
 /* One row on its own: returns the change of velocity that it made. */
@@ -344,9 +367,10 @@ static double solve_row(struct rb_world *world, struct rb_row *row)
 	const rb_vec3 before = rb_vec3_add_scaled(row->tangent, row->normal, link->normal);
 	const rb_vec3 after = link->central
 	                              ? central_impulse(row, u)
-	                              : eccentric_impulse(link,
-	                                                  rb_vec3_sub(u, rb_mat3_apply(&link->yield, before)),
-	                                                  row->leave);
+	                              : eccentric_impulse(
+						link,
+						rb_vec3_sub(u, rb_mat3_apply(&link->yield, before)),
+						row->leave);
 
 	row->normal = rb_vec3_dot(after, link->normal);
 	row->tangent = rb_vec3_add_scaled(after, -row->normal, link->normal);
@@ -363,13 +387,15 @@ static void follow(struct rb_world *world, struct rb_row *row, int count, double
 		const double normal = rb_vec3_dot(extra, row[k].link.normal);
 
 		row[k].normal += normal;
-		row[k].tangent = rb_vec3_add(row[k].tangent, rb_vec3_add_scaled(extra, -normal, row[k].link.normal));
+		row[k].tangent = rb_vec3_add(
+			row[k].tangent, rb_vec3_add_scaled(extra, -normal, row[k].link.normal));
 		rb_link_push(world, &row[k].link, extra);
 	}
 }
 
 /* One attempt at the rows; `*diverged` where the impulses grow without end. */
-static double iterate(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough, bool *diverged)
+static double iterate(struct rb_world *world, struct rb_row *row, int count, int sweeps,
+                      double enough, bool *diverged)
 {
 	enum { FIRST = 8 };
 	double change = 0, size = 0, size_before = 0, largest = 0;
@@ -378,7 +404,8 @@ static double iterate(struct rb_world *world, struct rb_row *row, int count, int
 		change = size = 0;
 		for (int k = 0; k < count; k++) {
 			change = fmax(change, solve_row(world, &row[k]));
-			size += row[k].link.normal_yield * rb_vec3_dot(row[k].change, row[k].change);
+			size += row[k].link.normal_yield *
+			        rb_vec3_dot(row[k].change, row[k].change);
 		}
 		if (change <= enough)
 			break;
@@ -393,13 +420,15 @@ static double iterate(struct rb_world *world, struct rb_row *row, int count, int
 		if (count > 1 && share > 0 && sweep + 1 < sweeps)
 			follow(world, row, count, share);
 		for (int k = 0; k < count; k++)
-			row[k].direction = rb_vec3_add_scaled(row[k].change, share, row[k].direction);
+			row[k].direction = rb_vec3_add_scaled(row[k].change, share,
+			                                      row[k].direction);
 		size_before = size;
 	}
 	return change;
 }
 
-double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough)
+double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps,
+                     double enough)
 {
 	double change = 0;
 
@@ -411,8 +440,9 @@ double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int 
 			break;
 		/* a body jammed by friction between others (Painleve): give way with half the friction, at last without */
 		for (int k = 0; k < count; k++) {
-			rb_link_push(world, &row[k].link, rb_vec3_neg(rb_vec3_add_scaled(row[k].tangent, row[k].normal,
-			                                                                 row[k].link.normal)));
+			rb_link_push(world, &row[k].link,
+			             rb_vec3_neg(rb_vec3_add_scaled(row[k].tangent, row[k].normal,
+			                                            row[k].link.normal)));
 			row[k].normal = 0;
 			row[k].tangent = row[k].direction = (rb_vec3){0, 0, 0};
 			row[k].link.friction = round < 2 ? 0.5 * row[k].link.friction : 0;

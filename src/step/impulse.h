@@ -19,17 +19,19 @@ struct rb_link {
 	double friction, restitution;
 	double normal_yield;  /* 1/kg: n.K n, change of normal velocity by a unit normal impulse */
 	double tangent_yield; /* 1/kg: the largest of t.K t */
-	bool central;         /* K is diagonal in normal and tangent, and the same for every tangent */
-	double inverse_mass_a, inverse_mass_b;       /* 1/kg; 0: does not move */
-	double inverse_inertia_a, inverse_inertia_b; /* 1/(kg m^2); 0: does not turn, NAN: a tensor */
-	rb_mat3 yield;        /* 1/kg: K, filled unless central */
+	bool central; /* K is diagonal in normal and tangent, and the same for every tangent */
+	double inverse_mass_a, inverse_mass_b; /* 1/kg; 0: does not move */
+	double inverse_inertia_a,
+		inverse_inertia_b; /* 1/(kg m^2); 0: does not turn, NAN: a tensor */
+	rb_mat3 yield;             /* 1/kg: K, filled unless central */
 };
 
-struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state, const struct rb_touch *touch,
-                          const struct rb_gap *gap);
+struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state,
+                          const struct rb_touch *touch, const struct rb_gap *gap);
 
 /* Velocity of b relative to a at the contact point, m/s. */
-rb_vec3 rb_link_velocity(const struct rb_world *world, const struct rb_state *state, const struct rb_link *link);
+rb_vec3 rb_link_velocity(const struct rb_world *world, const struct rb_state *state,
+                         const struct rb_link *link);
 
 /* Applies an impulse, N s on b. */
 void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 impulse);
@@ -62,6 +64,7 @@ struct rb_row {
  * that the result keeps the cone. Rows are in order of pairs; stops when no velocity changes by more than `enough`, or
  * after `sweeps`. Accumulated impulses in the rows must have been applied already. Returns the last change, m/s.
  */
-double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps, double enough);
+double rb_rows_solve(struct rb_world *world, struct rb_row *row, int count, int sweeps,
+                     double enough);
 
 #endif

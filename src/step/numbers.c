@@ -25,7 +25,8 @@ void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *n
 	}
 }
 
-void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts, size_t contacts)
+void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,
+                      size_t contacts)
 {
 	numbers->contacts = contacts;
 	numbers->collisions = counts->collisions;
@@ -51,11 +52,11 @@ struct rb_world_work rb_world_work(const struct rb_world *world)
 	struct rb_counts counts = world->total_counts;
 
 	rb_counts_add(&counts, &world->frame_counts);
-	return (struct rb_world_work){.body_steps = counts.body_steps,
-	                              .discarded_body_steps = counts.discarded_body_steps,
-	                              .plastic_ends = counts.plastic_ends,
-	                              .pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase)
-	                                                              : 0};
+	return (struct rb_world_work){
+		.body_steps = counts.body_steps,
+		.discarded_body_steps = counts.discarded_body_steps,
+		.plastic_ends = counts.plastic_ends,
+		.pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase) : 0};
 }
 
 static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
@@ -67,7 +68,8 @@ static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
 		memcpy(frame->position, world->state.position, 3 * n * sizeof(double));
 	else if (frame->position)
 		for (size_t i = 0; i < n; i++)
-			rb_vec3_to(frame->position + 3 * i, rb_world_origin_at(world, &world->state, (int)i));
+			rb_vec3_to(frame->position + 3 * i,
+			           rb_world_origin_at(world, &world->state, (int)i));
 	if (frame->orientation)
 		memcpy(frame->orientation, world->state.orientation, 4 * n * sizeof(double));
 	if (frame->velocity)
@@ -80,12 +82,14 @@ static bool fill_events(struct rb_world *world, struct rb_frame *frame)
 {
 	size_t capacity = (size_t)frame->event_capacity;
 
-	if (!rb_memory_reserve(&frame->events, &capacity, world->events.count, sizeof *frame->events))
+	if (!rb_memory_reserve(&frame->events, &capacity, world->events.count,
+	                       sizeof *frame->events))
 		return false;
 	frame->event_capacity = (int)capacity;
 	frame->event_count = (int)world->events.count;
 	if (world->events.count > 0)
-		memcpy(frame->events, world->events.row, world->events.count * sizeof *frame->events);
+		memcpy(frame->events, world->events.row,
+		       world->events.count * sizeof *frame->events);
 	return true;
 }
 
@@ -93,7 +97,8 @@ static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
 {
 	size_t capacity = (size_t)frame->contact_capacity;
 
-	if (!rb_memory_reserve(&frame->contacts, &capacity, world->contacts.count, sizeof *frame->contacts))
+	if (!rb_memory_reserve(&frame->contacts, &capacity, world->contacts.count,
+	                       sizeof *frame->contacts))
 		return false;
 	frame->contact_capacity = (int)capacity;
 	frame->contact_count = (int)world->contacts.count;
@@ -108,12 +113,14 @@ static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
 		                                 .point = c->point,
 		                                 .normal = rb_vec3_scale(sign, c->normal),
 		                                 .gap = c->gap};
-		out->force = rb_vec3_scale(sign, rb_vec3_add_scaled(c->tangent_force, c->normal_force, c->normal));
+		out->force = rb_vec3_scale(
+			sign, rb_vec3_add_scaled(c->tangent_force, c->normal_force, c->normal));
 	}
 	return true;
 }
 
-enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame, struct rb_error *err)
+enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame,
+                                   struct rb_error *err)
 {
 	frame->index = world->state.frame;
 	frame->time_s = world->state.time_s;
@@ -124,7 +131,8 @@ enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *fram
 	frame->event_count = frame->contact_count = 0;
 	if ((world->options.keep_events && !fill_events(world, frame)) ||
 	    (world->options.keep_contacts && !fill_contacts(world, frame)))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu events and %zu contacts of a frame",
+		return RB_FAIL(err, RB_ERR_MEMORY,
+		               "no memory for %zu events and %zu contacts of a frame",
 		               world->events.count, world->contacts.count);
 	rb_counts_add(&world->total_counts, &world->frame_counts);
 	world->frame_counts = rb_counts_none;

@@ -7,6 +7,7 @@
 
 /* Fills all but the counts. Potential energy is of gravity and gravity_force, zero at the origin. */
 void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers);
-void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts, size_t contacts);
+void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,
+                      size_t contacts);
 
 #endif

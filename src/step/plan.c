@@ -9,9 +9,10 @@
 
 /* The order of a substep: forces, reactions last of them, then motion, then the look at the gaps. */
 static const struct rb_stage *const all_stages[] = {
-	&rb_stage_gravity,    &rb_stage_gravity_force, &rb_stage_applied,   &rb_stage_pushes,
-	&rb_stage_look_ahead, &rb_stage_reactions,     &rb_stage_translate, &rb_stage_rotate_gyroscopic,
-	&rb_stage_rotate,     &rb_stage_gap,
+	&rb_stage_gravity,   &rb_stage_gravity_force,     &rb_stage_applied,
+	&rb_stage_pushes,    &rb_stage_look_ahead,        &rb_stage_reactions,
+	&rb_stage_translate, &rb_stage_rotate_gyroscopic, &rb_stage_rotate,
+	&rb_stage_gap,
 };
 enum { ALL_STAGES = sizeof all_stages / sizeof all_stages[0] };
 
@@ -53,7 +54,8 @@ static size_t state_bytes(const struct rb_model *model)
 
 	for (int k = 0; k < count; k++)
 		if (column[k].feature == 0 || (model->features & column[k].feature))
-			bytes += (size_t)column[k].columns * sizeof(double) * (size_t)model->body_count;
+			bytes += (size_t)column[k].columns * sizeof(double) *
+			         (size_t)model->body_count;
 	return bytes;
 }
 
@@ -71,7 +73,8 @@ static void print_features(const struct rb_model *model, FILE *to)
 	for (int k = 0; k < count; k++) {
 		const bool on = model->features & row[k].bit;
 
-		fprintf(to, "  %c %-16s %s\n", on ? '+' : '-', row[k].name, on ? row[k].help : row[k].absent);
+		fprintf(to, "  %c %-16s %s\n", on ? '+' : '-', row[k].name,
+		        on ? row[k].help : row[k].absent);
 	}
 }
 
@@ -106,7 +109,8 @@ void rb_plan_print(const struct rb_model *model, FILE *to)
 		const bool on = column[k].feature == 0 || (model->features & column[k].feature);
 
 		fprintf(to, "  %c %-16s %d x %d doubles, %s: %s\n", on ? '+' : '-', column[k].name,
-		        on ? model->body_count : 0, column[k].columns, column[k].unit, column[k].what);
+		        on ? model->body_count : 0, column[k].columns, column[k].unit,
+		        column[k].what);
 	}
 	fprintf(to, "  %zu bytes, %d copies\n", state_bytes(model), state_copies(model));
 }

@@ -38,22 +38,25 @@ static double next_attempt(const struct rb_pass *pass, struct search *search, do
 	return fmin(0.5 * to_fail, rest);
 }
 
-static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdict, int body, struct rb_error *err)
+static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdict, int body,
+                              struct rb_error *err)
 {
 	const struct rb_model *model = pass->world->model;
 	const double when = pass->start_s + pass->done_s;
 	char a[64], b[64];
 
 	if (verdict == RB_VERDICT_NOT_FINITE)
-		return RB_FAIL(err, RB_ERR_PHYSICS, "the state of '%s' is not finite after t = %.9g s",
+		return RB_FAIL(err, RB_ERR_PHYSICS,
+		               "the state of '%s' is not finite after t = %.9g s",
 		               rb_scene_body_label(model->scene, model->id_of[body], a), when);
 	const struct rb_touch *touch = &pass->touch[pass->worst];
-	return RB_FAIL(err, RB_ERR_PHYSICS,
-	               "no step resolves the overlap of '%s' and '%s' at t = %.9g s: %.3g m deep after %.3g s, "
-	               "tolerance %.3g m",
-	               rb_scene_body_label(model->scene, model->id_of[touch->a], a),
-	               rb_scene_body_label(model->scene, model->id_of[touch->b], b), when, -pass->worst_gap,
-	               pass->h_s, model->tolerance_m);
+	return RB_FAIL(
+		err, RB_ERR_PHYSICS,
+		"no step resolves the overlap of '%s' and '%s' at t = %.9g s: %.3g m deep after %.3g s, "
+		"tolerance %.3g m",
+		rb_scene_body_label(model->scene, model->id_of[touch->a], a),
+		rb_scene_body_label(model->scene, model->id_of[touch->b], b), when,
+		-pass->worst_gap, pass->h_s, model->tolerance_m);
 }
 
 /* For step/groups: who has come further than was foreseen? */
@@ -81,7 +84,8 @@ static void accept(struct rb_pass *pass, bool last)
 	pass->counts.substeps++;
 	pass->counts.body_steps += (uint64_t)pass->member_count;
 	for (int k = 0; k < pass->touch_count; k++)
-		pass->counts.max_penetration_m = fmax(pass->counts.max_penetration_m, -pass->now[k].gap);
+		pass->counts.max_penetration_m = fmax(pass->counts.max_penetration_m,
+		                                      -pass->now[k].gap);
 	note_travel(pass);
 }
 
@@ -106,7 +110,8 @@ static enum rb_status begin(struct rb_pass *pass, struct rb_error *err)
 	return RB_OK;
 }
 
-enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan, struct rb_error *err)
+enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
+                               struct rb_error *err)
 {
 	struct rb_world *world = pass->world;
 	const struct rb_world_options *options = &world->options;
@@ -127,11 +132,13 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
 		rb_state_copy_rows(&world->mark, &world->state, pass->member, pass->member_count);
 		rb_plan_run(plan, pass);
 		if (pass->out_of_memory)
-			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a group of %d bodies", pass->member_count);
+			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a group of %d bodies",
+			               pass->member_count);
 
 		const enum rb_verdict verdict = rb_verdict_of(pass, &body);
 		if (verdict != RB_VERDICT_GOOD) {
-			rb_state_copy_rows(&world->state, &world->mark, pass->member, pass->member_count);
+			rb_state_copy_rows(&world->state, &world->mark, pass->member,
+			                   pass->member_count);
 			pass->counts.rollbacks++;
 			pass->counts.discarded_body_steps += (uint64_t)pass->member_count;
 			if (pass->h_s <= pass->dt_s * smallest_share || attempt > ATTEMPTS_MOST)
@@ -149,9 +156,11 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
 				h = next_attempt(pass, &search, pass->h_s);
 			}
 			if (pass->out_of_memory)
-				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+				return RB_FAIL(err, RB_ERR_MEMORY,
+				               "no memory for the impacts of a step");
 		}
-		if (attempt % ATTEMPTS_PER_POLL == 0 && options->stop && options->stop(options->stop_user))
+		if (attempt % ATTEMPTS_PER_POLL == 0 && options->stop &&
+		    options->stop(options->stop_user))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	}
 	rb_contact_settle(pass);

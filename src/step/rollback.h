@@ -13,6 +13,7 @@
 
 /* RB_ERR_PHYSICS, RB_ERR_MEMORY, or RB_ERR_INTERRUPT when the run is to stop; rows of the members then hold
  * the last accepted substep. pass->done_s == pass->dt_s on success. */
-enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan, struct rb_error *err);
+enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
+                               struct rb_error *err);
 
 #endif

@@ -23,9 +23,9 @@ struct rb_gap {
 struct rb_touch {
 	int a, b;
 	bool lasting;
-	double band;            /* m: gaps up to here count as touching */
-	double normal_force;    /* N, of the last substep; 0 unless lasting */
-	rb_vec3 tangent_force;  /* N, on b */
+	double band;           /* m: gaps up to here count as touching */
+	double normal_force;   /* N, of the last substep; 0 unless lasting */
+	rb_vec3 tangent_force; /* N, on b */
 };
 
 struct rb_pass {
@@ -47,22 +47,24 @@ struct rb_pass {
 	double worst_gap;
 
 	struct rb_counts counts;
-	struct rb_event *event; /* in the arena; `a`, `b` are body indices until they are committed */
+	struct rb_event
+		*event; /* in the arena; `a`, `b` are body indices until they are committed */
 	int event_count, event_capacity;
-	bool out_of_memory;     /* set by whoever could not take from the arena */
+	bool out_of_memory; /* set by whoever could not take from the arena */
 };
 
 typedef void rb_stage_run(struct rb_pass *pass);
 
 struct rb_stage {
 	const char *name;
-	const char *what;     /* for `rbsim check` */
-	rb_features need;     /* any of these features; 0: always */
+	const char *what; /* for `rbsim check` */
+	rb_features need; /* any of these features; 0: always */
 	rb_stage_run *run;
 };
 
 /* Memory for a pass from one of its arenas; NULL sets out_of_memory. */
-static inline void *rb_pass_take(struct rb_pass *pass, struct rb_arena *arena, int count, size_t size)
+static inline void *rb_pass_take(struct rb_pass *pass, struct rb_arena *arena, int count,
+                                 size_t size)
 {
 	void *const block = rb_arena_take(arena, (size_t)count, size);
 

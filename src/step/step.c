@@ -26,7 +26,8 @@ static void start_state(struct rb_world *world)
 		rb_vec3 center = model->position[i];
 
 		if (model->center_of_mass)
-			center = rb_vec3_add(center, rb_quat_rotate(model->orientation[i], model->center_of_mass[i]));
+			center = rb_vec3_add(center, rb_quat_rotate(model->orientation[i],
+			                                            model->center_of_mass[i]));
 		rb_vec3_to(state->position + 3 * (size_t)i, center);
 		rb_vec3_to(state->velocity + 3 * (size_t)i, body->velocity);
 		if (state->orientation) {
@@ -37,8 +38,8 @@ static void start_state(struct rb_world *world)
 }
 
 enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
-                               const struct rb_world_options *options, const struct rb_world_hooks *hooks,
-                               struct rb_error *err)
+                               const struct rb_world_options *options,
+                               const struct rb_world_hooks *hooks, struct rb_error *err)
 {
 	struct rb_world *world = rb_memory_take(1, sizeof *world);
 	enum rb_status status = RB_OK;
@@ -134,7 +135,8 @@ static void fly_block(void *user, int block, int worker)
 			work->bad[block] = pass.member[k];
 }
 
-static enum rb_status fly_alone(struct rb_world *world, struct step_work *work, struct rb_error *err)
+static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
+                                struct rb_error *err)
 {
 	const struct rb_groups *groups = world->groups;
 	const int blocks = (groups->alone_count + ALONE_PER_BLOCK - 1) / ALONE_PER_BLOCK;
@@ -151,8 +153,10 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work, 
 	world->frame_counts.smallest_step_s = fmin(world->frame_counts.smallest_step_s, work->dt_s);
 	for (int b = 0; b < blocks; b++)
 		if (work->bad[b] >= 0)
-			return RB_FAIL(err, RB_ERR_PHYSICS, "the state of '%s' is not finite after t = %.9g s",
-			               rb_scene_body_label(world->model->scene, world->model->id_of[work->bad[b]],
+			return RB_FAIL(err, RB_ERR_PHYSICS,
+			               "the state of '%s' is not finite after t = %.9g s",
+			               rb_scene_body_label(world->model->scene,
+			                                   world->model->id_of[work->bad[b]],
 			                                   label),
 			               work->start_s);
 	return RB_OK;
@@ -192,7 +196,8 @@ static enum rb_status run_groups(struct rb_world *world, struct step_work *work,
 	const size_t count = groups->group_count - first;
 
 	work->first_group = first;
-	rb_team_run(world->team, (int)((count + GROUPS_PER_BLOCK - 1) / GROUPS_PER_BLOCK), run_block, work);
+	rb_team_run(world->team, (int)((count + GROUPS_PER_BLOCK - 1) / GROUPS_PER_BLOCK),
+	            run_block, work);
 	for (size_t g = first; g < groups->group_count; g++)
 		if (groups->group[g].error.status != RB_OK) {
 			if (err)
@@ -229,7 +234,8 @@ static bool keep_contacts(struct rb_world *world)
 
 			if (!touch->lasting)
 				continue;
-			item[count] = (struct rb_sort_item){(uint64_t)(uint32_t)touch->a << 32 | (uint32_t)touch->b, count};
+			item[count] = (struct rb_sort_item){
+				(uint64_t)(uint32_t)touch->a << 32 | (uint32_t)touch->b, count};
 			row[count++] = (struct rb_contact){.a = touch->a,
 			                                   .b = touch->b,
 			                                   .point = pass->now[k].point,
@@ -255,7 +261,8 @@ static struct rb_event with_ids(const struct rb_model *model, struct rb_event ev
 
 	event.a = a;
 	event.b = b;
-	if (a > b) { /* ids and indices need not be in the same order: statics come last among indices */
+	if (a >
+	    b) { /* ids and indices need not be in the same order: statics come last among indices */
 		event.a = b;
 		event.b = a;
 		event.normal = rb_vec3_neg(event.normal);
@@ -278,14 +285,16 @@ static bool keep_events(struct rb_world *world, size_t *first)
 		return true;
 	struct rb_sort_item *item = rb_arena_take(&world->arena[0], 2 * count, sizeof *item);
 	struct rb_event *event = rb_arena_take(&world->arena[0], count, sizeof *event);
-	if (!item || !event || !rb_memory_reserve(&events->row, &events->capacity, *first + count, sizeof *event))
+	if (!item || !event ||
+	    !rb_memory_reserve(&events->row, &events->capacity, *first + count, sizeof *event))
 		return false;
 	for (size_t g = 0; g < groups->group_count; g++) {
 		const struct rb_pass *pass = &groups->group[g].pass;
 
 		for (int k = 0; !groups->group[g].dead && k < pass->event_count; k++) {
 			event[n] = with_ids(world->model, pass->event[k]);
-			item[n] = (struct rb_sort_item){(uint64_t)(uint32_t)event[n].a << 32 | (uint32_t)event[n].b, n};
+			item[n] = (struct rb_sort_item){
+				(uint64_t)(uint32_t)event[n].a << 32 | (uint32_t)event[n].b, n};
 			n++;
 		}
 	}
@@ -309,9 +318,11 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 		struct rb_counts counts = group->pass.counts;
 
 		if (group->dead) { /* its work was in vain */
-			counts = (struct rb_counts){.discarded_body_steps = counts.body_steps + counts.discarded_body_steps,
-			                            .rollbacks = counts.rollbacks + 1,
-			                            .smallest_step_s = counts.smallest_step_s};
+			counts = (struct rb_counts){
+				.discarded_body_steps = counts.body_steps +
+			                                counts.discarded_body_steps,
+				.rollbacks = counts.rollbacks + 1,
+				.smallest_step_s = counts.smallest_step_s};
 		}
 		rb_counts_add(&world->frame_counts, &counts);
 	}
@@ -323,7 +334,8 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 		return RB_OK;
 	}
 	for (size_t k = first; k < world->events.count; k++) {
-		const enum rb_status status = world->hooks.collision(world->hooks.user, world, &world->events.row[k], err);
+		const enum rb_status status = world->hooks.collision(world->hooks.user, world,
+		                                                     &world->events.row[k], err);
 
 		if (status != RB_OK)
 			return status;
@@ -333,7 +345,8 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-static enum rb_status solve_step(struct rb_world *world, double start, double dt, struct rb_error *err)
+static enum rb_status solve_step(struct rb_world *world, double start, double dt,
+                                 struct rb_error *err)
 {
 	struct step_work work = {.world = world, .start_s = start, .dt_s = dt};
 	size_t again = 0;
@@ -388,7 +401,8 @@ int64_t rb_step_count(double interval, double time_step)
 {
 	const double quotient = interval / time_step;
 	const double whole = nearbyint(quotient);
-	const double count = fabs(quotient - whole) <= 8 * DBL_EPSILON * quotient ? whole : ceil(quotient);
+	const double count = fabs(quotient - whole) <= 8 * DBL_EPSILON * quotient ? whole
+	                                                                          : ceil(quotient);
 
 	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
 }
@@ -405,7 +419,9 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 
 	for (int64_t k = 0; k < steps; k++) {
 		const double start = begin + (end - begin) * ((double)k / (double)steps);
-		const double stop = k + 1 < steps ? begin + (end - begin) * ((double)(k + 1) / (double)steps) : end;
+		const double stop = k + 1 < steps ? begin + (end - begin) * ((double)(k + 1) /
+		                                                             (double)steps)
+		                                  : end;
 		const enum rb_status status = step(world, start, stop - start, err);
 
 		if (status == RB_ERR_INTERRUPT) {

@@ -3,14 +3,16 @@
 
 bool rb_verdict_finite(const struct rb_state *state, int index)
 {
-	const rb_vec3 p = rb_world_row3(state->position, index), v = rb_world_row3(state->velocity, index);
+	const rb_vec3 p = rb_world_row3(state->position, index),
+		      v = rb_world_row3(state->velocity, index);
 	/* a sum of finite numbers that overflows is as bad */
 	double sum = fabs(p.x) + fabs(p.y) + fabs(p.z) + fabs(v.x) + fabs(v.y) + fabs(v.z);
 
 	if (state->spin) {
 		const rb_vec3 w = rb_world_row3(state->spin, index);
 
-		sum += fabs(w.x) + fabs(w.y) + fabs(w.z) + fabs(state->orientation[4 * (size_t)index]);
+		sum += fabs(w.x) + fabs(w.y) + fabs(w.z) +
+		       fabs(state->orientation[4 * (size_t)index]);
 	}
 	return isfinite(sum);
 }
@@ -22,7 +24,8 @@ enum rb_verdict rb_verdict_of(const struct rb_pass *pass, int *body)
 			*body = pass->member[k];
 			return RB_VERDICT_NOT_FINITE;
 		}
-	return pass->touch_count > 0 && pass->worst >= 0 && pass->world->model->rollback != RB_ROLLBACK_NONE
+	return pass->touch_count > 0 && pass->worst >= 0 &&
+	                       pass->world->model->rollback != RB_ROLLBACK_NONE
 	               ? RB_VERDICT_OVERLAP
 	               : RB_VERDICT_GOOD;
 }

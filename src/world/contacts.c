@@ -56,9 +56,15 @@ uint64_t rb_contacts_hash(const struct rb_contacts *contacts, uint64_t seed)
 	/* member by member: padding has no defined bits */
 	for (size_t i = 0; i < contacts->count; i++) {
 		const struct rb_contact *c = &contacts->row[i];
-		const double values[] = {c->a,           c->b,        c->gap,
-		                         c->normal_force, c->normal.x, c->normal.y,
-		                         c->normal.z,    c->tangent_force.x, c->tangent_force.y,
+		const double values[] = {c->a,
+		                         c->b,
+		                         c->gap,
+		                         c->normal_force,
+		                         c->normal.x,
+		                         c->normal.y,
+		                         c->normal.z,
+		                         c->tangent_force.x,
+		                         c->tangent_force.y,
 		                         c->tangent_force.z};
 
 		seed = rb_hash_bytes(values, sizeof values, seed);

@@ -13,10 +13,10 @@
 #include <rbsim/math.h>
 
 struct rb_contact {
-	int a, b;             /* body indices, a < b */
+	int a, b;              /* body indices, a < b */
 	rb_vec3 point, normal; /* m; unit, from a to b: as of the end of the step, world */
-	double gap;           /* m, negative: overlap */
-	double normal_force;  /* N, >= 0 */
+	double gap;            /* m, negative: overlap */
+	double normal_force;   /* N, >= 0 */
 	rb_vec3 tangent_force; /* N, on b, across the normal */
 };
 
@@ -25,7 +25,8 @@ struct rb_contacts {
 	size_t count, capacity;
 };
 
-RB_CHECKED enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size_t count, struct rb_error *err);
+RB_CHECKED enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size_t count,
+                                              struct rb_error *err);
 void rb_contacts_release(struct rb_contacts *contacts);
 
 /* The contact of that pair, or NULL. */

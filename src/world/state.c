@@ -24,26 +24,28 @@ static size_t column_room(int body_count, int columns)
 	return ((size_t)body_count * (size_t)columns + 7) & ~(size_t)7;
 }
 
-enum rb_status rb_state_init(struct rb_state *state, int body_count, rb_features features, struct rb_error *err)
+enum rb_status rb_state_init(struct rb_state *state, int body_count, rb_features features,
+                             struct rb_error *err)
 {
 	size_t room = 0;
 
 	*state = (struct rb_state){.body_count = body_count};
-#define X(name, columns, feature, unit, what) \
+#define X(name, columns, feature, unit, what)                \
 	if ((feature) == 0u || (features & (feature)) != 0u) \
 		room += column_room(body_count, columns);
 	RB_STATE_FIELDS(X)
 #undef X
 	state->block = rb_memory_take(room, sizeof(double));
 	if (!state->block)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the state of %d bodies", body_count);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the state of %d bodies",
+		               body_count);
 	state->size_bytes = room * sizeof(double);
 
 	double *next = state->block;
-#define X(name, columns, feature, unit, what)                        \
-	if ((feature) == 0u || (features & (feature)) != 0u) {       \
-		state->name = next;                                  \
-		next += column_room(body_count, columns);            \
+#define X(name, columns, feature, unit, what)                  \
+	if ((feature) == 0u || (features & (feature)) != 0u) { \
+		state->name = next;                            \
+		next += column_room(body_count, columns);      \
 	}
 	RB_STATE_FIELDS(X)
 #undef X
@@ -63,12 +65,13 @@ void rb_state_copy(struct rb_state *to, const struct rb_state *from)
 	memcpy(to->block, from->block, from->size_bytes);
 }
 
-void rb_state_copy_rows(struct rb_state *to, const struct rb_state *from, const int *member, int count)
+void rb_state_copy_rows(struct rb_state *to, const struct rb_state *from, const int *member,
+                        int count)
 {
 #define X(name, columns, feature, unit, what)                                                    \
 	if (from->name)                                                                          \
 		for (int k = 0; k < count; k++)                                                  \
-			memcpy(to->name + (columns) * member[k], from->name + (columns) * member[k], \
+			memcpy(to->name + (columns)*member[k], from->name + (columns)*member[k], \
 			       (columns) * sizeof(double));
 	RB_STATE_FIELDS(X)
 #undef X
@@ -86,20 +89,22 @@ int rb_state_row_size(const struct rb_state *state)
 
 void rb_state_save_rows(const struct rb_state *state, const int *member, int count, double *buffer)
 {
-#define X(name, columns, feature, unit, what)                                                    \
-	if (state->name)                                                                         \
-		for (int k = 0; k < count; k++, buffer += (columns))                             \
-			memcpy(buffer, state->name + (columns) * member[k], (columns) * sizeof(double));
+#define X(name, columns, feature, unit, what)                             \
+	if (state->name)                                                  \
+		for (int k = 0; k < count; k++, buffer += (columns))      \
+			memcpy(buffer, state->name + (columns)*member[k], \
+			       (columns) * sizeof(double));
 	RB_STATE_FIELDS(X)
 #undef X
 }
 
 void rb_state_load_rows(struct rb_state *state, const int *member, int count, const double *buffer)
 {
-#define X(name, columns, feature, unit, what)                                                    \
-	if (state->name)                                                                         \
-		for (int k = 0; k < count; k++, buffer += (columns))                             \
-			memcpy(state->name + (columns) * member[k], buffer, (columns) * sizeof(double));
+#define X(name, columns, feature, unit, what)                             \
+	if (state->name)                                                  \
+		for (int k = 0; k < count; k++, buffer += (columns))      \
+			memcpy(state->name + (columns)*member[k], buffer, \
+			       (columns) * sizeof(double));
 	RB_STATE_FIELDS(X)
 #undef X
 }

@@ -15,12 +15,12 @@
 #include <rbsim/model.h>
 
 /* X(name, columns, needs any of these features (0: always), unit, what) */
-#define RB_STATE_FIELDS(X)                                                                       \
-	X(position, 3, 0u, "m", "centre of mass, world axes")                                    \
-	X(velocity, 3, 0u, "m/s", "of the centre of mass")                                       \
-	X(orientation, 4, RB_FEATURE_ROTATION, "1", "unit quaternion, w first")                  \
-	X(spin, 3, RB_FEATURE_ROTATION, "rad/s", "angular velocity, world axes")                 \
-	X(push, 3, RB_FEATURE_PUSHES, "N", "force from callbacks, for one step")                 \
+#define RB_STATE_FIELDS(X)                                                       \
+	X(position, 3, 0u, "m", "centre of mass, world axes")                    \
+	X(velocity, 3, 0u, "m/s", "of the centre of mass")                       \
+	X(orientation, 4, RB_FEATURE_ROTATION, "1", "unit quaternion, w first")  \
+	X(spin, 3, RB_FEATURE_ROTATION, "rad/s", "angular velocity, world axes") \
+	X(push, 3, RB_FEATURE_PUSHES, "N", "force from callbacks, for one step") \
 	X(twist, 3, RB_FEATURE_PUSHES, "N m", "torque of it about the centre of mass")
 
 struct rb_state {
@@ -34,15 +34,16 @@ struct rb_state {
 #undef X
 };
 
-RB_CHECKED enum rb_status rb_state_init(struct rb_state *state, int body_count, rb_features features,
-                                        struct rb_error *err);
+RB_CHECKED enum rb_status rb_state_init(struct rb_state *state, int body_count,
+                                        rb_features features, struct rb_error *err);
 void rb_state_release(struct rb_state *state);
 
 /* Both of the same model. */
 void rb_state_copy(struct rb_state *to, const struct rb_state *from);
 
 /* Copies the rows of `count` bodies. */
-void rb_state_copy_rows(struct rb_state *to, const struct rb_state *from, const int *member, int count);
+void rb_state_copy_rows(struct rb_state *to, const struct rb_state *from, const int *member,
+                        int count);
 
 /* Doubles that a row takes over all columns. */
 int rb_state_row_size(const struct rb_state *state);

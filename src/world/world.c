@@ -51,7 +51,8 @@ rb_mat3 rb_world_inertia(const struct rb_world *world, int id)
 {
 	const struct rb_model *model = world->model;
 
-	return moves(world, id) && model->inertia ? model->inertia[model->index_of[id]] : (rb_mat3){{{0}}};
+	return moves(world, id) && model->inertia ? model->inertia[model->index_of[id]]
+	                                          : (rb_mat3){{{0}}};
 }
 
 rb_vec3 rb_world_position(const struct rb_world *world, int id)
@@ -68,15 +69,17 @@ rb_vec3 rb_world_velocity(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return moves(world, id) ? rb_world_row3(world->state.velocity, world->model->index_of[id]) : none;
+	return moves(world, id) ? rb_world_row3(world->state.velocity, world->model->index_of[id])
+	                        : none;
 }
 
 rb_vec3 rb_world_angular_velocity(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return moves(world, id) && world->state.spin ? rb_world_row3(world->state.spin, world->model->index_of[id])
-	                                             : none;
+	return moves(world, id) && world->state.spin
+	               ? rb_world_row3(world->state.spin, world->model->index_of[id])
+	               : none;
 }
 
 rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id)
@@ -107,19 +110,23 @@ double rb_world_kinetic_energy(const struct rb_world *world, int id)
 		return 0;
 	const rb_vec3 v = rb_world_velocity(world, id);
 	const rb_vec3 w = rb_world_angular_velocity(world, id);
-	return 0.5 * rb_world_mass(world, id) * rb_vec3_dot(v, v) + 0.5 * rb_vec3_dot(w, spin_momentum(world, id));
+	return 0.5 * rb_world_mass(world, id) * rb_vec3_dot(v, v) +
+	       0.5 * rb_vec3_dot(w, spin_momentum(world, id));
 }
 
 rb_vec3 rb_world_momentum(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return moves(world, id) ? rb_vec3_scale(rb_world_mass(world, id), rb_world_velocity(world, id)) : none;
+	return moves(world, id)
+	               ? rb_vec3_scale(rb_world_mass(world, id), rb_world_velocity(world, id))
+	               : none;
 }
 
 rb_vec3 rb_world_angular_momentum(const struct rb_world *world, int id)
 {
-	const rb_vec3 orbital = rb_vec3_cross(rb_world_center_of_mass(world, id), rb_world_momentum(world, id));
+	const rb_vec3 orbital = rb_vec3_cross(rb_world_center_of_mass(world, id),
+	                                      rb_world_momentum(world, id));
 
 	return rb_vec3_add(orbital, spin_momentum(world, id));
 }
@@ -138,7 +145,8 @@ void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_
 	const rb_vec3 v = rb_world_row3(world->state.velocity, i);
 
 	rb_contacts_drop(&world->contacts, i);
-	rb_vec3_to(world->state.velocity + 3 * i, rb_vec3_add_scaled(v, model->inverse_mass[i], impulse));
+	rb_vec3_to(world->state.velocity + 3 * i,
+	           rb_vec3_add_scaled(v, model->inverse_mass[i], impulse));
 	if (!world->state.spin)
 		return;
 	const rb_vec3 w = rb_world_row3(world->state.spin, i);
@@ -153,7 +161,8 @@ void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3
 
 	if (!world->state.push)
 		return;
-	rb_vec3_to(world->state.push + 3 * i, rb_vec3_add(rb_world_row3(world->state.push, i), force));
+	rb_vec3_to(world->state.push + 3 * i,
+	           rb_vec3_add(rb_world_row3(world->state.push, i), force));
 	rb_vec3_to(world->state.twist + 3 * i,
 	           rb_vec3_add(rb_world_row3(world->state.twist, i), rb_vec3_cross(arm, force)));
 }
@@ -183,5 +192,6 @@ void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position)
 
 	rb_contacts_drop(&world->contacts, i);
 	world->moved_by_hand = true;
-	rb_vec3_to(world->state.position + 3 * i, rb_vec3_add(rb_world_row3(world->state.position, i), shift));
+	rb_vec3_to(world->state.position + 3 * i,
+	           rb_vec3_add(rb_world_row3(world->state.position, i), shift));
 }

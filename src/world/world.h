@@ -10,7 +10,6 @@
 
 #include <rbsim/world.h>
 
-
 #include "base/arena.h"
 #include "base/team.h"
 #include "math/quat.h"
@@ -27,7 +26,8 @@ struct rb_groups;
 struct rb_counts {
 	uint64_t collisions, rollbacks, substeps;
 	uint64_t body_steps, discarded_body_steps;
-	uint64_t plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
+	uint64_t
+		plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
 	double smallest_step_s; /* HUGE_VAL: no step yet */
 	double max_penetration_m;
 };
@@ -60,14 +60,14 @@ struct rb_world {
 
 	/* simulator thread; rows of `state` are lent to workers while groups run */
 	struct rb_state state;
-	struct rb_state start;     /* as it was at the beginning of the step */
-	struct rb_state mark;      /* rows as they were at the beginning of the group's substep */
+	struct rb_state start; /* as it was at the beginning of the step */
+	struct rb_state mark;  /* rows as they were at the beginning of the group's substep */
 	struct rb_contacts contacts, next_contacts;
 	struct rb_broadphase *broadphase; /* owned; NULL without contact */
 	struct rb_groups *groups;         /* owned; NULL without contact */
 	struct rb_team *team;             /* owned */
 	struct rb_arena *arena;           /* owned; [workers]: scratch of a pass */
-	struct rb_arena *kept;            /* owned; [workers]: what a pass leaves for the commit of the step */
+	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */
 	int worker_count;
 	struct rb_counts frame_counts; /* since the frame before */
 	struct rb_counts total_counts; /* of the run, without frame_counts */
@@ -82,7 +82,8 @@ static inline rb_vec3 rb_world_row3(const double *column, int index)
 }
 
 /* Orientation of a body by index, moving or not. */
-static inline rb_quat rb_world_orientation_at(const struct rb_world *world, const struct rb_state *state, int index)
+static inline rb_quat rb_world_orientation_at(const struct rb_world *world,
+                                              const struct rb_state *state, int index)
 {
 	if (index < world->model->body_count && state->orientation)
 		return rb_quat_from(state->orientation + 4 * (size_t)index);
@@ -90,7 +91,8 @@ static inline rb_quat rb_world_orientation_at(const struct rb_world *world, cons
 }
 
 /* Position of the object's origin, which is the centre of its shape. */
-static inline rb_vec3 rb_world_origin_at(const struct rb_world *world, const struct rb_state *state, int index)
+static inline rb_vec3 rb_world_origin_at(const struct rb_world *world, const struct rb_state *state,
+                                         int index)
 {
 	const struct rb_model *model = world->model;
 
@@ -104,8 +106,8 @@ static inline rb_vec3 rb_world_origin_at(const struct rb_world *world, const str
 }
 
 /* I^-1 applied to an angular impulse, world axes; the body must be moving and able to turn. */
-static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct rb_state *state, int index,
-                                    rb_vec3 angular_impulse)
+static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct rb_state *state,
+                                    int index, rb_vec3 angular_impulse)
 {
 	const struct rb_model *model = world->model;
 	const double scalar = model->inverse_inertia_scalar[index];

@@ -32,7 +32,8 @@ static void seal(struct rb_script *script, struct rb_scene *scene)
 	}
 	for (int i = 0; i < scene->camera_count && i < 10; i++)
 		if (scene->cameras[i].position.source == RB_CAMERA_FUNCTION)
-			(void)!rb_script_vector_at(script, NULL, scene->cameras[i].position.function, 0.5, &at, &err);
+			(void)!rb_script_vector_at(
+				script, NULL, scene->cameras[i].position.function, 0.5, &at, &err);
 	rb_mistakes_release(&mistakes);
 }
 

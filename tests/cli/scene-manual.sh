@@ -1,0 +1,20 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# rbsim-scene(5): its tables are the program's, its first example runs, its mistakes are those that are made.
+. tests/cli/functions
+
+"$TOP/tools/check-manual" "$RBSIM" >out 2>&1 || fail "the manual's tables are behind"
+
+sed -n '/^\.Bd -literal/,/^\.Ed/{/^\./d;p;}' "$TOP/man/rbsim-scene.5" | sed '/^bounce.lua:/d' >bounce.lua
+grep -q 'sphere' bounce.lua || fail "no example in the manual"
+exits 0 bounce.lua --no-record --quiet --duration 1 --param e=0.5
+says_nothing out
+
+{
+	printf '\n\n\n\n\n\n\n\n'
+	echo 'sphere { name = "ball", raduis = 1, mass = -1 }'
+} >bounce.lua
+exits 65 bounce.lua
+grep '^bounce.lua:9:' "$TOP/man/rbsim-scene.5" | sort >wanted
+grep '^bounce.lua:9:' err | sort >found
+cmp -s wanted found || fail "the manual shows other mistakes: $(cat found)"

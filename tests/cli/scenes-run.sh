@@ -1,0 +1,15 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Every shipped scene runs and keeps what it expects. The heap is small in builds that are slow.
+set -eu
+scenes=$(dirname "$0")/../../scenes
+for scene in "$scenes"/*.lua; do
+	set -- --no-record --quiet
+	case $scene in
+	*/heap.lua) [ "${RBSIM_MODE:-release}" = release ] || set -- "$@" --param balls=15 ;;
+	esac
+	"$RBSIM" "$scene" "$@" || {
+		echo "$scene: exit $?"
+		exit 1
+	}
+done
