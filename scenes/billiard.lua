@@ -4,7 +4,7 @@
 -- Impacts of bodies that touch at the same moment are solved together.
 -- Try: --param speed=20, or --param e=0.95 to see energy go.
 local speed = param("speed", 8, "of the cue ball, m/s", {min = 0.1, max = 50})
-local e = param("e", 1, "restitution of the balls", {min = 0, max = 1})
+local e = param("e", 1.0, "restitution of the balls", {min = 0, max = 1})
 local radius, gap = 0.0286, 1e-4
 
 world { title = "Billiard break", duration = 2, frame_rate = 120, time_step = 1 / 480 }

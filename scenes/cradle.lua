@@ -5,7 +5,7 @@
 -- Try: --param moving=2, --param e=0.9
 local count = param("balls", 5, "in the row", {min = 2, max = 50})
 local moving = param("moving", 1, "balls that come flying", {min = 1, max = 10})
-local e = param("e", 1, "restitution", {min = 0, max = 1})
+local e = param("e", 1.0, "restitution", {min = 0, max = 1})
 local radius, v0 = 0.5, 2
 
 world { title = "Newton's cradle", duration = 2, frame_rate = 60 }

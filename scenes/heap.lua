@@ -3,7 +3,7 @@
 -- Expected end: a heap at rest, no two balls overlapping by more than a millionth of a radius.
 -- The classic method pays for every small impact with halved steps: the summary prints how much was thrown away.
 -- Try: --param e=0.5
-local e = param("e", 0, "restitution", {min = 0, max = 1})
+local e = param("e", 0.0, "restitution", {min = 0, max = 1})
 local mu = param("mu", 0.5, "friction", {min = 0, max = 2})
 local count = param("balls", 100, "balls", {min = 1, max = 2000})
 local g, radius = 9.81, 0.1
