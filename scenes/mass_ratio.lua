@@ -3,7 +3,7 @@
 -- Expected end: as many impacts as pi has digits to show: floor(pi/atan(sqrt(m/M))), 31 for a ratio of 100.
 -- Each impact halves steps until it is found within the tolerance; the count is exact all the same.
 -- Try: --param ratio=10000 (314)
-local ratio = param("ratio", 100, "mass of the heavy ball over the light one's", {min = 1, max = 1e6})
+local ratio = param("ratio", 100.0, "mass of the heavy ball over the light one's", {min = 1, max = 1e6})
 local radius, v0 = 0.1, 1
 
 world { title = "Counting pi", duration = 30, frame_rate = 60, time_step = 1 / 240, tolerance = 1e-9 }

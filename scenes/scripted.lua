@@ -3,8 +3,8 @@
 -- Expected end: as many throws as fit into the run, and the floating ball where it was.
 -- Callbacks see committed steps only; what they must remember they keep in the table `state`.
 -- Try: --param throw=3
-local throw = param("throw", 5, "speed of each throw, m/s", {min = 1, max = 20})
-local hand = param("hand", 1, "height of the hand, m", {min = 0.5, max = 5})
+local throw = param("throw", 5.0, "speed of each throw, m/s", {min = 1, max = 20})
+local hand = param("hand", 1.0, "height of the hand, m", {min = 0.5, max = 5})
 local g, radius, dt, duration = 9.81, 0.1, 1 / 480, 10
 
 world { title = "Juggling by script", duration = duration, frame_rate = 60, time_step = dt, gravity = {0, 0, -g} }

@@ -3,7 +3,7 @@
 -- Expected end: the upper ball rises to where it was dropped, the lower one rests.
 -- The reaction of the floor is worked out after all other forces, because it depends on them.
 -- Try: --param mass=3 (a heavy ball dropped on a light one)
-local mass = param("mass", 1, "of the dropped ball over the other's", {min = 0.1, max = 10})
+local mass = param("mass", 1.0, "of the dropped ball over the other's", {min = 0.1, max = 10})
 local g, radius, h, dt = 9.81, 0.1, 1, 1 / 960
 
 world { title = "Dropped on a resting ball", duration = 2 * math.sqrt(2 * h / g), frame_rate = 60, time_step = dt,

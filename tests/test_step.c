@@ -440,6 +440,25 @@ static void an_eccentric_impact_never_raises_energy(void **slot)
 	}
 }
 
+/* A strong force hardly reaches its speed within a step; a lone ball's impact is an impact all the same. */
+static void a_lone_ball_pushed_hard_bounces(void **slot)
+{
+	struct lab lab;
+	struct rb_force_def force = rb_force_def_default();
+
+	(void)slot;
+	lab_open(&lab, 0.1, 60);
+	lab_surface(&lab, 0, 0.5);
+	lab_sphere(&lab, 0.05, 1, at(0, 0, 0.1), origin);
+	force.vector = at(0, 0, -1e4);
+	assert_int_equal(rb_scene_add_force(&lab.scene, &force, &lab.error), RB_OK);
+	lab_plane(&lab, origin, up);
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).collisions >= 2);
+	lab_close(&lab);
+}
+
 static bool hit(void *user)
 {
 	(void)user;
@@ -544,6 +563,7 @@ int main(void)
 		cmocka_unit_test(a_gas_keeps_energy_and_tolerance),
 		cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
 		cmocka_unit_test(an_eccentric_impact_never_raises_energy),
+		cmocka_unit_test(a_lone_ball_pushed_hard_bounces),
 		cmocka_unit_test(a_stop_ends_the_run_at_a_frame),
 		cmocka_unit_test(what_cannot_be_resolved_is_said_with_names),
 		cmocka_unit_test(a_timed_force_gives_its_whole_impulse),

@@ -15,6 +15,7 @@ struct cursor {
 	bool lossless, attached;
 	uint64_t next;               /* frames below this number are done with */
 	const struct rb_frame *held; /* being read, NULL: none */
+	uint64_t wake_at;            /* asleep until so many frames are published; 0: awake */
 };
 
 struct rb_ring {
@@ -168,7 +169,9 @@ void rb_ring_publish(struct rb_ring *ring)
 {
 	pthread_mutex_lock(&ring->lock);
 	ring->head++;
-	pthread_cond_broadcast(&ring->changed);
+	for (int i = 0; i < ring->consumer_count; i++)
+		if (ring->cursor[i].wake_at > 0 && ring->head >= ring->cursor[i].wake_at)
+			pthread_cond_broadcast(&ring->changed);
 	pthread_mutex_unlock(&ring->lock);
 }
 
@@ -212,9 +215,17 @@ enum rb_ring_news rb_ring_wait(struct rb_ring *ring, int consumer, double timeou
 	*frame = NULL;
 	pthread_mutex_lock(&ring->lock);
 	RB_ASSERT(cursor->attached && !cursor->held);
+	/*
+	 * A lossless consumer that has run dry sleeps until a quarter of the ring is full, or the time
+	 * is out: waking it for every frame costs more than the frame.
+	 */
+	const uint64_t batch = cursor->lossless ? ((uint64_t)ring->slot_count + 3) / 4 : 1;
+	const uint64_t enough = cursor->next + (cursor->next == ring->head ? batch : 1);
 	int waited = 0;
-	while (!ring->aborted && !ring->closed && cursor->next == ring->head && waited != ETIMEDOUT)
+	cursor->wake_at = enough;
+	while (!ring->aborted && !ring->closed && ring->head < enough && waited != ETIMEDOUT)
 		waited = pthread_cond_timedwait(&ring->changed, &ring->lock, &deadline);
+	cursor->wake_at = 0;
 	if (ring->aborted) {
 		news = RB_RING_CLOSED;
 	} else if (cursor->next < ring->head) {

@@ -63,6 +63,15 @@ double rb_contact_forced(const struct rb_pass *pass, const struct rb_link *link)
 	return sum * pass->dt_s / pass->h_s;
 }
 
+bool rb_contact_crowded(const struct rb_pass *pass, const struct rb_touch *touch)
+{
+	const struct rb_world *world = pass->world;
+	const unsigned char *held = world->groups->held;
+
+	return touch->lasting || held[touch->a] ||
+	       (touch->b < world->model->body_count && held[touch->b]);
+}
+
 static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
                        const struct rb_gap *gap, const struct rb_link *link)
 {
@@ -80,6 +89,8 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 			return true;
 	}
 	/* soft landing: the forces bring them together, and no faster than they can within a step */
+	if (!rb_contact_crowded(pass, touch))
+		return false;
 	const double forced = rb_contact_forced(pass, link);
 	double most = forced;
 	if (touch->lasting) {
@@ -207,6 +218,25 @@ static void reactions(struct rb_pass *pass)
 	rb_arena_back(pass->arena, here);
 }
 
+/* Which bodies rest on others at the beginning of the substep; false: none. */
+static bool mark_held(const struct rb_pass *pass)
+{
+	const struct rb_world *world = pass->world;
+	unsigned char *const held = world->groups->held;
+	bool any = false;
+
+	for (int k = 0; k < pass->member_count; k++)
+		held[pass->member[k]] = 0;
+	for (int k = 0; k < pass->touch_count; k++)
+		if (pass->touch[k].lasting) {
+			any = true;
+			held[pass->touch[k].a] = 1;
+			if (pass->touch[k].b < world->model->body_count)
+				held[pass->touch[k].b] = 1;
+		}
+	return any;
+}
+
 /* Velocity that a body will about have at the end of the substep: of one that rests on others, that of before. */
 static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
 {
@@ -224,20 +254,10 @@ static void look_ahead(struct rb_pass *pass)
 {
 	const struct rb_world *world = pass->world;
 	const double far = 16 * world->model->tolerance_m;
-	unsigned char *const held = world->groups->held;
-	bool any = false;
+	const bool any = mark_held(pass);
 
 	if (world->model->rollback == RB_ROLLBACK_NONE) /* no try is lost */
 		return;
-	for (int k = 0; k < pass->member_count; k++)
-		held[pass->member[k]] = 0;
-	for (int k = 0; k < pass->touch_count; k++)
-		if (pass->touch[k].lasting) {
-			any = true;
-			held[pass->touch[k].a] = 1;
-			if (pass->touch[k].b < world->model->body_count)
-				held[pass->touch[k].b] = 1;
-		}
 	for (int k = 0; any && k < pass->touch_count; k++) {
 		const struct rb_touch *touch = &pass->touch[k];
 

@@ -72,7 +72,7 @@ static bool gather(struct rb_pass *pass, struct meetings *all, bool after_subste
 				normal - rb_vec3_dot(rb_link_velocity(world, &world->mark, &m.link),
 			                             m.link.normal),
 				0);
-		if (after_substep)
+		if (after_substep && rb_contact_crowded(pass, touch))
 			m.forced = fmax(rb_contact_forced(pass, &m.link),
 			                touch->normal_force * m.link.normal_yield * pass->dt_s);
 		all->row[all->count++] = m;

@@ -6,23 +6,41 @@
 
 #include <string.h>
 
+/*
+ * Straight over the columns: this runs for every frame that is recorded. Sums run over bodies in their
+ * order.
+ */
 void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
 	const struct rb_model *model = world->model;
-	const struct rb_world_def *def = &model->scene->world;
+	const struct rb_state *state = &world->state;
+	const rb_vec3 gravity = model->scene->world.gravity;
+	const rb_vec3 force = model->scene->world.gravity_force;
+	double twice_kinetic = 0, potential = 0;
+	rb_vec3 momentum = {0, 0, 0}, angular = {0, 0, 0};
 
-	*numbers = (struct rb_frame_numbers){0};
 	for (int i = 0; i < model->body_count; i++) {
-		const int id = model->id_of[i];
-		const rb_vec3 at = rb_world_row3(world->state.position, i);
+		const double mass = model->mass[i];
+		const rb_vec3 at = rb_world_row3(state->position, i);
+		const rb_vec3 v = rb_world_row3(state->velocity, i);
+		const rb_vec3 p = rb_vec3_scale(mass, v);
 
-		numbers->kinetic_energy += rb_world_kinetic_energy(world, id);
-		numbers->potential_energy -= model->mass[i] * rb_vec3_dot(def->gravity, at) +
-		                             rb_vec3_dot(def->gravity_force, at);
-		numbers->momentum = rb_vec3_add(numbers->momentum, rb_world_momentum(world, id));
-		numbers->angular_momentum = rb_vec3_add(numbers->angular_momentum,
-		                                        rb_world_angular_momentum(world, id));
+		twice_kinetic += rb_vec3_dot(p, v);
+		potential -= mass * rb_vec3_dot(gravity, at) + rb_vec3_dot(force, at);
+		momentum = rb_vec3_add(momentum, p);
+		angular = rb_vec3_add(angular, rb_vec3_cross(at, p));
+		if (state->spin) {
+			const rb_vec3 spin = rb_world_row3(state->spin, i);
+			const rb_vec3 l = rb_world_spin_momentum(world, i);
+
+			twice_kinetic += rb_vec3_dot(spin, l);
+			angular = rb_vec3_add(angular, l);
+		}
 	}
+	*numbers = (struct rb_frame_numbers){.kinetic_energy = 0.5 * twice_kinetic,
+	                                     .potential_energy = potential,
+	                                     .momentum = momentum,
+	                                     .angular_momentum = angular};
 }
 
 void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,

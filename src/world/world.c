@@ -88,20 +88,14 @@ rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id)
 	                        : rb_world_position(world, id);
 }
 
-/* Spin angular momentum about the centre of mass. */
+/* Spin angular momentum of a body by id; nothing for those that cannot turn. */
 static rb_vec3 spin_momentum(const struct rb_world *world, int id)
 {
-	const struct rb_model *model = world->model;
+	const rb_vec3 none = {0, 0, 0};
 
-	if (!moves(world, id) || !world->state.spin)
-		return (rb_vec3){0, 0, 0};
-	const int i = model->index_of[id];
-	const rb_vec3 spin = rb_world_row3(world->state.spin, i);
-	const double scalar = model->inverse_inertia_scalar[i];
-	if (!isnan(scalar))
-		return rb_vec3_scale(model->inertia[i].m[0][0], spin);
-	const rb_quat q = rb_world_orientation_at(world, &world->state, i);
-	return rb_quat_rotate(q, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(q, spin)));
+	return moves(world, id) && world->state.spin
+	               ? rb_world_spin_momentum(world, world->model->index_of[id])
+	               : none;
 }
 
 double rb_world_kinetic_energy(const struct rb_world *world, int id)

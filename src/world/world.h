@@ -119,4 +119,17 @@ static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct r
 	                                       rb_quat_rotate_back(q, angular_impulse)));
 }
 
+/* Angular momentum about its own centre of mass of a moving body that can turn, by index. */
+static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)
+{
+	const struct rb_model *model = world->model;
+	const rb_vec3 spin = rb_world_row3(world->state.spin, index);
+
+	if (!isnan(model->inverse_inertia_scalar[index]))
+		return rb_vec3_scale(model->inertia[index].m[0][0], spin);
+	const rb_quat q = rb_quat_from(world->state.orientation + 4 * (size_t)index);
+	return rb_quat_rotate(q,
+	                      rb_mat3_apply(&model->inertia[index], rb_quat_rotate_back(q, spin)));
+}
+
 #endif
