@@ -41,7 +41,8 @@ static inline void fake_init(struct fake *fake, int bodies, uint64_t frames, boo
 {
 	const size_t all = (size_t)bodies + 1;
 
-	*fake = (struct fake){.model = {.body_count = bodies, .static_count = 1, .material_count = 1}};
+	*fake = (struct fake){
+		.model = {.body_count = bodies, .static_count = 1, .material_count = 1}};
 	if (rb_scene_init(&fake->scene, NULL) != RB_OK)
 		abort();
 	fake->scene.world.title = "made by hand";
@@ -51,7 +52,8 @@ static inline void fake_init(struct fake *fake, int bodies, uint64_t frames, boo
 		snprintf(name, sizeof name, "body %d", i);
 		def.name = i % 2 == 0 ? name : NULL;
 		def.is_static = i == (bodies > 0 ? 1 : 0);
-		def.shape = (struct rb_shape){.kind = def.is_static ? RB_SHAPE_PLANE : RB_SHAPE_SPHERE, .radius = 0.5};
+		def.shape = (struct rb_shape){
+			.kind = def.is_static ? RB_SHAPE_PLANE : RB_SHAPE_SPHERE, .radius = 0.5};
 		if (rb_scene_add_body(&fake->scene, &def, NULL, NULL) != RB_OK)
 			abort();
 	}
@@ -78,9 +80,16 @@ static inline void fake_init(struct fake *fake, int bodies, uint64_t frames, boo
 	model->duration_s = (double)frames / 60;
 	model->time_step_s = 1.0 / 240;
 	model->tolerance_m = 1e-6;
-	fake->info = (struct rb_run_info){.version = "0.0.0", .build = "test", .command = "rbsim scene.lua", .host = "host",
-	                                  .author = "author", .started = "2026-01-01T00:00:00Z", .threads = 1,
-	                                  .method = "classic", .rollback = "selective", .model = model,
+	fake->info = (struct rb_run_info){.version = "0.0.0",
+	                                  .build = "test",
+	                                  .command = "rbsim scene.lua",
+	                                  .host = "host",
+	                                  .author = "author",
+	                                  .started = "2026-01-01T00:00:00Z",
+	                                  .threads = 1,
+	                                  .method = "classic",
+	                                  .rollback = "selective",
+	                                  .model = model,
 	                                  .scene = &fake->scene};
 	fake->frame = (struct rb_frame){.body_count = bodies,
 	                                .position = fake_column(fake, 3),
@@ -117,14 +126,16 @@ static inline const struct rb_frame *fake_frame(struct fake *fake, uint64_t k)
 {
 	static const int width[] = {3, 4, 3, 3};
 	struct rb_frame *const frame = &fake->frame;
-	double *const columns[] = {frame->position, frame->orientation, frame->velocity, frame->angular_velocity};
+	double *const columns[] = {frame->position, frame->orientation, frame->velocity,
+	                           frame->angular_velocity};
 
 	frame->index = k;
 	frame->time_s = (double)k / 60;
 	for (int c = 0; c < 4; c++)
 		for (size_t i = 0; columns[c] && i < (size_t)frame->body_count; i++)
 			for (int axis = 0; axis < width[c]; axis++)
-				columns[c][i * (size_t)width[c] + (size_t)axis] = fake_value(k, i, c, axis);
+				columns[c][i * (size_t)width[c] + (size_t)axis] = fake_value(
+					k, i, c, axis);
 	frame->numbers = (struct rb_frame_numbers){.kinetic_energy = (double)k,
 	                                           .potential_energy = -(double)k,
 	                                           .momentum = {1, 2, (double)k},
@@ -136,30 +147,38 @@ static inline const struct rb_frame *fake_frame(struct fake *fake, uint64_t k)
 	                                           .smallest_step = 1.0 / (double)(k + 1)};
 	frame->event_count = (int)(k % 3);
 	for (int i = 0; i < frame->event_count; i++)
-		frame->events[i] = (struct rb_event){.time_s = frame->time_s, .a = i, .b = i + 1, .normal = {0, 0, 1},
-		                                     .impulse = {0, 0, (double)k}, .approach_speed = (double)(i + 1)};
+		frame->events[i] = (struct rb_event){.time_s = frame->time_s,
+		                                     .a = i,
+		                                     .b = i + 1,
+		                                     .normal = {0, 0, 1},
+		                                     .impulse = {0, 0, (double)k},
+		                                     .approach_speed = (double)(i + 1)};
 	frame->contact_count = (int)(k % 4);
 	for (int i = 0; i < frame->contact_count; i++)
-		frame->contacts[i] = (struct rb_frame_contact){.a = i, .b = 7, .force = {0, 0, (double)k}, .gap = -1e-9 * i};
+		frame->contacts[i] = (struct rb_frame_contact){
+			.a = i, .b = 7, .force = {0, 0, (double)k}, .gap = -1e-9 * i};
 	return frame;
 }
 
 /* The sink for `path`, not opened. */
-static inline enum rb_status fake_sink(struct fake *fake, const char *path, bool replace, struct rb_error *err)
+static inline enum rb_status fake_sink(struct fake *fake, const char *path, bool replace,
+                                       struct rb_error *err)
 {
 	const struct rb_recorder_options options = {.path = path, .replace = replace};
 
 	return rb_recorder_create(&fake->recorder, &fake->sink, &fake->info, &options, err);
 }
 
-static inline enum rb_status fake_open(struct fake *fake, const char *path, bool replace, struct rb_error *err)
+static inline enum rb_status fake_open(struct fake *fake, const char *path, bool replace,
+                                       struct rb_error *err)
 {
 	const enum rb_status status = fake_sink(fake, path, replace, err);
 
 	return status ? status : fake->sink.open(fake->sink.self, err);
 }
 
-static inline enum rb_status fake_push(struct fake *fake, uint64_t from, uint64_t to, struct rb_error *err)
+static inline enum rb_status fake_push(struct fake *fake, uint64_t from, uint64_t to,
+                                       struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
 
@@ -168,9 +187,11 @@ static inline enum rb_status fake_push(struct fake *fake, uint64_t from, uint64_
 	return status;
 }
 
-static inline enum rb_status fake_close(struct fake *fake, enum rb_status status, struct rb_error *err)
+static inline enum rb_status fake_close(struct fake *fake, enum rb_status status,
+                                        struct rb_error *err)
 {
-	const struct rb_outcome outcome = {.status = status, .reason = status ? "for a test" : "",
+	const struct rb_outcome outcome = {.status = status,
+	                                   .reason = status ? "for a test" : "",
 	                                   .state_hash = 0x0123456789abcdefu};
 
 	return fake->sink.close(fake->sink.self, &outcome, err);

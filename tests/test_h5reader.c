@@ -19,15 +19,28 @@ static const char *in_folder(char out[512], const char *name)
 
 static void add_texts(struct fake *fake)
 {
-	const struct rb_param_def e = {.name = "e", .help = "restitution", .type = RB_PARAM_NUMBER, .default_text = "0.8",
-	                               .value_text = "0.5", .value = 0.5, .min = 0, .max = 1};
-	const struct rb_param_def odd = {.name = "a/b.%", .help = "", .type = RB_PARAM_TEXT, .default_text = "",
-	                                 .value_text = "\xc3\xa9t\xc3\xa9", .min = (double)NAN, .max = (double)NAN};
+	const struct rb_param_def e = {.name = "e",
+	                               .help = "restitution",
+	                               .type = RB_PARAM_NUMBER,
+	                               .default_text = "0.8",
+	                               .value_text = "0.5",
+	                               .value = 0.5,
+	                               .min = 0,
+	                               .max = 1};
+	const struct rb_param_def odd = {.name = "a/b.%",
+	                                 .help = "",
+	                                 .type = RB_PARAM_TEXT,
+	                                 .default_text = "",
+	                                 .value_text = "\xc3\xa9t\xc3\xa9",
+	                                 .min = (double)NAN,
+	                                 .max = (double)NAN};
 
 	assert_int_equal(rb_scene_add_param(&fake->scene, &e, NULL), RB_OK);
 	assert_int_equal(rb_scene_add_param(&fake->scene, &odd, NULL), RB_OK);
-	assert_int_equal(rb_scene_add_file(&fake->scene, "scene.lua", "world {}\n", 9, "", NULL), RB_OK);
-	assert_int_equal(rb_scene_add_file(&fake->scene, "rbsim.zeta", "return 1", 8, "", NULL), RB_OK);
+	assert_int_equal(rb_scene_add_file(&fake->scene, "scene.lua", "world {}\n", 9, "", NULL),
+	                 RB_OK);
+	assert_int_equal(rb_scene_add_file(&fake->scene, "rbsim.zeta", "return 1", 8, "", NULL),
+	                 RB_OK);
 	assert_int_equal(rb_scene_add_file(&fake->scene, "parts/alpha", "", 0, "", NULL), RB_OK);
 }
 
@@ -82,7 +95,8 @@ static void a_recording_says_how_it_was_made(void **slot)
 	assert_int_equal(r->file_count, 3);
 	assert_string_equal(r->file_names[0], "scene.lua");
 	assert_string_equal(r->file_texts[0], "world {}\n");
-	assert_string_equal(r->file_names[1], "rbsim.zeta"); /* in the order of the scene, not of names */
+	assert_string_equal(r->file_names[1],
+	                    "rbsim.zeta"); /* in the order of the scene, not of names */
 	assert_string_equal(r->file_names[2], "parts/alpha");
 	assert_string_equal(r->file_texts[2], "");
 	rb_reader_close(reader);
@@ -204,7 +218,8 @@ static void replace(const char *path, const char *object, hid_t type, int rank, 
 	assert_true(file >= 0 && H5Ldelete(file, object, H5P_DEFAULT) >= 0);
 	if (rank > 0)
 		H5Pset_chunk(properties, rank, chunk);
-	assert_true(H5Dcreate2(file, object, type, space, H5P_DEFAULT, properties, H5P_DEFAULT) >= 0);
+	assert_true(H5Dcreate2(file, object, type, space, H5P_DEFAULT, properties, H5P_DEFAULT) >=
+	            0);
 	H5Pclose(properties);
 	H5Sclose(space);
 	/* closes what is open in it */
@@ -218,7 +233,8 @@ static void replace(const char *path, const char *object, hid_t type, int rank, 
 
 static void wrong_shapes_and_types_are_refused(void **slot)
 {
-	static const hsize_t huge[] = {1ull << 60, 3, 3}, other[] = {20, 4, 3}, flat[] = {20}, none[] = {0};
+	static const hsize_t huge[] = {1ull << 60, 3, 3}, other[] = {20, 4, 3}, flat[] = {20},
+			     none[] = {0};
 	char path[512];
 
 	(void)slot;
@@ -232,20 +248,20 @@ static void wrong_shapes_and_types_are_refused(void **slot)
 		int rank;
 		const hsize_t *size;
 	} cases[] = {
-	        {"/particles/bodies/position/value", H5T_NATIVE_DOUBLE, 3, huge},
-	        {"/particles/bodies/position/value", H5T_NATIVE_DOUBLE, 3, other},
-	        {"/particles/bodies/velocity/value", H5T_NATIVE_DOUBLE, 1, flat},
-	        {"/particles/bodies/orientation/value", text, 3, (const hsize_t[]){20, 3, 4}},
-	        {"/particles/bodies/position/step", H5T_NATIVE_DOUBLE, 2, other},
-	        {"/particles/bodies/id", H5T_NATIVE_INT, 1, huge},
-	        {"/particles/bodies/id", H5T_NATIVE_INT, 1, flat},
-	        {"/particles/statics/id", H5T_NATIVE_INT, 1, huge},
-	        {"/observables/momentum/value", H5T_NATIVE_DOUBLE, 2, (const hsize_t[]){20, 2}},
-	        {"/rbsim/events/point", H5T_NATIVE_DOUBLE, 1, flat},
-	        {"/rbsim/frames/contact_end", text, 1, flat},
-	        {"/rbsim/version", endless, 0, NULL},
-	        {"/rbsim/version", H5T_NATIVE_DOUBLE, 0, NULL},
-	        {"/rbsim/status", text, 1, flat},
+		{"/particles/bodies/position/value", H5T_NATIVE_DOUBLE, 3, huge},
+		{"/particles/bodies/position/value", H5T_NATIVE_DOUBLE, 3, other},
+		{"/particles/bodies/velocity/value", H5T_NATIVE_DOUBLE, 1, flat},
+		{"/particles/bodies/orientation/value", text, 3, (const hsize_t[]){20, 3, 4}},
+		{"/particles/bodies/position/step", H5T_NATIVE_DOUBLE, 2, other},
+		{"/particles/bodies/id", H5T_NATIVE_INT, 1, huge},
+		{"/particles/bodies/id", H5T_NATIVE_INT, 1, flat},
+		{"/particles/statics/id", H5T_NATIVE_INT, 1, huge},
+		{"/observables/momentum/value", H5T_NATIVE_DOUBLE, 2, (const hsize_t[]){20, 2}},
+		{"/rbsim/events/point", H5T_NATIVE_DOUBLE, 1, flat},
+		{"/rbsim/frames/contact_end", text, 1, flat},
+		{"/rbsim/version", endless, 0, NULL},
+		{"/rbsim/version", H5T_NATIVE_DOUBLE, 0, NULL},
+		{"/rbsim/status", text, 1, flat},
 	};
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		record(in_folder(path, "wrong.h5"), 3, 20);
@@ -276,9 +292,11 @@ static void links_out_of_the_file_are_not_followed(void **slot)
 		const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
 		assert_true(H5Ldelete(file, "/rbsim/version", H5P_DEFAULT) >= 0);
 		if (soft)
-			assert_true(H5Lcreate_soft("/rbsim/build", file, "/rbsim/version", H5P_DEFAULT, H5P_DEFAULT) >= 0);
+			assert_true(H5Lcreate_soft("/rbsim/build", file, "/rbsim/version",
+			                           H5P_DEFAULT, H5P_DEFAULT) >= 0);
 		else
-			assert_true(H5Lcreate_external(other, "/rbsim/version", file, "/rbsim/version", H5P_DEFAULT,
+			assert_true(H5Lcreate_external(other, "/rbsim/version", file,
+			                               "/rbsim/version", H5P_DEFAULT,
 			                               H5P_DEFAULT) >= 0);
 		H5Fclose(file);
 		assert_refused(path, "'/rbsim/version' is missing");
@@ -310,7 +328,8 @@ static void read_everything(const char *path)
 	}
 	double *const values = calloc((size_t)r->frame_count * 3 + 1, sizeof *values);
 	for (size_t i = 0; values && i < sizeof names / sizeof names[0]; i++)
-		length += rb_reader_observable(reader, names[i], i == 1 ? 3 : 1, values, &err) == RB_OK;
+		length += rb_reader_observable(reader, names[i], i == 1 ? 3 : 1, values, &err) ==
+		          RB_OK;
 	free(values);
 	for (int i = 0; i < r->body_count + r->static_count; i++)
 		length += strlen(r->names[i]);
@@ -335,7 +354,8 @@ static void record_and_die(const char *path, int bodies, uint64_t frames)
 	if (child == 0) {
 		fake_init(&fake, bodies, frames, true);
 		fake.scene.record.fields |= RB_FIELD_CONTACTS | RB_FIELD_EVENTS;
-		_exit(fake_open(&fake, path, true, NULL) != RB_OK || fake_push(&fake, 0, frames, NULL) != RB_OK ||
+		_exit(fake_open(&fake, path, true, NULL) != RB_OK ||
+		      fake_push(&fake, 0, frames, NULL) != RB_OK ||
 		      fake.sink.idle(fake.sink.self, NULL) != RB_OK);
 	}
 	waitpid(child, &status, 0);
@@ -358,7 +378,8 @@ static void flip(const char *path, const unsigned char *bytes, size_t size)
 				unsigned char *const copy = malloc(size);
 				memcpy(copy, bytes, size);
 				for (int k = 1 + i % 5; k > 0; k--)
-					copy[(size_t)rand() * 7 % size] ^= (unsigned char)(1u << rand() % 8);
+					copy[(size_t)rand() * 7 % size] ^=
+						(unsigned char)(1u << rand() % 8);
 				write_bytes(path, copy, size);
 				free(copy);
 				read_everything(path);
@@ -435,15 +456,15 @@ static int remove_folder(void **slot)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	        cmocka_unit_test(flipped_bytes_do_not_crash_the_reader),
-	        cmocka_unit_test(a_recording_says_how_it_was_made),
-	        cmocka_unit_test(observables_are_read_whole),
-	        cmocka_unit_test(a_row_beyond_the_end_is_refused),
-	        cmocka_unit_test(files_that_are_no_recordings_are_refused_by_name),
-	        cmocka_unit_test(a_file_that_was_cut_off_is_refused_clearly),
-	        cmocka_unit_test(wrong_shapes_and_types_are_refused),
-	        cmocka_unit_test(links_out_of_the_file_are_not_followed),
-	        cmocka_unit_test(no_memory_is_an_error),
+		cmocka_unit_test(flipped_bytes_do_not_crash_the_reader),
+		cmocka_unit_test(a_recording_says_how_it_was_made),
+		cmocka_unit_test(observables_are_read_whole),
+		cmocka_unit_test(a_row_beyond_the_end_is_refused),
+		cmocka_unit_test(files_that_are_no_recordings_are_refused_by_name),
+		cmocka_unit_test(a_file_that_was_cut_off_is_refused_clearly),
+		cmocka_unit_test(wrong_shapes_and_types_are_refused),
+		cmocka_unit_test(links_out_of_the_file_are_not_followed),
+		cmocka_unit_test(no_memory_is_an_error),
 	};
 
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);

@@ -45,15 +45,17 @@ static int partial_count(void)
 	return count;
 }
 
-static void assert_column(const double *column, uint64_t k, int bodies, int number, int width, bool single)
+static void assert_column(const double *column, uint64_t k, int bodies, int number, int width,
+                          bool single)
 {
 	for (size_t i = 0; i < (size_t)bodies; i++)
 		for (int axis = 0; axis < width; axis++) {
 			const double wanted = fake_value(k, i, number, axis);
 			const double is = column[i * (size_t)width + (size_t)axis];
 			if (is != (single ? (double)(float)wanted : wanted))
-				fail_msg("frame %llu, body %zu, column %d, axis %d: %.17g, wanted %.17g",
-				         (unsigned long long)k, i, number, axis, is, wanted);
+				fail_msg(
+					"frame %llu, body %zu, column %d, axis %d: %.17g, wanted %.17g",
+					(unsigned long long)k, i, number, axis, is, wanted);
 		}
 }
 
@@ -78,12 +80,14 @@ static uint64_t assert_right(const char *path, const char *status, bool single)
 			assert_column(frame.orientation, k, reading->body_count, 1, 4, single);
 			assert_column(frame.angular_velocity, k, reading->body_count, 3, 3, single);
 		}
-		assert_true(frame.numbers.kinetic_energy == (double)k && frame.numbers.momentum.z == (double)k);
+		assert_true(frame.numbers.kinetic_energy == (double)k &&
+		            frame.numbers.momentum.z == (double)k);
 		if (reading->fields & RB_FIELD_CONTACTS) {
 			assert_int_equal(frame.contact_count, k % 4);
 			for (int i = 0; i < frame.contact_count; i++)
 				assert_true(frame.contacts[i].a == i && frame.contacts[i].b == 7 &&
-				            frame.contacts[i].force.z == (double)k && frame.contacts[i].gap == -1e-9 * i);
+				            frame.contacts[i].force.z == (double)k &&
+				            frame.contacts[i].gap == -1e-9 * i);
 		}
 	}
 	const uint64_t count = reading->frame_count;
@@ -111,12 +115,14 @@ static void every_frame_comes_back_to_the_bit(void **slot)
 		assert_ok(rb_reader_frame(reader, k, &frame, &err));
 		assert_int_equal(frame.event_count, k % 3);
 		for (int i = 0; i < frame.event_count; i++)
-			assert_true(frame.events[i].a == i && frame.events[i].impulse.z == (double)k &&
+			assert_true(frame.events[i].a == i &&
+			            frame.events[i].impulse.z == (double)k &&
 			            frame.events[i].approach_speed == (double)(i + 1));
 		assert_int_equal(frame.numbers.collisions, k % 3);
 		assert_int_equal(frame.numbers.substeps, 4);
 	}
-	assert_int_equal(rb_reader_reading(reader)->event_count, 4999); /* 1666 times 1 + 2, and one */
+	assert_int_equal(rb_reader_reading(reader)->event_count,
+	                 4999); /* 1666 times 1 + 2, and one */
 	rb_reader_close(reader);
 	assert_int_equal(partial_count(), 0);
 	fake_release(&fake);
@@ -175,7 +181,9 @@ static void every_third_frame_and_the_last_are_recorded_and_counts_add_up(void *
 		assert_ok(fake_push(&fake, 0, interrupted ? 9 : 12, &err));
 		assert_ok(fake_close(&fake, interrupted ? RB_ERR_INTERRUPT : RB_OK, &err));
 		/* 0, 3, 6 and 9, 11; or 0, 3, 6 and the last one that came, 8 */
-		assert_int_equal(assert_right(path, interrupted ? "interrupted" : "complete", false), interrupted ? 4 : 5);
+		assert_int_equal(
+			assert_right(path, interrupted ? "interrupted" : "complete", false),
+			interrupted ? 4 : 5);
 		assert_ok(rb_reader_open(&reader, path, &err));
 		assert_ok(rb_reader_frame(reader, 1, &frame, &err));
 		assert_int_equal(frame.index, 3);
@@ -207,7 +215,8 @@ static void a_scene_that_cannot_turn_has_one_fixed_orientation(void **slot)
 	const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
 	const hid_t dataset = H5Dopen2(file, "/particles/bodies/orientation", H5P_DEFAULT);
 	assert_true(dataset >= 0);
-	assert_true(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, orientation) >= 0);
+	assert_true(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT,
+	                    orientation) >= 0);
 	assert_true(orientation[0] == 1 && orientation[8] == 1 && orientation[9] == 0);
 	assert_true(H5Lexists(file, "/particles/bodies/angular_velocity", H5P_DEFAULT) == 0);
 	H5Dclose(dataset);
@@ -300,8 +309,10 @@ static void a_name_that_cannot_be_made_is_refused_at_once(void **slot)
 {
 	const struct {
 		const char *name, *text;
-	} cases[] = {{"no/such/run.h5", "No such file or directory"}, {".", "it is a folder"},
-	             {"loop.h5", "Too many levels of symbolic links"}, {"device.h5", "it is not a regular file"}};
+	} cases[] = {{"no/such/run.h5", "No such file or directory"},
+	             {".", "it is a folder"},
+	             {"loop.h5", "Too many levels of symbolic links"},
+	             {"device.h5", "it is not a regular file"}};
 	char path[512];
 	struct fake fake;
 	struct rb_error err;
@@ -311,7 +322,8 @@ static void a_name_that_cannot_be_made_is_refused_at_once(void **slot)
 	assert_int_equal(symlink("/dev/full", in_folder(path, "device.h5")), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		fake_init(&fake, 1, 10, true);
-		assert_int_equal(fake_open(&fake, in_folder(path, cases[i].name), true, &err), RB_ERR_CREATE);
+		assert_int_equal(fake_open(&fake, in_folder(path, cases[i].name), true, &err),
+		                 RB_ERR_CREATE);
 		if (!strstr(err.text, cases[i].text))
 			fail_msg("'%s' lacks '%s'", err.text, cases[i].text);
 		fake_release(&fake);
@@ -438,7 +450,8 @@ static void record_and_close(int safe)
 
 	fake_init(&fake, child_bodies, 500, true);
 	if (fake_open(&fake, in_folder(path, "closing.h5"), true, NULL) != RB_OK ||
-	    fake_push(&fake, 0, 500, NULL) != RB_OK || fake.sink.idle(fake.sink.self, NULL) != RB_OK)
+	    fake_push(&fake, 0, 500, NULL) != RB_OK ||
+	    fake.sink.idle(fake.sink.self, NULL) != RB_OK)
 		_exit(1);
 	say(safe, 500);
 	(void)fake_close(&fake, RB_OK, NULL);
@@ -617,7 +630,8 @@ static void a_failing_disk_ends_the_run_without_a_crash(void **slot)
 			_exit(1);
 		if (!break_descriptors(path))
 			_exit(4);
-		if (fake_push(&fake, 500, 100000, &err) != RB_ERR_IO || !strstr(err.text, "Bad file descriptor"))
+		if (fake_push(&fake, 500, 100000, &err) != RB_ERR_IO ||
+		    !strstr(err.text, "Bad file descriptor"))
 			_exit(2);
 		(void)fake_close(&fake, RB_ERR_IO, &err);
 		fake_release(&fake);
@@ -672,24 +686,24 @@ static int remove_folder(void **slot)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-	        /* those that fork come first, while this process has not started HDF5 */
-	        cmocka_unit_test(what_was_flushed_survives_kill_9),
-	        cmocka_unit_test(a_kill_while_it_is_closed_loses_nothing),
-	        cmocka_unit_test(the_recording_can_be_read_while_it_grows),
-	        cmocka_unit_test(a_file_size_limit_ends_the_run_with_all_before_it_readable),
-	        cmocka_unit_test(a_full_disk_ends_the_run_with_all_before_it_readable),
-	        cmocka_unit_test(a_failing_disk_ends_the_run_without_a_crash),
-	        cmocka_unit_test(every_frame_comes_back_to_the_bit),
-	        cmocka_unit_test(single_precision_and_compression_come_back),
-	        cmocka_unit_test(bodies_split_among_chunks_come_back),
-	        cmocka_unit_test(every_third_frame_and_the_last_are_recorded_and_counts_add_up),
-	        cmocka_unit_test(a_scene_that_cannot_turn_has_one_fixed_orientation),
-	        cmocka_unit_test(the_name_appears_with_the_first_frame_and_not_before),
-	        cmocka_unit_test(what_exists_is_only_replaced_when_asked_and_then_by_a_frame),
-	        cmocka_unit_test(a_name_that_cannot_be_made_is_refused_at_once),
-	        cmocka_unit_test(a_symbolic_link_means_what_it_points_to),
-	        cmocka_unit_test(the_estimate_is_within_a_tenth),
-	        cmocka_unit_test(no_memory_is_an_error_and_leaves_nothing_behind),
+		/* those that fork come first, while this process has not started HDF5 */
+		cmocka_unit_test(what_was_flushed_survives_kill_9),
+		cmocka_unit_test(a_kill_while_it_is_closed_loses_nothing),
+		cmocka_unit_test(the_recording_can_be_read_while_it_grows),
+		cmocka_unit_test(a_file_size_limit_ends_the_run_with_all_before_it_readable),
+		cmocka_unit_test(a_full_disk_ends_the_run_with_all_before_it_readable),
+		cmocka_unit_test(a_failing_disk_ends_the_run_without_a_crash),
+		cmocka_unit_test(every_frame_comes_back_to_the_bit),
+		cmocka_unit_test(single_precision_and_compression_come_back),
+		cmocka_unit_test(bodies_split_among_chunks_come_back),
+		cmocka_unit_test(every_third_frame_and_the_last_are_recorded_and_counts_add_up),
+		cmocka_unit_test(a_scene_that_cannot_turn_has_one_fixed_orientation),
+		cmocka_unit_test(the_name_appears_with_the_first_frame_and_not_before),
+		cmocka_unit_test(what_exists_is_only_replaced_when_asked_and_then_by_a_frame),
+		cmocka_unit_test(a_name_that_cannot_be_made_is_refused_at_once),
+		cmocka_unit_test(a_symbolic_link_means_what_it_points_to),
+		cmocka_unit_test(the_estimate_is_within_a_tenth),
+		cmocka_unit_test(no_memory_is_an_error_and_leaves_nothing_behind),
 	};
 
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);

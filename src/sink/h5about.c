@@ -19,66 +19,67 @@ struct cell {
 };
 
 static const struct cell material_cells[] = {
-        {"name", CELL_TEXT, 1, offsetof(struct rb_material_def, name), NULL},
-        {"density", CELL_NUMBER, 1, offsetof(struct rb_material_def, density), "kg/m^3"},
-        {"friction", CELL_NUMBER, 1, offsetof(struct rb_material_def, friction), NULL},
-        {"restitution", CELL_NUMBER, 1, offsetof(struct rb_material_def, restitution), NULL},
-        {"color", CELL_NUMBER, 3, offsetof(struct rb_material_def, color), NULL},
-        {"texture", CELL_TEXT, 1, offsetof(struct rb_material_def, texture), NULL},
-        {"shininess", CELL_NUMBER, 1, offsetof(struct rb_material_def, shininess), NULL},
+	{"name", CELL_TEXT, 1, offsetof(struct rb_material_def, name), NULL},
+	{"density", CELL_NUMBER, 1, offsetof(struct rb_material_def, density), "kg/m^3"},
+	{"friction", CELL_NUMBER, 1, offsetof(struct rb_material_def, friction), NULL},
+	{"restitution", CELL_NUMBER, 1, offsetof(struct rb_material_def, restitution), NULL},
+	{"color", CELL_NUMBER, 3, offsetof(struct rb_material_def, color), NULL},
+	{"texture", CELL_TEXT, 1, offsetof(struct rb_material_def, texture), NULL},
+	{"shininess", CELL_NUMBER, 1, offsetof(struct rb_material_def, shininess), NULL},
 };
 
 /* By id: all bodies of the scene. */
 static const struct cell body_cells[] = {
-        {"kind", CELL_INT, 1, offsetof(struct rb_body_def, shape.kind), NULL},
-        {"radius", CELL_NUMBER, 1, offsetof(struct rb_body_def, shape.radius), "m"},
-        {"size", CELL_NUMBER, 2, offsetof(struct rb_body_def, shape.size), "m"},
-        {"material", CELL_INT, 1, offsetof(struct rb_body_def, material), NULL},
-        {"static", CELL_BOOL, 1, offsetof(struct rb_body_def, is_static), NULL},
-        {"color", CELL_NUMBER, 3, offsetof(struct rb_body_def, color), NULL},
-        {"texture", CELL_TEXT, 1, offsetof(struct rb_body_def, texture), NULL},
-        {"visible", CELL_BOOL, 1, offsetof(struct rb_body_def, visible), NULL},
+	{"kind", CELL_INT, 1, offsetof(struct rb_body_def, shape.kind), NULL},
+	{"radius", CELL_NUMBER, 1, offsetof(struct rb_body_def, shape.radius), "m"},
+	{"size", CELL_NUMBER, 2, offsetof(struct rb_body_def, shape.size), "m"},
+	{"material", CELL_INT, 1, offsetof(struct rb_body_def, material), NULL},
+	{"static", CELL_BOOL, 1, offsetof(struct rb_body_def, is_static), NULL},
+	{"color", CELL_NUMBER, 3, offsetof(struct rb_body_def, color), NULL},
+	{"texture", CELL_TEXT, 1, offsetof(struct rb_body_def, texture), NULL},
+	{"visible", CELL_BOOL, 1, offsetof(struct rb_body_def, visible), NULL},
 };
 
 #define CAMERA(member) offsetof(struct rb_camera_def, member)
 static const struct cell camera_cells[] = {
-        {"name", CELL_TEXT, 1, CAMERA(name), NULL},
-        {"position_source", CELL_INT, 1, CAMERA(position.source), NULL},
-        {"position", CELL_NUMBER, 3, CAMERA(position.value), "m"},
-        {"position_body", CELL_INT, 1, CAMERA(position.body), NULL},
-        {"look_at_source", CELL_INT, 1, CAMERA(look_at.source), NULL},
-        {"look_at", CELL_NUMBER, 3, CAMERA(look_at.value), "m"},
-        {"look_at_body", CELL_INT, 1, CAMERA(look_at.body), NULL},
-        {"up_source", CELL_INT, 1, CAMERA(up.source), NULL},
-        {"up", CELL_NUMBER, 3, CAMERA(up.value), NULL},
-        {"up_body", CELL_INT, 1, CAMERA(up.body), NULL},
-        {"mount", CELL_INT, 1, CAMERA(mount), NULL},
-        {"offset", CELL_NUMBER, 3, CAMERA(offset), "m"},
-        {"level", CELL_BOOL, 1, CAMERA(level), NULL},
-        {"fov", CELL_NUMBER, 1, CAMERA(fov), "rad"},
-        {"has_frustum", CELL_BOOL, 1, CAMERA(has_frustum), NULL},
-        {"frustum", CELL_NUMBER, 6, CAMERA(frustum), "m"},
-        {"near", CELL_NUMBER, 1, CAMERA(near), "m"},
-        {"far", CELL_NUMBER, 1, CAMERA(far), "m"},
-        {"size", CELL_INT, 2, CAMERA(size_px), NULL},
-        {"fps", CELL_NUMBER, 1, CAMERA(fps), "1/s"},
-        {"speed", CELL_NUMBER, 1, CAMERA(speed), NULL},
-        {"from", CELL_NUMBER, 1, CAMERA(from_s), "s"},
-        {"to", CELL_NUMBER, 1, CAMERA(to_s), "s"},
-        {"background", CELL_NUMBER, 3, CAMERA(background), NULL},
-        {"light_count", CELL_INT, 1, CAMERA(light_count), NULL},
-        {"shadows", CELL_BOOL, 1, CAMERA(shadows), NULL},
-        {"samples", CELL_INT, 1, CAMERA(samples), NULL},
-        {"overlay", CELL_INT, 1, CAMERA(overlay), NULL},
-        {"vectors", CELL_INT, 1, CAMERA(vectors), NULL},
-        {"trail_count", CELL_INT, 1, CAMERA(trail_count), NULL},
-        {"trails", CELL_INT, RB_CAMERA_TRAILS_MAX, CAMERA(trails), NULL},
-        {"wireframe", CELL_BOOL, 1, CAMERA(wireframe), NULL},
-        {"png", CELL_TEXT, 1, CAMERA(png), NULL},
-        {"video", CELL_TEXT, 1, CAMERA(video), NULL},
+	{"name", CELL_TEXT, 1, CAMERA(name), NULL},
+	{"position_source", CELL_INT, 1, CAMERA(position.source), NULL},
+	{"position", CELL_NUMBER, 3, CAMERA(position.value), "m"},
+	{"position_body", CELL_INT, 1, CAMERA(position.body), NULL},
+	{"look_at_source", CELL_INT, 1, CAMERA(look_at.source), NULL},
+	{"look_at", CELL_NUMBER, 3, CAMERA(look_at.value), "m"},
+	{"look_at_body", CELL_INT, 1, CAMERA(look_at.body), NULL},
+	{"up_source", CELL_INT, 1, CAMERA(up.source), NULL},
+	{"up", CELL_NUMBER, 3, CAMERA(up.value), NULL},
+	{"up_body", CELL_INT, 1, CAMERA(up.body), NULL},
+	{"mount", CELL_INT, 1, CAMERA(mount), NULL},
+	{"offset", CELL_NUMBER, 3, CAMERA(offset), "m"},
+	{"level", CELL_BOOL, 1, CAMERA(level), NULL},
+	{"fov", CELL_NUMBER, 1, CAMERA(fov), "rad"},
+	{"has_frustum", CELL_BOOL, 1, CAMERA(has_frustum), NULL},
+	{"frustum", CELL_NUMBER, 6, CAMERA(frustum), "m"},
+	{"near", CELL_NUMBER, 1, CAMERA(near), "m"},
+	{"far", CELL_NUMBER, 1, CAMERA(far), "m"},
+	{"size", CELL_INT, 2, CAMERA(size_px), NULL},
+	{"fps", CELL_NUMBER, 1, CAMERA(fps), "1/s"},
+	{"speed", CELL_NUMBER, 1, CAMERA(speed), NULL},
+	{"from", CELL_NUMBER, 1, CAMERA(from_s), "s"},
+	{"to", CELL_NUMBER, 1, CAMERA(to_s), "s"},
+	{"background", CELL_NUMBER, 3, CAMERA(background), NULL},
+	{"light_count", CELL_INT, 1, CAMERA(light_count), NULL},
+	{"shadows", CELL_BOOL, 1, CAMERA(shadows), NULL},
+	{"samples", CELL_INT, 1, CAMERA(samples), NULL},
+	{"overlay", CELL_INT, 1, CAMERA(overlay), NULL},
+	{"vectors", CELL_INT, 1, CAMERA(vectors), NULL},
+	{"trail_count", CELL_INT, 1, CAMERA(trail_count), NULL},
+	{"trails", CELL_INT, RB_CAMERA_TRAILS_MAX, CAMERA(trails), NULL},
+	{"wireframe", CELL_BOOL, 1, CAMERA(wireframe), NULL},
+	{"png", CELL_TEXT, 1, CAMERA(png), NULL},
+	{"video", CELL_TEXT, 1, CAMERA(video), NULL},
 };
 
-_Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) == 4 && sizeof(int) == 4,
+_Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) == 4 &&
+                       sizeof(int) == 4,
                "enums and ints are recorded as 32-bit integers");
 
 struct rows {
@@ -90,7 +91,8 @@ struct rows {
 static void no_memory(struct rb_h5 *h5, const char *path)
 {
 	if (!h5->status)
-		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory", path);
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory",
+		                     path);
 }
 
 static void put_cells(struct rb_h5 *h5, const struct rows *rows, const struct cell *cell)
@@ -107,17 +109,21 @@ static void put_cells(struct rb_h5 *h5, const struct rows *rows, const struct ce
 		return;
 	}
 	for (size_t i = 0; i < rows->count; i++)
-		memcpy(column + i * bytes, (const unsigned char *)rows->first + i * rows->stride + cell->offset, bytes);
+		memcpy(column + i * bytes,
+		       (const unsigned char *)rows->first + i * rows->stride + cell->offset, bytes);
 	if (cell->kind == CELL_TEXT)
 		rb_h5_texts(h5, path, (const char *const *)(void *)column, rows->count);
 	else
-		rb_h5_put(h5, path, kind_of[cell->kind],
-		          (rb_h5_shape){cell->width > 1 ? 2 : 1, {rows->count, (hsize_t)cell->width}}, column);
+		rb_h5_put(
+			h5, path, kind_of[cell->kind],
+			(rb_h5_shape){cell->width > 1 ? 2 : 1, {rows->count, (hsize_t)cell->width}},
+			column);
 	rb_h5_units(h5, path, cell->units);
 	rb_memory_free(column);
 }
 
-static void put_table(struct rb_h5 *h5, const struct rows *rows, const struct cell *cells, size_t cell_count)
+static void put_table(struct rb_h5 *h5, const struct rows *rows, const struct cell *cells,
+                      size_t cell_count)
 {
 	rb_h5_group(h5, rows->group);
 	for (size_t i = 0; i < cell_count && rows->count > 0; i++)
@@ -166,7 +172,8 @@ static void put_box(struct rb_h5 *h5)
 }
 
 /* id and species of the indices [first, first + count) */
-static void put_who(struct rb_h5 *h5, const struct rb_model *model, const char *group, int first, int count)
+static void put_who(struct rb_h5 *h5, const struct rb_model *model, const char *group, int first,
+                    int count)
 {
 	char path[80];
 	int *species = rb_memory_take((size_t)count, sizeof *species);
@@ -194,7 +201,8 @@ static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
 	rb_h5_put(h5, "/particles/bodies/mass", RB_H5_F64, (rb_h5_shape){1, {count}}, model->mass);
 	rb_h5_units(h5, "/particles/bodies/mass", "kg");
 	if (model->inertia) {
-		rb_h5_put(h5, "/particles/bodies/inertia", RB_H5_F64, (rb_h5_shape){3, {count, 3, 3}}, model->inertia);
+		rb_h5_put(h5, "/particles/bodies/inertia", RB_H5_F64,
+		          (rb_h5_shape){3, {count, 3, 3}}, model->inertia);
 		rb_h5_units(h5, "/particles/bodies/inertia", "kg m^2");
 	}
 	rb_vec3 *none = model->center_of_mass ? NULL : rb_memory_take(count, sizeof *none);
@@ -205,8 +213,8 @@ static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
 	rb_h5_units(h5, "/particles/bodies/center_of_mass", "m");
 	rb_memory_free(none);
 	if (!(model->features & RB_FEATURE_ROTATION))
-		rb_h5_put(h5, "/particles/bodies/orientation", RB_H5_F64, (rb_h5_shape){2, {count, 4}},
-		          model->orientation);
+		rb_h5_put(h5, "/particles/bodies/orientation", RB_H5_F64,
+		          (rb_h5_shape){2, {count, 4}}, model->orientation);
 }
 
 static void put_statics(struct rb_h5 *h5, const struct rb_model *model)
@@ -226,7 +234,8 @@ static void put_param(struct rb_h5 *h5, const struct rb_param_def *param)
 {
 	char name[256], path[300];
 
-	snprintf(path, sizeof path, "/rbsim/parameters/%s", rb_h5_escape(param->name, name, sizeof name));
+	snprintf(path, sizeof path, "/rbsim/parameters/%s",
+	         rb_h5_escape(param->name, name, sizeof name));
 	switch (param->type) {
 	case RB_PARAM_NUMBER:
 		rb_h5_put_f64(h5, path, param->value);
@@ -276,20 +285,25 @@ static void put_scene(struct rb_h5 *h5, const struct rb_scene *scene)
 		rb_h5_text(h5, "/rbsim/scene", "", 0);
 	rb_h5_group_ordered(h5, "/rbsim/files");
 	for (int i = 1; i < scene->file_count; i++) {
-		snprintf(path, sizeof path, "/rbsim/files/%s", rb_h5_escape(scene->files[i].name, name, sizeof name));
+		snprintf(path, sizeof path, "/rbsim/files/%s",
+		         rb_h5_escape(scene->files[i].name, name, sizeof name));
 		put_source(h5, path, &scene->files[i]);
 	}
 }
 
 static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const struct rb_scene *scene)
 {
-	static const struct cell name = {"names", CELL_TEXT, 1, offsetof(struct rb_body_def, name), NULL};
+	static const struct cell name = {"names", CELL_TEXT, 1, offsetof(struct rb_body_def, name),
+	                                 NULL};
 	const size_t bodies = (size_t)scene->body_count;
 	const hsize_t count = (hsize_t)model->material_count;
 
-	put_cells(h5, &(struct rows){"/rbsim", scene->bodies, bodies, sizeof *scene->bodies}, &name);
-	put_table(h5, &(struct rows){"/rbsim/materials", scene->materials, (size_t)scene->material_count,
-	                             sizeof *scene->materials}, material_cells, COUNT(material_cells));
+	put_cells(h5, &(struct rows){"/rbsim", scene->bodies, bodies, sizeof *scene->bodies},
+	          &name);
+	put_table(h5,
+	          &(struct rows){"/rbsim/materials", scene->materials,
+	                         (size_t)scene->material_count, sizeof *scene->materials},
+	          material_cells, COUNT(material_cells));
 	/* the dense table: what two of them do together */
 	double *pair = rb_memory_take(count * count, sizeof *pair);
 	if (!pair) {
@@ -298,17 +312,21 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 	}
 	for (hsize_t i = 0; i < count * count; i++)
 		pair[i] = model->pair_materials[i].friction;
-	rb_h5_put(h5, "/rbsim/materials/pair_friction", RB_H5_F64, (rb_h5_shape){2, {count, count}}, pair);
+	rb_h5_put(h5, "/rbsim/materials/pair_friction", RB_H5_F64, (rb_h5_shape){2, {count, count}},
+	          pair);
 	for (hsize_t i = 0; i < count * count; i++)
 		pair[i] = model->pair_materials[i].restitution;
-	rb_h5_put(h5, "/rbsim/materials/pair_restitution", RB_H5_F64, (rb_h5_shape){2, {count, count}}, pair);
+	rb_h5_put(h5, "/rbsim/materials/pair_restitution", RB_H5_F64,
+	          (rb_h5_shape){2, {count, count}}, pair);
 	rb_memory_free(pair);
 
-	put_table(h5, &(struct rows){"/rbsim/shapes", scene->bodies, bodies, sizeof *scene->bodies}, body_cells,
-	          COUNT(body_cells));
+	put_table(h5, &(struct rows){"/rbsim/shapes", scene->bodies, bodies, sizeof *scene->bodies},
+	          body_cells, COUNT(body_cells));
 	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", "0 sphere, 1 plane, 2 rectangle");
-	put_table(h5, &(struct rows){"/rbsim/cameras", scene->cameras, (size_t)scene->camera_count,
-	                             sizeof *scene->cameras}, camera_cells, COUNT(camera_cells));
+	put_table(h5,
+	          &(struct rows){"/rbsim/cameras", scene->cameras, (size_t)scene->camera_count,
+	                         sizeof *scene->cameras},
+	          camera_cells, COUNT(camera_cells));
 	rb_h5_attribute_text(h5, "/rbsim/cameras", "sources", "0 fixed, 1 body, 2 function");
 }
 
@@ -328,12 +346,14 @@ static void put_lights(struct rb_h5 *h5, const struct rb_scene *scene)
 	for (size_t i = 0; i < count; i++)
 		for (int k = 0; k < scene->cameras[i].light_count; k++) {
 			const struct rb_light_def *light = &scene->cameras[i].lights[k];
-			const double cells[8] = {light->position.x, light->position.y, light->position.z,
-			                         light->directional, light->color[0],  light->color[1],
+			const double cells[8] = {light->position.x, light->position.y,
+			                         light->position.z, light->directional,
+			                         light->color[0],   light->color[1],
 			                         light->color[2],   light->intensity};
 			memcpy(lights[i][k], cells, sizeof cells);
 		}
-	rb_h5_put(h5, "/rbsim/cameras/lights", RB_H5_F64, (rb_h5_shape){3, {count, RB_CAMERA_LIGHTS_MAX, 8}}, lights);
+	rb_h5_put(h5, "/rbsim/cameras/lights", RB_H5_F64,
+	          (rb_h5_shape){3, {count, RB_CAMERA_LIGHTS_MAX, 8}}, lights);
 	rb_memory_free(lights);
 }
 
@@ -344,19 +364,21 @@ static void put_run(struct rb_h5 *h5, const struct rb_run_info *info)
 	const struct {
 		const char *path, *text;
 	} texts[] = {
-	        {"/rbsim/version", info->version},   {"/rbsim/build", info->build},
-	        {"/rbsim/command", info->command},   {"/rbsim/host", info->host},
-	        {"/rbsim/started", info->started},   {"/rbsim/method", info->method},
-	        {"/rbsim/rollback", info->rollback}, {"/rbsim/title", world->title},
-	        {"/rbsim/description", world->description},
+		{"/rbsim/version", info->version},          {"/rbsim/build", info->build},
+		{"/rbsim/command", info->command},          {"/rbsim/host", info->host},
+		{"/rbsim/started", info->started},          {"/rbsim/method", info->method},
+		{"/rbsim/rollback", info->rollback},        {"/rbsim/title", world->title},
+		{"/rbsim/description", world->description},
 	};
 	const struct {
 		const char *path;
 		double value;
 		const char *units;
 	} numbers[] = {
-	        {"/rbsim/time_step", model->time_step_s, "s"},   {"/rbsim/tolerance", model->tolerance_m, "m"},
-	        {"/rbsim/frame_rate", model->frame_rate, "1/s"}, {"/rbsim/duration", model->duration_s, "s"},
+		{"/rbsim/time_step", model->time_step_s, "s"},
+		{"/rbsim/tolerance", model->tolerance_m, "m"},
+		{"/rbsim/frame_rate", model->frame_rate, "1/s"},
+		{"/rbsim/duration", model->duration_s, "s"},
 	};
 
 	rb_h5_group(h5, "/rbsim");
@@ -370,7 +392,8 @@ static void put_run(struct rb_h5 *h5, const struct rb_run_info *info)
 	rb_h5_put_i64(h5, "/rbsim/threads", info->threads);
 	rb_h5_put(h5, "/rbsim/gravity", RB_H5_F64, (rb_h5_shape){1, {3}}, &world->gravity);
 	rb_h5_units(h5, "/rbsim/gravity", "m/s^2");
-	rb_h5_put(h5, "/rbsim/gravity_force", RB_H5_F64, (rb_h5_shape){1, {3}}, &world->gravity_force);
+	rb_h5_put(h5, "/rbsim/gravity_force", RB_H5_F64, (rb_h5_shape){1, {3}},
+	          &world->gravity_force);
 	rb_h5_units(h5, "/rbsim/gravity_force", "N");
 }
 

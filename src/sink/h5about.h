@@ -9,7 +9,12 @@
 #include "sink/h5file.h"
 
 /* Room of the texts that change. */
-enum { RB_ABOUT_STATUS_ROOM = 16, RB_ABOUT_REASON_ROOM = 256, RB_ABOUT_HASH_ROOM = 16, RB_ABOUT_ENDED_ROOM = 32 };
+enum {
+	RB_ABOUT_STATUS_ROOM = 16,
+	RB_ABOUT_REASON_ROOM = 256,
+	RB_ABOUT_HASH_ROOM = 16,
+	RB_ABOUT_ENDED_ROOM = 32
+};
 
 /* `h5->file` is open and empty. */
 void rb_about_write(struct rb_h5 *h5, const struct rb_run_info *info);

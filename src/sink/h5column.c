@@ -13,7 +13,8 @@ static uint64_t chunk_bytes(const struct rb_h5_layout *layout)
 	uint64_t bytes = layout->chunk_rows * rb_h5_size(layout->kind);
 
 	for (int i = 0; i < layout->row.rank; i++)
-		bytes *= i == 0 && layout->chunk_first > 0 ? layout->chunk_first : layout->row.size[i];
+		bytes *= i == 0 && layout->chunk_first > 0 ? layout->chunk_first
+		                                           : layout->row.size[i];
 	return bytes;
 }
 
@@ -22,7 +23,8 @@ static void set_creation(const struct rb_h5_layout *layout, hid_t creation)
 	hsize_t chunk[RB_H5_RANK_MAX] = {layout->chunk_rows};
 
 	for (int i = 0; i < layout->row.rank; i++)
-		chunk[i + 1] = i == 0 && layout->chunk_first > 0 ? layout->chunk_first : layout->row.size[i];
+		chunk[i + 1] = i == 0 && layout->chunk_first > 0 ? layout->chunk_first
+		                                                 : layout->row.size[i];
 	H5Pset_chunk(creation, layout->row.rank + 1, chunk);
 	if (layout->compression > 0) {
 		H5Pset_shuffle(creation);
@@ -40,7 +42,8 @@ static hid_t access_properties(const struct rb_h5_layout *layout)
 	const size_t count = pieces(layout);
 
 	if (layout->compression > 0)
-		H5Pset_chunk_cache(access, 101 * count + 1, (count + 1) * chunk_bytes(layout) + 1, 1.0);
+		H5Pset_chunk_cache(access, 101 * count + 1, (count + 1) * chunk_bytes(layout) + 1,
+		                   1.0);
 	else
 		H5Pset_chunk_cache(access, 0, 0, 1.0);
 	return access;
@@ -51,7 +54,8 @@ void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const ch
 {
 	hsize_t size[RB_H5_RANK_MAX] = {0}, most[RB_H5_RANK_MAX] = {H5S_UNLIMITED};
 
-	*column = (struct rb_h5_column){.dataset = -1, .type = rb_h5_type(layout->kind), .layout = *layout, .path = path};
+	*column = (struct rb_h5_column){
+		.dataset = -1, .type = rb_h5_type(layout->kind), .layout = *layout, .path = path};
 	column->row_bytes = rb_h5_size(layout->kind);
 	for (int i = 0; i < layout->row.rank; i++) {
 		size[i + 1] = most[i + 1] = layout->row.size[i];
@@ -65,7 +69,8 @@ void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const ch
 	const hid_t links = rb_h5_link_properties();
 	const hid_t space = H5Screate_simple(layout->row.rank + 1, size, most);
 	set_creation(layout, creation);
-	column->dataset = H5Dcreate2(h5->file, path, rb_h5_type_file(layout->kind), space, links, creation, access);
+	column->dataset = H5Dcreate2(h5->file, path, rb_h5_type_file(layout->kind), space, links,
+	                             creation, access);
 	if (column->dataset < 0)
 		rb_h5_fail(h5, "make", path);
 	rb_h5_done(space);
@@ -102,7 +107,8 @@ static bool grow(struct rb_h5_column *column, hsize_t rows)
 	return H5Dset_extent(column->dataset, size) >= 0;
 }
 
-void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count, const void *data)
+void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count,
+                         const void *data)
 {
 	const struct rb_h5_layout *const layout = &column->layout;
 	hsize_t start[RB_H5_RANK_MAX] = {column->rows}, size[RB_H5_RANK_MAX] = {count};
@@ -115,7 +121,8 @@ void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t 
 	bool failed = !grow(column, column->rows + count);
 	const hid_t space = failed ? -1 : H5Dget_space(column->dataset);
 	const hid_t memory = H5Screate_simple(layout->row.rank + 1, size, NULL);
-	failed = failed || space < 0 || H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) < 0 ||
+	failed = failed || space < 0 ||
+	         H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) < 0 ||
 	         H5Dwrite(column->dataset, column->type, memory, space, H5P_DEFAULT, data) < 0;
 	if (failed)
 		rb_h5_fail(h5, "write", column->path);
@@ -152,7 +159,8 @@ uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
 {
 	/* A chunk with a filter is written anew when rows are added to it, and the old one's space is not used again. */
 	const hsize_t before = column->layout.compression > 0
-	                               ? column->rows / column->layout.chunk_rows * pieces(&column->layout)
+	                               ? column->rows / column->layout.chunk_rows *
+	                                         pieces(&column->layout)
 	                               : chunk_count(column, column->rows);
 	const uint64_t chunks = chunk_count(column, column->rows + count) - before;
 
@@ -160,13 +168,14 @@ uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
 	uint64_t block = 512;
 	while (block * block / 256 < chunk_count(column, column->rows + count))
 		block *= 2;
-	return chunks * chunk_bytes(&column->layout) + (chunks > 0 ? 32 * chunks + 4 * block : 0);
+	return chunks * chunk_bytes(&column->layout) +
+	       (chunks > 0 ? 32 * chunks + 4 * block + 8192 : 0);
 }
 
 uint64_t rb_h5_column_bytes(const struct rb_h5_column *column, hsize_t rows)
 {
 	const uint64_t chunks = chunk_count(column, rows);
 
-	/* the index: a header, and a block of addresses per so many chunks */
-	return chunks * chunk_bytes(&column->layout) + 10 * chunks + 360;
+	/* the index: a header and blocks of addresses, each with room after it (rb_frames_alignment) */
+	return chunks * chunk_bytes(&column->layout) + 10 * chunks + 1360;
 }

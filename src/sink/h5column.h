@@ -13,10 +13,10 @@
 /* How a column is laid out. */
 struct rb_h5_layout {
 	enum rb_h5_kind kind;
-	rb_h5_shape row;           /* of one row; its sizes may be split among chunks along the first axis */
+	rb_h5_shape row; /* of one row; its sizes may be split among chunks along the first axis */
 	hsize_t chunk_rows;
-	hsize_t chunk_first;       /* how much of row.size[0] one chunk holds; 0: all */
-	int compression;           /* 0: no filter */
+	hsize_t chunk_first; /* how much of row.size[0] one chunk holds; 0: all */
+	int compression;     /* 0: no filter */
 };
 
 struct rb_h5_column {
@@ -33,7 +33,8 @@ void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const ch
 /* Closes the dataset, and opens it again: it must be closed when the file is switched to SWMR. */
 void rb_h5_column_detach(struct rb_h5_column *column);
 void rb_h5_column_attach(struct rb_h5 *h5, struct rb_h5_column *column);
-void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count, const void *data);
+void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count,
+                         const void *data);
 /* Grows the dataset without writing: for estimates. */
 void rb_h5_column_extend(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t count);
 void rb_h5_column_close(struct rb_h5_column *column); /* safe on a zeroed one */

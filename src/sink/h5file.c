@@ -112,8 +112,8 @@ void rb_h5_fail(struct rb_h5 *h5, const char *what, const char *path)
 
 	if (h5->status)
 		return;
-	h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "cannot %s '%s' in '%s': %s", what, path, h5->name,
-	                     rb_h5_reason(reason));
+	h5->status = RB_FAIL(&h5->error, RB_ERR_IO, "cannot %s '%s' in '%s': %s", what, path,
+	                     h5->name, rb_h5_reason(reason));
 }
 
 hid_t rb_h5_dataset_properties(void)
@@ -141,7 +141,8 @@ static void make_group(struct rb_h5 *h5, const char *path, bool ordered)
 	const hid_t properties = H5Pcreate(H5P_GROUP_CREATE);
 	H5Pset_obj_track_times(properties, 0);
 	if (ordered)
-		H5Pset_link_creation_order(properties, H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+		H5Pset_link_creation_order(properties,
+		                           H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
 	const hid_t group = H5Gcreate2(h5->file, path, links, properties, H5P_DEFAULT);
 
 	if (group < 0)
@@ -163,11 +164,13 @@ void rb_h5_group_ordered(struct rb_h5 *h5, const char *path)
 
 static hid_t make_space(rb_h5_shape shape)
 {
-	return shape.rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(shape.rank, shape.size, NULL);
+	return shape.rank == 0 ? H5Screate(H5S_SCALAR)
+	                       : H5Screate_simple(shape.rank, shape.size, NULL);
 }
 
 /* A dataset that is given space at once, so that it can be overwritten when the disk is full. */
-static void put(struct rb_h5 *h5, const char *path, const hid_t type[2], rb_h5_shape shape, const void *data)
+static void put(struct rb_h5 *h5, const char *path, const hid_t type[2], rb_h5_shape shape,
+                const void *data)
 {
 	if (h5->status)
 		return;
@@ -176,7 +179,8 @@ static void put(struct rb_h5 *h5, const char *path, const hid_t type[2], rb_h5_s
 	const hid_t properties = rb_h5_dataset_properties();
 	H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY);
 	H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
-	const hid_t dataset = H5Dcreate2(h5->file, path, type[0], space, links, properties, H5P_DEFAULT);
+	const hid_t dataset = H5Dcreate2(h5->file, path, type[0], space, links, properties,
+	                                 H5P_DEFAULT);
 	bool failed = dataset < 0;
 
 	for (int i = 0; i < shape.rank; i++)
@@ -192,7 +196,8 @@ static void put(struct rb_h5 *h5, const char *path, const hid_t type[2], rb_h5_s
 	rb_h5_done(space);
 }
 
-void rb_h5_put(struct rb_h5 *h5, const char *path, enum rb_h5_kind kind, rb_h5_shape shape, const void *data)
+void rb_h5_put(struct rb_h5 *h5, const char *path, enum rb_h5_kind kind, rb_h5_shape shape,
+               const void *data)
 {
 	const hid_t type[2] = {rb_h5_type_file(kind), rb_h5_type(kind)};
 
@@ -237,7 +242,8 @@ static void put_text(struct rb_h5 *h5, const char *path, const char *text, size_
 		return;
 	char *copy = rb_memory_take(room + 1, 1);
 	if (!copy) {
-		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory", path);
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory",
+		                     path);
 		return;
 	}
 	memcpy(copy, text, size);
@@ -272,7 +278,8 @@ void rb_h5_texts(struct rb_h5 *h5, const char *path, const char *const *texts, s
 			longest = strlen(texts[i]);
 	char *cells = rb_memory_take(count, longest);
 	if (!cells) {
-		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory", path);
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record '%s': out of memory",
+		                     path);
 		return;
 	}
 	for (size_t i = 0; i < count; i++)
@@ -291,7 +298,8 @@ void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text)
 	const hid_t dataset = H5Dopen2(h5->file, path, H5P_DEFAULT);
 	const hid_t type = dataset < 0 ? -1 : H5Dget_type(dataset);
 	const size_t room = type < 0 ? 0 : H5Tget_size(type);
-	char copy[RB_H5_RETEXT_MAX] = {0}; /* nothing is allocated: the run may have ended for want of memory */
+	char copy[RB_H5_RETEXT_MAX] = {
+		0}; /* nothing is allocated: the run may have ended for want of memory */
 
 	if (room > 0 && room <= sizeof copy) {
 		memcpy(copy, text, cut_text(text, room));
@@ -304,12 +312,13 @@ void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text)
 	rb_h5_done(dataset);
 }
 
-static void put_attribute(struct rb_h5 *h5, const char *path, const char *name, const hid_t type[2], hid_t space,
-                          const void *data)
+static void put_attribute(struct rb_h5 *h5, const char *path, const char *name, const hid_t type[2],
+                          hid_t space, const void *data)
 {
 	const hid_t object = H5Oopen(h5->file, path, H5P_DEFAULT);
-	const hid_t attribute =
-	        object < 0 ? -1 : H5Acreate2(object, name, type[0], space, H5P_DEFAULT, H5P_DEFAULT);
+	const hid_t attribute = object < 0 ? -1
+	                                   : H5Acreate2(object, name, type[0], space, H5P_DEFAULT,
+	                                                H5P_DEFAULT);
 
 	if (attribute < 0 || H5Awrite(attribute, type[1], data) < 0)
 		rb_h5_fail(h5, "describe", path);
@@ -318,14 +327,15 @@ static void put_attribute(struct rb_h5 *h5, const char *path, const char *name, 
 	rb_h5_done(space);
 }
 
-void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum rb_h5_kind kind, int count,
-                     const void *data)
+void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum rb_h5_kind kind,
+                     int count, const void *data)
 {
 	const hid_t type[2] = {rb_h5_type_file(kind), rb_h5_type(kind)};
 
 	if (h5->status)
 		return;
-	put_attribute(h5, path, name, type, make_space((rb_h5_shape){count > 0, {(hsize_t)count}}), data);
+	put_attribute(h5, path, name, type, make_space((rb_h5_shape){count > 0, {(hsize_t)count}}),
+	              data);
 }
 
 void rb_h5_attribute_text(struct rb_h5 *h5, const char *path, const char *name, const char *text)
@@ -336,7 +346,7 @@ void rb_h5_attribute_text(struct rb_h5 *h5, const char *path, const char *name, 
 		text = "";
 	const hid_t type = text_type(strlen(text));
 	/* plain ASCII where it is: VTK and H5MD ask for it */
-	for (const char *c = text; ; c++) {
+	for (const char *c = text;; c++) {
 		if (*c == '\0') {
 			H5Tset_cset(type, H5T_CSET_ASCII);
 			break;
@@ -385,7 +395,8 @@ char *rb_h5_escape(const char *name, char *out, size_t size)
 		if (at + 4 > size)
 			break;
 		if (special)
-			at += (size_t)snprintf(out + at, size - at, "%%%02X", (unsigned)(unsigned char)*c);
+			at += (size_t)snprintf(out + at, size - at, "%%%02X",
+			                       (unsigned)(unsigned char)*c);
 		else
 			out[at++] = *c;
 	}

@@ -24,7 +24,15 @@ struct rb_h5 {
 };
 
 /* Numbers in memory and on disk (always little-endian there). */
-enum rb_h5_kind { RB_H5_F64, RB_H5_F32, RB_H5_I64, RB_H5_U64, RB_H5_I32, RB_H5_I8, RB_H5_KIND_COUNT };
+enum rb_h5_kind {
+	RB_H5_F64,
+	RB_H5_F32,
+	RB_H5_I64,
+	RB_H5_U64,
+	RB_H5_I32,
+	RB_H5_I8,
+	RB_H5_KIND_COUNT
+};
 hid_t rb_h5_type(enum rb_h5_kind kind);      /* in memory; the library's, not to be closed */
 hid_t rb_h5_type_file(enum rb_h5_kind kind); /* on disk; the library's */
 size_t rb_h5_size(enum rb_h5_kind kind);
@@ -55,7 +63,8 @@ void rb_h5_fail(struct rb_h5 *h5, const char *what, const char *path);
 void rb_h5_group(struct rb_h5 *h5, const char *path);
 /* A group whose members keep the order in which they were made. */
 void rb_h5_group_ordered(struct rb_h5 *h5, const char *path);
-void rb_h5_put(struct rb_h5 *h5, const char *path, enum rb_h5_kind kind, rb_h5_shape shape, const void *data);
+void rb_h5_put(struct rb_h5 *h5, const char *path, enum rb_h5_kind kind, rb_h5_shape shape,
+               const void *data);
 void rb_h5_put_f64(struct rb_h5 *h5, const char *path, double value);
 void rb_h5_put_i64(struct rb_h5 *h5, const char *path, int64_t value);
 /* UTF-8 of fixed length; NULL is "". `room` >= size when the text may change later. */
@@ -68,8 +77,8 @@ enum { RB_H5_RETEXT_MAX = 512 };
 void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text);
 
 /* Attributes of the object at `path`. */
-void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum rb_h5_kind kind, int count,
-                     const void *data); /* count 0: a scalar */
+void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum rb_h5_kind kind,
+                     int count, const void *data); /* count 0: a scalar */
 void rb_h5_attribute_text(struct rb_h5 *h5, const char *path, const char *name, const char *text);
 void rb_h5_units(struct rb_h5 *h5, const char *path, const char *units);
 

@@ -19,53 +19,64 @@
  */
 static const double chunk_bytes = 256 * 1024, chunk_bytes_max = 1 << 30, buffer_bytes = 2 << 20;
 enum { CHUNKS_MAX = 500, ALIGNMENT = 1024, ALIGNMENT_FILTER = 2048 };
-enum { NUMBERS_CHUNK_ROWS = 1024, TABLE_CHUNK_ROWS = 4096, TABLE_ROWS_MAX = 65536, CHUNK_BODIES = 1 << 20 };
+enum {
+	NUMBERS_CHUNK_ROWS = 1024,
+	TABLE_CHUNK_ROWS = 4096,
+	TABLE_ROWS_MAX = 65536,
+	CHUNK_BODIES = 1 << 20
+};
 /* With compression: frames that a chunk spans at least, for what changes little in time, if the buffers allow it. */
 enum { COMPRESSED_FRAMES = 16 };
 static const double compressed_buffer_bytes = 64 << 20;
 
 #define COLUMN(member) offsetof(struct rb_frame, member)
 #define NUMBER(member) offsetof(struct rb_frame_numbers, member)
+/*
+ * Observables are there for every frame in every recording, also where a scene cannot change them: H5MD would have them
+ * as plain datasets then, but MDAnalysis takes every member of /observables for a group.
+ */
 static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
-        {"/particles/bodies/position", "m", RB_FIELD_POSITION, 0, RB_H5_F64, 3, COLUMN(position)},
-        {"/particles/bodies/orientation", NULL, RB_FIELD_ORIENTATION, 0, RB_H5_F64, 4, COLUMN(orientation)},
-        {"/particles/bodies/velocity", "m/s", RB_FIELD_VELOCITY, 0, RB_H5_F64, 3, COLUMN(velocity)},
-        {"/particles/bodies/angular_velocity", "rad/s", RB_FIELD_ANGULAR_VELOCITY, 0, RB_H5_F64, 3,
+	{"/particles/bodies/position", "m", RB_FIELD_POSITION, RB_H5_F64, 3, COLUMN(position)},
+	{"/particles/bodies/orientation", NULL, RB_FIELD_ORIENTATION, RB_H5_F64, 4,
+         COLUMN(orientation)},
+	{"/particles/bodies/velocity", "m/s", RB_FIELD_VELOCITY, RB_H5_F64, 3, COLUMN(velocity)},
+	{"/particles/bodies/angular_velocity", "rad/s", RB_FIELD_ANGULAR_VELOCITY, RB_H5_F64, 3,
          COLUMN(angular_velocity)},
-        {"/observables/kinetic_energy", "J", 0, 0, RB_H5_F64, 1, NUMBER(kinetic_energy)},
-        {"/observables/potential_energy", "J", 0, 0, RB_H5_F64, 1, NUMBER(potential_energy)},
-        {"/observables/momentum", "kg m/s", 0, 0, RB_H5_F64, 3, NUMBER(momentum)},
-        {"/observables/angular_momentum", "kg m^2/s", 0, 0, RB_H5_F64, 3, NUMBER(angular_momentum)},
-        {"/observables/max_penetration", "m", 0, RB_FEATURE_CONTACT, RB_H5_F64, 1, NUMBER(max_penetration)},
-        {"/observables/contacts", NULL, 0, RB_FEATURE_CONTACT, RB_H5_U64, 1, NUMBER(contacts)},
-        {"/observables/collisions", NULL, 0, RB_FEATURE_CONTACT, RB_H5_U64, 1, NUMBER(collisions)},
-        {"/observables/rollbacks", NULL, 0, 0, RB_H5_U64, 1, NUMBER(rollbacks)},
-        {"/observables/substeps", NULL, 0, 0, RB_H5_U64, 1, NUMBER(substeps)},
-        {"/observables/smallest_step", "s", 0, 0, RB_H5_F64, 1, NUMBER(smallest_step)},
+	{"/observables/kinetic_energy", "J", 0, RB_H5_F64, 1, NUMBER(kinetic_energy)},
+	{"/observables/potential_energy", "J", 0, RB_H5_F64, 1, NUMBER(potential_energy)},
+	{"/observables/momentum", "kg m/s", 0, RB_H5_F64, 3, NUMBER(momentum)},
+	{"/observables/angular_momentum", "kg m^2/s", 0, RB_H5_F64, 3, NUMBER(angular_momentum)},
+	{"/observables/max_penetration", "m", 0, RB_H5_F64, 1, NUMBER(max_penetration)},
+	{"/observables/contacts", NULL, 0, RB_H5_U64, 1, NUMBER(contacts)},
+	{"/observables/collisions", NULL, 0, RB_H5_U64, 1, NUMBER(collisions)},
+	{"/observables/rollbacks", NULL, 0, RB_H5_U64, 1, NUMBER(rollbacks)},
+	{"/observables/substeps", NULL, 0, RB_H5_U64, 1, NUMBER(substeps)},
+	{"/observables/smallest_step", "s", 0, RB_H5_F64, 1, NUMBER(smallest_step)},
 };
-_Static_assert(RB_FRAMES_SOURCE_COUNT + 4 <= RB_FRAMES_COLUMNS_MAX, "room for step, time and the ends");
+_Static_assert(RB_FRAMES_SOURCE_COUNT + 4 <= RB_FRAMES_COLUMNS_MAX,
+               "room for step, time and the ends");
 
 #define EVENT(member) offsetof(struct rb_event, member)
 static const struct rb_table_cell event_cells[RB_EVENT_CELL_COUNT] = {
-        {"/rbsim/events/time", "s", RB_H5_F64, 1, EVENT(time_s)},
-        {"/rbsim/events/kind", NULL, RB_H5_I32, 1, EVENT(kind)},
-        {"/rbsim/events/a", NULL, RB_H5_I32, 1, EVENT(a)},
-        {"/rbsim/events/b", NULL, RB_H5_I32, 1, EVENT(b)},
-        {"/rbsim/events/point", "m", RB_H5_F64, 3, EVENT(point)},
-        {"/rbsim/events/normal", NULL, RB_H5_F64, 3, EVENT(normal)},
-        {"/rbsim/events/impulse", "N s", RB_H5_F64, 3, EVENT(impulse)},
-        {"/rbsim/events/approach_speed", "m/s", RB_H5_F64, 1, EVENT(approach_speed)},
+	{"/rbsim/events/time", "s", RB_H5_F64, 1, EVENT(time_s)},
+	{"/rbsim/events/kind", NULL, RB_H5_I32, 1, EVENT(kind)},
+	{"/rbsim/events/a", NULL, RB_H5_I32, 1, EVENT(a)},
+	{"/rbsim/events/b", NULL, RB_H5_I32, 1, EVENT(b)},
+	{"/rbsim/events/point", "m", RB_H5_F64, 3, EVENT(point)},
+	{"/rbsim/events/normal", NULL, RB_H5_F64, 3, EVENT(normal)},
+	{"/rbsim/events/impulse", "N s", RB_H5_F64, 3, EVENT(impulse)},
+	{"/rbsim/events/approach_speed", "m/s", RB_H5_F64, 1, EVENT(approach_speed)},
 };
 
 #define CONTACT(member) offsetof(struct rb_contact_row, member)
 static const struct rb_table_cell contact_cells[RB_CONTACT_CELL_COUNT] = {
-        {"/rbsim/contacts/step", NULL, RB_H5_I64, 1, CONTACT(step)},
-        {"/rbsim/contacts/a", NULL, RB_H5_I32, 1, CONTACT(contact.a)},
-        {"/rbsim/contacts/b", NULL, RB_H5_I32, 1, CONTACT(contact.b)},
-        {"/rbsim/contacts/point", "m", RB_H5_F64, 3, CONTACT(contact.point)},
-        {"/rbsim/contacts/normal", NULL, RB_H5_F64, 3, CONTACT(contact.normal)},
-        {"/rbsim/contacts/force", "N", RB_H5_F64, 3, CONTACT(contact.force)},
-        {"/rbsim/contacts/gap", "m", RB_H5_F64, 1, CONTACT(contact.gap)},
+	{"/rbsim/contacts/step", NULL, RB_H5_I64, 1, CONTACT(step)},
+	{"/rbsim/contacts/a", NULL, RB_H5_I32, 1, CONTACT(contact.a)},
+	{"/rbsim/contacts/b", NULL, RB_H5_I32, 1, CONTACT(contact.b)},
+	{"/rbsim/contacts/point", "m", RB_H5_F64, 3, CONTACT(contact.point)},
+	{"/rbsim/contacts/normal", NULL, RB_H5_F64, 3, CONTACT(contact.normal)},
+	{"/rbsim/contacts/force", "N", RB_H5_F64, 3, CONTACT(contact.force)},
+	{"/rbsim/contacts/gap", "m", RB_H5_F64, 1, CONTACT(contact.gap)},
 };
 _Static_assert(sizeof(enum rb_event_kind) == 4, "recorded as a 32-bit integer");
 
@@ -86,7 +97,8 @@ const struct rb_table_cell *rb_contact_cells(void)
 
 uint64_t rb_frames_expected(const struct rb_run_info *info)
 {
-	const uint64_t every = info->scene->record.every > 1 ? (uint64_t)info->scene->record.every : 1;
+	const uint64_t every = info->scene->record.every > 1 ? (uint64_t)info->scene->record.every
+	                                                     : 1;
 	const uint64_t last = info->model->frame_count > 0 ? info->model->frame_count - 1 : 0;
 
 	return last / every + 1 + (last % every != 0);
@@ -117,12 +129,13 @@ static struct cut plan_cut(const struct rb_run_info *info)
 	const bool compressed = info->scene->record.compression > 0;
 	const uint64_t expected = rb_frames_expected(info);
 	const double bodies = info->model->body_count > 0 ? info->model->body_count : 1;
-	const double frame_bytes =
-	        (double)rb_frame_bytes(info->model, info->scene->record.fields) + 18 * sizeof(double);
+	const double frame_bytes = (double)rb_frame_bytes(info->model, info->scene->record.fields) +
+	                           18 * sizeof(double);
 	const double pieces = ceil(bodies / CHUNK_BODIES);
 	struct cut cut;
 
-	cut.chunk_bodies = pieces > 1 ? (hsize_t)ceil(bodies / pieces) : (hsize_t)info->model->body_count;
+	cut.chunk_bodies = pieces > 1 ? (hsize_t)ceil(bodies / pieces)
+	                              : (hsize_t)info->model->body_count;
 	/* never longer than the run: a chunk takes its whole space with its first row */
 	const double few = ceil((double)expected * pieces / CHUNKS_MAX);
 	double rows = fmax(ceil(chunk_bytes / (24 * bodies)), few);
@@ -137,14 +150,16 @@ static struct cut plan_cut(const struct rb_run_info *info)
 	cut.numbers_rows = whole(numbers, expected);
 	const hsize_t buffered = whole(buffer_bytes / frame_bytes, expected);
 	if (compressed || buffered >= cut.chunk_rows)
-		cut.capacity = cut.chunk_rows * whole((double)(buffered / cut.chunk_rows), expected);
+		cut.capacity = cut.chunk_rows *
+		               whole((double)(buffered / cut.chunk_rows), expected);
 	else
 		cut.capacity = buffered;
 	return cut;
 }
 
-static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *frames, const char *element,
-                                           const char *name, const struct rb_h5_layout *layout)
+static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *frames,
+                                           const char *element, const char *name,
+                                           const struct rb_h5_layout *layout)
 {
 	struct rb_frames_column *const column = &frames->columns[frames->column_count++];
 
@@ -153,15 +168,18 @@ static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *f
 	return column;
 }
 
-static void add_source(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_frames_source *source,
-                       const struct rb_run_info *info, const struct cut *cut)
+static void add_source(struct rb_h5 *h5, struct rb_frames *frames,
+                       const struct rb_frames_source *source, const struct rb_run_info *info,
+                       const struct cut *cut)
 {
 	const struct rb_record_def *const record = &info->scene->record;
 	const bool bodies = source->field != 0;
-	struct rb_h5_layout layout = {.kind = source->kind, .chunk_rows = bodies ? cut->chunk_rows : cut->numbers_rows};
+	struct rb_h5_layout layout = {.kind = source->kind,
+	                              .chunk_rows = bodies ? cut->chunk_rows : cut->numbers_rows};
 
 	if (bodies) {
-		layout.row = (rb_h5_shape){2, {(hsize_t)info->model->body_count, (hsize_t)source->width}};
+		layout.row = (rb_h5_shape){
+			2, {(hsize_t)info->model->body_count, (hsize_t)source->width}};
 		layout.chunk_first = cut->chunk_bodies;
 		layout.compression = record->compression;
 		if (record->single_precision)
@@ -172,16 +190,6 @@ static void add_source(struct rb_h5 *h5, struct rb_frames *frames, const struct 
 	struct rb_frames_column *column = add_column(h5, frames, source->path, "value", &layout);
 	column->source = source;
 	rb_h5_units(h5, column->path, source->units);
-}
-
-/* A number that this scene cannot change: H5MD's element fixed in time. */
-static void put_zero(struct rb_h5 *h5, const struct rb_frames_source *source)
-{
-	const double zero[3] = {0};
-
-	rb_h5_put(h5, source->path, source->kind,
-	          source->width > 1 ? (rb_h5_shape){1, {(hsize_t)source->width}} : (rb_h5_shape){0}, zero);
-	rb_h5_units(h5, source->path, source->units);
 }
 
 /* Every element has its step and time: one dataset each under many names. */
@@ -200,14 +208,15 @@ static void link_steps(struct rb_h5 *h5, const struct rb_frames *frames)
 	}
 }
 
-static void add_table(struct rb_h5 *h5, struct rb_frames_table *table, const struct rb_table_cell *cells, int count,
-                      size_t row_size)
+static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
+                      const struct rb_table_cell *cells, int count, size_t row_size)
 {
 	table->on = true;
 	table->cells = cells;
 	table->row_size = row_size;
 	for (int i = 0; i < count; i++) {
-		struct rb_h5_layout layout = {.kind = cells[i].kind, .chunk_rows = TABLE_CHUNK_ROWS};
+		struct rb_h5_layout layout = {.kind = cells[i].kind,
+		                              .chunk_rows = TABLE_CHUNK_ROWS};
 		if (cells[i].width > 1)
 			layout.row = (rb_h5_shape){1, {(hsize_t)cells[i].width}};
 		rb_h5_column_create(h5, &table->columns[i], cells[i].path, &layout);
@@ -222,22 +231,26 @@ static void take_buffers(struct rb_h5 *h5, struct rb_frames *frames)
 		struct rb_frames_column *const column = &frames->columns[i];
 		/* A frame that is written before its call returns need not be copied. */
 		column->borrows = frames->capacity == 1 && frames->every == 1 && column->source &&
-		                  column->source->field != 0 && column->column.layout.kind == RB_H5_F64;
+		                  column->source->field != 0 &&
+		                  column->column.layout.kind == RB_H5_F64;
 		if (column->borrows)
 			continue;
 		column->buffer = rb_memory_take((size_t)frames->capacity, column->column.row_bytes);
 		if (!column->buffer && !h5->status)
-			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot buffer %d bodies: out of memory",
+			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
+			                     "cannot buffer %d bodies: out of memory",
 			                     frames->model->body_count);
 	}
 }
 
-void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info, bool buffers)
+void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info,
+                      bool buffers)
 {
 	const struct cut cut = plan_cut(info);
 	const struct rb_model *const model = info->model;
 
-	*frames = (struct rb_frames){.model = model, .fields = stored_fields(info), .capacity = cut.capacity};
+	*frames = (struct rb_frames){
+		.model = model, .fields = stored_fields(info), .capacity = cut.capacity};
 	frames->every = info->scene->record.every > 1 ? (uint64_t)info->scene->record.every : 1;
 	if (model->body_count == 0)
 		frames->fields &= ~(unsigned)RB_FIELD_DEFAULT;
@@ -246,16 +259,13 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (sources[i].field != 0 && !(frames->fields & sources[i].field))
 			continue;
-		if ((sources[i].needs & model->features) != sources[i].needs) {
-			put_zero(h5, &sources[i]);
-			continue;
-		}
 		add_source(h5, frames, &sources[i], info, &cut);
 		first = first ? first : sources[i].path;
 	}
 	const struct rb_h5_layout end = {.kind = RB_H5_U64, .chunk_rows = cut.numbers_rows};
 	if (frames->fields & RB_FIELD_EVENTS) {
-		add_table(h5, &frames->events, event_cells, RB_EVENT_CELL_COUNT, sizeof(struct rb_event));
+		add_table(h5, &frames->events, event_cells, RB_EVENT_CELL_COUNT,
+		          sizeof(struct rb_event));
 		frames->event_end = add_column(h5, frames, "/rbsim/frames", "event_end", &end);
 	}
 	if (frames->fields & RB_FIELD_CONTACTS) {
@@ -263,17 +273,20 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		          sizeof(struct rb_contact_row));
 		frames->contact_end = add_column(h5, frames, "/rbsim/frames", "contact_end", &end);
 	}
-	frames->time = add_column(h5, frames, first, "time",
-	                          &(struct rb_h5_layout){.kind = RB_H5_F64, .chunk_rows = cut.numbers_rows});
+	frames->time = add_column(
+		h5, frames, first, "time",
+		&(struct rb_h5_layout){.kind = RB_H5_F64, .chunk_rows = cut.numbers_rows});
 	rb_h5_units(h5, frames->time->path, "s");
-	frames->step = add_column(h5, frames, first, "step",
-	                          &(struct rb_h5_layout){.kind = RB_H5_I64, .chunk_rows = cut.numbers_rows});
+	frames->step = add_column(
+		h5, frames, first, "step",
+		&(struct rb_h5_layout){.kind = RB_H5_I64, .chunk_rows = cut.numbers_rows});
 	link_steps(h5, frames);
 	if (buffers)
 		take_buffers(h5, frames);
 }
 
-static void each_column(struct rb_frames *frames, void (*act)(void *user, struct rb_h5_column *column), void *user)
+static void each_column(struct rb_frames *frames,
+                        void (*act)(void *user, struct rb_h5_column *column), void *user)
 {
 	for (int i = 0; i < frames->events.column_count; i++)
 		act(user, &frames->events.columns[i]);
@@ -345,8 +358,8 @@ static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_fram
 
 	memcpy(&from, (const unsigned char *)frame + column->source->offset, sizeof from);
 	if (!from || frame->body_count != frames->model->body_count)
-		return RB_FAIL(err, RB_ERR_BUG, "frame %llu has no column for '%s'", (unsigned long long)frame->index,
-		               column->path);
+		return RB_FAIL(err, RB_ERR_BUG, "frame %llu has no column for '%s'",
+		               (unsigned long long)frame->index, column->path);
 	if (column->borrows) {
 		column->borrowed = from;
 		return RB_OK;
@@ -379,33 +392,41 @@ static void join_numbers(struct rb_frames *frames, const struct rb_frame_numbers
 	frames->has_since = true;
 }
 
-static enum rb_status keep_rows(struct rb_frames *frames, const struct rb_frame *frame, struct rb_error *err)
+static enum rb_status keep_rows(struct rb_frames *frames, const struct rb_frame *frame,
+                                struct rb_error *err)
 {
 	struct rb_frames_table *const events = &frames->events, *const contacts = &frames->contacts;
 	bool kept = true;
 
 	if (events->on && frame->event_count > 0) {
 		const size_t count = (size_t)frame->event_count;
-		kept = rb_memory_reserve(&events->rows, &events->capacity, events->count + count, events->row_size);
+		kept = rb_memory_reserve(&events->rows, &events->capacity, events->count + count,
+		                         events->row_size);
 		if (kept)
-			memcpy(events->rows + events->count * events->row_size, frame->events, count * events->row_size);
+			memcpy(events->rows + events->count * events->row_size, frame->events,
+			       count * events->row_size);
 		events->count += kept ? count : 0;
 	}
 	contacts->count = contacts->committed; /* those of a frame that was left out go */
 	if (kept && contacts->on && frame->contact_count > 0) {
 		const size_t count = (size_t)frame->contact_count;
-		kept = rb_memory_reserve(&contacts->rows, &contacts->capacity, contacts->count + count,
-		                         contacts->row_size);
+		kept = rb_memory_reserve(&contacts->rows, &contacts->capacity,
+		                         contacts->count + count, contacts->row_size);
 		for (size_t i = 0; kept && i < count; i++) {
-			const struct rb_contact_row row = {(int64_t)frame->index, frame->contacts[i]};
-			memcpy(contacts->rows + (contacts->count + i) * sizeof row, &row, sizeof row);
+			const struct rb_contact_row row = {(int64_t)frame->index,
+			                                   frame->contacts[i]};
+			memcpy(contacts->rows + (contacts->count + i) * sizeof row, &row,
+			       sizeof row);
 		}
 		contacts->count += kept ? count : 0;
 	}
-	return kept ? RB_OK : RB_FAIL(err, RB_ERR_MEMORY, "cannot buffer the contacts of a frame: out of memory");
+	return kept ? RB_OK
+	            : RB_FAIL(err, RB_ERR_MEMORY,
+	                      "cannot buffer the contacts of a frame: out of memory");
 }
 
-enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame, struct rb_error *err)
+enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
+                              struct rb_error *err)
 {
 	join_numbers(frames, &frame->numbers);
 	enum rb_status status = keep_rows(frames, frame, err);
@@ -417,7 +438,8 @@ enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *f
 		if (column->source->field != 0)
 			status = copy_bodies(frames, column, frame, err);
 		else
-			memcpy(row_of(frames, column), (const unsigned char *)&frames->since + column->source->offset,
+			memcpy(row_of(frames, column),
+			       (const unsigned char *)&frames->since + column->source->offset,
 			       column->column.row_bytes);
 	}
 	if (status)
@@ -451,8 +473,9 @@ void rb_frames_commit(struct rb_frames *frames)
 /* Buffers end where chunks end, whatever was written of them before their time. */
 bool rb_frames_full(const struct rb_frames *frames)
 {
-	return frames->count > 0 && ((frames->written + frames->count) % frames->capacity == 0 ||
-	                             frames->events.committed + frames->contacts.committed > TABLE_ROWS_MAX);
+	return frames->count > 0 &&
+	       ((frames->written + frames->count) % frames->capacity == 0 ||
+	        frames->events.committed + frames->contacts.committed > TABLE_ROWS_MAX);
 }
 
 uint64_t rb_frames_need(const struct rb_frames *frames)
@@ -462,7 +485,8 @@ uint64_t rb_frames_need(const struct rb_frames *frames)
 	for (int i = 0; i < frames->events.column_count; i++)
 		bytes += rb_h5_column_need(&frames->events.columns[i], frames->events.committed);
 	for (int i = 0; i < frames->contacts.column_count; i++)
-		bytes += rb_h5_column_need(&frames->contacts.columns[i], frames->contacts.committed);
+		bytes += rb_h5_column_need(&frames->contacts.columns[i],
+		                           frames->contacts.committed);
 	for (int i = 0; i < frames->column_count; i++)
 		bytes += rb_h5_column_need(&frames->columns[i].column, frames->count);
 	return bytes;
@@ -475,14 +499,16 @@ static void write_table(struct rb_h5 *h5, struct rb_frames_table *table)
 	/* as wide as the widest column: three numbers */
 	const size_t wanted = table->committed * 3 * sizeof(double);
 	if (!rb_memory_reserve(&table->cells_out, &table->cells_out_size, wanted, 1)) {
-		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot record events: out of memory");
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
+		                     "cannot record events: out of memory");
 		return;
 	}
 	for (int i = 0; i < table->column_count; i++) {
-		const size_t bytes = rb_h5_size(table->cells[i].kind) * (size_t)table->cells[i].width;
+		const size_t bytes = rb_h5_size(table->cells[i].kind) *
+		                     (size_t)table->cells[i].width;
 		for (size_t k = 0; k < table->committed; k++)
-			memcpy(table->cells_out + k * bytes, table->rows + k * table->row_size + table->cells[i].offset,
-			       bytes);
+			memcpy(table->cells_out + k * bytes,
+			       table->rows + k * table->row_size + table->cells[i].offset, bytes);
 		rb_h5_column_append(h5, &table->columns[i], table->committed, table->cells_out);
 	}
 	if (h5->status)
@@ -502,7 +528,8 @@ void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames)
 	for (int i = 0; i < frames->column_count; i++) {
 		struct rb_frames_column *const column = &frames->columns[i];
 		rb_h5_column_append(h5, &column->column, frames->count,
-		                    column->borrows ? (const void *)column->borrowed : column->buffer);
+		                    column->borrows ? (const void *)column->borrowed
+		                                    : column->buffer);
 	}
 	if (h5->status)
 		return;

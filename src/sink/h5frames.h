@@ -20,7 +20,6 @@ struct rb_frames_source {
 	const char *path;  /* of the element: .../value, .../step, .../time stand below */
 	const char *units; /* NULL: a pure number */
 	unsigned field;    /* RB_FIELD_*: a column of bodies; 0: one of the numbers */
-	rb_features needs; /* without it the number is always 0 and stored once */
 	enum rb_h5_kind kind;
 	int width;
 	size_t offset; /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
@@ -47,10 +46,12 @@ enum { RB_FRAMES_COLUMNS_MAX = 20, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZ
 
 struct rb_frames_column {
 	struct rb_h5_column column;
-	const struct rb_frames_source *source; /* NULL: step, time and ends, which are no part of a frame's columns */
-	unsigned char *buffer;                 /* owned, [capacity] rows; NULL: none is needed */
-	bool borrows;                          /* rows are written from the frame itself */
-	const double *borrowed;                /* valid until rb_frames_write, which follows at once (rb_frames_full) */
+	const struct rb_frames_source
+		*source; /* NULL: step, time and ends, which are no part of a frame's columns */
+	unsigned char *buffer; /* owned, [capacity] rows; NULL: none is needed */
+	bool borrows;          /* rows are written from the frame itself */
+	const double
+		*borrowed; /* valid until rb_frames_write, which follows at once (rb_frames_full) */
 	char path[RB_FRAMES_PATH_SIZE];
 };
 
@@ -61,7 +62,7 @@ struct rb_frames_table {
 	int column_count;
 	const struct rb_table_cell *cells;
 	size_t row_size;
-	unsigned char *rows;  /* owned: waiting, [capacity][row_size] */
+	unsigned char *rows;      /* owned: waiting, [capacity][row_size] */
 	unsigned char *cells_out; /* owned: one column of them */
 	size_t cells_out_size;
 	size_t count, committed, capacity;
@@ -74,13 +75,14 @@ struct rb_frames {
 	uint64_t every;
 	struct rb_frames_column columns[RB_FRAMES_COLUMNS_MAX];
 	int column_count;
-	struct rb_frames_column *time, *event_end, *contact_end, *step; /* in columns; step is the last */
+	struct rb_frames_column *time, *event_end, *contact_end,
+		*step; /* in columns; step is the last */
 	struct rb_frames_table events, contacts;
 
-	hsize_t capacity; /* rows that the buffers hold */
-	hsize_t written;  /* frames in the file */
-	hsize_t count;    /* committed frames in the buffers */
-	bool pending;     /* one more row is filled, not committed */
+	hsize_t capacity;              /* rows that the buffers hold */
+	hsize_t written;               /* frames in the file */
+	hsize_t count;                 /* committed frames in the buffers */
+	bool pending;                  /* one more row is filled, not committed */
 	struct rb_frame_numbers since; /* of the frames left out since the last one committed */
 	bool has_since;
 };
@@ -92,7 +94,8 @@ uint64_t rb_frames_expected(const struct rb_run_info *info);
 unsigned rb_frames_alignment(const struct rb_run_info *info);
 
 /* Makes the datasets. `buffers` false: for estimates, nothing can be taken. Release it whatever the outcome. */
-void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info, bool buffers);
+void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info,
+                      bool buffers);
 void rb_frames_release(struct rb_frames *frames); /* safe on a zeroed one */
 /* Closes all datasets, and opens them again (rb_h5_column_detach). */
 void rb_frames_detach(struct rb_frames *frames);
@@ -101,10 +104,11 @@ void rb_frames_forget(struct rb_frames *frames);
 void rb_frames_attach(struct rb_h5 *h5, struct rb_frames *frames);
 
 /* Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing; RB_ERR_MEMORY. */
-RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame, struct rb_error *err);
+RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
+                                         struct rb_error *err);
 void rb_frames_commit(struct rb_frames *frames); /* the pending frame too */
 
-bool rb_frames_full(const struct rb_frames *frames);   /* write before the next one is taken */
+bool rb_frames_full(const struct rb_frames *frames);     /* write before the next one is taken */
 uint64_t rb_frames_need(const struct rb_frames *frames); /* bytes that writing may take at most */
 /* Appends what is committed, `step` last. */
 void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames);

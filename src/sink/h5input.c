@@ -9,7 +9,14 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 512, SUPERBLOCK_SIZE = 48, DEFLATE_MOST = 1032, LOOKS = 20, BEING_WRITTEN = 4, READ_ATTEMPTS = 25 };
+enum {
+	PATH_SIZE = 512,
+	SUPERBLOCK_SIZE = 48,
+	DEFLATE_MOST = 1032,
+	LOOKS = 20,
+	BEING_WRITTEN = 4,
+	READ_ATTEMPTS = 25
+};
 
 static uint64_t little_endian(const unsigned char *bytes)
 {
@@ -42,31 +49,37 @@ static enum rb_status check_file(struct rb_input *input, struct rb_error *err)
 		const ssize_t size = pread(input->fd, head, sizeof head, 0);
 		rb_input_look(input);
 		if (size < 0)
-			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", input->name, strerror(errno));
+			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", input->name,
+			               strerror(errno));
 		if (size == 0)
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is empty", input->name);
-		if (size < (ssize_t)sizeof signature || memcmp(head, signature, sizeof signature) != 0)
+		if (size < (ssize_t)sizeof signature ||
+		    memcmp(head, signature, sizeof signature) != 0)
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not an HDF5 file", input->name);
 		const bool known = (head[8] == 2 || head[8] == 3) && head[9] == 8 && head[10] == 8;
 		if (!known)
-			return size < SUPERBLOCK_SIZE ? RB_FAIL(err, RB_ERR_INPUT, "'%s' is cut off: it has %llu bytes",
-			                                        input->name, (unsigned long long)input->size_bytes)
-			                              : RB_OK;
+			return size < SUPERBLOCK_SIZE
+			               ? RB_FAIL(err, RB_ERR_INPUT,
+			                         "'%s' is cut off: it has %llu bytes", input->name,
+			                         (unsigned long long)input->size_bytes)
+			               : RB_OK;
 		if (size == SUPERBLOCK_SIZE && input->size_bytes >= little_endian(head + 28))
 			return RB_OK;
 		if (!(head[11] & BEING_WRITTEN))
 			break;
 		nanosleep(&(struct timespec){.tv_nsec = 5000000}, NULL);
 	}
-	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is cut off: %llu of %llu bytes are there", input->name,
-	               (unsigned long long)input->size_bytes, (unsigned long long)little_endian(head + 28));
+	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is cut off: %llu of %llu bytes are there",
+	               input->name, (unsigned long long)input->size_bytes,
+	               (unsigned long long)little_endian(head + 28));
 }
 
 static bool marked_shared(const struct rb_input *input)
 {
 	unsigned char head[SUPERBLOCK_SIZE];
 
-	return pread(input->fd, head, sizeof head, 0) == SUPERBLOCK_SIZE && (head[11] & BEING_WRITTEN) != 0;
+	return pread(input->fd, head, sizeof head, 0) == SUPERBLOCK_SIZE &&
+	       (head[11] & BEING_WRITTEN) != 0;
 }
 
 enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb_error *err)
@@ -98,10 +111,12 @@ enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb
 	}
 	if (input->file < 0) {
 		const int number = rb_h5_errno();
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", name,
-		               number == EAGAIN ? "another program has locked it" :
-		               number != 0      ? strerror(number)
-		                                : "it is damaged, or no recording that can be read while it is written");
+		return RB_FAIL(
+			err, RB_ERR_INPUT, "cannot read '%s': %s", name,
+			number == EAGAIN ? "another program has locked it"
+			: number != 0
+				? strerror(number)
+				: "it is damaged, or no recording that can be read while it is written");
 	}
 	return RB_OK;
 }
@@ -134,7 +149,8 @@ bool rb_input_has(const struct rb_input *input, const char *path)
 		end += strcspn(end, "/");
 		snprintf(part, sizeof part, "%.*s", (int)(end - path), path);
 		if (H5Lexists(input->file, part, H5P_DEFAULT) <= 0 ||
-		    H5Lget_info(input->file, part, &info, H5P_DEFAULT) < 0 || info.type != H5L_TYPE_HARD)
+		    H5Lget_info(input->file, part, &info, H5P_DEFAULT) < 0 ||
+		    info.type != H5L_TYPE_HARD)
 			return false;
 	}
 	return true;
@@ -149,14 +165,16 @@ static bool plain_storage(hid_t dataset, bool *filtered)
 	*filtered = false;
 	if (plain) {
 		const H5D_layout_t layout = H5Pget_layout(properties);
-		plain = (layout == H5D_COMPACT || layout == H5D_CONTIGUOUS || layout == H5D_CHUNKED) &&
+		plain = (layout == H5D_COMPACT || layout == H5D_CONTIGUOUS ||
+		         layout == H5D_CHUNKED) &&
 		        H5Pget_external_count(properties) == 0;
-		const int filters = plain && layout == H5D_CHUNKED ? H5Pget_nfilters(properties) : 0;
+		const int filters = plain && layout == H5D_CHUNKED ? H5Pget_nfilters(properties)
+		                                                   : 0;
 		for (int i = 0; i < filters && plain; i++) {
 			size_t none = 0;
 			unsigned flags, config;
-			const H5Z_filter_t filter =
-			        H5Pget_filter2(properties, (unsigned)i, &flags, &none, NULL, 0, NULL, &config);
+			const H5Z_filter_t filter = H5Pget_filter2(properties, (unsigned)i, &flags,
+			                                           &none, NULL, 0, NULL, &config);
 			plain = filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE ||
 			        filter == H5Z_FILTER_FLETCHER32;
 			*filtered = true;
@@ -172,7 +190,9 @@ static bool chunk_fits(const struct rb_input *input, hid_t dataset, size_t eleme
 {
 	const hid_t properties = H5Dget_create_plist(dataset);
 	hsize_t size[H5S_MAX_RANK];
-	const int rank = H5Pget_layout(properties) == H5D_CHUNKED ? H5Pget_chunk(properties, H5S_MAX_RANK, size) : 0;
+	const int rank = H5Pget_layout(properties) == H5D_CHUNKED
+	                         ? H5Pget_chunk(properties, H5S_MAX_RANK, size)
+	                         : 0;
 	uint64_t bytes = element;
 	bool fits = true;
 
@@ -205,7 +225,8 @@ static bool check_shape(hid_t space, bool grows, rb_h5_shape *row, hsize_t *rows
 	return true;
 }
 
-hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row, hsize_t *rows)
+hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row,
+                       hsize_t *rows)
 {
 	uint64_t count, bytes;
 	bool filtered;
@@ -219,8 +240,10 @@ hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grow
 	const H5T_class_t class = H5Tget_class(type);
 	const size_t size = H5Tget_size(type);
 	const bool good = (class == H5T_FLOAT || class == H5T_INTEGER) && size >= 1 && size <= 8 &&
-	                  plain_storage(dataset, &filtered) && check_shape(space, grows, row, rows, &count) &&
-	                  !__builtin_mul_overflow(count, size, &bytes) && !too_long(input, bytes, filtered) &&
+	                  plain_storage(dataset, &filtered) &&
+	                  check_shape(space, grows, row, rows, &count) &&
+	                  !__builtin_mul_overflow(count, size, &bytes) &&
+	                  !too_long(input, bytes, filtered) &&
 	                  (!filtered || chunk_fits(input, dataset, size));
 
 	rb_h5_done(space);
@@ -231,7 +254,8 @@ hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grow
 	return -1;
 }
 
-bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const hsize_t range[2], void *out)
+bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const hsize_t range[2],
+                   void *out)
 {
 	hsize_t start[RB_H5_RANK_MAX + 1] = {range[0]}, size[RB_H5_RANK_MAX + 1] = {range[1]};
 
@@ -242,7 +266,8 @@ bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const h
 	const hid_t space = H5Dget_space(dataset);
 	const hid_t memory = H5Screate_simple(row.rank + 1, size, NULL);
 	const bool read = space >= 0 && memory >= 0 &&
-	                  H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) >= 0 &&
+	                  H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, size, NULL) >=
+	                          0 &&
 	                  H5Sselect_valid(space) > 0 &&
 	                  H5Dread(dataset, rb_h5_type(kind), memory, space, H5P_DEFAULT, out) >= 0;
 
@@ -251,20 +276,21 @@ bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const h
 	return read;
 }
 
-bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5_kind kind, rb_h5_shape shape,
-                      void *out)
+bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5_kind kind,
+                      rb_h5_shape shape, void *out)
 {
 	hsize_t rows;
 	const hid_t dataset = rb_input_dataset(input, path, false, &shape, &rows);
-	const bool read =
-	        dataset >= 0 && H5Dread(dataset, rb_h5_type(kind), H5S_ALL, H5S_ALL, H5P_DEFAULT, out) >= 0;
+	const bool read = dataset >= 0 && H5Dread(dataset, rb_h5_type(kind), H5S_ALL, H5S_ALL,
+	                                          H5P_DEFAULT, out) >= 0;
 
 	rb_h5_done(dataset);
 	return read;
 }
 
 /* A dataset of `count` fixed-length texts (0: a scalar). */
-static hid_t text_dataset(const struct rb_input *input, const char *path, size_t count, size_t *room)
+static hid_t text_dataset(const struct rb_input *input, const char *path, size_t count,
+                          size_t *room)
 {
 	rb_h5_shape shape = {count > 0, {count}};
 	uint64_t elements, bytes;
@@ -278,9 +304,11 @@ static hid_t text_dataset(const struct rb_input *input, const char *path, size_t
 		return -1;
 	const hid_t type = H5Dget_type(dataset), space = H5Dget_space(dataset);
 	*room = H5Tget_size(type);
-	const bool good = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 && *room > 0 &&
-	                  plain_storage(dataset, &filtered) && check_shape(space, false, &shape, &rows, &elements) &&
-	                  !__builtin_mul_overflow(elements, *room, &bytes) && !too_long(input, bytes, filtered) &&
+	const bool good = H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
+	                  *room > 0 && plain_storage(dataset, &filtered) &&
+	                  check_shape(space, false, &shape, &rows, &elements) &&
+	                  !__builtin_mul_overflow(elements, *room, &bytes) &&
+	                  !too_long(input, bytes, filtered) &&
 	                  (!filtered || chunk_fits(input, dataset, *room));
 	rb_h5_done(space);
 	rb_h5_done(type);
@@ -294,7 +322,8 @@ static hid_t text_dataset(const struct rb_input *input, const char *path, size_t
 static bool read_text(hid_t dataset, char *out)
 {
 	const hid_t type = H5Dget_type(dataset);
-	const bool read = type >= 0 && H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) >= 0;
+	const bool read = type >= 0 &&
+	                  H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) >= 0;
 
 	rb_h5_done(type);
 	return read;
@@ -309,7 +338,8 @@ static void *take_zeroed(struct rb_arena *arena, size_t count, size_t size)
 	return block;
 }
 
-char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena, size_t *room)
+char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena,
+                    size_t *room)
 {
 	size_t size = 0;
 	const hid_t dataset = text_dataset(input, path, 0, &size);
@@ -336,7 +366,8 @@ bool rb_input_text_again(const struct rb_input *input, const char *path, char *t
 	return read;
 }
 
-const char **rb_input_texts(const struct rb_input *input, const char *path, size_t count, struct rb_arena *arena)
+const char **rb_input_texts(const struct rb_input *input, const char *path, size_t count,
+                            struct rb_arena *arena)
 {
 	size_t room = 0;
 	const char **const texts = take_zeroed(arena, count + 1, sizeof *texts);
@@ -354,17 +385,21 @@ const char **rb_input_texts(const struct rb_input *input, const char *path, size
 	return texts;
 }
 
-char *rb_input_attribute(const struct rb_input *input, const char *path, const char *name, struct rb_arena *arena)
+char *rb_input_attribute(const struct rb_input *input, const char *path, const char *name,
+                         struct rb_arena *arena)
 {
-	const hid_t object = rb_input_has(input, path) ? H5Oopen(input->file, path, H5P_DEFAULT) : -1;
-	const hid_t attribute =
-	        object >= 0 && H5Aexists(object, name) > 0 ? H5Aopen(object, name, H5P_DEFAULT) : -1;
+	const hid_t object = rb_input_has(input, path) ? H5Oopen(input->file, path, H5P_DEFAULT)
+	                                               : -1;
+	const hid_t attribute = object >= 0 && H5Aexists(object, name) > 0
+	                                ? H5Aopen(object, name, H5P_DEFAULT)
+	                                : -1;
 	const hid_t type = attribute < 0 ? -1 : H5Aget_type(attribute);
 	const hid_t space = attribute < 0 ? -1 : H5Aget_space(attribute);
 	char *text = NULL;
 
-	if (type >= 0 && space >= 0 && H5Tget_class(type) == H5T_STRING && H5Tis_variable_str(type) == 0 &&
-	    H5Sget_simple_extent_npoints(space) == 1 && !too_long(input, H5Tget_size(type), false)) {
+	if (type >= 0 && space >= 0 && H5Tget_class(type) == H5T_STRING &&
+	    H5Tis_variable_str(type) == 0 && H5Sget_simple_extent_npoints(space) == 1 &&
+	    !too_long(input, H5Tget_size(type), false)) {
 		text = take_zeroed(arena, H5Tget_size(type) + 1, 1);
 		if (text && H5Aread(attribute, type, text) < 0)
 			text = NULL;
@@ -383,7 +418,8 @@ int rb_input_members(const struct rb_input *input, const char *path, int most, c
 	int count = 0;
 
 	*names = NULL;
-	const hid_t group = rb_input_has(input, path) ? H5Gopen2(input->file, path, H5P_DEFAULT) : -1;
+	const hid_t group = rb_input_has(input, path) ? H5Gopen2(input->file, path, H5P_DEFAULT)
+	                                              : -1;
 	if (group < 0 || H5Gget_info(group, &info) < 0) {
 		rb_h5_done(group);
 		return 0;
@@ -392,11 +428,11 @@ int rb_input_members(const struct rb_input *input, const char *path, int most, c
 	*names = take_zeroed(arena, (size_t)links + 1, sizeof **names);
 	for (hsize_t i = 0; *names && i < links; i++) {
 		char name[PATH_SIZE / 2];
-		ssize_t size = H5Lget_name_by_idx(group, ".", H5_INDEX_CRT_ORDER, H5_ITER_INC, i, name, sizeof name,
-		                                  H5P_DEFAULT);
+		ssize_t size = H5Lget_name_by_idx(group, ".", H5_INDEX_CRT_ORDER, H5_ITER_INC, i,
+		                                  name, sizeof name, H5P_DEFAULT);
 		if (size < 0)
-			size = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name, sizeof name,
-			                          H5P_DEFAULT);
+			size = H5Lget_name_by_idx(group, ".", H5_INDEX_NAME, H5_ITER_INC, i, name,
+			                          sizeof name, H5P_DEFAULT);
 		if (size <= 0 || size >= (ssize_t)sizeof name)
 			continue;
 		char *const copy = take_zeroed(arena, (size_t)size + 1, 1);

@@ -20,7 +20,8 @@ struct rb_input {
 };
 
 /* RB_ERR_INPUT. Release it whatever the outcome. */
-RB_CHECKED enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb_error *err);
+RB_CHECKED enum rb_status rb_input_open(struct rb_input *input, const char *name,
+                                        struct rb_error *err);
 void rb_input_close(struct rb_input *input);
 void rb_input_look(struct rb_input *input); /* at the size, again */
 
@@ -31,23 +32,28 @@ bool rb_input_has(const struct rb_input *input, const char *path);
  * A dataset of numbers, [rows][row.size...] (`grows`) or of the shape `row`; -1 if it is anything else. `rows` receives
  * the first dimension. Sizes of 0 in `row` are filled in.
  */
-hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row, hsize_t *rows);
+hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row,
+                       hsize_t *rows);
 
 /* Rows of such a dataset, converted to `kind`; false when they can't be read. */
-bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const hsize_t range[2], void *out);
+bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const hsize_t range[2],
+                   void *out);
 
 /* A dataset of fixed shape in one go. */
-bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5_kind kind, rb_h5_shape shape,
-                      void *out);
+bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5_kind kind,
+                      rb_h5_shape shape, void *out);
 
 /* A fixed-length text, zero-terminated, in `arena`; NULL: there is none. `room` (may be NULL): its length on disk. */
-char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena, size_t *room);
+char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena,
+                    size_t *room);
 /* The same into memory that has room + 1 bytes. */
 bool rb_input_text_again(const struct rb_input *input, const char *path, char *text, size_t room);
 /* `count` texts. */
-const char **rb_input_texts(const struct rb_input *input, const char *path, size_t count, struct rb_arena *arena);
+const char **rb_input_texts(const struct rb_input *input, const char *path, size_t count,
+                            struct rb_arena *arena);
 /* A text that is an attribute of the object at `path`. */
-char *rb_input_attribute(const struct rb_input *input, const char *path, const char *name, struct rb_arena *arena);
+char *rb_input_attribute(const struct rb_input *input, const char *path, const char *name,
+                         struct rb_arena *arena);
 
 /* Names of a group's members in the order they were made, at most `most` of them. */
 int rb_input_members(const struct rb_input *input, const char *path, int most, const char ***names,

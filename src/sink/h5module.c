@@ -6,14 +6,14 @@
 #include "sink/recorder.h"
 
 const struct rb_hdf5_module rb_hdf5_module = {
-        .version = RB_HDF5_MODULE_VERSION,
-        .recorder_create = rb_recorder_create,
-        .recorder_destroy = rb_recorder_destroy,
-        .recorder_estimate = rb_recorder_estimate,
-        .reader_open = rb_reader_open,
-        .reader_close = rb_reader_close,
-        .reader_reading = rb_reader_reading,
-        .reader_refresh = rb_reader_refresh,
-        .reader_frame = rb_reader_frame,
-        .reader_observable = rb_reader_observable,
+	.version = RB_HDF5_MODULE_VERSION,
+	.recorder_create = rb_recorder_create,
+	.recorder_destroy = rb_recorder_destroy,
+	.recorder_estimate = rb_recorder_estimate,
+	.reader_open = rb_reader_open,
+	.reader_close = rb_reader_close,
+	.reader_reading = rb_reader_reading,
+	.reader_refresh = rb_reader_refresh,
+	.reader_frame = rb_reader_frame,
+	.reader_observable = rb_reader_observable,
 };

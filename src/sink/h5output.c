@@ -50,7 +50,8 @@ static char *follow(const char *name)
 	return NULL;
 }
 
-static enum rb_status check_name(const struct rb_output *output, const char *name, struct rb_error *err)
+static enum rb_status check_name(const struct rb_output *output, const char *name,
+                                 struct rb_error *err)
 {
 	struct stat found;
 
@@ -62,20 +63,23 @@ static enum rb_status check_name(const struct rb_output *output, const char *nam
 	if (S_ISDIR(found.st_mode))
 		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': it is a folder", name);
 	if (!S_ISREG(found.st_mode))
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': it is not a regular file", name);
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': it is not a regular file",
+		               name);
 	if (!output->replace)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': it exists (--force replaces it)", name);
+		return RB_FAIL(err, RB_ERR_CREATE,
+		               "cannot create '%s': it exists (--force replaces it)", name);
 	return RB_OK;
 }
 
-enum rb_status rb_output_open(struct rb_output *output, const char *name, bool replace, struct rb_error *err)
+enum rb_status rb_output_open(struct rb_output *output, const char *name, bool replace,
+                              struct rb_error *err)
 {
 	*output = (struct rb_output){.fd = -1, .replace = replace};
 	errno = 0;
 	output->name = follow(name);
 	if (!output->name)
-		return RB_FAIL(err, errno == ENOMEM ? RB_ERR_MEMORY : RB_ERR_CREATE, "cannot create '%s': %s", name,
-		               strerror(errno ? errno : ENOMEM));
+		return RB_FAIL(err, errno == ENOMEM ? RB_ERR_MEMORY : RB_ERR_CREATE,
+		               "cannot create '%s': %s", name, strerror(errno ? errno : ENOMEM));
 	const enum rb_status status = check_name(output, name, err);
 	if (status) {
 		rb_output_release(output);
@@ -90,7 +94,8 @@ enum rb_status rb_output_open(struct rb_output *output, const char *name, bool r
 
 	/* Another number where the same process makes two, or a dead one left its own behind. */
 	for (int k = 0; k < 100 && output->fd < 0; k++) {
-		const int end = snprintf(output->partial, size, "%s.partial-%ld", output->name, (long)getpid());
+		const int end = snprintf(output->partial, size, "%s.partial-%ld", output->name,
+		                         (long)getpid());
 		if (k > 0)
 			snprintf(output->partial + end, size - (size_t)end, "-%d", k);
 		output->fd = open(output->partial, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
@@ -102,7 +107,8 @@ enum rb_status rb_output_open(struct rb_output *output, const char *name, bool r
 		rb_memory_free(output->partial);
 		output->partial = NULL;
 		rb_output_release(output);
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", name, strerror(number));
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", name,
+		               strerror(number));
 	}
 	/*
 	 * It can be made, and the system has said so or why not; the library makes it itself. Were it to truncate this
@@ -118,7 +124,8 @@ enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err)
 {
 	output->fd = open(output->partial, O_RDWR | O_CLOEXEC);
 	if (output->fd < 0)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", output->name, strerror(errno));
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", output->name,
+		               strerror(errno));
 	return RB_OK;
 }
 
@@ -150,14 +157,17 @@ enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err)
 	if (output->replace) {
 		failed = rename(output->partial, output->name);
 	} else {
-		failed = renameat2(AT_FDCWD, output->partial, AT_FDCWD, output->name, RENAME_NOREPLACE);
+		failed = renameat2(AT_FDCWD, output->partial, AT_FDCWD, output->name,
+		                   RENAME_NOREPLACE);
 		if (failed && errno != EEXIST)
 			failed = link_over(output->partial, output->name);
 	}
 	if (failed && errno == EEXIST)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': it exists (--force replaces it)", output->name);
+		return RB_FAIL(err, RB_ERR_CREATE,
+		               "cannot create '%s': it exists (--force replaces it)", output->name);
 	if (failed)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", output->name, strerror(errno));
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", output->name,
+		               strerror(errno));
 	output->published = true;
 	return RB_OK;
 }
@@ -181,7 +191,8 @@ int rb_output_reserve(struct rb_output *output, uint64_t end, uint64_t need)
 	struct rlimit limit;
 
 	/* Where the kernel does not ask (KEEP_SIZE), the limit is ours to keep: a write over it would come too late. */
-	if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && wanted > limit.rlim_cur)
+	if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
+	    wanted > limit.rlim_cur)
 		return EFBIG;
 	if (output->cannot_reserve || wanted <= output->reserved_bytes)
 		return 0;
@@ -203,7 +214,8 @@ void rb_output_lengthen(struct rb_output *output, uint64_t end)
 	struct stat found;
 
 	/* Where it fails, the library's own attempt will, and tell. */
-	if (fstat(output->fd, &found) == 0 && (uint64_t)found.st_size < end && ftruncate(output->fd, (off_t)end) != 0)
+	if (fstat(output->fd, &found) == 0 && (uint64_t)found.st_size < end &&
+	    ftruncate(output->fd, (off_t)end) != 0)
 		return;
 }
 
@@ -215,8 +227,10 @@ void rb_output_release(struct rb_output *output)
 		return;
 	if (output->fd >= 0) {
 		if (output->published && fstat(output->fd, &found) == 0 &&
-		    (uint64_t)found.st_size < output->reserved_bytes && ftruncate(output->fd, found.st_size) != 0)
-			output->reserved_bytes = 0; /* blocks beyond the end stay taken: nothing is lost but room */
+		    (uint64_t)found.st_size < output->reserved_bytes &&
+		    ftruncate(output->fd, found.st_size) != 0)
+			output->reserved_bytes =
+				0; /* blocks beyond the end stay taken: nothing is lost but room */
 		close(output->fd);
 	}
 	if (output->partial && !output->published)

@@ -17,8 +17,8 @@ struct rb_output {
 	char *name;    /* owned: the final name, symbolic links followed */
 	char *partial; /* owned */
 	bool replace;
-	bool published; /* stands under its final name */
-	int fd;         /* owned; -1: none */
+	bool published;          /* stands under its final name */
+	int fd;                  /* owned; -1: none */
 	uint64_t reserved_bytes; /* the disk has room up to here */
 	bool cannot_reserve;     /* the file system has no such call */
 };

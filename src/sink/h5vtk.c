@@ -12,10 +12,11 @@ static const struct {
 	unsigned field;
 	int width;
 } moving[] = {
-        {"/VTKHDF/Points", "/particles/bodies/position/value", RB_FIELD_POSITION, 3},
-        {"/VTKHDF/PointData/orientation", "/particles/bodies/orientation/value", RB_FIELD_ORIENTATION, 4},
-        {"/VTKHDF/PointData/velocity", "/particles/bodies/velocity/value", RB_FIELD_VELOCITY, 3},
-        {"/VTKHDF/PointData/angular_velocity", "/particles/bodies/angular_velocity/value",
+	{"/VTKHDF/Points", "/particles/bodies/position/value", RB_FIELD_POSITION, 3},
+	{"/VTKHDF/PointData/orientation", "/particles/bodies/orientation/value",
+         RB_FIELD_ORIENTATION, 4},
+	{"/VTKHDF/PointData/velocity", "/particles/bodies/velocity/value", RB_FIELD_VELOCITY, 3},
+	{"/VTKHDF/PointData/angular_velocity", "/particles/bodies/angular_velocity/value",
          RB_FIELD_ANGULAR_VELOCITY, 3},
 };
 
@@ -29,7 +30,8 @@ static hid_t type_of(struct rb_h5 *h5, const char *path)
 }
 
 /* [frames][bodies][width] seen as [frames * bodies][width] */
-static void put_view(struct rb_h5 *h5, const char *path, const char *source, hsize_t frames, const hsize_t row[2])
+static void put_view(struct rb_h5 *h5, const char *path, const char *source, hsize_t frames,
+                     const hsize_t row[2])
 {
 	if (h5->status)
 		return;
@@ -62,7 +64,8 @@ static void put_constant(struct rb_h5 *h5, const char *path, rb_h5_shape shape, 
 	const hid_t properties = rb_h5_dataset_properties();
 	H5Pset_fill_value(properties, H5T_NATIVE_INT64, &value);
 	H5Pset_alloc_time(properties, H5D_ALLOC_TIME_LATE);
-	const hid_t dataset = H5Dcreate2(h5->file, path, H5T_STD_I64LE, space, links, properties, H5P_DEFAULT);
+	const hid_t dataset = H5Dcreate2(h5->file, path, H5T_STD_I64LE, space, links, properties,
+	                                 H5P_DEFAULT);
 
 	if (dataset < 0)
 		rb_h5_fail(h5, "make", path);
@@ -79,7 +82,8 @@ static void put_ramp(struct rb_h5 *h5, const char *path, hsize_t count, int64_t 
 		return;
 	int64_t *ramp = rb_memory_take(count, sizeof *ramp);
 	if (!ramp) {
-		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot write '%s': out of memory", path);
+		h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot write '%s': out of memory",
+		                     path);
 		return;
 	}
 	for (hsize_t i = 0; i < count; i++)
@@ -97,7 +101,8 @@ static void put_cells(struct rb_h5 *h5, hsize_t bodies)
 	put_ramp(h5, "/VTKHDF/Vertices/Connectivity", bodies, 1);
 	put_ramp(h5, "/VTKHDF/Vertices/Offsets", bodies + 1, 1);
 	put_constant(h5, "/VTKHDF/Vertices/NumberOfCells", (rb_h5_shape){1, {1}}, (int64_t)bodies);
-	put_constant(h5, "/VTKHDF/Vertices/NumberOfConnectivityIds", (rb_h5_shape){1, {1}}, (int64_t)bodies);
+	put_constant(h5, "/VTKHDF/Vertices/NumberOfConnectivityIds", (rb_h5_shape){1, {1}},
+	             (int64_t)bodies);
 	for (size_t i = 0; i < sizeof empty / sizeof empty[0]; i++) {
 		snprintf(path, sizeof path, "/VTKHDF/%s/Connectivity", empty[i]);
 		put_constant(h5, path, (rb_h5_shape){1, {0}}, 0);
@@ -123,7 +128,8 @@ static void put_fixed(struct rb_h5 *h5, const struct rb_model *model, hsize_t fr
 	double *radius = rb_memory_take(bodies, sizeof *radius);
 	if (!radius) {
 		if (!h5->status)
-			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY, "cannot write '/VTKHDF': out of memory");
+			h5->status = RB_FAIL(&h5->error, RB_ERR_MEMORY,
+			                     "cannot write '/VTKHDF': out of memory");
 		return;
 	}
 	for (hsize_t i = 0; i < bodies; i++)
@@ -148,7 +154,8 @@ static void put_steps(struct rb_h5 *h5, unsigned fields, hsize_t frames, hsize_t
 	for (size_t i = 1; i < sizeof moving / sizeof moving[0]; i++) {
 		if (!(fields & moving[i].field))
 			continue;
-		snprintf(path, sizeof path, "/VTKHDF/Steps/PointDataOffsets/%s", strrchr(moving[i].name, '/') + 1);
+		snprintf(path, sizeof path, "/VTKHDF/Steps/PointDataOffsets/%s",
+		         strrchr(moving[i].name, '/') + 1);
 		rb_h5_link(h5, "/VTKHDF/Steps/PointOffsets", path);
 	}
 }
@@ -158,7 +165,8 @@ uint64_t rb_vtk_need(const struct rb_model *model, uint64_t frames)
 	return 65536 + 8 * frames + 24 * (uint64_t)model->body_count;
 }
 
-void rb_vtk_write(struct rb_h5 *h5, const struct rb_model *model, unsigned fields, uint64_t frames, const char *time)
+void rb_vtk_write(struct rb_h5 *h5, const struct rb_model *model, unsigned fields, uint64_t frames,
+                  const char *time)
 {
 	const hsize_t bodies = (hsize_t)model->body_count;
 
@@ -170,7 +178,8 @@ void rb_vtk_write(struct rb_h5 *h5, const struct rb_model *model, unsigned field
 	put_constant(h5, "/VTKHDF/NumberOfPoints", (rb_h5_shape){1, {1}}, (int64_t)bodies);
 	for (size_t i = 0; i < sizeof moving / sizeof moving[0]; i++)
 		if (fields & moving[i].field)
-			put_view(h5, moving[i].name, moving[i].source, frames, (hsize_t[]){bodies, (hsize_t)moving[i].width});
+			put_view(h5, moving[i].name, moving[i].source, frames,
+			         (hsize_t[]){bodies, (hsize_t)moving[i].width});
 	put_cells(h5, bodies);
 	rb_h5_group(h5, "/VTKHDF/Steps");
 	rb_h5_attribute(h5, "/VTKHDF/Steps", "NSteps", RB_H5_I64, 0, &(int64_t){(int64_t)frames});

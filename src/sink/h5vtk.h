@@ -14,7 +14,8 @@
  * Adds the group for the first `frames` frames; `fields` are those stored per frame, `time` the path of their times.
  * The file must not be in SWMR mode. Nothing is made without positions, bodies or frames.
  */
-void rb_vtk_write(struct rb_h5 *h5, const struct rb_model *model, unsigned fields, uint64_t frames, const char *time);
+void rb_vtk_write(struct rb_h5 *h5, const struct rb_model *model, unsigned fields, uint64_t frames,
+                  const char *time);
 
 /* Most bytes that it takes. */
 uint64_t rb_vtk_need(const struct rb_model *model, uint64_t frames);

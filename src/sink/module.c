@@ -51,8 +51,8 @@ static void load_from(const char *path)
 	const struct rb_hdf5_module *const module = dlsym(library, "rb_hdf5_module");
 	if (!module || module->version != RB_HDF5_MODULE_VERSION) {
 		char why[80];
-		snprintf(why, sizeof why, "it is of version %d, this program wants %d", module ? module->version : 0,
-		         RB_HDF5_MODULE_VERSION);
+		snprintf(why, sizeof why, "it is of version %d, this program wants %d",
+		         module ? module->version : 0, RB_HDF5_MODULE_VERSION);
 		refuse(path, why);
 		dlclose(library);
 		return;
@@ -72,7 +72,8 @@ static void load(void)
 		return;
 	}
 	if (!program_folder(folder)) {
-		refuse(file_name, "/proc/self/exe does not say where this program is (RBSIM_MODULE_DIR can)");
+		refuse(file_name,
+		       "/proc/self/exe does not say where this program is (RBSIM_MODULE_DIR can)");
 		return;
 	}
 	/* as built, then as installed */
@@ -84,7 +85,8 @@ static void load(void)
 			return;
 		}
 	}
-	RB_FAIL(&failure, RB_ERR_MISSING, "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names another)",
+	RB_FAIL(&failure, RB_ERR_MISSING,
+	        "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names another)",
 	        file_name, folder, folder);
 }
 

@@ -73,17 +73,23 @@ static double number_or_nan(struct rb_reader *reader, const char *path)
 
 static enum rb_status read_changing(struct rb_reader *reader, struct rb_error *err)
 {
-	static const char *const paths[] = {"/rbsim/status", "/rbsim/reason", "/rbsim/state_hash", "/rbsim/ended"};
-	char **const texts[] = {&reader->status, &reader->reason, &reader->state_hash, &reader->ended};
+	static const char *const paths[] = {"/rbsim/status", "/rbsim/reason", "/rbsim/state_hash",
+	                                    "/rbsim/ended"};
+	char **const texts[] = {&reader->status, &reader->reason, &reader->state_hash,
+	                        &reader->ended};
 
 	for (int i = 0; i < 4; i++) {
 		if (!*texts[i])
-			*texts[i] = rb_input_text(&reader->input, paths[i], &reader->arena, &reader->room[i]);
+			*texts[i] = rb_input_text(&reader->input, paths[i], &reader->arena,
+			                          &reader->room[i]);
 		else
-			(void)rb_input_text_again(&reader->input, paths[i], *texts[i], reader->room[i]);
+			(void)rb_input_text_again(&reader->input, paths[i], *texts[i],
+			                          reader->room[i]);
 		if (!*texts[i])
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not a recording of rbsim: '%s' is missing or no text",
-			               reader->path, paths[i]);
+			return RB_FAIL(
+				err, RB_ERR_INPUT,
+				"'%s' is not a recording of rbsim: '%s' is missing or no text",
+				reader->path, paths[i]);
 	}
 	reader->reading.status = reader->status;
 	reader->reading.reason = reader->reason;
@@ -108,10 +114,12 @@ static void read_run(struct rb_reader *reader)
 	reading->tolerance_m = number_or_nan(reader, "/rbsim/tolerance");
 	reading->frame_rate = number_or_nan(reader, "/rbsim/frame_rate");
 	reading->duration_s = number_or_nan(reader, "/rbsim/duration");
-	if (!rb_input_numbers(&reader->input, "/rbsim/seed", RB_H5_U64, (rb_h5_shape){0}, &reading->seed))
+	if (!rb_input_numbers(&reader->input, "/rbsim/seed", RB_H5_U64, (rb_h5_shape){0},
+	                      &reading->seed))
 		reading->seed = 0;
-	if (rb_input_numbers(&reader->input, "/rbsim/threads", RB_H5_I64, (rb_h5_shape){0}, &threads) && threads > 0 &&
-	    threads < 1000000)
+	if (rb_input_numbers(&reader->input, "/rbsim/threads", RB_H5_I64, (rb_h5_shape){0},
+	                     &threads) &&
+	    threads > 0 && threads < 1000000)
 		reading->threads = (int)threads;
 }
 
@@ -121,10 +129,11 @@ static enum rb_status read_params(struct rb_reader *reader, struct rb_error *err
 	const char **names;
 	char path[PATH_SIZE];
 
-	const int count =
-	        rb_input_members(&reader->input, "/rbsim/parameters", MEMBERS_MAX, &names, &reader->arena);
+	const int count = rb_input_members(&reader->input, "/rbsim/parameters", MEMBERS_MAX, &names,
+	                                   &reader->arena);
 	reading->param_names = names;
-	reading->param_values = rb_arena_take(&reader->arena, (size_t)count + 1, sizeof *reading->param_values);
+	reading->param_values = rb_arena_take(&reader->arena, (size_t)count + 1,
+	                                      sizeof *reading->param_values);
 	if (!reading->param_values)
 		return no_memory(reader, err);
 	for (int i = 0; i < count; i++) {
@@ -143,12 +152,16 @@ static enum rb_status read_files(struct rb_reader *reader, struct rb_error *err)
 	const char **names;
 	char path[PATH_SIZE];
 
-	const int count = rb_input_members(&reader->input, "/rbsim/files", MEMBERS_MAX, &names, &reader->arena);
-	reading->file_names = rb_arena_take(&reader->arena, (size_t)count + 1, sizeof *reading->file_names);
-	reading->file_texts = rb_arena_take(&reader->arena, (size_t)count + 1, sizeof *reading->file_texts);
+	const int count = rb_input_members(&reader->input, "/rbsim/files", MEMBERS_MAX, &names,
+	                                   &reader->arena);
+	reading->file_names = rb_arena_take(&reader->arena, (size_t)count + 1,
+	                                    sizeof *reading->file_names);
+	reading->file_texts = rb_arena_take(&reader->arena, (size_t)count + 1,
+	                                    sizeof *reading->file_texts);
 	if (!reading->file_names || !reading->file_texts)
 		return no_memory(reader, err);
-	const char *const scene = rb_input_attribute(&reader->input, "/rbsim/scene", "name", &reader->arena);
+	const char *const scene = rb_input_attribute(&reader->input, "/rbsim/scene", "name",
+	                                             &reader->arena);
 	reading->file_names[0] = scene ? scene : "";
 	reading->file_texts[0] = text_or_empty(reader, "/rbsim/scene");
 	for (int i = 0; i < count; i++) {
@@ -171,26 +184,31 @@ static enum rb_status read_bodies(struct rb_reader *reader, struct rb_error *err
 	for (int i = 0; i < 2; i++) {
 		rb_h5_shape shape = {1, {0}};
 		hsize_t rows = 0;
-		const hid_t dataset = rb_input_dataset(&reader->input, paths[i], false, &shape, &rows);
+		const hid_t dataset = rb_input_dataset(&reader->input, paths[i], false, &shape,
+		                                       &rows);
 		rb_h5_done(dataset);
 		if (dataset < 0 || rows > INT32_MAX / 4)
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not a recording of rbsim: '%s' is missing or misshapen",
-			               reader->path, paths[i]);
+			return RB_FAIL(
+				err, RB_ERR_INPUT,
+				"'%s' is not a recording of rbsim: '%s' is missing or misshapen",
+				reader->path, paths[i]);
 		*counts[i] = (int)rows;
 	}
 	const size_t bodies = (size_t)reading->body_count;
 	int *const id = rb_arena_take(&reader->arena, bodies + 1, sizeof *id);
 	reading->id = id;
-	reading->names = rb_input_texts(&reader->input, "/rbsim/names", bodies + (size_t)reading->static_count,
-	                                &reader->arena);
+	reading->names = rb_input_texts(&reader->input, "/rbsim/names",
+	                                bodies + (size_t)reading->static_count, &reader->arena);
 	if (!id || !reading->names)
 		return no_memory(reader, err);
 	if (bodies > 0 &&
 	    !rb_input_numbers(&reader->input, paths[0], RB_H5_I32, (rb_h5_shape){1, {bodies}}, id))
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", paths[0], reader->path);
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", paths[0],
+		               reader->path);
 	for (size_t i = 0; i < bodies; i++)
 		if (id[i] < 0 || id[i] >= reading->body_count + reading->static_count)
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' in '%s' is damaged: body %zu has id %d", paths[0],
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "'%s' in '%s' is damaged: body %zu has id %d", paths[0],
 			               reader->path, i, id[i]);
 	return RB_OK;
 }
@@ -207,13 +225,15 @@ static enum rb_status open_column(struct rb_reader *reader, struct column *colum
 		return RB_OK;
 	column->dataset = rb_input_dataset(&reader->input, path, true, &column->row, &column->rows);
 	if (column->dataset < 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' in '%s' is damaged: its shape or type is not that of a recording",
-		               path, reader->path);
+		return RB_FAIL(
+			err, RB_ERR_INPUT,
+			"'%s' in '%s' is damaged: its shape or type is not that of a recording",
+			path, reader->path);
 	return RB_OK;
 }
 
-static enum rb_status open_table(struct rb_reader *reader, struct table *table, const struct rb_table_cell *cells,
-                                 int count, struct rb_error *err)
+static enum rb_status open_table(struct rb_reader *reader, struct table *table,
+                                 const struct rb_table_cell *cells, int count, struct rb_error *err)
 {
 	for (int i = 0; i < count; i++) {
 		struct column *const cell = &table->cells[i];
@@ -223,7 +243,8 @@ static enum rb_status open_table(struct rb_reader *reader, struct table *table, 
 		if (status)
 			return status;
 		if (cell->dataset < 0)
-			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is missing in '%s'", cells[i].path, reader->path);
+			return RB_FAIL(err, RB_ERR_INPUT, "'%s' is missing in '%s'", cells[i].path,
+			               reader->path);
 	}
 	table->count = count;
 	return RB_OK;
@@ -267,20 +288,24 @@ static enum rb_status open_columns(struct rb_reader *reader, struct rb_error *er
 	if (status)
 		return status;
 	if (reader->step.dataset < 0 || reader->time.dataset < 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not a recording of rbsim: it has no steps and times",
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "'%s' is not a recording of rbsim: it has no steps and times",
 		               reader->path);
 
 	reader->event_end.kind = reader->contact_end.kind = RB_H5_U64;
 	status = open_column(reader, &reader->event_end, "/rbsim/frames/event_end", err);
 	if (status == RB_OK && reader->event_end.dataset >= 0) {
 		reader->reading.fields |= RB_FIELD_EVENTS;
-		status = open_table(reader, &reader->events, rb_event_cells(), RB_EVENT_CELL_COUNT, err);
+		status = open_table(reader, &reader->events, rb_event_cells(), RB_EVENT_CELL_COUNT,
+		                    err);
 	}
 	if (status == RB_OK)
-		status = open_column(reader, &reader->contact_end, "/rbsim/frames/contact_end", err);
+		status = open_column(reader, &reader->contact_end, "/rbsim/frames/contact_end",
+		                     err);
 	if (status == RB_OK && reader->contact_end.dataset >= 0) {
 		reader->reading.fields |= RB_FIELD_CONTACTS;
-		status = open_table(reader, &reader->contacts, rb_contact_cells(), RB_CONTACT_CELL_COUNT, err);
+		status = open_table(reader, &reader->contacts, rb_contact_cells(),
+		                    RB_CONTACT_CELL_COUNT, err);
 	}
 	return status;
 }
@@ -288,7 +313,8 @@ static enum rb_status open_columns(struct rb_reader *reader, struct rb_error *er
 /* All columns of a frame, for what is done to each. */
 static int frame_columns(struct rb_reader *reader, struct column *list[RB_FRAMES_COLUMNS_MAX])
 {
-	struct column *const others[] = {&reader->event_end, &reader->contact_end, &reader->time, &reader->step};
+	struct column *const others[] = {&reader->event_end, &reader->contact_end, &reader->time,
+	                                 &reader->step};
 	int count = 0;
 
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
@@ -302,7 +328,8 @@ static int frame_columns(struct rb_reader *reader, struct column *list[RB_FRAMES
 
 static bool read_end(const struct column *column, hsize_t row, uint64_t *end)
 {
-	return rb_input_rows(column->dataset, RB_H5_U64, column->row, (const hsize_t[]){row, 1}, end);
+	return rb_input_rows(column->dataset, RB_H5_U64, column->row, (const hsize_t[]){row, 1},
+	                     end);
 }
 
 /* Frames whose rows of the table are all there: ends only grow, so half of them can be left out at a time. */
@@ -344,7 +371,8 @@ static void count_frames(struct rb_reader *reader)
 	reader->reading.frame_count = frames;
 	reader->reading.event_count = 0;
 	uint64_t end;
-	if (reader->events.count > 0 && frames > 0 && read_end(&reader->event_end, frames - 1, &end))
+	if (reader->events.count > 0 && frames > 0 &&
+	    read_end(&reader->event_end, frames - 1, &end))
 		reader->reading.event_count = end;
 }
 
@@ -367,7 +395,8 @@ static enum rb_status take_blocks(struct rb_reader *reader, struct rb_error *err
 
 static void forget_columns(struct rb_reader *reader)
 {
-	struct column *const singles[] = {&reader->step, &reader->time, &reader->event_end, &reader->contact_end};
+	struct column *const singles[] = {&reader->step, &reader->time, &reader->event_end,
+	                                  &reader->contact_end};
 
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
 		reader->sources[i].dataset = -1;
@@ -382,10 +411,13 @@ static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *
 	enum rb_status status = rb_input_open(&reader->input, reader->path, err);
 	if (status)
 		return status;
-	reader->reading.version = rb_input_text(&reader->input, "/rbsim/version", &reader->arena, NULL);
+	reader->reading.version = rb_input_text(&reader->input, "/rbsim/version", &reader->arena,
+	                                        NULL);
 	if (!reader->reading.version)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not a recording of rbsim: '/rbsim/version' is missing or no text",
-		               reader->path);
+		return RB_FAIL(
+			err, RB_ERR_INPUT,
+			"'%s' is not a recording of rbsim: '/rbsim/version' is missing or no text",
+			reader->path);
 	status = read_changing(reader, err);
 	if (status == RB_OK)
 		status = read_bodies(reader, err);
@@ -434,7 +466,8 @@ void rb_reader_close(struct rb_reader *reader)
 {
 	if (!reader)
 		return;
-	struct column *const singles[] = {&reader->step, &reader->time, &reader->event_end, &reader->contact_end};
+	struct column *const singles[] = {&reader->step, &reader->time, &reader->event_end,
+	                                  &reader->contact_end};
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++)
 		close_column(&reader->sources[i]);
 	for (int i = 0; i < 4; i++)
@@ -467,7 +500,8 @@ static bool look_again(struct column *column)
 	if (H5Drefresh(column->dataset) < 0)
 		return false;
 	const hid_t space = H5Dget_space(column->dataset);
-	const bool known = space >= 0 && H5Sget_simple_extent_ndims(space) == column->row.rank + 1 &&
+	const bool known = space >= 0 &&
+	                   H5Sget_simple_extent_ndims(space) == column->row.rank + 1 &&
 	                   H5Sget_simple_extent_dims(space, size, NULL) > 0;
 	if (known)
 		column->rows = size[0];
@@ -492,7 +526,9 @@ enum rb_status rb_reader_refresh(struct rb_reader *reader, struct rb_error *err)
 		for (int i = 0; i < tables[k]->count; i++)
 			good = look_again(&tables[k]->cells[i]) && good;
 	if (!good)
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' any more: it was changed or cut off", reader->path);
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "cannot read '%s' any more: it was changed or cut off",
+		               reader->path);
 	count_frames(reader);
 	reader->block_count = 0;
 	return read_changing(reader, err);
@@ -508,18 +544,22 @@ static enum rb_status load_block(struct rb_reader *reader, uint64_t row, struct 
 
 	reader->block_count = 0;
 	for (int i = 0; i < count; i++)
-		if (!rb_input_rows(list[i]->dataset, list[i]->kind, list[i]->row, range, list[i]->block)) {
+		if (!rb_input_rows(list[i]->dataset, list[i]->kind, list[i]->row, range,
+		                   list[i]->block)) {
 			char reason[160];
-			return RB_FAIL(err, RB_ERR_INPUT, "cannot read frames %llu to %llu of '%s': %s",
-			               (unsigned long long)range[0], (unsigned long long)(range[0] + range[1] - 1),
-			               reader->path, rb_h5_reason(reason));
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "cannot read frames %llu to %llu of '%s': %s",
+			               (unsigned long long)range[0],
+			               (unsigned long long)(range[0] + range[1] - 1), reader->path,
+			               rb_h5_reason(reason));
 		}
 	reader->block_first = range[0];
 	reader->block_count = range[1];
 	return RB_OK;
 }
 
-static unsigned char *row_of(const struct rb_reader *reader, const struct column *column, uint64_t row)
+static unsigned char *row_of(const struct rb_reader *reader, const struct column *column,
+                             uint64_t row)
 {
 	return column->block + (row - reader->block_first) * column->row_bytes;
 }
@@ -533,8 +573,8 @@ struct wanted {
 };
 
 /* As structs in table->rows_out. */
-static enum rb_status read_rows(struct rb_reader *reader, struct table *table, const struct wanted *wanted,
-                                int *count, struct rb_error *err)
+static enum rb_status read_rows(struct rb_reader *reader, struct table *table,
+                                const struct wanted *wanted, int *count, struct rb_error *err)
 {
 	uint64_t begin = 0, end;
 
@@ -547,35 +587,47 @@ static enum rb_status read_rows(struct rb_reader *reader, struct table *table, c
 	else if (wanted->row > 0 && !read_end(wanted->ends, wanted->row - 1, &begin))
 		end = 0; /* told below */
 	if (begin > end || end > table->rows || end - begin > INT32_MAX / 2)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' in '%s' is damaged: frame %llu has rows %llu to %llu of %llu",
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "'%s' in '%s' is damaged: frame %llu has rows %llu to %llu of %llu",
 		               wanted->cells[0].path, reader->path, (unsigned long long)wanted->row,
-		               (unsigned long long)begin, (unsigned long long)end, (unsigned long long)table->rows);
+		               (unsigned long long)begin, (unsigned long long)end,
+		               (unsigned long long)table->rows);
 	const hsize_t range[2] = {begin, end - begin};
 	const size_t rows = (size_t)(end - begin);
-	if (!rb_memory_reserve(&table->rows_out, &table->rows_capacity, rows * wanted->row_size + 1, 1) ||
-	    !rb_memory_reserve(&table->cells_out, &table->cells_capacity, rows * 3 * sizeof(double) + 1, 1))
+	if (!rb_memory_reserve(&table->rows_out, &table->rows_capacity, rows * wanted->row_size + 1,
+	                       1) ||
+	    !rb_memory_reserve(&table->cells_out, &table->cells_capacity,
+	                       rows * 3 * sizeof(double) + 1, 1))
 		return no_memory(reader, err);
 	for (int i = 0; i < table->count; i++) {
 		const struct rb_table_cell *const cell = &wanted->cells[i];
 		const size_t bytes = table->cells[i].row_bytes;
-		if (!rb_input_rows(table->cells[i].dataset, cell->kind, table->cells[i].row, range, table->cells_out))
-			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", cell->path, reader->path);
+		if (!rb_input_rows(table->cells[i].dataset, cell->kind, table->cells[i].row, range,
+		                   table->cells_out))
+			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", cell->path,
+			               reader->path);
 		for (size_t k = 0; k < rows; k++)
-			memcpy(table->rows_out + k * wanted->row_size + cell->offset, table->cells_out + k * bytes, bytes);
+			memcpy(table->rows_out + k * wanted->row_size + cell->offset,
+			       table->cells_out + k * bytes, bytes);
 	}
 	*count = (int)rows;
 	return RB_OK;
 }
 
 /* Events and contacts: into memory of the reader's that has the frame's types. */
-static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct rb_frame *frame, struct rb_error *err)
+static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct rb_frame *frame,
+                                struct rb_error *err)
 {
-	const struct wanted events = {rb_event_cells(), &reader->event_end, sizeof(struct rb_event), row};
-	const struct wanted contacts = {rb_contact_cells(), &reader->contact_end, sizeof(struct rb_contact_row), row};
+	const struct wanted events = {rb_event_cells(), &reader->event_end, sizeof(struct rb_event),
+	                              row};
+	const struct wanted contacts = {rb_contact_cells(), &reader->contact_end,
+	                                sizeof(struct rb_contact_row), row};
 
-	enum rb_status status = read_rows(reader, &reader->events, &events, &frame->event_count, err);
+	enum rb_status status = read_rows(reader, &reader->events, &events, &frame->event_count,
+	                                  err);
 	if (status == RB_OK)
-		status = read_rows(reader, &reader->contacts, &contacts, &frame->contact_count, err);
+		status = read_rows(reader, &reader->contacts, &contacts, &frame->contact_count,
+		                   err);
 	if (status)
 		return status;
 	if (frame->event_count > 0)
@@ -583,10 +635,12 @@ static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct r
 	frame->event_capacity = frame->event_count;
 	if (frame->contact_count > 0) {
 		/* without their steps, in place: a row is longer than what is left of it */
-		struct rb_frame_contact *const packed = (struct rb_frame_contact *)(void *)reader->contacts.rows_out;
+		struct rb_frame_contact *const packed = (struct rb_frame_contact *)(void *)
+		                                                reader->contacts.rows_out;
 		for (int i = 0; i < frame->contact_count; i++) {
 			struct rb_contact_row contact;
-			memcpy(&contact, reader->contacts.rows_out + (size_t)i * sizeof contact, sizeof contact);
+			memcpy(&contact, reader->contacts.rows_out + (size_t)i * sizeof contact,
+			       sizeof contact);
 			packed[i] = contact.contact;
 		}
 		frame->contacts = packed;
@@ -595,15 +649,17 @@ static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct r
 	return RB_OK;
 }
 
-enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb_frame *frame, struct rb_error *err)
+enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb_frame *frame,
+                               struct rb_error *err)
 {
 	const struct rb_frames_source *const sources = rb_frames_sources();
 	int64_t step;
 
 	*frame = (struct rb_frame){0};
 	if (row >= reader->reading.frame_count)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no frame %llu: it has %llu", reader->path,
-		               (unsigned long long)row, (unsigned long long)reader->reading.frame_count);
+		return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no frame %llu: it has %llu",
+		               reader->path, (unsigned long long)row,
+		               (unsigned long long)reader->reading.frame_count);
 	rb_h5_quiet();
 	if (row < reader->block_first || row - reader->block_first >= reader->block_count) {
 		const enum rb_status status = load_block(reader, row, err);
@@ -622,7 +678,8 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 			double *const column = (double *)(void *)at;
 			memcpy((unsigned char *)frame + sources[i].offset, &column, sizeof column);
 		} else {
-			memcpy((unsigned char *)&frame->numbers + sources[i].offset, at, reader->sources[i].row_bytes);
+			memcpy((unsigned char *)&frame->numbers + sources[i].offset, at,
+			       reader->sources[i].row_bytes);
 		}
 	}
 	const enum rb_status status = fill_rows(reader, row, frame, err);
@@ -632,8 +689,8 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 }
 
 /* The whole of a column of numbers, as doubles. */
-static enum rb_status read_whole(struct rb_reader *reader, const struct column *column, const char *name,
-                                 double *values, struct rb_error *err)
+static enum rb_status read_whole(struct rb_reader *reader, const struct column *column,
+                                 const char *name, double *values, struct rb_error *err)
 {
 	const hsize_t range[2] = {0, reader->reading.frame_count};
 
@@ -642,8 +699,8 @@ static enum rb_status read_whole(struct rb_reader *reader, const struct column *
 	return RB_OK;
 }
 
-enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, int width, double *values,
-                                    struct rb_error *err)
+enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, int width,
+                                    double *values, struct rb_error *err)
 {
 	static const char folder[] = "/observables/";
 	const struct rb_frames_source *const sources = rb_frames_sources();
@@ -658,14 +715,8 @@ enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, 
 			break;
 		if (reader->sources[i].dataset >= 0)
 			return read_whole(reader, &reader->sources[i], name, values, err);
-		/* fixed in time: one value for all frames */
-		double fixed[3] = {0};
-		const rb_h5_shape shape = {width > 1, {(hsize_t)width}};
-		if (!rb_input_numbers(&reader->input, sources[i].path, RB_H5_F64, shape, fixed))
-			break;
-		for (uint64_t k = 0; k < reader->reading.frame_count; k++)
-			memcpy(values + k * (uint64_t)width, fixed, (size_t)width * sizeof *fixed);
-		return RB_OK;
+		break;
 	}
-	return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no observable '%s' of width %d", reader->path, name, width);
+	return RB_FAIL(err, RB_ERR_INPUT, "'%s' has no observable '%s' of width %d", reader->path,
+	               name, width);
 }

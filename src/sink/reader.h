@@ -10,13 +10,14 @@
 
 #include "sink/module.h"
 
-RB_CHECKED enum rb_status rb_reader_open(struct rb_reader **reader, const char *path, struct rb_error *err);
+RB_CHECKED enum rb_status rb_reader_open(struct rb_reader **reader, const char *path,
+                                         struct rb_error *err);
 void rb_reader_close(struct rb_reader *reader); /* NULL is fine */
 const struct rb_reading *rb_reader_reading(const struct rb_reader *reader);
 RB_CHECKED enum rb_status rb_reader_refresh(struct rb_reader *reader, struct rb_error *err);
-RB_CHECKED enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb_frame *frame,
-                                          struct rb_error *err);
-RB_CHECKED enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, int width,
-                                               double *values, struct rb_error *err);
+RB_CHECKED enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row,
+                                          struct rb_frame *frame, struct rb_error *err);
+RB_CHECKED enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name,
+                                               int width, double *values, struct rb_error *err);
 
 #endif

@@ -52,8 +52,9 @@ struct rb_recorder {
 	struct rb_h5 h5;
 	bool file_open;
 	struct rb_frames frames;
-	uint64_t oldest_ns; /* when the oldest frame came that no flush has seen; 0: there is none */
-	bool failed;        /* no more frames: `why` says why */
+	uint64_t
+		oldest_ns; /* when the oldest frame came that no flush has seen; 0: there is none */
+	bool failed;       /* no more frames: `why` says why */
 	struct rb_error why;
 };
 
@@ -98,7 +99,8 @@ static const char *lock_advice(int number)
 	               : "";
 }
 
-static enum rb_status note_failure(struct rb_recorder *recorder, enum rb_status status, struct rb_error *err)
+static enum rb_status note_failure(struct rb_recorder *recorder, enum rb_status status,
+                                   struct rb_error *err)
 {
 	if (!recorder->failed) {
 		recorder->failed = true;
@@ -122,7 +124,8 @@ static enum rb_status reserve(struct rb_recorder *recorder, uint64_t need, struc
 	H5Fget_eoa(recorder->h5.file, &end);
 	const int number = rb_output_reserve(&recorder->output, end, need);
 	if (number != 0)
-		return RB_FAIL(err, RB_ERR_IO, "cannot write '%s': %s", recorder->path, strerror(number));
+		return RB_FAIL(err, RB_ERR_IO, "cannot write '%s': %s", recorder->path,
+		               strerror(number));
 	return RB_OK;
 }
 
@@ -154,7 +157,8 @@ static enum rb_status write_out(struct rb_recorder *recorder, struct rb_error *e
 	struct rb_error error;
 
 	if (recorder->frames.count > 0) {
-		const enum rb_status status = reserve(recorder, rb_frames_need(&recorder->frames), &error);
+		const enum rb_status status = reserve(recorder, rb_frames_need(&recorder->frames),
+		                                      &error);
 		if (status) {
 			if (err)
 				*err = error;
@@ -173,8 +177,8 @@ static void fail_create(struct rb_h5 *h5)
 
 	if (h5->status)
 		return;
-	h5->status = RB_FAIL(&h5->error, RB_ERR_CREATE, "cannot create '%s': %s%s", h5->name, rb_h5_reason(reason),
-	                     lock_advice(rb_h5_errno()));
+	h5->status = RB_FAIL(&h5->error, RB_ERR_CREATE, "cannot create '%s': %s%s", h5->name,
+	                     rb_h5_reason(reason), lock_advice(rb_h5_errno()));
 }
 
 /* All that does not change: a complete file of its own. */
@@ -183,7 +187,8 @@ static void make_about(struct rb_recorder *recorder)
 	struct rb_h5 *const h5 = &recorder->h5;
 	const hid_t access = file_access(1);
 
-	*h5 = (struct rb_h5){.file = create_file(recorder->output.partial, access), .name = recorder->path};
+	*h5 = (struct rb_h5){.file = create_file(recorder->output.partial, access),
+	                     .name = recorder->path};
 	rb_h5_done(access);
 	if (h5->file < 0) {
 		fail_create(h5);
@@ -246,7 +251,8 @@ static enum rb_status open_file(void *self, struct rb_error *err)
 	struct rb_recorder *const recorder = self;
 
 	rb_h5_quiet();
-	enum rb_status status = rb_output_open(&recorder->output, recorder->path, recorder->replace, err);
+	enum rb_status status = rb_output_open(&recorder->output, recorder->path, recorder->replace,
+	                                       err);
 	if (status)
 		return status;
 	status = make_file(recorder, err);
@@ -320,7 +326,8 @@ static void write_end(struct rb_recorder *recorder, const struct rb_outcome *out
 	}
 	rb_clock_utc(text);
 	rb_h5_retext(h5, "/rbsim/ended", text);
-	rb_h5_retext(h5, "/rbsim/status", recorder->failed ? "failed" : status_text(outcome->status));
+	rb_h5_retext(h5, "/rbsim/status",
+	             recorder->failed ? "failed" : status_text(outcome->status));
 	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
 		rb_h5_fail(h5, "flush", "/");
 }
@@ -333,7 +340,8 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames)
 		const hid_t dataset = H5Dopen2(h5->file, frames->columns[i].path, H5P_DEFAULT);
 		const hid_t space = dataset < 0 ? -1 : H5Dget_space(dataset);
 
-		if (space >= 0 && H5Sget_simple_extent_dims(space, size, NULL) > 0 && size[0] > frames->written) {
+		if (space >= 0 && H5Sget_simple_extent_dims(space, size, NULL) > 0 &&
+		    size[0] > frames->written) {
 			size[0] = frames->written;
 			if (H5Dset_extent(dataset, size) < 0)
 				rb_h5_fail(h5, "cut", frames->columns[i].path);
@@ -356,15 +364,18 @@ static void add_vtk(struct rb_recorder *recorder)
 	const struct rb_frames *const frames = &recorder->frames;
 	unsigned char superblock[SUPERBLOCK_SIZE];
 
-	if (frames->written == 0 || recorder->info->model->body_count == 0 || !(frames->fields & RB_FIELD_POSITION))
+	if (frames->written == 0 || recorder->info->model->body_count == 0 ||
+	    !(frames->fields & RB_FIELD_POSITION))
 		return;
 	const off_t end = lseek(recorder->output.fd, 0, SEEK_END);
 	const uint64_t need = rb_vtk_need(recorder->info->model, frames->written);
 	int number = end < 0 ? errno : rb_output_reserve(&recorder->output, (uint64_t)end, need);
-	if (number == 0 && pread(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
+	if (number == 0 &&
+	    pread(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
 		number = EIO;
 	if (number != 0) {
-		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path, strerror(number));
+		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path,
+		       strerror(number));
 		return;
 	}
 
@@ -375,17 +386,20 @@ static void add_vtk(struct rb_recorder *recorder)
 	if (h5->file < 0) {
 		rb_h5_fail(h5, "open", "/");
 	} else {
-		if (pwrite(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
+		if (pwrite(recorder->output.fd, superblock, sizeof superblock, 0) !=
+		    SUPERBLOCK_SIZE)
 			rb_log(RB_LOG_DEBUG, "cannot put back the superblock: %s", strerror(errno));
 		trim(h5, frames);
-		rb_vtk_write(h5, recorder->info->model, frames->fields, frames->written, frames->time->path);
+		rb_vtk_write(h5, recorder->info->model, frames->fields, frames->written,
+		             frames->time->path);
 		if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {
 			if (H5Fclose(h5->file) < 0)
 				rb_h5_fail(h5, "close", "/");
 		}
 	}
 	if (h5->status)
-		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path, h5->error.text);
+		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path,
+		       h5->error.text);
 }
 
 static enum rb_status close_file(void *self, const struct rb_outcome *outcome, struct rb_error *err)
@@ -428,7 +442,8 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 	return failed_before ? RB_OK : recorder->why.status;
 }
 
-enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink *sink, const struct rb_run_info *info,
+enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink *sink,
+                                  const struct rb_run_info *info,
                                   const struct rb_recorder_options *options, struct rb_error *err)
 {
 	*recorder = NULL;
@@ -438,7 +453,8 @@ enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink 
 	if (!made || !path) {
 		rb_memory_free(made);
 		rb_memory_free(path);
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot record '%s': out of memory", options->path);
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot record '%s': out of memory",
+		               options->path);
 	}
 	made->info = info;
 	made->path = path;
@@ -478,9 +494,12 @@ void rb_recorder_destroy(struct rb_recorder *recorder)
 static hid_t memory_file(unsigned alignment)
 {
 	const hid_t access = file_access(alignment);
+	char name[64];
 
 	H5Pset_fapl_core(access, 1 << 16, 0);
-	const hid_t file = create_file("/dev/null/estimate", access); /* a name that no file can have: none is made */
+	/* names that no file can have, so that none is looked at, and two, so that these are two */
+	snprintf(name, sizeof name, "/dev/null/estimate-%u", alignment);
+	const hid_t file = create_file(name, access);
 	rb_h5_done(access);
 	return file;
 }
@@ -488,7 +507,8 @@ static hid_t memory_file(unsigned alignment)
 /* Its size, that of its image, for the file itself goes by whole blocks; then it is closed. */
 static size_t close_memory_file(hid_t file)
 {
-	const ssize_t size = H5Fflush(file, H5F_SCOPE_LOCAL) < 0 ? -1 : H5Fget_file_image(file, NULL, 0);
+	const ssize_t size = H5Fflush(file, H5F_SCOPE_LOCAL) < 0 ? -1
+	                                                         : H5Fget_file_image(file, NULL, 0);
 
 	H5Fclose(file);
 	return size < 0 ? 0 : (size_t)size;
@@ -515,6 +535,8 @@ uint64_t rb_recorder_estimate(const struct rb_run_info *info)
 	const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
 	rb_vtk_write(&growing, info->model, frames.fields, expected, frames.time->path);
 	rb_frames_release(&frames);
-	const size_t fixed = close_memory_file(about.file), moving = close_memory_file(growing.file);
-	return about.status || growing.status || fixed == 0 || moving == 0 ? 0 : fixed + moving + rows;
+	const size_t fixed = close_memory_file(about.file),
+		     moving = close_memory_file(growing.file);
+	return about.status || growing.status || fixed == 0 || moving == 0 ? 0
+	                                                                   : fixed + moving + rows;
 }

@@ -12,7 +12,8 @@
 
 RB_CHECKED enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink *sink,
                                              const struct rb_run_info *info,
-                                             const struct rb_recorder_options *options, struct rb_error *err);
+                                             const struct rb_recorder_options *options,
+                                             struct rb_error *err);
 void rb_recorder_destroy(struct rb_recorder *recorder); /* NULL is fine */
 /* 0 when memory is out. With compression it is what the run would take without. */
 uint64_t rb_recorder_estimate(const struct rb_run_info *info);
