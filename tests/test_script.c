@@ -238,14 +238,15 @@ static void parameters_take_the_type_of_their_default(void **state)
 	assert_int_equal(it.status, RB_ERR_USAGE);
 	assert_int_equal(it.mistakes.count, 6);
 	assert_string_equal(it.mistakes.line[0], "t.lua: --param a: must be a number (got 'nan')");
-	assert_string_equal(it.mistakes.line[1],
-	                    "t.lua: --param n: must be a whole number (got '1.5')");
+	assert_string_equal(
+		it.mistakes.line[1],
+		"t.lua: --param n: must be a whole number, as its default 5 is one (write 5.0 in the scene for any number) (got '1.5')");
 	assert_string_equal(it.mistakes.line[2],
 	                    "t.lua: --param b: must be true or false (got 'no')");
 	assert_string_equal(it.mistakes.line[3], "t.lua: --param s: must be one of x, y (got 'z')");
 	assert_string_equal(
 		it.mistakes.line[4],
-		"t.lua: --param aa: the scene has no such parameter (did you mean 'a'?)");
+		"t.lua: --param aa: the scene has no such parameter (did you mean 'a'?); it has a, n, b, s");
 	assert_string_equal(it.mistakes.line[5], "t.lua: --param 'q': wants NAME=VALUE");
 	unload(&it);
 }
@@ -364,6 +365,35 @@ static void requires_come_from_beside_the_scene_and_are_kept(void **state)
 	load_with(&it, &options);
 	assert_int_equal(it.status, RB_ERR_SCENE);
 	assert_non_null(strstr(it.error.text, "in a circle"));
+	unload(&it);
+}
+
+static void a_call_that_is_assigned_to_is_a_mistake(void **state)
+{
+	static const struct {
+		const char *text, *message;
+	} cases[] = {
+		{"world { duration = 1 }\nfunction on_step(t, dt) end",
+	         "t.lua:2: 'on_step' is a call of the scene language: write on_step(function(t, dt) ... end)"},
+		{"-- world = nothing\n\nworld = { duration = 1 }",
+	         "t.lua:3: 'world' is a call of the scene language: write world { ... }"},
+		{"world { duration = 1 }\n_G['sphere'] = 5\n",
+	         "t.lua: 'sphere' is a call of the scene language: write sphere { ... }"},
+		{"world = { duration = 1 }\nworld()",
+	         "t.lua:1: 'world' is a call of the scene language: write world { ... }"},
+	};
+	struct loaded it;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		load_text(&it, cases[i].text);
+		assert_int_equal(it.status, RB_ERR_SCENE);
+		assert_string_equal(it.error.text, cases[i].message);
+		unload(&it);
+	}
+	must_load(&it, "local world, plane = world, 5 world { duration = 1 } box = 3\n"
+	               "local t = { sphere = 1 } t.sphere = 2\n"
+	               "do local function on_step() end on_step() end\n");
 	unload(&it);
 }
 
@@ -573,6 +603,7 @@ int main(void)
 		cmocka_unit_test(bytecode_is_refused),
 		cmocka_unit_test(a_first_line_for_the_shell_and_a_byte_order_mark_are_passed_over),
 		cmocka_unit_test(requires_come_from_beside_the_scene_and_are_kept),
+		cmocka_unit_test(a_call_that_is_assigned_to_is_a_mistake),
 		cmocka_unit_test(a_mistake_in_a_helper_shows_the_line_of_the_scene),
 		cmocka_unit_test(handles_show_the_initial_values),
 		cmocka_unit_test(vectors_have_operators),

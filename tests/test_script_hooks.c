@@ -271,6 +271,28 @@ static void expectations_are_measured_against_their_bounds(void **state)
 	end(&run);
 }
 
+static void a_broken_expectation_does_not_cost_the_others(void **state)
+{
+	struct run run;
+
+	(void)state;
+	run_text(&run, "world { duration = 0.1 } sphere { radius = 1 }\n"
+	               "expect('before', function() return true end)\n"
+	               "expect('breaks', function() return nil + 1 end)\n"
+	               "expect('of no type', function() return 'x' end)\n"
+	               "expect('after', function() return 1, 2 end)\n");
+	assert_int_equal(run.status, RB_ERR_SCENE);
+	assert_string_equal(run.error.text,
+	                    "t.lua:3: attempt to perform arithmetic on a nil value");
+	assert_non_null(strstr(rb_script_traceback(run.script), "t.lua:3:"));
+	assert_true(run.results[0].ok && run.results[3].ok);
+	assert_false(run.results[1].ok || run.results[2].ok);
+	assert_string_equal(run.results[1].message, run.error.text);
+	assert_non_null(strstr(run.results[2].message, "expect 'of no type'"));
+	assert_near(run.results[3].measured, 1, 0);
+	end(&run);
+}
+
 static void a_reference_can_be_used_by_expects(void **state)
 {
 	struct run run;
@@ -330,6 +352,7 @@ int main(void)
 		cmocka_unit_test(an_error_in_a_callback_has_its_place_and_a_traceback),
 		cmocka_unit_test(mistakes_in_callbacks_are_told),
 		cmocka_unit_test(expectations_are_measured_against_their_bounds),
+		cmocka_unit_test(a_broken_expectation_does_not_cost_the_others),
 		cmocka_unit_test(a_reference_can_be_used_by_expects),
 		cmocka_unit_test(a_cameras_function_of_time_can_be_asked),
 		cmocka_unit_test(random_numbers_in_callbacks_repeat_from_run_to_run),

@@ -459,6 +459,66 @@ static void a_lone_ball_pushed_hard_bounces(void **slot)
 	lab_close(&lab);
 }
 
+/* Slow company keeps the boxes small: what an impact throws out of its box must still be found. */
+static void a_body_thrown_by_an_impact_meets_the_next(void **slot)
+{
+	(void)slot;
+	for (int kind = 0; kind <= 1; kind++) {
+		struct lab lab;
+
+		lab_open(&lab, 0.1, 60);
+		lab_surface(&lab, 0, 1);
+		lab.scene.world.rollback = kind == 0 ? RB_ROLLBACK_SELECTIVE : RB_ROLLBACK_GLOBAL;
+		lab_sphere(&lab, 0.1, 1, at(-2, 0, 0), at(1000, 0, 0));
+		const int thrown = lab_sphere(&lab, 0.1, 1, origin, origin);
+		const int met = lab_sphere(&lab, 0.1, 1, at(1.2, 0, 0), origin);
+		for (int k = 0; k < 300; k++)
+			lab_sphere(&lab, 0.1, 1, at(k, 50, 0), origin);
+		lab_seal(&lab, 1);
+		lab_run(&lab);
+		assert_near(rb_world_velocity(lab.world, met).x, 1000, 1e-9);
+		assert_near(rb_world_velocity(lab.world, thrown).x, 0, 1e-9);
+		assert_int_equal(rb_world_totals(lab.world).collisions, 2);
+		lab_close(&lab);
+	}
+}
+
+static void an_overlap_within_the_tolerance_gives_no_energy(void **slot)
+{
+	struct lab lab;
+
+	(void)slot;
+	lab_open(&lab, 1, 60);
+	lab.scene.world.tolerance_m = 1e-3;
+	lab_surface(&lab, 0, 1);
+	lab_sphere(&lab, 0.1, 1, origin, origin);
+	lab_sphere(&lab, 0.1, 1, at(0.2 - 0.99e-3, 0, 0), origin);
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_near(rb_world_totals(lab.world).kinetic_energy, 0, 1e-20);
+	lab_close(&lab);
+}
+
+/* A whole turn a step ends where it began: the straight path of the middle shows nothing. */
+static void an_eccentric_body_in_whole_turns_still_hits(void **slot)
+{
+	struct lab lab;
+
+	(void)slot;
+	lab_open(&lab, 0.1, 240);
+	lab.scene.world.time_step_s = 1.0 / 240;
+	lab_surface(&lab, 0, 1);
+	struct rb_body_def def = lab_sphere_def(0.1, 1, origin, origin);
+	def.center_of_mass = at(-0.05, 0, 0);
+	def.angular_velocity = at(0, 0, 2 * 3.14159265358979 * 240);
+	lab_add(&lab, &def);
+	lab_plane(&lab, at(-0.13, 0, 0), at(1, 0, 0));
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).collisions > 0);
+	lab_close(&lab);
+}
+
 static bool hit(void *user)
 {
 	(void)user;
@@ -564,6 +624,9 @@ int main(void)
 		cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
 		cmocka_unit_test(an_eccentric_impact_never_raises_energy),
 		cmocka_unit_test(a_lone_ball_pushed_hard_bounces),
+		cmocka_unit_test(a_body_thrown_by_an_impact_meets_the_next),
+		cmocka_unit_test(an_overlap_within_the_tolerance_gives_no_energy),
+		cmocka_unit_test(an_eccentric_body_in_whole_turns_still_hits),
 		cmocka_unit_test(a_stop_ends_the_run_at_a_frame),
 		cmocka_unit_test(what_cannot_be_resolved_is_said_with_names),
 		cmocka_unit_test(a_timed_force_gives_its_whole_impulse),

@@ -231,7 +231,7 @@ static void json_materials(struct rb_json *json, const struct rb_loaded *loaded)
 }
 
 static void print_json(const struct rb_loaded *loaded, const struct rb_run_info *info,
-                       const struct needs *needs)
+                       const struct needs *needs, int exit_code)
 {
 	const struct rb_model *const model = loaded->model;
 	struct rb_json json = {.file = stdout};
@@ -239,6 +239,8 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_open(&json, NULL, '{');
 	rb_json_text(&json, "scene", loaded->scene.file);
 	rb_json_text(&json, "title", loaded->scene.world.title);
+	rb_json_text(&json, "status", "accepted");
+	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
 	rb_json_count(&json, "bodies", (uint64_t)model->body_count);
 	rb_json_count(&json, "statics", (uint64_t)model->static_count);
 	rb_json_count(&json, "frames", model->frame_count);
@@ -277,15 +279,15 @@ int rb_check_main(const struct rb_options *options)
 	if (!status)
 		status = estimate(&loaded, &info, &needs, &err);
 	if (status) {
-		exit_code = rb_app_fail_scene(options, &loaded, &err);
+		exit_code = rb_app_refuse_scene(options, &loaded, &err);
 	} else {
-		if (options->json)
-			print_json(&loaded, &info, &needs);
-		else if (!options->quiet)
+		if (!options->json && !options->quiet)
 			print_text(&loaded, options, &info, &needs);
 		/* A refusal of another kind comes while it runs, if it comes. */
 		if (loaded.scene.expect_refused == rb_status_exit_code(RB_ERR_SCENE))
 			exit_code = rb_app_not_refused(&loaded);
+		if (options->json)
+			print_json(&loaded, &info, &needs, exit_code);
 	}
 	rb_run_texts_release(&texts);
 	rb_loaded_release(&loaded);

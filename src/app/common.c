@@ -6,7 +6,9 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/json.h"
 #include "base/memory.h"
+#include "math/vec3.h"
 #include "script/pattern.h"
 
 int rb_app_fail(const struct rb_options *options, const struct rb_error *err)
@@ -33,11 +35,34 @@ static bool refused_as_expected(const struct rb_loaded *loaded, const struct rb_
 	return false;
 }
 
+/* A text that says where in a script it arose: FILE:LINE: ... */
+static bool has_place(const struct rb_loaded *loaded, const char *text)
+{
+	const size_t size = loaded->scene.file ? strlen(loaded->scene.file) : 0;
+	const char *colon = size && strncmp(text, loaded->scene.file, size) == 0
+	                            ? text + size
+	                            : text + strcspn(text, ": ");
+	const size_t digits = *colon == ':' ? strspn(colon + 1, "0123456789") : 0;
+
+	return digits > 0 && colon[1 + digits] == ':';
+}
+
+/* Of a callback always; of a scene that does not load, where the place says enough, on demand. */
+static void print_traceback(const struct rb_options *options, const struct rb_loaded *loaded,
+                            const struct rb_error *err)
+{
+	const char *traceback = loaded->script ? rb_script_traceback(loaded->script) : "";
+	const bool callback = err->status == RB_ERR_SCENE && loaded->mistakes.count == 0;
+	const char *calls = strstr(traceback, "stack traceback:");
+
+	if (calls && (callback || options->debug))
+		fprintf(stderr, "%s\n", calls);
+}
+
 int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *loaded,
                       const struct rb_error *err)
 {
 	const struct rb_mistakes *const mistakes = &loaded->mistakes;
-	const char *traceback = loaded->script ? rb_script_traceback(loaded->script) : "";
 
 	if (refused_as_expected(loaded, err)) {
 		if (!options->quiet)
@@ -45,7 +70,10 @@ int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *
 		return 0;
 	}
 	if (mistakes->count == 0 || (err->status != RB_ERR_SCENE && err->status != RB_ERR_USAGE)) {
-		(void)rb_app_fail(options, err);
+		if (err->status == RB_ERR_SCENE && has_place(loaded, err->text))
+			fprintf(stderr, "%s\n", err->text);
+		else
+			(void)rb_app_fail(options, err);
 	} else {
 		for (int i = 0; i < mistakes->count && i < RB_MISTAKES_MAX; i++)
 			if (mistakes->line[i])
@@ -56,14 +84,60 @@ int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *
 			fprintf(stderr, "rbsim: (%s error, from %s:%d)\n",
 			        rb_status_name(err->status), err->file, err->line);
 	}
-	if (options->debug && *traceback)
-		fprintf(stderr, "%s\n", traceback);
+	print_traceback(options, loaded, err);
 	if (loaded->scene.expect_refused)
 		fprintf(stderr, "rbsim: the scene expected to be refused with status %d and '%s'\n",
 		        loaded->scene.expect_refused,
 		        loaded->scene.expect_refused_pattern ? loaded->scene.expect_refused_pattern
 		                                             : "");
 	return rb_status_exit_code(err->status);
+}
+
+void rb_app_json_refusal(const struct rb_options *options, const struct rb_loaded *loaded,
+                         const struct rb_error *err, int exit_code)
+{
+	static const char *const operand_names[RB_VERB_COUNT][2] = {
+		[RB_VERB_RUN] = {"scene"},
+		[RB_VERB_CHECK] = {"scene"},
+		[RB_VERB_INFO] = {"file"},
+		[RB_VERB_DIFF] = {"a", "b"},
+	};
+	struct rb_json json = {.file = stdout};
+
+	if (!options->json)
+		return;
+	rb_json_open(&json, NULL, '{');
+	for (int i = 0; i < 2; i++)
+		if (operand_names[options->verb][i])
+			rb_json_text(&json, operand_names[options->verb][i], options->operand[i]);
+	rb_json_text(&json, "status", "refused");
+	rb_json_text(&json, "reason", *err->text ? err->text : rb_status_name(err->status));
+	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
+	rb_json_text(&json, "error", *err->text ? err->text : rb_status_name(err->status));
+	rb_json_open(&json, "mistakes", '[');
+	for (int i = 0; loaded && i < loaded->mistakes.count && i < RB_MISTAKES_MAX; i++)
+		if (loaded->mistakes.line[i])
+			rb_json_text(&json, NULL, loaded->mistakes.line[i]);
+	rb_json_close(&json, ']');
+	rb_json_close(&json, '}');
+	putchar('\n');
+}
+
+int rb_app_refuse(const struct rb_options *options, const struct rb_error *err)
+{
+	const int exit_code = rb_app_fail(options, err);
+
+	rb_app_json_refusal(options, NULL, err, exit_code);
+	return exit_code;
+}
+
+int rb_app_refuse_scene(const struct rb_options *options, const struct rb_loaded *loaded,
+                        const struct rb_error *err)
+{
+	const int exit_code = rb_app_fail_scene(options, loaded, err);
+
+	rb_app_json_refusal(options, loaded, err, exit_code);
+	return exit_code;
 }
 
 int rb_app_not_refused(const struct rb_loaded *loaded)
@@ -86,7 +160,7 @@ int rb_app_finish(const struct rb_options *options, int exit_code)
 	(void)RB_FAIL(&err, RB_ERR_IO, "cannot write standard output: %s",
 	              errno ? strerror(errno) : "an earlier write failed");
 	const int failed = rb_app_fail(options, &err);
-	return exit_code ? exit_code : failed;
+	return exit_code > rb_status_exit_code(RB_ERR_EXPECT) ? exit_code : failed;
 }
 
 static void override(struct rb_world_def *world, const struct rb_options *options)
@@ -181,6 +255,29 @@ uint64_t rb_process_bytes(const char *key)
 	if (file)
 		fclose(file);
 	return kilobytes ? kilobytes * 1024 : rb_memory_counts().bytes_peak;
+}
+
+double rb_larger(double a, double b)
+{
+	return isnan(a) || isnan(b) ? (double)NAN : fmax(a, b);
+}
+
+double rb_change_of(rb_vec3 now, rb_vec3 then)
+{
+	const rb_vec3 change = rb_vec3_sub(now, then);
+	const bool finite = isfinite(change.x) && isfinite(change.y) && isfinite(change.z);
+
+	return finite ? rb_vec3_length(change) : (double)NAN;
+}
+
+const char *rb_text_measure(const char *before, double value, int digits, const char *unit,
+                            char out[64])
+{
+	if (isfinite(value))
+		snprintf(out, 64, "%s%.*g %s", before, digits, value, unit);
+	else
+		snprintf(out, 64, "not finite");
+	return out;
 }
 
 const char *rb_text_bytes(uint64_t bytes, char out[32])

@@ -10,6 +10,7 @@
 #include <stdio.h>
 
 #include <rbsim/error.h>
+#include <rbsim/math.h>
 #include <rbsim/model.h>
 
 #include "app/options.h"
@@ -38,17 +39,30 @@ void rb_loaded_release(struct rb_loaded *loaded); /* safe on a zeroed one */
 int rb_app_fail(const struct rb_options *options, const struct rb_error *err);
 
 /*
- * As rb_app_fail, with every mistake of the scene on a line of its own. A scene that expects to be
+ * As rb_app_fail, with every mistake of the scene on a line of its own, or the traceback of a
+ * callback that has failed. A scene that expects to be
  * refused this way (expect_refused) is told so and gives 0.
  */
 int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *loaded,
                       const struct rb_error *err);
+/*
+ * With --json: the one object of a run that was not started, or of a check or another verb that
+ * failed, on standard output. `loaded` may be NULL.
+ */
+void rb_app_json_refusal(const struct rb_options *options, const struct rb_loaded *loaded,
+                         const struct rb_error *err, int exit_code);
+/* rb_app_fail with rb_app_json_refusal. */
+int rb_app_refuse(const struct rb_options *options, const struct rb_error *err);
+/* rb_app_fail_scene with rb_app_json_refusal. */
+int rb_app_refuse_scene(const struct rb_options *options, const struct rb_loaded *loaded,
+                        const struct rb_error *err);
 /* A scene that expects to be refused and was not: tells it and gives the exit status. */
 int rb_app_not_refused(const struct rb_loaded *loaded);
 
 /*
  * The end of a verb: standard output is flushed; `exit_code` if all of it was written or there is
- * a failure to tell already, that of RB_ERR_IO otherwise (a closed pipe, a full disk).
+ * a failure to tell already, that of RB_ERR_IO otherwise (a closed pipe, a full disk). A verdict
+ * (1) that could not be written is no failure to tell.
  */
 int rb_app_finish(const struct rb_options *options, int exit_code);
 
@@ -57,6 +71,16 @@ int rb_app_finish(const struct rb_options *options, int exit_code);
  * base/memory knows where the system does not tell.
  */
 uint64_t rb_process_bytes(const char *key);
+
+/* The larger one, NAN if one of them is (fmax would pass over it). */
+double rb_larger(double a, double b);
+
+/* |now - then|, NAN if a component is not finite (a length may pass over it). */
+double rb_change_of(rb_vec3 now, rb_vec3 then);
+
+/* A measured value for people, `before` in front of it: by up to 12.5 J, or "not finite" alone. */
+const char *rb_text_measure(const char *before, double value, int digits, const char *unit,
+                            char out[64]);
 
 /* A size for people: 512 bytes, 1.2 kB, 34 MB. */
 const char *rb_text_bytes(uint64_t bytes, char out[32]);

@@ -153,11 +153,17 @@ static const char *label_of(const struct side *side, int body, char out[64])
 	return out;
 }
 
+/* A sign of it says nothing, but would be printed. */
+static double plain_nan(double x)
+{
+	return isnan(x) ? (double)NAN : x;
+}
+
 static void print_vector(const struct side *side, const struct difference *found, int i)
 {
 	printf("  %s:", side[i].path);
 	for (int k = 0; k < columns[found->column].width; k++)
-		printf(" %.17g", found->value[i][k]);
+		printf(" %.17g", plain_nan(found->value[i][k]));
 	putchar('\n');
 }
 
@@ -198,7 +204,8 @@ static void print_text(const struct side *side, const struct difference *found)
 		printf("frame %" PRIu64
 		       " (%.9g s): body %s: %s differs by %.3g (the largest difference of any body: %.3g)\n",
 		       found->row, found->time[0], label_of(&side[0], found->body, label),
-		       columns[found->column].name, found->largest, found->largest_in_frame);
+		       columns[found->column].name, plain_nan(found->largest),
+		       plain_nan(found->largest_in_frame));
 		print_vector(side, found, 0);
 		print_vector(side, found, 1);
 		break;
@@ -278,7 +285,7 @@ int rb_diff_main(const struct rb_options *options)
 	int exit_code;
 
 	if (status)
-		exit_code = rb_app_fail(options, &err);
+		exit_code = rb_app_refuse(options, &err);
 	else
 		exit_code = rb_status_exit_code(found.kind == SAME ? RB_OK : RB_ERR_EXPECT);
 	return rb_app_finish(options, exit_code);

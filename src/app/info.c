@@ -14,6 +14,7 @@
 /* How the run went, from the observables; NAN where they are not in the file. */
 struct course {
 	double first_s, last_s;
+	bool has_energy, has_momentum;
 	double energy_first, energy_last, kinetic_max;   /* J */
 	double momentum_change, angular_momentum_change; /* largest |x(t) - x(0)| */
 	double max_penetration, smallest_step;
@@ -52,9 +53,9 @@ static double largest_change(const struct observer *observer, const char *name)
 	if (!observe(observer, name, 3))
 		return NAN;
 	for (uint64_t k = 0; k < observer->frame_count; k++) {
-		const rb_vec3 change = rb_vec3_sub(rb_vec3_from(observer->values + 3 * k),
+		const double change = rb_change_of(rb_vec3_from(observer->values + 3 * k),
 		                                   rb_vec3_from(observer->values));
-		largest = fmax(largest, rb_vec3_length(change));
+		largest = rb_larger(largest, change);
 	}
 	return largest;
 }
@@ -68,9 +69,11 @@ static void observe_energy(const struct observer *observer, struct course *cours
 		return;
 	const double kinetic_first = observer->values[0], kinetic_last = observer->values[last];
 	for (uint64_t k = 0; k <= last; k++)
-		course->kinetic_max = fmax(course->kinetic_max, observer->values[k]);
+		course->kinetic_max = k == 0 ? observer->values[0]
+		                             : rb_larger(course->kinetic_max, observer->values[k]);
 	if (!observe(observer, "potential_energy", 1))
 		return;
+	course->has_energy = true;
 	course->energy_first = kinetic_first + observer->values[0];
 	course->energy_last = kinetic_last + observer->values[last];
 }
@@ -100,6 +103,7 @@ static enum rb_status observe_all(const struct rb_hdf5_module *module, struct rb
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read %" PRIu64 " frames: out of memory",
 		               reading->frame_count);
 	observe_energy(&observer, course);
+	course->has_momentum = observe(&observer, "momentum", 3);
 	course->momentum_change = largest_change(&observer, "momentum");
 	course->angular_momentum_change = largest_change(&observer, "angular_momentum");
 	course->max_penetration = course->smallest_step = NAN;
@@ -186,11 +190,31 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	putchar('\n');
 }
 
+static void print_changes(const struct course *course)
+{
+	const double change = course->energy_last - course->energy_first;
+	char first[64], last[64], largest[64];
+
+	if (course->has_energy) {
+		printf("  energy      %s at the start, %s at the end",
+		       rb_text_measure("", course->energy_first, 6, "J", first),
+		       rb_text_measure("", course->energy_last, 6, "J", last));
+		if (isfinite(change))
+			printf(": %+.3g J", change);
+		printf(", largest kinetic %s\n",
+		       rb_text_measure("", course->kinetic_max, 6, "J", largest));
+	}
+	if (course->has_momentum)
+		printf("  momentum    %s, angular momentum %s\n",
+		       rb_text_measure("changed by up to ", course->momentum_change, 3, "kg m/s",
+		                       first),
+		       rb_text_measure("by up to ", course->angular_momentum_change, 3, "kg m^2/s",
+		                       last));
+}
+
 static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
-	const double change = course->energy_last - course->energy_first;
-
 	printf("%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
 	       rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
 	       rb_text_plural((uint64_t)reading->body_count, "body", "bodies"));
@@ -222,12 +246,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
 		       i == 0 ? " (see --scene)" : "");
 	if (reading->frame_count == 0)
 		return;
-	if (isfinite(change))
-		printf("  energy      %.6g J at the start, %.6g J at the end: %+.3g J, largest kinetic %.6g J\n",
-		       course->energy_first, course->energy_last, change, course->kinetic_max);
-	if (isfinite(course->momentum_change))
-		printf("  momentum    changed by up to %.3g kg m/s, angular momentum by up to %.3g kg m^2/s\n",
-		       course->momentum_change, course->angular_momentum_change);
+	print_changes(course);
 	if (isfinite(course->max_penetration))
 		printf("  overlap     %.3g m at most\n", course->max_penetration);
 	if (isfinite(course->collisions))
@@ -272,5 +291,5 @@ int rb_info_main(const struct rb_options *options)
 {
 	struct rb_error err;
 
-	return rb_app_finish(options, look(options, &err) ? rb_app_fail(options, &err) : 0);
+	return rb_app_finish(options, look(options, &err) ? rb_app_refuse(options, &err) : 0);
 }

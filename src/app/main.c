@@ -86,9 +86,10 @@ int main(int argc, char **argv)
 	signal(SIGXFSZ, SIG_IGN);
 
 	if (rb_options_parse(&options, argc, argv, &err)) {
-		exit_code = rb_app_fail(&options, &err);
+		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)
 			fprintf(stderr, "rbsim: 'rbsim --help' tells more\n");
+		exit_code = rb_app_finish(&options, exit_code);
 	} else {
 		if (!options.quiet)
 			rb_log_to(tell, &bar, options.debug ? RB_LOG_DEBUG : RB_LOG_NOTE);

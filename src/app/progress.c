@@ -145,6 +145,9 @@ static void take_signal(struct rb_progress *progress, int signal)
 {
 	int none = 0;
 
+	/* The terminal has written ^C behind whatever stands there. */
+	if (progress->redraw && signal == SIGINT)
+		progress->bar_shown = true;
 	if (atomic_compare_exchange_strong(&progress->signal, &none, signal)) {
 		hide(progress);
 		if (!progress->quiet)

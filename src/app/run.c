@@ -23,8 +23,8 @@ static int report(const struct rb_run_result *result, const struct rb_loaded *lo
 	const bool started = result->frames > 0;
 	int exit_code = 0;
 
-	if (options->json)
-		rb_summary_print_json(stdout, result, loaded, info);
+	if (result->status && !started)
+		return rb_app_refuse_scene(options, loaded, &result->error);
 	if (!options->quiet && !options->json && started)
 		rb_summary_print(stderr, result, loaded, info, color_wanted());
 	else if (result->expect_failures > 0 && !options->json)
@@ -32,10 +32,14 @@ static int report(const struct rb_run_result *result, const struct rb_loaded *lo
 
 	if (result->status)
 		exit_code = rb_app_fail_scene(options, loaded, &result->error);
+	else if (result->expect_status)
+		exit_code = rb_app_fail_scene(options, loaded, &result->expect_error);
 	else if (loaded->scene.expect_refused)
 		exit_code = rb_app_not_refused(loaded);
 	else if (result->expect_failures > 0)
 		exit_code = rb_status_exit_code(RB_ERR_EXPECT);
+	if (options->json)
+		rb_summary_print_json(stdout, result, loaded, info, exit_code);
 	return exit_code;
 }
 
@@ -54,7 +58,7 @@ int rb_run_main(const struct rb_options *options)
 	if (!status)
 		status = rb_simulate_info(&info, &texts, &loaded, options, &err);
 	if (status) {
-		exit_code = rb_app_fail_scene(options, &loaded, &err);
+		exit_code = rb_app_refuse_scene(options, &loaded, &err);
 	} else {
 		(void)rb_simulate(&result, &loaded, options, &info);
 		exit_code = report(&result, &loaded, options, &info);

@@ -17,7 +17,6 @@
 #include "base/team.h"
 #include "flow/frame.h"
 #include "flow/pump.h"
-#include "math/vec3.h"
 #include "sink/module.h"
 
 /* Everything of a run that is under way; simulator's thread. */
@@ -198,11 +197,6 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 	return status;
 }
 
-static double change_of(rb_vec3 now, rb_vec3 then)
-{
-	return rb_vec3_length(rb_vec3_sub(now, then));
-}
-
 static void take_numbers(struct rb_run_result *result, const struct rb_frame *frame)
 {
 	const struct rb_frame_numbers *const n = &frame->numbers;
@@ -213,14 +207,14 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
 	const double drift = fabs(n->kinetic_energy + n->potential_energy - first->kinetic_energy -
 	                          first->potential_energy);
 	result->last = *n;
-	result->kinetic_max_j = fmax(result->kinetic_max_j, n->kinetic_energy);
+	result->kinetic_max_j = rb_larger(result->kinetic_max_j, n->kinetic_energy);
 	result->max_penetration_m = fmax(result->max_penetration_m, n->max_penetration);
-	result->energy_drift_j = fmax(result->energy_drift_j, drift);
-	result->momentum_drift = fmax(result->momentum_drift,
-	                              change_of(n->momentum, first->momentum));
-	result->angular_momentum_drift = fmax(
+	result->energy_drift_j = rb_larger(result->energy_drift_j, drift);
+	result->momentum_drift = rb_larger(result->momentum_drift,
+	                                   rb_change_of(n->momentum, first->momentum));
+	result->angular_momentum_drift = rb_larger(
 		result->angular_momentum_drift,
-		change_of(n->angular_momentum, first->angular_momentum));
+		rb_change_of(n->angular_momentum, first->angular_momentum));
 	result->frames++;
 	result->time_s = frame->time_s;
 }
@@ -277,10 +271,12 @@ static enum rb_status expect(struct run *run, struct rb_error *err)
 	if (!result->expects)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot check %d expectations: out of memory",
 		               count);
-	const enum rb_status status = rb_script_expects(run->loaded->script, run->world,
-	                                                result->expects, err);
-	if (status)
-		return status;
+	result->expect_status = rb_script_expects(run->loaded->script, run->world, result->expects,
+	                                          &result->expect_error);
+	if (result->expect_status && result->expect_status != RB_ERR_SCENE) {
+		*err = result->expect_error;
+		return result->expect_status;
+	}
 	result->expect_count = count;
 	for (int i = 0; i < count; i++)
 		result->expect_failures += !result->expects[i].ok;
@@ -320,6 +316,25 @@ static enum rb_status simulate(struct run *run, struct rb_error *err)
 	return RB_OK; /* the recorder has failed: joining it tells how */
 }
 
+/*
+ * After the recorder has failed: what is in the file. A file of another run may still have that
+ * name.
+ */
+static void count_recorded(struct run *run)
+{
+	struct rb_reader *reader;
+
+	run->result->recorder_failed = true;
+	if (run->module->reader_open(&reader, run->loaded->output, NULL))
+		return;
+	const struct rb_reading *const reading = run->module->reader_reading(reader);
+	if (strcmp(reading->started, run->info->started) == 0) {
+		run->result->recorded_known = true;
+		run->result->recorded_frames = reading->frame_count;
+	}
+	run->module->reader_close(reader);
+}
+
 /* Closes the outputs with what has become of the run; the first failure is the one that is told. */
 static void finish(struct run *run)
 {
@@ -347,6 +362,8 @@ static void finish(struct run *run)
 	}
 	if (run->recorder)
 		run->module->recorder_destroy(run->recorder);
+	if (status && result->frames > 0)
+		count_recorded(run);
 	if (run->recorder && stat(run->loaded->output, &file) == 0)
 		result->recording_bytes = (uint64_t)file.st_size;
 	rb_ring_destroy(run->ring);

@@ -9,6 +9,8 @@
 #ifndef RB_APP_SIMULATE_H
 #define RB_APP_SIMULATE_H
 
+#include <stdbool.h>
+
 #include <rbsim/world.h>
 
 #include "app/common.h"
@@ -17,20 +19,26 @@
 
 /* What a run tells of itself; filled as far as it came. */
 struct rb_run_result {
-	enum rb_status status; /* of the simulation and its outputs; expectations apart */
-	struct rb_error error; /* when status is not RB_OK */
-	int signal;            /* that ended it, 0: none */
+	enum rb_status status;        /* of the simulation and its outputs; expectations apart */
+	struct rb_error error;        /* when status is not RB_OK */
+	int signal;                   /* that ended it, 0: none */
+	enum rb_status expect_status; /* RB_ERR_SCENE: an expectation is broken, as told here */
+	struct rb_error expect_error;
 
 	uint64_t frames, frame_count; /* made; of the whole run */
 	double time_s, wall_s;        /* reached; taken */
 	uint64_t memory_bytes;        /* largest resident set of the process */
 	uint64_t recording_bytes;     /* size of the file */
+	bool recorder_failed;         /* then the file may hold fewer frames than were made */
+	bool recorded_known;
+	uint64_t recorded_frames; /* in the file, where it is known */
 	uint64_t state_hash;
 
 	struct rb_frame_numbers first, last; /* of frame 0 and of the last one made */
 	double kinetic_max_j, max_penetration_m;
-	double energy_drift_j, momentum_drift, angular_momentum_drift; /* largest |x(t) - x(0)| */
-	struct rb_frame_numbers totals;                                /* counts of the whole run */
+	/* largest |x(t) - x(0)|; NAN once a value was none */
+	double energy_drift_j, momentum_drift, angular_momentum_drift;
+	struct rb_frame_numbers totals; /* counts of the whole run */
 	struct rb_world_work work;
 
 	struct rb_expect_result

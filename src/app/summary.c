@@ -52,18 +52,46 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 	putc('\n', file);
 }
 
+static void print_frames(FILE *file, const struct rb_run_result *result)
+{
+	fprintf(file, "  frames        %" PRIu64 " of %" PRIu64, result->frames,
+	        result->frame_count);
+	if (result->recorder_failed && result->recorded_known)
+		fprintf(file, " simulated, %" PRIu64 " of them in the recording",
+		        result->recorded_frames);
+	else if (result->recorder_failed)
+		fprintf(file, " simulated; the recording may hold fewer, see rbsim info");
+	putc('\n', file);
+}
+
+static void print_changes(FILE *file, const struct rb_run_result *result)
+{
+	const double first = result->first.kinetic_energy + result->first.potential_energy;
+	const double last = result->last.kinetic_energy + result->last.potential_energy;
+	char text[3][64];
+
+	fprintf(file, "  energy        %s at the start, %s at the end, %s\n",
+	        rb_text_measure("", first, 6, "J", text[0]),
+	        rb_text_measure("", last, 6, "J", text[1]),
+	        isfinite(result->energy_drift_j)
+	                ? rb_text_measure("changed by up to ", result->energy_drift_j, 3, "J",
+	                                  text[2])
+	                : "change not finite");
+	fprintf(file, "  momentum      %s, angular momentum %s\n",
+	        rb_text_measure("changed by up to ", result->momentum_drift, 3, "kg m/s", text[0]),
+	        rb_text_measure("by up to ", result->angular_momentum_drift, 3, "kg m^2/s",
+	                        text[1]));
+}
+
 void rb_summary_print(FILE *file, const struct rb_run_result *result,
                       const struct rb_loaded *loaded, const struct rb_run_info *info, bool color)
 {
 	const char *title = loaded->scene.world.title;
-	const double energy_first = result->first.kinetic_energy + result->first.potential_energy;
-	const double energy_last = result->last.kinetic_energy + result->last.potential_energy;
 	char size[32];
 
 	fprintf(file, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
 	        title ? title : "");
-	fprintf(file, "  frames        %" PRIu64 " of %" PRIu64 "\n", result->frames,
-	        result->frame_count);
+	print_frames(file, result);
 	fprintf(file, "  time          %.6g s simulated in %.3g s: %.3g x real time, %d %s\n",
 	        result->time_s, result->wall_s, result->time_s / result->wall_s, info->threads,
 	        rb_text_plural((uint64_t)info->threads, "thread", "threads"));
@@ -73,12 +101,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	fprintf(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
 	        result->max_penetration_m, loaded->model->tolerance_m,
 	        loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
-	fprintf(file,
-	        "  energy        %.6g J at the start, %.6g J at the end; off by up to %.3g J\n",
-	        energy_first, energy_last, result->energy_drift_j);
-	fprintf(file,
-	        "  momentum      off by up to %.3g kg m/s, angular momentum by %.3g kg m^2/s\n",
-	        result->momentum_drift, result->angular_momentum_drift);
+	print_changes(file, result);
 	if (result->expect_count > 0) {
 		fprintf(file, "  expectations  %d of %d hold\n",
 		        result->expect_count - result->expect_failures, result->expect_count);
@@ -92,6 +115,20 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	if (loaded->output)
 		fprintf(file, "  recording     %s, %s\n", loaded->output,
 		        rb_text_bytes(result->recording_bytes, size));
+}
+
+/* The recording's own words. */
+static const char *status_word(enum rb_status status)
+{
+	switch (status) {
+	case RB_OK:
+		return "complete";
+	case RB_ERR_INTERRUPT:
+	case RB_ERR_TERMINATE:
+		return "interrupted";
+	default:
+		return "failed";
+	}
 }
 
 static void json_vector(struct rb_json *json, const char *name, rb_vec3 v)
@@ -129,7 +166,8 @@ static void json_expects(struct rb_json *json, const struct rb_run_result *resul
 }
 
 void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
-                           const struct rb_loaded *loaded, const struct rb_run_info *info)
+                           const struct rb_loaded *loaded, const struct rb_run_info *info,
+                           int exit_code)
 {
 	struct rb_json json = {.file = file};
 	char hash[17];
@@ -138,10 +176,19 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_open(&json, NULL, '{');
 	rb_json_text(&json, "scene", loaded->scene.file);
 	rb_json_text(&json, "title", loaded->scene.world.title);
-	rb_json_text(&json, "status", result->status ? rb_status_name(result->status) : "complete");
+	rb_json_text(&json, "status", status_word(result->status));
 	rb_json_text(&json, "reason", result->status ? result->error.text : "");
+	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
+	rb_json_text(&json, "error",
+	             result->status          ? result->error.text
+	             : result->expect_status ? result->expect_error.text
+	                                     : NULL);
 	rb_json_text(&json, "recording", loaded->output);
 	rb_json_count(&json, "recording_bytes", result->recording_bytes);
+	if (result->recorder_failed)
+		rb_json_number(&json, "recorded_frames",
+		               result->recorded_known ? (double)result->recorded_frames
+		                                      : (double)NAN);
 	rb_json_count(&json, "frames", result->frames);
 	rb_json_count(&json, "frame_count", result->frame_count);
 	rb_json_count(&json, "memory_bytes", result->memory_bytes);

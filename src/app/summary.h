@@ -14,6 +14,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 void rb_summary_print_expects(FILE *file, const struct rb_run_result *result, bool failed_only,
                               bool color);
 void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
-                           const struct rb_loaded *loaded, const struct rb_run_info *info);
+                           const struct rb_loaded *loaded, const struct rb_run_info *info,
+                           int exit_code);
 
 #endif

@@ -108,6 +108,12 @@ void rb_expects_open(lua_State *L)
 
 /* ---- while running ---- */
 
+/* 0/0 has a sign on some processors, which would be printed. */
+static double plain_nan(double x)
+{
+	return isnan(x) ? (double)NAN : x;
+}
+
 void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_expect_result *result)
 {
 	const char *file = rb_script_of(L)->scene->file;
@@ -119,8 +125,8 @@ void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_ex
 			snprintf(result->message, sizeof result->message, "is false");
 	} else if (first == LUA_TNUMBER && second == LUA_TNUMBER) {
 		result->has_numbers = true;
-		result->measured = lua_tonumber(L, -2);
-		result->bound = lua_tonumber(L, -1);
+		result->measured = plain_nan(lua_tonumber(L, -2));
+		result->bound = plain_nan(lua_tonumber(L, -1));
 		result->ok = result->measured <= result->bound; /* false for what is not a number */
 		if (!result->ok)
 			snprintf(result->message, sizeof result->message,

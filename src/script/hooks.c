@@ -7,6 +7,7 @@
 
 #include <lauxlib.h>
 
+#include "base/memory.h"
 #include "script/call.h"
 #include "script/expects.h"
 #include "script/handles.h"
@@ -224,17 +225,37 @@ enum rb_status rb_script_on_frame(struct rb_script *script, struct rb_world *wor
 enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world,
                                  struct rb_expect_result *results, struct rb_error *err)
 {
+	enum rb_status first = RB_OK;
+	struct rb_error broken;
+	char *traceback = NULL; /* of the first one that broke: a call takes away the one before */
+
 	for (int i = 0; i < script->scene->expect_count; i++) {
 		const struct rb_expect_def *def = &script->scene->expects[i];
 		if (def->always) {
 			results[i] = rb_expect_recall(&script->expects[i], def);
 			continue;
 		}
-		const enum rb_status status = call_expect(script, world, i, &results[i], err);
-		if (status != RB_OK)
-			return status;
+		const enum rb_status status = call_expect(script, world, i, &results[i], &broken);
+		if (status == RB_OK)
+			continue;
+		results[i].ok = results[i].has_numbers = false;
+		snprintf(results[i].message, sizeof results[i].message, "%.*s",
+		         RB_EXPECT_MESSAGE_SIZE - 1, broken.text);
+		if (first == RB_OK) {
+			first = status;
+			if (err)
+				*err = broken;
+			traceback = script->sandbox.traceback;
+			script->sandbox.traceback = NULL;
+		}
+		if (status != RB_ERR_SCENE)
+			break;
 	}
-	return RB_OK;
+	if (traceback) {
+		rb_memory_free(script->sandbox.traceback);
+		script->sandbox.traceback = traceback;
+	}
+	return first;
 }
 
 static int serve_vector(lua_State *L)

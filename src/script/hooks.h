@@ -29,7 +29,9 @@ RB_CHECKED enum rb_status rb_script_on_frame(struct rb_script *script, struct rb
 
 /* At the end of the run: calls every `expect`, and tells how every `expect_always` went. `results`
  * has room for scene->expect_count, in the order of the scene. A failed expectation is not an error
- * here. */
+ * here. One whose function raises an error or returns something else counts as failed, with that
+ * message; the others are still called, and the status is RB_ERR_SCENE with the first such error.
+ */
 RB_CHECKED enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world,
                                             struct rb_expect_result *results, struct rb_error *err);
 

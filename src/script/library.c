@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/library.h"
 
+#include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -59,6 +60,11 @@ const char *rb_library_text(lua_State *L, int index, size_t *size)
 			return lua_tolstring(L, -1, size);
 		}
 		lua_pop(L, 1);
+	}
+	if (type == LUA_TNUMBER && isnan(lua_tonumber(L, index))) {
+		/* 0/0 has a sign on some processors, which would be printed */
+		lua_pushliteral(L, "nan");
+		return lua_tolstring(L, -1, size);
 	}
 	return luaL_tolstring(L, index, size);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/load.h"
 
+#include <ctype.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,6 +20,112 @@
 #include "script/nearest.h"
 #include "script/params.h"
 
+/*
+ * Calls that a scene makes for their effect, and how each is written. A scene that assigns to such
+ * a name would run without what it wanted to say. Not those whose result one might keep under
+ * their own name.
+ */
+static const struct {
+	const char *name, *written;
+} calls[] = {
+	{"world", "world { ... }"},
+	{"record", "record { ... }"},
+	{"contact_pair", "contact_pair(a, b, { ... })"},
+	{"force", "force { ... }"},
+	{"on_step", "on_step(function(t, dt) ... end)"},
+	{"on_frame", "on_frame(function(t, k) ... end)"},
+	{"on_collision", "on_collision(function(c) ... end)"},
+	{"expect", "expect(text, function() ... end)"},
+	{"expect_always", "expect_always(text, function() ... end)"},
+	{"expect_refused", "expect_refused(status, pattern)"},
+	{"reference", "reference(function(t) ... end)"},
+	{"sphere", "sphere { ... }"},
+	{"plane", "plane { ... }"},
+	{"material", "material { ... }"},
+	{"camera", "camera { ... }"},
+	{"light", "light { ... }"},
+	{"param", "param(name, default, help)"},
+};
+enum { CALL_COUNT = sizeof calls / sizeof *calls };
+
+static const char originals_key[] = "rbsim.calls";
+
+static void keep_originals(lua_State *L)
+{
+	lua_newtable(L);
+	for (int i = 0; i < CALL_COUNT; i++) {
+		lua_getglobal(L, calls[i].name);
+		lua_rawseti(L, -2, i + 1);
+	}
+	lua_setfield(L, LUA_REGISTRYINDEX, originals_key);
+}
+
+static bool is_word(char c)
+{
+	return isalnum((unsigned char)c) || c == '_';
+}
+
+/* Whether the name at `at` is defined there: `function NAME` or `NAME =`, as a global. */
+static bool is_assigned_at(const char *text, const char *at, size_t size)
+{
+	static const char function[] = "function", local[] = "local";
+	const char *before = at, *after = at + size + strspn(at + size, " \t");
+
+	while (before > text && (before[-1] == ' ' || before[-1] == '\t'))
+		before--;
+	const size_t room = (size_t)(before - text);
+	if (room >= sizeof function - 1 && before < at &&
+	    memcmp(before - (sizeof function - 1), function, sizeof function - 1) == 0)
+		return true;
+	if (room >= sizeof local - 1 && before < at &&
+	    memcmp(before - (sizeof local - 1), local, sizeof local - 1) == 0)
+		return false;
+	return after[0] == '=' && after[1] != '=';
+}
+
+/* The line of the scene on which a call's name is assigned to; 0: not found by looking at it. */
+static int assigned_line(const struct rb_source_file *file, const char *name)
+{
+	const size_t size = strlen(name);
+	int line = 1;
+
+	for (const char *at = file->text; *at; at++) {
+		line += *at == '\n';
+		const bool comment = at[0] == '-' && at[1] == '-' && at[2] != '[';
+		at += comment ? strcspn(at, "\n") : 0;
+		if (comment && *at == '\0')
+			break;
+		line += comment;
+		if (!comment && strncmp(at, name, size) == 0 && !is_word(at[size]) &&
+		    (at == file->text || (!is_word(at[-1]) && at[-1] != '.')) &&
+		    is_assigned_at(file->text, at, size))
+			return line;
+	}
+	return 0;
+}
+
+/* After the script has run, or has failed: which calls are no longer what they were. */
+static int check_originals(lua_State *L)
+{
+	struct rb_script *script = rb_script_of(L);
+
+	if (lua_getfield(L, LUA_REGISTRYINDEX, originals_key) != LUA_TTABLE)
+		return 0;
+	lua_pushglobaltable(L);
+	for (int i = 0; i < CALL_COUNT; i++) {
+		lua_rawgeti(L, 1, i + 1);
+		lua_pushstring(L, calls[i].name);
+		lua_rawget(L, 2);
+		if (!lua_rawequal(L, -1, -2))
+			rb_script_mistake(script,
+			                  assigned_line(&script->scene->files[0], calls[i].name),
+			                  "'%s' is a call of the scene language: write %s",
+			                  calls[i].name, calls[i].written);
+		lua_pop(L, 2);
+	}
+	return 0;
+}
+
 /* The protected part: everything in here may be left by a jump, and owns nothing. */
 static int run_scene(lua_State *L)
 {
@@ -31,6 +138,7 @@ static int run_scene(lua_State *L)
 	rb_expects_open(L);
 	rb_hooks_open(L);
 	rb_files_open(L);
+	keep_originals(L);
 
 	const char *body = rb_files_body(file->text, &size);
 	lua_pushfstring(L, "@%s", script->scene->file);
@@ -62,6 +170,8 @@ static int find_misspelt(lua_State *L)
 		return 0;
 	memcpy(name, found, size);
 	name[size] = '\0';
+	if (lua_getglobal(L, name) != LUA_TNIL) /* spelt well, but of another type */
+		return 0;
 	struct rb_nearest nearest = rb_nearest_to(name);
 	lua_pushglobaltable(L);
 	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
@@ -99,6 +209,17 @@ static void note_error(struct rb_script *script, const struct rb_error *err)
 	rb_script_mistake(script, (int)line, "%s%s", text, misspelt.hint);
 }
 
+/* A recording or another binary that was taken for a scene; its first bytes show it. */
+static bool looks_binary(const char *text, size_t size)
+{
+	for (size_t i = 0; i < size && i < 512; i++) {
+		const unsigned char c = (unsigned char)text[i];
+		if ((c < ' ' && !strchr("\t\n\v\f\r", c)) || c == '\0')
+			return true;
+	}
+	return false;
+}
+
 /* The scene's own text into scene->files[0], and its folder. */
 static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *err)
 {
@@ -125,6 +246,13 @@ static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *
 			return status;
 		text = script->reading;
 		size = script->reading_size;
+		if (looks_binary(text, size)) {
+			rb_files_forget(script);
+			return RB_FAIL(
+				err, RB_ERR_INPUT,
+				"'%s' is no scene: it begins with bytes that are no text (a recording? see rbsim info)",
+				options->path);
+		}
 	}
 	rb_hash_sha256(text, size, hex);
 	const enum rb_status status = rb_scene_add_file(script->scene, base, text, size, hex, err);
@@ -186,6 +314,10 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	                                                    : rb_sandbox_load_instructions,
 	                         err);
 	rb_files_forget(script);
+	lua_pushcfunction(script->sandbox.L, check_originals);
+	if ((status == RB_OK || status == RB_ERR_SCENE) &&
+	    lua_pcall(script->sandbox.L, 0, 0, 0) != LUA_OK)
+		lua_pop(script->sandbox.L, 1);
 	if (status == RB_ERR_SCENE)
 		note_error(script, err);
 	return conclude(script, status, err);

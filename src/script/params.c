@@ -11,7 +11,7 @@
 #include "script/fields.h"
 #include "script/nearest.h"
 
-enum { TEXT_MAX = 256 };
+enum { TEXT_MAX = 256, NAMES_MAX = 512 };
 
 /* A value as it would be written: the shortest digits that read back as the same number. */
 static void value_text(lua_State *L, int index, char out[TEXT_MAX])
@@ -267,7 +267,16 @@ static int l_param(lua_State *L)
 	} else if (given) {
 		static const char *const names[] = {"a number", "a whole number", "true or false",
 		                                    "a text"};
-		snprintf(wanted, sizeof wanted, "%s", names[def.type]);
+		if (def.type == RB_PARAM_INTEGER && lua_stringtonumber(L, given) != 0) {
+			value_text(L, 2, text);
+			snprintf(
+				wanted, sizeof wanted,
+				"a whole number, as its default %.40s is one (write %.40s.0 in the scene for any number)",
+				text, text);
+			lua_pop(L, 1);
+		} else {
+			snprintf(wanted, sizeof wanted, "%s", names[def.type]);
+		}
 		value_mistake(&call, true, def.name, wanted, given);
 	}
 	value_text(L, 2, default_text);
@@ -282,6 +291,21 @@ static int l_param(lua_State *L)
 	return 1;
 }
 
+/* "; it has e, n and 3 more": ten names at most. */
+static void name_params(const struct rb_scene *scene, char out[NAMES_MAX])
+{
+	enum { MOST = 10 };
+	const int count = scene->param_count < MOST ? scene->param_count : MOST;
+	int used = snprintf(out, NAMES_MAX, "; it has %s", count ? "" : "none");
+
+	for (int i = 0; i < count; i++)
+		used += snprintf(out + used, NAMES_MAX - (size_t)used, "%s%.40s", i > 0 ? ", " : "",
+		                 scene->params[i].name);
+	if (scene->param_count > count)
+		snprintf(out + used, NAMES_MAX - (size_t)used, " and %d more",
+		         scene->param_count - count);
+}
+
 void rb_params_check(struct rb_script *script)
 {
 	const struct rb_script_options *options = script->options;
@@ -289,7 +313,7 @@ void rb_params_check(struct rb_script *script)
 
 	for (int i = 0; i < options->param_count; i++) {
 		const char *given = options->params[i];
-		char name[64], hint[96];
+		char name[64], hint[96], names[NAMES_MAX];
 		const size_t size = strcspn(given, "=");
 		snprintf(name, sizeof name, "%.*s", (int)(size < 60 ? size : 60), given);
 		if (given[size] != '=' || size == 0) {
@@ -308,9 +332,9 @@ void rb_params_check(struct rb_script *script)
 		if (known)
 			continue;
 		script->usage_mistake_count++;
-		rb_script_mistake(script, 0, "--param %s: the scene has no such parameter%s", name,
-		                  scene->param_count ? rb_nearest_hint(&nearest, hint)
-		                                     : " (it has none)");
+		name_params(scene, names);
+		rb_script_mistake(script, 0, "--param %s: the scene has no such parameter%s%s",
+		                  name, rb_nearest_hint(&nearest, hint), names);
 	}
 }
 

@@ -165,6 +165,33 @@ static double allowed(const struct rb_pass *pass, const struct rb_touch *touch, 
 	return fmax(-tolerance, fmin(-0.5 * tolerance, gap_now - touch->band));
 }
 
+/* An eccentric body that turns further than this in a substep leaves the straight path too far to be swept, rad. */
+static const double turn_most = 1;
+
+/* Could the arcs of these two have met what the straight path does not show? */
+static bool turns_too_far(const struct rb_pass *pass, const struct rb_touch *touch, double gap)
+{
+	const struct rb_world *world = pass->world;
+	const struct rb_model *model = world->model;
+	const int body[2] = {touch->a, touch->b};
+	double arms = 0, turn = 0;
+
+	if (!model->center_of_mass)
+		return false;
+	for (int k = 0; k < 2; k++) {
+		if (body[k] >= model->body_count)
+			continue;
+		const double arm = rb_vec3_length(model->center_of_mass[body[k]]);
+
+		if (!(arm > model->tolerance_m))
+			continue;
+		arms += arm;
+		turn = fmax(turn,
+		            pass->h_s * rb_vec3_length(rb_world_row3(world->state.spin, body[k])));
+	}
+	return turn > turn_most && gap < 2 * arms;
+}
+
 static void measure(struct rb_pass *pass)
 {
 	const struct rb_world *world = pass->world;
@@ -188,6 +215,8 @@ static void measure(struct rb_pass *pass)
 
 			gap = fmin(gap, swept_of[world->model->shape[touch->b].kind](
 						world->model, touch->a, from, to, touch->b, b_to));
+			if (turns_too_far(pass, touch, gap))
+				gap = 2 * floor; /* try again with less of a turn */
 		}
 		/* written so that NaN counts as the worst */
 		if (!(floor - gap <= worst_excess)) {

@@ -80,7 +80,10 @@ static double distance_in(const struct rb_world *world, int i, double accelerati
 		const double arm = rb_vec3_length(model->center_of_mass[i]);
 		const double turn = rb_vec3_length(rb_world_row3(world->state.spin, i)) * time;
 
-		distance += arm * (acceleration > 0 ? 2 : fmin(turn, 2));
+		const bool twisted = world->state.twist &&
+		                     rb_vec3_max_abs(rb_world_row3(world->state.twist, i)) > 0;
+
+		distance += arm * (acceleration > 0 || twisted ? 2 : fmin(turn, 2));
 	}
 	return distance;
 }
@@ -381,9 +384,9 @@ static bool find_missed(struct rb_world *world, bool *any)
 	if (!world->broadphase)
 		return true;
 	for (int i = 0; i < groups->body_count; i++) {
-		if (!(groups->travelled[i] > groups->reach[i]))
+		if (!(groups->travelled[i] > 0)) /* who flies alone has kept its margin */
 			continue;
-		leavers = true;
+		leavers = leavers || groups->travelled[i] > groups->reach[i];
 		const rb_vec3 start = rb_world_origin_at(world, &world->start, i);
 		const double from_built = rb_vec3_length(rb_vec3_sub(start, groups->built_at[i]));
 

@@ -75,6 +75,9 @@ static bool gather(struct rb_pass *pass, struct meetings *all, bool after_subste
 		if (after_substep && rb_contact_crowded(pass, touch))
 			m.forced = fmax(rb_contact_forced(pass, &m.link),
 			                touch->normal_force * m.link.normal_yield * pass->dt_s);
+		if (!after_substep &&
+		    pass->start_s > 0) /* what the iteration of the step before left */
+			m.forced = rb_contact_enough(pass);
 		all->row[all->count++] = m;
 	}
 	return all->count > 0;
@@ -109,7 +112,7 @@ static double wanted(const struct meeting *m)
 	const double normal = rb_vec3_dot(m->before, m->link.normal);
 
 	/* never more than the whole approach, also where forces drew the bodies apart */
-	return m->link.restitution * fmin(-(normal - m->unforced), -normal);
+	return m->link.restitution * fmax(0, fmin(-(normal - m->unforced), -normal));
 }
 
 static rb_vec3 row_impulse(const struct rb_row *row)

@@ -11,7 +11,9 @@
 
 /* Halvings of the step below which no time and no position changes any more: 2^-60. */
 static const double smallest_share = 0x1p-60;
-enum { ATTEMPTS_PER_POLL = 1024, ATTEMPTS_MOST = 20000000 };
+/* A group that in so many tries gets no further than a millionth of its step has failed too. */
+enum { ATTEMPTS_PER_POLL = 1024, TRIES_PER_LOOK = 4096 };
+static const double least_progress = 1e-6;
 
 /* How the next attempt is chosen. */
 struct search {
@@ -116,7 +118,8 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
 	struct rb_world *world = pass->world;
 	const struct rb_world_options *options = &world->options;
 	struct search search = {.fail_s = HUGE_VAL};
-	double h = pass->dt_s;
+	double h = pass->dt_s, looked_s = -HUGE_VAL;
+	bool stuck = false;
 
 	pass->counts = rb_counts_none;
 	const enum rb_status status = begin(pass, err);
@@ -136,12 +139,16 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
 			               pass->member_count);
 
 		const enum rb_verdict verdict = rb_verdict_of(pass, &body);
+		if (attempt % TRIES_PER_LOOK == 0) {
+			stuck = pass->done_s - looked_s < least_progress * pass->dt_s;
+			looked_s = pass->done_s;
+		}
 		if (verdict != RB_VERDICT_GOOD) {
 			rb_state_copy_rows(&world->state, &world->mark, pass->member,
 			                   pass->member_count);
 			pass->counts.rollbacks++;
 			pass->counts.discarded_body_steps += (uint64_t)pass->member_count;
-			if (pass->h_s <= pass->dt_s * smallest_share || attempt > ATTEMPTS_MOST)
+			if (pass->h_s <= pass->dt_s * smallest_share || stuck)
 				return give_up(pass, verdict, body, err);
 			search.fail_s = pass->done_s + pass->h_s;
 			search.accepted = 0;

@@ -14,6 +14,9 @@
 /* Work is cut into blocks of this size, whatever the number of workers. */
 enum { ALONE_PER_BLOCK = 256, GROUPS_PER_BLOCK = 8 };
 
+/* A frame of very many steps can be stopped within. */
+enum { STEPS_PER_POLL = 1024 };
+
 /* ---- making a world ---- */
 
 static void start_state(struct rb_world *world)
@@ -407,6 +410,11 @@ int64_t rb_step_count(double interval, double time_step)
 	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
 }
 
+static bool asked_to_stop(const struct rb_world *world)
+{
+	return world->options.stop && world->options.stop(world->options.stop_user);
+}
+
 enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -424,15 +432,17 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 		                                  : end;
 		const enum rb_status status = step(world, start, stop - start, err);
 
-		if (status == RB_ERR_INTERRUPT) {
+		if (status != RB_OK && status != RB_ERR_INTERRUPT)
+			return status;
+		if (status == RB_OK)
+			world->state.time_s = stop;
+		const bool look = k % STEPS_PER_POLL == STEPS_PER_POLL - 1 && k + 1 < steps;
+		if (status == RB_ERR_INTERRUPT || (look && asked_to_stop(world))) {
 			world->stopped = true;
 			return RB_OK;
 		}
-		if (status != RB_OK)
-			return status;
-		world->state.time_s = stop;
 	}
 	world->state.frame++;
-	world->stopped = world->options.stop && world->options.stop(world->options.stop_user);
+	world->stopped = asked_to_stop(world);
 	return RB_OK;
 }

@@ -39,3 +39,12 @@ exits 1 diff a.h5 short.h5
 says out "'a.h5' has 31 frames and 'short.h5' has 16"
 exits 66 diff a.h5 missing.h5
 says err 'missing.h5'
+
+if [ -e /dev/full ]; then
+	for other in same kicked; do
+		"$RBSIM" diff a.h5 $other.h5 >/dev/full 2>err
+		got=$?
+		[ $got -eq 74 ] || fail "diff >/dev/full of a $other recording: $got, not 74"
+		says err 'cannot write standard output'
+	done
+fi

@@ -11,5 +11,8 @@ long_scene >s.lua
 got=$?
 [ $got -eq 74 ] || fail "exit status $got, wanted 74"
 says err 'rbsim: '
+says err 'frames +[0-9]+ of 60001 simulated, [0-9]+ of them in the recording'
+told=$(sed -n 's/.*simulated, \([0-9]*\) of them.*/\1/p' err)
 exits 0 info s.h5 --json
 [ "$(value frames)" -gt 10 ] || fail "$(value frames) frames are readable"
+[ "$(value frames)" = "$told" ] || fail "$(value frames) frames are readable, the summary says $told"

@@ -34,8 +34,68 @@ exits 65 breaks.lua
 says err 'breaks.lua:6: out of luck'
 exits 0 info breaks.h5
 says out 'status +failed: .*out of luck'
-exits 65 breaks.lua --no-record --debug
-says err 'traceback'
+exits 65 breaks.lua --no-record
+says err '^breaks.lua:6: out of luck$'
+says err '^stack traceback:$'
+[ "$(grep -c 'out of luck' err)" -eq 1 ] || fail "the message stands there more than once"
+
+# one expectation that is broken does not cost the others
+cat >broken.lua <<'END'
+world { duration = 0.1 }
+sphere { radius = 1 }
+expect("first", function() return true end)
+expect("breaks", function() return nil + 1 end)
+expect("wrong type", function() return "yes" end)
+expect("no number", function() return 0 / 0, 1 end)
+expect("last", function() return 2, 1 end)
+END
+exits 65 broken.lua
+says err 'expectations +1 of 5 hold'
+says err 'ok +first$'
+says err 'FAIL breaks: broken.lua:4: attempt to perform arithmetic on a nil value'
+says err "FAIL wrong type: broken.lua:5: expect 'wrong type': .*got string and nil"
+says err 'FAIL no number: measured nan, bound 1'
+says err 'FAIL last: measured 2, bound 1'
+says err '^broken.lua:4: attempt'
+says err '^	broken.lua:4: in function'
+! grep -q 'did not come to its end' err || fail "the run came to its end"
+exits 65 broken.lua --no-record --json
+[ "$(value status)" = complete ] || fail "status $(value status)"
+[ "$(value exit_status)" = 65 ] || fail "exit_status $(value exit_status)"
+[ "$(grep -o '"ok":false' out | wc -l)" -eq 4 ] || fail "not four failed expectations"
+
+# a call's name is not to be assigned to
+cat >assigned.lua <<'END'
+world { duration = 0.1 }
+local sphere_of, sphere = sphere, sphere
+sphere { radius = 1 } -- on_step = nothing
+function on_step(t, dt)
+end
+  expect_always = function() return true end
+END
+exits 65 assigned.lua --no-record
+says err "^assigned.lua:4: 'on_step' is a call of the scene language: write on_step\(function\(t, dt\) \.\.\. end\)$"
+says err "^assigned.lua:6: 'expect_always' is a call"
+[ "$(wc -l <err)" -eq 2 ] || fail "more than two mistakes"
+
+# parameters: what there is, and why a fraction will not do
+cat >params.lua <<'END'
+world { duration = 0.1 }
+sphere { radius = 1, mass = 1 + param("extra", 0, "kg") }
+for i = 1, 11 do param("p" .. i, i, "") end
+END
+exits 64 params.lua --no-record --param extra=0.5
+says err 'must be a whole number, as its default 0 is one \(write 0.0 in the scene for any number\)'
+exits 64 params.lua --no-record --param extra=much
+says err "must be a whole number \(got 'much'\)"
+exits 64 params.lua --no-record --param zz=1
+says err 'no such parameter; it has extra, p1, p2, .*, p9 and 2 more'
+
+# what is no text
+small_scene >s.lua
+exits 0 s.lua -q
+exits 66 s.h5 --no-record
+says err "'s.h5' is no scene: it begins with bytes that are no text \(a recording\? see rbsim info\)"
 
 cat >refused.lua <<'END'
 expect_refused(65, "raduis")

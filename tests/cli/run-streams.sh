@@ -16,6 +16,61 @@ if command -v python3 >/dev/null; then
 	done
 fi
 
+# one object whatever happens
+told()
+{
+	[ "$(wc -l <out)" -eq 1 ] || fail "--json is not one line"
+	if command -v python3 >/dev/null; then
+		python3 -m json.tool out >/dev/null || fail "not JSON"
+	fi
+	[ "$(value status)" = "$1" ] || fail "status $(value status), wanted $1"
+	[ "$(value exit_status)" = "${got:?}" ] || fail "exit_status $(value exit_status), wanted $got"
+}
+echo 'world { duration = 1, gravty = {} } spere {}' >wrong.lua
+exits 65 wrong.lua --json
+told refused
+says out '"mistakes":\["wrong.lua:1: .*gravty.*","wrong.lua:1: .*spere'
+exits 65 check wrong.lua --json
+told refused
+exits 66 missing.lua --json
+told refused
+says out '"scene":"missing.lua"'
+exits 64 --json s.lua --bogus
+told refused
+exits 64 s.lua --json -p zz=1
+told refused
+exits 73 s.lua --json -o no/where.h5
+told refused
+exits 66 info missing.h5 --json
+told refused
+exits 66 diff a.h5 b.h5 --json
+told refused
+{ echo 'expect_refused(65, "gravty")'; cat wrong.lua; } >refused.lua
+exits 0 refused.lua --json
+told refused
+exits 0 check s.lua --json
+told accepted
+small_scene 'expect("no", function() return false end)' >fails.lua
+exits 1 fails.lua --json --no-record
+told complete
+small_scene 'on_frame(function(t, k) if k == 3 then error("stop") end end)' >breaks.lua
+exits 65 breaks.lua --json --no-record
+told failed
+says out '"reason":"breaks.lua:6: stop"'
+
+# a number that is none is not shown as one
+echo 'world { duration = 0.1 } sphere { radius = 1, mass = 1e300, velocity = {1e160, 0, 0} }' >huge.lua
+exits 0 huge.lua
+says err 'energy +not finite at the start, not finite at the end, change not finite'
+says err 'momentum +not finite, angular momentum '
+exits 0 info huge.h5
+says out 'energy +not finite at the start, not finite at the end, largest kinetic not finite'
+says out 'momentum +not finite'
+exits 0 huge.lua --no-record --json
+for key in energy_drift momentum_drift kinetic_energy_max kinetic_energy; do
+	[ "$(value $key)" = null ] || fail "$key is $(value $key)"
+done
+
 if [ -e /dev/full ]; then
 	for args in "s.lua --no-record --json" "check s.lua" "methods" "--help"; do
 		# shellcheck disable=SC2086

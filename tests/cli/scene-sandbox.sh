@@ -42,7 +42,7 @@ exits 0 scene/mine.lua --no-record --quiet --trust
 
 # Bytecode is no scene.
 printf '\033Lua\124\000' >code.lua
-exits 65 code.lua
-says err 'binary chunk'
+exits 66 code.lua
+says err "'code.lua' is no scene: it begins with bytes that are no text"
 exits 66 nothing.lua
 says err "nothing.lua.*No such file"
