@@ -258,9 +258,17 @@ static void random_numbers_are_uniform_and_streams_do_not_resemble_each_other(vo
 	assert_true(rb_random_unit(7, 3, 5) == rb_random_unit(7, 3, 5));
 }
 
+static void the_length_of_what_is_no_number_is_none(void **slot)
+{
+	(void)slot;
+	assert_true(isnan(rb_vec3_length((rb_vec3){NAN, 0, 0})));
+	assert_true(isnan(rb_vec3_length((rb_vec3){0, 1e300, NAN})));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_length_of_what_is_no_number_is_none),
 		cmocka_unit_test(cross_is_right_handed_and_across_both),
 		cmocka_unit_test(length_holds_from_the_smallest_to_the_largest_vector),
 		cmocka_unit_test(unit_has_length_one_whatever_the_size),

@@ -181,7 +181,8 @@ static void print_text(const struct rb_loaded *loaded, const struct rb_options *
 	       info->rollback, model->tolerance_m, info->threads,
 	       rb_text_plural((uint64_t)info->threads, "thread", "threads"));
 	printf("  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
-	       "              a touching pair that no force parts beyond that is in lasting contact: the only rest rule\n",
+	       "              a touching pair that no force parts beyond that is in lasting contact; in a crowd, an\n"
+	       "              approach that the forces could make within one step is stopped (rbsim-scene(5))\n",
 	       8 * rb_ulp(model->coordinate_max_m));
 	printf("  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 ")\n",
 	       rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count);

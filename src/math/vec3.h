@@ -74,6 +74,8 @@ static inline double rb_vec3_length(rb_vec3 a)
 
 	if (square > 1e-280 && square < 1e280)
 		return sqrt(square);
+	if (isnan(square)) /* the largest coordinate would pass over it */
+		return square;
 	const double largest = rb_vec3_max_abs(a);
 	if (!(largest > 0) || isinf(largest))
 		return largest;
