@@ -356,7 +356,10 @@ static void finish(struct run *run)
 	if (run->ring)
 		rb_ring_close(run->ring);
 	const enum rb_status status = rb_pump_join(run->pump, &err);
-	if (status && !result->status) {
+	/* a recording that is lost weighs more than that the run was interrupted */
+	const bool interrupted = result->status == RB_ERR_INTERRUPT ||
+	                         result->status == RB_ERR_TERMINATE;
+	if (status && (!result->status || interrupted)) {
 		result->status = status;
 		result->error = err;
 	}

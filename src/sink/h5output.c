@@ -219,6 +219,14 @@ void rb_output_lengthen(struct rb_output *output, uint64_t end)
 		return;
 }
 
+bool rb_output_is_ours(const struct rb_output *output)
+{
+	struct stat named, open_file;
+
+	return fstat(output->fd, &open_file) == 0 && stat(output->name, &named) == 0 &&
+	       named.st_dev == open_file.st_dev && named.st_ino == open_file.st_ino;
+}
+
 void rb_output_release(struct rb_output *output)
 {
 	struct stat found;

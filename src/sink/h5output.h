@@ -42,6 +42,9 @@ int rb_output_reserve(struct rb_output *output, uint64_t end, uint64_t need);
 /* The file is at least `end` long from now on, as far as that can be had. */
 void rb_output_lengthen(struct rb_output *output, uint64_t end);
 
+/* Does the final name still mean this file? Another run with --force may have taken it. */
+bool rb_output_is_ours(const struct rb_output *output);
+
 /* Gives back what was reserved beyond the end. A file that was never published is removed. Safe on a zeroed one. */
 void rb_output_release(struct rb_output *output);
 

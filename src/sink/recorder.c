@@ -420,6 +420,19 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 		if (h5->status && !recorder->failed)
 			(void)note_failure(recorder, h5->status, &h5->error);
 	}
+	/* a name that means another file must not be opened again, and the user must know */
+	const bool ours = !recorder->output.published || rb_output_is_ours(&recorder->output);
+	if (!ours && !recorder->failed) {
+		struct rb_error error;
+
+		(void)note_failure(
+			recorder,
+			RB_FAIL(&error, RB_ERR_IO,
+		                "the recording '%s' is lost: the file was replaced or removed "
+		                "while the run went on",
+		                recorder->path),
+			&error);
+	}
 	/* Once the library has failed it is only closed when all it knew has reached the file after all. */
 	if (!h5->status) {
 		rb_frames_detach(&recorder->frames);
@@ -427,7 +440,7 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 			rb_h5_fail(h5, "close", "/");
 			if (!recorder->failed)
 				(void)note_failure(recorder, h5->status, &h5->error);
-		} else if (recorder->output.published) {
+		} else if (recorder->output.published && ours) {
 			add_vtk(recorder);
 		}
 	}

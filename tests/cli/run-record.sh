@@ -43,3 +43,24 @@ exits 0 scenes/two.lua --no-record --json --duration 0.25 --time-step 0.001 --to
 [ "$(value rollback)" = global ] || fail "rollback"
 [ "$(value seed)" = 9 ] || fail "seed"
 [ "$(value threads)" = 1 ] || fail "threads"
+
+# who takes the name of a recording that is being written does not do so unnoticed
+cat >long.lua <<END
+world { duration = 1e5, frame_rate = 60 }
+sphere { radius = 0.1, velocity = {1, 0, 0} }
+END
+"$RBSIM" long.lua -o taken.h5 --quiet 2>first &
+first=$!
+tries=0
+until [ -f taken.h5 ]; do
+	sleep 0.05
+	tries=$((tries + 1))
+	[ $tries -lt 200 ] || fail "no recording after ten seconds"
+done
+exits 0 long.lua --duration 1 -o taken.h5 --force --quiet
+status=0
+kill -INT $first
+wait $first || status=$?
+[ $status -eq 74 ] || fail "exit $status, wanted 74: the recording was taken away"
+grep -q "'taken.h5' is lost" first || fail "nobody says that the recording is lost"
+exits 0 info taken.h5
