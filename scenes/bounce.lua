@@ -26,6 +26,26 @@ on_frame(function(t)
 	end
 end)
 
+-- The exact motion: a fall, then flights that begin with e, e^2, ... of the first impact's speed, until they end.
+reference(function(t)
+	local fall = math.sqrt(2 * h / g)
+	local function at(height, speed)
+		return { ball = { position = vec3(0, 0, radius + height), velocity = vec3(0, 0, speed),
+			angular_velocity = vec3(0, 0, 0) } }
+	end
+	if t < fall then
+		return at(h - g * t * t / 2, -g * t)
+	end
+	local s, u = t - fall, e * g * fall
+	while u / g > 1e-17 do
+		if s < 2 * u / g then
+			return at(u * s - g * s * s / 2, u - g * s)
+		end
+		s, u = s - 2 * u / g, e * u
+	end
+	return at(0, 0)
+end)
+
 -- The fall is g t^2/2 + g t dt/2: impact speed off by g dt/2, so the apex by e^2 (h + v dt) at most; a frame sees it
 -- within g/2 (1/120)^2.
 expect("first apex is e^2 h", function()

@@ -22,11 +22,12 @@ local function exact(t)
 	local stop = 2 * math.abs(slip) / (7 * mu * g)
 	local s = math.min(t, stop)
 	local v = v0 - sign * mu * g * s
-	return v0 * s - sign * mu * g * s * s / 2 + math.max(0, t - stop) * v, v
+	local spin = w0 + sign * 5 / 2 * mu * g * s / radius
+	return v0 * s - sign * mu * g * s * s / 2 + math.max(0, t - stop) * v, v, spin
 end
 reference(function(t)
-	local x, v = exact(t)
-	return { ball = { position = vec3(x, 0, radius), velocity = vec3(v, 0, 0) } }
+	local x, v, spin = exact(t)
+	return { ball = { position = vec3(x, 0, radius), velocity = vec3(v, 0, 0), angular_velocity = vec3(0, spin, 0) } }
 end)
 expect("it rolls at (5 v0 + 2 R w0)/7", function()
 	return math.abs(ball.velocity.x - (5 * v0 + 2 * radius * w0) / 7), 1e-9

@@ -25,6 +25,24 @@ camera { name = "side", position = {2, -6, 1}, look_at = rolling, size = {1280, 
 local gs, gc = g * math.sin(angle), g * math.cos(angle)
 local function along(body) return body.velocity:dot(down) end
 
+-- The exact motion: the slip (speed of the point of contact) of a rough ball is used up, then it rolls.
+local function exact(t, grip, y, spin)
+	local slip_end = spin < 0 and -radius * spin / (3.5 * grip - gs) or 0
+	if 3.5 * grip <= gs then
+		slip_end = math.huge
+	end
+	local s = math.min(t, slip_end)
+	local r = t - s
+	local v, w = (gs - grip) * s, spin + 2.5 * grip * s / radius
+	local path = v * s / 2 + v * r + 5 / 7 * gs * r * r / 2
+	v, w = v + 5 / 7 * gs * r, w + 5 / 7 * gs * r / radius
+	return { position = radius * normal + vec3(0, y, 0) + path * down, velocity = v * down,
+		angular_velocity = vec3(0, w, 0) }
+end
+reference(function(t)
+	return { rolling = exact(t, mu * gc, -0.5, 0), spinning = exact(t, mu * gc, 0, -60), sliding = exact(t, 0, 0.5, 0) }
+end)
+
 -- Speeds are exact for constant acceleration; changes of mode fall on a step: off by one step's acceleration.
 expect("the still ball rolls", function()
 	local a = mu >= 2 / 7 * math.tan(angle) and 5 / 7 * gs or gs - mu * gc

@@ -147,12 +147,14 @@ static inline const struct rb_frame *fake_frame(struct fake *fake, uint64_t k)
 	                                           .smallest_step = 1.0 / (double)(k + 1)};
 	frame->event_count = (int)(k % 3);
 	for (int i = 0; i < frame->event_count; i++)
-		frame->events[i] = (struct rb_event){.time_s = frame->time_s,
-		                                     .a = i,
-		                                     .b = i + 1,
-		                                     .normal = {0, 0, 1},
-		                                     .impulse = {0, 0, (double)k},
-		                                     .approach_speed = (double)(i + 1)};
+		frame->events[i] = (struct rb_event){
+			.time_s = frame->time_s,
+			.kind = (enum rb_event_kind)((k + (uint64_t)i) % RB_EVENT_KIND_COUNT),
+			.a = i,
+			.b = i + 1,
+			.normal = {0, 0, 1},
+			.impulse = {0, 0, (double)k},
+			.approach_speed = (double)(i + 1)};
 	frame->contact_count = (int)(k % 4);
 	for (int i = 0; i < frame->contact_count; i++)
 		frame->contacts[i] = (struct rb_frame_contact){

@@ -102,6 +102,100 @@ static void a_recording_says_how_it_was_made(void **slot)
 	rb_reader_close(reader);
 }
 
+static void a_recording_tells_of_springs_and_driven_bodies(void **slot)
+{
+	char path[512], kinds[200] = "";
+	struct rb_reader *reader;
+	struct rb_error err;
+	struct fake fake;
+	unsigned char driven[3] = {0, 1, 1};
+	struct rb_spring_def spring = rb_spring_def_default();
+	const struct rb_drag_def drag = {.linear = 2};
+	const struct rb_field_def field = {.function = 1};
+
+	(void)slot;
+	fake_init(&fake, 3, 2, true);
+	fake.model.driven = driven;
+	fake.model.mass[1] = fake.model.mass[2] = (double)INFINITY;
+	fake.scene.record.fields |= RB_FIELD_EVENTS;
+	spring.a = 0;
+	spring.b = 2;
+	spring.stiffness = 7;
+	for (int i = 0; i < 4; i++)
+		assert_ok(rb_scene_add_spring(&fake.scene, &spring, &err));
+	assert_ok(rb_scene_add_drag(&fake.scene, &drag, &err));
+	for (int i = 0; i < 2; i++)
+		assert_ok(rb_scene_add_field(&fake.scene, &field, &err));
+	unlink(in_folder(path, "springs.h5"));
+	assert_ok(fake_record(&fake, path, &err));
+	fake_release(&fake);
+
+	assert_ok(rb_reader_open(&reader, path, &err));
+	const struct rb_reading *const r = rb_reader_reading(reader);
+	assert_int_equal(r->driven_count, 2);
+	assert_int_equal(r->spring_count, 4);
+	assert_int_equal(r->drag_count, 1);
+	assert_int_equal(r->field_count, 2);
+	rb_reader_close(reader);
+
+	const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+	double stiffness[4];
+	signed char by_id[4]; /* id 1 is the static plane */
+	hid_t dataset = H5Dopen2(file, "/rbsim/springs/stiffness", H5P_DEFAULT);
+	assert_true(H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, stiffness) >=
+	            0);
+	assert_near(stiffness[3], 7, 0);
+	H5Dclose(dataset);
+	dataset = H5Dopen2(file, "/rbsim/shapes/driven", H5P_DEFAULT);
+	assert_true(H5Dread(dataset, H5T_NATIVE_SCHAR, H5S_ALL, H5S_ALL, H5P_DEFAULT, by_id) >= 0);
+	assert_true(!by_id[0] && !by_id[1] && by_id[2] && by_id[3]);
+	H5Dclose(dataset);
+	const hid_t attribute = H5Aopen_by_name(file, "/rbsim/events/kind", "kinds", H5P_DEFAULT,
+	                                        H5P_DEFAULT);
+	const hid_t type = H5Aget_type(attribute);
+	assert_true(H5Tget_size(type) < sizeof kinds);
+	assert_true(H5Aread(attribute, type, kinds) >= 0);
+	assert_string_equal(kinds, "0 collision, 1 rest, 2 slide, 3 roll, 4 lift, 5 edge, 6 merge");
+	H5Tclose(type);
+	H5Aclose(attribute);
+	H5Fclose(file);
+
+	/* a scene without them has no word of them */
+	record(in_folder(path, "plain.h5"), 3, 2);
+	const hid_t plain = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+	assert_true(H5Lexists(plain, "/rbsim/springs", H5P_DEFAULT) == 0);
+	assert_true(H5Lexists(plain, "/rbsim/shapes/driven", H5P_DEFAULT) == 0);
+	H5Fclose(plain);
+}
+
+static void an_event_of_no_kind_is_damage(void **slot)
+{
+	char path[512];
+	struct rb_reader *reader;
+	struct rb_error err;
+	struct rb_frame frame;
+	int kinds[19];
+
+	(void)slot;
+	record(in_folder(path, "kind.h5"), 3, 20);
+	const hid_t file = H5Fopen(path, H5F_ACC_RDWR, H5P_DEFAULT);
+	const hid_t dataset = H5Dopen2(file, "/rbsim/events/kind", H5P_DEFAULT);
+	for (int i = 0; i < 19; i++)
+		kinds[i] = i == 10 ? -1 : 0;
+	const hid_t space = H5Screate_simple(1, (const hsize_t[]){19}, NULL);
+	assert_true(H5Dwrite(dataset, H5T_NATIVE_INT, space, H5S_ALL, H5P_DEFAULT, kinds) >= 0);
+	H5Sclose(space);
+	H5Dclose(dataset);
+	H5Fclose(file);
+	assert_ok(rb_reader_open(&reader, path, &err));
+	enum rb_status status = RB_OK;
+	for (uint64_t k = 0; k < 20 && status == RB_OK; k++)
+		status = rb_reader_frame(reader, k, &frame, &err);
+	assert_int_equal(status, RB_ERR_INPUT);
+	assert_non_null(strstr(err.text, "has kind -1"));
+	rb_reader_close(reader);
+}
+
 static void observables_are_read_whole(void **slot)
 {
 	char path[512];
@@ -458,6 +552,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(flipped_bytes_do_not_crash_the_reader),
 		cmocka_unit_test(a_recording_says_how_it_was_made),
+		cmocka_unit_test(a_recording_tells_of_springs_and_driven_bodies),
+		cmocka_unit_test(an_event_of_no_kind_is_damage),
 		cmocka_unit_test(observables_are_read_whole),
 		cmocka_unit_test(a_row_beyond_the_end_is_refused),
 		cmocka_unit_test(files_that_are_no_recordings_are_refused_by_name),

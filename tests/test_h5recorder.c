@@ -116,6 +116,8 @@ static void every_frame_comes_back_to_the_bit(void **slot)
 		assert_int_equal(frame.event_count, k % 3);
 		for (int i = 0; i < frame.event_count; i++)
 			assert_true(frame.events[i].a == i &&
+			            frame.events[i].kind ==
+			                    (k + (uint64_t)i) % RB_EVENT_KIND_COUNT &&
 			            frame.events[i].impulse.z == (double)k &&
 			            frame.events[i].approach_speed == (double)(i + 1));
 		assert_int_equal(frame.numbers.collisions, k % 3);

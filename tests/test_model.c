@@ -74,6 +74,12 @@ static void seal(struct bench *bench)
 	assert_ok(rb_model_create(&bench->model, &bench->scene, NULL, &err));
 }
 
+static rb_features features(struct bench *b)
+{
+	seal(b);
+	return b->model->features;
+}
+
 /* The scene is refused, with one mistake that has this text. */
 static void assert_refused(struct bench *bench, const char *text)
 {
@@ -275,7 +281,7 @@ static void impossible_bodies_are_named_with_file_line_and_value(void **slot)
 	close_bench(&b);
 }
 
-static void planes_that_move_are_not_in_this_version(void **slot)
+static void a_plane_is_static_or_driven(void **slot)
 {
 	struct bench b;
 
@@ -283,7 +289,182 @@ static void planes_that_move_are_not_in_this_version(void **slot)
 	open_bench(&b);
 	add(&b, flat(RB_SHAPE_PLANE));
 	b.scene.bodies[0].is_static = false;
-	assert_refused(&b, "plane #0: a plane that moves: not in this version");
+	assert_refused(
+		&b, "plane #0: a plane has no mass: it is static, or 'motion' says how it moves");
+	b.scene.bodies[0].motion = 1;
+	seal(&b);
+	assert_int_equal(b.model->body_count, 1);
+	b.scene.bodies[0].is_static = true;
+	assert_refused(&b, "plane #0: 'motion' of a static body: it never moves");
+	close_bench(&b);
+}
+
+static struct rb_body_def driven(struct rb_body_def def)
+{
+	def.is_static = false;
+	def.motion = 1;
+	return def;
+}
+
+static void driven_bodies_move_and_have_no_mass(void **slot)
+{
+	struct bench b;
+
+	(void)slot;
+	open_bench(&b);
+	material(&b, 0, 0);
+	add(&b, flat(RB_SHAPE_PLANE));
+	b.scene.bodies[0].position.z = -5;
+	add(&b, driven(ball(1, 0, 0, 0)));
+	add(&b, ball(1, 4, 0, 0));
+	b.scene.bodies[1].motion_turns = true;
+	seal(&b);
+	assert_int_equal(b.model->body_count, 2);
+	assert_int_equal(b.model->id_of[0], 1);
+	assert_true(b.model->driven[0] == 1 && b.model->driven[1] == 0);
+	assert_true(isinf(b.model->mass[0]) && isfinite(b.model->mass[1]));
+	assert_near(b.model->inverse_mass[0], 0, 0);
+	assert_true(b.model->inverse_mass[1] > 0);
+	assert_near(b.model->inverse_inertia[0].m[1][1], 0, 0);
+	assert_near(b.model->inverse_inertia_scalar[0], 0, 0);
+	assert_true(b.model->inverse_inertia[1].m[1][1] > 0);
+	b.scene.bodies[1].motion = -1;
+	seal(&b);
+	assert_null(b.model->driven);
+	close_bench(&b);
+}
+
+static void driven_bodies_meet_what_can_be_pushed_and_nothing_else(void **slot)
+{
+	struct bench b;
+
+	(void)slot;
+	open_bench(&b);
+	b.scene.materials[0].friction = 0;
+	add(&b, driven(ball(1, 0, 0, 0)));
+	add(&b, driven(flat(RB_SHAPE_PLANE)));
+	add(&b, driven(flat(RB_SHAPE_RECTANGLE)));
+	add(&b, flat(RB_SHAPE_RECTANGLE));
+	assert_int_equal(features(&b), RB_FEATURE_DRIVEN); /* and nobody minds that they overlap */
+	add(&b, ball(1, 0, 0, 5));
+	assert_int_equal(features(&b), RB_FEATURE_DRIVEN | RB_FEATURE_CONTACT);
+	b.scene.bodies[0].motion_turns = true;
+	assert_int_equal(features(&b),
+	                 RB_FEATURE_DRIVEN | RB_FEATURE_CONTACT | RB_FEATURE_ROTATION);
+	b.scene.bodies[4].position = (rb_vec3){9, 0, 0.5};
+	assert_refused(&b, "#4: overlaps plane #1 by 0.5 m at the start");
+	b.scene.bodies[4].position = (rb_vec3){1.5, 0, 1};
+	assert_refused(&b, "#4: overlaps sphere #0 by 0.197224 m at the start");
+	close_bench(&b);
+}
+
+static void join(struct bench *bench, struct rb_spring_def spring)
+{
+	spring.line = 7;
+	assert_ok(rb_scene_add_spring(&bench->scene, &spring, &err));
+}
+
+static void forces_between_and_on_bodies_are_features(void **slot)
+{
+	struct bench b;
+	struct rb_spring_def spring = rb_spring_def_default();
+	const struct rb_drag_def none = {0}, drag = {.quadratic = 1};
+	const struct rb_field_def field = {.function = 1};
+
+	(void)slot;
+	open_bench(&b);
+	b.scene.materials[0].friction = 0;
+	b.scene.groups = NULL;
+	add(&b, ball(1, 0, 0, 0));
+	b.scene.bodies[0].filters = true; /* meets nothing */
+	add(&b, ball(1, 4, 0, 0));
+	assert_ok(rb_scene_add_drag(&b.scene, &none, &err));
+	assert_int_equal(features(&b), RB_FEATURE_FILTERS);
+	assert_ok(rb_scene_add_drag(&b.scene, &drag, &err));
+	assert_ok(rb_scene_add_field(&b.scene, &field, &err));
+	spring.a = 0;
+	spring.b = 1;
+	join(&b, spring);
+	const rb_features forces = RB_FEATURE_FILTERS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
+	                           RB_FEATURE_SPRINGS;
+	assert_int_equal(features(&b), forces);
+	/* an end beside the centre of mass turns the body, unless nothing can */
+	b.scene.springs[0].at_b = (rb_vec3){0, 1, 0};
+	assert_int_equal(features(&b), forces | RB_FEATURE_ROTATION);
+	b.scene.bodies[1].is_static = true;
+	assert_int_equal(features(&b), forces);
+	b.scene.springs[0].at_a = b.scene.bodies[0].center_of_mass;
+	assert_int_equal(features(&b), forces);
+	close_bench(&b);
+}
+
+static void springs_that_make_no_sense_are_refused(void **slot)
+{
+	struct bench b;
+	struct rb_spring_def spring = rb_spring_def_default();
+
+	(void)slot;
+	open_bench(&b);
+	add(&b, ball(1, 0, 0, 0));
+	add(&b, ball(1, 4, 0, 0));
+	spring.a = spring.b = 1;
+	join(&b, spring);
+	struct rb_spring_def *it = b.scene.springs;
+	assert_refused(&b, "test.lua:7: spring: both ends are on the same body");
+	it->a = 0;
+	b.scene.bodies[0].is_static = b.scene.bodies[1].is_static = true;
+	assert_refused(&b, "test.lua:7: spring: nothing can move either end");
+	b.scene.bodies[0].is_static = b.scene.bodies[1].is_static = false;
+	it->damping = NAN;
+	assert_refused(&b, "'stiffness', 'damping' and 'rest_length' must be finite and 0 or more");
+	it->damping = 0;
+	it->at_a = (rb_vec3){4, 0, 0};
+	seal(&b); /* of no length, and at rest so */
+	it->rest_length_m = 0.5;
+	assert_refused(&b,
+	               "its ends are at one point at the start, so that its 'rest_length' 0.5 m");
+	it->at_a.y = 1;
+	seal(&b);
+	const struct rb_drag_def drag = {.linear = -1, .line = 8};
+	assert_ok(rb_scene_add_drag(&b.scene, &drag, &err));
+	assert_refused(&b,
+	               "test.lua:8: drag: 'linear' and 'quadratic' must be finite and 0 or more");
+	close_bench(&b);
+}
+
+static void what_the_classic_method_lacks_is_refused_by_name(void **slot)
+{
+	struct bench b;
+	struct rb_spring_def spring = rb_spring_def_default();
+	const struct rb_drag_def drag = {.quadratic = 1};
+	const struct rb_field_def field = {.function = 1};
+
+	(void)slot;
+	open_bench(&b);
+	add(&b, ball(1, 0, 0, 0));
+	add(&b, ball(1, 4, 0, 0));
+	b.scene.world.method = RB_METHOD_CLASSIC;
+	b.scene.bodies[0].motion = 1;
+	assert_refused(&b,
+	               "method 'classic' has no driven bodies ('motion'): use 'located' or 'auto'");
+	b.scene.bodies[0].motion = -1;
+	spring.a = 0;
+	spring.b = 1;
+	join(&b, spring);
+	assert_refused(&b, "world: method 'classic' has no springs: use 'located' or 'auto'");
+	b.scene.spring_count = 0;
+	assert_ok(rb_scene_add_drag(&b.scene, &drag, &err));
+	assert_refused(&b, "method 'classic' has no drag:");
+	b.scene.drag_count = 0;
+	assert_ok(rb_scene_add_field(&b.scene, &field, &err));
+	assert_refused(&b, "method 'classic' has no fields:");
+	b.scene.world.method = RB_METHOD_LOCATED;
+	seal(&b);
+	assert_int_equal(b.model->method, RB_METHOD_LOCATED);
+	assert_string_equal(rb_model_method(b.model), "located");
+	b.scene.world.method = RB_METHOD_AUTO;
+	seal(&b);
+	assert_string_equal(rb_model_method(b.model), "auto");
 	close_bench(&b);
 }
 
@@ -366,12 +547,6 @@ static void at_most_ten_overlaps_are_named_and_the_rest_counted(void **slot)
 	assert_non_null(strstr(b.mistakes.line[0], "sphere #1: overlaps sphere #0 by 0.25 m"));
 	assert_non_null(strstr(b.mistakes.line[10], "19989 more pairs"));
 	close_bench(&b);
-}
-
-static rb_features features(struct bench *b)
-{
-	seal(b);
-	return b->model->features;
 }
 
 static void a_feature_that_no_body_could_use_is_absent_with_its_columns(void **slot)
@@ -457,6 +632,9 @@ static void callbacks_bring_what_they_could_need(void **slot)
 	b.scene.hooks = RB_HOOK_COLLISION;
 	assert_int_equal(features(&b), RB_FEATURE_HOOK_COLLISION | RB_FEATURE_EVENTS |
 	                                       RB_FEATURE_PUSHES | RB_FEATURE_ROTATION);
+	b.scene.hooks = RB_HOOK_TRANSITION;
+	assert_int_equal(features(&b), RB_FEATURE_HOOK_TRANSITION | RB_FEATURE_EVENTS |
+	                                       RB_FEATURE_PUSHES | RB_FEATURE_ROTATION);
 	b.scene.hooks = 0;
 	b.scene.record.fields |= RB_FIELD_EVENTS;
 	assert_int_equal(features(&b), RB_FEATURE_EVENTS);
@@ -476,7 +654,7 @@ static void every_feature_has_one_row_with_texts(void **slot)
 		            rows[i].present);
 		seen |= rows[i].bit;
 	}
-	assert_int_equal(seen, 2 * RB_FEATURE_PUSHES - 1);
+	assert_int_equal(seen, 2 * RB_FEATURE_HOOK_TRANSITION - 1);
 }
 
 static void running_out_of_memory_is_an_error_at_every_allocation(void **slot)
@@ -517,7 +695,12 @@ int main(void)
 		cmocka_unit_test(the_default_tolerance_follows_the_smallest_radius_or_the_ulp),
 		cmocka_unit_test(impossible_worlds_are_refused),
 		cmocka_unit_test(impossible_bodies_are_named_with_file_line_and_value),
-		cmocka_unit_test(planes_that_move_are_not_in_this_version),
+		cmocka_unit_test(a_plane_is_static_or_driven),
+		cmocka_unit_test(driven_bodies_move_and_have_no_mass),
+		cmocka_unit_test(driven_bodies_meet_what_can_be_pushed_and_nothing_else),
+		cmocka_unit_test(forces_between_and_on_bodies_are_features),
+		cmocka_unit_test(springs_that_make_no_sense_are_refused),
+		cmocka_unit_test(what_the_classic_method_lacks_is_refused_by_name),
 		cmocka_unit_test(names_are_unique),
 		cmocka_unit_test(every_mistake_is_found_in_one_pass),
 		cmocka_unit_test(overlaps_at_the_start_are_named_with_their_depth),

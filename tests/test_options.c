@@ -142,7 +142,7 @@ static void what_is_not_known_gets_the_nearest_name(void **state)
 	assert_wrong("s.lua --xyzzyxyzzy", "unknown option '--xyzzyxyzzy'");
 	assert_wrong("s.lua -z", "unknown option '-z'");
 	assert_wrong("chekc s.lua", "unknown verb 'chekc' (did you mean 'check'?)");
-	assert_wrong("s.lua --method clasic", "is not one of: auto, classic");
+	assert_wrong("s.lua --method clasic", "is not one of: auto, classic, located");
 }
 
 static void what_comes_later_is_refused_by_name(void **state)
@@ -161,7 +161,7 @@ static void what_comes_later_is_refused_by_name(void **state)
 		         rb_later_verbs[i]);
 		assert_wrong(rb_later_verbs[i], wanted);
 	}
-	assert_wrong("s.lua --method located", "'located' is not in this version");
+	assert_wrong("s.lua --method stepped", "'stepped' is not in this version");
 }
 
 static void a_command_line_that_makes_no_sense_is_refused(void **state)

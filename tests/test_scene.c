@@ -57,6 +57,36 @@ static void what_is_added_is_kept_in_order_with_its_own_texts(void **slot)
 	rb_scene_release(&scene);
 }
 
+static void springs_drags_and_fields_are_kept_in_order(void **slot)
+{
+	struct rb_scene scene;
+
+	(void)slot;
+	assert_ok(rb_scene_init(&scene, &err));
+	for (int i = 0; i < 300; i++) {
+		struct rb_spring_def spring = rb_spring_def_default();
+		const struct rb_drag_def drag = {.linear = i};
+		const struct rb_field_def field = {.function = i};
+
+		assert_true(isnan(spring.rest_length_m) && isnan(spring.at_a.x) &&
+		            isnan(spring.at_b.x));
+		spring.stiffness = i;
+		assert_ok(rb_scene_add_spring(&scene, &spring, &err));
+		assert_ok(rb_scene_add_drag(&scene, &drag, &err));
+		assert_ok(rb_scene_add_field(&scene, &field, &err));
+	}
+	assert_int_equal(scene.spring_count, 300);
+	assert_int_equal(scene.drag_count, 300);
+	assert_int_equal(scene.field_count, 300);
+	for (int i = 0; i < 300; i++) {
+		assert_near(scene.springs[i].stiffness, i, 0);
+		assert_near(scene.drags[i].linear, i, 0);
+		assert_int_equal(scene.fields[i].function, i);
+	}
+	assert_int_equal(rb_body_def_default().motion, -1);
+	rb_scene_release(&scene);
+}
+
 static void forces_belong_to_the_body_added_last(void **slot)
 {
 	struct rb_scene scene;
@@ -206,6 +236,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_fresh_scene_has_the_defaults_of_the_language),
 		cmocka_unit_test(what_is_added_is_kept_in_order_with_its_own_texts),
+		cmocka_unit_test(springs_drags_and_fields_are_kept_in_order),
 		cmocka_unit_test(forces_belong_to_the_body_added_last),
 		cmocka_unit_test(the_sixty_fourth_group_is_refused),
 		cmocka_unit_test(files_keep_every_byte),

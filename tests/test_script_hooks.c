@@ -218,7 +218,7 @@ static void mistakes_in_callbacks_are_told(void **state)
 		{"on_frame(function() while true do end end)",
 	         "t.lua:1: the script ran longer than 100000 instructions (--trust lifts this)"},
 		{"expect('e', function() b:set_velocity {1, 1, 1} end)",
-	         "t.lua:1: set_velocity: only in on_step, on_frame and on_collision"},
+	         "t.lua:1: set_velocity: only in on_step, on_frame, on_collision and on_transition"},
 		{"expect('e', function() return 1 end)",
 	         "t.lua:1: expect 'e': the function must return a boolean, or measured and bound (got number and nil)"},
 		{"expect_always('e', function() return 'x' end)",

@@ -2,12 +2,15 @@
 /* src/script/sandbox, library, strings, pattern: what a scene can't do, and what stops it */
 #include "support.h"
 
+#include <lauxlib.h>
+
 #include <rbsim/model.h>
 
 #include "base/clock.h"
 #include "base/log.h"
 #include "script/load.h"
 #include "script/pattern.h"
+#include "script/sandbox.h"
 
 /* What loading ends with; budgets are small, so that running into them takes no time. */
 static enum rb_status load(const char *text, bool trust, struct rb_error *err)
@@ -45,6 +48,38 @@ static void must_fail(const char *text, const char *part)
 	assert_int_equal(load(text, false, &err), RB_ERR_SCENE);
 	if (!strstr(err.text, part))
 		fail_msg("'%s': '%s' has no '%s'", text, err.text, part);
+}
+
+static int l_again(lua_State *L)
+{
+	struct rb_error err;
+
+	if (luaL_loadstring(L, "for i = 1, 10 do end") != LUA_OK ||
+	    rb_sandbox_call(rb_sandbox_of(L), 0, 0, 1000, &err) != RB_OK)
+		return luaL_error(L, "the call within failed");
+	return 0;
+}
+
+/* A callback can lead to a call of `field` or `motion`: its own budget must not end with that. */
+static void a_call_within_a_call_shares_its_budget(void **state)
+{
+	struct rb_sandbox sandbox;
+	struct rb_error err;
+
+	(void)state;
+	assert_int_equal(rb_sandbox_init(&sandbox, (size_t)8 << 20, false, &err), RB_OK);
+	lua_register(sandbox.L, "again", l_again);
+	for (int round = 0; round < 3; round++) {
+		assert_int_equal(luaL_loadstring(sandbox.L, "again() again() while true do end"),
+		                 LUA_OK);
+		assert_int_equal(rb_sandbox_call(&sandbox, 0, 0, 100000, &err), RB_ERR_SCENE);
+		assert_non_null(strstr(err.text, "longer than 100000 instructions"));
+		assert_int_equal(lua_gettop(sandbox.L), 0);
+		assert_int_equal(sandbox.depth, 0);
+	}
+	assert_int_equal(luaL_loadstring(sandbox.L, "again()"), LUA_OK);
+	assert_int_equal(rb_sandbox_call(&sandbox, 0, 0, 100000, &err), RB_OK);
+	rb_sandbox_release(&sandbox);
 }
 
 static void there_is_no_way_to_files_code_or_the_machine(void **state)
@@ -107,7 +142,8 @@ static void bodies_of_handles_cannot_be_forged(void **state)
 	must_fail("local b = sphere { radius = 1 } b.set_velocity({}, {1, 2, 3})",
 	          "without its body");
 	must_fail("camera { mount = {} }", "must be a body");
-	must_fail("camera { mount = material {} }", "must be a body (got a material)");
+	must_fail("camera { mount = material {} }",
+	          "must be a body or the name of one (got a material)");
 }
 
 static void addresses_do_not_show(void **state)
@@ -322,6 +358,7 @@ static void errors_of_c_functions_have_their_place(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_call_within_a_call_shares_its_budget),
 		cmocka_unit_test(there_is_no_way_to_files_code_or_the_machine),
 		cmocka_unit_test(require_does_not_leave_its_folders),
 		cmocka_unit_test(metatables_lead_nowhere),

@@ -18,9 +18,26 @@
 extern "C" {
 #endif
 
-enum rb_event_kind { RB_EVENT_COLLISION, RB_EVENT_KIND_COUNT };
+/*
+ * collision: touching and approaching bodies, once each. The others are transitions of a lasting contact of the
+ * located method: to rest (neither slides nor rolls), to sliding, to rolling (or spinning) without slip, lift: it ends;
+ * edge: it goes on at a rim or corner; merge: infinitely many impacts have ended in it. Their impulse and approach
+ * speed are 0.
+ */
+enum rb_event_kind {
+	RB_EVENT_COLLISION,
+	RB_EVENT_REST,
+	RB_EVENT_SLIDE,
+	RB_EVENT_ROLL,
+	RB_EVENT_LIFT,
+	RB_EVENT_EDGE,
+	RB_EVENT_MERGE,
+	RB_EVENT_KIND_COUNT
+};
 
-/* An impact: touching and approaching bodies, once each. */
+/* "collision", "rest", ... as in scenes and recordings. */
+const char *rb_event_kind_name(enum rb_event_kind kind);
+
 struct rb_event {
 	double time_s;
 	enum rb_event_kind kind;

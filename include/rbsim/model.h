@@ -31,7 +31,13 @@ enum {
 	RB_FEATURE_HOOK_STEP = 1u << 10,
 	RB_FEATURE_HOOK_COLLISION = 1u << 11,
 	RB_FEATURE_EVENTS = 1u << 12, /* impacts are kept for frames or hooks */
-	RB_FEATURE_PUSHES = 1u << 13, /* callbacks that can push: step, collision or frame */
+	RB_FEATURE_PUSHES =
+		1u << 13, /* callbacks that can push: step, collision, transition or frame */
+	RB_FEATURE_SPRINGS = 1u << 14,
+	RB_FEATURE_DRAG = 1u << 15,
+	RB_FEATURE_FIELD = 1u << 16,
+	RB_FEATURE_DRIVEN = 1u << 17, /* a body with `motion` */
+	RB_FEATURE_HOOK_TRANSITION = 1u << 18,
 };
 
 /* Entry of the dense materials table. */
@@ -43,14 +49,15 @@ struct rb_model {
 	const struct rb_scene *scene; /* borrowed: must outlive the model */
 	rb_features features;
 
-	int body_count, static_count; /* moving, never moving */
+	int body_count, static_count; /* moving (driven ones too), never moving */
 	int *id_of;                   /* [body_count + static_count] */
 	int *index_of;                /* [scene->body_count] */
 
 	/* columns by index */
 	struct rb_shape *shape;
 	int *material;
-	double *mass, *inverse_mass; /* statics: INFINITY, 0 */
+	double *mass, *inverse_mass; /* statics and driven bodies: INFINITY, 0 */
+	unsigned char *driven; /* [body_count]: 1 where `motion` drives it; NULL without any */
 	rb_mat3 *inertia,
 		*inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
 	double *inverse_inertia_scalar; /* where the tensor is a multiple of 1, else NAN; NULL without rotation */
@@ -66,8 +73,9 @@ struct rb_model {
 	double tolerance_m, size_min_m; /* smallest radius of a moving body */
 	double coordinate_max_m;        /* largest |coordinate| or size at the start */
 	enum rb_rollback_kind rollback;
-	uint64_t frame_count; /* frame 0 included */
-	size_t bytes;         /* that the columns take */
+	enum rb_method_kind method; /* as asked for */
+	uint64_t frame_count;       /* frame 0 included */
+	size_t bytes;               /* that the columns take */
 };
 
 /*
@@ -84,6 +92,7 @@ void rb_model_destroy(struct rb_model *model); /* NULL is fine */
 double rb_model_frame_time(const struct rb_model *model, uint64_t k);
 /* The method's name for summary and recording. */
 const char *rb_model_method(const struct rb_model *model);
+const char *rb_method_name(enum rb_method_kind kind);
 const char *rb_rollback_name(enum rb_rollback_kind kind);
 
 /*

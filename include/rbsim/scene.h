@@ -60,6 +60,29 @@ struct rb_force_def {
 	enum rb_force_frame frame;
 };
 
+/* Between points of two bodies; pulls when longer than its rest length, damping along its line. */
+struct rb_spring_def {
+	int a, b;             /* ids */
+	rb_vec3 at_a, at_b;   /* m, object coordinates; x is NAN: the centre of mass */
+	double stiffness;     /* N/m, >= 0 */
+	double damping;       /* N s/m, >= 0 */
+	double rest_length_m; /* NAN: as long as it is at the start */
+	int line;
+};
+
+/* -(linear + quadratic |v|) v on every moving body, at its centre of mass. */
+struct rb_drag_def {
+	double linear;    /* N s/m, >= 0 */
+	double quadratic; /* N s^2/m^2, >= 0 */
+	int line;
+};
+
+/* A force from a function of time, position and velocity of the centre of mass, on every moving body. */
+struct rb_field_def {
+	int function; /* the script's number of it */
+	int line;
+};
+
 struct rb_body_def {
 	const char *name; /* NULL: none */
 	const char *call; /* the scene's word for it: "sphere", "plane" */
@@ -77,6 +100,12 @@ struct rb_body_def {
 	rb_vec3 velocity;         /* m/s, of the centre of mass */
 	rb_vec3 angular_velocity; /* rad/s, world axes */
 	bool is_static;
+	/* A driven body is not static, and has none of what pushes would need: mass, inertia, forces. Its pose
+	 * and velocities here are those at time 0; `orientation` holds for good where it does not turn. */
+	int motion;        /* the script's number of the function that drives it, -1: none */
+	bool motion_turns; /* it returns an orientation */
+	bool motion_gives_velocity; /* it returned one at time 0; else they are differenced */
+	bool motion_gives_angular_velocity;
 
 	int force_first, force_count; /* in scene.forces */
 
@@ -153,7 +182,7 @@ struct rb_record_def {
 };
 
 enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };
-enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC };
+enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC, RB_METHOD_LOCATED };
 
 struct rb_world_def {
 	const char *title, *description; /* "" when not given */
@@ -217,6 +246,12 @@ struct rb_scene {
 	int body_count;
 	struct rb_force_def *forces;
 	int force_count;
+	struct rb_spring_def *springs;
+	int spring_count;
+	struct rb_drag_def *drags;
+	int drag_count;
+	struct rb_field_def *fields;
+	int field_count;
 	const char **groups; /* names of collision groups, 63 at most */
 	int group_count;
 	struct rb_camera_def *cameras;
@@ -245,6 +280,7 @@ void rb_scene_release(struct rb_scene *scene);
 struct rb_body_def rb_body_def_default(void);
 struct rb_material_def rb_material_def_default(void);
 struct rb_force_def rb_force_def_default(void);
+struct rb_spring_def rb_spring_def_default(void);
 struct rb_camera_def rb_camera_def_default(void);
 
 /* Append a copy; texts are copied too. `*index` (may be NULL) receives its place. Fail on memory only. */
@@ -258,6 +294,13 @@ RB_CHECKED enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct
                                             int *index, struct rb_error *err);
 /* To the body added last. */
 RB_CHECKED enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_def *def,
+                                             struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_spring(struct rb_scene *scene,
+                                              const struct rb_spring_def *def,
+                                              struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_drag(struct rb_scene *scene, const struct rb_drag_def *def,
+                                            struct rb_error *err);
+RB_CHECKED enum rb_status rb_scene_add_field(struct rb_scene *scene, const struct rb_field_def *def,
                                              struct rb_error *err);
 /* Index of the group of that name, added when new; RB_ERR_SCENE beyond 63. */
 RB_CHECKED enum rb_status rb_scene_group(struct rb_scene *scene, const char *name, int *index,

@@ -22,6 +22,14 @@ extern "C" {
 struct rb_model;
 struct rb_world;
 
+/* What a `motion` function returns. */
+struct rb_driven_pose {
+	rb_vec3 position;    /* m, of the object's origin */
+	rb_quat orientation; /* a unit quaternion; the body's own when the function returns none */
+	bool has_velocity, has_angular_velocity; /* else they are to be differenced */
+	rb_vec3 velocity, angular_velocity;      /* m/s of the object's origin; rad/s, world axes */
+};
+
 /*
  * Called by the step, on the thread that runs it, where a scene asks for it: optional, NULL is free.
  * A status other than RB_OK ends the run with it. They may read the world and change it through the
@@ -33,6 +41,15 @@ struct rb_world_hooks {
 	                       struct rb_error *err);
 	enum rb_status (*collision)(void *user, struct rb_world *world,
 	                            const struct rb_event *event, struct rb_error *err);
+	/* a transition of a lasting contact (located method) */
+	enum rb_status (*transition)(void *user, struct rb_world *world,
+	                             const struct rb_event *event, struct rb_error *err);
+	/* Sum of the scene's fields, N; NULL where it has none. Depends on nothing but its arguments. */
+	enum rb_status (*field)(void *user, double time_s, rb_vec3 position, rb_vec3 velocity,
+	                        rb_vec3 *force, struct rb_error *err);
+	/* Pose of a driven body, by id, at a time; NULL where the scene has none. Depends on nothing but these. */
+	enum rb_status (*motion)(void *user, int id, double time_s, struct rb_driven_pose *pose,
+	                         struct rb_error *err);
 };
 
 /* Set before the first step, then only read. */

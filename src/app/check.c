@@ -12,6 +12,7 @@
 #include "flow/ring.h"
 #include "model/check.h"
 #include "model/features.h"
+#include "script/hooks.h"
 #include "sink/module.h"
 #include "step/plan.h"
 #include "step/step.h"
@@ -78,7 +79,11 @@ static enum rb_status try_world(const struct rb_loaded *loaded, int threads, str
 	};
 	struct rb_world *world;
 	struct rb_frame frame;
-	enum rb_status status = rb_world_create(&world, loaded->model, &options, NULL, err);
+	/* functions of the scene that motion depends on are no callbacks */
+	const struct rb_world_hooks all = rb_script_hooks(loaded->script);
+	const struct rb_world_hooks hooks = {
+		.user = all.user, .field = all.field, .motion = all.motion};
+	enum rb_status status = rb_world_create(&world, loaded->model, &options, &hooks, err);
 
 	if (status)
 		return status;
@@ -163,6 +168,54 @@ static void print_materials(const struct rb_loaded *loaded)
 		}
 }
 
+static int driven_count(const struct rb_model *model)
+{
+	int count = 0;
+
+	for (int i = 0; model->driven && i < model->body_count; i++)
+		count += model->driven[i];
+	return count;
+}
+
+/* Driven bodies by name, and what of their motion has to be differenced. */
+static void print_driven(const struct rb_model *model)
+{
+	enum { SHOWN = 10 };
+	int shown = 0;
+	char label[64];
+
+	for (int i = 0; model->driven && i < model->body_count; i++) {
+		const int id = model->id_of[i];
+		const struct rb_body_def *body = &model->scene->bodies[id];
+		const bool turn = body->motion_turns && !body->motion_gives_angular_velocity;
+		if (!model->driven[i] || shown++ >= SHOWN)
+			continue;
+		const bool shift = !body->motion_gives_velocity;
+		printf("  %-11s %s%s%s%s%s%s\n", shown == 1 ? "driven" : "",
+		       rb_scene_body_label(model->scene, id, label), shift || turn ? ": " : "",
+		       shift ? "velocity" : "", shift && turn ? " and " : "",
+		       turn ? "angular velocity" : "", shift || turn ? " differenced" : "");
+	}
+	if (shown > SHOWN)
+		printf("  %-11s %d more\n", "", shown - SHOWN);
+}
+
+static void print_bodies(const struct rb_model *model)
+{
+	const struct rb_scene *const scene = model->scene;
+	const int driven = driven_count(model);
+	char forces[96];
+
+	printf("  bodies      %d moving", model->body_count);
+	if (driven > 0)
+		printf(" (%d of them driven)", driven);
+	printf(", %d static\n", model->static_count);
+	print_driven(model);
+	rb_text_forces(scene->spring_count, scene->drag_count, scene->field_count, forces);
+	if (*forces)
+		printf("  forces      %s\n", forces);
+}
+
 static void print_text(const struct rb_loaded *loaded, const struct rb_options *options,
                        const struct rb_run_info *info, const struct needs *needs)
 {
@@ -172,7 +225,7 @@ static void print_text(const struct rb_loaded *loaded, const struct rb_options *
 	char size[32];
 
 	printf("%s%s%s\n", loaded->scene.file, title && *title ? ": " : "", title ? title : "");
-	printf("  bodies      %d moving, %d static\n", model->body_count, model->static_count);
+	print_bodies(model);
 	printf("  run         %g s in %" PRIu64 " frames at %g per second, %" PRIu64
 	       " steps of at most %g s, seed %" PRIu64 "\n",
 	       model->duration_s, model->frame_count, model->frame_rate, needs->steps,
@@ -244,6 +297,10 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
 	rb_json_count(&json, "bodies", (uint64_t)model->body_count);
 	rb_json_count(&json, "statics", (uint64_t)model->static_count);
+	rb_json_count(&json, "driven_count", (uint64_t)driven_count(model));
+	rb_json_count(&json, "spring_count", (uint64_t)model->scene->spring_count);
+	rb_json_count(&json, "drag_count", (uint64_t)model->scene->drag_count);
+	rb_json_count(&json, "field_count", (uint64_t)model->scene->field_count);
 	rb_json_count(&json, "frames", model->frame_count);
 	rb_json_number(&json, "duration", model->duration_s);
 	rb_json_number(&json, "frame_rate", model->frame_rate);

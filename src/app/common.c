@@ -20,7 +20,7 @@ int rb_app_fail(const struct rb_options *options, const struct rb_error *err)
 	return rb_status_exit_code(err->status);
 }
 
-static bool refused_as_expected(const struct rb_loaded *loaded, const struct rb_error *err)
+bool rb_app_refused_as_expected(const struct rb_loaded *loaded, const struct rb_error *err)
 {
 	const char *pattern = loaded->scene.expect_refused_pattern;
 
@@ -64,7 +64,7 @@ int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *
 {
 	const struct rb_mistakes *const mistakes = &loaded->mistakes;
 
-	if (refused_as_expected(loaded, err)) {
+	if (rb_app_refused_as_expected(loaded, err)) {
 		if (!options->quiet)
 			fprintf(stderr, "rbsim: refused, as the scene expects: %s\n", err->text);
 		return 0;
@@ -101,6 +101,7 @@ void rb_app_json_refusal(const struct rb_options *options, const struct rb_loade
 		[RB_VERB_CHECK] = {"scene"},
 		[RB_VERB_INFO] = {"file"},
 		[RB_VERB_DIFF] = {"a", "b"},
+		[RB_VERB_CONVERGE] = {"scene"},
 	};
 	struct rb_json json = {.file = stdout};
 
@@ -175,9 +176,9 @@ static void override(struct rb_world_def *world, const struct rb_options *option
 		world->time_step_s = options->time_step_s;
 	if (!isnan(options->tolerance_m))
 		world->tolerance_m = options->tolerance_m;
-	if (options->method)
-		world->method = strcmp(options->method, "classic") == 0 ? RB_METHOD_CLASSIC
-		                                                        : RB_METHOD_AUTO;
+	for (int i = RB_METHOD_AUTO; options->method && i <= RB_METHOD_LOCATED; i++)
+		if (strcmp(options->method, rb_method_name((enum rb_method_kind)i)) == 0)
+			world->method = (enum rb_method_kind)i;
 	for (int i = 0; options->rollback && i < 3; i++)
 		if (strcmp(options->rollback, rollback_names[i]) == 0)
 			world->rollback = (enum rb_rollback_kind)i;
@@ -301,4 +302,24 @@ const char *rb_text_bytes(uint64_t bytes, char out[32])
 const char *rb_text_plural(uint64_t count, const char *one, const char *many)
 {
 	return count == 1 ? one : many;
+}
+
+const char *rb_text_forces(int springs, int drags, int fields, char out[96])
+{
+	const struct {
+		int count;
+		const char *one, *many;
+	} kinds[] = {{springs, "spring", "springs"},
+	             {drags, "drag", "drags"},
+	             {fields, "field", "fields"}};
+	size_t used = 0;
+
+	out[0] = '\0';
+	for (int i = 0; i < 3; i++)
+		if (kinds[i].count > 0)
+			used += (size_t)snprintf(
+				out + used, 96 - used, "%s%d %s", used > 0 ? ", " : "",
+				kinds[i].count,
+				rb_text_plural((uint64_t)kinds[i].count, kinds[i].one, kinds[i].many));
+	return out;
 }

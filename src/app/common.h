@@ -38,6 +38,9 @@ void rb_loaded_release(struct rb_loaded *loaded); /* safe on a zeroed one */
 /* Tells an error on standard error and gives its exit status; with --debug also where it arose. */
 int rb_app_fail(const struct rb_options *options, const struct rb_error *err);
 
+/* Whether a scene expects to be refused this way (expect_refused). */
+bool rb_app_refused_as_expected(const struct rb_loaded *loaded, const struct rb_error *err);
+
 /*
  * As rb_app_fail, with every mistake of the scene on a line of its own, or the traceback of a
  * callback that has failed. A scene that expects to be
@@ -86,5 +89,8 @@ const char *rb_text_measure(const char *before, double value, int digits, const 
 const char *rb_text_bytes(uint64_t bytes, char out[32]);
 
 const char *rb_text_plural(uint64_t count, const char *one, const char *many);
+
+/* Forces of a scene that are neither gravity nor a body's own: "2 springs, 1 field", "" without any. */
+const char *rb_text_forces(int springs, int drags, int fields, char out[96]);
 
 #endif

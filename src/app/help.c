@@ -131,6 +131,15 @@ void rb_help_print_options(FILE *file)
 	fputs(".El\n.\\\" end\n", file);
 }
 
+/* A row above has the same name, for other verbs. */
+static bool named_before(const struct rb_option_row *row)
+{
+	for (const struct rb_option_row *before = rb_option_rows; before < row; before++)
+		if (strcmp(before->name, row->name) == 0)
+			return true;
+	return false;
+}
+
 static void print_verb_names(FILE *file)
 {
 	for (int verb = 0; verb < RB_VERB_COUNT; verb++)
@@ -161,7 +170,7 @@ static void print_bash(FILE *file)
 	fputs(") verb=$w ;; esac\n\tdone\n\tcase $before in\n", file);
 	for (int i = 0; i < rb_option_row_count; i++) {
 		const struct rb_option_row *const row = &rb_option_rows[i];
-		if (!row->argument || !row->help)
+		if (!row->argument || !row->help || named_before(row))
 			continue;
 		fputs("\t", file);
 		if (row->letter)
@@ -216,7 +225,7 @@ static void print_zsh(FILE *file)
 	      file);
 	for (int i = 0; i < rb_option_row_count; i++) {
 		const struct rb_option_row *const row = &rb_option_rows[i];
-		if (!row->help)
+		if (!row->help || named_before(row))
 			continue;
 		if (row->letter)
 			fprintf(file, "\t%s{-%c%s,--%s%s}'[",

@@ -146,6 +146,10 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_count(&json, "frames", reading->frame_count);
 	rb_json_count(&json, "bodies", (uint64_t)reading->body_count);
 	rb_json_count(&json, "statics", (uint64_t)reading->static_count);
+	rb_json_count(&json, "driven_count", (uint64_t)reading->driven_count);
+	rb_json_count(&json, "spring_count", (uint64_t)reading->spring_count);
+	rb_json_count(&json, "drag_count", (uint64_t)reading->drag_count);
+	rb_json_count(&json, "field_count", (uint64_t)reading->field_count);
 	rb_json_count(&json, "events", reading->event_count);
 	rb_json_open(&json, "fields", '[');
 	for (int i = 0; i < FIELD_COUNT; i++)
@@ -215,6 +219,8 @@ static void print_changes(const struct course *course)
 static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
+	char forces[96];
+
 	printf("%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
 	       rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
 	       rb_text_plural((uint64_t)reading->body_count, "body", "bodies"));
@@ -224,6 +230,11 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	printf(", %g to %g s of %g s\n", course->first_s, course->last_s, reading->duration_s);
 	if (*reading->title)
 		printf("  title       %s\n", reading->title);
+	if (reading->driven_count > 0)
+		printf("  driven      %d of the moving bodies\n", reading->driven_count);
+	rb_text_forces(reading->spring_count, reading->drag_count, reading->field_count, forces);
+	if (*forces)
+		printf("  forces      %s\n", forces);
 	printf("  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",
 	       reading->reason);
 	printf("  columns    ");

@@ -5,6 +5,7 @@
 
 #include "app/check.h"
 #include "app/common.h"
+#include "app/converge.h"
 #include "app/diff.h"
 #include "app/help.h"
 #include "app/info.h"
@@ -12,13 +13,15 @@
 #include "app/progress.h"
 #include "app/run.h"
 #include "app/simulate.h"
+#include "app/verify.h"
 #include "base/log.h"
 #include "script/rows.h"
 
 static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
 	[RB_VERB_RUN] = rb_run_main,         [RB_VERB_CHECK] = rb_check_main,
 	[RB_VERB_INFO] = rb_info_main,       [RB_VERB_DIFF] = rb_diff_main,
-	[RB_VERB_METHODS] = rb_methods_main,
+	[RB_VERB_CONVERGE] = rb_converge_main,
+	[RB_VERB_VERIFY] = rb_verify_main,   [RB_VERB_METHODS] = rb_methods_main,
 };
 
 /* In one write, over a progress bar that may stand there. */

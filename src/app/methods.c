@@ -7,11 +7,18 @@
 static const struct {
 	const char *name, *what, *good_for, *mind;
 } methods[] = {
+	{"located",
+         "every body flies on its own clock from event to event; impacts are located to rounding and lasting contacts "
+         "end where they end",
+         "few bodies or thin gases, impacts that must be right, long runs; springs, drag, fields and driven bodies",
+         "crowds of touching bodies are solved together, which costs much where they are many"},
 	{"classic", "one step for all; a step that ends in an overlap is taken back and halved",
-         "few bodies and clear impacts; lectures; a baseline for every other method",
-         "impact times are as fine as the step, so errors fall with the first power of time_step; heaps cost much"},
-	{"auto", "the best that this version has: classic", "whoever does not want to choose",
-         "the method taken is named in the summary and in the recording"},
+         "lectures; a baseline for every other method",
+         "impact times are as fine as the step, so errors fall with the first power of time_step; heaps cost much; no "
+         "springs, drag, fields or driven bodies"},
+	{"auto", "the best that this version has for each group of bodies",
+         "whoever does not want to choose",
+         "what was taken is named in the summary and in the recording"},
 };
 static const struct {
 	const char *name, *what;

@@ -13,7 +13,7 @@
 #include "script/nearest.h"
 
 #define VERB(name) (1u << RB_VERB_##name)
-#define ALL (VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(DIFF) | VERB(METHODS))
+#define ALL (VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(DIFF) | VERB(CONVERGE) | VERB(VERIFY) | VERB(METHODS))
 #define SCENE (VERB(RUN) | VERB(CHECK))
 #define AT(field) offsetof(struct rb_options, field)
 
@@ -33,6 +33,18 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 	[RB_VERB_DIFF] = {"diff", "A.h5 B.h5", 2,
                           "the first frame and body at which two recordings differ",
                           "rbsim diff before.h5 after.h5\texit status 0: the same to the bit\n"},
+	[RB_VERB_CONVERGE] = {"converge", "SCENE.lua", 1,
+                              "error against run time, over methods and time steps",
+                              "rbsim converge bounce.lua\ta table, a picture and advice\n"
+                              "rbsim converge bounce.lua -o bounce.svg\tthe picture in a file\n"
+                              "rbsim converge bounce.lua --error 1e-9\twhat is the cheapest for that?\n"
+                              "rbsim converge bounce.lua --methods classic --dt 0.01,0.001\tonly these\n"},
+	[RB_VERB_VERIFY] = {"verify", "[CASE...]", -1,
+                            "problems with known answers: measured, bound, pass or fail",
+                            "rbsim verify\tall cases in all variations\n"
+                            "rbsim verify --quick\ta subset, in less than a minute\n"
+                            "rbsim verify s03 s10\tthese, by the beginning of their names\n"
+                            "rbsim verify s03 --json\twith the numbers of every variation\n"},
 	[RB_VERB_METHODS] = {"methods", "", 0, "the methods and what each is good for",
                              "rbsim methods\ta table\n"},
 };
@@ -41,28 +53,51 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 const struct rb_option_row rb_option_rows[] = {
 	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), SCENE, 0, 0, false, NULL,
 	 "record to FILE (default: the scene's record file, else its name with .h5, here)"},
-	{"param", 'p', "NAME=VALUE", RB_OPTION_LIST, AT(params), SCENE, 0, 0, false, NULL,
+	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), VERB(CONVERGE), 0, 0, false, NULL,
+	 "write the report to FILE, by its ending a picture (.svg, .png) or all numbers (.csv, .json)"},
+	{"param", 'p', "NAME=VALUE", RB_OPTION_LIST, AT(params), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
 	 "set a parameter of the scene; may be given again"},
-	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE, 0, INFINITY, true, NULL,
+	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE | VERB(CONVERGE), 0, INFINITY, true, NULL,
 	 "simulated time, instead of the scene's"},
 	{"time-step", 0, "SECONDS", RB_OPTION_NUMBER, AT(time_step_s), SCENE, 0, INFINITY, true, NULL,
 	 "longest step of the solver, instead of the scene's"},
 	{"tolerance", 0, "METRES", RB_OPTION_NUMBER, AT(tolerance_m), SCENE, 0, INFINITY, true, NULL,
 	 "largest overlap a frame may show, instead of the scene's"},
-	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE, 0, 0, false, "auto, classic",
+	{"methods", 0, "LIST", RB_OPTION_TEXT, AT(methods), VERB(CONVERGE), 0, 0, false, NULL,
+	 "methods to compare: classic, classic-global, classic-none, located, located-global"},
+	{"dt", 0, "LIST", RB_OPTION_TEXT, AT(steps), VERB(CONVERGE), 0, 0, false, NULL,
+	 "time steps in seconds, like 0.01,0.001 (default: half decades from 10 to 1/100 of the scene's)"},
+	{"tolerance", 0, "LIST", RB_OPTION_TEXT, AT(tolerances), VERB(CONVERGE), 0, 0, false, NULL,
+	 "tolerances in metres, as the ladder instead of time steps"},
+	{"quantity", 0, "NAME", RB_OPTION_CHOICE, AT(quantity), VERB(CONVERGE), 0, 0, false,
+	 "position, velocity, orientation, angular_velocity, energy, penetration",
+	 "whose error counts (default: position)"},
+	{"error", 0, "VALUE", RB_OPTION_NUMBER, AT(error), VERB(CONVERGE), 0, INFINITY, true, NULL,
+	 "wanted error, in the unit of the quantity, for which the cheapest setting is told (default: 1e-6)"},
+	{"runs", 0, "N", RB_OPTION_INTEGER, AT(runs), VERB(CONVERGE), 1, 1000, false, NULL,
+	 "runs of each setting, of which the shortest counts (default: up to 5)"},
+	{"budget", 0, "SECONDS", RB_OPTION_NUMBER, AT(budget_s), VERB(CONVERGE), 0, INFINITY, true, NULL,
+	 "wall time for the whole ladder, what would take longer is left out (default: 60)"},
+	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE | VERB(VERIFY), 0, 0, false, "auto, classic, located",
 	 "method of the solver (see rbsim methods)"},
-	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE, 0, 0, false, "selective, global, none",
+	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE | VERB(VERIFY), 0, 0, false, "selective, global, none",
 	 "what is restored when an overlap shows (the bodies concerned, the whole scene, nothing)"},
-	{"seed", 0, "N", RB_OPTION_SEED, AT(seed), SCENE, 0, 0, false, NULL,
+	{"seed", 0, "N", RB_OPTION_SEED, AT(seed), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
 	 "seed of the scene's random numbers"},
-	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), SCENE, 1, 1024, false, NULL,
+	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), SCENE | VERB(CONVERGE), 1, 1024, false, NULL,
 	 "workers of the simulator (default: the processors this process may use)"},
 	{"no-record", 0, NULL, RB_OPTION_FLAG, AT(no_record), SCENE, 0, 0, false, NULL,
 	 "write no recording"},
-	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE, 0, 0, false, NULL,
-	 "replace an existing recording"},
-	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE, 0, 0, false, NULL,
+	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
+	 "replace an existing recording or report"},
+	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
+	{"quick", 0, NULL, RB_OPTION_FLAG, AT(quick), VERB(VERIFY), 0, 0, false, NULL,
+	 "a subset of cases and variations that takes less than a minute"},
+	{"scenes", 0, "DIR", RB_OPTION_TEXT, AT(scenes), VERB(VERIFY), 0, 0, false, NULL,
+	 "folder with the cases, instead of the shipped one"},
+	{"jobs", 0, "N", RB_OPTION_INTEGER, AT(jobs), VERB(VERIFY), 1, 1024, false, NULL,
+	 "runs at a time (default: the processors this process may use)"},
 	{"scene", 0, NULL, RB_OPTION_FLAG, AT(scene_text), VERB(INFO), 0, 0, false, NULL,
 	 "print the text of the recorded scene and nothing else"},
 	{"quiet", 'q', NULL, RB_OPTION_FLAG, AT(quiet), ALL, 0, 0, false, NULL,
@@ -81,11 +116,11 @@ const struct rb_option_row rb_option_rows[] = {
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
 const char *const rb_later_verbs[] = {"console",  "attach", "render", "plot",    "export",
-                                      "converge", "verify", "sweep",  "collect", "replay",
+                                      "sweep",  "collect", "replay",
                                       "repair",   "ctl",    NULL};
 const char *const rb_later_options[] = {
 	"no-render", "camera", "checkpoint-every", "resume", "listen", "commands", NULL};
-static const char *const later_methods[] = {"located", "stepped", NULL};
+static const char *const later_methods[] = {"stepped", NULL};
 
 /* One command line being read. */
 struct parse {
@@ -249,27 +284,38 @@ static enum rb_status take_option(struct parse *parse, const struct rb_option_ro
 	return take_value(parse, row, text);
 }
 
+/* The row of the verb, as far as that is known, where a name or a letter has two; NULL: none. */
+static const struct rb_option_row *row_of(const struct parse *parse, const char *name,
+                                          size_t length, char letter)
+{
+	const struct rb_option_row *found = NULL;
+
+	for (int i = 0; i < rb_option_row_count; i++) {
+		const struct rb_option_row *row = &rb_option_rows[i];
+		const bool named = name ? strlen(row->name) == length &&
+						  memcmp(row->name, name, length) == 0
+		                        : row->letter == letter;
+		if (named && (!found || row->verbs & 1u << parse->options->verb))
+			found = row;
+	}
+	return found;
+}
+
 static enum rb_status take_long(struct parse *parse, const char *word)
 {
 	const size_t length = strcspn(word, "=");
+	const struct rb_option_row *row = row_of(parse, word, length, 0);
 
-	for (int i = 0; i < rb_option_row_count; i++) {
-		const char *name = rb_option_rows[i].name;
-		if (strlen(name) == length && memcmp(name, word, length) == 0)
-			return take_option(parse, &rb_option_rows[i],
-			                   word[length] ? word + length + 1 : NULL);
-	}
-	return unknown_option(parse, word, length);
+	if (!row)
+		return unknown_option(parse, word, length);
+	return take_option(parse, row, word[length] ? word + length + 1 : NULL);
 }
 
 /* -q, -qo FILE, -oFILE */
 static enum rb_status take_short(struct parse *parse, const char *letters)
 {
 	for (; *letters; letters++) {
-		const struct rb_option_row *row = NULL;
-		for (int i = 0; i < rb_option_row_count && !row; i++)
-			if (rb_option_rows[i].letter == *letters)
-				row = &rb_option_rows[i];
+		const struct rb_option_row *row = row_of(parse, NULL, 0, *letters);
 		if (!row)
 			return RB_FAIL(parse->err, RB_ERR_USAGE, "unknown option '-%c'", *letters);
 		const bool flag = row->type == RB_OPTION_FLAG;
@@ -315,6 +361,10 @@ static enum rb_status take_operand(struct parse *parse, const char *word, bool m
 			return status;
 	}
 	const struct rb_verb_row *verb = &rb_verbs[options->verb];
+	if (verb->operand_count < 0) {
+		options->words[options->word_count++] = word;
+		return RB_OK;
+	}
 	if (options->operand_count >= verb->operand_count)
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "unexpected operand '%s': %s takes %s",
 		               word, verb->name,
@@ -354,10 +404,13 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 	*options = (struct rb_options){.duration_s = NAN,
 	                               .time_step_s = NAN,
 	                               .tolerance_m = NAN,
+	                               .error = NAN,
+	                               .budget_s = NAN,
 	                               .argc = argc,
 	                               .argv = argv};
 	options->params = rb_memory_take((size_t)argc + 1, sizeof *options->params);
-	if (!options->params)
+	options->words = rb_memory_take((size_t)argc + 1, sizeof *options->words);
+	if (!options->params || !options->words)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read the command line: out of memory");
 	while (parse.next < argc) {
 		const char *const word = argv[parse.next++];
@@ -383,5 +436,6 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 void rb_options_release(struct rb_options *options)
 {
 	rb_memory_free(options->params);
+	rb_memory_free(options->words);
 	*options = (struct rb_options){0};
 }

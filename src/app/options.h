@@ -19,6 +19,8 @@ enum rb_verb {
 	RB_VERB_CHECK,
 	RB_VERB_INFO,
 	RB_VERB_DIFF,
+	RB_VERB_CONVERGE,
+	RB_VERB_VERIFY,
 	RB_VERB_METHODS,
 	RB_VERB_COUNT
 };
@@ -26,7 +28,7 @@ enum rb_verb {
 struct rb_verb_row {
 	const char *name;
 	const char *operands; /* as in the usage line, "" without */
-	int operand_count;
+	int operand_count; /* -1: any number, kept as words */
 	const char *help;
 	const char *examples; /* for --help: lines "command\tremark\n" */
 };
@@ -48,8 +50,16 @@ struct rb_options {
 	bool verb_given; /* by name, not by default */
 	const char *operand[2];
 	int operand_count;
+	const char **words; /* owned: operands of a verb that takes any number */
+	int word_count;
 
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
+	bool quick; /* verify */
+	const char *scenes; /* verify: folder, NULL: the shipped one */
+	int jobs;           /* verify: runs at a time, 0: not given */
+	const char *methods, *steps, *tolerances, *quantity; /* converge; NULL: not given */
+	double error, budget_s;                              /* converge; NAN: not given */
+	int runs;                                            /* converge; 0: not given */
 	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
 	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */
 	uint64_t seed;
@@ -60,6 +70,7 @@ struct rb_options {
 	char *const *argv;
 };
 
+/* Two rows may share a name where no verb takes both. */
 struct rb_option_row {
 	const char *name;     /* long, without dashes */
 	char letter;          /* 0: none */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "flow/frame.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 
 /* Room at the start: a scene with few impacts never grows it. */
@@ -12,6 +13,19 @@ enum { EVENTS_AT_START = 16, CONTACTS_AT_START = 16 };
 	X(RB_FIELD_ORIENTATION, orientation, 4) \
 	X(RB_FIELD_VELOCITY, velocity, 3)       \
 	X(RB_FIELD_ANGULAR_VELOCITY, angular_velocity, 3)
+
+const char *rb_event_kind_name(enum rb_event_kind kind)
+{
+	static const char *const names[RB_EVENT_KIND_COUNT] = {
+		[RB_EVENT_COLLISION] = "collision", [RB_EVENT_REST] = "rest",
+		[RB_EVENT_SLIDE] = "slide",         [RB_EVENT_ROLL] = "roll",
+		[RB_EVENT_LIFT] = "lift",           [RB_EVENT_EDGE] = "edge",
+		[RB_EVENT_MERGE] = "merge",
+	};
+
+	RB_ASSERT(kind < RB_EVENT_KIND_COUNT);
+	return names[kind];
+}
 
 unsigned rb_frame_fields(const struct rb_model *model, unsigned fields)
 {

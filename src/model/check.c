@@ -6,12 +6,14 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "geom/distance.h"
 #include "geom/grid.h"
 #include "geom/mass.h"
+#include "math/quat.h"
 
 enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 };
 
@@ -145,6 +147,20 @@ static void world_mistake(struct check *check, const char *format, ...)
 	vsnprintf(text, sizeof text, format, arguments);
 	va_end(arguments);
 	place(check->scene, 0, where);
+	rb_mistakes_add(check->mistakes, "%s%s", where, text);
+}
+
+/* At a line of the scene, about no body. */
+static void line_mistake(struct check *check, int line, const char *format, ...) RB_PRINTF(3, 4);
+static void line_mistake(struct check *check, int line, const char *format, ...)
+{
+	char text[LINE_SIZE], where[256];
+	va_list arguments;
+
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	place(check->scene, line, where);
 	rb_mistakes_add(check->mistakes, "%s%s", where, text);
 }
 
@@ -339,14 +355,110 @@ static bool check_bodies(struct check *check)
 
 		good = good && shaped;
 		check_forces(check, i);
-		if (!body->is_static && body->shape.kind != RB_SHAPE_SPHERE) {
-			body_mistake(check, i, "a plane that moves: not in this version");
+		if (rb_body_is_free(body) && body->shape.kind != RB_SHAPE_SPHERE) {
+			body_mistake(
+				check, i,
+				"a plane has no mass: it is static, or 'motion' says how it moves");
 			good = false;
-		} else if (!body->is_static && shaped) {
+		} else if (rb_body_is_free(body) && shaped) {
 			check_mass(check, i);
+		} else if (body->is_static && rb_body_is_driven(body)) {
+			body_mistake(check, i, "'motion' of a static body: it never moves");
 		}
 	}
 	return good;
+}
+
+const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring_def *spring)
+{
+	RB_ASSERT(spring->a >= 0 && spring->a < scene->body_count);
+	RB_ASSERT(spring->b >= 0 && spring->b < scene->body_count);
+	if (spring->a == spring->b)
+		return "both ends are on the same body";
+	if (!rb_body_is_free(&scene->bodies[spring->a]) &&
+	    !rb_body_is_free(&scene->bodies[spring->b]))
+		return "nothing can move either end: one must be on a body that is neither static nor driven";
+	return NULL;
+}
+
+/* World coordinates of one end at the start. */
+static rb_vec3 spring_end(const struct rb_body_def *body, rb_vec3 at)
+{
+	const rb_vec3 local = isnan(at.x) ? body->center_of_mass : at;
+
+	return rb_vec3_add(body->position, rb_quat_rotate(rb_quat_unit(body->orientation), local));
+}
+
+static void check_spring(struct check *check, const struct rb_spring_def *spring)
+{
+	const struct rb_body_def *bodies = check->scene->bodies;
+	const char *fault = rb_spring_fault(check->scene, spring);
+	const double rest = spring->rest_length_m;
+
+	if (fault) {
+		line_mistake(check, spring->line, "spring: %s", fault);
+		return;
+	}
+	if (!(spring->stiffness >= 0 && isfinite(spring->stiffness)) ||
+	    !(spring->damping >= 0 && isfinite(spring->damping)) ||
+	    !(isnan(rest) || (rest >= 0 && isfinite(rest)))) {
+		line_mistake(
+			check, spring->line,
+			"spring: 'stiffness', 'damping' and 'rest_length' must be finite and 0 or more "
+			"(got %g, %g and %g)",
+			spring->stiffness, spring->damping, rest);
+		return;
+	}
+	const rb_vec3 span = rb_vec3_sub(spring_end(&bodies[spring->b], spring->at_b),
+	                                 spring_end(&bodies[spring->a], spring->at_a));
+	if (rest > 0 && !(rb_vec3_max_abs(span) > 0))
+		line_mistake(
+			check, spring->line,
+			"spring: its ends are at one point at the start, so that its 'rest_length' %g m has "
+			"no direction (wanted 0, or ends apart)",
+			rest);
+}
+
+static void check_drag(struct check *check, const struct rb_drag_def *drag)
+{
+	if (!(drag->linear >= 0 && isfinite(drag->linear)) ||
+	    !(drag->quadratic >= 0 && isfinite(drag->quadratic)))
+		line_mistake(
+			check, drag->line,
+			"drag: 'linear' and 'quadratic' must be finite and 0 or more (got %g and %g)",
+			drag->linear, drag->quadratic);
+}
+
+/* The classic method has no stages for these: it would leave them out without a word. */
+static void check_method(struct check *check)
+{
+	const struct rb_scene *scene = check->scene;
+	bool driven = false;
+
+	if (scene->world.method != RB_METHOD_CLASSIC)
+		return;
+	for (int i = 0; i < scene->body_count; i++)
+		driven = driven || rb_body_is_driven(&scene->bodies[i]);
+	const struct {
+		bool present;
+		const char *what;
+	} lacks[] = {{scene->spring_count > 0, "springs"},
+	             {scene->drag_count > 0, "drag"},
+	             {scene->field_count > 0, "fields"},
+	             {driven, "driven bodies ('motion')"}};
+	for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++)
+		if (lacks[i].present)
+			world_mistake(check,
+			              "world: method 'classic' has no %s: use 'located' or 'auto'",
+			              lacks[i].what);
+}
+
+static void check_links(struct check *check)
+{
+	for (int i = 0; i < check->scene->spring_count; i++)
+		check_spring(check, &check->scene->springs[i]);
+	for (int i = 0; i < check->scene->drag_count; i++)
+		check_drag(check, &check->scene->drags[i]);
 }
 
 /* The place of the last earlier body of that name among items[0 .. i), or -1. */
@@ -421,7 +533,7 @@ static void check_overlap(struct check *check, int a, int b, int *found)
 
 	if (!rb_bodies_can_meet(body_a, body_b))
 		return;
-	/* one of the two is a sphere: no other shape moves */
+	/* one of the two is a sphere: no other shape is free */
 	const double gap = body_a->shape.kind == RB_SHAPE_SPHERE ? gap_at_start(body_a, body_b)
 	                                                         : gap_at_start(body_b, body_a);
 	if (gap >= -check->sizes.tolerance_m)
@@ -439,7 +551,7 @@ static void check_overlap(struct check *check, int a, int b, int *found)
 struct start_boxes {
 	rb_aabb *box;
 	int *id, *planes;
-	int moving, count, plane_count;
+	int moving, count, plane_count; /* driven planes are among the planes */
 };
 
 static rb_aabb box_at_start(const struct rb_body_def *body)
@@ -456,19 +568,19 @@ static rb_aabb box_at_start(const struct rb_body_def *body)
 static void fill_boxes(const struct rb_scene *scene, struct start_boxes *boxes)
 {
 	for (int i = 0; i < scene->body_count; i++) {
-		if (scene->bodies[i].is_static)
+		if (scene->bodies[i].is_static || scene->bodies[i].shape.kind == RB_SHAPE_PLANE)
 			continue;
 		boxes->id[boxes->count] = i;
 		boxes->box[boxes->count++] = box_at_start(&scene->bodies[i]);
 	}
 	boxes->moving = boxes->count;
 	for (int i = 0; i < scene->body_count; i++) {
-		if (!scene->bodies[i].is_static)
-			continue;
 		if (scene->bodies[i].shape.kind == RB_SHAPE_PLANE) {
 			boxes->planes[boxes->plane_count++] = i;
 			continue;
 		}
+		if (!scene->bodies[i].is_static)
+			continue;
 		boxes->id[boxes->count] = i;
 		boxes->box[boxes->count++] = box_at_start(&scene->bodies[i]);
 	}
@@ -546,6 +658,8 @@ enum rb_status rb_scene_check(const struct rb_scene *scene, bool turns,
 			&check,
 			"the scene has no body (wanted at least one, such as sphere { radius = 1 })");
 	const bool good = check_bodies(&check);
+	check_method(&check);
+	check_links(&check);
 	status = check_names(&check, err);
 	if (good)
 		check_tolerance(&check);

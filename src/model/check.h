@@ -25,21 +25,35 @@ static inline uint64_t rb_body_collides(const struct rb_body_def *body)
 	return body->filters ? body->collides_with : UINT64_MAX;
 }
 
-/* Both must want it, and one of them must move. */
+static inline bool rb_body_is_driven(const struct rb_body_def *body)
+{
+	return body->motion >= 0;
+}
+
+/* Impacts and forces move it. */
+static inline bool rb_body_is_free(const struct rb_body_def *body)
+{
+	return !body->is_static && !rb_body_is_driven(body);
+}
+
+/* Both must want it, and one of them must be moved by it. */
 static inline bool rb_bodies_can_meet(const struct rb_body_def *a, const struct rb_body_def *b)
 {
-	return !(a->is_static && b->is_static) &&
+	return (rb_body_is_free(a) || rb_body_is_free(b)) &&
 	       (rb_body_collides(a) & rb_body_group_bit(b)) != 0 &&
 	       (rb_body_collides(b) & rb_body_group_bit(a)) != 0;
 }
 
-/* kg, of a body that moves, as given or from density and volume; not checked. */
+/* kg, of a free body, as given or from density and volume; not checked. */
 double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body);
 /* kg m^2 about the centre of mass, as given or of the uniform shape; not checked. */
 rb_mat3 rb_body_inertia(const struct rb_body_def *body, double mass);
 
 /* Distance to the next double, of |x|. */
 double rb_ulp(double x);
+
+/* What is wrong with the bodies of a spring, NULL: nothing. */
+const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring_def *spring);
 
 struct rb_sizes {
 	double size_min_m;       /* smallest radius of a moving body, 0: none moves */

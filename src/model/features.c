@@ -17,7 +17,8 @@ enum { KINDS_MOST = 256 };
 
 static bool callbacks(const struct rb_feature_facts *facts)
 {
-	return (facts->scene->hooks & (RB_HOOK_STEP | RB_HOOK_COLLISION | RB_HOOK_FRAME)) != 0;
+	return (facts->scene->hooks &
+	        (RB_HOOK_STEP | RB_HOOK_COLLISION | RB_HOOK_FRAME | RB_HOOK_TRANSITION)) != 0;
 }
 
 static bool has_gravity(const struct rb_feature_facts *facts)
@@ -43,8 +44,9 @@ static bool has_pushes(const struct rb_feature_facts *facts)
 /* Contact forces turn a body by friction, or when they pass beside its centre of mass. */
 static bool has_rotation(const struct rb_feature_facts *facts)
 {
-	return facts->moves && (facts->spins || facts->friction || facts->torque ||
-	                        callbacks(facts) || (facts->off_center && facts->meet));
+	return facts->driven_turns ||
+	       (facts->moves && (facts->spins || facts->friction || facts->torque ||
+	                         callbacks(facts) || (facts->off_center && facts->meet)));
 }
 
 static bool has_gyroscopic(const struct rb_feature_facts *facts)
@@ -87,9 +89,40 @@ static bool has_hook_collision(const struct rb_feature_facts *facts)
 	return (facts->scene->hooks & RB_HOOK_COLLISION) != 0;
 }
 
+static bool has_hook_transition(const struct rb_feature_facts *facts)
+{
+	return (facts->scene->hooks & RB_HOOK_TRANSITION) != 0;
+}
+
 static bool has_events(const struct rb_feature_facts *facts)
 {
-	return (facts->scene->record.fields & RB_FIELD_EVENTS) != 0 || has_hook_collision(facts);
+	return (facts->scene->record.fields & RB_FIELD_EVENTS) != 0 || has_hook_collision(facts) ||
+	       has_hook_transition(facts);
+}
+
+static bool has_springs(const struct rb_feature_facts *facts)
+{
+	return facts->moves && facts->scene->spring_count > 0;
+}
+
+static bool has_drag(const struct rb_feature_facts *facts)
+{
+	bool some = false;
+
+	for (int i = 0; i < facts->scene->drag_count; i++)
+		some = some || facts->scene->drags[i].linear > 0 ||
+		       facts->scene->drags[i].quadratic > 0;
+	return facts->moves && some;
+}
+
+static bool has_field(const struct rb_feature_facts *facts)
+{
+	return facts->moves && facts->scene->field_count > 0;
+}
+
+static bool has_driven(const struct rb_feature_facts *facts)
+{
+	return facts->driven;
 }
 
 static const struct rb_feature_row rows[] = {
@@ -121,9 +154,19 @@ static const struct rb_feature_row rows[] = {
          "the scene's callback of every impact", "the scene has no 'on_collision'"},
 	{RB_FEATURE_EVENTS, "events", has_events,
          "impacts are kept for the recording and for callbacks",
-         "the recording has no \"events\" and the scene no 'on_collision'"},
+         "the recording has no \"events\" and the scene no 'on_collision' or 'on_transition'"},
 	{RB_FEATURE_PUSHES, "pushes", has_pushes, "forces that callbacks apply",
          "the scene has no callback that could push"},
+	{RB_FEATURE_SPRINGS, "springs", has_springs, "springs and dampers between bodies",
+         "the scene has no 'spring'"},
+	{RB_FEATURE_DRAG, "drag", has_drag, "drag on every moving body",
+         "the scene has no 'drag', or nothing moves"},
+	{RB_FEATURE_FIELD, "field", has_field, "forces that functions of the scene return",
+         "the scene has no 'field', or nothing moves"},
+	{RB_FEATURE_DRIVEN, "driven", has_driven, "bodies that a function of time moves",
+         "no body has 'motion'"},
+	{RB_FEATURE_HOOK_TRANSITION, "on_transition", has_hook_transition,
+         "the scene's callback of every transition", "the scene has no 'on_transition'"},
 };
 
 const struct rb_feature_row *rb_feature_rows(int *count)
@@ -135,6 +178,7 @@ const struct rb_feature_row *rb_feature_rows(int *count)
 static bool alike(const struct rb_body_def *a, const struct rb_body_def *b)
 {
 	return a->material == b->material && a->is_static == b->is_static &&
+	       rb_body_is_driven(a) == rb_body_is_driven(b) &&
 	       rb_body_collides(a) == rb_body_collides(b) &&
 	       rb_body_group_bit(a) == rb_body_group_bit(b);
 }
@@ -190,6 +234,25 @@ static bool beside(const struct rb_force_def *force, rb_vec3 center_of_mass)
 	       rb_vec3_max_abs(rb_vec3_sub(force->point, center_of_mass)) > 0;
 }
 
+static void see_springs(struct rb_feature_facts *facts)
+{
+	const struct rb_scene *scene = facts->scene;
+
+	for (int i = 0; i < scene->spring_count; i++) {
+		const struct rb_spring_def *spring = &scene->springs[i];
+		const int id[2] = {spring->a, spring->b};
+		const rb_vec3 at[2] = {spring->at_a, spring->at_b};
+
+		for (int k = 0; k < 2; k++) {
+			const struct rb_body_def *body = &scene->bodies[id[k]];
+			facts->torque = facts->torque ||
+			                (rb_body_is_free(body) && !isnan(at[k].x) &&
+			                 rb_vec3_max_abs(rb_vec3_sub(at[k], body->center_of_mass)) >
+			                         0);
+		}
+	}
+}
+
 struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
                                             const struct rb_pair_material *pair)
 {
@@ -199,7 +262,10 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 		const struct rb_body_def *body = &scene->bodies[i];
 
 		facts.filters = facts.filters || body->filters;
-		if (body->is_static)
+		facts.driven = facts.driven || rb_body_is_driven(body);
+		facts.driven_turns = facts.driven_turns ||
+		                     (rb_body_is_driven(body) && body->motion_turns);
+		if (!rb_body_is_free(body))
 			continue;
 		facts.moves = true;
 		facts.spins = facts.spins || rb_vec3_max_abs(body->angular_velocity) > 0;
@@ -211,6 +277,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 			facts.torque = facts.torque || beside(&scene->forces[body->force_first + f],
 			                                      body->center_of_mass);
 	}
+	see_springs(&facts);
 	if (facts.moves)
 		see_pairs(&facts, pair);
 	return facts;

@@ -11,15 +11,17 @@
 /* What the predicates look at, gathered in one pass over the scene. */
 struct rb_feature_facts {
 	const struct rb_scene *scene;
-	bool moves;       /* some body does */
-	bool meet;        /* some pair of bodies could touch */
-	bool friction;    /* ... of which the materials have friction */
-	bool restitution; /* ... restitution */
-	bool spins;       /* an angular velocity to begin with */
-	bool off_center;  /* a centre of mass off the centroid */
-	bool unequal;     /* a moving body with unequal principal moments */
-	bool forces;      /* a list of forces that is not empty */
-	bool torque;      /* one of them acts off the centre of mass */
+	bool moves;        /* forces and impacts move some body */
+	bool meet;         /* some pair of bodies could touch */
+	bool friction;     /* ... of which the materials have friction */
+	bool restitution;  /* ... restitution */
+	bool spins;        /* an angular velocity to begin with */
+	bool off_center;   /* a centre of mass off the centroid */
+	bool unequal;      /* a moving body with unequal principal moments */
+	bool forces;       /* a list of forces that is not empty */
+	bool torque;       /* one of them, or a spring, acts off the centre of mass */
+	bool driven;       /* a body with `motion` */
+	bool driven_turns; /* ... that returns an orientation */
 	bool filters;
 };
 

@@ -12,8 +12,20 @@
 
 const char *rb_model_method(const struct rb_model *model)
 {
-	(void)model; /* "auto" and "classic" are one and the same so far */
-	return "classic";
+	return rb_method_name(model->method);
+}
+
+const char *rb_method_name(enum rb_method_kind kind)
+{
+	switch (kind) {
+	case RB_METHOD_AUTO:
+		return "auto";
+	case RB_METHOD_CLASSIC:
+		return "classic";
+	case RB_METHOD_LOCATED:
+		return "located";
+	}
+	return "unknown";
 }
 
 const char *rb_rollback_name(enum rb_rollback_kind kind)
@@ -103,6 +115,8 @@ static void take_columns(struct rb_model *model, bool *failed)
 	model->material = column(model, true, all, sizeof *model->material, failed);
 	model->mass = column(model, true, all, sizeof *model->mass, failed);
 	model->inverse_mass = column(model, true, all, sizeof *model->inverse_mass, failed);
+	model->driven = column(model, (model->features & RB_FEATURE_DRIVEN) != 0,
+	                       (size_t)model->body_count, sizeof *model->driven, failed);
 	model->inertia = column(model, turns, all, sizeof *model->inertia, failed);
 	model->inverse_inertia = column(model, turns, all, sizeof *model->inverse_inertia, failed);
 	model->inverse_inertia_scalar = column(model, turns, all,
@@ -127,7 +141,7 @@ static void number_bodies(struct rb_model *model)
 	}
 }
 
-/* Statics keep the zero tensors of the fresh columns: nothing turns them. */
+/* Statics and driven bodies keep the zero tensors of the fresh columns: nothing turns them. */
 static void fill_inertia(struct rb_model *model, int index, const struct rb_body_def *body)
 {
 	const rb_mat3 inertia = rb_body_inertia(body, model->mass[index]);
@@ -157,7 +171,9 @@ static void fill_body(struct rb_model *model, int index)
 		model->group_bit[index] = rb_body_group_bit(body);
 		model->collides[index] = rb_body_collides(body);
 	}
-	if (body->is_static) {
+	if (rb_body_is_driven(body))
+		model->driven[index] = 1;
+	if (!rb_body_is_free(body)) {
 		model->mass[index] = (double)INFINITY;
 		return;
 	}
@@ -183,6 +199,7 @@ static void fill_numbers(struct rb_model *model)
 	model->size_min_m = sizes.size_min_m;
 	model->coordinate_max_m = sizes.coordinate_max_m;
 	model->rollback = world->rollback;
+	model->method = world->method;
 	model->frame_count = (uint64_t)rb_frame_intervals(world->duration_s, world->frame_rate,
 	                                                  &whole) +
 	                     1;
@@ -259,6 +276,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->material);
 	rb_memory_free(model->mass);
 	rb_memory_free(model->inverse_mass);
+	rb_memory_free(model->driven);
 	rb_memory_free(model->inertia);
 	rb_memory_free(model->inverse_inertia);
 	rb_memory_free(model->inverse_inertia_scalar);

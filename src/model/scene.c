@@ -24,6 +24,9 @@ enum {
 	ARRAY_PAIRS,
 	ARRAY_BODIES,
 	ARRAY_FORCES,
+	ARRAY_SPRINGS,
+	ARRAY_DRAGS,
+	ARRAY_FIELDS,
 	ARRAY_GROUPS,
 	ARRAY_CAMERAS,
 	ARRAY_PARAMS,
@@ -132,6 +135,9 @@ void rb_scene_release(struct rb_scene *scene)
 	rb_memory_free(scene->contact_pairs);
 	rb_memory_free(scene->bodies);
 	rb_memory_free(scene->forces);
+	rb_memory_free(scene->springs);
+	rb_memory_free(scene->drags);
+	rb_memory_free(scene->fields);
 	rb_memory_free(scene->groups);
 	rb_memory_free(scene->cameras);
 	rb_memory_free(scene->params);
@@ -149,6 +155,7 @@ struct rb_body_def rb_body_def_default(void)
 		.mass = (double)NAN,
 		.density = (double)NAN,
 		.orientation = {1, 0, 0, 0},
+		.motion = -1,
 		.group = -1,
 		.color = {(double)NAN, 0, 0},
 		.visible = true,
@@ -172,6 +179,17 @@ struct rb_force_def rb_force_def_default(void)
 		.point = {(double)NAN, 0, 0},
 		.duration_s = (double)INFINITY,
 		.frame = RB_FORCE_WORLD,
+	};
+}
+
+struct rb_spring_def rb_spring_def_default(void)
+{
+	return (struct rb_spring_def){
+		.a = -1,
+		.b = -1,
+		.at_a = {(double)NAN, 0, 0},
+		.at_b = {(double)NAN, 0, 0},
+		.rest_length_m = (double)NAN,
 	};
 }
 
@@ -246,6 +264,33 @@ enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_
 		return out_of_memory("forces", err);
 	scene->forces[scene->force_count++] = *def;
 	scene->bodies[scene->body_count - 1].force_count++;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_spring(struct rb_scene *scene, const struct rb_spring_def *def,
+                                   struct rb_error *err)
+{
+	if (!room(scene, &scene->springs, ARRAY_SPRINGS, scene->spring_count, sizeof *def))
+		return out_of_memory("springs", err);
+	scene->springs[scene->spring_count++] = *def;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_drag(struct rb_scene *scene, const struct rb_drag_def *def,
+                                 struct rb_error *err)
+{
+	if (!room(scene, &scene->drags, ARRAY_DRAGS, scene->drag_count, sizeof *def))
+		return out_of_memory("drags", err);
+	scene->drags[scene->drag_count++] = *def;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_field(struct rb_scene *scene, const struct rb_field_def *def,
+                                  struct rb_error *err)
+{
+	if (!room(scene, &scene->fields, ARRAY_FIELDS, scene->field_count, sizeof *def))
+		return out_of_memory("fields", err);
+	scene->fields[scene->field_count++] = *def;
 	return RB_OK;
 }
 

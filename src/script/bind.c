@@ -10,6 +10,7 @@
 #include "script/bodies.h"
 #include "script/camera.h"
 #include "script/fields.h"
+#include "script/forces.h"
 #include "script/handles.h"
 #include "script/nearest.h"
 #include "script/params.h"
@@ -171,14 +172,6 @@ static int l_later_body(lua_State *L)
 	return rb_bodies_stand_in(L, &call);
 }
 
-static int l_later(lua_State *L)
-{
-	struct rb_call call = rb_call_begin(L, lua_tostring(L, lua_upvalueindex(1)), NULL, 0);
-
-	rb_call_mistake(&call, "not in this version");
-	return 0;
-}
-
 void rb_bind_open(lua_State *L)
 {
 	static const luaL_Reg calls[] = {{"world", l_world},
@@ -191,7 +184,6 @@ void rb_bind_open(lua_State *L)
 	                                    {"__tostring", l_material_tostring},
 	                                    {NULL, NULL}};
 	static const char *const later_bodies[] = {"box", "capsule", "cylinder", "hull", "body"};
-	static const char *const later[] = {"spring", "drag", "field", "on_transition"};
 
 	luaL_newmetatable(L, RB_MATERIAL_TYPE);
 	luaL_setfuncs(L, material, 0);
@@ -208,14 +200,10 @@ void rb_bind_open(lua_State *L)
 		lua_pushcclosure(L, l_later_body, 1);
 		lua_setglobal(L, later_bodies[i]);
 	}
-	for (size_t i = 0; i < sizeof later / sizeof *later; i++) {
-		lua_pushstring(L, later[i]);
-		lua_pushcclosure(L, l_later, 1);
-		lua_setglobal(L, later[i]);
-	}
 	rb_vector_open(L);
 	rb_handles_open(L);
 	rb_bodies_open(L);
+	rb_forces_open(L);
 	rb_camera_open(L);
 	rb_params_open(L);
 }

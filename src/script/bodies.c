@@ -8,7 +8,9 @@
 #include <lauxlib.h>
 
 #include "math/vec3.h"
+#include "model/check.h"
 #include "script/fields.h"
+#include "script/functions.h"
 #include "script/handles.h"
 #include "script/values.h"
 
@@ -65,7 +67,7 @@ static void add_force(struct rb_call *part)
 }
 
 /* Of the body that was added last. */
-static void add_forces(struct rb_call *call, bool is_static)
+static void add_forces(struct rb_call *call, bool is_fixed)
 {
 	lua_State *L = call->L;
 	char found[80];
@@ -82,7 +84,7 @@ static void add_forces(struct rb_call *call, bool is_static)
 			rb_describe(L, list, found));
 	} else {
 		const lua_Integer count = (lua_Integer)lua_rawlen(L, list);
-		if (is_static && count > 0)
+		if (is_fixed && count > 0 && !rb_call_given(call, "motion"))
 			rb_call_mistake(call, "'forces' of a static body: it never moves");
 		for (lua_Integer i = 1; i <= count; i++) {
 			lua_rawgeti(L, list, i);
@@ -168,11 +170,32 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 
 /* ---- bodies ---- */
 
+/* Keys that say what pushes would do, of a body that is not pushed. */
+static void check_driven(const struct rb_call *call, const struct rb_body_def *def)
+{
+	static const char *const pushed[] = {"mass", "density", "center_of_mass", "inertia",
+	                                     "forces"};
+	static const char *const moved[] = {"velocity", "angular_velocity"};
+
+	if (def->is_static)
+		rb_call_mistake(call, "'motion' of a static body: it never moves");
+	for (size_t i = 0; i < sizeof pushed / sizeof *pushed; i++)
+		if (rb_call_tried(call, pushed[i]))
+			rb_call_mistake(call, "'%s' of a driven body: nothing pushes it",
+			                pushed[i]);
+	for (size_t i = 0; i < sizeof moved / sizeof *moved; i++)
+		if (rb_call_tried(call, moved[i]))
+			rb_call_mistake(call, "'%s' of a driven body: 'motion' says how it moves",
+			                moved[i]);
+}
+
 /* What no single key can tell. */
 static void check_body(const struct rb_call *call, const struct rb_body_def *def)
 {
 	if (rb_call_tried(call, "mass") && rb_call_tried(call, "density"))
 		rb_call_mistake(call, "'mass' and 'density' exclude each other");
+	if (rb_body_is_driven(def))
+		check_driven(call, def);
 	if (!def->is_static)
 		return;
 	if (rb_vec3_max_abs(def->velocity) > 0)
@@ -193,7 +216,13 @@ static int finish_body(struct rb_call *call, struct rb_body_def *def)
 	rb_name_take(call, "body", def->name);
 	rb_sandbox_charge_bytes(call->L, sizeof *def + (def->name ? strlen(def->name) : 0));
 	rb_script_need(call->L, rb_scene_add_body(call->script->scene, def, &id, &err), &err);
-	add_forces(call, def->is_static);
+	add_forces(call, def->is_static || rb_body_is_driven(def));
+	if (rb_body_is_driven(def))
+		rb_functions_placed(call->L, id,
+		                    rb_call_given(call, "position") || rb_call_given(call, "point"),
+		                    rb_call_given(call, "orientation") ||
+		                            rb_call_given(call, "normal") ||
+		                            rb_call_given(call, "axis"));
 	rb_handle_push(call->L, id);
 	return 1;
 }
@@ -284,9 +313,15 @@ static int l_plane(lua_State *L)
 	rb_call_read(&call, &def);
 	if (rb_call_given(&call, "size"))
 		def.shape.kind = RB_SHAPE_RECTANGLE;
-	if (!def.is_static) {
-		rb_call_mistake(&call,
-		                "'static' = false: a plane that moves is not in this version");
+	const bool driven = rb_call_tried(&call, "motion");
+	if (driven && !rb_call_tried(&call, "static"))
+		def.is_static = false;
+	if (!driven && !def.is_static) {
+		rb_call_mistake(
+			&call,
+			"'static' = false: %s has no mass, so that nothing can push it ('motion' says how it moves)",
+			def.shape.kind == RB_SHAPE_RECTANGLE ? "a plane without thickness"
+							     : "an infinite plane");
 		def.is_static = true;
 	}
 	place_plane(&call, &def);

@@ -8,6 +8,7 @@
 
 #include "geom/mass.h"
 #include "math/quat.h"
+#include "model/check.h"
 #include "script/call.h"
 #include "script/nearest.h"
 #include "script/vector.h"
@@ -48,7 +49,7 @@ static double mass_at_start(lua_State *L, int id)
 {
 	const struct rb_body_def *def = definition(L, id);
 
-	if (def->is_static)
+	if (!rb_body_is_free(def))
 		return (double)INFINITY;
 	if (!isnan(def->mass))
 		return def->mass;
@@ -62,7 +63,7 @@ static rb_mat3 inertia_at_start(lua_State *L, int id)
 {
 	const struct rb_body_def *def = definition(L, id);
 
-	if (def->is_static)
+	if (!rb_body_is_free(def))
 		return (rb_mat3){{{0}}};
 	if (def->has_inertia)
 		return def->inertia;
@@ -193,9 +194,11 @@ static int get_kinetic_energy(lua_State *L, int id)
 	const struct rb_body_def *def = definition(L, id);
 	double energy = 0;
 
-	if (world)
+	if (!rb_body_is_free(def))
+		energy = 0;
+	else if (world)
 		energy = rb_world_kinetic_energy(world, id);
-	else if (!def->is_static)
+	else
 		energy = 0.5 * mass_at_start(L, id) * rb_vec3_dot(def->velocity, def->velocity) +
 		         0.5 * rb_vec3_dot(def->angular_velocity, spin_at_start(L, id));
 	lua_pushnumber(L, energy);
@@ -208,9 +211,11 @@ static int get_momentum(lua_State *L, int id)
 	const struct rb_body_def *def = definition(L, id);
 	rb_vec3 momentum = {0, 0, 0};
 
-	if (world)
+	if (!rb_body_is_free(def))
+		momentum = (rb_vec3){0, 0, 0};
+	else if (world)
 		momentum = rb_world_momentum(world, id);
-	else if (!def->is_static)
+	else
 		momentum = rb_vec3_scale(mass_at_start(L, id), def->velocity);
 	rb_vector_push(L, momentum);
 	return 1;
@@ -222,9 +227,11 @@ static int get_angular_momentum(lua_State *L, int id)
 	const struct rb_body_def *def = definition(L, id);
 	rb_vec3 momentum = {0, 0, 0};
 
-	if (world) {
+	if (!rb_body_is_free(def)) {
+		momentum = (rb_vec3){0, 0, 0};
+	} else if (world) {
 		momentum = rb_world_angular_momentum(world, id);
-	} else if (!def->is_static) {
+	} else {
 		const rb_vec3 arm = point_of(L, id, def->center_of_mass);
 		momentum = rb_vec3_add(
 			spin_at_start(L, id),
@@ -287,10 +294,16 @@ static int body_to_change(lua_State *L, const char *method)
 	const int id = self_id(L, method);
 
 	if (script->phase != RB_PHASE_CHANGE || !script->world)
-		luaL_error(L, "%s: only in on_step, on_frame and on_collision", method);
+		luaL_error(L, "%s: only in on_step, on_frame, on_collision and on_transition",
+		           method);
 	if (rb_world_is_static(script->world, id)) {
 		char label[64];
 		luaL_error(L, "%s: body %s is static", method,
+		           rb_scene_body_label(script->scene, id, label));
+	}
+	if (rb_body_is_driven(definition(L, id))) {
+		char label[64];
+		luaL_error(L, "%s: body %s is driven by its 'motion'", method,
 		           rb_scene_body_label(script->scene, id, label));
 	}
 	return id;

@@ -8,8 +8,10 @@
 #include <lauxlib.h>
 
 #include "base/memory.h"
+#include "model/check.h"
 #include "script/call.h"
 #include "script/expects.h"
+#include "script/functions.h"
 #include "script/handles.h"
 #include "script/vector.h"
 
@@ -22,6 +24,7 @@ static const struct {
 	[RB_ON_STEP] = {"on_step", RB_HOOK_STEP},
 	[RB_ON_FRAME] = {"on_frame", RB_HOOK_FRAME},
 	[RB_ON_COLLISION] = {"on_collision", RB_HOOK_COLLISION},
+	[RB_ON_TRANSITION] = {"on_transition", RB_HOOK_TRANSITION},
 };
 
 /* Upvalue: which. Several functions of one kind are called in the order of the scene. */
@@ -112,15 +115,14 @@ static int serve_frame(lua_State *L)
 	return 0;
 }
 
-static int serve_collision(lua_State *L)
+/* What all events have in common. */
+static void push_event(lua_State *L, const struct rb_event *event)
 {
-	const struct request *request = lua_touserdata(L, 1);
-	const struct rb_event *event = request->event;
-
-	push_callback(L, request);
-	lua_createtable(L, 0, 7);
+	lua_createtable(L, 0, 8);
 	lua_pushnumber(L, event->time_s);
 	lua_setfield(L, -2, "time");
+	lua_pushstring(L, rb_event_kind_name(event->kind));
+	lua_setfield(L, -2, "kind");
 	rb_handle_push(L, event->a);
 	lua_setfield(L, -2, "a");
 	rb_handle_push(L, event->b);
@@ -129,6 +131,25 @@ static int serve_collision(lua_State *L)
 	lua_setfield(L, -2, "point");
 	rb_vector_push(L, event->normal);
 	lua_setfield(L, -2, "normal");
+}
+
+static int serve_transition(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+
+	push_callback(L, request);
+	push_event(L, request->event);
+	lua_call(L, 1, 0);
+	return 0;
+}
+
+static int serve_collision(lua_State *L)
+{
+	const struct request *request = lua_touserdata(L, 1);
+	const struct rb_event *event = request->event;
+
+	push_callback(L, request);
+	push_event(L, event);
 	rb_vector_push(L, event->impulse);
 	lua_setfield(L, -2, "impulse");
 	lua_pushnumber(L, event->approach_speed);
@@ -167,12 +188,43 @@ static enum rb_status on_collision(void *user, struct rb_world *world, const str
 	return call_all(user, world, serve_collision, &request, err);
 }
 
+static enum rb_status on_transition(void *user, struct rb_world *world,
+                                    const struct rb_event *event, struct rb_error *err)
+{
+	struct request request = {.which = RB_ON_TRANSITION, .event = event};
+
+	return call_all(user, world, serve_transition, &request, err);
+}
+
+static enum rb_status field(void *user, double time_s, rb_vec3 position, rb_vec3 velocity,
+                            rb_vec3 *force, struct rb_error *err)
+{
+	return rb_functions_field(user, time_s, position, velocity, force, err);
+}
+
+static enum rb_status motion(void *user, int id, double time_s, struct rb_driven_pose *pose,
+                             struct rb_error *err)
+{
+	return rb_functions_motion(user, id, time_s, pose, err);
+}
+
+static bool has_driven(const struct rb_scene *scene)
+{
+	for (int i = 0; i < scene->body_count; i++)
+		if (rb_body_is_driven(&scene->bodies[i]))
+			return true;
+	return false;
+}
+
 struct rb_world_hooks rb_script_hooks(struct rb_script *script)
 {
 	return (struct rb_world_hooks){
 		.user = script,
 		.step = script->callback_count[RB_ON_STEP] ? on_step : NULL,
 		.collision = script->callback_count[RB_ON_COLLISION] ? on_collision : NULL,
+		.transition = script->callback_count[RB_ON_TRANSITION] ? on_transition : NULL,
+		.field = script->scene->field_count > 0 ? field : NULL,
+		.motion = has_driven(script->scene) ? motion : NULL,
 	};
 }
 

@@ -11,10 +11,12 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "model/check.h"
 #include "script/bind.h"
 #include "script/call.h"
 #include "script/expects.h"
 #include "script/files.h"
+#include "script/functions.h"
 #include "script/hooks.h"
 #include "script/library.h"
 #include "script/nearest.h"
@@ -35,6 +37,10 @@ static const struct {
 	{"on_step", "on_step(function(t, dt) ... end)"},
 	{"on_frame", "on_frame(function(t, k) ... end)"},
 	{"on_collision", "on_collision(function(c) ... end)"},
+	{"on_transition", "on_transition(function(c) ... end)"},
+	{"spring", "spring { ... }"},
+	{"drag", "drag { ... }"},
+	{"field", "field(function(t, x, v) ... end)"},
 	{"expect", "expect(text, function() ... end)"},
 	{"expect_always", "expect_always(text, function() ... end)"},
 	{"expect_refused", "expect_refused(status, pattern)"},
@@ -146,6 +152,7 @@ static int run_scene(lua_State *L)
 	                     script->sandbox.trust ? NULL : "t") != LUA_OK)
 		return lua_error(L);
 	lua_call(L, 0, 0);
+	rb_functions_prepare(L);
 	return 0;
 }
 
@@ -260,6 +267,23 @@ static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *
 	return status;
 }
 
+/* Where driven bodies are at the start; a function that fails is a mistake like others. */
+static enum rb_status start_driven(struct rb_script *script)
+{
+	struct rb_error err;
+
+	for (int id = 0; id < script->scene->body_count; id++) {
+		if (!rb_body_is_driven(&script->scene->bodies[id]))
+			continue;
+		const enum rb_status status = rb_functions_start(script, id, &err);
+		if (status == RB_ERR_SCENE)
+			note_error(script, &err);
+		else if (status != RB_OK)
+			return status;
+	}
+	return RB_OK;
+}
+
 /* What the scene is after its script has run, with all that was noted on the way. */
 static enum rb_status conclude(struct rb_script *script, enum rb_status status,
                                struct rb_error *err)
@@ -320,6 +344,8 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 		lua_pop(script->sandbox.L, 1);
 	if (status == RB_ERR_SCENE)
 		note_error(script, err);
+	else if (status == RB_OK)
+		status = start_driven(script);
 	return conclude(script, status, err);
 }
 

@@ -31,9 +31,8 @@ static const struct rb_row world_rows[] = {
          NULL, "selective", "",
          "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing (the tolerance is "
          "then reported and not promised)"},
-	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic",
-         "located, stepped", "auto", "",
-         "how time is advanced; auto is the best that this version has"},
+	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic, located",
+         "stepped", "auto", "", "how time is advanced; auto is the best that this version has"},
 	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",
          "of math.random and all helpers; comes before the first random number is drawn"},
 	{"pause_on_collision", RB_ROW_BOOLEAN, 0, 0, AT(rb_world_def, pause_on_collision), NULL,
@@ -87,8 +86,9 @@ static const struct rb_row body_rows[] = {
 	{"angular_velocity", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, angular_velocity), NULL, NULL,
          "{0, 0, 0}", "rad/s", "about world axes"},
 	{"static", RB_ROW_BOOLEAN, 0, 0, AT(rb_body_def, is_static), NULL, NULL,
-         "false; planes: true", "", "never moves"},
-	{"motion", RB_ROW_LATER, 0, 0, HAND, NULL, NULL, "none", "", "a driven body"},
+         "false; planes without motion: true", "", "never moves"},
+	{"motion", RB_ROW_FUNCTION, 0, 0, AT(rb_body_def, motion), NULL, NULL, "none", "",
+         "of t: where a driven body is, see MOTION; it pushes and is not pushed"},
 	{"forces", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "", "a list of forces, see below"},
 	{"group", RB_ROW_TEXT, 0, 0, HAND, NULL, NULL, "none", "",
          "collision group that it belongs to"},
@@ -133,6 +133,30 @@ static const struct rb_row force_rows[] = {
          "to the end", "s", ""},
 	{"frame", RB_ROW_CHOICE, 0, 0, AT(rb_force_def, frame), "world, body", NULL, "world", "",
          "axes of the vector; those of the body turn with it"},
+};
+
+static const struct rb_row spring_rows[] = {
+	{"a", RB_ROW_BODY, 0, 0, AT(rb_spring_def, a), NULL, NULL, "required", "",
+         "the body at one end, or its name"},
+	{"b", RB_ROW_BODY, 0, 0, AT(rb_spring_def, b), NULL, NULL, "required", "",
+         "the body at the other end, or its name"},
+	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_spring_def, stiffness), NULL,
+         NULL, "required", "N/m", "pulls by what it is longer than at rest, pushes when shorter"},
+	{"damping", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_spring_def, damping), NULL, NULL,
+         "0", "N s/m", "against the speed at which it grows longer or shorter"},
+	{"rest_length", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_spring_def, rest_length_m),
+         NULL, NULL, "its length at the start", "m", "length without a force"},
+	{"at_a", RB_ROW_VECTOR, 0, 0, AT(rb_spring_def, at_a), NULL, NULL, "the centre of mass",
+         "m", "where it is fixed to a, in object coordinates"},
+	{"at_b", RB_ROW_VECTOR, 0, 0, AT(rb_spring_def, at_b), NULL, NULL, "the centre of mass",
+         "m", "where it is fixed to b, in object coordinates"},
+};
+
+static const struct rb_row drag_rows[] = {
+	{"linear", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_drag_def, linear), NULL, NULL,
+         "0", "N s/m", "times the velocity"},
+	{"quadratic", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_drag_def, quadratic), NULL,
+         NULL, "0", "N s^2/m^2", "times the speed, times the velocity"},
 };
 
 static const struct rb_row camera_rows[] = {
@@ -228,6 +252,8 @@ const struct rb_row_table rb_rows_body = {"body", ROWS(body_rows), NULL};
 const struct rb_row_table rb_rows_sphere = {"sphere", ROWS(sphere_rows), &rb_rows_body};
 const struct rb_row_table rb_rows_plane = {"plane", ROWS(plane_rows), &rb_rows_body};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
+const struct rb_row_table rb_rows_spring = {"spring", ROWS(spring_rows), NULL};
+const struct rb_row_table rb_rows_drag = {"drag", ROWS(drag_rows), NULL};
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
@@ -301,6 +327,7 @@ static const char *const type_texts[RB_ROW_TYPE_COUNT] = {
 	[RB_ROW_FLAGS] = "some of",
 	[RB_ROW_MATERIAL] = "material",
 	[RB_ROW_BODY] = "body",
+	[RB_ROW_FUNCTION] = "function",
 	[RB_ROW_SOURCE] = "vector, body or function",
 	[RB_ROW_INERTIA] = "three numbers or three rows",
 	[RB_ROW_LIST] = "list",
@@ -330,8 +357,9 @@ void rb_fields_print(FILE *file)
 {
 	static const struct rb_row_table *const tables[] = {
 		&rb_rows_world, &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere,
-		&rb_rows_plane, &rb_rows_body,     &rb_rows_force,        &rb_rows_camera,
-		&rb_rows_light, &rb_rows_record,   &rb_rows_param};
+		&rb_rows_plane, &rb_rows_body,     &rb_rows_force,        &rb_rows_spring,
+		&rb_rows_drag,  &rb_rows_camera,   &rb_rows_light,        &rb_rows_record,
+		&rb_rows_param};
 
 	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
 		fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", tables[t]->name);

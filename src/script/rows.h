@@ -31,7 +31,8 @@ enum rb_row_type {
 	RB_ROW_SWITCH,      /* bool: the second of two choices */
 	RB_ROW_FLAGS,       /* unsigned: bit k for choices[k]; one text or a list */
 	RB_ROW_MATERIAL,    /* int: a material or its name */
-	RB_ROW_BODY,        /* int: a body's id */
+	RB_ROW_BODY,        /* int: a body or its name */
+	RB_ROW_FUNCTION,    /* int: the script's number of it */
 	RB_ROW_SOURCE,      /* struct rb_camera_vector: a vector, a body or a function */
 	RB_ROW_INERTIA,     /* rb_mat3: three numbers or three rows of them */
 	RB_ROW_LIST,        /* by hand */
@@ -77,8 +78,8 @@ struct rb_row_table {
 enum { RB_ROWS_MAX = 64 }; /* of a table and what it shares */
 
 extern const struct rb_row_table rb_rows_world, rb_rows_material, rb_rows_contact_pair,
-	rb_rows_body, rb_rows_sphere, rb_rows_plane, rb_rows_force, rb_rows_camera, rb_rows_light,
-	rb_rows_record, rb_rows_param;
+	rb_rows_body, rb_rows_sphere, rb_rows_plane, rb_rows_force, rb_rows_spring, rb_rows_drag,
+	rb_rows_camera, rb_rows_light, rb_rows_record, rb_rows_param;
 
 /* NULL when there is no such key; *index (may be NULL) counts through `more`. */
 const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *key, int *index);

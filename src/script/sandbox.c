@@ -151,6 +151,17 @@ static void raise_spent(lua_State *L, int level)
 	lua_error(L);
 }
 
+/* The clock starts here, not where a call begins: most end long before the first look, and the look
+ * costs more than they do. */
+static bool time_is_up(struct rb_sandbox *sandbox)
+{
+	const uint64_t now_ns = rb_clock_cpu_ns();
+
+	if (sandbox->cpu_end_ns == 0)
+		sandbox->cpu_end_ns = now_ns + (uint64_t)RB_SANDBOX_SECONDS * 1000000000u;
+	return now_ns > sandbox->cpu_end_ns;
+}
+
 static void verify(lua_State *L, int level)
 {
 	struct rb_sandbox *sandbox = rb_sandbox_of(L);
@@ -161,7 +172,7 @@ static void verify(lua_State *L, int level)
 	    sandbox->spent != RB_SPENT_MEMORY) {
 		if (sandbox->work > sandbox->work_max)
 			sandbox->spent = RB_SPENT_INSTRUCTIONS;
-		else if (rb_clock_cpu_ns() > sandbox->cpu_end_ns)
+		else if (time_is_up(sandbox))
 			sandbox->spent = RB_SPENT_TIME;
 		else
 			return;
@@ -276,8 +287,7 @@ static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 	rb_memory_free(sandbox->traceback);
 	sandbox->traceback = NULL;
 	if (!sandbox->trust) {
-		sandbox->cpu_end_ns = rb_clock_cpu_ns() +
-		                      (uint64_t)RB_SANDBOX_SECONDS * 1000000000u;
+		sandbox->cpu_end_ns = 0;
 		lua_sethook(sandbox->L, count_hook, LUA_MASKCOUNT, HOOK_COUNT);
 	}
 }
@@ -291,6 +301,7 @@ static int fetch_traceback(lua_State *L)
 		size_t size;
 		const char *text = lua_tolstring(L, -1, &size);
 		size = size < TRACEBACK_MAX ? size : TRACEBACK_MAX;
+		rb_memory_free(sandbox->traceback);
 		sandbox->traceback = rb_memory_take(size + 1, 1);
 		if (sandbox->traceback)
 			memcpy(sandbox->traceback, text, size);
@@ -338,11 +349,15 @@ enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, i
 	lua_State *L = sandbox->L;
 	const int base = lua_gettop(L) - argument_count;
 
-	start_budget(sandbox, instructions);
+	const bool outermost = sandbox->depth++ == 0;
+	if (outermost)
+		start_budget(sandbox, instructions);
 	lua_pushcfunction(L, keep_traceback); /* allocates nothing: a light function */
 	lua_insert(L, base);
 	const int status = lua_pcall(L, argument_count, result_count, base);
-	lua_sethook(L, NULL, 0, 0);
+	sandbox->depth--;
+	if (outermost)
+		lua_sethook(L, NULL, 0, 0);
 	lua_remove(L, base);
 	if (status == LUA_OK &&
 	    (sandbox->spent == RB_SPENT_NOTHING || sandbox->spent == RB_SPENT_TEXT))
@@ -356,7 +371,8 @@ enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, i
 	}
 
 	const enum rb_status result = explain(sandbox, status, err);
-	sandbox->work_max = UINT64_MAX;
+	if (outermost)
+		sandbox->work_max = UINT64_MAX;
 	lua_pushcfunction(L, fetch_traceback);
 	if (lua_pcall(L, 0, 0, 0) != LUA_OK)
 		lua_pop(L, 1);

@@ -45,8 +45,9 @@ struct rb_sandbox {
 	size_t chunk_used;
 
 	/* work of the call that goes on */
+	int depth; /* calls into the state that go on: a callback can lead to a further one */
 	uint64_t work, work_max;
-	uint64_t cpu_end_ns;
+	uint64_t cpu_end_ns; /* 0: the clock has not been looked at */
 	enum rb_spent spent;
 
 	/* math.random: number = f(seed, stream, index) */
@@ -77,7 +78,7 @@ static inline void *rb_sandbox_user(lua_State *L)
 /*
  * Calls the function below its `argument_count` arguments on top of the stack, which takes them off
  * and pushes `result_count` results. RB_ERR_SCENE with Lua's message, RB_ERR_MEMORY; nothing is
- * then pushed and the traceback is kept.
+ * then pushed and the traceback is kept. A call from within a call shares its budget.
  */
 RB_CHECKED enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count,
                                           int result_count, uint64_t instructions,

@@ -28,9 +28,14 @@ int rb_script_keep_function(lua_State *L, int index)
 	return script->function_count;
 }
 
-void rb_script_push_function(lua_State *L, int number)
+void rb_script_push_functions(lua_State *L)
 {
 	luaL_getsubtable(L, LUA_REGISTRYINDEX, functions_key);
+}
+
+void rb_script_push_function(lua_State *L, int number)
+{
+	rb_script_push_functions(L);
 	lua_rawgeti(L, -1, number);
 	lua_remove(L, -2);
 }

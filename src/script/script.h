@@ -14,12 +14,12 @@
 enum rb_script_phase {
 	RB_PHASE_LOAD,   /* definitions are taken */
 	RB_PHASE_REST,   /* nothing is called */
-	RB_PHASE_CHANGE, /* on_step, on_collision, on_frame: bodies can be changed */
+	RB_PHASE_CHANGE, /* on_step, on_collision, on_transition, on_frame: bodies can be changed */
 	RB_PHASE_LOOK,   /* expects and functions of time: bodies can be read */
 };
 
 /* Lists of functions, by callback. */
-enum rb_callback { RB_ON_STEP, RB_ON_FRAME, RB_ON_COLLISION, RB_CALLBACK_COUNT };
+enum rb_callback { RB_ON_STEP, RB_ON_FRAME, RB_ON_COLLISION, RB_ON_TRANSITION, RB_CALLBACK_COUNT };
 
 /* What is known of an expectation while the run goes on. */
 struct rb_expect_state {
@@ -51,6 +51,7 @@ struct rb_script {
 	struct rb_expect_state *expects; /* owned: [scene->expect_count] */
 	int function_count;              /* stored under numbers, from 1 */
 	int callback_count[RB_CALLBACK_COUNT];
+	int field_closure, motion_closure; /* references in the registry */
 };
 
 static inline struct rb_script *rb_script_of(lua_State *L)
@@ -63,7 +64,8 @@ void rb_script_need(lua_State *L, enum rb_status status, const struct rb_error *
 
 /* Stores the function at `index`; its number, from 1. */
 int rb_script_keep_function(lua_State *L, int index);
-/* Pushes the function of a number. */
+/* Pushes the table of all functions by number, or one of them. */
+void rb_script_push_functions(lua_State *L);
 void rb_script_push_function(lua_State *L, int number);
 
 /* Raises an error outside of loading: `call` is a definition. */

@@ -268,77 +268,37 @@ static bool read_integers(struct rb_call *call, const struct rb_row *row, int in
 	return true;
 }
 
-static bool read_axis_angle(struct rb_call *call, const struct rb_row *row, int index,
-                            rb_quat *value)
-{
-	lua_State *L = call->L;
-	double axis[3];
-
-	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
-		const char *key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-		if (strcmp(key, "axis") == 0 || strcmp(key, "angle") == 0)
-			continue;
-		lua_pop(L, 2);
-		return is_wrong(call, row, index,
-		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
-	}
-	lua_pushliteral(L, "angle");
-	const bool has_angle = lua_rawget(L, index) == LUA_TNUMBER;
-	const double angle = lua_tonumber(L, -1);
-	lua_pushliteral(L, "axis");
-	lua_rawget(L, index);
-	const bool has_axis = rb_vector_numbers(L, -1, 3, axis, NULL);
-	lua_pop(L, 2);
-	if (!has_angle || !has_axis)
-		return is_wrong(call, row, index,
-		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
-	const rb_vec3 v = rb_vec3_from(axis);
-	if (!rb_vec3_finite(v) || !isfinite(angle)) {
-		rb_call_mistake(
-			call,
-			"'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, %.12g} and %.12g)",
-			row->key, v.x, v.y, v.z, angle);
-		return false;
-	}
-	if (!(rb_vec3_max_abs(v) >= DBL_MIN)) {
-		rb_call_mistake(call, "'%s': 'axis' must have a length (got {0, 0, 0})", row->key);
-		return false;
-	}
-	const rb_vec3 unit = rb_vec3_unit(v, v);
-	const double s = sin(0.5 * angle);
-	*value = rb_quat_unit((rb_quat){cos(0.5 * angle), s * unit.x, s * unit.y, s * unit.z});
-	return true;
-}
-
 static bool read_orientation(struct rb_call *call, const struct rb_row *row, int index,
                              rb_quat *value)
 {
-	double numbers[4];
+	struct rb_turn_found found;
+	const double *const n = found.numbers;
 
-	if (lua_type(call->L, index) != LUA_TTABLE)
+	switch (rb_vector_turn(call->L, index, value, &found)) {
+	case RB_TURN_RIGHT:
+		return true;
+	case RB_TURN_NO_LIST:
 		return is_wrong(call, row, index,
 		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
-	if (lua_rawgeti(call->L, index, 1) == LUA_TNIL) {
-		lua_pop(call->L, 1);
-		return read_axis_angle(call, row, index, value);
-	}
-	lua_pop(call->L, 1);
-	if (!rb_vector_numbers(call->L, index, 4, numbers, NULL))
-		return is_wrong(call, row, index,
-		                "{w, x, y, z} or {axis = {x, y, z}, angle = radians}");
-	const rb_quat q = rb_quat_from(numbers);
-	const double length = rb_quat_length(q);
-	if (!isfinite(length))
-		return is_wrong(call, row, index, "finite");
-	if (fabs(length - 1) > 1e-3) {
+	case RB_TURN_NOT_FINITE:
+		if (!found.by_axis)
+			return is_wrong(call, row, index, "finite");
+		rb_call_mistake(
+			call,
+			"'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, %.12g} and %.12g)",
+			row->key, n[0], n[1], n[2], n[3]);
+		return false;
+	case RB_TURN_NOT_UNIT:
 		rb_call_mistake(
 			call,
 			"'%s' must be a quaternion of length 1, within 1e-3 (got length %.12g)",
-			row->key, length);
+			row->key, rb_quat_length(rb_quat_from(n)));
+		return false;
+	case RB_TURN_NO_AXIS:
+		rb_call_mistake(call, "'%s': 'axis' must have a length (got {0, 0, 0})", row->key);
 		return false;
 	}
-	*value = rb_quat_unit(q);
-	return true;
+	return false;
 }
 
 static int hex_digit(char c)
@@ -466,11 +426,38 @@ int rb_call_material(struct rb_call *call, const char *key, int index)
 
 static bool read_body(struct rb_call *call, const struct rb_row *row, int index, int *value)
 {
+	const struct rb_scene *scene = call->script->scene;
 	const int id = rb_handle_id(call->L, index);
+	char hint[96];
 
-	if (id < 0)
-		return is_wrong(call, row, index, "a body");
-	*value = id;
+	if (id >= 0) {
+		*value = id;
+		return true;
+	}
+	if (lua_type(call->L, index) != LUA_TSTRING)
+		return is_wrong(call, row, index, "a body or the name of one");
+	const char *name = lua_tostring(call->L, index);
+	struct rb_nearest nearest = rb_nearest_to(name);
+	rb_sandbox_charge(call->L, (uint64_t)scene->body_count);
+	for (int i = 0; i < scene->body_count; i++) {
+		const char *candidate = scene->bodies[i].name;
+		if (candidate && strcmp(candidate, name) == 0) {
+			*value = i;
+			return true;
+		}
+		if (candidate)
+			rb_nearest_offer(&nearest, candidate, strlen(candidate));
+	}
+	rb_call_mistake(call, "'%s': no body is named '%.60s' so far%s", row->key, name,
+	                rb_nearest_hint(&nearest, hint));
+	return false;
+}
+
+static bool read_function(struct rb_call *call, const struct rb_row *row, int index, int *value)
+{
+	if (lua_type(call->L, index) != LUA_TFUNCTION)
+		return is_wrong(call, row, index, "a function");
+	*value = rb_script_keep_function(call->L, index);
 	return true;
 }
 
@@ -581,6 +568,8 @@ bool rb_call_value(struct rb_call *call, const struct rb_row *row, int index, vo
 		return k >= 0;
 	case RB_ROW_BODY:
 		return read_body(call, row, index, place);
+	case RB_ROW_FUNCTION:
+		return read_function(call, row, index, place);
 	case RB_ROW_SOURCE:
 		return read_source(call, row, index, place);
 	case RB_ROW_INERTIA:

@@ -1,9 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/vector.h"
 
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
 #include <lauxlib.h>
 
-#include "math/vec3.h"
+#include "math/quat.h"
 
 static const char vector_type[] = "rbsim.vec3";
 
@@ -45,6 +49,61 @@ bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *
 	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1))
 		keys++;
 	return keys == count;
+}
+
+/* {axis = {x, y, z}, angle = radians} and nothing else. */
+static bool axis_and_angle(lua_State *L, int index, double numbers[4])
+{
+	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
+		const char *key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
+		if (strcmp(key, "axis") == 0 || strcmp(key, "angle") == 0)
+			continue;
+		lua_pop(L, 2);
+		return false;
+	}
+	lua_pushliteral(L, "angle");
+	const bool has_angle = lua_rawget(L, index) == LUA_TNUMBER;
+	numbers[3] = lua_tonumber(L, -1);
+	lua_pushliteral(L, "axis");
+	lua_rawget(L, index);
+	const bool has_axis = rb_vector_numbers(L, -1, 3, numbers, NULL);
+	lua_pop(L, 2);
+	return has_angle && has_axis;
+}
+
+enum rb_turn rb_vector_turn(lua_State *L, int index, rb_quat *value, struct rb_turn_found *found)
+{
+	double *const n = found->numbers;
+
+	*found = (struct rb_turn_found){0};
+	if (lua_type(L, index) != LUA_TTABLE)
+		return RB_TURN_NO_LIST;
+	index = lua_absindex(L, index);
+	found->by_axis = lua_rawgeti(L, index, 1) == LUA_TNIL;
+	lua_pop(L, 1);
+	if (!(found->by_axis ? axis_and_angle(L, index, n)
+	                     : rb_vector_numbers(L, index, 4, n, NULL)))
+		return RB_TURN_NO_LIST;
+	if (!found->by_axis) {
+		const rb_quat q = rb_quat_from(n);
+		const double length = rb_quat_length(q);
+
+		if (!isfinite(length))
+			return RB_TURN_NOT_FINITE;
+		if (fabs(length - 1) > 1e-3)
+			return RB_TURN_NOT_UNIT;
+		*value = rb_quat_unit(q);
+		return RB_TURN_RIGHT;
+	}
+	const rb_vec3 axis = rb_vec3_from(n);
+	if (!rb_vec3_finite(axis) || !isfinite(n[3]))
+		return RB_TURN_NOT_FINITE;
+	if (!(rb_vec3_max_abs(axis) >= DBL_MIN))
+		return RB_TURN_NO_AXIS;
+	const rb_vec3 unit = rb_vec3_unit(axis, axis);
+	const double s = sin(0.5 * n[3]);
+	*value = rb_quat_unit((rb_quat){cos(0.5 * n[3]), s * unit.x, s * unit.y, s * unit.z});
+	return RB_TURN_RIGHT;
 }
 
 static bool get(lua_State *L, int index, rb_vec3 *v)

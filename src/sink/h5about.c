@@ -78,6 +78,21 @@ static const struct cell camera_cells[] = {
 	{"video", CELL_TEXT, 1, CAMERA(video), NULL},
 };
 
+static const struct cell spring_cells[] = {
+	{"a", CELL_INT, 1, offsetof(struct rb_spring_def, a), NULL},
+	{"b", CELL_INT, 1, offsetof(struct rb_spring_def, b), NULL},
+	{"at_a", CELL_NUMBER, 3, offsetof(struct rb_spring_def, at_a), "m"},
+	{"at_b", CELL_NUMBER, 3, offsetof(struct rb_spring_def, at_b), "m"},
+	{"stiffness", CELL_NUMBER, 1, offsetof(struct rb_spring_def, stiffness), "N/m"},
+	{"damping", CELL_NUMBER, 1, offsetof(struct rb_spring_def, damping), "N s/m"},
+	{"rest_length", CELL_NUMBER, 1, offsetof(struct rb_spring_def, rest_length_m), "m"},
+};
+
+static const struct cell drag_cells[] = {
+	{"linear", CELL_NUMBER, 1, offsetof(struct rb_drag_def, linear), "N s/m"},
+	{"quadratic", CELL_NUMBER, 1, offsetof(struct rb_drag_def, quadratic), "N s^2/m^2"},
+};
+
 _Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) == 4 &&
                        sizeof(int) == 4,
                "enums and ints are recorded as 32-bit integers");
@@ -291,6 +306,41 @@ static void put_scene(struct rb_h5 *h5, const struct rb_scene *scene)
 	}
 }
 
+/* Which bodies a function of time moves, by id; absent where there is none. */
+static void put_driven(struct rb_h5 *h5, const struct rb_model *model)
+{
+	const size_t count = (size_t)model->scene->body_count;
+
+	if (!model->driven)
+		return;
+	unsigned char *driven = rb_memory_take(count, 1);
+	if (!driven) {
+		no_memory(h5, "/rbsim/shapes/driven");
+		return;
+	}
+	for (int i = 0; i < model->body_count; i++)
+		driven[model->id_of[i]] = model->driven[i];
+	rb_h5_put(h5, "/rbsim/shapes/driven", RB_H5_I8, (rb_h5_shape){1, {count}}, driven);
+	rb_memory_free(driven);
+}
+
+/* Forces between and on bodies; a scene without them has none of these groups. */
+static void put_forces(struct rb_h5 *h5, const struct rb_scene *scene)
+{
+	if (scene->spring_count > 0)
+		put_table(h5,
+		          &(struct rows){"/rbsim/springs", scene->springs,
+		                         (size_t)scene->spring_count, sizeof *scene->springs},
+		          spring_cells, COUNT(spring_cells));
+	if (scene->drag_count > 0)
+		put_table(h5,
+		          &(struct rows){"/rbsim/drags", scene->drags, (size_t)scene->drag_count,
+		                         sizeof *scene->drags},
+		          drag_cells, COUNT(drag_cells));
+	if (scene->field_count > 0)
+		rb_h5_put_i64(h5, "/rbsim/fields", scene->field_count);
+}
+
 static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const struct rb_scene *scene)
 {
 	static const struct cell name = {"names", CELL_TEXT, 1, offsetof(struct rb_body_def, name),
@@ -323,6 +373,8 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 	put_table(h5, &(struct rows){"/rbsim/shapes", scene->bodies, bodies, sizeof *scene->bodies},
 	          body_cells, COUNT(body_cells));
 	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", "0 sphere, 1 plane, 2 rectangle");
+	put_driven(h5, model);
+	put_forces(h5, scene);
 	put_table(h5,
 	          &(struct rows){"/rbsim/cameras", scene->cameras, (size_t)scene->camera_count,
 	                         sizeof *scene->cameras},

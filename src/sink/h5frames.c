@@ -225,6 +225,19 @@ static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
 	table->column_count = count;
 }
 
+/* "0 collision, 1 rest, ..." at the column of kinds. */
+static void name_kinds(struct rb_h5 *h5)
+{
+	char text[160];
+	size_t used = 0;
+
+	for (int kind = 0; kind < RB_EVENT_KIND_COUNT; kind++)
+		used += (size_t)snprintf(text + used, sizeof text - used, "%s%d %s",
+		                         kind == 0 ? "" : ", ", kind,
+		                         rb_event_kind_name((enum rb_event_kind)kind));
+	rb_h5_attribute_text(h5, "/rbsim/events/kind", "kinds", text);
+}
+
 static void take_buffers(struct rb_h5 *h5, struct rb_frames *frames)
 {
 	for (int i = 0; i < frames->column_count; i++) {
@@ -266,6 +279,7 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	if (frames->fields & RB_FIELD_EVENTS) {
 		add_table(h5, &frames->events, event_cells, RB_EVENT_CELL_COUNT,
 		          sizeof(struct rb_event));
+		name_kinds(h5);
 		frames->event_end = add_column(h5, frames, "/rbsim/frames", "event_end", &end);
 	}
 	if (frames->fields & RB_FIELD_CONTACTS) {

@@ -25,6 +25,8 @@ struct rb_reader;
 /* What a recording says of itself; texts are owned by the reader. */
 struct rb_reading {
 	int body_count, static_count;
+	int driven_count;                          /* of the bodies */
+	int spring_count, drag_count, field_count; /* of the scene */
 	uint64_t frame_count;
 	const char *status, *reason, *state_hash, *started, *ended;
 	const char *version, *build, *command, *host, *method, *rollback, *title;
@@ -69,7 +71,7 @@ struct rb_hdf5_module {
 	                                    double *values, struct rb_error *err);
 };
 
-enum { RB_HDF5_MODULE_VERSION = 1 };
+enum { RB_HDF5_MODULE_VERSION = 2 };
 
 RB_CHECKED enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module,
                                          struct rb_error *err);

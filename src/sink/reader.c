@@ -213,6 +213,44 @@ static enum rb_status read_bodies(struct rb_reader *reader, struct rb_error *err
 	return RB_OK;
 }
 
+/* Rows of a dataset that a recording has only where its scene has such things. */
+static int optional_rows(const struct rb_reader *reader, const char *path)
+{
+	rb_h5_shape shape = {1, {0}};
+	hsize_t rows = 0;
+
+	if (!rb_input_has(&reader->input, path))
+		return 0;
+	const hid_t dataset = rb_input_dataset(&reader->input, path, false, &shape, &rows);
+	rb_h5_done(dataset);
+	return dataset < 0 || rows > INT32_MAX ? 0 : (int)rows;
+}
+
+static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err)
+{
+	static const char path[] = "/rbsim/shapes/driven", fields[] = "/rbsim/fields";
+	struct rb_reading *const reading = &reader->reading;
+	const size_t count = (size_t)reading->body_count + (size_t)reading->static_count;
+	int64_t field_count = 0;
+
+	reading->spring_count = optional_rows(reader, "/rbsim/springs/a");
+	reading->drag_count = optional_rows(reader, "/rbsim/drags/linear");
+	if (rb_input_has(&reader->input, fields) &&
+	    rb_input_numbers(&reader->input, fields, RB_H5_I64, (rb_h5_shape){0}, &field_count) &&
+	    field_count > 0 && field_count < INT32_MAX)
+		reading->field_count = (int)field_count;
+	if (!rb_input_has(&reader->input, path))
+		return RB_OK;
+	signed char *driven = rb_arena_take(&reader->arena, count + 1, 1);
+	if (!driven)
+		return no_memory(reader, err);
+	if (!rb_input_numbers(&reader->input, path, RB_H5_I8, (rb_h5_shape){1, {count}}, driven))
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", path, reader->path);
+	for (size_t i = 0; i < count; i++)
+		reading->driven_count += driven[i] != 0;
+	return RB_OK;
+}
+
 /* Opens what grows; a column that is there must be of the right shape. */
 static enum rb_status open_column(struct rb_reader *reader, struct column *column, const char *path,
                                   struct rb_error *err)
@@ -421,6 +459,8 @@ static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *
 	status = read_changing(reader, err);
 	if (status == RB_OK)
 		status = read_bodies(reader, err);
+	if (!status)
+		status = read_forces(reader, err);
 	if (status == RB_OK)
 		status = open_columns(reader, err);
 	if (status == RB_OK)
@@ -632,6 +672,12 @@ static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct r
 		return status;
 	if (frame->event_count > 0)
 		frame->events = (struct rb_event *)(void *)reader->events.rows_out;
+	for (int i = 0; i < frame->event_count; i++)
+		if ((unsigned)frame->events[i].kind >= RB_EVENT_KIND_COUNT)
+			return RB_FAIL(
+				err, RB_ERR_INPUT,
+				"'/rbsim/events/kind' in '%s' is damaged: frame %llu has kind %d",
+				reader->path, (unsigned long long)row, (int)frame->events[i].kind);
 	frame->event_capacity = frame->event_count;
 	if (frame->contact_count > 0) {
 		/* without their steps, in place: a row is longer than what is left of it */

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "base/sort.h"
+#include "event/engine.h"
 #include "step/groups.h"
 #include "step/numbers.h"
 #include "step/rollback.h"
@@ -65,20 +66,25 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 		status = rb_state_init(&world->state, model->body_count, model->features, err);
 	if (status == RB_OK)
 		status = rb_state_init(&world->start, model->body_count, model->features, err);
-	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT))
+	const bool classic = model->method == RB_METHOD_CLASSIC;
+	if (status == RB_OK && classic && (model->features & RB_FEATURE_CONTACT))
 		status = rb_state_init(&world->mark, model->body_count, model->features, err);
 	if (status == RB_OK)
 		status = rb_team_create(&world->team, world->worker_count, err);
-	if (status == RB_OK)
+	if (status == RB_OK && classic)
 		status = rb_groups_create(&world->groups, model, err);
-	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT))
+	if (status == RB_OK && classic && (model->features & RB_FEATURE_CONTACT))
 		status = rb_broadphase_create(&world->broadphase, model, err);
+	if (status == RB_OK) {
+		rb_plan_build(world->plan, model->features);
+		start_state(world);
+	}
+	if (status == RB_OK && !classic)
+		status = rb_engine_create(&world->located, world, err);
 	if (status != RB_OK) {
 		rb_world_destroy(world);
 		return status;
 	}
-	rb_plan_build(world->plan, model->features);
-	start_state(world);
 	*made = world;
 	return RB_OK;
 }
@@ -88,6 +94,7 @@ void rb_world_destroy(struct rb_world *world)
 	if (!world)
 		return;
 	rb_team_destroy(world->team);
+	rb_engine_destroy(world->located);
 	for (int k = 0; world->arena && k < world->worker_count; k++)
 		rb_arena_release(&world->arena[k]);
 	for (int k = 0; world->kept && k < world->worker_count; k++)
@@ -368,10 +375,42 @@ static enum rb_status solve_step(struct rb_world *world, double start, double dt
 	return status;
 }
 
+/* What callbacks push with holds for one step. */
+static void forget_pushes(struct rb_world *world)
+{
+	const size_t n = (size_t)world->model->body_count;
+
+	if (!world->state.push)
+		return;
+	memset(world->state.push, 0, 3 * n * sizeof(double));
+	memset(world->state.twist, 0, 3 * n * sizeof(double));
+}
+
+/* Of the located method: nothing but callbacks knows of steps. */
+static enum rb_status step_located(struct rb_world *world, double start, double dt,
+                                   struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	if (world->hooks.step)
+		status = world->hooks.step(world->hooks.user, world, start, dt, err);
+	if (status == RB_OK && (world->model->features & RB_FEATURE_PUSHES))
+		status = rb_engine_take_changes(world->located, start, err);
+	if (status == RB_OK)
+		status = rb_engine_advance(world->located, start + dt, err);
+	if (status == RB_OK && (world->model->features & RB_FEATURE_PUSHES)) {
+		rb_state_copy(&world->start, &world->state);
+		forget_pushes(world);
+	}
+	return status;
+}
+
 static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
 
+	if (world->located)
+		return step_located(world, start, dt, err);
 	for (int k = 0; k < world->worker_count; k++) {
 		rb_arena_reset(&world->arena[k]);
 		rb_arena_reset(&world->kept[k]);
@@ -391,12 +430,7 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 		return status;
 	}
 	world->state.time_s = start + dt;
-	if (world->state.push) { /* what callbacks pushed with holds for one step */
-		const size_t n = (size_t)world->model->body_count;
-
-		memset(world->state.push, 0, 3 * n * sizeof(double));
-		memset(world->state.twist, 0, 3 * n * sizeof(double));
-	}
+	forget_pushes(world);
 	return commit(world, err);
 }
 
@@ -423,7 +457,9 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	/* the difference of two times has their rounding: a whole interval is known better */
 	const double interval = 1 / model->frame_rate;
 	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
-	const int64_t steps = rb_step_count(whole ? interval : end - begin, model->time_step_s);
+	const bool by_steps = !world->located || (model->features & RB_FEATURE_PUSHES);
+	const int64_t steps =
+		by_steps ? rb_step_count(whole ? interval : end - begin, model->time_step_s) : 1;
 
 	for (int64_t k = 0; k < steps; k++) {
 		const double start = begin + (end - begin) * ((double)k / (double)steps);

@@ -21,6 +21,7 @@
 struct rb_broadphase;
 struct rb_plan;
 struct rb_groups;
+struct rb_located;
 
 /* Counts since some moment; all are sums or extremes, so the order of adding does not matter. */
 struct rb_counts {
@@ -65,6 +66,7 @@ struct rb_world {
 	struct rb_contacts contacts, next_contacts;
 	struct rb_broadphase *broadphase; /* owned; NULL without contact */
 	struct rb_groups *groups;         /* owned; NULL without contact */
+	struct rb_located *located;       /* owned; NULL: the classic method */
 	struct rb_team *team;             /* owned */
 	struct rb_arena *arena;           /* owned; [workers]: scratch of a pass */
 	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */

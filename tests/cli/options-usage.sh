@@ -14,8 +14,8 @@ exits 64 render run.h5
 says err "verb 'render' is not in this version"
 exits 64 s.lua --resume
 says err "option '--resume' is not in this version"
-exits 64 s.lua --method located
-says err "'located' is not in this version"
+exits 64 s.lua --method stepped
+says err "'stepped' is not in this version"
 exits 64 s.lua --duration 1x
 says err "'1x' is not a finite number above 0"
 exits 64 info a.h5 --force

@@ -1,14 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# rbsim-scene(5): its tables are the program's, its first example runs, its mistakes are those that are made.
+# rbsim-scene(5): its tables are the program's, its examples run, its mistakes are those that are made.
 . tests/cli/functions
 
 "$TOP/tools/check-manual" "$RBSIM" >out 2>&1 || fail "the manual's tables are behind"
 
-sed -n '/^\.Bd -literal/,/^\.Ed/{/^\./d;p;}' "$TOP/man/rbsim-scene.5" | sed '/^bounce.lua:/d' >bounce.lua
+# example NUMBER: the text of that block of the manual
+example()
+{
+	awk -v wanted="$1" '/^\.Bd -literal/ { block = int(block) + 1; next } /^\.Ed/ { block += 0.5; next } block == wanted' \
+		"$TOP/man/rbsim-scene.5"
+}
+example 1 >bounce.lua
 grep -q 'sphere' bounce.lua || fail "no example in the manual"
 exits 0 bounce.lua --no-record --quiet --duration 1 --param e=0.5
 says_nothing out
+{
+	echo 'world { duration = 1 }'
+	example 2
+} >motion.lua
+exits 0 check motion.lua --no-record
+says out '1 of them driven'
 
 {
 	printf '\n\n\n\n\n\n\n\n'

@@ -6,7 +6,7 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|diff|methods) verb=$w ;; esac
+		case $w in run|check|info|diff|converge|verify|methods) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
@@ -14,10 +14,18 @@ _rbsim()
 	--duration) return ;;
 	--time-step) return ;;
 	--tolerance) return ;;
-	--method) COMPREPLY=($(compgen -W 'auto classic' -- "$word")); return ;;
+	--methods) return ;;
+	--dt) return ;;
+	--quantity) COMPREPLY=($(compgen -W 'position velocity orientation angular_velocity energy penetration' -- "$word")); return ;;
+	--error) return ;;
+	--runs) return ;;
+	--budget) return ;;
+	--method) COMPREPLY=($(compgen -W 'auto classic located' -- "$word")); return ;;
 	--rollback) COMPREPLY=($(compgen -W 'selective global none' -- "$word")); return ;;
 	--seed) return ;;
 	--threads) return ;;
+	--scenes) return ;;
+	--jobs) return ;;
 	esac
 	if [[ $word == -* ]]; then
 		case $verb in
@@ -25,12 +33,14 @@ _rbsim()
 		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
 		diff) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
+		converge) COMPREPLY=($(compgen -W '--output --param --duration --methods --dt --tolerance --quantity --error --runs --budget --seed --threads --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		verify) COMPREPLY=($(compgen -W '--method --rollback --quick --scenes --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		methods) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		esac
 		return
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info diff methods' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info diff converge verify methods' -- "$word"))
 }
 complete -F _rbsim rbsim

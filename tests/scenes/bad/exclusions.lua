@@ -18,7 +18,7 @@ sphere { radius = 1, forces = {{direction = {0, 0, 0}, magnitude = 1}, {vector =
 -- expect: :8: plane: 'velocity' of a static body: it never moves
 -- expect: :8: plane: 'angular_velocity' of a static body: it never moves
 -- expect: :8: plane: 'forces' of a static body: it never moves
--- expect: :9: plane: 'static' = false: a plane that moves is not in this version
+-- expect: :9: plane: 'static' = false: an infinite plane has no mass, so that nothing can push it ('motion' says how it moves)
 -- expect: :10: sphere: forces[1]: wants 'vector', or 'direction' and 'magnitude'
 -- expect: :10: sphere: forces[2]: wants 'vector', or 'direction' and 'magnitude'
 -- expect: :10: sphere: forces[3]: 'duration' must be positive (got 0)

@@ -1,0 +1,19 @@
+-- SPDX-License-Identifier: MIT
+-- S30: a sphere rolls on a floor for 1e4 s. Answer: as fast as it began.
+local verify = require "rbsim.verify"
+local v, radius, duration = vec3(1, 0.5, 0), 0.1, 1e4
+local spin = vec3(-v.y, v.x, 0) / radius
+
+verify.case { title = "Rolling on and on", duration = duration, gravity = {0, 0, -9.81}, time_step = {0.01, 0.1, 1},
+	frame_rate = {0.1, 1, 0.07}, quick = "base" }
+local rubber = material { name = "rubber", friction = 0.5, restitution = 0 }
+verify.plane { material = rubber }
+local ball = verify.sphere { name = "ball", radius = radius, position = {0, 0, radius}, velocity = v, angular_velocity = spin,
+	material = rubber }
+
+expect_always("velocity, relative", function() return (verify.velocity(ball) - v):length() / v:length(), 1e-12 end)
+expect_always("spin, relative", function() return (verify.spin(ball) - spin):length() / spin:length(), 1e-12 end)
+expect_always("place, relative to the way", function()
+	local wanted = vec3(v.x * time(), v.y * time(), radius)
+	return (verify.position(ball) - wanted):length() / (v:length() * duration), 1e-12 + verify.rounding / duration
+end)

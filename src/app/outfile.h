@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A small output file that appears under its name only when it is whole.
+ *
+ * Owned by the caller, main thread.
+ */
+#ifndef RB_APP_OUTFILE_H
+#define RB_APP_OUTFILE_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+#include <rbsim/error.h>
+
+struct rb_outfile {
+	FILE *file;       /* to write to */
+	const char *name; /* borrowed */
+	char *partial;    /* owned: the name until it is whole */
+	bool replace;
+};
+
+/* RB_ERR_CREATE when the name is taken and may not be replaced, or is no regular file. Touches nothing. */
+RB_CHECKED enum rb_status rb_outfile_check(const char *name, bool replace, struct rb_error *err);
+
+RB_CHECKED enum rb_status rb_outfile_open(struct rb_outfile *out, const char *name, bool replace,
+                                          struct rb_error *err);
+/* Whole: under its name from here on, or an error. The file is closed and `out` released in any case. */
+RB_CHECKED enum rb_status rb_outfile_publish(struct rb_outfile *out, struct rb_error *err);
+/* Nothing of it stays, unless it was published. Safe on a zeroed one. */
+void rb_outfile_release(struct rb_outfile *out);
+
+#endif

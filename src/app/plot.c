@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/plot.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "base/error.h"
+
+static const char program[] = "gnuplot";
+
+enum rb_status rb_plot_available(struct rb_error *err)
+{
+	const char *path = getenv("PATH");
+	char file[4096];
+
+	for (path = path ? path : ""; *path;) {
+		const int length = (int)strcspn(path, ":");
+		const int size = snprintf(file, sizeof file, "%.*s/%s", length, path, program);
+		if (length > 0 && size < (int)sizeof file && access(file, X_OK) == 0)
+			return RB_OK;
+		path += length + (path[length] == ':');
+	}
+	return RB_FAIL(
+		err, RB_ERR_MISSING,
+		"cannot draw: there is no '%s' in PATH (install the package gnuplot-nox, or ask for .csv or .json)",
+		program);
+}
+
+/* ---- what gnuplot is told ---- */
+
+/* In single quotes nothing but the quote has a meaning; a line ends with the line. */
+static void put_text(FILE *script, const char *text)
+{
+	putc('\'', script);
+	for (; *text; text++) {
+		if (*text == '\'')
+			putc('\'', script);
+		putc(iscntrl((unsigned char)*text) ? ' ' : *text, script);
+	}
+	putc('\'', script);
+}
+
+static void put_terminal(FILE *script, enum rb_plot_kind kind, struct rb_plot_size size)
+{
+	switch (kind) {
+	case RB_PLOT_TEXT:
+		fprintf(script, "set terminal dumb size %d,%d %s noenhanced\n", size.width,
+		        size.height, size.color ? "ansi" : "mono");
+		break;
+	case RB_PLOT_SVG:
+		fprintf(script,
+		        "set terminal svg size %d,%d dynamic background rgb 'white' noenhanced\n",
+		        size.width, size.height);
+		break;
+	case RB_PLOT_PNG: /* the cairo one is not in every build */
+		fprintf(script,
+		        "if (strstrt(GPVAL_TERMINALS, 'pngcairo') > 0) {\n"
+		        "set terminal pngcairo size %d,%d noenhanced\n} else {\n"
+		        "set terminal png size %d,%d noenhanced\n}\n",
+		        size.width, size.height, size.width, size.height);
+		break;
+	}
+}
+
+static void put_range(FILE *script, const char *axis, bool logarithmic, double low, double high)
+{
+	if (logarithmic)
+		fprintf(script, "set logscale %s\nset format %s '1e%%+03T'\n", axis, axis);
+	fprintf(script, "set %srange [", axis);
+	if (isfinite(low))
+		fprintf(script, "%.17g", low);
+	putc(':', script);
+	if (isfinite(high))
+		fprintf(script, "%.17g", high);
+	fputs("]\n", script);
+}
+
+static void put_label(FILE *script, const char *what, const char *text)
+{
+	fprintf(script, "set %s ", what);
+	put_text(script, text ? text : "");
+	putc('\n', script);
+}
+
+/* A series may have no point at all; gnuplot would refuse to draw it. */
+static int drawn(const struct rb_plot_series *series)
+{
+	int count = 0;
+
+	for (int i = 0; i < series->count; i++)
+		count += isfinite(series->x[i]) && isfinite(series->y[i]);
+	return count;
+}
+
+static void put_data(FILE *script, const struct rb_plot *plot)
+{
+	for (int k = 0; k < plot->series_count; k++) {
+		const struct rb_plot_series *const series = &plot->series[k];
+		fprintf(script, "$data%d << END\n", k);
+		for (int i = 0; i < series->count; i++)
+			if (isfinite(series->x[i]) && isfinite(series->y[i]))
+				fprintf(script, "%.17g %.17g\n", series->x[i], series->y[i]);
+		fputs("END\n", script);
+	}
+}
+
+static void put_series(FILE *script, const struct rb_plot *plot, enum rb_plot_kind kind)
+{
+	const char *comma = "plot ";
+
+	for (int k = 0; k < plot->series_count; k++) {
+		const struct rb_plot_series *const series = &plot->series[k];
+		const int color = series->like + 1;
+		if (drawn(series) == 0)
+			continue;
+		fprintf(script, "%s$data%d using 1:2 with ", comma, k);
+		if (series->crosses)
+			/* the 24th mark of a text is an X */
+			fprintf(script, "points pointtype %d linecolor %d",
+			        kind == RB_PLOT_TEXT ? 24 : 2, color);
+		else if (kind == RB_PLOT_TEXT)
+			fprintf(script, "linespoints pointtype %d linetype %d", color, color);
+		else
+			fprintf(script,
+			        "linespoints linewidth 2 pointtype %d linecolor %d dashtype %d",
+			        2 * color + 3, color, color);
+		fputs(kind == RB_PLOT_TEXT ? " title " : " pointsize 1.2 title ", script);
+		put_text(script, series->name);
+		comma = ", ";
+	}
+	putc('\n', script);
+}
+
+static void put_plot(FILE *script, const struct rb_plot *plot, enum rb_plot_kind kind,
+                     struct rb_plot_size size)
+{
+	fputs("set encoding utf8\n", script);
+	put_terminal(script, kind, size);
+	put_label(script, "title", plot->title);
+	put_label(script, "xlabel", plot->x_label);
+	put_label(script, "ylabel", plot->y_label);
+	put_range(script, "x", plot->x_log, plot->x_low, plot->x_high);
+	put_range(script, "y", plot->y_log, plot->y_low, plot->y_high);
+	fprintf(script, "set grid\nset key outside %s\n",
+	        kind == RB_PLOT_TEXT ? "below" : "right top");
+	put_data(script, plot);
+	put_series(script, plot, kind);
+}
+
+/* ---- the child ---- */
+
+static _Noreturn void become_gnuplot(int in, int out, int complaints)
+{
+	char name[] = "gnuplot", plain[] = "-d"; /* no start-up files of the user */
+	char *const words[] = {name, plain, NULL};
+
+	signal(SIGPIPE, SIG_DFL);
+	if (dup2(in, STDIN_FILENO) < 0 || dup2(out, STDOUT_FILENO) < 0 ||
+	    dup2(complaints, STDERR_FILENO) < 0)
+		_exit(126);
+	execvp(name, words);
+	_exit(127);
+}
+
+/* The first line of gnuplot's that is not an echo of what it was told. */
+static void read_complaint(FILE *complaints, char *out, size_t size)
+{
+	char line[160];
+
+	*out = '\0';
+	rewind(complaints);
+	while (fgets(line, sizeof line, complaints)) {
+		line[strcspn(line, "\n")] = '\0';
+		if (strstr(line, "line ") || (*line && *out == '\0'))
+			snprintf(out, size, "%s", line);
+	}
+}
+
+/* What gnuplot writes goes to files, so neither waits for the other while the script goes down the pipe. */
+static enum rb_status feed(const struct rb_plot *plot, enum rb_plot_kind kind,
+                           struct rb_plot_size size, FILE *drawing, FILE *complaints,
+                           struct rb_error *err)
+{
+	int ends[2], status = 0;
+	char complaint[160];
+
+	if (pipe2(ends, O_CLOEXEC) != 0)
+		return RB_FAIL(err, RB_ERR_MISSING, "cannot make a pipe: %s", strerror(errno));
+	fflush(NULL);
+	const pid_t pid = fork();
+	if (pid == 0)
+		become_gnuplot(ends[0], fileno(drawing), fileno(complaints));
+	close(ends[0]);
+	FILE *const script = pid > 0 ? fdopen(ends[1], "w") : NULL;
+	if (script) {
+		put_plot(script, plot, kind, size);
+		fclose(script); /* a pipe that broke shows in the status below */
+	} else {
+		close(ends[1]);
+	}
+	if (pid < 0)
+		return RB_FAIL(err, RB_ERR_MISSING, "cannot start '%s': %s", program,
+		               strerror(errno));
+	while (waitpid(pid, &status, 0) < 0 && errno == EINTR)
+		continue;
+	if (WIFEXITED(status) && WEXITSTATUS(status) == 0 && script)
+		return RB_OK;
+	read_complaint(complaints, complaint, sizeof complaint);
+	return RB_FAIL(err, RB_ERR_MISSING, "cannot draw: '%s' failed%s%s", program,
+	               *complaint ? ": " : "", complaint);
+}
+
+static bool copy(FILE *from, FILE *to)
+{
+	char block[8192];
+	size_t size;
+
+	rewind(from);
+	while ((size = fread(block, 1, sizeof block, from)) > 0)
+		if (fwrite(block, 1, size, to) != size)
+			return false;
+	return !ferror(from);
+}
+
+enum rb_status rb_plot_draw(const struct rb_plot *plot, enum rb_plot_kind kind,
+                            struct rb_plot_size size, FILE *to, struct rb_error *err)
+{
+	FILE *const drawing = tmpfile();
+	FILE *const complaints = tmpfile();
+	enum rb_status status = RB_OK;
+
+	if (!drawing || !complaints)
+		status = RB_FAIL(err, RB_ERR_CREATE, "cannot make a temporary file: %s",
+		                 strerror(errno));
+	if (!status)
+		status = feed(plot, kind, size, drawing, complaints, err);
+	if (!status && !copy(drawing, to))
+		status = RB_FAIL(err, RB_ERR_IO, "cannot write a drawing: %s", strerror(errno));
+	if (drawing)
+		fclose(drawing);
+	if (complaints)
+		fclose(complaints);
+	return status;
+}

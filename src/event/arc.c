@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/arc.h"
+
+static rb_vec3 piece_vector(const struct rb_piece_of *p, int row, double t)
+{
+	const double s = t - p->origin_s;
+
+	return (rb_vec3){rb_gauss_value(p->piece, p->first + row, s),
+	                 rb_gauss_value(p->piece, p->first + row + 1, s),
+	                 rb_gauss_value(p->piece, p->first + row + 2, s)};
+}
+
+rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n)
+		return l->model->position[i];
+	if (rb_located_on_piece(l, i))
+		return piece_vector(&l->piece[i], RB_ROW_POSITION, t);
+	const struct rb_arc *arc = &l->arc[i];
+	const double s = t - arc->anchor_s;
+
+	return rb_vec3_add_scaled(arc->position, s,
+	                          rb_vec3_add_scaled(arc->velocity, 0.5 * s, arc->acceleration));
+}
+
+rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double t)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	if (i >= l->n)
+		return none;
+	if (rb_located_on_piece(l, i))
+		return piece_vector(&l->piece[i], RB_ROW_VELOCITY, t);
+	const struct rb_arc *arc = &l->arc[i];
+
+	return rb_vec3_add_scaled(arc->velocity, t - arc->anchor_s, arc->acceleration);
+}
+
+rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n)
+		return (rb_vec3){0, 0, 0};
+	if (!rb_located_on_piece(l, i))
+		return l->arc[i].acceleration;
+	const struct rb_piece_of *p = &l->piece[i];
+	const double s = t - p->origin_s;
+
+	return (rb_vec3){rb_gauss_rate(p->piece, p->first + RB_ROW_VELOCITY, s),
+	                 rb_gauss_rate(p->piece, p->first + RB_ROW_VELOCITY + 1, s),
+	                 rb_gauss_rate(p->piece, p->first + RB_ROW_VELOCITY + 2, s)};
+}
+
+static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
+{
+	if (rb_located_on_piece(l, i)) {
+		const struct rb_piece_of *p = &l->piece[i];
+		double q[4];
+
+		for (int k = 0; k < 4; k++)
+			q[k] = rb_gauss_value(p->piece, p->first + RB_ROW_ORIENTATION + k,
+			                      t - p->origin_s);
+		pose->orientation = rb_quat_unit(rb_quat_from(q));
+		pose->spin = piece_vector(p, RB_ROW_SPIN, t);
+		return;
+	}
+	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
+}
+
+struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
+{
+	struct rb_pose pose = {.position = rb_arc_position(l, i, t)};
+
+	if (i < l->n)
+		pose.velocity = rb_arc_velocity(l, i, t);
+	if (i < l->n && l->top)
+		turned(l, i, t, &pose);
+	else
+		pose.orientation = l->model->orientation[i];
+	pose.origin = pose.position;
+	if (i < l->n && l->model->center_of_mass)
+		pose.origin = rb_vec3_sub(pose.position,
+		                          rb_quat_rotate(pose.orientation,
+		                                         l->model->center_of_mass[i]));
+	return pose;
+}
+
+rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n || !l->model->center_of_mass)
+		return rb_arc_position(l, i, t);
+	return rb_arc_pose(l, i, t).origin;
+}
+
+void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
+                   rb_vec3 acceleration, rb_vec3 turning)
+{
+	l->arc[i] = (struct rb_arc){t, pose->position, pose->velocity, acceleration};
+	if (l->piece)
+		l->piece[i].piece = NULL;
+	if (l->top)
+		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
+}
+
+void rb_arc_store(const struct rb_located *l, int i, double t)
+{
+	struct rb_state *state = &l->world->state;
+	const struct rb_pose pose = rb_arc_pose(l, i, t);
+
+	rb_vec3_to(state->position + 3 * (size_t)i, pose.position);
+	rb_vec3_to(state->velocity + 3 * (size_t)i, pose.velocity);
+	if (!l->top)
+		return;
+	rb_quat_to(state->orientation + 4 * (size_t)i, pose.orientation);
+	rb_vec3_to(state->spin + 3 * (size_t)i, pose.spin);
+}

@@ -1,0 +1,621 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Each level has one or two grids: of the bodies whose level it is (natives) and of smaller ones (guests), since a
+ * guest's partners on a level are its natives only. A body's place on a level, an entry, is three whole numbers that
+ * change when it crosses a wall and at no other time: they are never worked out again from a position, so rounding
+ * can't lose a body.
+ *
+ * Walls give way: a body leaves its cell `yielding` x edge behind the wall. It must come back twice that far before it
+ * returns, so one that stops or turns at a wall does not cross it for ever. The edge is that much larger: bodies
+ * that touch are in neighbouring cells as long as each is in its own or within `yielding` of it,
+ *     r_a + r_b <= 2 r_max < edge (1 - 2 yielding),
+ * and what is left of the difference covers the rounding of coordinates up to 1e12 edges.
+ *
+ * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory without pointers to
+ * follow, and, because a block is copied as a whole, however many are in it, without branches to guess. What does not
+ * fit goes to further blocks; all blocks of a cell are full except its last-made one. So c > SLOTS bodies need fewer
+ * than c / SLOTS further blocks, and all that can ever be needed are taken beforehand. Measured against lists through
+ * the bodies, other numbers of slots and copying slot by slot, at packing fractions 0.01 to 0.25.
+ */
+#include "event/cells.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+enum {
+	SLOTS = 3,
+	FEW = 16, /* up to here all are always near each other: no more than the 27 cells would hold, and no walls */
+	SMALLEST_SIDE = 4,
+	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
+};
+
+static const double yielding = 0x1p-8;
+static const double slack = 0x1p-6;       /* edge / (2 r_max) - 1 at least */
+#ifndef LOAD
+#define LOAD 0.5
+#endif
+static const double load = LOAD;          /* bodies to a cell, where they are spread evenly */
+static const double crowded = 6;          /* bodies in a body's own cell, on average, that ask for smaller cells */
+static const int64_t farthest = 1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
+
+/* Members come first; what is behind them means nothing. A cell's own block and all further ones are full, but for the
+ * last of them that was made, which the own block points to. */
+struct block {
+	int32_t member[SLOTS];
+	uint32_t tail; /* how many, and 4 x (1 + index of a further block), 0 for none */
+};
+_Static_assert(SLOTS < 4, "the tail has two bits for the number of members");
+
+struct grid {
+	struct block *cells; /* NULL: nobody will ever be in it */
+};
+
+struct level {
+	double edge, inverse; /* m, 1/m */
+	double reach;         /* m, from a cell's middle to where it is left */
+	double largest;       /* m, radius */
+	int64_t mask[3];      /* cells along each axis less 1 */
+	size_t stride[3];     /* in cells */
+	size_t cell_count;
+	struct grid natives, guests;
+};
+
+struct entry {
+	int64_t at[3]; /* not wrapped */
+};
+
+struct rb_cells {
+	int count, level_count;
+	struct level *levels;  /* fine to coarse; 0: few bodies, no cells */
+	struct entry *entries; /* of each body from its own level to the coarsest */
+	int32_t *own;          /* level of each body; NULL: there is one level */
+	size_t *first;         /* of each body in entries; NULL: the body itself */
+	struct block *blocks;  /* further ones */
+	uint32_t free_tail;    /* a tail without members that leads to the free ones */
+};
+
+/* ---- members of a cell ---- */
+
+static size_t cell_at(const struct level *level, const int64_t at[3])
+{
+	size_t cell = 0;
+
+	for (int k = 0; k < 3; k++)
+		cell += (size_t)(at[k] & level->mask[k]) * level->stride[k];
+	return cell;
+}
+
+static uint32_t members_in(const struct block *block)
+{
+	return block->tail & 3;
+}
+
+/* NULL: none. */
+static struct block *next_block(const struct rb_cells *cells, const struct block *block)
+{
+	return block->tail > 3 ? &cells->blocks[(block->tail >> 2) - 1] : NULL;
+}
+
+/* The block of a cell that is not full if any is. */
+static struct block *open_block(const struct rb_cells *cells, struct block *cell)
+{
+	struct block *next = next_block(cells, cell);
+
+	return next ? next : cell;
+}
+
+static void add_member(struct rb_cells *cells, struct block *cell, int32_t body)
+{
+	struct block *block = open_block(cells, cell);
+
+	if (members_in(block) == SLOTS) {
+		const uint32_t free_tail = cells->free_tail, further = cell->tail & ~3u;
+
+		RB_ASSERT(free_tail != 0);
+		block = &cells->blocks[(free_tail >> 2) - 1];
+		cells->free_tail = block->tail;
+		cell->tail = free_tail | members_in(cell);
+		block->tail = further;
+	}
+	block->member[members_in(block)] = body;
+	block->tail++;
+}
+
+/* The last of the open block takes the place that becomes free. */
+static void remove_member(struct rb_cells *cells, struct block *cell, int32_t body)
+{
+	struct block *open = open_block(cells, cell);
+	const int32_t last = open->member[members_in(open) - 1];
+
+	for (struct block *block = cell; last != body; block = next_block(cells, block)) {
+		uint32_t i = 0;
+
+		RB_ASSERT(block);
+		while (i < members_in(block) && block->member[i] != body)
+			i++;
+		if (i < members_in(block)) {
+			block->member[i] = last;
+			break;
+		}
+	}
+	open->tail--;
+	if (open != cell && members_in(open) == 0) {
+		const uint32_t index_tail = cell->tail & ~3u;
+
+		cell->tail = open->tail | members_in(cell);
+		open->tail = cells->free_tail;
+		cells->free_tail = index_tail;
+	}
+}
+
+/* ---- walks ---- */
+
+/* Which cells: along each axis up to three places, in cells from the first. */
+struct walk {
+	size_t place[3][3];
+	int count[3];
+};
+
+static void walk_around(const struct level *level, const int64_t at[3], struct walk *walk)
+{
+	for (int k = 0; k < 3; k++) {
+		for (int i = 0; i < 3; i++)
+			walk->place[k][i] =
+				(size_t)((at[k] + i - 1) & level->mask[k]) * level->stride[k];
+		walk->count[k] = 3;
+	}
+}
+
+/* Room for `most` in all: the last few are copied one by one. */
+static int copy_cell(const struct rb_cells *cells, const struct block *block, int *out, int count)
+{
+	for (; block; block = next_block(cells, block)) {
+		const int here = (int)members_in(block);
+
+		memcpy(out + count, block->member, (size_t)here * sizeof *out);
+		count += here;
+	}
+	return count;
+}
+
+/* Appends the members of these cells. */
+static int copy_members(const struct rb_cells *cells, const struct grid *grid,
+                        const struct walk *walk, int *out, int count)
+{
+	const int roomy = cells->count - (int)(sizeof(struct block) / sizeof *out);
+
+	for (int z = 0; z < walk->count[2]; z++) {
+		for (int y = 0; y < walk->count[1]; y++) {
+			const struct block *row =
+				grid->cells + walk->place[2][z] + walk->place[1][y];
+
+			for (int x = 0; x < walk->count[0]; x++) {
+				const struct block *block = row + walk->place[0][x];
+
+				if ((block->tail > 3) | (count > roomy)) {
+					count = copy_cell(cells, block, out, count);
+					continue;
+				}
+				memcpy(out + count, block, sizeof *block);
+				count += (int)block->tail;
+			}
+		}
+	}
+	return count;
+}
+
+static int remove_from(int *out, int count, int body)
+{
+	int i = 0;
+
+	while (out[i] != body)
+		i++;
+	out[i] = out[--count];
+	return count;
+}
+
+static int own_level(const struct rb_cells *cells, int body)
+{
+	return cells->own ? cells->own[body] : 0;
+}
+
+static struct entry *entries_of(const struct rb_cells *cells, int body)
+{
+	return &cells->entries[cells->first ? cells->first[body] : (size_t)body];
+}
+
+int rb_cells_near(const struct rb_cells *cells, int body, int *out)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const struct entry *entry = entries_of(cells, body);
+	const int own = own_level(cells, body);
+	struct walk walk;
+	int count = 0;
+
+	if (cells->level_count == 0) {
+		for (int other = 0; other < cells->count; other++) {
+			out[count] = other;
+			count += other != body;
+		}
+		return count;
+	}
+	for (int l = own; l < cells->level_count; l++) {
+		const struct level *level = &cells->levels[l];
+
+		walk_around(level, entry++->at, &walk);
+		count = copy_members(cells, &level->natives, &walk, out, count);
+		if (l > own)
+			continue;
+		count = remove_from(out, count, body);
+		if (level->guests.cells)
+			count = copy_members(cells, &level->guests, &walk, out, count);
+	}
+	return count;
+}
+
+int rb_cells_most(const struct rb_cells *cells)
+{
+	return cells->count;
+}
+
+int rb_cells_level_count(const struct rb_cells *cells)
+{
+	return cells->level_count;
+}
+
+/* ---- moving ---- */
+
+/*
+ * Along one axis: x is the distance from the cell's middle, and the body leaves where |x| = reach. With u the speed, b
+ * the acceleration in the direction of motion and d > 0 the way ahead, u t + b t^2 / 2 = d has the first root
+ * 2 d / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns round and comes to the wall behind it, at -c, at
+ * the second root of u t + b t^2 / 2 = -c, which is (u + sqrt(u^2 - 2 b c)) / -b. All sums are of numbers of one
+ * sign, except under the first root: there rounding decides whether a body that all but turns at the wall leaves, and
+ * either will do.
+ */
+static double leaves_along(double reach, double x, double v, double a, int *high)
+{
+	const bool forward = v > 0 || (v == 0 && a > 0);
+	const double sign = forward ? 1 : -1;
+	const double ahead = reach - sign * x, u = fabs(v), b = sign * a;
+
+	*high = forward;
+	if (v == 0 && a == 0)
+		return (double)INFINITY;
+	if (ahead <= 0)
+		return 0;
+	if (a == 0)
+		return ahead / u;
+	const double square = u * u + 2 * b * ahead;
+
+	if (square >= 0)
+		return 2 * ahead / (u + sqrt(square));
+	*high = !forward;
+	return (u + sqrt(fmax(0, u * u - 2 * b * (reach + sign * x)))) / -b;
+}
+
+double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
+                       rb_vec3 acceleration, int *wall)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const double x[3] = {position.x, position.y, position.z};
+	const double v[3] = {velocity.x, velocity.y, velocity.z};
+	const double a[3] = {acceleration.x, acceleration.y, acceleration.z};
+	const struct entry *entry = entries_of(cells, body);
+	int number = 0;
+	double first = (double)INFINITY;
+
+	*wall = -1;
+	for (int l = own_level(cells, body); l < cells->level_count; l++, entry++) {
+		const struct level *level = &cells->levels[l];
+
+		for (int k = 0; k < 3; k++, number += 2) {
+			const int64_t at = entry->at[k];
+			const double middle = ((double)at + 0.5) * level->edge;
+			int high;
+			const double t = leaves_along(level->reach, x[k] - middle, v[k], a[k], &high);
+
+			if (t < first && at > -farthest && at < farthest) {
+				first = t;
+				*wall = number + high;
+			}
+		}
+	}
+	return first;
+}
+
+int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out)
+{
+	RB_ASSERT(body >= 0 && body < cells->count && wall >= 0);
+	const int own = own_level(cells, body), l = own + wall / WALLS;
+	const int axis = wall % WALLS / 2, step = wall % 2 ? 1 : -1;
+
+	RB_ASSERT(l < cells->level_count);
+	const struct level *level = &cells->levels[l];
+	const struct grid *grid = l == own ? &level->natives : &level->guests;
+	struct entry *entry = entries_of(cells, body) + (l - own);
+	struct walk walk;
+	int count;
+
+	remove_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+	entry->at[axis] += step;
+	add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+
+	walk_around(level, entry->at, &walk);
+	walk.place[axis][0] = walk.place[axis][1 + step];
+	walk.count[axis] = 1;
+	count = copy_members(cells, &level->natives, &walk, out, 0);
+	if (l == own && level->guests.cells)
+		count = copy_members(cells, &level->guests, &walk, out, count);
+	return count;
+}
+
+static struct entry find_entry(const struct level *level, const double position[3])
+{
+	struct entry entry;
+
+	for (int k = 0; k < 3; k++) {
+		const double at = floor(position[k] * level->inverse);
+
+		entry.at[k] = (int64_t)fmax(-(double)farthest, fmin((double)farthest, at));
+	}
+	return entry;
+}
+
+void rb_cells_place(struct rb_cells *cells, int body, rb_vec3 position)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const double x[3] = {position.x, position.y, position.z};
+	const int own = own_level(cells, body);
+	struct entry *entry = entries_of(cells, body);
+
+	for (int l = own; l < cells->level_count; l++, entry++) {
+		const struct level *level = &cells->levels[l];
+		const struct grid *grid = l == own ? &level->natives : &level->guests;
+
+		remove_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+		*entry = find_entry(level, x);
+		add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+	}
+}
+
+/* ---- making ---- */
+
+struct extent {
+	double size[3]; /* m, of the box around the centres of those listed on a level */
+	int count;
+};
+
+static struct extent find_extent(const struct rb_cells *cells, int l, const double *position)
+{
+	double low[3], high[3];
+	struct extent extent = {.count = 0};
+
+	for (int body = 0; body < cells->count; body++) {
+		if (own_level(cells, body) > l)
+			continue;
+		for (int k = 0; k < 3; k++) {
+			const double x = position[3 * (size_t)body + (size_t)k];
+
+			low[k] = extent.count == 0 ? x : fmin(low[k], x);
+			high[k] = extent.count == 0 ? x : fmax(high[k], x);
+		}
+		extent.count++;
+	}
+	for (int k = 0; k < 3; k++)
+		extent.size[k] = high[k] - low[k];
+	return extent;
+}
+
+/* The torus holds the box if that takes no more than a few cells a body; else it is wound up. */
+static void set_edge(struct level *level, const struct extent *extent, double edge)
+{
+	const size_t most = 16 * (size_t)extent->count + 64;
+	size_t side[3];
+
+	level->edge = edge;
+	level->inverse = 1 / edge;
+	level->reach = edge * (0.5 + yielding);
+	for (int k = 0; k < 3; k++) {
+		side[k] = SMALLEST_SIDE;
+		while ((double)side[k] < extent->size[k] / edge + 2 && side[k] < most)
+			side[k] *= 2;
+	}
+	/* not of the product, which could overflow */
+	while ((double)side[0] * (double)side[1] * (double)side[2] > (double)most) {
+		const int longest = side[0] >= side[1] ? (side[0] >= side[2] ? 0 : 2) :
+		                                         (side[1] >= side[2] ? 1 : 2);
+		side[longest] /= 2;
+	}
+	for (int k = 0; k < 3; k++)
+		level->mask[k] = (int64_t)side[k] - 1;
+	/* an odd number of blocks apart, so that rows do not share the same lines of the cache */
+	level->stride[0] = 1;
+	level->stride[1] = side[0] + 1;
+	level->stride[2] = side[1] * level->stride[1] + 1;
+	level->cell_count = side[2] * level->stride[2];
+}
+
+/* How many a body finds in its own cell, with itself, on average. `counts` has room for all cells. */
+static double measure_crowd(const struct rb_cells *cells, int l, const double *position,
+                            int32_t *counts)
+{
+	const struct level *level = &cells->levels[l];
+	double sum = 0, listed = 0;
+
+	memset(counts, 0, level->cell_count * sizeof *counts);
+	for (int body = 0; body < cells->count; body++) {
+		if (own_level(cells, body) > l)
+			continue;
+		const struct entry entry = find_entry(level, &position[3 * (size_t)body]);
+
+		/* 1 + 3 + 5 + ... = n^2 */
+		sum += 2 * counts[cell_at(level, entry.at)]++ + 1;
+		listed++;
+	}
+	return sum / listed;
+}
+
+/* Begins with what would suit bodies spread evenly over their box, and goes finer while that finds crowds. */
+static bool choose_edge(struct rb_cells *cells, int l, const double *position)
+{
+	struct level *level = &cells->levels[l];
+	const struct extent extent = find_extent(cells, l, position);
+	const double least = 2 * level->largest * (1 + slack), *size = extent.size;
+	double edge = fmax(least, fmax(size[0], fmax(size[1], size[2])));
+	int32_t *counts;
+
+	while (edge > least && fmax(1, size[0] / edge) * fmax(1, size[1] / edge) *
+	                                       fmax(1, size[2] / edge) <
+	                               extent.count / load)
+		edge *= 0.9;
+	edge = fmax(edge, least);
+	set_edge(level, &extent, edge);
+
+	/* more cells than any torus of `most`, with what the strides add */
+	counts = rb_memory_take(32 * (size_t)extent.count + 256, sizeof *counts);
+	if (!counts)
+		return false;
+	while (edge > least && measure_crowd(cells, l, position, counts) > crowded) {
+		edge = fmax(edge / 2, least);
+		set_edge(level, &extent, edge);
+	}
+	rb_memory_free(counts);
+	return true;
+}
+
+static bool take_grid(struct grid *grid, size_t cell_count)
+{
+	grid->cells = rb_memory_take(cell_count, sizeof *grid->cells);
+	return grid->cells != NULL;
+}
+
+/* Fills level_count, levels and own: a level for each octave of radii that occurs. */
+static bool find_levels(struct rb_cells *cells, const double *radius)
+{
+	enum { OCTAVES = 1025 };
+	double smallest = (double)INFINITY, largest[OCTAVES] = {0};
+	int rank[OCTAVES];
+
+	cells->own = rb_memory_take((size_t)cells->count, sizeof *cells->own);
+	if (!cells->own)
+		return false;
+	for (int body = 0; body < cells->count; body++) {
+		RB_ASSERT(radius[body] > 0 && radius[body] < (double)INFINITY);
+		smallest = fmin(smallest, radius[body]);
+	}
+	for (int body = 0; body < cells->count; body++) {
+		const int octave = ilogb(fmin(radius[body] / smallest, 0x1p1023));
+
+		cells->own[body] = octave;
+		largest[octave] = fmax(largest[octave], radius[body]);
+	}
+	for (int octave = 0; octave < OCTAVES; octave++) {
+		rank[octave] = cells->level_count;
+		cells->level_count += largest[octave] > 0;
+	}
+	cells->levels = rb_memory_take((size_t)cells->level_count, sizeof *cells->levels);
+	if (!cells->levels)
+		return false;
+	for (int octave = 0; octave < OCTAVES; octave++) {
+		if (largest[octave] > 0)
+			cells->levels[rank[octave]].largest = largest[octave];
+	}
+	for (int body = 0; body < cells->count; body++)
+		cells->own[body] = rank[cells->own[body]];
+	if (cells->level_count == 1) {
+		rb_memory_free(cells->own);
+		cells->own = NULL;
+	}
+	return true;
+}
+
+/* Room for the places of all bodies and for all blocks that they can ever need. */
+static bool take_entries(struct rb_cells *cells)
+{
+	size_t entry_count = (size_t)cells->count, block_count;
+
+	if (cells->own) {
+		cells->first = rb_memory_take((size_t)cells->count, sizeof *cells->first);
+		if (!cells->first)
+			return false;
+		entry_count = 0;
+		for (int body = 0; body < cells->count; body++) {
+			cells->first[body] = entry_count;
+			entry_count += (size_t)(cells->level_count - cells->own[body]);
+		}
+	}
+	block_count = entry_count / SLOTS;
+	cells->entries = rb_memory_take(entry_count, sizeof *cells->entries);
+	cells->blocks = rb_memory_take(block_count, sizeof *cells->blocks);
+	if (!cells->entries || !cells->blocks || block_count >= UINT32_MAX / 4)
+		return false;
+	for (size_t i = block_count; i-- > 0;) {
+		cells->blocks[i].tail = cells->free_tail;
+		cells->free_tail = (uint32_t)(i + 1) << 2;
+	}
+	return true;
+}
+
+static bool fill(struct rb_cells *cells, const double *radius, const double *position)
+{
+	if (!find_levels(cells, radius) || !take_entries(cells))
+		return false;
+	for (int l = 0; l < cells->level_count; l++) {
+		struct level *level = &cells->levels[l];
+
+		if (!choose_edge(cells, l, position) ||
+		    !take_grid(&level->natives, level->cell_count) ||
+		    (l > 0 && !take_grid(&level->guests, level->cell_count)))
+			return false;
+	}
+	for (int body = 0; body < cells->count; body++) {
+		const int own = own_level(cells, body);
+		struct entry *entry = entries_of(cells, body);
+
+		for (int l = own; l < cells->level_count; l++, entry++) {
+			const struct level *level = &cells->levels[l];
+			const struct grid *grid = l == own ? &level->natives : &level->guests;
+
+			*entry = find_entry(level, &position[3 * (size_t)body]);
+			add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+		}
+	}
+	return true;
+}
+
+enum rb_status rb_cells_create(struct rb_cells **cells, int count, const double *radius,
+                               const double *position, struct rb_error *err)
+{
+	struct rb_cells *made = rb_memory_take(1, sizeof *made);
+
+	*cells = NULL;
+	if (made)
+		made->count = count;
+	if (!made || (count > FEW && !fill(made, radius, position))) {
+		rb_cells_destroy(made);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %d bodies", count);
+	}
+	*cells = made;
+	return RB_OK;
+}
+
+void rb_cells_destroy(struct rb_cells *cells)
+{
+	if (!cells)
+		return;
+	for (int l = 0; cells->levels && l < cells->level_count; l++) {
+		rb_memory_free(cells->levels[l].natives.cells);
+		rb_memory_free(cells->levels[l].guests.cells);
+	}
+	rb_memory_free(cells->levels);
+	rb_memory_free(cells->entries);
+	rb_memory_free(cells->own);
+	rb_memory_free(cells->first);
+	rb_memory_free(cells->blocks);
+	rb_memory_free(cells);
+}

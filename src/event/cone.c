@@ -1,0 +1,600 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/cone.h"
+
+#include <float.h>
+#include <stdio.h> //DBG
+#include <stdlib.h> //DBG
+#include <string.h>
+
+#include "event/exact_sum.h"
+
+enum {
+	WINDOW_SYMMETRIC = 3, /* conjugate residuals need one direction back; the others mend rounding */
+	WINDOW = 40,
+	FIRST_STEPS = 2, /* simultaneous steps before the first Newton step */
+	MOST_STEPS = 64,
+	MOST_ROUNDS = 400
+};
+
+static bool yields(const struct rb_joint_body *body)
+{
+	return body->inverse_mass > 0 || body->inverse_inertia != 0;
+}
+
+static rb_vec3 turn(const struct rb_joint_body *body, rb_vec3 torque)
+{
+	if (isnan(body->inverse_inertia))
+		return rb_mat3_apply(&body->inverse_tensor, torque);
+	return rb_vec3_scale(body->inverse_inertia, torque);
+}
+
+/* A bound on the largest eigenvalue of the inverse inertia. */
+static double largest_turn(const struct rb_joint_body *body)
+{
+	double largest = 0;
+
+	if (!isnan(body->inverse_inertia))
+		return body->inverse_inertia;
+	for (int i = 0; i < 3; i++) {
+		const double *const m = body->inverse_tensor.m[i];
+
+		largest = fmax(largest, fabs(m[0]) + fabs(m[1]) + fabs(m[2]));
+	}
+	return largest;
+}
+
+/*
+ * What one body adds to the bounds of a row. A body with d rows counts d fold: then the rows' yields together are an
+ * upper bound of the whole matrix, and steps of all rows at once converge ("mass splitting", Tonge, Benevolenski,
+ * Voroshilov, ACM TOG 31(4):105 (2012)). Eccentric rows, whose normal and tangent meddle, count twice.
+ */
+static void add_yields(const struct rb_joint_body *body, rb_vec3 arm, int rows,
+                       struct rb_cone_row *row)
+{
+	const double spin = largest_turn(body);
+	const rb_vec3 lever = rb_vec3_cross(arm, row->normal);
+	const double along = rb_vec3_dot(lever, lever), whole = rb_vec3_dot(arm, arm);
+	const double count = rows * (isnan(body->inverse_inertia) || along > 1e-12 * whole ? 2 : 1);
+
+	row->yield_n += count * (body->inverse_mass + rb_vec3_dot(lever, turn(body, lever)));
+	row->yield_t += count * (body->inverse_mass + spin * whole);
+}
+
+static bool take_scratch(struct rb_cone *cone, int largest)
+{
+	const size_t rows = (size_t)cone->row_count + 1, bodies = (size_t)cone->body_count + 1;
+	const size_t terms = 6 * (size_t)largest > 4 * rows ? 6 * (size_t)largest : 4 * rows;
+
+	cone->window = 3 * cone->row_count + 1 < WINDOW ? 3 * cone->row_count + 1 : WINDOW;
+	cone->linear = rb_arena_take(cone->arena, bodies, sizeof *cone->linear);
+	cone->angular = rb_arena_take(cone->arena, bodies, sizeof *cone->angular);
+	cone->kept = rb_arena_take(cone->arena, bodies, sizeof *cone->kept);
+	cone->term = rb_arena_take(cone->arena, terms, sizeof *cone->term);
+	cone->change = rb_arena_take(cone->arena, rows, sizeof *cone->change);
+	cone->residual = rb_arena_take(cone->arena, rows, sizeof *cone->residual);
+	cone->best = rb_arena_take(cone->arena, rows, sizeof *cone->best);
+	cone->before = rb_arena_take(cone->arena, rows, sizeof *cone->before);
+	cone->faces = rb_arena_take(cone->arena, rows, sizeof *cone->faces);
+	cone->snapped = rb_arena_take(cone->arena, bodies, sizeof *cone->snapped);
+	cone->direction = rb_arena_take(cone->arena, (size_t)cone->window * rows,
+	                                sizeof *cone->direction);
+	cone->image = rb_arena_take(cone->arena, (size_t)cone->window * rows, sizeof *cone->image);
+	return cone->linear && cone->angular && cone->kept && cone->term && cone->change &&
+	       cone->residual && cone->best && cone->before && cone->faces && cone->snapped && cone->direction && cone->image;
+}
+
+bool rb_cone_open(struct rb_cone *cone)
+{
+	int largest = 0;
+
+	cone->first = rb_arena_take(cone->arena, (size_t)cone->body_count + 2, sizeof *cone->first);
+	cone->entry = rb_arena_take(cone->arena, 2 * (size_t)cone->row_count + 1,
+	                            sizeof *cone->entry);
+	if (!cone->first || !cone->entry)
+		return false;
+	int *const first = cone->first;
+	memset(first, 0, ((size_t)cone->body_count + 2) * sizeof *first);
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		first[row->a + 2] += yields(&cone->body[row->a]);
+		first[row->b + 2] += yields(&cone->body[row->b]);
+	}
+	for (int i = 2; i <= cone->body_count + 1; i++) {
+		largest = first[i] > largest ? first[i] : largest;
+		first[i] += first[i - 1];
+	}
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		if (yields(&cone->body[row->a]))
+			cone->entry[first[row->a + 1]++] = 2 * k;
+		if (yields(&cone->body[row->b]))
+			cone->entry[first[row->b + 1]++] = 2 * k + 1;
+	}
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+
+		row->yield_n = row->yield_t = 0;
+		add_yields(&cone->body[row->a], row->arm_a, first[row->a + 1] - first[row->a], row);
+		double n = row->yield_n, t = row->yield_t;
+		row->yield_n = row->yield_t = 0;
+		add_yields(&cone->body[row->b], row->arm_b, first[row->b + 1] - first[row->b], row);
+		row->yield_n += n;
+		row->yield_t += t;
+	}
+	return take_scratch(cone, largest);
+}
+
+static rb_cone_pair split(const struct rb_cone_row *row, rb_vec3 v)
+{
+	const double n = rb_vec3_dot(v, row->normal);
+
+	return (rb_cone_pair){n, rb_vec3_add_scaled(v, -n, row->normal)};
+}
+
+static rb_vec3 joined(const struct rb_cone_row *row, rb_cone_pair p)
+{
+	return rb_vec3_add_scaled(p.t, p.n, row->normal);
+}
+
+rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row)
+{
+	const struct rb_joint_body *a = &cone->body[row->a], *b = &cone->body[row->b];
+	const rb_vec3 of_a = rb_vec3_add(a->linear, rb_vec3_cross(a->angular, row->arm_a));
+	const rb_vec3 of_b = rb_vec3_add(b->linear, rb_vec3_cross(b->angular, row->arm_b));
+
+	return split(row, rb_vec3_add(rb_vec3_sub(of_b, of_a), row->bias));
+}
+
+/* Increments of all bodies by impulses on all rows. */
+long rb_debug_products;
+static void respond(struct rb_cone *cone, const rb_cone_pair *impulse)
+{
+	cone->iterations++;
+	rb_debug_products++;
+	for (int i = 0; i < cone->body_count; i++) {
+		const struct rb_joint_body *body = &cone->body[i];
+		const int count = cone->first[i + 1] - cone->first[i];
+		double *const term = cone->term;
+
+		if (count == 0)
+			continue;
+		for (int e = 0; e < count; e++) {
+			const int code = cone->entry[cone->first[i] + e];
+			const struct rb_cone_row *row = &cone->row[code / 2];
+			rb_vec3 j = joined(row, impulse[code / 2]);
+
+			if (code % 2 == 0)
+				j = rb_vec3_neg(j);
+			const rb_vec3 torque =
+				rb_vec3_cross(code % 2 == 0 ? row->arm_a : row->arm_b, j);
+			term[e] = j.x;
+			term[e + count] = j.y;
+			term[e + 2 * count] = j.z;
+			term[e + 3 * count] = torque.x;
+			term[e + 4 * count] = torque.y;
+			term[e + 5 * count] = torque.z;
+		}
+		cone->linear[i] = rb_vec3_scale(
+			body->inverse_mass, (rb_vec3){rb_exact_sum(term, count),
+		                                      rb_exact_sum(term + count, count),
+		                                      rb_exact_sum(term + 2 * count, count)});
+		cone->angular[i] = (rb_vec3){0, 0, 0};
+		if (body->inverse_inertia != 0)
+			cone->angular[i] =
+				turn(body, (rb_vec3){rb_exact_sum(term + 3 * count, count),
+			                             rb_exact_sum(term + 4 * count, count),
+			                             rb_exact_sum(term + 5 * count, count)});
+	}
+}
+
+static void commit(struct rb_cone *cone)
+{
+	for (int i = 0; i < cone->body_count; i++) {
+		struct rb_joint_body *body = &cone->body[i];
+
+		if (cone->first[i + 1] == cone->first[i])
+			continue;
+		body->linear = rb_vec3_add(body->linear, cone->linear[i]);
+		body->angular = rb_vec3_add(body->angular, cone->angular[i]);
+	}
+}
+
+void rb_cone_push(struct rb_cone *cone, const rb_cone_pair *impulse)
+{
+	respond(cone, impulse);
+	commit(cone);
+	for (int k = 0; k < cone->row_count; k++) {
+		rb_cone_pair *const p = &cone->row[k].impulse;
+
+		p->n += impulse[k].n;
+		p->t = rb_vec3_add(p->t, impulse[k].t);
+	}
+}
+
+/* What the increments do to a row. */
+static rb_cone_pair felt(const struct rb_cone *cone, const struct rb_cone_row *row)
+{
+	rb_vec3 of_a = {0, 0, 0}, of_b = {0, 0, 0};
+
+	if (cone->first[row->a + 1] > cone->first[row->a])
+		of_a = rb_vec3_add(cone->linear[row->a],
+		                   rb_vec3_cross(cone->angular[row->a], row->arm_a));
+	if (cone->first[row->b + 1] > cone->first[row->b])
+		of_b = rb_vec3_add(cone->linear[row->b],
+		                   rb_vec3_cross(cone->angular[row->b], row->arm_b));
+	return split(row, rb_vec3_sub(of_b, of_a));
+}
+
+double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
+{
+	for (int k = 0; k < cone->row_count; k++)
+		cone->term[k] = a[k].n * b[k].n + rb_vec3_dot(a[k].t, b[k].t);
+	return rb_exact_sum(cone->term, cone->row_count);
+}
+
+/* The same in the metric in which a row's step is as large as what it does: rows of heavy and light bodies compare. */
+static double weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
+{
+	for (int k = 0; k < cone->row_count; k++)
+		cone->term[k] = cone->row[k].yield_n * (a[k].n * b[k].n) +
+		                cone->row[k].yield_t * rb_vec3_dot(a[k].t, b[k].t);
+	return rb_exact_sum(cone->term, cone->row_count);
+}
+
+/* Across the normal, at a push that the step leads to. */
+static void rub_of(const struct rb_cone *cone, struct rb_cone_row *row, double push,
+                   rb_cone_pair *step)
+{
+	const rb_cone_pair *const j = &row->impulse;
+	const double limit = cone->held ? row->limit : row->friction * push;
+
+	row->rub = RB_CONE_KNOWN;
+	step->t = rb_vec3_neg(j->t);
+	if (row->slide) {
+		const double before = cone->held ? limit : row->friction * j->n;
+		const double more = cone->held ? 0 : row->friction * step->n;
+
+		/* not as a difference of large forces */
+		step->t = rb_vec3_neg(
+			rb_vec3_add_scaled(rb_vec3_add_scaled(j->t, before, row->slip), more,
+		                           row->slip));
+		if (!cone->held && row->closed)
+			row->rub = RB_CONE_FOLLOW;
+		return;
+	}
+	if (!(row->friction > 0) || (!cone->held && !row->given && !row->closed))
+		return;
+	const rb_vec3 back = rb_vec3_scale(-1 / row->yield_t, row->u.t);
+	const rb_vec3 wanted = rb_vec3_add(j->t, back);
+	const double length = rb_vec3_length(wanted);
+	row->rub = RB_CONE_STICK;
+	step->t = back;
+	if (length <= limit)
+		return;
+	row->rub = RB_CONE_SLIP;
+	row->along = rb_vec3_scale(1 / length, wanted);
+	row->share = limit / length;
+	step->t = rb_vec3_sub(rb_vec3_scale(limit, row->along), j->t);
+}
+
+/*
+ * Where the row stands and the step that would solve it alone: the negative of the function whose zeros are the
+ * solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353). Increments are not taken as differences
+ * where they need not be.
+ */
+static rb_cone_pair step_of(const struct rb_cone *cone, struct rb_cone_row *row)
+{
+	const rb_cone_pair *const j = &row->impulse;
+	rb_cone_pair step = {0, {0, 0, 0}};
+	double push = j->n;
+
+	row->closed = false;
+	row->rub = RB_CONE_KNOWN;
+	if (!(row->yield_n > 0)) /* between bodies that do not yield */
+		return step;
+	if (!row->given) {
+		step.n = -row->u.n / row->yield_n;
+		push = j->n + step.n;
+		row->closed = push >= 0;
+		if (!row->closed) {
+			push = 0;
+			step.n = -j->n;
+		}
+	}
+	rub_of(cone, row, push, &step);
+	return step;
+}
+
+/* All rows' velocities, faces and steps; the largest violation in units of u. */
+static double look(struct rb_cone *cone, rb_cone_pair *step)
+{
+	double largest = 0;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+
+		row->u = rb_cone_velocity(cone, row);
+		step[k] = step_of(cone, row);
+		largest = fmax(largest, row->yield_n * fabs(step[k].n));
+		largest = fmax(largest, row->yield_t * rb_vec3_length(step[k].t));
+	}
+	return largest;
+}
+
+/* What the linearized function does to a change x of the impulses; what follows in x from its unknowns is completed. */
+static void image_of(struct rb_cone *cone, rb_cone_pair *x, rb_cone_pair *y)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		if (row->rub == RB_CONE_FOLLOW)
+			x[k].t = rb_vec3_scale(-row->friction * x[k].n, row->slip);
+	}
+	respond(cone, x);
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		y[k] = (rb_cone_pair){0, {0, 0, 0}};
+		if (!row->closed && row->rub == RB_CONE_KNOWN)
+			continue;
+		const rb_cone_pair du = felt(cone, row);
+		if (row->closed)
+			y[k].n = du.n / row->yield_n;
+		if (row->rub == RB_CONE_STICK)
+			y[k].t = rb_vec3_scale(1 / row->yield_t, du.t);
+		if (row->rub != RB_CONE_SLIP)
+			continue;
+		const double push = row->closed && !cone->held ? x[k].n - y[k].n : 0;
+		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->yield_t, du.t);
+		const rb_vec3 across = rb_vec3_add_scaled(
+			wanted, -rb_vec3_dot(wanted, row->along), row->along);
+		y[k].t = rb_vec3_add_scaled(x[k].t, -row->friction * push, row->along);
+		y[k].t = rb_vec3_add_scaled(y[k].t, -row->share, across);
+	}
+}
+
+static void add_scaled(int count, rb_cone_pair *a, double s, const rb_cone_pair *b)
+{
+	for (int k = 0; k < count; k++) {
+		a[k].n += s * b[k].n;
+		a[k].t = rb_vec3_add_scaled(a[k].t, s, b[k].t);
+	}
+}
+
+/*
+ * Solves the linearized problem on the present faces for `x`, given the steps in cone->residual (used up): generalized
+ * conjugate residuals with a window (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983) 345), which are
+ * conjugate residuals where no contact slips, because the matrix is then symmetric in the weighted product.
+ */
+static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
+{
+	const int n = cone->row_count;
+	rb_cone_pair *const r = cone->residual;
+	int dimension = 0, window = WINDOW_SYMMETRIC;
+
+	for (int k = 0; k < n; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+		const bool across = row->rub == RB_CONE_STICK || row->rub == RB_CONE_SLIP;
+
+		x[k] = (rb_cone_pair){0, {0, 0, 0}};
+		if (!row->closed)
+			r[k].n = 0;
+		if (!across)
+			r[k].t = (rb_vec3){0, 0, 0};
+		if (row->rub == RB_CONE_SLIP || row->rub == RB_CONE_FOLLOW)
+			window = cone->window;
+		dimension += row->closed + 2 * across;
+	}
+	window = window < cone->window ? window : cone->window;
+	const double start = weighted(cone, r, r);
+	double square = start;
+	bool poor = false;
+	const int most = dimension < 500 ? 2 * dimension + 4 : 1000;
+	for (int round = 0; round < most && square > 1e-33 * start; round++) {
+		rb_cone_pair *const p = cone->direction + (size_t)(round % window) * (size_t)n;
+		rb_cone_pair *const q = cone->image + (size_t)(round % window) * (size_t)n;
+
+		/* where the residual alone leads nowhere (the matrix need not be definite), the last image does */
+		memcpy(p, poor ? cone->image + (size_t)((round - 1) % window) * (size_t)n : r,
+		       (size_t)n * sizeof *p);
+		image_of(cone, p, q);
+		const double whole = weighted(cone, q, q);
+		for (int back = 1; back < window && back <= round; back++) {
+			const size_t at = (size_t)((round - back) % window) * (size_t)n;
+			const double share = weighted(cone, q, cone->image + at);
+
+			add_scaled(n, q, -share, cone->image + at);
+			add_scaled(n, p, -share, cone->direction + at);
+		}
+		const double size = sqrt(weighted(cone, q, q));
+		if (!(size * size > 1e-28 * whole) || !isfinite(size))
+			break;
+		for (int k = 0; k < n; k++) {
+			q[k] = (rb_cone_pair){q[k].n / size, rb_vec3_scale(1 / size, q[k].t)};
+			p[k] = (rb_cone_pair){p[k].n / size, rb_vec3_scale(1 / size, p[k].t)};
+		}
+		const double share = weighted(cone, r, q);
+		add_scaled(n, x, share, p);
+		add_scaled(n, r, -share, q);
+		const double next = weighted(cone, r, r);
+		poor = next > 0.8 * square;
+		square = next;
+	}
+	if (getenv("TRACE")) printf("   linear %g\n", sqrt(square/start));
+}
+
+/* The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it. */
+static void keep_cone(struct rb_cone *cone, double s, const rb_cone_pair *x, rb_cone_pair *kept)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+		const rb_cone_pair *const j = &row->impulse;
+		double push = j->n + s * x[k].n;
+
+		kept[k] = (rb_cone_pair){s * x[k].n, rb_vec3_scale(s, x[k].t)};
+		if (row->closed && !(push > 0)) {
+			push = 0;
+			kept[k].n = -j->n;
+		}
+		const double limit = cone->held ? row->limit : row->friction * push;
+		if (row->rub == RB_CONE_FOLLOW)
+			kept[k].t = rb_vec3_scale(-row->friction * kept[k].n, row->slip);
+		if (row->rub != RB_CONE_STICK && row->rub != RB_CONE_SLIP)
+			continue;
+		const rb_vec3 wanted = rb_vec3_add(j->t, kept[k].t);
+		const double length = rb_vec3_length(wanted);
+		if (length > limit || (s == 1 && row->rub == RB_CONE_SLIP && length > 0))
+			kept[k].t = rb_vec3_sub(rb_vec3_scale(limit / length, wanted), j->t);
+	}
+}
+
+static void keep(struct rb_cone *cone)
+{
+	memcpy(cone->kept, cone->body, (size_t)cone->body_count * sizeof *cone->kept);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->best[k] = cone->row[k].impulse;
+}
+
+static void restore(struct rb_cone *cone)
+{
+	memcpy(cone->body, cone->kept, (size_t)cone->body_count * sizeof *cone->kept);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->row[k].impulse = cone->best[k];
+}
+
+/* Off what the faces exclude, so that the linear problem starts on them. */
+static void snap(struct rb_cone *cone, rb_cone_pair *step)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		if (row->closed)
+			step[k].n = 0;
+		if (row->rub == RB_CONE_FOLLOW)
+			step[k].t = rb_vec3_neg(rb_vec3_add_scaled(
+				row->impulse.t, row->friction * row->impulse.n, row->slip));
+		else if (row->rub != RB_CONE_KNOWN)
+			step[k].t = (rb_vec3){0, 0, 0};
+	}
+	rb_cone_push(cone, step);
+}
+
+/* Steps on the faces as they are. */
+static void steps_on_faces(struct rb_cone *cone, rb_cone_pair *step)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+
+		row->u = rb_cone_velocity(cone, row);
+		step[k] = (rb_cone_pair){-row->u.n / row->yield_n,
+		                         rb_vec3_scale(-1 / row->yield_t, row->u.t)};
+		if (row->rub != RB_CONE_SLIP)
+			continue;
+		const double push = row->impulse.n + (row->closed ? step[k].n : 0);
+		const double limit = cone->held ? row->limit : row->friction * push;
+		step[k].t = rb_vec3_sub(rb_vec3_scale(limit, row->along), row->impulse.t);
+	}
+}
+
+/* Twice the change of energy since `before` (velocities) and cone->kept, which must be what `keep` has kept. */
+static double energy_change(struct rb_cone *cone, const rb_cone_pair *before)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+		const rb_cone_pair *const j = &row->impulse, *const i = &cone->best[k];
+
+		cone->term[k] = (j->n - i->n) * (row->u.n + before[k].n) +
+		                rb_vec3_dot(rb_vec3_sub(j->t, i->t),
+		                            rb_vec3_add(row->u.t, before[k].t));
+	}
+	return rb_exact_sum(cone->term, cone->row_count);
+}
+
+/*
+ * One Newton step from where `look` has just been, along it as far as it helps; false, and all as it was, where it does
+ * not. What it must lower: the energy where the problem is convex, else the residual.
+ */
+static bool newton(struct rb_cone *cone, bool convex)
+{
+	const double before = weighted(cone, cone->residual, cone->residual);
+	bool better = false;
+
+	keep(cone);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->before[k] = cone->row[k].u;
+	snap(cone, cone->residual);
+	steps_on_faces(cone, cone->residual);
+	solve_faces(cone, cone->change);
+	memcpy(cone->faces, cone->row, (size_t)cone->row_count * sizeof *cone->row);
+	memcpy(cone->snapped, cone->body, (size_t)cone->body_count * sizeof *cone->body);
+	double share = 1;
+	for (int attempt = 0; attempt < 5 && !better; attempt++, share *= 0.4) {
+		if (attempt > 0) {
+			memcpy(cone->row, cone->faces,
+			       (size_t)cone->row_count * sizeof *cone->row);
+			memcpy(cone->body, cone->snapped,
+			       (size_t)cone->body_count * sizeof *cone->body);
+		}
+		keep_cone(cone, share, cone->change, cone->residual);
+		rb_cone_push(cone, cone->residual);
+		look(cone, cone->residual);
+		const double after = weighted(cone, cone->residual, cone->residual);
+		if (getenv("TRACE2")) {printf("  share %g before %g after %g\n",share,before,after);for(int k=0;k<cone->row_count;k++){struct rb_cone_row*r=&cone->row[k];printf("    row %d mu %.3g j.n %.6g j.t %.6g (cone %.6g) u.n %.6g u.t %.6g  cos(t,u) %.4g  x.n %.4g x.t %.4g closed %d rub %d\n",k,r->friction,r->impulse.n,rb_vec3_length(r->impulse.t),r->friction*r->impulse.n,r->u.n,rb_vec3_length(r->u.t),rb_vec3_dot(r->u.t,r->impulse.t)/rb_vec3_length(r->u.t)/rb_vec3_length(r->impulse.t),cone->change[k].n,rb_vec3_length(cone->change[k].t),r->closed,r->rub);}}
+		better = after < 0.99 * before ||
+		         (convex && energy_change(cone, cone->before) < 0);
+	}
+	if (!better)
+		restore(cone);
+	return better;
+}
+
+/* Until the problem as it stands is solved or nothing helps any more. */
+static double relax(struct rb_cone *cone, bool convex, double enough, int rounds)
+{
+	double left = look(cone, cone->residual), least = left;
+	int steps = FIRST_STEPS, stalled = 0;
+
+	for (int round = 0; round < rounds && left > enough && stalled < 4; round++) {
+		for (int k = 0; k < steps && left > enough; k++) {
+			rb_cone_push(cone, cone->residual);
+			left = look(cone, cone->residual);
+		}
+		if (!(left > enough))
+			break;
+		const bool better = newton(cone, convex);
+		left = look(cone, cone->residual);
+		if (getenv("TRACE")) {printf("DBG %d convex %d steps %d better %d left %g merit %g:", round, convex, steps, better, left, weighted(cone,cone->residual,cone->residual));for(int k=0;k<cone->row_count&&k<40;k++)putchar(("ksSf" "nabc")[cone->row[k].rub+4*cone->row[k].closed]);puts("");}
+		if (better)
+			steps = steps > FIRST_STEPS ? steps / 2 : FIRST_STEPS;
+		else
+			steps = steps < MOST_STEPS ? 2 * steps : MOST_STEPS;
+		if (left < 0.5 * least)
+			stalled = 0;
+		else if (left < 256 * enough)
+			stalled++;
+		least = fmin(left, least);
+	}
+	return left;
+}
+
+double rb_cone_settle(struct rb_cone *cone, double scale)
+{
+	const double enough = 2 * DBL_EPSILON * scale;
+	bool convex = true;
+
+	for (int k = 0; k < cone->row_count; k++)
+		convex = convex && (cone->row[k].given || !(cone->row[k].friction > 0));
+	cone->held = false;
+	double left = relax(cone, convex, enough, convex ? MOST_ROUNDS : 12);
+	for (int outer = 0; outer < 100 && !convex && left > 16 * enough; outer++) {
+		for (int k = 0; k < cone->row_count; k++)
+			cone->row[k].limit = cone->row[k].friction * cone->row[k].impulse.n;
+		cone->held = true;
+		relax(cone, true, fmax(enough, 1e-3 * left), 40);
+		cone->held = false;
+		left = relax(cone, false, enough, 4);
+	}
+	return left;
+}

@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Bodies that a function of time drives: polynomial pieces through what the function says, from one piece's end to the
+ * next. Velocities that the function leaves out are differenced from its poses.
+ */
+#ifndef RB_EVENT_DRIVEN_H
+#define RB_EVENT_DRIVEN_H
+
+#include "event/arc.h"
+
+/* The next piece of a driven body from `t` on; its end goes into the queue by rb_foresee. Sets l->status. */
+void rb_driven_piece(struct rb_located *l, int i, double t);
+void rb_driven_release(struct rb_located *l);
+
+#endif

@@ -1,0 +1,494 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/engine.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "event/cluster.h"
+#include "event/driven.h"
+#include "event/foresee.h"
+#include "event/pull.h"
+#include "event/settle.h"
+#include "event/strike.h"
+#include "geom/distance.h"
+
+/* Below this many bodies all are candidates of each other: cells would cost more than they spare. */
+enum { CELLS_FROM = 48, EVENTS_PER_POLL = 4096 };
+/* So many events of every body at one moment: it does not get on. */
+enum { STUCK_EVENTS = 10000 };
+
+/* ---- making ---- */
+
+static void *row(struct rb_located *l, size_t count, size_t size, bool *failed)
+{
+	void *const block = rb_memory_take(count > 0 ? count : 1, size);
+
+	(void)l;
+	*failed = *failed || !block;
+	return block;
+}
+
+static bool make_rows(struct rb_located *l)
+{
+	const size_t n = (size_t)l->n;
+	bool failed = false;
+
+	l->arc = row(l, n, sizeof *l->arc, &failed);
+	l->generation = row(l, n, sizeof *l->generation, &failed);
+	l->next = row(l, n, sizeof *l->next, &failed);
+	l->cluster_of = row(l, n, sizeof *l->cluster_of, &failed);
+	l->near = row(l, n, sizeof *l->near, &failed);
+	l->set = row(l, n, sizeof *l->set, &failed);
+	l->place = row(l, n, sizeof *l->place, &failed);
+	l->plane_normal = row(l, (size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
+	if (l->world->state.orientation) {
+		l->top = row(l, n, sizeof *l->top, &failed);
+		l->top_body = row(l, n, sizeof *l->top_body, &failed);
+	}
+	if (failed)
+		return false;
+	for (int i = 0; i < l->n; i++) {
+		l->cluster_of[i] = l->place[i] = -1;
+		l->next[i] = (struct rb_next){.touch_s = HUGE_VAL, .wall_s = HUGE_VAL};
+		if (l->top)
+			l->top_body[i] = rb_top_body_of(&l->model->inertia[i]);
+	}
+	for (int k = 0; k < l->model->static_count; k++)
+		l->plane_normal[k] = rb_plane_normal(l->model->orientation[l->n + k]);
+	return true;
+}
+
+static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
+{
+	const size_t n = (size_t)l->n;
+	double *const radius = rb_memory_take(n, sizeof *radius);
+	enum rb_status status;
+
+	if (!radius)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %zu bodies", n);
+	for (int i = 0; i < l->n; i++)
+		radius[i] = l->model->shape[i].radius;
+	status = rb_cells_create(&l->cells, l->n, radius, l->world->state.position, err);
+	rb_memory_free(radius);
+	return status;
+}
+
+/* Cells are of spheres about their centres. */
+static bool wants_cells(const struct rb_located *l)
+{
+	if (l->n < CELLS_FROM || !(l->model->features & RB_FEATURE_CONTACT) ||
+	    l->model->driven || l->model->center_of_mass)
+		return false;
+	/* bodies on pieces leave their cells at moments that have no closed form */
+	return !(l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD));
+}
+
+enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
+                                struct rb_error *err)
+{
+	struct rb_located *l = rb_memory_take(1, sizeof *l);
+	enum rb_status status = RB_OK;
+
+	*made = NULL;
+	if (!l)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
+	l->world = world;
+	l->model = world->model;
+	l->n = world->model->body_count;
+	l->arena = &world->arena[0];
+	l->end_s = world->model->duration_s;
+	l->stuck_s = -HUGE_VAL;
+	if (!make_rows(l) || !rb_pull_switches(l))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
+	/* bodies, clusters (never more than bodies), switches of forces */
+	if (status == RB_OK)
+		status = rb_queue_create(&l->queue, 2 * l->n + 1, err);
+	if (status == RB_OK && wants_cells(l))
+		status = make_cells(l, err);
+	if (status != RB_OK) {
+		rb_engine_destroy(l);
+		return status;
+	}
+	*made = l;
+	return RB_OK;
+}
+
+void rb_engine_destroy(struct rb_located *l)
+{
+	if (!l)
+		return;
+	rb_cluster_release_all(l);
+	rb_driven_release(l);
+	rb_queue_destroy(l->queue);
+	rb_cells_destroy(l->cells);
+	rb_memory_free(l->arc);
+	rb_memory_free(l->top);
+	rb_memory_free(l->top_body);
+	rb_memory_free(l->piece);
+	rb_memory_free(l->generation);
+	rb_memory_free(l->next);
+	rb_memory_free(l->cluster_of);
+	rb_memory_free(l->near);
+	rb_memory_free(l->set);
+	rb_memory_free(l->place);
+	rb_memory_free(l->plane_normal);
+	rb_memory_free(l->switch_s);
+	rb_memory_free(l->merge);
+	rb_memory_free(l);
+}
+
+/* ---- events ---- */
+
+/* All of the set are on new arcs. */
+static void foresee_set(struct rb_located *l, double t)
+{
+	for (int k = 0; k < l->set_count; k++)
+		l->generation[l->set[k]]++;
+	for (int k = 0; k < l->set_count && l->status == RB_OK; k++)
+		rb_foresee(l, l->set[k], t, -1);
+	rb_set_clear(l);
+}
+
+static void settle_set(struct rb_located *l, double t)
+{
+	rb_settle(l, t, 0);
+	foresee_set(l, t);
+}
+
+/* The common case first; taken back when somebody else turns out to touch as well. */
+static void touch(struct rb_located *l, int i, double t)
+{
+	const int j = l->next[i].partner;
+	const struct rb_arc arc_i = l->arc[i];
+	const struct rb_arc arc_j = j < l->n ? l->arc[j] : arc_i;
+	const struct rb_top top_i = l->top ? l->top[i] : (struct rb_top){0};
+	const struct rb_top top_j = l->top && j < l->n ? l->top[j] : top_i;
+	const struct rb_counts counts = l->world->frame_counts;
+	const size_t events = l->world->events.count;
+
+	if (rb_strike_pair(l, i, j, t)) {
+		l->generation[i]++;
+		if (j < l->n)
+			l->generation[j]++;
+		int others = rb_foresee(l, i, t, j);
+		if (j < l->n)
+			others += rb_foresee(l, j, t, i);
+		if (others == 0)
+			return;
+		l->arc[i] = arc_i;
+		if (j < l->n)
+			l->arc[j] = arc_j;
+		if (l->top)
+			l->top[i] = top_i;
+		if (l->top && j < l->n)
+			l->top[j] = top_j;
+		l->world->frame_counts = counts;
+		l->world->events.count = events;
+	}
+	rb_strike_all(l, i, j, t);
+	if (l->status == RB_OK)
+		foresee_set(l, t);
+}
+
+static void body_event(struct rb_located *l, int i, double t)
+{
+	const struct rb_next *next = &l->next[i];
+
+	if (next->wall_s < next->touch_s) {
+		rb_foresee_wall(l, i, t);
+		return;
+	}
+	if (next->again || (next->partner < l->n &&
+	                    next->generation != l->generation[next->partner])) {
+		rb_foresee(l, i, t, -1);
+		return;
+	}
+	l->events++;
+	l->world->frame_counts.substeps++;
+	touch(l, i, t);
+}
+
+static void cluster_event(struct rb_located *l, int cluster, double t)
+{
+	const struct rb_cluster *c = &l->cluster[cluster];
+
+	l->events++;
+	l->world->frame_counts.substeps++;
+	for (int k = 0; k < c->member_count; k++)
+		rb_set_add(l, c->member[k]);
+	settle_set(l, t);
+}
+
+/* Forces begin or end: every body that has some starts anew. */
+static void switch_event(struct rb_located *l, double t)
+{
+	const struct rb_scene *scene = l->model->scene;
+
+	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
+		l->switch_next++;
+	rb_queue_set(l->queue, 2 * l->n,
+	             l->switch_next < l->switch_count ? l->switch_s[l->switch_next] : HUGE_VAL);
+	for (int i = 0; i < l->n; i++) {
+		if (scene->bodies[l->model->id_of[i]].force_count == 0 || rb_located_fixed(l, i))
+			continue;
+		rb_set_add(l, i);
+	}
+	settle_set(l, t);
+}
+
+static void driven_event(struct rb_located *l, int i, double t)
+{
+	rb_driven_piece(l, i, t);
+	if (l->status != RB_OK)
+		return;
+	l->generation[i]++;
+	rb_foresee(l, i, t, -1);
+	/* whatever rests on it follows its new piece */
+	for (int k = 0; k < l->cluster_count; k++)
+		for (int h = 0; l->cluster[k].used && h < l->cluster[k].held_count; h++)
+			if (l->cluster[k].held[h].a == i || l->cluster[k].held[h].b == i) {
+				for (int m = 0; m < l->cluster[k].member_count; m++)
+					rb_set_add(l, l->cluster[k].member[m]);
+				break;
+			}
+	if (l->set_count > 0)
+		settle_set(l, t);
+}
+
+static bool is_stuck(struct rb_located *l, int which, double t)
+{
+	char label[64];
+	const int body = which < l->n       ? which
+	                 : which < 2 * l->n ? l->cluster[which - l->n].member[0]
+	                                    : 0;
+
+	if (t > l->stuck_s) {
+		l->stuck_s = t;
+		l->stuck_count = 0;
+		return false;
+	}
+	if (++l->stuck_count < (uint64_t)STUCK_EVENTS + 64 * (uint64_t)l->n)
+		return false;
+	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+	                    "%llu events at t = %.17g s and no end, the last of '%s'",
+	                    (unsigned long long)l->stuck_count, t,
+	                    rb_scene_body_label(l->model->scene, l->model->id_of[body], label));
+	return true;
+}
+
+static void store_all(const struct rb_located *l, double t)
+{
+	for (int i = 0; i < l->n; i++)
+		rb_arc_store(l, i, t);
+	l->world->state.time_s = t;
+}
+
+/* As first described: an event takes the whole scene back to its moment. */
+static void restore_everything(struct rb_located *l, double t)
+{
+	store_all(l, t);
+	l->world->frame_counts.rollbacks++;
+	l->world->frame_counts.discarded_body_steps += (uint64_t)l->n;
+}
+
+/* ---- callbacks ---- */
+
+/* Events that have been told since `first`, in their order; what the callbacks change starts new arcs. */
+static void call_hooks(struct rb_located *l, size_t first, double t)
+{
+	struct rb_world *world = l->world;
+	const struct rb_world_hooks *hooks = &world->hooks;
+	const size_t count = world->events.count;
+
+	if (count > first && (hooks->collision || hooks->transition)) {
+		store_all(l, t);
+		rb_state_copy(&world->start, &world->state);
+		for (size_t k = first; k < count && l->status == RB_OK; k++) {
+			const struct rb_event event = world->events.row[k];
+
+			if (event.kind == RB_EVENT_COLLISION && hooks->collision)
+				l->status = hooks->collision(hooks->user, world, &event, l->err);
+			else if (event.kind != RB_EVENT_COLLISION && hooks->transition)
+				l->status = hooks->transition(hooks->user, world, &event, l->err);
+		}
+		if (l->status == RB_OK)
+			l->status = rb_engine_take_changes(l, t, l->err);
+	}
+	if (!world->options.keep_events)
+		world->events.count = first;
+}
+
+static bool differs(const double *a, const double *b, int i, int columns)
+{
+	return a && memcmp(a + (size_t)columns * (size_t)i, b + (size_t)columns * (size_t)i,
+	                   (size_t)columns * sizeof *a) != 0;
+}
+
+enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_error *err)
+{
+	const struct rb_state *now = &l->world->state, *before = &l->world->start;
+
+	l->err = err;
+	for (int i = 0; i < l->n && l->started; i++) {
+		const bool moved = differs(now->position, before->position, i, 3);
+		const bool kicked = moved || differs(now->velocity, before->velocity, i, 3) ||
+		                    differs(now->spin, before->spin, i, 3) ||
+		                    differs(now->orientation, before->orientation, i, 4);
+
+		if (rb_located_driven(l, i) ||
+		    (!kicked && !differs(now->push, before->push, i, 3) &&
+		     !differs(now->twist, before->twist, i, 3)))
+			continue;
+		struct rb_pose pose = rb_arc_pose(l, i, t);
+		pose.position = rb_world_row3(now->position, i);
+		pose.velocity = rb_world_row3(now->velocity, i);
+		if (l->top)
+			pose.spin = rb_world_row3(now->spin, i);
+		if (kicked && l->cluster_of[i] >= 0) {
+			/* all of its cluster goes on from where it is */
+			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
+
+			for (int m = 0; m < c->member_count; m++) {
+				const struct rb_pose other = rb_arc_pose(l, c->member[m], t);
+
+				rb_set_add(l, c->member[m]);
+				if (rb_located_on_piece(l, c->member[m]))
+					rb_arc_anchor(l, c->member[m], t, &other,
+					              (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+			}
+		}
+		if (kicked)
+			rb_arc_anchor(l, i, t, &pose, rb_arc_acceleration(l, i, t),
+			              (rb_vec3){0, 0, 0});
+		if (moved && l->cells)
+			rb_cells_place(l->cells, i, pose.position);
+		rb_set_add(l, i);
+	}
+	if (l->set_count > 0) {
+		rb_settle(l, t, 0);
+		foresee_set(l, t);
+	}
+	return l->status;
+}
+
+/* ---- advancing ---- */
+
+/* Arcs of the beginning; what touches or has no closed form is settled. */
+static void start(struct rb_located *l, double t)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	l->started = true;
+	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
+		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
+		                       .velocity = rb_world_row3(l->world->state.velocity, i),
+		                       .orientation = l->model->orientation[i]};
+		const struct rb_view view = {.time_s = t, .active_s = t};
+		rb_vec3 linear = none, angular = none;
+
+		if (l->top) {
+			pose.orientation = rb_quat_from(l->world->state.orientation + 4 * (size_t)i);
+			pose.spin = rb_world_row3(l->world->state.spin, i);
+		}
+		rb_arc_anchor(l, i, t, &pose, none, none);
+		if (rb_located_driven(l, i)) {
+			rb_driven_piece(l, i, t);
+			continue;
+		}
+		if (rb_pull_is_constant(l, i, t))
+			rb_pull_at(l, i, &pose, &view, &linear, &angular);
+		rb_arc_anchor(l, i, t, &pose, linear, rb_pull_turning(l, i));
+	}
+	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
+		const int touching = rb_foresee(l, i, t, -1);
+
+		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
+		    (touching == 0 && rb_pull_is_constant(l, i, t)))
+			continue;
+		rb_set_add(l, i);
+		settle_set(l, t);
+	}
+	if (l->switch_count > 0)
+		rb_queue_set(l->queue, 2 * l->n, l->switch_s[0]);
+}
+
+static void one_event(struct rb_located *l, int which, double t)
+{
+	const size_t told = l->world->events.count;
+
+	l->now_s = t;
+	if (is_stuck(l, which, t))
+		return;
+	if (l->model->rollback == RB_ROLLBACK_GLOBAL)
+		restore_everything(l, t);
+	if (which >= 2 * l->n)
+		switch_event(l, t);
+	else if (which >= l->n)
+		cluster_event(l, which - l->n, t);
+	else if (rb_located_driven(l, which) && t >= l->piece[which].until_s)
+		driven_event(l, which, t);
+	else
+		body_event(l, which, t);
+	if (l->status == RB_OK)
+		call_hooks(l, told, t);
+}
+
+/* What the frame shows as lasting contacts. */
+static void list_contacts(struct rb_located *l, double t)
+{
+	struct rb_contacts *contacts = &l->world->contacts;
+	size_t count = 0;
+
+	for (int k = 0; k < l->cluster_count; k++)
+		count += (size_t)l->cluster[k].held_count;
+	contacts->count = 0;
+	if (rb_contacts_reserve(contacts, count, l->err) != RB_OK) {
+		l->status = RB_ERR_MEMORY;
+		return;
+	}
+	for (int k = 0; k < l->cluster_count; k++)
+		for (int h = 0; h < l->cluster[k].held_count; h++) {
+			const struct rb_held *held = &l->cluster[k].held[h];
+			const struct rb_meet m = rb_meet_at(l, held->a, held->b, t);
+			const double normal = rb_vec3_dot(held->force, m.normal);
+
+			contacts->row[contacts->count++] = (struct rb_contact){
+				.a = held->a,
+				.b = held->b,
+				.point = m.point,
+				.normal = m.normal,
+				.gap = m.gap,
+				.normal_force = normal,
+				.tangent_force =
+					rb_vec3_add_scaled(held->force, -normal, m.normal)};
+			l->world->frame_counts.max_penetration_m =
+				fmax(l->world->frame_counts.max_penetration_m, -m.gap);
+		}
+}
+
+enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
+{
+	const struct rb_world_options *options = &l->world->options;
+	double t;
+
+	l->err = err;
+	if (!l->started)
+		start(l, l->world->state.time_s);
+	for (int which = rb_queue_first(l->queue, &t);
+	     l->status == RB_OK && which >= 0 && t <= until;
+	     which = rb_queue_first(l->queue, &t)) {
+		rb_arena_reset(l->arena);
+		/* what was late by rounding happens now */
+		one_event(l, which, fmax(t, l->now_s));
+		if (l->events % EVENTS_PER_POLL == 0 && options->stop &&
+		    options->stop(options->stop_user))
+			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+	}
+	if (l->status != RB_OK)
+		return l->status;
+	l->now_s = fmax(l->now_s, until);
+	store_all(l, until);
+	list_contacts(l, until);
+	l->world->frame_counts.body_steps += (uint64_t)l->n;
+	return l->status;
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Sums that do not depend on the order of their terms, and that change sign with them, to the bit.
+ *
+ * Every term is cut into two parts on fixed grids that follow from the largest term and the number of terms only; on a
+ * grid, sums are exact in any order. What lies below the second grid is dropped: less than 2^(3 log2(n) - 104) of the
+ * largest term (the idea of Demmel and Nguyen, "Fast reproducible floating-point summation", ARITH 21 (2013)).
+ */
+#ifndef RB_EVENT_EXACT_SUM_H
+#define RB_EVENT_EXACT_SUM_H
+
+#include <math.h>
+
+static inline double rb_exact_sum(const double *term, int count)
+{
+	if (count <= 2)
+		return count == 2 ? term[0] + term[1] : count == 1 ? term[0] : 0;
+	double largest = 0;
+	for (int i = 0; i < count; i++)
+		largest = fmax(largest, fabs(term[i]));
+	if (largest == 0)
+		return 0;
+	int exponent, bits = 1;
+	(void)frexp(largest, &exponent);
+	while (bits < 31 && count > 1 << bits)
+		bits++;
+	const double grid = ldexp(1.5, exponent + bits);
+	const double fine = ldexp(grid, bits - 52);
+	double sum = 0, rest = 0;
+	for (int i = 0; i < count; i++) {
+		const double high = (grid + term[i]) - grid;
+
+		sum += high;
+		rest += (fine + (term[i] - high)) - fine;
+	}
+	return sum + rest;
+}
+
+#endif

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Motion without a closed form: a cluster's bodies through one piece of the high-order integrator (math/gauss), its
+ * contacts held in the modes that they have at its beginning; the piece is cut at the first change of a mode.
+ */
+#ifndef RB_EVENT_INTEGRATE_H
+#define RB_EVENT_INTEGRATE_H
+
+#include "event/set.h"
+
+/* From the members' present arcs at `t`; puts them on the piece. Sets l->status. */
+void rb_integrate_piece(struct rb_located *l, int cluster, double t);
+
+#endif

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * State of the located method: every body's motion since its own last event, and what is going to happen to it.
+ *
+ * An *arc* is the motion of a body from its anchor on: a parabola of the centre of mass, and a turning (math/top); or,
+ * while forces without a closed form act on it, a polynomial piece of its cluster's integrator. Anchors change only by
+ * events of that body, so nothing depends on when frames or steps look at it. Bodies joined by lasting contacts or
+ * springs form a *cluster* with one clock. Owned by the world; simulator's thread only.
+ */
+#ifndef RB_EVENT_LOCATED_H
+#define RB_EVENT_LOCATED_H
+
+#include "event/cells.h"
+#include "event/queue.h"
+#include "math/gauss.h"
+#include "math/top.h"
+#include "world/world.h"
+
+/* Centre of mass from the anchor on: x + v s + a s^2 / 2. */
+struct rb_arc {
+	double anchor_s;
+	rb_vec3 position, velocity, acceleration;
+};
+
+/* Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and holds to until_s. */
+struct rb_piece_of {
+	const struct rb_gauss_piece *piece; /* NULL: the arc is a parabola */
+	int first;
+	double origin_s, until_s;
+	double acceleration_most; /* m/s^2: bound over the piece */
+};
+
+/* What a body foresees first; the earliest of its times is in the queue. */
+struct rb_next {
+	double touch_s;      /* INFINITY: none */
+	int partner;         /* of the touch, body index */
+	uint32_t generation; /* the partner's when it was foreseen */
+	bool again;          /* not yet a touch: look again then */
+	int wall;            /* for rb_cells_cross */
+	double wall_s;       /* INFINITY: none */
+};
+
+/* What a lasting contact does; the order is that of rb_event_kind from REST on. */
+enum rb_held_mode { RB_HELD_REST, RB_HELD_SLIDE, RB_HELD_ROLL };
+
+/* A lasting contact. */
+struct rb_held {
+	int a, b; /* body indices, a < b */
+	bool slipping, on_rim;
+	bool ending;   /* its slip has come to its end at this moment */
+	bool straight; /* its slip keeps its direction to the end, to rounding */
+	rb_vec3 slip;  /* unit: velocity of b's point relative to a's */
+	rb_vec3 force; /* N, on b, at the cluster's anchor */
+	enum rb_held_mode told; /* what the last transition said */
+	bool is_told;
+	double tell_s; /* when the contact is to be announced: after the last of its summed impacts */
+	bool merged;   /* ... and announced as a merge first */
+};
+
+struct rb_cluster {
+	bool used;
+	int next_free; /* 1 + the next unused cluster, 0: none */
+	bool integrated; /* else every member is on a parabola */
+	bool at_rest;
+	double anchor_s;
+	int *member; /* [member_count], ascending */
+	int member_count;
+	size_t member_capacity;
+	struct rb_held *held; /* [held_count], by (a, b) */
+	int held_count;
+	size_t held_capacity;
+
+	/* integrated: rows of 13 (6 without rotation) values a member */
+	struct rb_gauss_piece piece;
+	double *block; /* owned: start, coefficients, scale, scratch */
+	size_t block_capacity;
+	double try_s;
+};
+
+struct rb_located {
+	struct rb_world *world;
+	const struct rb_model *model;
+	int n; /* moving bodies, driven ones too */
+	struct rb_arc *arc;
+	struct rb_top *top;           /* NULL where nothing turns */
+	struct rb_top_body *top_body; /* NULL where nothing turns */
+	struct rb_piece_of *piece;    /* NULL until a force without a closed form or a driven body needs it */
+	struct rb_driven **driven;  /* [n], NULL without driven bodies: event/driven */
+	uint32_t *generation;
+	struct rb_next *next;
+	int *cluster_of; /* -1: none */
+	struct rb_cluster *cluster;
+	int cluster_count, cluster_free; /* 1 + an unused one, 0: none */
+	size_t cluster_capacity;
+	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
+
+	struct rb_queue *queue; /* [n] bodies, [n] clusters (by their lowest member), 1 switch of forces */
+	struct rb_cells *cells; /* NULL: few bodies, all are candidates */
+	int *near;              /* [n] scratch */
+	int *set;               /* [n] scratch: bodies that are dealt with together */
+	int *place;             /* [n] a body's place in `set`, -1 between uses */
+	int set_count;
+	struct rb_merge {
+		int a, b;
+		double tell_s;
+	} *merge; /* contacts that an accumulation of impacts has just ended in */
+	int merge_count;
+	size_t merge_capacity;
+	double *switch_s;       /* [switch_count] moments at which forces begin or end, ascending */
+	int switch_count, switch_next;
+
+	double now_s, end_s; /* the event under way; the end of the run */
+	double stuck_s;      /* events at one moment are counted */
+	uint64_t stuck_count;
+	uint64_t events;
+	struct rb_arena *arena; /* borrowed: the world's first */
+	struct rb_error *err;   /* of the advance under way */
+	enum rb_status status;  /* of it: set once, then nothing goes on */
+	bool started;
+};
+
+/* Values of a body in a piece: x, v and, where bodies turn, q, w. */
+enum { RB_ROW_POSITION = 0, RB_ROW_VELOCITY = 3, RB_ROW_ORIENTATION = 6, RB_ROW_SPIN = 10 };
+static inline int rb_located_row(const struct rb_located *l)
+{
+	return l->top ? 13 : 6;
+}
+
+static inline bool rb_located_driven(const struct rb_located *l, int i)
+{
+	return i < l->n && l->model->driven && l->model->driven[i];
+}
+
+/* Neither pushed nor turned by contacts: static or driven. */
+static inline bool rb_located_fixed(const struct rb_located *l, int i)
+{
+	return i >= l->n || rb_located_driven(l, i);
+}
+
+static inline bool rb_located_on_piece(const struct rb_located *l, int i)
+{
+	return l->piece && i < l->n && l->piece[i].piece;
+}
+
+#endif

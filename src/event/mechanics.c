@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/mechanics.h"
+
+struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const struct rb_meet *m)
+{
+	const struct rb_model *model = l->model;
+	const struct rb_pair_material *pair =
+		&model->pair_materials[model->material[m->a] * model->material_count +
+	                               model->material[m->b]];
+	struct rb_joint_contact c = {.normal = m->normal,
+	                             .arm_a = m->arm_a,
+	                             .arm_b = m->arm_b,
+	                             .friction = l->top ? pair->friction : 0,
+	                             .restitution = pair->restitution,
+	                             .noise = rb_meet_noise(l, m)};
+
+	/* d/dt of the points' relative velocity, and of the normal that it is seen along */
+	c.bias = rb_vec3_sub(rb_vec3_cross(m->pose_b.spin, m->rate_b),
+	                     rb_vec3_cross(m->pose_a.spin, m->rate_a));
+	c.bias = rb_vec3_add_scaled(c.bias, rb_vec3_dot(m->velocity, m->normal_rate), m->normal);
+	return c;
+}
+
+rb_mat3 rb_mechanics_tensor(const struct rb_located *l, int i, rb_quat orientation)
+{
+	const rb_mat3 r = rb_quat_to_mat3(orientation);
+	const rb_mat3 *inverse = &l->model->inverse_inertia[i];
+	rb_mat3 out = {0};
+
+	for (int x = 0; x < 3; x++)
+		for (int y = 0; y < 3; y++)
+			for (int p = 0; p < 3; p++)
+				for (int q = 0; q < 3; q++)
+					out.m[x][y] += r.m[x][p] * inverse->m[p][q] * r.m[y][q];
+	return out;
+}
+
+rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
+{
+	if (!l->top || !rb_located_on_piece(l, i))
+		return (rb_vec3){0, 0, 0};
+	const struct rb_piece_of *p = &l->piece[i];
+	const double s = t - p->origin_s;
+
+	return (rb_vec3){rb_gauss_rate(p->piece, p->first + RB_ROW_SPIN, s),
+	                 rb_gauss_rate(p->piece, p->first + RB_ROW_SPIN + 1, s),
+	                 rb_gauss_rate(p->piece, p->first + RB_ROW_SPIN + 2, s)};
+}

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/pull.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+
+/* One force on one body at one moment. */
+struct load {
+	struct rb_located *l;
+	int i;
+	const struct rb_pose *pose;
+	const struct rb_view *view;
+	rb_vec3 force, torque; /* N; N m about the centre of mass: sums */
+};
+
+typedef void load_function(struct load *load);
+typedef bool constant_function(const struct rb_located *l, int i, double t);
+
+static void add(struct load *load, rb_vec3 force, rb_vec3 arm)
+{
+	load->force = rb_vec3_add(load->force, force);
+	load->torque = rb_vec3_add(load->torque, rb_vec3_cross(arm, force));
+}
+
+static bool always(const struct rb_located *l, int i, double t)
+{
+	(void)l, (void)i, (void)t;
+	return true;
+}
+
+static bool never(const struct rb_located *l, int i, double t)
+{
+	(void)l, (void)i, (void)t;
+	return false;
+}
+
+static void gravity_force(struct load *load)
+{
+	load->force = rb_vec3_add(load->force, load->l->model->scene->world.gravity_force);
+}
+
+static bool acts(const struct rb_force_def *force, double t)
+{
+	return t >= force->start_s && t < force->start_s + force->duration_s;
+}
+
+/* From the centre of mass to a point given in object coordinates, world axes. */
+static rb_vec3 arm_of(const struct rb_located *l, int i, rb_quat orientation, rb_vec3 point)
+{
+	if (isnan(point.x))
+		return (rb_vec3){0, 0, 0};
+	if (i < l->n && l->model->center_of_mass)
+		point = rb_vec3_sub(point, l->model->center_of_mass[i]);
+	return rb_quat_rotate(orientation, point);
+}
+
+static void applied(struct load *load)
+{
+	const struct rb_model *model = load->l->model;
+	const struct rb_body_def *body = &model->scene->bodies[model->id_of[load->i]];
+
+	for (int f = 0; f < body->force_count; f++) {
+		const struct rb_force_def *force = &model->scene->forces[body->force_first + f];
+		const rb_quat q = load->pose->orientation;
+
+		if (acts(force, load->view->active_s))
+			add(load,
+			    force->frame == RB_FORCE_BODY ? rb_quat_rotate(q, force->vector)
+			                                  : force->vector,
+			    arm_of(load->l, load->i, q, force->point));
+	}
+}
+
+/* In world axes at the centre of mass; anything else turns with the body. */
+static bool applied_constant(const struct rb_located *l, int i, double t)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const struct rb_body_def *body = &scene->bodies[l->model->id_of[i]];
+
+	for (int f = 0; f < body->force_count; f++) {
+		const struct rb_force_def *force = &scene->forces[body->force_first + f];
+		const rb_vec3 arm = arm_of(l, i, (rb_quat){1, 0, 0, 0}, force->point);
+
+		if (acts(force, t) && l->top &&
+		    (force->frame == RB_FORCE_BODY || rb_vec3_max_abs(arm) > 0))
+			return false;
+	}
+	return true;
+}
+
+static void pushed(struct load *load)
+{
+	const struct rb_state *state = &load->l->world->state;
+
+	load->force = rb_vec3_add(load->force, rb_world_row3(state->push, load->i));
+	load->torque = rb_vec3_add(load->torque, rb_world_row3(state->twist, load->i));
+}
+
+/* A torque on unequal moments does not turn it evenly. */
+static bool pushed_constant(const struct rb_located *l, int i, double t)
+{
+	(void)t;
+	return !l->top || l->top_body[i].kind == RB_TOP_CONSTANT ||
+	       rb_vec3_max_abs(rb_world_row3(l->world->state.twist, i)) == 0;
+}
+
+static struct rb_pose pose_of(const struct load *load, int j)
+{
+	const struct rb_located *l = load->l;
+
+	if (load->view->pose && j < l->n && l->place[j] >= 0)
+		return load->view->pose[l->place[j]];
+	return rb_arc_pose(l, j, load->view->time_s);
+}
+
+/* Pulls i towards the other end when longer than at rest, and damps its change of length. */
+static void pull_spring(struct load *load, const struct rb_spring_def *spring, bool first)
+{
+	const struct rb_located *l = load->l;
+	const int j = l->model->index_of[first ? spring->b : spring->a];
+	const struct rb_pose other = pose_of(load, j);
+	const rb_vec3 arm = arm_of(l, load->i, load->pose->orientation,
+	                           first ? spring->at_a : spring->at_b);
+	const rb_vec3 arm_other = arm_of(l, j, other.orientation,
+	                                 first ? spring->at_b : spring->at_a);
+	const rb_vec3 d = rb_vec3_sub(rb_vec3_add(other.position, arm_other),
+	                              rb_vec3_add(load->pose->position, arm));
+	const double length = rb_vec3_length(d);
+
+	if (!(length > 0)) /* no direction to pull in */
+		return;
+	const rb_vec3 v = rb_vec3_sub(
+		rb_vec3_add(other.velocity, rb_vec3_cross(other.spin, arm_other)),
+		rb_vec3_add(load->pose->velocity, rb_vec3_cross(load->pose->spin, arm)));
+	const rb_vec3 along = rb_vec3_scale(1 / length, d);
+	const double tension = spring->stiffness * (length - spring->rest_length_m) +
+	                       spring->damping * rb_vec3_dot(v, along);
+
+	add(load, rb_vec3_scale(tension, along), arm);
+}
+
+static void springs(struct load *load)
+{
+	const struct rb_scene *scene = load->l->model->scene;
+	const int id = load->l->model->id_of[load->i];
+
+	for (int k = 0; k < scene->spring_count; k++) {
+		if (scene->springs[k].a == id)
+			pull_spring(load, &scene->springs[k], true);
+		if (scene->springs[k].b == id)
+			pull_spring(load, &scene->springs[k], false);
+	}
+}
+
+static bool springs_constant(const struct rb_located *l, int i, double t)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const int id = l->model->id_of[i];
+
+	(void)t;
+	for (int k = 0; k < scene->spring_count; k++)
+		if (scene->springs[k].a == id || scene->springs[k].b == id)
+			return false;
+	return true;
+}
+
+static void drag(struct load *load)
+{
+	const struct rb_scene *scene = load->l->model->scene;
+	const rb_vec3 v = load->pose->velocity;
+	double share = 0;
+
+	for (int k = 0; k < scene->drag_count; k++)
+		share += scene->drags[k].linear + scene->drags[k].quadratic * rb_vec3_length(v);
+	load->force = rb_vec3_add_scaled(load->force, -share, v);
+}
+
+static void field(struct load *load)
+{
+	struct rb_located *l = load->l;
+	const struct rb_world_hooks *hooks = &l->world->hooks;
+	rb_vec3 force = {0, 0, 0};
+
+	if (!hooks->field || l->status != RB_OK)
+		return;
+	l->status = hooks->field(hooks->user, load->view->time_s, load->pose->position,
+	                         load->pose->velocity, &force, l->err);
+	load->force = rb_vec3_add(load->force, force);
+}
+
+static const struct {
+	rb_features need;
+	load_function *act;
+	constant_function *is_constant;
+} rows[] = {
+	{RB_FEATURE_GRAVITY_FORCE, gravity_force, always},
+	{RB_FEATURE_FORCES, applied, applied_constant},
+	{RB_FEATURE_PUSHES, pushed, pushed_constant},
+	{RB_FEATURE_SPRINGS, springs, springs_constant},
+	{RB_FEATURE_DRAG, drag, never},
+	{RB_FEATURE_FIELD, field, never},
+};
+enum { ROWS = sizeof rows / sizeof rows[0] };
+
+rb_vec3 rb_pull_yield(const struct rb_located *l, int i, rb_quat orientation, rb_vec3 torque)
+{
+	const double scalar = l->model->inverse_inertia_scalar[i];
+
+	if (!isnan(scalar))
+		return rb_vec3_scale(scalar, torque);
+	return rb_quat_rotate(orientation,
+	                      rb_mat3_apply(&l->model->inverse_inertia[i],
+	                                    rb_quat_rotate_back(orientation, torque)));
+}
+
+void rb_pull_at(struct rb_located *l, int i, const struct rb_pose *pose, const struct rb_view *view,
+                rb_vec3 *linear, rb_vec3 *angular)
+{
+	struct load load = {.l = l, .i = i, .pose = pose, .view = view};
+
+	for (int k = 0; k < ROWS; k++)
+		if (l->model->features & rows[k].need)
+			rows[k].act(&load);
+	*linear = rb_vec3_add_scaled(l->model->scene->world.gravity, l->model->inverse_mass[i],
+	                             load.force);
+	*angular = (rb_vec3){0, 0, 0};
+	if (!l->top)
+		return;
+	rb_vec3 torque = load.torque;
+	if (l->top_body[i].kind != RB_TOP_CONSTANT) {
+		const rb_quat q = pose->orientation;
+		const rb_vec3 momentum = rb_quat_rotate(
+			q, rb_mat3_apply(&l->model->inertia[i], rb_quat_rotate_back(q, pose->spin)));
+
+		torque = rb_vec3_sub(torque, rb_vec3_cross(pose->spin, momentum));
+	}
+	*angular = rb_pull_yield(l, i, pose->orientation, torque);
+}
+
+bool rb_pull_is_constant(const struct rb_located *l, int i, double t)
+{
+	for (int k = 0; k < ROWS; k++)
+		if ((l->model->features & rows[k].need) && !rows[k].is_constant(l, i, t))
+			return false;
+	return true;
+}
+
+rb_vec3 rb_pull_turning(const struct rb_located *l, int i)
+{
+	if (!l->top || !l->world->state.twist || l->top_body[i].kind != RB_TOP_CONSTANT)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_scale(l->model->inverse_inertia_scalar[i],
+	                     rb_world_row3(l->world->state.twist, i));
+}
+
+static int by_time(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+bool rb_pull_switches(struct rb_located *l)
+{
+	const struct rb_scene *scene = l->model->scene;
+	int count = 0;
+
+	l->switch_s = rb_memory_take(2 * (size_t)scene->force_count + 1, sizeof *l->switch_s);
+	if (!l->switch_s)
+		return false;
+	for (int k = 0; k < scene->force_count; k++) {
+		const double end = scene->forces[k].start_s + scene->forces[k].duration_s;
+
+		if (scene->forces[k].start_s > 0)
+			l->switch_s[count++] = scene->forces[k].start_s;
+		if (isfinite(end))
+			l->switch_s[count++] = end;
+	}
+	qsort(l->switch_s, (size_t)count, sizeof *l->switch_s, by_time);
+	for (int k = 0; k < count; k++)
+		if (l->switch_count == 0 || l->switch_s[k] > l->switch_s[l->switch_count - 1])
+			l->switch_s[l->switch_count++] = l->switch_s[k];
+	return true;
+}

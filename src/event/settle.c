@@ -1,0 +1,599 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/settle.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "event/cluster.h"
+#include "event/integrate.h"
+#include "event/mechanics.h"
+#include "event/pull.h"
+#include "event/tell.h"
+#include "event/together.h"
+#include "event/transition.h"
+
+/* What one settling works on; all in the arena. */
+struct settling {
+	struct rb_located *l;
+	double t, slack;
+	struct rb_meet *meet; /* [meet_count], sorted by (a, b) */
+	int meet_count;
+	struct rb_held *before;   /* [meet_count]: what was held of each, a < 0: nothing */
+	struct rb_pose *pose;     /* [set_count] */
+	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
+	struct rb_joint joint;    /* bodies: the set, then the fixed partners */
+	bool *constant;           /* [set_count]: its other forces are constant */
+	int *root;                /* [set_count]: union-find over what stays together */
+	double pull_most;         /* m/s^2: largest acceleration that went in */
+};
+
+static void *take(struct settling *s, int count, size_t size)
+{
+	void *const block = rb_arena_take(s->l->arena, (size_t)(count > 0 ? count : 1), size);
+
+	if (!block && s->l->status == RB_OK)
+		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY,
+		                       "no memory for the contacts of %d bodies",
+		                       s->l->set_count);
+	return block;
+}
+
+static rb_vec3 across(rb_vec3 u, rb_vec3 n)
+{
+	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, n), n);
+}
+
+static struct rb_pose *pose_in(const struct settling *s, int body)
+{
+	return body < s->l->n && s->l->place[body] >= 0 ? &s->pose[s->l->place[body]] : NULL;
+}
+
+/* ---- what rounding and integration have let drift ---- */
+
+static void push(struct settling *s, int body, rb_vec3 arm, rb_vec3 impulse)
+{
+	struct rb_pose *pose = pose_in(s, body);
+
+	if (!pose)
+		return;
+	pose->velocity = rb_vec3_add_scaled(pose->velocity, s->l->model->inverse_mass[body], impulse);
+	if (s->l->top)
+		pose->spin = rb_vec3_add(pose->spin, rb_pull_yield(s->l, body, pose->orientation,
+		                                                   rb_vec3_cross(arm, impulse)));
+}
+
+static void yield(const struct settling *s, int body, rb_vec3 arm, rb_mat3 *k)
+{
+	const struct rb_pose *pose = pose_in(s, body);
+
+	if (!pose)
+		return;
+	for (int column = 0; column < 3; column++) {
+		const rb_vec3 unit = {column == 0, column == 1, column == 2};
+		rb_vec3 dv = rb_vec3_scale(s->l->model->inverse_mass[body], unit);
+
+		if (s->l->top)
+			dv = rb_vec3_add(dv, rb_vec3_cross(rb_pull_yield(s->l, body,
+			                                                 pose->orientation,
+			                                                 rb_vec3_cross(arm, unit)),
+			                                   arm));
+		k->m[0][column] += dv.x;
+		k->m[1][column] += dv.y;
+		k->m[2][column] += dv.z;
+	}
+}
+
+static void meet_again(struct settling *s, struct rb_meet *m)
+{
+	const struct rb_pose *a = pose_in(s, m->a), *b = pose_in(s, m->b);
+	const struct rb_pose pose_a = a ? *a : m->pose_a, pose_b = b ? *b : m->pose_b;
+
+	*m = rb_meet_poses(s->l, m->a, m->b, &pose_a, &pose_b);
+}
+
+/* Back on the contact: its gap closed by moving, its normal velocity and the slip of one that does not slip stopped. */
+static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *before)
+{
+	const struct rb_model *model = s->l->model;
+	const double band = rb_meet_band(s->l, m, s->t);
+	const bool sticks = !before->slipping || before->ending;
+	rb_vec3 wrong = rb_vec3_scale(rb_vec3_dot(m->velocity, m->normal), m->normal);
+	rb_mat3 k = {0}, inverse;
+
+	if (fabs(m->gap) > 0.5 * band) {
+		const double sum = model->inverse_mass[m->a] + model->inverse_mass[m->b];
+		struct rb_pose *const a = pose_in(s, m->a), *const b = pose_in(s, m->b);
+		const double share = m->gap / sum;
+
+		if (a)
+			a->position = rb_vec3_add_scaled(a->position,
+			                                 share * model->inverse_mass[m->a],
+			                                 m->normal);
+		if (b)
+			b->position = rb_vec3_add_scaled(b->position,
+			                                 -share * model->inverse_mass[m->b],
+			                                 m->normal);
+		if (a)
+			a->origin = rb_vec3_add_scaled(a->origin, share * model->inverse_mass[m->a],
+			                               m->normal);
+		if (b)
+			b->origin = rb_vec3_add_scaled(b->origin,
+			                               -share * model->inverse_mass[m->b],
+			                               m->normal);
+	}
+	if (sticks && s->l->top)
+		wrong = m->velocity;
+	if (rb_vec3_max_abs(wrong) > 0) {
+		yield(s, m->a, m->arm_a, &k);
+		yield(s, m->b, m->arm_b, &k);
+		rb_vec3 impulse;
+		if (sticks && s->l->top && rb_mat3_inverse(&k, &inverse))
+			impulse = rb_vec3_neg(rb_mat3_apply(&inverse, wrong));
+		else
+			impulse = rb_vec3_scale(-rb_vec3_dot(wrong, m->normal) /
+			                                rb_vec3_dot(m->normal,
+			                                            rb_mat3_apply(&k, m->normal)),
+			                        m->normal);
+		push(s, m->a, m->arm_a, rb_vec3_neg(impulse));
+		push(s, m->b, m->arm_b, impulse);
+	}
+	meet_again(s, m);
+}
+
+/* ---- gathering ---- */
+
+static bool begin(struct settling *s)
+{
+	struct rb_located *l = s->l;
+
+	s->meet_count = rb_set_grow(l, s->t, s->slack, rb_set_lasting, &s->meet);
+	if (s->meet_count < 0) {
+		take(s, -1, SIZE_MAX / 2);
+		return false;
+	}
+	s->before = take(s, s->meet_count, sizeof *s->before);
+	s->pose = take(s, l->set_count, sizeof *s->pose);
+	s->linear = take(s, l->set_count, sizeof *s->linear);
+	s->angular = take(s, l->set_count, sizeof *s->angular);
+	s->constant = take(s, l->set_count, sizeof *s->constant);
+	s->root = take(s, l->set_count, sizeof *s->root);
+	if (l->status != RB_OK)
+		return false;
+	for (int k = 0; k < l->set_count; k++) {
+		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
+		s->root[k] = k;
+	}
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_held *held = rb_set_held(l, s->meet[k].a, s->meet[k].b);
+
+		s->before[k] = (struct rb_held){.a = -1};
+		if (held)
+			s->before[k] = *held;
+	}
+	return true;
+}
+
+/* A contact that was held and is hit or pulled apart by a change is no longer one. */
+static bool parts(const struct settling *s, const struct rb_meet *m)
+{
+	return rb_vec3_dot(m->velocity, m->normal) >
+	       rb_meet_noise(s->l, m) + s->slack +
+	               1e-9 * (rb_vec3_length(m->pose_a.velocity) +
+	                       rb_vec3_length(m->pose_b.velocity));
+}
+
+static void keep_what_lasts(struct settling *s)
+{
+	int count = 0;
+
+	for (int k = 0; k < s->meet_count; k++)
+		if (s->before[k].a >= 0 && !parts(s, &s->meet[k])) {
+			meet_again(s, &s->meet[k]);
+			tidy(s, &s->meet[k], &s->before[k]);
+		}
+	for (int k = 0; k < s->meet_count; k++) {
+		struct rb_meet m = s->meet[k];
+		const struct rb_held before = s->before[k];
+
+		meet_again(s, &m);
+		if (before.a >= 0 && parts(s, &m)) {
+			if (before.is_told)
+				rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &m);
+			continue;
+		}
+		s->meet[count] = m;
+		s->before[count++] = before;
+	}
+	s->meet_count = count;
+}
+
+/* ---- forces ---- */
+
+static void pulls(struct settling *s)
+{
+	struct rb_located *l = s->l;
+	const struct rb_view view = {.pose = s->pose, .time_s = s->t, .active_s = s->t};
+
+	for (int k = 0; k < l->set_count; k++) {
+		rb_pull_at(l, l->set[k], &s->pose[k], &view, &s->linear[k], &s->angular[k]);
+		s->constant[k] = rb_pull_is_constant(l, l->set[k], s->t);
+		s->pull_most = fmax(s->pull_most, rb_vec3_max_abs(s->linear[k]));
+	}
+}
+
+static int joint_body(struct settling *s, int body, const struct rb_pose *pose)
+{
+	struct rb_located *l = s->l;
+	struct rb_joint_body *b;
+
+	if (body < l->n && l->place[body] >= 0)
+		return l->place[body];
+	b = &s->joint.body[s->joint.body_count];
+	*b = (struct rb_joint_body){0};
+	if (body < l->n) { /* driven: it goes where it goes */
+		(void)pose;
+		b->linear = rb_arc_acceleration(l, body, s->t);
+		b->angular = rb_mechanics_turning(l, body, s->t);
+	}
+	return s->joint.body_count++;
+}
+
+static void joint_set(struct settling *s)
+{
+	const struct rb_located *l = s->l;
+
+	for (int k = 0; k < l->set_count; k++) {
+		const int i = l->set[k];
+		struct rb_joint_body *b = &s->joint.body[k];
+
+		*b = (struct rb_joint_body){.inverse_mass = l->model->inverse_mass[i],
+		                            .linear = s->linear[k],
+		                            .angular = s->angular[k]};
+		if (l->top) {
+			b->inverse_inertia = l->model->inverse_inertia_scalar[i];
+			if (isnan(b->inverse_inertia))
+				b->inverse_tensor = rb_mechanics_tensor(l, i, s->pose[k].orientation);
+		}
+	}
+	s->joint.body_count = l->set_count;
+}
+
+static void joint_contact(struct settling *s, int k)
+{
+	struct rb_located *l = s->l;
+	const struct rb_meet *m = &s->meet[k];
+	const struct rb_held *before = &s->before[k];
+	struct rb_joint_contact *c = &s->joint.contact[k];
+	const rb_vec3 slip = across(m->velocity, m->normal);
+	const double speed = rb_vec3_length(slip);
+	const double still = 4 * rb_meet_noise(l, m) + s->slack;
+	const bool stuck = before->a >= 0 && (!before->slipping || before->ending);
+
+	*c = rb_mechanics_contact(l, m);
+	c->a = joint_body(s, m->a, &m->pose_a);
+	c->b = joint_body(s, m->b, &m->pose_b);
+	if (before->a >= 0)
+		c->impulse = before->force;
+	if (speed > (stuck ? fmax(still, 1e-10 * rb_vec3_length(m->pose_a.velocity)) : still)) {
+		c->mode = RB_JOINT_SLIDE;
+		c->slip = rb_vec3_scale(1 / speed, slip);
+	}
+}
+
+static bool solve(struct settling *s)
+{
+	s->joint.arena = s->l->arena;
+	s->joint.body = take(s, s->l->set_count + 2 * s->meet_count, sizeof *s->joint.body);
+	s->joint.contact = take(s, s->meet_count, sizeof *s->joint.contact);
+	if (s->l->status != RB_OK)
+		return false;
+	joint_set(s);
+	for (int k = 0; k < s->meet_count; k++)
+		joint_contact(s, k);
+	s->joint.contact_count = s->meet_count;
+	if (s->meet_count > 0)
+		rb_joint_forces(&s->joint);
+	return true;
+}
+
+static bool presses(const struct settling *s, int k)
+{
+	return rb_vec3_dot(s->joint.contact[k].impulse, s->meet[k].normal) > 0;
+}
+
+/* ---- who goes on with whom ---- */
+
+static int root_of(int *root, int k)
+{
+	while (root[k] != k)
+		k = root[k] = root[root[k]];
+	return k;
+}
+
+static void join(struct settling *s, int a, int b)
+{
+	const struct rb_located *l = s->l;
+
+	if (a >= l->n || b >= l->n || l->place[a] < 0 || l->place[b] < 0)
+		return;
+	const int x = root_of(s->root, l->place[a]), y = root_of(s->root, l->place[b]);
+	s->root[x > y ? x : y] = x > y ? y : x;
+}
+
+static void join_all(struct settling *s)
+{
+	const struct rb_scene *scene = s->l->model->scene;
+
+	for (int k = 0; k < s->meet_count; k++)
+		if (presses(s, k))
+			join(s, s->meet[k].a, s->meet[k].b);
+	for (int k = 0; k < scene->spring_count; k++)
+		join(s, s->l->model->index_of[scene->springs[k].a],
+		     s->l->model->index_of[scene->springs[k].b]);
+}
+
+static enum rb_held_mode mode_of(const struct settling *s, int k)
+{
+	const struct rb_meet *m = &s->meet[k];
+	const rb_vec3 turn = rb_vec3_sub(m->pose_b.spin, m->pose_a.spin);
+	const double noise = 4 * rb_meet_noise(s->l, m) + s->slack;
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+
+	if (c->slipping || c->mode == RB_JOINT_SLIDE)
+		return RB_HELD_SLIDE;
+	/* without slip, and without turning against each other */
+	return rb_vec3_length(m->velocity) <= noise &&
+	                       rb_vec3_length(turn) * rb_vec3_length(m->arm_a) <= noise
+	               ? RB_HELD_REST
+	               : RB_HELD_ROLL;
+}
+
+/* ---- writing ---- */
+
+static struct rb_held held_of(struct settling *s, int k)
+{
+	const struct rb_meet *m = &s->meet[k];
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+	struct rb_held held = s->before[k];
+	const bool known = held.a >= 0;
+
+	if (!known)
+		held = (struct rb_held){.tell_s = s->t};
+	for (int n = 0; n < s->l->merge_count && !known; n++)
+		if (s->l->merge[n].a == m->a && s->l->merge[n].b == m->b) {
+			held.tell_s = s->l->merge[n].tell_s;
+			held.merged = true;
+		}
+	held.a = m->a;
+	held.b = m->b;
+	held.force = c->impulse;
+	held.ending = held.straight = false;
+	held.slipping = c->slipping || c->mode == RB_JOINT_SLIDE;
+	held.slip = c->slip;
+	if (known && m->on_rim && !held.on_rim)
+		rb_tell_transition(s->l, s->t, RB_EVENT_EDGE, m);
+	held.on_rim = m->on_rim;
+	if (c->slipping && c->mode == RB_JOINT_STICK) {
+		/* slip sets in against its friction */
+		const rb_vec3 friction = across(c->impulse, m->normal);
+		const double size = rb_vec3_length(friction);
+
+		held.slip = size > 0 ? rb_vec3_scale(-1 / size, friction) : (rb_vec3){0, 0, 0};
+	}
+	return held;
+}
+
+/* Tells what a contact does, unless it was told already or an accumulation is still to end. */
+static void tell_mode(struct settling *s, struct rb_held *held, int k)
+{
+	static const enum rb_event_kind kinds[] = {[RB_HELD_REST] = RB_EVENT_REST,
+	                                           [RB_HELD_SLIDE] = RB_EVENT_SLIDE,
+	                                           [RB_HELD_ROLL] = RB_EVENT_ROLL};
+	const enum rb_held_mode mode = mode_of(s, k);
+
+	if (held->tell_s > s->t || (held->is_told && held->told == mode))
+		return;
+	if (held->merged)
+		rb_tell_transition(s->l, s->t, RB_EVENT_MERGE, &s->meet[k]);
+	held->merged = false;
+	held->is_told = true;
+	held->told = mode;
+	if (s->t > 0)
+		rb_tell_transition(s->l, s->t, kinds[mode], &s->meet[k]);
+}
+
+/* Rate at which the contact point's slip changes, across the normal. */
+static rb_vec3 slip_rate(const struct settling *s, int k)
+{
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+	const struct rb_joint_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const rb_vec3 rate = rb_vec3_sub(
+		rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
+		rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
+
+	return across(rb_vec3_add(rate, c->bias), c->normal);
+}
+
+/* Does the slip keep its direction until it ends, to rounding? */
+static bool is_straight(const struct settling *s, int k, const struct rb_held *held)
+{
+	const rb_vec3 rate = slip_rate(s, k);
+	const double along = rb_vec3_dot(rate, held->slip);
+	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, held->slip));
+	const double speed = rb_vec3_length(across(s->meet[k].velocity, s->meet[k].normal));
+	const double largest = rb_vec3_length(s->meet[k].pose_a.velocity) +
+	                       rb_vec3_length(s->meet[k].pose_b.velocity);
+
+	if (aside <= 64 * DBL_EPSILON * s->pull_most)
+		return true;
+	return along < 0 && aside * speed <= -along * 16 * DBL_EPSILON * largest;
+}
+
+/* Constant accelerations from here to the next transition? */
+static bool in_closed_form(const struct settling *s, int part, const struct rb_cluster *c)
+{
+	const struct rb_located *l = s->l;
+
+	for (int k = 0; k < l->set_count; k++)
+		if (root_of(s->root, k) == part &&
+		    (!s->constant[k] ||
+		     (l->top && l->top_body[l->set[k]].kind != RB_TOP_CONSTANT) ||
+		     l->model->center_of_mass))
+			return false;
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_held *held = rb_set_held(l, s->meet[k].a, s->meet[k].b);
+
+		if (!held || l->cluster_of[s->meet[k].a < l->n ? s->meet[k].a : s->meet[k].b] !=
+		                     (int)(c - l->cluster))
+			continue;
+		if (s->meet[k].b < l->n || s->meet[k].on_rim ||
+		    l->model->shape[s->meet[k].b].kind == RB_SHAPE_SPHERE)
+			return false;
+		if (held->slipping && !held->straight)
+			return false;
+	}
+	return true;
+}
+
+/* All of a cluster stands still and nothing moves it: static means static. */
+static bool stands_still(const struct settling *s, int part)
+{
+	const struct rb_located *l = s->l;
+	double pull = 0;
+
+	for (int k = 0; k < l->set_count; k++)
+		if (root_of(s->root, k) == part)
+			pull = fmax(pull, rb_vec3_max_abs(s->linear[k]));
+	for (int k = 0; k < l->set_count; k++) {
+		if (root_of(s->root, k) != part)
+			continue;
+		const double radius = l->model->shape[l->set[k]].radius;
+		const struct rb_joint_body *b = &s->joint.body[k];
+
+		if (!s->constant[k] || rb_vec3_max_abs(s->pose[k].velocity) > s->slack ||
+		    rb_vec3_max_abs(s->pose[k].spin) * radius > s->slack ||
+		    rb_vec3_max_abs(b->linear) > 1e-12 * pull ||
+		    rb_vec3_max_abs(b->angular) * radius > 1e-12 * pull)
+			return false;
+	}
+	return true;
+}
+
+static void start_part(struct settling *s, int part, struct rb_cluster *c)
+{
+	struct rb_located *l = s->l;
+	const rb_vec3 none = {0, 0, 0};
+	const bool still = stands_still(s, part);
+	const bool closed = still || in_closed_form(s, part, c);
+
+	c->anchor_s = s->t;
+	c->at_rest = still;
+	c->integrated = !closed;
+	for (int k = 0; k < l->set_count; k++) {
+		if (root_of(s->root, k) != part)
+			continue;
+		if (still)
+			s->pose[k].velocity = s->pose[k].spin = none;
+		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
+		              still ? none : s->joint.body[k].linear,
+		              still || !closed ? none : s->joint.body[k].angular);
+	}
+	if (!closed)
+		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
+}
+
+static void write_parts(struct settling *s, double try_s)
+{
+	struct rb_located *l = s->l;
+	int *member = take(s, l->set_count, sizeof *member);
+
+	for (int part = 0; member && part < l->set_count; part++) {
+		int count = 0, held_count = 0;
+		bool alone = true;
+
+		if (root_of(s->root, part) != part)
+			continue;
+		for (int k = part; k < l->set_count; k++)
+			if (root_of(s->root, k) == part)
+				member[count++] = l->set[k];
+		for (int k = 0; k < s->meet_count; k++) {
+			const int yields = rb_located_fixed(l, s->meet[k].a) ? s->meet[k].b
+			                                                     : s->meet[k].a;
+			held_count += presses(s, k) &&
+			              root_of(s->root, l->place[yields]) == part;
+		}
+		for (int k = 0; k < count; k++)
+			alone = alone && s->constant[l->place[member[k]]];
+		if (held_count == 0 && alone) { /* a body in flight */
+			for (int k = 0; k < count; k++)
+				rb_arc_anchor(l, member[k], s->t, &s->pose[l->place[member[k]]],
+				              s->linear[l->place[member[k]]],
+				              rb_pull_turning(l, member[k]));
+			continue;
+		}
+		const int cluster = rb_cluster_take(l, member, count, held_count);
+		if (cluster < 0) {
+			take(s, -1, SIZE_MAX / 2);
+			return;
+		}
+		struct rb_cluster *c = &l->cluster[cluster];
+		c->try_s = try_s;
+		for (int k = 0; k < s->meet_count; k++) {
+			const int yields = rb_located_fixed(l, s->meet[k].a) ? s->meet[k].b
+			                                                     : s->meet[k].a;
+			if (!presses(s, k) || root_of(s->root, l->place[yields]) != part)
+				continue;
+			struct rb_held held = held_of(s, k);
+
+			held.straight = held.slipping && is_straight(s, k, &held);
+			tell_mode(s, &held, k);
+			c->held[c->held_count++] = held;
+		}
+		start_part(s, part, c);
+		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
+	}
+}
+
+static void forget_before(struct settling *s, double *try_s)
+{
+	struct rb_located *l = s->l;
+
+	*try_s = 0;
+	for (int k = 0; k < l->set_count; k++) {
+		const int cluster = l->cluster_of[l->set[k]];
+
+		if (cluster < 0)
+			continue;
+		if (l->cluster[cluster].integrated)
+			*try_s = *try_s > 0 ? fmin(*try_s, l->cluster[cluster].try_s)
+			                    : l->cluster[cluster].try_s;
+		rb_cluster_drop(l, cluster);
+	}
+}
+
+static void tell_lifts(struct settling *s)
+{
+	for (int k = 0; k < s->meet_count; k++)
+		if (s->before[k].a >= 0 && s->before[k].is_told && !presses(s, k))
+			rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
+}
+
+void rb_settle(struct rb_located *l, double t, double slack)
+{
+	struct settling s = {.l = l, .t = t, .slack = slack};
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	double try_s;
+
+	if (begin(&s)) {
+		keep_what_lasts(&s);
+		forget_before(&s, &try_s);
+		pulls(&s);
+		if (l->status == RB_OK && solve(&s)) {
+			join_all(&s);
+			tell_lifts(&s);
+			write_parts(&s, try_s);
+		}
+	}
+	l->merge_count = 0;
+	rb_arena_back(l->arena, here);
+}

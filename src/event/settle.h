@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What becomes of bodies after something has happened to them: which of their touching contacts last, with what
+ * forces, and on which arcs they go on.
+ */
+#ifndef RB_EVENT_SETTLE_H
+#define RB_EVENT_SETTLE_H
+
+#include "event/set.h"
+
+/*
+ * For the set as it is, grown to all that rests on it: gives every body of it a new arc from `t` on, dissolves the
+ * clusters that they were in, makes those that they are in now, and tells transitions. `slack` m/s: rounding of
+ * velocities that a change has just left on top of that of the velocities themselves. Leaves the set, whose bodies are
+ * then to foresee anew. Sets l->status.
+ */
+void rb_settle(struct rb_located *l, double t, double slack);
+
+#endif

@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/strike.h"
+
+#include <float.h>
+
+#include "base/memory.h"
+#include "event/mechanics.h"
+#include "event/pull.h"
+#include "event/settle.h"
+#include "event/tell.h"
+
+static rb_vec3 across(rb_vec3 u, rb_vec3 n)
+{
+	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, n), n);
+}
+
+/* ---- one pair ---- */
+
+/* A sphere about its centre, or what does not yield. */
+static bool is_plain(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return true;
+	return l->model->shape[i].kind == RB_SHAPE_SPHERE && l->cluster_of[i] < 0 &&
+	       !rb_located_on_piece(l, i) && !l->model->center_of_mass &&
+	       (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
+}
+
+static void kick(struct rb_located *l, int i, rb_vec3 impulse, rb_vec3 arm, struct rb_pose *pose)
+{
+	if (i >= l->n)
+		return;
+	pose->velocity = rb_vec3_add_scaled(pose->velocity, l->model->inverse_mass[i], impulse);
+	if (l->top)
+		pose->spin = rb_vec3_add_scaled(pose->spin, l->model->inverse_inertia_scalar[i],
+		                                rb_vec3_cross(arm, impulse));
+}
+
+static double turn_yield(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return 0;
+	const double radius = l->model->shape[i].radius;
+
+	return l->model->inverse_mass[i] +
+	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
+}
+
+/* Would it open the gap no further than the touching band? */
+static bool ends_here(const struct rb_located *l, const struct rb_meet *m, double leave, double t)
+{
+	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
+	                                 rb_arc_acceleration(l, m->a, t));
+	const double closing = -rb_vec3_dot(pull, m->normal) -
+	                       rb_vec3_dot(m->velocity, m->normal_rate);
+
+	return closing > 0 && leave * leave <= 2 * closing * rb_meet_band(l, m, t);
+}
+
+bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
+{
+	if (!is_plain(l, a) || !is_plain(l, b))
+		return false;
+	struct rb_meet m = rb_meet_at(l, a, b, t);
+	struct rb_joint_contact c = rb_mechanics_contact(l, &m);
+	const double approach = -rb_vec3_dot(m.velocity, m.normal);
+	const double leave = c.restitution * approach;
+	const double inverse_a = m.a < l->n ? l->model->inverse_mass[m.a] : 0;
+	const double inverse_b = m.b < l->n ? l->model->inverse_mass[m.b] : 0;
+
+	if (!(approach > c.noise) || m.on_rim || !(leave > c.noise) ||
+	    ends_here(l, &m, leave, t))
+		return false;
+	const double normal = (1 + c.restitution) * approach / (inverse_a + inverse_b);
+	rb_vec3 tangent = {0, 0, 0};
+	if (c.friction > 0) {
+		const rb_vec3 slip = across(m.velocity, m.normal);
+		const double speed = rb_vec3_length(slip);
+		const double stop = speed / (turn_yield(l, m.a) + turn_yield(l, m.b));
+		const double size = fmin(stop, c.friction * normal);
+
+		if (speed > 0)
+			tangent = rb_vec3_scale(-size / speed, slip);
+	}
+	c.impulse = rb_vec3_add_scaled(tangent, normal, m.normal);
+	c.approach = approach;
+	const rb_vec3 acceleration_a = rb_arc_acceleration(l, m.a, t);
+	const rb_vec3 acceleration_b = rb_arc_acceleration(l, m.b, t);
+	kick(l, m.a, rb_vec3_neg(c.impulse), m.arm_a, &m.pose_a);
+	kick(l, m.b, c.impulse, m.arm_b, &m.pose_b);
+	if (m.a < l->n)
+		rb_arc_anchor(l, m.a, t, &m.pose_a, acceleration_a, rb_pull_turning(l, m.a));
+	if (m.b < l->n)
+		rb_arc_anchor(l, m.b, t, &m.pose_b, acceleration_b, rb_pull_turning(l, m.b));
+	rb_tell_impact(l, t, &m, c.impulse, approach);
+	return true;
+}
+
+/* ---- all that touch ---- */
+
+struct striking {
+	struct rb_located *l;
+	double t;
+	struct rb_meet *meet;
+	int meet_count;
+	struct rb_pose *pose; /* [set_count] */
+	struct rb_joint joint;
+	double slack; /* m/s: rounding of the velocities that came in */
+};
+
+static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
+{
+	struct rb_located *l = s->l;
+
+	if (body < l->n && l->place[body] >= 0)
+		return l->place[body];
+	/* fixed: each contact has its own copy of what does not yield */
+	s->joint.body[s->joint.body_count] =
+		(struct rb_joint_body){.linear = pose->velocity, .angular = pose->spin};
+	return s->joint.body_count++;
+}
+
+static bool build(struct striking *s)
+{
+	struct rb_located *l = s->l;
+
+	s->pose = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *s->pose);
+	s->joint.body = rb_arena_take(l->arena, (size_t)(l->set_count + 2 * s->meet_count + 1),
+	                              sizeof *s->joint.body);
+	s->joint.contact = rb_arena_take(l->arena, (size_t)s->meet_count + 1,
+	                                 sizeof *s->joint.contact);
+	if (!s->pose || !s->joint.body || !s->joint.contact)
+		return false;
+	s->joint.arena = l->arena;
+	s->joint.body_count = l->set_count;
+	s->joint.contact_count = s->meet_count;
+	for (int k = 0; k < l->set_count; k++) {
+		const int i = l->set[k];
+		struct rb_joint_body *b = &s->joint.body[k];
+
+		s->pose[k] = rb_arc_pose(l, i, s->t);
+		*b = (struct rb_joint_body){.inverse_mass = l->model->inverse_mass[i],
+		                            .linear = s->pose[k].velocity,
+		                            .angular = s->pose[k].spin};
+		if (!l->top)
+			continue;
+		b->inverse_inertia = l->model->inverse_inertia_scalar[i];
+		if (isnan(b->inverse_inertia))
+			b->inverse_tensor = rb_mechanics_tensor(l, i, s->pose[k].orientation);
+	}
+	for (int k = 0; k < s->meet_count; k++) {
+		struct rb_meet *m = &s->meet[k];
+
+		s->joint.contact[k] = rb_mechanics_contact(l, m);
+		s->joint.contact[k].a = joint_body(s, m->a, &m->pose_a);
+		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
+		s->slack = fmax(s->slack, s->joint.contact[k].noise);
+	}
+	return true;
+}
+
+static rb_vec3 velocity_after(const struct striking *s, int k)
+{
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+	const struct rb_joint_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+
+	return rb_vec3_sub(rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
+	                   rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
+}
+
+static void stop_normal(struct striking *s, int k, double leave)
+{
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+	struct rb_joint_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const double sum = a->inverse_mass + b->inverse_mass;
+
+	if (!(sum > 0))
+		return;
+	a->linear = rb_vec3_add_scaled(a->linear, leave * a->inverse_mass / sum, c->normal);
+	b->linear = rb_vec3_add_scaled(b->linear, -leave * b->inverse_mass / sum, c->normal);
+}
+
+/*
+ * A rebound that would stay within the touching band is the beginning of infinitely many: the contact lasts from here,
+ * and is told when the last of them would be over, after 2 u / (a (1 - e)).
+ */
+static void end_accumulations(struct striking *s)
+{
+	struct rb_located *l = s->l;
+
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_joint_contact *c = &s->joint.contact[k];
+		struct rb_meet after = s->meet[k];
+		const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
+
+		after.velocity = velocity_after(s, k);
+		if (!(c->approach > 0) || !(leave > 0) || !ends_here(l, &after, leave, s->t))
+			continue;
+		const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, after.b, s->t),
+		                                 rb_arc_acceleration(l, after.a, s->t));
+		const double closing = -rb_vec3_dot(pull, c->normal) -
+		                       rb_vec3_dot(after.velocity, after.normal_rate);
+		double rest_s = 0;
+
+		if (c->restitution < 1)
+			rest_s = 2 * leave / (closing * (1 - c->restitution));
+		stop_normal(s, k, leave);
+		if (!rb_memory_reserve(&l->merge, &l->merge_capacity, (size_t)l->merge_count + 1,
+		                       sizeof *l->merge)) {
+			l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
+			return;
+		}
+		l->merge[l->merge_count++] = (struct rb_merge){after.a, after.b, s->t + rest_s};
+	}
+}
+
+static void strike(struct striking *s)
+{
+	struct rb_located *l = s->l;
+	int rounds = 0;
+
+	if (!rb_joint_impact(&s->joint, &rounds))
+		l->world->frame_counts.plastic_ends++;
+	for (int k = 0; k < s->meet_count; k++)
+		if (s->joint.contact[k].approach > 0)
+			rb_tell_impact(l, s->t, &s->meet[k], s->joint.contact[k].impulse,
+			               s->joint.contact[k].approach);
+	end_accumulations(s);
+	for (int k = 0; k < l->set_count; k++) {
+		const int i = l->set[k];
+
+		s->pose[k].velocity = s->joint.body[k].linear;
+		s->pose[k].spin = s->joint.body[k].angular;
+		/* for the moment only: settling gives it its forces */
+		rb_arc_anchor(l, i, s->t, &s->pose[k], rb_arc_acceleration(l, i, s->t),
+		              (rb_vec3){0, 0, 0});
+	}
+}
+
+void rb_strike_all(struct rb_located *l, int a, int b, double t)
+{
+	struct striking s = {.l = l, .t = t};
+	const rb_arena_mark here = rb_arena_here(l->arena);
+
+	rb_set_add(l, a);
+	rb_set_add(l, b);
+	s.meet_count = rb_set_grow(l, t, 0, rb_set_touching, &s.meet);
+	if (s.meet_count < 0 || !build(&s))
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
+		                    l->set_count);
+	else
+		strike(&s);
+	rb_arena_back(l->arena, here);
+	if (l->status == RB_OK)
+		rb_settle(l, t, s.slack);
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Several contacts at one moment, solved together: impacts, and the forces of lasting contacts.
+ *
+ * A small problem in plain data: `bodies` that yield, `contacts` between them. What comes out does not depend on the
+ * order of bodies or of contacts, nor on which body of a contact is called a, and mirror images in the coordinate
+ * planes come out to the bit: sums over the contacts of a body and over all contacts are exact before they are rounded
+ * once, iterations are simultaneous (no sweep uses what it has just found).
+ */
+#ifndef RB_EVENT_TOGETHER_H
+#define RB_EVENT_TOGETHER_H
+
+#include <stdbool.h>
+
+#include <rbsim/error.h>
+
+#include "event/cone.h"
+
+enum rb_joint_mode { RB_JOINT_STICK, RB_JOINT_SLIDE };
+
+struct rb_joint_contact {
+	int a, b;             /* bodies of the problem */
+	rb_vec3 normal;       /* unit, from a to b */
+	rb_vec3 arm_a, arm_b; /* m, centres of mass to the contact point */
+	double friction, restitution;
+	double noise; /* m/s: rounding of the normal velocity; below it nothing approaches */
+
+	/* forces only */
+	enum rb_joint_mode mode; /* stick: may stay without slip or begin to slip; slide: friction against `slip` */
+	rb_vec3 slip;            /* unit, across the normal: direction of the velocity of b relative to a */
+	rb_vec3 bias; /* m/s^2: relative acceleration of the contact points that is not linear + angular x arm */
+
+	/* out */
+	rb_vec3 impulse; /* on b: N s (impacts: summed over the rounds) or N (forces; in: a guess, or zero) */
+	double approach; /* impacts: m/s at the first impact of this contact, 0: it had none */
+	bool slipping;   /* forces: friction at its limit, and the contact slips or begins to */
+};
+
+struct rb_joint {
+	struct rb_joint_body *body;
+	int body_count;
+	struct rb_joint_contact *contact;
+	int contact_count;
+	struct rb_arena *arena; /* scratch, given back */
+};
+
+/*
+ * Impacts. Generalized reflections (Smith, Kaufman, Vouga, Tamstorf, Grinspun, "Reflections on simultaneous impact",
+ * ACM TOG 31(4):106 (2012)) blended with the perfectly inelastic solution for e < 1, in rounds until nothing
+ * approaches, with one rule for contacts of different e and for friction:
+ *
+ *   [to be stated by the implementation, in this place]
+ *
+ * Afterwards: kinetic energy of what yields is not above before (in the frame of bodies that do not yield; a driven
+ * body may add to it), friction impulses are within their cones, no contact approaches by more than its noise, linear
+ * and angular momentum are what they were to rounding. One contact alone is Newton's law with Coulomb friction (for
+ * eccentric contacts with friction the energetic law of step/impulse, handed in by `single`). Returns false when the
+ * rounds ended without settling and the rest was done with e = 0; `*rounds` may be NULL.
+ */
+bool rb_joint_impact(struct rb_joint *joint, int *rounds);
+
+/*
+ * Forces of lasting contacts: relative normal acceleration >= 0, force >= 0, one of them zero; a sticking contact
+ * has no relative tangential acceleration unless its friction is at the cone (then against that acceleration); a
+ * sliding one has friction * force against its slip. Bodies' accelerations become those with the contact forces. Unique
+ * accelerations come out to about 1e-13 of the largest acceleration in the problem, also where forces are not unique
+ * (touching lattices). Returns the largest violation that is left, m/s^2.
+ */
+double rb_joint_forces(struct rb_joint *joint);
+
+#endif

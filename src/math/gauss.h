@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Initial value problems y' = f(t, y) by Gauss-Legendre collocation with 8 nodes and error control; the solution of
+ * a step is a polynomial (dense output), so that events can be located on it to rounding.
+ *
+ * Order 16 at the end of a step (Butcher, Math. Comp. 18 (1964) 50; Hairer, Lubich, Wanner, Geometric Numerical
+ * Integration, II.1.3). The nodes are found by fixed-point iteration to rounding. The step size follows from the
+ * decay of the polynomial's own Legendre coefficients, so that the error *within* the step is below the tolerance too.
+ */
+#ifndef RB_MATH_GAUSS_H
+#define RB_MATH_GAUSS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#include <rbsim/error.h>
+
+enum { RB_GAUSS_NODES = 8 };
+
+/* Derivatives at `time_s` (from the piece's origin) of `n` values; a status other than RB_OK ends the step. */
+typedef enum rb_status rb_gauss_rates(void *user, double time_s, const double *value, double *rate,
+                                      struct rb_error *err);
+
+/*
+ * One accepted step: values over [0, length_s] from its own origin in time. All arrays are the caller's:
+ * start [n], and coefficient [RB_GAUSS_NODES][n]: Legendre coefficients, on [0, 1], of the rates times length_s.
+ */
+struct rb_gauss_piece {
+	int n;
+	double length_s;
+	double *start, *coefficient;
+};
+
+struct rb_gauss_problem {
+	int n;
+	rb_gauss_rates *rates;
+	void *user;
+	const double *scale; /* [n]: sizes that the errors are relative to, > 0 */
+	double tolerance;    /* of scale, per step, >= a few ulp */
+};
+
+/* Doubles of scratch that a step needs. */
+size_t rb_gauss_room(int n);
+
+/*
+ * One step from piece->start at time `time_s` (added to the piece's own times in calls of `rates`), trying length
+ * `*try_s` and halving it until the tolerance is met; fills piece->coefficient and length_s and leaves in `*try_s` what
+ * to try next: not longer than 4 times this step, and of 8 binary digits, so that times of steps add up exactly.
+ * `*calls` grows by the calls of rates. RB_ERR_PHYSICS when no step of at least `least_s` will do or something is not
+ * finite.
+ */
+RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time_s,
+                                        double *try_s, double least_s, struct rb_gauss_piece *piece,
+                                        double *scratch, uint64_t *calls, struct rb_error *err);
+
+/* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
+double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);
+double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t);
+/* All n at once. */
+void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value);
+/* A bound on |rate| of component i over the whole piece: the sum of its |coefficients| / length. */
+double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);
+
+#endif

@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Closed forms where there are any; else series about the points of a grid.
+ *
+ * Every result is a function of the anchor and of t alone: the grid point comes from t, and the state there from
+ * walking the grid from the anchor (or from the cached point, which was found in the same way). Flipping the signs that
+ * a mirror in a coordinate plane flips, flips signs in the results and changes no bit: sums only ever mix terms of one
+ * sign pattern, and decisions look at sizes.
+ */
+#include "math/top.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+enum { ORDER = 32 }; /* of a series, at most */
+
+static const double negligible = 0x1p-60; /* a term of a series, against what it is added to */
+static const double far = 0x1p53;         /* grid points beyond this can't be told apart */
+
+static rb_quat conjugate(rb_quat q)
+{
+	return (rb_quat){q.w, -q.x, -q.y, -q.z};
+}
+
+static bool is_zero(rb_vec3 a)
+{
+	return a.x == 0 && a.y == 0 && a.z == 0;
+}
+
+/*
+ * The turn for `t` seconds at the constant rate `spin`, right to rounding for any number of turns: the length of the
+ * spin and its product with t are carried with their rounding errors.
+ */
+static rb_quat turn(rb_vec3 spin, double t)
+{
+	const double square = rb_vec3_dot(spin, spin);
+
+	if (!(square > 1e-200 && square < 1e200))
+		return rb_quat_from_turn(rb_vec3_scale(t, spin));
+	const double length = sqrt(square);
+	/* what the sum of squares lost, term by term; `lost` of an addition as by Knuth */
+	const double xx = spin.x * spin.x, yy = spin.y * spin.y, zz = spin.z * spin.z;
+	const double xy = xx + yy, xy_part = xy - xx, z_part = square - xy;
+	const double lost = fma(spin.x, spin.x, -xx) + fma(spin.y, spin.y, -yy) +
+	                    fma(spin.z, spin.z, -zz) + ((xx - (xy - xy_part)) + (yy - xy_part)) +
+	                    ((xy - (square - z_part)) + (zz - z_part));
+	const double more = (fma(-length, length, square) + lost) / (2 * length);
+	const double angle = length * t;
+	const double half_more = 0.5 * (fma(length, t, -angle) + more * t);
+	const double s = sin(0.5 * angle), c = cos(0.5 * angle);
+	const double along = (s + c * half_more) / length;
+
+	return (rb_quat){c - s * half_more, along * spin.x, along * spin.y, along * spin.z};
+}
+
+/* ---- the body ---- */
+
+/* Equal but for rounding. */
+static bool same(double a, double b)
+{
+	return fabs(a - b) <= 16 * DBL_EPSILON * fmax(fabs(a), fabs(b));
+}
+
+/* One Jacobi rotation (Jacobi 1846) that makes a[p][q] zero; `frame` has the axes in its columns. */
+static void jacobi(rb_mat3 *a, rb_mat3 *frame, int p, int q)
+{
+	const double off = a->m[p][q], theta = (a->m[q][q] - a->m[p][p]) / (2 * off);
+	/* the smaller turn; equal moments turn by the sign of `off`, which a mirror flips with it */
+	const double sign = theta == 0 ? copysign(1, off) : copysign(1, theta);
+	const double t = sign / (fabs(theta) + hypot(theta, 1));
+	const double c = 1 / hypot(t, 1), s = t * c;
+	const int r = 3 - p - q;
+	const double rp = a->m[r][p], rq = a->m[r][q];
+
+	a->m[p][p] -= t * off;
+	a->m[q][q] += t * off;
+	a->m[p][q] = a->m[q][p] = 0;
+	a->m[r][p] = a->m[p][r] = c * rp - s * rq;
+	a->m[r][q] = a->m[q][r] = s * rp + c * rq;
+	for (int i = 0; i < 3; i++) {
+		const double ip = frame->m[i][p], iq = frame->m[i][q];
+
+		frame->m[i][p] = c * ip - s * iq;
+		frame->m[i][q] = s * ip + c * iq;
+	}
+}
+
+/* Principal moments and axes; nothing is touched where the tensor is diagonal to rounding. */
+static void principal_axes(rb_mat3 *a, rb_mat3 *frame)
+{
+	static const int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
+	bool clean = false;
+
+	*frame = rb_mat3_diagonal(1, 1, 1);
+	for (int sweep = 0; sweep < 30 && !clean; sweep++) {
+		clean = true;
+		for (int k = 0; k < 3; k++) {
+			const int p = pairs[k][0], q = pairs[k][1];
+			const double size = sqrt(fabs(a->m[p][p])) * sqrt(fabs(a->m[q][q]));
+
+			if (!(fabs(a->m[p][q]) > DBL_EPSILON * size))
+				continue;
+			clean = false;
+			jacobi(a, frame, p, q);
+		}
+	}
+}
+
+/* A rotation that takes z to the axis: a permutation of axes, without rounding, where that does it. */
+static rb_quat z_to(rb_vec3 axis)
+{
+	if (axis.y == 0 && axis.z == 0)
+		return (rb_quat){0.5, 0.5, 0.5, 0.5};
+	if (axis.x == 0 && axis.z == 0)
+		return (rb_quat){0.5, -0.5, -0.5, -0.5};
+	/* the shortest way, from whichever end of the axis is nearer */
+	if (axis.z < 0)
+		axis = rb_vec3_neg(axis);
+	return rb_quat_unit((rb_quat){1 + axis.z, -axis.y, axis.x, 0});
+}
+
+struct rb_top_body rb_top_body_of(const rb_mat3 *inertia)
+{
+	rb_mat3 a = *inertia, frame;
+
+	principal_axes(&a, &frame);
+	const double m[3] = {a.m[0][0], a.m[1][1], a.m[2][2]};
+	struct rb_top_body body = {RB_TOP_FREE, rb_quat_identity, {m[0], m[1], m[2]}};
+
+	if (same(m[0], m[1]) && same(m[0], m[2]) && same(m[1], m[2])) {
+		body.kind = RB_TOP_CONSTANT;
+		return body;
+	}
+	for (int k = 2; k >= 0; k--) {
+		const int i = (k + 1) % 3, j = (k + 2) % 3;
+
+		if (!same(m[i], m[j]))
+			continue;
+		body.kind = RB_TOP_SYMMETRIC;
+		body.principal = z_to((rb_vec3){frame.m[0][k], frame.m[1][k], frame.m[2][k]});
+		body.moments.x = body.moments.y = 0.5 * (m[i] + m[j]);
+		body.moments.z = m[k];
+		return body;
+	}
+	body.principal = rb_quat_from_mat3(&frame);
+	return body;
+}
+
+/* ---- a body let go ---- */
+
+static bool is_identity(rb_quat q)
+{
+	return q.w == 1 && q.x == 0 && q.y == 0 && q.z == 0;
+}
+
+/*
+ * The length of a free body's grid: a power of two, so that scaling by it and its multiples do not round.
+ *
+ * With k = the largest of |I_i - I_j| / I_l, |w'| <= k |w|^2 / sqrt(3) bounds the series of w by that of
+ * w0 / (1 - k w0 t / sqrt(3)), and that of the orientation by a power of the same. So steps of w_max t <= 1/2 make
+ * the 32nd term smaller than 0.29^32 = 6e-18. Each component stays below what energy and angular momentum allow:
+ * for moments a, b of the others, I_i (I_i - I_b) w_i^2 + I_a (I_a - I_b) w_a^2 is constant.
+ */
+static double grid_of(rb_vec3 moments, rb_vec3 spin)
+{
+	const double i[3] = {moments.x, moments.y, moments.z}, w[3] = {spin.x, spin.y, spin.z};
+	double square = 0, k = 1;
+	int exponent;
+
+	for (int n = 0; n < 3; n++) {
+		const int a = (n + 1) % 3, b = (n + 2) % 3;
+		double most = INFINITY;
+
+		k = fmax(k, fabs(i[a] - i[b]) / i[n]);
+		for (int s = 0; s < 2; s++) {
+			const int other = s ? b : a, third = s ? a : b;
+			const double ratio = (i[other] - i[third]) / (i[n] - i[third]);
+
+			if (ratio > 0)
+				most = fmin(most, w[n] * w[n] + i[other] / i[n] * ratio *
+				                                        (w[other] * w[other]));
+		}
+		square += most;
+	}
+	const double rate = k * sqrt(square);
+	if (!(rate > 0) || !isfinite(rate))
+		return rate > 0 ? 0 : INFINITY;
+	frexp(rate, &exponent); /* rate < 2^exponent */
+	return ldexp(1, -exponent - 1);
+}
+
+/* Parallel to rounding: what is left over is as large as that of rounding the arguments. */
+static bool parallel(rb_vec3 a, rb_vec3 b)
+{
+	return rb_vec3_length(rb_vec3_cross(a, b)) <=
+	       4 * DBL_EPSILON * rb_vec3_length(a) * rb_vec3_length(b);
+}
+
+struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, rb_vec3 spin,
+                           rb_vec3 acceleration)
+{
+	struct rb_top top = {.kind = body->kind,
+	                     .orientation = orientation,
+	                     .spin = spin,
+	                     .acceleration = acceleration,
+	                     .principal = body->principal,
+	                     .moments = body->moments,
+	                     .grid_s = INFINITY,
+	                     .cached = orientation,
+	                     .cached_spin = spin};
+
+	if (top.kind == RB_TOP_CONSTANT && !is_zero(acceleration)) {
+		top.kind = RB_TOP_STEADY;
+		top.grid_s = parallel(spin, acceleration) ? INFINITY : 0;
+	}
+	if (top.kind == RB_TOP_FREE) {
+		if (!is_identity(body->principal))
+			top.cached = rb_quat_multiply(orientation, body->principal);
+		top.cached_spin = rb_quat_rotate_back(top.cached, spin);
+		const rb_vec3 w = top.cached_spin;
+		/* about a principal axis, and exactly so, the spin stays */
+		if ((w.x == 0) + (w.y == 0) + (w.z == 0) >= 2)
+			top.kind = RB_TOP_CONSTANT;
+		else
+			top.grid_s = grid_of(body->moments, w);
+		if (isinf(top.grid_s)) /* too slow for its square to be told from zero */
+			top.kind = RB_TOP_CONSTANT;
+	}
+	return top;
+}
+
+/* ---- steady: q' = (w + a t) q / 2, w and a in world axes ---- */
+
+/*
+ * Grid point k is where |w| t + |a| t^2 / 2, which the turned angle does not exceed, is k: a radian a step. Where the
+ * acceleration does all of it, terms fall like (t^2 / 2)^m / (2^m m!), and the 32nd is below 1e-18.
+ */
+static double steady_point(const struct rb_top *top, double k)
+{
+	const double w = rb_vec3_length(top->spin), a = rb_vec3_length(top->acceleration);
+
+	return k > 0 ? 2 * k / (w + sqrt(w * w + 2 * a * k)) : 0;
+}
+
+static rb_vec3 steady_spin(const struct rb_top *top, double t)
+{
+	return rb_vec3_add_scaled(top->spin, t, top->acceleration);
+}
+
+/* From an orientation at spin `w`, `t` seconds on. */
+static rb_quat steady_series(rb_quat start, rb_vec3 w, rb_vec3 acceleration, double t)
+{
+	const rb_quat turn1 = {0, 0.5 * t * w.x, 0.5 * t * w.y, 0.5 * t * w.z};
+	const double t2 = 0.5 * t * t;
+	const rb_quat turn2 = {0, t2 * acceleration.x, t2 * acceleration.y, t2 * acceleration.z};
+	rb_quat term[ORDER + 1] = {start}, sum = {0, 0, 0, 0};
+	int n = 0;
+
+	for (double before = 1; n < ORDER; n++) {
+		rb_quat next = rb_quat_multiply(turn1, term[n]);
+
+		if (n > 0) {
+			const rb_quat more = rb_quat_multiply(turn2, term[n - 1]);
+			next = (rb_quat){next.w + more.w, next.x + more.x, next.y + more.y,
+			                 next.z + more.z};
+		}
+		const double s = 1 / (double)(n + 1);
+		term[n + 1] = (rb_quat){s * next.w, s * next.x, s * next.y, s * next.z};
+		const double size = rb_quat_length(term[n + 1]);
+		if (size < negligible && before < negligible)
+			break;
+		before = size;
+	}
+	for (; n >= 0; n--)
+		sum = (rb_quat){sum.w + term[n].w, sum.x + term[n].x, sum.y + term[n].y,
+		                sum.z + term[n].z};
+	return rb_quat_unit(sum);
+}
+
+static rb_quat steady_at(struct rb_top *top, double t)
+{
+	const double w = rb_vec3_length(top->spin), a = rb_vec3_length(top->acceleration);
+	const double k = floor(t * (w + 0.5 * a * t));
+
+	if (!(k < far))
+		return (rb_quat){NAN, NAN, NAN, NAN};
+	const uint64_t point = k > 0 ? (uint64_t)k : 0;
+	if (point < top->at) {
+		top->at = 0;
+		top->cached = top->orientation;
+	}
+	while (top->at < point) {
+		const double here = steady_point(top, (double)top->at);
+		const double there = steady_point(top, (double)(top->at + 1));
+
+		top->cached = steady_series(top->cached, steady_spin(top, here), top->acceleration,
+		                            there - here);
+		top->at++;
+	}
+	const double here = steady_point(top, (double)point);
+	return steady_series(top->cached, steady_spin(top, here), top->acceleration, t - here);
+}
+
+/* ---- free: Euler's equations and q' = q w / 2, w in principal axes ---- */
+
+struct motion {
+	rb_quat q;   /* principal axes to world */
+	double w[3]; /* principal axes, times the grid */
+};
+
+/* The terms of order n + 1 from those up to n, by Cauchy products. */
+static void free_term(const double k[3], double w[3][ORDER + 1], double q[4][ORDER + 1], int n)
+{
+	double yz = 0, zx = 0, xy = 0, p[4] = {0, 0, 0, 0};
+
+	for (int i = 0; i <= n; i++) {
+		const int j = n - i;
+
+		yz += w[1][i] * w[2][j];
+		zx += w[2][i] * w[0][j];
+		xy += w[0][i] * w[1][j];
+		p[0] -= q[1][i] * w[0][j] + q[2][i] * w[1][j] + q[3][i] * w[2][j];
+		p[1] += q[0][i] * w[0][j] + q[2][i] * w[2][j] - q[3][i] * w[1][j];
+		p[2] += q[0][i] * w[1][j] - q[1][i] * w[2][j] + q[3][i] * w[0][j];
+		p[3] += q[0][i] * w[2][j] + q[1][i] * w[1][j] - q[2][i] * w[0][j];
+	}
+	const double s = 1 / (double)(n + 1);
+	w[0][n + 1] = s * k[0] * yz;
+	w[1][n + 1] = s * k[1] * zx;
+	w[2][n + 1] = s * k[2] * xy;
+	for (int i = 0; i < 4; i++)
+		q[i][n + 1] = 0.5 * s * p[i];
+}
+
+static double horner(const double *term, int n, double x)
+{
+	double sum = term[n];
+
+	while (n-- > 0)
+		sum = sum * x + term[n];
+	return sum;
+}
+
+/* `x` grid lengths on. */
+static struct motion free_series(const struct motion *from, const double k[3], double x)
+{
+	double w[3][ORDER + 1], q[4][ORDER + 1];
+	const double size = fmax(fabs(from->w[0]), fmax(fabs(from->w[1]), fabs(from->w[2])));
+	int n = 0;
+
+	q[0][0] = from->q.w;
+	q[1][0] = from->q.x;
+	q[2][0] = from->q.y;
+	q[3][0] = from->q.z;
+	for (int i = 0; i < 3; i++)
+		w[i][0] = from->w[i];
+	for (bool small = false; n < ORDER;) {
+		double largest = 0;
+
+		free_term(k, w, q, n++);
+		for (int i = 0; i < 3; i++)
+			largest = fmax(largest, fabs(w[i][n]) / size);
+		for (int i = 0; i < 4; i++)
+			largest = fmax(largest, fabs(q[i][n]));
+		if (small && largest < negligible)
+			break;
+		small = largest < negligible;
+	}
+	struct motion to;
+	for (int i = 0; i < 3; i++)
+		to.w[i] = horner(w[i], n, x);
+	to.q = rb_quat_unit((rb_quat){horner(q[0], n, x), horner(q[1], n, x), horner(q[2], n, x),
+	                              horner(q[3], n, x)});
+	return to;
+}
+
+static struct motion free_cached(const struct rb_top *top)
+{
+	const double g = top->grid_s;
+
+	return (struct motion){
+		top->cached,
+		{g * top->cached_spin.x, g * top->cached_spin.y, g * top->cached_spin.z}};
+}
+
+static void free_keep(struct rb_top *top, const struct motion *m, uint64_t at)
+{
+	const double g = top->grid_s;
+
+	top->at = at;
+	top->cached = m->q;
+	top->cached_spin = (rb_vec3){m->w[0] / g, m->w[1] / g, m->w[2] / g};
+}
+
+static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
+{
+	const double i[3] = {top->moments.x, top->moments.y, top->moments.z};
+	const double k[3] = {(i[1] - i[2]) / i[0], (i[2] - i[0]) / i[1], (i[0] - i[1]) / i[2]};
+	const double steps = floor(t / top->grid_s);
+	const bool turned = !is_identity(top->principal);
+
+	if (!(steps < far)) {
+		*orientation = (rb_quat){NAN, NAN, NAN, NAN};
+		*spin = (rb_vec3){NAN, NAN, NAN};
+		return;
+	}
+	const uint64_t point = steps > 0 ? (uint64_t)steps : 0;
+	if (point < top->at) {
+		top->at = 0;
+		top->cached = top->orientation;
+		if (turned)
+			top->cached = rb_quat_multiply(top->orientation, top->principal);
+		top->cached_spin = rb_quat_rotate_back(top->cached, top->spin);
+	}
+	struct motion m = free_cached(top);
+	if (top->at < point) {
+		for (uint64_t n = top->at; n < point; n++)
+			m = free_series(&m, k, 1);
+		free_keep(top, &m, point);
+	}
+	m = free_series(&m, k, t / top->grid_s - (double)point);
+	const rb_vec3 w = {m.w[0] / top->grid_s, m.w[1] / top->grid_s, m.w[2] / top->grid_s};
+	*orientation = turned ? rb_quat_multiply(m.q, conjugate(top->principal)) : m.q;
+	*spin = rb_quat_rotate(m.q, w);
+}
+
+/* ---- symmetric ---- */
+
+/*
+ * About the angular momentum at the rate L / I1, after a turn about the own axis at the rate w_axis (I1 - I3) / I1
+ * (Landau, Lifshitz, Mechanics, section 35).
+ */
+static void symmetric_at(const struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
+{
+	const rb_vec3 axis = rb_quat_rotate(top->principal, (rb_vec3){0, 0, 1});
+	const double along = rb_vec3_dot(rb_quat_rotate_back(top->orientation, top->spin), axis);
+	const double rate = along * ((top->moments.x - top->moments.z) / top->moments.x);
+	const rb_vec3 precession = rb_vec3_add_scaled(top->spin, -rate,
+	                                              rb_quat_rotate(top->orientation, axis));
+	const rb_quat about = turn(precession, t);
+
+	*orientation = rb_quat_multiply(
+		about, rb_quat_multiply(top->orientation, turn(rb_vec3_scale(rate, axis), t)));
+	*spin = rb_quat_rotate(about, top->spin);
+}
+
+void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
+{
+	rb_quat q = top->orientation;
+	rb_vec3 w = top->spin;
+
+	if (t != 0) {
+		switch (top->kind) {
+		case RB_TOP_CONSTANT:
+			if (!is_zero(w))
+				q = rb_quat_multiply(turn(w, t), q);
+			break;
+		case RB_TOP_STEADY:
+			w = steady_spin(top, t);
+			if (isinf(top->grid_s))
+				q = rb_quat_multiply(turn(steady_spin(top, 0.5 * t), t), q);
+			else if (orientation)
+				q = steady_at(top, t);
+			break;
+		case RB_TOP_SYMMETRIC:
+			symmetric_at(top, t, &q, &w);
+			break;
+		case RB_TOP_FREE:
+			free_at(top, t, &q, &w);
+			break;
+		}
+		q = rb_quat_unit(q);
+	}
+	if (orientation)
+		*orientation = q;
+	if (spin)
+		*spin = w;
+}

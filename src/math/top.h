@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Turning without torque, and with one that is constant in world axes, from an anchor: orientation and angular
+ * velocity at any later moment, to rounding, whatever the moments that were asked for before.
+ *
+ *   constant   equal moments: the spin stays
+ *   steady     equal moments and a constant angular acceleration; closed form when parallel to the spin, else a series
+ *   symmetric  two equal moments: closed form (precession about L, spin about the own axis)
+ *   free       three unequal moments, or a frame of the tensor that is not diagonal: a Taylor series of Euler's
+ *              equations and the quaternion's, carried to rounding over steps of a grid that starts at the anchor
+ *
+ * The grid's last point is kept, so that going forward costs one step per grid interval; what comes out does not
+ * depend on what was asked before.
+ */
+#ifndef RB_MATH_TOP_H
+#define RB_MATH_TOP_H
+
+#include <stdint.h>
+
+#include "math/mat3.h"
+#include "math/quat.h"
+
+enum rb_top_kind { RB_TOP_CONSTANT, RB_TOP_STEADY, RB_TOP_SYMMETRIC, RB_TOP_FREE };
+
+struct rb_top {
+	enum rb_top_kind kind;
+	rb_quat orientation;  /* at the anchor; object to world */
+	rb_vec3 spin;         /* rad/s, world axes, at the anchor */
+	rb_vec3 acceleration; /* rad/s^2, world axes, for `steady` */
+	rb_quat principal;    /* principal axes to object coordinates, for symmetric and free */
+	rb_vec3 moments;      /* kg m^2, principal; for symmetric the distinct one is z */
+	double grid_s; /* free: length of a step of the series; steady: 0; INFINITY where there is no series */
+	uint64_t at;         /* grid point that the cache holds */
+	rb_quat cached;      /* principal axes to world */
+	rb_vec3 cached_spin; /* principal axes for `free`, world axes for `steady` */
+};
+
+/* What does not change with the state: principal axes of a tensor (object coordinates), kg m^2. */
+struct rb_top_body {
+	enum rb_top_kind kind; /* constant, symmetric or free */
+	rb_quat principal;
+	rb_vec3 moments;
+};
+struct rb_top_body rb_top_body_of(const rb_mat3 *inertia);
+
+/* A body let go at an anchor. `acceleration` must be zero unless the body's kind is constant. */
+struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, rb_vec3 spin,
+                           rb_vec3 acceleration);
+
+/* At `t` >= 0 seconds after the anchor. Either result may be NULL. */
+void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin);
+
+#endif

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Functions of a scene that a run asks for values, thousands of times in a simulated second: `field`
+ * and `motion`. They depend on nothing but their arguments: what they see of the world is the start.
+ *
+ * Same thread, errors and budget as the callbacks (script/hooks), of which they may be called from
+ * within. An error is RB_ERR_SCENE with the place of the function, the body and the time.
+ */
+#ifndef RB_SCRIPT_FUNCTIONS_H
+#define RB_SCRIPT_FUNCTIONS_H
+
+#include <rbsim/world.h>
+
+struct rb_script;
+struct lua_State;
+
+/* In protected mode, when the scene has been read: what calls need is made once, not each time. */
+void rb_functions_prepare(struct lua_State *L);
+
+/* What `position` and `orientation` of a call said of a body that `motion` drives: to be remembered
+ * until rb_functions_start. */
+void rb_functions_placed(struct lua_State *L, int id, bool position, bool orientation);
+
+/* Asks the motion of a driven body for time 0 and puts what it says into its definition. */
+RB_CHECKED enum rb_status rb_functions_start(struct rb_script *script, int id,
+                                             struct rb_error *err);
+
+/* Sum of all fields. */
+RB_CHECKED enum rb_status rb_functions_field(struct rb_script *script, double time_s,
+                                             rb_vec3 position, rb_vec3 velocity, rb_vec3 *force,
+                                             struct rb_error *err);
+
+/* Pose of a driven body, by id. */
+RB_CHECKED enum rb_status rb_functions_motion(struct rb_script *script, int id, double time_s,
+                                              struct rb_driven_pose *pose, struct rb_error *err);
+
+#endif

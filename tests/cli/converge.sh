@@ -1,0 +1,143 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# rbsim converge: errors and orders that are known, failures as crosses, pictures, files, advice, refusals.
+. tests/cli/functions
+
+cat >throw.lua <<'END'
+local limit = param("limit", 1.0, "longest step that its callback allows, s")
+local wrong = param("wrong", 0.0, "by how much the reference starts elsewhere, m")
+world { title = "It's a `throw` of 50%", duration = 0.5, gravity = {0, 0, -10}, time_step = 1 / 600 }
+sphere { name = "ball", radius = 0.1, position = {0, 0, 0}, velocity = {1, 0, 3}, angular_velocity = {0, 0, 1} }
+on_step(function(t, dt) if dt > limit then error("too coarse") end end)
+reference(function(t)
+	return { ball = { position = vec3(t + wrong, 0, 3 * t - 5 * t * t), velocity = vec3(1, 0, 3 - 10 * t),
+		angular_velocity = vec3(0, 0, 1) } }
+end)
+END
+classic="--methods classic,classic-global --runs 1"
+
+# Semi-implicit Euler falls short by g t dt/2: at the end 10 x 0.5 x dt / 2.
+exits 0 converge throw.lua $classic --dt 0.01,0.001 --json
+[ "$(wc -l <out)" -eq 1 ] || fail "not one object"
+python3 - <<'END' || fail "the errors of a throw are not g t dt/2"
+import json
+r = json.load(open("out"))
+assert r["reference"]["kind"] == "scene" and not r["energy_is_drift"]
+assert len(r["rows"]) == 4, r["rows"]
+for row in r["rows"]:
+    error, dt = row["errors"]["position"], row["time_step"]
+    assert abs(error["max"] - 2.5 * dt) < 1e-12 and error["final"] == error["max"], row
+    assert error["rms"] < error["max"] and row["wall_time"] > 0 and row["runs"] == 1
+    # kinetic energy and that of gravity, by hand: m g (g t dt/2) of m (1 + 9)/2, and no error of speed
+    assert abs(row["errors"]["energy"]["max"] - 10 * 2.5 * dt / 5) < 0.02 * dt, row["errors"]["energy"]
+    assert row["errors"]["velocity"]["max"] < 1e-13
+for method in r["methods"]:
+    assert abs(method["order"] - 1) < 1e-3 and method["order_points"] == 2, method
+assert r["advice"]["row"] is None and "no setting reaches" in r["advice"]["text"]
+END
+exits 0 converge throw.lua $classic --dt 0.01,0.001 --error 0.01
+says out '^for an error of 0.01 m the cheapest is method classic, rollback (selective|global), time step 0.000980392 s'
+says out '^  classic: order 1.00 in the time step, from 2 points'
+says out "It's a .throw. of 50%"
+exits 0 converge throw.lua $classic --dt 0.01,0.001 --quantity velocity
+says out 'order none: all errors are those of rounding'
+exits 0 converge throw.lua $classic --dt 0.001 --param wrong=0.5
+says out 'mind .* at the start the reference is 0.5 m away'
+
+# What fails is told, and is not the end; nothing but failures is.
+exits 0 converge throw.lua $classic --dt 0.01,0.001 --param limit=0.005
+says out 'classic +0.00833333  failed: throw.lua:5: too coarse'
+says out 'classic +0.000980392 +2.45e-03'
+exits 65 converge throw.lua $classic --dt 0.01 --param limit=0.005
+says out 'there is no error'
+# a first setting that takes longer than all of the budget
+long_scene >long.lua
+exits 70 converge long.lua --methods classic --dt 0.00001 --budget 0.5
+says out 'too long: ended after'
+
+# Without a reference of its own a scene is measured against finer runs. Two balls' fall, before they land.
+small_scene >small.lua
+exits 0 converge small.lua --methods classic --dt 0.01,0.003,0.001 --duration 0.1 --error 1e-3 --json --budget 20
+python3 - <<'END' || fail "a converged run does not serve as a reference"
+import json
+r = json.load(open("out"))
+assert r["reference"]["kind"] == "run" and r["reference"]["agrees"], r["reference"]
+assert r["reference"]["error"] < 1e-4 and not r["reference"]["diverges"], r["reference"]
+assert abs(r["methods"][0]["order"] - 1) < 0.2, r["methods"]
+END
+# A gas of hard balls forgets where it came from: no order, and errors up to a horizon.
+cat >gas.lua <<'END'
+world { duration = 8, time_step = 1 / 60 }
+local m = material { restitution = 1, friction = 0, density = 1000 }
+for _, n in ipairs { {1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1} } do
+	plane { normal = n, position = -0.5 * vec3(n[1], n[2], n[3]), material = m }
+end
+for i = 0, 26 do
+	sphere { radius = 0.1, position = {0.3 * (i % 3 - 1), 0.3 * (i // 3 % 3 - 1), 0.3 * (i // 9 - 1)}, material = m,
+		velocity = {math.cos(i), math.sin(2 * i), math.cos(3 * i)} }
+end
+END
+exits 0 converge gas.lua --methods classic --dt 0.01,0.002 --budget 10 --runs 1
+says out 'finer steps or rounding do not lead to one answer'
+says out 'order none: refining does not lead to one answer'
+
+# Files: by their endings, whole or not at all, never over another one without --force.
+exits 0 converge throw.lua $classic --dt 0.01,0.001 -o report.csv
+[ "$(wc -l <report.csv)" -eq 5 ] && [ "$(sed 's/[^,]//g' report.csv | sort -u | wc -l)" -eq 1 ] || fail "report.csv is no table"
+exits 73 converge throw.lua $classic --dt 0.01 -o report.csv
+says err 'exists'
+exits 0 converge throw.lua $classic --dt 0.01 -o report.csv --force
+[ "$(wc -l <report.csv)" -eq 3 ] || fail "--force did not replace the report"
+exits 0 converge throw.lua $classic --dt 0.01 -o report.json
+python3 -c 'import json; assert len(json.load(open("report.json"))["rows"]) == 2' || fail "report.json is not the report"
+exits 64 converge throw.lua -o report.pdf
+exits 73 converge throw.lua $classic --dt 0.01 -o nowhere/report.csv
+ls ./*.partial* >/dev/null 2>&1 && fail "partial files stay"
+
+# Without gnuplot: the table goes on, a picture is refused before anything runs.
+mkdir empty
+(PATH=$TMPDIR/empty && exits 0 converge throw.lua $classic --dt 0.01) || exit 1
+says out 'no picture: .*gnuplot'
+(PATH=$TMPDIR/empty && exits 69 converge throw.lua $classic --dt 0.01 -o report.svg) || exit 1
+says err "there is no 'gnuplot'"
+says_nothing out
+printf '#!/bin/sh\necho "line 0: no such terminal" >&2\nexit 1\n' >empty/gnuplot
+chmod +x empty/gnuplot
+(PATH=$TMPDIR/empty:$PATH && exits 69 converge throw.lua $classic --dt 0.01 -o report.svg) || exit 1
+says err 'no such terminal'
+[ -e report.svg ] && fail "half a picture stays"
+
+# The command line
+exits 64 converge throw.lua --methods classic,fast
+says err "'fast' is not one of: classic"
+exits 64 converge throw.lua --dt 0.01,zero
+exits 64 converge throw.lua --dt 0.01,0
+exits 64 converge throw.lua --dt 0.01,0.001 --tolerance 1e-6
+exits 64 converge throw.lua --time-step 0.01
+exits 64 throw.lua --dt 0.01
+exits 64 converge
+exits 0 converge throw.lua --methods classic --tolerance 1e-6,1e-7 --runs 1
+says out 'tolerance'
+echo 'sphere { raduis = 1 }' >bad.lua
+exits 65 converge bad.lua --json
+[ "$(value exit_status)" = 65 ] || fail "a refusal is not told as JSON"
+
+command -v gnuplot >/dev/null || { echo "no gnuplot: pictures are not looked at"; exit 77; }
+exits 0 converge throw.lua $classic --dt 0.01,0.001 --param limit=0.005
+says out 'X'
+says out '1e-0[0-9] [|+]'
+exits 0 converge throw.lua $classic --dt 0.01,0.001 -o report.svg
+says report.svg '</svg>'
+says report.svg 'classic-global'
+says report.svg 'wall time'
+exits 0 converge throw.lua $classic --dt 0.01,0.001 -o report.png
+[ "$(head -c 4 report.png | tail -c 3)" = PNG ] || fail "report.png is no PNG"
+# an error of 0 has a place on the logarithmic axis
+cat >rest.lua <<'END'
+world { duration = 0.1, gravity = {0, 0, 0} }
+sphere { name = "ball", radius = 0.1, position = {0, 0, 0} }
+reference(function(t) return { ball = { position = vec3(0, 0, 0) } } end)
+END
+exits 0 converge rest.lua --methods classic --dt 0.01 --runs 1
+says out 'left edge: error 0'
+says out 'A'
