@@ -420,6 +420,11 @@ static void springs_that_make_no_sense_are_refused(void **slot)
 	it->damping = 0;
 	it->at_a = (rb_vec3){4, 0, 0};
 	seal(&b); /* of no length, and at rest so */
+	assert_near(b.model->rest_length_m[0], 0, 0);
+	it->at_b = (rb_vec3){0, 3, 0};
+	seal(&b);
+	assert_near(b.model->rest_length_m[0], 3, 1e-15);
+	it->at_b = (rb_vec3){NAN, 0, 0};
 	it->rest_length_m = 0.5;
 	assert_refused(&b,
 	               "its ends are at one point at the start, so that its 'rest_length' 0.5 m");

@@ -66,6 +66,8 @@ struct rb_model {
 	rb_vec3 *position;              /* initial: of the object's origin; for good: statics */
 	rb_quat *orientation;
 
+	double *rest_length_m; /* [scene->spring_count]: that of each spring; NULL without any */
+
 	int material_count;
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */
 

@@ -1,12 +1,15 @@
 -- SPDX-License-Identifier: MIT
--- S06: ten thousand spheres of 1 mm at 10 km/s, each on its own plate without thickness, in random directions. Answer:
--- every one is reflected, at its time.
+-- S06: ten thousand spheres of 1 mm at 10 km/s, five hundred a run, each on its own plate without thickness, in random
+-- directions. Answer: every one is reflected, at its time.
 local verify = require "rbsim.verify"
-local count = param("count", 10000, "spheres")
+local batch = param("batch", 1, "which twentieth of them", {choices = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
+	17, 18, 19, 20}})
+local count = 500
+math.randomseed(batch)
 local e, speed, radius, away, side = 0.5, 1e4, 1e-3, 40, 256
 
 verify.case { title = "Ten kilometres per second at a thin plate", duration = 1 / 60, time_step = {1 / 60, 1e-3, 1e-5},
-	frame_rate = {60, 1, 200}, wall_seconds = 120, quick = "none", length = 256 }
+	frame_rate = {60, 1, 200}, quick = "more", length = 256 }
 local steel = material { name = "steel", density = 7800, friction = 0, restitution = e }
 
 local function direction()
@@ -45,7 +48,7 @@ expect("none goes through", function()
 	end
 	return through, 0
 end)
--- A coordinate of up to 2e4 m is rounded by 2e-12 m, which is 2e-15 s at a tenth of the speed.
+-- A coordinate of up to 4e3 m is rounded by 5e-13 m, ten times that along the way of the flattest.
 expect("every impact is in time, s", function()
 	local late = 0
 	for _, shot in ipairs(shots) do late = verify.larger(late, shot.late or 0 / 0) end

@@ -15,14 +15,15 @@ struct frame_of_axes {
 	bool has_zero;
 };
 
+/* With room, so that no point hides in the frame. */
 static double decade_below(double value)
 {
-	return pow(10, floor(log10(value) - 1e-9));
+	return pow(10, floor(log10(value / 1.5)));
 }
 
 static double decade_above(double value)
 {
-	return pow(10, ceil(log10(value) + 1e-9));
+	return pow(10, ceil(log10(value * 1.5)));
 }
 
 /* Whole decades around all points; one more to the left where an error is 0. */
@@ -33,7 +34,7 @@ static struct frame_of_axes axes_of(const struct rb_report *report)
 
 	for (int i = 0; i < report->row_count; i++) {
 		const struct rb_report_row *const row = &report->rows[i];
-		const double error = rb_report_error(report, row), wall = row->result.wall_s;
+		const double error = rb_report_least_error(report, row), wall = row->result.wall_s;
 		if (!isfinite(error))
 			continue;
 		y_low = fmin(y_low, wall);
@@ -51,7 +52,7 @@ static struct frame_of_axes axes_of(const struct rb_report *report)
 	return (struct frame_of_axes){.x_low = decade_below(has_zero ? x_low / 10 : x_low),
 	                              .x_high = decade_above(x_high),
 	                              .y_low = decade_below(y_low),
-	                              .y_high = decade_above(1.3 * y_high),
+	                              .y_high = decade_above(y_high),
 	                              .has_zero = has_zero};
 }
 
@@ -106,7 +107,7 @@ static void fill(struct drawing *drawing, const struct rb_report *report,
 		int points = 0, crosses = 0;
 		for (int i = 0; i < report->row_count; i++) {
 			const struct rb_report_row *const row = &report->rows[i];
-			const double error = rb_report_error(report, row);
+			const double error = rb_report_least_error(report, row);
 			if (row->method != m)
 				continue;
 			if (row->result.state != RB_RUNG_OK) {

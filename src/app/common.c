@@ -97,10 +97,8 @@ void rb_app_json_refusal(const struct rb_options *options, const struct rb_loade
                          const struct rb_error *err, int exit_code)
 {
 	static const char *const operand_names[RB_VERB_COUNT][2] = {
-		[RB_VERB_RUN] = {"scene"},
-		[RB_VERB_CHECK] = {"scene"},
-		[RB_VERB_INFO] = {"file"},
-		[RB_VERB_DIFF] = {"a", "b"},
+		[RB_VERB_RUN] = {"scene"},      [RB_VERB_CHECK] = {"scene"},
+		[RB_VERB_INFO] = {"file"},      [RB_VERB_DIFF] = {"a", "b"},
 		[RB_VERB_CONVERGE] = {"scene"},
 	};
 	struct rb_json json = {.file = stdout};
@@ -317,9 +315,9 @@ const char *rb_text_forces(int springs, int drags, int fields, char out[96])
 	out[0] = '\0';
 	for (int i = 0; i < 3; i++)
 		if (kinds[i].count > 0)
-			used += (size_t)snprintf(
-				out + used, 96 - used, "%s%d %s", used > 0 ? ", " : "",
-				kinds[i].count,
-				rb_text_plural((uint64_t)kinds[i].count, kinds[i].one, kinds[i].many));
+			used += (size_t)snprintf(out + used, 96 - used, "%s%d %s",
+			                         used > 0 ? ", " : "", kinds[i].count,
+			                         rb_text_plural((uint64_t)kinds[i].count,
+			                                        kinds[i].one, kinds[i].many));
 	return out;
 }

@@ -21,6 +21,7 @@ enum { LIST_MOST = 64, DEFAULT_STEPS = 7, RUNS_DEFAULT = 5 };
 static const double budget_default_s = 60, error_default = 1e-6;
 /* What of the budget looking for a reference may take. */
 static const double reference_share = 0.4;
+static const double half_decade = 3.1622776601683795;
 
 enum output { TERMINAL, SVG, PNG, CSV, JSON };
 static const char *const endings[] = {
@@ -202,7 +203,7 @@ static void lay_steps(struct converge *converge)
 	for (int i = 0; converge->step_count < DEFAULT_STEPS && !converge->options->steps &&
 	                converge->tolerance_count == 0;
 	     i++)
-		steps[converge->step_count++] = own_s * pow(10, 1 - 0.5 * i);
+		steps[converge->step_count++] = own_s * 10 * pow(half_decade, -i);
 	qsort(steps, (size_t)converge->step_count, sizeof *steps, falling);
 	for (int i = 0; i < converge->step_count; i++) {
 		const double step_s = converge->interval_s /
@@ -258,6 +259,7 @@ static enum rb_status refine_with(struct converge *converge, const struct rb_lad
 		.quantity = report->quantity,
 		.error = report->error,
 		.budget_s = reference_share * report->budget_s,
+		.growth = by_step ? half_decade : 1,
 		.tell = show_reference,
 		.user = converge,
 	};
@@ -279,12 +281,14 @@ static void describe_reference(struct converge *converge, const struct rb_ladder
 	if (!refined->found) {
 		snprintf(report->reference, sizeof report->reference,
 		         "nothing: no run came to its end");
-		snprintf(report->warning, sizeof report->warning, "%.150s", refined->text);
+		snprintf(report->warning, sizeof report->warning, "no reference run: %.150s",
+		         refined->text);
 		return;
 	}
-	snprintf(report->reference, sizeof report->reference,
-	         "a run of %s, time step %.3g s; its own error is about %.2g%s%s", method->name,
-	         refined->time_step_s, refined->estimate, space, unit);
+	snprintf(
+		report->reference, sizeof report->reference,
+		"a run of %s, time step %.3g s; a finer one and rounding make a difference of %.2g%s%s",
+		method->name, refined->time_step_s, refined->estimate, space, unit);
 	if (isnan(refined->estimate))
 		snprintf(
 			report->reference, sizeof report->reference,
@@ -359,18 +363,22 @@ static struct rb_rung_order order_of(const struct converge *converge,
 	};
 }
 
-/* A setting that would go beyond its method's part of the budget is not begun, and so are all finer ones. */
+/* What would go beyond its method's part of the budget is not begun, nor is what is finer; NAN: not for its time. */
 static void leave_out(struct converge *converge, int method, int rung, double expected_s)
 {
 	struct rb_report_method *const of = &converge->report.methods[method];
 	const int count = rung_count(converge) - rung;
 	const double *const dial = converge->report.by_tolerance ? converge->tolerances_m
 	                                                         : converge->steps_s;
+	char why[96] = "no time is left for them (--budget allows more)";
 
-	snprintf(of->left_out, sizeof of->left_out,
-	         "%d finer %s left out, from %.3g %s on: about %.2g s a run (--budget allows more)",
+	if (isnan(expected_s))
+		snprintf(why, sizeof why, "the method cannot do this scene");
+	else if (expected_s > 0)
+		snprintf(why, sizeof why, "about %.2g s a run (--budget allows more)", expected_s);
+	snprintf(of->left_out, sizeof of->left_out, "%d finer %s left out, from %.3g %s on: %s",
 	         count, count == 1 ? "setting is" : "settings are", dial[rung],
-	         converge->report.by_tolerance ? "m" : "s", expected_s);
+	         converge->report.by_tolerance ? "m" : "s", why);
 }
 
 static enum rb_status run_method(struct converge *converge, int method, double budget_s,
@@ -378,7 +386,7 @@ static enum rb_status run_method(struct converge *converge, int method, double b
 {
 	struct rb_report *const report = &converge->report;
 	const uint64_t start_ns = rb_clock_now_ns();
-	double last_s = 0, last_dial = 0;
+	double last_s = 0, last_dial = 0, observed = (double)INFINITY;
 
 	for (int i = 0; i < rung_count(converge); i++) {
 		struct rb_report_row row = {.method = method,
@@ -389,8 +397,10 @@ static enum rb_status run_method(struct converge *converge, int method, double b
 		else
 			row.time_step_s = converge->steps_s[i];
 		const double left_s = budget_s - seconds_since(start_ns);
-		const double growth = report->by_tolerance ? 1 : last_dial / row.time_step_s;
-		if (i > 0 && last_s * growth > left_s) {
+		const double growth = report->by_tolerance
+		                              ? 1
+		                              : fmin(last_dial / row.time_step_s, observed);
+		if (i > 0 && (left_s <= 0 || last_s * growth > left_s)) {
 			leave_out(converge, method, i, last_s * growth);
 			break;
 		}
@@ -401,11 +411,15 @@ static enum rb_status run_method(struct converge *converge, int method, double b
 			return status;
 		report->rows[report->row_count++] = row;
 		if (row.result.state == RB_RUNG_OK) {
+			if (last_s > 0)
+				observed = fmax(1.2 * row.result.wall_s / last_s, 1);
 			last_s = row.result.wall_s;
 			last_dial = row.time_step_s;
 			report->energy_drifts = report->energy_drifts || row.result.energy_drifts;
-		} else if (row.result.state == RB_RUNG_TOO_LONG && i + 1 < rung_count(converge)) {
-			leave_out(converge, method, i + 1, order.deadline_s);
+		} else if (i + 1 < rung_count(converge) &&
+		           (row.result.state == RB_RUNG_TOO_LONG || row.result.refused)) {
+			leave_out(converge, method, i + 1,
+			          row.result.refused ? (double)NAN : order.deadline_s);
 			break;
 		}
 	}

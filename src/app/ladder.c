@@ -178,6 +178,7 @@ static enum rb_status run_once(const struct rb_rung_order *order, bool first,
 	                        .result = result};
 	enum rb_status status = rb_loaded_init(&loaded, &options, err);
 
+	result->refused = status != RB_OK;
 	if (!status && order->nudge)
 		loaded.scene.world.gravity = rb_vec3_scale(1 + nudge, loaded.scene.world.gravity);
 	if (order->by_reference)
@@ -279,8 +280,9 @@ static bool receive(int descriptor, struct rb_rung_result *result, double deadli
 
 static void tell_end(struct rb_rung_result *result, int status, bool late, double deadline_s)
 {
-	*result = (struct rb_rung_result){.state = late ? RB_RUNG_TOO_LONG : RB_RUNG_CRASHED,
-	                                  .exit_status = 70};
+	*result = (struct rb_rung_result){
+		.state = late ? RB_RUNG_TOO_LONG : RB_RUNG_CRASHED,
+		.exit_status = rb_status_exit_code(late ? RB_ERR_PHYSICS : RB_ERR_BUG)};
 	if (late)
 		snprintf(result->text, sizeof result->text, "ended after %.3g s of wall time",
 		         deadline_s);

@@ -42,6 +42,7 @@ struct rb_rung_order {
 
 struct rb_rung_result {
 	enum rb_rung_state state;
+	bool refused;                  /* the scene does not load with this method */
 	int exit_status;               /* what rbsim run would end with; 0 when ok */
 	char text[RB_ERROR_TEXT_SIZE]; /* why it is not ok, "" when it is */
 

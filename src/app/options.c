@@ -13,7 +13,9 @@
 #include "script/nearest.h"
 
 #define VERB(name) (1u << RB_VERB_##name)
-#define ALL (VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(DIFF) | VERB(CONVERGE) | VERB(VERIFY) | VERB(METHODS))
+#define ALL                                                                                  \
+	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(DIFF) | VERB(CONVERGE) | VERB(VERIFY) | \
+	 VERB(METHODS))
 #define SCENE (VERB(RUN) | VERB(CHECK))
 #define AT(field) offsetof(struct rb_options, field)
 
@@ -33,12 +35,12 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 	[RB_VERB_DIFF] = {"diff", "A.h5 B.h5", 2,
                           "the first frame and body at which two recordings differ",
                           "rbsim diff before.h5 after.h5\texit status 0: the same to the bit\n"},
-	[RB_VERB_CONVERGE] = {"converge", "SCENE.lua", 1,
-                              "error against run time, over methods and time steps",
-                              "rbsim converge bounce.lua\ta table, a picture and advice\n"
-                              "rbsim converge bounce.lua -o bounce.svg\tthe picture in a file\n"
-                              "rbsim converge bounce.lua --error 1e-9\twhat is the cheapest for that?\n"
-                              "rbsim converge bounce.lua --methods classic --dt 0.01,0.001\tonly these\n"},
+	[RB_VERB_CONVERGE] =
+		{"converge", "SCENE.lua", 1, "error against run time, over methods and time steps",
+                 "rbsim converge bounce.lua\ta table, a picture and advice\n"
+                 "rbsim converge bounce.lua -o bounce.svg\tthe picture in a file\n"
+                 "rbsim converge bounce.lua --error 1e-9\twhat is the cheapest for that?\n"
+                 "rbsim converge bounce.lua --methods classic --dt 0.01,0.001\tonly these\n"},
 	[RB_VERB_VERIFY] = {"verify", "[CASE...]", -1,
                             "problems with known answers: measured, bound, pass or fail",
                             "rbsim verify\tall cases in all variations\n"
@@ -53,8 +55,8 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 const struct rb_option_row rb_option_rows[] = {
 	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), SCENE, 0, 0, false, NULL,
 	 "record to FILE (default: the scene's record file, else its name with .h5, here)"},
-	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), VERB(CONVERGE), 0, 0, false, NULL,
-	 "write the report to FILE, by its ending a picture (.svg, .png) or all numbers (.csv, .json)"},
+	{"output", 'o', "REPORT", RB_OPTION_TEXT, AT(output), VERB(CONVERGE), 0, 0, false, NULL,
+	 "write the report, by the ending of its name a picture (.svg, .png) or all numbers (.csv, .json)"},
 	{"param", 'p', "NAME=VALUE", RB_OPTION_LIST, AT(params), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
 	 "set a parameter of the scene; may be given again"},
 	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE | VERB(CONVERGE), 0, INFINITY, true, NULL,
@@ -115,9 +117,8 @@ const struct rb_option_row rb_option_rows[] = {
 /* clang-format on */
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"console",  "attach", "render", "plot",    "export",
-                                      "sweep",  "collect", "replay",
-                                      "repair",   "ctl",    NULL};
+const char *const rb_later_verbs[] = {"console", "attach", "render", "plot", "export", "sweep",
+                                      "collect", "replay", "repair", "ctl",  NULL};
 const char *const rb_later_options[] = {
 	"no-render", "camera", "checkpoint-every", "resume", "listen", "commands", NULL};
 static const char *const later_methods[] = {"stepped", NULL};
@@ -293,7 +294,7 @@ static const struct rb_option_row *row_of(const struct parse *parse, const char 
 	for (int i = 0; i < rb_option_row_count; i++) {
 		const struct rb_option_row *row = &rb_option_rows[i];
 		const bool named = name ? strlen(row->name) == length &&
-						  memcmp(row->name, name, length) == 0
+		                                   memcmp(row->name, name, length) == 0
 		                        : row->letter == letter;
 		if (named && (!found || row->verbs & 1u << parse->options->verb))
 			found = row;

@@ -28,7 +28,7 @@ enum rb_verb {
 struct rb_verb_row {
 	const char *name;
 	const char *operands; /* as in the usage line, "" without */
-	int operand_count; /* -1: any number, kept as words */
+	int operand_count;    /* -1: any number, kept as words */
 	const char *help;
 	const char *examples; /* for --help: lines "command\tremark\n" */
 };
@@ -54,12 +54,12 @@ struct rb_options {
 	int word_count;
 
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
-	bool quick; /* verify */
+	bool quick;         /* verify */
 	const char *scenes; /* verify: folder, NULL: the shipped one */
 	int jobs;           /* verify: runs at a time, 0: not given */
-	const char *methods, *steps, *tolerances, *quantity; /* converge; NULL: not given */
-	double error, budget_s;                              /* converge; NAN: not given */
-	int runs;                                            /* converge; 0: not given */
+	const char *methods, *steps, *tolerances, *quantity;   /* converge; NULL: not given */
+	double error, budget_s;                                /* converge; NAN: not given */
+	int runs;                                              /* converge; 0: not given */
 	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
 	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */
 	uint64_t seed;

@@ -217,15 +217,19 @@ static enum rb_status feed(const struct rb_plot *plot, enum rb_plot_kind kind,
 	               *complaint ? ": " : "", complaint);
 }
 
-static bool copy(FILE *from, FILE *to)
+/* A text begins with a form feed, which means nothing to whoever reads on. */
+static bool copy(FILE *from, FILE *to, bool text)
 {
 	char block[8192];
 	size_t size;
 
 	rewind(from);
-	while ((size = fread(block, 1, sizeof block, from)) > 0)
-		if (fwrite(block, 1, size, to) != size)
+	while ((size = fread(block, 1, sizeof block, from)) > 0) {
+		const size_t skip = text && block[0] == '\f';
+		if (fwrite(block + skip, 1, size - skip, to) != size - skip)
 			return false;
+		text = false;
+	}
 	return !ferror(from);
 }
 
@@ -241,7 +245,7 @@ enum rb_status rb_plot_draw(const struct rb_plot *plot, enum rb_plot_kind kind,
 		                 strerror(errno));
 	if (!status)
 		status = feed(plot, kind, size, drawing, complaints, err);
-	if (!status && !copy(drawing, to))
+	if (!status && !copy(drawing, to, kind == RB_PLOT_TEXT))
 		status = RB_FAIL(err, RB_ERR_IO, "cannot write a drawing: %s", strerror(errno));
 	if (drawing)
 		fclose(drawing);

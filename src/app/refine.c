@@ -25,6 +25,7 @@ struct search {
 	double difference; /* of the last two runs; NAN: there are no two */
 	double rounding;   /* below that, differences say nothing */
 	double agree_s, last_wall_s;
+	double growth; /* expected of the next run */
 	int stalls;
 };
 
@@ -93,6 +94,8 @@ static enum rb_status run(struct search *search, double time_step_s, struct rb_e
 		return status;
 	refined->runs++;
 	refined->spent_s += result.spent_s;
+	if (search->last_wall_s > 0)
+		search->growth = fmin(fmax(result.spent_s / search->last_wall_s, 1), refinement);
 	search->last_wall_s = result.spent_s;
 	if (result.state != RB_RUNG_OK) {
 		snprintf(refined->text, sizeof refined->text, "%s", result.text);
@@ -140,7 +143,8 @@ enum rb_status rb_refine(struct rb_refined *refined, const struct rb_refine_orde
 	                        .refined = refined,
 	                        .last = -1,
 	                        .difference = (double)NAN,
-	                        .agree_s = (double)INFINITY};
+	                        .agree_s = (double)INFINITY,
+	                        .growth = order->growth};
 	int64_t steps = rb_step_count(order->interval_s, order->time_step_s);
 	enum rb_status status = rb_path_create(&search.path[0], model, err);
 
@@ -150,7 +154,7 @@ enum rb_status rb_refine(struct rb_refined *refined, const struct rb_refine_orde
 	for (int k = 0; k < RUNS_MOST && !status; k++) {
 		const double time_step_s = order->interval_s / (double)steps;
 		/* the twin is to come as well */
-		const double next_s = (refinement + 1) * search.last_wall_s;
+		const double next_s = 2 * search.growth * search.last_wall_s;
 		if (k > 0 && refined->spent_s + next_s > order->budget_s)
 			break;
 		status = run(&search, time_step_s, err);

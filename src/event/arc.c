@@ -5,9 +5,9 @@ static rb_vec3 piece_vector(const struct rb_piece_of *p, int row, double t)
 {
 	const double s = t - p->origin_s;
 
-	return (rb_vec3){rb_gauss_value(p->piece, p->first + row, s),
-	                 rb_gauss_value(p->piece, p->first + row + 1, s),
-	                 rb_gauss_value(p->piece, p->first + row + 2, s)};
+	return (rb_vec3){rb_gauss_value(&p->piece, p->first + row, s),
+	                 rb_gauss_value(&p->piece, p->first + row + 1, s),
+	                 rb_gauss_value(&p->piece, p->first + row + 2, s)};
 }
 
 rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t)
@@ -45,9 +45,9 @@ rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 	const struct rb_piece_of *p = &l->piece[i];
 	const double s = t - p->origin_s;
 
-	return (rb_vec3){rb_gauss_rate(p->piece, p->first + RB_ROW_VELOCITY, s),
-	                 rb_gauss_rate(p->piece, p->first + RB_ROW_VELOCITY + 1, s),
-	                 rb_gauss_rate(p->piece, p->first + RB_ROW_VELOCITY + 2, s)};
+	return (rb_vec3){rb_gauss_rate(&p->piece, p->first + RB_ROW_VELOCITY, s),
+	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_VELOCITY + 1, s),
+	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_VELOCITY + 2, s)};
 }
 
 static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
@@ -57,7 +57,7 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 		double q[4];
 
 		for (int k = 0; k < 4; k++)
-			q[k] = rb_gauss_value(p->piece, p->first + RB_ROW_ORIENTATION + k,
+			q[k] = rb_gauss_value(&p->piece, p->first + RB_ROW_ORIENTATION + k,
 			                      t - p->origin_s);
 		pose->orientation = rb_quat_unit(rb_quat_from(q));
 		pose->spin = piece_vector(p, RB_ROW_SPIN, t);
@@ -78,9 +78,9 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 		pose.orientation = l->model->orientation[i];
 	pose.origin = pose.position;
 	if (i < l->n && l->model->center_of_mass)
-		pose.origin = rb_vec3_sub(pose.position,
-		                          rb_quat_rotate(pose.orientation,
-		                                         l->model->center_of_mass[i]));
+		pose.origin = rb_vec3_sub(
+			pose.position,
+			rb_quat_rotate(pose.orientation, l->model->center_of_mass[i]));
 	return pose;
 }
 
@@ -96,7 +96,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 {
 	l->arc[i] = (struct rb_arc){t, pose->position, pose->velocity, acceleration};
 	if (l->piece)
-		l->piece[i].piece = NULL;
+		l->piece[i].piece.n = 0;
 	if (l->top)
 		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
 }

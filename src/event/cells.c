@@ -34,13 +34,15 @@ enum {
 };
 
 static const double yielding = 0x1p-8;
-static const double slack = 0x1p-6;       /* edge / (2 r_max) - 1 at least */
+static const double slack = 0x1p-6; /* edge / (2 r_max) - 1 at least */
 #ifndef LOAD
 #define LOAD 0.5
 #endif
-static const double load = LOAD;          /* bodies to a cell, where they are spread evenly */
-static const double crowded = 6;          /* bodies in a body's own cell, on average, that ask for smaller cells */
-static const int64_t farthest = 1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
+static const double load = LOAD; /* bodies to a cell, where they are spread evenly */
+static const double crowded =
+	6; /* bodies in a body's own cell, on average, that ask for smaller cells */
+static const int64_t farthest =
+	1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
 
 /* Members come first; what is behind them means nothing. A cell's own block and all further ones are full, but for the
  * last of them that was made, which the own block points to. */
@@ -164,8 +166,8 @@ static void walk_around(const struct level *level, const int64_t at[3], struct w
 {
 	for (int k = 0; k < 3; k++) {
 		for (int i = 0; i < 3; i++)
-			walk->place[k][i] =
-				(size_t)((at[k] + i - 1) & level->mask[k]) * level->stride[k];
+			walk->place[k][i] = (size_t)((at[k] + i - 1) & level->mask[k]) *
+			                    level->stride[k];
 		walk->count[k] = 3;
 	}
 }
@@ -190,8 +192,8 @@ static int copy_members(const struct rb_cells *cells, const struct grid *grid,
 
 	for (int z = 0; z < walk->count[2]; z++) {
 		for (int y = 0; y < walk->count[1]; y++) {
-			const struct block *row =
-				grid->cells + walk->place[2][z] + walk->place[1][y];
+			const struct block *row = grid->cells + walk->place[2][z] +
+			                          walk->place[1][y];
 
 			for (int x = 0; x < walk->count[0]; x++) {
 				const struct block *block = row + walk->place[0][x];
@@ -317,7 +319,8 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
 			const int64_t at = entry->at[k];
 			const double middle = ((double)at + 0.5) * level->edge;
 			int high;
-			const double t = leaves_along(level->reach, x[k] - middle, v[k], a[k], &high);
+			const double t = leaves_along(level->reach, x[k] - middle, v[k], a[k],
+			                              &high);
 
 			if (t < first && at > -farthest && at < farthest) {
 				first = t;
@@ -427,8 +430,8 @@ static void set_edge(struct level *level, const struct extent *extent, double ed
 	}
 	/* not of the product, which could overflow */
 	while ((double)side[0] * (double)side[1] * (double)side[2] > (double)most) {
-		const int longest = side[0] >= side[1] ? (side[0] >= side[2] ? 0 : 2) :
-		                                         (side[1] >= side[2] ? 1 : 2);
+		const int longest = side[0] >= side[1] ? (side[0] >= side[2] ? 0 : 2)
+		                                       : (side[1] >= side[2] ? 1 : 2);
 		side[longest] /= 2;
 	}
 	for (int k = 0; k < 3; k++)
@@ -469,9 +472,9 @@ static bool choose_edge(struct rb_cells *cells, int l, const double *position)
 	double edge = fmax(least, fmax(size[0], fmax(size[1], size[2])));
 	int32_t *counts;
 
-	while (edge > least && fmax(1, size[0] / edge) * fmax(1, size[1] / edge) *
-	                                       fmax(1, size[2] / edge) <
-	                               extent.count / load)
+	while (edge > least &&
+	       fmax(1, size[0] / edge) * fmax(1, size[1] / edge) * fmax(1, size[2] / edge) <
+	               extent.count / load)
 		edge *= 0.9;
 	edge = fmax(edge, least);
 	set_edge(level, &extent, edge);

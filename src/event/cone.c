@@ -2,19 +2,25 @@
 #include "event/cone.h"
 
 #include <float.h>
-#include <stdio.h> //DBG
-#include <stdlib.h> //DBG
 #include <string.h>
 
 #include "event/exact_sum.h"
 
 enum {
-	WINDOW_SYMMETRIC = 3, /* conjugate residuals need one direction back; the others mend rounding */
-	WINDOW = 40,
+	WINDOW_SYMMETRIC =
+		3,    /* conjugate residuals need one direction back; the others mend rounding */
+	WINDOW = 100, /* of the general case; of more than MANY rows fewer, for the memory */
+	WINDOW_MANY = 40,
+	ROUNDS_GENERAL =
+		60, /* of a general problem too large for its window; the next Newton step goes on */
+	MANY = 400,
 	FIRST_STEPS = 2, /* simultaneous steps before the first Newton step */
 	MOST_STEPS = 64,
 	MOST_ROUNDS = 400
 };
+
+/* Violation, as a share of the speeds, above which a solution is not taken for one. */
+static const double failed_share = 1e-9;
 
 static bool yields(const struct rb_joint_body *body)
 {
@@ -65,7 +71,9 @@ static bool take_scratch(struct rb_cone *cone, int largest)
 	const size_t rows = (size_t)cone->row_count + 1, bodies = (size_t)cone->body_count + 1;
 	const size_t terms = 6 * (size_t)largest > 4 * rows ? 6 * (size_t)largest : 4 * rows;
 
-	cone->window = 3 * cone->row_count + 1 < WINDOW ? 3 * cone->row_count + 1 : WINDOW;
+	const int widest = cone->row_count > MANY ? WINDOW_MANY : WINDOW;
+
+	cone->window = 3 * cone->row_count + 1 < widest ? 3 * cone->row_count + 1 : widest;
 	cone->linear = rb_arena_take(cone->arena, bodies, sizeof *cone->linear);
 	cone->angular = rb_arena_take(cone->arena, bodies, sizeof *cone->angular);
 	cone->kept = rb_arena_take(cone->arena, bodies, sizeof *cone->kept);
@@ -80,7 +88,8 @@ static bool take_scratch(struct rb_cone *cone, int largest)
 	                                sizeof *cone->direction);
 	cone->image = rb_arena_take(cone->arena, (size_t)cone->window * rows, sizeof *cone->image);
 	return cone->linear && cone->angular && cone->kept && cone->term && cone->change &&
-	       cone->residual && cone->best && cone->before && cone->faces && cone->snapped && cone->direction && cone->image;
+	       cone->residual && cone->best && cone->before && cone->faces && cone->snapped &&
+	       cone->direction && cone->image;
 }
 
 bool rb_cone_open(struct rb_cone *cone)
@@ -148,11 +157,9 @@ rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_r
 }
 
 /* Increments of all bodies by impulses on all rows. */
-long rb_debug_products;
 static void respond(struct rb_cone *cone, const rb_cone_pair *impulse)
 {
 	cone->iterations++;
-	rb_debug_products++;
 	for (int i = 0; i < cone->body_count; i++) {
 		const struct rb_joint_body *body = &cone->body[i];
 		const int count = cone->first[i + 1] - cone->first[i];
@@ -167,8 +174,8 @@ static void respond(struct rb_cone *cone, const rb_cone_pair *impulse)
 
 			if (code % 2 == 0)
 				j = rb_vec3_neg(j);
-			const rb_vec3 torque =
-				rb_vec3_cross(code % 2 == 0 ? row->arm_a : row->arm_b, j);
+			const rb_vec3 torque = rb_vec3_cross(
+				code % 2 == 0 ? row->arm_a : row->arm_b, j);
 			term[e] = j.x;
 			term[e + count] = j.y;
 			term[e + 2 * count] = j.z;
@@ -176,16 +183,16 @@ static void respond(struct rb_cone *cone, const rb_cone_pair *impulse)
 			term[e + 4 * count] = torque.y;
 			term[e + 5 * count] = torque.z;
 		}
-		cone->linear[i] = rb_vec3_scale(
-			body->inverse_mass, (rb_vec3){rb_exact_sum(term, count),
-		                                      rb_exact_sum(term + count, count),
-		                                      rb_exact_sum(term + 2 * count, count)});
+		cone->linear[i] = rb_vec3_scale(body->inverse_mass,
+		                                (rb_vec3){rb_exact_sum(term, count),
+		                                          rb_exact_sum(term + count, count),
+		                                          rb_exact_sum(term + 2 * count, count)});
 		cone->angular[i] = (rb_vec3){0, 0, 0};
 		if (body->inverse_inertia != 0)
-			cone->angular[i] =
-				turn(body, (rb_vec3){rb_exact_sum(term + 3 * count, count),
-			                             rb_exact_sum(term + 4 * count, count),
-			                             rb_exact_sum(term + 5 * count, count)});
+			cone->angular[i] = turn(body,
+			                        (rb_vec3){rb_exact_sum(term + 3 * count, count),
+			                                  rb_exact_sum(term + 4 * count, count),
+			                                  rb_exact_sum(term + 5 * count, count)});
 	}
 }
 
@@ -257,9 +264,8 @@ static void rub_of(const struct rb_cone *cone, struct rb_cone_row *row, double p
 		const double more = cone->held ? 0 : row->friction * step->n;
 
 		/* not as a difference of large forces */
-		step->t = rb_vec3_neg(
-			rb_vec3_add_scaled(rb_vec3_add_scaled(j->t, before, row->slip), more,
-		                           row->slip));
+		step->t = rb_vec3_neg(rb_vec3_add_scaled(
+			rb_vec3_add_scaled(j->t, before, row->slip), more, row->slip));
 		if (!cone->held && row->closed)
 			row->rub = RB_CONE_FOLLOW;
 		return;
@@ -331,6 +337,9 @@ static void image_of(struct rb_cone *cone, rb_cone_pair *x, rb_cone_pair *y)
 
 		if (row->rub == RB_CONE_FOLLOW)
 			x[k].t = rb_vec3_scale(-row->friction * x[k].n, row->slip);
+		else /* rounding that grows when small directions are made unit ones */
+			x[k].t = rb_vec3_add_scaled(x[k].t, -rb_vec3_dot(x[k].t, row->normal),
+			                            row->normal);
 	}
 	respond(cone, x);
 	for (int k = 0; k < cone->row_count; k++) {
@@ -348,8 +357,8 @@ static void image_of(struct rb_cone *cone, rb_cone_pair *x, rb_cone_pair *y)
 			continue;
 		const double push = row->closed && !cone->held ? x[k].n - y[k].n : 0;
 		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->yield_t, du.t);
-		const rb_vec3 across = rb_vec3_add_scaled(
-			wanted, -rb_vec3_dot(wanted, row->along), row->along);
+		const rb_vec3 across = rb_vec3_add_scaled(wanted, -rb_vec3_dot(wanted, row->along),
+		                                          row->along);
 		y[k].t = rb_vec3_add_scaled(x[k].t, -row->friction * push, row->along);
 		y[k].t = rb_vec3_add_scaled(y[k].t, -row->share, across);
 	}
@@ -391,8 +400,13 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 	const double start = weighted(cone, r, r);
 	double square = start;
 	bool poor = false;
-	const int most = dimension < 500 ? 2 * dimension + 4 : 1000;
-	for (int round = 0; round < most && square > 1e-33 * start; round++) {
+	const bool direct = dimension < window && window > WINDOW_SYMMETRIC;
+	const int most = direct                      ? dimension + 4
+	                 : window > WINDOW_SYMMETRIC ? ROUNDS_GENERAL
+	                 : dimension < 500           ? 2 * dimension + 4
+	                                             : 1000;
+	const double enough = window > WINDOW_SYMMETRIC && !direct ? 1e-16 : 1e-33;
+	for (int round = 0; round < most && square > enough * start; round++) {
 		rb_cone_pair *const p = cone->direction + (size_t)(round % window) * (size_t)n;
 		rb_cone_pair *const q = cone->image + (size_t)(round % window) * (size_t)n;
 
@@ -409,7 +423,7 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 			add_scaled(n, p, -share, cone->direction + at);
 		}
 		const double size = sqrt(weighted(cone, q, q));
-		if (!(size * size > 1e-28 * whole) || !isfinite(size))
+		if (!(size * size > 1e-22 * whole) || !isfinite(size))
 			break;
 		for (int k = 0; k < n; k++) {
 			q[k] = (rb_cone_pair){q[k].n / size, rb_vec3_scale(1 / size, q[k].t)};
@@ -422,7 +436,6 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 		poor = next > 0.8 * square;
 		square = next;
 	}
-	if (getenv("TRACE")) printf("   linear %g\n", sqrt(square/start));
 }
 
 /* The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it. */
@@ -530,10 +543,9 @@ static bool newton(struct rb_cone *cone, bool convex)
 	memcpy(cone->faces, cone->row, (size_t)cone->row_count * sizeof *cone->row);
 	memcpy(cone->snapped, cone->body, (size_t)cone->body_count * sizeof *cone->body);
 	double share = 1;
-	for (int attempt = 0; attempt < 5 && !better; attempt++, share *= 0.4) {
+	for (int attempt = 0; attempt < (convex ? 10 : 5) && !better; attempt++, share *= 0.3) {
 		if (attempt > 0) {
-			memcpy(cone->row, cone->faces,
-			       (size_t)cone->row_count * sizeof *cone->row);
+			memcpy(cone->row, cone->faces, (size_t)cone->row_count * sizeof *cone->row);
 			memcpy(cone->body, cone->snapped,
 			       (size_t)cone->body_count * sizeof *cone->body);
 		}
@@ -541,13 +553,48 @@ static bool newton(struct rb_cone *cone, bool convex)
 		rb_cone_push(cone, cone->residual);
 		look(cone, cone->residual);
 		const double after = weighted(cone, cone->residual, cone->residual);
-		if (getenv("TRACE2")) {printf("  share %g before %g after %g\n",share,before,after);for(int k=0;k<cone->row_count;k++){struct rb_cone_row*r=&cone->row[k];printf("    row %d mu %.3g j.n %.6g j.t %.6g (cone %.6g) u.n %.6g u.t %.6g  cos(t,u) %.4g  x.n %.4g x.t %.4g closed %d rub %d\n",k,r->friction,r->impulse.n,rb_vec3_length(r->impulse.t),r->friction*r->impulse.n,r->u.n,rb_vec3_length(r->u.t),rb_vec3_dot(r->u.t,r->impulse.t)/rb_vec3_length(r->u.t)/rb_vec3_length(r->impulse.t),cone->change[k].n,rb_vec3_length(cone->change[k].t),r->closed,r->rub);}}
-		better = after < 0.99 * before ||
-		         (convex && energy_change(cone, cone->before) < 0);
+		better = after < 0.99 * before || (convex && energy_change(cone, cone->before) < 0);
 	}
 	if (!better)
 		restore(cone);
 	return better;
+}
+
+/*
+ * Steps of all rows at once, with the momentum of Nesterov's method, which begins anew where it leads uphill (O'Donoghue,
+ * Candes, Found. Comput. Math. 15 (2015) 715). Begins and ends where `look` has just been.
+ */
+static double walk(struct rb_cone *cone, int steps, double left, double enough)
+{
+	const int n = cone->row_count;
+	rb_cone_pair *const moved = cone->change;
+	int since = 0;
+
+	for (int round = 0; round < steps && left > enough; round++) {
+		if (since > 0) {
+			const double momentum = since / (since + 3.0);
+
+			for (int k = 0; k < n; k++)
+				moved[k] = (rb_cone_pair){momentum * moved[k].n,
+				                          rb_vec3_scale(momentum, moved[k].t)};
+			rb_cone_push(cone, moved);
+			look(cone, cone->residual);
+			if (weighted(cone, moved, cone->residual) < 0)
+				since = 0;
+		}
+		rb_cone_push(cone, cone->residual);
+		for (int k = 0; k < n; k++) {
+			if (since == 0)
+				moved[k] = cone->residual[k];
+			else
+				moved[k] = (rb_cone_pair){
+					moved[k].n + cone->residual[k].n,
+					rb_vec3_add(moved[k].t, cone->residual[k].t)};
+		}
+		since++;
+		left = look(cone, cone->residual);
+	}
+	return left;
 }
 
 /* Until the problem as it stands is solved or nothing helps any more. */
@@ -557,15 +604,11 @@ static double relax(struct rb_cone *cone, bool convex, double enough, int rounds
 	int steps = FIRST_STEPS, stalled = 0;
 
 	for (int round = 0; round < rounds && left > enough && stalled < 4; round++) {
-		for (int k = 0; k < steps && left > enough; k++) {
-			rb_cone_push(cone, cone->residual);
-			left = look(cone, cone->residual);
-		}
+		left = walk(cone, steps, left, enough);
 		if (!(left > enough))
 			break;
 		const bool better = newton(cone, convex);
 		left = look(cone, cone->residual);
-		if (getenv("TRACE")) {printf("DBG %d convex %d steps %d better %d left %g merit %g:", round, convex, steps, better, left, weighted(cone,cone->residual,cone->residual));for(int k=0;k<cone->row_count&&k<40;k++)putchar(("ksSf" "nabc")[cone->row[k].rub+4*cone->row[k].closed]);puts("");}
 		if (better)
 			steps = steps > FIRST_STEPS ? steps / 2 : FIRST_STEPS;
 		else
@@ -579,6 +622,49 @@ static double relax(struct rb_cone *cone, bool convex, double enough, int rounds
 	return left;
 }
 
+/* Bounds of friction from the pushes as they are; `never_more` lets them only shrink. True if one had to change. */
+static bool hold(struct rb_cone *cone, bool never_more)
+{
+	bool changed = false;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+		const double limit = row->friction * fmax(0, row->impulse.n);
+
+		if (!never_more) {
+			row->limit = limit;
+		} else if (rb_vec3_length(row->impulse.t) > limit * (1 + 4 * DBL_EPSILON)) {
+			row->limit = fmin(0.9 * row->limit, limit);
+			changed = true;
+		}
+	}
+	return changed;
+}
+
+/*
+ * Where the law finds no solution (a body that friction jams between others, Painleve): the bounds of friction shrink
+ * until it is within the cones; what slips may then have less of it than the law says, at worst none.
+ */
+static double give_way(struct rb_cone *cone, double enough, double scale)
+{
+	double left = 0;
+
+	hold(cone, false);
+	cone->held = true;
+	for (int round = 0; round < 300; round++) {
+		left = relax(cone, true, enough, 200);
+		if (!hold(cone, true))
+			break;
+	}
+	if (left > failed_share * scale) {
+		for (int k = 0; k < cone->row_count; k++)
+			cone->row[k].limit = 0;
+		left = relax(cone, true, enough, MOST_ROUNDS);
+	}
+	cone->held = false;
+	return left;
+}
+
 double rb_cone_settle(struct rb_cone *cone, double scale)
 {
 	const double enough = 2 * DBL_EPSILON * scale;
@@ -587,14 +673,16 @@ double rb_cone_settle(struct rb_cone *cone, double scale)
 	for (int k = 0; k < cone->row_count; k++)
 		convex = convex && (cone->row[k].given || !(cone->row[k].friction > 0));
 	cone->held = false;
-	double left = relax(cone, convex, enough, convex ? MOST_ROUNDS : 12);
-	for (int outer = 0; outer < 100 && !convex && left > 16 * enough; outer++) {
-		for (int k = 0; k < cone->row_count; k++)
-			cone->row[k].limit = cone->row[k].friction * cone->row[k].impulse.n;
+	double left = relax(cone, convex, enough, convex ? MOST_ROUNDS : 16);
+	for (int outer = 0; outer < 20 && !convex && left > 1e3 * enough; outer++) {
+		hold(cone, false);
 		cone->held = true;
-		relax(cone, true, fmax(enough, 1e-3 * left), 40);
+		relax(cone, true, fmax(enough, 1e-3 * left), 20);
 		cone->held = false;
-		left = relax(cone, false, enough, 4);
+		left = relax(cone, false, enough, 5);
 	}
-	return left;
+	if (convex || left <= failed_share * scale)
+		return left;
+	cone->gave_way = true;
+	return give_way(cone, enough, scale);
 }

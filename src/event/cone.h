@@ -21,10 +21,11 @@
 
 /* A body of the problem. Velocities for impacts; accelerations for forces. */
 struct rb_joint_body {
-	double inverse_mass;    /* 1/kg; 0: does not yield (static or driven: it may move all the same) */
+	double inverse_mass; /* 1/kg; 0: does not yield (static or driven: it may move all the same) */
 	double inverse_inertia; /* 1/(kg m^2) where it is a multiple of one; NAN: the tensor; 0: does not turn */
 	rb_mat3 inverse_tensor; /* world axes; read only when inverse_inertia is NAN */
-	rb_vec3 linear, angular; /* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
+	rb_vec3 linear,
+		angular; /* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
 };
 
 /* Along the normal and across it. */
@@ -63,15 +64,16 @@ struct rb_cone {
 	struct rb_arena *arena;
 
 	/* scratch */
-	int *first, *entry;        /* [body_count + 1], [2 row_count]: rows of a body, 2 row + side */
+	int *first, *entry; /* [body_count + 1], [2 row_count]: rows of a body, 2 row + side */
 	rb_vec3 *linear, *angular; /* [body_count]: increments */
 	double *term;              /* [6 x largest number of rows of a body, or 4 row_count] */
 	rb_cone_pair *change, *residual, *best, *before; /* [row_count] */
-	struct rb_cone_row *faces;                        /* [row_count] */
-	struct rb_joint_body *kept, *snapped;             /* [body_count] */
-	rb_cone_pair *direction, *image; /* [window][row_count] */
+	struct rb_cone_row *faces;                       /* [row_count] */
+	struct rb_joint_body *kept, *snapped;            /* [body_count] */
+	rb_cone_pair *direction, *image;                 /* [window][row_count] */
 	int window;
-	bool held;       /* friction is bounded by `limit`, not by the cone: then the problem is convex */
+	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
+	bool gave_way; /* friction was less than the law says, because the law found no solution */
 	long iterations; /* products with the matrix, so far */
 };
 

@@ -100,8 +100,9 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 	                      0.5 * now.angular_velocity.z};
 	rb_quat_to(rate + RB_ROW_ORIENTATION,
 	           rb_quat_multiply(half, rb_quat_from(value + RB_ROW_ORIENTATION)));
-	rb_vec3_to(rate + RB_ROW_SPIN, rb_vec3_scale(0.5 / h, rb_vec3_sub(after.angular_velocity,
-	                                                                 before.angular_velocity)));
+	rb_vec3_to(rate + RB_ROW_SPIN,
+	           rb_vec3_scale(0.5 / h,
+	                         rb_vec3_sub(after.angular_velocity, before.angular_velocity)));
 	return RB_OK;
 }
 
@@ -158,11 +159,11 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	if (!(own->try_s > 0))
 		own->try_s = 1 / l->model->frame_rate;
 	for (int k = 0; k < n; k++)
-		scale[k] = k < RB_ROW_VELOCITY ? size
-		           : k < RB_ROW_ORIENTATION
-		                   ? fmax(speed, size / own->try_s)
-		                   : k < RB_ROW_SPIN ? 1 : fmax(rb_vec3_length(pose.angular_velocity),
-		                                                1 / own->try_s);
+		scale[k] = k < RB_ROW_VELOCITY      ? size
+		           : k < RB_ROW_ORIENTATION ? fmax(speed, size / own->try_s)
+		           : k < RB_ROW_SPIN
+		                   ? 1
+		                   : fmax(rb_vec3_length(pose.angular_velocity), 1 / own->try_s);
 	const bool given = pose.has_velocity && (pose.has_angular_velocity || !l->top);
 	const struct rb_gauss_problem problem = {.n = n,
 	                                         .rates = rates,
@@ -170,9 +171,8 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	                                         .scale = scale,
 	                                         .tolerance = given ? tolerance_given
 	                                                            : tolerance_differenced};
-	const enum rb_status status =
-		rb_gauss_step(&problem, t, &own->try_s, 2 * DBL_EPSILON * t, &own->piece,
-	                      scale + n, &calls, l->err);
+	const enum rb_status status = rb_gauss_step(&problem, t, &own->try_s, 2 * DBL_EPSILON * t,
+	                                            &own->piece, scale + n, &calls, l->err);
 	if (status != RB_OK) {
 		l->status = status;
 		return;
@@ -182,7 +182,7 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 		const double most = rb_gauss_rate_bound(&own->piece, RB_ROW_VELOCITY + m);
 		square += most * most;
 	}
-	l->piece[i] = (struct rb_piece_of){.piece = &own->piece,
+	l->piece[i] = (struct rb_piece_of){.piece = own->piece,
 	                                   .first = 0,
 	                                   .origin_s = t,
 	                                   .until_s = t + own->piece.length_s,

@@ -7,6 +7,7 @@
 #include "event/cluster.h"
 #include "event/driven.h"
 #include "event/foresee.h"
+#include "event/look.h"
 #include "event/pull.h"
 #include "event/settle.h"
 #include "event/strike.h"
@@ -16,6 +17,8 @@
 enum { CELLS_FROM = 48, EVENTS_PER_POLL = 4096 };
 /* So many events of every body at one moment: it does not get on. */
 enum { STUCK_EVENTS = 10000 };
+/* Bodies settled together, so often each within a step, are dense, where there are so many at all. */
+enum { CROWD_FROM = 2, SETTLED_MOST = 8, DENSE_FROM = 8 };
 
 /* ---- making ---- */
 
@@ -76,8 +79,8 @@ static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
 /* Cells are of spheres about their centres. */
 static bool wants_cells(const struct rb_located *l)
 {
-	if (l->n < CELLS_FROM || !(l->model->features & RB_FEATURE_CONTACT) ||
-	    l->model->driven || l->model->center_of_mass)
+	if (l->n < CELLS_FROM || !(l->model->features & RB_FEATURE_CONTACT) || l->model->driven ||
+	    l->model->center_of_mass)
 		return false;
 	/* bodies on pieces leave their cells at moments that have no closed form */
 	return !(l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD));
@@ -142,6 +145,8 @@ void rb_engine_destroy(struct rb_located *l)
 /* All of the set are on new arcs. */
 static void foresee_set(struct rb_located *l, double t)
 {
+	if (l->set_count >= CROWD_FROM)
+		l->crowd += (uint64_t)l->set_count;
 	for (int k = 0; k < l->set_count; k++)
 		l->generation[l->set[k]]++;
 	for (int k = 0; k < l->set_count && l->status == RB_OK; k++)
@@ -198,8 +203,8 @@ static void body_event(struct rb_located *l, int i, double t)
 		rb_foresee_wall(l, i, t);
 		return;
 	}
-	if (next->again || (next->partner < l->n &&
-	                    next->generation != l->generation[next->partner])) {
+	if (next->again ||
+	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
 		rb_foresee(l, i, t, -1);
 		return;
 	}
@@ -379,6 +384,7 @@ static void start(struct rb_located *l, double t)
 	const rb_vec3 none = {0, 0, 0};
 
 	l->started = true;
+	l->now_s = t;
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
 		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
 		                       .velocity = rb_world_row3(l->world->state.velocity, i),
@@ -387,10 +393,13 @@ static void start(struct rb_located *l, double t)
 		rb_vec3 linear = none, angular = none;
 
 		if (l->top) {
-			pose.orientation = rb_quat_from(l->world->state.orientation + 4 * (size_t)i);
+			pose.orientation = rb_quat_from(l->world->state.orientation +
+			                                4 * (size_t)i);
 			pose.spin = rb_world_row3(l->world->state.spin, i);
 		}
 		rb_arc_anchor(l, i, t, &pose, none, none);
+		if (l->cells && t > 0)
+			rb_cells_place(l->cells, i, pose.position);
 		if (rb_located_driven(l, i)) {
 			rb_driven_piece(l, i, t);
 			continue;
@@ -408,8 +417,10 @@ static void start(struct rb_located *l, double t)
 		rb_set_add(l, i);
 		settle_set(l, t);
 	}
-	if (l->switch_count > 0)
-		rb_queue_set(l->queue, 2 * l->n, l->switch_s[0]);
+	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
+		l->switch_next++;
+	if (l->switch_next < l->switch_count)
+		rb_queue_set(l->queue, 2 * l->n, l->switch_s[l->switch_next]);
 }
 
 static void one_event(struct rb_located *l, int which, double t)
@@ -433,37 +444,42 @@ static void one_event(struct rb_located *l, int which, double t)
 		call_hooks(l, told, t);
 }
 
-/* What the frame shows as lasting contacts. */
-static void list_contacts(struct rb_located *l, double t)
+/* Steps have rollback for what events cannot resolve, but not every force. */
+static bool can_be_stepped(const struct rb_located *l)
 {
-	struct rb_contacts *contacts = &l->world->contacts;
-	size_t count = 0;
+	const rb_features needs = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
+	                          RB_FEATURE_DRIVEN;
 
-	for (int k = 0; k < l->cluster_count; k++)
-		count += (size_t)l->cluster[k].held_count;
-	contacts->count = 0;
-	if (rb_contacts_reserve(contacts, count, l->err) != RB_OK) {
-		l->status = RB_ERR_MEMORY;
-		return;
-	}
-	for (int k = 0; k < l->cluster_count; k++)
-		for (int h = 0; h < l->cluster[k].held_count; h++) {
-			const struct rb_held *held = &l->cluster[k].held[h];
-			const struct rb_meet m = rb_meet_at(l, held->a, held->b, t);
-			const double normal = rb_vec3_dot(held->force, m.normal);
+	return l->model->method == RB_METHOD_AUTO && !(l->model->features & needs) &&
+	       l->n >= DENSE_FROM && (l->model->features & RB_FEATURE_CONTACT);
+}
 
-			contacts->row[contacts->count++] = (struct rb_contact){
-				.a = held->a,
-				.b = held->b,
-				.point = m.point,
-				.normal = m.normal,
-				.gap = m.gap,
-				.normal_force = normal,
-				.tangent_force =
-					rb_vec3_add_scaled(held->force, -normal, m.normal)};
-			l->world->frame_counts.max_penetration_m =
-				fmax(l->world->frame_counts.max_penetration_m, -m.gap);
-		}
+bool rb_engine_wants_steps(const struct rb_located *l)
+{
+	return (l->model->features & RB_FEATURE_PUSHES) || can_be_stepped(l);
+}
+
+void rb_engine_restart(struct rb_located *l)
+{
+	for (int k = 0; k < l->cluster_count; k++)
+		if (l->cluster[k].used)
+			rb_cluster_drop(l, k);
+	l->switch_next = 0;
+	l->started = false;
+}
+
+/* Leaves the rest to steps, at the moment reached, where events come too densely or cannot be resolved. */
+static bool gives_way(struct rb_located *l)
+{
+	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
+		return false;
+	if (l->status == RB_OK && l->crowd <= SETTLED_MOST * (uint64_t)l->n)
+		return false;
+	l->status = RB_OK;
+	rb_set_clear(l);
+	store_all(l, l->now_s);
+	l->status = rb_look_contacts(l, l->now_s);
+	return true;
 }
 
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
@@ -472,23 +488,51 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	double t;
 
 	l->err = err;
+	l->crowd = 0;
 	if (!l->started)
 		start(l, l->world->state.time_s);
+	if (gives_way(l))
+		return l->status;
 	for (int which = rb_queue_first(l->queue, &t);
-	     l->status == RB_OK && which >= 0 && t <= until;
-	     which = rb_queue_first(l->queue, &t)) {
+	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
 		rb_arena_reset(l->arena);
 		/* what was late by rounding happens now */
 		one_event(l, which, fmax(t, l->now_s));
 		if (l->events % EVENTS_PER_POLL == 0 && options->stop &&
 		    options->stop(options->stop_user))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+		if (gives_way(l))
+			return l->status;
 	}
 	if (l->status != RB_OK)
 		return l->status;
 	l->now_s = fmax(l->now_s, until);
 	store_all(l, until);
-	list_contacts(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;
 	return l->status;
+}
+
+enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err)
+{
+	const double t = l->world->state.time_s;
+	char first[64], second[64];
+	int a, b;
+
+	l->err = err;
+	if (!l->started) /* the classic method has just come to this frame */
+		return RB_OK;
+	l->status = rb_look_contacts(l, t);
+	if (l->status != RB_OK || !(l->model->features & RB_FEATURE_CONTACT))
+		return l->status;
+	const double depth = rb_look_overlap(l, t, &a, &b);
+	l->world->frame_counts.max_penetration_m = fmax(l->world->frame_counts.max_penetration_m,
+	                                                depth);
+	if (depth <= l->model->tolerance_m)
+		return RB_OK;
+	return l->status = RB_FAIL(
+		       err, RB_ERR_PHYSICS,
+		       "'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
+		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
+		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), depth, t,
+		       l->model->tolerance_m);
 }

@@ -9,14 +9,26 @@ struct seer {
 	int i, except;
 	double now, until;
 	double radius;
-	bool plain; /* a sphere about its centre on a parabola */
+	bool plain;   /* a sphere about its centre on a parabola */
+	bool general; /* filters or driven bodies: pairs are looked at one by one */
 	rb_vec3 position, velocity, acceleration; /* now */
-	double reach, speed;                      /* largest coordinate or radius; largest component */
+	double reach, speed; /* largest coordinate or radius; largest component */
 	int touching;
 	struct rb_next next;
 };
 
-static void see(struct seer *s, int j, double t, bool again)
+/* fmax is a call into the library, which shows here. */
+static inline double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+static inline double largest(rb_vec3 a)
+{
+	return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
+}
+
+static inline void see(struct seer *s, int j, double t, bool again)
 {
 	if (t >= s->next.touch_s)
 		return;
@@ -31,7 +43,7 @@ static bool see_sphere(struct seer *s, int j)
 	const struct rb_located *l = s->l;
 	const struct rb_arc *arc = &l->arc[j];
 
-	if (!s->plain || (l->piece && l->piece[j].piece) ||
+	if (!s->plain || (l->piece && l->piece[j].piece.n > 0) ||
 	    arc->acceleration.x != s->acceleration.x || arc->acceleration.y != s->acceleration.y ||
 	    arc->acceleration.z != s->acceleration.z)
 		return false;
@@ -45,11 +57,11 @@ static bool see_sphere(struct seer *s, int j)
 	const double b = rb_vec3_dot(d, w), c = rb_vec3_dot(d, d) - sum * sum;
 
 	if (c < 1e-3 * sum * sum || b < 0) {
-		const double reach = fmax(fmax(s->reach, radius), rb_vec3_max_abs(x));
+		const double reach = larger(larger(s->reach, radius), largest(x));
 		const double band = DBL_EPSILON * (8 * reach + 2 * s->now * fabs(b) / sum);
 
 		if (c <= 2 * sum * band) {
-			const double noise = 8 * DBL_EPSILON * (s->speed + rb_vec3_max_abs(v));
+			const double noise = 8 * DBL_EPSILON * (s->speed + largest(v));
 
 			if (j != s->except && !rb_set_held(l, s->i, j))
 				s->touching++;
@@ -75,13 +87,36 @@ static bool see_sphere(struct seer *s, int j)
 	return true;
 }
 
+/* A plane at rest, seen from a sphere in flight that is not near it. False: not such a pair, or near. */
+static bool see_plane(struct seer *s, int j)
+{
+	const struct rb_located *l = s->l;
+	const rb_vec3 n = l->plane_normal[j - l->n];
+	const double gap = rb_vec3_dot(rb_vec3_sub(s->position, l->model->position[j]), n) -
+	                   s->radius;
+	const double rate = rb_vec3_dot(s->velocity, n);
+	const double pull = rb_vec3_dot(s->acceleration, n);
+
+	if (!s->plain || !(gap > DBL_EPSILON * (16 * s->reach + 4 * s->now * fabs(rate))))
+		return false;
+	const double discriminant = rate * rate - 2 * pull * gap;
+	if (discriminant < 0 || (rate >= 0 && pull >= 0))
+		return true;
+	const double t = s->now + (rate < 0 ? 2 * gap / (sqrt(discriminant) - rate)
+	                                    : (rate + sqrt(discriminant)) / -pull);
+	if (t <= s->until)
+		see(s, j, t, false);
+	return true;
+}
+
 static void see_body(struct seer *s, int j)
 {
 	const struct rb_located *l = s->l;
 	bool again = false;
 
-	if (j < l->n && l->model->shape[j].kind == RB_SHAPE_SPHERE && !l->model->group_bit &&
-	    !(l->model->driven) && see_sphere(s, j))
+	if (!s->general && j < l->n ? see_sphere(s, j)
+	                            : j >= l->n && l->model->shape[j].kind == RB_SHAPE_PLANE &&
+	                                      !s->general && see_plane(s, j))
 		return;
 	if (!rb_meet_can(l, s->i, j) || rb_set_held(l, s->i, j))
 		return;
@@ -111,8 +146,9 @@ static void open(struct seer *s, struct rb_located *l, int i, double now, int ex
 	                   .next = {.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL}};
 	s->plain = l->model->shape[i].kind == RB_SHAPE_SPHERE && !rb_located_on_piece(l, i) &&
 	           !l->model->center_of_mass;
-	s->reach = fmax(s->radius, rb_vec3_max_abs(s->position));
-	s->speed = rb_vec3_max_abs(s->velocity);
+	s->general = l->model->group_bit || l->model->driven;
+	s->reach = larger(s->radius, largest(s->position));
+	s->speed = largest(s->velocity);
 	if (rb_located_on_piece(l, i))
 		s->until = fmin(s->until, l->piece[i].until_s);
 }

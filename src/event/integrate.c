@@ -19,15 +19,15 @@ enum { LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 96 };
 struct work {
 	struct rb_located *l;
 	struct rb_cluster *c;
-	double origin_s; /* of the piece */
-	int row;         /* values a member */
-	struct rb_pose *pose;      /* [member_count] */
-	rb_vec3 *linear, *angular; /* [member_count] */
-	struct rb_meet *meet;              /* [held_count] */
-	struct rb_joint_contact *contact;  /* [held_count] */
-	rb_vec3 *force;            /* [held_count]: N on b */
-	double *matrix, *right;    /* [unknowns]^2, [unknowns] */
-	double force_most;         /* N: largest force at the beginning */
+	double origin_s;                  /* of the piece */
+	int row;                          /* values a member */
+	struct rb_pose *pose;             /* [member_count] */
+	rb_vec3 *linear, *angular;        /* [member_count] */
+	struct rb_meet *meet;             /* [held_count] */
+	struct rb_joint_contact *contact; /* [held_count] */
+	rb_vec3 *force;                   /* [held_count]: N on b */
+	double *matrix, *right;           /* [unknowns]^2, [unknowns] */
+	double force_most;                /* N: largest force at the beginning */
 };
 
 static int place_of(const struct work *w, int body)
@@ -61,10 +61,11 @@ static rb_vec3 answer(const struct work *w, int body, rb_vec3 arm, rb_vec3 at, r
 	rb_vec3 a = rb_vec3_scale(l->model->inverse_mass[body], f);
 
 	if (l->top)
-		a = rb_vec3_add(a, rb_vec3_cross(rb_pull_yield(l, body,
-		                                               w->pose[place_of(w, body)].orientation,
-		                                               rb_vec3_cross(arm, f)),
-		                                 at));
+		a = rb_vec3_add(
+			a,
+			rb_vec3_cross(rb_pull_yield(l, body, w->pose[place_of(w, body)].orientation,
+		                                    rb_vec3_cross(arm, f)),
+		                      at));
 	return a;
 }
 
@@ -209,8 +210,8 @@ static bool solve_any(struct work *w)
 			continue;
 		joint.body[k].inverse_inertia = l->model->inverse_inertia_scalar[i];
 		if (isnan(joint.body[k].inverse_inertia))
-			joint.body[k].inverse_tensor =
-				rb_mechanics_tensor(l, i, w->pose[k].orientation);
+			joint.body[k].inverse_tensor = rb_mechanics_tensor(l, i,
+			                                                   w->pose[k].orientation);
 	}
 	for (int k = 0; k < c->held_count; k++) {
 		joint.contact[k] = w->contact[k];
@@ -239,10 +240,9 @@ static void press(struct work *w, int body, rb_vec3 arm, rb_vec3 force)
 	w->linear[place] = rb_vec3_add_scaled(w->linear[place], w->l->model->inverse_mass[body],
 	                                      force);
 	if (w->l->top)
-		w->angular[place] = rb_vec3_add(w->angular[place],
-		                                rb_pull_yield(w->l, body,
-		                                              w->pose[place].orientation,
-		                                              rb_vec3_cross(arm, force)));
+		w->angular[place] = rb_vec3_add(
+			w->angular[place], rb_pull_yield(w->l, body, w->pose[place].orientation,
+		                                         rb_vec3_cross(arm, force)));
 }
 
 /* ---- the problem that math/gauss sees ---- */
@@ -264,9 +264,9 @@ static void read_pose(struct work *w, int k, const double *value)
 	}
 	pose->origin = pose->position;
 	if (l->model->center_of_mass)
-		pose->origin = rb_vec3_sub(pose->position,
-		                           rb_quat_rotate(pose->orientation,
-		                                          l->model->center_of_mass[i]));
+		pose->origin = rb_vec3_sub(
+			pose->position,
+			rb_quat_rotate(pose->orientation, l->model->center_of_mass[i]));
 }
 
 /* Poses, forces of contacts and accelerations at `t`. */
@@ -353,9 +353,8 @@ static int broken(const struct work *w)
 			return k;
 		if (m->on_rim != held->on_rim)
 			return k;
-		if (!held->slipping && rb_vec3_length(friction) >
-		                               w->contact[k].friction * normal +
-		                                       clear * w->force_most)
+		if (!held->slipping && rb_vec3_length(friction) > w->contact[k].friction * normal +
+		                                                          clear * w->force_most)
 			return k;
 		if (held->slipping && held->straight && rb_vec3_dot(m->velocity, held->slip) < 0)
 			return k;
@@ -417,8 +416,7 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
 		unknowns = 0;
 	if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block))
 		return false;
-	c->piece = (struct rb_gauss_piece){
-		.n = n, .start = c->block, .coefficient = c->block + n};
+	c->piece = (struct rb_gauss_piece){.n = n, .start = c->block, .coefficient = c->block + n};
 	*scale = c->block + (size_t)n * (1 + RB_GAUSS_NODES);
 	*value = *scale + n;
 	*scratch = *value + n;
@@ -450,12 +448,12 @@ static double sizes(struct work *w, double *scale)
 
 		for (int m = 0; m < 3; m++) {
 			s[RB_ROW_POSITION + m] = fmax(radius, rb_vec3_max_abs(pose->position));
-			s[RB_ROW_VELOCITY + m] = fmax(speed, DBL_MIN);
+			s[RB_ROW_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
 		}
 		for (int m = RB_ROW_ORIENTATION; l->top && m < RB_ROW_SPIN; m++)
 			s[m] = 1;
 		for (int m = 0; l->top && m < 3; m++)
-			s[RB_ROW_SPIN + m] = fmax(spin, DBL_MIN);
+			s[RB_ROW_SPIN + m] = spin > 0 ? spin : 1 / l->end_s;
 		if (speed > 0)
 			try_s = fmin(try_s, radius / speed);
 	}
@@ -472,11 +470,10 @@ static void put_on_piece(struct work *w, double until_s)
 		double square = 0;
 
 		for (int m = 0; m < 3; m++) {
-			const double most =
-				rb_gauss_rate_bound(piece, first + RB_ROW_VELOCITY + m);
+			const double most = rb_gauss_rate_bound(piece, first + RB_ROW_VELOCITY + m);
 			square += most * most;
 		}
-		l->piece[w->c->member[k]] = (struct rb_piece_of){.piece = piece,
+		l->piece[w->c->member[k]] = (struct rb_piece_of){.piece = *piece,
 		                                                 .first = first,
 		                                                 .origin_s = w->origin_s,
 		                                                 .until_s = until_s,
@@ -496,11 +493,8 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
-	struct rb_gauss_problem problem = {.n = c->piece.n,
-	                                   .rates = rates,
-	                                   .user = w,
-	                                   .scale = scale,
-	                                   .tolerance = tolerance};
+	struct rb_gauss_problem problem = {
+		.n = c->piece.n, .rates = rates, .user = w, .scale = scale, .tolerance = tolerance};
 	uint64_t calls = 0;
 
 	for (int k = 0; k < c->member_count; k++) {
@@ -524,14 +518,14 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */
-	const double room_s = fmin(next_switch(l, w->origin_s), fmax(l->end_s * (1 + 1e-9),
-	                                                             w->origin_s + guess)) -
+	const double room_s = fmin(next_switch(l, w->origin_s),
+	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
 	double try_s = fmin(c->try_s, room_s);
 	const bool cut = try_s < c->try_s;
-	const enum rb_status status =
-		rb_gauss_step(&problem, w->origin_s, &try_s, 2 * DBL_EPSILON * w->origin_s,
-	                      &c->piece, scratch, &calls, l->err);
+	const enum rb_status status = rb_gauss_step(&problem, w->origin_s, &try_s,
+	                                            2 * DBL_EPSILON * w->origin_s, &c->piece,
+	                                            scratch, &calls, l->err);
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
 	if (status != RB_OK) {
 		l->status = status;
@@ -557,8 +551,8 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 	if (!l->piece)
 		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
 	if (!kept || !l->piece || !room(&w, count * w.row, &value, &scale, &scratch)) {
-		l->status = RB_FAIL(l->err, RB_ERR_MEMORY,
-		                    "no memory to integrate %d bodies", count);
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory to integrate %d bodies",
+		                    count);
 		return;
 	}
 	/* within the piece, places are those of the members */

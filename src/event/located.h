@@ -24,7 +24,8 @@ struct rb_arc {
 
 /* Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and holds to until_s. */
 struct rb_piece_of {
-	const struct rb_gauss_piece *piece; /* NULL: the arc is a parabola */
+	struct rb_gauss_piece
+		piece; /* n = 0: the arc is a parabola; its arrays are the cluster's */
 	int first;
 	double origin_s, until_s;
 	double acceleration_most; /* m/s^2: bound over the piece */
@@ -47,10 +48,10 @@ enum rb_held_mode { RB_HELD_REST, RB_HELD_SLIDE, RB_HELD_ROLL };
 struct rb_held {
 	int a, b; /* body indices, a < b */
 	bool slipping, on_rim;
-	bool ending;   /* its slip has come to its end at this moment */
-	bool straight; /* its slip keeps its direction to the end, to rounding */
-	rb_vec3 slip;  /* unit: velocity of b's point relative to a's */
-	rb_vec3 force; /* N, on b, at the cluster's anchor */
+	bool ending;            /* its slip has come to its end at this moment */
+	bool straight;          /* its slip keeps its direction to the end, to rounding */
+	rb_vec3 slip;           /* unit: velocity of b's point relative to a's */
+	rb_vec3 force;          /* N, on b, at the cluster's anchor */
 	enum rb_held_mode told; /* what the last transition said */
 	bool is_told;
 	double tell_s; /* when the contact is to be announced: after the last of its summed impacts */
@@ -59,7 +60,7 @@ struct rb_held {
 
 struct rb_cluster {
 	bool used;
-	int next_free; /* 1 + the next unused cluster, 0: none */
+	int next_free;   /* 1 + the next unused cluster, 0: none */
 	bool integrated; /* else every member is on a parabola */
 	bool at_rest;
 	double anchor_s;
@@ -84,8 +85,9 @@ struct rb_located {
 	struct rb_arc *arc;
 	struct rb_top *top;           /* NULL where nothing turns */
 	struct rb_top_body *top_body; /* NULL where nothing turns */
-	struct rb_piece_of *piece;    /* NULL until a force without a closed form or a driven body needs it */
-	struct rb_driven **driven;  /* [n], NULL without driven bodies: event/driven */
+	struct rb_piece_of
+		*piece; /* NULL until a force without a closed form or a driven body needs it */
+	struct rb_driven **driven; /* [n], NULL without driven bodies: event/driven */
 	uint32_t *generation;
 	struct rb_next *next;
 	int *cluster_of; /* -1: none */
@@ -94,7 +96,8 @@ struct rb_located {
 	size_t cluster_capacity;
 	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
 
-	struct rb_queue *queue; /* [n] bodies, [n] clusters (by their lowest member), 1 switch of forces */
+	struct rb_queue
+		*queue; /* [n] bodies, [n] clusters (by their lowest member), 1 switch of forces */
 	struct rb_cells *cells; /* NULL: few bodies, all are candidates */
 	int *near;              /* [n] scratch */
 	int *set;               /* [n] scratch: bodies that are dealt with together */
@@ -103,16 +106,17 @@ struct rb_located {
 	struct rb_merge {
 		int a, b;
 		double tell_s;
-	} *merge; /* contacts that an accumulation of impacts has just ended in */
+	} * merge; /* contacts that an accumulation of impacts has just ended in */
 	int merge_count;
 	size_t merge_capacity;
-	double *switch_s;       /* [switch_count] moments at which forces begin or end, ascending */
+	double *switch_s; /* [switch_count] moments at which forces begin or end, ascending */
 	int switch_count, switch_next;
 
 	double now_s, end_s; /* the event under way; the end of the run */
 	double stuck_s;      /* events at one moment are counted */
 	uint64_t stuck_count;
 	uint64_t events;
+	uint64_t crowd;         /* bodies of crowds settled since the step began */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */
 	enum rb_status status;  /* of it: set once, then nothing goes on */
@@ -139,7 +143,7 @@ static inline bool rb_located_fixed(const struct rb_located *l, int i)
 
 static inline bool rb_located_on_piece(const struct rb_located *l, int i)
 {
-	return l->piece && i < l->n && l->piece[i].piece;
+	return l->piece && i < l->n && l->piece[i].piece.n > 0;
 }
 
 #endif

@@ -82,11 +82,11 @@ static void meet_rectangle(const struct rb_located *l, struct rb_meet *m)
 	m->gap = rb_distance_sphere_rectangle(m->pose_a.origin, radius, &sheet, &m->normal,
 	                                      &closest);
 	const rb_vec3 d = rb_vec3_sub(m->pose_a.origin, sheet.center);
-	const rb_vec3 w =
-		rb_vec3_sub(rb_vec3_add(m->pose_b.velocity,
-	                                rb_vec3_cross(m->pose_b.spin,
-	                                              rb_vec3_sub(closest, m->pose_b.position))),
-	                    origin_velocity(&m->pose_a));
+	const rb_vec3 w = rb_vec3_sub(
+		rb_vec3_add(
+			m->pose_b.velocity,
+			rb_vec3_cross(m->pose_b.spin, rb_vec3_sub(closest, m->pose_b.position))),
+		origin_velocity(&m->pose_a));
 	const double band = TOUCHING_ULP * DBL_EPSILON *
 	                    fmax(rb_vec3_max_abs(m->pose_a.origin),
 	                         fmax(sheet.half_x, sheet.half_y));
@@ -165,8 +165,8 @@ struct rb_meet rb_meet_at(const struct rb_located *l, int a, int b, double t)
 	return rb_meet_poses(l, a, b, &pose_a, &pose_b);
 }
 
-struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b,
-                             const struct rb_pose *pose_a, const struct rb_pose *pose_b)
+struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const struct rb_pose *pose_a,
+                             const struct rb_pose *pose_b)
 {
 	const bool swapped = l->model->shape[a].kind != RB_SHAPE_SPHERE;
 	struct rb_meet m = {.a = swapped ? b : a,
@@ -196,8 +196,8 @@ double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double 
 	if (l->model->shape[m->b].kind == RB_SHAPE_SPHERE)
 		largest = fmax(largest, rb_vec3_max_abs(m->pose_b.origin));
 	/* and the way that they make in the rounding of the time */
-	return DBL_EPSILON * (TOUCHING_ULP * largest +
-	                      2 * t * fabs(rb_vec3_dot(m->velocity, m->normal)));
+	return DBL_EPSILON *
+	       (TOUCHING_ULP * largest + 2 * t * fabs(rb_vec3_dot(m->velocity, m->normal)));
 }
 
 double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m)
@@ -275,16 +275,17 @@ static double acceleration_most(const struct rb_located *l, int i, double distan
 		most = p->acceleration_most;
 		if (l->top)
 			for (int k = 0; k < 3; k++)
-				turn += fabs(p->piece->start[p->first + RB_ROW_SPIN + k]) +
-				        p->piece->length_s *
-				                rb_gauss_rate_bound(p->piece,
+				turn += fabs(p->piece.start[p->first + RB_ROW_SPIN + k]) +
+				        p->piece.length_s *
+				                rb_gauss_rate_bound(&p->piece,
 				                                    p->first + RB_ROW_SPIN + k);
 	} else {
 		most = rb_vec3_length(l->arc[i].acceleration);
 		if (l->top) {
 			/* a free top's spin is bounded through its angular momentum and the moments */
 			const struct rb_top_body *body = &l->top_body[i];
-			const double low = fmin(body->moments.x, fmin(body->moments.y, body->moments.z));
+			const double low = fmin(body->moments.x,
+			                        fmin(body->moments.y, body->moments.z));
 			const double high = rb_vec3_max_abs(body->moments);
 
 			turn = rb_vec3_length(l->top[i].spin);
@@ -332,7 +333,8 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			const double gap = fmax(m.gap, 0);
 			const double root = sqrt(rate * rate + 2 * most * gap);
 
-			if (gap == 0) /* moving apart from a touch: nothing before it can turn around */
+			if (gap ==
+			    0) /* moving apart from a touch: nothing before it can turn around */
 				h = most > 0 ? 2 * rate / most : HUGE_VAL;
 			else if (!(root - rate > 0))
 				h = HUGE_VAL;
@@ -375,24 +377,22 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 	    same_vector(l->arc[a].acceleration, acceleration_b)) {
 		const rb_vec3 va = rb_arc_velocity(l, a, from), vb = rb_arc_velocity(l, b, from);
 
-		s = linear_touch(rb_vec3_sub(rb_arc_position(l, b, from),
-		                             rb_arc_position(l, a, from)),
-		                 rb_vec3_sub(vb, va),
-		                 model->shape[a].radius + model->shape[b].radius,
-		                 8 * DBL_EPSILON * (rb_vec3_max_abs(va) + rb_vec3_max_abs(vb)));
+		s = linear_touch(
+			rb_vec3_sub(rb_arc_position(l, b, from), rb_arc_position(l, a, from)),
+			rb_vec3_sub(vb, va), model->shape[a].radius + model->shape[b].radius,
+			8 * DBL_EPSILON * (rb_vec3_max_abs(va) + rb_vec3_max_abs(vb)));
 	} else if (model->shape[b].kind == RB_SHAPE_PLANE && b >= l->n) {
 		const rb_vec3 n = l->plane_normal[b - l->n];
 		const rb_vec3 x = rb_arc_position(l, a, from), v = rb_arc_velocity(l, a, from);
 		const double rate = rb_vec3_dot(v, n);
-		const double band =
-			DBL_EPSILON *
-			(TOUCHING_ULP * fmax(model->shape[a].radius, rb_vec3_max_abs(x)) +
-		         2 * from * fabs(rate));
+		const double band = DBL_EPSILON * (TOUCHING_ULP * fmax(model->shape[a].radius,
+		                                                       rb_vec3_max_abs(x)) +
+		                                   2 * from * fabs(rate));
 
-		s = quadratic_touch(
-			rb_vec3_dot(rb_vec3_sub(x, model->position[b]), n) - model->shape[a].radius,
-			rate, rb_vec3_dot(l->arc[a].acceleration, n), band,
-			8 * DBL_EPSILON * rb_vec3_max_abs(v));
+		s = quadratic_touch(rb_vec3_dot(rb_vec3_sub(x, model->position[b]), n) -
+		                            model->shape[a].radius,
+		                    rate, rb_vec3_dot(l->arc[a].acceleration, n), band,
+		                    8 * DBL_EPSILON * rb_vec3_max_abs(v));
 	} else {
 		return advance(l, a, b, from, until, again);
 	}

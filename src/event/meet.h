@@ -25,8 +25,8 @@ struct rb_meet {
 
 struct rb_meet rb_meet_at(const struct rb_located *l, int a, int b, double t);
 /* The same with poses that are not (yet) those of the arcs. */
-struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b,
-                             const struct rb_pose *pose_a, const struct rb_pose *pose_b);
+struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const struct rb_pose *pose_a,
+                             const struct rb_pose *pose_b);
 
 /* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t);

@@ -134,7 +134,8 @@ static void pull_spring(struct load *load, const struct rb_spring_def *spring, b
 		rb_vec3_add(other.velocity, rb_vec3_cross(other.spin, arm_other)),
 		rb_vec3_add(load->pose->velocity, rb_vec3_cross(load->pose->spin, arm)));
 	const rb_vec3 along = rb_vec3_scale(1 / length, d);
-	const double tension = spring->stiffness * (length - spring->rest_length_m) +
+	const double rest = l->model->rest_length_m[spring - l->model->scene->springs];
+	const double tension = spring->stiffness * (length - rest) +
 	                       spring->damping * rb_vec3_dot(v, along);
 
 	add(load, rb_vec3_scale(tension, along), arm);
@@ -209,9 +210,8 @@ rb_vec3 rb_pull_yield(const struct rb_located *l, int i, rb_quat orientation, rb
 
 	if (!isnan(scalar))
 		return rb_vec3_scale(scalar, torque);
-	return rb_quat_rotate(orientation,
-	                      rb_mat3_apply(&l->model->inverse_inertia[i],
-	                                    rb_quat_rotate_back(orientation, torque)));
+	return rb_quat_rotate(orientation, rb_mat3_apply(&l->model->inverse_inertia[i],
+	                                                 rb_quat_rotate_back(orientation, torque)));
 }
 
 void rb_pull_at(struct rb_located *l, int i, const struct rb_pose *pose, const struct rb_view *view,
@@ -231,7 +231,8 @@ void rb_pull_at(struct rb_located *l, int i, const struct rb_pose *pose, const s
 	if (l->top_body[i].kind != RB_TOP_CONSTANT) {
 		const rb_quat q = pose->orientation;
 		const rb_vec3 momentum = rb_quat_rotate(
-			q, rb_mat3_apply(&l->model->inertia[i], rb_quat_rotate_back(q, pose->spin)));
+			q,
+			rb_mat3_apply(&l->model->inertia[i], rb_quat_rotate_back(q, pose->spin)));
 
 		torque = rb_vec3_sub(torque, rb_vec3_cross(pose->spin, momentum));
 	}

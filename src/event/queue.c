@@ -50,7 +50,7 @@ struct rb_queue {
 	int32_t *gathered;
 	int32_t count, heap_count, finite;
 	int32_t day_count, today;
-	int64_t sets; /* since days were laid out */
+	int64_t sets;        /* since days were laid out */
 	double start, per_s; /* days per second; 0: every day is today */
 };
 

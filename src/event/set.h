@@ -18,7 +18,8 @@ int rb_set_near(const struct rb_located *l, int i);
 const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b);
 
 /* Which pairs join: called with a pair that touches, or is held. */
-typedef bool rb_set_joins(const struct rb_located *l, const struct rb_meet *m, double t, double slack);
+typedef bool rb_set_joins(const struct rb_located *l, const struct rb_meet *m, double t,
+                          double slack);
 
 /*
  * Grows the set to all that is joined to it by clusters, springs and touching pairs that `joins` accepts, and writes the

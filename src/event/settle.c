@@ -16,16 +16,20 @@
 struct settling {
 	struct rb_located *l;
 	double t, slack;
+	bool struck;          /* an impact has just happened */
 	struct rb_meet *meet; /* [meet_count], sorted by (a, b) */
 	int meet_count;
-	struct rb_held *before;   /* [meet_count]: what was held of each, a < 0: nothing */
-	struct rb_pose *pose;     /* [set_count] */
+	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
+	struct rb_pose *pose;      /* [set_count] */
 	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
-	struct rb_joint joint;    /* bodies: the set, then the fixed partners */
-	bool *constant;           /* [set_count]: its other forces are constant */
-	int *root;                /* [set_count]: union-find over what stays together */
-	double pull_most;         /* m/s^2: largest acceleration that went in */
+	struct rb_joint joint;     /* bodies: the set, then the fixed partners */
+	bool *constant;            /* [set_count]: its other forces are constant */
+	int *root;                 /* [set_count]: union-find over what stays together */
+	double pull_most;          /* m/s^2: largest acceleration that went in */
 };
+
+/* Share of speeds by which integration may have let a held contact drift. */
+static const double drift = 1e-9;
 
 static void *take(struct settling *s, int count, size_t size)
 {
@@ -33,8 +37,7 @@ static void *take(struct settling *s, int count, size_t size)
 
 	if (!block && s->l->status == RB_OK)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY,
-		                       "no memory for the contacts of %d bodies",
-		                       s->l->set_count);
+		                       "no memory for the contacts of %d bodies", s->l->set_count);
 	return block;
 }
 
@@ -56,7 +59,8 @@ static void push(struct settling *s, int body, rb_vec3 arm, rb_vec3 impulse)
 
 	if (!pose)
 		return;
-	pose->velocity = rb_vec3_add_scaled(pose->velocity, s->l->model->inverse_mass[body], impulse);
+	pose->velocity = rb_vec3_add_scaled(pose->velocity, s->l->model->inverse_mass[body],
+	                                    impulse);
 	if (s->l->top)
 		pose->spin = rb_vec3_add(pose->spin, rb_pull_yield(s->l, body, pose->orientation,
 		                                                   rb_vec3_cross(arm, impulse)));
@@ -73,10 +77,10 @@ static void yield(const struct settling *s, int body, rb_vec3 arm, rb_mat3 *k)
 		rb_vec3 dv = rb_vec3_scale(s->l->model->inverse_mass[body], unit);
 
 		if (s->l->top)
-			dv = rb_vec3_add(dv, rb_vec3_cross(rb_pull_yield(s->l, body,
-			                                                 pose->orientation,
-			                                                 rb_vec3_cross(arm, unit)),
-			                                   arm));
+			dv = rb_vec3_add(dv,
+			                 rb_vec3_cross(rb_pull_yield(s->l, body, pose->orientation,
+			                                             rb_vec3_cross(arm, unit)),
+			                               arm));
 		k->m[0][column] += dv.x;
 		k->m[1][column] += dv.y;
 		k->m[2][column] += dv.z;
@@ -106,20 +110,17 @@ static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *be
 		const double share = m->gap / sum;
 
 		if (a)
-			a->position = rb_vec3_add_scaled(a->position,
-			                                 share * model->inverse_mass[m->a],
-			                                 m->normal);
+			a->position = rb_vec3_add_scaled(
+				a->position, share * model->inverse_mass[m->a], m->normal);
 		if (b)
-			b->position = rb_vec3_add_scaled(b->position,
-			                                 -share * model->inverse_mass[m->b],
-			                                 m->normal);
+			b->position = rb_vec3_add_scaled(
+				b->position, -share * model->inverse_mass[m->b], m->normal);
 		if (a)
 			a->origin = rb_vec3_add_scaled(a->origin, share * model->inverse_mass[m->a],
 			                               m->normal);
 		if (b)
-			b->origin = rb_vec3_add_scaled(b->origin,
-			                               -share * model->inverse_mass[m->b],
-			                               m->normal);
+			b->origin = rb_vec3_add_scaled(
+				b->origin, -share * model->inverse_mass[m->b], m->normal);
 	}
 	if (sticks && s->l->top)
 		wrong = m->velocity;
@@ -130,10 +131,10 @@ static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *be
 		if (sticks && s->l->top && rb_mat3_inverse(&k, &inverse))
 			impulse = rb_vec3_neg(rb_mat3_apply(&inverse, wrong));
 		else
-			impulse = rb_vec3_scale(-rb_vec3_dot(wrong, m->normal) /
-			                                rb_vec3_dot(m->normal,
-			                                            rb_mat3_apply(&k, m->normal)),
-			                        m->normal);
+			impulse = rb_vec3_scale(
+				-rb_vec3_dot(wrong, m->normal) /
+					rb_vec3_dot(m->normal, rb_mat3_apply(&k, m->normal)),
+				m->normal);
 		push(s, m->a, m->arm_a, rb_vec3_neg(impulse));
 		push(s, m->b, m->arm_b, impulse);
 	}
@@ -176,10 +177,12 @@ static bool begin(struct settling *s)
 /* A contact that was held and is hit or pulled apart by a change is no longer one. */
 static bool parts(const struct settling *s, const struct rb_meet *m)
 {
-	return rb_vec3_dot(m->velocity, m->normal) >
-	       rb_meet_noise(s->l, m) + s->slack +
-	               1e-9 * (rb_vec3_length(m->pose_a.velocity) +
-	                       rb_vec3_length(m->pose_b.velocity));
+	double most = rb_meet_noise(s->l, m) + s->slack;
+
+	if (!s->struck)
+		most += drift *
+		        (rb_vec3_length(m->pose_a.velocity) + rb_vec3_length(m->pose_b.velocity));
+	return rb_vec3_dot(m->velocity, m->normal) > most;
 }
 
 static void keep_what_lasts(struct settling *s)
@@ -187,7 +190,8 @@ static void keep_what_lasts(struct settling *s)
 	int count = 0;
 
 	for (int k = 0; k < s->meet_count; k++)
-		if (s->before[k].a >= 0 && !parts(s, &s->meet[k])) {
+		/* an impact has left velocities that are right */
+		if (s->before[k].a >= 0 && !s->struck && !parts(s, &s->meet[k])) {
 			meet_again(s, &s->meet[k]);
 			tidy(s, &s->meet[k], &s->before[k]);
 		}
@@ -252,7 +256,8 @@ static void joint_set(struct settling *s)
 		if (l->top) {
 			b->inverse_inertia = l->model->inverse_inertia_scalar[i];
 			if (isnan(b->inverse_inertia))
-				b->inverse_tensor = rb_mechanics_tensor(l, i, s->pose[k].orientation);
+				b->inverse_tensor = rb_mechanics_tensor(l, i,
+				                                        s->pose[k].orientation);
 		}
 	}
 	s->joint.body_count = l->set_count;
@@ -267,7 +272,7 @@ static void joint_contact(struct settling *s, int k)
 	const rb_vec3 slip = across(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
 	const double still = 4 * rb_meet_noise(l, m) + s->slack;
-	const bool stuck = before->a >= 0 && (!before->slipping || before->ending);
+	const bool stuck = before->a >= 0 && !s->struck && (!before->slipping || before->ending);
 
 	*c = rb_mechanics_contact(l, m);
 	c->a = joint_body(s, m->a, &m->pose_a);
@@ -519,8 +524,7 @@ static void write_parts(struct settling *s, double try_s)
 		for (int k = 0; k < s->meet_count; k++) {
 			const int yields = rb_located_fixed(l, s->meet[k].a) ? s->meet[k].b
 			                                                     : s->meet[k].a;
-			held_count += presses(s, k) &&
-			              root_of(s->root, l->place[yields]) == part;
+			held_count += presses(s, k) && root_of(s->root, l->place[yields]) == part;
 		}
 		for (int k = 0; k < count; k++)
 			alone = alone && s->constant[l->place[member[k]]];
@@ -580,7 +584,7 @@ static void tell_lifts(struct settling *s)
 
 void rb_settle(struct rb_located *l, double t, double slack)
 {
-	struct settling s = {.l = l, .t = t, .slack = slack};
+	struct settling s = {.l = l, .t = t, .slack = slack, .struck = slack > 0};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	double try_s;
 

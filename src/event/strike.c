@@ -68,8 +68,7 @@ bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 	const double inverse_a = m.a < l->n ? l->model->inverse_mass[m.a] : 0;
 	const double inverse_b = m.b < l->n ? l->model->inverse_mass[m.b] : 0;
 
-	if (!(approach > c.noise) || m.on_rim || !(leave > c.noise) ||
-	    ends_here(l, &m, leave, t))
+	if (!(approach > c.noise) || m.on_rim || !(leave > c.noise) || ends_here(l, &m, leave, t))
 		return false;
 	const double normal = (1 + c.restitution) * approach / (inverse_a + inverse_b);
 	rb_vec3 tangent = {0, 0, 0};
@@ -115,8 +114,8 @@ static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
 	if (body < l->n && l->place[body] >= 0)
 		return l->place[body];
 	/* fixed: each contact has its own copy of what does not yield */
-	s->joint.body[s->joint.body_count] =
-		(struct rb_joint_body){.linear = pose->velocity, .angular = pose->spin};
+	s->joint.body[s->joint.body_count] = (struct rb_joint_body){.linear = pose->velocity,
+	                                                            .angular = pose->spin};
 	return s->joint.body_count++;
 }
 

@@ -9,8 +9,8 @@
 #include "step/impulse.h"
 
 enum {
-	ROUNDS = 64, /* and 8 per contact: then the rest is done without restitution */
-	ROUNDS_PER_CONTACT = 8
+	ROUNDS = 512, /* and 16 per contact: then the rest is done without restitution */
+	ROUNDS_PER_CONTACT = 16
 };
 
 /* Approaches below this share of the first round's end without restitution: what is left of an infinite series. */
@@ -31,8 +31,7 @@ static rb_vec3 relative(const struct rb_joint *joint, const struct rb_joint_cont
 
 static double speed_bound(const struct rb_joint_body *body, rb_vec3 arm)
 {
-	return rb_vec3_length(body->linear) +
-	       rb_vec3_length(body->angular) * rb_vec3_length(arm);
+	return rb_vec3_length(body->linear) + rb_vec3_length(body->angular) * rb_vec3_length(arm);
 }
 
 /* The largest speed that a contact's velocity is a difference of. */
@@ -60,8 +59,8 @@ static void push(struct rb_joint_body *body, rb_vec3 arm, rb_vec3 impulse)
 {
 	body->linear = rb_vec3_add_scaled(body->linear, body->inverse_mass, impulse);
 	if (body->inverse_inertia != 0)
-		body->angular =
-			rb_vec3_add(body->angular, turned(body, rb_vec3_cross(arm, impulse)));
+		body->angular = rb_vec3_add(body->angular,
+		                            turned(body, rb_vec3_cross(arm, impulse)));
 }
 
 /* Adds the body's part of K; false where it is eccentric: normal and tangent meddle, or tangents differ. */
@@ -75,8 +74,7 @@ static bool add_yield(const struct rb_joint_body *body, rb_vec3 arm, struct rb_l
 
 		if (body->inverse_inertia != 0)
 			dv = rb_vec3_add(
-				dv,
-				rb_vec3_cross(turned(body, rb_vec3_cross(arm, unit)), arm));
+				dv, rb_vec3_cross(turned(body, rb_vec3_cross(arm, unit)), arm));
 		link->yield.m[0][column] += dv.x;
 		link->yield.m[1][column] += dv.y;
 		link->yield.m[2][column] += dv.z;
@@ -86,8 +84,7 @@ static bool add_yield(const struct rb_joint_body *body, rb_vec3 arm, struct rb_l
 		link->tangent_yield += body->inverse_mass;
 		return true;
 	}
-	link->tangent_yield +=
-		body->inverse_mass + body->inverse_inertia * rb_vec3_dot(arm, arm);
+	link->tangent_yield += body->inverse_mass + body->inverse_inertia * rb_vec3_dot(arm, arm);
 	return !isnan(body->inverse_inertia) &&
 	       rb_vec3_length(lever) <= 16 * DBL_EPSILON * rb_vec3_length(arm);
 }
@@ -147,11 +144,11 @@ static void hit_alone(struct rb_joint *joint, struct rb_joint_contact *c)
 
 struct rounds {
 	struct rb_joint *joint;
-	bool *active;  /* [contact_count]: takes part in this round */
-	int *crowd;    /* [body_count]: contacts of this round that a body has */
-	int *contact;  /* [contact_count]: of the rows */
-	double first;  /* m/s: largest approach of the first round */
-	double scale;  /* m/s: largest speed */
+	bool *active; /* [contact_count]: takes part in this round */
+	int *crowd;   /* [body_count]: contacts of this round that a body has */
+	int *contact; /* [contact_count]: of the rows */
+	double first; /* m/s: largest approach of the first round */
+	double scale; /* m/s: largest speed */
 	struct rb_cone cone;
 };
 
@@ -243,7 +240,7 @@ static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_con
 		rb_cone_settle(cone, all->scale);
 }
 
-/* The rows of one round, together. `again`: with restitution. False when memory is out. */
+/* The rows of one round, together. False when memory is out. */
 static bool hit_together(struct rounds *all, bool with_restitution)
 {
 	struct rb_joint *const joint = all->joint;
@@ -253,8 +250,8 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 	rb_cone_pair *const before = rb_arena_take(joint->arena, rows, sizeof *before);
 	rb_cone_pair *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
 	rb_cone_pair *const sum = rb_arena_take(joint->arena, rows, sizeof *sum);
-	struct rb_joint_body *const kept =
-		rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *kept);
+	struct rb_joint_body *const kept = rb_arena_take(joint->arena, (size_t)joint->body_count,
+	                                                 sizeof *kept);
 	bool restitution = false;
 
 	if (!before || !impulse || !sum || !kept || !rb_cone_open(cone)) {
@@ -270,8 +267,8 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 
 		impulse[k] = cone->row[k].impulse;
 		sum[k] = (rb_cone_pair){u.n + before[k].n, rb_vec3_add(u.t, before[k].t)};
-		restitution = restitution || (impulse[k].n > 0 &&
-		                              joint->contact[all->contact[k]].restitution > 0);
+		restitution = restitution ||
+		              (impulse[k].n > 0 && joint->contact[all->contact[k]].restitution > 0);
 	}
 	/* change of kinetic energy: the sum of J.(u + u')/2 */
 	const double spare = -rb_cone_dot(cone, impulse, sum);
@@ -395,8 +392,7 @@ bool rb_joint_impact(struct rb_joint *joint, int *rounds)
 		const bool last = only_tail || round == most;
 
 		if (last)
-			memset(all.active, 1,
-			       (size_t)joint->contact_count * sizeof *all.active);
+			memset(all.active, 1, (size_t)joint->contact_count * sizeof *all.active);
 		if (!run_round(&all, !last))
 			settled = false;
 		round++;
@@ -464,8 +460,7 @@ double rb_joint_forces(struct rb_joint *joint)
 		const struct rb_cone_row *const row = &cone.row[k];
 
 		c->impulse = impulse_of(row);
-		c->slipping = row->impulse.n > 0 &&
-		              row->rub != RB_CONE_STICK &&
+		c->slipping = row->impulse.n > 0 && row->rub != RB_CONE_STICK &&
 		              rb_vec3_length(row->u.t) > 1e-12 * scale;
 	}
 	rb_arena_back(joint->arena, here);

@@ -26,8 +26,9 @@ struct rb_joint_contact {
 	double noise; /* m/s: rounding of the normal velocity; below it nothing approaches */
 
 	/* forces only */
-	enum rb_joint_mode mode; /* stick: may stay without slip or begin to slip; slide: friction against `slip` */
-	rb_vec3 slip;            /* unit, across the normal: direction of the velocity of b relative to a */
+	enum rb_joint_mode
+		mode; /* stick: may stay without slip or begin to slip; slide: friction against `slip` */
+	rb_vec3 slip; /* unit, across the normal: direction of the velocity of b relative to a */
 	rb_vec3 bias; /* m/s^2: relative acceleration of the contact points that is not linear + angular x arm */
 
 	/* out */
@@ -47,15 +48,27 @@ struct rb_joint {
 /*
  * Impacts. Generalized reflections (Smith, Kaufman, Vouga, Tamstorf, Grinspun, "Reflections on simultaneous impact",
  * ACM TOG 31(4):106 (2012)) blended with the perfectly inelastic solution for e < 1, in rounds until nothing
- * approaches, with one rule for contacts of different e and for friction:
+ * approaches, with one rule for contacts of different e and for friction. Of each round:
  *
- *   [to be stated by the implementation, in this place]
+ *   1. It has the contacts that approach, and with them the touching ones of e = 0. Others are not felt: what a shock
+ *      does to them is seen in the next round, as if there were a gap.
+ *   2. Compression: the impulses that end all approach, at once, with Coulomb friction: the perfectly inelastic
+ *      solution (the smallest change of velocity in the metric of kinetic energy, where there is no friction).
+ *   3. Restitution: every normal impulse grows by e times what it is, each contact by its own e. With one e for all
+ *      and no friction that is (1 - e) times the inelastic solution and e times the reflection. With different e
+ *      it could give back more energy than compression took; then all these additions shrink by one factor.
+ *   4. Friction is solved again, within the cones of the grown impulses; that takes energy or leaves it.
+ *
+ * So a touching cradle does what one with vanishing gaps does, for every e, and e = 0 everywhere is one round. Series
+ * of rounds that do not end (0 < e < 1: inelastic collapse) are followed to 1e-13 of the first approach, then e = 0.
+ * A contact that shares no yielding body with another of its round is solved alone. Where friction jams a body
+ * between others so that no solution with the whole of it is found, it gets less: see event/cone.
  *
  * Afterwards: kinetic energy of what yields is not above before (in the frame of bodies that do not yield; a driven
  * body may add to it), friction impulses are within their cones, no contact approaches by more than its noise, linear
  * and angular momentum are what they were to rounding. One contact alone is Newton's law with Coulomb friction (for
- * eccentric contacts with friction the energetic law of step/impulse, handed in by `single`). Returns false when the
- * rounds ended without settling and the rest was done with e = 0; `*rounds` may be NULL.
+ * eccentric contacts with friction the energetic law of step/impulse). Returns false when the rounds (512 and 16 per
+ * contact) ended without settling and the rest was done with e = 0, or when memory is out; `*rounds` may be NULL.
  */
 bool rb_joint_impact(struct rb_joint *joint, int *rounds);
 
@@ -64,7 +77,8 @@ bool rb_joint_impact(struct rb_joint *joint, int *rounds);
  * has no relative tangential acceleration unless its friction is at the cone (then against that acceleration); a
  * sliding one has friction * force against its slip. Bodies' accelerations become those with the contact forces. Unique
  * accelerations come out to about 1e-13 of the largest acceleration in the problem, also where forces are not unique
- * (touching lattices). Returns the largest violation that is left, m/s^2.
+ * (touching lattices). Returns the largest violation that is left, m/s^2; INFINITY when memory is out. Where no
+ * solution with the whole friction is found (jammed bodies, mostly friction near 1 and above), what slips gets less.
  */
 double rb_joint_forces(struct rb_joint *joint);
 

@@ -59,8 +59,8 @@ static double slip_ends(const struct rb_located *l, const struct rb_held *held, 
 	const struct rb_meet m = rb_meet_at(l, held->a, held->b, t);
 	const struct rb_arc *arc = &l->arc[held->a];
 	const rb_vec3 turning = l->top ? l->top[held->a].acceleration : (rb_vec3){0, 0, 0};
-	const rb_vec3 rate =
-		rb_vec3_neg(rb_vec3_add(arc->acceleration, rb_vec3_cross(turning, m.arm_a)));
+	const rb_vec3 rate = rb_vec3_neg(
+		rb_vec3_add(arc->acceleration, rb_vec3_cross(turning, m.arm_a)));
 	const double along = rb_vec3_dot(rate, held->slip);
 
 	return along < 0 ? rb_vec3_dot(m.velocity, held->slip) / -along : HUGE_VAL;

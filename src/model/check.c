@@ -389,9 +389,20 @@ static rb_vec3 spring_end(const struct rb_body_def *body, rb_vec3 at)
 	return rb_vec3_add(body->position, rb_quat_rotate(rb_quat_unit(body->orientation), local));
 }
 
+static rb_vec3 spring_span(const struct rb_scene *scene, const struct rb_spring_def *spring)
+{
+	return rb_vec3_sub(spring_end(&scene->bodies[spring->b], spring->at_b),
+	                   spring_end(&scene->bodies[spring->a], spring->at_a));
+}
+
+double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_spring_def *spring)
+{
+	return isnan(spring->rest_length_m) ? rb_vec3_length(spring_span(scene, spring))
+	                                    : spring->rest_length_m;
+}
+
 static void check_spring(struct check *check, const struct rb_spring_def *spring)
 {
-	const struct rb_body_def *bodies = check->scene->bodies;
 	const char *fault = rb_spring_fault(check->scene, spring);
 	const double rest = spring->rest_length_m;
 
@@ -409,8 +420,7 @@ static void check_spring(struct check *check, const struct rb_spring_def *spring
 			spring->stiffness, spring->damping, rest);
 		return;
 	}
-	const rb_vec3 span = rb_vec3_sub(spring_end(&bodies[spring->b], spring->at_b),
-	                                 spring_end(&bodies[spring->a], spring->at_a));
+	const rb_vec3 span = spring_span(check->scene, spring);
 	if (rest > 0 && !(rb_vec3_max_abs(span) > 0))
 		line_mistake(
 			check, spring->line,

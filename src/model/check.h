@@ -55,6 +55,9 @@ double rb_ulp(double x);
 /* What is wrong with the bodies of a spring, NULL: nothing. */
 const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring_def *spring);
 
+/* m: as given, or its length at the start. */
+double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_spring_def *spring);
+
 struct rb_sizes {
 	double size_min_m;       /* smallest radius of a moving body, 0: none moves */
 	double coordinate_max_m; /* largest |coordinate| or size */

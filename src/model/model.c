@@ -123,6 +123,9 @@ static void take_columns(struct rb_model *model, bool *failed)
 	                                       sizeof *model->inverse_inertia_scalar, failed);
 	model->center_of_mass = column(model, off_center, all, sizeof *model->center_of_mass,
 	                               failed);
+	model->rest_length_m = column(model, model->scene->spring_count > 0,
+	                              (size_t)model->scene->spring_count,
+	                              sizeof *model->rest_length_m, failed);
 	model->group_bit = column(model, filters, all, sizeof *model->group_bit, failed);
 	model->collides = column(model, filters, all, sizeof *model->collides, failed);
 	model->position = column(model, true, all, sizeof *model->position, failed);
@@ -244,6 +247,8 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	number_bodies(model);
 	for (int i = 0; i < scene->body_count; i++)
 		fill_body(model, i);
+	for (int i = 0; i < scene->spring_count; i++)
+		model->rest_length_m[i] = rb_spring_rest_length(scene, &scene->springs[i]);
 	fill_numbers(model);
 	return RB_OK;
 }
@@ -277,6 +282,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->mass);
 	rb_memory_free(model->inverse_mass);
 	rb_memory_free(model->driven);
+	rb_memory_free(model->rest_length_m);
 	rb_memory_free(model->inertia);
 	rb_memory_free(model->inverse_inertia);
 	rb_memory_free(model->inverse_inertia_scalar);

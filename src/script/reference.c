@@ -17,6 +17,7 @@ static const char reference_key[] = "rbsim.reference";
 struct request {
 	double time_s;
 	struct rb_reference_pose *poses;
+	char place[160]; /* "bounce.lua:12: reference", as mistakes begin */
 };
 
 bool rb_script_has_reference(const struct rb_script *script)
@@ -28,7 +29,7 @@ bool rb_script_has_reference(const struct rb_script *script)
 	return has;
 }
 
-static rb_quat check_orientation(lua_State *L, const char *body)
+static rb_quat check_orientation(lua_State *L, const char *place, const char *body)
 {
 	double numbers[4];
 	bool right = rb_vector_numbers(L, -1, 4, numbers, NULL);
@@ -39,24 +40,24 @@ static rb_quat check_orientation(lua_State *L, const char *body)
 	if (right)
 		length = rb_quat_length(rb_quat_from(numbers));
 	if (fabs(length - 1) > 1e-3)
-		luaL_error(
-			L,
-			"reference: '%s': 'orientation' must be a quaternion {w, x, y, z} of length 1",
-			body);
+		luaL_error(L,
+		           "%s: '%s': 'orientation' must be a quaternion {w, x, y, z} of length 1",
+		           place, body);
 	return rb_quat_unit(rb_quat_from(numbers));
 }
 
 /* The table on top of the stack. */
-static void take_pose(lua_State *L, const char *body, struct rb_reference_pose *pose)
+static void take_pose(lua_State *L, const char *place, const char *body,
+                      struct rb_reference_pose *pose)
 {
 	if (lua_type(L, -1) != LUA_TTABLE)
-		luaL_error(L, "reference: '%s' must be a table {position = ...} (got %s)", body,
+		luaL_error(L, "%s: '%s' must be a table {position = ...} (got %s)", place, body,
 		           luaL_typename(L, -1));
 	lua_pushnil(L);
 	while (lua_next(L, -2)) {
 		const char *key = lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2) : "";
-		char what[128];
-		snprintf(what, sizeof what, "reference: '%s': '%s'", body, key);
+		char what[256];
+		snprintf(what, sizeof what, "%s: '%s': '%s'", place, body, key);
 		if (strcmp(key, "position") == 0) {
 			pose->position = rb_vector_check(L, -1, what);
 			pose->known |= RB_FIELD_POSITION;
@@ -67,13 +68,13 @@ static void take_pose(lua_State *L, const char *body, struct rb_reference_pose *
 			pose->angular_velocity = rb_vector_check(L, -1, what);
 			pose->known |= RB_FIELD_ANGULAR_VELOCITY;
 		} else if (strcmp(key, "orientation") == 0) {
-			pose->orientation = check_orientation(L, body);
+			pose->orientation = check_orientation(L, place, body);
 			pose->known |= RB_FIELD_ORIENTATION;
 		} else {
 			luaL_error(
 				L,
-				"reference: '%s': unknown key '%s' (position, orientation, velocity or angular_velocity)",
-				body, key);
+				"%s: '%s': unknown key '%s' (position, orientation, velocity or angular_velocity)",
+				place, body, key);
 		}
 		lua_pop(L, 1);
 	}
@@ -96,7 +97,7 @@ static bool push_body(lua_State *L, int id, const char *name)
 }
 
 /* A name that no body has would be measured nowhere without a word. */
-static void check_names(lua_State *L, const struct rb_scene *scene)
+static void check_names(lua_State *L, const char *place, const struct rb_scene *scene)
 {
 	lua_pushnil(L);
 	while (lua_next(L, 2)) {
@@ -105,31 +106,36 @@ static void check_names(lua_State *L, const struct rb_scene *scene)
 		for (int id = 0; key && !known && id < scene->body_count; id++)
 			known = scene->bodies[id].name && strcmp(scene->bodies[id].name, key) == 0;
 		if (!known)
-			luaL_error(L, "reference: no body is called '%s'", key ? key : "?");
+			luaL_error(L, "%s: no body is called '%s'", place, key ? key : "?");
 		lua_pop(L, 1);
 	}
 }
 
 static int serve(lua_State *L)
 {
-	const struct request *request = lua_touserdata(L, 1);
+	struct request *request = lua_touserdata(L, 1);
 	const struct rb_scene *scene = rb_script_of(L)->scene;
+	lua_Debug about;
 	lua_Integer stated = 0, found = 0;
 
 	if (lua_getfield(L, LUA_REGISTRYINDEX, reference_key) != LUA_TFUNCTION)
 		return luaL_error(L, "the scene states no reference");
+	lua_pushvalue(L, -1);
+	lua_getinfo(L, ">S", &about);
+	snprintf(request->place, sizeof request->place, "%.120s:%d: reference", scene->file,
+	         about.linedefined);
 	lua_pushnumber(L, request->time_s);
 	lua_call(L, 1, 1);
 	if (lua_type(L, 2) != LUA_TTABLE)
-		return luaL_error(
-			L, "reference: must return a table of bodies { NAME = {...} } (got %s)",
-			luaL_typename(L, 2));
+		return luaL_error(L, "%s: must return a table of bodies { NAME = {...} } (got %s)",
+		                  request->place, luaL_typename(L, 2));
 	luaL_checkstack(L, 8, NULL);
 	for (int id = 0; id < scene->body_count; id++) {
 		const char *name = scene->bodies[id].name;
 		if (!push_body(L, id, name))
 			continue;
-		take_pose(L, name ? name : scene->bodies[id].call, &request->poses[id]);
+		take_pose(L, request->place, name ? name : scene->bodies[id].call,
+		          &request->poses[id]);
 		lua_pop(L, 1);
 		found++;
 	}
@@ -139,7 +145,7 @@ static int serve(lua_State *L)
 		lua_pop(L, 1);
 	}
 	if (stated != found)
-		check_names(L, scene);
+		check_names(L, request->place, scene);
 	return 0;
 }
 

@@ -85,7 +85,6 @@ static const struct cell spring_cells[] = {
 	{"at_b", CELL_NUMBER, 3, offsetof(struct rb_spring_def, at_b), "m"},
 	{"stiffness", CELL_NUMBER, 1, offsetof(struct rb_spring_def, stiffness), "N/m"},
 	{"damping", CELL_NUMBER, 1, offsetof(struct rb_spring_def, damping), "N s/m"},
-	{"rest_length", CELL_NUMBER, 1, offsetof(struct rb_spring_def, rest_length_m), "m"},
 };
 
 static const struct cell drag_cells[] = {
@@ -325,13 +324,21 @@ static void put_driven(struct rb_h5 *h5, const struct rb_model *model)
 }
 
 /* Forces between and on bodies; a scene without them has none of these groups. */
-static void put_forces(struct rb_h5 *h5, const struct rb_scene *scene)
+static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 {
+	const struct rb_scene *scene = model->scene;
+	const rb_h5_shape springs = {1, {(hsize_t)scene->spring_count}};
+
 	if (scene->spring_count > 0)
 		put_table(h5,
 		          &(struct rows){"/rbsim/springs", scene->springs,
 		                         (size_t)scene->spring_count, sizeof *scene->springs},
 		          spring_cells, COUNT(spring_cells));
+	if (model->rest_length_m) {
+		rb_h5_put(h5, "/rbsim/springs/rest_length", RB_H5_F64, springs,
+		          model->rest_length_m);
+		rb_h5_units(h5, "/rbsim/springs/rest_length", "m");
+	}
 	if (scene->drag_count > 0)
 		put_table(h5,
 		          &(struct rows){"/rbsim/drags", scene->drags, (size_t)scene->drag_count,
@@ -374,7 +381,7 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 	          body_cells, COUNT(body_cells));
 	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", "0 sphere, 1 plane, 2 rectangle");
 	put_driven(h5, model);
-	put_forces(h5, scene);
+	put_forces(h5, model);
 	put_table(h5,
 	          &(struct rows){"/rbsim/cameras", scene->cameras, (size_t)scene->camera_count,
 	                         sizeof *scene->cameras},

@@ -6,6 +6,30 @@
 
 #include <string.h>
 
+/* Of a spring's end, world. */
+static rb_vec3 end_of(const struct rb_world *world, int id, rb_vec3 at)
+{
+	return isnan(at.x) ? rb_world_center_of_mass(world, id) : rb_world_point(world, id, at);
+}
+
+/* Zero at rest length, J. */
+static double in_springs(const struct rb_world *world)
+{
+	const struct rb_scene *scene = world->model->scene;
+	double sum = 0;
+
+	for (int k = 0; k < scene->spring_count; k++) {
+		const struct rb_spring_def *spring = &scene->springs[k];
+		const double stretch = rb_vec3_length(rb_vec3_sub(
+					       end_of(world, spring->b, spring->at_b),
+					       end_of(world, spring->a, spring->at_a))) -
+		                       world->model->rest_length_m[k];
+
+		sum += 0.5 * spring->stiffness * stretch * stretch;
+	}
+	return sum;
+}
+
 /*
  * Straight over the columns: this runs for every frame that is recorded. Sums run over bodies in their
  * order.
@@ -20,6 +44,8 @@ void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *n
 	rb_vec3 momentum = {0, 0, 0}, angular = {0, 0, 0};
 
 	for (int i = 0; i < model->body_count; i++) {
+		if (model->driven && model->driven[i]) /* has no mass to count with */
+			continue;
 		const double mass = model->mass[i];
 		const rb_vec3 at = rb_world_row3(state->position, i);
 		const rb_vec3 v = rb_world_row3(state->velocity, i);
@@ -38,7 +64,7 @@ void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *n
 		}
 	}
 	*numbers = (struct rb_frame_numbers){.kinetic_energy = 0.5 * twice_kinetic,
-	                                     .potential_energy = potential,
+	                                     .potential_energy = potential + in_springs(world),
 	                                     .momentum = momentum,
 	                                     .angular_momentum = angular};
 }

@@ -4,6 +4,8 @@
 #include "base/hash.h"
 #include "base/memory.h"
 
+#include <stdlib.h>
+
 enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size_t count, struct rb_error *err)
 {
 	if (!rb_memory_reserve(&contacts->row, &contacts->capacity, count, sizeof contacts->row[0]))
@@ -20,6 +22,20 @@ void rb_contacts_release(struct rb_contacts *contacts)
 static uint64_t pair_key(int a, int b)
 {
 	return (uint64_t)(uint32_t)a << 32 | (uint32_t)b;
+}
+
+static int by_pair(const void *left, const void *right)
+{
+	const struct rb_contact *a = left, *b = right;
+	const uint64_t x = pair_key(a->a, a->b), y = pair_key(b->a, b->b);
+
+	return (x > y) - (x < y);
+}
+
+void rb_contacts_sort(struct rb_contacts *contacts)
+{
+	if (contacts->count > 1)
+		qsort(contacts->row, contacts->count, sizeof contacts->row[0], by_pair);
 }
 
 const struct rb_contact *rb_contacts_find(const struct rb_contacts *contacts, int a, int b)

@@ -29,6 +29,9 @@ RB_CHECKED enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size
                                               struct rb_error *err);
 void rb_contacts_release(struct rb_contacts *contacts);
 
+/* By pair, as all else here wants them. */
+void rb_contacts_sort(struct rb_contacts *contacts);
+
 /* The contact of that pair, or NULL. */
 const struct rb_contact *rb_contacts_find(const struct rb_contacts *contacts, int a, int b);
 /* Forgets the contacts of a body: something other than the step has changed its motion. */

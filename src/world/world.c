@@ -7,6 +7,13 @@ static bool moves(const struct rb_world *world, int id)
 	return world->model->index_of[id] < world->model->body_count;
 }
 
+/* Moves, and has a mass to count with. */
+static bool yields(const struct rb_world *world, int id)
+{
+	return moves(world, id) &&
+	       !(world->model->driven && world->model->driven[world->model->index_of[id]]);
+}
+
 int rb_world_id_count(const struct rb_world *world)
 {
 	return world->model->body_count + world->model->static_count;
@@ -93,14 +100,14 @@ static rb_vec3 spin_momentum(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return moves(world, id) && world->state.spin
+	return yields(world, id) && world->state.spin
 	               ? rb_world_spin_momentum(world, world->model->index_of[id])
 	               : none;
 }
 
 double rb_world_kinetic_energy(const struct rb_world *world, int id)
 {
-	if (!moves(world, id))
+	if (!yields(world, id))
 		return 0;
 	const rb_vec3 v = rb_world_velocity(world, id);
 	const rb_vec3 w = rb_world_angular_velocity(world, id);
@@ -112,7 +119,7 @@ rb_vec3 rb_world_momentum(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	return moves(world, id)
+	return yields(world, id)
 	               ? rb_vec3_scale(rb_world_mass(world, id), rb_world_velocity(world, id))
 	               : none;
 }

@@ -52,8 +52,18 @@ exits 65 converge throw.lua $classic --dt 0.01 --param limit=0.005
 says out 'there is no error'
 # a first setting that takes longer than all of the budget
 long_scene >long.lua
-exits 70 converge long.lua --methods classic --dt 0.00001 --budget 0.5
+exits 76 converge long.lua --methods classic --dt 0.00001 --budget 0.5
 says out 'too long: ended after'
+
+# What a reference says is looked at before it is believed.
+for said in 'return 1:must return a table' 'return { bal = {} }:no body is called .bal.' 'return { ball = 1 }:must be a table' \
+	'return { ball = { place = {0, 0, 0} } }:unknown key .place.' 'return { ball = { position = {0, 0, 0/0} } }:finite' \
+	'return { ball = { orientation = {1, 1, 0, 0} } }:length 1' 'error("mine"):mine'; do
+	sed -e '/^reference/,$d' throw.lua >said.lua
+	echo "reference(function(t) ${said%:*} end)" >>said.lua
+	exits 65 converge said.lua --methods classic --dt 0.01 --json
+	grep -q "failed.*said.lua.*${said#*:}" out || fail "reference with '${said%:*}': $(cat out)"
+done
 
 # Without a reference of its own a scene is measured against finer runs. Two balls' fall, before they land.
 small_scene >small.lua
@@ -95,17 +105,25 @@ exits 73 converge throw.lua $classic --dt 0.01 -o nowhere/report.csv
 ls ./*.partial* >/dev/null 2>&1 && fail "partial files stay"
 
 # Without gnuplot: the table goes on, a picture is refused before anything runs.
+real=$RBSIM
 mkdir empty
-(PATH=$TMPDIR/empty && exits 0 converge throw.lua $classic --dt 0.01) || exit 1
+printf '#!/bin/sh\nPATH=%s exec %s "$@"\n' "$TMPDIR/empty" "$real" >without
+printf '#!/bin/sh\nPATH=%s:$PATH exec %s "$@"\n' "$TMPDIR/broken" "$real" >with
+chmod +x without with
+RBSIM=$TMPDIR/without
+exits 0 converge throw.lua $classic --dt 0.01
 says out 'no picture: .*gnuplot'
-(PATH=$TMPDIR/empty && exits 69 converge throw.lua $classic --dt 0.01 -o report.svg) || exit 1
+exits 69 converge throw.lua $classic --dt 0.01 -o report.svg
 says err "there is no 'gnuplot'"
 says_nothing out
-printf '#!/bin/sh\necho "line 0: no such terminal" >&2\nexit 1\n' >empty/gnuplot
-chmod +x empty/gnuplot
-(PATH=$TMPDIR/empty:$PATH && exits 69 converge throw.lua $classic --dt 0.01 -o report.svg) || exit 1
+mkdir broken
+printf '#!/bin/sh\necho "line 0: no such terminal" >&2\nexit 1\n' >broken/gnuplot
+chmod +x broken/gnuplot
+RBSIM=$TMPDIR/with
+exits 69 converge throw.lua $classic --dt 0.01 -o report.svg
 says err 'no such terminal'
 [ -e report.svg ] && fail "half a picture stays"
+RBSIM=$real
 
 # The command line
 exits 64 converge throw.lua --methods classic,fast

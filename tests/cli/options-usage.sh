@@ -35,7 +35,7 @@ exits 0 --help
 says out '^usage: rbsim'
 says out '^Examples:'
 says_nothing err
-for verb in run check info diff methods; do
+for verb in run check info diff converge verify methods; do
 	exits 0 $verb --help
 	says out "^usage: rbsim $verb"
 done

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* What a frame shows of contacts: those that last, and overlaps. */
+#ifndef RB_EVENT_LOOK_H
+#define RB_EVENT_LOOK_H
+
+#include "event/set.h"
+
+/* Fills the world's contacts with what lasts at `t`. */
+RB_CHECKED enum rb_status rb_look_contacts(struct rb_located *l, double t);
+
+/* The deepest overlap of any two bodies at `t`, and whose it is; 0 and -1: none. */
+double rb_look_overlap(struct rb_located *l, double t, int *a, int *b);
+
+#endif
