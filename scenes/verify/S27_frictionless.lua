@@ -10,9 +10,11 @@ verify.plane { material = ice }
 local ball = verify.sphere { name = "ball", radius = radius, position = {0, 0, radius}, velocity = v, angular_velocity = spin,
 	material = ice }
 
-expect_always("velocity, relative", function() return (verify.velocity(ball) - v):length() / v:length(), 1e-12 end)
-expect_always("spin, relative", function() return (verify.spin(ball) - spin):length() / spin:length(), 1e-12 end)
+-- Turned obliquely, gravity and the floor's normal are rounded apart by an ulp or two, and gravity then pulls along the floor.
+local slant = verify.turn == 2 and 2 * verify.u * 9.81 / v:length() or 0
+expect_always("velocity, relative", function() return (verify.velocity(ball) - v):length() / v:length(), 1e-12 + slant * time() end)
+expect_always("spin, relative", function() return (verify.spin(ball) - spin):length() / spin:length(), 1e-12 + slant * time() end)
 expect_always("place, relative to the way", function()
 	local wanted = vec3(v.x * time(), v.y * time(), radius)
-	return (verify.position(ball) - wanted):length() / (v:length() * duration), 1e-12 + verify.rounding / duration
+	return (verify.position(ball) - wanted):length() / (v:length() * duration), 1e-12 + verify.rounding / duration + slant * time()
 end)

@@ -9,9 +9,8 @@ local short = dt == 1e-9
 local duration = short and 1e-3 or 4
 
 verify.case { title = "Steps from a nanosecond to a second", duration = duration, gravity = {0, 0, -g}, time_step = {dt},
-	frame_rate = short and {1000, 1, 10000} or {1, 10, 7}, quick = "more",
-	leave_out = {time_step = "it is this case's own parameter, from 1e-9 s to 1 s",
-		frame_rate = short and "a frame is not longer than the run" or nil} }
+	frame_rate = {1, 10, 7}, quick = "more",
+	leave_out = {time_step = "it is this case's own parameter, from 1e-9 s to 1 s"} }
 local stuff = material { name = "stuff", friction = mu, restitution = e }
 verify.plane { material = stuff }
 local thrown = {g = g, height = short and 2e-4 or 1, vz = short and -1 or 4, vx = 2, wr = -1, e = e, mu = mu}

@@ -18,10 +18,10 @@
 #include "script/rows.h"
 
 static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
-	[RB_VERB_RUN] = rb_run_main,         [RB_VERB_CHECK] = rb_check_main,
-	[RB_VERB_INFO] = rb_info_main,       [RB_VERB_DIFF] = rb_diff_main,
-	[RB_VERB_CONVERGE] = rb_converge_main,
-	[RB_VERB_VERIFY] = rb_verify_main,   [RB_VERB_METHODS] = rb_methods_main,
+	[RB_VERB_RUN] = rb_run_main,           [RB_VERB_CHECK] = rb_check_main,
+	[RB_VERB_INFO] = rb_info_main,         [RB_VERB_DIFF] = rb_diff_main,
+	[RB_VERB_CONVERGE] = rb_converge_main, [RB_VERB_VERIFY] = rb_verify_main,
+	[RB_VERB_METHODS] = rb_methods_main,
 };
 
 /* In one write, over a progress bar that may stand there. */

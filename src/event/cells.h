@@ -19,11 +19,12 @@
 
 struct rb_cells;
 
-/* Bodies 0 .. count-1 of these radii at these positions ([count][3], m). */
+/* Bodies 0 .. count-1 of these radii (> 0) at these positions ([count][3], m). All memory is taken here. */
 RB_CHECKED enum rb_status rb_cells_create(struct rb_cells **cells, int count, const double *radius,
                                           const double *position, struct rb_error *err);
 void rb_cells_destroy(struct rb_cells *cells); /* NULL is fine */
 
+/* 0: so few bodies that all are near each other always, and nobody ever leaves a cell. */
 int rb_cells_level_count(const struct rb_cells *cells);
 
 /*
@@ -36,14 +37,17 @@ int rb_cells_most(const struct rb_cells *cells); /* the number of bodies */
 
 /*
  * When, from now on, a body at `position` with `velocity` and constant `acceleration` first leaves one of its cells
- * (own level and coarser ones): seconds from now, > 0, INFINITY: never. `*wall` says which wall, for rb_cells_cross.
+ * (own level and coarser ones): seconds from now, >= 0, INFINITY: never. `*wall` says which wall, for rb_cells_cross;
+ * -1: none. Walls are crossed a little late and must be crossed back as much further, so 0, for a body that is behind a
+ * wall already, can't come again and again at one moment: each crossing goes on in the direction of the motion. Beyond
+ * 1e12 edges from the origin contacts may be missed for lack of digits; beyond 1e15 a body does not change its cell.
  */
 double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
                        rb_vec3 acceleration, int *wall);
 
 /*
  * The body has come to that wall: it is moved to the cell behind it. Writes those who are near it now and were not
- * before (the 9 cells on the far side on that level) to `out`; returns how many.
+ * before (the 9 cells on the far side on that level) to `out`, which has room as above; returns how many.
  */
 int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out);
 

@@ -89,8 +89,11 @@ void rb_cone_push(struct rb_cone *cone, const rb_cone_pair *impulse);
 /* sum of a.b over the rows */
 double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
 
-/* Solves; the result is what is left of the largest violation, in the unit of u. `scale`: the largest speed that u is
- * a difference of. */
-double rb_cone_settle(struct rb_cone *cone, double scale);
+/* The same in the metric in which a row's step is as large as what it does: rows of heavy and light bodies compare. */
+double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
+
+/* Increments of all bodies by impulses on all rows, into cone->linear and angular; and what those do to a row. */
+void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse);
+rb_cone_pair rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row);
 
 #endif

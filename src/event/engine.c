@@ -101,6 +101,7 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
 	l->stuck_s = -HUGE_VAL;
+	l->come_a = l->come_b = -1;
 	if (!make_rows(l) || !rb_pull_switches(l))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
 	/* bodies, clusters (never more than bodies), switches of forces */

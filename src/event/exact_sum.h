@@ -10,6 +10,20 @@
 #define RB_EVENT_EXACT_SUM_H
 
 #include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* 1.5 times 2 to the power of biased - 1023. */
+static inline double rb_exact_grid(int biased)
+{
+	if (biased < 1 || biased > 2046)
+		return ldexp(1.5, biased - 1023);
+	const uint64_t bits = (uint64_t)biased << 52 | UINT64_C(1) << 51;
+	double grid;
+
+	memcpy(&grid, &bits, sizeof grid);
+	return grid;
+}
 
 static inline double rb_exact_sum(const double *term, int count)
 {
@@ -17,15 +31,16 @@ static inline double rb_exact_sum(const double *term, int count)
 		return count == 2 ? term[0] + term[1] : count == 1 ? term[0] : 0;
 	double largest = 0;
 	for (int i = 0; i < count; i++)
-		largest = fmax(largest, fabs(term[i]));
+		largest = fabs(term[i]) > largest ? fabs(term[i]) : largest;
 	if (largest == 0)
 		return 0;
-	int exponent, bits = 1;
-	(void)frexp(largest, &exponent);
+	uint64_t pattern;
+	int bits = 1;
+	memcpy(&pattern, &largest, sizeof pattern);
 	while (bits < 31 && count > 1 << bits)
 		bits++;
-	const double grid = ldexp(1.5, exponent + bits);
-	const double fine = ldexp(grid, bits - 52);
+	const int biased = (int)(pattern >> 52) + 1 + bits;
+	const double grid = rb_exact_grid(biased), fine = rb_exact_grid(biased + bits - 52);
 	double sum = 0, rest = 0;
 	for (int i = 0; i < count; i++) {
 		const double high = (grid + term[i]) - grid;

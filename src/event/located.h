@@ -103,6 +103,7 @@ struct rb_located {
 	int *set;               /* [n] scratch: bodies that are dealt with together */
 	int *place;             /* [n] a body's place in `set`, -1 between uses */
 	int set_count;
+	int come_a, come_b; /* the pair whose touch is dealt with, -1: none */
 	struct rb_merge {
 		int a, b;
 		double tell_s;

@@ -16,7 +16,8 @@
 struct settling {
 	struct rb_located *l;
 	double t, slack;
-	bool struck;          /* an impact has just happened */
+	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
+	bool struck;  /* an impact has just happened */
 	struct rb_meet *meet; /* [meet_count], sorted by (a, b) */
 	int meet_count;
 	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
@@ -28,8 +29,9 @@ struct settling {
 	double pull_most;          /* m/s^2: largest acceleration that went in */
 };
 
+enum { STILL_ULP = 64 };
 /* Share of speeds by which integration may have let a held contact drift. */
-static const double drift = 1e-9;
+static const double integrated = 1e-9;
 
 static void *take(struct settling *s, int count, size_t size)
 {
@@ -143,6 +145,16 @@ static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *be
 
 /* ---- gathering ---- */
 
+/* What the rounding of a held contact's force has made of its velocity since then, m/s. */
+static double drift_of(const struct rb_located *l, const struct rb_held *held, double t)
+{
+	const int yields = rb_located_fixed(l, held->a) ? held->b : held->a;
+	const double age = t - l->cluster[l->cluster_of[yields]].anchor_s;
+
+	return 16 * DBL_EPSILON * age * rb_vec3_length(held->force) *
+	       (l->model->inverse_mass[held->a] + l->model->inverse_mass[held->b]);
+}
+
 static bool begin(struct settling *s)
 {
 	struct rb_located *l = s->l;
@@ -168,8 +180,10 @@ static bool begin(struct settling *s)
 		const struct rb_held *held = rb_set_held(l, s->meet[k].a, s->meet[k].b);
 
 		s->before[k] = (struct rb_held){.a = -1};
-		if (held)
-			s->before[k] = *held;
+		if (!held)
+			continue;
+		s->before[k] = *held;
+		s->drift = fmax(s->drift, drift_of(l, held, s->t));
 	}
 	return true;
 }
@@ -177,10 +191,10 @@ static bool begin(struct settling *s)
 /* A contact that was held and is hit or pulled apart by a change is no longer one. */
 static bool parts(const struct settling *s, const struct rb_meet *m)
 {
-	double most = rb_meet_noise(s->l, m) + s->slack;
+	double most = rb_meet_noise(s->l, m) + s->slack + s->drift;
 
 	if (!s->struck)
-		most += drift *
+		most += integrated *
 		        (rb_vec3_length(m->pose_a.velocity) + rb_vec3_length(m->pose_b.velocity));
 	return rb_vec3_dot(m->velocity, m->normal) > most;
 }
@@ -460,7 +474,10 @@ static bool in_closed_form(const struct settling *s, int part, const struct rb_c
 	return true;
 }
 
-/* All of a cluster stands still and nothing moves it: static means static. */
+/*
+ * All of a cluster stands still and nothing moves it: static means static. Still is a speed within rounding of that of a
+ * fall by its own size.
+ */
 static bool stands_still(const struct settling *s, int part)
 {
 	const struct rb_located *l = s->l;
@@ -475,8 +492,10 @@ static bool stands_still(const struct settling *s, int part)
 		const double radius = l->model->shape[l->set[k]].radius;
 		const struct rb_joint_body *b = &s->joint.body[k];
 
-		if (!s->constant[k] || rb_vec3_max_abs(s->pose[k].velocity) > s->slack ||
-		    rb_vec3_max_abs(s->pose[k].spin) * radius > s->slack ||
+		const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * pull * radius);
+
+		if (!s->constant[k] || rb_vec3_max_abs(s->pose[k].velocity) > still ||
+		    rb_vec3_max_abs(s->pose[k].spin) * radius > still ||
 		    rb_vec3_max_abs(b->linear) > 1e-12 * pull ||
 		    rb_vec3_max_abs(b->angular) * radius > 1e-12 * pull)
 			return false;

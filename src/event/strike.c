@@ -70,7 +70,9 @@ bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 
 	if (!(approach > c.noise) || m.on_rim || !(leave > c.noise) || ends_here(l, &m, leave, t))
 		return false;
-	const double normal = (1 + c.restitution) * approach / (inverse_a + inverse_b);
+	/* by n.n, which is 1 to rounding only: a wall is hit a million times by the same normal */
+	const double normal = (1 + c.restitution) * approach /
+	                      ((inverse_a + inverse_b) * rb_vec3_dot(m.normal, m.normal));
 	rb_vec3 tangent = {0, 0, 0};
 	if (c.friction > 0) {
 		const rb_vec3 slip = across(m.velocity, m.normal);
@@ -193,6 +195,9 @@ static void end_accumulations(struct striking *s)
 		const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
 
 		after.velocity = velocity_after(s, k);
+		/* impacts without end between bodies that nothing presses together */
+		if (c->approach > 0 && c->restitution > 0 && leave <= c->noise)
+			rb_tell_transition(l, s->t, RB_EVENT_MERGE, &after);
 		if (!(c->approach > 0) || !(leave > 0) || !ends_here(l, &after, leave, s->t))
 			continue;
 		const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, after.b, s->t),
@@ -243,6 +248,8 @@ void rb_strike_all(struct rb_located *l, int a, int b, double t)
 
 	rb_set_add(l, a);
 	rb_set_add(l, b);
+	l->come_a = a;
+	l->come_b = b;
 	s.meet_count = rb_set_grow(l, t, 0, rb_set_touching, &s.meet);
 	if (s.meet_count < 0 || !build(&s))
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
@@ -252,4 +259,5 @@ void rb_strike_all(struct rb_located *l, int a, int b, double t)
 	rb_arena_back(l->arena, here);
 	if (l->status == RB_OK)
 		rb_settle(l, t, s.slack);
+	l->come_a = l->come_b = -1;
 }

@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "event/exact_sum.h"
+#include "event/coulomb.h"
 #include "step/impulse.h"
 
 enum {

@@ -10,6 +10,7 @@
 #ifndef RB_GEOM_DISTANCE_H
 #define RB_GEOM_DISTANCE_H
 
+#include <float.h>
 #include <math.h>
 
 #include "math/quat.h"
@@ -35,10 +36,18 @@ static inline rb_rectangle rb_rectangle_of(rb_vec3 position, rb_quat orientation
 	};
 }
 
-/* The normal of an infinite plane: its local z. */
+/*
+ * The normal of an infinite plane: its local z. What a quaternion cannot tell from zero is zero, so that a plane along
+ * the axes has a normal along them to the bit.
+ */
 static inline rb_vec3 rb_plane_normal(rb_quat orientation)
 {
-	return rb_quat_rotate(orientation, (rb_vec3){0, 0, 1});
+	const rb_vec3 n = rb_quat_rotate(orientation, (rb_vec3){0, 0, 1});
+	const double least = 4 * DBL_EPSILON;
+
+	return rb_vec3_unit((rb_vec3){fabs(n.x) > least ? n.x : 0, fabs(n.y) > least ? n.y : 0,
+	                              fabs(n.z) > least ? n.z : 0},
+	                    n);
 }
 
 /* |cb - ca| - (ra + rb); coincident centres: normal along z. */

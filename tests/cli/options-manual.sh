@@ -16,7 +16,7 @@ while read -r example; do
 	sh -c "\"$RBSIM\" $example" >out 2>err </dev/null
 	got=$?
 	case $example in
-	diff*) wanted=1 ;; # two time steps
+	diff*) wanted=1 ;; # two methods
 	*) wanted=0 ;;
 	esac
 	[ $got -eq $wanted ] || fail "rbsim $example: exit status $got, wanted $wanted"
