@@ -333,13 +333,11 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			const double gap = fmax(m.gap, 0);
 			const double root = sqrt(rate * rate + 2 * most * gap);
 
-			if (gap ==
-			    0) /* moving apart from a touch: nothing before it can turn around */
-				h = most > 0 ? 2 * rate / most : HUGE_VAL;
-			else if (!(root - rate > 0))
-				h = HUGE_VAL;
+			/* the root of gap + rate h - most h^2 / 2, in the form that does not cancel */
+			if (rate > 0)
+				h = most > 0 ? (rate + root) / most : HUGE_VAL;
 			else
-				h = 2 * gap / (root - rate);
+				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
 		}
 		h = fmax(h, 2 * DBL_EPSILON * t);
 		if (!(t + h <= until))

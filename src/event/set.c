@@ -98,11 +98,11 @@ static void look(struct rb_located *l, struct pairs *pairs, int i, int j, double
 {
 	if (!rb_meet_can(l, i, j))
 		return;
-	const struct rb_meet m = rb_meet_at(l, i < j ? i : j, i < j ? j : i, t);
-	/* those whose touch has been located do, whatever rounding makes of their gap */
-	const bool come = (m.a == l->come_a && m.b == l->come_b) ||
-	                  (m.a == l->come_b && m.b == l->come_a);
-	if (!come && !rb_set_held(l, i, j) && !joins(l, &m, t, slack))
+	struct rb_meet m = rb_meet_at(l, i < j ? i : j, i < j ? j : i, t);
+	/* those whose touch has been located do touch, whatever rounding makes of their gap */
+	if ((m.a == l->come_a && m.b == l->come_b) || (m.a == l->come_b && m.b == l->come_a))
+		m.gap = fmin(m.gap, 0);
+	if (!rb_set_held(l, i, j) && !joins(l, &m, t, slack))
 		return;
 	keep(l, pairs, &m);
 	rb_set_add(l, j);
