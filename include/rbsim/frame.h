@@ -64,6 +64,7 @@ struct rb_frame_numbers {
 	uint64_t contacts;                        /* lasting now */
 	uint64_t collisions, rollbacks, substeps; /* substeps: accepted, all groups */
 	double smallest_step;                     /* s, the smallest substep tried */
+	double stepped; /* s that the classic method has simulated, the rest was located */
 };
 
 struct rb_frame {

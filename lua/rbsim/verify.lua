@@ -14,7 +14,8 @@
 --   length = 1        the size of the scene, m: shift moves it by {16, -32, 64} times that
 --   turns = {0, 1, 2} which rotations
 --   leave_out = {turn = "why"}   variations that this case has not, and why (told by the verb)
---   quick = "base"    what --quick runs: "none", "base", "more" (also one rotation and another time step), or "all" bases
+--   quick = "base"    what --quick runs: "none", "base", "more" (also one rotation, another time step and
+--                     the zero field), or "all" bases
 --   wall_seconds = 60 what a run may take
 -- It declares the parameters of the variations, which the verb sets one at a time: time_step, frame_rate, turn (0: none,
 -- 1: a quarter turn about x, exact; 2: an oblique rotation), shift (0, 1), harmless (an on_step that does nothing),

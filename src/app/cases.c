@@ -266,7 +266,7 @@ static enum rb_status add_run(struct plan *plan, const struct rb_param_def *vari
 	return right && run->label ? RB_OK : no_memory(plan->err);
 }
 
-/* In a quick run the oblique rotation and one other time step, for some cases. */
+/* In a quick run the oblique rotation, one other time step and the zero field, for some cases. */
 static bool wanted(const struct plan *plan, const struct rb_param_def *param, const char *value,
                    int nth)
 {
@@ -274,8 +274,10 @@ static bool wanted(const struct plan *plan, const struct rb_param_def *param, co
 		return true;
 	if (plan->quick != QUICK_MORE)
 		return false;
-	return strcmp(param->name, "turn") == 0 ? strcmp(value, "2") == 0
-	                                        : strcmp(param->name, "time_step") == 0 && nth == 0;
+	if (strcmp(param->name, "turn") == 0)
+		return strcmp(value, "2") == 0;
+	return strcmp(param->name, "zero_field") == 0 ||
+	       (strcmp(param->name, "time_step") == 0 && nth == 0);
 }
 
 static enum rb_status add_variations(struct plan *plan)

@@ -8,6 +8,7 @@
 #include "app/json.h"
 #include "app/simulate.h"
 #include "base/clock.h"
+#include "event/parts.h"
 #include "flow/frame.h"
 #include "flow/ring.h"
 #include "model/check.h"
@@ -216,6 +217,20 @@ static void print_bodies(const struct rb_model *model)
 		printf("  forces      %s\n", forces);
 }
 
+static void print_parts(const struct rb_model *model)
+{
+	int count;
+	const struct rb_part *const part = rb_parts(&count);
+
+	printf("parts of the located method\n");
+	for (int k = 0; k < count; k++) {
+		const bool on = rb_part_is_used(&part[k], model);
+
+		printf("  %c %-16s %s\n", on ? '+' : '-', part[k].name,
+		       on ? part[k].what : rb_part_why_not(&part[k], model));
+	}
+}
+
 static void print_text(const struct rb_loaded *loaded, const struct rb_options *options,
                        const struct rb_run_info *info, const struct needs *needs)
 {
@@ -234,8 +249,7 @@ static void print_text(const struct rb_loaded *loaded, const struct rb_options *
 	       info->rollback, model->tolerance_m, info->threads,
 	       rb_text_plural((uint64_t)info->threads, "thread", "threads"));
 	printf("  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
-	       "              a touching pair that no force parts beyond that is in lasting contact; in a crowd, an\n"
-	       "              approach that the forces could make within one step is stopped (rbsim-scene(5))\n",
+	       "              a touching pair that no force parts beyond that is in lasting contact (rbsim-scene(5))\n",
 	       8 * rb_ulp(model->coordinate_max_m));
 	printf("  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 ")\n",
 	       rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count);
@@ -247,6 +261,9 @@ static void print_text(const struct rb_loaded *loaded, const struct rb_options *
 	if (rb_simulate_check_output(loaded, options, &refusal))
 		printf("  but         %s\n", refusal.text);
 	print_materials(loaded);
+	rb_plan_print_features(model, stdout);
+	if (model->method != RB_METHOD_CLASSIC)
+		print_parts(model);
 	rb_plan_print(model, stdout);
 }
 
@@ -259,10 +276,19 @@ static void json_plan(struct rb_json *json, const struct rb_model *model)
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, feature[k].name, model->features & feature[k].bit);
 	rb_json_close(json, '}');
+	const struct rb_part *const part = rb_parts(&count);
+	rb_json_open(json, "parts", '{');
+	for (int k = 0; k < count; k++)
+		rb_json_bool(json, part[k].name,
+		             model->method != RB_METHOD_CLASSIC &&
+		                     rb_part_is_used(&part[k], model));
+	rb_json_close(json, '}');
 	const struct rb_stage *const *const stage = rb_plan_stages(&count);
 	rb_json_open(json, "stages", '{');
 	for (int k = 0; k < count; k++)
-		rb_json_bool(json, stage[k]->name, rb_plan_has(stage[k], model->features));
+		rb_json_bool(json, stage[k]->name,
+		             model->method != RB_METHOD_LOCATED &&
+		                     rb_plan_has(stage[k], model->features));
 	rb_json_close(json, '}');
 }
 

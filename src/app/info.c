@@ -18,7 +18,7 @@ struct course {
 	double energy_first, energy_last, kinetic_max;   /* J */
 	double momentum_change, angular_momentum_change; /* largest |x(t) - x(0)| */
 	double max_penetration, smallest_step;
-	double collisions, rollbacks, substeps;
+	double collisions, rollbacks, substeps, stepped;
 };
 
 struct observer {
@@ -118,6 +118,7 @@ static enum rb_status observe_all(const struct rb_hdf5_module *module, struct rb
 	course->collisions = sum_of(&observer, "collisions");
 	course->rollbacks = sum_of(&observer, "rollbacks");
 	course->substeps = sum_of(&observer, "substeps");
+	course->stepped = sum_of(&observer, "stepped");
 	rb_memory_free(observer.values);
 	return RB_OK;
 }
@@ -190,6 +191,7 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_number(&json, "collisions", course->collisions);
 	rb_json_number(&json, "rollbacks", course->rollbacks);
 	rb_json_number(&json, "substeps", course->substeps);
+	rb_json_number(&json, "stepped", course->stepped);
 	rb_json_close(&json, '}');
 	putchar('\n');
 }
@@ -265,6 +267,8 @@ static void print_text(const char *path, const struct rb_reading *reading,
 		       course->collisions, course->rollbacks, course->substeps);
 	if (isfinite(course->smallest_step))
 		printf(", smallest step %.3g s", course->smallest_step);
+	if (course->stepped > 0)
+		printf("; %.6g s of it by the classic method", course->stepped);
 	printf("\n  state       %s\n", *reading->state_hash ? reading->state_hash : "not told");
 }
 

@@ -83,6 +83,22 @@ static void print_changes(FILE *file, const struct rb_run_result *result)
 	                        text[1]));
 }
 
+/* Which method was used for how much of the run. */
+static void print_method(FILE *file, const struct rb_run_result *result,
+                         const struct rb_loaded *loaded, const struct rb_run_info *info)
+{
+	const double stepped = result->totals.stepped;
+
+	fprintf(file, "  method        %s", info->method);
+	if (loaded->model->method == RB_METHOD_AUTO && stepped > 0)
+		fprintf(file, ": located %.6g s, classic %.6g s (too dense to locate)",
+		        fmax(0, result->time_s - stepped), stepped);
+	else if (loaded->model->method == RB_METHOD_AUTO)
+		fputs(": located", file);
+	fprintf(file, ", rollback %s, time step %g s\n", info->rollback,
+	        loaded->model->time_step_s);
+}
+
 void rb_summary_print(FILE *file, const struct rb_run_result *result,
                       const struct rb_loaded *loaded, const struct rb_run_info *info, bool color)
 {
@@ -95,8 +111,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	fprintf(file, "  time          %.6g s simulated in %.3g s: %.3g x real time, %d %s\n",
 	        result->time_s, result->wall_s, result->time_s / result->wall_s, info->threads,
 	        rb_text_plural((uint64_t)info->threads, "thread", "threads"));
-	fprintf(file, "  method        %s, rollback %s, time step %g s\n", info->method,
-	        info->rollback, loaded->model->time_step_s);
+	print_method(file, result, loaded, info);
 	print_work(file, result);
 	fprintf(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
 	        result->max_penetration_m, loaded->model->tolerance_m,
@@ -199,6 +214,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_count(&json, "threads", (uint64_t)info->threads);
 	rb_json_count(&json, "seed", loaded->scene.world.seed);
 	rb_json_text(&json, "method", info->method);
+	rb_json_number(&json, "stepped", result->totals.stepped);
 	rb_json_text(&json, "rollback", info->rollback);
 	rb_json_number(&json, "time_step", loaded->model->time_step_s);
 	rb_json_number(&json, "tolerance", loaded->model->tolerance_m);

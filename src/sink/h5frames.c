@@ -52,6 +52,7 @@ static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
 	{"/observables/rollbacks", NULL, 0, RB_H5_U64, 1, NUMBER(rollbacks)},
 	{"/observables/substeps", NULL, 0, RB_H5_U64, 1, NUMBER(substeps)},
 	{"/observables/smallest_step", "s", 0, RB_H5_F64, 1, NUMBER(smallest_step)},
+	{"/observables/stepped", "s", 0, RB_H5_F64, 1, NUMBER(stepped)},
 };
 _Static_assert(RB_FRAMES_SOURCE_COUNT + 4 <= RB_FRAMES_COLUMNS_MAX,
                "room for step, time and the ends");
@@ -400,6 +401,7 @@ static void join_numbers(struct rb_frames *frames, const struct rb_frame_numbers
 		frames->since.collisions += before.collisions;
 		frames->since.rollbacks += before.rollbacks;
 		frames->since.substeps += before.substeps;
+		frames->since.stepped += before.stepped;
 		if (before.smallest_step > 0 && !(numbers->smallest_step <= before.smallest_step))
 			frames->since.smallest_step = before.smallest_step;
 	}

@@ -24,7 +24,7 @@ struct rb_frames_source {
 	int width;
 	size_t offset; /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
 };
-enum { RB_FRAMES_SOURCE_COUNT = 14 };
+enum { RB_FRAMES_SOURCE_COUNT = 15 };
 const struct rb_frames_source *rb_frames_sources(void); /* [RB_FRAMES_SOURCE_COUNT] */
 
 /* One column of a table: events are rows of struct rb_event, contacts of struct rb_contact_row. */

@@ -78,6 +78,7 @@ void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *
 	numbers->substeps = counts->substeps;
 	numbers->smallest_step = isfinite(counts->smallest_step_s) ? counts->smallest_step_s : 0;
 	numbers->max_penetration = counts->max_penetration_m;
+	numbers->stepped = counts->stepped_s;
 }
 
 struct rb_frame_numbers rb_world_totals(struct rb_world *world)

@@ -27,7 +27,10 @@ const struct rb_stage *const *rb_plan_stages(int *count);
 /* Would this stage run in a scene of these features? */
 bool rb_plan_has(const struct rb_stage *stage, rb_features features);
 
-/* Prints what runs, what is left out and why, and the columns with their bytes. */
+/* Prints the scene's features: which are there, why others are not. */
+void rb_plan_print_features(const struct rb_model *model, FILE *to);
+
+/* Prints what runs of the classic method, what is left out and why, and the columns with their bytes. */
 void rb_plan_print(const struct rb_model *model, FILE *to);
 
 #endif

@@ -126,7 +126,7 @@ static enum rb_status stepped(struct rb_world *world, double start, double stop,
 
 	if (status == RB_OK) {
 		world->state.time_s = stop;
-		world->classic_s += stop - start;
+		world->frame_counts.stepped_s += stop - start;
 		forget_pushes(world);
 	}
 	return status;
@@ -144,7 +144,6 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 		status = rb_engine_advance(world->located, stop, err);
 	if (status != RB_OK)
 		return status;
-	world->located_s += world->state.time_s - start;
 	if (world->state.time_s <
 	    stop) { /* too dense to locate: the rest of it, and some more, is stepped */
 		if (world->dense_steps < DENSE_STEPS_MOST)

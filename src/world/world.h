@@ -30,6 +30,7 @@ struct rb_counts {
 	uint64_t
 		plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
 	double smallest_step_s; /* HUGE_VAL: no step yet */
+	double stepped_s;       /* simulated by the classic method */
 	double max_penetration_m;
 };
 
@@ -40,6 +41,7 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	to->collisions += from->collisions;
 	to->rollbacks += from->rollbacks;
 	to->substeps += from->substeps;
+	to->stepped_s += from->stepped_s;
 	to->body_steps += from->body_steps;
 	to->discarded_body_steps += from->discarded_body_steps;
 	to->plastic_ends += from->plastic_ends;
@@ -70,7 +72,6 @@ struct rb_world {
 	struct rb_team *team;             /* owned */
 	int64_t dense_steps,
 		dense_left;          /* auto: steps that the classic method takes, still to take */
-	double located_s, classic_s; /* simulated by each method */
 	struct rb_arena *arena;      /* owned; [workers]: scratch of a pass */
 	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */
 	int worker_count;

@@ -83,7 +83,7 @@ says out '^1 of 6 cases pass; 18 of 23 runs'
 exits 1 verify t1 --scenes cases --jobs 1 --quiet
 [ "$(wc -l <out)" -eq 1 ] || fail 'quiet tells more than what fails'
 exits 0 verify t1 --scenes cases --quick
-says out '^1 of 1 case pass; 3 of 3 runs'
+says out '^1 of 1 case pass; 4 of 4 runs'
 exits 0 verify T6 --scenes cases --method classic
 
 exits 64 verify s93

@@ -21,7 +21,7 @@ except ImportError as error:
 
 ELEMENTS = {"position": 3, "orientation": 4, "velocity": 3, "angular_velocity": 3}
 OBSERVABLES = ["kinetic_energy", "potential_energy", "momentum", "angular_momentum", "max_penetration",
-               "contacts", "collisions", "rollbacks", "substeps", "smallest_step"]
+               "contacts", "collisions", "rollbacks", "substeps", "smallest_step", "stepped"]
 
 
 def same(what, a, b):
