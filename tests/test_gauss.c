@@ -35,8 +35,9 @@ static enum rb_status step(struct course *c, double end, struct rb_error *err)
 {
 	c->try_s = fmin(c->try_s, end - c->time_s);
 	c->steps++;
-	return rb_gauss_step(&c->problem, c->time_s, &c->try_s, c->least_s, &c->piece, c->scratch,
-	                     &c->calls, err);
+	c->problem.scratch = c->scratch;
+	c->problem.calls = &c->calls;
+	return rb_gauss_step(&c->problem, c->time_s, &c->try_s, c->least_s, &c->piece, err);
 }
 
 static void next(struct course *c)

@@ -14,22 +14,9 @@ static rb_vec3 at(double x, double y, double z)
 	return (rb_vec3){x, y, z};
 }
 
-static void open_located(struct lab *lab, double duration, double frame_rate)
-{
-	lab_open(lab, duration, frame_rate);
-	lab->scene.world.method = RB_METHOD_LOCATED;
-}
-
 static void add_force(struct lab *lab, struct rb_force_def force)
 {
 	assert_int_equal(rb_scene_add_force(&lab->scene, &force, &lab->error), RB_OK);
-}
-
-static void assert_vector(rb_vec3 found, rb_vec3 wanted, double tolerance)
-{
-	assert_near(found.x, wanted.x, tolerance);
-	assert_near(found.y, wanted.y, tolerance);
-	assert_near(found.z, wanted.z, tolerance);
 }
 
 /* Position, velocity, spin and orientation of a body as 13 numbers. */
@@ -83,7 +70,7 @@ static void run_movers(double frame_rate, double rows[SECONDS][MOVERS][13])
 {
 	struct lab lab;
 
-	open_located(&lab, SECONDS, frame_rate);
+	lab_open_located(&lab, SECONDS, frame_rate);
 	lab.scene.world.gravity = earth;
 	lab_surface(&lab, 0.3, 0.6);
 	add_movers(&lab, true);
@@ -124,7 +111,7 @@ static void a_parabola_is_exact_at_every_frame(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	open_located(&lab, 100, 60);
+	lab_open_located(&lab, 100, 60);
 	lab.scene.world.gravity = earth;
 	const int ball = lab_sphere(&lab, 0.1, 1, at(1, 2, 3), at(3, -1, 4));
 	lab_seal(&lab, 1);
@@ -154,7 +141,7 @@ static void a_tumbling_body_keeps_energy_momentum_and_phase(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	open_located(&lab, begin + 100 * period, 1 / begin);
+	lab_open_located(&lab, begin + 100 * period, 1 / begin);
 	struct rb_body_def def = lab_sphere_def(1, 6, origin, origin);
 	def.has_inertia = true;
 	def.inertia = (rb_mat3){{{2.5, 0, 0}, {0, 5, 0}, {0, 0, 6.5}}};
@@ -189,7 +176,7 @@ static void a_symmetric_top_wobbles_at_its_rate(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	open_located(&lab, t, 10);
+	lab_open_located(&lab, t, 10);
 	struct rb_body_def def = lab_sphere_def(0.1, 1, origin, origin);
 	def.has_inertia = true;
 	def.inertia = (rb_mat3){{{i1, 0, 0}, {0, i1, 0}, {0, 0, i3}}};
@@ -221,7 +208,7 @@ static void forces_begin_and_end_at_odd_times(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	open_located(&lab, 2, 7);
+	lab_open_located(&lab, 2, 7);
 	lab.scene.world.gravity = earth;
 	lab.scene.world.gravity_force = at(0, 0.5, 0);
 	const int ball = lab_sphere(&lab, 0.1, 2, origin, at(1, 0, 0));
@@ -260,7 +247,7 @@ static void a_force_that_turns_with_the_body_drives_it_in_circles(void **slot)
 	struct rb_force_def force = rb_force_def_default();
 
 	(void)slot;
-	open_located(&lab, 5, 10);
+	lab_open_located(&lab, 5, 10);
 	struct rb_body_def def = lab_sphere_def(0.1, m, origin, at(0.5, 0, 1));
 	def.angular_velocity = at(0, 0, spin);
 	const int ball = lab_add(&lab, &def);
@@ -296,7 +283,7 @@ static void a_force_off_the_centre_swings_the_body_like_a_pendulum(void **slot)
 	struct rb_force_def force = rb_force_def_default();
 
 	(void)slot;
-	open_located(&lab, 5, 10);
+	lab_open_located(&lab, 5, 10);
 	struct rb_body_def def = lab_sphere_def(radius, m, origin, origin);
 	def.angular_velocity = at(0, 0, y[1]);
 	const int ball = lab_add(&lab, &def);
@@ -337,7 +324,7 @@ static void a_spring_keeps_its_phase_for_100_periods(void **slot)
 		const double t = 100.25 * 2 * pi / w;
 		struct lab lab;
 
-		open_located(&lab, t, 10 / t);
+		lab_open_located(&lab, t, 10 / t);
 		struct rb_body_def def = lab_sphere_def(0.1, 3, origin, origin);
 		def.is_static = kind != 1;
 		const int anchor = lab_add(&lab, &def);
@@ -366,7 +353,7 @@ static void a_damped_spring_decays_as_it_should(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	open_located(&lab, 5, 20);
+	lab_open_located(&lab, 5, 20);
 	struct rb_body_def def = lab_sphere_def(0.1, 3, origin, origin);
 	def.is_static = true;
 	const int anchor = lab_add(&lab, &def);
@@ -398,7 +385,7 @@ static void drag_slows_down_as_it_should(void **slot)
 	for (int kind = 0; kind < 2; kind++) {
 		struct lab lab;
 
-		open_located(&lab, 4, 10);
+		lab_open_located(&lab, 4, 10);
 		if (kind == 0)
 			lab.scene.world.gravity = earth;
 		add_drag(&lab, kind == 0 ? c : 0, kind == 0 ? 0 : c);
@@ -453,7 +440,7 @@ static void a_field_moves_bodies_as_it_should(void **slot)
 		const struct rb_world_options options = {.threads = 1};
 		struct lab lab;
 
-		open_located(&lab, 10, 10);
+		lab_open_located(&lab, 10, 10);
 		assert_int_equal(rb_scene_add_field(&lab.scene, &def, &lab.error), RB_OK);
 		const int ball = lab_sphere(&lab, 0.1, m, origin, at(1, 0, 0.5));
 		lab_seal_with(&lab, &options, &hooks);
@@ -486,7 +473,7 @@ static void a_field_of_zero_changes_a_bounce_by_rounding_only(void **slot)
 		const struct rb_world_options options = {.threads = 1};
 		struct lab lab;
 
-		open_located(&lab, 10, 10);
+		lab_open_located(&lab, 10, 10);
 		lab.scene.world.gravity = earth;
 		lab_surface(&lab, 0, 0.9);
 		if (with)
@@ -513,7 +500,7 @@ static void bodies_that_overlap_at_the_start_are_refused_by_name(void **slot)
 		const double apart[] = {0.1, 0, 0.2 - 1e-3};
 		struct lab lab;
 
-		open_located(&lab, 1, 10);
+		lab_open_located(&lab, 1, 10);
 		struct rb_body_def def = lab_sphere_def(0.1, 1, origin, origin);
 		def.name = "inner";
 		lab_add(&lab, &def);

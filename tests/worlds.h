@@ -7,6 +7,7 @@
 
 #include <rbsim/model.h>
 
+#include "math/quat.h"
 #include "math/vec3.h"
 #include "support.h"
 
@@ -23,6 +24,12 @@ static inline void lab_open(struct lab *lab, double duration, double frame_rate)
 	assert_int_equal(rb_scene_init(&lab->scene, &lab->error), RB_OK);
 	lab->scene.world.duration_s = duration;
 	lab->scene.world.frame_rate = frame_rate;
+}
+
+static inline void lab_open_located(struct lab *lab, double duration, double frame_rate)
+{
+	lab_open(lab, duration, frame_rate);
+	lab->scene.world.method = RB_METHOD_LOCATED;
 }
 
 static inline void lab_close(struct lab *lab)
@@ -190,6 +197,18 @@ static inline void lab_step(struct lab *lab)
 {
 	if (rb_world_step_frame(lab->world, &lab->error) != RB_OK)
 		fail_msg("t = %g: %s", rb_world_time(lab->world), lab->error.text);
+}
+
+/* All three components. */
+#define assert_vector(found, wanted, tolerance) \
+	lab_assert_vector((found), (wanted), (tolerance), #found, __FILE__, __LINE__)
+
+static inline void lab_assert_vector(rb_vec3 found, rb_vec3 wanted, double tolerance,
+                                     const char *what, const char *file, int line)
+{
+	support_assert_near(found.x, wanted.x, tolerance, what, file, line);
+	support_assert_near(found.y, wanted.y, tolerance, what, file, line);
+	support_assert_near(found.z, wanted.z, tolerance, what, file, line);
 }
 
 /* To the end of the run. */

@@ -1,39 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/arc.h"
 
-static rb_vec3 piece_vector(const struct rb_piece_of *p, int row, double t)
+#include <stddef.h>
+
+_Static_assert(offsetof(struct rb_arc, acceleration) == 64, "the rest is one line of memory");
+
+rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t)
 {
 	const double s = t - p->origin_s;
 
 	return (rb_vec3){rb_gauss_value(&p->piece, p->first + row, s),
 	                 rb_gauss_value(&p->piece, p->first + row + 1, s),
 	                 rb_gauss_value(&p->piece, p->first + row + 2, s)};
-}
-
-rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t)
-{
-	if (i >= l->n)
-		return l->model->position[i];
-	if (rb_located_on_piece(l, i))
-		return piece_vector(&l->piece[i], RB_ROW_POSITION, t);
-	const struct rb_arc *arc = &l->arc[i];
-	const double s = t - arc->anchor_s;
-
-	return rb_vec3_add_scaled(arc->position, s,
-	                          rb_vec3_add_scaled(arc->velocity, 0.5 * s, arc->acceleration));
-}
-
-rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double t)
-{
-	const rb_vec3 none = {0, 0, 0};
-
-	if (i >= l->n)
-		return none;
-	if (rb_located_on_piece(l, i))
-		return piece_vector(&l->piece[i], RB_ROW_VELOCITY, t);
-	const struct rb_arc *arc = &l->arc[i];
-
-	return rb_vec3_add_scaled(arc->velocity, t - arc->anchor_s, arc->acceleration);
 }
 
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
@@ -60,7 +38,7 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 			q[k] = rb_gauss_value(&p->piece, p->first + RB_ROW_ORIENTATION + k,
 			                      t - p->origin_s);
 		pose->orientation = rb_quat_unit(rb_quat_from(q));
-		pose->spin = piece_vector(p, RB_ROW_SPIN, t);
+		pose->spin = rb_arc_piece_vector(p, RB_ROW_SPIN, t);
 		return;
 	}
 	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
@@ -94,7 +72,17 @@ rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t)
 void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
                    rb_vec3 acceleration, rb_vec3 turning)
 {
-	l->arc[i] = (struct rb_arc){t, pose->position, pose->velocity, acceleration};
+	const rb_vec3 gravity = l->model->scene->world.gravity;
+	const struct rb_shape *shape = &l->model->shape[i];
+	const bool plain = shape->kind == RB_SHAPE_SPHERE && !l->model->center_of_mass &&
+	                   acceleration.x == gravity.x && acceleration.y == gravity.y &&
+	                   acceleration.z == gravity.z;
+
+	l->arc[i] = (struct rb_arc){.anchor_s = t,
+	                            .position = pose->position,
+	                            .velocity = pose->velocity,
+	                            .plain_radius = plain ? shape->radius : (double)NAN,
+	                            .acceleration = acceleration};
 	if (l->piece)
 		l->piece[i].piece.n = 0;
 	if (l->top)

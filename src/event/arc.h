@@ -13,8 +13,33 @@ struct rb_pose {
 	rb_vec3 velocity, spin;
 };
 
-rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t);
-rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double t);
+/* Three rows of the piece that the body is on. */
+rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t);
+
+static inline rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n)
+		return l->model->position[i];
+	if (rb_located_on_piece(l, i))
+		return rb_arc_piece_vector(&l->piece[i], RB_ROW_POSITION, t);
+	const struct rb_arc *arc = &l->arc[i];
+	const double s = t - arc->anchor_s;
+
+	return rb_vec3_add_scaled(arc->position, s,
+	                          rb_vec3_add_scaled(arc->velocity, 0.5 * s, arc->acceleration));
+}
+
+static inline rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n)
+		return (rb_vec3){0, 0, 0};
+	if (rb_located_on_piece(l, i))
+		return rb_arc_piece_vector(&l->piece[i], RB_ROW_VELOCITY, t);
+	const struct rb_arc *arc = &l->arc[i];
+
+	return rb_vec3_add_scaled(arc->velocity, t - arc->anchor_s, arc->acceleration);
+}
+
 /* Of the centre of mass; of a piece, the derivative of its velocity. */
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t);
 struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t);

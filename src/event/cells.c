@@ -172,7 +172,8 @@ static void walk_around(const struct level *level, const int64_t at[3], struct w
 }
 
 /* Room for `most` in all: the last few are copied one by one. */
-static int copy_cell(const struct rb_cells *cells, const struct block *block, int *out, int count)
+__attribute__((noinline, cold)) static int copy_cell(const struct rb_cells *cells,
+                                                     const struct block *block, int *out, int count)
 {
 	for (; block; block = next_block(cells, block)) {
 		const int here = (int)members_in(block);
@@ -183,27 +184,35 @@ static int copy_cell(const struct rb_cells *cells, const struct block *block, in
 	return count;
 }
 
+/* One that has no further blocks is copied as a whole where there is room: most by far. */
+static inline int copy_block(const struct rb_cells *cells, const struct block *block, int *out,
+                             int count, int roomy)
+{
+	if ((block->tail > 3) | (count > roomy))
+		return copy_cell(cells, block, out, count);
+	memcpy(out + count, block, sizeof *block);
+	return count + (int)block->tail;
+}
+
 /* Appends the members of these cells. */
 static int copy_members(const struct rb_cells *cells, const struct grid *grid,
                         const struct walk *walk, int *out, int count)
 {
 	const int roomy = cells->count - (int)(sizeof(struct block) / sizeof *out);
+	const size_t first = walk->place[0][0], second = walk->place[0][1];
+	const size_t third = walk->place[0][2];
 
 	for (int z = 0; z < walk->count[2]; z++) {
+		const struct block *sheet = grid->cells + walk->place[2][z];
+
 		for (int y = 0; y < walk->count[1]; y++) {
-			const struct block *row = grid->cells + walk->place[2][z] +
-			                          walk->place[1][y];
+			const struct block *row = sheet + walk->place[1][y];
 
-			for (int x = 0; x < walk->count[0]; x++) {
-				const struct block *block = row + walk->place[0][x];
-
-				if ((block->tail > 3) | (count > roomy)) {
-					count = copy_cell(cells, block, out, count);
-					continue;
-				}
-				memcpy(out + count, block, sizeof *block);
-				count += (int)block->tail;
-			}
+			count = copy_block(cells, row + first, out, count, roomy);
+			if (walk->count[0] == 1)
+				continue;
+			count = copy_block(cells, row + second, out, count, roomy);
+			count = copy_block(cells, row + third, out, count, roomy);
 		}
 	}
 	return count;
@@ -258,6 +267,32 @@ int rb_cells_near(const struct rb_cells *cells, int body, int *out)
 	return count;
 }
 
+void rb_cells_prefetch(const struct rb_cells *cells, int body)
+{
+	__builtin_prefetch(entries_of(cells, body));
+}
+
+void rb_cells_prefetch_near(const struct rb_cells *cells, int body)
+{
+	const struct entry *entry = entries_of(cells, body);
+	struct walk walk;
+
+	if (cells->level_count == 0)
+		return;
+	const struct level *level = &cells->levels[own_level(cells, body)];
+
+	walk_around(level, entry->at, &walk);
+	for (int z = 0; z < 3; z++) {
+		for (int y = 0; y < 3; y++) {
+			const struct block *row = level->natives.cells + walk.place[2][z] +
+			                          walk.place[1][y];
+
+			__builtin_prefetch(row + walk.place[0][0]);
+			__builtin_prefetch(row + walk.place[0][2]);
+		}
+	}
+}
+
 int rb_cells_most(const struct rb_cells *cells)
 {
 	return cells->count;
@@ -280,7 +315,6 @@ int rb_cells_level_count(const struct rb_cells *cells)
  */
 static double leaves_along(double reach, double x, double v, double a, int *high)
 {
-	/* without acceleration, which is most of a gas, without branches: which way is anybody's guess; 0 / 0 is never */
 	const double sign = copysign(1, v == 0 ? a : v);
 	const double ahead = reach - sign * x, u = fabs(v), b = sign * a;
 
@@ -297,35 +331,67 @@ static double leaves_along(double reach, double x, double v, double a, int *high
 	return (u + sqrt(fmax(0, u * u - 2 * b * (reach + sign * x)))) / -b;
 }
 
+/* The first wall so far: its number and when. */
+struct exit {
+	double s;
+	int wall;
+};
+
+/* `wall` is the lower one of the axis. Beyond the last cells nobody leaves any more. */
+static inline void leave_by(struct exit *exit, int64_t at, double s, int wall)
+{
+	const bool sooner = (s < exit->s) & (at > -farthest) & (at < farthest);
+
+	exit->wall = sooner ? wall : exit->wall;
+	exit->s = sooner ? s : exit->s;
+}
+
+/* Without acceleration, which is most of a gas, without branches: which way is anybody's guess; 0 / 0 is never. */
+static inline void fly_out(struct exit *exit, const struct level *level, int64_t at, double x,
+                           double v, int wall)
+{
+	const double off = x - ((double)at + 0.5) * level->edge;
+	const double ahead = level->reach - copysign(1, v) * off;
+
+	leave_by(exit, at, (ahead > 0 ? ahead : 0) / fabs(v), wall + (v > 0));
+}
+
+static void fall_out(struct exit *exit, const struct level *level, int64_t at, const double xva[3],
+                     int wall)
+{
+	const double off = xva[0] - ((double)at + 0.5) * level->edge;
+	int high;
+	const double s = leaves_along(level->reach, off, xva[1], xva[2], &high);
+
+	leave_by(exit, at, s, wall + high);
+}
+
 double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
                        rb_vec3 acceleration, int *wall)
 {
 	RB_ASSERT(body >= 0 && body < cells->count);
-	const double x[3] = {position.x, position.y, position.z};
-	const double v[3] = {velocity.x, velocity.y, velocity.z};
-	const double a[3] = {acceleration.x, acceleration.y, acceleration.z};
+	const rb_vec3 x = position, v = velocity, a = acceleration;
+	const bool falls = (a.x != 0) | (a.y != 0) | (a.z != 0);
 	const struct entry *entry = entries_of(cells, body);
-	int number = 0, behind = -1;
-	double first = (double)INFINITY;
+	const int own = own_level(cells, body);
+	struct exit exit = {(double)INFINITY, -1};
 
-	for (int l = own_level(cells, body); l < cells->level_count; l++, entry++) {
+	for (int l = own; l < cells->level_count; l++, entry++) {
 		const struct level *level = &cells->levels[l];
+		const int number = WALLS * (l - own);
 
-		for (int k = 0; k < 3; k++, number += 2) {
-			const int64_t at = entry->at[k];
-			const double middle = ((double)at + 0.5) * level->edge;
-			int high;
-			const double t = leaves_along(level->reach, x[k] - middle, v[k], a[k],
-			                              &high);
-
-			const bool sooner = (t < first) & (at > -farthest) & (at < farthest);
-
-			behind = sooner ? number + high : behind;
-			first = sooner ? t : first;
+		if (falls) {
+			fall_out(&exit, level, entry->at[0], (double[]){x.x, v.x, a.x}, number);
+			fall_out(&exit, level, entry->at[1], (double[]){x.y, v.y, a.y}, number + 2);
+			fall_out(&exit, level, entry->at[2], (double[]){x.z, v.z, a.z}, number + 4);
+			continue;
 		}
+		fly_out(&exit, level, entry->at[0], x.x, v.x, number);
+		fly_out(&exit, level, entry->at[1], x.y, v.y, number + 2);
+		fly_out(&exit, level, entry->at[2], x.z, v.z, number + 4);
 	}
-	*wall = behind;
-	return first;
+	*wall = exit.wall;
+	return exit.s;
 }
 
 int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out)

@@ -35,6 +35,10 @@ int rb_cells_level_count(const struct rb_cells *cells);
 int rb_cells_near(const struct rb_cells *cells, int body, int *out);
 int rb_cells_most(const struct rb_cells *cells); /* the number of bodies */
 
+/* Hints that change nothing: the body's place will be asked for soon; where it is known, who is near it will be. */
+void rb_cells_prefetch(const struct rb_cells *cells, int body);
+void rb_cells_prefetch_near(const struct rb_cells *cells, int body);
+
 /*
  * When, from now on, a body at `position` with `velocity` and constant `acceleration` first leaves one of its cells
  * (own level and coarser ones): seconds from now, >= 0, INFINITY: never. `*wall` says which wall, for rb_cells_cross;

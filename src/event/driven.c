@@ -168,11 +168,13 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	const struct rb_gauss_problem problem = {.n = n,
 	                                         .rates = rates,
 	                                         .user = &drive,
+	                                         .scratch = scale + n,
+	                                         .calls = &calls,
 	                                         .scale = scale,
 	                                         .tolerance = given ? tolerance_given
 	                                                            : tolerance_differenced};
 	const enum rb_status status = rb_gauss_step(&problem, t, &own->try_s, 2 * DBL_EPSILON * t,
-	                                            &own->piece, scale + n, &calls, l->err);
+	                                            &own->piece, l->err);
 	if (status != RB_OK) {
 		l->status = status;
 		return;

@@ -7,14 +7,16 @@
 #include "event/cluster.h"
 #include "event/driven.h"
 #include "event/foresee.h"
+#include "event/integrate.h"
 #include "event/look.h"
 #include "event/pull.h"
 #include "event/settle.h"
 #include "event/strike.h"
+#include "event/transition.h"
 #include "geom/distance.h"
 
 /* Below this many bodies all are candidates of each other: cells would cost more than they spare. */
-enum { CELLS_FROM = 48, EVENTS_PER_POLL = 4096 };
+enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64 };
 /* So many events of every body at one moment: it does not get on. */
 enum { STUCK_EVENTS = 10000 };
 /* Bodies settled together, so often each within a step, are dense, where there are so many at all. */
@@ -100,6 +102,7 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->n = world->model->body_count;
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
+	l->weight = rb_vec3_length(world->model->scene->world.gravity);
 	l->stuck_s = -HUGE_VAL;
 	l->come_a = l->come_b = -1;
 	if (!make_rows(l) || !rb_pull_switches(l))
@@ -146,8 +149,6 @@ void rb_engine_destroy(struct rb_located *l)
 /* All of the set are on new arcs. */
 static void foresee_set(struct rb_located *l, double t)
 {
-	if (l->set_count >= CROWD_FROM)
-		l->crowd += (uint64_t)l->set_count;
 	for (int k = 0; k < l->set_count; k++)
 		l->generation[l->set[k]]++;
 	for (int k = 0; k < l->set_count && l->status == RB_OK; k++)
@@ -155,23 +156,60 @@ static void foresee_set(struct rb_located *l, double t)
 	rb_set_clear(l);
 }
 
+/* An impact or a change of mode among several; the end of a smooth piece is neither. */
+static void count_crowd(struct rb_located *l)
+{
+	if (l->set_count >= CROWD_FROM)
+		l->crowd += (uint64_t)l->set_count;
+}
+
 static void settle_set(struct rb_located *l, double t)
 {
-	rb_settle(l, t, 0);
+	rb_settle(l, t, false, 0);
 	foresee_set(l, t);
+}
+
+/* What an impact of a pair changes. */
+struct before {
+	struct rb_arc arc[2];
+	struct rb_top top[2];
+	struct rb_counts counts;
+	size_t events;
+};
+
+static void remember(const struct rb_located *l, int i, int j, struct before *before)
+{
+	before->arc[0] = l->arc[i];
+	if (j < l->n)
+		before->arc[1] = l->arc[j];
+	if (l->top)
+		before->top[0] = l->top[i];
+	if (l->top && j < l->n)
+		before->top[1] = l->top[j];
+	before->counts = l->world->frame_counts;
+	before->events = l->world->events.count;
+}
+
+static void take_back(struct rb_located *l, int i, int j, const struct before *before)
+{
+	l->arc[i] = before->arc[0];
+	if (j < l->n)
+		l->arc[j] = before->arc[1];
+	if (l->top)
+		l->top[i] = before->top[0];
+	if (l->top && j < l->n)
+		l->top[j] = before->top[1];
+	l->world->frame_counts = before->counts;
+	l->world->events.count = before->events;
 }
 
 /* The common case first; taken back when somebody else turns out to touch as well. */
 static void touch(struct rb_located *l, int i, double t)
 {
 	const int j = l->next[i].partner;
-	const struct rb_arc arc_i = l->arc[i];
-	const struct rb_arc arc_j = j < l->n ? l->arc[j] : arc_i;
-	const struct rb_top top_i = l->top ? l->top[i] : (struct rb_top){0};
-	const struct rb_top top_j = l->top && j < l->n ? l->top[j] : top_i;
-	const struct rb_counts counts = l->world->frame_counts;
-	const size_t events = l->world->events.count;
+	struct before before;
 
+	remember(l, i, j, &before);
 	if (rb_strike_pair(l, i, j, t)) {
 		l->generation[i]++;
 		if (j < l->n)
@@ -181,17 +219,10 @@ static void touch(struct rb_located *l, int i, double t)
 			others += rb_foresee(l, j, t, i);
 		if (others == 0)
 			return;
-		l->arc[i] = arc_i;
-		if (j < l->n)
-			l->arc[j] = arc_j;
-		if (l->top)
-			l->top[i] = top_i;
-		if (l->top && j < l->n)
-			l->top[j] = top_j;
-		l->world->frame_counts = counts;
-		l->world->events.count = events;
+		take_back(l, i, j, &before);
 	}
 	rb_strike_all(l, i, j, t);
+	count_crowd(l);
 	if (l->status == RB_OK)
 		foresee_set(l, t);
 }
@@ -222,6 +253,14 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	l->world->frame_counts.substeps++;
 	for (int k = 0; k < c->member_count; k++)
 		rb_set_add(l, c->member[k]);
+	if (c->integrated && c->held_count == 0) { /* nothing but the next piece */
+		rb_integrate_piece(l, cluster, t);
+		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
+		foresee_set(l, t);
+		return;
+	}
+	if (c->is_cut)
+		count_crowd(l);
 	settle_set(l, t);
 }
 
@@ -371,7 +410,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 		rb_set_add(l, i);
 	}
 	if (l->set_count > 0) {
-		rb_settle(l, t, 0);
+		rb_settle(l, t, true, 0);
 		foresee_set(l, t);
 	}
 	return l->status;
@@ -499,7 +538,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		rb_arena_reset(l->arena);
 		/* what was late by rounding happens now */
 		one_event(l, which, fmax(t, l->now_s));
-		if (l->events % EVENTS_PER_POLL == 0 && options->stop &&
+		if (++l->polled % EVENTS_PER_POLL == 0 && options->stop &&
 		    options->stop(options->stop_user))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 		if (gives_way(l))

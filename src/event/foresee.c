@@ -3,6 +3,9 @@
 
 #include <float.h>
 
+/* From here on bodies may not fit into fast memory. */
+enum { MANY = 4096 };
+
 /* The body whose future is looked for; read once. */
 struct seer {
 	struct rb_located *l;
@@ -11,6 +14,8 @@ struct seer {
 	double radius;
 	bool plain;   /* a sphere about its centre on a parabola */
 	bool general; /* filters or driven bodies: pairs are looked at one by one */
+	bool quick;   /* what is more, under gravity alone, and pairs are not */
+	bool falls;   /* it has an acceleration */
 	rb_vec3 position, velocity, acceleration; /* now */
 	double reach, speed; /* largest coordinate or radius; largest component */
 	int touching;
@@ -37,23 +42,12 @@ static inline void see(struct seer *s, int j, double t, bool again)
 	s->next.again = again;
 }
 
-/* The hot path: two spheres in flight under the same acceleration. False: not such a pair. */
-static bool see_sphere(struct seer *s, int j)
+/* Another sphere at the same moment, under the same acceleration. */
+static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, double radius)
 {
 	const struct rb_located *l = s->l;
-	const struct rb_arc *arc = &l->arc[j];
-
-	if (!s->plain || (l->piece && l->piece[j].piece.n > 0) ||
-	    arc->acceleration.x != s->acceleration.x || arc->acceleration.y != s->acceleration.y ||
-	    arc->acceleration.z != s->acceleration.z)
-		return false;
-	const double age = s->now - arc->anchor_s;
-	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, age, arc->acceleration);
-	const rb_vec3 x = rb_vec3_add_scaled(
-		arc->position, age,
-		rb_vec3_add_scaled(arc->velocity, 0.5 * age, arc->acceleration));
 	const rb_vec3 d = rb_vec3_sub(x, s->position), w = rb_vec3_sub(v, s->velocity);
-	const double radius = l->model->shape[j].radius, sum = s->radius + radius;
+	const double sum = s->radius + radius;
 	const double b = rb_vec3_dot(d, w), c = rb_vec3_dot(d, d) - sum * sum;
 
 	if (c < 1e-3 * sum * sum || b < 0) {
@@ -67,11 +61,12 @@ static bool see_sphere(struct seer *s, int j)
 				s->touching++;
 			if (-b > noise * sum && !rb_set_held(l, s->i, j))
 				see(s, j, s->now, false);
-			return true;
+			return;
 		}
 	}
-	if (!(b < 0))
-		return true;
+	/* not before c / (-2 b), which may be later than what is known already */
+	if (!(b < 0) || c * (1 - 1e-9) > -2 * b * (s->next.touch_s - s->now))
+		return;
 	const double square = rb_vec3_dot(w, w);
 	double discriminant = b * b - square * c;
 	if (discriminant < 1e-4 * b * b) {
@@ -81,10 +76,130 @@ static bool see_sphere(struct seer *s, int j)
 
 		discriminant = (speed * sum - offset) * (speed * sum + offset);
 		if (discriminant < 0)
-			return true;
+			return;
 	}
 	see(s, j, s->now + c / (sqrt(discriminant) - b), false);
+}
+
+/* Two spheres in flight under the same acceleration. False: not such a pair. */
+static bool see_sphere(struct seer *s, int j)
+{
+	const struct rb_located *l = s->l;
+	const struct rb_arc *arc = &l->arc[j];
+
+	if (!s->plain || (l->piece && l->piece[j].piece.n > 0))
+		return false;
+	const bool quick = s->quick && arc->plain_radius > 0;
+	/* what is plain falls as this body does: the rest of its arc is not looked at */
+	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
+	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
+		return false;
+	const double age = s->now - arc->anchor_s;
+	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, age, a);
+	const rb_vec3 x = rb_vec3_add_scaled(arc->position, age,
+	                                     rb_vec3_add_scaled(arc->velocity, 0.5 * age, a));
+
+	see_flight(s, j, x, v, quick ? arc->plain_radius : l->model->shape[j].radius);
 	return true;
+}
+
+/* Two numbers that are worked on at once, as every processor of today can. */
+typedef double two __attribute__((vector_size(16)));
+
+struct two_vec {
+	two x, y, z;
+};
+
+static inline two both(double a)
+{
+	return (two){a, a};
+}
+
+static inline struct two_vec pair_of(rb_vec3 a, rb_vec3 b)
+{
+	return (struct two_vec){{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
+}
+
+static inline struct two_vec plus_scaled(struct two_vec a, two s, struct two_vec b)
+{
+	return (struct two_vec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline struct two_vec minus(struct two_vec a, struct two_vec b)
+{
+	return (struct two_vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline two dot(struct two_vec a, struct two_vec b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/*
+ * Leaves of `near` those that see_sphere has to look at: the few that are near or come close, and what is no plain
+ * sphere. Without branches that depend on where bodies are, which nobody can guess: most of a gas's time is spent here.
+ */
+static inline int sift(const struct seer *s, int *near, int count, bool falls)
+{
+	const struct rb_arc *arcs = s->l->arc;
+	const struct two_vec here = pair_of(s->position, s->position);
+	const struct two_vec mine = pair_of(s->velocity, s->velocity);
+	const struct two_vec a = pair_of(s->acceleration, s->acceleration);
+	const int last = count > 0 ? near[count - 1] : -1;
+	int kept = 0;
+
+	for (int k = 0; k < count; k += 2) {
+		const int i = near[k], j = near[k + 1 < count ? k + 1 : k];
+		const struct rb_arc *first = &arcs[i], *second = &arcs[j];
+		const two age = both(s->now) - (two){first->anchor_s, second->anchor_s};
+		struct two_vec v = pair_of(first->velocity, second->velocity), mean = v;
+
+		if (falls) {
+			mean = plus_scaled(v, both(0.5) * age, a);
+			v = plus_scaled(v, age, a);
+		}
+		const struct two_vec d = minus(
+			plus_scaled(pair_of(first->position, second->position), age, mean), here);
+		const struct two_vec w = minus(v, mine);
+		const two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
+		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
+		/* false where the radius is not a number; 1e-290: squares of what is smaller underflow */
+		const __typeof__(b < c) apart =
+			(c >= both(1e-3) * square) &
+			((b >= both(0)) | (b * b * both(1 + 1e-6) + both(1e-290) < dot(w, w) * c));
+
+		/* true is -1 */
+		near[kept] = i;
+		kept += 1 + (int)apart[0];
+		near[kept] = j;
+		kept += 1 + (int)apart[1];
+	}
+	/* the last one of an odd number has been looked at twice */
+	if (count % 2 == 1 && kept > 0 && near[kept - 1] == last)
+		kept--;
+	return kept;
+}
+
+static int sift_near(const struct seer *s, int *near, int count)
+{
+	const struct rb_located *l = s->l;
+
+	int odd = 0;
+
+	/* the arcs of bodies on pieces mean nothing */
+	for (int k = 0; l->piece && k < count; k++) {
+		const int j = near[k];
+
+		if (l->piece[j].piece.n > 0) {
+			near[k] = near[odd];
+			near[odd++] = j;
+		}
+	}
+	for (int k = 0; l->n >= MANY && k < count; k++)
+		__builtin_prefetch(&l->arc[near[k]]);
+	near += odd;
+	count -= odd;
+	return odd + (s->falls ? sift(s, near, count, true) : sift(s, near, count, false));
 }
 
 /* A plane at rest, seen from a sphere in flight that is not near it. False: not such a pair, or near. */
@@ -107,6 +222,37 @@ static bool see_plane(struct seer *s, int j)
 	if (t <= s->until)
 		see(s, j, t, false);
 	return true;
+}
+
+static void see_body(struct seer *s, int j);
+
+/* All that does not move, from a sphere in flight without gravity: what see_plane does, without branches. */
+static void see_fixed_quickly(struct seer *s)
+{
+	const struct rb_located *l = s->l;
+	/* at least see_plane's: |v . n| is below twice the largest component */
+	const double near = DBL_EPSILON * (16 * s->reach + 8 * s->now * s->speed);
+	double first = HUGE_VAL;
+	int which = -1;
+
+	for (int j = l->n; j < l->n + l->model->static_count; j++) {
+		const rb_vec3 n = l->plane_normal[j - l->n];
+		const double gap = rb_vec3_dot(rb_vec3_sub(s->position, l->model->position[j]), n) -
+		                   s->radius;
+		const double rate = rb_vec3_dot(s->velocity, n);
+
+		if (!(gap > near) || l->model->shape[j].kind != RB_SHAPE_PLANE) {
+			see_body(s, j);
+			continue;
+		}
+		const double t = s->now +
+		                 gap / (rate < 0 ? -rate : 0); /* infinite where it parts */
+
+		which = t < first ? j : which;
+		first = t < first ? t : first;
+	}
+	if (first <= s->until)
+		see(s, which, first, false);
 }
 
 static void see_body(struct seer *s, int j)
@@ -132,25 +278,44 @@ static void see_body(struct seer *s, int j)
 	see(s, j, t, again);
 }
 
-static void open(struct seer *s, struct rb_located *l, int i, double now, int except)
+/* Where the body is now, and what pulls it. */
+static inline void find_self(struct seer *s, const struct rb_located *l, int i, double now)
 {
-	*s = (struct seer){.l = l,
-	                   .i = i,
-	                   .except = except,
-	                   .now = now,
-	                   .until = l->end_s,
-	                   .radius = l->model->shape[i].radius,
-	                   .position = rb_arc_position(l, i, now),
-	                   .velocity = rb_arc_velocity(l, i, now),
-	                   .acceleration = rb_arc_acceleration(l, i, now),
-	                   .next = {.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL}};
-	s->plain = l->model->shape[i].kind == RB_SHAPE_SPHERE && !rb_located_on_piece(l, i) &&
-	           !l->model->center_of_mass;
+	const struct rb_arc *arc = &l->arc[i];
+
+	s->until = l->end_s;
+	if (rb_located_on_piece(l, i)) {
+		s->position = rb_arc_position(l, i, now);
+		s->velocity = rb_arc_velocity(l, i, now);
+		s->acceleration = rb_arc_acceleration(l, i, now);
+		s->until = fmin(s->until, l->piece[i].until_s);
+		return;
+	}
+	const double age = now - arc->anchor_s;
+
+	s->acceleration = arc->acceleration;
+	s->velocity = rb_vec3_add_scaled(arc->velocity, age, arc->acceleration);
+	s->position = rb_vec3_add_scaled(
+		arc->position, age,
+		rb_vec3_add_scaled(arc->velocity, 0.5 * age, arc->acceleration));
+}
+
+static inline void open(struct seer *s, struct rb_located *l, int i, double now, int except)
+{
+	s->l = l;
+	s->i = i;
+	s->except = except;
+	s->now = now;
+	s->touching = 0;
 	s->general = l->model->group_bit || l->model->driven;
+	s->quick = l->arc[i].plain_radius > 0 && !rb_located_on_piece(l, i) && !s->general;
+	s->plain = s->quick || (l->model->shape[i].kind == RB_SHAPE_SPHERE &&
+	                        !rb_located_on_piece(l, i) && !l->model->center_of_mass);
+	s->radius = s->quick ? l->arc[i].plain_radius : l->model->shape[i].radius;
+	find_self(s, l, i, now);
+	s->falls = largest(s->acceleration) > 0;
 	s->reach = larger(s->radius, largest(s->position));
 	s->speed = largest(s->velocity);
-	if (rb_located_on_piece(l, i))
-		s->until = fmin(s->until, l->piece[i].until_s);
 }
 
 static void next_wall(struct seer *s)
@@ -175,18 +340,67 @@ static void keep(struct seer *s)
 	rb_queue_set(l->queue, s->i, fmin(s->next.touch_s, s->next.wall_s));
 }
 
+/*
+ * Of many bodies, most of what an event reads lies in slow memory: it is asked for while the events before it are dealt
+ * with, in two stages, the second of which needs what the first has brought. Hints only.
+ */
+static void ask_for(const struct rb_located *l, int i)
+{
+	__builtin_prefetch(&l->arc[i]);
+	__builtin_prefetch(&l->arc[i].acceleration);
+	__builtin_prefetch(&l->next[i]);
+	__builtin_prefetch(&l->generation[i]);
+	__builtin_prefetch(&l->cluster_of[i]);
+	__builtin_prefetch(&l->model->inverse_mass[i]);
+	__builtin_prefetch(&l->model->material[i]);
+	rb_queue_prefetch(l->queue, i);
+	if (l->cells)
+		rb_cells_prefetch(l->cells, i);
+}
+
+static void look_ahead(const struct rb_located *l)
+{
+	enum { NEXT_END = 3 };
+	const int later = rb_queue_later(l->queue);
+
+	for (int k = 1; k < NEXT_END; k++) {
+		const int i = rb_queue_soon(l->queue, k);
+
+		if (i < 0 || i >= l->n)
+			continue;
+		const int j = l->next[i].partner;
+
+		if (l->cells)
+			rb_cells_prefetch_near(l->cells, i);
+		if (j >= 0 && j < l->n) {
+			ask_for(l, j);
+			if (k == 1)
+				rb_queue_prefetch_links(l->queue, j);
+		}
+	}
+	if (later >= 0 && later < l->n)
+		ask_for(l, later);
+}
+
 int rb_foresee(struct rb_located *l, int i, double now, int except)
 {
 	struct seer s;
 
+	if (l->n >= MANY)
+		look_ahead(l);
 	open(&s, l, i, now, except);
+	s.next = (struct rb_next){.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL};
 	next_wall(&s);
 	if (l->model->features & RB_FEATURE_CONTACT) {
-		const int near = rb_set_near(l, i);
+		int near = rb_set_near(l, i);
 
+		if (s.quick)
+			near = sift_near(&s, l->near, near);
 		for (int k = 0; k < near; k++)
 			see_body(&s, l->near[k]);
-		for (int j = l->n; j < l->n + l->model->static_count; j++)
+		if (s.quick && !s.falls)
+			see_fixed_quickly(&s);
+		for (int j = l->n; j < l->n + l->model->static_count && !(s.quick && !s.falls); j++)
 			see_body(&s, j);
 	}
 	keep(&s);
@@ -197,9 +411,14 @@ void rb_foresee_wall(struct rb_located *l, int i, double now)
 {
 	struct seer s;
 
+	if (l->n >= MANY)
+		look_ahead(l);
 	open(&s, l, i, now, -1);
 	s.next = l->next[i];
-	const int count = rb_cells_cross(l->cells, i, s.next.wall, l->near);
+	int count = rb_cells_cross(l->cells, i, s.next.wall, l->near);
+
+	if (s.quick)
+		count = sift_near(&s, l->near, count);
 	for (int k = 0; k < count; k++) {
 		const int partner = s.next.partner;
 

@@ -12,8 +12,10 @@
 static const double tolerance = 3e-14;
 /* Shares of forces by which a mode is seen to have ended, so that what follows does not see it go on. */
 static const double clear = 1e-12;
+/* Accelerations below this share of the pulls are what the solver leaves. */
+static const double still_share = 1e-12;
 
-enum { LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 96 };
+enum { LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 1536 };
 
 /* One piece under way. */
 struct work {
@@ -27,6 +29,7 @@ struct work {
 	struct rb_joint_contact *contact; /* [held_count] */
 	rb_vec3 *force;                   /* [held_count]: N on b */
 	double *matrix, *right;           /* [unknowns]^2, [unknowns] */
+	int *last;                        /* [unknowns] */
 	double force_most;                /* N: largest force at the beginning */
 };
 
@@ -90,9 +93,15 @@ static rb_vec3 coupling(const struct work *w, int i, int j, rb_vec3 f)
 	return sum;
 }
 
-/* Gaussian elimination with row pivots; false where it is singular. */
-static bool eliminate(double *matrix, double *right, int n)
+/*
+ * Gaussian elimination with row pivots; false where it is singular. Zeros are passed over, since a contact answers only to
+ * those that share a body with it: a chain of contacts costs what its length is.
+ */
+static bool eliminate(double *matrix, double *right, int *last, int n)
 {
+	for (int r = 0; r < n; r++)
+		for (last[r] = n - 1; last[r] > 0 && matrix[r * n + last[r]] == 0;)
+			last[r]--;
 	for (int k = 0; k < n; k++) {
 		int best = k;
 		for (int r = k + 1; r < n; r++)
@@ -100,7 +109,7 @@ static bool eliminate(double *matrix, double *right, int n)
 				best = r;
 		if (!(fabs(matrix[best * n + k]) > 0))
 			return false;
-		for (int c = 0; c < n && best != k; c++) {
+		for (int c = k; c < n && best != k; c++) {
 			const double kept = matrix[k * n + c];
 			matrix[k * n + c] = matrix[best * n + c];
 			matrix[best * n + c] = kept;
@@ -108,19 +117,30 @@ static bool eliminate(double *matrix, double *right, int n)
 		const double kept = right[k];
 		right[k] = right[best];
 		right[best] = kept;
+		const int far = last[k];
+		last[k] = last[best];
+		last[best] = far;
 		for (int r = k + 1; r < n; r++) {
+			if (matrix[r * n + k] == 0)
+				continue;
 			const double share = matrix[r * n + k] / matrix[k * n + k];
-			for (int c = k; c < n; c++)
+			for (int c = k; c <= last[k]; c++)
 				matrix[r * n + c] -= share * matrix[k * n + c];
 			right[r] -= share * right[k];
+			last[r] = last[r] > last[k] ? last[r] : last[k];
 		}
 	}
 	for (int k = n - 1; k >= 0; k--) {
-		for (int c = k + 1; c < n; c++)
+		for (int c = k + 1; c <= last[k]; c++)
 			right[k] -= matrix[k * n + c] * right[c];
 		right[k] /= matrix[k * n + k];
 	}
 	return true;
+}
+
+static bool share_a_body(const struct rb_meet *x, const struct rb_meet *y)
+{
+	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
 }
 
 static rb_vec3 point_acceleration(const struct work *w, int body, rb_vec3 arm, double t)
@@ -158,7 +178,10 @@ static bool solve_modes(struct work *w, double t)
 
 		for (int j = 0; j < c->held_count; j++)
 			for (int k = 0; k < unknowns_of(&c->held[j]); k++, column++) {
-				const rb_vec3 a = coupling(w, i, j, unit_of(w, j, k));
+				const rb_vec3 none = {0, 0, 0};
+				const rb_vec3 a = share_a_body(m, &w->meet[j])
+				                          ? coupling(w, i, j, unit_of(w, j, k))
+				                          : none;
 
 				if (c->held[i].slipping)
 					w->matrix[row * n + column] = rb_vec3_dot(a, m->normal);
@@ -173,7 +196,7 @@ static bool solve_modes(struct work *w, double t)
 				w->right[row + r] = -axis(free, r);
 		row += unknowns_of(&c->held[i]);
 	}
-	if (!eliminate(w->matrix, w->right, n))
+	if (!eliminate(w->matrix, w->right, w->last, n))
 		return false;
 	row = 0;
 	for (int i = 0; i < c->held_count; i++) {
@@ -269,12 +292,32 @@ static void read_pose(struct work *w, int k, const double *value)
 			rb_quat_rotate(pose->orientation, l->model->center_of_mass[i]));
 }
 
+/*
+ * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means static, also under
+ * forces that are looked at again and again.
+ */
+static void stand_still(struct work *w, double pull)
+{
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double radius = w->l->model->shape[w->c->member[k]].radius;
+
+		if (rb_vec3_max_abs(w->pose[k].velocity) > 0 ||
+		    rb_vec3_max_abs(w->pose[k].spin) > 0 ||
+		    rb_vec3_max_abs(w->linear[k]) > still_share * pull ||
+		    rb_vec3_max_abs(w->angular[k]) * radius > still_share * pull)
+			return;
+	}
+	for (int k = 0; k < w->c->member_count; k++)
+		w->linear[k] = w->angular[k] = (rb_vec3){0, 0, 0};
+}
+
 /* Poses, forces of contacts and accelerations at `t`. */
 static bool evaluate(struct work *w, double t, const double *value)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 	const struct rb_view view = {.pose = w->pose, .time_s = t, .active_s = w->origin_s};
+	double pull = 0;
 
 	for (int k = 0; k < c->member_count; k++)
 		read_pose(w, k, value);
@@ -282,6 +325,8 @@ static bool evaluate(struct work *w, double t, const double *value)
 		rb_pull_at(l, c->member[k], &w->pose[k], &view, &w->linear[k], &w->angular[k]);
 	if (l->status != RB_OK)
 		return false;
+	for (int k = 0; k < c->member_count; k++)
+		pull = fmax(pull, rb_vec3_max_abs(w->linear[k]));
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
 		const int a = place_of(w, held->a), b = place_of(w, held->b);
@@ -307,6 +352,8 @@ static bool evaluate(struct work *w, double t, const double *value)
 		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(w->force[k]));
 		press(w, c->held[k].b, w->meet[k].arm_b, w->force[k]);
 	}
+	if (c->held_count > 0)
+		stand_still(w, pull);
 	return true;
 }
 
@@ -428,8 +475,9 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
 	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
 	w->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *w->matrix);
 	w->right = rb_arena_take(arena, unknowns + 1, sizeof *w->right);
+	w->last = rb_arena_take(arena, unknowns + 1, sizeof *w->last);
 	return w->pose && w->linear && w->angular && w->meet && w->contact && w->force &&
-	       w->matrix && w->right;
+	       w->matrix && w->right && w->last;
 }
 
 /* Sizes that errors are relative to, and what length to try without knowing better. */
@@ -493,9 +541,14 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
-	struct rb_gauss_problem problem = {
-		.n = c->piece.n, .rates = rates, .user = w, .scale = scale, .tolerance = tolerance};
 	uint64_t calls = 0;
+	struct rb_gauss_problem problem = {.n = c->piece.n,
+	                                   .rates = rates,
+	                                   .user = w,
+	                                   .scale = scale,
+	                                   .tolerance = tolerance,
+	                                   .scratch = scratch,
+	                                   .calls = &calls};
 
 	for (int k = 0; k < c->member_count; k++) {
 		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
@@ -523,9 +576,8 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 	                      w->origin_s;
 	double try_s = fmin(c->try_s, room_s);
 	const bool cut = try_s < c->try_s;
-	const enum rb_status status = rb_gauss_step(&problem, w->origin_s, &try_s,
-	                                            2 * DBL_EPSILON * w->origin_s, &c->piece,
-	                                            scratch, &calls, l->err);
+	const enum rb_status status = rb_gauss_step(
+		&problem, w->origin_s, &try_s, 2 * DBL_EPSILON * w->origin_s, &c->piece, l->err);
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
 	if (status != RB_OK) {
 		l->status = status;
@@ -533,6 +585,7 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 	}
 	c->try_s = cut ? fmax(c->try_s, try_s) : try_s;
 	const double length = c->held_count > 0 ? change_within(w, value) : c->piece.length_s;
+	c->is_cut = length < c->piece.length_s;
 	if (l->status != RB_OK)
 		return;
 	/* a piece ends at a moment that is later than its beginning */

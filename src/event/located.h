@@ -16,10 +16,15 @@
 #include "math/top.h"
 #include "world/world.h"
 
-/* Centre of mass from the anchor on: x + v s + a s^2 / 2. */
+/*
+ * Centre of mass from the anchor on: x + v s + a s^2 / 2. What a neighbour in the same field of gravity asks for is one
+ * line of memory: of many bodies that is most of what is read.
+ */
 struct rb_arc {
-	double anchor_s;
-	rb_vec3 position, velocity, acceleration;
+	_Alignas(64) double anchor_s;
+	rb_vec3 position, velocity;
+	double plain_radius; /* of a sphere about its centre that only the world's gravity pulls, else NAN */
+	rb_vec3 acceleration;
 };
 
 /* Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and holds to until_s. */
@@ -63,6 +68,7 @@ struct rb_cluster {
 	int next_free;   /* 1 + the next unused cluster, 0: none */
 	bool integrated; /* else every member is on a parabola */
 	bool at_rest;
+	bool is_cut; /* its piece ends where a contact changes its mode */
 	double anchor_s;
 	int *member; /* [member_count], ascending */
 	int member_count;
@@ -113,10 +119,11 @@ struct rb_located {
 	double *switch_s; /* [switch_count] moments at which forces begin or end, ascending */
 	int switch_count, switch_next;
 
+	double weight;       /* m/s^2: |gravity| */
 	double now_s, end_s; /* the event under way; the end of the run */
 	double stuck_s;      /* events at one moment are counted */
 	uint64_t stuck_count;
-	uint64_t events;
+	uint64_t events, polled;
 	uint64_t crowd;         /* bodies of crowds settled since the step began */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */

@@ -202,11 +202,13 @@ double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double 
 
 double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m)
 {
-	(void)l;
+	const double size = fmax(size_of(l, m->a), size_of(l, m->b));
+
 	return 8 * DBL_EPSILON *
 	       (rb_vec3_max_abs(m->pose_a.velocity) + rb_vec3_max_abs(m->pose_b.velocity) +
 	        rb_vec3_max_abs(m->pose_a.spin) * rb_vec3_max_abs(m->arm_a) +
-	        rb_vec3_max_abs(m->pose_b.spin) * rb_vec3_max_abs(m->arm_b));
+	        rb_vec3_max_abs(m->pose_b.spin) * rb_vec3_max_abs(m->arm_b) +
+	        sqrt(2 * l->weight * size));
 }
 
 /* ---- when ---- */
@@ -253,12 +255,14 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 	if (touching && rate <= noise) { /* only the acceleration can bring them together */
 		return acceleration < 0 ? 0 : HUGE_VAL;
 	}
+	if (touching) /* what rounding has left of its gap is no height to fall from */
+		return acceleration < 0 ? -2 * rate / acceleration : HUGE_VAL;
 	const double discriminant = rate * rate - 2 * acceleration * gap;
 	if (rate < 0)
 		return discriminant < 0 ? HUGE_VAL : 2 * gap / (sqrt(discriminant) - rate);
 	if (!(acceleration < 0))
 		return HUGE_VAL;
-	return (rate + sqrt(fmax(discriminant, 0))) / -acceleration;
+	return (rate + sqrt(discriminant)) / -acceleration;
 }
 
 /* Bound on the second derivative of a gap by the motion of this body, m/s^2. */
@@ -330,7 +334,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 				return HUGE_VAL;
 			h = sqrt(band / most);
 		} else {
-			const double gap = fmax(m.gap, 0);
+			const double gap = m.gap <= band ? 0 : m.gap;
 			const double root = sqrt(rate * rate + 2 * most * gap);
 
 			/* the root of gap + rate h - most h^2 / 2, in the form that does not cancel */

@@ -30,7 +30,7 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 
 /* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t);
-/* m/s: rounding of the normal velocity. */
+/* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */
 double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m);
 
 /* Whether contacts between these two are possible at all. */

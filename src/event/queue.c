@@ -52,6 +52,8 @@ struct rb_queue {
 	int32_t *gathered;
 	int32_t count, heap_count, finite;
 	int32_t day_count, today;
+	int32_t later,
+		later_day;   /* for hints: a body, -1: none; how far days have been gone through */
 	int64_t sets;        /* since days were laid out */
 	double start, per_s; /* days per second; 0: every day is today */
 };
@@ -203,7 +205,8 @@ static void lay_out(struct rb_queue *queue)
 
 	queue->sets = 0;
 	queue->heap_count = 0;
-	queue->today = 0;
+	queue->today = queue->later_day = 0;
+	queue->later = -1;
 	queue->start = start;
 	queue->per_s = 0;
 	if (count > HEAP_MOST) {
@@ -286,6 +289,48 @@ int rb_queue_first(const struct rb_queue *queue, double *time_s)
 	return queue->heap[0].body;
 }
 
+int rb_queue_soon(const struct rb_queue *queue, int k)
+{
+	return k < queue->heap_count ? queue->heap[k].body : -1;
+}
+
+int rb_queue_later(struct rb_queue *queue)
+{
+	const int32_t body = queue->later;
+
+	if (body < 0) {
+		/* the next day, once */
+		if (queue->later_day < queue->today)
+			queue->later_day = queue->today;
+		if (queue->later_day >= queue->day_count - 1 || queue->later_day > queue->today + 1)
+			return -1;
+		queue->later = queue->head[++queue->later_day];
+	} else {
+		/* may have gone elsewhere meanwhile: then it leads to somebody else, or to a place in the heap */
+		queue->later = queue->slots[body].next;
+	}
+	if (queue->later >= 0)
+		__builtin_prefetch(&queue->slots[queue->later]);
+	return body;
+}
+
+void rb_queue_prefetch(const struct rb_queue *queue, int body)
+{
+	__builtin_prefetch(&queue->slots[body]);
+}
+
+void rb_queue_prefetch_links(const struct rb_queue *queue, int body)
+{
+	const struct slot *slot = &queue->slots[body];
+
+	if (slot->day < 0)
+		return;
+	if (slot->next >= 0)
+		__builtin_prefetch(&queue->slots[slot->next]);
+	if (slot->prev >= 0)
+		__builtin_prefetch(&queue->slots[slot->prev]);
+}
+
 enum rb_status rb_queue_create(struct rb_queue **queue, int body_count, struct rb_error *err)
 {
 	struct rb_queue *made = rb_memory_take(1, sizeof *made);
@@ -305,6 +350,7 @@ enum rb_status rb_queue_create(struct rb_queue **queue, int body_count, struct r
 	}
 	made->count = body_count;
 	made->day_count = 1;
+	made->later = -1;
 	made->head[0] = made->head[1] = -1;
 	for (int body = 0; body < body_count; body++)
 		made->slots[body] = (struct slot){.time = never, .day = NOWHERE};

@@ -320,6 +320,12 @@ static bool presses(const struct settling *s, int k)
 	return rb_vec3_dot(s->joint.contact[k].impulse, s->meet[k].normal) > 0;
 }
 
+/* The body of a pair that contacts move; of two, the first. */
+static int yielding(const struct settling *s, int k)
+{
+	return rb_located_fixed(s->l, s->meet[k].a) ? s->meet[k].b : s->meet[k].a;
+}
+
 /* ---- who goes on with whom ---- */
 
 static int root_of(int *root, int k)
@@ -462,8 +468,7 @@ static bool in_closed_form(const struct settling *s, int part, const struct rb_c
 	for (int k = 0; k < s->meet_count; k++) {
 		const struct rb_held *held = rb_set_held(l, s->meet[k].a, s->meet[k].b);
 
-		if (!held || l->cluster_of[s->meet[k].a < l->n ? s->meet[k].a : s->meet[k].b] !=
-		                     (int)(c - l->cluster))
+		if (!held || l->cluster_of[yielding(s, k)] != (int)(c - l->cluster))
 			continue;
 		if (s->meet[k].b < l->n || s->meet[k].on_rim ||
 		    l->model->shape[s->meet[k].b].kind == RB_SHAPE_SPHERE)
@@ -562,9 +567,7 @@ static void write_parts(struct settling *s, double try_s)
 		struct rb_cluster *c = &l->cluster[cluster];
 		c->try_s = try_s;
 		for (int k = 0; k < s->meet_count; k++) {
-			const int yields = rb_located_fixed(l, s->meet[k].a) ? s->meet[k].b
-			                                                     : s->meet[k].a;
-			if (!presses(s, k) || root_of(s->root, l->place[yields]) != part)
+			if (!presses(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
 				continue;
 			struct rb_held held = held_of(s, k);
 
@@ -601,9 +604,9 @@ static void tell_lifts(struct settling *s)
 			rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
 }
 
-void rb_settle(struct rb_located *l, double t, double slack)
+void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 {
-	struct settling s = {.l = l, .t = t, .slack = slack, .struck = slack > 0};
+	struct settling s = {.l = l, .t = t, .slack = slack, .struck = struck};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	double try_s;
 

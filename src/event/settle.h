@@ -10,10 +10,11 @@
 
 /*
  * For the set as it is, grown to all that rests on it: gives every body of it a new arc from `t` on, dissolves the
- * clusters that they were in, makes those that they are in now, and tells transitions. `slack` m/s: rounding of
- * velocities that a change has just left on top of that of the velocities themselves. Leaves the set, whose bodies are
+ * clusters that they were in, makes those that they are in now, and tells transitions. `struck`: an impact or a
+ * callback has just changed velocities, which are right as they are; `slack` m/s: the rounding that it has left on top
+ * of that of the velocities themselves. Leaves the set, whose bodies are
  * then to foresee anew. Sets l->status.
  */
-void rb_settle(struct rb_located *l, double t, double slack);
+void rb_settle(struct rb_located *l, double t, bool struck, double slack);
 
 #endif

@@ -8,6 +8,9 @@
 #include "event/pull.h"
 #include "event/settle.h"
 #include "event/tell.h"
+#include "geom/distance.h"
+
+enum { SMALLEST_ULP = 8 };
 
 static rb_vec3 across(rb_vec3 u, rb_vec3 n)
 {
@@ -46,19 +49,91 @@ static double turn_yield(const struct rb_located *l, int i)
 	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
 }
 
-/* Would it open the gap no further than the touching band? */
+/* Would it open the gap no further than the rounding of the body's size? Where it is does not matter. */
 static bool ends_here(const struct rb_located *l, const struct rb_meet *m, double leave, double t)
 {
 	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
 	                                 rb_arc_acceleration(l, m->a, t));
 	const double closing = -rb_vec3_dot(pull, m->normal) -
 	                       rb_vec3_dot(m->velocity, m->normal_rate);
+	const double size = fmax(
+		rb_vec3_length(m->arm_a),
+		l->model->shape[m->b].kind == RB_SHAPE_SPHERE ? rb_vec3_length(m->arm_b) : 0);
 
-	return closing > 0 && leave * leave <= 2 * closing * rb_meet_band(l, m, t);
+	return closing > 0 && leave * leave <= 2 * closing * SMALLEST_ULP * DBL_EPSILON * size;
+}
+
+/* ---- one pair in flight ---- */
+
+/* A sphere about its centre on a parabola of gravity alone, in no cluster; nothing turns. */
+static bool flies(const struct rb_located *l, int i)
+{
+	return l->arc[i].plain_radius > 0 && l->cluster_of[i] < 0 && !l->top &&
+	       !rb_located_on_piece(l, i) && !rb_located_driven(l, i);
+}
+
+static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_vec3 velocity)
+{
+	struct rb_arc *arc = &l->arc[i];
+
+	arc->anchor_s = t;
+	arc->position = position;
+	arc->velocity = velocity;
+}
+
+/*
+ * What rb_strike_pair does, to the bit, where all that it looks at is known to be nothing: spins, friction, differences
+ * of acceleration, somebody who is told. False: it is not, or the rebound is so slow that it has to be looked at.
+ */
+static bool strike_in_flight(struct rb_located *l, int a, int b, double t)
+{
+	const struct rb_model *model = l->model;
+	const bool fixed = b >= l->n;
+	rb_vec3 normal, other = {0, 0, 0}, position_b = {0, 0, 0};
+
+	if (l->world->options.keep_events || l->world->hooks.collision || !flies(l, a))
+		return false;
+	const rb_vec3 position_a = rb_arc_position(l, a, t), velocity = rb_arc_velocity(l, a, t);
+	if (fixed) {
+		if (model->shape[b].kind != RB_SHAPE_PLANE ||
+		    rb_vec3_max_abs(l->arc[a].acceleration) > 0)
+			return false;
+		normal = rb_vec3_neg(l->plane_normal[b - l->n]);
+	} else {
+		if (!flies(l, b))
+			return false;
+		other = rb_arc_velocity(l, b, t);
+		position_b = rb_arc_position(l, b, t);
+		rb_distance_sphere_sphere(position_a, 0, position_b, 0, &normal);
+	}
+	const rb_vec3 w = rb_vec3_sub(other, velocity);
+	const double restitution =
+		model->pair_materials[model->material[a] * model->material_count +
+	                              model->material[b]]
+			.restitution;
+	const double approach = -rb_vec3_dot(w, normal), leave = restitution * approach;
+	const double noise = 8 * DBL_EPSILON * (rb_vec3_max_abs(velocity) + rb_vec3_max_abs(other));
+
+	if (!(approach > noise) || !(leave > noise) ||
+	    !(leave * leave > DBL_EPSILON * rb_vec3_dot(w, w)))
+		return false;
+	const double inverse_a = model->inverse_mass[a];
+	const double inverse_b = fixed ? 0 : model->inverse_mass[b];
+	const double size = (1 + restitution) * approach /
+	                    ((inverse_a + inverse_b) * rb_vec3_dot(normal, normal));
+	const rb_vec3 impulse = rb_vec3_scale(size, normal);
+
+	fly_on(l, a, t, position_a, rb_vec3_add_scaled(velocity, inverse_a, rb_vec3_neg(impulse)));
+	if (!fixed)
+		fly_on(l, b, t, position_b, rb_vec3_add_scaled(other, inverse_b, impulse));
+	l->world->frame_counts.collisions++;
+	return true;
 }
 
 bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 {
+	if (strike_in_flight(l, a, b, t))
+		return true;
 	if (!is_plain(l, a) || !is_plain(l, b))
 		return false;
 	struct rb_meet m = rb_meet_at(l, a, b, t);
@@ -258,6 +333,6 @@ void rb_strike_all(struct rb_located *l, int a, int b, double t)
 		strike(&s);
 	rb_arena_back(l->arena, here);
 	if (l->status == RB_OK)
-		rb_settle(l, t, s.slack);
+		rb_settle(l, t, true, s.slack);
 	l->come_a = l->come_b = -1;
 }

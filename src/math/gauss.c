@@ -268,23 +268,22 @@ static double next_length(double h_s, double tolerance, double error, int sweeps
 }
 
 enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time_s, double *try_s,
-                             double least_s, struct rb_gauss_piece *piece, double *scratch,
-                             uint64_t *calls, struct rb_error *err)
+                             double least_s, struct rb_gauss_piece *piece, struct rb_error *err)
 {
 	const size_t n = (size_t)problem->n;
 	struct attempt a = {.problem = problem,
 	                    .time_s = time_s,
 	                    .start = piece->start,
-	                    .first = scratch,
-	                    .value = scratch + n,
-	                    .calls = calls,
+	                    .first = problem->scratch,
+	                    .value = problem->scratch + n,
+	                    .calls = problem->calls,
 	                    .err = err};
-	double *const rate = scratch + 2 * n;
+	double *const rate = problem->scratch + 2 * n;
 	double change = 0;
 	int sweeps;
 
 	for (size_t j = 0; j <= NODES; j++)
-		a.g[j] = scratch + (3 + j) * n;
+		a.g[j] = problem->scratch + (3 + j) * n;
 	if (!(*try_s > 0) || !isfinite(*try_s))
 		return RB_FAIL(err, RB_ERR_PHYSICS, "'step' is %g s, not a positive number",
 		               *try_s);

@@ -37,6 +37,8 @@ struct rb_gauss_problem {
 	void *user;
 	const double *scale; /* [n]: sizes that the errors are relative to, > 0 */
 	double tolerance;    /* of scale, per step, >= a few ulp */
+	double *scratch;     /* [rb_gauss_room(n)] */
+	uint64_t *calls;     /* grows by the calls of rates */
 };
 
 /* Doubles of scratch that a step needs. */
@@ -46,12 +48,12 @@ size_t rb_gauss_room(int n);
  * One step from piece->start at time `time_s` (added to the piece's own times in calls of `rates`), trying length
  * `*try_s` and halving it until the tolerance is met; fills piece->coefficient and length_s and leaves in `*try_s` what
  * to try next: not longer than 4 times this step, and of 8 binary digits, so that times of steps add up exactly.
- * `*calls` grows by the calls of rates. RB_ERR_PHYSICS when no step of at least `least_s` will do or something is not
+ * RB_ERR_PHYSICS when no step of at least `least_s` will do or something is not
  * finite.
  */
 RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time_s,
                                         double *try_s, double least_s, struct rb_gauss_piece *piece,
-                                        double *scratch, uint64_t *calls, struct rb_error *err);
+                                        struct rb_error *err);
 
 /* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
 double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);
