@@ -148,8 +148,8 @@ static void put_plot(FILE *script, const struct rb_plot *plot, enum rb_plot_kind
 	put_label(script, "ylabel", plot->y_label);
 	put_range(script, "x", plot->x_log, plot->x_low, plot->x_high);
 	put_range(script, "y", plot->y_log, plot->y_low, plot->y_high);
-	fprintf(script, "set grid\nset key outside %s\n",
-	        kind == RB_PLOT_TEXT ? "below" : "right top");
+	fprintf(script, "set grid\nset key %s\n",
+	        kind == RB_PLOT_TEXT ? "outside below" : "tmargin center horizontal");
 	put_data(script, plot);
 	put_series(script, plot, kind);
 }

@@ -331,29 +331,16 @@ static double leaves_along(double reach, double x, double v, double a, int *high
 	return (u + sqrt(fmax(0, u * u - 2 * b * (reach + sign * x)))) / -b;
 }
 
-/* The first wall so far: its number and when. */
+/* The first wall so far: when, s, and its number. */
 struct exit {
 	double s;
 	int wall;
 };
 
-/* `wall` is the lower one of the axis. Beyond the last cells nobody leaves any more. */
-static inline void leave_by(struct exit *exit, int64_t at, double s, int wall)
+/* Beyond the last cells nobody leaves any more. */
+static bool is_last(int64_t at)
 {
-	const bool sooner = (s < exit->s) & (at > -farthest) & (at < farthest);
-
-	exit->wall = sooner ? wall : exit->wall;
-	exit->s = sooner ? s : exit->s;
-}
-
-/* Without acceleration, which is most of a gas, without branches: which way is anybody's guess; 0 / 0 is never. */
-static inline void fly_out(struct exit *exit, const struct level *level, int64_t at, double x,
-                           double v, int wall)
-{
-	const double off = x - ((double)at + 0.5) * level->edge;
-	const double ahead = level->reach - copysign(1, v) * off;
-
-	leave_by(exit, at, (ahead > 0 ? ahead : 0) / fabs(v), wall + (v > 0));
+	return (at <= -farthest) | (at >= farthest);
 }
 
 static void fall_out(struct exit *exit, const struct level *level, int64_t at, const double xva[3],
@@ -363,32 +350,61 @@ static void fall_out(struct exit *exit, const struct level *level, int64_t at, c
 	int high;
 	const double s = leaves_along(level->reach, off, xva[1], xva[2], &high);
 
-	leave_by(exit, at, s, wall + high);
+	if (s < exit->s && !is_last(at))
+		*exit = (struct exit){s, wall + high};
+}
+
+static inline double flies_along(const struct level *level, int64_t at, double x, double v)
+{
+	const double off = x - ((double)at + 0.5) * level->edge;
+	const double ahead = level->reach - copysign(1, v) * off;
+
+	return (ahead > 0 ? ahead : 0) / fabs(v); /* 0 / 0 is never */
+}
+
+/* Without acceleration, which is most of a gas, and without branches: which way is anybody's guess. */
+static inline void fly_out(struct exit *exit, const struct level *level, const struct entry *entry,
+                           const double x[3], const double v[3], int number)
+{
+	const double never = (double)INFINITY;
+	const double s0 = flies_along(level, entry->at[0], x[0], v[0]);
+	const double s1 = flies_along(level, entry->at[1], x[1], v[1]);
+	const double s2 = flies_along(level, entry->at[2], x[2], v[2]);
+	const double first = s0 < never ? s0 : never;
+	const bool second = s1 < first;
+	const double both = s1 < first ? s1 : first;
+	const bool third = s2 < both;
+	const double all = s2 < both ? s2 : both;
+	const int axis = 2 * third + (second & !third);
+	const int high = (v[0] > 0) | (v[1] > 0) << 1 | (v[2] > 0) << 2;
+
+	if (all < exit->s)
+		*exit = (struct exit){all, number + 2 * axis + (high >> axis & 1)};
 }
 
 double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
                        rb_vec3 acceleration, int *wall)
 {
 	RB_ASSERT(body >= 0 && body < cells->count);
-	const rb_vec3 x = position, v = velocity, a = acceleration;
-	const bool falls = (a.x != 0) | (a.y != 0) | (a.z != 0);
+	const double x[3] = {position.x, position.y, position.z};
+	const double v[3] = {velocity.x, velocity.y, velocity.z};
+	const double a[3] = {acceleration.x, acceleration.y, acceleration.z};
+	const bool flies = (a[0] == 0) & (a[1] == 0) & (a[2] == 0);
 	const struct entry *entry = entries_of(cells, body);
 	const int own = own_level(cells, body);
 	struct exit exit = {(double)INFINITY, -1};
 
 	for (int l = own; l < cells->level_count; l++, entry++) {
 		const struct level *level = &cells->levels[l];
+		const int64_t *at = entry->at;
 		const int number = WALLS * (l - own);
 
-		if (falls) {
-			fall_out(&exit, level, entry->at[0], (double[]){x.x, v.x, a.x}, number);
-			fall_out(&exit, level, entry->at[1], (double[]){x.y, v.y, a.y}, number + 2);
-			fall_out(&exit, level, entry->at[2], (double[]){x.z, v.z, a.z}, number + 4);
+		if (flies && !(is_last(at[0]) | is_last(at[1]) | is_last(at[2]))) {
+			fly_out(&exit, level, entry, x, v, number);
 			continue;
 		}
-		fly_out(&exit, level, entry->at[0], x.x, v.x, number);
-		fly_out(&exit, level, entry->at[1], x.y, v.y, number + 2);
-		fly_out(&exit, level, entry->at[2], x.z, v.z, number + 4);
+		for (int k = 0; k < 3; k++)
+			fall_out(&exit, level, at[k], (double[]){x[k], v[k], a[k]}, number + 2 * k);
 	}
 	*wall = exit.wall;
 	return exit.s;

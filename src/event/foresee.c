@@ -226,33 +226,49 @@ static bool see_plane(struct seer *s, int j)
 
 static void see_body(struct seer *s, int j);
 
-/* All that does not move, from a sphere in flight without gravity: what see_plane does, without branches. */
-static void see_fixed_quickly(struct seer *s)
+/* What see_plane does for one of those that do not move, without gravity and branches. */
+struct first_fixed {
+	double near; /* m: at least see_plane's, |v . n| being below twice the largest component */
+	double t;
+	int which;
+};
+
+static inline void see_one_fixed(struct seer *s, struct first_fixed *first, int j, double gap,
+                                 double rate)
+{
+	if (!(gap > first->near) || s->l->model->shape[j].kind != RB_SHAPE_PLANE) {
+		see_body(s, j);
+		return;
+	}
+	const double t = s->now + gap / (rate < 0 ? -rate : 0); /* infinite where it parts */
+
+	first->which = t < first->t ? j : first->which;
+	first->t = t < first->t ? t : first->t;
+}
+
+static void see_fixed(struct seer *s)
 {
 	const struct rb_located *l = s->l;
-	/* at least see_plane's: |v . n| is below twice the largest component */
-	const double near = DBL_EPSILON * (16 * s->reach + 8 * s->now * s->speed);
-	double first = HUGE_VAL;
-	int which = -1;
+	const int count = l->model->static_count;
+	const rb_vec3 *points = l->model->position + l->n;
+	const struct two_vec here = pair_of(s->position, s->position);
+	const struct two_vec mine = pair_of(s->velocity, s->velocity);
+	struct first_fixed first = {DBL_EPSILON * (16 * s->reach + 8 * s->now * s->speed), HUGE_VAL,
+	                            -1};
 
-	for (int j = l->n; j < l->n + l->model->static_count; j++) {
-		const rb_vec3 n = l->plane_normal[j - l->n];
-		const double gap = rb_vec3_dot(rb_vec3_sub(s->position, l->model->position[j]), n) -
-		                   s->radius;
-		const double rate = rb_vec3_dot(s->velocity, n);
+	for (int k = 0; k < count; k += 2) {
+		const int next = k + 1 < count ? k + 1 : k;
+		const struct two_vec n = pair_of(l->plane_normal[k], l->plane_normal[next]);
+		const two gap = dot(minus(here, pair_of(points[k], points[next])), n) -
+		                both(s->radius);
+		const two rate = dot(mine, n);
 
-		if (!(gap > near) || l->model->shape[j].kind != RB_SHAPE_PLANE) {
-			see_body(s, j);
-			continue;
-		}
-		const double t = s->now +
-		                 gap / (rate < 0 ? -rate : 0); /* infinite where it parts */
-
-		which = t < first ? j : which;
-		first = t < first ? t : first;
+		see_one_fixed(s, &first, l->n + k, gap[0], rate[0]);
+		if (next > k)
+			see_one_fixed(s, &first, l->n + next, gap[1], rate[1]);
 	}
-	if (first <= s->until)
-		see(s, which, first, false);
+	if (first.t <= s->until)
+		see(s, first.which, first.t, false);
 }
 
 static void see_body(struct seer *s, int j)
@@ -372,11 +388,8 @@ static void look_ahead(const struct rb_located *l)
 
 		if (l->cells)
 			rb_cells_prefetch_near(l->cells, i);
-		if (j >= 0 && j < l->n) {
+		if (j >= 0 && j < l->n)
 			ask_for(l, j);
-			if (k == 1)
-				rb_queue_prefetch_links(l->queue, j);
-		}
 	}
 	if (later >= 0 && later < l->n)
 		ask_for(l, later);
@@ -399,7 +412,7 @@ int rb_foresee(struct rb_located *l, int i, double now, int except)
 		for (int k = 0; k < near; k++)
 			see_body(&s, l->near[k]);
 		if (s.quick && !s.falls)
-			see_fixed_quickly(&s);
+			see_fixed(&s);
 		for (int j = l->n; j < l->n + l->model->static_count && !(s.quick && !s.falls); j++)
 			see_body(&s, j);
 	}

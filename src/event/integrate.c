@@ -30,6 +30,7 @@ struct work {
 	rb_vec3 *force;                   /* [held_count]: N on b */
 	double *matrix, *right;           /* [unknowns]^2, [unknowns] */
 	int *last;                        /* [unknowns] */
+	bool slip_ends;                   /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
 };
 
@@ -386,7 +387,7 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 /* ---- changes of mode ---- */
 
 /* The first contact that does not keep its mode at this state, -1: all do. */
-static int broken(const struct work *w)
+static int broken(struct work *w)
 {
 	const struct rb_cluster *c = w->c;
 
@@ -396,6 +397,7 @@ static int broken(const struct work *w)
 		const double normal = rb_vec3_dot(w->force[k], m->normal);
 		const rb_vec3 friction = rb_vec3_add_scaled(w->force[k], -normal, m->normal);
 
+		w->slip_ends = false;
 		if (normal < -clear * w->force_most)
 			return k;
 		if (m->on_rim != held->on_rim)
@@ -403,7 +405,9 @@ static int broken(const struct work *w)
 		if (!held->slipping && rb_vec3_length(friction) > w->contact[k].friction * normal +
 		                                                          clear * w->force_most)
 			return k;
-		if (held->slipping && held->straight && rb_vec3_dot(m->velocity, held->slip) < 0)
+		w->slip_ends = held->slipping && held->straight &&
+		               rb_vec3_dot(m->velocity, held->slip) < 0;
+		if (w->slip_ends)
 			return k;
 	}
 	return -1;
@@ -430,6 +434,7 @@ static double change_within(struct work *w, double *value)
 	}
 	if (which < 0 || w->l->status != RB_OK)
 		return length;
+	bool ends = w->slip_ends;
 	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
 		const double middle = good + 0.5 * (bad - good);
 
@@ -439,12 +444,12 @@ static double change_within(struct work *w, double *value)
 		if (now >= 0) {
 			bad = middle;
 			which = now;
+			ends = w->slip_ends;
 		} else {
 			good = middle;
 		}
 	}
-	if (w->c->held[which].slipping && w->c->held[which].straight)
-		w->c->held[which].ending = true;
+	w->c->held[which].ending = ends;
 	return bad;
 }
 

@@ -31,7 +31,7 @@ enum {
 static const double never = (double)INFINITY;
 
 /* Events that a day is made to hold: fewer, and empty days cost; more, and the heap does. */
-static const double day_load = 4.0;
+static const double day_load = 8.0;
 
 struct slot {
 	double time;
