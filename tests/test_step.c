@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* src/step: the classic method against closed forms, and its promises. */
+/* src/step: the classic method against closed forms, and its promises. tests/test_located_*.c: the located one. */
 #include "worlds.h"
 
 static const rb_vec3 up = {0, 0, 1};
@@ -11,13 +11,20 @@ static rb_vec3 at(double x, double y, double z)
 	return (rb_vec3){x, y, z};
 }
 
+/* What this file is about, whatever the default is. */
+static void open_classic(struct lab *lab, double duration, double frame_rate)
+{
+	lab_open(lab, duration, frame_rate);
+	lab->scene.world.method = RB_METHOD_CLASSIC;
+}
+
 /* origin.md, row "from (-5, 2.5, 0) m at (3, 0, -1) m/s for 2 s" */
 static void free_motion_is_uniform(void **slot)
 {
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 2, 60);
+	open_classic(&lab, 2, 60);
 	const int ball = lab_sphere(&lab, 0.1, 1, at(-5, 2.5, 0), at(3, 0, -1));
 	lab_seal(&lab, 1);
 	lab_run(&lab);
@@ -33,7 +40,7 @@ static double fall_error(double time_step)
 {
 	struct lab lab;
 
-	lab_open(&lab, 1, 10);
+	open_classic(&lab, 1, 10);
 	lab.scene.world.gravity = earth;
 	lab.scene.world.time_step_s = time_step;
 	const int ball = lab_sphere(&lab, 0.1, 1, origin, origin);
@@ -59,7 +66,7 @@ static double apex_error(double time_step)
 	struct lab lab;
 	double apex = 0;
 
-	lab_open(&lab, 1.1, 1000);
+	open_classic(&lab, 1.1, 1000);
 	lab.scene.world.gravity = earth;
 	lab.scene.world.time_step_s = time_step;
 	lab_surface(&lab, 0, 0.8);
@@ -90,7 +97,7 @@ static void an_oblique_impact_sticks_and_spins(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 0.1, 100);
+	open_classic(&lab, 0.1, 100);
 	lab_surface(&lab, 0.25, 1);
 	const int ball = lab_sphere(&lab, 0.025, 19, at(0, 0, 0.1), at(-1, 0, -2));
 	lab_plane(&lab, origin, up);
@@ -114,7 +121,7 @@ static void a_head_on_impact_exchanges_momentum(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 1, 50);
+	open_classic(&lab, 1, 50);
 	lab_surface(&lab, 0, 1);
 	const int a = lab_sphere(&lab, 0.1, 2, at(1, 0, 0), at(-1, 0, 0));
 	const int b = lab_sphere(&lab, 0.1, 18, at(-1, 0, 0), at(2, 0, 0));
@@ -131,7 +138,7 @@ static void separating_bodies_are_left_alone(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 0.5, 50);
+	open_classic(&lab, 0.5, 50);
 	lab_surface(&lab, 0.3, 1);
 	lab_sphere(&lab, 5, 18, at(0, 5, 0), at(-2, 0, -1));
 	lab_sphere(&lab, 2.5, 3, at(5 * sqrt(2), 2.5, 0), at(1, 0, 3));
@@ -150,7 +157,7 @@ static void a_resting_ball_rests(void **slot)
 	for (int e = 0; e <= 1; e++) {
 		struct lab lab;
 
-		lab_open(&lab, 10, 60);
+		open_classic(&lab, 10, 60);
 		lab.scene.world.gravity = earth;
 		lab_surface(&lab, 0.5, e);
 		const int ball = lab_sphere(&lab, 0.1, 1, at(0, 0, 0.1), origin);
@@ -173,7 +180,7 @@ static void a_ball_dropped_on_a_resting_one_keeps_the_energy(void **slot)
 		struct lab lab;
 		int low, high;
 
-		lab_open(&lab, 0.8, 60);
+		open_classic(&lab, 0.8, 60);
 		lab.scene.world.gravity = earth;
 		lab.scene.world.time_step_s = 1e-3;
 		lab_surface(&lab, 0, 1);
@@ -204,7 +211,7 @@ static double rolling_error(double time_step)
 {
 	struct lab lab;
 
-	lab_open(&lab, 1, 50);
+	open_classic(&lab, 1, 50);
 	lab.scene.world.gravity = earth;
 	lab.scene.world.time_step_s = time_step;
 	lab_surface(&lab, 0.3, 0);
@@ -242,7 +249,7 @@ static void a_ball_rolls_or_slides_down_a_slope(void **slot)
 		struct lab lab;
 		const rb_vec3 normal = {sin(angle), 0, cos(angle)};
 
-		lab_open(&lab, 1, 50);
+		open_classic(&lab, 1, 50);
 		lab.scene.world.gravity = earth;
 		lab_surface(&lab, friction[k], 0);
 		const int ball = lab_sphere(&lab, 0.1, 1, at(0.1 * normal.x, 0, 0.1 * normal.z),
@@ -266,7 +273,7 @@ static void a_touching_row_passes_the_impact_on(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 0.5, 50);
+	open_classic(&lab, 0.5, 50);
 	lab_surface(&lab, 0, 1);
 	const int first = lab_sphere(&lab, 0.5, 1, at(-2, 0, 0), at(4, 0, 0));
 	for (int k = 0; k < 4; k++)
@@ -286,7 +293,7 @@ static void a_symmetric_break_stays_symmetric(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 1, 50);
+	open_classic(&lab, 1, 50);
 	lab_surface(&lab, 0, 1);
 	const int cue = lab_sphere(&lab, 0.5, 1, at(-2, 0, 0), at(2, 0, 0));
 	const int left = lab_sphere(&lab, 0.5, 1, at(0.5 * sqrt(3), 0.5, 0), origin);
@@ -309,7 +316,7 @@ static void nothing_tunnels(void **slot)
 	for (int kind = 0; kind < 3; kind++) {
 		struct lab lab;
 
-		lab_open(&lab, 0.1, 10);
+		open_classic(&lab, 0.1, 10);
 		lab_surface(&lab, 0, 1);
 		const int bullet = lab_sphere(&lab, 1e-3, 1e-3, at(-50, 2e-4, 1e-4), at(1e4, 0, 0));
 		if (kind == 0)
@@ -332,7 +339,7 @@ static void a_ball_falls_off_an_edge(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 2, 60);
+	open_classic(&lab, 2, 60);
 	lab.scene.world.gravity = earth;
 	lab_surface(&lab, 0.5, 0);
 	const int ball = lab_sphere(&lab, 0.1, 1, at(0, 0, 0.1), at(1, 0, 0));
@@ -371,7 +378,7 @@ static void a_gas_keeps_energy_and_tolerance(void **slot)
 	for (int kind = 0; kind <= 1; kind++) {
 		struct lab lab;
 
-		lab_open(&lab, 5, 60);
+		open_classic(&lab, 5, 60);
 		lab_surface(&lab, 0, 1);
 		lab.scene.world.rollback = kind == 0 ? RB_ROLLBACK_SELECTIVE : RB_ROLLBACK_GLOBAL;
 		fill_box(&lab, 4, 0.3, 0.05);
@@ -390,7 +397,7 @@ static uint64_t heap_hash(int threads, double restitution)
 {
 	struct lab lab;
 
-	lab_open(&lab, 1.5, 60);
+	open_classic(&lab, 1.5, 60);
 	lab.scene.world.gravity = earth;
 	lab_surface(&lab, 0.4, restitution);
 	fill_box(&lab, 3, 0.25, 0.1);
@@ -422,7 +429,7 @@ static void an_eccentric_impact_never_raises_energy(void **slot)
 		struct lab lab;
 		const double e = 0.1 + (k % 10) / 10.0, mu = 0.1 * (k % 17);
 
-		lab_open(&lab, 0.2, 200);
+		open_classic(&lab, 0.2, 200);
 		lab_surface(&lab, mu, fmin(e, 1));
 		struct rb_body_def def = lab_sphere_def(0.1, 1, at(0, 0, 0.15),
 		                                        at(sin(k), cos(3.0 * k), -1 - k % 5));
@@ -447,7 +454,7 @@ static void a_lone_ball_pushed_hard_bounces(void **slot)
 	struct rb_force_def force = rb_force_def_default();
 
 	(void)slot;
-	lab_open(&lab, 0.1, 60);
+	open_classic(&lab, 0.1, 60);
 	lab_surface(&lab, 0, 0.5);
 	lab_sphere(&lab, 0.05, 1, at(0, 0, 0.1), origin);
 	force.vector = at(0, 0, -1e4);
@@ -466,7 +473,7 @@ static void a_body_thrown_by_an_impact_meets_the_next(void **slot)
 	for (int kind = 0; kind <= 1; kind++) {
 		struct lab lab;
 
-		lab_open(&lab, 0.1, 60);
+		open_classic(&lab, 0.1, 60);
 		lab_surface(&lab, 0, 1);
 		lab.scene.world.rollback = kind == 0 ? RB_ROLLBACK_SELECTIVE : RB_ROLLBACK_GLOBAL;
 		lab_sphere(&lab, 0.1, 1, at(-2, 0, 0), at(1000, 0, 0));
@@ -488,7 +495,7 @@ static void an_overlap_within_the_tolerance_gives_no_energy(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 1, 60);
+	open_classic(&lab, 1, 60);
 	lab.scene.world.tolerance_m = 1e-3;
 	lab_surface(&lab, 0, 1);
 	lab_sphere(&lab, 0.1, 1, origin, origin);
@@ -505,7 +512,7 @@ static void an_eccentric_body_in_whole_turns_still_hits(void **slot)
 	struct lab lab;
 
 	(void)slot;
-	lab_open(&lab, 0.1, 240);
+	open_classic(&lab, 0.1, 240);
 	lab.scene.world.time_step_s = 1.0 / 240;
 	lab_surface(&lab, 0, 1);
 	struct rb_body_def def = lab_sphere_def(0.1, 1, origin, origin);
@@ -531,7 +538,7 @@ static void a_stop_ends_the_run_at_a_frame(void **slot)
 	const struct rb_world_options options = {.threads = 1, .stop = hit};
 
 	(void)slot;
-	lab_open(&lab, 1, 10);
+	open_classic(&lab, 1, 10);
 	lab_sphere(&lab, 0.1, 1, origin, at(1, 0, 0));
 	assert_int_equal(rb_model_create(&lab.model, &lab.scene, NULL, &lab.error), RB_OK);
 	assert_int_equal(rb_world_create(&lab.world, lab.model, &options, NULL, &lab.error), RB_OK);
@@ -548,7 +555,7 @@ static void what_cannot_be_resolved_is_said_with_names(void **slot)
 	enum rb_status status = RB_OK;
 
 	(void)slot;
-	lab_open(&lab, 10, 10);
+	open_classic(&lab, 10, 10);
 	lab_surface(&lab, 0, 0);
 	struct rb_body_def def = lab_sphere_def(0.1, 1, at(0, 0, 0.11), at(0, 0, 1e300));
 	def.name = "runaway";
@@ -571,7 +578,7 @@ static void a_timed_force_gives_its_whole_impulse(void **slot)
 	struct rb_force_def force = rb_force_def_default();
 
 	(void)slot;
-	lab_open(&lab, 1, 10);
+	open_classic(&lab, 1, 10);
 	const int ball = lab_sphere(&lab, 0.1, 2, origin, origin);
 	force.vector = at(3, 0, 0);
 	force.start_s = 0.1234;
@@ -590,7 +597,7 @@ static void a_force_off_the_centre_turns_the_body(void **slot)
 	struct rb_force_def force = rb_force_def_default();
 
 	(void)slot;
-	lab_open(&lab, 1e-3, 1e4);
+	open_classic(&lab, 1e-3, 1e4);
 	const int ball = lab_sphere(&lab, 0.025, 19, origin, origin);
 	force.vector = at(27.6, 0, 0);
 	force.point = at(0, 0.025, 0);

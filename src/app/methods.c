@@ -10,23 +10,23 @@ static const struct {
 	{"located",
          "every body flies on its own clock from event to event; impacts are located to rounding and lasting contacts "
          "end where they end",
-         "few bodies or thin gases, impacts that must be right, long runs; springs, drag, fields and driven bodies",
-         "crowds of touching bodies are solved together, which costs much where they are many"},
+         "impacts that must be right, gases, long runs; springs, drag, fields and driven bodies",
+         "touching bodies are solved together, which costs much where they are many; one thread"},
 	{"classic", "one step for all; a step that ends in an overlap is taken back and halved",
          "lectures; a baseline for every other method",
-         "impact times are as fine as the step, so errors fall with the first power of time_step; heaps cost much; no "
-         "springs, drag, fields or driven bodies"},
-	{"auto", "the best that this version has for each group of bodies",
-         "whoever does not want to choose",
-         "what was taken is named in the summary and in the recording"},
+         "errors fall with the first power of time_step; heaps cost much; no springs, drag, fields or driven bodies"},
+	{"auto", "located, but classic steps while events of a crowd come too densely to locate",
+         "whoever does not want to choose (the default)",
+         "how long was stepped stands in the summary and in the recording"},
 };
 static const struct {
 	const char *name, *what;
 } rollbacks[] = {
 	{"selective",
-         "only the bodies concerned are restored and go on in shorter steps (the default)"},
-	{"global", "the whole scene is restored and goes on in shorter steps, as first described"},
-	{"none", "nothing is restored: the tolerance is reported, not promised"},
+         "only the bodies concerned are restored and go on in shorter steps (the default); located, none have to be"},
+	{"global",
+         "the whole scene is restored, as first described; located, at every event, for the same bits"},
+	{"none", "nothing is restored: with classic steps the tolerance is reported, not promised"},
 };
 
 int rb_methods_main(const struct rb_options *options)

@@ -21,7 +21,8 @@ static inline rb_vec3 rb_arc_position(const struct rb_located *l, int i, double 
 	if (i >= l->n)
 		return l->model->position[i];
 	if (rb_located_on_piece(l, i))
-		return rb_arc_piece_vector(&l->piece[i], RB_ROW_POSITION, t);
+		return rb_vec3_add(l->piece[i].base,
+		                   rb_arc_piece_vector(&l->piece[i], RB_ROW_POSITION, t));
 	const struct rb_arc *arc = &l->arc[i];
 	const double s = t - arc->anchor_s;
 

@@ -24,6 +24,7 @@ struct work {
 	double origin_s;                  /* of the piece */
 	int row;                          /* values a member */
 	struct rb_pose *pose;             /* [member_count] */
+	rb_vec3 *base;                    /* [member_count]: where positions are counted from */
 	rb_vec3 *linear, *angular;        /* [member_count] */
 	struct rb_meet *meet;             /* [held_count] */
 	struct rb_joint_contact *contact; /* [held_count] */
@@ -278,7 +279,7 @@ static void read_pose(struct work *w, int k, const double *value)
 	const double *v = value + (size_t)k * (size_t)w->row;
 	struct rb_pose *pose = &w->pose[k];
 
-	pose->position = rb_vec3_from(v + RB_ROW_POSITION);
+	pose->position = rb_vec3_add(w->base[k], rb_vec3_from(v + RB_ROW_POSITION));
 	pose->velocity = rb_vec3_from(v + RB_ROW_VELOCITY);
 	pose->spin = (rb_vec3){0, 0, 0};
 	pose->orientation = l->model->orientation[i];
@@ -473,6 +474,7 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
 	*value = *scale + n;
 	*scratch = *value + n;
 	w->pose = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->pose);
+	w->base = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->base);
 	w->linear = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->linear);
 	w->angular = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->angular);
 	w->meet = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->meet);
@@ -481,7 +483,7 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
 	w->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *w->matrix);
 	w->right = rb_arena_take(arena, unknowns + 1, sizeof *w->right);
 	w->last = rb_arena_take(arena, unknowns + 1, sizeof *w->last);
-	return w->pose && w->linear && w->angular && w->meet && w->contact && w->force &&
+	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
 	       w->matrix && w->right && w->last;
 }
 
@@ -500,7 +502,8 @@ static double sizes(struct work *w, double *scale)
 		double *const s = scale + (size_t)k * (size_t)w->row;
 
 		for (int m = 0; m < 3; m++) {
-			s[RB_ROW_POSITION + m] = fmax(radius, rb_vec3_max_abs(pose->position));
+			/* of a long way, its rounding */
+			s[RB_ROW_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
 			s[RB_ROW_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
 		}
 		for (int m = RB_ROW_ORIENTATION; l->top && m < RB_ROW_SPIN; m++)
@@ -528,6 +531,7 @@ static void put_on_piece(struct work *w, double until_s)
 		}
 		l->piece[w->c->member[k]] = (struct rb_piece_of){.piece = *piece,
 		                                                 .first = first,
+		                                                 .base = w->base[k],
 		                                                 .origin_s = w->origin_s,
 		                                                 .until_s = until_s,
 		                                                 .acceleration_most = sqrt(square)};
@@ -559,7 +563,8 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
 		double *const v = c->piece.start + (size_t)k * (size_t)w->row;
 
-		rb_vec3_to(v + RB_ROW_POSITION, pose.position);
+		w->base[k] = pose.position;
+		rb_vec3_to(v + RB_ROW_POSITION, (rb_vec3){0, 0, 0});
 		rb_vec3_to(v + RB_ROW_VELOCITY, pose.velocity);
 		if (!l->top)
 			continue;

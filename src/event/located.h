@@ -32,6 +32,7 @@ struct rb_piece_of {
 	struct rb_gauss_piece
 		piece; /* n = 0: the arc is a parabola; its arrays are the cluster's */
 	int first;
+	rb_vec3 base; /* m: the position's rows are from here, so that far away costs no digits */
 	double origin_s, until_s;
 	double acceleration_most; /* m/s^2: bound over the piece */
 };

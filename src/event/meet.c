@@ -2,6 +2,7 @@
 #include "event/meet.h"
 
 #include "geom/distance.h"
+#include "math/quartic.h"
 
 #include <float.h>
 
@@ -265,6 +266,34 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 	return (rate + sqrt(discriminant)) / -acceleration;
 }
 
+/*
+ * Seconds until two spheres touch that fly under different accelerations: |d + w s + a s^2/2|^2 - sum^2 is a quartic.
+ * What is touching and neither closes nor opens beyond rounding starts from zero, so that only what follows counts.
+ */
+static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, double noise,
+                              double most)
+{
+	const rb_vec3 d = motion[0], w = motion[1], a = motion[2];
+	const double length = rb_vec3_length(d), rate = rb_vec3_dot(d, w) / length;
+	const bool touching = length - sum <= band;
+	double c[5] = {(length - sum) * (length + sum), 2 * rb_vec3_dot(d, w),
+	               rb_vec3_dot(w, w) + rb_vec3_dot(d, a), rb_vec3_dot(w, a),
+	               0.25 * rb_vec3_dot(a, a)};
+	const double bend = rb_vec3_dot(w, w) + length * rb_vec3_length(a);
+
+	if (touching && rate < -noise)
+		return 0;
+	if (touching)
+		c[0] = 0;
+	if (touching && rate <= noise)
+		c[1] = 0;
+	if (touching && c[1] == 0 && fabs(c[2]) <= 64 * DBL_EPSILON * bend)
+		c[2] = 0;
+	if (touching && c[1] == 0 && c[2] < 0)
+		return 0;
+	return rb_quartic_falls(c, most);
+}
+
 /* Bound on the second derivative of a gap by the motion of this body, m/s^2. */
 static double acceleration_most(const struct rb_located *l, int i, double distance)
 {
@@ -375,10 +404,17 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 		return advance(l, a, b, from, until, again);
 	const rb_vec3 none = {0, 0, 0};
 	const rb_vec3 acceleration_b = b < l->n ? l->arc[b].acceleration : none;
+	const rb_vec3 va = rb_arc_velocity(l, a, from), vb = rb_arc_velocity(l, b, from);
 	if (model->shape[b].kind == RB_SHAPE_SPHERE &&
-	    same_vector(l->arc[a].acceleration, acceleration_b)) {
-		const rb_vec3 va = rb_arc_velocity(l, a, from), vb = rb_arc_velocity(l, b, from);
+	    !same_vector(l->arc[a].acceleration, acceleration_b)) {
+		const struct rb_meet m = rb_meet_at(l, a, b, from);
+		const rb_vec3 motion[3] = {rb_vec3_sub(m.pose_b.origin, m.pose_a.origin),
+		                           rb_vec3_sub(vb, va),
+		                           rb_vec3_sub(acceleration_b, l->arc[a].acceleration)};
 
+		s = parabolic_touch(motion, model->shape[a].radius + model->shape[b].radius,
+		                    rb_meet_band(l, &m, from), rb_meet_noise(l, &m), until - from);
+	} else if (model->shape[b].kind == RB_SHAPE_SPHERE) {
 		s = linear_touch(
 			rb_vec3_sub(rb_arc_position(l, b, from), rb_arc_position(l, a, from)),
 			rb_vec3_sub(vb, va), model->shape[a].radius + model->shape[b].radius,

@@ -319,18 +319,6 @@ void rb_queue_prefetch(const struct rb_queue *queue, int body)
 	__builtin_prefetch(&queue->slots[body]);
 }
 
-void rb_queue_prefetch_links(const struct rb_queue *queue, int body)
-{
-	const struct slot *slot = &queue->slots[body];
-
-	if (slot->day < 0)
-		return;
-	if (slot->next >= 0)
-		__builtin_prefetch(&queue->slots[slot->next]);
-	if (slot->prev >= 0)
-		__builtin_prefetch(&queue->slots[slot->prev]);
-}
-
 enum rb_status rb_queue_create(struct rb_queue **queue, int body_count, struct rb_error *err)
 {
 	struct rb_queue *made = rb_memory_take(1, sizeof *made);

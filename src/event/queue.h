@@ -26,11 +26,10 @@ int rb_queue_first(const struct rb_queue *queue, double *time_s);
 /*
  * Hints that change nothing, for those who fetch what they will need. Whose event may come soon: k = 1, 2, .., the
  * sooner the smaller k, roughly; -1: nobody. Whose may come after those: another one with every call, until there is
- * none for the time being: -1. And: this body's time will be set soon; the same again, when that is at hand.
+ * none for the time being: -1. And: this body's time will be set soon.
  */
 int rb_queue_soon(const struct rb_queue *queue, int k);
 int rb_queue_later(struct rb_queue *queue);
 void rb_queue_prefetch(const struct rb_queue *queue, int body);
-void rb_queue_prefetch_links(const struct rb_queue *queue, int body);
 
 #endif

@@ -196,7 +196,9 @@ static bool parts(const struct settling *s, const struct rb_meet *m)
 	if (!s->struck)
 		most += integrated *
 		        (rb_vec3_length(m->pose_a.velocity) + rb_vec3_length(m->pose_b.velocity));
-	return rb_vec3_dot(m->velocity, m->normal) > most;
+	/* and one whose body has been put elsewhere */
+	return rb_vec3_dot(m->velocity, m->normal) > most ||
+	       m->gap > integrated * rb_vec3_length(m->arm_a);
 }
 
 static void keep_what_lasts(struct settling *s)

@@ -1,5 +1,5 @@
 -- Callbacks bring what they could need: columns of pushes, rotation, events for on_collision.
-world { duration = 0.5 }
+world { method = "classic", duration = 0.5 }
 local hard = material { friction = 0, restitution = 1 }
 local left = sphere { radius = 0.25, position = {-0.5, 0, 0}, velocity = {1, 0, 0}, material = hard }
 sphere { radius = 0.25, position = {0.5, 0, 0}, material = hard }

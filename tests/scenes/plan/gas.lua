@@ -1,5 +1,5 @@
 -- Four smooth balls between two walls: contact and restitution, but nothing that could turn a ball.
-world { duration = 2 }
+world { method = "classic", duration = 2 }
 local hard = material { friction = 0, restitution = 1 }
 plane { normal = {1, 0, 0}, point = {-1, 0, 0}, material = hard }
 plane { normal = {-1, 0, 0}, point = {1, 0, 0}, material = hard }
