@@ -1,8 +1,8 @@
 -- A ball is dropped from 2 m and bounces until it lies still.
 -- Watch: each apex is e^2 of the one before; the bounces crowd together and end.
 -- Expected end: at rest on the floor after sqrt(2h/g) (1+e)/(1-e), 5.6 s for e = 0.8.
--- The classic method answers to first order in the time step: bounds are C*dt, C beside each.
--- Try: rbsim scenes/bounce.lua --param e=0.5, or --time-step 0.001
+-- Its impacts are located to rounding; bounds are those of the classic method: C*dt, C beside each.
+-- Try: rbsim scenes/bounce.lua --param e=0.5, or --method classic --time-step 0.001
 local e = param("e", 0.8, "restitution of the ball", {min = 0, max = 0.9})
 local g, h, radius, dt = 9.81, 1.9, 0.1, 1 / 960
 
@@ -46,14 +46,15 @@ reference(function(t)
 	return at(0, 0)
 end)
 
--- The fall is g t^2/2 + g t dt/2: impact speed off by g dt/2, so the apex by e^2 (h + v dt) at most; a frame sees it
--- within g/2 (1/120)^2.
+-- In classic steps the fall is g t^2/2 + g t dt/2: impact speed off by g dt/2, so the apex by e^2 (h + v dt) at most.
+-- A frame sees it within g/2 (1/120)^2: located, that is all that is left.
 expect("first apex is e^2 h", function()
 	return math.abs(state.apex - e ^ 2 * h), 2 * e ^ 2 * math.sqrt(2 * g * h) * dt + g / 2 / 120 ^ 2
 end)
--- A flight in semi-implicit steps is dt shorter and lands g dt slower. The k-th of about K = ln(v/(g dt))/ln(1/e)
--- bounces has lost g dt (1 + e + e^2 + ...), at most g dt/(1-e), hence 2 dt/(1-e) of its time; what is slower than g dt
--- is not reflected any more, which cuts 2 dt/(1-e) at the end.
+-- A flight in classic steps is dt shorter and lands g dt slower. The k-th of about K = ln(v/(g dt))/ln(1/e) bounces has
+-- lost g dt (1 + e + e^2 + ...), at most g dt/(1-e), hence 2 dt/(1-e) of its time; what is slower than g dt is not
+-- reflected any more, which cuts 2 dt/(1-e) at the end. Located, the last impact counted is the one whose rebound would
+-- stay within rounding of the radius; on_transition tells of the end itself, to rounding (scenes/verify/S03_zeno.lua).
 expect("bounces end at sqrt(2h/g) (1+e)/(1-e)", function()
 	local v = math.sqrt(2 * g * h)
 	local count = e > 0 and math.log(v / (g * dt)) / math.log(1 / e) or 0

@@ -20,8 +20,8 @@ on_collision(function(c)
 	end
 end)
 
--- Faster than sqrt(g R) it leaves the edge at once and flies sqrt(2 h/g): to first order in dt the same,
--- and v dt for the step in which the middle passes the edge.
+-- Faster than sqrt(g R) it leaves the edge at once and flies sqrt(2 h/g); located, to rounding. The bounds are those of
+-- the classic method: to first order in dt the same, and v dt for the step in which the middle passes the edge.
 if speed >= math.sqrt(g * radius) then
 	expect("it lands after its flight", function()
 		return math.abs(state.landed - 1 / speed - math.sqrt(2 * height / g)), 4 * dt

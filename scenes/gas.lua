@@ -1,7 +1,7 @@
 -- A gas of hard spheres in a box, without gravity and friction, nothing lost at impacts.
 -- Watch: the speeds, all alike at the start, spread to Maxwell's distribution within a few collisions each.
 -- Expected end: the same energy; <v^4>/<v^2>^2 near 5/3; a third of the energy along each axis.
--- Impacts concern two balls each: with selective rollback only these go back (compare --rollback global).
+-- An impact concerns two balls: each flies on its own clock, and nobody else is looked at (compare --rollback global).
 -- Try: --param balls=1000
 local count = param("balls", 343, "spheres", {min = 8, max = 100000})
 local radius, spacing, speed = 0.05, 0.3, 1

@@ -1,7 +1,7 @@
 -- A heavy ball runs into a light one, and the light one into a wall, again and again.
 -- Watch: the light ball rattles between heavy ball and wall and turns it round.
 -- Expected end: as many impacts as pi has digits to show: floor(pi/atan(sqrt(m/M))), 31 for a ratio of 100.
--- Each impact halves steps until it is found within the tolerance; the count is exact all the same.
+-- Head-on impacts depend on velocities alone: classic steps count them right, too; located, their times are right.
 -- Try: --param ratio=10000 (314)
 local ratio = param("ratio", 100.0, "mass of the heavy ball over the light one's", {min = 1, max = 1e6})
 local radius, v0 = 0.1, 1

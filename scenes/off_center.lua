@@ -13,7 +13,8 @@ camera { name = "main", position = {1, -3, 1}, look_at = ball, size = {1280, 720
 
 local v = newton * push / mass
 expect("momentum is the impulse", function() return math.abs(ball.velocity.x - v) / v, 1e-12 end)
--- The arm -offset turns away by at most w push / 2 while the force acts: second order, and to first order in dt.
+-- The arm -offset turns away by at most w push / 2 while the force acts: second order. The classic method adds first
+-- order in dt; located, the torque that turns with the body is integrated to rounding.
 expect("it turns at r x F t / I", function()
 	local inertia = 0.4 * mass * radius ^ 2
 	local w = offset * newton * push / inertia

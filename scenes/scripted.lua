@@ -1,7 +1,7 @@
 -- A juggler in Lua: a callback watches a ball and throws it up again whenever it comes down to the hand.
 -- Watch: the ball is thrown by an impulse in on_step; a second ball is held up by a steady force.
 -- Expected end: as many throws as fit into the run, and the floating ball where it was.
--- Callbacks see committed steps only; what they must remember they keep in the table `state`.
+-- on_step comes every time_step, with every method; what callbacks must remember they keep in the table `state`.
 -- Try: --param throw=3
 local throw = param("throw", 5.0, "speed of each throw, m/s", {min = 1, max = 20})
 local hand = param("hand", 1.0, "height of the hand, m", {min = 0.5, max = 5})

@@ -33,7 +33,8 @@ expect("it rolls at (5 v0 + 2 R w0)/7", function()
 	return math.abs(ball.velocity.x - (5 * v0 + 2 * radius * w0) / 7), 1e-9
 end)
 expect("spin is v/R", function() return math.abs(ball.angular_velocity.y - ball.velocity.x / radius), 1e-8 end)
--- Semi-implicit steps decelerate mu g dt/2 too early, for the time of sliding: 2 s/(7 mu g) mu g dt/2.
+-- Classic steps decelerate mu g dt/2 too early, for the time of sliding: 2 s/(7 mu g) mu g dt/2. Located, the change to
+-- rolling is where it belongs.
 expect("it is where it should be", function()
 	return math.abs(ball.position.x - exact(duration)), (math.abs(v0 - radius * w0) / 7 + mu * g * dt) * dt
 end)

@@ -43,7 +43,8 @@ reference(function(t)
 	return { rolling = exact(t, mu * gc, -0.5, 0), spinning = exact(t, mu * gc, 0, -60), sliding = exact(t, 0, 0.5, 0) }
 end)
 
--- Speeds are exact for constant acceleration; changes of mode fall on a step: off by one step's acceleration.
+-- Speeds are exact for constant acceleration. With the classic method changes of mode fall on a step: off by one step's
+-- acceleration. Located, they fall where they belong, and all of this is to rounding.
 expect("the still ball rolls", function()
 	local a = mu >= 2 / 7 * math.tan(angle) and 5 / 7 * gs or gs - mu * gc
 	return math.abs(along(rolling) - a * duration), g * dt

@@ -1,7 +1,7 @@
 -- A ball is dropped on one that rests on the floor, nothing is lost at impacts.
 -- Watch: the lower ball hardly moves: it passes the blow to the floor and gets it back within the same moment.
 -- Expected end: the upper ball rises to where it was dropped, the lower one rests.
--- The reaction of the floor is worked out after all other forces, because it depends on them.
+-- Floor, lower and upper ball are one impact: what touches at one moment is solved together.
 -- Try: --param mass=3 (a heavy ball dropped on a light one)
 local mass = param("mass", 1.0, "of the dropped ball over the other's", {min = 0.1, max = 10})
 local g, radius, h, dt = 9.81, 0.1, 1, 1 / 960
@@ -15,7 +15,8 @@ local high = sphere { name = "high", radius = radius, mass = mass, position = {0
 camera { name = "side", position = {0, -4, 1}, look_at = {0, 0, 0.7}, size = {1280, 720} }
 
 local total = g * (1 * radius + mass * (3 * radius + h))
--- Semi-implicit fall gains g dt/2 of speed: m v g dt/2 of energy down, and as much back up.
+-- A fall in classic steps gains g dt/2 of speed: m v g dt/2 of energy down, and as much back up. Located, nothing is
+-- lost but rounding.
 expect("energy is kept", function()
 	return math.abs(energy() - total), 2 * mass * math.sqrt(2 * g * h) * g * dt
 end)

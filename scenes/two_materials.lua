@@ -27,7 +27,7 @@ local function exact(mu, t)
 	local v = v0 - mu * g * s
 	return v0 * s - mu * g * s * s / 2 + (t - s) * v, v
 end
--- v0 dt/7 from the slide (see slide_to_roll.lua) and one step's deceleration at the change to rolling
+-- Classic steps: v0 dt/7 from the slide (see slide_to_roll.lua) and one step's deceleration at the change to rolling.
 for ball, mu in pairs { [on_felt] = felt_mu, [on_ice] = ice_mu } do
 	expect(ball.name .. ": speed", function()
 		local _, v = exact(mu, duration)

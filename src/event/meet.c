@@ -372,6 +372,9 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			else
 				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
 		}
+		/* what stays within the band is no new touch */
+		if (m.gap <= band && most > 0)
+			h = fmax(h, sqrt(band / most));
 		h = fmax(h, 2 * DBL_EPSILON * t);
 		if (!(t + h <= until))
 			return HUGE_VAL;

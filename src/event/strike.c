@@ -10,7 +10,7 @@
 #include "event/tell.h"
 #include "geom/distance.h"
 
-enum { SMALLEST_ULP = 8 };
+enum { SMALLEST_ULP = 8, STOP_PASSES = 64 };
 
 static rb_vec3 across(rb_vec3 u, rb_vec3 n)
 {
@@ -256,40 +256,76 @@ static void stop_normal(struct striking *s, int k, double leave)
 	b->linear = rb_vec3_add_scaled(b->linear, -leave * b->inverse_mass / sum, c->normal);
 }
 
+/* Seconds that infinitely many rebounds take which begin with this one; < 0: it is not of that kind. */
+static double accumulation(const struct striking *s, int k)
+{
+	const struct rb_located *l = s->l;
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+	struct rb_meet after = s->meet[k];
+
+	after.velocity = velocity_after(s, k);
+	const double leave = rb_vec3_dot(after.velocity, c->normal);
+	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0;
+	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t))
+		return -1;
+	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, after.b, s->t),
+	                                 rb_arc_acceleration(l, after.a, s->t));
+	const double closing = -rb_vec3_dot(pull, c->normal) -
+	                       rb_vec3_dot(after.velocity, after.normal_rate);
+
+	return c->restitution < 1 ? 2 * leave / (closing * (1 - c->restitution)) : 0;
+}
+
+/* Impacts that go on without end between bodies that nothing presses together. */
+static void tell_ends(struct striking *s)
+{
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_joint_contact *c = &s->joint.contact[k];
+
+		if (c->approach > 0 && c->restitution > 0 &&
+		    rb_vec3_dot(velocity_after(s, k), c->normal) <= c->noise)
+			rb_tell_transition(s->l, s->t, RB_EVENT_MERGE, &s->meet[k]);
+	}
+}
+
 /*
- * A rebound that would stay within the touching band is the beginning of infinitely many: the contact lasts from here,
- * and is told when the last of them would be over, after 2 u / (a (1 - e)).
+ * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the contact lasts from
+ * here, and is told when the last of them would be over, after 2 u / (a (1 - e)).
  */
 static void end_accumulations(struct striking *s)
 {
 	struct rb_located *l = s->l;
+	bool *const ends = rb_arena_take(l->arena, (size_t)s->meet_count + 1, sizeof *ends);
 
+	if (!ends ||
+	    !rb_memory_reserve(&l->merge, &l->merge_capacity,
+	                       (size_t)(l->merge_count + s->meet_count), sizeof *l->merge)) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
+		return;
+	}
 	for (int k = 0; k < s->meet_count; k++) {
-		const struct rb_joint_contact *c = &s->joint.contact[k];
-		struct rb_meet after = s->meet[k];
-		const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
+		const double rest_s = accumulation(s, k);
 
-		after.velocity = velocity_after(s, k);
-		/* impacts without end between bodies that nothing presses together */
-		if (c->approach > 0 && c->restitution > 0 && leave <= c->noise)
-			rb_tell_transition(l, s->t, RB_EVENT_MERGE, &after);
-		if (!(c->approach > 0) || !(leave > 0) || !ends_here(l, &after, leave, s->t))
-			continue;
-		const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, after.b, s->t),
-		                                 rb_arc_acceleration(l, after.a, s->t));
-		const double closing = -rb_vec3_dot(pull, c->normal) -
-		                       rb_vec3_dot(after.velocity, after.normal_rate);
-		double rest_s = 0;
+		ends[k] = rest_s >= 0;
+		if (ends[k])
+			l->merge[l->merge_count++] = (struct rb_merge){s->meet[k].a, s->meet[k].b,
+			                                               s->t + rest_s};
+	}
+	/* stopping one may move another that ends as well: until all stand */
+	for (int pass = 0; pass < STOP_PASSES; pass++) {
+		bool moved = false;
 
-		if (c->restitution < 1)
-			rest_s = 2 * leave / (closing * (1 - c->restitution));
-		stop_normal(s, k, leave);
-		if (!rb_memory_reserve(&l->merge, &l->merge_capacity, (size_t)l->merge_count + 1,
-		                       sizeof *l->merge)) {
-			l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
-			return;
+		for (int k = 0; k < s->meet_count; k++) {
+			const struct rb_joint_contact *c = &s->joint.contact[k];
+			const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
+
+			if (!ends[k] || fabs(leave) <= 0.5 * c->noise)
+				continue;
+			stop_normal(s, k, leave);
+			moved = true;
 		}
-		l->merge[l->merge_count++] = (struct rb_merge){after.a, after.b, s->t + rest_s};
+		if (!moved)
+			break;
 	}
 }
 
@@ -304,6 +340,7 @@ static void strike(struct striking *s)
 		if (s->joint.contact[k].approach > 0)
 			rb_tell_impact(l, s->t, &s->meet[k], s->joint.contact[k].impulse,
 			               s->joint.contact[k].approach);
+	tell_ends(s);
 	end_accumulations(s);
 	for (int k = 0; k < l->set_count; k++) {
 		const int i = l->set[k];

@@ -4,9 +4,9 @@
 # recording off: n = 1,000, 4,000 and 100,000 at packing fractions 0.01, 0.1 and 0.25. Where most of the time is spent
 # otherwise (bodies that change cells, futures that are looked for anew), the share of it says so. With valgrind also
 # instructions per collision, which no other program on the machine disturbs; with perf the share of each part.
-# RUNS=3 asks for more repetitions: of times the least is taken.
+# RUNS=9 asks for more repetitions (3): of times the least is taken.
 . "$(dirname "$0")/functions"
-RUNS=${RUNS:-2}
+RUNS=${RUNS:-3}
 SCENE=$BENCH_SCENES/gas.lua
 
 # gas N PHI T: the result of one run; frames only at the start and the end
@@ -49,33 +49,33 @@ parts()
 	done <shares
 }
 
+# seconds N PHI T: least processor time of some runs, which waiting for a processor does not lengthen
+seconds()
+{
+	measure "$RUNS" "$RBSIM" run "$SCENE" --param n="$1" --param phi="$2" --param T="$3" --method located --no-record \
+		--threads 1 --trust --quiet >rows
+	cut -d ' ' -f 2 rows | sort -g | head -n 1
+}
+
 # measure_gas N PHI T BAR ["counted"]
 measure_gas()
 {
 	n=$1 phi=$2 duration=$3 bar=$4 case="n = $1, packing $2"
-	: >rows
-	for _ in $(seq "$RUNS"); do
-		gas "$n" "$phi" "$(calc "$duration / 1e6")"
-		start=$(value wall_time)
-		before=$(date +%s.%N)
-		gas "$n" "$phi" "$duration"
-		after=$(date +%s.%N)
-		echo "$(value wall_time) $start $(calc "$after - $before") $(value collisions) $(value substeps)" >>rows
-	done
-	sort -g rows | head -n 1 >least
-	read -r wall start whole collisions events <least
-	result "$case" collisions "$collisions" ""
-	result "$case" "wall time" "$(calc "$wall")" s
-	result "$case" "collisions per second, start excluded" "$(calc "$collisions / ($wall - $start)")" 1/s "$bar" more
-	result "$case" "collisions per second, of the whole process" "$(calc "$collisions / $whole")" 1/s
-	result "$case" "events per collision" "$(calc "$events / $collisions")" ""
-	# relative to the energy; a random walk grows with the root of the number of collisions
+	gas "$n" "$phi" "$duration"
+	collisions=$(value collisions)
+	# relative to the energy; a random walk grows with the root of the number of collisions only
 	drift=$(awk -v d="$(value energy_drift)" -v e="$(value kinetic_energy_max)" 'BEGIN { printf "%.3g", d / e }')
+	result "$case" collisions "$collisions" ""
+	result "$case" "wall time, start excluded" "$(calc "$(value wall_time)")" s
+	whole=$(seconds "$n" "$phi" "$duration")
+	start=$(seconds "$n" "$phi" "$(calc "$duration / 1e6")")
+	result "$case" "collisions per processor second, start excluded" "$(calc "$collisions / ($whole - $start)")" 1/s "$bar" more
+	result "$case" "collisions per processor second, start included" "$(calc "$collisions / $whole")" 1/s
 	result "$case" "energy drift" "$drift" ""
 	result "$case" "energy drift, carried on to 1e8 collisions as if it were all one way" \
 		"$(calc "$drift * 1e8 / $collisions")" "" 1e-10
 	[ "${5-}" = counted ] || return 0
-	few=$(calc "$duration / 40")
+	few=$(calc "$duration / 20")
 	if first=$(instructions "$n" "$phi" "$few"); then
 		first_collisions=$(value collisions)
 		if second=$(instructions "$n" "$phi" "$(calc "3 * $few")"); then
@@ -87,12 +87,12 @@ measure_gas()
 }
 
 result "this machine" "load when begun" "$(cut -d ' ' -f 1 /proc/loadavg 2>/dev/null || uptime | sed 's/.*: *\([0-9.]*\).*/\1/')" ""
-measure_gas 1000 0.01 1600 "" counted
-measure_gas 1000 0.1 400 ""
-measure_gas 1000 0.25 120 ""
-measure_gas 4000 0.01 500 "" counted
-measure_gas 4000 0.1 160 1e6 counted
-measure_gas 4000 0.25 60 1e6 counted
-measure_gas 100000 0.01 20 ""
-measure_gas 100000 0.1 6 5e5
-measure_gas 100000 0.25 3 5e5
+measure_gas 1000 0.01 800 "" counted
+measure_gas 1000 0.1 200 ""
+measure_gas 1000 0.25 60 ""
+measure_gas 4000 0.01 300 "" counted
+measure_gas 4000 0.1 100 1e6 counted
+measure_gas 4000 0.25 40 1e6 counted
+measure_gas 100000 0.01 10 ""
+measure_gas 100000 0.1 4 5e5
+measure_gas 100000 0.25 2 5e5
