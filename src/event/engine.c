@@ -19,8 +19,8 @@
 enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64 };
 /* So many events of every body at one moment: it does not get on. */
 enum { STUCK_EVENTS = 10000 };
-/* Bodies settled together, so often each within a step, are dense, where there are so many at all. */
-enum { CROWD_FROM = 2, SETTLED_MOST = 8, DENSE_FROM = 8 };
+/* Bodies that are dealt with together in a step, over all of its events: more is too dense to locate. */
+enum { CROWD_MOST = 1024, CROWD_MOST_PER_BODY = 8 };
 
 /* ---- making ---- */
 
@@ -159,8 +159,7 @@ static void foresee_set(struct rb_located *l, double t)
 /* An impact or a change of mode among several; the end of a smooth piece is neither. */
 static void count_crowd(struct rb_located *l)
 {
-	if (l->set_count >= CROWD_FROM)
-		l->crowd += (uint64_t)l->set_count;
+	l->crowd += (uint64_t)l->set_count;
 }
 
 static void settle_set(struct rb_located *l, double t)
@@ -491,7 +490,7 @@ static bool can_be_stepped(const struct rb_located *l)
 	                          RB_FEATURE_DRIVEN;
 
 	return l->model->method == RB_METHOD_AUTO && !(l->model->features & needs) &&
-	       l->n >= DENSE_FROM && (l->model->features & RB_FEATURE_CONTACT);
+	       (l->model->features & RB_FEATURE_CONTACT);
 }
 
 bool rb_engine_wants_steps(const struct rb_located *l)
@@ -513,7 +512,7 @@ static bool gives_way(struct rb_located *l)
 {
 	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
 		return false;
-	if (l->status == RB_OK && l->crowd <= SETTLED_MOST * (uint64_t)l->n)
+	if (l->status == RB_OK && l->crowd <= CROWD_MOST + CROWD_MOST_PER_BODY * (uint64_t)l->n)
 		return false;
 	l->status = RB_OK;
 	rb_set_clear(l);

@@ -49,13 +49,24 @@ static double turn_yield(const struct rb_located *l, int i)
 	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
 }
 
+/* Acceleration by which two bodies that part now are brought together again, m/s^2. */
+static double closing_of(const struct rb_located *l, const struct rb_meet *m, double t)
+{
+	const struct rb_held *held = rb_set_held(l, m->a, m->b);
+
+	if (held) /* what its force has held back */
+		return fabs(rb_vec3_dot(held->force, m->normal)) *
+		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
+	return -rb_vec3_dot(rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
+	                                rb_arc_acceleration(l, m->a, t)),
+	                    m->normal) -
+	       rb_vec3_dot(m->velocity, m->normal_rate);
+}
+
 /* Would it open the gap no further than the rounding of the body's size? Where it is does not matter. */
 static bool ends_here(const struct rb_located *l, const struct rb_meet *m, double leave, double t)
 {
-	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
-	                                 rb_arc_acceleration(l, m->a, t));
-	const double closing = -rb_vec3_dot(pull, m->normal) -
-	                       rb_vec3_dot(m->velocity, m->normal_rate);
+	const double closing = closing_of(l, m, t);
 	const double size = fmax(
 		rb_vec3_length(m->arm_a),
 		l->model->shape[m->b].kind == RB_SHAPE_SPHERE ? rb_vec3_length(m->arm_b) : 0);
@@ -268,10 +279,7 @@ static double accumulation(const struct striking *s, int k)
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0;
 	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t))
 		return -1;
-	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, after.b, s->t),
-	                                 rb_arc_acceleration(l, after.a, s->t));
-	const double closing = -rb_vec3_dot(pull, c->normal) -
-	                       rb_vec3_dot(after.velocity, after.normal_rate);
+	const double closing = closing_of(l, &after, s->t);
 
 	return c->restitution < 1 ? 2 * leave / (closing * (1 - c->restitution)) : 0;
 }
