@@ -76,7 +76,8 @@ static void sliding_ends_in_rolling(void **slot)
 		assert_near(bench_event(&bench, RB_EVENT_ROLL, 0)->time_s, rolls, 1e-12);
 		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_SLIDE), 0);
 		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_COLLISION), 0);
-		const double x = v0 * rolls - sign * 0.5 * mu * g * rolls * rolls + v1 * (4 - rolls);
+		const double x = v0 * rolls - sign * 0.5 * mu * g * rolls * rolls +
+		                 v1 * (4 - rolls);
 		assert_vector(rb_world_position(bench.lab.world, ball), at(x, 0, radius), 1e-12);
 		assert_vector(rb_world_velocity(bench.lab.world, ball), at(v1, 0, 0), 1e-13);
 		assert_vector(rb_world_angular_velocity(bench.lab.world, ball),
@@ -94,7 +95,7 @@ static void a_ball_on_a_slope_slides_rolls_and_turns_back(void **slot)
 	static const struct {
 		double slope, mu, v0, spin;
 	} table[] = {
-		{0.3, 0.4, 0, 0},    {0.3, 0.05, 0, 0},   {0.3, 0.4, -3, 0}, {0.3, 0.4, 1, -40},
+		{0.3, 0.4, 0, 0},    {0.3, 0.05, 0, 0},   {0.3, 0.4, -3, 0},  {0.3, 0.4, 1, -40},
 		{0.3, 0.05, -3, 50}, {0.3, 0.05, 1, -40}, {1.2, 0.9, -2, 20},
 	};
 	const double radius = 0.1, t = 3;
@@ -107,9 +108,7 @@ static void a_ball_on_a_slope_slides_rolls_and_turns_back(void **slot)
 		const rb_vec3 down = {cos(table[k].slope), 0, -sin(table[k].slope)};
 		const double sign = u0 > 0 || (u0 == 0 && s > 3.5 * n) ? 1 : u0 < 0 ? -1 : 0;
 		const double slip_rate = s - sign * 3.5 * n, rate = s - sign * n;
-		const double ends = sign == 0               ? 0
-		                    : u0 * slip_rate < 0    ? -u0 / slip_rate
-		                                            : HUGE_VAL;
+		const double ends = sign == 0 ? 0 : u0 * slip_rate < 0 ? -u0 / slip_rate : HUGE_VAL;
 		const double before = fmin(ends, t), after = t - before;
 		const double then = s > 3.5 * n ? s - n : 5.0 / 7 * s;
 		const double v1 = v0 + rate * before;
@@ -214,7 +213,8 @@ static void a_ball_thrown_across_a_slope_curves_as_it_should(void **slot)
 	struct rb_body_def def = lab_sphere_def(
 		radius, 1, rb_vec3_scale(radius, normal),
 		rb_vec3_add(rb_vec3_scale(v0[0], down), rb_vec3_scale(v0[1], across)));
-	def.angular_velocity = rb_vec3_add(rb_vec3_scale(w0[0], across), rb_vec3_scale(w0[1], down));
+	def.angular_velocity = rb_vec3_add(rb_vec3_scale(w0[0], across),
+	                                   rb_vec3_scale(w0[1], down));
 	const int ball = lab_add(&bench.lab, &def);
 	lab_plane(&bench.lab, origin, normal);
 	bench_seal(&bench);
@@ -238,8 +238,8 @@ static void a_ball_thrown_across_a_slope_curves_as_it_should(void **slot)
 	assert_near(bench_event(&bench, RB_EVENT_ROLL, 0)->time_s, end, 1e-9);
 	assert_near(rb_vec3_dot(v, down), v1[0] + 5.0 / 7 * s * after, 1e-9);
 	assert_near(v.y, v1[1], 1e-9);
-	assert_near(rb_vec3_dot(x, down),
-	            y[0] + v1[0] * after + 0.5 * 5.0 / 7 * s * after * after, 1e-9);
+	assert_near(rb_vec3_dot(x, down), y[0] + v1[0] * after + 0.5 * 5.0 / 7 * s * after * after,
+	            1e-9);
 	assert_near(x.y, y[1] + v1[1] * after, 1e-9);
 	assert_near(rb_vec3_dot(x, normal), radius, 1e-12);
 	bench_close(&bench);
@@ -264,9 +264,10 @@ static void a_fast_ball_flies_off_an_edge(void **slot)
 	lab_run(&bench.lab);
 	const double s = 1 - 0.35;
 	assert_near(bench_event(&bench, RB_EVENT_LIFT, 0)->time_s, 0.35, 1e-13);
-	assert_vector(rb_world_position(bench.lab.world, ball),
-	              at(v, 0, radius - 0.5 * g * s * s), 1e-12);
-	assert_vector(rb_world_angular_velocity(bench.lab.world, ball), at(0, v / radius, 0), 1e-12);
+	assert_vector(rb_world_position(bench.lab.world, ball), at(v, 0, radius - 0.5 * g * s * s),
+	              1e-12);
+	assert_vector(rb_world_angular_velocity(bench.lab.world, ball), at(0, v / radius, 0),
+	              1e-12);
 	bench_close(&bench);
 }
 
@@ -420,7 +421,8 @@ static void a_ball_slides_off_a_free_one(void **slot)
 	bench_seal(&bench);
 	const struct rb_frame_numbers before = rb_world_totals(bench.lab.world);
 	double worst = 0;
-	while (rb_world_time(bench.lab.world) < 5 && lab_log_count(&bench.log, RB_EVENT_LIFT) == 0) {
+	while (rb_world_time(bench.lab.world) < 5 &&
+	       lab_log_count(&bench.log, RB_EVENT_LIFT) == 0) {
 		const struct rb_frame_numbers now = rb_world_totals(bench.lab.world);
 
 		worst = fmax(worst, fabs(now.kinetic_energy + now.potential_energy -
@@ -451,8 +453,9 @@ static void what_rests_does_not_move_at_all(void **slot)
 	lab_surface(&lab, 0.5, 0);
 	/* three, and one on top: held by friction alone */
 	for (int k = 0; k < 3; k++)
-		lab_sphere(&lab, r, 1, at(apart * cos(2.0943951023931953 * k),
-		                          apart * sin(2.0943951023931953 * k), r),
+		lab_sphere(&lab, r, 1,
+		           at(apart * cos(2.0943951023931953 * k),
+		              apart * sin(2.0943951023931953 * k), r),
 		           origin);
 	lab_sphere(&lab, r, 1, at(0, 0, r + high), origin);
 	/* a column of ten */

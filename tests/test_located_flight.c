@@ -98,11 +98,12 @@ static void frames_do_not_change_a_bit_of_the_motion(void **slot)
 			for (int id = 0; id < MOVERS; id++)
 				for (int k = 0; k < 13; k++)
 					if (found[second][id][k] != wanted[second][id][k])
-						fail_msg("%g frames/s, t = %d s, body %d, column %d: "
-						         "%.17g, not %.17g",
-						         rates[r], second + 1, id, k,
-						         found[second][id][k],
-						         wanted[second][id][k]);
+						fail_msg(
+							"%g frames/s, t = %d s, body %d, column %d: "
+							"%.17g, not %.17g",
+							rates[r], second + 1, id, k,
+							found[second][id][k],
+							wanted[second][id][k]);
 	}
 }
 
@@ -120,8 +121,7 @@ static void a_parabola_is_exact_at_every_frame(void **slot)
 		const double t = rb_world_time(lab.world);
 		const rb_vec3 wanted = {1 + 3 * t, 2 - t, 3 + 4 * t - 0.5 * 9.81 * t * t};
 
-		assert_vector(rb_world_position(lab.world, ball), wanted,
-		              1e-15 * (5 + 5 * t * t));
+		assert_vector(rb_world_position(lab.world, ball), wanted, 1e-15 * (5 + 5 * t * t));
 	}
 	lab_close(&lab);
 }
@@ -185,8 +185,8 @@ static void a_symmetric_top_wobbles_at_its_rate(void **slot)
 	lab_seal(&lab, 1);
 	lab_run(&lab);
 	const double rate = (i3 - i1) / i1 * spin;
-	assert_vector(body_spin(&lab, body), at(wobble * cos(rate * t), wobble * sin(rate * t), spin),
-	              1e-10);
+	assert_vector(body_spin(&lab, body),
+	              at(wobble * cos(rate * t), wobble * sin(rate * t), spin), 1e-10);
 	/* the axis: turned about L from where it began */
 	const rb_vec3 momentum = {i1 * wobble, 0, i3 * spin};
 	const double size = rb_vec3_length(momentum), angle = size / i1 * t;
@@ -396,8 +396,9 @@ static void drag_slows_down_as_it_should(void **slot)
 			const double t = rb_world_time(lab.world);
 			const double way = kind == 0 ? m / c * v0 * (1 - exp(-c * t / m))
 			                             : m / c * log(1 + c * v0 * t / m);
-			const double fall =
-				kind == 0 ? -m * g / c * (t - m / c * (1 - exp(-c * t / m))) : 0;
+			const double fall = kind == 0 ? -m * g / c *
+			                                        (t - m / c * (1 - exp(-c * t / m)))
+			                              : 0;
 
 			assert_vector(rb_world_position(lab.world, ball),
 			              at(0.6 * way, 0.8 * way, fall), 1e-12 * (1 + fabs(fall)));

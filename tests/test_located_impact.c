@@ -119,7 +119,8 @@ static void a_ball_thrown_sideways_ends_in_rolling(void **slot)
 	const rb_vec3 v = rb_world_velocity(lab.world, ball);
 	/* whatever the impacts: friction at the point keeps v + 2/5 R w x n */
 	assert_vector(v, at(10.0 / 7, 5.0 / 7, 0), 1e-12);
-	assert_vector(rb_world_angular_velocity(lab.world, ball), at(-50.0 / 7, 100.0 / 7, 0), 1e-11);
+	assert_vector(rb_world_angular_velocity(lab.world, ball), at(-50.0 / 7, 100.0 / 7, 0),
+	              1e-11);
 	assert_int_equal(lab_log_count(&log, RB_EVENT_ROLL), 1);
 	assert_int_equal(lab_log_count(&log, RB_EVENT_MERGE), 1);
 	assert_near(lab_log_find(&log, RB_EVENT_ROLL, 0)->time_s, sqrt(1 / g) * 1.7 / 0.3, 1e-9);
@@ -133,9 +134,9 @@ static void oblique_impacts_follow_the_rigid_limit(void **slot)
 	static const struct {
 		double angle_deg, ratio, spin, rebound_deg;
 	} table[] = {
-		{10, 0.71428571, 193.49368, 0},          {30, 0.71428571, 557.14286, 0},
-		{35, 0.73984856, 581.94527, 3.6577164},  {45, 0.81784, 502.34563, 20.296245},
-		{60, 0.89482987, 355.212, 48.15894},     {80, 0.96788028, 123.36383, 78.983071},
+		{10, 0.71428571, 193.49368, 0},         {30, 0.71428571, 557.14286, 0},
+		{35, 0.73984856, 581.94527, 3.6577164}, {45, 0.81784, 502.34563, 20.296245},
+		{60, 0.89482987, 355.212, 48.15894},    {80, 0.96788028, 123.36383, 78.983071},
 		{85, 0.98406307, 61.917531, 84.811551},
 	};
 	const double mu = 0.092, e = 0.98, radius = 0.0025, speed = 3.9;
@@ -152,7 +153,8 @@ static void oblique_impacts_follow_the_rigid_limit(void **slot)
 
 		lab_open_located(&lab, 0.01, 100);
 		lab_surface(&lab, mu, e);
-		const int ball = lab_sphere(&lab, radius, 1e-4, at(0, 0, 2 * radius), at(vt, 0, -vn));
+		const int ball = lab_sphere(&lab, radius, 1e-4, at(0, 0, 2 * radius),
+		                            at(vt, 0, -vn));
 		lab_plane(&lab, origin, up);
 		lab_seal(&lab, 1);
 		lab_run(&lab);
@@ -370,7 +372,8 @@ static void a_break_is_symmetric_to_the_bit(void **slot)
 
 	(void)slot;
 	for (int o = 0; o < 6; o++) {
-		const rb_vec3 position[3] = {{-2, 0, 0}, {0.5 * sqrt(3), 0.5, 0}, {0.5 * sqrt(3), -0.5, 0}};
+		const rb_vec3 position[3] = {
+			{-2, 0, 0}, {0.5 * sqrt(3), 0.5, 0}, {0.5 * sqrt(3), -0.5, 0}};
 		const rb_vec3 velocity[3] = {{2, 0, 0}, {0, 0, 0}, {0, 0, 0}};
 		struct lab lab;
 		int id[3];
@@ -456,7 +459,8 @@ static void a_fast_ball_in_a_room_unfolds(void **slot)
 	int hits = 0;
 	double place[3];
 	for (int axis = 0; axis < 3; axis++) {
-		const double way = component[axis] * speed * t + 0.5; /* from one wall, room of 1 m */
+		const double way = component[axis] * speed * t +
+		                   0.5; /* from one wall, room of 1 m */
 		const double folded = fmod(way, 2);
 
 		hits += (int)floor(way);
@@ -493,11 +497,10 @@ static void a_thin_sheet_is_never_passed(void **slot)
 			/* mirrored: v - 2 (v.m) m, and from the time of touch on that way */
 			const double side = n.x * 0.6 + n.z * 0.8;
 			const double touch = (50 - radius / slope) / speed;
-			const rb_vec3 away = rb_vec3_sub(
-				n, rb_vec3_scale(2 * side, at(0.6, 0, 0.8)));
-			const rb_vec3 x = rb_vec3_add(
-				rb_vec3_scale(speed * touch - 50, n),
-				rb_vec3_scale(speed * (0.01 - touch), away));
+			const rb_vec3 away = rb_vec3_sub(n,
+			                                 rb_vec3_scale(2 * side, at(0.6, 0, 0.8)));
+			const rb_vec3 x = rb_vec3_add(rb_vec3_scale(speed * touch - 50, n),
+			                              rb_vec3_scale(speed * (0.01 - touch), away));
 
 			assert_int_equal(rb_world_totals(lab.world).collisions, 1);
 			assert_vector(v, rb_vec3_scale(speed, away), 1e-12 * speed);

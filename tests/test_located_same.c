@@ -43,10 +43,8 @@ struct variation {
 
 static struct variation plain(void)
 {
-	struct variation v = {.mirror = -1,
-	                      .threads = 1,
-	                      .frame_rate = 10,
-	                      .method = RB_METHOD_LOCATED};
+	struct variation v = {
+		.mirror = -1, .threads = 1, .frame_rate = 10, .method = RB_METHOD_LOCATED};
 
 	for (int k = 0; k < BODIES_MOST; k++)
 		v.order[k] = k;
@@ -177,10 +175,8 @@ static void add_ball(struct recipe *recipe, struct ball ball)
 /* 60 of two sizes in a box, on a grid that is shaken. */
 static struct recipe gas(double friction, double restitution)
 {
-	struct recipe r = {.box = 0.61,
-	                   .friction = friction,
-	                   .restitution = restitution,
-	                   .duration = 2};
+	struct recipe r = {
+		.box = 0.61, .friction = friction, .restitution = restitution, .duration = 2};
 
 	for (int k = 0; k < 60; k++) {
 		const rb_vec3 cell = {-0.45 + 0.3 * (k % 4) + 0.02 * share(k),
@@ -254,10 +250,10 @@ static const struct {
 	struct recipe (*make)(double friction, double restitution);
 	double friction, restitution;
 } recipes[] = {
-	{"a gas", gas, 0, 1},           {"a rough gas", gas, 0.4, 0.9},
-	{"a corner", corner, 0, 0.5},   {"a rough corner", corner, 0.3, 0},
-	{"three", three, 0, 1},         {"three, rough", three, 0.3, 0.7},
-	{"a heap", heap, 0.4, 0.5},     {"a smooth heap", heap, 0, 0},
+	{"a gas", gas, 0, 1},         {"a rough gas", gas, 0.4, 0.9},
+	{"a corner", corner, 0, 0.5}, {"a rough corner", corner, 0.3, 0},
+	{"three", three, 0, 1},       {"three, rough", three, 0.3, 0.7},
+	{"a heap", heap, 0.4, 0.5},   {"a smooth heap", heap, 0, 0},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
 
@@ -450,8 +446,9 @@ static enum rb_status meddle_step(void *user, struct rb_world *world, double t, 
 	if (m->act == SET_VELOCITY)
 		rb_world_set_velocity(world, 0, at(1, 2, 3));
 	if (m->act == IMPULSE)
-		rb_world_apply_impulse(world, 0, at(2, 0, 0),
-		                       rb_vec3_add(rb_world_center_of_mass(world, 0), at(0, 0.05, 0)));
+		rb_world_apply_impulse(
+			world, 0, at(2, 0, 0),
+			rb_vec3_add(rb_world_center_of_mass(world, 0), at(0, 0.05, 0)));
 	if (m->act == MOVE)
 		rb_world_set_position(world, 0, at(5, 5, 5));
 	if (m->act == SPIN)
@@ -480,7 +477,8 @@ static void what_on_step_does_takes_effect_at_once(void **slot)
 		lab_run(&lab);
 		assert_int_equal(m.calls, 80);
 		assert_near(m.seen_z, 4 - 0.5 * 9.81 * 0.25, 1e-14);
-		rb_vec3 x = {0.25, 0, 4 - 0.5 * 9.81 * 0.25}, v = {0.5, 0, 8 - 9.81 * 0.5}, w = origin;
+		rb_vec3 x = {0.25, 0, 4 - 0.5 * 9.81 * 0.25}, v = {0.5, 0, 8 - 9.81 * 0.5},
+			w = origin;
 		double moved = 0, faster = 0;
 		if (act == SET_VELOCITY)
 			v = at(1, 2, 3);
@@ -520,8 +518,7 @@ static enum rb_status kick_up(void *user, struct rb_world *world, const struct r
 	if (m->act == SET_VELOCITY) /* thrown back as fast as it came, though e = 0.5 */
 		rb_world_set_velocity(world, event->a, at(0, 0, event->approach_speed));
 	if (m->act == IMPULSE)
-		rb_world_apply_impulse(world, event->a,
-		                       at(0, 0, 0.5 * event->approach_speed),
+		rb_world_apply_impulse(world, event->a, at(0, 0, 0.5 * event->approach_speed),
 		                       rb_world_center_of_mass(world, event->a));
 	return RB_OK;
 }

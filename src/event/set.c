@@ -68,6 +68,8 @@ bool rb_set_lasting(const struct rb_located *l, const struct rb_meet *m, double 
 }
 
 struct pairs {
+	double t, slack;
+	rb_set_joins *joins;
 	struct rb_meet *row; /* in the arena */
 	int count, capacity;
 	bool failed;
@@ -93,16 +95,15 @@ static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_meet
 }
 
 /* A pair whose far side is not yet dealt with. */
-static void look(struct rb_located *l, struct pairs *pairs, int i, int j, double t, double slack,
-                 rb_set_joins *joins)
+static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
 {
 	if (!rb_meet_can(l, i, j))
 		return;
-	struct rb_meet m = rb_meet_at(l, i < j ? i : j, i < j ? j : i, t);
+	struct rb_meet m = rb_meet_at(l, i < j ? i : j, i < j ? j : i, pairs->t);
 	/* those whose touch has been located do touch, whatever rounding makes of their gap */
 	if ((m.a == l->come_a && m.b == l->come_b) || (m.a == l->come_b && m.b == l->come_a))
 		m.gap = fmin(m.gap, 0);
-	if (!rb_set_held(l, i, j) && !joins(l, &m, t, slack))
+	if (!rb_set_held(l, i, j) && !pairs->joins(l, &m, pairs->t, pairs->slack))
 		return;
 	keep(l, pairs, &m);
 	rb_set_add(l, j);
@@ -133,7 +134,7 @@ static int by_pair(const void *left, const void *right)
 int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,
                 struct rb_meet **found)
 {
-	struct pairs pairs = {0};
+	struct pairs pairs = {.t = t, .slack = slack, .joins = joins};
 
 	for (int k = 0; k < l->set_count && !pairs.failed; k++) {
 		const int i = l->set[k];
@@ -153,10 +154,10 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 
 			/* each pair once: from the one that came into the set first */
 			if (rb_located_driven(l, j) || l->place[j] < 0 || l->place[j] > k)
-				look(l, &pairs, i, j, t, slack, joins);
+				look(l, &pairs, i, j);
 		}
 		for (int j = l->n; j < l->n + l->model->static_count; j++)
-			look(l, &pairs, i, j, t, slack, joins);
+			look(l, &pairs, i, j);
 	}
 	if (pairs.failed)
 		return -1;

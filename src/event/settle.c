@@ -106,7 +106,8 @@ static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *be
 	rb_vec3 wrong = rb_vec3_scale(rb_vec3_dot(m->velocity, m->normal), m->normal);
 	rb_mat3 k = {0}, inverse;
 
-	if (fabs(m->gap) > 0.5 * band) {
+	/* an overlap that steps have left is within the tolerance, and others lean on it */
+	if (fabs(m->gap) > 0.5 * band && m->gap > -integrated * rb_vec3_length(m->arm_a)) {
 		const double sum = model->inverse_mass[m->a] + model->inverse_mass[m->b];
 		struct rb_pose *const a = pose_in(s, m->a), *const b = pose_in(s, m->b);
 		const double share = m->gap / sum;
@@ -395,7 +396,8 @@ static struct rb_held held_of(struct settling *s, int k)
 	held.b = m->b;
 	held.force = c->impulse;
 	held.ending = held.straight = false;
-	held.slipping = c->slipping || c->mode == RB_JOINT_SLIDE;
+	/* without friction nothing sticks, whether it slips or not */
+	held.slipping = c->slipping || c->mode == RB_JOINT_SLIDE || !(c->friction > 0);
 	held.slip = c->slip;
 	if (known && m->on_rim && !held.on_rim)
 		rb_tell_transition(s->l, s->t, RB_EVENT_EDGE, m);

@@ -71,8 +71,8 @@ struct rb_world {
 	struct rb_located *located;       /* owned; NULL: the classic method */
 	struct rb_team *team;             /* owned */
 	int64_t dense_steps,
-		dense_left;          /* auto: steps that the classic method takes, still to take */
-	struct rb_arena *arena;      /* owned; [workers]: scratch of a pass */
+		dense_left;     /* auto: steps that the classic method takes, still to take */
+	struct rb_arena *arena; /* owned; [workers]: scratch of a pass */
 	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */
 	int worker_count;
 	struct rb_counts frame_counts; /* since the frame before */

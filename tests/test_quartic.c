@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+#include "math/quartic.h"
+
+#include <math.h>
+
+#include "math/random.h"
+#include "support.h"
+
+/* (t - a)(t - b)(t - c)(t - d) times `scale`. */
+static void from_roots(double scale, const double root[4], double c[5])
+{
+	c[0] = scale;
+	for (int k = 1; k < 5; k++)
+		c[k] = 0;
+	for (int n = 0; n < 4; n++) {
+		for (int k = n + 1; k > 0; k--)
+			c[k] = c[k - 1] - root[n] * c[k];
+		c[0] *= -root[n];
+	}
+}
+
+static void the_first_fall_of_known_roots_is_found(void **state)
+{
+	static const double root[4] = {1, 2, 3, 4};
+	double c[5];
+
+	(void)state;
+	from_roots(1, root, c); /* above before 1 */
+	assert_true(fabs(rb_quartic_falls(c, 10) - 1) < 1e-14);
+	from_roots(-1, root,
+	           c); /* below before 1, above between 1 and 2: it starts as if from zero */
+	assert_true(fabs(rb_quartic_falls(c, 10) - 2) < 1e-13);
+	from_roots(1, root, c);
+	assert_true(isinf(rb_quartic_falls(c, 0.5)));
+}
+
+static void a_double_root_is_no_fall_and_a_line_is_one(void **state)
+{
+	static const double touch[4] = {2, 2, -1, -1};
+	static const double line[5] = {3, -1.5, 0, 0, 0};
+	static const double rising[5] = {0, 1, 0, 0, 0};
+	static const double thrown[5] = {0, 1, -0.25, 0, 0};
+	double c[5];
+
+	(void)state;
+	from_roots(1, touch, c);
+	c[0] += 1e-9; /* it stays above by what rounding cannot hide */
+	assert_true(isinf(rb_quartic_falls(c, 10)));
+	assert_true(rb_quartic_falls(line, 10) == 2);
+	assert_true(isinf(rb_quartic_falls(rising, 10)));
+	assert_true(fabs(rb_quartic_falls(thrown, 10) - 4) < 1e-14);
+}
+
+static void roots_many_decades_apart_are_found(void **state)
+{
+	static const double root[4] = {1e-9, 1, 1e5, -1};
+	double c[5];
+
+	(void)state;
+	from_roots(-1, root, c); /* signs: + before the first */
+	const double found = rb_quartic_falls(c, 1e6);
+	assert_true(fabs(found - 1e-9) < 1e-20);
+	c[0] = 0;
+	c[1] = c[2] = 0;
+	c[3] = 1;
+	c[4] = -1e-12;
+	assert_true(fabs(rb_quartic_falls(c, 1e13) / 1e12 - 1) < 1e-12);
+}
+
+static void no_sample_of_random_polynomials_is_below_before_the_fall(void **state)
+{
+	(void)state;
+	for (uint64_t n = 0; n < 2000; n++) {
+		double c[5];
+
+		for (int k = 0; k < 5; k++)
+			c[k] = 2 * rb_random_unit(7, n, (uint64_t)k) - 1;
+		c[0] = fabs(c[0]);
+		const double fall = rb_quartic_falls(c, 8);
+		const double end = isinf(fall) ? 8 : fall;
+
+		for (int k = 1; k < 400; k++) {
+			const double t = end * k / 400;
+			const double p = c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * c[4])));
+			assert_true(p > -1e-12);
+		}
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_first_fall_of_known_roots_is_found),
+		cmocka_unit_test(a_double_root_is_no_fall_and_a_line_is_one),
+		cmocka_unit_test(roots_many_decades_apart_are_found),
+		cmocka_unit_test(no_sample_of_random_polynomials_is_below_before_the_fall),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
