@@ -21,14 +21,13 @@ static void from_roots(double scale, const double root[4], double c[5])
 
 static void the_first_fall_of_known_roots_is_found(void **state)
 {
-	static const double root[4] = {1, 2, 3, 4};
+	static const double root[4] = {1, 2, 3, 4}, parting[4] = {0, 2, 3, 4};
 	double c[5];
 
 	(void)state;
 	from_roots(1, root, c); /* above before 1 */
 	assert_true(fabs(rb_quartic_falls(c, 10) - 1) < 1e-14);
-	from_roots(-1, root,
-	           c); /* below before 1, above between 1 and 2: it starts as if from zero */
+	from_roots(-1, parting, c); /* it starts from zero, upwards */
 	assert_true(fabs(rb_quartic_falls(c, 10) - 2) < 1e-13);
 	from_roots(1, root, c);
 	assert_true(isinf(rb_quartic_falls(c, 0.5)));

@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# tests/scenes/stress.lua with a few draws: runs end, stay finite and within the tolerance, with either rollback.
+# tests/scenes/stress.lua with a few draws: steps end, stay finite and within the tolerance, with either rollback.
+# physics-located.sh does the same with the default method.
 set -eu
 scene=$(dirname "$0")/../scenes/stress.lua
 for k in 1 2 3 4 5 6 7 8 9 10; do
 	for rollback in selective global; do
-		"$RBSIM" "$scene" --param k="$k" --rollback $rollback --no-record --quiet || {
+		"$RBSIM" "$scene" --method classic --param k="$k" --rollback $rollback --no-record --quiet || {
 			echo "k = $k, rollback $rollback: exit $?"
 			exit 1
 		}
