@@ -20,7 +20,7 @@ struct course {
 static void begin(struct course *c, int n, rb_gauss_rates *rates, void *user, const double *scale)
 {
 	memset(c, 0, sizeof *c);
-	c->problem = (struct rb_gauss_problem){n, rates, user, scale, 1e-14};
+	c->problem = (struct rb_gauss_problem){n, rates, user, scale, 1e-14, c->scratch, &c->calls};
 	c->try_s = 1;
 	c->piece.n = n;
 	c->piece.start = c->value;
@@ -35,8 +35,6 @@ static enum rb_status step(struct course *c, double end, struct rb_error *err)
 {
 	c->try_s = fmin(c->try_s, end - c->time_s);
 	c->steps++;
-	c->problem.scratch = c->scratch;
-	c->problem.calls = &c->calls;
 	return rb_gauss_step(&c->problem, c->time_s, &c->try_s, c->least_s, &c->piece, err);
 }
 

@@ -354,6 +354,7 @@ static void a_ball_on_a_sphere_rolls_slips_and_lifts(void **slot)
 	struct bench bench;
 
 	(void)slot;
+	lab_open_promise("friction of a slip round a sphere keeps its direction for a whole piece");
 	for (int k = 0; k < 200; k++) {
 		const double a = 0.5 * (low + high);
 		const double press = 17.0 / 7 * cos(a) - 10.0 / 7 * cos(start);
@@ -674,6 +675,8 @@ static void a_ball_leaves_a_shaken_floor_in_time(void **slot)
 	struct bench bench;
 
 	(void)slot;
+	lab_open_promise(
+		"a floor's velocity jumps by rounding at the end of a piece, and throws off the ball");
 	open_driven(&bench, &driver, 0.4);
 	lab_surface(&bench.lab, 0, 0);
 	lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);

@@ -271,16 +271,16 @@ static enum rb_status turning(void *user, double t, const double *y, double *rat
 static void integrate(struct reference *r, double *y, double end)
 {
 	static const double scale[7] = {1, 1, 1, 1, 1, 1, 1};
-	const struct rb_gauss_problem problem = {7, turning, r, scale, 1e-14};
 	double coefficient[7 * RB_GAUSS_NODES], scratch[256], t = 0, h = 0.1, after[7];
+	uint64_t calls = 0;
+	const struct rb_gauss_problem problem = {7, turning, r, scale, 1e-14, scratch, &calls};
 	struct rb_gauss_piece piece = {7, 0, y, coefficient};
 	struct rb_error err;
-	uint64_t calls = 0;
 
 	assert_true(rb_gauss_room(7) <= 256);
 	for (; t < end; t += piece.length_s) {
 		h = fmin(h, end - t);
-		assert_ok(rb_gauss_step(&problem, t, &h, 0, &piece, scratch, &calls, &err));
+		assert_ok(rb_gauss_step(&problem, t, &h, 0, &piece, &err));
 		rb_gauss_values(&piece, piece.length_s, after);
 		memcpy(y, after, sizeof after);
 	}

@@ -337,7 +337,11 @@ static bool evaluate(struct work *w, double t, const double *value)
 
 		w->meet[k] = rb_meet_poses(l, held->a, held->b, &pose_a, &pose_b);
 		w->contact[k] = rb_mechanics_contact(l, &w->meet[k]);
-		w->contact[k].slip = held->slip;
+		/* a direction that is kept turns with the normal all the same */
+		w->contact[k].slip = rb_vec3_unit(
+			rb_vec3_add_scaled(held->slip, -rb_vec3_dot(held->slip, w->meet[k].normal),
+		                           w->meet[k].normal),
+			held->slip);
 		if (held->slipping && !held->straight) {
 			const rb_vec3 u = w->meet[k].velocity;
 			const rb_vec3 slip = rb_vec3_add_scaled(
@@ -407,7 +411,7 @@ static int broken(struct work *w)
 		                                                          clear * w->force_most)
 			return k;
 		w->slip_ends = held->slipping && held->straight &&
-		               rb_vec3_dot(m->velocity, held->slip) < 0;
+		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
 		if (w->slip_ends)
 			return k;
 	}

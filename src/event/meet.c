@@ -335,6 +335,15 @@ static double acceleration_most(const struct rb_located *l, int i, double distan
 	return most;
 }
 
+/* Second derivative of the gap now, for bodies that turn about their centres, m/s^2. */
+static double bending(const struct rb_located *l, const struct rb_meet *m, double t)
+{
+	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
+	                                 rb_arc_acceleration(l, m->a, t));
+
+	return rb_vec3_dot(pull, m->normal) + rb_vec3_dot(m->velocity, m->normal_rate);
+}
+
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
                       bool *again)
 {
@@ -352,12 +361,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 		if (m.gap <= band && rate < -noise)
 			return t;
 		if (m.gap <= band && rate <= noise) {
-			const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, b, t),
-			                                 rb_arc_acceleration(l, a, t));
-			const double bend = rb_vec3_dot(m.velocity, m.normal_rate);
-
-			if (rb_vec3_dot(pull, m.normal) + bend < -64 * DBL_EPSILON * most &&
-			    t > from)
+			if (bending(l, &m, t) < -64 * DBL_EPSILON * most && t > from)
 				return t;
 			if (!(most > 0))
 				return HUGE_VAL;
@@ -372,9 +376,12 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			else
 				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
 		}
-		/* what stays within the band is no new touch */
-		if (m.gap <= band && most > 0)
-			h = fmax(h, sqrt(band / most));
+		/* leaving a touch, until it turns back: not by the bound but by what pulls now */
+		if (m.gap <= band && rate > noise && most > 0) {
+			const double turns = rate / fmax(-bending(l, &m, t), DBL_MIN);
+
+			h = fmax(h, fmin(turns, sqrt(band / most)));
+		}
 		h = fmax(h, 2 * DBL_EPSILON * t);
 		if (!(t + h <= until))
 			return HUGE_VAL;
