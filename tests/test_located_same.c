@@ -249,11 +249,12 @@ static const struct {
 	const char *name;
 	struct recipe (*make)(double friction, double restitution);
 	double friction, restitution;
+	bool open; /* a promise that is not kept yet: it does not come to its end */
 } recipes[] = {
-	{"a gas", gas, 0, 1},         {"a rough gas", gas, 0.4, 0.9},
-	{"a corner", corner, 0, 0.5}, {"a rough corner", corner, 0.3, 0},
-	{"three", three, 0, 1},       {"three, rough", three, 0.3, 0.7},
-	{"a heap", heap, 0.4, 0.5},   {"a smooth heap", heap, 0, 0},
+	{"a gas", gas, 0, 1, false},         {"a rough gas", gas, 0.4, 0.9, false},
+	{"a corner", corner, 0, 0.5, false}, {"a rough corner", corner, 0.3, 0, true},
+	{"three", three, 0, 1, false},       {"three, rough", three, 0.3, 0.7, false},
+	{"a heap", heap, 0.4, 0.5, true},    {"a smooth heap", heap, 0, 0, false},
 };
 enum { RECIPES = sizeof recipes / sizeof recipes[0] };
 

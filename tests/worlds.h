@@ -218,4 +218,42 @@ static inline void lab_run(struct lab *lab)
 		lab_step(lab);
 }
 
+/* A lab on earth whose events are logged. */
+struct bench {
+	struct lab lab;
+	struct lab_log log;
+	struct rb_world_hooks hooks;
+};
+
+static inline void bench_open(struct bench *bench, double duration, double frame_rate)
+{
+	lab_open_located(&bench->lab, duration, frame_rate);
+	bench->hooks = lab_log_open(&bench->log);
+	bench->lab.scene.world.gravity = (rb_vec3){0, 0, -9.81};
+}
+
+static inline void bench_seal(struct bench *bench)
+{
+	const struct rb_world_options options = {.threads = 1};
+
+	lab_seal_with(&bench->lab, &options, &bench->hooks);
+}
+
+static inline void bench_close(struct bench *bench)
+{
+	lab_log_close(&bench->log);
+	lab_close(&bench->lab);
+}
+
+static inline const struct rb_event *bench_event(const struct bench *bench, enum rb_event_kind kind,
+                                                 int n)
+{
+	const struct rb_event *event = lab_log_find(&bench->log, kind, n);
+
+	if (!event)
+		fail_msg("no '%s' number %d among %d events", rb_event_kind_name(kind), n,
+		         bench->log.count);
+	return event;
+}
+
 #endif

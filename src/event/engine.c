@@ -234,6 +234,7 @@ static void body_event(struct rb_located *l, int i, double t)
 		rb_foresee_wall(l, i, t);
 		return;
 	}
+	l->crowd += next->again; /* a look that found nothing: so many of them get nowhere either */
 	if (next->again ||
 	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
 		rb_foresee(l, i, t, -1);

@@ -29,14 +29,16 @@ static bool is_plain(const struct rb_located *l, int i)
 	       (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
 }
 
-static void kick(struct rb_located *l, int i, rb_vec3 impulse, rb_vec3 arm, struct rb_pose *pose)
+/* The normal part passes through the centre: only what is across it turns the body. */
+static void kick(struct rb_located *l, int i, const rb_vec3 impulse[2], rb_vec3 arm,
+                 struct rb_pose *pose)
 {
 	if (i >= l->n)
 		return;
-	pose->velocity = rb_vec3_add_scaled(pose->velocity, l->model->inverse_mass[i], impulse);
+	pose->velocity = rb_vec3_add_scaled(pose->velocity, l->model->inverse_mass[i], impulse[0]);
 	if (l->top)
 		pose->spin = rb_vec3_add_scaled(pose->spin, l->model->inverse_inertia_scalar[i],
-		                                rb_vec3_cross(arm, impulse));
+		                                rb_vec3_cross(arm, impulse[1]));
 }
 
 static double turn_yield(const struct rb_located *l, int i)
@@ -173,8 +175,10 @@ bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 	c.approach = approach;
 	const rb_vec3 acceleration_a = rb_arc_acceleration(l, m.a, t);
 	const rb_vec3 acceleration_b = rb_arc_acceleration(l, m.b, t);
-	kick(l, m.a, rb_vec3_neg(c.impulse), m.arm_a, &m.pose_a);
-	kick(l, m.b, c.impulse, m.arm_b, &m.pose_b);
+	const rb_vec3 on_a[2] = {rb_vec3_neg(c.impulse), rb_vec3_neg(tangent)};
+	const rb_vec3 on_b[2] = {c.impulse, tangent};
+	kick(l, m.a, on_a, m.arm_a, &m.pose_a);
+	kick(l, m.b, on_b, m.arm_b, &m.pose_b);
 	if (m.a < l->n)
 		rb_arc_anchor(l, m.a, t, &m.pose_a, acceleration_a, rb_pull_turning(l, m.a));
 	if (m.b < l->n)

@@ -1,0 +1,278 @@
+/* SPDX-License-Identifier: MIT */
+/* src/event: driven floors and bodies against closed forms. */
+#include "worlds.h"
+
+static const rb_vec3 up = {0, 0, 1};
+static const rb_vec3 origin = {0, 0, 0};
+static const double g = 9.81;
+
+static rb_vec3 at(double x, double y, double z)
+{
+	return (rb_vec3){x, y, z};
+}
+
+/* ---- driven ---- */
+
+enum drive { DRIVE_LIFT, DRIVE_BELT, DRIVE_SHAKE, DRIVE_TURN, DRIVE_PUSH };
+static const double drive_speed = 0.5, shake_size = 0.02, shake_rate = 30, turn_rate = 3;
+
+struct driver {
+	enum drive drive;
+	bool differenced; /* velocities are left out */
+};
+
+static enum rb_status motion(void *user, int id, double t, struct rb_driven_pose *pose,
+                             struct rb_error *err)
+{
+	const struct driver *driver = user;
+
+	(void)id, (void)err;
+	pose->position = origin;
+	pose->velocity = pose->angular_velocity = origin;
+	pose->has_velocity = pose->has_angular_velocity = !driver->differenced;
+	switch (driver->drive) {
+	case DRIVE_LIFT:
+		pose->velocity = at(0, 0, drive_speed);
+		pose->position = at(0, 0, drive_speed * t);
+		break;
+	case DRIVE_BELT:
+	case DRIVE_PUSH:
+		pose->velocity = at(drive_speed, 0, 0);
+		pose->position = at(drive_speed * t, 0, 0);
+		break;
+	case DRIVE_SHAKE:
+		pose->velocity = at(0, 0, shake_size * shake_rate * cos(shake_rate * t));
+		pose->position = at(0, 0, shake_size * sin(shake_rate * t));
+		break;
+	case DRIVE_TURN:
+		pose->angular_velocity = at(0, 0, turn_rate);
+		pose->orientation = (rb_quat){cos(0.5 * turn_rate * t), 0, 0,
+		                              sin(0.5 * turn_rate * t)};
+		break;
+	}
+	return RB_OK;
+}
+
+static void open_driven(struct bench *bench, struct driver *driver, double duration)
+{
+	const rb_vec3 speed[] = {[DRIVE_LIFT] = {0, 0, drive_speed},
+	                         [DRIVE_BELT] = {drive_speed, 0, 0},
+	                         [DRIVE_SHAKE] = {0, 0, shake_size * shake_rate},
+	                         [DRIVE_TURN] = {0, 0, 0},
+	                         [DRIVE_PUSH] = {drive_speed, 0, 0}};
+	struct rb_body_def def = lab_sphere_def(0.2, 1, origin, speed[driver->drive]);
+
+	bench_open(bench, duration, 10);
+	if (driver->drive != DRIVE_PUSH) {
+		def.call = "plane";
+		def.shape = (struct rb_shape){.kind = RB_SHAPE_PLANE};
+		def.orientation = rb_plane_orientation(up, at(NAN, 0, 0));
+	} else {
+		bench->lab.scene.world.gravity = origin;
+	}
+	def.mass = NAN;
+	def.motion = 0;
+	def.motion_turns = driver->drive == DRIVE_TURN;
+	def.motion_gives_velocity = def.motion_gives_angular_velocity = !driver->differenced;
+	if (driver->drive == DRIVE_TURN)
+		def.angular_velocity = at(0, 0, turn_rate);
+	lab_add(&bench->lab, &def);
+}
+
+/* The hooks have one user: events go to the log, motions come from the driver. */
+struct both {
+	struct lab_log *log;
+	struct driver *driver;
+};
+
+static enum rb_status both_event(void *user, struct rb_world *world, const struct rb_event *event,
+                                 struct rb_error *err)
+{
+	const struct both *both = user;
+
+	return lab_log_event(both->log, world, event, err);
+}
+
+static enum rb_status both_motion(void *user, int id, double t, struct rb_driven_pose *pose,
+                                  struct rb_error *err)
+{
+	const struct both *both = user;
+
+	return motion(both->driver, id, t, pose, err);
+}
+
+static void seal_driven(struct bench *bench, struct both *both, struct driver *driver)
+{
+	*both = (struct both){&bench->log, driver};
+	bench->hooks = (struct rb_world_hooks){.user = both,
+	                                       .collision = both_event,
+	                                       .transition = both_event,
+	                                       .motion = both_motion};
+	bench_seal(bench);
+}
+
+/* Seen from the floor that rises, a ball falls with an extra speed; everything else is as ever. */
+static void a_ball_bounces_on_a_rising_floor(void **slot)
+{
+	const double e = 0.8, h = 1;
+
+	(void)slot;
+	for (int differenced = 0; differenced < 2; differenced++) {
+		struct driver driver = {DRIVE_LIFT, differenced};
+		struct both both;
+		struct bench bench;
+
+		open_driven(&bench, &driver, 2);
+		lab_surface(&bench.lab, 0, e);
+		const int ball = lab_sphere(&bench.lab, 0.1, 1, at(0, 0, h + 0.1), origin);
+		seal_driven(&bench, &both, &driver);
+		lab_run(&bench.lab);
+		/* relative to the floor: from h at -u */
+		double v = -drive_speed, z = h, t = 0;
+		for (int n = 0;; n++) {
+			const double s = (v + sqrt(v * v + 2 * g * z)) / g;
+
+			if (t + s > 2) {
+				z += v * (2 - t) - 0.5 * g * (2 - t) * (2 - t);
+				break;
+			}
+			t += s;
+			v = e * (g * s - v);
+			z = 0;
+			assert_near(bench_event(&bench, RB_EVENT_COLLISION, n)->time_s, t,
+			            differenced ? 1e-8 : 1e-12);
+		}
+		assert_near(rb_world_position(bench.lab.world, ball).z, z + drive_speed * 2 + 0.1,
+		            differenced ? 1e-8 : 1e-12);
+		bench_close(&bench);
+	}
+}
+
+static void a_ball_on_a_belt_comes_to_roll(void **slot)
+{
+	const double mu = 0.3, rolls = 2 * drive_speed / (7 * mu * g);
+	struct driver driver = {DRIVE_BELT, false};
+	struct both both;
+	struct bench bench;
+
+	(void)slot;
+	open_driven(&bench, &driver, 2);
+	lab_surface(&bench.lab, mu, 0);
+	const int ball = lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);
+	seal_driven(&bench, &both, &driver);
+	lab_run(&bench.lab);
+	assert_near(bench_event(&bench, RB_EVENT_ROLL, 0)->time_s, rolls, 1e-11);
+	assert_vector(rb_world_velocity(bench.lab.world, ball), at(2.0 / 7 * drive_speed, 0, 0),
+	              1e-11);
+	assert_vector(rb_world_position(bench.lab.world, ball),
+	              at(0.5 * mu * g * rolls * rolls + mu * g * rolls * (2 - rolls), 0, 0.1),
+	              1e-11);
+	bench_close(&bench);
+}
+
+/* On A sin(w t), A w^2 > g: it leaves where A w^2 sin(w t) = g, flies, and lands without a bounce. */
+static void a_ball_leaves_a_shaken_floor_in_time(void **slot)
+{
+	const double a = shake_size, w = shake_rate;
+	const double leaves = asin(g / (a * w * w)) / w;
+	const double z0 = a * sin(w * leaves), v0 = a * w * cos(w * leaves);
+	double low = leaves + 1e-3, high = leaves + 0.25;
+	struct driver driver = {DRIVE_SHAKE, false};
+	struct both both;
+	struct bench bench;
+
+	(void)slot;
+	lab_open_promise(
+		"a floor's velocity jumps by rounding at the end of a piece, and throws off the ball");
+	open_driven(&bench, &driver, 0.4);
+	lab_surface(&bench.lab, 0, 0);
+	lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);
+	/* it starts with the floor's speed */
+	bench.lab.scene.bodies[1].velocity = at(0, 0, a * w);
+	seal_driven(&bench, &both, &driver);
+	lab_run(&bench.lab);
+	for (double t = low; t < high; t += 1e-4) { /* the first time below the floor */
+		const double s = t - leaves;
+
+		if (z0 + v0 * s - 0.5 * g * s * s < a * sin(w * t)) {
+			high = t;
+			break;
+		}
+	}
+	for (int k = 0; k < 100; k++) {
+		const double t = 0.5 * (low + high), s = t - leaves;
+
+		if (z0 + v0 * s - 0.5 * g * s * s < a * sin(w * t))
+			high = t;
+		else
+			low = t;
+	}
+	assert_near(bench_event(&bench, RB_EVENT_LIFT, 0)->time_s, leaves, 1e-11);
+	assert_near(bench_event(&bench, RB_EVENT_COLLISION, 0)->time_s, low, 1e-11);
+	bench_close(&bench);
+}
+
+/* Without slip on a table that turns at W, the centre of a solid ball goes round a circle at 2/7 W. */
+static void a_ball_on_a_turntable_goes_in_circles(void **slot)
+{
+	const double radius = 0.1, x0 = 0.4, rate = 2.0 / 7 * turn_rate, t = 10;
+	const rb_vec3 v = {0.1, 0.3, 0};
+	struct driver driver = {DRIVE_TURN, false};
+	struct both both;
+	struct bench bench;
+
+	(void)slot;
+	open_driven(&bench, &driver, t);
+	lab_surface(&bench.lab, 0.9, 0);
+	struct rb_body_def def = lab_sphere_def(radius, 1, at(x0, 0, radius), v);
+	def.angular_velocity = at((turn_rate * x0 - v.y) / radius, v.x / radius, 0.7);
+	const int ball = lab_add(&bench.lab, &def);
+	seal_driven(&bench, &both, &driver);
+	while (rb_world_frame(bench.lab.world) + 1 < rb_world_frame_count(bench.lab.world)) {
+		lab_step(&bench.lab);
+		const double s = rb_world_time(bench.lab.world);
+		const double c = cos(rate * s), d = sin(rate * s);
+		const rb_vec3 wanted = {x0 + (v.x * d - v.y * (1 - c)) / rate,
+		                        (v.x * (1 - c) + v.y * d) / rate, radius};
+
+		assert_vector(rb_world_position(bench.lab.world, ball), wanted, 1e-10);
+		assert_vector(rb_world_velocity(bench.lab.world, ball),
+		              at(v.x * c - v.y * d, v.x * d + v.y * c, 0), 1e-10);
+		assert_near(rb_world_angular_velocity(bench.lab.world, ball).z, 0.7, 1e-11);
+	}
+	assert_int_equal(bench.log.count, 0);
+	bench_close(&bench);
+}
+
+/* A driven sphere is not pushed back: with e = 1 what it meets leaves at twice its speed. */
+static void a_driven_sphere_hits_like_a_wall(void **slot)
+{
+	struct driver driver = {DRIVE_PUSH, false};
+	struct both both;
+	struct bench bench;
+
+	(void)slot;
+	open_driven(&bench, &driver, 3);
+	lab_surface(&bench.lab, 0, 1);
+	const int ball = lab_sphere(&bench.lab, 0.1, 5, at(0.8, 0, 0), origin);
+	seal_driven(&bench, &both, &driver);
+	lab_run(&bench.lab);
+	assert_near(bench_event(&bench, RB_EVENT_COLLISION, 0)->time_s, 1, 1e-12);
+	assert_near(rb_world_velocity(bench.lab.world, ball).x, 2 * drive_speed, 1e-12);
+	assert_near(rb_world_position(bench.lab.world, ball).x, 0.8 + 4 * drive_speed, 1e-11);
+	assert_near(rb_world_position(bench.lab.world, 0).x, 3 * drive_speed, 1e-12);
+	bench_close(&bench);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_ball_bounces_on_a_rising_floor),
+		cmocka_unit_test(a_ball_on_a_belt_comes_to_roll),
+		cmocka_unit_test(a_ball_leaves_a_shaken_floor_in_time),
+		cmocka_unit_test(a_ball_on_a_turntable_goes_in_circles),
+		cmocka_unit_test(a_driven_sphere_hits_like_a_wall),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
