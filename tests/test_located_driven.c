@@ -182,8 +182,7 @@ static void a_ball_leaves_a_shaken_floor_in_time(void **slot)
 	struct bench bench;
 
 	(void)slot;
-	lab_open_promise(
-		"a floor's velocity jumps by rounding at the end of a piece, and throws off the ball");
+	lab_open_promise("a ball on a shaken floor lifts where a piece of the floor's motion ends");
 	open_driven(&bench, &driver, 0.4);
 	lab_surface(&bench.lab, 0, 0);
 	lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);

@@ -360,7 +360,7 @@ static void the_order_of_a_break_does_not_matter(void **slot)
 static void the_order_of_a_heap_does_not_matter(void **slot)
 {
 	(void)slot;
-	lab_open_promise("lasting contacts of a cluster are summed in the order of bodies");
+	lab_open_promise("lasting contacts differ by rounding between orders of bodies");
 	run_orders(2);
 	run_orders(3);
 	run_orders(6);

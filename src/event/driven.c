@@ -83,26 +83,30 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
                             struct rb_error *err)
 {
 	const struct drive *d = user;
-	struct rb_driven_pose now, before, after;
+	static const double at[4] = {-2, -1, 1, 2},
+			    weight[4] = {1.0 / 12, -8.0 / 12, 8.0 / 12, -1.0 / 12};
 	const double h = d->step_s;
+	rb_vec3 pull = {0, 0, 0}, turning = {0, 0, 0};
+	struct rb_driven_pose now, near;
 
 	(void)err;
-	if (!ask(d, t, &now) || !difference(d, t, &now) || !ask(d, t - h, &before) ||
-	    !difference(d, t - h, &before) || !ask(d, t + h, &after) ||
-	    !difference(d, t + h, &after))
+	if (!ask(d, t, &now) || !difference(d, t, &now))
 		return d->l->status;
+	for (int k = 0; k < 4; k++) { /* fourth order */
+		if (!ask(d, t + at[k] * h, &near) || !difference(d, t + at[k] * h, &near))
+			return d->l->status;
+		pull = rb_vec3_add_scaled(pull, weight[k] / h, near.velocity);
+		turning = rb_vec3_add_scaled(turning, weight[k] / h, near.angular_velocity);
+	}
 	rb_vec3_to(rate + RB_ROW_POSITION, now.velocity);
-	rb_vec3_to(rate + RB_ROW_VELOCITY,
-	           rb_vec3_scale(0.5 / h, rb_vec3_sub(after.velocity, before.velocity)));
+	rb_vec3_to(rate + RB_ROW_VELOCITY, pull);
 	if (!d->l->top)
 		return RB_OK;
 	const rb_quat half = {0, 0.5 * now.angular_velocity.x, 0.5 * now.angular_velocity.y,
 	                      0.5 * now.angular_velocity.z};
 	rb_quat_to(rate + RB_ROW_ORIENTATION,
 	           rb_quat_multiply(half, rb_quat_from(value + RB_ROW_ORIENTATION)));
-	rb_vec3_to(rate + RB_ROW_SPIN,
-	           rb_vec3_scale(0.5 / h,
-	                         rb_vec3_sub(after.angular_velocity, before.angular_velocity)));
+	rb_vec3_to(rate + RB_ROW_SPIN, turning);
 	return RB_OK;
 }
 

@@ -37,6 +37,21 @@ static void start_state(struct rb_world *world)
 	}
 }
 
+/*
+ * Auto leaves spheres that touch beside their centre of mass to the classic method: their contacts under the integrator
+ * do not keep the tolerance in every scene yet.
+ */
+static bool is_located(const struct rb_model *model)
+{
+	const rb_features eccentric = RB_FEATURE_OFF_CENTER | RB_FEATURE_CONTACT;
+	const rb_features integrated = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
+	                               RB_FEATURE_DRIVEN;
+
+	if (model->method != RB_METHOD_AUTO)
+		return model->method == RB_METHOD_LOCATED;
+	return (model->features & eccentric) != eccentric || (model->features & integrated) != 0;
+}
+
 enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
                                const struct rb_world_options *options,
                                const struct rb_world_hooks *hooks, struct rb_error *err)
@@ -64,13 +79,13 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 		status = rb_state_init(&world->start, model->body_count, model->features, err);
 	if (status == RB_OK)
 		status = rb_team_create(&world->team, world->worker_count, err);
-	if (status == RB_OK && model->method == RB_METHOD_CLASSIC)
+	if (status == RB_OK && !is_located(model))
 		status = rb_classic_prepare(world, err);
 	if (status == RB_OK) {
 		rb_plan_build(world->plan, model->features);
 		start_state(world);
 	}
-	if (status == RB_OK && model->method != RB_METHOD_CLASSIC)
+	if (status == RB_OK && is_located(model))
 		status = rb_engine_create(&world->located, world, err);
 	if (status != RB_OK) {
 		rb_world_destroy(world);
