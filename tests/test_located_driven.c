@@ -13,8 +13,9 @@ static rb_vec3 at(double x, double y, double z)
 
 /* ---- driven ---- */
 
-enum drive { DRIVE_LIFT, DRIVE_BELT, DRIVE_SHAKE, DRIVE_TURN, DRIVE_PUSH };
+enum drive { DRIVE_LIFT, DRIVE_BELT, DRIVE_SHAKE, DRIVE_TURN, DRIVE_PUSH, DRIVE_RISE };
 static const double drive_speed = 0.5, shake_size = 0.02, shake_rate = 30, turn_rate = 3;
+static const double rise = 3; /* m/s^2 */
 
 struct driver {
 	enum drive drive;
@@ -44,6 +45,10 @@ static enum rb_status motion(void *user, int id, double t, struct rb_driven_pose
 		pose->velocity = at(0, 0, shake_size * shake_rate * cos(shake_rate * t));
 		pose->position = at(0, 0, shake_size * sin(shake_rate * t));
 		break;
+	case DRIVE_RISE:
+		pose->velocity = at(0, 0, rise * t);
+		pose->position = at(0, 0, 0.5 * rise * t * t);
+		break;
 	case DRIVE_TURN:
 		pose->angular_velocity = at(0, 0, turn_rate);
 		pose->orientation = (rb_quat){cos(0.5 * turn_rate * t), 0, 0,
@@ -59,7 +64,8 @@ static void open_driven(struct bench *bench, struct driver *driver, double durat
 	                         [DRIVE_BELT] = {drive_speed, 0, 0},
 	                         [DRIVE_SHAKE] = {0, 0, shake_size * shake_rate},
 	                         [DRIVE_TURN] = {0, 0, 0},
-	                         [DRIVE_PUSH] = {drive_speed, 0, 0}};
+	                         [DRIVE_PUSH] = {drive_speed, 0, 0},
+	                         [DRIVE_RISE] = {0, 0, 0}};
 	struct rb_body_def def = lab_sphere_def(0.2, 1, origin, speed[driver->drive]);
 
 	bench_open(bench, duration, 10);
@@ -243,6 +249,26 @@ static void a_ball_on_a_turntable_goes_in_circles(void **slot)
 	bench_close(&bench);
 }
 
+/* Two floors in one place: what each of them carries is not determined, but where the ball goes is. */
+static void a_ball_on_two_rising_floors_rises_with_them(void **slot)
+{
+	struct driver driver = {DRIVE_RISE, false};
+	struct both both;
+	struct bench bench;
+
+	(void)slot;
+	open_driven(&bench, &driver, 2);
+	const struct rb_body_def second = bench.lab.scene.bodies[0];
+	lab_add(&bench.lab, &second);
+	lab_surface(&bench.lab, 0, 0);
+	const int ball = lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);
+	seal_driven(&bench, &both, &driver);
+	lab_run(&bench.lab);
+	assert_near(rb_world_velocity(bench.lab.world, ball).z, 2 * rise, 1e-12);
+	assert_near(rb_world_position(bench.lab.world, ball).z, 0.1 + 2 * rise, 1e-12);
+	bench_close(&bench);
+}
+
 /* A driven sphere is not pushed back: with e = 1 what it meets leaves at twice its speed. */
 static void a_driven_sphere_hits_like_a_wall(void **slot)
 {
@@ -270,6 +296,7 @@ int main(void)
 		cmocka_unit_test(a_ball_on_a_belt_comes_to_roll),
 		cmocka_unit_test(a_ball_leaves_a_shaken_floor_in_time),
 		cmocka_unit_test(a_ball_on_a_turntable_goes_in_circles),
+		cmocka_unit_test(a_ball_on_two_rising_floors_rises_with_them),
 		cmocka_unit_test(a_driven_sphere_hits_like_a_wall),
 	};
 

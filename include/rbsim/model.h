@@ -38,6 +38,10 @@ enum {
 	RB_FEATURE_FIELD = 1u << 16,
 	RB_FEATURE_DRIVEN = 1u << 17, /* a body with `motion` */
 	RB_FEATURE_HOOK_TRANSITION = 1u << 18,
+
+	/* what the classic method does not have */
+	RB_FEATURES_LOCATED_ONLY = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
+	                           RB_FEATURE_DRIVEN,
 };
 
 /* Entry of the dense materials table. */

@@ -24,11 +24,10 @@ enum { CROWD_MOST = 1024, CROWD_MOST_PER_BODY = 8 };
 
 /* ---- making ---- */
 
-static void *row(struct rb_located *l, size_t count, size_t size, bool *failed)
+static void *row(size_t count, size_t size, bool *failed)
 {
 	void *const block = rb_memory_take(count > 0 ? count : 1, size);
 
-	(void)l;
 	*failed = *failed || !block;
 	return block;
 }
@@ -38,17 +37,17 @@ static bool make_rows(struct rb_located *l)
 	const size_t n = (size_t)l->n;
 	bool failed = false;
 
-	l->arc = row(l, n, sizeof *l->arc, &failed);
-	l->generation = row(l, n, sizeof *l->generation, &failed);
-	l->next = row(l, n, sizeof *l->next, &failed);
-	l->cluster_of = row(l, n, sizeof *l->cluster_of, &failed);
-	l->near = row(l, n, sizeof *l->near, &failed);
-	l->set = row(l, n, sizeof *l->set, &failed);
-	l->place = row(l, n, sizeof *l->place, &failed);
-	l->plane_normal = row(l, (size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
+	l->arc = row(n, sizeof *l->arc, &failed);
+	l->generation = row(n, sizeof *l->generation, &failed);
+	l->next = row(n, sizeof *l->next, &failed);
+	l->cluster_of = row(n, sizeof *l->cluster_of, &failed);
+	l->near = row(n, sizeof *l->near, &failed);
+	l->set = row(n, sizeof *l->set, &failed);
+	l->place = row(n, sizeof *l->place, &failed);
+	l->plane_normal = row((size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
 	if (l->world->state.orientation) {
-		l->top = row(l, n, sizeof *l->top, &failed);
-		l->top_body = row(l, n, sizeof *l->top_body, &failed);
+		l->top = row(n, sizeof *l->top, &failed);
+		l->top_body = row(n, sizeof *l->top_body, &failed);
 	}
 	if (failed)
 		return false;
@@ -85,7 +84,7 @@ static bool wants_cells(const struct rb_located *l)
 	    l->model->center_of_mass)
 		return false;
 	/* bodies on pieces leave their cells at moments that have no closed form */
-	return !(l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD));
+	return !(l->model->features & RB_FEATURES_LOCATED_ONLY);
 }
 
 enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
@@ -423,7 +422,7 @@ static void start(struct rb_located *l, double t)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	l->started = true;
+	l->started = l->starting = true;
 	l->now_s = t;
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
 		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
@@ -457,6 +456,7 @@ static void start(struct rb_located *l, double t)
 		rb_set_add(l, i);
 		settle_set(l, t);
 	}
+	l->starting = false;
 	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
 		l->switch_next++;
 	if (l->switch_next < l->switch_count)
@@ -487,11 +487,8 @@ static void one_event(struct rb_located *l, int which, double t)
 /* Steps have rollback for what events cannot resolve, but not every force. */
 static bool can_be_stepped(const struct rb_located *l)
 {
-	const rb_features needs = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
-	                          RB_FEATURE_DRIVEN;
-
-	return l->model->method == RB_METHOD_AUTO && !(l->model->features & needs) &&
-	       (l->model->features & RB_FEATURE_CONTACT);
+	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT) &&
+	       !(l->model->features & RB_FEATURES_LOCATED_ONLY);
 }
 
 bool rb_engine_wants_steps(const struct rb_located *l)

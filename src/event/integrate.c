@@ -59,19 +59,9 @@ static rb_vec3 unit_of(const struct work *w, int contact, int k)
 	                          w->contact[contact].slip);
 }
 
-/* What a force `f` on this body at `arm` does to its point at `at`. */
 static rb_vec3 answer(const struct work *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
 {
-	const struct rb_located *l = w->l;
-	rb_vec3 a = rb_vec3_scale(l->model->inverse_mass[body], f);
-
-	if (l->top)
-		a = rb_vec3_add(
-			a,
-			rb_vec3_cross(rb_pull_yield(l, body, w->pose[place_of(w, body)].orientation,
-		                                    rb_vec3_cross(arm, f)),
-		                      at));
-	return a;
+	return rb_mechanics_answer(w->l, body, &w->pose[place_of(w, body)], arm, at, f);
 }
 
 /* Relative acceleration at contact i by a force `f` on b of contact j. */
@@ -211,42 +201,38 @@ static bool solve_modes(struct work *w, double t)
 	return true;
 }
 
+static int joint_body(const struct work *w, struct rb_joint *joint, int body, double t)
+{
+	const int place = place_of(w, body);
+
+	if (place >= 0)
+		return place;
+	joint->body[joint->body_count] = rb_mechanics_fixed(w->l, body, t);
+	return joint->body_count++;
+}
+
 /* Where modes do not determine the forces (more contacts than freedoms): any that do. */
-static bool solve_any(struct work *w)
+static bool solve_any(struct work *w, double t)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	struct rb_joint joint = {.arena = l->arena, .contact_count = c->held_count};
 
-	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 1), sizeof *joint.body);
+	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
+	                           sizeof *joint.body);
 	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
 	if (!joint.body || !joint.contact)
 		return false;
-	joint.body_count = c->member_count + 1;
-	joint.body[c->member_count] = (struct rb_joint_body){0};
-	for (int k = 0; k < c->member_count; k++) {
-		const int i = c->member[k];
-
-		joint.body[k] = (struct rb_joint_body){.inverse_mass = l->model->inverse_mass[i],
-		                                       .linear = w->linear[k],
-		                                       .angular = w->angular[k]};
-		if (!l->top)
-			continue;
-		joint.body[k].inverse_inertia = l->model->inverse_inertia_scalar[i];
-		if (isnan(joint.body[k].inverse_inertia))
-			joint.body[k].inverse_tensor = rb_mechanics_tensor(l, i,
-			                                                   w->pose[k].orientation);
-	}
+	joint.body_count = c->member_count;
+	for (int k = 0; k < c->member_count; k++)
+		joint.body[k] = rb_mechanics_body(l, c->member[k], &w->pose[k], w->linear[k],
+		                                  w->angular[k]);
 	for (int k = 0; k < c->held_count; k++) {
 		joint.contact[k] = w->contact[k];
 		joint.contact[k].mode = c->held[k].slipping ? RB_JOINT_SLIDE : RB_JOINT_STICK;
-		joint.contact[k].a = place_of(w, c->held[k].a);
-		joint.contact[k].b = place_of(w, c->held[k].b);
-		if (joint.contact[k].a < 0)
-			joint.contact[k].a = c->member_count;
-		if (joint.contact[k].b < 0)
-			joint.contact[k].b = c->member_count;
+		joint.contact[k].a = joint_body(w, &joint, c->held[k].a, t);
+		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
 		joint.contact[k].impulse = c->held[k].force;
 	}
 	rb_joint_forces(&joint);
@@ -338,21 +324,17 @@ static bool evaluate(struct work *w, double t, const double *value)
 		w->meet[k] = rb_meet_poses(l, held->a, held->b, &pose_a, &pose_b);
 		w->contact[k] = rb_mechanics_contact(l, &w->meet[k]);
 		/* a direction that is kept turns with the normal all the same */
-		w->contact[k].slip = rb_vec3_unit(
-			rb_vec3_add_scaled(held->slip, -rb_vec3_dot(held->slip, w->meet[k].normal),
-		                           w->meet[k].normal),
-			held->slip);
+		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(held->slip, w->meet[k].normal),
+		                                  held->slip);
 		if (held->slipping && !held->straight) {
-			const rb_vec3 u = w->meet[k].velocity;
-			const rb_vec3 slip = rb_vec3_add_scaled(
-				u, -rb_vec3_dot(u, w->meet[k].normal), w->meet[k].normal);
+			const rb_vec3 slip = rb_vec3_reject(w->meet[k].velocity, w->meet[k].normal);
 			const double speed = rb_vec3_length(slip);
 
 			if (speed > 0)
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}
 	}
-	if (c->held_count > 0 && !solve_modes(w, t) && !solve_any(w))
+	if (c->held_count > 0 && !solve_modes(w, t) && !solve_any(w, t))
 		return false;
 	for (int k = 0; k < c->held_count; k++) {
 		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(w->force[k]));

@@ -130,6 +130,7 @@ struct rb_located {
 	struct rb_error *err;   /* of the advance under way */
 	enum rb_status status;  /* of it: set once, then nothing goes on */
 	bool started;
+	bool starting; /* contacts that are found now have been there before: nothing to tell */
 };
 
 /* Values of a body in a piece: x, v and, where bodies turn, q, w. */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/mechanics.h"
 
+#include "event/pull.h"
+
 struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const struct rb_meet *m)
 {
 	const struct rb_model *model = l->model;
@@ -21,7 +23,8 @@ struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const s
 	return c;
 }
 
-rb_mat3 rb_mechanics_tensor(const struct rb_located *l, int i, rb_quat orientation)
+/* Inverse inertia in world axes, 1/(kg m^2). */
+static rb_mat3 tensor(const struct rb_located *l, int i, rb_quat orientation)
 {
 	const rb_mat3 r = rb_quat_to_mat3(orientation);
 	const rb_mat3 *inverse = &l->model->inverse_inertia[i];
@@ -35,6 +38,20 @@ rb_mat3 rb_mechanics_tensor(const struct rb_located *l, int i, rb_quat orientati
 	return out;
 }
 
+struct rb_joint_body rb_mechanics_body(const struct rb_located *l, int i,
+                                       const struct rb_pose *pose, rb_vec3 linear, rb_vec3 angular)
+{
+	struct rb_joint_body body = {
+		.inverse_mass = l->model->inverse_mass[i], .linear = linear, .angular = angular};
+
+	if (!l->top)
+		return body;
+	body.inverse_inertia = l->model->inverse_inertia_scalar[i];
+	if (isnan(body.inverse_inertia))
+		body.inverse_tensor = tensor(l, i, pose->orientation);
+	return body;
+}
+
 rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
 {
 	if (!l->top || !rb_located_on_piece(l, i))
@@ -45,4 +62,21 @@ rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
 	return (rb_vec3){rb_gauss_rate(&p->piece, p->first + RB_ROW_SPIN, s),
 	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_SPIN + 1, s),
 	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_SPIN + 2, s)};
+}
+
+struct rb_joint_body rb_mechanics_fixed(const struct rb_located *l, int i, double t)
+{
+	return (struct rb_joint_body){.linear = rb_arc_acceleration(l, i, t),
+	                              .angular = rb_mechanics_turning(l, i, t)};
+}
+
+rb_vec3 rb_mechanics_answer(const struct rb_located *l, int i, const struct rb_pose *pose,
+                            rb_vec3 arm, rb_vec3 at, rb_vec3 impulse)
+{
+	const rb_vec3 linear = rb_vec3_scale(l->model->inverse_mass[i], impulse);
+
+	if (!l->top)
+		return linear;
+	const rb_vec3 angular = rb_pull_yield(l, i, pose->orientation, rb_vec3_cross(arm, impulse));
+	return rb_vec3_add(linear, rb_vec3_cross(angular, at));
 }

@@ -31,11 +31,6 @@ static rb_vec3 origin_velocity(const struct rb_pose *pose)
 	                   rb_vec3_cross(pose->spin, rb_vec3_sub(pose->origin, pose->position)));
 }
 
-static rb_vec3 across(rb_vec3 u, rb_vec3 n)
-{
-	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, n), n);
-}
-
 static void meet_sphere(const struct rb_located *l, struct rb_meet *m)
 {
 	const rb_vec3 w = rb_vec3_sub(origin_velocity(&m->pose_b), origin_velocity(&m->pose_a));
@@ -44,7 +39,7 @@ static void meet_sphere(const struct rb_located *l, struct rb_meet *m)
 	m->gap = rb_distance_sphere_sphere(m->pose_a.origin, l->model->shape[m->a].radius,
 	                                   m->pose_b.origin, l->model->shape[m->b].radius,
 	                                   &m->normal);
-	m->normal_rate = rb_vec3_scale(1 / (m->gap + sum), across(w, m->normal));
+	m->normal_rate = rb_vec3_scale(1 / (m->gap + sum), rb_vec3_reject(w, m->normal));
 }
 
 static rb_vec3 normal_of(const struct rb_located *l, int b, rb_quat orientation)
@@ -101,7 +96,7 @@ static void meet_rectangle(const struct rb_located *l, struct rb_meet *m)
 	if (!m->on_rim)
 		return;
 	/* along an edge the normal does not turn; at a corner it follows every way across */
-	rb_vec3 turn = across(w, m->normal);
+	rb_vec3 turn = rb_vec3_reject(w, m->normal);
 	if (out_x == 0)
 		turn = rb_vec3_add_scaled(turn, -rb_vec3_dot(turn, sheet.axis_x), sheet.axis_x);
 	if (out_y == 0)

@@ -43,11 +43,6 @@ static void *take(struct settling *s, int count, size_t size)
 	return block;
 }
 
-static rb_vec3 across(rb_vec3 u, rb_vec3 n)
-{
-	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, n), n);
-}
-
 static struct rb_pose *pose_in(const struct settling *s, int body)
 {
 	return body < s->l->n && s->l->place[body] >= 0 ? &s->pose[s->l->place[body]] : NULL;
@@ -76,13 +71,8 @@ static void yield(const struct settling *s, int body, rb_vec3 arm, rb_mat3 *k)
 		return;
 	for (int column = 0; column < 3; column++) {
 		const rb_vec3 unit = {column == 0, column == 1, column == 2};
-		rb_vec3 dv = rb_vec3_scale(s->l->model->inverse_mass[body], unit);
+		const rb_vec3 dv = rb_mechanics_answer(s->l, body, pose, arm, arm, unit);
 
-		if (s->l->top)
-			dv = rb_vec3_add(dv,
-			                 rb_vec3_cross(rb_pull_yield(s->l, body, pose->orientation,
-			                                             rb_vec3_cross(arm, unit)),
-			                               arm));
 		k->m[0][column] += dv.x;
 		k->m[1][column] += dv.y;
 		k->m[2][column] += dv.z;
@@ -242,20 +232,13 @@ static void pulls(struct settling *s)
 	}
 }
 
-static int joint_body(struct settling *s, int body, const struct rb_pose *pose)
+static int joint_body(struct settling *s, int body)
 {
-	struct rb_located *l = s->l;
-	struct rb_joint_body *b;
+	const struct rb_located *l = s->l;
 
 	if (body < l->n && l->place[body] >= 0)
 		return l->place[body];
-	b = &s->joint.body[s->joint.body_count];
-	*b = (struct rb_joint_body){0};
-	if (body < l->n) { /* driven: it goes where it goes */
-		(void)pose;
-		b->linear = rb_arc_acceleration(l, body, s->t);
-		b->angular = rb_mechanics_turning(l, body, s->t);
-	}
+	s->joint.body[s->joint.body_count] = rb_mechanics_fixed(l, body, s->t);
 	return s->joint.body_count++;
 }
 
@@ -263,20 +246,9 @@ static void joint_set(struct settling *s)
 {
 	const struct rb_located *l = s->l;
 
-	for (int k = 0; k < l->set_count; k++) {
-		const int i = l->set[k];
-		struct rb_joint_body *b = &s->joint.body[k];
-
-		*b = (struct rb_joint_body){.inverse_mass = l->model->inverse_mass[i],
-		                            .linear = s->linear[k],
-		                            .angular = s->angular[k]};
-		if (l->top) {
-			b->inverse_inertia = l->model->inverse_inertia_scalar[i];
-			if (isnan(b->inverse_inertia))
-				b->inverse_tensor = rb_mechanics_tensor(l, i,
-				                                        s->pose[k].orientation);
-		}
-	}
+	for (int k = 0; k < l->set_count; k++)
+		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->linear[k],
+		                                     s->angular[k]);
 	s->joint.body_count = l->set_count;
 }
 
@@ -286,17 +258,18 @@ static void joint_contact(struct settling *s, int k)
 	const struct rb_meet *m = &s->meet[k];
 	const struct rb_held *before = &s->before[k];
 	struct rb_joint_contact *c = &s->joint.contact[k];
-	const rb_vec3 slip = across(m->velocity, m->normal);
+	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
 	const double still = 4 * rb_meet_noise(l, m) + s->slack;
 	const bool stuck = before->a >= 0 && !s->struck && (!before->slipping || before->ending);
 
 	*c = rb_mechanics_contact(l, m);
-	c->a = joint_body(s, m->a, &m->pose_a);
-	c->b = joint_body(s, m->b, &m->pose_b);
+	c->a = joint_body(s, m->a);
+	c->b = joint_body(s, m->b);
 	if (before->a >= 0)
 		c->impulse = before->force;
-	if (speed > (stuck ? fmax(still, 1e-10 * rb_vec3_length(m->pose_a.velocity)) : still)) {
+	if (speed >
+	    (stuck ? fmax(still, integrated * rb_vec3_length(m->pose_a.velocity)) : still)) {
 		c->mode = RB_JOINT_SLIDE;
 		c->slip = rb_vec3_scale(1 / speed, slip);
 	}
@@ -404,7 +377,7 @@ static struct rb_held held_of(struct settling *s, int k)
 	held.on_rim = m->on_rim;
 	if (c->slipping && c->mode == RB_JOINT_STICK) {
 		/* slip sets in against its friction */
-		const rb_vec3 friction = across(c->impulse, m->normal);
+		const rb_vec3 friction = rb_vec3_reject(c->impulse, m->normal);
 		const double size = rb_vec3_length(friction);
 
 		held.slip = size > 0 ? rb_vec3_scale(-1 / size, friction) : (rb_vec3){0, 0, 0};
@@ -427,7 +400,7 @@ static void tell_mode(struct settling *s, struct rb_held *held, int k)
 	held->merged = false;
 	held->is_told = true;
 	held->told = mode;
-	if (s->t > 0)
+	if (!s->l->starting)
 		rb_tell_transition(s->l, s->t, kinds[mode], &s->meet[k]);
 }
 
@@ -440,7 +413,7 @@ static rb_vec3 slip_rate(const struct settling *s, int k)
 		rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
 		rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
 
-	return across(rb_vec3_add(rate, c->bias), c->normal);
+	return rb_vec3_reject(rb_vec3_add(rate, c->bias), c->normal);
 }
 
 /* Does the slip keep its direction until it ends, to rounding? */
@@ -449,7 +422,7 @@ static bool is_straight(const struct settling *s, int k, const struct rb_held *h
 	const rb_vec3 rate = slip_rate(s, k);
 	const double along = rb_vec3_dot(rate, held->slip);
 	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, held->slip));
-	const double speed = rb_vec3_length(across(s->meet[k].velocity, s->meet[k].normal));
+	const double speed = rb_vec3_length(rb_vec3_reject(s->meet[k].velocity, s->meet[k].normal));
 	const double largest = rb_vec3_length(s->meet[k].pose_a.velocity) +
 	                       rb_vec3_length(s->meet[k].pose_b.velocity);
 

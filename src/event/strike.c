@@ -12,11 +12,6 @@
 
 enum { SMALLEST_ULP = 8, STOP_PASSES = 64 };
 
-static rb_vec3 across(rb_vec3 u, rb_vec3 n)
-{
-	return rb_vec3_add_scaled(u, -rb_vec3_dot(u, n), n);
-}
-
 /* ---- one pair ---- */
 
 /* A sphere about its centre, or what does not yield. */
@@ -163,7 +158,7 @@ bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 	                      ((inverse_a + inverse_b) * rb_vec3_dot(m.normal, m.normal));
 	rb_vec3 tangent = {0, 0, 0};
 	if (c.friction > 0) {
-		const rb_vec3 slip = across(m.velocity, m.normal);
+		const rb_vec3 slip = rb_vec3_reject(m.velocity, m.normal);
 		const double speed = rb_vec3_length(slip);
 		const double stop = speed / (turn_yield(l, m.a) + turn_yield(l, m.b));
 		const double size = fmin(stop, c.friction * normal);
@@ -226,18 +221,9 @@ static bool build(struct striking *s)
 	s->joint.body_count = l->set_count;
 	s->joint.contact_count = s->meet_count;
 	for (int k = 0; k < l->set_count; k++) {
-		const int i = l->set[k];
-		struct rb_joint_body *b = &s->joint.body[k];
-
-		s->pose[k] = rb_arc_pose(l, i, s->t);
-		*b = (struct rb_joint_body){.inverse_mass = l->model->inverse_mass[i],
-		                            .linear = s->pose[k].velocity,
-		                            .angular = s->pose[k].spin};
-		if (!l->top)
-			continue;
-		b->inverse_inertia = l->model->inverse_inertia_scalar[i];
-		if (isnan(b->inverse_inertia))
-			b->inverse_tensor = rb_mechanics_tensor(l, i, s->pose[k].orientation);
+		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
+		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->pose[k].velocity,
+		                                     s->pose[k].spin);
 	}
 	for (int k = 0; k < s->meet_count; k++) {
 		struct rb_meet *m = &s->meet[k];

@@ -104,6 +104,12 @@ static inline bool rb_vec3_finite(rb_vec3 a)
 	return isfinite(a.x) && isfinite(a.y) && isfinite(a.z);
 }
 
+/* What of `a` is across the unit vector `n`. */
+static inline rb_vec3 rb_vec3_reject(rb_vec3 a, rb_vec3 n)
+{
+	return rb_vec3_add_scaled(a, -rb_vec3_dot(a, n), n);
+}
+
 /* A unit vector across the unit vector `a` (the coordinate axis least along it, projected). */
 static inline rb_vec3 rb_vec3_across(rb_vec3 a)
 {

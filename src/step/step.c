@@ -44,12 +44,11 @@ static void start_state(struct rb_world *world)
 static bool is_located(const struct rb_model *model)
 {
 	const rb_features eccentric = RB_FEATURE_OFF_CENTER | RB_FEATURE_CONTACT;
-	const rb_features integrated = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
-	                               RB_FEATURE_DRIVEN;
 
 	if (model->method != RB_METHOD_AUTO)
 		return model->method == RB_METHOD_LOCATED;
-	return (model->features & eccentric) != eccentric || (model->features & integrated) != 0;
+	return (model->features & eccentric) != eccentric ||
+	       (model->features & RB_FEATURES_LOCATED_ONLY) != 0;
 }
 
 enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
