@@ -182,9 +182,14 @@ static double size_of(const struct rb_located *l, int i)
 	return l->model->shape[i].kind == RB_SHAPE_SPHERE ? l->model->shape[i].radius : 0;
 }
 
+double rb_meet_size(const struct rb_located *l, const struct rb_meet *m)
+{
+	return fmax(size_of(l, m->a), size_of(l, m->b));
+}
+
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t)
 {
-	double largest = fmax(size_of(l, m->a), size_of(l, m->b));
+	double largest = rb_meet_size(l, m);
 
 	/* of an infinite plane only the sphere's place matters: its own point may be anywhere */
 	if (l->model->shape[m->a].kind == RB_SHAPE_SPHERE)
@@ -198,7 +203,7 @@ double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double 
 
 double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m)
 {
-	const double size = fmax(size_of(l, m->a), size_of(l, m->b));
+	const double size = rb_meet_size(l, m);
 
 	return 8 * DBL_EPSILON *
 	       (rb_vec3_max_abs(m->pose_a.velocity) + rb_vec3_max_abs(m->pose_b.velocity) +

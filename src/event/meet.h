@@ -28,6 +28,8 @@ struct rb_meet rb_meet_at(const struct rb_located *l, int a, int b, double t);
 struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const struct rb_pose *pose_a,
                              const struct rb_pose *pose_b);
 
+/* m: radius of the larger sphere of the two; a plane has no size, and its own point may be anywhere. */
+double rb_meet_size(const struct rb_located *l, const struct rb_meet *m);
 /* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t);
 /* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */

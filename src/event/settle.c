@@ -97,7 +97,7 @@ static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *be
 	rb_mat3 k = {0}, inverse;
 
 	/* an overlap that steps have left is within the tolerance, and others lean on it */
-	if (fabs(m->gap) > 0.5 * band && m->gap > -integrated * rb_vec3_length(m->arm_a)) {
+	if (fabs(m->gap) > 0.5 * band && m->gap > -integrated * rb_meet_size(s->l, m)) {
 		const double sum = model->inverse_mass[m->a] + model->inverse_mass[m->b];
 		struct rb_pose *const a = pose_in(s, m->a), *const b = pose_in(s, m->b);
 		const double share = m->gap / sum;
@@ -189,7 +189,7 @@ static bool parts(const struct settling *s, const struct rb_meet *m)
 		        (rb_vec3_length(m->pose_a.velocity) + rb_vec3_length(m->pose_b.velocity));
 	/* and one whose body has been put elsewhere */
 	return rb_vec3_dot(m->velocity, m->normal) > most ||
-	       m->gap > integrated * rb_vec3_length(m->arm_a);
+	       m->gap > fmax(integrated * rb_meet_size(s->l, m), rb_meet_band(s->l, m, s->t));
 }
 
 static void keep_what_lasts(struct settling *s)
@@ -268,8 +268,9 @@ static void joint_contact(struct settling *s, int k)
 	c->b = joint_body(s, m->b);
 	if (before->a >= 0)
 		c->impulse = before->force;
-	if (speed >
-	    (stuck ? fmax(still, integrated * rb_vec3_length(m->pose_a.velocity)) : still)) {
+	if (speed > (stuck ? fmax(still, integrated * (rb_vec3_length(m->pose_a.velocity) +
+	                                               rb_vec3_length(m->pose_b.velocity)))
+	                   : still)) {
 		c->mode = RB_JOINT_SLIDE;
 		c->slip = rb_vec3_scale(1 / speed, slip);
 	}
@@ -344,7 +345,7 @@ static enum rb_held_mode mode_of(const struct settling *s, int k)
 		return RB_HELD_SLIDE;
 	/* without slip, and without turning against each other */
 	return rb_vec3_length(m->velocity) <= noise &&
-	                       rb_vec3_length(turn) * rb_vec3_length(m->arm_a) <= noise
+	                       rb_vec3_length(turn) * rb_meet_size(s->l, m) <= noise
 	               ? RB_HELD_REST
 	               : RB_HELD_ROLL;
 }

@@ -64,11 +64,9 @@ static double closing_of(const struct rb_located *l, const struct rb_meet *m, do
 static bool ends_here(const struct rb_located *l, const struct rb_meet *m, double leave, double t)
 {
 	const double closing = closing_of(l, m, t);
-	const double size = fmax(
-		rb_vec3_length(m->arm_a),
-		l->model->shape[m->b].kind == RB_SHAPE_SPHERE ? rb_vec3_length(m->arm_b) : 0);
 
-	return closing > 0 && leave * leave <= 2 * closing * SMALLEST_ULP * DBL_EPSILON * size;
+	return closing > 0 &&
+	       leave * leave <= 2 * closing * SMALLEST_ULP * DBL_EPSILON * rb_meet_size(l, m);
 }
 
 /* ---- one pair in flight ---- */
