@@ -50,12 +50,16 @@ package = $(call found,$(firstword $2),$(shell for p in $2; do \
 LUA_CFLAGS = $(eval LUA_CFLAGS := $(call package,--cflags,lua5.4 lua-5.4))$(LUA_CFLAGS)
 LUA_LIBS = $(eval LUA_LIBS := $(call package,--libs,lua5.4 lua-5.4))$(LUA_LIBS)
 HDF5_CFLAGS = $(eval HDF5_CFLAGS := $(call package,--cflags,hdf5-serial hdf5))$(HDF5_CFLAGS)
+FILM_CFLAGS = $(eval FILM_CFLAGS := $(call package,--cflags,osmesa) $(call package,--cflags,libpng) $(call \
+	package,--cflags,freetype2))$(FILM_CFLAGS)
+FILM_LIBS = $(eval FILM_LIBS := $(call package,--libs,osmesa) $(call package,--libs,libpng) $(call \
+	package,--libs,freetype2))$(FILM_LIBS)
 HDF5_LIBS = $(eval HDF5_LIBS := $(call package,--libs,hdf5-serial hdf5))$(HDF5_LIBS)
 CMOCKA_CFLAGS = $(eval CMOCKA_CFLAGS := $(call package,--cflags,cmocka))$(CMOCKA_CFLAGS)
 CMOCKA_LIBS = $(eval CMOCKA_LIBS := $(call package,--libs,cmocka))$(CMOCKA_LIBS)
 libs = $(LUA_LIBS) -lm -ldl $(LDLIBS)
 
-# src/ORDER is the only list of modules; what needs HDF5 becomes a module that is loaded at run time.
+# src/ORDER is the only list of modules; what needs HDF5 and what makes pictures become modules that are loaded at run time.
 listed := $(shell sh tools/modules src/ORDER)
 modules := $(if $(LAYERS),$(filter $(LAYERS:%=%/%),$(listed)),$(listed))
 absent := $(strip $(foreach m,$(modules),$(if $(wildcard src/$(m).c src/$(m).h),,$(m))))
@@ -65,7 +69,9 @@ h5_sources := $(filter src/sink/h5% src/sink/recorder.c src/sink/reader.c,$(sour
 main_source := $(filter src/app/main.c,$(sources))
 objects = $(patsubst %.c,$(BUILD)/%.o,$1)
 h5_objects := $(call objects,$(h5_sources))
-lib_objects := $(call objects,$(filter-out $(h5_sources) $(main_source),$(sources)))
+film_sources := $(filter src/film/%,$(sources))
+film_objects := $(call objects,$(film_sources))
+lib_objects := $(call objects,$(filter-out $(h5_sources) $(film_sources) $(main_source),$(sources)))
 test_sources := $(wildcard tests/test_*.c)
 tests := $(test_sources:%.c=$(BUILD)/%)
 cli_tests := $(wildcard tests/cli/*.sh)
@@ -74,6 +80,8 @@ fuzz_sources := $(wildcard tests/fuzz/fuzz_*.c)
 program := $(BUILD)/rbsim
 library := $(BUILD)/librbsim.a
 h5_module := $(BUILD)/rbsim-hdf5.so
+film_module := $(if $(film_sources),$(BUILD)/rbsim-film.so)
+loaded := $(h5_module) $(film_module)
 seconds = $(if $(filter release debug,$(MODE)),120,600)
 run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 	TEST_WRAP="$(if $(filter tsan,$(MODE)),$$(setarch -R true 2>/dev/null && echo setarch -R))" tools/run-tests $(program)
@@ -83,26 +91,32 @@ run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 .SECONDARY:
 .PHONY: all deps demo test test-long bench fuzz fuzz-run lint format install uninstall clean FORCE
 
-all: $(program) $(h5_module) $(library) compile_commands.json
+all: $(program) $(loaded) $(library) compile_commands.json
 
 # The program takes all objects, not what it happens to use of the library: the module uses the others.
 $(program): $(lib_objects) $(call objects,$(main_source)) $(BUILD)/modules
 	$(call say,LD,$(link) -rdynamic -o $@ $(filter %.o,$^) $(libs))
 $(h5_module): $(h5_objects) $(BUILD)/modules
 	$(call say,LD,$(link) -shared -o $@ $(filter %.o,$^) $(HDF5_LIBS) $(LDLIBS))
+$(film_module): $(film_objects) $(BUILD)/modules
+	$(call say,LD,$(link) -shared -o $@ $(filter %.o,$^) $(FILM_LIBS) -lm $(LDLIBS))
 $(library): $(lib_objects) $(BUILD)/modules
 	@rm -f $@
 	$(call say,AR,$(AR) rcs $@ $(filter %.o,$^))
 $(tests): $(BUILD)/tests/%: $(BUILD)/tests/%.o $(library)
-	$(call say,LD,$(link) -o $@ $(filter %.o,$^) $(library) $(h5_libs) $(CMOCKA_LIBS) $(libs))
+	$(call say,LD,$(link) -o $@ $(filter %.o,$^) $(library) $(h5_libs) $(film_libs) $(CMOCKA_LIBS) $(libs))
 $(filter $(BUILD)/tests/test_h5%,$(tests)): $(h5_objects)
 $(filter $(BUILD)/tests/test_h5%,$(tests)): h5_libs = $(HDF5_LIBS)
+$(filter $(BUILD)/tests/test_film%,$(tests)): $(film_objects)
+$(filter $(BUILD)/tests/test_film%,$(tests)): film_libs = $(FILM_LIBS)
 
 extra =
 $(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)
 $(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
+$(film_objects): extra = -fPIC $(FILM_CFLAGS)
 $(BUILD)/tests/%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS)
 $(BUILD)/tests/test_h5%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(HDF5_CFLAGS)
+$(BUILD)/tests/test_film%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(FILM_CFLAGS)
 $(BUILD)/tests/fuzz/%.o: extra = $(LUA_CFLAGS)
 $(BUILD)/%.o: %.c $(BUILD)/flags
 	@mkdir -p $(@D)
@@ -123,7 +137,7 @@ entry = $(call shell_word,{"directory": $(call json,$(CURDIR))$(comma) "file": "
 	json,$(compile) $2 $(compile_user) -c $1)}$(if $(filter-out $(lastword $(sources)),$1),$(comma)))
 compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
 	@printf '%s\n' [ $(foreach s,$(sources),$(call entry,$(s),$(if $(filter $(s),$(h5_sources)),-fPIC \
-	$(HDF5_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS))))) ] >$@
+	$(HDF5_CFLAGS),$(if $(filter $(s),$(film_sources)),-fPIC $(FILM_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS)))))) ] >$@
 
 # What is needed follows from what else is asked for; alone, all but the fuzzer.
 deps:
@@ -131,14 +145,15 @@ deps:
 	$(filter lint fuzz,$(MAKECMDGOALS)))
 demo: all
 	@mkdir -p build/demo
-	$(program) scenes/bounce.lua -o build/demo/bounce.h5 --force
+	cd build/demo && $(abspath $(program)) $(CURDIR)/scenes/bounce.lua --force
 	@echo "the recording is build/demo/bounce.h5 (look inside: $(program) info build/demo/bounce.h5)"
-test: $(program) $(h5_module) $(tests)
+	@echo "the film is build/demo/bounce.mp4 (another one: $(program) render build/demo/bounce.h5 -o slow.gif --speed 0.25)"
+test: $(program) $(loaded) $(tests)
 	@$(run_tests) $(tests) $(cli_tests)
 test-long: seconds = 3600
-test-long: $(program) $(h5_module) $(tests)
+test-long: $(program) $(loaded) $(tests)
 	@$(run_tests) $(tests) $(cli_tests) $(wildcard tests/long/*.sh)
-bench: $(program) $(h5_module)
+bench: $(program) $(loaded)
 	@for b in $(wildcard tests/bench/*.sh); do RBSIM=$(abspath $(program)) "$$b" || exit 1; done
 fuzz: | $(filter deps,$(MAKECMDGOALS))
 	@$(MAKE) --no-print-directory MODE=fuzz BUILD=build/fuzz CC=clang fuzz-run
@@ -148,8 +163,10 @@ fuzz-run: $(patsubst tests/fuzz/%.c,$(BUILD)/%,$(fuzz_sources))
 	-print_final_stats=1 -artifact_prefix=$(BUILD)/$$n- $$c $$s >$$f.log 2>&1 || { tail -n 40 $$f.log; exit 1; }; \
 	grep -E 'number_of_executed_units|slowest_unit' $$f.log; done
 $(BUILD)/fuzz_%: $(BUILD)/tests/fuzz/fuzz_%.o $(library)
-	$(call say,LD,$(link) -fsanitize=fuzzer -o $@ $< $(library) $(libs))
-lint: $(program) $(h5_module) $(library)
+	$(call say,LD,$(link) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(library) $(film_libs) $(libs))
+$(BUILD)/fuzz_png: $(call objects,src/film/png.c src/film/pixmap.c)
+$(BUILD)/fuzz_png: film_libs = $(FILM_LIBS)
+lint: $(program) $(loaded) $(library)
 	@tools/lint $(BUILD)
 format:
 	tools/check-format --fix
@@ -158,7 +175,7 @@ install_all = install -d $(DESTDIR)$2 && install -m $1 $3 $(DESTDIR)$2
 scene_folders = $(if $(wildcard scenes),$(shell cd scenes && find . -type d))
 install: all
 	$(call install_all,755,$(bindir),$(program))
-	$(call install_all,644,$(libdir)/rbsim,$(h5_module))
+	$(call install_all,644,$(libdir)/rbsim,$(loaded))
 	$(if $(wildcard lua/rbsim/*.lua),$(call install_all,644,$(datadir)/rbsim/lua/rbsim,$(wildcard lua/rbsim/*.lua)))
 	$(foreach d,$(scene_folders),$(if $(wildcard scenes/$(d)/*.lua),$(call \
 	install_all,644,$(datadir)/rbsim/scenes/$(d:./%=%),$(wildcard scenes/$(d)/*.lua)) &&)) :

@@ -12,7 +12,8 @@ local rubber = material { name = "rubber", density = 1100, friction = 0.6, resti
 plane    { normal = {0, 0, 1}, material = rubber, texture = "checker" }
 local ball = sphere { name = "ball", radius = radius, position = {0, 0, 2}, material = rubber }
 
-camera   { name = "main", position = {3, -4, 2}, look_at = ball, size = {1280, 720} }
+camera   { name = "main", position = {1.5, -4, 1.2}, look_at = {0, 0, 0.9}, size = {1280, 720},
+           overlay = {"title", "time", "energy"}, trails = {ball}, video = "bounce.mp4" }
 
 -- Apexes and the end of the bouncing, as seen frame by frame.
 state.apex, state.bounces, state.last = 0, 0, 0

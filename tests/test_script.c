@@ -315,6 +315,109 @@ static void put_file(const char *folder, const char *name, const char *text)
 	fclose(file);
 }
 
+enum { PNG_HEAD_SIZE = 33 };
+
+static void put_bytes(const char *folder, const char *name, const void *bytes, size_t size)
+{
+	char path[512];
+
+	snprintf(path, sizeof path, "%s/%s", folder, name);
+	FILE *file = fopen(path, "w");
+	assert_non_null(file);
+	assert_int_equal(fwrite(bytes, 1, size, file), size);
+	fclose(file);
+}
+
+/* The beginning of a PNG file, as far as a scene looks into it. */
+static const unsigned char *png_head(unsigned width, unsigned height)
+{
+	static unsigned char head[PNG_HEAD_SIZE];
+
+	memcpy(head, "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR", 16);
+	for (int i = 0; i < 4; i++) {
+		head[16 + i] = (unsigned char)(width >> (24 - 8 * i));
+		head[20 + i] = (unsigned char)(height >> (24 - 8 * i));
+	}
+	head[24] = 8;
+	head[25] = 2;
+	return head;
+}
+
+static void textures_that_are_no_pictures_are_mistakes(void **state)
+{
+	static const struct {
+		unsigned width, height;
+		size_t size;
+		const char *says;
+	} cases[] = {
+		{60000, 60000, PNG_HEAD_SIZE,
+	         "'texture' must have from 1 to 8192 pixels a side ('x.png' has 60000 x 60000)"},
+		{8192, 8193, PNG_HEAD_SIZE, "'x.png' has 8192 x 8193"},
+		{0, 5, PNG_HEAD_SIZE, "'x.png' has 0 x 5"},
+		{5, 0, PNG_HEAD_SIZE, "'x.png' has 5 x 0"},
+		{1u << 31, 5, PNG_HEAD_SIZE, "'x.png' has 2147483648 x 5"},
+		{5, 5, PNG_HEAD_SIZE - 1,
+	         "must be a whole PNG file ('x.png' is damaged or cut off)"},
+		{5, 5, 8, "must be a whole PNG file"},
+		{5, 5, 7, "must be a PNG file ('x.png' is none: it begins with other bytes)"},
+		{5, 5, 0, "must be a PNG file"},
+		{8192, 1, PNG_HEAD_SIZE, NULL},
+	};
+	static const char text[] = "world { duration = 1 }\n"
+				   "material { name = 'm', texture = 'x.png' }\n"
+				   "sphere { name = 's', radius = 1, texture = 'x.png' }\n";
+	char folder[256], path[600];
+	struct rb_script_options options = {.path = path};
+	struct loaded it;
+
+	(void)state;
+	support_folder(folder);
+	snprintf(path, sizeof path, "%s/t.lua", folder);
+	put_file(folder, "t.lua", text);
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		const unsigned char *const head = png_head(cases[i].width, cases[i].height);
+		const struct rb_source_file stored[2] = {
+			{.name = "t.lua", .text = text, .size_bytes = sizeof text - 1},
+			{.name = "x.png", .text = (const char *)head, .size_bytes = cases[i].size}};
+		struct rb_script_options again = {.path = path, .files = stored, .file_count = 2};
+		put_bytes(folder, "x.png", head, cases[i].size);
+		for (int k = 0; k < 2; k++) { /* from the disk, and as they were stored */
+			load_with(&it, k == 0 ? &options : &again);
+			assert_int_equal(it.status, cases[i].says ? RB_ERR_SCENE : RB_OK);
+			assert_int_equal(it.mistakes.count, cases[i].says ? 2 : 0);
+			assert_int_equal(it.scene.file_count, cases[i].says ? 1 : 2);
+			if (cases[i].says &&
+			    (!strstr(it.mistakes.line[0], ":2: material 'm': 'texture'") ||
+			     !strstr(it.mistakes.line[1], ":3: sphere 's': 'texture'") ||
+			     !strstr(it.mistakes.line[1], cases[i].says)))
+				fail_msg("case %zu gives '%s'", i, it.mistakes.line[1]);
+			unload(&it);
+		}
+	}
+	snprintf(path, sizeof path, "%s/x.png", folder);
+	assert_int_equal(truncate(path, ((off_t)64 << 20) + 1), 0);
+	snprintf(path, sizeof path, "%s/t.lua", folder);
+	load_with(&it, &options);
+	assert_non_null(strstr(it.error.text, "x.png': it has more than 64 MiB"));
+	unload(&it);
+	snprintf(path, sizeof path, "rm '%s/x.png' && mkfifo '%s/x.png'", folder, folder);
+	assert_int_equal(system(path), 0);
+	snprintf(path, sizeof path, "%s/t.lua", folder);
+	load_with(&it, &options);
+	assert_non_null(strstr(it.error.text, "x.png': it is not a regular file"));
+	unload(&it);
+	const struct rb_source_file alone = {
+		.name = "t.lua", .text = text, .size_bytes = sizeof text - 1};
+	struct rb_script_options lost = {.path = path, .files = &alone, .file_count = 1};
+	load_with(&it, &lost);
+	assert_non_null(
+		strstr(it.error.text,
+	               "'texture': there is no file 'x.png' among those stored with the scene"));
+	unload(&it);
+	snprintf(path, sizeof path, "rm -r '%s'", folder);
+	assert_int_equal(system(path), 0);
+}
+
 static void requires_come_from_beside_the_scene_and_are_kept(void **state)
 {
 	char folder[256], path[300], link[300];
@@ -325,27 +428,34 @@ static void requires_come_from_beside_the_scene_and_are_kept(void **state)
 	support_folder(folder);
 	snprintf(path, sizeof path, "%s/scene.lua", folder);
 	put_file(folder, "part.lua", "return { radius = 2 }");
-	put_file(folder, "skin.png", "not looked into");
+	put_bytes(folder, "skin.png", png_head(8, 8), PNG_HEAD_SIZE);
 	put_file(folder, "scene.lua",
 	         "local part = require 'part'\nassert(require 'part' == part)\n"
 	         "require 'rbsim.palette'\n"
+	         "material { name = 'worn', texture = 'skin.png' }\n"
 	         "sphere { radius = part.radius, texture = 'skin.png' }\n");
 	load_with(&it, &options);
 	if (it.status != RB_OK)
 		fail_msg("%s", it.error.text);
-	assert_int_equal(it.scene.file_count, 4); /* and rbsim.check, which the palette requires */
+	assert_int_equal(it.scene.file_count, 5); /* and rbsim.check, which the palette requires */
 	assert_string_equal(it.scene.files[0].name, "scene.lua");
 	assert_string_equal(it.scene.files[1].name, "part");
 	assert_string_equal(it.scene.files[1].text, "return { radius = 2 }");
 	assert_string_equal(it.scene.files[2].name, "rbsim.palette");
+	assert_string_equal(it.scene.files[4].name, "skin.png");
+	assert_int_equal(it.scene.files[4].size_bytes, PNG_HEAD_SIZE);
+	assert_memory_equal(it.scene.files[4].text, png_head(8, 8), PNG_HEAD_SIZE);
+	assert_string_equal(it.scene.bodies[0].texture, "skin.png");
+	assert_string_equal(it.scene.materials[1].texture, "skin.png");
 	/* the same scene again from what was kept, with no file on disk */
 	struct rb_script_options stored = {
 		.path = "again.lua", .files = it.scene.files, .file_count = it.scene.file_count};
 	struct loaded again;
 	load_with(&again, &stored);
 	assert_int_equal(again.status, RB_OK);
-	assert_int_equal(again.scene.file_count, 4);
-	assert_string_equal(again.scene.files[1].sha256, it.scene.files[1].sha256);
+	assert_int_equal(again.scene.file_count, 5);
+	for (int i = 0; i < 5; i++)
+		assert_string_equal(again.scene.files[i].sha256, it.scene.files[i].sha256);
 	unload(&again);
 	unload(&it);
 
@@ -603,6 +713,7 @@ int main(void)
 		cmocka_unit_test(bytecode_is_refused),
 		cmocka_unit_test(a_first_line_for_the_shell_and_a_byte_order_mark_are_passed_over),
 		cmocka_unit_test(requires_come_from_beside_the_scene_and_are_kept),
+		cmocka_unit_test(textures_that_are_no_pictures_are_mistakes),
 		cmocka_unit_test(a_call_that_is_assigned_to_is_a_mistake),
 		cmocka_unit_test(a_mistake_in_a_helper_shows_the_line_of_the_scene),
 		cmocka_unit_test(handles_show_the_initial_values),

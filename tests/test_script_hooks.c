@@ -307,26 +307,6 @@ static void a_reference_can_be_used_by_expects(void **state)
 	end(&run);
 }
 
-static void a_cameras_function_of_time_can_be_asked(void **state)
-{
-	struct run run;
-	rb_vec3 at;
-
-	(void)state;
-	must_run(
-		&run,
-		"world { duration = 0.1 } local b = sphere { radius = 1 }\n"
-		"camera { position = function(t) return {t, 2, 3} end, look_at = function(t) return 'x' end }");
-	assert_int_equal(run.scene.cameras[0].position.source, RB_CAMERA_FUNCTION);
-	const int place = run.scene.cameras[0].position.function,
-		  target = run.scene.cameras[0].look_at.function;
-	assert_int_equal(rb_script_vector_at(run.script, NULL, place, 5, &at, &run.error), RB_OK);
-	assert_near(at.x, 5, 0);
-	assert_int_equal(rb_script_vector_at(run.script, run.world, target, 5, &at, &run.error),
-	                 RB_ERR_SCENE);
-	end(&run);
-}
-
 static void random_numbers_in_callbacks_repeat_from_run_to_run(void **state)
 {
 	static const char text[] =
@@ -354,7 +334,6 @@ int main(void)
 		cmocka_unit_test(expectations_are_measured_against_their_bounds),
 		cmocka_unit_test(a_broken_expectation_does_not_cost_the_others),
 		cmocka_unit_test(a_reference_can_be_used_by_expects),
-		cmocka_unit_test(a_cameras_function_of_time_can_be_asked),
 		cmocka_unit_test(random_numbers_in_callbacks_repeat_from_run_to_run),
 	};
 

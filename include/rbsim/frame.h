@@ -67,6 +67,17 @@ struct rb_frame_numbers {
 	double stepped; /* s that the classic method has simulated, the rest was located */
 };
 
+/*
+ * Where a camera that moves by functions of time stands at one of its pictures. Made by whoever fills the frame,
+ * because only that thread may run the scene's Lua; the picture's time lies after that of the frame before and not
+ * after that of this one.
+ */
+struct rb_frame_shot {
+	int camera;                    /* its place in the list of cameras that are filmed */
+	uint64_t picture;              /* the number of the picture, from 0 */
+	rb_vec3 position, look_at, up; /* m, m, any length; world */
+};
+
 struct rb_frame {
 	uint64_t index; /* k: frame k is at k / frame_rate */
 	double time_s;
@@ -83,6 +94,9 @@ struct rb_frame {
 	int event_count, event_capacity;
 	struct rb_frame_contact *contacts;
 	int contact_count, contact_capacity;
+	struct rb_frame_shot
+		*shots; /* by camera, then picture; NULL where no camera has functions */
+	int shot_count, shot_capacity;
 };
 
 #ifdef __cplusplus

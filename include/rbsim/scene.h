@@ -137,7 +137,7 @@ struct rb_light_def {
 	double color[3], intensity;
 };
 
-/* Parsed, checked and kept; drawn by a renderer when there is one. */
+/* A film or pictures of the run: what is drawn how, from where, when and to which files. */
 struct rb_camera_def {
 	const char *name;
 	int line;

@@ -231,7 +231,22 @@ static void print_parts(const struct rb_model *model)
 	}
 }
 
-static void print_text(const struct rb_loaded *loaded, const struct rb_options *options,
+/* What the cameras will make, or why they can't. */
+static void print_films(struct rb_loaded *loaded, const struct rb_options *options)
+{
+	const struct rb_films_wish wish = rb_films_wish_of_run(loaded, options);
+	struct rb_films *films = NULL;
+	struct rb_error refusal;
+
+	if (options->no_render)
+		return;
+	if (rb_films_create(&films, loaded, &wish, &refusal))
+		printf("  but         %s\n", refusal.text);
+	rb_films_print_plan(stdout, films);
+	rb_films_destroy(films);
+}
+
+static void print_text(struct rb_loaded *loaded, const struct rb_options *options,
                        const struct rb_run_info *info, const struct needs *needs)
 {
 	struct rb_error refusal;
@@ -260,6 +275,7 @@ static void print_text(const struct rb_loaded *loaded, const struct rb_options *
 		printf("  disk        nothing is recorded\n");
 	if (rb_simulate_check_output(loaded, options, &refusal))
 		printf("  but         %s\n", refusal.text);
+	print_films(loaded, options);
 	print_materials(loaded);
 	rb_plan_print_features(model, stdout);
 	if (model->method != RB_METHOD_CLASSIC)

@@ -9,11 +9,11 @@
 
 #include "app/chart.h"
 #include "app/common.h"
-#include "app/outfile.h"
 #include "app/progress.h"
 #include "app/refine.h"
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/outfile.h"
 #include "script/reference.h"
 #include "step/step.h"
 

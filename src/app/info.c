@@ -181,6 +181,10 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	for (int i = 0; i < reading->file_count; i++)
 		rb_json_text(&json, NULL, reading->file_names[i]);
 	rb_json_close(&json, ']');
+	rb_json_open(&json, "file_sizes", '[');
+	for (int i = 0; i < reading->file_count; i++)
+		rb_json_count(&json, NULL, reading->file_sizes[i]);
+	rb_json_close(&json, ']');
 	rb_json_number(&json, "energy_first", course->energy_first);
 	rb_json_number(&json, "energy_last", course->energy_last);
 	rb_json_number(&json, "kinetic_energy_max", course->kinetic_max);
@@ -221,7 +225,7 @@ static void print_changes(const struct course *course)
 static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
-	char forces[96];
+	char forces[96], size[32];
 
 	printf("%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
 	       rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
@@ -255,8 +259,8 @@ static void print_text(const char *path, const struct rb_reading *reading,
 		printf("  %-11s %s = %s\n", i == 0 ? "parameters" : "", reading->param_names[i],
 		       reading->param_values[i]);
 	for (int i = 0; i < reading->file_count; i++)
-		printf("  %-11s %s%s\n", i == 0 ? "files" : "", reading->file_names[i],
-		       i == 0 ? " (see --scene)" : "");
+		printf("  %-11s %s, %s%s\n", i == 0 ? "files" : "", reading->file_names[i],
+		       rb_text_bytes(reading->file_sizes[i], size), i == 0 ? " (see --scene)" : "");
 	if (reading->frame_count == 0)
 		return;
 	print_changes(course);
@@ -287,7 +291,7 @@ static enum rb_status look(const struct rb_options *options, struct rb_error *er
 	const struct rb_reading *reading = module->reader_reading(reader);
 	if (options->scene_text) {
 		if (reading->file_count > 0)
-			fputs(reading->file_texts[0], stdout);
+			(void)!fwrite(reading->file_texts[0], 1, reading->file_sizes[0], stdout);
 		else
 			status = RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no scene",
 			                 options->operand[0]);

@@ -11,6 +11,7 @@
 #include "app/info.h"
 #include "app/methods.h"
 #include "app/progress.h"
+#include "app/render.h"
 #include "app/run.h"
 #include "app/simulate.h"
 #include "app/verify.h"
@@ -20,6 +21,7 @@
 static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
 	[RB_VERB_RUN] = rb_run_main,           [RB_VERB_CHECK] = rb_check_main,
 	[RB_VERB_INFO] = rb_info_main,         [RB_VERB_DIFF] = rb_diff_main,
+	[RB_VERB_RENDER] = rb_render_main,
 	[RB_VERB_CONVERGE] = rb_converge_main, [RB_VERB_VERIFY] = rb_verify_main,
 	[RB_VERB_METHODS] = rb_methods_main,
 };

@@ -14,7 +14,7 @@
 
 #define VERB(name) (1u << RB_VERB_##name)
 #define ALL                                                                                  \
-	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(DIFF) | VERB(CONVERGE) | VERB(VERIFY) | \
+	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | VERB(VERIFY) | \
 	 VERB(METHODS))
 #define SCENE (VERB(RUN) | VERB(CHECK))
 #define AT(field) offsetof(struct rb_options, field)
@@ -32,6 +32,13 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 	[RB_VERB_INFO] = {"info", "RUN.h5", 1, "what is in a recording and how the run went",
                           "rbsim info bounce.h5\tat a glance\n"
                           "rbsim info bounce.h5 --scene >again.lua\tthe scene it was made from\n"},
+	[RB_VERB_RENDER] =
+		{"render", "RUN.h5", 1, "pictures and video from a recording",
+                 "rbsim render bounce.h5\tthe films that the scene's cameras ask for\n"
+                 "rbsim render bounce.h5 --camera main -o slow.mp4 --speed 0.25\tslow motion\n"
+                 "rbsim render bounce.h5 --frame 30 -o picture.png\tone picture\n"
+                 "rbsim render bounce.h5 --contact-sheet -o sheet.png\tthe whole run at a glance\n"
+                 "rbsim render bounce.h5 --with cameras.lua -o 'frames/%05d.png'\tother cameras\n"},
 	[RB_VERB_DIFF] = {"diff", "A.h5 B.h5", 2,
                           "the first frame and body at which two recordings differ",
                           "rbsim diff before.h5 after.h5\texit status 0: the same to the bit\n"},
@@ -55,6 +62,8 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 const struct rb_option_row rb_option_rows[] = {
 	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), SCENE, 0, 0, false, NULL,
 	 "record to FILE (default: the scene's record file, else its name with .h5, here)"},
+	{"output", 'o', "FILM", RB_OPTION_TEXT, AT(output), VERB(RENDER), 0, 0, false, NULL,
+	 "film (.mp4, .webm, .gif) or pictures (frames/%05d.png), instead of what the camera says"},
 	{"output", 'o', "REPORT", RB_OPTION_TEXT, AT(output), VERB(CONVERGE), 0, 0, false, NULL,
 	 "write the report, by the ending of its name a picture (.svg, .png) or all numbers (.csv, .json)"},
 	{"param", 'p', "NAME=VALUE", RB_OPTION_LIST, AT(params), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
@@ -90,9 +99,29 @@ const struct rb_option_row rb_option_rows[] = {
 	 "workers of the simulator (default: the processors this process may use)"},
 	{"no-record", 0, NULL, RB_OPTION_FLAG, AT(no_record), SCENE, 0, 0, false, NULL,
 	 "write no recording"},
-	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
-	 "replace an existing recording or report"},
-	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
+	{"no-render", 0, NULL, RB_OPTION_FLAG, AT(no_render), SCENE, 0, 0, false, NULL,
+	 "make none of the films and pictures that cameras ask for"},
+	{"camera", 0, "NAMES", RB_OPTION_TEXT, AT(camera), VERB(RUN) | VERB(RENDER), 0, 0, false, NULL,
+	 "film with these cameras only: names with commas between"},
+	{"with", 0, "CAMERAS.lua", RB_OPTION_TEXT, AT(with), VERB(RENDER), 0, 0, false, NULL,
+	 "take the cameras from this file instead of the recorded scene"},
+	{"from", 0, "SECONDS", RB_OPTION_NUMBER, AT(from_s), VERB(RENDER), 0, INFINITY, false, NULL,
+	 "simulated time of the first picture"},
+	{"to", 0, "SECONDS", RB_OPTION_NUMBER, AT(to_s), VERB(RENDER), 0, INFINITY, false, NULL,
+	 "simulated time of the last picture"},
+	{"fps", 0, "N", RB_OPTION_NUMBER, AT(fps), VERB(RENDER), 0, 1e6, true, NULL,
+	 "pictures per second of film"},
+	{"speed", 0, "FACTOR", RB_OPTION_NUMBER, AT(speed), VERB(RENDER), 0, INFINITY, true, NULL,
+	 "simulated seconds in a second of film: 0.25 is slow motion, 10 time lapse"},
+	{"size", 0, "WxH", RB_OPTION_TEXT, AT(size), VERB(RENDER), 0, 0, false, NULL,
+	 "pixels of the pictures, like 1920x1080"},
+	{"frame", 0, "N", RB_OPTION_INTEGER, AT(frame), VERB(RENDER), 0, INT_MAX, false, NULL,
+	 "one picture, of this frame, to --output PICTURE.png"},
+	{"contact-sheet", 0, NULL, RB_OPTION_FLAG, AT(contact_sheet), VERB(RENDER), 0, 0, false, NULL,
+	 "sixteen pictures in one, with their times, to --output SHEET.png"},
+	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE), 0, 0, false, NULL,
+	 "replace existing recordings, films and reports"},
+	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | VERB(RENDER) | VERB(CONVERGE), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
 	{"quick", 0, NULL, RB_OPTION_FLAG, AT(quick), VERB(VERIFY), 0, 0, false, NULL,
 	 "a subset of cases and variations that takes less than a minute"},
@@ -117,10 +146,10 @@ const struct rb_option_row rb_option_rows[] = {
 /* clang-format on */
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"console", "attach", "render", "plot", "export", "sweep",
+const char *const rb_later_verbs[] = {"console", "attach", "plot", "export", "sweep",
                                       "collect", "replay", "repair", "ctl",  NULL};
 const char *const rb_later_options[] = {
-	"no-render", "camera", "checkpoint-every", "resume", "listen", "commands", NULL};
+	"checkpoint-every", "resume", "listen", "commands", NULL};
 static const char *const later_methods[] = {"stepped", NULL};
 
 /* One command line being read. */
@@ -405,6 +434,11 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 	*options = (struct rb_options){.duration_s = NAN,
 	                               .time_step_s = NAN,
 	                               .tolerance_m = NAN,
+	                               .from_s = NAN,
+	                               .to_s = NAN,
+	                               .fps = NAN,
+	                               .speed = NAN,
+	                               .frame = -1,
 	                               .error = NAN,
 	                               .budget_s = NAN,
 	                               .argc = argc,

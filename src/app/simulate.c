@@ -26,6 +26,7 @@ struct run {
 	const struct rb_run_info *info;
 	struct rb_run_result *result;
 
+	struct rb_films *films;              /* NULL: none */
 	const struct rb_hdf5_module *module; /* NULL: no recording */
 	struct rb_recorder *recorder;
 	struct rb_sink sink;
@@ -147,15 +148,19 @@ static bool stop_wanted(void *user)
 	       (run->pump && rb_pump_must_stop(run->pump));
 }
 
+/* What consumers of frames read. */
+static unsigned fields_wanted(const struct run *run)
+{
+	return rb_films_fields(run->films) | (run->recorder ? run->sink.fields : 0);
+}
+
 static enum rb_status start_world(struct run *run, struct rb_error *err)
 {
 	const struct rb_world_hooks hooks = rb_script_hooks(run->loaded->script);
 	const struct rb_world_options options = {
 		.threads = run->info->threads,
-		.keep_events = run->loaded->output &&
-	                       run->loaded->scene.record.fields & RB_FIELD_EVENTS,
-		.keep_contacts = run->loaded->output &&
-	                         run->loaded->scene.record.fields & RB_FIELD_CONTACTS,
+		.keep_events = fields_wanted(run) & RB_FIELD_EVENTS,
+		.keep_contacts = fields_wanted(run) & RB_FIELD_CONTACTS,
 		.stop = stop_wanted,
 		.stop_user = run,
 	};
@@ -163,18 +168,26 @@ static enum rb_status start_world(struct run *run, struct rb_error *err)
 	return rb_world_create(&run->world, run->loaded->model, &options, &hooks, err);
 }
 
-static enum rb_status start_recorder(struct run *run, struct rb_error *err)
+static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 {
 	const struct rb_recorder_options options = {.path = run->loaded->output,
 	                                            .replace = run->options->force};
-	enum rb_status status = rb_module_hdf5(&run->module, err);
+	const enum rb_status status = rb_module_hdf5(&run->module, err);
+
+	if (status)
+		return status;
+	return run->module->recorder_create(&run->recorder, &run->sink, run->info, &options, err);
+}
+
+/* Films before the recording: a film that can't begin leaves no file behind. */
+static enum rb_status start_consumers(struct run *run, struct rb_error *err)
+{
+	enum rb_status status = rb_ring_create(&run->ring, run->loaded->model, fields_wanted(run),
+	                                       0, err);
 
 	if (!status)
-		status = run->module->recorder_create(&run->recorder, &run->sink, run->info,
-		                                      &options, err);
-	if (!status)
-		status = rb_ring_create(&run->ring, run->loaded->model, run->sink.fields, 0, err);
-	if (!status)
+		status = rb_films_start(run->films, run->ring, &run->outcome, err);
+	if (!status && run->recorder)
 		status = rb_pump_start(&run->pump, run->ring, &run->sink, &run->outcome, err);
 	return status;
 }
@@ -188,10 +201,12 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 	};
 	enum rb_status status = rb_progress_start(&run->progress, &options, err);
 
+	if (!status && run->loaded->output)
+		status = make_recorder(run, err);
 	if (!status)
 		status = start_world(run, err);
-	if (!status && run->loaded->output)
-		status = start_recorder(run, err);
+	if (!status && (run->recorder || run->films))
+		status = start_consumers(run, err);
 	else if (!status)
 		status = rb_frame_init(&run->numbers_only, run->loaded->model, 0, err);
 	return status;
@@ -230,7 +245,9 @@ static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 	*ended = !frame || (run->pump && rb_pump_must_stop(run->pump));
 	if (*ended)
 		return RB_OK;
-	const enum rb_status status = rb_world_fill_frame(run->world, frame, err);
+	enum rb_status status = rb_world_fill_frame(run->world, frame, err);
+	if (!status)
+		status = rb_films_shoot(run->films, frame, err);
 	if (status)
 		return status;
 	take_numbers(run->result, frame);
@@ -335,6 +352,19 @@ static void count_recorded(struct run *run)
 	run->module->reader_close(reader);
 }
 
+/* A recording or a film that is lost weighs more than that the run was interrupted. */
+static void take_failure(struct rb_run_result *result, enum rb_status status,
+                         const struct rb_error *err)
+{
+	const bool interrupted = result->status == RB_ERR_INTERRUPT ||
+	                         result->status == RB_ERR_TERMINATE;
+
+	if (!status || (result->status && !interrupted))
+		return;
+	result->status = status;
+	result->error = *err;
+}
+
 /* Closes the outputs with what has become of the run; the first failure is the one that is told. */
 static void finish(struct run *run)
 {
@@ -356,13 +386,8 @@ static void finish(struct run *run)
 	if (run->ring)
 		rb_ring_close(run->ring);
 	const enum rb_status status = rb_pump_join(run->pump, &err);
-	/* a recording that is lost weighs more than that the run was interrupted */
-	const bool interrupted = result->status == RB_ERR_INTERRUPT ||
-	                         result->status == RB_ERR_TERMINATE;
-	if (status && (!result->status || interrupted)) {
-		result->status = status;
-		result->error = err;
-	}
+	take_failure(result, status, &err);
+	take_failure(result, rb_films_join(run->films, &err), &err);
 	if (run->recorder)
 		run->module->recorder_destroy(run->recorder);
 	if (status && result->frames > 0)
@@ -376,11 +401,13 @@ static void finish(struct run *run)
 }
 
 enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
-                           const struct rb_options *options, const struct rb_run_info *info)
+                           const struct rb_options *options, const struct rb_run_info *info,
+                           struct rb_films *films)
 {
 	struct run run = {.loaded = loaded,
 	                  .options = options,
 	                  .info = info,
+	                  .films = films,
 	                  .result = result,
 	                  .outcome = {.reason = ""}};
 	const uint64_t start_ns = rb_clock_now_ns();

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One run from frame 0 to its end: world, ring, recorder and progress thread.
+ * One run from frame 0 to its end: world, ring, recorder, films and progress thread.
  *
  * The calling thread becomes the simulator's: it owns world and script until rb_simulate returns.
- * The recorder's thread (flow/pump) and the thread of signals and progress (app/progress) live
+ * The threads of recorder and films (flow/pump) and the thread of signals and progress (app/progress) live
  * inside the call.
  */
 #ifndef RB_APP_SIMULATE_H
@@ -14,6 +14,7 @@
 #include <rbsim/world.h>
 
 #include "app/common.h"
+#include "app/films.h"
 #include "flow/info.h"
 #include "script/hooks.h"
 
@@ -69,9 +70,10 @@ RB_CHECKED enum rb_status rb_simulate_check_output(const struct rb_loaded *loade
                                                    const struct rb_options *options,
                                                    struct rb_error *err);
 
-/* The status is also in the result, which is to be released in any case. */
+/* The status is also in the result, which is to be released in any case. `films` may be NULL: none are made. */
 enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
-                           const struct rb_options *options, const struct rb_run_info *info);
+                           const struct rb_options *options, const struct rb_run_info *info,
+                           struct rb_films *films);
 void rb_run_result_release(struct rb_run_result *result);
 
 #endif

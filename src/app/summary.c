@@ -182,7 +182,7 @@ static void json_expects(struct rb_json *json, const struct rb_run_result *resul
 
 void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
                            const struct rb_loaded *loaded, const struct rb_run_info *info,
-                           int exit_code)
+                           const struct rb_films *films, int exit_code)
 {
 	struct rb_json json = {.file = file};
 	char hash[17];
@@ -239,6 +239,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	json_numbers(&json, "last", &result->last);
 	rb_json_text(&json, "state_hash", hash);
 	json_expects(&json, result);
+	rb_films_print_json(&json, films);
 	rb_json_close(&json, '}');
 	putc('\n', file);
 }

@@ -15,6 +15,6 @@ void rb_summary_print_expects(FILE *file, const struct rb_run_result *result, bo
                               bool color);
 void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
                            const struct rb_loaded *loaded, const struct rb_run_info *info,
-                           int exit_code);
+                           const struct rb_films *films, int exit_code);
 
 #endif

@@ -83,5 +83,6 @@ void rb_frame_release(struct rb_frame *frame)
 #undef X
 	rb_memory_free(frame->events);
 	rb_memory_free(frame->contacts);
+	rb_memory_free(frame->shots);
 	*frame = (struct rb_frame){0};
 }

@@ -183,7 +183,7 @@ void rb_bind_open(lua_State *L)
 	                                    {"__newindex", l_material_newindex},
 	                                    {"__tostring", l_material_tostring},
 	                                    {NULL, NULL}};
-	static const char *const later_bodies[] = {"box", "capsule", "cylinder", "hull", "body"};
+	static const char *const later_bodies[] = {"box", "capsule", "cylinder", "hull"};
 
 	luaL_newmetatable(L, RB_MATERIAL_TYPE);
 	luaL_setfuncs(L, material, 0);

@@ -25,7 +25,7 @@ void rb_name_take(const struct rb_call *call, const char *kind, const char *name
 		rb_call_mistake(call, "'name' must not be empty");
 		return;
 	}
-	snprintf(key, sizeof key, "rbsim.names.%s", kind);
+	snprintf(key, sizeof key, RB_NAMES_KEY "%s", kind);
 	luaL_getsubtable(L, LUA_REGISTRYINDEX, key);
 	if (lua_getfield(L, -1, name) != LUA_TNIL)
 		rb_call_mistake(call, "name '%.60s' is taken by the %s of line %d", name, kind,
@@ -328,8 +328,35 @@ static int l_plane(lua_State *L)
 	return finish_body(&call, &def);
 }
 
+/* body "NAME" is a body that there is, at any time; body { ... } is going to make one. */
+static int l_body(lua_State *L)
+{
+	const bool named = lua_type(L, 1) == LUA_TSTRING;
+	const char *name = named ? lua_tostring(L, 1) : NULL;
+	char hint[96] = "", found[80];
+	const int id = named ? rb_body_named(L, name, hint) : -1;
+
+	if (id >= 0) {
+		rb_handle_push(L, id);
+		return 1;
+	}
+	if (named && rb_script_of(L)->phase != RB_PHASE_LOAD)
+		return luaL_error(L, "body: no body is named '%s'%s", name, hint);
+	struct rb_call call = rb_call_begin(L, "body", NULL, 0);
+	if (named)
+		rb_call_mistake(&call, "no body is named '%.60s' so far%s", name, hint);
+	else if (lua_type(L, 1) == LUA_TTABLE)
+		rb_call_mistake(&call,
+		                "not in this version (body 'NAME' gives the body of that name)");
+	else
+		rb_call_mistake(&call, "wants the name of a body (got %s)",
+		                rb_describe(L, 1, found));
+	return rb_bodies_stand_in(L, &call);
+}
+
 void rb_bodies_open(lua_State *L)
 {
+	lua_register(L, "body", l_body);
 	lua_register(L, "sphere", l_sphere);
 	lua_register(L, "plane", l_plane);
 }

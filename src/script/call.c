@@ -22,7 +22,7 @@ int rb_scene_line(lua_State *L, char *helper, size_t helper_size)
 		lua_getinfo(L, "Sl", &at);
 		if (at.currentline <= 0)
 			continue;
-		if (at.source[0] == '@' && strcmp(at.source + 1, script->scene->file) == 0)
+		if (at.source[0] == '@' && strcmp(at.source + 1, script->source) == 0)
 			return at.currentline;
 		if (caller && helper)
 			snprintf(helper, helper_size, " (in %s:%d)",
@@ -38,9 +38,9 @@ static void note(struct rb_script *script, int line, const char *text)
 	char whole[1024];
 
 	if (line > 0)
-		snprintf(whole, sizeof whole, "%s:%d: %s", script->scene->file, line, text);
+		snprintf(whole, sizeof whole, "%s:%d: %s", script->source, line, text);
 	else
-		snprintf(whole, sizeof whole, "%s: %s", script->scene->file, text);
+		snprintf(whole, sizeof whole, "%s: %s", script->source, text);
 	/* a text from the scene may hold anything: one line stays one line */
 	for (char *c = whole; *c; c++)
 		if ((unsigned char)*c < ' ' || *c == 127)

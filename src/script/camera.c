@@ -91,8 +91,7 @@ static void read_trails(struct rb_call *call, struct rb_camera_def *def)
 	}
 }
 
-/* Frames of pictures are numbered by one %d, as in printf. */
-static bool is_numbered(const char *pattern)
+bool rb_camera_is_numbered(const char *pattern)
 {
 	int numbers = 0;
 
@@ -115,7 +114,7 @@ static bool is_numbered(const char *pattern)
 
 static void check_outputs(const struct rb_call *call, const struct rb_camera_def *def)
 {
-	if (def->png && !is_numbered(def->png))
+	if (def->png && !rb_camera_is_numbered(def->png))
 		rb_call_mistake(
 			call,
 			"'png' must hold one %%d for the number of the picture, like 'frames/%%05d.png' (got '%.60s')",
@@ -188,6 +187,20 @@ static int l_camera(lua_State *L)
 	rb_sandbox_charge_bytes(L, sizeof def);
 	rb_script_need(L, rb_scene_add_camera(call.script->scene, &def, &err), &err);
 	return 0;
+}
+
+void rb_camera_names(lua_State *L)
+{
+	const struct rb_scene *scene = rb_script_of(L)->scene;
+
+	lua_createtable(L, 0, scene->camera_count);
+	for (int i = 0; i < scene->camera_count; i++) {
+		if (!scene->cameras[i].name)
+			continue;
+		lua_pushinteger(L, scene->cameras[i].line);
+		lua_setfield(L, -2, scene->cameras[i].name);
+	}
+	lua_setfield(L, LUA_REGISTRYINDEX, RB_NAMES_KEY "camera");
 }
 
 void rb_camera_open(lua_State *L)

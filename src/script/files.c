@@ -2,77 +2,20 @@
 #include "script/files.h"
 
 #include <ctype.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include <lauxlib.h>
 
 #include "base/hash.h"
-#include "base/memory.h"
 #include "script/call.h"
-#include "script/values.h"
+#include "script/disk.h"
 
-enum { PATH_BYTES = 4096 };
-
-void rb_files_forget(struct rb_script *script)
-{
-	rb_memory_free(script->reading);
-	script->reading = NULL;
-	script->reading_size = 0;
-}
-
-/* All of an open file; its size is not known beforehand where it is a pipe. */
-static enum rb_status read_all(struct rb_script *script, int file, const char *path,
-                               struct rb_error *err)
-{
-	size_t capacity = 0, used = 0;
-
-	for (;;) {
-		if (!rb_memory_reserve(&script->reading, &capacity, used + 16384, 1))
-			return RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", path);
-		const ssize_t got = read(file, script->reading + used, capacity - used - 1);
-		if (got < 0 && errno == EINTR)
-			continue;
-		if (got < 0)
-			return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path,
-			               strerror(errno));
-		if (got == 0)
-			break;
-		used += (size_t)got;
-		if (used > RB_SCENE_FILE_BYTES)
-			return RB_FAIL(err, RB_ERR_INPUT,
-			               "'%s' is no scene: it has more than %d MiB", path,
-			               RB_SCENE_FILE_BYTES >> 20);
-	}
-	script->reading[used] = '\0';
-	script->reading_size = used;
-	return RB_OK;
-}
-
-enum rb_status rb_files_read(struct rb_script *script, const char *path, struct rb_error *err)
-{
-	struct stat status;
-
-	rb_files_forget(script);
-	const int file = open(path, O_RDONLY | O_CLOEXEC);
-	if (file < 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path, strerror(errno));
-	enum rb_status result;
-	if (fstat(file, &status) == 0 && S_ISDIR(status.st_mode))
-		result = RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", path, strerror(EISDIR));
-	else
-		result = read_all(script, file, path, err);
-	close(file);
-	if (result != RB_OK)
-		rb_files_forget(script);
-	return result;
-}
+enum { PATH_BYTES = RB_DISK_PATH_SIZE };
 
 const char *rb_files_body(const char *text, size_t *size)
 {
@@ -91,8 +34,8 @@ const char *rb_files_body(const char *text, size_t *size)
 
 /* ---- require ---- */
 
-/* Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a
- * folder. */
+/* Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a folder. Not as textures
+ * are called: both are files of the scene, by name. */
 static bool is_module_name(const char *name, size_t size)
 {
 	if (size == 0 || size > 100 || name[0] == '.' || name[size - 1] == '.')
@@ -103,7 +46,7 @@ static bool is_module_name(const char *name, size_t size)
 		    !(c == '.' && name[i - 1] != '.'))
 			return false;
 	}
-	return true;
+	return size < 4 || strcasecmp(name + size - 4, ".png") != 0;
 }
 
 /* folder/a/b.lua for "a.b"; false: too long. */
@@ -199,19 +142,12 @@ static bool get_module(lua_State *L, const char *name, const char **text, size_t
 			return false;
 		snprintf(chunk, PATH_BYTES, "@%s", name);
 	} else {
-		/* as the scene's folder is named on the command line, so that messages can be
-		 * clicked */
 		char inside[PATH_BYTES];
-		if (!module_path(inside, "", 0, name) || !rb_file_beside_scene(script, inside + 1))
+		if (!module_path(inside, "", 0, name) || !rb_disk_find(script, inside + 1, path))
 			return false;
-		const bool here = strcmp(script->folder, ".") == 0;
-		if (!module_path(path, script->folder, strlen(script->folder), name))
-			return false;
-		chunk[0] = '@';
-		snprintf(chunk + 1, PATH_BYTES - 1, "%.*s", PATH_BYTES - 2,
-		         here ? inside + 1 : path);
+		snprintf(chunk, PATH_BYTES, "@%.*s", PATH_BYTES - 2, path);
 	}
-	const enum rb_status status = rb_files_read(script, path, &err);
+	const enum rb_status status = rb_disk_read(script, path, &rb_disk_module, &err);
 	if (status == RB_ERR_MEMORY)
 		rb_script_need(L, status, &err);
 	if (status != RB_OK)
@@ -236,7 +172,7 @@ static void load_module(lua_State *L, const char *name, const char *text, size_t
 	const char *body = rb_files_body(text, &body_size);
 	const int status = luaL_loadbufferx(L, body, body_size, chunk,
 	                                    script->sandbox.trust ? NULL : "t");
-	rb_files_forget(script);
+	rb_disk_forget(script);
 	if (status != LUA_OK)
 		lua_error(L);
 }
@@ -255,6 +191,25 @@ static int require_elsewhere(lua_State *L, const char *name)
 	return luaL_error(L, "require '%s': there is no such file in the scene's folder", name);
 }
 
+/* Pushes the table of modules that the source has, then what it has under the name at index 1. What a scene has found
+ * beside it is not what a file of cameras finds beside itself; functions of both may ask for theirs later. */
+static int push_known(lua_State *L)
+{
+	static const char *const tables[] = {"rbsim.modules", "rbsim.modules.added"};
+	const enum rb_script_phase phase = rb_script_of(L)->phase;
+	int type = LUA_TNIL;
+
+	for (int i = phase == RB_PHASE_ADD; i < (phase == RB_PHASE_LOAD ? 1 : 2); i++) {
+		lua_settop(L, 1);
+		luaL_getsubtable(L, LUA_REGISTRYINDEX, tables[i]);
+		lua_pushvalue(L, 1);
+		type = lua_rawget(L, 2);
+		if (type != LUA_TNIL)
+			break;
+	}
+	return type;
+}
+
 static int l_require(lua_State *L)
 {
 	size_t name_size, size;
@@ -265,9 +220,7 @@ static int l_require(lua_State *L)
 	if (lua_type(L, 1) != LUA_TSTRING)
 		return luaL_error(L, "require: wants a name (got %s)", luaL_typename(L, 1));
 	const char *name = lua_tolstring(L, 1, &name_size);
-	luaL_getsubtable(L, LUA_REGISTRYINDEX, "rbsim.modules");
-	lua_pushvalue(L, 1);
-	const int known = lua_rawget(L, 2);
+	const int known = push_known(L);
 	if (known == LUA_TLIGHTUSERDATA)
 		return luaL_error(L, "require '%s': it requires itself, in a circle", name);
 	if (known != LUA_TNIL)

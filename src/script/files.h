@@ -6,13 +6,6 @@
 
 #include "script/script.h"
 
-enum { RB_SCENE_FILE_BYTES = 16 << 20 };
-
-/* A whole file into script->reading; RB_ERR_INPUT where it can't be read or is too large. */
-RB_CHECKED enum rb_status rb_files_read(struct rb_script *script, const char *path,
-                                        struct rb_error *err);
-void rb_files_forget(struct rb_script *script); /* frees script->reading */
-
 /* The text without what Lua does not read: a byte order mark and a first line that begins with '#',
  * whose end stays. */
 const char *rb_files_body(const char *text, size_t *size);

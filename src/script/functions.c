@@ -42,8 +42,7 @@ static void push_place(lua_State *L, int function)
 	                at.linedefined);
 }
 
-/* Raises "scene.lua:12: 'motion' must return a position ... (got nothing)". */
-static int refuse(lua_State *L, int function, const char *word, const char *wanted, int index)
+int rb_function_refuse(lua_State *L, int function, const char *word, const char *wanted, int index)
 {
 	char found[80];
 
@@ -101,8 +100,8 @@ static int serve_field(lua_State *L)
 		push_reused(L, UPVALUE_VELOCITY, request->velocity);
 		lua_call(L, 3, 1);
 		if (!read_vector(L, -1, &force))
-			return refuse(L, scene->fields[i].function, "field",
-			              "a finite force {x, y, z}", -1);
+			return rb_function_refuse(L, scene->fields[i].function, "field",
+			                          "a finite force {x, y, z}", -1);
 		request->value = rb_vec3_add(request->value, force);
 		lua_pop(L, 1);
 	}
@@ -116,27 +115,32 @@ static void read_orientation(lua_State *L, const struct rb_body_def *body, struc
 
 	if (lua_isnil(L, index)) {
 		if (body->motion_turns && !request->starts)
-			refuse(L, body->motion, "motion", "an orientation always or never", index);
+			rb_function_refuse(L, body->motion, "motion",
+			                   "an orientation always or never", index);
 		return;
 	}
 	if (!body->motion_turns && !request->starts)
-		refuse(L, body->motion, "motion",
-		       "an orientation always or never: it gave none at time 0", index);
+		rb_function_refuse(L, body->motion, "motion",
+		                   "an orientation always or never: it gave none at time 0", index);
 	switch (rb_vector_turn(L, index, &request->pose.orientation, &found)) {
 	case RB_TURN_RIGHT:
 		break;
 	case RB_TURN_NO_LIST:
-		refuse(L, body->motion, "motion",
-		       "an orientation {w, x, y, z} or {axis = {x, y, z}, angle = radians}", index);
+		rb_function_refuse(
+			L, body->motion, "motion",
+			"an orientation {w, x, y, z} or {axis = {x, y, z}, angle = radians}",
+			index);
 		break;
 	case RB_TURN_NOT_FINITE:
-		refuse(L, body->motion, "motion", "a finite orientation", index);
+		rb_function_refuse(L, body->motion, "motion", "a finite orientation", index);
 		break;
 	case RB_TURN_NOT_UNIT:
-		refuse(L, body->motion, "motion", "an orientation of length 1, within 1e-3", index);
+		rb_function_refuse(L, body->motion, "motion",
+		                   "an orientation of length 1, within 1e-3", index);
 		break;
 	case RB_TURN_NO_AXIS:
-		refuse(L, body->motion, "motion", "an orientation whose axis has a length", index);
+		rb_function_refuse(L, body->motion, "motion",
+		                   "an orientation whose axis has a length", index);
 		break;
 	}
 	if (request->starts)
@@ -155,19 +159,22 @@ static int serve_motion(lua_State *L)
 	lua_call(L, 1, 4);
 	*pose = (struct rb_driven_pose){.orientation = body->orientation};
 	if (!read_vector(L, 2, &pose->position))
-		return refuse(L, body->motion, "motion", "a finite position {x, y, z} first", 2);
+		return rb_function_refuse(L, body->motion, "motion",
+		                          "a finite position {x, y, z} first", 2);
 	read_orientation(L, body, request);
 	pose->has_velocity = !lua_isnil(L, 4);
 	if (pose->has_velocity && !read_vector(L, 4, &pose->velocity))
-		return refuse(L, body->motion, "motion", "a finite velocity {x, y, z} third", 4);
+		return rb_function_refuse(L, body->motion, "motion",
+		                          "a finite velocity {x, y, z} third", 4);
 	pose->has_angular_velocity = !lua_isnil(L, 5);
 	if (pose->has_angular_velocity && !read_vector(L, 5, &pose->angular_velocity))
-		return refuse(L, body->motion, "motion",
-		              "a finite angular velocity {x, y, z} fourth", 5);
+		return rb_function_refuse(L, body->motion, "motion",
+		                          "a finite angular velocity {x, y, z} fourth", 5);
 	if (pose->has_angular_velocity && lua_isnil(L, 3) &&
 	    rb_vec3_max_abs(pose->angular_velocity) > 0)
-		return refuse(L, body->motion, "motion",
-		              "an orientation as well where it returns an angular velocity", 5);
+		return rb_function_refuse(
+			L, body->motion, "motion",
+			"an orientation as well where it returns an angular velocity", 5);
 	if (request->starts) {
 		luaL_getsubtable(L, LUA_REGISTRYINDEX, placed_key);
 		lua_rawgeti(L, -1, request->id + 1);

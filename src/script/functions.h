@@ -14,6 +14,11 @@
 struct rb_script;
 struct lua_State;
 
+/* Raises "scene.lua:12: 'motion' must return a position ... (got nothing)": what the function of that number gave is at
+ * `index`. */
+int rb_function_refuse(struct lua_State *L, int function, const char *word, const char *wanted,
+                       int index);
+
 /* In protected mode, when the scene has been read: what calls need is made once, not each time. */
 void rb_functions_prepare(struct lua_State *L);
 

@@ -6,10 +6,10 @@
 
 #include <lauxlib.h>
 
-#include "geom/mass.h"
 #include "math/quat.h"
 #include "model/check.h"
 #include "script/call.h"
+#include "script/moment.h"
 #include "script/nearest.h"
 #include "script/vector.h"
 
@@ -43,94 +43,7 @@ static const struct rb_body_def *definition(lua_State *L, int id)
 	return &rb_script_of(L)->scene->bodies[id];
 }
 
-/* ---- fields, before a run and in it ---- */
-
-static double mass_at_start(lua_State *L, int id)
-{
-	const struct rb_body_def *def = definition(L, id);
-
-	if (!rb_body_is_free(def))
-		return (double)INFINITY;
-	if (!isnan(def->mass))
-		return def->mass;
-	const double density = isnan(def->density)
-	                               ? rb_script_of(L)->scene->materials[def->material].density
-	                               : def->density;
-	return density * rb_shape_volume(&def->shape);
-}
-
-static rb_mat3 inertia_at_start(lua_State *L, int id)
-{
-	const struct rb_body_def *def = definition(L, id);
-
-	if (!rb_body_is_free(def))
-		return (rb_mat3){{{0}}};
-	if (def->has_inertia)
-		return def->inertia;
-	return rb_shape_inertia(&def->shape, mass_at_start(L, id));
-}
-
-static double mass_of(lua_State *L, int id)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	return world ? rb_world_mass(world, id) : mass_at_start(L, id);
-}
-
-static rb_mat3 inertia_of(lua_State *L, int id)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	return world ? rb_world_inertia(world, id) : inertia_at_start(L, id);
-}
-
-static rb_vec3 position_of(lua_State *L, int id)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	return world ? rb_world_position(world, id) : definition(L, id)->position;
-}
-
-static rb_quat orientation_of(lua_State *L, int id)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	return world ? rb_world_orientation(world, id) : definition(L, id)->orientation;
-}
-
-static rb_vec3 velocity_of(lua_State *L, int id)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	return world ? rb_world_velocity(world, id) : definition(L, id)->velocity;
-}
-
-static rb_vec3 angular_velocity_of(lua_State *L, int id)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	return world ? rb_world_angular_velocity(world, id) : definition(L, id)->angular_velocity;
-}
-
-static rb_vec3 point_of(lua_State *L, int id, rb_vec3 point)
-{
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	if (world)
-		return rb_world_point(world, id, point);
-	const struct rb_body_def *def = definition(L, id);
-	return rb_vec3_add(def->position, rb_quat_rotate(def->orientation, point));
-}
-
-/* Angular momentum about the centre of mass before a run, world axes. */
-static rb_vec3 spin_at_start(lua_State *L, int id)
-{
-	const struct rb_body_def *def = definition(L, id);
-	const rb_mat3 inertia = inertia_at_start(L, id);
-	const rb_vec3 local = rb_quat_rotate_back(def->orientation, def->angular_velocity);
-
-	return rb_quat_rotate(def->orientation, rb_mat3_apply(&inertia, local));
-}
+/* ---- fields ---- */
 
 static int get_name(lua_State *L, int id)
 {
@@ -140,7 +53,7 @@ static int get_name(lua_State *L, int id)
 
 static int get_position(lua_State *L, int id)
 {
-	rb_vector_push(L, position_of(L, id));
+	rb_vector_push(L, rb_moment_position(L, id));
 	return 1;
 }
 
@@ -148,7 +61,7 @@ static int get_orientation(lua_State *L, int id)
 {
 	double values[4];
 
-	rb_quat_to(values, orientation_of(L, id));
+	rb_quat_to(values, rb_moment_orientation(L, id));
 	lua_createtable(L, 4, 0);
 	for (int i = 0; i < 4; i++) {
 		lua_pushnumber(L, values[i]);
@@ -159,26 +72,26 @@ static int get_orientation(lua_State *L, int id)
 
 static int get_velocity(lua_State *L, int id)
 {
-	rb_vector_push(L, velocity_of(L, id));
+	rb_vector_push(L, rb_moment_velocity(L, id));
 	return 1;
 }
 
 static int get_angular_velocity(lua_State *L, int id)
 {
-	rb_vector_push(L, angular_velocity_of(L, id));
+	rb_vector_push(L, rb_moment_angular_velocity(L, id));
 	return 1;
 }
 
 static int get_mass(lua_State *L, int id)
 {
-	lua_pushnumber(L, mass_of(L, id));
+	lua_pushnumber(L, rb_moment_mass(L, id));
 	return 1;
 }
 
 /* Three rows of three numbers. */
 static int get_inertia(lua_State *L, int id)
 {
-	const rb_mat3 inertia = inertia_of(L, id);
+	const rb_mat3 inertia = rb_moment_inertia(L, id);
 
 	lua_createtable(L, 3, 0);
 	for (int i = 0; i < 3; i++) {
@@ -190,54 +103,19 @@ static int get_inertia(lua_State *L, int id)
 
 static int get_kinetic_energy(lua_State *L, int id)
 {
-	const struct rb_world *world = rb_script_of(L)->world;
-	const struct rb_body_def *def = definition(L, id);
-	double energy = 0;
-
-	if (!rb_body_is_free(def))
-		energy = 0;
-	else if (world)
-		energy = rb_world_kinetic_energy(world, id);
-	else
-		energy = 0.5 * mass_at_start(L, id) * rb_vec3_dot(def->velocity, def->velocity) +
-		         0.5 * rb_vec3_dot(def->angular_velocity, spin_at_start(L, id));
-	lua_pushnumber(L, energy);
+	lua_pushnumber(L, rb_moment_kinetic_energy(L, id));
 	return 1;
 }
 
 static int get_momentum(lua_State *L, int id)
 {
-	const struct rb_world *world = rb_script_of(L)->world;
-	const struct rb_body_def *def = definition(L, id);
-	rb_vec3 momentum = {0, 0, 0};
-
-	if (!rb_body_is_free(def))
-		momentum = (rb_vec3){0, 0, 0};
-	else if (world)
-		momentum = rb_world_momentum(world, id);
-	else
-		momentum = rb_vec3_scale(mass_at_start(L, id), def->velocity);
-	rb_vector_push(L, momentum);
+	rb_vector_push(L, rb_moment_momentum(L, id));
 	return 1;
 }
 
 static int get_angular_momentum(lua_State *L, int id)
 {
-	const struct rb_world *world = rb_script_of(L)->world;
-	const struct rb_body_def *def = definition(L, id);
-	rb_vec3 momentum = {0, 0, 0};
-
-	if (!rb_body_is_free(def)) {
-		momentum = (rb_vec3){0, 0, 0};
-	} else if (world) {
-		momentum = rb_world_angular_momentum(world, id);
-	} else {
-		const rb_vec3 arm = point_of(L, id, def->center_of_mass);
-		momentum = rb_vec3_add(
-			spin_at_start(L, id),
-			rb_vec3_cross(arm, rb_vec3_scale(mass_at_start(L, id), def->velocity)));
-	}
-	rb_vector_push(L, momentum);
+	rb_vector_push(L, rb_moment_angular_momentum(L, id));
 	return 1;
 }
 
@@ -253,7 +131,7 @@ static int l_point(lua_State *L)
 	const int index = rb_handle_id(L, 1) >= 0 ? 2 : 1;
 	const int *handle = lua_touserdata(L, lua_upvalueindex(1));
 
-	rb_vector_push(L, point_of(L, *handle, rb_vector_check(L, index, "point")));
+	rb_vector_push(L, rb_moment_point(L, *handle, rb_vector_check(L, index, "point")));
 	return 1;
 }
 
@@ -420,26 +298,15 @@ static int l_tostring(lua_State *L)
 
 /* ---- the world ---- */
 
-static struct rb_frame_numbers numbers_of(lua_State *L, const char *call)
-{
-	struct rb_script *script = rb_script_of(L);
-
-	if (!script->world)
-		luaL_error(L, "%s: only in callbacks and at the end of a run", call);
-	return rb_world_totals(script->world);
-}
-
 static int l_time(lua_State *L)
 {
-	const struct rb_world *world = rb_script_of(L)->world;
-
-	lua_pushnumber(L, world ? rb_world_time(world) : 0);
+	lua_pushnumber(L, rb_moment_time(L));
 	return 1;
 }
 
 static int l_energy(lua_State *L)
 {
-	const struct rb_frame_numbers numbers = numbers_of(L, "energy");
+	const struct rb_frame_numbers numbers = rb_moment_numbers(L, "energy", false);
 
 	lua_pushnumber(L, numbers.kinetic_energy + numbers.potential_energy);
 	return 1;
@@ -447,25 +314,25 @@ static int l_energy(lua_State *L)
 
 static int l_momentum(lua_State *L)
 {
-	rb_vector_push(L, numbers_of(L, "momentum").momentum);
+	rb_vector_push(L, rb_moment_numbers(L, "momentum", false).momentum);
 	return 1;
 }
 
 static int l_angular_momentum(lua_State *L)
 {
-	rb_vector_push(L, numbers_of(L, "angular_momentum").angular_momentum);
+	rb_vector_push(L, rb_moment_numbers(L, "angular_momentum", false).angular_momentum);
 	return 1;
 }
 
 static int l_collisions(lua_State *L)
 {
-	lua_pushinteger(L, (lua_Integer)numbers_of(L, "collisions").collisions);
+	lua_pushinteger(L, (lua_Integer)rb_moment_numbers(L, "collisions", true).collisions);
 	return 1;
 }
 
 static int l_max_penetration(lua_State *L)
 {
-	lua_pushnumber(L, numbers_of(L, "max_penetration").max_penetration);
+	lua_pushnumber(L, rb_moment_numbers(L, "max_penetration", true).max_penetration);
 	return 1;
 }
 

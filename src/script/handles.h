@@ -2,8 +2,7 @@
 /*
  * Bodies as a scene sees them: one handle per body, the same one wherever the body turns up.
  *
- * Before a run a handle shows the initial values of the scene, in callbacks and at the end those of
- * the world.
+ * What it shows is the moment of script/moment.
  */
 #ifndef RB_SCRIPT_HANDLES_H
 #define RB_SCRIPT_HANDLES_H

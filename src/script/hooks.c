@@ -65,8 +65,7 @@ struct request {
 	uint64_t frame;
 	const struct rb_event *event;
 	struct rb_expect_result *result;
-	int expect, function;
-	rb_vec3 value;
+	int expect;
 };
 
 /* One protected call: `serve` gets the request as a light userdata. */
@@ -308,26 +307,4 @@ enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *worl
 		script->sandbox.traceback = traceback;
 	}
 	return first;
-}
-
-static int serve_vector(lua_State *L)
-{
-	struct request *request = lua_touserdata(L, 1);
-
-	rb_script_push_function(L, request->function);
-	lua_pushnumber(L, request->time_s);
-	lua_call(L, 1, 1);
-	request->value = rb_vector_check(L, -1, "a function of time");
-	return 0;
-}
-
-enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world, int function,
-                                   double time_s, rb_vec3 *value, struct rb_error *err)
-{
-	struct request request = {.function = function, .time_s = time_s};
-	const enum rb_status status = ask(script, world, serve_vector, &request, RB_PHASE_LOOK,
-	                                  err);
-
-	*value = request.value;
-	return status;
 }

@@ -35,10 +35,4 @@ RB_CHECKED enum rb_status rb_script_on_frame(struct rb_script *script, struct rb
 RB_CHECKED enum rb_status rb_script_expects(struct rb_script *script, struct rb_world *world,
                                             struct rb_expect_result *results, struct rb_error *err);
 
-/* The function that the scene stored under this number (`function` of a camera's vector) at a time:
- * a vector. `world` may be NULL while nothing runs. */
-RB_CHECKED enum rb_status rb_script_vector_at(struct rb_script *script, struct rb_world *world,
-                                              int function, double time_s, rb_vec3 *value,
-                                              struct rb_error *err);
-
 #endif

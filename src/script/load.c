@@ -14,6 +14,8 @@
 #include "model/check.h"
 #include "script/bind.h"
 #include "script/call.h"
+#include "script/camera.h"
+#include "script/disk.h"
 #include "script/expects.h"
 #include "script/files.h"
 #include "script/functions.h"
@@ -89,7 +91,7 @@ static bool is_assigned_at(const char *text, const char *at, size_t size)
 	return after[0] == '=' && after[1] != '=';
 }
 
-/* The line of the scene on which a call's name is assigned to; 0: not found by looking at it. */
+/* The line of a file on which a call's name is assigned to; 0: not found by looking at it. */
 static int assigned_line(const struct rb_source_file *file, const char *name)
 {
 	const size_t size = strlen(name);
@@ -124,7 +126,8 @@ static int check_originals(lua_State *L)
 		lua_rawget(L, 2);
 		if (!lua_rawequal(L, -1, -2))
 			rb_script_mistake(script,
-			                  assigned_line(&script->scene->files[0], calls[i].name),
+			                  assigned_line(&script->scene->files[script->source_file],
+			                                calls[i].name),
 			                  "'%s' is a call of the scene language: write %s",
 			                  calls[i].name, calls[i].written);
 		lua_pop(L, 2);
@@ -132,27 +135,40 @@ static int check_originals(lua_State *L)
 	return 0;
 }
 
-/* The protected part: everything in here may be left by a jump, and owns nothing. */
-static int run_scene(lua_State *L)
+/* What follows is in protected mode: it may be left by a jump, and owns nothing. */
+
+static void run_source(lua_State *L)
 {
 	struct rb_script *script = rb_script_of(L);
-	const struct rb_source_file *file = &script->scene->files[0];
+	const struct rb_source_file *file = &script->scene->files[script->source_file];
 	size_t size = file->size_bytes;
+	const char *body = rb_files_body(file->text, &size);
 
+	lua_pushfstring(L, "@%s", script->source);
+	if (luaL_loadbufferx(L, body, size, lua_tostring(L, -1),
+	                     script->sandbox.trust ? NULL : "t") != LUA_OK)
+		lua_error(L);
+	lua_call(L, 0, 0);
+}
+
+static int run_scene(lua_State *L)
+{
 	rb_library_open(L);
 	rb_bind_open(L);
 	rb_expects_open(L);
 	rb_hooks_open(L);
 	rb_files_open(L);
 	keep_originals(L);
-
-	const char *body = rb_files_body(file->text, &size);
-	lua_pushfstring(L, "@%s", script->scene->file);
-	if (luaL_loadbufferx(L, body, size, lua_tostring(L, -1),
-	                     script->sandbox.trust ? NULL : "t") != LUA_OK)
-		return lua_error(L);
-	lua_call(L, 0, 0);
+	run_source(L);
 	rb_functions_prepare(L);
+	return 0;
+}
+
+/* Names that are taken are those of the cameras that are left. */
+static int run_cameras(lua_State *L)
+{
+	rb_camera_names(L);
+	run_source(L);
 	return 0;
 }
 
@@ -197,7 +213,7 @@ static void note_error(struct rb_script *script, const struct rb_error *err)
 {
 	lua_State *L = script->sandbox.L;
 	const char *text = err->text;
-	const size_t size = strlen(script->scene->file);
+	const size_t size = strlen(script->source);
 	struct misspelt misspelt = {.message = text};
 	long line = 0;
 
@@ -205,7 +221,7 @@ static void note_error(struct rb_script *script, const struct rb_error *err)
 	lua_pushlightuserdata(L, &misspelt);
 	if (lua_pcall(L, 1, 0, 0) != LUA_OK)
 		lua_pop(L, 1);
-	if (strncmp(text, script->scene->file, size) == 0 && text[size] == ':') {
+	if (strncmp(text, script->source, size) == 0 && text[size] == ':') {
 		char *rest;
 		line = strtol(text + size + 1, &rest, 10);
 		if (line > 0 && line < INT_MAX && rest[0] == ':')
@@ -227,20 +243,29 @@ static bool looks_binary(const char *text, size_t size)
 	return false;
 }
 
-/* The scene's own text into scene->files[0], and its folder. */
-static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *err)
+/* The folder of a path is where it looks for files. */
+static bool set_folder(struct rb_script *script, const char *path)
+{
+	const char *slash = strrchr(path, '/');
+
+	rb_memory_free(script->folder);
+	script->folder = rb_memory_copy_text(slash ? path : ".");
+	if (script->folder && slash) /* "/" itself stays */
+		script->folder[slash == path ? 1 : slash - path] = '\0';
+	return script->folder != NULL;
+}
+
+/* The text of a source becomes the next of the scene's files; messages call it as its path does. */
+static enum rb_status take_source(struct rb_script *script, const char *what, struct rb_error *err)
 {
 	const struct rb_script_options *options = script->options;
 	const char *slash = strrchr(options->path, '/');
-	const char *base = slash ? slash + 1 : options->path;
 	char hex[65];
 
-	script->folder = rb_memory_copy_text(slash ? options->path : ".");
-	if (!script->folder)
+	script->source = rb_scene_text(script->scene, options->path);
+	if (!script->source || !set_folder(script, options->path))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
 		               options->path);
-	if (slash) /* "/" itself stays */
-		script->folder[slash == options->path ? 1 : slash - options->path] = '\0';
 
 	const char *text;
 	size_t size;
@@ -248,22 +273,25 @@ static enum rb_status get_scene_file(struct rb_script *script, struct rb_error *
 		text = options->files[0].text;
 		size = options->files[0].size_bytes;
 	} else {
-		const enum rb_status status = rb_files_read(script, options->path, err);
+		const enum rb_status status = rb_disk_read(script, options->path, &rb_disk_scene,
+		                                           err);
 		if (status != RB_OK)
 			return status;
 		text = script->reading;
 		size = script->reading_size;
 		if (looks_binary(text, size)) {
-			rb_files_forget(script);
+			rb_disk_forget(script);
 			return RB_FAIL(
 				err, RB_ERR_INPUT,
-				"'%s' is no scene: it begins with bytes that are no text (a recording? see rbsim info)",
-				options->path);
+				"'%s' is no %s: it begins with bytes that are no text (a recording? see rbsim info)",
+				options->path, what);
 		}
 	}
 	rb_hash_sha256(text, size, hex);
-	const enum rb_status status = rb_scene_add_file(script->scene, base, text, size, hex, err);
-	rb_files_forget(script);
+	script->source_file = script->scene->file_count;
+	const enum rb_status status = rb_scene_add_file(
+		script->scene, slash ? slash + 1 : options->path, text, size, hex, err);
+	rb_disk_forget(script);
 	return status;
 }
 
@@ -284,43 +312,49 @@ static enum rb_status start_driven(struct rb_script *script)
 	return RB_OK;
 }
 
-/* What the scene is after its script has run, with all that was noted on the way. */
-static enum rb_status conclude(struct rb_script *script, enum rb_status status,
-                               struct rb_error *err)
+/* Runs the source with a budget; what stops it becomes a mistake. */
+static enum rb_status run(struct rb_script *script, lua_CFunction part, struct rb_error *err)
 {
+	const struct rb_script_options *options = script->options;
+	lua_State *L = script->sandbox.L;
+
+	lua_pushcfunction(L, part);
+	enum rb_status status = rb_sandbox_call(&script->sandbox, 0, 0,
+	                                        options->load_instructions
+	                                                ? options->load_instructions
+	                                                : rb_sandbox_load_instructions,
+	                                        err);
+	rb_disk_forget(script);
 	if (status != RB_OK && status != RB_ERR_SCENE)
 		return status;
-	rb_params_check(script);
-	if (script->mistake_count > 0) {
-		const bool usage = script->usage_mistake_count == script->mistake_count;
-		return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s",
-		               script->first_mistake);
-	}
-	const size_t count = script->scene->expect_count > 0 ? (size_t)script->scene->expect_count
-	                                                     : 1;
-	script->expects = rb_memory_take(count, sizeof *script->expects);
-	if (!script->expects)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
-		               script->scene->file);
-	return RB_OK;
+	lua_pushcfunction(L, check_originals);
+	if (lua_pcall(L, 0, 0, 0) != LUA_OK)
+		lua_pop(L, 1);
+	if (status == RB_ERR_SCENE)
+		note_error(script, err);
+	return status;
+}
+
+/* With all that was noted on the way. */
+static enum rb_status conclude(const struct rb_script *script, struct rb_error *err)
+{
+	const bool usage = script->usage_mistake_count == script->mistake_count;
+
+	if (script->mistake_count == 0)
+		return RB_OK;
+	return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s", script->first_mistake);
 }
 
 static enum rb_status load(struct rb_script *script, struct rb_error *err)
 {
 	const struct rb_script_options *options = script->options;
 	struct rb_scene *scene = script->scene;
-	struct rb_error own;
-
-	if (!err)
-		err = &own;
 	enum rb_status status = rb_scene_init(scene, err);
+
 	if (status != RB_OK)
 		return status;
-	scene->file = rb_scene_text(scene, options->path);
-	if (!scene->file)
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
-		               options->path);
-	status = get_scene_file(script, err);
+	status = take_source(script, "scene", err);
+	scene->file = script->source ? script->source : "";
 	if (status != RB_OK)
 		return status;
 	const size_t bytes = options->memory_bytes ? options->memory_bytes
@@ -332,21 +366,37 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	if (options->has_seed)
 		script->sandbox.seed = scene->world.seed = options->seed;
 
-	lua_pushcfunction(script->sandbox.L, run_scene);
-	status = rb_sandbox_call(&script->sandbox, 0, 0,
-	                         options->load_instructions ? options->load_instructions
-	                                                    : rb_sandbox_load_instructions,
-	                         err);
-	rb_files_forget(script);
-	lua_pushcfunction(script->sandbox.L, check_originals);
-	if ((status == RB_OK || status == RB_ERR_SCENE) &&
-	    lua_pcall(script->sandbox.L, 0, 0, 0) != LUA_OK)
-		lua_pop(script->sandbox.L, 1);
-	if (status == RB_ERR_SCENE)
-		note_error(script, err);
-	else if (status == RB_OK)
+	status = run(script, run_scene, err);
+	if (status == RB_OK)
 		status = start_driven(script);
-	return conclude(script, status, err);
+	if (status != RB_OK && status != RB_ERR_SCENE)
+		return status;
+	rb_params_check(script);
+	status = conclude(script, err);
+	if (status != RB_OK)
+		return status;
+	const size_t count = scene->expect_count > 0 ? (size_t)scene->expect_count : 1;
+	script->expects = rb_memory_take(count, sizeof *script->expects);
+	if (!script->expects)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", scene->file);
+	return RB_OK;
+}
+
+/* One source with what it is read with; all that is borrowed is given back. */
+static enum rb_status with_options(struct rb_script *script, enum rb_script_phase phase,
+                                   const struct rb_script_options *options,
+                                   enum rb_status (*part)(struct rb_script *, struct rb_error *),
+                                   struct rb_error *err)
+{
+	struct rb_error own;
+
+	script->options = options;
+	script->phase = phase;
+	const enum rb_status status = part(script, err ? err : &own);
+	script->phase = RB_PHASE_REST;
+	script->options = NULL;
+	script->mistakes = NULL;
+	return status;
 }
 
 enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene,
@@ -361,15 +411,39 @@ enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene,
 	struct rb_script *it = *script;
 	it->scene = scene;
 	it->mistakes = mistakes;
-	it->options = options;
 	it->callback_instructions = options->callback_instructions
 	                                    ? options->callback_instructions
 	                                    : rb_sandbox_callback_instructions;
-	it->phase = RB_PHASE_LOAD;
-	const enum rb_status status = load(it, err);
-	it->phase = RB_PHASE_REST;
-	it->mistakes = NULL;
-	it->options = NULL;
+	return with_options(it, RB_PHASE_LOAD, options, load, err);
+}
+
+static enum rb_status add_cameras(struct rb_script *script, struct rb_error *err)
+{
+	enum rb_status status = take_source(script, "file of cameras", err);
+
+	if (status != RB_OK)
+		return status;
+	status = run(script, run_cameras, err);
+	return status != RB_OK && status != RB_ERR_SCENE ? status : conclude(script, err);
+}
+
+enum rb_status rb_script_add_cameras(struct rb_script *script, const char *path,
+                                     struct rb_mistakes *mistakes, struct rb_error *err)
+{
+	const struct rb_script_options options = {.path = path, .trust = script->sandbox.trust};
+	struct rb_scene *const scene = script->scene;
+	const int camera_count = scene->camera_count, file_count = scene->file_count;
+
+	script->mistakes = mistakes;
+	script->mistake_count = script->usage_mistake_count = 0;
+	script->last_mistake = 0;
+	const enum rb_status status = with_options(script, RB_PHASE_ADD, &options, add_cameras,
+	                                           err);
+	script->source = scene->file;
+	script->source_file = 0;
+	scene->file_count = file_count; /* what cameras are made of is no part of the scene */
+	if (status != RB_OK)
+		scene->camera_count = camera_count;
 	return status;
 }
 
@@ -387,4 +461,10 @@ void rb_script_destroy(struct rb_script *script)
 const char *rb_script_traceback(const struct rb_script *script)
 {
 	return script->sandbox.traceback ? script->sandbox.traceback : "";
+}
+
+enum rb_status rb_script_check_param(const struct rb_scene *scene, const char *name,
+                                     const char *text, struct rb_error *err)
+{
+	return rb_params_check_value(scene, name, text, err);
 }

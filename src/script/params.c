@@ -8,6 +8,7 @@
 
 #include <lauxlib.h>
 
+#include "base/memory.h"
 #include "script/fields.h"
 #include "script/nearest.h"
 
@@ -161,6 +162,17 @@ static bool push_choices(struct rb_call *call)
 	return true;
 }
 
+static const char *range_text(const struct rb_param_def *def, char out[TEXT_MAX])
+{
+	if (isnan(def->max))
+		snprintf(out, TEXT_MAX, "at least %.12g", def->min);
+	else if (isnan(def->min))
+		snprintf(out, TEXT_MAX, "at most %.12g", def->max);
+	else
+		snprintf(out, TEXT_MAX, "in [%.12g, %.12g]", def->min, def->max);
+	return out;
+}
+
 /* Range and choices of the value at `index`; false: a mistake was noted. `list`: where the choices
  * are, 0: none. */
 static bool allowed(struct rb_call *call, const struct rb_param_def *def, int index, int list,
@@ -172,14 +184,8 @@ static bool allowed(struct rb_call *call, const struct rb_param_def *def, int in
 	if (def->type == RB_PARAM_NUMBER || def->type == RB_PARAM_INTEGER) {
 		const double value = lua_tonumber(call->L, index);
 		if (value < def->min || value > def->max) {
-			if (isnan(def->max))
-				snprintf(wanted, sizeof wanted, "at least %.12g", def->min);
-			else if (isnan(def->min))
-				snprintf(wanted, sizeof wanted, "at most %.12g", def->max);
-			else
-				snprintf(wanted, sizeof wanted, "in [%.12g, %.12g]", def->min,
-				         def->max);
-			value_mistake(call, from_command_line, def->name, wanted, text);
+			value_mistake(call, from_command_line, def->name, range_text(def, wanted),
+			              text);
 			return false;
 		}
 	}
@@ -215,6 +221,10 @@ static bool check_arguments(struct rb_call *call)
 		                rb_describe(L, 2, found));
 		return false;
 	}
+	if (type == LUA_TSTRING && strlen(lua_tostring(L, 2)) != lua_rawlen(L, 2)) {
+		rb_call_mistake(call, "the default must not hold a zero byte");
+		return false;
+	}
 	if (type == LUA_TNUMBER && !isfinite(lua_tonumber(L, 2))) {
 		rb_call_mistake(call, "the default must be finite (got %s)",
 		                rb_describe(L, 2, found));
@@ -227,6 +237,24 @@ static bool check_arguments(struct rb_call *call)
 		if (strcmp(call->script->scene->params[i].name, name) == 0)
 			rb_call_mistake(call, "the parameter was declared before");
 	return true;
+}
+
+/* What a text that can't be read as the type should have been. */
+static void type_text(lua_State *L, enum rb_param_type type, const char *default_text,
+                      const char *given, char out[TEXT_MAX])
+{
+	static const char *const names[] = {"a number", "a whole number", "true or false",
+	                                    "a text"};
+
+	if (type != RB_PARAM_INTEGER || lua_stringtonumber(L, given) == 0) {
+		snprintf(out, TEXT_MAX, "%s", names[type]);
+		return;
+	}
+	lua_pop(L, 1);
+	snprintf(
+		out, TEXT_MAX,
+		"a whole number, as its default %.40s is one (write %.40s.0 in the scene for any number)",
+		default_text, default_text);
 }
 
 static int l_param(lua_State *L)
@@ -265,28 +293,21 @@ static int l_param(lua_State *L)
 		else
 			lua_pop(L, 1);
 	} else if (given) {
-		static const char *const names[] = {"a number", "a whole number", "true or false",
-		                                    "a text"};
-		if (def.type == RB_PARAM_INTEGER && lua_stringtonumber(L, given) != 0) {
-			value_text(L, 2, text);
-			snprintf(
-				wanted, sizeof wanted,
-				"a whole number, as its default %.40s is one (write %.40s.0 in the scene for any number)",
-				text, text);
-			lua_pop(L, 1);
-		} else {
-			snprintf(wanted, sizeof wanted, "%s", names[def.type]);
-		}
+		value_text(L, 2, text);
+		type_text(L, def.type, text, given, wanted);
 		value_mistake(&call, true, def.name, wanted, given);
 	}
 	value_text(L, 2, default_text);
 	value_text(L, -1, text);
-	def.default_text = default_text;
-	def.value_text = text;
+	/* texts whole: a recording runs again with what it says */
+	const bool is_text = def.type == RB_PARAM_TEXT;
+	def.default_text = is_text ? lua_tostring(L, 2) : default_text;
+	def.value_text = is_text ? lua_tostring(L, -1) : text;
 	def.value = lua_type(L, -1) == LUA_TBOOLEAN ? lua_toboolean(L, -1) : lua_tonumber(L, -1);
 
 	struct rb_error err;
-	rb_sandbox_charge_bytes(L, sizeof def + strlen(def.help) + lua_rawlen(L, 1));
+	rb_sandbox_charge_bytes(L, sizeof def + strlen(def.help) + lua_rawlen(L, 1) +
+	                                   strlen(def.default_text) + strlen(def.value_text));
 	rb_script_need(L, rb_scene_add_param(call.script->scene, &def, &err), &err);
 	return 1;
 }
@@ -336,6 +357,81 @@ void rb_params_check(struct rb_script *script)
 		rb_script_mistake(script, 0, "--param %s: the scene has no such parameter%s%s",
 		                  name, rb_nearest_hint(&nearest, hint), names);
 	}
+}
+
+/* ---- values that are set while a run goes on ---- */
+
+static void *give_memory(void *user, void *block, size_t old_size, size_t size)
+{
+	(void)user;
+	if (size == 0) {
+		rb_memory_free(block);
+		return NULL;
+	}
+	return rb_memory_grow(block, block ? old_size : 0, size, 1);
+}
+
+/* Whether "a, b, c" has a value; values are as value_text writes them. */
+static bool listed(const char *choices, const char *value)
+{
+	const size_t size = strlen(value);
+
+	for (const char *at = choices; (at = strstr(at, value)); at++) {
+		const bool begins = at == choices || (at >= choices + 2 && at[-2] == ',');
+		if (begins && (at[size] == '\0' || strncmp(at + size, ", ", 2) == 0))
+			return true;
+	}
+	return false;
+}
+
+/* A Lua state of its own reads the text: what a number is, Lua says. Nothing here can raise an error. */
+static enum rb_status check_value(lua_State *L, const struct rb_param_def *def, const char *text,
+                                  struct rb_error *err)
+{
+	char value[TEXT_MAX], wanted[TEXT_MAX];
+	const bool is_number = def->type == RB_PARAM_NUMBER || def->type == RB_PARAM_INTEGER;
+
+	snprintf(value, sizeof value, "%s", text);
+	wanted[0] = '\0';
+	if (def->type != RB_PARAM_TEXT && !push_given(L, def->type, text))
+		type_text(L, def->type, def->default_text, text, wanted);
+	else if (def->type != RB_PARAM_TEXT)
+		value_text(L, -1, value);
+	if (!wanted[0] && is_number &&
+	    (lua_tonumber(L, -1) < def->min || lua_tonumber(L, -1) > def->max))
+		range_text(def, wanted);
+	if (!wanted[0] && def->choices && !listed(def->choices, value))
+		snprintf(wanted, sizeof wanted, "one of %.200s", def->choices);
+	if (!wanted[0])
+		return RB_OK;
+	return RB_FAIL(err, RB_ERR_USAGE, "parameter '%.60s' must be %s (got '%.60s')", def->name,
+	               wanted, text);
+}
+
+enum rb_status rb_params_check_value(const struct rb_scene *scene, const char *name,
+                                     const char *text, struct rb_error *err)
+{
+	const struct rb_param_def *def = NULL;
+	struct rb_nearest nearest = rb_nearest_to(name);
+	char hint[96], names[NAMES_MAX];
+
+	for (int i = 0; i < scene->param_count && !def; i++) {
+		if (strcmp(scene->params[i].name, name) == 0)
+			def = &scene->params[i];
+		rb_nearest_offer(&nearest, scene->params[i].name, strlen(scene->params[i].name));
+	}
+	if (!def) {
+		name_params(scene, names);
+		return RB_FAIL(err, RB_ERR_USAGE, "the scene has no parameter '%.60s'%s%s", name,
+		               rb_nearest_hint(&nearest, hint), names);
+	}
+	lua_State *const L = lua_newstate(give_memory, NULL);
+	if (!L)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot check parameter '%.60s': out of memory",
+		               name);
+	const enum rb_status status = check_value(L, def, text, err);
+	lua_close(L);
+	return status;
 }
 
 void rb_params_open(lua_State *L)

@@ -11,4 +11,8 @@ void rb_params_open(lua_State *L);
 /* After the script ran: notes the parameters given on the command line that it never declared. */
 void rb_params_check(struct rb_script *script);
 
+/* rb_script_check_param. */
+RB_CHECKED enum rb_status rb_params_check_value(const struct rb_scene *scene, const char *name,
+                                                const char *text, struct rb_error *err);
+
 #endif

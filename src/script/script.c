@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/script.h"
 
+#include <string.h>
+
 #include <lauxlib.h>
 
 static const char functions_key[] = "rbsim.functions";
@@ -42,6 +44,12 @@ void rb_script_push_function(lua_State *L, int number)
 
 void rb_script_while_loading(lua_State *L, const char *call)
 {
-	if (rb_script_of(L)->phase != RB_PHASE_LOAD)
+	const enum rb_script_phase phase = rb_script_of(L)->phase;
+
+	if (phase == RB_PHASE_LOAD)
+		return;
+	if (phase != RB_PHASE_ADD)
 		luaL_error(L, "%s: only while the scene is loaded, not in a callback", call);
+	if (strcmp(call, "camera") != 0 && strcmp(call, "require") != 0)
+		luaL_error(L, "%s: not here: this file can only add cameras", call);
 }

@@ -13,6 +13,7 @@
 
 enum rb_script_phase {
 	RB_PHASE_LOAD,   /* definitions are taken */
+	RB_PHASE_ADD,    /* a file that may only add cameras is read */
 	RB_PHASE_REST,   /* nothing is called */
 	RB_PHASE_CHANGE, /* on_step, on_collision, on_transition, on_frame: bodies can be changed */
 	RB_PHASE_LOOK,   /* expects and functions of time: bodies can be read */
@@ -33,17 +34,23 @@ struct rb_script {
 	enum rb_script_phase phase;
 	struct rb_scene *scene; /* borrowed: the caller's, which must stay where it is */
 	struct rb_world *world; /* borrowed, while a call from outside goes on */
+	/* borrowed, while a camera's function is called: what handles show; goes before the world */
+	const struct rb_frame *frame;
+	const struct rb_model *frame_model;
 	uint64_t callback_instructions;
 	bool traceback_kept;
 
 	/* while loading */
+	const char *
+		source; /* borrowed: the file whose lines mistakes name, as it is told to the user */
+	int source_file;                         /* its place in scene->files */
 	struct rb_mistakes *mistakes;            /* borrowed */
 	const struct rb_script_options *options; /* borrowed */
 	int mistake_count, usage_mistake_count;
 	uint64_t last_mistake; /* hash of its text */
 	char first_mistake[RB_ERROR_TEXT_SIZE];
 	int world_line, record_line; /* of their only call, 0: none yet */
-	char *folder;                /* owned: of the scene, "." for the current one */
+	char *folder;                /* owned: of the source, "." for the current one */
 	char *reading;               /* owned: a file between disk and Lua */
 	size_t reading_size;
 
@@ -68,7 +75,7 @@ int rb_script_keep_function(lua_State *L, int index);
 void rb_script_push_functions(lua_State *L);
 void rb_script_push_function(lua_State *L, int number);
 
-/* Raises an error outside of loading: `call` is a definition. */
+/* Raises an error where a definition, `call`, can't be taken. */
 void rb_script_while_loading(lua_State *L, const char *call);
 
 #endif

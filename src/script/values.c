@@ -2,18 +2,17 @@
 #include "script/values.h"
 
 #include <float.h>
-#include <limits.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include <lauxlib.h>
 
 #include "geom/mass.h"
 #include "math/quat.h"
+#include "script/disk.h"
 #include "script/nearest.h"
+#include "script/textures.h"
 #include "script/vector.h"
 
 static bool in_range(enum rb_row_range range, double value)
@@ -125,45 +124,17 @@ static bool read_text(struct rb_call *call, const struct rb_row *row, int index,
 	return true;
 }
 
-bool rb_path_stays(const char *path)
-{
-	if (path[0] == '/' || path[0] == '\0')
-		return false;
-	for (const char *part = path; part; part = strchr(part, '/')) {
-		part += *part == '/';
-		if (strncmp(part, "..", 2) == 0 && (part[2] == '/' || part[2] == '\0'))
-			return false;
-	}
-	return true;
-}
-
 static bool read_file(struct rb_call *call, const struct rb_row *row, int index, const char **value)
 {
 	const char *path;
 
 	if (!read_text(call, row, index, &path))
 		return false;
-	if (!call->script->sandbox.trust && !rb_path_stays(path))
+	if (!call->script->sandbox.trust && !rb_disk_path_stays(path))
 		return is_wrong(call, row, index,
 		                "a path within the output folder (--trust lifts this)");
 	*value = path;
 	return true;
-}
-
-bool rb_file_beside_scene(const struct rb_script *script, const char *path)
-{
-	char whole[4096], real[PATH_MAX], folder[PATH_MAX];
-
-	if (snprintf(whole, sizeof whole, "%s/%s", script->folder, path) >= (int)sizeof whole)
-		return false;
-	if (access(whole, R_OK) != 0)
-		return false;
-	if (script->sandbox.trust)
-		return true;
-	if (!realpath(whole, real) || !realpath(script->folder, folder))
-		return false;
-	const size_t size = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
-	return strncmp(real, folder, size) == 0 && real[size] == '/';
 }
 
 static bool is_choice(const char *choices, const char *text)
@@ -202,14 +173,11 @@ static bool read_texture(struct rb_call *call, const struct rb_row *row, int ind
 			row->key, row->choices, text, rb_nearest_hint(&nearest, hint));
 		return false;
 	}
-	if (!call->script->sandbox.trust && !rb_path_stays(text))
+	if (!call->script->sandbox.trust && !rb_disk_path_stays(text))
 		return is_wrong(call, row, index,
 		                "a path within the scene's folder (--trust lifts this)");
-	if (!call->script->options->files && !rb_file_beside_scene(call->script, text)) {
-		rb_call_mistake(call, "'%s': there is no file '%.60s' in the scene's folder",
-		                row->key, text);
+	if (!rb_texture_take(call, row->key, text))
 		return false;
-	}
 	*value = text;
 	return true;
 }
@@ -424,33 +392,41 @@ int rb_call_material(struct rb_call *call, const char *key, int index)
 	return -1;
 }
 
-static bool read_body(struct rb_call *call, const struct rb_row *row, int index, int *value)
+int rb_body_named(lua_State *L, const char *name, char hint[96])
 {
-	const struct rb_scene *scene = call->script->scene;
-	const int id = rb_handle_id(call->L, index);
-	char hint[96];
-
-	if (id >= 0) {
-		*value = id;
-		return true;
-	}
-	if (lua_type(call->L, index) != LUA_TSTRING)
-		return is_wrong(call, row, index, "a body or the name of one");
-	const char *name = lua_tostring(call->L, index);
+	const struct rb_scene *scene = rb_script_of(L)->scene;
 	struct rb_nearest nearest = rb_nearest_to(name);
-	rb_sandbox_charge(call->L, (uint64_t)scene->body_count);
+
+	rb_sandbox_charge(L, (uint64_t)scene->body_count);
 	for (int i = 0; i < scene->body_count; i++) {
 		const char *candidate = scene->bodies[i].name;
-		if (candidate && strcmp(candidate, name) == 0) {
-			*value = i;
-			return true;
-		}
+		if (candidate && strcmp(candidate, name) == 0)
+			return i;
 		if (candidate)
 			rb_nearest_offer(&nearest, candidate, strlen(candidate));
 	}
-	rb_call_mistake(call, "'%s': no body is named '%.60s' so far%s", row->key, name,
-	                rb_nearest_hint(&nearest, hint));
-	return false;
+	rb_nearest_hint(&nearest, hint);
+	return -1;
+}
+
+static bool read_body(struct rb_call *call, const struct rb_row *row, int index, int *value)
+{
+	int id = rb_handle_id(call->L, index);
+	char hint[96];
+
+	if (id < 0 && lua_type(call->L, index) != LUA_TSTRING)
+		return is_wrong(call, row, index, "a body or the name of one");
+	if (id < 0) {
+		const char *name = lua_tostring(call->L, index);
+		id = rb_body_named(call->L, name, hint);
+		if (id < 0) {
+			rb_call_mistake(call, "'%s': no body is named '%.60s' so far%s", row->key,
+			                name, hint);
+			return false;
+		}
+	}
+	*value = id;
+	return true;
 }
 
 static bool read_function(struct rb_call *call, const struct rb_row *row, int index, int *value)

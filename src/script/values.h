@@ -13,11 +13,7 @@ bool rb_call_value(struct rb_call *call, const struct rb_row *row, int index, vo
  * with `what`. */
 int rb_call_material(struct rb_call *call, const char *what, int index);
 
-/* A path that can't leave the folder it is in: relative, without "..". */
-bool rb_path_stays(const char *path);
-
-/* Whether a file can be read beside the scene, and is there in truth: not behind a link that leads
- * out. */
-bool rb_file_beside_scene(const struct rb_script *script, const char *path);
+/* Id of the body of that name so far; -1: none, and `hint` tells the nearest. */
+int rb_body_named(lua_State *L, const char *name, char hint[96]);
 
 #endif

@@ -276,19 +276,24 @@ static void put_param(struct rb_h5 *h5, const struct rb_param_def *param)
 		rb_h5_attribute_text(h5, path, "choices", param->choices);
 }
 
+/* Texts end at their first zero byte for many readers: what has one is kept as numbers. */
 static void put_source(struct rb_h5 *h5, const char *path, const struct rb_source_file *file)
 {
+	const size_t size = file->size_bytes;
 	char sha256[65];
 
-	rb_hash_sha256(file->text, file->size_bytes, sha256);
-	rb_h5_text_sized(h5, path, file->text, file->size_bytes);
+	rb_hash_sha256(file->text, size, sha256);
+	if (size > 0 && memchr(file->text, '\0', size))
+		rb_h5_put(h5, path, RB_H5_U8, (rb_h5_shape){1, {size}}, file->text);
+	else
+		rb_h5_text_sized(h5, path, file->text, size);
 	rb_h5_attribute_text(h5, path, "name", file->name);
 	rb_h5_attribute_text(h5, path, "sha256", sha256);
 }
 
 static void put_scene(struct rb_h5 *h5, const struct rb_scene *scene)
 {
-	char name[256], path[300];
+	char name[400], path[440];
 
 	rb_h5_group_ordered(h5, "/rbsim/parameters");
 	for (int i = 0; i < scene->param_count; i++)

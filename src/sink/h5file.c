@@ -20,6 +20,8 @@ hid_t rb_h5_type(enum rb_h5_kind kind)
 		return H5T_NATIVE_UINT64;
 	case RB_H5_I32:
 		return H5T_NATIVE_INT32;
+	case RB_H5_U8:
+		return H5T_NATIVE_UINT8;
 	default:
 		return H5T_NATIVE_INT8;
 	}
@@ -38,6 +40,8 @@ hid_t rb_h5_type_file(enum rb_h5_kind kind)
 		return H5T_STD_U64LE;
 	case RB_H5_I32:
 		return H5T_STD_I32LE;
+	case RB_H5_U8:
+		return H5T_STD_U8LE;
 	default:
 		return H5T_STD_I8LE;
 	}
@@ -45,7 +49,7 @@ hid_t rb_h5_type_file(enum rb_h5_kind kind)
 
 size_t rb_h5_size(enum rb_h5_kind kind)
 {
-	static const size_t size[RB_H5_KIND_COUNT] = {8, 4, 8, 8, 4, 1};
+	static const size_t size[RB_H5_KIND_COUNT] = {8, 4, 8, 8, 4, 1, 1};
 
 	return size[kind];
 }

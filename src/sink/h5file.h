@@ -31,6 +31,7 @@ enum rb_h5_kind {
 	RB_H5_U64,
 	RB_H5_I32,
 	RB_H5_I8,
+	RB_H5_U8,
 	RB_H5_KIND_COUNT
 };
 hid_t rb_h5_type(enum rb_h5_kind kind);      /* in memory; the library's, not to be closed */

@@ -10,7 +10,7 @@
 #include <unistd.h>
 
 enum {
-	PATH_SIZE = 512,
+	PATH_SIZE = 1024,
 	SUPERBLOCK_SIZE = 48,
 	DEFLATE_MOST = 1032,
 	LOOKS = 20,
@@ -352,6 +352,25 @@ char *rb_input_text(const struct rb_input *input, const char *path, struct rb_ar
 	rb_h5_done(dataset);
 	if (room)
 		*room = size;
+	return text;
+}
+
+char *rb_input_bytes(const struct rb_input *input, const char *path, struct rb_arena *arena,
+                     size_t *size)
+{
+	rb_h5_shape shape = {1, {0}};
+	hsize_t rows = 0;
+	const hid_t dataset = rb_input_dataset(input, path, false, &shape, &rows);
+	const hid_t type = dataset < 0 ? -1 : H5Dget_type(dataset);
+	const bool bytes = type >= 0 && H5Tequal(type, rb_h5_type_file(RB_H5_U8)) > 0;
+	char *text = bytes && rows < SIZE_MAX ? take_zeroed(arena, (size_t)rows + 1, 1) : NULL;
+
+	if (text && rows > 0 &&
+	    H5Dread(dataset, rb_h5_type(RB_H5_U8), H5S_ALL, H5S_ALL, H5P_DEFAULT, text) < 0)
+		text = NULL;
+	*size = text ? (size_t)rows : 0;
+	rb_h5_done(type);
+	rb_h5_done(dataset);
 	return text;
 }
 

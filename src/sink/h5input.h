@@ -48,6 +48,9 @@ char *rb_input_text(const struct rb_input *input, const char *path, struct rb_ar
                     size_t *room);
 /* The same into memory that has room + 1 bytes. */
 bool rb_input_text_again(const struct rb_input *input, const char *path, char *text, size_t room);
+/* A list of bytes (unsigned 8-bit integers), in `arena` with a zero behind them; NULL: there is none. */
+char *rb_input_bytes(const struct rb_input *input, const char *path, struct rb_arena *arena,
+                     size_t *size);
 /* `count` texts. */
 const char **rb_input_texts(const struct rb_input *input, const char *path, size_t count,
                             struct rb_arena *arena);

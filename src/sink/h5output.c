@@ -2,6 +2,7 @@
 #include "sink/h5output.h"
 
 #include "base/memory.h"
+#include "base/outfile.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -129,47 +130,14 @@ enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err)
 	return RB_OK;
 }
 
-/* For file systems that cannot rename without replacing: a second name, then the first one goes. */
-static int link_over(const char *from, const char *to)
-{
-	struct stat found;
-
-	if (link(from, to) == 0) {
-		unlink(from);
-		return 0;
-	}
-	if (errno == EEXIST)
-		return -1;
-	/* no hard links either: the last resort has a gap between the look and the rename */
-	if (lstat(to, &found) == 0) {
-		errno = EEXIST;
-		return -1;
-	}
-	return rename(from, to);
-}
-
 enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err)
 {
-	int failed;
-
 	if (output->published)
 		return RB_OK;
-	if (output->replace) {
-		failed = rename(output->partial, output->name);
-	} else {
-		failed = renameat2(AT_FDCWD, output->partial, AT_FDCWD, output->name,
-		                   RENAME_NOREPLACE);
-		if (failed && errno != EEXIST)
-			failed = link_over(output->partial, output->name);
-	}
-	if (failed && errno == EEXIST)
-		return RB_FAIL(err, RB_ERR_CREATE,
-		               "cannot create '%s': it exists (--force replaces it)", output->name);
-	if (failed)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", output->name,
-		               strerror(errno));
-	output->published = true;
-	return RB_OK;
+	const enum rb_status status = rb_outfile_place(output->partial, output->name,
+	                                               output->replace, err);
+	output->published = !status;
+	return status;
 }
 
 /* Blocks are taken without the file growing: its length stays what HDF5 makes it. */

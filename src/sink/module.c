@@ -3,19 +3,32 @@
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static const char file_name[] = "rbsim-hdf5.so";
-
 enum { PATH_SIZE = 4096 };
 
-/* Written once, under `once`; then only read. */
-static pthread_once_t once = PTHREAD_ONCE_INIT;
-static const struct rb_hdf5_module *loaded;
-static struct rb_error failure;
+/* A module's file, its exported object and, after it was asked for, what became of it. */
+struct module {
+	const char *file_name, *symbol;
+	int version; /* wanted; the object begins with its own */
+	/* written once, under the module's pthread_once_t; then only read */
+	const void *loaded;
+	struct rb_error failure;
+};
+
+static struct module hdf5 = {.file_name = "rbsim-hdf5.so",
+                             .symbol = "rb_hdf5_module",
+                             .version = RB_HDF5_MODULE_VERSION};
+static struct module film = {.file_name = "rbsim-film.so",
+                             .symbol = "rb_film_module",
+                             .version = RB_FILM_MODULE_VERSION};
+_Static_assert(offsetof(struct rb_hdf5_module, version) == 0 &&
+                       offsetof(struct rb_film_module, version) == 0,
+               "load_from reads it from there");
 
 /* The folder of the running program, without a slash at its end. */
 static bool program_folder(char folder[PATH_SIZE])
@@ -32,12 +45,12 @@ static bool program_folder(char folder[PATH_SIZE])
 	return true;
 }
 
-static void refuse(const char *path, const char *why)
+static void refuse(struct module *module, const char *path, const char *why)
 {
-	RB_FAIL(&failure, RB_ERR_MISSING, "cannot load '%s': %s", path, why);
+	RB_FAIL(&module->failure, RB_ERR_MISSING, "cannot load '%s': %s", path, why);
 }
 
-static void load_from(const char *path)
+static void load_from(struct module *module, const char *path)
 {
 	void *const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
 
@@ -45,58 +58,84 @@ static void load_from(const char *path)
 		/* the loader's text begins with the path */
 		const char *const text = dlerror();
 		const char *const colon = text ? strstr(text, ": ") : NULL;
-		refuse(path, colon ? colon + 2 : text ? text : "unknown failure");
+		refuse(module, path, colon ? colon + 2 : text ? text : "unknown failure");
 		return;
 	}
-	const struct rb_hdf5_module *const module = dlsym(library, "rb_hdf5_module");
-	if (!module || module->version != RB_HDF5_MODULE_VERSION) {
+	const int *const version = dlsym(library, module->symbol);
+	if (!version || *version != module->version) {
 		char why[80];
 		snprintf(why, sizeof why, "it is of version %d, this program wants %d",
-		         module ? module->version : 0, RB_HDF5_MODULE_VERSION);
-		refuse(path, why);
+		         version ? *version : 0, module->version);
+		refuse(module, path, why);
 		dlclose(library);
 		return;
 	}
-	/* Never unloaded: the library underneath keeps state of its own. */
-	loaded = module;
+	/* Never unloaded: the libraries underneath keep state of their own. */
+	module->loaded = version;
 }
 
-static void load(void)
+static void load(struct module *module)
 {
 	char folder[PATH_SIZE], path[PATH_SIZE + 64];
 	const char *const given = getenv("RBSIM_MODULE_DIR");
 
 	if (given && given[0]) {
-		snprintf(path, sizeof path, "%.*s/%s", PATH_SIZE, given, file_name);
-		load_from(path);
+		snprintf(path, sizeof path, "%.*s/%s", PATH_SIZE, given, module->file_name);
+		load_from(module, path);
 		return;
 	}
 	if (!program_folder(folder)) {
-		refuse(file_name,
+		refuse(module, module->file_name,
 		       "/proc/self/exe does not say where this program is (RBSIM_MODULE_DIR can)");
 		return;
 	}
 	/* as built, then as installed */
 	static const char *const places[] = {"", "/../lib/rbsim"};
 	for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-		snprintf(path, sizeof path, "%s%s/%s", folder, places[i], file_name);
+		snprintf(path, sizeof path, "%s%s/%s", folder, places[i], module->file_name);
 		if (access(path, F_OK) == 0) {
-			load_from(path);
+			load_from(module, path);
 			return;
 		}
 	}
-	RB_FAIL(&failure, RB_ERR_MISSING,
+	RB_FAIL(&module->failure, RB_ERR_MISSING,
 	        "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names another)",
-	        file_name, folder, folder);
+	        module->file_name, folder, folder);
+}
+
+static void load_hdf5(void)
+{
+	load(&hdf5);
+}
+
+static void load_film(void)
+{
+	load(&film);
+}
+
+static enum rb_status answer(const struct module *module, struct rb_error *err)
+{
+	if (module->loaded)
+		return RB_OK;
+	if (err)
+		*err = module->failure;
+	return module->failure.status;
 }
 
 enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module, struct rb_error *err)
 {
-	pthread_once(&once, load);
-	*module = loaded;
-	if (loaded)
-		return RB_OK;
-	if (err)
-		*err = failure;
-	return failure.status;
+	static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+	pthread_once(&once, load_hdf5);
+	*module = hdf5.loaded;
+	return answer(&hdf5, err);
+}
+
+enum rb_status rb_module_film(const struct rb_film_module **module, struct rb_error *err)
+{
+	static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+	pthread_once(&once, load_film);
+	*module = film.loaded;
+	return answer(&film, err);
 }

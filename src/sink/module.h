@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The HDF5 side of the program lives in a module of its own, rbsim-hdf5.so, loaded when a run records or a
- * verb reads a recording: linking HDF5 would cost every start some milliseconds and megabytes.
+ * What is heavy and not always needed lives in modules of their own, loaded when a run or a verb needs them: the HDF5
+ * side in rbsim-hdf5.so (recording, reading recordings), pictures and video in rbsim-film.so (OSMesa, libpng, FreeType).
+ * Linking them would cost every start some milliseconds and tens of megabytes.
  *
- * rb_module_hdf5 loads it once (later calls return the same table); RB_ERR_MISSING says which file was looked
- * for and why it could not be loaded.
+ * Each is loaded once (later calls return the same table); RB_ERR_MISSING says which file was looked for and why it
+ * could not be loaded.
  */
 #ifndef RB_SINK_MODULE_H
 #define RB_SINK_MODULE_H
+
+#include <stdbool.h>
 
 #include <rbsim/sink.h>
 
@@ -15,7 +18,7 @@
 
 struct rb_recorder_options {
 	const char *path; /* final name */
-	_Bool replace;    /* --force: an existing file may be replaced */
+	bool replace;     /* --force: an existing file may be replaced */
 	double flush_s;   /* longest wall time between flushes; 0: one second */
 };
 
@@ -39,7 +42,8 @@ struct rb_reading {
 	int param_count;
 	const char **param_names, **param_values;
 	int file_count;
-	const char **file_names, **file_texts; /* [0] is the scene */
+	const char **file_names, **file_texts; /* [0] is the scene; zero-terminated */
+	const size_t *file_sizes;              /* bytes; textures hold zero bytes */
 	uint64_t event_count;
 };
 
@@ -71,9 +75,69 @@ struct rb_hdf5_module {
 	                                    double *values, struct rb_error *err);
 };
 
-enum { RB_HDF5_MODULE_VERSION = 2 };
+enum { RB_HDF5_MODULE_VERSION = 3 };
 
 RB_CHECKED enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module,
+                                         struct rb_error *err);
+
+/* ---- pictures and video ---- */
+
+struct rb_pixmap; /* film/pixmap.h */
+struct rb_png_text;
+
+struct rb_film_options {
+	const struct rb_model *model; /* borrowed, with its scene, until the film is destroyed */
+	const struct rb_camera_def
+		*camera; /* borrowed; `png` and `video` are the outputs, from the current folder */
+	bool still;      /* one picture, to `png` as it is, without a number */
+	int number;      /* of the camera among those filmed: that of its shots */
+	double end_s;    /* when the run ends */
+	bool replace;    /* existing files may be replaced */
+	int encoder_threads; /* that make PNG files besides the one that draws; 0: one */
+	const char *command; /* for the text chunks of pictures; may be NULL */
+};
+
+/* What a film has done and where its wall time went; complete after the sink was closed. */
+struct rb_film_tally {
+	uint64_t pictures;      /* drawn and written */
+	uint64_t picture_count; /* of the whole film */
+	uint64_t bytes;         /* of all files */
+	uint64_t draw_ns, read_ns, png_ns,
+		pipe_ns;  /* GL; its pixels; PNG files; video down the pipe */
+	uint64_t wait_ns; /* the drawing thread for the encoding one */
+};
+
+struct rb_film;
+struct rb_take;
+
+/* The module's one exported object is `const struct rb_film_module rb_film_module`. */
+struct rb_film_module {
+	int version; /* RB_FILM_MODULE_VERSION of the build */
+
+	/* Can this film be made? Textures, font, ffmpeg, outputs; leaves nothing behind. */
+	enum rb_status (*film_check)(const struct rb_film_options *options, struct rb_error *err);
+	/* The row in `sink` borrows the film, which the sink's owner destroys after closing. */
+	enum rb_status (*film_create)(struct rb_film **film, struct rb_sink *sink,
+	                              const struct rb_film_options *options, struct rb_error *err);
+	void (*film_destroy)(struct rb_film *film);
+	struct rb_film_tally (*film_tally)(const struct rb_film *film);
+
+	/* Single pictures: film/take.h, film/png.h. `picture` borrows the take's memory until the next call. */
+	enum rb_status (*take_create)(struct rb_take **take, const struct rb_model *model,
+	                              const struct rb_camera_def *camera, struct rb_error *err);
+	void (*take_destroy)(struct rb_take *take);
+	void (*take_see)(struct rb_take *take, const struct rb_frame *frame);
+	enum rb_status (*take_draw)(struct rb_take *take, const struct rb_frame *frame,
+	                            const struct rb_frame_shot *shot, struct rb_pixmap *picture,
+	                            struct rb_error *err);
+	enum rb_status (*png_write)(const char *path, bool replace, const struct rb_pixmap *pixmap,
+	                            const struct rb_png_text *texts, size_t *bytes,
+	                            struct rb_error *err);
+};
+
+enum { RB_FILM_MODULE_VERSION = 1 };
+
+RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);
 
 #endif

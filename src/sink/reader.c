@@ -2,6 +2,7 @@
 #include "sink/reader.h"
 
 #include "base/arena.h"
+#include "base/hash.h"
 #include "base/memory.h"
 #include "sink/h5frames.h"
 #include "sink/h5input.h"
@@ -10,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { MEMBERS_MAX = 100000, PATH_SIZE = 300 };
+enum { MEMBERS_MAX = 100000, PATH_SIZE = 600 };
 static const double block_bytes = 1 << 20; /* of a frame's columns, read in one go */
 
 /* A column as it stands in the file. */
@@ -146,6 +147,31 @@ static enum rb_status read_params(struct rb_reader *reader, struct rb_error *err
 	return RB_OK;
 }
 
+/* A file of the scene: a text, or bytes where it holds zeros, which must then be those that were recorded. */
+static enum rb_status read_file(struct rb_reader *reader, const char *path, const char **text,
+                                size_t *size, struct rb_error *err)
+{
+	char sha256[65];
+
+	*text = rb_input_text(&reader->input, path, &reader->arena, NULL);
+	*size = *text ? strlen(*text) : 0;
+	if (*text)
+		return RB_OK;
+	*text = rb_input_bytes(&reader->input, path, &reader->arena, size);
+	if (!*text) {
+		*text = "";
+		return RB_OK;
+	}
+	const char *const stated = rb_input_attribute(&reader->input, path, "sha256",
+	                                              &reader->arena);
+	rb_hash_sha256(*text, *size, sha256);
+	if (stated && strcmp(stated, sha256) == 0)
+		return RB_OK;
+	return RB_FAIL(err, RB_ERR_INPUT,
+	               "'%s' in '%s' is damaged: its bytes are not those of its 'sha256'", path,
+	               reader->path);
+}
+
 static enum rb_status read_files(struct rb_reader *reader, struct rb_error *err)
 {
 	struct rb_reading *const reading = &reader->reading;
@@ -154,24 +180,26 @@ static enum rb_status read_files(struct rb_reader *reader, struct rb_error *err)
 
 	const int count = rb_input_members(&reader->input, "/rbsim/files", MEMBERS_MAX, &names,
 	                                   &reader->arena);
-	reading->file_names = rb_arena_take(&reader->arena, (size_t)count + 1,
-	                                    sizeof *reading->file_names);
-	reading->file_texts = rb_arena_take(&reader->arena, (size_t)count + 1,
-	                                    sizeof *reading->file_texts);
-	if (!reading->file_names || !reading->file_texts)
+	const size_t room = (size_t)count + 1;
+	size_t *const sizes = rb_arena_take(&reader->arena, room, sizeof *sizes);
+	reading->file_names = rb_arena_take(&reader->arena, room, sizeof *reading->file_names);
+	reading->file_texts = rb_arena_take(&reader->arena, room, sizeof *reading->file_texts);
+	reading->file_sizes = sizes;
+	if (!sizes || !reading->file_names || !reading->file_texts)
 		return no_memory(reader, err);
 	const char *const scene = rb_input_attribute(&reader->input, "/rbsim/scene", "name",
 	                                             &reader->arena);
 	reading->file_names[0] = scene ? scene : "";
-	reading->file_texts[0] = text_or_empty(reader, "/rbsim/scene");
-	for (int i = 0; i < count; i++) {
+	enum rb_status status = read_file(reader, "/rbsim/scene", &reading->file_texts[0],
+	                                  &sizes[0], err);
+	for (int i = 0; i < count && status == RB_OK; i++) {
 		snprintf(path, sizeof path, "/rbsim/files/%s", names[i]);
-		reading->file_texts[i + 1] = text_or_empty(reader, path);
+		status = read_file(reader, path, &reading->file_texts[i + 1], &sizes[i + 1], err);
 		rb_h5_unescape((char *)(uintptr_t)names[i]);
 		reading->file_names[i + 1] = names[i];
 	}
 	reading->file_count = count + 1;
-	return RB_OK;
+	return status;
 }
 
 /* Who is who. */

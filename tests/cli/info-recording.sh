@@ -18,6 +18,9 @@ says out 'command +.*s.lua -q --param e=0.25'
 exits 0 info s.h5 --json
 [ "$(value frames)" = 31 ] || fail "frames: $(value frames)"
 [ "$(value status)" = complete ] || fail "status"
+says out "\"files\":\[\"s.lua\"\],\"file_sizes\":\[$(wc -c <s.lua)\]"
+exits 0 info s.h5
+says out "files +s.lua, $(wc -c <s.lua) bytes \(see --scene\)"
 exits 0 info s.h5 --scene
 cmp -s out s.lua || fail "--scene is not the scene"
 echo "not a recording" >text.h5

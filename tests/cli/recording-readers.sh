@@ -27,7 +27,20 @@ cat >still.lua <<'END'
 world { title = "nothing turns", duration = 0.5 }
 sphere { radius = 0.1, velocity = {1, 0, 0} }
 END
-for scene in all packed still; do
+cat >worn.lua <<'END'
+world { duration = 0.1 }
+sphere { radius = 0.1, texture = "skins/globe.png" }
+END
+mkdir skins
+"$python" - <<'END'
+import struct, zlib
+def chunk(name, data):
+    return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+rows = b"".join(b"\0" + bytes([40 * y, 0, 255 - x]) for y in range(2) for x in range(1))
+open("skins/globe.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 2, 8, 2, 0, 0, 0))
+    + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+END
+for scene in all packed still worn; do
 	"$RBSIM" "$scene.lua" -o "$scene.h5" --quiet
 	echo "== $scene"
 	"$python" "$top/tests/readers/check.py" "$scene.h5"
@@ -47,5 +60,11 @@ assert [n.decode() for n in f["rbsim/names"]] == [""] + ["ball %d" % i for i in 
 assert list(f["particles/bodies/id"]) == [1, 2, 3, 4, 5] and list(f["particles/statics/id"]) == [0]
 assert len(f["rbsim/events/time"]) > 0
 assert f["rbsim/status"][()] == b"complete" and len(f["rbsim/state_hash"][()]) == 16
+# a picture comes back to the last byte
+f = h5py.File("worn.h5", "r")
+skin = f["rbsim/files/skins%2Fglobe.png"]
+assert skin.dtype == "uint8" and skin[()].tobytes() == open("skins/globe.png", "rb").read()
+assert skin.attrs["sha256"] == hashlib.sha256(skin[()].tobytes()).hexdigest() or \
+    skin.attrs["sha256"].decode() == hashlib.sha256(skin[()].tobytes()).hexdigest()
 assert list(h5py.File("packed.h5", "r")["particles/bodies/position/step"]) == list(range(0, 57, 7)) + [60]
 END

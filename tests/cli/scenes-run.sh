@@ -4,7 +4,7 @@
 set -eu
 scenes=$(dirname "$0")/../../scenes
 for scene in "$scenes"/*.lua; do
-	set -- --no-record --quiet
+	set -- --no-record --no-render --quiet
 	case $scene in
 	*/heap.lua) [ "${RBSIM_MODE:-release}" = release ] || set -- "$@" --param balls=15 ;;
 	esac

@@ -10,17 +10,30 @@
 #include <rbsim/model.h>
 
 #include "base/memory.h"
-#include "script/hooks.h"
 #include "script/load.h"
+#include "script/shots.h"
 
 int LLVMFuzzerTestOneInput(const unsigned char *bytes, size_t size);
+
+/* Cameras are asked once, over a frame that has no columns. */
+static void shoot(struct rb_script *script, const struct rb_scene *scene,
+                  const struct rb_model *model)
+{
+	const struct rb_frame frame = {.time_s = 0.5};
+	struct rb_frame_shot shot = {0};
+	struct rb_error err;
+
+	for (int i = 0; i < scene->camera_count && i < 10; i++)
+		if (rb_shot_wanted(&scene->cameras[i]))
+			(void)!rb_script_shot(script, model, &scene->cameras[i], &frame, &shot,
+			                      &err);
+}
 
 static void seal(struct rb_script *script, struct rb_scene *scene)
 {
 	struct rb_model *model;
 	struct rb_error err;
 	struct rb_mistakes mistakes = {0};
-	rb_vec3 at;
 
 	if (scene->body_count <= 100) {
 		if (!(scene->world.duration_s <= 1e6))
@@ -28,25 +41,26 @@ static void seal(struct rb_script *script, struct rb_scene *scene)
 		const enum rb_status status = rb_model_create(&model, scene, &mistakes, &err);
 		if (status != RB_OK && status != RB_ERR_SCENE)
 			abort();
+		if (status == RB_OK)
+			shoot(script, scene, model);
 		rb_model_destroy(model);
 	}
-	for (int i = 0; i < scene->camera_count && i < 10; i++)
-		if (scene->cameras[i].position.source == RB_CAMERA_FUNCTION)
-			(void)!rb_script_vector_at(
-				script, NULL, scene->cameras[i].position.function, 0.5, &at, &err);
 	rb_mistakes_release(&mistakes);
 }
 
 int LLVMFuzzerTestOneInput(const unsigned char *bytes, size_t size)
 {
 	const struct rb_memory_counts before = rb_memory_counts();
-	const struct rb_source_file files[2] = {
+	static const char png[] =
+		"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\0\1\0\0\0\1\x08\2\0\0\0\0\0\0";
+	const struct rb_source_file files[3] = {
 		{.name = "fuzz.lua", .text = (const char *)bytes, .size_bytes = size},
-		{.name = "part", .text = "return { radius = 1 }", .size_bytes = 21}};
+		{.name = "part", .text = "return { radius = 1 }", .size_bytes = 21},
+		{.name = "a.png", .text = png, .size_bytes = sizeof png}};
 	static const char *const params[] = {"e=0.5", "n=3", "s=x", "b=true"};
 	const struct rb_script_options options = {.path = "fuzz.lua",
 	                                          .files = files,
-	                                          .file_count = 2,
+	                                          .file_count = 3,
 	                                          .params = params,
 	                                          .param_count = size % 5 == 0 ? 4 : 0,
 	                                          .load_instructions = 300000,

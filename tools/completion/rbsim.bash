@@ -6,7 +6,7 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|diff|converge|verify|methods) verb=$w ;; esac
+		case $w in run|check|info|render|diff|converge|verify|methods) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
@@ -24,14 +24,23 @@ _rbsim()
 	--rollback) COMPREPLY=($(compgen -W 'selective global none' -- "$word")); return ;;
 	--seed) return ;;
 	--threads) return ;;
+	--camera) return ;;
+	--with) return ;;
+	--from) return ;;
+	--to) return ;;
+	--fps) return ;;
+	--speed) return ;;
+	--size) return ;;
+	--frame) return ;;
 	--scenes) return ;;
 	--jobs) return ;;
 	esac
 	if [[ $word == -* ]]; then
 		case $verb in
-		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
-		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
+		render) COMPREPLY=($(compgen -W '--output --camera --with --from --to --fps --speed --size --frame --contact-sheet --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		diff) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		converge) COMPREPLY=($(compgen -W '--output --param --duration --methods --dt --tolerance --quantity --error --runs --budget --seed --threads --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		verify) COMPREPLY=($(compgen -W '--method --rollback --quick --scenes --jobs --quiet --json --debug --help --version' -- "$word")) ;;
@@ -41,6 +50,6 @@ _rbsim()
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info diff converge verify methods' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods' -- "$word"))
 }
 complete -F _rbsim rbsim

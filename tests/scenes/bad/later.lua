@@ -11,4 +11,4 @@ camera { look_at = b }
 -- expect: :3: capsule: not in this version
 -- expect: :4: cylinder: not in this version
 -- expect: :5: hull: not in this version
--- expect: :6: body: not in this version
+-- expect: :6: body: not in this version (body 'NAME' gives the body of that name)

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A small output file that appears under its name only when it is whole.
+ * An output file that appears under its name only when it is whole: until then it stands as NAME.partial-PID beside it.
  *
- * Owned by the caller, main thread.
+ * Owned by the caller, one thread at a time; several files may be made in several threads.
  */
-#ifndef RB_APP_OUTFILE_H
-#define RB_APP_OUTFILE_H
+#ifndef RB_BASE_OUTFILE_H
+#define RB_BASE_OUTFILE_H
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -21,6 +21,10 @@ struct rb_outfile {
 
 /* RB_ERR_CREATE when the name is taken and may not be replaced, or is no regular file. Touches nothing. */
 RB_CHECKED enum rb_status rb_outfile_check(const char *name, bool replace, struct rb_error *err);
+/* The same, and whether the file could be written, or its folder made where there is none. Leaves nothing behind. */
+RB_CHECKED enum rb_status rb_outfile_probe(const char *name, bool replace, struct rb_error *err);
+/* Makes the folders above the name that are not there yet. RB_ERR_CREATE. */
+RB_CHECKED enum rb_status rb_outfile_folders(const char *name, struct rb_error *err);
 
 RB_CHECKED enum rb_status rb_outfile_open(struct rb_outfile *out, const char *name, bool replace,
                                           struct rb_error *err);
@@ -28,5 +32,12 @@ RB_CHECKED enum rb_status rb_outfile_open(struct rb_outfile *out, const char *na
 RB_CHECKED enum rb_status rb_outfile_publish(struct rb_outfile *out, struct rb_error *err);
 /* Nothing of it stays, unless it was published. Safe on a zeroed one. */
 void rb_outfile_release(struct rb_outfile *out);
+
+/*
+ * For files that somebody else writes: gives `partial` its final name, without `replace` never over another one.
+ * RB_ERR_CREATE.
+ */
+RB_CHECKED enum rb_status rb_outfile_place(const char *partial, const char *name, bool replace,
+                                           struct rb_error *err);
 
 #endif

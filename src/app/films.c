@@ -1,0 +1,518 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/films.h"
+
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/team.h"
+#include "flow/between.h"
+#include "flow/frame.h"
+#include "flow/pump.h"
+#include "flow/schedule.h"
+#include "math/vec3.h"
+#include "script/shots.h"
+
+/* One camera at work. */
+struct film {
+	struct rb_camera_def camera; /* as wished */
+	char label[80];              /* "camera 'main'", for messages */
+	struct rb_schedule schedule;
+	uint64_t next; /* picture whose shot comes next */
+	struct rb_film *film;
+	struct rb_sink sink;
+	struct rb_pump *pump;
+	struct rb_film_tally tally;
+	enum rb_status status;
+};
+
+struct rb_films {
+	struct rb_loaded *loaded;
+	const struct rb_film_module *module;
+	struct film *film; /* [count] */
+	int count;
+	bool shoots;   /* some camera has functions */
+	bool has_last; /* then: `last` is the frame before */
+	struct rb_frame last, between;
+};
+
+/* One slot of the ring's consumers is the recorder's. */
+enum { FILMS_MAX = RB_RING_CONSUMERS_MAX - 1 };
+
+int rb_films_count(const struct rb_films *films)
+{
+	return films ? films->count : 0;
+}
+
+/* ---- which cameras ---- */
+
+struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
+                                          const struct rb_options *options)
+{
+	return (struct rb_films_wish){
+		.names = options->camera,
+		.from_s = NAN,
+		.to_s = NAN,
+		.fps = NAN,
+		.speed = NAN,
+		.replace = options->force,
+		.end_s = loaded->model->duration_s,
+	};
+}
+
+static bool is_named(const char *names, const char *name)
+{
+	const size_t size = name ? strlen(name) : 0;
+
+	for (const char *at = names; size > 0 && *at;) {
+		at += strspn(at, ", ");
+		const size_t one = strcspn(at, ",");
+		if (one == size && memcmp(at, name, one) == 0)
+			return true;
+		at += one;
+	}
+	return false;
+}
+
+/* The cameras' names, for who wished for another. */
+static void list_names(const struct rb_scene *scene, char *out, size_t size)
+{
+	size_t used = 0;
+
+	snprintf(out, size, "none has a name");
+	for (int i = 0; i < scene->camera_count && used < size; i++)
+		if (scene->cameras[i].name)
+			used += (size_t)snprintf(out + used, size - used, "%s%s",
+			                         used > 0 ? ", " : "", scene->cameras[i].name);
+}
+
+static enum rb_status check_names(const struct rb_scene *scene, const char *names,
+                                  struct rb_error *err)
+{
+	char known[160];
+
+	for (const char *at = names; at && *at;) {
+		at += strspn(at, ", ");
+		const size_t size = strcspn(at, ",");
+		bool found = size == 0;
+		for (int i = 0; i < scene->camera_count && !found; i++)
+			found = scene->cameras[i].name && strlen(scene->cameras[i].name) == size &&
+			        memcmp(scene->cameras[i].name, at, size) == 0;
+		if (!found) {
+			list_names(scene, known, sizeof known);
+			return RB_FAIL(
+				err, RB_ERR_USAGE,
+				"option '--camera': there is no camera '%.*s' (there are: %s)",
+				(int)size, at, known);
+		}
+		at += size;
+	}
+	return RB_OK;
+}
+
+/* A camera for a recording whose scene has none: all bodies at the start, from the usual side. */
+static struct rb_camera_def fallback_camera(const struct rb_model *model)
+{
+	struct rb_camera_def camera = rb_camera_def_default();
+	const int count = model->body_count > 0 ? model->body_count : model->static_count;
+	const int first = model->body_count > 0 ? 0 : model->body_count;
+	rb_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+
+	for (int i = first; i < first + count; i++) {
+		const double r = fmax(model->shape[i].radius, 0);
+		const rb_vec3 p = model->position[i];
+		low = (rb_vec3){fmin(low.x, p.x - r), fmin(low.y, p.y - r), fmin(low.z, p.z - r)};
+		high = (rb_vec3){fmax(high.x, p.x + r), fmax(high.y, p.y + r),
+		                 fmax(high.z, p.z + r)};
+	}
+	const rb_vec3 middle = rb_vec3_scale(0.5, rb_vec3_add(low, high));
+	double radius = 0.5 * rb_vec3_length(rb_vec3_sub(high, low));
+	if (!(radius > 0))
+		radius = 1;
+	const rb_vec3 side = camera.position.value; /* of the default camera, towards the origin */
+	const double distance = 1.4 * radius / sin(camera.fov / 2) / rb_vec3_length(side);
+	camera.look_at.value = middle;
+	camera.position.value = rb_vec3_add(middle, rb_vec3_scale(distance, side));
+	return camera;
+}
+
+static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish)
+{
+	if (!isnan(wish->from_s))
+		camera->from_s = wish->from_s;
+	if (!isnan(wish->to_s))
+		camera->to_s = wish->to_s;
+	if (!isnan(wish->fps))
+		camera->fps = wish->fps;
+	if (!isnan(wish->speed))
+		camera->speed = wish->speed;
+	for (int i = 0; wish->size_px[0] > 0 && i < 2; i++)
+		camera->size_px[i] = wish->size_px[i];
+	if (!wish->output)
+		return;
+	const char *const dot = strrchr(wish->output, '.');
+	const bool png = dot && strcmp(dot, ".png") == 0;
+	camera->png = png ? wish->output : NULL;
+	camera->video = png ? NULL : wish->output;
+}
+
+static void add(struct rb_films *films, const struct rb_camera_def *camera, int number,
+                const struct rb_films_wish *wish)
+{
+	struct film *const film = &films->film[films->count++];
+
+	film->camera = *camera;
+	apply(&film->camera, wish);
+	if (camera->name)
+		snprintf(film->label, sizeof film->label, "camera '%.60s'", camera->name);
+	else
+		snprintf(film->label, sizeof film->label, "camera %d", number + 1);
+	film->schedule = rb_schedule_of(&film->camera, films->loaded->model->frame_rate,
+	                                wish->end_s);
+	films->shoots |= rb_shot_wanted(&film->camera);
+}
+
+static enum rb_status choose(struct rb_films *films, const struct rb_films_wish *wish,
+                             struct rb_error *err)
+{
+	const struct rb_scene *const scene = &films->loaded->scene;
+	const enum rb_status status = check_names(scene, wish->names, err);
+	char known[160];
+
+	if (status)
+		return status;
+	films->film = rb_memory_take((size_t)scene->camera_count + 1, sizeof *films->film);
+	if (!films->film)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
+	for (int i = 0; i < scene->camera_count; i++) {
+		const struct rb_camera_def *const camera = &scene->cameras[i];
+		const bool has_output = camera->png || camera->video || wish->output;
+		if (has_output && (!wish->names || is_named(wish->names, camera->name)))
+			add(films, camera, i, wish);
+	}
+	if (scene->camera_count == 0 && wish->fallback && wish->output) {
+		const struct rb_camera_def camera = fallback_camera(films->loaded->model);
+		add(films, &camera, 0, wish);
+	}
+	if (wish->output && films->count == 0)
+		return RB_FAIL(err, RB_ERR_USAGE, "option '--camera' chooses no camera");
+	if (wish->output && films->count > 1) {
+		list_names(scene, known, sizeof known);
+		return RB_FAIL(
+			err, RB_ERR_USAGE,
+			"option '--output' names one film, and there are %d cameras: choose one with --camera (%s)",
+			films->count, known);
+	}
+	if (films->count > FILMS_MAX)
+		return RB_FAIL(
+			err, RB_ERR_USAGE,
+			"cannot film with %d cameras at once: %d are possible (--camera chooses)",
+			films->count, FILMS_MAX);
+	return RB_OK;
+}
+
+static bool same(const char *a, const char *b)
+{
+	return a && b && strcmp(a, b) == 0;
+}
+
+static enum rb_status check_twins(const struct rb_films *films, struct rb_error *err)
+{
+	for (int i = 0; i < films->count; i++)
+		for (int k = 0; k < i; k++) {
+			const struct rb_camera_def *const a = &films->film[k].camera;
+			const struct rb_camera_def *const b = &films->film[i].camera;
+			if (same(a->png, b->png) || same(a->video, b->video))
+				return RB_FAIL(err, RB_ERR_SCENE,
+				               "%s:%d: %s writes to '%s', as %s does in line %d",
+				               films->loaded->scene.file, b->line,
+				               films->film[i].label,
+				               same(a->png, b->png) ? b->png : b->video,
+				               films->film[k].label, a->line);
+		}
+	return RB_OK;
+}
+
+static struct rb_film_options options_of(const struct rb_films *films, int number,
+                                         const struct rb_films_wish *wish)
+{
+	const int spare = rb_team_processors() / films->count;
+
+	return (struct rb_film_options){
+		.model = films->loaded->model,
+		.camera = &films->film[number].camera,
+		.still = wish->still,
+		.number = number,
+		.end_s = wish->end_s,
+		.replace = wish->replace,
+		.encoder_threads = spare > 1 ? spare : 1,
+	};
+}
+
+/*
+ * Each film has a thread that draws; Mesa's own threads help it where there are more processors than films. Mesa reads
+ * this once, when the first context is made; what the user has set holds.
+ */
+static void share_processors(const struct rb_films *films)
+{
+	const int processors = rb_team_processors();
+	const int each = films->count < processors ? processors / films->count : 0;
+	char text[16];
+
+	snprintf(text, sizeof text, "%d", each > 8 ? 8 : each);
+	setenv("LP_NUM_THREADS", text, 0);
+}
+
+static enum rb_status prepare(struct rb_films *films, const struct rb_films_wish *wish,
+                              struct rb_error *err)
+{
+	enum rb_status status = choose(films, wish, err);
+
+	if (status || films->count == 0)
+		return status;
+	status = check_twins(films, err);
+	if (!status)
+		status = rb_module_film(&films->module, err);
+	if (status)
+		return status;
+	share_processors(films);
+	for (int i = 0; i < films->count; i++) {
+		const struct rb_film_options options = options_of(films, i, wish);
+		struct film *const film = &films->film[i];
+		status = films->module->film_check(&options, err);
+		if (!status)
+			status = films->module->film_create(&film->film, &film->sink, &options,
+			                                    err);
+		if (status)
+			return status;
+	}
+	return RB_OK;
+}
+
+enum rb_status rb_films_create(struct rb_films **films, struct rb_loaded *loaded,
+                               const struct rb_films_wish *wish, struct rb_error *err)
+{
+	*films = rb_memory_take(1, sizeof **films);
+	if (!*films)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
+	(*films)->loaded = loaded;
+	const enum rb_status status = prepare(*films, wish, err);
+	if (status || (*films)->count == 0) {
+		rb_films_destroy(*films);
+		*films = NULL;
+	}
+	return status;
+}
+
+enum rb_status rb_films_one_camera(struct rb_camera_def *camera, struct rb_loaded *loaded,
+                                   const struct rb_films_wish *wish, struct rb_error *err)
+{
+	struct rb_films films = {.loaded = loaded};
+	const enum rb_status status = choose(&films, wish, err);
+
+	if (!status)
+		*camera = films.film[0].camera;
+	rb_memory_free(films.film);
+	return status;
+}
+
+void rb_films_destroy(struct rb_films *films)
+{
+	if (!films)
+		return;
+	for (int i = 0; i < films->count; i++)
+		if (films->film[i].film)
+			films->module->film_destroy(films->film[i].film);
+	rb_frame_release(&films->last);
+	rb_frame_release(&films->between);
+	rb_memory_free(films->film);
+	rb_memory_free(films);
+}
+
+unsigned rb_films_fields(const struct rb_films *films)
+{
+	unsigned fields = 0;
+
+	for (int i = 0; i < rb_films_count(films); i++)
+		fields |= films->film[i].sink.fields;
+	if (films && films->shoots) /* handles show all of a frame */
+		fields |= RB_FIELD_POSITION | RB_FIELD_ORIENTATION | RB_FIELD_VELOCITY |
+		          RB_FIELD_ANGULAR_VELOCITY;
+	return fields;
+}
+
+double rb_films_first_s(const struct rb_films *films)
+{
+	double first_s = INFINITY;
+
+	for (int i = 0; i < rb_films_count(films); i++)
+		first_s = fmin(first_s, films->film[i].camera.trail_count > 0
+		                                ? 0
+		                                : films->film[i].schedule.from_s);
+	return first_s;
+}
+
+/* ---- at work ---- */
+
+enum rb_status rb_films_start(struct rb_films *films, struct rb_ring *ring,
+                              const struct rb_outcome *outcome, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int i = 0; i < rb_films_count(films) && !status; i++)
+		status = rb_pump_start(&films->film[i].pump, ring, &films->film[i].sink, outcome,
+		                       err);
+	return status;
+}
+
+static enum rb_status add_shot(struct rb_frame *frame, const struct rb_frame_shot *shot,
+                               struct rb_error *err)
+{
+	size_t capacity = (size_t)frame->shot_capacity;
+
+	if (!rb_memory_reserve(&frame->shots, &capacity, (size_t)frame->shot_count + 1,
+	                       sizeof *frame->shots))
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot hold a frame: out of memory");
+	frame->shot_capacity = (int)capacity;
+	frame->shots[frame->shot_count++] = *shot;
+	return RB_OK;
+}
+
+/* The shots of one camera that fall after the frame before and not after this one. */
+static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame *frame,
+                            struct rb_error *err)
+{
+	struct film *const film = &films->film[number];
+	const uint64_t count = rb_schedule_count(&film->schedule);
+	enum rb_status status = RB_OK;
+
+	for (; !status && film->next < count; film->next++) {
+		const double time_s = rb_schedule_time(&film->schedule, film->next);
+		struct rb_frame_shot shot = {.camera = number, .picture = film->next};
+		const struct rb_frame *moment = frame;
+		if (time_s > frame->time_s)
+			break;
+		if (time_s < frame->time_s) {
+			if (!films->has_last)
+				continue; /* before the first frame: there is no such picture */
+			status = rb_frame_between(&films->between, &films->last, frame, time_s,
+			                          err);
+			moment = &films->between;
+		}
+		if (!status)
+			status = rb_script_shot(films->loaded->script, films->loaded->model,
+			                        &film->camera, moment, &shot, err);
+		if (!status)
+			status = add_shot(frame, &shot, err);
+	}
+	return status;
+}
+
+enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	frame->shot_count = 0;
+	if (!films || !films->shoots)
+		return RB_OK;
+	for (int i = 0; i < films->count && !status; i++)
+		if (rb_shot_wanted(&films->film[i].camera))
+			status = shoot(films, i, frame, err);
+	if (!status)
+		status = rb_frame_copy(&films->last, frame, err);
+	films->has_last = true;
+	return status;
+}
+
+enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err)
+{
+	enum rb_status first = RB_OK;
+
+	for (int i = 0; i < rb_films_count(films); i++) {
+		struct film *const film = &films->film[i];
+		struct rb_error own = {0};
+		if (!film->pump)
+			continue;
+		film->status = rb_pump_join(film->pump, &own);
+		film->pump = NULL;
+		film->tally = films->module->film_tally(film->film);
+		if (film->status && !first)
+			first = RB_FAIL(err, film->status, "%s: %s", film->label, own.text);
+	}
+	return first;
+}
+
+/* ---- what has come of it ---- */
+
+/* "film.mp4 and frames/%05d.png, camera 'main'" */
+static void print_name(FILE *file, const struct film *film)
+{
+	const struct rb_camera_def *const camera = &film->camera;
+
+	fprintf(file, "%s%s%s, %s", camera->video ? camera->video : "",
+	        camera->video && camera->png ? " and " : "", camera->png ? camera->png : "",
+	        film->label);
+}
+
+void rb_films_print_plan(FILE *file, const struct rb_films *films)
+{
+	for (int i = 0; i < rb_films_count(films); i++) {
+		const struct film *const film = &films->film[i];
+		const uint64_t count = rb_schedule_count(&film->schedule);
+		fprintf(file, "  film        ");
+		print_name(file, film);
+		fprintf(file, ": %" PRIu64 " %s of %d x %d pixels\n", count,
+		        rb_text_plural(count, "picture", "pictures"), film->camera.size_px[0],
+		        film->camera.size_px[1]);
+	}
+}
+
+void rb_films_print(FILE *file, const struct rb_films *films)
+{
+	char size[32];
+
+	for (int i = 0; i < rb_films_count(films); i++) {
+		const struct film *const film = &films->film[i];
+		const struct rb_film_tally *const t = &film->tally;
+		const double busy = (double)(t->draw_ns + t->read_ns + t->png_ns + t->pipe_ns);
+		const double percent = busy > 0 ? 100 / busy : 0;
+
+		fprintf(file, "  film          ");
+		print_name(file, film);
+		fprintf(file, ": %" PRIu64 " %s, %s", t->pictures,
+		        rb_text_plural(t->pictures, "picture", "pictures"),
+		        rb_text_bytes(t->bytes, size));
+		if (t->pictures > 0)
+			fprintf(file,
+			        "; drawing %.0f %%, reading back %.0f %%, PNG %.0f %%, pipe %.0f %%",
+			        percent * (double)t->draw_ns, percent * (double)t->read_ns,
+			        percent * (double)t->png_ns, percent * (double)t->pipe_ns);
+		fprintf(file, "%s\n", film->status ? " (failed)" : "");
+	}
+}
+
+void rb_films_print_json(struct rb_json *json, const struct rb_films *films)
+{
+	rb_json_open(json, "films", '[');
+	for (int i = 0; i < rb_films_count(films); i++) {
+		const struct film *const film = &films->film[i];
+		const struct rb_film_tally *const t = &film->tally;
+		rb_json_open(json, NULL, '{');
+		rb_json_text(json, "camera", film->camera.name);
+		rb_json_text(json, "video", film->camera.video);
+		rb_json_text(json, "png", film->camera.png);
+		rb_json_text(json, "status", film->status ? "failed" : "complete");
+		rb_json_count(json, "pictures", t->pictures);
+		rb_json_count(json, "picture_count", t->picture_count);
+		rb_json_count(json, "bytes", t->bytes);
+		rb_json_number(json, "draw_time", (double)t->draw_ns * 1e-9);
+		rb_json_number(json, "read_time", (double)t->read_ns * 1e-9);
+		rb_json_number(json, "png_time", (double)t->png_ns * 1e-9);
+		rb_json_number(json, "pipe_time", (double)t->pipe_ns * 1e-9);
+		rb_json_number(json, "wait_time", (double)t->wait_ns * 1e-9);
+		rb_json_close(json, '}');
+	}
+	rb_json_close(json, ']');
+}

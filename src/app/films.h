@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The cameras that are filmed: which of a scene's, with what outputs, their sinks, and where those that move by
+ * functions of time stand.
+ *
+ * Owned by the thread that fills the frames (the simulator's, or that of rbsim render), which alone runs the scene's Lua.
+ * Each film works on a thread of its own from rb_films_start to rb_films_join.
+ */
+#ifndef RB_APP_FILMS_H
+#define RB_APP_FILMS_H
+
+#include <stdio.h>
+
+#include "app/common.h"
+#include "app/json.h"
+#include "flow/ring.h"
+#include "sink/module.h"
+
+struct rb_films;
+
+/* What the command line changes of cameras. NAN, 0, NULL: as the camera says. */
+struct rb_films_wish {
+	const char *names;   /* "main, side": only these; NULL: all that have an output */
+	double from_s, to_s; /* of the film */
+	double fps, speed;
+	int size_px[2];
+	const char *output; /* instead of the camera's own: a film, or pictures with one %d */
+	bool still;         /* one picture, to `output`, at from_s */
+	bool fallback;      /* without a camera in the scene, one that shows the start */
+	bool replace;       /* existing files */
+	double end_s;       /* of the run */
+};
+
+/* Nothing is changed but what the command line of a run can say. */
+struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
+                                          const struct rb_options *options);
+
+/*
+ * Chooses the cameras and checks that their films can be made, before anything is written or simulated. `*films` is NULL where there is
+ * nothing to film. `loaded` is borrowed until rb_films_destroy. RB_ERR_USAGE (a camera that is not there), RB_ERR_SCENE (two films
+ * with one name), RB_ERR_MISSING, RB_ERR_CREATE.
+ */
+RB_CHECKED enum rb_status rb_films_create(struct rb_films **films, struct rb_loaded *loaded,
+                                          const struct rb_films_wish *wish, struct rb_error *err);
+/* The one camera that is wished for, changed as wished, without looking at outputs; errors as above. */
+RB_CHECKED enum rb_status rb_films_one_camera(struct rb_camera_def *camera,
+                                              struct rb_loaded *loaded,
+                                              const struct rb_films_wish *wish,
+                                              struct rb_error *err);
+void rb_films_destroy(struct rb_films *films); /* NULL is fine, for all below too */
+
+int rb_films_count(const struct rb_films *films);
+/* RB_FIELD_* that the films read. */
+unsigned rb_films_fields(const struct rb_films *films);
+/* Simulated time of the first frame that the films want to see; trails want all. */
+double rb_films_first_s(const struct rb_films *films);
+
+/* Starts every film; frames of the ring must have rb_films_fields. */
+RB_CHECKED enum rb_status rb_films_start(struct rb_films *films, struct rb_ring *ring,
+                                         const struct rb_outcome *outcome, struct rb_error *err);
+/* Adds to a frame, before it is published, where cameras with functions stand at their pictures since the frame before. */
+RB_CHECKED enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame,
+                                         struct rb_error *err);
+/* After the ring was closed: waits for all films to be whole. The first failure is told, with the camera. */
+RB_CHECKED enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err);
+
+/* Before the start: a line for each film that will be made, as rbsim check has it. */
+void rb_films_print_plan(FILE *file, const struct rb_films *films);
+/* After the join: a line for each film, as in the summary. */
+void rb_films_print(FILE *file, const struct rb_films *films);
+void rb_films_print_json(struct rb_json *json, const struct rb_films *films);
+
+#endif

@@ -1,0 +1,323 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/film.h"
+
+#include <math.h>
+#include <pthread.h>
+#include <stdio.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "film/look.h"
+#include "film/overlay.h"
+#include "film/press.h"
+#include "film/take.h"
+#include "flow/between.h"
+#include "flow/frame.h"
+#include "flow/schedule.h"
+
+/* More than any projector has; textures and targets of OpenGL have such limits too. */
+enum { SIDE_MAX_PX = 16384 };
+
+struct rb_film {
+	/* set before the sink is opened, then only read */
+	struct rb_film_options options;
+	struct rb_schedule schedule;
+	uint64_t picture_count;
+	char label[96]; /* "camera 'main'" */
+
+	/* the sink's thread's */
+	struct rb_take *take;
+	uint64_t next;          /* picture */
+	bool has_frame;         /* there was one before; its number, and how many lay between: */
+	uint64_t index, stride; /* 0: not known yet */
+	bool has_last;          /* `last` is that one */
+	struct rb_frame last, between;
+
+	/* protected by lock */
+	pthread_mutex_t lock;
+	struct rb_press *press; /* set and unset in the sink's thread */
+	struct rb_film_tally tally;
+};
+
+static struct rb_press_options press_options(const struct rb_film_options *options)
+{
+	const struct rb_camera_def *const camera = options->camera;
+	const char *const title = options->model->scene->world.title;
+	struct rb_press_options press = {.png = camera->png,
+	                                 .still = options->still,
+	                                 .video = camera->video,
+	                                 .replace = options->replace,
+	                                 .width = camera->size_px[0],
+	                                 .height = camera->size_px[1],
+	                                 .png_threads = options->encoder_threads,
+	                                 .title = title};
+
+	press.fps = isnan(camera->fps) ? options->model->frame_rate : camera->fps;
+	if (title && *title)
+		press.texts[press.text_count++] = (struct rb_png_text){"Title", title};
+	if (camera->name)
+		press.texts[press.text_count++] = (struct rb_png_text){"Camera", camera->name};
+	press.texts[press.text_count++] = (struct rb_png_text){"Software", "rbsim"};
+	if (options->command)
+		press.texts[press.text_count++] = (struct rb_png_text){"Command", options->command};
+	return press;
+}
+
+enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_error *err)
+{
+	const struct rb_press_options press = press_options(options);
+	const struct rb_camera_def *const camera = options->camera;
+	struct rb_overlay *overlay = NULL;
+	struct rb_looks looks = {0};
+	enum rb_status status = RB_OK;
+
+	if (press.width < 1 || press.height < 1 || press.width > SIDE_MAX_PX ||
+	    press.height > SIDE_MAX_PX)
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "pictures of %d x %d pixels: 1 to %d a side are possible",
+		               press.width, press.height, SIDE_MAX_PX);
+	if (!(press.fps > 0) || !(camera->speed > 0))
+		return RB_FAIL(
+			err, RB_ERR_SCENE,
+			"%g pictures per second at %g times the true speed: both must be positive",
+			press.fps, camera->speed);
+	status = rb_looks_make(&looks, options->model, err);
+	rb_looks_release(&looks);
+	if (!status && camera->overlay) {
+		status = rb_overlay_create(&overlay, press.height, err);
+		rb_overlay_destroy(overlay);
+	}
+	return status ? status : rb_press_check(&press, err);
+}
+
+/* ---- the sink ---- */
+
+static enum rb_status film_open(void *self, struct rb_error *err)
+{
+	struct rb_film *const film = self;
+	const struct rb_press_options options = press_options(&film->options);
+	struct rb_press *press = NULL;
+
+	enum rb_status status = rb_take_create(&film->take, film->options.model,
+	                                       film->options.camera, err);
+	if (!status)
+		status = rb_press_create(&press, &options, err);
+	if (status) { /* the sink is not closed then, and the painter belongs to this thread */
+		rb_take_destroy(film->take);
+		film->take = NULL;
+	}
+	pthread_mutex_lock(&film->lock);
+	film->press = press;
+	pthread_mutex_unlock(&film->lock);
+	return status;
+}
+
+static enum rb_status find_shot(const struct rb_film *film, const struct rb_frame *frame,
+                                const struct rb_frame_shot **shot, struct rb_error *err)
+{
+	const struct rb_camera_def *const camera = film->options.camera;
+
+	*shot = NULL;
+	if (camera->position.source != RB_CAMERA_FUNCTION &&
+	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
+		return RB_OK;
+	for (int i = 0; i < frame->shot_count; i++)
+		if (frame->shots[i].camera == film->options.number &&
+		    frame->shots[i].picture == film->next) {
+			*shot = &frame->shots[i];
+			return RB_OK;
+		}
+	return RB_FAIL(err, RB_ERR_BUG, "%s: nobody says where it stands at %.12g s", film->label,
+	               rb_schedule_time(&film->schedule, film->next));
+}
+
+static void note_times(struct rb_film *film)
+{
+	const struct rb_painter_times times = rb_take_times(film->take);
+
+	pthread_mutex_lock(&film->lock);
+	film->tally.draw_ns = times.draw_ns;
+	film->tally.read_ns = times.read_ns;
+	pthread_mutex_unlock(&film->lock);
+}
+
+/* The next picture, at a moment that shows `frame`. */
+static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *frame,
+                                   struct rb_error *err)
+{
+	const double time_s = rb_schedule_time(&film->schedule, film->next);
+	const struct rb_frame_shot *shot;
+	struct rb_pixmap picture;
+	enum rb_status status = find_shot(film, frame, &shot, err);
+
+	if (!status)
+		status = rb_take_draw(film->take, frame, shot, &picture, err);
+	if (status)
+		return status;
+	note_times(film);
+	status = rb_press_print(film->press, &picture, film->next, time_s, err);
+	film->next++;
+	return status;
+}
+
+static double next_time(const struct rb_film *film)
+{
+	return film->next < film->picture_count ? rb_schedule_time(&film->schedule, film->next)
+	                                        : HUGE_VAL;
+}
+
+/* Pictures at moments before this frame; of those before the first one nothing is known. */
+static enum rb_status make_earlier(struct rb_film *film, const struct rb_frame *frame,
+                                   struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	while (!status && next_time(film) < frame->time_s) {
+		const struct rb_frame *moment = frame;
+		if (!film->has_frame) {
+			film->next++;
+			continue;
+		}
+		if (film->has_last) {
+			status = rb_frame_between(&film->between, &film->last, frame,
+			                          next_time(film), err);
+			moment = &film->between;
+		}
+		if (!status)
+			status = make_picture(film, moment, err);
+	}
+	return status;
+}
+
+/* Keeps a copy where a picture will fall between this frame and the next one, as far as one can tell when that is. */
+static enum rb_status remember(struct rb_film *film, const struct rb_frame *frame,
+                               struct rb_error *err)
+{
+	film->stride = film->has_frame ? frame->index - film->index : 0;
+	film->index = frame->index;
+	film->has_frame = true;
+	film->has_last = next_time(film) < HUGE_VAL &&
+	                 (film->stride == 0 ||
+	                  next_time(film) < rb_model_frame_time(film->options.model,
+	                                                        frame->index + film->stride));
+	return film->has_last ? rb_frame_copy(&film->last, frame, err) : RB_OK;
+}
+
+static enum rb_status film_frame(void *self, const struct rb_frame *frame, struct rb_error *err)
+{
+	struct rb_film *const film = self;
+	enum rb_status status;
+
+	if (film->next >= film->picture_count)
+		return RB_OK;
+	/* before trails grow by this frame, which is later */
+	status = make_earlier(film, frame, err);
+	rb_take_see(film->take, frame);
+	while (!status && next_time(film) == frame->time_s)
+		status = make_picture(film, frame, err);
+	return status ? status : remember(film, frame, err);
+}
+
+static void take_over_tally(struct rb_film *film)
+{
+	const struct rb_press_tally press = rb_press_tally(film->press);
+
+	film->tally.pictures = press.pictures;
+	film->tally.bytes = press.bytes;
+	film->tally.png_ns = press.png_ns;
+	film->tally.pipe_ns = press.pipe_ns;
+	film->tally.wait_ns = press.wait_ns;
+}
+
+/* However the run has ended: what was filmed is worth seeing. */
+static enum rb_status film_close(void *self, const struct rb_outcome *outcome, struct rb_error *err)
+{
+	struct rb_film *const film = self;
+
+	(void)outcome;
+	rb_take_destroy(film->take);
+	film->take = NULL;
+	const enum rb_status status = rb_press_close(film->press, err);
+	pthread_mutex_lock(&film->lock);
+	take_over_tally(film);
+	struct rb_press *const press = film->press;
+	film->press = NULL;
+	pthread_mutex_unlock(&film->lock);
+	rb_press_destroy(press);
+	return status;
+}
+
+/* Columns that pictures need; spins tell how a body turns from one frame to the next. */
+static unsigned fields_of(const struct rb_film *film)
+{
+	const struct rb_camera_def *const camera = film->options.camera;
+	const struct rb_model *const model = film->options.model;
+	const int every = model->scene->record.every;
+	/* frames of a run, or fewer in a recording */
+	const double rate = model->frame_rate / (every > 1 ? every : 1);
+	const double step = film->schedule.speed * rate / film->schedule.fps;
+	const double first = film->schedule.from_s * rate;
+	const double noise = 1e-12;
+	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
+
+	if (camera->vectors & RB_VECTORS_VELOCITY)
+		fields |= RB_FIELD_VELOCITY;
+	if (camera->vectors & RB_VECTORS_CONTACT)
+		fields |= RB_FIELD_CONTACTS;
+	if (fabs(step - nearbyint(step)) > noise * step ||
+	    fabs(first - nearbyint(first)) > noise * first)
+		fields |= RB_FIELD_ANGULAR_VELOCITY;
+	return fields;
+}
+
+enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *sink,
+                              const struct rb_film_options *options, struct rb_error *err)
+{
+	struct rb_film *const f = *film = rb_memory_take(1, sizeof *f);
+
+	*sink = (struct rb_sink){0};
+	if (!f)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a film: out of memory");
+	f->options = *options;
+	f->schedule = rb_schedule_of(options->camera, options->model->frame_rate, options->end_s);
+	f->picture_count = rb_schedule_count(&f->schedule);
+	if (options->still && f->picture_count > 1)
+		f->picture_count = 1;
+	f->tally.picture_count = f->picture_count;
+	if (options->camera->name)
+		snprintf(f->label, sizeof f->label, "camera '%.60s'", options->camera->name);
+	else
+		snprintf(f->label, sizeof f->label, "camera %d", options->number + 1);
+	pthread_mutex_init(&f->lock, NULL);
+	*sink = (struct rb_sink){.name = f->label,
+	                         .lossless = true,
+	                         .fields = fields_of(f),
+	                         .self = f,
+	                         .open = film_open,
+	                         .frame = film_frame,
+	                         .close = film_close};
+	return RB_OK;
+}
+
+void rb_film_destroy(struct rb_film *film)
+{
+	if (!film)
+		return;
+	rb_press_destroy(film->press);
+	rb_frame_release(&film->last);
+	rb_frame_release(&film->between);
+	pthread_mutex_destroy(&film->lock);
+	rb_memory_free(film);
+}
+
+struct rb_film_tally rb_film_tally(const struct rb_film *film)
+{
+	struct rb_film *const f = (struct rb_film *)film; /* the lock is no part of what it says */
+
+	pthread_mutex_lock(&f->lock);
+	if (f->press)
+		take_over_tally(f);
+	const struct rb_film_tally tally = f->tally;
+	pthread_mutex_unlock(&f->lock);
+	return tally;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One camera at work: a sink that takes frames, draws its pictures at their times, and writes them as PNG files, as
+ * video, or both.
+ *
+ * The sink's calls come from the camera's own thread (flow/pump), in which the painter lives; pictures are encoded by
+ * another thread of the film while the next one is drawn. Never essential: a film that fails leaves the run alone.
+ */
+#ifndef RB_FILM_FILM_H
+#define RB_FILM_FILM_H
+
+#include "sink/module.h"
+
+RB_CHECKED enum rb_status rb_film_check(const struct rb_film_options *options,
+                                        struct rb_error *err);
+RB_CHECKED enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *sink,
+                                         const struct rb_film_options *options,
+                                         struct rb_error *err);
+void rb_film_destroy(struct rb_film *film); /* NULL is fine */
+struct rb_film_tally rb_film_tally(const struct rb_film *film);
+
+#endif

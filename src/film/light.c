@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/light.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "film/look.h"
+#include "math/quat.h"
+
+/* Texels around a map that stay empty: what lies outside is lit. */
+enum { MARGIN = 4, SIDE_MIN = 64 };
+
+static void set(double to[3], double r, double g, double b)
+{
+	to[0] = rb_look_linear(r);
+	to[1] = rb_look_linear(g);
+	to[2] = rb_look_linear(b);
+}
+
+static void scale(double to[3], const double from[3], double by)
+{
+	for (int k = 0; k < 3; k++)
+		to[k] = by * from[k];
+}
+
+/* Where the bodies are at the start, roughly: the mean of what is not infinite. */
+static rb_vec3 middle(const struct rb_model *model)
+{
+	rb_vec3 sum = {0, 0, 0};
+	int count = 0;
+
+	for (int i = 0; i < model->body_count + model->static_count; i++)
+		if (model->shape[i].kind != RB_SHAPE_PLANE) {
+			sum = rb_vec3_add(sum, model->position[i]);
+			count++;
+		}
+	return count > 0 ? rb_vec3_scale(1.0 / count, sum) : sum;
+}
+
+static void make_default(struct rb_lights *lights, bool shadows)
+{
+	const rb_vec3 up = lights->up;
+	const rb_vec3 y = fabs(up.y) < 0.9 ? (rb_vec3){0, 1, 0} : (rb_vec3){0, 0, -1};
+	const rb_vec3 north = rb_vec3_unit(rb_vec3_add_scaled(y, -rb_vec3_dot(up, y), up), y);
+	const rb_vec3 east = rb_vec3_cross(north, up);
+	struct rb_light *sun = &lights->of[0], *fill = &lights->of[1];
+
+	/* From behind the default camera's left shoulder; the other from its right. */
+	const rb_vec3 to_sun = rb_vec3_add(
+		rb_vec3_add(rb_vec3_scale(-0.32, east), rb_vec3_scale(-0.52, north)), up);
+	const rb_vec3 to_fill = rb_vec3_add(
+		rb_vec3_add(rb_vec3_scale(0.9, east), rb_vec3_scale(0.15, north)),
+		rb_vec3_scale(0.25, up));
+	*sun = (struct rb_light){.shadow = shadows, .place = rb_vec3_unit(to_sun, up)};
+	*fill = (struct rb_light){.place = rb_vec3_unit(to_fill, up)};
+	set(sun->colour, 1.0, 0.965, 0.90);
+	scale(sun->colour, sun->colour, 0.80);
+	set(fill->colour, 0.75, 0.87, 1.0);
+	scale(fill->colour, fill->colour, 0.14);
+	lights->count = 2;
+}
+
+void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
+                    const struct rb_camera_def *camera)
+{
+	const rb_vec3 z = {0, 0, 1};
+	const rb_vec3 wanted = camera->up.source == RB_CAMERA_FIXED
+	                               ? rb_vec3_unit(camera->up.value, z)
+	                               : z;
+
+	*lights = (struct rb_lights){0};
+	lights->up = rb_vec3_unit(rb_vec3_neg(model->scene->world.gravity), wanted);
+	lights->plain = !isnan(camera->background[0]);
+	set(lights->zenith, 0.36, 0.56, 0.80);
+	set(lights->horizon, 0.84, 0.89, 0.94);
+	set(lights->nadir, 0.50, 0.53, 0.57);
+	if (lights->plain) {
+		set(lights->horizon, camera->background[0], camera->background[1],
+		    camera->background[2]);
+		memcpy(lights->zenith, lights->horizon, sizeof lights->zenith);
+		memcpy(lights->nadir, lights->horizon, sizeof lights->nadir);
+	}
+	const double ambient = camera->light_count < 0 ? 1 : 0.5;
+	set(lights->ambient_up, 0.56, 0.61, 0.67);
+	set(lights->ambient_down, 0.42, 0.41, 0.40);
+	scale(lights->ambient_up, lights->ambient_up, ambient);
+	scale(lights->ambient_down, lights->ambient_down, ambient);
+	if (camera->light_count < 0) {
+		make_default(lights, camera->shadows);
+		return;
+	}
+	lights->count = camera->light_count;
+	const rb_vec3 centre = middle(model);
+	for (int k = 0; k < lights->count; k++) {
+		const struct rb_light_def *def = &camera->lights[k];
+		struct rb_light *light = &lights->of[k];
+		light->lamp = !def->directional;
+		light->shadow = camera->shadows;
+		light->place = def->directional ? rb_vec3_unit(def->position, lights->up)
+		                                : def->position;
+		light->reach_m = rb_vec3_length(rb_vec3_sub(def->position, centre));
+		set(light->colour, def->color[0], def->color[1], def->color[2]);
+		scale(light->colour, light->colour, def->intensity);
+	}
+}
+
+static void put(float to[4], rb_vec3 from, double last)
+{
+	to[0] = (float)from.x;
+	to[1] = (float)from.y;
+	to[2] = (float)from.z;
+	to[3] = (float)last;
+}
+
+static void put_colour(float to[4], const double from[3])
+{
+	put(to, (rb_vec3){from[0], from[1], from[2]}, 1);
+}
+
+void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, bool from_zero,
+                    struct rb_shader_block *block)
+{
+	double a, b;
+
+	memset(block, 0, sizeof *block);
+	rb_view_projection(view, from_zero, block->projection);
+	rb_view_depth(view, &a, &b);
+	block->window[0] = (float)view->left_slope;
+	block->window[1] = (float)view->top_slope;
+	block->window[2] = (float)((view->right_slope - view->left_slope) / view->width);
+	block->window[3] = (float)((view->bottom_slope - view->top_slope) / view->height);
+	block->depth[0] = (float)a;
+	block->depth[1] = (float)b;
+	block->depth[2] = (float)view->near;
+	block->depth[3] = isinf(view->far) ? 3e38F : (float)view->far;
+	put(block->up, rb_view_direction(view, lights->up), rb_view_pixel_size(view));
+	put_colour(block->zenith, lights->zenith);
+	put_colour(block->horizon, lights->horizon);
+	put_colour(block->nadir, lights->nadir);
+	put_colour(block->ambient_up, lights->ambient_up);
+	put_colour(block->ambient_down, lights->ambient_down);
+	for (int k = 0; k < lights->count; k++) {
+		const struct rb_light *light = &lights->of[k];
+		put_colour(block->colour[k], light->colour);
+		if (light->lamp)
+			put(block->place[k], rb_view_point(view, light->place),
+			    light->reach_m > 0 ? 1 / (light->reach_m * light->reach_m) : 0);
+		else
+			put(block->place[k], rb_view_direction(view, light->place), 0);
+	}
+}
+
+/* ---- shadow maps ---- */
+
+struct box {
+	double low[3], high[3];
+	bool any;
+};
+
+static void grow(struct box *box, rb_vec3 p, double r)
+{
+	const double c[3] = {p.x, p.y, p.z};
+
+	for (int k = 0; k < 3; k++) {
+		box->low[k] = box->any ? fmin(box->low[k], c[k] - r) : c[k] - r;
+		box->high[k] = box->any ? fmax(box->high[k], c[k] + r) : c[k] + r;
+	}
+	box->any = true;
+}
+
+struct axes {
+	rb_vec3 x, y, z; /* view coordinates; z towards the light */
+};
+
+static rb_vec3 along(const struct axes *axes, rb_vec3 p)
+{
+	return (rb_vec3){rb_vec3_dot(axes->x, p), rb_vec3_dot(axes->y, p), rb_vec3_dot(axes->z, p)};
+}
+
+static struct axes axes_of(rb_vec3 z)
+{
+	const rb_vec3 x = rb_vec3_across(z);
+
+	return (struct axes){x, rb_vec3_cross(z, x), z};
+}
+
+/* What throws shadows worth seeing: at least as large as a fraction of a pixel. Distances count from `origin`. */
+static struct box bounds(const struct rb_view *view, const struct rb_casters *casters,
+                         const struct axes *axes, rb_vec3 origin)
+{
+	const double least = 0.3 * rb_view_pixel_size(view);
+	struct box box = {.any = false};
+
+	for (int k = 0; k < casters->ball_count; k++) {
+		const float *ball = casters->balls + (size_t)k * (size_t)casters->stride;
+		const rb_vec3 c = {(double)ball[0], (double)ball[1], (double)ball[2]};
+		const double r = (double)ball[3];
+		if (r * r < least * least * rb_vec3_dot(c, c))
+			continue;
+		grow(&box, along(axes, rb_vec3_sub(c, origin)), r);
+	}
+	/* Large rectangles may reach far out of what is seen. */
+	const struct box balls = box;
+	for (int k = 0; k < casters->corner_count; k++) {
+		const float *p = casters->corners[k];
+		grow(&box,
+		     along(axes, rb_vec3_sub((rb_vec3){(double)p[0], (double)p[1], (double)p[2]},
+		                             origin)),
+		     0);
+	}
+	for (int k = 0; k < 2 && balls.any; k++) {
+		const double room = fmax(balls.high[0] - balls.low[0],
+		                         balls.high[1] - balls.low[1]);
+		box.low[k] = fmax(box.low[k], balls.low[k] - room);
+		box.high[k] = fmin(box.high[k], balls.high[k] + room);
+	}
+	return box;
+}
+
+/* Texels for a size as seen from the eye: about two pixels wide, which is as soft as it is cheap. */
+static int side_for(const struct rb_view *view, const struct rb_casters *casters, double size,
+                    int whole)
+{
+	double nearest = (double)INFINITY;
+
+	for (int k = 0; k < casters->ball_count; k++) {
+		const float *ball = casters->balls + (size_t)k * (size_t)casters->stride;
+		/* What is behind the eye is not looked at closely. */
+		if (ball[2] - ball[3] < 0)
+			nearest = fmin(nearest,
+			               sqrt((double)(ball[0] * ball[0] + ball[1] * ball[1] +
+			                             ball[2] * ball[2])));
+	}
+	for (int k = 0; k < casters->corner_count && casters->ball_count == 0; k++)
+		nearest = fmin(nearest, fabs((double)casters->corners[k][2]));
+	const double texels = size / (rb_view_pixel_size(view) * fmax(nearest, 0.05 * size));
+	const double most = whole - 2 * MARGIN;
+	return (int)fmax(SIDE_MIN, fmin(most, ceil(0.55 * texels)));
+}
+
+/* Rows of a matrix, as they apply to (x, y, z, 1), to columns. */
+static void transpose(float to[16], double rows[4][4])
+{
+	for (int r = 0; r < 4; r++)
+		for (int c = 0; c < 4; c++)
+			to[4 * c + r] = (float)rows[r][c];
+}
+
+/* From clip coordinates to those of the corner of the texture that holds the map. */
+static void make_lookup(struct rb_shadow_fit *fit, double rows[4][4], int whole)
+{
+	const double part = 0.5 * fit->side / whole;
+	double to[4][4];
+
+	for (int c = 0; c < 4; c++) {
+		to[0][c] = part * rows[0][c] + (part + (double)MARGIN / whole) * rows[3][c];
+		to[1][c] = part * rows[1][c] + (part + (double)MARGIN / whole) * rows[3][c];
+		to[2][c] = 0.5 * rows[2][c] + 0.5 * rows[3][c];
+		to[3][c] = rows[3][c];
+	}
+	transpose(fit->lookup, to);
+	transpose(fit->to_map, rows);
+}
+
+static void row(double to[4], rb_vec3 axis, double by, double offset)
+{
+	to[0] = by * axis.x;
+	to[1] = by * axis.y;
+	to[2] = by * axis.z;
+	to[3] = offset;
+}
+
+static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
+                    const struct rb_view *view, const struct rb_casters *casters, int whole)
+{
+	/* Axes that do not turn with the camera, so that texels stay where they are. */
+	const rb_vec3 across = rb_vec3_across(light->place);
+	const rb_vec3 upwards = rb_vec3_cross(light->place, across);
+	const struct axes axes = {rb_view_direction(view, across), rb_view_direction(view, upwards),
+	                          rb_view_direction(view, light->place)};
+	const struct box box = bounds(view, casters, &axes, (rb_vec3){0, 0, 0});
+	if (!box.any)
+		return;
+	double size = fmax(box.high[0] - box.low[0], box.high[1] - box.low[1]);
+	if (!(size > 0))
+		return;
+	/* In steps, for the same reason. */
+	size = exp2(ceil(8 * log2(size * 1.02)) / 8);
+	fit->side = side_for(view, casters, size, whole);
+	const double texel = size / fit->side;
+	const double eye[2] = {rb_vec3_dot(across, view->eye), rb_vec3_dot(upwards, view->eye)};
+	double middle_at[2], rows[4][4] = {{0}};
+	for (int k = 0; k < 2; k++) {
+		middle_at[k] = 0.5 * (box.low[k] + box.high[k]);
+		middle_at[k] = rint((middle_at[k] + eye[k]) / texel) * texel - eye[k];
+	}
+	const double room = 0.01 * (box.high[2] - box.low[2]) + 1e-6 * size;
+	const double low = box.low[2] - room, high = box.high[2] + room;
+	row(rows[0], axes.x, 2 / size, -2 * middle_at[0] / size);
+	row(rows[1], axes.y, 2 / size, -2 * middle_at[1] / size);
+	row(rows[2], axes.z, -2 / (high - low), (high + low) / (high - low));
+	rows[3][3] = 1;
+	put(fit->source, axes.z, 0);
+	make_lookup(fit, rows, whole);
+}
+
+static void fit_lamp(struct rb_shadow_fit *fit, const struct rb_light *light,
+                     const struct rb_view *view, const struct rb_casters *casters, int whole)
+{
+	const rb_vec3 lamp = rb_view_point(view, light->place);
+	const struct axes plain = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+	const struct box box = bounds(view, casters, &plain, (rb_vec3){0, 0, 0});
+
+	if (!box.any)
+		return;
+	const rb_vec3 centre = {0.5 * (box.low[0] + box.high[0]), 0.5 * (box.low[1] + box.high[1]),
+	                        0.5 * (box.low[2] + box.high[2])};
+	const rb_vec3 half = {0.5 * (box.high[0] - box.low[0]), 0.5 * (box.high[1] - box.low[1]),
+	                      0.5 * (box.high[2] - box.low[2])};
+	const double radius = rb_vec3_length(half);
+	const rb_vec3 away = rb_vec3_sub(lamp, centre);
+	const double distance = rb_vec3_length(away);
+	if (!(radius > 0))
+		return;
+	/* A lamp among the bodies sees no more than this cone. */
+	const double sine = fmin(distance > 0 ? radius / distance : 1, 0.95);
+	const double slope = sine / sqrt(1 - sine * sine) * 1.02;
+	const double far = distance + radius;
+	const double near = fmax(distance - radius, 0.002 * far);
+	const struct axes axes = axes_of(rb_vec3_unit(away, rb_view_direction(view, view->up)));
+	double rows[4][4];
+
+	fit->side = side_for(view, casters, 2 * radius, whole);
+	const rb_vec3 at = along(&axes, lamp);
+	row(rows[0], axes.x, 1 / slope, -at.x / slope);
+	row(rows[1], axes.y, 1 / slope, -at.y / slope);
+	row(rows[3], axes.z, -1, at.z);
+	/* z_clip = (far + near)/(far - near) w - 2 far near/(far - near) */
+	const double m = (far + near) / (far - near);
+	for (int c = 0; c < 4; c++)
+		rows[2][c] = m * rows[3][c];
+	rows[2][3] -= 2 * far * near / (far - near);
+	put(fit->source, lamp, 1);
+	make_lookup(fit, rows, whole);
+}
+
+void rb_shadow_fit(struct rb_shadow_fit *fit, const struct rb_light *light,
+                   const struct rb_view *view, const struct rb_casters *casters, int whole)
+{
+	*fit = (struct rb_shadow_fit){0};
+	if (light->lamp)
+		fit_lamp(fit, light, view, casters, whole);
+	else
+		fit_sun(fit, light, view, casters, whole);
+}

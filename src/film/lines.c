@@ -1,0 +1,382 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/lines.h"
+
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "film/glsl.h"
+#include "math/quat.h"
+
+/* One ribbon, as the vertex shader reads it. */
+struct stroke {
+	float from[3], width; /* view coordinates; pixels */
+	float to[3], head;    /* pixels; 0: none */
+	float from_paint[4], to_paint[4];
+};
+
+struct list {
+	struct stroke *row; /* owned */
+	size_t count, capacity;
+};
+
+enum { LINE, ARROW, PROGRAM_COUNT };
+
+struct rb_lines {
+	struct rb_bodies_setup setup;
+	double weight_n; /* of a body, for the length of contact arrows; 0: nothing weighs */
+	struct list list[PROGRAM_COUNT];
+	GLuint program[PROGRAM_COUNT], array, buffer;
+};
+
+/* Seconds of film that an arrow of velocity looks ahead. */
+static const double AHEAD_FILM_S = 0.25;
+static const double TRAIL_PX = 2.2, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
+/* Of a picture this high; others in proportion. */
+static const double USUAL_HEIGHT_PX = 720;
+
+static const double velocity_colour[3] = {1.00, 0.80, 0.10};
+static const double contact_colour[3] = {0.93, 0.16, 0.30};
+
+/* ---- set-up ---- */
+
+static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_error *err)
+{
+	const struct rb_glsl_parts parts = {
+		.name = "line",
+		.defines = kind == ARROW ? "#define RIM 1.3\n#define JOINT 0.0\n"
+	                                 : "#define RIM 0.0\n#define JOINT 0.3\n",
+		.vertex = {rb_shader_scene, rb_shader_line_vertex},
+		.fragment = {rb_shader_scene, rb_shader_line_fragment},
+	};
+	const enum rb_status status = rb_glsl_program(&lines->program[kind], &parts, err);
+	if (status != RB_OK)
+		return status;
+	const GLuint program = lines->program[kind];
+	glUseProgram(program);
+	glUniformBlockBinding(program, glGetUniformBlockIndex(program, "Scene"), 0);
+	glUniform2f(rb_glsl_place(program, "size"), (float)lines->setup.camera->size_px[0],
+	            (float)lines->setup.camera->size_px[1]);
+	return RB_OK;
+}
+
+static double weight(const struct rb_model *model)
+{
+	const struct rb_world_def *world = &model->scene->world;
+	const double force = rb_vec3_length(world->gravity_force);
+	double mass = 0;
+	int count = 0;
+
+	for (int i = 0; i < model->body_count; i++)
+		if (isfinite(model->mass[i])) {
+			mass += model->mass[i];
+			count++;
+		}
+	return count == 0 ? 0 : mass / count * rb_vec3_length(world->gravity) + force;
+}
+
+enum rb_status rb_lines_create(struct rb_lines **lines_out, const struct rb_bodies_setup *setup,
+                               struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	*lines_out = NULL;
+	struct rb_lines *lines = rb_memory_take(1, sizeof *lines);
+	if (!lines)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
+	lines->setup = *setup;
+	lines->weight_n = weight(setup->model);
+	glGenVertexArrays(1, &lines->array);
+	glGenBuffers(1, &lines->buffer);
+	for (int kind = 0; kind < PROGRAM_COUNT && status == RB_OK; kind++)
+		status = make_program(lines, kind, err);
+	if (status == RB_OK)
+		status = rb_canvas_check("prepare lines", err);
+	if (status != RB_OK) {
+		rb_lines_destroy(lines);
+		return status;
+	}
+	*lines_out = lines;
+	return RB_OK;
+}
+
+void rb_lines_destroy(struct rb_lines *lines)
+{
+	if (!lines)
+		return;
+	for (int kind = 0; kind < PROGRAM_COUNT; kind++)
+		rb_memory_free(lines->list[kind].row);
+	rb_memory_free(lines);
+}
+
+/* ---- gathering ---- */
+
+struct pen {
+	struct list *list;
+	double width_px, head_px;
+	const float *colour;
+	bool failed; /* memory is out */
+};
+
+static void put(float to[3], rb_vec3 from)
+{
+	to[0] = (float)from.x;
+	to[1] = (float)from.y;
+	to[2] = (float)from.z;
+}
+
+static void stroke(struct pen *pen, rb_vec3 from, rb_vec3 to, double from_alpha, double to_alpha)
+{
+	struct list *list = pen->list;
+
+	if (pen->failed ||
+	    !rb_memory_reserve(&list->row, &list->capacity, list->count + 1, sizeof *list->row)) {
+		pen->failed = true;
+		return;
+	}
+	struct stroke *row = &list->row[list->count++];
+	put(row->from, from);
+	put(row->to, to);
+	row->width = (float)pen->width_px;
+	row->head = (float)pen->head_px;
+	memcpy(row->from_paint, pen->colour, 3 * sizeof(float));
+	memcpy(row->to_paint, pen->colour, 3 * sizeof(float));
+	row->from_paint[3] = (float)from_alpha;
+	row->to_paint[3] = (float)to_alpha;
+}
+
+static double thickness(const struct rb_lines *lines, double px)
+{
+	return px * fmax(0.75, lines->setup.camera->size_px[1] / USUAL_HEIGHT_PX);
+}
+
+static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                       const struct rb_view *view, const struct rb_trails *trails)
+{
+	const struct rb_model *model = lines->setup.model;
+
+	pen->width_px = thickness(lines, TRAIL_PX);
+	for (int p = 0; p < trails->path_count; p++) {
+		const int index = trails->index[p];
+		const double(*point)[3] = (const double(*)[3])trails->points[p];
+		int count = trails->point_count;
+		/* A picture between two frames comes after the later one was added. */
+		while (count > 0 && trails->time_s[count - 1] > frame->time_s)
+			count--;
+		if (count == 0)
+			continue;
+		pen->colour = lines->setup.looks->of[index].colour;
+		const double start = trails->time_s[0], span = frame->time_s - start;
+		rb_vec3 before = rb_view_point(view, rb_vec3_from(point[0]));
+		double alpha_before = span > 0 ? 0.08 : 1;
+		for (int k = 1; k <= count; k++) {
+			const bool last = k == count;
+			rb_vec3 here = {0, 0, 0};
+			if (last) {
+				const rb_pose pose = rb_view_pose(model, frame,
+				                                  model->id_of[index]);
+				here = pose.position;
+				if (model->center_of_mass)
+					here = rb_vec3_add(
+						here, rb_quat_rotate(pose.orientation,
+					                             model->center_of_mass[index]));
+			} else {
+				here = rb_vec3_from(point[k]);
+			}
+			here = rb_view_point(view, here);
+			const double time = last ? frame->time_s : trails->time_s[k];
+			const double age = span > 0 ? (time - start) / span : 1;
+			const double alpha = 0.08 + 0.87 * age;
+			stroke(pen, before, here, alpha_before, alpha);
+			before = here;
+			alpha_before = alpha;
+		}
+	}
+}
+
+static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                           const struct rb_view *view)
+{
+	const struct rb_model *model = lines->setup.model;
+	const double ahead = AHEAD_FILM_S * lines->setup.camera->speed;
+
+	if (!frame->velocity)
+		return;
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
+		const rb_vec3 velocity = rb_vec3_from(frame->velocity + 3 * i);
+		rb_vec3 from = pose.position;
+		if (!lines->setup.looks->of[i].visible)
+			continue;
+		if (model->center_of_mass)
+			from = rb_vec3_add(
+				from, rb_quat_rotate(pose.orientation, model->center_of_mass[i]));
+		stroke(pen, rb_view_point(view, from),
+		       rb_view_point(view, rb_vec3_add_scaled(from, ahead, velocity)), 1, 1);
+	}
+}
+
+/* The weight of a body is as long as a body; where nothing weighs, the largest force is twice that. */
+static void add_contacts(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                         const struct rb_view *view)
+{
+	double unit = lines->weight_n;
+
+	for (int k = 0; k < frame->contact_count && lines->weight_n == 0; k++)
+		unit = fmax(unit, 0.5 * rb_vec3_length(frame->contacts[k].force));
+	for (int k = 0; k < frame->contact_count && unit > 0; k++) {
+		const struct rb_frame_contact *contact = &frame->contacts[k];
+		const rb_vec3 tip = rb_vec3_add_scaled(
+			contact->point, lines->setup.looks->size_m / unit, contact->force);
+		stroke(pen, rb_view_point(view, contact->point), rb_view_point(view, tip), 1, 1);
+	}
+}
+
+/* ---- wire models ---- */
+
+struct wire {
+	struct pen *pen;
+	rb_vec3 centre; /* view coordinates */
+};
+
+/* A circle about `at`, through at + x and at + y; what lies behind the body's centre is faint. */
+static void circle(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, int count)
+{
+	rb_vec3 before = rb_vec3_add(at, x);
+
+	for (int k = 1; k <= count; k++) {
+		const double angle = 2 * acos(-1) * k / count;
+		const rb_vec3 here = rb_vec3_add_scaled(rb_vec3_add_scaled(at, cos(angle), x),
+		                                        sin(angle), y);
+		const rb_vec3 half = rb_vec3_scale(0.5, rb_vec3_add(before, here));
+		const bool behind = rb_vec3_dot(rb_vec3_sub(half, wire->centre), half) >
+		                    1e-6 * rb_vec3_dot(x, x);
+		stroke(wire->pen, before, here, behind ? 0.28 : 1, behind ? 0.28 : 1);
+		before = here;
+	}
+}
+
+static void add_sphere(struct pen *pen, const struct rb_view *view, rb_pose pose, double radius)
+{
+	struct wire wire = {pen, rb_view_point(view, pose.position)};
+	const double distance = rb_vec3_length(wire.centre), lean = radius / distance;
+	const double px = lean / rb_view_pixel_size(view);
+	const int count = (int)fmin(64, fmax(8, 6 * sqrt(px)));
+	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
+	rb_vec3 axis[3];
+
+	if (wire.centre.z > radius)
+		return;
+	for (int k = 0; k < 3; k++)
+		axis[k] = rb_vec3_scale(radius,
+		                        (rb_vec3){turn.m[0][k], turn.m[1][k], turn.m[2][k]});
+	for (int k = 0; k < 3; k++)
+		circle(&wire, wire.centre, axis[k], axis[(k + 1) % 3], count);
+	/* Its outline: where the cone from the eye touches it. */
+	const rb_vec3 way = rb_vec3_scale(1 / distance, wire.centre);
+	const rb_vec3 across = rb_vec3_across(way);
+	const double reach = radius * sqrt(fmax(0, 1 - lean * lean));
+	const rb_vec3 ring = rb_vec3_add_scaled(wire.centre, -radius * lean, way);
+	wire.centre = rb_vec3_scale(2, wire.centre);
+	circle(&wire, ring, rb_vec3_scale(reach, across),
+	       rb_vec3_scale(reach, rb_vec3_cross(way, across)), count);
+}
+
+static void add_rectangle(struct pen *pen, const struct rb_view *view, rb_pose pose,
+                          const double size[2])
+{
+	static const double corner[5][2] = {
+		{-0.5, -0.5}, {0.5, -0.5}, {0.5, 0.5}, {-0.5, 0.5}, {-0.5, -0.5}};
+	rb_vec3 at[5];
+
+	for (int k = 0; k < 5; k++) {
+		const rb_vec3 local = {corner[k][0] * size[0], corner[k][1] * size[1], 0};
+		at[k] = rb_view_point(
+			view, rb_vec3_add(pose.position, rb_quat_rotate(pose.orientation, local)));
+	}
+	for (int k = 0; k < 4; k++)
+		stroke(pen, at[k], at[k + 1], 1, 1);
+}
+
+static void add_wires(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
+                      const struct rb_view *view)
+{
+	const struct rb_model *model = lines->setup.model;
+
+	pen->width_px = thickness(lines, WIRE_PX);
+	for (int i = 0; i < model->body_count + model->static_count; i++) {
+		const struct rb_shape *shape = &model->shape[i];
+		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
+		if (!lines->setup.looks->of[i].visible)
+			continue;
+		pen->colour = lines->setup.looks->of[i].colour;
+		if (shape->kind == RB_SHAPE_SPHERE)
+			add_sphere(pen, view, pose, shape->radius);
+		else if (shape->kind == RB_SHAPE_RECTANGLE)
+			add_rectangle(pen, view, pose, shape->size);
+	}
+}
+
+/* ---- drawing ---- */
+
+static void draw_list(const struct rb_lines *lines, int kind)
+{
+	static const size_t places[4] = {offsetof(struct stroke, from), offsetof(struct stroke, to),
+	                                 offsetof(struct stroke, from_paint),
+	                                 offsetof(struct stroke, to_paint)};
+	const struct list *list = &lines->list[kind];
+
+	if (list->count == 0)
+		return;
+	glBindVertexArray(lines->array);
+	glBindBuffer(GL_ARRAY_BUFFER, lines->buffer);
+	glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(list->count * sizeof *list->row), list->row,
+	             GL_STREAM_DRAW);
+	for (GLuint k = 0; k < 4; k++) {
+		glEnableVertexAttribArray(k);
+		glVertexAttribDivisor(k, 1);
+		glVertexAttribPointer(k, 4, GL_FLOAT, GL_FALSE, sizeof *list->row,
+		                      (const void *)places[k]);
+	}
+	glUseProgram(lines->program[kind]);
+	glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, (GLsizei)list->count);
+}
+
+enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *frame,
+                             const struct rb_view *view, const struct rb_trails *trails,
+                             struct rb_error *err)
+{
+	const struct rb_camera_def *camera = lines->setup.camera;
+	float colour[3];
+	struct pen pen = {.list = &lines->list[LINE]};
+	struct pen arrow = {.list = &lines->list[ARROW],
+	                    .width_px = thickness(lines, ARROW_PX),
+	                    .head_px = thickness(lines, HEAD_PX),
+	                    .colour = colour};
+
+	for (int kind = 0; kind < PROGRAM_COUNT; kind++)
+		lines->list[kind].count = 0;
+	if (camera->wireframe)
+		add_wires(lines, &pen, frame, view);
+	if (trails)
+		add_trails(lines, &pen, frame, view, trails);
+	for (int k = 0; k < 3; k++)
+		colour[k] = (float)rb_look_linear(velocity_colour[k]);
+	if (camera->vectors & RB_VECTORS_VELOCITY)
+		add_velocities(lines, &arrow, frame, view);
+	for (int k = 0; k < 3; k++)
+		colour[k] = (float)rb_look_linear(contact_colour[k]);
+	if (camera->vectors & RB_VECTORS_CONTACT)
+		add_contacts(lines, &arrow, frame, view);
+	if (pen.failed || arrow.failed)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
+	draw_list(lines, LINE);
+	/* Arrows begin inside of bodies: they are drawn over everything. */
+	glDisable(GL_DEPTH_TEST);
+	draw_list(lines, ARROW);
+	glEnable(GL_DEPTH_TEST);
+	return rb_canvas_check("draw lines", err);
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Text over a finished picture: title, time, energy, drawn with FreeType.
+ *
+ * An overlay belongs to one thread. The font is the first of RBSIM_FONT (a file) and the usual places of DejaVu Sans;
+ * RB_ERR_MISSING names what was looked for when there is none.
+ */
+#ifndef RB_FILM_OVERLAY_H
+#define RB_FILM_OVERLAY_H
+
+#include "film/pixmap.h"
+
+struct rb_overlay;
+
+/* For pictures of that height: letters are a fixed part of it. */
+RB_CHECKED enum rb_status rb_overlay_create(struct rb_overlay **overlay, int height_px,
+                                            struct rb_error *err);
+void rb_overlay_destroy(struct rb_overlay *overlay); /* NULL is fine */
+
+enum rb_overlay_corner {
+	RB_OVERLAY_TOP_LEFT,
+	RB_OVERLAY_TOP_RIGHT,
+	RB_OVERLAY_BOTTOM_LEFT,
+	RB_OVERLAY_BOTTOM_RIGHT
+};
+
+/*
+ * One line of UTF-8, readable on any background (light letters with a soft dark rim, blended in linear light), at
+ * a corner of the picture; a line that is too long for it is cut with an ellipsis. Digits keep their places from
+ * picture to picture (tabular figures). `line` counts from the corner inwards.
+ */
+void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
+                      enum rb_overlay_corner corner, int line, const char *text);
+
+#endif

@@ -1,0 +1,232 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/painter.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "film/bodies.h"
+#include "film/canvas.h"
+#include "film/glsl.h"
+#include "film/lines.h"
+#include "film/shadow.h"
+
+struct rb_painter {
+	const struct rb_model *model;
+	const struct rb_camera_def *camera;
+	struct rb_canvas *canvas;
+	struct rb_looks looks;
+	struct rb_lights lights;
+	struct rb_shadows shadows;
+	struct rb_bodies *bodies;
+	struct rb_lines *lines; /* NULL where the camera has none */
+	GLuint block, sky_program, sky_array;
+	struct rb_pixmap picture;
+	struct rb_painter_times times;
+};
+
+static enum rb_status make_sky(struct rb_painter *painter, struct rb_error *err)
+{
+	char defines[120];
+
+	snprintf(defines, sizeof defines, "#define SKY_DEPTH %s\n#define LIGHTS\n",
+	         rb_canvas_depth_from_zero(painter->canvas) ? "0.0" : "-1.0");
+	const struct rb_glsl_parts parts = {
+		.name = "sky",
+		.defines = defines,
+		.vertex = {rb_shader_scene, rb_shader_sky_vertex},
+		.fragment = {rb_shader_scene, rb_shader_light, rb_shader_sky_fragment},
+	};
+	const enum rb_status status = rb_glsl_program(&painter->sky_program, &parts, err);
+	if (status != RB_OK)
+		return status;
+	glUniformBlockBinding(painter->sky_program,
+	                      glGetUniformBlockIndex(painter->sky_program, "Scene"), 0);
+	glGenVertexArrays(1, &painter->sky_array);
+	glGenBuffers(1, &painter->block);
+	return rb_canvas_check("make a sky", err);
+}
+
+/*
+ * Samples cost more than all else together, and only edges of planes need them: those of spheres have a formula, a
+ * horizon is in haze, lines have their own.
+ */
+static bool needs_samples(const struct rb_model *model, const struct rb_looks *looks)
+{
+	int infinite = 0;
+
+	for (int i = 0; i < model->body_count + model->static_count; i++) {
+		if (!looks->of[i].visible)
+			continue;
+		if (model->shape[i].kind == RB_SHAPE_RECTANGLE)
+			return true;
+		infinite += model->shape[i].kind == RB_SHAPE_PLANE;
+	}
+	return infinite > 1;
+}
+
+static enum rb_status make(struct rb_painter *painter, struct rb_error *err)
+{
+	const struct rb_camera_def *camera = painter->camera;
+	const int width = camera->size_px[0], height = camera->size_px[1];
+
+	enum rb_status status = rb_pixmap_init(&painter->picture, width, height, err);
+	if (status == RB_OK)
+		status = rb_looks_make(&painter->looks, painter->model, err);
+	if (status == RB_OK)
+		status = rb_canvas_create(
+			&painter->canvas, width, height,
+			!camera->wireframe && needs_samples(painter->model, &painter->looks)
+				? camera->samples
+				: 0,
+			err);
+	if (status != RB_OK)
+		return status;
+	rb_lights_make(&painter->lights, painter->model, camera);
+	status = make_sky(painter, err);
+	if (status == RB_OK && !camera->wireframe)
+		status = rb_shadows_make(&painter->shadows, &painter->lights, err);
+	const struct rb_bodies_setup setup = {.model = painter->model,
+	                                      .looks = &painter->looks,
+	                                      .camera = camera,
+	                                      .lights = &painter->lights,
+	                                      .canvas = painter->canvas,
+	                                      .soft = camera->samples > 1 &&
+	                                              rb_canvas_samples(painter->canvas) == 0};
+	if (status == RB_OK)
+		status = rb_bodies_create(&painter->bodies, &setup, err);
+	if (status == RB_OK && (camera->wireframe || camera->vectors || camera->trail_count > 0))
+		status = rb_lines_create(&painter->lines, &setup, err);
+	return status;
+}
+
+enum rb_status rb_painter_create(struct rb_painter **painter_out, const struct rb_model *model,
+                                 const struct rb_camera_def *camera, struct rb_error *err)
+{
+	*painter_out = NULL;
+	struct rb_painter *painter = rb_memory_take(1, sizeof *painter);
+	if (!painter)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
+	painter->model = model;
+	painter->camera = camera;
+	const enum rb_status status = make(painter, err);
+	if (status != RB_OK) {
+		rb_painter_destroy(painter);
+		return status;
+	}
+	*painter_out = painter;
+	return RB_OK;
+}
+
+void rb_painter_destroy(struct rb_painter *painter)
+{
+	if (!painter)
+		return;
+	rb_lines_destroy(painter->lines);
+	rb_bodies_destroy(painter->bodies);
+	rb_canvas_destroy(painter->canvas);
+	rb_looks_release(&painter->looks);
+	rb_pixmap_release(&painter->picture);
+	rb_memory_free(painter);
+}
+
+static void clear(const struct rb_painter *painter)
+{
+	const double *c = painter->lights.horizon;
+
+	glClearColor((float)c[0], (float)c[1], (float)c[2], 1);
+	glClearDepth(0);
+	glDepthMask(GL_TRUE);
+	glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+	glDepthFunc(GL_GREATER);
+}
+
+/* Where nothing else is. */
+static void draw_sky(const struct rb_painter *painter)
+{
+	glDepthFunc(GL_GEQUAL);
+	glUseProgram(painter->sky_program);
+	glBindVertexArray(painter->sky_array);
+	glDrawArrays(GL_TRIANGLES, 0, 3);
+	glDepthFunc(GL_GREATER);
+}
+
+static void tell(const struct rb_painter *painter, const struct rb_shader_block *block)
+{
+	glBindBuffer(GL_UNIFORM_BUFFER, painter->block);
+	glBufferData(GL_UNIFORM_BUFFER, sizeof *block, block, GL_STREAM_DRAW);
+	glBindBufferBase(GL_UNIFORM_BUFFER, 0, painter->block);
+}
+
+static enum rb_status draw(struct rb_painter *painter, const struct rb_frame *frame,
+                           const struct rb_view *view, const struct rb_trails *trails,
+                           struct rb_error *err)
+{
+	struct rb_shader_block block;
+	const bool wireframe = painter->camera->wireframe;
+
+	rb_lights_tell(&painter->lights, view, rb_canvas_depth_from_zero(painter->canvas), &block);
+	const enum rb_status status = rb_bodies_see(painter->bodies, frame, view, err);
+	if (status != RB_OK)
+		return status;
+	glDisable(GL_BLEND);
+	tell(painter, &block);
+	if (!wireframe) {
+		rb_shadows_draw(&painter->shadows, &painter->lights, view, painter->bodies, &block);
+		tell(painter, &block);
+	}
+	rb_canvas_begin(painter->canvas);
+	clear(painter);
+	if (!wireframe)
+		rb_bodies_draw(painter->bodies);
+	if (!painter->lights.plain)
+		draw_sky(painter);
+	glEnable(GL_BLEND);
+	glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+	glDepthMask(GL_FALSE);
+	if (wireframe)
+		rb_bodies_draw(painter->bodies);
+	else
+		rb_bodies_soften(painter->bodies);
+	return painter->lines ? rb_lines_draw(painter->lines, frame, view, trails, err) : RB_OK;
+}
+
+enum rb_status rb_painter_draw(struct rb_painter *painter, const struct rb_frame *frame,
+                               const struct rb_frame_shot *shot, const struct rb_trails *trails,
+                               struct rb_pixmap *picture, struct rb_error *err)
+{
+	struct rb_view view;
+
+	*picture = (struct rb_pixmap){0};
+	const uint64_t start = rb_clock_now_ns();
+	enum rb_status status = rb_view_make(&view, painter->model, painter->camera, frame, shot,
+	                                     err);
+	if (status == RB_OK)
+		status = rb_canvas_enter(painter->canvas, err);
+	if (status == RB_OK)
+		status = draw(painter, frame, &view, trails, err);
+	if (status != RB_OK)
+		return status;
+	glFinish();
+	const uint64_t drawn = rb_clock_now_ns();
+	status = rb_canvas_read(painter->canvas, &painter->picture, err);
+	if (status != RB_OK)
+		return status;
+	painter->times.draw_ns += drawn - start;
+	painter->times.read_ns += rb_clock_now_ns() - drawn;
+	*picture = painter->picture;
+	return RB_OK;
+}
+
+struct rb_painter_times rb_painter_times(const struct rb_painter *painter)
+{
+	return painter->times;
+}
+
+const char *rb_painter_renderer(const struct rb_painter *painter)
+{
+	return rb_canvas_renderer(painter->canvas);
+}

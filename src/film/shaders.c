@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * On a rasteriser in software, branches are masks: both sides are always computed. So there are none; what a body does
+ * not need is left out of its program by the preprocessor.
+ */
+#include "film/shaders.h"
+
+const char rb_shader_scene[] =
+	"layout(std140) uniform Scene {\n"
+	"	mat4 projection;\n"
+	"	vec4 window, depth, up, zenith, horizon, nadir, ambient_up, ambient_down;\n"
+	"	vec4 place[8], colour[8], texel[8];\n"
+	"	mat4 shadow[8];\n"
+	"};\n"
+	"#define PI 3.14159265358979\n";
+
+/* ---- light ---- */
+
+/*
+ * Blinn's half vector (1977), normalised for its exponent as in Akenine-Moller et al., Real-Time Rendering, and 4 %
+ * of reflection: that of plastics.
+ */
+const char rb_shader_light[] =
+	"uniform sampler2DShadow map0, map1, map2, map3, map4, map5, map6, map7;\n"
+	/* Straight up to the knee, then bent so that nothing reaches 1 with an edge. */
+	"vec3 tone(vec3 c)\n"
+	"{\n"
+	"	vec3 over = max(c - 0.62, 0.0);\n"
+	"	return min(c, 0.62) + over / (1.0 + over * (1.0 / 0.40));\n"
+	"}\n"
+	"vec3 sky(vec3 way)\n"
+	"{\n"
+	"	float h = dot(way, up.xyz);\n"
+	"	float rise = 1.0 - max(h, 0.0), fall = 1.0 - max(-h, 0.0);\n"
+	"	rise *= rise * rise;\n"
+	"	fall *= fall * fall; fall *= fall;\n"
+	"	vec3 above = mix(zenith.rgb, horizon.rgb, rise), below = mix(nadir.rgb, horizon.rgb, fall);\n"
+	"	return h < 0.0 ? below : above;\n"
+	"}\n"
+	"vec3 shine(vec3 N, vec3 V, vec3 L, vec3 albedo, float gloss)\n"
+	"{\n"
+	"#ifdef GLOSS\n"
+	"	vec3 H = normalize(L + V);\n"
+	"	float s = max(dot(N, H), 1e-4);\n"
+	"	return albedo + 0.04 * (0.125 * gloss + 1.0) * exp2(gloss * log2(s));\n"
+	"#else\n"
+	"	return albedo;\n"
+	"#endif\n"
+	"}\n"
+	/* The map is filtered by the library, 2 x 2 texels; four of these make a soft edge. */
+	"float seen(sampler2DShadow map, vec4 p, float d)\n"
+	"{\n"
+	"	vec3 q = p.xyz / p.w;\n"
+	"	q.z = min(q.z, 1.0);\n"
+	"#ifdef FINE\n"
+	"	float far = 0.25 * (texture(map, q + vec3(-0.35 * d, -d, 0)) + texture(map, q + vec3(d, -0.35 * d, 0))\n"
+	"		+ texture(map, q + vec3(0.35 * d, d, 0)) + texture(map, q + vec3(-d, 0.35 * d, 0)));\n"
+	"#else\n"
+	"	float far = texture(map, q);\n"
+	"#endif\n"
+	"	return p.w > 0.0 ? far : 1.0;\n"
+	"}\n"
+	"vec3 lit(vec3 P, vec3 N, vec3 V, vec3 albedo, float gloss)\n"
+	"{\n"
+	"	vec3 sum = albedo * mix(ambient_down.rgb, ambient_up.rgb, 0.5 + 0.5 * dot(N, up.xyz));\n"
+	"#define ADD(k, L, part) { float f = max(dot(N, L), 0.0); \\\n"
+	"	sum += colour[k].rgb * (f * (part)) * shine(N, V, L, albedo, gloss); }\n"
+	"#define SUN(k) ADD(k, place[k].xyz, 1.0)\n"
+	"#define SUN_SHADOW(k, map) ADD(k, place[k].xyz, seen(map, shadow[k] * vec4(P, 1.0), texel[k].x))\n"
+	"#define LAMP_IN(k, part) { vec3 D = place[k].xyz - P; float d2 = dot(D, D); vec3 W = D * inversesqrt(d2); \\\n"
+	"	ADD(k, W, (part) * 2.0 / (1.0 + d2 * place[k].w)) }\n"
+	"#define LAMP(k) LAMP_IN(k, 1.0)\n"
+	"#define LAMP_SHADOW(k, map) LAMP_IN(k, seen(map, shadow[k] * vec4(P, 1.0), texel[k].x))\n"
+	"	LIGHTS\n"
+	"	return sum;\n"
+	"}\n";
+
+/* ---- patterns ---- */
+
+/* 0 and 1 are the two colours of a pattern; edges are as wide as a pixel. */
+const char rb_shader_pattern[] =
+	"float edge(float f)\n"
+	"{\n"
+	"	return clamp(0.5 + f / (fwidth(f) + 1e-9), 0.0, 1.0);\n"
+	"}\n"
+	/* Squares of side 1 averaged over a box w (the integral of a square wave, as I. Quilez does it). */
+	"vec2 wave(vec2 p, vec2 w)\n"
+	"{\n"
+	"	return 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / w;\n"
+	"}\n"
+	"vec2 footprint(vec2 p)\n"
+	"{\n"
+	"	return abs(dFdx(p)) + abs(dFdy(p)) + 1e-4;\n"
+	"}\n";
+
+/* ---- spheres ---- */
+
+/*
+ * A sphere is a polygon around the circle in which the cone from the eye touches it; each fragment casts its own ray.
+ * All lengths are in radii and from its centre, where single precision has digits enough at any distance.
+ *
+ * Its edge is smooth in one of two ways: SAMPLES says which samples of a pixel the ray's neighbours hit; with SOFT
+ * only whole pixels are drawn at first, and when all else is there a ring (RIM) over them mixes in the others by how
+ * much of them is covered.
+ */
+const char rb_shader_sphere_vertex[] =
+	"layout(location = 0) in vec4 ball;\n"  /* centre, radius */
+	"layout(location = 1) in vec4 turn;\n"  /* view to object coordinates: x, y, z, w */
+	"layout(location = 2) in vec4 paint;\n" /* colour, exponent of the highlight */
+	"out vec3 ray;\n"
+	"flat out vec3 centre;\n"
+	"flat out vec4 body;\n" /* colour, radius */
+	"flat out float gloss;\n"
+	"flat out vec3 tx, ty, tz;\n"
+	"void main()\n"
+	"{\n"
+	"	float d = length(ball.xyz), lean = ball.w / d;\n"
+	"	vec3 n = ball.xyz / d;\n"
+	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), b = cross(n, a);\n"
+	"	float reach = sqrt(max(1.0 - lean * lean, 0.0)), margin = up.w / lean;\n" /* of a pixel */
+	"#ifdef RIM\n"
+	"	float angle = float(gl_VertexID / 2) * (2.0 * PI / float(CORNERS));\n"
+	"	float inner = max(reach - 0.9 * margin, 0.0), outer = (reach + 0.9 * margin) / cos(PI / float(CORNERS));\n"
+	"	reach = (gl_VertexID & 1) == 0 ? outer : RIM * inner;\n"
+	"#else\n"
+	"	float angle = (float(gl_VertexID) + 0.5) * (2.0 * PI / float(CORNERS));\n"
+	"	reach = (reach + 1.5 * margin) / cos(PI / float(CORNERS));\n"
+	"#endif\n"
+	"	vec3 q = -lean * n + reach * (cos(angle) * a + sin(angle) * b);\n"
+	"	ray = q;\n"
+	"	centre = ball.xyz / ball.w;\n"
+	"	body = vec4(paint.rgb, ball.w);\n"
+	"	gloss = paint.w;\n"
+	"	vec4 t = turn;\n"
+	"	tx = vec3(1.0 - 2.0 * (t.y * t.y + t.z * t.z), 2.0 * (t.x * t.y - t.w * t.z), 2.0 * (t.x * t.z + t.w * t.y));\n"
+	"	ty = vec3(2.0 * (t.x * t.y + t.w * t.z), 1.0 - 2.0 * (t.x * t.x + t.z * t.z), 2.0 * (t.y * t.z - t.w * t.x));\n"
+	"	tz = vec3(2.0 * (t.x * t.z - t.w * t.y), 2.0 * (t.y * t.z + t.w * t.x), 1.0 - 2.0 * (t.x * t.x + t.y * t.y));\n"
+	"	gl_Position = projection * vec4(ball.xyz + ball.w * q, 1.0);\n"
+	"	gl_Position.z = 0.5 * gl_Position.w;\n" /* never cut off: fragments have their own depth */
+	"}\n";
+
+const char rb_shader_sphere_fragment[] =
+	"in vec3 ray;\n"
+	"flat in vec3 centre;\n"
+	"flat in vec4 body;\n"
+	"flat in float gloss;\n"
+	"flat in vec3 tx, ty, tz;\n"
+	"out vec4 result;\n"
+	"uniform sampler2D image;\n"
+	"vec3 skin(vec3 n)\n"
+	"{\n"
+	"#if PATTERN == 1\n" /* checker: eight lunes, each in four bands */
+	"	float f = n.x * n.y * (n.x * n.x - n.y * n.y) * n.z * (n.z * n.z - 0.36);\n"
+	"	return mix(body.rgb, vec3(0.86), edge(f));\n"
+	"#elif PATTERN == 2\n" /* stripes: seven bands */
+	"	float f = abs(fract(1.75 * n.z + 0.25) - 0.5) - 0.25;\n"
+	"	return mix(vec3(0.86), body.rgb, edge(f));\n"
+	"#elif PATTERN == 3\n" /* beachball: six sectors by sin 3 phi, a cap at either pole */
+	"	float f = n.y * (3.0 * n.x * n.x - n.y * n.y);\n"
+	"	vec3 c = mix(vec3(0.86), body.rgb, edge(f));\n"
+	"	return mix(c, n.z < 0.0 ? vec3(0.86) : body.rgb * 0.45, edge(abs(n.z) - 0.955));\n"
+	"#elif PATTERN == 4\n" /* a picture of the whole globe */
+	"	float u = atan(n.y, n.x) * (0.5 / PI), v = acos(clamp(n.z, -1.0, 1.0)) / PI;\n"
+	"	float other = fract(u);\n" /* its seam is elsewhere: one of both is smooth */
+	"	float du = min(fwidth(u), fwidth(other)), dv = fwidth(v);\n"
+	"	return body.rgb * textureGrad(image, vec2(u + 0.5, v), vec2(du, 0.0), vec2(0.0, dv)).rgb;\n"
+	"#else\n"
+	"	return body.rgb;\n"
+	"#endif\n"
+	"}\n"
+	"void main()\n"
+	"{\n"
+	"	vec3 u = normalize(centre + ray);\n"
+	"	float b = dot(ray, u);\n"
+	"	vec3 e = ray - b * u;\n" /* from the centre to the nearest point of the ray */
+	"	float h2 = dot(e, e);\n"
+	"#ifdef SAMPLES\n"
+	"	float h = sqrt(h2), hx = dFdx(h), hy = dFdy(h);\n"
+	"	int mask = 0;\n"
+	"#define AT(k, x, y) mask |= h + (x) * hx + (y) * hy < 1.0 ? 1 << k : 0;\n"
+	"	SAMPLES\n"
+	"	gl_SampleMask[0] = mask;\n"
+	"	const float cover = 1.0;\n"
+	"#elif defined(SOFT)\n"
+	"	float h = sqrt(h2);\n"
+	"	vec2 g = vec2(dFdx(h), dFdy(h));\n"
+	"	float cover = clamp(0.5 + (1.0 - h) * inversesqrt(dot(g, g) + 1e-20), 0.0, 1.0);\n"
+	"#ifndef RIM\n"
+	"	if (cover < 1.0) discard;\n"
+	"#endif\n"
+	"#else\n"
+	"	const float cover = 1.0;\n"
+	"	if (h2 > 1.0) discard;\n"
+	"#endif\n"
+	"	vec3 N = e - sqrt(max(1.0 - h2, 0.0)) * u;\n"
+	"	vec3 P = (centre + N) * body.w;\n"
+	"	gl_FragDepth = depth.x - depth.y / P.z;\n"
+	"#ifdef CLIP\n"
+	"	if (-P.z < depth.z || -P.z > depth.w) discard;\n"
+	"#endif\n"
+	"	vec3 albedo = skin(vec3(dot(tx, N), dot(ty, N), dot(tz, N)));\n"
+	"	result = vec4(tone(lit(P, N, -u, albedo, gloss)), cover);\n"
+	"}\n";
+
+/* ---- planes ---- */
+
+/* Corners may lie at infinity (w = 0): then the plane reaches its horizon. */
+const char rb_shader_plane_vertex[] = "uniform vec4 corner[6];\n"
+				      "void main()\n"
+				      "{\n"
+				      "	gl_Position = projection * corner[gl_VertexID];\n"
+				      "}\n";
+
+const char rb_shader_plane_fragment[] =
+	"uniform vec4 normal;\n"         /* towards the eye; the eye's distance */
+	"uniform vec4 axis_u, axis_v;\n" /* in textures per metre; textures at the eye's foot */
+	"uniform vec4 paint;\n"          /* colour, exponent of the highlight */
+	"uniform vec4 other;\n"          /* the second colour of a pattern */
+	"uniform sampler2D image;\n"
+	"out vec4 result;\n"
+	"void main()\n"
+	"{\n"
+	"	vec3 way = vec3(window.xy + window.zw * gl_FragCoord.xy, -1.0);\n"
+	"	float fall = max(-dot(normal.xyz, way), 1e-7);\n"
+	"	float t = normal.w / fall;\n"
+	"	vec3 P = t * way;\n"
+	"	float scale = inversesqrt(dot(way, way));\n"
+	"	vec3 V = -scale * way;\n"
+	"	vec2 uv = vec2(axis_u.w + dot(axis_u.xyz, P), axis_v.w + dot(axis_v.xyz, P));\n"
+	"#if PATTERN == 1 || PATTERN == 3\n"
+	"	vec2 s = wave(uv, footprint(uv));\n"
+	"	vec3 albedo = mix(paint.rgb, other.rgb, 0.5 - 0.5 * s.x * s.y);\n"
+	"#elif PATTERN == 2\n"
+	"	vec2 s = wave(uv, footprint(uv));\n"
+	"	vec3 albedo = mix(paint.rgb, other.rgb, 0.5 - 0.5 * s.x);\n"
+	"#elif PATTERN == 4\n"
+	"	vec3 albedo = paint.rgb * texture(image, uv).rgb;\n"
+	"#else\n"
+	"	vec3 albedo = paint.rgb;\n"
+	"#endif\n"
+	"#ifdef GRID\n"
+	"	vec2 w = footprint(uv), g = abs(fract(uv - 0.5) - 0.5) / w;\n"
+	"	float line = max(clamp(1.2 - g.x, 0.0, 1.0) * clamp(1.5 - 5.0 * w.x, 0.0, 1.0),\n"
+	"		clamp(1.2 - g.y, 0.0, 1.0) * clamp(1.5 - 5.0 * w.y, 0.0, 1.0));\n"
+	"	result = vec4(paint.rgb, 0.6 * line);\n"
+	"#else\n"
+	"	vec3 c = tone(lit(P, normal.xyz, V, albedo, paint.w));\n"
+	"#ifdef HAZE\n"
+	"	c = mix(c, sky(-V), exp2(-70.0 * fall * scale));\n"
+	"#endif\n"
+	"	result = vec4(c, 1.0);\n"
+	"#endif\n"
+	"}\n";
+
+/* ---- sky ---- */
+
+const char rb_shader_sky_vertex[] =
+	"void main()\n"
+	"{\n"
+	"	vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
+	"	gl_Position = vec4(p, SKY_DEPTH, 1.0);\n"
+	"}\n";
+
+const char rb_shader_sky_fragment[] =
+	"out vec4 result;\n"
+	"void main()\n"
+	"{\n"
+	"	result = vec4(sky(normalize(vec3(window.xy + window.zw * gl_FragCoord.xy, -1.0))), 1.0);\n"
+	"}\n";
+
+/* ---- shadows ---- */
+
+/*
+ * What a sphere hides is what its disc across the light hides, and no point of its lit side lies behind that disc: so
+ * there is neither a bias nor a shadow on itself.
+ */
+const char rb_shader_disc_vertex[] =
+	"layout(location = 0) in vec4 ball;\n"
+	"uniform mat4 to_map;\n" /* view to clip coordinates of the light */
+	"uniform vec4 source;\n" /* w = 0: unit towards it, w = 1: where it is */
+	"void main()\n"
+	"{\n"
+	"	vec3 way = source.w > 0.0 ? ball.xyz - source.xyz : -source.xyz;\n"
+	"	float d = length(way), lean = source.w > 0.0 ? min(ball.w / d, 0.99) : 0.0;\n"
+	"	vec3 n = way / d;\n"
+	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), b = cross(n, a);\n"
+	"	float angle = float(gl_VertexID) * (2.0 * PI / float(CORNERS));\n"
+	"	float reach = sqrt(1.0 - lean * lean) * ROUND;\n"
+	"	vec3 q = -lean * n + reach * (cos(angle) * a + sin(angle) * b);\n"
+	"	gl_Position = to_map * vec4(ball.xyz + ball.w * q, 1.0);\n"
+	"	FIX_DEPTH\n"
+	"}\n";
+
+const char rb_shader_flat_vertex[] = "uniform mat4 to_map;\n"
+				     "uniform vec4 corner[6];\n"
+				     "void main()\n"
+				     "{\n"
+				     "	gl_Position = to_map * corner[gl_VertexID];\n"
+				     "	FIX_DEPTH\n"
+				     "}\n";
+
+const char rb_shader_nothing[] = "void main()\n"
+				 "{\n"
+				 "}\n";
+
+/* ---- lines and arrows ---- */
+
+/* A stroke from a to b, drawn as a ribbon of constant width in the picture; with a head it is an arrow. */
+const char rb_shader_line_vertex[] =
+	"layout(location = 0) in vec4 from;\n" /* view coordinates, width in pixels */
+	"layout(location = 1) in vec4 to;\n"   /* view coordinates, length of the head in pixels */
+	"layout(location = 2) in vec4 from_paint;\n"
+	"layout(location = 3) in vec4 to_paint;\n"
+	"uniform vec2 size;\n" /* of the picture, pixels */
+	"out vec2 at;\n"       /* pixels along and across */
+	"out vec4 tint;\n"
+	"flat out vec3 measure;\n" /* half width, head, length */
+	"void main()\n"
+	"{\n"
+	"	vec4 a = vec4(from.xyz, 1.0), b = vec4(to.xyz, 1.0);\n"
+	"	float near = depth.z;\n"
+	"	if (-a.z < near && -b.z > near) a = mix(b, a, (-b.z - near) / (a.z - b.z));\n"
+	"	else if (-b.z < near && -a.z > near) b = mix(a, b, (-a.z - near) / (b.z - a.z));\n"
+	"	vec4 ca = projection * a, cb = projection * b;\n"
+	"	vec2 pa = ca.xy / ca.w * size * 0.5, pb = cb.xy / cb.w * size * 0.5;\n"
+	"	float length_px = length(pb - pa);\n"
+	"	vec2 along = length_px > 1e-3 ? (pb - pa) / length_px : vec2(1.0, 0.0), across = vec2(-along.y, along.x);\n"
+	"	float head = min(to.w, 0.6 * length_px), half_width = 0.5 * from.w;\n"
+	"	float reach = max(half_width, 0.45 * head) + 2.0 + RIM;\n"
+	"	bool end = (gl_VertexID & 1) != 0, left = (gl_VertexID & 2) != 0;\n"
+	"	float margin = to.w > 0.0 ? 1.0 + RIM : JOINT;\n"
+	"	at = vec2(end ? length_px + margin : -margin, left ? reach : -reach);\n"
+	"	tint = end ? to_paint : from_paint;\n"
+	"	measure = vec3(half_width, head, length_px);\n"
+	"	vec4 c = end ? cb : ca;\n"
+	"	vec2 p = (end ? pb + margin * along : pa - margin * along) + at.y * across;\n"
+	"	gl_Position = vec4(p * 2.0 / size * c.w, c.zw);\n"
+	"	if ((-a.z < near && -b.z < near) || (to.w > 0.0 && length_px < 2.0)) gl_Position = vec4(0.0, 0.0, 0.0, -1.0);\n"
+	"}\n";
+
+const char rb_shader_line_fragment[] =
+	"in vec2 at;\n"
+	"in vec4 tint;\n"
+	"flat in vec3 measure;\n"
+	"out vec4 result;\n"
+	"void main()\n"
+	"{\n"
+	"	float start = measure.z - measure.y;\n"
+	"	float shaft = max(abs(at.y) - measure.x, max(-at.x, at.x - measure.z + 0.5 * measure.y) - JOINT);\n"
+	"	float head = max((abs(at.y) - 0.42 * (measure.z - at.x)) * 0.92, start - at.x);\n"
+	"	float d = measure.y > 0.0 ? min(shaft, head) : shaft;\n"
+	"	float cover = clamp(0.5 - d, 0.0, 1.0), rim = clamp(0.5 + RIM - d, 0.0, 1.0);\n"
+	"	vec3 c = tint.rgb * (RIM > 0.0 ? cover / max(rim, 1e-3) : 1.0);\n"
+	"	result = vec4(c, tint.a * rim);\n"
+	"}\n";

@@ -1,0 +1,197 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/take.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "film/overlay.h"
+#include "flow/schedule.h"
+
+enum { TEXT_SIZE = 256, DECIMALS_MAX = 9, ENERGY_DIGITS = 4 };
+
+/* As wide as a digit: numbers stand still while they grow. */
+static const char figure_space[] = "\xe2\x80\x87";
+
+struct unit {
+	const char *name;
+	double size; /* in SI units */
+};
+
+struct rb_take {
+	const struct rb_model *model;
+	const struct rb_camera_def *camera;
+	struct rb_painter *painter;
+	struct rb_overlay *overlay; /* NULL: nothing is to be written */
+	struct rb_trails trails;
+
+	/* how times are written: chosen once, so that they look the same in all pictures */
+	struct unit time_unit;
+	int time_decimals, time_digits; /* behind and before the point */
+	char speed[64];                 /* "" at true speed */
+	double largest_energy;          /* J, of those seen so far */
+};
+
+/* Digits that tell one picture from the next, in a unit that suits the whole film. */
+static void choose_time_format(struct rb_take *take)
+{
+	static const struct unit units[] = {
+		{"s", 1}, {"ms", 1e-3}, {"\xc2\xb5s", 1e-6}, {"ns", 1e-9}};
+	const struct rb_schedule schedule = rb_schedule_of(take->camera, take->model->frame_rate,
+	                                                   take->model->duration_s);
+	const double end = schedule.to_s, step = schedule.speed / schedule.fps;
+	int u = 0;
+
+	while (u < 3 && end > 0 && end < 0.1 * units[u].size)
+		u++;
+	take->time_unit = units[u];
+	/* 0.9999: a step of 0.001, rounded, is one */
+	const double decimals = ceil(-log10(step / units[u].size) * 0.9999);
+	take->time_decimals = (int)fmin(fmax(decimals, 0), DECIMALS_MAX);
+	const double whole = end / units[u].size;
+	take->time_digits = whole < 10 ? 1 : 1 + (int)fmin(floor(log10(whole)), 15);
+}
+
+static void choose_speed_text(struct rb_take *take)
+{
+	const double speed = take->camera->speed, slower = 1 / speed;
+
+	if (speed == 1)
+		return;
+	if (slower > 1 && fabs(slower - nearbyint(slower)) < 1e-9 * slower && slower < 1e9)
+		snprintf(take->speed, sizeof take->speed, "1/%.0f speed", slower);
+	else
+		snprintf(take->speed, sizeof take->speed, "%.4g\xc3\x97 speed", speed);
+}
+
+enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *model,
+                              const struct rb_camera_def *camera, struct rb_error *err)
+{
+	struct rb_take *const t = *take = rb_memory_take(1, sizeof *t);
+
+	if (!t)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a camera: out of memory");
+	t->model = model;
+	t->camera = camera;
+	choose_time_format(t);
+	choose_speed_text(t);
+	enum rb_status status = rb_trails_init(&t->trails, model, camera, err);
+	if (!status && camera->overlay)
+		status = rb_overlay_create(&t->overlay, camera->size_px[1], err);
+	if (!status)
+		status = rb_painter_create(&t->painter, model, camera, err);
+	if (status) {
+		rb_take_destroy(t);
+		*take = NULL;
+	}
+	return status;
+}
+
+void rb_take_destroy(struct rb_take *take)
+{
+	if (!take)
+		return;
+	rb_painter_destroy(take->painter);
+	rb_overlay_destroy(take->overlay);
+	rb_trails_release(&take->trails);
+	rb_memory_free(take);
+}
+
+static void see_energy(struct rb_take *take, const struct rb_frame *frame)
+{
+	const double kinetic = frame->numbers.kinetic_energy;
+	const double total = kinetic + frame->numbers.potential_energy;
+
+	take->largest_energy = fmax(take->largest_energy, fmax(kinetic, fabs(total)));
+}
+
+void rb_take_see(struct rb_take *take, const struct rb_frame *frame)
+{
+	see_energy(take, frame);
+	rb_trails_add(&take->trails, frame);
+}
+
+/* ---- what is written ---- */
+
+/* With that many places before the point, so that what follows stands still. */
+static void pad_number(char out[64], double value, int decimals, int places)
+{
+	char number[48];
+
+	snprintf(number, sizeof number, "%.*f", decimals, value);
+	out[0] = '\0';
+	for (int i = (int)strcspn(number, "."); i < places && i < 5; i++)
+		strcat(out, figure_space);
+	strcat(out, number);
+}
+
+static void print_time(const struct rb_take *take, double time_s, char out[TEXT_SIZE])
+{
+	char number[64];
+
+	pad_number(number, time_s / take->time_unit.size, take->time_decimals, take->time_digits);
+	snprintf(out, TEXT_SIZE, "t = %s %s%s%s", number, take->time_unit.name,
+	         take->speed[0] ? "    " : "", take->speed);
+}
+
+/* With digits that suit the largest energy so far: the small ones are then seen to be small. */
+static void print_energy(const struct rb_take *take, const struct rb_frame *frame,
+                         char out[TEXT_SIZE])
+{
+	static const struct unit units[] = {{"nJ", 1e-9}, {"\xc2\xb5J", 1e-6}, {"mJ", 1e-3},
+	                                    {"J", 1},     {"kJ", 1e3},         {"MJ", 1e6},
+	                                    {"GJ", 1e9}};
+	const double kinetic = frame->numbers.kinetic_energy;
+	const double total = kinetic + frame->numbers.potential_energy;
+	int u = 0;
+
+	while (u < 6 && take->largest_energy >= units[u + 1].size)
+		u++;
+	if (!(take->largest_energy > 0))
+		u = 3;
+	const double size = units[u].size, largest = take->largest_energy / size;
+	const int before = largest >= 1 && largest < 1e15 ? 1 + (int)floor(log10(largest)) : 1;
+	const int decimals = before < ENERGY_DIGITS ? ENERGY_DIGITS - before : 0;
+	char e[64], k[64];
+	pad_number(e, total / size, decimals, before);
+	pad_number(k, kinetic / size, decimals, before);
+	snprintf(out, TEXT_SIZE, "E = %s %s (kinetic %s)", e, units[u].name, k);
+}
+
+static void write_texts(struct rb_take *take, const struct rb_frame *frame,
+                        struct rb_pixmap *picture)
+{
+	char text[TEXT_SIZE];
+
+	if (take->camera->overlay & RB_OVERLAY_TITLE)
+		rb_overlay_write(take->overlay, picture, RB_OVERLAY_TOP_LEFT, 0,
+		                 take->model->scene->world.title);
+	if (take->camera->overlay & RB_OVERLAY_TIME) {
+		print_time(take, frame->time_s, text);
+		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_LEFT, 0, text);
+	}
+	if (take->camera->overlay & RB_OVERLAY_ENERGY) {
+		see_energy(take, frame);
+		print_energy(take, frame, text);
+		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, 0, text);
+	}
+}
+
+enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,
+                            const struct rb_frame_shot *shot, struct rb_pixmap *picture,
+                            struct rb_error *err)
+{
+	const enum rb_status status = rb_painter_draw(
+		take->painter, frame, shot, take->trails.path_count > 0 ? &take->trails : NULL,
+		picture, err);
+
+	if (!status && take->overlay)
+		write_texts(take, frame, picture);
+	return status;
+}
+
+struct rb_painter_times rb_take_times(const struct rb_take *take)
+{
+	return rb_painter_times(take->painter);
+}

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/view.h"
+
+#include <math.h>
+
+#include "base/error.h"
+#include "math/quat.h"
+
+/* Directions nearer to each other than this are one: doubles have no more digits for what is across. */
+static const double DEGENERATE_SINE = 1e-9;
+
+rb_pose rb_view_pose(const struct rb_model *model, const struct rb_frame *frame, int id)
+{
+	const int index = model->index_of[id];
+	rb_pose pose = {model->position[index], model->orientation[index]};
+
+	if (index >= model->body_count)
+		return pose;
+	if (frame->position)
+		pose.position = rb_vec3_from(frame->position + 3 * index);
+	if (frame->orientation)
+		pose.orientation = rb_quat_from(frame->orientation + 4 * index);
+	return pose;
+}
+
+static rb_vec3 vector(const struct rb_camera_vector *from, const struct rb_model *model,
+                      const struct rb_frame *frame, const rb_vec3 *shot)
+{
+	if (from->source == RB_CAMERA_BODY)
+		return rb_view_pose(model, frame, from->body).position;
+	if (from->source == RB_CAMERA_FUNCTION && shot)
+		return *shot;
+	return from->value;
+}
+
+static const char *label(const struct rb_camera_def *camera)
+{
+	return camera->name ? camera->name : "unnamed";
+}
+
+/* Distance from a point in object coordinates to the surface, negative inside. */
+static double distance(const struct rb_shape *shape, rb_vec3 p)
+{
+	switch (shape->kind) {
+	case RB_SHAPE_SPHERE:
+		return rb_vec3_length(p) - shape->radius;
+	case RB_SHAPE_PLANE:
+		return p.z;
+	case RB_SHAPE_RECTANGLE:
+	default:
+		return rb_vec3_length((rb_vec3){fmax(0, fabs(p.x) - 0.5 * shape->size[0]),
+		                                fmax(0, fabs(p.y) - 0.5 * shape->size[1]), p.z});
+	}
+}
+
+/* Distance to the nearest surface that is drawn, 0 without any. */
+static enum rb_status nearest(double *least, const struct rb_view *view,
+                              const struct rb_model *model, const struct rb_camera_def *camera,
+                              const struct rb_frame *frame, struct rb_error *err)
+{
+	*least = 0;
+	for (int id = 0; id < model->scene->body_count; id++) {
+		if (!model->scene->bodies[id].visible)
+			continue;
+		const rb_pose pose = rb_view_pose(model, frame, id);
+		const rb_vec3 away = rb_vec3_sub(view->eye, pose.position);
+		const struct rb_shape *shape = &model->shape[model->index_of[id]];
+		const double d = shape->kind == RB_SHAPE_SPHERE
+		                         ? rb_vec3_length(away) - shape->radius
+		                         : distance(shape,
+		                                    rb_quat_rotate_back(pose.orientation, away));
+		if (d < 0 && shape->kind == RB_SHAPE_PLANE)
+			continue; /* seen from behind, it is not drawn */
+		if (d < 0) {
+			char text[64];
+			return RB_FAIL(err, RB_ERR_SCENE,
+			               "%s:%d: camera '%s': stands inside body '%s' at t = %.6g s",
+			               model->scene->file, camera->line, label(camera),
+			               rb_scene_body_label(model->scene, id, text), frame->time_s);
+		}
+		if (d > 0 && (*least == 0 || d < *least))
+			*least = d;
+	}
+	return RB_OK;
+}
+
+static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
+                          const struct rb_camera_def *camera, const struct rb_frame *frame,
+                          const struct rb_frame_shot *shot, struct rb_error *err)
+{
+	const rb_vec3 target = vector(&camera->look_at, model, frame, shot ? &shot->look_at : NULL);
+	rb_vec3 up = vector(&camera->up, model, frame, shot ? &shot->up : NULL);
+
+	if (camera->mount >= 0) {
+		const rb_pose pose = rb_view_pose(model, frame, camera->mount);
+		const rb_vec3 offset = camera->level
+		                               ? camera->offset
+		                               : rb_quat_rotate(pose.orientation, camera->offset);
+		view->eye = rb_vec3_add(pose.position, offset);
+		if (!camera->level && camera->up.source == RB_CAMERA_FIXED)
+			up = rb_quat_rotate(pose.orientation, up);
+	} else {
+		view->eye = vector(&camera->position, model, frame, shot ? &shot->position : NULL);
+	}
+	/* A body as `up`: upwards is where it is. */
+	if (camera->up.source == RB_CAMERA_BODY)
+		up = rb_vec3_sub(up, view->eye);
+	const rb_vec3 zero = {0, 0, 0};
+	const rb_vec3 back = rb_vec3_unit(rb_vec3_sub(view->eye, target), zero);
+	const rb_vec3 across = rb_vec3_cross(rb_vec3_unit(up, zero), back);
+	if (!rb_vec3_finite(view->eye) || !rb_vec3_finite(across))
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "%s:%d: camera '%s': its place at t = %.6g s is not finite",
+		               model->scene->file, camera->line, label(camera), frame->time_s);
+	if (!(rb_vec3_length(back) > 0.5))
+		return RB_FAIL(
+			err, RB_ERR_SCENE,
+			"%s:%d: camera '%s': 'look_at' is where it stands at t = %.6g s (%.6g, %.6g, %.6g)",
+			model->scene->file, camera->line, label(camera), frame->time_s, target.x,
+			target.y, target.z);
+	if (!(rb_vec3_length(across) > DEGENERATE_SINE))
+		return RB_FAIL(
+			err, RB_ERR_SCENE,
+			"%s:%d: camera '%s': 'up' is along its line of sight at t = %.6g s (%.6g, %.6g, %.6g)",
+			model->scene->file, camera->line, label(camera), frame->time_s, up.x, up.y,
+			up.z);
+	view->back = back;
+	view->right = rb_vec3_unit(across, across);
+	view->up = rb_vec3_cross(view->back, view->right);
+	return RB_OK;
+}
+
+static void open(struct rb_view *view, const struct rb_camera_def *camera, double least)
+{
+	view->width = camera->size_px[0];
+	view->height = camera->size_px[1];
+	if (camera->has_frustum) {
+		const double *f = camera->frustum;
+		view->left_slope = f[0] / f[4];
+		view->right_slope = f[1] / f[4];
+		view->bottom_slope = f[2] / f[4];
+		view->top_slope = f[3] / f[4];
+		view->near = f[4];
+		view->far = f[5];
+		return;
+	}
+	view->top_slope = tan(0.5 * camera->fov);
+	view->right_slope = view->top_slope * view->width / view->height;
+	view->bottom_slope = -view->top_slope;
+	view->left_slope = -view->right_slope;
+	/* The nearest thing in a corner of the picture is nearer along the line of sight than as the crow flies. */
+	const double corner = sqrt(1 + view->top_slope * view->top_slope +
+	                           view->right_slope * view->right_slope);
+	view->far = isnan(camera->far) ? (double)INFINITY : camera->far;
+	view->near = camera->near;
+	if (isnan(view->near)) {
+		view->near = least > 0 ? 0.25 * least / corner : 1;
+		if (view->near >= view->far)
+			view->near = 0.001 * view->far;
+	}
+	if (view->near >= view->far)
+		view->far = (double)INFINITY;
+}
+
+enum rb_status rb_view_make(struct rb_view *view, const struct rb_model *model,
+                            const struct rb_camera_def *camera, const struct rb_frame *frame,
+                            const struct rb_frame_shot *shot, struct rb_error *err)
+{
+	double least = 0;
+
+	*view = (struct rb_view){0};
+	enum rb_status status = aim(view, model, camera, frame, shot, err);
+	if (status == RB_OK)
+		status = nearest(&least, view, model, camera, frame, err);
+	if (status == RB_OK)
+		open(view, camera, least);
+	return status;
+}
+
+rb_vec3 rb_view_direction(const struct rb_view *view, rb_vec3 world)
+{
+	return (rb_vec3){rb_vec3_dot(view->right, world), rb_vec3_dot(view->up, world),
+	                 rb_vec3_dot(view->back, world)};
+}
+
+rb_vec3 rb_view_point(const struct rb_view *view, rb_vec3 world)
+{
+	return rb_view_direction(view, rb_vec3_sub(world, view->eye));
+}
+
+rb_mat3 rb_view_turn(const struct rb_view *view, rb_quat orientation)
+{
+	const rb_mat3 body = rb_quat_to_mat3(orientation);
+	const rb_mat3 axes = {{{view->right.x, view->right.y, view->right.z},
+	                       {view->up.x, view->up.y, view->up.z},
+	                       {view->back.x, view->back.y, view->back.z}}};
+
+	return rb_mat3_multiply(&axes, &body);
+}
+
+void rb_view_pixel(const struct rb_view *view, rb_vec3 point, double pixel[2])
+{
+	const double x = point.x / -point.z, y = point.y / -point.z;
+
+	pixel[0] = view->width * (x - view->left_slope) / (view->right_slope - view->left_slope);
+	pixel[1] = view->height * (view->top_slope - y) / (view->top_slope - view->bottom_slope);
+}
+
+double rb_view_pixel_size(const struct rb_view *view)
+{
+	return (view->top_slope - view->bottom_slope) / view->height;
+}
+
+void rb_view_depth(const struct rb_view *view, double *a, double *b)
+{
+	if (isinf(view->far)) {
+		*a = 0;
+		*b = view->near;
+		return;
+	}
+	*a = -view->near / (view->far - view->near);
+	*b = view->near * (view->far / (view->far - view->near));
+}
+
+void rb_view_projection(const struct rb_view *view, bool from_zero, float matrix[16])
+{
+	const double across = view->right_slope - view->left_slope;
+	const double upright = view->top_slope - view->bottom_slope;
+	double a, b;
+
+	rb_view_depth(view, &a, &b);
+	if (!from_zero) {
+		a = 2 * a - 1;
+		b = 2 * b;
+	}
+	for (int k = 0; k < 16; k++)
+		matrix[k] = 0;
+	matrix[0] = (float)(2 / across);
+	matrix[5] = (float)(-2 / upright);
+	matrix[8] = (float)((view->right_slope + view->left_slope) / across);
+	matrix[9] = (float)(-(view->top_slope + view->bottom_slope) / upright);
+	matrix[10] = (float)-a;
+	matrix[11] = -1;
+	matrix[14] = (float)b;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where a camera stands at one frame and what it sees. Pure mathematics, values, any thread.
+ *
+ * View coordinates: the eye is the origin, x to the right, y up, the camera looks along -z; m. They are made in double,
+ * so that single precision is enough for what comes after, wherever in the world the scene lies.
+ */
+#ifndef RB_FILM_VIEW_H
+#define RB_FILM_VIEW_H
+
+#include <rbsim/frame.h>
+#include <rbsim/model.h>
+
+/* Where a body is: p_world = position + orientation p_object. */
+typedef struct {
+	rb_vec3 position;
+	rb_quat orientation;
+} rb_pose;
+
+struct rb_view {
+	rb_vec3 eye;                                             /* m, world */
+	rb_vec3 right, up, back;                                 /* unit, world */
+	double left_slope, right_slope, bottom_slope, top_slope; /* x/-z and y/-z of the edges */
+	double near, far; /* m, along the line of sight; far may be INFINITY */
+	int width, height;
+};
+
+/* Of a body by its id; the model's where it never moves or the frame has no orientations. */
+rb_pose rb_view_pose(const struct rb_model *model, const struct rb_frame *frame, int id);
+
+/*
+ * `shot` is for what comes from functions (NULL: nothing does). RB_ERR_SCENE with the camera, the time and the body:
+ * the eye is in a visible body, look_at is the eye, `up` is along the line of sight.
+ */
+RB_CHECKED enum rb_status rb_view_make(struct rb_view *view, const struct rb_model *model,
+                                       const struct rb_camera_def *camera,
+                                       const struct rb_frame *frame,
+                                       const struct rb_frame_shot *shot, struct rb_error *err);
+
+rb_vec3 rb_view_point(const struct rb_view *view, rb_vec3 world);     /* relative to the eye */
+rb_vec3 rb_view_direction(const struct rb_view *view, rb_vec3 world); /* turned only */
+/* Turns object coordinates of a body into view coordinates. */
+rb_mat3 rb_view_turn(const struct rb_view *view, rb_quat orientation);
+
+/* Where in the picture a point in view coordinates is: pixels from its upper left corner. z must be negative. */
+void rb_view_pixel(const struct rb_view *view, rb_vec3 point, double pixel[2]);
+/* Size of a pixel at distance 1 m, m. */
+double rb_view_pixel_size(const struct rb_view *view);
+
+/* depth = a + b / distance along the line of sight: 1 at `near`, 0 at `far`. */
+void rb_view_depth(const struct rb_view *view, double *a, double *b);
+/*
+ * View to clip coordinates, columns first, with y downwards. A point at infinity has w = 0. `from_zero`: clip space
+ * reaches from z = 0 to w, else from -w to w.
+ */
+void rb_view_projection(const struct rb_view *view, bool from_zero, float matrix[16]);
+
+#endif

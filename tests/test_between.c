@@ -1,0 +1,256 @@
+/* SPDX-License-Identifier: MIT */
+/* src/flow/between.c */
+#include "support.h"
+
+#include "base/memory.h"
+#include "flow/between.h"
+#include "flow/frame.h"
+#include "math/quat.h"
+#include "math/vec3.h"
+
+static struct rb_frame frame_of(int bodies, rb_features features, unsigned fields)
+{
+	const struct rb_model model = {.body_count = bodies, .features = features};
+	struct rb_frame frame;
+
+	assert_int_equal(rb_frame_init(&frame, &model, fields, NULL), RB_OK);
+	return frame;
+}
+
+/* One body that turns with `spin` and is at `turn` from its start. */
+static struct rb_frame turned(double time_s, rb_vec3 turn, rb_vec3 spin)
+{
+	struct rb_frame frame = frame_of(1, RB_FEATURE_ROTATION, RB_FIELD_DEFAULT);
+
+	frame.time_s = time_s;
+	rb_quat_to(frame.orientation, rb_quat_from_turn(turn));
+	rb_vec3_to(frame.angular_velocity, spin);
+	return frame;
+}
+
+/* How far the orientations are apart, rad, whichever sign they have. */
+static double apart(const double *p, rb_quat b)
+{
+	const rb_quat a = rb_quat_from(p);
+	const double sign = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z < 0 ? -1 : 1;
+	const rb_quat difference = {a.w - sign * b.w, a.x - sign * b.x, a.y - sign * b.y,
+	                            a.z - sign * b.z};
+
+	return 2 * rb_quat_length(difference);
+}
+
+static void either_end_is_that_frame_to_the_bit(void **state)
+{
+	struct rb_frame a = turned(1, (rb_vec3){0.1, 0.2, 0.3}, (rb_vec3){0, 0, 3});
+	struct rb_frame b = turned(2, (rb_vec3){0.7, 0.1, 0.2}, (rb_vec3){1, 0, 3});
+	struct rb_frame out = {0};
+	struct rb_error err;
+
+	(void)state;
+	a.position[0] = 0.1, b.position[0] = 0.3;
+	a.index = 60, b.index = 120;
+	a.numbers.kinetic_energy = 5, b.numbers.kinetic_energy = 7;
+	assert_ok(rb_frame_between(&out, &a, &b, 1, &err));
+	assert_memory_equal(out.orientation, a.orientation, 4 * sizeof(double));
+	assert_true(out.position[0] == 0.1 && out.index == 60 && out.time_s == 1);
+	assert_true(out.numbers.kinetic_energy == 5);
+	assert_ok(rb_frame_between(&out, &a, &b, 2, &err));
+	assert_memory_equal(out.orientation, b.orientation, 4 * sizeof(double));
+	assert_true(out.position[0] == 0.3 && out.index == 120 && out.time_s == 2);
+	rb_frame_release(&a);
+	rb_frame_release(&b);
+	rb_frame_release(&out);
+}
+
+static void positions_go_straight_and_counts_are_those_of_the_later_frame(void **state)
+{
+	struct rb_frame a = frame_of(2, 0, RB_FIELD_DEFAULT), b = frame_of(2, 0, RB_FIELD_DEFAULT);
+	struct rb_frame out = {0};
+	struct rb_error err;
+
+	(void)state;
+	a.time_s = 1, b.time_s = 3;
+	for (int i = 0; i < 6; i++) {
+		a.position[i] = i, b.position[i] = 10 * i;
+		a.velocity[i] = -i, b.velocity[i] = i;
+	}
+	a.numbers = (struct rb_frame_numbers){.kinetic_energy = 8, .collisions = 1};
+	b.numbers = (struct rb_frame_numbers){.kinetic_energy = 4, .collisions = 5};
+	b.numbers.momentum = (rb_vec3){4, 0, 8};
+	assert_ok(rb_frame_between(&out, &a, &b, 1.5, &err));
+	for (int i = 0; i < 6; i++) {
+		assert_near(out.position[i], 0.75 * i + 0.25 * 10 * i, 1e-14);
+		assert_near(out.velocity[i], -0.5 * i, 1e-14);
+	}
+	assert_null(out.orientation);
+	assert_near(out.numbers.kinetic_energy, 7, 1e-14);
+	assert_near(out.numbers.momentum.z, 2, 1e-14);
+	assert_int_equal(out.numbers.collisions, 5);
+	assert_true(out.time_s == 1.5);
+	rb_frame_release(&a);
+	rb_frame_release(&b);
+	rb_frame_release(&out);
+}
+
+/* Without spins the way is the shortest, whatever the signs of the quaternions. */
+static void orientations_without_spins_follow_the_great_circle(void **state)
+{
+	struct rb_frame a = turned(0, (rb_vec3){0, 0, 0}, (rb_vec3){0});
+	struct rb_frame b = turned(1, (rb_vec3){0, 0, 2.0}, (rb_vec3){0});
+	struct rb_frame out = {0};
+	struct rb_error err;
+
+	(void)state;
+	rb_memory_free(a.angular_velocity);
+	rb_memory_free(b.angular_velocity);
+	a.angular_velocity = b.angular_velocity = NULL;
+	for (int sign = 0; sign < 2; sign++) {
+		assert_ok(rb_frame_between(&out, &a, &b, 0.25, &err));
+		assert_near(apart(out.orientation, rb_quat_from_turn((rb_vec3){0, 0, 0.5})), 0,
+		            1e-14);
+		assert_near(rb_quat_length(rb_quat_from(out.orientation)), 1, 1e-15);
+		for (int i = 0; i < 4; i++)
+			b.orientation[i] = -b.orientation[i];
+	}
+	rb_frame_release(&a);
+	rb_frame_release(&b);
+	rb_frame_release(&out);
+}
+
+static void a_body_that_spins_several_times_a_frame_does_not_seem_to_turn_slowly(void **state)
+{
+	const double speeds[] = {1, -7, 20, 6.283185307179586 * 3, 100.5};
+	struct rb_error err;
+
+	(void)state;
+	for (size_t k = 0; k < sizeof speeds / sizeof *speeds; k++) {
+		const rb_vec3 axis = {0.6, 0, -0.8};
+		const rb_vec3 spin = rb_vec3_scale(speeds[k], axis);
+		struct rb_frame a = turned(2, (rb_vec3){0, 0, 0}, spin);
+		struct rb_frame b = turned(3, spin, spin);
+		struct rb_frame out = {0};
+
+		for (int i = 1; i < 10; i++) {
+			assert_ok(rb_frame_between(&out, &a, &b, 2 + 0.1 * i, &err));
+			assert_near(apart(out.orientation,
+			                  rb_quat_from_turn(rb_vec3_scale(0.1 * i, spin))),
+			            0, 1e-12);
+		}
+		rb_frame_release(&a);
+		rb_frame_release(&b);
+		rb_frame_release(&out);
+	}
+}
+
+/* Spin about z, nearly one turn, and a small tilt: the turn is about z and not about the axis of the tilt. */
+static void nearly_whole_turns_keep_their_axis(void **state)
+{
+	const rb_vec3 spin = {0, 0, 6.283185307179586};
+	struct rb_frame a = turned(0, (rb_vec3){0, 0, 0}, spin);
+	struct rb_frame b = turned(1, (rb_vec3){0.01, 0, 0}, spin);
+	struct rb_frame out = {0};
+	struct rb_error err;
+
+	(void)state;
+	assert_ok(rb_frame_between(&out, &a, &b, 0.25, &err));
+	assert_near(apart(out.orientation, rb_quat_from_turn((rb_vec3){0, 0, 0.25 * spin.z})), 0,
+	            0.011);
+	rb_frame_release(&a);
+	rb_frame_release(&b);
+	rb_frame_release(&out);
+}
+
+/* The spins at both ends say nothing true about the interval: the ends are still met, continuously. */
+static void a_wrong_spin_still_arrives_where_the_frames_are(void **state)
+{
+	struct rb_frame a = turned(0, (rb_vec3){0, 0, 0}, (rb_vec3){9, -3, 2});
+	struct rb_frame b = turned(1, (rb_vec3){0, 2, 1}, (rb_vec3){-4, 5, 0.5});
+	struct rb_frame out = {0};
+	struct rb_error err;
+
+	(void)state;
+	assert_ok(rb_frame_between(&out, &a, &b, 1e-9, &err));
+	assert_near(apart(out.orientation, rb_quat_from(a.orientation)), 0, 1e-7);
+	assert_ok(rb_frame_between(&out, &a, &b, 1 - 1e-9, &err));
+	assert_near(apart(out.orientation, rb_quat_from(b.orientation)), 0, 1e-7);
+	rb_frame_release(&a);
+	rb_frame_release(&b);
+	rb_frame_release(&out);
+}
+
+static void a_copy_follows_frames_of_any_shape_and_keeps_its_lists(void **state)
+{
+	struct rb_frame big = frame_of(5, RB_FEATURE_ROTATION,
+	                               RB_FIELD_DEFAULT | RB_FIELD_EVENTS | RB_FIELD_CONTACTS);
+	struct rb_frame small = frame_of(2, 0, RB_FIELD_POSITION);
+	struct rb_frame copy = {0};
+	struct rb_error err;
+
+	(void)state;
+	big.event_count = 3, big.events[2].approach_speed = 7;
+	big.contact_count = 1, big.contacts[0].gap = 0.5;
+	big.position[14] = 3;
+	small.position[5] = 4;
+	for (int round = 0; round < 2; round++) {
+		assert_ok(rb_frame_copy(&copy, &big, &err));
+		assert_int_equal(copy.body_count, 5);
+		assert_true(copy.position[14] == 3 && copy.events[2].approach_speed == 7);
+		assert_true(copy.contact_count == 1 && copy.contacts[0].gap == 0.5);
+		assert_true(copy.position != big.position && copy.events != big.events);
+		const double *const kept = copy.position;
+		assert_ok(rb_frame_copy(&copy, &big, &err));
+		assert_ptr_equal(copy.position, kept);
+		assert_ok(rb_frame_copy(&copy, &small, &err));
+		assert_int_equal(copy.body_count, 2);
+		assert_true(copy.position[5] == 4);
+		assert_null(copy.orientation);
+		assert_null(copy.velocity);
+		assert_int_equal(copy.event_count, 0);
+	}
+	rb_frame_release(&copy);
+	rb_frame_release(&big);
+	rb_frame_release(&small);
+}
+
+static void every_failed_allocation_leaves_a_copy_that_can_be_released(void **state)
+{
+	struct rb_frame from = frame_of(5, RB_FEATURE_ROTATION, RB_FIELD_DEFAULT | RB_FIELD_EVENTS);
+	int failures = 0;
+
+	(void)state;
+	from.event_count = 9;
+	const struct rb_memory_counts before = rb_memory_counts();
+	for (uint64_t k = 1;; k++) {
+		struct rb_frame copy = {0};
+
+		rb_memory_fail_at(k);
+		const enum rb_status status = rb_frame_copy(&copy, &from, NULL);
+		rb_memory_fail_at(0);
+		rb_frame_release(&copy);
+		if (!status)
+			break;
+		assert_int_equal(status, RB_ERR_MEMORY);
+		failures++;
+	}
+	assert_int_equal(failures, 5);
+	const struct rb_memory_counts after = rb_memory_counts();
+	assert_int_equal(after.taken - before.taken, after.freed - before.freed);
+	rb_frame_release(&from);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(either_end_is_that_frame_to_the_bit),
+		cmocka_unit_test(positions_go_straight_and_counts_are_those_of_the_later_frame),
+		cmocka_unit_test(orientations_without_spins_follow_the_great_circle),
+		cmocka_unit_test(
+			a_body_that_spins_several_times_a_frame_does_not_seem_to_turn_slowly),
+		cmocka_unit_test(nearly_whole_turns_keep_their_axis),
+		cmocka_unit_test(a_wrong_spin_still_arrives_where_the_frames_are),
+		cmocka_unit_test(a_copy_follows_frames_of_any_shape_and_keeps_its_lists),
+		cmocka_unit_test(every_failed_allocation_leaves_a_copy_that_can_be_released),
+	};
+
+	return cmocka_run_group_tests_name("between", tests, NULL, NULL);
+}

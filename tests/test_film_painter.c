@@ -1,0 +1,646 @@
+/* SPDX-License-Identifier: MIT */
+/* src/film/painter.c and its rooms: what stands where in a picture, and that it is the same picture every time. */
+#include "film/painter.h"
+
+#include "base/hash.h"
+#include "film/png.h"
+#include "film/view.h"
+#include "flow/frame.h"
+#include "worlds.h"
+
+enum { WIDTH = 160, HEIGHT = 120 };
+
+struct studio {
+	struct lab lab;
+	struct rb_frame frame;
+	struct rb_camera_def camera;
+	struct rb_painter *painter;
+	struct rb_pixmap picture; /* borrowed from the painter */
+	struct rb_error err;
+};
+
+static void studio_open(struct studio *studio)
+{
+	*studio = (struct studio){0};
+	lab_open(&studio->lab, 1, 10);
+	studio->lab.scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	studio->camera = rb_camera_def_default();
+	studio->camera.size_px[0] = WIDTH;
+	studio->camera.size_px[1] = HEIGHT;
+	studio->camera.position.value = (rb_vec3){0, -8, 2};
+	studio->camera.look_at.value = (rb_vec3){0, 0, 1};
+}
+
+static void studio_close(struct studio *studio)
+{
+	rb_painter_destroy(studio->painter);
+	rb_frame_release(&studio->frame);
+	lab_close(&studio->lab);
+}
+
+/* A ball that stands still, in sRGB colours. */
+static int studio_ball(struct studio *studio, double radius, rb_vec3 position, rb_vec3 colour)
+{
+	struct rb_body_def def = lab_sphere_def(radius, 1, position, (rb_vec3){0, 0, 0});
+
+	rb_vec3_to(def.color, colour);
+	def.angular_velocity = (rb_vec3){1, 0, 0}; /* so that frames have orientations */
+	return lab_add(&studio->lab, &def);
+}
+
+static void studio_seal(struct studio *studio)
+{
+	struct lab *lab = &studio->lab;
+	struct rb_frame *frame = &studio->frame;
+
+	if (rb_model_create(&lab->model, &lab->scene, NULL, &lab->error) != RB_OK)
+		fail_msg("model: %s", lab->error.text);
+	assert_int_equal(
+		rb_frame_init(frame, lab->model, RB_FIELD_DEFAULT | RB_FIELD_CONTACTS, &lab->error),
+		RB_OK);
+	for (int i = 0; i < lab->model->body_count; i++) {
+		rb_vec3_to(frame->position + 3 * i, lab->model->position[i]);
+		rb_vec3_to(frame->velocity + 3 * i,
+		           lab->scene.bodies[lab->model->id_of[i]].velocity);
+		if (frame->orientation)
+			rb_quat_to(frame->orientation + 4 * i, lab->model->orientation[i]);
+	}
+	if (rb_painter_create(&studio->painter, lab->model, &studio->camera, &studio->err) != RB_OK)
+		fail_msg("painter: %s", studio->err.text);
+}
+
+static void studio_draw(struct studio *studio)
+{
+	if (rb_painter_draw(studio->painter, &studio->frame, NULL, NULL, &studio->picture,
+	                    &studio->err) != RB_OK)
+		fail_msg("draw: %s", studio->err.text);
+	assert_int_equal(studio->picture.width, studio->camera.size_px[0]);
+	assert_int_equal(studio->picture.height, studio->camera.size_px[1]);
+}
+
+static uint64_t studio_hash(struct studio *studio)
+{
+	studio_draw(studio);
+	return rb_hash_bytes(studio->picture.rgba, (size_t)WIDTH * HEIGHT * 4, 0);
+}
+
+static const uint8_t *pixel_at(const struct studio *studio, int x, int y)
+{
+	assert_in_range(x, 0, studio->picture.width - 1);
+	assert_in_range(y, 0, studio->picture.height - 1);
+	return studio->picture.rgba + 4 * ((size_t)y * (size_t)studio->picture.width + (size_t)x);
+}
+
+/* Where a point of the world is in the picture. */
+static const uint8_t *pixel_of(const struct studio *studio, rb_vec3 world)
+{
+	struct rb_view view;
+	double at[2];
+
+	assert_int_equal(
+		rb_view_make(&view, studio->lab.model, &studio->camera, &studio->frame, NULL, NULL),
+		RB_OK);
+	rb_view_pixel(&view, rb_view_point(&view, world), at);
+	return pixel_at(studio, (int)floor(at[0]), (int)floor(at[1]));
+}
+
+static int brightness(const uint8_t *p)
+{
+	return p[0] + p[1] + p[2];
+}
+
+static bool is_red(const uint8_t *p)
+{
+	return p[0] > 2 * p[1] && p[0] > 2 * p[2];
+}
+
+static bool is_green(const uint8_t *p)
+{
+	return p[1] > 2 * p[0] && p[1] > 2 * p[2];
+}
+
+static bool is_blue(const uint8_t *p)
+{
+	return p[2] > 2 * p[0] && p[2] > 2 * p[1];
+}
+
+static bool is_sky(const uint8_t *p)
+{
+	return p[2] >= p[1] && p[1] >= p[0] && brightness(p) > 400;
+}
+
+static const rb_vec3 red = {0.8, 0.05, 0.05}, green = {0.05, 0.7, 0.05}, blue = {0.05, 0.1, 0.8};
+
+static void bodies_are_where_they_should_be_and_nothing_is_flipped(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	studio_ball(&studio, 0.5, (rb_vec3){-2, 0, 1}, red);
+	studio_ball(&studio, 0.5, (rb_vec3){2, 0, 1}, green);
+	studio_ball(&studio, 0.5, (rb_vec3){0, 0, 2.6}, blue);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	assert_true(is_red(pixel_of(&studio, (rb_vec3){-2, 0, 1})));
+	assert_true(is_green(pixel_of(&studio, (rb_vec3){2, 0, 1})));
+	assert_true(is_blue(pixel_of(&studio, (rb_vec3){0, 0, 2.6})));
+	assert_true(is_sky(pixel_of(&studio, (rb_vec3){0, 0, 1})));
+	/* Without the help of our own projection: left, right, above. */
+	assert_true(is_red(pixel_at(&studio, WIDTH / 2 - 36, HEIGHT / 2)));
+	assert_true(is_green(pixel_at(&studio, WIDTH / 2 + 36, HEIGHT / 2)));
+	assert_true(is_blue(pixel_at(&studio, WIDTH / 2, HEIGHT / 2 - 29)));
+	for (int k = 0; k < WIDTH * HEIGHT; k++)
+		assert_int_equal(studio.picture.rgba[4 * k + 3], 255);
+	studio_close(&studio);
+}
+
+static void the_silhouette_of_a_sphere_is_that_of_its_cone(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	/* Off the axis, where the outline is an ellipse: no disc would do. */
+	studio_ball(&studio, 1, (rb_vec3){2.2, -3, 1.4}, red);
+	const double paper[3] = {1, 1, 1};
+	memcpy(studio.camera.background, paper, sizeof paper);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	struct rb_view view;
+	assert_int_equal(
+		rb_view_make(&view, studio.lab.model, &studio.camera, &studio.frame, NULL, NULL),
+		RB_OK);
+	const rb_vec3 c = rb_view_point(&view, (rb_vec3){2.2, -3, 1.4});
+	int inside = 0, outside = 0;
+	for (int y = 0; y < HEIGHT; y++)
+		for (int x = 0; x < WIDTH; x++) {
+			const rb_vec3 way = rb_vec3_unit(
+				(rb_vec3){view.left_slope +
+			                          (x + 0.5) / WIDTH *
+			                                  (view.right_slope - view.left_slope),
+			                  view.top_slope +
+			                          (y + 0.5) / HEIGHT *
+			                                  (view.bottom_slope - view.top_slope),
+			                  -1},
+				c);
+			const double off = rb_vec3_length(
+				rb_vec3_add_scaled(c, -rb_vec3_dot(c, way), way));
+			const uint8_t *p = pixel_at(&studio, x, y);
+			/* A pixel here is about 0.045 m. */
+			if (off < 0.95) {
+				assert_true(p[1] < 200); /* red, or its highlight */
+				inside++;
+			} else if (off > 1.05) {
+				assert_int_equal(brightness(p), 3 * 255);
+				outside++;
+			}
+		}
+	assert_true(inside > 1000 && outside > 10000);
+	studio_close(&studio);
+}
+
+static void what_is_nearer_hides_what_is_behind(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	studio_ball(&studio, 0.5, (rb_vec3){-0.5, -2, 0.5}, red);
+	studio_ball(&studio, 0.5, (rb_vec3){0.8, 2, 0.75}, green);
+	studio_ball(&studio, 0.5, (rb_vec3){-0.5, 0, 0.4}, blue);
+	lab_rectangle(&studio.lab, (rb_vec3){0, 1, 0}, (rb_vec3){0, -1, 0}, 3, 2);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	assert_true(is_red(pixel_of(&studio, (rb_vec3){-0.5, -2, 0.5})));
+	assert_true(is_blue(pixel_of(&studio, (rb_vec3){-0.5, 0, 0.8})));
+	/* From its middle upwards the green ball sticks out over the wall. */
+	assert_true(is_green(pixel_of(&studio, (rb_vec3){0.8, 2, 1.15})));
+	assert_false(is_green(pixel_of(&studio, (rb_vec3){0.8, 2, 0.5})));
+	studio_close(&studio);
+}
+
+static void a_shadow_is_darker_and_lies_away_from_the_light(void **state)
+{
+	struct studio studio;
+	int lit[2], dark[2];
+
+	(void)state;
+	for (int shadows = 0; shadows < 2; shadows++) {
+		studio_open(&studio);
+		studio.camera.shadows = shadows;
+		studio.camera.light_count = 1;
+		studio.camera.lights[0] = (struct rb_light_def){.position = {-1, 0, 1},
+		                                                .directional = true,
+		                                                .color = {1, 1, 1},
+		                                                .intensity = 0.5};
+		studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1.5}, red);
+		lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		studio_seal(&studio);
+		studio_draw(&studio);
+		dark[shadows] = brightness(pixel_of(&studio, (rb_vec3){1.5, 0, 0}));
+		lit[shadows] = brightness(pixel_of(&studio, (rb_vec3){-1.5, 0, 0}));
+		studio_close(&studio);
+	}
+	assert_near(dark[0], lit[0], 3);
+	assert_near(lit[1], lit[0], 3);
+	assert_true(dark[1] < lit[1] - 60);
+}
+
+static void a_lamp_throws_a_shadow_too_and_unseen_bodies_none(void **state)
+{
+	struct studio studio;
+	int under[2];
+
+	(void)state;
+	for (int visible = 0; visible < 2; visible++) {
+		studio_open(&studio);
+		studio.camera.light_count = 1;
+		studio.camera.lights[0] = (struct rb_light_def){
+			.position = {0, 0, 4}, .color = {1, 1, 1}, .intensity = 0.6};
+		const int id = studio_ball(&studio, 0.3, (rb_vec3){0, 0, 2.5}, red);
+		studio.lab.scene.bodies[id].visible = visible;
+		lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		studio_seal(&studio);
+		studio_draw(&studio);
+		under[visible] = brightness(pixel_of(&studio, (rb_vec3){0, 0, 0}));
+		studio_close(&studio);
+	}
+	assert_true(under[1] < under[0] - 60);
+}
+
+/* The body's upper front quarter, of two colours: which one shows depends on how it has turned. */
+static void patterns_turn_with_their_body(void **state)
+{
+	static const char *const textures[] = {"checker", "stripes", "beachball"};
+	struct studio studio;
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		studio_open(&studio);
+		const int id = studio_ball(&studio, 1.5, (rb_vec3){0, 0, 1}, red);
+		studio.lab.scene.bodies[id].texture = textures[k];
+		studio_seal(&studio);
+		assert_non_null(studio.frame.orientation);
+		int red_before = 0, changed = 0, seen = 0;
+		bool was[WIDTH];
+		studio_draw(&studio);
+		for (int x = 0; x < WIDTH; x++) {
+			was[x] = is_red(pixel_at(&studio, x, HEIGHT / 2 - 9));
+			red_before += was[x];
+		}
+		/* About the line of sight: an eighth of a turn moves every pattern. */
+		rb_quat_to(studio.frame.orientation,
+		           rb_quat_from_turn((rb_vec3){0.5, acos(-1) / 4, 0.2}));
+		studio_draw(&studio);
+		for (int x = WIDTH / 2 - 25; x < WIDTH / 2 + 25; x++) {
+			changed += was[x] != is_red(pixel_at(&studio, x, HEIGHT / 2 - 9));
+			seen++;
+		}
+		assert_true(red_before > 0);
+		assert_true(changed > seen / 5);
+		studio_close(&studio);
+	}
+}
+
+/* Northern half red, southern half blue, west of the meridian green below. */
+static void a_picture_lies_on_a_sphere_as_on_a_globe(void **state)
+{
+	struct studio studio;
+	uint8_t rgba[32 * 16 * 4];
+	char folder[256], path[300];
+
+	(void)state;
+	for (int y = 0; y < 16; y++)
+		for (int x = 0; x < 32; x++) {
+			const uint8_t north[4] = {220, 10, 10, 255}, east[4] = {10, 10, 220, 255},
+				      west[4] = {10, 200, 10, 255};
+			/* longitude -90 degrees, which the camera looks at, is a quarter from the left */
+			memcpy(rgba + 4 * (y * 32 + x), y < 8 ? north : x < 8 ? west : east, 4);
+		}
+	studio_open(&studio);
+	snprintf(path, sizeof path, "%s/globe.png", support_folder(folder));
+	const struct rb_pixmap image = {32, 16, rgba};
+	assert_int_equal(rb_png_write(path, false, &image, NULL, NULL, &studio.err), RB_OK);
+	char bytes[8192];
+	FILE *file = fopen(path, "rb");
+	assert_non_null(file);
+	const size_t size = fread(bytes, 1, sizeof bytes, file);
+	fclose(file);
+	remove(path);
+	rmdir(folder);
+	assert_int_equal(
+		rb_scene_add_file(&studio.lab.scene, "globe.png", bytes, size, "", &studio.err),
+		RB_OK);
+	struct rb_body_def def = lab_sphere_def(1.5, 1, (rb_vec3){0, 0, 1}, (rb_vec3){0, 0, 0});
+	def.texture = "globe.png";
+	lab_add(&studio.lab, &def);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	assert_true(is_red(pixel_at(&studio, WIDTH / 2 - 15, HEIGHT / 2 - 15)));
+	assert_true(is_red(pixel_at(&studio, WIDTH / 2 + 15, HEIGHT / 2 - 15)));
+	assert_true(is_green(pixel_at(&studio, WIDTH / 2 - 15, HEIGHT / 2 + 15)));
+	assert_true(is_blue(pixel_at(&studio, WIDTH / 2 + 15, HEIGHT / 2 + 15)));
+	studio_close(&studio);
+}
+
+static void a_texture_that_is_no_picture_is_told_with_its_place(void **state)
+{
+	struct studio studio;
+	struct rb_painter *painter = NULL;
+
+	(void)state;
+	studio_open(&studio);
+	struct rb_body_def def = lab_sphere_def(1, 1, (rb_vec3){0, 0, 1}, (rb_vec3){0, 0, 0});
+	def.texture = "notes.png";
+	def.name = "ball";
+	def.line = 12;
+	lab_add(&studio.lab, &def);
+	assert_int_equal(rb_scene_add_file(&studio.lab.scene, "notes.png", "not a picture", 13, "",
+	                                   &studio.err),
+	                 RB_OK);
+	struct lab *lab = &studio.lab;
+	assert_int_equal(rb_model_create(&lab->model, &lab->scene, NULL, &lab->error), RB_OK);
+	assert_int_equal(rb_painter_create(&painter, lab->model, &studio.camera, &studio.err),
+	                 RB_ERR_SCENE);
+	assert_null(painter);
+	assert_non_null(strstr(studio.err.text, "12"));
+	assert_non_null(strstr(studio.err.text, "'ball'"));
+	assert_non_null(strstr(studio.err.text, "notes.png"));
+	studio_close(&studio);
+}
+
+static void a_plain_background_is_the_colour_that_was_asked_for(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	const double colour[3] = {0.2, 0.5, 0.7};
+	memcpy(studio.camera.background, colour, sizeof colour);
+	studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1}, red);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	const uint8_t *p = pixel_at(&studio, 3, 3);
+	for (int k = 0; k < 3; k++)
+		assert_near(p[k], 255 * colour[k], 1);
+	studio_close(&studio);
+}
+
+static void edges_are_smooth_only_with_samples(void **state)
+{
+	struct studio studio;
+	int between[2];
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		const double black[3] = {0, 0, 0};
+		studio_open(&studio);
+		memcpy(studio.camera.background, black, sizeof black);
+		studio.camera.samples = k ? 4 : 1;
+		/* Light without direction would be best; the ambient one is nearly that. */
+		studio.camera.light_count = 0;
+		studio_ball(&studio, 1.5, (rb_vec3){0, 0, 1}, (rb_vec3){1, 1, 1});
+		studio_seal(&studio);
+		studio_draw(&studio);
+		between[k] = 0;
+		for (int i = 0; i < WIDTH * HEIGHT; i++) {
+			const int b = brightness(studio.picture.rgba + 4 * i);
+			between[k] += b > 15 && b < 200;
+		}
+		studio_close(&studio);
+	}
+	assert_int_equal(between[0], 0);
+	assert_true(between[1] > 50);
+}
+
+static void lines_of_all_kinds_are_seen(void **state)
+{
+	(void)state;
+	for (int kind = 0; kind < 3; kind++) {
+		struct studio studio;
+		studio_open(&studio);
+		const int id = studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1}, blue);
+		studio.lab.scene.bodies[id].velocity = (rb_vec3){0, 0, 6};
+		studio.camera.vectors = kind == 0   ? RB_VECTORS_VELOCITY
+		                        : kind == 1 ? RB_VECTORS_CONTACT
+		                                    : 0;
+		studio.camera.wireframe = kind == 2;
+		lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		studio_seal(&studio);
+		studio.frame.contacts[0] = (struct rb_frame_contact){
+			.a = 0, .b = 1, .point = {1, 0, 0}, .force = {0, 0, 20}};
+		studio.frame.contact_count = 1;
+		studio_draw(&studio);
+		int found = 0;
+		for (int i = 0; i < WIDTH * HEIGHT; i++) {
+			const uint8_t *p = studio.picture.rgba + 4 * i;
+			found += kind == 0   ? p[0] > 200 && p[1] > 140 && p[2] < 120
+			         : kind == 1 ? is_red(p)
+			                     : is_blue(p);
+		}
+		assert_true(found > 20);
+		/* A wire model has nothing in its middle. */
+		if (kind == 2)
+			assert_false(is_blue(pixel_of(&studio, (rb_vec3){0.12, 0, 1.12})));
+		studio_close(&studio);
+	}
+}
+
+static void a_trail_shows_where_a_body_was(void **state)
+{
+	struct studio studio;
+	struct rb_trails trails = {.path_count = 1, .point_count = 20};
+	static double points[1][RB_TRAIL_POINTS_MAX][3], times[RB_TRAIL_POINTS_MAX];
+
+	(void)state;
+	studio_open(&studio);
+	studio.camera.trail_count = 1;
+	studio_ball(&studio, 0.3, (rb_vec3){2, 0, 1}, red);
+	studio_seal(&studio);
+	studio.frame.time_s = 1;
+	trails.points = points;
+	trails.time_s = times;
+	for (int k = 0; k < 20; k++) {
+		rb_vec3_to(points[0][k], (rb_vec3){0.1 * k, 0, 1});
+		times[k] = 0.05 * k;
+	}
+	assert_int_equal(rb_painter_draw(studio.painter, &studio.frame, NULL, &trails,
+	                                 &studio.picture, &studio.err),
+	                 RB_OK);
+	const uint8_t *on = pixel_of(&studio, (rb_vec3){1.6, 0, 1});
+	assert_true(on[0] > on[2] + 30);
+	assert_true(is_sky(pixel_of(&studio, (rb_vec3){1.6, 0, 1.2})));
+	/* It fades to the past. */
+	const uint8_t *before = pixel_of(&studio, (rb_vec3){0.2, 0, 1});
+	assert_true(before[0] < before[2] + 30);
+	studio_close(&studio);
+}
+
+/* Some of everything, for comparing bytes. */
+static void open_mixture(struct studio *studio)
+{
+	static const char *const textures[] = {"checker", "stripes", "beachball", NULL};
+
+	studio_open(studio);
+	for (int k = 0; k < 24; k++) {
+		struct rb_body_def def = lab_sphere_def(
+			0.3, 1, (rb_vec3){k % 6 - 2.5, k / 6 - 1.5, 0.5 + 0.1 * k},
+			(rb_vec3){0, 0, 1});
+		def.texture = textures[k % 4];
+		def.orientation = rb_quat_from_turn((rb_vec3){k, 2 * k, 3});
+		lab_add(&studio->lab, &def);
+	}
+	const int floor = lab_plane(&studio->lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	studio->lab.scene.bodies[floor].texture = "checker";
+	lab_rectangle(&studio->lab, (rb_vec3){0, 4, 1}, (rb_vec3){0, -1, 0}, 6, 2);
+	studio->camera.vectors = RB_VECTORS_VELOCITY;
+	studio_seal(studio);
+}
+
+static void the_same_frame_gives_the_same_bytes_whatever_was_drawn_before(void **state)
+{
+	struct studio studio, other;
+
+	(void)state;
+	open_mixture(&studio);
+	const uint64_t first = studio_hash(&studio);
+	for (int i = 0; i < studio.lab.model->body_count; i++)
+		studio.frame.position[3 * i] += 3 + 0.4 * i;
+	const uint64_t moved = studio_hash(&studio);
+	assert_true(moved != first);
+	open_mixture(&other);
+	assert_true(studio_hash(&other) == first);
+	for (int i = 0; i < studio.lab.model->body_count; i++)
+		rb_vec3_to(studio.frame.position + 3 * i, studio.lab.model->position[i]);
+	assert_true(studio_hash(&studio) == first);
+	studio_close(&other);
+	assert_true(studio_hash(&studio) == first);
+	studio_close(&studio);
+}
+
+/* This program once more with so many threads of the rasteriser: it prints the hash of a picture. */
+static uint64_t hash_with_threads(const char *threads)
+{
+	char self[400] = "", command[500], line[64] = "";
+
+	assert_true(readlink("/proc/self/exe", self, sizeof self - 1) > 0);
+	snprintf(command, sizeof command, "LP_NUM_THREADS=%s RBSIM_TEST_PICTURE=1 '%s'", threads,
+	         self);
+	FILE *child = popen(command, "r");
+	assert_non_null(child);
+	assert_non_null(fgets(line, sizeof line, child));
+	assert_int_equal(pclose(child), 0);
+	return strtoull(line, NULL, 16);
+}
+
+static void the_number_of_threads_is_not_in_the_picture(void **state)
+{
+	(void)state;
+	const uint64_t none = hash_with_threads("0");
+	assert_true(none != 0);
+	assert_true(hash_with_threads("1") == none);
+	assert_true(hash_with_threads("2") == none);
+	assert_true(hash_with_threads("3") == none);
+}
+
+/* A wall between the eye and the room is looked through; the one behind the room is not. */
+static void an_infinite_plane_is_not_drawn_from_behind(void **state)
+{
+	(void)state;
+	for (int far = 0; far < 2; far++) {
+		struct studio studio;
+		studio_open(&studio);
+		studio_ball(&studio, 0.5, (rb_vec3){0, far ? 3 : 0, 1}, red);
+		lab_plane(&studio.lab, (rb_vec3){0, far ? 1 : -1, 0},
+		          (rb_vec3){0, far ? -1 : 1, 0});
+		studio.camera.position.value = (rb_vec3){0, -6, 1};
+		studio.camera.look_at.value = (rb_vec3){0, 0, 1};
+		studio_seal(&studio);
+		studio_draw(&studio);
+		assert_int_equal(is_red(pixel_at(&studio, WIDTH / 2, HEIGHT / 2)), !far);
+		studio_close(&studio);
+	}
+}
+
+static void a_camera_inside_a_body_is_refused_and_the_painter_goes_on(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1}, red);
+	studio_seal(&studio);
+	rb_vec3_to(studio.frame.position, studio.camera.position.value);
+	assert_int_equal(rb_painter_draw(studio.painter, &studio.frame, NULL, NULL, &studio.picture,
+	                                 &studio.err),
+	                 RB_ERR_SCENE);
+	assert_null(studio.picture.rgba);
+	rb_vec3_to(studio.frame.position, (rb_vec3){0, 0, 1});
+	studio_draw(&studio);
+	assert_true(is_red(pixel_at(&studio, WIDTH / 2, HEIGHT / 2)));
+	studio_close(&studio);
+}
+
+/* Seen from as many of their own radii away, worlds of any size look the same, also far from the origin. */
+static void size_and_place_of_the_world_do_not_matter(void **state)
+{
+	int red_count[4] = {0};
+
+	(void)state;
+	for (int k = 0; k < 4; k++) {
+		const double s = k == 0 ? 1 : k == 1 ? 1e-4 : k == 2 ? 1e4 : 1;
+		const rb_vec3 at = k == 3 ? (rb_vec3){1048576, 2097152, -1048576}
+		                          : (rb_vec3){0, 0, 0};
+		struct studio studio;
+		studio_open(&studio);
+		studio_ball(&studio, s, rb_vec3_add(at, (rb_vec3){0, 0, s}), red);
+		lab_plane(&studio.lab, at, (rb_vec3){0, 0, 1});
+		studio.camera.position.value = rb_vec3_add(at, (rb_vec3){0, -8 * s, 2 * s});
+		studio.camera.look_at.value = rb_vec3_add(at, (rb_vec3){0, 0, s});
+		studio_seal(&studio);
+		studio_draw(&studio);
+		for (int i = 0; i < WIDTH * HEIGHT; i++)
+			red_count[k] += is_red(studio.picture.rgba + 4 * i);
+		studio_close(&studio);
+	}
+	assert_true(red_count[0] > 500);
+	for (int k = 1; k < 4; k++)
+		assert_near(red_count[k], red_count[0], 4);
+}
+
+static int print_hash(void)
+{
+	struct studio studio;
+
+	open_mixture(&studio);
+	printf("%016llx\n", (unsigned long long)studio_hash(&studio));
+	studio_close(&studio);
+	return 0;
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(bodies_are_where_they_should_be_and_nothing_is_flipped),
+		cmocka_unit_test(the_silhouette_of_a_sphere_is_that_of_its_cone),
+		cmocka_unit_test(what_is_nearer_hides_what_is_behind),
+		cmocka_unit_test(a_shadow_is_darker_and_lies_away_from_the_light),
+		cmocka_unit_test(a_lamp_throws_a_shadow_too_and_unseen_bodies_none),
+		cmocka_unit_test(patterns_turn_with_their_body),
+		cmocka_unit_test(a_picture_lies_on_a_sphere_as_on_a_globe),
+		cmocka_unit_test(a_texture_that_is_no_picture_is_told_with_its_place),
+		cmocka_unit_test(a_plain_background_is_the_colour_that_was_asked_for),
+		cmocka_unit_test(edges_are_smooth_only_with_samples),
+		cmocka_unit_test(lines_of_all_kinds_are_seen),
+		cmocka_unit_test(a_trail_shows_where_a_body_was),
+		cmocka_unit_test(the_same_frame_gives_the_same_bytes_whatever_was_drawn_before),
+		cmocka_unit_test(the_number_of_threads_is_not_in_the_picture),
+		cmocka_unit_test(an_infinite_plane_is_not_drawn_from_behind),
+		cmocka_unit_test(a_camera_inside_a_body_is_refused_and_the_painter_goes_on),
+		cmocka_unit_test(size_and_place_of_the_world_do_not_matter),
+	};
+
+	return getenv("RBSIM_TEST_PICTURE") ? print_hash()
+	                                    : cmocka_run_group_tests(tests, NULL, NULL);
+}
