@@ -340,6 +340,28 @@ static void what_cannot_be_integrated_is_refused(void **state)
 	assert_string_equal(err.text, "'field' says no");
 }
 
+/* What a coefficient adds: P_k for rates, its integral for values. */
+static void the_basis_is_that_of_legendre(void **slot)
+{
+	double value[RB_GAUSS_NODES], rate[RB_GAUSS_NODES];
+	double coefficient[RB_GAUSS_NODES] = {0}, start = 0;
+	const struct rb_gauss_piece piece = {
+		.n = 1, .length_s = 2, .start = &start, .coefficient = coefficient};
+
+	(void)slot;
+	for (int k = 0; k < RB_GAUSS_NODES; k++) {
+		coefficient[k] = 1;
+		for (double x = 0; x <= 1; x += 0.125) {
+			rb_gauss_basis(x, value, rate);
+			assert_near(value[k], rb_gauss_value(&piece, 0, 2 * x), 1e-15);
+			assert_near(rate[k], 2 * rb_gauss_rate(&piece, 0, 2 * x), 1e-15);
+		}
+		assert_near(rate[k], 1, 1e-15);
+		assert_near(value[k], k == 0, 1e-15);
+		coefficient[k] = 0;
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -352,6 +374,7 @@ int main(void)
 		cmocka_unit_test(a_kink_is_closed_in_on),
 		cmocka_unit_test(a_first_step_that_is_too_long_is_halved),
 		cmocka_unit_test(a_mirrored_problem_has_mirrored_bits),
+		cmocka_unit_test(the_basis_is_that_of_legendre),
 		cmocka_unit_test(what_cannot_be_integrated_is_refused),
 	};
 

@@ -13,9 +13,20 @@ static rb_vec3 at(double x, double y, double z)
 
 /* ---- driven ---- */
 
-enum drive { DRIVE_LIFT, DRIVE_BELT, DRIVE_SHAKE, DRIVE_TURN, DRIVE_PUSH, DRIVE_RISE };
+enum drive {
+	DRIVE_LIFT,
+	DRIVE_BELT,
+	DRIVE_SHAKE,
+	DRIVE_TURN,
+	DRIVE_PUSH,
+	DRIVE_RISE,
+	DRIVE_SHAKE_DOWN,
+	DRIVE_START
+};
 static const double drive_speed = 0.5, shake_size = 0.02, shake_rate = 30, turn_rate = 3;
 static const double rise = 3; /* m/s^2 */
+static const double drive_start = 0.3456;
+static const double pi = 3.14159265358979323846;
 
 struct driver {
 	enum drive drive;
@@ -45,6 +56,14 @@ static enum rb_status motion(void *user, int id, double t, struct rb_driven_pose
 		pose->velocity = at(0, 0, shake_size * shake_rate * cos(shake_rate * t));
 		pose->position = at(0, 0, shake_size * sin(shake_rate * t));
 		break;
+	case DRIVE_SHAKE_DOWN:
+		pose->velocity = at(0, 0, -shake_size * shake_rate * sin(shake_rate * t));
+		pose->position = at(0, 0, shake_size * cos(shake_rate * t));
+		break;
+	case DRIVE_START:
+		pose->velocity = at(0, 0, t < drive_start ? 0 : drive_speed);
+		pose->position = at(0, 0, drive_speed * fmax(t - drive_start, 0));
+		break;
 	case DRIVE_RISE:
 		pose->velocity = at(0, 0, rise * t);
 		pose->position = at(0, 0, 0.5 * rise * t * t);
@@ -65,8 +84,11 @@ static void open_driven(struct bench *bench, struct driver *driver, double durat
 	                         [DRIVE_SHAKE] = {0, 0, shake_size * shake_rate},
 	                         [DRIVE_TURN] = {0, 0, 0},
 	                         [DRIVE_PUSH] = {drive_speed, 0, 0},
-	                         [DRIVE_RISE] = {0, 0, 0}};
-	struct rb_body_def def = lab_sphere_def(0.2, 1, origin, speed[driver->drive]);
+	                         [DRIVE_RISE] = {0, 0, 0},
+	                         [DRIVE_SHAKE_DOWN] = {0, 0, 0},
+	                         [DRIVE_START] = {0, 0, 0}};
+	const rb_vec3 place = {0, 0, driver->drive == DRIVE_SHAKE_DOWN ? shake_size : 0};
+	struct rb_body_def def = lab_sphere_def(0.2, 1, place, speed[driver->drive]);
 
 	bench_open(bench, duration, 10);
 	if (driver->drive != DRIVE_PUSH) {
@@ -145,11 +167,10 @@ static void a_ball_bounces_on_a_rising_floor(void **slot)
 			t += s;
 			v = e * (g * s - v);
 			z = 0;
-			assert_near(bench_event(&bench, RB_EVENT_COLLISION, n)->time_s, t,
-			            differenced ? 1e-8 : 1e-12);
+			assert_near(bench_event(&bench, RB_EVENT_COLLISION, n)->time_s, t, 1e-12);
 		}
 		assert_near(rb_world_position(bench.lab.world, ball).z, z + drive_speed * 2 + 0.1,
-		            differenced ? 1e-8 : 1e-12);
+		            1e-12);
 		bench_close(&bench);
 	}
 }
@@ -176,44 +197,106 @@ static void a_ball_on_a_belt_comes_to_roll(void **slot)
 	bench_close(&bench);
 }
 
+/* When a floor at A sin(w t + from) first meets what left it at `leaves`. */
+static double lands_at(double leaves, double from)
+{
+	const double a = shake_size, w = shake_rate;
+	const double z0 = a * sin(w * leaves + from), v0 = a * w * cos(w * leaves + from);
+	double low = leaves + 1e-3, high = leaves + 0.25;
+
+	for (double t = low; t < high; t += 1e-4) { /* the first time below the floor */
+		const double s = t - leaves;
+
+		if (z0 + v0 * s - 0.5 * g * s * s < a * sin(w * t + from))
+			high = t;
+	}
+	for (int k = 0; k < 100; k++) {
+		const double t = 0.5 * (low + high), s = t - leaves;
+
+		if (z0 + v0 * s - 0.5 * g * s * s < a * sin(w * t + from))
+			high = t;
+		else
+			low = t;
+	}
+	return low;
+}
+
 /* On A sin(w t), A w^2 > g: it leaves where A w^2 sin(w t) = g, flies, and lands without a bounce. */
 static void a_ball_leaves_a_shaken_floor_in_time(void **slot)
 {
 	const double a = shake_size, w = shake_rate;
 	const double leaves = asin(g / (a * w * w)) / w;
-	const double z0 = a * sin(w * leaves), v0 = a * w * cos(w * leaves);
-	double low = leaves + 1e-3, high = leaves + 0.25;
-	struct driver driver = {DRIVE_SHAKE, false};
+
+	(void)slot;
+	for (int k = 0; k < 4; k++) {
+		struct driver driver = {DRIVE_SHAKE, k % 2};
+		struct both both;
+		struct bench bench;
+
+		/* pieces are not longer than a frame, so that they end elsewhere */
+		open_driven(&bench, &driver, 0.4);
+		bench.lab.scene.world.frame_rate = k < 2 ? 10 : 1000;
+		lab_surface(&bench.lab, 0, 0);
+		lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);
+		/* it starts with the floor's speed */
+		bench.lab.scene.bodies[1].velocity = at(0, 0, a * w);
+		seal_driven(&bench, &both, &driver);
+		lab_run(&bench.lab);
+		assert_near(bench_event(&bench, RB_EVENT_LIFT, 0)->time_s, leaves, 1e-11);
+		assert_near(bench_event(&bench, RB_EVENT_COLLISION, 0)->time_s, lands_at(leaves, 0),
+		            1e-11);
+		assert_near(bench_event(&bench, RB_EVENT_LIFT, 1)->time_s, leaves + 2 * pi / w,
+		            1e-11);
+		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_LIFT), 2);
+		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_COLLISION), 2);
+		bench_close(&bench);
+	}
+}
+
+/* At A cos(w t) it is left behind at once, is caught, and leaves where A w^2 cos(w t) = g. */
+static void a_ball_is_caught_by_a_shaken_floor_and_leaves_it_in_time(void **slot)
+{
+	const double a = shake_size, w = shake_rate;
+	const double leaves = (2 * pi - acos(g / (a * w * w))) / w;
+
+	(void)slot;
+	for (int differenced = 0; differenced < 2; differenced++) {
+		struct driver driver = {DRIVE_SHAKE_DOWN, differenced};
+		struct both both;
+		struct bench bench;
+
+		open_driven(&bench, &driver, leaves + 0.02);
+		lab_surface(&bench.lab, 0, 0);
+		lab_sphere(&bench.lab, 0.1, 1, at(0, 0, a + 0.1), origin);
+		seal_driven(&bench, &both, &driver);
+		lab_run(&bench.lab);
+		/* without a velocity the very beginning may be a hit by its rounding */
+		const int hits = lab_log_count(&bench.log, RB_EVENT_COLLISION);
+		assert_true(hits == 1 || (hits == 2 && differenced));
+		assert_near(bench_event(&bench, RB_EVENT_COLLISION, hits - 1)->time_s,
+		            lands_at(0, 0.5 * pi), 1e-11);
+		assert_near(bench_event(&bench, RB_EVENT_LIFT, 0)->time_s, leaves, 1e-11);
+		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_LIFT), 1);
+		bench_close(&bench);
+	}
+}
+
+/* A floor that sets out all at once, in the midst of a piece, takes along what lies on it; a bouncing ball is hit. */
+static void a_kink_in_a_motion_is_no_obstacle(void **slot)
+{
+	struct driver driver = {DRIVE_START, true};
 	struct both both;
 	struct bench bench;
 
 	(void)slot;
-	lab_open_promise("a ball on a shaken floor lifts where a piece of the floor's motion ends");
-	open_driven(&bench, &driver, 0.4);
+	open_driven(&bench, &driver, 1);
 	lab_surface(&bench.lab, 0, 0);
-	lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);
-	/* it starts with the floor's speed */
-	bench.lab.scene.bodies[1].velocity = at(0, 0, a * w);
+	const int ball = lab_sphere(&bench.lab, 0.1, 1, at(0, 0, 0.1), origin);
 	seal_driven(&bench, &both, &driver);
 	lab_run(&bench.lab);
-	for (double t = low; t < high; t += 1e-4) { /* the first time below the floor */
-		const double s = t - leaves;
-
-		if (z0 + v0 * s - 0.5 * g * s * s < a * sin(w * t)) {
-			high = t;
-			break;
-		}
-	}
-	for (int k = 0; k < 100; k++) {
-		const double t = 0.5 * (low + high), s = t - leaves;
-
-		if (z0 + v0 * s - 0.5 * g * s * s < a * sin(w * t))
-			high = t;
-		else
-			low = t;
-	}
-	assert_near(bench_event(&bench, RB_EVENT_LIFT, 0)->time_s, leaves, 1e-11);
-	assert_near(bench_event(&bench, RB_EVENT_COLLISION, 0)->time_s, low, 1e-11);
+	assert_near(rb_world_position(bench.lab.world, ball).z,
+	            0.1 + drive_speed * (1 - drive_start), 1e-8);
+	assert_near(rb_world_velocity(bench.lab.world, ball).z, drive_speed, 1e-8);
 	bench_close(&bench);
 }
 
@@ -266,6 +349,7 @@ static void a_ball_on_two_rising_floors_rises_with_them(void **slot)
 	lab_run(&bench.lab);
 	assert_near(rb_world_velocity(bench.lab.world, ball).z, 2 * rise, 1e-12);
 	assert_near(rb_world_position(bench.lab.world, ball).z, 0.1 + 2 * rise, 1e-12);
+	assert_int_equal(bench.log.count, 0);
 	bench_close(&bench);
 }
 
@@ -295,6 +379,8 @@ int main(void)
 		cmocka_unit_test(a_ball_bounces_on_a_rising_floor),
 		cmocka_unit_test(a_ball_on_a_belt_comes_to_roll),
 		cmocka_unit_test(a_ball_leaves_a_shaken_floor_in_time),
+		cmocka_unit_test(a_ball_is_caught_by_a_shaken_floor_and_leaves_it_in_time),
+		cmocka_unit_test(a_kink_in_a_motion_is_no_obstacle),
 		cmocka_unit_test(a_ball_on_a_turntable_goes_in_circles),
 		cmocka_unit_test(a_ball_on_two_rising_floors_rises_with_them),
 		cmocka_unit_test(a_driven_sphere_hits_like_a_wall),

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Bodies that a function of time drives: polynomial pieces through what the function says, from one piece's end to the
- * next. Velocities that the function leaves out are differenced from its poses.
+ * next. Through velocities where it gives them, else through poses, smoothly joined: what rests on a body must not be
+ * shaken off where two pieces meet.
  */
 #ifndef RB_EVENT_DRIVEN_H
 #define RB_EVENT_DRIVEN_H

@@ -532,6 +532,23 @@ static double next_switch(const struct rb_located *l, double t)
 	return HUGE_VAL;
 }
 
+/* Where a driven body that one of the contacts leans on comes to the end of what is known of it. */
+static double partners_end(const struct work *w)
+{
+	const double soon = w->origin_s * (1 + 4 * DBL_EPSILON);
+	double end = HUGE_VAL;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const int pair[2] = {w->c->held[k].a, w->c->held[k].b};
+
+		for (int side = 0; side < 2; side++)
+			if (rb_located_driven(w->l, pair[side]) &&
+			    w->l->piece[pair[side]].until_s > soon)
+				end = fmin(end, w->l->piece[pair[side]].until_s);
+	}
+	return end;
+}
+
 static void run(struct work *w, double *value, double *scale, double *scratch)
 {
 	struct rb_located *l = w->l;
@@ -567,7 +584,7 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */
-	const double room_s = fmin(next_switch(l, w->origin_s),
+	const double room_s = fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
 	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
 	double try_s = fmin(c->try_s, room_s);

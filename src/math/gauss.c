@@ -371,13 +371,28 @@ void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value
 		value[i] = piece->start[i] + sum_of(piece, i, weight);
 }
 
-double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t)
+/* P_k on [0, 1] */
+static void polynomials(double x, double weight[NODES])
 {
-	const double u = 2 * part_of(piece, t) - 1;
-	double weight[NODES] = {1, u};
+	const double u = 2 * x - 1;
 
+	weight[0] = 1;
+	weight[1] = u;
 	for (int k = 1; k + 1 < NODES; k++)
 		weight[k + 1] = ((2 * k + 1) * u * weight[k] - k * weight[k - 1]) / (k + 1);
+}
+
+void rb_gauss_basis(double x, double value[NODES], double rate[NODES])
+{
+	integrals(x, value);
+	polynomials(x, rate);
+}
+
+double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t)
+{
+	double weight[NODES];
+
+	polynomials(part_of(piece, t), weight);
 	return sum_of(piece, (size_t)i, weight) / piece->length_s;
 }
 

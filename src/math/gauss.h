@@ -60,6 +60,8 @@ double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);
 double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t);
 /* All n at once. */
 void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value);
+/* What each Legendre coefficient adds to a value, and to its rate times length_s, at a part x of the piece, 0 to 1. */
+void rb_gauss_basis(double x, double value[RB_GAUSS_NODES], double rate[RB_GAUSS_NODES]);
 /* A bound on |rate| of component i over the whole piece: the sum of its |coefficients| / length. */
 double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);
 
