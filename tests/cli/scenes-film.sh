@@ -8,6 +8,11 @@ for scene in "$TOP"/scenes/*.lua; do
 	# expectations are of the whole run
 	"$RBSIM" "$scene" -q --no-render --duration 0.05 -o "$name.h5" >out 2>err </dev/null
 	[ -s "$name.h5" ] || fail "$name: no recording"
-	exits 0 render "$name.h5" --frame 0 -o "$name.png" --size 192x108
-	[ "$(wc -c <"$name.png")" -gt 1500 ] || fail "$name: a picture of $(wc -c <"$name.png") bytes"
+	cameras=$(sed -n 's/^camera *{ name = "\([a-z]*\)".*/\1/p' "$scene")
+	[ -n "$cameras" ] || fail "$name: no camera"
+	for camera in $cameras; do
+		exits 0 render "$name.h5" --camera "$camera" --frame 0 -o "$name-$camera.png" --size 192x108
+		size=$(wc -c <"$name-$camera.png")
+		[ "$size" -gt 1500 ] || fail "$name: camera '$camera': a picture of $size bytes"
+	done
 done
