@@ -219,7 +219,8 @@ static void what_cannot_be_seen_from_is_refused_by_name(void **state)
 	camera.position.value = (rb_vec3){4, 0, 1};
 	assert_ok(rb_view_make(&view, lab.model, &camera, &frame, NULL, &err));
 	camera.position.value = (rb_vec3){0, -9, -0.01};
-	assert_ok(rb_view_make(&view, lab.model, &camera, &frame, NULL, &err)); /* behind the floor */
+	assert_ok(
+		rb_view_make(&view, lab.model, &camera, &frame, NULL, &err)); /* behind the floor */
 	camera.position.value = camera.look_at.value;
 	assert_int_equal(rb_view_make(&view, lab.model, &camera, &frame, NULL, &err), RB_ERR_SCENE);
 	assert_non_null(strstr(err.text, "'look_at'"));
