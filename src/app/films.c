@@ -343,12 +343,18 @@ unsigned rb_films_fields(const struct rb_films *films)
 	return fields;
 }
 
+/* Trails, and the digits of energies, which suit the largest so far. */
+static bool has_memory(const struct rb_camera_def *camera)
+{
+	return camera->trail_count > 0 || camera->overlay & RB_OVERLAY_ENERGY;
+}
+
 double rb_films_first_s(const struct rb_films *films)
 {
 	double first_s = INFINITY;
 
 	for (int i = 0; i < rb_films_count(films); i++)
-		first_s = fmin(first_s, films->film[i].camera.trail_count > 0
+		first_s = fmin(first_s, has_memory(&films->film[i].camera)
 		                                ? 0
 		                                : films->film[i].schedule.from_s);
 	return first_s;

@@ -52,7 +52,7 @@ void rb_films_destroy(struct rb_films *films); /* NULL is fine, for all below to
 int rb_films_count(const struct rb_films *films);
 /* RB_FIELD_* that the films read. */
 unsigned rb_films_fields(const struct rb_films *films);
-/* Simulated time of the first frame that the films want to see; trails want all. */
+/* Simulated time of the first frame that the films want to see; what grows from frame to frame wants all. */
 double rb_films_first_s(const struct rb_films *films);
 
 /* Starts every film; frames of the ring must have rb_films_fields. */

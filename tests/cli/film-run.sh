@@ -54,6 +54,13 @@ RBSIM_FFMPEG=/nonexistent/ffmpeg exits 69 two.lua
 grep -q 'ffmpeg' err || fail "$(cat err)"
 [ ! -e two.h5 ] || fail "the run began"
 RBSIM_FFMPEG=/nonexistent/ffmpeg exits 0 two.lua --camera side --force
+# no renderer: the run works without, and says what is missing with
+mkdir bare
+cp "$(dirname "$RBSIM")/rbsim-hdf5.so" bare
+RBSIM_MODULE_DIR=$PWD/bare exits 69 two.lua --force
+grep -q 'rbsim-film.so' err || fail "$(cat err)"
+RBSIM_MODULE_DIR=$PWD/bare exits 0 two.lua --force --no-render
+rm two.h5
 # one that dies in the middle: the run is complete, the film is not there, and its words are told
 cat >dying <<'END'
 #!/bin/sh
