@@ -54,12 +54,14 @@ FILM_CFLAGS = $(eval FILM_CFLAGS := $(call package,--cflags,osmesa) $(call packa
 	package,--cflags,freetype2))$(FILM_CFLAGS)
 FILM_LIBS = $(eval FILM_LIBS := $(call package,--libs,osmesa) $(call package,--libs,libpng) $(call \
 	package,--libs,freetype2))$(FILM_LIBS)
+CONSOLE_CFLAGS = $(eval CONSOLE_CFLAGS := $(call package,--cflags,ncursesw))$(CONSOLE_CFLAGS)
+CONSOLE_LIBS = $(eval CONSOLE_LIBS := $(call package,--libs,ncursesw))$(CONSOLE_LIBS)
 HDF5_LIBS = $(eval HDF5_LIBS := $(call package,--libs,hdf5-serial hdf5))$(HDF5_LIBS)
 CMOCKA_CFLAGS = $(eval CMOCKA_CFLAGS := $(call package,--cflags,cmocka))$(CMOCKA_CFLAGS)
 CMOCKA_LIBS = $(eval CMOCKA_LIBS := $(call package,--libs,cmocka))$(CMOCKA_LIBS)
 libs = $(LUA_LIBS) -lm -ldl $(LDLIBS)
 
-# src/ORDER is the only list of modules; what needs HDF5 and what makes pictures become modules that are loaded at run time.
+# src/ORDER is the only list of modules; what needs HDF5, what makes pictures and what needs curses become modules that are loaded at run time.
 listed := $(shell sh tools/modules src/ORDER)
 modules := $(if $(LAYERS),$(filter $(LAYERS:%=%/%),$(listed)),$(listed))
 absent := $(strip $(foreach m,$(modules),$(if $(wildcard src/$(m).c src/$(m).h),,$(m))))
@@ -71,7 +73,9 @@ objects = $(patsubst %.c,$(BUILD)/%.o,$1)
 h5_objects := $(call objects,$(h5_sources))
 film_sources := $(filter src/film/%,$(sources))
 film_objects := $(call objects,$(film_sources))
-lib_objects := $(call objects,$(filter-out $(h5_sources) $(film_sources) $(main_source),$(sources)))
+console_sources := $(filter $(patsubst %,src/control/%.c,screen panels desk deskmodule),$(sources))
+console_objects := $(call objects,$(console_sources))
+lib_objects := $(call objects,$(filter-out $(h5_sources) $(film_sources) $(console_sources) $(main_source),$(sources)))
 test_sources := $(wildcard tests/test_*.c)
 tests := $(test_sources:%.c=$(BUILD)/%)
 cli_tests := $(wildcard tests/cli/*.sh)
@@ -81,7 +85,10 @@ program := $(BUILD)/rbsim
 library := $(BUILD)/librbsim.a
 h5_module := $(BUILD)/rbsim-hdf5.so
 film_module := $(if $(film_sources),$(BUILD)/rbsim-film.so)
-loaded := $(h5_module) $(film_module)
+console_module := $(if $(console_sources),$(BUILD)/rbsim-console.so)
+# A name that the program has too, unnoticed, would otherwise be the program's in the module.
+own_names := -Wl,-Bsymbolic
+loaded := $(h5_module) $(film_module) $(console_module)
 seconds = $(if $(filter release debug,$(MODE)),120,600)
 run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 	TEST_WRAP="$(if $(filter tsan,$(MODE)),$$(setarch -R true 2>/dev/null && echo setarch -R))" tools/run-tests $(program)
@@ -97,9 +104,11 @@ all: $(program) $(loaded) $(library) compile_commands.json
 $(program): $(lib_objects) $(call objects,$(main_source)) $(BUILD)/modules
 	$(call say,LD,$(link) -rdynamic -o $@ $(filter %.o,$^) $(libs))
 $(h5_module): $(h5_objects) $(BUILD)/modules
-	$(call say,LD,$(link) -shared -o $@ $(filter %.o,$^) $(HDF5_LIBS) $(LDLIBS))
+	$(call say,LD,$(link) -shared $(own_names) -o $@ $(filter %.o,$^) $(HDF5_LIBS) $(LDLIBS))
 $(film_module): $(film_objects) $(BUILD)/modules
-	$(call say,LD,$(link) -shared -o $@ $(filter %.o,$^) $(FILM_LIBS) -lm $(LDLIBS))
+	$(call say,LD,$(link) -shared $(own_names) -o $@ $(filter %.o,$^) $(FILM_LIBS) -lm $(LDLIBS))
+$(console_module): $(console_objects) $(BUILD)/modules
+	$(call say,LD,$(link) -shared $(own_names) -o $@ $(filter %.o,$^) $(CONSOLE_LIBS) $(LDLIBS))
 $(library): $(lib_objects) $(BUILD)/modules
 	@rm -f $@
 	$(call say,AR,$(AR) rcs $@ $(filter %.o,$^))
@@ -114,6 +123,7 @@ extra =
 $(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)
 $(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
 $(film_objects): extra = -fPIC $(FILM_CFLAGS)
+$(console_objects): extra = -fPIC $(CONSOLE_CFLAGS)
 $(BUILD)/tests/%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS)
 $(BUILD)/tests/test_h5%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(HDF5_CFLAGS)
 $(BUILD)/tests/test_film%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(FILM_CFLAGS)
@@ -137,7 +147,7 @@ entry = $(call shell_word,{"directory": $(call json,$(CURDIR))$(comma) "file": "
 	json,$(compile) $2 $(compile_user) -c $1)}$(if $(filter-out $(lastword $(sources)),$1),$(comma)))
 compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
 	@printf '%s\n' [ $(foreach s,$(sources),$(call entry,$(s),$(if $(filter $(s),$(h5_sources)),-fPIC \
-	$(HDF5_CFLAGS),$(if $(filter $(s),$(film_sources)),-fPIC $(FILM_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS)))))) ] >$@
+	$(HDF5_CFLAGS),$(if $(filter $(s),$(film_sources)),-fPIC $(FILM_CFLAGS),$(if $(filter $(s),$(console_sources)),-fPIC $(CONSOLE_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS))))))) ] >$@
 
 # What is needed follows from what else is asked for; alone, all but the fuzzer.
 deps:
@@ -179,14 +189,14 @@ install: all
 	$(if $(wildcard lua/rbsim/*.lua),$(call install_all,644,$(datadir)/rbsim/lua/rbsim,$(wildcard lua/rbsim/*.lua)))
 	$(foreach d,$(scene_folders),$(if $(wildcard scenes/$(d)/*.lua),$(call \
 	install_all,644,$(datadir)/rbsim/scenes/$(d:./%=%),$(wildcard scenes/$(d)/*.lua)) &&)) :
-	$(foreach s,1 5,$(if $(wildcard man/*.$(s)),$(call install_all,644,$(mandir)/man$(s),$(wildcard man/*.$(s))) &&)) :
+	$(foreach s,1 5 7,$(if $(wildcard man/*.$(s)),$(call install_all,644,$(mandir)/man$(s),$(wildcard man/*.$(s))) &&)) :
 	$(if $(wildcard tools/completion/rbsim.bash),install -D -m 644 tools/completion/rbsim.bash \
 	$(DESTDIR)$(datadir)/bash-completion/completions/rbsim)
 	$(if $(wildcard tools/completion/_rbsim),install -D -m 644 tools/completion/_rbsim \
 	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim)
 uninstall:
 	rm -f $(DESTDIR)$(bindir)/rbsim $(DESTDIR)$(datadir)/bash-completion/completions/rbsim \
-	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim $(foreach s,1 5,$(addprefix $(DESTDIR)$(mandir)/man$(s)/,$(notdir $(wildcard man/*.$(s)))))
+	$(DESTDIR)$(datadir)/zsh/site-functions/_rbsim $(foreach s,1 5 7,$(addprefix $(DESTDIR)$(mandir)/man$(s)/,$(notdir $(wildcard man/*.$(s)))))
 	rm -rf $(DESTDIR)$(libdir)/rbsim $(DESTDIR)$(datadir)/rbsim
 clean:
 	rm -rf build compile_commands.json

@@ -140,6 +140,7 @@ struct rb_light_def {
 /* A film or pictures of the run: what is drawn how, from where, when and to which files. */
 struct rb_camera_def {
 	const char *name;
+	const char *file; /* where its line is; NULL: in the scene's own file */
 	int line;
 	struct rb_camera_vector position, look_at, up;
 	int mount; /* id of a body, -1: none */

@@ -203,8 +203,9 @@ static char *default_output(const struct rb_scene *scene, const char *path)
 	return output;
 }
 
-enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,
-                              struct rb_error *err)
+/* `from` NULL: the files on disk. */
+static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *from,
+                           const struct rb_options *options, struct rb_error *err)
 {
 	const struct rb_script_options script_options = {
 		.path = options->operand[0],
@@ -213,6 +214,8 @@ enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options 
 		.has_seed = options->has_seed,
 		.seed = options->seed,
 		.trust = options->trust,
+		.files = from ? from->scene.files : NULL,
+		.file_count = from ? from->scene.file_count : 0,
 	};
 
 	*loaded = (struct rb_loaded){0};
@@ -230,6 +233,18 @@ enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options 
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
 		               options->operand[0]);
 	return RB_OK;
+}
+
+enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,
+                              struct rb_error *err)
+{
+	return load(loaded, NULL, options, err);
+}
+
+enum rb_status rb_loaded_again(struct rb_loaded *loaded, const struct rb_loaded *from,
+                               const struct rb_options *options, struct rb_error *err)
+{
+	return load(loaded, from, options, err);
 }
 
 void rb_loaded_release(struct rb_loaded *loaded)

@@ -33,6 +33,9 @@ struct rb_loaded {
  */
 RB_CHECKED enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,
                                          struct rb_error *err);
+/* The same scene once more, from the files as they were read then, with the parameters of these options. */
+RB_CHECKED enum rb_status rb_loaded_again(struct rb_loaded *loaded, const struct rb_loaded *from,
+                                          const struct rb_options *options, struct rb_error *err);
 void rb_loaded_release(struct rb_loaded *loaded); /* safe on a zeroed one */
 
 /* Tells an error on standard error and gives its exit status; with --debug also where it arose. */

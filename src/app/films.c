@@ -3,9 +3,12 @@
 
 #include <inttypes.h>
 #include <math.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "flow/between.h"
@@ -36,10 +39,11 @@ struct rb_films {
 	bool shoots;   /* some camera has functions */
 	bool has_last; /* then: `last` is the frame before */
 	struct rb_frame last, between;
+	atomic_int cut; /* the signal; set by anybody, after every film's own; 0: not */
 };
 
 /* One slot of the ring's consumers is the recorder's. */
-enum { FILMS_MAX = RB_RING_CONSUMERS_MAX - 1 };
+enum { FILMS_MAX = RB_RING_CONSUMERS_MAX - 1, NAME_SIZE = 4352 };
 
 int rb_films_count(const struct rb_films *films)
 {
@@ -57,6 +61,7 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 		.to_s = NAN,
 		.fps = NAN,
 		.speed = NAN,
+		.recording = loaded->output,
 		.replace = options->force,
 		.end_s = loaded->model->duration_s,
 	};
@@ -171,6 +176,13 @@ static void add(struct rb_films *films, const struct rb_camera_def *camera, int 
 		snprintf(film->label, sizeof film->label, "camera %d", number + 1);
 	film->schedule = rb_schedule_of(&film->camera, films->loaded->model->frame_rate,
 	                                wish->end_s);
+	if (rb_schedule_count(&film->schedule) == 0) {
+		rb_log(RB_LOG_WARNING,
+		       "%s begins at %.9g s, after the end at %.9g s: it makes no film",
+		       film->label, film->schedule.from_s, wish->end_s);
+		films->count--;
+		return;
+	}
 	films->shoots |= rb_shot_wanted(&film->camera);
 }
 
@@ -213,13 +225,63 @@ static enum rb_status choose(struct rb_films *films, const struct rb_films_wish 
 	return RB_OK;
 }
 
-static bool same(const char *a, const char *b)
+/* A name without what says nothing: "./", double slashes, and "%1d", which is "%d". False: too long. */
+static bool plain_name(const char *name, char out[NAME_SIZE])
 {
-	return a && b && strcmp(a, b) == 0;
+	size_t used = 0;
+
+	for (const char *at = name; *at; at++) {
+		const bool begins = at == name || at[-1] == '/';
+		if (begins && at[0] == '.' && at[1] == '/')
+			at++;
+		else if (begins && at != name && at[0] == '/')
+			continue;
+		else if (used + 1 < NAME_SIZE)
+			out[used++] = *at;
+		else
+			return false;
+		if (at[0] == '%' && at[1] == '1' && at[2] == 'd')
+			at++;
+	}
+	out[used] = '\0';
+	return true;
 }
 
-static enum rb_status check_twins(const struct rb_films *films, struct rb_error *err)
+/* Where a name leads: the real folder, as far as it is there, and the last part. */
+static bool settle_name(const char *name, char out[NAME_SIZE])
 {
+	char plain[NAME_SIZE];
+
+	if (!plain_name(name, plain))
+		return false;
+	char *const slash = strrchr(plain, '/');
+	const char *const base = slash ? slash + 1 : plain;
+	if (slash)
+		*slash = '\0';
+	char *const real = realpath(slash ? plain : ".", NULL);
+	const int size = snprintf(out, NAME_SIZE, "%s/%s", real ? real : plain, base);
+	free(real);
+	return size > 0 && size < NAME_SIZE;
+}
+
+static bool same(const char *a, const char *b)
+{
+	char settled[2][NAME_SIZE];
+
+	return a && b && settle_name(a, settled[0]) && settle_name(b, settled[1]) &&
+	       strcmp(settled[0], settled[1]) == 0;
+}
+
+static enum rb_status check_twins(const struct rb_films *films, const struct rb_films_wish *wish,
+                                  struct rb_error *err)
+{
+	for (int i = 0; i < films->count; i++) {
+		const struct rb_camera_def *const camera = &films->film[i].camera;
+		if (same(camera->png, wish->recording) || same(camera->video, wish->recording))
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "%s writes to '%s', which is the recording",
+			               films->film[i].label, wish->recording);
+	}
 	for (int i = 0; i < films->count; i++)
 		for (int k = 0; k < i; k++) {
 			const struct rb_camera_def *const a = &films->film[k].camera;
@@ -272,7 +334,7 @@ static enum rb_status prepare(struct rb_films *films, const struct rb_films_wish
 
 	if (status || films->count == 0)
 		return status;
-	status = check_twins(films, err);
+	status = check_twins(films, wish, err);
 	if (!status)
 		status = rb_module_film(&films->module, err);
 	if (status)
@@ -343,6 +405,15 @@ unsigned rb_films_fields(const struct rb_films *films)
 	return fields;
 }
 
+bool rb_films_show_velocities(const struct rb_films *films)
+{
+	bool shown = false;
+
+	for (int i = 0; i < rb_films_count(films); i++)
+		shown |= (films->film[i].camera.vectors & RB_VECTORS_VELOCITY) != 0;
+	return shown;
+}
+
 /* Trails, and the digits of energies, which suit the largest so far. */
 static bool has_memory(const struct rb_camera_def *camera)
 {
@@ -392,9 +463,11 @@ static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame 
 {
 	struct film *const film = &films->film[number];
 	const uint64_t count = rb_schedule_count(&film->schedule);
+	struct rb_frame plain = *frame; /* without shots, which would be copied for each of them */
 	enum rb_status status = RB_OK;
 
-	for (; !status && film->next < count; film->next++) {
+	plain.shot_count = 0;
+	for (; !status && film->next < count && !atomic_load(&films->cut); film->next++) {
 		const double time_s = rb_schedule_time(&film->schedule, film->next);
 		struct rb_frame_shot shot = {.camera = number, .picture = film->next};
 		const struct rb_frame *moment = frame;
@@ -403,7 +476,7 @@ static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame 
 		if (time_s < frame->time_s) {
 			if (!films->has_last)
 				continue; /* before the first frame: there is no such picture */
-			status = rb_frame_between(&films->between, &films->last, frame, time_s,
+			status = rb_frame_between(&films->between, &films->last, &plain, time_s,
 			                          err);
 			moment = &films->between;
 		}
@@ -426,10 +499,38 @@ enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame, st
 	for (int i = 0; i < films->count && !status; i++)
 		if (rb_shot_wanted(&films->film[i].camera))
 			status = shoot(films, i, frame, err);
+	struct rb_frame plain = *frame;
+	plain.shot_count = 0;
 	if (!status)
-		status = rb_frame_copy(&films->last, frame, err);
+		status = rb_frame_copy(&films->last, &plain, err);
 	films->has_last = true;
 	return status;
+}
+
+void rb_films_cut(struct rb_films *films, int signal)
+{
+	for (int i = 0; i < rb_films_count(films); i++)
+		if (films->film[i].film)
+			films->module->film_cut(films->film[i].film);
+	/* last: a frame that lacks shots is then read by nobody */
+	if (films)
+		atomic_store(&films->cut, signal);
+}
+
+/* Pictures are missing, and a signal is why. */
+static enum rb_status tell_cut(const struct rb_films *films, struct rb_error *err)
+{
+	const int signal = films ? atomic_load(&films->cut) : 0;
+	bool missing = false;
+
+	for (int i = 0; i < rb_films_count(films); i++)
+		missing |= films->film[i].tally.pictures < films->film[i].tally.picture_count;
+	if (!signal || !missing)
+		return RB_OK;
+	return signal == SIGINT
+	               ? RB_FAIL(err, RB_ERR_INTERRUPT,
+	                         "interrupted by SIGINT: the films are cut short")
+	               : RB_FAIL(err, RB_ERR_TERMINATE, "terminated: the films are cut short");
 }
 
 enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err)
@@ -445,9 +546,11 @@ enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err)
 		film->pump = NULL;
 		film->tally = films->module->film_tally(film->film);
 		if (film->status && !first)
-			first = RB_FAIL(err, film->status, "%s: %s", film->label, own.text);
+			first = RB_FAIL(err, film->status, "%s%s%s",
+			                strstr(own.text, ": camera ") ? "" : film->label,
+			                strstr(own.text, ": camera ") ? "" : ": ", own.text);
 	}
-	return first;
+	return first ? first : tell_cut(films, err);
 }
 
 /* ---- what has come of it ---- */
@@ -495,7 +598,10 @@ void rb_films_print(FILE *file, const struct rb_films *films)
 			        "; drawing %.0f %%, reading back %.0f %%, PNG %.0f %%, pipe %.0f %%",
 			        percent * (double)t->draw_ns, percent * (double)t->read_ns,
 			        percent * (double)t->png_ns, percent * (double)t->pipe_ns);
-		fprintf(file, "%s\n", film->status ? " (failed)" : "");
+		fprintf(file, "%s\n",
+		        film->status                     ? " (failed)"
+		        : t->pictures < t->picture_count ? " (cut short)"
+		                                         : "");
 	}
 }
 
@@ -509,7 +615,10 @@ void rb_films_print_json(struct rb_json *json, const struct rb_films *films)
 		rb_json_text(json, "camera", film->camera.name);
 		rb_json_text(json, "video", film->camera.video);
 		rb_json_text(json, "png", film->camera.png);
-		rb_json_text(json, "status", film->status ? "failed" : "complete");
+		rb_json_text(json, "status",
+		             film->status                     ? "failed"
+		             : t->pictures < t->picture_count ? "cut short"
+		                                              : "complete");
 		rb_json_count(json, "pictures", t->pictures);
 		rb_json_count(json, "picture_count", t->picture_count);
 		rb_json_count(json, "bytes", t->bytes);

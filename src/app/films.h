@@ -24,11 +24,12 @@ struct rb_films_wish {
 	double from_s, to_s; /* of the film */
 	double fps, speed;
 	int size_px[2];
-	const char *output; /* instead of the camera's own: a film, or pictures with one %d */
-	bool still;         /* one picture, to `output`, at from_s */
-	bool fallback;      /* without a camera in the scene, one that shows the start */
-	bool replace;       /* existing files */
-	double end_s;       /* of the run */
+	const char *output;    /* instead of the camera's own: a film, or pictures with one %d */
+	bool still;            /* one picture, to `output`, at from_s */
+	bool fallback;         /* without a camera in the scene, one that shows the start */
+	const char *recording; /* that is written or read: no film may take its place; NULL: none */
+	bool replace;          /* existing files */
+	double end_s;          /* of the run */
 };
 
 /* Nothing is changed but what the command line of a run can say. */
@@ -52,6 +53,8 @@ void rb_films_destroy(struct rb_films *films); /* NULL is fine, for all below to
 int rb_films_count(const struct rb_films *films);
 /* RB_FIELD_* that the films read. */
 unsigned rb_films_fields(const struct rb_films *films);
+/* Some film has arrows of velocities. */
+bool rb_films_show_velocities(const struct rb_films *films);
 /* Simulated time of the first frame that the films want to see; what grows from frame to frame wants all. */
 double rb_films_first_s(const struct rb_films *films);
 
@@ -61,7 +64,12 @@ RB_CHECKED enum rb_status rb_films_start(struct rb_films *films, struct rb_ring 
 /* Adds to a frame, before it is published, where cameras with functions stand at their pictures since the frame before. */
 RB_CHECKED enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame,
                                          struct rb_error *err);
-/* After the ring was closed: waits for all films to be whole. The first failure is told, with the camera. */
+/*
+ * From any thread, between rb_films_create and rb_films_destroy: the films end with the pictures that are printed, also
+ * where frames are still to come or many pictures lie before the next one; the signal is why.
+ */
+void rb_films_cut(struct rb_films *films, int signal);
+/* After the ring was closed: waits for all films to be whole. The first failure is told, with the camera, or that they were cut. */
 RB_CHECKED enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err);
 
 /* Before the start: a line for each film that will be made, as rbsim check has it. */

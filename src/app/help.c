@@ -43,7 +43,7 @@ void rb_help_print(FILE *file, const struct rb_options *options)
 	if (!options->verb_given) {
 		fprintf(file, "\nVerbs:\n");
 		for (int i = 0; i < RB_VERB_COUNT; i++)
-			fprintf(file, "  %-8s %-10s %s\n", rb_verbs[i].name, rb_verbs[i].operands,
+			fprintf(file, "  %-8s %-17s %s\n", rb_verbs[i].name, rb_verbs[i].operands,
 			        rb_verbs[i].help);
 		fprintf(file, "  'rbsim VERB --help' tells more.\n");
 	}

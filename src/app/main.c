@@ -5,7 +5,9 @@
 
 #include "app/check.h"
 #include "app/common.h"
+#include "app/console.h"
 #include "app/converge.h"
+#include "app/ctl.h"
 #include "app/diff.h"
 #include "app/help.h"
 #include "app/info.h"
@@ -16,14 +18,17 @@
 #include "app/simulate.h"
 #include "app/verify.h"
 #include "base/log.h"
+#include "control/command.h"
+#include "control/keys.h"
 #include "script/rows.h"
 
 static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
-	[RB_VERB_RUN] = rb_run_main,           [RB_VERB_CHECK] = rb_check_main,
-	[RB_VERB_INFO] = rb_info_main,         [RB_VERB_DIFF] = rb_diff_main,
-	[RB_VERB_RENDER] = rb_render_main,
-	[RB_VERB_CONVERGE] = rb_converge_main, [RB_VERB_VERIFY] = rb_verify_main,
-	[RB_VERB_METHODS] = rb_methods_main,
+	[RB_VERB_RUN] = rb_run_main,       [RB_VERB_CHECK] = rb_check_main,
+	[RB_VERB_INFO] = rb_info_main,     [RB_VERB_DIFF] = rb_diff_main,
+	[RB_VERB_RENDER] = rb_render_main, [RB_VERB_CONVERGE] = rb_converge_main,
+	[RB_VERB_VERIFY] = rb_verify_main, [RB_VERB_METHODS] = rb_methods_main,
+	[RB_VERB_CTL] = rb_ctl_main,       [RB_VERB_CONSOLE] = rb_console_main,
+	[RB_VERB_ATTACH] = rb_attach_main,
 };
 
 /* In one write, over a progress bar that may stand there. */
@@ -61,6 +66,12 @@ static int print_table(const struct rb_options *options)
 	case 'o':
 		rb_help_print_options(stdout);
 		break;
+	case 'c':
+		rb_command_print_manual(stdout);
+		break;
+	case 'k':
+		rb_keys_print_manual(stdout);
+		break;
 	default:
 		rb_help_print_completion(stdout, options->print_tables);
 		break;
@@ -89,6 +100,8 @@ int main(int argc, char **argv)
 	/* A reader that goes away or a file at its limit is an error of a write, not an end. */
 	signal(SIGPIPE, SIG_IGN);
 	signal(SIGXFSZ, SIG_IGN);
+	/* inherited as ignored, the ends of children would be told to nobody */
+	signal(SIGCHLD, SIG_DFL);
 
 	if (rb_options_parse(&options, argc, argv, &err)) {
 		exit_code = rb_app_refuse(&options, &err);

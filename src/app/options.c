@@ -14,9 +14,10 @@
 
 #define VERB(name) (1u << RB_VERB_##name)
 #define ALL                                                                                  \
-	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | VERB(VERIFY) | \
-	 VERB(METHODS))
-#define SCENE (VERB(RUN) | VERB(CHECK))
+	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | \
+	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL))
+#define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
+#define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
 #define AT(field) offsetof(struct rb_options, field)
 
 const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
@@ -56,6 +57,19 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
                             "rbsim verify s03 --json\twith the numbers of every variation\n"},
 	[RB_VERB_METHODS] = {"methods", "", 0, "the methods and what each is good for",
                              "rbsim methods\ta table\n"},
+	[RB_VERB_CTL] = {"ctl", "SOCKET COMMAND...", -1, "one command to a run that listens",
+                         "rbsim bounce.lua --listen run.sock &\ta run that takes commands\n"
+                         "rbsim ctl run.sock pause\tit stands still\n"
+                         "rbsim ctl run.sock status\twhere, and its numbers\n"
+                         "rbsim ctl run.sock help\tall commands\n"},
+	[RB_VERB_CONSOLE] =
+		{"console", "SCENE.lua|RUN.h5", 1, "watch and steer a run, or watch a recording",
+                 "rbsim console bounce.h5\ta recording, also one that still grows\n"
+                 "rbsim console bounce.lua --force\ta run of its own; it ends with the console\n"
+                 "rbsim console bounce.h5 --speed 0.1\tin slow motion\n"},
+	[RB_VERB_ATTACH] =
+		{"attach", "SOCKET", 1, "a console over a run that is going on",
+                 "rbsim attach run.sock\tthe run of --listen run.sock; q leaves it as it is\n"},
 };
 
 /* clang-format off */
@@ -101,7 +115,7 @@ const struct rb_option_row rb_option_rows[] = {
 	 "write no recording"},
 	{"no-render", 0, NULL, RB_OPTION_FLAG, AT(no_render), SCENE, 0, 0, false, NULL,
 	 "make none of the films and pictures that cameras ask for"},
-	{"camera", 0, "NAMES", RB_OPTION_TEXT, AT(camera), VERB(RUN) | VERB(RENDER), 0, 0, false, NULL,
+	{"camera", 0, "NAMES", RB_OPTION_TEXT, AT(camera), VERB(RUN) | VERB(RENDER) | VERB(CONSOLE), 0, 0, false, NULL,
 	 "film with these cameras only: names with commas between"},
 	{"with", 0, "CAMERAS.lua", RB_OPTION_TEXT, AT(with), VERB(RENDER), 0, 0, false, NULL,
 	 "take the cameras from this file instead of the recorded scene"},
@@ -111,6 +125,12 @@ const struct rb_option_row rb_option_rows[] = {
 	 "simulated time of the last picture"},
 	{"fps", 0, "N", RB_OPTION_NUMBER, AT(fps), VERB(RENDER), 0, 1e6, true, NULL,
 	 "pictures per second of film"},
+	{"fps", 0, "N", RB_OPTION_NUMBER, AT(fps), VERB(CONSOLE) | VERB(ATTACH), 0, 1000, true, NULL,
+	 "pictures per second on the screen at most (default: 30)"},
+	{"speed", 0, "FACTOR", RB_OPTION_NUMBER, AT(speed), VERB(CONSOLE) | VERB(ATTACH), 0, INFINITY, true, NULL,
+	 "simulated seconds shown in a second (default: 1; of attach: the newest frames)"},
+	{"detach", 0, NULL, RB_OPTION_FLAG, AT(detach), VERB(CONSOLE), 0, 0, false, NULL,
+	 "leave the run going when the console ends"},
 	{"speed", 0, "FACTOR", RB_OPTION_NUMBER, AT(speed), VERB(RENDER), 0, INFINITY, true, NULL,
 	 "simulated seconds in a second of film: 0.25 is slow motion, 10 time lapse"},
 	{"size", 0, "WxH", RB_OPTION_TEXT, AT(size), VERB(RENDER), 0, 0, false, NULL,
@@ -119,9 +139,13 @@ const struct rb_option_row rb_option_rows[] = {
 	 "one picture, of this frame, to --output PICTURE.png"},
 	{"contact-sheet", 0, NULL, RB_OPTION_FLAG, AT(contact_sheet), VERB(RENDER), 0, 0, false, NULL,
 	 "sixteen pictures in one, with their times, to --output SHEET.png"},
+	{"listen", 0, "SOCKET", RB_OPTION_TEXT, AT(listen), VERB(RUN), 0, 0, false, NULL,
+	 "take commands at a Unix socket, see rbsim-control(7)"},
+	{"commands", 0, "FILE", RB_OPTION_TEXT, AT(commands), VERB(RUN), 0, 0, false, NULL,
+	 "execute commands from FILE, each when it is due; -: from standard input"},
 	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE), 0, 0, false, NULL,
 	 "replace existing recordings, films and reports"},
-	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | VERB(RENDER) | VERB(CONVERGE), 0, 0, false, NULL,
+	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
 	{"quick", 0, NULL, RB_OPTION_FLAG, AT(quick), VERB(VERIFY), 0, 0, false, NULL,
 	 "a subset of cases and variations that takes less than a minute"},
@@ -135,21 +159,20 @@ const struct rb_option_row rb_option_rows[] = {
 	 "no progress and no summary; mistakes are still told"},
 	{"json", 0, NULL, RB_OPTION_FLAG, AT(json), ALL, 0, 0, false, NULL,
 	 "one JSON object on standard output"},
-	{"debug", 0, NULL, RB_OPTION_FLAG, AT(debug), ALL, 0, 0, false, NULL,
+	{"debug", 0, NULL, RB_OPTION_FLAG, AT(debug), EVERY, 0, 0, false, NULL,
 	 "with an error, where in the program and in the script it arose"},
-	{"help", 'h', NULL, RB_OPTION_FLAG, AT(help), ALL, 0, 0, false, NULL,
+	{"help", 'h', NULL, RB_OPTION_FLAG, AT(help), EVERY, 0, 0, false, NULL,
 	 "this text; with a scene also its parameters"},
-	{"version", 'V', NULL, RB_OPTION_FLAG, AT(version), ALL, 0, 0, false, NULL,
+	{"version", 'V', NULL, RB_OPTION_FLAG, AT(version), EVERY, 0, 0, false, NULL,
 	 "version and libraries"},
-	{"print-tables", 0, "WHICH", RB_OPTION_CHOICE, AT(print_tables), ALL, 0, 0, false, "scene, options, bash, zsh", NULL},
+	{"print-tables", 0, "WHICH", RB_OPTION_CHOICE, AT(print_tables), EVERY, 0, 0, false, "scene, options, commands, keys, bash, zsh", NULL},
 };
 /* clang-format on */
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"console", "attach", "plot", "export", "sweep",
-                                      "collect", "replay", "repair", "ctl",  NULL};
-const char *const rb_later_options[] = {
-	"checkpoint-every", "resume", "listen", "commands", NULL};
+const char *const rb_later_verbs[] = {"plot",   "export", "sweep", "collect",
+                                      "replay", "repair", NULL};
+const char *const rb_later_options[] = {"checkpoint-every", "resume", NULL};
 static const char *const later_methods[] = {"stepped", NULL};
 
 /* One command line being read. */
@@ -418,6 +441,9 @@ static enum rb_status check_whole(const struct parse *parse)
 	if (options->operand_count < verb->operand_count)
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s%s", verb->name,
 		               verb->operands, options->operand_count == 0 ? "" : " (two files)");
+	if (options->verb == RB_VERB_CTL && options->word_count < 2)
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s", verb->name,
+		               verb->operands);
 	if (options->no_record && options->output)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--output' contradicts '--no-record'");
@@ -455,6 +481,8 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 			/* behind -- a word is a file, even if it is called 'check' */
 			status = take_operand(&parse, word, first && !only_operands);
 			first = false;
+			/* "camera move 1 -2 0": what follows the socket is the command */
+			only_operands |= options->verb == RB_VERB_CTL && options->word_count > 0;
 		} else if (strcmp(word, "--") == 0) {
 			only_operands = true;
 		} else if (word[1] == '-') {

@@ -23,6 +23,9 @@ enum rb_verb {
 	RB_VERB_CONVERGE,
 	RB_VERB_VERIFY,
 	RB_VERB_METHODS,
+	RB_VERB_CTL,
+	RB_VERB_CONSOLE,
+	RB_VERB_ATTACH,
 	RB_VERB_COUNT
 };
 
@@ -55,15 +58,18 @@ struct rb_options {
 	int word_count;
 
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
-	bool no_render;                  /* run */
-	const char *camera;              /* run, render: names; NULL: not given */
-	const char *with, *size;         /* render; NULL: not given */
-	double from_s, to_s, fps, speed; /* render; NAN: not given */
-	int frame;                       /* render; -1: not given */
-	bool contact_sheet;              /* render */
-	bool quick;                      /* verify */
-	const char *scenes;              /* verify: folder, NULL: the shipped one */
-	int jobs;                        /* verify: runs at a time, 0: not given */
+	bool no_render;                /* run */
+	const char *listen, *commands; /* run; NULL: not given */
+	const char *camera;            /* run, render: names; NULL: not given */
+	const char *with, *size;       /* render; NULL: not given */
+	double from_s, to_s, fps,
+		speed;      /* render; the last two console, attach too; NAN: not given */
+	bool detach;        /* console */
+	int frame;          /* render; -1: not given */
+	bool contact_sheet; /* render */
+	bool quick;         /* verify */
+	const char *scenes; /* verify: folder, NULL: the shipped one */
+	int jobs;           /* verify: runs at a time, 0: not given */
 	const char *methods, *steps, *tolerances, *quantity;   /* converge; NULL: not given */
 	double error, budget_s;                                /* converge; NAN: not given */
 	int runs;                                              /* converge; 0: not given */

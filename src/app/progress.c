@@ -23,10 +23,15 @@ struct rb_progress {
 	double duration_s;
 	bool quiet, redraw;
 	uint64_t start_ns;
+	void (*heed)(void *user, int signal);
+	void *heed_user;
+	void (*leave)(void *user);
+	void *leave_user;
 	sigset_t signals, mask_before;
 	pthread_t thread;
 
 	atomic_uint_fast64_t time_bits; /* of a double: the simulated time reached */
+	atomic_uint_fast64_t paused_ns;
 	atomic_int signal;
 	atomic_bool stop;
 
@@ -123,7 +128,9 @@ static void show(struct rb_progress *progress)
 
 	if (progress->redraw && ioctl(STDERR_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col > 0)
 		width = window.ws_col - 1; /* the last column would wrap on some terminals */
-	const double wall_s = (double)(rb_clock_now_ns() - progress->start_ns) * 1e-9;
+	const double wall_s = (double)(rb_clock_now_ns() - progress->start_ns -
+	                               atomic_load(&progress->paused_ns)) *
+	                      1e-9;
 	rb_progress_line(line, sizeof line, progress->redraw ? width : 1000, time_reached(progress),
 	                 progress->duration_s, wall_s);
 	if (progress->redraw)
@@ -149,12 +156,16 @@ static void take_signal(struct rb_progress *progress, int signal)
 	if (progress->redraw && signal == SIGINT)
 		progress->bar_shown = true;
 	if (atomic_compare_exchange_strong(&progress->signal, &none, signal)) {
+		if (progress->heed)
+			progress->heed(progress->heed_user, signal);
 		hide(progress);
 		if (!progress->quiet)
 			say("rbsim: finishing: outputs are being closed (interrupt again to stop at once)\n");
 	} else if (signal == SIGINT) {
 		/* What is flushed is readable; nothing else can be promised from here. */
 		hide(progress);
+		if (progress->leave)
+			progress->leave(progress->leave_user);
 		_exit(rb_status_exit_code(RB_ERR_INTERRUPT));
 	}
 }
@@ -174,10 +185,15 @@ static void *watch(void *argument)
 			wait = (struct timespec){(time_t)(wait_ns / 1000000000),
 			                         (long)(wait_ns % 1000000000)};
 		}
-		const int signal = sigtimedwait(&progress->signals, NULL, &wait);
-		if (atomic_load(&progress->stop))
+		siginfo_t info = {0};
+		const int signal = sigtimedwait(&progress->signals, &info, &wait);
+		/* our own is that of rb_progress_stop */
+		if (signal > 0 && info.si_pid == getpid() && atomic_load(&progress->stop))
 			break;
-		if (signal > 0) {
+		int none = 0;
+		if (signal > 0 && atomic_load(&progress->stop)) {
+			atomic_compare_exchange_strong(&progress->signal, &none, signal);
+		} else if (signal > 0) {
 			take_signal(progress, signal);
 		} else if (errno == EAGAIN && !progress->quiet) {
 			if (atomic_load(&progress->signal) == 0)
@@ -199,6 +215,10 @@ enum rb_status rb_progress_start(struct rb_progress **progress,
 		               "cannot start the progress thread: out of memory");
 	p->duration_s = options->duration_s;
 	p->quiet = options->quiet;
+	p->heed = options->heed;
+	p->heed_user = options->heed_user;
+	p->leave = options->leave;
+	p->leave_user = options->leave_user;
 	p->redraw = rb_terminal_is_capable(STDERR_FILENO);
 	p->start_ns = rb_clock_now_ns();
 	sigemptyset(&p->signals);
@@ -222,16 +242,18 @@ enum rb_status rb_progress_start(struct rb_progress **progress,
 	return RB_OK;
 }
 
-void rb_progress_stop(struct rb_progress *progress)
+int rb_progress_stop(struct rb_progress *progress)
 {
 	if (!progress)
-		return;
+		return 0;
 	atomic_store(&progress->stop, true);
 	/* Wakes the thread: one of the signals it waits for, sent to it alone. */
 	pthread_kill(progress->thread, SIGUSR1);
 	pthread_join(progress->thread, NULL);
+	const int signal = rb_progress_signal(progress);
 	pthread_sigmask(SIG_SETMASK, &progress->mask_before, NULL);
 	rb_memory_free(progress);
+	return signal;
 }
 
 void rb_progress_at(struct rb_progress *progress, double time_s)
@@ -240,6 +262,11 @@ void rb_progress_at(struct rb_progress *progress, double time_s)
 
 	memcpy(&bits, &time_s, sizeof bits);
 	atomic_store_explicit(&progress->time_bits, bits, memory_order_relaxed);
+}
+
+void rb_progress_paused(struct rb_progress *progress, double paused_s)
+{
+	atomic_store(&progress->paused_ns, (uint64_t)(paused_s * 1e9));
 }
 
 int rb_progress_signal(const struct rb_progress *progress)

@@ -19,16 +19,27 @@ struct rb_progress;
 struct rb_progress_options {
 	bool quiet;
 	double duration_s; /* of the whole run, simulated */
+	/* called with the first signal, in the thread beside the simulation; NULL: nothing is to be done */
+	void (*heed)(void *user, int signal);
+	void *heed_user;
+	/* called before the second SIGINT ends the process; NULL: nothing is to be done */
+	void (*leave)(void *user);
+	void *leave_user;
 };
 
 RB_CHECKED enum rb_status rb_progress_start(struct rb_progress **progress,
                                             const struct rb_progress_options *options,
                                             struct rb_error *err);
-/* Takes the bar off the screen and ends the thread; signals are as before. NULL is fine. */
-void rb_progress_stop(struct rb_progress *progress);
+/*
+ * Takes the bar off the screen and ends the thread; signals are as before. Gives the signal that asked for an end, also one
+ * that came last; 0: none. NULL is fine.
+ */
+int rb_progress_stop(struct rb_progress *progress);
 
 /* Simulator's thread: where it is. Cheap enough for every step. */
 void rb_progress_at(struct rb_progress *progress, double time_s);
+/* Any thread: how long the run has stood still so far, which does not count as its time. */
+void rb_progress_paused(struct rb_progress *progress, double paused_s);
 /* The signal that asked for an end, 0: none. From any thread. */
 int rb_progress_signal(const struct rb_progress *progress);
 

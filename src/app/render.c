@@ -3,7 +3,6 @@
 
 #include <inttypes.h>
 #include <math.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,6 +12,7 @@
 #include "app/recorded.h"
 #include "app/sheet.h"
 #include "base/clock.h"
+#include "base/log.h"
 #include "flow/between.h"
 #include "script/camera.h"
 
@@ -54,6 +54,14 @@ static enum rb_status check_output(const struct rb_options *options, struct rb_e
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--%s' needs --output PICTURE.png%s%s%s",
 		               options->frame >= 0 ? "frame" : "contact-sheet",
 		               output ? " (got '" : "", output ? output : "", output ? "')" : "");
+	if (single &&
+	    !(isnan(options->fps) && isnan(options->speed) &&
+	      (options->contact_sheet || (isnan(options->from_s) && isnan(options->to_s)))))
+		return RB_FAIL(
+			err, RB_ERR_USAGE,
+			"option '--%s' makes one picture: --fps and --speed%s say nothing for it",
+			options->frame >= 0 ? "frame" : "contact-sheet",
+			options->frame >= 0 ? ", --from and --to" : "");
 	if (!output || single)
 		return RB_OK;
 	if (ends_with(output, ".png")) {
@@ -78,8 +86,8 @@ static enum rb_status read_size(const char *text, int size_px[2], struct rb_erro
 	const long width = strtol(text, &end, 10);
 	const long height = *end == 'x' ? strtol(end + 1, &end, 10) : 0;
 
-	if (*end != '\0' || width < 1 || height < 1 || width > RB_CAMERA_SIDE_MAX ||
-	    height > RB_CAMERA_SIDE_MAX)
+	if (text[strspn(text, "0123456789x")] != '\0' || *end != '\0' || width < 1 || height < 1 ||
+	    width > RB_CAMERA_SIDE_MAX || height > RB_CAMERA_SIDE_MAX)
 		return RB_FAIL(
 			err, RB_ERR_USAGE,
 			"option '--size': '%s' is not of the form 1280x720, each from 1 to %d",
@@ -103,6 +111,7 @@ static enum rb_status read_wish(struct render *render, struct rb_error *err)
 		.output = options->output,
 		.still = options->frame >= 0,
 		.fallback = true,
+		.recording = options->operand[0],
 		.replace = options->force,
 	};
 	if (options->from_s > options->to_s)
@@ -196,14 +205,6 @@ static enum rb_status publish(struct render *render, uint64_t row, struct rb_err
 	return RB_OK;
 }
 
-static enum rb_status interrupted(int signal, struct rb_error *err)
-{
-	return signal == SIGINT
-	               ? RB_FAIL(err, RB_ERR_INTERRUPT,
-	                         "interrupted by SIGINT: the films are cut short")
-	               : RB_FAIL(err, RB_ERR_TERMINATE, "terminated: the films are cut short");
-}
-
 static enum rb_status feed(struct render *render, struct rb_error *err)
 {
 	const double first_s = rb_films_first_s(render->films);
@@ -220,13 +221,33 @@ static enum rb_status feed(struct render *render, struct rb_error *err)
 	/* the frame behind the last picture's time, to draw what lies before it */
 	if (last + 1 < render->reading->frame_count)
 		last++;
-	for (; !status && row <= last; row++) {
-		const int signal = rb_progress_signal(render->progress);
-		if (signal)
-			return interrupted(signal, err);
+	/* after a signal the films are cut, which joining them tells */
+	for (; !status && row <= last && !rb_progress_signal(render->progress); row++)
 		status = publish(render, row, err);
-	}
 	return status;
+}
+
+/* What a film would show and the recording does not hold. */
+static void tell_missing(const struct render *render)
+{
+	const unsigned missing = rb_films_fields(render->films) & ~render->reading->fields;
+
+	if (missing & RB_FIELD_CONTACTS)
+		rb_log(RB_LOG_WARNING, "'%s' holds no contacts: their arrows are not drawn",
+		       render->options->operand[0]);
+	if (missing & RB_FIELD_VELOCITY && rb_films_show_velocities(render->films))
+		rb_log(RB_LOG_WARNING, "'%s' holds no velocities: their arrows are not drawn",
+		       render->options->operand[0]);
+	if (missing & RB_FIELD_ORIENTATION && render->loaded.model->features & RB_FEATURE_ROTATION)
+		rb_log(RB_LOG_WARNING, "'%s' holds no orientations: bodies are shown unturned",
+		       render->options->operand[0]);
+}
+
+static void cut_films(void *user, int signal)
+{
+	const struct render *const render = user;
+
+	rb_films_cut(render->films, signal);
 }
 
 /* The films are joined whatever happens before; the first failure is the one that is told. */
@@ -236,6 +257,8 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	const double from_s = isnan(render->wish.from_s) ? 0 : render->wish.from_s;
 	const struct rb_progress_options progress = {
 		.quiet = options->quiet || options->json,
+		.heed = cut_films,
+		.heed_user = render,
 		.duration_s = (isnan(render->wish.to_s) ? render->end_s : render->wish.to_s) -
 	                      from_s,
 	};
@@ -245,6 +268,7 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	                                        err);
 	if (status)
 		return status;
+	tell_missing(render);
 	if (!render->films)
 		return RB_FAIL(err, RB_ERR_USAGE,
 		               "no camera of '%s' says where its film goes: give --output FILM.mp4",
@@ -262,7 +286,7 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	if (render->ring)
 		rb_ring_close(render->ring);
 	const enum rb_status join_status = rb_films_join(render->films, &joined);
-	if (join_status && (!status || status == RB_ERR_INTERRUPT || status == RB_ERR_TERMINATE)) {
+	if (join_status && !status) {
 		if (err)
 			*err = joined;
 		status = join_status;
@@ -308,6 +332,10 @@ static void tell(const struct render *render, enum rb_status status, const struc
 		rb_json_count(&json, "exit_status", (uint64_t)rb_status_exit_code(status));
 		rb_json_text(&json, "error", status ? err->text : NULL);
 		rb_json_number(&json, "wall_time", render->wall_s);
+		if (options->contact_sheet) {
+			rb_json_text(&json, "sheet", options->output);
+			rb_json_count(&json, "sheet_bytes", render->sheet_bytes);
+		}
 		rb_films_print_json(&json, render->films);
 		rb_json_close(&json, '}');
 		putchar('\n');

@@ -5,9 +5,11 @@
 #include <unistd.h>
 
 #include "app/help.h"
+#include "app/listen.h"
 #include "app/progress.h"
 #include "app/simulate.h"
 #include "app/summary.h"
+#include "base/memory.h"
 
 static bool color_wanted(void)
 {
@@ -35,6 +37,8 @@ static int report(const struct rb_run_result *result, const struct rb_loaded *lo
 
 	if (result->status)
 		exit_code = rb_app_fail_scene(options, loaded, &result->error);
+	else if (result->film_status)
+		exit_code = rb_app_fail_scene(options, loaded, &result->film_error);
 	else if (result->expect_status)
 		exit_code = rb_app_fail_scene(options, loaded, &result->expect_error);
 	else if (loaded->scene.expect_refused)
@@ -55,33 +59,92 @@ static enum rb_status prepare_films(struct rb_films **films, struct rb_loaded *l
 	return options->no_render ? RB_OK : rb_films_create(films, loaded, &wish, err);
 }
 
-int rb_run_main(const struct rb_options *options)
-{
-	struct rb_loaded loaded;
-	struct rb_run_texts texts = {0};
+/* A run and what it is made of; another one for each restart. */
+struct attempt {
+	struct rb_loaded *loaded; /* owned */
+	struct rb_run_texts texts;
 	struct rb_run_info info;
-	struct rb_run_result result = {0};
-	struct rb_films *films = NULL;
-	struct rb_error err;
-	enum rb_status status = rb_loaded_init(&loaded, options, &err);
-	int exit_code;
+	struct rb_films *films;
+	struct rb_run_result result;
+};
+
+static void release(struct attempt *attempt)
+{
+	rb_films_destroy(attempt->films);
+	rb_run_result_release(&attempt->result);
+	rb_run_texts_release(&attempt->texts);
+	if (attempt->loaded)
+		rb_loaded_release(attempt->loaded);
+	rb_memory_free(attempt->loaded);
+	*attempt = (struct attempt){0};
+}
+
+/* What the outputs of a loaded scene need. */
+static enum rb_status prepare(struct attempt *attempt, const struct rb_options *options,
+                              struct rb_error *err)
+{
+	const enum rb_status status = rb_simulate_info(&attempt->info, &attempt->texts,
+	                                               attempt->loaded, options, err);
+
+	return status ? status : prepare_films(&attempt->films, attempt->loaded, options, err);
+}
+
+/* Everything up to the first step; nothing was touched where it fails. */
+static enum rb_status begin(struct attempt *attempt, struct rb_listen **listen,
+                            const struct rb_options *options, struct rb_error *err)
+{
+	enum rb_status status = rb_loaded_init(attempt->loaded, options, err);
 
 	if (!status)
-		status = rb_simulate_check_output(&loaded, options, &err);
+		status = rb_simulate_check_output(attempt->loaded, options, err);
 	if (!status)
-		status = rb_simulate_info(&info, &texts, &loaded, options, &err);
+		status = prepare(attempt, options, err);
 	if (!status)
-		status = prepare_films(&films, &loaded, options, &err);
-	if (status) {
-		exit_code = rb_app_refuse_scene(options, &loaded, &err);
-	} else {
-		(void)rb_simulate(&result, &loaded, options, &info, films);
-		exit_code = report(&result, &loaded, options, &info, films);
+		status = rb_listen_create(listen, options, attempt->loaded, &attempt->info, err);
+	return status;
+}
+
+/* The run has ended to begin anew: the next one takes its place. Who watches it stays. */
+static enum rb_status begin_again(struct attempt *attempt, struct rb_listen *listen,
+                                  struct rb_error *err)
+{
+	rb_listen_run_ends(listen);
+	release(attempt);
+	attempt->loaded = rb_listen_next(listen);
+	const enum rb_status status = prepare(attempt, rb_listen_options(listen), err);
+
+	return status ? status
+	              : rb_listen_begin_again(listen, attempt->loaded, &attempt->info, err);
+}
+
+int rb_run_main(const struct rb_options *options)
+{
+	struct attempt attempt = {.loaded = rb_memory_take(1, sizeof *attempt.loaded)};
+	const struct rb_options *wanted = options;
+	struct rb_listen *listen = NULL;
+	struct rb_error err;
+	enum rb_status status;
+	int exit_code;
+
+	if (!attempt.loaded) {
+		(void)RB_FAIL(&err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
+		              options->operand[0]);
+		return rb_app_finish(options, rb_app_refuse(options, &err));
 	}
-	rb_films_destroy(films);
-	rb_run_result_release(&result);
-	rb_run_texts_release(&texts);
-	rb_loaded_release(&loaded);
+	status = begin(&attempt, &listen, options, &err);
+	while (!status) {
+		(void)rb_simulate(&attempt.result, attempt.loaded, wanted, &attempt.info,
+		                  attempt.films, listen);
+		if (!attempt.result.restart || attempt.result.status != RB_ERR_INTERRUPT)
+			break;
+		status = begin_again(&attempt, listen, &err);
+		wanted = rb_listen_options(listen);
+	}
+	rb_listen_destroy(listen);
+	exit_code = status ? rb_app_refuse_scene(options, attempt.loaded, &err)
+	                   : report(&attempt.result, attempt.loaded, options, &attempt.info,
+	                            attempt.films);
+	release(&attempt);
 	return rb_app_finish(options, exit_code);
 }
 

@@ -13,7 +13,7 @@
 #include "flow/frame.h"
 #include "script/shots.h"
 
-enum { COLUMNS = 4, ROWS = 4, CELL_WIDTH = 480, GAP = 8 };
+enum { COLUMNS = 4, ROWS = 4, CELL_SIDE = 480, GAP = 8 };
 
 /* Everything of a sheet that is being drawn. */
 struct drawing {
@@ -93,9 +93,11 @@ static enum rb_status draw(struct drawing *d, size_t *bytes, struct rb_error *er
 	struct rb_camera_def *const camera = &d->camera;
 
 	*camera = *sheet->camera;
-	camera->size_px[0] = CELL_WIDTH;
-	camera->size_px[1] = (int)lround(fmax(1, CELL_WIDTH * (double)sheet->camera->size_px[1] /
-	                                                 sheet->camera->size_px[0]));
+	/* the longer side is that of a cell */
+	const int longer = sheet->camera->size_px[0] > sheet->camera->size_px[1] ? 0 : 1;
+	const double scale = (double)CELL_SIDE / sheet->camera->size_px[longer];
+	for (int i = 0; i < 2; i++)
+		camera->size_px[i] = (int)lround(fmax(1, scale * sheet->camera->size_px[i]));
 	camera->overlay = RB_OVERLAY_TIME;
 	const int width = GAP + COLUMNS * (camera->size_px[0] + GAP);
 	const int height = GAP + ROWS * (camera->size_px[1] + GAP);

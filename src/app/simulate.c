@@ -27,6 +27,8 @@ struct run {
 	struct rb_run_result *result;
 
 	struct rb_films *films;              /* NULL: none */
+	struct rb_listen *listen;            /* NULL: none */
+	enum rb_player_verdict verdict;      /* what commands have made of the run */
 	const struct rb_hdf5_module *module; /* NULL: no recording */
 	struct rb_recorder *recorder;
 	struct rb_sink sink;
@@ -119,11 +121,28 @@ void rb_run_texts_release(struct rb_run_texts *texts)
 	*texts = (struct rb_run_texts){0};
 }
 
+/* A name that is wished for a film, not for a recording. */
+static bool is_film_name(const char *name)
+{
+	static const char *const endings[] = {".mp4", ".webm", ".gif", ".png"};
+	const char *const dot = strrchr(name, '.');
+
+	for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++)
+		if (strcmp(dot, endings[i]) == 0)
+			return true;
+	return false;
+}
+
 enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
                                         const struct rb_options *options, struct rb_error *err)
 {
 	struct stat output, scene;
 
+	if (loaded->output && is_film_name(loaded->output))
+		return RB_FAIL(
+			err, RB_ERR_USAGE,
+			"'%s' would be the recording, an HDF5 file: films are named by cameras ('video', 'png') or by rbsim render",
+			loaded->output);
 	if (!loaded->output || stat(loaded->output, &output) != 0)
 		return RB_OK; /* what else is wrong with the name shows when it is created */
 	if (stat(options->operand[0], &scene) == 0 && scene.st_dev == output.st_dev &&
@@ -151,7 +170,8 @@ static bool stop_wanted(void *user)
 /* What consumers of frames read. */
 static unsigned fields_wanted(const struct run *run)
 {
-	return rb_films_fields(run->films) | (run->recorder ? run->sink.fields : 0);
+	return rb_films_fields(run->films) | rb_listen_fields(run->listen) |
+	       (run->recorder ? run->sink.fields : 0);
 }
 
 static enum rb_status start_world(struct run *run, struct rb_error *err)
@@ -192,12 +212,22 @@ static enum rb_status start_consumers(struct run *run, struct rb_error *err)
 	return status;
 }
 
+/* Pictures between two frames may be many, and nobody waits for them after a signal. */
+static void cut_films(void *films, int signal)
+{
+	rb_films_cut(films, signal);
+}
+
 /* The thread of signals first: what it blocks, all others inherit. */
 static enum rb_status start(struct run *run, struct rb_error *err)
 {
 	const struct rb_progress_options options = {
 		.quiet = run->options->quiet || run->options->json,
 		.duration_s = run->loaded->model->duration_s,
+		.heed = cut_films,
+		.heed_user = run->films,
+		.leave = run->listen ? rb_listen_forget : NULL,
+		.leave_user = run->listen,
 	};
 	enum rb_status status = rb_progress_start(&run->progress, &options, err);
 
@@ -208,7 +238,8 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 	if (!status && (run->recorder || run->films))
 		status = start_consumers(run, err);
 	else if (!status)
-		status = rb_frame_init(&run->numbers_only, run->loaded->model, 0, err);
+		status = rb_frame_init(&run->numbers_only, run->loaded->model, fields_wanted(run),
+		                       err);
 	return status;
 }
 
@@ -251,11 +282,38 @@ static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 	if (status)
 		return status;
 	take_numbers(run->result, frame);
+	if (run->listen)
+		rb_listen_frame(run->listen, frame);
 	if (run->ring)
 		rb_ring_publish(run->ring);
 	const uint64_t k = rb_world_frame(run->world);
 	return rb_script_on_frame(run->loaded->script, run->world, rb_world_time(run->world), k,
 	                          err);
+}
+
+/* Asked while the run is paused. */
+static bool waits_no_more(void *user)
+{
+	const struct run *const run = user;
+
+	rb_progress_paused(run->progress, rb_listen_paused_s(run->listen));
+	return stop_wanted(user);
+}
+
+/* After a frame: whether commands let the run go on. */
+static bool passes(struct run *run)
+{
+	struct rb_player_frame frame = {.numbers = &run->result->last,
+	                                .index = rb_world_frame(run->world),
+	                                .time_s = rb_world_time(run->world)};
+
+	if (!run->listen)
+		return true;
+	if (run->ring)
+		frame.ring_used = rb_ring_used(run->ring, &frame.ring_slots);
+	run->verdict = rb_listen_gate(run->listen, &frame, waits_no_more, run);
+	rb_progress_paused(run->progress, rb_listen_paused_s(run->listen));
+	return run->verdict == RB_PLAYER_GO && !stop_wanted(run);
 }
 
 static enum rb_status run_frames(struct run *run, struct rb_error *err)
@@ -264,7 +322,7 @@ static enum rb_status run_frames(struct run *run, struct rb_error *err)
 	bool ended = false;
 	enum rb_status status = emit(run, &ended, err);
 
-	while (!status && !ended && rb_world_frame(run->world) + 1 < frame_count) {
+	while (!status && !ended && passes(run) && rb_world_frame(run->world) + 1 < frame_count) {
 		status = rb_world_step_frame(run->world, err);
 		if (status || rb_world_stopped(run->world))
 			break;
@@ -300,11 +358,11 @@ static enum rb_status expect(struct run *run, struct rb_error *err)
 	return RB_OK;
 }
 
-static enum rb_status tell_signal(struct run *run, int signal, struct rb_error *err)
+static enum rb_status tell_signal(struct rb_run_result *result, int signal, struct rb_error *err)
 {
-	const double time_s = rb_world_time(run->world);
+	const double time_s = result->time_s;
 
-	run->result->signal = signal;
+	result->signal = signal;
 	switch (signal) {
 	case SIGINT:
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted by SIGINT at %g s", time_s);
@@ -325,11 +383,19 @@ static enum rb_status simulate(struct run *run, struct rb_error *err)
 
 	if (status)
 		return status;
+	const int signal = rb_progress_signal(run->progress);
+	if (run->verdict == RB_PLAYER_RESTART && !signal) {
+		run->result->restart = true;
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "restarted by a command at %g s",
+		               rb_world_time(run->world));
+	}
 	if (run->result->frames == rb_world_frame_count(run->world))
 		return expect(run, err);
-	const int signal = rb_progress_signal(run->progress);
+	if (run->verdict == RB_PLAYER_QUIT)
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "ended by the command 'quit' at %g s",
+		               rb_world_time(run->world));
 	if (signal)
-		return tell_signal(run, signal, err);
+		return tell_signal(run->result, signal, err);
 	return RB_OK; /* the recorder has failed: joining it tells how */
 }
 
@@ -387,7 +453,7 @@ static void finish(struct run *run)
 		rb_ring_close(run->ring);
 	const enum rb_status status = rb_pump_join(run->pump, &err);
 	take_failure(result, status, &err);
-	take_failure(result, rb_films_join(run->films, &err), &err);
+	result->film_status = rb_films_join(run->films, &result->film_error);
 	if (run->recorder)
 		run->module->recorder_destroy(run->recorder);
 	if (status && result->frames > 0)
@@ -397,17 +463,22 @@ static void finish(struct run *run)
 	rb_ring_destroy(run->ring);
 	rb_frame_release(&run->numbers_only);
 	rb_world_destroy(run->world);
-	rb_progress_stop(run->progress);
+	const int signal = rb_progress_stop(run->progress);
+	if (result->restart && signal) { /* it came while the outputs were closed */
+		result->restart = false;
+		result->status = tell_signal(result, signal, &result->error);
+	}
 }
 
 enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
                            const struct rb_options *options, const struct rb_run_info *info,
-                           struct rb_films *films)
+                           struct rb_films *films, struct rb_listen *listen)
 {
 	struct run run = {.loaded = loaded,
 	                  .options = options,
 	                  .info = info,
 	                  .films = films,
+	                  .listen = listen,
 	                  .result = result,
 	                  .outcome = {.reason = ""}};
 	const uint64_t start_ns = rb_clock_now_ns();
@@ -419,6 +490,8 @@ enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loade
 	finish(&run);
 	result->memory_bytes = rb_process_bytes("VmHWM");
 	result->wall_s = (double)(rb_clock_now_ns() - start_ns) * 1e-9;
+	if (listen)
+		result->wall_s -= rb_listen_paused_s(listen);
 	return result->status;
 }
 

@@ -15,14 +15,20 @@
 
 #include "app/common.h"
 #include "app/films.h"
+#include "app/listen.h"
 #include "flow/info.h"
 #include "script/hooks.h"
 
 /* What a run tells of itself; filled as far as it came. */
 struct rb_run_result {
-	enum rb_status status;        /* of the simulation and its outputs; expectations apart */
-	struct rb_error error;        /* when status is not RB_OK */
-	int signal;                   /* that ended it, 0: none */
+	enum rb_status
+		status; /* of the simulation and its recording; films and expectations apart */
+	struct rb_error error; /* when status is not RB_OK */
+	int signal;            /* that ended it, 0: none */
+	bool restart;          /* it is to begin anew: status is RB_ERR_INTERRUPT then */
+	enum rb_status
+		film_status; /* of the films; the run and its recording are as if there were none */
+	struct rb_error film_error;
 	enum rb_status expect_status; /* RB_ERR_SCENE: an expectation is broken, as told here */
 	struct rb_error expect_error;
 
@@ -70,10 +76,11 @@ RB_CHECKED enum rb_status rb_simulate_check_output(const struct rb_loaded *loade
                                                    const struct rb_options *options,
                                                    struct rb_error *err);
 
-/* The status is also in the result, which is to be released in any case. `films` may be NULL: none are made. */
+/* The status is also in the result, which is to be released in any case. `films` may be NULL: none are made. `listen` may be NULL:
+ * nobody commands the run. */
 enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
                            const struct rb_options *options, const struct rb_run_info *info,
-                           struct rb_films *films);
+                           struct rb_films *films, struct rb_listen *listen);
 void rb_run_result_release(struct rb_run_result *result);
 
 #endif

@@ -196,6 +196,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
 	rb_json_text(&json, "error",
 	             result->status          ? result->error.text
+	             : result->film_status   ? result->film_error.text
 	             : result->expect_status ? result->expect_error.text
 	                                     : NULL);
 	rb_json_text(&json, "recording", loaded->output);

@@ -26,6 +26,9 @@ enum rb_status rb_outfile_check(const char *name, bool replace, struct rb_error 
 {
 	struct stat found;
 
+	if (stat(name, &found) != 0 && lstat(name, &found) == 0)
+		return replace ? RB_OK
+		               : taken(name, err); /* a link to nothing takes the name too */
 	if (stat(name, &found) != 0)
 		return RB_OK; /* what else is wrong with the name shows when it is created */
 	if (!S_ISREG(found.st_mode))

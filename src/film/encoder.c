@@ -2,36 +2,35 @@
 #include "film/encoder.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <poll.h>
 #include <signal.h>
-#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
-
-extern char **environ;
+#include "film/child.h"
 
 enum {
 	ARGUMENTS_MAX = 64,
 	ARGUMENT_SIZE = 64,
-	SAID_SIZE = 2048,
-	PIPE_SIZE = 1 << 20,
 	LIST_SIZE = 1 << 18,
+	PAUSE_MS = 50,
+	WRITE_SIZE = 1 << 16, /* twice what ffmpeg writes at once */
 	GIF_FPS_MAX = 50 /* delays are hundredths of a second, and of 1 most programs make 10 */
 };
 
-static const double list_timeout_s = 5, pause_ms = 50;
+static const double list_timeout_s = 5;
+/* A disk that has to start, or other work on all processors, takes seconds; longer than that nobody waits. */
+static const double patience_s = 20;
 
 enum format { FORMAT_MP4, FORMAT_WEBM, FORMAT_GIF, FORMAT_COUNT };
 
@@ -48,33 +47,33 @@ struct coder {
 
 static const struct {
 	const char *ending, *muxer, *filter;
+	/*
+	 * Pictures per second. Their times are milliseconds in a webm, and in a player's hands. A gif's delays have 16
+	 * bits of hundredths of a second; a quarter of an hour for a picture is more than anybody looks at a film.
+	 */
+	double fps_min, fps_max;
 	struct coder coders[2]; /* the better one first */
 } formats[FORMAT_COUNT] = {
 	[FORMAT_MP4] = {".mp4",
                         "mp4",
                         TO_YUV ",format=yuv420p",
+                        0.001,
+                        1000,
                         {{"libx264",
                           {"-preset", "veryfast", "-crf", "18", "-movflags", "+faststart",
                            BT709}}}},
 	[FORMAT_WEBM] = {".webm",
                          "webm",
                          TO_YUV ",format=yuv420p",
+                         0.001,
+                         1000,
                          {{"libvpx-vp9",
                            {"-deadline", "realtime", "-cpu-used", "8", "-row-mt", "1", "-crf", "30",
                             "-b:v", "0", BT709}},
                           {"libvpx",
                            {"-deadline", "realtime", "-cpu-used", "8", "-crf", "10", "-b:v", "20M",
                             BT709}}}},
-	[FORMAT_GIF] = {".gif", "gif", NULL, {{"gif", {NULL}}}},
-};
-
-/* A program at work. */
-struct child {
-	pid_t pid;            /* 0: none */
-	int in, out;          /* -1: none */
-	int complaints;       /* its standard error; -1: none or at its end */
-	char said[SAID_SIZE]; /* the end of what it said there */
-	size_t said_size;
+	[FORMAT_GIF] = {".gif", "gif", NULL, 0.002, 1000, {{"gif", {NULL}}}},
 };
 
 struct arguments {
@@ -84,7 +83,6 @@ struct arguments {
 
 struct rb_encoder {
 	enum format format;
-	const char *coder_name;
 	int width, height;               /* of pictures */
 	int padded_width, padded_height; /* as ffmpeg gets them */
 	uint8_t *padded;                 /* owned; NULL where they are the same */
@@ -96,9 +94,12 @@ struct rb_encoder {
 
 	char *path;            /* owned */
 	struct rb_outfile out; /* ffmpeg writes it by its name */
+	char *output;          /* which is this, as it gets it */
 	/* of a gif: pictures without loss and the palette, both of which its second pass reads */
 	char *pictures_path, *palette_path;
-	struct child child;
+	struct rb_child child;
+	double patience_s;
+	const atomic_bool *cut; /* borrowed; NULL: never */
 };
 
 static const char *program(void)
@@ -110,217 +111,76 @@ static const char *program(void)
 
 /* ---- children ---- */
 
-static void close_end(int *end)
+/* Words that tell of a full disk, untranslated, as ffmpeg has them. */
+static const char *words_of_space(const struct rb_child *child, char line[RB_CHILD_SAID_SIZE])
 {
-	if (*end >= 0)
-		close(*end);
-	*end = -1;
+	static const int numbers[] = {ENOSPC, EDQUOT, EFBIG};
+	const char *words = NULL;
+
+	for (size_t i = 0; i < sizeof numbers / sizeof *numbers && !words; i++)
+		words = rb_child_words(child, strerrordesc_np(numbers[i]), line);
+	return words;
 }
 
-static int set_up(posix_spawn_file_actions_t *actions, posix_spawnattr_t *attributes, int in,
-                  int out, int complaints)
+/* Less than what ffmpeg writes at once. */
+static bool is_full(const char *path)
 {
-	sigset_t none, all;
-	int failed = posix_spawn_file_actions_init(actions);
+	struct statvfs room;
 
-	if (failed)
-		return failed;
-	failed = posix_spawnattr_init(attributes);
-	if (failed) {
-		posix_spawn_file_actions_destroy(actions);
-		return failed;
-	}
-	sigemptyset(&none);
-	sigfillset(&all);
-	/* A group of its own: ctrl-C at the terminal is for us, and the film is then finished. */
-	posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK |
-	                                             POSIX_SPAWN_SETSIGDEF);
-	posix_spawnattr_setpgroup(attributes, 0);
-	posix_spawnattr_setsigmask(attributes, &none);
-	posix_spawnattr_setsigdefault(attributes, &all);
-	if (in >= 0)
-		failed |= posix_spawn_file_actions_adddup2(actions, in, 0);
-	else
-		failed |= posix_spawn_file_actions_addopen(actions, 0, "/dev/null", O_RDONLY, 0);
-	if (out >= 0)
-		failed |= posix_spawn_file_actions_adddup2(actions, out, 1);
-	else
-		failed |= posix_spawn_file_actions_addopen(actions, 1, "/dev/null", O_WRONLY, 0);
-	failed |= posix_spawn_file_actions_adddup2(actions, complaints, 2);
-	/* whatever other libraries have opened without asking for close-on-exec */
-	failed |= posix_spawn_file_actions_addclosefrom_np(actions, 3);
-	return failed;
+	return path && statvfs(path, &room) == 0 &&
+	       (uint64_t)room.f_bavail * room.f_frsize < WRITE_SIZE;
 }
 
-/* Above the standard three, so that setting these up in the child does not overwrite one. */
-static bool make_pipe(int ends[2])
+/* It has ended otherwise than it should, or `end` is none. The disk is to blame where there is a sign of it. */
+static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, const char *path,
+                               struct rb_error *err)
 {
-	if (pipe2(ends, O_CLOEXEC) != 0)
-		return false;
-	for (int i = 0; i < 2; i++) {
-		if (ends[i] > 2)
-			continue;
-		const int moved = fcntl(ends[i], F_DUPFD_CLOEXEC, 3);
-		close(ends[i]);
-		ends[i] = moved;
-	}
-	if (ends[0] >= 0 && ends[1] >= 0)
-		return true;
-	close_end(&ends[0]);
-	close_end(&ends[1]);
-	return false;
-}
+	char line[RB_CHILD_SAID_SIZE];
+	const bool signaled = end == RB_CHILD_FAILED && WIFSIGNALED(child->outcome);
+	const int signal = signaled ? WTERMSIG(child->outcome) : 0;
+	const char *const words = words_of_space(child, line);
 
-static int spawn(struct child *child, const struct arguments *arguments, const int in[2],
-                 const int out[2], const int complaints[2])
-{
-	posix_spawn_file_actions_t actions;
-	posix_spawnattr_t attributes;
-	char *list[ARGUMENTS_MAX + 1];
-
-	int failed = set_up(&actions, &attributes, in[0], out[1], complaints[1]);
-	if (failed)
-		return failed;
-	/* the system's prototype lacks a const that it keeps to */
-	memcpy(list, arguments->list, sizeof arguments->list);
-	list[arguments->count] = NULL;
-	failed = posix_spawnp(&child->pid, list[0], &actions, &attributes, list, environ);
-	posix_spawn_file_actions_destroy(&actions);
-	posix_spawnattr_destroy(&attributes);
-	return failed;
-}
-
-/* With a pipe to its input, or one from its output, and always one from its standard error. */
-static enum rb_status start(struct child *child, const struct arguments *arguments, bool feeds,
-                            bool listens, struct rb_error *err)
-{
-	int in[2] = {-1, -1}, out[2] = {-1, -1}, complaints[2] = {-1, -1};
-	int failed = 0;
-
-	*child = (struct child){.in = -1, .out = -1, .complaints = -1};
-	if ((feeds && !make_pipe(in)) || (listens && !make_pipe(out)) || !make_pipe(complaints))
-		failed = errno;
-	if (!failed)
-		failed = spawn(child, arguments, in, out, complaints);
-	close_end(&in[0]);
-	close_end(&out[1]);
-	close_end(&complaints[1]);
-	if (failed) {
-		child->pid = 0;
-		close_end(&in[1]);
-		close_end(&out[0]);
-		close_end(&complaints[0]);
-		return RB_FAIL(
-			err, RB_ERR_MISSING,
-			"cannot run '%s': %s (video needs ffmpeg: install it, or name it in RBSIM_FFMPEG; PNG does not need it)",
-			arguments->list[0], strerror(failed));
-	}
-	child->in = in[1];
-	child->out = out[0];
-	child->complaints = complaints[0];
-	if (child->in >= 0) {
-		fcntl(child->in, F_SETFL, O_NONBLOCK);
-		fcntl(child->in, F_SETPIPE_SZ, PIPE_SIZE); /* only faster, where it may */
-	}
-	fcntl(child->complaints, F_SETFL, O_NONBLOCK);
-	return RB_OK;
-}
-
-/* What has come on its standard error; the end of it is kept. */
-static void hear(struct child *child)
-{
-	char chunk[512];
-
-	while (child->complaints >= 0) {
-		const ssize_t size = read(child->complaints, chunk, sizeof chunk);
-		if (size < 0 && errno == EINTR)
-			continue;
-		if (size < 0 && errno == EAGAIN)
-			return;
-		if (size <= 0) {
-			close_end(&child->complaints);
-			return;
-		}
-		const size_t room = sizeof child->said - 1, got = (size_t)size;
-		if (child->said_size + got > room) {
-			const size_t gone = child->said_size + got - room;
-			memmove(child->said, child->said + gone, child->said_size - gone);
-			child->said_size -= gone;
-		}
-		memcpy(child->said + child->said_size, chunk, got);
-		child->said_size += got;
-		child->said[child->said_size] = '\0';
-	}
-}
-
-/* Its exit, as waitpid tells it, heard out to the end. */
-static int wait_for(struct child *child)
-{
-	int outcome = 0;
-	pid_t ended = 0;
-
-	close_end(&child->in);
-	while (ended == 0) {
-		struct pollfd wish = {.fd = child->complaints, .events = POLLIN};
-		if (child->complaints >= 0)
-			poll(&wish, 1, (int)pause_ms);
-		hear(child);
-		/* its own children may keep the pipe open for longer than it lives */
-		ended = waitpid(child->pid, &outcome, child->complaints >= 0 ? WNOHANG : 0);
-		if (ended < 0 && errno == EINTR)
-			ended = 0;
-	}
-	hear(child);
-	close_end(&child->complaints);
-	close_end(&child->out);
-	child->pid = 0;
-	return outcome;
-}
-
-static void stop(struct child *child)
-{
-	if (child->pid > 0) {
-		kill(-child->pid, SIGKILL);
-		kill(child->pid, SIGKILL);
-		(void)wait_for(child);
-	}
-}
-
-/* The last line with something on it. */
-static const char *last_words(struct child *child)
-{
-	char *const said = child->said;
-	size_t end = child->said_size;
-
-	while (end > 0 && strchr("\r\n \t", said[end - 1]))
-		end--;
-	said[end] = '\0';
-	while (end > 0 && said[end - 1] != '\n' && said[end - 1] != '\r')
-		end--;
-	return said[end] ? said + end : "it said nothing";
-}
-
-static enum rb_status tell_exit(struct child *child, int outcome, struct rb_error *err)
-{
-	if (WIFSIGNALED(outcome))
+	if (words)
+		return RB_FAIL(err, RB_ERR_IO, "cannot write the film: '%s' says: %.160s",
+		               program(), words);
+	if (signal == SIGXFSZ)
+		return RB_FAIL(err, RB_ERR_IO, "cannot write the film: '%s' was ended by %s",
+		               program(), strsignal(signal));
+	if (end == RB_CHILD_FAILED && is_full(path))
+		return RB_FAIL(err, RB_ERR_IO, "cannot write the film: %s; '%s' said last: %.120s",
+		               strerror(ENOSPC), program(), rb_child_last_words(child));
+	if (end == RB_CHILD_WELL)
+		return RB_OK;
+	if (end == RB_CHILD_HUNG)
+		return RB_FAIL(err, RB_ERR_MISSING,
+		               "'%s' got no further for %g s and was ended: %.120s", program(),
+		               child->patience_s, rb_child_last_words(child));
+	if (end == RB_CHILD_LOST)
+		return RB_FAIL(err, RB_ERR_MISSING, "nobody knows how '%s' has ended: %.140s",
+		               program(), rb_child_last_words(child));
+	if (signaled)
 		return RB_FAIL(err, RB_ERR_MISSING, "'%s' was ended by signal %d (%s): %.120s",
-		               program(), WTERMSIG(outcome), strsignal(WTERMSIG(outcome)),
-		               last_words(child));
+		               program(), signal, strsignal(signal), rb_child_last_words(child));
 	return RB_FAIL(err, RB_ERR_MISSING, "'%s' has failed with exit status %d: %.140s",
-	               program(), WEXITSTATUS(outcome), last_words(child));
+	               program(), WEXITSTATUS(child->outcome), rb_child_last_words(child));
 }
 
-static enum rb_status finish_child(struct child *child, struct rb_error *err)
+/* `path`: of what it writes, NULL: none. An empty one is no success either. */
+static enum rb_status finish_child(struct rb_child *child, const char *path, struct rb_error *err)
 {
-	const int outcome = wait_for(child);
+	struct stat found;
+	const enum rb_status status = tell_end(child, rb_child_wait(child), path, err);
 
-	return outcome == 0 ? RB_OK : tell_exit(child, outcome, err);
+	if (status || !path || (stat(path, &found) == 0 && found.st_size > 0))
+		return status;
+	return RB_FAIL(err, RB_ERR_MISSING, "'%s' has written nothing: %.160s", program(),
+	               rb_child_last_words(child));
 }
 
 /* ---- what ffmpeg can do ---- */
 
 /* All that it says on its standard output, up to LIST_SIZE. */
-static enum rb_status read_list(struct child *child, char *list, struct rb_error *err)
+static enum rb_status read_list(struct rb_child *child, char *list, struct rb_error *err)
 {
 	const uint64_t begin = rb_clock_now_ns();
 	size_t size = 0;
@@ -328,14 +188,14 @@ static enum rb_status read_list(struct child *child, char *list, struct rb_error
 
 	while (got != 0 && size < LIST_SIZE - 1) {
 		struct pollfd wish = {.fd = child->out, .events = POLLIN};
-		hear(child);
+		rb_child_hear(child);
 		if ((double)(rb_clock_now_ns() - begin) * 1e-9 > list_timeout_s) {
-			stop(child);
+			rb_child_stop(child);
 			return RB_FAIL(err, RB_ERR_MISSING,
 			               "'%s' does not say within %g s what it can do", program(),
 			               list_timeout_s);
 		}
-		if (poll(&wish, 1, (int)pause_ms) <= 0)
+		if (poll(&wish, 1, PAUSE_MS) <= 0)
 			continue;
 		got = read(child->out, list + size, LIST_SIZE - 1 - size);
 		if (got > 0)
@@ -344,8 +204,7 @@ static enum rb_status read_list(struct child *child, char *list, struct rb_error
 			break;
 	}
 	list[size] = '\0';
-	close_end(&child->out);
-	return finish_child(child, err);
+	return finish_child(child, NULL, err);
 }
 
 /* A line " V....D libx264   H.264 ...": the second word is the name. */
@@ -366,14 +225,15 @@ static enum rb_status find_coder(enum format format, const struct coder **coder,
                                  struct rb_error *err)
 {
 	const struct arguments arguments = {{program(), "-hide_banner", "-encoders"}, 3};
-	struct child child;
+	struct rb_child child;
 	char *const list = rb_memory_take(LIST_SIZE, 1);
 
 	if (!list)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot look for '%s': out of memory",
 		               program());
 	*coder = NULL;
-	enum rb_status status = start(&child, &arguments, false, true, err);
+	enum rb_status status = rb_child_start(&child, arguments.list, false, true, err);
+	child.patience_s = list_timeout_s;
 	if (!status)
 		status = read_list(&child, list, err);
 	for (int i = 0; i < 2 && !status && !*coder; i++)
@@ -401,12 +261,26 @@ static enum rb_status find_format(const char *path, enum format *format, struct 
 	               path);
 }
 
+static enum rb_status check_rate(const struct rb_encoder_options *options, enum format format,
+                                 struct rb_error *err)
+{
+	const double least = formats[format].fps_min, most = formats[format].fps_max;
+
+	if (options->fps >= least && options->fps <= most)
+		return RB_OK;
+	return RB_FAIL(err, RB_ERR_SCENE,
+	               "video '%s': %.9g pictures per second, where %s takes %g to %g",
+	               options->path, options->fps, formats[format].ending, least, most);
+}
+
 enum rb_status rb_encoder_check(const struct rb_encoder_options *options, struct rb_error *err)
 {
 	const struct coder *coder;
 	enum format format;
 	enum rb_status status = find_format(options->path, &format, err);
 
+	if (!status)
+		status = check_rate(options, format, err);
 	if (!status)
 		status = rb_outfile_probe(options->path, options->replace, err);
 	if (!status)
@@ -418,7 +292,7 @@ enum rb_status rb_encoder_check(const struct rb_encoder_options *options, struct
 
 static void add(struct arguments *arguments, const char *text)
 {
-	RB_ASSERT(arguments->count < ARGUMENTS_MAX);
+	RB_ASSERT(arguments->count < ARGUMENTS_MAX - 1); /* the list ends with NULL */
 	arguments->list[arguments->count++] = text;
 }
 
@@ -435,6 +309,7 @@ static void begin(struct arguments *arguments)
 	add(arguments, "-hide_banner");
 	add(arguments, "-nostdin");
 	add_pair(arguments, "-loglevel", "error");
+	add(arguments, "-xerror"); /* else a film whose end could not be written is a success */
 	add(arguments, "-y");
 }
 
@@ -457,6 +332,21 @@ static char *file_name(const char *path, const char *ending)
 	if (name)
 		snprintf(name, size, "%s%s%s", protocol, path, ending);
 	return name;
+}
+
+/* A film is made of `first` and `second`, names with "file:" or NULL; how far it is shows in their sizes. */
+static enum rb_status start(struct rb_encoder *encoder, const struct arguments *arguments,
+                            bool feeds, const char *first, const char *second, struct rb_error *err)
+{
+	const size_t protocol = strlen("file:");
+	const enum rb_status status = rb_child_start(&encoder->child, arguments->list, feeds, false,
+	                                             err);
+
+	encoder->child.patience_s = encoder->patience_s;
+	encoder->child.cut = encoder->cut;
+	encoder->child.files[0] = first ? first + protocol : NULL;
+	encoder->child.files[1] = second ? second + protocol : NULL;
+	return status;
 }
 
 /* The shortest text that is the number: 60, 29.97, from which ffmpeg makes the fraction. */
@@ -485,7 +375,7 @@ static enum rb_status start_film(struct rb_encoder *encoder, const struct coder 
 		add_pair(&arguments, "-metadata", encoder->title);
 	add_pair(&arguments, "-f", formats[encoder->format].muxer);
 	add(&arguments, output);
-	return start(&encoder->child, &arguments, true, false, err);
+	return start(encoder, &arguments, true, output, NULL, err);
 }
 
 /*
@@ -516,7 +406,7 @@ static enum rb_status start_gif(struct rb_encoder *encoder, struct rb_error *err
 	add_pair(&arguments, "-pix_fmt", "bgra");
 	add_pair(&arguments, "-f", "rawvideo");
 	add(&arguments, encoder->palette_path);
-	return start(&encoder->child, &arguments, true, false, err);
+	return start(encoder, &arguments, true, encoder->pictures_path, encoder->palette_path, err);
 }
 
 static enum rb_status second_pass(struct rb_encoder *encoder, const char *output,
@@ -535,8 +425,8 @@ static enum rb_status second_pass(struct rb_encoder *encoder, const char *output
 	         "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle");
 	add_pair(&arguments, "-f", "gif");
 	add(&arguments, output);
-	const enum rb_status status = start(&encoder->child, &arguments, false, false, err);
-	return status ? status : finish_child(&encoder->child, err);
+	const enum rb_status status = start(encoder, &arguments, false, output, NULL, err);
+	return status ? status : finish_child(&encoder->child, encoder->child.files[0], err);
 }
 
 static enum rb_status no_memory(const char *path, struct rb_error *err)
@@ -578,12 +468,16 @@ static enum rb_status set_names(struct rb_encoder *encoder,
 		sprintf(encoder->title, "%s%s", key, title);
 	const enum rb_status status = rb_outfile_open(&encoder->out, encoder->path,
 	                                              options->replace, err);
-	if (status || encoder->format != FORMAT_GIF)
+	if (status)
 		return status;
+	encoder->output = file_name(encoder->out.partial, "");
+	if (encoder->format != FORMAT_GIF)
+		return encoder->output ? RB_OK : no_memory(options->path, err);
 	encoder->pictures_path = file_name(encoder->out.partial, ".pictures");
 	encoder->palette_path = file_name(encoder->out.partial, ".palette");
-	return encoder->pictures_path && encoder->palette_path ? RB_OK
-	                                                       : no_memory(options->path, err);
+	return encoder->output && encoder->pictures_path && encoder->palette_path
+	               ? RB_OK
+	               : no_memory(options->path, err);
 }
 
 static enum rb_status set_up_encoder(struct rb_encoder *encoder,
@@ -602,12 +496,7 @@ static enum rb_status set_up_encoder(struct rb_encoder *encoder,
 		return status;
 	if (encoder->format == FORMAT_GIF)
 		return start_gif(encoder, err);
-	char *const output = file_name(encoder->out.partial, "");
-	if (!output)
-		return no_memory(options->path, err);
-	status = start_film(encoder, coder, output, err);
-	rb_memory_free(output);
-	return status;
+	return start_film(encoder, coder, encoder->output, err);
 }
 
 enum rb_status rb_encoder_create(struct rb_encoder **encoder,
@@ -617,7 +506,9 @@ enum rb_status rb_encoder_create(struct rb_encoder **encoder,
 	*encoder = rb_memory_take(1, sizeof **encoder);
 	if (!*encoder)
 		return no_memory(options->path, err);
-	(*encoder)->child = (struct child){.in = -1, .out = -1, .complaints = -1};
+	(*encoder)->cut = options->cut;
+	(*encoder)->patience_s = options->patience_s > 0 ? options->patience_s : patience_s;
+	rb_child_init(&(*encoder)->child);
 	const enum rb_status status = set_up_encoder(*encoder, options, err);
 	if (status) {
 		rb_encoder_destroy(*encoder);
@@ -640,30 +531,6 @@ static void pad(const struct rb_encoder *encoder, const struct rb_pixmap *pixmap
 	}
 }
 
-/*
- * Down the pipe, listening at the same time: who waits on neither side can't be waited for. False: the pipe is
- * broken.
- */
-static bool feed(struct child *child, const uint8_t *bytes, size_t size)
-{
-	while (size > 0) {
-		const ssize_t sent = write(child->in, bytes, size);
-		if (sent > 0) {
-			bytes += sent;
-			size -= (size_t)sent;
-			continue;
-		}
-		if (sent < 0 && errno != EAGAIN && errno != EINTR)
-			return false;
-		struct pollfd wishes[2] = {{.fd = child->in, .events = POLLOUT},
-		                           {.fd = child->complaints, .events = POLLIN}};
-		poll(wishes, 2, -1);
-		if (wishes[1].revents)
-			hear(child);
-	}
-	return true;
-}
-
 enum rb_status rb_encoder_picture(struct rb_encoder *encoder, const struct rb_pixmap *pixmap,
                                   struct rb_error *err)
 {
@@ -676,15 +543,15 @@ enum rb_status rb_encoder_picture(struct rb_encoder *encoder, const struct rb_pi
 		bytes = encoder->padded;
 	}
 	encoder->pictures++;
-	if (feed(&encoder->child, bytes,
-	         4 * (size_t)encoder->padded_width * (size_t)encoder->padded_height))
+	struct rb_child *const child = &encoder->child;
+	if (rb_child_feed(child, bytes,
+	                  4 * (size_t)encoder->padded_width * (size_t)encoder->padded_height))
 		return RB_OK;
 	encoder->failed = true;
-	const int outcome = wait_for(&encoder->child);
-	if (outcome == 0)
-		return RB_FAIL(err, RB_ERR_MISSING, "'%s' has ended before the film: %.140s",
-		               program(), last_words(&encoder->child));
-	return tell_exit(&encoder->child, outcome, err);
+	const enum rb_status status = tell_end(child, rb_child_wait(child), child->files[0], err);
+	return status ? status
+	              : RB_FAIL(err, RB_ERR_MISSING, "'%s' has ended before the film: %.140s",
+	                        program(), rb_child_last_words(child));
 }
 
 enum rb_status rb_encoder_finish(struct rb_encoder *encoder, bool discard, uint64_t *bytes,
@@ -695,16 +562,13 @@ enum rb_status rb_encoder_finish(struct rb_encoder *encoder, bool discard, uint6
 	if (bytes)
 		*bytes = 0;
 	if (discard || encoder->failed || encoder->pictures == 0) {
-		stop(&encoder->child);
+		rb_child_stop(&encoder->child);
 		rb_outfile_release(&encoder->out);
 		return RB_OK;
 	}
-	enum rb_status status = finish_child(&encoder->child, err);
-	if (!status && encoder->format == FORMAT_GIF) {
-		char *const output = file_name(encoder->out.partial, "");
-		status = output ? second_pass(encoder, output, err) : no_memory(encoder->path, err);
-		rb_memory_free(output);
-	}
+	enum rb_status status = finish_child(&encoder->child, encoder->child.files[0], err);
+	if (!status && encoder->format == FORMAT_GIF)
+		status = second_pass(encoder, encoder->output, err);
 	encoder->failed = true; /* it takes no more pictures */
 	if (status) {
 		rb_outfile_release(&encoder->out);
@@ -727,10 +591,11 @@ void rb_encoder_destroy(struct rb_encoder *encoder)
 {
 	if (!encoder)
 		return;
-	stop(&encoder->child);
+	rb_child_stop(&encoder->child);
 	rb_outfile_release(&encoder->out);
 	remove_named(encoder->pictures_path);
 	remove_named(encoder->palette_path);
+	rb_memory_free(encoder->output);
 	rb_memory_free(encoder->padded);
 	rb_memory_free(encoder->title);
 	rb_memory_free(encoder->path);

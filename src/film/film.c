@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "film/film.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdio.h>
 
 #include "base/error.h"
@@ -18,6 +20,9 @@
 /* More than any projector has; textures and targets of OpenGL have such limits too. */
 enum { SIDE_MAX_PX = 16384 };
 
+/* More than four days of film, and more files than a folder is good for: somebody has got a number wrong. */
+static const uint64_t picture_count_max = 10000000;
+
 struct rb_film {
 	/* set before the sink is opened, then only read */
 	struct rb_film_options options;
@@ -32,6 +37,8 @@ struct rb_film {
 	uint64_t index, stride; /* 0: not known yet */
 	bool has_last;          /* `last` is that one */
 	struct rb_frame last, between;
+
+	atomic_bool cut; /* set by anybody */
 
 	/* protected by lock */
 	pthread_mutex_t lock;
@@ -63,6 +70,15 @@ static struct rb_press_options press_options(const struct rb_film_options *optio
 	return press;
 }
 
+static uint64_t picture_count_of(const struct rb_film_options *options)
+{
+	const struct rb_schedule schedule = rb_schedule_of(
+		options->camera, options->model->frame_rate, options->end_s);
+	const uint64_t count = rb_schedule_count(&schedule);
+
+	return options->still && count > 1 ? 1 : count;
+}
+
 enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_error *err)
 {
 	const struct rb_press_options press = press_options(options);
@@ -81,10 +97,16 @@ enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_er
 			err, RB_ERR_SCENE,
 			"%g pictures per second at %g times the true speed: both must be positive",
 			press.fps, camera->speed);
+	const uint64_t count = picture_count_of(options);
+	if (count > picture_count_max)
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "a film of %" PRIu64 " pictures: at most %" PRIu64
+		               " are possible (fps, speed, from and to say how many there are)",
+		               count, picture_count_max);
 	status = rb_looks_make(&looks, options->model, err);
 	rb_looks_release(&looks);
 	if (!status && camera->overlay) {
-		status = rb_overlay_create(&overlay, press.height, err);
+		status = rb_overlay_create(&overlay, press.width, press.height, err);
 		rb_overlay_destroy(overlay);
 	}
 	return status ? status : rb_press_check(&press, err);
@@ -95,9 +117,10 @@ enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_er
 static enum rb_status film_open(void *self, struct rb_error *err)
 {
 	struct rb_film *const film = self;
-	const struct rb_press_options options = press_options(&film->options);
+	struct rb_press_options options = press_options(&film->options);
 	struct rb_press *press = NULL;
 
+	options.cut = &film->cut;
 	enum rb_status status = rb_take_create(&film->take, film->options.model,
 	                                       film->options.camera, err);
 	if (!status)
@@ -112,21 +135,36 @@ static enum rb_status film_open(void *self, struct rb_error *err)
 	return status;
 }
 
+/* Where a shot belongs among those of a frame, which are sorted by camera and then by picture. */
+static bool is_before(const struct rb_frame_shot *shot, int camera, uint64_t picture)
+{
+	return shot->camera < camera || (shot->camera == camera && shot->picture < picture);
+}
+
+/* Slow motion may have thousands of them in one frame. */
 static enum rb_status find_shot(const struct rb_film *film, const struct rb_frame *frame,
                                 const struct rb_frame_shot **shot, struct rb_error *err)
 {
 	const struct rb_camera_def *const camera = film->options.camera;
+	const int number = film->options.number;
+	int low = 0, high = frame->shot_count;
 
 	*shot = NULL;
 	if (camera->position.source != RB_CAMERA_FUNCTION &&
 	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
 		return RB_OK;
-	for (int i = 0; i < frame->shot_count; i++)
-		if (frame->shots[i].camera == film->options.number &&
-		    frame->shots[i].picture == film->next) {
-			*shot = &frame->shots[i];
-			return RB_OK;
-		}
+	while (low < high) {
+		const int middle = low + (high - low) / 2;
+		if (is_before(&frame->shots[middle], number, film->next))
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	if (low < frame->shot_count && frame->shots[low].camera == number &&
+	    frame->shots[low].picture == film->next) {
+		*shot = &frame->shots[low];
+		return RB_OK;
+	}
 	return RB_FAIL(err, RB_ERR_BUG, "%s: nobody says where it stands at %.12g s", film->label,
 	               rb_schedule_time(&film->schedule, film->next));
 }
@@ -141,9 +179,9 @@ static void note_times(struct rb_film *film)
 	pthread_mutex_unlock(&film->lock);
 }
 
-/* The next picture, at a moment that shows `frame`. */
-static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *frame,
-                                   struct rb_error *err)
+/* The next picture, of a moment not after `frame`, which says where the camera stands. */
+static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *moment,
+                                   const struct rb_frame *frame, struct rb_error *err)
 {
 	const double time_s = rb_schedule_time(&film->schedule, film->next);
 	const struct rb_frame_shot *shot;
@@ -151,7 +189,7 @@ static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *
 	enum rb_status status = find_shot(film, frame, &shot, err);
 
 	if (!status)
-		status = rb_take_draw(film->take, frame, shot, &picture, err);
+		status = rb_take_draw(film->take, moment, shot, &picture, err);
 	if (status)
 		return status;
 	note_times(film);
@@ -160,31 +198,36 @@ static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *
 	return status;
 }
 
-static double next_time(const struct rb_film *film)
+/* HUGE_VAL: there is no next one. */
+static double next_time(struct rb_film *film)
 {
-	return film->next < film->picture_count ? rb_schedule_time(&film->schedule, film->next)
-	                                        : HUGE_VAL;
+	return film->next < film->picture_count && !atomic_load(&film->cut)
+	               ? rb_schedule_time(&film->schedule, film->next)
+	               : HUGE_VAL;
 }
 
 /* Pictures at moments before this frame; of those before the first one nothing is known. */
 static enum rb_status make_earlier(struct rb_film *film, const struct rb_frame *frame,
                                    struct rb_error *err)
 {
+	/* without shots, which would be copied for each picture */
+	struct rb_frame plain = *frame;
 	enum rb_status status = RB_OK;
+	double time_s;
 
-	while (!status && next_time(film) < frame->time_s) {
+	plain.shot_count = 0;
+	while (!status && (time_s = next_time(film)) < frame->time_s) {
 		const struct rb_frame *moment = frame;
 		if (!film->has_frame) {
 			film->next++;
 			continue;
 		}
 		if (film->has_last) {
-			status = rb_frame_between(&film->between, &film->last, frame,
-			                          next_time(film), err);
+			status = rb_frame_between(&film->between, &film->last, &plain, time_s, err);
 			moment = &film->between;
 		}
 		if (!status)
-			status = make_picture(film, moment, err);
+			status = make_picture(film, moment, frame, err);
 	}
 	return status;
 }
@@ -200,7 +243,9 @@ static enum rb_status remember(struct rb_film *film, const struct rb_frame *fram
 	                 (film->stride == 0 ||
 	                  next_time(film) < rb_model_frame_time(film->options.model,
 	                                                        frame->index + film->stride));
-	return film->has_last ? rb_frame_copy(&film->last, frame, err) : RB_OK;
+	struct rb_frame plain = *frame;
+	plain.shot_count = 0;
+	return film->has_last ? rb_frame_copy(&film->last, &plain, err) : RB_OK;
 }
 
 static enum rb_status film_frame(void *self, const struct rb_frame *frame, struct rb_error *err)
@@ -208,13 +253,13 @@ static enum rb_status film_frame(void *self, const struct rb_frame *frame, struc
 	struct rb_film *const film = self;
 	enum rb_status status;
 
-	if (film->next >= film->picture_count)
+	if (next_time(film) == HUGE_VAL)
 		return RB_OK;
 	/* before trails grow by this frame, which is later */
 	status = make_earlier(film, frame, err);
 	rb_take_see(film->take, frame);
 	while (!status && next_time(film) == frame->time_s)
-		status = make_picture(film, frame, err);
+		status = make_picture(film, frame, frame, err);
 	return status ? status : remember(film, frame, err);
 }
 
@@ -280,9 +325,8 @@ enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *sink,
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare a film: out of memory");
 	f->options = *options;
 	f->schedule = rb_schedule_of(options->camera, options->model->frame_rate, options->end_s);
-	f->picture_count = rb_schedule_count(&f->schedule);
-	if (options->still && f->picture_count > 1)
-		f->picture_count = 1;
+	f->picture_count = picture_count_of(options);
+	atomic_init(&f->cut, false);
 	f->tally.picture_count = f->picture_count;
 	if (options->camera->name)
 		snprintf(f->label, sizeof f->label, "camera '%.60s'", options->camera->name);
@@ -308,6 +352,11 @@ void rb_film_destroy(struct rb_film *film)
 	rb_frame_release(&film->between);
 	pthread_mutex_destroy(&film->lock);
 	rb_memory_free(film);
+}
+
+void rb_film_cut(struct rb_film *film)
+{
+	atomic_store(&film->cut, true);
 }
 
 struct rb_film_tally rb_film_tally(const struct rb_film *film)

@@ -2,7 +2,6 @@
 #include "film/overlay.h"
 
 #include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,11 +13,12 @@
 enum {
 	GLYPHS_MAX = 256,   /* drawn ones that are kept */
 	LETTERS_MAX = 400,  /* in a line */
+	RIM_MAX = 32,       /* px: the work for a letter grows with its square */
 	LINEAR_STEPS = 4096 /* of linear light, fine enough for every sRGB value to come back */
 };
 
 /* Of the picture's height; below the smallest letters cannot be read, so they are not made. */
-static const double size_part = 1.0 / 24, size_min_px = 9;
+static const double size_part = 1.0 / 24, size_min_px = 9, height_most = 9.0 / 16;
 /* Of the letters' size: the soft rim around them, and the distance from the picture's edge. */
 static const double rim_part = 0.14, margin_part = 0.6, line_part = 1.35;
 static const double rim_strength = 0.92;
@@ -55,6 +55,7 @@ struct rb_overlay {
 	FT_Face face;
 	double size_px;
 	int rim, margin, line_height;
+	double darkness[RIM_MAX + 1][RIM_MAX + 1]; /* of the rim, so far from a letter's pixel */
 	int digit_advance_26_6;
 	struct glyph glyph[GLYPHS_MAX];
 	int glyph_count;
@@ -109,7 +110,18 @@ static void make_curves(struct rb_overlay *overlay)
 	}
 }
 
-static enum rb_status set_up(struct rb_overlay *overlay, int height_px, struct rb_error *err)
+static void make_rim(struct rb_overlay *overlay)
+{
+	overlay->rim = (int)fmin(ceil(overlay->size_px * rim_part), RIM_MAX);
+	for (int y = 0; y <= overlay->rim; y++)
+		for (int x = 0; x <= overlay->rim; x++) {
+			const double far = sqrt((double)(x * x + y * y)) / (overlay->rim + 1);
+			overlay->darkness[y][x] = fmax(1 - far * far, 0);
+		}
+}
+
+static enum rb_status set_up(struct rb_overlay *overlay, int width_px, int height_px,
+                             struct rb_error *err)
 {
 	if (FT_Init_FreeType(&overlay->library) != 0) {
 		overlay->library = NULL;
@@ -118,12 +130,12 @@ static enum rb_status set_up(struct rb_overlay *overlay, int height_px, struct r
 	const enum rb_status status = open_font(overlay, err);
 	if (status)
 		return status;
-	overlay->size_px = fmax(size_min_px, height_px * size_part);
+	overlay->size_px = fmax(size_min_px, fmin(height_px, width_px * height_most) * size_part);
 	if (FT_Set_Char_Size(overlay->face, 0, (FT_F26Dot6)lrint(64 * overlay->size_px), 72, 72) !=
 	    0)
 		return RB_FAIL(err, RB_ERR_MISSING, "the font '%s' has no letters of any size",
 		               overlay->face->family_name ? overlay->face->family_name : "");
-	overlay->rim = (int)ceil(overlay->size_px * rim_part);
+	make_rim(overlay);
 	overlay->margin = (int)lrint(overlay->size_px * margin_part);
 	overlay->line_height = (int)lrint(overlay->size_px * line_part);
 	for (uint32_t digit = '0'; digit <= '9'; digit++) {
@@ -135,12 +147,13 @@ static enum rb_status set_up(struct rb_overlay *overlay, int height_px, struct r
 	return RB_OK;
 }
 
-enum rb_status rb_overlay_create(struct rb_overlay **overlay, int height_px, struct rb_error *err)
+enum rb_status rb_overlay_create(struct rb_overlay **overlay, int width_px, int height_px,
+                                 struct rb_error *err)
 {
 	*overlay = rb_memory_take(1, sizeof **overlay);
 	if (!*overlay)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare texts: out of memory");
-	const enum rb_status status = set_up(*overlay, height_px, err);
+	const enum rb_status status = set_up(*overlay, width_px, height_px, err);
 	if (status) {
 		rb_overlay_destroy(*overlay);
 		*overlay = NULL;
@@ -170,28 +183,42 @@ void rb_overlay_destroy(struct rb_overlay *overlay)
 
 /* ---- letters ---- */
 
-/* Each pixel of the rim is as dark as the letter's pixels around it, the less the further they are. */
-static void draw_rim(const struct glyph *glyph, int reach)
+/* Wholly covered, as all four beside it: whatever such a pixel darkens, one of these is nearer to. */
+static bool is_inside(const struct glyph *glyph, int x, int y)
 {
-	const int width = glyph->width + 2 * reach;
+	const uint8_t *const at = glyph->letter + y * glyph->width + x;
+
+	return x > 0 && y > 0 && x < glyph->width - 1 && y < glyph->height - 1 && at[0] == 255 &&
+	       at[-1] == 255 && at[1] == 255 && at[-glyph->width] == 255 && at[glyph->width] == 255;
+}
+
+/* What a pixel of the letter, so far covered, darkens. */
+static void darken(const struct rb_overlay *overlay, const struct glyph *glyph, int x, int y,
+                   int cover)
+{
+	const int reach = overlay->rim, width = glyph->width + 2 * reach;
+
+	for (int dy = -reach; dy <= reach; dy++)
+		for (int dx = -reach; dx <= reach; dx++) {
+			const int dark = (int)(cover * overlay->darkness[abs(dy)][abs(dx)]);
+			uint8_t *const at = glyph->rim + (y + reach + dy) * width + x + reach + dx;
+			if (dark > *at)
+				*at = (uint8_t)dark;
+		}
+}
+
+/* Each pixel of the rim is as dark as the letter's pixels around it, the less the further they are. */
+static void draw_rim(const struct rb_overlay *overlay, const struct glyph *glyph)
+{
+	const int reach = overlay->rim, width = glyph->width + 2 * reach;
 
 	for (int y = 0; y < glyph->height; y++)
 		for (int x = 0; x < glyph->width; x++) {
 			const int cover = glyph->letter[y * glyph->width + x];
-			if (cover == 0)
-				continue;
-			for (int dy = -reach; dy <= reach; dy++)
-				for (int dx = -reach; dx <= reach; dx++) {
-					const double far = sqrt((double)(dx * dx + dy * dy)) /
-					                   (reach + 1);
-					if (far >= 1)
-						continue;
-					const int dark = (int)(cover * (1 - far * far));
-					uint8_t *const at = glyph->rim + (y + reach + dy) * width +
-					                    x + reach + dx;
-					if (dark > *at)
-						*at = (uint8_t)dark;
-				}
+			if (is_inside(glyph, x, y))
+				glyph->rim[(y + reach) * width + x + reach] = 255;
+			else if (cover > 0)
+				darken(overlay, glyph, x, y, cover);
 		}
 }
 
@@ -222,7 +249,7 @@ static bool draw_glyph(struct rb_overlay *overlay, struct glyph *glyph)
 	for (int y = 0; y < glyph->height; y++)
 		memcpy(glyph->letter + y * glyph->width, bitmap->buffer + y * bitmap->pitch,
 		       (size_t)glyph->width);
-	draw_rim(glyph, overlay->rim);
+	draw_rim(overlay, glyph);
 	return true;
 }
 
@@ -413,4 +440,17 @@ void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 	const int x = right ? pixmap->width - margin - text_width : margin;
 	const int y = bottom ? pixmap->height - down - (int)lrint(1.25 * overlay->size_px) : down;
 	put_line(overlay, pixmap, letters, count, (const int[]){x - rim, y - rim, width, height});
+}
+
+bool rb_overlay_fits(struct rb_overlay *overlay, int width_px, const char *left, const char *right)
+{
+	struct letter letters[LETTERS_MAX];
+	const int room = width_px - 2 * overlay->margin;
+	int left_width, right_width;
+
+	if (overlay->glyph_count > GLYPHS_MAX / 2)
+		forget_glyphs(overlay);
+	(void)set_line(overlay, letters, left, room, &left_width);
+	(void)set_line(overlay, letters, right, room, &right_width);
+	return left_width + right_width + lrint(overlay->size_px) <= room;
 }

@@ -8,13 +8,15 @@
 #ifndef RB_FILM_OVERLAY_H
 #define RB_FILM_OVERLAY_H
 
+#include <stdbool.h>
+
 #include "film/pixmap.h"
 
 struct rb_overlay;
 
-/* For pictures of that height: letters are a fixed part of it. */
-RB_CHECKED enum rb_status rb_overlay_create(struct rb_overlay **overlay, int height_px,
-                                            struct rb_error *err);
+/* For pictures of that size: letters are a fixed part of the height, or of that of 16:9 where they are narrower. */
+RB_CHECKED enum rb_status rb_overlay_create(struct rb_overlay **overlay, int width_px,
+                                            int height_px, struct rb_error *err);
 void rb_overlay_destroy(struct rb_overlay *overlay); /* NULL is fine */
 
 enum rb_overlay_corner {
@@ -31,5 +33,8 @@ enum rb_overlay_corner {
  */
 void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
                       enum rb_overlay_corner corner, int line, const char *text);
+
+/* Do both have room side by side, one in a left corner and one in a right one of a picture? */
+bool rb_overlay_fits(struct rb_overlay *overlay, int width_px, const char *left, const char *right);
 
 #endif

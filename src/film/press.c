@@ -103,7 +103,8 @@ static struct rb_encoder_options encoder_options(const struct rb_press_options *
 	                                   .width = options->width,
 	                                   .height = options->height,
 	                                   .fps = options->fps,
-	                                   .title = options->title};
+	                                   .title = options->title,
+	                                   .cut = options->cut};
 }
 
 enum rb_status rb_press_check(const struct rb_press_options *options, struct rb_error *err)

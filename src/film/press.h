@@ -9,6 +9,7 @@
 #ifndef RB_FILM_PRESS_H
 #define RB_FILM_PRESS_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -29,7 +30,9 @@ struct rb_press_options {
 	int width, height; /* of all pictures */
 	double fps;
 	int png_threads;
-	const char *title;                            /* of the video; NULL: none */
+	const char *title; /* of the video; NULL: none */
+	const atomic_bool
+		*cut; /* borrowed; set: nobody waits for an ffmpeg that hangs; NULL: never */
 	struct rb_png_text texts[RB_PRESS_TEXTS_MAX]; /* of every PNG file */
 	int text_count;
 };

@@ -78,7 +78,8 @@ enum rb_status rb_take_create(struct rb_take **take, const struct rb_model *mode
 	choose_speed_text(t);
 	enum rb_status status = rb_trails_init(&t->trails, model, camera, err);
 	if (!status && camera->overlay)
-		status = rb_overlay_create(&t->overlay, camera->size_px[1], err);
+		status = rb_overlay_create(&t->overlay, camera->size_px[0], camera->size_px[1],
+		                           err);
 	if (!status)
 		status = rb_painter_create(&t->painter, model, camera, err);
 	if (status) {
@@ -136,14 +137,12 @@ static void print_time(const struct rb_take *take, double time_s, char out[TEXT_
 }
 
 /* With digits that suit the largest energy so far: the small ones are then seen to be small. */
-static void print_energy(const struct rb_take *take, const struct rb_frame *frame,
+static void print_energy(const struct rb_take *take, double total, double kinetic,
                          char out[TEXT_SIZE])
 {
 	static const struct unit units[] = {{"nJ", 1e-9}, {"\xc2\xb5J", 1e-6}, {"mJ", 1e-3},
 	                                    {"J", 1},     {"kJ", 1e3},         {"MJ", 1e6},
 	                                    {"GJ", 1e9}};
-	const double kinetic = frame->numbers.kinetic_energy;
-	const double total = kinetic + frame->numbers.potential_energy;
 	int u = 0;
 
 	while (u < 6 && take->largest_energy >= units[u + 1].size)
@@ -159,23 +158,36 @@ static void print_energy(const struct rb_take *take, const struct rb_frame *fram
 	snprintf(out, TEXT_SIZE, "E = %s %s (kinetic %s)", e, units[u].name, k);
 }
 
+/* Beside the time, or above it where there is no room for the longest one: it does not jump with a sign. */
+static void write_energy(struct rb_take *take, const struct rb_frame *frame, const char *time,
+                         struct rb_pixmap *picture)
+{
+	const double kinetic = frame->numbers.kinetic_energy;
+	const double potential = frame->numbers.potential_energy;
+	char text[TEXT_SIZE];
+
+	see_energy(take, frame);
+	print_energy(take, -take->largest_energy, take->largest_energy, text);
+	const bool fits = !*time || rb_overlay_fits(take->overlay, picture->width, time, text);
+	print_energy(take, kinetic + potential, kinetic, text);
+	rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, fits ? 0 : 1, text);
+}
+
 static void write_texts(struct rb_take *take, const struct rb_frame *frame,
                         struct rb_pixmap *picture)
 {
-	char text[TEXT_SIZE];
+	const unsigned wanted = take->camera->overlay;
+	char time[TEXT_SIZE] = "";
 
-	if (take->camera->overlay & RB_OVERLAY_TITLE)
+	if (wanted & RB_OVERLAY_TITLE)
 		rb_overlay_write(take->overlay, picture, RB_OVERLAY_TOP_LEFT, 0,
 		                 take->model->scene->world.title);
-	if (take->camera->overlay & RB_OVERLAY_TIME) {
-		print_time(take, frame->time_s, text);
-		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_LEFT, 0, text);
+	if (wanted & RB_OVERLAY_TIME) {
+		print_time(take, frame->time_s, time);
+		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_LEFT, 0, time);
 	}
-	if (take->camera->overlay & RB_OVERLAY_ENERGY) {
-		see_energy(take, frame);
-		print_energy(take, frame, text);
-		rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, 0, text);
-	}
+	if (wanted & RB_OVERLAY_ENERGY)
+		write_energy(take, frame, time, picture);
 }
 
 enum rb_status rb_take_draw(struct rb_take *take, const struct rb_frame *frame,

@@ -33,6 +33,11 @@ static rb_vec3 vector(const struct rb_camera_vector *from, const struct rb_model
 	return from->value;
 }
 
+static const char *file_of(const struct rb_model *model, const struct rb_camera_def *camera)
+{
+	return camera->file ? camera->file : model->scene->file;
+}
+
 static const char *label(const struct rb_camera_def *camera)
 {
 	return camera->name ? camera->name : "unnamed";
@@ -75,7 +80,7 @@ static enum rb_status nearest(double *least, const struct rb_view *view,
 			char text[64];
 			return RB_FAIL(err, RB_ERR_SCENE,
 			               "%s:%d: camera '%s': stands inside body '%s' at t = %.6g s",
-			               model->scene->file, camera->line, label(camera),
+			               file_of(model, camera), camera->line, label(camera),
 			               rb_scene_body_label(model->scene, id, text), frame->time_s);
 		}
 		if (d > 0 && (*least == 0 || d < *least))
@@ -111,19 +116,19 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 	if (!rb_vec3_finite(view->eye) || !rb_vec3_finite(across))
 		return RB_FAIL(err, RB_ERR_SCENE,
 		               "%s:%d: camera '%s': its place at t = %.6g s is not finite",
-		               model->scene->file, camera->line, label(camera), frame->time_s);
+		               file_of(model, camera), camera->line, label(camera), frame->time_s);
 	if (!(rb_vec3_length(back) > 0.5))
 		return RB_FAIL(
 			err, RB_ERR_SCENE,
 			"%s:%d: camera '%s': 'look_at' is where it stands at t = %.6g s (%.6g, %.6g, %.6g)",
-			model->scene->file, camera->line, label(camera), frame->time_s, target.x,
-			target.y, target.z);
+			file_of(model, camera), camera->line, label(camera), frame->time_s,
+			target.x, target.y, target.z);
 	if (!(rb_vec3_length(across) > DEGENERATE_SINE))
 		return RB_FAIL(
 			err, RB_ERR_SCENE,
 			"%s:%d: camera '%s': 'up' is along its line of sight at t = %.6g s (%.6g, %.6g, %.6g)",
-			model->scene->file, camera->line, label(camera), frame->time_s, up.x, up.y,
-			up.z);
+			file_of(model, camera), camera->line, label(camera), frame->time_s, up.x,
+			up.y, up.z);
 	view->back = back;
 	view->right = rb_vec3_unit(across, across);
 	view->up = rb_vec3_cross(view->back, view->right);

@@ -175,6 +175,15 @@ void rb_ring_publish(struct rb_ring *ring)
 	pthread_mutex_unlock(&ring->lock);
 }
 
+int rb_ring_used(struct rb_ring *ring, int *slot_count)
+{
+	pthread_mutex_lock(&ring->lock);
+	const uint64_t used = ring->head - tail_locked(ring);
+	pthread_mutex_unlock(&ring->lock);
+	*slot_count = ring->slot_count;
+	return (int)used;
+}
+
 void rb_ring_close(struct rb_ring *ring)
 {
 	pthread_mutex_lock(&ring->lock);

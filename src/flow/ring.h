@@ -50,6 +50,8 @@ RB_CHECKED enum rb_status rb_ring_add_consumer(struct rb_ring *ring, bool lossle
 struct rb_frame *rb_ring_acquire(struct rb_ring *ring);
 /* Hands the acquired slot to the consumers. */
 void rb_ring_publish(struct rb_ring *ring);
+/* Frames that were published and that some lossless consumer still needs. Any thread. */
+int rb_ring_used(struct rb_ring *ring, int *slot_count);
 /* No frame will follow: consumers read what is there and are then told so. */
 void rb_ring_close(struct rb_ring *ring);
 /* Stops both sides at once: what is unread stays unread. */

@@ -179,6 +179,7 @@ static int l_camera(lua_State *L)
 	struct rb_error err;
 
 	def.line = call.line;
+	def.file = call.script->source;
 	rb_call_read(&call, &def);
 	read_lights(&call, &def);
 	read_trails(&call, &def);

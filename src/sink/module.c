@@ -26,8 +26,12 @@ static struct module hdf5 = {.file_name = "rbsim-hdf5.so",
 static struct module film = {.file_name = "rbsim-film.so",
                              .symbol = "rb_film_module",
                              .version = RB_FILM_MODULE_VERSION};
+static struct module console = {.file_name = "rbsim-console.so",
+                                .symbol = "rb_console_module",
+                                .version = RB_CONSOLE_MODULE_VERSION};
 _Static_assert(offsetof(struct rb_hdf5_module, version) == 0 &&
-                       offsetof(struct rb_film_module, version) == 0,
+                       offsetof(struct rb_film_module, version) == 0 &&
+                       offsetof(struct rb_console_module, version) == 0,
                "load_from reads it from there");
 
 /* The folder of the running program, without a slash at its end. */
@@ -113,6 +117,11 @@ static void load_film(void)
 	load(&film);
 }
 
+static void load_console(void)
+{
+	load(&console);
+}
+
 static enum rb_status answer(const struct module *module, struct rb_error *err)
 {
 	if (module->loaded)
@@ -138,4 +147,13 @@ enum rb_status rb_module_film(const struct rb_film_module **module, struct rb_er
 	pthread_once(&once, load_film);
 	*module = film.loaded;
 	return answer(&film, err);
+}
+
+enum rb_status rb_module_console(const struct rb_console_module **module, struct rb_error *err)
+{
+	static pthread_once_t once = PTHREAD_ONCE_INIT;
+
+	pthread_once(&once, load_console);
+	*module = console.loaded;
+	return answer(&console, err);
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What is heavy and not always needed lives in modules of their own, loaded when a run or a verb needs them: the HDF5
- * side in rbsim-hdf5.so (recording, reading recordings), pictures and video in rbsim-film.so (OSMesa, libpng, FreeType).
+ * side in rbsim-hdf5.so (recording, reading recordings), pictures and video in rbsim-film.so (OSMesa, libpng, FreeType), the
+ * console's screen in rbsim-console.so (ncurses).
  * Linking them would cost every start some milliseconds and tens of megabytes.
  *
  * Each is loaded once (later calls return the same table); RB_ERR_MISSING says which file was looked for and why it
@@ -120,6 +121,8 @@ struct rb_film_module {
 	enum rb_status (*film_create)(struct rb_film **film, struct rb_sink *sink,
 	                              const struct rb_film_options *options, struct rb_error *err);
 	void (*film_destroy)(struct rb_film *film);
+	/* From any thread: no picture after the one that is being drawn; what was printed becomes the film. */
+	void (*film_cut)(struct rb_film *film);
 	struct rb_film_tally (*film_tally)(const struct rb_film *film);
 
 	/* Single pictures: film/take.h, film/png.h. `picture` borrows the take's memory until the next call. */
@@ -135,9 +138,27 @@ struct rb_film_module {
 	                            struct rb_error *err);
 };
 
-enum { RB_FILM_MODULE_VERSION = 1 };
+enum { RB_FILM_MODULE_VERSION = 2 };
 
 RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);
+
+/* ---- the console's screen ---- */
+
+struct rb_viewer; /* control/viewer.h */
+
+/* The module's one exported object is `const struct rb_console_module rb_console_module`. */
+struct rb_console_module {
+	int version; /* RB_CONSOLE_MODULE_VERSION of the build */
+
+	/* control/desk.h: keys in, screen out, until the viewer wishes for something else. */
+	enum rb_status (*run)(struct rb_viewer *viewer, int listen, int *signal,
+	                      struct rb_error *err);
+};
+
+enum { RB_CONSOLE_MODULE_VERSION = 1 };
+
+RB_CHECKED enum rb_status rb_module_console(const struct rb_console_module **module,
+                                            struct rb_error *err);
 
 #endif

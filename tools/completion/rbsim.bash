@@ -6,7 +6,7 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|render|diff|converge|verify|methods) verb=$w ;; esac
+		case $w in run|check|info|render|diff|converge|verify|methods|ctl|console|attach) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
@@ -32,12 +32,14 @@ _rbsim()
 	--speed) return ;;
 	--size) return ;;
 	--frame) return ;;
+	--listen) return ;;
+	--commands) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
 	--scenes) return ;;
 	--jobs) return ;;
 	esac
 	if [[ $word == -* ]]; then
 		case $verb in
-		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
 		render) COMPREPLY=($(compgen -W '--output --camera --with --from --to --fps --speed --size --frame --contact-sheet --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
@@ -45,11 +47,14 @@ _rbsim()
 		converge) COMPREPLY=($(compgen -W '--output --param --duration --methods --dt --tolerance --quantity --error --runs --budget --seed --threads --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		verify) COMPREPLY=($(compgen -W '--method --rollback --quick --scenes --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		methods) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
+		ctl) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
+		console) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --fps --speed --detach --force --trust --debug --help --version' -- "$word")) ;;
+		attach) COMPREPLY=($(compgen -W '--fps --speed --trust --debug --help --version' -- "$word")) ;;
 		esac
 		return
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods ctl console attach' -- "$word"))
 }
 complete -F _rbsim rbsim

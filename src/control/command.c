@@ -1,0 +1,585 @@
+/* SPDX-License-Identifier: MIT */
+#include "control/command.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "script/nearest.h"
+
+/* clang-format off */
+const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
+	[RB_COMMAND_PLAY] = {"play", "", 0, "go on"},
+	[RB_COMMAND_PAUSE] = {"pause", "", 0, "stand still at the next frame, for all who watch"},
+	[RB_COMMAND_TOGGLE] = {"toggle", "", 0, "play what is paused, pause what plays"},
+	[RB_COMMAND_STEP] = {"step", "[N]", 0, "go on by N frames (default: 1), then pause"},
+	[RB_COMMAND_BACK] = {"back", "[N]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
+		"show the frame N before this one (default: 1)"},
+	[RB_COMMAND_SEEK] = {"seek", "TIME|PERCENT%", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
+		"show the frame at a simulated time in seconds, or at a percentage of the run"},
+	[RB_COMMAND_SPEED] = {"speed", "FACTOR", RB_NEEDS_VIEW,
+		"show simulated seconds at FACTOR times their pace"},
+	[RB_COMMAND_RESTART] = {"restart", "", RB_NEEDS_RUN,
+		"start the simulation anew, with the same scene and parameters but for those that were set"},
+	[RB_COMMAND_STOP] = {"stop", "at collision [on|off]", 0,
+		"pause at each frame that follows a collision (default: on)"},
+	[RB_COMMAND_NEXT] = {"next", "[collision]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
+		"show the next frame with a collision"},
+	[RB_COMMAND_PREVIOUS] = {"previous", "[collision]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
+		"show the frame with a collision before this one"},
+	[RB_COMMAND_FOLLOW] = {"follow", "[BODY]", RB_NEEDS_VIEW,
+		"keep a body in the middle of the picture; without a name, none"},
+	[RB_COMMAND_CAMERA] = {"camera", "NAME|move X Y Z|orbit DEGREES DEGREES|zoom FACTOR|mount [BODY]",
+		RB_NEEDS_VIEW,
+		"take a camera of the scene; move it to the right, up and forward (m); turn it around what it looks at and "
+		"over it; bring it nearer; put it on a body"},
+	[RB_COMMAND_SNAPSHOT] = {"snapshot", "[FILE]", RB_NEEDS_VIEW, "write a picture of this frame"},
+	[RB_COMMAND_FILM] = {"film", "on|off", RB_NEEDS_VIEW, "film what is shown, or end that film"},
+	[RB_COMMAND_CHECKPOINT] = {"checkpoint", "", RB_NEEDS_RUN, "write a checkpoint (not in this version)"},
+	[RB_COMMAND_BODY] = {"body", "NAME", 0, "numbers of a body, by its name or its number as #3"},
+	[RB_COMMAND_SET] = {"set", "PARAMETER VALUE", RB_NEEDS_RUN,
+		"another value for a parameter of the scene, from the next restart on"},
+	[RB_COMMAND_VIEW] = {"view", "pause|play", RB_NEEDS_VIEW, "stop one's own view and not the run; go on with it"},
+	[RB_COMMAND_STATUS] = {"status", "", 0, "where the run is, and its numbers"},
+	[RB_COMMAND_HELP] = {"help", "[COMMAND]", 0, "all commands, or one"},
+	[RB_COMMAND_QUIT] = {"quit", "", 0, "leave the console; given to a run: end it as if interrupted"},
+};
+/* clang-format on */
+
+static const double frames_max = 1e9;
+static const double degree = 0.017453292519943295; /* rad */
+
+enum { WORDS_MAX = 6 };
+
+/* A line taken apart. */
+struct words {
+	char text[WORDS_MAX][RB_COMMAND_TEXT_SIZE];
+	bool quoted[WORDS_MAX]; /* then it is a name and never a fixed word */
+	int count;
+};
+
+/* One line on its way to a command; words[0] is the command's name. */
+struct parse {
+	const struct rb_command_row *row;
+	struct words words;
+	struct rb_command *command;
+	struct rb_error *err;
+};
+
+/* ---- a line as words ---- */
+
+size_t rb_command_character(const char *text)
+{
+	static const struct {
+		unsigned char first_low, first_high, second_low, second_high, size;
+	} forms[] = {
+		{0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
+		{0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3},
+		{0xee, 0xef, 0x80, 0xbf, 3}, {0xf0, 0xf0, 0x90, 0xbf, 4},
+		{0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4},
+	};
+
+	const unsigned char *const at = (const unsigned char *)text;
+	if (at[0] == '\t' || (at[0] >= ' ' && at[0] < 0x7f))
+		return 1;
+	for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
+		if (at[0] < forms[i].first_low || at[0] > forms[i].first_high ||
+		    at[1] < forms[i].second_low || at[1] > forms[i].second_high)
+			continue;
+		for (int k = 2; k < forms[i].size; k++)
+			if (at[k] < 0x80 || at[k] > 0xbf)
+				return 0;
+		return at[0] == 0xc2 && at[1] < 0xa0 ? 0 : forms[i].size; /* C1 controls */
+	}
+	return 0;
+}
+
+static enum rb_status check_bytes(const char *line, struct rb_error *err)
+{
+	size_t size = 0;
+
+	while (line[size]) {
+		const size_t one = rb_command_character(line + size);
+		if (one == 0)
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "byte %zu of the line is 0x%02x, wanted printable UTF-8",
+			               size + 1, (unsigned)(unsigned char)line[size]);
+		size += one;
+		if (size > RB_COMMAND_LINE_SIZE)
+			return RB_FAIL(err, RB_ERR_USAGE, "the line is longer than %d bytes",
+			               RB_COMMAND_LINE_SIZE);
+	}
+	return RB_OK;
+}
+
+/* At most 40 bytes of a text, cut between characters. */
+static const char *shown(const char *text, char out[48])
+{
+	size_t size = 0;
+
+	while (text[size]) {
+		const size_t one = rb_command_character(text + size);
+		if (one == 0 || size + one > 40)
+			break;
+		size += one;
+	}
+	snprintf(out, 48, "%.*s%s", (int)size, text, text[size] ? "..." : "");
+	return out;
+}
+
+static bool is_space(char c)
+{
+	return c == ' ' || c == '\t';
+}
+
+/* The word at *at, which moves behind it. */
+static enum rb_status take_word(struct words *words, const char **at, struct rb_error *err)
+{
+	char beginning[48];
+	const bool quoted = **at == '"';
+	const char *const begin = *at + quoted;
+	const size_t size = strcspn(begin, quoted ? "\"" : " \t");
+
+	if (quoted && begin[size] != '"')
+		return RB_FAIL(err, RB_ERR_USAGE, "'%s' has no quote at its end",
+		               shown(*at, beginning));
+	if (quoted && begin[size + 1] && !is_space(begin[size + 1]))
+		return RB_FAIL(err, RB_ERR_USAGE, "'%s': wanted a space behind the quote",
+		               shown(begin + size, beginning));
+	if (size >= RB_COMMAND_TEXT_SIZE)
+		return RB_FAIL(err, RB_ERR_USAGE, "'%s' is a word of more than %d bytes",
+		               shown(begin, beginning), RB_COMMAND_TEXT_SIZE - 1);
+	if (words->count == WORDS_MAX)
+		return RB_FAIL(err, RB_ERR_USAGE, "'%s' is one word too many",
+		               shown(begin, beginning));
+	memcpy(words->text[words->count], begin, size);
+	words->text[words->count][size] = '\0';
+	words->quoted[words->count] = quoted;
+	words->count++;
+	*at = begin + size + quoted;
+	return RB_OK;
+}
+
+static enum rb_status split(struct words *words, const char *line, struct rb_error *err)
+{
+	for (const char *at = line;;) {
+		while (is_space(*at))
+			at++;
+		if (*at == '\0')
+			return RB_OK;
+		const enum rb_status status = take_word(words, &at, err);
+		if (status)
+			return status;
+	}
+}
+
+/* ---- arguments ---- */
+
+/* The n-th argument from 1, NULL: there are fewer. */
+static const char *argument(const struct parse *parse, int n)
+{
+	return n < parse->words.count ? parse->words.text[n] : NULL;
+}
+
+static bool is_word(const struct parse *parse, int n, const char *word)
+{
+	return n < parse->words.count && !parse->words.quoted[n] &&
+	       strcmp(parse->words.text[n], word) == 0;
+}
+
+static enum rb_status wrong(const struct parse *parse, int n, const char *wanted)
+{
+	const char *found = argument(parse, n);
+	char text[48];
+
+	if (!found)
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s (usage: %s %s)",
+		               parse->row->name, wanted, parse->row->name, parse->row->arguments);
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s': got '%s', wanted %s", parse->row->name,
+	               shown(found, text), wanted);
+}
+
+static enum rb_status at_most(const struct parse *parse, int count)
+{
+	char text[48];
+
+	if (parse->words.count - 1 <= count)
+		return RB_OK;
+	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s': '%s' is too much (usage: %s%s%s)",
+	               parse->row->name, shown(argument(parse, count + 1), text), parse->row->name,
+	               *parse->row->arguments ? " " : "", parse->row->arguments);
+}
+
+/* A plain decimal number: no spaces, no hexadecimal, no infinity. */
+static bool number(const char *text, double *value)
+{
+	char *end;
+
+	if (!text || !*text || text[strspn(text, "+-.0123456789eE")] != '\0')
+		return false;
+	*value = strtod(text, &end);
+	return *end == '\0' && isfinite(*value);
+}
+
+static enum rb_status take_count(struct parse *parse)
+{
+	const char *text = argument(parse, 1);
+	double value = 1;
+
+	if (text && (text[strspn(text, "0123456789")] != '\0' || !number(text, &value) ||
+	             value < 1 || value > frames_max))
+		return wrong(parse, 1, "a whole number from 1 to 1000000000");
+	parse->command->number = value;
+	return at_most(parse, 1);
+}
+
+static enum rb_status take_seek(struct parse *parse)
+{
+	static const char wanted[] = "a time in seconds from 0, or 0% to 100%";
+	char text[RB_COMMAND_TEXT_SIZE];
+	double value;
+
+	if (!argument(parse, 1))
+		return wrong(parse, 1, wanted);
+	snprintf(text, sizeof text, "%s", argument(parse, 1));
+	const size_t size = strlen(text);
+	const bool percent = size > 0 && text[size - 1] == '%';
+	if (percent)
+		text[size - 1] = '\0';
+	if (!number(text, &value) || value < 0 || (percent && value > 100))
+		return wrong(parse, 1, wanted);
+	parse->command->number = value;
+	parse->command->is_percent = percent;
+	return at_most(parse, 1);
+}
+
+static enum rb_status take_factor(struct parse *parse, int n)
+{
+	double value;
+
+	if (!number(argument(parse, n), &value) || !(value > 0))
+		return wrong(parse, n, "a number above 0");
+	parse->command->number = value;
+	return at_most(parse, n);
+}
+
+/* One of two fixed words. */
+static enum rb_status take_choice(struct parse *parse, int n, const char *yes, const char *no)
+{
+	char wanted[64];
+
+	snprintf(wanted, sizeof wanted, "'%s' or '%s'", yes, no);
+	parse->command->is_on = is_word(parse, n, yes);
+	if (!parse->command->is_on && !is_word(parse, n, no))
+		return wrong(parse, n, wanted);
+	return at_most(parse, n);
+}
+
+static enum rb_status take_stop(struct parse *parse)
+{
+	if (!is_word(parse, 1, "at"))
+		return wrong(parse, 1, "'at collision on' or 'at collision off'");
+	if (!is_word(parse, 2, "collision"))
+		return wrong(parse, 2, "'collision'");
+	parse->command->is_on = true;
+	return argument(parse, 3) ? take_choice(parse, 3, "on", "off") : RB_OK;
+}
+
+static enum rb_status take_text(struct parse *parse, int n, bool needed, const char *wanted)
+{
+	const char *text = argument(parse, n);
+
+	if (text ? *text == '\0' : needed)
+		return wrong(parse, n, wanted);
+	if (text)
+		snprintf(parse->command->text, sizeof parse->command->text, "%s", text);
+	return at_most(parse, n);
+}
+
+static enum rb_status take_vector(struct parse *parse, int count, double unit)
+{
+	for (int i = 0; i < count; i++) {
+		if (!number(argument(parse, 2 + i), &parse->command->vector[i]))
+			return wrong(parse, 2 + i,
+			             count == 3 ? "three numbers in metres"
+			                        : "two numbers in degrees");
+		parse->command->vector[i] *= unit;
+	}
+	return at_most(parse, 1 + count);
+}
+
+static enum rb_status take_camera(struct parse *parse)
+{
+	enum rb_camera_action *const action = &parse->command->action;
+
+	if (is_word(parse, 1, "move")) {
+		*action = RB_CAMERA_MOVE;
+		return take_vector(parse, 3, 1);
+	}
+	if (is_word(parse, 1, "orbit")) {
+		*action = RB_CAMERA_ORBIT;
+		return take_vector(parse, 2, degree);
+	}
+	if (is_word(parse, 1, "zoom")) {
+		*action = RB_CAMERA_ZOOM;
+		return take_factor(parse, 2);
+	}
+	if (is_word(parse, 1, "mount")) {
+		*action = RB_CAMERA_MOUNT;
+		return take_text(parse, 2, false, "the name of a body");
+	}
+	*action = RB_CAMERA_NAMED;
+	return take_text(parse, 1, true, "the name of a camera, or move, orbit, zoom or mount");
+}
+
+static enum rb_status take_set(struct parse *parse)
+{
+	struct rb_command *const command = parse->command;
+
+	if (!argument(parse, 1) || !argument(parse, 1)[0] || strchr(argument(parse, 1), '='))
+		return wrong(parse, 1, "the name of a parameter and a value");
+	if (!argument(parse, 2))
+		return wrong(parse, 2, "a value");
+	snprintf(command->text, sizeof command->text, "%s", argument(parse, 1));
+	snprintf(command->value, sizeof command->value, "%s", argument(parse, 2));
+	return at_most(parse, 2);
+}
+
+static enum rb_status take_arguments(struct parse *parse)
+{
+	switch (parse->command->kind) {
+	case RB_COMMAND_STEP:
+	case RB_COMMAND_BACK:
+		return take_count(parse);
+	case RB_COMMAND_SEEK:
+		return take_seek(parse);
+	case RB_COMMAND_SPEED:
+		return take_factor(parse, 1);
+	case RB_COMMAND_STOP:
+		return take_stop(parse);
+	case RB_COMMAND_NEXT:
+	case RB_COMMAND_PREVIOUS:
+		if (argument(parse, 1) && !is_word(parse, 1, "collision"))
+			return wrong(parse, 1, "'collision' or nothing");
+		return at_most(parse, 1);
+	case RB_COMMAND_FOLLOW:
+		return take_text(parse, 1, false, "the name of a body");
+	case RB_COMMAND_CAMERA:
+		return take_camera(parse);
+	case RB_COMMAND_SNAPSHOT:
+		return take_text(parse, 1, false, "a file's name");
+	case RB_COMMAND_FILM:
+		return take_choice(parse, 1, "on", "off");
+	case RB_COMMAND_BODY:
+		return take_text(parse, 1, true, "the name of a body");
+	case RB_COMMAND_SET:
+		return take_set(parse);
+	case RB_COMMAND_VIEW:
+		return take_choice(parse, 1, "play", "pause");
+	case RB_COMMAND_HELP:
+		return take_text(parse, 1, false, "a command");
+	case RB_COMMAND_PLAY:
+	case RB_COMMAND_PAUSE:
+	case RB_COMMAND_TOGGLE:
+	case RB_COMMAND_RESTART:
+	case RB_COMMAND_CHECKPOINT:
+	case RB_COMMAND_STATUS:
+	case RB_COMMAND_QUIT:
+	case RB_COMMAND_KIND_COUNT:
+		break;
+	}
+	return at_most(parse, 0);
+}
+
+static const struct rb_command_row *row_of(const char *name)
+{
+	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++)
+		if (strcmp(rb_commands[i].name, name) == 0)
+			return &rb_commands[i];
+	return NULL;
+}
+
+static enum rb_status unknown(const char *name, struct rb_error *err)
+{
+	struct rb_nearest nearest = rb_nearest_to(name);
+	char hint[96], text[48];
+
+	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++)
+		rb_nearest_offer(&nearest, rb_commands[i].name, strlen(rb_commands[i].name));
+	return RB_FAIL(err, RB_ERR_USAGE, "unknown command '%s'%s", shown(name, text),
+	               nearest.best[0] ? rb_nearest_hint(&nearest, hint) : "; help lists them");
+}
+
+enum rb_status rb_command_parse(struct rb_command *command, bool *given, const char *line,
+                                struct rb_error *err)
+{
+	struct parse parse = {.command = command, .err = err};
+
+	*command = (struct rb_command){0};
+	*given = false;
+	enum rb_status status = check_bytes(line, err);
+	if (status)
+		return status;
+	while (is_space(*line))
+		line++;
+	if (*line == '\0' || *line == '#')
+		return RB_OK;
+	status = split(&parse.words, line, err);
+	if (status)
+		return status;
+	parse.row = parse.words.quoted[0] ? NULL : row_of(parse.words.text[0]);
+	if (!parse.row)
+		return unknown(parse.words.text[0], err);
+	command->kind = (enum rb_command_kind)(parse.row - rb_commands);
+	status = take_arguments(&parse);
+	if (!status && command->kind == RB_COMMAND_HELP && command->text[0] &&
+	    !row_of(command->text))
+		status = unknown(command->text, err);
+	if (status)
+		*command = (struct rb_command){0};
+	*given = !status;
+	return status;
+}
+
+/* ---- continuations ---- */
+
+/* Fixed words behind a command, by their place; NULL: there are none. */
+static const char *const *fixed_words(enum rb_command_kind kind, int place)
+{
+	static const char *const at[] = {"at", NULL}, *const collision[] = {"collision", NULL},
+				 *const on_off[] = {"on", "off", NULL},
+				 *const view[] = {"pause", "play", NULL},
+				 *const camera[] = {"move", "orbit", "zoom", "mount", NULL};
+
+	switch (kind) {
+	case RB_COMMAND_STOP:
+		return place == 1 ? at : place == 2 ? collision : place == 3 ? on_off : NULL;
+	case RB_COMMAND_NEXT:
+	case RB_COMMAND_PREVIOUS:
+		return place == 1 ? collision : NULL;
+	case RB_COMMAND_FILM:
+		return place == 1 ? on_off : NULL;
+	case RB_COMMAND_VIEW:
+		return place == 1 ? view : NULL;
+	case RB_COMMAND_CAMERA:
+		return place == 1 ? camera : NULL;
+	default:
+		return NULL;
+	}
+}
+
+/* Whether names of bodies, cameras or parameters may stand at a place; `*kind` becomes that to ask for. */
+static bool takes_names(enum rb_command_kind *kind, int place, const char *first)
+{
+	if (*kind == RB_COMMAND_CAMERA && place == 2 && strcmp(first, "mount") == 0) {
+		*kind = RB_COMMAND_FOLLOW;
+		return true;
+	}
+	return place == 1 && (*kind == RB_COMMAND_FOLLOW || *kind == RB_COMMAND_BODY ||
+	                      *kind == RB_COMMAND_CAMERA || *kind == RB_COMMAND_SET);
+}
+
+/* Candidates that begin with what stands there so far. */
+struct offers {
+	const char *begun;
+	const char **out;
+	int count, most;
+};
+
+static void offer(struct offers *offers, const char *candidate)
+{
+	if (offers->count < offers->most &&
+	    strncmp(candidate, offers->begun, strlen(offers->begun)) == 0)
+		offers->out[offers->count++] = candidate;
+}
+
+int rb_command_complete(const char *line, const struct rb_command_names *names, const char **out,
+                        int most)
+{
+	char words[2][RB_COMMAND_TEXT_SIZE] = {"", ""};
+	struct offers offers = {.out = out, .most = most};
+	int place = 0;
+
+	/* the words that are complete; the last one, maybe empty, has only begun */
+	for (const char *at = line;; place++) {
+		at += strspn(at, " \t");
+		const bool quoted = *at == '"';
+		const char *const begin = at + quoted;
+		const size_t size = strcspn(begin, quoted ? "\"" : " \t");
+		offers.begun = begin;
+		if (begin[size] == '\0' || size >= RB_COMMAND_TEXT_SIZE)
+			break;
+		if (place < 2)
+			snprintf(words[place], sizeof words[place], "%.*s", (int)size, begin);
+		at = begin + size + quoted;
+	}
+	const struct rb_command_row *const row = place > 0 ? row_of(words[0]) : NULL;
+	enum rb_command_kind kind = row ? (enum rb_command_kind)(row - rb_commands)
+	                                : RB_COMMAND_KIND_COUNT;
+	if (place == 0 || (kind == RB_COMMAND_HELP && place == 1))
+		for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++)
+			offer(&offers, rb_commands[i].name);
+	if (!row)
+		return offers.count;
+	const char *const *fixed = fixed_words(kind, place);
+	for (; fixed && *fixed; fixed++)
+		offer(&offers, *fixed);
+	if (!names || !names->name || !takes_names(&kind, place, words[1]))
+		return offers.count;
+	const char *name;
+	for (int i = 0; offers.count < most && (name = names->name(names->user, kind, i)); i++)
+		offer(&offers, name);
+	return offers.count;
+}
+
+/* ---- help ---- */
+
+void rb_command_print_help(FILE *file, const char *name)
+{
+	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++) {
+		const struct rb_command_row *const row = &rb_commands[i];
+		if (name && *name && strcmp(row->name, name) != 0)
+			continue;
+		fprintf(file, "%s%s%s: %s\n", row->name, *row->arguments ? " " : "", row->arguments,
+		        row->help);
+	}
+}
+
+/* Words of arguments in capitals are to be replaced, the others stand as they are. */
+static void print_arguments(FILE *file, const char *text)
+{
+	static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
+
+	while (*text) {
+		const size_t size = strspn(text, capitals);
+		const size_t plain = strcspn(text, capitals);
+		if (size > 0)
+			fprintf(file, "\\fI%.*s\\fR", (int)size, text);
+		else
+			fprintf(file, "%.*s", (int)plain, text);
+		text += size > 0 ? size : plain;
+	}
+}
+
+void rb_command_print_manual(FILE *file)
+{
+	fputs(".\\\" table commands\n.Bl -tag -width Ds\n", file);
+	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++) {
+		const struct rb_command_row *const row = &rb_commands[i];
+		fprintf(file, ".It Ic %s", row->name);
+		if (*row->arguments) {
+			fputs(" No ", file);
+			print_arguments(file, row->arguments);
+		}
+		fputc('\n', file);
+		fputc(row->help[0] >= 'a' && row->help[0] <= 'z' ? row->help[0] - 'a' + 'A'
+		                                                 : row->help[0],
+		      file);
+		fprintf(file, "%s.\n", row->help + 1);
+		if (row->needs & RB_NEEDS_VIEW)
+			fputs("Needs a console.\n", file);
+	}
+	fputs(".El\n.\\\" end\n", file);
+}

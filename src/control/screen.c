@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: MIT */
+#include "control/screen.h"
+
+#define NCURSES_WIDECHAR 1
+#include <errno.h>
+#include <fcntl.h>
+#include <langinfo.h>
+#include <locale.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/timerfd.h>
+#include <termios.h>
+#include <unistd.h>
+#include <wchar.h>
+
+#include <curses.h>
+#include <term.h>
+
+#include "base/clock.h"
+#include "base/error.h"
+#include "base/memory.h"
+#include "control/keys.h"
+
+enum { RESET_SIZE = 256, WARNING_RED = 160, NAME_SIZE = 80 };
+
+struct rb_screen {
+	SCREEN *curses;
+	enum rb_palette palette;
+	bool blocks;
+	int timer; /* of rb_screen_wait */
+	int warning_pair;
+};
+
+/*
+ * What a signal's handler needs: there is one terminal and one process, and a handler is given nothing. Written before the
+ * handlers are set, only read by them, but for `asked`.
+ */
+static struct {
+	char reset[RESET_SIZE]; /* what makes the terminal as it was */
+	size_t reset_size;
+	struct termios modes;
+	bool has_modes;
+	int errors;      /* where standard error goes meanwhile, -1: where it always does */
+	int errors_real; /* where it went */
+	volatile sig_atomic_t asked;
+} rescue = {.errors = -1, .errors_real = -1};
+
+static const int polite[] = {SIGINT, SIGTERM, SIGHUP};
+static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGALRM};
+
+/* ---- giving it back ---- */
+
+/* What was said on standard error while the screen was there. Safe in a handler. */
+static void tell_errors(void)
+{
+	char bytes[512];
+	ssize_t size;
+
+	if (rescue.errors < 0)
+		return;
+	(void)!dup2(rescue.errors_real, STDERR_FILENO);
+	for (off_t at = 0; (size = pread(rescue.errors, bytes, sizeof bytes, at)) > 0; at += size)
+		if (write(STDERR_FILENO, bytes, (size_t)size) < 0)
+			break;
+}
+
+static void give_back(int signal_number)
+{
+	(void)!write(STDOUT_FILENO, rescue.reset, rescue.reset_size);
+	if (rescue.has_modes)
+		tcsetattr(STDIN_FILENO, TCSANOW, &rescue.modes);
+	tell_errors();
+	/* SA_RESETHAND has made it the default again; an alarm means that an end was asked for and did not come */
+	raise(signal_number == SIGALRM && rescue.asked ? rescue.asked : signal_number);
+}
+
+/* The loop ends as if told so; where it does not within three seconds, the alarm ends it. */
+static void ask_for_end(int signal_number)
+{
+	if (rescue.asked) {
+		signal(signal_number, SIG_DFL);
+		give_back(signal_number);
+	}
+	rescue.asked = signal_number;
+	alarm(3);
+}
+
+static void add_reset(const char *text)
+{
+	const size_t size = text && text != (const char *)-1 ? strlen(text) : 0;
+
+	if (rescue.reset_size + size > sizeof rescue.reset)
+		return;
+	memcpy(rescue.reset + rescue.reset_size, text ? text : "", size);
+	rescue.reset_size += size;
+}
+
+/* Padding in terminfo's strings ("$<5>") is for terminals of long ago. */
+static void add_capability(const char *name)
+{
+	char text[RESET_SIZE];
+	const char *from = tigetstr(name);
+	size_t size = 0;
+
+	if (!from || from == (const char *)-1)
+		return;
+	while (*from && size < sizeof text - 1) {
+		if (from[0] == '$' && from[1] == '<' && strchr(from, '>'))
+			from = strchr(from, '>') + 1;
+		else
+			text[size++] = *from++;
+	}
+	text[size] = '\0';
+	add_reset(text);
+}
+
+static void prepare_rescue(void)
+{
+	static const char *const names[] = {"sgr0", "op", "rmkx", "cnorm", "rmcup"};
+
+	rescue.reset_size = 0;
+	if (tigetstr("kmous") && tigetstr("kmous") != (char *)-1)
+		add_reset("\033[?1006;1000l");
+	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+		add_capability(names[i]);
+	rescue.asked = 0;
+}
+
+static void set_handlers(bool ours)
+{
+	struct sigaction action = {.sa_flags = (int)SA_RESETHAND};
+
+	sigemptyset(&action.sa_mask);
+	for (size_t i = 0; i < sizeof fatal / sizeof *fatal; i++) {
+		action.sa_handler = ours ? give_back : SIG_DFL;
+		sigaction(fatal[i], &action, NULL);
+	}
+	action.sa_flags = 0;
+	for (size_t i = 0; i < sizeof polite / sizeof *polite; i++) {
+		action.sa_handler = ours ? ask_for_end : SIG_DFL;
+		sigaction(polite[i], &action, NULL);
+	}
+}
+
+/* What others write to the terminal would spoil the screen, and would be gone with it. */
+static void hold_errors(void)
+{
+	if (!isatty(STDERR_FILENO))
+		return;
+	rescue.errors_real = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3);
+	rescue.errors = memfd_create("errors", MFD_CLOEXEC);
+	if (rescue.errors >= 0)
+		(void)!dup2(rescue.errors, STDERR_FILENO);
+}
+
+static void release_errors(void)
+{
+	tell_errors();
+	if (rescue.errors >= 0)
+		close(rescue.errors);
+	if (rescue.errors_real >= 0)
+		close(rescue.errors_real);
+	rescue.errors = rescue.errors_real = -1;
+}
+
+/* ---- opening ---- */
+
+static bool shows_rgb(void)
+{
+	return tigetflag("RGB") > 0 || tigetnum("RGB") > 0;
+}
+
+/* The terminal's entry, or one with direct colours where the environment says that it has them. */
+static const char *choose_entry(const char *term, char out[NAME_SIZE])
+{
+	const char *const hint = getenv("COLORTERM");
+	int found;
+
+	if (!hint || (strcmp(hint, "truecolor") != 0 && strcmp(hint, "24bit") != 0) ||
+	    strstr(term, "-direct"))
+		return term;
+	snprintf(out, NAME_SIZE, "%.*s-direct", (int)strcspn(term, "-"), term);
+	if (setupterm(out, STDOUT_FILENO, &found) != OK)
+		return term;
+	const bool good = shows_rgb();
+	del_curterm(cur_term);
+	return good ? out : term;
+}
+
+static enum rb_palette choose_palette(void)
+{
+	if (!has_colors() || COLORS < 8 || COLOR_PAIRS < 64)
+		return RB_PALETTE_NONE;
+	if (COLORS >= 1 << 24 && shows_rgb())
+		return RB_PALETTE_TRUE;
+	return COLORS >= 256 ? RB_PALETTE_256 : COLORS >= 16 ? RB_PALETTE_16 : RB_PALETTE_8;
+}
+
+static void set_modes(struct rb_screen *screen)
+{
+	cbreak();
+	noecho();
+	nonl();
+	intrflush(stdscr, FALSE);
+	keypad(stdscr, TRUE);
+	nodelay(stdscr, TRUE);
+	leaveok(stdscr, TRUE);
+	set_escdelay(25);
+	mousemask(ALL_MOUSE_EVENTS, NULL);
+	mouseinterval(0);
+	curs_set(0);
+	if (has_colors()) {
+		start_color();
+		use_default_colors();
+	}
+	screen->palette = choose_palette();
+	screen->blocks = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
+	if (screen->palette != RB_PALETTE_NONE) {
+		const int red = screen->palette == RB_PALETTE_TRUE  ? 0xd70000
+		                : screen->palette == RB_PALETTE_256 ? WARNING_RED
+		                                                    : 1;
+		screen->warning_pair = alloc_pair(red, -1);
+	}
+}
+
+enum rb_status rb_screen_open(struct rb_screen **screen, struct rb_error *err)
+{
+	struct rb_screen *const s = *screen = rb_memory_take(1, sizeof *s);
+	const char *const term = getenv("TERM");
+	char direct[NAME_SIZE];
+
+	if (!s)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot open the screen: out of memory");
+	s->timer = timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC);
+	setlocale(LC_CTYPE, "");
+	rescue.has_modes = tcgetattr(STDIN_FILENO, &rescue.modes) == 0;
+	if (s->timer >= 0 && term && *term)
+		s->curses = newterm(choose_entry(term, direct), stdout, stdin);
+	const bool moves = s->curses && tigetstr("cup") && tigetstr("cup") != (char *)-1;
+	if (!moves) {
+		rb_screen_close(s);
+		*screen = NULL;
+		return RB_FAIL(err, RB_ERR_MISSING,
+		               "the terminal '%s' is not known or can't be written to anywhere",
+		               term ? term : "");
+	}
+	set_modes(s);
+	prepare_rescue();
+	hold_errors();
+	set_handlers(true);
+	return RB_OK;
+}
+
+void rb_screen_close(struct rb_screen *screen)
+{
+	if (!screen)
+		return;
+	if (screen->curses) {
+		alarm(0);
+		set_handlers(false);
+		endwin();
+		delscreen(screen->curses);
+		release_errors();
+	}
+	if (screen->timer >= 0)
+		close(screen->timer);
+	rb_memory_free(screen);
+}
+
+/* ---- writing ---- */
+
+void rb_screen_size(const struct rb_screen *screen, int *width, int *height)
+{
+	(void)screen;
+	*width = COLS;
+	*height = LINES;
+}
+
+enum rb_palette rb_screen_palette(const struct rb_screen *screen)
+{
+	return screen->palette;
+}
+
+bool rb_screen_blocks(const struct rb_screen *screen)
+{
+	return screen->blocks;
+}
+
+static void put(int x, int y, uint32_t glyph, attr_t attributes, int pair)
+{
+	const wchar_t text[2] = {(wchar_t)glyph, L'\0'};
+	cchar_t cell;
+
+	setcchar(&cell, text, attributes, 0, &pair);
+	mvadd_wch(y, x, &cell);
+}
+
+void rb_screen_cell(struct rb_screen *screen, int x, int y, rb_cell cell)
+{
+	const bool colored = screen->palette != RB_PALETTE_NONE &&
+	                     (cell.fore >= 0 || cell.back >= 0);
+
+	put(x, y, cell.glyph, A_NORMAL, colored ? alloc_pair(cell.fore, cell.back) : 0);
+}
+
+static attr_t attributes_of(enum rb_style style)
+{
+	static const attr_t attributes[] = {[RB_STYLE_PLAIN] = A_NORMAL,
+	                                    [RB_STYLE_STRONG] = A_BOLD,
+	                                    [RB_STYLE_FAINT] = A_DIM,
+	                                    [RB_STYLE_BAR] = A_REVERSE,
+	                                    [RB_STYLE_WARNING] = A_BOLD};
+
+	return attributes[style];
+}
+
+void rb_screen_glyph(struct rb_screen *screen, int x, int y, uint32_t glyph, enum rb_style style)
+{
+	put(x, y, glyph, attributes_of(style),
+	    style == RB_STYLE_WARNING ? screen->warning_pair : 0);
+}
+
+void rb_screen_text(struct rb_screen *screen, rb_area area, int row, enum rb_style style,
+                    const char *text)
+{
+	mbstate_t state = {0};
+	int x = 0;
+
+	if (row >= area.height)
+		return;
+	while (*text && x < area.width) {
+		wchar_t c = L'?';
+		size_t size = mbrtowc(&c, text, strlen(text), &state);
+		if (size == (size_t)-1 || size == (size_t)-2 || size == 0) {
+			c = L'?';
+			size = 1;
+			memset(&state, 0, sizeof state);
+		}
+		const int width = wcwidth(c);
+		text += size;
+		if (width == 0)
+			continue;
+		if (width > 1 && x + width > area.width)
+			break;
+		rb_screen_glyph(screen, area.x + x, area.y + row, width < 0 ? '?' : (uint32_t)c,
+		                style);
+		x += width < 1 ? 1 : width;
+	}
+	for (; x < area.width; x++)
+		rb_screen_glyph(screen, area.x + x, area.y + row, ' ', style);
+}
+
+void rb_screen_clear(struct rb_screen *screen)
+{
+	(void)screen;
+	erase();
+}
+
+void rb_screen_redraw(struct rb_screen *screen)
+{
+	(void)screen;
+	clearok(curscr, TRUE);
+}
+
+void rb_screen_flush(struct rb_screen *screen, int x, int y)
+{
+	(void)screen;
+	curs_set(x >= 0);
+	leaveok(stdscr, x < 0);
+	if (x >= 0)
+		move(y, x);
+	refresh();
+}
+
+/* ---- keys ---- */
+
+static uint32_t special_key(wint_t code)
+{
+	static const struct {
+		int code;
+		uint32_t key;
+	} keys[] = {
+		{KEY_LEFT, RB_KEY_LEFT},
+		{KEY_RIGHT, RB_KEY_RIGHT},
+		{KEY_UP, RB_KEY_UP},
+		{KEY_DOWN, RB_KEY_DOWN},
+		{KEY_HOME, RB_KEY_HOME},
+		{KEY_END, RB_KEY_END},
+		{KEY_PPAGE, RB_KEY_PAGE_UP},
+		{KEY_NPAGE, RB_KEY_PAGE_DOWN},
+		{KEY_SLEFT, RB_KEY_SHIFT_LEFT},
+		{KEY_SRIGHT, RB_KEY_SHIFT_RIGHT},
+		{KEY_ENTER, RB_KEY_ENTER},
+		{KEY_BACKSPACE, RB_KEY_BACKSPACE},
+		{KEY_DC, RB_KEY_DELETE},
+		{KEY_RESIZE, RB_KEY_RESIZE},
+		{KEY_MOUSE, RB_KEY_MOUSE},
+	};
+
+	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+		if (keys[i].code == (int)code)
+			return keys[i].key;
+	return 0;
+}
+
+static uint32_t plain_key(wint_t c)
+{
+	switch (c) {
+	case '\r':
+	case '\n':
+		return RB_KEY_ENTER;
+	case '\t':
+		return RB_KEY_TAB;
+	case 8:
+	case 0x7f:
+		return RB_KEY_BACKSPACE;
+	case 27:
+		return RB_KEY_ESCAPE;
+	default:
+		return (uint32_t)c;
+	}
+}
+
+static void take_mouse(struct rb_input_key *key)
+{
+	MEVENT event;
+
+	key->key = 0;
+	if (getmouse(&event) != OK)
+		return;
+	key->x = event.x;
+	key->y = event.y;
+	key->wheel = event.bstate & BUTTON4_PRESSED ? -1 : event.bstate & BUTTON5_PRESSED ? 1 : 0;
+	if (key->wheel != 0 || event.bstate & (BUTTON1_PRESSED | BUTTON1_CLICKED))
+		key->key = RB_KEY_MOUSE;
+}
+
+bool rb_screen_key(struct rb_screen *screen, struct rb_input_key *key)
+{
+	wint_t code;
+
+	(void)screen;
+	*key = (struct rb_input_key){0};
+	const int kind = get_wch(&code);
+	if (kind == ERR)
+		return false;
+	key->key = kind == KEY_CODE_YES ? special_key(code) : plain_key(code);
+	if (key->key == RB_KEY_MOUSE)
+		take_mouse(key);
+	return true;
+}
+
+void rb_screen_wait(struct rb_screen *screen, uint64_t until_ns)
+{
+	const struct itimerspec at = {.it_value = {.tv_sec = (time_t)(until_ns / 1000000000),
+	                                           .tv_nsec = (long)(until_ns % 1000000000)}};
+	struct pollfd wait[2] = {{.fd = STDIN_FILENO, .events = POLLIN},
+	                         {.fd = screen->timer, .events = POLLIN}};
+	uint64_t times;
+
+	if (until_ns <= rb_clock_now_ns() || rescue.asked)
+		return;
+	timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &at, NULL);
+	poll(wait, 2, 1000);
+	(void)!read(screen->timer, &times, sizeof times);
+	/* the terminal is gone: nobody will type any more */
+	if (wait[0].revents & (POLLHUP | POLLERR | POLLNVAL) && !(wait[0].revents & POLLIN))
+		rescue.asked = SIGHUP;
+}
+
+int rb_screen_signal(const struct rb_screen *screen)
+{
+	(void)screen;
+	return rescue.asked;
+}

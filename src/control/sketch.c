@@ -1,0 +1,193 @@
+/* SPDX-License-Identifier: MIT */
+#include "control/sketch.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "math/quat.h"
+#include "math/vec3.h"
+
+enum { GRID = 8 };
+static const uint8_t sky[3] = {24, 26, 32}, lines[3] = {110, 110, 104};
+static const uint8_t colors[][3] = {{213, 94, 0},    {0, 114, 178},  {0, 158, 115}, {230, 159, 0},
+                                    {204, 121, 167}, {86, 180, 233}, {240, 228, 66}};
+
+struct drawing {
+	const struct rb_pixmap *picture;
+	const struct rb_model *model;
+	const struct rb_stand *stand;
+	const struct rb_frame *frame;
+	double scale; /* pixels for a slope of 1 */
+};
+
+/* A sphere on its way to the picture. */
+struct disc {
+	double x, y, radius, distance; /* pixels; m along the line of sight */
+	int id;
+};
+
+static rb_vec3 seen(const struct drawing *d, rb_vec3 world)
+{
+	const rb_vec3 away = rb_vec3_sub(world, d->stand->eye);
+
+	return (rb_vec3){rb_vec3_dot(away, d->stand->right), rb_vec3_dot(away, d->stand->up),
+	                 -rb_vec3_dot(away, d->stand->back)};
+}
+
+static void dot(const struct drawing *d, double x, double y, const uint8_t rgb[3])
+{
+	if (!(x >= 0) || !(y >= 0) || x >= d->picture->width || y >= d->picture->height)
+		return;
+	const size_t at = (size_t)y * (size_t)d->picture->width + (size_t)x;
+	memcpy(d->picture->rgba + 4 * at, rgb, 3);
+}
+
+/* Of what lies before the eye. */
+static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
+{
+	const double nearest = 1e-3 * rb_vec3_length(rb_vec3_sub(d->stand->eye, d->stand->target));
+	rb_vec3 p = seen(d, a), q = seen(d, b);
+
+	if (p.z < nearest && q.z < nearest)
+		return;
+	if (p.z < nearest)
+		p = rb_vec3_add_scaled(p, (nearest - p.z) / (q.z - p.z), rb_vec3_sub(q, p));
+	if (q.z < nearest)
+		q = rb_vec3_add_scaled(q, (nearest - q.z) / (p.z - q.z), rb_vec3_sub(p, q));
+	const double x[2] = {d->scale * p.x / p.z, d->scale * q.x / q.z};
+	const double y[2] = {d->scale * p.y / p.z, d->scale * q.y / q.z};
+	const int side = 4 * (d->picture->width + d->picture->height);
+	const double length = fmax(fabs(x[1] - x[0]), fabs(y[1] - y[0]));
+	const int steps = (int)fmin(ceil(length) + 1, side);
+	for (int i = 0; i <= steps; i++) {
+		const double s = (double)i / steps;
+		dot(d, 0.5 * d->picture->width + x[0] + s * (x[1] - x[0]),
+		    0.5 * d->picture->height - y[0] - s * (y[1] - y[0]), lines);
+	}
+}
+
+/* A grid: of a rectangle its own, of an infinite plane a part around what the camera looks at. */
+static void plane(const struct drawing *d, int index)
+{
+	const struct rb_shape *const shape = &d->model->shape[index];
+	const bool moves = index < d->model->body_count;
+	const int id = d->model->id_of[index];
+	const rb_quat q = moves && d->frame->orientation
+	                          ? rb_quat_from(d->frame->orientation + 4 * index)
+	                          : d->model->orientation[index];
+	rb_vec3 middle = rb_steer_body(d->model, d->frame, id);
+	const rb_vec3 normal = rb_quat_rotate(q, (rb_vec3){0, 0, 1});
+	double half[2] = {0.5 * shape->size[0], 0.5 * shape->size[1]};
+
+	if (shape->kind == RB_SHAPE_PLANE) {
+		const rb_vec3 away = rb_vec3_sub(d->stand->target, middle);
+		middle = rb_vec3_add_scaled(d->stand->target, -rb_vec3_dot(away, normal), normal);
+		half[0] = half[1] = rb_vec3_length(rb_vec3_sub(d->stand->eye, d->stand->target));
+	}
+	const rb_vec3 u = rb_quat_rotate(q, (rb_vec3){half[0], 0, 0});
+	const rb_vec3 v = rb_quat_rotate(q, (rb_vec3){0, half[1], 0});
+	for (int i = 0; i <= GRID; i++) {
+		const double s = 2.0 * i / GRID - 1;
+		const rb_vec3 at = rb_vec3_add_scaled(middle, s, u);
+		const rb_vec3 across = rb_vec3_add_scaled(middle, s, v);
+		line(d, rb_vec3_sub(at, v), rb_vec3_add(at, v));
+		line(d, rb_vec3_sub(across, u), rb_vec3_add(across, u));
+	}
+}
+
+/* Brighter in the middle, so that discs that overlap can be told apart. */
+static void fill(const struct drawing *d, const struct disc *disc)
+{
+	const double r = fmax(disc->radius, 0.6);
+	const struct rb_scene *const scene = d->model->scene;
+	const struct rb_body_def *const body = &scene->bodies[disc->id];
+	const struct rb_material_def *const material = body->material >= 0
+	                                                       ? &scene->materials[body->material]
+	                                                       : NULL;
+	const double *given = !isnan(body->color[0])                   ? body->color
+	                      : material && !isnan(material->color[0]) ? material->color
+	                                                               : NULL;
+	const uint8_t *const own =
+		colors[(size_t)abs(body->material) % (sizeof colors / sizeof *colors)];
+	const int width = d->picture->width, height = d->picture->height;
+	const int left = (int)fmax(floor(disc->x - r), 0), top = (int)fmax(floor(disc->y - r), 0);
+	const int right = (int)fmin(ceil(disc->x + r), width - 1);
+	const int bottom = (int)fmin(ceil(disc->y + r), height - 1);
+
+	for (int y = top; y <= bottom; y++)
+		for (int x = left; x <= right; x++) {
+			const double dx = (x + 0.5 - disc->x) / r, dy = (y + 0.5 - disc->y) / r;
+			const double light = 1 - 0.55 * (dx * dx + dy * dy);
+			uint8_t rgb[3];
+			if (dx * dx + dy * dy > 1)
+				continue;
+			for (int i = 0; i < 3; i++)
+				rgb[i] = (uint8_t)(light * (given ? 255 * given[i] : own[i]));
+			dot(d, x, y, rgb);
+		}
+}
+
+static int farther_first(const void *a, const void *b)
+{
+	const struct disc *const p = a, *const q = b;
+
+	if (p->distance != q->distance)
+		return p->distance < q->distance ? 1 : -1;
+	return p->id - q->id;
+}
+
+static int find_discs(const struct drawing *d, struct disc *discs)
+{
+	int count = 0;
+
+	for (int index = 0; index < d->model->body_count + d->model->static_count; index++) {
+		const struct rb_shape *const shape = &d->model->shape[index];
+		const int id = d->model->id_of[index];
+		const rb_vec3 at = seen(d, rb_steer_body(d->model, d->frame, id));
+		if (shape->kind != RB_SHAPE_SPHERE || !d->model->scene->bodies[id].visible ||
+		    at.z <= shape->radius)
+			continue;
+		discs[count++] = (struct disc){
+			.x = 0.5 * d->picture->width + d->scale * at.x / at.z,
+			.y = 0.5 * d->picture->height - d->scale * at.y / at.z,
+			.radius = d->scale * shape->radius / at.z,
+			.distance = at.z,
+			.id = id,
+		};
+	}
+	return count;
+}
+
+enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_model *model,
+                              const struct rb_camera_def *camera, const struct rb_stand *stand,
+                              const struct rb_frame *frame, struct rb_error *err)
+{
+	const struct drawing d = {
+		.picture = picture,
+		.model = model,
+		.stand = stand,
+		.frame = frame,
+		.scale = 0.5 * picture->height / tan(0.5 * camera->fov),
+	};
+	const int total = model->body_count + model->static_count;
+	struct disc *const discs = rb_memory_take((size_t)total + 1, sizeof *discs);
+
+	if (!discs)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
+	for (int i = 0; i < picture->width * picture->height; i++)
+		memcpy(picture->rgba + 4 * (size_t)i,
+		       (const uint8_t[4]){sky[0], sky[1], sky[2], 255}, 4);
+	for (int i = 0; i < total; i++)
+		if (model->shape[i].kind != RB_SHAPE_SPHERE &&
+		    model->scene->bodies[model->id_of[i]].visible)
+			plane(&d, i);
+	const int count = find_discs(&d, discs);
+	qsort(discs, (size_t)count, sizeof *discs, farther_first);
+	for (int i = 0; i < count; i++)
+		fill(&d, &discs[i]);
+	rb_memory_free(discs);
+	return RB_OK;
+}

@@ -1,0 +1,84 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Whatever ends a console, the terminal is as it was; and so ends a run of its own, but for one that was told to stay.
+. tests/cli/functions
+. "$TOP/tests/cli/terminal"
+
+small_scene >s.lua
+exits 0 s.lua
+long_scene >long.lua
+terminal 100 30
+# Its own name: other consoles may be there.
+cp "$RBSIM" ./rbsim-killed
+cp "$(dirname "$RBSIM")"/*.so .
+number()
+{
+	pgrep -f "^\./rbsim-killed $1" | head -n 1
+}
+for signal in TERM HUP INT SEGV ABRT BUS QUIT; do
+	enters 'clear'
+	enters './rbsim-killed console s.h5; echo ended with $?'
+	sees 'frame [0-9]+ of 30'
+	kill -s $signal "$(number console)"
+	# a shell drops the rest of a line that SIGINT has ended
+	case $signal in
+	INT) sees '^ready> *$' ;;
+	*) sees 'ended with [1-9]' ;;
+	esac
+	given_back
+done
+
+# in the middle of playing, typed; and while a line is being typed
+enters 'clear'
+enters './rbsim-killed console s.h5 --speed 0.01; echo ended with $?'
+sees 'playing'
+types C-c
+sees '^ready> *$'
+given_back
+
+# a run of its own ends with it, whatever ends that
+for signal in TERM SEGV KILL; do
+	enters 'clear'
+	enters './rbsim-killed console long.lua --no-record; echo ended with $?'
+	sees 'playing.*playing$'
+	run=$(number run)
+	[ -n "$run" ] || fail "there is no run"
+	kill -s $signal "$(number console)"
+	sees 'ended with [1-9]'
+	# nobody was left to give it back: the line ends with the character that it is
+	[ $signal = KILL ] && types -l reset && types C-j
+	gone()
+	{
+		! kill -0 "$run" 2>/dev/null
+	}
+	until_true gone
+done
+
+# quit ends it too, and the recording is whole
+enters 'clear'
+enters './rbsim-killed console long.lua -o q.h5; echo ended with $?'
+sees 'playing.*playing$'
+types q
+sees "'q.h5' holds it up to there"
+sees 'ended with 0'
+exits 0 info q.h5
+says out 'interrupted'
+
+# one that is to stay stays, and can be attached to
+enters 'clear'
+enters './rbsim-killed console long.lua --no-record --detach; echo ended with $?'
+sees 'playing.*playing$'
+types q
+sees 'the run goes on: rbsim attach /'
+address=$(tmux -L "$TERMINAL" capture-pane -p -J | sed -n 's/.*rbsim attach //p' | tr -d ' ')
+run=$(number run)
+[ -n "$run" ] || fail "the run has ended"
+enters 'clear'
+enters "./rbsim-killed attach $address"
+sees 'newest frames'
+types q
+sees '^ready> *$'
+kill -0 "$run" || fail "leaving an attached run has ended it"
+exits 0 ctl "$address" quit
+until_true gone
+given_back
