@@ -9,6 +9,7 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
 
@@ -267,12 +268,15 @@ static void be_ffmpeg(const char *folder, const char *script)
 	assert_int_equal(setenv("RBSIM_FFMPEG", path, 1), 0);
 }
 
-static enum rb_status film_until_it_fails(const char *path, int pictures, struct rb_error *err)
+static enum rb_status film_with(const char *path, int pictures, double patience_s,
+                                const atomic_bool *cut, struct rb_error *err)
 {
-	const struct rb_encoder_options options = options_of(path, 320, 240, 30);
+	struct rb_encoder_options options = options_of(path, 320, 240, 30);
 	struct rb_encoder *encoder;
 	struct rb_pixmap pixmap;
 
+	options.patience_s = patience_s;
+	options.cut = cut;
 	assert_int_equal(rb_pixmap_init(&pixmap, 320, 240, NULL), RB_OK);
 	enum rb_status status = rb_encoder_create(&encoder, &options, err);
 	for (int i = 0; i < pictures && !status; i++)
@@ -282,6 +286,11 @@ static enum rb_status film_until_it_fails(const char *path, int pictures, struct
 	rb_encoder_destroy(encoder);
 	rb_pixmap_release(&pixmap);
 	return status;
+}
+
+static enum rb_status film_until_it_fails(const char *path, int pictures, struct rb_error *err)
+{
+	return film_with(path, pictures, 0, NULL, err);
 }
 
 static void an_ffmpeg_that_fails_is_told_with_what_it_said_last(void **state)
@@ -330,7 +339,7 @@ static void ffmpeg_gets_a_clean_start(void **state)
 	snprintf(path, sizeof path, "%s/a.mp4", support_folder(folder));
 	be_ffmpeg(
 		folder,
-		"cd \"${0%/*}\"; cat >/dev/null\n"
+		"cd \"${0%/*}\"; cat >/dev/null; for last; do :; done; echo film >\"${last#file:}\"\n"
 		"sed -nE 's/^Sig(Blk|Ign):.*(.{7})$/\\2/p' /proc/self/status | tr -d '\\n' >said\n"
 		"n=0; for f in 3 4 5 6 7 8 9 40; do [ -e /proc/$$/fd/$f ] && n=$((n+1)); done\n"
 		"printf %d $n >>said\n"
@@ -350,6 +359,172 @@ static void ffmpeg_gets_a_clean_start(void **state)
 	fclose(stream);
 	if (strcmp(line, "000000000000000 own\n") != 0)
 		fail_msg("'%s'", line);
+}
+
+static double seconds_since(uint64_t begin)
+{
+	return (double)(rb_clock_now_ns() - begin) * 1e-9;
+}
+
+/* 20 pictures are six times what the pipe holds. */
+static void an_ffmpeg_that_hangs_is_ended_and_told(void **state)
+{
+	static const struct {
+		const char *script;
+		int pictures;
+		bool cut;
+		double least_s, most_s; /* how long it is believed */
+	} cases[] = {{"exec sleep 60", 20, true, 0.4, 5},
+	             {"exec sleep 60", 1, false, 0.4, 5},
+	             {"cat >/dev/null; exec sleep 60", 20, false, 0.4, 5},
+	             {"exec sleep 60 2>&-", 1, false, 0.4, 5},
+	             {"exec yes >&2", 20, true, 4, 20},
+	             {"exec yes >&2", 1, false, 4, 20},
+	             {"sleep 60 & exec sleep 60", 1, false, 0.4, 5}};
+	char folder[256], path[300];
+	struct rb_error err;
+
+	(void)state;
+	snprintf(path, sizeof path, "%s/a.mp4", support_folder(folder));
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		const atomic_bool cut = cases[k].cut;
+		be_ffmpeg(folder, cases[k].script);
+		const uint64_t begin = rb_clock_now_ns();
+		assert_int_equal(film_with(path, cases[k].pictures, 0.4, &cut, &err),
+		                 RB_ERR_MISSING);
+		const double took_s = seconds_since(begin);
+		if (!(took_s >= cases[k].least_s && took_s < cases[k].most_s))
+			fail_msg("'%s': %g s", cases[k].script, took_s);
+		if (!strstr(err.text, "got no further for 0.4 s"))
+			fail_msg("'%s': '%s'", cases[k].script, err.text);
+		assert_int_equal(count_files(folder), 1);
+		assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);
+	}
+	unsetenv("RBSIM_FFMPEG");
+}
+
+static void an_ffmpeg_that_is_slow_is_waited_for(void **state)
+{
+	static const char *const scripts[] = {
+		/* stopped for a while, by whom it may concern */
+		"sleep 1.2; cat >/dev/null; echo x >$out",
+		/* a file grows */
+		"cat >/dev/null; for i in 1 2 3 4 5 6 7 8; do sleep 0.2; echo x >>$out; done",
+		/* works and says nothing */
+		"cat >/dev/null; i=0; while [ $i -lt 600000 ]; do i=$((i+1)); done; echo x >$out"};
+	char folder[256], path[300], script[400];
+	struct rb_error err;
+
+	(void)state;
+	snprintf(path, sizeof path, "%s/a.mp4", support_folder(folder));
+	for (size_t k = 0; k < sizeof scripts / sizeof *scripts; k++) {
+		snprintf(script, sizeof script, "for last; do :; done; out=\"${last#file:}\"; %s",
+		         scripts[k]);
+		be_ffmpeg(folder, script);
+		assert_ok(film_with(path, 20, 0.7, NULL, &err));
+		assert_int_equal(count_files(folder), 2);
+		assert_int_equal(unlink(path), 0);
+	}
+	unsetenv("RBSIM_FFMPEG");
+}
+
+static void a_film_that_is_empty_or_whose_end_nobody_knows_is_a_failure(void **state)
+{
+	char folder[256], path[300];
+	struct rb_error err;
+
+	(void)state;
+	snprintf(path, sizeof path, "%s/a.mp4", support_folder(folder));
+	be_ffmpeg(folder, "cat >/dev/null; echo bored >&2; exit 0");
+	assert_int_equal(film_until_it_fails(path, 3, &err), RB_ERR_MISSING);
+	assert_non_null(strstr(err.text, "has written nothing: bored"));
+	assert_int_equal(count_files(folder), 1);
+	be_ffmpeg(folder, "cat >/dev/null; for last; do :; done; echo x >${last#file:}; exit 4");
+	signal(SIGCHLD, SIG_IGN);
+	const enum rb_status status = film_until_it_fails(path, 3, &err);
+	signal(SIGCHLD, SIG_DFL);
+	assert_int_equal(status, RB_ERR_MISSING);
+	assert_int_equal(count_files(folder), 1);
+	unsetenv("RBSIM_FFMPEG");
+}
+
+static void a_full_disk_is_told_as_such(void **state)
+{
+	static const char *const scripts[] = {
+		"cat >/dev/null; echo 'write: No space left on device' >&2; echo Failed. >&2; exit 1",
+		"head -c 500000 >/dev/null; echo 'write: No space left on device' >&2; exit 1",
+		"cat >/dev/null; for last; do :; done; echo x >${last#file:}\n"
+		"echo 'Error writing trailer: No space left on device' >&2; exit 0",
+		"cat >/dev/null; echo 'write: File too large' >&2; exit 1"};
+	struct rlimit before, small;
+	char folder[256], path[300];
+	struct rb_error err;
+
+	(void)state;
+	snprintf(path, sizeof path, "%s/a.mp4", support_folder(folder));
+	for (size_t k = 0; k < sizeof scripts / sizeof *scripts; k++) {
+		be_ffmpeg(folder, scripts[k]);
+		assert_int_equal(film_until_it_fails(path, 20, &err), RB_ERR_IO);
+		if (!strstr(err.text, k < 3 ? "No space left" : "File too large"))
+			fail_msg("'%s'", err.text);
+		assert_int_equal(count_files(folder), 1);
+	}
+	unsetenv("RBSIM_FFMPEG");
+	if (!has_ffmpeg())
+		return;
+	assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+	small = before;
+	small.rlim_cur = 300;
+	for (int k = 0; k < 3; k++) {
+		snprintf(path, sizeof path, "%s/a.%s", folder,
+		         (const char *[]){"mp4", "webm", "gif"}[k]);
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+		const enum rb_status status = film_until_it_fails(path, 20, &err);
+		assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+		if (status != RB_ERR_IO)
+			fail_msg("'%s': %d, '%s'", path, (int)status, err.text);
+		assert_int_equal(count_files(folder), 1);
+	}
+}
+
+/* The program ends in the middle, without a chance to tidy up. */
+static void ffmpeg_does_not_outlive_the_program(void **state)
+{
+	char folder[256], film[300], path[300], line[32] = "";
+	struct rb_encoder *encoder;
+	struct rb_error err;
+
+	(void)state;
+	snprintf(film, sizeof film, "%s/a.mp4", support_folder(folder));
+	be_ffmpeg(folder,
+	          "echo $$ >\"${0%/*}/new\"; mv \"${0%/*}/new\" \"${0%/*}/pid\"; exec sleep 60");
+	const struct rb_encoder_options options = options_of(film, 320, 240, 30);
+	snprintf(path, sizeof path, "%s/pid", folder);
+	const pid_t program = fork();
+	if (program == 0) {
+		if (rb_encoder_create(&encoder, &options, &err) != RB_OK)
+			_exit(1);
+		for (int i = 0; i < 200 && access(path, R_OK) != 0; i++)
+			usleep(50000);
+		_exit(0);
+	}
+	int outcome;
+	assert_int_equal(waitpid(program, &outcome, 0), program);
+	assert_int_equal(outcome, 0);
+	FILE *stream = fopen(path, "r");
+	assert_non_null(stream);
+	assert_non_null(fgets(line, sizeof line, stream));
+	fclose(stream);
+	/* gone, or a zombie of whoever has inherited it */
+	char command[64];
+	snprintf(command, sizeof command, "ps -o stat= -p %d | grep -qv Z", atoi(line));
+	bool runs = true;
+	for (int i = 0; i < 40 && (runs = system(command) == 0); i++)
+		usleep(50000);
+	if (runs)
+		kill(atoi(line), SIGKILL);
+	assert_false(runs);
+	unsetenv("RBSIM_FFMPEG");
 }
 
 static void assert_check_fails(const char *path, enum rb_status expected, const char *says)
@@ -397,6 +572,59 @@ static void what_cannot_be_filmed_is_known_before(void **state)
 	unsetenv("RBSIM_FFMPEG");
 }
 
+static void rates_that_a_format_cannot_tell_are_refused(void **state)
+{
+	static const struct {
+		const char *name;
+		double fps;
+		bool good;
+	} cases[] = {{"a.mp4", 1e-9, false}, {"a.mp4", 1e300, false}, {"a.mp4", 1000, true},
+	             {"a.mp4", 1001, false}, {"a.webm", 1001, false}, {"a.webm", 0.001, true},
+	             {"a.gif", 1e-3, false}, {"a.gif", 0.01, true},   {"a.gif", 2000, false},
+	             {"a.gif", 240, true}};
+	char folder[256], path[300];
+	struct rb_error err;
+
+	(void)state;
+	be_ffmpeg(support_folder(folder),
+	          "case \"$*\" in *-encoders*) printf ' V. libvpx-vp9 x\\n V. gif x\\n'; esac");
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		snprintf(path, sizeof path, "%s/%s", folder, cases[k].name);
+		const struct rb_encoder_options options = options_of(path, 64, 48, cases[k].fps);
+		err = (struct rb_error){0};
+		const enum rb_status status = rb_encoder_check(&options, &err);
+		if ((status == RB_ERR_SCENE) == cases[k].good)
+			fail_msg("'%s' at %g: %s", cases[k].name, cases[k].fps, err.text);
+		if (!cases[k].good && (!strstr(err.text, "to 1000") || !strstr(err.text, path)))
+			fail_msg("'%s'", err.text);
+	}
+	unsetenv("RBSIM_FFMPEG");
+}
+
+/* At its ends, what is taken is what comes out. */
+static void the_slowest_and_the_fastest_rate_are_kept(void **state)
+{
+	static const struct {
+		const char *name;
+		double fps, picture_s;
+	} cases[] = {{"a.mp4", 0.001, 1000},  {"b.mp4", 1000, 0.001}, {"a.webm", 0.001, 1000},
+	             {"b.webm", 1000, 0.001}, {"a.gif", 0.002, 500},  {"b.gif", 50, 0.02}};
+	char folder[256], path[300];
+
+	(void)state;
+	if (!has_ffmpeg())
+		skip();
+	support_folder(folder);
+	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+		snprintf(path, sizeof path, "%s/%s", folder, cases[k].name);
+		const struct rb_encoder_options options = options_of(path, 64, 48, cases[k].fps);
+		(void)encode(&options);
+		assert_near(value(path, "stream=nb_read_frames"), FRAMES, 0);
+		assert_near(value(path, "format=duration"), FRAMES * cases[k].picture_s,
+		            0.02 * FRAMES * cases[k].picture_s);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -407,7 +635,14 @@ int main(void)
 		cmocka_unit_test(without_a_picture_or_where_it_is_given_up_nothing_is_left),
 		cmocka_unit_test(an_ffmpeg_that_fails_is_told_with_what_it_said_last),
 		cmocka_unit_test(ffmpeg_gets_a_clean_start),
+		cmocka_unit_test(an_ffmpeg_that_hangs_is_ended_and_told),
+		cmocka_unit_test(an_ffmpeg_that_is_slow_is_waited_for),
+		cmocka_unit_test(a_film_that_is_empty_or_whose_end_nobody_knows_is_a_failure),
+		cmocka_unit_test(a_full_disk_is_told_as_such),
+		cmocka_unit_test(ffmpeg_does_not_outlive_the_program),
 		cmocka_unit_test(what_cannot_be_filmed_is_known_before),
+		cmocka_unit_test(rates_that_a_format_cannot_tell_are_refused),
+		cmocka_unit_test(the_slowest_and_the_fastest_rate_are_kept),
 	};
 
 	signal(SIGPIPE, SIG_IGN); /* as the program does */

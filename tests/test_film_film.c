@@ -1,63 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* src/film/film.c, src/film/press.c, src/film/take.c, src/film/trails.c: frames by hand, the real painter, real files */
-#include "support.h"
-#include "worlds.h"
+/* src/film/film.c, src/film/press.c: frames by hand, the real painter, real files */
+#include "filmset.h"
 
+#include "base/clock.h"
 #include "base/memory.h"
-#include "film/film.h"
 #include "film/png.h"
 #include "film/press.h"
-#include "film/take.h"
-#include "flow/frame.h"
 
 #include <dirent.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/stat.h>
 
-enum { W = 64, H = 48, FILE_MAX = 1 << 18 };
-
-static const double rate = 10; /* frames per second */
-
-/* A ball that goes to the right, seen from the front, and a camera's film of it. */
-struct set {
-	struct lab lab;
-	struct rb_camera_def camera;
-	struct rb_frame frame;
-	struct rb_film *film;
-	struct rb_sink sink;
-	char folder[256], png[300], video[300];
-};
-
-static void open_set(struct set *set)
-{
-	*set = (struct set){0};
-	lab_open(&set->lab, 2, rate);
-	set->lab.scene.world.title = rb_scene_text(&set->lab.scene, "A ball");
-	set->lab.scene.world.gravity = (rb_vec3){0};
-	lab_sphere(&set->lab, 0.5, 1, (rb_vec3){-2, 0, 0}, (rb_vec3){2, 0, 0});
-	if (rb_model_create(&set->lab.model, &set->lab.scene, NULL, &set->lab.error) != RB_OK)
-		fail_msg("model: %s", set->lab.error.text);
-	set->camera = rb_camera_def_default();
-	set->camera.name = "main";
-	set->camera.size_px[0] = W;
-	set->camera.size_px[1] = H;
-	set->camera.position.value = (rb_vec3){0, -8, 0};
-	set->camera.look_at.value = (rb_vec3){0, 0, 0};
-	set->camera.overlay = 0;
-	set->camera.shadows = false;
-	assert_int_equal(rb_frame_init(&set->frame, set->lab.model, RB_FIELD_DEFAULT, NULL), RB_OK);
-	support_folder(set->folder);
-	snprintf(set->png, sizeof set->png, "%s/pictures/%%03d.png", set->folder);
-	snprintf(set->video, sizeof set->video, "%s/film.mp4", set->folder);
-	set->camera.png = set->png;
-}
-
-static void close_set(struct set *set)
-{
-	rb_film_destroy(set->film);
-	rb_frame_release(&set->frame);
-	lab_close(&set->lab);
-}
+enum { FILE_MAX = 1 << 18 };
 
 static struct rb_film_options options_of(const struct set *set)
 {
@@ -347,6 +302,63 @@ static void a_film_that_stops_early_holds_what_was_filmed(void **state)
 	close_set(&set);
 }
 
+static void *cut_soon(void *film)
+{
+	usleep(300000);
+	rb_film_cut(film);
+	return NULL;
+}
+
+/* A hundred thousand pictures lie between two frames. */
+static void a_film_that_is_cut_short_ends_with_what_was_printed(void **state)
+{
+	struct set set;
+	pthread_t thread;
+	struct rb_error err;
+
+	(void)state;
+	if (system("ffmpeg -version >/dev/null 2>&1") != 0)
+		skip();
+	open_set(&set);
+	set.camera.png = NULL;
+	set.camera.video = set.video;
+	set.camera.speed = 1e-5;
+	begin(&set);
+	assert_ok(show(&set, 0, &err));
+	assert_int_equal(pthread_create(&thread, NULL, cut_soon, set.film), 0);
+	const uint64_t start = rb_clock_now_ns();
+	assert_ok(show(&set, 1, &err));
+	assert_ok(show(&set, 2, &err));
+	const double took_s = (double)(rb_clock_now_ns() - start) * 1e-9;
+	pthread_join(thread, NULL);
+	const struct rb_film_tally tally = end(&set);
+	assert_true(took_s < 20);
+	assert_true(tally.pictures > 1 && tally.pictures < 50000);
+	assert_int_equal(tally.picture_count, 2000001);
+	assert_int_equal(count_files(set.folder), 1);
+	close_set(&set);
+}
+
+static void a_film_of_too_many_pictures_is_refused(void **state)
+{
+	static const double speeds[] = {1e-6, 1e-300};
+	struct set set;
+	struct rb_error err;
+
+	(void)state;
+	open_set(&set);
+	struct rb_film_options options = options_of(&set);
+	for (int k = 0; k < 2; k++) {
+		set.camera.speed = speeds[k];
+		options.still = false;
+		assert_int_equal(rb_film_check(&options, &err), RB_ERR_SCENE);
+		assert_non_null(strstr(err.text, k ? "at most 10000000" : "of 20000001 pictures"));
+		options.still = true;
+		assert_ok(rb_film_check(&options, &err));
+	}
+	close_set(&set);
+}
+
 static void a_run_without_a_picture_leaves_no_file(void **state)
 {
 	struct set set;
@@ -515,9 +527,10 @@ static void memory_that_runs_out_in_the_press_is_told_and_given_back(void **stat
 /* Functions of time stand in the frame; whose they are and which picture they are for matters. */
 static void a_moving_camera_stands_where_its_shot_says(void **state)
 {
-	struct rb_frame_shot shots[3] = {{.camera = 0, .picture = 0, .position = {0, 0, 0}},
+	struct rb_frame_shot shots[4] = {{.camera = 0, .picture = 0, .position = {0, 0, 0}},
 	                                 {.camera = 3, .picture = 0, .position = {-2, -8, 0}},
-	                                 {.camera = 3, .picture = 1, .position = {0, 0, 0}}};
+	                                 {.camera = 3, .picture = 1, .position = {0, 0, 0}},
+	                                 {.camera = 4, .picture = 0, .position = {0, 0, 0}}};
 	struct set set;
 	struct rb_error err;
 
@@ -528,7 +541,7 @@ static void a_moving_camera_stands_where_its_shot_says(void **state)
 	shots[1].look_at = (rb_vec3){-2, 0, 0};
 	begin(&set);
 	set.frame.shots = shots;
-	set.frame.shot_count = 3;
+	set.frame.shot_count = 4;
 	assert_ok(show(&set, 0, &err));
 	set.frame.shot_count = 0;
 	assert_int_equal(show(&set, 1, &err), RB_ERR_BUG);
@@ -538,130 +551,42 @@ static void a_moving_camera_stands_where_its_shot_says(void **state)
 	close_set(&set);
 }
 
-/* ---- what is written over a picture ---- */
-
-/* Left, right, top and bottom of what an overlay changes in the picture at a time. */
-static void written_at(struct set *set, unsigned overlay, double time_s, int box[4])
+/* Between two frames the shots are those of the later one. */
+static void a_moving_camera_in_slow_motion_has_a_shot_for_each_picture(void **state)
 {
-	struct rb_pixmap plain = {0}, picture;
-	struct rb_take *take;
+	enum { SHOTS = 8 };
+	struct rb_frame_shot shots[3 * SHOTS];
+	struct set set;
 	struct rb_error err;
 
-	set->frame.time_s = time_s;
-	set->frame.numbers.kinetic_energy = 4.5;
-	set->frame.numbers.potential_energy = 8;
-	box[0] = box[2] = 1000, box[1] = box[3] = -1;
-	for (int way = 0; way < 2; way++) {
-		set->camera.overlay = way ? overlay : 0;
-		assert_ok(rb_take_create(&take, set->lab.model, &set->camera, &err));
-		rb_take_see(take, &set->frame);
-		assert_ok(rb_take_draw(take, &set->frame, NULL, &picture, &err));
-		if (way == 0) {
-			assert_ok(rb_pixmap_init(&plain, picture.width, picture.height, &err));
-			memcpy(plain.rgba, picture.rgba,
-			       4 * (size_t)(picture.width * picture.height));
+	(void)state;
+	open_set(&set);
+	set.camera.position.source = set.camera.look_at.source = RB_CAMERA_FUNCTION;
+	set.camera.speed = 1.0 / SHOTS;
+	begin(&set);
+	for (uint64_t k = 0; k < 2; k++) {
+		/* frame 0 has picture 0, frame 1 the next eight, of each of three cameras */
+		const int count = k == 0 ? 1 : SHOTS;
+		for (int i = 0; i < 3 * count; i++) {
+			const int picture = (k == 0 ? 0 : 1) + i % count;
+			/* the ball stays in the middle, but for what the camera goes ahead */
+			const double x = -2 + 0.2 * picture / SHOTS - 0.1 * picture;
+			shots[i] = (struct rb_frame_shot){.camera = 2 + i / count,
+			                                  .picture = (uint64_t)picture,
+			                                  .position = {x, -8, 0},
+			                                  .look_at = {x, 0, 0}};
+			if (shots[i].camera != 3)
+				shots[i].position = shots[i].look_at = (rb_vec3){0};
 		}
-		for (int i = 0; i < picture.width * picture.height; i++) {
-			const int x = i % picture.width, y = i / picture.width;
-			if (memcmp(plain.rgba + 4 * i, picture.rgba + 4 * i, 4) == 0)
-				continue;
-			box[0] = x < box[0] ? x : box[0], box[1] = x > box[1] ? x : box[1];
-			box[2] = y < box[2] ? y : box[2], box[3] = y > box[3] ? y : box[3];
-		}
-		rb_take_destroy(take);
+		set.frame.shots = shots;
+		set.frame.shot_count = 3 * count;
+		assert_ok(show(&set, k, &err));
 	}
-	rb_pixmap_release(&plain);
-}
-
-static void each_text_has_its_corner_and_does_not_move_as_time_goes_on(void **state)
-{
-	int title[4], early[4], late[4], slow[4], energy[4];
-	struct set set;
-
-	(void)state;
-	open_set(&set);
-	set.camera.size_px[0] = 480;
-	set.camera.size_px[1] = 240;
-	rb_model_destroy(set.lab.model);
-	set.lab.scene.world.duration_s = 100;
-	assert_int_equal(rb_model_create(&set.lab.model, &set.lab.scene, NULL, NULL), RB_OK);
-	written_at(&set, RB_OVERLAY_TITLE, 1, title);
-	assert_true(title[0] < 40 && title[1] < 240 && title[1] > 30 && title[3] < 60);
-	written_at(&set, RB_OVERLAY_TIME, 1.25, early);
-	written_at(&set, RB_OVERLAY_TIME, 98.75, late);
-	assert_true(early[0] < 40 && early[1] < 240 && early[1] > 30 && early[2] > 180);
-	assert_int_equal(early[1], late[1]);
-	assert_int_equal(early[0], late[0]);
-	written_at(&set, RB_OVERLAY_ENERGY, 1, energy);
-	assert_true(energy[0] > 200 && energy[1] > 440 && energy[2] > 180);
-	/* another speed is said beside the time */
-	set.camera.speed = 0.25;
-	written_at(&set, RB_OVERLAY_TIME, 1.25, slow);
-	assert_true(slow[1] > early[1] + 50);
-	close_set(&set);
-}
-
-/* ---- trails ---- */
-
-static void a_path_stays_whole_and_bounded_however_long_the_run(void **state)
-{
-	struct set set;
-	struct rb_trails trails;
-	struct rb_error err;
-
-	(void)state;
-	open_set(&set);
-	set.camera.trail_count = 1;
-	set.camera.trails[0] = 0;
-	assert_ok(rb_trails_init(&trails, set.lab.model, &set.camera, &err));
-	assert_int_equal(trails.path_count, 1);
-	for (int k = 0; k < 3 * RB_TRAIL_POINTS_MAX; k++) {
-		set.frame.time_s = k / rate;
-		set.frame.position[0] = k;
-		rb_trails_add(&trails, &set.frame);
-		assert_true(trails.point_count <= RB_TRAIL_POINTS_MAX);
-	}
-	assert_int_equal(trails.stride, 4);
-	assert_int_equal(trails.point_count, 3 * RB_TRAIL_POINTS_MAX / 4);
-	for (int i = 0; i < trails.point_count; i++) {
-		assert_true(trails.points[0][i][0] == 4 * i);
-		assert_true(trails.time_s[i] == 4 * i / rate);
-	}
-	rb_trails_release(&trails);
-	rb_trails_release(&trails);
-	close_set(&set);
-}
-
-static void a_trail_follows_the_centre_of_mass_and_skips_what_never_moves(void **state)
-{
-	struct set set;
-	struct rb_trails trails;
-	struct rb_error err;
-
-	(void)state;
-	open_set(&set);
-	rb_model_destroy(set.lab.model);
-	const int wall = lab_plane(&set.lab, (rb_vec3){0, 0, -9}, (rb_vec3){0, 0, 1});
-	struct rb_body_def def = lab_sphere_def(0.5, 1, (rb_vec3){3, 0, 0}, (rb_vec3){0});
-	def.center_of_mass = (rb_vec3){0.1, 0, 0};
-	def.angular_velocity = (rb_vec3){0, 0, 1};
-	const int ball = lab_add(&set.lab, &def);
-	assert_ok(rb_model_create(&set.lab.model, &set.lab.scene, NULL, &err));
-	rb_frame_release(&set.frame);
-	assert_ok(rb_frame_init(&set.frame, set.lab.model, RB_FIELD_DEFAULT, &err));
-	set.camera.trail_count = 2;
-	set.camera.trails[0] = wall;
-	set.camera.trails[1] = ball;
-	assert_ok(rb_trails_init(&trails, set.lab.model, &set.camera, &err));
-	assert_int_equal(trails.path_count, 1);
-	const int index = set.lab.model->index_of[ball];
-	rb_vec3_to(set.frame.position + 3 * index, (rb_vec3){5, 6, 7});
-	rb_quat_to(set.frame.orientation + 4 * index,
-	           rb_quat_from_turn((rb_vec3){0, 0, 1.5707963267948966}));
-	rb_trails_add(&trails, &set.frame);
-	assert_near(trails.points[0][0][0], 5, 1e-15);
-	assert_near(trails.points[0][0][1], 6.1, 1e-15);
-	rb_trails_release(&trails);
+	set.frame.shots = NULL;
+	set.frame.shot_count = 0;
+	assert_int_equal(end(&set).pictures, SHOTS + 1);
+	for (int n = 0; n <= SHOTS; n++)
+		assert_near(ball_at(&set, n), 0.1 * n, 0.15);
 	close_set(&set);
 }
 
@@ -675,6 +600,8 @@ int main(void)
 		cmocka_unit_test(a_film_needs_only_what_its_pictures_show),
 		cmocka_unit_test(the_number_of_threads_is_not_in_the_bytes),
 		cmocka_unit_test(a_film_that_stops_early_holds_what_was_filmed),
+		cmocka_unit_test(a_film_that_is_cut_short_ends_with_what_was_printed),
+		cmocka_unit_test(a_film_of_too_many_pictures_is_refused),
 		cmocka_unit_test(a_run_without_a_picture_leaves_no_file),
 		cmocka_unit_test(a_printer_that_fails_stops_the_film_with_its_reason),
 		cmocka_unit_test(one_picture_is_written_under_its_own_name),
@@ -682,9 +609,7 @@ int main(void)
 		cmocka_unit_test(names_of_pictures_are_made_from_their_pattern),
 		cmocka_unit_test(memory_that_runs_out_in_the_press_is_told_and_given_back),
 		cmocka_unit_test(a_moving_camera_stands_where_its_shot_says),
-		cmocka_unit_test(each_text_has_its_corner_and_does_not_move_as_time_goes_on),
-		cmocka_unit_test(a_path_stays_whole_and_bounded_however_long_the_run),
-		cmocka_unit_test(a_trail_follows_the_centre_of_mass_and_skips_what_never_moves),
+		cmocka_unit_test(a_moving_camera_in_slow_motion_has_a_shot_for_each_picture),
 	};
 
 	signal(SIGPIPE, SIG_IGN); /* as the program does */

@@ -5,6 +5,8 @@
 #include "base/memory.h"
 #include "film/overlay.h"
 
+#include <time.h>
+
 enum { W = 640, H = 360 };
 
 /* Where a picture differs from its background. */
@@ -17,7 +19,7 @@ static struct rb_overlay *overlay_of(int height)
 	struct rb_overlay *overlay;
 	struct rb_error err;
 
-	assert_ok(rb_overlay_create(&overlay, height, &err));
+	assert_ok(rb_overlay_create(&overlay, 16 * height / 9, height, &err));
 	return overlay;
 }
 
@@ -262,6 +264,65 @@ static void letters_grow_with_the_picture_and_tiny_pictures_are_no_danger(void *
 	rb_overlay_destroy(overlay);
 }
 
+/* The largest picture there may be. Glyphs are made once, but then at their full size. */
+static void the_work_for_letters_is_bounded(void **state)
+{
+	static const int sizes[][2] = {{16384, 16384}, {1, 16384}, {16384, 1}};
+	struct rb_overlay *overlay;
+	struct rb_pixmap pixmap;
+	struct rb_error err;
+
+	(void)state;
+	for (size_t k = 0; k < 3; k++) {
+		const clock_t begin = clock();
+		const int width = k == 0 ? 2400 : sizes[k][0], height = k == 0 ? 1200 : sizes[k][1];
+		assert_ok(rb_overlay_create(&overlay, sizes[k][0], sizes[k][1], &err));
+		assert_ok(rb_pixmap_init(&pixmap, width, height, &err));
+		rb_overlay_write(overlay, &pixmap, RB_OVERLAY_TOP_LEFT, 0, "g8mW%");
+		rb_overlay_write(overlay, &pixmap, RB_OVERLAY_BOTTOM_RIGHT, 1, "g8mW%");
+		rb_pixmap_release(&pixmap);
+		rb_overlay_destroy(overlay);
+		assert_true((double)(clock() - begin) / CLOCKS_PER_SEC < 4);
+	}
+}
+
+static void letters_suit_the_shorter_side(void **state)
+{
+	struct rb_overlay *narrow;
+	struct rb_pixmap pixmap = grey(100);
+	struct rb_error err;
+
+	(void)state;
+	assert_ok(rb_overlay_create(&narrow, W, 4 * W, &err));
+	rb_overlay_write(narrow, &pixmap, RB_OVERLAY_TOP_LEFT, 0, "Hxg");
+	const struct box found = box_of(&pixmap, 100);
+	const struct box wanted = written(RB_OVERLAY_TOP_LEFT, 0, "Hxg");
+	assert_int_equal(found.right, wanted.right);
+	assert_int_equal(found.bottom, wanted.bottom);
+	rb_pixmap_release(&pixmap);
+	rb_overlay_destroy(narrow);
+}
+
+static void texts_that_fit_side_by_side_do_not_touch(void **state)
+{
+	struct rb_overlay *overlay = overlay_of(H);
+	char left[40] = "", right[40] = "";
+	int fitted = 0;
+
+	(void)state;
+	for (int i = 0; i < 30; i++) {
+		left[i] = right[i] = 'm';
+		const int first = written(RB_OVERLAY_TOP_LEFT, 0, left).right;
+		const int second = written(RB_OVERLAY_TOP_RIGHT, 0, right).left;
+		const bool fits = rb_overlay_fits(overlay, W, left, right);
+		assert_true(!fits || second - first > 4);
+		assert_true(fits || second - first < 24);
+		fitted += fits;
+	}
+	assert_true(fitted > 5 && fitted < 25);
+	rb_overlay_destroy(overlay);
+}
+
 static void a_font_that_is_missing_is_told_by_name_and_all_is_given_back(void **state)
 {
 	const struct rb_memory_counts before = rb_memory_counts();
@@ -270,7 +331,7 @@ static void a_font_that_is_missing_is_told_by_name_and_all_is_given_back(void **
 
 	(void)state;
 	setenv("RBSIM_FONT", "/nonexistent/font.ttf", 1);
-	assert_int_equal(rb_overlay_create(&overlay, H, &err), RB_ERR_MISSING);
+	assert_int_equal(rb_overlay_create(&overlay, W, H, &err), RB_ERR_MISSING);
 	assert_null(overlay);
 	assert_non_null(strstr(err.text, "'/nonexistent/font.ttf'"));
 	unsetenv("RBSIM_FONT");
@@ -295,6 +356,9 @@ int main(void)
 		cmocka_unit_test(any_bytes_are_a_text_and_other_places_stay_as_they_were),
 		cmocka_unit_test(many_letters_look_the_same_as_few),
 		cmocka_unit_test(letters_grow_with_the_picture_and_tiny_pictures_are_no_danger),
+		cmocka_unit_test(the_work_for_letters_is_bounded),
+		cmocka_unit_test(letters_suit_the_shorter_side),
+		cmocka_unit_test(texts_that_fit_side_by_side_do_not_touch),
 		cmocka_unit_test(a_font_that_is_missing_is_told_by_name_and_all_is_given_back),
 	};
 

@@ -63,7 +63,21 @@ echo 'camera { mount = body "bal" }' >with.lua
 exits 65 render s.h5 --with with.lua
 grep -q "ball" err || fail "$(cat err)"
 
+# what the recording lacks is told
+printf 'record { fields = {"position"} }\ncamera { name = "arrows", position = {0, -6, 2}, size = {64, 48}, vectors = "velocity", png = "a/%%d.png" }\nsphere { radius = 0.5, velocity = {1, 0, 0} }\nworld { duration = 0.1 }\n' >v.lua
+exits 0 v.lua --no-render
+exits 0 render v.h5
+grep -q "holds no velocities" err || fail "$(cat err)"
+# a film does not take the recording's place, and cameras given afterwards are named by their own file
+cp s.h5 s.mp4
+exits 64 render s.mp4 --camera main -o ./s.mp4 --force
+printf '\ncamera { name = "in", position = {0, 0, 2}, png = "in/%%d.png", look_at = {5, 0, 0} }\n' >with.lua
+exits 65 render s.h5 --with with.lua
+grep -q "with.lua:2: camera 'in': stands inside" err || fail "$(cat err)"
+
 # wrong inputs
+exits 64 render s.h5 --camera main --frame 1 -o x.png --speed 2
+exits 64 render s.h5 --camera main -o x.mp4 --size ' 5x5'
 exits 64 render s.h5 -o x.mp4
 grep -q 'choose one with --camera' err || fail "$(cat err)"
 exits 64 render s.h5 --camera main -o x.avi

@@ -76,6 +76,32 @@ grep -q 'melting' err || fail "$(cat err)"
 exits 0 info two.h5
 grep -q complete out || fail "the recording suffered"
 
+RBSIM_FFMPEG=$PWD/dying "$RBSIM" two.lua --force --json >out 2>err </dev/null
+[ "$(value status)" = complete ] || fail "the run's status is that of its film"
+[ "$(value exit_status)" = 69 ] || fail "the exit status does not tell of the film"
+
+# outputs in each other's way
+exits 64 two.lua --force -o main.mp4
+exits 64 two.lua -o film.gif --force
+cat >twins.lua <<'END'
+world { duration = 0.1 }
+sphere { radius = 1 }
+camera { position = {5, 5, 5}, png = "o/%d.png" }
+camera { position = {5, 5, 5}, png = "./o/%1d.png" }
+END
+exits 65 twins.lua --no-record
+grep -q 'twins.lua:4: camera 2 writes to' err || fail "$(cat err)"
+
+# one that begins after the end
+cat >late.lua <<'END'
+world { duration = 0.1 }
+sphere { radius = 1 }
+camera { position = {5, 5, 5}, size = {16, 16}, from = 7, png = "late/%d.png" }
+END
+exits 0 late.lua --no-record
+grep -q 'begins at 7 s, after the end' err || fail "$(cat err)"
+[ ! -e late ] || fail "a folder for no picture"
+
 # wrong cameras
 refused()
 {
