@@ -266,8 +266,9 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	printf("  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
 	       "              a touching pair that no force parts beyond that is in lasting contact (rbsim-scene(5))\n",
 	       8 * rb_ulp(model->coordinate_max_m));
-	printf("  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 ")\n",
-	       rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count);
+	printf("  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 "%s)\n",
+	       rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count,
+	       loaded->scene.camera_count > 0 && !options->no_render ? ", without the films" : "");
 	if (loaded->output)
 		printf("  disk        %s: %s\n", loaded->output,
 		       rb_text_bytes(needs->disk_bytes, size));

@@ -115,8 +115,8 @@ void rb_take_see(struct rb_take *take, const struct rb_frame *frame)
 
 /* ---- what is written ---- */
 
-/* With that many places before the point, so that what follows stands still. */
-static void pad_number(char out[64], double value, int decimals, int places)
+/* Behind its label, with room for that many places before the point, so that what follows stands still. */
+static void pad_number(char out[64], const char *label, double value, int decimals, int places)
 {
 	char number[48];
 
@@ -124,14 +124,15 @@ static void pad_number(char out[64], double value, int decimals, int places)
 	out[0] = '\0';
 	for (int i = (int)strcspn(number, "."); i < places && i < 5; i++)
 		strcat(out, figure_space);
-	strcat(out, number);
+	strcat(strcat(out, label), number);
 }
 
 static void print_time(const struct rb_take *take, double time_s, char out[TEXT_SIZE])
 {
 	char number[64];
 
-	pad_number(number, time_s / take->time_unit.size, take->time_decimals, take->time_digits);
+	pad_number(number, "", time_s / take->time_unit.size, take->time_decimals,
+	           take->time_digits);
 	snprintf(out, TEXT_SIZE, "t = %s %s%s%s", number, take->time_unit.name,
 	         take->speed[0] ? "    " : "", take->speed);
 }
@@ -153,9 +154,9 @@ static void print_energy(const struct rb_take *take, double total, double kineti
 	const int before = largest >= 1 && largest < 1e15 ? 1 + (int)floor(log10(largest)) : 1;
 	const int decimals = before < ENERGY_DIGITS ? ENERGY_DIGITS - before : 0;
 	char e[64], k[64];
-	pad_number(e, total / size, decimals, before);
-	pad_number(k, kinetic / size, decimals, before);
-	snprintf(out, TEXT_SIZE, "E = %s %s (kinetic %s)", e, units[u].name, k);
+	pad_number(e, "E = ", total / size, decimals, before);
+	pad_number(k, "(kinetic ", kinetic / size, decimals, before);
+	snprintf(out, TEXT_SIZE, "%s %s %s)", e, units[u].name, k);
 }
 
 /* Beside the time, or above it where there is no room for the longest one: it does not jump with a sign. */
