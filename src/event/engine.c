@@ -155,7 +155,7 @@ static void foresee_set(struct rb_located *l, double t)
 	rb_set_clear(l);
 }
 
-/* An impact or a change of mode among several; the end of a smooth piece is neither. */
+/* An impact among several, a change of mode, or the next piece of their common motion: so many of them get nowhere. */
 static void count_crowd(struct rb_located *l)
 {
 	l->crowd += (uint64_t)l->set_count;
@@ -258,8 +258,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 		foresee_set(l, t);
 		return;
 	}
-	if (c->is_cut)
-		count_crowd(l);
+	count_crowd(l);
 	settle_set(l, t);
 }
 
