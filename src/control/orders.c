@@ -436,9 +436,11 @@ static enum rb_status execute_status(const struct order *order)
 	const struct rb_source_status *const status = source_of(order);
 	const struct rb_lateness *const late = &viewer->lateness;
 
-	rb_viewer_say(viewer, "%s, %s at speed %.4g: t = %.6g s, frame %" PRIu64 " of %" PRIu64,
+	rb_viewer_say(viewer,
+	              "%s, %s at speed %.4g: t = %.6g s, frame %" PRIu64 " of %" PRIu64 ", %" PRIu64
+	              " pictures drawn",
 	              status->state, rb_viewer_state(viewer), viewer->speed, viewer->frame.time_s,
-	              viewer->frame.index, status->frame_count);
+	              viewer->frame.index, status->frame_count, viewer->drawn_count);
 	rb_viewer_say(viewer,
 	              "%" PRIu64 " collisions, %" PRIu64
 	              " rollbacks, smallest step %.3g s, overlap up to %.3g m",

@@ -36,6 +36,7 @@ struct rb_source {
 	struct rb_reader *reader; /* NULL: not there yet */
 	struct rows rows;
 	struct rb_frame frame; /* that came through the socket */
+	bool has_frame;        /* and is whole */
 	struct rb_frame read;  /* of the file; its columns are the reader's */
 	uint64_t kept_first, kept_last;
 	bool has_kept;
@@ -490,6 +491,15 @@ static enum rb_status frame_of_file(struct rb_source *source, uint64_t row,
 	return status;
 }
 
+static enum rb_status take_frame(struct rb_source *source, const char *answer, struct rb_error *err)
+{
+	const enum rb_status status = rb_wire_read_frame(&source->frame, source->model->body_count,
+	                                                 answer, strcspn(answer, "\n"), err);
+
+	source->has_frame = !status;
+	return status;
+}
+
 /* A frame that the run still keeps, UINT64_MAX: its newest. */
 static enum rb_status frame_of_run(struct rb_source *source, uint64_t row,
                                    const struct rb_frame **frame, uint64_t *found,
@@ -503,15 +513,39 @@ static enum rb_status frame_of_run(struct rb_source *source, uint64_t row,
 		snprintf(line, sizeof line, "frame all");
 	else
 		snprintf(line, sizeof line, "frame %" PRIu64 " all", row);
-	enum rb_status status = rb_client_request(source->client, line, answer_s, &answer, &size,
-	                                          err);
+	enum rb_status status = RB_OK;
+	if (!source->has_frame || source->frame.index != row) {
+		status = rb_client_request(source->client, line, answer_s, &answer, &size, err);
+		if (!status)
+			status = take_frame(source, answer, err);
+	}
 	if (status)
 		return status;
-	size = strcspn(answer, "\n");
-	status = rb_wire_read_frame(&source->frame, source->model->body_count, answer, size, err);
 	*frame = &source->frame;
 	*found = source->frame.index;
 	return status;
+}
+
+bool rb_source_newer(struct rb_source *source, uint64_t row)
+{
+	struct rb_source_status *const status = &source->status;
+	const char *answer;
+	char line[64];
+	size_t size;
+
+	if (!source->client || !source->has_kept)
+		return false;
+	snprintf(line, sizeof line, "newer %" PRIu64 " all", row);
+	if (rb_client_request(source->client, line, answer_s, &answer, &size, NULL)) {
+		source->next_ask_ns = 0; /* which finds out what is the matter */
+		return false;
+	}
+	if (size == 0 || take_frame(source, answer, NULL))
+		return false;
+	source->kept_last = source->frame.index;
+	status->row_count = source->kept_last + 1;
+	status->end_s = source->frame.time_s;
+	return true;
 }
 
 enum rb_status rb_source_frame(struct rb_source *source, uint64_t row,

@@ -265,6 +265,11 @@ static void look(struct rb_viewer *viewer, uint64_t now_ns)
 		rb_viewer_say(viewer, "the run has ended");
 	if (status->is_run && status->restarts != viewer->restarts)
 		viewer->wish = RB_VIEWER_RELOADS;
+	/* the rest of the status may be some pictures old, the frames that the view waits for may not */
+	const bool waits = viewer->has_goal || (viewer->playing && !status->paused);
+	if (viewer->has_frame && status->is_run && status->grows && waits &&
+	    rb_viewer_at_end(viewer))
+		(void)rb_source_newer(source, viewer->row);
 }
 
 void rb_viewer_tick(struct rb_viewer *viewer, uint64_t now_ns)
@@ -290,6 +295,8 @@ void rb_viewer_shown(struct rb_viewer *viewer, uint64_t now_ns)
 	if (viewer->due_ns > 0)
 		rb_lateness_add(&viewer->lateness, viewer->due_ns, now_ns);
 	viewer->due_ns = 0;
+	viewer->drawn_count += viewer->has_frame && viewer->drawn != viewer->picture;
+	viewer->drawn = viewer->picture;
 }
 
 uint64_t rb_viewer_next(const struct rb_viewer *viewer, uint64_t now_ns)

@@ -47,6 +47,7 @@ struct rb_viewer {
 	bool has_frame;
 	uint64_t row;
 	uint64_t picture; /* counts up when there is something else to be drawn: frame or camera */
+	uint64_t drawn, drawn_count; /* the last one that came to the screen; how many did */
 
 	/* how it goes on */
 	bool playing;  /* the view's own; a run may stand still besides */

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* src/control/viewer.c, source.c: over a run's socket; time is handed in, nothing here waits */
+#include "host.h"
+
+#include "base/clock.h"
+#include "control/orders.h"
+#include "control/viewer.h"
+
+static const uint64_t picture_ns = 33333334;
+
+/* A viewer of a host's run, which has made its first frame. */
+struct seat {
+	struct host host;
+	struct rb_client *client;
+	struct rb_source *source;
+	struct rb_viewer *viewer;
+	uint64_t now_ns;
+};
+
+static void sit_down(struct seat *seat, bool live)
+{
+	struct rb_error *const err = &seat->host.err;
+
+	open_host(&seat->host);
+	keep_frame(&seat->host, 0);
+	seat->now_ns = rb_clock_now_ns();
+	assert_good(*err, rb_client_connect(&seat->client, seat->host.path, 10, err));
+	assert_good(*err,
+	            rb_source_of_run(&seat->source, seat->client, NULL, seat->host.lab.model, err));
+	const struct rb_viewer_options options = {.source = seat->source,
+	                                          .model = seat->host.lab.model,
+	                                          .name = "s",
+	                                          .fps = 30,
+	                                          .speed = 1,
+	                                          .live = live};
+	assert_good(*err, rb_viewer_create(&seat->viewer, &options, seat->now_ns, err));
+	rb_viewer_tick(seat->viewer, seat->now_ns);
+	assert_true(seat->viewer->has_frame);
+}
+
+static void leave(struct seat *seat)
+{
+	rb_viewer_destroy(seat->viewer);
+	rb_source_destroy(seat->source);
+	rb_client_close(seat->client);
+	close_host(&seat->host);
+}
+
+static void tick(struct seat *seat, uint64_t by_ns)
+{
+	seat->now_ns += by_ns;
+	rb_viewer_tick(seat->viewer, seat->now_ns);
+	rb_viewer_shown(seat->viewer, seat->now_ns);
+}
+
+static void a_live_view_has_the_newest_frame_in_each_picture(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, true);
+	for (uint64_t k = 1; k < 40; k++) {
+		keep_frame(&seat.host, k);
+		tick(&seat, picture_ns);
+		assert_int_equal(seat.viewer->row, k);
+		assert_near(seat.viewer->frame.position[0], (double)k, 1e-6);
+	}
+	leave(&seat);
+}
+
+static void a_view_that_waits_for_the_run_shows_its_next_frame_at_once(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, false);
+	/* a tenth of a second a frame: each is late by a picture */
+	for (uint64_t k = 1; k < 20; k++) {
+		tick(&seat, 100000000);
+		assert_int_equal(seat.viewer->row, k - 1);
+		keep_frame(&seat.host, k);
+		tick(&seat, picture_ns);
+		assert_int_equal(seat.viewer->row, k);
+	}
+	leave(&seat);
+}
+
+static void a_step_of_the_run_is_shown_with_the_next_picture(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, false);
+	assert_int_equal(rb_order(seat.viewer, "pause", seat.now_ns), RB_OK);
+	tick(&seat, picture_ns);
+	assert_int_equal(rb_order(seat.viewer, "step 2", seat.now_ns), RB_OK);
+	tick(&seat, picture_ns);
+	keep_frame(&seat.host, 1);
+	tick(&seat, picture_ns);
+	assert_int_equal(seat.viewer->row, 1);
+	keep_frame(&seat.host, 2);
+	tick(&seat, picture_ns);
+	assert_int_equal(seat.viewer->row, 2);
+	assert_false(seat.viewer->has_goal);
+	leave(&seat);
+}
+
+static void only_what_is_new_is_counted_as_drawn(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, true);
+	tick(&seat, picture_ns);
+	const uint64_t before = seat.viewer->drawn_count;
+	for (int i = 0; i < 5; i++)
+		tick(&seat, picture_ns);
+	assert_int_equal(seat.viewer->drawn_count, before);
+	keep_frame(&seat.host, 1);
+	tick(&seat, picture_ns);
+	assert_int_equal(seat.viewer->drawn_count, before + 1);
+	leave(&seat);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_live_view_has_the_newest_frame_in_each_picture),
+		cmocka_unit_test(a_view_that_waits_for_the_run_shows_its_next_frame_at_once),
+		cmocka_unit_test(a_step_of_the_run_is_shown_with_the_next_picture),
+		cmocka_unit_test(only_what_is_new_is_counted_as_drawn),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
