@@ -18,8 +18,8 @@ import random, socket, sys, time
 path, seconds = sys.argv[1], float(sys.argv[2])
 def connect():
     s = socket.socket(socket.AF_UNIX)
+    s.connect(path)  # with a time-out it would not wait for a place in the queue
     s.settimeout(20)
-    s.connect(path)
     return s
 def ask(line):
     s = connect()
