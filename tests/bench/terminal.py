@@ -1,18 +1,28 @@
 # SPDX-License-Identifier: MIT
 """
-A console in a terminal of 120 x 40 cells in true colour whose bytes go through a link of so many a second:
+A console in a terminal of 120 x 40 cells in true colour whose bytes go through a link of so many a second.
 
-    terminal.py LINK SECONDS KEY COMMAND... [--run COMMAND...]
+    terminal.py play LINK SECONDS CONSOLE...
 
-Runs the command behind --run first, waits until its socket (the last word but for options) is there, and watches it until it has
-ended; without --run, types KEY and watches for SECONDS. Then asks `status`, and types q. Prints one line of numbers: wall and processor
-seconds of the run, processor seconds of its threads but the simulator's, processor seconds of the console, bytes, seconds watched, pictures drawn,
-and ms of the mean lateness, of its 99th percentile, and of drift in a second. LINK 0: no console at all, and the first two numbers.
+types 1 (true time), watches for SECONDS and prints what `status` then says.
+
+    terminal.py watch LINK SECONDS SOCKET CONSOLE... --run RUN...
+
+starts a run that listens on SOCKET, and watches it; for SECONDS the console is stopped and continued each second. Prints a line for
+each of these seconds: 0 or 1 (watched), and what a simulated second took of wall time, of the run's processor time and of that of the simulator's thread
+alone; then the last line.
+
+    terminal.py none 0 0 --run RUN...
+
+prints wall and processor seconds of a run.
+
+The last line: processor seconds of the console, bytes, seconds watched, pictures drawn, ms of the mean lateness of frames, of its 99th
+percentile, and of drift in a second.
 """
-import fcntl, os, pty, re, select, signal, struct, subprocess, sys, termios, time
+import fcntl, os, pty, re, select, signal, socket, struct, subprocess, sys, termios, time
 
 words = sys.argv[1:]
-link, seconds, key = float(words[0]), float(words[1]), words[2]
+mode, link, seconds = words[0], float(words[1]), float(words[2])
 split = words.index("--run") if "--run" in words else len(words)
 console, run = words[3:split], words[split + 1:]
 
@@ -57,7 +67,7 @@ class Terminal:
             end = time.monotonic() + 1
             while time.monotonic() < end:
                 self.take(0.05)
-            plain = re.sub(rb"\x1b\[[0-9;?]*[A-Za-z]", b" ", self.tail)
+            plain = re.sub(rb"\x1b\[[0-9;:?]*[A-Za-z]", b" ", self.tail)
             found = re.search(pattern, plain, re.S)
             if found:
                 return [float(text) for text in found.groups()]
@@ -72,55 +82,82 @@ class Terminal:
                 return used.ru_utime + used.ru_stime
 
 
-# Processor seconds of a process's threads but its first one.
-def others(pid):
-    total = 0
-    try:
-        for task in os.listdir("/proc/%d/task" % pid):
-            if int(task) != pid:
-                total += int(open("/proc/%d/task/%s/schedstat" % (pid, task)).read().split()[0])
-    except OSError:
-        return 0
-    return 1e-9 * total
+    def report(self, began):
+        watched, sent = time.monotonic() - began, self.size
+        answer = self.ask(rb"(\d+) pictures\s+drawn.*?late ([0-9.]+) ms on average, 99 % within ([0-9.]+) ms, drift (-?[0-9.]+) ms/s")
+        print("%.6f %d %.3f %d %g %g %g" % ((self.end(), sent, watched) + tuple(answer)))
 
 
-def main():
-    wall = used = 0
-    apart = [0, 0]
-    ended = [time.monotonic() + seconds]
-    if run:
-        began = time.monotonic()
-        child = subprocess.Popen(run, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
-        usage = []
+# Processor seconds of a process, and of its first thread alone.
+def used(pid):
+    total = first = 0
+    for task in os.listdir("/proc/%d/task" % pid):
+        spent = 1e-9 * int(open("/proc/%d/task/%s/schedstat" % (pid, task)).read().split()[0])
+        total += spent
+        first += spent if int(task) == pid else 0
+    return total, first
 
-        def over():
-            pid, status, u = (0, 0, None) if usage else os.wait4(child.pid, os.WNOHANG)
-            if not usage and time.monotonic() > apart[1]:
-                apart[:] = max(apart[0], others(child.pid)), time.monotonic() + 0.1
-            if pid:
-                if status:
-                    sys.exit("the run: status %d" % status)
-                usage.append((time.monotonic() - began, u.ru_utime + u.ru_stime))
-            return bool(usage)
-        if not console or link == 0:
-            while not over():
-                time.sleep(0.001)
-            print("%.6f %.6f" % usage[0])
-            return
-        while not os.path.exists(console[-1]):
-            time.sleep(0.001)
-    else:
-        def over():
-            return time.monotonic() > ended[0]
+
+class Asker:
+    def __init__(self, path):
+        self.socket = socket.socket(socket.AF_UNIX)
+        self.socket.connect(path)
+        self.lines = self.socket.makefile("rw", newline="\n")
+        self.lines.readline()
+
+    # Simulated seconds so far.
+    def time(self):
+        self.lines.write("status\n")
+        self.lines.flush()
+        found = 0.0
+        for line in self.lines:
+            if not line.startswith(" "):
+                return found
+            if line.startswith(" time "):
+                found = float(line.split()[1])
+
+
+def play():
     terminal = Terminal(console)
-    terminal.type(key)
-    terminal.watch(over)
-    watched, size = time.monotonic() - terminal.begin, terminal.size
-    if run:
-        wall, used = usage[0]
-    answer = terminal.ask(rb"(\d+) pictures\s+drawn.*?late ([0-9.]+) ms on average, 99 % within ([0-9.]+) ms, drift (-?[0-9.]+) ms/s")
-    own = terminal.end()
-    print("%.6f %.6f %.6f %.6f %d %.3f %d %g %g %g" % ((wall, used, apart[0], own, size, watched) + tuple(answer)))
+    terminal.type("1")
+    end = terminal.begin + seconds
+    terminal.watch(lambda: time.monotonic() > end)
+    terminal.report(terminal.begin)
 
 
-main()
+def watch():
+    path, command = console[0], console[1:]
+    child = subprocess.Popen(run, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    while not os.path.exists(path):
+        time.sleep(0.01)
+    asker = Asker(path)
+    terminal = Terminal(command)
+    begin = time.monotonic()
+    terminal.watch(lambda: time.monotonic() > begin + 2)  # it has opened its screen by then
+    on, pictures = True, 0.0
+    for _ in range(int(seconds)):
+        on = not on
+        os.kill(terminal.pid, signal.SIGCONT if on else signal.SIGSTOP)
+        before = time.monotonic(), asker.time(), used(child.pid)
+        terminal.watch(lambda: time.monotonic() > before[0] + 1)
+        after = time.monotonic(), asker.time(), used(child.pid)
+        pictures += after[0] - before[0] if on else 0
+        made = after[1] - before[1]
+        print("%d %.6f %.6f %.6f" % (on, (after[0] - before[0]) / made, (after[2][0] - before[2][0]) / made,
+                                     (after[2][1] - before[2][1]) / made))
+    os.kill(terminal.pid, signal.SIGCONT)
+    child.terminate()
+    child.wait()
+    terminal.report(time.monotonic() - pictures - 2)
+
+
+def none():
+    began = time.monotonic()
+    child = subprocess.Popen(run, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    _, status, u = os.wait4(child.pid, 0)
+    if status:
+        sys.exit("the run: status %d" % status)
+    print("%.6f %.6f" % (time.monotonic() - began, u.ru_utime + u.ru_stime))
+
+
+{"play": play, "watch": watch, "none": none}[mode]()
