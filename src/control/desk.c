@@ -172,12 +172,18 @@ static void order(struct desk *desk, const char *format, ...)
 	}
 }
 
+/* A share of the run, but no less than a frame: a key that does nothing seems broken. */
 static void seek_by(struct desk *desk, double percent)
 {
-	const struct rb_source_status *const status = rb_source_status(
-		desk->viewer->options.source);
-	const double step_s = 0.01 * percent * status->duration_s;
+	const struct rb_source *const source = desk->viewer->options.source;
+	const struct rb_source_status *const status = rb_source_status(source);
 	const double now_s = desk->viewer->frame.time_s;
+	const uint64_t row = desk->viewer->row;
+	const uint64_t before = row > 0 ? row - 1 : 0;
+	const double frame_s = percent > 0 ? rb_source_time(source, row + 1) - now_s
+	                                   : now_s - rb_source_time(source, before);
+	const double step_s = copysign(
+		fmax(fabs(0.01 * percent) * status->duration_s, fmax(frame_s, 0)), percent);
 
 	order(desk, "seek %.17g", fmin(fmax(now_s + step_s, 0), fmax(status->end_s, now_s)));
 }

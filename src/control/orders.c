@@ -118,6 +118,16 @@ static enum rb_status execute_back(const struct order *order)
 	return RB_OK;
 }
 
+/* The last row that is not after a time but for rounding: a sum of steps would miss the row that it means by an ulp. */
+static uint64_t row_for(const struct rb_source *source, double time_s)
+{
+	static const double rounding = 1e-6; /* of the time from row to row */
+	const uint64_t row = rb_source_row_at(source, time_s);
+	const double next_s = rb_source_time(source, row + 1);
+
+	return next_s - time_s <= rounding * (next_s - rb_source_time(source, row)) ? row + 1 : row;
+}
+
 static enum rb_status execute_seek(const struct order *order)
 {
 	struct rb_viewer *const viewer = order->viewer;
@@ -126,7 +136,7 @@ static enum rb_status execute_seek(const struct order *order)
 	const double time_s = order->command->is_percent ? 0.01 * value * status->duration_s
 	                                                 : value;
 
-	rb_viewer_go(viewer, rb_source_row_at(viewer->options.source, time_s), order->now_ns);
+	rb_viewer_go(viewer, row_for(viewer->options.source, time_s), order->now_ns);
 	if (time_s > status->duration_s)
 		rb_viewer_say(viewer, "the run is %.6g s long", status->duration_s);
 	else if (time_s > status->end_s && status->grows)

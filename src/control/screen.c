@@ -200,6 +200,27 @@ static enum rb_palette choose_palette(void)
 	return COLORS >= 256 ? RB_PALETTE_256 : COLORS >= 16 ? RB_PALETTE_16 : RB_PALETTE_8;
 }
 
+/* What terminals send for these keys, whatever terminfo says: inside of others the entry is often that of another one. */
+static void add_keys(void)
+{
+	static const struct {
+		const char *text;
+		int code;
+	} keys[] = {
+		{"\033[1~", KEY_HOME},  {"\033[7~", KEY_HOME},    {"\033[H", KEY_HOME},
+		{"\033OH", KEY_HOME},   {"\033[4~", KEY_END},     {"\033[8~", KEY_END},
+		{"\033[F", KEY_END},    {"\033OF", KEY_END},      {"\033[A", KEY_UP},
+		{"\033OA", KEY_UP},     {"\033[B", KEY_DOWN},     {"\033OB", KEY_DOWN},
+		{"\033[C", KEY_RIGHT},  {"\033OC", KEY_RIGHT},    {"\033[D", KEY_LEFT},
+		{"\033OD", KEY_LEFT},   {"\033[1;2D", KEY_SLEFT}, {"\033[1;2C", KEY_SRIGHT},
+		{"\033[5~", KEY_PPAGE}, {"\033[6~", KEY_NPAGE},   {"\033[3~", KEY_DC},
+	};
+
+	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+		if (key_defined(keys[i].text) == 0)
+			define_key(keys[i].text, keys[i].code);
+}
+
 static void set_modes(struct rb_screen *screen)
 {
 	cbreak();
@@ -207,6 +228,7 @@ static void set_modes(struct rb_screen *screen)
 	nonl();
 	intrflush(stdscr, FALSE);
 	keypad(stdscr, TRUE);
+	add_keys();
 	nodelay(stdscr, TRUE);
 	leaveok(stdscr, TRUE);
 	set_escdelay(25);
