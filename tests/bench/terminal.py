@@ -127,7 +127,7 @@ def play():
 
 def watch():
     path, command = console[0], console[1:]
-    child = subprocess.Popen(run, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+    child = subprocess.Popen(run, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while not os.path.exists(path):
         time.sleep(0.01)
     asker = Asker(path)
