@@ -7,9 +7,9 @@
 
 static void what_a_run_cannot_serve_is_refused_in_one_line(void **state)
 {
-	static const char *const lines[] = {"seek 1",   "speed 2",  "back",      "follow x",
-	                                    "camera a", "snapshot", "film on",   "view pause",
-	                                    "next",     "previous", "checkpoint"};
+	static const char *const lines[] = {"seek 1",   "speed 2",   "back",       "follow x",
+	                                    "camera a", "snapshot",  "view pause", "next",
+	                                    "previous", "checkpoint"};
 	struct host host;
 
 	(void)state;
@@ -18,9 +18,29 @@ static void what_a_run_cannot_serve_is_refused_in_one_line(void **state)
 		const char *answer = asked(&host, lines[i]);
 		assert_int_equal(strncmp(answer, "error '", 7), 0);
 		assert_ptr_equal(strchr(answer, '\n'), answer + strlen(answer) - 1);
-		assert_non_null(
-			strstr(answer, i == 10 ? "not in this version" : "needs a console"));
+		assert_non_null(strstr(answer, i == 9 ? "not in this version" : "needs a console"));
 	}
+	close_host(&host);
+}
+
+static void films_are_switched_where_there_are_any(void **state)
+{
+	struct host host;
+
+	(void)state;
+	open_session(&host);
+	assert_answer(&host, "status", " film none\n");
+	assert_string_equal(asked(&host, "film off"),
+	                    "error 'film': no camera of this run makes a film\n");
+	rb_player_has_films(host.player, true);
+	assert_answer(&host, "status", " film on\n");
+	assert_string_equal(asked(&host, "film off"), "ok\n");
+	assert_answer(&host, "status", " film off\n");
+	assert_false(rb_player_filming(host.player));
+	/* another run, with films of its own */
+	rb_player_begin_again(host.player, 101, 10);
+	assert_true(rb_player_filming(host.player));
+	assert_answer(&host, "status", " film none\n");
 	close_host(&host);
 }
 
@@ -186,6 +206,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_run_cannot_serve_is_refused_in_one_line),
+		cmocka_unit_test(films_are_switched_where_there_are_any),
 		cmocka_unit_test(commands_reach_the_player),
 		cmocka_unit_test(the_last_frames_are_kept_and_sent),
 		cmocka_unit_test(bodies_are_inspected_in_full),

@@ -517,6 +517,20 @@ void rb_films_cut(struct rb_films *films, int signal)
 		atomic_store(&films->cut, signal);
 }
 
+enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int i = 0; i < rb_films_count(films) && !status; i++)
+		status = films->module->film_switch(films->film[i].film, time_s, on, err);
+	return status;
+}
+
+static bool is_cut_short(const struct rb_film_tally *tally)
+{
+	return tally->pictures + tally->left_out < tally->picture_count;
+}
+
 /* Pictures are missing, and a signal is why. */
 static enum rb_status tell_cut(const struct rb_films *films, struct rb_error *err)
 {
@@ -524,7 +538,7 @@ static enum rb_status tell_cut(const struct rb_films *films, struct rb_error *er
 	bool missing = false;
 
 	for (int i = 0; i < rb_films_count(films); i++)
-		missing |= films->film[i].tally.pictures < films->film[i].tally.picture_count;
+		missing |= is_cut_short(&films->film[i].tally);
 	if (!signal || !missing)
 		return RB_OK;
 	return signal == SIGINT
@@ -598,10 +612,12 @@ void rb_films_print(FILE *file, const struct rb_films *films)
 			        "; drawing %.0f %%, reading back %.0f %%, PNG %.0f %%, pipe %.0f %%",
 			        percent * (double)t->draw_ns, percent * (double)t->read_ns,
 			        percent * (double)t->png_ns, percent * (double)t->pipe_ns);
+		if (t->left_out > 0)
+			fprintf(file, "; %" PRIu64 " left out by command", t->left_out);
 		fprintf(file, "%s\n",
-		        film->status                     ? " (failed)"
-		        : t->pictures < t->picture_count ? " (cut short)"
-		                                         : "");
+		        film->status      ? " (failed)"
+		        : is_cut_short(t) ? " (cut short)"
+		                          : "");
 	}
 }
 
@@ -616,11 +632,12 @@ void rb_films_print_json(struct rb_json *json, const struct rb_films *films)
 		rb_json_text(json, "video", film->camera.video);
 		rb_json_text(json, "png", film->camera.png);
 		rb_json_text(json, "status",
-		             film->status                     ? "failed"
-		             : t->pictures < t->picture_count ? "cut short"
-		                                              : "complete");
+		             film->status      ? "failed"
+		             : is_cut_short(t) ? "cut short"
+		                               : "complete");
 		rb_json_count(json, "pictures", t->pictures);
 		rb_json_count(json, "picture_count", t->picture_count);
+		rb_json_count(json, "left_out", t->left_out);
 		rb_json_count(json, "bytes", t->bytes);
 		rb_json_number(json, "draw_time", (double)t->draw_ns * 1e-9);
 		rb_json_number(json, "read_time", (double)t->read_ns * 1e-9);

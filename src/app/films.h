@@ -69,6 +69,9 @@ RB_CHECKED enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame
  * where frames are still to come or many pictures lie before the next one; the signal is why.
  */
 void rb_films_cut(struct rb_films *films, int signal);
+/* Between two frames, of which the first is at `time_s`: pictures after it are left out, or drawn again. */
+RB_CHECKED enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on,
+                                          struct rb_error *err);
 /* After the ring was closed: waits for all films to be whole. The first failure is told, with the camera, or that they were cut. */
 RB_CHECKED enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err);
 

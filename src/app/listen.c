@@ -214,6 +214,17 @@ enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_
 	}
 }
 
+void rb_listen_has_films(struct rb_listen *listen, bool has)
+{
+	if (listen)
+		rb_player_has_films(listen->player, has);
+}
+
+bool rb_listen_filming(const struct rb_listen *listen)
+{
+	return !listen || rb_player_filming(listen->player);
+}
+
 /* ---- from one run to the next ---- */
 
 void rb_listen_run_ends(struct rb_listen *listen)

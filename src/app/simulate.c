@@ -235,6 +235,7 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 		status = make_recorder(run, err);
 	if (!status)
 		status = start_world(run, err);
+	rb_listen_has_films(run->listen, rb_films_count(run->films) > 0);
 	if (!status && (run->recorder || run->films))
 		status = start_consumers(run, err);
 	else if (!status)
@@ -301,28 +302,32 @@ static bool waits_no_more(void *user)
 }
 
 /* After a frame: whether commands let the run go on. */
-static bool passes(struct run *run)
+static enum rb_status pass(struct run *run, bool *on, struct rb_error *err)
 {
 	struct rb_player_frame frame = {.numbers = &run->result->last,
 	                                .index = rb_world_frame(run->world),
 	                                .time_s = rb_world_time(run->world)};
 
+	*on = true;
 	if (!run->listen)
-		return true;
+		return RB_OK;
 	if (run->ring)
 		frame.ring_used = rb_ring_used(run->ring, &frame.ring_slots);
 	run->verdict = rb_listen_gate(run->listen, &frame, waits_no_more, run);
 	rb_progress_paused(run->progress, rb_listen_paused_s(run->listen));
-	return run->verdict == RB_PLAYER_GO && !stop_wanted(run);
+	*on = run->verdict == RB_PLAYER_GO && !stop_wanted(run);
+	return rb_films_switch(run->films, frame.time_s, rb_listen_filming(run->listen), err);
 }
 
 static enum rb_status run_frames(struct run *run, struct rb_error *err)
 {
 	const uint64_t frame_count = rb_world_frame_count(run->world);
-	bool ended = false;
+	bool ended = false, on = false;
 	enum rb_status status = emit(run, &ended, err);
 
-	while (!status && !ended && passes(run) && rb_world_frame(run->world) + 1 < frame_count) {
+	if (!status && !ended)
+		status = pass(run, &on, err);
+	while (!status && on && rb_world_frame(run->world) + 1 < frame_count) {
 		status = rb_world_step_frame(run->world, err);
 		if (status || rb_world_stopped(run->world))
 			break;
@@ -330,6 +335,9 @@ static enum rb_status run_frames(struct run *run, struct rb_error *err)
 		rb_progress_at(run->progress, rb_world_time(run->world));
 		if (rb_progress_signal(run->progress) != 0)
 			break;
+		on = false;
+		if (!status && !ended)
+			status = pass(run, &on, err);
 	}
 	return status;
 }

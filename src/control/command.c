@@ -36,7 +36,7 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 		"take a camera of the scene; move it to the right, up and forward (m); turn it around what it looks at and "
 		"over it; bring it nearer; put it on a body"},
 	[RB_COMMAND_SNAPSHOT] = {"snapshot", "[FILE]", RB_NEEDS_VIEW, "write a picture of this frame"},
-	[RB_COMMAND_FILM] = {"film", "on|off", RB_NEEDS_VIEW, "film what is shown, or end that film"},
+	[RB_COMMAND_FILM] = {"film", "on|off", RB_NEEDS_RUN, "draw the pictures of the run's films, or leave them out"},
 	[RB_COMMAND_CHECKPOINT] = {"checkpoint", "", RB_NEEDS_RUN, "write a checkpoint (not in this version)"},
 	[RB_COMMAND_BODY] = {"body", "NAME", 0, "numbers of a body, by its name or its number as #3"},
 	[RB_COMMAND_SET] = {"set", "PARAMETER VALUE", RB_NEEDS_RUN,

@@ -423,12 +423,6 @@ static enum rb_status execute_snapshot(const struct order *order)
 	return status;
 }
 
-static enum rb_status execute_film(const struct order *order)
-{
-	return RB_FAIL(order->err, RB_ERR_USAGE,
-	               "'film' is not in this version: rbsim render films recordings");
-}
-
 /* ---- telling ---- */
 
 static enum rb_status execute_for_run(const struct order *order)
@@ -493,7 +487,7 @@ static execute *const executes[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_STOP] = execute_stop,     [RB_COMMAND_NEXT] = execute_next,
 	[RB_COMMAND_PREVIOUS] = execute_next, [RB_COMMAND_FOLLOW] = execute_follow,
 	[RB_COMMAND_CAMERA] = execute_camera, [RB_COMMAND_SNAPSHOT] = execute_snapshot,
-	[RB_COMMAND_FILM] = execute_film,     [RB_COMMAND_CHECKPOINT] = execute_for_run,
+	[RB_COMMAND_FILM] = execute_for_run,  [RB_COMMAND_CHECKPOINT] = execute_for_run,
 	[RB_COMMAND_BODY] = execute_body,     [RB_COMMAND_SET] = execute_for_run,
 	[RB_COMMAND_VIEW] = execute_view,     [RB_COMMAND_STATUS] = execute_status,
 	[RB_COMMAND_HELP] = execute_help,     [RB_COMMAND_QUIT] = execute_quit,

@@ -41,7 +41,8 @@ enum rb_status rb_player_create(struct rb_player **player, uint64_t frame_count,
 	pthread_condattr_destroy(&attributes);
 	p->start_ns = rb_clock_now_ns();
 	p->attended = true;
-	p->status = (struct rb_player_status){.frame_count = frame_count, .duration_s = duration_s};
+	p->status = (struct rb_player_status){
+		.frame_count = frame_count, .duration_s = duration_s, .filming = true};
 	return RB_OK;
 }
 
@@ -61,6 +62,7 @@ void rb_player_begin_again(struct rb_player *player, uint64_t frame_count, doubl
 		.frame_count = frame_count,
 		.duration_s = duration_s,
 		.stops_at_collision = player->status.stops_at_collision,
+		.filming = true,
 		.restarts = player->status.restarts + 1,
 	};
 	player->start_ns = rb_clock_now_ns();
@@ -207,6 +209,28 @@ void rb_player_stop_at_collision(struct rb_player *player, bool on)
 	pthread_mutex_lock(&player->lock);
 	player->status.stops_at_collision = on;
 	pthread_mutex_unlock(&player->lock);
+}
+
+void rb_player_film(struct rb_player *player, bool on)
+{
+	pthread_mutex_lock(&player->lock);
+	player->status.filming = on;
+	pthread_mutex_unlock(&player->lock);
+}
+
+void rb_player_has_films(struct rb_player *player, bool has)
+{
+	pthread_mutex_lock(&player->lock);
+	player->status.has_films = has;
+	pthread_mutex_unlock(&player->lock);
+}
+
+bool rb_player_filming(struct rb_player *player)
+{
+	pthread_mutex_lock(&player->lock);
+	const bool filming = player->status.filming;
+	pthread_mutex_unlock(&player->lock);
+	return filming;
 }
 
 void rb_player_attend(struct rb_player *player, bool attended)

@@ -29,6 +29,7 @@ struct rb_player_status {
 	bool pausing; /* a pause was asked for: the next frame, or this one, is the last */
 	bool paused;  /* and has come: the run stands still */
 	bool ended, stops_at_collision;
+	bool has_films, filming; /* the run makes films; their pictures are drawn */
 	uint64_t restarts;
 	uint64_t collisions, rollbacks;          /* of the run so far */
 	double smallest_step_s;                  /* of the run so far, 0: none was taken */
@@ -70,6 +71,10 @@ void rb_player_step(struct rb_player *player, uint64_t frames);
 void rb_player_restart(struct rb_player *player);
 void rb_player_quit(struct rb_player *player); /* the run ends as if interrupted */
 void rb_player_stop_at_collision(struct rb_player *player, bool on);
+void rb_player_film(struct rb_player *player, bool on);
+/* The run that begins makes films, which are on at first. */
+void rb_player_has_films(struct rb_player *player, bool has);
+bool rb_player_filming(struct rb_player *player);
 /* Nobody is left who could say play, or somebody is: without anybody the gate never waits. True at first. */
 void rb_player_attend(struct rb_player *player, bool attended);
 struct rb_player_status rb_player_status(struct rb_player *player);

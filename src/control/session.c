@@ -208,6 +208,7 @@ static void answer_status(struct line *line)
 	rb_answer_line(answer, "paused-time %.3f", s.paused_s);
 	rb_answer_line(answer, "real-time-factor %.4g", s.wall_s > 0 ? s.time_s / s.wall_s : 0);
 	rb_answer_line(answer, "stop-at-collision %s", s.stops_at_collision ? "on" : "off");
+	rb_answer_line(answer, "film %s", !s.has_films ? "none" : s.filming ? "on" : "off");
 	rb_answer_line(answer, "restarts %" PRIu64, s.restarts);
 	rb_answer_line(answer, "collisions %" PRIu64, s.collisions);
 	rb_answer_line(answer, "rollbacks %" PRIu64, s.rollbacks);
@@ -588,6 +589,12 @@ static enum rb_status execute(struct line *line, const struct rb_command *comman
 		break;
 	case RB_COMMAND_STOP:
 		rb_player_stop_at_collision(player, command->is_on);
+		break;
+	case RB_COMMAND_FILM:
+		if (!rb_player_status(player).has_films)
+			return RB_FAIL(line->err, RB_ERR_USAGE,
+			               "'film': no camera of this run makes a film");
+		rb_player_film(player, command->is_on);
 		break;
 	case RB_COMMAND_RESTART:
 		rb_player_restart(player);

@@ -37,6 +37,7 @@ struct rb_film {
 	uint64_t index, stride; /* 0: not known yet */
 	bool has_last;          /* `last` is that one */
 	struct rb_frame last, between;
+	size_t switched; /* switches that lie before `next` */
 
 	atomic_bool cut; /* set by anybody */
 
@@ -44,6 +45,8 @@ struct rb_film {
 	pthread_mutex_t lock;
 	struct rb_press *press; /* set and unset in the sink's thread */
 	struct rb_film_tally tally;
+	double *switches; /* owned: after these times pictures are left out, drawn, left out, ... */
+	size_t switch_count, switch_capacity;
 };
 
 static struct rb_press_options press_options(const struct rb_film_options *options)
@@ -179,6 +182,18 @@ static void note_times(struct rb_film *film)
 	pthread_mutex_unlock(&film->lock);
 }
 
+/* Whether the next picture is of a moment for which the film was switched off. */
+static bool is_off(struct rb_film *film, double time_s)
+{
+	pthread_mutex_lock(&film->lock);
+	while (film->switched < film->switch_count && film->switches[film->switched] < time_s)
+		film->switched++;
+	const bool off = film->switched % 2 == 1;
+	film->tally.left_out += off;
+	pthread_mutex_unlock(&film->lock);
+	return off;
+}
+
 /* The next picture, of a moment not after `frame`, which says where the camera stands. */
 static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *moment,
                                    const struct rb_frame *frame, struct rb_error *err)
@@ -186,8 +201,12 @@ static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *
 	const double time_s = rb_schedule_time(&film->schedule, film->next);
 	const struct rb_frame_shot *shot;
 	struct rb_pixmap picture;
-	enum rb_status status = find_shot(film, frame, &shot, err);
 
+	if (is_off(film, time_s)) {
+		film->next++;
+		return RB_OK;
+	}
+	enum rb_status status = find_shot(film, frame, &shot, err);
 	if (!status)
 		status = rb_take_draw(film->take, moment, shot, &picture, err);
 	if (status)
@@ -348,6 +367,7 @@ void rb_film_destroy(struct rb_film *film)
 	if (!film)
 		return;
 	rb_press_destroy(film->press);
+	rb_memory_free(film->switches);
 	rb_frame_release(&film->last);
 	rb_frame_release(&film->between);
 	pthread_mutex_destroy(&film->lock);
@@ -357,6 +377,23 @@ void rb_film_destroy(struct rb_film *film)
 void rb_film_cut(struct rb_film *film)
 {
 	atomic_store(&film->cut, true);
+}
+
+enum rb_status rb_film_switch(struct rb_film *film, double time_s, bool on, struct rb_error *err)
+{
+	bool done = true;
+
+	pthread_mutex_lock(&film->lock);
+	if ((film->switch_count % 2 == 0) != on) {
+		done = rb_memory_reserve(&film->switches, &film->switch_capacity,
+		                         film->switch_count + 1, sizeof *film->switches);
+		if (done)
+			film->switches[film->switch_count++] = time_s;
+	}
+	pthread_mutex_unlock(&film->lock);
+	if (!done)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot switch a film: out of memory");
+	return RB_OK;
 }
 
 struct rb_film_tally rb_film_tally(const struct rb_film *film)

@@ -23,6 +23,12 @@ RB_CHECKED enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *
 void rb_film_destroy(struct rb_film *film); /* NULL is fine */
 /* From any thread, at any time until it is destroyed: no picture after the one that is being drawn. */
 void rb_film_cut(struct rb_film *film);
+/*
+ * Pictures of moments after `time_s` are left out, or drawn again. From the thread that publishes frames, before it publishes one of a
+ * later moment. RB_ERR_MEMORY: all stays as it is.
+ */
+RB_CHECKED enum rb_status rb_film_switch(struct rb_film *film, double time_s, bool on,
+                                         struct rb_error *err);
 /* From any thread. */
 struct rb_film_tally rb_film_tally(const struct rb_film *film);
 

@@ -12,6 +12,7 @@ const struct rb_film_module rb_film_module = {
 	.film_create = rb_film_create,
 	.film_destroy = rb_film_destroy,
 	.film_cut = rb_film_cut,
+	.film_switch = rb_film_switch,
 	.film_tally = rb_film_tally,
 	.take_create = rb_take_create,
 	.take_destroy = rb_take_destroy,

@@ -102,6 +102,7 @@ struct rb_film_options {
 struct rb_film_tally {
 	uint64_t pictures;      /* drawn and written */
 	uint64_t picture_count; /* of the whole film */
+	uint64_t left_out;      /* while it was switched off */
 	uint64_t bytes;         /* of all files */
 	uint64_t draw_ns, read_ns, png_ns,
 		pipe_ns;  /* GL; its pixels; PNG files; video down the pipe */
@@ -123,6 +124,9 @@ struct rb_film_module {
 	void (*film_destroy)(struct rb_film *film);
 	/* From any thread: no picture after the one that is being drawn; what was printed becomes the film. */
 	void (*film_cut)(struct rb_film *film);
+	/* film/film.h: pictures of moments after `time_s` are left out, or drawn again. */
+	enum rb_status (*film_switch)(struct rb_film *film, double time_s, bool on,
+	                              struct rb_error *err);
 	struct rb_film_tally (*film_tally)(const struct rb_film *film);
 
 	/* Single pictures: film/take.h, film/png.h. `picture` borrows the take's memory until the next call. */
@@ -138,7 +142,7 @@ struct rb_film_module {
 	                            struct rb_error *err);
 };
 
-enum { RB_FILM_MODULE_VERSION = 2 };
+enum { RB_FILM_MODULE_VERSION = 3 };
 
 RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);
