@@ -23,6 +23,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "control/guard.h"
 #include "control/keys.h"
 
 enum { RESET_SIZE = 256, WARNING_RED = 160, NAME_SIZE = 80 };
@@ -47,6 +48,7 @@ static struct {
 	int errors;      /* where standard error goes meanwhile, -1: where it always does */
 	int errors_real; /* where it went */
 	volatile sig_atomic_t asked;
+	struct rb_guard guard;
 } rescue = {.errors = -1, .errors_real = -1};
 
 static const int polite[] = {SIGINT, SIGTERM, SIGHUP};
@@ -70,6 +72,7 @@ static void tell_errors(void)
 
 static void give_back(int signal_number)
 {
+	rb_guard_dismiss(&rescue.guard);
 	(void)!write(STDOUT_FILENO, rescue.reset, rescue.reset_size);
 	if (rescue.has_modes)
 		tcsetattr(STDIN_FILENO, TCSANOW, &rescue.modes);
@@ -272,6 +275,8 @@ enum rb_status rb_screen_open(struct rb_screen **screen, struct rb_error *err)
 	}
 	set_modes(s);
 	prepare_rescue();
+	rb_guard_start(&rescue.guard, rescue.reset, rescue.reset_size,
+	               rescue.has_modes ? &rescue.modes : NULL);
 	hold_errors();
 	set_handlers(true);
 	return RB_OK;
@@ -286,6 +291,7 @@ void rb_screen_close(struct rb_screen *screen)
 		set_handlers(false);
 		endwin();
 		delscreen(screen->curses);
+		rb_guard_stop(&rescue.guard);
 		release_errors();
 	}
 	if (screen->timer >= 0)

@@ -45,14 +45,47 @@ for signal in TERM SEGV KILL; do
 	[ -n "$run" ] || fail "there is no run"
 	kill -s $signal "$(number console)"
 	sees 'ended with [1-9]'
-	# nobody was left to give it back: the line ends with the character that it is
-	[ $signal = KILL ] && types -l reset && types C-j
+	given_back
 	gone()
 	{
 		! kill -0 "$run" 2>/dev/null
 	}
 	until_true gone
 done
+
+# in mid-frame: all of a large screen changes with each picture
+cat >turn.lua <<'END'
+world { duration = 100, frame_rate = 30 }
+plane { normal = {0, 0, 1}, texture = "checker" }
+sphere { radius = 1, position = {0, 0, 1} }
+camera { position = function(t) return {8 * math.cos(3 * t), 8 * math.sin(3 * t), 4} end, look_at = {0, 0, 1} }
+END
+exits 0 turn.lua --no-render
+tmux -L "$TERMINAL" resize-window -x 200 -y 60
+nobody_left()
+{
+	[ -z "$(number console)" ]
+}
+for end in KILL:0.02 TERM:0.05 SEGV:0.01 KILL:0.03 TERM:0.04 SEGV:0.07; do
+	enters 'clear'
+	enters './rbsim-killed console turn.h5; echo ended with $?'
+	sees 'playing.*frame [1-9][0-9]* of'
+	sleep "${end#*:}"
+	kill -s "${end%:*}" "$(number console)"
+	sees 'ended with [1-9]'
+	given_back
+	until_true nobody_left
+done
+# killed while it is stopped: the terminal is the shell's
+enters 'clear'
+enters './rbsim-killed console turn.h5'
+sees 'playing.*frame [1-9][0-9]* of'
+types C-z
+sees '[Ss]topped'
+kill -s KILL "$(number console)"
+until_true nobody_left
+given_back
+tmux -L "$TERMINAL" resize-window -x 100 -y 30
 
 # quit ends it too, and the recording is whole
 enters 'clear'
