@@ -90,15 +90,20 @@ static void draw_picture(struct desk *desk)
 /* Where the cursor belongs, or -1. */
 static int draw_bottom(struct desk *desk)
 {
-	static const char keys[] =
-		"space play  arrows seek  [ ] speed  , . step  n p collision  / body  : command  ? help  q quit";
-	static const char short_keys[] = "space play : command ? help q quit";
+	/* as many as fit */
+	static const char *const keys[] = {"space play",  "q quit",    "? help",   ": command",
+	                                   "arrows seek", "[ ] speed", ", . step", "n p collision",
+	                                   "/ body",      "f follow",  "v camera", "s picture"};
 	const rb_area area = desk->layout.bottom;
 	char line[RB_COMMAND_LINE_SIZE + 2];
 
 	if (!desk->prompt.open) {
-		rb_screen_text(desk->screen, area, 0, RB_STYLE_FAINT,
-		               area.width >= (int)sizeof keys ? keys : short_keys);
+		size_t used = 0;
+		for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
+			if (used + strlen(keys[i]) <= (size_t)area.width)
+				used += (size_t)snprintf(line + used, sizeof line - used, "%s  ",
+				                         keys[i]);
+		rb_screen_text(desk->screen, area, 0, RB_STYLE_FAINT, line);
 		return -1;
 	}
 	/* the part of the line in which the cursor is */

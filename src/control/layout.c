@@ -24,7 +24,7 @@ struct rb_layout rb_layout_of(int width, int height)
 	                                   height >= RB_LAYOUT_HEIGHT_MIN};
 	const int transport = width < 76 ? 2 : 1;
 	const int log = height >= 30 ? 4 : height >= 20 ? 2 : 1;
-	const int side = width >= 100 ? 40 : width >= 80 ? 34 : 0;
+	const int side = width >= 100 ? 42 : width >= 80 ? 36 : 0;
 	const int middle = height - transport - 1 - log - 1;
 
 	if (!layout.fits)

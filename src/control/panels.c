@@ -29,7 +29,7 @@ static void print_speed(char out[48], const struct rb_viewer *viewer)
 void rb_panel_transport(struct rb_screen *screen, rb_area area, const struct rb_viewer *viewer)
 {
 	const struct rb_source_status *const status = rb_source_status(viewer->options.source);
-	const char *const late = viewer->starved ? "  the simulation cannot keep up" : "";
+	const char *const late = viewer->starved ? "  cannot keep up" : "";
 	const char *const stops = viewer->stops || status->stops_at_collision
 	                                  ? "  stops at collisions"
 	                                  : "";
@@ -37,7 +37,7 @@ void rb_panel_transport(struct rb_screen *screen, rb_area area, const struct rb_
 	const uint64_t last = status->frame_count > 0 ? status->frame_count - 1 : 0;
 
 	print_speed(speed, viewer);
-	snprintf(first, sizeof first, " %-9s t %.4f of %.6g s  %s", rb_viewer_state(viewer),
+	snprintf(first, sizeof first, " %-11s t %.4f of %.6g s  %s", rb_viewer_state(viewer),
 	         viewer->frame.time_s, status->duration_s, speed);
 	snprintf(second, sizeof second, " frame %" PRIu64 " of %" PRIu64 "%s%s  %s: %s",
 	         viewer->frame.index, last, late, stops, viewer->options.name, status->state);
@@ -94,7 +94,7 @@ void rb_panel_numbers(struct rb_screen *screen, rb_area area, const struct rb_vi
 
 	snprintf(line[rows++], 64, "%s", s->is_run ? "run" : "recording");
 	snprintf(line[rows], 64, "real time  -");
-	if (isfinite(s->real_time_factor))
+	if (s->real_time_factor > 0)
 		snprintf(line[rows], 64, "real time  %.4g x", s->real_time_factor);
 	rows++;
 	snprintf(line[rows++], 64, "collisions %" PRIu64, s->collisions);
@@ -128,6 +128,16 @@ static void gather(double *out, int width, const double *bins, const double *mor
 	}
 }
 
+/* What has not been simulated yet. */
+static void leave_open(double *values, int width, const struct rb_viewer *viewer)
+{
+	const struct rb_source_status *const status = rb_source_status(viewer->options.source);
+	const double share = status->duration_s > 0 ? status->end_s / status->duration_s : 1;
+
+	for (int x = (int)fmin(floor(share * width), width - 1) + 1; x < width; x++)
+		values[x] = (double)NAN;
+}
+
 static void chart(struct rb_screen *screen, rb_area area, int row, const char *name,
                   const double *values)
 {
@@ -159,8 +169,10 @@ void rb_panel_charts(struct rb_screen *screen, rb_area area, const struct rb_vie
 		return;
 	rb_screen_text(screen, area, 0, RB_STYLE_STRONG, "energy (J), overlap (m)");
 	gather(values, width, bins->kinetic, NULL, false);
+	leave_open(values, width, viewer);
 	chart(screen, area, 1, "kinetic", values);
 	gather(values, width, bins->kinetic, bins->potential, false);
+	leave_open(values, width, viewer);
 	chart(screen, area, 2, "total", values);
 	gather(values, width, bins->penetration, NULL, true);
 	chart(screen, area, 3, "overlap", values);
@@ -196,38 +208,76 @@ void rb_panel_log(struct rb_screen *screen, rb_area area, const struct rb_viewer
 	}
 }
 
-static void help_line(int line, char out[LINE_SIZE])
-{
-	const int commands = rb_key_row_count + 3;
-	char usage[128];
+/* Rows of the help, counted, and shown where there is a screen. */
+struct help {
+	struct rb_screen *screen;
+	rb_area area;
+	int first, row;
+};
 
-	out[0] = '\0';
-	if (line == 0) {
-		snprintf(out, LINE_SIZE, "Keys (up, down: more; any other key: back)");
-	} else if (line <= rb_key_row_count) {
-		const struct rb_key_row *const row = &rb_key_rows[line - 1];
-		snprintf(out, LINE_SIZE, "  %-11s %s", row->name, row->help);
-	} else if (line == commands - 1) {
-		snprintf(out, LINE_SIZE, "Commands, behind :");
-	} else if (line >= commands) {
-		const struct rb_command_row *const row = &rb_commands[line - commands];
-		snprintf(usage, sizeof usage, "%s %s", row->name, row->arguments);
-		snprintf(out, LINE_SIZE, "  %-28s %s", usage, row->help);
+static void help_row(struct help *help, enum rb_style style, const char *text)
+{
+	const int row = help->row++ - help->first;
+
+	if (help->screen && row >= 0 && row < help->area.height)
+		rb_screen_text(help->screen, help->area, row, style, text);
+}
+
+/* `text` in lines that fit, behind `indent` columns of which the first hold `lead`, or below it where it is longer. */
+static void help_entry(struct help *help, const char *lead, int indent, const char *text)
+{
+	const int room = help->area.width - indent > 10 ? help->area.width - indent : 10;
+	char line[LINE_SIZE];
+
+	if ((int)strlen(lead) >= indent) {
+		help_row(help, RB_STYLE_PLAIN, lead);
+		lead = "";
+	}
+	while (*text) {
+		int size = (int)strlen(text);
+		if (size > room) {
+			size = room;
+			while (size > 0 && text[size] != ' ')
+				size--;
+			size = size > 0 ? size : room;
+		}
+		snprintf(line, sizeof line, "%-*s%.*s", indent, lead, size, text);
+		help_row(help, RB_STYLE_PLAIN, line);
+		lead = "";
+		text += size;
+		text += strspn(text, " ");
+	}
+}
+
+static void help_rows(struct help *help)
+{
+	enum { KEYS = 14, COMMANDS = 31, NARROW = 6, WIDE = 80 };
+	const int indent = help->area.width >= WIDE ? COMMANDS : NARROW;
+	char lead[LINE_SIZE];
+
+	help_row(help, RB_STYLE_STRONG, "Keys (up, down: more; others: back)");
+	for (int i = 0; i < rb_key_row_count; i++) {
+		snprintf(lead, sizeof lead, "  %s", rb_key_rows[i].name);
+		help_entry(help, lead, KEYS, rb_key_rows[i].help);
+	}
+	help_row(help, RB_STYLE_PLAIN, "");
+	help_row(help, RB_STYLE_STRONG, "Commands, behind :");
+	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++) {
+		snprintf(lead, sizeof lead, "  %s %s", rb_commands[i].name,
+		         rb_commands[i].arguments);
+		help_entry(help, lead, indent, rb_commands[i].help);
 	}
 }
 
 void rb_panel_help(struct rb_screen *screen, rb_area area, int *first)
 {
-	const int count = rb_key_row_count + 3 + RB_COMMAND_KIND_COUNT;
-	const int last = count > area.height ? count - area.height : 0;
-	char line[LINE_SIZE];
+	struct help help = {.area = area};
 
+	help_rows(&help);
+	const int last = help.row > area.height ? help.row - area.height : 0;
 	*first = *first < 0 ? 0 : *first > last ? last : *first;
-	for (int row = 0; row < area.height; row++) {
-		line[0] = '\0';
-		if (*first + row < count)
-			help_line(*first + row, line);
-		rb_screen_text(screen, area, row,
-		               *line && *line != ' ' ? RB_STYLE_STRONG : RB_STYLE_PLAIN, line);
-	}
+	help = (struct help){.screen = screen, .area = area, .first = *first};
+	help_rows(&help);
+	while (help.row < *first + area.height)
+		help_row(&help, RB_STYLE_PLAIN, "");
 }

@@ -15,6 +15,18 @@ number()
 {
 	pgrep -f "^\./rbsim-killed $1" | head -n 1
 }
+nobody_left()
+{
+	[ -z "$(number console)" ]
+}
+# killed SIGNAL: the console with it. After SIGKILL the shell may have said so on the screen that is then taken away.
+killed()
+{
+	kill -s "$1" "$(number console)"
+	[ "$1" = KILL ] || sees 'ended with [1-9]'
+	until_true nobody_left
+	given_back
+}
 for signal in TERM HUP INT SEGV ABRT BUS QUIT; do
 	enters 'clear'
 	enters './rbsim-killed console s.h5; echo ended with $?'
@@ -43,9 +55,7 @@ for signal in TERM SEGV KILL; do
 	sees 'playing.*playing$'
 	run=$(number run)
 	[ -n "$run" ] || fail "there is no run"
-	kill -s $signal "$(number console)"
-	sees 'ended with [1-9]'
-	given_back
+	killed $signal
 	gone()
 	{
 		! kill -0 "$run" 2>/dev/null
@@ -62,19 +72,12 @@ camera { position = function(t) return {8 * math.cos(3 * t), 8 * math.sin(3 * t)
 END
 exits 0 turn.lua --no-render
 tmux -L "$TERMINAL" resize-window -x 200 -y 60
-nobody_left()
-{
-	[ -z "$(number console)" ]
-}
 for end in KILL:0.02 TERM:0.05 SEGV:0.01 KILL:0.03 TERM:0.04 SEGV:0.07; do
 	enters 'clear'
 	enters './rbsim-killed console turn.h5; echo ended with $?'
 	sees 'playing.*frame [1-9][0-9]* of'
 	sleep "${end#*:}"
-	kill -s "${end%:*}" "$(number console)"
-	sees 'ended with [1-9]'
-	given_back
-	until_true nobody_left
+	killed "${end%:*}"
 done
 # killed while it is stopped: the terminal is the shell's
 enters 'clear'

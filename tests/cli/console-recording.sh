@@ -90,7 +90,7 @@ sees "unknown command 'se'"
 types : && enters 'help seek'
 sees 'seek TIME.PERCENT%: show the frame'
 types '?'
-sees 'Keys .up, down: more'
+sees 'Keys .up, down: more; others: back'
 sees '^  space +play what is paused'
 types PageDown PageDown PageDown
 sees '^  quit +leave the console'

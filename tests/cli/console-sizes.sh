@@ -20,7 +20,7 @@ sees_not 'energy'
 sees '^ at the end +t 0.5000 of 0.5 s'
 sees '^ frame 30 of 30'
 sees '^━+'
-sees 'space play : command'
+sees 'space play  q quit  . help  : command'
 types Home
 sees 't 0.0000'
 types : && enters 'body left'
