@@ -9,30 +9,17 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/sort.h"
+#include "film/apart.h"
 #include "film/glsl.h"
 #include "film/hidden.h"
+#include "film/programs.h"
 #include "math/quat.h"
 
-enum {
-	SIZES = 3, /* of spheres in the picture */
-	DISC_SIZES = 4,
-	IMAGE_UNIT = 8, /* behind the shadow maps */
-	DEFINES_BYTES = 1600
-};
-enum pass { BODY, RIM, PASS_COUNT };
+/* A group has one pattern or picture, one size, and is exact or not. */
+enum { GROUPS_PER_LOOK = 2 * RB_BALL_SIZES };
 
-/* Up to a radius in pixels: how many corners the polygons have, and whether shadows are looked at closely. */
-static const struct {
-	double most_px;
-	int corners, ring_corners;
-	bool fine;
-} sizes[SIZES] = {{4, 4, 6, false}, {24, 8, 14, false}, {(double)INFINITY, 8, 48, true}};
 /* Smaller ones are drawn as large as this: what flies away stays in sight as a dot. */
 static const double LEAST_PX = 0.6;
-
-/* Polygons instead of circles in a shadow map are off by less than half a texel. */
-static const int disc_corners[DISC_SIZES] = {8, 16, 28, 64};
-static const double disc_most_px[DISC_SIZES] = {3, 16, 60, (double)INFINITY};
 
 /* An infinite plane or a rectangle that may be drawn. */
 struct surface {
@@ -43,18 +30,15 @@ struct surface {
 	int corner_count;
 };
 
-struct surface_program {
-	GLuint name; /* 0: not made */
-	GLint corner, normal, axis_u, axis_v, paint, other;
-};
-
 struct rb_bodies {
 	struct rb_bodies_setup setup;
 	int *sphere; /* [sphere_count]: indices of spheres that are drawn at all, owned */
 	int sphere_count, group_count;
 	struct rb_sort_item *order, *scratch; /* [sphere_count], owned */
 	struct rb_ball *ball;                 /* [sphere_count]: as gathered, owned */
-	struct rb_ball *sorted;               /* [sphere_count]: by group, far ones first, owned */
+	struct rb_ball *
+		sorted; /* [2 sphere_count]: by group, near ones first; then far ones first; owned */
+	struct rb_apart_ball *seen;   /* [sphere_count]: those in the picture, owned */
 	int *group_first;             /* [group_count + 2], owned; the last group is out of view */
 	float (*rectangle_corner)[4]; /* [4 * rectangle_count], owned */
 	int rectangle_count, caster_rectangles;
@@ -62,181 +46,14 @@ struct rb_bodies {
 	int surface_count;
 
 	struct rb_hidden hidden;
-	bool cut; /* near and far are the camera's: spheres may be open, and hide nothing */
+	struct rb_apart apart;
+	bool cut;   /* near and far are the camera's: spheres may be open, and hide nothing */
+	bool exact; /* all spheres have depths of their own */
 
+	struct rb_programs programs;
 	GLuint ball_buffer, ball_array, no_array;
-	GLuint sphere_program[RB_PATTERN_COUNT][SIZES][PASS_COUNT];
-	struct surface_program surface_program[RB_PATTERN_COUNT][2][2]; /* infinite? glossy? */
-	GLuint disc_program[DISC_SIZES], flat_program;
 	GLuint *texture; /* [image_count], owned */
 };
-
-/* ---- programs ---- */
-
-static void say_lights(char *text, size_t room, const struct rb_lights *lights)
-{
-	size_t used = (size_t)snprintf(text, room, "#define LIGHTS ");
-
-	for (int k = 0; k < lights->count; k++) {
-		const struct rb_light *light = &lights->of[k];
-		used += (size_t)snprintf(text + used, room - used,
-		                         light->shadow ? "%s_SHADOW(%d, map%d) " : "%s(%d) ",
-		                         light->lamp ? "LAMP" : "SUN", k, k);
-	}
-	snprintf(text + used, room - used, "\n");
-}
-
-static void say_samples(char *text, size_t room, const struct rb_canvas *canvas)
-{
-	const float(*at)[2] = rb_canvas_sample_positions(canvas);
-	size_t used = (size_t)snprintf(text, room, "#define SAMPLES ");
-
-	for (int k = 0; k < rb_canvas_samples(canvas); k++)
-		used += (size_t)snprintf(text + used, room - used, "AT(%d, %.6f, %.6f) ", k,
-		                         (double)at[k][0] - 0.5, (double)at[k][1] - 0.5);
-	snprintf(text + used, room - used, "\n");
-}
-
-/* Units of samplers never change. */
-static void wire(GLuint program)
-{
-	char name[8] = "map0";
-
-	glUseProgram(program);
-	for (int k = 0; k < RB_CAMERA_LIGHTS_MAX; k++) {
-		name[3] = (char)('0' + k);
-		glUniform1i(rb_glsl_place(program, name), k);
-	}
-	glUniform1i(rb_glsl_place(program, "image"), IMAGE_UNIT);
-	const GLuint block = glGetUniformBlockIndex(program, "Scene");
-	if (block != GL_INVALID_INDEX)
-		glUniformBlockBinding(program, block, 0);
-}
-
-static enum rb_status make_sphere_program(struct rb_bodies *bodies, enum rb_pattern pattern,
-                                          int size, enum pass pass, struct rb_error *err)
-{
-	char defines[DEFINES_BYTES], lights[400], samples[1000] = "";
-
-	say_lights(lights, sizeof lights, bodies->setup.lights);
-	if (rb_canvas_samples(bodies->setup.canvas) > 0)
-		say_samples(samples, sizeof samples, bodies->setup.canvas);
-	snprintf(defines, sizeof defines,
-	         "#define PATTERN %d\n#define GLOSS\n#define CORNERS %d\n%s%s%s%s%s%s",
-	         (int)pattern, pass == RIM ? sizes[size].ring_corners : sizes[size].corners,
-	         bodies->cut ? "#define CLIP\n" : "", sizes[size].fine ? "#define FINE\n" : "",
-	         bodies->setup.soft ? "#define SOFT\n" : "",
-	         pass == BODY ? ""
-	         : size == 0  ? "#define RIM 0.0\n"
-	                      : "#define RIM 1.0\n",
-	         lights, samples);
-	const struct rb_glsl_parts parts = {
-		.name = "sphere",
-		.defines = defines,
-		.vertex = {rb_shader_scene, rb_shader_sphere_vertex},
-		.fragment = {rb_shader_scene, rb_shader_light, rb_shader_pattern,
-	                     rb_shader_sphere_fragment},
-	};
-	GLuint *program = &bodies->sphere_program[pattern][size][pass];
-	const enum rb_status status = rb_glsl_program(program, &parts, err);
-	if (status == RB_OK)
-		wire(*program);
-	return status;
-}
-
-static enum rb_status make_surface_program(struct rb_bodies *bodies, enum rb_pattern pattern,
-                                           bool infinite, bool glossy, struct rb_error *err)
-{
-	struct surface_program *program = &bodies->surface_program[pattern][infinite][glossy];
-	const bool grid = bodies->setup.camera->wireframe;
-	char defines[DEFINES_BYTES], lights[400];
-
-	say_lights(lights, sizeof lights, bodies->setup.lights);
-	snprintf(defines, sizeof defines, "#define PATTERN %d\n#define FINE\n%s%s%s%s",
-	         (int)pattern, glossy ? "#define GLOSS\n" : "", infinite ? "#define HAZE\n" : "",
-	         grid ? "#define GRID\n" : "", lights);
-	const struct rb_glsl_parts parts = {
-		.name = "plane",
-		.defines = defines,
-		.vertex = {rb_shader_scene, rb_shader_plane_vertex},
-		.fragment = {rb_shader_scene, rb_shader_light, rb_shader_pattern,
-	                     rb_shader_plane_fragment},
-	};
-	const enum rb_status status = rb_glsl_program(&program->name, &parts, err);
-	if (status != RB_OK)
-		return status;
-	wire(program->name);
-	program->corner = rb_glsl_place(program->name, "corner");
-	program->normal = rb_glsl_place(program->name, "normal");
-	program->axis_u = rb_glsl_place(program->name, "axis_u");
-	program->axis_v = rb_glsl_place(program->name, "axis_v");
-	program->paint = rb_glsl_place(program->name, "paint");
-	program->other = rb_glsl_place(program->name, "other");
-	return RB_OK;
-}
-
-static enum rb_status make_shadow_programs(struct rb_bodies *bodies, struct rb_error *err)
-{
-	const char *fix = rb_canvas_depth_from_zero(bodies->setup.canvas)
-	                          ? "gl_Position.z = 0.5 * (gl_Position.z + gl_Position.w);"
-	                          : "";
-	enum rb_status status = RB_OK;
-	char defines[200];
-
-	for (int k = 0; k < DISC_SIZES && status == RB_OK; k++) {
-		const double angle = 2 * acos(-1) / disc_corners[k];
-		/* A polygon of the area of its circle. */
-		snprintf(defines, sizeof defines,
-		         "#define CORNERS %d\n#define ROUND %.6f\n#define FIX_DEPTH %s\n",
-		         disc_corners[k], sqrt(angle / sin(angle)), fix);
-		const struct rb_glsl_parts parts = {
-			.name = "disc",
-			.defines = defines,
-			.vertex = {rb_shader_scene, rb_shader_disc_vertex},
-			.fragment = {rb_shader_nothing},
-		};
-		status = rb_glsl_program(&bodies->disc_program[k], &parts, err);
-	}
-	snprintf(defines, sizeof defines, "#define FIX_DEPTH %s\n", fix);
-	const struct rb_glsl_parts parts = {
-		.name = "flat",
-		.defines = defines,
-		.vertex = {rb_shader_scene, rb_shader_flat_vertex},
-		.fragment = {rb_shader_nothing},
-	};
-	return status != RB_OK ? status : rb_glsl_program(&bodies->flat_program, &parts, err);
-}
-
-/* Only those that some body needs. */
-static enum rb_status make_programs(struct rb_bodies *bodies, struct rb_error *err)
-{
-	const struct rb_looks *looks = bodies->setup.looks;
-	bool any_shadow = false;
-	enum rb_status status = RB_OK;
-
-	for (int k = 0; k < bodies->sphere_count && status == RB_OK; k++) {
-		const enum rb_pattern pattern = looks->of[bodies->sphere[k]].pattern;
-		if (bodies->sphere_program[pattern][0][BODY])
-			continue;
-		for (int size = 0; size < SIZES && status == RB_OK; size++)
-			status = make_sphere_program(bodies, pattern, size, BODY, err);
-		for (int size = 0; size < SIZES && status == RB_OK && bodies->setup.soft; size++)
-			status = make_sphere_program(bodies, pattern, size, RIM, err);
-	}
-	for (int k = 0; k < bodies->surface_count && status == RB_OK; k++) {
-		const struct surface *surface = &bodies->surface[k];
-		const struct rb_look *look = &looks->of[surface->index];
-		const bool glossy = look->gloss > 0;
-		if (!bodies->surface_program[look->pattern][surface->infinite][glossy].name)
-			status = make_surface_program(bodies, look->pattern, surface->infinite,
-			                              glossy, err);
-	}
-	for (int k = 0; k < bodies->setup.lights->count; k++)
-		any_shadow |= bodies->setup.lights->of[k].shadow;
-	if (any_shadow && status == RB_OK)
-		status = make_shadow_programs(bodies, err);
-	return status;
-}
 
 /* ---- set-up ---- */
 
@@ -256,7 +73,7 @@ static void make_textures(struct rb_bodies *bodies)
 {
 	const struct rb_looks *looks = bodies->setup.looks;
 
-	glActiveTexture(GL_TEXTURE0 + IMAGE_UNIT);
+	glActiveTexture(GL_TEXTURE0 + RB_IMAGE_UNIT);
 	glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
 	glGenTextures(looks->image_count, bodies->texture);
 	for (int k = 0; k < looks->image_count; k++) {
@@ -280,12 +97,14 @@ static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 	for (int i = 0; i < total; i++)
 		*(model->shape[i].kind == RB_SHAPE_SPHERE ? &spheres : &others) += 1;
 	const size_t n = (size_t)spheres;
-	bodies->group_count = SIZES * (RB_PATTERN_IMAGE + bodies->setup.looks->image_count);
+	bodies->group_count = GROUPS_PER_LOOK *
+	                      (RB_PATTERN_IMAGE + bodies->setup.looks->image_count);
 	bodies->sphere = rb_memory_take(n, sizeof *bodies->sphere);
 	bodies->order = rb_memory_take(n, sizeof *bodies->order);
 	bodies->scratch = rb_memory_take(n, sizeof *bodies->scratch);
 	bodies->ball = rb_memory_take(n, sizeof *bodies->ball);
-	bodies->sorted = rb_memory_take(n, sizeof *bodies->sorted);
+	bodies->sorted = rb_memory_take(2 * n, sizeof *bodies->sorted);
+	bodies->seen = rb_memory_take(n, sizeof *bodies->seen);
 	bodies->group_first = rb_memory_take((size_t)bodies->group_count + 2,
 	                                     sizeof *bodies->group_first);
 	bodies->surface = rb_memory_take((size_t)others, sizeof *bodies->surface);
@@ -294,8 +113,31 @@ static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 	bodies->texture = rb_memory_take((size_t)bodies->setup.looks->image_count,
 	                                 sizeof *bodies->texture);
 	return bodies->sphere && bodies->order && bodies->scratch && bodies->ball &&
-	       bodies->sorted && bodies->group_first && bodies->surface &&
+	       bodies->sorted && bodies->seen && bodies->group_first && bodies->surface &&
 	       bodies->rectangle_corner && bodies->texture;
+}
+
+/* Those of spheres are made when they are needed. */
+static enum rb_status prepare_programs(struct rb_bodies *bodies, struct rb_error *err)
+{
+	const struct rb_bodies_setup *setup = &bodies->setup;
+	bool any_shadow = false;
+	enum rb_status status = RB_OK;
+
+	bodies->programs = (struct rb_programs){.lights = setup->lights,
+	                                        .canvas = setup->canvas,
+	                                        .soft = setup->soft,
+	                                        .cut = bodies->cut,
+	                                        .grid = setup->camera->wireframe};
+	for (int k = 0; k < bodies->surface_count && status == RB_OK; k++) {
+		const struct surface *surface = &bodies->surface[k];
+		const struct rb_look *look = &setup->looks->of[surface->index];
+		status = rb_programs_surface(&bodies->programs, look->pattern, surface->infinite,
+		                             look->gloss > 0, err);
+	}
+	for (int k = 0; k < setup->lights->count; k++)
+		any_shadow |= setup->lights->of[k].shadow;
+	return any_shadow && status == RB_OK ? rb_programs_shadows(&bodies->programs, err) : status;
 }
 
 enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_bodies_setup *setup,
@@ -326,9 +168,12 @@ enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_b
 			bodies->surface[bodies->surface_count++] = (struct surface){
 				.index = i, .infinite = kind == RB_SHAPE_PLANE};
 	}
+	rb_apart_init(&bodies->apart);
+	/* Trails go through spheres. */
+	bodies->exact = bodies->cut || setup->camera->trail_count > 0;
 	make_arrays(bodies);
 	make_textures(bodies);
-	enum rb_status status = make_programs(bodies, err);
+	enum rb_status status = prepare_programs(bodies, err);
 	if (status == RB_OK)
 		status = rb_canvas_check("prepare bodies", err);
 	if (status != RB_OK) {
@@ -350,6 +195,8 @@ void rb_bodies_destroy(struct rb_bodies *bodies)
 	rb_memory_free(bodies->scratch);
 	rb_memory_free(bodies->ball);
 	rb_memory_free(bodies->sorted);
+	rb_memory_free(bodies->seen);
+	rb_apart_release(&bodies->apart);
 	rb_memory_free(bodies->group_first);
 	rb_memory_free(bodies->surface);
 	rb_memory_free(bodies->rectangle_corner);
@@ -408,6 +255,11 @@ static struct rb_ball ball_of(const struct rb_view *view, const struct rb_look *
 	return ball;
 }
 
+static rb_vec3 point_of(const float at[3])
+{
+	return (rb_vec3){(double)at[0], (double)at[1], (double)at[2]};
+}
+
 static rb_pose pose_by_index(const struct rb_model *model, const struct rb_frame *frame, int index)
 {
 	return rb_view_pose(model, frame, model->id_of[index]);
@@ -423,13 +275,22 @@ static uint32_t bits_of(double distance)
 	return bits;
 }
 
-static int group_of(const struct rb_look *look, double radius_px)
+static int group_of(const struct rb_look *look, double radius_px, bool exact)
 {
-	int size = 0;
+	const int number = (int)look->pattern + (look->image > 0 ? look->image : 0);
 
-	while (radius_px > sizes[size].most_px)
-		size++;
-	return SIZES * ((int)look->pattern + (look->image > 0 ? look->image : 0)) + size;
+	return GROUPS_PER_LOOK * number + 2 * rb_ball_size(radius_px) + exact;
+}
+
+static struct rb_ball_kind kind_of(int group)
+{
+	const int look = group / GROUPS_PER_LOOK;
+
+	return (struct rb_ball_kind){
+		.pattern = look < RB_PATTERN_IMAGE ? (enum rb_pattern)look : RB_PATTERN_IMAGE,
+		.size = group % GROUPS_PER_LOOK / 2,
+		.exact = group % 2 == 1,
+	};
 }
 
 /* Balls as they come, with their distances to be sorted by. */
@@ -452,29 +313,53 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
 	rb_sort_by_key(bodies->order, bodies->scratch, (size_t)bodies->sphere_count);
 }
 
-/* What has no pixel in the picture goes to the last group: it throws shadows all the same. */
-static void see_spheres(struct rb_bodies *bodies, const struct rb_frame *frame,
-                        const struct rb_view *view)
+/* Does it lie behind an infinite plane that is seen? Else, does it cut a surface? */
+static bool is_behind_surface(const struct rb_bodies *bodies, struct rb_apart_ball *ball)
 {
-	const struct edges edges = edges_of(view);
-	const double pixel = rb_view_pixel_size(view);
+	for (int k = 0; k < bodies->surface_count; k++) {
+		const struct surface *surface = &bodies->surface[k];
+		if (!surface->shown)
+			continue;
+		if (!surface->infinite) {
+			const rb_vec3 corner = point_of(surface->corner[0]);
+			const rb_vec3 u = rb_vec3_sub(point_of(surface->corner[1]), corner);
+			const rb_vec3 v = rb_vec3_sub(point_of(surface->corner[3]), corner);
+			ball->cuts |= rb_apart_cuts_rectangle(ball, corner, u, v);
+			continue;
+		}
+		const double height = rb_vec3_dot(point_of(surface->normal), ball->centre) +
+		                      (double)surface->normal[3];
+		if (height < -ball->radius)
+			return true;
+		ball->cuts |= fabs(height) < rb_apart_part * ball->radius;
+	}
+	return false;
+}
+
+static uint32_t key_of(const struct rb_bodies *bodies, int k)
+{
+	return (uint32_t)bodies->order[k].key;
+}
+
+/* Two groups, exact or not, as one with far ones first. */
+static void mirror(struct rb_bodies *bodies, int g)
+{
+	const int *first = bodies->group_first;
+	int a = first[g + 1] - 1, b = first[g + 2] - 1;
+	struct rb_ball *to = &bodies->sorted[bodies->sphere_count + first[g]];
+
+	while (a >= first[g] || b >= first[g + 1]) {
+		const bool take_a = b < first[g + 1] ||
+		                    (a >= first[g] && key_of(bodies, a) >= key_of(bodies, b));
+		*to++ = bodies->sorted[take_a ? a-- : b--];
+	}
+}
+
+/* By groups, and in each of them near ones first. */
+static void group(struct rb_bodies *bodies)
+{
 	int *first = bodies->group_first, next = 0;
 
-	gather(bodies, frame, view);
-	rb_hidden_clear(&bodies->hidden);
-	for (int k = 0; k < bodies->sphere_count; k++) {
-		struct rb_sort_item *item = &bodies->order[k];
-		const struct rb_ball *ball = &bodies->ball[item->value];
-		const rb_vec3 centre = {(double)ball->centre[0], (double)ball->centre[1],
-		                        (double)ball->centre[2]};
-		const double radius = (double)ball->radius, px = pixel * rb_vec3_length(centre);
-		int group = bodies->group_count;
-		if (!outside(&edges, centre, radius + 2 * px) &&
-		    (bodies->cut || !rb_hidden_add(&bodies->hidden, view, centre, radius)))
-			group = group_of(&bodies->setup.looks->of[bodies->sphere[item->value]],
-			                 radius / px);
-		item->key = (uint64_t)group << 32 | (uint32_t)~item->key;
-	}
 	rb_sort_by_key(bodies->order, bodies->scratch, (size_t)bodies->sphere_count);
 	for (int k = 0; k < bodies->sphere_count; k++) {
 		const int group = (int)(bodies->order[k].key >> 32);
@@ -484,6 +369,53 @@ static void see_spheres(struct rb_bodies *bodies, const struct rb_frame *frame,
 	}
 	while (next <= bodies->group_count + 1)
 		first[next++] = bodies->sphere_count;
+	for (int g = 0; g < bodies->group_count && bodies->setup.soft; g += 2)
+		mirror(bodies, g);
+}
+
+/* What has no pixel in the picture goes to the last group: it throws shadows all the same. */
+static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_frame *frame,
+                                  const struct rb_view *view, struct rb_error *err)
+{
+	const struct edges edges = edges_of(view);
+	const double pixel = rb_view_pixel_size(view);
+	int seen = 0;
+
+	gather(bodies, frame, view);
+	rb_hidden_clear(&bodies->hidden);
+	for (int k = 0; k < bodies->sphere_count; k++) {
+		struct rb_sort_item *item = &bodies->order[k];
+		const struct rb_ball *ball = &bodies->ball[item->value];
+		struct rb_apart_ball *one = &bodies->seen[seen];
+		*one = (struct rb_apart_ball){.centre = point_of(ball->centre),
+		                              .radius = (double)ball->radius,
+		                              .cuts = bodies->exact};
+		const double px = pixel * rb_vec3_length(one->centre);
+		const bool out = outside(&edges, one->centre, one->radius + 2 * px) ||
+		                 is_behind_surface(bodies, one) ||
+		                 (!bodies->cut &&
+		                  rb_hidden_add(&bodies->hidden, view, one->centre, one->radius));
+		item->key = (uint64_t)out << 32 | (uint32_t)item->key;
+		seen += !out;
+	}
+	enum rb_status status = RB_OK;
+	if (!bodies->exact)
+		status = rb_apart_find(&bodies->apart, bodies->seen, seen, err);
+	seen = 0;
+	for (int k = 0; k < bodies->sphere_count; k++) {
+		struct rb_sort_item *item = &bodies->order[k];
+		uint64_t number = (uint64_t)bodies->group_count;
+		if (item->key >> 32 == 0) {
+			const struct rb_apart_ball *one = &bodies->seen[seen++];
+			const int index = bodies->sphere[item->value];
+			number = (uint64_t)group_of(
+				&bodies->setup.looks->of[index],
+				one->radius / (pixel * rb_vec3_length(one->centre)), one->cuts);
+		}
+		item->key = number << 32 | (uint32_t)item->key;
+	}
+	group(bodies);
+	return status;
 }
 
 static void put(float to[4], rb_vec3 from, double last)
@@ -564,17 +496,40 @@ static void see_surface(struct rb_bodies *bodies, struct surface *surface,
 	surface->corner_count = 4;
 }
 
+static enum rb_status make_programs(struct rb_bodies *bodies, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+	GLuint made;
+
+	for (int g = 0; g < bodies->group_count && status == RB_OK; g++) {
+		struct rb_ball_kind kind = kind_of(g);
+		if (bodies->group_first[g] == bodies->group_first[g + 1])
+			continue;
+		status = rb_programs_ball(&bodies->programs, kind, &made, err);
+		kind.exact = false;
+		kind.rim = true;
+		if (status == RB_OK && bodies->setup.soft)
+			status = rb_programs_ball(&bodies->programs, kind, &made, err);
+	}
+	return status;
+}
+
 enum rb_status rb_bodies_see(struct rb_bodies *bodies, const struct rb_frame *frame,
                              const struct rb_view *view, struct rb_error *err)
 {
-	see_spheres(bodies, frame, view);
+	const size_t rows = (size_t)bodies->sphere_count * (bodies->setup.soft ? 2 : 1);
+
 	bodies->caster_rectangles = 0;
 	for (int k = 0; k < bodies->surface_count; k++)
 		see_surface(bodies, &bodies->surface[k], frame, view);
+	enum rb_status status = see_spheres(bodies, frame, view, err);
+	if (status == RB_OK)
+		status = make_programs(bodies, err);
+	if (status != RB_OK)
+		return status;
 	glBindBuffer(GL_ARRAY_BUFFER, bodies->ball_buffer);
-	glBufferData(GL_ARRAY_BUFFER,
-	             (GLsizeiptr)((size_t)bodies->sphere_count * sizeof *bodies->sorted),
-	             bodies->sorted, GL_STREAM_DRAW);
+	glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(rows * sizeof *bodies->sorted), bodies->sorted,
+	             GL_STREAM_DRAW);
 	return rb_canvas_check("gather bodies", err);
 }
 
@@ -617,21 +572,19 @@ static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow
 	for (int g = 0; g <= bodies->group_count; g++) {
 		const int from = first[g], to = first[g + 1];
 		double largest = 0;
-		int size = 0;
 		if (to <= from)
 			continue;
 		for (int k = from; k < to; k++)
 			largest = fmax(largest, (double)bodies->sorted[k].radius);
 		const double texels = fit->source[3] > 0 ? (double)INFINITY
 		                                         : largest * scale * fit->side;
-		while (texels > disc_most_px[size])
-			size++;
-		const GLuint program = bodies->disc_program[size];
+		const int size = rb_disc_size(texels);
+		const GLuint program = bodies->programs.disc[size];
 		point_at(bodies, from);
 		glUseProgram(program);
 		glUniformMatrix4fv(rb_glsl_place(program, "to_map"), 1, GL_FALSE, fit->to_map);
 		glUniform4fv(rb_glsl_place(program, "source"), 1, fit->source);
-		glDrawArraysInstanced(GL_TRIANGLE_FAN, 0, disc_corners[size], to - from);
+		glDrawArraysInstanced(GL_TRIANGLE_FAN, 0, rb_disc_corners(size), to - from);
 	}
 }
 
@@ -639,45 +592,70 @@ void rb_bodies_throw(struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 {
 	throw_spheres(bodies, fit);
 	glBindVertexArray(bodies->no_array);
-	glUseProgram(bodies->flat_program);
-	glUniformMatrix4fv(rb_glsl_place(bodies->flat_program, "to_map"), 1, GL_FALSE, fit->to_map);
+	glUseProgram(bodies->programs.flat);
+	glUniformMatrix4fv(rb_glsl_place(bodies->programs.flat, "to_map"), 1, GL_FALSE,
+	                   fit->to_map);
 	/* A rectangle lies in its own shadow: pushed back by what its slope is across the filter. */
 	glEnable(GL_POLYGON_OFFSET_FILL);
 	glPolygonOffset(3, 4);
 	for (int k = 0; k < bodies->caster_rectangles; k++) {
-		glUniform4fv(rb_glsl_place(bodies->flat_program, "corner"), 4,
+		glUniform4fv(rb_glsl_place(bodies->programs.flat, "corner"), 4,
 		             bodies->rectangle_corner[4 * (size_t)k]);
 		glDrawArrays(GL_TRIANGLE_FAN, 0, 4);
 	}
 	glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
-static void draw_spheres(const struct rb_bodies *bodies, enum pass pass)
+static void use_picture(const struct rb_bodies *bodies, int group)
+{
+	const int image = group / GROUPS_PER_LOOK - RB_PATTERN_IMAGE;
+
+	if (image >= 0)
+		glBindTexture(GL_TEXTURE_2D, bodies->texture[image]);
+}
+
+static void draw_spheres(const struct rb_bodies *bodies)
 {
 	const int *first = bodies->group_first;
 
+	glEnable(
+		GL_DEPTH_CLAMP); /* what is nearer than `near` is no more cut than EXACT ones are */
 	for (int g = 0; g < bodies->group_count; g++) {
-		const int count = first[g + 1] - first[g], look = g / SIZES, size = g % SIZES;
-		const int pattern = look < RB_PATTERN_IMAGE ? look : RB_PATTERN_IMAGE;
-		if (count == 0)
+		const struct rb_ball_kind kind = kind_of(g);
+		if (first[g] == first[g + 1])
 			continue;
-		if (pattern == RB_PATTERN_IMAGE)
-			glBindTexture(GL_TEXTURE_2D, bodies->texture[look - RB_PATTERN_IMAGE]);
+		use_picture(bodies, g);
 		point_at(bodies, first[g]);
-		glUseProgram(bodies->sphere_program[pattern][size][pass]);
-		if (pass == RIM)
-			glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0,
-			                      2 * (sizes[size].ring_corners + 1), count);
-		else
-			glDrawArraysInstanced(GL_TRIANGLE_FAN, 0, sizes[size].corners, count);
+		glUseProgram(bodies->programs.ball[kind.pattern][kind.size][kind.exact][false]);
+		glDrawArraysInstanced(GL_TRIANGLE_FAN, 0, rb_ball_corners(kind.size),
+		                      first[g + 1] - first[g]);
 	}
+	glDisable(GL_DEPTH_CLAMP);
+}
+
+static void draw_rims(const struct rb_bodies *bodies)
+{
+	const int *first = bodies->group_first;
+
+	glEnable(GL_DEPTH_CLAMP);
+	for (int g = 0; g < bodies->group_count; g += 2) {
+		const struct rb_ball_kind kind = kind_of(g);
+		if (first[g] == first[g + 2])
+			continue;
+		use_picture(bodies, g);
+		point_at(bodies, bodies->sphere_count + first[g]);
+		glUseProgram(bodies->programs.ball[kind.pattern][kind.size][false][true]);
+		glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 2 * (rb_ring_corners(kind.size) + 1),
+		                      first[g + 2] - first[g]);
+	}
+	glDisable(GL_DEPTH_CLAMP);
 }
 
 static void draw_surface(const struct rb_bodies *bodies, const struct surface *surface)
 {
 	const struct rb_look *look = &bodies->setup.looks->of[surface->index];
-	const struct surface_program *program =
-		&bodies->surface_program[look->pattern][surface->infinite][look->gloss > 0];
+	const struct rb_surface_program *program =
+		&bodies->programs.surface[look->pattern][surface->infinite][look->gloss > 0];
 
 	if (look->pattern == RB_PATTERN_IMAGE)
 		glBindTexture(GL_TEXTURE_2D, bodies->texture[look->image]);
@@ -693,10 +671,10 @@ static void draw_surface(const struct rb_bodies *bodies, const struct surface *s
 
 void rb_bodies_draw(struct rb_bodies *bodies)
 {
-	glActiveTexture(GL_TEXTURE0 + IMAGE_UNIT);
+	glActiveTexture(GL_TEXTURE0 + RB_IMAGE_UNIT);
 	glEnable(GL_DEPTH_TEST);
 	if (!bodies->setup.camera->wireframe)
-		draw_spheres(bodies, BODY);
+		draw_spheres(bodies);
 	glBindVertexArray(bodies->no_array);
 	for (int k = 0; k < bodies->surface_count; k++)
 		if (bodies->surface[k].shown)
@@ -705,7 +683,7 @@ void rb_bodies_draw(struct rb_bodies *bodies)
 
 void rb_bodies_soften(struct rb_bodies *bodies)
 {
-	glActiveTexture(GL_TEXTURE0 + IMAGE_UNIT);
+	glActiveTexture(GL_TEXTURE0 + RB_IMAGE_UNIT);
 	if (bodies->setup.soft)
-		draw_spheres(bodies, RIM);
+		draw_rims(bodies);
 }

@@ -2,13 +2,18 @@
 #include "film/light.h"
 
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "film/look.h"
 #include "math/quat.h"
 
 /* Texels around a map that stay empty: what lies outside is lit. */
 enum { MARGIN = 4, SIDE_MIN = 64 };
+/* OpenGL 3.3 has 15 vec4 for sure, libraries have 32; what bodies need themselves is less than 10. */
+enum { CARRIED_MAX = 20 };
 
 static void set(double to[3], double r, double g, double b)
 {
@@ -112,11 +117,6 @@ static void put(float to[4], rb_vec3 from, double last)
 	to[3] = (float)last;
 }
 
-static void put_colour(float to[4], const double from[3])
-{
-	put(to, (rb_vec3){from[0], from[1], from[2]}, 1);
-}
-
 void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, bool from_zero,
                     struct rb_shader_block *block)
 {
@@ -134,20 +134,104 @@ void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, 
 	block->depth[2] = (float)view->near;
 	block->depth[3] = isinf(view->far) ? 3e38F : (float)view->far;
 	put(block->up, rb_view_direction(view, lights->up), rb_view_pixel_size(view));
-	put_colour(block->zenith, lights->zenith);
-	put_colour(block->horizon, lights->horizon);
-	put_colour(block->nadir, lights->nadir);
-	put_colour(block->ambient_up, lights->ambient_up);
-	put_colour(block->ambient_down, lights->ambient_down);
 	for (int k = 0; k < lights->count; k++) {
 		const struct rb_light *light = &lights->of[k];
-		put_colour(block->colour[k], light->colour);
 		if (light->lamp)
 			put(block->place[k], rb_view_point(view, light->place),
 			    light->reach_m > 0 ? 1 / (light->reach_m * light->reach_m) : 0);
 		else
 			put(block->place[k], rb_view_direction(view, light->place), 0);
 	}
+}
+
+/* ---- in the texts of shaders ---- */
+
+struct text {
+	char *at;
+	size_t room, used;
+};
+
+static void say(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void say(struct text *text, const char *format, ...)
+{
+	va_list values;
+
+	RB_ASSERT(text->used < text->room);
+	va_start(values, format);
+	const int length = vsnprintf(text->at + text->used, text->room - text->used, format,
+	                             values);
+	va_end(values);
+	RB_ASSERT(length >= 0 && text->used + (size_t)length < text->room);
+	text->used += (size_t)length;
+}
+
+static void say_colour(struct text *text, const char *name, const double colour[3])
+{
+	say(text, "#define %s vec3(%.7g, %.7g, %.7g)\n", name, colour[0], colour[1], colour[2]);
+}
+
+/* vec4 that a light is carried in: its place, and the rows of its matrix that matter. */
+static int carried(const struct rb_light *light)
+{
+	return light->shadow ? light->lamp ? 5 : 4 : 1;
+}
+
+static void say_carry(struct text *text, const struct rb_lights *lights, int count)
+{
+	static const char row[] = "xyzw";
+
+	say(text, "#define CARRY(way) flat way vec4 sent_up;");
+	for (int k = 0; k < count; k++) {
+		say(text, " flat way vec4 sent_place%d;", k);
+		for (int r = 0; r < carried(&lights->of[k]) - 1; r++)
+			say(text, " flat way vec4 sent_%c%d;", row[r], k);
+	}
+	say(text, "\n#define SEND sent_up = up;");
+	for (int k = 0; k < count; k++) {
+		say(text, " sent_place%d = place[%d];", k, k);
+		for (int r = 0; r < carried(&lights->of[k]) - 1; r++)
+			say(text, " sent_%c%d = transpose(shadow[%d])[%d];", row[r], k, k, r);
+	}
+	say(text, "\n");
+}
+
+static void say_light(struct text *text, const struct rb_light *light, int k, bool is_carried)
+{
+	static const char row[] = "xyzw";
+	const double *c = light->colour;
+
+	say(text, "%s%s(vec3(%.7g, %.7g, %.7g), ", light->lamp ? "LAMP" : "SUN",
+	    light->shadow ? "_SHADOW" : "", c[0], c[1], c[2]);
+	say(text, is_carried ? "sent_place%d" : "place[%d]", k);
+	if (light->shadow)
+		say(text, ", map%d", k);
+	for (int r = 0; r < carried(light) - 1; r++) {
+		if (is_carried)
+			say(text, ", sent_%c%d", row[r], k);
+		else
+			say(text, ", transpose(shadow[%d])[%d]", k, r);
+	}
+	say(text, ") ");
+}
+
+void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, size_t room)
+{
+	struct text text = {.at = defines, .room = room};
+	const int count = all ? lights->count : 0;
+	int first = 0, budget = CARRIED_MAX;
+
+	while (first < count && carried(&lights->of[first]) <= budget)
+		budget -= carried(&lights->of[first++]);
+	say_colour(&text, "ZENITH", lights->zenith);
+	say_colour(&text, "HORIZON", lights->horizon);
+	say_colour(&text, "NADIR", lights->nadir);
+	say_colour(&text, "AMBIENT_UP", lights->ambient_up);
+	say_colour(&text, "AMBIENT_DOWN", lights->ambient_down);
+	say_carry(&text, lights, first);
+	say(&text, "#define LIGHTS ");
+	for (int k = 0; k < count; k++)
+		say_light(&text, &lights->of[k], k, k < first);
+	say(&text, "\n");
 }
 
 /* ---- shadow maps ---- */

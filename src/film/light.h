@@ -6,6 +6,7 @@
 #define RB_FILM_LIGHT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "film/shaders.h"
 #include "film/view.h"
@@ -31,6 +32,13 @@ struct rb_lights {
 void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
                     const struct rb_camera_def *camera);
 
+/*
+ * Definitions for the texts of shaders: colours, how numbers of the block come to fragments, and the sum of the lights
+ * (`all`; else there are none).
+ */
+enum { RB_LIGHTS_DEFINES_SIZE = 6000 };
+void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, size_t room);
+
 /* Fills the block but for its shadow maps. */
 void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, bool from_zero,
                     struct rb_shader_block *block);
@@ -43,6 +51,8 @@ struct rb_casters {
 	const float (*corners)[4];
 	int corner_count;
 };
+
+enum { RB_SHADOW_SIDE = 2048 }; /* of the textures that hold maps, texels */
 
 struct rb_shadow_fit {
 	int side; /* texels, 0: nothing throws a shadow */

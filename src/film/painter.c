@@ -30,10 +30,11 @@ struct rb_painter {
 
 static enum rb_status make_sky(struct rb_painter *painter, struct rb_error *err)
 {
-	char defines[120];
+	char defines[RB_LIGHTS_DEFINES_SIZE + 120], lights[RB_LIGHTS_DEFINES_SIZE];
 
-	snprintf(defines, sizeof defines, "#define SKY_DEPTH %s\n#define LIGHTS\n",
-	         rb_canvas_depth_from_zero(painter->canvas) ? "0.0" : "-1.0");
+	rb_lights_define(&painter->lights, false, lights, sizeof lights);
+	snprintf(defines, sizeof defines, "#define SKY_DEPTH %s\n%s",
+	         rb_canvas_depth_from_zero(painter->canvas) ? "0.0" : "-1.0", lights);
 	const struct rb_glsl_parts parts = {
 		.name = "sky",
 		.defines = defines,

@@ -2,17 +2,21 @@
 /*
  * On a rasteriser in software, branches are masks: both sides are always computed. So there are none; what a body does
  * not need is left out of its program by the preprocessor.
+ *
+ * A uniform costs it more than anything but a texture (a vec4 1.4 ns a fragment, six times a flat varying and eight
+ * times a sum). So fragments read none: what stays the same for a film is written into the texts as numbers (defines
+ * of film/bodies and film/painter: ZENITH, AMBIENT_UP, LIGHTS, ...), and what changes is handed on by the vertex
+ * shader, CARRY and SEND. Few polygons then, since each carries all that.
  */
 #include "film/shaders.h"
 
-const char rb_shader_scene[] =
-	"layout(std140) uniform Scene {\n"
-	"	mat4 projection;\n"
-	"	vec4 window, depth, up, zenith, horizon, nadir, ambient_up, ambient_down;\n"
-	"	vec4 place[8], colour[8], texel[8];\n"
-	"	mat4 shadow[8];\n"
-	"};\n"
-	"#define PI 3.14159265358979\n";
+const char rb_shader_scene[] = "layout(std140) uniform Scene {\n"
+			       "	mat4 projection;\n"
+			       "	vec4 window, depth, up;\n"
+			       "	vec4 place[8];\n"
+			       "	mat4 shadow[8];\n"
+			       "};\n"
+			       "#define PI 3.14159265358979\n";
 
 /* ---- light ---- */
 
@@ -21,6 +25,7 @@ const char rb_shader_scene[] =
  * of reflection: that of plastics.
  */
 const char rb_shader_light[] =
+	"CARRY(in)\n"
 	"uniform sampler2DShadow map0, map1, map2, map3, map4, map5, map6, map7;\n"
 	/* Straight up to the knee, then bent so that nothing reaches 1 with an edge. */
 	"vec3 tone(vec3 c)\n"
@@ -30,11 +35,11 @@ const char rb_shader_light[] =
 	"}\n"
 	"vec3 sky(vec3 way)\n"
 	"{\n"
-	"	float h = dot(way, up.xyz);\n"
+	"	float h = dot(way, sent_up.xyz);\n"
 	"	float rise = 1.0 - max(h, 0.0), fall = 1.0 - max(-h, 0.0);\n"
 	"	rise *= rise * rise;\n"
 	"	fall *= fall * fall; fall *= fall;\n"
-	"	vec3 above = mix(zenith.rgb, horizon.rgb, rise), below = mix(nadir.rgb, horizon.rgb, fall);\n"
+	"	vec3 above = mix(ZENITH, HORIZON, rise), below = mix(NADIR, HORIZON, fall);\n"
 	"	return h < 0.0 ? below : above;\n"
 	"}\n"
 	"vec3 shine(vec3 N, vec3 V, vec3 L, vec3 albedo, float gloss)\n"
@@ -48,29 +53,38 @@ const char rb_shader_light[] =
 	"#endif\n"
 	"}\n"
 	/* The map is filtered by the library, 2 x 2 texels; four of these make a soft edge. */
-	"float seen(sampler2DShadow map, vec4 p, float d)\n"
+	"float filtered(sampler2DShadow map, vec3 q)\n"
 	"{\n"
-	"	vec3 q = p.xyz / p.w;\n"
 	"	q.z = min(q.z, 1.0);\n"
 	"#ifdef FINE\n"
-	"	float far = 0.25 * (texture(map, q + vec3(-0.35 * d, -d, 0)) + texture(map, q + vec3(d, -0.35 * d, 0))\n"
+	"	const float d = TEXEL;\n"
+	"	return 0.25 * (texture(map, q + vec3(-0.35 * d, -d, 0)) + texture(map, q + vec3(d, -0.35 * d, 0))\n"
 	"		+ texture(map, q + vec3(0.35 * d, d, 0)) + texture(map, q + vec3(-d, 0.35 * d, 0)));\n"
 	"#else\n"
-	"	float far = texture(map, q);\n"
+	"	return texture(map, q);\n"
 	"#endif\n"
-	"	return p.w > 0.0 ? far : 1.0;\n"
+	"}\n"
+	"vec3 row(vec4 x, vec4 y, vec4 z, vec3 P)\n"
+	"{\n"
+	"	return vec3(dot(x.xyz, P) + x.w, dot(y.xyz, P) + y.w, dot(z.xyz, P) + z.w);\n"
+	"}\n"
+	"float seen(sampler2DShadow map, vec4 x, vec4 y, vec4 z, vec4 w, vec3 P)\n"
+	"{\n"
+	"	float scale = dot(w.xyz, P) + w.w;\n"
+	"	float far = filtered(map, row(x, y, z, P) / scale);\n"
+	"	return scale > 0.0 ? far : 1.0;\n"
 	"}\n"
 	"vec3 lit(vec3 P, vec3 N, vec3 V, vec3 albedo, float gloss)\n"
 	"{\n"
-	"	vec3 sum = albedo * mix(ambient_down.rgb, ambient_up.rgb, 0.5 + 0.5 * dot(N, up.xyz));\n"
-	"#define ADD(k, L, part) { float f = max(dot(N, L), 0.0); \\\n"
-	"	sum += colour[k].rgb * (f * (part)) * shine(N, V, L, albedo, gloss); }\n"
-	"#define SUN(k) ADD(k, place[k].xyz, 1.0)\n"
-	"#define SUN_SHADOW(k, map) ADD(k, place[k].xyz, seen(map, shadow[k] * vec4(P, 1.0), texel[k].x))\n"
-	"#define LAMP_IN(k, part) { vec3 D = place[k].xyz - P; float d2 = dot(D, D); vec3 W = D * inversesqrt(d2); \\\n"
-	"	ADD(k, W, (part) * 2.0 / (1.0 + d2 * place[k].w)) }\n"
-	"#define LAMP(k) LAMP_IN(k, 1.0)\n"
-	"#define LAMP_SHADOW(k, map) LAMP_IN(k, seen(map, shadow[k] * vec4(P, 1.0), texel[k].x))\n"
+	"	vec3 sum = albedo * mix(AMBIENT_DOWN, AMBIENT_UP, 0.5 + 0.5 * dot(N, sent_up.xyz));\n"
+	"#define ADD(colour, L, part) { float f = max(dot(N, L), 0.0); \\\n"
+	"	sum += colour * (f * (part)) * shine(N, V, L, albedo, gloss); }\n"
+	"#define SUN(colour, at) ADD(colour, at.xyz, 1.0)\n"
+	"#define SUN_SHADOW(colour, at, map, x, y, z) ADD(colour, at.xyz, filtered(map, row(x, y, z, P)))\n"
+	"#define LAMP_IN(colour, at, part) { vec3 D = at.xyz - P; float d2 = dot(D, D); vec3 W = D * inversesqrt(d2); \\\n"
+	"	ADD(colour, W, (part) * 2.0 / (1.0 + d2 * at.w)) }\n"
+	"#define LAMP(colour, at) LAMP_IN(colour, at, 1.0)\n"
+	"#define LAMP_SHADOW(colour, at, map, x, y, z, w) LAMP_IN(colour, at, seen(map, x, y, z, w, P))\n"
 	"	LIGHTS\n"
 	"	return sum;\n"
 	"}\n";
@@ -99,9 +113,13 @@ const char rb_shader_pattern[] =
  * A sphere is a polygon around the circle in which the cone from the eye touches it; each fragment casts its own ray.
  * All lengths are in radii and from its centre, where single precision has digits enough at any distance.
  *
- * Its edge is smooth in one of two ways: SAMPLES says which samples of a pixel the ray's neighbours hit; with SOFT
- * only whole pixels are drawn at first, and when all else is there a ring (RIM) over them mixes in the others by how
- * much of them is covered.
+ * The disc in that circle lies within the sphere and meets every ray that does. So where two bodies share no point, it
+ * is in front of the other one or behind it just as the sphere's surface is, and its depth will do: then what is hidden
+ * is thrown away before it is computed. EXACT spheres, which cut something, have depths of their own.
+ *
+ * An edge is smooth in one of two ways: SAMPLES says which samples of a pixel the ray's neighbours hit; with SOFT only
+ * whole pixels are drawn at first, and when all else is there a ring (RIM) in the plane of the disc mixes in the others
+ * by how much of them is covered; EXACT spheres need no other one, since their edge is that of the disc.
  */
 const char rb_shader_sphere_vertex[] =
 	"layout(location = 0) in vec4 ball;\n"  /* centre, radius */
@@ -112,6 +130,10 @@ const char rb_shader_sphere_vertex[] =
 	"flat out vec4 body;\n" /* colour, radius */
 	"flat out float gloss;\n"
 	"flat out vec3 tx, ty, tz;\n"
+	"CARRY(out)\n"
+	"#ifdef EXACT\n"
+	"flat out vec4 sent_depth;\n"
+	"#endif\n"
 	"void main()\n"
 	"{\n"
 	"	float d = length(ball.xyz), lean = ball.w / d;\n"
@@ -121,7 +143,7 @@ const char rb_shader_sphere_vertex[] =
 	"#ifdef RIM\n"
 	"	float angle = float(gl_VertexID / 2) * (2.0 * PI / float(CORNERS));\n"
 	"	float inner = max(reach - 0.9 * margin, 0.0), outer = (reach + 0.9 * margin) / cos(PI / float(CORNERS));\n"
-	"	reach = (gl_VertexID & 1) == 0 ? outer : RIM * inner;\n"
+	"	reach = (gl_VertexID & 1) == 0 ? outer : inner;\n"
 	"#else\n"
 	"	float angle = (float(gl_VertexID) + 0.5) * (2.0 * PI / float(CORNERS));\n"
 	"	reach = (reach + 1.5 * margin) / cos(PI / float(CORNERS));\n"
@@ -136,7 +158,11 @@ const char rb_shader_sphere_vertex[] =
 	"	ty = vec3(2.0 * (t.x * t.y + t.w * t.z), 1.0 - 2.0 * (t.x * t.x + t.z * t.z), 2.0 * (t.y * t.z - t.w * t.x));\n"
 	"	tz = vec3(2.0 * (t.x * t.z - t.w * t.y), 2.0 * (t.y * t.z + t.w * t.x), 1.0 - 2.0 * (t.x * t.x + t.y * t.y));\n"
 	"	gl_Position = projection * vec4(ball.xyz + ball.w * q, 1.0);\n"
+	"#ifdef EXACT\n"
 	"	gl_Position.z = 0.5 * gl_Position.w;\n" /* never cut off: fragments have their own depth */
+	"	sent_depth = depth;\n"
+	"#endif\n"
+	"	SEND\n"
 	"}\n";
 
 const char rb_shader_sphere_fragment[] =
@@ -145,6 +171,9 @@ const char rb_shader_sphere_fragment[] =
 	"flat in vec4 body;\n"
 	"flat in float gloss;\n"
 	"flat in vec3 tx, ty, tz;\n"
+	"#ifdef EXACT\n"
+	"flat in vec4 sent_depth;\n"
+	"#endif\n"
 	"out vec4 result;\n"
 	"uniform sampler2D image;\n"
 	"vec3 skin(vec3 n)\n"
@@ -185,7 +214,9 @@ const char rb_shader_sphere_fragment[] =
 	"	float h = sqrt(h2);\n"
 	"	vec2 g = vec2(dFdx(h), dFdy(h));\n"
 	"	float cover = clamp(0.5 + (1.0 - h) * inversesqrt(dot(g, g) + 1e-20), 0.0, 1.0);\n"
-	"#ifndef RIM\n"
+	"#ifdef RIM\n"
+	"	if (cover <= 0.0) discard;\n"
+	"#else\n"
 	"	if (cover < 1.0) discard;\n"
 	"#endif\n"
 	"#else\n"
@@ -194,9 +225,11 @@ const char rb_shader_sphere_fragment[] =
 	"#endif\n"
 	"	vec3 N = e - sqrt(max(1.0 - h2, 0.0)) * u;\n"
 	"	vec3 P = (centre + N) * body.w;\n"
-	"	gl_FragDepth = depth.x - depth.y / P.z;\n"
+	"#ifdef EXACT\n"
+	"	gl_FragDepth = sent_depth.x - sent_depth.y / P.z;\n"
+	"#endif\n"
 	"#ifdef CLIP\n"
-	"	if (-P.z < depth.z || -P.z > depth.w) discard;\n"
+	"	if (-P.z < sent_depth.z || -P.z > sent_depth.w) discard;\n"
 	"#endif\n"
 	"	vec3 albedo = skin(vec3(dot(tx, N), dot(ty, N), dot(tz, N)));\n"
 	"	result = vec4(tone(lit(P, N, -u, albedo, gloss)), cover);\n"
@@ -205,67 +238,80 @@ const char rb_shader_sphere_fragment[] =
 /* ---- planes ---- */
 
 /* Corners may lie at infinity (w = 0): then the plane reaches its horizon. */
-const char rb_shader_plane_vertex[] = "uniform vec4 corner[6];\n"
-				      "void main()\n"
-				      "{\n"
-				      "	gl_Position = projection * corner[gl_VertexID];\n"
-				      "}\n";
+#define PLANE_VARYINGS(way) \
+	"flat " way " vec4 normal_, axis_u_, axis_v_, paint_, other_, window_;\n"
 
-const char rb_shader_plane_fragment[] =
+const char rb_shader_plane_vertex[] =
+	"uniform vec4 corner[6];\n"
 	"uniform vec4 normal;\n"         /* towards the eye; the eye's distance */
 	"uniform vec4 axis_u, axis_v;\n" /* in textures per metre; textures at the eye's foot */
 	"uniform vec4 paint;\n"          /* colour, exponent of the highlight */
 	"uniform vec4 other;\n"          /* the second colour of a pattern */
-	"uniform sampler2D image;\n"
-	"out vec4 result;\n"
-	"void main()\n"
-	"{\n"
-	"	vec3 way = vec3(window.xy + window.zw * gl_FragCoord.xy, -1.0);\n"
-	"	float fall = max(-dot(normal.xyz, way), 1e-7);\n"
-	"	float t = normal.w / fall;\n"
-	"	vec3 P = t * way;\n"
-	"	float scale = inversesqrt(dot(way, way));\n"
-	"	vec3 V = -scale * way;\n"
-	"	vec2 uv = vec2(axis_u.w + dot(axis_u.xyz, P), axis_v.w + dot(axis_v.xyz, P));\n"
-	"#if PATTERN == 1 || PATTERN == 3\n"
-	"	vec2 s = wave(uv, footprint(uv));\n"
-	"	vec3 albedo = mix(paint.rgb, other.rgb, 0.5 - 0.5 * s.x * s.y);\n"
-	"#elif PATTERN == 2\n"
-	"	vec2 s = wave(uv, footprint(uv));\n"
-	"	vec3 albedo = mix(paint.rgb, other.rgb, 0.5 - 0.5 * s.x);\n"
-	"#elif PATTERN == 4\n"
-	"	vec3 albedo = paint.rgb * texture(image, uv).rgb;\n"
-	"#else\n"
-	"	vec3 albedo = paint.rgb;\n"
-	"#endif\n"
-	"#ifdef GRID\n"
-	"	vec2 w = footprint(uv), g = abs(fract(uv - 0.5) - 0.5) / w;\n"
-	"	float line = max(clamp(1.2 - g.x, 0.0, 1.0) * clamp(1.5 - 5.0 * w.x, 0.0, 1.0),\n"
-	"		clamp(1.2 - g.y, 0.0, 1.0) * clamp(1.5 - 5.0 * w.y, 0.0, 1.0));\n"
-	"	result = vec4(paint.rgb, 0.6 * line);\n"
-	"#else\n"
-	"	vec3 c = tone(lit(P, normal.xyz, V, albedo, paint.w));\n"
-	"#ifdef HAZE\n"
-	"	c = mix(c, sky(-V), exp2(-70.0 * fall * scale));\n"
-	"#endif\n"
-	"	result = vec4(c, 1.0);\n"
-	"#endif\n"
-	"}\n";
+	PLANE_VARYINGS(
+		"out") "CARRY(out)\n"
+		       "void main()\n"
+		       "{\n"
+		       "	gl_Position = projection * corner[gl_VertexID];\n"
+		       "	normal_ = normal; axis_u_ = axis_u; axis_v_ = axis_v; paint_ = paint; other_ = other; window_ = window;\n"
+		       "	SEND\n"
+		       "}\n";
+
+const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
+	"in") "uniform sampler2D image;\n"
+	      "out vec4 result;\n"
+	      "void main()\n"
+	      "{\n"
+	      "	vec3 way = vec3(window_.xy + window_.zw * gl_FragCoord.xy, -1.0);\n"
+	      "	float fall = max(-dot(normal_.xyz, way), 1e-7);\n"
+	      "	float t = normal_.w / fall;\n"
+	      "	vec3 P = t * way;\n"
+	      "	float scale = inversesqrt(dot(way, way));\n"
+	      "	vec3 V = -scale * way;\n"
+	      "	vec2 uv = vec2(axis_u_.w + dot(axis_u_.xyz, P), axis_v_.w + dot(axis_v_.xyz, P));\n"
+	      "#if PATTERN == 1 || PATTERN == 3\n"
+	      "	vec2 s = wave(uv, footprint(uv));\n"
+	      "	vec3 albedo = mix(paint_.rgb, other_.rgb, 0.5 - 0.5 * s.x * s.y);\n"
+	      "#elif PATTERN == 2\n"
+	      "	vec2 s = wave(uv, footprint(uv));\n"
+	      "	vec3 albedo = mix(paint_.rgb, other_.rgb, 0.5 - 0.5 * s.x);\n"
+	      "#elif PATTERN == 4\n"
+	      "	vec3 albedo = paint_.rgb * texture(image, uv).rgb;\n"
+	      "#else\n"
+	      "	vec3 albedo = paint_.rgb;\n"
+	      "#endif\n"
+	      "#ifdef GRID\n"
+	      "	vec2 w = footprint(uv), g = abs(fract(uv - 0.5) - 0.5) / w;\n"
+	      "	float line = max(clamp(1.2 - g.x, 0.0, 1.0) * clamp(1.5 - 5.0 * w.x, 0.0, 1.0),\n"
+	      "		clamp(1.2 - g.y, 0.0, 1.0) * clamp(1.5 - 5.0 * w.y, 0.0, 1.0));\n"
+	      "	result = vec4(paint_.rgb, 0.6 * line);\n"
+	      "#else\n"
+	      "	vec3 c = tone(lit(P, normal_.xyz, V, albedo, paint_.w));\n"
+	      "#ifdef HAZE\n"
+	      "	c = mix(c, sky(-V), exp2(-70.0 * fall * scale));\n"
+	      "#endif\n"
+	      "	result = vec4(c, 1.0);\n"
+	      "#endif\n"
+	      "}\n";
 
 /* ---- sky ---- */
 
 const char rb_shader_sky_vertex[] =
+	"CARRY(out)\n"
+	"flat out vec4 window_;\n"
 	"void main()\n"
 	"{\n"
 	"	vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
 	"	gl_Position = vec4(p, SKY_DEPTH, 1.0);\n"
+	"	window_ = window;\n"
+	"	SEND\n"
 	"}\n";
 
 const char rb_shader_sky_fragment[] =
+	"flat in vec4 window_;\n"
 	"out vec4 result;\n"
 	"void main()\n"
 	"{\n"
-	"	result = vec4(sky(normalize(vec3(window.xy + window.zw * gl_FragCoord.xy, -1.0))), 1.0);\n"
+	"	result = vec4(sky(normalize(vec3(window_.xy + window_.zw * gl_FragCoord.xy, -1.0))), 1.0);\n"
 	"}\n";
 
 /* ---- shadows ---- */

@@ -15,17 +15,14 @@ struct rb_shader_block {
 	float window[4]; /* x and y at -z = 1 of the upper left corner; their steps per pixel */
 	float depth[4];  /* a, b as in rb_view_depth; near, far */
 	float up[4];     /* unit; size of a pixel at distance 1 */
-	float zenith[4], horizon[4], nadir[4];
-	float ambient_up[4], ambient_down[4];
 	float place[RB_CAMERA_LIGHTS_MAX][4]; /* unit towards it, or where it is and 1/d0^2 */
-	float colour[RB_CAMERA_LIGHTS_MAX][4];
-	float texel[RB_CAMERA_LIGHTS_MAX][4]; /* 1/side of its shadow map */
 	float shadow[RB_CAMERA_LIGHTS_MAX]
 		    [16]; /* view coordinates to the map's x, y and depth in [0, 1] */
 };
 
-extern const char rb_shader_scene[];   /* the block */
-extern const char rb_shader_light[];   /* tone(), sky(), shine(), lit(): wants PATTERN, GLOSS */
+/* The block; what fragments need of it is sent on by vertex shaders (CARRY, SEND of film/light). */
+extern const char rb_shader_scene[];
+extern const char rb_shader_light[];   /* tone(), sky(), shine(), lit(): wants GLOSS, FINE */
 extern const char rb_shader_pattern[]; /* coverage by patterns */
 
 extern const char rb_shader_sphere_vertex[], rb_shader_sphere_fragment[];

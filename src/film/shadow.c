@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 
-enum { WHOLE = 2048, MARGIN = 4 };
+enum { WHOLE = RB_SHADOW_SIDE, MARGIN = 4 };
 
 static void make_map(struct rb_shadows *shadows, int k)
 {
@@ -76,7 +76,6 @@ void rb_shadows_draw(struct rb_shadows *shadows, const struct rb_lights *lights,
 		rb_shadow_fit(&fit, &lights->of[k], view, &casters, shadows->whole);
 		draw_map(shadows, k, &fit, bodies);
 		memcpy(block->shadow[k], fit.lookup, sizeof block->shadow[k]);
-		block->texel[k][0] = 1.0F / (float)shadows->whole;
 		if (fit.side == 0) /* everything is lit */
 			block->shadow[k][15] = 1;
 		glActiveTexture(GL_TEXTURE0 + (GLenum)k);
