@@ -444,7 +444,8 @@ static enum rb_status execute_status(const struct order *order)
 	              "%s, %s at speed %.4g: t = %.6g s, frame %" PRIu64 " of %" PRIu64 ", %" PRIu64
 	              " pictures drawn",
 	              status->state, rb_viewer_state(viewer), viewer->speed, viewer->frame.time_s,
-	              viewer->frame.index, status->frame_count, viewer->drawn_count);
+	              viewer->frame.index, status->frame_count > 0 ? status->frame_count - 1 : 0,
+	              viewer->drawn_count);
 	rb_viewer_say(viewer,
 	              "%" PRIu64 " collisions, %" PRIu64
 	              " rollbacks, smallest step %.3g s, overlap up to %.3g m",

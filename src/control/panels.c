@@ -105,7 +105,8 @@ void rb_panel_numbers(struct rb_screen *screen, rb_area area, const struct rb_vi
 	if (s->ring_slots > 0)
 		snprintf(line[rows], 64, "ring       %d of %d", s->ring_used, s->ring_slots);
 	rows++;
-	snprintf(line[rows++], 64, "disk       %s", print_bytes(s->bytes, size));
+	snprintf(line[rows++], 64, "disk       %s",
+	         s->bytes > 0 ? print_bytes(s->bytes, size) : "-");
 	for (int i = 0; i < area.height; i++)
 		rb_screen_text(screen, area, i, i == 0 ? RB_STYLE_STRONG : RB_STYLE_PLAIN,
 		               i < rows ? line[i] : "");
@@ -197,14 +198,40 @@ void rb_panel_body(struct rb_screen *screen, rb_area area, const struct rb_viewe
 
 /* ---- log and help ---- */
 
+/* The byte behind `count` characters of UTF-8, or the end. */
+static const char *behind(const char *text, int count)
+{
+	while (*text && count > 0) {
+		do
+			text++;
+		while (((unsigned char)*text & 0xc0) == 0x80);
+		count--;
+	}
+	return text;
+}
+
+/* The newest lines, from the bottom up; long ones go on in the next row, where there is more than one. */
 void rb_panel_log(struct rb_screen *screen, rb_area area, const struct rb_viewer *viewer)
 {
-	for (int row = 0; row < area.height; row++) {
-		const uint64_t back = (uint64_t)(area.height - row);
+	int bottom = area.height;
+
+	for (uint64_t back = 1; bottom > 0; back++) {
 		const bool there = back <= viewer->log_count && back <= RB_VIEWER_LOG_LINES;
-		rb_screen_text(
-			screen, area, row, row == area.height - 1 ? RB_STYLE_PLAIN : RB_STYLE_FAINT,
-			there ? viewer->log[(viewer->log_count - back) % RB_VIEWER_LOG_LINES] : "");
+		const char *text =
+			there ? viewer->log[(viewer->log_count - back) % RB_VIEWER_LOG_LINES] : "";
+		int rows = 1;
+		for (const char *at = behind(text, area.width); *at; at = behind(at, area.width))
+			rows++;
+		/* of one that is longer than all there is, the beginning */
+		const int first = rows < bottom ? bottom - rows : 0;
+		if (rows > bottom && back > 1)
+			text = behind(text, (rows - bottom) * area.width);
+		for (int row = first; row < bottom; row++) {
+			rb_screen_text(screen, area, row,
+			               back == 1 ? RB_STYLE_PLAIN : RB_STYLE_FAINT, text);
+			text = behind(text, area.width);
+		}
+		bottom = first;
 	}
 }
 
