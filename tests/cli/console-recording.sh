@@ -52,12 +52,16 @@ sees 'frame 200 of 200'
 types : && enters 'speed 100'
 sees 'speed 100'
 types Home Space
-sees 'at the end'
-types Space
-sees_not 'frame 200 of 200'
 sees 'at the end .*frame 200 of 200'
 types '[' '['
 sees 'speed 25 '
+# what is at its end plays from the beginning; slowly, so that this can be seen
+types : && enters 'speed 0.5'
+sees 'speed 1/2 '
+types Space
+sees_not 'frame 200 of 200'
+types : && enters 'speed 100'
+sees 'at the end .*frame 200 of 200'
 types 1
 sees 'speed 1 '
 
