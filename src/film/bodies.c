@@ -566,8 +566,9 @@ static void point_at(const struct rb_bodies *bodies, int from)
 static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 {
 	const int *first = bodies->group_first;
-	const double scale = (double)fabsf(fit->to_map[0]) + (double)fabsf(fit->to_map[4]) +
-	                     (double)fabsf(fit->to_map[8]);
+	const rb_vec3 across = {(double)fit->to_map[0], (double)fit->to_map[4],
+	                        (double)fit->to_map[8]};
+	const double scale = 0.5 * rb_vec3_length(across) * fit->side;
 
 	for (int g = 0; g <= bodies->group_count; g++) {
 		const int from = first[g], to = first[g + 1];
@@ -577,7 +578,7 @@ static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow
 		for (int k = from; k < to; k++)
 			largest = fmax(largest, (double)bodies->sorted[k].radius);
 		const double texels = fit->source[3] > 0 ? (double)INFINITY
-		                                         : largest * scale * fit->side;
+		                                         : largest * scale;
 		const int size = rb_disc_size(texels);
 		const GLuint program = bodies->programs.disc[size];
 		point_at(bodies, from);

@@ -17,8 +17,8 @@ static const struct {
 } sizes[RB_BALL_SIZES] = {{4, 4, 4, false}, {24, 6, 8, false}, {(double)INFINITY, 8, 24, true}};
 
 /* Polygons instead of circles in a shadow map are off by less than half a texel. */
-static const int disc_corners[RB_DISC_SIZES] = {8, 16, 28, 64};
-static const double disc_most_px[RB_DISC_SIZES] = {3, 16, 60, (double)INFINITY};
+static const int disc_corners[RB_DISC_SIZES] = {8, 12, 28, 64};
+static const double disc_most_px[RB_DISC_SIZES] = {9, 20, 111, (double)INFINITY};
 
 int rb_ball_size(double radius_px)
 {
