@@ -231,8 +231,8 @@ static bool outside(const struct edges *edges, rb_vec3 centre, double radius)
 	return false;
 }
 
-static struct rb_ball ball_of(const struct rb_view *view, const struct rb_look *look,
-                              rb_vec3 centre, double radius, rb_quat orientation)
+static struct rb_ball ball_of(const struct rb_look *look, rb_vec3 centre, double radius,
+                              rb_quat orientation)
 {
 	struct rb_ball ball;
 
@@ -241,12 +241,10 @@ static struct rb_ball ball_of(const struct rb_view *view, const struct rb_look *
 	ball.centre[2] = (float)centre.z;
 	ball.radius = (float)radius;
 	if (look->pattern != RB_PATTERN_PLAIN) {
-		const rb_mat3 turn = rb_view_turn(view, orientation);
-		const rb_quat q = rb_quat_from_mat3(&turn);
-		ball.turn[0] = (float)-q.x;
-		ball.turn[1] = (float)-q.y;
-		ball.turn[2] = (float)-q.z;
-		ball.turn[3] = (float)q.w;
+		ball.turn[0] = (float)-orientation.x;
+		ball.turn[1] = (float)-orientation.y;
+		ball.turn[2] = (float)-orientation.z;
+		ball.turn[3] = (float)orientation.w;
 	} else {
 		memset(ball.turn, 0, sizeof ball.turn);
 	}
@@ -306,7 +304,7 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
 		const rb_vec3 centre = rb_view_point(view, pose.position);
 		const double distance = rb_vec3_length(centre);
 		const double radius = fmax(model->shape[index].radius, least * distance);
-		bodies->ball[k] = ball_of(view, &bodies->setup.looks->of[index], centre, radius,
+		bodies->ball[k] = ball_of(&bodies->setup.looks->of[index], centre, radius,
 		                          pose.orientation);
 		bodies->order[k] = (struct rb_sort_item){bits_of(distance), (uint64_t)k};
 	}
@@ -577,8 +575,7 @@ static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow
 			continue;
 		for (int k = from; k < to; k++)
 			largest = fmax(largest, (double)bodies->sorted[k].radius);
-		const double texels = fit->source[3] > 0 ? (double)INFINITY
-		                                         : largest * scale;
+		const double texels = fit->source[3] > 0 ? (double)INFINITY : largest * scale;
 		const int size = rb_disc_size(texels);
 		const GLuint program = bodies->programs.disc[size];
 		point_at(bodies, from);

@@ -15,7 +15,7 @@
 /* What the vertex shader of spheres reads, in view coordinates. */
 struct rb_ball {
 	float centre[3], radius;
-	float turn[4]; /* quaternion x, y, z, w: view to object coordinates */
+	float turn[4]; /* quaternion x, y, z, w: world to object coordinates */
 	float colour[3], gloss;
 };
 

@@ -133,14 +133,15 @@ void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, 
 	block->depth[1] = (float)b;
 	block->depth[2] = (float)view->near;
 	block->depth[3] = isinf(view->far) ? 3e38F : (float)view->far;
-	put(block->up, rb_view_direction(view, lights->up), rb_view_pixel_size(view));
+	block->pixel[0] = (float)rb_view_pixel_size(view);
+	put(block->axes[0], view->right, 0);
+	put(block->axes[1], view->up, 0);
+	put(block->axes[2], view->back, 0);
 	for (int k = 0; k < lights->count; k++) {
 		const struct rb_light *light = &lights->of[k];
 		if (light->lamp)
-			put(block->place[k], rb_view_point(view, light->place),
+			put(block->place[k], rb_vec3_sub(light->place, view->eye),
 			    light->reach_m > 0 ? 1 / (light->reach_m * light->reach_m) : 0);
-		else
-			put(block->place[k], rb_view_direction(view, light->place), 0);
 	}
 }
 
@@ -170,47 +171,68 @@ static void say_colour(struct text *text, const char *name, const double colour[
 	say(text, "#define %s vec3(%.7g, %.7g, %.7g)\n", name, colour[0], colour[1], colour[2]);
 }
 
-/* vec4 that a light is carried in: its place, and the rows of its matrix that matter. */
+static void say_vector(struct text *text, rb_vec3 v)
+{
+	say(text, "vec3(%.9g, %.9g, %.9g)", v.x, v.y, v.z);
+}
+
+/* vec4 that a light is carried in: a lamp's place, and rows for its shadow. */
+static int rows_of(const struct rb_light *light)
+{
+	return !light->shadow ? 0 : light->lamp ? 4 : 2;
+}
+
 static int carried(const struct rb_light *light)
 {
-	return light->shadow ? light->lamp ? 5 : 4 : 1;
+	return rows_of(light) + light->lamp;
 }
 
 static void say_carry(struct text *text, const struct rb_lights *lights, int count)
 {
-	static const char row[] = "xyzw";
-
-	say(text, "#define CARRY(way) flat way vec4 sent_up;");
+	say(text, "#define CARRY(way) ");
 	for (int k = 0; k < count; k++) {
-		say(text, " flat way vec4 sent_place%d;", k);
-		for (int r = 0; r < carried(&lights->of[k]) - 1; r++)
-			say(text, " flat way vec4 sent_%c%d;", row[r], k);
+		if (lights->of[k].lamp)
+			say(text, " flat way vec4 sent_place%d;", k);
+		for (int r = 0; r < rows_of(&lights->of[k]); r++)
+			say(text, " flat way vec4 sent_row%d;", 4 * k + r);
 	}
-	say(text, "\n#define SEND sent_up = up;");
+	say(text, "\n#define SEND ");
 	for (int k = 0; k < count; k++) {
-		say(text, " sent_place%d = place[%d];", k, k);
-		for (int r = 0; r < carried(&lights->of[k]) - 1; r++)
-			say(text, " sent_%c%d = transpose(shadow[%d])[%d];", row[r], k, k, r);
+		if (lights->of[k].lamp)
+			say(text, " sent_place%d = place[%d];", k, k);
+		for (int r = 0; r < rows_of(&lights->of[k]); r++)
+			say(text, " sent_row%d = shadow[%d];", 4 * k + r, 4 * k + r);
 	}
 	say(text, "\n");
 }
 
+/* Across a sun, in world axes: they do not turn with the camera, so that texels stay where they are. */
+static void across(const struct rb_light *sun, rb_vec3 axis[2])
+{
+	axis[0] = rb_vec3_across(sun->place);
+	axis[1] = rb_vec3_cross(sun->place, axis[0]);
+}
+
 static void say_light(struct text *text, const struct rb_light *light, int k, bool is_carried)
 {
-	static const char row[] = "xyzw";
 	const double *c = light->colour;
+	rb_vec3 axis[2];
 
 	say(text, "%s%s(vec3(%.7g, %.7g, %.7g), ", light->lamp ? "LAMP" : "SUN",
 	    light->shadow ? "_SHADOW" : "", c[0], c[1], c[2]);
-	say(text, is_carried ? "sent_place%d" : "place[%d]", k);
+	if (light->lamp)
+		say(text, is_carried ? "sent_place%d" : "place[%d]", k);
+	else
+		say_vector(text, light->place);
+	across(light, axis);
+	for (int r = 0; r < 2 && light->shadow && !light->lamp; r++) {
+		say(text, ", ");
+		say_vector(text, axis[r]);
+	}
 	if (light->shadow)
 		say(text, ", map%d", k);
-	for (int r = 0; r < carried(light) - 1; r++) {
-		if (is_carried)
-			say(text, ", sent_%c%d", row[r], k);
-		else
-			say(text, ", transpose(shadow[%d])[%d]", k, r);
-	}
+	for (int r = 0; r < rows_of(light); r++)
+		say(text, is_carried ? ", sent_row%d" : ", shadow[%d]", 4 * k + r);
 	say(text, ") ");
 }
 
@@ -227,6 +249,9 @@ void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, s
 	say_colour(&text, "NADIR", lights->nadir);
 	say_colour(&text, "AMBIENT_UP", lights->ambient_up);
 	say_colour(&text, "AMBIENT_DOWN", lights->ambient_down);
+	say(&text, "#define UP ");
+	say_vector(&text, lights->up);
+	say(&text, "\n");
 	say_carry(&text, lights, first);
 	say(&text, "#define LIGHTS ");
 	for (int k = 0; k < count; k++)
@@ -357,10 +382,10 @@ static void row(double to[4], rb_vec3 axis, double by, double offset)
 static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
                     const struct rb_view *view, const struct rb_casters *casters, int whole)
 {
-	/* Axes that do not turn with the camera, so that texels stay where they are. */
-	const rb_vec3 across = rb_vec3_across(light->place);
-	const rb_vec3 upwards = rb_vec3_cross(light->place, across);
-	const struct axes axes = {rb_view_direction(view, across), rb_view_direction(view, upwards),
+	rb_vec3 axis[2];
+	across(light, axis);
+	const struct axes axes = {rb_view_direction(view, axis[0]),
+	                          rb_view_direction(view, axis[1]),
 	                          rb_view_direction(view, light->place)};
 	const struct box box = bounds(view, casters, &axes, (rb_vec3){0, 0, 0});
 	if (!box.any)
@@ -372,7 +397,7 @@ static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
 	size = exp2(ceil(8 * log2(size * 1.02)) / 8);
 	fit->side = side_for(view, casters, size, whole);
 	const double texel = size / fit->side;
-	const double eye[2] = {rb_vec3_dot(across, view->eye), rb_vec3_dot(upwards, view->eye)};
+	const double eye[2] = {rb_vec3_dot(axis[0], view->eye), rb_vec3_dot(axis[1], view->eye)};
 	double middle_at[2], rows[4][4] = {{0}};
 	for (int k = 0; k < 2; k++) {
 		middle_at[k] = 0.5 * (box.low[k] + box.high[k]);
@@ -436,4 +461,28 @@ void rb_shadow_fit(struct rb_shadow_fit *fit, const struct rb_light *light,
 		fit_lamp(fit, light, view, casters, whole);
 	else
 		fit_sun(fit, light, view, casters, whole);
+}
+
+void rb_shadow_tell(const struct rb_shadow_fit *fit, const struct rb_light *light,
+                    const struct rb_view *view, float rows[4][4])
+{
+	const float *m = fit->lookup;
+	rb_vec3 row[4], axis[2];
+
+	for (int r = 0; r < 4; r++) {
+		row[r] = rb_vec3_add_scaled(
+			rb_vec3_add_scaled(rb_vec3_scale((double)m[r], view->right),
+		                           (double)m[4 + r], view->up),
+			(double)m[8 + r], view->back);
+		put(rows[r], row[r], (double)m[12 + r]);
+	}
+	if (fit->side == 0) /* everything is lit */
+		rows[3][3] = 1;
+	if (light->lamp)
+		return;
+	across(light, axis);
+	const float told[2][4] = {{(float)rb_vec3_dot(row[0], axis[0]), m[12], m[13],
+	                           (float)rb_vec3_dot(row[2], light->place)},
+	                          {m[14], 0, 0, 0}};
+	memcpy(rows, told, sizeof told);
 }

@@ -66,4 +66,8 @@ struct rb_shadow_fit {
 void rb_shadow_fit(struct rb_shadow_fit *fit, const struct rb_light *light,
                    const struct rb_view *view, const struct rb_casters *casters, int whole);
 
+/* What the block says of it. */
+void rb_shadow_tell(const struct rb_shadow_fit *fit, const struct rb_light *light,
+                    const struct rb_view *view, float rows[4][4]);
+
 #endif

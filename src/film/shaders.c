@@ -10,13 +10,22 @@
  */
 #include "film/shaders.h"
 
-const char rb_shader_scene[] = "layout(std140) uniform Scene {\n"
-			       "	mat4 projection;\n"
-			       "	vec4 window, depth, up;\n"
-			       "	vec4 place[8];\n"
-			       "	mat4 shadow[8];\n"
-			       "};\n"
-			       "#define PI 3.14159265358979\n";
+const char rb_shader_scene[] =
+	"layout(std140) uniform Scene {\n"
+	"	mat4 projection;\n"
+	"	vec4 window, depth, pixel, axes[3];\n"
+	"	vec4 place[8];\n"
+	"	vec4 shadow[32];\n"
+	"};\n"
+	"vec3 turned(vec3 p)\n" /* to world axes */
+	"{\n"
+	"	return p.x * axes[0].xyz + p.y * axes[1].xyz + p.z * axes[2].xyz;\n"
+	"}\n"
+	"#define PI 3.14159265358979\n"
+	/* The line of sight through a fragment, 1 along the camera's axis. */
+	"#define SEND_WAY way_ = vec4(turned(vec3(window.xy, -1.0)), 0.0); \\\n"
+	"	way_x_ = vec4(window.z * axes[0].xyz, 0.0); way_y_ = vec4(window.w * axes[1].xyz, 0.0)\n"
+	"#define WAY (way_.xyz + gl_FragCoord.x * way_x_.xyz + gl_FragCoord.y * way_y_.xyz)\n";
 
 /* ---- light ---- */
 
@@ -35,7 +44,7 @@ const char rb_shader_light[] =
 	"}\n"
 	"vec3 sky(vec3 way)\n"
 	"{\n"
-	"	float h = dot(way, sent_up.xyz);\n"
+	"	float h = dot(way, UP);\n"
 	"	float rise = 1.0 - max(h, 0.0), fall = 1.0 - max(-h, 0.0);\n"
 	"	rise *= rise * rise;\n"
 	"	fall *= fall * fall; fall *= fall;\n"
@@ -64,23 +73,21 @@ const char rb_shader_light[] =
 	"	return texture(map, q);\n"
 	"#endif\n"
 	"}\n"
-	"vec3 row(vec4 x, vec4 y, vec4 z, vec3 P)\n"
-	"{\n"
-	"	return vec3(dot(x.xyz, P) + x.w, dot(y.xyz, P) + y.w, dot(z.xyz, P) + z.w);\n"
-	"}\n"
 	"float seen(sampler2DShadow map, vec4 x, vec4 y, vec4 z, vec4 w, vec3 P)\n"
 	"{\n"
 	"	float scale = dot(w.xyz, P) + w.w;\n"
-	"	float far = filtered(map, row(x, y, z, P) / scale);\n"
+	"	vec3 q = vec3(dot(x.xyz, P) + x.w, dot(y.xyz, P) + y.w, dot(z.xyz, P) + z.w);\n"
+	"	float far = filtered(map, q / scale);\n"
 	"	return scale > 0.0 ? far : 1.0;\n"
 	"}\n"
 	"vec3 lit(vec3 P, vec3 N, vec3 V, vec3 albedo, float gloss)\n"
 	"{\n"
-	"	vec3 sum = albedo * mix(AMBIENT_DOWN, AMBIENT_UP, 0.5 + 0.5 * dot(N, sent_up.xyz));\n"
+	"	vec3 sum = albedo * mix(AMBIENT_DOWN, AMBIENT_UP, 0.5 + 0.5 * dot(N, UP));\n"
 	"#define ADD(colour, L, part) { float f = max(dot(N, L), 0.0); \\\n"
 	"	sum += colour * (f * (part)) * shine(N, V, L, albedo, gloss); }\n"
-	"#define SUN(colour, at) ADD(colour, at.xyz, 1.0)\n"
-	"#define SUN_SHADOW(colour, at, map, x, y, z) ADD(colour, at.xyz, filtered(map, row(x, y, z, P)))\n"
+	"#define SUN(colour, at) ADD(colour, at, 1.0)\n"
+	"#define SUN_SHADOW(colour, at, side, top, map, a, b) ADD(colour, at, \\\n"
+	"	filtered(map, vec3(dot(P, side), dot(P, top), dot(P, at)) * a.xxw + vec3(a.yz, b.x)))\n"
 	"#define LAMP_IN(colour, at, part) { vec3 D = at.xyz - P; float d2 = dot(D, D); vec3 W = D * inversesqrt(d2); \\\n"
 	"	ADD(colour, W, (part) * 2.0 / (1.0 + d2 * at.w)) }\n"
 	"#define LAMP(colour, at) LAMP_IN(colour, at, 1.0)\n"
@@ -123,23 +130,22 @@ const char rb_shader_pattern[] =
  */
 const char rb_shader_sphere_vertex[] =
 	"layout(location = 0) in vec4 ball;\n"  /* centre, radius */
-	"layout(location = 1) in vec4 turn;\n"  /* view to object coordinates: x, y, z, w */
+	"layout(location = 1) in vec4 turn;\n"  /* world to object coordinates: x, y, z, w */
 	"layout(location = 2) in vec4 paint;\n" /* colour, exponent of the highlight */
 	"out vec3 ray;\n"
-	"flat out vec3 centre;\n"
-	"flat out vec4 body;\n" /* colour, radius */
-	"flat out float gloss;\n"
-	"flat out vec3 tx, ty, tz;\n"
+	"flat out vec4 centre;\n" /* the exponent of the highlight */
+	"flat out vec4 body;\n"   /* colour, radius */
+	"flat out vec4 spin;\n"   /* world to object coordinates */
 	"CARRY(out)\n"
 	"#ifdef EXACT\n"
-	"flat out vec4 sent_depth;\n"
+	"flat out vec4 sent_depth, sent_back;\n"
 	"#endif\n"
 	"void main()\n"
 	"{\n"
 	"	float d = length(ball.xyz), lean = ball.w / d;\n"
 	"	vec3 n = ball.xyz / d;\n"
 	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), b = cross(n, a);\n"
-	"	float reach = sqrt(max(1.0 - lean * lean, 0.0)), margin = up.w / lean;\n" /* of a pixel */
+	"	float reach = sqrt(max(1.0 - lean * lean, 0.0)), margin = pixel.x / lean;\n" /* of a pixel */
 	"#ifdef RIM\n"
 	"	float angle = float(gl_VertexID / 2) * (2.0 * PI / float(CORNERS));\n"
 	"	float inner = max(reach - 0.9 * margin, 0.0), outer = (reach + 0.9 * margin) / cos(PI / float(CORNERS));\n"
@@ -149,30 +155,24 @@ const char rb_shader_sphere_vertex[] =
 	"	reach = (reach + 1.5 * margin) / cos(PI / float(CORNERS));\n"
 	"#endif\n"
 	"	vec3 q = -lean * n + reach * (cos(angle) * a + sin(angle) * b);\n"
-	"	ray = q;\n"
-	"	centre = ball.xyz / ball.w;\n"
+	"	ray = turned(q);\n"
+	"	centre = vec4(turned(ball.xyz / ball.w), paint.w);\n"
 	"	body = vec4(paint.rgb, ball.w);\n"
-	"	gloss = paint.w;\n"
-	"	vec4 t = turn;\n"
-	"	tx = vec3(1.0 - 2.0 * (t.y * t.y + t.z * t.z), 2.0 * (t.x * t.y - t.w * t.z), 2.0 * (t.x * t.z + t.w * t.y));\n"
-	"	ty = vec3(2.0 * (t.x * t.y + t.w * t.z), 1.0 - 2.0 * (t.x * t.x + t.z * t.z), 2.0 * (t.y * t.z - t.w * t.x));\n"
-	"	tz = vec3(2.0 * (t.x * t.z - t.w * t.y), 2.0 * (t.y * t.z + t.w * t.x), 1.0 - 2.0 * (t.x * t.x + t.y * t.y));\n"
+	"	spin = turn;\n"
 	"	gl_Position = projection * vec4(ball.xyz + ball.w * q, 1.0);\n"
 	"#ifdef EXACT\n"
 	"	gl_Position.z = 0.5 * gl_Position.w;\n" /* never cut off: fragments have their own depth */
 	"	sent_depth = depth;\n"
+	"	sent_back = axes[2];\n"
 	"#endif\n"
 	"	SEND\n"
 	"}\n";
 
 const char rb_shader_sphere_fragment[] =
 	"in vec3 ray;\n"
-	"flat in vec3 centre;\n"
-	"flat in vec4 body;\n"
-	"flat in float gloss;\n"
-	"flat in vec3 tx, ty, tz;\n"
+	"flat in vec4 centre, body, spin;\n"
 	"#ifdef EXACT\n"
-	"flat in vec4 sent_depth;\n"
+	"flat in vec4 sent_depth, sent_back;\n"
 	"#endif\n"
 	"out vec4 result;\n"
 	"uniform sampler2D image;\n"
@@ -199,7 +199,7 @@ const char rb_shader_sphere_fragment[] =
 	"}\n"
 	"void main()\n"
 	"{\n"
-	"	vec3 u = normalize(centre + ray);\n"
+	"	vec3 u = normalize(centre.xyz + ray);\n"
 	"	float b = dot(ray, u);\n"
 	"	vec3 e = ray - b * u;\n" /* from the centre to the nearest point of the ray */
 	"	float h2 = dot(e, e);\n"
@@ -224,22 +224,23 @@ const char rb_shader_sphere_fragment[] =
 	"	if (h2 > 1.0) discard;\n"
 	"#endif\n"
 	"	vec3 N = e - sqrt(max(1.0 - h2, 0.0)) * u;\n"
-	"	vec3 P = (centre + N) * body.w;\n"
+	"	vec3 P = (centre.xyz + N) * body.w;\n"
 	"#ifdef EXACT\n"
-	"	gl_FragDepth = sent_depth.x - sent_depth.y / P.z;\n"
+	"	float far = -dot(P, sent_back.xyz);\n"
+	"	gl_FragDepth = sent_depth.x + sent_depth.y / far;\n"
 	"#endif\n"
 	"#ifdef CLIP\n"
-	"	if (-P.z < sent_depth.z || -P.z > sent_depth.w) discard;\n"
+	"	if (far < sent_depth.z || far > sent_depth.w) discard;\n"
 	"#endif\n"
-	"	vec3 albedo = skin(vec3(dot(tx, N), dot(ty, N), dot(tz, N)));\n"
-	"	result = vec4(tone(lit(P, N, -u, albedo, gloss)), cover);\n"
+	"	vec3 albedo = skin(N + 2.0 * cross(spin.xyz, cross(spin.xyz, N) + spin.w * N));\n"
+	"	result = vec4(tone(lit(P, N, -u, albedo, centre.w)), cover);\n"
 	"}\n";
 
 /* ---- planes ---- */
 
 /* Corners may lie at infinity (w = 0): then the plane reaches its horizon. */
 #define PLANE_VARYINGS(way) \
-	"flat " way " vec4 normal_, axis_u_, axis_v_, paint_, other_, window_;\n"
+	"flat " way " vec4 normal_, axis_u_, axis_v_, paint_, other_, way_, way_x_, way_y_;\n"
 
 const char rb_shader_plane_vertex[] =
 	"uniform vec4 corner[6];\n"
@@ -252,7 +253,9 @@ const char rb_shader_plane_vertex[] =
 		       "void main()\n"
 		       "{\n"
 		       "	gl_Position = projection * corner[gl_VertexID];\n"
-		       "	normal_ = normal; axis_u_ = axis_u; axis_v_ = axis_v; paint_ = paint; other_ = other; window_ = window;\n"
+		       "	normal_ = vec4(turned(normal.xyz), normal.w); paint_ = paint; other_ = other;\n"
+		       "	axis_u_ = vec4(turned(axis_u.xyz), axis_u.w); axis_v_ = vec4(turned(axis_v.xyz), axis_v.w);\n"
+		       "	SEND_WAY;\n"
 		       "	SEND\n"
 		       "}\n";
 
@@ -261,7 +264,7 @@ const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 	      "out vec4 result;\n"
 	      "void main()\n"
 	      "{\n"
-	      "	vec3 way = vec3(window_.xy + window_.zw * gl_FragCoord.xy, -1.0);\n"
+	      "	vec3 way = WAY;\n"
 	      "	float fall = max(-dot(normal_.xyz, way), 1e-7);\n"
 	      "	float t = normal_.w / fall;\n"
 	      "	vec3 P = t * way;\n"
@@ -297,22 +300,21 @@ const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 
 const char rb_shader_sky_vertex[] =
 	"CARRY(out)\n"
-	"flat out vec4 window_;\n"
+	"flat out vec4 way_, way_x_, way_y_;\n"
 	"void main()\n"
 	"{\n"
 	"	vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
 	"	gl_Position = vec4(p, SKY_DEPTH, 1.0);\n"
-	"	window_ = window;\n"
+	"	SEND_WAY;\n"
 	"	SEND\n"
 	"}\n";
 
-const char rb_shader_sky_fragment[] =
-	"flat in vec4 window_;\n"
-	"out vec4 result;\n"
-	"void main()\n"
-	"{\n"
-	"	result = vec4(sky(normalize(vec3(window_.xy + window_.zw * gl_FragCoord.xy, -1.0))), 1.0);\n"
-	"}\n";
+const char rb_shader_sky_fragment[] = "flat in vec4 way_, way_x_, way_y_;\n"
+				      "out vec4 result;\n"
+				      "void main()\n"
+				      "{\n"
+				      "	result = vec4(sky(normalize(WAY)), 1.0);\n"
+				      "}\n";
 
 /* ---- shadows ---- */
 

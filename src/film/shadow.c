@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "film/shadow.h"
 
-#include <string.h>
-
 #include "base/error.h"
 
 enum { WHOLE = RB_SHADOW_SIDE, MARGIN = 4 };
@@ -75,9 +73,7 @@ void rb_shadows_draw(struct rb_shadows *shadows, const struct rb_lights *lights,
 			continue;
 		rb_shadow_fit(&fit, &lights->of[k], view, &casters, shadows->whole);
 		draw_map(shadows, k, &fit, bodies);
-		memcpy(block->shadow[k], fit.lookup, sizeof block->shadow[k]);
-		if (fit.side == 0) /* everything is lit */
-			block->shadow[k][15] = 1;
+		rb_shadow_tell(&fit, &lights->of[k], view, block->shadow[k]);
 		glActiveTexture(GL_TEXTURE0 + (GLenum)k);
 		glBindTexture(GL_TEXTURE_2D, shadows->map[k]);
 	}
