@@ -57,9 +57,11 @@ FILM_LIBS = $(eval FILM_LIBS := $(call package,--libs,osmesa) $(call package,--l
 CONSOLE_CFLAGS = $(eval CONSOLE_CFLAGS := $(call package,--cflags,ncursesw))$(CONSOLE_CFLAGS)
 CONSOLE_LIBS = $(eval CONSOLE_LIBS := $(call package,--libs,ncursesw))$(CONSOLE_LIBS)
 HDF5_LIBS = $(eval HDF5_LIBS := $(call package,--libs,hdf5-serial hdf5))$(HDF5_LIBS)
+HULL_CFLAGS = $(eval HULL_CFLAGS := $(call package,--cflags,qhullstatic_r qhull_r))$(HULL_CFLAGS)
+HULL_LIBS = $(eval HULL_LIBS := $(call package,--libs,qhullstatic_r qhull_r))$(HULL_LIBS)
 CMOCKA_CFLAGS = $(eval CMOCKA_CFLAGS := $(call package,--cflags,cmocka))$(CMOCKA_CFLAGS)
 CMOCKA_LIBS = $(eval CMOCKA_LIBS := $(call package,--libs,cmocka))$(CMOCKA_LIBS)
-libs = $(LUA_LIBS) -lm -ldl $(LDLIBS)
+libs = $(LUA_LIBS) $(HULL_LIBS) -lm -ldl $(LDLIBS)
 
 # src/ORDER is the only list of modules; what needs HDF5, what makes pictures and what needs curses become modules that are loaded at run time.
 listed := $(shell sh tools/modules src/ORDER)
@@ -121,6 +123,7 @@ $(filter $(BUILD)/tests/test_film%,$(tests)): film_libs = $(FILM_LIBS)
 
 extra =
 $(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)
+$(BUILD)/src/geom/hull.o: extra = $(HULL_CFLAGS)
 $(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
 $(film_objects): extra = -fPIC $(FILM_CFLAGS)
 $(console_objects): extra = -fPIC $(CONSOLE_CFLAGS)
@@ -147,7 +150,7 @@ entry = $(call shell_word,{"directory": $(call json,$(CURDIR))$(comma) "file": "
 	json,$(compile) $2 $(compile_user) -c $1)}$(if $(filter-out $(lastword $(sources)),$1),$(comma)))
 compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
 	@printf '%s\n' [ $(foreach s,$(sources),$(call entry,$(s),$(if $(filter $(s),$(h5_sources)),-fPIC \
-	$(HDF5_CFLAGS),$(if $(filter $(s),$(film_sources)),-fPIC $(FILM_CFLAGS),$(if $(filter $(s),$(console_sources)),-fPIC $(CONSOLE_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS))))))) ] >$@
+	$(HDF5_CFLAGS),$(if $(filter $(s),$(film_sources)),-fPIC $(FILM_CFLAGS),$(if $(filter $(s),$(console_sources)),-fPIC $(CONSOLE_CFLAGS),$(if $(filter src/script/% src/app/%,$(s)),$(LUA_CFLAGS),$(if $(filter src/geom/hull.c,$(s)),$(HULL_CFLAGS)))))))) ] >$@
 
 # What is needed follows from what else is asked for; alone, all but the fuzzer.
 deps:

@@ -23,7 +23,7 @@ enum {
 	RB_FEATURE_FORCES = 1u << 2,     /* `forces` of a body */
 	RB_FEATURE_ROTATION = 1u << 3,   /* some body turns or can come to turn */
 	RB_FEATURE_GYROSCOPIC = 1u << 4, /* a body with unequal principal moments that can turn */
-	RB_FEATURE_OFF_CENTER = 1u << 5, /* a centre of mass off the centroid */
+	RB_FEATURE_OFF_CENTER = 1u << 5, /* a centre of mass off the object's origin */
 	RB_FEATURE_CONTACT = 1u << 6,    /* two bodies that could touch */
 	RB_FEATURE_FRICTION = 1u << 7,
 	RB_FEATURE_RESTITUTION = 1u << 8,
@@ -59,13 +59,14 @@ struct rb_model {
 
 	/* columns by index */
 	struct rb_shape *shape;
+	double *reach; /* m, see rb_model_reach; NULL: only spheres and planes */
 	int *material;
 	double *mass, *inverse_mass; /* statics and driven bodies: INFINITY, 0 */
 	unsigned char *driven; /* [body_count]: 1 where `motion` drives it; NULL without any */
 	rb_mat3 *inertia,
 		*inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
 	double *inverse_inertia_scalar; /* where the tensor is a multiple of 1, else NAN; NULL without rotation */
-	rb_vec3 *center_of_mass;        /* object coordinates; NULL: all at the centroid */
+	rb_vec3 *center_of_mass;        /* object coordinates; NULL: all at the origin */
 	uint64_t *group_bit, *collides; /* NULL without filters */
 	rb_vec3 *position;              /* initial: of the object's origin; for good: statics */
 	rb_quat *orientation;
@@ -76,7 +77,7 @@ struct rb_model {
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */
 
 	double duration_s, frame_rate, time_step_s;
-	double tolerance_m, size_min_m; /* smallest radius of a moving body */
+	double tolerance_m, size_min_m; /* smallest radius or half-edge of a moving body */
 	double coordinate_max_m;        /* largest |coordinate| or size at the start */
 	enum rb_rollback_kind rollback;
 	enum rb_method_kind method; /* as asked for */
@@ -93,6 +94,12 @@ struct rb_mistakes;
 RB_CHECKED enum rb_status rb_model_create(struct rb_model **model, const struct rb_scene *scene,
                                           struct rb_mistakes *mistakes, struct rb_error *err);
 void rb_model_destroy(struct rb_model *model); /* NULL is fine */
+
+/* m: no point of a body is farther from its object's origin; 0 for planes and rectangles. */
+static inline double rb_model_reach(const struct rb_model *model, int index)
+{
+	return model->reach ? model->reach[index] : model->shape[index].radius;
+}
 
 /* Time of frame k: k / frame_rate, the last one at the duration. */
 double rb_model_frame_time(const struct rb_model *model, uint64_t k);

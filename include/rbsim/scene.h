@@ -21,18 +21,67 @@
 extern "C" {
 #endif
 
-enum rb_shape_kind { RB_SHAPE_SPHERE, RB_SHAPE_PLANE, RB_SHAPE_RECTANGLE, RB_SHAPE_KIND_COUNT };
+enum rb_shape_kind {
+	RB_SHAPE_SPHERE,
+	RB_SHAPE_PLANE,
+	RB_SHAPE_RECTANGLE,
+	RB_SHAPE_BOX,
+	RB_SHAPE_CAPSULE,
+	RB_SHAPE_CYLINDER,
+	RB_SHAPE_HULL,
+	RB_SHAPE_UNION,
+	RB_SHAPE_KIND_COUNT
+};
 
 /*
- * A shape in object coordinates, its centroid at the origin of the object.
+ * A shape in object coordinates. The centroid is the origin of the object, except of hulls and unions, whose points
+ * and parts are where the author put them.
  *   sphere     radius
  *   plane      infinite half-space, solid where local z < 0
  *   rectangle  finite plane in local z = 0, two-sided, without thickness: |x| <= size[0]/2, |y| <= size[1]/2
+ *   box        size: whole lengths of its edges along local x, y, z
+ *   capsule    radius about a segment of length size[2] along local z
+ *   cylinder   radius, and size[2] its height along local z
+ *   hull       the convex hull of points: solids[solid]
+ *   union      several of the above but planes and rectangles, rigidly joined: solids[solid]
  */
 struct rb_shape {
 	enum rb_shape_kind kind;
+	int solid;      /* in scene.solids, of hulls and unions; not read of others */
 	double radius;  /* m */
-	double size[2]; /* m */
+	double size[3]; /* m */
+};
+
+/* A part of a union: a shape that is no union itself, and where it is in the union's object coordinates. */
+struct rb_solid_part {
+	struct rb_shape shape;
+	rb_vec3 position; /* m */
+	rb_quat orientation;
+	double share; /* its density relative to that of the body */
+};
+
+/*
+ * What a hull or a union is made of, in object coordinates, and what follows from it alone. Of a hull: corners in the
+ * order of the points that the author gave, faces as loops of corners, counter-clockwise seen from outside, each from
+ * its smallest number on, edges as pairs of corners. Of a union: parts. Immutable; several bodies may share one.
+ */
+struct rb_solid {
+	const rb_vec3 *vertices; /* m, [vertex_count] */
+	const int *
+		loops; /* corners of face k: loops[face_first[k]] to before loops[face_first[k + 1]] */
+	const int *face_first; /* [face_count + 1] */
+	const int (*edges)[2]; /* [edge_count], the smaller corner first, ascending */
+	int vertex_count, face_count, edge_count;
+	const struct rb_solid_part *parts;
+	int part_count;
+
+	double volume; /* m^3; of a union the sum of its parts: where they overlap it counts twice */
+	double weight;    /* m^3: the same, each part times its share */
+	rb_vec3 centroid; /* m, of the mass */
+	rb_mat3 inertia;  /* m^2: kg m^2 for each kg, about the centroid, object axes */
+	double reach;     /* m: no point is farther from the object's origin */
+	double half_width; /* m: half of its smallest extent along a principal axis; of a union, of a part */
+	char sha256[65]; /* of the points that a hull was made of */
 };
 
 struct rb_material_def {
@@ -90,8 +139,10 @@ struct rb_body_def {
 
 	struct rb_shape shape;
 	int material;
-	double mass, density;   /* kg, kg/m^3; NAN: from the material */
-	rb_vec3 center_of_mass; /* m, object coordinates; default: the centroid */
+	double mass, density; /* kg, kg/m^3; NAN: from the material */
+	/* m, object coordinates; default: the origin, which is the centroid but of hulls and unions: whoever makes
+	 * one of those puts the centroid of the solid here */
+	rb_vec3 center_of_mass;
 	bool has_inertia;
 	rb_mat3 inertia; /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
 
@@ -245,6 +296,8 @@ struct rb_scene {
 	int contact_pair_count;
 	struct rb_body_def *bodies; /* in the order of the scene: the index is the body's id */
 	int body_count;
+	struct rb_solid *solids; /* what hulls and unions are made of */
+	int solid_count;
 	struct rb_force_def *forces;
 	int force_count;
 	struct rb_spring_def *springs;
@@ -293,6 +346,21 @@ RB_CHECKED enum rb_status rb_scene_add_contact_pair(struct rb_scene *scene,
                                                     struct rb_error *err);
 RB_CHECKED enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_def *def,
                                             int *index, struct rb_error *err);
+/*
+ * The convex hull of points, measured; points that were given before get the solid of then. RB_ERR_SCENE where they
+ * have no hull: fewer than 4, more than RB_HULL_POINTS_MAX, not finite, or all in a plane to the rounding of their
+ * coordinates. Corners that are coplanar to that rounding share a face.
+ */
+enum { RB_HULL_POINTS_MAX = 65536, RB_UNION_PARTS_MAX = 65536 };
+RB_CHECKED enum rb_status rb_scene_add_hull(struct rb_scene *scene, const rb_vec3 *points,
+                                            size_t count, int *solid, struct rb_error *err);
+/* A union of parts whose shapes were checked; RB_ERR_SCENE where one cannot be a part. */
+RB_CHECKED enum rb_status rb_scene_add_union(struct rb_scene *scene,
+                                             const struct rb_solid_part *parts, size_t count,
+                                             int *solid, struct rb_error *err);
+/* A copy of a solid that is complete. */
+RB_CHECKED enum rb_status rb_scene_add_solid(struct rb_scene *scene, const struct rb_solid *def,
+                                             int *solid, struct rb_error *err);
 /* To the body added last. */
 RB_CHECKED enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_def *def,
                                              struct rb_error *err);

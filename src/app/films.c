@@ -126,7 +126,7 @@ static struct rb_camera_def fallback_camera(const struct rb_model *model)
 	rb_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
 
 	for (int i = first; i < first + count; i++) {
-		const double r = fmax(model->shape[i].radius, 0);
+		const double r = rb_model_reach(model, i);
 		const rb_vec3 p = model->position[i];
 		low = (rb_vec3){fmin(low.x, p.x - r), fmin(low.y, p.y - r), fmin(low.z, p.z - r)};
 		high = (rb_vec3){fmax(high.x, p.x + r), fmax(high.y, p.y + r),

@@ -419,7 +419,8 @@ static void put_vector(struct rb_answer *answer, const char *key, const double *
 		rb_answer_line(answer, "%s %.17g %.17g %.17g", key, v[0], v[1], v[2]);
 }
 
-static void put_shape(struct rb_answer *answer, const struct rb_shape *shape)
+static void put_shape(struct rb_answer *answer, const struct rb_solid *solids,
+                      const struct rb_shape *shape)
 {
 	switch (shape->kind) {
 	case RB_SHAPE_SPHERE:
@@ -428,6 +429,22 @@ static void put_shape(struct rb_answer *answer, const struct rb_shape *shape)
 	case RB_SHAPE_RECTANGLE:
 		rb_answer_line(answer, "shape rectangle %.17g %.17g", shape->size[0],
 		               shape->size[1]);
+		break;
+	case RB_SHAPE_BOX:
+		rb_answer_line(answer, "shape box %.17g %.17g %.17g", shape->size[0],
+		               shape->size[1], shape->size[2]);
+		break;
+	case RB_SHAPE_CAPSULE:
+		rb_answer_line(answer, "shape capsule %.17g %.17g", shape->radius, shape->size[2]);
+		break;
+	case RB_SHAPE_CYLINDER:
+		rb_answer_line(answer, "shape cylinder %.17g %.17g", shape->radius, shape->size[2]);
+		break;
+	case RB_SHAPE_HULL:
+		rb_answer_line(answer, "shape hull %d", solids[shape->solid].vertex_count);
+		break;
+	case RB_SHAPE_UNION:
+		rb_answer_line(answer, "shape union %d", solids[shape->solid].part_count);
 		break;
 	case RB_SHAPE_PLANE:
 	case RB_SHAPE_KIND_COUNT:
@@ -445,7 +462,7 @@ static void put_moving(struct line *line, int index)
 	const bool driven = model->driven && model->driven[index];
 
 	rb_answer_line(answer, "moves %s", driven ? "driven" : "yes");
-	put_shape(answer, &model->shape[index]);
+	put_shape(answer, model->scene->solids, &model->shape[index]);
 	if (!driven)
 		rb_answer_line(answer, "mass %.17g", model->mass[index]);
 	rb_answer_line(answer, "frame %" PRIu64, frame->index);
@@ -467,7 +484,7 @@ static void put_static(struct line *line, int index)
 	const rb_quat q = model->orientation[index];
 
 	rb_answer_line(line->answer, "moves no");
-	put_shape(line->answer, &model->shape[index]);
+	put_shape(line->answer, model->scene->solids, &model->shape[index]);
 	put_vector(line->answer, "position", (const double[]){p.x, p.y, p.z}, 3);
 	put_vector(line->answer, "orientation", (const double[]){q.w, q.x, q.y, q.z}, 4);
 }

@@ -69,6 +69,11 @@ static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
 	}
 }
 
+static bool is_flat(const struct rb_shape *shape)
+{
+	return shape->kind == RB_SHAPE_PLANE || shape->kind == RB_SHAPE_RECTANGLE;
+}
+
 /* A grid: of a rectangle its own, of an infinite plane a part around what the camera looks at. */
 static void plane(const struct drawing *d, int index)
 {
@@ -147,13 +152,14 @@ static int find_discs(const struct drawing *d, struct disc *discs)
 		const struct rb_shape *const shape = &d->model->shape[index];
 		const int id = d->model->id_of[index];
 		const rb_vec3 at = seen(d, rb_steer_body(d->model, d->frame, id));
-		if (shape->kind != RB_SHAPE_SPHERE || !d->model->scene->bodies[id].visible ||
-		    at.z <= shape->radius)
+		/* of what is neither flat nor round, the sphere around it */
+		const double radius = rb_model_reach(d->model, index);
+		if (is_flat(shape) || !d->model->scene->bodies[id].visible || at.z <= radius)
 			continue;
 		discs[count++] = (struct disc){
 			.x = 0.5 * d->picture->width + d->scale * at.x / at.z,
 			.y = 0.5 * d->picture->height - d->scale * at.y / at.z,
-			.radius = d->scale * shape->radius / at.z,
+			.radius = d->scale * radius / at.z,
 			.distance = at.z,
 			.id = id,
 		};
@@ -181,8 +187,7 @@ enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_m
 		memcpy(picture->rgba + 4 * (size_t)i,
 		       (const uint8_t[4]){sky[0], sky[1], sky[2], 255}, 4);
 	for (int i = 0; i < total; i++)
-		if (model->shape[i].kind != RB_SHAPE_SPHERE &&
-		    model->scene->bodies[model->id_of[i]].visible)
+		if (is_flat(&model->shape[i]) && model->scene->bodies[model->id_of[i]].visible)
 			plane(&d, i);
 	const int count = find_discs(&d, discs);
 	qsort(discs, (size_t)count, sizeof *discs, farther_first);

@@ -71,7 +71,7 @@ static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
 	if (!radius)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %zu bodies", n);
 	for (int i = 0; i < l->n; i++)
-		radius[i] = l->model->shape[i].radius;
+		radius[i] = rb_model_reach(l->model, i);
 	status = rb_cells_create(&l->cells, l->n, radius, l->world->state.position, err);
 	rb_memory_free(radius);
 	return status;

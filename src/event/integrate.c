@@ -287,7 +287,7 @@ static void read_pose(struct work *w, int k, const double *value)
 static void stand_still(struct work *w, double pull)
 {
 	for (int k = 0; k < w->c->member_count; k++) {
-		const double radius = w->l->model->shape[w->c->member[k]].radius;
+		const double radius = rb_model_reach(w->l->model, w->c->member[k]);
 
 		if (rb_vec3_max_abs(w->pose[k].velocity) > 0 ||
 		    rb_vec3_max_abs(w->pose[k].spin) > 0 ||
@@ -481,7 +481,7 @@ static double sizes(struct work *w, double *scale)
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const struct rb_pose *pose = &w->pose[k];
-		const double radius = l->model->shape[w->c->member[k]].radius;
+		const double radius = rb_model_reach(l->model, w->c->member[k]);
 		const double pull = rb_vec3_length(w->linear[k]);
 		const double speed = fmax(rb_vec3_length(pose->velocity), sqrt(pull * radius));
 		const double spin = fmax(rb_vec3_length(pose->spin), speed / radius);

@@ -472,7 +472,7 @@ static bool stands_still(const struct settling *s, int part)
 	for (int k = 0; k < l->set_count; k++) {
 		if (root_of(s->root, k) != part)
 			continue;
-		const double radius = l->model->shape[l->set[k]].radius;
+		const double radius = rb_model_reach(l->model, l->set[k]);
 		const struct rb_joint_body *b = &s->joint.body[k];
 
 		const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * pull * radius);

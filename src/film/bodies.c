@@ -164,7 +164,7 @@ enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_b
 			continue;
 		if (kind == RB_SHAPE_SPHERE)
 			bodies->sphere[bodies->sphere_count++] = i;
-		else
+		else if (kind == RB_SHAPE_PLANE || kind == RB_SHAPE_RECTANGLE)
 			bodies->surface[bodies->surface_count++] = (struct surface){
 				.index = i, .infinite = kind == RB_SHAPE_PLANE};
 	}

@@ -52,9 +52,10 @@ static double distance(const struct rb_shape *shape, rb_vec3 p)
 	case RB_SHAPE_PLANE:
 		return p.z;
 	case RB_SHAPE_RECTANGLE:
-	default:
 		return rb_vec3_length((rb_vec3){fmax(0, fabs(p.x) - 0.5 * shape->size[0]),
 		                                fmax(0, fabs(p.y) - 0.5 * shape->size[1]), p.z});
+	default: /* not drawn */
+		return (double)INFINITY;
 	}
 }
 
@@ -83,7 +84,7 @@ static enum rb_status nearest(double *least, const struct rb_view *view,
 			               file_of(model, camera), camera->line, label(camera),
 			               rb_scene_body_label(model->scene, id, text), frame->time_s);
 		}
-		if (d > 0 && (*least == 0 || d < *least))
+		if (d > 0 && isfinite(d) && (*least == 0 || d < *least))
 			*least = d;
 	}
 	return RB_OK;

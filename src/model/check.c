@@ -64,14 +64,15 @@ static double density_of(const struct rb_scene *scene, const struct rb_body_def 
 
 double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body)
 {
-	return isnan(body->mass) ? density_of(scene, body) * rb_shape_volume(&body->shape)
-	                         : body->mass;
+	return isnan(body->mass)
+	               ? density_of(scene, body) * rb_shape_volume(scene->solids, &body->shape)
+	               : body->mass;
 }
 
-rb_mat3 rb_body_inertia(const struct rb_body_def *body, double mass)
+rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass)
 {
 	if (!body->has_inertia)
-		return rb_shape_inertia(&body->shape, mass);
+		return rb_shape_inertia(scene->solids, &body->shape, mass);
 	/* halves that differ by rounding become one tensor */
 	rb_mat3 inertia = body->inertia;
 	for (int i = 0; i < 3; i++)
@@ -87,16 +88,15 @@ struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
 
 	for (int i = 0; i < scene->body_count; i++) {
 		const struct rb_body_def *body = &scene->bodies[i];
-		double size = 0;
+		double size = rb_shape_reach(scene->solids, &body->shape);
 
-		if (body->shape.kind == RB_SHAPE_SPHERE)
-			size = body->shape.radius;
-		else if (body->shape.kind == RB_SHAPE_RECTANGLE)
+		if (body->shape.kind == RB_SHAPE_RECTANGLE)
 			size = fmax(body->shape.size[0], body->shape.size[1]);
 		sizes.coordinate_max_m = fmax(sizes.coordinate_max_m,
 		                              fmax(size, rb_vec3_max_abs(body->position)));
-		if (!body->is_static && body->shape.kind == RB_SHAPE_SPHERE)
-			sizes.size_min_m = fmin(sizes.size_min_m, size);
+		if (!body->is_static)
+			sizes.size_min_m = fmin(sizes.size_min_m,
+			                        rb_shape_half_width(scene->solids, &body->shape));
 	}
 	if (isinf(sizes.size_min_m))
 		sizes.size_min_m = 0;
@@ -254,7 +254,7 @@ static void check_mass(struct check *check, int id)
 				"its mass comes out as %g kg (density %g kg/m^3, volume %g m^3; wanted a "
 				"positive mass that a double holds)",
 				mass, density_of(check->scene, body),
-				rb_shape_volume(&body->shape));
+				rb_shape_volume(check->scene->solids, &body->shape));
 		else
 			body_mistake(
 				check, id,
@@ -273,7 +273,7 @@ static void check_mass(struct check *check, int id)
 	}
 	if (!check->turns)
 		return;
-	const rb_mat3 inertia = rb_body_inertia(body, mass);
+	const rb_mat3 inertia = rb_body_inertia(check->scene, body, mass);
 	rb_mat3 inverse;
 	bool held = rb_mat3_inverse(&inertia, &inverse);
 	for (int i = 0; held && i < 9; i++)
@@ -286,32 +286,59 @@ static void check_mass(struct check *check, int id)
 			inertia.m[0][0]);
 }
 
+static bool check_sizes(struct check *check, int id)
+{
+	const struct rb_shape *shape = &check->scene->bodies[id].shape;
+	const double *const s = shape->size;
+
+	switch (shape->kind) {
+	case RB_SHAPE_SPHERE:
+		if (positive(shape->radius))
+			return true;
+		body_mistake(check, id, "'radius' must be positive and finite (got %g m)",
+		             shape->radius);
+		return false;
+	case RB_SHAPE_RECTANGLE:
+		if (positive(s[0]) && positive(s[1]))
+			return true;
+		body_mistake(check, id, "'size' must be two positive finite lengths (got %g, %g m)",
+		             s[0], s[1]);
+		return false;
+	case RB_SHAPE_BOX:
+		if (positive(s[0]) && positive(s[1]) && positive(s[2]))
+			return true;
+		body_mistake(check, id,
+		             "'size' must be three positive finite lengths (got %g, %g, %g m)",
+		             s[0], s[1], s[2]);
+		return false;
+	case RB_SHAPE_CAPSULE:
+	case RB_SHAPE_CYLINDER:
+		if (positive(shape->radius) && positive(s[2]))
+			return true;
+		body_mistake(check, id,
+		             "'radius' and 'length' must be positive and finite (got %g and %g m)",
+		             shape->radius, s[2]);
+		return false;
+	default:
+		return true;
+	}
+}
+
 /* false: the shape or pose is no use for further checks */
 static bool check_shape(struct check *check, int id)
 {
 	const struct rb_body_def *body = &check->scene->bodies[id];
-	const struct rb_shape *shape = &body->shape;
-	bool good = true;
+	bool good = check_sizes(check, id);
 
-	if (shape->kind == RB_SHAPE_SPHERE && !positive(shape->radius)) {
-		body_mistake(check, id, "'radius' must be positive and finite (got %g m)",
-		             shape->radius);
-		good = false;
-	}
-	if (shape->kind == RB_SHAPE_RECTANGLE &&
-	    !(positive(shape->size[0]) && positive(shape->size[1]))) {
-		body_mistake(check, id, "'size' must be two positive finite lengths (got %g, %g m)",
-		             shape->size[0], shape->size[1]);
-		good = false;
-	}
 	if (!(rb_vec3_max_abs(body->position) <= coordinate_most) ||
 	    !rb_vec3_finite(body->position)) {
 		body_mistake(check, id, "'position' must lie within %g m (got %g, %g, %g)",
 		             coordinate_most, body->position.x, body->position.y, body->position.z);
 		good = false;
 	}
-	if (good && (shape->radius > coordinate_most || shape->size[0] > coordinate_most ||
-	             shape->size[1] > coordinate_most)) {
+	if (good &&
+	    !(rb_shape_reach(check->scene->solids, &body->shape) <= coordinate_most &&
+	      body->shape.size[0] <= coordinate_most && body->shape.size[1] <= coordinate_most)) {
 		body_mistake(check, id, "its size must be at most %g m", coordinate_most);
 		good = false;
 	}
@@ -343,6 +370,36 @@ static void check_forces(struct check *check, int id)
 	}
 }
 
+static bool has_contacts(const struct rb_shape *shape)
+{
+	return shape->kind == RB_SHAPE_SPHERE || rb_shape_is_flat(shape);
+}
+
+/* What a body would touch if there were contacts of its shape; false: a mistake was noted. */
+static bool check_contacts(struct check *check, int id)
+{
+	static const char *const plural[RB_SHAPE_KIND_COUNT] = {
+		[RB_SHAPE_BOX] = "boxes",          [RB_SHAPE_CAPSULE] = "capsules",
+		[RB_SHAPE_CYLINDER] = "cylinders", [RB_SHAPE_HULL] = "hulls",
+		[RB_SHAPE_UNION] = "unions",
+	};
+	const struct rb_scene *scene = check->scene;
+	const struct rb_body_def *body = &scene->bodies[id];
+
+	if (has_contacts(&body->shape) || rb_body_collides(body) == 0)
+		return true;
+	for (int i = 0; i < scene->body_count; i++) {
+		if (i == id || !rb_bodies_can_meet(body, &scene->bodies[i]))
+			continue;
+		body_mistake(check, id,
+		             "contacts of %s are not in this version (let it collide with nothing: "
+		             "collides_with = {})",
+		             plural[body->shape.kind]);
+		return false;
+	}
+	return true;
+}
+
 /* Shapes, masses; returns whether all shapes and poses can be used. */
 static bool check_bodies(struct check *check)
 {
@@ -353,9 +410,9 @@ static bool check_bodies(struct check *check)
 		const struct rb_body_def *body = &scene->bodies[i];
 		const bool shaped = check_shape(check, i);
 
-		good = good && shaped;
+		good = check_contacts(check, i) && shaped && good;
 		check_forces(check, i);
-		if (rb_body_is_free(body) && body->shape.kind != RB_SHAPE_SPHERE) {
+		if (rb_body_is_free(body) && rb_shape_is_flat(&body->shape)) {
 			body_mistake(
 				check, i,
 				"a plane has no mass: it is static, or 'motion' says how it moves");
@@ -564,12 +621,12 @@ struct start_boxes {
 	int moving, count, plane_count; /* driven planes are among the planes */
 };
 
-static rb_aabb box_at_start(const struct rb_body_def *body)
+static rb_aabb box_at_start(const struct rb_scene *scene, const struct rb_body_def *body)
 {
 	/* the sphere around a rectangle will do: it is only a first sieve */
-	const double r = body->shape.kind == RB_SHAPE_SPHERE
-	                         ? body->shape.radius
-	                         : 0.5 * (body->shape.size[0] + body->shape.size[1]);
+	const double r = body->shape.kind == RB_SHAPE_RECTANGLE
+	                         ? 0.5 * (body->shape.size[0] + body->shape.size[1])
+	                         : rb_shape_reach(scene->solids, &body->shape);
 	const rb_vec3 h = {r, r, r};
 
 	return (rb_aabb){rb_vec3_sub(body->position, h), rb_vec3_add(body->position, h)};
@@ -581,7 +638,7 @@ static void fill_boxes(const struct rb_scene *scene, struct start_boxes *boxes)
 		if (scene->bodies[i].is_static || scene->bodies[i].shape.kind == RB_SHAPE_PLANE)
 			continue;
 		boxes->id[boxes->count] = i;
-		boxes->box[boxes->count++] = box_at_start(&scene->bodies[i]);
+		boxes->box[boxes->count++] = box_at_start(scene, &scene->bodies[i]);
 	}
 	boxes->moving = boxes->count;
 	for (int i = 0; i < scene->body_count; i++) {
@@ -592,7 +649,7 @@ static void fill_boxes(const struct rb_scene *scene, struct start_boxes *boxes)
 		if (!scene->bodies[i].is_static)
 			continue;
 		boxes->id[boxes->count] = i;
-		boxes->box[boxes->count++] = box_at_start(&scene->bodies[i]);
+		boxes->box[boxes->count++] = box_at_start(scene, &scene->bodies[i]);
 	}
 }
 

@@ -36,6 +36,12 @@ static inline bool rb_body_is_free(const struct rb_body_def *body)
 	return !body->is_static && !rb_body_is_driven(body);
 }
 
+/* Without a volume: nothing can push it. */
+static inline bool rb_shape_is_flat(const struct rb_shape *shape)
+{
+	return shape->kind == RB_SHAPE_PLANE || shape->kind == RB_SHAPE_RECTANGLE;
+}
+
 /* Both must want it, and one of them must be moved by it. */
 static inline bool rb_bodies_can_meet(const struct rb_body_def *a, const struct rb_body_def *b)
 {
@@ -47,7 +53,7 @@ static inline bool rb_bodies_can_meet(const struct rb_body_def *a, const struct 
 /* kg, of a free body, as given or from density and volume; not checked. */
 double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body);
 /* kg m^2 about the centre of mass, as given or of the uniform shape; not checked. */
-rb_mat3 rb_body_inertia(const struct rb_body_def *body, double mass);
+rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass);
 
 /* Distance to the next double, of |x|. */
 double rb_ulp(double x);
@@ -59,7 +65,7 @@ const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring
 double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_spring_def *spring);
 
 struct rb_sizes {
-	double size_min_m;       /* smallest radius of a moving body, 0: none moves */
+	double size_min_m;       /* smallest radius or half-edge of a moving body, 0: none moves */
 	double coordinate_max_m; /* largest |coordinate| or size */
 	double tolerance_m;      /* as given, or the default */
 };

@@ -138,8 +138,9 @@ static const struct rb_feature_row rows[] = {
 	{RB_FEATURE_GYROSCOPIC, "gyroscopic", has_gyroscopic,
          "the axis of a turning body with unequal principal moments wanders",
          "no turning body has unequal principal moments"},
-	{RB_FEATURE_OFF_CENTER, "off_center", has_off_center, "centres of mass off the centroid",
-         "every centre of mass is at its centroid"},
+	{RB_FEATURE_OFF_CENTER, "off_center", has_off_center,
+         "centres of mass off the object's origin",
+         "every centre of mass is at its object's origin"},
 	{RB_FEATURE_CONTACT, "contact", has_contact,
          "bodies that could touch: search, gaps, impulses", "no two bodies could touch"},
 	{RB_FEATURE_FRICTION, "friction", has_friction, "friction of materials that could meet",
@@ -253,6 +254,15 @@ static void see_springs(struct rb_feature_facts *facts)
 	}
 }
 
+static bool has_unequal_moments(const struct rb_scene *scene, const struct rb_body_def *body)
+{
+	if (body->shape.kind == RB_SHAPE_SPHERE && !body->has_inertia)
+		return false;
+	const rb_mat3 inertia = rb_body_inertia(scene, body, 1);
+
+	return !rb_inertia_is_scalar(&inertia);
+}
+
 struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
                                             const struct rb_pair_material *pair)
 {
@@ -270,8 +280,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 		facts.moves = true;
 		facts.spins = facts.spins || rb_vec3_max_abs(body->angular_velocity) > 0;
 		facts.off_center = facts.off_center || rb_vec3_max_abs(body->center_of_mass) > 0;
-		facts.unequal = facts.unequal ||
-		                (body->has_inertia && !rb_inertia_is_scalar(&body->inertia));
+		facts.unequal = facts.unequal || has_unequal_moments(scene, body);
 		facts.forces = facts.forces || body->force_count > 0;
 		for (int f = 0; f < body->force_count; f++)
 			facts.torque = facts.torque || beside(&scene->forces[body->force_first + f],

@@ -16,7 +16,7 @@ struct rb_feature_facts {
 	bool friction;     /* ... of which the materials have friction */
 	bool restitution;  /* ... restitution */
 	bool spins;        /* an angular velocity to begin with */
-	bool off_center;   /* a centre of mass off the centroid */
+	bool off_center;   /* a centre of mass off the object's origin */
 	bool unequal;      /* a moving body with unequal principal moments */
 	bool forces;       /* a list of forces that is not empty */
 	bool torque;       /* one of them, or a spring, acts off the centre of mass */

@@ -102,6 +102,14 @@ static void fill_pair_materials(struct rb_model *model)
 	}
 }
 
+static bool has_other_shapes(const struct rb_scene *scene)
+{
+	for (int i = 0; i < scene->body_count; i++)
+		if (scene->bodies[i].shape.kind >= RB_SHAPE_BOX)
+			return true;
+	return false;
+}
+
 static void take_columns(struct rb_model *model, bool *failed)
 {
 	const size_t all = (size_t)model->body_count + (size_t)model->static_count;
@@ -112,6 +120,8 @@ static void take_columns(struct rb_model *model, bool *failed)
 	model->id_of = column(model, true, all, sizeof *model->id_of, failed);
 	model->index_of = column(model, true, all, sizeof *model->index_of, failed);
 	model->shape = column(model, true, all, sizeof *model->shape, failed);
+	model->reach = column(model, has_other_shapes(model->scene), all, sizeof *model->reach,
+	                      failed);
 	model->material = column(model, true, all, sizeof *model->material, failed);
 	model->mass = column(model, true, all, sizeof *model->mass, failed);
 	model->inverse_mass = column(model, true, all, sizeof *model->inverse_mass, failed);
@@ -147,7 +157,7 @@ static void number_bodies(struct rb_model *model)
 /* Statics and driven bodies keep the zero tensors of the fresh columns: nothing turns them. */
 static void fill_inertia(struct rb_model *model, int index, const struct rb_body_def *body)
 {
-	const rb_mat3 inertia = rb_body_inertia(body, model->mass[index]);
+	const rb_mat3 inertia = rb_body_inertia(model->scene, body, model->mass[index]);
 
 	model->inertia[index] = inertia;
 	if (rb_inertia_is_scalar(&inertia)) {
@@ -167,6 +177,8 @@ static void fill_body(struct rb_model *model, int index)
 	const struct rb_body_def *body = &model->scene->bodies[model->id_of[index]];
 
 	model->shape[index] = body->shape;
+	if (model->reach)
+		model->reach[index] = rb_shape_reach(model->scene->solids, &body->shape);
 	model->material[index] = body->material;
 	model->position[index] = body->position;
 	model->orientation[index] = rb_quat_unit(body->orientation);
@@ -278,6 +290,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->id_of);
 	rb_memory_free(model->index_of);
 	rb_memory_free(model->shape);
+	rb_memory_free(model->reach);
 	rb_memory_free(model->material);
 	rb_memory_free(model->mass);
 	rb_memory_free(model->inverse_mass);

@@ -15,7 +15,7 @@ enum { TEXT_BLOCK_SIZE = 4096 };
 struct text_block {
 	struct text_block *next;
 	size_t size, used;
-	char bytes[];
+	_Alignas(max_align_t) char bytes[];
 };
 
 /* The arrays of the scene that grow, by the place of their capacity. */
@@ -23,6 +23,7 @@ enum {
 	ARRAY_MATERIALS,
 	ARRAY_PAIRS,
 	ARRAY_BODIES,
+	ARRAY_SOLIDS,
 	ARRAY_FORCES,
 	ARRAY_SPRINGS,
 	ARRAY_DRAGS,
@@ -66,6 +67,28 @@ static char *take_bytes(struct rb_scene *scene, size_t size)
 	char *bytes = block->bytes + block->used;
 	block->used += size;
 	return bytes;
+}
+
+/* A copy of numbers that stays where it is; an empty one is no fault. */
+static void *take_copy(struct rb_scene *scene, const void *from, size_t count, size_t size,
+                       bool *failed)
+{
+	enum { GRAIN = _Alignof(max_align_t) };
+	struct text_block *const block = scene->memory->texts;
+
+	if (count == 0)
+		return NULL;
+	/* texts leave the block in use at any byte */
+	if (block) {
+		const size_t used = (block->used + GRAIN - 1) / GRAIN * GRAIN;
+
+		block->used = used < block->size ? used : block->size;
+	}
+	void *copy = count < SIZE_MAX / 2 / size
+	                     ? take_bytes(scene, (count * size + GRAIN - 1) / GRAIN * GRAIN)
+	                     : NULL;
+	*failed = *failed || !copy;
+	return copy ? memcpy(copy, from, count * size) : NULL;
 }
 
 const char *rb_scene_text(struct rb_scene *scene, const char *text)
@@ -134,6 +157,7 @@ void rb_scene_release(struct rb_scene *scene)
 	rb_memory_free(scene->materials);
 	rb_memory_free(scene->contact_pairs);
 	rb_memory_free(scene->bodies);
+	rb_memory_free(scene->solids);
 	rb_memory_free(scene->forces);
 	rb_memory_free(scene->springs);
 	rb_memory_free(scene->drags);
@@ -151,7 +175,7 @@ struct rb_body_def rb_body_def_default(void)
 {
 	return (struct rb_body_def){
 		.call = "sphere",
-		.shape = {.kind = RB_SHAPE_SPHERE, .radius = (double)NAN},
+		.shape = {.kind = RB_SHAPE_SPHERE, .solid = -1, .radius = (double)NAN},
 		.mass = (double)NAN,
 		.density = (double)NAN,
 		.orientation = {1, 0, 0, 0},
@@ -245,6 +269,9 @@ enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_de
 {
 	struct rb_body_def body = *def;
 
+	/* whoever makes a body of them has added its solid before */
+	RB_ASSERT((body.shape.kind != RB_SHAPE_HULL && body.shape.kind != RB_SHAPE_UNION) ||
+	          (body.shape.solid >= 0 && body.shape.solid < scene->solid_count));
 	body.force_first = scene->force_count;
 	body.force_count = 0;
 	if (!own(scene, &body.name) || !own(scene, &body.call) || !own(scene, &body.texture) ||
@@ -253,6 +280,32 @@ enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_de
 	if (index)
 		*index = scene->body_count;
 	scene->bodies[scene->body_count++] = body;
+	return RB_OK;
+}
+
+enum rb_status rb_scene_add_solid(struct rb_scene *scene, const struct rb_solid *def, int *solid,
+                                  struct rb_error *err)
+{
+	struct rb_solid own_copy = *def;
+	const size_t faces = (size_t)def->face_count;
+	bool failed = false;
+
+	own_copy.vertices = take_copy(scene, def->vertices, (size_t)def->vertex_count,
+	                              sizeof *def->vertices, &failed);
+	own_copy.loops = take_copy(scene, def->loops,
+	                           faces > 0 ? (size_t)def->face_first[faces] : 0,
+	                           sizeof *def->loops, &failed);
+	own_copy.face_first = take_copy(scene, def->face_first, faces > 0 ? faces + 1 : 0,
+	                                sizeof *def->face_first, &failed);
+	own_copy.edges = take_copy(scene, def->edges, (size_t)def->edge_count, sizeof *def->edges,
+	                           &failed);
+	own_copy.parts = take_copy(scene, def->parts, (size_t)def->part_count, sizeof *def->parts,
+	                           &failed);
+	if (failed ||
+	    !room(scene, &scene->solids, ARRAY_SOLIDS, scene->solid_count, sizeof own_copy))
+		return out_of_memory("solids", err);
+	*solid = scene->solid_count;
+	scene->solids[scene->solid_count++] = own_copy;
 	return RB_OK;
 }
 

@@ -216,8 +216,9 @@ rb_mat3 rb_moment_inertia(lua_State *L, int id)
 {
 	const struct rb_body_def *def = definition(L, id);
 
-	return rb_body_is_free(def) ? rb_body_inertia(def, rb_moment_mass(L, id))
-	                            : (rb_mat3){{{0}}};
+	return rb_body_is_free(def)
+	               ? rb_body_inertia(rb_script_of(L)->scene, def, rb_moment_mass(L, id))
+	               : (rb_mat3){{{0}}};
 }
 
 /* Angular momentum about the centre of mass, world axes, of a free body. */

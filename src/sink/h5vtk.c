@@ -133,7 +133,7 @@ static void put_fixed(struct rb_h5 *h5, const struct rb_model *model, hsize_t fr
 		return;
 	}
 	for (hsize_t i = 0; i < bodies; i++)
-		radius[i] = model->shape[i].radius;
+		radius[i] = rb_model_reach(model, (int)i);
 	rb_h5_put(h5, "/VTKHDF/PointData/radius", RB_H5_F64, (rb_h5_shape){1, {bodies}}, radius);
 	rb_memory_free(radius);
 	for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {

@@ -29,7 +29,8 @@ static rb_aabb box_of_static(const struct rb_model *model, int index)
 {
 	const rb_vec3 p = model->position[index];
 	const struct rb_shape *shape = &model->shape[index];
-	rb_vec3 h = {shape->radius, shape->radius, shape->radius};
+	const double reach = rb_model_reach(model, index);
+	rb_vec3 h = {reach, reach, reach};
 
 	if (shape->kind == RB_SHAPE_RECTANGLE) {
 		const rb_rectangle r = rb_rectangle_of(p, model->orientation[index], shape->size);

@@ -119,7 +119,7 @@ static enum rb_status find_candidates(struct rb_world *world, double dt, struct 
 		              groups->body_count;
 	for (int i = 0; i < groups->body_count; i++) {
 		const rb_vec3 c = rb_world_origin_at(world, &world->state, i);
-		const double size = model->shape[i].radius;
+		const double size = rb_model_reach(model, i);
 
 		groups->built_at[i] = c;
 		groups->margin[i] = fmax(distance_in(world, i, groups->acceleration[i], span),
