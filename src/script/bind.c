@@ -162,16 +162,6 @@ static int l_contact_pair(lua_State *L)
 	return 0;
 }
 
-/* ---- words of later versions ---- */
-
-static int l_later_body(lua_State *L)
-{
-	struct rb_call call = rb_call_begin(L, lua_tostring(L, lua_upvalueindex(1)), NULL, 0);
-
-	rb_call_mistake(&call, "not in this version");
-	return rb_bodies_stand_in(L, &call);
-}
-
 void rb_bind_open(lua_State *L)
 {
 	static const luaL_Reg calls[] = {{"world", l_world},
@@ -183,7 +173,6 @@ void rb_bind_open(lua_State *L)
 	                                    {"__newindex", l_material_newindex},
 	                                    {"__tostring", l_material_tostring},
 	                                    {NULL, NULL}};
-	static const char *const later_bodies[] = {"box", "capsule", "cylinder", "hull"};
 
 	luaL_newmetatable(L, RB_MATERIAL_TYPE);
 	luaL_setfuncs(L, material, 0);
@@ -195,11 +184,6 @@ void rb_bind_open(lua_State *L)
 	lua_pushglobaltable(L);
 	luaL_setfuncs(L, calls, 0);
 	lua_pop(L, 1);
-	for (size_t i = 0; i < sizeof later_bodies / sizeof *later_bodies; i++) {
-		lua_pushstring(L, later_bodies[i]);
-		lua_pushcclosure(L, l_later_body, 1);
-		lua_setglobal(L, later_bodies[i]);
-	}
 	rb_vector_open(L);
 	rb_handles_open(L);
 	rb_bodies_open(L);

@@ -12,6 +12,7 @@
 #include "script/fields.h"
 #include "script/functions.h"
 #include "script/handles.h"
+#include "script/shapes.h"
 #include "script/values.h"
 
 void rb_name_take(const struct rb_call *call, const char *kind, const char *name)
@@ -227,7 +228,8 @@ static int finish_body(struct rb_call *call, struct rb_body_def *def)
 	return 1;
 }
 
-int rb_bodies_stand_in(lua_State *L, const struct rb_call *call)
+/* Adds a body that stands for one that cannot be had, so that loading goes on; pushes its handle. */
+static int stand_in(lua_State *L, const struct rb_call *call)
 {
 	struct rb_body_def def = rb_body_def_default();
 	struct rb_error err;
@@ -328,7 +330,45 @@ static int l_plane(lua_State *L)
 	return finish_body(&call, &def);
 }
 
-/* body "NAME" is a body that there is, at any time; body { ... } is going to make one. */
+static int add_sized(lua_State *L, const char *word, const struct rb_row_table *table,
+                     enum rb_shape_kind kind)
+{
+	struct rb_call call = rb_call_begin(L, word, table, 1);
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = word;
+	def.shape = (struct rb_shape){.kind = kind, .solid = -1};
+	rb_call_read(&call, &def);
+	if (kind == RB_SHAPE_HULL)
+		rb_shapes_hull(&call, &def);
+	else if (kind == RB_SHAPE_UNION)
+		rb_shapes_union(&call, &def);
+	else
+		rb_shapes_need(&call, &def);
+	return finish_body(&call, &def);
+}
+
+static int l_box(lua_State *L)
+{
+	return add_sized(L, "box", &rb_rows_box, RB_SHAPE_BOX);
+}
+
+static int l_capsule(lua_State *L)
+{
+	return add_sized(L, "capsule", &rb_rows_capsule, RB_SHAPE_CAPSULE);
+}
+
+static int l_cylinder(lua_State *L)
+{
+	return add_sized(L, "cylinder", &rb_rows_cylinder, RB_SHAPE_CYLINDER);
+}
+
+static int l_hull(lua_State *L)
+{
+	return add_sized(L, "hull", &rb_rows_hull, RB_SHAPE_HULL);
+}
+
+/* body "NAME" is a body that there is, at any time; body { ... } makes a union. */
 static int l_body(lua_State *L)
 {
 	const bool named = lua_type(L, 1) == LUA_TSTRING;
@@ -340,18 +380,17 @@ static int l_body(lua_State *L)
 		rb_handle_push(L, id);
 		return 1;
 	}
+	if (lua_type(L, 1) == LUA_TTABLE)
+		return add_sized(L, "body", &rb_rows_union, RB_SHAPE_UNION);
 	if (named && rb_script_of(L)->phase != RB_PHASE_LOAD)
 		return luaL_error(L, "body: no body is named '%s'%s", name, hint);
 	struct rb_call call = rb_call_begin(L, "body", NULL, 0);
 	if (named)
 		rb_call_mistake(&call, "no body is named '%.60s' so far%s", name, hint);
-	else if (lua_type(L, 1) == LUA_TTABLE)
-		rb_call_mistake(&call,
-		                "not in this version (body 'NAME' gives the body of that name)");
 	else
-		rb_call_mistake(&call, "wants the name of a body (got %s)",
+		rb_call_mistake(&call, "wants the name of a body or a table of keys (got %s)",
 		                rb_describe(L, 1, found));
-	return rb_bodies_stand_in(L, &call);
+	return stand_in(L, &call);
 }
 
 void rb_bodies_open(lua_State *L)
@@ -359,4 +398,8 @@ void rb_bodies_open(lua_State *L)
 	lua_register(L, "body", l_body);
 	lua_register(L, "sphere", l_sphere);
 	lua_register(L, "plane", l_plane);
+	lua_register(L, "box", l_box);
+	lua_register(L, "capsule", l_capsule);
+	lua_register(L, "cylinder", l_cylinder);
+	lua_register(L, "hull", l_hull);
 }

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* sphere, plane and body: a call's table to a body of the scene, and its handle back. */
+/* sphere, plane, box, capsule, cylinder, hull and body: a call's table to a body of the scene, and its handle back. */
 #ifndef RB_SCRIPT_BODIES_H
 #define RB_SCRIPT_BODIES_H
 
 #include "script/call.h"
 
-/* sphere, plane and body as globals. */
+/* These as globals. */
 void rb_bodies_open(lua_State *L);
-
-/* Adds a body that stands for one that can't be had, so that loading goes on; pushes its handle. */
-int rb_bodies_stand_in(lua_State *L, const struct rb_call *call);
 
 /* Where the names of a kind are kept in the registry: name = line of its call. */
 #define RB_NAMES_KEY "rbsim.names."

@@ -123,6 +123,55 @@ static const struct rb_row plane_rows[] = {
          "the direction of w, projected on the plane"},
 };
 
+static const struct rb_row box_rows[] = {
+	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 3, AT(rb_body_def, shape.size), NULL, NULL,
+         "required", "m", "{x, y, z}: lengths of its edges"},
+};
+
+static const struct rb_row capsule_rows[] = {
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
+         "required", "m", ""},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.size[2]), NULL, NULL,
+         "required", "m", "of the straight part, without the round ends"},
+};
+
+static const struct rb_row cylinder_rows[] = {
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
+         "required", "m", ""},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.size[2]), NULL, NULL,
+         "required", "m", "from one flat end to the other"},
+};
+
+static const struct rb_row hull_rows[] = {
+	{"points", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "required", "m",
+         "{{x, y, z}, ...}, 4 to 65536, in object coordinates"},
+};
+
+static const struct rb_row union_rows[] = {
+	{"shapes", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "required", "",
+         "a list of tables with the keys below"},
+};
+
+/* One of `shapes`: read as the body that it would be alone. */
+static const struct rb_row part_rows[] = {
+	{"shape", RB_ROW_CHOICE, 0, 0, HAND, "sphere, box, capsule, cylinder, hull", NULL,
+         "required", "", "what it is; with the keys that such a body has:"},
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
+         "required", "m", "of a sphere, a capsule, a cylinder"},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.size[2]), NULL, NULL,
+         "required", "m", "of a capsule, a cylinder"},
+	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 3, AT(rb_body_def, shape.size), NULL, NULL,
+         "required", "m", "of a box"},
+	{"points", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "required", "m", "of a hull"},
+	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, position), NULL, NULL, "{0, 0, 0}", "m",
+         "of its origin, in object coordinates of the body"},
+	{"orientation", RB_ROW_ORIENTATION, 0, 0, AT(rb_body_def, orientation), NULL, NULL,
+         "{1, 0, 0, 0}", "", "in object coordinates of the body"},
+	{"density", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, density), NULL, NULL,
+         "that of the body", "kg/m^3",
+         "of this part; where the body states a mass, only its ratio to the others counts"},
+};
+
 static const struct rb_row force_rows[] = {
 	{"vector", RB_ROW_VECTOR, 0, 0, AT(rb_force_def, vector), NULL, NULL,
          "required, or direction and magnitude", "N", ""},
@@ -262,6 +311,12 @@ const struct rb_row_table rb_rows_contact_pair = {"contact_pair", ROWS(contact_p
 const struct rb_row_table rb_rows_body = {"body", ROWS(body_rows), NULL};
 const struct rb_row_table rb_rows_sphere = {"sphere", ROWS(sphere_rows), &rb_rows_body};
 const struct rb_row_table rb_rows_plane = {"plane", ROWS(plane_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_box = {"box", ROWS(box_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_capsule = {"capsule", ROWS(capsule_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_cylinder = {"cylinder", ROWS(cylinder_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_hull = {"hull", ROWS(hull_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_union = {"union", ROWS(union_rows), &rb_rows_body};
+const struct rb_row_table rb_rows_part = {"shapes", ROWS(part_rows), NULL};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
 const struct rb_row_table rb_rows_spring = {"spring", ROWS(spring_rows), NULL};
 const struct rb_row_table rb_rows_drag = {"drag", ROWS(drag_rows), NULL};
@@ -368,9 +423,10 @@ void rb_fields_print(FILE *file)
 {
 	static const struct rb_row_table *const tables[] = {
 		&rb_rows_world, &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere,
-		&rb_rows_plane, &rb_rows_body,     &rb_rows_force,        &rb_rows_spring,
-		&rb_rows_drag,  &rb_rows_camera,   &rb_rows_light,        &rb_rows_record,
-		&rb_rows_param};
+		&rb_rows_plane, &rb_rows_box,      &rb_rows_capsule,      &rb_rows_cylinder,
+		&rb_rows_hull,  &rb_rows_union,    &rb_rows_part,         &rb_rows_body,
+		&rb_rows_force, &rb_rows_spring,   &rb_rows_drag,         &rb_rows_camera,
+		&rb_rows_light, &rb_rows_record,   &rb_rows_param};
 
 	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
 		fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", tables[t]->name);

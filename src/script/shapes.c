@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/shapes.h"
+
+#include <math.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "math/quat.h"
+#include "model/check.h"
+#include "script/fields.h"
+#include "script/values.h"
+#include "script/vector.h"
+
+/* What Qhull does with a point, as instructions of Lua: 65,536 on a ball take it about half a second. */
+enum { WORK_A_POINT = 500 };
+
+/* The keys that give a shape its size, by kind. */
+static const struct {
+	const char *word;
+	enum rb_shape_kind kind;
+	const char *keys[2];
+} sized[] = {
+	{"sphere", RB_SHAPE_SPHERE, {"radius", NULL}},
+	{"box", RB_SHAPE_BOX, {"size", NULL}},
+	{"capsule", RB_SHAPE_CAPSULE, {"radius", "length"}},
+	{"cylinder", RB_SHAPE_CYLINDER, {"radius", "length"}},
+	{"hull", RB_SHAPE_HULL, {"points", NULL}},
+};
+enum { SIZED_COUNT = sizeof sized / sizeof *sized };
+
+static const struct rb_shape stand_in = {.kind = RB_SHAPE_SPHERE, .solid = -1, .radius = 1};
+
+/* The place of a kind in the table, which is the place of its word among the choices of `shape`. */
+static int place_of(enum rb_shape_kind kind)
+{
+	for (int i = 0; i < SIZED_COUNT; i++)
+		if (sized[i].kind == kind)
+			return i;
+	return -1;
+}
+
+/* Of a kind's keys, which may be missing; false: a mistake was noted, or one was before. */
+static bool has_keys(struct rb_call *call, int place)
+{
+	bool all = true;
+
+	for (int k = 0; k < 2 && sized[place].keys[k]; k++) {
+		const char *key = sized[place].keys[k];
+
+		all = all && (rb_call_given(call, key) || call->index == 0);
+		/* where a key is misspelt it may be this one: one message is enough */
+		if (call->index && !call->unknown && !rb_call_tried(call, key))
+			rb_call_mistake(call, "'%s' is missing", key);
+	}
+	return all && call->index;
+}
+
+void rb_shapes_need(struct rb_call *call, struct rb_body_def *def)
+{
+	if (!has_keys(call, place_of(def->shape.kind)))
+		def->shape = stand_in;
+}
+
+/* ---- hulls ---- */
+
+/* Points of the list at `list` into memory that Lua owns, which is left on the stack; false: a mistake was noted. */
+static bool read_points(struct rb_call *call, int list, rb_vec3 **points, size_t *count)
+{
+	lua_State *L = call->L;
+	char found[80];
+
+	lua_pushnil(L); /* in place of the memory, where there is none */
+	if (lua_type(L, list) != LUA_TTABLE) {
+		rb_call_mistake(call, "'points' must be a list of points {{x, y, z}, ...} (got %s)",
+		                rb_describe(L, list, found));
+		return false;
+	}
+	*count = (size_t)lua_rawlen(L, list);
+	if (*count > RB_HULL_POINTS_MAX) {
+		rb_call_mistake(call, "'points': %zu points are too many (wanted at most %d)",
+		                *count, RB_HULL_POINTS_MAX);
+		return false;
+	}
+	rb_sandbox_charge(L, *count * WORK_A_POINT);
+	lua_pop(L, 1);
+	*points = lua_newuserdatauv(L, *count * sizeof **points + 1, 0);
+	for (size_t i = 0; i < *count; i++) {
+		double p[3];
+
+		lua_rawgeti(L, list, (lua_Integer)i + 1);
+		if (!rb_vector_numbers(L, -1, 3, p, NULL)) {
+			rb_call_mistake(
+				call, "'points' must be a list of points {x, y, z} (got %s at %zu)",
+				rb_describe(L, -1, found), i + 1);
+			lua_pop(L, 1);
+			return false;
+		}
+		(*points)[i] = rb_vec3_from(p);
+		lua_pop(L, 1);
+	}
+	return true;
+}
+
+static size_t bytes_of(const struct rb_solid *solid)
+{
+	const size_t loops = solid->face_count > 0 ? (size_t)solid->face_first[solid->face_count]
+	                                           : 0;
+
+	return sizeof *solid + (size_t)solid->vertex_count * sizeof *solid->vertices +
+	       (loops + (size_t)solid->face_count + 1) * sizeof(int) +
+	       (size_t)solid->edge_count * sizeof *solid->edges +
+	       (size_t)solid->part_count * sizeof *solid->parts;
+}
+
+/* Where a mistake of the scene is noted, and all else ends the loading; false: a mistake. */
+static bool take(struct rb_call *call, const char *key, enum rb_status status,
+                 const struct rb_error *err)
+{
+	if (status == RB_ERR_SCENE) {
+		rb_call_mistake(call, "'%s': %s", key, err->text);
+		return false;
+	}
+	rb_script_need(call->L, status, err);
+	return true;
+}
+
+/* The hull of the points that `call` has been given; false: a mistake was noted. */
+static bool read_hull(struct rb_call *call, struct rb_shape *shape)
+{
+	struct rb_scene *scene = call->script->scene;
+	const int before = scene->solid_count, top = lua_gettop(call->L);
+	struct rb_error err;
+	rb_vec3 *points;
+	size_t count;
+	bool right = false;
+
+	rb_call_push(call, "points");
+	if (read_points(call, lua_gettop(call->L), &points, &count)) {
+		const enum rb_status status = rb_scene_add_hull(scene, points, count, &shape->solid,
+		                                                &err);
+		right = take(call, "points", status, &err);
+	}
+	lua_settop(call->L, top);
+	if (scene->solid_count > before)
+		rb_sandbox_charge_bytes(call->L, bytes_of(&scene->solids[before]));
+	return right;
+}
+
+/* The centroid is the centre of mass of what is pushed; what is not has none but its origin. */
+static void center(const struct rb_call *call, struct rb_body_def *def)
+{
+	if (rb_body_is_free(def) && !rb_call_tried(call, "center_of_mass"))
+		def->center_of_mass = call->script->scene->solids[def->shape.solid].centroid;
+}
+
+void rb_shapes_hull(struct rb_call *call, struct rb_body_def *def)
+{
+	const bool given = has_keys(call, place_of(RB_SHAPE_HULL));
+
+	def->shape = (struct rb_shape){.kind = RB_SHAPE_HULL, .solid = -1};
+	if (given && read_hull(call, &def->shape))
+		center(call, def);
+	else
+		def->shape = stand_in;
+}
+
+/* ---- unions ---- */
+
+/* Sizes that the part's kind does not have. */
+static void check_part(struct rb_call *call, int place)
+{
+	static const char *const all[] = {"radius", "length", "size", "points"};
+
+	for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+		bool own = false;
+
+		for (int k = 0; k < 2 && sized[place].keys[k]; k++)
+			own = own || strcmp(sized[place].keys[k], all[i]) == 0;
+		if (!own && rb_call_tried(call, all[i]))
+			rb_call_mistake(call, "'%s' of a %s: it has none", all[i],
+			                sized[place].word);
+	}
+}
+
+/* One entry of `shapes`; its keys go to the places that a body's would. `density` is that of the body. */
+static bool read_part(struct rb_call *call, double density, struct rb_solid_part *part)
+{
+	struct rb_body_def def = rb_body_def_default();
+	int place = -1;
+
+	*part = (struct rb_solid_part){.shape = stand_in, .orientation = {1, 0, 0, 0}, .share = 1};
+	rb_call_read(call, &def);
+	if (call->index == 0)
+		return false;
+	if (rb_call_push(call, "shape") != LUA_TNIL)
+		(void)rb_call_value(call, rb_row_find(call->table, "shape", NULL), -1, &place);
+	else if (!call->unknown)
+		rb_call_mistake(call, "'shape' is missing");
+	lua_pop(call->L, 1);
+	if (place < 0)
+		return false;
+	check_part(call, place);
+	def.shape.kind = sized[place].kind;
+	if (!has_keys(call, place) ||
+	    (def.shape.kind == RB_SHAPE_HULL && !read_hull(call, &def.shape)))
+		return false;
+	part->shape = def.shape;
+	part->position = def.position;
+	part->orientation = def.orientation;
+	if (!isnan(def.density))
+		part->share = def.density / density;
+	return true;
+}
+
+/* The list on top of the stack into memory that Lua owns, which is left there; NULL: a mistake was noted. */
+static struct rb_solid_part *read_parts(struct rb_call *call, double density, size_t *count)
+{
+	lua_State *L = call->L;
+	const int list = lua_gettop(L);
+	char found[80];
+	bool right = true;
+
+	*count = lua_type(L, list) == LUA_TTABLE ? (size_t)lua_rawlen(L, list) : 0;
+	if (*count == 0 || *count > RB_UNION_PARTS_MAX) {
+		rb_call_mistake(
+			call,
+			"'shapes' must be a list of 1 to %d tables {{shape = 'box', size = {...}}, ...} (got %s)",
+			RB_UNION_PARTS_MAX, rb_describe(L, list, found));
+		return NULL;
+	}
+	struct rb_solid_part *parts = lua_newuserdatauv(L, *count * sizeof *parts, 0);
+	for (size_t i = 0; i < *count; i++) {
+		lua_rawgeti(L, list, (lua_Integer)i + 1);
+		struct rb_call part = rb_call_part(call, &rb_rows_part, -1, (int)i + 1);
+		right = read_part(&part, density, &parts[i]) && right;
+		lua_pop(L, 1);
+	}
+	return right ? parts : NULL;
+}
+
+void rb_shapes_union(struct rb_call *call, struct rb_body_def *def)
+{
+	struct rb_scene *scene = call->script->scene;
+	const double density = isnan(def->density) ? scene->materials[def->material].density
+	                                           : def->density;
+	const int top = lua_gettop(call->L);
+	struct rb_error err;
+	size_t count;
+
+	def->shape = stand_in;
+	if (call->index == 0)
+		return;
+	if (rb_call_push(call, "shapes") == LUA_TNIL) {
+		if (!call->unknown)
+			rb_call_mistake(call, "'shapes' is missing");
+		lua_settop(call->L, top);
+		return;
+	}
+	const struct rb_solid_part *parts = read_parts(call, density, &count);
+	if (parts) {
+		struct rb_shape shape = {.kind = RB_SHAPE_UNION};
+		const enum rb_status status = rb_scene_add_union(scene, parts, count, &shape.solid,
+		                                                 &err);
+		if (take(call, "shapes", status, &err)) {
+			def->shape = shape;
+			center(call, def);
+			rb_sandbox_charge_bytes(call->L, bytes_of(&scene->solids[shape.solid]));
+		}
+	}
+	lua_settop(call->L, top);
+}
