@@ -23,7 +23,7 @@
 --
 -- point(p), vector(v), orientation(q)             from the case's coordinates to the world's
 -- back(p), back_vector(v)                         from the world's to the case's
--- sphere { }, plane { }                           as the calls of these names, with keys in the case's coordinates
+-- sphere { }, box { }, plane { }                  as the calls of these names, with keys in the case's coordinates
 -- position(body), velocity(body), spin(body)      in the case's coordinates
 -- gravity()                                       in the case's coordinates
 -- rounding                                        m: how far turn and shift round coordinates; 0 without them
@@ -169,6 +169,13 @@ function verify.sphere(keys)
 		all.orientation = verify.orientation {1, 0, 0, 0}
 	end
 	return sphere(all)
+end
+
+function verify.box(keys)
+	local all = copied(keys, how)
+	all.position = all.position or verify.point {0, 0, 0}
+	if turn ~= 0 and not keys.orientation then all.orientation = verify.orientation {1, 0, 0, 0} end
+	return box(all)
 end
 
 function verify.plane(keys)
