@@ -388,6 +388,9 @@ RB_CHECKED enum rb_status rb_scene_add_file(struct rb_scene *scene, const char *
 /* A copy of a text that lives as long as the scene; NULL when memory is out. */
 const char *rb_scene_text(struct rb_scene *scene, const char *text);
 
+/* "sphere", "plane", ...: what recordings and messages call a kind of shape. */
+const char *rb_shape_name(enum rb_shape_kind kind);
+
 /* Name of a body for messages: its name, or "#12" by id; written to `out`, which is returned. */
 const char *rb_scene_body_label(const struct rb_scene *scene, int id, char out[64]);
 

@@ -205,12 +205,17 @@ static void print_bodies(const struct rb_model *model)
 {
 	const struct rb_scene *const scene = model->scene;
 	const int driven = driven_count(model);
-	char forces[96];
+	int counts[RB_SHAPE_KIND_COUNT] = {0};
+	char forces[96], shapes[160];
 
 	printf("  bodies      %d moving", model->body_count);
 	if (driven > 0)
 		printf(" (%d of them driven)", driven);
 	printf(", %d static\n", model->static_count);
+	for (int i = 0; i < scene->body_count; i++)
+		counts[scene->bodies[i].shape.kind]++;
+	if (*rb_text_shapes(counts, shapes))
+		printf("  shapes      %s\n", shapes);
 	print_driven(model);
 	rb_text_forces(scene->spring_count, scene->drag_count, scene->field_count, forces);
 	if (*forces)

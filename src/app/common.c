@@ -317,6 +317,25 @@ const char *rb_text_plural(uint64_t count, const char *one, const char *many)
 	return count == 1 ? one : many;
 }
 
+const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160])
+{
+	size_t used = 0;
+	int others = 0;
+
+	out[0] = '\0';
+	for (int k = RB_SHAPE_BOX; k < RB_SHAPE_KIND_COUNT; k++)
+		others += counts[k];
+	for (int k = 0; others > 0 && k < RB_SHAPE_KIND_COUNT; k++)
+		if (counts[k] > 0)
+			used += (size_t)snprintf(out + used, 160 - used, "%s%d %s%s",
+			                         used > 0 ? ", " : "", counts[k],
+			                         rb_shape_name((enum rb_shape_kind)k),
+			                         counts[k] == 1      ? ""
+			                         : k == RB_SHAPE_BOX ? "es"
+			                                             : "s");
+	return out;
+}
+
 const char *rb_text_forces(int springs, int drags, int fields, char out[96])
 {
 	const struct {

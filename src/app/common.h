@@ -95,5 +95,7 @@ const char *rb_text_plural(uint64_t count, const char *one, const char *many);
 
 /* Forces of a scene that are neither gravity nor a body's own: "2 springs, 1 field", "" without any. */
 const char *rb_text_forces(int springs, int drags, int fields, char out[96]);
+/* "2 spheres, 1 box"; "" where there are only spheres and planes, which needs no words. */
+const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160]);
 
 #endif

@@ -147,6 +147,11 @@ static void print_json(const char *path, const struct rb_reading *reading,
 	rb_json_count(&json, "frames", reading->frame_count);
 	rb_json_count(&json, "bodies", (uint64_t)reading->body_count);
 	rb_json_count(&json, "statics", (uint64_t)reading->static_count);
+	rb_json_open(&json, "shapes", '{');
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
+		rb_json_count(&json, rb_shape_name((enum rb_shape_kind)k),
+		              (uint64_t)reading->shape_counts[k]);
+	rb_json_close(&json, '}');
 	rb_json_count(&json, "driven_count", (uint64_t)reading->driven_count);
 	rb_json_count(&json, "spring_count", (uint64_t)reading->spring_count);
 	rb_json_count(&json, "drag_count", (uint64_t)reading->drag_count);
@@ -225,7 +230,7 @@ static void print_changes(const struct course *course)
 static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
-	char forces[96], size[32];
+	char forces[96], shapes[160], size[32];
 
 	printf("%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
 	       rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
@@ -236,6 +241,8 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	printf(", %g to %g s of %g s\n", course->first_s, course->last_s, reading->duration_s);
 	if (*reading->title)
 		printf("  title       %s\n", reading->title);
+	if (*rb_text_shapes(reading->shape_counts, shapes))
+		printf("  shapes      %s\n", shapes);
 	if (reading->driven_count > 0)
 		printf("  driven      %d of the moving bodies\n", reading->driven_count);
 	rb_text_forces(reading->spring_count, reading->drag_count, reading->field_count, forces);

@@ -9,6 +9,18 @@
 #include "geom/mass.h"
 #include "math/quat.h"
 
+const char *rb_shape_name(enum rb_shape_kind kind)
+{
+	static const char *const names[RB_SHAPE_KIND_COUNT] = {
+		[RB_SHAPE_SPHERE] = "sphere",       [RB_SHAPE_PLANE] = "plane",
+		[RB_SHAPE_RECTANGLE] = "rectangle", [RB_SHAPE_BOX] = "box",
+		[RB_SHAPE_CAPSULE] = "capsule",     [RB_SHAPE_CYLINDER] = "cylinder",
+		[RB_SHAPE_HULL] = "hull",           [RB_SHAPE_UNION] = "union",
+	};
+
+	return kind >= 0 && kind < RB_SHAPE_KIND_COUNT ? names[kind] : "unknown";
+}
+
 /* The solid of a hull of the same points, -1: there is none. */
 static int same_points(const struct rb_scene *scene, const char sha256[65])
 {

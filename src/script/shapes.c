@@ -189,6 +189,7 @@ static bool read_part(struct rb_call *call, double density, struct rb_solid_part
 	struct rb_body_def def = rb_body_def_default();
 	int place = -1;
 
+	def.shape.radius = 0;
 	*part = (struct rb_solid_part){.shape = stand_in, .orientation = {1, 0, 0, 0}, .share = 1};
 	rb_call_read(call, &def);
 	if (call->index == 0)

@@ -3,6 +3,7 @@
 
 #include "base/hash.h"
 #include "base/memory.h"
+#include "sink/h5solids.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -32,7 +33,7 @@ static const struct cell material_cells[] = {
 static const struct cell body_cells[] = {
 	{"kind", CELL_INT, 1, offsetof(struct rb_body_def, shape.kind), NULL},
 	{"radius", CELL_NUMBER, 1, offsetof(struct rb_body_def, shape.radius), "m"},
-	{"size", CELL_NUMBER, 2, offsetof(struct rb_body_def, shape.size), "m"},
+	{"size", CELL_NUMBER, 3, offsetof(struct rb_body_def, shape.size), "m"},
 	{"material", CELL_INT, 1, offsetof(struct rb_body_def, material), NULL},
 	{"static", CELL_BOOL, 1, offsetof(struct rb_body_def, is_static), NULL},
 	{"color", CELL_NUMBER, 3, offsetof(struct rb_body_def, color), NULL},
@@ -384,7 +385,10 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 
 	put_table(h5, &(struct rows){"/rbsim/shapes", scene->bodies, bodies, sizeof *scene->bodies},
 	          body_cells, COUNT(body_cells));
-	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", "0 sphere, 1 plane, 2 rectangle");
+	char kinds[160];
+	rb_solids_kinds(kinds);
+	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", kinds);
+	rb_solids_write(h5, scene);
 	put_driven(h5, model);
 	put_forces(h5, model);
 	put_table(h5,

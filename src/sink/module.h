@@ -13,6 +13,7 @@
 
 #include <stdbool.h>
 
+#include <rbsim/scene.h>
 #include <rbsim/sink.h>
 
 #include "flow/info.h"
@@ -31,6 +32,7 @@ struct rb_reading {
 	int body_count, static_count;
 	int driven_count;                          /* of the bodies */
 	int spring_count, drag_count, field_count; /* of the scene */
+	int shape_counts[RB_SHAPE_KIND_COUNT];     /* bodies of each kind of shape */
 	uint64_t frame_count;
 	const char *status, *reason, *state_hash, *started, *ended;
 	const char *version, *build, *command, *host, *method, *rollback, *title;
@@ -76,7 +78,7 @@ struct rb_hdf5_module {
 	                                    double *values, struct rb_error *err);
 };
 
-enum { RB_HDF5_MODULE_VERSION = 3 };
+enum { RB_HDF5_MODULE_VERSION = 4 };
 
 RB_CHECKED enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module,
                                          struct rb_error *err);

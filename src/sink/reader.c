@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "sink/h5frames.h"
 #include "sink/h5input.h"
+#include "sink/h5solids.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -261,6 +262,11 @@ static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err
 	const size_t count = (size_t)reading->body_count + (size_t)reading->static_count;
 	int64_t field_count = 0;
 
+	int *const kind = rb_arena_take(&reader->arena, count + 1, sizeof *kind);
+	if (!kind)
+		return no_memory(reader, err);
+	if (!rb_solids_count(&reader->input, count, kind, reading->shape_counts))
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read the shapes in '%s'", reader->path);
 	reading->spring_count = optional_rows(reader, "/rbsim/springs/a");
 	reading->drag_count = optional_rows(reader, "/rbsim/drags/linear");
 	if (rb_input_has(&reader->input, fields) &&
@@ -269,9 +275,7 @@ static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err
 		reading->field_count = (int)field_count;
 	if (!rb_input_has(&reader->input, path))
 		return RB_OK;
-	signed char *driven = rb_arena_take(&reader->arena, count + 1, 1);
-	if (!driven)
-		return no_memory(reader, err);
+	signed char *driven = (signed char *)kind; /* which are no longer needed */
 	if (!rb_input_numbers(&reader->input, path, RB_H5_I8, (rb_h5_shape){1, {count}}, driven))
 		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", path, reader->path);
 	for (size_t i = 0; i < count; i++)
