@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+#include "geom/core.h"
+
+rb_core rb_core_of_polytope(const struct rb_polytope *polytope, double radius)
+{
+	return (rb_core){.kind = RB_CORE_POLYTOPE,
+	                 .radius = radius,
+	                 .reach = polytope->reach,
+	                 .polytope = polytope};
+}
+
+rb_core rb_core_of_cylinder(double radius, double half_height)
+{
+	return (rb_core){.kind = RB_CORE_CYLINDER,
+	                 .reach = rb_vec3_length((rb_vec3){radius, half_height, 0}),
+	                 .round = radius,
+	                 .half_height = half_height};
+}
+
+rb_core rb_core_of_half_space(void)
+{
+	return (rb_core){.kind = RB_CORE_HALF_SPACE};
+}
+
+double rb_placed_height(const rb_placed *p, rb_vec3 direction)
+{
+	const rb_core *core = p->core;
+	const rb_vec3 n = rb_mat3_apply_transposed(&p->turn, direction);
+
+	if (core->kind == RB_CORE_HALF_SPACE)
+		return n.x == 0 && n.y == 0 && n.z >= 0 ? 0 : (double)INFINITY;
+	if (core->kind == RB_CORE_CYLINDER)
+		return core->round * sqrt(n.x * n.x + n.y * n.y) + core->half_height * fabs(n.z);
+	if (core->polytope->box) {
+		const rb_vec3 h = core->polytope->half;
+		return h.x * fabs(n.x) + h.y * fabs(n.y) + h.z * fabs(n.z);
+	}
+	return rb_vec3_dot(n, core->polytope->vertices[rb_polytope_support(core->polytope, n)]);
+}
+
+rb_vec3 rb_placed_support(const rb_placed *p, rb_vec3 direction)
+{
+	const rb_core *core = p->core;
+	const rb_vec3 n = rb_mat3_apply_transposed(&p->turn, direction);
+
+	if (core->kind == RB_CORE_POLYTOPE)
+		return rb_placed_point(
+			p, core->polytope->vertices[rb_polytope_support(core->polytope, n)]);
+	const double across = sqrt(n.x * n.x + n.y * n.y);
+	const double s = across > 0 ? core->round / across : 0;
+	return rb_placed_point(p, (rb_vec3){s * n.x, s * n.y, copysign(core->half_height, n.z)});
+}

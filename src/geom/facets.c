@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT */
+#include "geom/facets.h"
+
+#include <float.h>
+
+enum { BLOCK = 32 };
+
+/* Directions within about a thousandth are tried although a distance already points elsewhere; costs time only. */
+static const double nearly_along = 1 - 1e-6;
+/* An arc ends where the next begins, so a direction outside by this little is still tried; costs time only. */
+static const double arc_slack = 1e-9;
+
+typedef struct {
+	rb_vec3 along, inner[2], point;
+} arc;
+
+static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_vec3 *guide)
+{
+	rb_vec3 local = {0, 0, 0};
+
+	if (guide)
+		local = rb_mat3_apply_transposed(&p->turn, rb_vec3_scale(sense, *guide));
+	if (p->core->kind == RB_CORE_CYLINDER) {
+		const rb_vec3 u = rb_placed_axis(p);
+		if (!guide || local.z >= nearly_along)
+			rb_axis_try(axis, rb_vec3_scale(sense, u));
+		if (!guide || local.z <= -nearly_along)
+			rb_axis_try(axis, rb_vec3_scale(-sense, u));
+		return;
+	}
+	const struct rb_polytope *polytope = p->core->polytope;
+	for (int f = 0; f < polytope->face_count; f++) {
+		const rb_vec3 n = polytope->faces[f].normal;
+		if (!guide || rb_vec3_dot(n, local) >= nearly_along)
+			rb_axis_try(axis, rb_vec3_scale(sense, rb_mat3_apply(&p->turn, n)));
+	}
+}
+
+void rb_facets_faces(rb_axis *axis, const rb_vec3 *guide)
+{
+	faces_of(axis, axis->a, 1, guide);
+	faces_of(axis, axis->b, -1, guide);
+}
+
+static arc arc_of(const rb_placed *p, const rb_polytope_arc *local)
+{
+	return (arc){rb_mat3_apply(&p->turn, local->along),
+	             {rb_mat3_apply(&p->turn, local->inner[0]),
+	              rb_mat3_apply(&p->turn, local->inner[1])},
+	             rb_placed_point(p, p->core->polytope->vertices[local->vertex[0]])};
+}
+
+/* The next arcs of b that the slab has, from `*from` on. */
+static int next_arcs(const rb_placed *b, const rb_slab_local *slab, int *from, arc block[BLOCK])
+{
+	const struct rb_polytope *p = b->core->polytope;
+	int count = 0;
+
+	for (; *from < p->arc_count && count < BLOCK; ++*from) {
+		const rb_polytope_arc *e = &p->arcs[*from];
+		if (rb_slab_has(slab, p->vertices[e->vertex[0]]) ||
+		    rb_slab_has(slab, p->vertices[e->vertex[1]]))
+			block[count++] = arc_of(b, e);
+	}
+	return count;
+}
+
+static bool in_arc(const arc *e, rb_vec3 n, double slack)
+{
+	return rb_vec3_dot(n, e->inner[0]) >= -slack && rb_vec3_dot(n, e->inner[1]) >= -slack;
+}
+
+/*
+ * Two edges make a face of the difference of the bodies where a direction across both is outermost for both (Gregorius
+ * 2013 tests the crossing of arcs with triple products; with the direction at hand it is two products a body).
+ */
+static void cross(rb_axis *axis, const arc *e, const arc *f)
+{
+	const rb_vec3 n = rb_vec3_cross(e->along, f->along);
+	const double square = rb_vec3_dot(n, n);
+	const double least = 16 * DBL_EPSILON;
+
+	if (!(square > least * least))
+		return;
+	const double length = sqrt(square), slack = arc_slack * length;
+	const rb_vec3 m = rb_vec3_neg(n);
+	const bool forth = in_arc(e, n, slack) && in_arc(f, m, slack);
+	const bool back = in_arc(e, m, slack) && in_arc(f, n, slack);
+	const rb_vec3 between = rb_vec3_sub(f->point, e->point);
+	if (forth && rb_vec3_dot(between, n) / length > axis->gap)
+		rb_axis_try(axis, rb_vec3_unit(n, n));
+	if (back && rb_vec3_dot(between, m) / length > axis->gap)
+		rb_axis_try(axis, rb_vec3_unit(m, m));
+}
+
+void rb_facets_edges(rb_axis *axis, const rb_slab *slab)
+{
+	const rb_placed *a = axis->a, *b = axis->b;
+	const struct rb_polytope *p = a->core->polytope;
+	const rb_slab_local in_a = rb_slab_of(a, slab->normal, slab->depth);
+	const rb_slab_local in_b = rb_slab_of(b, rb_vec3_neg(slab->normal), slab->depth);
+	arc block[BLOCK];
+
+	if (!axis->found)
+		axis->gap = -(double)INFINITY;
+	for (int from = 0; from < b->core->polytope->arc_count;) {
+		const int count = next_arcs(b, &in_b, &from, block);
+		for (int i = 0; i < p->arc_count && count > 0; i++) {
+			if (!rb_slab_has(&in_a, p->vertices[p->arcs[i].vertex[0]]) &&
+			    !rb_slab_has(&in_a, p->vertices[p->arcs[i].vertex[1]]))
+				continue;
+			const arc e = arc_of(a, &p->arcs[i]);
+			for (int j = 0; j < count; j++)
+				cross(axis, &e, &block[j]);
+		}
+	}
+}
+
+/* The shortest way so far; in coordinates of the body that has the edge, then of the world. */
+typedef struct {
+	double square;
+	rb_vec3 way;
+} shortest;
+
+static void to_edges(shortest *best, rb_vec3 v, const struct rb_polytope *p,
+                     const rb_slab_local *slab)
+{
+	if (p->edge_count == 0) {
+		const rb_vec3 way = rb_vec3_sub(p->vertices[0], v);
+		const double square = rb_vec3_dot(way, way);
+		if (square < best->square)
+			*best = (shortest){square, way};
+	}
+	for (int i = 0; i < p->edge_count; i++) {
+		const rb_vec3 c = p->vertices[p->edges[i][0]], d = p->vertices[p->edges[i][1]];
+		if (!rb_slab_has(slab, c) && !rb_slab_has(slab, d))
+			continue;
+		const rb_vec3 cd = rb_vec3_sub(d, c);
+		const double whole = rb_vec3_dot(cd, cd);
+		const double t = rb_vec3_dot(rb_vec3_sub(v, c), cd);
+		/* From the nearer end, so that both ends have the same digits. */
+		const rb_vec3 foot = 2 * t < whole ? rb_vec3_add_scaled(c, fmax(t, 0) / whole, cd)
+		                                   : rb_vec3_add_scaled(
+							     d, fmin(t - whole, 0) / whole, cd);
+		rb_vec3 way = rb_vec3_sub(foot, v);
+		/* Near a touch the foot's rounding along the edge would tilt a short way: across, to its own digits. */
+		if (t > 0 && t < whole)
+			way = rb_vec3_add_scaled(way, -rb_vec3_dot(way, cd) / whole, cd);
+		const double square = rb_vec3_dot(way, way);
+		if (square < best->square)
+			*best = (shortest){square, way};
+	}
+}
+
+/* The shortest way from vertices of p to edges of q, in the world. */
+static shortest corners_of(const rb_placed *p, const rb_placed *q, rb_vec3 normal, double depth)
+{
+	const rb_slab_local in_p = rb_slab_of(p, normal, depth);
+	const rb_slab_local in_q = rb_slab_of(q, rb_vec3_neg(normal), depth);
+	const struct rb_polytope *polytope = p->core->polytope;
+	shortest best = {.square = (double)INFINITY};
+
+	for (int i = 0; i < polytope->vertex_count; i++) {
+		const rb_vec3 v = polytope->vertices[i];
+		if (!rb_slab_has(&in_p, v))
+			continue;
+		const rb_vec3 there = rb_mat3_apply_transposed(
+			&q->turn, rb_vec3_sub(rb_placed_point(p, v), q->at));
+		to_edges(&best, there, q->core->polytope, &in_q);
+	}
+	best.way = rb_mat3_apply(&q->turn, best.way);
+	return best;
+}
+
+void rb_facets_corners(rb_axis *axis, const rb_slab *slab)
+{
+	const shortest from_a = corners_of(axis->a, axis->b, slab->normal, slab->depth);
+	const shortest from_b = corners_of(axis->b, axis->a, rb_vec3_neg(slab->normal),
+	                                   slab->depth);
+	const rb_vec3 way = from_a.square <= from_b.square ? from_a.way : rb_vec3_neg(from_b.way);
+
+	if (rb_vec3_dot(way, way) > 0)
+		rb_axis_try(axis, rb_vec3_unit(way, way));
+}

@@ -1,0 +1,141 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The simplex is looked at whole: every vertex, edge, triangle that has the newest point, and the nearest to the origin
+ * wins. That costs a few products more than to follow signs, and has no sign that rounding could turn.
+ */
+#include "geom/gjk.h"
+
+#include <float.h>
+
+enum {
+	ROUNDS_MAX = 200, /* polytopes take some ten, round cores some tens */
+	STILL_MAX = 3     /* rounds in which neither bound moves */
+};
+
+typedef struct {
+	rb_vec3 w[4];
+	int count;
+} simplex;
+
+typedef struct {
+	rb_vec3 v;
+	double square;
+	simplex part;
+} nearest;
+
+static void offer(nearest *best, rb_vec3 v, const rb_vec3 *points, int count)
+{
+	const double square = rb_vec3_dot(v, v);
+
+	if (!(square < best->square))
+		return;
+	best->v = v;
+	best->square = square;
+	best->part.count = count;
+	for (int i = 0; i < count; i++)
+		best->part.w[i] = points[i];
+}
+
+static void offer_edge(nearest *best, rb_vec3 a, rb_vec3 b)
+{
+	const rb_vec3 ab = rb_vec3_sub(b, a);
+	const double square = rb_vec3_dot(ab, ab), t = -rb_vec3_dot(a, ab);
+
+	if (t > 0 && t < square)
+		offer(best, rb_vec3_add_scaled(a, t / square, ab), (rb_vec3[]){a, b}, 2);
+}
+
+static void offer_triangle(nearest *best, rb_vec3 a, rb_vec3 b, rb_vec3 c)
+{
+	const rb_vec3 n = rb_vec3_cross(rb_vec3_sub(b, a), rb_vec3_sub(c, a));
+	const double square = rb_vec3_dot(n, n);
+
+	if (!(square > 0) || rb_vec3_dot(n, rb_vec3_cross(b, c)) <= 0 ||
+	    rb_vec3_dot(n, rb_vec3_cross(c, a)) <= 0 || rb_vec3_dot(n, rb_vec3_cross(a, b)) <= 0)
+		return;
+	offer(best, rb_vec3_scale(rb_vec3_dot(n, a) / square, n), (rb_vec3[]){a, b, c}, 3);
+}
+
+static double volume(rb_vec3 a, rb_vec3 b, rb_vec3 c, rb_vec3 d)
+{
+	return rb_vec3_dot(rb_vec3_sub(d, a), rb_vec3_cross(rb_vec3_sub(b, a), rb_vec3_sub(c, a)));
+}
+
+static bool holds_origin(const simplex *s)
+{
+	const rb_vec3 o = {0, 0, 0}, *w = s->w;
+	const double whole = volume(w[0], w[1], w[2], w[3]);
+	const double part[4] = {volume(o, w[1], w[2], w[3]), volume(w[0], o, w[2], w[3]),
+	                        volume(w[0], w[1], o, w[3]), volume(w[0], w[1], w[2], o)};
+
+	for (int i = 0; i < 4; i++)
+		if (!(whole > 0 ? part[i] > 0 : part[i] < 0))
+			return false;
+	return whole != 0;
+}
+
+/* The point of the simplex nearest to the origin, which lies on a part that has the newest point w[count - 1]. */
+static nearest look(const simplex *s)
+{
+	const int last = s->count - 1;
+	const rb_vec3 p = s->w[last];
+	nearest best = {.square = (double)INFINITY};
+
+	offer(&best, p, &p, 1);
+	for (int i = 0; i < last; i++) {
+		offer_edge(&best, s->w[i], p);
+		for (int j = i + 1; j < last; j++)
+			offer_triangle(&best, s->w[i], s->w[j], p);
+	}
+	return best;
+}
+
+static bool has(const simplex *s, rb_vec3 w)
+{
+	for (int i = 0; i < s->count; i++)
+		if (s->w[i].x == w.x && s->w[i].y == w.y && s->w[i].z == w.z)
+			return true;
+	return false;
+}
+
+rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
+{
+	const double noise = 4 * DBL_EPSILON * scale;
+	rb_vec3 d = rb_vec3_sub(b->at, a->at);
+	rb_gjk out = {.least = -(double)INFINITY, .most = (double)INFINITY};
+	nearest now = {.square = (double)INFINITY};
+	int still = 0;
+
+	if (!(rb_vec3_dot(d, d) > 0))
+		d = (rb_vec3){0, 0, 1};
+	for (out.rounds = 1; out.rounds <= ROUNDS_MAX; out.rounds++) {
+		const rb_vec3 n = rb_vec3_unit(d, (rb_vec3){0, 0, 1});
+		const rb_vec3 w = rb_vec3_sub(rb_placed_support(b, rb_vec3_neg(n)),
+		                              rb_placed_support(a, n));
+		const double least = rb_vec3_dot(w, n);
+		still++;
+		if (least > out.least) {
+			still = least > out.least + noise ? 0 : still;
+			out.least = least;
+			out.normal = n;
+		}
+		if (out.most - out.least <= noise || has(&now.part, w) || still > STILL_MAX)
+			break;
+		now.part.w[now.part.count++] = w;
+		if (now.part.count == 4 && holds_origin(&now.part))
+			return out;
+		const nearest next = look(&now.part);
+		if (!(next.square < now.square))
+			break;
+		now = next;
+		if (sqrt(now.square) < out.most - noise)
+			still = 0;
+		out.most = sqrt(now.square);
+		/* So near that the direction is rounding. */
+		if (out.most <= 4 * noise)
+			return out;
+		d = now.v;
+	}
+	out.apart = out.least > 0;
+	return out;
+}

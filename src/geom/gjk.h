@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * How far two cores are apart, from both sides: a distance that two of their points have, and one that a direction
+ * proves (Gilbert, Johnson, Keerthi 1988). Goes on until the two agree to rounding or nothing gets better. Pure.
+ *
+ * What comes out guides an exact search (geom/axes): it says which features can matter, not what the answer is.
+ */
+#ifndef RB_GEOM_GJK_H
+#define RB_GEOM_GJK_H
+
+#include "geom/core.h"
+
+typedef struct {
+	bool apart;     /* proved; else they overlap, or nearly, and `most` is no bound */
+	double most;    /* m: they are no farther apart */
+	double least;   /* m: nor nearer */
+	rb_vec3 normal; /* unit, from a to b */
+	int rounds;
+} rb_gjk;
+
+/* Cores without radii, no half spaces; their `at` must be near the origin. `scale`: their sizes and distance, m. */
+rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale);
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * All points of a touch of two convex bodies: the corners of what their surfaces share, seen along the normal. Pure.
+ *
+ * Points come in an order that follows from the features, each with a key that says which features meet there; both stay
+ * while the bodies move less than the band. Mirrored bodies have mirrored points.
+ */
+#ifndef RB_GEOM_MANIFOLD_H
+#define RB_GEOM_MANIFOLD_H
+
+#include "geom/convex.h"
+
+enum { RB_MANIFOLD_MAX = 16 };
+
+typedef struct {
+	rb_vec3 on_a,
+		on_b; /* m, world: on the surfaces, over each other along the normal up to the band */
+	double gap;   /* m, along the normal */
+	uint64_t key; /* features: a's in the upper half, b's in the lower */
+} rb_manifold_point;
+
+typedef struct {
+	rb_vec3 normal; /* unit, from a to b */
+	double gap;     /* m: the bodies' */
+	int count;      /* at least 1 */
+	rb_manifold_point point[RB_MANIFOLD_MAX];
+} rb_manifold;
+
+/*
+ * Points whose gap along the normal exceeds the smallest by no more than `band`, m. Of more than RB_MANIFOLD_MAX, those
+ * farthest out in as many directions.
+ */
+void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band);
+
+#endif

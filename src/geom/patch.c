@@ -1,0 +1,220 @@
+/* SPDX-License-Identifier: MIT */
+#include "geom/patch.h"
+
+static rb_part edge_between(const struct rb_polytope *p, int v, int w)
+{
+	const int low = v < w ? v : w, high = v < w ? w : v;
+	int from = 0, to = p->edge_count;
+
+	while (from < to) {
+		const int at = (from + to) / 2;
+		const int *edge = p->edges[at];
+		if (edge[0] < low || (edge[0] == low && edge[1] < high))
+			from = at + 1;
+		else
+			to = at;
+	}
+	if (from < p->edge_count && p->edges[from][0] == low && p->edges[from][1] == high)
+		return rb_part_of(RB_PART_EDGE, from);
+	return rb_part_of(RB_PART_DIAGONAL, v);
+}
+
+/* The vertices within the depth; `*all` is how many there are, of which the first RB_PATCH_MAX are taken. */
+static int outermost(const struct rb_polytope *p, rb_vec3 n, double depth, int vertex[RB_PATCH_MAX],
+                     int *all)
+{
+	const double low = rb_vec3_dot(n, p->vertices[rb_polytope_support(p, n)]) - depth;
+	int count = 0;
+
+	*all = 0;
+	for (int i = 0; i < p->vertex_count; i++) {
+		if (!(rb_vec3_dot(n, p->vertices[i]) >= low))
+			continue;
+		if (count < RB_PATCH_MAX)
+			vertex[count++] = i;
+		++*all;
+	}
+	return count;
+}
+
+static int best_face(const struct rb_polytope *p, rb_vec3 n)
+{
+	int best = 0;
+	double most = -2;
+
+	for (int f = 0; f < p->face_count; f++) {
+		const double along = rb_vec3_dot(n, p->faces[f].normal);
+		if (along > most) {
+			most = along;
+			best = f;
+		}
+	}
+	return best;
+}
+
+/* The vertices of one face that are within the depth, in its order; false: they are not all there are. */
+static bool from_face(const struct rb_polytope *p, int face, rb_vec3 n, double depth, int all,
+                      int vertex[RB_PATCH_MAX], int *count)
+{
+	const rb_polytope_face *f = &p->faces[face];
+	const double low = rb_vec3_dot(n, p->vertices[rb_polytope_support(p, n)]) - depth;
+	const int stride = (f->count + RB_PATCH_MAX - 1) / RB_PATCH_MAX;
+	int met = 0;
+
+	*count = 0;
+	for (int i = 0; i < f->count; i++) {
+		const int v = p->loop[f->first + i];
+		if (!(rb_vec3_dot(n, p->vertices[v]) >= low))
+			continue;
+		if (met++ % stride == 0)
+			vertex[(*count)++] = v;
+	}
+	return met == all;
+}
+
+typedef struct {
+	double x, y;
+	int vertex;
+} flat_point;
+
+static double turn_of(const flat_point *a, const flat_point *b, const flat_point *c)
+{
+	return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
+}
+
+/* The hull of points in the plane across n, anticlockwise: Andrew's monotone chain (1979). */
+static int round_up(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_MAX], int count)
+{
+	const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
+	flat_point point[RB_PATCH_MAX], hull[2 * RB_PATCH_MAX];
+	int size = 0;
+
+	for (int i = 0; i < count; i++) {
+		const flat_point q = {rb_vec3_dot(x, p->vertices[vertex[i]]),
+		                      rb_vec3_dot(y, p->vertices[vertex[i]]), vertex[i]};
+		int at = i;
+		for (; at > 0 &&
+		       (point[at - 1].x > q.x || (point[at - 1].x == q.x && point[at - 1].y > q.y));
+		     at--)
+			point[at] = point[at - 1];
+		point[at] = q;
+	}
+	for (int pass = 0; pass < 2; pass++) {
+		const int start = size;
+		for (int i = 0; i < count; i++) {
+			const flat_point *q = &point[pass ? count - 1 - i : i];
+			while (size >= start + 2 &&
+			       turn_of(&hull[size - 2], &hull[size - 1], q) <= 0)
+				size--;
+			hull[size++] = *q;
+		}
+		size--;
+	}
+	for (int i = 0; i < size; i++)
+		vertex[i] = hull[i].vertex;
+	return size;
+}
+
+static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth)
+{
+	const struct rb_polytope *p = placed->core->polytope;
+	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
+	int vertex[RB_PATCH_MAX] = {0}, all;
+	int count = outermost(p, local, depth, vertex, &all);
+
+	if (count == 0) /* not a number */
+		count = all = 1;
+	patch->normal = n;
+	patch->feature = rb_part_of(RB_PART_VERTEX, vertex[0]);
+	patch->kind = RB_PATCH_POINT;
+	if (all > 2 && p->face_count > 0) {
+		const int face = best_face(p, local);
+		int in_order[RB_PATCH_MAX], met;
+		if (from_face(p, face, local, depth, all, in_order, &met)) {
+			count = met;
+			for (int i = 0; i < count; i++)
+				vertex[i] = in_order[i];
+			patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);
+			patch->feature = rb_part_of(RB_PART_FACE, face);
+		} else {
+			count = round_up(p, local, vertex, count);
+			patch->feature = rb_part_of(RB_PART_SEVERAL, face);
+		}
+		patch->kind = RB_PATCH_POLYGON;
+	}
+	if (count == 2) {
+		patch->kind = RB_PATCH_SEGMENT;
+		patch->feature = edge_between(p, vertex[0], vertex[1]);
+		patch->normal = n;
+	}
+	patch->count = count;
+	for (int i = 0; i < count; i++) {
+		patch->point[i] = rb_placed_point(placed, p->vertices[vertex[i]]);
+		patch->id[i] = rb_part_of(RB_PART_VERTEX, vertex[i]);
+		patch->side[i] = edge_between(p, vertex[i], vertex[i + 1 < count ? i + 1 : 0]);
+	}
+}
+
+static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth)
+{
+	const rb_core *core = placed->core;
+	const rb_vec3 u = rb_placed_axis(placed);
+	/* in its own axes what is across is across to the last digit */
+	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
+	const double along = local.z;
+	const rb_vec3 radial = {local.x, local.y, 0};
+	const double across = rb_vec3_length(radial);
+	const int end = along < 0;
+	const double half = end ? -core->half_height : core->half_height;
+	const rb_vec3 out = rb_mat3_apply(&placed->turn, rb_vec3_unit(radial, (rb_vec3){1, 0, 0}));
+	const rb_vec3 centre = rb_vec3_add_scaled(placed->at, half, u);
+
+	patch->count = 1;
+	patch->id[0] = rb_part_of(RB_PART_RIM, end);
+	if (2 * core->round * across <= depth) {
+		patch->kind = RB_PATCH_DISC;
+		patch->feature = rb_part_of(RB_PART_END, end);
+		patch->normal = end ? rb_vec3_neg(u) : u;
+		patch->point[0] = centre;
+		patch->round = core->round;
+		return;
+	}
+	patch->normal = n;
+	patch->point[0] = rb_vec3_add_scaled(centre, core->round, out);
+	patch->kind = RB_PATCH_POINT;
+	patch->feature = patch->id[0];
+	if (2 * core->half_height * fabs(along) > depth)
+		return;
+	const rb_vec3 foot = rb_vec3_add_scaled(placed->at, core->round, out);
+	patch->kind = RB_PATCH_SEGMENT;
+	patch->feature = rb_part_of(RB_PART_MANTLE, 0);
+	patch->count = 2;
+	patch->curve = core->round;
+	for (int i = 0; i < 2; i++) {
+		patch->point[i] = rb_vec3_add_scaled(foot,
+		                                     i ? -core->half_height : core->half_height, u);
+		patch->id[i] = rb_part_of(RB_PART_MANTLE, 1 + i);
+	}
+}
+
+void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth)
+{
+	/* the points are set as far as `count` says */
+	patch->kind = RB_PATCH_PLANE;
+	patch->count = 1;
+	patch->curve = patch->round = 0;
+	patch->feature = patch->id[0] = rb_part_of(RB_PART_SURFACE, 0);
+	/* x, or y where x is much along the normal: far from the change over, neither is ever doubtful */
+	const rb_mat3 *turn = &placed->turn;
+	patch->axis = (rb_vec3){turn->m[0][0], turn->m[1][0], turn->m[2][0]};
+	if (fabs(rb_vec3_dot(patch->axis, outward)) > 0.8)
+		patch->axis = (rb_vec3){turn->m[0][1], turn->m[1][1], turn->m[2][1]};
+	if (placed->core->kind == RB_CORE_HALF_SPACE) {
+		patch->normal = rb_placed_axis(placed);
+		patch->point[0] = placed->at;
+	} else if (placed->core->kind == RB_CORE_CYLINDER) {
+		of_cylinder(patch, placed, outward, depth);
+	} else {
+		of_polytope(patch, placed, outward, depth);
+	}
+}

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The normal and signed gap of two convex cores, wherever they are: the best of the directions that geom/facets and
+ * geom/rims know. Pure.
+ */
+#ifndef RB_GEOM_SEPARATION_H
+#define RB_GEOM_SEPARATION_H
+
+#include "geom/core.h"
+
+typedef struct {
+	rb_vec3 normal; /* unit, from a to b */
+	double gap;     /* m, between the cores, without their radii */
+	double noise;   /* m: what rounding makes of the gap, 16 ulp of sizes and distance */
+} rb_separation;
+
+/* At most one of them a half space; their `at` near the origin. */
+rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
+
+#endif

@@ -1,0 +1,371 @@
+/* SPDX-License-Identifier: MIT */
+/* src/geom/manifold.h, and with it patch, overlay */
+#include "shapes.h"
+
+#include "geom/manifold.h"
+
+static const double band = 1e-9;
+
+/* Points of round bodies that are nearly parallel may be off sideways by the root of the band times their radii. */
+static const double aside = 4e-5;
+
+static rb_manifold touch(const shape *a, rb_vec3 at, rb_mat3 turn, const rb_placed *b)
+{
+	const rb_placed p = {&a->core, at, turn};
+	rb_manifold m;
+
+	rb_manifold_of(&m, &p, b, band);
+	for (int i = 0; i < m.count; i++) {
+		const rb_vec3 d = rb_vec3_sub(m.point[i].on_b, m.point[i].on_a);
+		const rb_vec3 off = rb_vec3_add_scaled(d, -m.point[i].gap, m.normal);
+		assert_near(rb_vec3_dot(off, m.normal), 0, 1e-14);
+		assert_near(rb_vec3_length(off), 0, aside);
+		assert_true(m.point[i].gap <= m.gap + 2 * band);
+		for (int j = 0; j < i; j++)
+			assert_true(m.point[i].key != m.point[j].key);
+	}
+	return m;
+}
+
+/* Is there a point at x, y? */
+static bool has(const rb_manifold *m, double x, double y, double tol)
+{
+	for (int i = 0; i < m->count; i++)
+		if (fabs(m->point[i].on_a.x - x) <= tol && fabs(m->point[i].on_a.y - y) <= tol)
+			return true;
+	return false;
+}
+
+static rb_core half_space;
+
+static rb_placed ground(void)
+{
+	half_space = rb_core_of_half_space();
+	return (rb_placed){&half_space, {0, 0, 0}, shapes_upright};
+}
+
+static void a_box_flat_on_a_plane_has_four_corners_mirrored_to_the_bit(void **slot)
+{
+	const rb_placed plane = ground();
+	shape box = shapes_box(0.3, 0.7, 0.1);
+
+	(void)slot;
+	const rb_manifold m = touch(&box, (rb_vec3){0, 0, 0.1}, shapes_upright, &plane);
+	assert_int_equal(m.count, 4);
+	assert_near(m.gap, 0, 0);
+	for (int i = 0; i < 4; i++) {
+		assert_near(m.point[i].gap, 0, 0);
+		assert_near(fabs(m.point[i].on_a.x), 0.3, 0);
+		assert_near(fabs(m.point[i].on_a.y), 0.7, 0);
+	}
+	assert_true(has(&m, 0.3, 0.7, 0) && has(&m, -0.3, 0.7, 0));
+	assert_true(has(&m, 0.3, -0.7, 0) && has(&m, -0.3, -0.7, 0));
+	shapes_release(&box);
+}
+
+static void a_leaning_box_has_the_edge_or_the_corner_that_touches(void **slot)
+{
+	const rb_placed plane = ground();
+	shape box = shapes_box(0.3, 0.7, 0.1);
+
+	(void)slot;
+	rb_manifold m = touch(&box, (rb_vec3){0, 0, 0.4}, shapes_turned((rb_vec3){0, 0.5, 0}),
+	                      &plane);
+	assert_int_equal(m.count, 2);
+	assert_near(fabs(m.point[0].on_a.y), 0.7, 1e-15);
+	assert_near(m.point[0].gap, m.point[1].gap, 1e-15);
+	m = touch(&box, (rb_vec3){0, 0, 0.4}, shapes_turned((rb_vec3){0.4, 0.5, 0}), &plane);
+	assert_int_equal(m.count, 1);
+	shapes_release(&box);
+}
+
+static void boxes_face_on_face_share_the_corners_of_their_overlap(void **slot)
+{
+	shape under = shapes_box(1, 1, 0.5), over = shapes_box(0.5, 0.5, 0.5);
+	const rb_placed b = {&under.core, {0, 0, -0.5}, shapes_upright};
+
+	(void)slot;
+	/* inside: its own corners */
+	rb_manifold m = touch(&over, (rb_vec3){0.25, 0, 0.5}, shapes_upright, &b);
+	assert_int_equal(m.count, 4);
+	assert_true(has(&m, 0.75, 0.5, 1e-15) && has(&m, -0.25, -0.5, 1e-15));
+	/* over the edge: two of its own, two where its edges cross the other's edge */
+	m = touch(&over, (rb_vec3){1, 0, 0.5}, shapes_upright, &b);
+	assert_int_equal(m.count, 4);
+	assert_true(has(&m, 1, 0.5, 1e-15) && has(&m, 1, -0.5, 1e-15));
+	assert_true(has(&m, 0.5, 0.5, 1e-15) && has(&m, 0.5, -0.5, 1e-15));
+	/* crosswise: an octagon */
+	m = touch(&under, (rb_vec3){0, 0, 0.5}, shapes_turned((rb_vec3){0, 0, 0.78539816339744828}),
+	          &b);
+	assert_int_equal(m.count, 8);
+	assert_true(has(&m, 1, sqrt(2) - 1, 1e-14));
+	shapes_release(&under);
+	shapes_release(&over);
+}
+
+static void equal_boxes_one_on_the_other_have_four_points_whatever_rounding_says(void **slot)
+{
+	shape box = shapes_box(0.1, 0.1, 0.1);
+
+	(void)slot;
+	for (uint64_t k = 0; k < 500; k++) {
+		const rb_mat3 turn = shapes_turn(1, k);
+		const rb_vec3 at = shapes_vector(2, k, 10);
+		const rb_vec3 up = rb_mat3_apply(&turn, (rb_vec3){0, 0, 0.2});
+		const rb_placed b = {&box.core, at, turn};
+		const rb_manifold m = touch(&box, rb_vec3_add(at, up), turn, &b);
+		assert_int_equal(m.count, 4);
+		assert_near(m.gap, 0, 1e-14);
+	}
+	shapes_release(&box);
+}
+
+static void edges_that_cross_touch_in_one_point_and_parallel_ones_in_two(void **slot)
+{
+	shape box = shapes_box(1, 1, 1);
+	const double s = sqrt(2);
+	const rb_placed b = {
+		&box.core, {0, 0, -s}, shapes_turned((rb_vec3){0.78539816339744828, 0, 0})};
+
+	(void)slot;
+	/* the lower one's edge is along x, the upper one's along y */
+	rb_manifold m = touch(&box, (rb_vec3){0.2, 0.1, s},
+	                      shapes_turned((rb_vec3){0, 0.78539816339744828, 0}), &b);
+	assert_int_equal(m.count, 1);
+	assert_near(m.gap, 0, 4e-15);
+	assert_true(has(&m, 0.2, 0, 1e-14));
+	assert_int_equal(m.point[0].key >> 56, RB_PART_EDGE);
+	m = touch(&box, (rb_vec3){0.5, 0, s}, shapes_turned((rb_vec3){0.78539816339744828, 0, 0}),
+	          &b);
+	assert_int_equal(m.count, 2);
+	assert_true(has(&m, 1, 0, 1e-14) && has(&m, -0.5, 0, 1e-14));
+	shapes_release(&box);
+}
+
+static void a_corner_on_a_corner_touches_in_one_point(void **slot)
+{
+	shape box = shapes_box(1, 1, 1);
+	const rb_vec3 diagonal = {1, 1, 1}, up = {0, 0, 1};
+	const rb_vec3 turn = rb_vec3_scale(acos(1 / sqrt(3)),
+	                                   rb_vec3_unit(rb_vec3_cross(diagonal, up), up));
+	const rb_placed b = {&box.core, {0, 0, -sqrt(3)}, shapes_turned(turn)};
+	const rb_placed a = {&box.core, {0, 0, sqrt(3) + 1e-6}, shapes_turned(turn)};
+
+	(void)slot;
+	const rb_convex_touch t = rb_convex_gap(&a, &b);
+	assert_near(t.gap, 1e-6, 4e-15);
+	assert_near(t.normal.z, -1, 1e-15);
+	assert_int_equal(t.a >> 24, RB_PART_VERTEX);
+	assert_int_equal(t.b >> 24, RB_PART_VERTEX);
+	const rb_manifold m = touch(&box, a.at, a.turn, &b);
+	assert_int_equal(m.count, 1);
+	shapes_release(&box);
+}
+
+static void a_cylinder_stands_on_four_points_that_do_not_turn_with_it(void **slot)
+{
+	const rb_placed plane = ground();
+	const shape drum = shapes_cylinder(0.5, 0.25);
+	const rb_manifold m = touch(&drum, (rb_vec3){1, 2, 0.25}, shapes_upright, &plane);
+
+	(void)slot;
+	assert_int_equal(m.count, 4);
+	assert_true(has(&m, 1.5, 2, 0) && has(&m, 0.5, 2, 0));
+	assert_true(has(&m, 1, 2.5, 0) && has(&m, 1, 1.5, 0));
+	for (int k = 1; k < 20; k++) {
+		const rb_manifold turned = touch(&drum, (rb_vec3){1, 2, 0.25},
+		                                 shapes_turned((rb_vec3){0, 0, 0.3 * k}), &plane);
+		assert_int_equal(turned.count, 4);
+		for (int i = 0; i < 4; i++) {
+			assert_true(turned.point[i].key == m.point[i].key);
+			assert_near(turned.point[i].on_a.x, m.point[i].on_a.x, 1e-15);
+			assert_near(turned.point[i].on_a.y, m.point[i].on_a.y, 1e-15);
+		}
+	}
+}
+
+static void a_cylinder_lies_on_a_line_and_leans_on_its_rim(void **slot)
+{
+	const rb_placed plane = ground();
+	const shape drum = shapes_cylinder(0.5, 0.25);
+
+	(void)slot;
+	rb_manifold m = touch(&drum, (rb_vec3){0, 0, 0.5},
+	                      shapes_turned((rb_vec3){0, 1.5707963267948966, 0}), &plane);
+	assert_int_equal(m.count, 2);
+	assert_true(has(&m, 0.25, 0, 1e-15) && has(&m, -0.25, 0, 1e-15));
+	m = touch(&drum, (rb_vec3){0, 0, 0.5}, shapes_turned((rb_vec3){0, 0.7, 0}), &plane);
+	assert_int_equal(m.count, 1);
+	assert_near(m.gap, 0.5 - 0.5 * sin(0.7) - 0.25 * cos(0.7), 1e-15);
+}
+
+static void a_cylinder_over_the_edge_of_a_box_keeps_what_of_its_disc_is_over_it(void **slot)
+{
+	shape box = shapes_box(1, 1, 1);
+	const shape drum = shapes_cylinder(0.5, 0.25);
+	const rb_placed b = {&box.core, {0, 0, -1}, shapes_upright};
+
+	(void)slot;
+	const rb_manifold m = touch(&drum, (rb_vec3){1, 0, 0.25}, shapes_upright, &b);
+	/* two quarters on the edge, one within: (1, -0.5), (1, 0.5), (0.5, 0) */
+	assert_int_equal(m.count, 3);
+	assert_true(has(&m, 1, 0.5, 1e-15) && has(&m, 1, -0.5, 1e-15) && has(&m, 0.5, 0, 1e-15));
+	const rb_manifold out = touch(&drum, (rb_vec3){1.3, 0, 0.25}, shapes_upright, &b);
+	assert_int_equal(out.count, 3);
+	assert_true(has(&out, 1, 0.4, 1e-15) && has(&out, 1, -0.4, 1e-15) &&
+	            has(&out, 0.8, 0, 1e-15));
+	shapes_release(&box);
+}
+
+static void stacked_cylinders_share_their_discs(void **slot)
+{
+	const shape wide = shapes_cylinder(1, 0.25), thin = shapes_cylinder(0.5, 0.25);
+	const rb_placed b = {&wide.core, {0, 0, -0.25}, shapes_upright};
+
+	(void)slot;
+	assert_int_equal(touch(&thin, (rb_vec3){0, 0, 0.25}, shapes_upright, &b).count, 4);
+	assert_int_equal(touch(&wide, (rb_vec3){0, 0, 0.25}, shapes_upright, &b).count, 4);
+	/* two quarters of each and two crossings; the quarters along the shift lie within the other */
+	const rb_manifold m = touch(&wide, (rb_vec3){1, 0, 0.25}, shapes_upright, &b);
+	assert_true(m.count >= 4);
+	assert_true(has(&m, 0.5, sqrt(0.75), 1e-14) && has(&m, 0.5, -sqrt(0.75), 1e-14));
+	assert_true(has(&m, 0, 0, 1e-14) && has(&m, 1, 0, 1e-14));
+}
+
+static void parallel_rounds_touch_along_a_line(void **slot)
+{
+	shape capsule = shapes_capsule(1, 0.25);
+	const shape drum = shapes_cylinder(0.25, 1);
+	const shape *const both[2] = {&capsule, &drum};
+
+	(void)slot;
+	for (int i = 0; i < 4; i++) {
+		const rb_placed b = {&both[i % 2]->core, {0, 0, 0}, shapes_upright};
+		const rb_manifold m = touch(both[i / 2], (rb_vec3){0.5, 0, 0.5}, shapes_upright,
+		                            &b);
+		assert_int_equal(m.count, 2);
+		assert_near(m.gap, 0, 1e-16);
+		assert_near(fmin(m.point[0].on_a.z, m.point[1].on_a.z), -0.5, 1e-15);
+		assert_near(fmax(m.point[0].on_a.z, m.point[1].on_a.z), 1, 1e-15);
+		/* turned by less than the band shows, still two; by more, one */
+		const rb_manifold turned = touch(both[i / 2], (rb_vec3){0.5, 0, 0},
+		                                 shapes_turned((rb_vec3){1e-6, 0, 0}), &b);
+		assert_int_equal(turned.count, 2);
+		const rb_manifold crossed = touch(both[i / 2], (rb_vec3){0.5, 0, 0},
+		                                  shapes_turned((rb_vec3){0.01, 0, 0}), &b);
+		assert_int_equal(crossed.count, 1);
+	}
+	shapes_release(&capsule);
+}
+
+static void a_capsule_lies_on_two_points_and_a_sphere_on_one(void **slot)
+{
+	shape box = shapes_box(1, 1, 1), capsule = shapes_capsule(0.5, 0.25);
+	shape sphere = shapes_capsule(0, 0.25);
+	const rb_placed plane = ground(), b = {&box.core, {0, 0, -1}, shapes_upright};
+	const rb_mat3 lying = shapes_turned((rb_vec3){0, 1.5707963267948966, 0});
+
+	(void)slot;
+	assert_int_equal(touch(&capsule, (rb_vec3){0, 0, 0.25}, lying, &plane).count, 2);
+	assert_int_equal(touch(&sphere, (rb_vec3){0, 0, 0.25}, lying, &plane).count, 1);
+	assert_int_equal(touch(&sphere, (rb_vec3){0, 0, 0.25}, lying, &b).count, 1);
+	const rb_manifold m = touch(&capsule, (rb_vec3){0.8, 0, 0.25}, lying, &b);
+	assert_int_equal(m.count, 2);
+	assert_true(has(&m, 1, 0, 1e-15) && has(&m, 0.3, 0, 1e-15));
+	shapes_release(&box);
+	shapes_release(&capsule);
+	shapes_release(&sphere);
+}
+
+/* Motions a thousand times smaller than the band change neither keys nor order, and points by no more than they are. */
+static void keys_and_points_stay_under_tiny_motions(void **slot)
+{
+	shape shapes[5] = {shapes_box(0.5, 0.5, 0.5), shapes_box(0.5, 0.5, 0.5),
+	                   shapes_capsule(0.4, 0.1), shapes_cylinder(0.4, 0.5),
+	                   shapes_rectangle(0.4, 0.3)};
+	const rb_vec3 at[5] = {{0, 0, 1}, {0.3, 0.2, 1}, {0, 0.1, 0.6}, {0.1, 0, 1}, {0.1, 0, 0.5}};
+	const rb_vec3 lie[5] = {
+		{0, 0, 0}, {0, 0, 0.3}, {1.5707963267948966, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+	const rb_placed b = {&shapes[0].core, {0, 0, 0}, shapes_upright};
+
+	(void)slot;
+	for (int i = 0; i < 5; i++) {
+		const rb_manifold still = touch(&shapes[i], at[i], shapes_turned(lie[i]), &b);
+		assert_true(still.count >= 2);
+		for (uint64_t k = 0; k < 200; k++) {
+			const rb_vec3 shift = shapes_vector(5, k, 1e-12);
+			const rb_mat3 first = shapes_turned(lie[i]);
+			const rb_mat3 little = shapes_turned(shapes_vector(6, k, 1e-12));
+			const rb_manifold m = touch(&shapes[i], rb_vec3_add(at[i], shift),
+			                            rb_mat3_multiply(&little, &first), &b);
+			assert_int_equal(m.count, still.count);
+			for (int j = 0; j < m.count; j++) {
+				const rb_vec3 d = rb_vec3_sub(m.point[j].on_a, still.point[j].on_a);
+				assert_true(m.point[j].key == still.point[j].key);
+				assert_near(rb_vec3_length(d), 0, 1e-11);
+			}
+		}
+	}
+	for (int i = 0; i < 5; i++)
+		shapes_release(&shapes[i]);
+}
+
+/* A prism of 40 sides on its end: more corners than a manifold holds. */
+static void of_many_corners_those_farthest_out_stay(void **slot)
+{
+	enum { SIDES = 40 };
+	rb_vec3 points[2 * SIDES];
+	int counts[SIDES + 2], loop[6 * SIDES], at = 0;
+	struct rb_error err = {0};
+	const rb_placed plane = ground();
+	shape s;
+
+	(void)slot;
+	for (int i = 0; i < SIDES; i++) {
+		const double angle = 2 * 3.141592653589793 * i / SIDES;
+		points[i] = (rb_vec3){cos(angle), sin(angle), -1};
+		points[SIDES + i] = (rb_vec3){cos(angle), sin(angle), 1};
+	}
+	for (int i = 0; i < SIDES; i++) {
+		const int j = (i + 1) % SIDES;
+		const int side[4] = {i, j, SIDES + j, SIDES + i};
+		memcpy(loop + at, side, sizeof side);
+		counts[i] = 4;
+		at += 4;
+	}
+	for (int i = 0; i < SIDES; i++)
+		loop[at++] = SIDES - 1 - i;
+	for (int i = 0; i < SIDES; i++)
+		loop[at++] = SIDES + i;
+	counts[SIDES] = counts[SIDES + 1] = SIDES;
+	const rb_polytope_def def = {2 * SIDES, SIDES + 2, points, counts, loop};
+	assert_ok(rb_polytope_create(&s.polytope, &def, &err));
+	s.core = rb_core_of_polytope(s.polytope, 0);
+	const rb_manifold m = touch(&s, (rb_vec3){0, 0, 1}, shapes_upright, &plane);
+	assert_true(m.count >= 12 && m.count <= RB_MANIFOLD_MAX);
+	assert_true(has(&m, 1, 0, 1e-15) && has(&m, -1, 0, 1e-15) && has(&m, 0, 1, 1e-15));
+	shapes_release(&s);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_box_flat_on_a_plane_has_four_corners_mirrored_to_the_bit),
+		cmocka_unit_test(a_leaning_box_has_the_edge_or_the_corner_that_touches),
+		cmocka_unit_test(boxes_face_on_face_share_the_corners_of_their_overlap),
+		cmocka_unit_test(
+			equal_boxes_one_on_the_other_have_four_points_whatever_rounding_says),
+		cmocka_unit_test(edges_that_cross_touch_in_one_point_and_parallel_ones_in_two),
+		cmocka_unit_test(a_corner_on_a_corner_touches_in_one_point),
+		cmocka_unit_test(a_cylinder_stands_on_four_points_that_do_not_turn_with_it),
+		cmocka_unit_test(a_cylinder_lies_on_a_line_and_leans_on_its_rim),
+		cmocka_unit_test(
+			a_cylinder_over_the_edge_of_a_box_keeps_what_of_its_disc_is_over_it),
+		cmocka_unit_test(stacked_cylinders_share_their_discs),
+		cmocka_unit_test(parallel_rounds_touch_along_a_line),
+		cmocka_unit_test(a_capsule_lies_on_two_points_and_a_sphere_on_one),
+		cmocka_unit_test(keys_and_points_stay_under_tiny_motions),
+		cmocka_unit_test(of_many_corners_those_farthest_out_stay),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
