@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* Small systems of linear equations, dense or nearly so, that may leave some unknowns open. */
+#ifndef RB_MATH_DENSE_H
+#define RB_MATH_DENSE_H
+
+#include <stdbool.h>
+
+/* All arrays are the caller's. */
+struct rb_dense {
+	double *matrix,
+		*right;       /* [n][n], [n]: used up; afterwards the solution stands in `right` */
+	double *size, *found; /* [n] scratch */
+	int *last, *down, *pivot; /* [n] scratch */
+	int n;
+	bool open; /* out: the solution is one of many; unknowns that nothing determines are zero */
+};
+
+/*
+ * Gaussian elimination with row pivots. A column of which only rounding is left, as a share of what it was, is open; what
+ * is then over-determined is left as it is. Zeros are passed over, so that a band costs what its width is, and a look at
+ * each entry.
+ */
+void rb_dense_solve(struct rb_dense *dense);
+
+#endif

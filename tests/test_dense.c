@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/* math/dense: systems with one solution, with many, and with bands of zeros. */
+#include "math/dense.h"
+
+#include "support.h"
+
+enum { MOST = 12 };
+
+static struct rb_dense take(int n, double *store, int *places)
+{
+	return (struct rb_dense){.matrix = store,
+	                         .right = store + MOST * MOST,
+	                         .size = store + MOST * MOST + MOST,
+	                         .found = store + MOST * MOST + 2 * MOST,
+	                         .last = places,
+	                         .down = places + MOST,
+	                         .pivot = places + 2 * MOST,
+	                         .n = n};
+}
+
+static double entry(int r, int c)
+{
+	return sin(1 + 3 * r + 7 * c) + (r == c ? 4 : 0);
+}
+
+static void a_regular_system_is_solved(void **slot)
+{
+	double store[MOST * MOST + 3 * MOST];
+	int places[3 * MOST];
+
+	(void)slot;
+	for (int n = 1; n <= MOST; n++) {
+		struct rb_dense d = take(n, store, places);
+
+		for (int r = 0; r < n; r++) {
+			d.right[r] = 0;
+			for (int c = 0; c < n; c++) {
+				d.matrix[r * n + c] = entry(r, c);
+				d.right[r] += entry(r, c) * (c + 1);
+			}
+		}
+		rb_dense_solve(&d);
+		assert_false(d.open);
+		for (int k = 0; k < n; k++)
+			assert_near(d.right[k], k + 1, 1e-13);
+	}
+}
+
+/* Rows that need to be swapped, and zeros besides a band. */
+static void a_band_is_solved(void **slot)
+{
+	double store[MOST * MOST + 3 * MOST];
+	int places[3 * MOST];
+	struct rb_dense d = take(MOST, store, places);
+
+	(void)slot;
+	for (int r = 0; r < MOST; r++) {
+		d.right[r] = 0;
+		for (int c = 0; c < MOST; c++) {
+			const double x = c - r == 1 ? 3 : r - c == 1 ? 2 : r == c ? 1e-3 : 0;
+
+			d.matrix[r * MOST + c] = x;
+			d.right[r] += x * (1 - c);
+		}
+	}
+	rb_dense_solve(&d);
+	assert_false(d.open);
+	for (int k = 0; k < MOST; k++)
+		assert_near(d.right[k], 1 - k, 1e-12);
+}
+
+/* Two columns that are the same to rounding: the second of them stays zero, and all equations hold. */
+static void what_nothing_determines_is_left_open(void **slot)
+{
+	const double wanted[3] = {2, -1, 0.5};
+	double store[MOST * MOST + 3 * MOST], kept[9], right[3];
+	int places[3 * MOST];
+
+	(void)slot;
+	for (int exact = 0; exact < 2; exact++) {
+		struct rb_dense d = take(3, store, places);
+
+		for (int r = 0; r < 3; r++) {
+			right[r] = 0;
+			for (int c = 0; c < 3; c++) {
+				/* two rows add up to the third, and two columns are the same */
+				const double a[3] = {1 + r % 2, 1 / 3.0 + r, 1 + r % 2};
+				const double b[3] = {3, 2 / 3.0 + 1, 3};
+				const double shake = exact || c < 2 ? 1 : 1 + 4e-16;
+
+				kept[3 * r + c] = (r < 2 ? a[c] : b[c]) * shake;
+				right[r] += kept[3 * r + c] * wanted[c];
+			}
+		}
+		memcpy(d.matrix, kept, sizeof kept);
+		memcpy(d.right, right, sizeof right);
+		rb_dense_solve(&d);
+		assert_true(d.open);
+		for (int r = 0; r < 3; r++)
+			assert_near(kept[3 * r] * d.right[0] + kept[3 * r + 1] * d.right[1] +
+			                    kept[3 * r + 2] * d.right[2],
+			            right[r], 1e-13);
+		assert_true(d.right[2] == 0);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_regular_system_is_solved),
+		cmocka_unit_test(a_band_is_solved),
+		cmocka_unit_test(what_nothing_determines_is_left_open),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
