@@ -7,11 +7,18 @@ _Static_assert(offsetof(struct rb_arc, acceleration) == 64, "the rest is one lin
 
 rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t)
 {
-	const double s = t - p->origin_s;
+	double v[3];
 
-	return (rb_vec3){rb_gauss_value(&p->piece, p->first + row, s),
-	                 rb_gauss_value(&p->piece, p->first + row + 1, s),
-	                 rb_gauss_value(&p->piece, p->first + row + 2, s)};
+	rb_gauss_some(&p->piece, p->first + row, 3, t - p->origin_s, v);
+	return rb_vec3_from(v);
+}
+
+rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t)
+{
+	double v[3];
+
+	rb_gauss_some_rates(&p->piece, p->first + row, 3, t - p->origin_s, v);
+	return rb_vec3_from(v);
 }
 
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
@@ -20,12 +27,7 @@ rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 		return (rb_vec3){0, 0, 0};
 	if (!rb_located_on_piece(l, i))
 		return l->arc[i].acceleration;
-	const struct rb_piece_of *p = &l->piece[i];
-	const double s = t - p->origin_s;
-
-	return (rb_vec3){rb_gauss_rate(&p->piece, p->first + RB_ROW_VELOCITY, s),
-	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_VELOCITY + 1, s),
-	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_VELOCITY + 2, s)};
+	return rb_arc_piece_rate(&l->piece[i], RB_ROW_VELOCITY, t);
 }
 
 static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
@@ -34,9 +36,7 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 		const struct rb_piece_of *p = &l->piece[i];
 		double q[4];
 
-		for (int k = 0; k < 4; k++)
-			q[k] = rb_gauss_value(&p->piece, p->first + RB_ROW_ORIENTATION + k,
-			                      t - p->origin_s);
+		rb_gauss_some(&p->piece, p->first + RB_ROW_ORIENTATION, 4, t - p->origin_s, q);
 		pose->orientation = rb_quat_unit(rb_quat_from(q));
 		pose->spin = rb_arc_piece_vector(p, RB_ROW_SPIN, t);
 		return;

@@ -15,6 +15,7 @@ struct rb_pose {
 
 /* Three rows of the piece that the body is on. */
 rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t);
+rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t);
 
 static inline rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t)
 {

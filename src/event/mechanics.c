@@ -56,12 +56,7 @@ rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
 {
 	if (!l->top || !rb_located_on_piece(l, i))
 		return (rb_vec3){0, 0, 0};
-	const struct rb_piece_of *p = &l->piece[i];
-	const double s = t - p->origin_s;
-
-	return (rb_vec3){rb_gauss_rate(&p->piece, p->first + RB_ROW_SPIN, s),
-	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_SPIN + 1, s),
-	                 rb_gauss_rate(&p->piece, p->first + RB_ROW_SPIN + 2, s)};
+	return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
 }
 
 struct rb_joint_body rb_mechanics_fixed(const struct rb_located *l, int i, double t)

@@ -362,6 +362,16 @@ double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t)
 	return piece->start[i] + sum_of(piece, (size_t)i, weight);
 }
 
+void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, double t,
+                   double *value)
+{
+	double weight[NODES];
+
+	integrals(part_of(piece, t), weight);
+	for (int i = 0; i < count; i++)
+		value[i] = piece->start[first + i] + sum_of(piece, (size_t)(first + i), weight);
+}
+
 void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value)
 {
 	double weight[NODES];
@@ -394,6 +404,16 @@ double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t)
 
 	polynomials(part_of(piece, t), weight);
 	return sum_of(piece, (size_t)i, weight) / piece->length_s;
+}
+
+void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int count, double t,
+                         double *rate)
+{
+	double weight[NODES];
+
+	polynomials(part_of(piece, t), weight);
+	for (int i = 0; i < count; i++)
+		rate[i] = sum_of(piece, (size_t)(first + i), weight) / piece->length_s;
 }
 
 double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i)

@@ -58,6 +58,11 @@ RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, 
 /* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
 double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);
 double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t);
+/* Of `count` components from `first` on, at one look at the time. */
+void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, double t,
+                   double *value);
+void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int count, double t,
+                         double *rate);
 /* All n at once. */
 void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value);
 /* What each Legendre coefficient adds to a value, and to its rate times length_s, at a part x of the piece, 0 to 1. */
