@@ -59,7 +59,8 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 
 			if (j != s->except && !rb_set_held(l, s->i, j))
 				s->touching++;
-			if (-b > noise * sum && !rb_set_held(l, s->i, j))
+			if (-b > noise * sum && !rb_set_held(l, s->i, j) &&
+			    rb_meet_approaches(l, s->i, j, s->now))
 				see(s, j, s->now, false);
 			return;
 		}
@@ -282,14 +283,16 @@ static void see_body(struct seer *s, int j)
 		return;
 	if (!rb_meet_can(l, s->i, j) || rb_set_held(l, s->i, j))
 		return;
+	double until = fmin(s->until, s->next.touch_s);
+	if (rb_located_on_piece(l, j))
+		until = fmin(until, l->piece[j].until_s);
+	if (rb_meet_is_far(l, s->i, j, s->now, until))
+		return;
 	if (s->except != j) {
 		const struct rb_meet m = rb_meet_at(l, s->i, j, s->now);
 
 		s->touching += m.gap <= rb_meet_band(l, &m, s->now);
 	}
-	double until = fmin(s->until, s->next.touch_s);
-	if (rb_located_on_piece(l, j))
-		until = fmin(until, l->piece[j].until_s);
 	const double t = rb_meet_time(l, s->i, j, s->now, until, &again);
 	see(s, j, t, again);
 }

@@ -177,6 +177,45 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 	return m;
 }
 
+/* m: how far from its centre of mass anything of a body is. */
+static double extent(const struct rb_located *l, int i)
+{
+	const struct rb_shape *shape = &l->model->shape[i];
+	const double aside = i < l->n && l->model->center_of_mass
+	                             ? rb_vec3_length(l->model->center_of_mass[i])
+	                             : 0;
+
+	if (shape->kind == RB_SHAPE_SPHERE)
+		return aside + shape->radius;
+	return shape->kind == RB_SHAPE_RECTANGLE ? aside + shape->size[0] + shape->size[1]
+	                                         : (double)INFINITY;
+}
+
+static double pull_most(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return 0;
+	return rb_located_on_piece(l, i) ? l->piece[i].acceleration_most
+	                                 : rb_vec3_length(l->arc[i].acceleration);
+}
+
+bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, double until)
+{
+	const double sum = extent(l, a) + extent(l, b), h = until - from;
+
+	if (!isfinite(sum))
+		return false;
+	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
+	double reach = sum;
+	if (h > 0)
+		reach += h * (rb_vec3_length(rb_vec3_sub(rb_arc_velocity(l, b, from),
+		                                         rb_arc_velocity(l, a, from))) +
+		              0.5 * h * (pull_most(l, a) + pull_most(l, b)));
+	/* by much more than rounding, of places, of speeds and of the time */
+	return rb_vec3_length(rb_vec3_sub(y, x)) >
+	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
+}
+
 static double size_of(const struct rb_located *l, int i)
 {
 	return l->model->shape[i].kind == RB_SHAPE_SPHERE ? l->model->shape[i].radius : 0;
@@ -210,6 +249,73 @@ double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m)
 	        rb_vec3_max_abs(m->pose_a.spin) * rb_vec3_max_abs(m->arm_a) +
 	        rb_vec3_max_abs(m->pose_b.spin) * rb_vec3_max_abs(m->arm_b) +
 	        sqrt(2 * l->weight * size));
+}
+
+/* Angular acceleration; of what turns freely, by I w' = -w x I w. */
+static rb_vec3 turning_of(const struct rb_located *l, int i, const struct rb_pose *pose, double t)
+{
+	if (i >= l->n || !l->top)
+		return (rb_vec3){0, 0, 0};
+	if (rb_located_on_piece(l, i))
+		return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
+	if (l->top_body[i].kind == RB_TOP_CONSTANT)
+		return l->top[i].acceleration;
+	const rb_vec3 w = rb_quat_rotate_back(pose->orientation, pose->spin);
+	const rb_vec3 torque = rb_vec3_cross(rb_mat3_apply(&l->model->inertia[i], w), w);
+
+	return rb_quat_rotate(pose->orientation,
+	                      rb_mat3_apply(&l->model->inverse_inertia[i], torque));
+}
+
+/* Of a point that goes with the body. */
+static rb_vec3 point_velocity(const struct rb_pose *pose, rb_vec3 point)
+{
+	return rb_vec3_add(pose->velocity,
+	                   rb_vec3_cross(pose->spin, rb_vec3_sub(point, pose->position)));
+}
+
+static rb_vec3 point_acceleration(const struct rb_located *l, int i, const struct rb_pose *pose,
+                                  rb_vec3 point, double t)
+{
+	const rb_vec3 arm = rb_vec3_sub(point, pose->position);
+	const rb_vec3 a = rb_vec3_add(rb_arc_acceleration(l, i, t),
+	                              rb_vec3_cross(turning_of(l, i, pose, t), arm));
+
+	return rb_vec3_add(a, rb_vec3_cross(pose->spin, rb_vec3_cross(pose->spin, arm)));
+}
+
+double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t)
+{
+	const bool flipped = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
+	const int i = flipped ? m->b : m->a, j = flipped ? m->a : m->b;
+	const struct rb_pose *const ball = flipped ? &m->pose_b : &m->pose_a;
+	const struct rb_pose *const other = flipped ? &m->pose_a : &m->pose_b;
+	const rb_vec3 n = flipped ? rb_vec3_neg(m->normal) : m->normal;
+	const rb_vec3 rate = flipped ? rb_vec3_neg(m->normal_rate) : m->normal_rate;
+	const enum rb_shape_kind kind = l->model->shape[j].kind;
+	const bool face = kind != RB_SHAPE_SPHERE && !m->on_rim;
+	const rb_vec3 at = kind == RB_SHAPE_SPHERE || face
+	                           ? other->origin
+	                           : rb_vec3_add_scaled(m->point, m->gap, n);
+	const rb_vec3 w = rb_vec3_sub(point_velocity(other, at),
+	                              point_velocity(ball, ball->origin));
+	const rb_vec3 a = rb_vec3_sub(point_acceleration(l, j, other, at, t),
+	                              point_acceleration(l, i, ball, ball->origin, t));
+
+	/* |d| - r where the normal follows d; (p - x) . n - r of a face, whose normal turns with it */
+	if (!face)
+		return rb_vec3_dot(a, n) + rb_vec3_dot(w, rate);
+	const rb_vec3 turn = rb_vec3_add(rb_vec3_cross(turning_of(l, j, other, t), n),
+	                                 rb_vec3_cross(other->spin, rate));
+	return rb_vec3_dot(a, n) + 2 * rb_vec3_dot(w, rate) +
+	       rb_vec3_dot(rb_vec3_sub(at, ball->origin), turn);
+}
+
+bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t)
+{
+	const struct rb_meet m = rb_meet_at(l, a < b ? a : b, a < b ? b : a, t);
+
+	return rb_vec3_dot(m.velocity, m.normal) < -rb_meet_noise(l, &m);
 }
 
 /* ---- when ---- */
@@ -294,26 +400,51 @@ static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, 
 	return rb_quartic_falls(c, most);
 }
 
-/* Bound on the second derivative of a gap by the motion of this body, m/s^2. */
-static double acceleration_most(const struct rb_located *l, int i, double distance)
-{
-	if (i >= l->n)
-		return 0;
-	double most;
-	double turn = 0;
+/* Bounds on a body's motion from a moment to the end of its arc. */
+struct bounds {
+	double turn, turning; /* rad/s, rad/s^2 */
+	double pull, jerk;    /* m/s^2, m/s^3: of the centre of its shape */
+};
 
+/* Of three rows of a piece: the sums of bounds on their rates, and on the rates of these: |P_k'| <= k (k + 1). */
+static double rates_most(const struct rb_gauss_piece *p, int first)
+{
+	return rb_gauss_rate_bound(p, first) + rb_gauss_rate_bound(p, first + 1) +
+	       rb_gauss_rate_bound(p, first + 2);
+}
+
+static double second_rates_most(const struct rb_gauss_piece *p, int first)
+{
+	double sum = 0;
+
+	for (int k = RB_GAUSS_NODES - 1; k > 0; k--)
+		for (int m = 0; m < 3; m++)
+			sum += k * (k + 1) * fabs(p->coefficient[k * p->n + first + m]);
+	return sum * (1 + 64 * DBL_EPSILON) / (p->length_s * p->length_s);
+}
+
+static struct bounds bounds_of(const struct rb_located *l, int i)
+{
+	struct bounds most = {0};
+	double turning_rate = 0;
+
+	if (i >= l->n)
+		return most;
 	if (rb_located_on_piece(l, i)) {
 		const struct rb_piece_of *p = &l->piece[i];
 
-		most = p->acceleration_most;
-		if (l->top)
-			for (int k = 0; k < 3; k++)
-				turn += fabs(p->piece.start[p->first + RB_ROW_SPIN + k]) +
-				        p->piece.length_s *
-				                rb_gauss_rate_bound(&p->piece,
-				                                    p->first + RB_ROW_SPIN + k);
+		most.pull = p->acceleration_most;
+		most.jerk = second_rates_most(&p->piece, p->first + RB_ROW_VELOCITY);
+		if (l->top) {
+			const double *spin = p->piece.start + p->first + RB_ROW_SPIN;
+
+			most.turning = rates_most(&p->piece, p->first + RB_ROW_SPIN);
+			most.turn = rb_vec3_length(rb_vec3_from(spin)) +
+			            p->piece.length_s * most.turning;
+			turning_rate = second_rates_most(&p->piece, p->first + RB_ROW_SPIN);
+		}
 	} else {
-		most = rb_vec3_length(l->arc[i].acceleration);
+		most.pull = rb_vec3_length(l->arc[i].acceleration);
 		if (l->top) {
 			/* a free top's spin is bounded through its angular momentum and the moments */
 			const struct rb_top_body *body = &l->top_body[i];
@@ -321,53 +452,126 @@ static double acceleration_most(const struct rb_located *l, int i, double distan
 			                        fmin(body->moments.y, body->moments.z));
 			const double high = rb_vec3_max_abs(body->moments);
 
-			turn = rb_vec3_length(l->top[i].spin);
-			if (body->kind != RB_TOP_CONSTANT && low > 0)
-				turn *= high / low;
+			most.turn = rb_vec3_length(l->top[i].spin);
+			if (body->kind != RB_TOP_CONSTANT && low > 0) {
+				most.turn *= high / low;
+				most.turning = most.turn * most.turn;
+				turning_rate = 2 * most.turn * most.turning;
+			}
 		}
 	}
-	const bool eccentric = l->model->center_of_mass != NULL;
-	const bool flat = l->model->shape[i].kind != RB_SHAPE_SPHERE;
-	if (eccentric && !flat)
-		most += turn * turn * rb_vec3_length(l->model->center_of_mass[i]);
-	if (flat && turn > 0) /* a face that turns sweeps with the distance */
-		most += 2 * turn * turn * distance + 2 * turn * most;
+	if (l->model->center_of_mass) {
+		const double arm = rb_vec3_length(l->model->center_of_mass[i]), w = most.turn;
+
+		most.pull += arm * (w * w + most.turning);
+		most.jerk += arm * (w * w * w + 3 * w * most.turning + turning_rate);
+	}
 	return most;
 }
 
-/* Second derivative of the gap now, for bodies that turn about their centres, m/s^2. */
-static double bending(const struct rb_located *l, const struct rb_meet *m, double t)
-{
-	const rb_vec3 pull = rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
-	                                 rb_arc_acceleration(l, m->a, t));
+/* What is known of a pair's approach from a moment on. */
+struct course {
+	double gap, rate, bend; /* without what curvature adds, which only parts them */
+	double pull, jerk;      /* bounds: of the relative acceleration, and of its rate */
+	double speed,
+		radius; /* of the centres; at least how far the normal's centre of turning is */
+};
 
-	return rb_vec3_dot(pull, m->normal) + rb_vec3_dot(m->velocity, m->normal_rate);
+/* Would the gap stay above `least` for h? Below it are gap + rate s + bend s^2 / 2 - K s^3 / 6, s <= h. */
+static bool stays_above(const struct course *c, double h, double least)
+{
+	/* the rate of a.n: the jerk, and the turning of the normal */
+	const double k = c->jerk + c->pull * (c->speed + c->pull * h) / c->radius;
+	const double end = c->gap + h * (c->rate + h * (0.5 * c->bend - k * h / 6));
+
+	if (!(end >= least))
+		return false;
+	if (!(c->rate < 0) || !(c->bend > 0))
+		return true; /* it rises, or falls all the way from where it starts to fall */
+	const double low = -2 * c->rate /
+	                   (c->bend + sqrt(fmax(c->bend * c->bend + 2 * k * c->rate, 0)));
+	return low >= h || c->gap + low * (c->rate + low * (0.5 * c->bend - k * low / 6)) >= least;
+}
+
+/* How long nothing can happen: at least h, and longer where the accelerations change little. */
+static double longer(const struct course *c, double h, double most, double least)
+{
+	if (!isfinite(c->jerk))
+		return h;
+	while (h < most && stays_above(c, fmin(2 * h, most), least))
+		h *= 2;
+	return h;
+}
+
+static struct course course_of(const struct rb_located *l, const struct rb_meet *m,
+                               const struct bounds *a, const struct bounds *b, double t)
+{
+	const bool flat_a = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
+	const bool flat_b = l->model->shape[m->b].kind != RB_SHAPE_SPHERE;
+	const double apart = rb_vec3_length(rb_vec3_sub(m->pose_a.origin, m->pose_b.origin));
+	const rb_vec3 w = rb_vec3_sub(point_velocity(&m->pose_b, m->pose_b.origin),
+	                              point_velocity(&m->pose_a, m->pose_a.origin));
+	const rb_vec3 pull = rb_vec3_sub(
+		point_acceleration(l, m->b, &m->pose_b, m->pose_b.origin, t),
+		point_acceleration(l, m->a, &m->pose_a, m->pose_a.origin, t));
+	struct course c = {.gap = m->gap,
+	                   .rate = rb_vec3_dot(m->velocity, m->normal),
+	                   .bend = rb_vec3_dot(pull, m->normal),
+	                   .pull = a->pull + b->pull,
+	                   .jerk = a->jerk + b->jerk,
+	                   .speed = rb_vec3_length(w),
+	                   .radius = apart};
+	const struct bounds *const flat = flat_a ? a : b;
+
+	if (!flat_a && !flat_b)
+		return c;
+	/* the normal of a face stays, that of an edge turns about it */
+	c.radius = l->model->shape[flat_a ? m->a : m->b].kind == RB_SHAPE_PLANE
+	                   ? (double)INFINITY
+	                   : rb_meet_size(l, m);
+	if (flat->turn > 0) { /* a face that turns sweeps with the distance */
+		c.pull += 2 * flat->turn * flat->turn * apart + 2 * flat->turn * flat->pull;
+		c.jerk = (double)INFINITY;
+	}
+	return c;
 }
 
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
                       bool *again)
 {
+	struct bounds of_a = {0}, of_b = {0};
 	double t = from;
 
 	*again = false;
 	for (int step = 0; step < STEPS_MOST; step++) {
 		const struct rb_meet m = rb_meet_at(l, a, b, t);
 		const double band = rb_meet_band(l, &m, t), noise = rb_meet_noise(l, &m);
-		const double rate = rb_vec3_dot(m.velocity, m.normal);
-		const double apart = rb_vec3_length(rb_vec3_sub(m.pose_a.origin, m.pose_b.origin));
-		const double most = acceleration_most(l, a, apart) + acceleration_most(l, b, apart);
-		double h;
 
-		if (m.gap <= band && rate < -noise)
+		if (step == 0) {
+			of_a = bounds_of(l, m.a);
+			of_b = bounds_of(l, m.b);
+		}
+		struct course c = course_of(l, &m, &of_a, &of_b, t);
+		const double rate = c.rate, most = c.pull;
+		const bool touches = m.gap <= band;
+		double h, least = 0;
+
+		if (touches && rate < -noise)
 			return t;
-		if (m.gap <= band && rate <= noise) {
-			if (bending(l, &m, t) < -64 * DBL_EPSILON * most && t > from)
+		if (touches && rate <= noise) {
+			const double bend = rb_meet_bend(l, &m, t);
+
+			if (bend < -64 * DBL_EPSILON * most && t > from)
 				return t;
 			if (!(most > 0))
 				return HUGE_VAL;
 			h = sqrt(band / most);
+			/* half of the band is free, and what is rounding is nothing */
+			c.gap = c.rate = 0;
+			c.bend = fabs(c.bend) <= 64 * DBL_EPSILON * most ? 0 : c.bend;
+			least = -0.5 * band;
 		} else {
-			const double gap = m.gap <= band ? 0 : m.gap;
+			const double gap = touches ? 0 : m.gap;
 			const double root = sqrt(rate * rate + 2 * most * gap);
 
 			/* the root of gap + rate h - most h^2 / 2, in the form that does not cancel */
@@ -375,14 +579,15 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 				h = most > 0 ? (rate + root) / most : HUGE_VAL;
 			else
 				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
+			c.gap = gap;
 		}
 		/* leaving a touch, until it turns back: not by the bound but by what pulls now */
-		if (m.gap <= band && rate > noise && most > 0) {
-			const double turns = rate / fmax(-bending(l, &m, t), DBL_MIN);
+		if (touches && rate > noise && most > 0) {
+			const double turns = rate / fmax(-rb_meet_bend(l, &m, t), DBL_MIN);
 
 			h = fmax(h, fmin(turns, sqrt(band / most)));
 		}
-		h = fmax(h, 2 * DBL_EPSILON * t);
+		h = fmax(longer(&c, h, until - t, least), 2 * DBL_EPSILON * t);
 		if (!(t + h <= until))
 			return HUGE_VAL;
 		t += h;
@@ -404,7 +609,9 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 	double s;
 
 	*again = false;
-	if (model->shape[a].kind != RB_SHAPE_SPHERE) {
+	/* of spheres always the same one first: an impact rounds as its foresight does */
+	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
+	    (a > b && model->shape[b].kind == RB_SHAPE_SPHERE)) {
 		const int other = a;
 
 		a = b;
@@ -429,6 +636,8 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 			rb_vec3_sub(rb_arc_position(l, b, from), rb_arc_position(l, a, from)),
 			rb_vec3_sub(vb, va), model->shape[a].radius + model->shape[b].radius,
 			8 * DBL_EPSILON * (rb_vec3_max_abs(va) + rb_vec3_max_abs(vb)));
+		if (s == 0 && !rb_meet_approaches(l, a, b, from))
+			return HUGE_VAL;
 	} else if (model->shape[b].kind == RB_SHAPE_PLANE && b >= l->n) {
 		const rb_vec3 n = l->plane_normal[b - l->n];
 		const rb_vec3 x = rb_arc_position(l, a, from), v = rb_arc_velocity(l, a, from);
@@ -437,10 +646,13 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 		                                                       rb_vec3_max_abs(x)) +
 		                                   2 * from * fabs(rate));
 
-		s = quadratic_touch(rb_vec3_dot(rb_vec3_sub(x, model->position[b]), n) -
-		                            model->shape[a].radius,
-		                    rate, rb_vec3_dot(l->arc[a].acceleration, n), band,
-		                    8 * DBL_EPSILON * rb_vec3_max_abs(v));
+		const double gap = rb_vec3_dot(rb_vec3_sub(x, model->position[b]), n) -
+		                   model->shape[a].radius;
+		const struct rb_meet m = gap <= band ? rb_meet_at(l, a, b, from)
+		                                     : (struct rb_meet){0};
+
+		s = quadratic_touch(gap, rate, rb_vec3_dot(l->arc[a].acceleration, n), band,
+		                    gap <= band ? rb_meet_noise(l, &m) : 0);
 	} else {
 		return advance(l, a, b, from, until, again);
 	}

@@ -35,8 +35,16 @@ double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double 
 /* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */
 double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m);
 
+/* m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the meeting. */
+double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t);
+/* Do they approach by more than that? What an impact does not take for an approach must not be foreseen as one. */
+bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t);
+
 /* Whether contacts between these two are possible at all. */
 bool rb_meet_can(const struct rb_located *l, int a, int b);
+
+/* Surely not touching from `from` to `until`, neither of them beyond its piece? Cheap, and not where a plane is infinite. */
+bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, double until);
 
 /*
  * First moment in [from, until] at which they touch and approach, INFINITY: none. Closed forms for spheres that fly

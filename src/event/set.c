@@ -99,11 +99,15 @@ static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
 {
 	if (!rb_meet_can(l, i, j))
 		return;
+	const bool come = (i == l->come_a && j == l->come_b) || (i == l->come_b && j == l->come_a);
+	const bool held = rb_set_held(l, i, j) != NULL;
+	if (!come && !held && rb_meet_is_far(l, i, j, pairs->t, pairs->t))
+		return;
 	struct rb_meet m = rb_meet_at(l, i < j ? i : j, i < j ? j : i, pairs->t);
 	/* those whose touch has been located do touch, whatever rounding makes of their gap */
-	if ((m.a == l->come_a && m.b == l->come_b) || (m.a == l->come_b && m.b == l->come_a))
+	if (come)
 		m.gap = fmin(m.gap, 0);
-	if (!rb_set_held(l, i, j) && !pairs->joins(l, &m, pairs->t, pairs->slack))
+	if (!held && !pairs->joins(l, &m, pairs->t, pairs->slack))
 		return;
 	keep(l, pairs, &m);
 	rb_set_add(l, j);

@@ -54,10 +54,7 @@ static double closing_of(const struct rb_located *l, const struct rb_meet *m, do
 	if (held) /* what its force has held back */
 		return fabs(rb_vec3_dot(held->force, m->normal)) *
 		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
-	return -rb_vec3_dot(rb_vec3_sub(rb_arc_acceleration(l, m->b, t),
-	                                rb_arc_acceleration(l, m->a, t)),
-	                    m->normal) -
-	       rb_vec3_dot(m->velocity, m->normal_rate);
+	return -rb_meet_bend(l, m, t);
 }
 
 /* Would it open the gap no further than the rounding of the body's size? Where it is does not matter. */
@@ -260,10 +257,14 @@ static double accumulation(const struct striking *s, int k)
 {
 	const struct rb_located *l = s->l;
 	const struct rb_joint_contact *c = &s->joint.contact[k];
-	struct rb_meet after = s->meet[k];
+	struct rb_pose pose_a = s->meet[k].pose_a, pose_b = s->meet[k].pose_b;
 
-	after.velocity = velocity_after(s, k);
-	const double leave = rb_vec3_dot(after.velocity, c->normal);
+	pose_a.velocity = s->joint.body[c->a].linear;
+	pose_a.spin = s->joint.body[c->a].angular;
+	pose_b.velocity = s->joint.body[c->b].linear;
+	pose_b.spin = s->joint.body[c->b].angular;
+	const struct rb_meet after = rb_meet_poses(l, s->meet[k].a, s->meet[k].b, &pose_a, &pose_b);
+	const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0;
 	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t))
 		return -1;
