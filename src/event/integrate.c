@@ -5,15 +5,22 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "event/jam.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
+#include "event/tell.h"
+#include "math/dense.h"
 
 /* Of the sizes of position and velocity, per step; rounding is below it. */
 static const double tolerance = 3e-14;
 /* Shares of forces by which a mode is seen to have ended, so that what follows does not see it go on. */
-static const double clear = 1e-12;
+static const double clear = 1e-11;
 /* Accelerations below this share of the pulls are what the solver leaves. */
 static const double still_share = 1e-12;
+/* Share of forces up to which the solver's residue may be taken for a mode that holds. */
+static const double doubtful = 1e-8;
+/* Share of accelerations by which two solutions for the same motion differ. */
+static const double otherwise = 1e-10;
 
 enum { LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 1536 };
 
@@ -29,10 +36,11 @@ struct work {
 	struct rb_meet *meet;             /* [held_count] */
 	struct rb_joint_contact *contact; /* [held_count] */
 	rb_vec3 *force;                   /* [held_count]: N on b */
-	double *matrix, *right;           /* [unknowns]^2, [unknowns] */
-	int *last;                        /* [unknowns] */
+	struct rb_dense dense;            /* for contacts in their modes */
 	bool slip_ends;                   /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
+	double doubt;                     /* N: what the modes at the beginning leave open */
+	double most; /* m/s^2: largest acceleration that forces are to balance */
 };
 
 static int place_of(const struct work *w, int body)
@@ -85,51 +93,6 @@ static rb_vec3 coupling(const struct work *w, int i, int j, rb_vec3 f)
 	return sum;
 }
 
-/*
- * Gaussian elimination with row pivots; false where it is singular. Zeros are passed over, since a contact answers only to
- * those that share a body with it: a chain of contacts costs what its length is.
- */
-static bool eliminate(double *matrix, double *right, int *last, int n)
-{
-	for (int r = 0; r < n; r++)
-		for (last[r] = n - 1; last[r] > 0 && matrix[r * n + last[r]] == 0;)
-			last[r]--;
-	for (int k = 0; k < n; k++) {
-		int best = k;
-		for (int r = k + 1; r < n; r++)
-			if (fabs(matrix[r * n + k]) > fabs(matrix[best * n + k]))
-				best = r;
-		if (!(fabs(matrix[best * n + k]) > 0))
-			return false;
-		for (int c = k; c < n && best != k; c++) {
-			const double kept = matrix[k * n + c];
-			matrix[k * n + c] = matrix[best * n + c];
-			matrix[best * n + c] = kept;
-		}
-		const double kept = right[k];
-		right[k] = right[best];
-		right[best] = kept;
-		const int far = last[k];
-		last[k] = last[best];
-		last[best] = far;
-		for (int r = k + 1; r < n; r++) {
-			if (matrix[r * n + k] == 0)
-				continue;
-			const double share = matrix[r * n + k] / matrix[k * n + k];
-			for (int c = k; c <= last[k]; c++)
-				matrix[r * n + c] -= share * matrix[k * n + c];
-			right[r] -= share * right[k];
-			last[r] = last[r] > last[k] ? last[r] : last[k];
-		}
-	}
-	for (int k = n - 1; k >= 0; k--) {
-		for (int c = k + 1; c <= last[k]; c++)
-			right[k] -= matrix[k * n + c] * right[c];
-		right[k] /= matrix[k * n + k];
-	}
-	return true;
-}
-
 static bool share_a_body(const struct rb_meet *x, const struct rb_meet *y)
 {
 	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
@@ -150,7 +113,47 @@ static double axis(rb_vec3 v, int k)
 	return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-/* Fills w->force; false: the modes do not determine them. */
+/* The unknowns as the contact's last known force has them: its pressure, or all of it. */
+static double guess_of(const struct work *w, int contact, int k)
+{
+	const struct rb_held *held = &w->c->held[contact];
+
+	return held->slipping ? rb_vec3_dot(held->force, w->meet[contact].normal)
+	                      : axis(held->force, k);
+}
+
+/* What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the guess to the right. */
+static void fill_row(struct work *w, int i, int row, double t)
+{
+	const struct rb_cluster *c = w->c;
+	const struct rb_meet *m = &w->meet[i];
+	const int n = w->dense.n, rows = unknowns_of(&c->held[i]);
+	rb_vec3 free = rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                                       point_acceleration(w, m->a, m->arm_a, t)),
+	                           w->contact[i].bias);
+	int column = 0;
+
+	for (int j = 0; j < c->held_count; j++)
+		for (int k = 0; k < unknowns_of(&c->held[j]); k++, column++) {
+			rb_vec3 a = {0, 0, 0};
+
+			if (share_a_body(m, &w->meet[j])) {
+				a = coupling(w, i, j, unit_of(w, j, k));
+				free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
+			}
+			for (int r = 0; r < rows; r++)
+				w->dense.matrix[(row + r) * n + column] =
+					rows == 1 ? rb_vec3_dot(a, m->normal) : axis(a, r);
+		}
+	for (int r = 0; r < rows; r++)
+		w->dense.right[row + r] = rows == 1 ? -rb_vec3_dot(free, m->normal)
+		                                    : -axis(free, r);
+}
+
+/*
+ * Fills w->force; false: too many. Where the modes leave forces open (more contacts than freedoms), those that are nearest
+ * to what they were when the cluster was settled: accelerations do not depend on it.
+ */
 static bool solve_modes(struct work *w, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -160,43 +163,17 @@ static bool solve_modes(struct work *w, double t)
 		n += unknowns_of(&c->held[k]);
 	if (n > DENSE_MOST)
 		return false;
-	for (int i = 0; i < c->held_count; i++) {
-		const struct rb_meet *m = &w->meet[i];
-		const rb_vec3 free = rb_vec3_add(
-			rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
-		                    point_acceleration(w, m->a, m->arm_a, t)),
-			w->contact[i].bias);
-		int column = 0;
-
-		for (int j = 0; j < c->held_count; j++)
-			for (int k = 0; k < unknowns_of(&c->held[j]); k++, column++) {
-				const rb_vec3 none = {0, 0, 0};
-				const rb_vec3 a = share_a_body(m, &w->meet[j])
-				                          ? coupling(w, i, j, unit_of(w, j, k))
-				                          : none;
-
-				if (c->held[i].slipping)
-					w->matrix[row * n + column] = rb_vec3_dot(a, m->normal);
-				else
-					for (int r = 0; r < 3; r++)
-						w->matrix[(row + r) * n + column] = axis(a, r);
-			}
-		if (c->held[i].slipping)
-			w->right[row] = -rb_vec3_dot(free, m->normal);
-		else
-			for (int r = 0; r < 3; r++)
-				w->right[row + r] = -axis(free, r);
-		row += unknowns_of(&c->held[i]);
-	}
-	if (!eliminate(w->matrix, w->right, w->last, n))
-		return false;
+	w->dense.n = n;
+	for (int i = 0; i < c->held_count; row += unknowns_of(&c->held[i]), i++)
+		fill_row(w, i, row, t);
+	rb_dense_solve(&w->dense);
 	row = 0;
 	for (int i = 0; i < c->held_count; i++) {
 		w->force[i] = (rb_vec3){0, 0, 0};
-		for (int k = 0; k < unknowns_of(&c->held[i]); k++)
-			w->force[i] = rb_vec3_add_scaled(w->force[i], w->right[row + k],
+		for (int k = 0; k < unknowns_of(&c->held[i]); k++, row++)
+			w->force[i] = rb_vec3_add_scaled(w->force[i],
+			                                 guess_of(w, i, k) + w->dense.right[row],
 			                                 unit_of(w, i, k));
-		row += unknowns_of(&c->held[i]);
 	}
 	return true;
 }
@@ -212,13 +189,15 @@ static int joint_body(const struct work *w, struct rb_joint *joint, int body, do
 }
 
 /* Where modes do not determine the forces (more contacts than freedoms): any that do. */
-static bool solve_any(struct work *w, double t)
+static bool solve_any(struct work *w, double t, struct rb_joint_body **found)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	struct rb_joint joint = {.arena = l->arena, .contact_count = c->held_count};
 
+	if (found)
+		*found = NULL;
 	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
 	                           sizeof *joint.body);
 	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
@@ -238,7 +217,10 @@ static bool solve_any(struct work *w, double t)
 	rb_joint_forces(&joint);
 	for (int k = 0; k < c->held_count; k++)
 		w->force[k] = joint.contact[k].impulse;
-	rb_arena_back(l->arena, here);
+	if (found)
+		*found = joint.body;
+	else
+		rb_arena_back(l->arena, here);
 	return true;
 }
 
@@ -299,22 +281,45 @@ static void stand_still(struct work *w, double pull)
 		w->linear[k] = w->angular[k] = (rb_vec3){0, 0, 0};
 }
 
+/* Accelerations apart from contacts, and the largest. */
+static bool pulls(struct work *w, double t, double *most)
+{
+	struct rb_located *l = w->l;
+	const struct rb_view view = {.pose = w->pose, .time_s = t, .active_s = w->origin_s};
+
+	*most = 0;
+	for (int k = 0; k < w->c->member_count; k++)
+		rb_pull_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k], &w->angular[k]);
+	for (int k = 0; k < w->c->member_count; k++)
+		*most = fmax(*most, rb_vec3_max_abs(w->linear[k]));
+	return l->status == RB_OK;
+}
+
+/* Of members without contacts, at their surfaces, and of what contacts' normals and arms make. */
+static double largest_acceleration(const struct work *w)
+{
+	double most = 0;
+
+	for (int k = 0; k < w->c->member_count; k++)
+		most = fmax(most, rb_vec3_length(w->linear[k]) +
+		                          rb_vec3_length(w->angular[k]) *
+		                                  w->l->model->shape[w->c->member[k]].radius);
+	for (int k = 0; k < w->c->held_count; k++)
+		most = fmax(most, rb_vec3_length(w->contact[k].bias));
+	return most;
+}
+
 /* Poses, forces of contacts and accelerations at `t`. */
 static bool evaluate(struct work *w, double t, const double *value)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
-	const struct rb_view view = {.pose = w->pose, .time_s = t, .active_s = w->origin_s};
-	double pull = 0;
+	double pull;
 
 	for (int k = 0; k < c->member_count; k++)
 		read_pose(w, k, value);
-	for (int k = 0; k < c->member_count; k++)
-		rb_pull_at(l, c->member[k], &w->pose[k], &view, &w->linear[k], &w->angular[k]);
-	if (l->status != RB_OK)
+	if (!pulls(w, t, &pull))
 		return false;
-	for (int k = 0; k < c->member_count; k++)
-		pull = fmax(pull, rb_vec3_max_abs(w->linear[k]));
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
 		const int a = place_of(w, held->a), b = place_of(w, held->b);
@@ -323,6 +328,8 @@ static bool evaluate(struct work *w, double t, const double *value)
 
 		w->meet[k] = rb_meet_poses(l, held->a, held->b, &pose_a, &pose_b);
 		w->contact[k] = rb_mechanics_contact(l, &w->meet[k]);
+		if (held->slipping)
+			w->contact[k].friction = held->friction;
 		/* a direction that is kept turns with the normal all the same */
 		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(held->slip, w->meet[k].normal),
 		                                  held->slip);
@@ -334,7 +341,8 @@ static bool evaluate(struct work *w, double t, const double *value)
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}
 	}
-	if (c->held_count > 0 && !solve_modes(w, t) && !solve_any(w, t))
+	w->most = largest_acceleration(w);
+	if (c->held_count > 0 && !solve_modes(w, t) && !solve_any(w, t, NULL))
 		return false;
 	for (int k = 0; k < c->held_count; k++) {
 		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(w->force[k]));
@@ -373,25 +381,71 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 
 /* ---- changes of mode ---- */
 
-/* The first contact that does not keep its mode at this state, -1: all do. */
-static int broken(struct work *w)
+/*
+ * Where modes leave forces open, those that were found may be outside the cones while others are within: are there forces
+ * by the law that move all bodies as the modes do? They are then the forces.
+ */
+static bool holds_otherwise(struct work *w, double t)
 {
 	const struct rb_cluster *c = w->c;
+	const size_t count = (size_t)c->member_count;
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	rb_vec3 *const moves = rb_arena_take(w->l->arena, count, sizeof *moves);
+	struct rb_joint_body *found;
+	double most = 0, off = 0;
+
+	if (!moves)
+		return false;
+	memcpy(moves, w->linear, count * sizeof *moves);
+	if (!pulls(w, t, &most) || !solve_any(w, t, &found))
+		return false;
+	for (size_t k = 0; k < count; k++) {
+		most = fmax(most, rb_vec3_max_abs(found[k].linear));
+		off = fmax(off, rb_vec3_max_abs(rb_vec3_sub(found[k].linear, moves[k])));
+	}
+	rb_arena_back(w->l->arena, here);
+	return off <= otherwise * most;
+}
+
+/* By how much the force of a contact does not go with its mode, N; below zero: it does. */
+static double excess_of(const struct work *w, int k)
+{
+	const rb_vec3 n = w->meet[k].normal;
+	const double push = rb_vec3_dot(w->force[k], n);
+
+	if (w->c->held[k].slipping)
+		return -push;
+	return fmax(-push,
+	            rb_vec3_length(rb_vec3_reject(w->force[k], n)) - w->contact[k].friction * push);
+}
+
+static bool is_lawful(const struct work *w, int k)
+{
+	const struct rb_held *held = &w->c->held[k];
+	const double *const inverse = w->l->model->inverse_mass;
+	const double weight = w->most / (inverse[held->a] + inverse[held->b]);
+
+	return excess_of(w, k) <= fmax(clear * fmax(w->force_most, weight), w->doubt);
+}
+
+/* The first contact that does not keep its mode at this state, -1: all do. */
+static int broken(struct work *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	bool looked = false;
 
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
 		const struct rb_meet *m = &w->meet[k];
-		const double normal = rb_vec3_dot(w->force[k], m->normal);
-		const rb_vec3 friction = rb_vec3_add_scaled(w->force[k], -normal, m->normal);
 
 		w->slip_ends = false;
-		if (normal < -clear * w->force_most)
-			return k;
 		if (m->on_rim != held->on_rim)
 			return k;
-		if (!held->slipping && rb_vec3_length(friction) > w->contact[k].friction * normal +
-		                                                          clear * w->force_most)
-			return k;
+		if (!looked && !is_lawful(w, k)) {
+			if (!w->dense.open || !holds_otherwise(w, t))
+				return k;
+			looked = true;
+		}
 		w->slip_ends = held->slipping && held->straight &&
 		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
 		if (w->slip_ends)
@@ -403,7 +457,7 @@ static int broken(struct work *w)
 static int broken_at(struct work *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
-	return evaluate(w, w->origin_s + s, value) ? broken(w) : -1;
+	return evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }
 
 /* Where in the piece a mode ends first, seconds; the whole length if none does. */
@@ -466,24 +520,61 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
 	w->meet = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->meet);
 	w->contact = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->contact);
 	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
-	w->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *w->matrix);
-	w->right = rb_arena_take(arena, unknowns + 1, sizeof *w->right);
-	w->last = rb_arena_take(arena, unknowns + 1, sizeof *w->last);
-	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
-	       w->matrix && w->right && w->last;
+	struct rb_dense *d = &w->dense;
+	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
+	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
+	d->last = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->last);
+	if (!d->matrix || !d->right || !d->last)
+		return false;
+	d->size = d->right + unknowns;
+	d->found = d->size + unknowns;
+	d->down = d->last + unknowns;
+	d->pivot = d->down + unknowns;
+	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force;
+}
+
+/*
+ * m/s^2: the largest acceleration that a contact's force alone would give a member. What is solved together rounds
+ * together: the last of a column is not better known than the first.
+ */
+static double largest_load(const struct work *w)
+{
+	double most = 0;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const struct rb_held *held = &w->c->held[k];
+		const double a = place_of(w, held->a) >= 0 ? w->l->model->inverse_mass[held->a] : 0;
+		const double b = place_of(w, held->b) >= 0 ? w->l->model->inverse_mass[held->b] : 0;
+
+		most = fmax(most, rb_vec3_length(w->force[k]) * fmax(a, b));
+	}
+	return most;
+}
+
+/*
+ * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the forces, not of what is
+ * left of them: over a piece, and not more than a fall by its own size.
+ */
+static double balanced(const struct work *w, double load, double radius)
+{
+	const double fall = sqrt(load * radius), try_s = w->c->try_s;
+
+	return try_s > 0 ? fmin(fall, load * try_s / 8) : fall;
 }
 
 /* Sizes that errors are relative to, and what length to try without knowing better. */
 static double sizes(struct work *w, double *scale)
 {
 	const struct rb_located *l = w->l;
+	const double load = largest_load(w);
 	double try_s = l->end_s;
 
 	for (int k = 0; k < w->c->member_count; k++) {
 		const struct rb_pose *pose = &w->pose[k];
 		const double radius = rb_model_reach(l->model, w->c->member[k]);
 		const double pull = rb_vec3_length(w->linear[k]);
-		const double speed = fmax(rb_vec3_length(pose->velocity), sqrt(pull * radius));
+		const double own = fmax(rb_vec3_length(pose->velocity), sqrt(pull * radius));
+		const double speed = fmax(own, balanced(w, load, radius));
 		const double spin = fmax(rb_vec3_length(pose->spin), speed / radius);
 		double *const s = scale + (size_t)k * (size_t)w->row;
 
@@ -496,10 +587,56 @@ static double sizes(struct work *w, double *scale)
 			s[m] = 1;
 		for (int m = 0; l->top && m < 3; m++)
 			s[RB_ROW_SPIN + m] = spin > 0 ? spin : 1 / l->end_s;
-		if (speed > 0)
-			try_s = fmin(try_s, radius / speed);
+		if (own > 0)
+			try_s = fmin(try_s, radius / own);
 	}
 	return try_s;
+}
+
+/* All contacts stick after it, and the cluster is to be settled anew. False: it is no such case. */
+static bool jams(struct work *w)
+{
+	struct rb_located *l = w->l;
+	struct rb_cluster *c = w->c;
+	const size_t n = (size_t)c->held_count + 1;
+	double *const friction = rb_arena_take(l->arena, n, sizeof *friction);
+	struct rb_jam jam = {.l = l,
+	                     .meet = w->meet,
+	                     .force = w->force,
+	                     .friction = friction,
+	                     .count = c->held_count,
+	                     .pose = w->pose,
+	                     .body_count = c->member_count,
+	                     .impulse = rb_arena_take(l->arena, n, sizeof *jam.impulse),
+	                     .linear = w->linear,
+	                     .angular = w->angular,
+	                     .scratch = rb_arena_take(l->arena, 3 * n, sizeof *jam.scratch)};
+	bool slips = false;
+
+	for (int k = 0; k < c->held_count; k++)
+		slips = slips || c->held[k].slipping;
+	if (!slips || !friction || !jam.impulse || !jam.scratch ||
+	    !evaluate(w, w->origin_s, c->piece.start))
+		return false;
+	for (int k = 0; k < c->held_count; k++)
+		friction[k] = w->contact[k].friction;
+	if (!rb_jam_stop(&jam))
+		return false;
+	for (int k = 0; k < c->member_count; k++) {
+		struct rb_pose pose = w->pose[k];
+		const rb_vec3 none = {0, 0, 0};
+
+		pose.velocity = rb_vec3_add(pose.velocity, w->linear[k]);
+		pose.spin = rb_vec3_add(pose.spin, w->angular[k]);
+		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
+	}
+	for (int k = 0; k < c->held_count; k++) {
+		c->held[k].ending = c->held[k].slipping;
+		rb_tell_impact(l, w->origin_s, &w->meet[k], jam.impulse[k], 0);
+	}
+	c->integrated = false;
+	c->has_jammed = true;
+	return true;
 }
 
 static void put_on_piece(struct work *w, double until_s)
@@ -580,6 +717,12 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 		c->held[k].force = w->force[k];
 		w->force_most = fmax(w->force_most, rb_vec3_length(w->force[k]));
 	}
+	/*
+	 * What has just been said to stick sticks: by so much the solver has not seen it slip. The next look is where that has
+	 * grown.
+	 */
+	for (int k = 0; k < c->held_count; k++)
+		w->doubt = fmax(w->doubt, 4 * fmin(excess_of(w, k), doubtful * w->force_most));
 	const double guess = sizes(w, scale);
 	if (!(c->try_s > 0))
 		c->try_s = guess;
@@ -592,6 +735,8 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 	const enum rb_status status = rb_gauss_step(
 		&problem, w->origin_s, &try_s, 2 * DBL_EPSILON * w->origin_s, &c->piece, l->err);
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
+	if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
+		return;
 	if (status != RB_OK) {
 		l->status = status;
 		return;

@@ -54,10 +54,11 @@ enum rb_held_mode { RB_HELD_REST, RB_HELD_SLIDE, RB_HELD_ROLL };
 struct rb_held {
 	int a, b; /* body indices, a < b */
 	bool slipping, on_rim;
-	bool ending;            /* its slip has come to its end at this moment */
-	bool straight;          /* its slip keeps its direction to the end, to rounding */
-	rb_vec3 slip;           /* unit: velocity of b's point relative to a's */
-	rb_vec3 force;          /* N, on b, at the cluster's anchor */
+	bool ending;     /* its slip has come to its end at this moment */
+	bool straight;   /* its slip keeps its direction to the end, to rounding */
+	rb_vec3 slip;    /* unit: velocity of b's point relative to a's */
+	double friction; /* while it slips: the law's, or what is left of it where a body jams */
+	rb_vec3 force;   /* N, on b, at the cluster's anchor */
 	enum rb_held_mode told; /* what the last transition said */
 	bool is_told;
 	double tell_s; /* when the contact is to be announced: after the last of its summed impacts */
@@ -69,7 +70,8 @@ struct rb_cluster {
 	int next_free;   /* 1 + the next unused cluster, 0: none */
 	bool integrated; /* else every member is on a parabola */
 	bool at_rest;
-	bool is_cut; /* its piece ends where a contact changes its mode */
+	bool has_jammed; /* velocities have just jumped: it is to be settled at once */
+	bool is_cut;     /* its piece ends where a contact changes its mode */
 	double anchor_s;
 	int *member; /* [member_count], ascending */
 	int member_count;

@@ -32,6 +32,8 @@ struct settling {
 enum { STILL_ULP = 64 };
 /* Share of speeds by which integration may have let a held contact drift. */
 static const double integrated = 1e-9;
+/* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
+static const double gave_way = 1e-9;
 
 static void *take(struct settling *s, int count, size_t size)
 {
@@ -352,6 +354,15 @@ static enum rb_held_mode mode_of(const struct settling *s, int k)
 
 /* ---- writing ---- */
 
+/* The solution has less friction than the law where the law has none (event/together); what follows keeps to it. */
+static double friction_of(const struct rb_joint_contact *c)
+{
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double rubs = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
+
+	return push > 0 && rubs < c->friction * push * (1 - gave_way) ? rubs / push : c->friction;
+}
+
 static struct rb_held held_of(struct settling *s, int k)
 {
 	const struct rb_meet *m = &s->meet[k];
@@ -373,6 +384,7 @@ static struct rb_held held_of(struct settling *s, int k)
 	/* without friction nothing sticks, whether it slips or not */
 	held.slipping = c->slipping || c->mode == RB_JOINT_SLIDE || !(c->friction > 0);
 	held.slip = c->slip;
+	held.friction = friction_of(c);
 	if (known && m->on_rim && !held.on_rim)
 		rb_tell_transition(s->l, s->t, RB_EVENT_EDGE, m);
 	held.on_rim = m->on_rim;
@@ -429,7 +441,9 @@ static bool is_straight(const struct settling *s, int k, const struct rb_held *h
 
 	if (aside <= 64 * DBL_EPSILON * s->pull_most)
 		return true;
-	return along < 0 && aside * speed <= -along * 16 * DBL_EPSILON * largest;
+	/* nor is there time to turn where it ends within the rounding of the time */
+	return along < 0 && (aside * speed <= -along * 16 * DBL_EPSILON * largest ||
+	                     speed <= -along * 16 * DBL_EPSILON * s->t);
 }
 
 /* Constant accelerations from here to the next transition? */

@@ -71,6 +71,8 @@ double rb_transition_next(const struct rb_located *l, int cluster)
 	const struct rb_cluster *c = &l->cluster[cluster];
 	double next = HUGE_VAL;
 
+	if (c->has_jammed)
+		return c->anchor_s;
 	for (int k = 0; k < c->held_count; k++)
 		if (c->held[k].tell_s > c->anchor_s)
 			next = fmin(next, c->held[k].tell_s);

@@ -4,12 +4,6 @@
 # all of it is located, either rollback gives the same bits.
 . tests/cli/functions
 
-# A promise that is not kept yet; RBSIM_OPEN_TESTS=1 runs it all the same (tests/worlds.h, lab_open_promise).
-if [ "${RBSIM_OPEN_TESTS:-0}" != 1 ]; then
-	echo "not kept yet: eccentric spheres that come to rest stall or overlap by more than the tolerance"
-	exit 77
-fi
-
 run()
 {
 	timeout 20 "$RBSIM" "$TOP/tests/scenes/stress.lua" --no-record --json --quiet "$@" >out 2>err </dev/null
