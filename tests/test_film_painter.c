@@ -567,6 +567,104 @@ static void an_infinite_plane_is_not_drawn_from_behind(void **state)
 	assert_true(abs(colour[0][0] - colour[1][0]) + abs(colour[0][2] - colour[1][2]) > 20);
 }
 
+/* From outside a room is a box: its floor ends at the wall that one looks through. */
+static void a_room_seen_from_outside_ends_at_its_walls(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	studio_ball(&studio, 0.2, (rb_vec3){0, 0, 1}, blue);
+	const int floor_id = lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	rb_vec3_to(studio.lab.scene.bodies[floor_id].color, red);
+	for (int k = 0; k < 4; k++) {
+		const rb_vec3 out = {k == 0 ? 1 : k == 1 ? -1 : 0, k == 2 ? 1 : k == 3 ? -1 : 0, 0};
+		lab_plane(&studio.lab, rb_vec3_scale(2, out), rb_vec3_neg(out));
+	}
+	studio.camera.position.value = (rb_vec3){0.3, -8, 3};
+	studio.camera.look_at.value = (rb_vec3){0, -1, 0};
+	studio_seal(&studio);
+	studio_draw(&studio);
+	assert_true(is_red(pixel_of(&studio, (rb_vec3){0.5, -1.7, 0})));
+	assert_true(is_red(pixel_of(&studio, (rb_vec3){-1.5, 1, 0})));
+	assert_false(is_red(pixel_of(&studio, (rb_vec3){0.5, -2.4, 0})));
+	assert_false(is_red(pixel_of(&studio, (rb_vec3){-0.5, -3, 0})));
+	studio_close(&studio);
+}
+
+/* Where bodies overlap, which is in front changes within them. */
+static void bodies_that_cut_each_other_are_seen_on_both_sides_of_the_cut(void **state)
+{
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	studio_ball(&studio, 0.5, (rb_vec3){-1, 0, 1}, red);
+	studio_ball(&studio, 0.5, (rb_vec3){1, 0, 1}, green);
+	studio_ball(&studio, 0.5, (rb_vec3){3, 0, 1}, blue);
+	lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	studio_seal(&studio);
+	rb_vec3_to(studio.frame.position, (rb_vec3){-0.2, 0, 1});
+	rb_vec3_to(studio.frame.position + 3, (rb_vec3){0.2, -0.05, 1});
+	rb_vec3_to(studio.frame.position + 6, (rb_vec3){2, 0, 0});
+	studio_draw(&studio);
+	assert_true(is_red(pixel_of(&studio, (rb_vec3){-0.13, -0.49, 1})));
+	assert_true(is_green(pixel_of(&studio, (rb_vec3){0.13, -0.54, 1})));
+	assert_true(is_blue(pixel_of(&studio, (rb_vec3){2, -0.3, 0})));
+	assert_false(is_blue(pixel_of(&studio, (rb_vec3){2, -0.7, 0})));
+	studio_close(&studio);
+}
+
+static void arrows_are_as_long_in_slow_motion(void **state)
+{
+	uint64_t hash[2];
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		struct studio studio;
+		studio_open(&studio);
+		const int id = studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1}, blue);
+		studio.lab.scene.bodies[id].velocity = (rb_vec3){3, 0, 3};
+		studio.camera.vectors = RB_VECTORS_VELOCITY;
+		studio.camera.speed = k == 0 ? 1 : 0.01;
+		studio_seal(&studio);
+		hash[k] = studio_hash(&studio);
+		studio_close(&studio);
+	}
+	assert_true(hash[0] == hash[1]);
+}
+
+/* One force is as long beside a large one as alone, also where nothing weighs. */
+static void an_arrow_of_a_force_does_not_depend_on_other_forces(void **state)
+{
+	struct studio studio;
+	int found[2] = {0};
+
+	(void)state;
+	studio_open(&studio);
+	studio.lab.scene.world.gravity = (rb_vec3){0, 0, 0};
+	const int id = studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1}, blue);
+	studio.lab.scene.bodies[id].velocity = (rb_vec3){1, 0, 0};
+	studio.camera.vectors = RB_VECTORS_CONTACT;
+	lab_plane(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	studio_seal(&studio);
+	const double unit = studio.lab.model->mass[0];
+	for (int k = 0; k < 2; k++) {
+		studio.frame.contacts[0] = (struct rb_frame_contact){
+			.a = 0, .b = 1, .point = {1, 0, 0}, .force = {0, 0, unit}};
+		studio.frame.contacts[1] = (struct rb_frame_contact){
+			.a = 0, .b = 1, .point = {-1, 0, 0}, .force = {0, 0, 3 * unit}};
+		studio.frame.contact_count = 1 + k;
+		studio_draw(&studio);
+		for (int y = 0; y < HEIGHT; y++)
+			for (int x = WIDTH / 2; x < WIDTH; x++)
+				found[k] += is_red(pixel_at(&studio, x, y));
+	}
+	assert_true(found[0] > 10);
+	assert_int_equal(found[0], found[1]);
+	studio_close(&studio);
+}
+
 static void a_camera_inside_a_body_is_refused_and_the_painter_goes_on(void **state)
 {
 	struct studio studio;
@@ -641,6 +739,10 @@ int main(void)
 		cmocka_unit_test(the_same_frame_gives_the_same_bytes_whatever_was_drawn_before),
 		cmocka_unit_test(the_number_of_threads_is_not_in_the_picture),
 		cmocka_unit_test(an_infinite_plane_is_not_drawn_from_behind),
+		cmocka_unit_test(a_room_seen_from_outside_ends_at_its_walls),
+		cmocka_unit_test(bodies_that_cut_each_other_are_seen_on_both_sides_of_the_cut),
+		cmocka_unit_test(arrows_are_as_long_in_slow_motion),
+		cmocka_unit_test(an_arrow_of_a_force_does_not_depend_on_other_forces),
 		cmocka_unit_test(a_camera_inside_a_body_is_refused_and_the_painter_goes_on),
 		cmocka_unit_test(size_and_place_of_the_world_do_not_matter),
 	};

@@ -27,13 +27,14 @@ enum { LINE, ARROW, PROGRAM_COUNT };
 
 struct rb_lines {
 	struct rb_bodies_setup setup;
-	double weight_n; /* of a body, for the length of contact arrows; 0: nothing weighs */
+	/* Arrows: metres per m/s and per N. The same in all pictures, at any `speed` of the film. */
+	double per_speed, per_force;
 	struct list list[PROGRAM_COUNT];
 	GLuint program[PROGRAM_COUNT], array, buffer;
 };
 
-/* Seconds of film that an arrow of velocity looks ahead. */
-static const double AHEAD_FILM_S = 0.25;
+/* How long arrows are, in diameters of a typical body: of a speed that is usual, of its weight. */
+static const double SPEED_SIZES = 3, WEIGHT_SIZES = 1;
 static const double TRAIL_PX = 2.2, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
 /* Of a picture this high; others in proportion. */
 static const double USUAL_HEIGHT_PX = 720;
@@ -63,11 +64,22 @@ static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_e
 	return RB_OK;
 }
 
-static double weight(const struct rb_model *model)
+/* The fastest at the start, or a fall over two diameters; where nothing moves or falls, the way of the whole run. */
+static double usual_speed(const struct rb_model *model, double size)
 {
-	const struct rb_world_def *world = &model->scene->world;
-	const double force = rb_vec3_length(world->gravity_force);
-	double mass = 0;
+	const struct rb_scene *scene = model->scene;
+	double fastest = 2 * sqrt(rb_vec3_length(scene->world.gravity) * size);
+
+	for (int i = 0; i < model->body_count; i++)
+		fastest = fmax(fastest, rb_vec3_length(scene->bodies[model->id_of[i]].velocity));
+	return fastest > 0 ? fastest : 40 * size / model->duration_s;
+}
+
+/* A weight; else the strongest force that is applied; else what turns a usual speed back within a diameter. */
+static double usual_force(const struct rb_model *model, double size, double speed)
+{
+	const struct rb_scene *scene = model->scene;
+	double mass = 0, applied = 0;
 	int count = 0;
 
 	for (int i = 0; i < model->body_count; i++)
@@ -75,7 +87,12 @@ static double weight(const struct rb_model *model)
 			mass += model->mass[i];
 			count++;
 		}
-	return count == 0 ? 0 : mass / count * rb_vec3_length(world->gravity) + force;
+	mass /= fmax(count, 1);
+	const double weight = mass * rb_vec3_length(scene->world.gravity) +
+	                      rb_vec3_length(scene->world.gravity_force);
+	for (int k = 0; k < scene->force_count; k++)
+		applied = fmax(applied, rb_vec3_length(scene->forces[k].vector));
+	return weight > 0 ? weight : applied > 0 ? applied : mass * speed * speed / size;
 }
 
 enum rb_status rb_lines_create(struct rb_lines **lines_out, const struct rb_bodies_setup *setup,
@@ -88,7 +105,10 @@ enum rb_status rb_lines_create(struct rb_lines **lines_out, const struct rb_bodi
 	if (!lines)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
 	lines->setup = *setup;
-	lines->weight_n = weight(setup->model);
+	const double size = setup->looks->size_m, speed = usual_speed(setup->model, size);
+	const double force = usual_force(setup->model, size, speed);
+	lines->per_speed = speed > 0 ? SPEED_SIZES * size / speed : 0;
+	lines->per_force = force > 0 ? WEIGHT_SIZES * size / force : 0;
 	glGenVertexArrays(1, &lines->array);
 	glGenBuffers(1, &lines->buffer);
 	for (int kind = 0; kind < PROGRAM_COUNT && status == RB_OK; kind++)
@@ -201,7 +221,6 @@ static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct
                            const struct rb_view *view)
 {
 	const struct rb_model *model = lines->setup.model;
-	const double ahead = AHEAD_FILM_S * lines->setup.camera->speed;
 
 	if (!frame->velocity)
 		return;
@@ -215,22 +234,18 @@ static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct
 			from = rb_vec3_add(
 				from, rb_quat_rotate(pose.orientation, model->center_of_mass[i]));
 		stroke(pen, rb_view_point(view, from),
-		       rb_view_point(view, rb_vec3_add_scaled(from, ahead, velocity)), 1, 1);
+		       rb_view_point(view, rb_vec3_add_scaled(from, lines->per_speed, velocity)), 1,
+		       1);
 	}
 }
 
-/* The weight of a body is as long as a body; where nothing weighs, the largest force is twice that. */
 static void add_contacts(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                          const struct rb_view *view)
 {
-	double unit = lines->weight_n;
-
-	for (int k = 0; k < frame->contact_count && lines->weight_n == 0; k++)
-		unit = fmax(unit, 0.5 * rb_vec3_length(frame->contacts[k].force));
-	for (int k = 0; k < frame->contact_count && unit > 0; k++) {
+	for (int k = 0; k < frame->contact_count; k++) {
 		const struct rb_frame_contact *contact = &frame->contacts[k];
-		const rb_vec3 tip = rb_vec3_add_scaled(
-			contact->point, lines->setup.looks->size_m / unit, contact->force);
+		const rb_vec3 tip = rb_vec3_add_scaled(contact->point, lines->per_force,
+		                                       contact->force);
 		stroke(pen, rb_view_point(view, contact->point), rb_view_point(view, tip), 1, 1);
 	}
 }

@@ -261,7 +261,9 @@ static const struct rb_row camera_rows[] = {
          "a list of bodies whose paths since the start are drawn, at most 64"},
 	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact", NULL,
          "none", "",
-         "arrows over the picture: of velocities, and of the forces in lasting contacts; one or a list"},
+         "arrows over the picture: of velocities, and of the forces in lasting contacts; one or a list; on the same scale in "
+         "all pictures, at any speed: three diameters of a typical body are the fastest at the start, or a fall over two "
+         "diameters if that is faster; one diameter is a weight, else the strongest force that is applied"},
 	{"style", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, wireframe), "shaded, wireframe", NULL,
          "shaded", "", "wireframe: lines that turn with the bodies"},
 	{"png", RB_ROW_FILE, 0, 0, AT(rb_camera_def, png), NULL, NULL, "none", "",
