@@ -144,10 +144,12 @@ static void to_edges(shortest *best, rb_vec3 v, const struct rb_polytope *p,
 							     d, fmin(t - whole, 0) / whole, cd);
 		rb_vec3 way = rb_vec3_sub(foot, v);
 		/* Near a touch the foot's rounding along the edge would tilt a short way: across, to its own digits. */
-		if (t > 0 && t < whole)
+		const bool within = t > 0 && t < whole;
+		if (within)
 			way = rb_vec3_add_scaled(way, -rb_vec3_dot(way, cd) / whole, cd);
 		const double square = rb_vec3_dot(way, way);
-		if (square < best->square)
+		/* Hard by a vertex the way to it is as short, but not quite across: the edge wins a draw. */
+		if ((within ? square * (1 - 8 * DBL_EPSILON) : square) < best->square)
 			*best = (shortest){square, way};
 	}
 }
@@ -177,8 +179,11 @@ void rb_facets_corners(rb_axis *axis, const rb_slab *slab)
 	const shortest from_a = corners_of(axis->a, axis->b, slab->normal, slab->depth);
 	const shortest from_b = corners_of(axis->b, axis->a, rb_vec3_neg(slab->normal),
 	                                   slab->depth);
-	const rb_vec3 way = from_a.square <= from_b.square ? from_a.way : rb_vec3_neg(from_b.way);
+	const rb_vec3 forth = from_a.way, back = rb_vec3_neg(from_b.way);
 
-	if (rb_vec3_dot(way, way) > 0)
-		rb_axis_try(axis, rb_vec3_unit(way, way));
+	/* Both: where one ends on a vertex close to the foot of the other they are as long, but only one proves its length. */
+	if (rb_vec3_dot(forth, forth) > 0)
+		rb_axis_try(axis, rb_vec3_unit(forth, forth));
+	if (rb_vec3_dot(back, back) > 0)
+		rb_axis_try(axis, rb_vec3_unit(back, back));
 }

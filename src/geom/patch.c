@@ -19,11 +19,10 @@ static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 	return rb_part_of(RB_PART_DIAGONAL, v);
 }
 
-/* The vertices within the depth; `*all` is how many there are, of which the first RB_PATCH_MAX are taken. */
-static int outermost(const struct rb_polytope *p, rb_vec3 n, double depth, int vertex[RB_PATCH_MAX],
+/* The vertices above `low` along n; `*all` is how many there are, of which the first RB_PATCH_MAX are taken. */
+static int outermost(const struct rb_polytope *p, rb_vec3 n, double low, int vertex[RB_PATCH_MAX],
                      int *all)
 {
-	const double low = rb_vec3_dot(n, p->vertices[rb_polytope_support(p, n)]) - depth;
 	int count = 0;
 
 	*all = 0;
@@ -52,24 +51,23 @@ static int best_face(const struct rb_polytope *p, rb_vec3 n)
 	return best;
 }
 
-/* The vertices of one face that are within the depth, in its order; false: they are not all there are. */
-static bool from_face(const struct rb_polytope *p, int face, rb_vec3 n, double depth, int all,
-                      int vertex[RB_PATCH_MAX], int *count)
+/* The vertices of one face that lie above `low` along n, in its order; `*met` is how many, too many or not. */
+static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double low,
+                     int vertex[RB_PATCH_MAX], int *met)
 {
 	const rb_polytope_face *f = &p->faces[face];
-	const double low = rb_vec3_dot(n, p->vertices[rb_polytope_support(p, n)]) - depth;
 	const int stride = (f->count + RB_PATCH_MAX - 1) / RB_PATCH_MAX;
-	int met = 0;
+	int count = 0;
 
-	*count = 0;
+	*met = 0;
 	for (int i = 0; i < f->count; i++) {
 		const int v = p->loop[f->first + i];
 		if (!(rb_vec3_dot(n, p->vertices[v]) >= low))
 			continue;
-		if (met++ % stride == 0)
-			vertex[(*count)++] = v;
+		if ((*met)++ % stride == 0)
+			vertex[count++] = v;
 	}
-	return met == all;
+	return count;
 }
 
 typedef struct {
@@ -120,7 +118,8 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	const struct rb_polytope *p = placed->core->polytope;
 	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
 	int vertex[RB_PATCH_MAX] = {0}, all;
-	int count = outermost(p, local, depth, vertex, &all);
+	const double low = rb_vec3_dot(local, p->vertices[rb_polytope_support(p, local)]) - depth;
+	int count = outermost(p, local, low, vertex, &all);
 
 	if (count == 0) /* not a number */
 		count = all = 1;
@@ -130,8 +129,9 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	if (all > 2 && p->face_count > 0) {
 		const int face = best_face(p, local);
 		int in_order[RB_PATCH_MAX], met;
-		if (from_face(p, face, local, depth, all, in_order, &met)) {
-			count = met;
+		const int ordered = from_face(p, face, local, low, in_order, &met);
+		if (met == all) {
+			count = ordered;
 			for (int i = 0; i < count; i++)
 				vertex[i] = in_order[i];
 			patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);

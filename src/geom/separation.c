@@ -15,6 +15,7 @@
 #include <stddef.h>
 
 #include "geom/gjk.h"
+#include "geom/overlay.h"
 #include "geom/rims.h"
 
 /* Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to tell features. */
@@ -62,14 +63,42 @@ static void search_deep(rb_axis *axis, const rb_slab *slab)
 	}
 }
 
+/*
+ * Points that lie over each other along the best direction so far, apart by what it proves, leave nothing to be gained.
+ * (Where they overlap by more than rounding, another direction may be better.)
+ */
+static bool settled(const rb_axis *axis)
+{
+	const double noise = 4 * axis->noise;
+	const rb_overlay_def def = {axis->normal, axis->noise, axis->noise};
+	rb_overlay_point point[RB_OVERLAY_MAX];
+	rb_patch a, b;
+
+	if (!(axis->gap >= -noise))
+		return false;
+	rb_patch_of(&a, axis->a, axis->normal, noise);
+	rb_patch_of(&b, axis->b, rb_vec3_neg(axis->normal), noise);
+	/* a point is taken to lie over whatever the other has, and segments to have a point */
+	if (a.kind == RB_PATCH_POINT || b.kind == RB_PATCH_POINT ||
+	    rb_overlay(&a, &b, &def, point) == 0)
+		return false;
+	const rb_vec3 way = rb_vec3_sub(point[0].on_b, point[0].on_a);
+	return rb_vec3_length(way) <= axis->gap + 3 * noise;
+}
+
 static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double scale)
 {
 	rb_slab slab = {gjk->normal, (double)INFINITY};
 
 	rb_facets_faces(axis, NULL);
+	if (axis->found && settled(axis))
+		return;
 	if (axis->found) {
 		/* What lies far apart has been proved to; else a long distance is one from before they overlapped. */
-		const double distance = gjk->most <= far_share * scale ? gjk->most : 0;
+		const double doubt = fabs(gjk->most - gjk->least);
+		const double distance = gjk->most <= far_share * scale
+		                                ? fmax(gjk->most, gjk->least) + doubt
+		                                : 0;
 		const double most = fmax(distance, fabs(axis->gap));
 		slab = (rb_slab){axis->normal, most - axis->gap + 8 * axis->noise};
 	}

@@ -12,10 +12,10 @@
 
 int LLVMFuzzerTestOneInput(const unsigned char *bytes, size_t size);
 
-/* A size from 2^-20 to 2^20, a byte for the power and one for what is between. */
+/* A size from 2^-10 to 2^10, a byte for the power and one for what is between: aspects to 10^6, as promised. */
 static double size_from(const unsigned char *two)
 {
-	return ldexp(1 + two[1] / 256.0, two[0] % 41 - 20);
+	return ldexp(1 + two[1] / 256.0, two[0] % 21 - 10);
 }
 
 static double coordinate_from(const unsigned char *two)
