@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/timerfd.h>
 #include <termios.h>
@@ -47,7 +48,7 @@ static struct {
 	bool has_modes;
 	int errors;      /* where standard error goes meanwhile, -1: where it always does */
 	int errors_real; /* where it went */
-	volatile sig_atomic_t asked;
+	volatile sig_atomic_t asked, stops;
 	struct rb_guard guard;
 } rescue = {.errors = -1, .errors_real = -1};
 
@@ -90,6 +91,13 @@ static void ask_for_end(int signal_number)
 	}
 	rescue.asked = signal_number;
 	alarm(3);
+}
+
+/* The handler that curses has for this does what is not safe in one: it may change sizes, and so memory. */
+static void ask_for_stop(int signal_number)
+{
+	(void)signal_number;
+	rescue.stops = 1;
 }
 
 static void add_reset(const char *text)
@@ -143,6 +151,8 @@ static void set_handlers(bool ours)
 		sigaction(fatal[i], &action, NULL);
 	}
 	action.sa_flags = 0;
+	action.sa_handler = ours ? ask_for_stop : SIG_DFL;
+	sigaction(SIGTSTP, &action, NULL);
 	for (size_t i = 0; i < sizeof polite / sizeof *polite; i++) {
 		action.sa_handler = ours ? ask_for_end : SIG_DFL;
 		sigaction(polite[i], &action, NULL);
@@ -394,6 +404,21 @@ void rb_screen_redraw(struct rb_screen *screen)
 	clearok(curscr, TRUE);
 }
 
+/*
+ * Curses ignores SIGTSTP while it sends, and what is ignored is lost; on a slow line that is most of the time. What is
+ * blocked besides is kept until curses listens again.
+ */
+static void send_changes(void)
+{
+	sigset_t stops, before;
+
+	sigemptyset(&stops);
+	sigaddset(&stops, SIGTSTP);
+	pthread_sigmask(SIG_BLOCK, &stops, &before);
+	refresh();
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
 void rb_screen_flush(struct rb_screen *screen, int x, int y)
 {
 	(void)screen;
@@ -401,7 +426,29 @@ void rb_screen_flush(struct rb_screen *screen, int x, int y)
 	leaveok(stdscr, x < 0);
 	if (x >= 0)
 		move(y, x);
-	refresh();
+	send_changes();
+}
+
+/* ---- stopping ---- */
+
+/* Stands still as the shell wishes; what the terminal is afterwards is looked at anew. */
+static void stop(void)
+{
+	struct sigaction action = {.sa_handler = SIG_DFL};
+	struct winsize size;
+
+	rescue.stops = 0;
+	endwin();
+	sigemptyset(&action.sa_mask);
+	sigaction(SIGTSTP, &action, NULL);
+	raise(SIGTSTP);
+	action.sa_handler = ask_for_stop;
+	sigaction(SIGTSTP, &action, NULL);
+	if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 && size.ws_col > 0 &&
+	    is_term_resized(size.ws_row, size.ws_col))
+		resizeterm(size.ws_row, size.ws_col);
+	clearok(curscr, TRUE);
+	send_changes();
 }
 
 /* ---- keys ---- */
@@ -473,6 +520,11 @@ bool rb_screen_key(struct rb_screen *screen, struct rb_input_key *key)
 
 	(void)screen;
 	*key = (struct rb_input_key){0};
+	if (rescue.stops) {
+		stop();
+		key->key = RB_KEY_RESIZE;
+		return true;
+	}
 	const int kind = get_wch(&code);
 	if (kind == ERR)
 		return false;
@@ -490,7 +542,7 @@ void rb_screen_wait(struct rb_screen *screen, uint64_t until_ns)
 	                         {.fd = screen->timer, .events = POLLIN}};
 	uint64_t times;
 
-	if (until_ns <= rb_clock_now_ns() || rescue.asked)
+	if (until_ns <= rb_clock_now_ns() || rescue.asked || rescue.stops)
 		return;
 	timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &at, NULL);
 	poll(wait, 2, 1000);
