@@ -105,6 +105,27 @@ static void a_step_of_the_run_is_shown_with_the_next_picture(void **state)
 	leave(&seat);
 }
 
+/* Another client's step ends between two looks at the run's state: what is meant by toggle is play. */
+static void toggle_goes_by_what_the_run_does_now(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, true);
+	rb_player_attend(seat.host.player, true);
+	tick(&seat, 1000000000);
+	assert_string_equal(rb_viewer_state(seat.viewer), "live");
+	rb_player_step(seat.host.player, 1);
+	keep_frame(&seat.host, 1);
+	tick(&seat, picture_ns);
+	assert_int_equal(seat.viewer->row, 1);
+	assert_int_equal(rb_order(seat.viewer, "toggle", seat.now_ns), RB_OK);
+	assert_false(rb_player_status(seat.host.player).pausing);
+	assert_int_equal(rb_order(seat.viewer, "toggle", seat.now_ns), RB_OK);
+	assert_true(rb_player_status(seat.host.player).pausing);
+	leave(&seat);
+}
+
 static void only_what_is_new_is_counted_as_drawn(void **state)
 {
 	struct seat seat = {0};
@@ -128,6 +149,7 @@ int main(void)
 		cmocka_unit_test(a_live_view_has_the_newest_frame_in_each_picture),
 		cmocka_unit_test(a_view_that_waits_for_the_run_shows_its_next_frame_at_once),
 		cmocka_unit_test(a_step_of_the_run_is_shown_with_the_next_picture),
+		cmocka_unit_test(toggle_goes_by_what_the_run_does_now),
 		cmocka_unit_test(only_what_is_new_is_counted_as_drawn),
 	};
 

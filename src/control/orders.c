@@ -77,6 +77,9 @@ static enum rb_status execute_toggle(const struct order *order)
 {
 	const struct rb_viewer *const viewer = order->viewer;
 	const struct rb_source_status *const status = source_of(order);
+
+	/* steps that somebody else has asked for may have come to their end just now */
+	rb_source_ask(viewer->options.source);
 	const bool stands = !viewer->playing ||
 	                    (status->is_run && status->paused && rb_viewer_at_end(viewer));
 

@@ -526,6 +526,14 @@ static enum rb_status frame_of_run(struct rb_source *source, uint64_t row,
 	return status;
 }
 
+void rb_source_ask(struct rb_source *source)
+{
+	bool changed = false;
+
+	if (source->client)
+		ask(source, &changed);
+}
+
 bool rb_source_newer(struct rb_source *source, uint64_t row)
 {
 	struct rb_source_status *const status = &source->status;

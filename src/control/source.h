@@ -60,6 +60,8 @@ void rb_source_destroy(struct rb_source *source); /* NULL is fine */
  */
 RB_CHECKED enum rb_status rb_source_refresh(struct rb_source *source, uint64_t now_ns, bool now,
                                             bool *changed, struct rb_error *err);
+/* How a run is at this moment: the status may be older than the newest frame. */
+void rb_source_ask(struct rb_source *source);
 /* Asks a run at once whether it has made frames behind `row`; then the status tells its newest, which is fetched without asking again. */
 bool rb_source_newer(struct rb_source *source, uint64_t row);
 const struct rb_source_status *rb_source_status(const struct rb_source *source);
