@@ -63,8 +63,11 @@ bool rb_set_touching(const struct rb_located *l, const struct rb_meet *m, double
 
 bool rb_set_lasting(const struct rb_located *l, const struct rb_meet *m, double t, double slack)
 {
-	return m->gap <= rb_meet_band(l, m, t) &&
-	       rb_vec3_dot(m->velocity, m->normal) <= rb_meet_noise(l, m) + slack;
+	const double rate = rb_vec3_dot(m->velocity, m->normal);
+	const double still = rb_meet_noise(l, m) + slack;
+
+	/* impacts have been dealt with; but not those that another method has left to come */
+	return m->gap <= rb_meet_band(l, m, t) && rate <= still && (!l->starting || rate >= -still);
 }
 
 struct pairs {
