@@ -5,7 +5,9 @@
  *
  * The gap is the largest separation that any direction proves. Apart, that is the distance; overlapping, the least way that
  * would part the cores, less their radii; it is continuous through zero. It is right to some ulp of the bodies' sizes and
- * of the distance of their origins, whatever their place in the world. At most one of the two may be a half space, which
+ * of the distance of their origins, whatever their place in the world, for aspects up to 10^6; of far thinner bodies that are
+ * nearly parallel digits go as the angle between their edges. Two cylinders deep in each other may get a way out that is
+ * not the shortest. At most one of the two may be a half space, which
  * is solid however deep.
  */
 #ifndef RB_GEOM_CONVEX_H

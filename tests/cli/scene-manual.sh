@@ -18,6 +18,12 @@ says_nothing out
 {
 	echo 'world { duration = 1 }'
 	example 2
+} >union.lua
+exits 0 check union.lua --no-record
+says out '1 union'
+{
+	echo 'world { duration = 1 }'
+	example 3
 } >motion.lua
 exits 0 check motion.lua --no-record
 says out '1 of them driven'

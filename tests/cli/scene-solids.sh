@@ -36,7 +36,7 @@ exits 0 info solids.h5
 grep -q '^  shapes  *1 sphere, 1 plane, 2 boxes, 1 capsule, 1 cylinder, 3 hulls, 1 union$' out || fail "info does not name the shapes"
 exits 0 info solids.h5 --json
 grep -q '"hull": *3' out || fail "info --json does not count hulls"
-printf 'at 0.5 body box\nbody capsule\nbody hull\nbody union' >commands
+printf 'body box\nbody capsule\nbody hull\nbody union' >commands
 exits 0 solids.lua --no-record --no-render -q --commands commands
 [ "$(grep '^ shape' out | tr '\n' ,)" = " shape box 1 2 3, shape capsule 1 2, shape hull 5, shape union 3," ] ||
 	fail "answers do not tell the shapes"
