@@ -13,6 +13,7 @@
 #include "film/glsl.h"
 #include "film/hidden.h"
 #include "film/programs.h"
+#include "film/surfaces.h"
 #include "math/quat.h"
 
 /* A group has one pattern or picture, one size, and is exact or not. */
@@ -20,15 +21,6 @@ enum { GROUPS_PER_LOOK = 2 * RB_BALL_SIZES };
 
 /* Smaller ones are drawn as large as this: what flies away stays in sight as a dot. */
 static const double LEAST_PX = 0.6;
-
-/* An infinite plane or a rectangle that may be drawn. */
-struct surface {
-	int index;
-	bool infinite;
-	bool shown; /* in this view */
-	float corner[6][4], normal[4], axis_u[4], axis_v[4];
-	int corner_count;
-};
 
 struct rb_bodies {
 	struct rb_bodies_setup setup;
@@ -42,8 +34,9 @@ struct rb_bodies {
 	int *group_first;             /* [group_count + 2], owned; the last group is out of view */
 	float (*rectangle_corner)[4]; /* [4 * rectangle_count], owned */
 	int rectangle_count, caster_rectangles;
-	struct surface *surface; /* [surface_count], owned */
+	struct rb_surface *surface; /* [surface_count], owned */
 	int surface_count;
+	bool walls_cut; /* planes no longer hide all that is behind them */
 
 	struct rb_hidden hidden;
 	struct rb_apart apart;
@@ -130,7 +123,7 @@ static enum rb_status prepare_programs(struct rb_bodies *bodies, struct rb_error
 	                                        .cut = bodies->cut,
 	                                        .grid = setup->camera->wireframe};
 	for (int k = 0; k < bodies->surface_count && status == RB_OK; k++) {
-		const struct surface *surface = &bodies->surface[k];
+		const struct rb_surface *surface = &bodies->surface[k];
 		const struct rb_look *look = &setup->looks->of[surface->index];
 		status = rb_programs_surface(&bodies->programs, look->pattern, surface->infinite,
 		                             look->gloss > 0, err);
@@ -165,7 +158,7 @@ enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_b
 		if (kind == RB_SHAPE_SPHERE)
 			bodies->sphere[bodies->sphere_count++] = i;
 		else if (kind == RB_SHAPE_PLANE || kind == RB_SHAPE_RECTANGLE)
-			bodies->surface[bodies->surface_count++] = (struct surface){
+			bodies->surface[bodies->surface_count++] = (struct rb_surface){
 				.index = i, .infinite = kind == RB_SHAPE_PLANE};
 	}
 	rb_apart_init(&bodies->apart);
@@ -315,19 +308,19 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
 static bool is_behind_surface(const struct rb_bodies *bodies, struct rb_apart_ball *ball)
 {
 	for (int k = 0; k < bodies->surface_count; k++) {
-		const struct surface *surface = &bodies->surface[k];
+		const struct rb_surface *surface = &bodies->surface[k];
 		if (!surface->shown)
 			continue;
 		if (!surface->infinite) {
-			const rb_vec3 corner = point_of(surface->corner[0]);
-			const rb_vec3 u = rb_vec3_sub(point_of(surface->corner[1]), corner);
-			const rb_vec3 v = rb_vec3_sub(point_of(surface->corner[3]), corner);
+			const rb_vec3 corner = point_of(surface->corner[0][0]);
+			const rb_vec3 u = rb_vec3_sub(point_of(surface->corner[0][1]), corner);
+			const rb_vec3 v = rb_vec3_sub(point_of(surface->corner[0][3]), corner);
 			ball->cuts |= rb_apart_cuts_rectangle(ball, corner, u, v);
 			continue;
 		}
 		const double height = rb_vec3_dot(point_of(surface->normal), ball->centre) +
 		                      (double)surface->normal[3];
-		if (height < -ball->radius)
+		if (height < -ball->radius && !bodies->walls_cut)
 			return true;
 		ball->cuts |= fabs(height) < rb_apart_part * ball->radius;
 	}
@@ -416,84 +409,6 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 	return status;
 }
 
-static void put(float to[4], rb_vec3 from, double last)
-{
-	to[0] = (float)from.x;
-	to[1] = (float)from.y;
-	to[2] = (float)from.z;
-	to[3] = (float)last;
-}
-
-/* How textures lie on a surface: `side` is that of one of them. */
-static void lay(struct surface *surface, const struct rb_looks *looks, const struct rb_shape *shape,
-                const rb_mat3 *turn, rb_vec3 eye)
-{
-	const struct rb_look *look = &looks->of[surface->index];
-	double side[2] = {looks->cell_m, looks->cell_m}, at[2] = {0, 0};
-	const rb_vec3 u = {turn->m[0][0], turn->m[1][0], turn->m[2][0]};
-	rb_vec3 v = {turn->m[0][1], turn->m[1][1], turn->m[2][1]};
-
-	if (look->pattern == RB_PATTERN_IMAGE) {
-		const struct rb_pixmap *image = &looks->images[look->image];
-		side[0] = surface->infinite ? 4 * looks->cell_m : shape->size[0];
-		side[1] = surface->infinite ? side[0] * image->height / image->width
-		                            : shape->size[1];
-		/* The picture's first row is its upper one. */
-		v = rb_vec3_neg(v);
-		eye.y = -eye.y;
-		at[0] = at[1] = 0.5;
-	}
-	at[0] += eye.x / side[0];
-	at[1] += eye.y / side[1];
-	/* Patterns repeat after two squares; far from their origin there would be no digits left. */
-	if (surface->infinite)
-		for (int k = 0; k < 2; k++)
-			at[k] -= 2 * floor(0.5 * at[k]);
-	put(surface->axis_u, rb_vec3_scale(1 / side[0], u), at[0]);
-	put(surface->axis_v, rb_vec3_scale(1 / side[1], v), at[1]);
-}
-
-static void see_surface(struct rb_bodies *bodies, struct surface *surface,
-                        const struct rb_frame *frame, const struct rb_view *view)
-{
-	const struct rb_model *model = bodies->setup.model;
-	const struct rb_shape *shape = &model->shape[surface->index];
-	const rb_pose pose = pose_by_index(model, frame, surface->index);
-	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
-	const rb_vec3 eye = rb_quat_rotate_back(pose.orientation,
-	                                        rb_vec3_sub(view->eye, pose.position));
-	const rb_vec3 n = {turn.m[0][2], turn.m[1][2], turn.m[2][2]};
-
-	/* Edge-on there is nothing to see; from behind, an infinite plane is a wall that one looks through into its room. */
-	surface->shown = surface->infinite ? eye.z > 0 : eye.z != 0;
-	put(surface->normal, eye.z < 0 ? rb_vec3_neg(n) : n, fabs(eye.z));
-	lay(surface, bodies->setup.looks, shape, &turn, eye);
-	const rb_vec3 u = {turn.m[0][0], turn.m[1][0], turn.m[2][0]};
-	const rb_vec3 v = {turn.m[0][1], turn.m[1][1], turn.m[2][1]};
-	if (surface->infinite) {
-		const rb_vec3 foot = rb_vec3_scale(-eye.z, n);
-		put(surface->corner[0], foot, 1);
-		for (int k = 0; k < 5; k++) {
-			const double angle = 0.5 * acos(-1) * k;
-			put(surface->corner[k + 1],
-			    rb_vec3_add(rb_vec3_scale(cos(angle), u), rb_vec3_scale(sin(angle), v)),
-			    0);
-		}
-		surface->corner_count = 6;
-		return;
-	}
-	const rb_vec3 centre = rb_view_point(view, pose.position);
-	float(*caster)[4] = &bodies->rectangle_corner[4 * (size_t)bodies->caster_rectangles++];
-	for (int k = 0; k < 4; k++) {
-		const double x = (k == 0 || k == 3 ? -0.5 : 0.5) * shape->size[0];
-		const double y = (k < 2 ? -0.5 : 0.5) * shape->size[1];
-		put(surface->corner[k],
-		    rb_vec3_add(centre, rb_vec3_add(rb_vec3_scale(x, u), rb_vec3_scale(y, v))), 1);
-		memcpy(caster[k], surface->corner[k], sizeof caster[k]);
-	}
-	surface->corner_count = 4;
-}
-
 static enum rb_status make_programs(struct rb_bodies *bodies, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -518,8 +433,14 @@ enum rb_status rb_bodies_see(struct rb_bodies *bodies, const struct rb_frame *fr
 	const size_t rows = (size_t)bodies->sphere_count * (bodies->setup.soft ? 2 : 1);
 
 	bodies->caster_rectangles = 0;
-	for (int k = 0; k < bodies->surface_count; k++)
-		see_surface(bodies, &bodies->surface[k], frame, view);
+	for (int k = 0; k < bodies->surface_count; k++) {
+		struct rb_surface *surface = &bodies->surface[k];
+		rb_surface_see(surface, bodies->setup.model, bodies->setup.looks, frame, view);
+		if (!surface->infinite)
+			memcpy(bodies->rectangle_corner[4 * (size_t)bodies->caster_rectangles++],
+			       surface->corner[0], 4 * sizeof surface->corner[0][0]);
+	}
+	bodies->walls_cut = rb_surfaces_cut(bodies->surface, bodies->surface_count);
 	enum rb_status status = see_spheres(bodies, frame, view, err);
 	if (status == RB_OK)
 		status = make_programs(bodies, err);
@@ -649,7 +570,7 @@ static void draw_rims(const struct rb_bodies *bodies)
 	glDisable(GL_DEPTH_CLAMP);
 }
 
-static void draw_surface(const struct rb_bodies *bodies, const struct surface *surface)
+static void draw_surface(const struct rb_bodies *bodies, const struct rb_surface *surface)
 {
 	const struct rb_look *look = &bodies->setup.looks->of[surface->index];
 	const struct rb_surface_program *program =
@@ -658,13 +579,15 @@ static void draw_surface(const struct rb_bodies *bodies, const struct surface *s
 	if (look->pattern == RB_PATTERN_IMAGE)
 		glBindTexture(GL_TEXTURE_2D, bodies->texture[look->image]);
 	glUseProgram(program->name);
-	glUniform4fv(program->corner, surface->corner_count, surface->corner[0]);
 	glUniform4fv(program->normal, 1, surface->normal);
 	glUniform4fv(program->axis_u, 1, surface->axis_u);
 	glUniform4fv(program->axis_v, 1, surface->axis_v);
 	glUniform4f(program->paint, look->colour[0], look->colour[1], look->colour[2], look->gloss);
 	glUniform4f(program->other, look->other[0], look->other[1], look->other[2], 0);
-	glDrawArrays(GL_TRIANGLE_FAN, 0, surface->corner_count);
+	for (int p = 0; p < surface->part_count; p++) {
+		glUniform4fv(program->corner, surface->corner_count[p], surface->corner[p][0]);
+		glDrawArrays(GL_TRIANGLE_FAN, 0, surface->corner_count[p]);
+	}
 }
 
 void rb_bodies_draw(struct rb_bodies *bodies)

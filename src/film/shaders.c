@@ -243,7 +243,7 @@ const char rb_shader_sphere_fragment[] =
 	"flat " way " vec4 normal_, axis_u_, axis_v_, paint_, other_, way_, way_x_, way_y_;\n"
 
 const char rb_shader_plane_vertex[] =
-	"uniform vec4 corner[6];\n"
+	"uniform vec4 corner[12];\n"
 	"uniform vec4 normal;\n"         /* towards the eye; the eye's distance */
 	"uniform vec4 axis_u, axis_v;\n" /* in textures per metre; textures at the eye's foot */
 	"uniform vec4 paint;\n"          /* colour, exponent of the highlight */
@@ -340,7 +340,7 @@ const char rb_shader_disc_vertex[] =
 	"}\n";
 
 const char rb_shader_flat_vertex[] = "uniform mat4 to_map;\n"
-				     "uniform vec4 corner[6];\n"
+				     "uniform vec4 corner[12];\n"
 				     "void main()\n"
 				     "{\n"
 				     "	gl_Position = to_map * corner[gl_VertexID];\n"
