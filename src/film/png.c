@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <limits.h>
 #include <png.h>
+#include <zlib.h>
 #include <setjmp.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -227,9 +228,11 @@ static void write_picture(struct job *job, const struct rb_pixmap *pixmap,
 	const size_t row_size = 4 * (size_t)pixmap->width;
 
 	png_set_write_fn(png, job, write_bytes, flush_nothing);
-	/* a quarter of the time of libpng's own choice, and a few percent more bytes */
+	/* A fifth of the time of libpng's own choice: differences along a row, repetitions of one byte only. Pictures
+	 * of a thousand balls are 4 % smaller than with the row above and level 1, which takes a quarter longer. */
 	png_set_compression_level(png, 1);
-	png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
+	png_set_compression_strategy(png, Z_RLE);
+	png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);
 	png_set_compression_buffer_size(png, WRITE_BUFFER);
 	png_set_IHDR(png, job->info, (png_uint_32)pixmap->width, (png_uint_32)pixmap->height, 8,
 	             PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
