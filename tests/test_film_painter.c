@@ -588,6 +588,7 @@ static void a_room_seen_from_outside_ends_at_its_walls(void **state)
 	assert_true(is_red(pixel_of(&studio, (rb_vec3){0.5, -1.7, 0})));
 	assert_true(is_red(pixel_of(&studio, (rb_vec3){-1.5, 1, 0})));
 	assert_false(is_red(pixel_of(&studio, (rb_vec3){0.5, -2.4, 0})));
+	assert_false(is_red(pixel_of(&studio, (rb_vec3){2.6, -1.8, 0})));
 	assert_false(is_red(pixel_of(&studio, (rb_vec3){-0.5, -3, 0})));
 	studio_close(&studio);
 }

@@ -34,7 +34,7 @@ struct rb_lines {
 };
 
 /* How long arrows are, in diameters of a typical body: of a speed that is usual, of its weight. */
-static const double SPEED_SIZES = 3, WEIGHT_SIZES = 1;
+static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
 static const double TRAIL_PX = 2.2, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
 /* Of a picture this high; others in proportion. */
 static const double USUAL_HEIGHT_PX = 720;
