@@ -13,6 +13,7 @@
 #include "film/glsl.h"
 #include "film/hidden.h"
 #include "film/programs.h"
+#include "film/solids.h"
 #include "film/surfaces.h"
 #include "math/quat.h"
 
@@ -22,21 +23,28 @@ enum { GROUPS_PER_LOOK = 2 * RB_BALL_SIZES };
 /* Smaller ones are drawn as large as this: what flies away stays in sight as a dot. */
 static const double LEAST_PX = 0.6;
 
+/* A sphere that is drawn at all. */
+struct orb {
+	int index;                        /* of its body */
+	const struct rb_solid_part *part; /* of a union, the scene's; NULL: the body itself */
+};
+
 struct rb_bodies {
 	struct rb_bodies_setup setup;
-	int *sphere; /* [sphere_count]: indices of spheres that are drawn at all, owned */
+	struct orb *sphere; /* [sphere_count], owned */
 	int sphere_count, group_count;
 	struct rb_sort_item *order, *scratch; /* [sphere_count], owned */
 	struct rb_ball *ball;                 /* [sphere_count]: as gathered, owned */
 	struct rb_ball *
 		sorted; /* [2 sphere_count]: by group, near ones first; then far ones first; owned */
-	struct rb_apart_ball *seen;   /* [sphere_count]: those in the picture, owned */
+	struct rb_apart_ball *seen;   /* [sphere_count]: those in the picture; then solids; owned */
 	int *group_first;             /* [group_count + 2], owned; the last group is out of view */
 	float (*rectangle_corner)[4]; /* [4 * rectangle_count], owned */
 	int rectangle_count, caster_rectangles;
 	struct rb_surface *surface; /* [surface_count], owned */
 	int surface_count;
 	bool walls_cut; /* planes no longer hide all that is behind them */
+	struct rb_solids *solids; /* owned */
 
 	struct rb_hidden hidden;
 	struct rb_apart apart;
@@ -82,14 +90,38 @@ static void make_textures(struct rb_bodies *bodies)
 	}
 }
 
+/* Spheres, in unions too; `sphere` NULL: only counts. */
+static int list_spheres(const struct rb_model *model, const struct rb_looks *looks,
+                        struct orb *sphere)
+{
+	int count = 0;
+
+	for (int i = 0; i < model->body_count + model->static_count; i++) {
+		const struct rb_shape *shape = &model->shape[i];
+		struct rb_solid_part own;
+		int part_count;
+		const struct rb_solid_part *parts = rb_parts_of(model->scene, shape, &own,
+		                                                &part_count);
+		for (int p = 0; p < part_count && looks->of[i].visible; p++) {
+			if (parts[p].shape.kind != RB_SHAPE_SPHERE)
+				continue;
+			if (sphere)
+				sphere[count] = (struct orb){i, parts == &own ? NULL : &parts[p]};
+			count++;
+		}
+	}
+	return count;
+}
+
 static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 {
 	const int total = model->body_count + model->static_count;
-	int spheres = 0, others = 0;
+	int others = 0;
 
 	for (int i = 0; i < total; i++)
-		*(model->shape[i].kind == RB_SHAPE_SPHERE ? &spheres : &others) += 1;
-	const size_t n = (size_t)spheres;
+		others += model->shape[i].kind < RB_SHAPE_BOX;
+	const int solids = rb_solids_number(model, bodies->setup.looks);
+	const size_t n = (size_t)list_spheres(model, bodies->setup.looks, NULL);
 	bodies->group_count = GROUPS_PER_LOOK *
 	                      (RB_PATTERN_IMAGE + bodies->setup.looks->image_count);
 	bodies->sphere = rb_memory_take(n, sizeof *bodies->sphere);
@@ -97,7 +129,7 @@ static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 	bodies->scratch = rb_memory_take(n, sizeof *bodies->scratch);
 	bodies->ball = rb_memory_take(n, sizeof *bodies->ball);
 	bodies->sorted = rb_memory_take(2 * n, sizeof *bodies->sorted);
-	bodies->seen = rb_memory_take(n, sizeof *bodies->seen);
+	bodies->seen = rb_memory_take(n + (size_t)solids, sizeof *bodies->seen);
 	bodies->group_first = rb_memory_take((size_t)bodies->group_count + 2,
 	                                     sizeof *bodies->group_first);
 	bodies->surface = rb_memory_take((size_t)others, sizeof *bodies->surface);
@@ -155,18 +187,23 @@ enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_b
 		const enum rb_shape_kind kind = model->shape[i].kind;
 		if (!setup->looks->of[i].visible)
 			continue;
-		if (kind == RB_SHAPE_SPHERE)
-			bodies->sphere[bodies->sphere_count++] = i;
-		else if (kind == RB_SHAPE_PLANE || kind == RB_SHAPE_RECTANGLE)
+		if (kind == RB_SHAPE_PLANE || kind == RB_SHAPE_RECTANGLE)
 			bodies->surface[bodies->surface_count++] = (struct rb_surface){
 				.index = i, .infinite = kind == RB_SHAPE_PLANE};
 	}
+	bodies->sphere_count = list_spheres(model, setup->looks, bodies->sphere);
 	rb_apart_init(&bodies->apart);
 	/* Trails go through spheres. */
 	bodies->exact = bodies->cut || setup->camera->trail_count > 0;
 	make_arrays(bodies);
 	make_textures(bodies);
 	enum rb_status status = prepare_programs(bodies, err);
+	const struct rb_solids_setup solids = {.model = model,
+	                                       .looks = setup->looks,
+	                                       .programs = &bodies->programs,
+	                                       .texture = bodies->texture};
+	if (status == RB_OK)
+		status = rb_solids_create(&bodies->solids, &solids, err);
 	if (status == RB_OK)
 		status = rb_canvas_check("prepare bodies", err);
 	if (status != RB_OK) {
@@ -182,6 +219,7 @@ void rb_bodies_destroy(struct rb_bodies *bodies)
 	if (!bodies)
 		return;
 	/* Names of OpenGL go with the canvas. */
+	rb_solids_destroy(bodies->solids);
 	rb_memory_free(bodies->sphere);
 	rb_hidden_release(&bodies->hidden);
 	rb_memory_free(bodies->order);
@@ -198,31 +236,6 @@ void rb_bodies_destroy(struct rb_bodies *bodies)
 }
 
 /* ---- what a view shows ---- */
-
-struct edges {
-	rb_vec3 normal[4]; /* inwards, unit */
-};
-
-static struct edges edges_of(const struct rb_view *view)
-{
-	const rb_vec3 zero = {0, 0, 0};
-	return (struct edges){{
-		rb_vec3_unit((rb_vec3){1, 0, view->left_slope}, zero),
-		rb_vec3_unit((rb_vec3){-1, 0, -view->right_slope}, zero),
-		rb_vec3_unit((rb_vec3){0, 1, view->bottom_slope}, zero),
-		rb_vec3_unit((rb_vec3){0, -1, -view->top_slope}, zero),
-	}};
-}
-
-static bool outside(const struct edges *edges, rb_vec3 centre, double radius)
-{
-	if (centre.z - radius > 0)
-		return true;
-	for (int k = 0; k < 4; k++)
-		if (rb_vec3_dot(edges->normal[k], centre) < -radius)
-			return true;
-	return false;
-}
 
 static struct rb_ball ball_of(const struct rb_look *look, rb_vec3 centre, double radius,
                               rb_quat orientation)
@@ -292,11 +305,15 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
 	const double least = LEAST_PX * rb_view_pixel_size(view);
 
 	for (int k = 0; k < bodies->sphere_count; k++) {
-		const int index = bodies->sphere[k];
-		const rb_pose pose = pose_by_index(model, frame, index);
+		const int index = bodies->sphere[k].index;
+		const struct rb_solid_part *part = bodies->sphere[k].part;
+		rb_pose pose = pose_by_index(model, frame, index);
+		if (part)
+			pose = rb_view_part(pose, part);
 		const rb_vec3 centre = rb_view_point(view, pose.position);
 		const double distance = rb_vec3_length(centre);
-		const double radius = fmax(model->shape[index].radius, least * distance);
+		const double whole = part ? part->shape.radius : model->shape[index].radius;
+		const double radius = fmax(whole, least * distance);
 		bodies->ball[k] = ball_of(&bodies->setup.looks->of[index], centre, radius,
 		                          pose.orientation);
 		bodies->order[k] = (struct rb_sort_item){bits_of(distance), (uint64_t)k};
@@ -368,7 +385,7 @@ static void group(struct rb_bodies *bodies)
 static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_frame *frame,
                                   const struct rb_view *view, struct rb_error *err)
 {
-	const struct edges edges = edges_of(view);
+	const struct rb_view_edges edges = rb_view_edges(view);
 	const double pixel = rb_view_pixel_size(view);
 	int seen = 0;
 
@@ -382,7 +399,7 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 		                              .radius = (double)ball->radius,
 		                              .cuts = bodies->exact};
 		const double px = pixel * rb_vec3_length(one->centre);
-		const bool out = outside(&edges, one->centre, one->radius + 2 * px) ||
+		const bool out = rb_view_misses(&edges, one->centre, one->radius + 2 * px) ||
 		                 is_behind_surface(bodies, one) ||
 		                 (!bodies->cut &&
 		                  rb_hidden_add(&bodies->hidden, view, one->centre, one->radius));
@@ -390,15 +407,19 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 		seen += !out;
 	}
 	enum rb_status status = RB_OK;
-	if (!bodies->exact)
-		status = rb_apart_find(&bodies->apart, bodies->seen, seen, err);
+	if (!bodies->exact && seen > 0) {
+		const int solids = rb_solids_count(bodies->solids);
+		memcpy(bodies->seen + seen, rb_solids_around(bodies->solids),
+		       (size_t)solids * sizeof *bodies->seen);
+		status = rb_apart_find(&bodies->apart, bodies->seen, seen + solids, err);
+	}
 	seen = 0;
 	for (int k = 0; k < bodies->sphere_count; k++) {
 		struct rb_sort_item *item = &bodies->order[k];
 		uint64_t number = (uint64_t)bodies->group_count;
 		if (item->key >> 32 == 0) {
 			const struct rb_apart_ball *one = &bodies->seen[seen++];
-			const int index = bodies->sphere[item->value];
+			const int index = bodies->sphere[item->value].index;
 			number = (uint64_t)group_of(
 				&bodies->setup.looks->of[index],
 				one->radius / (pixel * rb_vec3_length(one->centre)), one->cuts);
@@ -441,7 +462,9 @@ enum rb_status rb_bodies_see(struct rb_bodies *bodies, const struct rb_frame *fr
 			       surface->corner[0], 4 * sizeof surface->corner[0][0]);
 	}
 	bodies->walls_cut = rb_surfaces_cut(bodies->surface, bodies->surface_count);
-	enum rb_status status = see_spheres(bodies, frame, view, err);
+	enum rb_status status = rb_solids_see(bodies->solids, frame, view, err);
+	if (status == RB_OK)
+		status = see_spheres(bodies, frame, view, err);
 	if (status == RB_OK)
 		status = make_programs(bodies, err);
 	if (status != RB_OK)
@@ -454,13 +477,16 @@ enum rb_status rb_bodies_see(struct rb_bodies *bodies, const struct rb_frame *fr
 
 struct rb_casters rb_bodies_casters(const struct rb_bodies *bodies)
 {
-	return (struct rb_casters){
+	struct rb_casters casters = {
 		.balls = bodies->sorted ? bodies->sorted[0].centre : NULL,
 		.ball_count = bodies->sphere_count,
 		.stride = sizeof *bodies->sorted / sizeof(float),
 		.corners = (const float(*)[4])bodies->rectangle_corner,
 		.corner_count = 4 * bodies->caster_rectangles,
 	};
+
+	rb_solids_casters(bodies->solids, &casters);
+	return casters;
 }
 
 /* ---- drawing ---- */
@@ -510,6 +536,7 @@ static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow
 void rb_bodies_throw(struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 {
 	throw_spheres(bodies, fit);
+	rb_solids_throw(bodies->solids, fit);
 	glBindVertexArray(bodies->no_array);
 	glUseProgram(bodies->programs.flat);
 	glUniformMatrix4fv(rb_glsl_place(bodies->programs.flat, "to_map"), 1, GL_FALSE,
@@ -594,8 +621,10 @@ void rb_bodies_draw(struct rb_bodies *bodies)
 {
 	glActiveTexture(GL_TEXTURE0 + RB_IMAGE_UNIT);
 	glEnable(GL_DEPTH_TEST);
-	if (!bodies->setup.camera->wireframe)
+	if (!bodies->setup.camera->wireframe) {
 		draw_spheres(bodies);
+		rb_solids_draw(bodies->solids);
+	}
 	glBindVertexArray(bodies->no_array);
 	for (int k = 0; k < bodies->surface_count; k++)
 		if (bodies->surface[k].shown)

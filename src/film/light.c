@@ -293,6 +293,27 @@ static struct axes axes_of(rb_vec3 z)
 	return (struct axes){x, rb_vec3_cross(z, x), z};
 }
 
+static rb_vec3 corner_of(const float p[4])
+{
+	return (rb_vec3){(double)p[0], (double)p[1], (double)p[2]};
+}
+
+static void grow_corners(struct box *box, const float (*corner)[4], int count,
+                         const struct axes *axes, rb_vec3 origin)
+{
+	for (int k = 0; k < count; k++)
+		grow(box, along(axes, rb_vec3_sub(corner_of(corner[k]), origin)), 0);
+}
+
+/* Is a box smaller than a slope? */
+static bool is_dot(const float (*corner)[4], double slope)
+{
+	const rb_vec3 one = corner_of(corner[0]), other = corner_of(corner[7]);
+
+	return 0.5 * rb_vec3_length(rb_vec3_sub(other, one)) <
+	       slope * rb_vec3_length(rb_vec3_scale(0.5, rb_vec3_add(one, other)));
+}
+
 /* What throws shadows worth seeing: at least as large as a fraction of a pixel. Distances count from `origin`. */
 static struct box bounds(const struct rb_view *view, const struct rb_casters *casters,
                          const struct axes *axes, rb_vec3 origin)
@@ -308,20 +329,18 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 			continue;
 		grow(&box, along(axes, rb_vec3_sub(c, origin)), r);
 	}
-	/* Large rectangles may reach far out of what is seen. */
-	const struct box balls = box;
-	for (int k = 0; k < casters->corner_count; k++) {
-		const float *p = casters->corners[k];
-		grow(&box,
-		     along(axes, rb_vec3_sub((rb_vec3){(double)p[0], (double)p[1], (double)p[2]},
-		                             origin)),
-		     0);
-	}
-	for (int k = 0; k < 2 && balls.any; k++) {
-		const double room = fmax(balls.high[0] - balls.low[0],
-		                         balls.high[1] - balls.low[1]);
-		box.low[k] = fmax(box.low[k], balls.low[k] - room);
-		box.high[k] = fmin(box.high[k], balls.high[k] + room);
+	for (int k = 0; k + 8 <= casters->solid_corner_count; k += 8)
+		if (!is_dot(casters->solids + k, least))
+			grow_corners(&box, casters->solids + k, 8, axes, origin);
+	/* Large rectangles and boxes that stand still may reach far out of what is seen. */
+	const struct box moving = box;
+	grow_corners(&box, casters->corners, casters->corner_count, axes, origin);
+	grow_corners(&box, casters->still, casters->still_count, axes, origin);
+	for (int k = 0; k < 2 && moving.any; k++) {
+		const double room = fmax(moving.high[0] - moving.low[0],
+		                         moving.high[1] - moving.low[1]);
+		box.low[k] = fmax(box.low[k], moving.low[k] - room);
+		box.high[k] = fmin(box.high[k], moving.high[k] + room);
 	}
 	return box;
 }
@@ -340,8 +359,14 @@ static int side_for(const struct rb_view *view, const struct rb_casters *casters
 			               sqrt((double)(ball[0] * ball[0] + ball[1] * ball[1] +
 			                             ball[2] * ball[2])));
 	}
-	for (int k = 0; k < casters->corner_count && casters->ball_count == 0; k++)
+	for (int k = 0; k < casters->solid_corner_count; k++)
+		if (casters->solids[k][2] < 0)
+			nearest = fmin(nearest, rb_vec3_length(corner_of(casters->solids[k])));
+	const bool moving = casters->ball_count > 0 || casters->solid_corner_count > 0;
+	for (int k = 0; k < casters->corner_count && !moving; k++)
 		nearest = fmin(nearest, fabs((double)casters->corners[k][2]));
+	for (int k = 0; k < casters->still_count && !moving; k++)
+		nearest = fmin(nearest, fabs((double)casters->still[k][2]));
 	const double texels = size / (rb_view_pixel_size(view) * fmax(nearest, 0.05 * size));
 	const double most = whole - 2 * MARGIN;
 	return (int)fmax(SIDE_MIN, fmin(most, ceil(0.55 * texels)));

@@ -43,13 +43,15 @@ void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, s
 void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, bool from_zero,
                     struct rb_shader_block *block);
 
-/* What throws shadows, in view coordinates: spheres (x, y, z, radius) with `stride` floats each, and corners of
- * rectangles. */
+/* What throws shadows, in view coordinates: spheres (x, y, z, radius) with `stride` floats each, corners of rectangles,
+ * and corners of boxes about solids that move and about others. */
 struct rb_casters {
 	const float *balls;
 	int ball_count, stride;
 	const float (*corners)[4];
 	int corner_count;
+	const float (*solids)[4], (*still)[4];
+	int solid_corner_count, still_count;
 };
 
 enum { RB_SHADOW_SIDE = 2048 }; /* of the textures that hold maps, texels */

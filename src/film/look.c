@@ -17,7 +17,7 @@ static const double palette[][3] = {
 static const double plane_colour[3] = {0.80, 0.80, 0.79};
 /* The second colour of a plane's pattern: so much of the first. */
 static const double PLANE_SHADE = 0.62;
-static const double SPHERE_GLOSS = 55;
+static const double SOLID_GLOSS = 55;
 
 double rb_look_linear(double srgb)
 {
@@ -31,7 +31,7 @@ static int compare(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* The median diameter of spheres that move, else of those that don't, else what planes there are. */
+/* The median diameter of solids that move, else of those that don't, else what planes there are. */
 static enum rb_status measure(struct rb_looks *looks, const struct rb_model *model,
                               struct rb_error *err)
 {
@@ -44,8 +44,8 @@ static enum rb_status measure(struct rb_looks *looks, const struct rb_model *mod
 	for (int part = 0; part < 2 && count == 0; part++)
 		for (int i = part ? model->body_count : 0; i < (part ? total : model->body_count);
 		     i++)
-			if (model->shape[i].kind == RB_SHAPE_SPHERE)
-				sizes[count++] = 2 * model->shape[i].radius;
+			if (rb_model_reach(model, i) > 0)
+				sizes[count++] = 2 * rb_model_reach(model, i);
 	for (int i = 0; i < total && count == 0; i++)
 		if (model->shape[i].kind == RB_SHAPE_RECTANGLE)
 			sizes[count++] = 0.2 *
@@ -111,10 +111,10 @@ static enum rb_status load(struct rb_looks *looks, int *image, const char *name,
 static void colour(struct rb_look *look, const struct rb_body_def *body,
                    const struct rb_material_def *material, int material_index)
 {
-	const bool sphere = body->shape.kind == RB_SHAPE_SPHERE;
+	const bool solid = body->shape.kind != RB_SHAPE_PLANE &&
+	                   body->shape.kind != RB_SHAPE_RECTANGLE;
 	const size_t palette_count = sizeof palette / sizeof palette[0];
-	const double *srgb = sphere ? palette[(size_t)material_index % palette_count]
-	                            : plane_colour;
+	const double *srgb = solid ? palette[(size_t)material_index % palette_count] : plane_colour;
 
 	if (!isnan(body->color[0]))
 		srgb = body->color;
@@ -126,7 +126,7 @@ static void colour(struct rb_look *look, const struct rb_body_def *body,
 		look->colour[k] = (float)(0.9 * linear);
 		look->other[k] = (float)(0.9 * linear * PLANE_SHADE * PLANE_SHADE);
 	}
-	look->gloss = (float)(isnan(material->shininess) ? (sphere ? SPHERE_GLOSS : 0)
+	look->gloss = (float)(isnan(material->shininess) ? (solid ? SOLID_GLOSS : 0)
 	                                                 : material->shininess);
 }
 

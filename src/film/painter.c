@@ -13,6 +13,7 @@
 #include "film/glsl.h"
 #include "film/lines.h"
 #include "film/shadow.h"
+#include "film/solids.h"
 
 struct rb_painter {
 	const struct rb_model *model;
@@ -52,13 +53,15 @@ static enum rb_status make_sky(struct rb_painter *painter, struct rb_error *err)
 }
 
 /*
- * Samples cost more than all else together, and only edges of planes need them: those of spheres have a formula, a
- * horizon is in haze, lines have their own.
+ * Samples cost more than all else together, and only edges of planes and polyhedra need them: those of spheres have a
+ * formula, a horizon is in haze, lines have their own.
  */
 static bool needs_samples(const struct rb_model *model, const struct rb_looks *looks)
 {
 	int infinite = 0;
 
+	if (rb_solids_number(model, looks) > 0)
+		return true;
 	for (int i = 0; i < model->body_count + model->static_count; i++) {
 		if (!looks->of[i].visible)
 			continue;

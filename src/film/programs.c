@@ -155,6 +155,32 @@ enum rb_status rb_programs_surface(struct rb_programs *programs, enum rb_pattern
 	return RB_OK;
 }
 
+enum rb_status rb_programs_solid(struct rb_programs *programs, enum rb_pattern pattern,
+                                 GLuint *program, struct rb_error *err)
+{
+	char defines[DEFINES_SIZE], lights[RB_LIGHTS_DEFINES_SIZE];
+	enum rb_status status = RB_OK;
+
+	if (!programs->solid[pattern]) {
+		rb_lights_define(programs->lights, true, lights, sizeof lights);
+		snprintf(defines, sizeof defines,
+		         "#define PATTERN %d\n#define GLOSS\n#define FINE\n#define TEXEL %.9f\n%s",
+		         (int)pattern, 1.0 / RB_SHADOW_SIDE, lights);
+		const struct rb_glsl_parts parts = {
+			.name = "solid",
+			.defines = defines,
+			.vertex = {rb_shader_scene, rb_shader_solid, rb_shader_solid_vertex},
+			.fragment = {rb_shader_scene, rb_shader_light, rb_shader_pattern,
+		                     rb_shader_solid_fragment},
+		};
+		status = rb_glsl_program(&programs->solid[pattern], &parts, err);
+		if (status == RB_OK)
+			wire(programs->solid[pattern]);
+	}
+	*program = programs->solid[pattern];
+	return status;
+}
+
 enum rb_status rb_programs_shadows(struct rb_programs *programs, struct rb_error *err)
 {
 	const char *fix = rb_canvas_depth_from_zero(programs->canvas)
@@ -184,5 +210,13 @@ enum rb_status rb_programs_shadows(struct rb_programs *programs, struct rb_error
 		.vertex = {rb_shader_scene, rb_shader_flat_vertex},
 		.fragment = {rb_shader_nothing},
 	};
-	return status != RB_OK ? status : rb_glsl_program(&programs->flat, &parts, err);
+	const struct rb_glsl_parts solid = {
+		.name = "solid's shadow",
+		.defines = defines,
+		.vertex = {rb_shader_solid, rb_shader_solid_shadow},
+		.fragment = {rb_shader_nothing},
+	};
+	if (status == RB_OK)
+		status = rb_glsl_program(&programs->flat, &parts, err);
+	return status != RB_OK ? status : rb_glsl_program(&programs->solid_shadow, &solid, err);
 }

@@ -42,7 +42,8 @@ struct rb_programs {
 	/* private */
 	GLuint ball[RB_PATTERN_COUNT][RB_BALL_SIZES][2][2];
 	struct rb_surface_program surface[RB_PATTERN_COUNT][2][2]; /* infinite? glossy? */
-	GLuint disc[RB_DISC_SIZES], flat;
+	GLuint solid[RB_PATTERN_COUNT];
+	GLuint disc[RB_DISC_SIZES], flat, solid_shadow;
 };
 
 int rb_ball_size(double radius_px);
@@ -54,6 +55,8 @@ RB_CHECKED enum rb_status rb_programs_ball(struct rb_programs *programs, struct 
                                            GLuint *program, struct rb_error *err);
 RB_CHECKED enum rb_status rb_programs_surface(struct rb_programs *programs, enum rb_pattern pattern,
                                               bool infinite, bool glossy, struct rb_error *err);
+RB_CHECKED enum rb_status rb_programs_solid(struct rb_programs *programs, enum rb_pattern pattern,
+                                            GLuint *program, struct rb_error *err);
 
 /* Polygons for discs of that radius in a shadow map. */
 int rb_disc_size(double radius_texels);

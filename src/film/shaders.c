@@ -112,6 +112,13 @@ const char rb_shader_pattern[] =
 	"vec2 footprint(vec2 p)\n"
 	"{\n"
 	"	return abs(dFdx(p)) + abs(dFdy(p)) + 1e-4;\n"
+	"}\n"
+	/* Six sectors by sin 3 phi, a cap at either pole. */
+	"vec3 beachball(vec3 n, vec3 paint)\n"
+	"{\n"
+	"	float f = n.y * (3.0 * n.x * n.x - n.y * n.y);\n"
+	"	vec3 c = mix(vec3(0.86), paint, edge(f));\n"
+	"	return mix(c, n.z < 0.0 ? vec3(0.86) : paint * 0.45, edge(abs(n.z) - 0.955));\n"
 	"}\n";
 
 /* ---- spheres ---- */
@@ -184,10 +191,8 @@ const char rb_shader_sphere_fragment[] =
 	"#elif PATTERN == 2\n" /* stripes: seven bands */
 	"	float f = abs(fract(1.75 * n.z + 0.25) - 0.5) - 0.25;\n"
 	"	return mix(vec3(0.86), body.rgb, edge(f));\n"
-	"#elif PATTERN == 3\n" /* beachball: six sectors by sin 3 phi, a cap at either pole */
-	"	float f = n.y * (3.0 * n.x * n.x - n.y * n.y);\n"
-	"	vec3 c = mix(vec3(0.86), body.rgb, edge(f));\n"
-	"	return mix(c, n.z < 0.0 ? vec3(0.86) : body.rgb * 0.45, edge(abs(n.z) - 0.955));\n"
+	"#elif PATTERN == 3\n"
+	"	return beachball(n, body.rgb);\n"
 	"#elif PATTERN == 4\n" /* a picture of the whole globe */
 	"	float u = atan(n.y, n.x) * (0.5 / PI), v = acos(clamp(n.z, -1.0, 1.0)) / PI;\n"
 	"	float other = fract(u);\n" /* its seam is elsewhere: one of both is smooth */
@@ -296,6 +301,83 @@ const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 	      "#endif\n"
 	      "}\n";
 
+/* ---- other solids ---- */
+
+const char rb_shader_solid[] =
+	"layout(location = 0) in vec4 unit;\n"
+	"layout(location = 1) in vec3 normal;\n"
+	"layout(location = 2) in vec2 axis;\n"
+	"layout(location = 3) in vec2 tex;\n"
+	"layout(location = 4) in vec4 body;\n"  /* centre, shift */
+	"layout(location = 5) in vec4 turn;\n"  /* from object to view coordinates: x, y, z, w */
+	"layout(location = 6) in vec4 size;\n"  /* scale, exponent of the highlight */
+	"layout(location = 7) in vec4 paint;\n" /* colour */
+	"layout(location = 8) in vec4 count;\n"
+	"vec3 spun(vec3 p)\n"
+	"{\n"
+	"	return p + 2.0 * cross(turn.xyz, cross(turn.xyz, p) + turn.w * p);\n"
+	"}\n"
+	"vec3 corner()\n" /* object coordinates, from the middle */
+	"{\n"
+	"	return size.xyz * unit.xyz + vec3(0.0, 0.0, body.w * unit.w);\n"
+	"}\n";
+
+const char rb_shader_solid_vertex[] =
+	"out vec3 point, across;\n" /* world axes, from the eye; the normal */
+	"#if PATTERN == 3\n"
+	"out vec3 way;\n" /* from the middle, in sizes */
+	"#elif PATTERN > 0\n"
+	"out vec2 skin;\n"
+	"#endif\n"
+	"flat out vec4 colour;\n"
+	"CARRY(out)\n"
+	"float along(float k)\n"
+	"{\n"
+	"	return k < 0.5 ? count.x : k < 1.5 ? count.y : count.z;\n"
+	"}\n"
+	"void main()\n"
+	"{\n"
+	"	vec3 p = corner(), q = body.xyz + spun(p);\n"
+	"	point = turned(q);\n"
+	"	across = turned(spun(normal));\n"
+	"#if PATTERN == 3\n"
+	"	way = p / (size.xyz + vec3(0.0, 0.0, body.w));\n"
+	"#elif PATTERN > 0\n"
+	"	skin = vec2(along(axis.x) * tex.x, along(axis.y) * tex.y + count.w * unit.w);\n"
+	"#endif\n"
+	"	colour = vec4(paint.rgb, size.w);\n"
+	"	gl_Position = projection * vec4(q, 1.0);\n"
+	"	SEND\n"
+	"}\n";
+
+const char rb_shader_solid_fragment[] =
+	"in vec3 point, across;\n"
+	"#if PATTERN == 3\n"
+	"in vec3 way;\n"
+	"#elif PATTERN > 0\n"
+	"in vec2 skin;\n"
+	"#endif\n"
+	"flat in vec4 colour;\n"
+	"uniform sampler2D image;\n"
+	"out vec4 result;\n"
+	"void main()\n"
+	"{\n"
+	"#if PATTERN == 1\n"
+	"	vec2 s = wave(skin, footprint(skin));\n"
+	"	vec3 albedo = mix(colour.rgb, vec3(0.86), 0.5 - 0.5 * s.x * s.y);\n"
+	"#elif PATTERN == 2\n"
+	"	vec2 s = wave(skin, footprint(skin));\n"
+	"	vec3 albedo = mix(colour.rgb, vec3(0.86), 0.5 - 0.5 * s.y);\n"
+	"#elif PATTERN == 3\n"
+	"	vec3 albedo = beachball(normalize(way), colour.rgb);\n"
+	"#elif PATTERN == 4\n"
+	"	vec3 albedo = colour.rgb * texture(image, vec2(0.5 + skin.x, 0.5 - skin.y)).rgb;\n"
+	"#else\n"
+	"	vec3 albedo = colour.rgb;\n"
+	"#endif\n"
+	"	result = vec4(tone(lit(point, normalize(across), -normalize(point), albedo, colour.w)), 1.0);\n"
+	"}\n";
+
 /* ---- sky ---- */
 
 const char rb_shader_sky_vertex[] =
@@ -346,6 +428,14 @@ const char rb_shader_flat_vertex[] = "uniform mat4 to_map;\n"
 				     "	gl_Position = to_map * corner[gl_VertexID];\n"
 				     "	FIX_DEPTH\n"
 				     "}\n";
+
+const char rb_shader_solid_shadow[] =
+	"uniform mat4 to_map;\n"
+	"void main()\n"
+	"{\n"
+	"	gl_Position = to_map * vec4(body.xyz + spun(corner()), 1.0);\n"
+	"	FIX_DEPTH\n"
+	"}\n";
 
 const char rb_shader_nothing[] = "void main()\n"
 				 "{\n"

@@ -31,6 +31,9 @@ extern const char rb_shader_pattern[]; /* coverage by patterns */
 
 extern const char rb_shader_sphere_vertex[], rb_shader_sphere_fragment[];
 extern const char rb_shader_plane_vertex[], rb_shader_plane_fragment[];
+/* Of solids: how a corner of film/mesh is placed comes first in either vertex shader. */
+extern const char rb_shader_solid[], rb_shader_solid_vertex[], rb_shader_solid_fragment[];
+extern const char rb_shader_solid_shadow[];
 extern const char rb_shader_sky_vertex[], rb_shader_sky_fragment[];
 extern const char rb_shader_disc_vertex[], rb_shader_flat_vertex[], rb_shader_nothing[];
 extern const char rb_shader_line_vertex[], rb_shader_line_fragment[];

@@ -23,6 +23,13 @@ rb_pose rb_view_pose(const struct rb_model *model, const struct rb_frame *frame,
 	return pose;
 }
 
+rb_pose rb_view_part(rb_pose body, const struct rb_solid_part *part)
+{
+	return (rb_pose){
+		rb_vec3_add(body.position, rb_quat_rotate(body.orientation, part->position)),
+		rb_quat_multiply(body.orientation, part->orientation)};
+}
+
 static rb_vec3 vector(const struct rb_camera_vector *from, const struct rb_model *model,
                       const struct rb_frame *frame, const rb_vec3 *shot)
 {
@@ -44,7 +51,7 @@ static const char *label(const struct rb_camera_def *camera)
 }
 
 /* Distance from a point in object coordinates to the surface, negative inside. */
-static double distance(const struct rb_shape *shape, rb_vec3 p)
+static double distance(const struct rb_scene *scene, const struct rb_shape *shape, rb_vec3 p)
 {
 	switch (shape->kind) {
 	case RB_SHAPE_SPHERE:
@@ -54,8 +61,8 @@ static double distance(const struct rb_shape *shape, rb_vec3 p)
 	case RB_SHAPE_RECTANGLE:
 		return rb_vec3_length((rb_vec3){fmax(0, fabs(p.x) - 0.5 * shape->size[0]),
 		                                fmax(0, fabs(p.y) - 0.5 * shape->size[1]), p.z});
-	default: /* not drawn */
-		return (double)INFINITY;
+	default:
+		return rb_parts_distance(scene, shape, p);
 	}
 }
 
@@ -71,10 +78,12 @@ static enum rb_status nearest(double *least, const struct rb_view *view,
 		const rb_pose pose = rb_view_pose(model, frame, id);
 		const rb_vec3 away = rb_vec3_sub(view->eye, pose.position);
 		const struct rb_shape *shape = &model->shape[model->index_of[id]];
-		const double d = shape->kind == RB_SHAPE_SPHERE
-		                         ? rb_vec3_length(away) - shape->radius
-		                         : distance(shape,
-		                                    rb_quat_rotate_back(pose.orientation, away));
+		double d = rb_vec3_length(away) - rb_model_reach(model, model->index_of[id]);
+		if (shape->kind >= RB_SHAPE_BOX && d > 0 && *least > 0 && d > *least)
+			continue;
+		if (shape->kind != RB_SHAPE_SPHERE)
+			d = distance(model->scene, shape,
+			             rb_quat_rotate_back(pose.orientation, away));
 		if (d < 0 && shape->kind == RB_SHAPE_PLANE)
 			continue; /* seen from behind, it is not drawn */
 		if (d < 0) {
@@ -202,6 +211,37 @@ rb_mat3 rb_view_turn(const struct rb_view *view, rb_quat orientation)
 	                       {view->back.x, view->back.y, view->back.z}}};
 
 	return rb_mat3_multiply(&axes, &body);
+}
+
+rb_quat rb_view_quat(const struct rb_view *view)
+{
+	const rb_mat3 axes = {{{view->right.x, view->right.y, view->right.z},
+	                       {view->up.x, view->up.y, view->up.z},
+	                       {view->back.x, view->back.y, view->back.z}}};
+
+	return rb_quat_from_mat3(&axes);
+}
+
+struct rb_view_edges rb_view_edges(const struct rb_view *view)
+{
+	const rb_vec3 zero = {0, 0, 0};
+
+	return (struct rb_view_edges){{
+		rb_vec3_unit((rb_vec3){1, 0, view->left_slope}, zero),
+		rb_vec3_unit((rb_vec3){-1, 0, -view->right_slope}, zero),
+		rb_vec3_unit((rb_vec3){0, 1, view->bottom_slope}, zero),
+		rb_vec3_unit((rb_vec3){0, -1, -view->top_slope}, zero),
+	}};
+}
+
+bool rb_view_misses(const struct rb_view_edges *edges, rb_vec3 centre, double radius)
+{
+	if (centre.z - radius > 0)
+		return true;
+	for (int k = 0; k < 4; k++)
+		if (rb_vec3_dot(edges->normal[k], centre) < -radius)
+			return true;
+	return false;
 }
 
 void rb_view_pixel(const struct rb_view *view, rb_vec3 point, double pixel[2])

@@ -11,6 +11,8 @@
 #include <rbsim/frame.h>
 #include <rbsim/model.h>
 
+#include "film/parts.h"
+
 /* Where a body is: p_world = position + orientation p_object. */
 typedef struct {
 	rb_vec3 position;
@@ -27,6 +29,8 @@ struct rb_view {
 
 /* Of a body by its id; the model's where it never moves or the frame has no orientations. */
 rb_pose rb_view_pose(const struct rb_model *model, const struct rb_frame *frame, int id);
+/* Of a part of a body. */
+rb_pose rb_view_part(rb_pose body, const struct rb_solid_part *part);
 
 /*
  * `shot` is for what comes from functions (NULL: nothing does). RB_ERR_SCENE with the camera, the time and the body:
@@ -41,6 +45,16 @@ rb_vec3 rb_view_point(const struct rb_view *view, rb_vec3 world);     /* relativ
 rb_vec3 rb_view_direction(const struct rb_view *view, rb_vec3 world); /* turned only */
 /* Turns object coordinates of a body into view coordinates. */
 rb_mat3 rb_view_turn(const struct rb_view *view, rb_quat orientation);
+/* From the world's axes to those of the view. */
+rb_quat rb_view_quat(const struct rb_view *view);
+
+/* The planes through the eye and the edges of the picture. */
+struct rb_view_edges {
+	rb_vec3 normal[4]; /* inwards, unit */
+};
+struct rb_view_edges rb_view_edges(const struct rb_view *view);
+/* No point of a sphere (view coordinates) is in the picture. */
+bool rb_view_misses(const struct rb_view_edges *edges, rb_vec3 centre, double radius);
 
 /* Where in the picture a point in view coordinates is: pixels from its upper left corner. z must be negative. */
 void rb_view_pixel(const struct rb_view *view, rb_vec3 point, double pixel[2]);
