@@ -257,29 +257,49 @@ struct wire {
 	rb_vec3 centre; /* view coordinates */
 };
 
-/* A circle about `at`, through at + x and at + y; what lies behind the body's centre is faint. */
-static void circle(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, int count)
-{
-	rb_vec3 before = rb_vec3_add(at, x);
+/* Of a circle: strokes, and from where to where, in turns. */
+struct span {
+	int count;
+	double from, to;
+};
 
-	for (int k = 1; k <= count; k++) {
-		const double angle = 2 * acos(-1) * k / count;
+/* About `at`, through at + x and at + y; what lies behind the body's centre is faint. */
+static void arc(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, struct span span)
+{
+	rb_vec3 before = at;
+
+	for (int k = 0; k <= span.count; k++) {
+		const double turns = span.from + (span.to - span.from) * k / span.count;
+		const double angle = 2 * acos(-1) * turns;
 		const rb_vec3 here = rb_vec3_add_scaled(rb_vec3_add_scaled(at, cos(angle), x),
 		                                        sin(angle), y);
 		const rb_vec3 half = rb_vec3_scale(0.5, rb_vec3_add(before, here));
 		const bool behind = rb_vec3_dot(rb_vec3_sub(half, wire->centre), half) >
 		                    1e-6 * rb_vec3_dot(x, x);
-		stroke(wire->pen, before, here, behind ? 0.28 : 1, behind ? 0.28 : 1);
+		if (k > 0)
+			stroke(wire->pen, before, here, behind ? 0.28 : 1, behind ? 0.28 : 1);
 		before = here;
 	}
+}
+
+static void circle(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, int count)
+{
+	arc(wire, at, x, y, (struct span){count, 0, 1});
+}
+
+/* Strokes for a circle of that size. */
+static int strokes_for(const struct rb_view *view, rb_vec3 centre, double radius)
+{
+	const double px = radius / (rb_vec3_length(centre) * rb_view_pixel_size(view));
+
+	return (int)fmin(64, fmax(8, 6 * sqrt(px)));
 }
 
 static void add_sphere(struct pen *pen, const struct rb_view *view, rb_pose pose, double radius)
 {
 	struct wire wire = {pen, rb_view_point(view, pose.position)};
 	const double distance = rb_vec3_length(wire.centre), lean = radius / distance;
-	const double px = lean / rb_view_pixel_size(view);
-	const int count = (int)fmin(64, fmax(8, 6 * sqrt(px)));
+	const int count = strokes_for(view, wire.centre, radius);
 	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
 	rb_vec3 axis[3];
 
@@ -316,6 +336,113 @@ static void add_rectangle(struct pen *pen, const struct rb_view *view, rb_pose p
 		stroke(pen, at[k], at[k + 1], 1, 1);
 }
 
+/* Edges of a face that is seen, over those of all faces. */
+static void add_edges(struct pen *pen, const struct rb_view *view, rb_pose pose,
+                      const struct rb_solid_part *part, const struct rb_solid *solid)
+{
+	const double *s = part->shape.size;
+	const bool is_box = part->shape.kind == RB_SHAPE_BOX;
+	const rb_vec3 scale = is_box ? (rb_vec3){0.5 * s[0], 0.5 * s[1], 0.5 * s[2]}
+	                             : (rb_vec3){1, 1, 1};
+	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
+	const rb_vec3 origin = rb_view_point(view, pose.position);
+#define CORNER(k)                                                                          \
+	rb_vec3_add(origin, rb_mat3_apply(&turn, (rb_vec3){scale.x * solid->vertices[k].x, \
+	                                                   scale.y * solid->vertices[k].y, \
+	                                                   scale.z * solid->vertices[k].z}))
+
+	for (int k = 0; k < solid->edge_count; k++)
+		stroke(pen, CORNER(solid->edges[k][0]), CORNER(solid->edges[k][1]), 0.28, 0.28);
+	for (int f = 0; f < solid->face_count; f++) {
+		const int *loop = solid->loops + solid->face_first[f];
+		const int count = solid->face_first[f + 1] - solid->face_first[f];
+		const rb_vec3 n = rb_mat3_apply(&turn, rb_part_normal(solid, f));
+		for (int k = 0; k < count && rb_vec3_dot(n, CORNER(loop[0])) < 0; k++)
+			stroke(pen, CORNER(loop[k]), CORNER(loop[(k + 1) % count]), 1, 1);
+	}
+#undef CORNER
+}
+
+/* What closes an end of a capsule: two half circles, and where the cone from the eye touches it. */
+static void add_end(struct wire *wire, const rb_vec3 axis[3], rb_vec3 at, double radius, int count)
+{
+	const double distance = rb_vec3_length(at), lean = radius / distance;
+	const rb_vec3 way = rb_vec3_scale(1 / distance, at), side = rb_vec3_across(way);
+	const rb_vec3 up = rb_vec3_cross(way, side);
+	const rb_vec3 ring = rb_vec3_add_scaled(at, -radius * lean, way);
+	const double reach = radius * sqrt(fmax(0, 1 - lean * lean));
+
+	wire->centre = at;
+	for (int k = 0; k < 2; k++)
+		arc(wire, at, rb_vec3_scale(radius, axis[k]), rb_vec3_scale(radius, axis[2]),
+		    (struct span){count, 0, 0.5});
+	wire->centre = rb_vec3_scale(2, at);
+	/* The part of the ring that lies beyond the end of the straight part. */
+	const double a = rb_vec3_dot(side, axis[2]), b = rb_vec3_dot(up, axis[2]);
+	const double off = -radius * lean * rb_vec3_dot(way, axis[2]), most = reach * hypot(a, b);
+	if (off <= -most)
+		return;
+	const double half = off >= most ? 0.5 : acos(-off / most) / (2 * acos(-1));
+	const double middle = atan2(b, a) / (2 * acos(-1));
+	arc(wire, ring, rb_vec3_scale(reach, side), rb_vec3_scale(reach, up),
+	    (struct span){count, middle - half, middle + half});
+}
+
+/* Capsules and cylinders. */
+static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
+                      const struct rb_shape *shape)
+{
+	const rb_vec3 middle = rb_view_point(view, pose.position);
+	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
+	const double r = shape->radius;
+	const int count = strokes_for(view, middle, r);
+	struct wire wire = {pen, middle};
+	rb_vec3 axis[3], end[2];
+
+	for (int k = 0; k < 3; k++)
+		axis[k] = (rb_vec3){turn.m[0][k], turn.m[1][k], turn.m[2][k]};
+	for (int k = 0; k < 2; k++) {
+		end[k] = rb_vec3_add_scaled(middle, 0.5 * shape->size[2], axis[2]);
+		/* An end that is seen has its whole circle in front. */
+		const bool shown = shape->kind == RB_SHAPE_CYLINDER &&
+		                   rb_vec3_dot(end[k], axis[2]) < 0;
+		wire.centre = shown ? rb_vec3_scale(2, end[k]) : end[k];
+		circle(&wire, end[k], rb_vec3_scale(r, axis[0]), rb_vec3_scale(r, axis[1]), count);
+		if (shape->kind == RB_SHAPE_CAPSULE)
+			add_end(&wire, axis, end[k], r, count);
+		axis[1] = rb_vec3_neg(axis[1]);
+		axis[2] = rb_vec3_neg(axis[2]);
+	}
+	/* Where planes through the eye touch the side. */
+	const rb_vec3 away = rb_vec3_neg(rb_vec3_reject(middle, axis[2]));
+	const double distance = rb_vec3_length(away), lean = r / distance;
+	if (!(lean < 1))
+		return;
+	const rb_vec3 x = rb_vec3_scale(1 / distance, away), y = rb_vec3_cross(axis[2], x);
+	for (int k = -1; k <= 1; k += 2) {
+		const rb_vec3 side = rb_vec3_add_scaled(rb_vec3_scale(r * lean, x),
+		                                        k * r * sqrt(1 - lean * lean), y);
+		stroke(pen, rb_vec3_add(end[0], side), rb_vec3_add(end[1], side), 1, 1);
+	}
+}
+
+static void add_part(struct pen *pen, const struct rb_scene *scene, const struct rb_view *view,
+                     rb_pose body, const struct rb_solid_part *part)
+{
+	const rb_pose pose = rb_view_part(body, part);
+	const struct rb_solid *solid = rb_part_faces(scene, &part->shape);
+
+	/* Strokes would be turned round behind the eye. */
+	if (rb_view_point(view, pose.position).z > rb_part_size(scene, &part->shape).reach)
+		return;
+	if (part->shape.kind == RB_SHAPE_SPHERE)
+		add_sphere(pen, view, pose, part->shape.radius);
+	else if (solid)
+		add_edges(pen, view, pose, part, solid);
+	else
+		add_round(pen, view, pose, &part->shape);
+}
+
 static void add_wires(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                       const struct rb_view *view)
 {
@@ -328,10 +455,15 @@ static void add_wires(struct rb_lines *lines, struct pen *pen, const struct rb_f
 		if (!lines->setup.looks->of[i].visible)
 			continue;
 		pen->colour = lines->setup.looks->of[i].colour;
-		if (shape->kind == RB_SHAPE_SPHERE)
-			add_sphere(pen, view, pose, shape->radius);
-		else if (shape->kind == RB_SHAPE_RECTANGLE)
+		if (shape->kind == RB_SHAPE_RECTANGLE)
 			add_rectangle(pen, view, pose, shape->size);
+		if (shape->kind == RB_SHAPE_RECTANGLE || shape->kind == RB_SHAPE_PLANE)
+			continue;
+		struct rb_solid_part own;
+		int count;
+		const struct rb_solid_part *parts = rb_parts_of(model->scene, shape, &own, &count);
+		for (int p = 0; p < count; p++)
+			add_part(pen, model->scene, view, pose, &parts[p]);
 	}
 }
 
