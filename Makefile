@@ -4,6 +4,7 @@
 #   make deps            install what is missing (says what and why)
 #   make demo            run a scene        make test        all tests, in a minute or two
 #   make lint            all style gates    make test-long   with those that take longer
+#   make deps-slurm test-slurm              sweeps through a Slurm that the test starts
 #   make bench           the numbers        make fuzz        FUZZ_SECONDS=600 per target
 #   make install         DESTDIR, prefix, bindir, libdir, mandir, datadir
 #   make format          lay the sources out as .clang-format says
@@ -98,7 +99,7 @@ run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .SECONDARY:
-.PHONY: all deps demo test test-long bench fuzz fuzz-run lint format install uninstall clean FORCE
+.PHONY: all deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall clean FORCE
 
 all: $(program) $(loaded) $(library) compile_commands.json
 
@@ -156,6 +157,8 @@ compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
 deps:
 	@tools/deps $(if $(filter-out deps,$(MAKECMDGOALS)),build $(if $(filter test test-long bench,$(MAKECMDGOALS)),test) \
 	$(filter lint fuzz,$(MAKECMDGOALS)))
+deps-slurm:
+	@tools/deps build test slurm
 demo: all
 	@mkdir -p build/demo
 	cd build/demo && $(abspath $(program)) $(CURDIR)/scenes/bounce.lua --force
@@ -166,6 +169,9 @@ test: $(program) $(loaded) $(tests)
 test-long: seconds = 3600
 test-long: $(program) $(loaded) $(tests)
 	@$(run_tests) $(tests) $(cli_tests) $(wildcard tests/long/*.sh)
+test-slurm: seconds = 1800
+test-slurm: $(program) $(loaded)
+	@$(run_tests) $(wildcard tests/long/sweep-slurm*.sh)
 bench: $(program) $(loaded)
 	@for b in $(wildcard tests/bench/*.sh); do RBSIM=$(abspath $(program)) "$$b" || exit 1; done
 fuzz: | $(filter deps,$(MAKECMDGOALS))

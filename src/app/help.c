@@ -232,7 +232,8 @@ static void print_zsh(FILE *file)
 			        row->type == RB_OPTION_LIST ? "'*'" : "", row->letter,
 			        row->argument ? "+" : "", row->name, row->argument ? "=" : "");
 		else
-			fprintf(file, "\t'--%s%s[", row->name, row->argument ? "=" : "");
+			fprintf(file, "\t'%s--%s%s[", row->type == RB_OPTION_WORDS ? "*" : "",
+			        row->name, row->argument ? "=" : "");
 		print_zsh_text(file, row->help);
 		putc(']', file);
 		if (row->argument) {

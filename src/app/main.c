@@ -16,6 +16,7 @@
 #include "app/render.h"
 #include "app/run.h"
 #include "app/simulate.h"
+#include "app/sweep.h"
 #include "app/verify.h"
 #include "base/log.h"
 #include "control/command.h"
@@ -28,7 +29,7 @@ static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) =
 	[RB_VERB_RENDER] = rb_render_main, [RB_VERB_CONVERGE] = rb_converge_main,
 	[RB_VERB_VERIFY] = rb_verify_main, [RB_VERB_METHODS] = rb_methods_main,
 	[RB_VERB_CTL] = rb_ctl_main,       [RB_VERB_CONSOLE] = rb_console_main,
-	[RB_VERB_ATTACH] = rb_attach_main,
+	[RB_VERB_ATTACH] = rb_attach_main, [RB_VERB_SWEEP] = rb_sweep_main,
 };
 
 /* In one write, over a progress bar that may stand there. */

@@ -15,9 +15,11 @@
 #define VERB(name) (1u << RB_VERB_##name)
 #define ALL                                                                                  \
 	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | \
-	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL))
+	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP))
 #define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
 #define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
+/* what a sweep hands on to its runs (app/sweep) */
+#define EACH VERB(SWEEP)
 #define AT(field) offsetof(struct rb_options, field)
 
 const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
@@ -70,6 +72,14 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 	[RB_VERB_ATTACH] =
 		{"attach", "SOCKET", 1, "a console over a run that is going on",
                  "rbsim attach run.sock\tthe run of --listen run.sock; q leaves it as it is\n"},
+	[RB_VERB_SWEEP] =
+		{"sweep", "SCENE.lua|DIR", 1, "one run for each point of a range of parameters",
+                 "rbsim sweep bounce.lua --param e=0:1:0.1 -o bounces\televen runs; again: goes on\n"
+                 "rbsim sweep pile.lua --param mu=0.2,0.5 --seeds 20 -o piles\tforty\n"
+                 "rbsim sweep gas.lua --param v=1:5 --sample latin:100 -o gas\ta hundred\n"
+                 "rbsim sweep bounces --status\tdone, running, failed, missing\n"
+                 "rbsim sweep bounces --slurm --time 1:00:00\tthe same as a job array\n"
+                 "rbsim sweep bounces --task 3 --tasks 10\tits fourth tenth, under any scheduler\n"},
 };
 
 /* clang-format off */
@@ -80,13 +90,43 @@ const struct rb_option_row rb_option_rows[] = {
 	 "film (.mp4, .webm, .gif) or pictures (frames/%05d.png), instead of what the camera says"},
 	{"output", 'o', "REPORT", RB_OPTION_TEXT, AT(output), VERB(CONVERGE), 0, 0, false, NULL,
 	 "write the report, by the ending of its name a picture (.svg, .png) or all numbers (.csv, .json)"},
+	{"output", 'o', "DIR", RB_OPTION_TEXT, AT(output), VERB(SWEEP), 0, 0, false, NULL,
+	 "folder of the sweep; where it holds this one already, the sweep goes on"},
+	{"param", 'p', "NAME=VALUES", RB_OPTION_LIST, AT(params), VERB(SWEEP), 0, 0, false, NULL,
+	 "values of a parameter: a list A,B,C, a range low:high:step, for a sample also low:high; may be given again"},
+	{"seeds", 0, "N", RB_OPTION_INTEGER, AT(seeds), VERB(SWEEP), 1, 10000000, false, NULL,
+	 "runs for each combination of values, each with a seed of its own (default: 1)"},
+	{"sample", 0, "latin:N", RB_OPTION_TEXT, AT(sample), VERB(SWEEP), 0, 0, false, NULL,
+	 "points of a Latin hypercube instead of all combinations, N of them"},
+	{"task", 0, "K", RB_OPTION_INTEGER, AT(task), VERB(SWEEP), 0, 9999999, false, NULL,
+	 "run one share only, the K-th of --tasks, from 0"},
+	{"tasks", 0, "N", RB_OPTION_INTEGER, AT(tasks), VERB(SWEEP), 1, 10000000, false, NULL,
+	 "shares that the points are dealt out to"},
+	{"status", 0, NULL, RB_OPTION_FLAG, AT(sweep_status), VERB(SWEEP), 0, 0, false, NULL,
+	 "say what of a sweep is done, running, failed and missing, and run nothing"},
+	{"plan", 0, NULL, RB_OPTION_FLAG, AT(sweep_plan), VERB(SWEEP), 0, 0, false, NULL,
+	 "write the plan of the sweep and run nothing"},
+	{"retry-failed", 0, NULL, RB_OPTION_FLAG, AT(retry), VERB(SWEEP), 0, 0, false, NULL,
+	 "run points again that have failed (else only those that lacked memory, disk or a program, or crashed)"},
+	{"slurm", 0, NULL, RB_OPTION_FLAG, AT(slurm), VERB(SWEEP), 0, 0, false, NULL,
+	 "hand the points that are left to Slurm as a job array, instead of running them here"},
+	{"time", 0, "LIMIT", RB_OPTION_TEXT, AT(slurm_time), VERB(SWEEP), 0, 0, false, NULL,
+	 "time limit of a task, as sbatch takes it: 1:30:00"},
+	{"mem", 0, "SIZE", RB_OPTION_TEXT, AT(slurm_memory), VERB(SWEEP), 0, 0, false, NULL,
+	 "memory of a task, as sbatch takes it: 2G"},
+	{"partition", 0, "NAME", RB_OPTION_TEXT, AT(slurm_partition), VERB(SWEEP), 0, 0, false, NULL,
+	 "partition that the tasks run in"},
+	{"slurm-option", 0, "OPTION", RB_OPTION_WORDS, AT(slurm_options), VERB(SWEEP), 0, 0, false, NULL,
+	 "any other option of sbatch, like --account=physics; may be given again"},
+	{"seed", 0, "N", RB_OPTION_SEED, AT(seed), VERB(SWEEP), 0, 0, false, NULL,
+	 "base seed that the seeds of all runs follow from (default: the scene's)"},
 	{"param", 'p', "NAME=VALUE", RB_OPTION_LIST, AT(params), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
 	 "set a parameter of the scene; may be given again"},
-	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE | VERB(CONVERGE), 0, INFINITY, true, NULL,
+	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE | EACH | VERB(CONVERGE), 0, INFINITY, true, NULL,
 	 "simulated time, instead of the scene's"},
-	{"time-step", 0, "SECONDS", RB_OPTION_NUMBER, AT(time_step_s), SCENE, 0, INFINITY, true, NULL,
+	{"time-step", 0, "SECONDS", RB_OPTION_NUMBER, AT(time_step_s), SCENE | EACH, 0, INFINITY, true, NULL,
 	 "longest step of the solver, instead of the scene's"},
-	{"tolerance", 0, "METRES", RB_OPTION_NUMBER, AT(tolerance_m), SCENE, 0, INFINITY, true, NULL,
+	{"tolerance", 0, "METRES", RB_OPTION_NUMBER, AT(tolerance_m), SCENE | EACH, 0, INFINITY, true, NULL,
 	 "largest overlap a frame may show, instead of the scene's"},
 	{"methods", 0, "LIST", RB_OPTION_TEXT, AT(methods), VERB(CONVERGE), 0, 0, false, NULL,
 	 "methods to compare: classic, classic-global, classic-none, located, located-global"},
@@ -103,19 +143,21 @@ const struct rb_option_row rb_option_rows[] = {
 	 "runs of each setting, of which the shortest counts (default: up to 5)"},
 	{"budget", 0, "SECONDS", RB_OPTION_NUMBER, AT(budget_s), VERB(CONVERGE), 0, INFINITY, true, NULL,
 	 "wall time for the whole ladder, what would take longer is left out (default: 60)"},
-	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE | VERB(VERIFY), 0, 0, false, "auto, classic, located",
+	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE | EACH | VERB(VERIFY), 0, 0, false, "auto, classic, located",
 	 "method of the solver (see rbsim methods)"},
-	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE | VERB(VERIFY), 0, 0, false, "selective, global, none",
+	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE | EACH | VERB(VERIFY), 0, 0, false, "selective, global, none",
 	 "what is restored when an overlap shows (the bodies concerned, the whole scene, nothing)"},
 	{"seed", 0, "N", RB_OPTION_SEED, AT(seed), SCENE | VERB(CONVERGE), 0, 0, false, NULL,
 	 "seed of the scene's random numbers"},
+	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), VERB(SWEEP), 1, 1024, false, NULL,
+	 "workers of the simulator in each run (default: 1)"},
 	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), SCENE | VERB(CONVERGE), 1, 1024, false, NULL,
 	 "workers of the simulator (default: the processors this process may use)"},
-	{"no-record", 0, NULL, RB_OPTION_FLAG, AT(no_record), SCENE, 0, 0, false, NULL,
+	{"no-record", 0, NULL, RB_OPTION_FLAG, AT(no_record), SCENE | EACH, 0, 0, false, NULL,
 	 "write no recording"},
-	{"no-render", 0, NULL, RB_OPTION_FLAG, AT(no_render), SCENE, 0, 0, false, NULL,
+	{"no-render", 0, NULL, RB_OPTION_FLAG, AT(no_render), SCENE | EACH, 0, 0, false, NULL,
 	 "make none of the films and pictures that cameras ask for"},
-	{"camera", 0, "NAMES", RB_OPTION_TEXT, AT(camera), VERB(RUN) | VERB(RENDER) | VERB(CONSOLE), 0, 0, false, NULL,
+	{"camera", 0, "NAMES", RB_OPTION_TEXT, AT(camera), VERB(RUN) | VERB(RENDER) | VERB(CONSOLE) | EACH, 0, 0, false, NULL,
 	 "film with these cameras only: names with commas between"},
 	{"with", 0, "CAMERAS.lua", RB_OPTION_TEXT, AT(with), VERB(RENDER), 0, 0, false, NULL,
 	 "take the cameras from this file instead of the recorded scene"},
@@ -145,13 +187,13 @@ const struct rb_option_row rb_option_rows[] = {
 	 "execute commands from FILE, each when it is due; -: from standard input"},
 	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE), 0, 0, false, NULL,
 	 "replace existing recordings, films and reports"},
-	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
+	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | EACH | VERB(RENDER) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
 	{"quick", 0, NULL, RB_OPTION_FLAG, AT(quick), VERB(VERIFY), 0, 0, false, NULL,
 	 "a subset of cases and variations that takes less than a minute"},
 	{"scenes", 0, "DIR", RB_OPTION_TEXT, AT(scenes), VERB(VERIFY), 0, 0, false, NULL,
 	 "folder with the cases, instead of the shipped one"},
-	{"jobs", 0, "N", RB_OPTION_INTEGER, AT(jobs), VERB(VERIFY), 1, 1024, false, NULL,
+	{"jobs", 0, "N", RB_OPTION_INTEGER, AT(jobs), VERB(VERIFY) | VERB(SWEEP), 1, 1024, false, NULL,
 	 "runs at a time (default: the processors this process may use)"},
 	{"scene", 0, NULL, RB_OPTION_FLAG, AT(scene_text), VERB(INFO), 0, 0, false, NULL,
 	 "print the text of the recorded scene and nothing else"},
@@ -170,8 +212,7 @@ const struct rb_option_row rb_option_rows[] = {
 /* clang-format on */
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"plot",   "export", "sweep", "collect",
-                                      "replay", "repair", NULL};
+const char *const rb_later_verbs[] = {"plot", "export", "collect", "replay", "repair", NULL};
 const char *const rb_later_options[] = {"checkpoint-every", "resume", NULL};
 static const char *const later_methods[] = {"stepped", NULL};
 
@@ -180,10 +221,10 @@ struct parse {
 	struct rb_options *options;
 	char *const *argv;
 	int argc, next;
-	bool given[64]; /* by row, to be held against the verb once that is known */
+	bool given[96]; /* by row, to be held against the verb once that is known */
 	struct rb_error *err;
 };
-_Static_assert(sizeof rb_option_rows / sizeof *rb_option_rows <= 64, "parse.given is too short");
+_Static_assert(sizeof rb_option_rows / sizeof *rb_option_rows <= 96, "parse.given is too short");
 
 bool rb_text_number(const char *text, double *value)
 {
@@ -316,6 +357,9 @@ static enum rb_status take_value(struct parse *parse, const struct rb_option_row
 			               row->argument);
 		parse->options->params[parse->options->param_count++] = text;
 		return RB_OK;
+	case RB_OPTION_WORDS:
+		parse->options->slurm_options[parse->options->slurm_option_count++] = text;
+		return RB_OK;
 	}
 	return RB_OK;
 }
@@ -444,7 +488,7 @@ static enum rb_status check_whole(const struct parse *parse)
 	if (options->verb == RB_VERB_CTL && options->word_count < 2)
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s", verb->name,
 		               verb->operands);
-	if (options->no_record && options->output)
+	if (options->no_record && options->output && options->verb != RB_VERB_SWEEP)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--output' contradicts '--no-record'");
 	return RB_OK;
@@ -465,13 +509,15 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 	                               .fps = NAN,
 	                               .speed = NAN,
 	                               .frame = -1,
+	                               .task = -1,
 	                               .error = NAN,
 	                               .budget_s = NAN,
 	                               .argc = argc,
 	                               .argv = argv};
 	options->params = rb_memory_take((size_t)argc + 1, sizeof *options->params);
 	options->words = rb_memory_take((size_t)argc + 1, sizeof *options->words);
-	if (!options->params || !options->words)
+	options->slurm_options = rb_memory_take((size_t)argc + 1, sizeof *options->slurm_options);
+	if (!options->params || !options->words || !options->slurm_options)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read the command line: out of memory");
 	while (parse.next < argc) {
 		const char *const word = argv[parse.next++];
@@ -500,5 +546,6 @@ void rb_options_release(struct rb_options *options)
 {
 	rb_memory_free(options->params);
 	rb_memory_free(options->words);
+	rb_memory_free(options->slurm_options);
 	*options = (struct rb_options){0};
 }

@@ -26,6 +26,7 @@ enum rb_verb {
 	RB_VERB_CTL,
 	RB_VERB_CONSOLE,
 	RB_VERB_ATTACH,
+	RB_VERB_SWEEP,
 	RB_VERB_COUNT
 };
 
@@ -45,7 +46,8 @@ enum rb_option_type {
 	RB_OPTION_NUMBER,  /* double, finite */
 	RB_OPTION_INTEGER, /* int */
 	RB_OPTION_SEED,    /* uint64_t */
-	RB_OPTION_LIST     /* K=V, may be given again */
+	RB_OPTION_LIST,    /* K=V, may be given again */
+	RB_OPTION_WORDS    /* text, may be given again */
 };
 
 /* Values of a parsed command line. */
@@ -69,10 +71,16 @@ struct rb_options {
 	bool contact_sheet; /* render */
 	bool quick;         /* verify */
 	const char *scenes; /* verify: folder, NULL: the shipped one */
-	int jobs;           /* verify: runs at a time, 0: not given */
-	const char *methods, *steps, *tolerances, *quantity;   /* converge; NULL: not given */
-	double error, budget_s;                                /* converge; NAN: not given */
-	int runs;                                              /* converge; 0: not given */
+	int jobs;           /* verify, sweep: runs at a time, 0: not given */
+	const char *methods, *steps, *tolerances, *quantity; /* converge; NULL: not given */
+	double error, budget_s;                              /* converge; NAN: not given */
+	int runs;                                            /* converge; 0: not given */
+	const char *sample, *slurm_time, *slurm_memory,
+		*slurm_partition;                              /* sweep; NULL: not given */
+	const char **slurm_options;                            /* sweep; owned */
+	int slurm_option_count, seeds, tasks;                  /* sweep; 0: not given */
+	int task;                                              /* sweep; -1: not given */
+	bool sweep_status, sweep_plan, slurm, retry;           /* sweep */
 	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
 	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */
 	uint64_t seed;

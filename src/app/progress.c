@@ -46,8 +46,7 @@ bool rb_terminal_is_capable(int descriptor)
 	return isatty(descriptor) && term && *term && strcmp(term, "dumb") != 0;
 }
 
-/* A duration for people: 0.42 s, 12 s, 3:07 min, 2:15:30 h. */
-static void put_duration(char *text, size_t size, double seconds)
+void rb_progress_duration(char *text, size_t size, double seconds)
 {
 	if (seconds < 9.95)
 		snprintf(text, size, "%.1f s", seconds);
@@ -75,7 +74,7 @@ void rb_progress_line(char *line, int size, int width, double time_s, double dur
 	if (wall_s > 0)
 		snprintf(part[3], sizeof part[3], "  %.3g x real time", time_s / wall_s);
 	if (fraction > 0) {
-		put_duration(left, sizeof left, wall_s * (1 - fraction) / fraction);
+		rb_progress_duration(left, sizeof left, wall_s * (1 - fraction) / fraction);
 		snprintf(part[2], sizeof part[2], "  %s left", left);
 	}
 

@@ -10,6 +10,7 @@
 #define RB_APP_PROGRESS_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <rbsim/error.h>
@@ -46,6 +47,9 @@ int rb_progress_signal(const struct rb_progress *progress);
 /* A progress line of at most `width` columns, for tests too. `line` has room for `size` bytes. */
 void rb_progress_line(char *line, int size, int width, double time_s, double duration_s,
                       double wall_s);
+
+/* A duration for people: 0.4 s, 12 s, 3:07 min, 2:15:30 h. */
+void rb_progress_duration(char *text, size_t size, double seconds);
 
 /* Colour and redrawing make sense on this descriptor: a terminal that is not dumb. */
 bool rb_terminal_is_capable(int descriptor);

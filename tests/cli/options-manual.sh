@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Every example of rbsim(1) runs, in its order.
+# Every example of rbsim(1) and rbsim-sweep(1) runs, in its order.
 . tests/cli/functions
 
 cat >bounce.lua <<'END'
@@ -10,8 +10,9 @@ local rubber = material { name = "rubber", restitution = e }
 plane { normal = {0, 0, 1}, material = rubber }
 sphere { name = "ball", radius = 0.1, position = {0, 0, 1}, material = rubber }
 END
-sed -n 's/^\.Dl rbsim //p' "$TOP/man/rbsim.1" >examples
-[ "$(wc -l <examples)" -ge 8 ] || fail "the manual has lost its examples"
+cp bounce.lua drop.lua
+sed -n 's/^\.Dl rbsim //p' "$TOP/man/rbsim.1" "$TOP/man/rbsim-sweep.1" >examples
+[ "$(wc -l <examples)" -ge 13 ] || fail "the manual has lost its examples"
 while read -r example; do
 	sh -c "\"$RBSIM\" $example" >out 2>err </dev/null
 	got=$?
@@ -27,6 +28,6 @@ cmp -s again.lua bounce.lua || fail "the scene came out of the recording otherwi
 for status in 0 1 64 65 66 69 70 71 73 74 76; do
 	grep -q "^\.It $status\$" "$TOP/man/rbsim.1" || fail "rbsim(1) does not explain exit status $status"
 done
-for verb in run check info render diff converge verify methods ctl console attach; do
+for verb in run check info render diff converge verify methods ctl console attach sweep; do
 	grep -q "^\.It Cm $verb\$" "$TOP/man/rbsim.1" || fail "rbsim(1) does not explain $verb"
 done

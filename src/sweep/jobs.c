@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: MIT */
+#include "sweep/jobs.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/memory.h"
+
+/* A run under way. */
+struct place {
+	pid_t process; /* 0: free */
+	uint64_t index;
+	int log; /* keeps the lock */
+};
+
+struct jobs {
+	const struct rb_jobs_order *order;
+	struct rb_jobs_tally *tally;
+	struct place *places;
+	unsigned char *due; /* by number within the share */
+	uint64_t next;      /* number of the first that may be due */
+	const char **words; /* of one run's command line */
+	char *text;         /* what is made of them */
+	size_t text_size;
+	sigset_t signals, mask_before;
+	uint64_t start_ns, ticked_ns;
+};
+
+/* ---- what is due ---- */
+
+static uint64_t index_of(const struct jobs *jobs, uint64_t number)
+{
+	return jobs->order->share + number * jobs->order->shares;
+}
+
+static void tell(const struct jobs *jobs, uint64_t index, const struct rb_point *point)
+{
+	if (jobs->order->told)
+		jobs->order->told(jobs->order->user, index, point);
+}
+
+/* All points of the share, as they are now. */
+static enum rb_status survey(struct jobs *jobs, struct rb_error *err)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	struct rb_jobs_tally *const tally = jobs->tally;
+	struct rb_point point;
+
+	for (uint64_t k = 0; k < tally->total; k++) {
+		const uint64_t index = index_of(jobs, k);
+		const enum rb_status status = rb_point_look(order->folder, order->plan, index,
+		                                            order->module, &point, err);
+		if (status)
+			return status;
+		jobs->due[k] = rb_point_is_due(&point, order->retry);
+		tally->due += jobs->due[k];
+		tally->done += point.state == RB_POINT_DONE;
+		tally->elsewhere += point.state == RB_POINT_RUNNING;
+		if (point.state == RB_POINT_FAILED && !jobs->due[k]) {
+			tally->failed++;
+			tell(jobs, index, &point);
+		}
+	}
+	return RB_OK;
+}
+
+/* ---- one run ---- */
+
+static void add_word(struct jobs *jobs, int *count, const char *word)
+{
+	jobs->words[(*count)++] = word;
+}
+
+/* The command line of a point, from the folder where it runs. */
+static void command_of(struct jobs *jobs, uint64_t index, bool goes_on)
+{
+	const struct rb_plan *const plan = jobs->order->plan;
+	const char *const up = plan->films ? "../" : "";
+	char number[RB_AXIS_NUMBER_SIZE], path[RB_FOLDER_PATH_SIZE];
+	char *at = jobs->text;
+	char *const end = at + jobs->text_size;
+	int count = 0;
+
+	add_word(jobs, &count, "rbsim");
+	add_word(jobs, &count, "run");
+	add_word(jobs, &count, "--json");
+	add_word(jobs, &count, goes_on ? jobs->order->resume : "--force");
+	for (int i = 0; i < plan->word_count; i++)
+		add_word(jobs, &count, plan->words[i]);
+#define ADD(...) \
+	(add_word(jobs, &count, at), at += snprintf(at, (size_t)(end - at), __VA_ARGS__) + 1)
+	ADD("--threads=%d", jobs->order->threads);
+	ADD("--seed=%" PRIu64, rb_plan_seed(plan, index));
+	for (int i = 0; i < plan->axis_count; i++)
+		ADD("--param=%s=%s", plan->axes[i].name, rb_plan_value(plan, index, i, number));
+	if (plan->records)
+		ADD("--output=%s%s", up, rb_folder_path(plan, NULL, index, ".h5", path));
+	add_word(jobs, &count, "--");
+	ADD("%sscene/%s", up, plan->scene);
+#undef ADD
+	add_word(jobs, &count, NULL);
+}
+
+/* After fork, in the child: only what may be done there. */
+static _Noreturn void become_run(const struct jobs *jobs, const char *folder, int result, int log,
+                                 pid_t parent)
+{
+	const int nothing = open("/dev/null", O_RDONLY);
+
+	setpgid(0, 0);
+	prctl(PR_SET_PDEATHSIG, SIGTERM);
+	if (getppid() != parent) /* it ended before that was set */
+		_exit(143);
+	if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(result, STDOUT_FILENO) < 0 ||
+	    dup2(log, STDERR_FILENO) < 0 || chdir(folder) != 0)
+		_exit(126);
+	sigprocmask(SIG_SETMASK, &jobs->mask_before, NULL);
+	execv("/proc/self/exe", (char *const *)(uintptr_t)jobs->words);
+	_exit(127);
+}
+
+static enum rb_status start_run(struct jobs *jobs, struct place *place, struct rb_error *err)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	char path[RB_FOLDER_PATH_SIZE], folder[RB_FOLDER_PATH_SIZE];
+	const pid_t parent = getpid();
+
+	snprintf(folder, sizeof folder, "%s", order->folder);
+	if (order->plan->films) {
+		rb_folder_path(order->plan, order->folder, place->index, "", folder);
+		if (mkdir(folder, 0777) != 0 && errno != EEXIST)
+			return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", folder,
+			               strerror(errno));
+	}
+	rb_folder_path(order->plan, order->folder, place->index, ".json", path);
+	const int result = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+	if (result < 0)
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", path, strerror(errno));
+	place->process = fork();
+	if (place->process == 0)
+		become_run(jobs, folder, result, place->log, parent);
+	close(result);
+	if (place->process < 0) {
+		place->process = 0;
+		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a process: %s", strerror(errno));
+	}
+	setpgid(place->process, place->process); /* whoever comes first */
+	jobs->tally->started++;
+	jobs->tally->running++;
+	return RB_OK;
+}
+
+/* Takes a point that is due into a free place, unless somebody else has taken or done it meanwhile. */
+static enum rb_status take_point(struct jobs *jobs, struct place *place, struct rb_error *err)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	struct rb_jobs_tally *const tally = jobs->tally;
+	struct rb_point point;
+
+	while (jobs->next < tally->total && !jobs->due[jobs->next])
+		jobs->next++;
+	if (jobs->next >= tally->total)
+		return RB_OK;
+	*place = (struct place){.index = index_of(jobs, jobs->next++), .log = -1};
+	tally->due--;
+	enum rb_status status = rb_point_look(order->folder, order->plan, place->index,
+	                                      order->module, &point, err);
+	if (!status && !rb_point_is_due(&point, order->retry)) {
+		tally->done += point.state == RB_POINT_DONE;
+		tally->failed += point.state == RB_POINT_FAILED;
+		tally->elsewhere += point.state == RB_POINT_RUNNING;
+		if (point.state == RB_POINT_FAILED)
+			tell(jobs, place->index, &point);
+		return RB_OK;
+	}
+	if (!status)
+		status = rb_point_lock(order->folder, order->plan, place->index, &place->log, err);
+	if (status || place->log < 0) {
+		tally->elsewhere += !status;
+		return status;
+	}
+	command_of(jobs, place->index, order->resume && point.has_checkpoint);
+	status = start_run(jobs, place, err);
+	if (status)
+		rb_point_unlock(place->log);
+	return status;
+}
+
+/* A run that has left no result: killed, or never begun. */
+static enum rb_status tell_crash(const struct jobs *jobs, const struct place *place, int outcome,
+                                 struct rb_point *point, struct rb_error *err)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+
+	*point = (struct rb_point){.state = RB_POINT_FAILED, .may_mend = true};
+	if (WIFSIGNALED(outcome)) {
+		point->exit_code = 128 + WTERMSIG(outcome);
+		snprintf(point->reason, sizeof point->reason, "ended by signal %d",
+		         WTERMSIG(outcome));
+	} else {
+		point->exit_code = WEXITSTATUS(outcome) ? WEXITSTATUS(outcome)
+		                                        : rb_status_exit_code(RB_ERR_BUG);
+		snprintf(point->reason, sizeof point->reason,
+		         "ended with status %d and without a result", WEXITSTATUS(outcome));
+	}
+	return rb_point_tell(order->folder, order->plan, place->index, point->reason,
+	                     point->exit_code, err);
+}
+
+static enum rb_status end_run(struct jobs *jobs, struct place *place, int outcome,
+                              const struct rusage *used, struct rb_error *err)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	struct rb_jobs_tally *const tally = jobs->tally;
+	struct rb_point point;
+	const int code = WIFEXITED(outcome) ? WEXITSTATUS(outcome) : -1;
+
+	rb_point_unlock(place->log);
+	place->process = 0;
+	tally->running--;
+	tally->ended++;
+	tally->cpu_s += (double)(used->ru_utime.tv_sec + used->ru_stime.tv_sec) +
+	                1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec);
+	enum rb_status status = rb_point_look(order->folder, order->plan, place->index, NULL,
+	                                      &point, err);
+	if (!status && point.state == RB_POINT_BEGUN && tally->signal == 0 && code != 75 &&
+	    code != 130 && code != 143)
+		status = tell_crash(jobs, place, outcome, &point, err);
+	if (status)
+		return status;
+	tally->done += point.state == RB_POINT_DONE;
+	tally->failed += point.state == RB_POINT_FAILED;
+	tell(jobs, place->index, &point);
+	return RB_OK;
+}
+
+/* ---- all of them ---- */
+
+static void pass_on(struct jobs *jobs, int signal)
+{
+	for (int i = 0; i < jobs->order->jobs; i++)
+		if (jobs->places[i].process > 0)
+			kill(jobs->places[i].process, signal);
+}
+
+static void heed(struct jobs *jobs, int signal)
+{
+	if (jobs->tally->signal == 0) {
+		jobs->tally->signal = signal;
+		/* SIGINT once more is what stops a run at once, so the first one is told in other words */
+		pass_on(jobs, signal == SIGINT ? SIGTERM : signal);
+	} else if (signal == SIGINT) {
+		pass_on(jobs, SIGINT);
+	}
+}
+
+static void tick(struct jobs *jobs)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	const uint64_t now_ns = rb_clock_now_ns();
+
+	jobs->tally->wall_s = (double)(now_ns - jobs->start_ns) * 1e-9;
+	if (order->tick_ms == 0 || now_ns - jobs->ticked_ns < (uint64_t)order->tick_ms * 1000000)
+		return;
+	jobs->ticked_ns = now_ns;
+	order->tick(order->user, jobs->tally);
+}
+
+/* Waits for the end of a run, a signal, or the time of the next tick. */
+static void wait_for_some(struct jobs *jobs)
+{
+	const int wait_ms = jobs->order->tick_ms > 0 ? jobs->order->tick_ms : 3600000;
+	const struct timespec wait = {wait_ms / 1000, wait_ms % 1000 * 1000000L};
+	const int signal = sigtimedwait(&jobs->signals, NULL, &wait);
+
+	if (signal > 0 && signal != SIGCHLD)
+		heed(jobs, signal);
+}
+
+static enum rb_status reap(struct jobs *jobs, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int i = 0; i < jobs->order->jobs && !status; i++) {
+		struct place *const place = &jobs->places[i];
+		struct rusage used;
+		int outcome;
+		if (place->process > 0 &&
+		    wait4(place->process, &outcome, WNOHANG, &used) == place->process)
+			status = end_run(jobs, place, outcome, &used, err);
+	}
+	return status;
+}
+
+static enum rb_status fill(struct jobs *jobs, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int i = 0; i < jobs->order->jobs && !status; i++)
+		while (!status && jobs->tally->signal == 0 && jobs->places[i].process == 0 &&
+		       jobs->next < jobs->tally->total)
+			status = take_point(jobs, &jobs->places[i], err);
+	return status;
+}
+
+static enum rb_status run_all(struct jobs *jobs, struct rb_error *err)
+{
+	enum rb_status status = fill(jobs, err);
+
+	while (!status && jobs->tally->running > 0) {
+		wait_for_some(jobs);
+		status = reap(jobs, err);
+		if (!status)
+			status = fill(jobs, err);
+		tick(jobs);
+	}
+	if (!status)
+		return RB_OK;
+	/* what still runs is stopped properly; the first failure is the one that is told */
+	pass_on(jobs, SIGTERM);
+	for (int i = 0; i < jobs->order->jobs; i++) {
+		struct place *const place = &jobs->places[i];
+		if (place->process > 0)
+			while (waitpid(place->process, NULL, 0) < 0 && errno == EINTR)
+				continue;
+		if (place->process > 0)
+			rb_point_unlock(place->log);
+	}
+	return status;
+}
+
+static enum rb_status prepare(struct jobs *jobs, struct rb_error *err)
+{
+	const struct rb_plan *const plan = jobs->order->plan;
+	const uint64_t share = jobs->order->share, shares = jobs->order->shares;
+
+	jobs->tally->total = plan->count > share ? (plan->count - share - 1) / shares + 1 : 0;
+	jobs->places = rb_memory_take((size_t)jobs->order->jobs, sizeof *jobs->places);
+	jobs->due = rb_memory_take((size_t)jobs->tally->total + 1, 1);
+	jobs->words = rb_memory_take((size_t)(plan->word_count + plan->axis_count) + 16,
+	                             sizeof *jobs->words);
+	jobs->text_size = plan->row_size + 16 * (size_t)plan->axis_count + strlen(plan->scene) +
+	                  512;
+	jobs->text = rb_memory_take(jobs->text_size, 1);
+	if (!jobs->places || !jobs->due || !jobs->words || !jobs->text)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot run %" PRIu64 " points: out of memory",
+		               jobs->tally->total);
+	sigemptyset(&jobs->signals);
+	sigaddset(&jobs->signals, SIGCHLD);
+	sigaddset(&jobs->signals, SIGINT);
+	sigaddset(&jobs->signals, SIGTERM);
+	sigaddset(&jobs->signals, SIGUSR1);
+	sigprocmask(SIG_BLOCK, &jobs->signals, &jobs->mask_before);
+	return RB_OK;
+}
+
+/* Signals that came last are still ours to answer for. */
+static void take_late_signals(struct jobs *jobs)
+{
+	const struct timespec none = {0};
+	int signal;
+
+	while ((signal = sigtimedwait(&jobs->signals, NULL, &none)) > 0 || errno == EINTR)
+		if (signal > 0 && signal != SIGCHLD && jobs->tally->signal == 0)
+			jobs->tally->signal = signal;
+	sigprocmask(SIG_SETMASK, &jobs->mask_before, NULL);
+}
+
+enum rb_status rb_jobs_run(const struct rb_jobs_order *order, struct rb_jobs_tally *tally,
+                           struct rb_error *err)
+{
+	struct jobs jobs = {.order = order, .tally = tally, .start_ns = rb_clock_now_ns()};
+
+	*tally = (struct rb_jobs_tally){0};
+	jobs.ticked_ns = jobs.start_ns;
+	enum rb_status status = prepare(&jobs, err);
+	if (!status) {
+		status = survey(&jobs, err);
+		if (!status)
+			status = run_all(&jobs, err);
+		take_late_signals(&jobs);
+	}
+	tally->wall_s = (double)(rb_clock_now_ns() - jobs.start_ns) * 1e-9;
+	rb_memory_free(jobs.places);
+	rb_memory_free(jobs.due);
+	rb_memory_free(jobs.words);
+	rb_memory_free(jobs.text);
+	return status;
+}

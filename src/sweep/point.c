@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+#include "sweep/point.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "base/outfile.h"
+
+static const size_t result_bytes_max = (size_t)64 << 20;
+
+/* ---- what a run said at its end ---- */
+
+/*
+ * Behind "KEY": in a JSON object that rbsim has written; NULL: not there. Inside of texts quotes are escaped, so that a key
+ * is found in no text; keys of the top level come before those of objects in it.
+ */
+static const char *value_at(const char *json, const char *key)
+{
+	char name[48];
+
+	snprintf(name, sizeof name, "\"%s\":", key);
+	const char *const at = strstr(json, name);
+	return at ? at + strlen(name) : NULL;
+}
+
+/* A text of it, cut where it does not fit; "" where there is none. */
+static void copy_text(const char *json, const char *key, char *out, size_t size)
+{
+	const char *at = value_at(json, key);
+	size_t used = 0;
+
+	if (at && *at == '"')
+		for (at++; *at && *at != '"' && used + 1 < size; at++) {
+			if (*at == '\\' && at[1] == 'n') {
+				out[used++] = ' ';
+				at++;
+				continue;
+			}
+			if (*at == '\\' && at[1])
+				at++;
+			out[used++] = *at;
+		}
+	out[used] = '\0';
+}
+
+static int count_of(const char *json, const char *text)
+{
+	int count = 0;
+
+	for (const char *at = strstr(json, text); at; at = strstr(at + 1, text))
+		count++;
+	return count;
+}
+
+static void explain_failure(struct rb_point *point, const char *json)
+{
+	copy_text(json, "error", point->reason, sizeof point->reason);
+	if (!*point->reason)
+		copy_text(json, "reason", point->reason, sizeof point->reason);
+	const int failed = count_of(json, "\"ok\":false");
+	if (!*point->reason && failed > 0)
+		snprintf(point->reason, sizeof point->reason, "%d of %d expectations failed",
+		         failed, failed + count_of(json, "\"ok\":true"));
+}
+
+/* From a whole text; false: it is not whole. */
+static bool take_result(struct rb_point *point, const char *json, size_t size, bool *refused)
+{
+	char status[16];
+	const char *const code = value_at(json, "exit_status");
+
+	if (size < 3 || *json != '{' || strcmp(json + size - 2, "}\n") != 0 || !code)
+		return false;
+	point->exit_code = atoi(code);
+	copy_text(json, "status", status, sizeof status);
+	copy_text(json, "state_hash", point->state_hash, sizeof point->state_hash);
+	*refused = strcmp(status, "refused") == 0;
+	switch (point->exit_code) {
+	case 0:
+		point->state = RB_POINT_DONE;
+		break;
+	case 75:  /* at a checkpoint */
+	case 130: /* by a signal */
+	case 143:
+		point->state = RB_POINT_BEGUN;
+		point->exit_code = 0;
+		break;
+	default:
+		point->state = RB_POINT_FAILED;
+		/* what expectations, scene and physics say, they would say again */
+		point->may_mend = point->exit_code != 1 && point->exit_code != 65 &&
+		                  point->exit_code != 76;
+		explain_failure(point, json);
+		break;
+	}
+	return true;
+}
+
+/* ---- its recording ---- */
+
+static bool same_value(const char *a, const char *b)
+{
+	char *end_a, *end_b;
+
+	if (strcmp(a, b) == 0)
+		return true;
+	const double x = strtod(a, &end_a), y = strtod(b, &end_b);
+	return end_a != a && end_b != b && *end_a == '\0' && *end_b == '\0' && x == y;
+}
+
+static bool same_parameters(const struct rb_reading *reading, const struct rb_plan *plan,
+                            uint64_t index)
+{
+	for (int i = 0; i < plan->axis_count; i++) {
+		char number[RB_AXIS_NUMBER_SIZE];
+		const char *const value = rb_plan_value(plan, index, i, number);
+		bool same = false;
+		for (int k = 0; k < reading->param_count && !same; k++)
+			same = strcmp(reading->param_names[k], plan->axes[i].name) == 0 &&
+			       same_value(reading->param_values[k], value);
+		if (!same)
+			return false;
+	}
+	return true;
+}
+
+static bool recording_is_right(const struct rb_plan *plan, uint64_t index, const char *path,
+                               const struct rb_hdf5_module *module, const char *hash)
+{
+	struct rb_reader *reader;
+	char hex[65];
+
+	if (module->reader_open(&reader, path, NULL))
+		return false;
+	const struct rb_reading *const reading = module->reader_reading(reader);
+	bool right = strcmp(reading->status, "complete") == 0 &&
+	             strcmp(reading->state_hash, hash) == 0 &&
+	             reading->seed == rb_plan_seed(plan, index) && reading->file_count > 0 &&
+	             same_parameters(reading, plan, index);
+	if (right) {
+		rb_hash_sha256(reading->file_texts[0], reading->file_sizes[0], hex);
+		right = strcmp(hex, plan->files[0].sha256) == 0;
+	}
+	module->reader_close(reader);
+	return right;
+}
+
+/* ---- locks ---- */
+
+/* A lock of the open file, not of the process: children share it, and it goes with the last of them. */
+static struct flock whole_file(void)
+{
+	return (struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET};
+}
+
+static bool is_locked(const char *log)
+{
+	struct flock lock = whole_file();
+	const int descriptor = open(log, O_RDONLY | O_CLOEXEC);
+	bool locked = false;
+
+	if (descriptor < 0)
+		return false;
+	if (fcntl(descriptor, F_OFD_GETLK, &lock) == 0)
+		locked = lock.l_type != F_UNLCK;
+	close(descriptor);
+	return locked;
+}
+
+enum rb_status rb_point_lock(const char *folder, const struct rb_plan *plan, uint64_t index,
+                             int *descriptor, struct rb_error *err)
+{
+	struct flock lock = whole_file();
+	char path[RB_FOLDER_PATH_SIZE];
+
+	rb_folder_path(plan, folder, index, ".log", path);
+	*descriptor = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+	if (*descriptor < 0)
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", path, strerror(errno));
+	/* a file system without locks is taken as it is */
+	if (fcntl(*descriptor, F_OFD_SETLK, &lock) != 0 && (errno == EAGAIN || errno == EACCES)) {
+		close(*descriptor);
+		*descriptor = -1;
+	}
+	return RB_OK;
+}
+
+void rb_point_unlock(int descriptor)
+{
+	struct flock lock = whole_file();
+
+	lock.l_type = F_UNLCK;
+	(void)fcntl(descriptor, F_OFD_SETLK, &lock);
+	close(descriptor);
+}
+
+/* ---- the point ---- */
+
+enum rb_status rb_point_look(const char *folder, const struct rb_plan *plan, uint64_t index,
+                             const struct rb_hdf5_module *module, struct rb_point *point,
+                             struct rb_error *err)
+{
+	char path[RB_FOLDER_PATH_SIZE];
+	bool refused = false;
+
+	*point = (struct rb_point){.state = RB_POINT_MISSING};
+	rb_folder_path(plan, folder, index, ".log", path);
+	if (access(path, F_OK) != 0)
+		return RB_OK;
+	point->state = RB_POINT_BEGUN;
+	if (is_locked(path)) {
+		point->state = RB_POINT_RUNNING;
+		return RB_OK;
+	}
+	rb_folder_path(plan, folder, index, ".json", path);
+	if (access(path, F_OK) == 0) {
+		char *json;
+		size_t size;
+		const enum rb_status status = rb_folder_read(path, result_bytes_max, &json, &size,
+		                                             err);
+		if (status)
+			return status;
+		if (!take_result(point, json, size, &refused))
+			point->state = RB_POINT_BEGUN;
+		rb_memory_free(json);
+	}
+	rb_folder_path(plan, folder, index, ".h5.checkpoint", path);
+	point->has_checkpoint = plan->records && access(path, F_OK) == 0;
+	rb_folder_path(plan, folder, index, ".h5", path);
+	if (point->state == RB_POINT_DONE && plan->records && !refused &&
+	    (access(path, F_OK) != 0 ||
+	     (module && !recording_is_right(plan, index, path, module, point->state_hash))))
+		point->state = RB_POINT_BEGUN;
+	return RB_OK;
+}
+
+bool rb_point_is_due(const struct rb_point *point, bool retry)
+{
+	return point->state == RB_POINT_MISSING || point->state == RB_POINT_BEGUN ||
+	       (point->state == RB_POINT_FAILED && (retry || point->may_mend));
+}
+
+enum rb_status rb_point_tell(const char *folder, const struct rb_plan *plan, uint64_t index,
+                             const char *reason, int exit_code, struct rb_error *err)
+{
+	char path[RB_FOLDER_PATH_SIZE];
+	struct rb_outfile out;
+	const enum rb_status status = rb_outfile_open(
+		&out, rb_folder_path(plan, folder, index, ".json", path), true, err);
+
+	if (status)
+		return status;
+	fprintf(out.file,
+	        "{\"status\":\"crashed\",\"reason\":\"%s\",\"exit_status\":%d,\"error\":\"%s\"}\n",
+	        reason, exit_code, reason);
+	return rb_outfile_publish(&out, err);
+}
