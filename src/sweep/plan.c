@@ -171,7 +171,7 @@ enum rb_status rb_plan_init(struct rb_plan *plan, const struct rb_plan_wish *wis
 	if (!status)
 		status = write_head(plan, wish, err);
 	plan->row_size = 64;
-	for (int i = 0; i < plan->axis_count; i++) {
+	for (int i = 0; !status && i < plan->axis_count; i++) {
 		const size_t name = strlen(plan->axes[i].name);
 		/* quoted, every character twice */
 		plan->row_size += 2 * (name > plan->axes[i].room ? name : plan->axes[i].room) + 4;

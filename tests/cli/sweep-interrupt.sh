@@ -1,0 +1,112 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A sweep that is interrupted, or killed, stops its runs, goes on, and has the bits of one that was left alone.
+. tests/cli/functions
+
+cat >s.lua <<'END'
+local e = param("e", 0.5, "restitution")
+world { duration = 4, gravity = {0, 0, -9.81} }
+local m = material { name = "rubber", restitution = e, density = 1000, friction = 0.3 }
+plane { normal = {0, 0, 1}, material = m }
+for i = 1, 60 do
+	sphere { radius = 0.1, position = {0.5 * i, 0, 0.5 + 0.01 * i}, material = m,
+		velocity = {math.random(), math.random(), 0} }
+end
+END
+pid=
+trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
+exits 0 sweep s.lua -p e=0.5:0.9:0.05 -o whole
+
+# our runs, and nobody else's: processes whose command line has this folder's point
+runs_left()
+{
+	for stat in /proc/[0-9]*/cwd; do
+		[ "$(readlink "$stat" 2>/dev/null)" = "$PWD/cut" ] && return 0
+	done
+	return 1
+}
+none_left()
+{
+	! runs_left
+}
+
+rounds=0 stopped=0
+for signal in INT TERM USR1 KILL INT TERM KILL; do
+	"$RBSIM" sweep s.lua -p e=0.5:0.9:0.05 -o cut >out 2>err &
+	pid=$!
+	until_true [ -f cut/plan.csv ]
+	sleep 0.$((2 + rounds))
+	kill -"$signal" $pid 2>/dev/null
+	wait $pid
+	got=$?
+	pid=
+	rounds=$((rounds + 1))
+	[ "$signal" = KILL ] || [ $got -eq 75 ] || [ $got -eq 0 ] || fail "SIG$signal: exit status $got"
+	[ $got -eq 0 ] || stopped=$((stopped + 1))
+	[ $got -ne 75 ] || says err "'rbsim sweep cut' goes on"
+	until_true none_left
+	exits 0 sweep cut --status --json
+	[ "$(value failed)" = 0 ] || fail "SIG$signal: points have failed: $(cat out)"
+	[ "$(value running)" = 0 ] || fail "SIG$signal: points still run: $(cat out)"
+done
+[ $stopped -ge 2 ] || fail "only $stopped sweeps were stopped before their end"
+exits 0 sweep cut
+says err '9 of 9 points done'
+for json in whole/*.json; do
+	[ "$(value state_hash "$json")" = "$(value state_hash "cut/${json#whole/}")" ] || fail "$json: other bits"
+done
+
+# a run that is killed has failed, is told, and is run again, since that may mend
+cat >long.lua <<'END'
+local k = param("k", 1, "which")
+world { duration = k == 1 and 1000 or 0.01, gravity = {0, 0, -9.81} }
+local m = material { name = "rubber", restitution = 1, density = 1000 }
+plane { normal = {0, 0, 1}, material = m }
+for i = 1, 100 do sphere { radius = 0.1, position = {0.5 * i, 0, 0.5 + 0.01 * i}, material = m } end
+END
+"$RBSIM" sweep long.lua -p k=0,1,2 -o killed --jobs 1 >out 2>err &
+pid=$!
+until_true [ -f killed/point-00001.h5 ]
+child=$(cat /proc/$pid/task/$pid/children)
+kill -9 $child
+wait $pid
+got=$?
+pid=
+[ $got -eq 1 ] || fail "a run was killed: exit status $got"
+says err 'point 1 \(k=1\) failed, exit status 137: ended by signal 9'
+says err '2 of 3 points done, 1 failed'
+exits 0 sweep killed --status
+says out "to be run +1:.* of 3 tasks --array=1"
+
+# the second SIGINT ends runs at once, also busy ones
+cat >busy.lua <<'END'
+world { duration = 10 }
+sphere { radius = 1 }
+on_frame(function()
+	local x = 0
+	for i = 1, 1e10 do x = x + i end
+end)
+END
+"$RBSIM" sweep busy.lua --trust --no-record -o busy --jobs 1 >out 2>err &
+pid=$!
+until_true [ -f busy/point-00000.log ]
+sleep 0.5
+kill -INT $pid
+sleep 0.3
+kill -0 $pid 2>/dev/null || fail "the first SIGINT has not waited"
+kill -INT $pid
+wait $pid
+got=$?
+pid=
+[ $got -eq 75 ] || fail "second SIGINT: exit status $got"
+
+# two sweeps over one folder at the same time: each point once
+exits 0 sweep s.lua -p e=0.5:0.9:0.05 -o both --plan
+"$RBSIM" sweep both --jobs 1 --json >one 2>err &
+pid=$!
+"$RBSIM" sweep both --jobs 1 --json >two 2>err2
+wait $pid
+pid=
+ran=$(($(value runs one) + $(value runs two)))
+[ $ran -eq 9 ] || fail "two sweeps: $ran runs of 9 points"
+exits 0 sweep both
