@@ -47,7 +47,7 @@ for k in 0 1 2 3 4; do
 	says_nothing err
 done
 exits 0 sweep elsewhere/second --status --json
-[ "$(value done)" = 12 ] || fail "shares have not run all points"
+[ "$(value "done")" = 12 ] || fail "shares have not run all points"
 for json in d/*.json; do
 	[ "$(value state_hash "$json")" = "$(value state_hash "elsewhere/second/${json#d/}")" ] || fail "$json: other bits"
 done

@@ -3,7 +3,7 @@
 # Sweeps through a real Slurm give the bits of local ones: as arrays, with a time limit shorter than the work, after failures.
 . tests/cli/functions
 . "$TOP/tests/long/slurm"
-SLURM_ARRAY_MAX=4 # so that points have to be grouped
+export SLURM_ARRAY_MAX=4 # so that points have to be grouped
 start_slurm
 
 cat >s.lua <<'END'
