@@ -100,7 +100,7 @@ void rb_app_json_refusal(const struct rb_options *options, const struct rb_loade
 		[RB_VERB_RUN] = {"scene"},      [RB_VERB_CHECK] = {"scene"},
 		[RB_VERB_INFO] = {"file"},      [RB_VERB_DIFF] = {"a", "b"},
 		[RB_VERB_CONVERGE] = {"scene"}, [RB_VERB_RENDER] = {"file"},
-		[RB_VERB_SWEEP] = {"sweep"},
+		[RB_VERB_SWEEP] = {"sweep"},    [RB_VERB_COLLECT] = {"sweep"},
 	};
 	struct rb_json json = {.file = stdout};
 

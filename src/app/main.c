@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "app/check.h"
+#include "app/collect.h"
 #include "app/common.h"
 #include "app/console.h"
 #include "app/converge.h"
@@ -24,12 +25,13 @@
 #include "script/rows.h"
 
 static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
-	[RB_VERB_RUN] = rb_run_main,       [RB_VERB_CHECK] = rb_check_main,
-	[RB_VERB_INFO] = rb_info_main,     [RB_VERB_DIFF] = rb_diff_main,
-	[RB_VERB_RENDER] = rb_render_main, [RB_VERB_CONVERGE] = rb_converge_main,
-	[RB_VERB_VERIFY] = rb_verify_main, [RB_VERB_METHODS] = rb_methods_main,
-	[RB_VERB_CTL] = rb_ctl_main,       [RB_VERB_CONSOLE] = rb_console_main,
-	[RB_VERB_ATTACH] = rb_attach_main, [RB_VERB_SWEEP] = rb_sweep_main,
+	[RB_VERB_RUN] = rb_run_main,         [RB_VERB_CHECK] = rb_check_main,
+	[RB_VERB_INFO] = rb_info_main,       [RB_VERB_DIFF] = rb_diff_main,
+	[RB_VERB_RENDER] = rb_render_main,   [RB_VERB_CONVERGE] = rb_converge_main,
+	[RB_VERB_VERIFY] = rb_verify_main,   [RB_VERB_METHODS] = rb_methods_main,
+	[RB_VERB_CTL] = rb_ctl_main,         [RB_VERB_CONSOLE] = rb_console_main,
+	[RB_VERB_ATTACH] = rb_attach_main,   [RB_VERB_SWEEP] = rb_sweep_main,
+	[RB_VERB_COLLECT] = rb_collect_main,
 };
 
 /* In one write, over a progress bar that may stand there. */

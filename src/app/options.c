@@ -15,7 +15,7 @@
 #define VERB(name) (1u << RB_VERB_##name)
 #define ALL                                                                                  \
 	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | \
-	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP))
+	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP) | VERB(COLLECT))
 #define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
 #define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
 /* what a sweep hands on to its runs (app/sweep) */
@@ -80,6 +80,9 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
                  "rbsim sweep bounces --status\tdone, running, failed, missing\n"
                  "rbsim sweep bounces --slurm --time 1:00:00\tthe same as a job array\n"
                  "rbsim sweep bounces --task 3 --tasks 10\tits fourth tenth, under any scheduler\n"},
+	[RB_VERB_COLLECT] = {"collect", "DIR", 1, "one file over all runs of a sweep",
+                             "rbsim collect bounces\tbounces/sweep.h5\n"
+                             "rbsim collect bounces --csv >bounces.csv\ta table\n"},
 };
 
 /* clang-format off */
@@ -92,6 +95,10 @@ const struct rb_option_row rb_option_rows[] = {
 	 "write the report, by the ending of its name a picture (.svg, .png) or all numbers (.csv, .json)"},
 	{"output", 'o', "DIR", RB_OPTION_TEXT, AT(output), VERB(SWEEP), 0, 0, false, NULL,
 	 "folder of the sweep; where it holds this one already, the sweep goes on"},
+	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), VERB(COLLECT), 0, 0, false, NULL,
+	 "write to FILE, by its ending HDF5 or a table (.csv) (default: sweep.h5 in the sweep's folder)"},
+	{"csv", 0, NULL, RB_OPTION_FLAG, AT(csv), VERB(COLLECT), 0, 0, false, NULL,
+	 "a table of comma-separated values, without --output on standard output"},
 	{"param", 'p', "NAME=VALUES", RB_OPTION_LIST, AT(params), VERB(SWEEP), 0, 0, false, NULL,
 	 "values of a parameter: a list A,B,C, a range low:high:step, for a sample also low:high; may be given again"},
 	{"seeds", 0, "N", RB_OPTION_INTEGER, AT(seeds), VERB(SWEEP), 1, 10000000, false, NULL,
@@ -185,7 +192,7 @@ const struct rb_option_row rb_option_rows[] = {
 	 "take commands at a Unix socket, see rbsim-control(7)"},
 	{"commands", 0, "FILE", RB_OPTION_TEXT, AT(commands), VERB(RUN), 0, 0, false, NULL,
 	 "execute commands from FILE, each when it is due; -: from standard input"},
-	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE), 0, 0, false, NULL,
+	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(COLLECT), 0, 0, false, NULL,
 	 "replace existing recordings, films and reports"},
 	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | EACH | VERB(RENDER) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
@@ -212,7 +219,7 @@ const struct rb_option_row rb_option_rows[] = {
 /* clang-format on */
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"plot", "export", "collect", "replay", "repair", NULL};
+const char *const rb_later_verbs[] = {"plot", "export", "replay", "repair", NULL};
 const char *const rb_later_options[] = {"checkpoint-every", "resume", NULL};
 static const char *const later_methods[] = {"stepped", NULL};
 

@@ -2,6 +2,7 @@
 /* The one object that rbsim-hdf5.so exports (sink/module.h). */
 #include "sink/h5module.h"
 
+#include "sink/h5collect.h"
 #include "sink/reader.h"
 #include "sink/recorder.h"
 
@@ -16,4 +17,5 @@ const struct rb_hdf5_module rb_hdf5_module = {
 	.reader_refresh = rb_reader_refresh,
 	.reader_frame = rb_reader_frame,
 	.reader_observable = rb_reader_observable,
+	.collect = rb_h5_collect,
 };

@@ -50,6 +50,32 @@ struct rb_reading {
 	uint64_t event_count;
 };
 
+/* A table in memory (sweep/table): columns of numbers, NAN where there is none, or of texts. */
+struct rb_table_column {
+	const char *group; /* "parameters" and the like */
+	char *name;        /* owned */
+	double *numbers;   /* owned: [rows]; NULL: texts */
+	char **texts;      /* owned, each too: [rows] */
+};
+struct rb_table {
+	uint64_t rows;
+	struct rb_table_column *columns; /* owned */
+	int column_count;
+	bool *has_recording; /* owned: [rows] */
+};
+
+/* Many recordings as one file; all borrowed. */
+struct rb_collection {
+	const char *path;
+	bool replace;
+	const char *version, *scene;
+	const struct rb_table *table;
+	/* Name of a row's recording, as it is found from here and from the folder of `path`; hold until the next call. */
+	const char *(*file)(void *user, uint64_t row);
+	const char *(*link)(void *user, uint64_t row);
+	void *user;
+};
+
 /* The module's one exported object is `const struct rb_hdf5_module rb_hdf5_module`. */
 struct rb_hdf5_module {
 	int version; /* RB_HDF5_MODULE_VERSION of the build */
@@ -76,6 +102,9 @@ struct rb_hdf5_module {
 	/* A per-frame observable "kinetic_energy", ...: `values` has room for frame_count * width doubles. */
 	enum rb_status (*reader_observable)(struct rb_reader *reader, const char *name, int width,
 	                                    double *values, struct rb_error *err);
+	/* One file of virtual datasets over them; `*linked` receives how many. */
+	enum rb_status (*collect)(const struct rb_collection *collection, uint64_t *linked,
+	                          struct rb_error *err);
 };
 
 enum { RB_HDF5_MODULE_VERSION = 4 };

@@ -13,43 +13,11 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "sweep/told.h"
 
 static const size_t result_bytes_max = (size_t)64 << 20;
 
 /* ---- what a run said at its end ---- */
-
-/*
- * Behind "KEY": in a JSON object that rbsim has written; NULL: not there. Inside of texts quotes are escaped, so that a key
- * is found in no text; keys of the top level come before those of objects in it.
- */
-static const char *value_at(const char *json, const char *key)
-{
-	char name[48];
-
-	snprintf(name, sizeof name, "\"%s\":", key);
-	const char *const at = strstr(json, name);
-	return at ? at + strlen(name) : NULL;
-}
-
-/* A text of it, cut where it does not fit; "" where there is none. */
-static void copy_text(const char *json, const char *key, char *out, size_t size)
-{
-	const char *at = value_at(json, key);
-	size_t used = 0;
-
-	if (at && *at == '"')
-		for (at++; *at && *at != '"' && used + 1 < size; at++) {
-			if (*at == '\\' && at[1] == 'n') {
-				out[used++] = ' ';
-				at++;
-				continue;
-			}
-			if (*at == '\\' && at[1])
-				at++;
-			out[used++] = *at;
-		}
-	out[used] = '\0';
-}
 
 static int count_of(const char *json, const char *text)
 {
@@ -62,9 +30,9 @@ static int count_of(const char *json, const char *text)
 
 static void explain_failure(struct rb_point *point, const char *json)
 {
-	copy_text(json, "error", point->reason, sizeof point->reason);
+	rb_told_text(json, "error", point->reason, sizeof point->reason);
 	if (!*point->reason)
-		copy_text(json, "reason", point->reason, sizeof point->reason);
+		rb_told_text(json, "reason", point->reason, sizeof point->reason);
 	const int failed = count_of(json, "\"ok\":false");
 	if (!*point->reason && failed > 0)
 		snprintf(point->reason, sizeof point->reason, "%d of %d expectations failed",
@@ -75,13 +43,13 @@ static void explain_failure(struct rb_point *point, const char *json)
 static bool take_result(struct rb_point *point, const char *json, size_t size, bool *refused)
 {
 	char status[16];
-	const char *const code = value_at(json, "exit_status");
+	const char *const code = rb_told_value(json, "exit_status");
 
 	if (size < 3 || *json != '{' || strcmp(json + size - 2, "}\n") != 0 || !code)
 		return false;
 	point->exit_code = atoi(code);
-	copy_text(json, "status", status, sizeof status);
-	copy_text(json, "state_hash", point->state_hash, sizeof point->state_hash);
+	rb_told_text(json, "status", status, sizeof status);
+	rb_told_text(json, "state_hash", point->state_hash, sizeof point->state_hash);
 	*refused = strcmp(status, "refused") == 0;
 	switch (point->exit_code) {
 	case 0:

@@ -28,6 +28,6 @@ cmp -s again.lua bounce.lua || fail "the scene came out of the recording otherwi
 for status in 0 1 64 65 66 69 70 71 73 74 76; do
 	grep -q "^\.It $status\$" "$TOP/man/rbsim.1" || fail "rbsim(1) does not explain exit status $status"
 done
-for verb in run check info render diff converge verify methods ctl console attach sweep; do
+for verb in run check info render diff converge verify methods ctl console attach sweep collect; do
 	grep -q "^\.It Cm $verb\$" "$TOP/man/rbsim.1" || fail "rbsim(1) does not explain $verb"
 done

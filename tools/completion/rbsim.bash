@@ -6,7 +6,7 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|render|diff|converge|verify|methods|ctl|console|attach|sweep) verb=$w ;; esac
+		case $w in run|check|info|render|diff|converge|verify|methods|ctl|console|attach|sweep|collect) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
@@ -59,11 +59,12 @@ _rbsim()
 		console) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --fps --speed --detach --force --trust --debug --help --version' -- "$word")) ;;
 		attach) COMPREPLY=($(compgen -W '--fps --speed --trust --debug --help --version' -- "$word")) ;;
 		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
+		collect) COMPREPLY=($(compgen -W '--output --csv --force --quiet --json --debug --help --version' -- "$word")) ;;
 		esac
 		return
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods ctl console attach sweep' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods ctl console attach sweep collect' -- "$word"))
 }
 complete -F _rbsim rbsim
