@@ -4,7 +4,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "app/chart.h"
@@ -502,28 +501,10 @@ static enum rb_status write_output(const struct converge *converge, struct rb_er
 	return status;
 }
 
-/* As large as the terminal; a page of text where there is none. */
-static struct rb_plot_size text_size(void)
-{
-	struct rb_plot_size size = {.width = 79, .height = 24};
-	const char *no_color = getenv("NO_COLOR");
-	struct winsize window;
-
-	if (!isatty(STDOUT_FILENO))
-		return size;
-	if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col >= 40 &&
-	    window.ws_row >= 12) {
-		size.width = window.ws_col - 1;
-		size.height = window.ws_row < 44 ? window.ws_row - 4 : 40;
-	}
-	size.color = rb_terminal_is_capable(STDOUT_FILENO) && !(no_color && *no_color);
-	return size;
-}
-
 static enum rb_status print_all(const struct converge *converge, struct rb_error *err)
 {
 	const struct rb_report *const report = &converge->report;
-	const struct rb_plot_size size = text_size();
+	const struct rb_plot_size size = rb_plot_text_size();
 	const int width = isatty(STDOUT_FILENO) ? size.width + 1 : 0;
 	struct rb_error missing;
 	enum rb_status status = rb_report_print(stdout, report, width, err);

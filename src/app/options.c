@@ -15,7 +15,7 @@
 #define VERB(name) (1u << RB_VERB_##name)
 #define ALL                                                                                  \
 	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | \
-	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP) | VERB(COLLECT))
+	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP) | VERB(COLLECT) | VERB(PLOT))
 #define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
 #define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
 /* what a sweep hands on to its runs (app/sweep) */
@@ -83,6 +83,12 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 	[RB_VERB_COLLECT] = {"collect", "DIR", 1, "one file over all runs of a sweep",
                              "rbsim collect bounces\tbounces/sweep.h5\n"
                              "rbsim collect bounces --csv >bounces.csv\ta table\n"},
+	[RB_VERB_PLOT] =
+		{"plot", "RUN.h5|SWEEP.h5 QUANTITY...", -1,
+                 "a recording against time, or results of a sweep against a parameter",
+                 "rbsim plot bounce.h5 energy kinetic_energy\tin the terminal\n"
+                 "rbsim plot bounce.h5 ball.z -o height.svg\tthe height of body 'ball'\n"
+                 "rbsim plot bounces/sweep.h5 energy_drift --against e\ta cross for each run\n"},
 };
 
 /* clang-format off */
@@ -97,6 +103,10 @@ const struct rb_option_row rb_option_rows[] = {
 	 "folder of the sweep; where it holds this one already, the sweep goes on"},
 	{"output", 'o', "FILE", RB_OPTION_TEXT, AT(output), VERB(COLLECT), 0, 0, false, NULL,
 	 "write to FILE, by its ending HDF5 or a table (.csv) (default: sweep.h5 in the sweep's folder)"},
+	{"output", 'o', "PICTURE", RB_OPTION_TEXT, AT(output), VERB(PLOT), 0, 0, false, NULL,
+	 "draw to PICTURE (.svg, .png) instead of the terminal"},
+	{"against", 0, "NAME", RB_OPTION_TEXT, AT(against), VERB(PLOT), 0, 0, false, NULL,
+	 "parameter or result of the sweep that the horizontal axis shows (default: the index)"},
 	{"csv", 0, NULL, RB_OPTION_FLAG, AT(csv), VERB(COLLECT), 0, 0, false, NULL,
 	 "a table of comma-separated values, without --output on standard output"},
 	{"param", 'p', "NAME=VALUES", RB_OPTION_LIST, AT(params), VERB(SWEEP), 0, 0, false, NULL,
@@ -192,7 +202,7 @@ const struct rb_option_row rb_option_rows[] = {
 	 "take commands at a Unix socket, see rbsim-control(7)"},
 	{"commands", 0, "FILE", RB_OPTION_TEXT, AT(commands), VERB(RUN), 0, 0, false, NULL,
 	 "execute commands from FILE, each when it is due; -: from standard input"},
-	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(COLLECT), 0, 0, false, NULL,
+	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(COLLECT) | VERB(PLOT), 0, 0, false, NULL,
 	 "replace existing recordings, films and reports"},
 	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | EACH | VERB(RENDER) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
@@ -492,7 +502,8 @@ static enum rb_status check_whole(const struct parse *parse)
 	if (options->operand_count < verb->operand_count)
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s%s", verb->name,
 		               verb->operands, options->operand_count == 0 ? "" : " (two files)");
-	if (options->verb == RB_VERB_CTL && options->word_count < 2)
+	if ((options->verb == RB_VERB_CTL || options->verb == RB_VERB_PLOT) &&
+	    options->word_count < 2)
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' needs %s", verb->name,
 		               verb->operands);
 	if (options->no_record && options->output && options->verb != RB_VERB_SWEEP)

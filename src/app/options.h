@@ -28,6 +28,7 @@ enum rb_verb {
 	RB_VERB_ATTACH,
 	RB_VERB_SWEEP,
 	RB_VERB_COLLECT,
+	RB_VERB_PLOT,
 	RB_VERB_COUNT
 };
 
@@ -82,6 +83,7 @@ struct rb_options {
 	int slurm_option_count, seeds, tasks;                  /* sweep; 0: not given */
 	int task;                                              /* sweep; -1: not given */
 	bool csv;                                              /* collect */
+	const char *against;                                   /* plot; NULL: not given */
 	bool sweep_status, sweep_plan, slurm, retry;           /* sweep */
 	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
 	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */

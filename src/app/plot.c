@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "app/plot.h"
 
+#include "app/progress.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -8,6 +10,7 @@
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -125,13 +128,19 @@ static void put_series(FILE *script, const struct rb_plot *plot, enum rb_plot_ki
 			/* the 24th mark of a text is an X */
 			fprintf(script, "points pointtype %d linecolor %d",
 			        kind == RB_PLOT_TEXT ? 24 : 2, color);
+		else if (series->plain)
+			fprintf(script,
+			        kind == RB_PLOT_TEXT ? "lines linetype %d"
+			                             : "lines linewidth 2 linecolor %d",
+			        color);
 		else if (kind == RB_PLOT_TEXT)
 			fprintf(script, "linespoints pointtype %d linetype %d", color, color);
 		else
 			fprintf(script,
 			        "linespoints linewidth 2 pointtype %d linecolor %d dashtype %d",
 			        2 * color + 3, color, color);
-		fputs(kind == RB_PLOT_TEXT ? " title " : " pointsize 1.2 title ", script);
+		fputs(kind == RB_PLOT_TEXT || series->plain ? " title " : " pointsize 1.2 title ",
+		      script);
 		put_text(script, series->name);
 		comma = ", ";
 	}
@@ -252,4 +261,21 @@ enum rb_status rb_plot_draw(const struct rb_plot *plot, enum rb_plot_kind kind,
 	if (complaints)
 		fclose(complaints);
 	return status;
+}
+
+struct rb_plot_size rb_plot_text_size(void)
+{
+	struct rb_plot_size size = {.width = 79, .height = 24};
+	const char *no_color = getenv("NO_COLOR");
+	struct winsize window;
+
+	if (!isatty(STDOUT_FILENO))
+		return size;
+	if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &window) == 0 && window.ws_col >= 40 &&
+	    window.ws_row >= 12) {
+		size.width = window.ws_col - 1;
+		size.height = window.ws_row < 44 ? window.ws_row - 4 : 40;
+	}
+	size.color = rb_terminal_is_capable(STDOUT_FILENO) && !(no_color && *no_color);
+	return size;
 }

@@ -17,6 +17,7 @@ struct rb_plot_series {
 	const double *x, *y; /* points that are not finite are left out */
 	int count;
 	bool crosses; /* single crosses instead of a marked line */
+	bool plain;   /* a line without marks */
 	int like;     /* index of the series whose colour this one takes; its own: a new colour */
 };
 
@@ -38,6 +39,9 @@ struct rb_plot_size {
 	int width, height;
 	bool color;
 };
+/* As large as the terminal on standard output; a page of text where there is none. */
+struct rb_plot_size rb_plot_text_size(void);
+
 RB_CHECKED enum rb_status rb_plot_draw(const struct rb_plot *plot, enum rb_plot_kind kind,
                                        struct rb_plot_size size, FILE *to, struct rb_error *err);
 

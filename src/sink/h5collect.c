@@ -228,3 +228,36 @@ enum rb_status rb_h5_collect(const struct rb_collection *collection, uint64_t *l
 	rb_output_release(&output);
 	return status;
 }
+
+/* ---- reading ---- */
+
+enum rb_status rb_h5_column(const char *file, const char *group, const char *name, double **values,
+                            uint64_t *count, struct rb_error *err)
+{
+	struct rb_input input;
+	char escaped[700], path[800];
+	rb_h5_shape row = {0};
+	hsize_t rows = 0;
+
+	*values = NULL;
+	*count = 0;
+	rb_h5_quiet();
+	enum rb_status status = rb_input_open(&input, file, err);
+	if (status)
+		return status;
+	snprintf(path, sizeof path, "/%s/%s", group, rb_h5_escape(name, escaped, sizeof escaped));
+	const hid_t dataset = rb_input_dataset(&input, path, true, &row, &rows);
+	if (dataset < 0)
+		status = RB_FAIL(err, RB_ERR_INPUT, "'%s' has no numbers '%s'", file, name);
+	if (!status && !(*values = rb_memory_take((size_t)rows + 1, sizeof **values)))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", file);
+	if (!status && !rb_input_rows(dataset, RB_H5_F64, row, (hsize_t[]){0, rows}, *values)) {
+		status = RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s' in '%s'", name, file);
+		rb_memory_free(*values);
+		*values = NULL;
+	}
+	*count = status ? 0 : rows;
+	rb_h5_done(dataset);
+	rb_input_close(&input);
+	return status;
+}

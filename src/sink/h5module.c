@@ -18,4 +18,5 @@ const struct rb_hdf5_module rb_hdf5_module = {
 	.reader_frame = rb_reader_frame,
 	.reader_observable = rb_reader_observable,
 	.collect = rb_h5_collect,
+	.column = rb_h5_column,
 };

@@ -105,6 +105,9 @@ struct rb_hdf5_module {
 	/* One file of virtual datasets over them; `*linked` receives how many. */
 	enum rb_status (*collect)(const struct rb_collection *collection, uint64_t *linked,
 	                          struct rb_error *err);
+	/* A column of numbers in such a file, to be freed; RB_ERR_INPUT where there is none. */
+	enum rb_status (*column)(const char *file, const char *group, const char *name,
+	                         double **values, uint64_t *count, struct rb_error *err);
 };
 
 enum { RB_HDF5_MODULE_VERSION = 4 };

@@ -12,12 +12,13 @@ sphere { name = "ball", radius = 0.1, position = {0, 0, 1}, material = rubber }
 END
 cp bounce.lua drop.lua
 sed -n 's/^\.Dl rbsim //p' "$TOP/man/rbsim.1" "$TOP/man/rbsim-sweep.1" >examples
-[ "$(wc -l <examples)" -ge 13 ] || fail "the manual has lost its examples"
+[ "$(wc -l <examples)" -ge 16 ] || fail "the manual has lost its examples"
 while read -r example; do
 	sh -c "\"$RBSIM\" $example" >out 2>err </dev/null
 	got=$?
 	case $example in
 	diff*) wanted=1 ;; # two methods
+	plot*) command -v gnuplot >/dev/null && wanted=0 || wanted=69 ;;
 	*) wanted=0 ;;
 	esac
 	[ $got -eq $wanted ] || fail "rbsim $example: exit status $got, wanted $wanted"
@@ -28,6 +29,6 @@ cmp -s again.lua bounce.lua || fail "the scene came out of the recording otherwi
 for status in 0 1 64 65 66 69 70 71 73 74 76; do
 	grep -q "^\.It $status\$" "$TOP/man/rbsim.1" || fail "rbsim(1) does not explain exit status $status"
 done
-for verb in run check info render diff converge verify methods ctl console attach sweep collect; do
+for verb in run check info render diff converge verify methods ctl console attach sweep collect plot; do
 	grep -q "^\.It Cm $verb\$" "$TOP/man/rbsim.1" || fail "rbsim(1) does not explain $verb"
 done

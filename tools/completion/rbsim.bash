@@ -6,10 +6,11 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|render|diff|converge|verify|methods|ctl|console|attach|sweep|collect) verb=$w ;; esac
+		case $w in run|check|info|render|diff|converge|verify|methods|ctl|console|attach|sweep|collect|plot) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
+	--against) return ;;
 	-p|--param) return ;;
 	--seeds) return ;;
 	--sample) return ;;
@@ -60,11 +61,12 @@ _rbsim()
 		attach) COMPREPLY=($(compgen -W '--fps --speed --trust --debug --help --version' -- "$word")) ;;
 		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		collect) COMPREPLY=($(compgen -W '--output --csv --force --quiet --json --debug --help --version' -- "$word")) ;;
+		plot) COMPREPLY=($(compgen -W '--output --against --force --quiet --json --debug --help --version' -- "$word")) ;;
 		esac
 		return
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods ctl console attach sweep collect' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods ctl console attach sweep collect plot' -- "$word"))
 }
 complete -F _rbsim rbsim

@@ -1,0 +1,57 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# rbsim plot draws quantities of a recording and results of a sweep, and says what it cannot draw.
+. tests/cli/functions
+
+small_scene 'local e = param("e", 0.5, "x")' >s.lua
+exits 0 s.lua -q -o run.h5
+exits 0 sweep s.lua -p e=0.1,0.5,0.9 -o d -q
+exits 0 collect d -q
+if ! command -v gnuplot >/dev/null; then
+	exits 69 plot run.h5 energy
+	says err "no 'gnuplot'"
+	echo "no gnuplot"
+	exit 77
+fi
+
+exits 0 plot run.h5 energy kinetic_energy left.z
+says out 'time \[s\]'
+says out 'left.z'
+exits 0 plot d/sweep.h5 e --against e
+[ "$(grep -o X out | wc -l)" -ge 4 ] || fail "not a cross for each run and one in the key"
+
+# the points of a picture are those of the recording: the height falls from 0.3 m and never below the radius
+mkdir bin
+cat >bin/gnuplot <<'END'
+#!/bin/sh
+tee "$SCRIPT_OF_TEST" >/dev/null
+echo picture
+END
+chmod +x bin/gnuplot
+SCRIPT_OF_TEST=$PWD/script
+export SCRIPT_OF_TEST
+plain=$PATH
+PATH=$PWD/bin:$PATH
+exits 0 plot run.h5 left.z right.vx momentum -o z.svg
+[ "$(cat z.svg)" = picture ] || fail "no picture"
+awk '/^\$data0/ { inside = 1; next } /^END/ { if (inside) exit } inside { print }' script >points
+awk 'NR == 1 && ($1 != 0 || $2 != 0.3) || $2 < 0.0999 || $2 > 0.3 { exit 1 } END { exit NR != 31 }' points ||
+	fail "other heights: $(head -n 3 points)"
+awk '/^\$data1/ { inside = 1; next } /^END/ { if (inside) exit } inside { print }' script | head -n 1 | grep -qx '0 -1' ||
+	fail "another velocity of the right ball"
+exits 0 plot d/sweep.h5 frames --against e -o s.png
+awk '/^\$data0/ { inside = 1; next } /^END/ { if (inside) exit } inside { print }' script | cut -d ' ' -f 2 | sort -u >frames
+[ "$(cat frames)" = 31 ] || fail "frames: $(cat frames)"
+PATH=$plain
+
+exits 64 plot run.h5
+exits 64 plot run.h5 height
+says err "no quantity 'height' \(wanted: energy"
+exits 64 plot run.h5 nobody.z
+exits 64 plot run.h5 energy --against e
+exits 66 plot d/sweep.h5 nothing
+says err "no numbers 'nothing'"
+exits 66 plot nothing.h5 energy
+exits 73 plot run.h5 energy -o z.svg
+exits 0 plot run.h5 energy -o z.svg --force
+exits 64 plot run.h5 energy -o z.pdf
