@@ -17,6 +17,8 @@
 #include <rbsim/error.h>
 #include <rbsim/math.h>
 
+#include "base/pack.h"
+
 struct rb_cells;
 
 /* Bodies 0 .. count-1 of these radii (> 0) at these positions ([count][3], m). All memory is taken here. */
@@ -54,6 +56,12 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
  * before (the 9 cells on the far side on that level) to `out`, which has room as above; returns how many.
  */
 int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out);
+
+/* Walls of all cells of the body have numbers below this one. */
+int rb_cells_wall_count(const struct rb_cells *cells, int body);
+
+/* Who is where, in the order in which it will be listed, between cells made for the same bodies. */
+void rb_cells_pack(struct rb_cells *cells, struct rb_pack *pack);
 
 /* The body is somewhere else altogether. Afterwards rb_cells_near says who is near. */
 void rb_cells_place(struct rb_cells *cells, int body, rb_vec3 position);

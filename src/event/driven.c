@@ -471,3 +471,29 @@ void rb_driven_release(struct rb_located *l)
 		}
 	rb_memory_free(l->driven);
 }
+
+void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack)
+{
+	const int n = rb_located_row(l);
+	bool has = l->driven && l->driven[i];
+
+	rb_pack_bool(pack, &has);
+	if (!has)
+		return;
+	struct rb_driven *const own = pack->loading ? driven_of(l, i, n) : l->driven[i];
+
+	if (!own) {
+		pack->failed = pack->no_memory = true;
+		return;
+	}
+	rb_pack_finite(pack, &own->piece.length_s, 1);
+	rb_pack_finite(pack, own->piece.start, (size_t)n);
+	rb_pack_finite(pack, own->piece.coefficient, (size_t)n * NODES);
+	rb_pack_finite(pack, own->end_rate, (size_t)n);
+	rb_pack_doubles(pack, &own->end_s, 1);
+	rb_pack_finite(pack, &own->try_s, 1);
+	rb_pack_finite(pack, &own->near_ulp, 1);
+	(void)rb_pack_check(pack, own->piece.length_s > 0, "a piece without length");
+	if (pack->loading && !pack->failed)
+		l->piece[i].piece = own->piece;
+}

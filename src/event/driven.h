@@ -13,4 +13,7 @@
 void rb_driven_piece(struct rb_located *l, int i, double t);
 void rb_driven_release(struct rb_located *l);
 
+/* What is known of a driven body's function, and its piece (l->piece must be there when a body has one). */
+void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack);
+
 #endif

@@ -9,8 +9,6 @@
 
 #include "math/quat.h"
 
-static const char vector_type[] = "rbsim.vec3";
-
 void rb_vector_push(lua_State *L, rb_vec3 v)
 {
 	const double values[3] = {v.x, v.y, v.z};
@@ -20,7 +18,7 @@ void rb_vector_push(lua_State *L, rb_vec3 v)
 		lua_pushnumber(L, values[i]);
 		lua_rawseti(L, -2, i + 1);
 	}
-	luaL_setmetatable(L, vector_type);
+	luaL_setmetatable(L, RB_VECTOR_TYPE);
 }
 
 bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *count_found)
@@ -299,7 +297,7 @@ void rb_vector_open(lua_State *L)
 	                                   {"unit", l_unit},
 	                                   {NULL, NULL}};
 
-	luaL_newmetatable(L, vector_type);
+	luaL_newmetatable(L, RB_VECTOR_TYPE);
 	luaL_setfuncs(L, operators, 0);
 	luaL_newlib(L, methods);
 	lua_pushcclosure(L, l_index, 1);

@@ -13,6 +13,8 @@
 
 #include <rbsim/math.h>
 
+#define RB_VECTOR_TYPE "rbsim.vec3" /* their metatable's name */
+
 /* vec3 and deg as globals. */
 void rb_vector_open(lua_State *L);
 
