@@ -99,7 +99,7 @@ enum rb_status rb_ring_add_consumer(struct rb_ring *ring, bool lossless, int *co
 	enum rb_status status = RB_OK;
 
 	pthread_mutex_lock(&ring->lock);
-	RB_ASSERT(ring->consumer_count < RB_RING_CONSUMERS_MAX && ring->head == 0);
+	RB_ASSERT(ring->consumer_count < RB_RING_CONSUMERS_MAX && (lossless || ring->head == 0));
 	if (!lossless) {
 		struct rb_frame *frame = &ring->frame[ring->slot_count + ring->spare_count];
 		status = rb_frame_init(frame, ring->model, ring->fields, err);
@@ -108,7 +108,8 @@ enum rb_status rb_ring_add_consumer(struct rb_ring *ring, bool lossless, int *co
 	}
 	if (!status) {
 		*consumer = ring->consumer_count++;
-		ring->cursor[*consumer] = (struct cursor){.lossless = lossless, .attached = true};
+		ring->cursor[*consumer] = (struct cursor){
+			.lossless = lossless, .attached = true, .next = ring->head};
 	}
 	pthread_mutex_unlock(&ring->lock);
 	return status;

@@ -11,8 +11,8 @@
  * reads the newest, skips the rest, and never holds the producer back: the slot it is reading is
  * exchanged for a spare one.
  *
- * Owned by whoever created it, who adds the consumers before the first frame is acquired and
- * destroys it after all of them have ended. acquire, publish and close belong to the producer's
+ * Owned by whoever created it, who adds the consumers before the first frame is acquired (a
+ * lossless one between frames too: it sees those that follow) and destroys it after all of them have ended. acquire, publish and close belong to the producer's
  * thread; wait, give_back and detach to the thread of that consumer; abort to anybody.
  */
 #ifndef RB_FLOW_RING_H

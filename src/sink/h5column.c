@@ -49,6 +49,29 @@ static hid_t access_properties(const struct rb_h5_layout *layout)
 	return access;
 }
 
+/* The dataset that is there must be the one that would be made, of any length. */
+static void reopen(struct rb_h5 *h5, struct rb_h5_column *column, const hsize_t *size)
+{
+	hsize_t found[RB_H5_RANK_MAX] = {0};
+	const int rank = column->layout.row.rank + 1;
+
+	rb_h5_column_attach(h5, column);
+	const hid_t space = column->dataset < 0 ? -1 : H5Dget_space(column->dataset);
+	const hid_t type = column->dataset < 0 ? -1 : H5Dget_type(column->dataset);
+	bool same = space >= 0 && H5Sget_simple_extent_ndims(space) == rank &&
+	            H5Sget_simple_extent_dims(space, found, NULL) == rank && type >= 0 &&
+	            H5Tequal(type, rb_h5_type_file(column->layout.kind)) > 0;
+	for (int i = 1; same && i < rank; i++)
+		same = found[i] == size[i];
+	column->there = same ? found[0] : 0;
+	if (!same && !h5->status)
+		h5->status = RB_FAIL(&h5->error, RB_ERR_INPUT,
+		                     "'%s' in '%s' is not what this run would record", column->path,
+		                     h5->name);
+	rb_h5_done(type);
+	rb_h5_done(space);
+}
+
 void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const char *path,
                          const struct rb_h5_layout *layout)
 {
@@ -63,6 +86,10 @@ void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const ch
 	}
 	if (h5->status)
 		return;
+	if (h5->there) {
+		reopen(h5, column, size);
+		return;
+	}
 
 	const hid_t creation = rb_h5_dataset_properties();
 	const hid_t access = access_properties(layout);
@@ -102,6 +129,8 @@ static bool grow(struct rb_h5_column *column, hsize_t rows)
 	const struct rb_h5_layout *const layout = &column->layout;
 	hsize_t size[RB_H5_RANK_MAX] = {rows};
 
+	if (rows <= column->there)
+		return true;
 	for (int i = 0; i < layout->row.rank; i++)
 		size[i + 1] = layout->row.size[i];
 	return H5Dset_extent(column->dataset, size) >= 0;
@@ -162,7 +191,13 @@ uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
 	                               ? column->rows / column->layout.chunk_rows *
 	                                         pieces(&column->layout)
 	                               : chunk_count(column, column->rows);
-	const uint64_t chunks = chunk_count(column, column->rows + count) - before;
+	uint64_t chunks = chunk_count(column, column->rows + count) - before;
+	if (column->layout.compression == 0) {
+		const uint64_t there = chunk_count(column, column->there);
+		const uint64_t after = chunk_count(column, column->rows + count);
+
+		chunks = after > there ? (after - there < chunks ? after - there : chunks) : 0;
+	}
 
 	/* The index: 8 or 16 bytes a chunk, given out in blocks that grow with the root of their number. */
 	uint64_t block = 512;

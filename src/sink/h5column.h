@@ -22,7 +22,8 @@ struct rb_h5_layout {
 struct rb_h5_column {
 	hid_t dataset, type;
 	struct rb_h5_layout layout;
-	hsize_t rows; /* on disk */
+	hsize_t rows; /* on disk, as far as they are ours */
+	hsize_t there; /* of a file that was there: rows that it has, which are written over, never cut off */
 	size_t row_bytes;
 	const char *path; /* borrowed, for messages */
 };

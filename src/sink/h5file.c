@@ -344,7 +344,7 @@ void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum 
 
 void rb_h5_attribute_text(struct rb_h5 *h5, const char *path, const char *name, const char *text)
 {
-	if (h5->status)
+	if (h5->status || h5->there)
 		return;
 	if (!text)
 		text = "";
@@ -370,7 +370,7 @@ void rb_h5_units(struct rb_h5 *h5, const char *path, const char *units)
 
 void rb_h5_link(struct rb_h5 *h5, const char *path, const char *new_path)
 {
-	if (h5->status)
+	if (h5->status || h5->there)
 		return;
 	const hid_t links = rb_h5_link_properties();
 

@@ -19,6 +19,7 @@
 struct rb_h5 {
 	hid_t file;       /* owned by whoever opened it */
 	const char *name; /* of the file, for messages; borrowed */
+	bool there;       /* all objects are: columns are opened, attributes and links left alone */
 	enum rb_status status;
 	struct rb_error error; /* valid if status */
 };

@@ -300,6 +300,67 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		take_buffers(h5, frames);
 }
 
+/* The last of `rows` numbers; false when it can't be had. */
+static bool last_of(const struct rb_h5_column *column, hsize_t rows, void *number)
+{
+	const hsize_t start[1] = {rows - 1}, count[1] = {1};
+	const hid_t space = rows <= column->there ? H5Dget_space(column->dataset) : -1;
+	const hid_t memory = H5Screate_simple(1, count, NULL);
+	const bool good = space >= 0 &&
+	                  H5Sselect_hyperslab(space, H5S_SELECT_SET, start, NULL, count, NULL) >=
+	                          0 &&
+	                  H5Dread(column->dataset, column->type, memory, space, H5P_DEFAULT,
+	                          number) >= 0;
+
+	rb_h5_done(memory);
+	rb_h5_done(space);
+	return good;
+}
+
+static bool go_on_table(struct rb_frames_table *table, const struct rb_frames_column *end,
+                        hsize_t rows)
+{
+	uint64_t count = 0;
+
+	if (!table->on)
+		return true;
+	if (rows > 0 && !last_of(&end->column, rows, &count))
+		return false;
+	for (int i = 0; i < table->column_count; i++) {
+		if (table->columns[i].there < count)
+			return false;
+		table->columns[i].rows = count;
+	}
+	table->rows_written = count;
+	return true;
+}
+
+void rb_frames_go_on(struct rb_h5 *h5, struct rb_frames *frames, hsize_t rows, uint64_t frame)
+{
+	int64_t step = -1;
+	bool good = true;
+
+	if (h5->status)
+		return;
+	frames->there = frames->step->column.there;
+	for (int i = 0; i < frames->column_count; i++) {
+		struct rb_h5_column *const column = &frames->columns[i].column;
+
+		good = good && rows <= column->there;
+		frames->there = column->there < frames->there ? column->there : frames->there;
+		column->rows = rows;
+	}
+	frames->written = rows;
+	good = good && go_on_table(&frames->events, frames->event_end, rows) &&
+	       go_on_table(&frames->contacts, frames->contact_end, rows);
+	if (good && rows > 0)
+		good = last_of(&frames->step->column, rows, &step) && step == (int64_t)frame;
+	if (!good)
+		h5->status = RB_FAIL(&h5->error, RB_ERR_INPUT,
+		                     "'%s' does not hold the frames up to %llu", h5->name,
+		                     (unsigned long long)frame);
+}
+
 static void each_column(struct rb_frames *frames,
                         void (*act)(void *user, struct rb_h5_column *column), void *user)
 {

@@ -81,6 +81,7 @@ struct rb_frames {
 
 	hsize_t capacity;              /* rows that the buffers hold */
 	hsize_t written;               /* frames in the file */
+	hsize_t there;                 /* frames that it had when it was opened again */
 	hsize_t count;                 /* committed frames in the buffers */
 	bool pending;                  /* one more row is filled, not committed */
 	struct rb_frame_numbers since; /* of the frames left out since the last one committed */
@@ -96,6 +97,11 @@ unsigned rb_frames_alignment(const struct rb_run_info *info);
 /* Makes the datasets. `buffers` false: for estimates, nothing can be taken. Release it whatever the outcome. */
 void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info,
                       bool buffers);
+/*
+ * In a file where all of it stands (h5->there): goes on after `rows` of its frames. What stands behind them stays until it
+ * is written over. RB_ERR_INPUT where there are fewer, or row `rows` - 1 is not `frame`.
+ */
+void rb_frames_go_on(struct rb_h5 *h5, struct rb_frames *frames, hsize_t rows, uint64_t frame);
 void rb_frames_release(struct rb_frames *frames); /* safe on a zeroed one */
 /* Closes all datasets, and opens them again (rb_h5_column_detach). */
 void rb_frames_detach(struct rb_frames *frames);

@@ -121,13 +121,47 @@ enum rb_status rb_output_open(struct rb_output *output, const char *name, bool r
 	return RB_OK;
 }
 
+/*
+ * Tells other processes that this file is being written: the library's own lock (flock) does not hold while readers are
+ * let in, and this kind has nothing to do with it. False: somebody else does.
+ */
+static bool take_lock(int fd)
+{
+	struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
+
+	return fcntl(fd, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
 enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err)
 {
 	output->fd = open(output->partial, O_RDWR | O_CLOEXEC);
 	if (output->fd < 0)
 		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", output->name,
 		               strerror(errno));
+	(void)take_lock(output->fd);
 	return RB_OK;
+}
+
+enum rb_status rb_output_reopen(struct rb_output *output, const char *name, struct rb_error *err)
+{
+	*output = (struct rb_output){.fd = -1};
+	errno = 0;
+	output->name = follow(name);
+	if (output->name)
+		output->fd = open(output->name, O_RDWR | O_CLOEXEC);
+	if (output->fd < 0) {
+		const int number = errno ? errno : ENOMEM;
+
+		rb_output_release(output);
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot write to '%s': %s", name,
+		               strerror(number));
+	}
+	output->published = true;
+	if (take_lock(output->fd))
+		return RB_OK;
+	rb_output_release(output);
+	return RB_FAIL(err, RB_ERR_CREATE, "cannot write to '%s': the run that writes it goes on",
+	               name);
 }
 
 enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err)

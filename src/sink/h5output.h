@@ -33,6 +33,13 @@ RB_CHECKED enum rb_status rb_output_open(struct rb_output *output, const char *n
 
 RB_CHECKED enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err);
 
+/*
+ * A recording that stands under NAME already is to be written on. RB_ERR_CREATE where it can't be, or where somebody else
+ * writes it.
+ */
+RB_CHECKED enum rb_status rb_output_reopen(struct rb_output *output, const char *name,
+                                           struct rb_error *err);
+
 /* The partial file gets its final name; without `replace` never over another one. Once; then it does nothing. */
 RB_CHECKED enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err);
 

@@ -22,6 +22,10 @@ struct rb_recorder_options {
 	const char *path; /* final name */
 	bool replace;     /* --force: an existing file may be replaced */
 	double flush_s;   /* longest wall time between flushes; 0: one second */
+	/* a recording that is there goes on after `row_count` of its frames, the last of them `frame` */
+	bool resume;
+	uint64_t row_count, frame;
+	bool repair; /* with `resume`: nothing is known of how the run ended but what the file says */
 };
 
 struct rb_recorder;
@@ -86,6 +90,12 @@ struct rb_hdf5_module {
 	                                  const struct rb_recorder_options *options,
 	                                  struct rb_error *err);
 	void (*recorder_destroy)(struct rb_recorder *recorder);
+	/*
+	 * Any thread: the file is to hold every frame up to this one soon; and waits until it does, false when it never
+	 * will. Between the recorder's making and its end.
+	 */
+	void (*recorder_ask)(struct rb_recorder *recorder, uint64_t frame);
+	bool (*recorder_wait)(struct rb_recorder *recorder, uint64_t frame);
 	/* Bytes that a whole run's recording will take (for `rbsim check`). */
 	uint64_t (*recorder_estimate)(const struct rb_run_info *info);
 

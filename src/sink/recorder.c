@@ -27,10 +27,12 @@
 #include "base/memory.h"
 #include "sink/h5about.h"
 #include "sink/h5frames.h"
+#include "sink/h5mark.h"
 #include "sink/h5output.h"
 #include "sink/h5vtk.h"
 
 #include <errno.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -44,8 +46,8 @@ struct rb_recorder {
 	/* set before the thread starts, then only read */
 	const struct rb_run_info *info;
 	char *path;
-	bool replace;
-	uint64_t flush_ns; /* a frame older than this is flushed */
+	struct rb_recorder_options options; /* `path` apart */
+	uint64_t flush_ns;                  /* a frame older than this is flushed */
 
 	/* the sink's thread */
 	struct rb_output output;
@@ -56,6 +58,14 @@ struct rb_recorder {
 		oldest_ns; /* when the oldest frame came that no flush has seen; 0: there is none */
 	bool failed;       /* no more frames: `why` says why */
 	struct rb_error why;
+	uint64_t seen; /* frames that came: the next one's number at least */
+
+	/* protected by lock: who waits for frames to be in the file */
+	pthread_mutex_t lock;
+	pthread_cond_t changed;
+	uint64_t asked; /* the file is to hold all frames below */
+	uint64_t held;  /* ... and holds all below */
+	bool ended;
 };
 
 /* `alignment` 1: none. */
@@ -129,6 +139,43 @@ static enum rb_status reserve(struct rb_recorder *recorder, uint64_t need, struc
 	return RB_OK;
 }
 
+/* Whether somebody waits for frames that have come and are not in the file. */
+static bool is_asked(struct rb_recorder *recorder)
+{
+	pthread_mutex_lock(&recorder->lock);
+	const bool asked = recorder->asked > recorder->held && recorder->asked <= recorder->seen;
+	pthread_mutex_unlock(&recorder->lock);
+	return asked;
+}
+
+/* All that has come is in the file; or nothing will be any more. */
+static void tell_held(struct rb_recorder *recorder, bool ended)
+{
+	pthread_mutex_lock(&recorder->lock);
+	if (!recorder->failed)
+		recorder->held = recorder->seen;
+	recorder->ended = recorder->ended || ended;
+	pthread_cond_broadcast(&recorder->changed);
+	pthread_mutex_unlock(&recorder->lock);
+}
+
+void rb_recorder_ask(struct rb_recorder *recorder, uint64_t frame)
+{
+	pthread_mutex_lock(&recorder->lock);
+	recorder->asked = frame + 1;
+	pthread_mutex_unlock(&recorder->lock);
+}
+
+bool rb_recorder_wait(struct rb_recorder *recorder, uint64_t frame)
+{
+	pthread_mutex_lock(&recorder->lock);
+	while (recorder->held <= frame && !recorder->ended)
+		pthread_cond_wait(&recorder->changed, &recorder->lock);
+	const bool held = recorder->held > frame;
+	pthread_mutex_unlock(&recorder->lock);
+	return held;
+}
+
 static enum rb_status flush(struct rb_recorder *recorder, struct rb_error *err)
 {
 	haddr_t end = 0;
@@ -148,6 +195,7 @@ static enum rb_status flush(struct rb_recorder *recorder, struct rb_error *err)
 			*err = error;
 		return note_failure(recorder, status, &error);
 	}
+	tell_held(recorder, false);
 	return RB_OK;
 }
 
@@ -246,19 +294,106 @@ static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *e
 	return h5->status;
 }
 
+/*
+ * The file is opened to change objects, which no reader may see half made. Should the process be killed meanwhile, the
+ * file must not be left marked as open for writing: that mark, and the end-of-file mark beside it, are put back as they
+ * were as soon as the library has made its own. (SWMR, so that the mark that the library makes for the moment of its
+ * close is one that readers get past.)
+ */
+static bool open_again(struct rb_recorder *recorder)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+	unsigned char superblock[SUPERBLOCK_SIZE];
+
+	*h5 = (struct rb_h5){.file = -1, .name = recorder->path};
+	if (pread(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE) {
+		rb_h5_fail(h5, "read", "/");
+		return false;
+	}
+	const hid_t access = file_access(1);
+	h5->file = H5Fopen(recorder->output.name, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
+	rb_h5_done(access);
+	if (h5->file < 0) {
+		rb_h5_fail(h5, "open", "/");
+		return false;
+	}
+	if (pwrite(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
+		rb_log(RB_LOG_DEBUG, "cannot put back the superblock: %s", strerror(errno));
+	return true;
+}
+
+/* What a close has added is of the frames that were there then. Its room is lost: nothing must take it before the link is gone. */
+static void drop_vtk(struct rb_recorder *recorder)
+{
+	struct rb_h5 *const h5 = &recorder->h5;
+
+	if (!open_again(recorder))
+		return;
+	if (H5Lexists(h5->file, "/VTKHDF", H5P_DEFAULT) > 0 &&
+	    H5Ldelete(h5->file, "/VTKHDF", H5P_DEFAULT) < 0)
+		rb_h5_fail(h5, "remove", "/VTKHDF");
+	if (H5Fclose(h5->file) < 0)
+		rb_h5_fail(h5, "close", "/");
+}
+
+/* A recording that stands there, to be written on where others may read. */
+static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error *err)
+{
+	const struct rb_recorder_options *const options = &recorder->options;
+	struct rb_h5 *const h5 = &recorder->h5;
+	bool was;
+	enum rb_status status = rb_output_reopen(&recorder->output, recorder->path, err);
+
+	if (!status)
+		status = rb_mark_clear(recorder->output.fd, recorder->path, &was, err);
+	if (status)
+		return status;
+	drop_vtk(recorder);
+	if (!h5->status) {
+		const hid_t access = file_access(rb_frames_alignment(recorder->info));
+		*h5 = (struct rb_h5){.name = recorder->path, .there = true};
+		h5->file = H5Fopen(recorder->output.name, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
+		                   access);
+		rb_h5_done(access);
+		if (h5->file < 0)
+			rb_h5_fail(h5, "open", "/");
+		recorder->file_open = h5->file >= 0;
+	}
+	rb_frames_create(h5, &recorder->frames, recorder->info, true);
+	rb_frames_go_on(h5, &recorder->frames, options->row_count, options->frame);
+	if (!options->repair) {
+		rb_h5_retext(h5, "/rbsim/status", "running");
+		rb_h5_retext(h5, "/rbsim/reason", "");
+		rb_h5_retext(h5, "/rbsim/ended", "");
+	}
+	if (!h5->status && H5Fflush(h5->file, H5F_SCOPE_LOCAL) < 0)
+		rb_h5_fail(h5, "flush", "/");
+	if (h5->status && err)
+		*err = h5->error;
+	recorder->seen = options->frame + 1;
+	tell_held(recorder, false);
+	return h5->status;
+}
+
 static enum rb_status open_file(void *self, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
+	enum rb_status status;
 
 	rb_h5_quiet();
-	enum rb_status status = rb_output_open(&recorder->output, recorder->path, recorder->replace,
-	                                       err);
-	if (status)
-		return status;
-	status = make_file(recorder, err);
+	if (recorder->options.resume) {
+		status = reopen_file(recorder, err);
+	} else {
+		status = rb_output_open(&recorder->output, recorder->path,
+		                        recorder->options.replace, err);
+		if (status)
+			return status;
+		status = make_file(recorder, err);
+	}
 	if (status) {
 		/* The library's file is left alone where its changes cannot be written: it has no name any more. */
-		if (recorder->file_open && recorder->h5.status == RB_ERR_MEMORY) {
+		if (recorder->file_open &&
+		    (recorder->options.resume || recorder->h5.status == RB_ERR_MEMORY)) {
 			rb_frames_detach(&recorder->frames);
 			H5Fclose(recorder->h5.file);
 		}
@@ -275,17 +410,20 @@ static enum rb_status take_frame(void *self, const struct rb_frame *frame, struc
 	struct rb_frames *const frames = &recorder->frames;
 	struct rb_error error;
 
+	if (recorder->options.resume && frame->index <= recorder->options.frame)
+		return RB_OK; /* it is there; others see it again */
 	const enum rb_status status = rb_frames_take(frames, frame, &error);
 	if (status) {
 		if (err)
 			*err = error;
 		return note_failure(recorder, status, &error);
 	}
+	recorder->seen = frame->index + 1;
 	const uint64_t now = rb_clock_now_ns();
 	if (recorder->oldest_ns == 0)
 		recorder->oldest_ns = now;
 	if (rb_frames_full(frames) || now - recorder->oldest_ns >= recorder->flush_ns ||
-	    (frames->written == 0 && frames->count > 0))
+	    (frames->written == 0 && frames->count > 0) || is_asked(recorder))
 		return write_out(recorder, err);
 	return RB_OK;
 }
@@ -294,7 +432,7 @@ static enum rb_status flush_idle(void *self, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
 
-	return recorder->oldest_ns != 0 ? write_out(recorder, err) : RB_OK;
+	return recorder->oldest_ns != 0 || is_asked(recorder) ? write_out(recorder, err) : RB_OK;
 }
 
 static const char *status_text(enum rb_status status)
@@ -319,6 +457,11 @@ static void write_end(struct rb_recorder *recorder, const struct rb_outcome *out
 	char text[32];
 
 	h5->status = RB_OK; /* of what came before; it is kept in `why` */
+	if (recorder->options.repair && !recorder->failed) {
+		rb_h5_retext(h5, "/rbsim/reason", outcome->reason);
+		rb_h5_retext(h5, "/rbsim/status", status_text(outcome->status));
+		return;
+	}
 	rb_h5_retext(h5, "/rbsim/reason", recorder->failed ? recorder->why.text : outcome->reason);
 	if (!recorder->failed) {
 		snprintf(text, sizeof text, "%016llx", (unsigned long long)outcome->state_hash);
@@ -333,7 +476,7 @@ static void write_end(struct rb_recorder *recorder, const struct rb_outcome *out
 }
 
 /* Columns that a failure left longer than `step`. */
-static void trim(struct rb_h5 *h5, const struct rb_frames *frames)
+static void trim(struct rb_h5 *h5, const struct rb_frames *frames, hsize_t rows)
 {
 	for (int i = 0; i < frames->column_count && !h5->status; i++) {
 		hsize_t size[RB_H5_RANK_MAX];
@@ -341,8 +484,8 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames)
 		const hid_t space = dataset < 0 ? -1 : H5Dget_space(dataset);
 
 		if (space >= 0 && H5Sget_simple_extent_dims(space, size, NULL) > 0 &&
-		    size[0] > frames->written) {
-			size[0] = frames->written;
+		    size[0] > rows) {
+			size[0] = rows;
 			if (H5Dset_extent(dataset, size) < 0)
 				rb_h5_fail(h5, "cut", frames->columns[i].path);
 		}
@@ -351,47 +494,30 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames)
 	}
 }
 
-/*
- * The file is opened once more to add objects, which no reader may see half made. Should the process be killed
- * meanwhile, the file must not be left marked as open for writing: that mark, and the end-of-file mark beside it, are
- * put back as they were as soon as the library has made its own. What it adds goes behind the old end; the only old
- * bytes that change are the root's header, in one small write. (SWMR once more, so that the mark that the library
- * makes for the moment of its close is one that readers get past.)
- */
+/* What is added goes behind the old end; the only old bytes that change are the root's header, in one small write. */
 static void add_vtk(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 	const struct rb_frames *const frames = &recorder->frames;
-	unsigned char superblock[SUPERBLOCK_SIZE];
+	/* frames that an earlier process has flushed stay, also where this one did not come as far */
+	const hsize_t rows = frames->written > frames->there ? frames->written : frames->there;
 
-	if (frames->written == 0 || recorder->info->model->body_count == 0 ||
+	if (rows == 0 || recorder->info->model->body_count == 0 ||
 	    !(frames->fields & RB_FIELD_POSITION))
 		return;
 	const off_t end = lseek(recorder->output.fd, 0, SEEK_END);
-	const uint64_t need = rb_vtk_need(recorder->info->model, frames->written);
-	int number = end < 0 ? errno : rb_output_reserve(&recorder->output, (uint64_t)end, need);
-	if (number == 0 &&
-	    pread(recorder->output.fd, superblock, sizeof superblock, 0) != SUPERBLOCK_SIZE)
-		number = EIO;
+	const uint64_t need = rb_vtk_need(recorder->info->model, rows);
+	const int number = end < 0 ? errno
+	                           : rb_output_reserve(&recorder->output, (uint64_t)end, need);
 	if (number != 0) {
 		rb_log(RB_LOG_WARNING, "'%s' is complete but for '/VTKHDF': %s", recorder->path,
 		       strerror(number));
 		return;
 	}
 
-	const hid_t access = file_access(1);
-	*h5 = (struct rb_h5){.name = recorder->path};
-	h5->file = H5Fopen(recorder->output.name, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
-	rb_h5_done(access);
-	if (h5->file < 0) {
-		rb_h5_fail(h5, "open", "/");
-	} else {
-		if (pwrite(recorder->output.fd, superblock, sizeof superblock, 0) !=
-		    SUPERBLOCK_SIZE)
-			rb_log(RB_LOG_DEBUG, "cannot put back the superblock: %s", strerror(errno));
-		trim(h5, frames);
-		rb_vtk_write(h5, recorder->info->model, frames->fields, frames->written,
-		             frames->time->path);
+	if (open_again(recorder)) {
+		trim(h5, frames, rows);
+		rb_vtk_write(h5, recorder->info->model, frames->fields, rows, frames->time->path);
 		if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {
 			if (H5Fclose(h5->file) < 0)
 				rb_h5_fail(h5, "close", "/");
@@ -407,8 +533,10 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 	struct rb_recorder *const recorder = self;
 	struct rb_h5 *const h5 = &recorder->h5;
 
-	if (!recorder->file_open)
+	if (!recorder->file_open) {
+		tell_held(recorder, true);
 		return RB_OK;
+	}
 	recorder->file_open = false;
 	const bool failed_before = recorder->failed;
 	if (!recorder->failed) {
@@ -447,6 +575,7 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 	if (h5->status)
 		rb_frames_forget(&recorder->frames);
 	rb_output_release(&recorder->output);
+	tell_held(recorder, true);
 	if (!recorder->failed)
 		return RB_OK;
 	if (err)
@@ -471,7 +600,10 @@ enum rb_status rb_recorder_create(struct rb_recorder **recorder, struct rb_sink 
 	}
 	made->info = info;
 	made->path = path;
-	made->replace = options->replace;
+	made->options = *options;
+	made->options.path = NULL;
+	pthread_mutex_init(&made->lock, NULL);
+	pthread_cond_init(&made->changed, NULL);
 	made->output.fd = -1;
 	/* The next look at the clock may come a quarter of a second later (rb_sink.idle). */
 	const double flush_s = options->flush_s > 0 ? options->flush_s : 1;
@@ -499,6 +631,8 @@ void rb_recorder_destroy(struct rb_recorder *recorder)
 		rb_output_release(&recorder->output);
 	}
 	rb_frames_release(&recorder->frames);
+	pthread_cond_destroy(&recorder->changed);
+	pthread_mutex_destroy(&recorder->lock);
 	rb_memory_free(recorder->path);
 	rb_memory_free(recorder);
 }

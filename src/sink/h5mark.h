@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The marks at the beginning of an HDF5 file: whether somebody writes it, and where it ends.
+ *
+ * A process that is killed leaves the first one behind, and then nobody but SWMR readers get in. Laid out as in the HDF5
+ * File Format Specification, version 3.0, II.A "Superblock", versions 2 and 3; its checksum is Bob Jenkins' lookup3.
+ */
+#ifndef RB_SINK_H5MARK_H
+#define RB_SINK_H5MARK_H
+
+#include <stdbool.h>
+
+#include <rbsim/error.h>
+
+/*
+ * Takes away the mark of a writer, if it is there (`*was`), and puts the end mark behind all that the file holds: so
+ * nothing is given out twice. One small write. The caller knows that nobody writes. RB_ERR_INPUT: no such file.
+ */
+RB_CHECKED enum rb_status rb_mark_clear(int fd, const char *name, bool *was, struct rb_error *err);
+
+#endif
