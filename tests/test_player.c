@@ -332,9 +332,30 @@ static void commands_of_many_do_not_get_in_each_other_s_way(void **state)
 	assert_int_equal(atomic_load(&play.passed), FRAMES);
 }
 
+static void a_checkpoint_is_asked_for_once_also_while_the_run_is_paused(void **state)
+{
+	struct rb_player *player;
+
+	(void)state;
+	assert_int_equal(rb_player_create(&player, 10, 1, NULL), RB_OK);
+	rb_player_keep(player);
+	assert_int_equal(rb_player_gate(player, NULL, NULL), RB_PLAYER_KEEP);
+	assert_int_equal(rb_player_gate(player, NULL, NULL), RB_PLAYER_GO);
+	rb_player_pause(player);
+	rb_player_keep(player);
+	assert_int_equal(rb_player_gate(player, NULL, NULL), RB_PLAYER_KEEP);
+	/* what else was asked for meanwhile is not lost */
+	rb_player_restart(player);
+	rb_player_keep(player);
+	assert_int_equal(rb_player_gate(player, NULL, NULL), RB_PLAYER_KEEP);
+	assert_int_equal(rb_player_gate(player, NULL, NULL), RB_PLAYER_RESTART);
+	rb_player_destroy(player);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_checkpoint_is_asked_for_once_also_while_the_run_is_paused),
 		cmocka_unit_test(a_run_that_nobody_stops_passes_all_frames),
 		cmocka_unit_test(steps_count_frames_exactly),
 		cmocka_unit_test(a_pause_ends_steps_and_play_ends_a_pause),

@@ -17,7 +17,7 @@ local stuff = material { name = "stuff", friction = part == "bounce" and 0 or 0.
 
 -- The two copies do not see each other: the far floor, infinite, would swallow the near ball.
 local copies = {near = vec3(0, 0, 0), far = vec3(offset, -offset / 2, offset)}
-local seen, bodies = {}, {}
+local seen, bodies = state, {} -- `state`: it must outlive a checkpoint
 for name, place in pairs(copies) do
 	local keys = {group = name, collides_with = name, material = stuff}
 	local function with(more)

@@ -99,6 +99,7 @@ void rb_app_json_refusal(const struct rb_options *options, const struct rb_loade
 	static const char *const operand_names[RB_VERB_COUNT][2] = {
 		[RB_VERB_RUN] = {"scene"},      [RB_VERB_CHECK] = {"scene"},
 		[RB_VERB_INFO] = {"file"},      [RB_VERB_DIFF] = {"a", "b"},
+		[RB_VERB_REPLAY] = {"file"},    [RB_VERB_REPAIR] = {"file"},
 		[RB_VERB_CONVERGE] = {"scene"}, [RB_VERB_RENDER] = {"file"},
 		[RB_VERB_SWEEP] = {"sweep"},    [RB_VERB_COLLECT] = {"sweep"},
 	};

@@ -62,7 +62,7 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 		.fps = NAN,
 		.speed = NAN,
 		.recording = loaded->output,
-		.replace = options->force,
+		.replace = options->force || options->resume,
 		.end_s = loaded->model->duration_s,
 	};
 }

@@ -173,6 +173,7 @@ static enum rb_status gather_params(struct rb_listen *listen, struct rb_error *e
 	listen->again.params = listen->params;
 	listen->again.param_count = count;
 	listen->again.force = true;
+	listen->again.resume = false;
 	return RB_OK;
 }
 
@@ -196,7 +197,7 @@ static enum rb_status load_next(struct rb_listen *listen, struct rb_error *err)
 }
 
 enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_player_frame *frame,
-                                      bool (*stop)(void *user), void *user)
+                                      const struct rb_listen_calls *calls)
 {
 	struct rb_error err = {0};
 
@@ -204,7 +205,12 @@ enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_
 	if (listen->commands)
 		rb_commands_execute(listen->commands, frame->time_s, listen->session, listen->out);
 	for (;;) {
-		const enum rb_player_verdict verdict = rb_player_gate(listen->player, stop, user);
+		const enum rb_player_verdict verdict = rb_player_gate(listen->player, calls->stop,
+		                                                      calls->user);
+		if (verdict == RB_PLAYER_KEEP) {
+			calls->keep(calls->user);
+			continue;
+		}
 		if (verdict != RB_PLAYER_RESTART || load_next(listen, &err) == RB_OK)
 			return verdict;
 		rb_log(RB_LOG_WARNING, "cannot restart: %s", err.text);

@@ -33,12 +33,18 @@ void rb_listen_destroy(struct rb_listen *listen);
 unsigned rb_listen_fields(const struct rb_listen *listen);
 /* A frame, before it is published. */
 void rb_listen_frame(struct rb_listen *listen, const struct rb_frame *frame);
+/* What the gate asks of the run. */
+struct rb_listen_calls {
+	bool (*stop)(void *user); /* whether a signal has ended it */
+	void (*keep)(void *user); /* makes a checkpoint of this frame */
+	void *user;
+};
 /*
  * After it was published: executes commands that are due, waits while the run is paused. RB_PLAYER_RESTART: the scene
  * was loaded anew and waits in rb_listen_next; where it could not be, the run stays paused as it is and that is told.
  */
 enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_player_frame *frame,
-                                      bool (*stop)(void *user), void *user);
+                                      const struct rb_listen_calls *calls);
 /* The run makes films; whether their pictures after this frame are wanted. True for NULL. */
 void rb_listen_has_films(struct rb_listen *listen, bool has);
 bool rb_listen_filming(const struct rb_listen *listen);

@@ -16,6 +16,8 @@
 #include "app/methods.h"
 #include "app/progress.h"
 #include "app/render.h"
+#include "app/repair.h"
+#include "app/replay.h"
 #include "app/run.h"
 #include "app/simulate.h"
 #include "app/sweep.h"
@@ -28,6 +30,7 @@
 static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) = {
 	[RB_VERB_RUN] = rb_run_main,         [RB_VERB_CHECK] = rb_check_main,
 	[RB_VERB_INFO] = rb_info_main,       [RB_VERB_DIFF] = rb_diff_main,
+	[RB_VERB_REPLAY] = rb_replay_main,   [RB_VERB_REPAIR] = rb_repair_main,
 	[RB_VERB_RENDER] = rb_render_main,   [RB_VERB_CONVERGE] = rb_converge_main,
 	[RB_VERB_VERIFY] = rb_verify_main,   [RB_VERB_METHODS] = rb_methods_main,
 	[RB_VERB_CTL] = rb_ctl_main,         [RB_VERB_CONSOLE] = rb_console_main,

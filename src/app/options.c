@@ -13,9 +13,10 @@
 #include "script/nearest.h"
 
 #define VERB(name) (1u << RB_VERB_##name)
-#define ALL                                                                                  \
-	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(CONVERGE) | \
-	 VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP) | VERB(COLLECT) | VERB(PLOT))
+#define ALL                                                                                \
+	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(REPLAY) | \
+	 VERB(REPAIR) | VERB(CONVERGE) | VERB(VERIFY) | VERB(METHODS) | VERB(CTL) |        \
+	 VERB(SWEEP) | VERB(COLLECT) | VERB(PLOT))
 #define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
 #define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
 /* what a sweep hands on to its runs (app/sweep) */
@@ -45,6 +46,13 @@ const struct rb_verb_row rb_verbs[RB_VERB_COUNT] = {
 	[RB_VERB_DIFF] = {"diff", "A.h5 B.h5", 2,
                           "the first frame and body at which two recordings differ",
                           "rbsim diff before.h5 after.h5\texit status 0: the same to the bit\n"},
+	[RB_VERB_REPLAY] =
+		{"replay", "RUN.h5", 1, "run a recording's scene again and compare every frame",
+                 "rbsim replay bounce.h5\texit status 0: the same bits; 1: where they differ\n"},
+	[RB_VERB_REPAIR] =
+		{"repair", "RUN.h5", 1,
+                 "make the recording of a run that was killed a plain file again",
+                 "rbsim repair bounce.h5\tfor readers that do not follow growing files\n"},
 	[RB_VERB_CONVERGE] =
 		{"converge", "SCENE.lua", 1, "error against run time, over methods and time steps",
                  "rbsim converge bounce.lua\ta table, a picture and advice\n"
@@ -168,7 +176,7 @@ const struct rb_option_row rb_option_rows[] = {
 	 "seed of the scene's random numbers"},
 	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), VERB(SWEEP), 1, 1024, false, NULL,
 	 "workers of the simulator in each run (default: 1)"},
-	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), SCENE | VERB(CONVERGE), 1, 1024, false, NULL,
+	{"threads", 0, "N", RB_OPTION_INTEGER, AT(threads), SCENE | VERB(CONVERGE) | VERB(REPLAY), 1, 1024, false, NULL,
 	 "workers of the simulator (default: the processors this process may use)"},
 	{"no-record", 0, NULL, RB_OPTION_FLAG, AT(no_record), SCENE | EACH, 0, 0, false, NULL,
 	 "write no recording"},
@@ -198,13 +206,17 @@ const struct rb_option_row rb_option_rows[] = {
 	 "one picture, of this frame, to --output PICTURE.png"},
 	{"contact-sheet", 0, NULL, RB_OPTION_FLAG, AT(contact_sheet), VERB(RENDER), 0, 0, false, NULL,
 	 "sixteen pictures in one, with their times, to --output SHEET.png"},
+	{"checkpoint-every", 0, "SECONDS", RB_OPTION_NUMBER, AT(checkpoint_every_s), VERB(RUN), 0, INFINITY, false, NULL,
+	 "wall time between checkpoints, 0: only on a signal or command (default: 60)"},
+	{"resume", 0, NULL, RB_OPTION_FLAG, AT(resume), VERB(RUN), 0, 0, false, NULL,
+	 "go on from the recording's checkpoint, from the beginning without one; a complete run is left as it is"},
 	{"listen", 0, "SOCKET", RB_OPTION_TEXT, AT(listen), VERB(RUN), 0, 0, false, NULL,
 	 "take commands at a Unix socket, see rbsim-control(7)"},
 	{"commands", 0, "FILE", RB_OPTION_TEXT, AT(commands), VERB(RUN), 0, 0, false, NULL,
 	 "execute commands from FILE, each when it is due; -: from standard input"},
 	{"force", 0, NULL, RB_OPTION_FLAG, AT(force), SCENE | VERB(RENDER) | VERB(CONVERGE) | VERB(COLLECT) | VERB(PLOT), 0, 0, false, NULL,
 	 "replace existing recordings, films and reports"},
-	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | EACH | VERB(RENDER) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
+	{"trust", 0, NULL, RB_OPTION_FLAG, AT(trust), SCENE | EACH | VERB(RENDER) | VERB(REPLAY) | VERB(REPAIR) | VERB(CONVERGE) | VERB(ATTACH), 0, 0, false, NULL,
 	 "run the scene's script without the sandbox: only for your own"},
 	{"quick", 0, NULL, RB_OPTION_FLAG, AT(quick), VERB(VERIFY), 0, 0, false, NULL,
 	 "a subset of cases and variations that takes less than a minute"},
@@ -229,8 +241,8 @@ const struct rb_option_row rb_option_rows[] = {
 /* clang-format on */
 const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
-const char *const rb_later_verbs[] = {"plot", "export", "replay", "repair", NULL};
-const char *const rb_later_options[] = {"checkpoint-every", "resume", NULL};
+const char *const rb_later_verbs[] = {"export", NULL};
+const char *const rb_later_options[] = {NULL};
 static const char *const later_methods[] = {"stepped", NULL};
 
 /* One command line being read. */
@@ -530,6 +542,7 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 	                               .task = -1,
 	                               .error = NAN,
 	                               .budget_s = NAN,
+	                               .checkpoint_every_s = NAN,
 	                               .argc = argc,
 	                               .argv = argv};
 	options->params = rb_memory_take((size_t)argc + 1, sizeof *options->params);

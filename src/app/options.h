@@ -20,6 +20,8 @@ enum rb_verb {
 	RB_VERB_INFO,
 	RB_VERB_RENDER,
 	RB_VERB_DIFF,
+	RB_VERB_REPLAY,
+	RB_VERB_REPAIR,
 	RB_VERB_CONVERGE,
 	RB_VERB_VERIFY,
 	RB_VERB_METHODS,
@@ -62,7 +64,8 @@ struct rb_options {
 	int word_count;
 
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
-	bool no_render;                /* run */
+	bool no_render, resume;        /* run */
+	double checkpoint_every_s;     /* run; NAN: not given */
 	const char *listen, *commands; /* run; NULL: not given */
 	const char *camera;            /* run, render: names; NULL: not given */
 	const char *with, *size;       /* render; NULL: not given */

@@ -2,9 +2,11 @@
 #include "app/run.h"
 
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "app/help.h"
+#include "app/json.h"
 #include "app/listen.h"
 #include "app/progress.h"
 #include "app/simulate.h"
@@ -65,12 +67,14 @@ struct attempt {
 	struct rb_run_texts texts;
 	struct rb_run_info info;
 	struct rb_films *films;
+	struct rb_resume resume; /* of the first attempt alone */
 	struct rb_run_result result;
 };
 
 static void release(struct attempt *attempt)
 {
 	rb_films_destroy(attempt->films);
+	rb_resume_release(&attempt->resume);
 	rb_run_result_release(&attempt->result);
 	rb_run_texts_release(&attempt->texts);
 	if (attempt->loaded)
@@ -98,7 +102,13 @@ static enum rb_status begin(struct attempt *attempt, struct rb_listen **listen,
 	if (!status)
 		status = rb_simulate_check_output(attempt->loaded, options, err);
 	if (!status)
-		status = prepare(attempt, options, err);
+		status = rb_resume_look(&attempt->resume, attempt->loaded, options, err);
+	if (status || attempt->resume.kind == RB_RESUME_DONE)
+		return status;
+	status = prepare(attempt, options, err);
+	if (!status && attempt->resume.kind == RB_RESUME_GO_ON)
+		memcpy(attempt->info.started, attempt->resume.checkpoint.about.started,
+		       sizeof attempt->info.started);
 	if (!status)
 		status = rb_listen_create(listen, options, attempt->loaded, &attempt->info, err);
 	return status;
@@ -117,6 +127,34 @@ static enum rb_status begin_again(struct attempt *attempt, struct rb_listen *lis
 	              : rb_listen_begin_again(listen, attempt->loaded, &attempt->info, err);
 }
 
+/* Nothing is left to be done. */
+static int tell_done(const struct rb_loaded *loaded, const struct rb_options *options)
+{
+	struct rb_json json = {.file = stdout};
+
+	rb_checkpoints_remove(loaded->output);
+	if (options->json) {
+		rb_json_open(&json, NULL, '{');
+		rb_json_text(&json, "scene", loaded->scene.file);
+		rb_json_text(&json, "status", "complete");
+		rb_json_text(&json, "recording", loaded->output);
+		rb_json_count(&json, "exit_status", 0);
+		rb_json_close(&json, '}');
+	} else if (!options->quiet) {
+		fprintf(stderr, "rbsim: '%s' is complete: nothing is left to be done\n",
+		        loaded->output);
+	}
+	return 0;
+}
+
+static struct rb_simulate_parts parts_of(struct attempt *attempt, struct rb_listen *listen)
+{
+	return (struct rb_simulate_parts){
+		.films = attempt->films,
+		.listen = listen,
+		.resume = attempt->resume.kind == RB_RESUME_GO_ON ? &attempt->resume : NULL};
+}
+
 int rb_run_main(const struct rb_options *options)
 {
 	struct attempt attempt = {.loaded = rb_memory_take(1, sizeof *attempt.loaded)};
@@ -132,9 +170,11 @@ int rb_run_main(const struct rb_options *options)
 		return rb_app_finish(options, rb_app_refuse(options, &err));
 	}
 	status = begin(&attempt, &listen, options, &err);
-	while (!status) {
-		(void)rb_simulate(&attempt.result, attempt.loaded, wanted, &attempt.info,
-		                  attempt.films, listen);
+	const bool done = !status && attempt.resume.kind == RB_RESUME_DONE;
+	while (!status && !done) {
+		const struct rb_simulate_parts parts = parts_of(&attempt, listen);
+
+		(void)rb_simulate(&attempt.result, attempt.loaded, wanted, &attempt.info, &parts);
 		if (!attempt.result.restart || attempt.result.status != RB_ERR_INTERRUPT)
 			break;
 		status = begin_again(&attempt, listen, &err);
@@ -142,6 +182,7 @@ int rb_run_main(const struct rb_options *options)
 	}
 	rb_listen_destroy(listen);
 	exit_code = status ? rb_app_refuse_scene(options, attempt.loaded, &err)
+	            : done ? tell_done(attempt.loaded, options)
 	                   : report(&attempt.result, attempt.loaded, options, &attempt.info,
 	                            attempt.films);
 	release(&attempt);

@@ -12,7 +12,9 @@
 #include <lua.h>
 
 #include "app/progress.h"
+#include "app/saving.h"
 #include "base/clock.h"
+#include "base/log.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "flow/frame.h"
@@ -28,6 +30,8 @@ struct run {
 
 	struct rb_films *films;              /* NULL: none */
 	struct rb_listen *listen;            /* NULL: none */
+	struct rb_resume *resume;            /* NULL: from the beginning */
+	struct rb_saving *saving;            /* NULL: it is not recorded */
 	enum rb_player_verdict verdict;      /* what commands have made of the run */
 	const struct rb_hdf5_module *module; /* NULL: no recording */
 	struct rb_recorder *recorder;
@@ -38,6 +42,7 @@ struct run {
 	struct rb_outcome outcome;    /* shared with the pump: see flow/pump.h */
 	struct rb_world *world;
 	struct rb_progress *progress;
+	uint64_t start_ns;
 };
 
 int rb_simulate_threads(const struct rb_options *options)
@@ -149,22 +154,35 @@ enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
 	    scene.st_ino == output.st_ino)
 		return RB_FAIL(err, RB_ERR_CREATE, "cannot record to '%s': it is the scene",
 		               loaded->output);
-	if (!options->force && S_ISREG(output.st_mode))
+	if (!options->force && !options->resume && S_ISREG(output.st_mode))
 		return RB_FAIL(
 			err, RB_ERR_CREATE,
-			"cannot create '%s': it exists (--force replaces it, -o takes another name)",
+			"cannot create '%s': it exists (--force replaces it, --resume goes on with it, -o takes another name)",
 			loaded->output);
 	return RB_OK;
 }
 
-/* Polled by the world between attempts. */
+static bool must_stop(const struct run *run)
+{
+	return run->pump && rb_pump_must_stop(run->pump);
+}
+
+/* Polled by the world between attempts: within a frame a signal waits for its end, where it can be kept. */
 static bool stop_wanted(void *user)
 {
 	const struct run *const run = user;
 
 	rb_progress_at(run->progress, rb_world_time(run->world));
-	return rb_progress_signal(run->progress) != 0 ||
-	       (run->pump && rb_pump_must_stop(run->pump));
+	return must_stop(run) ||
+	       (rb_progress_signal(run->progress) != 0 && !rb_saving_waits(run->saving));
+}
+
+/* After a frame: a signal ends the run here. */
+static bool ends_here(const struct run *run)
+{
+	return rb_progress_signal(run->progress) != 0 &&
+	       (rb_saving_can(run->saving, rb_world_frame(run->world)) ||
+	        !rb_saving_waits(run->saving));
 }
 
 /* What consumers of frames read. */
@@ -190,8 +208,15 @@ static enum rb_status start_world(struct run *run, struct rb_error *err)
 
 static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 {
-	const struct rb_recorder_options options = {.path = run->loaded->output,
-	                                            .replace = run->options->force};
+	const struct rb_resume *const resume = run->resume;
+	struct rb_recorder_options options = {.path = run->loaded->output,
+	                                      .replace = run->options->force ||
+	                                                 run->options->resume};
+	if (resume) {
+		options.resume = true;
+		options.row_count = resume->checkpoint.about.row_count;
+		options.frame = resume->checkpoint.about.frame;
+	}
 	const enum rb_status status = rb_module_hdf5(&run->module, err);
 
 	if (status)
@@ -199,7 +224,19 @@ static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 	return run->module->recorder_create(&run->recorder, &run->sink, run->info, &options, err);
 }
 
-/* Films before the recording: a film that can't begin leaves no file behind. */
+/* Films have begun again. */
+static enum rb_status feed_films(struct run *run, struct rb_error *err)
+{
+	if (!run->films || !run->resume)
+		return RB_OK;
+	return rb_resume_feed(run->resume, run->loaded, run->films, run->ring, stop_wanted, run,
+	                      err);
+}
+
+/*
+ * Films before the recording: a film that can't begin leaves no file behind, and what it has missed is read from a
+ * recording that nobody writes to.
+ */
 static enum rb_status start_consumers(struct run *run, struct rb_error *err)
 {
 	enum rb_status status = rb_ring_create(&run->ring, run->loaded->model, fields_wanted(run),
@@ -207,6 +244,8 @@ static enum rb_status start_consumers(struct run *run, struct rb_error *err)
 
 	if (!status)
 		status = rb_films_start(run->films, run->ring, &run->outcome, err);
+	if (!status)
+		status = feed_films(run, err);
 	if (!status && run->recorder)
 		status = rb_pump_start(&run->pump, run->ring, &run->sink, &run->outcome, err);
 	return status;
@@ -216,6 +255,77 @@ static enum rb_status start_consumers(struct run *run, struct rb_error *err)
 static void cut_films(void *films, int signal)
 {
 	rb_films_cut(films, signal);
+}
+
+static void pack_numbers(struct rb_frame_numbers *n, struct rb_pack *pack)
+{
+	rb_pack_doubles(pack, &n->kinetic_energy, 1);
+	rb_pack_doubles(pack, &n->potential_energy, 1);
+	for (int i = 0; i < 2; i++) {
+		rb_vec3 *const v = i == 0 ? &n->momentum : &n->angular_momentum;
+		double numbers[3] = {v->x, v->y, v->z};
+
+		rb_pack_doubles(pack, numbers, 3);
+		*v = (rb_vec3){numbers[0], numbers[1], numbers[2]};
+	}
+	rb_pack_doubles(pack, &n->max_penetration, 1);
+	rb_pack_u64(pack, &n->contacts);
+	rb_pack_u64(pack, &n->collisions);
+	rb_pack_u64(pack, &n->rollbacks);
+	rb_pack_u64(pack, &n->substeps);
+	rb_pack_doubles(pack, &n->smallest_step, 1);
+	rb_pack_doubles(pack, &n->stepped, 1);
+}
+
+/* What the summary tells of all frames so far. */
+static void pack_result(void *user, struct rb_pack *pack)
+{
+	struct run *const run = user;
+	struct rb_run_result *const result = run->result;
+	double wall_s = result->wall_before_s + (double)(rb_clock_now_ns() - run->start_ns) * 1e-9;
+
+	rb_pack_u64(pack, &result->frames);
+	rb_pack_doubles(pack, &result->time_s, 1);
+	rb_pack_doubles(pack, &wall_s, 1);
+	if (pack->loading)
+		result->wall_before_s = wall_s;
+	pack_numbers(&result->first, pack);
+	pack_numbers(&result->last, pack);
+	rb_pack_doubles(pack, &result->kinetic_max_j, 1);
+	rb_pack_doubles(pack, &result->max_penetration_m, 1);
+	rb_pack_doubles(pack, &result->energy_drift_j, 1);
+	rb_pack_doubles(pack, &result->momentum_drift, 1);
+	rb_pack_doubles(pack, &result->angular_momentum_drift, 1);
+}
+
+static enum rb_status start_saving(struct run *run, struct rb_error *err)
+{
+	const struct rb_checkpoint_parts parts = {.world = run->world,
+	                                          .script = run->loaded->script,
+	                                          .pack = pack_result,
+	                                          .user = run};
+	const struct rb_saving_options options = {
+		.loaded = run->loaded,
+		.info = run->info,
+		.module = run->module,
+		.recorder = run->recorder,
+		.every_s = run->options->checkpoint_every_s,
+		.resumed = run->resume != NULL,
+		.resumed_frame = run->resume ? run->resume->checkpoint.about.frame : 0,
+		.parts = parts,
+	};
+
+	return run->recorder ? rb_saving_start(&run->saving, &options, err) : RB_OK;
+}
+
+static enum rb_status restore(struct run *run, struct rb_error *err)
+{
+	const struct rb_checkpoint_parts parts = {.world = run->world,
+	                                          .script = run->loaded->script,
+	                                          .pack = pack_result,
+	                                          .user = run};
+
+	return rb_checkpoint_restore(&run->resume->checkpoint, &parts, err);
 }
 
 /* The thread of signals first: what it blocks, all others inherit. */
@@ -236,11 +346,17 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 	if (!status)
 		status = start_world(run, err);
 	rb_listen_has_films(run->listen, rb_films_count(run->films) > 0);
+	if (!status && run->resume)
+		status = restore(run, err);
 	if (!status && (run->recorder || run->films))
 		status = start_consumers(run, err);
 	else if (!status)
 		status = rb_frame_init(&run->numbers_only, run->loaded->model, fields_wanted(run),
 		                       err);
+	if (!status && run->recorder && !run->resume)
+		rb_checkpoints_remove(run->loaded->output); /* of the run that was there before */
+	if (!status)
+		status = start_saving(run, err);
 	return status;
 }
 
@@ -274,7 +390,7 @@ static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 {
 	struct rb_frame *const frame = run->ring ? rb_ring_acquire(run->ring) : &run->numbers_only;
 
-	*ended = !frame || (run->pump && rb_pump_must_stop(run->pump));
+	*ended = !frame || must_stop(run);
 	if (*ended)
 		return RB_OK;
 	enum rb_status status = rb_world_fill_frame(run->world, frame, err);
@@ -298,7 +414,18 @@ static bool waits_no_more(void *user)
 	const struct run *const run = user;
 
 	rb_progress_paused(run->progress, rb_listen_paused_s(run->listen));
-	return stop_wanted(user);
+	return must_stop(run) || rb_progress_signal(run->progress) != 0;
+}
+
+/* A command asks for a checkpoint. */
+static void keep_asked(void *user)
+{
+	const struct run *const run = user;
+	struct rb_error err;
+
+	if (rb_saving_ask(run->saving, &err) != RB_OK)
+		rb_log(RB_LOG_WARNING, "%s", err.text);
+	rb_saving_frame(run->saving, rb_world_frame(run->world));
 }
 
 /* After a frame: whether commands let the run go on. */
@@ -313,9 +440,11 @@ static enum rb_status pass(struct run *run, bool *on, struct rb_error *err)
 		return RB_OK;
 	if (run->ring)
 		frame.ring_used = rb_ring_used(run->ring, &frame.ring_slots);
-	run->verdict = rb_listen_gate(run->listen, &frame, waits_no_more, run);
+	const struct rb_listen_calls calls = {
+		.stop = waits_no_more, .keep = keep_asked, .user = run};
+	run->verdict = rb_listen_gate(run->listen, &frame, &calls);
 	rb_progress_paused(run->progress, rb_listen_paused_s(run->listen));
-	*on = run->verdict == RB_PLAYER_GO && !stop_wanted(run);
+	*on = run->verdict == RB_PLAYER_GO && !must_stop(run) && !ends_here(run);
 	return rb_films_switch(run->films, frame.time_s, rb_listen_filming(run->listen), err);
 }
 
@@ -323,7 +452,7 @@ static enum rb_status run_frames(struct run *run, struct rb_error *err)
 {
 	const uint64_t frame_count = rb_world_frame_count(run->world);
 	bool ended = false, on = false;
-	enum rb_status status = emit(run, &ended, err);
+	enum rb_status status = run->resume ? RB_OK : emit(run, &ended, err);
 
 	if (!status && !ended)
 		status = pass(run, &on, err);
@@ -333,7 +462,9 @@ static enum rb_status run_frames(struct run *run, struct rb_error *err)
 			break;
 		status = emit(run, &ended, err);
 		rb_progress_at(run->progress, rb_world_time(run->world));
-		if (rb_progress_signal(run->progress) != 0)
+		if (!status && !ended)
+			rb_saving_frame(run->saving, rb_world_frame(run->world));
+		if (ends_here(run))
 			break;
 		on = false;
 		if (!status && !ended)
@@ -366,22 +497,38 @@ static enum rb_status expect(struct run *run, struct rb_error *err)
 	return RB_OK;
 }
 
-static enum rb_status tell_signal(struct rb_run_result *result, int signal, struct rb_error *err)
+static enum rb_status tell_signal(struct rb_run_result *result, int signal, const char *why,
+                                  struct rb_error *err)
 {
 	const double time_s = result->time_s;
 
 	result->signal = signal;
-	switch (signal) {
-	case SIGINT:
-		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted by SIGINT at %g s", time_s);
-	case SIGUSR1:
-		return RB_FAIL(
-			err, RB_ERR_TERMINATE,
-			"terminated by SIGUSR1 at %g s (there are no checkpoints in this version)",
-			time_s);
-	default:
-		return RB_FAIL(err, RB_ERR_TERMINATE, "terminated by SIGTERM at %g s", time_s);
+	if (signal == SIGINT)
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted by SIGINT at %g s%s", time_s,
+		               why);
+	return RB_FAIL(err, RB_ERR_TERMINATE, "terminated by %s at %g s%s",
+	               signal == SIGUSR1 ? "SIGUSR1" : "SIGTERM", time_s, why);
+}
+
+/* The run has ended by a signal: what can be gone on from. */
+static enum rb_status leave(struct run *run, int signal, struct rb_error *err)
+{
+	struct rb_error own = {0};
+	char why[RB_ERROR_TEXT_SIZE + 32];
+	uint64_t kept = 0;
+	if (!run->saving)
+		return tell_signal(run->result, signal, "", err);
+	if (rb_saving_last(run->saving, run->world, &kept, &own) == RB_OK) {
+		run->result->signal = signal;
+		return RB_FAIL(err, RB_ERR_AGAIN,
+		               "interrupted by %s at %g s: --resume goes on from frame %llu",
+		               signal == SIGINT    ? "SIGINT"
+		               : signal == SIGUSR1 ? "SIGUSR1"
+		                                   : "SIGTERM",
+		               run->result->time_s, (unsigned long long)kept);
 	}
+	snprintf(why, sizeof why, ", without a checkpoint: %s", own.text);
+	return tell_signal(run->result, signal, why, err);
 }
 
 /* From the first frame to the verdict over the run, recorder and its failures apart. */
@@ -403,7 +550,7 @@ static enum rb_status simulate(struct run *run, struct rb_error *err)
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "ended by the command 'quit' at %g s",
 		               rb_world_time(run->world));
 	if (signal)
-		return tell_signal(run->result, signal, err);
+		return leave(run, signal, err);
 	return RB_OK; /* the recorder has failed: joining it tells how */
 }
 
@@ -431,7 +578,8 @@ static void take_failure(struct rb_run_result *result, enum rb_status status,
                          const struct rb_error *err)
 {
 	const bool interrupted = result->status == RB_ERR_INTERRUPT ||
-	                         result->status == RB_ERR_TERMINATE;
+	                         result->status == RB_ERR_TERMINATE ||
+	                         result->status == RB_ERR_AGAIN;
 
 	if (!status || (result->status && !interrupted))
 		return;
@@ -462,10 +610,13 @@ static void finish(struct run *run)
 	const enum rb_status status = rb_pump_join(run->pump, &err);
 	take_failure(result, status, &err);
 	result->film_status = rb_films_join(run->films, &result->film_error);
+	rb_saving_stop(run->saving);
 	if (run->recorder)
 		run->module->recorder_destroy(run->recorder);
 	if (status && result->frames > 0)
 		count_recorded(run);
+	if (run->recorder && !result->status && result->frames == result->frame_count)
+		rb_checkpoints_remove(run->loaded->output);
 	if (run->recorder && stat(run->loaded->output, &file) == 0)
 		result->recording_bytes = (uint64_t)file.st_size;
 	rb_ring_destroy(run->ring);
@@ -474,22 +625,23 @@ static void finish(struct run *run)
 	const int signal = rb_progress_stop(run->progress);
 	if (result->restart && signal) { /* it came while the outputs were closed */
 		result->restart = false;
-		result->status = tell_signal(result, signal, &result->error);
+		result->status = tell_signal(result, signal, "", &result->error);
 	}
 }
 
 enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
                            const struct rb_options *options, const struct rb_run_info *info,
-                           struct rb_films *films, struct rb_listen *listen)
+                           const struct rb_simulate_parts *parts)
 {
 	struct run run = {.loaded = loaded,
 	                  .options = options,
 	                  .info = info,
-	                  .films = films,
-	                  .listen = listen,
+	                  .films = parts->films,
+	                  .listen = parts->listen,
+	                  .resume = parts->resume,
 	                  .result = result,
+	                  .start_ns = rb_clock_now_ns(),
 	                  .outcome = {.reason = ""}};
-	const uint64_t start_ns = rb_clock_now_ns();
 
 	*result = (struct rb_run_result){.frame_count = loaded->model->frame_count};
 	result->status = start(&run, &result->error);
@@ -497,9 +649,9 @@ enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loade
 		result->status = simulate(&run, &result->error);
 	finish(&run);
 	result->memory_bytes = rb_process_bytes("VmHWM");
-	result->wall_s = (double)(rb_clock_now_ns() - start_ns) * 1e-9;
-	if (listen)
-		result->wall_s -= rb_listen_paused_s(listen);
+	result->wall_s = result->wall_before_s + (double)(rb_clock_now_ns() - run.start_ns) * 1e-9;
+	if (parts->listen)
+		result->wall_s -= rb_listen_paused_s(parts->listen);
 	return result->status;
 }
 

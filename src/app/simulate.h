@@ -16,6 +16,7 @@
 #include "app/common.h"
 #include "app/films.h"
 #include "app/listen.h"
+#include "app/resume.h"
 #include "flow/info.h"
 #include "script/hooks.h"
 
@@ -33,7 +34,8 @@ struct rb_run_result {
 	struct rb_error expect_error;
 
 	uint64_t frames, frame_count; /* made; of the whole run */
-	double time_s, wall_s;        /* reached; taken */
+	double time_s, wall_s;        /* reached; taken, by all processes that it took */
+	double wall_before_s;         /* by those before this one */
 	uint64_t memory_bytes;        /* largest resident set of the process */
 	uint64_t recording_bytes;     /* size of the file */
 	bool recorder_failed;         /* then the file may hold fewer frames than were made */
@@ -71,16 +73,22 @@ void rb_build_text(char *out, size_t size);
 /* Threads that the options ask for. */
 int rb_simulate_threads(const struct rb_options *options);
 
-/* An existing file that may not be replaced is refused before anything starts. */
+/* An existing file that may not be replaced, nor gone on with, is refused before anything starts. */
 RB_CHECKED enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
                                                    const struct rb_options *options,
                                                    struct rb_error *err);
 
-/* The status is also in the result, which is to be released in any case. `films` may be NULL: none are made. `listen` may be NULL:
- * nobody commands the run. */
+/* What may be missing: NULL. */
+struct rb_simulate_parts {
+	struct rb_films *films;   /* none are made */
+	struct rb_listen *listen; /* nobody commands the run */
+	struct rb_resume *resume; /* from the beginning */
+};
+
+/* The status is also in the result, which is to be released in any case. */
 enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loaded,
                            const struct rb_options *options, const struct rb_run_info *info,
-                           struct rb_films *films, struct rb_listen *listen);
+                           const struct rb_simulate_parts *parts);
 void rb_run_result_release(struct rb_run_result *result);
 
 #endif

@@ -88,7 +88,8 @@ static void run_scene(const struct rb_trial_job *job, int fd)
 	if (!status)
 		status = rb_simulate_info(&info, &texts, &loaded, &options, &err);
 	if (!status) {
-		status = rb_simulate(&run, &loaded, &options, &info, NULL, NULL);
+		status = rb_simulate(&run, &loaded, &options, &info,
+		                     &(struct rb_simulate_parts){0});
 		err = run.error;
 	}
 	judge(&result, &loaded, &run, status, &err);

@@ -37,7 +37,7 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 		"over it; bring it nearer; put it on a body"},
 	[RB_COMMAND_SNAPSHOT] = {"snapshot", "[FILE]", RB_NEEDS_VIEW, "write a picture of this frame"},
 	[RB_COMMAND_FILM] = {"film", "on|off", RB_NEEDS_RUN, "draw the pictures of the run's films, or leave them out"},
-	[RB_COMMAND_CHECKPOINT] = {"checkpoint", "", RB_NEEDS_RUN, "write a checkpoint (not in this version)"},
+	[RB_COMMAND_CHECKPOINT] = {"checkpoint", "", RB_NEEDS_RUN, "write a checkpoint beside the recording, from which --resume goes on"},
 	[RB_COMMAND_BODY] = {"body", "NAME", 0, "numbers of a body, by its name or its number as #3"},
 	[RB_COMMAND_SET] = {"set", "PARAMETER VALUE", RB_NEEDS_RUN,
 		"another value for a parameter of the scene, from the next restart on"},

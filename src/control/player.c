@@ -22,7 +22,7 @@ struct rb_player {
 	uint64_t paused_since_ns;     /* 0: the gate is not waiting */
 	bool pausing;                 /* wait at the next frame */
 	uint64_t steps;               /* frames to go on by before pausing, 0: not stepping */
-	bool restarting, quitting, attended;
+	bool restarting, quitting, keeping, attended;
 };
 
 enum rb_status rb_player_create(struct rb_player **player, uint64_t frame_count, double duration_s,
@@ -131,7 +131,7 @@ enum rb_player_verdict rb_player_gate(struct rb_player *player, bool (*stop)(voi
 	bool stopped = false;
 
 	pthread_mutex_lock(&player->lock);
-	while (waits_locked(player) && !stopped) {
+	while (waits_locked(player) && !player->keeping && !stopped) {
 		const struct timespec until = soon();
 		if (player->paused_since_ns == 0)
 			player->paused_since_ns = rb_clock_now_ns();
@@ -145,11 +145,15 @@ enum rb_player_verdict rb_player_gate(struct rb_player *player, bool (*stop)(voi
 	if (player->paused_since_ns > 0)
 		player->paused_ns += rb_clock_now_ns() - player->paused_since_ns;
 	player->paused_since_ns = 0;
-	if (player->quitting)
+	if (player->keeping)
+		verdict = RB_PLAYER_KEEP;
+	else if (player->quitting)
 		verdict = RB_PLAYER_QUIT;
 	else if (player->restarting)
 		verdict = RB_PLAYER_RESTART;
-	player->restarting = false;
+	if (verdict != RB_PLAYER_KEEP)
+		player->restarting = false;
+	player->keeping = false;
 	pthread_mutex_unlock(&player->lock);
 	return verdict;
 }
@@ -192,6 +196,14 @@ void rb_player_restart(struct rb_player *player)
 {
 	pthread_mutex_lock(&player->lock);
 	player->restarting = true;
+	pthread_cond_broadcast(&player->changed);
+	pthread_mutex_unlock(&player->lock);
+}
+
+void rb_player_keep(struct rb_player *player)
+{
+	pthread_mutex_lock(&player->lock);
+	player->keeping = true;
 	pthread_cond_broadcast(&player->changed);
 	pthread_mutex_unlock(&player->lock);
 }

@@ -15,7 +15,8 @@
 
 struct rb_player;
 
-enum rb_player_verdict { RB_PLAYER_GO, RB_PLAYER_RESTART, RB_PLAYER_QUIT };
+/* KEEP: a checkpoint is asked for; the gate is to be passed once more after it. */
+enum rb_player_verdict { RB_PLAYER_GO, RB_PLAYER_RESTART, RB_PLAYER_QUIT, RB_PLAYER_KEEP };
 
 /* Collisions of the run so far, by the part of its time in which they were. */
 enum { RB_PLAYER_PARTS = 200 };
@@ -69,6 +70,7 @@ void rb_player_pause(struct rb_player *player);
 /* Then paused. Steps that are asked for while others are under way come on top of them. */
 void rb_player_step(struct rb_player *player, uint64_t frames);
 void rb_player_restart(struct rb_player *player);
+void rb_player_keep(struct rb_player *player); /* a checkpoint */
 void rb_player_quit(struct rb_player *player); /* the run ends as if interrupted */
 void rb_player_stop_at_collision(struct rb_player *player, bool on);
 void rb_player_film(struct rb_player *player, bool on);

@@ -562,8 +562,6 @@ enum rb_status rb_session_serves(enum rb_command_kind kind, struct rb_error *err
 {
 	const struct rb_command_row *const row = &rb_commands[kind];
 
-	if (kind == RB_COMMAND_CHECKPOINT)
-		return RB_FAIL(err, RB_ERR_USAGE, "'%s' is not in this version", row->name);
 	if (row->needs & RB_NEEDS_VIEW)
 		return RB_FAIL(err, RB_ERR_USAGE, "'%s' needs a console: a run shows nothing",
 		               row->name);
@@ -615,6 +613,12 @@ static enum rb_status execute(struct line *line, const struct rb_command *comman
 		break;
 	case RB_COMMAND_RESTART:
 		rb_player_restart(player);
+		break;
+	case RB_COMMAND_CHECKPOINT:
+		if (!line->session->recording)
+			return RB_FAIL(line->err, RB_ERR_USAGE,
+			               "'checkpoint': the run is not recorded");
+		rb_player_keep(player);
 		break;
 	case RB_COMMAND_QUIT:
 		rb_player_quit(player);

@@ -103,7 +103,7 @@ kill -INT $pid
 wait $pid
 got=$?
 pid=
-[ $got -eq 130 ] || fail "exit status $got"
+[ $got -eq 75 ] || fail "exit status $got"
 
 # without being asked, standard input is left alone
 echo quit | "$RBSIM" s.lua --no-record -q || fail "standard input was read"

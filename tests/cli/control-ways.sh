@@ -142,7 +142,7 @@ for line in play pause toggle step 'step 30' 'stop at collision on' 'stop at col
 done
 
 # What a run can't do is refused through every way; in a file before the run.
-for line in 'seek 1' 'speed 2' back 'follow x' 'camera a' snapshot 'film on' 'view pause' next previous checkpoint \
+for line in 'seek 1' 'speed 2' back 'follow x' 'camera a' snapshot 'film on' 'view pause' next previous \
 	'set e 2' 'set f 1' 'body nobody' nonsense 'step x'; do
 	through ctl "$line"
 	mv seen wanted

@@ -12,8 +12,8 @@ exits 64 chekc s.lua
 says err "did you mean 'check'"
 exits 64 export s
 says err "verb 'export' is not in this version"
-exits 64 s.lua --resume
-says err "option '--resume' is not in this version"
+exits 64 check s.lua --resume
+says err "'--resume' does not belong to 'check'"
 exits 64 s.lua --method stepped
 says err "'stepped' is not in this version"
 exits 64 s.lua --duration 1x

@@ -6,7 +6,7 @@
 long_scene >s.lua
 pid=
 trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
-for case in "INT 130" "TERM 143" "USR1 143"; do
+for case in "INT 75" "TERM 75" "USR1 75"; do
 	signal=${case% *} wanted=${case#* }
 	"$RBSIM" s.lua --force -o $signal.h5 >out 2>err &
 	pid=$!
@@ -17,7 +17,8 @@ for case in "INT 130" "TERM 143" "USR1 143"; do
 	got=$?
 	pid=
 	[ $got -eq "$wanted" ] || fail "SIG$signal: exit status $got, wanted $wanted"
-	says err "SIG$signal at [0-9.]+ s"
+	says err "SIG$signal at [0-9.]+ s: --resume goes on from frame [0-9]+"
+	[ -s $signal.h5.checkpoint ] || fail "SIG$signal: there is no checkpoint"
 	says err 'frames +[0-9]+ of 60001'
 	frames=$(sed -n 's/.*frames *\([0-9]*\) of.*/\1/p' err)
 	exits 0 info $signal.h5 --json

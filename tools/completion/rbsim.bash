@@ -6,7 +6,7 @@ _rbsim()
 	[ "$before" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}
 	[ "$word" = = ] && word=
 	for w in "${COMP_WORDS[@]:1:COMP_CWORD-1}"; do
-		case $w in run|check|info|render|diff|converge|verify|methods|ctl|console|attach|sweep|collect|plot) verb=$w ;; esac
+		case $w in run|check|info|render|diff|replay|repair|converge|verify|methods|ctl|console|attach|sweep|collect|plot) verb=$w ;; esac
 	done
 	case $before in
 	-o|--output) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
@@ -41,6 +41,7 @@ _rbsim()
 	--speed) return ;;
 	--size) return ;;
 	--frame) return ;;
+	--checkpoint-every) return ;;
 	--listen) return ;;
 	--commands) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
 	--scenes) return ;;
@@ -48,11 +49,13 @@ _rbsim()
 	esac
 	if [[ $word == -* ]]; then
 		case $verb in
-		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --checkpoint-every --resume --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
 		render) COMPREPLY=($(compgen -W '--output --camera --with --from --to --fps --speed --size --frame --contact-sheet --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		diff) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
+		replay) COMPREPLY=($(compgen -W '--threads --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		repair) COMPREPLY=($(compgen -W '--trust --quiet --json --debug --help --version' -- "$word")) ;;
 		converge) COMPREPLY=($(compgen -W '--output --param --duration --methods --dt --tolerance --quantity --error --runs --budget --seed --threads --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		verify) COMPREPLY=($(compgen -W '--method --rollback --quick --scenes --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		methods) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
@@ -67,6 +70,6 @@ _rbsim()
 	fi
 	compopt -o filenames
 	COMPREPLY=($(compgen -f -- "$word"))
-	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff converge verify methods ctl console attach sweep collect plot' -- "$word"))
+	[ "$COMP_CWORD" -eq 1 ] && COMPREPLY+=($(compgen -W 'run check info render diff replay repair converge verify methods ctl console attach sweep collect plot' -- "$word"))
 }
 complete -F _rbsim rbsim

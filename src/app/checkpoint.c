@@ -1,0 +1,569 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/checkpoint.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/clock.h"
+#include "base/hash.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "script/keep.h"
+#include "step/save.h"
+
+enum { FORMAT = 1, SECTION_COUNT = 4, NAME_SIZE = 8 };
+static const uint32_t order_mark = 0x04030201;
+static const char magic[8] = {'r', 'b', 's', 'i', 'm', '-', 'c', 'p'};
+static const char section_names[SECTION_COUNT][NAME_SIZE + 1] = {"about", "world", "script", "run"};
+
+struct head {
+	char magic[8];
+	uint32_t order, format;
+	uint64_t size, hash; /* of what follows */
+};
+
+struct section {
+	char name[NAME_SIZE];
+	uint64_t size, hash;
+};
+_Static_assert(sizeof(struct head) == 32 && sizeof(struct section) == 24, "no padding on disk");
+
+struct rb_checkpoints {
+	/* set before the thread starts, then only read */
+	struct rb_checkpoints_options options;
+	pthread_t thread;
+
+	/* the simulator's while the thread is idle, the thread's while it is busy */
+	struct rb_pack pack;
+	uint64_t frame;
+
+	/* protected by lock */
+	pthread_mutex_t lock;
+	pthread_cond_t changed;
+	bool busy, stop;
+	enum rb_status status; /* of the last one */
+	struct rb_error error;
+	struct rb_checkpoints_tally tally;
+};
+
+/* "RUN.h5.checkpoint" and what follows it. */
+static bool name_of(const char *recording, const char *more, char out[PATH_MAX])
+{
+	const int size = snprintf(out, PATH_MAX, "%s.checkpoint%s", recording, more);
+
+	return size > 0 && size < PATH_MAX;
+}
+
+/* ---- writing: the thread's ---- */
+
+static void pack_about(struct rb_pack *pack, struct rb_checkpoint_about *about)
+{
+	rb_pack_u64(pack, &about->run);
+	rb_pack_bytes(pack, about->started, sizeof about->started);
+	about->started[sizeof about->started - 1] = '\0';
+	rb_pack_u64(pack, &about->frame);
+	rb_pack_u64(pack, &about->row_count);
+	rb_pack_u64(pack, &about->state_hash);
+}
+
+/* Hashes of the sections, then of the whole: what the simulator need not wait for. */
+static void seal(struct rb_pack *pack)
+{
+	struct head head = {.order = order_mark, .format = FORMAT};
+	struct section section;
+
+	for (size_t at = sizeof head; at < pack->size;) {
+		unsigned char *const bytes = pack->bytes + at + sizeof section;
+
+		memcpy(&section, pack->bytes + at, sizeof section);
+		section.hash = rb_hash_bytes(bytes, section.size, 0);
+		memcpy(pack->bytes + at, &section, sizeof section);
+		at += sizeof section + section.size;
+	}
+	memcpy(head.magic, magic, sizeof magic);
+	head.size = pack->size - sizeof head;
+	head.hash = rb_hash_bytes(pack->bytes + sizeof head, head.size, 0);
+	memcpy(pack->bytes, &head, sizeof head);
+}
+
+static enum rb_status fail(struct rb_error *err, const char *what, const char *name)
+{
+	return RB_FAIL(err, RB_ERR_IO, "cannot %s '%s': %s", what, name, strerror(errno));
+}
+
+static bool write_all(int fd, const unsigned char *bytes, size_t size)
+{
+	while (size > 0) {
+		const ssize_t done = write(fd, bytes, size);
+
+		if (done < 0 && errno == EINTR)
+			continue;
+		if (done <= 0)
+			return false;
+		bytes += done;
+		size -= (size_t)done;
+	}
+	return true;
+}
+
+/* A file that can't be synced (a pipe, some network) is as safe as it gets. */
+static bool sync_file(int fd)
+{
+	return fsync(fd) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
+}
+
+static enum rb_status sync_recording(const char *name, struct rb_error *err)
+{
+	const int fd = open(name, O_RDONLY | O_CLOEXEC);
+	enum rb_status status = RB_OK;
+
+	if (fd < 0)
+		return fail(err, "open", name);
+	if (!sync_file(fd))
+		status = fail(err, "sync", name);
+	close(fd);
+	return status;
+}
+
+static void sync_folder(const char *name)
+{
+	char folder[PATH_MAX];
+	char *slash;
+
+	snprintf(folder, sizeof folder, "%s", name);
+	slash = strrchr(folder, '/');
+	if (slash)
+		slash[slash == folder] = '\0';
+	const int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+	if (fd < 0)
+		return;
+	(void)sync_file(fd);
+	close(fd);
+}
+
+static enum rb_status write_partial(const struct rb_pack *pack, const char *name,
+                                    struct rb_error *err)
+{
+	const int fd = open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+	enum rb_status status = RB_OK;
+
+	if (fd < 0)
+		return fail(err, "create", name);
+	if (!write_all(fd, pack->bytes, pack->size) || !sync_file(fd))
+		status = fail(err, "write", name);
+	if (close(fd) != 0 && !status)
+		status = fail(err, "write", name);
+	if (status)
+		unlink(name);
+	return status;
+}
+
+static enum rb_status write_file(const char *recording, const struct rb_pack *pack,
+                                 struct rb_error *err)
+{
+	char name[PATH_MAX], before[PATH_MAX], partial[PATH_MAX];
+
+	if (!name_of(recording, "", name) || !name_of(recording, "~", before) ||
+	    !name_of(recording, ".partial", partial))
+		return RB_FAIL(err, RB_ERR_IO, "cannot write a checkpoint beside '%s': %s",
+		               recording, strerror(ENAMETOOLONG));
+	const enum rb_status status = write_partial(pack, partial, err);
+	if (status)
+		return status;
+	/* between the two renames there is the one before */
+	if (rename(name, before) != 0 && errno != ENOENT)
+		return fail(err, "rename", name);
+	if (rename(partial, name) != 0)
+		return fail(err, "rename", partial);
+	sync_folder(name);
+	return RB_OK;
+}
+
+static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_error *err)
+{
+	const struct rb_checkpoints_options *const options = &checkpoints->options;
+
+	seal(&checkpoints->pack);
+	if (!options->recorded(options->user, checkpoints->frame))
+		return RB_FAIL(err, RB_ERR_IO,
+		               "there is no checkpoint at frame %llu: the recording has failed",
+		               (unsigned long long)checkpoints->frame);
+	const enum rb_status status = sync_recording(options->recording, err);
+	return status ? status : write_file(options->recording, &checkpoints->pack, err);
+}
+
+static void *work(void *argument)
+{
+	struct rb_checkpoints *const checkpoints = argument;
+
+	pthread_mutex_lock(&checkpoints->lock);
+	for (;;) {
+		struct rb_error err = {0};
+
+		while (!checkpoints->busy && !checkpoints->stop)
+			pthread_cond_wait(&checkpoints->changed, &checkpoints->lock);
+		if (!checkpoints->busy)
+			break;
+		pthread_mutex_unlock(&checkpoints->lock);
+		const enum rb_status status = write_one(checkpoints, &err);
+		pthread_mutex_lock(&checkpoints->lock);
+		checkpoints->status = status;
+		checkpoints->error = err;
+		checkpoints->busy = false;
+		if (!status) {
+			checkpoints->tally.written++;
+			checkpoints->tally.bytes = checkpoints->pack.size;
+			checkpoints->tally.frame = checkpoints->frame;
+		}
+		pthread_cond_broadcast(&checkpoints->changed);
+	}
+	pthread_mutex_unlock(&checkpoints->lock);
+	return NULL;
+}
+
+/* ---- the simulator's ---- */
+
+enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
+                                    const struct rb_checkpoints_options *options,
+                                    struct rb_error *err)
+{
+	struct rb_checkpoints *const checkpoints = rb_memory_take(1, sizeof *checkpoints);
+	sigset_t all, before;
+
+	*made = NULL;
+	if (!checkpoints)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare checkpoints: out of memory");
+	checkpoints->options = *options;
+	pthread_mutex_init(&checkpoints->lock, NULL);
+	pthread_cond_init(&checkpoints->changed, NULL);
+	sigfillset(&all);
+	pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
+	const int failed = pthread_create(&checkpoints->thread, NULL, work, checkpoints);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	if (failed) {
+		rb_memory_free(checkpoints);
+		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a thread for checkpoints: %s",
+		               strerror(failed));
+	}
+	*made = checkpoints;
+	return RB_OK;
+}
+
+bool rb_checkpoints_busy(struct rb_checkpoints *checkpoints)
+{
+	pthread_mutex_lock(&checkpoints->lock);
+	const bool busy = checkpoints->busy;
+	pthread_mutex_unlock(&checkpoints->lock);
+	return busy;
+}
+
+/* The section's head, whose size is put in when it ends. */
+static size_t begin_section(struct rb_pack *pack, int which)
+{
+	struct section section = {.size = 0};
+
+	memcpy(section.name, section_names[which], NAME_SIZE);
+	rb_pack_bytes(pack, &section, sizeof section);
+	return pack->size;
+}
+
+static void end_section(struct rb_pack *pack, size_t begin)
+{
+	const uint64_t size = pack->size - begin;
+
+	if (!pack->failed)
+		memcpy(pack->bytes + begin - sizeof(struct section) +
+		               offsetof(struct section, size),
+		       &size, sizeof size);
+}
+
+static enum rb_status pack_all(struct rb_pack *pack, struct rb_checkpoint_about about,
+                               const struct rb_checkpoint_parts *parts, struct rb_error *err)
+{
+	struct head head = {.size = 0};
+	enum rb_status status = RB_OK;
+
+	about.state_hash = rb_world_hash(parts->world);
+	rb_pack_restart(pack);
+	rb_pack_bytes(pack, &head, sizeof head);
+	size_t begin = begin_section(pack, 0);
+	pack_about(pack, &about);
+	end_section(pack, begin);
+	begin = begin_section(pack, 1);
+	status = rb_world_pack(parts->world, pack, err);
+	end_section(pack, begin);
+	begin = begin_section(pack, 2);
+	if (!status)
+		status = rb_script_pack(parts->script, pack, err);
+	end_section(pack, begin);
+	begin = begin_section(pack, 3);
+	if (!status)
+		parts->pack(parts->user, pack);
+	end_section(pack, begin);
+	return status ? status : rb_pack_status(pack, "a checkpoint", err);
+}
+
+enum rb_status rb_checkpoints_take(struct rb_checkpoints *checkpoints,
+                                   const struct rb_checkpoint_about *about,
+                                   const struct rb_checkpoint_parts *parts, struct rb_error *err)
+{
+	const uint64_t start_ns = rb_clock_now_ns();
+
+	pthread_mutex_lock(&checkpoints->lock);
+	while (checkpoints->busy)
+		pthread_cond_wait(&checkpoints->changed, &checkpoints->lock);
+	pthread_mutex_unlock(&checkpoints->lock);
+	checkpoints->frame = about->frame;
+	const enum rb_status status = pack_all(&checkpoints->pack, *about, parts, err);
+	const uint64_t taken_ns = rb_clock_now_ns() - start_ns;
+
+	pthread_mutex_lock(&checkpoints->lock);
+	checkpoints->busy = !status;
+	checkpoints->tally.stall_ns += taken_ns;
+	if (taken_ns > checkpoints->tally.stall_most_ns)
+		checkpoints->tally.stall_most_ns = taken_ns;
+	pthread_cond_broadcast(&checkpoints->changed);
+	pthread_mutex_unlock(&checkpoints->lock);
+	return status;
+}
+
+enum rb_status rb_checkpoints_wait(struct rb_checkpoints *checkpoints, struct rb_error *err)
+{
+	pthread_mutex_lock(&checkpoints->lock);
+	while (checkpoints->busy)
+		pthread_cond_wait(&checkpoints->changed, &checkpoints->lock);
+	const enum rb_status status = checkpoints->status;
+	if (status && err)
+		*err = checkpoints->error;
+	pthread_mutex_unlock(&checkpoints->lock);
+	return status;
+}
+
+struct rb_checkpoints_tally rb_checkpoints_tally(struct rb_checkpoints *checkpoints)
+{
+	pthread_mutex_lock(&checkpoints->lock);
+	const struct rb_checkpoints_tally tally = checkpoints->tally;
+	pthread_mutex_unlock(&checkpoints->lock);
+	return tally;
+}
+
+void rb_checkpoints_stop(struct rb_checkpoints *checkpoints)
+{
+	if (!checkpoints)
+		return;
+	pthread_mutex_lock(&checkpoints->lock);
+	checkpoints->stop = true;
+	pthread_cond_broadcast(&checkpoints->changed);
+	pthread_mutex_unlock(&checkpoints->lock);
+	pthread_join(checkpoints->thread, NULL);
+	pthread_cond_destroy(&checkpoints->changed);
+	pthread_mutex_destroy(&checkpoints->lock);
+	rb_pack_release(&checkpoints->pack);
+	rb_memory_free(checkpoints);
+}
+
+void rb_checkpoints_remove(const char *recording)
+{
+	static const char *const more[] = {"", "~", ".partial"};
+	char name[PATH_MAX];
+
+	for (size_t i = 0; i < sizeof more / sizeof *more; i++)
+		if (name_of(recording, more[i], name))
+			unlink(name);
+}
+
+/* ---- reading ---- */
+
+static enum rb_status refuse(struct rb_error *err, const char *name, const char *why)
+{
+	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no checkpoint to go on from: %s", name, why);
+}
+
+/* The section that begins at `*at`, which moves behind it. NULL: it is whole; else what is wrong. */
+static const char *take_section(const struct rb_checkpoint *checkpoint, int which, size_t *at,
+                                struct rb_pack *pack)
+{
+	const size_t left = checkpoint->size - *at;
+	struct section section;
+
+	if (left < sizeof section)
+		return "it ends too early";
+	memcpy(&section, checkpoint->bytes + *at, sizeof section);
+	if (memcmp(section.name, section_names[which], NAME_SIZE) != 0)
+		return "it has other parts";
+	if (section.size > left - sizeof section)
+		return "it ends too early";
+	*pack = (struct rb_pack){.loading = true,
+	                         .bytes = checkpoint->bytes + *at + sizeof section,
+	                         .size = (size_t)section.size};
+	if (rb_hash_bytes(pack->bytes, pack->size, 0) != section.hash)
+		return "a part of it has changed";
+	*at += sizeof section + (size_t)section.size;
+	return NULL;
+}
+
+static const char *check_head(const struct rb_checkpoint *checkpoint)
+{
+	struct head head;
+
+	if (checkpoint->size < sizeof head)
+		return "it is too short";
+	memcpy(&head, checkpoint->bytes, sizeof head);
+	if (memcmp(head.magic, magic, sizeof magic) != 0)
+		return "it does not begin like one";
+	if (head.order != order_mark)
+		return "it is from a machine with another order of bytes";
+	if (head.format != FORMAT)
+		return "it is of another version of rbsim";
+	if (head.size != checkpoint->size - sizeof head)
+		return "it is cut off";
+	if (rb_hash_bytes(checkpoint->bytes + sizeof head, (size_t)head.size, 0) != head.hash)
+		return "it has changed since it was written";
+	return NULL;
+}
+
+enum rb_status rb_checkpoint_parse(struct rb_checkpoint *checkpoint, unsigned char *bytes,
+                                   size_t size, const char *name, struct rb_error *err)
+{
+	struct rb_pack about;
+	size_t at = sizeof(struct head);
+
+	*checkpoint = (struct rb_checkpoint){.bytes = bytes, .size = size};
+	struct rb_pack *const parts[SECTION_COUNT] = {&about, &checkpoint->world,
+	                                              &checkpoint->script, &checkpoint->run};
+	const char *why = check_head(checkpoint);
+	for (int i = 0; !why && i < SECTION_COUNT; i++)
+		why = take_section(checkpoint, i, &at, parts[i]);
+	if (!why && at != size)
+		why = "there is more in it than should be";
+	if (!why) {
+		pack_about(&about, &checkpoint->about);
+		why = about.failed ? "its first part is too short" : NULL;
+	}
+	return why ? refuse(err, name, why) : RB_OK;
+}
+
+/* NULL where it can't be read; errno says why. */
+static unsigned char *read_all(const char *name, size_t *size)
+{
+	const int fd = open(name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+	struct stat found;
+	unsigned char *bytes = NULL;
+
+	if (fd < 0)
+		return NULL;
+	errno = EINVAL;
+	if (fstat(fd, &found) == 0 && S_ISREG(found.st_mode)) {
+		errno = ENOMEM;
+		bytes = rb_memory_take((size_t)found.st_size + 1, 1);
+	}
+	*size = 0;
+	while (bytes && *size < (size_t)found.st_size) {
+		const ssize_t got = read(fd, bytes + *size, (size_t)found.st_size - *size);
+		if (got < 0 && errno == EINTR)
+			continue;
+		if (got <= 0)
+			break;
+		*size += (size_t)got;
+	}
+	const int number = errno;
+	close(fd);
+	errno = number;
+	return bytes;
+}
+
+static enum rb_status read_one(struct rb_checkpoint *checkpoint, bool *found, const char *name,
+                               struct rb_error *err)
+{
+	size_t size;
+
+	*checkpoint = (struct rb_checkpoint){0};
+	unsigned char *const bytes = read_all(name, &size);
+	*found = bytes || errno != ENOENT;
+	if (!*found)
+		return RB_OK;
+	if (!bytes)
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", name, strerror(errno));
+	return rb_checkpoint_parse(checkpoint, bytes, size, name, err);
+}
+
+enum rb_status rb_checkpoint_read(struct rb_checkpoint *checkpoint, bool *found,
+                                  const char *recording, struct rb_error *err)
+{
+	char name[PATH_MAX], before[PATH_MAX];
+	struct rb_error second = {0};
+	bool has_second = false;
+
+	*checkpoint = (struct rb_checkpoint){0};
+	*found = false;
+	if (!name_of(recording, "", name) || !name_of(recording, "~", before))
+		return RB_OK;
+	const enum rb_status status = read_one(checkpoint, found, name, err);
+	if (!status && *found)
+		return RB_OK;
+	const bool broken = *found;
+	rb_checkpoint_release(checkpoint);
+	const enum rb_status other = read_one(checkpoint, &has_second, before, &second);
+	if (!other && has_second) {
+		if (broken) {
+			rb_log(RB_LOG_WARNING, "%s: going on from the one before, '%s'",
+			       err ? err->text : name, before);
+			/* it must not take the place of the good one */
+			unlink(name);
+		}
+		*found = true;
+		return RB_OK;
+	}
+	rb_checkpoint_release(checkpoint);
+	*found = broken || has_second;
+	if (broken)
+		return status;
+	if (has_second && err)
+		*err = second;
+	return other;
+}
+
+void rb_checkpoint_release(struct rb_checkpoint *checkpoint)
+{
+	rb_memory_free(checkpoint->bytes);
+	*checkpoint = (struct rb_checkpoint){0};
+}
+
+/* All of a part was asked for. */
+static enum rb_status at_end(const struct rb_pack *pack, struct rb_error *err)
+{
+	if (pack->failed)
+		return rb_pack_status(pack, "the checkpoint", err);
+	return pack->at == pack->size ? RB_OK
+	                              : RB_FAIL(err, RB_ERR_INPUT,
+	                                        "the checkpoint holds more than this scene has");
+}
+
+enum rb_status rb_checkpoint_restore(struct rb_checkpoint *checkpoint,
+                                     const struct rb_checkpoint_parts *parts, struct rb_error *err)
+{
+	enum rb_status status = rb_world_pack(parts->world, &checkpoint->world, err);
+
+	if (!status)
+		status = at_end(&checkpoint->world, err);
+	if (!status)
+		status = rb_script_pack(parts->script, &checkpoint->script, err);
+	if (!status)
+		status = at_end(&checkpoint->script, err);
+	if (status)
+		return status;
+	parts->pack(parts->user, &checkpoint->run);
+	status = at_end(&checkpoint->run, err);
+	if (!status && (rb_world_hash(parts->world) != checkpoint->about.state_hash ||
+	                rb_world_frame(parts->world) != checkpoint->about.frame))
+		status = RB_FAIL(err, RB_ERR_INPUT,
+		                 "the checkpoint gives another state than it was made of");
+	return status;
+}

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/replay.h"
+
+#include <inttypes.h>
+#include <string.h>
+
+#include "app/common.h"
+#include "app/json.h"
+#include "app/recorded.h"
+#include "app/simulate.h"
+#include "base/log.h"
+#include "flow/frame.h"
+#include "script/hooks.h"
+#include "sink/module.h"
+
+enum { COLUMN_COUNT = 4 };
+static const struct {
+	const char *name;
+	int width;
+	size_t offset; /* of the column in struct rb_frame */
+} columns[COLUMN_COUNT] = {
+	{"position", 3, offsetof(struct rb_frame, position)},
+	{"orientation", 4, offsetof(struct rb_frame, orientation)},
+	{"velocity", 3, offsetof(struct rb_frame, velocity)},
+	{"angular_velocity", 3, offsetof(struct rb_frame, angular_velocity)},
+};
+
+struct replay {
+	const char *path;
+	const struct rb_hdf5_module *module;
+	struct rb_reader *reader;
+	const struct rb_reading *reading;
+	struct rb_loaded loaded;
+	struct rb_world *world;
+	struct rb_frame frame; /* of the run */
+	uint64_t row;          /* of the recording: the next one */
+	bool differs, hash_differs;
+	uint64_t first; /* frame that differs */
+	char what[160]; /* body and column there */
+	uint64_t state_hash;
+};
+
+static const double *column_of(const struct rb_frame *frame, int column)
+{
+	const double *values;
+
+	memcpy(&values, (const char *)frame + columns[column].offset, sizeof values);
+	return values;
+}
+
+/* As it was recorded, which may be in single precision. */
+static bool same(const struct replay *replay, double now, double then)
+{
+	if (replay->loaded.scene.record.single_precision)
+		now = (double)(float)now;
+	return memcmp(&now, &then, sizeof now) == 0;
+}
+
+static void compare(struct replay *replay, const struct rb_frame *then)
+{
+	char label[64];
+
+	for (int c = 0; c < COLUMN_COUNT; c++) {
+		const double *const a = column_of(&replay->frame, c), *const b = column_of(then, c);
+		const int count = then->body_count * columns[c].width;
+
+		for (int i = 0; a && b && i < count; i++) {
+			if (same(replay, a[i], b[i]))
+				continue;
+			const int body = replay->loaded.model->id_of[i / columns[c].width];
+			replay->differs = true;
+			replay->first = then->index;
+			snprintf(replay->what, sizeof replay->what,
+			         "%s of '%s': %.17g recorded, %.17g now", columns[c].name,
+			         rb_scene_body_label(&replay->loaded.scene, body, label), b[i],
+			         a[i]);
+			return;
+		}
+	}
+}
+
+/* The frame of the run that the next row is of, and the script's callbacks for it. */
+static enum rb_status look(struct replay *replay, struct rb_error *err)
+{
+	struct rb_frame then;
+	const uint64_t k = rb_world_frame(replay->world);
+	enum rb_status status = rb_world_fill_frame(replay->world, &replay->frame, err);
+
+	if (!status)
+		status = replay->module->reader_frame(replay->reader, replay->row, &then, err);
+	if (!status && then.index == k) {
+		compare(replay, &then);
+		replay->row++;
+	}
+	if (!status)
+		status = rb_script_on_frame(replay->loaded.script, replay->world,
+		                            rb_world_time(replay->world), k, err);
+	return status;
+}
+
+static enum rb_status run(struct replay *replay, struct rb_error *err)
+{
+	enum rb_status status = look(replay, err);
+
+	while (!status && !replay->differs && replay->row < replay->reading->frame_count &&
+	       rb_world_frame(replay->world) + 1 < rb_world_frame_count(replay->world)) {
+		status = rb_world_step_frame(replay->world, err);
+		if (!status)
+			status = look(replay, err);
+	}
+	return status;
+}
+
+/* Only of a run that came to its end is the state known that the hash is of. */
+static void compare_hash(struct replay *replay)
+{
+	char text[24];
+
+	replay->state_hash = rb_world_hash(replay->world);
+	snprintf(text, sizeof text, "%016" PRIx64, replay->state_hash);
+	replay->hash_differs = !replay->differs &&
+	                       strcmp(replay->reading->status, "complete") == 0 &&
+	                       strcmp(text, replay->reading->state_hash) != 0;
+}
+
+static enum rb_status prepare(struct replay *replay, const struct rb_options *options,
+                              struct rb_error *err)
+{
+	const struct rb_world_options world = {.threads = rb_simulate_threads(options)};
+	enum rb_status status = rb_module_hdf5(&replay->module, err);
+
+	if (!status)
+		status = replay->module->reader_open(&replay->reader, replay->path, err);
+	if (status)
+		return status;
+	replay->reading = replay->module->reader_reading(replay->reader);
+	if (replay->reading->frame_count == 0)
+		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", replay->path);
+	status = rb_recorded_load(&replay->loaded, replay->reading, replay->path, options->trust,
+	                          err);
+	if (status)
+		return status;
+	if (strcmp(replay->reading->version, RB_VERSION) != 0)
+		rb_log(RB_LOG_NOTE, "'%s' was made by rbsim %s, this is %s", replay->path,
+		       replay->reading->version, RB_VERSION);
+	const struct rb_world_hooks hooks = rb_script_hooks(replay->loaded.script);
+	status = rb_frame_init(&replay->frame, replay->loaded.model, replay->reading->fields, err);
+	return status ? status
+	              : rb_world_create(&replay->world, replay->loaded.model, &world, &hooks, err);
+}
+
+static void tell_json(const struct replay *replay, int exit_code)
+{
+	struct rb_json json = {.file = stdout};
+	char text[24];
+
+	snprintf(text, sizeof text, "%016" PRIx64, replay->state_hash);
+	rb_json_open(&json, NULL, '{');
+	rb_json_text(&json, "file", replay->path);
+	rb_json_bool(&json, "same", exit_code == 0);
+	rb_json_count(&json, "frames", replay->row);
+	if (replay->differs)
+		rb_json_count(&json, "first_difference", replay->first);
+	rb_json_text(&json, "difference",
+	             replay->differs        ? replay->what
+	             : replay->hash_differs ? "state_hash"
+	                                    : NULL);
+	rb_json_text(&json, "state_hash", text);
+	rb_json_count(&json, "exit_status", (uint64_t)exit_code);
+	rb_json_close(&json, '}');
+}
+
+static int tell(const struct replay *replay, const struct rb_options *options)
+{
+	const bool differ = replay->differs || replay->hash_differs;
+	const int exit_code = differ ? rb_status_exit_code(RB_ERR_EXPECT) : 0;
+
+	if (options->json)
+		tell_json(replay, exit_code);
+	else if (options->quiet)
+		return exit_code;
+	else if (replay->differs)
+		printf("'%s' differs first at frame %" PRIu64 ": %s\n", replay->path, replay->first,
+		       replay->what);
+	else if (replay->hash_differs)
+		printf("'%s' has the same %" PRIu64 " frames, but ends in another state: %s "
+		       "recorded, %016" PRIx64 " now\n",
+		       replay->path, replay->row, replay->reading->state_hash, replay->state_hash);
+	else
+		printf("the same to the bit: %" PRIu64 " frames, state hash %016" PRIx64 "\n",
+		       replay->row, replay->state_hash);
+	return exit_code;
+}
+
+int rb_replay_main(const struct rb_options *options)
+{
+	struct replay replay = {.path = options->operand[0]};
+	struct rb_error err;
+	enum rb_status status = prepare(&replay, options, &err);
+
+	if (!status)
+		status = run(&replay, &err);
+	if (!status)
+		compare_hash(&replay);
+	const int exit_code = status ? rb_app_refuse(options, &err) : tell(&replay, options);
+	rb_world_destroy(replay.world);
+	rb_frame_release(&replay.frame);
+	rb_loaded_release(&replay.loaded);
+	if (replay.reader)
+		replay.module->reader_close(replay.reader);
+	return rb_app_finish(options, exit_code);
+}

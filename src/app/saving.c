@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/saving.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "app/resume.h"
+#include "base/clock.h"
+#include "base/log.h"
+#include "base/memory.h"
+
+/* Lost at most, when a process is killed. */
+static const double default_every_s = 60;
+/* What a signal leaves to the frame under way: batch systems kill half a minute after they have said so. */
+static const double patience_s = 15;
+
+struct rb_saving {
+	struct rb_saving_options options;
+	struct rb_checkpoints *checkpoints;
+	struct rb_checkpoint_about about;
+	uint64_t every_ns, next_ns; /* 0: only when asked */
+	uint64_t asked_ns;          /* when a signal was seen first, 0: not yet */
+	uint64_t record_every;
+	bool wanted; /* a command asks */
+	bool broken; /* it does not work, and that was told */
+	struct rb_error why;
+};
+
+/* In the thread that writes. */
+static bool recorded(void *user, uint64_t frame)
+{
+	const struct rb_saving *const saving = user;
+
+	return saving->options.module->recorder_wait(saving->options.recorder, frame);
+}
+
+enum rb_status rb_saving_start(struct rb_saving **made, const struct rb_saving_options *options,
+                               struct rb_error *err)
+{
+	struct rb_saving *const saving = rb_memory_take(1, sizeof *saving);
+	const double every_s = isnan(options->every_s) ? default_every_s : options->every_s;
+
+	*made = NULL;
+	if (!saving)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare checkpoints: out of memory");
+	saving->options = *options;
+	saving->about.run = rb_resume_run_hash(options->loaded);
+	memcpy(saving->about.started, options->info->started, sizeof saving->about.started);
+	saving->every_ns = (uint64_t)(1e9 * fmin(every_s, 1e9));
+	saving->next_ns = rb_clock_now_ns() + saving->every_ns;
+	saving->record_every = options->loaded->scene.record.every > 1
+	                               ? (uint64_t)options->loaded->scene.record.every
+	                               : 1;
+	const struct rb_checkpoints_options own = {
+		.recording = options->loaded->output, .recorded = recorded, .user = saving};
+	const enum rb_status status = rb_checkpoints_start(&saving->checkpoints, &own, err);
+	if (status) {
+		rb_memory_free(saving);
+		return status;
+	}
+	*made = saving;
+	return RB_OK;
+}
+
+void rb_saving_stop(struct rb_saving *saving)
+{
+	if (!saving)
+		return;
+	const struct rb_checkpoints_tally tally = rb_checkpoints_tally(saving->checkpoints);
+	if (tally.written > 0)
+		rb_log(RB_LOG_DEBUG,
+		       "%llu checkpoints, the last of %llu bytes; the run stood still for %.3g s, "
+		       "%.3g s at most",
+		       (unsigned long long)tally.written, (unsigned long long)tally.bytes,
+		       (double)tally.stall_ns * 1e-9, (double)tally.stall_most_ns * 1e-9);
+	rb_checkpoints_stop(saving->checkpoints);
+	rb_memory_free(saving);
+}
+
+bool rb_saving_can(const struct rb_saving *saving, uint64_t frame)
+{
+	return saving && !saving->broken && frame % saving->record_every == 0;
+}
+
+bool rb_saving_waits(struct rb_saving *saving)
+{
+	const uint64_t now = rb_clock_now_ns();
+
+	if (!saving || saving->broken)
+		return false;
+	if (saving->asked_ns == 0)
+		saving->asked_ns = now;
+	return now - saving->asked_ns < (uint64_t)(1e9 * patience_s);
+}
+
+static enum rb_status take(struct rb_saving *saving, uint64_t frame, struct rb_error *err)
+{
+	saving->about.frame = frame;
+	saving->about.row_count = frame / saving->record_every + 1;
+	saving->wanted = false;
+	saving->next_ns = rb_clock_now_ns() + saving->every_ns;
+	saving->options.module->recorder_ask(saving->options.recorder, frame);
+	return rb_checkpoints_take(saving->checkpoints, &saving->about, &saving->options.parts,
+	                           err);
+}
+
+static void give_up(struct rb_saving *saving, const struct rb_error *err)
+{
+	saving->broken = true;
+	saving->why = *err;
+	rb_log(RB_LOG_WARNING, "this run has no checkpoints from here on: %s", err->text);
+}
+
+void rb_saving_frame(struct rb_saving *saving, uint64_t frame)
+{
+	struct rb_error err;
+
+	if (!rb_saving_can(saving, frame))
+		return;
+	const bool due = saving->wanted ||
+	                 (saving->every_ns > 0 && rb_clock_now_ns() >= saving->next_ns);
+	if (!due || rb_checkpoints_busy(saving->checkpoints))
+		return;
+	if (rb_checkpoints_wait(saving->checkpoints, &err) != RB_OK) /* how the last one went */
+		rb_log(RB_LOG_WARNING, "%s", err.text);
+	if (take(saving, frame, &err) != RB_OK)
+		give_up(saving, &err);
+}
+
+enum rb_status rb_saving_ask(struct rb_saving *saving, struct rb_error *err)
+{
+	if (!saving)
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "this run has no checkpoints: it is not recorded");
+	if (saving->broken)
+		return RB_FAIL(err, RB_ERR_USAGE, "this run has no checkpoints: %s",
+		               saving->why.text);
+	saving->wanted = true;
+	return RB_OK;
+}
+
+enum rb_status rb_saving_last(struct rb_saving *saving, const struct rb_world *world,
+                              uint64_t *frame, struct rb_error *err)
+{
+	const uint64_t now = rb_world_frame(world);
+	enum rb_status status = RB_ERR_INPUT;
+
+	if (!saving)
+		return RB_FAIL(err, RB_ERR_USAGE, "it is not recorded");
+	if (saving->broken)
+		(void)RB_FAIL(err, status, "%s", saving->why.text);
+	else if (rb_world_stopped(world) || !rb_saving_can(saving, now))
+		(void)RB_FAIL(err, status, "the frame took too long");
+	else
+		status = take(saving, now, err);
+	if (!status)
+		status = rb_checkpoints_wait(saving->checkpoints, err);
+	if (!status) {
+		*frame = now;
+		return RB_OK;
+	}
+	/* an earlier one will do */
+	struct rb_error earlier;
+	if (rb_checkpoints_wait(saving->checkpoints, &earlier) != RB_OK)
+		rb_log(RB_LOG_WARNING, "%s", earlier.text);
+	const struct rb_checkpoints_tally tally = rb_checkpoints_tally(saving->checkpoints);
+	*frame = tally.written > 0 ? tally.frame : saving->options.resumed_frame;
+	return tally.written > 0 || saving->options.resumed ? RB_OK : status;
+}
