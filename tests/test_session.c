@@ -7,8 +7,9 @@
 
 static void what_a_run_cannot_serve_is_refused_in_one_line(void **state)
 {
-	static const char *const lines[] = {"seek 1",   "speed 2",    "back", "follow x", "camera a",
-	                                    "snapshot", "view pause", "next", "previous"};
+	static const char *const lines[] = {"seek 1",     "speed 2",  "back",
+	                                    "follow x",   "camera a", "snapshot",
+	                                    "view pause", "next",     "previous"};
 	struct host host;
 
 	(void)state;

@@ -13,10 +13,10 @@
 #include "script/nearest.h"
 
 #define VERB(name) (1u << RB_VERB_##name)
-#define ALL                                                                                \
-	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(REPLAY) | \
-	 VERB(REPAIR) | VERB(CONVERGE) | VERB(VERIFY) | VERB(METHODS) | VERB(CTL) |        \
-	 VERB(SWEEP) | VERB(COLLECT) | VERB(PLOT))
+#define ALL                                                                                       \
+	(VERB(RUN) | VERB(CHECK) | VERB(INFO) | VERB(RENDER) | VERB(DIFF) | VERB(REPLAY) |        \
+	 VERB(REPAIR) | VERB(CONVERGE) | VERB(VERIFY) | VERB(METHODS) | VERB(CTL) | VERB(SWEEP) | \
+	 VERB(COLLECT) | VERB(PLOT))
 #define EVERY (ALL | VERB(CONSOLE) | VERB(ATTACH))
 #define SCENE (VERB(RUN) | VERB(CHECK) | VERB(CONSOLE))
 /* what a sweep hands on to its runs (app/sweep) */

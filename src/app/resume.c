@@ -315,8 +315,7 @@ static enum rb_status feed(const struct rb_hdf5_module *module, struct rb_reader
 }
 
 enum rb_status rb_resume_feed(const struct rb_resume *resume, const struct rb_loaded *loaded,
-                              struct rb_films *films, struct rb_ring *ring,
-                              bool (*stop)(void *user), void *user, struct rb_error *err)
+                              const struct rb_resume_films *to, struct rb_error *err)
 {
 	const struct rb_hdf5_module *module;
 	struct rb_reader *reader;
@@ -326,10 +325,10 @@ enum rb_status rb_resume_feed(const struct rb_resume *resume, const struct rb_lo
 		status = module->reader_open(&reader, loaded->output, err);
 	if (status)
 		return status;
-	status = check_fields(loaded, films, module->reader_reading(reader), err);
-	for (uint64_t row = 0; !status && row < resume->checkpoint.about.row_count && !stop(user);
-	     row++)
-		status = feed(module, reader, row, films, ring, err);
+	status = check_fields(loaded, to->films, module->reader_reading(reader), err);
+	for (uint64_t row = 0;
+	     !status && row < resume->checkpoint.about.row_count && !to->stop(to->user); row++)
+		status = feed(module, reader, row, to->films, to->ring, err);
 	module->reader_close(reader);
 	return status;
 }

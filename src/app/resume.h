@@ -41,9 +41,14 @@ void rb_resume_release(struct rb_resume *resume); /* safe on a zeroed one */
  * columns that the recording has. `stop` says that nobody wants them any more. RB_ERR_USAGE where the recording lacks what
  * the films show.
  */
+struct rb_resume_films {
+	struct rb_films *films;
+	struct rb_ring *ring;
+	bool (*stop)(void *user);
+	void *user;
+};
 RB_CHECKED enum rb_status rb_resume_feed(const struct rb_resume *resume,
-                                         const struct rb_loaded *loaded, struct rb_films *films,
-                                         struct rb_ring *ring, bool (*stop)(void *user), void *user,
-                                         struct rb_error *err);
+                                         const struct rb_loaded *loaded,
+                                         const struct rb_resume_films *to, struct rb_error *err);
 
 #endif

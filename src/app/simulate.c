@@ -229,8 +229,8 @@ static enum rb_status feed_films(struct run *run, struct rb_error *err)
 {
 	if (!run->films || !run->resume)
 		return RB_OK;
-	return rb_resume_feed(run->resume, run->loaded, run->films, run->ring, stop_wanted, run,
-	                      err);
+	const struct rb_resume_films to = {run->films, run->ring, stop_wanted, run};
+	return rb_resume_feed(run->resume, run->loaded, &to, err);
 }
 
 /*

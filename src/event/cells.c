@@ -19,6 +19,7 @@
  */
 #include "event/cells.h"
 
+#include "event/cells_inside.h"
 #include "base/error.h"
 #include "base/memory.h"
 
@@ -27,7 +28,6 @@
 #include <string.h>
 
 enum {
-	SLOTS = 3,
 	FEW = 16, /* up to here all are always near each other: no more than the 27 cells would hold, and no walls */
 	SMALLEST_SIDE = 4,
 	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
@@ -40,91 +40,8 @@ static const double slack = 0x1p-6; /* edge / (2 r_max) - 1 at least */
 static const double load = 0.5;
 static const double crowded =
 	6; /* bodies in a body's own cell, on average, that ask for smaller cells */
-static const int64_t farthest =
-	1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
-
-/* Members come first; what is behind them means nothing. A cell's own block and all further ones are full, but for the
- * last of them that was made, which the own block points to. */
-struct block {
-	int32_t member[SLOTS];
-	uint32_t tail; /* how many, and 4 x (1 + index of a further block), 0 for none */
-};
-_Static_assert(SLOTS < 4, "the tail has two bits for the number of members");
-
-struct grid {
-	struct block *cells; /* NULL: nobody will ever be in it */
-};
-
-struct level {
-	double edge, inverse; /* m, 1/m */
-	double reach;         /* m, from a cell's middle to where it is left */
-	double largest;       /* m, radius */
-	int64_t mask[3];      /* cells along each axis less 1 */
-	size_t stride[3];     /* in cells */
-	size_t cell_count;
-	struct grid natives, guests;
-};
-
-struct entry {
-	int64_t at[3]; /* not wrapped */
-};
-
-struct rb_cells {
-	int count, level_count;
-	struct level *levels;  /* fine to coarse; 0: few bodies, no cells */
-	struct entry *entries; /* of each body from its own level to the coarsest */
-	int32_t *own;          /* level of each body; NULL: there is one level */
-	size_t *first;         /* of each body in entries; NULL: the body itself */
-	struct block *blocks;  /* further ones */
-	uint32_t free_tail;    /* a tail without members that leads to the free ones */
-};
 
 /* ---- members of a cell ---- */
-
-static size_t cell_at(const struct level *level, const int64_t at[3])
-{
-	size_t cell = 0;
-
-	for (int k = 0; k < 3; k++)
-		cell += (size_t)(at[k] & level->mask[k]) * level->stride[k];
-	return cell;
-}
-
-static uint32_t members_in(const struct block *block)
-{
-	return block->tail & 3;
-}
-
-/* NULL: none. */
-static struct block *next_block(const struct rb_cells *cells, const struct block *block)
-{
-	return block->tail > 3 ? &cells->blocks[(block->tail >> 2) - 1] : NULL;
-}
-
-/* The block of a cell that is not full if any is. */
-static struct block *open_block(const struct rb_cells *cells, struct block *cell)
-{
-	struct block *next = next_block(cells, cell);
-
-	return next ? next : cell;
-}
-
-static void add_member(struct rb_cells *cells, struct block *cell, int32_t body)
-{
-	struct block *block = open_block(cells, cell);
-
-	if (members_in(block) == SLOTS) {
-		const uint32_t free_tail = cells->free_tail, further = cell->tail & ~3u;
-
-		RB_ASSERT(free_tail != 0);
-		block = &cells->blocks[(free_tail >> 2) - 1];
-		cells->free_tail = block->tail;
-		cell->tail = free_tail | members_in(cell);
-		block->tail = further;
-	}
-	block->member[members_in(block)] = body;
-	block->tail++;
-}
 
 /* The last of the open block takes the place that becomes free. */
 static void remove_member(struct rb_cells *cells, struct block *cell, int32_t body)
@@ -226,16 +143,6 @@ static int remove_from(int *out, int count, int body)
 		i++;
 	out[i] = out[--count];
 	return count;
-}
-
-static int own_level(const struct rb_cells *cells, int body)
-{
-	return cells->own ? cells->own[body] : 0;
-}
-
-static struct entry *entries_of(const struct rb_cells *cells, int body)
-{
-	return &cells->entries[cells->first ? cells->first[body] : (size_t)body];
 }
 
 int rb_cells_near(const struct rb_cells *cells, int body, int *out)
@@ -468,126 +375,6 @@ void rb_cells_place(struct rb_cells *cells, int body, rb_vec3 position)
 int rb_cells_wall_count(const struct rb_cells *cells, int body)
 {
 	return cells->level_count == 0 ? 0 : WALLS * (cells->level_count - own_level(cells, body));
-}
-
-/* ---- saving ---- */
-
-/* Members of a cell in an order in which, added one by one to an empty cell, they stand as they do now. */
-static int in_order(const struct rb_cells *cells, const struct block *cell, int32_t *out)
-{
-	int count = (int)members_in(cell);
-	const struct block *block = next_block(cells, cell);
-	int further = 0;
-
-	memcpy(out, cell->member, (size_t)count * sizeof *out);
-	for (; block; block = next_block(cells, block))
-		further += (int)members_in(block);
-	int at = count + further;
-	count = at;
-	for (block = next_block(cells, cell); block; block = next_block(cells, block)) {
-		at -= (int)members_in(block);
-		memcpy(out + at, block->member, (size_t)members_in(block) * sizeof *out);
-	}
-	return count;
-}
-
-static void save_grid(const struct rb_cells *cells, const struct level *level,
-                      const struct grid *grid, int32_t *order, struct rb_pack *pack)
-{
-	int count = 0;
-
-	for (size_t cell = 0; grid->cells && cell < level->cell_count; cell++)
-		if (grid->cells[cell].tail != 0)
-			count += in_order(cells, &grid->cells[cell], order + count);
-	rb_pack_bytes(pack, order, (size_t)count * sizeof *order);
-}
-
-/* As many as now, each that belongs there once, at the place that its entry says. */
-static void load_grid(struct rb_cells *cells, int l, bool native, unsigned char *seen,
-                      struct rb_pack *pack)
-{
-	const struct level *level = &cells->levels[l];
-	const struct grid *grid = native ? &level->natives : &level->guests;
-	int count = 0;
-
-	for (int body = 0; body < cells->count; body++) {
-		count += native ? own_level(cells, body) == l : own_level(cells, body) < l;
-		seen[body] = 0;
-	}
-	for (int k = 0; k < count; k++) {
-		int body = 0;
-
-		rb_pack_int(pack, &body, 0, cells->count - 1);
-		const int own = own_level(cells, body);
-		if (!rb_pack_check(pack, !seen[body] && (native ? own == l : own < l),
-		                   "a body in two cells"))
-			return;
-		seen[body] = 1;
-		const struct entry *entry = entries_of(cells, body) + (l - own);
-		add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
-	}
-}
-
-static size_t entry_count_of(const struct rb_cells *cells)
-{
-	size_t count = 0;
-
-	for (int body = 0; body < cells->count; body++)
-		count += (size_t)(cells->level_count - own_level(cells, body));
-	return count;
-}
-
-static void free_blocks(struct rb_cells *cells)
-{
-	cells->free_tail = 0;
-	for (size_t i = entry_count_of(cells) / SLOTS; i-- > 0;) {
-		cells->blocks[i] = (struct block){.tail = cells->free_tail};
-		cells->free_tail = (uint32_t)(i + 1) << 2;
-	}
-}
-
-static void clear_grid(const struct level *level, const struct grid *grid)
-{
-	if (grid->cells)
-		memset(grid->cells, 0, level->cell_count * sizeof *grid->cells);
-}
-
-void rb_cells_pack(struct rb_cells *cells, struct rb_pack *pack)
-{
-	const size_t entries = cells->level_count > 0 ? entry_count_of(cells) : 0;
-	int32_t *const order = rb_memory_take((size_t)cells->count, sizeof *order);
-
-	if (!order) {
-		pack->failed = pack->no_memory = true;
-		return;
-	}
-	for (size_t i = 0; i < entries; i++)
-		for (int k = 0; k < 3; k++) {
-			int64_t *const at = &cells->entries[i].at[k];
-
-			rb_pack_i64(pack, at);
-			(void)rb_pack_check(pack, *at >= -farthest - 1 && *at <= farthest + 1,
-			                    "a cell beyond the last one");
-		}
-	if (pack->loading && cells->level_count > 0) {
-		for (int l = 0; l < cells->level_count; l++) {
-			clear_grid(&cells->levels[l], &cells->levels[l].natives);
-			clear_grid(&cells->levels[l], &cells->levels[l].guests);
-		}
-		free_blocks(cells);
-	}
-	for (int l = 0; l < cells->level_count && !pack->failed; l++) {
-		const struct level *level = &cells->levels[l];
-
-		if (pack->loading) {
-			load_grid(cells, l, true, (unsigned char *)order, pack);
-			load_grid(cells, l, false, (unsigned char *)order, pack);
-		} else {
-			save_grid(cells, level, &level->natives, order, pack);
-			save_grid(cells, level, &level->guests, order, pack);
-		}
-	}
-	rb_memory_free(order);
 }
 
 /* ---- making ---- */

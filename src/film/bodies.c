@@ -43,7 +43,7 @@ struct rb_bodies {
 	int rectangle_count, caster_rectangles;
 	struct rb_surface *surface; /* [surface_count], owned */
 	int surface_count;
-	bool walls_cut; /* planes no longer hide all that is behind them */
+	bool walls_cut;           /* planes no longer hide all that is behind them */
 	struct rb_solids *solids; /* owned */
 
 	struct rb_hidden hidden;

@@ -175,7 +175,7 @@ void rb_solids_write(struct rb_h5 *h5, const struct rb_scene *scene)
 	put_references(h5, scene);
 }
 
-bool rb_solids_count(const struct rb_input *input, size_t count, int *kind,
+bool rb_solids_tally(const struct rb_input *input, size_t count, int *kind,
                      int counts[RB_SHAPE_KIND_COUNT])
 {
 	static const char path[] = "/rbsim/shapes/kind";

@@ -17,7 +17,7 @@ void rb_solids_kinds(char out[160]);
 void rb_solids_write(struct rb_h5 *h5, const struct rb_scene *scene);
 
 /* How many of `count` bodies have which shape; `kind` is room for as many. False: it cannot be read. */
-bool rb_solids_count(const struct rb_input *input, size_t count, int *kind,
+bool rb_solids_tally(const struct rb_input *input, size_t count, int *kind,
                      int counts[RB_SHAPE_KIND_COUNT]);
 
 #endif

@@ -265,7 +265,7 @@ static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err
 	int *const kind = rb_arena_take(&reader->arena, count + 1, sizeof *kind);
 	if (!kind)
 		return no_memory(reader, err);
-	if (!rb_solids_count(&reader->input, count, kind, reading->shape_counts))
+	if (!rb_solids_tally(&reader->input, count, kind, reading->shape_counts))
 		return RB_FAIL(err, RB_ERR_INPUT, "cannot read the shapes in '%s'", reader->path);
 	reading->spring_count = optional_rows(reader, "/rbsim/springs/a");
 	reading->drag_count = optional_rows(reader, "/rbsim/drags/linear");

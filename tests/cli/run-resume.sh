@@ -16,7 +16,7 @@ interrupted()
 	more=
 	for i in $(seq $count); do
 		at=$(awk "BEGIN { print $duration * $i / ($count + 1) }")
-		printf 'at %s checkpoint\nat %s quit\n' $at $(awk "BEGIN { print $at + $duration / 24 }") >commands
+		printf 'at %s checkpoint\nat %s quit\n' "$at" "$(awk "BEGIN { print $at + $duration / 24 }")" >commands
 		(cd broken && "$RBSIM" ../$scene -o r.h5 --threads $((i % 3 + 1)) -q $more --commands ../commands "$@" >out 2>err)
 		[ $? -eq 130 ] || { cat broken/err >&2; fail "$scene: part $i ended otherwise"; }
 		[ -s broken/r.h5.checkpoint ] || fail "$scene: no checkpoint after part $i"
