@@ -7,14 +7,15 @@
 enum { DEFINES_SIZE = RB_LIGHTS_DEFINES_SIZE + 1800 };
 
 /*
- * Up to a radius in pixels: how many corners the polygons have, and whether shadows are looked at closely. A corner
+ * Up to a radius in pixels: how many corners the polygons have, and how closely shadows are looked at. A corner
  * costs as much as some 16 pixels.
  */
 static const struct {
 	double most_px;
 	int corners, ring_corners;
-	bool fine;
-} sizes[RB_BALL_SIZES] = {{4, 4, 4, false}, {24, 6, 8, false}, {(double)INFINITY, 8, 24, true}};
+	const char *filter;
+} sizes[RB_BALL_SIZES] = {
+	{4, 4, 4, ""}, {24, 6, 8, "#define FAIR\n"}, {(double)INFINITY, 8, 24, "#define FINE\n"}};
 
 /* Polygons instead of circles in a shadow map are off by less than half a texel. */
 static const int disc_corners[RB_DISC_SIZES] = {8, 12, 28, 64};
@@ -94,9 +95,9 @@ static enum rb_status make_ball(const struct rb_programs *programs, struct rb_ba
 	         (int)kind.pattern,
 	         kind.rim ? sizes[kind.size].ring_corners : sizes[kind.size].corners,
 	         1.0 / RB_SHADOW_SIDE, programs->cut ? "#define CLIP\n" : "",
-	         sizes[kind.size].fine ? "#define FINE\n" : "",
-	         programs->soft ? "#define SOFT\n" : "", kind.rim ? "#define RIM\n" : "",
-	         kind.exact ? "#define EXACT\n" : "", lights, samples);
+	         kind.rim ? "" : sizes[kind.size].filter, programs->soft ? "#define SOFT\n" : "",
+	         kind.rim ? "#define RIM\n" : "", kind.exact ? "#define EXACT\n" : "", lights,
+	         samples);
 	const struct rb_glsl_parts parts = {
 		.name = "sphere",
 		.defines = defines,

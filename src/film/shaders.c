@@ -61,7 +61,7 @@ const char rb_shader_light[] =
 	"	return albedo;\n"
 	"#endif\n"
 	"}\n"
-	/* The map is filtered by the library, 2 x 2 texels; four of these make a soft edge. */
+	/* The map is filtered by the library, 2 x 2 texels; four of these make a soft edge, two one without teeth. */
 	"float filtered(sampler2DShadow map, vec3 q)\n"
 	"{\n"
 	"	q.z = min(q.z, 1.0);\n"
@@ -69,6 +69,9 @@ const char rb_shader_light[] =
 	"	const float d = TEXEL;\n"
 	"	return 0.25 * (texture(map, q + vec3(-0.35 * d, -d, 0)) + texture(map, q + vec3(d, -0.35 * d, 0))\n"
 	"		+ texture(map, q + vec3(0.35 * d, d, 0)) + texture(map, q + vec3(-d, 0.35 * d, 0)));\n"
+	"#elif defined(FAIR)\n"
+	"	const vec3 d = vec3(0.6, 0.3, 0.0) * TEXEL;\n"
+	"	return 0.5 * (texture(map, q - d) + texture(map, q + d));\n"
 	"#else\n"
 	"	return texture(map, q);\n"
 	"#endif\n"

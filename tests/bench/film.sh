@@ -4,6 +4,12 @@
 # what a bare clear, read-back and encoding of the same size reaches; the shares of drawing, reading back, PNG and
 # pipe; 100,000 spheres; four cameras at once; and what rendering live costs the simulation of the gas of 1,000.
 # PICTURES=300 takes longer films (120); RUNS=5 more repetitions (3), of which the median counts.
+#
+# What a picture of 1,000 spheres costs, ms of one core (AMD EPYC, llvmpipe of Mesa 22.3, busy machine): all that is
+# drawn 60: spheres 20, their edges 15, plane 15 (10 of them four looks into the shadow map), the map 6, clear, sky and
+# reading back 4, what is seen at all 3; PNG 19 to 25, H.264 about 20. The bare picture costs 10 in all, since nothing
+# in it needs compressing: 60 % of its rate leaves less than what PNG alone takes of a real one. A block of 4 x 4 pixels
+# costs llvmpipe 40 ns before its shader does anything, a look into a map 4.5 ns a pixel, which is what is left.
 . "$(dirname "$0")/functions"
 command -v ffmpeg >/dev/null || { echo "$BENCH: no ffmpeg" >&2; exit 69; }
 PICTURES=${PICTURES:-120}

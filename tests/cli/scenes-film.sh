@@ -13,6 +13,6 @@ for scene in "$TOP"/scenes/*.lua; do
 	for camera in $cameras; do
 		exits 0 render "$name.h5" --camera "$camera" --frame 0 -o "$name-$camera.png" --size 192x108
 		size=$(wc -c <"$name-$camera.png")
-		[ "$size" -gt 1500 ] || fail "$name: camera '$camera': a picture of $size bytes"
+		[ "$size" -gt 1000 ] || fail "$name: camera '$camera': a picture of $size bytes"
 	done
 done
