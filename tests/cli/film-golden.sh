@@ -40,3 +40,13 @@ for variant in light shadows; do
 	picture $variant lamps wrong.png
 	if alike wrong.png "$golden/lamps.png"; then fail "lamps: a picture with another $variant passes: $(cat told)"; fi
 done
+
+# Every shape, alone and in unions, with patterns, shadows and as wires.
+exits 0 "$TOP/scenes/shapes.lua" -o shapes.h5 --force --quiet --no-render --duration 4
+for camera in main wires; do
+	exits 0 render shapes.h5 --camera $camera --frame 40 --size 320x180 -o $camera.png --force --quiet
+	[ -z "${UPDATE_GOLDEN-}" ] || cp $camera.png "$golden/shapes-$camera.png"
+	alike $camera.png "$golden/shapes-$camera.png" || fail "shapes, camera '$camera': $(cat told)"
+	exits 0 render shapes.h5 --camera $camera --frame 48 --size 320x180 -o later.png --force --quiet
+	if alike later.png "$golden/shapes-$camera.png"; then fail "shapes that turned a little further pass: $(cat told)"; fi
+done
