@@ -408,7 +408,7 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 	}
 	enum rb_status status = RB_OK;
 	if (!bodies->exact && seen > 0) {
-		const int solids = rb_solids_count(bodies->solids);
+		const int solids = rb_solids_listed(bodies->solids);
 		memcpy(bodies->seen + seen, rb_solids_around(bodies->solids),
 		       (size_t)solids * sizeof *bodies->seen);
 		status = rb_apart_find(&bodies->apart, bodies->seen, seen + solids, err);

@@ -289,7 +289,7 @@ void rb_solids_destroy(struct rb_solids *solids)
 	rb_memory_free(solids);
 }
 
-int rb_solids_count(const struct rb_solids *solids)
+int rb_solids_listed(const struct rb_solids *solids)
 {
 	return solids->count;
 }

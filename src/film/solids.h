@@ -27,12 +27,12 @@ void rb_solids_destroy(struct rb_solids *solids); /* NULL is fine */
 
 /* How many of a scene are visible. */
 int rb_solids_number(const struct rb_model *model, const struct rb_looks *looks);
-int rb_solids_count(const struct rb_solids *solids);
+int rb_solids_listed(const struct rb_solids *solids);
 
 /* Gathers what a view of a frame shows. RB_ERR_MEMORY. */
 RB_CHECKED enum rb_status rb_solids_see(struct rb_solids *solids, const struct rb_frame *frame,
                                         const struct rb_view *view, struct rb_error *err);
-/* Spheres about them, in view coordinates: [rb_solids_count]. */
+/* Spheres about them, in view coordinates: [rb_solids_listed]. */
 const struct rb_apart_ball *rb_solids_around(const struct rb_solids *solids);
 /* Adds corners of boxes about what throws shadows. */
 void rb_solids_casters(const struct rb_solids *solids, struct rb_casters *casters);
