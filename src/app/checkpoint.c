@@ -241,6 +241,10 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	if (!checkpoints)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare checkpoints: out of memory");
 	checkpoints->options = *options;
+	/* without it the first one finds its room step by step */
+	if (!rb_memory_reserve(&checkpoints->pack.bytes, &checkpoints->pack.capacity,
+	                       options->size_guess, 1))
+		rb_log(RB_LOG_DEBUG, "no room for checkpoints yet");
 	pthread_mutex_init(&checkpoints->lock, NULL);
 	pthread_cond_init(&checkpoints->changed, NULL);
 	sigfillset(&all);
@@ -248,6 +252,7 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	const int failed = pthread_create(&checkpoints->thread, NULL, work, checkpoints);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	if (failed) {
+		rb_pack_release(&checkpoints->pack);
 		rb_memory_free(checkpoints);
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a thread for checkpoints: %s",
 		               strerror(failed));

@@ -46,6 +46,7 @@ struct rb_checkpoints_options {
 	/* Waits until the recording holds all frames up to this one; false: it never will. In the writing thread. */
 	bool (*recorded)(void *user, uint64_t frame);
 	void *user;
+	size_t size_guess; /* bytes that one will take: room that need not be found while the run waits */
 };
 
 /* Starts the thread that writes; nothing is written yet. */

@@ -2,6 +2,7 @@
 #include "app/simulate.h"
 
 #include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,7 +36,10 @@ struct run {
 	enum rb_player_verdict verdict;      /* what commands have made of the run */
 	const struct rb_hdf5_module *module; /* NULL: no recording */
 	struct rb_recorder *recorder;
-	struct rb_sink sink;
+	struct rb_sink sink;         /* the recorder's */
+	pthread_mutex_t films_lock;  /* of films_whole, */
+	pthread_cond_t films_joined; /* ... which the recorder's thread waits for */
+	bool films_whole;
 	struct rb_ring *ring;
 	struct rb_pump *pump;
 	struct rb_frame numbers_only; /* the frame when there is no ring */
@@ -233,6 +237,68 @@ static enum rb_status feed_films(struct run *run, struct rb_error *err)
 	return rb_resume_feed(run->resume, run->loaded, &to, err);
 }
 
+/* ---- the recording is complete only after the films: a run that is killed in between makes them again ---- */
+
+static enum rb_status open_recording(void *self, struct rb_error *err)
+{
+	const struct run *const run = self;
+
+	return run->sink.open(run->sink.self, err);
+}
+
+static enum rb_status record(void *self, const struct rb_frame *frame, struct rb_error *err)
+{
+	const struct run *const run = self;
+
+	return run->sink.frame(run->sink.self, frame, err);
+}
+
+static enum rb_status flush_recording(void *self, struct rb_error *err)
+{
+	const struct run *const run = self;
+
+	return run->sink.idle(run->sink.self, err);
+}
+
+static enum rb_status close_recording(void *self, const struct rb_outcome *outcome,
+                                      struct rb_error *err)
+{
+	struct run *const run = self;
+
+	/* films may take long: what has come so far is safe meanwhile, and what fails now fails once more below */
+	if (outcome == &run->outcome)
+		(void)!flush_recording(self, NULL);
+	pthread_mutex_lock(&run->films_lock);
+	while (!run->films_whole)
+		pthread_cond_wait(&run->films_joined, &run->films_lock);
+	pthread_mutex_unlock(&run->films_lock);
+	return run->sink.close(run->sink.self, outcome, err);
+}
+
+static enum rb_status start_recording(struct run *run, struct rb_error *err)
+{
+	struct rb_sink sink = run->sink;
+
+	sink.self = run;
+	sink.open = open_recording;
+	sink.frame = record;
+	sink.idle = flush_recording;
+	sink.close = close_recording;
+	return rb_pump_start(&run->pump, run->ring, run->films ? &sink : &run->sink, &run->outcome,
+	                     err);
+}
+
+/* Ends films and recording, in this order; the status of the latter. */
+static enum rb_status join_consumers(struct run *run, struct rb_error *err)
+{
+	run->result->film_status = rb_films_join(run->films, &run->result->film_error);
+	pthread_mutex_lock(&run->films_lock);
+	run->films_whole = true;
+	pthread_cond_signal(&run->films_joined);
+	pthread_mutex_unlock(&run->films_lock);
+	return rb_pump_join(run->pump, err);
+}
+
 /*
  * Films before the recording: a film that can't begin leaves no file behind, and what it has missed is read from a
  * recording that nobody writes to.
@@ -247,7 +313,7 @@ static enum rb_status start_consumers(struct run *run, struct rb_error *err)
 	if (!status)
 		status = feed_films(run, err);
 	if (!status && run->recorder)
-		status = rb_pump_start(&run->pump, run->ring, &run->sink, &run->outcome, err);
+		status = start_recording(run, err);
 	return status;
 }
 
@@ -607,9 +673,8 @@ static void finish(struct run *run)
 	};
 	if (run->ring)
 		rb_ring_close(run->ring);
-	const enum rb_status status = rb_pump_join(run->pump, &err);
+	const enum rb_status status = join_consumers(run, &err);
 	take_failure(result, status, &err);
-	result->film_status = rb_films_join(run->films, &result->film_error);
 	rb_saving_stop(run->saving);
 	if (run->recorder)
 		run->module->recorder_destroy(run->recorder);
@@ -643,11 +708,15 @@ enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loade
 	                  .start_ns = rb_clock_now_ns(),
 	                  .outcome = {.reason = ""}};
 
+	pthread_mutex_init(&run.films_lock, NULL);
+	pthread_cond_init(&run.films_joined, NULL);
 	*result = (struct rb_run_result){.frame_count = loaded->model->frame_count};
 	result->status = start(&run, &result->error);
 	if (!result->status)
 		result->status = simulate(&run, &result->error);
 	finish(&run);
+	pthread_cond_destroy(&run.films_joined);
+	pthread_mutex_destroy(&run.films_lock);
 	result->memory_bytes = rb_process_bytes("VmHWM");
 	result->wall_s = result->wall_before_s + (double)(rb_clock_now_ns() - run.start_ns) * 1e-9;
 	if (parts->listen)

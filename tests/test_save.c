@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: MIT */
+/* src/step/save.c, src/event/freeze.c, src/base/pack.c */
+#include "worlds.h"
+
+#include "base/memory.h"
+#include "base/pack.h"
+#include "flow/frame.h"
+#include "step/save.h"
+
+static const rb_vec3 up = {0, 0, 1};
+static const rb_vec3 none = {0, 0, 0};
+
+typedef void lay_out(struct lab *lab);
+
+/* ---- scenes ---- */
+
+static void box(struct lab *lab, double half)
+{
+	for (int axis = 0; axis < 3; axis++)
+		for (int side = -1; side <= 1; side += 2) {
+			rb_vec3 normal = {axis == 0, axis == 1, axis == 2};
+
+			normal = rb_vec3_scale(side, normal);
+			lab_plane(lab, rb_vec3_scale(-half, normal), normal);
+		}
+}
+
+/* A fixed number in [-1, 1) for each k: golden ratio. */
+static double share(int k)
+{
+	return 2 * fmod(0.5 + 0.6180339887498949 * k, 1) - 1;
+}
+
+/* On their own clocks, in cells of three levels. */
+static void gas(struct lab *lab)
+{
+	lab_open_located(lab, 1.5, 8);
+	lab_surface(lab, 0.1, 0.9);
+	box(lab, 1);
+	for (int k = 0; k < 64; k++)
+		lab_sphere(lab,
+		           k % 16 == 0  ? 0.15
+		           : k % 5 == 0 ? 0.06
+		                        : 0.02,
+		           1,
+		           (rb_vec3){-0.75 + 0.5 * (k % 4), -0.75 + 0.5 * (k / 4 % 4),
+		                     -0.75 + 0.5 * (k / 16)},
+		           (rb_vec3){share(k), share(3 * k + 1), share(7 * k + 2)});
+}
+
+/* Contacts that last, on parabolas and under the integrator. */
+static void stack(struct lab *lab)
+{
+	lab_open_located(lab, 0.9, 10);
+	lab_surface(lab, 0.4, 0.3);
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_rectangle(lab, none, up, 3, 2);
+	for (int k = 0; k < 3; k++)
+		lab_sphere(lab, 0.1, 1, (rb_vec3){0.001 * k, 0, 0.1 + 0.2 * k}, none);
+	lab_sphere(lab, 0.1, 1, (rb_vec3){-1, 0.01, 0.1}, (rb_vec3){2, 0, 0});
+	lab_sphere(lab, 0.1, 1, (rb_vec3){1, 0.2, 0.4}, (rb_vec3){1, 0, 0});
+}
+
+static void drop(struct lab *lab, enum rb_rollback_kind rollback)
+{
+	lab_open(lab, 0.8, 16);
+	lab->scene.world.method = RB_METHOD_CLASSIC;
+	lab->scene.world.rollback = rollback;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_surface(lab, 0.4, 0.5);
+	lab_plane(lab, none, up);
+	for (int k = 0; k < 24; k++)
+		lab_sphere(lab, 0.1, 1,
+		           (rb_vec3){0.205 * (k % 4) + 0.002 * k, 0.205 * (k / 4 % 2),
+		                     0.15 + 0.25 * (k / 8)},
+		           (rb_vec3){0.3 * share(k), 0.3 * share(k + 9), 0});
+}
+
+static void classic(struct lab *lab)
+{
+	drop(lab, RB_ROLLBACK_SELECTIVE);
+}
+
+static void classic_global(struct lab *lab)
+{
+	drop(lab, RB_ROLLBACK_GLOBAL);
+}
+
+static lay_out *const recipes[] = {gas, stack, classic, classic_global};
+enum { RECIPE_COUNT = sizeof recipes / sizeof *recipes };
+
+/* ---- running ---- */
+
+/* Made by a recipe, sealed for so many threads. */
+static void make(struct lab *lab, lay_out *recipe, int threads)
+{
+	recipe(lab);
+	lab_seal(lab, threads);
+}
+
+static void next_frame(struct lab *lab, struct rb_frame *frame)
+{
+	if (rb_world_step_frame(lab->world, &lab->error) != RB_OK)
+		fail_msg("%s", lab->error.text);
+	assert_int_equal(rb_world_fill_frame(lab->world, frame, &lab->error), RB_OK);
+}
+
+/* At frame `until`, filled. */
+static void run_to(struct lab *lab, uint64_t until)
+{
+	struct rb_frame frame = {0};
+
+	if (rb_world_frame(lab->world) == 0)
+		assert_int_equal(rb_world_fill_frame(lab->world, &frame, &lab->error), RB_OK);
+	while (rb_world_frame(lab->world) < until)
+		next_frame(lab, &frame);
+	rb_frame_release(&frame);
+}
+
+static struct rb_pack saved_at(lay_out *recipe, uint64_t frame)
+{
+	struct rb_pack pack = {0};
+	struct lab lab;
+
+	make(&lab, recipe, 1);
+	run_to(&lab, frame);
+	assert_int_equal(rb_world_pack(lab.world, &pack, &lab.error), RB_OK);
+	lab_close(&lab);
+	return pack;
+}
+
+static struct rb_pack reading(const struct rb_pack *saved, size_t size)
+{
+	return (struct rb_pack){.loading = true, .bytes = saved->bytes, .size = size};
+}
+
+/* ---- tests ---- */
+
+static void a_world_that_is_restored_goes_on_in_the_same_bits(void **state)
+{
+	(void)state;
+	for (int r = 0; r < RECIPE_COUNT; r++) {
+		struct lab whole;
+
+		make(&whole, recipes[r], 2);
+		const uint64_t last = rb_world_frame_count(whole.world) - 1;
+		run_to(&whole, last);
+		const struct rb_frame_numbers totals = rb_world_totals(whole.world);
+		for (uint64_t k = 0; k <= last; k += 2) {
+			struct rb_pack saved = saved_at(recipes[r], k);
+			struct rb_pack pack = reading(&saved, saved.size);
+			struct lab lab;
+
+			make(&lab, recipes[r], 1 + (int)k % 3);
+			if (rb_world_pack(lab.world, &pack, &lab.error) != RB_OK)
+				fail_msg("recipe %d, frame %d: %s", r, (int)k, lab.error.text);
+			assert_int_equal(pack.at, pack.size);
+			run_to(&lab, last);
+			if (rb_world_hash(lab.world) != rb_world_hash(whole.world))
+				fail_msg("recipe %d comes to other bits from frame %d", r, (int)k);
+			assert_int_equal(rb_world_totals(lab.world).collisions, totals.collisions);
+			assert_int_equal(rb_world_totals(lab.world).substeps, totals.substeps);
+			lab_close(&lab);
+			rb_pack_release(&saved);
+		}
+		lab_close(&whole);
+	}
+}
+
+static void what_is_saved_again_is_the_same_bytes(void **state)
+{
+	(void)state;
+	for (int r = 0; r < RECIPE_COUNT; r++) {
+		struct rb_pack saved = saved_at(recipes[r], 5), again = {0};
+		struct rb_pack pack = reading(&saved, saved.size);
+		struct lab lab;
+
+		make(&lab, recipes[r], 1);
+		assert_int_equal(rb_world_pack(lab.world, &pack, &lab.error), RB_OK);
+		assert_int_equal(rb_world_pack(lab.world, &again, &lab.error), RB_OK);
+		assert_int_equal(again.size, saved.size);
+		assert_memory_equal(again.bytes, saved.bytes, saved.size);
+		lab_close(&lab);
+		rb_pack_release(&again);
+		rb_pack_release(&saved);
+	}
+}
+
+static void bytes_that_end_too_early_are_refused(void **state)
+{
+	(void)state;
+	for (int r = 0; r < RECIPE_COUNT; r++) {
+		struct rb_pack saved = saved_at(recipes[r], 5);
+
+		for (size_t size = 0; size < saved.size; size += 1 + size / 40) {
+			struct rb_pack pack = reading(&saved, size);
+			struct lab lab;
+
+			make(&lab, recipes[r], 1);
+			assert_int_equal(rb_world_pack(lab.world, &pack, &lab.error), RB_ERR_INPUT);
+			lab_close(&lab);
+		}
+		rb_pack_release(&saved);
+	}
+}
+
+static void bytes_that_have_changed_are_refused_or_other_numbers(void **state)
+{
+	static const unsigned char masks[] = {0x01, 0x80, 0xff};
+
+	(void)state;
+	for (int r = 0; r < RECIPE_COUNT; r++) {
+		struct rb_pack saved = saved_at(recipes[r], 5);
+		int refused = 0;
+
+		for (size_t at = 0; at < saved.size; at += 1 + saved.size / 300) {
+			const unsigned char kept = saved.bytes[at];
+			struct rb_pack pack = reading(&saved, saved.size);
+			struct lab lab;
+
+			saved.bytes[at] = kept ^ masks[at % 3];
+			make(&lab, recipes[r], 1);
+			refused += rb_world_pack(lab.world, &pack, &lab.error) != RB_OK;
+			lab_close(&lab);
+			saved.bytes[at] = kept;
+		}
+		assert_true(refused > 0);
+		rb_pack_release(&saved);
+	}
+}
+
+static void the_state_of_another_scene_is_refused(void **state)
+{
+	struct rb_pack saved = saved_at(stack, 3), pack = reading(&saved, saved.size);
+	struct lab lab;
+
+	(void)state;
+	make(&lab, gas, 1);
+	assert_int_equal(rb_world_pack(lab.world, &pack, &lab.error), RB_ERR_INPUT);
+	assert_non_null(strstr(lab.error.text, "another scene"));
+	lab_close(&lab);
+	rb_pack_release(&saved);
+}
+
+static void loading_without_memory_is_an_error_and_leaks_nothing(void **state)
+{
+	struct rb_pack saved = saved_at(stack, 8);
+	bool went_well = false;
+
+	(void)state;
+	for (uint64_t k = 1; !went_well; k++) {
+		struct rb_pack pack = reading(&saved, saved.size);
+		struct lab lab;
+
+		make(&lab, stack, 1);
+		rb_memory_fail_at(k);
+		const enum rb_status status = rb_world_pack(lab.world, &pack, &lab.error);
+		rb_memory_fail_at(0);
+		went_well = status == RB_OK;
+		if (!went_well)
+			assert_int_equal(status, RB_ERR_MEMORY);
+		lab_close(&lab);
+	}
+	rb_pack_release(&saved);
+}
+
+static void numbers_come_back_and_those_out_of_range_do_not(void **state)
+{
+	struct rb_pack pack = {0};
+	int number = 7;
+	bool yes = true;
+	double values[2] = {0.1, (double)NAN};
+	size_t count = 3;
+
+	(void)state;
+	rb_pack_int(&pack, &number, 0, 10);
+	rb_pack_bool(&pack, &yes);
+	rb_pack_doubles(&pack, values, 2);
+	rb_pack_count(&pack, &count, 5, 0);
+	struct rb_pack back = reading(&pack, pack.size);
+	number = 0;
+	yes = false;
+	values[0] = 0;
+	rb_pack_int(&back, &number, 0, 10);
+	rb_pack_bool(&back, &yes);
+	assert_int_equal(number, 7);
+	assert_true(yes);
+	rb_pack_times(&back, values, 2);
+	assert_true(back.failed);
+	/* what follows a failure is zero */
+	rb_pack_count(&back, &count, 5, 0);
+	assert_int_equal(count, 0);
+	struct rb_pack narrow = reading(&pack, pack.size);
+	rb_pack_int(&narrow, &number, 0, 6);
+	assert_true(narrow.failed);
+	assert_int_equal(rb_pack_status(&narrow, "it", NULL), RB_ERR_INPUT);
+	rb_pack_release(&pack);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(numbers_come_back_and_those_out_of_range_do_not),
+		cmocka_unit_test(a_world_that_is_restored_goes_on_in_the_same_bits),
+		cmocka_unit_test(what_is_saved_again_is_the_same_bytes),
+		cmocka_unit_test(bytes_that_end_too_early_are_refused),
+		cmocka_unit_test(bytes_that_have_changed_are_refused_or_other_numbers),
+		cmocka_unit_test(the_state_of_another_scene_is_refused),
+		cmocka_unit_test(loading_without_memory_is_an_error_and_leaks_nothing),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
