@@ -55,9 +55,12 @@ try:
         noisy.close()
         child = os.fork()
         if child == 0:
-            s = connect()
-            while True:
-                s.send(b"frame\n")
+            try:
+                s = connect()
+                while True:
+                    s.send(b"frame\n")
+            finally:
+                os._exit(0)  # the rest is the parent's
         time.sleep(0.01)
         os.kill(child, signal.SIGKILL)
         os.waitpid(child, 0)
