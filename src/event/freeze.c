@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "event/driven.h"
+#include "event/integrate.h"
 
 #include <math.h>
 
@@ -168,7 +169,8 @@ static void pack_cluster_piece(struct rb_located *l, struct rb_cluster *c, struc
 	rb_pack_finite(pack, &c->piece.length_s, 1);
 	(void)rb_pack_check(pack, c->piece.length_s > 0, "a piece without length");
 	if (pack->loading) {
-		if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block)) {
+		if (!rb_memory_reserve(&c->block, &c->block_capacity, rb_integrate_room(n),
+		                       sizeof *c->block)) {
 			out_of_memory(pack);
 			return;
 		}

@@ -496,10 +496,15 @@ static double change_within(struct work *w, double *value)
 
 /* ---- a piece ---- */
 
+size_t rb_integrate_room(int n)
+{
+	return (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
+}
+
 static bool room(struct work *w, int n, double **value, double **scale, double **scratch)
 {
 	struct rb_cluster *c = w->c;
-	const size_t size = (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
+	const size_t size = rb_integrate_room(n);
 	struct rb_arena *arena = w->l->arena;
 	size_t unknowns = 0;
 

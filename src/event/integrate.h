@@ -11,4 +11,10 @@
 /* From the members' present arcs at `t`; puts them on the piece. Sets l->status. */
 void rb_integrate_piece(struct rb_located *l, int cluster, double t);
 
+/*
+ * Values that a cluster's block holds while it is integrated, for n rows. Arcs point into it, so it must not grow between
+ * one piece and the next.
+ */
+size_t rb_integrate_room(int n);
+
 #endif
