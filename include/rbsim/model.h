@@ -49,6 +49,8 @@ struct rb_pair_material {
 	double friction, restitution;
 };
 
+struct rb_parts_table;
+
 struct rb_model {
 	const struct rb_scene *scene; /* borrowed: must outlive the model */
 	rb_features features;
@@ -59,7 +61,8 @@ struct rb_model {
 
 	/* columns by index */
 	struct rb_shape *shape;
-	double *reach; /* m, see rb_model_reach; NULL: only spheres and planes */
+	double *reach;                /* m, see rb_model_reach; NULL: only spheres and planes */
+	struct rb_parts_table *parts; /* owned, model/parts; NULL: only spheres and planes */
 	int *material;
 	double *mass, *inverse_mass; /* statics and driven bodies: INFINITY, 0 */
 	unsigned char *driven; /* [body_count]: 1 where `motion` drives it; NULL without any */

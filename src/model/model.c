@@ -9,6 +9,7 @@
 #include "math/quat.h"
 #include "model/check.h"
 #include "model/features.h"
+#include "model/parts.h"
 
 const char *rb_model_method(const struct rb_model *model)
 {
@@ -252,6 +253,9 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	if (status != RB_OK)
 		return status;
 
+	const enum rb_status made = rb_parts_table_create(&model->parts, scene, err);
+	if (made != RB_OK)
+		return made;
 	take_columns(model, &failed);
 	if (failed)
 		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the constants of %d bodies",
@@ -291,6 +295,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->index_of);
 	rb_memory_free(model->shape);
 	rb_memory_free(model->reach);
+	rb_parts_table_destroy(model->parts);
 	rb_memory_free(model->material);
 	rb_memory_free(model->mass);
 	rb_memory_free(model->inverse_mass);

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+#include "model/parts.h"
+
+#include <string.h>
+
+#include "base/hash.h"
+#include "base/memory.h"
+#include "base/sort.h"
+#include "geom/distance.h"
+
+/* What makes shapes equal, without what is not read of their kind. */
+static struct rb_shape plain(const struct rb_shape *shape)
+{
+	struct rb_shape key;
+	const bool has_solid = shape->kind == RB_SHAPE_HULL || shape->kind == RB_SHAPE_UNION;
+	const bool has_radius = shape->kind == RB_SHAPE_SPHERE || shape->kind == RB_SHAPE_CAPSULE ||
+	                        shape->kind == RB_SHAPE_CYLINDER;
+
+	memset(&key, 0, sizeof key);
+	key.kind = shape->kind;
+	key.solid = has_solid ? shape->solid : 0;
+	key.radius = has_radius ? shape->radius : 0;
+	for (int m = 0; m < 3; m++) {
+		const bool has_size = shape->kind == RB_SHAPE_BOX ||
+		                      (shape->kind == RB_SHAPE_RECTANGLE && m < 2) ||
+		                      ((shape->kind == RB_SHAPE_CAPSULE ||
+		                        shape->kind == RB_SHAPE_CYLINDER) &&
+		                       m == 2);
+		key.size[m] = has_size ? shape->size[m] : 0;
+	}
+	return key;
+}
+
+static bool is_same(const struct rb_shape *a, const struct rb_shape *b)
+{
+	const struct rb_shape x = plain(a), y = plain(b);
+
+	return memcmp(&x, &y, sizeof x) == 0;
+}
+
+static enum rb_status of_hull(struct rb_polytope **polytope, const struct rb_solid *solid,
+                              struct rb_error *err)
+{
+	int *counts = rb_memory_take((size_t)solid->face_count, sizeof *counts);
+
+	if (!counts)
+		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for a hull of %d faces",
+		               solid->face_count);
+	for (int k = 0; k < solid->face_count; k++)
+		counts[k] = solid->face_first[k + 1] - solid->face_first[k];
+	const rb_polytope_def def = {.vertex_count = solid->vertex_count,
+	                             .face_count = solid->face_count,
+	                             .vertices = solid->vertices,
+	                             .counts = counts,
+	                             .loop = solid->loops};
+	const enum rb_status status = rb_polytope_create(polytope, &def, err);
+	rb_memory_free(counts);
+	return status;
+}
+
+static enum rb_status make_core(rb_core *core, const struct rb_scene *scene,
+                                const struct rb_shape *shape, struct rb_error *err)
+{
+	const double *size = shape->size;
+	struct rb_polytope *polytope = NULL;
+	enum rb_status status = RB_OK;
+	double radius = 0;
+
+	switch (shape->kind) {
+	case RB_SHAPE_PLANE:
+		*core = rb_core_of_half_space();
+		return RB_OK;
+	case RB_SHAPE_CYLINDER:
+		*core = rb_core_of_cylinder(shape->radius, 0.5 * size[2]);
+		return RB_OK;
+	case RB_SHAPE_SPHERE:
+		radius = shape->radius;
+		status = rb_polytope_create_segment(&polytope, 0, err);
+		break;
+	case RB_SHAPE_CAPSULE:
+		radius = shape->radius;
+		status = rb_polytope_create_segment(&polytope, 0.5 * size[2], err);
+		break;
+	case RB_SHAPE_RECTANGLE:
+		status = rb_polytope_create_rectangle(&polytope, 0.5 * size[0], 0.5 * size[1], err);
+		break;
+	case RB_SHAPE_BOX:
+		status = rb_polytope_create_box(
+			&polytope, (rb_vec3){0.5 * size[0], 0.5 * size[1], 0.5 * size[2]}, err);
+		break;
+	default:
+		status = of_hull(&polytope, &scene->solids[shape->solid], err);
+		break;
+	}
+	if (status == RB_OK)
+		*core = rb_core_of_polytope(polytope, radius);
+	return status;
+}
+
+static int count_of(const struct rb_scene *scene, const struct rb_shape *shape)
+{
+	return shape->kind == RB_SHAPE_UNION ? scene->solids[shape->solid].part_count : 1;
+}
+
+static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_scene *scene,
+                                 const struct rb_shape *shape, struct rb_error *err)
+{
+	struct rb_body_parts *made = &table->shape[table->shape_count++];
+
+	made->part = table->parts + table->part_count;
+	for (int k = 0; k < count_of(scene, shape); k++) {
+		struct rb_body_part *part = &table->parts[table->part_count];
+		const struct rb_shape *own = shape;
+
+		part->turn = rb_mat3_diagonal(1, 1, 1);
+		if (shape->kind == RB_SHAPE_UNION) {
+			const struct rb_solid_part *from = &scene->solids[shape->solid].parts[k];
+
+			own = &from->shape;
+			part->at = from->position;
+			part->turn = rb_quat_to_mat3(rb_quat_unit(from->orientation));
+			part->is_placed = true;
+		}
+		part->kind = own->kind;
+		const enum rb_status status = make_core(&part->core, scene, own, err);
+		if (status != RB_OK)
+			return status;
+		table->part_count++;
+		made->count++;
+	}
+	return RB_OK;
+}
+
+/* The body of the lowest id whose shape each body has. */
+static bool find_firsts(const struct rb_scene *scene, int *first)
+{
+	const size_t count = (size_t)scene->body_count;
+	struct rb_sort_item *items = rb_memory_take(2 * count, sizeof *items);
+
+	if (!items)
+		return false;
+	for (size_t i = 0; i < count; i++) {
+		const struct rb_shape key = plain(&scene->bodies[i].shape);
+
+		items[i] = (struct rb_sort_item){rb_hash_bytes(&key, sizeof key, 0), i};
+	}
+	rb_sort_by_key(items, items + count, count);
+	for (size_t i = 0; i < count; i++) {
+		const int id = (int)items[i].value;
+
+		first[id] = id;
+		/* equal keys stand together, and equal shapes have equal ones; different shapes hardly ever */
+		for (size_t j = i; j-- > 0 && items[j].key == items[i].key;) {
+			const int other = (int)items[j].value;
+
+			if (!is_same(&scene->bodies[other].shape, &scene->bodies[id].shape))
+				continue;
+			first[id] = first[other];
+			break;
+		}
+	}
+	rb_memory_free(items);
+	return true;
+}
+
+static bool needs_parts(const struct rb_scene *scene)
+{
+	for (int i = 0; i < scene->body_count; i++)
+		if (scene->bodies[i].shape.kind >= RB_SHAPE_BOX)
+			return true;
+	return false;
+}
+
+/* Room for all that differs; `shape_of` has the first body of each shape. */
+static bool take_room(struct rb_parts_table *table, const struct rb_scene *scene)
+{
+	size_t shapes = 0, parts = 0;
+
+	for (int i = 0; i < scene->body_count; i++) {
+		if (table->shape_of[i] != i)
+			continue;
+		shapes++;
+		parts += (size_t)count_of(scene, &scene->bodies[i].shape);
+	}
+	table->shape = rb_memory_take(shapes, sizeof *table->shape);
+	table->parts = rb_memory_take(parts, sizeof *table->parts);
+	return table->shape && table->parts;
+}
+
+enum rb_status rb_parts_table_create(struct rb_parts_table **table, const struct rb_scene *scene,
+                                     struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	*table = NULL;
+	if (!needs_parts(scene))
+		return RB_OK;
+	struct rb_parts_table *made = rb_memory_take(1, sizeof *made);
+	if (made)
+		made->shape_of = rb_memory_take((size_t)scene->body_count, sizeof *made->shape_of);
+	if (!made || !made->shape_of || !find_firsts(scene, made->shape_of) ||
+	    !take_room(made, scene))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the shapes of %d bodies",
+		                 scene->body_count);
+	for (int i = 0; status == RB_OK && i < scene->body_count; i++) {
+		const int first = made->shape_of[i];
+
+		if (first != i) {
+			made->shape_of[i] = made->shape_of[first];
+			continue;
+		}
+		made->shape_of[i] = made->shape_count;
+		status = make_shape(made, scene, &scene->bodies[i].shape, err);
+	}
+	if (status != RB_OK) {
+		rb_parts_table_destroy(made);
+		return status;
+	}
+	*table = made;
+	return RB_OK;
+}
+
+void rb_parts_table_destroy(struct rb_parts_table *table)
+{
+	if (!table)
+		return;
+	/* the polytopes are ours: cores only refer to them */
+	for (int k = 0; k < table->part_count; k++)
+		rb_polytope_destroy((struct rb_polytope *)(uintptr_t)table->parts[k].core.polytope);
+	rb_memory_free(table->shape);
+	rb_memory_free(table->shape_of);
+	rb_memory_free(table->parts);
+	rb_memory_free(table);
+}
+
+rb_placed rb_body_part_place(const struct rb_body_part *part, rb_vec3 origin, rb_quat orientation)
+{
+	rb_placed placed = {
+		.core = &part->core, .at = origin, .turn = rb_quat_to_mat3(orientation)};
+
+	if (part->kind == RB_SHAPE_PLANE) {
+		/* what a sphere sees of it, to the bit */
+		const rb_vec3 n = rb_plane_normal(orientation);
+
+		placed.turn.m[0][2] = n.x;
+		placed.turn.m[1][2] = n.y;
+		placed.turn.m[2][2] = n.z;
+	}
+	if (part->is_placed) {
+		placed.at = rb_vec3_add(origin, rb_mat3_apply(&placed.turn, part->at));
+		placed.turn = rb_mat3_multiply(&placed.turn, &part->turn);
+	}
+	return placed;
+}
