@@ -39,6 +39,8 @@ struct rb_films {
 	bool shoots;   /* some camera has functions */
 	bool has_last; /* then: `last` is the frame before */
 	struct rb_frame last, between;
+	double *switched_s; /* when pictures were left out, drawn again, ...: as the films have it */
+	size_t switch_count, switch_capacity;
 	atomic_int cut; /* the signal; set by anybody, after every film's own; 0: not */
 };
 
@@ -389,6 +391,7 @@ void rb_films_destroy(struct rb_films *films)
 			films->module->film_destroy(films->film[i].film);
 	rb_frame_release(&films->last);
 	rb_frame_release(&films->between);
+	rb_memory_free(films->switched_s);
 	rb_memory_free(films->film);
 	rb_memory_free(films);
 }
@@ -521,9 +524,35 @@ enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on, s
 {
 	enum rb_status status = RB_OK;
 
-	for (int i = 0; i < rb_films_count(films) && !status; i++)
+	if (rb_films_count(films) == 0 || rb_films_are_on(films) == on)
+		return RB_OK;
+	if (!rb_memory_reserve(&films->switched_s, &films->switch_capacity, films->switch_count + 1,
+	                       sizeof *films->switched_s))
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot switch films: out of memory");
+	for (int i = 0; i < films->count && !status; i++)
 		status = films->module->film_switch(films->film[i].film, time_s, on, err);
+	if (!status)
+		films->switched_s[films->switch_count++] = time_s;
 	return status;
+}
+
+bool rb_films_are_on(const struct rb_films *films)
+{
+	return !films || films->switch_count % 2 == 0;
+}
+
+void rb_films_pack(struct rb_films *films, struct rb_pack *pack)
+{
+	size_t count = films ? films->switch_count : 0;
+
+	rb_pack_count(pack, &count, INT32_MAX, sizeof(double));
+	for (size_t k = 0; k < count && !pack->failed; k++) {
+		double time_s = pack->loading ? 0 : films->switched_s[k];
+
+		rb_pack_finite(pack, &time_s, 1);
+		if (pack->loading && rb_films_switch(films, time_s, k % 2 == 1, NULL) != RB_OK)
+			pack->failed = pack->no_memory = true;
+	}
 }
 
 static bool is_cut_short(const struct rb_film_tally *tally)

@@ -226,6 +226,12 @@ void rb_listen_has_films(struct rb_listen *listen, bool has)
 		rb_player_has_films(listen->player, has);
 }
 
+void rb_listen_film(struct rb_listen *listen, bool on)
+{
+	if (listen)
+		rb_player_film(listen->player, on);
+}
+
 bool rb_listen_filming(const struct rb_listen *listen)
 {
 	return !listen || rb_player_filming(listen->player);

@@ -48,6 +48,7 @@ enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_
 /* The run makes films; whether their pictures after this frame are wanted. True for NULL. */
 void rb_listen_has_films(struct rb_listen *listen, bool has);
 bool rb_listen_filming(const struct rb_listen *listen);
+void rb_listen_film(struct rb_listen *listen, bool on);
 /* Wall time of the run that it stood still. */
 double rb_listen_paused_s(const struct rb_listen *listen);
 /* Takes the socket's name away, where the process is about to end at once. Any thread. */

@@ -343,7 +343,7 @@ static void pack_numbers(struct rb_frame_numbers *n, struct rb_pack *pack)
 	rb_pack_doubles(pack, &n->stepped, 1);
 }
 
-/* What the summary tells of all frames so far. */
+/* What the summary tells of all frames so far, and which pictures films leave out. */
 static void pack_result(void *user, struct rb_pack *pack)
 {
 	struct run *const run = user;
@@ -362,6 +362,7 @@ static void pack_result(void *user, struct rb_pack *pack)
 	rb_pack_doubles(pack, &result->energy_drift_j, 1);
 	rb_pack_doubles(pack, &result->momentum_drift, 1);
 	rb_pack_doubles(pack, &result->angular_momentum_drift, 1);
+	rb_films_pack(run->films, pack);
 }
 
 static enum rb_status start_saving(struct run *run, struct rb_error *err)
@@ -414,6 +415,8 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 	rb_listen_has_films(run->listen, rb_films_count(run->films) > 0);
 	if (!status && run->resume)
 		status = restore(run, err);
+	if (!status && run->resume)
+		rb_listen_film(run->listen, rb_films_are_on(run->films));
 	if (!status && (run->recorder || run->films))
 		status = start_consumers(run, err);
 	else if (!status)
@@ -489,7 +492,10 @@ static void keep_asked(void *user)
 	const struct run *const run = user;
 	struct rb_error err;
 
-	if (rb_saving_ask(run->saving, &err) != RB_OK)
+	/* what commands have said of films before holds for what is kept */
+	if (rb_films_switch(run->films, rb_world_time(run->world), rb_listen_filming(run->listen),
+	                    &err) != RB_OK ||
+	    rb_saving_ask(run->saving, &err) != RB_OK)
 		rb_log(RB_LOG_WARNING, "%s", err.text);
 	rb_saving_frame(run->saving, rb_world_frame(run->world));
 }

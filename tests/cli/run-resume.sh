@@ -137,6 +137,26 @@ small_scene 'camera { name = "a", position = function(t) return {2 + 0.01 * math
 	size = {64, 48}, samples = 1, fps = 25, png = "a/%03d.png", trails = {body "right"}, overlay = {"time", "energy"} }' >film.lua
 interrupted film.lua 2
 
+# films that commands have switched off and on, before a checkpoint and after it, also in the moment of one
+switched() # switched WHOLE FIRST SECOND: commands of a whole run, and of the two parts of another one
+{
+	rm -rf whole broken
+	mkdir whole broken
+	printf "$1" >commands.whole
+	printf "$2" >commands.1
+	printf "$3" >commands.2
+	(cd whole && exits 0 ../film.lua -o r.h5 -q --commands ../commands.whole) || exit 1
+	(cd broken && exits 130 ../film.lua -o r.h5 -q --commands ../commands.1 &&
+		exits 0 ../film.lua -o r.h5 -q --resume --commands ../commands.2) || exit 1
+	exits 0 diff whole/r.h5 broken/r.h5
+	rm -f whole/r.h5 broken/r.h5 whole/out whole/err broken/out broken/err
+	diff -r whole broken >&2 || fail "'$2', then '$3': other pictures"
+}
+switched 'at 0.1 film off\nat 0.4 film on\n' 'at 0.1 film off\nat 0.2 checkpoint\nat 0.3 quit\n' 'at 0.4 film on\n'
+[ "$(ls broken/a | wc -l)" -lt 10 ] || fail "no pictures were left out"
+switched 'at 0.1 film off\nat 0.2 film on\n' 'at 0.1 film off\nat 0.2 film on\nat 0.3 checkpoint\nat 0.4 quit\n' 'status\n'
+switched 'at 0.2 film off\n' 'at 0.2 film off\nat 0.2 checkpoint\nat 0.3 quit\n' 'status\n'
+
 # ---- what --resume says ----
 
 exits 0 gas.lua -q --resume -o none.h5 # there is nothing: from the beginning
