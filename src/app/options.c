@@ -206,7 +206,7 @@ const struct rb_option_row rb_option_rows[] = {
 	 "one picture, of this frame, to --output PICTURE.png"},
 	{"contact-sheet", 0, NULL, RB_OPTION_FLAG, AT(contact_sheet), VERB(RENDER), 0, 0, false, NULL,
 	 "sixteen pictures in one, with their times, to --output SHEET.png"},
-	{"checkpoint-every", 0, "SECONDS", RB_OPTION_NUMBER, AT(checkpoint_every_s), VERB(RUN), 0, INFINITY, false, NULL,
+	{"checkpoint-every", 0, "SECONDS", RB_OPTION_NUMBER, AT(checkpoint_every_s), VERB(RUN) | EACH, 0, INFINITY, false, NULL,
 	 "wall time between checkpoints, 0: only on a signal or command (default: 60)"},
 	{"resume", 0, NULL, RB_OPTION_FLAG, AT(resume), VERB(RUN), 0, 0, false, NULL,
 	 "go on from the recording's checkpoint, from the beginning without one; a complete run is left as it is"},

@@ -24,11 +24,11 @@ static const void *field_of(const struct rb_options *options, const struct rb_op
 	return (const char *)options + row->offset;
 }
 
-/* Whether a row is one that sweeps hand on; what says how to talk is not. */
+/* Whether a row is one that the plan hands on: not what says how to talk, nor what leaves no trace in a recording. */
 static bool is_handed_on(const struct rb_option_row *row)
 {
-	static const char *const own[] = {"quiet", "json",    "debug",
-	                                  "help",  "version", "print-tables"};
+	static const char *const own[] = {"quiet",   "json",         "debug",           "help",
+	                                  "version", "print-tables", "checkpoint-every"};
 	const unsigned both = 1u << RB_VERB_RUN | 1u << RB_VERB_SWEEP;
 
 	for (size_t i = 0; i < sizeof own / sizeof *own; i++)

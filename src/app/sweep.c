@@ -152,6 +152,7 @@ static enum rb_status submit(const struct rb_planned *sweep, struct rb_error *er
 	                               .tasks = sweep->plan.count < most ? sweep->plan.count : most,
 	                               .jobs = options->jobs > 0 ? options->jobs : 1,
 	                               .threads = options->threads > 0 ? options->threads : 1,
+	                               .checkpoint_every_s = options->checkpoint_every_s,
 	                               .time = options->slurm_time,
 	                               .memory = options->slurm_memory,
 	                               .partition = options->slurm_partition,
@@ -210,15 +211,6 @@ static int exit_code_of(const struct rb_jobs_tally *tally)
 	return tally->failed > 0 ? rb_status_exit_code(RB_ERR_EXPECT) : 0;
 }
 
-/* The option of a version of rbsim that can go on with a run. */
-static const char *resume_option(void)
-{
-	for (int i = 0; i < rb_option_row_count; i++)
-		if (strcmp(rb_option_rows[i].name, "resume") == 0)
-			return "--resume";
-	return NULL;
-}
-
 /* Helpers that come with rbsim are looked for in the sweep's folder, from where the runs are. */
 static void set_helpers(const struct rb_plan *plan)
 {
@@ -262,7 +254,7 @@ static enum rb_status run_points(const struct rb_planned *sweep, int *exit_code,
 	                              .share = options->task >= 0 ? (uint64_t)options->task : 0,
 	                              .shares = options->task >= 0 ? (uint64_t)options->tasks : 1,
 	                              .retry = options->retry,
-	                              .resume = resume_option(),
+	                              .checkpoint_every_s = options->checkpoint_every_s,
 	                              .tick = rb_overview_tick,
 	                              .told = rb_overview_told,
 	                              .user = &overview};

@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <inttypes.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -95,12 +96,14 @@ static void command_of(struct jobs *jobs, uint64_t index, bool goes_on)
 	add_word(jobs, &count, "rbsim");
 	add_word(jobs, &count, "run");
 	add_word(jobs, &count, "--json");
-	add_word(jobs, &count, goes_on ? jobs->order->resume : "--force");
+	add_word(jobs, &count, goes_on ? "--resume" : "--force");
 	for (int i = 0; i < plan->word_count; i++)
 		add_word(jobs, &count, plan->words[i]);
 #define ADD(...) \
 	(add_word(jobs, &count, at), at += snprintf(at, (size_t)(end - at), __VA_ARGS__) + 1)
 	ADD("--threads=%d", jobs->order->threads);
+	if (!isnan(jobs->order->checkpoint_every_s))
+		ADD("--checkpoint-every=%.17g", jobs->order->checkpoint_every_s);
 	ADD("--seed=%" PRIu64, rb_plan_seed(plan, index));
 	for (int i = 0; i < plan->axis_count; i++)
 		ADD("--param=%s=%s", plan->axes[i].name, rb_plan_value(plan, index, i, number));
@@ -161,6 +164,15 @@ static enum rb_status start_run(struct jobs *jobs, struct place *place, struct r
 	return RB_OK;
 }
 
+/* From its checkpoint, unless that is what the run before has refused: then all would go on refusing it. */
+static bool goes_on(const struct rb_point *point)
+{
+	const int code = point->state == RB_POINT_FAILED ? point->exit_code : 0;
+
+	return point->has_checkpoint && code != rb_status_exit_code(RB_ERR_USAGE) &&
+	       code != rb_status_exit_code(RB_ERR_INPUT);
+}
+
 /* Takes a point that is due into a free place, unless somebody else has taken or done it meanwhile. */
 static enum rb_status take_point(struct jobs *jobs, struct place *place, struct rb_error *err)
 {
@@ -190,7 +202,7 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 		tally->elsewhere += !status;
 		return status;
 	}
-	command_of(jobs, place->index, order->resume && point.has_checkpoint);
+	command_of(jobs, place->index, goes_on(&point));
 	status = start_run(jobs, place, err);
 	if (status)
 		rb_point_unlock(place->log);

@@ -30,8 +30,8 @@ struct rb_jobs_order {
 	int jobs, threads;                   /* at a time; of each */
 	uint64_t share, shares;              /* the share-th of so many, from 0 */
 	bool retry;
-	const char *resume; /* the option that goes on from a checkpoint; NULL: runs begin anew */
-	int tick_ms;        /* longest time between two calls of `tick`; 0: never */
+	double checkpoint_every_s; /* NAN: as runs do by themselves */
+	int tick_ms;               /* longest time between two calls of `tick`; 0: never */
 	void (*tick)(void *user, const struct rb_jobs_tally *tally);
 	/* A run of ours has ended, or a failed one was found. */
 	void (*told)(void *user, uint64_t index, const struct rb_point *point);

@@ -5,6 +5,7 @@
 #include <fcntl.h>
 #include <inttypes.h>
 #include <limits.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -152,24 +153,28 @@ static void put_script(FILE *file, const struct rb_slurm_order *order, const cha
 	fprintf(file, "\n%s%" PRIu64 "\nrbsim=", tasks_line, order->tasks);
 	put_quoted(file, program);
 	fprintf(file,
-	        "\n\n\"$rbsim\" sweep . --task \"$SLURM_ARRAY_TASK_ID\" --tasks \"$tasks\" --jobs %d --threads %d &\n"
-	        "sweep=$!\n"
-	        "asked=\n"
-	        "trap 'asked=yes; kill -USR1 $sweep' USR1\n"
-	        "trap 'kill -TERM $sweep' TERM INT\n"
-	        "wait $sweep\n"
-	        "status=$?\n"
-	        "# a trap ends the first wait, not the sweep\n"
-	        "while kill -0 $sweep 2>/dev/null; do\n"
-	        "\twait $sweep\n"
-	        "\tstatus=$?\n"
-	        "done\n"
-	        "# 75: there is more to do\n"
-	        "if [ \"$status\" -eq 75 ] && [ -n \"$asked\" ]; then\n"
-	        "\tscontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"
-	        "fi\n"
-	        "exit $status\n",
+	        "\n\n\"$rbsim\" sweep . --task \"$SLURM_ARRAY_TASK_ID\" --tasks \"$tasks\" --jobs %d --threads %d",
 	        order->jobs, order->threads);
+	if (!isnan(order->checkpoint_every_s))
+		fprintf(file, " --checkpoint-every %.17g", order->checkpoint_every_s);
+	fputs(" &\n"
+	      "sweep=$!\n"
+	      "asked=\n"
+	      "trap 'asked=yes; kill -USR1 $sweep' USR1\n"
+	      "trap 'kill -TERM $sweep' TERM INT\n"
+	      "wait $sweep\n"
+	      "status=$?\n"
+	      "# a trap ends the first wait, not the sweep\n"
+	      "while kill -0 $sweep 2>/dev/null; do\n"
+	      "\twait $sweep\n"
+	      "\tstatus=$?\n"
+	      "done\n"
+	      "# 75: there is more to do\n"
+	      "if [ \"$status\" -eq 75 ] && [ -n \"$asked\" ]; then\n"
+	      "\tscontrol requeue \"${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID\"\n"
+	      "fi\n"
+	      "exit $status\n",
+	      file);
 }
 
 enum rb_status rb_slurm_write(const struct rb_slurm_order *order, struct rb_error *err)

@@ -13,10 +13,11 @@ enum { RB_SLURM_ID_SIZE = 64 };
 
 /* All borrowed; texts that are NULL are left to Slurm's own defaults. */
 struct rb_slurm_order {
-	const char *folder; /* absolute */
-	const char *name;   /* of the job */
-	uint64_t tasks;     /* of the array */
-	int jobs, threads;  /* runs at a time in a task; threads of each */
+	const char *folder;        /* absolute */
+	const char *name;          /* of the job */
+	uint64_t tasks;            /* of the array */
+	int jobs, threads;         /* runs at a time in a task; threads of each */
+	double checkpoint_every_s; /* NAN: as runs do by themselves */
 	const char *time, *memory, *partition;
 	const char *const *options; /* further ones of sbatch */
 	int option_count;

@@ -26,7 +26,7 @@ plain=$PATH
 PATH=$PWD/bin:$PATH
 
 exits 0 sweep s.lua -p e=0.1:0.9:0.1 -o "a sweep" --slurm --time 1:00:00 --mem 2G --partition 'fast nodes' \
-	--slurm-option --account=physics --slurm-option='--comment="two words"' --jobs 2 --threads 3
+	--slurm-option --account=physics --slurm-option='--comment="two words"' --jobs 2 --threads 3 --checkpoint-every 600
 [ "$(cat out)" = 4711 ] || fail "the job's number is '$(cat out)'"
 printf '%s\n' --parsable --array=0-4 sweep.sbatch | cmp -s - words || fail "sbatch got $(cat words)"
 [ "$(cat where)" = "$PWD/a sweep" ] || fail "sbatch ran in $(cat where)"
@@ -34,6 +34,7 @@ for line in --job-name=s.lua --array=0-4 --ntasks=1 --cpus-per-task=6 --time=1:0
 	--signal=B:USR1@60 --requeue --open-mode=append --account=physics '--comment="two words"'; do
 	grep -Fqx -- "#SBATCH $line" "a sweep/sweep.sbatch" || fail "no '#SBATCH $line' in $(cat "a sweep/sweep.sbatch")"
 done
+says "a sweep/sweep.sbatch" '--jobs 2 --threads 3 --checkpoint-every 600 &$'
 sh -n "a sweep/sweep.sbatch" || fail "the script is no script"
 
 # a task of it runs its share; every task, all points
