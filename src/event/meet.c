@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/meet.h"
 
+#include "event/bounds.h"
 #include "geom/distance.h"
 #include "math/quartic.h"
 
@@ -167,6 +168,7 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 	const bool swapped = l->model->shape[a].kind != RB_SHAPE_SPHERE;
 	struct rb_meet m = {.a = swapped ? b : a,
 	                    .b = swapped ? a : b,
+	                    .inside = (double)INFINITY,
 	                    .pose_a = swapped ? *pose_b : *pose_a,
 	                    .pose_b = swapped ? *pose_a : *pose_b};
 
@@ -175,6 +177,19 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 	if (swapped)
 		swap(&m);
 	return m;
+}
+
+int rb_meet_all(const struct rb_located *l, int a, int b, double t, double slack,
+                struct rb_meet all[RB_MEET_MAX])
+{
+	all[0] = rb_meet_at(l, a, b, t);
+	return all[0].gap <= rb_meet_band(l, &all[0], t) + slack ? 1 : 0;
+}
+
+struct rb_meet rb_meet_of(const struct rb_located *l, const struct rb_meet_name *name,
+                          const struct rb_pose *pose_a, const struct rb_pose *pose_b)
+{
+	return rb_meet_poses(l, name->a, name->b, pose_a, pose_b);
 }
 
 /* m: how far from its centre of mass anything of a body is. */
@@ -214,101 +229,6 @@ bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, doubl
 	/* by much more than rounding, of places, of speeds and of the time */
 	return rb_vec3_length(rb_vec3_sub(y, x)) >
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
-}
-
-static double size_of(const struct rb_located *l, int i)
-{
-	return l->model->shape[i].kind == RB_SHAPE_SPHERE ? l->model->shape[i].radius : 0;
-}
-
-double rb_meet_size(const struct rb_located *l, const struct rb_meet *m)
-{
-	return fmax(size_of(l, m->a), size_of(l, m->b));
-}
-
-double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t)
-{
-	double largest = rb_meet_size(l, m);
-
-	/* of an infinite plane only the sphere's place matters: its own point may be anywhere */
-	if (l->model->shape[m->a].kind == RB_SHAPE_SPHERE)
-		largest = fmax(largest, rb_vec3_max_abs(m->pose_a.origin));
-	if (l->model->shape[m->b].kind == RB_SHAPE_SPHERE)
-		largest = fmax(largest, rb_vec3_max_abs(m->pose_b.origin));
-	/* and the way that they make in the rounding of the time */
-	return DBL_EPSILON *
-	       (TOUCHING_ULP * largest + 2 * t * fabs(rb_vec3_dot(m->velocity, m->normal)));
-}
-
-double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m)
-{
-	const double size = rb_meet_size(l, m);
-
-	return 8 * DBL_EPSILON *
-	       (rb_vec3_max_abs(m->pose_a.velocity) + rb_vec3_max_abs(m->pose_b.velocity) +
-	        rb_vec3_max_abs(m->pose_a.spin) * rb_vec3_max_abs(m->arm_a) +
-	        rb_vec3_max_abs(m->pose_b.spin) * rb_vec3_max_abs(m->arm_b) +
-	        sqrt(2 * l->weight * size));
-}
-
-/* Angular acceleration; of what turns freely, by I w' = -w x I w. */
-static rb_vec3 turning_of(const struct rb_located *l, int i, const struct rb_pose *pose, double t)
-{
-	if (i >= l->n || !l->top)
-		return (rb_vec3){0, 0, 0};
-	if (rb_located_on_piece(l, i))
-		return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
-	if (l->top_body[i].kind == RB_TOP_CONSTANT)
-		return l->top[i].acceleration;
-	const rb_vec3 w = rb_quat_rotate_back(pose->orientation, pose->spin);
-	const rb_vec3 torque = rb_vec3_cross(rb_mat3_apply(&l->model->inertia[i], w), w);
-
-	return rb_quat_rotate(pose->orientation,
-	                      rb_mat3_apply(&l->model->inverse_inertia[i], torque));
-}
-
-/* Of a point that goes with the body. */
-static rb_vec3 point_velocity(const struct rb_pose *pose, rb_vec3 point)
-{
-	return rb_vec3_add(pose->velocity,
-	                   rb_vec3_cross(pose->spin, rb_vec3_sub(point, pose->position)));
-}
-
-static rb_vec3 point_acceleration(const struct rb_located *l, int i, const struct rb_pose *pose,
-                                  rb_vec3 point, double t)
-{
-	const rb_vec3 arm = rb_vec3_sub(point, pose->position);
-	const rb_vec3 a = rb_vec3_add(rb_arc_acceleration(l, i, t),
-	                              rb_vec3_cross(turning_of(l, i, pose, t), arm));
-
-	return rb_vec3_add(a, rb_vec3_cross(pose->spin, rb_vec3_cross(pose->spin, arm)));
-}
-
-double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t)
-{
-	const bool flipped = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
-	const int i = flipped ? m->b : m->a, j = flipped ? m->a : m->b;
-	const struct rb_pose *const ball = flipped ? &m->pose_b : &m->pose_a;
-	const struct rb_pose *const other = flipped ? &m->pose_a : &m->pose_b;
-	const rb_vec3 n = flipped ? rb_vec3_neg(m->normal) : m->normal;
-	const rb_vec3 rate = flipped ? rb_vec3_neg(m->normal_rate) : m->normal_rate;
-	const enum rb_shape_kind kind = l->model->shape[j].kind;
-	const bool face = kind != RB_SHAPE_SPHERE && !m->on_rim;
-	const rb_vec3 at = kind == RB_SHAPE_SPHERE || face
-	                           ? other->origin
-	                           : rb_vec3_add_scaled(m->point, m->gap, n);
-	const rb_vec3 w = rb_vec3_sub(point_velocity(other, at),
-	                              point_velocity(ball, ball->origin));
-	const rb_vec3 a = rb_vec3_sub(point_acceleration(l, j, other, at, t),
-	                              point_acceleration(l, i, ball, ball->origin, t));
-
-	/* |d| - r where the normal follows d; (p - x) . n - r of a face, whose normal turns with it */
-	if (!face)
-		return rb_vec3_dot(a, n) + rb_vec3_dot(w, rate);
-	const rb_vec3 turn = rb_vec3_add(rb_vec3_cross(turning_of(l, j, other, t), n),
-	                                 rb_vec3_cross(other->spin, rate));
-	return rb_vec3_dot(a, n) + 2 * rb_vec3_dot(w, rate) +
-	       rb_vec3_dot(rb_vec3_sub(at, ball->origin), turn);
 }
 
 bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t)
@@ -400,75 +320,6 @@ static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, 
 	return rb_quartic_falls(c, most);
 }
 
-/* Bounds on a body's motion from a moment to the end of its arc. */
-struct bounds {
-	double turn, turning; /* rad/s, rad/s^2 */
-	double pull, jerk;    /* m/s^2, m/s^3: of the centre of its shape */
-};
-
-/* Of three rows of a piece: the sums of bounds on their rates, and on the rates of these: |P_k'| <= k (k + 1). */
-static double rates_most(const struct rb_gauss_piece *p, int first)
-{
-	return rb_gauss_rate_bound(p, first) + rb_gauss_rate_bound(p, first + 1) +
-	       rb_gauss_rate_bound(p, first + 2);
-}
-
-static double second_rates_most(const struct rb_gauss_piece *p, int first)
-{
-	double sum = 0;
-
-	for (int k = RB_GAUSS_NODES - 1; k > 0; k--)
-		for (int m = 0; m < 3; m++)
-			sum += k * (k + 1) * fabs(p->coefficient[k * p->n + first + m]);
-	return sum * (1 + 64 * DBL_EPSILON) / (p->length_s * p->length_s);
-}
-
-static struct bounds bounds_of(const struct rb_located *l, int i)
-{
-	struct bounds most = {0};
-	double turning_rate = 0;
-
-	if (i >= l->n)
-		return most;
-	if (rb_located_on_piece(l, i)) {
-		const struct rb_piece_of *p = &l->piece[i];
-
-		most.pull = p->acceleration_most;
-		most.jerk = second_rates_most(&p->piece, p->first + RB_ROW_VELOCITY);
-		if (l->top) {
-			const double *spin = p->piece.start + p->first + RB_ROW_SPIN;
-
-			most.turning = rates_most(&p->piece, p->first + RB_ROW_SPIN);
-			most.turn = rb_vec3_length(rb_vec3_from(spin)) +
-			            p->piece.length_s * most.turning;
-			turning_rate = second_rates_most(&p->piece, p->first + RB_ROW_SPIN);
-		}
-	} else {
-		most.pull = rb_vec3_length(l->arc[i].acceleration);
-		if (l->top) {
-			/* a free top's spin is bounded through its angular momentum and the moments */
-			const struct rb_top_body *body = &l->top_body[i];
-			const double low = fmin(body->moments.x,
-			                        fmin(body->moments.y, body->moments.z));
-			const double high = rb_vec3_max_abs(body->moments);
-
-			most.turn = rb_vec3_length(l->top[i].spin);
-			if (body->kind != RB_TOP_CONSTANT && low > 0) {
-				most.turn *= high / low;
-				most.turning = most.turn * most.turn;
-				turning_rate = 2 * most.turn * most.turning;
-			}
-		}
-	}
-	if (l->model->center_of_mass) {
-		const double arm = rb_vec3_length(l->model->center_of_mass[i]), w = most.turn;
-
-		most.pull += arm * (w * w + most.turning);
-		most.jerk += arm * (w * w * w + 3 * w * most.turning + turning_rate);
-	}
-	return most;
-}
-
 /* What is known of a pair's approach from a moment on. */
 struct course {
 	double gap, rate, bend; /* without what curvature adds, which only parts them */
@@ -504,16 +355,16 @@ static double longer(const struct course *c, double h, double most, double least
 }
 
 static struct course course_of(const struct rb_located *l, const struct rb_meet *m,
-                               const struct bounds *a, const struct bounds *b, double t)
+                               const struct rb_bounds *a, const struct rb_bounds *b, double t)
 {
 	const bool flat_a = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
 	const bool flat_b = l->model->shape[m->b].kind != RB_SHAPE_SPHERE;
 	const double apart = rb_vec3_length(rb_vec3_sub(m->pose_a.origin, m->pose_b.origin));
-	const rb_vec3 w = rb_vec3_sub(point_velocity(&m->pose_b, m->pose_b.origin),
-	                              point_velocity(&m->pose_a, m->pose_a.origin));
+	const rb_vec3 w = rb_vec3_sub(rb_meet_point_velocity(&m->pose_b, m->pose_b.origin),
+	                              rb_meet_point_velocity(&m->pose_a, m->pose_a.origin));
 	const rb_vec3 pull = rb_vec3_sub(
-		point_acceleration(l, m->b, &m->pose_b, m->pose_b.origin, t),
-		point_acceleration(l, m->a, &m->pose_a, m->pose_a.origin, t));
+		rb_meet_point_acceleration(l, m->b, &m->pose_b, m->pose_b.origin, t),
+		rb_meet_point_acceleration(l, m->a, &m->pose_a, m->pose_a.origin, t));
 	struct course c = {.gap = m->gap,
 	                   .rate = rb_vec3_dot(m->velocity, m->normal),
 	                   .bend = rb_vec3_dot(pull, m->normal),
@@ -521,7 +372,7 @@ static struct course course_of(const struct rb_located *l, const struct rb_meet 
 	                   .jerk = a->jerk + b->jerk,
 	                   .speed = rb_vec3_length(w),
 	                   .radius = apart};
-	const struct bounds *const flat = flat_a ? a : b;
+	const struct rb_bounds *const flat = flat_a ? a : b;
 
 	if (!flat_a && !flat_b)
 		return c;
@@ -539,7 +390,7 @@ static struct course course_of(const struct rb_located *l, const struct rb_meet 
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
                       bool *again)
 {
-	struct bounds of_a = {0}, of_b = {0};
+	struct rb_bounds of_a = {0}, of_b = {0};
 	double t = from;
 
 	*again = false;
@@ -548,8 +399,8 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 		const double band = rb_meet_band(l, &m, t), noise = rb_meet_noise(l, &m);
 
 		if (step == 0) {
-			of_a = bounds_of(l, m.a);
-			of_b = bounds_of(l, m.b);
+			of_a = rb_bounds_of(l, m.a);
+			of_b = rb_bounds_of(l, m.b);
 		}
 		struct course c = course_of(l, &m, &of_a, &of_b, t);
 		const double rate = c.rate, most = c.pull;

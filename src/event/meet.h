@@ -2,41 +2,37 @@
 /*
  * How two bodies on their arcs stand to each other at a moment, and when they touch.
  *
- * A new shape adds its row to the table in meet.c. Of a pair, one at least is a sphere; `a` and `b` are body indices in
- * any order, normals point from a to b.
+ * Spheres with spheres and planes are here, in closed form; convex bodies in event/touch and event/approach. `a` and `b`
+ * are body indices in any order, normals point from a to b.
  */
 #ifndef RB_EVENT_MEET_H
 #define RB_EVENT_MEET_H
 
-#include "event/arc.h"
+#include "event/meeting.h"
 
-struct rb_meet {
-	int a, b;
-	double gap;          /* m */
-	rb_vec3 normal;      /* unit, from a to b */
-	rb_vec3 normal_rate; /* 1/s: its derivative */
-	rb_vec3 point;       /* m, world: of the contact, on the sphere's surface */
-	bool on_rim;         /* at an edge or corner of a rectangle */
-	struct rb_pose pose_a, pose_b;
-	rb_vec3 arm_a, arm_b;   /* m, centres of mass to the point */
-	rb_vec3 rate_a, rate_b; /* m/s: derivatives of the arms as the point moves along */
-	rb_vec3 velocity;       /* m/s, of b's material at the point relative to a's */
-};
+enum { RB_MEET_MAX = 64 };
 
+/* The point at which they are nearest to each other. */
 struct rb_meet rb_meet_at(const struct rb_located *l, int a, int b, double t);
 /* The same with poses that are not (yet) those of the arcs. */
 struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const struct rb_pose *pose_a,
                              const struct rb_pose *pose_b);
 
-/* m: radius of the larger sphere of the two; a plane has no size, and its own point may be anywhere. */
-double rb_meet_size(const struct rb_located *l, const struct rb_meet *m);
-/* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
-double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t);
-/* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */
-double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m);
+/*
+ * All points within the band, and `slack` more (m): of spheres with spheres and planes the one of rb_meet_at, where it
+ * is; else whole manifolds, sorted by (parts, key); beyond RB_MEET_MAX points are left out. `a` < `b`. Where a point is
+ * about to leave its features, the one that takes over is there instead.
+ */
+int rb_meet_all(const struct rb_located *l, int a, int b, double t, double slack,
+                struct rb_meet all[RB_MEET_MAX]);
 
-/* m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the meeting. */
-double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t);
+/*
+ * The same contact point at other poses, by its features, wherever these are: a smooth function of the poses. No
+ * search, so what else may touch is not seen; `inside` says how long the features are right.
+ */
+struct rb_meet rb_meet_of(const struct rb_located *l, const struct rb_meet_name *name,
+                          const struct rb_pose *pose_a, const struct rb_pose *pose_b);
+
 /* Do they approach by more than that? What an impact does not take for an approach must not be foreseen as one. */
 bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t);
 

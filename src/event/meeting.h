@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One contact point of two bodies at a moment: what it is, and what counts as touching there.
+ *
+ * `a` and `b` are body indices in any order, normals point from a to b. Values.
+ */
+#ifndef RB_EVENT_MEETING_H
+#define RB_EVENT_MEETING_H
+
+#include "event/arc.h"
+
+/* Which contact point of which bodies: what stays while they move, and what names are sorted by. */
+struct rb_meet_name {
+	int a, b;
+	uint32_t
+		parts; /* part of a in the upper half, of b in the lower; 0 of bodies with one part */
+	uint64_t
+		key; /* the features that meet there, see geom/manifold; 0 of spheres on spheres and planes */
+};
+
+struct rb_meet {
+	int a, b;
+	uint32_t parts;
+	uint64_t key;
+	double gap;          /* m */
+	rb_vec3 normal;      /* unit, from a to b */
+	rb_vec3 normal_rate; /* 1/s: its derivative */
+	rb_vec3 point;       /* m, world: of the contact, on a surface */
+	bool on_rim;         /* of a sphere: at an edge or corner of a rectangle */
+	/* how far the point is from leaving its features, where others take over (< 0: it has left them, INFINITY:
+	 * it cannot), and the derivative */
+	double inside, inside_rate; /* m, m/s */
+	struct rb_pose pose_a, pose_b;
+	rb_vec3 arm_a, arm_b;   /* m, centres of mass to the point */
+	rb_vec3 rate_a, rate_b; /* m/s: derivatives of the arms as the point moves along */
+	rb_vec3 velocity;       /* m/s, of b's material at the point relative to a's */
+};
+
+static inline struct rb_meet_name rb_meet_name_of(const struct rb_meet *m)
+{
+	return (struct rb_meet_name){m->a, m->b, m->parts, m->key};
+}
+
+/* Order of names: by (a, b, parts, key). < 0, 0, > 0 as for qsort. */
+int rb_meet_name_compare(const struct rb_meet_name *x, const struct rb_meet_name *y);
+
+/* Is this the meeting of a sphere with a sphere, plane or rectangle: one point, without features? */
+bool rb_meet_is_plain(const struct rb_located *l, int a, int b);
+
+/* m: how large the larger body of the two is (of those that move, where one does); a plane has no size. */
+double rb_meet_size(const struct rb_located *l, const struct rb_meet *m);
+/* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
+double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t);
+/* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */
+double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m);
+
+/* m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the meeting. */
+double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t);
+
+/* Of a point that goes with the body in this pose; its acceleration on the arc as it is at `t`. */
+rb_vec3 rb_meet_point_velocity(const struct rb_pose *pose, rb_vec3 point);
+rb_vec3 rb_meet_point_acceleration(const struct rb_located *l, int i, const struct rb_pose *pose,
+                                   rb_vec3 point, double t);
+
+#endif
