@@ -60,17 +60,17 @@ static bool time_is_up(void *user)
 {
 	const uint64_t *const deadline_ns = user;
 
-	return rb_clock_now_ns() > *deadline_ns;
+	return rb_clock_cpu_ns() > *deadline_ns;
 }
 
 /*
- * Memory of the simulator: a world is made and goes as far as one second allows, without callbacks
+ * Memory of the simulator: a world is made and goes as far as one second of its processor allows, without callbacks
  * and without a sink, so that its scratch grows as it will. How the trial ends is not looked at.
  */
 static enum rb_status try_world(const struct rb_loaded *loaded, int threads, struct needs *needs,
                                 struct rb_error *err)
 {
-	uint64_t deadline_ns = rb_clock_now_ns() + 1000000000;
+	uint64_t deadline_ns = rb_clock_cpu_ns() + 1000000000;
 	const struct rb_world_options options = {
 		.threads = threads,
 		.keep_events = loaded->output && loaded->scene.record.fields & RB_FIELD_EVENTS,
