@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/meet.h"
 
+#include "event/approach.h"
 #include "event/bounds.h"
 #include "geom/distance.h"
 #include "math/quartic.h"
@@ -14,8 +15,6 @@ bool rb_meet_can(const struct rb_located *l, int a, int b)
 	const struct rb_model *model = l->model;
 
 	if (a == b || (rb_located_fixed(l, a) && rb_located_fixed(l, b)))
-		return false;
-	if (model->shape[a].kind != RB_SHAPE_SPHERE && model->shape[b].kind != RB_SHAPE_SPHERE)
 		return false;
 	return !model->group_bit || ((model->group_bit[a] & model->collides[b]) != 0 &&
 	                             (model->group_bit[b] & model->collides[a]) != 0);
@@ -166,6 +165,9 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
                              const struct rb_pose *pose_b)
 {
 	const bool swapped = l->model->shape[a].kind != RB_SHAPE_SPHERE;
+
+	if (!rb_meet_is_plain(l, a, b))
+		return rb_touch_nearest(l, a, b, pose_a, pose_b);
 	struct rb_meet m = {.a = swapped ? b : a,
 	                    .b = swapped ? a : b,
 	                    .inside = (double)INFINITY,
@@ -182,6 +184,12 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 int rb_meet_all(const struct rb_located *l, int a, int b, double t, double slack,
                 struct rb_meet all[RB_MEET_MAX])
 {
+	if (!rb_meet_is_plain(l, a, b)) {
+		const struct rb_touch_pair pair = {a, b, t, rb_arc_pose(l, a, t),
+		                                   rb_arc_pose(l, b, t)};
+
+		return rb_touch_all(l, &pair, slack, all);
+	}
 	all[0] = rb_meet_at(l, a, b, t);
 	return all[0].gap <= rb_meet_band(l, &all[0], t) + slack ? 1 : 0;
 }
@@ -189,6 +197,8 @@ int rb_meet_all(const struct rb_located *l, int a, int b, double t, double slack
 struct rb_meet rb_meet_of(const struct rb_located *l, const struct rb_meet_name *name,
                           const struct rb_pose *pose_a, const struct rb_pose *pose_b)
 {
+	if (!rb_meet_is_plain(l, name->a, name->b))
+		return rb_touch_of(l, name, pose_a, pose_b);
 	return rb_meet_poses(l, name->a, name->b, pose_a, pose_b);
 }
 
@@ -202,6 +212,8 @@ static double extent(const struct rb_located *l, int i)
 
 	if (shape->kind == RB_SHAPE_SPHERE)
 		return aside + shape->radius;
+	if (shape->kind >= RB_SHAPE_BOX)
+		return aside + rb_model_reach(l->model, i);
 	return shape->kind == RB_SHAPE_RECTANGLE ? aside + shape->size[0] + shape->size[1]
 	                                         : (double)INFINITY;
 }
@@ -233,6 +245,8 @@ bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, doubl
 
 bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t)
 {
+	if (!rb_meet_is_plain(l, a, b))
+		return rb_approach_now(l, a, b, t);
 	const struct rb_meet m = rb_meet_at(l, a < b ? a : b, a < b ? b : a, t);
 
 	return rb_vec3_dot(m.velocity, m.normal) < -rb_meet_noise(l, &m);
@@ -460,6 +474,12 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 	double s;
 
 	*again = false;
+	if (!rb_meet_is_plain(l, a, b)) {
+		const struct rb_approach found = rb_approach_find(l, a, b, from, until);
+
+		*again = found.again;
+		return found.touch_s;
+	}
 	/* of spheres always the same one first: an impact rounds as its foresight does */
 	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
 	    (a > b && model->shape[b].kind == RB_SHAPE_SPHERE)) {

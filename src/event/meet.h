@@ -8,9 +8,7 @@
 #ifndef RB_EVENT_MEET_H
 #define RB_EVENT_MEET_H
 
-#include "event/meeting.h"
-
-enum { RB_MEET_MAX = 64 };
+#include "event/touch.h"
 
 /* The point at which they are nearest to each other. */
 struct rb_meet rb_meet_at(const struct rb_located *l, int a, int b, double t);

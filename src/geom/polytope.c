@@ -67,8 +67,11 @@ static void add_arc(struct rb_polytope *p, const int vertex[2], rb_vec3 n0, rb_v
 static void measure(struct rb_polytope *p)
 {
 	p->reach = 0;
-	for (int i = 0; i < p->vertex_count; i++)
+	p->middle = (rb_vec3){0, 0, 0};
+	for (int i = 0; i < p->vertex_count; i++) {
 		p->reach = fmax(p->reach, rb_vec3_length(p->vertices[i]));
+		p->middle = rb_vec3_add_scaled(p->middle, 1.0 / p->vertex_count, p->vertices[i]);
+	}
 }
 
 /* Newell's sum over the loop, about its first vertex and in units of its size, so that nothing overflows. */

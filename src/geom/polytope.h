@@ -38,8 +38,9 @@ struct rb_polytope {
 	int *loop;               /* vertices of the faces, one face after the other */
 	int (*edges)[2];         /* vertices of each edge, the lower first */
 	rb_polytope_arc *arcs;
-	double reach; /* m: of its farthest vertex from the origin */
-	bool box;     /* vertex i is half, with x, y, z turned round by the bits 1, 2, 4 of i */
+	double reach;   /* m: of its farthest vertex from the origin */
+	rb_vec3 middle; /* m: mean of its vertices */
+	bool box;       /* vertex i is half, with x, y, z turned round by the bits 1, 2, 4 of i */
 	rb_vec3 half;
 };
 

@@ -1,0 +1,619 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * For every direction n, what lies between the two bodies along n is no more than their gap. So n may go along with a face,
+ * with two edges, or stay: heights of corners along it have a value, a rate, and bounded second derivatives, and the gap
+ * stays above the lowest of parabolas. Where these follow the true gap to first order the steps converge like
+ * Newton's. Where they do not (round rims, outlines that n knows nothing of), tiny steps go on, across which a gap
+ * that is missed is smaller than what rounding leaves of sizes.
+ */
+#include "event/approach.h"
+
+#include <float.h>
+#include <stddef.h>
+
+#include "event/bounds.h"
+#include "event/feature.h"
+#include "model/parts.h"
+
+enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, SAMPLES_MOST = 64 };
+
+/* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
+static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
+/* What integrating leaves of the gaps of contacts that are held, in sizes. */
+static const double integrated = 4e-9;
+
+struct course {
+	const struct rb_located *l;
+	struct rb_touch_pair pair; /* at pair.t */
+	struct rb_bounds of_a, of_b;
+	double ball_a, ball_b; /* m: about the centres of mass; INFINITY of a plane */
+	double size;           /* m: of the smaller that has one */
+	bool flies;            /* both on parabolas: then their relative acceleration is this */
+	rb_vec3 pull;
+	double pull_most; /* m/s^2: of one centre relative to the other */
+
+	/* of the moment */
+	double speed; /* m/s: relative, of any two points, at most, turning included */
+	double noise, band;
+	double horizon_s; /* the bounds hold so long from now */
+	double turn_a, turn_b, turning_a, turning_b;
+};
+
+static double ball_of(const struct rb_located *l, int i)
+{
+	const struct rb_shape *shape = &l->model->shape[i];
+	const double aside = i < l->n && l->model->center_of_mass
+	                             ? rb_vec3_length(l->model->center_of_mass[i])
+	                             : 0;
+
+	if (shape->kind == RB_SHAPE_PLANE)
+		return (double)INFINITY;
+	if (shape->kind == RB_SHAPE_RECTANGLE)
+		return aside + 0.5 * (shape->size[0] + shape->size[1]);
+	return aside + rb_model_reach(l->model, i);
+}
+
+static void start(struct course *c, const struct rb_located *l, int a, int b)
+{
+	*c = (struct course){.l = l, .pair = {.a = a, .b = b}};
+	c->of_a = rb_bounds_of(l, a);
+	c->of_b = rb_bounds_of(l, b);
+	c->ball_a = ball_of(l, a);
+	c->ball_b = ball_of(l, b);
+	c->size = fmin(c->ball_a, c->ball_b);
+	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b);
+	c->pull_most = c->of_a.own_pull + c->of_b.own_pull;
+	if (c->flies) {
+		c->pull = rb_vec3_sub(rb_arc_acceleration(l, b, 0), rb_arc_acceleration(l, a, 0));
+		c->pull_most = rb_vec3_length(c->pull);
+	}
+}
+
+/* m: what of the body is that far from its centre of mass; of a turning plane, as far as the other is. */
+static double arm_of(const struct course *c, double ball, double other)
+{
+	if (isfinite(ball))
+		return ball;
+	return other +
+	       rb_vec3_length(rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position));
+}
+
+static void place(struct course *c, double t, double until)
+{
+	const struct rb_located *l = c->l;
+
+	c->pair.t = t;
+	c->pair.pose_a = rb_arc_pose(l, c->pair.a, t);
+	c->pair.pose_b = rb_arc_pose(l, c->pair.b, t);
+	c->turning_a = c->of_a.turning;
+	c->turning_b = c->of_b.turning;
+	/* within it no more than about a radian is turned, and a spin grows by no more than there is of it */
+	const double fastest = fmax(c->of_a.turn, c->of_b.turn);
+	const double growing = sqrt(fmax(c->turning_a, c->turning_b));
+	c->horizon_s = fmin(until - t, 1 / fmax(fastest, growing));
+	c->turn_a = c->of_a.turn + c->turning_a * c->horizon_s;
+	c->turn_b = c->of_b.turn + c->turning_b * c->horizon_s;
+
+	const double arm_a = arm_of(c, c->ball_a, c->ball_b);
+	const double arm_b = arm_of(c, c->ball_b, c->ball_a);
+	const double turning = (c->turn_a > 0 ? c->turn_a * arm_a : 0) +
+	                       (c->turn_b > 0 ? c->turn_b * arm_b : 0);
+	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	c->speed = rb_vec3_length(w) + turning;
+	c->noise = 8 * DBL_EPSILON *
+	           (rb_vec3_max_abs(c->pair.pose_a.velocity) +
+	            rb_vec3_max_abs(c->pair.pose_b.velocity) + turning +
+	            sqrt(2 * l->weight * c->size));
+	struct rb_meet still = {
+		.a = c->pair.a, .b = c->pair.b, .pose_a = c->pair.pose_a, .pose_b = c->pair.pose_b};
+	c->band = rb_meet_band(l, &still, t);
+}
+
+/* ---- from afar ---- */
+
+/* Seconds from which on gap + rate s + bend s^2 / 2 is below zero; INFINITY: never. */
+static double falls_after(double gap, double rate, double bend)
+{
+	const double square = rate * rate - 2 * bend * gap;
+
+	if (!(gap > 0))
+		return 0;
+	if (square < 0 || (rate >= 0 && bend >= 0))
+		return HUGE_VAL;
+	return rate < 0 ? 2 * gap / (sqrt(square) - rate) : (rate + sqrt(square)) / -bend;
+}
+
+/* Seconds until the balls around both can touch; < 0: they are too near for that question. */
+static double from_afar(const struct course *c)
+{
+	const struct rb_located *l = c->l;
+	const bool a_is = !isfinite(c->ball_a);
+	const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
+	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	double apart;
+	rb_vec3 n;
+
+	if (a_is || !isfinite(c->ball_b)) {
+		const int plane = a_is ? c->pair.a : c->pair.b;
+		if (plane < l->n) /* a driven one may turn */
+			return -1;
+		n = a_is ? l->plane_normal[plane - l->n]
+		         : rb_vec3_neg(l->plane_normal[plane - l->n]);
+		apart = rb_vec3_dot(n, d) - (a_is ? c->ball_b : c->ball_a);
+	} else {
+		const double length = rb_vec3_length(d);
+		apart = length - (c->ball_a + c->ball_b);
+		n = rb_vec3_scale(1 / length, d);
+		const double b = rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
+		const double sum = 1.001 * (c->ball_a + c->ball_b);
+		/* straight past each other */
+		if (apart > 0.01 * c->size && c->flies && c->pull_most == 0 &&
+		    (b >= 0 || b * b < square * (length - sum) * (length + sum)))
+			return HUGE_VAL;
+	}
+	if (!(apart > 0.1 * c->size))
+		return -1;
+	return falls_after(apart, rb_vec3_dot(n, w),
+	                   c->flies ? rb_vec3_dot(n, c->pull) : -c->pull_most);
+}
+
+/* ---- along one direction ---- */
+
+/* A direction from a to b that moves, and bounds on how: along which heights are looked at. */
+struct axis {
+	rb_vec3 n, rate;
+	double rate_most, bend_most; /* 1/s, 1/s^2 */
+};
+
+struct height {
+	double value, rate; /* m, m/s */
+};
+
+/* How a rim's height grows from |n x u|: the rate, and what it adds to the bend. */
+static struct height rim_height(const struct rb_feature_side *s, const struct axis *axis,
+                                double turn, double sign)
+{
+	const rb_core *core = s->core;
+	const rb_vec3 u = {s->turn.m[0][2], s->turn.m[1][2], s->turn.m[2][2]};
+	const double along = rb_vec3_dot(u, axis->n);
+	const double along_rate = rb_vec3_dot(rb_vec3_cross(s->spin, u), axis->n) +
+	                          rb_vec3_dot(u, axis->rate);
+	const double across = rb_vec3_length(rb_vec3_cross(u, axis->n));
+	const rb_vec3 arm = rb_vec3_scale(sign * core->half_height, u);
+	const rb_vec3 x = rb_vec3_add(s->at, arm);
+	const rb_vec3 v = rb_vec3_add(s->velocity, rb_vec3_cross(s->spin, arm));
+	/* near the pole only how fast it turns is known */
+	const double swell = across > 0.2 ? -along * along_rate / across : turn + axis->rate_most;
+
+	return (struct height){rb_vec3_dot(axis->n, x) + core->round * across,
+	                       rb_vec3_dot(axis->n, v) + rb_vec3_dot(axis->rate, x) +
+	                               core->round * swell};
+}
+
+/* The highest point along the axis at a time s from now, if all went straight. */
+static struct height highest(const struct rb_feature_side *side, const struct axis *axis,
+                             double turn, double s)
+{
+	const rb_core *core = side->core;
+	struct height best = {-(double)INFINITY, 0};
+
+	if (core->kind == RB_CORE_HALF_SPACE)
+		return (struct height){rb_vec3_dot(axis->n, side->at),
+		                       rb_vec3_dot(axis->n, side->velocity) +
+		                               rb_vec3_dot(axis->rate, side->at)};
+	if (core->kind == RB_CORE_CYLINDER) {
+		const struct height up = rim_height(side, axis, turn, 1);
+		const struct height down = rim_height(side, axis, turn, -1);
+		return up.value + s * up.rate >= down.value + s * down.rate ? up : down;
+	}
+	/* in the body's axes: n.(v + w x r) + n'.r = n.v + r.(n x w + n') */
+	const rb_vec3 local = rb_mat3_apply_transposed(&side->turn, axis->n);
+	const rb_vec3 local_rate = rb_mat3_apply_transposed(
+		&side->turn, rb_vec3_add(rb_vec3_cross(axis->n, side->spin), axis->rate));
+	const double base = rb_vec3_dot(axis->n, side->at);
+	const double base_rate = rb_vec3_dot(axis->n, side->velocity) +
+	                         rb_vec3_dot(axis->rate, side->at);
+	for (int i = 0; i < core->polytope->vertex_count; i++) {
+		const rb_vec3 r = core->polytope->vertices[i];
+		const double value = base + rb_vec3_dot(local, r);
+		const double rate = base_rate + rb_vec3_dot(local_rate, r);
+		if (value + s * rate > best.value + s * best.rate || !isfinite(best.value))
+			best = (struct height){value, rate};
+	}
+	return best;
+}
+
+static struct axis reversed(const struct axis *axis)
+{
+	return (struct axis){rb_vec3_neg(axis->n), rb_vec3_neg(axis->rate), axis->rate_most,
+	                     axis->bend_most};
+}
+
+/* Seconds until the gap of two points can be gone; what touches must leave by more than rounding to have any. */
+static double gone_after(const struct course *c, struct height a, struct height b, double radii,
+                         double bend)
+{
+	double gap = -(a.value + b.value) - radii, rate = -(a.rate + b.rate);
+
+	if (gap > c->band)
+		return falls_after(gap, rate, -bend);
+	if (rate < -c->noise)
+		return 0;
+	if (rate <= c->noise) /* half of the band is free */
+		return bend > 0 ? sqrt(c->band / bend) : HUGE_VAL;
+	return bend > 0 ? 2 * rate / bend : HUGE_VAL;
+}
+
+/* Bounds on the second derivative of what lies between any two points along the axis, m/s^2. */
+static double bend_most(const struct course *c, const struct axis *axis,
+                        const struct rb_feature_side *a, const struct rb_feature_side *b)
+{
+	const double arm_a = arm_of(c, c->ball_a, c->ball_b);
+	const double arm_b = arm_of(c, c->ball_b, c->ball_a);
+	const double q_a = c->turn_a * c->turn_a + c->turning_a;
+	const double q_b = c->turn_b * c->turn_b + c->turning_b;
+	const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
+	double bend = c->pull_most + (q_a > 0 ? q_a * arm_a : 0) + (q_b > 0 ? q_b * arm_b : 0);
+
+	if (axis->rate_most > 0 || axis->bend_most > 0) {
+		const double far = rb_vec3_length(d) + arm_a + arm_b + c->speed * c->horizon_s;
+		bend += 2 * axis->rate_most * (c->speed + c->pull_most * c->horizon_s) +
+		        axis->bend_most * far;
+	}
+	const struct rb_feature_side *const sides[2] = {a, b};
+	for (int k = 0; k < 2; k++) {
+		if (sides[k]->core->kind != RB_CORE_CYLINDER)
+			continue;
+		const double turn = (k ? c->turn_b : c->turn_a) + axis->rate_most;
+		const double quick = (k ? q_b : q_a) +
+		                     2 * (k ? c->turn_b : c->turn_a) * axis->rate_most +
+		                     axis->bend_most;
+		bend += sides[k]->core->round * (quick + 10 * turn * turn);
+	}
+	return bend;
+}
+
+/* For how long the axis proves that two parts do not touch, s. */
+static double proved_along(const struct course *c, const struct axis *axis,
+                           const struct rb_feature_side *a, const struct rb_feature_side *b)
+{
+	const struct axis back = reversed(axis);
+	const double bend = bend_most(c, axis, a, b);
+	const double radii = a->core->radius + b->core->radius;
+	const double turning = c->turn_a + c->turn_b + axis->rate_most;
+	const bool round = a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER;
+	double s = 0, most = c->horizon_s;
+
+	/* for the rims: |n x u| stays above the half of what it was */
+	if (round && turning > 0)
+		most = fmin(most, 0.1 / turning);
+	for (int k = 0; k < CORNERS_ROUNDS; k++) {
+		const struct height on_a = highest(a, axis, c->turn_a, s);
+		const struct height on_b = highest(b, &back, c->turn_b, s);
+		const double next = fmin(gone_after(c, on_a, on_b, radii, bend), most);
+		/* the lowest parabola at the root of another one has an earlier root */
+		if (k > 0 && !(next < s))
+			break;
+		s = next;
+		if (s == 0)
+			break;
+	}
+	return s;
+}
+
+/* ---- a step ---- */
+
+static bool is_face(rb_part part)
+{
+	const rb_part_kind kind = (rb_part_kind)(part >> 24 & 15);
+
+	return kind == RB_PART_FACE || kind == RB_PART_SEVERAL || kind == RB_PART_END ||
+	       kind == RB_PART_SURFACE;
+}
+
+/* The direction that proves the gap of two parts, going along with the face that it belongs to, if it does to one. */
+static struct axis axis_of(const struct course *c, rb_vec3 normal, rb_part part_a, rb_part part_b)
+{
+	struct axis axis = {.n = normal};
+	const bool of_b = is_face(part_b), of_a = is_face(part_a);
+
+	if (of_a || of_b) {
+		const double turn = of_b ? c->turn_b : c->turn_a;
+
+		axis.rate = rb_vec3_cross(of_b ? c->pair.pose_b.spin : c->pair.pose_a.spin, normal);
+		axis.rate_most = turn;
+		axis.bend_most = turn * turn + (of_b ? c->turning_b : c->turning_a);
+	}
+	return axis;
+}
+
+/* Seconds in which two parts surely do not touch; *gap is their gap, or less than it where they are far apart. */
+static double safe_parts(const struct course *c, const struct rb_feature_side *a,
+                         const struct rb_feature_side *b, double *gap, double enough)
+{
+	const rb_placed at_a = rb_feature_placed(a), at_b = rb_feature_placed(b);
+
+	if (a->core->kind != RB_CORE_HALF_SPACE && b->core->kind != RB_CORE_HALF_SPACE) {
+		const double apart = rb_vec3_length(rb_vec3_sub(b->at, a->at)) -
+		                     rb_convex_reach(a->core) - rb_convex_reach(b->core);
+		const double s = falls_after(apart, -c->speed, -c->pull_most);
+		if (s > enough && apart > 0) {
+			*gap = apart;
+			return s;
+		}
+	}
+	const rb_convex_touch touch = rb_convex_gap(&at_a, &at_b);
+	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	const double closing = -rb_vec3_dot(touch.normal, w);
+	const double straight = rb_convex_safe_time(touch.gap, closing,
+	                                            c->speed - rb_vec3_length(w), c->pull_most);
+
+	*gap = touch.gap;
+	if (straight >= c->horizon_s)
+		return straight;
+	const struct axis axis = axis_of(c, touch.normal, touch.a, touch.b);
+	return fmax(straight, proved_along(c, &axis, a, b));
+}
+
+/* The same of two bodies. */
+static double safe_bodies(const struct course *c, double *gap)
+{
+	const struct rb_model *model = c->l->model;
+	const int of_a = rb_model_parts(model, c->pair.a)->count;
+	const int of_b = rb_model_parts(model, c->pair.b)->count;
+	const rb_vec3 here = c->pair.pose_a.position;
+	struct rb_feature_side a, b;
+	double safe = HUGE_VAL;
+
+	*gap = (double)INFINITY;
+	for (int i = 0; i < of_a; i++) {
+		rb_touch_side(c->l, c->pair.a, i, &c->pair.pose_a, here, &a);
+		for (int j = 0; j < of_b; j++) {
+			double between;
+
+			rb_touch_side(c->l, c->pair.b, j, &c->pair.pose_b, here, &b);
+			safe = fmin(safe, safe_parts(c, &a, &b, &between, safe));
+			*gap = fmin(*gap, between);
+		}
+	}
+	return safe;
+}
+
+/* ---- touching ---- */
+
+enum what { PARTING, STAYING, CLOSING };
+
+/* What those points do that touch, of which none has one of the names. */
+static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair,
+                          const struct rb_meet_name *held, int held_count)
+{
+	struct rb_meet all[RB_MEET_MAX];
+	const int count = rb_touch_all(l, pair, 0, all);
+	enum what found = PARTING;
+
+	for (int k = 0; k < count; k++) {
+		const struct rb_meet_name name = rb_meet_name_of(&all[k]);
+		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
+		const double noise = rb_meet_noise(l, &all[k]);
+		bool is_held = false;
+
+		for (int h = 0; h < held_count; h++)
+			is_held = is_held || rb_meet_name_compare(&held[h], &name) == 0;
+		if (is_held || rate > noise)
+			continue;
+		if (rate < -noise)
+			return CLOSING;
+		/* neither closes nor opens: what accelerates decides, beyond its rounding */
+		const double most = rb_vec3_length(rb_arc_acceleration(l, pair->a, pair->t)) +
+		                    rb_vec3_length(rb_arc_acceleration(l, pair->b, pair->t)) +
+		                    rb_vec3_dot(pair->pose_a.spin, pair->pose_a.spin) *
+		                            rb_vec3_length(all[k].arm_a) +
+		                    rb_vec3_dot(pair->pose_b.spin, pair->pose_b.spin) *
+		                            rb_vec3_length(all[k].arm_b);
+		if (rb_meet_bend(l, &all[k], pair->t) < -64 * DBL_EPSILON * most)
+			found = STAYING;
+	}
+	return found;
+}
+
+bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
+{
+	const struct rb_touch_pair pair = {a < b ? a : b, a < b ? b : a, t,
+	                                   rb_arc_pose(l, a < b ? a : b, t),
+	                                   rb_arc_pose(l, a < b ? b : a, t)};
+
+	return touching(l, &pair, NULL, 0) == CLOSING;
+}
+
+static double gap_at(const struct course *c, double t)
+{
+	const struct rb_touch_pair pair = {c->pair.a, c->pair.b, t, rb_arc_pose(c->l, c->pair.a, t),
+	                                   rb_arc_pose(c->l, c->pair.b, t)};
+	uint32_t parts;
+
+	return rb_touch_gap(c->l, &pair, &parts);
+}
+
+/* Where a gap falls through zero between two moments, the ends above and below: bracketed, halved down to rounding. */
+static double crossing(const struct course *c, double low, double high)
+{
+	double above = gap_at(c, low), below = gap_at(c, high);
+
+	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
+		/* a secant where it helps, a half every third time */
+		double t = low + (high - low) * (k % 3 == 2 ? 0.5 : above / (above - below));
+		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
+		const double gap = gap_at(c, t);
+
+		if (fabs(gap) <= 0.125 * c->band)
+			return t;
+		if (gap > 0) {
+			low = t;
+			above = gap;
+		} else {
+			high = t;
+			below = gap;
+		}
+	}
+	return high;
+}
+
+/* A touch found just before or after it to within the band: moved to where the gap is zero, as far as that is time. */
+static double settled(const struct course *c, double gap, double from)
+{
+	struct rb_meet all[RB_MEET_MAX];
+	const int count = rb_touch_all(c->l, &c->pair, 0, all);
+	double t = c->pair.t, sooner = HUGE_VAL;
+
+	(void)gap;
+	for (int k = 0; k < count; k++) {
+		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
+
+		if (rate < -c->noise)
+			sooner = fmin(sooner, all[k].gap / -rate);
+	}
+	return isfinite(sooner) ? fmax(from, t + sooner) : t;
+}
+
+struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
+                                    double until)
+{
+	struct rb_approach found = {.touch_s = HUGE_VAL};
+	double t = from, leap = leap_first, gap;
+	struct course c;
+
+	start(&c, l, a < b ? a : b, a < b ? b : a);
+	for (int step = 0; step < STEPS_MOST; step++) {
+		place(&c, t, until);
+		double s = from_afar(&c);
+		if (s < 0) {
+			s = safe_bodies(&c, &gap);
+			if (gap <= c.band) {
+				const enum what now = touching(l, &c.pair, NULL, 0);
+
+				found.touching = found.touching || t == from;
+				if (now == CLOSING || (now == STAYING && t > from)) {
+					found.touch_s = t > from ? settled(&c, gap, from) : t;
+					return found;
+				}
+			}
+			const double least = leap * c.size / c.speed;
+			if (s < least && c.speed > 0) {
+				/* one that overlaps and parts has no gap to be bracketed */
+				if (gap > 0 && t + least <= until && gap_at(&c, t + least) < 0) {
+					found.touch_s = crossing(&c, t, t + least);
+					return found;
+				}
+				s = least;
+				leap = fmin(2 * leap, leap_last);
+			} else {
+				leap = leap_first;
+			}
+		}
+		s = fmax(s, 2 * DBL_EPSILON * t);
+		if (!(t + s <= until))
+			return found;
+		t += s;
+	}
+	found.touch_s = t;
+	found.again = true;
+	return found;
+}
+
+/* ---- held pairs ---- */
+
+/* The deepest point that is not held; false: none is deeper than `depth`, m. */
+static bool deepest_other(const struct course *c, const struct rb_meet_name *held, int count,
+                          double depth, struct rb_meet_name *name)
+{
+	struct rb_meet all[RB_MEET_MAX];
+	const int found = rb_touch_all(c->l, &c->pair, 0, all);
+	double lowest = -depth;
+
+	for (int k = 0; k < found; k++) {
+		const struct rb_meet_name this = rb_meet_name_of(&all[k]);
+		bool is_held = false;
+
+		for (int h = 0; h < count; h++)
+			is_held = is_held || rb_meet_name_compare(&held[h], &this) == 0;
+		if (is_held || !(all[k].gap < lowest))
+			continue;
+		lowest = all[k].gap;
+		*name = this;
+	}
+	return lowest < -depth;
+}
+
+static double named_gap(const struct course *c, const struct rb_meet_name *name, double t)
+{
+	const struct rb_pose pose_a = rb_arc_pose(c->l, name->a, t);
+	const struct rb_pose pose_b = rb_arc_pose(c->l, name->b, t);
+
+	return rb_touch_of(c->l, name, &pose_a, &pose_b).gap;
+}
+
+static double named_crossing(const struct course *c, const struct rb_meet_name *name, double low,
+                             double high)
+{
+	double above = named_gap(c, name, low), below = named_gap(c, name, high);
+
+	/* it has been there all the time */
+	if (!(above > 0))
+		return high;
+	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
+		double t = low + (high - low) * (k % 3 == 2 ? 0.5 : above / (above - below));
+		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
+		const double gap = named_gap(c, name, t);
+
+		if (fabs(gap) <= 0.125 * c->band)
+			return t;
+		if (gap > 0) {
+			low = t;
+			above = gap;
+		} else {
+			high = t;
+			below = gap;
+		}
+	}
+	return high;
+}
+
+struct rb_approach rb_approach_find_other(const struct rb_located *l,
+                                          const struct rb_meet_name *held, int count, double from,
+                                          double until)
+{
+	struct rb_approach found = {.touch_s = HUGE_VAL};
+	struct rb_meet_name name;
+	double t = from;
+	struct course c;
+
+	start(&c, l, held->a, held->b);
+	place(&c, from, until);
+	/* what neither moves nor turns against the other touches nothing new */
+	if (!(c.speed > 0 || c.pull_most > 0 || c.turning_a > 0 || c.turning_b > 0))
+		return found;
+	if (touching(l, &c.pair, held, count) == CLOSING) {
+		found.touch_s = from;
+		return found;
+	}
+	const double depth = integrated * c.size + 4 * c.band;
+	for (int step = 0; step < SAMPLES_MOST; step++) {
+		const double turn = fmax(fmax(c.turn_a, c.turn_b), c.speed / c.size);
+		const double s = fmin(0.03 / turn, until - t);
+		const double before = t;
+
+		if (!(s > 0))
+			return found;
+		t += s;
+		place(&c, t, until);
+		if (deepest_other(&c, held, count, depth, &name)) {
+			found.touch_s = named_crossing(&c, &name, before, t);
+			return found;
+		}
+		if (!(t < until))
+			return found;
+	}
+	found.touch_s = t;
+	found.again = true;
+	return found;
+}

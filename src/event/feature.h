@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * One contact point of two convex parts by the features that meet there: gap, normal, point and how they change, as smooth
+ * functions of where the parts are. Closed forms, no search. Pure functions of values.
+ *
+ *   corner, end of a segment, rim  on a face, an end, a plane   the normal is the face's
+ *   edge, mantle                   across an edge, a mantle     the normal is across both, or that of the face in which
+ *                                                               they lie (rb_feature_in_face)
+ *   round corner                   on an edge, mantle, rim, or another corner: the normal follows from one to the other
+ *
+ * What has no closed form here is not known: sharp corners on corners and edges, rims on anything but faces and corners.
+ */
+#ifndef RB_EVENT_FEATURE_H
+#define RB_EVENT_FEATURE_H
+
+#include "geom/manifold.h"
+
+/* A part in motion; places from a point of reference, m; velocities in the world's frame. */
+struct rb_feature_side {
+	const rb_core *core;
+	rb_vec3 at; /* of the core's origin */
+	rb_mat3 turn;
+	rb_vec3 velocity; /* m/s, of that origin */
+	rb_vec3 spin;     /* rad/s */
+};
+
+struct rb_feature_point {
+	double gap;                  /* m, between the surfaces */
+	rb_vec3 normal, normal_rate; /* from a to b; 1/s */
+	rb_vec3 point, point_rate; /* m, m/s, from the reference; of an edge on an edge, half way */
+	double inside,
+		inside_rate; /* m, m/s: how far from the end of the features; INFINITY, 0: they have none */
+};
+
+/* Of a manifold's key. False: no closed form, *out is not set. */
+bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side *a,
+                     const struct rb_feature_side *b, uint64_t key);
+
+/*
+ * The key of a point of a manifold with normal `n`, with a mark where two edges cross within a face: whose, and which of
+ * the two faces at its edge. `depth`: of the manifold, m.
+ */
+uint64_t rb_feature_in_face(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                            uint64_t key, rb_vec3 n, double depth);
+
+static inline rb_placed rb_feature_placed(const struct rb_feature_side *side)
+{
+	return (rb_placed){side->core, side->at, side->turn};
+}
+
+#endif

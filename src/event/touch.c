@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/touch.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+#include "event/feature.h"
+#include "model/parts.h"
+
+/* What is nearer to the end of its features than this many bands, and goes there, is about to leave them. */
+enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
+
+static uint32_t part_of_a(uint32_t parts)
+{
+	return parts >> 16;
+}
+
+static uint32_t part_of_b(uint32_t parts)
+{
+	return parts & 0xffff;
+}
+
+void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_pose *pose,
+                   rb_vec3 reference, struct rb_feature_side *side)
+{
+	const struct rb_model *model = l->model;
+	const struct rb_body_part *own = &rb_model_parts(model, i)->part[part];
+	rb_vec3 origin = {0, 0, 0};
+	const rb_placed placed = rb_body_part_place(own, origin, pose->orientation);
+
+	if (i < l->n && model->center_of_mass)
+		origin = rb_vec3_neg(rb_quat_rotate(pose->orientation, model->center_of_mass[i]));
+	const rb_vec3 arm = rb_vec3_add(origin, placed.at);
+
+	/* from the centre of mass, so that far from the world's origin no digits are lost */
+	*side = (struct rb_feature_side){
+		.core = placed.core,
+		.at = rb_vec3_add(rb_vec3_sub(pose->position, reference), arm),
+		.turn = placed.turn,
+		.velocity = rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)),
+		.spin = pose->spin,
+	};
+}
+
+/* ---- one point ---- */
+
+struct couple {
+	struct rb_feature_side a, b;
+};
+
+static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t parts,
+                      struct couple *c)
+{
+	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, pair->pose_a.position,
+	              &c->a);
+	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, pair->pose_a.position,
+	              &c->b);
+}
+
+/* By a search, for what has no closed form: its normal is taken to turn as the bodies do in the mean. */
+static void find(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+{
+	const rb_placed a = rb_feature_placed(&c->a), b = rb_feature_placed(&c->b);
+	rb_manifold manifold;
+	int which = -1;
+
+	rb_manifold_of(&manifold, &a, &b, 0);
+	for (int k = 0; k < manifold.count && which < 0; k++)
+		if (manifold.point[k].key == key)
+			which = k;
+	const rb_manifold_point *p = &manifold.point[which < 0 ? 0 : which];
+	const rb_vec3 spin = rb_vec3_scale(0.5, rb_vec3_add(c->a.spin, c->b.spin));
+	const rb_vec3 point = rb_vec3_scale(0.5, rb_vec3_add(p->on_a, p->on_b));
+	const rb_vec3 va = rb_vec3_add(c->a.velocity,
+	                               rb_vec3_cross(c->a.spin, rb_vec3_sub(point, c->a.at)));
+	const rb_vec3 vb = rb_vec3_add(c->b.velocity,
+	                               rb_vec3_cross(c->b.spin, rb_vec3_sub(point, c->b.at)));
+
+	*out = (struct rb_feature_point){
+		.gap = p->gap,
+		.normal = manifold.normal,
+		.normal_rate = rb_vec3_cross(spin, manifold.normal),
+		.point = point,
+		.point_rate = rb_vec3_scale(0.5, rb_vec3_add(va, vb)),
+		.inside = which < 0 ? -(c->a.core->reach + c->a.core->radius) : (double)INFINITY,
+	};
+}
+
+static struct rb_meet meet_of(const struct rb_touch_pair *pair, const struct couple *c,
+                              uint32_t parts, uint64_t key)
+{
+	struct rb_feature_point p;
+
+	if (!rb_feature_meet(&p, &c->a, &c->b, key))
+		find(c, key, &p);
+	struct rb_meet m = {.a = pair->a,
+	                    .b = pair->b,
+	                    .parts = parts,
+	                    .key = key,
+	                    .gap = p.gap,
+	                    .normal = p.normal,
+	                    .normal_rate = p.normal_rate,
+	                    .point = rb_vec3_add(pair->pose_a.position, p.point),
+	                    .inside = p.inside,
+	                    .inside_rate = p.inside_rate,
+	                    .pose_a = pair->pose_a,
+	                    .pose_b = pair->pose_b,
+	                    .arm_a = p.point};
+	m.arm_b = rb_vec3_add(p.point, rb_vec3_sub(pair->pose_a.position, pair->pose_b.position));
+	m.rate_a = rb_vec3_sub(p.point_rate, pair->pose_a.velocity);
+	m.rate_b = rb_vec3_sub(p.point_rate, pair->pose_b.velocity);
+	m.velocity = rb_vec3_sub(
+		rb_vec3_add(pair->pose_b.velocity, rb_vec3_cross(pair->pose_b.spin, m.arm_b)),
+		rb_vec3_add(pair->pose_a.velocity, rb_vec3_cross(pair->pose_a.spin, m.arm_a)));
+	return m;
+}
+
+struct rb_meet rb_touch_of(const struct rb_located *l, const struct rb_meet_name *name,
+                           const struct rb_pose *pose_a, const struct rb_pose *pose_b)
+{
+	const struct rb_touch_pair pair = {name->a, name->b, 0, *pose_a, *pose_b};
+	struct couple c;
+
+	couple_of(l, &pair, name->parts, &c);
+	return meet_of(&pair, &c, name->parts, name->key);
+}
+
+/* ---- the nearest ---- */
+
+/* m: no less than this lies between two parts, by the balls around them; -INFINITY of a plane. */
+static double least_between(const struct couple *c)
+{
+	const rb_core *a = c->a.core, *b = c->b.core;
+
+	if (a->kind == RB_CORE_HALF_SPACE || b->kind == RB_CORE_HALF_SPACE)
+		return -(double)INFINITY;
+	return rb_vec3_length(rb_vec3_sub(c->b.at, c->a.at)) - rb_convex_reach(a) -
+	       rb_convex_reach(b);
+}
+
+double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t *parts)
+{
+	const int of_a = rb_model_parts(l->model, pair->a)->count;
+	const int of_b = rb_model_parts(l->model, pair->b)->count;
+	double least = (double)INFINITY;
+	struct couple c;
+
+	*parts = 0;
+	for (int i = 0; i < of_a; i++)
+		for (int j = 0; j < of_b; j++) {
+			const uint32_t these = (uint32_t)i << 16 | (uint32_t)j;
+			couple_of(l, pair, these, &c);
+			if (of_a * of_b > 1 && least_between(&c) > least)
+				continue;
+			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
+			const rb_separation s = rb_separation_of(&a, &b);
+			const double gap = s.gap - a.core->radius - b.core->radius;
+			if (gap < least) {
+				least = gap;
+				*parts = these;
+			}
+		}
+	return least;
+}
+
+struct rb_meet rb_touch_nearest(const struct rb_located *l, int a, int b,
+                                const struct rb_pose *pose_a, const struct rb_pose *pose_b)
+{
+	const struct rb_touch_pair pair = {a, b, 0, *pose_a, *pose_b};
+	rb_manifold manifold;
+	struct couple c;
+	uint32_t parts = 0;
+	int best = 0;
+
+	if (rb_model_parts(l->model, a)->count * rb_model_parts(l->model, b)->count > 1)
+		rb_touch_gap(l, &pair, &parts);
+	couple_of(l, &pair, parts, &c);
+	const rb_placed at_a = rb_feature_placed(&c.a), at_b = rb_feature_placed(&c.b);
+	rb_manifold_of(&manifold, &at_a, &at_b, 0);
+	for (int k = 1; k < manifold.count; k++)
+		if (manifold.point[k].gap < manifold.point[best].gap)
+			best = k;
+	const uint64_t key = rb_feature_in_face(&c.a, &c.b, manifold.point[best].key,
+	                                        manifold.normal, 0);
+	return meet_of(&pair, &c, parts, key);
+}
+
+/* ---- all ---- */
+
+struct search {
+	const struct rb_located *l;
+	double depth; /* m: of manifolds */
+	struct rb_meet_name name[RB_MEET_MAX];
+	int count;
+};
+
+static void add_name(struct search *s, const struct rb_meet_name *name)
+{
+	for (int k = 0; k < s->count; k++)
+		if (rb_meet_name_compare(&s->name[k], name) == 0)
+			return;
+	if (s->count < RB_MEET_MAX)
+		s->name[s->count++] = *name;
+}
+
+/* The names of all points of all parts that touch. */
+static void add_names(struct search *s, const struct rb_touch_pair *pair)
+{
+	const int of_a = rb_model_parts(s->l->model, pair->a)->count;
+	const int of_b = rb_model_parts(s->l->model, pair->b)->count;
+	rb_manifold manifold;
+	struct couple c;
+
+	for (int i = 0; i < of_a; i++)
+		for (int j = 0; j < of_b; j++) {
+			const uint32_t parts = (uint32_t)i << 16 | (uint32_t)j;
+			couple_of(s->l, pair, parts, &c);
+			if (least_between(&c) > s->depth)
+				continue;
+			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
+			rb_manifold_of(&manifold, &a, &b, s->depth);
+			/* one that overlaps must not hide those that touch */
+			if (manifold.gap < 0)
+				rb_manifold_of(&manifold, &a, &b, s->depth - manifold.gap);
+			for (int k = 0; k < manifold.count; k++) {
+				if (manifold.point[k].gap > s->depth)
+					continue;
+				const uint64_t key = rb_feature_in_face(&c.a, &c.b,
+				                                        manifold.point[k].key,
+				                                        manifold.normal, s->depth);
+				add_name(s, &(struct rb_meet_name){pair->a, pair->b, parts, key});
+			}
+		}
+}
+
+/* Where the pair will be in a moment, if it goes straight on. */
+static void go_on(struct rb_pose *pose, double s)
+{
+	const rb_quat turn = rb_quat_from_turn(rb_vec3_scale(s, pose->spin));
+
+	pose->position = rb_vec3_add_scaled(pose->position, s, pose->velocity);
+	pose->orientation = rb_quat_unit(rb_quat_multiply(turn, pose->orientation));
+}
+
+static int by_name(const void *left, const void *right)
+{
+	const struct rb_meet_name x = rb_meet_name_of(left), y = rb_meet_name_of(right);
+
+	return rb_meet_name_compare(&x, &y);
+}
+
+static bool is_leaving(const struct rb_meet *m, double band)
+{
+	return m->inside <= LEAVING_BANDS * band && m->inside_rate < 0;
+}
+
+/* Meetings of the names that touch; returns their number, and the fastest at which one leaves its features. */
+static int collect(const struct search *s, const struct rb_touch_pair *pair, double slack,
+                   struct rb_meet *all, double *leaving)
+{
+	int count = 0;
+
+	*leaving = 0;
+	for (int k = 0; k < s->count; k++) {
+		const struct rb_meet m = rb_touch_of(s->l, &s->name[k], &pair->pose_a,
+		                                     &pair->pose_b);
+		const double band = rb_meet_band(s->l, &m, pair->t);
+		const double noise = rb_meet_noise(s->l, &m);
+
+		if (!(m.gap <= band + slack))
+			continue;
+		if (is_leaving(&m, band) && m.inside_rate < -noise) {
+			*leaving = fmax(*leaving, -m.inside_rate);
+			continue;
+		}
+		all[count++] = m;
+	}
+	return count;
+}
+
+int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, double slack,
+                 struct rb_meet all[RB_MEET_MAX])
+{
+	const rb_vec3 w = rb_vec3_sub(pair->pose_b.velocity, pair->pose_a.velocity);
+	struct rb_meet still = {.a = pair->a,
+	                        .b = pair->b,
+	                        .pose_a = pair->pose_a,
+	                        .pose_b = pair->pose_b,
+	                        .normal = {1, 0, 0}};
+	struct search s = {.l = l};
+	double leaving;
+
+	/* no less than the band of any of its points */
+	const double turning = rb_vec3_length(pair->pose_a.spin) *
+	                               rb_model_reach(l->model, pair->a) +
+	                       rb_vec3_length(pair->pose_b.spin) *
+	                               rb_model_reach(l->model, pair->b);
+	still.velocity.x = rb_vec3_length(w) + 2 * turning;
+	const double band = rb_meet_band(l, &still, pair->t);
+	s.depth = band + fmax(slack, 0);
+	add_names(&s, pair);
+	int count = collect(&s, pair, slack, all, &leaving);
+	if (leaving > 0) {
+		/* what takes over is what touches a moment later */
+		struct rb_touch_pair later = *pair;
+		const double ahead = AHEAD_BANDS * band / leaving;
+
+		go_on(&later.pose_a, ahead);
+		go_on(&later.pose_b, ahead);
+		s.depth += 2 * ahead * still.velocity.x;
+		add_names(&s, &later);
+		count = collect(&s, pair, slack, all, &leaving);
+	}
+	qsort(all, (size_t)count, sizeof *all, by_name);
+	return count;
+}

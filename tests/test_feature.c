@@ -1,0 +1,228 @@
+/* SPDX-License-Identifier: MIT */
+/* src/event/feature.c */
+#include "shapes.h"
+
+#include "event/feature.h"
+
+typedef struct rb_feature_side side;
+
+static side still(const shape *s, rb_vec3 at, rb_mat3 turn)
+{
+	return (side){.core = &s->core, .at = at, .turn = turn};
+}
+
+/* Where a side is a little later. */
+static side later(const side *s, double h)
+{
+	const rb_mat3 turn = shapes_turned(rb_vec3_scale(h, s->spin));
+	side out = *s;
+
+	out.at = rb_vec3_add_scaled(s->at, h, s->velocity);
+	out.turn = rb_mat3_multiply(&turn, &s->turn);
+	return out;
+}
+
+/* Brings b to where the gap is zero. */
+static void bring_together(side *a, side *b)
+{
+	const rb_placed pa = rb_feature_placed(a);
+
+	for (int k = 0; k < 4; k++) {
+		const rb_placed pb = rb_feature_placed(b);
+		const rb_convex_touch touch = rb_convex_gap(&pa, &pb);
+		b->at = rb_vec3_add_scaled(b->at, -touch.gap, touch.normal);
+	}
+}
+
+static double apart(rb_vec3 a, rb_vec3 b)
+{
+	return rb_vec3_length(rb_vec3_sub(a, b));
+}
+
+static void assert_rates(const side *a, const side *b, uint64_t key)
+{
+	const double h = 1e-5;
+	const side a0 = later(a, -h), a1 = later(a, h), b0 = later(b, -h), b1 = later(b, h);
+	struct rb_feature_point p, p0, p1;
+
+	assert_true(rb_feature_meet(&p, a, b, key));
+	assert_true(rb_feature_meet(&p0, &a0, &b0, key));
+	assert_true(rb_feature_meet(&p1, &a1, &b1, key));
+	const rb_vec3 n = rb_vec3_scale(0.5 / h, rb_vec3_sub(p1.normal, p0.normal));
+	const rb_vec3 x = rb_vec3_scale(0.5 / h, rb_vec3_sub(p1.point, p0.point));
+	const double scale = 1 + rb_vec3_length(p.point_rate) + rb_vec3_length(p.normal_rate);
+	assert_true(apart(n, p.normal_rate) <= 1e-5 * scale * scale * scale);
+	assert_true(apart(x, p.point_rate) <= 1e-5 * scale * scale * scale);
+	/* not where another end has become the nearest */
+	if (isfinite(p.inside) && fabs(p1.inside - 2 * p.inside + p0.inside) < 1e-8 * scale)
+		assert_true(fabs((p1.inside - p0.inside) / (2 * h) - p.inside_rate) <=
+		            1e-3 * scale * scale * scale);
+}
+
+/* Each point that a manifold finds is where its features say. Returns how many have a closed form. */
+static int assert_like_manifold(const side *a, const side *b)
+{
+	const rb_placed pa = rb_feature_placed(a), pb = rb_feature_placed(b);
+	const double band = 1e-12;
+	rb_manifold manifold;
+	int known = 0;
+
+	rb_manifold_of(&manifold, &pa, &pb, band);
+	for (int k = 0; k < manifold.count; k++) {
+		const rb_manifold_point *m = &manifold.point[k];
+		const uint64_t key = rb_feature_in_face(a, b, m->key, manifold.normal, band);
+		struct rb_feature_point p;
+
+		if (!rb_feature_meet(&p, a, b, key))
+			continue;
+		known++;
+		assert_near(p.gap, m->gap, 1e-12);
+		assert_true(apart(p.normal, manifold.normal) <= 1e-8);
+		assert_true(apart(p.point, m->on_a) <= 1e-8);
+		assert_true(apart(p.point, m->on_b) <= 1e-8);
+		assert_true(p.inside >= -1e-8);
+		assert_rates(a, b, key);
+	}
+	return known;
+}
+
+static side move(side s, uint64_t stream, uint64_t index)
+{
+	s.velocity = shapes_vector(stream, index, 1);
+	s.spin = shapes_vector(stream + 1, index, 1);
+	return s;
+}
+
+static void points_of_bodies_in_any_place_are_where_their_features_say(void **slot)
+{
+	enum { KINDS = 6, PAIRS = 60 };
+	shape kind[KINDS] = {shapes_box(0.5, 0.7, 1),   shapes_capsule(0.8, 0.3),
+	                     shapes_capsule(0, 0.5),    shapes_cylinder(0.6, 0.5),
+	                     shapes_random_hull(3, 14), shapes_rectangle(1.5, 1)};
+	int known = 0, all = 0;
+
+	(void)slot;
+	for (int i = 0; i < KINDS; i++)
+		for (int j = 0; j < KINDS; j++)
+			for (uint64_t k = 0; k < PAIRS; k++) {
+				const uint64_t index = k + PAIRS * (uint64_t)(i * KINDS + j);
+				side a = still(&kind[i], shapes_vector(1, index, 1),
+				               shapes_turn(2, index));
+				side b = still(&kind[j], shapes_vector(3, index, 4),
+				               shapes_turn(4, index));
+				bring_together(&a, &b);
+				a = move(a, 5, index);
+				b = move(b, 7, index);
+				known += assert_like_manifold(&a, &b) > 0;
+				all++;
+			}
+	/* all but rims on edges and on rims */
+	assert_true(known > 0.85 * all);
+	for (int i = 0; i < KINDS; i++)
+		rb_polytope_destroy(kind[i].polytope);
+}
+
+/* Upright on a face, turned about its normal. */
+static void bodies_on_faces_touch_at_all_their_points(void **slot)
+{
+	const rb_mat3 lying = shapes_turned((rb_vec3){acos(0.0), 0, 0});
+	shape plate = shapes_box(2, 1.5, 0.5), ground = {NULL, rb_core_of_half_space()};
+	shape brick = shapes_box(0.5, 0.7, 0.25), rod = shapes_capsule(0.8, 0.25);
+	shape tin = shapes_cylinder(0.6, 0.25), drum = shapes_cylinder(0.25, 0.6);
+	const struct {
+		shape *what;
+		bool lies;
+		double z;
+		int points;
+	} row[] = {{&brick, false, 0.25, 4},
+	           {&rod, true, 0.25, 2},
+	           {&tin, false, 0.25, 4},
+	           {&drum, true, 0.25, 2}};
+
+	(void)slot;
+	for (size_t k = 0; k < sizeof row / sizeof row[0]; k++)
+		for (int place = 0; place < 4; place++) {
+			const rb_mat3 yaw = shapes_turned((rb_vec3){0, 0, 0.3 + place});
+			const rb_mat3 turn = row[k].lies ? rb_mat3_multiply(&yaw, &lying) : yaw;
+			/* in the middle, and over a side */
+			const rb_vec3 at = {place < 2 ? 0.1 : 1.9, 0.2, row[k].z};
+			side a = move(still(row[k].what, at, turn), 11, k);
+			side low = move(still(&plate, (rb_vec3){0, 0, -0.5}, shapes_upright), 13,
+			                k);
+			side flat = move(still(&ground, (rb_vec3){0, 0, 0}, shapes_upright), 15, k);
+			const int on_ground = assert_like_manifold(&a, &flat);
+			assert_int_equal(on_ground, row[k].points);
+			assert_int_equal(assert_like_manifold(&flat, &a), row[k].points);
+			const int on_plate = assert_like_manifold(&a, &low);
+			if (place < 2)
+				assert_int_equal(on_plate, row[k].points);
+			else
+				assert_true(on_plate >= 1);
+			assert_int_equal(assert_like_manifold(&low, &a), on_plate);
+		}
+	rb_polytope_destroy(plate.polytope);
+	rb_polytope_destroy(brick.polytope);
+	rb_polytope_destroy(rod.polytope);
+}
+
+static void crossing_of_nearly_parallel_edges_keeps_the_normal_of_the_face(void **slot)
+{
+	shape low = shapes_box(1, 1, 0.5), high = shapes_box(1, 1, 0.5);
+	side a = still(&low, (rb_vec3){0, 0, -0.5}, shapes_upright);
+	side b = still(&high, (rb_vec3){0, 0, 0.5}, shapes_turned((rb_vec3){0, 0, 1e-7}));
+	const rb_placed pa = rb_feature_placed(&a), pb = rb_feature_placed(&b);
+	rb_manifold manifold;
+	int crossings = 0;
+
+	(void)slot;
+	rb_manifold_of(&manifold, &pa, &pb, 1e-15);
+	for (int k = 0; k < manifold.count; k++) {
+		const uint64_t key = rb_feature_in_face(&a, &b, manifold.point[k].key,
+		                                        manifold.normal, 1e-15);
+		struct rb_feature_point p;
+
+		crossings += key != manifold.point[k].key;
+		assert_true(rb_feature_meet(&p, &a, &b, key));
+		assert_true(p.normal.z == 1 && p.normal.x == 0 && p.normal.y == 0);
+	}
+	assert_true(crossings >= 4);
+	rb_polytope_destroy(low.polytope);
+	rb_polytope_destroy(high.polytope);
+}
+
+static void a_corner_that_passes_the_side_of_a_face_is_outside(void **slot)
+{
+	shape low = shapes_box(1, 1, 0.5), high = shapes_box(0.25, 0.25, 0.25);
+	struct rb_feature_point p;
+
+	(void)slot;
+	for (int k = 0; k < 2; k++) {
+		side a = still(&low, (rb_vec3){0, 0, -0.5}, shapes_upright);
+		side b = still(&high, (rb_vec3){k ? 0.875 : 0.625, 0, 0.25}, shapes_upright);
+		b.velocity = (rb_vec3){3, 0, 0};
+		/* box faces: the one along +z of `low`, the corner (+, +, -) of `high` */
+		int up = -1;
+		for (int f = 0; f < low.polytope->face_count; f++)
+			if (low.polytope->faces[f].normal.z > 0.5)
+				up = f;
+		const uint64_t key = (uint64_t)rb_part_of(RB_PART_FACE, up) << 32 |
+		                     rb_part_of(RB_PART_VERTEX, 4);
+		assert_true(rb_feature_meet(&p, &a, &b, key));
+		assert_near(p.inside, k ? -0.125 : 0.125, 1e-15);
+		assert_near(p.inside_rate, -3, 1e-15);
+	}
+	rb_polytope_destroy(low.polytope);
+	rb_polytope_destroy(high.polytope);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(points_of_bodies_in_any_place_are_where_their_features_say),
+		cmocka_unit_test(bodies_on_faces_touch_at_all_their_points),
+		cmocka_unit_test(crossing_of_nearly_parallel_edges_keeps_the_normal_of_the_face),
+		cmocka_unit_test(a_corner_that_passes_the_side_of_a_face_is_outside),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
