@@ -170,6 +170,33 @@ static void a_plane_has_the_normal_that_spheres_see(void **slot)
 	close_shop(&shop);
 }
 
+static double gap_between(struct rb_shape a, rb_vec3 at_a, struct rb_shape b, rb_vec3 at_b)
+{
+	struct shop shop;
+
+	open_shop(&shop);
+	const int first = add(&shop, a), second = add(&shop, b);
+	shop.scene.bodies[first].position = at_a;
+	shop.scene.bodies[second].position = at_b;
+	assert_int_equal(rb_parts_table_create(&shop.table, &shop.scene, &shop.err), RB_OK);
+	const double gap = rb_parts_gap_at_start(shop.table, &shop.scene, first, second);
+	close_shop(&shop);
+	return gap;
+}
+
+static void gaps_at_the_start_are_those_of_the_shapes(void **slot)
+{
+	const rb_vec3 origin = {0, 0, 0};
+
+	(void)slot;
+	assert_near(gap_between(brick, (rb_vec3){0, 0, 1.75}, ground, origin), 0.25, 1e-15);
+	assert_near(gap_between(ground, origin, pill, (rb_vec3){0, 0, 1}), -0.25, 1e-15);
+	assert_near(gap_between(brick, origin, brick, (rb_vec3){0.75, 0.5, 0.5}), -0.25, 1e-15);
+	assert_near(gap_between(tin, (rb_vec3){1e6, 0, 0}, ball, (rb_vec3){1e6 + 1.5, 0, 0}), 0.25,
+	            1e-15);
+	assert_near(gap_between(brick, origin, sheet, (rb_vec3){0, 0, -1.5}), 0, 1e-15);
+}
+
 static void running_out_of_memory_leaves_nothing_behind(void **slot)
 {
 	struct shop shop;
@@ -204,6 +231,7 @@ int main(void)
 		cmocka_unit_test(equal_shapes_share_their_parts),
 		cmocka_unit_test(parts_stand_where_the_object_puts_them),
 		cmocka_unit_test(a_plane_has_the_normal_that_spheres_see),
+		cmocka_unit_test(gaps_at_the_start_are_those_of_the_shapes),
 		cmocka_unit_test(running_out_of_memory_leaves_nothing_behind),
 	};
 

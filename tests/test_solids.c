@@ -45,13 +45,14 @@ static void assert_refused(struct lab *lab, int count, const char *text)
 	rb_mistakes_release(&mistakes);
 }
 
-static void a_box_that_could_touch_something_is_refused_by_name(void **slot)
+static void the_classic_method_refuses_boxes_that_could_touch_by_name(void **slot)
 {
 	struct lab lab;
 	struct rb_body_def def = box_def(1, 1, 1, 1);
 
 	(void)slot;
 	lab_open(&lab, 1, 60);
+	lab.scene.world.method = RB_METHOD_CLASSIC;
 	def.name = "crate";
 	lab_add(&lab, &def);
 	def.name = NULL;
@@ -60,8 +61,8 @@ static void a_box_that_could_touch_something_is_refused_by_name(void **slot)
 	def.position.x = 10;
 	lab_add(&lab, &def);
 	assert_refused(&lab, 2,
-	               "box 'crate': contacts of boxes are not in this version (let it collide "
-	               "with nothing: collides_with = {})");
+	               "box 'crate': the classic method has no contacts of boxes (use 'located' or "
+	               "'auto', or let it collide with nothing: collides_with = {})");
 	/* one that collides with nothing frees the other too */
 	lab.scene.bodies[0].filters = true;
 	lab_seal(&lab, 1);
@@ -73,7 +74,7 @@ static void a_box_that_could_touch_something_is_refused_by_name(void **slot)
 	/* static: what moves could touch it */
 	lab.scene.bodies[0].filters = false;
 	lab.scene.bodies[0].is_static = true;
-	assert_refused(&lab, 2, "box 'crate': contacts of boxes");
+	assert_refused(&lab, 2, "the classic method has no contacts of boxes");
 	lab_close(&lab);
 }
 
@@ -393,7 +394,7 @@ static void spheres_hit_each_other_beside_boxes_that_they_cannot_touch(void **sl
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(a_box_that_could_touch_something_is_refused_by_name),
+		cmocka_unit_test(the_classic_method_refuses_boxes_that_could_touch_by_name),
 		cmocka_unit_test(alone_or_among_what_does_not_yield_a_box_flies),
 		cmocka_unit_test(wrong_sizes_are_named),
 		cmocka_unit_test(only_scenes_with_such_bodies_pay_for_their_reach),

@@ -15,12 +15,10 @@
 #include "event/feature.h"
 #include "model/parts.h"
 
-enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, SAMPLES_MOST = 64 };
+enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200 };
 
 /* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
-/* What integrating leaves of the gaps of contacts that are held, in sizes. */
-static const double integrated = 4e-9;
 
 struct course {
 	const struct rb_located *l;
@@ -383,23 +381,18 @@ static double safe_bodies(const struct course *c, double *gap)
 
 enum what { PARTING, STAYING, CLOSING };
 
-/* What those points do that touch, of which none has one of the names. */
-static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair,
-                          const struct rb_meet_name *held, int held_count)
+/* What those points do that touch. */
+static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair)
 {
 	struct rb_meet all[RB_MEET_MAX];
 	const int count = rb_touch_all(l, pair, 0, all);
 	enum what found = PARTING;
 
 	for (int k = 0; k < count; k++) {
-		const struct rb_meet_name name = rb_meet_name_of(&all[k]);
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
 		const double noise = rb_meet_noise(l, &all[k]);
-		bool is_held = false;
 
-		for (int h = 0; h < held_count; h++)
-			is_held = is_held || rb_meet_name_compare(&held[h], &name) == 0;
-		if (is_held || rate > noise)
+		if (rate > noise)
 			continue;
 		if (rate < -noise)
 			return CLOSING;
@@ -422,7 +415,7 @@ bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
 	                                   rb_arc_pose(l, a < b ? a : b, t),
 	                                   rb_arc_pose(l, a < b ? b : a, t)};
 
-	return touching(l, &pair, NULL, 0) == CLOSING;
+	return touching(l, &pair) == CLOSING;
 }
 
 static double gap_at(const struct course *c, double t)
@@ -459,13 +452,12 @@ static double crossing(const struct course *c, double low, double high)
 }
 
 /* A touch found just before or after it to within the band: moved to where the gap is zero, as far as that is time. */
-static double settled(const struct course *c, double gap, double from)
+static double settled(const struct course *c, double from)
 {
 	struct rb_meet all[RB_MEET_MAX];
 	const int count = rb_touch_all(c->l, &c->pair, 0, all);
 	double t = c->pair.t, sooner = HUGE_VAL;
 
-	(void)gap;
 	for (int k = 0; k < count; k++) {
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
 
@@ -489,11 +481,11 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 		if (s < 0) {
 			s = safe_bodies(&c, &gap);
 			if (gap <= c.band) {
-				const enum what now = touching(l, &c.pair, NULL, 0);
+				const enum what now = touching(l, &c.pair);
 
 				found.touching = found.touching || t == from;
 				if (now == CLOSING || (now == STAYING && t > from)) {
-					found.touch_s = t > from ? settled(&c, gap, from) : t;
+					found.touch_s = t > from ? settled(&c, from) : t;
 					return found;
 				}
 			}
@@ -514,104 +506,6 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 		if (!(t + s <= until))
 			return found;
 		t += s;
-	}
-	found.touch_s = t;
-	found.again = true;
-	return found;
-}
-
-/* ---- held pairs ---- */
-
-/* The deepest point that is not held; false: none is deeper than `depth`, m. */
-static bool deepest_other(const struct course *c, const struct rb_meet_name *held, int count,
-                          double depth, struct rb_meet_name *name)
-{
-	struct rb_meet all[RB_MEET_MAX];
-	const int found = rb_touch_all(c->l, &c->pair, 0, all);
-	double lowest = -depth;
-
-	for (int k = 0; k < found; k++) {
-		const struct rb_meet_name this = rb_meet_name_of(&all[k]);
-		bool is_held = false;
-
-		for (int h = 0; h < count; h++)
-			is_held = is_held || rb_meet_name_compare(&held[h], &this) == 0;
-		if (is_held || !(all[k].gap < lowest))
-			continue;
-		lowest = all[k].gap;
-		*name = this;
-	}
-	return lowest < -depth;
-}
-
-static double named_gap(const struct course *c, const struct rb_meet_name *name, double t)
-{
-	const struct rb_pose pose_a = rb_arc_pose(c->l, name->a, t);
-	const struct rb_pose pose_b = rb_arc_pose(c->l, name->b, t);
-
-	return rb_touch_of(c->l, name, &pose_a, &pose_b).gap;
-}
-
-static double named_crossing(const struct course *c, const struct rb_meet_name *name, double low,
-                             double high)
-{
-	double above = named_gap(c, name, low), below = named_gap(c, name, high);
-
-	/* it has been there all the time */
-	if (!(above > 0))
-		return high;
-	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
-		double t = low + (high - low) * (k % 3 == 2 ? 0.5 : above / (above - below));
-		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
-		const double gap = named_gap(c, name, t);
-
-		if (fabs(gap) <= 0.125 * c->band)
-			return t;
-		if (gap > 0) {
-			low = t;
-			above = gap;
-		} else {
-			high = t;
-			below = gap;
-		}
-	}
-	return high;
-}
-
-struct rb_approach rb_approach_find_other(const struct rb_located *l,
-                                          const struct rb_meet_name *held, int count, double from,
-                                          double until)
-{
-	struct rb_approach found = {.touch_s = HUGE_VAL};
-	struct rb_meet_name name;
-	double t = from;
-	struct course c;
-
-	start(&c, l, held->a, held->b);
-	place(&c, from, until);
-	/* what neither moves nor turns against the other touches nothing new */
-	if (!(c.speed > 0 || c.pull_most > 0 || c.turning_a > 0 || c.turning_b > 0))
-		return found;
-	if (touching(l, &c.pair, held, count) == CLOSING) {
-		found.touch_s = from;
-		return found;
-	}
-	const double depth = integrated * c.size + 4 * c.band;
-	for (int step = 0; step < SAMPLES_MOST; step++) {
-		const double turn = fmax(fmax(c.turn_a, c.turn_b), c.speed / c.size);
-		const double s = fmin(0.03 / turn, until - t);
-		const double before = t;
-
-		if (!(s > 0))
-			return found;
-		t += s;
-		place(&c, t, until);
-		if (deepest_other(&c, held, count, depth, &name)) {
-			found.touch_s = named_crossing(&c, &name, before, t);
-			return found;
-		}
-		if (!(t < until))
-			return found;
 	}
 	found.touch_s = t;
 	found.again = true;

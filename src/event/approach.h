@@ -18,14 +18,6 @@ struct rb_approach {
 struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
                                     double until);
 
-/*
- * The same of a pair that is held at some points (`held`, of `count`): of others. Looked for by samples so close that
- * nothing turns by more than some hundredths between them, and located to rounding.
- */
-struct rb_approach rb_approach_find_other(const struct rb_located *l,
-                                          const struct rb_meet_name *held, int count, double from,
-                                          double until);
-
 /* Do they touch at this moment and approach at a point, by more than rounding? */
 bool rb_approach_now(const struct rb_located *l, int a, int b, double t);
 

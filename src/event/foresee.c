@@ -3,6 +3,8 @@
 
 #include <float.h>
 
+#include "event/approach.h"
+
 /* From here on bodies may not fit into fast memory. */
 enum { MANY = 4096 };
 
@@ -91,6 +93,8 @@ static bool see_sphere(struct seer *s, int j)
 	if (!s->plain || (l->piece && l->piece[j].piece.n > 0))
 		return false;
 	const bool quick = s->quick && arc->plain_radius > 0;
+	if (!quick && l->model->shape[j].kind != RB_SHAPE_SPHERE)
+		return false;
 	/* what is plain falls as this body does: the rest of its arc is not looked at */
 	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
 	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
@@ -288,6 +292,13 @@ static void see_body(struct seer *s, int j)
 		until = fmin(until, l->piece[j].until_s);
 	if (rb_meet_is_far(l, s->i, j, s->now, until))
 		return;
+	if (!rb_meet_is_plain(l, s->i, j)) {
+		const struct rb_approach found = rb_approach_find(l, s->i, j, s->now, until);
+
+		s->touching += found.touching && s->except != j;
+		see(s, j, found.touch_s, found.again);
+		return;
+	}
 	if (s->except != j) {
 		const struct rb_meet m = rb_meet_at(l, s->i, j, s->now);
 

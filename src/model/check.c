@@ -14,6 +14,7 @@
 #include "geom/grid.h"
 #include "geom/mass.h"
 #include "math/quat.h"
+#include "model/parts.h"
 
 enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 };
 
@@ -29,6 +30,7 @@ struct check {
 	struct rb_mistakes own;
 	bool turns;
 	struct rb_sizes sizes;
+	struct rb_parts_table *parts; /* NULL: only spheres and planes */
 };
 
 void rb_mistakes_add(struct rb_mistakes *mistakes, const char *format, ...)
@@ -375,7 +377,7 @@ static bool has_contacts(const struct rb_shape *shape)
 	return shape->kind == RB_SHAPE_SPHERE || rb_shape_is_flat(shape);
 }
 
-/* What a body would touch if there were contacts of its shape; false: a mistake was noted. */
+/* The classic method knows contacts of spheres only; false: a mistake was noted. */
 static bool check_contacts(struct check *check, int id)
 {
 	static const char *const plural[RB_SHAPE_KIND_COUNT] = {
@@ -386,15 +388,17 @@ static bool check_contacts(struct check *check, int id)
 	const struct rb_scene *scene = check->scene;
 	const struct rb_body_def *body = &scene->bodies[id];
 
-	if (has_contacts(&body->shape) || rb_body_collides(body) == 0)
+	if (scene->world.method != RB_METHOD_CLASSIC || has_contacts(&body->shape) ||
+	    rb_body_collides(body) == 0)
 		return true;
 	for (int i = 0; i < scene->body_count; i++) {
 		if (i == id || !rb_bodies_can_meet(body, &scene->bodies[i]))
 			continue;
-		body_mistake(check, id,
-		             "contacts of %s are not in this version (let it collide with nothing: "
-		             "collides_with = {})",
-		             plural[body->shape.kind]);
+		body_mistake(
+			check, id,
+			"the classic method has no contacts of %s (use 'located' or 'auto', or let "
+			"it collide with nothing: collides_with = {})",
+			plural[body->shape.kind]);
 		return false;
 	}
 	return true;
@@ -570,8 +574,8 @@ static enum rb_status check_names(struct check *check, struct rb_error *err)
 	              : RB_OK;
 }
 
-/* Gap of a sphere and another body at the start. */
-static double gap_at_start(const struct rb_body_def *sphere, const struct rb_body_def *other)
+/* Gap of a sphere and another body at the start, neither of them convex otherwise. */
+static double gap_of_sphere(const struct rb_body_def *sphere, const struct rb_body_def *other)
 {
 	const rb_quat turn = rb_quat_unit(other->orientation);
 	rb_vec3 normal;
@@ -593,6 +597,20 @@ static double gap_at_start(const struct rb_body_def *sphere, const struct rb_bod
 	}
 }
 
+static double gap_at_start(const struct check *check, int a, int b)
+{
+	const struct rb_body_def *body_a = &check->scene->bodies[a];
+	const struct rb_body_def *body_b = &check->scene->bodies[b];
+	const bool spheres_a = body_a->shape.kind == RB_SHAPE_SPHERE;
+	const bool spheres_b = body_b->shape.kind == RB_SHAPE_SPHERE;
+
+	if (spheres_a && has_contacts(&body_b->shape))
+		return gap_of_sphere(body_a, body_b);
+	if (spheres_b && has_contacts(&body_a->shape))
+		return gap_of_sphere(body_b, body_a);
+	return rb_parts_gap_at_start(check->parts, check->scene, a, b);
+}
+
 static void check_overlap(struct check *check, int a, int b, int *found)
 {
 	const struct rb_scene *scene = check->scene;
@@ -600,9 +618,7 @@ static void check_overlap(struct check *check, int a, int b, int *found)
 
 	if (!rb_bodies_can_meet(body_a, body_b))
 		return;
-	/* one of the two is a sphere: no other shape is free */
-	const double gap = body_a->shape.kind == RB_SHAPE_SPHERE ? gap_at_start(body_a, body_b)
-	                                                         : gap_at_start(body_b, body_a);
+	const double gap = gap_at_start(check, a, b);
 	if (gap >= -check->sizes.tolerance_m)
 		return;
 	if (++*found <= OVERLAPS_SHOWN) {
@@ -696,15 +712,18 @@ static enum rb_status check_overlaps(struct check *check, struct rb_error *err)
 		.id = rb_memory_take(count, sizeof *boxes.id),
 		.planes = rb_memory_take(count, sizeof *boxes.planes),
 	};
-	enum rb_status status = RB_OK;
+	enum rb_status status = rb_parts_table_create(&check->parts, check->scene, err);
 
-	if (boxes.box && boxes.id && boxes.planes) {
+	if (status != RB_OK) {
+		/* said already */
+	} else if (boxes.box && boxes.id && boxes.planes) {
 		fill_boxes(check->scene, &boxes);
 		status = check_boxes(check, &boxes, err);
 	} else {
 		status = RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the boxes of %zu bodies",
 		                 count);
 	}
+	rb_parts_table_destroy(check->parts);
 	rb_memory_free(boxes.box);
 	rb_memory_free(boxes.id);
 	rb_memory_free(boxes.planes);

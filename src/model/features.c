@@ -45,8 +45,9 @@ static bool has_pushes(const struct rb_feature_facts *facts)
 static bool has_rotation(const struct rb_feature_facts *facts)
 {
 	return facts->driven_turns ||
-	       (facts->moves && (facts->spins || facts->friction || facts->torque ||
-	                         callbacks(facts) || (facts->off_center && facts->meet)));
+	       (facts->moves &&
+	        (facts->spins || facts->friction || facts->torque || callbacks(facts) ||
+	         ((facts->off_center || facts->angular) && facts->meet)));
 }
 
 static bool has_gyroscopic(const struct rb_feature_facts *facts)
@@ -280,6 +281,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 		facts.moves = true;
 		facts.spins = facts.spins || rb_vec3_max_abs(body->angular_velocity) > 0;
 		facts.off_center = facts.off_center || rb_vec3_max_abs(body->center_of_mass) > 0;
+		facts.angular = facts.angular || body->shape.kind != RB_SHAPE_SPHERE;
 		facts.unequal = facts.unequal || has_unequal_moments(scene, body);
 		facts.forces = facts.forces || body->force_count > 0;
 		for (int f = 0; f < body->force_count; f++)

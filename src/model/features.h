@@ -17,6 +17,7 @@ struct rb_feature_facts {
 	bool restitution;  /* ... restitution */
 	bool spins;        /* an angular velocity to begin with */
 	bool off_center;   /* a centre of mass off the object's origin */
+	bool angular;      /* a moving body that is no sphere: contacts pass beside its centre */
 	bool unequal;      /* a moving body with unequal principal moments */
 	bool forces;       /* a list of forces that is not empty */
 	bool torque;       /* one of them, or a spring, acts off the centre of mass */

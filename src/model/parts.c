@@ -252,3 +252,27 @@ rb_placed rb_body_part_place(const struct rb_body_part *part, rb_vec3 origin, rb
 	}
 	return placed;
 }
+
+double rb_parts_gap_at_start(const struct rb_parts_table *table, const struct rb_scene *scene,
+                             int a, int b)
+{
+	const struct rb_body_parts *of_a = rb_parts_of(table, a), *of_b = rb_parts_of(table, b);
+	const rb_quat turn_a = rb_quat_unit(scene->bodies[a].orientation);
+	const rb_quat turn_b = rb_quat_unit(scene->bodies[b].orientation);
+	const rb_vec3 origin = {0, 0, 0};
+	/* from a's place, so that far from the world's origin no digits are lost */
+	const rb_vec3 way = rb_vec3_sub(scene->bodies[b].position, scene->bodies[a].position);
+	double least = (double)INFINITY;
+
+	for (int i = 0; i < of_a->count; i++) {
+		const rb_placed at_a = rb_body_part_place(&of_a->part[i], origin, turn_a);
+
+		for (int j = 0; j < of_b->count; j++) {
+			const rb_placed at_b = rb_body_part_place(&of_b->part[j], way, turn_b);
+			const rb_separation s = rb_separation_of(&at_a, &at_b);
+
+			least = fmin(least, s.gap - at_a.core->radius - at_b.core->radius);
+		}
+	}
+	return least;
+}

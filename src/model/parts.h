@@ -12,7 +12,7 @@
 
 #include <rbsim/model.h>
 
-#include "geom/core.h"
+#include "geom/convex.h"
 
 struct rb_body_part {
 	enum rb_shape_kind kind; /* of the part: never a union */
@@ -50,6 +50,10 @@ static inline const struct rb_body_parts *rb_model_parts(const struct rb_model *
 {
 	return rb_parts_of(model->parts, model->id_of[index]);
 }
+
+/* m: signed gap of two bodies of the scene where they are at the start, of which one is no plane, nor rectangle. */
+double rb_parts_gap_at_start(const struct rb_parts_table *table, const struct rb_scene *scene,
+                             int a, int b);
 
 /* A part of a body whose object stands there. What the result refers to lives as long as the table. */
 rb_placed rb_body_part_place(const struct rb_body_part *part, rb_vec3 origin, rb_quat orientation);

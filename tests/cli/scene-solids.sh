@@ -71,16 +71,16 @@ END
 done
 
 cat >touch.lua <<'END'
-world { duration = 1 }
+world { duration = 1, method = "classic" }
 plane {}
 box { name = "crate", size = {1, 1, 1}, position = {0, 0, 5} }
 capsule { name = "pill", radius = 1, length = 1, position = {5, 0, 5} }
 sphere { radius = 0.1, position = {0, 0, 9} }
 END
 exits 65 touch.lua
-grep -q "^touch.lua:3: box 'crate': contacts of boxes are not in this version (let it collide with nothing: collides_with = {})$" err ||
+grep -q "^touch.lua:3: box 'crate': the classic method has no contacts of boxes (use 'located' or 'auto', or let it collide with nothing: collides_with = {})$" err ||
 	fail "the box is not refused by name"
-grep -q "^touch.lua:4: capsule 'pill': contacts of capsules" err || fail "the capsule is not refused by name"
+grep -q "^touch.lua:4: capsule 'pill': the classic method has no contacts of capsules" err || fail "the capsule is not refused by name"
 [ ! -e touch.h5 ] || fail "a refused scene left a recording"
 
 # a hull of many points in a fraction of a second; one of too many is refused before any work
