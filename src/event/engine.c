@@ -259,6 +259,12 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 		return;
 	}
 	count_crowd(l);
+	if (c->hits) { /* bodies that touch come to touch at another point */
+		rb_strike_all(l, c->hit_a, c->hit_b, t);
+		if (l->status == RB_OK)
+			foresee_set(l, t);
+		return;
+	}
 	settle_set(l, t);
 }
 

@@ -9,7 +9,7 @@
 #include <math.h>
 
 /* Bytes that a contact, and a cluster that is not used, take at least. */
-enum { HELD_LEAST = 60, CLUSTER_LEAST = 13 };
+enum { HELD_LEAST = 72, CLUSTER_LEAST = 13 };
 
 static void out_of_memory(struct rb_pack *pack)
 {
@@ -147,6 +147,8 @@ static void pack_held(struct rb_located *l, struct rb_held *held, struct rb_pack
 	rb_pack_int(pack, &held->a, 0, l->n - 1);
 	rb_pack_int(pack, &held->b, 0, l->n + l->model->static_count - 1);
 	(void)rb_pack_check(pack, held->a < held->b, "a contact of a body with itself");
+	rb_pack_u32(pack, &held->parts);
+	rb_pack_u64(pack, &held->key);
 	rb_pack_bool(pack, &held->slipping);
 	rb_pack_bool(pack, &held->on_rim);
 	rb_pack_bool(pack, &held->ending);

@@ -8,6 +8,7 @@
 #include "event/jam.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
+#include "event/set.h"
 #include "event/tell.h"
 #include "math/dense.h"
 
@@ -37,7 +38,7 @@ struct work {
 	struct rb_joint_contact *contact; /* [held_count] */
 	rb_vec3 *force;                   /* [held_count]: N on b */
 	struct rb_dense dense;            /* for contacts in their modes */
-	bool slip_ends;                   /* why `broken` said so */
+	bool slip_ends, hits;             /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
 	double doubt;                     /* N: what the modes at the beginning leave open */
 	double most; /* m/s^2: largest acceleration that forces are to balance */
@@ -326,7 +327,13 @@ static bool evaluate(struct work *w, double t, const double *value)
 		const struct rb_pose pose_a = a >= 0 ? w->pose[a] : rb_arc_pose(l, held->a, t);
 		const struct rb_pose pose_b = b >= 0 ? w->pose[b] : rb_arc_pose(l, held->b, t);
 
-		w->meet[k] = rb_meet_poses(l, held->a, held->b, &pose_a, &pose_b);
+		if (rb_set_is_single(l, held->a, held->b)) {
+			w->meet[k] = rb_meet_poses(l, held->a, held->b, &pose_a, &pose_b);
+		} else {
+			const struct rb_meet_name name = rb_set_name(held);
+
+			w->meet[k] = rb_meet_of(l, &name, &pose_a, &pose_b);
+		}
 		w->contact[k] = rb_mechanics_contact(l, &w->meet[k]);
 		if (held->slipping)
 			w->contact[k].friction = held->friction;
@@ -396,12 +403,21 @@ static bool holds_otherwise(struct work *w, double t)
 
 	if (!moves)
 		return false;
+	rb_vec3 *const turns = rb_arena_take(w->l->arena, count, sizeof *turns);
+
+	if (!turns)
+		return false;
 	memcpy(moves, w->linear, count * sizeof *moves);
+	memcpy(turns, w->angular, count * sizeof *turns);
 	if (!pulls(w, t, &most) || !solve_any(w, t, &found))
 		return false;
 	for (size_t k = 0; k < count; k++) {
 		most = fmax(most, rb_vec3_max_abs(found[k].linear));
 		off = fmax(off, rb_vec3_max_abs(rb_vec3_sub(found[k].linear, moves[k])));
+		if (w->l->top)
+			off = fmax(off, rb_model_reach(w->l->model, w->c->member[k]) *
+			                        rb_vec3_max_abs(
+							rb_vec3_sub(found[k].angular, turns[k])));
 	}
 	rb_arena_back(w->l->arena, here);
 	return off <= otherwise * most;
@@ -428,6 +444,30 @@ static bool is_lawful(const struct work *w, int k)
 	return excess_of(w, k) <= fmax(clear * fmax(w->force_most, weight), w->doubt);
 }
 
+/*
+ * The first of a pair's points has another, which is not held, below it: the bodies have come to touch there. What is
+ * held may be off by what integration lets drift.
+ */
+static bool is_hit(const struct work *w, int k)
+{
+	const struct rb_meet *m = &w->meet[k];
+	const struct rb_held *held = &w->c->held[k];
+	double low = m->gap;
+
+	if (rb_set_is_single(w->l, held->a, held->b) ||
+	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
+		return false;
+	for (int i = k + 1; i < w->c->held_count; i++) {
+		if (w->c->held[i].a != held->a || w->c->held[i].b != held->b)
+			break;
+		low = fmin(low, w->meet[i].gap);
+	}
+	const struct rb_meet now = rb_meet_poses(w->l, held->a, held->b, &m->pose_a, &m->pose_b);
+
+	return now.gap < low - rb_meet_band(w->l, &now, w->origin_s) &&
+	       rb_vec3_dot(now.velocity, now.normal) < 0;
+}
+
 /* The first contact that does not keep its mode at this state, -1: all do. */
 static int broken(struct work *w, double t)
 {
@@ -439,7 +479,8 @@ static int broken(struct work *w, double t)
 		const struct rb_meet *m = &w->meet[k];
 
 		w->slip_ends = false;
-		if (m->on_rim != held->on_rim)
+		w->hits = is_hit(w, k);
+		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
 			return k;
 		if (!looked && !is_lawful(w, k)) {
 			if (!w->dense.open || !holds_otherwise(w, t))
@@ -460,6 +501,22 @@ static int broken_at(struct work *w, double s, double *value)
 	return evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }
 
+/* Points of one body come to the end of their slip together: whose slip is nothing there has ended as well. */
+static void end_slips(struct work *w, double s, double *value)
+{
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!evaluate(w, w->origin_s + s, value))
+		return;
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+		const struct rb_meet *m = &w->meet[k];
+
+		if (held->slipping && held->straight && !rb_set_is_single(w->l, held->a, held->b))
+			held->ending = rb_vec3_dot(m->velocity, w->contact[k].slip) <=
+			               rb_meet_noise(w->l, m);
+	}
+}
+
 /* Where in the piece a mode ends first, seconds; the whole length if none does. */
 static double change_within(struct work *w, double *value)
 {
@@ -467,6 +524,7 @@ static double change_within(struct work *w, double *value)
 	double good = 0, bad = length;
 	int which = -1;
 
+	w->c->hits = false;
 	for (int k = 1; k <= LOOKS && which < 0; k++) {
 		bad = k < LOOKS ? length * k / LOOKS : length;
 		which = broken_at(w, bad, value);
@@ -475,7 +533,7 @@ static double change_within(struct work *w, double *value)
 	}
 	if (which < 0 || w->l->status != RB_OK)
 		return length;
-	bool ends = w->slip_ends;
+	bool ends = w->slip_ends, hits = w->hits;
 	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
 		const double middle = good + 0.5 * (bad - good);
 
@@ -486,11 +544,17 @@ static double change_within(struct work *w, double *value)
 			bad = middle;
 			which = now;
 			ends = w->slip_ends;
+			hits = w->hits;
 		} else {
 			good = middle;
 		}
 	}
+	if (ends)
+		end_slips(w, bad, value);
 	w->c->held[which].ending = ends;
+	w->c->hits = hits;
+	w->c->hit_a = w->c->held[which].a;
+	w->c->hit_b = w->c->held[which].b;
 	return bad;
 }
 

@@ -50,9 +50,11 @@ struct rb_next {
 /* What a lasting contact does; the order is that of rb_event_kind from REST on. */
 enum rb_held_mode { RB_HELD_REST, RB_HELD_SLIDE, RB_HELD_ROLL };
 
-/* A lasting contact. */
+/* A lasting contact: one point of a pair, which may have several. */
 struct rb_held {
-	int a, b; /* body indices, a < b */
+	int a, b;       /* body indices, a < b */
+	uint32_t parts; /* which features of them meet: struct rb_meet_name */
+	uint64_t key;
 	bool slipping, on_rim;
 	bool ending;     /* its slip has come to its end at this moment */
 	bool straight;   /* its slip keeps its direction to the end, to rounding */
@@ -72,11 +74,13 @@ struct rb_cluster {
 	bool at_rest;
 	bool has_jammed; /* velocities have just jumped: it is to be settled at once */
 	bool is_cut;     /* its piece ends where a contact changes its mode */
+	bool hits; /* ... or where two bodies that touch already come to touch at another point: */
+	int hit_a, hit_b;
 	double anchor_s;
 	int *member; /* [member_count], ascending */
 	int member_count;
 	size_t member_capacity;
-	struct rb_held *held; /* [held_count], by (a, b) */
+	struct rb_held *held; /* [held_count], by (a, b, parts, key) */
 	int held_count;
 	size_t held_capacity;
 

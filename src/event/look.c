@@ -15,7 +15,7 @@ enum rb_status rb_look_contacts(struct rb_located *l, double t)
 	for (int k = 0; k < l->cluster_count; k++)
 		for (int h = 0; h < l->cluster[k].held_count; h++) {
 			const struct rb_held *held = &l->cluster[k].held[h];
-			const struct rb_meet m = rb_meet_at(l, held->a, held->b, t);
+			const struct rb_meet m = rb_set_meet(l, held, t);
 			const double normal = rb_vec3_dot(held->force, m.normal);
 
 			contacts->row[contacts->count++] = (struct rb_contact){

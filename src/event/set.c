@@ -55,6 +55,65 @@ const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b)
 	               : NULL;
 }
 
+const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct rb_held *first)
+{
+	const int mover = first->a < l->n && l->cluster_of[first->a] >= 0 ? first->a : first->b;
+	const struct rb_cluster *c = &l->cluster[l->cluster_of[mover]];
+	const struct rb_held *h = first;
+
+	while (h < c->held + c->held_count && h->a == first->a && h->b == first->b)
+		h++;
+	return h;
+}
+
+struct rb_meet rb_set_meet(const struct rb_located *l, const struct rb_held *held, double t)
+{
+	const struct rb_meet_name name = rb_set_name(held);
+
+	if (rb_set_is_single(l, held->a, held->b))
+		return rb_meet_at(l, held->a, held->b, t);
+	const struct rb_pose pose_a = rb_arc_pose(l, held->a, t);
+	const struct rb_pose pose_b = rb_arc_pose(l, held->b, t);
+
+	return rb_meet_of(l, &name, &pose_a, &pose_b);
+}
+
+/* Points of a pair closer than this share of its size are one; rounding of places by their features is far below. */
+static const double one_place = 1e-9;
+/* Share of the size by which rounding and integration let a point be beyond the end of its features. */
+static const double beyond_end = 1e-11;
+
+bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
+                          const struct rb_meet *y)
+{
+	return rb_vec3_length(rb_vec3_sub(x->point, y->point)) <= one_place * rb_meet_size(l, x);
+}
+
+bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m)
+{
+	return m->inside < -beyond_end * rb_meet_size(l, m);
+}
+
+const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct rb_meet *m)
+{
+	const struct rb_held *const first = rb_set_held(l, m->a, m->b);
+
+	if (!first || rb_set_is_single(l, m->a, m->b))
+		return first;
+	const struct rb_held *const end = rb_set_held_end(l, first);
+	for (const struct rb_held *h = first; h < end; h++)
+		if (h->parts == m->parts && h->key == m->key)
+			return h;
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_meet_name name = rb_set_name(h);
+		const struct rb_meet now = rb_meet_of(l, &name, &m->pose_a, &m->pose_b);
+
+		if (rb_set_is_same_place(l, m, &now))
+			return h;
+	}
+	return NULL;
+}
+
 bool rb_set_touching(const struct rb_located *l, const struct rb_meet *m, double t, double slack)
 {
 	(void)slack;
@@ -97,6 +156,43 @@ static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_meet
 	pairs->row[pairs->count++] = *m;
 }
 
+/* The points of a pair that may have several: those that are held, and whatever else touches. */
+static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int b, bool come)
+{
+	struct rb_meet all[RB_MEET_MAX];
+	const struct rb_held *const first = rb_set_held(l, a, b);
+	const struct rb_held *const end = first ? rb_set_held_end(l, first) : NULL;
+	const int before = pairs->count;
+	int count = rb_meet_all(l, a, b, pairs->t, 0, all);
+
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_meet m = rb_set_meet(l, h, pairs->t);
+		int left = 0;
+
+		/* one that has left its features stays only if nothing else is there that could end it */
+		if (rb_set_has_left(l, &m) && (count > 0 || end - first > 1))
+			continue;
+		for (int k = 0; k < count; k++)
+			if ((all[k].parts != h->parts || all[k].key != h->key) &&
+			    !rb_set_is_same_place(l, &all[k], &m))
+				all[left++] = all[k];
+		count = left;
+		keep(l, pairs, &m);
+	}
+	if (come && count == 0 && pairs->count == before) {
+		all[0] = rb_meet_at(l, a, b, pairs->t);
+		all[0].gap = fmin(all[0].gap, 0);
+		count = 1;
+	}
+	for (int k = 0; k < count; k++)
+		if (pairs->joins(l, &all[k], pairs->t, pairs->slack))
+			keep(l, pairs, &all[k]);
+	if (pairs->count > before) {
+		rb_set_add(l, a);
+		rb_set_add(l, b);
+	}
+}
+
 /* A pair whose far side is not yet dealt with. */
 static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
 {
@@ -106,6 +202,10 @@ static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
 	const bool held = rb_set_held(l, i, j) != NULL;
 	if (!come && !held && rb_meet_is_far(l, i, j, pairs->t, pairs->t))
 		return;
+	if (!rb_set_is_single(l, i, j)) {
+		look_at_points(l, pairs, i < j ? i : j, i < j ? j : i, come);
+		return;
+	}
 	struct rb_meet m = rb_meet_at(l, i < j ? i : j, i < j ? j : i, pairs->t);
 	/* those whose touch has been located do touch, whatever rounding makes of their gap */
 	if (come)
@@ -129,13 +229,17 @@ static void add_springs(struct rb_located *l, int i)
 	}
 }
 
-static int by_pair(const void *left, const void *right)
+static int by_name(const void *left, const void *right)
 {
 	const struct rb_meet *x = left, *y = right;
 
 	if (x->a != y->a)
 		return x->a < y->a ? -1 : 1;
-	return (x->b > y->b) - (x->b < y->b);
+	if (x->b != y->b)
+		return x->b < y->b ? -1 : 1;
+	if (x->parts != y->parts)
+		return x->parts < y->parts ? -1 : 1;
+	return (x->key > y->key) - (x->key < y->key);
 }
 
 int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,
@@ -169,7 +273,7 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 	if (pairs.failed)
 		return -1;
 	if (pairs.count > 1)
-		qsort(pairs.row, (size_t)pairs.count, sizeof *pairs.row, by_pair);
+		qsort(pairs.row, (size_t)pairs.count, sizeof *pairs.row, by_name);
 	*found = pairs.row;
 	return pairs.count;
 }

@@ -14,8 +14,36 @@ void rb_set_clear(struct rb_located *l);
 /* Every moving body that could touch this one: all, or those in the cells around it. Writes to l->near. */
 int rb_set_near(const struct rb_located *l, int i);
 
-/* Is this pair held in a lasting contact? */
+/* Is this pair held in a lasting contact? The first of its points; the others follow it. */
 const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b);
+/* One past the last point of the pair that `first` is of. */
+const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct rb_held *first);
+/*
+ * The held contact that this meeting goes on with, NULL: none. By its features; of those that have come to an end there,
+ * by its place.
+ */
+const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct rb_meet *m);
+
+/* Only ever one point: a sphere with a sphere or a plane. */
+static inline bool rb_set_is_single(const struct rb_located *l, int a, int b)
+{
+	const enum rb_shape_kind x = l->model->shape[a].kind, y = l->model->shape[b].kind;
+
+	return x <= RB_SHAPE_RECTANGLE && y <= RB_SHAPE_RECTANGLE;
+}
+
+static inline struct rb_meet_name rb_set_name(const struct rb_held *held)
+{
+	return (struct rb_meet_name){held->a, held->b, held->parts, held->key};
+}
+
+/* A held contact at a moment of its bodies' arcs. */
+struct rb_meet rb_set_meet(const struct rb_located *l, const struct rb_held *held, double t);
+/* Has the point left the features that it is named by, beyond rounding? */
+bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m);
+/* Are these the same point of the pair, though by other features? */
+bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
+                          const struct rb_meet *y);
 
 /* Which pairs join: called with a pair that touches, or is held. */
 typedef bool rb_set_joins(const struct rb_located *l, const struct rb_meet *m, double t,
@@ -23,8 +51,8 @@ typedef bool rb_set_joins(const struct rb_located *l, const struct rb_meet *m, d
 
 /*
  * Grows the set to all that is joined to it by clusters, springs and touching pairs that `joins` accepts, and writes the
- * pairs between its bodies, and between them and fixed bodies, to the arena: *found, sorted by (a, b). Returns how many;
- * -1 when memory is out.
+ * contacts between its bodies, and between them and fixed bodies, to the arena: *found, sorted by (a, b, parts, key).
+ * Returns how many; -1 when memory is out.
  */
 int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,
                 struct rb_meet **found);

@@ -9,6 +9,7 @@
 #include "event/mechanics.h"
 #include "event/pull.h"
 #include "event/tell.h"
+#include "event/tidy.h"
 #include "event/together.h"
 #include "event/transition.h"
 
@@ -18,7 +19,7 @@ struct settling {
 	double t, slack;
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
 	bool struck;  /* an impact has just happened */
-	struct rb_meet *meet; /* [meet_count], sorted by (a, b) */
+	struct rb_meet *meet; /* [meet_count], sorted by (a, b, parts, key) */
 	int meet_count;
 	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
 	struct rb_pose *pose;      /* [set_count] */
@@ -27,11 +28,10 @@ struct settling {
 	bool *constant;            /* [set_count]: its other forces are constant */
 	int *root;                 /* [set_count]: union-find over what stays together */
 	double pull_most;          /* m/s^2: largest acceleration that went in */
+	double *load; /* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
 };
 
-enum { STILL_ULP = 64 };
-/* Share of speeds by which integration may have let a held contact drift. */
-static const double integrated = 1e-9;
+enum { STILL_ULP = 64, LOAD_ULP = 64 };
 /* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
 static const double gave_way = 1e-9;
 
@@ -43,97 +43,6 @@ static void *take(struct settling *s, int count, size_t size)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY,
 		                       "no memory for the contacts of %d bodies", s->l->set_count);
 	return block;
-}
-
-static struct rb_pose *pose_in(const struct settling *s, int body)
-{
-	return body < s->l->n && s->l->place[body] >= 0 ? &s->pose[s->l->place[body]] : NULL;
-}
-
-/* ---- what rounding and integration have let drift ---- */
-
-static void push(struct settling *s, int body, rb_vec3 arm, rb_vec3 impulse)
-{
-	struct rb_pose *pose = pose_in(s, body);
-
-	if (!pose)
-		return;
-	pose->velocity = rb_vec3_add_scaled(pose->velocity, s->l->model->inverse_mass[body],
-	                                    impulse);
-	if (s->l->top)
-		pose->spin = rb_vec3_add(pose->spin, rb_pull_yield(s->l, body, pose->orientation,
-		                                                   rb_vec3_cross(arm, impulse)));
-}
-
-static void yield(const struct settling *s, int body, rb_vec3 arm, rb_mat3 *k)
-{
-	const struct rb_pose *pose = pose_in(s, body);
-
-	if (!pose)
-		return;
-	for (int column = 0; column < 3; column++) {
-		const rb_vec3 unit = {column == 0, column == 1, column == 2};
-		const rb_vec3 dv = rb_mechanics_answer(s->l, body, pose, arm, arm, unit);
-
-		k->m[0][column] += dv.x;
-		k->m[1][column] += dv.y;
-		k->m[2][column] += dv.z;
-	}
-}
-
-static void meet_again(struct settling *s, struct rb_meet *m)
-{
-	const struct rb_pose *a = pose_in(s, m->a), *b = pose_in(s, m->b);
-	const struct rb_pose pose_a = a ? *a : m->pose_a, pose_b = b ? *b : m->pose_b;
-
-	*m = rb_meet_poses(s->l, m->a, m->b, &pose_a, &pose_b);
-}
-
-/* Back on the contact: its gap closed by moving, its normal velocity and the slip of one that does not slip stopped. */
-static void tidy(struct settling *s, struct rb_meet *m, const struct rb_held *before)
-{
-	const struct rb_model *model = s->l->model;
-	const double band = rb_meet_band(s->l, m, s->t);
-	const bool sticks = !before->slipping || before->ending;
-	rb_vec3 wrong = rb_vec3_scale(rb_vec3_dot(m->velocity, m->normal), m->normal);
-	rb_mat3 k = {0}, inverse;
-
-	/* an overlap that steps have left is within the tolerance, and others lean on it */
-	if (fabs(m->gap) > 0.5 * band && m->gap > -integrated * rb_meet_size(s->l, m)) {
-		const double sum = model->inverse_mass[m->a] + model->inverse_mass[m->b];
-		struct rb_pose *const a = pose_in(s, m->a), *const b = pose_in(s, m->b);
-		const double share = m->gap / sum;
-
-		if (a)
-			a->position = rb_vec3_add_scaled(
-				a->position, share * model->inverse_mass[m->a], m->normal);
-		if (b)
-			b->position = rb_vec3_add_scaled(
-				b->position, -share * model->inverse_mass[m->b], m->normal);
-		if (a)
-			a->origin = rb_vec3_add_scaled(a->origin, share * model->inverse_mass[m->a],
-			                               m->normal);
-		if (b)
-			b->origin = rb_vec3_add_scaled(
-				b->origin, -share * model->inverse_mass[m->b], m->normal);
-	}
-	if (sticks && s->l->top)
-		wrong = m->velocity;
-	if (rb_vec3_max_abs(wrong) > 0) {
-		yield(s, m->a, m->arm_a, &k);
-		yield(s, m->b, m->arm_b, &k);
-		rb_vec3 impulse;
-		if (sticks && s->l->top && rb_mat3_inverse(&k, &inverse))
-			impulse = rb_vec3_neg(rb_mat3_apply(&inverse, wrong));
-		else
-			impulse = rb_vec3_scale(
-				-rb_vec3_dot(wrong, m->normal) /
-					rb_vec3_dot(m->normal, rb_mat3_apply(&k, m->normal)),
-				m->normal);
-		push(s, m->a, m->arm_a, rb_vec3_neg(impulse));
-		push(s, m->b, m->arm_b, impulse);
-	}
-	meet_again(s, m);
 }
 
 /* ---- gathering ---- */
@@ -163,6 +72,7 @@ static bool begin(struct settling *s)
 	s->angular = take(s, l->set_count, sizeof *s->angular);
 	s->constant = take(s, l->set_count, sizeof *s->constant);
 	s->root = take(s, l->set_count, sizeof *s->root);
+	s->load = take(s, l->set_count, sizeof *s->load);
 	if (l->status != RB_OK)
 		return false;
 	for (int k = 0; k < l->set_count; k++) {
@@ -170,7 +80,7 @@ static bool begin(struct settling *s)
 		s->root[k] = k;
 	}
 	for (int k = 0; k < s->meet_count; k++) {
-		const struct rb_held *held = rb_set_held(l, s->meet[k].a, s->meet[k].b);
+		const struct rb_held *held = rb_set_held_like(l, &s->meet[k]);
 
 		s->before[k] = (struct rb_held){.a = -1};
 		if (!held)
@@ -187,36 +97,81 @@ static bool parts(const struct settling *s, const struct rb_meet *m)
 	double most = rb_meet_noise(s->l, m) + s->slack + s->drift;
 
 	if (!s->struck)
-		most += integrated *
+		most += rb_tidy_drift *
 		        (rb_vec3_length(m->pose_a.velocity) + rb_vec3_length(m->pose_b.velocity));
 	/* and one whose body has been put elsewhere */
-	return rb_vec3_dot(m->velocity, m->normal) > most ||
-	       m->gap > fmax(integrated * rb_meet_size(s->l, m), rb_meet_band(s->l, m, s->t));
+	return rb_vec3_dot(m->velocity, m->normal) > most || rb_set_has_left(s->l, m) ||
+	       m->gap > fmax(rb_tidy_drift * rb_meet_size(s->l, m), rb_meet_band(s->l, m, s->t));
+}
+
+/* Those of the same pair as contact k: from *first to before the number returned. */
+static int pair_of(const struct settling *s, int k, int *first)
+{
+	const struct rb_meet *m = s->meet;
+	int end = k + 1;
+
+	*first = k;
+	while (*first > 0 && m[*first - 1].a == m[k].a && m[*first - 1].b == m[k].b)
+		--*first;
+	while (end < s->meet_count && m[end].a == m[k].a && m[end].b == m[k].b)
+		end++;
+	return end;
+}
+
+/* A contact that ends: either others of its pair go on, with what has been told of the pair, or the bodies part. */
+static void end_contact(struct settling *s, int k, const bool *kept)
+{
+	int first;
+	const int end = pair_of(s, k, &first);
+	bool goes_on = false;
+
+	if (!s->before[k].is_told)
+		return;
+	for (int other = first; other < end; other++) {
+		struct rb_held *const before = &s->before[other];
+
+		goes_on = goes_on || kept[other];
+		if (kept[other] && !before->is_told) {
+			before->is_told = true;
+			before->told = s->before[k].told;
+		} else if (!kept[other] && other > k) {
+			before->is_told = false; /* once is enough */
+		}
+	}
+	if (!goes_on)
+		rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
 }
 
 static void keep_what_lasts(struct settling *s)
 {
+	bool *const kept = take(s, s->meet_count, sizeof *kept);
+	struct rb_tidy tidy = {.l = s->l,
+	                       .t = s->t,
+	                       .meet = s->meet,
+	                       .before = s->before,
+	                       .kept = kept,
+	                       .count = s->meet_count,
+	                       .pose = s->pose};
 	int count = 0;
 
+	if (!kept)
+		return;
 	for (int k = 0; k < s->meet_count; k++)
 		/* an impact has left velocities that are right */
-		if (s->before[k].a >= 0 && !s->struck && !parts(s, &s->meet[k])) {
-			meet_again(s, &s->meet[k]);
-			tidy(s, &s->meet[k], &s->before[k]);
-		}
+		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->meet[k]);
+	rb_tidy(&tidy);
 	for (int k = 0; k < s->meet_count; k++) {
-		struct rb_meet m = s->meet[k];
-		const struct rb_held before = s->before[k];
-
-		meet_again(s, &m);
-		if (before.a >= 0 && parts(s, &m)) {
-			if (before.is_told)
-				rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &m);
-			continue;
-		}
-		s->meet[count] = m;
-		s->before[count++] = before;
+		rb_tidy_meet(s->l, s->pose, &s->meet[k]);
+		kept[k] = s->before[k].a < 0 || !parts(s, &s->meet[k]);
 	}
+	for (int k = 0; k < s->meet_count; k++)
+		if (!kept[k])
+			end_contact(s, k, kept);
+	for (int k = 0; k < s->meet_count; k++)
+		if (kept[k]) {
+			s->meet[count] = s->meet[k];
+			s->before[count++] = s->before[k];
+		}
 	s->meet_count = count;
 }
 
@@ -270,11 +225,29 @@ static void joint_contact(struct settling *s, int k)
 	c->b = joint_body(s, m->b);
 	if (before->a >= 0)
 		c->impulse = before->force;
-	if (speed > (stuck ? fmax(still, integrated * (rb_vec3_length(m->pose_a.velocity) +
-	                                               rb_vec3_length(m->pose_b.velocity)))
+	if (speed > (stuck ? fmax(still, rb_tidy_drift * (rb_vec3_length(m->pose_a.velocity) +
+	                                                  rb_vec3_length(m->pose_b.velocity)))
 	                   : still)) {
 		c->mode = RB_JOINT_SLIDE;
 		c->slip = rb_vec3_scale(1 / speed, slip);
+	}
+}
+
+static void add_load(struct settling *s, int body, double force)
+{
+	if (body < s->l->n && s->l->place[body] >= 0)
+		s->load[s->l->place[body]] += s->l->model->inverse_mass[body] * force;
+}
+
+static void find_loads(struct settling *s)
+{
+	for (int k = 0; k < s->l->set_count; k++)
+		s->load[k] = 0;
+	for (int k = 0; k < s->meet_count; k++) {
+		const double force = rb_vec3_length(s->joint.contact[k].impulse);
+
+		add_load(s, s->meet[k].a, force);
+		add_load(s, s->meet[k].b, force);
 	}
 }
 
@@ -291,6 +264,7 @@ static bool solve(struct settling *s)
 	s->joint.contact_count = s->meet_count;
 	if (s->meet_count > 0)
 		rb_joint_forces(&s->joint);
+	find_loads(s);
 	return true;
 }
 
@@ -371,7 +345,7 @@ static struct rb_held held_of(struct settling *s, int k)
 	const bool known = held.a >= 0;
 
 	if (!known)
-		held = (struct rb_held){.tell_s = s->t};
+		held = (struct rb_held){.tell_s = s->t, .is_told = held.is_told, .told = held.told};
 	for (int n = 0; n < s->l->merge_count && !known; n++)
 		if (s->l->merge[n].a == m->a && s->l->merge[n].b == m->b) {
 			held.tell_s = s->l->merge[n].tell_s;
@@ -379,6 +353,8 @@ static struct rb_held held_of(struct settling *s, int k)
 		}
 	held.a = m->a;
 	held.b = m->b;
+	held.parts = m->parts;
+	held.key = m->key;
 	held.force = c->impulse;
 	held.ending = held.straight = false;
 	/* without friction nothing sticks, whether it slips or not */
@@ -398,23 +374,42 @@ static struct rb_held held_of(struct settling *s, int k)
 	return held;
 }
 
-/* Tells what a contact does, unless it was told already or an accumulation is still to end. */
-static void tell_mode(struct settling *s, struct rb_held *held, int k)
+/*
+ * Tells what the points of a pair do together, unless it was told already or an accumulation is still to end: they slide
+ * if one of them does, rest if all do, and else they roll, rock or topple.
+ */
+static void tell_mode(struct settling *s, struct rb_held *held, const int *meet, int count)
 {
 	static const enum rb_event_kind kinds[] = {[RB_HELD_REST] = RB_EVENT_REST,
 	                                           [RB_HELD_SLIDE] = RB_EVENT_SLIDE,
 	                                           [RB_HELD_ROLL] = RB_EVENT_ROLL};
-	const enum rb_held_mode mode = mode_of(s, k);
+	enum rb_held_mode mode = RB_HELD_REST;
+	const struct rb_held *told = NULL;
+	bool merged = false;
 
-	if (held->tell_s > s->t || (held->is_told && held->told == mode))
+	for (int k = 0; k < count; k++) {
+		if (held[k].is_told && !told)
+			told = &held[k];
+		const enum rb_held_mode own = mode_of(s, meet[k]);
+		if (mode != RB_HELD_SLIDE && own != RB_HELD_REST)
+			mode = own;
+		merged = merged || held[k].merged;
+	}
+	if (!told && held->tell_s > s->t)
 		return;
-	if (held->merged)
-		rb_tell_transition(s->l, s->t, RB_EVENT_MERGE, &s->meet[k]);
-	held->merged = false;
-	held->is_told = true;
-	held->told = mode;
+	const bool again = told && told->told == mode;
+	for (int k = 0; k < count; k++) {
+		held[k].merged = false;
+		held[k].is_told = true;
+		held[k].told = mode;
+		held[k].tell_s = fmin(held[k].tell_s, s->t);
+	}
+	if (again)
+		return;
+	if (merged)
+		rb_tell_transition(s->l, s->t, RB_EVENT_MERGE, &s->meet[meet[0]]);
 	if (!s->l->starting)
-		rb_tell_transition(s->l, s->t, kinds[mode], &s->meet[k]);
+		rb_tell_transition(s->l, s->t, kinds[mode], &s->meet[meet[0]]);
 }
 
 /* Rate at which the contact point's slip changes, across the normal. */
@@ -446,6 +441,30 @@ static bool is_straight(const struct settling *s, int k, const struct rb_held *h
 	                     speed <= -along * 16 * DBL_EPSILON * s->t);
 }
 
+/* Speeds and accelerations that are nothing to a member: rounding of a fall by its own size, and of what presses it. */
+static bool is_nothing(const struct settling *s, int k, double pull, rb_vec3 speed, rb_vec3 rate)
+{
+	const double radius = rb_model_reach(s->l->model, s->l->set[k]);
+	const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * pull * radius);
+
+	return rb_vec3_max_abs(speed) <= still &&
+	       rb_vec3_max_abs(rate) <= fmax(1e-12 * pull, LOAD_ULP * DBL_EPSILON * s->load[k]);
+}
+
+/* Neither a closed form nor without turning. */
+static bool turns_oddly(const struct settling *s, int k)
+{
+	const struct rb_located *l = s->l;
+	const double radius = rb_model_reach(l->model, l->set[k]);
+
+	/* what turns evenly is in closed form only where it is round */
+	if (!l->top || (l->top_body[l->set[k]].kind == RB_TOP_CONSTANT &&
+	                l->model->shape[l->set[k]].kind == RB_SHAPE_SPHERE))
+		return false;
+	return !is_nothing(s, k, s->pull_most, rb_vec3_scale(radius, s->pose[k].spin),
+	                   rb_vec3_scale(radius, s->joint.body[k].angular));
+}
+
 /* Constant accelerations from here to the next transition? */
 static bool in_closed_form(const struct settling *s, int part, const struct rb_cluster *c)
 {
@@ -453,17 +472,19 @@ static bool in_closed_form(const struct settling *s, int part, const struct rb_c
 
 	for (int k = 0; k < l->set_count; k++)
 		if (root_of(s->root, k) == part &&
-		    (!s->constant[k] ||
-		     (l->top && l->top_body[l->set[k]].kind != RB_TOP_CONSTANT) ||
-		     l->model->center_of_mass))
+		    (!s->constant[k] || l->model->center_of_mass || turns_oddly(s, k)))
 			return false;
 	for (int k = 0; k < s->meet_count; k++) {
-		const struct rb_held *held = rb_set_held(l, s->meet[k].a, s->meet[k].b);
+		const struct rb_held *held = rb_set_held_like(l, &s->meet[k]);
 
 		if (!held || l->cluster_of[yielding(s, k)] != (int)(c - l->cluster))
 			continue;
 		if (s->meet[k].b < l->n || s->meet[k].on_rim ||
 		    l->model->shape[s->meet[k].b].kind == RB_SHAPE_SPHERE)
+			return false;
+		/* nobody looks for where a point leaves its features, or another one comes */
+		if (!rb_set_is_single(l, s->meet[k].a, s->meet[k].b) &&
+		    l->model->shape[s->meet[k].b].kind != RB_SHAPE_PLANE)
 			return false;
 		if (held->slipping && !held->straight)
 			return false;
@@ -489,12 +510,9 @@ static bool stands_still(const struct settling *s, int part)
 		const double radius = rb_model_reach(l->model, l->set[k]);
 		const struct rb_joint_body *b = &s->joint.body[k];
 
-		const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * pull * radius);
-
-		if (!s->constant[k] || rb_vec3_max_abs(s->pose[k].velocity) > still ||
-		    rb_vec3_max_abs(s->pose[k].spin) * radius > still ||
-		    rb_vec3_max_abs(b->linear) > 1e-12 * pull ||
-		    rb_vec3_max_abs(b->angular) * radius > 1e-12 * pull)
+		if (!s->constant[k] || !is_nothing(s, k, pull, s->pose[k].velocity, b->linear) ||
+		    !is_nothing(s, k, pull, rb_vec3_scale(radius, s->pose[k].spin),
+		                rb_vec3_scale(radius, b->angular)))
 			return false;
 	}
 	return true;
@@ -515,6 +533,8 @@ static void start_part(struct settling *s, int part, struct rb_cluster *c)
 			continue;
 		if (still)
 			s->pose[k].velocity = s->pose[k].spin = none;
+		else if (closed && l->top && l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
+			s->pose[k].spin = s->joint.body[k].angular = none;
 		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
 		              still ? none : s->joint.body[k].linear,
 		              still || !closed ? none : s->joint.body[k].angular);
@@ -523,12 +543,44 @@ static void start_part(struct settling *s, int part, struct rb_cluster *c)
 		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
 }
 
+/* The contacts of a part, for its cluster; `meet`: room for as many numbers. */
+static void write_held(struct settling *s, int part, struct rb_cluster *c, int *meet)
+{
+	const struct rb_located *l = s->l;
+	int told = 0;
+
+	for (int k = 0; k < s->meet_count; k++) {
+		if (!presses(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
+			continue;
+		struct rb_held held = held_of(s, k);
+
+		held.straight = held.slipping && is_straight(s, k, &held);
+		meet[c->held_count] = k;
+		c->held[c->held_count++] = held;
+	}
+	for (int k = 1; k <= c->held_count; k++)
+		if (k == c->held_count || c->held[k].a != c->held[told].a ||
+		    c->held[k].b != c->held[told].b) {
+			tell_mode(s, c->held + told, meet + told, k - told);
+			told = k;
+		}
+}
+
+static void fly(struct settling *s, int body)
+{
+	const int place = s->l->place[body];
+
+	rb_arc_anchor(s->l, body, s->t, &s->pose[place], s->linear[place],
+	              rb_pull_turning(s->l, body));
+}
+
 static void write_parts(struct settling *s, double try_s)
 {
 	struct rb_located *l = s->l;
 	int *member = take(s, l->set_count, sizeof *member);
+	int *meet = take(s, s->meet_count, sizeof *meet);
 
-	for (int part = 0; member && part < l->set_count; part++) {
+	for (int part = 0; member && meet && part < l->set_count; part++) {
 		int count = 0, held_count = 0;
 		bool alone = true;
 
@@ -537,18 +589,14 @@ static void write_parts(struct settling *s, double try_s)
 		for (int k = part; k < l->set_count; k++)
 			if (root_of(s->root, k) == part)
 				member[count++] = l->set[k];
-		for (int k = 0; k < s->meet_count; k++) {
-			const int yields = rb_located_fixed(l, s->meet[k].a) ? s->meet[k].b
-			                                                     : s->meet[k].a;
-			held_count += presses(s, k) && root_of(s->root, l->place[yields]) == part;
-		}
+		for (int k = 0; k < s->meet_count; k++)
+			held_count += presses(s, k) &&
+			              root_of(s->root, l->place[yielding(s, k)]) == part;
 		for (int k = 0; k < count; k++)
 			alone = alone && s->constant[l->place[member[k]]];
 		if (held_count == 0 && alone) { /* a body in flight */
 			for (int k = 0; k < count; k++)
-				rb_arc_anchor(l, member[k], s->t, &s->pose[l->place[member[k]]],
-				              s->linear[l->place[member[k]]],
-				              rb_pull_turning(l, member[k]));
+				fly(s, member[k]);
 			continue;
 		}
 		const int cluster = rb_cluster_take(l, member, count, held_count);
@@ -558,15 +606,7 @@ static void write_parts(struct settling *s, double try_s)
 		}
 		struct rb_cluster *c = &l->cluster[cluster];
 		c->try_s = try_s;
-		for (int k = 0; k < s->meet_count; k++) {
-			if (!presses(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
-				continue;
-			struct rb_held held = held_of(s, k);
-
-			held.straight = held.slipping && is_straight(s, k, &held);
-			tell_mode(s, &held, k);
-			c->held[c->held_count++] = held;
-		}
+		write_held(s, part, c, meet);
 		start_part(s, part, c);
 		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
 	}
@@ -589,11 +629,21 @@ static void forget_before(struct settling *s, double *try_s)
 	}
 }
 
+/* Of a pair that does not press at any of its points any more. */
 static void tell_lifts(struct settling *s)
 {
-	for (int k = 0; k < s->meet_count; k++)
-		if (s->before[k].a >= 0 && s->before[k].is_told && !presses(s, k))
+	for (int k = 0, first; k < s->meet_count; k++) {
+		const int end = pair_of(s, k, &first);
+		bool goes_on = false;
+
+		if (!s->before[k].is_told || presses(s, k))
+			continue;
+		for (int other = first; other < end; other++)
+			goes_on = goes_on || presses(s, other) ||
+			          (other < k && s->before[other].is_told);
+		if (!goes_on)
 			rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
+	}
 }
 
 void rb_settle(struct rb_located *l, double t, bool struck, double slack)

@@ -2,6 +2,7 @@
 #include "event/strike.h"
 
 #include <float.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "event/mechanics.h"
@@ -49,7 +50,7 @@ static double turn_yield(const struct rb_located *l, int i)
 /* Acceleration by which two bodies that part now are brought together again, m/s^2. */
 static double closing_of(const struct rb_located *l, const struct rb_meet *m, double t)
 {
-	const struct rb_held *held = rb_set_held(l, m->a, m->b);
+	const struct rb_held *held = rb_set_held_like(l, m);
 
 	if (held) /* what its force has held back */
 		return fabs(rb_vec3_dot(held->force, m->normal)) *
@@ -186,7 +187,8 @@ struct striking {
 	int meet_count;
 	struct rb_pose *pose; /* [set_count] */
 	struct rb_joint joint;
-	double slack; /* m/s: rounding of the velocities that came in */
+	struct rb_joint_body *came; /* [joint.body_count]: before the impact */
+	double slack;               /* m/s: rounding of the velocities that came in */
 };
 
 static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
@@ -228,6 +230,10 @@ static bool build(struct striking *s)
 		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
 		s->slack = fmax(s->slack, s->joint.contact[k].noise);
 	}
+	s->came = rb_arena_take(l->arena, (size_t)s->joint.body_count + 1, sizeof *s->came);
+	if (!s->came)
+		return false;
+	memcpy(s->came, s->joint.body, (size_t)s->joint.body_count * sizeof *s->came);
 	return true;
 }
 
@@ -263,7 +269,11 @@ static double accumulation(const struct striking *s, int k)
 	pose_a.spin = s->joint.body[c->a].angular;
 	pose_b.velocity = s->joint.body[c->b].linear;
 	pose_b.spin = s->joint.body[c->b].angular;
-	const struct rb_meet after = rb_meet_poses(l, s->meet[k].a, s->meet[k].b, &pose_a, &pose_b);
+	const struct rb_meet *m = &s->meet[k];
+	const struct rb_meet_name name = {m->a, m->b, m->parts, m->key};
+	const struct rb_meet after = rb_set_is_single(l, m->a, m->b)
+	                                     ? rb_meet_poses(l, m->a, m->b, &pose_a, &pose_b)
+	                                     : rb_meet_of(l, &name, &pose_a, &pose_b);
 	const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0;
 	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t))
@@ -279,35 +289,17 @@ static void tell_ends(struct striking *s)
 	for (int k = 0; k < s->meet_count; k++) {
 		const struct rb_joint_contact *c = &s->joint.contact[k];
 
+		if (k > 0 && s->meet[k - 1].a == s->meet[k].a && s->meet[k - 1].b == s->meet[k].b)
+			continue;
 		if (c->approach > 0 && c->restitution > 0 &&
 		    rb_vec3_dot(velocity_after(s, k), c->normal) <= c->noise)
 			rb_tell_transition(s->l, s->t, RB_EVENT_MERGE, &s->meet[k]);
 	}
 }
 
-/*
- * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the contact lasts from
- * here, and is told when the last of them would be over, after 2 u / (a (1 - e)).
- */
-static void end_accumulations(struct striking *s)
+/* Of contacts that are to end, what is left of their rebounds is taken away. */
+static void stop_one_by_one(struct striking *s, const bool *ends)
 {
-	struct rb_located *l = s->l;
-	bool *const ends = rb_arena_take(l->arena, (size_t)s->meet_count + 1, sizeof *ends);
-
-	if (!ends ||
-	    !rb_memory_reserve(&l->merge, &l->merge_capacity,
-	                       (size_t)(l->merge_count + s->meet_count), sizeof *l->merge)) {
-		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
-		return;
-	}
-	for (int k = 0; k < s->meet_count; k++) {
-		const double rest_s = accumulation(s, k);
-
-		ends[k] = rest_s >= 0;
-		if (ends[k])
-			l->merge[l->merge_count++] = (struct rb_merge){s->meet[k].a, s->meet[k].b,
-			                                               s->t + rest_s};
-	}
 	/* stopping one may move another that ends as well: until all stand */
 	for (int pass = 0; pass < STOP_PASSES; pass++) {
 		bool moved = false;
@@ -326,6 +318,90 @@ static void end_accumulations(struct striking *s)
 	}
 }
 
+/* The same where points of bodies hang together: the impact once more, in which they give nothing back. */
+static void stop_together(struct striking *s, const bool *ends)
+{
+	for (int k = 0; k < s->joint.body_count; k++)
+		s->joint.body[k] = s->came[k];
+	for (int k = 0; k < s->meet_count; k++)
+		if (ends[k])
+			s->joint.contact[k].restitution = 0;
+	rb_joint_impact(&s->joint, NULL);
+}
+
+/*
+ * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the contact lasts from
+ * here, and is told when the last of them would be over, after 2 u / (a (1 - e)).
+ */
+static void end_accumulations(struct striking *s)
+{
+	struct rb_located *l = s->l;
+	bool *const ends = rb_arena_take(l->arena, (size_t)s->meet_count + 1, sizeof *ends);
+	bool any = false, single = true;
+
+	if (!ends ||
+	    !rb_memory_reserve(&l->merge, &l->merge_capacity,
+	                       (size_t)(l->merge_count + s->meet_count), sizeof *l->merge)) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
+		return;
+	}
+	for (int k = 0; k < s->meet_count; k++) {
+		const double rest_s = accumulation(s, k);
+
+		ends[k] = rest_s >= 0;
+		if (!ends[k])
+			continue;
+		any = true;
+		single = single && rb_set_is_single(l, s->meet[k].a, s->meet[k].b);
+		l->merge[l->merge_count++] = (struct rb_merge){s->meet[k].a, s->meet[k].b,
+		                                               s->t + rest_s};
+	}
+	if (any && single)
+		stop_one_by_one(s, ends);
+	else if (any)
+		stop_together(s, ends);
+}
+
+/* One event a pair: the impulses of its points together, where they act on the whole. */
+static void tell_pair(struct striking *s, int first, int end)
+{
+	struct rb_meet m = s->meet[first];
+	rb_vec3 impulse = {0, 0, 0}, point = {0, 0, 0};
+	double approach = 0, push = 0;
+
+	for (int k = first; k < end; k++) {
+		const struct rb_joint_contact *c = &s->joint.contact[k];
+		const double own = rb_vec3_dot(c->impulse, c->normal);
+
+		impulse = rb_vec3_add(impulse, c->impulse);
+		if (own > 0) /* from the first one: far away that costs no digits */
+			point = rb_vec3_add_scaled(
+				point, own, rb_vec3_sub(s->meet[k].point, s->meet[first].point));
+		push += fmax(own, 0);
+		if (c->approach > approach) {
+			approach = c->approach;
+			m.normal = c->normal;
+		}
+	}
+	if (!(approach > 0))
+		return;
+	if (end > first + 1 && push > 0)
+		m.point = rb_vec3_add_scaled(m.point, 1 / push, point);
+	rb_tell_impact(s->l, s->t, &m, impulse, approach);
+}
+
+static void tell_impacts(struct striking *s)
+{
+	int first = 0;
+
+	for (int k = 1; k <= s->meet_count; k++)
+		if (k == s->meet_count || s->meet[k].a != s->meet[first].a ||
+		    s->meet[k].b != s->meet[first].b) {
+			tell_pair(s, first, k);
+			first = k;
+		}
+}
+
 static void strike(struct striking *s)
 {
 	struct rb_located *l = s->l;
@@ -333,10 +409,8 @@ static void strike(struct striking *s)
 
 	if (!rb_joint_impact(&s->joint, &rounds))
 		l->world->frame_counts.plastic_ends++;
-	for (int k = 0; k < s->meet_count; k++)
-		if (s->joint.contact[k].approach > 0)
-			rb_tell_impact(l, s->t, &s->meet[k], s->joint.contact[k].impulse,
-			               s->joint.contact[k].approach);
+	if (s->meet_count > 0)
+		tell_impacts(s);
 	tell_ends(s);
 	end_accumulations(s);
 	for (int k = 0; k < l->set_count; k++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/transition.h"
 
-#include "event/meet.h"
+#include "event/set.h"
 #include "geom/distance.h"
 
 /* Seconds until x + v s + a s^2 / 2 leaves [-half, half], outward; INFINITY: never. */
@@ -43,7 +43,7 @@ static double leaves_face(const struct rb_located *l, const struct rb_held *held
 /* Seconds in which rounding may take a body out of the touching band of a plane. */
 static double stays_in_band(const struct rb_located *l, const struct rb_held *held, double t)
 {
-	const struct rb_meet m = rb_meet_at(l, held->a, held->b, t);
+	const struct rb_meet m = rb_set_meet(l, held, t);
 	const rb_vec3 a = l->arc[held->a].acceleration, v = l->arc[held->a].velocity;
 	const double band = 0.5 * rb_meet_band(l, &m, t);
 	const double drift = fabs(rb_vec3_dot(v, m.normal)), pull = fabs(rb_vec3_dot(a, m.normal));
@@ -56,7 +56,7 @@ static double stays_in_band(const struct rb_located *l, const struct rb_held *he
 /* Seconds until the slip of this contact of constant accelerations has ended. */
 static double slip_ends(const struct rb_located *l, const struct rb_held *held, double t)
 {
-	const struct rb_meet m = rb_meet_at(l, held->a, held->b, t);
+	const struct rb_meet m = rb_set_meet(l, held, t);
 	const struct rb_arc *arc = &l->arc[held->a];
 	const rb_vec3 turning = l->top ? l->top[held->a].acceleration : (rb_vec3){0, 0, 0};
 	const rb_vec3 rate = rb_vec3_neg(

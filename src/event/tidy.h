@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What rounding and integration have let drift in lasting contacts, put right: gaps closed by moving, normal velocities,
+ * and the slip of what does not slip, stopped.
+ *
+ * Spheres are moved one contact after the other. Bodies with several points a pair are moved and turned together, by the
+ * smallest motion in the metric of kinetic energy that serves all points at once: one by one each would undo the others.
+ */
+#ifndef RB_EVENT_TIDY_H
+#define RB_EVENT_TIDY_H
+
+#include "event/set.h"
+
+/* All arrays are the caller's; poses are those of the bodies of the set, by l->place. */
+struct rb_tidy {
+	struct rb_located *l;
+	double t;
+	struct rb_meet *meet;         /* [count]: those that are put right are found anew */
+	const struct rb_held *before; /* [count] */
+	const bool *kept;             /* [count]: these are put right */
+	int count;
+	struct rb_pose *pose;
+};
+
+/* Share of sizes and speeds by which integration may have let a held contact drift. */
+static const double rb_tidy_drift = 1e-9;
+
+void rb_tidy(struct rb_tidy *tidy);
+
+/* A meeting with the poses that bodies of the set have been given since. */
+void rb_tidy_meet(const struct rb_located *l, const struct rb_pose *pose, struct rb_meet *m);
+
+#endif
