@@ -2,13 +2,13 @@
 #include "event/strike.h"
 
 #include <float.h>
-#include <string.h>
 
 #include "base/memory.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
 #include "event/settle.h"
 #include "event/tell.h"
+#include "event/tidy.h"
 #include "geom/distance.h"
 
 enum { SMALLEST_ULP = 8, STOP_PASSES = 64 };
@@ -187,7 +187,6 @@ struct striking {
 	int meet_count;
 	struct rb_pose *pose; /* [set_count] */
 	struct rb_joint joint;
-	struct rb_joint_body *came; /* [joint.body_count]: before the impact */
 	double slack;               /* m/s: rounding of the velocities that came in */
 };
 
@@ -201,6 +200,34 @@ static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
 	s->joint.body[s->joint.body_count] = (struct rb_joint_body){.linear = pose->velocity,
 	                                                            .angular = pose->spin};
 	return s->joint.body_count++;
+}
+
+static struct rb_tidy tidy_of(struct striking *s, const bool *kept)
+{
+	return (struct rb_tidy){.l = s->l,
+	                        .t = s->t,
+	                        .meet = s->meet,
+	                        .kept = kept,
+	                        .count = s->meet_count,
+	                        .pose = s->pose};
+}
+
+/*
+ * What bodies with several points that have been held, and come to touch at another, have drifted: it would feed a series
+ * of impacts that comes to its end.
+ */
+static bool put_right(struct striking *s)
+{
+	struct rb_located *l = s->l;
+	bool *const kept = rb_arena_take(l->arena, (size_t)s->meet_count + 1, sizeof *kept);
+	struct rb_tidy tidy = tidy_of(s, kept);
+
+	if (!kept)
+		return false;
+	for (int k = 0; k < s->meet_count; k++)
+		kept[k] = rb_set_held(l, s->meet[k].a, s->meet[k].b) != NULL;
+	rb_tidy_places(&tidy);
+	return true;
 }
 
 static bool build(struct striking *s)
@@ -217,8 +244,11 @@ static bool build(struct striking *s)
 	s->joint.arena = l->arena;
 	s->joint.body_count = l->set_count;
 	s->joint.contact_count = s->meet_count;
-	for (int k = 0; k < l->set_count; k++) {
+	for (int k = 0; k < l->set_count; k++)
 		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
+	if (!put_right(s))
+		return false;
+	for (int k = 0; k < l->set_count; k++) {
 		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->pose[k].velocity,
 		                                     s->pose[k].spin);
 	}
@@ -230,10 +260,6 @@ static bool build(struct striking *s)
 		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
 		s->slack = fmax(s->slack, s->joint.contact[k].noise);
 	}
-	s->came = rb_arena_take(l->arena, (size_t)s->joint.body_count + 1, sizeof *s->came);
-	if (!s->came)
-		return false;
-	memcpy(s->came, s->joint.body, (size_t)s->joint.body_count * sizeof *s->came);
 	return true;
 }
 
@@ -275,7 +301,9 @@ static double accumulation(const struct striking *s, int k)
 	                                     ? rb_meet_poses(l, m->a, m->b, &pose_a, &pose_b)
 	                                     : rb_meet_of(l, &name, &pose_a, &pose_b);
 	const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
-	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0;
+	/* the other end of a body that rocks lifts without an impulse */
+	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
+	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
 	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t))
 		return -1;
 	const double closing = closing_of(l, &after, s->t);
@@ -318,15 +346,20 @@ static void stop_one_by_one(struct striking *s, const bool *ends)
 	}
 }
 
-/* The same where points of bodies hang together: the impact once more, in which they give nothing back. */
+/* The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. */
 static void stop_together(struct striking *s, const bool *ends)
 {
-	for (int k = 0; k < s->joint.body_count; k++)
-		s->joint.body[k] = s->came[k];
-	for (int k = 0; k < s->meet_count; k++)
-		if (ends[k])
-			s->joint.contact[k].restitution = 0;
-	rb_joint_impact(&s->joint, NULL);
+	struct rb_tidy tidy = tidy_of(s, ends);
+
+	for (int k = 0; k < s->l->set_count; k++) {
+		s->pose[k].velocity = s->joint.body[k].linear;
+		s->pose[k].spin = s->joint.body[k].angular;
+	}
+	rb_tidy_stop(&tidy);
+	for (int k = 0; k < s->l->set_count; k++) {
+		s->joint.body[k].linear = s->pose[k].velocity;
+		s->joint.body[k].angular = s->pose[k].spin;
+	}
 }
 
 /*

@@ -37,7 +37,7 @@ void rb_tidy_meet(const struct rb_located *l, const struct rb_pose *pose, struct
 
 static bool sticks(const struct rb_tidy *tidy, int k)
 {
-	return tidy->l->top && (!tidy->before[k].slipping || tidy->before[k].ending);
+	return tidy->l->top && tidy->before && (!tidy->before[k].slipping || tidy->before[k].ending);
 }
 
 /* An overlap that steps have left is within the tolerance, and others lean on it. */
@@ -318,27 +318,51 @@ static void move_velocities(struct errors *e)
 	meet_all(e->tidy);
 }
 
-void rb_tidy(struct rb_tidy *tidy)
+static bool is_single(const struct rb_tidy *tidy)
 {
-	struct errors e = {.tidy = tidy};
 	bool single = true;
 
 	for (int k = 0; k < tidy->count; k++)
 		single = single && rb_set_is_single(tidy->l, tidy->meet[k].a, tidy->meet[k].b);
-	if (single) {
-		for (int k = 0; k < tidy->count; k++)
-			if (tidy->kept[k]) {
-				rb_tidy_meet(tidy->l, tidy->pose, &tidy->meet[k]);
-				tidy_one(tidy, k);
-			}
-		return;
-	}
+	return single;
+}
+
+static void tidy_together(struct rb_tidy *tidy, bool places, bool velocities)
+{
 	const rb_arena_mark here = rb_arena_here(tidy->l->arena);
+	struct errors e = {.tidy = tidy};
+
 	/* without memory the drift stays, and is put right another time */
 	if (take(&e)) {
 		meet_all(tidy);
-		move_places(&e);
-		move_velocities(&e);
+		if (places)
+			move_places(&e);
+		if (velocities)
+			move_velocities(&e);
 	}
 	rb_arena_back(tidy->l->arena, here);
+}
+
+void rb_tidy(struct rb_tidy *tidy)
+{
+	if (!is_single(tidy)) {
+		tidy_together(tidy, true, true);
+		return;
+	}
+	for (int k = 0; k < tidy->count; k++)
+		if (tidy->kept[k]) {
+			rb_tidy_meet(tidy->l, tidy->pose, &tidy->meet[k]);
+			tidy_one(tidy, k);
+		}
+}
+
+void rb_tidy_places(struct rb_tidy *tidy)
+{
+	if (!is_single(tidy))
+		tidy_together(tidy, true, false);
+}
+
+void rb_tidy_stop(struct rb_tidy *tidy)
+{
+	tidy_together(tidy, false, true);
 }

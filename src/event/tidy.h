@@ -16,7 +16,7 @@ struct rb_tidy {
 	struct rb_located *l;
 	double t;
 	struct rb_meet *meet;         /* [count]: those that are put right are found anew */
-	const struct rb_held *before; /* [count] */
+	const struct rb_held *before; /* [count]; NULL: nothing is known of their slip */
 	const bool *kept;             /* [count]: these are put right */
 	int count;
 	struct rb_pose *pose;
@@ -26,6 +26,9 @@ struct rb_tidy {
 static const double rb_tidy_drift = 1e-9;
 
 void rb_tidy(struct rb_tidy *tidy);
+/* Of bodies with several points a pair only: places alone, and normal velocities alone, whatever they are. */
+void rb_tidy_places(struct rb_tidy *tidy);
+void rb_tidy_stop(struct rb_tidy *tidy);
 
 /* A meeting with the poses that bodies of the set have been given since. */
 void rb_tidy_meet(const struct rb_located *l, const struct rb_pose *pose, struct rb_meet *m);
