@@ -15,7 +15,7 @@
 #include "event/feature.h"
 #include "model/parts.h"
 
-enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200 };
+enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 64 };
 
 /* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
@@ -467,6 +467,15 @@ static double settled(const struct course *c, double from)
 	return isfinite(sooner) ? fmax(from, t + sooner) : t;
 }
 
+/* Seconds in which what falls and comes up again gets no deeper than some roundings of the size. */
+static double dip_time(const struct course *c)
+{
+	const double bend = c->pull_most + c->size * (c->turn_a * c->turn_a + c->turn_b * c->turn_b +
+	                                              c->turning_a + c->turning_b);
+
+	return sqrt(DIP_ULP * DBL_EPSILON * c->size / bend);
+}
+
 struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
                                     double until)
 {
@@ -489,11 +498,13 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 					return found;
 				}
 			}
-			const double least = leap * c.size / c.speed;
+			const double least = fmin(leap * c.size / c.speed, dip_time(&c));
 			if (s < least && c.speed > 0) {
-				/* one that overlaps and parts has no gap to be bracketed */
-				if (gap > 0 && t + least <= until && gap_at(&c, t + least) < 0) {
-					found.touch_s = crossing(&c, t, t + least);
+				/* what parts has its gap half way to where it may be back; what overlaps has none */
+				const double low = gap > c.band ? t : t + 0.5 * s;
+				if (t + least <= until && gap_at(&c, t + least) < 0 &&
+				    (gap > c.band || gap_at(&c, low) > 0)) {
+					found.touch_s = crossing(&c, low, t + least);
 					return found;
 				}
 				s = least;
