@@ -234,7 +234,7 @@ struct rb_record_def {
 };
 
 enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };
-enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC, RB_METHOD_LOCATED };
+enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC, RB_METHOD_LOCATED, RB_METHOD_STEPPED };
 
 struct rb_world_def {
 	const char *title, *description; /* "" when not given */

@@ -94,6 +94,9 @@ struct rb_world_work {
 	uint64_t body_steps, discarded_body_steps, pair_tests;
 	uint64_t
 		plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
+	/* stepped: contact points of all steps, times that one was swept, factorizations, moves of positions only */
+	uint64_t rows, row_sweeps, factors, closings;
+	double residual_m; /* stepped: the largest that a solution left of a gap's closing */
 };
 struct rb_world_work rb_world_work(const struct rb_world *world);
 

@@ -176,7 +176,7 @@ static void override(struct rb_world_def *world, const struct rb_options *option
 		world->time_step_s = options->time_step_s;
 	if (!isnan(options->tolerance_m))
 		world->tolerance_m = options->tolerance_m;
-	for (int i = RB_METHOD_AUTO; options->method && i <= RB_METHOD_LOCATED; i++)
+	for (int i = RB_METHOD_AUTO; options->method && i <= RB_METHOD_STEPPED; i++)
 		if (strcmp(options->method, rb_method_name((enum rb_method_kind)i)) == 0)
 			world->method = (enum rb_method_kind)i;
 	for (int i = 0; options->rollback && i < 3; i++)

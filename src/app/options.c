@@ -168,7 +168,7 @@ const struct rb_option_row rb_option_rows[] = {
 	 "runs of each setting, of which the shortest counts (default: up to 5)"},
 	{"budget", 0, "SECONDS", RB_OPTION_NUMBER, AT(budget_s), VERB(CONVERGE), 0, INFINITY, true, NULL,
 	 "wall time for the whole ladder, what would take longer is left out (default: 60)"},
-	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE | EACH | VERB(VERIFY), 0, 0, false, "auto, classic, located",
+	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE | EACH | VERB(VERIFY), 0, 0, false, "auto, classic, located, stepped",
 	 "method of the solver (see rbsim methods)"},
 	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE | EACH | VERB(VERIFY), 0, 0, false, "selective, global, none",
 	 "what is restored when an overlap shows (the bodies concerned, the whole scene, nothing)"},
@@ -243,7 +243,7 @@ const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
 const char *const rb_later_verbs[] = {"export", NULL};
 const char *const rb_later_options[] = {NULL};
-static const char *const later_methods[] = {"stepped", NULL};
+static const char *const later_methods[] = {NULL};
 
 /* One command line being read. */
 struct parse {

@@ -86,7 +86,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *re
 	world->frame_rate = reading->frame_rate;
 	world->time_step_s = reading->time_step_s;
 	world->tolerance_m = reading->tolerance_m;
-	for (int kind = RB_METHOD_AUTO; kind <= RB_METHOD_LOCATED; kind++)
+	for (int kind = RB_METHOD_AUTO; kind <= RB_METHOD_STEPPED; kind++)
 		if (strcmp(rb_method_name((enum rb_method_kind)kind), reading->method) == 0)
 			world->method = (enum rb_method_kind)kind;
 	for (int kind = RB_ROLLBACK_SELECTIVE; kind <= RB_ROLLBACK_NONE; kind++)

@@ -49,6 +49,14 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 	if (work->plastic_ends > 0)
 		fprintf(file, "; %" PRIu64 " clusters of impacts ended without restitution",
 		        work->plastic_ends);
+	if (work->rows > 0)
+		fprintf(file,
+		        "\n  contacts      %" PRIu64
+		        " points stepped, each swept %.3g times; %" PRIu64
+		        " factorizations, residual %.3g m at most, positions closed %" PRIu64
+		        " times",
+		        work->rows, (double)work->row_sweeps / (double)work->rows, work->factors,
+		        work->residual_m, work->closings);
 	putc('\n', file);
 }
 
@@ -227,6 +235,11 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	               per_second(result->work.body_steps, result->wall_s));
 	rb_json_count(&json, "pair_tests", result->work.pair_tests);
 	rb_json_count(&json, "plastic_ends", result->work.plastic_ends);
+	rb_json_count(&json, "contact_rows", result->work.rows);
+	rb_json_count(&json, "row_sweeps", result->work.row_sweeps);
+	rb_json_count(&json, "factorizations", result->work.factors);
+	rb_json_count(&json, "closings", result->work.closings);
+	rb_json_number(&json, "residual", result->work.residual_m);
 	rb_json_count(&json, "substeps", result->totals.substeps);
 	rb_json_count(&json, "rollbacks", result->totals.rollbacks);
 	rb_json_count(&json, "collisions", result->totals.collisions);

@@ -25,6 +25,8 @@ const char *rb_method_name(enum rb_method_kind kind)
 		return "classic";
 	case RB_METHOD_LOCATED:
 		return "located";
+	case RB_METHOD_STEPPED:
+		return "stepped";
 	}
 	return "unknown";
 }

@@ -31,8 +31,8 @@ static const struct rb_row world_rows[] = {
          NULL, "selective", "",
          "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing (the tolerance is "
          "then reported and not promised)"},
-	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic, located",
-         "stepped", "auto", "",
+	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic, located, stepped",
+         NULL, "auto", "",
          "how time is advanced; auto is located, with classic steps where events of a crowd come too densely (see rbsim methods)"},
 	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",
          "of math.random and all helpers; comes before the first random number is drawn"},

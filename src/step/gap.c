@@ -129,11 +129,16 @@ static swept_function *const swept_of[RB_SHAPE_KIND_COUNT] = {
 	[RB_SHAPE_RECTANGLE] = swept_rectangle,
 };
 
+struct rb_gap rb_gap_at(const struct rb_world *world, const struct rb_state *state, int a,
+                        rb_vec3 center, int b)
+{
+	return gap_of[world->model->shape[b].kind](world->model, a, center, b,
+	                                           rb_world_origin_at(world, state, b));
+}
+
 struct rb_gap rb_gap_of(const struct rb_world *world, const struct rb_state *state, int a, int b)
 {
-	return gap_of[world->model->shape[b].kind](world->model, a,
-	                                           rb_world_origin_at(world, state, a), b,
-	                                           rb_world_origin_at(world, state, b));
+	return rb_gap_at(world, state, a, rb_world_origin_at(world, state, a), b);
 }
 
 double rb_gap_band(const struct rb_world *world, const struct rb_state *state, int a, int b)

@@ -11,6 +11,9 @@
 
 /* Present gap of two bodies. */
 struct rb_gap rb_gap_of(const struct rb_world *world, const struct rb_state *state, int a, int b);
+/* The same with the origin of `a` at `center`. */
+struct rb_gap rb_gap_at(const struct rb_world *world, const struct rb_state *state, int a,
+                        rb_vec3 center, int b);
 
 /*
  * The touching band of a pair: 8 ulp of the larger of coordinate and size (the model's only rest rule; see

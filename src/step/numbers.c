@@ -101,6 +101,11 @@ struct rb_world_work rb_world_work(const struct rb_world *world)
 		.body_steps = counts.body_steps,
 		.discarded_body_steps = counts.discarded_body_steps,
 		.plastic_ends = counts.plastic_ends,
+		.rows = counts.rows,
+		.row_sweeps = counts.row_sweeps,
+		.factors = counts.factors,
+		.closings = counts.closings,
+		.residual_m = counts.residual_m,
 		.pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase) : 0};
 }
 

@@ -7,6 +7,7 @@
 #include "step/groups.h"
 #include "step/numbers.h"
 #include "step/plan.h"
+#include "stepped/stepped.h"
 
 #include <float.h>
 #include <string.h>
@@ -51,6 +52,18 @@ static bool is_located(const struct rb_model *model)
 	       (model->features & RB_FEATURES_LOCATED_ONLY) != 0;
 }
 
+/* Steps of `auto` and of `stepped`; lectures and comparisons ask for those of `classic`. */
+static bool is_stepped(const struct rb_model *model)
+{
+	return model->method != RB_METHOD_CLASSIC;
+}
+
+static enum rb_status prepare_steps(struct rb_world *world, struct rb_error *err)
+{
+	return is_stepped(world->model) ? rb_stepped_prepare(world, err)
+	                                : rb_classic_prepare(world, err);
+}
+
 enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
                                const struct rb_world_options *options,
                                const struct rb_world_hooks *hooks, struct rb_error *err)
@@ -79,7 +92,7 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	if (status == RB_OK)
 		status = rb_team_create(&world->team, world->worker_count, err);
 	if (status == RB_OK && !is_located(model))
-		status = rb_classic_prepare(world, err);
+		status = prepare_steps(world, err);
 	if (status == RB_OK) {
 		rb_plan_build(world->plan, model->features);
 		start_state(world);
@@ -114,6 +127,7 @@ void rb_world_destroy(struct rb_world *world)
 	rb_contacts_release(&world->next_contacts);
 	rb_memory_free(world->events.row);
 	rb_groups_destroy(world->groups);
+	rb_stepped_destroy(world->stepped);
 	rb_broadphase_destroy(world->broadphase);
 	rb_memory_free(world);
 }
@@ -129,14 +143,16 @@ static void forget_pushes(struct rb_world *world)
 	memset(world->state.twist, 0, 3 * n * sizeof(double));
 }
 
-/* Where locating stalls, the classic method takes this many steps before locating is tried again, then twice as many. */
+/* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
 enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MOST = 4096 };
 
 /* From `start`, which the state is of, to `stop`. */
-static enum rb_status stepped(struct rb_world *world, double start, double stop,
+static enum rb_status by_step(struct rb_world *world, double start, double stop,
                               struct rb_error *err)
 {
-	const enum rb_status status = rb_classic_step(world, start, stop - start, err);
+	const enum rb_status status = is_stepped(world->model)
+	                                      ? rb_stepped_step(world, start, stop - start, err)
+	                                      : rb_classic_step(world, start, stop - start, err);
 
 	if (status == RB_OK) {
 		world->state.time_s = stop;
@@ -164,8 +180,8 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 			world->dense_steps = world->dense_steps > 0 ? 2 * world->dense_steps
 			                                            : DENSE_STEPS_FIRST;
 		world->dense_left = world->dense_steps;
-		status = rb_classic_prepare(world, err);
-		return status == RB_OK ? stepped(world, world->state.time_s, stop, err) : status;
+		status = prepare_steps(world, err);
+		return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
 	}
 	if (pushes) {
 		rb_state_copy(&world->start, &world->state);
@@ -183,7 +199,7 @@ static enum rb_status step(struct rb_world *world, double start, double stop, st
 	if (status != RB_OK)
 		return status;
 	if (!world->located || world->dense_left > 0) {
-		status = stepped(world, start, stop, err);
+		status = by_step(world, start, stop, err);
 		if (status == RB_OK && world->located && --world->dense_left == 0)
 			rb_engine_restart(world->located);
 		return status;

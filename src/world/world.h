@@ -22,6 +22,7 @@ struct rb_broadphase;
 struct rb_plan;
 struct rb_groups;
 struct rb_located;
+struct rb_stepped;
 
 /* Counts since some moment; all are sums or extremes, so the order of adding does not matter. */
 struct rb_counts {
@@ -30,7 +31,11 @@ struct rb_counts {
 	uint64_t
 		plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
 	double smallest_step_s; /* HUGE_VAL: no step yet */
-	double stepped_s;       /* simulated by the classic method */
+	double stepped_s;       /* simulated by steps: the classic or the stepped method */
+	uint64_t rows,
+		row_sweeps; /* stepped: contact points of steps, and times that one was swept */
+	uint64_t factors, closings; /* stepped: factorizations; moves of positions only */
+	double residual_m;          /* stepped: largest that a solution left of a gap's closing */
 	double max_penetration_m;
 };
 
@@ -45,6 +50,11 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	to->body_steps += from->body_steps;
 	to->discarded_body_steps += from->discarded_body_steps;
 	to->plastic_ends += from->plastic_ends;
+	to->rows += from->rows;
+	to->row_sweeps += from->row_sweeps;
+	to->factors += from->factors;
+	to->closings += from->closings;
+	to->residual_m = fmax(to->residual_m, from->residual_m);
 	to->smallest_step_s = fmin(to->smallest_step_s, from->smallest_step_s);
 	to->max_penetration_m = fmax(to->max_penetration_m, from->max_penetration_m);
 }
@@ -68,7 +78,8 @@ struct rb_world {
 	struct rb_contacts contacts, next_contacts;
 	struct rb_broadphase *broadphase; /* owned; NULL without contact */
 	struct rb_groups *groups;         /* owned; NULL without contact */
-	struct rb_located *located;       /* owned; NULL: the classic method */
+	struct rb_located *located;       /* owned; NULL: all is stepped */
+	struct rb_stepped *stepped;       /* owned; NULL until it is first used */
 	struct rb_team *team;             /* owned */
 	int64_t dense_steps,
 		dense_left;     /* auto: steps that the classic method takes, still to take */

@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/direct.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "stepped/blocks.h"
+
+enum { OUTER_MOST = 40, INNER_MOST = 20, HALVINGS_MOST = 20 };
+
+/* First weight of a row, over its own yield; how much it grows where impulses follow slowly, and how far. */
+static const double weight_first = 1e3, weight_growth = 10, weight_most = 1e6;
+static const double relax_least = 0.3;
+
+/* A row while it is solved. */
+struct face {
+	rb_vec3 impulse; /* of the outer iteration */
+	rb_vec3 now;     /* the impulse on the cone at the present velocities */
+	rb_mat3 slope;   /* of the projection onto the cone */
+	double weight;   /* kg */
+	double shift;    /* m/s: friction times slip */
+};
+
+struct newton {
+	const struct rb_direct *direct;
+	const struct rb_dense *dense;
+	struct face *face;
+	struct rb_blocks blocks;
+	double *gradient, *move, *scratch; /* [6 members] */
+	struct rb_dense_body *kept;        /* [members]: where a line search begins */
+	rb_mat3 *inertia;                  /* [members] */
+	double *mass;                      /* [members] */
+};
+
+static rb_vec3 slip_of(const struct rb_dense_row *row, rb_vec3 u)
+{
+	return rb_vec3_reject(u, row->normal);
+}
+
+/* s a b^T added. */
+static void add_outer(rb_mat3 *m, double s, rb_vec3 a, rb_vec3 b)
+{
+	const double x[3] = {a.x, a.y, a.z}, y[3] = {b.x, b.y, b.z};
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			m->m[i][j] += s * x[i] * y[j];
+}
+
+/* Nearest point of the friction cone, and how it follows. */
+static void project(const struct rb_dense_row *row, struct face *face, rb_vec3 z)
+{
+	const rb_vec3 n = row->normal;
+	const double mu = row->friction;
+	const double along = rb_vec3_dot(z, n);
+	const rb_vec3 t = rb_vec3_add_scaled(z, -along, n);
+	const double across = rb_vec3_length(t);
+
+	face->now = (rb_vec3){0, 0, 0};
+	face->slope = (rb_mat3){{{0}}};
+	if (!(mu > 0)) {
+		if (along > 0) {
+			face->now = rb_vec3_scale(along, n);
+			add_outer(&face->slope, 1, n, n);
+		}
+		return;
+	}
+	if (across <= mu * along) {
+		face->now = z;
+		face->slope = rb_mat3_diagonal(1, 1, 1);
+		return;
+	}
+	if (mu * across <= -along)
+		return;
+	const rb_vec3 way = rb_vec3_scale(1 / across, t);
+	const rb_vec3 edge = rb_vec3_add_scaled(n, mu, way);
+	const double push = (along + mu * across) / (1 + mu * mu);
+	const double side = mu * push / across;
+
+	face->now = rb_vec3_scale(push, edge);
+	face->slope = rb_mat3_diagonal(side, side, side);
+	add_outer(&face->slope, -side, n, n);
+	add_outer(&face->slope, -side, way, way);
+	add_outer(&face->slope, 1 / (1 + mu * mu), edge, edge);
+}
+
+/* ---- the function that is minimized, and its gradient ---- */
+
+static double inertial(const struct newton *s)
+{
+	double sum = 0;
+
+	for (int k = 0; k < s->direct->member_count; k++) {
+		const int i = s->direct->member[k];
+		const struct rb_dense_body *b = &s->dense->body[i], *f = &s->direct->free[i];
+		const rb_vec3 v = rb_vec3_sub(b->linear, f->linear);
+		const rb_vec3 w = rb_vec3_sub(b->angular, f->angular);
+		const rb_vec3 p = rb_vec3_scale(s->mass[k], v);
+		const rb_vec3 l = rb_mat3_apply(&s->inertia[k], w);
+		double *const g = s->gradient + RB_BLOCK * k;
+
+		rb_vec3_to(g, p);
+		rb_vec3_to(g + 3, l);
+		sum += 0.5 * (rb_vec3_dot(p, v) + rb_vec3_dot(l, w));
+	}
+	return sum;
+}
+
+static void add_to(double *g, double sign, rb_vec3 force, rb_vec3 torque)
+{
+	g[0] += sign * force.x;
+	g[1] += sign * force.y;
+	g[2] += sign * force.z;
+	g[3] += sign * torque.x;
+	g[4] += sign * torque.y;
+	g[5] += sign * torque.z;
+}
+
+static rb_vec3 arm_of(const struct newton *s, const struct rb_dense_row *row, bool of_a)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	if (s->dense->body[of_a ? row->a : row->b].inverse_inertia == 0)
+		return none;
+	return of_a ? rb_dense_arm_a(row) : rb_dense_arm_b(row);
+}
+
+/* At the bodies' present velocities: faces, gradient, value, and its rounding. */
+static double evaluate(struct newton *s, double *rounding)
+{
+	const struct rb_dense *dense = s->dense;
+	double sum = inertial(s);
+
+	for (int k = 0; k < dense->row_count; k++) {
+		const struct rb_dense_row *row = &dense->row[k];
+		struct face *face = &s->face[k];
+		const int a = s->direct->local[row->a], b = s->direct->local[row->b];
+		const rb_vec3 u = rb_vec3_add_scaled(rb_dense_velocity(dense, row),
+		                                     face->shift - row->leave, row->normal);
+
+		if (isinf(row->leave)) { /* open whatever happens */
+			face->now = (rb_vec3){0, 0, 0};
+			continue;
+		}
+		project(row, face, rb_vec3_add_scaled(face->impulse, -face->weight, u));
+		sum += 0.5 * rb_vec3_dot(face->now, face->now) / face->weight;
+		if (a >= 0)
+			add_to(s->gradient + RB_BLOCK * a, 1, face->now,
+			       rb_vec3_cross(arm_of(s, row, true), face->now));
+		if (b >= 0)
+			add_to(s->gradient + RB_BLOCK * b, -1, face->now,
+			       rb_vec3_cross(arm_of(s, row, false), face->now));
+	}
+	*rounding = 64 * DBL_EPSILON * fabs(sum);
+	return sum;
+}
+
+/* ---- one Newton step ---- */
+
+static rb_mat3 cross_matrix(rb_vec3 r)
+{
+	return (rb_mat3){{{0, -r.z, r.y}, {r.z, 0, -r.x}, {-r.y, r.x, 0}}};
+}
+
+/* sign [[K, -K X], [-Y^T K, Y^T K X]] with X, Y the cross matrices of the column's and the row's arm. */
+static void add_block(rb_block *block, double sign, const rb_mat3 *k, rb_vec3 row_arm,
+                      rb_vec3 column_arm)
+{
+	const rb_mat3 x = cross_matrix(column_arm), y = cross_matrix(row_arm);
+	const rb_mat3 yt = rb_mat3_transposed(&y);
+	const rb_mat3 kx = rb_mat3_multiply(k, &x), yk = rb_mat3_multiply(&yt, k);
+	const rb_mat3 ykx = rb_mat3_multiply(&yt, &kx);
+
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++) {
+			block->m[i][j] += sign * k->m[i][j];
+			block->m[i][j + 3] -= sign * kx.m[i][j];
+			block->m[i + 3][j] -= sign * yk.m[i][j];
+			block->m[i + 3][j + 3] += sign * ykx.m[i][j];
+		}
+}
+
+static void assemble(struct newton *s)
+{
+	bool turned;
+
+	rb_blocks_clear(&s->blocks);
+	for (int k = 0; k < s->direct->member_count; k++) {
+		rb_block *block = rb_blocks_at(&s->blocks, k, k, &turned);
+
+		for (int i = 0; i < 3; i++) {
+			block->m[i][i] += s->mass[k];
+			for (int j = 0; j < 3; j++)
+				block->m[i + 3][j + 3] += s->inertia[k].m[i][j];
+		}
+	}
+	for (int k = 0; k < s->dense->row_count; k++) {
+		const struct rb_dense_row *row = &s->dense->row[k];
+		const struct face *face = &s->face[k];
+		const int a = s->direct->local[row->a], b = s->direct->local[row->b];
+		rb_mat3 weighted = face->slope;
+
+		if (rb_vec3_dot(face->now, face->now) == 0)
+			continue;
+		for (int i = 0; i < 9; i++)
+			weighted.m[i / 3][i % 3] *= face->weight;
+		const rb_vec3 arm_a = arm_of(s, row, true), arm_b = arm_of(s, row, false);
+		if (a >= 0)
+			add_block(rb_blocks_at(&s->blocks, a, a, &turned), 1, &weighted, arm_a,
+			          arm_a);
+		if (b >= 0)
+			add_block(rb_blocks_at(&s->blocks, b, b, &turned), 1, &weighted, arm_b,
+			          arm_b);
+		if (a < 0 || b < 0)
+			continue;
+		rb_block *both = rb_blocks_at(&s->blocks, a, b, &turned);
+		add_block(both, -1, &weighted, turned ? arm_b : arm_a, turned ? arm_a : arm_b);
+	}
+}
+
+/* From where the line search began, by a share of the step. */
+static void go(struct newton *s, double share)
+{
+	for (int k = 0; k < s->direct->member_count; k++) {
+		struct rb_dense_body *body = &s->dense->body[s->direct->member[k]];
+		const double *move = s->move + RB_BLOCK * k;
+
+		body->linear = rb_vec3_add_scaled(s->kept[k].linear, share, rb_vec3_from(move));
+		if (body->inverse_inertia != 0)
+			body->angular = rb_vec3_add_scaled(s->kept[k].angular, share,
+			                                   rb_vec3_from(move + 3));
+	}
+}
+
+/* What the gradient would change velocities by at most, m/s. */
+static double imbalance(const struct newton *s)
+{
+	double most = 0;
+
+	for (int k = 0; k < s->direct->member_count; k++)
+		most = fmax(most,
+		            rb_vec3_max_abs(rb_vec3_from(s->gradient + RB_BLOCK * k)) / s->mass[k]);
+	return most;
+}
+
+/* False: nothing more to gain. */
+static bool improve(struct newton *s, double *value, double *rounding)
+{
+	const int n = RB_BLOCK * s->direct->member_count;
+	double slope = 0, share = 1;
+
+	assemble(s);
+	if (!rb_blocks_factor(&s->blocks))
+		return false;
+	for (int i = 0; i < n; i++)
+		s->move[i] = -s->gradient[i];
+	rb_blocks_solve(&s->blocks, s->move, s->scratch);
+	for (int i = 0; i < n; i++)
+		slope += s->move[i] * s->gradient[i];
+	for (int k = 0; k < s->direct->member_count; k++)
+		s->kept[k] = s->dense->body[s->direct->member[k]];
+	for (int halving = 0; halving < HALVINGS_MOST; halving++, share *= 0.5) {
+		go(s, share);
+		const double there = evaluate(s, rounding);
+
+		if (there <= *value + 1e-4 * share * slope + *rounding) {
+			*value = there;
+			return true;
+		}
+	}
+	go(s, 0);
+	*value = evaluate(s, rounding);
+	return false;
+}
+
+/* By how much velocities were off, m/s: of the constraints; of the cones' shifts. */
+struct off {
+	double closed, shifted;
+};
+
+/* Impulses take what the cones have come to. */
+static struct off follow(struct newton *s, double relax)
+{
+	struct off off = {0, 0};
+
+	for (int k = 0; k < s->dense->row_count; k++) {
+		const struct rb_dense_row *row = &s->dense->row[k];
+		struct face *face = &s->face[k];
+		const rb_vec3 d = rb_vec3_sub(face->now, face->impulse);
+
+		off.closed = fmax(off.closed, sqrt(rb_vec3_dot(d, d)) / face->weight);
+		face->impulse = face->now;
+		if (row->friction > 0) {
+			const double shift = row->friction *
+			                     rb_vec3_length(slip_of(
+						     row, rb_dense_velocity(s->dense, row)));
+
+			if (rb_vec3_dot(face->now, face->now) > 0)
+				off.shifted = fmax(off.shifted, fabs(shift - face->shift));
+			face->shift += relax * (shift - face->shift);
+		}
+	}
+	return off;
+}
+
+/* ---- the whole ---- */
+
+static bool prepare(struct newton *s)
+{
+	const struct rb_direct *direct = s->direct;
+	const struct rb_dense *dense = s->dense;
+	const size_t n = (size_t)direct->member_count, rows = (size_t)dense->row_count;
+	int(*pair)[2] = rb_arena_take(direct->arena, rows, sizeof *pair);
+	int pairs = 0;
+
+	s->face = rb_arena_take(direct->arena, rows, sizeof *s->face);
+	s->gradient = rb_arena_take(direct->arena, 3 * RB_BLOCK * n, sizeof *s->gradient);
+	s->kept = rb_arena_take(direct->arena, n, sizeof *s->kept);
+	s->inertia = rb_arena_take(direct->arena, n, sizeof *s->inertia);
+	s->mass = rb_arena_take(direct->arena, n, sizeof *s->mass);
+	if (!pair || !s->face || !s->gradient || !s->kept || !s->inertia || !s->mass)
+		return false;
+	s->move = s->gradient + RB_BLOCK * n;
+	s->scratch = s->move + RB_BLOCK * n;
+	for (size_t k = 0; k < n; k++)
+		direct->local[direct->member[k]] = (int)k;
+	for (size_t k = 0; k < rows; k++) {
+		const int a = direct->local[dense->row[k].a], b = direct->local[dense->row[k].b];
+
+		if (a >= 0 && b >= 0) {
+			pair[pairs][0] = a;
+			pair[pairs++][1] = b;
+		}
+	}
+	return rb_blocks_plan(&s->blocks, (int)n, (const int(*)[2])pair, pairs, direct->most,
+	                      direct->arena);
+}
+
+static void fill(struct newton *s)
+{
+	const struct rb_dense *dense = s->dense;
+	double lightest = (double)INFINITY, heaviest = 0;
+
+	for (int k = 0; k < s->direct->member_count; k++) {
+		const int i = s->direct->member[k];
+		const struct rb_dense_body *b = &dense->body[i];
+		const double turn = b->inverse_inertia != 0 ? 1 / b->inverse_inertia
+		                                            : 1 / b->inverse_mass;
+
+		s->mass[k] = 1 / b->inverse_mass;
+		lightest = fmin(lightest, s->mass[k]);
+		heaviest = fmax(heaviest, s->mass[k]);
+		if (isnan(b->inverse_inertia))
+			(void)rb_mat3_inverse(&dense->tensor[i], &s->inertia[k]);
+		else
+			s->inertia[k] = rb_mat3_diagonal(turn, turn, turn);
+	}
+	for (int k = 0; k < dense->row_count; k++) {
+		const struct rb_dense_row *row = &dense->row[k];
+		const double slip = rb_vec3_length(slip_of(row, rb_dense_velocity(dense, row)));
+
+		s->face[k] = (struct face){.impulse = rb_dense_impulse(row),
+		                           .weight = weight_first * (heaviest / lightest) /
+		                                     row->yield_n,
+		                           .shift = row->friction * slip};
+	}
+}
+
+static struct rb_direct_result solve(struct newton *s)
+{
+	struct rb_direct_result result = {.tried = true};
+	const double enough = s->direct->enough;
+	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1, relax = 1;
+
+	for (int outer = 0; outer < OUTER_MOST; outer++) {
+		double rounding, value = evaluate(s, &rounding);
+
+		for (int inner = 0; inner < INNER_MOST && imbalance(s) > 0.1 * enough; inner++) {
+			result.steps++;
+			if (!improve(s, &value, &rounding))
+				break;
+		}
+		const double balance = imbalance(s);
+		const struct off off = follow(s, relax);
+
+		result.residual = fmax(balance, fmax(off.closed, off.shifted));
+		if (fmax(balance, off.closed) <= enough && off.shifted <= s->direct->enough_slip)
+			break;
+		if (off.closed > enough && off.closed > 0.1 * before && grown < weight_most) {
+			grown *= weight_growth;
+			for (int k = 0; k < s->dense->row_count; k++)
+				s->face[k].weight *= weight_growth;
+		}
+		/* the shifts' own iteration may swing to and fro */
+		if (off.shifted > 0.9 * shifted)
+			relax = fmax(relax_least, 0.6 * relax);
+		before = off.closed;
+		shifted = off.shifted;
+	}
+	return result;
+}
+
+struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
+{
+	struct rb_direct_result result = {.tried = false};
+	struct newton s = {.direct = direct, .dense = direct->dense};
+	const rb_arena_mark here = rb_arena_here(direct->arena);
+
+	if (direct->member_count > 0 && prepare(&s)) {
+		fill(&s);
+		result = solve(&s);
+		for (int k = 0; k < direct->dense->row_count; k++) {
+			struct rb_dense_row *row = &direct->dense->row[k];
+
+			row->push = fmax(0, rb_vec3_dot(s.face[k].impulse, row->normal));
+			row->rub = rb_vec3_reject(s.face[k].impulse, row->normal);
+		}
+		/* velocities are what the impulses make of them */
+		for (int k = 0; k < direct->member_count; k++)
+			direct->dense->body[direct->member[k]] = direct->free[direct->member[k]];
+		for (int k = 0; k < direct->dense->row_count; k++)
+			rb_dense_push(direct->dense, &direct->dense->row[k],
+			              rb_dense_impulse(&direct->dense->row[k]));
+	}
+	rb_arena_back(direct->arena, here);
+	return result;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rows by Newton's method, for groups that are small, stiff, or of very unequal masses.
+ *
+ * Augmented Lagrangian: with the impulses of the outer iteration fixed, velocities minimize a convex function that is
+ * quadratic on faces of the cones, by semi-smooth Newton steps with sparse factors (stepped/blocks) and a line search;
+ * then impulses follow. Coulomb's law is De Saxce's bipotential form: the cone's shift by friction times slip is taken from
+ * the outer iteration before (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011) 155). Redundant points do no harm.
+ */
+#ifndef RB_STEPPED_DIRECT_H
+#define RB_STEPPED_DIRECT_H
+
+#include "base/arena.h"
+#include "stepped/row.h"
+
+struct rb_direct {
+	const struct rb_dense *dense;
+	const struct rb_dense_body *free; /* by body: velocities without any impulse of the rows */
+	const int *member;                /* bodies that yield */
+	int member_count;
+	int *local;         /* by body: scratch, -1 for what does not yield */
+	double enough;      /* m/s */
+	double enough_slip; /* m/s: of the shift by sliding, which only ever opens gaps */
+	double most;        /* multiplications that one factorization may take */
+	struct rb_arena *arena;
+};
+
+struct rb_direct_result {
+	bool tried;      /* false: too large, or no memory; nothing has changed */
+	int steps;       /* factorizations */
+	double residual; /* m/s */
+};
+
+/* Begins from the impulses that the rows have. */
+struct rb_direct_result rb_direct_solve(const struct rb_direct *direct);
+
+#endif

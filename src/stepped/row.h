@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Contacts of a step as rows of one complementarity problem between impulses and velocities at the step's end.
+ *
+ * For every row, with u the velocity of b relative to a at its point: u_n >= leave, push >= 0, one of them at its bound;
+ * across the normal no slip, or friction against it at the cone. Impulses act on b, their opposites on a.
+ * Arrays belong to the step that made them.
+ */
+#ifndef RB_STEPPED_ROW_H
+#define RB_STEPPED_ROW_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "math/mat3.h"
+#include "math/vec3.h"
+
+/* A body of the problem; what does not yield has no inverses, but may move. */
+struct rb_dense_body {
+	rb_vec3 linear, angular; /* m/s, rad/s: in and out */
+	double inverse_mass;     /* 1/kg; 0: does not yield */
+	double inverse_inertia;  /* 1/(kg m^2); 0: does not turn; NAN: its tensor */
+};
+
+struct rb_dense_row {
+	int a, b;  /* bodies of the problem */
+	int point; /* its place among the points of the step */
+	bool central; /* between spheres, or a sphere and what does not yield: the arms are along the normal */
+	rb_vec3 normal; /* unit, from a to b */
+	rb_vec3 arm_a,
+		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
+	double yield_n, yield_t; /* 1/kg: of the normal; bound for all directions across */
+	double leave;            /* m/s */
+	double friction;
+	double push;  /* N s, >= 0 */
+	rb_vec3 rub;  /* N s, across the normal, |rub| <= friction push */
+	rb_vec3 turn; /* scratch of the sweeps: direction in which impulses are followed */
+	rb_vec3 step; /* scratch: last change */
+};
+
+/* Rows solved together. */
+struct rb_dense {
+	struct rb_dense_body *body;
+	const rb_mat3 *tensor; /* world axes, by body; NULL: none is needed */
+	struct rb_dense_row *row;
+	int row_count;
+};
+
+static inline rb_vec3 rb_dense_turn(const struct rb_dense *dense, int body, rb_vec3 torque)
+{
+	const double inverse = dense->body[body].inverse_inertia;
+
+	return isnan(inverse) ? rb_mat3_apply(&dense->tensor[body], torque)
+	                      : rb_vec3_scale(inverse, torque);
+}
+
+static inline rb_vec3 rb_dense_arm_a(const struct rb_dense_row *row)
+{
+	return row->central ? rb_vec3_scale(row->arm_a.x, row->normal) : row->arm_a;
+}
+
+static inline rb_vec3 rb_dense_arm_b(const struct rb_dense_row *row)
+{
+	return row->central ? rb_vec3_scale(row->arm_b.x, row->normal) : row->arm_b;
+}
+
+/* Relative velocity at the point, m/s. */
+static inline rb_vec3 rb_dense_velocity(const struct rb_dense *dense,
+                                        const struct rb_dense_row *row)
+{
+	const struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	const rb_vec3 u = rb_vec3_sub(b->linear, a->linear);
+
+	if (row->central) {
+		const rb_vec3 w = {row->arm_b.x * b->angular.x - row->arm_a.x * a->angular.x,
+		                   row->arm_b.x * b->angular.y - row->arm_a.x * a->angular.y,
+		                   row->arm_b.x * b->angular.z - row->arm_a.x * a->angular.z};
+
+		return rb_vec3_add(u, rb_vec3_cross(w, row->normal));
+	}
+	return rb_vec3_add(u, rb_vec3_sub(rb_vec3_cross(b->angular, row->arm_b),
+	                                  rb_vec3_cross(a->angular, row->arm_a)));
+}
+
+/* An impulse on b and its opposite on a. */
+static inline void rb_dense_push(const struct rb_dense *dense, const struct rb_dense_row *row,
+                                 rb_vec3 impulse)
+{
+	struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+
+	/* what does not yield may be shared: not written to */
+	if (a->inverse_mass != 0)
+		a->linear = rb_vec3_add_scaled(a->linear, -a->inverse_mass, impulse);
+	if (row->central) {
+		const rb_vec3 torque = rb_vec3_cross(row->normal, impulse);
+
+		a->angular = rb_vec3_add_scaled(a->angular, -a->inverse_inertia * row->arm_a.x,
+		                                torque);
+		if (b->inverse_mass == 0)
+			return;
+		b->linear = rb_vec3_add_scaled(b->linear, b->inverse_mass, impulse);
+		b->angular = rb_vec3_add_scaled(b->angular, b->inverse_inertia * row->arm_b.x,
+		                                torque);
+		return;
+	}
+	if (a->inverse_inertia != 0)
+		a->angular = rb_vec3_sub(
+			a->angular,
+			rb_dense_turn(dense, row->a, rb_vec3_cross(row->arm_a, impulse)));
+	if (b->inverse_mass == 0)
+		return;
+	b->linear = rb_vec3_add_scaled(b->linear, b->inverse_mass, impulse);
+	if (b->inverse_inertia != 0)
+		b->angular = rb_vec3_add(
+			b->angular,
+			rb_dense_turn(dense, row->b, rb_vec3_cross(row->arm_b, impulse)));
+}
+
+/* The impulse as a vector. */
+static inline rb_vec3 rb_dense_impulse(const struct rb_dense_row *row)
+{
+	return rb_vec3_add_scaled(row->rub, row->push, row->normal);
+}
+
+#endif

@@ -1,0 +1,519 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/solve.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "stepped/direct.h"
+#include "stepped/sweep.h"
+
+/* Rows from which on a group is solved by all workers; rows of small groups that one block of work has at least. */
+enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256, COLOURS_MOST = 64 };
+
+/* Sweeps before factors are tried, and at most. */
+enum { SWEEPS_FIRST = 300, SWEEPS_MOST = 1500 };
+
+/* Multiplications of one factorization that a group may take. */
+static const double factors_most = 1e8;
+
+/* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
+static const double sweep_share = 0.25, direct_share = 1e-2;
+
+enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
+                                struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count + 1;
+
+	*solver = (struct rb_solver){.body_count = model->body_count};
+	solver->dense.body = rb_memory_take(n, sizeof *solver->dense.body);
+	solver->free = rb_memory_take(n, sizeof *solver->free);
+	solver->parent = rb_memory_take(n, sizeof *solver->parent);
+	solver->island_of = rb_memory_take(n, sizeof *solver->island_of);
+	solver->member = rb_memory_take(n, sizeof *solver->member);
+	solver->local = rb_memory_take(n, sizeof *solver->local);
+	if (model->features & RB_FEATURE_GYROSCOPIC)
+		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
+	solver->dense.tensor = solver->tensor;
+	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
+	    solver->member && solver->local &&
+	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC)))
+		return RB_OK;
+	rb_solver_release(solver);
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the solver of %zu bodies", n - 1);
+}
+
+void rb_solver_release(struct rb_solver *solver)
+{
+	rb_memory_free(solver->dense.body);
+	rb_memory_free(solver->dense.row);
+	rb_memory_free(solver->tensor);
+	rb_memory_free(solver->free);
+	rb_memory_free(solver->parent);
+	rb_memory_free(solver->island_of);
+	rb_memory_free(solver->member);
+	rb_memory_free(solver->local);
+	rb_memory_free(solver->island);
+	*solver = (struct rb_solver){0};
+}
+
+/* ---- bodies ---- */
+
+/* World axes: R I^-1 R^T. */
+static rb_mat3 turned_tensor(const rb_mat3 *inverse, rb_quat orientation)
+{
+	const rb_mat3 r = rb_quat_to_mat3(orientation), t = rb_mat3_transposed(&r);
+	const rb_mat3 half = rb_mat3_multiply(&r, inverse);
+
+	return rb_mat3_multiply(&half, &t);
+}
+
+static void fill_bodies(struct rb_solver *solver, const struct rb_world *world)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_state *state = &world->state;
+
+	for (int i = 0; i < solver->body_count; i++) {
+		struct rb_dense_body *body = &solver->dense.body[i];
+
+		*body = (struct rb_dense_body){.linear = rb_world_row3(state->velocity, i),
+		                               .inverse_mass = model->inverse_mass[i]};
+		if (state->spin) {
+			body->angular = rb_world_row3(state->spin, i);
+			body->inverse_inertia = body->inverse_mass > 0
+			                                ? model->inverse_inertia_scalar[i]
+			                                : 0;
+			if (isnan(body->inverse_inertia))
+				solver->tensor[i] = turned_tensor(
+					&model->inverse_inertia[i],
+					rb_quat_from(state->orientation + 4 * (size_t)i));
+		}
+		solver->free[i] = *body;
+	}
+	solver->dense.body[solver->body_count] = (struct rb_dense_body){.inverse_mass = 0};
+}
+
+static void store(const struct rb_solver *solver, struct rb_world *world)
+{
+	for (int i = 0; i < solver->body_count; i++) {
+		rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.body[i].linear);
+		if (world->state.spin)
+			rb_vec3_to(world->state.spin + 3 * (size_t)i,
+			           solver->dense.body[i].angular);
+	}
+}
+
+/* ---- groups ---- */
+
+static int root_of(int *parent, int i)
+{
+	while (parent[i] != i) {
+		parent[i] = parent[parent[i]];
+		i = parent[i];
+	}
+	return i;
+}
+
+static bool yields(const struct rb_solver *solver, int i)
+{
+	return i < solver->body_count && solver->dense.body[i].inverse_mass > 0;
+}
+
+/* The body of a point that yields: the group is its. */
+static int owner_of(const struct rb_solver *solver, const struct rb_point *point)
+{
+	return yields(solver, point->a) ? point->a : point->b;
+}
+
+static void join_all(struct rb_solver *solver, const struct rb_points *points)
+{
+	for (int i = 0; i < solver->body_count; i++)
+		solver->parent[i] = i;
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+
+		if (!yields(solver, point->a) || !yields(solver, point->b))
+			continue;
+		const int a = root_of(solver->parent, point->a);
+		const int b = root_of(solver->parent, point->b);
+		/* the smaller body stays the root: a group's place does not depend on the order of joining */
+		solver->parent[a > b ? a : b] = a > b ? b : a;
+	}
+}
+
+/* Numbers the groups that have points, in order of their smallest body, and lays out members and rows. */
+static enum rb_status lay_out(struct rb_solver *solver, const struct rb_points *points,
+                              struct rb_error *err)
+{
+	int row = 0, member = 0;
+
+	solver->island_count = 0;
+	for (int i = 0; i <= solver->body_count; i++)
+		solver->island_of[i] = -1;
+	for (size_t k = 0; k < points->count; k++)
+		solver->island_of[root_of(solver->parent, owner_of(solver, &points->row[k]))] = 0;
+	for (int i = 0; i < solver->body_count; i++) {
+		const int root = root_of(solver->parent, i);
+
+		if (solver->island_of[root] < 0)
+			continue;
+		if (root == i) {
+			if (!rb_memory_reserve(&solver->island, &solver->island_capacity,
+			                       solver->island_count + 1, sizeof *solver->island))
+				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
+			solver->island_of[i] = (int)solver->island_count;
+			solver->island[solver->island_count++] = (struct rb_island){0};
+		}
+		solver->island_of[i] = solver->island_of[root];
+		solver->island[solver->island_of[i]].member_count++;
+	}
+	for (size_t k = 0; k < points->count; k++)
+		solver->island[solver->island_of[owner_of(solver, &points->row[k])]].row_count++;
+	for (size_t g = 0; g < solver->island_count; g++) {
+		struct rb_island *island = &solver->island[g];
+
+		island->first_row = row;
+		island->first_member = member;
+		row += island->row_count;
+		member += island->member_count;
+		island->row_count = island->member_count = 0;
+	}
+	for (int i = 0; i < solver->body_count; i++) {
+		solver->local[i] = -1;
+		if (solver->island_of[i] < 0)
+			continue;
+		struct rb_island *island = &solver->island[solver->island_of[i]];
+		solver->member[island->first_member + island->member_count++] = i;
+	}
+	solver->local[solver->body_count] = -1;
+	return RB_OK;
+}
+
+/* Adds what a body at that arm yields along unit vectors n, x, y. */
+static void add_yield(const struct rb_dense *dense, int body, rb_vec3 arm, const rb_vec3 axis[3],
+                      double yield[3][3])
+{
+	rb_vec3 turn[3];
+
+	for (int i = 0; i < 3; i++)
+		turn[i] = dense->body[body].inverse_inertia != 0
+		                  ? rb_vec3_cross(
+					    rb_dense_turn(dense, body, rb_vec3_cross(arm, axis[i])),
+					    arm)
+		                  : (rb_vec3){0, 0, 0};
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			yield[i][j] += rb_vec3_dot(axis[i], turn[j]) +
+			               (i == j ? dense->body[body].inverse_mass : 0);
+}
+
+static void fill_yields(const struct rb_dense *dense, struct rb_dense_row *row)
+{
+	const struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+
+	if (row->central) {
+		row->yield_n = a->inverse_mass + b->inverse_mass;
+		row->yield_t = row->yield_n + a->inverse_inertia * row->arm_a.x * row->arm_a.x +
+		               b->inverse_inertia * row->arm_b.x * row->arm_b.x;
+		return;
+	}
+	const rb_vec3 x = rb_vec3_across(row->normal);
+	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
+	double yield[3][3] = {{0}};
+
+	add_yield(dense, row->a, row->arm_a, axis, yield);
+	add_yield(dense, row->b, row->arm_b, axis, yield);
+	row->yield_n = yield[0][0];
+	row->yield_t = 0.5 * (yield[1][1] + yield[2][2]) +
+	               hypot(0.5 * (yield[1][1] - yield[2][2]), yield[1][2]);
+}
+
+static void fill_row(const struct rb_solver *solver, struct rb_dense_row *row,
+                     const struct rb_point *point, int number)
+{
+	*row = (struct rb_dense_row){
+		.a = point->a,
+		.b = point->b < solver->body_count ? point->b : solver->body_count,
+		.point = number,
+		.central = point->central,
+		.normal = point->normal,
+		.arm_a = point->arm_a,
+		.arm_b = point->arm_b,
+		.leave = -point->gap / solver->h_s,
+		.friction = point->friction,
+		.push = point->push,
+		.rub = point->rub,
+	};
+	const double most = row->friction * row->push;
+	const double square = rb_vec3_dot(row->rub, row->rub);
+	if (square > most * most)
+		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
+	fill_yields(&solver->dense, row);
+}
+
+static enum rb_status fill_rows(struct rb_solver *solver, const struct rb_points *points,
+                                struct rb_error *err)
+{
+	if (!rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
+	                       sizeof *solver->dense.row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
+	solver->dense.row_count = (int)points->count;
+	for (size_t k = 0; k < points->count; k++) {
+		struct rb_island *island =
+			&solver->island[solver->island_of[owner_of(solver, &points->row[k])]];
+
+		fill_row(solver, &solver->dense.row[island->first_row + island->row_count++],
+		         &points->row[k], (int)k);
+	}
+	return RB_OK;
+}
+
+/* ---- one group ---- */
+
+static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_island *island)
+{
+	struct rb_dense dense = solver->dense;
+
+	dense.row += island->first_row;
+	dense.row_count = island->row_count;
+	return dense;
+}
+
+/* Rows in order of colours, none of which has two rows on one body that yields; false: no memory. */
+static bool colour_rows(const struct rb_solver *solver, const struct rb_island *island,
+                        struct rb_sweep *sweep, struct rb_arena *arena)
+{
+	const struct rb_dense dense = rows_of(solver, island);
+	const size_t count = (size_t)dense.row_count;
+	struct rb_dense_row *copy = rb_arena_take(arena, count, sizeof *copy);
+	uint64_t *taken = rb_arena_take(arena, (size_t)solver->body_count, sizeof *taken);
+	unsigned char *colour = rb_arena_take(arena, count, 1);
+	int *first = rb_arena_take(arena, COLOURS_MOST + 2, sizeof *first);
+	int colours = 0;
+
+	if (!copy || !taken || !colour || !first)
+		return false;
+	memset(taken, 0, (size_t)solver->body_count * sizeof *taken);
+	memset(first, 0, (COLOURS_MOST + 2) * sizeof *first);
+	for (size_t k = 0; k < count; k++) {
+		const int a = dense.row[k].a, b = dense.row[k].b;
+		const uint64_t mask = (yields(solver, a) ? taken[a] : 0) |
+		                      (yields(solver, b) ? taken[b] : 0);
+		const int c = ~mask ? __builtin_ctzll(~mask) : COLOURS_MOST - 1;
+
+		colour[k] = (unsigned char)c;
+		sweep->tail = sweep->tail || c == COLOURS_MOST - 1;
+		colours = c + 1 > colours ? c + 1 : colours;
+		first[c + 1]++;
+		if (yields(solver, a))
+			taken[a] |= (uint64_t)1 << c;
+		if (yields(solver, b))
+			taken[b] |= (uint64_t)1 << c;
+	}
+	for (int c = 0; c < colours; c++)
+		first[c + 1] += first[c];
+	memcpy(copy, dense.row, count * sizeof *copy);
+	for (size_t k = 0; k < count; k++)
+		dense.row[first[colour[k]]++] = copy[k];
+	for (int c = colours; c > 0; c--)
+		first[c] = first[c - 1];
+	first[0] = 0;
+	sweep->colour = first;
+	sweep->colour_count = colours;
+	sweep->partial = rb_arena_take(arena, 2 * (size_t)rb_sweep_blocks(first, colours),
+	                               sizeof *sweep->partial);
+	return sweep->partial != NULL;
+}
+
+static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
+                        const struct rb_dense *dense, struct rb_arena *arena)
+{
+	const struct rb_direct direct = {.dense = dense,
+	                                 .free = solver->free,
+	                                 .member = solver->member + island->first_member,
+	                                 .member_count = island->member_count,
+	                                 .local = solver->local,
+	                                 .enough = solver->enough / sweep_share * direct_share,
+	                                 .enough_slip = solver->enough,
+	                                 .most = factors_most,
+	                                 .arena = arena};
+	const struct rb_direct_result result = rb_direct_solve(&direct);
+
+	island->factors = result.steps;
+	if (!result.tried || result.residual > solver->enough)
+		return false;
+	island->residual = result.residual;
+	return true;
+}
+
+/* With a team: colours. */
+static void solve_island(const struct rb_solver *solver, struct rb_island *island,
+                         struct rb_team *team, struct rb_arena *arena)
+{
+	const struct rb_dense dense = rows_of(solver, island);
+	struct rb_sweep sweep = {
+		.dense = &dense, .enough = solver->enough, .most = SWEEPS_FIRST, .team = team};
+
+	island->sweeps = island->factors = 0;
+	if (team && !colour_rows(solver, island, &sweep, arena))
+		sweep.team = NULL;
+	rb_sweep_warm(&dense);
+	struct rb_sweep_result result = rb_sweep_solve(&sweep);
+	island->sweeps = result.sweeps;
+	island->residual = result.residual;
+	if (result.residual <= sweep.enough || try_factors(solver, island, &dense, arena))
+		return;
+	sweep.most = SWEEPS_MOST;
+	result = rb_sweep_solve(&sweep);
+	island->sweeps += result.sweeps;
+	island->residual = result.residual;
+}
+
+/* ---- all groups ---- */
+
+struct work {
+	struct rb_solver *solver;
+	struct rb_world *world;
+	const int *first; /* [blocks + 1]: groups of each block */
+	bool rebound;
+};
+
+static bool is_due(const struct work *work, const struct rb_island *island)
+{
+	return !work->rebound || island->rebounds;
+}
+
+static void solve_block(void *user, int block, int worker)
+{
+	const struct work *work = user;
+
+	for (int g = work->first[block]; g < work->first[block + 1]; g++) {
+		struct rb_island *island = &work->solver->island[g];
+
+		if (island->row_count < LARGE_ROWS && is_due(work, island))
+			solve_island(work->solver, island, NULL, &work->world->arena[worker]);
+	}
+}
+
+static bool solve_all(struct work *work)
+{
+	struct rb_solver *solver = work->solver;
+	struct rb_arena *arena = &work->world->arena[0];
+	int *first = rb_arena_take(arena, solver->island_count + 1, sizeof *first);
+	int blocks = 0, rows = 0;
+
+	if (!first)
+		return false;
+	first[0] = 0;
+	for (size_t g = 0; g < solver->island_count; g++) {
+		if (solver->island[g].row_count < LARGE_ROWS && is_due(work, &solver->island[g]))
+			rows += solver->island[g].row_count;
+		if (rows < BLOCK_ROWS && g + 1 < solver->island_count)
+			continue;
+		rows = 0;
+		first[++blocks] = (int)g + 1;
+	}
+	work->first = first;
+	rb_team_run(work->world->team, blocks, solve_block, work);
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const rb_arena_mark here = rb_arena_here(arena);
+
+		if (solver->island[g].row_count >= LARGE_ROWS && is_due(work, &solver->island[g]))
+			solve_island(solver, &solver->island[g], work->world->team, arena);
+		rb_arena_back(arena, here);
+	}
+	return true;
+}
+
+enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
+                              struct rb_points *points, double h, struct rb_error *err)
+{
+	struct work work = {.solver = solver, .world = world};
+	enum rb_status status = RB_OK;
+
+	solver->h_s = h;
+	solver->enough = sweep_share * world->model->tolerance_m / h;
+	fill_bodies(solver, world);
+	join_all(solver, points);
+	status = lay_out(solver, points, err);
+	if (status == RB_OK)
+		status = fill_rows(solver, points, err);
+	if (status != RB_OK)
+		return status;
+	if (!solve_all(&work))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	for (int k = 0; k < solver->dense.row_count; k++) {
+		const struct rb_dense_row *row = &solver->dense.row[k];
+
+		points->row[row->point].push = row->push;
+		points->row[row->point].rub = row->rub;
+	}
+	store(solver, world);
+	return RB_OK;
+}
+
+/* Whether restitution of this point shows beyond what the tolerance lets be. */
+static bool rebounds(const struct rb_solver *solver, const struct rb_point *point)
+{
+	return point->push > 0 && point->restitution * point->approach > solver->enough;
+}
+
+/* What the rebound has added: turning bodies have gone on meanwhile. */
+static void add_rebound(const struct rb_solver *solver, struct rb_world *world)
+{
+	for (int i = 0; i < solver->body_count; i++) {
+		const struct rb_dense_body *body = &solver->dense.body[i], *was = &solver->free[i];
+		double *const v = world->state.velocity + 3 * (size_t)i;
+
+		if (solver->island_of[i] < 0 || !solver->island[solver->island_of[i]].rebounds)
+			continue;
+		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), rb_vec3_sub(body->linear, was->linear)));
+		if (!world->state.spin)
+			continue;
+		double *const w = world->state.spin + 3 * (size_t)i;
+		rb_vec3_to(w,
+		           rb_vec3_add(rb_vec3_from(w), rb_vec3_sub(body->angular, was->angular)));
+	}
+}
+
+enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
+                                 const struct rb_points *points, rb_vec3 *rebound,
+                                 struct rb_error *err)
+{
+	struct work work = {.solver = solver, .world = world, .rebound = true};
+	bool any = false;
+
+	for (size_t g = 0; g < solver->island_count; g++) {
+		struct rb_island *island = &solver->island[g];
+
+		island->rebounds = false;
+		for (int k = 0; k < island->row_count; k++) {
+			const struct rb_dense_row *row = &solver->dense.row[island->first_row + k];
+
+			island->rebounds = island->rebounds ||
+			                   rebounds(solver, &points->row[row->point]);
+		}
+		any = any || island->rebounds;
+	}
+	if (!any)
+		return RB_OK;
+	memcpy(solver->free, solver->dense.body,
+	       ((size_t)solver->body_count + 1) * sizeof *solver->free);
+	for (int k = 0; k < solver->dense.row_count; k++) {
+		struct rb_dense_row *row = &solver->dense.row[k];
+		const struct rb_point *point = &points->row[row->point];
+		const double now = rb_vec3_dot(rb_dense_velocity(&solver->dense, row), row->normal);
+
+		/* what has not touched stays apart; what has, does not close faster than it was left to */
+		row->leave = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
+		if (rebounds(solver, point))
+			row->leave = point->restitution * point->approach;
+		row->push = 0;
+		row->rub = (rb_vec3){0, 0, 0};
+	}
+	if (!solve_all(&work))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	for (int k = 0; k < solver->dense.row_count; k++)
+		rebound[solver->dense.row[k].point] = rb_dense_impulse(&solver->dense.row[k]);
+	add_rebound(solver, world);
+	return RB_OK;
+}

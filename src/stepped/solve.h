@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Points of a step -> groups of bodies that they join -> impulses.
+ *
+ * Groups of few rows are solved at the same time, one worker each; large ones one after the other, by all. Sweeps first;
+ * where these do not come to an end soon, factors, if the group's are not too large; else more sweeps.
+ * Owned by the method's state; arrays are kept from step to step.
+ */
+#ifndef RB_STEPPED_SOLVE_H
+#define RB_STEPPED_SOLVE_H
+
+#include "stepped/row.h"
+#include "stepped/touch.h"
+
+struct rb_island {
+	int first_row, row_count;
+	int first_member, member_count;
+	bool rebounds;
+	int sweeps, factors; /* of the last solution */
+	double residual;     /* m/s */
+};
+
+struct rb_solver {
+	int body_count;
+	struct rb_dense
+		dense;   /* owned: body [bodies + 1], the last one for all that stands still */
+	rb_mat3 *tensor; /* owned; NULL: no body needs one */
+	struct rb_dense_body *free;               /* owned */
+	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
+	struct rb_island *island;                 /* owned */
+	size_t island_count, island_capacity, row_capacity;
+	double h_s, enough; /* of the step; m/s */
+};
+
+RB_CHECKED enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
+                                           struct rb_error *err);
+void rb_solver_release(struct rb_solver *solver);
+
+/* Takes velocities with the step's forces from the world; solves; impulses go to the points. */
+RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
+                                         struct rb_points *points, double h_s,
+                                         struct rb_error *err);
+
+/*
+ * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points] receives the impulses on b,
+ * where there are any.
+ */
+RB_CHECKED enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
+                                            const struct rb_points *points, rb_vec3 *rebound,
+                                            struct rb_error *err);
+
+#endif

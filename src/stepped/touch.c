@@ -1,0 +1,485 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/touch.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "geom/manifold.h"
+#include "model/parts.h"
+#include "step/gap.h"
+
+enum { PAIRS_PER_BLOCK = 512 };
+
+enum rb_status rb_points_create(struct rb_points *points, const struct rb_model *model,
+                                struct rb_error *err)
+{
+	*points = (struct rb_points){0};
+	points->first_last = rb_memory_take((size_t)model->body_count + 1,
+	                                    sizeof *points->first_last);
+	if (!points->first_last)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of %d bodies",
+		               model->body_count);
+	return RB_OK;
+}
+
+void rb_points_release(struct rb_points *points)
+{
+	rb_memory_free(points->row);
+	rb_memory_free(points->last);
+	rb_memory_free(points->first_last);
+	*points = (struct rb_points){0};
+}
+
+/* ---- one pair ---- */
+
+/* What the workers share, read only, and the pair that one of them looks at. */
+struct look {
+	struct rb_world *world;
+	const struct rb_points *points;
+	const struct rb_near *near;
+	double h;
+	/* of the block */
+	struct rb_point *out;
+	size_t count, capacity;
+	struct rb_arena *arena;
+	bool failed;
+};
+
+static bool is_plain(const struct rb_model *model, int a, int b)
+{
+	return model->shape[a].kind == RB_SHAPE_SPHERE && model->shape[b].kind < RB_SHAPE_BOX;
+}
+
+/* Its arm lies along the normal and its inertia is a number, or nothing moves it. */
+static bool is_central(const struct rb_world *world, int i)
+{
+	const struct rb_model *model = world->model;
+
+	if (i >= model->body_count)
+		return true;
+	if (model->shape[i].kind != RB_SHAPE_SPHERE || (model->driven && model->driven[i]))
+		return false;
+	if (world->state.spin && isnan(model->inverse_inertia_scalar[i]))
+		return false;
+	return !model->center_of_mass || rb_vec3_max_abs(model->center_of_mass[i]) == 0;
+}
+
+/* Way of the object's origin within the step at the present velocity, m. */
+static rb_vec3 way_of(const struct look *look, int i)
+{
+	const struct rb_world *world = look->world;
+
+	if (i >= world->model->body_count)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_scale(look->h, rb_world_row3(world->state.velocity, i));
+}
+
+static rb_vec3 center_of(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
+	                                    : world->model->position[i];
+}
+
+static struct rb_point *add_point(struct look *look)
+{
+	if (look->count == look->capacity) {
+		const size_t capacity = look->capacity ? 2 * look->capacity : PAIRS_PER_BLOCK;
+		struct rb_point *out = rb_arena_take(look->arena, capacity, sizeof *out);
+
+		if (!out) {
+			look->failed = true;
+			return NULL;
+		}
+		if (look->count > 0)
+			memcpy(out, look->out, look->count * sizeof *out);
+		look->out = out;
+		look->capacity = capacity;
+	}
+	return &look->out[look->count++];
+}
+
+static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
+{
+	const struct rb_state *before = &world->mark;
+
+	if (i >= world->model->body_count)
+		return (rb_vec3){0, 0, 0};
+	const rb_vec3 v = rb_world_row3(before->velocity, i);
+	return before->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(before->spin, i), arm))
+	                    : v;
+}
+
+/* Material, approach and the impulse of the step before, for a point whose place is known. */
+static void fill_point(const struct look *look, struct rb_point *point)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_model *model = world->model;
+	const struct rb_points *points = look->points;
+	const struct rb_pair_material *pair =
+		&model->pair_materials[model->material[point->a] * model->material_count +
+	                               model->material[point->b]];
+	const bool central = point->central;
+	const rb_vec3 arm_a = central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
+	const rb_vec3 arm_b = central ? rb_vec3_scale(point->arm_b.x, point->normal) : point->arm_b;
+
+	point->friction = pair->friction;
+	point->restitution = pair->restitution;
+	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_before(world, point->a, arm_a),
+	                                          velocity_before(world, point->b, arm_b)),
+	                              point->normal);
+	point->push = 0;
+	point->rub = (rb_vec3){0, 0, 0};
+	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
+	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
+		const struct rb_named_push *last = &points->last[k];
+
+		if (last->b != point->b || last->key != point->key)
+			continue;
+		point->push = look->h * last->force;
+		if (point->friction > 0)
+			point->rub = rb_vec3_scale(look->h,
+			                           rb_vec3_reject(last->rub, point->normal));
+		break;
+	}
+}
+
+/* A way longer than this share of a radius is looked along for the normal of the touch. */
+static const double far_share = 0.1;
+
+/*
+ * Of a sphere on another shape. One that comes from far is met where its path at present velocities touches or comes
+ * closest: the plane through the start's nearest point would hold it up where it only passes.
+ */
+static struct rb_gap meeting(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_state *state = &world->state;
+	struct rb_gap g = rb_gap_of(world, state, pair.a, pair.b);
+	const rb_vec3 d = rb_vec3_sub(way_of(look, pair.b), way_of(look, pair.a));
+	const double size = world->model->shape[pair.a].radius;
+	double t = 0;
+
+	if (!(rb_vec3_dot(d, d) > far_share * far_share * size * size) || g.gap <= 0)
+		return g;
+	/* the distance is convex along a straight path: Newton's steps come from one side and never go too far */
+	const rb_vec3 origin = rb_world_origin_at(world, state, pair.a);
+	for (int round = 0; round < 32; round++) {
+		const double closing = -rb_vec3_dot(g.normal, d);
+		const double more = closing > 0 ? g.gap / closing : 1;
+
+		if (t + more >= 1 || g.gap <= 1e-12 * size) {
+			g.gap += t * closing;
+			break;
+		}
+		t += more;
+		g = rb_gap_at(world, state, pair.a, rb_vec3_add_scaled(origin, -t, d), pair.b);
+	}
+	return g;
+}
+
+static void look_at_plain(struct look *look, struct rb_pair pair, double slack)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_model *model = world->model;
+
+	if (pair.b < model->body_count) { /* the common case without a square root */
+		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
+		                              rb_world_origin_at(world, &world->state, pair.a));
+		const double most = model->shape[pair.a].radius + model->shape[pair.b].radius +
+		                    slack;
+
+		if (rb_vec3_dot(d, d) > most * most)
+			return;
+	}
+	const struct rb_gap g = meeting(look, pair);
+	if (!(g.gap <= slack))
+		return;
+	struct rb_point *point = add_point(look);
+	if (!point)
+		return;
+	*point = (struct rb_point){
+		.a = pair.a,
+		.b = pair.b,
+		.central = is_central(world, pair.a) && is_central(world, pair.b),
+		.normal = g.normal,
+		.gap = g.gap,
+	};
+	const double radius_b = model->shape[pair.b].kind == RB_SHAPE_SPHERE
+	                                ? model->shape[pair.b].radius
+	                                : 0;
+	if (point->central) {
+		point->arm_a.x = model->shape[pair.a].radius;
+		point->arm_b.x = -radius_b;
+	} else {
+		const rb_vec3 on_a = rb_vec3_add_scaled(
+			rb_world_origin_at(world, &world->state, pair.a),
+			model->shape[pair.a].radius, g.normal);
+
+		point->arm_a = rb_vec3_sub(on_a, center_of(world, pair.a));
+		if (pair.b < model->body_count)
+			point->arm_b = rb_vec3_sub(
+				rb_vec3_add_scaled(rb_world_origin_at(world, &world->state, pair.b),
+			                           -radius_b, g.normal),
+				center_of(world, pair.b));
+	}
+	fill_point(look, point);
+}
+
+static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifold *manifold,
+                         double slack, uint64_t part)
+{
+	const rb_vec3 at_a = center_of(look->world, pair.a), at_b = center_of(look->world, pair.b);
+
+	for (int k = 0; k < manifold->count; k++) {
+		const rb_manifold_point *at = &manifold->point[k];
+
+		if (!(at->gap <= slack))
+			continue;
+		struct rb_point *point = add_point(look);
+		if (!point)
+			return;
+		*point = (struct rb_point){
+			.a = pair.a,
+			.b = pair.b,
+			.key = at->key ^ part * 0x9e3779b97f4a7c15u,
+			.normal = manifold->normal,
+			.arm_a = rb_vec3_sub(at->on_a, at_a),
+			.arm_b = rb_vec3_sub(at->on_b, at_b),
+			.gap = at->gap,
+		};
+		fill_point(look, point);
+	}
+}
+
+/* How far turning may carry points of the body towards others within the step, m. */
+static double turn_reach(const struct look *look, int i)
+{
+	const struct rb_world *world = look->world;
+
+	if (i >= world->model->body_count || !world->state.spin)
+		return 0;
+	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
+	return fmin(2, look->near->h_s * spin) * rb_model_reach(world->model, i);
+}
+
+static void look_at_parts(struct look *look, struct rb_pair pair, double slack)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_model *model = world->model;
+	const struct rb_body_parts *a = rb_model_parts(model, pair.a);
+	const struct rb_body_parts *b = rb_model_parts(model, pair.b);
+	const rb_vec3 origin_a = rb_world_origin_at(world, &world->state, pair.a);
+	const rb_vec3 origin_b = rb_world_origin_at(world, &world->state, pair.b);
+	const rb_quat turn_a = rb_world_orientation_at(world, &world->state, pair.a);
+	const rb_quat turn_b = rb_world_orientation_at(world, &world->state, pair.b);
+	rb_manifold manifold;
+
+	slack += turn_reach(look, pair.a) + turn_reach(look, pair.b);
+	for (int i = 0; i < a->count; i++) {
+		const rb_placed pa = rb_body_part_place(&a->part[i], origin_a, turn_a);
+
+		for (int j = 0; j < b->count; j++) {
+			const rb_placed pb = rb_body_part_place(&b->part[j], origin_b, turn_b);
+			const rb_vec3 d = rb_vec3_sub(pb.at, pa.at);
+			const double most = rb_convex_reach(pa.core) + rb_convex_reach(pb.core) +
+			                    slack;
+
+			if (rb_vec3_dot(d, d) > most * most)
+				continue;
+			rb_manifold_of(&manifold, &pa, &pb, slack);
+			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
+		}
+	}
+}
+
+static double slack_of(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_near *near = look->near;
+	const struct rb_model *model = look->world->model;
+
+	return near->reach[pair.a] + (pair.b < model->body_count ? near->reach[pair.b] : 0) +
+	       model->tolerance_m;
+}
+
+/* ---- all pairs, by blocks ---- */
+
+struct looks {
+	struct look look; /* to begin each block with */
+	struct rb_world *world;
+	struct look *block; /* what came of it */
+};
+
+static void look_block(void *user, int block, int worker)
+{
+	const struct looks *looks = user;
+	struct look look = looks->look;
+	const struct rb_near *near = look.near;
+	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
+	const size_t end = first + PAIRS_PER_BLOCK < near->pair_count ? first + PAIRS_PER_BLOCK
+	                                                              : near->pair_count;
+
+	look.arena = &look.world->arena[worker];
+	for (size_t k = first; k < end && !look.failed; k++) {
+		const struct rb_pair pair = near->pair[k];
+
+		if (is_plain(look.world->model, pair.a, pair.b))
+			look_at_plain(&look, pair, slack_of(&look, pair));
+		else
+			look_at_parts(&look, pair, slack_of(&look, pair));
+	}
+	looks->block[block] = look;
+}
+
+enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
+                              const struct rb_near *near, double h, struct rb_error *err)
+{
+	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
+	struct looks looks = {.look = {.world = world, .points = points, .near = near, .h = h}};
+	bool good = true;
+
+	points->count = 0;
+	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *looks.block);
+	if (!looks.block)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
+	rb_team_run(world->team, blocks, look_block, &looks);
+	size_t count = 0;
+	for (int b = 0; b < blocks; b++) {
+		count += looks.block[b].count;
+		good = good && !looks.block[b].failed;
+	}
+	if (!good ||
+	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	for (int b = 0; b < blocks; b++) {
+		if (looks.block[b].count > 0)
+			memcpy(points->row + points->count, looks.block[b].out,
+			       looks.block[b].count * sizeof *points->row);
+		points->count += looks.block[b].count;
+	}
+	return RB_OK;
+}
+
+enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *model, double h,
+                              struct rb_error *err)
+{
+	size_t count = 0;
+	int a = 0;
+
+	if (!rb_memory_reserve(&points->last, &points->last_capacity, points->count,
+	                       sizeof *points->last))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+
+		for (; a <= point->a; a++)
+			points->first_last[a] = count;
+		if (point->push > 0)
+			points->last[count++] = (struct rb_named_push){
+				point->a, point->b, point->key, point->push / h,
+				rb_vec3_scale(1 / h, point->rub)};
+	}
+	for (; a <= model->body_count; a++)
+		points->first_last[a] = count;
+	points->last_count = count;
+	return RB_OK;
+}
+
+/* ---- the verdict ---- */
+
+struct overlap {
+	double depth;
+	int a, b;
+};
+
+struct overlaps {
+	struct rb_world *world;
+	const struct rb_near *near;
+	struct overlap *block;
+};
+
+static double depth_of_parts(const struct rb_world *world, struct rb_pair pair)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_body_parts *a = rb_model_parts(model, pair.a);
+	const struct rb_body_parts *b = rb_model_parts(model, pair.b);
+	const rb_vec3 origin_a = rb_world_origin_at(world, &world->state, pair.a);
+	const rb_vec3 origin_b = rb_world_origin_at(world, &world->state, pair.b);
+	const rb_quat turn_a = rb_world_orientation_at(world, &world->state, pair.a);
+	const rb_quat turn_b = rb_world_orientation_at(world, &world->state, pair.b);
+	double depth = 0;
+
+	for (int i = 0; i < a->count; i++) {
+		rb_placed pa = rb_body_part_place(&a->part[i], origin_a, turn_a);
+
+		for (int j = 0; j < b->count; j++) {
+			rb_placed pb = rb_body_part_place(&b->part[j], origin_b, turn_b);
+			const rb_vec3 d = rb_vec3_sub(pb.at, pa.at);
+			const double round = pa.core->radius + pb.core->radius;
+			const double most = rb_convex_reach(pa.core) + rb_convex_reach(pb.core);
+
+			if (rb_vec3_dot(d, d) > most * most)
+				continue;
+			const rb_placed near_a = {pa.core, {0, 0, 0}, pa.turn};
+			const rb_placed near_b = {pb.core, d, pb.turn};
+			depth = fmax(depth, round - rb_separation_of(&near_a, &near_b).gap);
+		}
+	}
+	return depth;
+}
+
+static double depth_of(const struct rb_world *world, struct rb_pair pair)
+{
+	const struct rb_model *model = world->model;
+
+	if (!is_plain(model, pair.a, pair.b))
+		return depth_of_parts(world, pair);
+	if (pair.b < model->body_count) {
+		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
+		                              rb_world_origin_at(world, &world->state, pair.a));
+		const double sum = model->shape[pair.a].radius + model->shape[pair.b].radius;
+
+		if (rb_vec3_dot(d, d) > sum * sum)
+			return 0;
+	}
+	return -rb_gap_of(world, &world->state, pair.a, pair.b).gap;
+}
+
+static void overlap_block(void *user, int block, int worker)
+{
+	const struct overlaps *overlaps = user;
+	const struct rb_near *near = overlaps->near;
+	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
+	const size_t end = first + PAIRS_PER_BLOCK < near->pair_count ? first + PAIRS_PER_BLOCK
+	                                                              : near->pair_count;
+	struct overlap worst = {0, -1, -1};
+
+	(void)worker;
+	for (size_t k = first; k < end; k++) {
+		const double depth = depth_of(overlaps->world, near->pair[k]);
+
+		if (depth > worst.depth)
+			worst = (struct overlap){depth, near->pair[k].a, near->pair[k].b};
+	}
+	overlaps->block[block] = worst;
+}
+
+double rb_points_overlap(struct rb_world *world, const struct rb_near *near, int pair[2])
+{
+	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
+	struct overlaps overlaps = {.world = world, .near = near};
+	struct overlap worst = {0, -1, -1};
+
+	overlaps.block = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *overlaps.block);
+	if (!overlaps.block) { /* as bad as it can be */
+		pair[0] = pair[1] = -1;
+		return (double)INFINITY;
+	}
+	rb_team_run(world->team, blocks, overlap_block, &overlaps);
+	for (int b = 0; b < blocks; b++)
+		if (overlaps.block[b].depth > worst.depth)
+			worst = overlaps.block[b];
+	pair[0] = worst.a;
+	pair[1] = worst.b;
+	return worst.depth;
+}
