@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 #include "base/clock.h"
@@ -199,11 +200,40 @@ static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_er
 	return status ? status : write_file(options->recording, &checkpoints->pack, err);
 }
 
+/*
+ * Pages that nobody has written to are found one by one, at the first write: here, and not while the run stands still.
+ * With the lock, which it gives back meanwhile.
+ */
+static void make_ready(struct rb_checkpoints *checkpoints)
+{
+	const uint64_t at_ns = checkpoints->options.ready_ns;
+	const struct timespec at = {.tv_sec = (time_t)(at_ns / 1000000000),
+	                            .tv_nsec = (long)(at_ns % 1000000000)};
+	const size_t step = 4096;
+
+	if (at_ns == 0)
+		return;
+	while (!checkpoints->busy && !checkpoints->stop)
+		if (pthread_cond_timedwait(&checkpoints->changed, &checkpoints->lock, &at) != 0)
+			break;
+	if (checkpoints->busy || checkpoints->stop)
+		return;
+	checkpoints->busy = true;
+	pthread_mutex_unlock(&checkpoints->lock);
+	for (size_t i = 0; i < checkpoints->pack.capacity && i < checkpoints->options.size_guess;
+	     i += step)
+		*(volatile unsigned char *)&checkpoints->pack.bytes[i] = 0;
+	pthread_mutex_lock(&checkpoints->lock);
+	checkpoints->busy = false;
+	pthread_cond_broadcast(&checkpoints->changed);
+}
+
 static void *work(void *argument)
 {
 	struct rb_checkpoints *const checkpoints = argument;
 
 	pthread_mutex_lock(&checkpoints->lock);
+	make_ready(checkpoints);
 	for (;;) {
 		struct rb_error err = {0};
 
@@ -230,6 +260,16 @@ static void *work(void *argument)
 
 /* ---- the simulator's ---- */
 
+static void init_condition(pthread_cond_t *condition)
+{
+	pthread_condattr_t as_clock;
+
+	pthread_condattr_init(&as_clock);
+	pthread_condattr_setclock(&as_clock, CLOCK_MONOTONIC);
+	pthread_cond_init(condition, &as_clock);
+	pthread_condattr_destroy(&as_clock);
+}
+
 enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
                                     const struct rb_checkpoints_options *options,
                                     struct rb_error *err)
@@ -246,7 +286,7 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	                       options->size_guess, 1))
 		rb_log(RB_LOG_DEBUG, "no room for checkpoints yet");
 	pthread_mutex_init(&checkpoints->lock, NULL);
-	pthread_cond_init(&checkpoints->changed, NULL);
+	init_condition(&checkpoints->changed);
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
 	const int failed = pthread_create(&checkpoints->thread, NULL, work, checkpoints);
@@ -319,7 +359,7 @@ enum rb_status rb_checkpoints_take(struct rb_checkpoints *checkpoints,
                                    const struct rb_checkpoint_about *about,
                                    const struct rb_checkpoint_parts *parts, struct rb_error *err)
 {
-	const uint64_t start_ns = rb_clock_now_ns();
+	const uint64_t start_ns = rb_clock_now_ns(), cpu_ns = rb_clock_cpu_ns();
 
 	pthread_mutex_lock(&checkpoints->lock);
 	while (checkpoints->busy)
@@ -332,6 +372,7 @@ enum rb_status rb_checkpoints_take(struct rb_checkpoints *checkpoints,
 	pthread_mutex_lock(&checkpoints->lock);
 	checkpoints->busy = !status;
 	checkpoints->tally.stall_ns += taken_ns;
+	checkpoints->tally.stall_cpu_ns += rb_clock_cpu_ns() - cpu_ns;
 	if (taken_ns > checkpoints->tally.stall_most_ns)
 		checkpoints->tally.stall_most_ns = taken_ns;
 	pthread_cond_broadcast(&checkpoints->changed);

@@ -47,6 +47,8 @@ struct rb_checkpoints_options {
 	bool (*recorded)(void *user, uint64_t frame);
 	void *user;
 	size_t size_guess; /* bytes that one will take: room that need not be found while the run waits */
+	uint64_t
+		ready_ns; /* when (base/clock) that room is to be ready in memory, too; 0: not beforehand */
 };
 
 /* Starts the thread that writes; nothing is written yet. */
@@ -70,7 +72,8 @@ struct rb_checkpoints_tally {
 	uint64_t written, bytes; /* how many; of the last one */
 	uint64_t stall_ns;       /* of the simulator, by all of them, and by the longest */
 	uint64_t stall_most_ns;
-	uint64_t frame; /* of the last one */
+	uint64_t stall_cpu_ns; /* of which its thread has worked */
+	uint64_t frame;        /* of the last one */
 };
 struct rb_checkpoints_tally rb_checkpoints_tally(struct rb_checkpoints *checkpoints);
 /* Waits for what is under way. NULL is fine. */

@@ -8,6 +8,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "step/save.h"
 
 /* Lost at most, when a process is killed. */
 static const double default_every_s = 60;
@@ -52,7 +53,11 @@ enum rb_status rb_saving_start(struct rb_saving **made, const struct rb_saving_o
 	                               ? (uint64_t)options->loaded->scene.record.every
 	                               : 1;
 	const struct rb_checkpoints_options own = {
-		.recording = options->loaded->output, .recorded = recorded, .user = saving};
+		.recording = options->loaded->output,
+		.recorded = recorded,
+		.user = saving,
+		.size_guess = rb_world_pack_guess(options->parts.world),
+		.ready_ns = saving->every_ns > 0 ? saving->next_ns - saving->every_ns / 2 : 0};
 	const enum rb_status status = rb_checkpoints_start(&saving->checkpoints, &own, err);
 	if (status) {
 		rb_memory_free(saving);
@@ -62,19 +67,15 @@ enum rb_status rb_saving_start(struct rb_saving **made, const struct rb_saving_o
 	return RB_OK;
 }
 
-void rb_saving_stop(struct rb_saving *saving)
+struct rb_checkpoints_tally rb_saving_stop(struct rb_saving *saving)
 {
 	if (!saving)
-		return;
+		return (struct rb_checkpoints_tally){0};
+	(void)!rb_checkpoints_wait(saving->checkpoints, NULL);
 	const struct rb_checkpoints_tally tally = rb_checkpoints_tally(saving->checkpoints);
-	if (tally.written > 0)
-		rb_log(RB_LOG_DEBUG,
-		       "%llu checkpoints, the last of %llu bytes; the run stood still for %.3g s, "
-		       "%.3g s at most",
-		       (unsigned long long)tally.written, (unsigned long long)tally.bytes,
-		       (double)tally.stall_ns * 1e-9, (double)tally.stall_most_ns * 1e-9);
 	rb_checkpoints_stop(saving->checkpoints);
 	rb_memory_free(saving);
+	return tally;
 }
 
 bool rb_saving_can(const struct rb_saving *saving, uint64_t frame)

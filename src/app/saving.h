@@ -29,8 +29,8 @@ struct rb_saving_options {
 RB_CHECKED enum rb_status rb_saving_start(struct rb_saving **made,
                                           const struct rb_saving_options *options,
                                           struct rb_error *err);
-/* Waits for what is being written. NULL is fine, here and below. */
-void rb_saving_stop(struct rb_saving *saving);
+/* Waits for what is being written, and tells of all. NULL is fine, here and below. */
+struct rb_checkpoints_tally rb_saving_stop(struct rb_saving *saving);
 
 /* Whether a checkpoint can be made at this frame: the recording must have it. */
 bool rb_saving_can(const struct rb_saving *saving, uint64_t frame);

@@ -681,7 +681,7 @@ static void finish(struct run *run)
 		rb_ring_close(run->ring);
 	const enum rb_status status = join_consumers(run, &err);
 	take_failure(result, status, &err);
-	rb_saving_stop(run->saving);
+	result->checkpoints = rb_saving_stop(run->saving);
 	if (run->recorder)
 		run->module->recorder_destroy(run->recorder);
 	if (status && result->frames > 0)

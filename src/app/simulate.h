@@ -38,7 +38,8 @@ struct rb_run_result {
 	double wall_before_s;         /* by those before this one */
 	uint64_t memory_bytes;        /* largest resident set of the process */
 	uint64_t recording_bytes;     /* size of the file */
-	bool recorder_failed;         /* then the file may hold fewer frames than were made */
+	struct rb_checkpoints_tally checkpoints;
+	bool recorder_failed; /* then the file may hold fewer frames than were made */
 	bool recorded_known;
 	uint64_t recorded_frames; /* in the file, where it is known */
 	uint64_t state_hash;

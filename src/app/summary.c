@@ -188,6 +188,17 @@ static void json_expects(struct rb_json *json, const struct rb_run_result *resul
 	rb_json_close(json, ']');
 }
 
+static void json_checkpoints(struct rb_json *json, const struct rb_checkpoints_tally *tally)
+{
+	rb_json_open(json, "checkpoints", '{');
+	rb_json_count(json, "written", tally->written);
+	rb_json_count(json, "checkpoint_bytes", tally->bytes);
+	rb_json_number(json, "stall_time", (double)tally->stall_ns * 1e-9);
+	rb_json_number(json, "stall_processor_time", (double)tally->stall_cpu_ns * 1e-9);
+	rb_json_number(json, "longest_stall", (double)tally->stall_most_ns * 1e-9);
+	rb_json_close(json, '}');
+}
+
 void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
                            const struct rb_loaded *loaded, const struct rb_run_info *info,
                            const struct rb_films *films, int exit_code)
@@ -254,6 +265,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_text(&json, "state_hash", hash);
 	json_expects(&json, result);
 	rb_films_print_json(&json, films);
+	json_checkpoints(&json, &result->checkpoints);
 	rb_json_close(&json, '}');
 	putc('\n', file);
 }

@@ -39,13 +39,6 @@ void rb_pack_fail(struct rb_pack *pack, const char *why)
 	pack->why = why;
 }
 
-bool rb_pack_check(struct rb_pack *pack, bool holds, const char *why)
-{
-	if (pack->loading && !holds)
-		rb_pack_fail(pack, why);
-	return !pack->failed;
-}
-
 static void save(struct rb_pack *pack, const void *bytes, size_t size)
 {
 	if (pack->failed || size == 0)
@@ -73,7 +66,7 @@ static void load(struct rb_pack *pack, void *bytes, size_t size)
 	pack->at += size;
 }
 
-void rb_pack_bytes(struct rb_pack *pack, void *bytes, size_t size)
+void rb_pack_bytes_slowly(struct rb_pack *pack, void *bytes, size_t size)
 {
 	if (pack->loading)
 		load(pack, bytes, size);
@@ -81,33 +74,18 @@ void rb_pack_bytes(struct rb_pack *pack, void *bytes, size_t size)
 		save(pack, bytes, size);
 }
 
-void rb_pack_u64(struct rb_pack *pack, uint64_t *value)
+void rb_pack_load_bool(struct rb_pack *pack, bool *value)
 {
-	rb_pack_bytes(pack, value, sizeof *value);
-}
-
-void rb_pack_u32(struct rb_pack *pack, uint32_t *value)
-{
-	rb_pack_bytes(pack, value, sizeof *value);
-}
-
-void rb_pack_i64(struct rb_pack *pack, int64_t *value)
-{
-	rb_pack_bytes(pack, value, sizeof *value);
-}
-
-void rb_pack_bool(struct rb_pack *pack, bool *value)
-{
-	unsigned char byte = *value;
+	unsigned char byte = 0;
 
 	rb_pack_bytes(pack, &byte, 1);
 	(void)rb_pack_check(pack, byte <= 1, "neither true nor false");
 	*value = byte == 1;
 }
 
-void rb_pack_int(struct rb_pack *pack, int *value, int low, int high)
+void rb_pack_load_int(struct rb_pack *pack, int *value, int low, int high)
 {
-	int32_t number = *value;
+	int32_t number = 0;
 
 	rb_pack_bytes(pack, &number, sizeof number);
 	if (!rb_pack_check(pack, number >= low && number <= high, "a number out of its range"))
@@ -127,7 +105,7 @@ void rb_pack_count(struct rb_pack *pack, size_t *value, size_t most, size_t each
 	*value = (size_t)number;
 }
 
-void rb_pack_doubles(struct rb_pack *pack, double *value, size_t count)
+void rb_pack_load_doubles(struct rb_pack *pack, double *value, size_t count)
 {
 	if (count > SIZE_MAX / sizeof *value)
 		rb_pack_fail(pack, "a count that is too large");
@@ -135,22 +113,22 @@ void rb_pack_doubles(struct rb_pack *pack, double *value, size_t count)
 		rb_pack_bytes(pack, value, count * sizeof *value);
 }
 
-void rb_pack_times(struct rb_pack *pack, double *value, size_t count)
+void rb_pack_load_times(struct rb_pack *pack, double *value, size_t count)
 {
 	bool good = true;
 
-	rb_pack_doubles(pack, value, count);
-	for (size_t i = 0; pack->loading && !pack->failed && i < count; i++)
+	rb_pack_load_doubles(pack, value, count);
+	for (size_t i = 0; !pack->failed && i < count; i++)
 		good &= !isnan(value[i]);
 	(void)rb_pack_check(pack, good, "not a number");
 }
 
-void rb_pack_finite(struct rb_pack *pack, double *value, size_t count)
+void rb_pack_load_finite(struct rb_pack *pack, double *value, size_t count)
 {
 	bool good = true;
 
-	rb_pack_doubles(pack, value, count);
-	for (size_t i = 0; pack->loading && !pack->failed && i < count; i++)
+	rb_pack_load_doubles(pack, value, count);
+	for (size_t i = 0; !pack->failed && i < count; i++)
 		good &= isfinite(value[i]) != 0;
 	(void)rb_pack_check(pack, good, "a number that is not finite");
 }

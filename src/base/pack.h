@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <string.h>
 
 #include <rbsim/error.h>
 
@@ -41,22 +42,93 @@ RB_CHECKED enum rb_status rb_pack_status(const struct rb_pack *pack, const char 
 /* Fails for a reason, unless one stands already. */
 void rb_pack_fail(struct rb_pack *pack, const char *why);
 /* Loading: fails unless it holds. Gives false once anything has failed. */
-bool rb_pack_check(struct rb_pack *pack, bool holds, const char *why);
+static inline bool rb_pack_check(struct rb_pack *pack, bool holds, const char *why)
+{
+	if (pack->loading && !holds)
+		rb_pack_fail(pack, why);
+	return !pack->failed;
+}
 
-void rb_pack_bytes(struct rb_pack *pack, void *bytes, size_t size);
-void rb_pack_u64(struct rb_pack *pack, uint64_t *value);
-void rb_pack_u32(struct rb_pack *pack, uint32_t *value);
-void rb_pack_i64(struct rb_pack *pack, int64_t *value);
-void rb_pack_bool(struct rb_pack *pack, bool *value);
+/* What follows stands here so that saving is a copy where there is room: millions of values make a checkpoint. */
+void rb_pack_bytes_slowly(struct rb_pack *pack, void *bytes, size_t size);
+static inline void rb_pack_bytes(struct rb_pack *pack, void *bytes, size_t size)
+{
+	if (pack->loading || pack->failed || pack->capacity - pack->size < size) {
+		rb_pack_bytes_slowly(pack, bytes, size);
+	} else if (size > 0) {
+		memcpy(pack->bytes + pack->size, bytes, size);
+		pack->size += size;
+	}
+}
+
+static inline void rb_pack_u64(struct rb_pack *pack, uint64_t *value)
+{
+	rb_pack_bytes(pack, value, sizeof *value);
+}
+
+static inline void rb_pack_u32(struct rb_pack *pack, uint32_t *value)
+{
+	rb_pack_bytes(pack, value, sizeof *value);
+}
+
+static inline void rb_pack_i64(struct rb_pack *pack, int64_t *value)
+{
+	rb_pack_bytes(pack, value, sizeof *value);
+}
+
+void rb_pack_load_bool(struct rb_pack *pack, bool *value);
+static inline void rb_pack_bool(struct rb_pack *pack, bool *value)
+{
+	unsigned char byte = *value;
+
+	if (pack->loading)
+		rb_pack_load_bool(pack, value);
+	else
+		rb_pack_bytes(pack, &byte, 1);
+}
+
+void rb_pack_load_int(struct rb_pack *pack, int *value, int low, int high);
 /* In [low, high]. */
-void rb_pack_int(struct rb_pack *pack, int *value, int low, int high);
+static inline void rb_pack_int(struct rb_pack *pack, int *value, int low, int high)
+{
+	int32_t number = *value;
+
+	if (pack->loading)
+		rb_pack_load_int(pack, value, low, high);
+	else
+		rb_pack_bytes(pack, &number, sizeof number);
+}
+
 /* At most `most`, and no more than can stand in what is left at `each` bytes (0: no such limit). */
 void rb_pack_count(struct rb_pack *pack, size_t *value, size_t most, size_t each);
 /* Any. */
-void rb_pack_doubles(struct rb_pack *pack, double *value, size_t count);
+void rb_pack_load_doubles(struct rb_pack *pack, double *value, size_t count);
+static inline void rb_pack_doubles(struct rb_pack *pack, double *value, size_t count)
+{
+	if (pack->loading)
+		rb_pack_load_doubles(pack, value, count);
+	else
+		rb_pack_bytes(pack, value, count * sizeof *value);
+}
+
 /* No NAN. */
-void rb_pack_times(struct rb_pack *pack, double *value, size_t count);
+void rb_pack_load_times(struct rb_pack *pack, double *value, size_t count);
+static inline void rb_pack_times(struct rb_pack *pack, double *value, size_t count)
+{
+	if (pack->loading)
+		rb_pack_load_times(pack, value, count);
+	else
+		rb_pack_bytes(pack, value, count * sizeof *value);
+}
+
 /* Neither NAN nor infinite. */
-void rb_pack_finite(struct rb_pack *pack, double *value, size_t count);
+void rb_pack_load_finite(struct rb_pack *pack, double *value, size_t count);
+static inline void rb_pack_finite(struct rb_pack *pack, double *value, size_t count)
+{
+	if (pack->loading)
+		rb_pack_load_finite(pack, value, count);
+	else
+		rb_pack_bytes(pack, value, count * sizeof *value);
+}
 
 #endif

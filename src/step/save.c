@@ -10,8 +10,8 @@
 
 #include <math.h>
 
-/* Bytes that a contact and an event take. */
-enum { CONTACT_SIZE = 96, EVENT_SIZE = 100 };
+/* Bytes that a contact and an event take; what a body takes beside its state, with its boxes, and on its arc. */
+enum { CONTACT_SIZE = 96, EVENT_SIZE = 100, BOX_SIZE = 80, ARC_SIZE = 400 };
 
 static void pack_vector(struct rb_pack *pack, rb_vec3 *v)
 {
@@ -161,6 +161,14 @@ static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
 		rb_pack_u64(pack, &found[i]);
 		(void)rb_pack_check(pack, found[i] == wanted[i], "it is of another scene");
 	}
+}
+
+size_t rb_world_pack_guess(const struct rb_world *world)
+{
+	const size_t state = world->state.size_bytes * (world->state.push ? 2 : 1);
+	const size_t each = CONTACT_SIZE + BOX_SIZE + (world->located ? ARC_SIZE : 0);
+
+	return state + (size_t)world->model->body_count * each;
 }
 
 enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struct rb_error *err)

@@ -12,6 +12,8 @@
 
 #include "base/pack.h"
 
+/* About how many bytes that will be, for room to be found beforehand. */
+size_t rb_world_pack_guess(const struct rb_world *world);
 /* RB_ERR_INPUT: the bytes are not those of such a world; RB_ERR_MEMORY. */
 RB_CHECKED enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack,
                                         struct rb_error *err);
