@@ -25,6 +25,8 @@ struct rb_saving {
 	bool wanted; /* a command asks */
 	bool broken; /* it does not work, and that was told */
 	struct rb_error why;
+	struct rb_error
+		told; /* what was wrong with the last one; a full disk is told once, not each minute */
 };
 
 /* In the thread that writes. */
@@ -112,6 +114,20 @@ static void give_up(struct rb_saving *saving, const struct rb_error *err)
 	rb_log(RB_LOG_WARNING, "this run has no checkpoints from here on: %s", err->text);
 }
 
+/* How the last one went. */
+static void tell_last(struct rb_saving *saving)
+{
+	struct rb_error err;
+
+	if (rb_checkpoints_wait(saving->checkpoints, &err) == RB_OK) {
+		saving->told = (struct rb_error){0};
+		return;
+	}
+	if (strcmp(err.text, saving->told.text) != 0)
+		rb_log(RB_LOG_WARNING, "%s", err.text);
+	saving->told = err;
+}
+
 void rb_saving_frame(struct rb_saving *saving, uint64_t frame)
 {
 	struct rb_error err;
@@ -122,8 +138,7 @@ void rb_saving_frame(struct rb_saving *saving, uint64_t frame)
 	                 (saving->every_ns > 0 && rb_clock_now_ns() >= saving->next_ns);
 	if (!due || rb_checkpoints_busy(saving->checkpoints))
 		return;
-	if (rb_checkpoints_wait(saving->checkpoints, &err) != RB_OK) /* how the last one went */
-		rb_log(RB_LOG_WARNING, "%s", err.text);
+	tell_last(saving);
 	if (take(saving, frame, &err) != RB_OK)
 		give_up(saving, &err);
 }
@@ -161,9 +176,7 @@ enum rb_status rb_saving_last(struct rb_saving *saving, const struct rb_world *w
 		return RB_OK;
 	}
 	/* an earlier one will do */
-	struct rb_error earlier;
-	if (rb_checkpoints_wait(saving->checkpoints, &earlier) != RB_OK)
-		rb_log(RB_LOG_WARNING, "%s", earlier.text);
+	tell_last(saving);
 	const struct rb_checkpoints_tally tally = rb_checkpoints_tally(saving->checkpoints);
 	*frame = tally.written > 0 ? tally.frame : saving->options.resumed_frame;
 	return tally.written > 0 || saving->options.resumed ? RB_OK : status;

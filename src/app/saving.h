@@ -36,7 +36,7 @@ struct rb_checkpoints_tally rb_saving_stop(struct rb_saving *saving);
 bool rb_saving_can(const struct rb_saving *saving, uint64_t frame);
 /* A signal has come: whether the frame under way may take more time to come to its end. */
 bool rb_saving_waits(struct rb_saving *saving);
-/* After a frame was published: makes a checkpoint if it is time. What goes wrong is a warning, once. */
+/* After a frame was published: makes a checkpoint if it is time. What goes wrong is a warning, once until it goes well. */
 void rb_saving_frame(struct rb_saving *saving, uint64_t frame);
 /* The next frame that can be kept is. RB_ERR_USAGE: this run can't be kept, and why. */
 RB_CHECKED enum rb_status rb_saving_ask(struct rb_saving *saving, struct rb_error *err);
