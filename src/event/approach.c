@@ -15,7 +15,7 @@
 #include "event/feature.h"
 #include "model/parts.h"
 
-enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 64 };
+enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4 };
 
 /* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
@@ -452,11 +452,12 @@ static double crossing(const struct course *c, double low, double high)
 }
 
 /* A touch found just before or after it to within the band: moved to where the gap is zero, as far as that is time. */
-static double settled(const struct course *c, double from)
+static double settled(const struct course *c, double from, double until)
 {
 	struct rb_meet all[RB_MEET_MAX];
 	const int count = rb_touch_all(c->l, &c->pair, 0, all);
-	double t = c->pair.t, sooner = HUGE_VAL;
+	const double t = c->pair.t;
+	double sooner = HUGE_VAL;
 
 	for (int k = 0; k < count; k++) {
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
@@ -464,14 +465,16 @@ static double settled(const struct course *c, double from)
 		if (rate < -c->noise)
 			sooner = fmin(sooner, all[k].gap / -rate);
 	}
-	return isfinite(sooner) ? fmax(from, t + sooner) : t;
+	/* not back to where it has just rebounded */
+	return isfinite(sooner) && t + sooner > from ? fmin(t + sooner, until) : t;
 }
 
 /* Seconds in which what falls and comes up again gets no deeper than some roundings of the size. */
 static double dip_time(const struct course *c)
 {
-	const double bend = c->pull_most + c->size * (c->turn_a * c->turn_a + c->turn_b * c->turn_b +
-	                                              c->turning_a + c->turning_b);
+	const double bend = c->pull_most +
+	                    c->size * (c->turn_a * c->turn_a + c->turn_b * c->turn_b +
+	                               c->turning_a + c->turning_b);
 
 	return sqrt(DIP_ULP * DBL_EPSILON * c->size / bend);
 }
@@ -494,7 +497,7 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 
 				found.touching = found.touching || t == from;
 				if (now == CLOSING || (now == STAYING && t > from)) {
-					found.touch_s = t > from ? settled(&c, from) : t;
+					found.touch_s = t > from ? settled(&c, from, until) : t;
 					return found;
 				}
 			}
