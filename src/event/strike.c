@@ -11,7 +11,7 @@
 #include "event/tidy.h"
 #include "geom/distance.h"
 
-enum { SMALLEST_ULP = 8, STOP_PASSES = 64 };
+enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64 };
 
 /* ---- one pair ---- */
 
@@ -62,9 +62,10 @@ static double closing_of(const struct rb_located *l, const struct rb_meet *m, do
 static bool ends_here(const struct rb_located *l, const struct rb_meet *m, double leave, double t)
 {
 	const double closing = closing_of(l, m, t);
+	/* where a corner is, is known less well than where a sphere's surface is */
+	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : SMALLEST_CORNER_ULP;
 
-	return closing > 0 &&
-	       leave * leave <= 2 * closing * SMALLEST_ULP * DBL_EPSILON * rb_meet_size(l, m);
+	return closing > 0 && leave * leave <= 2 * closing * ulp * DBL_EPSILON * rb_meet_size(l, m);
 }
 
 /* ---- one pair in flight ---- */
@@ -187,7 +188,7 @@ struct striking {
 	int meet_count;
 	struct rb_pose *pose; /* [set_count] */
 	struct rb_joint joint;
-	double slack;               /* m/s: rounding of the velocities that came in */
+	double slack; /* m/s: rounding of the velocities that came in */
 };
 
 static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
