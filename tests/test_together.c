@@ -669,9 +669,9 @@ static void any_order_and_any_mirror_image_give_the_same_bits(void **state)
 /* The inertia of a sphere, written as a tensor. */
 static void as_tensor(struct rb_joint_body *body)
 {
-	const double i = body->inverse_inertia;
+	const double i = sqrt(body->inverse_inertia);
 
-	body->inverse_tensor = rb_mat3_diagonal(i, i, i);
+	body->inverse_root = rb_mat3_diagonal(i, i, i);
 	body->inverse_inertia = NAN;
 }
 

@@ -29,8 +29,8 @@ static double second_rates_most(const struct rb_gauss_piece *p, int first)
 static void free_spin(const struct rb_top_body *body, const struct rb_top *top,
                       struct rb_bounds *most)
 {
-	const rb_vec3 local = rb_quat_rotate_back(
-		body->principal, rb_quat_rotate_back(top->orientation, top->spin));
+	const rb_vec3 local = rb_quat_rotate_back(body->principal,
+	                                          rb_quat_rotate_back(top->orientation, top->spin));
 	const double w[3] = {local.x, local.y, local.z};
 	const double moment[3] = {body->moments.x, body->moments.y, body->moments.z};
 	double energy = 0, momentum = 0, square = 0;

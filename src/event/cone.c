@@ -20,7 +20,8 @@ static bool yields(const struct rb_joint_body *body)
 static rb_vec3 turn(const struct rb_joint_body *body, rb_vec3 torque)
 {
 	if (isnan(body->inverse_inertia))
-		return rb_mat3_apply(&body->inverse_tensor, torque);
+		return rb_mat3_apply_transposed(&body->inverse_root,
+		                                rb_mat3_apply(&body->inverse_root, torque));
 	return rb_vec3_scale(body->inverse_inertia, torque);
 }
 
@@ -31,11 +32,11 @@ static double largest_turn(const struct rb_joint_body *body)
 
 	if (!isnan(body->inverse_inertia))
 		return body->inverse_inertia;
-	for (int i = 0; i < 3; i++) {
-		const double *const m = body->inverse_tensor.m[i];
-
-		largest = fmax(largest, fabs(m[0]) + fabs(m[1]) + fabs(m[2]));
-	}
+	const rb_mat3 back = rb_mat3_transposed(&body->inverse_root);
+	const rb_mat3 tensor = rb_mat3_multiply(&back, &body->inverse_root);
+	for (int i = 0; i < 3; i++)
+		largest = fmax(largest,
+		               fabs(tensor.m[i][0]) + fabs(tensor.m[i][1]) + fabs(tensor.m[i][2]));
 	return largest;
 }
 

@@ -23,18 +23,22 @@ struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const s
 	return c;
 }
 
-/* Inverse inertia in world axes, 1/(kg m^2). */
-static rb_mat3 tensor(const struct rb_located *l, int i, rb_quat orientation)
+/* Rows: principal axes in world coordinates over the roots of their moments. */
+static rb_mat3 inverse_root(const struct rb_located *l, int i, rb_quat orientation)
 {
-	const rb_mat3 r = rb_quat_to_mat3(orientation);
-	const rb_mat3 *inverse = &l->model->inverse_inertia[i];
-	rb_mat3 out = {0};
+	const rb_mat3 *inertia = &l->model->inertia[i];
+	const bool own = inertia->m[0][1] == 0 && inertia->m[0][2] == 0 && inertia->m[1][2] == 0;
+	const struct rb_top_body *top = &l->top_body[i];
+	const rb_mat3 r = rb_quat_to_mat3(own ? orientation
+	                                      : rb_quat_multiply(orientation, top->principal));
+	const double moment[3] = {own ? inertia->m[0][0] : top->moments.x,
+	                          own ? inertia->m[1][1] : top->moments.y,
+	                          own ? inertia->m[2][2] : top->moments.z};
+	rb_mat3 out;
 
-	for (int x = 0; x < 3; x++)
-		for (int y = 0; y < 3; y++)
-			for (int p = 0; p < 3; p++)
-				for (int q = 0; q < 3; q++)
-					out.m[x][y] += r.m[x][p] * inverse->m[p][q] * r.m[y][q];
+	for (int k = 0; k < 3; k++)
+		for (int x = 0; x < 3; x++)
+			out.m[k][x] = r.m[x][k] / sqrt(moment[k]);
 	return out;
 }
 
@@ -48,7 +52,7 @@ struct rb_joint_body rb_mechanics_body(const struct rb_located *l, int i,
 		return body;
 	body.inverse_inertia = l->model->inverse_inertia_scalar[i];
 	if (isnan(body.inverse_inertia))
-		body.inverse_tensor = tensor(l, i, pose->orientation);
+		body.inverse_root = inverse_root(l, i, pose->orientation);
 	return body;
 }
 

@@ -37,7 +37,8 @@ void rb_tidy_meet(const struct rb_located *l, const struct rb_pose *pose, struct
 
 static bool sticks(const struct rb_tidy *tidy, int k)
 {
-	return tidy->l->top && tidy->before && (!tidy->before[k].slipping || tidy->before[k].ending);
+	return tidy->l->top && tidy->before &&
+	       (!tidy->before[k].slipping || tidy->before[k].ending);
 }
 
 /* An overlap that steps have left is within the tolerance, and others lean on it. */

@@ -51,7 +51,8 @@ static bool yields(const struct rb_joint_body *body)
 static rb_vec3 turned(const struct rb_joint_body *body, rb_vec3 torque)
 {
 	if (isnan(body->inverse_inertia))
-		return rb_mat3_apply(&body->inverse_tensor, torque);
+		return rb_mat3_apply_transposed(&body->inverse_root,
+		                                rb_mat3_apply(&body->inverse_root, torque));
 	return rb_vec3_scale(body->inverse_inertia, torque);
 }
 
