@@ -444,28 +444,49 @@ static bool is_lawful(const struct work *w, int k)
 	return excess_of(w, k) <= fmax(clear * fmax(w->force_most, weight), w->doubt);
 }
 
+/* Does a pair approach at a point that is not one of its held ones, [first, end)? */
+static bool approaches_elsewhere(const struct work *w, int first, int end)
+{
+	const struct rb_held *held = &w->c->held[first];
+	const struct rb_touch_pair pair = {held->a, held->b, w->origin_s, w->meet[first].pose_a,
+	                                   w->meet[first].pose_b};
+	struct rb_meet all[RB_MEET_MAX];
+	const int count = rb_touch_all(w->l, &pair, 0, all);
+
+	for (int k = 0; k < count; k++) {
+		bool known = rb_vec3_dot(all[k].velocity, all[k].normal) >=
+		             -rb_meet_noise(w->l, &all[k]);
+		for (int i = first; i < end && !known; i++)
+			known = rb_set_is_same_place(w->l, &all[k], &w->meet[i]);
+		if (!known)
+			return true;
+	}
+	return false;
+}
+
 /*
- * The first of a pair's points has another, which is not held, below it: the bodies have come to touch there. What is
- * held may be off by what integration lets drift.
+ * Asked of the first of a pair's points: is another, which is not held, below them? The bodies have come to touch there.
+ * What is held may be off by what integration lets drift.
  */
 static bool is_hit(const struct work *w, int k)
 {
 	const struct rb_meet *m = &w->meet[k];
 	const struct rb_held *held = &w->c->held[k];
 	double low = m->gap;
+	int end = k + 1;
 
 	if (rb_set_is_single(w->l, held->a, held->b) ||
 	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
 		return false;
-	for (int i = k + 1; i < w->c->held_count; i++) {
-		if (w->c->held[i].a != held->a || w->c->held[i].b != held->b)
+	for (; end < w->c->held_count; end++) {
+		if (w->c->held[end].a != held->a || w->c->held[end].b != held->b)
 			break;
-		low = fmin(low, w->meet[i].gap);
+		low = fmin(low, w->meet[end].gap);
 	}
 	const struct rb_meet now = rb_meet_poses(w->l, held->a, held->b, &m->pose_a, &m->pose_b);
 
 	return now.gap < low - rb_meet_band(w->l, &now, w->origin_s) &&
-	       rb_vec3_dot(now.velocity, now.normal) < 0;
+	       approaches_elsewhere(w, k, end);
 }
 
 /* The first contact that does not keep its mode at this state, -1: all do. */
