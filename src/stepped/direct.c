@@ -6,10 +6,10 @@
 
 #include "stepped/blocks.h"
 
-enum { OUTER_MOST = 40, INNER_MOST = 20, HALVINGS_MOST = 20 };
+enum { OUTER_MOST = 60, INNER_MOST = 20, HALVINGS_MOST = 20, NOISE_ULP = 16 };
 
 /* First weight of a row, over its own yield; how much it grows where impulses follow slowly, and how far. */
-static const double weight_first = 1e3, weight_growth = 10, weight_most = 1e6;
+static const double weight_first = 1, weight_growth = 10, weight_most = 1e12;
 static const double relax_least = 0.3;
 
 /* A row while it is solved. */
@@ -360,25 +360,37 @@ static void fill(struct newton *s)
 		const double slip = rb_vec3_length(slip_of(row, rb_dense_velocity(dense, row)));
 
 		s->face[k] = (struct face){.impulse = rb_dense_impulse(row),
-		                           .weight = weight_first * (heaviest / lightest) /
-		                                     row->yield_n,
+		                           .weight = weight_first / row->yield_n,
 		                           .shift = row->friction * slip};
 	}
+}
+
+/* What rounding of the impulses makes of velocities, m/s: closer than that there is nothing to be had. */
+static double noise_of(const struct newton *s)
+{
+	double most = 0;
+
+	for (int k = 0; k < s->dense->row_count; k++)
+		most = fmax(most, s->dense->row[k].yield_n * rb_vec3_max_abs(s->face[k].now));
+	return NOISE_ULP * DBL_EPSILON * most;
 }
 
 static struct rb_direct_result solve(struct newton *s)
 {
 	struct rb_direct_result result = {.tried = true};
-	const double enough = s->direct->enough;
 	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1, relax = 1;
 
-	for (int outer = 0; outer < OUTER_MOST; outer++) {
+	for (int outer = 0; outer < OUTER_MOST && result.steps < s->direct->steps_most; outer++) {
 		double rounding, value = evaluate(s, &rounding);
+		double enough = fmax(s->direct->enough, noise_of(s));
 
-		for (int inner = 0; inner < INNER_MOST && imbalance(s) > 0.1 * enough; inner++) {
+		for (int inner = 0; inner < INNER_MOST && result.steps < s->direct->steps_most &&
+		                    imbalance(s) > 0.1 * enough;
+		     inner++) {
 			result.steps++;
 			if (!improve(s, &value, &rounding))
 				break;
+			enough = fmax(s->direct->enough, noise_of(s));
 		}
 		const double balance = imbalance(s);
 		const struct off off = follow(s, relax);

@@ -21,6 +21,7 @@ struct rb_direct {
 	int *local;         /* by body: scratch, -1 for what does not yield */
 	double enough;      /* m/s */
 	double enough_slip; /* m/s: of the shift by sliding, which only ever opens gaps */
+	int steps_most;     /* factorizations */
 	double most;        /* multiplications that one factorization may take */
 	struct rb_arena *arena;
 };

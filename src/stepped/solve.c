@@ -11,13 +11,16 @@
 enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256, COLOURS_MOST = 64 };
 
 /* Sweeps before factors are tried, and at most. */
-enum { SWEEPS_FIRST = 300, SWEEPS_MOST = 1500 };
+enum { SWEEPS_FIRST = 150, SWEEPS_MOST = 2000, SWEEPS_QUIET = 32 };
+/* Factorizations at most, where sweeps do not come to an end, and where they did. */
+enum { FACTORS_MOST = 400, FACTORS_QUIET = 6 };
 
-/* Multiplications of one factorization that a group may take. */
-static const double factors_most = 1e8;
+/* Multiplications that one factorization may take, for each row and at most: some twenty sweeps. */
+static const double factor_share = 4e3, factors_most = 1e8;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
-static const double sweep_share = 0.25, direct_share = 1e-2;
+static const double sweep_share = 0.25, close_share = 1e-7;
+static const double stiff_ratio = 100;
 
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
@@ -31,13 +34,17 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->island_of = rb_memory_take(n, sizeof *solver->island_of);
 	solver->member = rb_memory_take(n, sizeof *solver->member);
 	solver->local = rb_memory_take(n, sizeof *solver->local);
+	solver->reach = rb_memory_take(n, sizeof *solver->reach);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.tensor = solver->tensor;
 	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
-	    solver->member && solver->local &&
-	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC)))
+	    solver->member && solver->local && solver->reach &&
+	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
+		for (int i = 0; i < model->body_count; i++)
+			solver->reach[i] = rb_model_reach(model, i);
 		return RB_OK;
+	}
 	rb_solver_release(solver);
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the solver of %zu bodies", n - 1);
 }
@@ -52,6 +59,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->island_of);
 	rb_memory_free(solver->member);
 	rb_memory_free(solver->local);
+	rb_memory_free(solver->reach);
 	rb_memory_free(solver->island);
 	*solver = (struct rb_solver){0};
 }
@@ -324,48 +332,98 @@ static bool colour_rows(const struct rb_solver *solver, const struct rb_island *
 	return sweep->partial != NULL;
 }
 
+/* Factors; false where they are too many or do not come to an end: the impulses are then no worse. */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
-                        const struct rb_dense *dense, struct rb_arena *arena)
+                        const struct rb_dense *dense, int steps_most, struct rb_arena *arena)
 {
+	const double each = factor_share * (double)dense->row_count;
 	const struct rb_direct direct = {.dense = dense,
 	                                 .free = solver->free,
 	                                 .member = solver->member + island->first_member,
 	                                 .member_count = island->member_count,
 	                                 .local = solver->local,
-	                                 .enough = solver->enough / sweep_share * direct_share,
+	                                 .enough = close_share * solver->enough,
+	                                 .steps_most = steps_most,
 	                                 .enough_slip = solver->enough,
-	                                 .most = factors_most,
+	                                 .most = fmin(each, factors_most),
 	                                 .arena = arena};
 	const struct rb_direct_result result = rb_direct_solve(&direct);
 
-	island->factors = result.steps;
-	if (!result.tried || result.residual > solver->enough)
+	island->factors += result.steps;
+	if (!result.tried || !(result.residual <= solver->enough))
 		return false;
 	island->residual = result.residual;
 	return true;
 }
 
-/* With a team: colours. */
+static bool sweep_more(struct rb_sweep *sweep, struct rb_island *island, double enough, int most)
+{
+	sweep->most = most;
+	sweep->enough = enough;
+	const struct rb_sweep_result result = rb_sweep_solve(sweep);
+
+	island->sweeps += result.sweeps;
+	island->residual = result.residual;
+	return result.residual <= enough;
+}
+
+/* Whether nothing in the group moves by more than the tolerance in a step. */
+static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island)
+{
+	const double most = solver->enough / sweep_share;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_dense_body *body = &solver->dense.body[i];
+
+		if (rb_vec3_max_abs(body->linear) > most ||
+		    rb_vec3_max_abs(body->angular) * solver->reach[i] > most)
+			return false;
+	}
+	return true;
+}
+
+/* Masses so unequal that sweeps would take very many, and spoil the impulses to begin with. */
+static bool is_stiff(const struct rb_solver *solver, const struct rb_island *island)
+{
+	double least = (double)INFINITY, most = 0;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const struct rb_dense_body *body =
+			&solver->dense.body[solver->member[island->first_member + k]];
+
+		least = fmin(least, body->inverse_mass);
+		most = fmax(most, body->inverse_mass);
+	}
+	return most > stiff_ratio * least;
+}
+
+/*
+ * Sweeps first; factors where these do not come to an end soon and cost no more. What hardly moves is then solved far
+ * closer, a little in each step, so that it comes to stand still instead of creeping. With a team: colours.
+ */
 static void solve_island(const struct rb_solver *solver, struct rb_island *island,
                          struct rb_team *team, struct rb_arena *arena)
 {
 	const struct rb_dense dense = rows_of(solver, island);
-	struct rb_sweep sweep = {
-		.dense = &dense, .enough = solver->enough, .most = SWEEPS_FIRST, .team = team};
+	const double enough = solver->enough, close = close_share * enough;
+	struct rb_sweep sweep = {.dense = &dense, .team = team};
+	bool factored = false;
 
 	island->sweeps = island->factors = 0;
 	if (team && !colour_rows(solver, island, &sweep, arena))
 		sweep.team = NULL;
 	rb_sweep_warm(&dense);
-	struct rb_sweep_result result = rb_sweep_solve(&sweep);
-	island->sweeps = result.sweeps;
-	island->residual = result.residual;
-	if (result.residual <= sweep.enough || try_factors(solver, island, &dense, arena))
-		return;
-	sweep.most = SWEEPS_MOST;
-	result = rb_sweep_solve(&sweep);
-	island->sweeps += result.sweeps;
-	island->residual = result.residual;
+	if (is_stiff(solver, island))
+		factored = try_factors(solver, island, &dense, FACTORS_MOST, arena);
+	bool good = factored || sweep_more(&sweep, island, enough, SWEEPS_FIRST);
+	if (!good)
+		good = factored = try_factors(solver, island, &dense, FACTORS_MOST, arena);
+	if (!good)
+		good = sweep_more(&sweep, island, enough, SWEEPS_MOST);
+	if (good && !factored && is_quiet(solver, island) && island->residual > close &&
+	    !try_factors(solver, island, &dense, FACTORS_QUIET, arena))
+		(void)sweep_more(&sweep, island, close, SWEEPS_QUIET);
 }
 
 /* ---- all groups ---- */

@@ -27,6 +27,7 @@ struct rb_solver {
 	rb_mat3 *tensor; /* owned; NULL: no body needs one */
 	struct rb_dense_body *free;               /* owned */
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
+	double *reach;                            /* owned, m: as of the model */
 	struct rb_island *island;                 /* owned */
 	size_t island_count, island_capacity, row_capacity;
 	double h_s, enough; /* of the step; m/s */

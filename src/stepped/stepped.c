@@ -217,9 +217,10 @@ static enum rb_status close_overlap(struct rb_world *world, double *overlap, int
 /* What has become of a try. */
 struct outcome {
 	bool good;
-	int pair[2]; /* that overlaps, -1: none */
-	int body;    /* that is not finite, -1: none */
-	double overlap;
+	int pair[2];     /* that overlaps, -1: none */
+	int body;        /* that is not finite, -1: none */
+	double overlap;  /* m */
+	double residual; /* m: what the solution has left of a gap's closing */
 };
 
 static bool all_finite(const struct rb_world *world, int *body)
@@ -255,7 +256,9 @@ static enum rb_status judge(struct rb_world *world, double h, struct outcome *ou
 	const struct rb_model *model = world->model;
 	enum rb_status status = RB_OK;
 
-	outcome->good = all_finite(world, &outcome->body);
+	/* written so that NaN is not good */
+	outcome->good = all_finite(world, &outcome->body) &&
+	                outcome->residual <= model->tolerance_m;
 	if (!outcome->good || !world->broadphase)
 		return RB_OK;
 	if (!rb_near_holds(&s->near, world)) {
@@ -275,10 +278,11 @@ static enum rb_status judge(struct rb_world *world, double h, struct outcome *ou
 }
 
 /* Before the projection takes the solver for its own. */
-static void count_work(struct rb_world *world, double h)
+static double count_work(struct rb_world *world, double h)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	struct rb_counts *counts = &world->frame_counts;
+	double residual = 0;
 
 	for (size_t g = 0; g < solver->island_count; g++) {
 		const struct rb_island *island = &solver->island[g];
@@ -286,8 +290,10 @@ static void count_work(struct rb_world *world, double h)
 		counts->row_sweeps += (uint64_t)island->sweeps * (uint64_t)island->row_count;
 		counts->rows += (uint64_t)island->row_count;
 		counts->factors += (uint64_t)island->factors;
-		counts->residual_m = fmax(counts->residual_m, h * island->residual);
+		residual = fmax(residual, h * island->residual);
 	}
+	counts->residual_m = fmax(counts->residual_m, residual);
+	return residual;
 }
 
 static enum rb_status attempt(struct rb_world *world, double start, double h,
@@ -314,7 +320,7 @@ static enum rb_status attempt(struct rb_world *world, double start, double h,
 	move(world, h);
 	memset(s->rebound, 0, s->points.count * sizeof *s->rebound);
 	status = rb_solver_rebound(&s->solver, world, &s->points, s->rebound, err);
-	count_work(world, h);
+	outcome->residual = count_work(world, h);
 	return status == RB_OK ? judge(world, h, outcome, err) : status;
 }
 
