@@ -521,6 +521,9 @@ static enum rb_status check_whole(const struct parse *parse)
 	if (options->no_record && options->output && options->verb != RB_VERB_SWEEP)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--output' contradicts '--no-record'");
+	if (options->resume && (options->no_record || options->force))
+		return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--resume' contradicts '--%s'",
+		               options->no_record ? "no-record" : "force");
 	return RB_OK;
 }
 

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "app/planned.h"
 
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/memory.h"
 #include "sink/module.h"
@@ -311,6 +313,10 @@ enum rb_status rb_planned_init(struct rb_planned *sweep, const struct rb_options
 		return settled ? settled
 		               : rb_planned_open(sweep, options, options->operand[0], err);
 	}
+	if (access(options->operand[0], F_OK) != 0)
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "cannot open '%s': %s (wanted: a scene, or the folder of a sweep)",
+		               options->operand[0], strerror(errno));
 	if (!sweep->shown)
 		return RB_FAIL(err, RB_ERR_USAGE, "'sweep' needs --output DIR");
 	enum rb_status status = take_words(sweep, err);

@@ -231,11 +231,37 @@ enum rb_status rb_h5_collect(const struct rb_collection *collection, uint64_t *l
 
 /* ---- reading ---- */
 
+/* "e, small: ok, small: measured, frames, ...", as far as there is room. */
+static char *list_columns(hid_t file, char *out, size_t size)
+{
+	static const char *const groups[] = {"/parameters", "/expectations", "/results"};
+	const char *comma = "";
+	char name[256];
+	size_t at = 0;
+
+	out[0] = '\0';
+	for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
+		for (hsize_t i = 0; H5Lexists(file, groups[g], H5P_DEFAULT) > 0; i++) {
+			if (H5Lget_name_by_idx(file, groups[g], H5_INDEX_NAME, H5_ITER_INC, i, name,
+			                       sizeof name, H5P_DEFAULT) < 0)
+				break;
+			rb_h5_unescape(name);
+			const size_t length = strlen(comma) + strlen(name);
+			if (at + length + sizeof ", ..." > size) {
+				memcpy(out + at, ", ...", sizeof ", ...");
+				return out;
+			}
+			at += (size_t)snprintf(out + at, size - at, "%s%s", comma, name);
+			comma = ", ";
+		}
+	return out;
+}
+
 enum rb_status rb_h5_column(const char *file, const char *group, const char *name, double **values,
                             uint64_t *count, struct rb_error *err)
 {
 	struct rb_input input;
-	char escaped[700], path[800];
+	char escaped[700], path[800], names[120];
 	rb_h5_shape row = {0};
 	hsize_t rows = 0;
 
@@ -248,7 +274,8 @@ enum rb_status rb_h5_column(const char *file, const char *group, const char *nam
 	snprintf(path, sizeof path, "/%s/%s", group, rb_h5_escape(name, escaped, sizeof escaped));
 	const hid_t dataset = rb_input_dataset(&input, path, true, &row, &rows);
 	if (dataset < 0)
-		status = RB_FAIL(err, RB_ERR_INPUT, "'%s' has no numbers '%s'", file, name);
+		status = RB_FAIL(err, RB_ERR_INPUT, "'%s' has no numbers '%s' (wanted: %s)", file,
+		                 name, list_columns(input.file, names, sizeof names));
 	if (!status && !(*values = rb_memory_take((size_t)rows + 1, sizeof **values)))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", file);
 	if (!status && !rb_input_rows(dataset, RB_H5_F64, row, (hsize_t[]){0, rows}, *values)) {

@@ -50,7 +50,7 @@ says err "no quantity 'height' \(wanted: energy"
 exits 64 plot run.h5 nobody.z
 exits 64 plot run.h5 energy --against e
 exits 66 plot d/sweep.h5 nothing
-says err "no numbers 'nothing'"
+says err "no numbers 'nothing' \(wanted: e, "
 exits 66 plot nothing.h5 energy
 exits 73 plot run.h5 energy -o z.svg
 exits 0 plot run.h5 energy -o z.svg --force

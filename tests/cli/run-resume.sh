@@ -159,6 +159,10 @@ switched 'at 0.2 film off\n' 'at 0.2 film off\nat 0.2 checkpoint\nat 0.3 quit\n'
 
 # ---- what --resume says ----
 
+for other in --force --no-record; do
+	exits 64 gas.lua --resume $other
+	says err "'--resume' contradicts '$other'"
+done
 exits 0 gas.lua -q --resume -o none.h5 # there is nothing: from the beginning
 [ ! -e none.h5.checkpoint ] || fail "a complete run leaves a checkpoint"
 before=$(cksum <none.h5)

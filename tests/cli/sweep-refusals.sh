@@ -38,6 +38,8 @@ mkdir mine && touch mine/thesis.tex
 exits 73 sweep s.lua -p e=0,1 -o mine
 says err "holds 'thesis.tex' and no plan"
 [ "$(ls mine)" = thesis.tex ] || fail "something was left in the folder"
+exits 66 sweep nosuchfolder --status
+says err "cannot open 'nosuchfolder': No such file.* \(wanted: a scene, or the folder of a sweep\)"
 exits 66 sweep mine
 says err "holds no sweep"
 touch file
