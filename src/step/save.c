@@ -163,6 +163,20 @@ static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
 	}
 }
 
+/*
+ * What methods keep beside the state, one after the other; pack_sizes says which there are. Another one that starts from
+ * what it has found before (impulses, rest) has its place at the end, and its bytes in the guess below.
+ */
+static void pack_methods(struct rb_world *world, struct rb_pack *pack)
+{
+	if (!pack->failed)
+		pack_classic(world, pack);
+	(void)rb_pack_check(pack, world->groups || (world->located && world->dense_left == 0),
+	                    "steps of a world that was never stepped");
+	if (world->located && !pack->failed)
+		rb_freeze_pack(world->located, pack);
+}
+
 size_t rb_world_pack_guess(const struct rb_world *world)
 {
 	const size_t state = world->state.size_bytes * (world->state.push ? 2 : 1);
@@ -192,11 +206,6 @@ enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struc
 	(void)rb_pack_check(pack, world->dense_steps >= 0 && world->dense_left >= 0,
 	                    "a count below zero");
 	rb_pack_bool(pack, &world->moved_by_hand);
-	if (!pack->failed)
-		pack_classic(world, pack);
-	(void)rb_pack_check(pack, world->groups || (world->located && world->dense_left == 0),
-	                    "steps of a world that was never stepped");
-	if (world->located && !pack->failed)
-		rb_freeze_pack(world->located, pack);
+	pack_methods(world, pack);
 	return rb_pack_status(pack, "the state of the world in the checkpoint", err);
 }
