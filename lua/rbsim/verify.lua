@@ -23,13 +23,15 @@
 --
 -- point(p), vector(v), orientation(q)             from the case's coordinates to the world's
 -- back(p), back_vector(v)                         from the world's to the case's
--- sphere { }, box { }, plane { }                  as the calls of these names, with keys in the case's coordinates
+-- sphere { }, box { }, capsule { }, cylinder { }, hull { }, body { }, plane { }
+--                                                 as the calls of these names, with keys in the case's coordinates
 -- position(body), velocity(body), spin(body)      in the case's coordinates
 -- gravity()                                       in the case's coordinates
 -- rounding                                        m: how far turn and shift round coordinates; 0 without them
 -- exact                                           neither is there: what must hold to the bit can be asked for
 -- ulp(x)                                          distance from |x| to the next larger number
 -- axes(body)                                      the body's own x, y and z in the case's coordinates
+-- tilt(body)                                      rad: how far its orientation is from the one of the case's axes
 
 local verify = {rounding = 0, exact = true, u = 2 ^ -52}
 
@@ -171,12 +173,17 @@ function verify.sphere(keys)
 	return sphere(all)
 end
 
-function verify.box(keys)
-	local all = copied(keys, how)
-	all.position = all.position or verify.point {0, 0, 0}
-	if turn ~= 0 and not keys.orientation then all.orientation = verify.orientation {1, 0, 0, 0} end
-	return box(all)
+local function solid(make)
+	return function(keys)
+		local all = copied(keys, how)
+		if not keys.motion then all.position = all.position or verify.point {0, 0, 0} end
+		if turn ~= 0 and not (keys.orientation or keys.motion) then all.orientation = verify.orientation {1, 0, 0, 0} end
+		return make(all)
+	end
 end
+
+verify.box, verify.capsule, verify.cylinder = solid(box), solid(capsule), solid(cylinder)
+verify.hull, verify.body = solid(hull), solid(body)
 
 function verify.plane(keys)
 	local all = copied(keys, how)
@@ -198,6 +205,14 @@ function verify.axes(body)
 	return verify.back_vector {w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)},
 		verify.back_vector {2 * (x * y - w * z), w * w - x * x + y * y - z * z, 2 * (y * z + w * x)},
 		verify.back_vector {2 * (x * z + w * y), 2 * (y * z - w * x), w * w - x * x - y * y + z * z}
+end
+
+-- From the differences of the axes: an arc cosine would lose half of the digits.
+function verify.tilt(body)
+	local x, y, z = verify.axes(body)
+	x, y, z = x - vec3(1, 0, 0), y - vec3(0, 1, 0), z - vec3(0, 0, 1)
+	local part = math.sqrt((x:dot(x) + y:dot(y) + z:dot(z)) / 8)
+	return 2 * math.asin(math.min(1, part))
 end
 
 -- The larger one, and what is no number in any event: nothing that went wrong is lost in a maximum.
