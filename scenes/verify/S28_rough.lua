@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
--- S28: oblique impacts with a friction coefficient of a million. Answer: the contact point stops, the centre keeps 5/7 of
--- its speed along the wall.
+-- S28: oblique impacts of a sphere with a friction coefficient of a million. Answer: the contact point stops, the centre
+-- keeps 5/7 of its speed along the wall. (S28_steep is the box on a slope of 89 degrees.)
 local verify = require "rbsim.verify"
 local angle = param("angle", 60, "from the normal, degrees", {choices = {60, 10, 30, 85}})
 local e, speed, radius = 0.5, 3.9, 0.0025

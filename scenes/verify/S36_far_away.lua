@@ -2,15 +2,15 @@
 -- S36: a case at the origin and a copy of it far away, in one scene, at coordinates that both places can hold. Answer: they
 -- agree to 4 ulp of the offset times the condition of the case, with the same events.
 local verify = require "rbsim.verify"
-local part = param("part", "bounce", "S02, S03 or S16", {choices = {"bounce", "zeno", "stack"}})
+local part = param("part", "bounce", "S02, S03, or S16 of spheres or boxes", {choices = {"bounce", "zeno", "stack", "boxes"}})
 local offset = param("offset", 2.0 ^ 20, "m", {choices = {2.0 ^ 20, 2.0 ^ 14, 2.0 ^ 27}})
 local g, radius, h = 9.8125, 0.125, 4.875
-local e = ({bounce = 1, zeno = 0.8, stack = 0})[part]
+local e = ({bounce = 1, zeno = 0.8, stack = 0, boxes = 0})[part]
 local fall = math.sqrt(2 * h / g)
 local rest = fall * (1 + e) / (1 - e)
 
 -- An oblique rotation would round the inputs of the two copies differently.
-verify.case { title = "Far from the origin", duration = ({bounce = 2000 * fall, zeno = rest + 1, stack = 100})[part],
+verify.case { title = "Far from the origin", duration = ({bounce = 2000 * fall, zeno = rest + 1, stack = 100, boxes = 100})[part],
 	gravity = {0, 0, -g}, time_step = {0.01, 1e-3, 0.1}, frame_rate = {1, 10, 0.7}, quick = "base", turns = {0, 1},
 	leave_out = {shift = "the offset is the case's own"} }
 local stuff = material { name = "stuff", friction = part == "bounce" and 0 or 0.5, restitution = e }
@@ -25,7 +25,10 @@ for name, place in pairs(copies) do
 		return more
 	end
 	verify.plane(with { name = name .. "_floor", point = place })
-	if part == "stack" then
+	if part == "boxes" then
+		bodies[name] = {verify.box(with { name = name, size = {1, 1, 1}, mass = 1, position = place + vec3(0, 0, 0.5) }),
+			verify.box(with { name = name .. "_heavy", size = {1, 1, 1}, mass = 1e4, position = place + vec3(0, 0, 1.5) })}
+	elseif part == "stack" then
 		bodies[name] = {verify.sphere(with { name = name, radius = 0.5, mass = 1, position = place + vec3(0, 0, 0.5) }),
 			verify.sphere(with { name = name .. "_heavy", radius = 0.5, mass = 1e4, position = place + vec3(0, 0, 1.5) })}
 	else

@@ -2,7 +2,7 @@
 -- S38: S03 and S16 where bodies weigh a hundred thousand times more, or ten million times less. Answer: the same in units of
 -- sqrt(m/g).
 local verify = require "rbsim.verify"
-local part = param("part", "zeno", "S03 or S16", {choices = {"zeno", "stack"}})
+local part = param("part", "zeno", "S03, or S16 of spheres or boxes", {choices = {"zeno", "stack", "boxes"}})
 local g = param("g", 1e6, "m/s^2", {choices = {1e6, 1e-6}})
 local e, h, radius, unit = part == "zeno" and 0.8 or 0, 1, 0.1, 1 / math.sqrt(g)
 local rest = math.sqrt(2 * h) * (1 + e) / (1 - e)
@@ -26,8 +26,12 @@ if part == "zeno" then
 		return math.abs(verify.position(ball).z - radius), 1e-12 + verify.rounding
 	end)
 else
-	local light = verify.sphere { name = "light", radius = radius, mass = 1, position = {0, 0, radius}, material = stuff }
-	local heavy = verify.sphere { name = "heavy", radius = radius, mass = 1e4, position = {0, 0, 3 * radius}, material = stuff }
+	local function one(name, mass, z)
+		local keys = {name = name, mass = mass, position = {0, 0, z}, material = stuff}
+		if part == "stack" then keys.radius = radius else keys.size = {2 * radius, 2 * radius, 2 * radius} end
+		return verify[part == "stack" and "sphere" or "box"](keys)
+	end
+	local light, heavy = one("light", 1, radius), one("heavy", 1e4, 3 * radius)
 	expect_always("overlap, radii", function()
 		local a, b = verify.position(light), verify.position(heavy)
 		return verify.larger(radius - a.z, 2 * radius - (b - a):length()) / radius, 1e-9
