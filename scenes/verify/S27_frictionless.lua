@@ -17,7 +17,9 @@ local body = verify[what == "sphere" and "sphere" or "box"](keys)
 -- Turned obliquely, gravity and the floor's normal are rounded apart by an ulp or two, and gravity then pulls along the floor.
 local slant = verify.turn == 2 and 2 * verify.u * 9.81 / v:length() or 0
 expect_always("velocity, relative", function() return (verify.velocity(body) - v):length() / v:length(), 1e-12 + slant * time() end)
-expect_always("spin, relative if there is one", function() return (verify.spin(body) - spin):length() / (spin:length() > 0 and spin:length() or 1), 1e-12 + slant * time() end)
+expect_always("spin, relative if there is one", function()
+	return (verify.spin(body) - spin):length() / (spin:length() > 0 and spin:length() or 1), 1e-12 + slant * time()
+end)
 expect_always("place, relative to the way", function()
 	local wanted = vec3(v.x * time(), v.y * time(), radius)
 	return (verify.position(body) - wanted):length() / (v:length() * duration), 1e-12 + verify.rounding / duration + slant * time()

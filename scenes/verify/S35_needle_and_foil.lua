@@ -1,5 +1,6 @@
 -- SPDX-License-Identifier: MIT
--- S35: a needle of 1 by 1e-6 by 1e-6 m, a foil of 1 by 1 by 1e-6 m, a disc as thin, turning freely. Answer: energy and angular momentum stay.
+-- S35: a needle of 1 by 1e-6 by 1e-6 m, a foil of 1 by 1 by 1e-6 m, a disc as thin, turning freely. Answer: energy
+-- and angular momentum stay.
 local verify = require "rbsim.verify"
 local shape = param("shape", "needle", "what turns", {choices = {"needle", "foil", "disc"}})
 local about = param("about", "x", "which axis", {choices = {"x", "y", "z", "all"}})

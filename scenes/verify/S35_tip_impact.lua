@@ -1,6 +1,6 @@
 -- SPDX-License-Identifier: MIT
--- S35: a needle, a foil, a rod, a disc or a dumb-bell falls aslant on a floor without friction; one corner or end hits first. Answer:
--- J = (1 + e) v/(1/m + (r x n) I^-1 (r x n)), r from the centre of mass to the contact.
+-- S35: a needle, a foil, a rod, a disc or a dumb-bell falls aslant on a floor without friction; one corner or end
+-- hits first. Answer: J = (1 + e) v/(1/m + (r x n) I^-1 (r x n)), r from the centre of mass to the contact.
 local verify = require "rbsim.verify"
 local shape = param("shape", "needle", "what falls", {choices = {"needle", "foil", "rod", "capsule", "disc", "dumb-bell"}})
 local e = param("e", 0.5, "restitution", {choices = {0.5, 0.0, 1.0}})
