@@ -1,0 +1,54 @@
+-- A ball of half a tonne swings on a rope into a wall of bricks.
+-- Watch: the rope is a stiff spring that pulls its ball round; bricks that are hit fly, the others fall after them.
+-- Expected end: the wall is a heap behind where it stood; impacts and friction have only taken energy.
+-- The rope stretches by m g/k at rest; its oscillation is resolved, not damped away.
+-- Try: --param rows=10 --param columns=8, --param mass=100 (some of the wall stands), --param lift=0.3
+local rows = param("rows", 6, "of bricks, one on the other", {min = 1, max = 40})
+local columns = param("columns", 5, "bricks in a row", {min = 1, max = 40})
+local mass = param("mass", 500.0, "of the ball, kg", {min = 1, max = 1e5})
+local lift = param("lift", 1.0, "angle of the rope at the start, rad", {min = 0, max = 1.5})
+local g, rope, radius, stiff = 9.81, 3, 0.3, 2e6
+local size = {0.25, 0.5, 0.25}
+
+world { title = "A wrecking ball", duration = 3, frame_rate = 60, gravity = {0, 0, -g} }
+local brick = material { name = "brick", density = 1800, friction = 0.6, restitution = 0, color = {0.66, 0.30, 0.22} }
+local iron = material { name = "iron", density = 7800, friction = 0.3, restitution = 0.1, color = {0.22, 0.23, 0.26}, shininess = 80 }
+plane { name = "ground", material = brick, color = {0.55, 0.52, 0.46}, texture = "none" }
+
+-- A wall in the plane of x = 0: every second row begins half a brick later.
+local bricks = {}
+for row = 0, rows - 1 do
+	for column = 0, columns - 1 do
+		local y = (column - (columns - 1) / 2 + (row % 2 - 0.5) / 2) * (size[2] + 0.002)
+		local shade = 0.85 + 0.3 * ((3 * row + 5 * column) % 7) / 7
+		bricks[#bricks + 1] = box { name = ("brick_%d_%d"):format(row, column), size = size, material = brick, texture = "none",
+			position = {size[1] / 2, y, (row + 0.5) * size[3]}, color = {0.66 * shade, 0.30 * shade, 0.22 * shade} }
+	end
+end
+-- The ball hangs so that at its lowest it touches the wall's face, a little above its middle.
+local pivot = vec3(-radius, 0, rope + 0.55 * rows * size[3])
+local hook = sphere { name = "hook", radius = 0.05, position = pivot, static = true, material = iron, collides_with = {} }
+local ball = sphere { name = "ball", radius = radius, mass = mass, material = iron, texture = "none",
+	position = pivot + rope * vec3(-math.sin(lift), 0, -math.cos(lift)) }
+spring { a = hook, b = ball, stiffness = stiff, rest_length = rope, damping = 2000 }
+camera { name = "main", position = {2.6, -6.4, 2.6}, look_at = {-0.3, 0, 1.4}, fov = deg(42), size = {1280, 720}, trails = {ball},
+	overlay = {"title", "time"}, video = "wrecking_ball.mp4" }
+
+local function joules()
+	local sum = 0
+	for _, one in ipairs(bricks) do sum = sum + one.kinetic_energy + one.mass * g * one.position.z end
+	local long = (ball.position - pivot):length() - rope
+	return sum + ball.kinetic_energy + mass * g * ball.position.z + stiff / 2 * long * long
+end
+local start
+on_frame(function(t) start = start or joules() end)
+expect_always("energy is only lost, J", function() return joules() - (start or joules()), 1e-6 * (start or 1) end)
+expect("the ball has hit", function() return collisions() >= 1 end)
+if mass >= 500 and lift >= 0.9 and rows <= 8 then
+	expect("the wall's top is down", function()
+		local high = 0
+		for _, one in ipairs(bricks) do high = math.max(high, one.position.z) end
+		return high, rows * size[3] - size[3]
+	end)
+end
+expect("overlap stays within the tolerance", function() return max_penetration(), 1e-6 * size[1] / 2 end)
