@@ -57,6 +57,14 @@ static double drift_of(const struct rb_located *l, const struct rb_held *held, d
 	       (l->model->inverse_mass[held->a] + l->model->inverse_mass[held->b]);
 }
 
+/* A slip is known beforehand to end with its piece, which something else may cut short. */
+static bool has_ended(const struct rb_located *l, const struct rb_held *held, double t)
+{
+	const int yields = rb_located_fixed(l, held->a) ? held->b : held->a;
+
+	return !l->cluster[l->cluster_of[yields]].integrated || t >= l->piece[yields].until_s;
+}
+
 static bool begin(struct settling *s)
 {
 	struct rb_located *l = s->l;
@@ -86,6 +94,7 @@ static bool begin(struct settling *s)
 		if (!held)
 			continue;
 		s->before[k] = *held;
+		s->before[k].ending = held->ending && has_ended(l, held, s->t);
 		s->drift = fmax(s->drift, drift_of(l, held, s->t));
 	}
 	return true;

@@ -25,3 +25,17 @@ done
 for k in 1 2 3 5 9; do
 	run --param k=$k
 done
+
+# a pile that is located to its end: no contact is left to drift into another, however many things happen at one moment
+cat >pile.lua <<'LUA'
+world { duration = 0.6, gravity = {0, 0, -9.81}, frame_rate = 60, method = "located" }
+local m = material { name = "m", density = 1000, friction = 0.5, restitution = 0.1 }
+plane { normal = {0, 0, 1}, material = m }
+for i = 0, 39 do
+	sphere { radius = 0.05, material = m,
+		position = {0.102 * (i % 3) + 0.0001 * i, 0.102 * (i // 3 % 3), 0.06 + 0.11 * (i // 9)} }
+end
+LUA
+exits 0 pile.lua --no-record --json --quiet
+deepest=$(value max_penetration)
+awk -v d="$deepest" 'BEGIN { exit !(d < 1e-14) }' || fail "bodies of a pile overlap by $deepest m"
