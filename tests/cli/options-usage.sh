@@ -14,8 +14,8 @@ exits 64 export s
 says err "verb 'export' is not in this version"
 exits 64 check s.lua --resume
 says err "'--resume' does not belong to 'check'"
-exits 64 s.lua --method stepped
-says err "'stepped' is not in this version"
+exits 64 s.lua --method leaped
+says err "'leaped' is not one of: auto, classic, located, stepped"
 exits 64 s.lua --duration 1x
 says err "'1x' is not a finite number above 0"
 exits 64 info a.h5 --force

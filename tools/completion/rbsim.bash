@@ -30,7 +30,7 @@ _rbsim()
 	--error) return ;;
 	--runs) return ;;
 	--budget) return ;;
-	--method) COMPREPLY=($(compgen -W 'auto classic located' -- "$word")); return ;;
+	--method) COMPREPLY=($(compgen -W 'auto classic located stepped' -- "$word")); return ;;
 	--rollback) COMPREPLY=($(compgen -W 'selective global none' -- "$word")); return ;;
 	--threads) return ;;
 	--camera) return ;;
