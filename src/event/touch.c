@@ -187,11 +187,15 @@ struct rb_meet rb_touch_nearest(const struct rb_located *l, int a, int b,
 
 /* ---- all ---- */
 
+/* Share of the size by which a point's gap may be below that of its pair. */
+static const double astray = 1e-9;
+
 struct search {
 	const struct rb_located *l;
 	double depth; /* m: of manifolds */
 	struct rb_meet_name name[RB_MEET_MAX];
 	int count;
+	double least; /* m: gap of the pair */
 };
 
 static void add_name(struct search *s, const struct rb_meet_name *name)
@@ -222,6 +226,7 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 			/* one that overlaps must not hide those that touch */
 			if (manifold.gap < 0)
 				rb_manifold_of(&manifold, &a, &b, s->depth - manifold.gap);
+			s->least = fmin(s->least, manifold.gap);
 			for (int k = 0; k < manifold.count; k++) {
 				if (manifold.point[k].gap > s->depth)
 					continue;
@@ -267,7 +272,9 @@ static int collect(const struct search *s, const struct rb_touch_pair *pair, dou
 		const double band = rb_meet_band(s->l, &m, pair->t);
 		const double noise = rb_meet_noise(s->l, &m);
 
-		if (!(m.gap <= band + slack))
+		/* features that are in touch at their ends only may be anywhere */
+		if (!(m.gap <= band + slack) ||
+		    m.gap < s->least - s->depth - astray * rb_meet_size(s->l, &m))
 			continue;
 		if (is_leaving(&m, band) && m.inside_rate < -noise) {
 			*leaving = fmax(*leaving, -m.inside_rate);
@@ -287,7 +294,7 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 	                        .pose_a = pair->pose_a,
 	                        .pose_b = pair->pose_b,
 	                        .normal = {1, 0, 0}};
-	struct search s = {.l = l};
+	struct search s = {.l = l, .least = HUGE_VAL};
 	double leaving;
 
 	/* no less than the band of any of its points */
