@@ -376,6 +376,9 @@ static rb_vec3 outward(const line *e)
 	return rb_vec3_sub(rb_vec3_sub(half, e->of->at), rb_mat3_apply(&e->of->turn, middle));
 }
 
+/* Sine of the angle between two edges from which on rounding leaves enough of the normal across both. */
+static const double oblique_sine = 1e-3;
+
 static bool across_lines(struct rb_feature_point *out, const line *a, const line *b,
                          const vec *given)
 {
@@ -386,8 +389,14 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 
 	if (!direction(m, &n, &sine) || !(sine.at > 8 * DBL_EPSILON))
 		return false;
-	if (given) {
+	const bool oblique = sine.at > oblique_sine;
+
+	if (given && !oblique) {
 		n = *given;
+	} else if (given) {
+		/* where both lie in the face this is its normal; where one leaves it, still theirs */
+		if (rb_vec3_dot(n.at, given->at) < 0)
+			n = negative(n);
 	} else {
 		if (sine.at < 1e-7)
 			return false;
@@ -401,7 +410,10 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	const num square = dot(m, m);
 	const num s = quotient(dot(cross(r, b->along), m), square);
 	const num t = quotient(dot(cross(r, a->along), m), square);
-	const num apart = dot(n, r);
+	/* a given normal is across one of them only */
+	const vec from_a = given && !oblique ? plus(a->from, s, a->along) : a->from;
+	const vec from_b = given && !oblique ? plus(b->from, t, b->along) : b->from;
+	const num apart = dot(n, minus(from_b, from_a));
 	const vec on_a = plus_constant(plus(a->from, s, a->along), a->radius, n);
 	const vec on_b = plus_constant(plus(b->from, t, b->along), -b->radius, n);
 	num inside = endless;
