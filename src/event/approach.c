@@ -20,13 +20,18 @@ enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4 };
 /* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
 
+/* m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane, INFINITY. */
+struct extent {
+	double ball, along, across;
+};
+
 struct course {
 	const struct rb_located *l;
 	struct rb_touch_pair pair; /* at pair.t */
 	struct rb_bounds of_a, of_b;
-	double ball_a, ball_b; /* m: about the centres of mass; INFINITY of a plane */
-	double size;           /* m: of the smaller that has one */
-	bool flies;            /* both on parabolas: then their relative acceleration is this */
+	struct extent a, b;
+	double size; /* m: of the smaller that has one */
+	bool flies;  /* both on parabolas: then their relative acceleration is this */
 	rb_vec3 pull;
 	double pull_most; /* m/s^2: of one centre relative to the other */
 
@@ -35,20 +40,57 @@ struct course {
 	double noise, band;
 	double horizon_s; /* the bounds hold so long from now */
 	double turn_a, turn_b, turning_a, turning_b;
+	double bend_a, bend_b; /* m/s^2: of a point, by turning */
 };
 
-static double ball_of(const struct rb_located *l, int i)
+static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis, double radius)
+{
+	const double along = rb_vec3_dot(p, axis);
+
+	e->along = fmax(e->along, fabs(along) + radius);
+	e->across = fmax(e->across, rb_vec3_length(rb_vec3_reject(p, axis)) + radius);
+}
+
+/* `axis`: unit, object coordinates. */
+static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 {
 	const struct rb_shape *shape = &l->model->shape[i];
-	const double aside = i < l->n && l->model->center_of_mass
-	                             ? rb_vec3_length(l->model->center_of_mass[i])
-	                             : 0;
+	const struct rb_body_parts *parts = rb_model_parts(l->model, i);
+	rb_vec3 centre = {0, 0, 0};
+	struct extent e = {0};
 
 	if (shape->kind == RB_SHAPE_PLANE)
-		return (double)INFINITY;
-	if (shape->kind == RB_SHAPE_RECTANGLE)
-		return aside + 0.5 * (shape->size[0] + shape->size[1]);
-	return aside + rb_model_reach(l->model, i);
+		return (struct extent){(double)INFINITY, (double)INFINITY, (double)INFINITY};
+	if (i < l->n && l->model->center_of_mass)
+		centre = l->model->center_of_mass[i];
+	e.ball = rb_vec3_length(centre) + (shape->kind == RB_SHAPE_RECTANGLE
+	                                           ? 0.5 * (shape->size[0] + shape->size[1])
+	                                           : rb_model_reach(l->model, i));
+	for (int k = 0; k < parts->count; k++) {
+		const struct rb_body_part *part = &parts->part[k];
+		const rb_core *core = &part->core;
+		const rb_vec3 at = rb_vec3_sub(part->at, centre);
+
+		if (core->kind == RB_CORE_CYLINDER) {
+			/* a ring about its axis: round by what is across */
+			const rb_vec3 u = rb_mat3_apply(&part->turn, (rb_vec3){0, 0, 1});
+			const rb_vec3 half = rb_vec3_scale(core->half_height, u);
+			const double off = rb_vec3_length(rb_vec3_cross(u, axis));
+			struct extent ends = {0};
+
+			reach_out(&ends, rb_vec3_add(at, half), axis, 0);
+			reach_out(&ends, rb_vec3_sub(at, half), axis, 0);
+			e.along = fmax(e.along, ends.along + off * core->round);
+			e.across = fmax(e.across, ends.across + core->round);
+			continue;
+		}
+		for (int v = 0; v < core->polytope->vertex_count; v++)
+			reach_out(&e,
+			          rb_vec3_add(at, rb_mat3_apply(&part->turn,
+			                                        core->polytope->vertices[v])),
+			          axis, core->radius);
+	}
+	return e;
 }
 
 static void start(struct course *c, const struct rb_located *l, int a, int b)
@@ -56,9 +98,9 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	*c = (struct course){.l = l, .pair = {.a = a, .b = b}};
 	c->of_a = rb_bounds_of(l, a);
 	c->of_b = rb_bounds_of(l, b);
-	c->ball_a = ball_of(l, a);
-	c->ball_b = ball_of(l, b);
-	c->size = fmin(c->ball_a, c->ball_b);
+	c->a = extent_of(l, a, c->of_a.axis);
+	c->b = extent_of(l, b, c->of_b.axis);
+	c->size = fmin(c->a.ball, c->b.ball);
 	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b);
 	c->pull_most = c->of_a.own_pull + c->of_b.own_pull;
 	if (c->flies) {
@@ -76,6 +118,34 @@ static double arm_of(const struct course *c, double ball, double other)
 	       rb_vec3_length(rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position));
 }
 
+/* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */
+static double turn_on(const struct course *c, bool is_a, double *turn, double *bend)
+{
+	const struct rb_bounds *most = is_a ? &c->of_a : &c->of_b;
+	const struct extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
+	const struct rb_pose *pose = is_a ? &c->pair.pose_a : &c->pair.pose_b;
+	double axis_turn = most->axis_turn, axis_bend = most->axis_bend;
+
+	*turn = most->turn;
+	if (most->growing > 0) {
+		*turn = rb_vec3_length(pose->spin) + most->growing * c->horizon_s;
+		axis_turn = *turn;
+		axis_bend = *turn * *turn + most->turning;
+	}
+	const double quick = *turn * *turn + most->turning;
+	*bend = 0;
+	if (!(quick > 0))
+		return 0;
+	if (!isfinite(own->ball)) {
+		const double arm = arm_of(c, own->ball, other->ball);
+
+		*bend = quick * arm;
+		return *turn * arm;
+	}
+	*bend = fmin(axis_bend * own->along + quick * own->across, quick * own->ball);
+	return fmin(axis_turn * own->along + *turn * own->across, *turn * own->ball);
+}
+
 static void place(struct course *c, double t, double until)
 {
 	const struct rb_located *l = c->l;
@@ -85,17 +155,15 @@ static void place(struct course *c, double t, double until)
 	c->pair.pose_b = rb_arc_pose(l, c->pair.b, t);
 	c->turning_a = c->of_a.turning;
 	c->turning_b = c->of_b.turning;
-	/* within it no more than about a radian is turned, and a spin grows by no more than there is of it */
-	const double fastest = fmax(c->of_a.turn, c->of_b.turn);
-	const double growing = sqrt(fmax(c->turning_a, c->turning_b));
-	c->horizon_s = fmin(until - t, 1 / fmax(fastest, growing));
-	c->turn_a = c->of_a.turn + c->turning_a * c->horizon_s;
-	c->turn_b = c->of_b.turn + c->turning_b * c->horizon_s;
-
-	const double arm_a = arm_of(c, c->ball_a, c->ball_b);
-	const double arm_b = arm_of(c, c->ball_b, c->ball_a);
-	const double turning = (c->turn_a > 0 ? c->turn_a * arm_a : 0) +
-	                       (c->turn_b > 0 ? c->turn_b * arm_b : 0);
+	/* a spin that grows is bounded for no longer than it takes to double, or to turn by a radian from rest */
+	const double growing = fmax(c->of_a.growing, c->of_b.growing);
+	const double fastest = fmax(rb_vec3_length(c->pair.pose_a.spin),
+	                            rb_vec3_length(c->pair.pose_b.spin));
+	c->horizon_s = until - t;
+	if (growing > 0)
+		c->horizon_s = fmin(c->horizon_s, fmax(fastest / growing, sqrt(1 / growing)));
+	const double turning = turn_on(c, true, &c->turn_a, &c->bend_a) +
+	                       turn_on(c, false, &c->turn_b, &c->bend_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	c->speed = rb_vec3_length(w) + turning;
 	c->noise = 8 * DBL_EPSILON *
@@ -125,25 +193,25 @@ static double falls_after(double gap, double rate, double bend)
 static double from_afar(const struct course *c)
 {
 	const struct rb_located *l = c->l;
-	const bool a_is = !isfinite(c->ball_a);
+	const bool a_is = !isfinite(c->a.ball);
 	const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	double apart;
 	rb_vec3 n;
 
-	if (a_is || !isfinite(c->ball_b)) {
+	if (a_is || !isfinite(c->b.ball)) {
 		const int plane = a_is ? c->pair.a : c->pair.b;
 		if (plane < l->n) /* a driven one may turn */
 			return -1;
 		n = a_is ? l->plane_normal[plane - l->n]
 		         : rb_vec3_neg(l->plane_normal[plane - l->n]);
-		apart = rb_vec3_dot(n, d) - (a_is ? c->ball_b : c->ball_a);
+		apart = rb_vec3_dot(n, d) - (a_is ? c->b.ball : c->a.ball);
 	} else {
 		const double length = rb_vec3_length(d);
-		apart = length - (c->ball_a + c->ball_b);
+		apart = length - (c->a.ball + c->b.ball);
 		n = rb_vec3_scale(1 / length, d);
 		const double b = rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
-		const double sum = 1.001 * (c->ball_a + c->ball_b);
+		const double sum = 1.001 * (c->a.ball + c->b.ball);
 		/* straight past each other */
 		if (apart > 0.01 * c->size && c->flies && c->pull_most == 0 &&
 		    (b >= 0 || b * b < square * (length - sum) * (length + sum)))
@@ -186,6 +254,23 @@ static struct height rim_height(const struct rb_feature_side *s, const struct ax
 	return (struct height){rb_vec3_dot(axis->n, x) + core->round * across,
 	                       rb_vec3_dot(axis->n, v) + rb_vec3_dot(axis->rate, x) +
 	                               core->round * swell};
+}
+
+/* 1/s: how fast a cylinder's axis turns. It is its body's z, as a rule that of the bounds. */
+static double rim_turn(const struct rb_bounds *most)
+{
+	return fabs(most->axis.z) > 1 - 1e-12 ? most->axis_turn : most->turn;
+}
+
+/* m/s^2: by which a rim's height bends that |n x u| gives, while that stays above 0.1. */
+static double rim_bend(const struct rb_bounds *most, const struct axis *axis, double round)
+{
+	const double turn = rim_turn(most);
+	const double bend = fabs(most->axis.z) > 1 - 1e-12 ? most->axis_bend
+	                                                   : turn * turn + most->turning;
+	const double both = turn + axis->rate_most;
+
+	return round * (bend + 2 * turn * axis->rate_most + axis->bend_most + 10 * both * both);
 }
 
 /* The highest point along the axis at a time s from now, if all went straight. */
@@ -244,30 +329,22 @@ static double gone_after(const struct course *c, struct height a, struct height 
 
 /* Bounds on the second derivative of what lies between any two points along the axis, m/s^2. */
 static double bend_most(const struct course *c, const struct axis *axis,
-                        const struct rb_feature_side *a, const struct rb_feature_side *b)
+                        const struct rb_feature_side *a, const struct rb_feature_side *b, double s)
 {
-	const double arm_a = arm_of(c, c->ball_a, c->ball_b);
-	const double arm_b = arm_of(c, c->ball_b, c->ball_a);
-	const double q_a = c->turn_a * c->turn_a + c->turning_a;
-	const double q_b = c->turn_b * c->turn_b + c->turning_b;
-	const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
-	double bend = c->pull_most + (q_a > 0 ? q_a * arm_a : 0) + (q_b > 0 ? q_b * arm_b : 0);
+	double bend = c->pull_most + c->bend_a + c->bend_b;
 
-	if (axis->rate_most > 0 || axis->bend_most > 0) {
-		const double far = rb_vec3_length(d) + arm_a + arm_b + c->speed * c->horizon_s;
-		bend += 2 * axis->rate_most * (c->speed + c->pull_most * c->horizon_s) +
-		        axis->bend_most * far;
+	if (axis->rate_most > 0) {
+		const double arms = arm_of(c, c->a.ball, c->b.ball) +
+		                    arm_of(c, c->b.ball, c->a.ball);
+		const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
+		const double far = rb_vec3_length(d) + arms + c->speed * s;
+
+		bend += 2 * axis->rate_most * (c->speed + c->pull_most * s) + axis->bend_most * far;
 	}
-	const struct rb_feature_side *const sides[2] = {a, b};
-	for (int k = 0; k < 2; k++) {
-		if (sides[k]->core->kind != RB_CORE_CYLINDER)
-			continue;
-		const double turn = (k ? c->turn_b : c->turn_a) + axis->rate_most;
-		const double quick = (k ? q_b : q_a) +
-		                     2 * (k ? c->turn_b : c->turn_a) * axis->rate_most +
-		                     axis->bend_most;
-		bend += sides[k]->core->round * (quick + 10 * turn * turn);
-	}
+	if (a->core->kind == RB_CORE_CYLINDER)
+		bend += rim_bend(&c->of_a, axis, a->core->round);
+	if (b->core->kind == RB_CORE_CYLINDER)
+		bend += rim_bend(&c->of_b, axis, b->core->round);
 	return bend;
 }
 
@@ -276,18 +353,20 @@ static double proved_along(const struct course *c, const struct axis *axis,
                            const struct rb_feature_side *a, const struct rb_feature_side *b)
 {
 	const struct axis back = reversed(axis);
-	const double bend = bend_most(c, axis, a, b);
 	const double radii = a->core->radius + b->core->radius;
-	const double turning = c->turn_a + c->turn_b + axis->rate_most;
-	const bool round = a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER;
+	const double swell_a = a->core->kind == RB_CORE_CYLINDER ? rim_turn(&c->of_a) : 0;
+	const double swell_b = b->core->kind == RB_CORE_CYLINDER ? rim_turn(&c->of_b) : 0;
 	double s = 0, most = c->horizon_s;
 
+	if (axis->rate_most > 0)
+		most = fmin(most, 1 / axis->rate_most);
 	/* for the rims: |n x u| stays above the half of what it was */
-	if (round && turning > 0)
-		most = fmin(most, 0.1 / turning);
+	if (swell_a > 0 || swell_b > 0)
+		most = fmin(most, 0.1 / (fmax(swell_a, swell_b) + axis->rate_most));
+	const double bend = bend_most(c, axis, a, b, most);
 	for (int k = 0; k < CORNERS_ROUNDS; k++) {
-		const struct height on_a = highest(a, axis, c->turn_a, s);
-		const struct height on_b = highest(b, &back, c->turn_b, s);
+		const struct height on_a = highest(a, axis, swell_a, s);
+		const struct height on_b = highest(b, &back, swell_b, s);
 		const double next = fmin(gone_after(c, on_a, on_b, radii, bend), most);
 		/* the lowest parabola at the root of another one has an earlier root */
 		if (k > 0 && !(next < s))
@@ -349,8 +428,10 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	*gap = touch.gap;
 	if (straight >= c->horizon_s)
 		return straight;
-	const struct axis axis = axis_of(c, touch.normal, touch.a, touch.b);
-	return fmax(straight, proved_along(c, &axis, a, b));
+	const struct axis stays = {.n = touch.normal};
+	const struct axis goes = axis_of(c, touch.normal, touch.a, touch.b);
+	const double safe = fmax(straight, proved_along(c, &stays, a, b));
+	return goes.rate_most > 0 ? fmax(safe, proved_along(c, &goes, a, b)) : safe;
 }
 
 /* The same of two bodies. */
@@ -472,11 +553,7 @@ static double settled(const struct course *c, double from, double until)
 /* Seconds in which what falls and comes up again gets no deeper than some roundings of the size. */
 static double dip_time(const struct course *c)
 {
-	const double bend = c->pull_most +
-	                    c->size * (c->turn_a * c->turn_a + c->turn_b * c->turn_b +
-	                               c->turning_a + c->turning_b);
-
-	return sqrt(DIP_ULP * DBL_EPSILON * c->size / bend);
+	return sqrt(DIP_ULP * DBL_EPSILON * c->size / (c->pull_most + c->bend_a + c->bend_b));
 }
 
 struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
