@@ -197,6 +197,12 @@ refused 'the method was auto, is classic' long.lua -o long.h5 --resume --method 
 refused 'the time step was' long.lua -o long.h5 --resume --time-step 0.001
 refused 'the tolerance was' long.lua -o long.h5 --resume --tolerance 1e-6
 refused 'rollback was selective, is global' long.lua -o long.h5 --resume --rollback global
+for python in /usr/bin/python3 python3; do
+	cp long.h5 other.h5
+	$python -c 'import h5py; h5py.File("other.h5", "r+")["rbsim/version"][()] = b"0.0.1"' 2>/dev/null || continue
+	refused 'rbsim was 0.0.1, is ' long.lua -o other.h5 --resume
+	break
+done
 cp long.lua kept.lua
 echo '-- changed' >>long.lua
 refused "was made before 'long.lua' was changed" long.lua -o long.h5 --resume
