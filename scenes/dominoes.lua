@@ -15,7 +15,7 @@ plane { name = "floor", material = material { name = "table", friction = 0.5, co
 
 -- Half of the row turns left, the other half right.
 local tiles = stack.bodies(stack.dominoes { count = count, size = size, spacing = spacing, at = {-0.4, -0.25, 0},
-	turn = function(i) return (i < count / 2 and 3.6 or -3.6) / count end },
+	turn = function(i) return i < count / 2 and 0.06 or -0.06 end },
 	function(i)
 		local keys = { material = ivory, color = palette.hsv(0.8 * (i - 1) / count, 0.55, 0.9), texture = "none" }
 		if i == 1 then keys.forces = {{ vector = {push, 0, 0}, point = {-size[1] / 2, 0, size[3] / 2}, duration = 0.05 }} end

@@ -42,14 +42,14 @@ body { name = "tray", static = true, material = wood, texture = "none", position
 
 -- They wait in the uppermost trough, one behind the other, each a little to its own side.
 local runners = {}
-local function place(k)
+local function place(k, aside)
 	local s = -long / 2 + 0.06 + 0.075 * k
-	return vec3(0.05 + s * math.cos(slope), 0.02 * (k % 3 - 1), (levels - 0.5) * fall + 0.15 - s * math.sin(slope) + (thick / 2 + r + 1e-3) / math.cos(slope))
+	return vec3(0.05 + s * math.cos(slope), aside or 0.02 * (k % 3 - 1), (levels - 0.5) * fall + 0.15 - s * math.sin(slope) + (thick / 2 + r + 1e-3) / math.cos(slope))
 end
 for k = 1, count do
 	runners[k] = sphere { name = "marble " .. k, radius = r, material = glass, color = palette.at(k), position = place(k) }
 end
-runners[#runners + 1] = body { name = "dumb-bell", material = glass, color = palette.yellow, position = place(count + 1), shapes = {
+runners[#runners + 1] = body { name = "dumb-bell", material = glass, color = palette.yellow, position = place(count + 1, 0), shapes = {
 	{ shape = "sphere", radius = r, position = {0, -0.03, 0} }, { shape = "sphere", radius = r, position = {0, 0.03, 0} },
 	{ shape = "capsule", radius = 0.4 * r, length = 0.06, orientation = {axis = {1, 0, 0}, angle = deg(90)} } } }
 camera { name = "main", position = {0.3, -2.4, 1.75}, look_at = {0, 0, 0.52}, fov = deg(38), size = {1280, 720}, trails = {runners[1]},
