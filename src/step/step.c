@@ -38,18 +38,9 @@ static void start_state(struct rb_world *world)
 	}
 }
 
-/*
- * Auto leaves spheres that touch beside their centre of mass to the classic method: their contacts under the integrator
- * do not keep the tolerance in every scene yet.
- */
 static bool is_located(const struct rb_model *model)
 {
-	const rb_features eccentric = RB_FEATURE_OFF_CENTER | RB_FEATURE_CONTACT;
-
-	if (model->method != RB_METHOD_AUTO)
-		return model->method == RB_METHOD_LOCATED;
-	return (model->features & eccentric) != eccentric ||
-	       (model->features & RB_FEATURES_LOCATED_ONLY) != 0;
+	return model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED;
 }
 
 /* Steps of `auto` and of `stepped`; lectures and comparisons ask for those of `classic`. */
