@@ -19,6 +19,8 @@ enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4 };
 
 /* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
+/* Across which the rate of a direction is a difference, in sizes of way. */
+static const double moment_share = 0x1p-20;
 
 /* m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane, INFINITY. */
 struct extent {
@@ -388,19 +390,32 @@ static bool is_face(rb_part part)
 	       kind == RB_PART_SURFACE;
 }
 
-/* The direction that proves the gap of two parts, going along with the face that it belongs to, if it does to one. */
-static struct axis axis_of(const struct course *c, rb_vec3 normal, rb_part part_a, rb_part part_b)
+/*
+ * The direction that proves the gap of two parts, going on as it does now: with the face that it belongs to, else as a
+ * difference says. n + n' s made a unit vector turns by no more than |n'|, and bends by no more than 1.2 |n'|^2.
+ */
+static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
+                           const struct rb_feature_side *a, const struct rb_feature_side *b)
 {
-	struct axis axis = {.n = normal};
-	const bool of_b = is_face(part_b), of_a = is_face(part_a);
+	struct axis axis = {.n = touch->normal};
 
-	if (of_a || of_b) {
-		const double turn = of_b ? c->turn_b : c->turn_a;
+	if (is_face(touch->b)) {
+		axis.rate = rb_vec3_cross(b->spin, touch->normal);
+	} else if (is_face(touch->a)) {
+		axis.rate = rb_vec3_cross(a->spin, touch->normal);
+	} else if (c->speed > 0) {
+		const double moment = moment_share * c->size / c->speed;
+		const struct rb_feature_side next_a = rb_feature_later(a, moment);
+		const struct rb_feature_side next_b = rb_feature_later(b, moment);
+		const rb_placed at_a = rb_feature_placed(&next_a);
+		const rb_placed at_b = rb_feature_placed(&next_b);
+		const rb_vec3 n = rb_separation_of(&at_a, &at_b).normal;
 
-		axis.rate = rb_vec3_cross(of_b ? c->pair.pose_b.spin : c->pair.pose_a.spin, normal);
-		axis.rate_most = turn;
-		axis.bend_most = turn * turn + (of_b ? c->turning_b : c->turning_a);
+		axis.rate = rb_vec3_reject(rb_vec3_scale(1 / moment, rb_vec3_sub(n, touch->normal)),
+		                           touch->normal);
 	}
+	axis.rate_most = rb_vec3_length(axis.rate);
+	axis.bend_most = 1.2 * axis.rate_most * axis.rate_most;
 	return axis;
 }
 
@@ -429,7 +444,7 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	if (straight >= c->horizon_s)
 		return straight;
 	const struct axis stays = {.n = touch.normal};
-	const struct axis goes = axis_of(c, touch.normal, touch.a, touch.b);
+	const struct axis goes = axis_of(c, &touch, a, b);
 	const double safe = fmax(straight, proved_along(c, &stays, a, b));
 	return goes.rate_most > 0 ? fmax(safe, proved_along(c, &goes, a, b)) : safe;
 }

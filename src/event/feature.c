@@ -2,6 +2,8 @@
 /* Values go with their derivatives in time, so each formula is written once. */
 #include "event/feature.h"
 
+#include "math/quat.h"
+
 #include <float.h>
 #include <stddef.h>
 
@@ -620,4 +622,15 @@ bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side 
 	if (marked && !marked_normal(a, b, key, &n))
 		return false;
 	return across_lines(out, &edge_a, &edge_b, marked ? &n : NULL);
+}
+
+struct rb_feature_side rb_feature_later(const struct rb_feature_side *s, double time)
+{
+	const rb_mat3 turn = rb_quat_to_mat3(
+		rb_quat_unit(rb_quat_from_turn(rb_vec3_scale(time, s->spin))));
+	struct rb_feature_side later = *s;
+
+	later.at = rb_vec3_add_scaled(s->at, time, s->velocity);
+	later.turn = rb_mat3_multiply(&turn, &s->turn);
+	return later;
 }

@@ -43,6 +43,9 @@ bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side 
 uint64_t rb_feature_in_face(const struct rb_feature_side *a, const struct rb_feature_side *b,
                             uint64_t key, rb_vec3 n, double depth);
 
+/* Where a part will be in a moment, s, if it goes straight on. */
+struct rb_feature_side rb_feature_later(const struct rb_feature_side *side, double s);
+
 static inline rb_placed rb_feature_placed(const struct rb_feature_side *side)
 {
 	return (rb_placed){side->core, side->at, side->turn};

@@ -9,6 +9,8 @@
 
 /* What is nearer to the end of its features than this many bands, and goes there, is about to leave them. */
 enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
+/* Across which rates are differences, in sizes of way: a third of the digits for each, and a third for the rest. */
+static const double moment_share = 0x1p-17;
 
 static uint32_t part_of_a(uint32_t parts)
 {
@@ -57,8 +59,8 @@ static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pa
 	              &c->b);
 }
 
-/* By a search, for what has no closed form: its normal is taken to turn as the bodies do in the mean. */
-static void find(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+/* What a search finds of a name, seen from the first side; false: nothing of that name, but what is lowest. */
+static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_point *out)
 {
 	const rb_placed a = rb_feature_placed(&c->a), b = rb_feature_placed(&c->b);
 	rb_manifold manifold;
@@ -69,21 +71,59 @@ static void find(const struct couple *c, uint64_t key, struct rb_feature_point *
 		if (manifold.point[k].key == key)
 			which = k;
 	const rb_manifold_point *p = &manifold.point[which < 0 ? 0 : which];
-	const rb_vec3 spin = rb_vec3_scale(0.5, rb_vec3_add(c->a.spin, c->b.spin));
-	const rb_vec3 point = rb_vec3_scale(0.5, rb_vec3_add(p->on_a, p->on_b));
-	const rb_vec3 va = rb_vec3_add(c->a.velocity,
-	                               rb_vec3_cross(c->a.spin, rb_vec3_sub(point, c->a.at)));
-	const rb_vec3 vb = rb_vec3_add(c->b.velocity,
-	                               rb_vec3_cross(c->b.spin, rb_vec3_sub(point, c->b.at)));
 
 	*out = (struct rb_feature_point){
 		.gap = p->gap,
 		.normal = manifold.normal,
-		.normal_rate = rb_vec3_cross(spin, manifold.normal),
-		.point = point,
-		.point_rate = rb_vec3_scale(0.5, rb_vec3_add(va, vb)),
+		.point = rb_vec3_scale(0.5, rb_vec3_add(p->on_a, p->on_b)),
 		.inside = which < 0 ? -(c->a.core->reach + c->a.core->radius) : (double)INFINITY,
 	};
+	return which >= 0;
+}
+
+/* m/s: of the parts against each other. */
+static double speed_of(const struct couple *c)
+{
+	return rb_vec3_length(rb_vec3_sub(c->b.velocity, c->a.velocity)) +
+	       rb_vec3_length(c->a.spin) * (c->a.core->reach + c->a.core->radius) +
+	       rb_vec3_length(c->b.spin) * (c->b.core->reach + c->b.core->radius);
+}
+
+static double size_of(const struct couple *c)
+{
+	const double a = c->a.core->reach + c->a.core->radius;
+	const double b = c->b.core->reach + c->b.core->radius;
+
+	return a > 0 && b > 0 ? fmin(a, b) : fmax(a, b);
+}
+
+/* By a search, for what has no closed form; its rates are differences. */
+static void find(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+{
+	const double speed = speed_of(c), s = speed > 0 ? moment_share * size_of(c) / speed : 0;
+	struct rb_feature_point p[2];
+	double from = 0, to = 0;
+
+	if (!search_name(c, key, out) || !(s > 0))
+		return;
+	p[0] = p[1] = *out;
+	for (int k = 0; k < 2; k++) {
+		const double time = k ? s : -s;
+		const struct couple there = {rb_feature_later(&c->a, time),
+		                             rb_feature_later(&c->b, time)};
+		struct rb_feature_point found;
+
+		if (!search_name(&there, key, &found))
+			continue;
+		p[k] = found;
+		*(k ? &to : &from) = time;
+	}
+	if (!(to > from))
+		return;
+	const double per = 1 / (to - from);
+	out->normal_rate = rb_vec3_reject(rb_vec3_scale(per, rb_vec3_sub(p[1].normal, p[0].normal)),
+	                                  out->normal);
+	out->point_rate = rb_vec3_scale(per, rb_vec3_sub(p[1].point, p[0].point));
 }
 
 static struct rb_meet meet_of(const struct rb_touch_pair *pair, const struct couple *c,
