@@ -231,53 +231,63 @@ static double from_afar(const struct course *c)
 struct axis {
 	rb_vec3 n, rate;
 	double rate_most, bend_most; /* 1/s, 1/s^2 */
+	bool polar; /* rims are taken to lie across it, or nearly: else to be off it, and to stay so */
 };
 
 struct height {
 	double value, rate; /* m, m/s */
 };
 
-/* How a rim's height grows from |n x u|: the rate, and what it adds to the bend. */
+/* The outermost of a rim along the axis. */
 static struct height rim_height(const struct rb_feature_side *s, const struct axis *axis,
-                                double turn, double sign)
+                                double sign)
 {
 	const rb_core *core = s->core;
 	const rb_vec3 u = {s->turn.m[0][2], s->turn.m[1][2], s->turn.m[2][2]};
-	const double along = rb_vec3_dot(u, axis->n);
-	const double along_rate = rb_vec3_dot(rb_vec3_cross(s->spin, u), axis->n) +
-	                          rb_vec3_dot(u, axis->rate);
-	const double across = rb_vec3_length(rb_vec3_cross(u, axis->n));
+	const rb_vec3 u_rate = rb_vec3_cross(s->spin, u);
+	const rb_vec3 across = rb_vec3_cross(u, axis->n);
+	const rb_vec3 across_rate = rb_vec3_add(rb_vec3_cross(u_rate, axis->n),
+	                                        rb_vec3_cross(u, axis->rate));
+	const double sine = rb_vec3_length(across);
 	const rb_vec3 arm = rb_vec3_scale(sign * core->half_height, u);
 	const rb_vec3 x = rb_vec3_add(s->at, arm);
 	const rb_vec3 v = rb_vec3_add(s->velocity, rb_vec3_cross(s->spin, arm));
-	/* near the pole only how fast it turns is known */
-	const double swell = across > 0.2 ? -along * along_rate / across : turn + axis->rate_most;
+	/* |u x n| grows no faster than u x n itself changes */
+	const double swell = axis->polar || !(sine > 0) ? rb_vec3_length(across_rate)
+	                                                : rb_vec3_dot(across, across_rate) / sine;
 
-	return (struct height){rb_vec3_dot(axis->n, x) + core->round * across,
+	return (struct height){rb_vec3_dot(axis->n, x) + core->round * sine,
 	                       rb_vec3_dot(axis->n, v) + rb_vec3_dot(axis->rate, x) +
 	                               core->round * swell};
 }
 
-/* 1/s: how fast a cylinder's axis turns. It is its body's z, as a rule that of the bounds. */
-static double rim_turn(const struct rb_bounds *most)
+/*
+ * What |u x n| of a cylinder's axis u adds: m/s^2, while s <= *most, which may become less. Its second derivative is at most
+ * |w''| + |w'|^2 / |w| with w = u x n; off the pole, |w| stays above half of what it is.
+ */
+static double rim_bend(const struct rb_feature_side *side, const struct rb_bounds *bounds,
+                       const struct axis *axis, double *most)
 {
-	return fabs(most->axis.z) > 1 - 1e-12 ? most->axis_turn : most->turn;
-}
-
-/* m/s^2: by which a rim's height bends that |n x u| gives, while that stays above 0.1. */
-static double rim_bend(const struct rb_bounds *most, const struct axis *axis, double round)
-{
-	const double turn = rim_turn(most);
-	const double bend = fabs(most->axis.z) > 1 - 1e-12 ? most->axis_bend
-	                                                   : turn * turn + most->turning;
+	const rb_vec3 u = {side->turn.m[0][2], side->turn.m[1][2], side->turn.m[2][2]};
+	const double sine = rb_vec3_length(rb_vec3_cross(u, axis->n));
+	/* its axis is its body's z, as a rule that of the bounds */
+	const bool own = fabs(bounds->axis.z) > 1 - 1e-12;
+	const double turn = own ? bounds->axis_turn : bounds->turn;
+	const double bend = own ? bounds->axis_bend : turn * turn + bounds->turning;
 	const double both = turn + axis->rate_most;
+	double more = bend + 2 * turn * axis->rate_most + axis->bend_most;
 
-	return round * (bend + 2 * turn * axis->rate_most + axis->bend_most + 10 * both * both);
+	if (side->core->kind != RB_CORE_CYLINDER)
+		return 0;
+	if (!axis->polar && sine > 0 && both > 0) {
+		*most = fmin(*most, 0.5 * sine / both);
+		more += 2 * both * both / sine;
+	}
+	return side->core->round * more;
 }
 
 /* The highest point along the axis at a time s from now, if all went straight. */
-static struct height highest(const struct rb_feature_side *side, const struct axis *axis,
-                             double turn, double s)
+static struct height highest(const struct rb_feature_side *side, const struct axis *axis, double s)
 {
 	const rb_core *core = side->core;
 	struct height best = {-(double)INFINITY, 0};
@@ -287,8 +297,8 @@ static struct height highest(const struct rb_feature_side *side, const struct ax
 		                       rb_vec3_dot(axis->n, side->velocity) +
 		                               rb_vec3_dot(axis->rate, side->at)};
 	if (core->kind == RB_CORE_CYLINDER) {
-		const struct height up = rim_height(side, axis, turn, 1);
-		const struct height down = rim_height(side, axis, turn, -1);
+		const struct height up = rim_height(side, axis, 1);
+		const struct height down = rim_height(side, axis, -1);
 		return up.value + s * up.rate >= down.value + s * down.rate ? up : down;
 	}
 	/* in the body's axes: n.(v + w x r) + n'.r = n.v + r.(n x w + n') */
@@ -311,7 +321,7 @@ static struct height highest(const struct rb_feature_side *side, const struct ax
 static struct axis reversed(const struct axis *axis)
 {
 	return (struct axis){rb_vec3_neg(axis->n), rb_vec3_neg(axis->rate), axis->rate_most,
-	                     axis->bend_most};
+	                     axis->bend_most, axis->polar};
 }
 
 /* Seconds until the gap of two points can be gone; what touches must leave by more than rounding to have any. */
@@ -331,22 +341,21 @@ static double gone_after(const struct course *c, struct height a, struct height 
 
 /* Bounds on the second derivative of what lies between any two points along the axis, m/s^2. */
 static double bend_most(const struct course *c, const struct axis *axis,
-                        const struct rb_feature_side *a, const struct rb_feature_side *b, double s)
+                        const struct rb_feature_side *a, const struct rb_feature_side *b, double *s)
 {
 	double bend = c->pull_most + c->bend_a + c->bend_b;
+
+	bend += rim_bend(a, &c->of_a, axis, s) + rim_bend(b, &c->of_b, axis, s);
 
 	if (axis->rate_most > 0) {
 		const double arms = arm_of(c, c->a.ball, c->b.ball) +
 		                    arm_of(c, c->b.ball, c->a.ball);
 		const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
-		const double far = rb_vec3_length(d) + arms + c->speed * s;
+		const double far = rb_vec3_length(d) + arms + c->speed * *s;
 
-		bend += 2 * axis->rate_most * (c->speed + c->pull_most * s) + axis->bend_most * far;
+		bend += 2 * axis->rate_most * (c->speed + c->pull_most * *s) +
+		        axis->bend_most * far;
 	}
-	if (a->core->kind == RB_CORE_CYLINDER)
-		bend += rim_bend(&c->of_a, axis, a->core->round);
-	if (b->core->kind == RB_CORE_CYLINDER)
-		bend += rim_bend(&c->of_b, axis, b->core->round);
 	return bend;
 }
 
@@ -356,19 +365,14 @@ static double proved_along(const struct course *c, const struct axis *axis,
 {
 	const struct axis back = reversed(axis);
 	const double radii = a->core->radius + b->core->radius;
-	const double swell_a = a->core->kind == RB_CORE_CYLINDER ? rim_turn(&c->of_a) : 0;
-	const double swell_b = b->core->kind == RB_CORE_CYLINDER ? rim_turn(&c->of_b) : 0;
 	double s = 0, most = c->horizon_s;
 
 	if (axis->rate_most > 0)
 		most = fmin(most, 1 / axis->rate_most);
-	/* for the rims: |n x u| stays above the half of what it was */
-	if (swell_a > 0 || swell_b > 0)
-		most = fmin(most, 0.1 / (fmax(swell_a, swell_b) + axis->rate_most));
-	const double bend = bend_most(c, axis, a, b, most);
+	const double bend = bend_most(c, axis, a, b, &most);
 	for (int k = 0; k < CORNERS_ROUNDS; k++) {
-		const struct height on_a = highest(a, axis, swell_a, s);
-		const struct height on_b = highest(b, &back, swell_b, s);
+		const struct height on_a = highest(a, axis, s);
+		const struct height on_b = highest(b, &back, s);
 		const double next = fmin(gone_after(c, on_a, on_b, radii, bend), most);
 		/* the lowest parabola at the root of another one has an earlier root */
 		if (k > 0 && !(next < s))
@@ -444,9 +448,15 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	if (straight >= c->horizon_s)
 		return straight;
 	const struct axis stays = {.n = touch.normal};
-	const struct axis goes = axis_of(c, &touch, a, b);
-	const double safe = fmax(straight, proved_along(c, &stays, a, b));
-	return goes.rate_most > 0 ? fmax(safe, proved_along(c, &goes, a, b)) : safe;
+	struct axis goes = axis_of(c, &touch, a, b);
+	double safe = fmax(straight, proved_along(c, &stays, a, b));
+	if (goes.rate_most > 0)
+		safe = fmax(safe, proved_along(c, &goes, a, b));
+	if (a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER) {
+		goes.polar = true;
+		safe = fmax(safe, proved_along(c, &goes, a, b));
+	}
+	return safe;
 }
 
 /* The same of two bodies. */
