@@ -8,7 +8,8 @@
  *                                                               they lie (rb_feature_in_face)
  *   round corner                   on an edge, mantle, rim, or another corner: the normal follows from one to the other
  *
- * What has no closed form here is not known: sharp corners on corners and edges, rims on anything but faces and corners.
+ * Rims on edges, mantles and rims have none: Newton's method, from a place near them. Sharp corners on corners and edges
+ * are not known here.
  */
 #ifndef RB_EVENT_FEATURE_H
 #define RB_EVENT_FEATURE_H
@@ -35,6 +36,13 @@ struct rb_feature_point {
 /* Of a manifold's key. False: no closed form, *out is not set. */
 bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side *a,
                      const struct rb_feature_side *b, uint64_t key);
+
+/*
+ * The same of two rims, or a rim and an edge or mantle, which have no closed form: from a place near the point, seen from
+ * the reference, by Newton's method; the rates by the implicit function. False: it is none of these, or does not settle.
+ */
+bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_side *a,
+                       const struct rb_feature_side *b, uint64_t key, rb_vec3 near);
 
 /*
  * The key of a point of a manifold with normal `n`, with a mark where two edges cross within a face: whose, and which of

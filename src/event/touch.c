@@ -104,7 +104,13 @@ static void find(const struct couple *c, uint64_t key, struct rb_feature_point *
 	struct rb_feature_point p[2];
 	double from = 0, to = 0;
 
-	if (!search_name(c, key, out) || !(s > 0))
+	const bool named = search_name(c, key, out);
+	if (named && rb_feature_curves(&p[0], &c->a, &c->b, key, out->point) &&
+	    rb_vec3_dot(p[0].normal, out->normal) > 0) {
+		*out = p[0];
+		return;
+	}
+	if (!named || !(s > 0))
 		return;
 	p[0] = p[1] = *out;
 	for (int k = 0; k < 2; k++) {
