@@ -2,8 +2,6 @@
 /* Values go with their derivatives in time, so each formula is written once. */
 #include "event/feature.h"
 
-#include "math/quat.h"
-
 #include <float.h>
 #include <stddef.h>
 
@@ -717,11 +715,23 @@ static rb_vec3 outward_of(const curve *c)
 	return rb_vec3_sub(c->at.at, c->straight.of->at);
 }
 
-/* The way along a line from its beginning; of a circle there is no end. */
-static void within_curve(num *inside, const curve *c, double s, double rate)
+/* Of a line, the way to its ends; at a rim, what the outward normal has along the end's and along the mantle's. */
+static void within_curve(num *inside, const curve *c, double s, double rate, vec n)
 {
-	if (!c->round)
+	if (!c->round) {
 		within_line(inside, &c->straight, (num){s, rate});
+		return;
+	}
+	const vec at = carried(c->at, rate, c->first);
+	const vec radial = minus(at, c->centre);
+	vec u = cross(c->x, c->y);
+	if (rb_vec3_dot(u.at, rb_vec3_sub(c->centre.at, c->straight.of->at)) < 0)
+		u = negative(u);
+	const double per = 1 / rb_vec3_length(radial.at);
+	const num on_end = dot(n, u), on_mantle = dot(n, radial);
+
+	nearer(inside, (num){on_end.at * per, on_end.rate * per});
+	nearer(inside, on_mantle);
 }
 
 bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_side *a,
@@ -772,20 +782,9 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	const num apart = dot(n, minus(at_b, at_a));
 	const vec surface_a = plus_constant(at_a, radius_a, n);
 	const vec surface_b = plus_constant(at_b, -radius_b, n);
-	within_curve(&inside, &on_a, s[0], rate[0]);
-	within_curve(&inside, &on_b, s[1], rate[1]);
+	within_curve(&inside, &on_a, s[0], rate[0], n);
+	within_curve(&inside, &on_b, s[1], rate[1], negative(n));
 	put(out, (num){apart.at - radius_a - radius_b, apart.rate}, n,
 	    plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), inside);
 	return true;
-}
-
-struct rb_feature_side rb_feature_later(const struct rb_feature_side *s, double time)
-{
-	const rb_mat3 turn = rb_quat_to_mat3(
-		rb_quat_unit(rb_quat_from_turn(rb_vec3_scale(time, s->spin))));
-	struct rb_feature_side later = *s;
-
-	later.at = rb_vec3_add_scaled(s->at, time, s->velocity);
-	later.turn = rb_mat3_multiply(&turn, &s->turn);
-	return later;
 }

@@ -15,6 +15,7 @@
 #define RB_EVENT_FEATURE_H
 
 #include "geom/manifold.h"
+#include "math/quat.h"
 
 /* A part in motion; places from a point of reference, m; velocities in the world's frame. */
 struct rb_feature_side {
@@ -52,7 +53,16 @@ uint64_t rb_feature_in_face(const struct rb_feature_side *a, const struct rb_fea
                             uint64_t key, rb_vec3 n, double depth);
 
 /* Where a part will be in a moment, s, if it goes straight on. */
-struct rb_feature_side rb_feature_later(const struct rb_feature_side *side, double s);
+static inline struct rb_feature_side rb_feature_later(const struct rb_feature_side *side, double s)
+{
+	const rb_mat3 turn = rb_quat_to_mat3(
+		rb_quat_unit(rb_quat_from_turn(rb_vec3_scale(s, side->spin))));
+	struct rb_feature_side later = *side;
+
+	later.at = rb_vec3_add_scaled(side->at, s, side->velocity);
+	later.turn = rb_mat3_multiply(&turn, &side->turn);
+	return later;
+}
 
 static inline rb_placed rb_feature_placed(const struct rb_feature_side *side)
 {

@@ -105,7 +105,7 @@ static void find(const struct couple *c, uint64_t key, struct rb_feature_point *
 	double from = 0, to = 0;
 
 	const bool named = search_name(c, key, out);
-	if (named && rb_feature_curves(&p[0], &c->a, &c->b, key, out->point) &&
+	if (rb_feature_curves(&p[0], &c->a, &c->b, key, out->point) &&
 	    rb_vec3_dot(p[0].normal, out->normal) > 0) {
 		*out = p[0];
 		return;
