@@ -9,7 +9,7 @@
 #include <math.h>
 
 /* Bytes that a contact, and a cluster that is not used, take at least. */
-enum { HELD_LEAST = 72, CLUSTER_LEAST = 13 };
+enum { HELD_LEAST = 81, CLUSTER_LEAST = 13 };
 
 static void out_of_memory(struct rb_pack *pack)
 {
@@ -153,7 +153,9 @@ static void pack_held(struct rb_located *l, struct rb_held *held, struct rb_pack
 	rb_pack_bool(pack, &held->on_rim);
 	rb_pack_bool(pack, &held->ending);
 	rb_pack_bool(pack, &held->straight);
+	rb_pack_bool(pack, &held->creeps);
 	pack_vector(pack, &held->slip);
+	rb_pack_finite(pack, &held->friction, 1);
 	pack_vector(pack, &held->force);
 	rb_pack_int(pack, &told, RB_HELD_REST, RB_HELD_ROLL);
 	held->told = (enum rb_held_mode)told;
@@ -209,6 +211,12 @@ static void pack_cluster(struct rb_located *l, int cluster, struct rb_pack *pack
 	rb_pack_bool(pack, &c->integrated);
 	rb_pack_bool(pack, &c->at_rest);
 	rb_pack_bool(pack, &c->is_cut);
+	rb_pack_bool(pack, &c->has_jammed);
+	rb_pack_bool(pack, &c->hits);
+	if (c->hits) {
+		rb_pack_int(pack, &c->hit_a, 0, l->n - 1);
+		rb_pack_int(pack, &c->hit_b, 0, l->n + l->model->static_count - 1);
+	}
 	rb_pack_finite(pack, &c->anchor_s, 1);
 	rb_pack_count(pack, &members, (size_t)l->n, sizeof(int32_t));
 	rb_pack_count(pack, &held, INT32_MAX, HELD_LEAST);

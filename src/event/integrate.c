@@ -20,10 +20,12 @@ static const double clear = 1e-11;
 static const double still_share = 1e-12;
 /* Share of forces up to which the solver's residue may be taken for a mode that holds. */
 static const double doubtful = 1e-8;
+/* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
+static const double balanced_share = 1e-7;
 /* Share of accelerations by which two solutions for the same motion differ. */
 static const double otherwise = 1e-10;
 
-enum { LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 1536 };
+enum { TURNS = 6, LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 1536 };
 
 /* One piece under way. */
 struct work {
@@ -53,10 +55,29 @@ static int place_of(const struct work *w, int body)
 
 static int unknowns_of(const struct rb_held *held)
 {
-	return held->slipping ? 1 : 3;
+	if (!held->slipping)
+		return 3;
+	return held->creeps ? 2 : 1;
 }
 
-/* Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis. */
+/* Across normal and slip. */
+static rb_vec3 aside(const struct work *w, int contact)
+{
+	return rb_vec3_cross(w->meet[contact].normal, w->contact[contact].slip);
+}
+
+/* Of the relative acceleration, what the k-th unknown of a contact is to make zero. */
+static double asked_of(const struct work *w, int contact, int k, rb_vec3 a)
+{
+	if (!w->c->held[contact].slipping)
+		return k == 0 ? a.x : k == 1 ? a.y : a.z;
+	return rb_vec3_dot(a, k == 0 ? w->meet[contact].normal : aside(w, contact));
+}
+
+/*
+ * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis; of a slip that
+ * creeps, across it.
+ */
 static rb_vec3 unit_of(const struct work *w, int contact, int k)
 {
 	const struct rb_held *held = &w->c->held[contact];
@@ -64,6 +85,8 @@ static rb_vec3 unit_of(const struct work *w, int contact, int k)
 
 	if (!held->slipping)
 		return (rb_vec3){k == 0, k == 1, k == 2};
+	if (k == 1)
+		return aside(w, contact);
 	return rb_vec3_add_scaled(m->normal, -w->contact[contact].friction,
 	                          w->contact[contact].slip);
 }
@@ -119,8 +142,9 @@ static double guess_of(const struct work *w, int contact, int k)
 {
 	const struct rb_held *held = &w->c->held[contact];
 
-	return held->slipping ? rb_vec3_dot(held->force, w->meet[contact].normal)
-	                      : axis(held->force, k);
+	if (!held->slipping)
+		return axis(held->force, k);
+	return k == 0 ? rb_vec3_dot(held->force, w->meet[contact].normal) : 0;
 }
 
 /* What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the guess to the right. */
@@ -143,12 +167,10 @@ static void fill_row(struct work *w, int i, int row, double t)
 				free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
 			}
 			for (int r = 0; r < rows; r++)
-				w->dense.matrix[(row + r) * n + column] =
-					rows == 1 ? rb_vec3_dot(a, m->normal) : axis(a, r);
+				w->dense.matrix[(row + r) * n + column] = asked_of(w, i, r, a);
 		}
 	for (int r = 0; r < rows; r++)
-		w->dense.right[row + r] = rows == 1 ? -rb_vec3_dot(free, m->normal)
-		                                    : -axis(free, r);
+		w->dense.right[row + r] = -asked_of(w, i, r, free);
 }
 
 /*
@@ -175,6 +197,41 @@ static bool solve_modes(struct work *w, double t)
 			w->force[i] = rb_vec3_add_scaled(w->force[i],
 			                                 guess_of(w, i, k) + w->dense.right[row],
 			                                 unit_of(w, i, k));
+	}
+	return true;
+}
+
+/* Slips that creep go where nothing is left across them. True: one has turned. */
+static bool turn_creeping(struct work *w)
+{
+	bool turned = false;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const rb_vec3 n = w->meet[k].normal;
+		struct rb_joint_contact *const c = &w->contact[k];
+		const double limit = c->friction * rb_vec3_dot(w->force[k], n);
+
+		if (!w->c->held[k].creeps || !(limit > 0))
+			continue;
+		const rb_vec3 across = aside(w, k);
+		const double off = rb_vec3_dot(w->force[k], across);
+		if (fabs(off) <= balanced_share * limit)
+			continue;
+		c->slip = rb_vec3_unit(
+			rb_vec3_add_scaled(rb_vec3_scale(limit, c->slip), -off, across), c->slip);
+		turned = true;
+	}
+	return turned;
+}
+
+/* Fills w->force for contacts in their modes. */
+static bool solve_turning(struct work *w, double t)
+{
+	for (int round = 0; round < TURNS; round++) {
+		if (!solve_modes(w, t))
+			return false;
+		if (!turn_creeping(w))
+			break;
 	}
 	return true;
 }
@@ -340,7 +397,7 @@ static bool evaluate(struct work *w, double t, const double *value)
 		/* a direction that is kept turns with the normal all the same */
 		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(held->slip, w->meet[k].normal),
 		                                  held->slip);
-		if (held->slipping && !held->straight) {
+		if (held->slipping && !held->straight && !held->creeps) {
 			const rb_vec3 slip = rb_vec3_reject(w->meet[k].velocity, w->meet[k].normal);
 			const double speed = rb_vec3_length(slip);
 
@@ -349,7 +406,7 @@ static bool evaluate(struct work *w, double t, const double *value)
 		}
 	}
 	w->most = largest_acceleration(w);
-	if (c->held_count > 0 && !solve_modes(w, t) && !solve_any(w, t, NULL))
+	if (c->held_count > 0 && !solve_turning(w, t) && !solve_any(w, t, NULL))
 		return false;
 	for (int k = 0; k < c->held_count; k++) {
 		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(w->force[k]));
@@ -501,6 +558,9 @@ static int broken(struct work *w, double t)
 
 		w->slip_ends = false;
 		w->hits = is_hit(w, k);
+		if (held->creeps &&
+		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_set_creep(w->l, m))
+			return k;
 		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
 			return k;
 		if (!looked && !is_lawful(w, k)) {
@@ -508,7 +568,7 @@ static int broken(struct work *w, double t)
 				return k;
 			looked = true;
 		}
-		w->slip_ends = held->slipping && held->straight &&
+		w->slip_ends = held->slipping && (held->straight || held->creeps) &&
 		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
 		if (w->slip_ends)
 			return k;
@@ -532,7 +592,8 @@ static void end_slips(struct work *w, double s, double *value)
 		struct rb_held *const held = &w->c->held[k];
 		const struct rb_meet *m = &w->meet[k];
 
-		if (held->slipping && held->straight && !rb_set_is_single(w->l, held->a, held->b))
+		if (held->slipping && (held->straight || held->creeps) &&
+		    !rb_set_is_single(w->l, held->a, held->b))
 			held->ending = rb_vec3_dot(m->velocity, w->contact[k].slip) <=
 			               rb_meet_noise(w->l, m);
 	}

@@ -56,8 +56,9 @@ struct rb_held {
 	uint32_t parts; /* which features of them meet: struct rb_meet_name */
 	uint64_t key;
 	bool slipping, on_rim;
-	bool ending;     /* its slip has come to its end at this moment */
-	bool straight;   /* its slip keeps its direction to the end, to rounding */
+	bool ending;   /* its slip has come to its end at this moment */
+	bool straight; /* its slip keeps its direction to the end, to rounding */
+	bool creeps; /* its slip is so slow that forces across it balance: they say which way it goes */
 	rb_vec3 slip;    /* unit: velocity of b's point relative to a's */
 	double friction; /* while it slips: the law's, or what is left of it where a body jams */
 	rb_vec3 force;   /* N, on b, at the cluster's anchor */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/set.h"
 
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,6 +81,8 @@ struct rb_meet rb_set_meet(const struct rb_located *l, const struct rb_held *hel
 
 /* Points of a pair closer than this share of its size are one; rounding of places by their features is far below. */
 static const double one_place = 1e-9;
+/* Share of the speeds below which a slip creeps. */
+static const double creeping = 1e-5;
 /* Share of the size by which rounding and integration let a point be beyond the end of its features. */
 static const double beyond_end = 1e-11;
 
@@ -92,6 +95,11 @@ bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
 bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m)
 {
 	return m->inside < -beyond_end * rb_meet_size(l, m);
+}
+
+double rb_set_creep(const struct rb_located *l, const struct rb_meet *m)
+{
+	return creeping / (8 * DBL_EPSILON) * rb_meet_noise(l, m);
 }
 
 const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct rb_meet *m)

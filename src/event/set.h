@@ -41,6 +41,12 @@ static inline struct rb_meet_name rb_set_name(const struct rb_held *held)
 struct rb_meet rb_set_meet(const struct rb_located *l, const struct rb_held *held, double t);
 /* Has the point left the features that it is named by, beyond rounding? */
 bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m);
+/*
+ * m/s: slip below which its direction is that in which forces across it balance. It turns there at a rate of friction
+ * over speed, so that it is this to within speed / (friction g) of how fast that turns; followed as it turns it would take
+ * steps of that length.
+ */
+double rb_set_creep(const struct rb_located *l, const struct rb_meet *m);
 /* Are these the same point of the pair, though by other features? */
 bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
                           const struct rb_meet *y);

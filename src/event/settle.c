@@ -32,6 +32,8 @@ struct settling {
 };
 
 enum { STILL_ULP = 64, LOAD_ULP = 64 };
+/* Share of what friction does to speeds by which a slip that creeps may change its own. */
+static const double slowly = 0.05;
 /* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
 static const double gave_way = 1e-9;
 
@@ -460,6 +462,23 @@ static bool is_nothing(const struct settling *s, int k, double pull, rb_vec3 spe
 	       rb_vec3_max_abs(rate) <= fmax(1e-12 * pull, LOAD_ULP * DBL_EPSILON * s->load[k]);
 }
 
+/*
+ * Is its direction what balances the forces across it? Of bodies that touch at points, where the slip is slow and changes
+ * its speed by much less than friction could: else it has no time to turn there.
+ */
+static bool creeps(const struct settling *s, int k, const struct rb_held *held)
+{
+	const struct rb_meet *m = &s->meet[k];
+	const double *const inverse = s->l->model->inverse_mass;
+	const double rubs = rb_vec3_length(rb_vec3_reject(held->force, m->normal)) *
+	                    (inverse[m->a] + inverse[m->b]);
+
+	return held->slipping && !held->straight && held->friction > 0 &&
+	       !rb_set_is_single(s->l, m->a, m->b) &&
+	       rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(s->l, m) &&
+	       fabs(rb_vec3_dot(slip_rate(s, k), held->slip)) <= slowly * rubs;
+}
+
 /* Neither a closed form nor without turning. */
 static bool turns_oddly(const struct settling *s, int k)
 {
@@ -564,6 +583,7 @@ static void write_held(struct settling *s, int part, struct rb_cluster *c, int *
 		struct rb_held held = held_of(s, k);
 
 		held.straight = held.slipping && is_straight(s, k, &held);
+		held.creeps = creeps(s, k, &held);
 		meet[c->held_count] = k;
 		c->held[c->held_count++] = held;
 	}

@@ -43,6 +43,7 @@ struct rb_joint {
 	struct rb_joint_contact *contact;
 	int contact_count;
 	struct rb_arena *arena; /* scratch, given back */
+	bool direct; /* elimination may be used: fast for many contacts, but not free of order */
 };
 
 /*
