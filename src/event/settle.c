@@ -31,7 +31,7 @@ struct settling {
 	double *load; /* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
 };
 
-enum { STILL_ULP = 64, LOAD_ULP = 64 };
+enum { STILL_ULP = 64, LOAD_ULP = 64, SLIP_ULP = 1 };
 /* Share of what friction does to speeds by which a slip that creeps may change its own. */
 static const double slowly = 0.05;
 /* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
@@ -675,6 +675,43 @@ static void tell_lifts(struct settling *s)
 	}
 }
 
+/*
+ * A slip that would end within the rounding of sizes has ended: of bodies that touch at several points it may turn at the
+ * end as fast as it slows down. Returns whether there was one; then the forces are to be found again.
+ */
+static bool stop_slow_slips(struct settling *s)
+{
+	bool *const kept = take(s, s->meet_count, sizeof *kept);
+	struct rb_tidy tidy = {.l = s->l,
+	                       .t = s->t,
+	                       .meet = s->meet,
+	                       .before = s->before,
+	                       .kept = kept,
+	                       .count = s->meet_count,
+	                       .pose = s->pose};
+	bool any = false;
+
+	for (int k = 0; kept && k < s->meet_count; k++) {
+		const struct rb_joint_contact *c = &s->joint.contact[k];
+		const struct rb_meet *m = &s->meet[k];
+		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+		const double slows = -rb_vec3_dot(slip_rate(s, k), c->slip);
+		const bool slides = presses(s, k) && c->mode == RB_JOINT_SLIDE;
+		const bool ends = slides && c->friction > 0 && slows > 0 &&
+		                  !rb_set_is_single(s->l, m->a, m->b) &&
+		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
+		                                                     rb_meet_size(s->l, m);
+
+		kept[k] = presses(s, k);
+		s->before[k].slipping = slides && !ends;
+		s->before[k].ending = ends;
+		any = any || ends;
+	}
+	if (any)
+		rb_tidy_stop(&tidy);
+	return any;
+}
+
 void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 {
 	struct settling s = {.l = l, .t = t, .slack = slack, .struck = struck};
@@ -685,7 +722,10 @@ void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 		keep_what_lasts(&s);
 		forget_before(&s, &try_s);
 		pulls(&s);
-		if (l->status == RB_OK && solve(&s)) {
+		bool solved = l->status == RB_OK && solve(&s);
+		if (solved && s.meet_count > 0 && stop_slow_slips(&s))
+			solved = solve(&s);
+		if (solved) {
 			join_all(&s);
 			tell_lifts(&s);
 			write_parts(&s, try_s);
