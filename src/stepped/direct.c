@@ -6,10 +6,10 @@
 
 #include "stepped/blocks.h"
 
-enum { OUTER_MOST = 60, INNER_MOST = 20, HALVINGS_MOST = 20, NOISE_ULP = 16 };
+enum { OUTER_MOST = 30, INNER_MOST = 20, HALVINGS_MOST = 20, NOISE_ULP = 16 };
 
 /* First weight of a row, over its own yield; how much it grows where impulses follow slowly, and how far. */
-static const double weight_first = 1, weight_growth = 10, weight_most = 1e12;
+static const double weight_first = 1, weight_growth = 10, weight_most = 1e5;
 static const double relax_least = 0.3;
 
 /* A row while it is solved. */
@@ -30,6 +30,7 @@ struct newton {
 	struct rb_dense_body *kept;        /* [members]: where a line search begins */
 	rb_mat3 *inertia;                  /* [members] */
 	double *mass;                      /* [members] */
+	double ratio;                      /* of the masses */
 };
 
 static rb_vec3 slip_of(const struct rb_dense_row *row, rb_vec3 u)
@@ -355,6 +356,7 @@ static void fill(struct newton *s)
 		else
 			s->inertia[k] = rb_mat3_diagonal(turn, turn, turn);
 	}
+	s->ratio = heaviest / lightest;
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_dense_row *row = &dense->row[k];
 		const double slip = rb_vec3_length(slip_of(row, rb_dense_velocity(dense, row)));
@@ -398,7 +400,8 @@ static struct rb_direct_result solve(struct newton *s)
 		result.residual = fmax(balance, fmax(off.closed, off.shifted));
 		if (fmax(balance, off.closed) <= enough && off.shifted <= s->direct->enough_slip)
 			break;
-		if (off.closed > enough && off.closed > 0.1 * before && grown < weight_most) {
+		if (off.closed > enough && off.closed > 0.1 * before &&
+		    grown < weight_most * s->ratio) {
 			grown *= weight_growth;
 			for (int k = 0; k < s->dense->row_count; k++)
 				s->face[k].weight *= weight_growth;

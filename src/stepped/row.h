@@ -34,7 +34,6 @@ struct rb_dense_row {
 	double friction;
 	double push;  /* N s, >= 0 */
 	rb_vec3 rub;  /* N s, across the normal, |rub| <= friction push */
-	rb_vec3 turn; /* scratch of the sweeps: direction in which impulses are followed */
 	rb_vec3 step; /* scratch: last change */
 };
 

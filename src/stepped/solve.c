@@ -11,16 +11,17 @@
 enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256, COLOURS_MOST = 64 };
 
 /* Sweeps before factors are tried, and at most. */
-enum { SWEEPS_FIRST = 150, SWEEPS_MOST = 2000, SWEEPS_QUIET = 32 };
-/* Factorizations at most, where sweeps do not come to an end, and where they did. */
-enum { FACTORS_MOST = 400, FACTORS_QUIET = 6 };
+enum { SWEEPS_FIRST = 1500, SWEEPS_MOST = 1500, SWEEPS_QUIET = 32 };
+/* Why factors are tried, and how many at most. */
+enum purpose { STIFF, STALLED, QUIET };
+enum { FACTORS_STIFF = 400, FACTORS_STALLED = 30, FACTORS_QUIET = 6 };
 
 /* Multiplications that one factorization may take, for each row and at most: some twenty sweeps. */
 static const double factor_share = 4e3, factors_most = 1e8;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
-static const double sweep_share = 0.25, close_share = 1e-7;
-static const double stiff_ratio = 100;
+static const double sweep_share = 0.25, direct_share = 1e-2, close_share = 1e-7;
+static const double stiff_ratio = 30;
 
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
@@ -327,23 +328,24 @@ static bool colour_rows(const struct rb_solver *solver, const struct rb_island *
 	first[0] = 0;
 	sweep->colour = first;
 	sweep->colour_count = colours;
-	sweep->partial = rb_arena_take(arena, 2 * (size_t)rb_sweep_blocks(first, colours),
-	                               sizeof *sweep->partial);
-	return sweep->partial != NULL;
+	return true;
 }
 
 /* Factors; false where they are too many or do not come to an end: the impulses are then no worse. */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
-                        const struct rb_dense *dense, int steps_most, struct rb_arena *arena)
+                        const struct rb_dense *dense, enum purpose purpose, struct rb_arena *arena)
 {
+	static const int steps_most[] = {
+		[STIFF] = FACTORS_STIFF, [STALLED] = FACTORS_STALLED, [QUIET] = FACTORS_QUIET};
 	const double each = factor_share * (double)dense->row_count;
 	const struct rb_direct direct = {.dense = dense,
 	                                 .free = solver->free,
 	                                 .member = solver->member + island->first_member,
 	                                 .member_count = island->member_count,
 	                                 .local = solver->local,
-	                                 .enough = close_share * solver->enough,
-	                                 .steps_most = steps_most,
+	                                 .enough = (purpose == QUIET ? close_share : direct_share) *
+	                                           solver->enough,
+	                                 .steps_most = steps_most[purpose],
 	                                 .enough_slip = solver->enough,
 	                                 .most = fmin(each, factors_most),
 	                                 .arena = arena};
@@ -408,21 +410,25 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	const struct rb_dense dense = rows_of(solver, island);
 	const double enough = solver->enough, close = close_share * enough;
 	struct rb_sweep sweep = {.dense = &dense, .team = team};
-	bool factored = false;
+	bool good = false;
 
 	island->sweeps = island->factors = 0;
-	if (team && !colour_rows(solver, island, &sweep, arena))
-		sweep.team = NULL;
+	if ((team && !colour_rows(solver, island, &sweep, arena)) ||
+	    !rb_sweep_take(&sweep, arena)) {
+		island->residual = (double)INFINITY; /* no memory: taken back */
+		return;
+	}
 	rb_sweep_warm(&dense);
 	if (is_stiff(solver, island))
-		factored = try_factors(solver, island, &dense, FACTORS_MOST, arena);
-	bool good = factored || sweep_more(&sweep, island, enough, SWEEPS_FIRST);
+		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
-		good = factored = try_factors(solver, island, &dense, FACTORS_MOST, arena);
+		good = sweep_more(&sweep, island, enough, SWEEPS_FIRST);
+	if (!good)
+		good = try_factors(solver, island, &dense, STALLED, arena);
 	if (!good)
 		good = sweep_more(&sweep, island, enough, SWEEPS_MOST);
-	if (good && !factored && is_quiet(solver, island) && island->residual > close &&
-	    !try_factors(solver, island, &dense, FACTORS_QUIET, arena))
+	if (good && is_quiet(solver, island) && island->residual > close &&
+	    !try_factors(solver, island, &dense, QUIET, arena))
 		(void)sweep_more(&sweep, island, close, SWEEPS_QUIET);
 }
 
@@ -447,8 +453,12 @@ static void solve_block(void *user, int block, int worker)
 	for (int g = work->first[block]; g < work->first[block + 1]; g++) {
 		struct rb_island *island = &work->solver->island[g];
 
-		if (island->row_count < LARGE_ROWS && is_due(work, island))
-			solve_island(work->solver, island, NULL, &work->world->arena[worker]);
+		if (island->row_count >= LARGE_ROWS || !is_due(work, island))
+			continue;
+		struct rb_arena *arena = &work->world->arena[worker];
+		const rb_arena_mark here = rb_arena_here(arena);
+		solve_island(work->solver, island, NULL, arena);
+		rb_arena_back(arena, here);
 	}
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/sweep.h"
 
+#include <string.h>
+
 /* What a block of rows has come to. */
 struct share {
 	double change; /* m/s: the largest of a row's velocity */
@@ -55,94 +57,231 @@ static struct share solve_rows(const struct rb_dense *dense, int first, int end)
 	return share;
 }
 
-/* Goes on along the direction of each row; the sweep that comes next projects back onto the cone. */
-static void follow_rows(const struct rb_dense *dense, int first, int end, double share)
+/* ---- acceleration ---- */
+
+/* Differences between sweeps, of one row: of what each changed, and of what each led to. */
+struct rb_sweep_trace {
+	rb_vec3 change, impulse; /* of the last sweep */
+	rb_vec3 more_change[RB_SWEEP_MEMORY], more_impulse[RB_SWEEP_MEMORY];
+};
+
+/* Sums over rows, weighted by their yields. */
+struct sums {
+	double newest[RB_SWEEP_MEMORY]; /* of the newest difference with all */
+	double now[RB_SWEEP_MEMORY];    /* of the last change with all */
+};
+
+/* Puts the last sweep into place `at` of the trace and adds up what the mixture needs. */
+static struct sums remember_rows(const struct rb_sweep *sweep, int first, int end, int at,
+                                 int filled)
+{
+	struct sums sums = {{0}, {0}};
+
+	for (int k = first; k < end; k++) {
+		const struct rb_dense_row *row = &sweep->dense->row[k];
+		struct rb_sweep_trace *trace = &sweep->trace[k];
+		const rb_vec3 impulse = rb_dense_impulse(row);
+		const double weight = row->yield_n;
+
+		trace->more_change[at] = rb_vec3_sub(row->step, trace->change);
+		trace->more_impulse[at] = rb_vec3_sub(impulse, trace->impulse);
+		trace->change = row->step;
+		trace->impulse = impulse;
+		for (int j = 0; j < filled; j++) {
+			const rb_vec3 d = rb_vec3_scale(weight, trace->more_change[j]);
+
+			sums.newest[j] += rb_vec3_dot(d, trace->more_change[at]);
+			sums.now[j] += rb_vec3_dot(d, row->step);
+		}
+	}
+	return sums;
+}
+
+/* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. */
+static void follow_rows(const struct rb_sweep *sweep, int first, int end, const double *mix,
+                        int filled)
 {
 	for (int k = first; k < end; k++) {
-		struct rb_dense_row *row = &dense->row[k];
-		const rb_vec3 extra = rb_vec3_scale(share, row->turn);
-		const double normal = rb_vec3_dot(extra, row->normal);
+		struct rb_dense_row *row = &sweep->dense->row[k];
+		const struct rb_sweep_trace *trace = &sweep->trace[k];
+		rb_vec3 extra = {0, 0, 0};
 
-		row->turn = rb_vec3_add(row->step, extra);
+		for (int j = 0; j < filled; j++)
+			extra = rb_vec3_add_scaled(extra, -mix[j], trace->more_impulse[j]);
 		if (extra.x == 0 && extra.y == 0 && extra.z == 0)
 			continue;
+		const double normal = rb_vec3_dot(extra, row->normal);
 		row->push += normal;
 		row->rub = rb_vec3_add(row->rub, rb_vec3_add_scaled(extra, -normal, row->normal));
-		rb_dense_push(dense, row, extra);
+		rb_dense_push(sweep->dense, row, extra);
 	}
 }
+
+/* ---- all rows, by blocks ---- */
+
+/* What is done to every row. */
+enum task { SWEEP, REMEMBER, FOLLOW };
 
 /* What the workers of one colour share: read only but for each block's own partial sums. */
 struct work {
 	const struct rb_sweep *sweep;
+	enum task task;
 	int first, end;  /* rows of the colour */
 	int first_block; /* its first block among those of all colours */
-	bool follows;
-	double share;
+	int at, filled;
+	const double *mix;
 };
 
 static void run_block(void *user, int block, int worker)
 {
 	const struct work *work = user;
-	const struct rb_dense *dense = work->sweep->dense;
+	const struct rb_sweep *sweep = work->sweep;
 	const int first = work->first + block * RB_SWEEP_BLOCK;
 	const int end = first + RB_SWEEP_BLOCK < work->end ? first + RB_SWEEP_BLOCK : work->end;
+	double *const partial = sweep->partial + RB_SWEEP_PARTIAL * (work->first_block + block);
 
 	(void)worker;
-	if (work->follows) {
-		follow_rows(dense, first, end, work->share);
-		return;
+	if (work->task == SWEEP) {
+		const struct share share = solve_rows(sweep->dense, first, end);
+
+		partial[0] = share.change;
+		partial[1] = share.size;
+	} else if (work->task == REMEMBER) {
+		const struct sums sums = remember_rows(sweep, first, end, work->at, work->filled);
+
+		memcpy(partial, &sums, sizeof sums);
+	} else {
+		follow_rows(sweep, first, end, work->mix, work->filled);
 	}
-	const struct share share = solve_rows(dense, first, end);
-	work->sweep->partial[2 * (work->first_block + block)] = share.change;
-	work->sweep->partial[2 * (work->first_block + block) + 1] = share.size;
 }
 
-int rb_sweep_blocks(const int *colour, int colour_count)
+bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
 {
-	int blocks = 0;
+	const int one[2] = {0, sweep->dense->row_count};
+	const int *colour = sweep->team ? sweep->colour : one;
+	const int colours = sweep->team ? sweep->colour_count : 1;
+	size_t blocks = 0;
 
-	for (int c = 0; c < colour_count; c++)
-		blocks += (colour[c + 1] - colour[c] + RB_SWEEP_BLOCK - 1) / RB_SWEEP_BLOCK;
-	return blocks;
+	for (int c = 0; c < colours; c++)
+		blocks += (size_t)((colour[c + 1] - colour[c] + RB_SWEEP_BLOCK - 1) /
+		                   RB_SWEEP_BLOCK);
+	sweep->partial = rb_arena_take(arena, RB_SWEEP_PARTIAL * blocks, sizeof *sweep->partial);
+	sweep->trace = rb_arena_take(arena, (size_t)sweep->dense->row_count, sizeof *sweep->trace);
+	return sweep->partial && sweep->trace;
 }
 
-static struct share run_colours(const struct rb_sweep *sweep, bool follows, double share)
+/* Returns the number of blocks, whose sums stand in sweep->partial. */
+static int run_all(struct work *work)
 {
-	struct work work = {.sweep = sweep, .follows = follows, .share = share};
-	struct share sum = {0, 0};
+	const struct rb_sweep *sweep = work->sweep;
+	const int one[2] = {0, sweep->dense->row_count};
+	const int *colour = sweep->team ? sweep->colour : one;
+	const int colours = sweep->team ? sweep->colour_count : 1;
 
-	for (int c = 0; c < sweep->colour_count; c++) {
-		work.first = sweep->colour[c];
-		work.end = sweep->colour[c + 1];
-		const int blocks = (work.end - work.first + RB_SWEEP_BLOCK - 1) / RB_SWEEP_BLOCK;
+	work->first_block = 0;
+	for (int c = 0; c < colours; c++) {
+		work->first = colour[c];
+		work->end = colour[c + 1];
+		const int blocks = (work->end - work->first + RB_SWEEP_BLOCK - 1) / RB_SWEEP_BLOCK;
+		const bool alone = !sweep->team || (sweep->tail && c == colours - 1);
 
-		if (blocks > 1 && !(sweep->tail && c == sweep->colour_count - 1))
-			rb_team_run(sweep->team, blocks, run_block, &work);
+		if (blocks > 1 && !alone)
+			rb_team_run(sweep->team, blocks, run_block, work);
 		else
 			for (int b = 0; b < blocks; b++)
-				run_block(&work, b, 0);
-		work.first_block += blocks;
+				run_block(work, b, 0);
+		work->first_block += blocks;
 	}
-	for (int b = 0; b < work.first_block && !follows; b++) {
-		sum.change = fmax(sum.change, sweep->partial[2 * b]);
-		sum.size += sweep->partial[2 * b + 1];
-	}
-	return sum;
+	return work->first_block;
 }
 
 static struct share sweep_once(const struct rb_sweep *sweep)
 {
-	return sweep->team ? run_colours(sweep, false, 0)
-	                   : solve_rows(sweep->dense, 0, sweep->dense->row_count);
+	struct work work = {.sweep = sweep, .task = SWEEP};
+	struct share sum = {0, 0};
+	const int blocks = run_all(&work);
+
+	for (int b = 0; b < blocks; b++) {
+		sum.change = fmax(sum.change, sweep->partial[RB_SWEEP_PARTIAL * b]);
+		sum.size += sweep->partial[RB_SWEEP_PARTIAL * b + 1];
+	}
+	return sum;
 }
 
-static void follow(const struct rb_sweep *sweep, double share)
+/* ---- Anderson's mixture ---- */
+
+struct mixture {
+	int count, at; /* differences that are kept, and the place of the next */
+	double gram[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY];
+};
+
+/* Least squares by Cholesky; what depends on the others is left out. */
+static void solve_gram(const struct mixture *m, int filled, const double *right, double *mix)
 {
-	if (sweep->team)
-		(void)run_colours(sweep, true, share);
-	else
-		follow_rows(sweep->dense, 0, sweep->dense->row_count, share);
+	double l[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY] = {{0}};
+	double y[RB_SWEEP_MEMORY] = {0};
+
+	for (int j = 0; j < filled; j++) {
+		double pivot = m->gram[j][j];
+
+		for (int k = 0; k < j; k++)
+			pivot -= l[j][k] * l[j][k];
+		if (!(pivot > 1e-10 * m->gram[j][j]))
+			continue;
+		l[j][j] = sqrt(pivot);
+		for (int i = j + 1; i < filled; i++) {
+			double sum = m->gram[i][j];
+
+			for (int k = 0; k < j; k++)
+				sum -= l[i][k] * l[j][k];
+			l[i][j] = sum / l[j][j];
+		}
+	}
+	for (int j = 0; j < filled; j++) {
+		double sum = right[j];
+
+		for (int k = 0; k < j; k++)
+			sum -= l[j][k] * y[k];
+		y[j] = l[j][j] > 0 ? sum / l[j][j] : 0;
+	}
+	for (int j = filled; j-- > 0;) {
+		double sum = y[j];
+
+		for (int k = j + 1; k < filled; k++)
+			sum -= l[k][j] * mix[k];
+		mix[j] = l[j][j] > 0 ? sum / l[j][j] : 0;
+	}
+}
+
+/* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. */
+static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
+{
+	struct work work = {.sweep = sweep, .task = REMEMBER, .at = m->at};
+	double right[RB_SWEEP_MEMORY] = {0}, mix[RB_SWEEP_MEMORY];
+
+	if (afresh) {
+		m->count = m->at = work.at = 0;
+		(void)run_all(&work);
+		return;
+	}
+	const int filled = m->count < RB_SWEEP_MEMORY ? m->count + 1 : RB_SWEEP_MEMORY;
+	work.filled = filled;
+	const int blocks = run_all(&work);
+	for (int j = 0; j < filled; j++) {
+		double newest = 0;
+
+		for (int b = 0; b < blocks; b++) {
+			newest += sweep->partial[RB_SWEEP_PARTIAL * b + j];
+			right[j] += sweep->partial[RB_SWEEP_PARTIAL * b + RB_SWEEP_MEMORY + j];
+		}
+		m->gram[m->at][j] = m->gram[j][m->at] = newest;
+	}
+	solve_gram(m, filled, right, mix);
+	work.task = FOLLOW;
+	work.mix = mix;
+	(void)run_all(&work);
+	m->count = filled;
+	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
 }
 
 void rb_sweep_warm(const struct rb_dense *dense)
@@ -155,10 +294,9 @@ void rb_sweep_warm(const struct rb_dense *dense)
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 {
 	struct rb_sweep_result result = {0, 0};
+	struct mixture mixture = {0};
 	double before = 0;
 
-	for (int k = 0; k < sweep->dense->row_count; k++)
-		sweep->dense->row[k].turn = (rb_vec3){0, 0, 0};
 	while (result.sweeps < sweep->most) {
 		const struct share now = sweep_once(sweep);
 
@@ -166,8 +304,8 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		result.residual = now.change;
 		if (now.change <= sweep->enough || result.sweeps == sweep->most)
 			break;
-		/* where it got worse, begin anew */
-		follow(sweep, before > 0 && now.size <= before ? now.size / before : 0);
+		/* where it got worse, faces have changed, and with them what was learned */
+		accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before);
 		before = now.size;
 	}
 	return result;

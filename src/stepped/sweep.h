@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows by iteration: sweeps of projected Gauss-Seidel, each row set right on its own, accelerated as nonlinear conjugate
- * gradients (Silcowitz, Niebe, Erleben, Vis. Comput. 26 (2010) 893) with a plain sweep after each.
+ * Rows by iteration: sweeps of projected Gauss-Seidel, each row set right on its own, accelerated by Anderson's mixture
+ * of the last ones (D. G. Anderson, J. ACM 12 (1965) 547), which also copes with how friction and normals meddle.
  *
  * Rows that follow each other in one colour share no body that yields, so a colour's blocks may run at the same time; what
  * comes out depends on the blocks, never on the workers.
@@ -13,6 +13,11 @@
 #include "base/team.h"
 #include "stepped/row.h"
 
+/* Rows of a block; sweeps that the mixture knows; numbers that a block leaves. */
+enum { RB_SWEEP_BLOCK = 512, RB_SWEEP_MEMORY = 4, RB_SWEEP_PARTIAL = 2 * RB_SWEEP_MEMORY };
+
+struct rb_sweep_trace;
+
 struct rb_sweep {
 	const struct rb_dense *dense;
 	double enough;        /* m/s: stops when no row's velocity changes by more */
@@ -20,8 +25,10 @@ struct rb_sweep {
 	struct rb_team *team; /* NULL: in one thread, in order of rows, without colours */
 	const int *colour;    /* [colour_count + 1]: first row of each */
 	int colour_count;
-	bool tail;       /* rows of the last colour share bodies after all: one after the other */
-	double *partial; /* [2 x blocks of all colours]: scratch; NULL without team */
+	bool tail; /* rows of the last colour share bodies after all: one after the other */
+	/* scratch, rb_sweep_take */
+	double *partial;              /* [RB_SWEEP_PARTIAL x blocks] */
+	struct rb_sweep_trace *trace; /* [rows] */
 };
 
 struct rb_sweep_result {
@@ -29,13 +36,11 @@ struct rb_sweep_result {
 	double residual; /* m/s: largest change of a row's velocity in the last sweep */
 };
 
-enum { RB_SWEEP_BLOCK = 512 };
-
 /* Applies the impulses that rows begin with to the bodies. */
 void rb_sweep_warm(const struct rb_dense *dense);
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep);
 
-/* Blocks of all colours. */
-int rb_sweep_blocks(const int *colour, int colour_count);
+/* Scratch, once dense, team and colours are known; false: no memory. */
+bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena);
 
 #endif
