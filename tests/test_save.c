@@ -86,7 +86,13 @@ static void classic_global(struct lab *lab)
 	drop(lab, RB_ROLLBACK_GLOBAL);
 }
 
-static lay_out *const recipes[] = {gas, stack, classic, classic_global};
+static void stepped(struct lab *lab)
+{
+	drop(lab, RB_ROLLBACK_SELECTIVE);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+}
+
+static lay_out *const recipes[] = {gas, stack, classic, classic_global, stepped};
 enum { RECIPE_COUNT = sizeof recipes / sizeof *recipes };
 
 /* ---- running ---- */

@@ -284,7 +284,7 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	print_films(loaded, options);
 	print_materials(loaded);
 	rb_plan_print_features(model, stdout);
-	if (model->method != RB_METHOD_CLASSIC)
+	if (model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED)
 		print_parts(model);
 	rb_plan_print(model, stdout);
 }
@@ -301,15 +301,16 @@ static void json_plan(struct rb_json *json, const struct rb_model *model)
 	const struct rb_part *const part = rb_parts(&count);
 	rb_json_open(json, "parts", '{');
 	for (int k = 0; k < count; k++)
-		rb_json_bool(json, part[k].name,
-		             model->method != RB_METHOD_CLASSIC &&
-		                     rb_part_is_used(&part[k], model));
+		rb_json_bool(
+			json, part[k].name,
+			(model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED) &&
+				rb_part_is_used(&part[k], model));
 	rb_json_close(json, '}');
 	const struct rb_stage *const *const stage = rb_plan_stages(&count);
 	rb_json_open(json, "stages", '{');
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, stage[k]->name,
-		             model->method != RB_METHOD_LOCATED &&
+		             model->method == RB_METHOD_CLASSIC &&
 		                     rb_plan_has(stage[k], model->features));
 	rb_json_close(json, '}');
 }

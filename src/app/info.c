@@ -279,7 +279,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	if (isfinite(course->smallest_step))
 		printf(", smallest step %.3g s", course->smallest_step);
 	if (course->stepped > 0)
-		printf("; %.6g s of it by the classic method", course->stepped);
+		printf("; %.6g s of it stepped", course->stepped);
 	printf("\n  state       %s\n", *reading->state_hash ? reading->state_hash : "not told");
 }
 

@@ -22,7 +22,7 @@
 const struct rb_ladder_method rb_ladder_methods[] = {
 	{"classic", "classic", "selective"},     {"classic-global", "classic", "global"},
 	{"classic-none", "classic", "none"},     {"located", "located", "selective"},
-	{"located-global", "located", "global"},
+	{"located-global", "located", "global"}, {"stepped", "stepped", "selective"},
 };
 const int rb_ladder_method_count = sizeof rb_ladder_methods / sizeof *rb_ladder_methods;
 

@@ -15,8 +15,14 @@ static const struct {
 	{"classic", "one step for all; a step that ends in an overlap is taken back and halved",
          "lectures; a baseline for every other method",
          "errors fall with the first power of time_step; heaps cost much; no springs, drag, fields or driven bodies"},
+	{"stepped",
+         "equal steps; what touches within one is solved together, to a residual, so that no gap closes beyond the "
+         "tolerance; a step that fails is taken back and halved",
+         "heaps, stacks, towers of any shapes and masses",
+         "impacts are at ends of steps: errors fall with the first power of time_step; no springs, drag, fields or "
+         "driven bodies"},
 	{"auto",
-         "located, but classic steps while events of a crowd come too densely to locate, and where spheres "
+         "located, but stepped while events of a crowd come too densely to locate, and where spheres "
          "touch whose centre of mass is off their centre",
          "whoever does not want to choose (the default)",
          "how long was stepped stands in the summary and in the recording"},

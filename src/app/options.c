@@ -154,7 +154,7 @@ const struct rb_option_row rb_option_rows[] = {
 	{"tolerance", 0, "METRES", RB_OPTION_NUMBER, AT(tolerance_m), SCENE | EACH, 0, INFINITY, true, NULL,
 	 "largest overlap a frame may show, instead of the scene's"},
 	{"methods", 0, "LIST", RB_OPTION_TEXT, AT(methods), VERB(CONVERGE), 0, 0, false, NULL,
-	 "methods to compare: classic, classic-global, classic-none, located, located-global"},
+	 "methods to compare: classic, classic-global, classic-none, located, located-global, stepped"},
 	{"dt", 0, "LIST", RB_OPTION_TEXT, AT(steps), VERB(CONVERGE), 0, 0, false, NULL,
 	 "time steps in seconds, like 0.01,0.001 (default: half decades from 10 to 1/100 of the scene's)"},
 	{"tolerance", 0, "LIST", RB_OPTION_TEXT, AT(tolerances), VERB(CONVERGE), 0, 0, false, NULL,

@@ -500,13 +500,14 @@ static void check_drag(struct check *check, const struct rb_drag_def *drag)
 			drag->linear, drag->quadratic);
 }
 
-/* The classic method has no stages for these: it would leave them out without a word. */
+/* Steps have no stages for these: they would leave them out without a word. */
 static void check_method(struct check *check)
 {
 	const struct rb_scene *scene = check->scene;
 	bool driven = false;
 
-	if (scene->world.method != RB_METHOD_CLASSIC)
+	const bool classic = scene->world.method == RB_METHOD_CLASSIC;
+	if (!classic && scene->world.method != RB_METHOD_STEPPED)
 		return;
 	for (int i = 0; i < scene->body_count; i++)
 		driven = driven || rb_body_is_driven(&scene->bodies[i]);
@@ -520,8 +521,8 @@ static void check_method(struct check *check)
 	for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++)
 		if (lacks[i].present)
 			world_mistake(check,
-			              "world: method 'classic' has no %s: use 'located' or 'auto'",
-			              lacks[i].what);
+			              "world: method '%s' has no %s: use 'located' or 'auto'",
+			              classic ? "classic" : "stepped", lacks[i].what);
 }
 
 static void check_links(struct check *check)

@@ -96,12 +96,9 @@ void rb_plan_print(const struct rb_model *model, FILE *to)
 	int count = 0;
 	const struct rb_state_column *column = rb_state_columns(&count);
 
-	if (model->method != RB_METHOD_LOCATED)
-		fprintf(to, "stages of a substep%s\n",
-		        model->method == RB_METHOD_AUTO
-		                ? " (where events come too densely to locate)"
-		                : "");
-	for (int k = 0; k < ALL_STAGES && model->method != RB_METHOD_LOCATED; k++) {
+	if (model->method == RB_METHOD_CLASSIC)
+		fputs("stages of a substep\n", to);
+	for (int k = 0; k < ALL_STAGES && model->method == RB_METHOD_CLASSIC; k++) {
 		const bool on = rb_plan_has(all_stages[k], model->features);
 
 		fprintf(to, "  %c %-18s %s\n", on ? '+' : '-', all_stages[k]->name,

@@ -6,6 +6,7 @@
 #include "step/broadphase.h"
 #include "step/classic.h"
 #include "step/groups.h"
+#include "stepped/stepped.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -171,8 +172,11 @@ static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 {
 	if (!pack->failed)
 		pack_classic(world, pack);
-	(void)rb_pack_check(pack, world->groups || (world->located && world->dense_left == 0),
-	                    "steps of a world that was never stepped");
+	if (!pack->failed)
+		rb_stepped_pack(world, pack);
+	(void)rb_pack_check(
+		pack, world->groups || world->stepped || (world->located && world->dense_left == 0),
+		"steps of a world that was never stepped");
 	if (world->located && !pack->failed)
 		rb_freeze_pack(world->located, pack);
 }

@@ -11,10 +11,10 @@
 enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256, COLOURS_MOST = 64 };
 
 /* Sweeps before factors are tried, and at most. */
-enum { SWEEPS_FIRST = 1500, SWEEPS_MOST = 1500, SWEEPS_QUIET = 32 };
+enum { SWEEPS_FIRST = 1500, SWEEPS_MOST = 1500, SWEEPS_QUIET = 64 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, STALLED, QUIET };
-enum { FACTORS_STIFF = 400, FACTORS_STALLED = 30, FACTORS_QUIET = 6 };
+enum { FACTORS_STIFF = 400, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
 
 /* Multiplications that one factorization may take, for each row and at most: some twenty sweeps. */
 static const double factor_share = 4e3, factors_most = 1e8;
@@ -36,11 +36,12 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->member = rb_memory_take(n, sizeof *solver->member);
 	solver->local = rb_memory_take(n, sizeof *solver->local);
 	solver->reach = rb_memory_take(n, sizeof *solver->reach);
+	solver->pushed = rb_memory_take(n, 1);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.tensor = solver->tensor;
 	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
-	    solver->member && solver->local && solver->reach &&
+	    solver->member && solver->local && solver->reach && solver->pushed &&
 	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
@@ -61,6 +62,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->member);
 	rb_memory_free(solver->local);
 	rb_memory_free(solver->reach);
+	rb_memory_free(solver->pushed);
 	rb_memory_free(solver->island);
 	*solver = (struct rb_solver){0};
 }
@@ -369,10 +371,10 @@ static bool sweep_more(struct rb_sweep *sweep, struct rb_island *island, double 
 	return result.residual <= enough;
 }
 
-/* Whether nothing in the group moves by more than the tolerance in a step. */
+/* Whether nothing in the group moves by much more than the tolerance in a step. */
 static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island)
 {
-	const double most = solver->enough / sweep_share;
+	const double most = 4 * solver->enough / sweep_share;
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -419,7 +421,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		return;
 	}
 	rb_sweep_warm(&dense);
-	if (is_stiff(solver, island))
+	const bool stiff = is_stiff(solver, island);
+	if (stiff)
 		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
 		good = sweep_more(&sweep, island, enough, SWEEPS_FIRST);
@@ -428,8 +431,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (!good)
 		good = sweep_more(&sweep, island, enough, SWEEPS_MOST);
 	if (good && is_quiet(solver, island) && island->residual > close &&
-	    !try_factors(solver, island, &dense, QUIET, arena))
-		(void)sweep_more(&sweep, island, close, SWEEPS_QUIET);
+	    (stiff || !sweep_more(&sweep, island, close, SWEEPS_QUIET)))
+		(void)try_factors(solver, island, &dense, QUIET, arena);
 }
 
 /* ---- all groups ---- */
@@ -509,9 +512,12 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 		return status;
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	memset(solver->pushed, 0, (size_t)solver->body_count + 1);
 	for (int k = 0; k < solver->dense.row_count; k++) {
 		const struct rb_dense_row *row = &solver->dense.row[k];
 
+		if (row->push > 0)
+			solver->pushed[row->a] = solver->pushed[row->b] = 1;
 		points->row[row->point].push = row->push;
 		points->row[row->point].rub = row->rub;
 	}
@@ -525,21 +531,67 @@ static bool rebounds(const struct rb_solver *solver, const struct rb_point *poin
 	return point->push > 0 && point->restitution * point->approach > solver->enough;
 }
 
-/* What the rebound has added: turning bodies have gone on meanwhile. */
-static void add_rebound(const struct rb_solver *solver, struct rb_world *world)
+/* Twice the kinetic energy of two states of a body's motion taken together, J. */
+static double product(const struct rb_solver *solver, int i, const struct rb_dense_body *x,
+                      const struct rb_dense_body *y)
 {
+	const struct rb_dense_body *body = &solver->dense.body[i];
+	rb_vec3 spin = {0, 0, 0};
+	rb_mat3 inertia;
+
+	if (isnan(body->inverse_inertia)) {
+		(void)rb_mat3_inverse(&solver->tensor[i], &inertia);
+		spin = rb_mat3_apply(&inertia, y->angular);
+	} else if (body->inverse_inertia > 0) {
+		spin = rb_vec3_scale(1 / body->inverse_inertia, y->angular);
+	}
+	return rb_vec3_dot(x->linear, y->linear) / body->inverse_mass +
+	       rb_vec3_dot(x->angular, spin);
+}
+
+/* Of a group's rebound, the share that does not take its energy above `most`: friction at an arm could. */
+static double share_of(const struct rb_solver *solver, const struct rb_island *island)
+{
+	double before = 0, mixed = 0, after = 0;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_dense_body *now = &solver->dense.body[i], *was = &solver->free[i];
+		const struct rb_dense_body more = {
+			.linear = rb_vec3_sub(now->linear, was->linear),
+			.angular = rb_vec3_sub(now->angular, was->angular)};
+
+		before += product(solver, i, was, was);
+		mixed += product(solver, i, was, &more);
+		after += product(solver, i, &more, &more);
+	}
+	/* before + 2 s mixed + s^2 after <= most */
+	const double room = fmax(0, island->energy - before);
+	if (2 * mixed + after <= room)
+		return 1;
+	return fmin(1, room / (mixed + sqrt(mixed * mixed + after * room)));
+}
+
+/* What the rebound has added: turning bodies have gone on meanwhile. */
+static void add_rebound(struct rb_solver *solver, struct rb_world *world)
+{
+	for (size_t g = 0; g < solver->island_count; g++)
+		if (solver->island[g].rebounds)
+			solver->island[g].share = share_of(solver, &solver->island[g]);
 	for (int i = 0; i < solver->body_count; i++) {
 		const struct rb_dense_body *body = &solver->dense.body[i], *was = &solver->free[i];
 		double *const v = world->state.velocity + 3 * (size_t)i;
 
 		if (solver->island_of[i] < 0 || !solver->island[solver->island_of[i]].rebounds)
 			continue;
-		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), rb_vec3_sub(body->linear, was->linear)));
+		const double share = solver->island[solver->island_of[i]].share;
+		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), share,
+		                                 rb_vec3_sub(body->linear, was->linear)));
 		if (!world->state.spin)
 			continue;
 		double *const w = world->state.spin + 3 * (size_t)i;
-		rb_vec3_to(w,
-		           rb_vec3_add(rb_vec3_from(w), rb_vec3_sub(body->angular, was->angular)));
+		rb_vec3_to(w, rb_vec3_add_scaled(rb_vec3_from(w), share,
+		                                 rb_vec3_sub(body->angular, was->angular)));
 	}
 }
 
@@ -561,6 +613,12 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 			                   rebounds(solver, &points->row[row->point]);
 		}
 		any = any || island->rebounds;
+		island->energy = 0;
+		for (int k = 0; k < island->member_count && island->rebounds; k++) {
+			const int i = solver->member[island->first_member + k];
+
+			island->energy += product(solver, i, &solver->free[i], &solver->free[i]);
+		}
 	}
 	if (!any)
 		return RB_OK;

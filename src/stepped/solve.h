@@ -16,6 +16,8 @@ struct rb_island {
 	int first_row, row_count;
 	int first_member, member_count;
 	bool rebounds;
+	double energy;       /* J, twice: what a rebound may come to */
+	double share;        /* of the rebound, that keeps to it */
 	int sweeps, factors; /* of the last solution */
 	double residual;     /* m/s */
 };
@@ -28,7 +30,8 @@ struct rb_solver {
 	struct rb_dense_body *free;               /* owned */
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
 	double *reach;                            /* owned, m: as of the model */
-	struct rb_island *island;                 /* owned */
+	unsigned char *pushed;    /* owned: a point of the last step's has an impulse on it */
+	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity;
 	double h_s, enough; /* of the step; m/s */
 };

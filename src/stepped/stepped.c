@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "base/sort.h"
+#include "math/top.h"
 #include "step/flow.h"
 #include "step/forces.h"
 #include "step/plan.h"
@@ -21,11 +21,11 @@ struct rb_stepped {
 	struct rb_points points;
 	struct rb_points closing; /* of the last projection; its `last` stays empty */
 	struct rb_solver solver;
-	int *all;         /* owned: 0 .. bodies - 1 */
-	double *aside;    /* owned: [6 bodies] velocities while positions are moved */
-	rb_vec3 *rebound; /* owned, by point */
+	struct rb_top_body *top; /* owned; NULL: no body needs one */
+	int *all;                /* owned: 0 .. bodies - 1 */
+	double *aside;           /* owned: [6 bodies] velocities while positions are moved */
+	rb_vec3 *rebound;        /* owned, by point */
 	size_t rebound_capacity;
-	double h_s; /* of the last accepted step, for its impulses */
 };
 
 enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
@@ -46,6 +46,14 @@ enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
 	for (size_t i = 0; i < n; i++)
 		made->all[i] = (int)i;
+	if (model->features & RB_FEATURE_GYROSCOPIC) {
+		made->top = rb_memory_take(n, sizeof *made->top);
+		if (!made->top)
+			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
+		for (size_t i = 0; i < n; i++)
+			if (model->inverse_mass[i] > 0)
+				made->top[i] = rb_top_body_of(&model->inertia[i]);
+	}
 	if (!world->mark.block)
 		status = rb_state_init(&world->mark, model->body_count, model->features, err);
 	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT) && !world->broadphase)
@@ -69,6 +77,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_points_release(&stepped->points);
 	rb_points_release(&stepped->closing);
 	rb_solver_release(&stepped->solver);
+	rb_memory_free(stepped->top);
 	rb_memory_free(stepped->all);
 	rb_memory_free(stepped->aside);
 	rb_memory_free(stepped->rebound);
@@ -116,7 +125,28 @@ static void add_forces(struct rb_world *world, double start, double h)
 	rb_team_run(world->team, block_count(world), run_stages, &flow);
 }
 
-/* Bodies with points move at the velocities that were solved for; all others fly a parabola. */
+/* A body that nothing touches or turns: closed form or a series to rounding. */
+static bool turn_freely(struct rb_world *world, int i, double h)
+{
+	const struct rb_stepped *s = world->stepped;
+	struct rb_state *state = &world->state;
+	const rb_vec3 before = rb_world_row3(world->mark.spin, i);
+	const rb_vec3 none = {0, 0, 0};
+	rb_quat orientation;
+	rb_vec3 spin;
+
+	if (!s->top || s->solver.pushed[i] || s->top[i].kind == RB_TOP_CONSTANT ||
+	    rb_vec3_max_abs(rb_vec3_sub(before, rb_world_row3(state->spin, i))) > 0)
+		return false;
+	struct rb_top top = rb_top_start(
+		&s->top[i], rb_quat_from(state->orientation + 4 * (size_t)i), before, none);
+	rb_top_at(&top, h, &orientation, &spin);
+	rb_quat_to(state->orientation + 4 * (size_t)i, orientation);
+	rb_vec3_to(state->spin + 3 * (size_t)i, spin);
+	return true;
+}
+
+/* Bodies that something touches move at the velocities that were solved for; all others fly a parabola. */
 static void move_block(void *user, int block, int worker)
 {
 	const struct flow *flow = user;
@@ -124,18 +154,25 @@ static void move_block(void *user, int block, int worker)
 	const struct rb_solver *solver = &world->stepped->solver;
 	const int first = block * BODIES_PER_BLOCK, n = world->model->body_count;
 	const int end = first + BODIES_PER_BLOCK < n ? first + BODIES_PER_BLOCK : n;
+	struct rb_pass pass = {.world = world,
+	                       .arena = &world->arena[worker],
+	                       .member_count = 1,
+	                       .h_s = flow->h_s};
 
 	for (int i = first; i < end; i++) {
 		rb_vec3 v = rb_world_row3(world->state.velocity, i);
 
-		if (solver->island_of[i] < 0)
+		if (!solver->pushed[i])
 			v = rb_vec3_scale(0.5,
 			                  rb_vec3_add(v, rb_world_row3(world->mark.velocity, i)));
 		rb_vec3_to(
 			world->state.position + 3 * (size_t)i,
 			rb_vec3_add_scaled(rb_world_row3(world->state.position, i), flow->h_s, v));
+		if (!world->state.spin || turn_freely(world, i, flow->h_s))
+			continue;
+		pass.member = world->stepped->all + i;
+		flow->stage[0]->run(&pass);
 	}
-	run_stages(user, block, worker);
 }
 
 static void move(struct rb_world *world, double h)
@@ -561,4 +598,57 @@ enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
 		h *= 0.5;
 	}
 	return RB_OK;
+}
+
+/* ---- to bytes and back ---- */
+
+enum { PUSH_SIZE = 48 };
+
+static void pack_push(const struct rb_world *world, struct rb_named_push *push,
+                      struct rb_pack *pack)
+{
+	double numbers[4] = {push->force, push->rub.x, push->rub.y, push->rub.z};
+
+	rb_pack_int(pack, &push->a, 0, world->model->body_count - 1);
+	rb_pack_int(pack, &push->b, 0, world->model->body_count + world->model->static_count - 1);
+	rb_pack_u64(pack, &push->key);
+	rb_pack_finite(pack, numbers, 4);
+	push->force = numbers[0];
+	push->rub = rb_vec3_from(numbers + 1);
+}
+
+static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
+{
+	struct rb_points *points = &world->stepped->points;
+	size_t count = points->last_count;
+
+	rb_pack_count(pack, &count, INT32_MAX, PUSH_SIZE);
+	if (pack->loading && !pack->failed &&
+	    !rb_memory_reserve(&points->last, &points->last_capacity, count,
+	                       sizeof *points->last)) {
+		pack->failed = pack->no_memory = true;
+		return;
+	}
+	points->last_count = pack->failed ? 0 : count;
+	for (size_t k = 0; k < points->last_count && !pack->failed; k++) {
+		pack_push(world, &points->last[k], pack);
+		(void)rb_pack_check(pack, k == 0 || points->last[k - 1].a <= points->last[k].a,
+		                    "impulses that are not in order");
+	}
+	rb_points_index(points, world->model);
+}
+
+void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
+{
+	bool prepared = world->stepped != NULL;
+
+	rb_pack_bool(pack, &prepared);
+	(void)rb_pack_check(pack, prepared || !world->stepped, "a world that was never stepped");
+	if (!prepared || pack->failed)
+		return;
+	if (pack->loading && rb_stepped_prepare(world, NULL) != RB_OK) {
+		pack->failed = pack->no_memory = true;
+		return;
+	}
+	pack_pushes(world, pack);
 }

@@ -23,4 +23,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped); /* NULL is fine */
 RB_CHECKED enum rb_status rb_stepped_step(struct rb_world *world, double start_s, double dt_s,
                                           struct rb_error *err);
 
+/* What the next step starts from, to bytes and back; made when it is loaded. */
+void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack);
+
 #endif

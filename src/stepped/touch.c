@@ -360,28 +360,33 @@ enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
 	return RB_OK;
 }
 
+void rb_points_index(struct rb_points *points, const struct rb_model *model)
+{
+	int a = 0;
+
+	for (size_t k = 0; k < points->last_count; k++)
+		for (; a <= points->last[k].a; a++)
+			points->first_last[a] = k;
+	for (; a <= model->body_count; a++)
+		points->first_last[a] = points->last_count;
+}
+
 enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *model, double h,
                               struct rb_error *err)
 {
-	size_t count = 0;
-	int a = 0;
-
 	if (!rb_memory_reserve(&points->last, &points->last_capacity, points->count,
 	                       sizeof *points->last))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
+	points->last_count = 0;
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_point *point = &points->row[k];
 
-		for (; a <= point->a; a++)
-			points->first_last[a] = count;
 		if (point->push > 0)
-			points->last[count++] = (struct rb_named_push){
+			points->last[points->last_count++] = (struct rb_named_push){
 				point->a, point->b, point->key, point->push / h,
 				rb_vec3_scale(1 / h, point->rub)};
 	}
-	for (; a <= model->body_count; a++)
-		points->first_last[a] = count;
-	points->last_count = count;
+	rb_points_index(points, model);
 	return RB_OK;
 }
 

@@ -54,6 +54,9 @@ RB_CHECKED enum rb_status rb_points_find(struct rb_points *points, struct rb_wor
 RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *model,
                                          double h_s, struct rb_error *err);
 
+/* After `last` has changed. */
+void rb_points_index(struct rb_points *points, const struct rb_model *model);
+
 /* The largest overlap of the candidates in the present state, m, and whose; 0: none. */
 double rb_points_overlap(struct rb_world *world, const struct rb_near *near, int pair[2]);
 

@@ -1,0 +1,345 @@
+/* SPDX-License-Identifier: MIT */
+/* src/stepped: one step of dense groups, from the outside. */
+#include "worlds.h"
+
+#include "base/pack.h"
+#include "step/save.h"
+
+static const double g = 9.81;
+
+static void open_stepped(struct lab *lab, double duration, double frame_rate, double time_step)
+{
+	lab_open(lab, duration, frame_rate);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = time_step;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -g};
+}
+
+static int add_box(struct lab *lab, rb_vec3 size, double mass, rb_vec3 position, rb_quat turn)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "box";
+	def.shape.kind = RB_SHAPE_BOX;
+	rb_vec3_to(def.shape.size, size);
+	def.mass = mass;
+	def.position = position;
+	def.orientation = turn;
+	return lab_add(lab, &def);
+}
+
+static int add_cube(struct lab *lab, double mass, rb_vec3 position)
+{
+	return add_box(lab, (rb_vec3){1, 1, 1}, mass, position, (rb_quat){1, 0, 0, 0});
+}
+
+/* ---- one body ---- */
+
+static void free_fall_is_exact_for_any_step(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 1, 10, 0.1);
+	const int ball = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 100}, (rb_vec3){3, 0, 4});
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_vector(rb_world_position(lab.world, ball), ((rb_vec3){3, 0, 104 - 0.5 * g}), 1e-12);
+	lab_close(&lab);
+}
+
+/* Height of the first apex after a drop from 1 m with e = 0.8 */
+static double apex(double time_step)
+{
+	struct lab lab;
+	double top = 0;
+
+	open_stepped(&lab, 0.9, 1000, time_step);
+	lab_surface(&lab, 0, 0.8);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	const int ball = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 1.1}, (rb_vec3){0, 0, 0});
+	lab_seal(&lab, 1);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		lab_step(&lab);
+		if (rb_world_time(lab.world) > 0.5)
+			top = fmax(top, rb_world_position(lab.world, ball).z - 0.1);
+	}
+	lab_close(&lab);
+	return top;
+}
+
+static void the_error_of_a_bounce_is_bounded_by_the_step(void **state)
+{
+	(void)state;
+	/* the impact is up to a step late or early: v g h of energy per mass, and e^2 of it in the apex */
+	const double speed = sqrt(2 * g);
+
+	for (double h = 1e-3; h > 1e-5; h *= 0.25)
+		assert_near(apex(h), 0.64, 2 * speed * h);
+}
+
+static void a_ball_at_rest_with_restitution_rests(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 1, 60, 1.0 / 240);
+	lab_surface(&lab, 0.5, 1);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	const int ball = lab_sphere(&lab, 0.5, 1, (rb_vec3){0, 0, 0.5}, (rb_vec3){0, 0, 0});
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_near(rb_world_position(lab.world, ball).z, 0.5, 1e-12);
+	assert_near(rb_world_kinetic_energy(lab.world, ball), 0, 1e-20);
+	lab_close(&lab);
+}
+
+static void sliding_turns_into_rolling(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		struct lab lab;
+
+		open_stepped(&lab, 1, 60, 1.0 / (240 << k));
+		lab_surface(&lab, 0.3, 0);
+		lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		const int ball = lab_sphere(&lab, 0.5, 2, (rb_vec3){0, 0, 0.5}, (rb_vec3){5, 0, 0});
+		lab_seal(&lab, 1);
+		lab_run(&lab);
+		/* 5/7 of the speed from 2 v / (7 mu g) on, whatever the step */
+		const double rolled = 5 * 5.0 / 7, until = 2 * 5 / (7 * 0.3 * g);
+		const double way = 5 * until - 0.5 * 0.3 * g * until * until + rolled * (1 - until);
+		assert_near(rb_world_velocity(lab.world, ball).x, rolled, 1e-4);
+		assert_near(rb_world_angular_velocity(lab.world, ball).y, rolled / 0.5, 1e-3);
+		assert_near(rb_world_position(lab.world, ball).x, way, 5 * 1.0 / (240 << k));
+		lab_close(&lab);
+	}
+}
+
+static void a_ball_passes_beside_another(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.1, 10, 0.1);
+	lab.scene.world.gravity = (rb_vec3){0, 0, 0};
+	const int fast = lab_sphere(&lab, 0.5, 1, (rb_vec3){-5, 1.01, 0}, (rb_vec3){100, 0, 0});
+	const int other = lab_sphere(&lab, 0.5, 1, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_vector(rb_world_position(lab.world, fast), ((rb_vec3){5, 1.01, 0}), 1e-12);
+	assert_vector(rb_world_velocity(lab.world, other), ((rb_vec3){0, 0, 0}), 0);
+	lab_close(&lab);
+}
+
+/* ---- boxes ---- */
+
+/* Where a box on a slope of 30 degrees is after a second along it, m. */
+static double slide(double friction)
+{
+	const double angle = 0.5235987755982988;
+	const rb_vec3 normal = {sin(angle), 0, cos(angle)}, down = {cos(angle), 0, -sin(angle)};
+	const rb_quat turn = {cos(angle / 2), 0, sin(angle / 2), 0};
+	struct lab lab;
+
+	open_stepped(&lab, 1, 60, 1.0 / 240);
+	lab_surface(&lab, friction, 0);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, normal);
+	const rb_vec3 at = rb_vec3_scale(0.5, normal);
+	const int box = add_box(&lab, (rb_vec3){2, 2, 1}, 3, at, turn);
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	const double way = rb_vec3_dot(down, rb_vec3_sub(rb_world_position(lab.world, box), at));
+	lab_close(&lab);
+	return way;
+}
+
+static void a_box_stands_on_a_slope_or_slides_as_coulomb_says(void **state)
+{
+	(void)state;
+	const double angle = 0.5235987755982988;
+	const double pull = g * (sin(angle) - 0.2 * cos(angle));
+
+	assert_near(slide(0.7), 0, 1e-9);
+	assert_near(slide(0.2), 0.5 * pull, pull / 240);
+	assert_near(slide(0), 0.5 * g * sin(angle), g * sin(angle) / 240);
+}
+
+static void a_heavy_box_stands_on_light_ones(void **state)
+{
+	static const double ratios[] = {1, 1e3, 1e4, 1e6};
+	enum { COUNT = 10 };
+
+	(void)state;
+	for (int r = 0; r < 4; r++) {
+		struct lab lab;
+		int top = 0;
+
+		open_stepped(&lab, 0.5, 60, 1.0 / 60);
+		lab_surface(&lab, 0.5, 0);
+		lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		for (int k = 0; k < COUNT; k++)
+			top = add_cube(&lab, k == COUNT - 1 ? ratios[r] : 1,
+			               (rb_vec3){0, 0, 0.5 + k});
+		lab_seal(&lab, 1);
+		lab_run(&lab);
+		assert_vector(rb_world_position(lab.world, top), ((rb_vec3){0, 0, COUNT - 0.5}),
+		              1e-8);
+		lab_close(&lab);
+	}
+}
+
+static void an_impact_of_a_turned_box_never_raises_energy(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 40; k++) {
+		struct lab lab;
+
+		open_stepped(&lab, 0.5, 60, 1.0 / 240);
+		lab_surface(&lab, 0.25 * (k % 4), 0.25 * (k % 5));
+		lab.scene.world.gravity = (rb_vec3){0, 0, 0};
+		lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		const rb_quat turn = rb_quat_unit(
+			(rb_quat){cos(k), sin(2.0 * k), cos(3.0 * k), sin(5.0 * k)});
+		const int box = add_box(&lab, (rb_vec3){2, 0.5, 0.25}, 1, (rb_vec3){0, 0, 1.5},
+		                        turn);
+		lab.scene.bodies[box].velocity = (rb_vec3){sin(k), cos(k), -5};
+		lab_seal(&lab, 1);
+		const double before = rb_world_kinetic_energy(lab.world, box);
+		lab_run(&lab);
+		const double after = rb_world_kinetic_energy(lab.world, box);
+		if (!(after <= before * (1 + 1e-6)))
+			fail_msg("case %d: %.17g J became %.17g J", k, before, after);
+		assert_true(rb_world_totals(lab.world).collisions > 0);
+		lab_close(&lab);
+	}
+}
+
+/* ---- heaps ---- */
+
+static void lay_heap(struct lab *lab, int side, int layers, bool boxes)
+{
+	const double wall = 0.55 * side + 0.1;
+
+	lab_surface(lab, 0.5, 0.2);
+	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	lab_plane(lab, (rb_vec3){-wall, 0, 0}, (rb_vec3){1, 0, 0});
+	lab_plane(lab, (rb_vec3){wall, 0, 0}, (rb_vec3){-1, 0, 0});
+	lab_plane(lab, (rb_vec3){0, -wall, 0}, (rb_vec3){0, 1, 0});
+	lab_plane(lab, (rb_vec3){0, wall, 0}, (rb_vec3){0, -1, 0});
+	for (int k = 0; k < side * side * layers; k++) {
+		const int x = k % side, y = k / side % side, z = k / (side * side);
+		const rb_vec3 at = {1.1 * x - 0.55 * (side - 1) + 0.04 * sin(7.0 * k),
+		                    1.1 * y - 0.55 * (side - 1) + 0.04 * cos(5.0 * k),
+		                    0.55 + 1.02 * z};
+
+		if (boxes && k % 2)
+			add_cube(lab, 1, at);
+		else
+			lab_sphere(lab, 0.5, 1 + 0.5 * (k % 3), at, (rb_vec3){0, 0, -3});
+	}
+}
+
+static uint64_t heap_after(int side, int layers, bool boxes, int threads)
+{
+	struct lab lab;
+
+	open_stepped(&lab, 0.25, 60, 1.0 / 120);
+	lay_heap(&lab, side, layers, boxes);
+	lab_seal(&lab, threads);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).max_penetration <= lab.model->tolerance_m);
+	const uint64_t hash = rb_world_hash(lab.world);
+	lab_close(&lab);
+	return hash;
+}
+
+static void any_number_of_threads_gives_the_same_bits(void **state)
+{
+	(void)state;
+	const uint64_t small = heap_after(3, 3, true, 1), large = heap_after(14, 4, false, 1);
+
+	for (int threads = 2; threads <= 3; threads++) {
+		assert_true(heap_after(3, 3, true, threads) == small);
+		assert_true(heap_after(14, 4, false, threads) == large);
+	}
+}
+
+static void a_heap_comes_to_rest_within_the_tolerance(void **state)
+{
+	struct lab lab;
+	double fastest = 0;
+
+	(void)state;
+	open_stepped(&lab, 4, 60, 1.0 / 120);
+	lay_heap(&lab, 2, 4, true);
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).max_penetration <= lab.model->tolerance_m);
+	for (int id = 0; id < rb_world_id_count(lab.world); id++)
+		fastest = fmax(fastest, rb_vec3_length(rb_world_velocity(lab.world, id)));
+	assert_true(fastest < g / 120);
+	lab_close(&lab);
+}
+
+static void a_heap_that_is_restored_goes_on_in_the_same_bits(void **state)
+{
+	struct rb_pack saved = {0};
+	struct lab lab, again;
+
+	(void)state;
+	open_stepped(&lab, 0.5, 60, 1.0 / 120);
+	lay_heap(&lab, 3, 2, true);
+	lab_seal(&lab, 1);
+	for (int k = 0; k < 15; k++)
+		lab_step(&lab);
+	assert_int_equal(rb_world_pack(lab.world, &saved, &lab.error), RB_OK);
+	lab_run(&lab);
+	open_stepped(&again, 0.5, 60, 1.0 / 120);
+	lay_heap(&again, 3, 2, true);
+	lab_seal(&again, 2);
+	struct rb_pack pack = {.loading = true, .bytes = saved.bytes, .size = saved.size};
+	assert_int_equal(rb_world_pack(again.world, &pack, &again.error), RB_OK);
+	lab_run(&again);
+	assert_true(rb_world_hash(again.world) == rb_world_hash(lab.world));
+	lab_close(&again);
+	lab_close(&lab);
+	rb_pack_release(&saved);
+}
+
+static void an_impact_is_told_once(void **state)
+{
+	struct lab lab;
+	int count = 0;
+
+	(void)state;
+	open_stepped(&lab, 1, 60, 1.0 / 240);
+	lab_surface(&lab, 0.5, 0);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	add_cube(&lab, 2, (rb_vec3){0, 0, 1.5});
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	count = (int)rb_world_totals(lab.world).collisions;
+	assert_int_equal(count, 1);
+	lab_close(&lab);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(free_fall_is_exact_for_any_step),
+		cmocka_unit_test(the_error_of_a_bounce_is_bounded_by_the_step),
+		cmocka_unit_test(a_ball_at_rest_with_restitution_rests),
+		cmocka_unit_test(sliding_turns_into_rolling),
+		cmocka_unit_test(a_ball_passes_beside_another),
+		cmocka_unit_test(a_box_stands_on_a_slope_or_slides_as_coulomb_says),
+		cmocka_unit_test(a_heavy_box_stands_on_light_ones),
+		cmocka_unit_test(an_impact_of_a_turned_box_never_raises_energy),
+		cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
+		cmocka_unit_test(a_heap_comes_to_rest_within_the_tolerance),
+		cmocka_unit_test(a_heap_that_is_restored_goes_on_in_the_same_bits),
+		cmocka_unit_test(an_impact_is_told_once),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
