@@ -22,7 +22,7 @@ END
 for method in located classic; do
 	case="$method, 100,000 bodies"
 	rm -f stalls rows.*
-	for round in 1 2 3; do
+	for _ in 1 2 3; do
 		for every in 0 0.001; do
 			measure 1 "$RBSIM" run many.lua --method $method --threads 1 --checkpoint-every $every -q -o many.h5 --force >>rows.$every
 		done
