@@ -152,6 +152,34 @@ done
 [ $told -ge 2 ] || fail "only $told checkpoints that could not be written were told"
 echo "$tries failing calls, $lost of which ended the run"
 
+# A signal while no checkpoint can be written: 143, and why; where there is an earlier one, 75, and it is what is gone on from.
+sed 's/duration = 1/duration = 50/; s/== 101/== 5001/' s.lua >long.lua
+pid=
+trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
+for at in 1 3; do
+	rm -f failed r.h5*
+	FAIL_CALL=create FAIL_NAME=r.h5.checkpoint.partial FAIL_AT=$at FAIL_FOR=1000000 LD_PRELOAD=$PWD/failing.so \
+		"$RBSIM" long.lua -o r.h5 --checkpoint-every 0.05 >out 2>err &
+	pid=$!
+	until_true [ -f failed ]
+	kill -TERM $pid
+	wait $pid
+	got=$?
+	pid=
+	if [ $at -eq 1 ]; then
+		[ $got -eq 143 ] || fail "no checkpoint: exit status $got"
+		says err "without a checkpoint: cannot create 'r.h5.checkpoint.partial': No space left"
+	else
+		[ $got -eq 75 ] || fail "an earlier checkpoint: exit status $got"
+		kept=$(sed -n 's/.*goes on from frame \([0-9]*\)$/\1/p' err)
+		made=$(sed -n 's/.*frames *\([0-9]*\) of.*/\1/p' err)
+		[ "$kept" -gt 0 ] && [ "$kept" -lt $((made - 1)) ] || fail "it goes on from frame $kept of $made"
+		exits 0 long.lua -o r.h5 --resume
+		! grep -q 'from the beginning' err || fail "the earlier checkpoint is lost"
+	fi
+done
+rm -f r.h5*
+
 # a file system of its own that is full before the end: what was kept until then is gone on from when there is room again
 sed 's/duration = 1/duration = 20/; s/6e4/3e3/; s/== 101/== 2001/' s.lua >large.lua
 exits 0 large.lua -q -o large.h5
