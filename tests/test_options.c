@@ -182,7 +182,8 @@ static void what_comes_later_is_refused_by_name(void **state)
 		         rb_later_verbs[i]);
 		assert_wrong(rb_later_verbs[i], wanted);
 	}
-	assert_wrong("s.lua --method leaped", "'leaped' is not one of: auto, classic, located, stepped");
+	assert_wrong("s.lua --method leaped",
+	             "'leaped' is not one of: auto, classic, located, stepped");
 }
 
 static void a_command_line_that_makes_no_sense_is_refused(void **state)

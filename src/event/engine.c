@@ -22,6 +22,12 @@ enum { STUCK_EVENTS = 10000 };
 /* Bodies that are dealt with together in a step, over all of its events: more is too dense to locate. */
 enum { CROWD_MOST = 1024, CROWD_MOST_PER_BODY = 8 };
 
+static bool can_be_stepped(const struct rb_located *l)
+{
+	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT) &&
+	       !(l->model->features & RB_FEATURES_LOCATED_ONLY);
+}
+
 /* ---- making ---- */
 
 static void *row(size_t count, size_t size, bool *failed)
@@ -101,6 +107,8 @@ enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world
 	l->n = world->model->body_count;
 	l->arena = &world->arena[0];
 	l->end_s = world->model->duration_s;
+	l->crowd_most = can_be_stepped(l) ? CROWD_MOST + CROWD_MOST_PER_BODY * (uint64_t)l->n
+	                                  : UINT64_MAX;
 	l->weight = rb_vec3_length(world->model->scene->world.gravity);
 	l->stuck_s = -HUGE_VAL;
 	l->come_a = l->come_b = -1;
@@ -490,12 +498,6 @@ static void one_event(struct rb_located *l, int which, double t)
 }
 
 /* Steps have rollback for what events cannot resolve, but not every force. */
-static bool can_be_stepped(const struct rb_located *l)
-{
-	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT) &&
-	       !(l->model->features & RB_FEATURES_LOCATED_ONLY);
-}
-
 bool rb_engine_wants_steps(const struct rb_located *l)
 {
 	return (l->model->features & RB_FEATURE_PUSHES) || can_be_stepped(l);
@@ -515,7 +517,7 @@ static bool gives_way(struct rb_located *l)
 {
 	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
 		return false;
-	if (l->status == RB_OK && l->crowd <= CROWD_MOST + CROWD_MOST_PER_BODY * (uint64_t)l->n)
+	if (l->status == RB_OK && l->crowd <= l->crowd_most)
 		return false;
 	l->status = RB_OK;
 	rb_set_clear(l);

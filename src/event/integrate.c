@@ -42,6 +42,7 @@ struct work {
 	struct rb_dense dense;            /* for contacts in their modes */
 	bool slip_ends, hits;             /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
+	bool too_dense;                   /* for steps to do instead */
 	double doubt;                     /* N: what the modes at the beginning leave open */
 	double most; /* m/s^2: largest acceleration that forces are to balance */
 };
@@ -426,6 +427,11 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 		return w->l->status != RB_OK
 		               ? w->l->status
 		               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for a cluster");
+	rb_located_count_unknowns(w->l, w->dense.n);
+	w->too_dense = w->l->crowd > w->l->crowd_most;
+	if (w->too_dense)
+		return RB_FAIL(err, RB_ERR_PHYSICS, "%d contacts together are too many to locate",
+		               w->c->held_count);
 	for (int k = 0; k < w->c->member_count; k++) {
 		const double *v = value + (size_t)k * (size_t)w->row;
 		double *r = rate + (size_t)k * (size_t)w->row;
@@ -886,7 +892,8 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 	const enum rb_status status = rb_gauss_step(
 		&problem, w->origin_s, &try_s, 2 * DBL_EPSILON * w->origin_s, &c->piece, l->err);
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
-	if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
+	if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && !w->too_dense &&
+	    jams(w))
 		return;
 	if (status != RB_OK) {
 		l->status = status;

@@ -16,6 +16,8 @@
 #include "math/top.h"
 #include "world/world.h"
 
+#include <math.h>
+
 /*
  * Centre of mass from the anchor on: x + v s + a s^2 / 2. What a neighbour in the same field of gravity asks for is one
  * line of memory: of many bodies that is most of what is read.
@@ -132,7 +134,8 @@ struct rb_located {
 	double stuck_s;      /* events at one moment are counted */
 	uint64_t stuck_count;
 	uint64_t events, polled;
-	uint64_t crowd;         /* bodies of crowds settled since the step began */
+	uint64_t crowd;      /* bodies of crowds settled since the step began */
+	uint64_t crowd_most; /* more than these are left to steps; UINT64_MAX: whatever it costs */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */
 	enum rb_status status;  /* of it: set once, then nothing goes on */
@@ -145,6 +148,15 @@ enum { RB_ROW_POSITION = 0, RB_ROW_VELOCITY = 3, RB_ROW_ORIENTATION = 6, RB_ROW_
 static inline int rb_located_row(const struct rb_located *l)
 {
 	return l->top ? 13 : 6;
+}
+
+/*
+ * Eliminating n unknowns costs as much as settling so many bodies: some n^3 / 3 products, of which the latter, with what it
+ * calls, takes about 10^5. That is arithmetic, not a clock: the same on every machine.
+ */
+static inline void rb_located_count_unknowns(struct rb_located *l, double unknowns)
+{
+	l->crowd += (uint64_t)fmin(unknowns * unknowns * unknowns / 3e5, 1e15);
 }
 
 static inline bool rb_located_driven(const struct rb_located *l, int i)
