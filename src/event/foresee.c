@@ -292,7 +292,7 @@ static void see_body(struct seer *s, int j)
 		until = fmin(until, l->piece[j].until_s);
 	if (rb_meet_is_far(l, s->i, j, s->now, until))
 		return;
-	if (!rb_meet_is_plain(l, s->i, j)) {
+	if (rb_meet_has_features(l, s->i, j)) {
 		const struct rb_approach found = rb_approach_find(l, s->i, j, s->now, until);
 
 		s->touching += found.touching && s->except != j;

@@ -32,7 +32,7 @@ enum rb_status rb_look_contacts(struct rb_located *l, double t)
 	return RB_OK;
 }
 
-/* Below the deepest so far, between i and j? Spheres far apart are seen without looking closer. */
+/* Below the deepest so far, between i and j? Spheres that are apart, also from planes, are seen without looking closer. */
 static void deeper(const struct rb_located *l, double t, int i, int j, double *deepest, int pair[2])
 {
 	const struct rb_model *model = l->model;
@@ -42,6 +42,13 @@ static void deeper(const struct rb_located *l, double t, int i, int j, double *d
 		const double sum = model->shape[i].radius + model->shape[j].radius;
 
 		if (rb_vec3_dot(d, d) > sum * sum)
+			return;
+	}
+	if (model->shape[i].kind == RB_SHAPE_SPHERE && model->shape[j].kind == RB_SHAPE_PLANE &&
+	    j >= l->n) {
+		const rb_vec3 d = rb_vec3_sub(rb_arc_origin(l, i, t), model->position[j]);
+
+		if (rb_vec3_dot(d, l->plane_normal[j - l->n]) > model->shape[i].radius)
 			return;
 	}
 	if (!rb_meet_can(l, i, j))

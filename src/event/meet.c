@@ -166,7 +166,7 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 {
 	const bool swapped = l->model->shape[a].kind != RB_SHAPE_SPHERE;
 
-	if (!rb_meet_is_plain(l, a, b))
+	if (rb_meet_has_features(l, a, b))
 		return rb_touch_nearest(l, a, b, pose_a, pose_b);
 	struct rb_meet m = {.a = swapped ? b : a,
 	                    .b = swapped ? a : b,
@@ -184,7 +184,7 @@ struct rb_meet rb_meet_poses(const struct rb_located *l, int a, int b, const str
 int rb_meet_all(const struct rb_located *l, int a, int b, double t, double slack,
                 struct rb_meet all[RB_MEET_MAX])
 {
-	if (!rb_meet_is_plain(l, a, b)) {
+	if (rb_meet_has_features(l, a, b)) {
 		const struct rb_touch_pair pair = {a, b, t, rb_arc_pose(l, a, t),
 		                                   rb_arc_pose(l, b, t)};
 
@@ -197,7 +197,7 @@ int rb_meet_all(const struct rb_located *l, int a, int b, double t, double slack
 struct rb_meet rb_meet_of(const struct rb_located *l, const struct rb_meet_name *name,
                           const struct rb_pose *pose_a, const struct rb_pose *pose_b)
 {
-	if (!rb_meet_is_plain(l, name->a, name->b))
+	if (rb_meet_has_features(l, name->a, name->b))
 		return rb_touch_of(l, name, pose_a, pose_b);
 	return rb_meet_poses(l, name->a, name->b, pose_a, pose_b);
 }
@@ -245,7 +245,7 @@ bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, doubl
 
 bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t)
 {
-	if (!rb_meet_is_plain(l, a, b))
+	if (rb_meet_has_features(l, a, b))
 		return rb_approach_now(l, a, b, t);
 	const struct rb_meet m = rb_meet_at(l, a < b ? a : b, a < b ? b : a, t);
 
@@ -474,7 +474,7 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 	double s;
 
 	*again = false;
-	if (!rb_meet_is_plain(l, a, b)) {
+	if (rb_meet_has_features(l, a, b)) {
 		const struct rb_approach found = rb_approach_find(l, a, b, from, until);
 
 		*again = found.again;

@@ -16,14 +16,6 @@ int rb_meet_name_compare(const struct rb_meet_name *x, const struct rb_meet_name
 	return (x->key > y->key) - (x->key < y->key);
 }
 
-bool rb_meet_is_plain(const struct rb_located *l, int a, int b)
-{
-	const struct rb_shape *shape = l->model->shape;
-
-	return (shape[a].kind == RB_SHAPE_SPHERE && shape[b].kind <= RB_SHAPE_RECTANGLE) ||
-	       (shape[b].kind == RB_SHAPE_SPHERE && shape[a].kind <= RB_SHAPE_RECTANGLE);
-}
-
 /* Infinite planes have no size, and of a pair the others' counts; rectangles have one only for what is no sphere. */
 static double size_of(const struct rb_located *l, int i)
 {
@@ -41,7 +33,7 @@ static double plain_size_of(const struct rb_located *l, int i)
 
 double rb_meet_size(const struct rb_located *l, const struct rb_meet *m)
 {
-	if (rb_meet_is_plain(l, m->a, m->b))
+	if (!rb_meet_has_features(l, m->a, m->b))
 		return fmax(plain_size_of(l, m->a), plain_size_of(l, m->b));
 	const double a = rb_located_fixed(l, m->a) ? 0 : size_of(l, m->a);
 	const double b = rb_located_fixed(l, m->b) ? 0 : size_of(l, m->b);
@@ -50,7 +42,7 @@ double rb_meet_size(const struct rb_located *l, const struct rb_meet *m)
 
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t)
 {
-	const bool plain = rb_meet_is_plain(l, m->a, m->b);
+	const bool plain = !rb_meet_has_features(l, m->a, m->b);
 	double largest = rb_meet_size(l, m);
 
 	if (!plain) /* faces round by the distance of their corners, also of what does not move */
@@ -127,7 +119,7 @@ static double bend_of_features(const struct rb_located *l, const struct rb_meet 
 
 double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t)
 {
-	if (!rb_meet_is_plain(l, m->a, m->b))
+	if (rb_meet_has_features(l, m->a, m->b))
 		return bend_of_features(l, m, t);
 	const bool flipped = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
 	const int i = flipped ? m->b : m->a, j = flipped ? m->a : m->b;

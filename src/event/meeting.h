@@ -44,8 +44,16 @@ static inline struct rb_meet_name rb_meet_name_of(const struct rb_meet *m)
 /* Order of names: by (a, b, parts, key). < 0, 0, > 0 as for qsort. */
 int rb_meet_name_compare(const struct rb_meet_name *x, const struct rb_meet_name *y);
 
-/* Is this the meeting of a sphere with a sphere, plane or rectangle: one point, without features? */
-bool rb_meet_is_plain(const struct rb_located *l, int a, int b);
+/* No: a sphere with a sphere, plane or rectangle, which have one point and no key. */
+static inline bool rb_meet_has_features(const struct rb_located *l, int a, int b)
+{
+	const struct rb_shape *shape = l->model->shape;
+
+	if (!l->model->parts)
+		return false;
+	return (shape[a].kind != RB_SHAPE_SPHERE && shape[b].kind != RB_SHAPE_SPHERE) ||
+	       shape[a].kind >= RB_SHAPE_BOX || shape[b].kind >= RB_SHAPE_BOX;
+}
 
 /* m: how large the larger body of the two is (of those that move, where one does); a plane has no size. */
 double rb_meet_size(const struct rb_located *l, const struct rb_meet *m);
