@@ -121,19 +121,18 @@ static double arm_of(const struct course *c, double ball, double other)
 }
 
 /* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */
-static double turn_on(const struct course *c, bool is_a, double *turn, double *bend)
+static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
 {
-	const struct rb_bounds *most = is_a ? &c->of_a : &c->of_b;
+	struct rb_bounds *most = is_a ? &c->of_a : &c->of_b;
 	const struct extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
 	const struct rb_pose *pose = is_a ? &c->pair.pose_a : &c->pair.pose_b;
-	double axis_turn = most->axis_turn, axis_bend = most->axis_bend;
 
-	*turn = most->turn;
 	if (most->growing > 0) {
-		*turn = rb_vec3_length(pose->spin) + most->growing * c->horizon_s;
-		axis_turn = *turn;
-		axis_bend = *turn * *turn + most->turning;
+		most->turn = rb_vec3_length(pose->spin) + most->growing * c->horizon_s;
+		most->axis_turn = most->turn;
+		most->axis_bend = most->turn * most->turn + most->turning;
 	}
+	*turn = most->turn;
 	const double quick = *turn * *turn + most->turning;
 	*bend = 0;
 	if (!(quick > 0))
@@ -144,8 +143,8 @@ static double turn_on(const struct course *c, bool is_a, double *turn, double *b
 		*bend = quick * arm;
 		return *turn * arm;
 	}
-	*bend = fmin(axis_bend * own->along + quick * own->across, quick * own->ball);
-	return fmin(axis_turn * own->along + *turn * own->across, *turn * own->ball);
+	*bend = fmin(most->axis_bend * own->along + quick * own->across, quick * own->ball);
+	return fmin(most->axis_turn * own->along + *turn * own->across, *turn * own->ball);
 }
 
 static void place(struct course *c, double t, double until)

@@ -53,6 +53,8 @@ static void deeper(const struct rb_located *l, double t, int i, int j, double *d
 	}
 	if (!rb_meet_can(l, i, j))
 		return;
+	if (rb_meet_has_features(l, i, j) && rb_meet_is_far(l, i, j, t, t))
+		return;
 	const struct rb_meet m = rb_meet_at(l, i, j, t);
 	if (-m.gap > *deepest) {
 		*deepest = -m.gap;

@@ -226,12 +226,29 @@ static double pull_most(const struct rb_located *l, int i)
 	                                 : rb_vec3_length(l->arc[i].acceleration);
 }
 
+/* Is this body above a plane at rest all the time? */
+static bool is_above(const struct rb_located *l, int i, int plane, double from, double until)
+{
+	const double h = until - from, ball = extent(l, i);
+
+	if (plane < l->n || l->model->shape[plane].kind != RB_SHAPE_PLANE || !isfinite(ball))
+		return false;
+	const rb_vec3 n = l->plane_normal[plane - l->n], x = rb_arc_position(l, i, from);
+	const rb_vec3 d = rb_vec3_sub(x, l->model->position[plane]);
+	double reach = ball;
+	if (h > 0)
+		reach += h * (fmax(-rb_vec3_dot(n, rb_arc_velocity(l, i, from)), 0) +
+		              0.5 * h * pull_most(l, i));
+	return rb_vec3_dot(n, d) >
+	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
+}
+
 bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, double until)
 {
 	const double sum = extent(l, a) + extent(l, b), h = until - from;
 
 	if (!isfinite(sum))
-		return false;
+		return is_above(l, a, b, from, until) || is_above(l, b, a, from, until);
 	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
 	double reach = sum;
 	if (h > 0)

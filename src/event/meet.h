@@ -37,7 +37,7 @@ bool rb_meet_approaches(const struct rb_located *l, int a, int b, double t);
 /* Whether contacts between these two are possible at all. */
 bool rb_meet_can(const struct rb_located *l, int a, int b);
 
-/* Surely not touching from `from` to `until`, neither of them beyond its piece? Cheap, and not where a plane is infinite. */
+/* Surely not touching from `from` to `until`, neither of them beyond its piece? Cheap; of infinite planes only those at rest. */
 bool rb_meet_is_far(const struct rb_located *l, int a, int b, double from, double until);
 
 /*
