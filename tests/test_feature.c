@@ -76,7 +76,7 @@ static int assert_like_manifold(const side *a, const side *b)
 	rb_manifold_of(&manifold, &pa, &pb, band);
 	for (int k = 0; k < manifold.count; k++) {
 		const rb_manifold_point *m = &manifold.point[k];
-		const uint64_t key = rb_feature_in_face(a, b, m->key, manifold.normal, band);
+		const uint64_t key = rb_feature_name(a, b, &manifold, k, band);
 		struct rb_feature_point p;
 
 		if (!meet(&p, a, b, key, m->on_a))
@@ -182,8 +182,7 @@ static void crossing_of_nearly_parallel_edges_keeps_the_normal_of_the_face(void 
 	(void)slot;
 	rb_manifold_of(&manifold, &pa, &pb, 1e-15);
 	for (int k = 0; k < manifold.count; k++) {
-		const uint64_t key = rb_feature_in_face(&a, &b, manifold.point[k].key,
-		                                        manifold.normal, 1e-15);
+		const uint64_t key = rb_feature_name(&a, &b, &manifold, k, 1e-15);
 		struct rb_feature_point p;
 
 		crossings += key != manifold.point[k].key;

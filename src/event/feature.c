@@ -1,149 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Values go with their derivatives in time, so each formula is written once. */
 #include "event/feature.h"
 
 #include <float.h>
 #include <stddef.h>
 
-typedef struct {
-	rb_vec3 at, rate;
-} vec;
-
-typedef struct {
-	double at, rate;
-} num;
-
-typedef struct rb_feature_side side;
-
-static vec minus(vec a, vec b)
-{
-	return (vec){rb_vec3_sub(a.at, b.at), rb_vec3_sub(a.rate, b.rate)};
-}
-
-static num dot(vec a, vec b)
-{
-	return (num){rb_vec3_dot(a.at, b.at),
-	             rb_vec3_dot(a.rate, b.at) + rb_vec3_dot(a.at, b.rate)};
-}
-
-static vec cross(vec a, vec b)
-{
-	return (vec){rb_vec3_cross(a.at, b.at),
-	             rb_vec3_add(rb_vec3_cross(a.rate, b.at), rb_vec3_cross(a.at, b.rate))};
-}
-
-/* a + s b */
-static vec plus(vec a, num s, vec b)
-{
-	return (vec){rb_vec3_add_scaled(a.at, s.at, b.at),
-	             rb_vec3_add_scaled(rb_vec3_add_scaled(a.rate, s.rate, b.at), s.at, b.rate)};
-}
-
-static vec plus_constant(vec a, double s, vec b)
-{
-	return plus(a, (num){s, 0}, b);
-}
-
-static vec negative(vec a)
-{
-	return (vec){rb_vec3_neg(a.at), rb_vec3_neg(a.rate)};
-}
-
-static vec reject(vec a, vec unit)
-{
-	const num along = dot(a, unit);
-
-	return plus(a, (num){-along.at, -along.rate}, unit);
-}
-
-static num quotient(num a, num b)
-{
-	const double q = a.at / b.at;
-
-	return (num){q, (a.rate - q * b.rate) / b.at};
-}
-
-/* Its length, and its direction; a length of zero has none, and gives false. */
-static bool direction(vec a, vec *unit, num *length)
-{
-	const double size = rb_vec3_length(a.at);
-
-	if (!(size > 0))
-		return false;
-	unit->at = rb_vec3_scale(1 / size, a.at);
-	length->at = size;
-	length->rate = rb_vec3_dot(unit->at, a.rate);
-	unit->rate = rb_vec3_scale(1 / size, rb_vec3_reject(a.rate, unit->at));
-	return true;
-}
-
-/* ---- parts of a body ---- */
-
-static rb_part_kind kind_of(rb_part part)
-{
-	return (rb_part_kind)(part >> 24 & 15);
-}
-
-static int index_of(rb_part part)
-{
-	return (int)(part & 0xffffff);
-}
-
-static vec way_of(const side *s, rb_vec3 local)
-{
-	const rb_vec3 at = rb_mat3_apply(&s->turn, local);
-
-	return (vec){at, rb_vec3_cross(s->spin, at)};
-}
-
-static vec point_of(const side *s, rb_vec3 local)
-{
-	const vec arm = way_of(s, local);
-
-	return (vec){rb_vec3_add(s->at, arm.at), rb_vec3_add(s->velocity, arm.rate)};
-}
-
-/* Seen from the body: its own coordinates. */
-static vec seen_from(const side *s, vec p)
-{
-	const rb_vec3 d = rb_vec3_sub(p.at, s->at);
-	const rb_vec3 v = rb_vec3_sub(rb_vec3_sub(p.rate, s->velocity), rb_vec3_cross(s->spin, d));
-
-	return (vec){rb_mat3_apply_transposed(&s->turn, d), rb_mat3_apply_transposed(&s->turn, v)};
-}
-
-typedef struct {
-	const side *of;
-	vec from, along; /* along: unit */
-	double length, radius;
-} line;
-
-static bool line_of(const side *s, rb_part part, line *out)
-{
-	const rb_core *core = s->core;
-	const rb_vec3 z = {0, 0, 1};
-
-	out->of = s;
-	if (kind_of(part) == RB_PART_MANTLE && core->kind == RB_CORE_CYLINDER) {
-		out->from = point_of(s, (rb_vec3){0, 0, -core->half_height});
-		out->along = way_of(s, z);
-		out->length = 2 * core->half_height;
-		out->radius = core->round;
-		return true;
-	}
-	if (kind_of(part) != RB_PART_EDGE || core->kind != RB_CORE_POLYTOPE ||
-	    index_of(part) >= core->polytope->edge_count)
-		return false;
-	const int *edge = core->polytope->edges[index_of(part)];
-	const rb_vec3 p = core->polytope->vertices[edge[0]];
-	const rb_vec3 d = rb_vec3_sub(core->polytope->vertices[edge[1]], p);
-
-	out->from = point_of(s, p);
-	out->along = way_of(s, rb_vec3_unit(d, z));
-	out->length = rb_vec3_length(d);
-	out->radius = core->radius;
-	return true;
-}
+#include "event/feature_inside.h"
 
 typedef struct {
 	const side *of;
@@ -217,14 +78,6 @@ static bool corner_of(const side *s, rb_part part, corner *out)
 
 /* ---- how far from the end of a feature ---- */
 
-static void nearer(num *inside, num value)
-{
-	if (value.at < inside->at)
-		*inside = value;
-}
-
-static const num endless = {(double)INFINITY, 0};
-
 static num within_surface(const surface *f, vec p)
 {
 	const vec seen = seen_from(f->of, p);
@@ -257,12 +110,6 @@ static num within_surface(const surface *f, vec p)
 	return inside;
 }
 
-static void within_line(num *inside, const line *e, num along)
-{
-	nearer(inside, along);
-	nearer(inside, (num){e->length - along.at, -along.rate});
-}
-
 /* What is nearest to the corner must not lie farther along one of the edges that end there. */
 static void within_corner(num *inside, const corner *c, vec to)
 {
@@ -289,17 +136,6 @@ static void within_corner(num *inside, const corner *c, vec to)
 }
 
 /* ---- what meets what ---- */
-
-static void put(struct rb_feature_point *out, num gap, vec normal, vec point, num inside)
-{
-	*out = (struct rb_feature_point){.gap = gap.at,
-	                                 .normal = normal.at,
-	                                 .normal_rate = normal.rate,
-	                                 .point = point.at,
-	                                 .point_rate = point.rate,
-	                                 .inside = inside.at,
-	                                 .inside_rate = inside.rate};
-}
 
 /* A point of one core over a surface of the other: `x` on the core, `radius` round it. */
 static void over_surface(struct rb_feature_point *out, vec x, double radius, const surface *f)
@@ -362,18 +198,6 @@ static bool on_surface(struct rb_feature_point *out, const side *s, rb_part part
 		return true;
 	}
 	return false;
-}
-
-/* Which way is out at the middle of an edge: from the middle of its body. */
-static rb_vec3 outward(const line *e)
-{
-	const rb_core *core = e->of->core;
-	rb_vec3 middle = {0, 0, 0};
-
-	if (core->kind == RB_CORE_POLYTOPE)
-		middle = core->polytope->middle;
-	const rb_vec3 half = rb_vec3_add_scaled(e->from.at, 0.5 * e->length, e->along.at);
-	return rb_vec3_sub(rb_vec3_sub(half, e->of->at), rb_mat3_apply(&e->of->turn, middle));
 }
 
 /* Sine of the angle between two edges from which on rounding leaves enough of the normal across both. */
@@ -558,26 +382,6 @@ static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
 	return -1;
 }
 
-uint64_t rb_feature_in_face(const struct rb_feature_side *a, const struct rb_feature_side *b,
-                            uint64_t key, rb_vec3 n, double depth)
-{
-	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
-	const bool lines = (kind_of(part_a) == RB_PART_EDGE || kind_of(part_a) == RB_PART_MANTLE) &&
-	                   (kind_of(part_b) == RB_PART_EDGE || kind_of(part_b) == RB_PART_MANTLE);
-	uint64_t mark = IN_FACE_OF_B;
-
-	if (!lines)
-		return key;
-	int face = face_across(b, part_b, rb_vec3_neg(n), depth);
-	if (face < 0) {
-		face = face_across(a, part_a, n, depth);
-		mark = IN_FACE_OF_A;
-	}
-	if (face < 0)
-		return key;
-	return key | (mark | (face == 1 ? SECOND_FACE : 0)) << MARK_SHIFT;
-}
-
 /* The normal, from a to b, that the key's mark names. */
 static bool marked_normal(const side *a, const side *b, uint64_t key, vec *n)
 {
@@ -622,169 +426,48 @@ bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side 
 	return across_lines(out, &edge_a, &edge_b, marked ? &n : NULL);
 }
 
-/* ---- rims ---- */
+/* ---- names ---- */
 
-/* A line or a circle: its point at a parameter (m; radians), and two derivatives by it. */
-typedef struct {
-	bool round;
-	line straight;
-	vec centre, x, y; /* of a circle: radii across each other, m */
-	vec at, first, second;
-} curve;
-
-static bool curve_of(const side *s, rb_part part, curve *out)
+static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, double depth)
 {
-	const rb_core *core = s->core;
-
-	*out = (curve){.round = kind_of(part) == RB_PART_RIM};
-	if (!out->round)
-		return line_of(s, part, &out->straight);
-	if (core->kind != RB_CORE_CYLINDER)
-		return false;
-	const double half = index_of(part) & 1 ? -core->half_height : core->half_height;
-	out->centre = point_of(s, (rb_vec3){0, 0, half});
-	out->x = way_of(s, (rb_vec3){core->round, 0, 0});
-	out->y = way_of(s, (rb_vec3){0, core->round, 0});
-	out->straight.of = s;
-	return true;
-}
-
-/* The parameter at which it is nearest to a place. */
-static double nearest_on(const curve *c, rb_vec3 near)
-{
-	if (!c->round)
-		return rb_vec3_dot(rb_vec3_sub(near, c->straight.from.at), c->straight.along.at);
-	const rb_vec3 d = rb_vec3_sub(near, c->centre.at);
-	return atan2(rb_vec3_dot(d, c->y.at), rb_vec3_dot(d, c->x.at));
-}
-
-static void go_to(curve *c, double s)
-{
-	const vec none = {{0, 0, 0}, {0, 0, 0}};
-
-	if (!c->round) {
-		c->at = plus_constant(c->straight.from, s, c->straight.along);
-		c->first = c->straight.along;
-		c->second = none;
-		return;
-	}
-	const double co = cos(s), si = sin(s);
-	const vec out = plus_constant(plus_constant(none, co, c->x), si, c->y);
-	c->at = plus_constant(c->centre, 1, out);
-	c->first = plus_constant(plus_constant(none, -si, c->x), co, c->y);
-	c->second = negative(out);
-}
-
-/* Along a curve whose parameter changes at this rate as well. */
-static vec carried(vec p, double rate, vec by)
-{
-	p.rate = rb_vec3_add_scaled(p.rate, rate, by.at);
-	return p;
-}
-
-/* r.a' = 0 and r.b' = 0 for r from a's point to b's: what is left of both, and what changes of parameters make of it. */
-typedef struct {
-	double left[2], rate[2], m[2][2], whole;
-} foot_point;
-
-static foot_point foot_of(const curve *a, const curve *b)
-{
-	const vec r = minus(b->at, a->at);
-	const num on_a = dot(r, a->first), on_b = dot(r, b->first);
-	foot_point f = {.left = {on_a.at, on_b.at}, .rate = {on_a.rate, on_b.rate}};
-
-	f.m[0][0] = rb_vec3_dot(r.at, a->second.at) - rb_vec3_dot(a->first.at, a->first.at);
-	f.m[0][1] = rb_vec3_dot(b->first.at, a->first.at);
-	f.m[1][0] = -f.m[0][1];
-	f.m[1][1] = rb_vec3_dot(r.at, b->second.at) + rb_vec3_dot(b->first.at, b->first.at);
-	f.whole = f.m[0][0] * f.m[1][1] - f.m[0][1] * f.m[1][0];
-	return f;
-}
-
-static void solve(const foot_point *f, const double right[2], double out[2])
-{
-	out[0] = (right[0] * f->m[1][1] - right[1] * f->m[0][1]) / f->whole;
-	out[1] = (right[1] * f->m[0][0] - right[0] * f->m[1][0]) / f->whole;
-}
-
-/* Which way is out of a body where a curve is. */
-static rb_vec3 outward_of(const curve *c)
-{
-	if (!c->round)
-		return outward(&c->straight);
-	return rb_vec3_sub(c->at.at, c->straight.of->at);
-}
-
-/* Of a line, the way to its ends; at a rim, what the outward normal has along the end's and along the mantle's. */
-static void within_curve(num *inside, const curve *c, double s, double rate, vec n)
-{
-	if (!c->round) {
-		within_line(inside, &c->straight, (num){s, rate});
-		return;
-	}
-	const vec at = carried(c->at, rate, c->first);
-	const vec radial = minus(at, c->centre);
-	vec u = cross(c->x, c->y);
-	if (rb_vec3_dot(u.at, rb_vec3_sub(c->centre.at, c->straight.of->at)) < 0)
-		u = negative(u);
-	const double per = 1 / rb_vec3_length(radial.at);
-	const num on_end = dot(n, u), on_mantle = dot(n, radial);
-
-	nearer(inside, (num){on_end.at * per, on_end.rate * per});
-	nearer(inside, on_mantle);
-}
-
-bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_side *a,
-                       const struct rb_feature_side *b, uint64_t key, rb_vec3 near)
-{
-	enum { ROUNDS = 12 };
 	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
-	double s[2], step[2], rate[2];
-	curve on_a, on_b;
-	foot_point foot;
-	vec n;
-	num sine, inside = endless;
+	const bool lines = (kind_of(part_a) == RB_PART_EDGE || kind_of(part_a) == RB_PART_MANTLE) &&
+	                   (kind_of(part_b) == RB_PART_EDGE || kind_of(part_b) == RB_PART_MANTLE);
+	uint64_t mark = IN_FACE_OF_B;
 
-	if ((kind_of(part_a) != RB_PART_RIM && kind_of(part_b) != RB_PART_RIM) ||
-	    !curve_of(a, part_a, &on_a) || !curve_of(b, part_b, &on_b))
-		return false;
-	s[0] = nearest_on(&on_a, near);
-	s[1] = nearest_on(&on_b, near);
-	for (int k = 0; k < ROUNDS; k++) {
-		go_to(&on_a, s[0]);
-		go_to(&on_b, s[1]);
-		foot = foot_of(&on_a, &on_b);
-		if (!(fabs(foot.whole) > 0))
-			return false;
-		solve(&foot, foot.left, step);
-		s[0] -= step[0];
-		s[1] -= step[1];
-		if (fabs(step[0]) <= 4 * DBL_EPSILON * (1 + fabs(s[0])) &&
-		    fabs(step[1]) <= 4 * DBL_EPSILON * (1 + fabs(s[1])))
-			break;
-		if (k + 1 == ROUNDS)
-			return false;
+	if (!lines)
+		return key;
+	int face = face_across(b, part_b, rb_vec3_neg(n), depth);
+	if (face < 0) {
+		face = face_across(a, part_a, n, depth);
+		mark = IN_FACE_OF_A;
 	}
-	solve(&foot, foot.rate, rate);
-	rate[0] = -rate[0];
-	rate[1] = -rate[1];
-	const vec at_a = carried(on_a.at, rate[0], on_a.first);
-	const vec at_b = carried(on_b.at, rate[1], on_b.first);
-	const vec m = cross(carried(on_a.first, rate[0], on_a.second),
-	                    carried(on_b.first, rate[1], on_b.second));
-	if (!direction(m, &n, &sine) ||
-	    sine.at < 1e-6 * rb_vec3_length(on_a.first.at) * rb_vec3_length(on_b.first.at))
-		return false;
-	if (rb_vec3_dot(n.at, outward_of(&on_a)) - rb_vec3_dot(n.at, outward_of(&on_b)) < 0)
-		n = negative(n);
-	const double radius_a = on_a.round ? 0 : on_a.straight.radius;
-	const double radius_b = on_b.round ? 0 : on_b.straight.radius;
-	const num apart = dot(n, minus(at_b, at_a));
-	const vec surface_a = plus_constant(at_a, radius_a, n);
-	const vec surface_b = plus_constant(at_b, -radius_b, n);
-	within_curve(&inside, &on_a, s[0], rate[0], n);
-	within_curve(&inside, &on_b, s[1], rate[1], negative(n));
-	put(out, (num){apart.at - radius_a - radius_b, apart.rate}, n,
-	    plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), inside);
-	return true;
+	if (face < 0)
+		return key;
+	return key | (mark | (face == 1 ? SECOND_FACE : 0)) << MARK_SHIFT;
+}
+
+/* ... with a place on the surface of either, from the reference. */
+static rb_part which_of_two(const side *disc, rb_part rim, const line *other, rb_vec3 place)
+{
+	const double half = index_of(rim) & 1 ? -disc->core->half_height : disc->core->half_height;
+	const rb_vec3 centre = point_of(disc, (rb_vec3){0, 0, half}).at;
+	const bool beyond = rb_vec3_dot(rb_vec3_sub(place, centre), other->along.at) > 0;
+
+	return rb_part_of(RB_PART_RIM,
+	                  (index_of(rim) & 1) | (beyond ? SECOND_CROSSING : FIRST_CROSSING) << 1);
+}
+
+uint64_t rb_feature_name(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                         const rb_manifold *manifold, int point, double depth)
+{
+	const rb_manifold_point *p = &manifold->point[point];
+	rb_part part_a = (rb_part)(p->key >> 32), part_b = (rb_part)p->key;
+	line other;
+
+	if (kind_of(part_a) == RB_PART_RIM && line_of(b, part_b, &other))
+		part_a = which_of_two(a, part_a, &other, p->on_a);
+	else if (kind_of(part_b) == RB_PART_RIM && line_of(a, part_a, &other))
+		part_b = which_of_two(b, part_b, &other, p->on_b);
+	return in_face(a, b, (uint64_t)part_a << 32 | part_b, manifold->normal, depth);
 }

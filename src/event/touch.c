@@ -68,7 +68,7 @@ static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_
 
 	rb_manifold_of(&manifold, &a, &b, 0);
 	for (int k = 0; k < manifold.count && which < 0; k++)
-		if (manifold.point[k].key == key)
+		if (rb_feature_name(&c->a, &c->b, &manifold, k, 0) == key)
 			which = k;
 	const rb_manifold_point *p = &manifold.point[which < 0 ? 0 : which];
 
@@ -226,8 +226,7 @@ struct rb_meet rb_touch_nearest(const struct rb_located *l, int a, int b,
 	for (int k = 1; k < manifold.count; k++)
 		if (manifold.point[k].gap < manifold.point[best].gap)
 			best = k;
-	const uint64_t key = rb_feature_in_face(&c.a, &c.b, manifold.point[best].key,
-	                                        manifold.normal, 0);
+	const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, best, 0);
 	return meet_of(&pair, &c, parts, key);
 }
 
@@ -276,9 +275,8 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 			for (int k = 0; k < manifold.count; k++) {
 				if (manifold.point[k].gap > s->depth)
 					continue;
-				const uint64_t key = rb_feature_in_face(&c.a, &c.b,
-				                                        manifold.point[k].key,
-				                                        manifold.normal, s->depth);
+				const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, k,
+				                                     s->depth);
 				add_name(s, &(struct rb_meet_name){pair->a, pair->b, parts, key});
 			}
 		}
