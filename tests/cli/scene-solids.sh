@@ -83,6 +83,21 @@ grep -q "^touch.lua:3: box 'crate': the classic method has no contacts of boxes 
 grep -q "^touch.lua:4: capsule 'pill': the classic method has no contacts of capsules" err || fail "the capsule is not refused by name"
 [ ! -e touch.h5 ] || fail "a refused scene left a recording"
 
+# overlaps at the start are named with their depth, touching is allowed
+cat >deep.lua <<'END'
+world { duration = 1 }
+plane { name = "floor" }
+box { name = "crate", size = {1, 1, 1}, position = {0, 0, 0.5} }
+capsule { name = "pill", radius = 0.5, length = 1, position = {5, 0, 0.75} }
+box { name = "lid", size = {1, 1, 0.5}, position = {0.25, 0, 1.125} }
+END
+exits 65 deep.lua
+grep -q "^deep.lua:4: capsule 'pill': overlaps plane 'floor' by 0.25 m at the start" err ||
+	fail "the capsule in the floor is not named"
+grep -q "^deep.lua:5: box 'lid': overlaps box 'crate' by 0.125 m at the start" err ||
+	fail "the lid in the crate is not named"
+if grep -q "crate': overlaps" err; then fail "a crate that touches the floor is refused"; fi
+
 # a hull of many points in a fraction of a second; one of too many is refused before any work
 cat >many.lua <<'END'
 world { duration = 0.1 }
