@@ -6,11 +6,10 @@
 
 #include "base/memory.h"
 #include "event/jam.h"
-#include "event/mechanics.h"
+#include "event/modes.h"
 #include "event/pull.h"
 #include "event/set.h"
 #include "event/tell.h"
-#include "math/dense.h"
 
 /* Of the sizes of position and velocity, per step; rounding is below it. */
 static const double tolerance = 3e-14;
@@ -20,272 +19,14 @@ static const double clear = 1e-11;
 static const double still_share = 1e-12;
 /* Share of forces up to which the solver's residue may be taken for a mode that holds. */
 static const double doubtful = 1e-8;
-/* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
-static const double balanced_share = 1e-7;
 /* Share of accelerations by which two solutions for the same motion differ. */
 static const double otherwise = 1e-10;
 
-enum { TURNS = 6, LOOKS = 8, BISECTIONS = 80, DENSE_MOST = 1536 };
+enum { LOOKS = 8, BISECTIONS = 80 };
 
-/* One piece under way. */
-struct work {
-	struct rb_located *l;
-	struct rb_cluster *c;
-	double origin_s;                  /* of the piece */
-	int row;                          /* values a member */
-	struct rb_pose *pose;             /* [member_count] */
-	rb_vec3 *base;                    /* [member_count]: where positions are counted from */
-	rb_vec3 *linear, *angular;        /* [member_count] */
-	struct rb_meet *meet;             /* [held_count] */
-	struct rb_joint_contact *contact; /* [held_count] */
-	rb_vec3 *force;                   /* [held_count]: N on b */
-	struct rb_dense dense;            /* for contacts in their modes */
-	bool slip_ends, hits;             /* why `broken` said so */
-	double force_most;                /* N: largest force at the beginning */
-	bool too_dense;                   /* for steps to do instead */
-	double doubt;                     /* N: what the modes at the beginning leave open */
-	double most; /* m/s^2: largest acceleration that forces are to balance */
-};
-
-static int place_of(const struct work *w, int body)
+static void press(struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
 {
-	return body < w->l->n ? w->l->place[body] : -1;
-}
-
-/* ---- forces of contacts in given modes ---- */
-
-static int unknowns_of(const struct rb_held *held)
-{
-	if (!held->slipping)
-		return 3;
-	return held->creeps ? 2 : 1;
-}
-
-/* Across normal and slip. */
-static rb_vec3 aside(const struct work *w, int contact)
-{
-	return rb_vec3_cross(w->meet[contact].normal, w->contact[contact].slip);
-}
-
-/* Of the relative acceleration, what the k-th unknown of a contact is to make zero. */
-static double asked_of(const struct work *w, int contact, int k, rb_vec3 a)
-{
-	if (!w->c->held[contact].slipping)
-		return k == 0 ? a.x : k == 1 ? a.y : a.z;
-	return rb_vec3_dot(a, k == 0 ? w->meet[contact].normal : aside(w, contact));
-}
-
-/*
- * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis; of a slip that
- * creeps, across it.
- */
-static rb_vec3 unit_of(const struct work *w, int contact, int k)
-{
-	const struct rb_held *held = &w->c->held[contact];
-	const struct rb_meet *m = &w->meet[contact];
-
-	if (!held->slipping)
-		return (rb_vec3){k == 0, k == 1, k == 2};
-	if (k == 1)
-		return aside(w, contact);
-	return rb_vec3_add_scaled(m->normal, -w->contact[contact].friction,
-	                          w->contact[contact].slip);
-}
-
-static rb_vec3 answer(const struct work *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
-{
-	return rb_mechanics_answer(w->l, body, &w->pose[place_of(w, body)], arm, at, f);
-}
-
-/* Relative acceleration at contact i by a force `f` on b of contact j. */
-static rb_vec3 coupling(const struct work *w, int i, int j, rb_vec3 f)
-{
-	const struct rb_meet *x = &w->meet[i], *y = &w->meet[j];
-	rb_vec3 sum = {0, 0, 0};
-
-	if (place_of(w, y->b) >= 0) {
-		if (x->b == y->b)
-			sum = rb_vec3_add(sum, answer(w, y->b, y->arm_b, x->arm_b, f));
-		if (x->a == y->b)
-			sum = rb_vec3_sub(sum, answer(w, y->b, y->arm_b, x->arm_a, f));
-	}
-	if (place_of(w, y->a) >= 0) {
-		if (x->b == y->a)
-			sum = rb_vec3_sub(sum, answer(w, y->a, y->arm_a, x->arm_b, f));
-		if (x->a == y->a)
-			sum = rb_vec3_add(sum, answer(w, y->a, y->arm_a, x->arm_a, f));
-	}
-	return sum;
-}
-
-static bool share_a_body(const struct rb_meet *x, const struct rb_meet *y)
-{
-	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
-}
-
-static rb_vec3 point_acceleration(const struct work *w, int body, rb_vec3 arm, double t)
-{
-	const int place = place_of(w, body);
-
-	if (place >= 0)
-		return rb_vec3_add(w->linear[place], rb_vec3_cross(w->angular[place], arm));
-	return rb_vec3_add(rb_arc_acceleration(w->l, body, t),
-	                   rb_vec3_cross(rb_mechanics_turning(w->l, body, t), arm));
-}
-
-static double axis(rb_vec3 v, int k)
-{
-	return k == 0 ? v.x : k == 1 ? v.y : v.z;
-}
-
-/* The unknowns as the contact's last known force has them: its pressure, or all of it. */
-static double guess_of(const struct work *w, int contact, int k)
-{
-	const struct rb_held *held = &w->c->held[contact];
-
-	if (!held->slipping)
-		return axis(held->force, k);
-	return k == 0 ? rb_vec3_dot(held->force, w->meet[contact].normal) : 0;
-}
-
-/* What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the guess to the right. */
-static void fill_row(struct work *w, int i, int row, double t)
-{
-	const struct rb_cluster *c = w->c;
-	const struct rb_meet *m = &w->meet[i];
-	const int n = w->dense.n, rows = unknowns_of(&c->held[i]);
-	rb_vec3 free = rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
-	                                       point_acceleration(w, m->a, m->arm_a, t)),
-	                           w->contact[i].bias);
-	int column = 0;
-
-	for (int j = 0; j < c->held_count; j++)
-		for (int k = 0; k < unknowns_of(&c->held[j]); k++, column++) {
-			rb_vec3 a = {0, 0, 0};
-
-			if (share_a_body(m, &w->meet[j])) {
-				a = coupling(w, i, j, unit_of(w, j, k));
-				free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
-			}
-			for (int r = 0; r < rows; r++)
-				w->dense.matrix[(row + r) * n + column] = asked_of(w, i, r, a);
-		}
-	for (int r = 0; r < rows; r++)
-		w->dense.right[row + r] = -asked_of(w, i, r, free);
-}
-
-/*
- * Fills w->force; false: too many. Where the modes leave forces open (more contacts than freedoms), those that are nearest
- * to what they were when the cluster was settled: accelerations do not depend on it.
- */
-static bool solve_modes(struct work *w, double t)
-{
-	const struct rb_cluster *c = w->c;
-	int n = 0, row = 0;
-
-	for (int k = 0; k < c->held_count; k++)
-		n += unknowns_of(&c->held[k]);
-	if (n > DENSE_MOST)
-		return false;
-	w->dense.n = n;
-	for (int i = 0; i < c->held_count; row += unknowns_of(&c->held[i]), i++)
-		fill_row(w, i, row, t);
-	rb_dense_solve(&w->dense);
-	row = 0;
-	for (int i = 0; i < c->held_count; i++) {
-		w->force[i] = (rb_vec3){0, 0, 0};
-		for (int k = 0; k < unknowns_of(&c->held[i]); k++, row++)
-			w->force[i] = rb_vec3_add_scaled(w->force[i],
-			                                 guess_of(w, i, k) + w->dense.right[row],
-			                                 unit_of(w, i, k));
-	}
-	return true;
-}
-
-/* Slips that creep go where nothing is left across them. True: one has turned. */
-static bool turn_creeping(struct work *w)
-{
-	bool turned = false;
-
-	for (int k = 0; k < w->c->held_count; k++) {
-		const rb_vec3 n = w->meet[k].normal;
-		struct rb_joint_contact *const c = &w->contact[k];
-		const double limit = c->friction * rb_vec3_dot(w->force[k], n);
-
-		if (!w->c->held[k].creeps || !(limit > 0))
-			continue;
-		const rb_vec3 across = aside(w, k);
-		const double off = rb_vec3_dot(w->force[k], across);
-		if (fabs(off) <= balanced_share * limit)
-			continue;
-		c->slip = rb_vec3_unit(
-			rb_vec3_add_scaled(rb_vec3_scale(limit, c->slip), -off, across), c->slip);
-		turned = true;
-	}
-	return turned;
-}
-
-/* Fills w->force for contacts in their modes. */
-static bool solve_turning(struct work *w, double t)
-{
-	for (int round = 0; round < TURNS; round++) {
-		if (!solve_modes(w, t))
-			return false;
-		if (!turn_creeping(w))
-			break;
-	}
-	return true;
-}
-
-static int joint_body(const struct work *w, struct rb_joint *joint, int body, double t)
-{
-	const int place = place_of(w, body);
-
-	if (place >= 0)
-		return place;
-	joint->body[joint->body_count] = rb_mechanics_fixed(w->l, body, t);
-	return joint->body_count++;
-}
-
-/* Where modes do not determine the forces (more contacts than freedoms): any that do. */
-static bool solve_any(struct work *w, double t, struct rb_joint_body **found)
-{
-	struct rb_located *l = w->l;
-	const struct rb_cluster *c = w->c;
-	const rb_arena_mark here = rb_arena_here(l->arena);
-	struct rb_joint joint = {.arena = l->arena, .contact_count = c->held_count};
-
-	if (found)
-		*found = NULL;
-	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
-	                           sizeof *joint.body);
-	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
-	if (!joint.body || !joint.contact)
-		return false;
-	joint.body_count = c->member_count;
-	for (int k = 0; k < c->member_count; k++)
-		joint.body[k] = rb_mechanics_body(l, c->member[k], &w->pose[k], w->linear[k],
-		                                  w->angular[k]);
-	for (int k = 0; k < c->held_count; k++) {
-		joint.contact[k] = w->contact[k];
-		joint.contact[k].mode = c->held[k].slipping ? RB_JOINT_SLIDE : RB_JOINT_STICK;
-		joint.contact[k].a = joint_body(w, &joint, c->held[k].a, t);
-		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
-		joint.contact[k].impulse = c->held[k].force;
-	}
-	rb_joint_forces(&joint);
-	for (int k = 0; k < c->held_count; k++)
-		w->force[k] = joint.contact[k].impulse;
-	if (found)
-		*found = joint.body;
-	else
-		rb_arena_back(l->arena, here);
-	return true;
-}
-
-static void press(struct work *w, int body, rb_vec3 arm, rb_vec3 force)
-{
-	const int place = place_of(w, body);
+	const int place = rb_modes_place(w, body);
 
 	if (place < 0)
 		return;
@@ -299,7 +40,7 @@ static void press(struct work *w, int body, rb_vec3 arm, rb_vec3 force)
 
 /* ---- the problem that math/gauss sees ---- */
 
-static void read_pose(struct work *w, int k, const double *value)
+static void read_pose(struct rb_modes *w, int k, const double *value)
 {
 	const struct rb_located *l = w->l;
 	const int i = w->c->member[k];
@@ -325,7 +66,7 @@ static void read_pose(struct work *w, int k, const double *value)
  * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means static, also under
  * forces that are looked at again and again.
  */
-static void stand_still(struct work *w, double pull)
+static void stand_still(struct rb_modes *w, double pull)
 {
 	for (int k = 0; k < w->c->member_count; k++) {
 		const double radius = rb_model_reach(w->l->model, w->c->member[k]);
@@ -341,7 +82,7 @@ static void stand_still(struct work *w, double pull)
 }
 
 /* Accelerations apart from contacts, and the largest. */
-static bool pulls(struct work *w, double t, double *most)
+static bool pulls(struct rb_modes *w, double t, double *most)
 {
 	struct rb_located *l = w->l;
 	const struct rb_view view = {.pose = w->pose, .time_s = t, .active_s = w->origin_s};
@@ -355,7 +96,7 @@ static bool pulls(struct work *w, double t, double *most)
 }
 
 /* Of members without contacts, at their surfaces, and of what contacts' normals and arms make. */
-static double largest_acceleration(const struct work *w)
+static double largest_acceleration(const struct rb_modes *w)
 {
 	double most = 0;
 
@@ -369,7 +110,7 @@ static double largest_acceleration(const struct work *w)
 }
 
 /* Poses, forces of contacts and accelerations at `t`. */
-static bool evaluate(struct work *w, double t, const double *value)
+static bool evaluate(struct rb_modes *w, double t, const double *value)
 {
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
@@ -381,7 +122,7 @@ static bool evaluate(struct work *w, double t, const double *value)
 		return false;
 	for (int k = 0; k < c->held_count; k++) {
 		const struct rb_held *held = &c->held[k];
-		const int a = place_of(w, held->a), b = place_of(w, held->b);
+		const int a = rb_modes_place(w, held->a), b = rb_modes_place(w, held->b);
 		const struct rb_pose pose_a = a >= 0 ? w->pose[a] : rb_arc_pose(l, held->a, t);
 		const struct rb_pose pose_b = b >= 0 ? w->pose[b] : rb_arc_pose(l, held->b, t);
 
@@ -407,7 +148,7 @@ static bool evaluate(struct work *w, double t, const double *value)
 		}
 	}
 	w->most = largest_acceleration(w);
-	if (c->held_count > 0 && !solve_turning(w, t) && !solve_any(w, t, NULL))
+	if (c->held_count > 0 && !rb_modes_solve(w, t) && !rb_modes_solve_any(w, t, NULL))
 		return false;
 	for (int k = 0; k < c->held_count; k++) {
 		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(w->force[k]));
@@ -421,7 +162,7 @@ static bool evaluate(struct work *w, double t, const double *value)
 static enum rb_status rates(void *user, double t, const double *value, double *rate,
                             struct rb_error *err)
 {
-	struct work *w = user;
+	struct rb_modes *w = user;
 
 	if (!evaluate(w, t, value))
 		return w->l->status != RB_OK
@@ -455,7 +196,7 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
  * Where modes leave forces open, those that were found may be outside the cones while others are within: are there forces
  * by the law that move all bodies as the modes do? They are then the forces.
  */
-static bool holds_otherwise(struct work *w, double t)
+static bool holds_otherwise(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
 	const size_t count = (size_t)c->member_count;
@@ -472,7 +213,7 @@ static bool holds_otherwise(struct work *w, double t)
 		return false;
 	memcpy(moves, w->linear, count * sizeof *moves);
 	memcpy(turns, w->angular, count * sizeof *turns);
-	if (!pulls(w, t, &most) || !solve_any(w, t, &found))
+	if (!pulls(w, t, &most) || !rb_modes_solve_any(w, t, &found))
 		return false;
 	for (size_t k = 0; k < count; k++) {
 		most = fmax(most, rb_vec3_max_abs(found[k].linear));
@@ -487,7 +228,7 @@ static bool holds_otherwise(struct work *w, double t)
 }
 
 /* By how much the force of a contact does not go with its mode, N; below zero: it does. */
-static double excess_of(const struct work *w, int k)
+static double excess_of(const struct rb_modes *w, int k)
 {
 	const rb_vec3 n = w->meet[k].normal;
 	const double push = rb_vec3_dot(w->force[k], n);
@@ -498,7 +239,7 @@ static double excess_of(const struct work *w, int k)
 	            rb_vec3_length(rb_vec3_reject(w->force[k], n)) - w->contact[k].friction * push);
 }
 
-static bool is_lawful(const struct work *w, int k)
+static bool is_lawful(const struct rb_modes *w, int k)
 {
 	const struct rb_held *held = &w->c->held[k];
 	const double *const inverse = w->l->model->inverse_mass;
@@ -508,7 +249,7 @@ static bool is_lawful(const struct work *w, int k)
 }
 
 /* Does a pair approach at a point that is not one of its held ones, [first, end)? */
-static bool approaches_elsewhere(const struct work *w, int first, int end)
+static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 {
 	const struct rb_held *held = &w->c->held[first];
 	const struct rb_touch_pair pair = {held->a, held->b, w->origin_s, w->meet[first].pose_a,
@@ -531,7 +272,7 @@ static bool approaches_elsewhere(const struct work *w, int first, int end)
  * Asked of the first of a pair's points: is another, which is not held, below them? The bodies have come to touch there.
  * What is held may be off by what integration lets drift.
  */
-static bool is_hit(const struct work *w, int k)
+static bool is_hit(const struct rb_modes *w, int k)
 {
 	const struct rb_meet *m = &w->meet[k];
 	const struct rb_held *held = &w->c->held[k];
@@ -553,7 +294,7 @@ static bool is_hit(const struct work *w, int k)
 }
 
 /* The first contact that does not keep its mode at this state, -1: all do. */
-static int broken(struct work *w, double t)
+static int broken(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
 	bool looked = false;
@@ -582,14 +323,14 @@ static int broken(struct work *w, double t)
 	return -1;
 }
 
-static int broken_at(struct work *w, double s, double *value)
+static int broken_at(struct rb_modes *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
 	return evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }
 
 /* Points of one body come to the end of their slip together: whose slip is nothing there has ended as well. */
-static void end_slips(struct work *w, double s, double *value)
+static void end_slips(struct rb_modes *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
 	if (!evaluate(w, w->origin_s + s, value))
@@ -606,7 +347,7 @@ static void end_slips(struct work *w, double s, double *value)
 }
 
 /* Where in the piece a mode ends first, seconds; the whole length if none does. */
-static double change_within(struct work *w, double *value)
+static double change_within(struct rb_modes *w, double *value)
 {
 	const double length = w->c->piece.length_s;
 	double good = 0, bad = length;
@@ -648,12 +389,7 @@ static double change_within(struct work *w, double *value)
 
 /* ---- a piece ---- */
 
-size_t rb_integrate_room(int n)
-{
-	return (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
-}
-
-static bool room(struct work *w, int n, double **value, double **scale, double **scratch)
+static bool room(struct rb_modes *w, int n, double **value, double **scale, double **scratch)
 {
 	struct rb_cluster *c = w->c;
 	const size_t size = rb_integrate_room(n);
@@ -661,8 +397,8 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
 	size_t unknowns = 0;
 
 	for (int k = 0; k < c->held_count; k++)
-		unknowns += (size_t)unknowns_of(&c->held[k]);
-	if (unknowns > DENSE_MOST)
+		unknowns += (size_t)rb_modes_unknowns(&c->held[k]);
+	if (unknowns > RB_MODES_DENSE)
 		unknowns = 0;
 	if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block))
 		return false;
@@ -694,14 +430,18 @@ static bool room(struct work *w, int n, double **value, double **scale, double *
  * m/s^2: the largest acceleration that a contact's force alone would give a member. What is solved together rounds
  * together: the last of a column is not better known than the first.
  */
-static double largest_load(const struct work *w)
+static double largest_load(const struct rb_modes *w)
 {
 	double most = 0;
 
 	for (int k = 0; k < w->c->held_count; k++) {
 		const struct rb_held *held = &w->c->held[k];
-		const double a = place_of(w, held->a) >= 0 ? w->l->model->inverse_mass[held->a] : 0;
-		const double b = place_of(w, held->b) >= 0 ? w->l->model->inverse_mass[held->b] : 0;
+		const double a = rb_modes_place(w, held->a) >= 0
+		                         ? w->l->model->inverse_mass[held->a]
+		                         : 0;
+		const double b = rb_modes_place(w, held->b) >= 0
+		                         ? w->l->model->inverse_mass[held->b]
+		                         : 0;
 
 		most = fmax(most, rb_vec3_length(w->force[k]) * fmax(a, b));
 	}
@@ -712,7 +452,7 @@ static double largest_load(const struct work *w)
  * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the forces, not of what is
  * left of them: over a piece, and not more than a fall by its own size.
  */
-static double balanced(const struct work *w, double load, double radius)
+static double balanced(const struct rb_modes *w, double load, double radius)
 {
 	const double fall = sqrt(load * radius), try_s = w->c->try_s;
 
@@ -720,7 +460,7 @@ static double balanced(const struct work *w, double load, double radius)
 }
 
 /* Sizes that errors are relative to, and what length to try without knowing better. */
-static double sizes(struct work *w, double *scale)
+static double sizes(struct rb_modes *w, double *scale)
 {
 	const struct rb_located *l = w->l;
 	const double load = largest_load(w);
@@ -751,7 +491,7 @@ static double sizes(struct work *w, double *scale)
 }
 
 /* All contacts stick after it, and the cluster is to be settled anew. False: it is no such case. */
-static bool jams(struct work *w)
+static bool jams(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
@@ -796,7 +536,7 @@ static bool jams(struct work *w)
 	return true;
 }
 
-static void put_on_piece(struct work *w, double until_s)
+static void put_on_piece(struct rb_modes *w, double until_s)
 {
 	struct rb_located *l = w->l;
 	const struct rb_gauss_piece *piece = &w->c->piece;
@@ -827,7 +567,7 @@ static double next_switch(const struct rb_located *l, double t)
 }
 
 /* Where a driven body that one of the contacts leans on comes to the end of what is known of it. */
-static double partners_end(const struct work *w)
+static double partners_end(const struct rb_modes *w)
 {
 	const double soon = w->origin_s * (1 + 4 * DBL_EPSILON);
 	double end = HUGE_VAL;
@@ -843,7 +583,7 @@ static double partners_end(const struct work *w)
 	return end;
 }
 
-static void run(struct work *w, double *value, double *scale, double *scratch)
+static void run(struct rb_modes *w, double *value, double *scale, double *scratch)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
@@ -910,7 +650,7 @@ static void run(struct work *w, double *value, double *scale, double *scratch)
 
 void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 {
-	struct work w = {
+	struct rb_modes w = {
 		.l = l, .c = &l->cluster[cluster], .origin_s = t, .row = rb_located_row(l)};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	const int count = w.c->member_count;

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/modes.h"
+
+enum { TURNS = 6 };
+/* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
+static const double balanced_share = 1e-7;
+
+int rb_modes_unknowns(const struct rb_held *held)
+{
+	if (!held->slipping)
+		return 3;
+	return held->creeps ? 2 : 1;
+}
+
+/* Across normal and slip. */
+static rb_vec3 aside(const struct rb_modes *w, int contact)
+{
+	return rb_vec3_cross(w->meet[contact].normal, w->contact[contact].slip);
+}
+
+/* Of the relative acceleration, what the k-th unknown of a contact is to make zero. */
+static double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
+{
+	if (!w->c->held[contact].slipping)
+		return k == 0 ? a.x : k == 1 ? a.y : a.z;
+	return rb_vec3_dot(a, k == 0 ? w->meet[contact].normal : aside(w, contact));
+}
+
+/*
+ * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis; of a slip that
+ * creeps, across it.
+ */
+static rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
+{
+	const struct rb_held *held = &w->c->held[contact];
+	const struct rb_meet *m = &w->meet[contact];
+
+	if (!held->slipping)
+		return (rb_vec3){k == 0, k == 1, k == 2};
+	if (k == 1)
+		return aside(w, contact);
+	return rb_vec3_add_scaled(m->normal, -w->contact[contact].friction,
+	                          w->contact[contact].slip);
+}
+
+static rb_vec3 answer(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
+{
+	return rb_mechanics_answer(w->l, body, &w->pose[rb_modes_place(w, body)], arm, at, f);
+}
+
+/* Relative acceleration at contact i by a force `f` on b of contact j. */
+static rb_vec3 coupling(const struct rb_modes *w, int i, int j, rb_vec3 f)
+{
+	const struct rb_meet *x = &w->meet[i], *y = &w->meet[j];
+	rb_vec3 sum = {0, 0, 0};
+
+	if (rb_modes_place(w, y->b) >= 0) {
+		if (x->b == y->b)
+			sum = rb_vec3_add(sum, answer(w, y->b, y->arm_b, x->arm_b, f));
+		if (x->a == y->b)
+			sum = rb_vec3_sub(sum, answer(w, y->b, y->arm_b, x->arm_a, f));
+	}
+	if (rb_modes_place(w, y->a) >= 0) {
+		if (x->b == y->a)
+			sum = rb_vec3_sub(sum, answer(w, y->a, y->arm_a, x->arm_b, f));
+		if (x->a == y->a)
+			sum = rb_vec3_add(sum, answer(w, y->a, y->arm_a, x->arm_a, f));
+	}
+	return sum;
+}
+
+static bool share_a_body(const struct rb_meet *x, const struct rb_meet *y)
+{
+	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
+}
+
+static rb_vec3 point_acceleration(const struct rb_modes *w, int body, rb_vec3 arm, double t)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place >= 0)
+		return rb_vec3_add(w->linear[place], rb_vec3_cross(w->angular[place], arm));
+	return rb_vec3_add(rb_arc_acceleration(w->l, body, t),
+	                   rb_vec3_cross(rb_mechanics_turning(w->l, body, t), arm));
+}
+
+static double axis(rb_vec3 v, int k)
+{
+	return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
+/* The unknowns as the contact's last known force has them: its pressure, or all of it. */
+static double guess_of(const struct rb_modes *w, int contact, int k)
+{
+	const struct rb_held *held = &w->c->held[contact];
+
+	if (!held->slipping)
+		return axis(held->force, k);
+	return k == 0 ? rb_vec3_dot(held->force, w->meet[contact].normal) : 0;
+}
+
+/* What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the guess to the right. */
+static void fill_row(struct rb_modes *w, int i, int row, double t)
+{
+	const struct rb_cluster *c = w->c;
+	const struct rb_meet *m = &w->meet[i];
+	const int n = w->dense.n, rows = rb_modes_unknowns(&c->held[i]);
+	rb_vec3 free = rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                                       point_acceleration(w, m->a, m->arm_a, t)),
+	                           w->contact[i].bias);
+	int column = 0;
+
+	for (int j = 0; j < c->held_count; j++)
+		for (int k = 0; k < rb_modes_unknowns(&c->held[j]); k++, column++) {
+			rb_vec3 a = {0, 0, 0};
+
+			if (share_a_body(m, &w->meet[j])) {
+				a = coupling(w, i, j, unit_of(w, j, k));
+				free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
+			}
+			for (int r = 0; r < rows; r++)
+				w->dense.matrix[(row + r) * n + column] = asked_of(w, i, r, a);
+		}
+	for (int r = 0; r < rows; r++)
+		w->dense.right[row + r] = -asked_of(w, i, r, free);
+}
+
+/*
+ * Fills w->force; false: too many. Where the modes leave forces open (more contacts than freedoms), those that are nearest
+ * to what they were when the cluster was settled: accelerations do not depend on it.
+ */
+static bool solve_modes(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	int n = 0, row = 0;
+
+	for (int k = 0; k < c->held_count; k++)
+		n += rb_modes_unknowns(&c->held[k]);
+	if (n > RB_MODES_DENSE)
+		return false;
+	w->dense.n = n;
+	for (int i = 0; i < c->held_count; row += rb_modes_unknowns(&c->held[i]), i++)
+		fill_row(w, i, row, t);
+	rb_dense_solve(&w->dense);
+	row = 0;
+	for (int i = 0; i < c->held_count; i++) {
+		w->force[i] = (rb_vec3){0, 0, 0};
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+			w->force[i] = rb_vec3_add_scaled(w->force[i],
+			                                 guess_of(w, i, k) + w->dense.right[row],
+			                                 unit_of(w, i, k));
+	}
+	return true;
+}
+
+/* Slips that creep go where nothing is left across them. True: one has turned. */
+static bool turn_creeping(struct rb_modes *w)
+{
+	bool turned = false;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const rb_vec3 n = w->meet[k].normal;
+		struct rb_joint_contact *const c = &w->contact[k];
+		const double limit = c->friction * rb_vec3_dot(w->force[k], n);
+
+		if (!w->c->held[k].creeps || !(limit > 0))
+			continue;
+		const rb_vec3 across = aside(w, k);
+		const double off = rb_vec3_dot(w->force[k], across);
+		if (fabs(off) <= balanced_share * limit)
+			continue;
+		c->slip = rb_vec3_unit(
+			rb_vec3_add_scaled(rb_vec3_scale(limit, c->slip), -off, across), c->slip);
+		turned = true;
+	}
+	return turned;
+}
+
+bool rb_modes_solve(struct rb_modes *w, double t)
+{
+	for (int round = 0; round < TURNS; round++) {
+		if (!solve_modes(w, t))
+			return false;
+		if (!turn_creeping(w))
+			break;
+	}
+	return true;
+}
+
+static int joint_body(const struct rb_modes *w, struct rb_joint *joint, int body, double t)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place >= 0)
+		return place;
+	joint->body[joint->body_count] = rb_mechanics_fixed(w->l, body, t);
+	return joint->body_count++;
+}
+
+bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **found)
+{
+	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	struct rb_joint joint = {.arena = l->arena, .contact_count = c->held_count};
+
+	if (found)
+		*found = NULL;
+	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
+	                           sizeof *joint.body);
+	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
+	if (!joint.body || !joint.contact)
+		return false;
+	joint.body_count = c->member_count;
+	for (int k = 0; k < c->member_count; k++)
+		joint.body[k] = rb_mechanics_body(l, c->member[k], &w->pose[k], w->linear[k],
+		                                  w->angular[k]);
+	for (int k = 0; k < c->held_count; k++) {
+		joint.contact[k] = w->contact[k];
+		joint.contact[k].mode = c->held[k].slipping ? RB_JOINT_SLIDE : RB_JOINT_STICK;
+		joint.contact[k].a = joint_body(w, &joint, c->held[k].a, t);
+		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
+		joint.contact[k].impulse = c->held[k].force;
+	}
+	rb_joint_forces(&joint);
+	for (int k = 0; k < c->held_count; k++)
+		w->force[k] = joint.contact[k].impulse;
+	if (found)
+		*found = joint.body;
+	else
+		rb_arena_back(l->arena, here);
+	return true;
+}

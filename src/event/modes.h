@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Forces of a cluster's contacts, each in its mode: they stick, slip along a direction, or creep (rb_set_creep). An
+ * elimination for the forces that the modes ask for; where it is too large, the solver of event/together.
+ */
+#ifndef RB_EVENT_MODES_H
+#define RB_EVENT_MODES_H
+
+#include "event/mechanics.h"
+#include "math/dense.h"
+
+/* More unknowns are not eliminated. */
+enum { RB_MODES_DENSE = 1536 };
+
+/* One piece of a cluster under way. All arrays are in the arena; l->place is that of members. */
+struct rb_modes {
+	struct rb_located *l;
+	struct rb_cluster *c;
+	double origin_s;                  /* of the piece */
+	int row;                          /* values a member */
+	struct rb_pose *pose;             /* [member_count] */
+	rb_vec3 *base;                    /* [member_count]: where positions are counted from */
+	rb_vec3 *linear, *angular;        /* [member_count] */
+	struct rb_meet *meet;             /* [held_count] */
+	struct rb_joint_contact *contact; /* [held_count] */
+	rb_vec3 *force;                   /* [held_count]: N on b */
+	struct rb_dense dense;            /* for contacts in their modes */
+	bool slip_ends, hits;             /* why `broken` said so */
+	double force_most;                /* N: largest force at the beginning */
+	bool too_dense;                   /* for steps to do instead */
+	double doubt;                     /* N: what the modes at the beginning leave open */
+	double most; /* m/s^2: largest acceleration that forces are to balance */
+};
+
+static inline int rb_modes_place(const struct rb_modes *w, int body)
+{
+	return body < w->l->n ? w->l->place[body] : -1;
+}
+
+/* How many a contact has in its mode. */
+int rb_modes_unknowns(const struct rb_held *held);
+
+/* Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many unknowns. */
+bool rb_modes_solve(struct rb_modes *w, double t);
+
+/* Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies then move. */
+bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **found);
+
+#endif
