@@ -243,7 +243,6 @@ const int rb_option_row_count = sizeof rb_option_rows / sizeof *rb_option_rows;
 
 const char *const rb_later_verbs[] = {"export", NULL};
 const char *const rb_later_options[] = {NULL};
-static const char *const later_methods[] = {NULL};
 
 /* One command line being read. */
 struct parse {
@@ -332,10 +331,6 @@ static enum rb_status take_choice(struct parse *parse, const struct rb_option_ro
 		}
 		at = at[one] ? at + one + 2 : NULL;
 	}
-	if (strcmp(row->name, "method") == 0 && listed(later_methods, text, length))
-		return RB_FAIL(parse->err, RB_ERR_USAGE,
-		               "option '--method': '%s' is not in this version (it has: %s)", text,
-		               row->choices);
 	return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--%s': '%s' is not one of: %s", row->name,
 	               text, row->choices);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/solve.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -37,12 +38,14 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->local = rb_memory_take(n, sizeof *solver->local);
 	solver->reach = rb_memory_take(n, sizeof *solver->reach);
 	solver->pushed = rb_memory_take(n, 1);
+	solver->rests = rb_memory_take(n, 1);
+	solver->rest_pull = rb_memory_take(6 * n, sizeof *solver->rest_pull);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.tensor = solver->tensor;
 	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
-	    solver->member && solver->local && solver->reach && solver->pushed &&
-	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
+	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
+	    solver->rest_pull && (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
 		return RB_OK;
@@ -63,6 +66,8 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->local);
 	rb_memory_free(solver->reach);
 	rb_memory_free(solver->pushed);
+	rb_memory_free(solver->rests);
+	rb_memory_free(solver->rest_pull);
 	rb_memory_free(solver->island);
 	*solver = (struct rb_solver){0};
 }
@@ -387,6 +392,109 @@ static bool is_quiet(const struct rb_solver *solver, const struct rb_island *isl
 	return true;
 }
 
+/* ---- standing still ---- */
+
+static bool is_zero(const double *column, int i)
+{
+	const double *v = column ? column + 3 * (size_t)i : NULL;
+
+	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
+}
+
+static bool is_same(rb_vec3 now, const double *then, double h)
+{
+	const rb_vec3 was = rb_vec3_from(then), is = rb_vec3_scale(1 / h, now);
+
+	return rb_vec3_max_abs(rb_vec3_sub(is, was)) <= 16 * DBL_EPSILON * rb_vec3_max_abs(was);
+}
+
+/* The forces on it, whatever the rounding of the step's length. */
+static bool is_as_then(const struct rb_solver *solver, int i)
+{
+	const double *then = solver->rest_pull + 6 * (size_t)i;
+
+	return is_same(solver->free[i].linear, then, solver->h_s) &&
+	       is_same(solver->free[i].angular, then + 3, solver->h_s);
+}
+
+/* Whether anything that does not yield moves under or against the group. */
+static bool is_carried(const struct rb_dense *dense)
+{
+	for (int k = 0; k < dense->row_count; k++) {
+		const int ends[2] = {dense->row[k].a, dense->row[k].b};
+
+		for (int e = 0; e < 2; e++) {
+			const struct rb_dense_body *body = &dense->body[ends[e]];
+
+			if (body->inverse_mass == 0 && (rb_vec3_max_abs(body->linear) > 0 ||
+			                                rb_vec3_max_abs(body->angular) > 0))
+				return true;
+		}
+	}
+	return false;
+}
+
+static void stop(const struct rb_solver *solver, const struct rb_island *island)
+{
+	for (int k = 0; k < island->member_count; k++) {
+		struct rb_dense_body *body =
+			&solver->dense.body[solver->member[island->first_member + k]];
+
+		body->linear = body->angular = (rb_vec3){0, 0, 0};
+	}
+}
+
+/* Nothing has changed since the group was found to stand still: it would be found so again. */
+static bool still_rests(const struct rb_solver *solver, const struct rb_island *island,
+                        const struct rb_dense *dense)
+{
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		if (!solver->before || !solver->rests[i] || !is_zero(solver->before->velocity, i) ||
+		    !is_zero(solver->before->spin, i) || !is_as_then(solver, i))
+			return false;
+	}
+	return !is_carried(dense);
+}
+
+/*
+ * Solved closely, before the step and after it no faster than what solving closely leaves: it stands still. At that speed
+ * a body would take two million steps for the tolerance.
+ */
+static void find_rest(const struct rb_solver *solver, const struct rb_island *island,
+                      const struct rb_dense *dense)
+{
+	const double close = close_share * solver->enough, still = 16 * close;
+	bool rests = solver->before && island->residual <= close && !is_carried(dense);
+
+	for (int k = 0; rests && k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_dense_body *body = &solver->dense.body[i];
+		const double reach = solver->reach[i];
+		const size_t at = 3 * (size_t)i;
+
+		rests = rb_vec3_max_abs(body->linear) <= still &&
+		        rb_vec3_max_abs(body->angular) * reach <= still &&
+		        rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) <= still &&
+		        (!solver->before->spin ||
+		         rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * reach <= still);
+	}
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		solver->rests[i] = rests;
+		rb_vec3_to(solver->rest_pull + 6 * (size_t)i,
+		           rb_vec3_scale(1 / solver->h_s, solver->free[i].linear));
+		rb_vec3_to(solver->rest_pull + 6 * (size_t)i + 3,
+		           rb_vec3_scale(1 / solver->h_s, solver->free[i].angular));
+	}
+	if (rests)
+		stop(solver, island);
+}
+
+/* ---- choosing ---- */
+
 /* Masses so unequal that sweeps would take very many, and spoil the impulses to begin with. */
 static bool is_stiff(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -415,6 +523,11 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	bool good = false;
 
 	island->sweeps = island->factors = 0;
+	island->residual = 0;
+	if (still_rests(solver, island, &dense)) {
+		stop(solver, island);
+		return;
+	}
 	if ((team && !colour_rows(solver, island, &sweep, arena)) ||
 	    !rb_sweep_take(&sweep, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
@@ -433,6 +546,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (good && is_quiet(solver, island) && island->residual > close &&
 	    (stiff || !sweep_more(&sweep, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
+	find_rest(solver, island, &dense);
 }
 
 /* ---- all groups ---- */
@@ -496,12 +610,14 @@ static bool solve_all(struct work *work)
 }
 
 enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
-                              struct rb_points *points, double h, struct rb_error *err)
+                              const struct rb_state *before, struct rb_points *points, double h,
+                              struct rb_error *err)
 {
 	struct work work = {.solver = solver, .world = world};
 	enum rb_status status = RB_OK;
 
 	solver->h_s = h;
+	solver->before = before;
 	solver->enough = sweep_share * world->model->tolerance_m / h;
 	fill_bodies(solver, world);
 	join_all(solver, points);
@@ -622,6 +738,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	}
 	if (!any)
 		return RB_OK;
+	solver->before = NULL; /* who rebounds does not rest */
 	memcpy(solver->free, solver->dense.body,
 	       ((size_t)solver->body_count + 1) * sizeof *solver->free);
 	for (int k = 0; k < solver->dense.row_count; k++) {

@@ -30,9 +30,13 @@ struct rb_solver {
 	struct rb_dense_body *free;               /* owned */
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
 	double *reach;                            /* owned, m: as of the model */
-	unsigned char *pushed;    /* owned: a point of the last step's has an impulse on it */
+	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
+	unsigned char *rests;  /* owned: 1 where the body stands still */
+	double *rest_pull; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
 	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity;
+	const struct rb_state
+		*before;    /* borrowed: at the beginning of the step; NULL: positions are closed */
 	double h_s, enough; /* of the step; m/s */
 };
 
@@ -40,10 +44,13 @@ RB_CHECKED enum rb_status rb_solver_create(struct rb_solver *solver, const struc
                                            struct rb_error *err);
 void rb_solver_release(struct rb_solver *solver);
 
-/* Takes velocities with the step's forces from the world; solves; impulses go to the points. */
+/*
+ * Takes velocities with the step's forces from the world, those before it from `before`; solves; impulses go to the points.
+ * A group that stood still under the same forces is not solved again.
+ */
 RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
-                                         struct rb_points *points, double h_s,
-                                         struct rb_error *err);
+                                         const struct rb_state *before, struct rb_points *points,
+                                         double h_s, struct rb_error *err);
 
 /*
  * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points] receives the impulses on b,

@@ -168,7 +168,9 @@ static void move_block(void *user, int block, int worker)
 		rb_vec3_to(
 			world->state.position + 3 * (size_t)i,
 			rb_vec3_add_scaled(rb_world_row3(world->state.position, i), flow->h_s, v));
-		if (!world->state.spin || turn_freely(world, i, flow->h_s))
+		if (!world->state.spin ||
+		    rb_vec3_max_abs(rb_world_row3(world->state.spin, i)) == 0 ||
+		    turn_freely(world, i, flow->h_s))
 			continue;
 		pass.member = world->stepped->all + i;
 		flow->stage[0]->run(&pass);
@@ -215,7 +217,7 @@ static enum rb_status close_once(struct rb_world *world, struct rb_error *err)
 	for (size_t k = 0; k < s->closing.count; k++)
 		s->closing.row[k].friction = 0;
 	if (status == RB_OK)
-		status = rb_solver_step(&s->solver, world, &s->closing, 1, err);
+		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
 	if (status == RB_OK)
 		shift(world);
 	return status;
@@ -348,7 +350,7 @@ static enum rb_status attempt(struct rb_world *world, double start, double h,
 			status = rb_points_find(&s->points, world, &s->near, h, err);
 	}
 	if (status == RB_OK)
-		status = rb_solver_step(&s->solver, world, &s->points, h, err);
+		status = rb_solver_step(&s->solver, world, &world->mark, &s->points, h, err);
 	if (status == RB_OK && !rb_memory_reserve(&s->rebound, &s->rebound_capacity,
 	                                          s->points.count, sizeof *s->rebound))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
@@ -566,8 +568,10 @@ enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
 	double done = 0, h = dt;
 	int halvings = 0;
 
-	if (world->moved_by_hand)
+	if (world->moved_by_hand) {
 		world->stepped->near.valid = false;
+		memset(world->stepped->solver.rests, 0, (size_t)world->model->body_count);
+	}
 	world->moved_by_hand = false;
 	while (done < dt) {
 		struct outcome outcome;
@@ -638,6 +642,20 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 	rb_points_index(points, world->model);
 }
 
+static void pack_rests(struct rb_world *world, struct rb_pack *pack)
+{
+	struct rb_solver *solver = &world->stepped->solver;
+
+	for (int i = 0; i < world->model->body_count && !pack->failed; i++) {
+		bool rests = solver->rests[i];
+
+		rb_pack_bool(pack, &rests);
+		solver->rests[i] = rests;
+		if (rests)
+			rb_pack_finite(pack, solver->rest_pull + 6 * (size_t)i, 6);
+	}
+}
+
 void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 {
 	bool prepared = world->stepped != NULL;
@@ -651,4 +669,5 @@ void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 		return;
 	}
 	pack_pushes(world, pack);
+	pack_rests(world, pack);
 }
