@@ -146,7 +146,7 @@ static bool turn_freely(struct rb_world *world, int i, double h)
 	return true;
 }
 
-/* Bodies that something touches move at the velocities that were solved for; all others fly a parabola. */
+/* Bodies with points move at the velocities that were solved for; all others fly a parabola. */
 static void move_block(void *user, int block, int worker)
 {
 	const struct flow *flow = user;
@@ -162,7 +162,7 @@ static void move_block(void *user, int block, int worker)
 	for (int i = first; i < end; i++) {
 		rb_vec3 v = rb_world_row3(world->state.velocity, i);
 
-		if (!solver->pushed[i])
+		if (solver->island_of[i] < 0)
 			v = rb_vec3_scale(0.5,
 			                  rb_vec3_add(v, rb_world_row3(world->mark.velocity, i)));
 		rb_vec3_to(
