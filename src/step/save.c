@@ -51,9 +51,10 @@ static void pack_contacts(struct rb_world *world, struct rb_pack *pack)
 		rb_pack_finite(pack, &c->gap, 1);
 		rb_pack_finite(pack, &c->normal_force, 1);
 		pack_vector(pack, &c->tangent_force);
+		/* faces and edges touch at several points */
 		(void)rb_pack_check(pack,
 		                    c->a < c->b && (k == 0 || c[-1].a < c->a ||
-		                                    (c[-1].a == c->a && c[-1].b < c->b)),
+		                                    (c[-1].a == c->a && c[-1].b <= c->b)),
 		                    "contacts that are not in order");
 	}
 }
