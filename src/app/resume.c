@@ -214,8 +214,12 @@ static enum rb_status look(struct rb_resume *resume, const struct rb_loaded *loa
 		               "cannot write to '%s': the run that writes it goes on",
 		               loaded->output);
 	status = rb_checkpoint_read(&resume->checkpoint, &found, loaded->output, err);
+	snprintf(resume->started, sizeof resume->started, "%s", reading->started);
 	if (!status && found)
 		return judge(resume, loaded, reading, err);
+	/* a run that is killed early and often loses no frame that could be read */
+	if (!status && reading->frame_count > 0)
+		resume->kind = RB_RESUME_AGAIN;
 	if (!status)
 		rb_log(RB_LOG_NOTE, "'%s' has no checkpoint: from the beginning", loaded->output);
 	return status;

@@ -15,12 +15,14 @@
 
 enum rb_resume_kind {
 	RB_RESUME_NEW, /* there is nothing to go on from, or nobody wants to: from the beginning */
+	RB_RESUME_AGAIN, /* from the beginning, over what the recording has, which is the same */
 	RB_RESUME_GO_ON, /* from the checkpoint */
 	RB_RESUME_DONE   /* the recording is complete */
 };
 
 struct rb_resume {
 	enum rb_resume_kind kind;
+	char started[32];                /* AGAIN, GO_ON: of the recording */
 	struct rb_checkpoint checkpoint; /* GO_ON */
 };
 

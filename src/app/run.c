@@ -106,8 +106,8 @@ static enum rb_status begin(struct attempt *attempt, struct rb_listen **listen,
 	if (status || attempt->resume.kind == RB_RESUME_DONE)
 		return status;
 	status = prepare(attempt, options, err);
-	if (!status && attempt->resume.kind == RB_RESUME_GO_ON)
-		memcpy(attempt->info.started, attempt->resume.checkpoint.about.started,
+	if (!status && attempt->resume.kind != RB_RESUME_NEW)
+		memcpy(attempt->info.started, attempt->resume.started,
 		       sizeof attempt->info.started);
 	if (!status)
 		status = rb_listen_create(listen, options, attempt->loaded, &attempt->info, err);
@@ -152,7 +152,8 @@ static struct rb_simulate_parts parts_of(struct attempt *attempt, struct rb_list
 	return (struct rb_simulate_parts){
 		.films = attempt->films,
 		.listen = listen,
-		.resume = attempt->resume.kind == RB_RESUME_GO_ON ? &attempt->resume : NULL};
+		.resume = attempt->resume.kind == RB_RESUME_GO_ON ? &attempt->resume : NULL,
+		.again = attempt->resume.kind == RB_RESUME_AGAIN};
 }
 
 int rb_run_main(const struct rb_options *options)

@@ -32,6 +32,7 @@ struct run {
 	struct rb_films *films;              /* NULL: none */
 	struct rb_listen *listen;            /* NULL: none */
 	struct rb_resume *resume;            /* NULL: from the beginning */
+	bool again;                          /* ... over what the recording has */
 	struct rb_saving *saving;            /* NULL: it is not recorded */
 	enum rb_player_verdict verdict;      /* what commands have made of the run */
 	const struct rb_hdf5_module *module; /* NULL: no recording */
@@ -220,6 +221,10 @@ static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 		options.resume = true;
 		options.row_count = resume->checkpoint.about.row_count;
 		options.frame = resume->checkpoint.about.frame;
+	} else if (run->again) {
+		options.resume = true;
+		options.row_count = 1;
+		options.frame = 0;
 	}
 	const enum rb_status status = rb_module_hdf5(&run->module, err);
 
@@ -710,6 +715,7 @@ enum rb_status rb_simulate(struct rb_run_result *result, struct rb_loaded *loade
 	                  .films = parts->films,
 	                  .listen = parts->listen,
 	                  .resume = parts->resume,
+	                  .again = parts->again,
 	                  .result = result,
 	                  .start_ns = rb_clock_now_ns(),
 	                  .outcome = {.reason = ""}};

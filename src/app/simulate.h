@@ -84,6 +84,7 @@ struct rb_simulate_parts {
 	struct rb_films *films;   /* none are made */
 	struct rb_listen *listen; /* nobody commands the run */
 	struct rb_resume *resume; /* from the beginning */
+	bool again;               /* ... over what the recording has, from its first frame on */
 };
 
 /* The status is also in the result, which is to be released in any case. */

@@ -172,6 +172,36 @@ exits 0 gas.lua --resume -o none.h5 --json
 [ "$(value status)" = complete ] || fail "status $(value status)"
 [ "$(cksum <none.h5)" = "$before" ] || fail "a complete recording was touched"
 
+# Killed before there is a checkpoint, and again sooner: what could be read is not lost, though it is made again.
+sed 's/duration = 2,/duration = 60,/; $a on_frame(function() local x = 0 for i = 1, 3e4 do x = x + i end end)' script.lua |
+	grep -v '^expect("every' >early.lua
+exits 0 early.lua -q -o early.whole.h5
+trap 'kill -9 $pid 2>/dev/null' EXIT
+frames=0
+for enough in 150 20; do
+	"$RBSIM" early.lua -o early.h5 --resume --checkpoint-every 0 >out 2>err &
+	pid=$!
+	if [ $frames -eq 0 ]; then
+		until_true sh -c '[ "$("$RBSIM" info early.h5 --json 2>/dev/null | sed "s/.*\"frames\":\([0-9]*\).*/\1/")" -gt '$enough' ] 2>/dev/null'
+	else
+		until_true grep -q 'has no checkpoint: from the beginning' err
+		sleep 0.05
+	fi
+	kill -9 $pid
+	wait $pid 2>/dev/null
+	exits 0 info early.h5 --json
+	[ "$(value frames)" -ge $frames ] || fail "$frames frames stood there, now $(value frames)"
+	frames=$(value frames)
+	exits 1 diff early.whole.h5 early.h5
+	says out '^the same as far as both go'
+done
+exits 0 early.lua -q -o early.h5 --resume
+exits 0 diff early.whole.h5 early.h5
+for set in /observables/collisions/value /observables/kinetic_energy/value /rbsim/state_hash; do
+	h5dump -d $set early.h5 | grep -v '^HDF5' >early.set
+	h5dump -d $set early.whole.h5 | grep -v '^HDF5' | cmp - early.set || fail "$set differs"
+done
+
 long_scene >long.lua
 "$RBSIM" long.lua -o long.h5 -q >out 2>err &
 pid=$!
