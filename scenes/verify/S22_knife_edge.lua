@@ -39,7 +39,7 @@ if beside > 0 then
 		return math.abs((state.hit or 0) / falls - 1), 1e-5
 	end)
 	expect("it lies on its face, m", function()
-		return math.abs(verify.position(box).z - side / 2), 1e-10 + 8 * verify.rounding
+		return math.abs(verify.position(box).z - side / 2), 1e-8 * side + 8 * verify.rounding
 	end)
 	expect("it does not turn aside", function()
 		local _, y = verify.axes(box)
