@@ -1,4 +1,4 @@
--- A house of fourteen cards stands on nothing but friction; then a marble rolls up and one card has had enough.
+-- A house of fourteen cards stands on nothing but friction; then a steel ball rolls up and one card has had enough.
 -- Watch: nothing moves, not by a bit, until the marble comes; --param marble=false leaves the house alone.
 -- Expected end: the house has stood until it was hit; without the marble it stands as it was built.
 -- Cards lean by 30 degrees: feet and tops need mu >= tan(30 degrees) = 0.58 in the worst place, and get 0.7.
@@ -7,12 +7,12 @@ local mu = param("mu", 0.7, "friction of cards", {min = 0, max = 2})
 local levels = param("levels", 3, "of pairs", {min = 1, max = 8})
 local marble = param("marble", true, "a marble hits the house")
 local stack, palette = require "rbsim.stack", require "rbsim.palette"
-local g, length, v, radius = 9.81, 0.4, 1.2, 0.04
+local g, length, v, radius = 9.81, 0.4, 3, 0.04
 local hit = 1
 
-world { title = "A house of cards", duration = 2, frame_rate = 120, gravity = {0, 0, -g} }
+world { title = "A house of cards", duration = 2, frame_rate = 120, gravity = {0, 0, -g}, method = "stepped" }
 local paper = material { name = "card", density = 900, friction = mu, restitution = 0 }
-local glass = material { name = "marble", density = 2500, friction = 0.3, restitution = 0.3, color = palette.blue, shininess = 120 }
+local glass = material { name = "marble", density = 7800, friction = 0.3, restitution = 0.3, color = palette.blue, shininess = 120 }
 plane { name = "table", material = paper, color = {0.24, 0.36, 0.30}, texture = "none" }
 local cards = stack.bodies(stack.cards { levels = levels, length = length, width = 0.25, thickness = 0.004 },
 	function(i) return { material = paper, color = i % 2 == 0 and {0.93, 0.91, 0.86} or {0.80, 0.22, 0.20}, texture = "none" } end, "card")

@@ -2,14 +2,14 @@
 -- Watch: the wave finds its own speed within the first few tiles, and keeps it round the bends.
 -- Expected end: every tile has fallen, one after the other, none twice; impacts and friction have only taken energy.
 -- A tile leans on the next, slides down along it, and both lean on the one after: lasting contacts, not only impacts.
--- Try: --param spacing=0.035 (a slower wave), --param count=200, --param push=0.2 (too weak: the first one rocks back)
+-- Try: --param spacing=0.035 (a slower wave), --param count=200, --param push=0.02 (too weak: the first one rocks back)
 local count = param("count", 60, "tiles", {min = 2, max = 2000})
 local spacing = param("spacing", 0.018, "from face to face, m", {min = 0.005, max = 0.045})
-local push = param("push", 1.0, "on the upper edge of the first tile, for a twentieth of a second, N", {min = 0, max = 10})
+local push = param("push", 0.1, "on the upper edge of the first tile, for a twentieth of a second, N", {min = 0, max = 10})
 local palette, stack = require "rbsim.palette", require "rbsim.stack"
 local size, g = {0.008, 0.024, 0.048}, 9.81
 
-world { title = "Dominoes", duration = 0.6 + 0.045 * count, frame_rate = 120, gravity = {0, 0, -g} }
+world { title = "Dominoes", duration = 0.6 + 0.025 * count, frame_rate = 120, gravity = {0, 0, -g}, method = "stepped" }
 local ivory = material { name = "ivory", density = 1800, friction = 0.3, restitution = 0.2, shininess = 40 }
 plane { name = "floor", material = material { name = "table", friction = 0.5, color = {0.35, 0.42, 0.38} }, texture = "none" }
 

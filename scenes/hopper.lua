@@ -10,7 +10,7 @@ local seconds = param("seconds", 10.0, "simulated", {min = 0.05, max = 1000})
 local palette = require "rbsim.palette"
 local g, r, wide, steep = 9.81, 0.1, 5, deg(50)
 
-world { title = "A hopper with " .. n .. " bodies", duration = seconds, frame_rate = 60, gravity = {0, 0, -g}, seed = 11 }
+world { title = "A hopper with " .. n .. " bodies", duration = seconds, frame_rate = 60, gravity = {0, 0, -g}, method = "stepped", seed = 11 }
 local stone = material { name = "stone", density = 2000, friction = mu, restitution = 0 }
 local steel = material { name = "steel", friction = mu, restitution = 0, color = {0.60, 0.64, 0.68} }
 
