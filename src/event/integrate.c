@@ -168,7 +168,7 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 		return w->l->status != RB_OK
 		               ? w->l->status
 		               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for a cluster");
-	rb_located_count_unknowns(w->l, w->dense.n);
+	w->l->crowd += rb_located_cost(w->dense.n);
 	w->too_dense = w->l->crowd > w->l->crowd_most;
 	if (w->too_dense)
 		return RB_FAIL(err, RB_ERR_PHYSICS, "%d contacts together are too many to locate",
@@ -388,6 +388,11 @@ static double change_within(struct rb_modes *w, double *value)
 }
 
 /* ---- a piece ---- */
+
+size_t rb_integrate_room(int n)
+{
+	return (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
+}
 
 static bool room(struct rb_modes *w, int n, double **value, double **scale, double **scratch)
 {

@@ -154,9 +154,9 @@ static inline int rb_located_row(const struct rb_located *l)
  * Eliminating n unknowns costs as much as settling so many bodies: some n^3 / 3 products, of which the latter, with what it
  * calls, takes about 10^5. That is arithmetic, not a clock: the same on every machine.
  */
-static inline void rb_located_count_unknowns(struct rb_located *l, double unknowns)
+static inline uint64_t rb_located_cost(double unknowns)
 {
-	l->crowd += (uint64_t)fmin(unknowns * unknowns * unknowns / 3e5, 1e15);
+	return (uint64_t)fmin(unknowns * unknowns * unknowns / 3e5, 1e15);
 }
 
 static inline bool rb_located_driven(const struct rb_located *l, int i)

@@ -712,6 +712,28 @@ static bool stop_slow_slips(struct settling *s)
 	return any;
 }
 
+/*
+ * So many contacts that solving them once costs what a step may, between bodies that move, so that it will not be once:
+ * for steps to do. What stands is solved, and costs nothing from then on.
+ */
+static bool leaves_to_steps(const struct settling *s)
+{
+	const struct rb_located *l = s->l;
+
+	if (rb_located_cost(3.0 * s->meet_count) <= l->crowd_most)
+		return false;
+	for (int k = 0; k < l->set_count; k++) {
+		const double size = rb_model_reach(l->model, l->set[k]);
+		const double still = s->slack +
+		                     STILL_ULP * DBL_EPSILON * sqrt(2 * l->weight * size);
+
+		if (rb_vec3_max_abs(s->pose[k].velocity) > still ||
+		    rb_vec3_max_abs(s->pose[k].spin) * size > still)
+			return true;
+	}
+	return false;
+}
+
 void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 {
 	struct settling s = {.l = l, .t = t, .slack = slack, .struck = struck};
@@ -720,6 +742,13 @@ void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 
 	if (begin(&s)) {
 		keep_what_lasts(&s);
+		if (leaves_to_steps(&s)) {
+			l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+			                    "%d contacts together are too many to locate",
+			                    s.meet_count);
+			rb_arena_back(l->arena, here);
+			return;
+		}
 		forget_before(&s, &try_s);
 		pulls(&s);
 		bool solved = l->status == RB_OK && solve(&s);

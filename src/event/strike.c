@@ -443,7 +443,7 @@ static void strike(struct striking *s)
 
 	if (!rb_joint_impact(&s->joint, &rounds))
 		l->world->frame_counts.plastic_ends++;
-	rb_located_count_unknowns(l, cbrt(rounds) * 3 * s->meet_count);
+	l->crowd += (uint64_t)rounds * rb_located_cost(3.0 * s->meet_count);
 	if (s->meet_count > 0)
 		tell_impacts(s);
 	tell_ends(s);
