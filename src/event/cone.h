@@ -77,7 +77,13 @@ struct rb_cone {
 	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
 	bool gave_way; /* friction was less than the law says, because the law found no solution */
 	long iterations; /* products with the matrix, so far */
+	long most;       /* of them, after which it ends with what it has; 0: no limit */
 };
+
+static inline bool rb_cone_is_over(const struct rb_cone *cone)
+{
+	return cone->most > 0 && cone->iterations > cone->most;
+}
 
 /* False when memory is out. Bodies and rows are filled; may be called again after rows have changed their number. */
 bool rb_cone_open(struct rb_cone *cone);

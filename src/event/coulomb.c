@@ -371,6 +371,8 @@ static double relax(struct rb_cone *cone, bool convex, double enough, int rounds
 	int steps = FIRST_STEPS, stalled = 0;
 
 	for (int round = 0; round < rounds && left > enough && stalled < 4; round++) {
+		if (rb_cone_is_over(cone))
+			break;
 		left = walk(cone, steps, left, enough);
 		if (!(left > enough))
 			break;
@@ -420,7 +422,7 @@ static double give_way(struct rb_cone *cone, double enough, double scale)
 	cone->held = true;
 	for (int round = 0; round < 300; round++) {
 		left = relax(cone, true, enough, 200);
-		if (!hold(cone, true))
+		if (!hold(cone, true) || rb_cone_is_over(cone))
 			break;
 	}
 	if (left > failed_share * scale) {
@@ -442,6 +444,8 @@ double rb_cone_settle(struct rb_cone *cone, double scale)
 	cone->held = false;
 	double left = relax(cone, convex, enough, convex ? MOST_ROUNDS : 16);
 	for (int outer = 0; outer < 20 && !convex && left > 1e3 * enough; outer++) {
+		if (rb_cone_is_over(cone))
+			return left;
 		hold(cone, false);
 		cone->held = true;
 		relax(cone, true, fmax(enough, 1e-3 * left), 20);

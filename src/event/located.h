@@ -159,6 +159,17 @@ static inline uint64_t rb_located_cost(double unknowns)
 	return (uint64_t)fmin(unknowns * unknowns * unknowns / 3e5, 1e15);
 }
 
+/* The same for products of a vector with the matrix of so many contacts, of which 500 rows cost as much; 0: no limit. */
+enum { RB_LOCATED_ROWS = 500 };
+static inline long rb_located_products(const struct rb_located *l, int contacts)
+{
+	if (l->crowd_most == UINT64_MAX)
+		return 0;
+	const uint64_t left = l->crowd < l->crowd_most ? l->crowd_most - l->crowd : 0;
+
+	return 1 + (long)(left * RB_LOCATED_ROWS / (uint64_t)(contacts > 0 ? contacts : 1));
+}
+
 static inline bool rb_located_driven(const struct rb_located *l, int i)
 {
 	return i < l->n && l->model->driven && l->model->driven[i];

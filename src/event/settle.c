@@ -18,6 +18,7 @@ struct settling {
 	struct rb_located *l;
 	double t, slack;
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
+	bool moves;   /* some body of it does */
 	bool struck;  /* an impact has just happened */
 	struct rb_meet *meet; /* [meet_count], sorted by (a, b, parts, key) */
 	int meet_count;
@@ -262,6 +263,12 @@ static void find_loads(struct settling *s)
 	}
 }
 
+static void too_many(const struct settling *s)
+{
+	s->l->status = RB_FAIL(s->l->err, RB_ERR_PHYSICS,
+	                       "%d contacts together are too many to locate", s->meet_count);
+}
+
 static bool solve(struct settling *s)
 {
 	s->joint.arena = s->l->arena;
@@ -273,8 +280,16 @@ static bool solve(struct settling *s)
 	for (int k = 0; k < s->meet_count; k++)
 		joint_contact(s, k);
 	s->joint.contact_count = s->meet_count;
+	s->joint.products_most = s->moves ? rb_located_products(s->l, s->meet_count) : 0;
 	if (s->meet_count > 0)
 		rb_joint_forces(&s->joint);
+	if (s->moves)
+		s->l->crowd += (uint64_t)s->joint.products * (uint64_t)s->meet_count /
+		               RB_LOCATED_ROWS;
+	if (rb_joint_is_over(&s->joint)) {
+		too_many(s);
+		return false;
+	}
 	find_loads(s);
 	return true;
 }
@@ -712,16 +727,11 @@ static bool stop_slow_slips(struct settling *s)
 	return any;
 }
 
-/*
- * So many contacts that solving them once costs what a step may, between bodies that move, so that it will not be once:
- * for steps to do. What stands is solved, and costs nothing from then on.
- */
-static bool leaves_to_steps(const struct settling *s)
+/* What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon. */
+static bool is_moving(const struct settling *s)
 {
 	const struct rb_located *l = s->l;
 
-	if (rb_located_cost(3.0 * s->meet_count) <= l->crowd_most)
-		return false;
 	for (int k = 0; k < l->set_count; k++) {
 		const double size = rb_model_reach(l->model, l->set[k]);
 		const double still = s->slack +
@@ -742,10 +752,9 @@ void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 
 	if (begin(&s)) {
 		keep_what_lasts(&s);
-		if (leaves_to_steps(&s)) {
-			l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-			                    "%d contacts together are too many to locate",
-			                    s.meet_count);
+		s.moves = is_moving(&s);
+		if (s.moves && rb_located_cost(3.0 * s.meet_count) > l->crowd_most) {
+			too_many(&s);
 			rb_arena_back(l->arena, here);
 			return;
 		}

@@ -441,9 +441,16 @@ static void strike(struct striking *s)
 	struct rb_located *l = s->l;
 	int rounds = 0;
 
-	if (!rb_joint_impact(&s->joint, &rounds))
+	s->joint.products_most = rb_located_products(l, s->meet_count);
+	const bool settled = rb_joint_impact(&s->joint, &rounds);
+	l->crowd += (uint64_t)s->joint.products * (uint64_t)s->meet_count / RB_LOCATED_ROWS;
+	if (rb_joint_is_over(&s->joint)) {
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%d contacts together are too many to locate", s->meet_count);
+		return;
+	}
+	if (!settled)
 		l->world->frame_counts.plastic_ends++;
-	l->crowd += (uint64_t)rounds * rb_located_cost(3.0 * s->meet_count);
 	if (s->meet_count > 0)
 		tell_impacts(s);
 	tell_ends(s);

@@ -368,8 +368,10 @@ static bool take_rounds(struct rounds *all)
 	struct rb_joint *const joint = all->joint;
 	const size_t contacts = (size_t)joint->contact_count;
 
-	all->cone = (struct rb_cone){
-		.body = joint->body, .body_count = joint->body_count, .arena = joint->arena};
+	all->cone = (struct rb_cone){.body = joint->body,
+	                             .body_count = joint->body_count,
+	                             .arena = joint->arena,
+	                             .most = joint->products_most};
 	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
 	all->contact = rb_arena_take(joint->arena, contacts, sizeof *all->contact);
 	all->crowd = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->crowd);
@@ -394,7 +396,7 @@ bool rb_joint_impact(struct rb_joint *joint, int *rounds)
 
 		if (last)
 			memset(all.active, 1, (size_t)joint->contact_count * sizeof *all.active);
-		if (!run_round(&all, !last))
+		if (!run_round(&all, !last) || rb_cone_is_over(&all.cone))
 			settled = false;
 		round++;
 		if (last) {
@@ -402,6 +404,7 @@ bool rb_joint_impact(struct rb_joint *joint, int *rounds)
 			break;
 		}
 	}
+	joint->products = all.cone.iterations;
 	if (rounds)
 		*rounds = round;
 	rb_arena_back(joint->arena, here);
@@ -440,7 +443,8 @@ double rb_joint_forces(struct rb_joint *joint)
 	struct rb_cone cone = {.body = joint->body,
 	                       .body_count = joint->body_count,
 	                       .row_count = joint->contact_count,
-	                       .arena = joint->arena};
+	                       .arena = joint->arena,
+	                       .most = joint->products_most};
 	rb_cone_pair *const guess = rb_arena_take(joint->arena, contacts, sizeof *guess);
 	double scale = 0;
 
@@ -456,6 +460,7 @@ double rb_joint_forces(struct rb_joint *joint)
 		                         rb_vec3_length(joint->contact[k].bias)));
 	rb_cone_push(&cone, guess);
 	const double left = rb_cone_settle(&cone, scale);
+	joint->products = cone.iterations;
 	for (size_t k = 0; k < contacts; k++) {
 		struct rb_joint_contact *const c = &joint->contact[k];
 		const struct rb_cone_row *const row = &cone.row[k];
