@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/modes.h"
 
+#include <string.h>
+
 enum { TURNS = 6 };
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
@@ -13,13 +15,13 @@ int rb_modes_unknowns(const struct rb_held *held)
 }
 
 /* Across normal and slip. */
-static rb_vec3 aside(const struct rb_modes *w, int contact)
+static inline rb_vec3 aside(const struct rb_modes *w, int contact)
 {
 	return rb_vec3_cross(w->meet[contact].normal, w->contact[contact].slip);
 }
 
 /* Of the relative acceleration, what the k-th unknown of a contact is to make zero. */
-static double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
+static inline double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
 {
 	if (!w->c->held[contact].slipping)
 		return k == 0 ? a.x : k == 1 ? a.y : a.z;
@@ -30,7 +32,7 @@ static double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
  * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis; of a slip that
  * creeps, across it.
  */
-static rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
+static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 {
 	const struct rb_held *held = &w->c->held[contact];
 	const struct rb_meet *m = &w->meet[contact];
@@ -69,7 +71,7 @@ static rb_vec3 coupling(const struct rb_modes *w, int i, int j, rb_vec3 f)
 	return sum;
 }
 
-static bool share_a_body(const struct rb_meet *x, const struct rb_meet *y)
+static inline bool share_a_body(const struct rb_meet *x, const struct rb_meet *y)
 {
 	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
 }
@@ -90,7 +92,7 @@ static double axis(rb_vec3 v, int k)
 }
 
 /* The unknowns as the contact's last known force has them: its pressure, or all of it. */
-static double guess_of(const struct rb_modes *w, int contact, int k)
+static inline double guess_of(const struct rb_modes *w, int contact, int k)
 {
 	const struct rb_held *held = &w->c->held[contact];
 
@@ -110,17 +112,20 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 	                           w->contact[i].bias);
 	int column = 0;
 
-	for (int j = 0; j < c->held_count; j++)
-		for (int k = 0; k < rb_modes_unknowns(&c->held[j]); k++, column++) {
-			rb_vec3 a = {0, 0, 0};
+	for (int r = 0; r < rows; r++)
+		memset(w->dense.matrix + (row + r) * n, 0, (size_t)n * sizeof(double));
+	for (int j = 0; j < c->held_count; j++) {
+		const int unknowns = rb_modes_unknowns(&c->held[j]);
 
-			if (share_a_body(m, &w->meet[j])) {
-				a = coupling(w, i, j, unit_of(w, j, k));
-				free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
-			}
+		for (int k = 0; k < unknowns && share_a_body(m, &w->meet[j]); k++) {
+			const rb_vec3 a = coupling(w, i, j, unit_of(w, j, k));
+
+			free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
 			for (int r = 0; r < rows; r++)
-				w->dense.matrix[(row + r) * n + column] = asked_of(w, i, r, a);
+				w->dense.matrix[(row + r) * n + column + k] = asked_of(w, i, r, a);
 		}
+		column += unknowns;
+	}
 	for (int r = 0; r < rows; r++)
 		w->dense.right[row + r] = -asked_of(w, i, r, free);
 }

@@ -94,7 +94,7 @@ bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
 
 bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m)
 {
-	return m->inside < -beyond_end * rb_meet_size(l, m);
+	return m->inside < 0 && m->inside < -beyond_end * rb_meet_size(l, m);
 }
 
 double rb_set_creep(const struct rb_located *l, const struct rb_meet *m)
