@@ -92,7 +92,32 @@ static void stepped(struct lab *lab)
 	lab->scene.world.method = RB_METHOD_STEPPED;
 }
 
-static lay_out *const recipes[] = {gas, stack, classic, classic_global, stepped};
+/* A stack that stands, one box that slides and tips, one that tumbles: several points a pair, under the integrator. */
+static void boxes(struct lab *lab)
+{
+	lab_open_located(lab, 0.9, 10);
+	lab_surface(lab, 0.4, 0.2);
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_plane(lab, none, up);
+	for (int k = 0; k < 4; k++) {
+		struct rb_body_def def = rb_body_def_default();
+
+		def.call = "box";
+		def.shape.kind = RB_SHAPE_BOX;
+		def.shape.size[0] = def.shape.size[1] = 0.5;
+		def.shape.size[2] = k == 2 ? 0.8 : 0.4;
+		def.mass = 1;
+		def.position = (rb_vec3){k < 2 ? 0 : 2.0 * k, 0.03 * k, k == 1 ? 0.6 : 0.2};
+		if (k >= 2) {
+			def.position.z = k == 2 ? 0.4 : 0.7;
+			def.velocity = (rb_vec3){2, 0.3, 0};
+			def.angular_velocity = (rb_vec3){0, k == 2 ? 0 : 4, 0.5};
+		}
+		lab_add(lab, &def);
+	}
+}
+
+static lay_out *const recipes[] = {gas, stack, boxes, classic, classic_global, stepped};
 enum { RECIPE_COUNT = sizeof recipes / sizeof *recipes };
 
 /* ---- running ---- */
