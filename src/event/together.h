@@ -43,7 +43,6 @@ struct rb_joint {
 	struct rb_joint_contact *contact;
 	int contact_count;
 	struct rb_arena *arena; /* scratch, given back */
-	bool direct;   /* elimination may be used: fast for many contacts, but not free of order */
 	long products; /* out: of vectors with the problem's matrix, each once through all contacts */
 	long products_most; /* of them, beyond which what is found is of no use; 0: no limit */
 };
