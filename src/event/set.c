@@ -137,6 +137,9 @@ bool rb_set_lasting(const struct rb_located *l, const struct rb_meet *m, double 
 	return m->gap <= rb_meet_band(l, m, t) && rate <= still && (!l->starting || rate >= -still);
 }
 
+/* Share of the size that a held point may be off touching. */
+static const double drifted = 1e-9;
+
 struct pairs {
 	double t, slack;
 	rb_set_joins *joins;
@@ -164,6 +167,20 @@ static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_meet
 	pairs->row[pairs->count++] = *m;
 }
 
+/* m: by how much the held points of a pair are off touching; integrating leaves some roundings. */
+static double drift_of(const struct rb_located *l, const struct rb_held *first,
+                       const struct rb_held *end, double t)
+{
+	double drift = 0;
+
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_meet m = rb_set_meet(l, h, t);
+
+		drift = fmax(drift, fmin(2 * fabs(m.gap), drifted * rb_meet_size(l, &m)));
+	}
+	return drift;
+}
+
 /* The points of a pair that may have several: those that are held, and whatever else touches. */
 static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int b, bool come)
 {
@@ -171,8 +188,12 @@ static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int
 	const struct rb_held *const first = rb_set_held(l, a, b);
 	const struct rb_held *const end = first ? rb_set_held_end(l, first) : NULL;
 	const int before = pairs->count;
-	int count = rb_meet_all(l, a, b, pairs->t, 0, all);
+	const double drift = drift_of(l, first, end, pairs->t);
+	int count = rb_meet_all(l, a, b, pairs->t, drift, all);
 
+	/* what is no farther than those that are held touches as they do */
+	for (int k = 0; k < count && drift > 0; k++)
+		all[k].gap = fmin(all[k].gap, 0);
 	for (const struct rb_held *h = first; h < end; h++) {
 		const struct rb_meet m = rb_set_meet(l, h, pairs->t);
 		int left = 0;
