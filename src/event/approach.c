@@ -567,7 +567,11 @@ static double settled(const struct course *c, double from, double until)
 	for (int k = 0; k < count; k++) {
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
 
-		if (rate < -c->noise)
+		/* one that hardly closes falls by what accelerates it */
+		if (rate < -c->noise && all[k].gap > 0)
+			sooner = fmin(sooner, falls_after(all[k].gap, rate,
+			                                  -(c->pull_most + c->bend_a + c->bend_b)));
+		else if (rate < -c->noise)
 			sooner = fmin(sooner, all[k].gap / -rate);
 	}
 	/* not back to where it has just rebounded */
