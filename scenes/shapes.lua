@@ -1,7 +1,7 @@
 -- One of each shape tumbles weightless over a floor: box, capsule, cylinder, hull, and rigid unions of them.
 -- Watch: long and flat ones wobble as they turn; each keeps its own angular momentum.
 -- Expected end: all are where they were, turned; momentum, energy and angular momentum are as at the start.
--- Patterns lie on the surfaces of bodies and turn with them. Boxes and such have no contacts in this version.
+-- Patterns lie on the surfaces of bodies and turn with them. Here they collide with nothing.
 -- Try: --param spin=6, or rbsim render shapes.h5 --frame 100 -o shapes.png --size 1920x1080
 local palette = require "rbsim.palette"
 local spin = param("spin", 2, "angular speed, rad/s", {min = 0, max = 20})

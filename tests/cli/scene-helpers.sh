@@ -44,6 +44,25 @@ assert(box["-x"].point {0, 0, 0} == vec3(-50, 0, 50) and not box["+z"])
 local row = chain.row { count = 5, from = {-20, 0, 5}, direction = {0, 2, 0}, keys = { radius = 5 * u.cm } }
 assert((row[5].position - {-20, 0.4, 5}):length() < 1e-12)
 
+local stack = require "rbsim.stack"
+local tower = stack.tower { count = 3, size = {1, 1, 0.5}, at = {0, 0, 2} }
+assert(#tower == 3 and tower[3].position == vec3(0, 0, 3.25))
+local pyramid = stack.pyramid { rows = 3, size = {1, 1, 1}, gap = 0.25 }
+assert(#pyramid == 6 and pyramid[4].position == vec3(-0.625, 0, 1.5) and pyramid[4].row == 2)
+local arch = stack.arch { stones = 5, radius = 1, thickness = 0.3, width = 0.5 }
+assert(#arch == 5 and #arch[1].points == 8)
+for i = 1, 4 do assert(arch[1].points[i][3] == 0 and arch[5].points[4 + i][3] == 0) end
+local cards = stack.cards { levels = 2, length = 0.4, width = 0.25, thickness = 0.004 }
+assert(#cards == 7)
+local row_of_tiles = stack.dominoes { count = 4, size = {0.01, 0.02, 0.05}, spacing = 0.01, turn = deg(30) }
+assert(#row_of_tiles == 4 and math.abs(row_of_tiles[4].heading - deg(90)) < 1e-12)
+assert(math.abs((row_of_tiles[2].position - row_of_tiles[1].position):length() - 0.02) < 1e-12)
+local kapla = stack.kapla { floors = 2 }
+assert(#kapla == 34 and math.abs(kapla[34].position.z - 0.525) < 1e-12)
+local built = stack.bodies(tower, function(i) return { mass = i, collides_with = {} } end, "tower")
+assert(built[2].name == "tower_2" and built[2].mass == 2)
+stack.bodies(arch, { collides_with = {}, position = {0, 0, 0} }, "wedge")
+
 camera { position = path.orbit { center = {0, 0, 1}, radius = 5, period = 20 }, look_at = heap[1] }
 assert((path.orbit { radius = 1, period = 4 }(1) - {0, 1, 0}):length() < 1e-12)
 assert(path.line { from = {0, 0, 0}, to = {1, 0, 0}, duration = 2 }(1) == vec3(0.5, 0, 0))
@@ -67,6 +86,7 @@ bad 'require "rbsim.lattice".gas { count = 500, radius = 0.4, size = {2, 2, 2} }
 bad 'require "rbsim.pile".spheres { count = 3, keys = {}, hight = 3 }' "pile.spheres: unknown option 'hight' (there are above"
 bad 'require "rbsim.pile".spheres { count = 3, keys = { radius = -1 } }' "pile.spheres: 'keys.radius' must be a positive number (got -1)"
 bad 'require "rbsim.wall".box { size = {1, 1, 1}, open = "+w" }' "wall.box: '+w' is no side of a box"
+bad 'require "rbsim.stack".tower { count = 2 }' "stack.tower: option 'size' is missing"
 bad 'require "rbsim.chain".row { count = 2.5, keys = { radius = 1 } }' "chain.row: 'count' must be a whole number"
 bad 'require "rbsim.path".through { {0, {0, 0, 0}}, {0, {1, 0, 0}} }' 'path.through: times must grow'
 bad 'return require "rbsim.units".furlong' "units: no unit 'furlong'"
