@@ -8,7 +8,7 @@ local w = math.sqrt(strong * mu * g / amplitude)
 local duration = 4 * 2 * math.pi / w
 
 verify.case { title = "A shaken floor", duration = duration, gravity = {0, 0, -g}, time_step = {0.01, 1e-3, 0.1},
-	frame_rate = {60, 10, 100}, quick = "more" }
+	frame_rate = {60, 10, 100}, quick = "base" }
 local stuff = material { name = "stuff", friction = mu, restitution = 0 }
 local function floor_at(t) return amplitude * math.sin(w * t) end
 local function floor_speed(t) return amplitude * w * math.cos(w * t) end

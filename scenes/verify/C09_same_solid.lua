@@ -6,7 +6,7 @@ local part = param("part", "corner", "how it lands", {choices = {"corner", "edge
 local g, half = 9.81, vec3(0.2, 0.15, 0.1)
 
 verify.case { title = "The same solid", duration = part == "flat" and 5 or 0.6, gravity = {0, 0, -g}, time_step = {0.01, 1e-3, 0.1},
-	frame_rate = {60, 10, 100}, quick = "more" }
+	frame_rate = {60, 10, 100}, quick = "base" }
 local stuff = material { name = "stuff", density = 1000, friction = 0.4, restitution = part == "flat" and 0 or 0.5 }
 local corners, more = {}, {}
 for k = 0, 7 do

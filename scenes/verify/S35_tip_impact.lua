@@ -6,7 +6,7 @@ local shape = param("shape", "needle", "what falls", {choices = {"needle", "foil
 local e = param("e", 0.5, "restitution", {choices = {0.5, 0.0, 1.0}})
 local v, gap, m = 1, 0.1, 2
 
-verify.case { title = "Impact at a tip", duration = 0.12, time_step = {0.01, 1e-3, 0.1}, frame_rate = {100, 10, 60}, quick = "more" }
+verify.case { title = "Impact at a tip", duration = 0.12, time_step = {0.01, 1e-3, 0.1}, frame_rate = {100, 10, 60}, quick = "base" }
 local stuff = material { name = "stuff", friction = 0, restitution = e }
 verify.plane { material = stuff }
 
