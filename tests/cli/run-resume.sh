@@ -101,6 +101,20 @@ end
 END
 interrupted dense.lua 3
 
+# faces and edges that touch at several points, located and stepped
+cat >boxes.lua <<'END'
+world { duration = 1.2, gravity = {0, 0, -9.81}, frame_rate = 40 }
+local m = material { name = "m", density = 1000, friction = 0.5, restitution = 0.2 }
+plane { normal = {0, 0, 1}, material = m }
+for i = 0, 2 do box { size = {0.2, 0.2, 0.2}, position = {0.01 * i, 0, 0.1 + 0.201 * i}, material = m } end
+capsule { radius = 0.08, length = 0.3, position = {0.8, 0, 0.4}, velocity = {-0.5, 0, 0}, angular_velocity = {1, 2, 3}, material = m }
+cylinder { radius = 0.1, length = 0.2, position = {-0.8, 0.1, 0.5}, angular_velocity = {3, 0.2, 1}, material = m }
+record { fields = {"position", "orientation", "velocity", "angular_velocity", "events", "contacts"} }
+END
+interrupted boxes.lua 4
+interrupted boxes.lua 3 --method stepped
+interrupted dense.lua 2 --method stepped
+
 # callbacks that push, remember and draw numbers; what they have seen is an expectation
 cat >script.lua <<'END'
 world { duration = 2, gravity = {0, 0, -9.81}, frame_rate = 50, seed = 7 }

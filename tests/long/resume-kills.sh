@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Runs that are killed at random moments, KILLS in all (500), over scenes of six kinds, and sweeps, whose runs or which
+# Runs that are killed at random moments, KILLS in all (500), over scenes of seven kinds, and sweeps, whose runs or which
 # themselves are. After each kill: every frame that stands in the recording is that of a run that was left alone, and none
 # is lost that stood there before. Each is gone on with until it is whole: recording and films are the same to the bit.
 . tests/cli/functions
@@ -87,10 +87,21 @@ for i = 0, 5 do
 end
 field(function(t, x, v) return {-2 * x.x, -2 * x.y, -2 * x.z} end)
 END
+# boxes, a capsule and a cylinder that fall on a floor and each other
+cat >convex.lua <<'END'
+world { duration = 1.2, gravity = {0, 0, -9.81}, frame_rate = 100 }
+local m = material { name = "m", density = 1000, friction = 0.5, restitution = 0.2 }
+plane { normal = {0, 0, 1}, material = m }
+for k = 0, 1 do
+	for i = 0, 2 do box { size = {0.2, 0.2, 0.2}, position = {0.01 * i, k, 0.1 + 0.201 * i}, material = m } end
+	capsule { radius = 0.08, length = 0.3, position = {0.8, k, 0.4}, velocity = {-0.5, 0, 0}, angular_velocity = {1, 2, 3}, material = m }
+	cylinder { radius = 0.1, length = 0.2, position = {-0.8, k + 0.1, 0.5}, angular_velocity = {3, 0.2, 1}, material = m }
+end
+END
 
 pid=''
 trap '[ -n "$pid" ] && kill -9 $pid 2>/dev/null' EXIT
-scenes='located dense callbacks film forces springs'
+scenes='located dense callbacks film forces springs convex'
 for scene in $scenes; do
 	mkdir $scene.whole
 	(cd $scene.whole && "$RBSIM" ../$scene.lua -o r.h5 -q >../out 2>../err) || fail "$scene: the whole run failed"
