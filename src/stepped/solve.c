@@ -647,7 +647,8 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 /* Whether restitution of this point shows beyond what the tolerance lets be. */
 static bool rebounds(const struct rb_solver *solver, const struct rb_point *point)
 {
-	return point->push > 0 && point->restitution * point->approach > solver->enough;
+	return point->push > 0 &&
+	       (solver->hands_over || point->restitution * point->approach > solver->enough);
 }
 
 /* Twice the kinetic energy of two states of a body's motion taken together, J. */
@@ -752,7 +753,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		/* what has not touched stays apart; what has, does not close faster than it was left to */
 		row->leave = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
 		if (rebounds(solver, point))
-			row->leave = point->restitution * point->approach;
+			row->leave = fmax(0, point->restitution * point->approach);
 		row->push = 0;
 		row->rub = (rb_vec3){0, 0, 0};
 	}

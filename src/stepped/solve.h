@@ -38,6 +38,7 @@ struct rb_solver {
 	const struct rb_state
 		*before;    /* borrowed: at the beginning of the step; NULL: positions are closed */
 	double h_s, enough; /* of the step; m/s */
+	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };
 
 RB_CHECKED enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,

@@ -358,6 +358,7 @@ static enum rb_status attempt(struct rb_world *world, double start, double h,
 		return status;
 	move(world, h);
 	memset(s->rebound, 0, s->points.count * sizeof *s->rebound);
+	s->solver.hands_over = world->located && world->dense_left == 1;
 	status = rb_solver_rebound(&s->solver, world, &s->points, s->rebound, err);
 	outcome->residual = count_work(world, h);
 	return status == RB_OK ? judge(world, h, outcome, err) : status;
