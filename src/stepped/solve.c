@@ -376,11 +376,18 @@ static bool sweep_more(struct rb_sweep *sweep, struct rb_island *island, double 
 	return result.residual <= enough;
 }
 
-/* Whether nothing in the group moves by much more than the tolerance in a step. */
+/* Whether nothing in the group moves by much more than the tolerance in a step, nor faster than its forces make it in one. */
 static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island)
 {
-	const double most = 4 * solver->enough / sweep_share;
+	double most = 4 * solver->enough / sweep_share, pull = 0;
 
+	for (int k = 0; solver->before && k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const rb_vec3 v = rb_vec3_from(solver->before->velocity + 3 * (size_t)i);
+
+		pull = fmax(pull, rb_vec3_max_abs(rb_vec3_sub(solver->free[i].linear, v)));
+	}
+	most = fmin(most, pull);
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 		const struct rb_dense_body *body = &solver->dense.body[i];
