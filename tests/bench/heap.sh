@@ -21,26 +21,31 @@ for e in 0 0.5; do
 	result "heap of 100, e = $e" "time" "$(calc "$(value wall_time)")" s
 done
 
-# pile SHAPE SIDE LAYERS THREADS: the stepped method on a falling lattice; nanoseconds for each body and step
+# pile SHAPE SIDE LAYERS THREADS TOLERANCE: the stepped method on a falling lattice; nanoseconds for each body and step,
+# over the tolerance in radii
 pile()
 {
 	run "$BENCH_SCENES/pile.lua" --method stepped --param shape="$1" --param side="$2" --param layers="$3" \
-		--no-record --threads "$4" || [ -s out ] || return 0
-	name="pile of $(value bodies), $1, $4 thread(s)"
+		--tolerance "$(calc "0.5 * $5")" --no-record --threads "$4" || [ -s out ] || return 0
+	name="pile of $(value bodies), $1, $4 thread(s), tolerance $5 r"
 	result "$name" "status" "$(value status)" ""
 	result "$name" "time per body-step" "$(calc "1e9 * $(value wall_time) / $(value body_steps)")" ns
-	result "$name" "largest overlap over r" "$(calc "$(value max_penetration) / 0.5")" "" 1e-6
+	result "$name" "largest overlap over r" "$(calc "$(value max_penetration) / 0.5")" "" "$5"
 	result "$name" "sweeps of each contact" "$(calc "$(value row_sweeps) / $(value contact_rows)")" ""
 	result "$name" "factorizations" "$(value factorizations)" ""
 	result "$name" "residual over the tolerance" "$(calc "$(value residual) / $(value tolerance)")" "" 1
 }
 
-pile sphere 10 10 1
-pile sphere 10 10 2
-pile box 5 8 1
+for tolerance in 1e-2 1e-3 1e-4 1e-5 1e-6; do
+	pile sphere 10 10 1 $tolerance
+	pile box 5 8 1 $tolerance
+done
+pile sphere 10 10 2 1e-2
+pile sphere 32 10 1 1e-2
+pile sphere 32 10 2 1e-2
 # the same height on a floor that grows: how the time grows with the number of bodies
 for side in 8 16 32; do
-	pile sphere $side 4 1
+	pile sphere $side 4 1 1e-2
 	echo "$(value bodies) $(value wall_time)" >>growth
 done
 result "piles of 4 layers" "exponent of growth" "$(fit growth)" "" 1.1
