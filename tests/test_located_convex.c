@@ -340,6 +340,33 @@ static void a_ball_meets_every_feature_of_a_box(void **slot)
 	}
 }
 
+/* Corners that hardly leave and hardly touch: what rounding leaves of them once let the slab sink. */
+static void a_slab_that_is_hit_clatters_without_overlap(void **slot)
+{
+	struct bench bench;
+
+	(void)slot;
+	bench_open(&bench, 1.3, 60);
+	lab_surface(&bench.lab, 0.5, 0.4);
+	lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	struct rb_body_def box = solid_def(RB_SHAPE_BOX, 0.3, 0.2, 0.4);
+	box.mass = 24;
+	box.position.z = 1;
+	box.orientation = rb_quat_from_turn(
+		rb_vec3_scale(0.7 / sqrt(1.13), (rb_vec3){1, 0.3, 0.2}));
+	lab_add(&bench.lab, &box);
+	struct rb_body_def slab = solid_def(RB_SHAPE_BOX, 1, 1, 0.2);
+	slab.mass = 200;
+	slab.position.z = 0.1;
+	lab_add(&bench.lab, &slab);
+	lab_sphere(&bench.lab, 0.1, 4, (rb_vec3){0.3, 0, 2}, (rb_vec3){0, 0, 0});
+	bench_seal(&bench);
+	/* a step fails where bodies overlap by more than the tolerance */
+	while (rb_world_time(bench.lab.world) < 0.95)
+		lab_step(&bench.lab);
+	bench_close(&bench);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -352,6 +379,7 @@ int main(void)
 		cmocka_unit_test(what_follows_random_impacts_gains_none_either),
 		cmocka_unit_test(edges_that_cross_exchange_velocities),
 		cmocka_unit_test(a_ball_meets_every_feature_of_a_box),
+		cmocka_unit_test(a_slab_that_is_hit_clatters_without_overlap),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
