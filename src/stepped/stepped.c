@@ -352,7 +352,7 @@ static enum rb_status attempt(struct rb_world *world, double start, double h,
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, &world->mark, &s->points, h, err);
 	if (status == RB_OK && !rb_memory_reserve(&s->rebound, &s->rebound_capacity,
-	                                          s->points.count, sizeof *s->rebound))
+	                                          s->points.count + 1, sizeof *s->rebound))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	if (status != RB_OK)
 		return status;
