@@ -5,7 +5,7 @@
 -- Try: --param marbles=12, --param slope=0.2, --param e=0.5
 local count = param("marbles", 5, "how many", {min = 1, max = 40})
 local slope = param("slope", 0.12, "of the troughs, rad", {min = 0.02, max = 0.4})
-local e = param("e", 0.3, "restitution", {min = 0, max = 0.9})
+local e = param("e", 0.2, "restitution", {min = 0, max = 0.9})
 local palette = require "rbsim.palette"
 local g, r, long, wide, thick, levels = 9.81, 0.025, 1.2, 0.14, 0.01, 4
 
@@ -21,8 +21,8 @@ local function trough(name, keys)
 	keys.name, keys.static, keys.material, keys.texture = name, true, wood, "none"
 	keys.shapes = {
 		{ shape = "box", size = {long, wide, thick} },
-		{ shape = "box", size = {long, thick, 0.05}, position = {0, wide / 2 - thick / 2, 0.03} },
-		{ shape = "box", size = {long, thick, 0.05}, position = {0, thick / 2 - wide / 2, 0.03} },
+		{ shape = "box", size = {long, thick, 0.09}, position = {0, wide / 2 - thick / 2, 0.05} },
+		{ shape = "box", size = {long, thick, 0.09}, position = {0, thick / 2 - wide / 2, 0.05} },
 		{ shape = "box", size = {thick, wide, 0.16}, position = {-long / 2 - thick / 2, 0, 0.075} } }
 	return body(keys)
 end
@@ -39,8 +39,8 @@ end
 local last = levels % 2 == 1 and 1 or -1
 local tray = vec3(last * (long / 2 + 0.15), 0, 0)
 body { name = "tray", static = true, material = wood, texture = "none", position = tray, shapes = {
-	{ shape = "box", size = {0.5, 0.01, 0.1}, position = {0, 0.205, 0.05} }, { shape = "box", size = {0.5, 0.01, 0.1}, position = {0, -0.205, 0.05} },
-	{ shape = "box", size = {0.01, 0.4, 0.1}, position = {0.245, 0, 0.05} }, { shape = "box", size = {0.01, 0.4, 0.1}, position = {-0.245, 0, 0.05} } } }
+	{ shape = "box", size = {0.5, 0.01, 0.14}, position = {0, 0.205, 0.07} }, { shape = "box", size = {0.5, 0.01, 0.14}, position = {0, -0.205, 0.07} },
+	{ shape = "box", size = {0.01, 0.4, 0.14}, position = {0.245, 0, 0.07} }, { shape = "box", size = {0.01, 0.4, 0.14}, position = {-0.245, 0, 0.07} } } }
 
 -- They wait in the uppermost trough, one behind the other, each a little to its own side.
 local runners = {}
