@@ -1,4 +1,4 @@
--- Marbles, and a dumb-bell among them, run down a zigzag of troughs, each a union of four boxes.
+-- Marbles, and a dumb-bell among them, run down a zigzag of troughs, each a union of four boxes behind a pane.
 -- Watch: they drop from trough to trough, roll along walls, push each other; the dumb-bell turns itself across the way.
 -- Expected end: all are in the tray at the bottom, none fell beside.
 -- A union is one body: its boxes share a name, a material and, where it moves, one mass and inertia.
@@ -16,13 +16,17 @@ local glass = material { name = "glass", density = 2500, friction = 0.3, restitu
 contact_pair(wood, glass, { friction = 0.08, restitution = e })
 plane { name = "floor", material = wood, color = {0.42, 0.44, 0.46}, texture = "none" }
 
--- A trough about its own origin: a bottom, two sides, and a wall at its upper end; it runs down towards +x.
-local function trough(name, keys)
+-- A trough about its own origin: a bottom, two sides, and a wall at its upper end; it runs down towards +x. The side towards
+-- the camera, `front` in y, is a low board and a pane above it that one does not see.
+local function trough(name, front, keys)
 	keys.name, keys.static, keys.material, keys.texture = name, true, wood, "none"
+	local y = front * (wide / 2 - thick / 2)
+	body { name = "pane of " .. name, static = true, material = wood, visible = false, position = keys.position,
+		orientation = keys.orientation, shapes = {{ shape = "box", size = {long, thick, 0.07}, position = {0, y, 0.06} }} }
 	keys.shapes = {
 		{ shape = "box", size = {long, wide, thick} },
-		{ shape = "box", size = {long, thick, 0.09}, position = {0, wide / 2 - thick / 2, 0.05} },
-		{ shape = "box", size = {long, thick, 0.09}, position = {0, thick / 2 - wide / 2, 0.05} },
+		{ shape = "box", size = {long, thick, 0.09}, position = {0, -y, 0.05} },
+		{ shape = "box", size = {long, thick, 0.02}, position = {0, y, 0.015} },
 		{ shape = "box", size = {thick, wide, 0.16}, position = {-long / 2 - thick / 2, 0, 0.075} } }
 	return body(keys)
 end
@@ -31,7 +35,7 @@ local fall = long * math.sin(slope) + 0.12
 for level = 1, levels do
 	local side, z = level % 2 == 1 and 1 or -1, (levels - level + 0.5) * fall + 0.15
 	local half = slope / 2
-	trough("trough " .. level, { position = {-0.06 * side, 0, z},
+	trough("trough " .. level, -side, { position = {-0.06 * side, 0, z},
 		-- turned about y by the slope, every second one first about z by half a turn
 		orientation = side == 1 and {math.cos(half), 0, math.sin(half), 0} or {0, -math.sin(half), 0, math.cos(half)} })
 end
