@@ -21,9 +21,7 @@ static const struct {
          "heaps, stacks, towers of any shapes and masses",
          "impacts are at ends of steps: errors fall with the first power of time_step; no springs, drag, fields or "
          "driven bodies"},
-	{"auto",
-         "located, but stepped while events of a crowd come too densely to locate, and where spheres "
-         "touch whose centre of mass is off their centre",
+	{"auto", "located, but stepped while events of a crowd come too densely to locate",
          "whoever does not want to choose (the default)",
          "how long was stepped stands in the summary and in the recording"},
 };

@@ -99,7 +99,7 @@ static void print_method(FILE *file, const struct rb_run_result *result,
 
 	fprintf(file, "  method        %s", info->method);
 	if (loaded->model->method == RB_METHOD_AUTO && stepped > 0)
-		fprintf(file, ": located %.6g s, stepped %.6g s (too dense, or eccentric)",
+		fprintf(file, ": located %.6g s, stepped %.6g s (too dense to locate)",
 		        fmax(0, result->time_s - stepped), stepped);
 	else if (loaded->model->method == RB_METHOD_AUTO)
 		fputs(": located", file);
