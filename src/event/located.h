@@ -151,15 +151,15 @@ static inline int rb_located_row(const struct rb_located *l)
 }
 
 /*
- * Eliminating n unknowns costs as much as settling so many bodies: some n^3 / 3 products, of which the latter, with what it
- * calls, takes about 10^5. That is arithmetic, not a clock: the same on every machine.
+ * Eliminating n unknowns, some n^3 / 3 products, counts as settling so many bodies: 10^5 products as one. That is a choice,
+ * with which some fifty boxes that move together are left to steps; and arithmetic, not a clock: the same on every machine.
  */
 static inline uint64_t rb_located_cost(double unknowns)
 {
 	return (uint64_t)fmin(unknowns * unknowns * unknowns / 3e5, 1e15);
 }
 
-/* The same for products of a vector with the matrix of so many contacts, of which 500 rows cost as much; 0: no limit. */
+/* The same for products of a vector with the matrix of so many contacts, of which 500 rows count as one body; 0: no limit. */
 enum { RB_LOCATED_ROWS = 500 };
 static inline long rb_located_products(const struct rb_located *l, int contacts)
 {
