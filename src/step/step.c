@@ -137,19 +137,42 @@ static void forget_pushes(struct rb_world *world)
 /* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
 enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MOST = 4096 };
 
+/*
+ * What auto steps where it would locate must not hang on a time_step that was chosen for locating: no step is longer than an
+ * eighth of the time in which the smallest body falls by its own size.
+ */
+static double longest_step(const struct rb_model *model)
+{
+	const double weight = rb_vec3_length(model->scene->world.gravity);
+
+	return model->method == RB_METHOD_AUTO && weight > 0
+	               ? sqrt(2 * model->size_min_m / weight) / 8
+	               : HUGE_VAL;
+}
+
 /* From `start`, which the state is of, to `stop`. */
 static enum rb_status by_step(struct rb_world *world, double start, double stop,
                               struct rb_error *err)
 {
-	const enum rb_status status = is_stepped(world->model)
-	                                      ? rb_stepped_step(world, start, stop - start, err)
-	                                      : rb_classic_step(world, start, stop - start, err);
+	const double most = longest_step(world->model);
+	const int64_t count = stop - start > most ? rb_step_count(stop - start, most) : 1;
+	enum rb_status status = RB_OK;
 
-	if (status == RB_OK) {
-		world->state.time_s = stop;
-		world->frame_counts.stepped_s += stop - start;
-		forget_pushes(world);
+	for (int64_t k = 0; k < count && status == RB_OK; k++) {
+		const double from = k > 0 ? world->state.time_s : start;
+		const double to = k + 1 < count ? start + (stop - start) *
+		                                                  ((double)(k + 1) / (double)count)
+		                                : stop;
+
+		status = is_stepped(world->model) ? rb_stepped_step(world, from, to - from, err)
+		                                  : rb_classic_step(world, from, to - from, err);
+		if (status != RB_OK)
+			break;
+		world->state.time_s = to;
+		world->frame_counts.stepped_s += to - from;
 	}
+	if (status == RB_OK)
+		forget_pushes(world);
 	return status;
 }
 
