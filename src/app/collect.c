@@ -59,7 +59,9 @@ static enum rb_status settle_output(struct collect *collect, struct rb_error *er
 	char folder[RB_FOLDER_PATH_SIZE], real[PATH_MAX];
 	enum rb_status status = RB_OK;
 
-	if (options->output)
+	if (options->output && strcmp(options->output, "-") == 0 && !options->csv)
+		return RB_FAIL(err, RB_ERR_USAGE, "'-o -' prints a table: it wants '--csv'");
+	if (options->output && strcmp(options->output, "-") != 0)
 		snprintf(collect->output, sizeof collect->output, "%s", options->output);
 	else if (!options->csv)
 		status = rb_folder_name(collect->sweep.shown, "sweep.h5", collect->output, err);
@@ -165,10 +167,10 @@ int rb_collect_main(const struct rb_options *options)
 	int exit_code = 0;
 	enum rb_status status = rb_planned_open(&collect.sweep, options, options->operand[0], &err);
 
-	if (!status && options->csv && options->json && !options->output)
-		status = RB_FAIL(&err, RB_ERR_USAGE, "'--csv' and '--json' cannot both be printed");
 	if (!status)
 		status = settle_output(&collect, &err);
+	if (!status && options->csv && options->json && !*collect.output)
+		status = RB_FAIL(&err, RB_ERR_USAGE, "'--csv' and '--json' cannot both be printed");
 	if (!status)
 		status = rb_table_init(&collect.table, collect.sweep.folder, &collect.sweep.plan,
 		                       &err);

@@ -24,6 +24,11 @@ says out '^0,[0-9]+,done,0,[0-9a-f]{16},0.5,1,x,7,'
 says out '^1,[0-9]+,unfinished,,,0.5,1,"y ""z""",,,,'
 says out '^4,[0-9]+,failed,1,[0-9a-f]{16},0.7,1,x,7,.*,0,0.7,0.6$'
 cp out table
+exits 0 collect deep/d --csv -o -
+cmp -s table out || fail "'-o -' prints another table"
+exits 64 collect deep/d -o -
+says err "wants '--csv'"
+exits 64 collect deep/d --csv --json -o -
 exits 0 collect deep/d -o table.csv
 cmp -s table table.csv || fail "the table is another one in a file"
 exits 0 collect deep/d -o deep/er/all.h5
