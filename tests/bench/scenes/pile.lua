@@ -5,7 +5,8 @@ local shape = param("shape", "sphere", "of the bodies", {choices = {"sphere", "b
 local mu = param("mu", 0.5, "friction", {min = 0, max = 2})
 local steps = param("steps", 600, "of 1/240 s", {min = 1})
 
-world { title = "A pile", duration = steps / 240, frame_rate = 60, time_step = 1 / 240, gravity = {0, 0, -9.81}, seed = 3 }
+world { title = "A pile", duration = steps / 240, frame_rate = 4, time_step = 1 / 240, gravity = {0, 0, -9.81}, seed = 3 }
+record { fields = {"contacts"} } -- of which the mean overlap
 local stone = material { name = "stone", friction = mu, restitution = 0 }
 local wall = 0.55 * side + 0.1
 plane { normal = {0, 0, 1}, material = stone }
