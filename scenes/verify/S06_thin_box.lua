@@ -2,7 +2,7 @@
 -- S06: two thousand spheres of 1 mm at 10 km/s, five hundred a run, each on a static box 1 mm thick, in random directions; a
 -- step of 1/60 s is 167 m. Answer: every one is reflected, at its time.
 local verify = require "rbsim.verify"
-local shots = require "rbsim.shots"
+local shots = require "shots"
 local batch = param("batch", 1, "which quarter of them", {choices = {1, 2, 3, 4}})
 math.randomseed(batch)
 

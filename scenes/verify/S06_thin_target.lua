@@ -2,7 +2,7 @@
 -- S06: ten thousand spheres of 1 mm at 10 km/s, five hundred a run, each on its own plate without thickness, in random
 -- directions. Answer: every one is reflected, at its time.
 local verify = require "rbsim.verify"
-local shots = require "rbsim.shots"
+local shots = require "shots"
 local batch = param("batch", 1, "which twentieth of them", {choices = {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16,
 	17, 18, 19, 20}})
 math.randomseed(batch)

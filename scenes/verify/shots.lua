@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
--- rbsim.shots: fast spheres, each at a thin target of its own, in random directions; what the verify cases of tunnelling share.
+-- shots: fast spheres, each at a thin target of its own, in random directions; what the verify cases of tunnelling share.
 --
---   local shots = require "rbsim.shots"
+--   local shots = require "shots"
 --   shots.fire { count = 500, speed = 1e4, restitution = 0.5, thick = 1e-3, material = steel,
 --                target = function(centre, normal) ... end }
 --
