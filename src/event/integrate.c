@@ -24,20 +24,6 @@ static const double otherwise = 1e-10;
 
 enum { LOOKS = 8, BISECTIONS = 80 };
 
-static void press(struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
-{
-	const int place = rb_modes_place(w, body);
-
-	if (place < 0)
-		return;
-	w->linear[place] = rb_vec3_add_scaled(w->linear[place], w->l->model->inverse_mass[body],
-	                                      force);
-	if (w->l->top)
-		w->angular[place] = rb_vec3_add(
-			w->angular[place], rb_pull_yield(w->l, body, w->pose[place].orientation,
-		                                         rb_vec3_cross(arm, force)));
-}
-
 /* ---- the problem that math/gauss sees ---- */
 
 static void read_pose(struct rb_modes *w, int k, const double *value)
@@ -148,14 +134,15 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 		}
 	}
 	w->most = largest_acceleration(w);
-	if (c->held_count > 0 && !rb_modes_solve(w, t) && !rb_modes_solve_any(w, t, NULL))
+	if (c->held_count == 0)
+		return true;
+	const bool solved = rb_modes_solve(w, t);
+	if (!solved && !rb_modes_solve_any(w, t, NULL))
 		return false;
-	for (int k = 0; k < c->held_count; k++) {
-		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(w->force[k]));
-		press(w, c->held[k].b, w->meet[k].arm_b, w->force[k]);
-	}
-	if (c->held_count > 0)
-		stand_still(w, pull);
+	rb_modes_press(w, w->force);
+	if (solved)
+		rb_modes_refine(w, t);
+	stand_still(w, pull);
 	return true;
 }
 
@@ -418,17 +405,20 @@ static bool room(struct rb_modes *w, int n, double **value, double **scale, doub
 	w->meet = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->meet);
 	w->contact = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->contact);
 	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
+	w->change = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->change);
 	struct rb_dense *d = &w->dense;
 	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
 	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
-	d->last = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->last);
+	d->last = rb_arena_take(arena, 4 * unknowns + 1, sizeof *d->last);
 	if (!d->matrix || !d->right || !d->last)
 		return false;
 	d->size = d->right + unknowns;
 	d->found = d->size + unknowns;
 	d->down = d->last + unknowns;
 	d->pivot = d->down + unknowns;
-	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force;
+	d->from = d->pivot + unknowns;
+	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
+	       w->change;
 }
 
 /*

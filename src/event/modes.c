@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "event/pull.h"
+
 enum { TURNS = 6 };
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
@@ -190,6 +192,55 @@ bool rb_modes_solve(struct rb_modes *w, double t)
 			break;
 	}
 	return true;
+}
+
+static void press(struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place < 0)
+		return;
+	w->linear[place] = rb_vec3_add_scaled(w->linear[place], w->l->model->inverse_mass[body],
+	                                      force);
+	if (w->l->top)
+		w->angular[place] = rb_vec3_add(
+			w->angular[place], rb_pull_yield(w->l, body, w->pose[place].orientation,
+		                                         rb_vec3_cross(arm, force)));
+}
+
+void rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
+{
+	for (int k = 0; k < w->c->held_count; k++) {
+		press(w, w->c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(force[k]));
+		press(w, w->c->held[k].b, w->meet[k].arm_b, force[k]);
+	}
+}
+
+void rb_modes_refine(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	int row = 0;
+
+	for (int i = 0; i < c->held_count; i++) {
+		const struct rb_meet *m = &w->meet[i];
+		const rb_vec3 left = rb_vec3_add(
+			rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+		                    point_acceleration(w, m->a, m->arm_a, t)),
+			w->contact[i].bias);
+
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+			w->dense.right[row] = -asked_of(w, i, k, left);
+	}
+	rb_dense_again(&w->dense);
+	row = 0;
+	for (int i = 0; i < c->held_count; i++) {
+		w->change[i] = (rb_vec3){0, 0, 0};
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+			w->change[i] = rb_vec3_add_scaled(w->change[i], w->dense.right[row],
+			                                  unit_of(w, i, k));
+		w->force[i] = rb_vec3_add(w->force[i], w->change[i]);
+	}
+	rb_modes_press(w, w->change);
 }
 
 static int joint_body(const struct rb_modes *w, struct rb_joint *joint, int body, double t)

@@ -23,7 +23,7 @@ struct rb_modes {
 	rb_vec3 *linear, *angular;        /* [member_count] */
 	struct rb_meet *meet;             /* [held_count] */
 	struct rb_joint_contact *contact; /* [held_count] */
-	rb_vec3 *force;                   /* [held_count]: N on b */
+	rb_vec3 *force, *change;          /* [held_count]: N on b; what refining adds */
 	struct rb_dense dense;            /* for contacts in their modes */
 	bool slip_ends, hits;             /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
@@ -42,6 +42,15 @@ int rb_modes_unknowns(const struct rb_held *held);
 
 /* Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many unknowns. */
 bool rb_modes_solve(struct rb_modes *w, double t);
+
+/* Accelerations by forces at the contacts; [held_count]. */
+void rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
+
+/*
+ * After rb_modes_solve and rb_modes_press: accelerations that are of the modes to the rounding of accelerations. Forces round
+ * by the heaviest body that they carry, which to a light one below it is no small thing.
+ */
+void rb_modes_refine(struct rb_modes *w, double t);
 
 /* Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies then move. */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **found);

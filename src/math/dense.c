@@ -4,7 +4,7 @@
 #include <float.h>
 #include <math.h>
 
-/* Both have zeros before column `from`. */
+/* What stands before column `from` are shares, which stay where they are. */
 static void swap_rows(struct rb_dense *d, int p, int q, int from)
 {
 	double *const x = d->matrix + p * d->n, *const y = d->matrix + q * d->n;
@@ -65,11 +65,29 @@ static void eliminate(struct rb_dense *d, int row, int k)
 		if (at[k] == 0)
 			continue;
 		const double share = at[k] / top[k];
-		for (int c = k; c <= d->last[row]; c++)
+		at[k] = share; /* for rb_dense_again */
+		for (int c = k + 1; c <= d->last[row]; c++)
 			at[c] -= share * top[c];
 		d->right[r] -= share * d->right[row];
 		d->last[r] = d->last[r] > d->last[row] ? d->last[r] : d->last[row];
 	}
+}
+
+static void substitute_back(struct rb_dense *d)
+{
+	const int n = d->n;
+
+	for (int k = n - 1; k >= 0; k--) {
+		const int p = d->pivot[k];
+
+		d->found[k] = p < 0 ? 0 : d->right[p];
+		for (int c = k + 1; p >= 0 && c <= d->last[p]; c++)
+			d->found[k] -= d->matrix[p * n + c] * d->found[c];
+		if (p >= 0)
+			d->found[k] /= d->matrix[p * n + k];
+	}
+	for (int k = 0; k < n; k++)
+		d->right[k] = d->found[k];
 }
 
 void rb_dense_solve(struct rb_dense *d)
@@ -93,18 +111,25 @@ void rb_dense_solve(struct rb_dense *d)
 		}
 		if (best != row)
 			swap_rows(d, row, best, k);
+		d->from[k] = best;
 		eliminate(d, row, k);
 		d->pivot[k] = row++;
 	}
-	for (int k = n - 1; k >= 0; k--) {
+	substitute_back(d);
+}
+
+void rb_dense_again(struct rb_dense *d)
+{
+	for (int k = 0; k < d->n; k++) {
 		const int p = d->pivot[k];
 
-		d->found[k] = p < 0 ? 0 : d->right[p];
-		for (int c = k + 1; p >= 0 && c <= d->last[p]; c++)
-			d->found[k] -= matrix[p * n + c] * d->found[c];
-		if (p >= 0)
-			d->found[k] /= matrix[p * n + k];
+		if (p < 0)
+			continue;
+		const double right = d->right[d->from[k]];
+		d->right[d->from[k]] = d->right[p];
+		d->right[p] = right;
+		for (int r = p + 1; r <= d->down[k]; r++)
+			d->right[r] -= d->matrix[r * d->n + k] * right;
 	}
-	for (int k = 0; k < n; k++)
-		d->right[k] = d->found[k];
+	substitute_back(d);
 }

@@ -10,7 +10,7 @@ struct rb_dense {
 	double *matrix,
 		*right;       /* [n][n], [n]: used up; afterwards the solution stands in `right` */
 	double *size, *found; /* [n] scratch */
-	int *last, *down, *pivot; /* [n] scratch */
+	int *last, *down, *pivot, *from; /* [n] scratch */
 	int n;
 	bool open; /* out: the solution is one of many; unknowns that nothing determines are zero */
 };
@@ -21,5 +21,8 @@ struct rb_dense {
  * each entry.
  */
 void rb_dense_solve(struct rb_dense *dense);
+
+/* For another right side, of the matrix that rb_dense_solve has just used up: what is open stays open. */
+void rb_dense_again(struct rb_dense *dense);
 
 #endif
