@@ -481,6 +481,43 @@ static void extremes_end_and_say_so(void **state)
 	assert_true(same_vec(w, (rb_vec3){0, 1e4, 0}));
 }
 
+/* ---- angular acceleration ---- */
+
+static void the_turning_is_how_the_spin_changes(void **state)
+{
+	const rb_quat q = some_orientation();
+	const rb_mat3 tensors[3] = {rb_mat3_diagonal(3, 1, 2.5), rb_mat3_diagonal(3, 1, 3),
+	                            turned_tensor(q, 2, 3, 4)};
+	const double h = 0x1p-12;
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		const struct rb_top_body body = rb_top_body_of(&tensors[k]);
+		struct rb_top top = rb_top_start(&body, q, (rb_vec3){1, -2, 0.5}, none);
+		rb_quat middle;
+		rb_vec3 spin[3];
+
+		for (int n = 0; n < 3; n++)
+			rb_top_at(&top, 0.5 + (n - 1) * h, n == 1 ? &middle : NULL, &spin[n]);
+		const rb_vec3 found = rb_top_turning(&body, &tensors[k], middle, spin[1]);
+		const rb_vec3 rate = rb_vec3_scale(0.5 / h, rb_vec3_sub(spin[2], spin[0]));
+		assert_near(rb_vec3_length(rb_vec3_sub(found, rate)), 0, 1e-6);
+		assert_true(rb_vec3_length(rate) > 0.1);
+	}
+}
+
+/* Its moments are 1e12 apart: w x I w would leave 1e12 times the rounding about its axis. */
+static void a_needle_turns_over_without_noise_about_its_axis(void **state)
+{
+	const rb_mat3 inertia = rb_mat3_diagonal(1e-12 / 6, (1 + 1e-12) / 12, (1 + 1e-12) / 12);
+	const struct rb_top_body body = rb_top_body_of(&inertia);
+	const rb_quat q = some_orientation();
+	const rb_vec3 spin = rb_quat_rotate(q, (rb_vec3){0, 6, 8});
+
+	(void)state;
+	assert_near(rb_vec3_length(rb_top_turning(&body, &inertia, q, spin)), 0, 1e-12);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -496,6 +533,8 @@ int main(void)
 		cmocka_unit_test(mirror_images_have_mirrored_bits),
 		cmocka_unit_test(a_power_of_two_changes_no_bit),
 		cmocka_unit_test(extremes_end_and_say_so),
+		cmocka_unit_test(the_turning_is_how_the_spin_changes),
+		cmocka_unit_test(a_needle_turns_over_without_noise_about_its_axis),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

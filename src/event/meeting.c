@@ -79,11 +79,8 @@ static rb_vec3 turning_of(const struct rb_located *l, int i, const struct rb_pos
 		return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
 	if (l->top_body[i].kind == RB_TOP_CONSTANT)
 		return l->top[i].acceleration;
-	const rb_vec3 w = rb_quat_rotate_back(pose->orientation, pose->spin);
-	const rb_vec3 torque = rb_vec3_cross(rb_mat3_apply(&l->model->inertia[i], w), w);
-
-	return rb_quat_rotate(pose->orientation,
-	                      rb_mat3_apply(&l->model->inverse_inertia[i], torque));
+	return rb_top_turning(&l->top_body[i], &l->model->inertia[i], pose->orientation,
+	                      pose->spin);
 }
 
 rb_vec3 rb_meet_point_velocity(const struct rb_pose *pose, rb_vec3 point)

@@ -227,16 +227,9 @@ void rb_pull_at(struct rb_located *l, int i, const struct rb_pose *pose, const s
 	*angular = (rb_vec3){0, 0, 0};
 	if (!l->top)
 		return;
-	rb_vec3 torque = load.torque;
-	if (l->top_body[i].kind != RB_TOP_CONSTANT) {
-		const rb_quat q = pose->orientation;
-		const rb_vec3 momentum = rb_quat_rotate(
-			q,
-			rb_mat3_apply(&l->model->inertia[i], rb_quat_rotate_back(q, pose->spin)));
-
-		torque = rb_vec3_sub(torque, rb_vec3_cross(pose->spin, momentum));
-	}
-	*angular = rb_pull_yield(l, i, pose->orientation, torque);
+	*angular = rb_vec3_add(rb_pull_yield(l, i, pose->orientation, load.torque),
+	                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],
+	                                      pose->orientation, pose->spin));
 }
 
 bool rb_pull_is_constant(const struct rb_located *l, int i, double t)

@@ -147,6 +147,28 @@ struct rb_top_body rb_top_body_of(const rb_mat3 *inertia)
 	return body;
 }
 
+static double difference(double a, double b)
+{
+	return same(a, b) ? 0 : a - b;
+}
+
+rb_vec3 rb_top_turning(const struct rb_top_body *body, const rb_mat3 *inertia, rb_quat orientation,
+                       rb_vec3 spin)
+{
+	if (body->kind == RB_TOP_CONSTANT)
+		return (rb_vec3){0, 0, 0};
+	/* not by a permutation of axes where none is needed: it would mix signs */
+	const bool own = inertia->m[0][1] == 0 && inertia->m[0][2] == 0 && inertia->m[1][2] == 0;
+	const rb_quat axes = own ? orientation : rb_quat_multiply(orientation, body->principal);
+	const rb_vec3 i = own ? (rb_vec3){inertia->m[0][0], inertia->m[1][1], inertia->m[2][2]}
+	                      : body->moments;
+	const rb_vec3 w = rb_quat_rotate_back(axes, spin);
+
+	return rb_quat_rotate(axes, (rb_vec3){difference(i.y, i.z) / i.x * w.y * w.z,
+	                                      difference(i.z, i.x) / i.y * w.z * w.x,
+	                                      difference(i.x, i.y) / i.z * w.x * w.y});
+}
+
 /* ---- a body let go ---- */
 
 static bool is_identity(rb_quat q)

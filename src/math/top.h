@@ -43,6 +43,13 @@ struct rb_top_body {
 };
 struct rb_top_body rb_top_body_of(const rb_mat3 *inertia);
 
+/*
+ * Angular acceleration without torque, rad/s^2, world axes: Euler's equations in the differences of moments, none of which
+ * is larger than the moment that it is divided by. From w x I w the small moment of a needle would magnify rounding.
+ */
+rb_vec3 rb_top_turning(const struct rb_top_body *body, const rb_mat3 *inertia, rb_quat orientation,
+                       rb_vec3 spin);
+
 /* A body let go at an anchor. `acceleration` must be zero unless the body's kind is constant. */
 struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, rb_vec3 spin,
                            rb_vec3 acceleration);
