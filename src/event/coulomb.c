@@ -14,6 +14,9 @@ enum {
 	MOST_ROUNDS = 400
 };
 
+/* Square of the share of a direction's length by which an image of it is more than rounding. */
+static const double felt_share = 1e-26;
+
 /* Violation, as a share of the speeds, above which a solution is not taken for one. */
 static const double failed_share = 1e-9;
 
@@ -190,7 +193,9 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 			add_scaled(n, p, -share, cone->direction + at);
 		}
 		const double size = sqrt(rb_cone_weighted(cone, q, q));
-		if (!(size * size > 1e-22 * whole) || !isfinite(size))
+		const double length = rb_cone_weighted(cone, p, p);
+		if (!(size * size > 1e-22 * whole) || !(size * size > felt_share * length) ||
+		    !isfinite(size))
 			break;
 		for (int k = 0; k < n; k++) {
 			q[k] = (rb_cone_pair){q[k].n / size, rb_vec3_scale(1 / size, q[k].t)};
@@ -203,6 +208,9 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 		poor = next > 0.8 * square;
 		square = next;
 	}
+	/* directions in which next to nothing changes are long, and so is what rounding adds to them */
+	for (int k = 0; k < n; k++)
+		x[k].t = rb_vec3_reject(x[k].t, cone->row[k].normal);
 }
 
 /* The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it. */
