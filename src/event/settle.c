@@ -20,6 +20,7 @@ struct settling {
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
 	bool moves;   /* some body of it does */
 	bool struck;  /* an impact has just happened */
+	bool keeps_slips; /* slips keep the directions that they had, where these are as good as those of velocities */
 	struct rb_meet *meet; /* [meet_count], sorted by (a, b, parts, key) */
 	int meet_count;
 	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
@@ -221,6 +222,20 @@ static void joint_set(struct settling *s)
 	s->joint.body_count = l->set_count;
 }
 
+/* Of a slip that goes on: rounding of its velocity, and of what has changed it since. */
+static bool goes_on_as_before(const struct settling *s, int k, rb_vec3 slip, rb_vec3 *old)
+{
+	const struct rb_held *before = &s->before[k];
+	const double speed = rb_vec3_length(slip);
+	const double still = 4 * rb_meet_noise(s->l, &s->meet[k]) + s->slack + s->drift;
+	const rb_vec3 now = rb_vec3_scale(1 / speed, slip);
+
+	if (before->a < 0 || !before->slipping || before->ending || s->struck)
+		return false;
+	*old = rb_vec3_unit(rb_vec3_reject(before->slip, s->meet[k].normal), now);
+	return rb_vec3_length(rb_vec3_sub(now, *old)) * speed <= still;
+}
+
 static void joint_contact(struct settling *s, int k)
 {
 	struct rb_located *l = s->l;
@@ -241,7 +256,8 @@ static void joint_contact(struct settling *s, int k)
 	                                                  rb_vec3_length(m->pose_b.velocity)))
 	                   : still)) {
 		c->mode = RB_JOINT_SLIDE;
-		c->slip = rb_vec3_scale(1 / speed, slip);
+		if (!s->keeps_slips || !goes_on_as_before(s, k, slip, &c->slip))
+			c->slip = rb_vec3_scale(1 / speed, slip);
 	}
 }
 
@@ -451,11 +467,11 @@ static rb_vec3 slip_rate(const struct settling *s, int k)
 }
 
 /* Does the slip keep its direction until it ends, to rounding? */
-static bool is_straight(const struct settling *s, int k, const struct rb_held *held)
+static bool is_straight(const struct settling *s, int k, rb_vec3 slip)
 {
 	const rb_vec3 rate = slip_rate(s, k);
-	const double along = rb_vec3_dot(rate, held->slip);
-	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, held->slip));
+	const double along = rb_vec3_dot(rate, slip);
+	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, slip));
 	const double speed = rb_vec3_length(rb_vec3_reject(s->meet[k].velocity, s->meet[k].normal));
 	const double largest = rb_vec3_length(s->meet[k].pose_a.velocity) +
 	                       rb_vec3_length(s->meet[k].pose_b.velocity);
@@ -597,7 +613,7 @@ static void write_held(struct settling *s, int part, struct rb_cluster *c, int *
 			continue;
 		struct rb_held held = held_of(s, k);
 
-		held.straight = held.slipping && is_straight(s, k, &held);
+		held.straight = held.slipping && is_straight(s, k, held.slip);
 		held.creeps = creeps(s, k, &held);
 		meet[c->held_count] = k;
 		c->held[c->held_count++] = held;
@@ -727,6 +743,31 @@ static bool stop_slow_slips(struct settling *s)
 	return any;
 }
 
+/*
+ * The velocity of a slow slip says its direction to rounding over speed only, and against friction in a direction that is
+ * wrong by that it would turn back within speed / (friction g), all the way. So where slips are straight in the directions
+ * that they had, within rounding, these are kept.
+ */
+static bool solve_straight(struct settling *s)
+{
+	s->keeps_slips = true;
+	if (!solve(s))
+		return false;
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_joint_contact *c = &s->joint.contact[k];
+		const struct rb_meet *m = &s->meet[k];
+		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+		rb_vec3 old;
+
+		if (c->mode == RB_JOINT_SLIDE && presses(s, k) &&
+		    goes_on_as_before(s, k, slip, &old) && !is_straight(s, k, old)) {
+			s->keeps_slips = false;
+			return solve(s);
+		}
+	}
+	return true;
+}
+
 /* What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon. */
 static bool is_moving(const struct settling *s)
 {
@@ -760,7 +801,7 @@ void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 		}
 		forget_before(&s, &try_s);
 		pulls(&s);
-		bool solved = l->status == RB_OK && solve(&s);
+		bool solved = l->status == RB_OK && solve_straight(&s);
 		if (solved && s.meet_count > 0 && stop_slow_slips(&s))
 			solved = solve(&s);
 		if (solved) {
