@@ -421,24 +421,29 @@ static bool room(struct rb_modes *w, int n, double **value, double **scale, doub
 	       w->change;
 }
 
-/*
- * m/s^2: the largest acceleration that a contact's force alone would give a member. What is solved together rounds
- * together: the last of a column is not better known than the first.
- */
+/* m/s^2: what the force alone would do to the point of the body that it acts on, by moving and by turning it. */
+static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place < 0)
+		return 0;
+	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(force);
+	const rb_vec3 whole = rb_mechanics_answer(w->l, body, &w->pose[place], arm, arm, force);
+
+	return fmax(moves, rb_vec3_length(whole));
+}
+
+/* The largest of a member. What is solved together rounds together: the last of a column is not better known than the first. */
 static double largest_load(const struct rb_modes *w)
 {
 	double most = 0;
 
 	for (int k = 0; k < w->c->held_count; k++) {
 		const struct rb_held *held = &w->c->held[k];
-		const double a = rb_modes_place(w, held->a) >= 0
-		                         ? w->l->model->inverse_mass[held->a]
-		                         : 0;
-		const double b = rb_modes_place(w, held->b) >= 0
-		                         ? w->l->model->inverse_mass[held->b]
-		                         : 0;
 
-		most = fmax(most, rb_vec3_length(w->force[k]) * fmax(a, b));
+		most = fmax(most, load_of(w, held->a, w->meet[k].arm_a, w->force[k]));
+		most = fmax(most, load_of(w, held->b, w->meet[k].arm_b, w->force[k]));
 	}
 	return most;
 }
