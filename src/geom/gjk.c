@@ -9,7 +9,8 @@
 
 enum {
 	ROUNDS_MAX = 200, /* polytopes take some ten, round cores some tens */
-	STILL_MAX = 3     /* rounds in which neither bound moves */
+	STILL_MAX = 3,    /* rounds in which neither bound moves */
+	TRIES_MAX = 12    /* to prove a distance, which takes two or three where there is one */
 };
 
 typedef struct {
@@ -95,6 +96,33 @@ static bool has(const simplex *s, rb_vec3 w)
 	for (int i = 0; i < s->count; i++)
 		if (s->w[i].x == w.x && s->w[i].y == w.y && s->w[i].z == w.z)
 			return true;
+	return false;
+}
+
+bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, rb_vec3 *axis)
+{
+	rb_vec3 d = rb_vec3_dot(*axis, *axis) > 0 ? *axis : rb_vec3_sub(b->at, a->at);
+	nearest now = {.square = (double)INFINITY};
+	const double close = limit > 0 ? limit * limit : 0;
+
+	for (int round = 0; round < TRIES_MAX; round++) {
+		const rb_vec3 n = rb_vec3_unit(d, (rb_vec3){0, 0, 1});
+		const rb_vec3 w = rb_vec3_sub(rb_placed_support(b, rb_vec3_neg(n)),
+		                              rb_placed_support(a, n));
+		*axis = n;
+		if (rb_vec3_dot(w, n) > limit)
+			return true;
+		if (has(&now.part, w))
+			return false;
+		now.part.w[now.part.count++] = w;
+		if (now.part.count == 4 && holds_origin(&now.part))
+			return false;
+		const nearest next = look(&now.part);
+		if (!(next.square < now.square) || next.square <= close)
+			return false;
+		now = next;
+		d = now.v;
+	}
 	return false;
 }
 

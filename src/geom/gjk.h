@@ -21,4 +21,10 @@ typedef struct {
 /* Cores without radii, no half spaces; their `at` must be near the origin. `scale`: their sizes and distance, m. */
 rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale);
 
+/*
+ * True: `*axis`, unit, proves them farther apart than `limit`, m, by its own sum. False: nearer, or not seen to be apart.
+ * Begins with the direction in `*axis`, where that is not zero, and leaves the last one tried there. The same cores.
+ */
+bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, rb_vec3 *axis);
+
 #endif

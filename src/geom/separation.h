@@ -17,4 +17,10 @@ typedef struct {
 /* At most one of them a half space; their `at` near the origin. */
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
 
+/*
+ * True only where rb_separation_of would find a gap above `limit`, m, with room for rounding; false says nothing. Cheap
+ * where `*axis` still tells them apart, which it did when this was last true; zero: no idea.
+ */
+bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, rb_vec3 *axis);
+
 #endif

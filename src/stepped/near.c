@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/near.h"
 
+#include <string.h>
+
 #include "base/memory.h"
 
 /* Steps that a box is meant to last. */
@@ -28,6 +30,7 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->margin);
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
+	rb_memory_free(near->axis);
 	*near = (struct rb_near){0};
 }
 
@@ -54,6 +57,7 @@ static enum rb_status build(struct rb_near *near, struct rb_world *world, struct
 	const struct rb_model *model = world->model;
 	double mean = 0;
 
+	near->valid = false;
 	for (int i = 0; i < model->body_count; i++)
 		mean += near->reach[i] / model->body_count;
 	for (int i = 0; i < model->body_count; i++) {
@@ -67,9 +71,17 @@ static enum rb_status build(struct rb_near *near, struct rb_world *world, struct
 		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                         {c.x + half, c.y + half, c.z + half}};
 	}
-	near->valid = true;
-	return rb_broadphase_find(world->broadphase, near->box, &near->pair, &near->pair_count,
-	                          err);
+	const enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
+	                                                 &near->pair_count, err);
+	if (status != RB_OK || !model->parts)
+		return status;
+	if (!rb_memory_reserve(&near->axis, &near->axis_capacity, near->pair_count,
+	                       sizeof *near->axis))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	if (near->pair_count > 0)
+		memset(near->axis, 0, near->pair_count * sizeof *near->axis);
+	return RB_OK;
 }
 
 enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world,
@@ -85,7 +97,11 @@ enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world,
 		    !(from_built(near, world, i) + near->reach[i] <= near->margin[i]))
 			near->valid = false;
 	}
-	return near->valid ? RB_OK : build(near, world, err);
+	if (near->valid)
+		return RB_OK;
+	const enum rb_status status = build(near, world, err);
+	near->valid = status == RB_OK;
+	return status;
 }
 
 bool rb_near_holds(const struct rb_near *near, const struct rb_world *world)

@@ -20,6 +20,12 @@ struct rb_near {
 	double h_s;                 /* of that step */
 	const struct rb_pair *pair; /* borrowed from the broadphase */
 	size_t pair_count;
+	/*
+	 * [pair_count] of each pair a direction that has told it apart, or zero. Whoever looks at a pair may write it: it
+	 * decides cost only.
+	 */
+	rb_vec3 *axis;
+	size_t axis_capacity;
 };
 
 RB_CHECKED enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model,

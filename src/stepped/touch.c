@@ -263,7 +263,33 @@ static double turn_reach(const struct look *look, int i)
 	return fmin(2, look->near->h_s * spin) * rb_model_reach(world->model, i);
 }
 
-static void look_at_parts(struct look *look, struct rb_pair pair, double slack)
+/* Two parts, seen from the origin of the first. */
+struct parts {
+	rb_placed a, b;
+	double radii; /* m, of both together */
+};
+
+/* Cores farther apart than what is left of `most` without their radii; `*axis` helps and is helped. */
+static bool are_beyond(const struct parts *parts, double most, rb_vec3 *axis)
+{
+	const rb_vec3 d = parts->b.at;
+	const double whole = parts->a.core->reach + parts->b.core->reach + parts->radii + most;
+
+	/* a half space has no reach */
+	if (parts->a.core->kind != RB_CORE_HALF_SPACE &&
+	    parts->b.core->kind != RB_CORE_HALF_SPACE && rb_vec3_dot(d, d) > whole * whole)
+		return true;
+	return rb_separation_beyond(&parts->a, &parts->b, most + parts->radii, axis);
+}
+
+static struct parts parts_of(const rb_placed *a, const rb_placed *b)
+{
+	return (struct parts){{a->core, {0, 0, 0}, a->turn},
+	                      {b->core, rb_vec3_sub(b->at, a->at), b->turn},
+	                      a->core->radius + b->core->radius};
+}
+
+static void look_at_parts(struct look *look, struct rb_pair pair, double slack, rb_vec3 *axis)
 {
 	const struct rb_world *world = look->world;
 	const struct rb_model *model = world->model;
@@ -281,11 +307,11 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack)
 
 		for (int j = 0; j < b->count; j++) {
 			const rb_placed pb = rb_body_part_place(&b->part[j], origin_b, turn_b);
-			const rb_vec3 d = rb_vec3_sub(pb.at, pa.at);
-			const double most = rb_convex_reach(pa.core) + rb_convex_reach(pb.core) +
-			                    slack;
+			const struct parts parts = parts_of(&pa, &pb);
 
-			if (rb_vec3_dot(d, d) > most * most)
+			if (a->count + b->count > 2)
+				*axis = (rb_vec3){0, 0, 0};
+			if (are_beyond(&parts, slack, axis))
 				continue;
 			rb_manifold_of(&manifold, &pa, &pb, slack);
 			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
@@ -326,7 +352,7 @@ static void look_block(void *user, int block, int worker)
 		if (is_plain(look.world->model, pair.a, pair.b))
 			look_at_plain(&look, pair, slack_of(&look, pair));
 		else
-			look_at_parts(&look, pair, slack_of(&look, pair));
+			look_at_parts(&look, pair, slack_of(&look, pair), &near->axis[k]);
 	}
 	looks->block[block] = look;
 }
@@ -403,7 +429,7 @@ struct overlaps {
 	struct overlap *block;
 };
 
-static double depth_of_parts(const struct rb_world *world, struct rb_pair pair)
+static double depth_of_parts(const struct rb_world *world, struct rb_pair pair, rb_vec3 *axis)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_body_parts *a = rb_model_parts(model, pair.a);
@@ -419,26 +445,25 @@ static double depth_of_parts(const struct rb_world *world, struct rb_pair pair)
 
 		for (int j = 0; j < b->count; j++) {
 			rb_placed pb = rb_body_part_place(&b->part[j], origin_b, turn_b);
-			const rb_vec3 d = rb_vec3_sub(pb.at, pa.at);
-			const double round = pa.core->radius + pb.core->radius;
-			const double most = rb_convex_reach(pa.core) + rb_convex_reach(pb.core);
+			const struct parts parts = parts_of(&pa, &pb);
 
-			if (rb_vec3_dot(d, d) > most * most)
-				continue;
-			const rb_placed near_a = {pa.core, {0, 0, 0}, pa.turn};
-			const rb_placed near_b = {pb.core, d, pb.turn};
-			depth = fmax(depth, round - rb_separation_of(&near_a, &near_b).gap);
+			if (a->count + b->count > 2)
+				*axis = (rb_vec3){0, 0, 0};
+			if (!are_beyond(&parts, 0, axis))
+				depth = fmax(depth,
+				             parts.radii -
+				                     rb_separation_of(&parts.a, &parts.b).gap);
 		}
 	}
 	return depth;
 }
 
-static double depth_of(const struct rb_world *world, struct rb_pair pair)
+static double depth_of(const struct rb_world *world, struct rb_pair pair, rb_vec3 *axis)
 {
 	const struct rb_model *model = world->model;
 
 	if (!is_plain(model, pair.a, pair.b))
-		return depth_of_parts(world, pair);
+		return depth_of_parts(world, pair, axis);
 	if (pair.b < model->body_count) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
@@ -461,7 +486,8 @@ static void overlap_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (size_t k = first; k < end; k++) {
-		const double depth = depth_of(overlaps->world, near->pair[k]);
+		const double depth = depth_of(overlaps->world, near->pair[k],
+		                              near->axis ? &near->axis[k] : NULL);
 
 		if (depth > worst.depth)
 			worst = (struct overlap){depth, near->pair[k].a, near->pair[k].b};
