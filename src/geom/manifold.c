@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "geom/manifold.h"
 
-/* Of many points, the farthest in each of sixteen directions of the plane across n; the first of several. */
-static int thin_out(rb_overlay_point *point, int count, rb_vec3 n)
+/* Room for the nearest points. */
+enum { NEAREST_MOST = 4 };
+
+/* Of many points, the farthest in each of so many directions of the plane across n; the first of several. */
+static int thin_out(rb_overlay_point *point, int count, int most, rb_vec3 n)
 {
 	const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
 	bool keep[RB_OVERLAY_MAX] = {false};
 	int kept = 0;
 
-	for (int k = 0; k < RB_MANIFOLD_MAX; k++) {
-		const double angle = 6.283185307179586 * k / RB_MANIFOLD_MAX;
+	for (int k = 0; k < most; k++) {
+		const double angle = 6.283185307179586 * k / most;
 		const rb_vec3 way = rb_vec3_add_scaled(rb_vec3_scale(cos(angle), x), sin(angle), y);
 		int best = 0;
 		for (int i = 1; i < count; i++)
@@ -37,39 +40,95 @@ static int lowest(rb_overlay_point *point, int count, double band)
 	return kept;
 }
 
-void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band)
-{
-	const rb_placed near_a = {a->core, {0, 0, 0}, a->turn};
-	const rb_placed near_b = {b->core, rb_vec3_sub(b->at, a->at), b->turn};
-	const rb_separation s = rb_separation_of(&near_a, &near_b);
-	const double ra = a->core->radius, rb = b->core->radius;
-	const double depth = fmax(band, s.noise);
+/* Two bodies near the origin, how they stand, and what has been found. */
+typedef struct {
+	rb_placed a, b;
+	rb_separation s;
 	rb_overlay_point point[RB_OVERLAY_MAX];
+	int count;
+} find;
+
+static void start(find *f, const rb_placed *a, const rb_placed *b)
+{
+	f->a = (rb_placed){a->core, {0, 0, 0}, a->turn};
+	f->b = (rb_placed){b->core, rb_vec3_sub(b->at, a->at), b->turn};
+	f->s = rb_separation_of(&f->a, &f->b);
+	f->count = 0;
+}
+
+static int corners(const find *f, double depth, rb_overlay_point point[RB_OVERLAY_MAX])
+{
 	rb_patch pa, pb;
 
-	rb_patch_of(&pa, &near_a, s.normal, depth);
-	rb_patch_of(&pb, &near_b, rb_vec3_neg(s.normal), depth);
+	rb_patch_of(&pa, &f->a, f->s.normal, depth);
+	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth);
 	/* two lines a distance d of their centres of curvature apart are farther by x^2 / 2d where they are off by x */
-	const double curve = fmax(s.gap, 0) + pa.curve + pb.curve;
-	const rb_overlay_def def = {s.normal, depth, sqrt(depth * depth + 2 * curve * depth)};
-	int count = lowest(point, rb_overlay(&pa, &pb, &def, point), depth);
-	if (count > RB_MANIFOLD_MAX)
-		count = thin_out(point, count, s.normal);
-	manifold->normal = s.normal;
-	manifold->gap = s.gap - (ra + rb);
-	manifold->count = count;
-	for (int i = 0; i < count; i++) {
-		const rb_vec3 on_a = rb_vec3_add_scaled(point[i].on_a, ra, s.normal);
-		const rb_vec3 on_b = rb_vec3_add_scaled(point[i].on_b, -rb, s.normal);
+	const double curve = fmax(f->s.gap, 0) + pa.curve + pb.curve;
+	const rb_overlay_def def = {f->s.normal, depth, sqrt(depth * depth + 2 * curve * depth)};
+	return lowest(point, rb_overlay(&pa, &pb, &def, point), depth);
+}
+
+/* Of what lies no deeper than rounding, after the others. */
+static void add_nearest(find *f)
+{
+	rb_overlay_point point[RB_OVERLAY_MAX];
+	const int count = corners(f, f->s.noise, point);
+
+	for (int i = 0; i < count && f->count < RB_MANIFOLD_MAX; i++)
+		f->point[f->count++] = point[i];
+}
+
+static double least_gap(const find *f)
+{
+	double least = (double)INFINITY;
+
+	for (int i = 0; i < f->count; i++)
+		least = fmin(least, f->point[i].gap);
+	return least;
+}
+
+static void search(find *f, double depth, double fine)
+{
+	const bool only_corners = isinf(fine);
+	const int most = RB_MANIFOLD_MAX - (only_corners ? 0 : NEAREST_MOST);
+
+	f->count = corners(f, depth, f->point);
+	if (f->count > most)
+		f->count = thin_out(f->point, f->count, most, f->s.normal);
+	if (!only_corners && least_gap(f) > f->s.gap + fmax(fine, f->s.noise))
+		add_nearest(f);
+}
+
+void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                              double band, double fine)
+{
+	find f; /* its points as far as `count` says: the rest would cost more to clear than all else here */
+	const double ra = a->core->radius, rb = b->core->radius;
+
+	start(&f, a, b);
+	search(&f, fmax(band, f.s.noise), fine);
+	manifold->normal = f.s.normal;
+	manifold->gap = f.s.gap - (ra + rb);
+	manifold->count = f.count;
+	for (int i = 0; i < f.count; i++) {
+		const rb_overlay_point *p = &f.point[i];
+		const rb_vec3 on_a = rb_vec3_add_scaled(p->on_a, ra, f.s.normal);
+		const rb_vec3 on_b = rb_vec3_add_scaled(p->on_b, -rb, f.s.normal);
+
 		manifold->point[i] = (rb_manifold_point){
-			rb_vec3_add(a->at, on_a), rb_vec3_add(a->at, on_b),
-			point[i].gap - (ra + rb), (uint64_t)point[i].a << 32 | point[i].b};
+			rb_vec3_add(a->at, on_a), rb_vec3_add(a->at, on_b), p->gap - (ra + rb),
+			(uint64_t)p->a << 32 | p->b};
 	}
-	if (count > 0)
+	if (f.count > 0)
 		return;
 	/* The patches miss each other by rounding. */
 	const rb_convex_touch touch = rb_convex_gap(a, b);
 	manifold->count = 1;
 	manifold->point[0] = (rb_manifold_point){touch.on_a, touch.on_b, touch.gap,
 	                                         (uint64_t)touch.a << 32 | touch.b};
+}
+
+void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band)
+{
+	rb_manifold_with_nearest(manifold, a, b, band, (double)INFINITY);
 }

@@ -32,4 +32,11 @@ typedef struct {
  */
 void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band);
 
+/*
+ * For wide bands. Corners of what lies within a band need not be lowest: a disc that tilts, or lines that cross at a small
+ * angle, come lower between them. Where they do by more than `fine`, m, their nearest points are there too.
+ */
+void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
+                              double band, double fine);
+
 #endif

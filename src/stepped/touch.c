@@ -263,6 +263,9 @@ static double turn_reach(const struct look *look, int i)
 	return fmin(2, look->near->h_s * spin) * rb_model_reach(world->model, i);
 }
 
+/* Of the tolerance, by which points may stand too high. */
+static const double fine_share = 0.125;
+
 /* Two parts, seen from the origin of the first. */
 struct parts {
 	rb_placed a, b;
@@ -313,7 +316,8 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack, 
 				*axis = (rb_vec3){0, 0, 0};
 			if (are_beyond(&parts, slack, axis))
 				continue;
-			rb_manifold_of(&manifold, &pa, &pb, slack);
+			rb_manifold_with_nearest(&manifold, &pa, &pb, slack,
+			                         fine_share * model->tolerance_m);
 			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
 		}
 	}
