@@ -10,7 +10,7 @@ local stack, palette = require "rbsim.stack", require "rbsim.palette"
 local g, length, v, radius = 9.81, 0.4, 3, 0.04
 local hit = 1
 
-world { title = "A house of cards", duration = 2, frame_rate = 120, gravity = {0, 0, -g}, method = "stepped" }
+world { title = "A house of cards", duration = 2, frame_rate = 120, gravity = {0, 0, -g} }
 local paper = material { name = "card", density = 900, friction = mu, restitution = 0 }
 local glass = material { name = "marble", density = 7800, friction = 0.3, restitution = 0.3, color = palette.blue, shininess = 120 }
 plane { name = "table", material = paper, color = {0.24, 0.36, 0.30}, texture = "none" }

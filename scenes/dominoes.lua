@@ -9,7 +9,7 @@ local push = param("push", 0.1, "on the upper edge of the first tile, for a twen
 local palette, stack = require "rbsim.palette", require "rbsim.stack"
 local size, g = {0.008, 0.024, 0.048}, 9.81
 
-world { title = "Dominoes", duration = 0.6 + 0.025 * count, frame_rate = 120, gravity = {0, 0, -g}, method = "stepped" }
+world { title = "Dominoes", duration = 0.6 + 0.025 * count, frame_rate = 120, gravity = {0, 0, -g} }
 local ivory = material { name = "ivory", density = 1800, friction = 0.3, restitution = 0.2, shininess = 40 }
 plane { name = "floor", material = material { name = "table", friction = 0.5, color = {0.35, 0.42, 0.38} }, texture = "none" }
 

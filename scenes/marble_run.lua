@@ -9,7 +9,7 @@ local e = param("e", 0.2, "restitution", {min = 0, max = 0.9})
 local palette = require "rbsim.palette"
 local g, r, long, wide, thick, levels = 9.81, 0.025, 1.2, 0.14, 0.01, 4
 
-world { title = "A marble run", duration = 9, frame_rate = 60, gravity = {0, 0, -g}, method = "stepped", seed = 5 }
+world { title = "A marble run", duration = 9, frame_rate = 60, gravity = {0, 0, -g}, seed = 5 }
 local wood = material { name = "wood", density = 700, friction = 0.3, restitution = e, color = {0.80, 0.62, 0.40} }
 local glass = material { name = "glass", density = 2500, friction = 0.3, restitution = e, shininess = 120 }
 -- less than the tangent of the slope, so that the dumb-bell slides on where it lies lengthwise; marbles roll with 2/7 of it

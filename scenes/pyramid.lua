@@ -9,7 +9,7 @@ local heavy = param("heavy", 1.0, "mass of the top box over that of the others",
 local stack, palette = require "rbsim.stack", require "rbsim.palette"
 local g, size, radius, hit = 9.81, {0.25, 0.25, 0.125}, 0.0625, 1
 
-world { title = "A pyramid of " .. rows .. " rows", duration = 2, frame_rate = 60, gravity = {0, 0, -g}, method = "stepped" }
+world { title = "A pyramid of " .. rows .. " rows", duration = 2, frame_rate = 60, gravity = {0, 0, -g} }
 local wood = material { name = "wood", density = 700, friction = 0.5, restitution = 0 }
 plane { name = "floor", material = wood, color = {0.62, 0.60, 0.55}, texture = "checker" }
 local boxes = stack.bodies(stack.pyramid { rows = rows, size = size }, function(i, block)

@@ -10,7 +10,7 @@ local lift = param("lift", 1.0, "angle of the rope at the start, rad", {min = 0,
 local g, rope, radius, stiff = 9.81, 3, 0.3, 2e5
 local size = {0.25, 0.5, 0.25}
 
-world { title = "A wrecking ball", duration = 3, frame_rate = 60, gravity = {0, 0, -g}, method = "stepped" }
+world { title = "A wrecking ball", duration = 3, frame_rate = 60, gravity = {0, 0, -g} }
 local brick = material { name = "brick", density = 1800, friction = 0.6, restitution = 0, color = {0.66, 0.30, 0.22} }
 local iron = material { name = "iron", density = 7800, friction = 0.3, restitution = 0.1, color = {0.22, 0.23, 0.26}, shininess = 80 }
 plane { name = "ground", material = brick, color = {0.55, 0.52, 0.46}, texture = "none" }
