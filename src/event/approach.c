@@ -117,7 +117,7 @@ static double arm_of(const struct course *c, double ball, double other)
 	if (isfinite(ball))
 		return ball;
 	return other +
-	       rb_vec3_length(rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position));
+	       rb_vec3_length(rb_arc_between(&c->pair.pose_a, &c->pair.pose_b));
 }
 
 /* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */
@@ -195,7 +195,7 @@ static double from_afar(const struct course *c)
 {
 	const struct rb_located *l = c->l;
 	const bool a_is = !isfinite(c->a.ball);
-	const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
+	const rb_vec3 d = rb_arc_between(&c->pair.pose_a, &c->pair.pose_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	double apart;
 	rb_vec3 n;
@@ -349,7 +349,7 @@ static double bend_most(const struct course *c, const struct axis *axis,
 	if (axis->rate_most > 0) {
 		const double arms = arm_of(c, c->a.ball, c->b.ball) +
 		                    arm_of(c, c->b.ball, c->a.ball);
-		const rb_vec3 d = rb_vec3_sub(c->pair.pose_b.position, c->pair.pose_a.position);
+		const rb_vec3 d = rb_arc_between(&c->pair.pose_a, &c->pair.pose_b);
 		const double far = rb_vec3_length(d) + arms + c->speed * *s;
 
 		bend += 2 * axis->rate_most * (c->speed + c->pull_most * *s) +
@@ -464,7 +464,7 @@ static double safe_bodies(const struct course *c, double *gap)
 	const struct rb_model *model = c->l->model;
 	const int of_a = rb_model_parts(model, c->pair.a)->count;
 	const int of_b = rb_model_parts(model, c->pair.b)->count;
-	const rb_vec3 here = c->pair.pose_a.position;
+	const struct rb_pose *const here = &c->pair.pose_a;
 	struct rb_feature_side a, b;
 	double safe = HUGE_VAL;
 

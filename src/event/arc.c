@@ -44,10 +44,19 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
 }
 
+static rb_vec3 rest_of(const struct rb_piece_of *p, rb_vec3 position, double t)
+{
+	if (p->piece.n == 0)
+		return p->rest;
+	return rb_vec3_lost(p->base, rb_arc_piece_vector(p, RB_ROW_POSITION, t), position);
+}
+
 struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 {
 	struct rb_pose pose = {.position = rb_arc_position(l, i, t)};
 
+	if (l->piece && i < l->n)
+		pose.rest = rest_of(&l->piece[i], pose.position, t);
 	if (i < l->n)
 		pose.velocity = rb_arc_velocity(l, i, t);
 	if (i < l->n && l->top)
@@ -83,8 +92,10 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 	                            .velocity = pose->velocity,
 	                            .plain_radius = plain ? shape->radius : (double)NAN,
 	                            .acceleration = acceleration};
-	if (l->piece)
+	if (l->piece) {
 		l->piece[i].piece.n = 0;
+		l->piece[i].rest = pose->rest;
+	}
 	if (l->top)
 		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
 }

@@ -8,10 +8,26 @@
 /* All of a body at one moment. */
 struct rb_pose {
 	rb_vec3 position; /* centre of mass */
+	rb_vec3 rest;     /* m: what rounding leaves out of `position`, of what is or was on a piece */
 	rb_vec3 origin;   /* of the object, centre of its shape */
 	rb_quat orientation;
 	rb_vec3 velocity, spin;
 };
+
+/* From a's centre of mass to b's: as exact near as far from the world's origin. */
+static inline rb_vec3 rb_arc_between(const struct rb_pose *a, const struct rb_pose *b)
+{
+	return rb_vec3_add(rb_vec3_sub(b->position, a->position), rb_vec3_sub(b->rest, a->rest));
+}
+
+/* Moves it; what rounding leaves out of that goes to its rest. */
+static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)
+{
+	const rb_vec3 before = pose->position, step = rb_vec3_add(way, pose->rest);
+
+	pose->position = rb_vec3_add(before, step);
+	pose->rest = rb_vec3_lost(before, step, pose->position);
+}
 
 /* Three rows of the piece that the body is on. */
 rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t);

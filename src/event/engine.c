@@ -397,7 +397,10 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 		     !differs(now->twist, before->twist, i, 3)))
 			continue;
 		struct rb_pose pose = rb_arc_pose(l, i, t);
-		pose.position = rb_world_row3(now->position, i);
+		if (moved) {
+			pose.position = rb_world_row3(now->position, i);
+			pose.rest = (rb_vec3){0, 0, 0};
+		}
 		pose.velocity = rb_world_row3(now->velocity, i);
 		if (l->top)
 			pose.spin = rb_world_row3(now->spin, i);

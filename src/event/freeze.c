@@ -83,6 +83,7 @@ static void pack_piece(struct rb_located *l, int i, struct rb_pack *pack)
 	if (!on) {
 		if (pack->loading)
 			own->piece.n = 0;
+		pack_vector(pack, &own->rest);
 		return;
 	}
 	if (!rb_located_driven(l, i) && pack->loading) {

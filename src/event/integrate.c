@@ -33,7 +33,9 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 	const double *v = value + (size_t)k * (size_t)w->row;
 	struct rb_pose *pose = &w->pose[k];
 
-	pose->position = rb_vec3_add(w->base[k], rb_vec3_from(v + RB_ROW_POSITION));
+	pose->position = w->base[k];
+	pose->rest = (rb_vec3){0, 0, 0};
+	rb_arc_move(pose, rb_vec3_from(v + RB_ROW_POSITION));
 	pose->velocity = rb_vec3_from(v + RB_ROW_VELOCITY);
 	pose->spin = (rb_vec3){0, 0, 0};
 	pose->orientation = l->model->orientation[i];
@@ -601,7 +603,7 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		double *const v = c->piece.start + (size_t)k * (size_t)w->row;
 
 		w->base[k] = pose.position;
-		rb_vec3_to(v + RB_ROW_POSITION, (rb_vec3){0, 0, 0});
+		rb_vec3_to(v + RB_ROW_POSITION, pose.rest);
 		rb_vec3_to(v + RB_ROW_VELOCITY, pose.velocity);
 		if (!l->top)
 			continue;

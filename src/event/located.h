@@ -35,6 +35,7 @@ struct rb_piece_of {
 		piece; /* n = 0: the arc is a parabola; its arrays are the cluster's */
 	int first;
 	rb_vec3 base; /* m: the position's rows are from here, so that far away costs no digits */
+	rb_vec3 rest; /* m: of the anchor, where the arc is a parabola again: struct rb_pose */
 	double origin_s, until_s;
 	double acceleration_most; /* m/s^2: bound over the piece */
 };

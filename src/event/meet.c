@@ -25,20 +25,44 @@ bool rb_meet_can(const struct rb_located *l, int a, int b)
 /* What a shape of kind b makes of a sphere: gap, normal from the sphere, its rate, whether at a rim. */
 typedef void meet_function(const struct rb_located *l, struct rb_meet *m);
 
-static rb_vec3 origin_velocity(const struct rb_pose *pose)
+/* From a body's centre of mass to its origin: by the orientation, so that far away it is as exact as near. */
+static rb_vec3 origin_arm(const struct rb_located *l, int i, const struct rb_pose *pose)
 {
-	return rb_vec3_add(pose->velocity,
-	                   rb_vec3_cross(pose->spin, rb_vec3_sub(pose->origin, pose->position)));
+	if (i >= l->n || !l->model->center_of_mass)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_neg(rb_quat_rotate(pose->orientation, l->model->center_of_mass[i]));
 }
+
+static rb_vec3 origin_velocity(const struct rb_located *l, int i, const struct rb_pose *pose)
+{
+	if (i >= l->n || !l->model->center_of_mass)
+		return pose->velocity;
+	return rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, origin_arm(l, i, pose)));
+}
+
+/* From a's origin to b's. */
+static rb_vec3 between_origins(const struct rb_located *l, const struct rb_meet *m)
+{
+	const rb_vec3 d = rb_arc_between(&m->pose_a, &m->pose_b);
+
+	if (!l->model->center_of_mass)
+		return d;
+	return rb_vec3_add(d, rb_vec3_sub(origin_arm(l, m->b, &m->pose_b),
+	                                  origin_arm(l, m->a, &m->pose_a)));
+}
+
+/* A sphere is seen from its own centre. */
+static const rb_vec3 here = {0, 0, 0};
 
 static void meet_sphere(const struct rb_located *l, struct rb_meet *m)
 {
-	const rb_vec3 w = rb_vec3_sub(origin_velocity(&m->pose_b), origin_velocity(&m->pose_a));
+	const rb_vec3 w = rb_vec3_sub(origin_velocity(l, m->b, &m->pose_b),
+	                              origin_velocity(l, m->a, &m->pose_a));
 	const double sum = l->model->shape[m->a].radius + l->model->shape[m->b].radius;
 
-	m->gap = rb_distance_sphere_sphere(m->pose_a.origin, l->model->shape[m->a].radius,
-	                                   m->pose_b.origin, l->model->shape[m->b].radius,
-	                                   &m->normal);
+	m->gap = rb_distance_sphere_sphere(here, l->model->shape[m->a].radius,
+	                                   between_origins(l, m),
+	                                   l->model->shape[m->b].radius, &m->normal);
 	m->normal_rate = rb_vec3_scale(1 / (m->gap + sum), rb_vec3_reject(w, m->normal));
 }
 
@@ -49,9 +73,9 @@ static rb_vec3 normal_of(const struct rb_located *l, int b, rb_quat orientation)
 
 static void meet_plane(const struct rb_located *l, struct rb_meet *m)
 {
-	m->gap = rb_distance_sphere_plane(m->pose_a.origin, l->model->shape[m->a].radius,
-	                                  m->pose_b.origin,
-	                                  normal_of(l, m->b, m->pose_b.orientation), &m->normal);
+	m->gap = rb_distance_sphere_plane(
+		here, l->model->shape[m->a].radius, between_origins(l, m),
+		normal_of(l, m->b, m->pose_b.orientation), &m->normal);
 	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
 }
 
@@ -69,20 +93,19 @@ static double beyond(double x, double half, double rate, double band)
 static void meet_rectangle(const struct rb_located *l, struct rb_meet *m)
 {
 	const double radius = l->model->shape[m->a].radius;
-	rb_rectangle sheet = rb_rectangle_of(m->pose_b.origin, m->pose_b.orientation,
+	rb_rectangle sheet = rb_rectangle_of(between_origins(l, m), m->pose_b.orientation,
 	                                     l->model->shape[m->b].size);
 	const rb_vec3 face = normal_of(l, m->b, m->pose_b.orientation);
 	rb_vec3 closest;
 
 	sheet.normal = face;
-	m->gap = rb_distance_sphere_rectangle(m->pose_a.origin, radius, &sheet, &m->normal,
-	                                      &closest);
-	const rb_vec3 d = rb_vec3_sub(m->pose_a.origin, sheet.center);
+	m->gap = rb_distance_sphere_rectangle(here, radius, &sheet, &m->normal, &closest);
+	const rb_vec3 d = rb_vec3_neg(sheet.center);
+	const rb_vec3 arm = rb_vec3_add(rb_vec3_sub(closest, sheet.center),
+	                                origin_arm(l, m->b, &m->pose_b));
 	const rb_vec3 w = rb_vec3_sub(
-		rb_vec3_add(
-			m->pose_b.velocity,
-			rb_vec3_cross(m->pose_b.spin, rb_vec3_sub(closest, m->pose_b.position))),
-		origin_velocity(&m->pose_a));
+		rb_vec3_add(m->pose_b.velocity, rb_vec3_cross(m->pose_b.spin, arm)),
+		origin_velocity(l, m->a, &m->pose_a));
 	const double band = TOUCHING_ULP * DBL_EPSILON *
 	                    fmax(rb_vec3_max_abs(m->pose_a.origin),
 	                         fmax(sheet.half_x, sheet.half_y));
@@ -116,10 +139,10 @@ static void finish(const struct rb_located *l, struct rb_meet *m)
 	const double radius = l->model->shape[m->a].radius;
 
 	m->point = rb_vec3_add_scaled(m->pose_a.origin, radius, m->normal);
-	const rb_vec3 point_rate = rb_vec3_add_scaled(origin_velocity(&m->pose_a), radius,
+	const rb_vec3 point_rate = rb_vec3_add_scaled(origin_velocity(l, m->a, &m->pose_a), radius,
 	                                              m->normal_rate);
 	if (l->model->center_of_mass) {
-		m->arm_a = rb_vec3_sub(m->point, m->pose_a.position);
+		m->arm_a = rb_vec3_add_scaled(origin_arm(l, m->a, &m->pose_a), radius, m->normal);
 		m->rate_a = rb_vec3_sub(point_rate, m->pose_a.velocity);
 	} else {
 		m->arm_a = rb_vec3_scale(radius, m->normal);
@@ -129,7 +152,7 @@ static void finish(const struct rb_located *l, struct rb_meet *m)
 		m->arm_b = rb_vec3_scale(-l->model->shape[m->b].radius, m->normal);
 		m->rate_b = rb_vec3_scale(-l->model->shape[m->b].radius, m->normal_rate);
 	} else {
-		m->arm_b = rb_vec3_sub(m->point, m->pose_b.position);
+		m->arm_b = rb_vec3_sub(m->arm_a, rb_arc_between(&m->pose_a, &m->pose_b));
 		m->rate_b = rb_vec3_sub(point_rate, m->pose_b.velocity);
 	}
 	m->velocity = rb_vec3_sub(
@@ -390,7 +413,7 @@ static struct course course_of(const struct rb_located *l, const struct rb_meet 
 {
 	const bool flat_a = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
 	const bool flat_b = l->model->shape[m->b].kind != RB_SHAPE_SPHERE;
-	const double apart = rb_vec3_length(rb_vec3_sub(m->pose_a.origin, m->pose_b.origin));
+	const double apart = rb_vec3_length(between_origins(l, m));
 	const rb_vec3 w = rb_vec3_sub(rb_meet_point_velocity(&m->pose_b, m->pose_b.origin),
 	                              rb_meet_point_velocity(&m->pose_a, m->pose_a.origin));
 	const rb_vec3 pull = rb_vec3_sub(
@@ -422,7 +445,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
                       bool *again)
 {
 	struct rb_bounds of_a = {0}, of_b = {0};
-	double t = from;
+	double t = from, nearest = HUGE_VAL;
 
 	*again = false;
 	for (int step = 0; step < STEPS_MOST; step++) {
@@ -438,8 +461,16 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 		const bool touches = m.gap <= band;
 		double h, least = 0;
 
-		if (touches && rate < -noise)
-			return t;
+		if (touches && rate < -noise) {
+			/* what has come here by steps goes on from the band to the root */
+			const double more = 2 * m.gap / (sqrt(rate * rate + 2 * most * m.gap) - rate);
+
+			if (!(t > from && m.gap > 0 && m.gap < 0.5 * nearest && t + more <= until))
+				return t;
+			nearest = m.gap;
+			t += more;
+			continue;
+		}
 		if (touches && rate <= noise) {
 			const double bend = rb_meet_bend(l, &m, t);
 
@@ -513,7 +544,7 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 	if (model->shape[b].kind == RB_SHAPE_SPHERE &&
 	    !same_vector(l->arc[a].acceleration, acceleration_b)) {
 		const struct rb_meet m = rb_meet_at(l, a, b, from);
-		const rb_vec3 motion[3] = {rb_vec3_sub(m.pose_b.origin, m.pose_a.origin),
+		const rb_vec3 motion[3] = {between_origins(l, &m),
 		                           rb_vec3_sub(vb, va),
 		                           rb_vec3_sub(acceleration_b, l->arc[a].acceleration)};
 

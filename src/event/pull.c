@@ -124,8 +124,8 @@ static void pull_spring(struct load *load, const struct rb_spring_def *spring, b
 	                           first ? spring->at_a : spring->at_b);
 	const rb_vec3 arm_other = arm_of(l, j, other.orientation,
 	                                 first ? spring->at_b : spring->at_a);
-	const rb_vec3 d = rb_vec3_sub(rb_vec3_add(other.position, arm_other),
-	                              rb_vec3_add(load->pose->position, arm));
+	const rb_vec3 d = rb_vec3_add(rb_arc_between(load->pose, &other),
+	                              rb_vec3_sub(arm_other, arm));
 	const double length = rb_vec3_length(d);
 
 	if (!(length > 0)) /* no direction to pull in */

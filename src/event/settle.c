@@ -592,7 +592,9 @@ static void start_part(struct settling *s, int part, struct rb_cluster *c)
 			continue;
 		if (still)
 			s->pose[k].velocity = s->pose[k].spin = none;
-		else if (closed && l->top && l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
+		if (closed)
+			s->pose[k].rest = none; /* closed forms go from one number */
+		if (!still && closed && l->top && l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
 			s->pose[k].spin = s->joint.body[k].angular = none;
 		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
 		              still ? none : s->joint.body[k].linear,
@@ -630,6 +632,7 @@ static void fly(struct settling *s, int body)
 {
 	const int place = s->l->place[body];
 
+	s->pose[place].rest = (rb_vec3){0, 0, 0};
 	rb_arc_anchor(s->l, body, s->t, &s->pose[place], s->linear[place],
 	              rb_pull_turning(s->l, body));
 }

@@ -83,7 +83,7 @@ static void move(struct rb_pose *pose, double way, rb_vec3 normal)
 {
 	if (!pose)
 		return;
-	pose->position = rb_vec3_add_scaled(pose->position, way, normal);
+	rb_arc_move(pose, rb_vec3_scale(way, normal));
 	pose->origin = rb_vec3_add_scaled(pose->origin, way, normal);
 }
 

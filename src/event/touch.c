@@ -23,7 +23,7 @@ static uint32_t part_of_b(uint32_t parts)
 }
 
 void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_pose *pose,
-                   rb_vec3 reference, struct rb_feature_side *side)
+                   const struct rb_pose *reference, struct rb_feature_side *side)
 {
 	const struct rb_model *model = l->model;
 	const struct rb_body_part *own = &rb_model_parts(model, i)->part[part];
@@ -37,7 +37,7 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 	/* from the centre of mass, so that far from the world's origin no digits are lost */
 	*side = (struct rb_feature_side){
 		.core = placed.core,
-		.at = rb_vec3_add(rb_vec3_sub(pose->position, reference), arm),
+		.at = rb_vec3_add(rb_arc_between(reference, pose), arm),
 		.turn = placed.turn,
 		.velocity = rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)),
 		.spin = pose->spin,
@@ -53,10 +53,8 @@ struct couple {
 static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t parts,
                       struct couple *c)
 {
-	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, pair->pose_a.position,
-	              &c->a);
-	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, pair->pose_a.position,
-	              &c->b);
+	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, &pair->pose_a, &c->a);
+	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, &pair->pose_a, &c->b);
 }
 
 /* What a search finds of a name, seen from the first side; false: nothing of that name, but what is lowest. */
@@ -152,7 +150,7 @@ static struct rb_meet meet_of(const struct rb_touch_pair *pair, const struct cou
 	                    .pose_a = pair->pose_a,
 	                    .pose_b = pair->pose_b,
 	                    .arm_a = p.point};
-	m.arm_b = rb_vec3_add(p.point, rb_vec3_sub(pair->pose_a.position, pair->pose_b.position));
+	m.arm_b = rb_vec3_sub(p.point, rb_arc_between(&pair->pose_a, &pair->pose_b));
 	m.rate_a = rb_vec3_sub(p.point_rate, pair->pose_a.velocity);
 	m.rate_b = rb_vec3_sub(p.point_rate, pair->pose_b.velocity);
 	m.velocity = rb_vec3_sub(

@@ -35,6 +35,14 @@ static inline rb_vec3 rb_vec3_sub(rb_vec3 a, rb_vec3 b)
 	return (rb_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
+/* What rounding has left out of sum = a + b (Knuth, The Art of Computer Programming 2, 4.2.2, theorem B). */
+static inline rb_vec3 rb_vec3_lost(rb_vec3 a, rb_vec3 b, rb_vec3 sum)
+{
+	const rb_vec3 part = rb_vec3_sub(sum, a);
+
+	return rb_vec3_add(rb_vec3_sub(a, rb_vec3_sub(sum, part)), rb_vec3_sub(b, part));
+}
+
 static inline rb_vec3 rb_vec3_scale(double s, rb_vec3 a)
 {
 	return (rb_vec3){s * a.x, s * a.y, s * a.z};
