@@ -8,46 +8,14 @@
 #include "event/integrate.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
+#include "event/slips.h"
 #include "event/tell.h"
 #include "event/tidy.h"
-#include "event/together.h"
 #include "event/transition.h"
 
-/* What one settling works on; all in the arena. */
-struct settling {
-	struct rb_located *l;
-	double t, slack;
-	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
-	bool moves;   /* some body of it does */
-	bool struck;  /* an impact has just happened */
-	bool keeps_slips; /* slips keep the directions that they had, where these are as good as those of velocities */
-	struct rb_meet *meet; /* [meet_count], sorted by (a, b, parts, key) */
-	int meet_count;
-	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
-	struct rb_pose *pose;      /* [set_count] */
-	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
-	struct rb_joint joint;     /* bodies: the set, then the fixed partners */
-	bool *constant;            /* [set_count]: its other forces are constant */
-	int *root;                 /* [set_count]: union-find over what stays together */
-	double pull_most;          /* m/s^2: largest acceleration that went in */
-	double *load; /* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
-};
-
-enum { STILL_ULP = 64, LOAD_ULP = 64, SLIP_ULP = 1 };
-/* Share of what friction does to speeds by which a slip that creeps may change its own. */
-static const double slowly = 0.05;
+enum { STILL_ULP = 64, LOAD_ULP = 64 };
 /* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
 static const double gave_way = 1e-9;
-
-static void *take(struct settling *s, int count, size_t size)
-{
-	void *const block = rb_arena_take(s->l->arena, (size_t)(count > 0 ? count : 1), size);
-
-	if (!block && s->l->status == RB_OK)
-		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY,
-		                       "no memory for the contacts of %d bodies", s->l->set_count);
-	return block;
-}
 
 /* ---- gathering ---- */
 
@@ -69,22 +37,22 @@ static bool has_ended(const struct rb_located *l, const struct rb_held *held, do
 	return !l->cluster[l->cluster_of[yields]].integrated || t >= l->piece[yields].until_s;
 }
 
-static bool begin(struct settling *s)
+static bool begin(struct rb_settling *s)
 {
 	struct rb_located *l = s->l;
 
 	s->meet_count = rb_set_grow(l, s->t, s->slack, rb_set_lasting, &s->meet);
 	if (s->meet_count < 0) {
-		take(s, -1, SIZE_MAX / 2);
+		rb_slips_take(s, -1, SIZE_MAX / 2);
 		return false;
 	}
-	s->before = take(s, s->meet_count, sizeof *s->before);
-	s->pose = take(s, l->set_count, sizeof *s->pose);
-	s->linear = take(s, l->set_count, sizeof *s->linear);
-	s->angular = take(s, l->set_count, sizeof *s->angular);
-	s->constant = take(s, l->set_count, sizeof *s->constant);
-	s->root = take(s, l->set_count, sizeof *s->root);
-	s->load = take(s, l->set_count, sizeof *s->load);
+	s->before = rb_slips_take(s, s->meet_count, sizeof *s->before);
+	s->pose = rb_slips_take(s, l->set_count, sizeof *s->pose);
+	s->linear = rb_slips_take(s, l->set_count, sizeof *s->linear);
+	s->angular = rb_slips_take(s, l->set_count, sizeof *s->angular);
+	s->constant = rb_slips_take(s, l->set_count, sizeof *s->constant);
+	s->root = rb_slips_take(s, l->set_count, sizeof *s->root);
+	s->load = rb_slips_take(s, l->set_count, sizeof *s->load);
 	if (l->status != RB_OK)
 		return false;
 	for (int k = 0; k < l->set_count; k++) {
@@ -105,7 +73,7 @@ static bool begin(struct settling *s)
 }
 
 /* A contact that was held and is hit or pulled apart by a change is no longer one. */
-static bool parts(const struct settling *s, const struct rb_meet *m)
+static bool parts(const struct rb_settling *s, const struct rb_meet *m)
 {
 	double most = rb_meet_noise(s->l, m) + s->slack + s->drift;
 
@@ -117,25 +85,11 @@ static bool parts(const struct settling *s, const struct rb_meet *m)
 	       m->gap > fmax(rb_tidy_drift * rb_meet_size(s->l, m), rb_meet_band(s->l, m, s->t));
 }
 
-/* Those of the same pair as contact k: from *first to before the number returned. */
-static int pair_of(const struct settling *s, int k, int *first)
-{
-	const struct rb_meet *m = s->meet;
-	int end = k + 1;
-
-	*first = k;
-	while (*first > 0 && m[*first - 1].a == m[k].a && m[*first - 1].b == m[k].b)
-		--*first;
-	while (end < s->meet_count && m[end].a == m[k].a && m[end].b == m[k].b)
-		end++;
-	return end;
-}
-
 /* A contact that ends: either others of its pair go on, with what has been told of the pair, or the bodies part. */
-static void end_contact(struct settling *s, int k, const bool *kept)
+static void end_contact(struct rb_settling *s, int k, const bool *kept)
 {
 	int first;
-	const int end = pair_of(s, k, &first);
+	const int end = rb_slips_pair(s, k, &first);
 	bool goes_on = false;
 
 	if (!s->before[k].is_told)
@@ -155,9 +109,9 @@ static void end_contact(struct settling *s, int k, const bool *kept)
 		rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
 }
 
-static void keep_what_lasts(struct settling *s)
+static void keep_what_lasts(struct rb_settling *s)
 {
-	bool *const kept = take(s, s->meet_count, sizeof *kept);
+	bool *const kept = rb_slips_take(s, s->meet_count, sizeof *kept);
 	struct rb_tidy tidy = {.l = s->l,
 	                       .t = s->t,
 	                       .meet = s->meet,
@@ -190,7 +144,7 @@ static void keep_what_lasts(struct settling *s)
 
 /* ---- forces ---- */
 
-static void pulls(struct settling *s)
+static void pulls(struct rb_settling *s)
 {
 	struct rb_located *l = s->l;
 	const struct rb_view view = {.pose = s->pose, .time_s = s->t, .active_s = s->t};
@@ -202,121 +156,8 @@ static void pulls(struct settling *s)
 	}
 }
 
-static int joint_body(struct settling *s, int body)
-{
-	const struct rb_located *l = s->l;
-
-	if (body < l->n && l->place[body] >= 0)
-		return l->place[body];
-	s->joint.body[s->joint.body_count] = rb_mechanics_fixed(l, body, s->t);
-	return s->joint.body_count++;
-}
-
-static void joint_set(struct settling *s)
-{
-	const struct rb_located *l = s->l;
-
-	for (int k = 0; k < l->set_count; k++)
-		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->linear[k],
-		                                     s->angular[k]);
-	s->joint.body_count = l->set_count;
-}
-
-/* Of a slip that goes on: rounding of its velocity, and of what has changed it since. */
-static bool goes_on_as_before(const struct settling *s, int k, rb_vec3 slip, rb_vec3 *old)
-{
-	const struct rb_held *before = &s->before[k];
-	const double speed = rb_vec3_length(slip);
-	const double still = 4 * rb_meet_noise(s->l, &s->meet[k]) + s->slack + s->drift;
-	const rb_vec3 now = rb_vec3_scale(1 / speed, slip);
-
-	if (before->a < 0 || !before->slipping || before->ending || s->struck)
-		return false;
-	*old = rb_vec3_unit(rb_vec3_reject(before->slip, s->meet[k].normal), now);
-	return rb_vec3_length(rb_vec3_sub(now, *old)) * speed <= still;
-}
-
-static void joint_contact(struct settling *s, int k)
-{
-	struct rb_located *l = s->l;
-	const struct rb_meet *m = &s->meet[k];
-	const struct rb_held *before = &s->before[k];
-	struct rb_joint_contact *c = &s->joint.contact[k];
-	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-	const double speed = rb_vec3_length(slip);
-	const double still = 4 * rb_meet_noise(l, m) + s->slack;
-	const bool stuck = before->a >= 0 && !s->struck && (!before->slipping || before->ending);
-
-	*c = rb_mechanics_contact(l, m);
-	c->a = joint_body(s, m->a);
-	c->b = joint_body(s, m->b);
-	if (before->a >= 0)
-		c->impulse = before->force;
-	if (speed > (stuck ? fmax(still, rb_tidy_drift * (rb_vec3_length(m->pose_a.velocity) +
-	                                                  rb_vec3_length(m->pose_b.velocity)))
-	                   : still)) {
-		c->mode = RB_JOINT_SLIDE;
-		if (!s->keeps_slips || !goes_on_as_before(s, k, slip, &c->slip))
-			c->slip = rb_vec3_scale(1 / speed, slip);
-	}
-}
-
-static void add_load(struct settling *s, int body, double force)
-{
-	if (body < s->l->n && s->l->place[body] >= 0)
-		s->load[s->l->place[body]] += s->l->model->inverse_mass[body] * force;
-}
-
-static void find_loads(struct settling *s)
-{
-	for (int k = 0; k < s->l->set_count; k++)
-		s->load[k] = 0;
-	for (int k = 0; k < s->meet_count; k++) {
-		const double force = rb_vec3_length(s->joint.contact[k].impulse);
-
-		add_load(s, s->meet[k].a, force);
-		add_load(s, s->meet[k].b, force);
-	}
-}
-
-static void too_many(const struct settling *s)
-{
-	s->l->status = RB_FAIL(s->l->err, RB_ERR_PHYSICS,
-	                       "%d contacts together are too many to locate", s->meet_count);
-}
-
-static bool solve(struct settling *s)
-{
-	s->joint.arena = s->l->arena;
-	s->joint.body = take(s, s->l->set_count + 2 * s->meet_count, sizeof *s->joint.body);
-	s->joint.contact = take(s, s->meet_count, sizeof *s->joint.contact);
-	if (s->l->status != RB_OK)
-		return false;
-	joint_set(s);
-	for (int k = 0; k < s->meet_count; k++)
-		joint_contact(s, k);
-	s->joint.contact_count = s->meet_count;
-	s->joint.products_most = s->moves ? rb_located_products(s->l, s->meet_count) : 0;
-	if (s->meet_count > 0)
-		rb_joint_forces(&s->joint);
-	if (s->moves)
-		s->l->crowd += (uint64_t)s->joint.products * (uint64_t)s->meet_count /
-		               RB_LOCATED_ROWS;
-	if (rb_joint_is_over(&s->joint)) {
-		too_many(s);
-		return false;
-	}
-	find_loads(s);
-	return true;
-}
-
-static bool presses(const struct settling *s, int k)
-{
-	return rb_vec3_dot(s->joint.contact[k].impulse, s->meet[k].normal) > 0;
-}
-
 /* The body of a pair that contacts move; of two, the first. */
-static int yielding(const struct settling *s, int k)
+static int yielding(const struct rb_settling *s, int k)
 {
 	return rb_located_fixed(s->l, s->meet[k].a) ? s->meet[k].b : s->meet[k].a;
 }
@@ -330,7 +171,7 @@ static int root_of(int *root, int k)
 	return k;
 }
 
-static void join(struct settling *s, int a, int b)
+static void join(struct rb_settling *s, int a, int b)
 {
 	const struct rb_located *l = s->l;
 
@@ -340,19 +181,19 @@ static void join(struct settling *s, int a, int b)
 	s->root[x > y ? x : y] = x > y ? y : x;
 }
 
-static void join_all(struct settling *s)
+static void join_all(struct rb_settling *s)
 {
 	const struct rb_scene *scene = s->l->model->scene;
 
 	for (int k = 0; k < s->meet_count; k++)
-		if (presses(s, k))
+		if (rb_slips_press(s, k))
 			join(s, s->meet[k].a, s->meet[k].b);
 	for (int k = 0; k < scene->spring_count; k++)
 		join(s, s->l->model->index_of[scene->springs[k].a],
 		     s->l->model->index_of[scene->springs[k].b]);
 }
 
-static enum rb_held_mode mode_of(const struct settling *s, int k)
+static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
 {
 	const struct rb_meet *m = &s->meet[k];
 	const rb_vec3 turn = rb_vec3_sub(m->pose_b.spin, m->pose_a.spin);
@@ -379,7 +220,7 @@ static double friction_of(const struct rb_joint_contact *c)
 	return push > 0 && rubs < c->friction * push * (1 - gave_way) ? rubs / push : c->friction;
 }
 
-static struct rb_held held_of(struct settling *s, int k)
+static struct rb_held held_of(struct rb_settling *s, int k)
 {
 	const struct rb_meet *m = &s->meet[k];
 	const struct rb_joint_contact *c = &s->joint.contact[k];
@@ -420,7 +261,7 @@ static struct rb_held held_of(struct settling *s, int k)
  * Tells what the points of a pair do together, unless it was told already or an accumulation is still to end: they slide
  * if one of them does, rest if all do, and else they roll, rock or topple.
  */
-static void tell_mode(struct settling *s, struct rb_held *held, const int *meet, int count)
+static void tell_mode(struct rb_settling *s, struct rb_held *held, const int *meet, int count)
 {
 	static const enum rb_event_kind kinds[] = {[RB_HELD_REST] = RB_EVENT_REST,
 	                                           [RB_HELD_SLIDE] = RB_EVENT_SLIDE,
@@ -454,37 +295,8 @@ static void tell_mode(struct settling *s, struct rb_held *held, const int *meet,
 		rb_tell_transition(s->l, s->t, kinds[mode], &s->meet[meet[0]]);
 }
 
-/* Rate at which the contact point's slip changes, across the normal. */
-static rb_vec3 slip_rate(const struct settling *s, int k)
-{
-	const struct rb_joint_contact *c = &s->joint.contact[k];
-	const struct rb_joint_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
-	const rb_vec3 rate = rb_vec3_sub(
-		rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
-		rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
-
-	return rb_vec3_reject(rb_vec3_add(rate, c->bias), c->normal);
-}
-
-/* Does the slip keep its direction until it ends, to rounding? */
-static bool is_straight(const struct settling *s, int k, rb_vec3 slip)
-{
-	const rb_vec3 rate = slip_rate(s, k);
-	const double along = rb_vec3_dot(rate, slip);
-	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, slip));
-	const double speed = rb_vec3_length(rb_vec3_reject(s->meet[k].velocity, s->meet[k].normal));
-	const double largest = rb_vec3_length(s->meet[k].pose_a.velocity) +
-	                       rb_vec3_length(s->meet[k].pose_b.velocity);
-
-	if (aside <= 64 * DBL_EPSILON * s->pull_most)
-		return true;
-	/* nor is there time to turn where it ends within the rounding of the time */
-	return along < 0 && (aside * speed <= -along * 16 * DBL_EPSILON * largest ||
-	                     speed <= -along * 16 * DBL_EPSILON * s->t);
-}
-
 /* Speeds and accelerations that are nothing to a member: rounding of a fall by its own size, and of what presses it. */
-static bool is_nothing(const struct settling *s, int k, double pull, rb_vec3 speed, rb_vec3 rate)
+static bool is_nothing(const struct rb_settling *s, int k, double pull, rb_vec3 speed, rb_vec3 rate)
 {
 	const double radius = rb_model_reach(s->l->model, s->l->set[k]);
 	const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * pull * radius);
@@ -493,25 +305,8 @@ static bool is_nothing(const struct settling *s, int k, double pull, rb_vec3 spe
 	       rb_vec3_max_abs(rate) <= fmax(1e-12 * pull, LOAD_ULP * DBL_EPSILON * s->load[k]);
 }
 
-/*
- * Is its direction what balances the forces across it? Of bodies that touch at points, where the slip is slow and changes
- * its speed by much less than friction could: else it has no time to turn there.
- */
-static bool creeps(const struct settling *s, int k, const struct rb_held *held)
-{
-	const struct rb_meet *m = &s->meet[k];
-	const double *const inverse = s->l->model->inverse_mass;
-	const double rubs = rb_vec3_length(rb_vec3_reject(held->force, m->normal)) *
-	                    (inverse[m->a] + inverse[m->b]);
-
-	return held->slipping && !held->straight && held->friction > 0 &&
-	       !rb_set_is_single(s->l, m->a, m->b) &&
-	       rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(s->l, m) &&
-	       fabs(rb_vec3_dot(slip_rate(s, k), held->slip)) <= slowly * rubs;
-}
-
 /* Neither a closed form nor without turning. */
-static bool turns_oddly(const struct settling *s, int k)
+static bool turns_oddly(const struct rb_settling *s, int k)
 {
 	const struct rb_located *l = s->l;
 	const double radius = rb_model_reach(l->model, l->set[k]);
@@ -525,7 +320,7 @@ static bool turns_oddly(const struct settling *s, int k)
 }
 
 /* Constant accelerations from here to the next transition? */
-static bool in_closed_form(const struct settling *s, int part, const struct rb_cluster *c)
+static bool in_closed_form(const struct rb_settling *s, int part, const struct rb_cluster *c)
 {
 	const struct rb_located *l = s->l;
 
@@ -555,7 +350,7 @@ static bool in_closed_form(const struct settling *s, int part, const struct rb_c
  * All of a cluster stands still and nothing moves it: static means static. Still is a speed within rounding of that of a
  * fall by its own size.
  */
-static bool stands_still(const struct settling *s, int part)
+static bool stands_still(const struct rb_settling *s, int part)
 {
 	const struct rb_located *l = s->l;
 	double pull = 0;
@@ -577,7 +372,7 @@ static bool stands_still(const struct settling *s, int part)
 	return true;
 }
 
-static void start_part(struct settling *s, int part, struct rb_cluster *c)
+static void start_part(struct rb_settling *s, int part, struct rb_cluster *c)
 {
 	struct rb_located *l = s->l;
 	const rb_vec3 none = {0, 0, 0};
@@ -605,18 +400,18 @@ static void start_part(struct settling *s, int part, struct rb_cluster *c)
 }
 
 /* The contacts of a part, for its cluster; `meet`: room for as many numbers. */
-static void write_held(struct settling *s, int part, struct rb_cluster *c, int *meet)
+static void write_held(struct rb_settling *s, int part, struct rb_cluster *c, int *meet)
 {
 	const struct rb_located *l = s->l;
 	int told = 0;
 
 	for (int k = 0; k < s->meet_count; k++) {
-		if (!presses(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
+		if (!rb_slips_press(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
 			continue;
 		struct rb_held held = held_of(s, k);
 
-		held.straight = held.slipping && is_straight(s, k, held.slip);
-		held.creeps = creeps(s, k, &held);
+		held.straight = held.slipping && rb_slips_straight(s, k, held.slip);
+		held.creeps = rb_slips_creep(s, k, &held);
 		meet[c->held_count] = k;
 		c->held[c->held_count++] = held;
 	}
@@ -628,7 +423,7 @@ static void write_held(struct settling *s, int part, struct rb_cluster *c, int *
 		}
 }
 
-static void fly(struct settling *s, int body)
+static void fly(struct rb_settling *s, int body)
 {
 	const int place = s->l->place[body];
 
@@ -637,11 +432,11 @@ static void fly(struct settling *s, int body)
 	              rb_pull_turning(s->l, body));
 }
 
-static void write_parts(struct settling *s, double try_s)
+static void write_parts(struct rb_settling *s, double try_s)
 {
 	struct rb_located *l = s->l;
-	int *member = take(s, l->set_count, sizeof *member);
-	int *meet = take(s, s->meet_count, sizeof *meet);
+	int *member = rb_slips_take(s, l->set_count, sizeof *member);
+	int *meet = rb_slips_take(s, s->meet_count, sizeof *meet);
 
 	for (int part = 0; member && meet && part < l->set_count; part++) {
 		int count = 0, held_count = 0;
@@ -653,7 +448,7 @@ static void write_parts(struct settling *s, double try_s)
 			if (root_of(s->root, k) == part)
 				member[count++] = l->set[k];
 		for (int k = 0; k < s->meet_count; k++)
-			held_count += presses(s, k) &&
+			held_count += rb_slips_press(s, k) &&
 			              root_of(s->root, l->place[yielding(s, k)]) == part;
 		for (int k = 0; k < count; k++)
 			alone = alone && s->constant[l->place[member[k]]];
@@ -664,7 +459,7 @@ static void write_parts(struct settling *s, double try_s)
 		}
 		const int cluster = rb_cluster_take(l, member, count, held_count);
 		if (cluster < 0) {
-			take(s, -1, SIZE_MAX / 2);
+			rb_slips_take(s, -1, SIZE_MAX / 2);
 			return;
 		}
 		struct rb_cluster *c = &l->cluster[cluster];
@@ -675,7 +470,7 @@ static void write_parts(struct settling *s, double try_s)
 	}
 }
 
-static void forget_before(struct settling *s, double *try_s)
+static void forget_before(struct rb_settling *s, double *try_s)
 {
 	struct rb_located *l = s->l;
 
@@ -693,86 +488,24 @@ static void forget_before(struct settling *s, double *try_s)
 }
 
 /* Of a pair that does not press at any of its points any more. */
-static void tell_lifts(struct settling *s)
+static void tell_lifts(struct rb_settling *s)
 {
 	for (int k = 0, first; k < s->meet_count; k++) {
-		const int end = pair_of(s, k, &first);
+		const int end = rb_slips_pair(s, k, &first);
 		bool goes_on = false;
 
-		if (!s->before[k].is_told || presses(s, k))
+		if (!s->before[k].is_told || rb_slips_press(s, k))
 			continue;
 		for (int other = first; other < end; other++)
-			goes_on = goes_on || presses(s, other) ||
+			goes_on = goes_on || rb_slips_press(s, other) ||
 			          (other < k && s->before[other].is_told);
 		if (!goes_on)
 			rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
 	}
 }
 
-/*
- * A slip that would end within the rounding of sizes has ended: of bodies that touch at several points it may turn at the
- * end as fast as it slows down. Returns whether there was one; then the forces are to be found again.
- */
-static bool stop_slow_slips(struct settling *s)
-{
-	bool *const kept = take(s, s->meet_count, sizeof *kept);
-	struct rb_tidy tidy = {.l = s->l,
-	                       .t = s->t,
-	                       .meet = s->meet,
-	                       .before = s->before,
-	                       .kept = kept,
-	                       .count = s->meet_count,
-	                       .pose = s->pose};
-	bool any = false;
-
-	for (int k = 0; kept && k < s->meet_count; k++) {
-		const struct rb_joint_contact *c = &s->joint.contact[k];
-		const struct rb_meet *m = &s->meet[k];
-		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-		const double slows = -rb_vec3_dot(slip_rate(s, k), c->slip);
-		const bool slides = presses(s, k) && c->mode == RB_JOINT_SLIDE;
-		const bool ends = slides && c->friction > 0 && slows > 0 &&
-		                  !rb_set_is_single(s->l, m->a, m->b) &&
-		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
-		                                                     rb_meet_size(s->l, m);
-
-		kept[k] = presses(s, k);
-		s->before[k].slipping = slides && !ends;
-		s->before[k].ending = ends;
-		any = any || ends;
-	}
-	if (any)
-		rb_tidy_stop(&tidy);
-	return any;
-}
-
-/*
- * The velocity of a slow slip says its direction to rounding over speed only, and against friction in a direction that is
- * wrong by that it would turn back within speed / (friction g), all the way. So where slips are straight in the directions
- * that they had, within rounding, these are kept.
- */
-static bool solve_straight(struct settling *s)
-{
-	s->keeps_slips = true;
-	if (!solve(s))
-		return false;
-	for (int k = 0; k < s->meet_count; k++) {
-		const struct rb_joint_contact *c = &s->joint.contact[k];
-		const struct rb_meet *m = &s->meet[k];
-		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-		rb_vec3 old;
-
-		if (c->mode == RB_JOINT_SLIDE && presses(s, k) &&
-		    goes_on_as_before(s, k, slip, &old) && !is_straight(s, k, old)) {
-			s->keeps_slips = false;
-			return solve(s);
-		}
-	}
-	return true;
-}
-
 /* What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon. */
-static bool is_moving(const struct settling *s)
+static bool is_moving(const struct rb_settling *s)
 {
 	const struct rb_located *l = s->l;
 
@@ -790,7 +523,7 @@ static bool is_moving(const struct settling *s)
 
 void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 {
-	struct settling s = {.l = l, .t = t, .slack = slack, .struck = struck};
+	struct rb_settling s = {.l = l, .t = t, .slack = slack, .struck = struck};
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	double try_s;
 
@@ -798,16 +531,13 @@ void rb_settle(struct rb_located *l, double t, bool struck, double slack)
 		keep_what_lasts(&s);
 		s.moves = is_moving(&s);
 		if (s.moves && rb_located_cost(3.0 * s.meet_count) > l->crowd_most) {
-			too_many(&s);
+			rb_slips_too_many(&s);
 			rb_arena_back(l->arena, here);
 			return;
 		}
 		forget_before(&s, &try_s);
 		pulls(&s);
-		bool solved = l->status == RB_OK && solve_straight(&s);
-		if (solved && s.meet_count > 0 && stop_slow_slips(&s))
-			solved = solve(&s);
-		if (solved) {
+		if (l->status == RB_OK && rb_slips_solve(&s)) {
 			join_all(&s);
 			tell_lifts(&s);
 			write_parts(&s, try_s);
