@@ -122,10 +122,30 @@ static void an_oblique_sphere_sticks_or_slips_as_coulomb_says(void **slot)
 	}
 }
 
+/* The end of compression is met to rounding, from above or from below. */
+static void every_impact_gives_back_what_compression_left(void **slot)
+{
+	(void)slot;
+	for (uint64_t k = 0; k < 5000; k++) {
+		struct rb_link link = random_link(k);
+		rb_vec3 u = pick_vector(8, k);
+
+		link.friction = 0.4;
+		if (rb_vec3_dot(u, link.normal) >= 0)
+			u = rb_vec3_neg(u);
+		const double approach = -rb_vec3_dot(u, link.normal);
+		const rb_vec3 impulse = rb_link_impact(&link, u, 0.5 * approach);
+		const rb_vec3 after = rb_vec3_add(u, rb_mat3_apply(&link.yield, impulse));
+
+		assert_true(rb_vec3_dot(after, link.normal) > 0.1 * approach);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_impact_never_raises_kinetic_energy),
+		cmocka_unit_test(every_impact_gives_back_what_compression_left),
 		cmocka_unit_test(a_frictionless_rod_follows_newton),
 		cmocka_unit_test(an_oblique_sphere_sticks_or_slips_as_coulomb_says),
 	};

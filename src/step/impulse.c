@@ -230,11 +230,17 @@ static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, do
 	const double approach = -rb_vec3_dot(velocity, link->normal);
 	const double dp = approach / (link->normal_yield * STEPS);
 	const double still = 1e-9 * rb_vec3_length(velocity);
+	const double rounding = 4 * DBL_EPSILON * rb_vec3_length(velocity);
 	double compression = 0, restored = 0;
 	rb_vec3 u = velocity, impulse = {0, 0, 0};
+	bool compressing = true;
 
 	for (int round = 0; round < MOST; round++) {
-		const double normal_before = rb_vec3_dot(u, link->normal);
+		/* what compression leaves along the normal is rounding, of either sign */
+		double normal_before = rb_vec3_dot(u, link->normal);
+		compressing = compressing || normal_before < -rounding;
+		if (!compressing)
+			normal_before = fmax(normal_before, 0);
 		const rb_vec3 slip = across(link, u);
 		rb_vec3 d = direction(link, slip, still);
 		const rb_vec3 half = rb_vec3_add_scaled(u, 0.5 * dp,
@@ -254,9 +260,9 @@ static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, do
 		/* nor beyond the end of compression or of restitution */
 		const double normal_rate = rb_vec3_dot(rate, link->normal);
 		bool last = false;
-		if (normal_before < 0 && normal_rate > 0 && normal_before + step * normal_rate > 0)
+		if (compressing && normal_rate > 0 && normal_before + step * normal_rate > 0)
 			step = -normal_before / normal_rate;
-		if (normal_before >= 0) {
+		if (!compressing) {
 			/* work still to come back: u step + rate step^2 / 2 */
 			const double owed = -restitution * restitution * compression - restored;
 			const double gives = normal_before * step + 0.5 * normal_rate * step * step;
@@ -272,12 +278,13 @@ static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, do
 			}
 		}
 		const double work = normal_before * step + 0.5 * normal_rate * step * step;
-		*(normal_before < 0 ? &compression : &restored) += work;
+		*(compressing ? &compression : &restored) += work;
 		u = rb_vec3_add_scaled(u, step, rate);
 		impulse = rb_vec3_add_scaled(impulse, step, d);
-		if (normal_before < 0 &&
-		    fabs(rb_vec3_dot(u, link->normal)) <= 4 * DBL_EPSILON * approach)
-			u = across(link, u); /* exactly at the end of compression */
+		if (compressing && rb_vec3_dot(u, link->normal) >= -rounding) {
+			compressing = false;
+			u = across(link, u);
+		}
 		if (last)
 			break;
 	}
