@@ -9,8 +9,7 @@
 
 enum {
 	ROUNDS_MAX = 200, /* polytopes take some ten, round cores some tens */
-	STILL_MAX = 3,    /* rounds in which neither bound moves */
-	TRIES_MAX = 12    /* to prove a distance, which takes two or three where there is one */
+	STILL_MAX = 3     /* rounds in which neither bound moves */
 };
 
 typedef struct {
@@ -24,37 +23,40 @@ typedef struct {
 	simplex part;
 } nearest;
 
-static void offer(nearest *best, rb_vec3 v, const rb_vec3 *points, int count)
+/* The best so far, made of the points of a simplex whose bits are set. */
+typedef struct {
+	rb_vec3 v;
+	double square;
+	unsigned points;
+} offers;
+
+static void offer(offers *best, rb_vec3 v, unsigned points)
 {
 	const double square = rb_vec3_dot(v, v);
 
-	if (!(square < best->square))
-		return;
-	best->v = v;
-	best->square = square;
-	best->part.count = count;
-	for (int i = 0; i < count; i++)
-		best->part.w[i] = points[i];
+	if (square < best->square)
+		*best = (offers){v, square, points};
 }
 
-static void offer_edge(nearest *best, rb_vec3 a, rb_vec3 b)
+static void offer_edge(offers *best, const rb_vec3 *w, int i, int last)
 {
-	const rb_vec3 ab = rb_vec3_sub(b, a);
+	const rb_vec3 a = w[i], ab = rb_vec3_sub(w[last], a);
 	const double square = rb_vec3_dot(ab, ab), t = -rb_vec3_dot(a, ab);
 
 	if (t > 0 && t < square)
-		offer(best, rb_vec3_add_scaled(a, t / square, ab), (rb_vec3[]){a, b}, 2);
+		offer(best, rb_vec3_add_scaled(a, t / square, ab), 1u << i | 1u << last);
 }
 
-static void offer_triangle(nearest *best, rb_vec3 a, rb_vec3 b, rb_vec3 c)
+static void offer_triangle(offers *best, const rb_vec3 *w, int i, int j, int last)
 {
+	const rb_vec3 a = w[i], b = w[j], c = w[last];
 	const rb_vec3 n = rb_vec3_cross(rb_vec3_sub(b, a), rb_vec3_sub(c, a));
 	const double square = rb_vec3_dot(n, n);
 
 	if (!(square > 0) || rb_vec3_dot(n, rb_vec3_cross(b, c)) <= 0 ||
 	    rb_vec3_dot(n, rb_vec3_cross(c, a)) <= 0 || rb_vec3_dot(n, rb_vec3_cross(a, b)) <= 0)
 		return;
-	offer(best, rb_vec3_scale(rb_vec3_dot(n, a) / square, n), (rb_vec3[]){a, b, c}, 3);
+	offer(best, rb_vec3_scale(rb_vec3_dot(n, a) / square, n), 1u << i | 1u << j | 1u << last);
 }
 
 static double volume(rb_vec3 a, rb_vec3 b, rb_vec3 c, rb_vec3 d)
@@ -79,16 +81,21 @@ static bool holds_origin(const simplex *s)
 static nearest look(const simplex *s)
 {
 	const int last = s->count - 1;
-	const rb_vec3 p = s->w[last];
-	nearest best = {.square = (double)INFINITY};
+	offers best = {s->w[last], rb_vec3_dot(s->w[last], s->w[last]), 1u << last};
 
-	offer(&best, p, &p, 1);
 	for (int i = 0; i < last; i++) {
-		offer_edge(&best, s->w[i], p);
+		offer_edge(&best, s->w, i, last);
 		for (int j = i + 1; j < last; j++)
-			offer_triangle(&best, s->w[i], s->w[j], p);
+			offer_triangle(&best, s->w, i, j, last);
 	}
-	return best;
+	nearest out; /* its points as far as `count` says */
+	out.v = best.v;
+	out.square = best.square;
+	out.part.count = 0;
+	for (int i = 0; i <= last; i++)
+		if (best.points >> i & 1)
+			out.part.w[out.part.count++] = s->w[i];
+	return out;
 }
 
 static bool has(const simplex *s, rb_vec3 w)
@@ -99,20 +106,20 @@ static bool has(const simplex *s, rb_vec3 w)
 	return false;
 }
 
-bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, rb_vec3 *axis)
+bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds, rb_vec3 *axis)
 {
 	rb_vec3 d = rb_vec3_dot(*axis, *axis) > 0 ? *axis : rb_vec3_sub(b->at, a->at);
 	nearest now = {.square = (double)INFINITY};
 	const double close = limit > 0 ? limit * limit : 0;
 
-	for (int round = 0; round < TRIES_MAX; round++) {
+	for (int round = 0; round < rounds; round++) {
 		const rb_vec3 n = rb_vec3_unit(d, (rb_vec3){0, 0, 1});
 		const rb_vec3 w = rb_vec3_sub(rb_placed_support(b, rb_vec3_neg(n)),
 		                              rb_placed_support(a, n));
 		*axis = n;
 		if (rb_vec3_dot(w, n) > limit)
 			return true;
-		if (has(&now.part, w))
+		if (round + 1 == rounds || has(&now.part, w))
 			return false;
 		now.part.w[now.part.count++] = w;
 		if (now.part.count == 4 && holds_origin(&now.part))

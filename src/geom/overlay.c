@@ -367,3 +367,29 @@ int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
 		polygons(&t);
 	return t.count;
 }
+
+double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n)
+{
+	const double none = (double)INFINITY;
+	double least = none, most = -none;
+
+	if (patch->kind == RB_PATCH_PLANE)
+		return none;
+	if (patch->kind == RB_PATCH_DISC)
+		return patch->round -
+		       rb_vec3_length(rb_vec3_reject(rb_vec3_sub(point, patch->point[0]), n));
+	if (patch->kind != RB_PATCH_POLYGON)
+		return -none;
+	for (int i = 0; i < patch->count; i++) {
+		const rb_vec3 here = patch->point[i];
+		const rb_vec3 side = rb_vec3_sub(patch->point[i + 1 < patch->count ? i + 1 : 0],
+		                                 here);
+		const rb_vec3 in = rb_vec3_cross(n, side);
+		const double off = rb_vec3_dot(in, rb_vec3_sub(point, here)) / rb_vec3_length(in);
+
+		least = fmin(least, off);
+		most = fmax(most, off);
+	}
+	/* clockwise about n all signs are turned round */
+	return fmax(least, -most);
+}

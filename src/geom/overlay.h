@@ -29,4 +29,10 @@ typedef struct {
 int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
                rb_overlay_point out[RB_OVERLAY_MAX]);
 
+/*
+ * How deep a point lies within a polygon, a disc or a plane, seen along `n`, unit: the way to the border, m; negative: outside
+ * by no less than that; -INFINITY of points and segments.
+ */
+double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n);
+
 #endif

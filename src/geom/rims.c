@@ -8,7 +8,17 @@
 
 #include <float.h>
 
-enum { NEWTON_MAX = 60, WIDEN_MAX = 9 };
+enum {
+	NEWTON_MAX = 60,
+	WIDEN_MAX = 4,
+	STILL_MAX = 4,   /* steps that are no smaller than the ones before */
+	CHANGES_MAX = 3, /* of the ends of two cylinders */
+	TRUSTED_MAX =
+		3 /* steps that gain less than can be seen: each has twice the digits of the one before */
+};
+
+/* A turn, in radians, after which Newton's next is below rounding, unless bends change a million times faster than turns. */
+static const double small_step = 0x1p-36;
 
 /* A cylinder and the sense (1 or -1) that turns directions from a to b into those away from it. */
 typedef struct {
@@ -27,61 +37,105 @@ static void try_away(rb_axis *axis, const drum *d, rb_vec3 away)
 	rb_axis_try(axis, rb_vec3_scale(d->sense, away));
 }
 
-/* What directions n(angle) = x cos + y sin prove: n.w - r sqrt(1 - (n.u)^2), its first and second derivative. */
+/*
+ * What directions n = c x + s y, with x, y and e across each other and c^2 + s^2 = 1, prove: n.w - r |n x u|. The rim's axis
+ * has across n what it has along t, which is n a quarter turn on, and along e.
+ */
 typedef struct {
-	rb_vec3 x, y, w, u;
-	double r;
+	rb_vec3 x, y;
+	double wx, wy, ux, uy, ue, r;
 } family;
 
-static rb_vec3 direction(const family *f, double angle)
+/* A turn, by cosine and sine. */
+typedef struct {
+	double c, s;
+} turn;
+
+static rb_vec3 direction(const family *f, turn at)
 {
-	return rb_vec3_add_scaled(rb_vec3_scale(cos(angle), f->x), sin(angle), f->y);
+	const rb_vec3 n = rb_vec3_add_scaled(rb_vec3_scale(at.c, f->x), at.s, f->y);
+
+	return rb_vec3_unit(n, f->x);
 }
 
-static double slope(const family *f, double angle, double *bend)
+static double slope(const family *f, turn at, double *bend)
 {
-	const rb_vec3 n = direction(f, angle), t = direction(f, angle + 1.5707963267948966);
-	const double c = rb_vec3_dot(n, f->u), s = rb_vec3_dot(t, f->u);
-	/* 1 - c^2 without cancellation: what of u is across n */
-	const rb_vec3 across = rb_vec3_cross(n, f->u);
-	const double root = rb_vec3_length(across);
+	const double nw = f->wx * at.c + f->wy * at.s, tw = f->wy * at.c - f->wx * at.s;
+	const double nu = f->ux * at.c + f->uy * at.s, tu = f->uy * at.c - f->ux * at.s;
+	/* 1 - nu^2 without cancellation */
+	const double square = tu * tu + f->ue * f->ue, root = sqrt(square);
 
 	if (!(root > 0)) {
 		*bend = 0;
-		return rb_vec3_dot(t, f->w);
+		return tw;
 	}
-	*bend = -rb_vec3_dot(n, f->w) +
-	        f->r * ((s * s - c * c) + c * c * s * s / (root * root)) / root;
-	return rb_vec3_dot(t, f->w) + f->r * c * s / root;
+	*bend = -nw + f->r * ((tu * tu - nu * nu) + nu * nu * tu * tu / square) / root;
+	return tw + f->r * nu * tu / root;
 }
 
-/* Where the slope falls through zero, near 0; false: nowhere within a quarter turn. */
-static bool summit(const family *f, double *angle)
+/* By about this angle, exactly a turn: twice the arctangent of half of it. */
+static turn turned(turn at, double angle)
 {
-	double bend, low, high, width = 0x1p-10;
+	const double half = 0.5 * angle, per = 1 / (1 + half * half);
+	const double c = (1 - half * half) * per, s = angle * per;
 
-	for (int i = 0;; i++, width = fmin(4 * width, 1.5707963267948966)) {
-		low = -width;
-		high = width;
-		if (slope(f, low, &bend) >= 0 && slope(f, high, &bend) <= 0)
-			break;
+	return (turn){at.c * c - at.s * s, at.s * c + at.c * s};
+}
+
+/* Sine of the angle from a to b. */
+static double between(turn a, turn b)
+{
+	return a.c * b.s - a.s * b.c;
+}
+
+static turn half_way(turn a, turn b)
+{
+	const double c = a.c + b.c, s = a.s + b.s, per = 1 / sqrt(c * c + s * s);
+
+	return (turn){c * per, s * per};
+}
+
+/* Where the slope falls through zero, near none; false: nowhere within a quarter turn. */
+static bool summit(const family *f, turn *out)
+{
+	static const double widths[WIDEN_MAX] = {0x1p-10, 0x1p-5, 0.25, 2}; /* a quarter turn */
+	const turn none = {1, 0};
+	double bend, last = 4;
+	turn low = none, high = none, at = none;
+	const double sense = slope(f, none, &bend) >= 0 ? 1 : -1;
+	int still = 0;
+
+	/* uphill, up to a quarter turn */
+	for (int i = 0;; i++) {
 		if (i == WIDEN_MAX)
 			return false;
+		const turn there = turned(none, sense * widths[i]);
+		if (sense * slope(f, there, &bend) <= 0) {
+			*(sense > 0 ? &high : &low) = there;
+			break;
+		}
+		*(sense > 0 ? &low : &high) = there;
+		at = there;
 	}
-	double at = 0;
-	for (int i = 0; i < NEWTON_MAX; i++) {
+	for (int i = 0; i < NEWTON_MAX && still < STILL_MAX; i++) {
 		const double value = slope(f, at, &bend);
 		if (value > 0)
 			low = at;
 		else
 			high = at;
-		/* An ulp of a turn is all that a direction can show; before the bracket, which rounding may have shut. */
-		const double step = bend < 0 ? -value / bend : high - low;
-		if (fabs(step) <= DBL_EPSILON || high - low <= DBL_EPSILON)
+		const double step = bend < 0 ? -value / bend : 4;
+		const turn next = turned(at, step);
+		const bool is_within = fabs(step) < 1 && between(low, next) >= 0 &&
+		                       between(next, high) >= 0;
+		at = is_within ? next : half_way(low, high);
+		/* the next would be as small as its square; before the bracket, which rounding may have shut */
+		if (fabs(step) <= small_step || !(between(low, high) > 0))
 			break;
-		at = at + step > low && at + step < high ? at + step : 0.5 * (low + high);
+		/* rounding: there Newton's steps no longer shrink */
+		still = is_within && fabs(step) >= 0.5 * last ? still + 1 : 0;
+		last = is_within ? fabs(step) : 4;
 	}
-	*angle = at;
+	*out = at;
 	return true;
 }
 
@@ -89,13 +143,14 @@ static bool summit(const family *f, double *angle)
 static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3 guide)
 {
 	const rb_vec3 away = rb_vec3_scale(d->sense, guide);
-	const rb_vec3 between = rb_vec3_sub(point, d->placed->at);
+	const rb_vec3 way = rb_vec3_sub(point, d->placed->at);
 	const rb_vec3 side = rb_vec3_cross(d->axis, e);
 	/* a guide along the line says nothing, and what rounding leaves of it across need not be across */
 	const rb_vec3 left = rb_vec3_reject(away, e);
 	const bool guided = rb_vec3_dot(left, left) > 0x1p-20;
 	const rb_vec3 x = guided ? rb_vec3_unit(rb_vec3_reject(left, e), left) : rb_vec3_across(e);
-	double angle;
+	const rb_vec3 y = rb_vec3_cross(e, x);
+	turn top;
 
 	if (rb_vec3_dot(side, side) > 256 * DBL_EPSILON * DBL_EPSILON) {
 		const rb_vec3 n = rb_vec3_unit(side, side);
@@ -103,19 +158,25 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		try_away(axis, d, rb_vec3_neg(n));
 	}
 	for (int end = -1; end <= 1; end += 2) {
-		const family f = {x, rb_vec3_cross(e, x),
-		                  rb_vec3_add_scaled(between, -end * d->half, d->axis), d->axis,
+		const rb_vec3 w = rb_vec3_add_scaled(way, -end * d->half, d->axis);
+		const family f = {x,
+		                  y,
+		                  rb_vec3_dot(w, x),
+		                  rb_vec3_dot(w, y),
+		                  rb_vec3_dot(d->axis, x),
+		                  rb_vec3_dot(d->axis, y),
+		                  rb_vec3_dot(d->axis, e),
 		                  d->round};
-		if (!summit(&f, &angle))
+		if (!summit(&f, &top))
 			continue;
 		/* where the other rim is farther out this one's summit is nearly one, hence worse than none */
-		const rb_vec3 n = direction(&f, angle);
+		const rb_vec3 n = direction(&f, top);
 		if (end * rb_vec3_dot(n, d->axis) >= 0)
 			try_away(axis, d, n);
 	}
 	/* a line along the mantle */
-	const rb_vec3 straight = rb_vec3_reject(between, e);
-	const double least = 0x1p-20 * rb_vec3_dot(between, between);
+	const rb_vec3 straight = rb_vec3_reject(way, e);
+	const double least = 0x1p-20 * rb_vec3_dot(way, way);
 	if (rb_vec3_dot(straight, straight) > least)
 		try_away(axis, d, rb_vec3_unit(straight, straight));
 }
@@ -195,10 +256,19 @@ static climb climb_at(rb_vec3 between, const drum *const d[2], rb_vec3 n, rb_vec
 /* Rim against rim: uphill from n by Newton's steps, shortened until they gain; where they do not, by the gradient. */
 static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 {
-	for (int i = 0; i < NEWTON_MAX; i++) {
+	int trusted_steps = 0, changes = -1;
+	double last_a = 0, last_b = 0, last_value = -(double)INFINITY;
+
+	for (int i = 0; i < NEWTON_MAX && trusted_steps < TRUSTED_MAX; i++) {
 		const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
 		const double end_a = copysign(d[0]->half, rb_vec3_dot(n, d[0]->axis));
 		const double end_b = copysign(d[1]->half, -rb_vec3_dot(n, d[1]->axis));
+		/* to and fro between ends: the best lies across an axis, where a mantle takes over */
+		changes += end_a != last_a || end_b != last_b;
+		if (changes > CHANGES_MAX)
+			break;
+		last_a = end_a;
+		last_b = end_b;
 		rb_vec3 between = rb_vec3_sub(d[1]->placed->at, d[0]->placed->at);
 		between = rb_vec3_add_scaled(between, -end_a, d[0]->axis);
 		between = rb_vec3_add_scaled(between, end_b, d[1]->axis);
@@ -217,6 +287,11 @@ static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 		/* a gain below rounding cannot be seen: the last steps are taken on trust */
 		const bool trusted = determinant > 0 && c.xx < 0 &&
 		                     c.gx * sx + c.gy * sy <= axis->noise;
+		/* gains that should be seen, and are not: a peak, where an end or a mantle takes over */
+		if (!trusted && c.value <= last_value + axis->noise)
+			break;
+		last_value = c.value;
+		trusted_steps += trusted;
 		double share = fmin(1, 0.5 / length);
 		rb_vec3 next = n;
 		for (int half = 0; half < 40; half++, share *= 0.5) {

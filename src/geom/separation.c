@@ -1,13 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How the best direction is found. GJK's distance, where there is one, says which features can matter: those in a thin
- * slab across its direction. Their closed forms then give the answer, which has their digits and no trace of the way
- * that led to them.
+ * How the best direction is found. All faces first: mostly the best of them is seen to be the best of all. Else GJK's
+ * distance, where there is one, says which features can matter: those in a thin slab across its direction. Their closed
+ * forms then give the answer, which has their digits and no trace of the way that led to them.
  *
- * Near a touch the direction of a distance loses its digits (an ulp of the size over the gap), so there all faces
- * are tried first. Their best direction bounds where else to look: with n its normal, s its gap, and U a bound on the
- * size of the true gap g (U >= |g|, g >= s), the touching points p and p + g m have n.p + g n.m >= h + s, h the
- * height of a's outermost point, hence n.p >= h + s - U; likewise for b. Edges and corners below that are left out.
+ * Near a touch the direction of a distance loses its digits (an ulp of the size over the gap). There the best of the faces
+ * bounds where else to look: with n its normal, s its gap, and U a bound on the size of the true gap g (U >= |g|,
+ * g >= s), the touching points p and p + g m have n.p + g n.m >= h + s, h the height of a's outermost point, hence
+ * n.p >= h + s - U; likewise for b. Edges and corners below that are left out.
  */
 #include "geom/separation.h"
 
@@ -21,6 +21,8 @@
 /* Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to tell features. */
 static const double far_share = 1e-4;
 enum { NOISE_ULP = 16 };
+/* Of more, only those along the direction of a distance are tried, where there is one; decides cost only. */
+enum { FEW_FACES = 32 };
 
 static rb_separation of_half_space(const rb_placed *a, const rb_placed *b, double noise)
 {
@@ -32,9 +34,14 @@ static rb_separation of_half_space(const rb_placed *a, const rb_placed *b, doubl
 	return (rb_separation){b_is ? down : up, height - rb_placed_height(body, down), noise};
 }
 
+static int face_count(const rb_placed *p)
+{
+	return p->core->kind == RB_CORE_CYLINDER ? 2 : p->core->polytope->face_count;
+}
+
 static bool has_faces(const rb_placed *p)
 {
-	return p->core->kind == RB_CORE_CYLINDER || p->core->polytope->face_count > 0;
+	return face_count(p) > 0;
 }
 
 /* What crosses the body's only edge, for cores without faces that lie in each other. */
@@ -63,36 +70,70 @@ static void search_deep(rb_axis *axis, const rb_slab *slab)
 	}
 }
 
+/* A point of b's patch that lies over a's, or nearly, and how deep it lies within the border of either, m; false: none. */
+static bool shared_point(const rb_axis *axis, const rb_patch *a, const rb_patch *b, rb_vec3 *at,
+                         double *margin)
+{
+	const rb_overlay_def def = {axis->normal, axis->noise, axis->noise};
+	rb_overlay_point point[RB_OVERLAY_MAX];
+	rb_vec3 sum = {0, 0, 0};
+
+	if (a->kind == RB_PATCH_POINT || b->kind == RB_PATCH_POINT) {
+		*at = b->kind == RB_PATCH_POINT ? b->point[0] : a->point[0];
+	} else {
+		const int count = rb_overlay(a, b, &def, point);
+		const rb_vec3 way = rb_vec3_sub(point[0].on_b, point[0].on_a);
+		if (count == 0 || rb_vec3_length(way) > fabs(axis->gap) + 12 * axis->noise)
+			return false;
+		for (int i = 0; i < count; i++)
+			sum = rb_vec3_add(sum, point[i].on_b);
+		*at = rb_vec3_scale(1.0 / count, sum);
+	}
+	*margin = fmax(rb_overlay_margin(a, *at, axis->normal),
+	               rb_overlay_margin(b, *at, axis->normal));
+	return *margin >= 0 || (a->kind != RB_PATCH_POINT && b->kind != RB_PATCH_POINT);
+}
+
 /*
- * Points that lie over each other along the best direction so far, apart by what it proves, leave nothing to be gained.
- * (Where they overlap by more than rounding, another direction may be better.)
+ * Whether no direction proves more than the best face so far. Apart, by points that lie over each other along it. Overlapping
+ * by d: the differences of points of b and a have, across the normal n, a disc of radius r at depth d, where r is how far a
+ * point of one lies within the border of the other's face; and a point higher by D, the extent of both bodies along n, and
+ * aside by at most S. Along cos(t) n + sin(t) w the disc proves no more than -d cos(t) - r sin(t), which is no more than -d
+ * as long as d tan(t / 2) <= r; for what is left, within 2 d / r of -n, the other point proves no more than
+ * -(D - d) cos(2 d / r) + S 2 d / r.
  */
 static bool settled(const rb_axis *axis)
 {
-	const double noise = 4 * axis->noise;
-	const rb_overlay_def def = {axis->normal, axis->noise, axis->noise};
-	rb_overlay_point point[RB_OVERLAY_MAX];
+	const double depth = 4 * axis->noise, d = -axis->gap;
+	const rb_vec3 n = axis->normal, m = rb_vec3_neg(n);
 	rb_patch a, b;
+	rb_vec3 at;
+	double margin;
 
-	if (!(axis->gap >= -noise))
+	rb_patch_of(&a, axis->a, n, depth);
+	rb_patch_of(&b, axis->b, m, depth);
+	if (!shared_point(axis, &a, &b, &at, &margin))
 		return false;
-	rb_patch_of(&a, axis->a, axis->normal, noise);
-	rb_patch_of(&b, axis->b, rb_vec3_neg(axis->normal), noise);
-	/* a point is taken to lie over whatever the other has, and segments to have a point */
-	if (a.kind == RB_PATCH_POINT || b.kind == RB_PATCH_POINT ||
-	    rb_overlay(&a, &b, &def, point) == 0)
+	if (d <= depth)
+		return true;
+	if (!(margin >= 4 * d))
 		return false;
-	const rb_vec3 way = rb_vec3_sub(point[0].on_b, point[0].on_a);
-	return rb_vec3_length(way) <= axis->gap + 3 * noise;
+	const double extent = rb_placed_height(axis->a, n) + rb_placed_height(axis->a, m) +
+	                      rb_placed_height(axis->b, n) + rb_placed_height(axis->b, m);
+	const double aside = 2 * (axis->a->core->reach + axis->b->core->reach);
+	return extent >= 4 * d + 4 * aside * (d / margin);
+}
+
+static bool best_face_settles(rb_axis *axis)
+{
+	rb_facets_faces(axis, NULL);
+	return axis->found && settled(axis);
 }
 
 static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double scale)
 {
 	rb_slab slab = {gjk->normal, (double)INFINITY};
 
-	rb_facets_faces(axis, NULL);
-	if (axis->found && settled(axis))
-		return;
 	if (axis->found) {
 		/* What lies far apart has been proved to; else a long distance is one from before they overlapped. */
 		const double doubt = fabs(gjk->most - gjk->least);
@@ -124,7 +165,6 @@ static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 	/* of thin simplices on round cores the distance has lost digits: it may even lie below what is proved */
 	const rb_slab slab = {gjk->normal, fabs(gjk->most - gjk->least) + 8 * axis->noise};
 
-	rb_facets_faces(axis, &gjk->normal);
 	if (round) {
 		rb_rims(axis, &slab, gjk->normal);
 		return;
@@ -153,8 +193,16 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	if (both_points(a, b))
 		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), distance, noise};
 	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = -(double)INFINITY};
+	const bool few = face_count(a) + face_count(b) <= FEW_FACES;
+	if (few && best_face_settles(&axis))
+		return (rb_separation){axis.normal, axis.gap, noise};
 	const rb_gjk gjk = rb_gjk_run(a, b, scale);
-	if (gjk.apart && gjk.most > far_share * scale)
+	const bool far = gjk.apart && gjk.most > far_share * scale;
+	if (!few && far)
+		rb_facets_faces(&axis, &gjk.normal);
+	else if (!few && best_face_settles(&axis))
+		return (rb_separation){axis.normal, axis.gap, noise};
+	if (far)
 		search_far(&axis, &gjk, round);
 	else
 		search_near(&axis, &gjk, round, scale);
@@ -163,7 +211,8 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	return (rb_separation){axis.normal, axis.gap, noise};
 }
 
-bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, rb_vec3 *axis)
+bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
+                          rb_vec3 *axis)
 {
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
 	/* the sum of the parts is no less than the length, and needs no root */
@@ -172,5 +221,7 @@ bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, 
 
 	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE)
 		return of_half_space(a, b, noise).gap > limit + noise;
-	return rb_gjk_beyond(a, b, limit + 2 * noise, axis);
+	if (both_points(a, b))
+		return rb_vec3_length(d) > limit + noise;
+	return rb_gjk_beyond(a, b, limit + 2 * noise, rounds, axis);
 }

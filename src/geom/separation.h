@@ -19,8 +19,10 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
 
 /*
  * True only where rb_separation_of would find a gap above `limit`, m, with room for rounding; false says nothing. Cheap
- * where `*axis` still tells them apart, which it did when this was last true; zero: no idea.
+ * where `*axis` still tells them apart, which it did when this was last true; zero: no idea. `rounds`: how many directions
+ * may be tried.
  */
-bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, rb_vec3 *axis);
+bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
+                          rb_vec3 *axis);
 
 #endif

@@ -4,9 +4,45 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "model/parts.h"
 
-/* Steps that a box is meant to last. */
-enum { STEPS_PER_BOX = 8 };
+enum {
+	STEPS_PER_BOX = 8, /* that a box is meant to last */
+	BODIES_PER_BLOCK = 512
+};
+
+static void place(struct rb_near *near, const struct rb_model *model, int i, rb_vec3 origin,
+                  rb_quat orientation)
+{
+	const struct rb_body_parts *parts = rb_model_parts(model, i);
+	rb_placed *placed = near->placed + near->first_part[i];
+
+	for (int k = 0; k < parts->count; k++)
+		placed[k] = rb_body_part_place(&parts->part[k], origin, orientation);
+}
+
+static bool take_parts(struct rb_near *near, const struct rb_model *model)
+{
+	const int count = model->body_count + model->static_count;
+	int parts = 0;
+
+	if (!model->parts)
+		return true;
+	near->first_part = rb_memory_take((size_t)count + 1, sizeof *near->first_part);
+	if (!near->first_part)
+		return false;
+	for (int i = 0; i < count; i++) {
+		near->first_part[i] = parts;
+		parts += rb_model_parts(model, i)->count;
+	}
+	near->first_part[count] = parts;
+	near->placed = rb_memory_take((size_t)parts, sizeof *near->placed);
+	if (!near->placed)
+		return false;
+	for (int i = model->body_count; i < count; i++)
+		place(near, model, i, model->position[i], model->orientation[i]);
+	return true;
+}
 
 enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model,
                               struct rb_error *err)
@@ -18,7 +54,7 @@ enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model
 	near->margin = rb_memory_take(n, sizeof *near->margin);
 	near->reach = rb_memory_take(n, sizeof *near->reach);
 	near->box = rb_memory_take(n, sizeof *near->box);
-	if (near->built_at && near->margin && near->reach && near->box)
+	if (near->built_at && near->margin && near->reach && near->box && take_parts(near, model))
 		return RB_OK;
 	rb_near_release(near);
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
@@ -30,7 +66,9 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->margin);
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
-	rb_memory_free(near->axis);
+	rb_memory_free(near->clue);
+	rb_memory_free(near->first_part);
+	rb_memory_free(near->placed);
 	*near = (struct rb_near){0};
 }
 
@@ -75,12 +113,12 @@ static enum rb_status build(struct rb_near *near, struct rb_world *world, struct
 	                                                 &near->pair_count, err);
 	if (status != RB_OK || !model->parts)
 		return status;
-	if (!rb_memory_reserve(&near->axis, &near->axis_capacity, near->pair_count,
-	                       sizeof *near->axis))
+	if (!rb_memory_reserve(&near->clue, &near->clue_capacity, near->pair_count,
+	                       sizeof *near->clue))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
 		               near->pair_count);
 	if (near->pair_count > 0)
-		memset(near->axis, 0, near->pair_count * sizeof *near->axis);
+		memset(near->clue, 0, near->pair_count * sizeof *near->clue);
 	return RB_OK;
 }
 
@@ -110,4 +148,34 @@ bool rb_near_holds(const struct rb_near *near, const struct rb_world *world)
 		if (!(from_built(near, world, i) <= near->margin[i]))
 			return false;
 	return true;
+}
+
+/* ---- parts ---- */
+
+struct places {
+	struct rb_near *near;
+	struct rb_world *world;
+};
+
+static void place_block(void *user, int block, int worker)
+{
+	const struct places *places = user;
+	const struct rb_world *world = places->world;
+	const int n = world->model->body_count, first = block * BODIES_PER_BLOCK;
+	const int end = first + BODIES_PER_BLOCK < n ? first + BODIES_PER_BLOCK : n;
+
+	(void)worker;
+	for (int i = first; i < end; i++)
+		place(places->near, world->model, i, rb_world_origin_at(world, &world->state, i),
+		      rb_world_orientation_at(world, &world->state, i));
+}
+
+void rb_near_place(struct rb_near *near, struct rb_world *world)
+{
+	struct places places = {near, world};
+	const int n = world->model->body_count;
+
+	if (near->placed)
+		rb_team_run(world->team, (n + BODIES_PER_BLOCK - 1) / BODIES_PER_BLOCK, place_block,
+		            &places);
 }

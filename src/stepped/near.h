@@ -8,8 +8,15 @@
 #ifndef RB_STEPPED_NEAR_H
 #define RB_STEPPED_NEAR_H
 
+#include "geom/core.h"
 #include "step/broadphase.h"
 #include "world/world.h"
+
+/* What is known of a pair from the look before; decides cost only. */
+struct rb_clue {
+	rb_vec3 axis;  /* the direction in which it was told apart, or touches; zero: none */
+	bool is_close; /* it was not told apart */
+};
 
 struct rb_near {
 	bool valid;
@@ -20,12 +27,11 @@ struct rb_near {
 	double h_s;                 /* of that step */
 	const struct rb_pair *pair; /* borrowed from the broadphase */
 	size_t pair_count;
-	/*
-	 * [pair_count] of each pair a direction that has told it apart, or zero. Whoever looks at a pair may write it: it
-	 * decides cost only.
-	 */
-	rb_vec3 *axis;
-	size_t axis_capacity;
+	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clue. */
+	struct rb_clue *clue; /* [pair_count] */
+	size_t clue_capacity;
+	int *first_part;   /* [bodies and statics + 1] into `placed` */
+	rb_placed *placed; /* where parts stand: rb_near_place */
 };
 
 RB_CHECKED enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model,
@@ -39,5 +45,8 @@ RB_CHECKED enum rb_status rb_near_find(struct rb_near *near, struct rb_world *wo
 
 /* Whether every body is still within its margin; NaN is not. */
 bool rb_near_holds(const struct rb_near *near, const struct rb_world *world);
+
+/* Parts as bodies stand now. */
+void rb_near_place(struct rb_near *near, struct rb_world *world);
 
 #endif

@@ -251,6 +251,80 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
 	}
 }
 
+/* Of the tolerance, by which points may stand too high. */
+static const double fine_share = 0.125;
+/* Directions to look along for pairs that were apart, and for those that were not. */
+enum { ROUNDS_APART = 12, ROUNDS_CLOSE = 1 };
+
+/* Two parts, seen from the origin of the first. */
+struct parts {
+	rb_placed a, b;
+	double radii; /* m, of both together */
+};
+
+static struct parts parts_of(const rb_placed *a, const rb_placed *b)
+{
+	return (struct parts){{a->core, {0, 0, 0}, a->turn},
+	                      {b->core, rb_vec3_sub(b->at, a->at), b->turn},
+	                      a->core->radius + b->core->radius};
+}
+
+static bool is_half_space(const rb_placed *p)
+{
+	return p->core->kind == RB_CORE_HALF_SPACE;
+}
+
+/* Whether they are certainly farther apart than `most`, m. */
+static bool are_beyond(const struct parts *parts, double most, struct rb_clue *clue)
+{
+	const rb_vec3 d = parts->b.at;
+	const double whole = parts->a.core->reach + parts->b.core->reach + parts->radii + most;
+
+	/* a half space has no reach */
+	if (!is_half_space(&parts->a) && !is_half_space(&parts->b) &&
+	    rb_vec3_dot(d, d) > whole * whole)
+		return true;
+	return rb_separation_beyond(&parts->a, &parts->b, most + parts->radii,
+	                            clue->is_close ? ROUNDS_CLOSE : ROUNDS_APART, &clue->axis);
+}
+
+/* Of several parts nothing is remembered. */
+static struct rb_clue *clue_of(struct rb_clue *kept, struct rb_clue *none, int parts)
+{
+	*none = (struct rb_clue){.is_close = false};
+	return parts > 2 ? none : kept;
+}
+
+static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
+                          struct rb_clue *kept)
+{
+	const struct rb_near *near = look->near;
+	const double fine = fine_share * look->world->model->tolerance_m;
+	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
+	const int count_a = near->first_part[pair.a + 1] - a;
+	const int count_b = near->first_part[pair.b + 1] - b;
+	struct rb_clue none;
+	rb_manifold manifold;
+
+	for (int i = 0; i < count_a; i++) {
+		for (int j = 0; j < count_b; j++) {
+			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
+			const struct parts parts = parts_of(pa, pb);
+			struct rb_clue *clue = clue_of(kept, &none, count_a + count_b);
+
+			const bool apart = are_beyond(&parts, slack, clue);
+
+			clue->is_close = !apart;
+			if (apart)
+				continue;
+			rb_manifold_with_nearest(&manifold, pa, pb, slack, fine);
+			clue->axis = manifold.normal;
+			clue->is_close = manifold.gap <= slack;
+			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
+		}
+	}
+}
+
 /* How far turning may carry points of the body towards others within the step, m. */
 static double turn_reach(const struct look *look, int i)
 {
@@ -261,66 +335,6 @@ static double turn_reach(const struct look *look, int i)
 	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
 	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
 	return fmin(2, look->near->h_s * spin) * rb_model_reach(world->model, i);
-}
-
-/* Of the tolerance, by which points may stand too high. */
-static const double fine_share = 0.125;
-
-/* Two parts, seen from the origin of the first. */
-struct parts {
-	rb_placed a, b;
-	double radii; /* m, of both together */
-};
-
-/* Cores farther apart than what is left of `most` without their radii; `*axis` helps and is helped. */
-static bool are_beyond(const struct parts *parts, double most, rb_vec3 *axis)
-{
-	const rb_vec3 d = parts->b.at;
-	const double whole = parts->a.core->reach + parts->b.core->reach + parts->radii + most;
-
-	/* a half space has no reach */
-	if (parts->a.core->kind != RB_CORE_HALF_SPACE &&
-	    parts->b.core->kind != RB_CORE_HALF_SPACE && rb_vec3_dot(d, d) > whole * whole)
-		return true;
-	return rb_separation_beyond(&parts->a, &parts->b, most + parts->radii, axis);
-}
-
-static struct parts parts_of(const rb_placed *a, const rb_placed *b)
-{
-	return (struct parts){{a->core, {0, 0, 0}, a->turn},
-	                      {b->core, rb_vec3_sub(b->at, a->at), b->turn},
-	                      a->core->radius + b->core->radius};
-}
-
-static void look_at_parts(struct look *look, struct rb_pair pair, double slack, rb_vec3 *axis)
-{
-	const struct rb_world *world = look->world;
-	const struct rb_model *model = world->model;
-	const struct rb_body_parts *a = rb_model_parts(model, pair.a);
-	const struct rb_body_parts *b = rb_model_parts(model, pair.b);
-	const rb_vec3 origin_a = rb_world_origin_at(world, &world->state, pair.a);
-	const rb_vec3 origin_b = rb_world_origin_at(world, &world->state, pair.b);
-	const rb_quat turn_a = rb_world_orientation_at(world, &world->state, pair.a);
-	const rb_quat turn_b = rb_world_orientation_at(world, &world->state, pair.b);
-	rb_manifold manifold;
-
-	slack += turn_reach(look, pair.a) + turn_reach(look, pair.b);
-	for (int i = 0; i < a->count; i++) {
-		const rb_placed pa = rb_body_part_place(&a->part[i], origin_a, turn_a);
-
-		for (int j = 0; j < b->count; j++) {
-			const rb_placed pb = rb_body_part_place(&b->part[j], origin_b, turn_b);
-			const struct parts parts = parts_of(&pa, &pb);
-
-			if (a->count + b->count > 2)
-				*axis = (rb_vec3){0, 0, 0};
-			if (are_beyond(&parts, slack, axis))
-				continue;
-			rb_manifold_with_nearest(&manifold, &pa, &pb, slack,
-			                         fine_share * model->tolerance_m);
-			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
-		}
-	}
 }
 
 static double slack_of(const struct look *look, struct rb_pair pair)
@@ -356,19 +370,23 @@ static void look_block(void *user, int block, int worker)
 		if (is_plain(look.world->model, pair.a, pair.b))
 			look_at_plain(&look, pair, slack_of(&look, pair));
 		else
-			look_at_parts(&look, pair, slack_of(&look, pair), &near->axis[k]);
+			look_at_parts(&look, pair,
+			              slack_of(&look, pair) + turn_reach(&look, pair.a) +
+			                      turn_reach(&look, pair.b),
+			              &near->clue[k]);
 	}
 	looks->block[block] = look;
 }
 
 enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
-                              const struct rb_near *near, double h, struct rb_error *err)
+                              struct rb_near *near, double h, struct rb_error *err)
 {
 	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
 	struct looks looks = {.look = {.world = world, .points = points, .near = near, .h = h}};
 	bool good = true;
 
 	points->count = 0;
+	rb_near_place(near, world);
 	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *looks.block);
 	if (!looks.block)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
@@ -433,41 +451,37 @@ struct overlaps {
 	struct overlap *block;
 };
 
-static double depth_of_parts(const struct rb_world *world, struct rb_pair pair, rb_vec3 *axis)
+static double depth_of_parts(const struct rb_near *near, struct rb_pair pair, struct rb_clue *kept)
 {
-	const struct rb_model *model = world->model;
-	const struct rb_body_parts *a = rb_model_parts(model, pair.a);
-	const struct rb_body_parts *b = rb_model_parts(model, pair.b);
-	const rb_vec3 origin_a = rb_world_origin_at(world, &world->state, pair.a);
-	const rb_vec3 origin_b = rb_world_origin_at(world, &world->state, pair.b);
-	const rb_quat turn_a = rb_world_orientation_at(world, &world->state, pair.a);
-	const rb_quat turn_b = rb_world_orientation_at(world, &world->state, pair.b);
+	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
+	const int count_a = near->first_part[pair.a + 1] - a;
+	const int count_b = near->first_part[pair.b + 1] - b;
+	struct rb_clue none;
 	double depth = 0;
 
-	for (int i = 0; i < a->count; i++) {
-		rb_placed pa = rb_body_part_place(&a->part[i], origin_a, turn_a);
+	for (int i = 0; i < count_a; i++) {
+		for (int j = 0; j < count_b; j++) {
+			const struct parts parts = parts_of(&near->placed[a + i],
+			                                    &near->placed[b + j]);
+			struct rb_clue *clue = clue_of(kept, &none, count_a + count_b);
 
-		for (int j = 0; j < b->count; j++) {
-			rb_placed pb = rb_body_part_place(&b->part[j], origin_b, turn_b);
-			const struct parts parts = parts_of(&pa, &pb);
-
-			if (a->count + b->count > 2)
-				*axis = (rb_vec3){0, 0, 0};
-			if (!are_beyond(&parts, 0, axis))
-				depth = fmax(depth,
-				             parts.radii -
-				                     rb_separation_of(&parts.a, &parts.b).gap);
+			if (are_beyond(&parts, 0, clue))
+				continue;
+			const rb_separation s = rb_separation_of(&parts.a, &parts.b);
+			clue->axis = s.normal;
+			depth = fmax(depth, parts.radii - s.gap);
 		}
 	}
 	return depth;
 }
 
-static double depth_of(const struct rb_world *world, struct rb_pair pair, rb_vec3 *axis)
+static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k)
 {
 	const struct rb_model *model = world->model;
+	const struct rb_pair pair = near->pair[k];
 
 	if (!is_plain(model, pair.a, pair.b))
-		return depth_of_parts(world, pair, axis);
+		return depth_of_parts(near, pair, &near->clue[k]);
 	if (pair.b < model->body_count) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
@@ -490,8 +504,7 @@ static void overlap_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (size_t k = first; k < end; k++) {
-		const double depth = depth_of(overlaps->world, near->pair[k],
-		                              near->axis ? &near->axis[k] : NULL);
+		const double depth = depth_of(overlaps->world, near, k);
 
 		if (depth > worst.depth)
 			worst = (struct overlap){depth, near->pair[k].a, near->pair[k].b};
@@ -499,7 +512,7 @@ static void overlap_block(void *user, int block, int worker)
 	overlaps->block[block] = worst;
 }
 
-double rb_points_overlap(struct rb_world *world, const struct rb_near *near, int pair[2])
+double rb_points_overlap(struct rb_world *world, struct rb_near *near, int pair[2])
 {
 	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
 	struct overlaps overlaps = {.world = world, .near = near};
@@ -510,6 +523,7 @@ double rb_points_overlap(struct rb_world *world, const struct rb_near *near, int
 		pair[0] = pair[1] = -1;
 		return (double)INFINITY;
 	}
+	rb_near_place(near, world);
 	rb_team_run(world->team, blocks, overlap_block, &overlaps);
 	for (int b = 0; b < blocks; b++)
 		if (overlaps.block[b].depth > worst.depth)

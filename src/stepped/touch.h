@@ -47,8 +47,7 @@ void rb_points_release(struct rb_points *points);
 
 /* Of the candidates, which hold; velocities as for rb_near_find. Warm impulses are for a step of h_s. */
 RB_CHECKED enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
-                                         const struct rb_near *near, double h_s,
-                                         struct rb_error *err);
+                                         struct rb_near *near, double h_s, struct rb_error *err);
 
 /* Keeps the impulses of a step that has been accepted. */
 RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *model,
@@ -58,6 +57,6 @@ RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, const struct 
 void rb_points_index(struct rb_points *points, const struct rb_model *model);
 
 /* The largest overlap of the candidates in the present state, m, and whose; 0: none. */
-double rb_points_overlap(struct rb_world *world, const struct rb_near *near, int pair[2]);
+double rb_points_overlap(struct rb_world *world, struct rb_near *near, int pair[2]);
 
 #endif
