@@ -36,8 +36,64 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 	}
 }
 
+static bool is_box(const rb_placed *p)
+{
+	return p->core->kind == RB_CORE_POLYTOPE && p->core->polytope->box;
+}
+
+static double at(rb_vec3 v, int k)
+{
+	return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
+/* Of each face pair of box p what it proves against box q, where `d` leads from p to q. */
+static void proofs(const rb_placed *p, const rb_placed *q, rb_vec3 d, double proof[3])
+{
+	const rb_vec3 half = p->core->polytope->half, other = q->core->polytope->half;
+
+	for (int k = 0; k < 3; k++) {
+		const rb_vec3 n = {p->turn.m[0][k], p->turn.m[1][k], p->turn.m[2][k]};
+		const rb_vec3 m = rb_mat3_apply_transposed(&q->turn, n);
+
+		proof[k] = fabs(rb_vec3_dot(n, d)) - at(half, k) - other.x * fabs(m.x) -
+		           other.y * fabs(m.y) - other.z * fabs(m.z);
+	}
+}
+
+/* In the order of all faces, but only those that could be best. */
+static void faces_of_boxes(rb_axis *axis)
+{
+	const rb_placed *box[2] = {axis->a, axis->b};
+	const rb_vec3 d = rb_vec3_sub(axis->b->at, axis->a->at);
+	const double room = 16 * axis->noise;
+	double proof[2][3], most = -(double)INFINITY;
+
+	proofs(box[0], box[1], d, proof[0]);
+	proofs(box[1], box[0], d, proof[1]);
+	for (int k = 0; k < 6; k++)
+		most = fmax(most, proof[k / 3][k % 3]);
+	for (int k = 0; k < 6; k++) {
+		const rb_mat3 *turn = &box[k / 3]->turn;
+		const rb_vec3 n = {turn->m[0][k % 3], turn->m[1][k % 3], turn->m[2][k % 3]};
+		const double along = rb_vec3_dot(n, d);
+
+		if (!(proof[k / 3][k % 3] >= most - room))
+			continue;
+		/* b's faces look the other way */
+		for (int s = 0; s < 2; s++) {
+			const double sense = (s == 0) == (k < 3) ? 1 : -1;
+			if (sense * along >= -room)
+				rb_axis_try(axis, rb_vec3_scale(sense, n));
+		}
+	}
+}
+
 void rb_facets_faces(rb_axis *axis, const rb_vec3 *guide)
 {
+	if (!guide && is_box(axis->a) && is_box(axis->b)) {
+		faces_of_boxes(axis);
+		return;
+	}
 	faces_of(axis, axis->a, 1, guide);
 	faces_of(axis, axis->b, -1, guide);
 }

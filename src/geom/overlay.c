@@ -17,7 +17,8 @@ typedef struct {
 typedef struct {
 	int count; /* 1 of a disc */
 	double x[RB_PATCH_MAX], y[RB_PATCH_MAX];
-	double sense; /* 1 anticlockwise, -1 clockwise */
+	double length[RB_PATCH_MAX]; /* of the side from here */
+	double sense;                /* 1 anticlockwise, -1 clockwise */
 } outline;
 
 /* p - (this) n lies on the patch. */
@@ -103,6 +104,11 @@ static outline outline_of(const table *t, const rb_patch *patch)
 		o.x[i] = rb_vec3_dot(d, t->x);
 		o.y[i] = rb_vec3_dot(d, t->y);
 	}
+	for (int i = 0; i < o.count; i++) {
+		const int next = i + 1 < o.count ? i + 1 : 0;
+		const double rx = o.x[next] - o.x[i], ry = o.y[next] - o.y[i];
+		o.length[i] = sqrt(rx * rx + ry * ry);
+	}
 	for (int i = 1; i + 1 < o.count; i++)
 		area += (o.x[i] - o.x[0]) * (o.y[i + 1] - o.y[0]) -
 		        (o.y[i] - o.y[0]) * (o.x[i + 1] - o.x[0]);
@@ -118,7 +124,7 @@ static bool inside(const outline *o, double x, double y, double aside)
 		const int next = i + 1 < o->count ? i + 1 : 0;
 		const double rx = o->x[next] - o->x[i], ry = o->y[next] - o->y[i];
 		const double px = x - o->x[i], py = y - o->y[i];
-		const double length = sqrt(rx * rx + ry * ry);
+		const double length = o->length[i];
 		const double cross = rx * py - ry * px, along = rx * px + ry * py;
 		if (o->count > 2 ? o->sense * cross < -aside * length
 		                 : fabs(cross) > aside * length || along < -aside * length)
@@ -164,6 +170,14 @@ static bool crossing(const table *t, const outline *a, int i, const outline *b, 
 	       at[1] < 1 && !along_line(a, i, b, j, aside) && !along_line(b, j, a, i, aside);
 }
 
+/* Above zero on one side of the line of side i, below on the other. */
+static double side_of_line(const outline *o, int i, double x, double y)
+{
+	const int next = i + 1 < o->count ? i + 1 : 0;
+
+	return (o->x[next] - o->x[i]) * (y - o->y[i]) - (o->y[next] - o->y[i]) * (x - o->x[i]);
+}
+
 static void put_crossing(table *t, int i, int j, const double at[2])
 {
 	const rb_vec3 p = lerp(t->a, i, at[0]), q = lerp(t->b, j, at[1]);
@@ -185,10 +199,19 @@ static void polygons(table *t)
 		if (inside(&b, a.x[i], a.y[i], aside))
 			put_from(t, true, t->a->point[i], t->a->id[i]);
 	const int a_sides = a.count > 2 ? a.count : 1, b_sides = b.count > 2 ? b.count : 1;
-	for (int i = 0; i < a_sides; i++)
-		for (int j = 0; j < b_sides; j++)
-			if (crossing(t, &a, i, &b, j, at))
+	for (int i = 0; i < a_sides; i++) {
+		double before = side_of_line(&a, i, b.x[0], b.y[0]);
+		for (int j = 0; j < b_sides; j++) {
+			const int next = j + 1 < b.count ? j + 1 : 0;
+			const double after = side_of_line(&a, i, b.x[next], b.y[next]);
+			/* ends on one side do not cross: the common case */
+			const bool parted = !(before > 0 && after > 0) &&
+			                    !(before < 0 && after < 0);
+			if (parted && crossing(t, &a, i, &b, j, at))
 				put_crossing(t, i, j, at);
+			before = after;
+		}
+	}
 }
 
 /* An end of what two segments share: of a, of b, or of both. */

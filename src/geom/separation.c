@@ -70,28 +70,41 @@ static void search_deep(rb_axis *axis, const rb_slab *slab)
 	}
 }
 
-/* A point of b's patch that lies over a's, or nearly, and how deep it lies within the border of either, m; false: none. */
-static bool shared_point(const rb_axis *axis, const rb_patch *a, const rb_patch *b, rb_vec3 *at,
-                         double *margin)
+static rb_vec3 middle_of(const rb_patch *patch)
 {
-	const rb_overlay_def def = {axis->normal, axis->noise, axis->noise};
+	rb_vec3 sum = patch->point[0];
+
+	for (int i = 1; i < patch->count; i++)
+		sum = rb_vec3_add(sum, patch->point[i]);
+	return rb_vec3_scale(1.0 / patch->count, sum);
+}
+
+/*
+ * How deep a point that both patches share along n lies within the border of one of them, m: the middle of either, or of what
+ * they share. Negative: none is seen.
+ */
+static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_patch *b)
+{
+	const rb_vec3 n = axis->normal;
+	const rb_overlay_def def = {n, axis->noise, axis->noise};
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	rb_vec3 sum = {0, 0, 0};
+	double margin = rb_overlay_margin(a, middle_of(b), n);
 
-	if (a->kind == RB_PATCH_POINT || b->kind == RB_PATCH_POINT) {
-		*at = b->kind == RB_PATCH_POINT ? b->point[0] : a->point[0];
-	} else {
-		const int count = rb_overlay(a, b, &def, point);
-		const rb_vec3 way = rb_vec3_sub(point[0].on_b, point[0].on_a);
-		if (count == 0 || rb_vec3_length(way) > fabs(axis->gap) + 12 * axis->noise)
-			return false;
-		for (int i = 0; i < count; i++)
-			sum = rb_vec3_add(sum, point[i].on_b);
-		*at = rb_vec3_scale(1.0 / count, sum);
-	}
-	*margin = fmax(rb_overlay_margin(a, *at, axis->normal),
-	               rb_overlay_margin(b, *at, axis->normal));
-	return *margin >= 0 || (a->kind != RB_PATCH_POINT && b->kind != RB_PATCH_POINT);
+	if (margin < 0)
+		margin = rb_overlay_margin(b, middle_of(a), n);
+	if (margin >= 0 || a->kind == RB_PATCH_POINT || b->kind == RB_PATCH_POINT)
+		return margin;
+	const int count = rb_overlay(a, b, &def, point);
+	const rb_vec3 way = rb_vec3_sub(point[0].on_b, point[0].on_a);
+	if (count == 0 || rb_vec3_length(way) > fabs(axis->gap) + 12 * axis->noise)
+		return -1;
+	for (int i = 0; i < count; i++)
+		sum = rb_vec3_add(sum, point[i].on_b);
+	sum = rb_vec3_scale(1.0 / count, sum);
+	margin = fmax(rb_overlay_margin(a, sum, n), rb_overlay_margin(b, sum, n));
+	/* on a border up to rounding */
+	return fmax(margin, 0);
 }
 
 /*
@@ -107,12 +120,11 @@ static bool settled(const rb_axis *axis)
 	const double depth = 4 * axis->noise, d = -axis->gap;
 	const rb_vec3 n = axis->normal, m = rb_vec3_neg(n);
 	rb_patch a, b;
-	rb_vec3 at;
-	double margin;
 
 	rb_patch_of(&a, axis->a, n, depth);
 	rb_patch_of(&b, axis->b, m, depth);
-	if (!shared_point(axis, &a, &b, &at, &margin))
+	const double margin = shared_margin(axis, &a, &b);
+	if (margin < 0)
 		return false;
 	if (d <= depth)
 		return true;

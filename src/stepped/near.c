@@ -37,7 +37,8 @@ static bool take_parts(struct rb_near *near, const struct rb_model *model)
 	}
 	near->first_part[count] = parts;
 	near->placed = rb_memory_take((size_t)parts, sizeof *near->placed);
-	if (!near->placed)
+	near->ahead = rb_memory_take((size_t)model->body_count, sizeof *near->ahead);
+	if (!near->placed || !near->ahead)
 		return false;
 	for (int i = model->body_count; i < count; i++)
 		place(near, model, i, model->position[i], model->orientation[i]);
@@ -69,6 +70,7 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->clue);
 	rb_memory_free(near->first_part);
 	rb_memory_free(near->placed);
+	rb_memory_free(near->ahead);
 	*near = (struct rb_near){0};
 }
 
@@ -157,6 +159,15 @@ struct places {
 	struct rb_world *world;
 };
 
+static double turn_reach(const struct rb_world *world, int i, double h)
+{
+	if (!world->state.spin)
+		return 0;
+	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
+	return fmin(2, h * spin) * rb_model_reach(world->model, i);
+}
+
 static void place_block(void *user, int block, int worker)
 {
 	const struct places *places = user;
@@ -165,9 +176,13 @@ static void place_block(void *user, int block, int worker)
 	const int end = first + BODIES_PER_BLOCK < n ? first + BODIES_PER_BLOCK : n;
 
 	(void)worker;
-	for (int i = first; i < end; i++)
-		place(places->near, world->model, i, rb_world_origin_at(world, &world->state, i),
+	for (int i = first; i < end; i++) {
+		struct rb_near *near = places->near;
+
+		place(near, world->model, i, rb_world_origin_at(world, &world->state, i),
 		      rb_world_orientation_at(world, &world->state, i));
+		near->ahead[i] = near->reach[i] + turn_reach(world, i, near->h_s);
+	}
 }
 
 void rb_near_place(struct rb_near *near, struct rb_world *world)

@@ -32,6 +32,7 @@ struct rb_near {
 	size_t clue_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* where parts stand: rb_near_place */
+	double *ahead;     /* [bodies] m: how far points of each may get in the step, turning too */
 };
 
 RB_CHECKED enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model,
@@ -46,7 +47,7 @@ RB_CHECKED enum rb_status rb_near_find(struct rb_near *near, struct rb_world *wo
 /* Whether every body is still within its margin; NaN is not. */
 bool rb_near_holds(const struct rb_near *near, const struct rb_world *world);
 
-/* Parts as bodies stand now. */
+/* Parts as bodies stand now, and what their turning may add. */
 void rb_near_place(struct rb_near *near, struct rb_world *world);
 
 #endif

@@ -325,24 +325,12 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
 	}
 }
 
-/* How far turning may carry points of the body towards others within the step, m. */
-static double turn_reach(const struct look *look, int i)
+/* m: what two bodies can close in the step, by how far either gets. */
+static double slack_of(const struct look *look, const double *reach, struct rb_pair pair)
 {
-	const struct rb_world *world = look->world;
-
-	if (i >= world->model->body_count || !world->state.spin)
-		return 0;
-	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
-	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
-	return fmin(2, look->near->h_s * spin) * rb_model_reach(world->model, i);
-}
-
-static double slack_of(const struct look *look, struct rb_pair pair)
-{
-	const struct rb_near *near = look->near;
 	const struct rb_model *model = look->world->model;
 
-	return near->reach[pair.a] + (pair.b < model->body_count ? near->reach[pair.b] : 0) +
+	return reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
 	       model->tolerance_m;
 }
 
@@ -368,11 +356,9 @@ static void look_block(void *user, int block, int worker)
 		const struct rb_pair pair = near->pair[k];
 
 		if (is_plain(look.world->model, pair.a, pair.b))
-			look_at_plain(&look, pair, slack_of(&look, pair));
+			look_at_plain(&look, pair, slack_of(&look, near->reach, pair));
 		else
-			look_at_parts(&look, pair,
-			              slack_of(&look, pair) + turn_reach(&look, pair.a) +
-			                      turn_reach(&look, pair.b),
+			look_at_parts(&look, pair, slack_of(&look, near->ahead, pair),
 			              &near->clue[k]);
 	}
 	looks->block[block] = look;
