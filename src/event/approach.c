@@ -116,8 +116,7 @@ static double arm_of(const struct course *c, double ball, double other)
 {
 	if (isfinite(ball))
 		return ball;
-	return other +
-	       rb_vec3_length(rb_arc_between(&c->pair.pose_a, &c->pair.pose_b));
+	return other + rb_vec3_length(rb_arc_between(&c->pair.pose_a, &c->pair.pose_b));
 }
 
 /* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */

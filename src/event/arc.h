@@ -8,8 +8,8 @@
 /* All of a body at one moment. */
 struct rb_pose {
 	rb_vec3 position; /* centre of mass */
-	rb_vec3 rest;     /* m: what rounding leaves out of `position`, of what is or was on a piece */
-	rb_vec3 origin;   /* of the object, centre of its shape */
+	rb_vec3 rest; /* m: what rounding leaves out of `position`, of what is or was on a piece */
+	rb_vec3 origin; /* of the object, centre of its shape */
 	rb_quat orientation;
 	rb_vec3 velocity, spin;
 };

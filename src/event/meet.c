@@ -47,8 +47,8 @@ static rb_vec3 between_origins(const struct rb_located *l, const struct rb_meet 
 
 	if (!l->model->center_of_mass)
 		return d;
-	return rb_vec3_add(d, rb_vec3_sub(origin_arm(l, m->b, &m->pose_b),
-	                                  origin_arm(l, m->a, &m->pose_a)));
+	return rb_vec3_add(
+		d, rb_vec3_sub(origin_arm(l, m->b, &m->pose_b), origin_arm(l, m->a, &m->pose_a)));
 }
 
 /* A sphere is seen from its own centre. */
@@ -61,8 +61,8 @@ static void meet_sphere(const struct rb_located *l, struct rb_meet *m)
 	const double sum = l->model->shape[m->a].radius + l->model->shape[m->b].radius;
 
 	m->gap = rb_distance_sphere_sphere(here, l->model->shape[m->a].radius,
-	                                   between_origins(l, m),
-	                                   l->model->shape[m->b].radius, &m->normal);
+	                                   between_origins(l, m), l->model->shape[m->b].radius,
+	                                   &m->normal);
 	m->normal_rate = rb_vec3_scale(1 / (m->gap + sum), rb_vec3_reject(w, m->normal));
 }
 
@@ -73,9 +73,8 @@ static rb_vec3 normal_of(const struct rb_located *l, int b, rb_quat orientation)
 
 static void meet_plane(const struct rb_located *l, struct rb_meet *m)
 {
-	m->gap = rb_distance_sphere_plane(
-		here, l->model->shape[m->a].radius, between_origins(l, m),
-		normal_of(l, m->b, m->pose_b.orientation), &m->normal);
+	m->gap = rb_distance_sphere_plane(here, l->model->shape[m->a].radius, between_origins(l, m),
+	                                  normal_of(l, m->b, m->pose_b.orientation), &m->normal);
 	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
 }
 
@@ -463,7 +462,8 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 
 		if (touches && rate < -noise) {
 			/* what has come here by steps goes on from the band to the root */
-			const double more = 2 * m.gap / (sqrt(rate * rate + 2 * most * m.gap) - rate);
+			const double more = 2 * m.gap /
+			                    (sqrt(rate * rate + 2 * most * m.gap) - rate);
 
 			if (!(t > from && m.gap > 0 && m.gap < 0.5 * nearest && t + more <= until))
 				return t;
@@ -544,8 +544,7 @@ double rb_meet_time(const struct rb_located *l, int a, int b, double from, doubl
 	if (model->shape[b].kind == RB_SHAPE_SPHERE &&
 	    !same_vector(l->arc[a].acceleration, acceleration_b)) {
 		const struct rb_meet m = rb_meet_at(l, a, b, from);
-		const rb_vec3 motion[3] = {between_origins(l, &m),
-		                           rb_vec3_sub(vb, va),
+		const rb_vec3 motion[3] = {between_origins(l, &m), rb_vec3_sub(vb, va),
 		                           rb_vec3_sub(acceleration_b, l->arc[a].acceleration)};
 
 		s = parabolic_touch(motion, model->shape[a].radius + model->shape[b].radius,

@@ -389,7 +389,8 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c)
 			s->pose[k].velocity = s->pose[k].spin = none;
 		if (closed)
 			s->pose[k].rest = none; /* closed forms go from one number */
-		if (!still && closed && l->top && l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
+		if (!still && closed && l->top &&
+		    l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
 			s->pose[k].spin = s->joint.body[k].angular = none;
 		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
 		              still ? none : s->joint.body[k].linear,

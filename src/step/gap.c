@@ -5,19 +5,20 @@
 
 #include <float.h>
 
-/* Centre of the sphere `a` against the body `b`. */
+/* Centre of the sphere `a` against the body `b`, which stands there. */
 typedef struct rb_gap gap_function(const struct rb_model *model, int a, rb_vec3 center, int b,
-                                   rb_vec3 origin_b);
+                                   rb_vec3 origin_b, rb_quat turn_b);
 /* Smallest gap while the sphere's centre moves from `from` to `to` in a straight line, relative to b at origin_b. */
 typedef double swept_function(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                               rb_vec3 origin_b);
 
 static struct rb_gap sphere_sphere(const struct rb_model *model, int a, rb_vec3 center, int b,
-                                   rb_vec3 origin_b)
+                                   rb_vec3 origin_b, rb_quat turn_b)
 {
 	const double radius = model->shape[a].radius;
 	struct rb_gap g;
 
+	(void)turn_b;
 	g.gap = rb_distance_sphere_sphere(center, radius, origin_b, model->shape[b].radius,
 	                                  &g.normal);
 	g.point = rb_vec3_add_scaled(center, radius + 0.5 * g.gap, g.normal);
@@ -25,23 +26,23 @@ static struct rb_gap sphere_sphere(const struct rb_model *model, int a, rb_vec3 
 }
 
 static struct rb_gap sphere_plane(const struct rb_model *model, int a, rb_vec3 center, int b,
-                                  rb_vec3 origin_b)
+                                  rb_vec3 origin_b, rb_quat turn_b)
 {
 	const double radius = model->shape[a].radius;
 	struct rb_gap g;
 
-	g.gap = rb_distance_sphere_plane(center, radius, origin_b,
-	                                 rb_plane_normal(model->orientation[b]), &g.normal);
+	(void)b;
+	g.gap = rb_distance_sphere_plane(center, radius, origin_b, rb_plane_normal(turn_b),
+	                                 &g.normal);
 	g.point = rb_vec3_add_scaled(center, radius + 0.5 * g.gap, g.normal);
 	return g;
 }
 
 static struct rb_gap sphere_rectangle(const struct rb_model *model, int a, rb_vec3 center, int b,
-                                      rb_vec3 origin_b)
+                                      rb_vec3 origin_b, rb_quat turn_b)
 {
 	const double radius = model->shape[a].radius;
-	const rb_rectangle sheet = rb_rectangle_of(origin_b, model->orientation[b],
-	                                           model->shape[b].size);
+	const rb_rectangle sheet = rb_rectangle_of(origin_b, turn_b, model->shape[b].size);
 	struct rb_gap g;
 
 	g.gap = rb_distance_sphere_rectangle(center, radius, &sheet, &g.normal, NULL);
@@ -133,7 +134,8 @@ struct rb_gap rb_gap_at(const struct rb_world *world, const struct rb_state *sta
                         rb_vec3 center, int b)
 {
 	return gap_of[world->model->shape[b].kind](world->model, a, center, b,
-	                                           rb_world_origin_at(world, state, b));
+	                                           rb_world_origin_at(world, state, b),
+	                                           rb_world_orientation_at(world, state, b));
 }
 
 struct rb_gap rb_gap_of(const struct rb_world *world, const struct rb_state *state, int a, int b)

@@ -67,10 +67,11 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->margin);
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
-	rb_memory_free(near->clue);
+	rb_memory_free(near->own_clue);
 	rb_memory_free(near->first_part);
 	rb_memory_free(near->placed);
 	rb_memory_free(near->ahead);
+	rb_memory_free(near->own);
 	*near = (struct rb_near){0};
 }
 
@@ -92,6 +93,115 @@ static double from_built(const struct rb_near *near, const struct rb_world *worl
 		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), near->built_at[i]));
 }
 
+double rb_near_size(const struct rb_model *model, int i)
+{
+	const struct rb_shape *shape = &model->shape[i];
+
+	return shape->kind == RB_SHAPE_RECTANGLE ? 0.5 * hypot(shape->size[0], shape->size[1])
+	                                         : rb_model_reach(model, i);
+}
+
+/* ---- driven bodies ---- */
+
+static bool is_plane(const struct rb_model *model, int i)
+{
+	return i < model->body_count && model->shape[i].kind == RB_SHAPE_PLANE;
+}
+
+static bool may_meet(const struct rb_model *model, int a, int b)
+{
+	return !model->group_bit || ((model->collides[a] & model->group_bit[b]) != 0 &&
+	                             (model->collides[b] & model->group_bit[a]) != 0);
+}
+
+/* A pair with the body that yields first; false: none does, or a driven plane is in it, which boxes know nothing of. */
+static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
+{
+	if (is_plane(model, pair->a) || is_plane(model, pair->b))
+		return false;
+	if (model->driven[pair->a])
+		*pair = (struct rb_pair){pair->b, pair->a};
+	return pair->a < model->body_count && !model->driven[pair->a];
+}
+
+/* Pairs of the boxes, and of driven planes with all that yields, in order of the first. */
+static enum rb_status order_pairs(struct rb_near *near, const struct rb_world *world,
+                                  struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const int n = model->body_count;
+	struct rb_arena *arena = &world->arena[0];
+	size_t *first = rb_arena_take(arena, (size_t)n + 1, sizeof *first), count = 0;
+	int *plane = rb_arena_take(arena, (size_t)n, sizeof *plane), planes = 0;
+
+	if (!first || !plane)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the pairs of %d bodies", n);
+	memset(first, 0, ((size_t)n + 1) * sizeof *first);
+	for (int i = 0; i < n; i++)
+		if (is_plane(model, i))
+			plane[planes++] = i;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		struct rb_pair pair = near->pair[k];
+
+		if (turn_round(model, &pair))
+			first[pair.a + 1]++;
+	}
+	for (int i = 0; i < n; i++) {
+		for (int k = 0; k < planes && !model->driven[i]; k++)
+			first[i + 1] += may_meet(model, i, plane[k]);
+		first[i + 1] += first[i];
+	}
+	count = first[n];
+	if (!rb_memory_reserve(&near->own, &near->own_capacity, count + 1, sizeof *near->own))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		struct rb_pair pair = near->pair[k];
+
+		if (turn_round(model, &pair))
+			near->own[first[pair.a]++] = pair;
+	}
+	for (int i = 0; i < n; i++)
+		for (int k = 0; k < planes && !model->driven[i]; k++)
+			if (may_meet(model, i, plane[k]))
+				near->own[first[i]++] = (struct rb_pair){i, plane[k]};
+	near->pair = near->own;
+	near->pair_count = count;
+	return RB_OK;
+}
+
+/* ---- all ---- */
+
+static enum rb_status forget_clues(struct rb_near *near, struct rb_error *err)
+{
+	if (!rb_memory_reserve(&near->own_clue, &near->clue_capacity, near->pair_count + 1,
+	                       sizeof *near->own_clue))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	memset(near->own_clue, 0, near->pair_count * sizeof *near->own_clue);
+	near->clue = near->own_clue;
+	return RB_OK;
+}
+
+enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_vec3 c = near->built_at[i];
+		const double half = (rb_near_size(model, i) + near->margin[i] +
+		                     model->tolerance_m) *
+		                    (1 + 1e-12);
+
+		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
+		                         {c.x + half, c.y + half, c.z + half}};
+	}
+	enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
+	                                           &near->pair_count, err);
+	if (status == RB_OK && model->driven)
+		status = order_pairs(near, world, err);
+	return status == RB_OK && model->parts ? forget_clues(near, err) : status;
+}
+
 static enum rb_status build(struct rb_near *near, struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -101,47 +211,35 @@ static enum rb_status build(struct rb_near *near, struct rb_world *world, struct
 	for (int i = 0; i < model->body_count; i++)
 		mean += near->reach[i] / model->body_count;
 	for (int i = 0; i < model->body_count; i++) {
-		const rb_vec3 c = rb_world_origin_at(world, &world->state, i);
-		const double size = rb_model_reach(model, i);
-
-		near->built_at[i] = c;
+		near->built_at[i] = rb_world_origin_at(world, &world->state, i);
 		/* forces add their share again in every step */
-		near->margin[i] = STEPS_PER_BOX * fmax(near->reach[i], mean) + size / 64;
-		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
-		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
-		                         {c.x + half, c.y + half, c.z + half}};
+		near->margin[i] = STEPS_PER_BOX * fmax(near->reach[i], mean) +
+		                  rb_near_size(model, i) / 64;
 	}
-	const enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
-	                                                 &near->pair_count, err);
-	if (status != RB_OK || !model->parts)
-		return status;
-	if (!rb_memory_reserve(&near->clue, &near->clue_capacity, near->pair_count,
-	                       sizeof *near->clue))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
-		               near->pair_count);
-	if (near->pair_count > 0)
-		memset(near->clue, 0, near->pair_count * sizeof *near->clue);
-	return RB_OK;
-}
-
-enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world,
-                            const struct rb_state *before, double h, struct rb_error *err)
-{
-	const struct rb_model *model = world->model;
-
-	near->h_s = h;
-	for (int i = 0; i < model->body_count; i++) {
-		near->reach[i] = fmax(way(world, &world->state, i, h), way(world, before, i, h));
-		/* written so that NaN asks for new boxes */
-		if (near->valid &&
-		    !(from_built(near, world, i) + near->reach[i] <= near->margin[i]))
-			near->valid = false;
-	}
-	if (near->valid)
-		return RB_OK;
-	const enum rb_status status = build(near, world, err);
+	const enum rb_status status = rb_near_pairs(near, world, err);
 	near->valid = status == RB_OK;
 	return status;
+}
+
+void rb_near_reach(struct rb_near *near, const struct rb_world *world, double h, const int *member,
+                   int count)
+{
+	near->h_s = h;
+	for (int k = 0; k < count; k++) {
+		const int i = member[k];
+
+		near->reach[i] = fmax(way(world, &world->state, i, h),
+		                      way(world, &world->mark, i, h));
+	}
+}
+
+enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world, struct rb_error *err)
+{
+	for (int i = 0; i < world->model->body_count && near->valid; i++)
+		/* written so that NaN asks for new boxes */
+		if (!(from_built(near, world, i) + near->reach[i] <= near->margin[i]))
+			near->valid = false;
+	return near->valid ? RB_OK : build(near, world, err);
 }
 
 bool rb_near_holds(const struct rb_near *near, const struct rb_world *world)
@@ -157,6 +255,8 @@ bool rb_near_holds(const struct rb_near *near, const struct rb_world *world)
 struct places {
 	struct rb_near *near;
 	struct rb_world *world;
+	const int *body;
+	int count;
 };
 
 static double turn_reach(const struct rb_world *world, int i, double h)
@@ -172,12 +272,14 @@ static void place_block(void *user, int block, int worker)
 {
 	const struct places *places = user;
 	const struct rb_world *world = places->world;
-	const int n = world->model->body_count, first = block * BODIES_PER_BLOCK;
-	const int end = first + BODIES_PER_BLOCK < n ? first + BODIES_PER_BLOCK : n;
+	const int first = block * BODIES_PER_BLOCK;
+	const int end = first + BODIES_PER_BLOCK < places->count ? first + BODIES_PER_BLOCK
+	                                                         : places->count;
 
 	(void)worker;
-	for (int i = first; i < end; i++) {
+	for (int k = first; k < end; k++) {
 		struct rb_near *near = places->near;
+		const int i = places->body[k];
 
 		place(near, world->model, i, rb_world_origin_at(world, &world->state, i),
 		      rb_world_orientation_at(world, &world->state, i));
@@ -185,12 +287,11 @@ static void place_block(void *user, int block, int worker)
 	}
 }
 
-void rb_near_place(struct rb_near *near, struct rb_world *world)
+void rb_near_place(struct rb_near *near, struct rb_world *world, const int *body, int count)
 {
-	struct places places = {near, world};
-	const int n = world->model->body_count;
+	struct places places = {near, world, body, count};
 
 	if (near->placed)
-		rb_team_run(world->team, (n + BODIES_PER_BLOCK - 1) / BODIES_PER_BLOCK, place_block,
-		            &places);
+		rb_team_run(world->team, (count + BODIES_PER_BLOCK - 1) / BODIES_PER_BLOCK,
+		            place_block, &places);
 }

@@ -3,7 +3,7 @@
  * Pairs that could touch, from boxes fat enough for several steps.
  *
  * Owned by the method's state. The candidates hold until a body could leave its box; their boxes decide cost only, but for
- * the order in which ties are met, which is by pair.
+ * the order in which ties are met, which is by pair. The first of a pair yields; a driven one is always the second.
  */
 #ifndef RB_STEPPED_NEAR_H
 #define RB_STEPPED_NEAR_H
@@ -25,29 +25,42 @@ struct rb_near {
 	double *reach; /* [bodies] m: how far each gets in the step under way, if nothing touches it */
 	rb_aabb *box;
 	double h_s;                 /* of that step */
-	const struct rb_pair *pair; /* borrowed from the broadphase */
+	const struct rb_pair *pair; /* borrowed from the broadphase, or `own` */
 	size_t pair_count;
 	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clue. */
-	struct rb_clue *clue; /* [pair_count] */
+	struct rb_clue *clue; /* [pair_count], as `pair` */
+	struct rb_clue *own_clue;
 	size_t clue_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* where parts stand: rb_near_place */
 	double *ahead;     /* [bodies] m: how far points of each may get in the step, turning too */
+	struct rb_pair *own; /* owned; where bodies are driven: pairs in which the first yields */
+	size_t own_capacity;
 };
 
 RB_CHECKED enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model,
                                          struct rb_error *err);
 void rb_near_release(struct rb_near *near);
 
-/* The world's velocities have the forces of the step, of length h_s, in them; those before stand in `before`. */
+/* Reaches of these bodies: the world's velocities have the forces of the step in them, those of the mark do not. */
+void rb_near_reach(struct rb_near *near, const struct rb_world *world, double h_s,
+                   const int *member, int count);
+
+/* Candidates of the whole world, whose reaches are known, if those of before do not hold for them. */
 RB_CHECKED enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world,
-                                       const struct rb_state *before, double h_s,
                                        struct rb_error *err);
 
 /* Whether every body is still within its margin; NaN is not. */
 bool rb_near_holds(const struct rb_near *near, const struct rb_world *world);
 
-/* Parts as bodies stand now, and what their turning may add. */
-void rb_near_place(struct rb_near *near, struct rb_world *world);
+/* Parts of these bodies as they stand now, and what their turning may add: before touch is asked about them. */
+void rb_near_place(struct rb_near *near, struct rb_world *world, const int *body, int count);
+
+/* Candidates by boxes about these places, so far around the bodies: places and margins of all are given. */
+RB_CHECKED enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world,
+                                        struct rb_error *err);
+
+/* m: no point of a body that moves is farther from its origin; infinite planes: 0. */
+double rb_near_size(const struct rb_model *model, int i);
 
 #endif

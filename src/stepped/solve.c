@@ -88,7 +88,8 @@ static void fill_bodies(struct rb_solver *solver, const struct rb_world *world)
 	const struct rb_model *model = world->model;
 	const struct rb_state *state = &world->state;
 
-	for (int i = 0; i < solver->body_count; i++) {
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
 		struct rb_dense_body *body = &solver->dense.body[i];
 
 		*body = (struct rb_dense_body){.linear = rb_world_row3(state->velocity, i),
@@ -110,7 +111,9 @@ static void fill_bodies(struct rb_solver *solver, const struct rb_world *world)
 
 static void store(const struct rb_solver *solver, struct rb_world *world)
 {
-	for (int i = 0; i < solver->body_count; i++) {
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
+
 		rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.body[i].linear);
 		if (world->state.spin)
 			rb_vec3_to(world->state.spin + 3 * (size_t)i,
@@ -142,8 +145,8 @@ static int owner_of(const struct rb_solver *solver, const struct rb_point *point
 
 static void join_all(struct rb_solver *solver, const struct rb_points *points)
 {
-	for (int i = 0; i < solver->body_count; i++)
-		solver->parent[i] = i;
+	for (int k = 0; k < solver->active_count; k++)
+		solver->parent[solver->active[k]] = solver->active[k];
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_point *point = &points->row[k];
 
@@ -163,12 +166,12 @@ static enum rb_status lay_out(struct rb_solver *solver, const struct rb_points *
 	int row = 0, member = 0;
 
 	solver->island_count = 0;
-	for (int i = 0; i <= solver->body_count; i++)
-		solver->island_of[i] = -1;
+	for (int k = 0; k < solver->active_count; k++)
+		solver->island_of[solver->active[k]] = -1;
 	for (size_t k = 0; k < points->count; k++)
 		solver->island_of[root_of(solver->parent, owner_of(solver, &points->row[k]))] = 0;
-	for (int i = 0; i < solver->body_count; i++) {
-		const int root = root_of(solver->parent, i);
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k], root = root_of(solver->parent, i);
 
 		if (solver->island_of[root] < 0)
 			continue;
@@ -193,7 +196,9 @@ static enum rb_status lay_out(struct rb_solver *solver, const struct rb_points *
 		member += island->member_count;
 		island->row_count = island->member_count = 0;
 	}
-	for (int i = 0; i < solver->body_count; i++) {
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
+
 		solver->local[i] = -1;
 		if (solver->island_of[i] < 0)
 			continue;
@@ -638,7 +643,8 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 		return status;
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
-	memset(solver->pushed, 0, (size_t)solver->body_count + 1);
+	for (int k = 0; k < solver->active_count; k++)
+		solver->pushed[solver->active[k]] = 0;
 	for (int k = 0; k < solver->dense.row_count; k++) {
 		const struct rb_dense_row *row = &solver->dense.row[k];
 
@@ -705,7 +711,8 @@ static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 	for (size_t g = 0; g < solver->island_count; g++)
 		if (solver->island[g].rebounds)
 			solver->island[g].share = share_of(solver, &solver->island[g]);
-	for (int i = 0; i < solver->body_count; i++) {
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
 		const struct rb_dense_body *body = &solver->dense.body[i], *was = &solver->free[i];
 		double *const v = world->state.velocity + 3 * (size_t)i;
 
@@ -750,8 +757,8 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	if (!any)
 		return RB_OK;
 	solver->before = NULL; /* who rebounds does not rest */
-	memcpy(solver->free, solver->dense.body,
-	       ((size_t)solver->body_count + 1) * sizeof *solver->free);
+	for (int k = 0; k < solver->active_count; k++)
+		solver->free[solver->active[k]] = solver->dense.body[solver->active[k]];
 	for (int k = 0; k < solver->dense.row_count; k++) {
 		struct rb_dense_row *row = &solver->dense.row[k];
 		const struct rb_point *point = &points->row[row->point];

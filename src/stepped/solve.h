@@ -24,6 +24,9 @@ struct rb_island {
 
 struct rb_solver {
 	int body_count;
+	const int *
+		active; /* borrowed: bodies of the step, those that yield ascending, then driven ones */
+	int active_count;
 	struct rb_dense
 		dense;   /* owned: body [bodies + 1], the last one for all that stands still */
 	rb_mat3 *tensor; /* owned; NULL: no body needs one */

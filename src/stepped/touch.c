@@ -182,7 +182,7 @@ static void look_at_plain(struct look *look, struct rb_pair pair, double slack)
 	const struct rb_world *world = look->world;
 	const struct rb_model *model = world->model;
 
-	if (pair.b < model->body_count) { /* the common case without a square root */
+	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) { /* without a square root */
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
 		const double most = model->shape[pair.a].radius + model->shape[pair.b].radius +
@@ -218,8 +218,11 @@ static void look_at_plain(struct look *look, struct rb_pair pair, double slack)
 		point->arm_a = rb_vec3_sub(on_a, center_of(world, pair.a));
 		if (pair.b < model->body_count)
 			point->arm_b = rb_vec3_sub(
-				rb_vec3_add_scaled(rb_world_origin_at(world, &world->state, pair.b),
-			                           -radius_b, g.normal),
+				radius_b > 0
+					? rb_vec3_add_scaled(
+						  rb_world_origin_at(world, &world->state, pair.b),
+						  -radius_b, g.normal)
+					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
 				center_of(world, pair.b));
 	}
 	fill_point(look, point);
@@ -325,13 +328,33 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
 	}
 }
 
+/* How far turning may carry points of the body at that distance within the step, m. */
+static double turn_of(const struct look *look, int i, double distance)
+{
+	const struct rb_world *world = look->world;
+
+	if (!world->state.spin)
+		return 0;
+	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
+	return fmin(2, look->near->h_s * spin) * distance;
+}
+
 /* m: what two bodies can close in the step, by how far either gets. */
 static double slack_of(const struct look *look, const double *reach, struct rb_pair pair)
 {
-	const struct rb_model *model = look->world->model;
+	const struct rb_world *world = look->world;
+	const struct rb_model *model = world->model;
+	double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
+	               model->tolerance_m;
 
-	return reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
-	       model->tolerance_m;
+	if (pair.b < model->body_count && model->shape[pair.b].kind < RB_SHAPE_BOX &&
+	    model->shape[pair.b].kind != RB_SHAPE_SPHERE) /* a driven plane may turn */
+		slack += turn_of(look, pair.b,
+		                 rb_vec3_length(rb_vec3_sub(
+					 rb_world_origin_at(world, &world->state, pair.a),
+					 rb_world_origin_at(world, &world->state, pair.b))));
+	return slack;
 }
 
 /* ---- all pairs, by blocks ---- */
@@ -372,7 +395,6 @@ enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
 	bool good = true;
 
 	points->count = 0;
-	rb_near_place(near, world);
 	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *looks.block);
 	if (!looks.block)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
@@ -405,11 +427,41 @@ void rb_points_index(struct rb_points *points, const struct rb_model *model)
 		points->first_last[a] = points->last_count;
 }
 
-enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *model, double h,
-                              struct rb_error *err)
+void rb_points_take_last(struct rb_points *points, const struct rb_points *from, const int *member,
+                         int count)
 {
-	if (!rb_memory_reserve(&points->last, &points->last_capacity, points->count,
-	                       sizeof *points->last))
+	points->last_count = 0;
+	for (int k = 0; k < count; k++) {
+		const int a = member[k];
+		const size_t end = from->last_count > 0 ? from->first_last[a + 1] : 0;
+
+		for (size_t at = from->last_count > 0 ? from->first_last[a] : 0; at < end; at++)
+			points->last[points->last_count++] = from->last[at];
+	}
+	rb_points_index_members(points, member, count);
+}
+
+void rb_points_index_members(struct rb_points *points, const int *member, int count)
+{
+	size_t at = 0;
+
+	for (int k = 0; k < count; k++) {
+		points->first_last[member[k]] = at;
+		while (at < points->last_count && points->last[at].a == member[k])
+			at++;
+		points->first_last[member[k] + 1] = at;
+	}
+}
+
+bool rb_points_room(struct rb_points *points, size_t count)
+{
+	return rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
+	                         sizeof *points->last);
+}
+
+enum rb_status rb_points_keep(struct rb_points *points, double h, struct rb_error *err)
+{
+	if (!rb_points_room(points, points->count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
 	points->last_count = 0;
 	for (size_t k = 0; k < points->count; k++) {
@@ -420,21 +472,18 @@ enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *m
 				point->a, point->b, point->key, point->push / h,
 				rb_vec3_scale(1 / h, point->rub)};
 	}
-	rb_points_index(points, model);
 	return RB_OK;
 }
 
 /* ---- the verdict ---- */
 
-struct overlap {
-	double depth;
-	int a, b;
-};
-
-struct overlaps {
+/* What the workers share, read only, and what a block has come to. */
+struct depths {
 	struct rb_world *world;
 	const struct rb_near *near;
-	struct overlap *block;
+	const unsigned char *skip;
+	double limit;
+	struct rb_depths *block;
 };
 
 static double depth_of_parts(const struct rb_near *near, struct rb_pair pair, struct rb_clue *kept)
@@ -468,7 +517,7 @@ static double depth_of(const struct rb_world *world, const struct rb_near *near,
 
 	if (!is_plain(model, pair.a, pair.b))
 		return depth_of_parts(near, pair, &near->clue[k]);
-	if (pair.b < model->body_count) {
+	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
 		const double sum = model->shape[pair.a].radius + model->shape[pair.b].radius;
@@ -479,42 +528,69 @@ static double depth_of(const struct rb_world *world, const struct rb_near *near,
 	return -rb_gap_of(world, &world->state, pair.a, pair.b).gap;
 }
 
-static void overlap_block(void *user, int block, int worker)
+static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb_deep deep)
 {
-	const struct overlaps *overlaps = user;
-	const struct rb_near *near = overlaps->near;
+	if (depths->deep_count == depths->deep_capacity) {
+		const size_t capacity = depths->deep_capacity ? 2 * depths->deep_capacity : 16;
+		struct rb_deep *more = rb_arena_take(arena, capacity, sizeof *more);
+
+		if (!more) {
+			depths->failed = true;
+			return;
+		}
+		if (depths->deep_count > 0)
+			memcpy(more, depths->deep, depths->deep_count * sizeof *more);
+		depths->deep = more;
+		depths->deep_capacity = capacity;
+	}
+	depths->deep[depths->deep_count++] = deep;
+}
+
+static void depth_block(void *user, int block, int worker)
+{
+	const struct depths *work = user;
+	const struct rb_near *near = work->near;
+	const int n = work->world->model->body_count;
 	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
 	const size_t end = first + PAIRS_PER_BLOCK < near->pair_count ? first + PAIRS_PER_BLOCK
 	                                                              : near->pair_count;
-	struct overlap worst = {0, -1, -1};
+	struct rb_depths depths = {0};
 
-	(void)worker;
 	for (size_t k = first; k < end; k++) {
-		const double depth = depth_of(overlaps->world, near, k);
+		const struct rb_pair pair = near->pair[k];
 
-		if (depth > worst.depth)
-			worst = (struct overlap){depth, near->pair[k].a, near->pair[k].b};
+		if (work->skip && (work->skip[pair.a] || (pair.b < n && work->skip[pair.b])))
+			continue;
+		const double depth = depth_of(work->world, near, k);
+
+		if (depth > work->limit)
+			add_deep(&depths, &work->world->arena[worker],
+			         (struct rb_deep){pair.a, pair.b, depth});
+		else
+			depths.most = fmax(depths.most, depth);
 	}
-	overlaps->block[block] = worst;
+	work->block[block] = depths;
 }
 
-double rb_points_overlap(struct rb_world *world, struct rb_near *near, int pair[2])
+enum rb_status rb_points_depths(struct rb_world *world, const struct rb_near *near,
+                                const unsigned char *skip, struct rb_depths *found,
+                                struct rb_error *err)
 {
 	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
-	struct overlaps overlaps = {.world = world, .near = near};
-	struct overlap worst = {0, -1, -1};
+	struct depths work = {
+		.world = world, .near = near, .skip = skip, .limit = world->model->tolerance_m};
 
-	overlaps.block = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *overlaps.block);
-	if (!overlaps.block) { /* as bad as it can be */
-		pair[0] = pair[1] = -1;
-		return (double)INFINITY;
+	*found = (struct rb_depths){0};
+	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);
+	if (!work.block)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	rb_team_run(world->team, blocks, depth_block, &work);
+	for (int b = 0; b < blocks; b++) {
+		found->failed = found->failed || work.block[b].failed;
+		found->most = fmax(found->most, work.block[b].most);
+		for (size_t k = 0; k < work.block[b].deep_count; k++)
+			add_deep(found, &world->arena[0], work.block[b].deep[k]);
 	}
-	rb_near_place(near, world);
-	rb_team_run(world->team, blocks, overlap_block, &overlaps);
-	for (int b = 0; b < blocks; b++)
-		if (overlaps.block[b].depth > worst.depth)
-			worst = overlaps.block[b];
-	pair[0] = worst.a;
-	pair[1] = worst.b;
-	return worst.depth;
+	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
+	                     : RB_OK;
 }

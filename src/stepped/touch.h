@@ -49,14 +49,36 @@ void rb_points_release(struct rb_points *points);
 RB_CHECKED enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
                                          struct rb_near *near, double h_s, struct rb_error *err);
 
-/* Keeps the impulses of a step that has been accepted. */
-RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, const struct rb_model *model,
-                                         double h_s, struct rb_error *err);
+/* Keeps the impulses of a step that has been accepted; to be indexed then. */
+RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, double h_s,
+                                         struct rb_error *err);
 
 /* After `last` has changed. */
 void rb_points_index(struct rb_points *points, const struct rb_model *model);
+/* The same for what only these bodies, ascending, are asked about. */
+void rb_points_index_members(struct rb_points *points, const int *member, int count);
+/* Room for so many in `last`; false: no memory. */
+bool rb_points_room(struct rb_points *points, size_t count);
+/* Impulses of the step before of these bodies, ascending, for whose number there is room. */
+void rb_points_take_last(struct rb_points *points, const struct rb_points *from, const int *member,
+                         int count);
 
-/* The largest overlap of the candidates in the present state, m, and whose; 0: none. */
-double rb_points_overlap(struct rb_world *world, struct rb_near *near, int pair[2]);
+/* A pair that overlaps by more than the tolerance. */
+struct rb_deep {
+	int a, b;
+	double depth; /* m */
+};
+
+struct rb_depths {
+	double most;          /* m: the largest overlap of all other pairs */
+	struct rb_deep *deep; /* in the arena, in order of pairs */
+	size_t deep_count, deep_capacity;
+	bool failed; /* no memory */
+};
+
+/* Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are left out. */
+RB_CHECKED enum rb_status rb_points_depths(struct rb_world *world, const struct rb_near *near,
+                                           const unsigned char *skip, struct rb_depths *found,
+                                           struct rb_error *err);
 
 #endif

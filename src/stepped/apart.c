@@ -1,0 +1,671 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/apart.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/sort.h"
+#include "stepped/attempt.h"
+#include "stepped/driven.h"
+#include "stepped/judge.h"
+#include "stepped/tell.h"
+
+/* Of a body's size, what its territory has beyond its way. */
+static const double room_share = 0.125;
+
+/* Bodies that are apart from all others within the step. */
+struct group {
+	int first, count;        /* in `member` */
+	size_t pair, pair_count; /* in `pair` */
+	bool failed, settled;    /* settled: at the end of the step, in shorter steps */
+};
+
+struct rb_apart {
+	struct rb_near land; /* its margins are the territories; pairs that could meet in them */
+	struct rb_state begin;
+	/* by body */
+	int *group_of, *parent, *was_group,
+		*steps;                  /* owned; steps: that were taken and not taken back */
+	unsigned char *failed, *settled; /* owned */
+	int *member, *body;  /* owned: by group, ascending; a group's, with driven ones */
+	struct group *group; /* owned, in order of their smallest bodies */
+	size_t group_count, group_capacity;
+	struct rb_pair *pair; /* owned: of the land, by group */
+	size_t pair_capacity;
+	struct rb_contacts last, before, kept; /* of a group's last step; of settled groups */
+	struct rb_named_push *push;            /* owned: of settled groups */
+	size_t push_count, push_capacity;
+	struct rb_event_of *event; /* owned: impacts of settled groups */
+	size_t event_count, event_capacity;
+	bool fresh; /* the group under way has not taken a step yet */
+};
+
+/* An impact, and a body that yields in it. */
+struct rb_event_of {
+	struct rb_event event;
+	int body;
+};
+
+static enum rb_status create(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const size_t n = (size_t)model->body_count;
+	struct rb_apart *made = rb_memory_take(1, sizeof *made);
+
+	if (!made)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
+	world->stepped->apart = made;
+	made->group_of = rb_memory_take(n, sizeof *made->group_of);
+	made->parent = rb_memory_take(n, sizeof *made->parent);
+	made->was_group = rb_memory_take(n, sizeof *made->was_group);
+	made->steps = rb_memory_take(n, sizeof *made->steps);
+	made->failed = rb_memory_take(n, 1);
+	made->settled = rb_memory_take(n, 1);
+	made->member = rb_memory_take(n, sizeof *made->member);
+	made->body = rb_memory_take(n, sizeof *made->body);
+	if (!made->group_of || !made->parent || !made->was_group || !made->steps || !made->failed ||
+	    !made->settled || !made->member || !made->body)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
+	enum rb_status status = rb_near_create(&made->land, model, err);
+	if (status == RB_OK)
+		status = rb_state_init(&made->begin, model->body_count, model->features, err);
+	return status;
+}
+
+void rb_apart_destroy(struct rb_apart *apart)
+{
+	if (!apart)
+		return;
+	rb_near_release(&apart->land);
+	rb_state_release(&apart->begin);
+	rb_memory_free(apart->group_of);
+	rb_memory_free(apart->parent);
+	rb_memory_free(apart->was_group);
+	rb_memory_free(apart->steps);
+	rb_memory_free(apart->failed);
+	rb_memory_free(apart->settled);
+	rb_memory_free(apart->member);
+	rb_memory_free(apart->body);
+	rb_memory_free(apart->group);
+	rb_memory_free(apart->pair);
+	rb_contacts_release(&apart->last);
+	rb_contacts_release(&apart->before);
+	rb_contacts_release(&apart->kept);
+	rb_memory_free(apart->push);
+	rb_memory_free(apart->event);
+	rb_memory_free(apart);
+}
+
+/* ---- territories and groups ---- */
+
+static double from_begin(const struct rb_world *world, int i)
+{
+	const struct rb_apart *apart = world->stepped->apart;
+
+	return rb_vec3_length(
+		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), apart->land.built_at[i]));
+}
+
+static void stake_out(struct rb_world *world)
+{
+	const struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	struct rb_near *land = &apart->land;
+
+	for (int i = 0; i < world->model->body_count; i++) {
+		land->built_at[i] = rb_world_origin_at(world, &apart->begin, i);
+		land->margin[i] = room_share * rb_near_size(world->model, i) +
+		                  (world->broadphase ? s->near.reach[i] : 0);
+		if (!s->bad[i])
+			land->margin[i] = fmax(land->margin[i], from_begin(world, i));
+	}
+}
+
+static int root_of(int *parent, int i)
+{
+	while (parent[i] != i) {
+		parent[i] = parent[parent[i]];
+		i = parent[i];
+	}
+	return i;
+}
+
+static bool yields(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
+}
+
+static void join(const struct rb_world *world, int *parent, int a, int b)
+{
+	if (!yields(world, a) || !yields(world, b))
+		return;
+	a = root_of(parent, a);
+	b = root_of(parent, b);
+	parent[a > b ? a : b] = a > b ? b : a;
+}
+
+static enum rb_status number_groups(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	int at = 0;
+
+	apart->group_count = 0;
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k], root = root_of(apart->parent, i);
+
+		if (root == i) {
+			if (!rb_memory_reserve(&apart->group, &apart->group_capacity,
+			                       apart->group_count + 1, sizeof *apart->group))
+				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
+			apart->group_of[i] = (int)apart->group_count;
+			apart->group[apart->group_count++] = (struct group){.settled = true};
+		}
+		apart->group_of[i] = apart->group_of[root];
+		apart->group[apart->group_of[i]].count++;
+	}
+	for (size_t g = 0; g < apart->group_count; g++) {
+		apart->group[g].first = at;
+		at += apart->group[g].count;
+		apart->group[g].count = 0;
+	}
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k];
+		struct group *group = &apart->group[apart->group_of[i]];
+
+		apart->member[group->first + group->count++] = i;
+		group->failed = group->failed || apart->failed[i];
+		group->settled = group->settled && apart->settled[i] &&
+		                 apart->was_group[i] ==
+		                         apart->was_group[apart->member[group->first]];
+	}
+	return RB_OK;
+}
+
+/* Pairs of the land by group: those of a group's candidates stay in their order. */
+static enum rb_status sort_pairs(struct rb_apart *apart, struct rb_error *err)
+{
+	const struct rb_near *land = &apart->land;
+	size_t at = 0;
+
+	if (!rb_memory_reserve(&apart->pair, &apart->pair_capacity, land->pair_count + 1,
+	                       sizeof *apart->pair))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", land->pair_count);
+	for (size_t k = 0; k < land->pair_count; k++)
+		apart->group[apart->group_of[land->pair[k].a]].pair_count++;
+	for (size_t g = 0; g < apart->group_count; g++) {
+		apart->group[g].pair = at;
+		at += apart->group[g].pair_count;
+		apart->group[g].pair_count = 0;
+	}
+	for (size_t k = 0; k < land->pair_count; k++) {
+		struct group *group = &apart->group[apart->group_of[land->pair[k].a]];
+
+		apart->pair[group->pair + group->pair_count++] = land->pair[k];
+	}
+	return RB_OK;
+}
+
+static enum rb_status form_groups(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	enum rb_status status = RB_OK;
+
+	apart->land.pair_count = 0;
+	if (world->broadphase)
+		status = rb_near_pairs(&apart->land, world, err);
+	if (status != RB_OK)
+		return status;
+	for (int i = 0; i < model->body_count; i++)
+		apart->parent[i] = i;
+	for (size_t k = 0; k < apart->land.pair_count; k++)
+		join(world, apart->parent, apart->land.pair[k].a, apart->land.pair[k].b);
+	for (int k = 0; k < model->scene->spring_count; k++)
+		join(world, apart->parent, model->index_of[model->scene->springs[k].a],
+		     model->index_of[model->scene->springs[k].b]);
+	status = number_groups(world, err);
+	return status == RB_OK ? sort_pairs(apart, err) : status;
+}
+
+/* ---- what has been found, and is to be found again ---- */
+
+/* Of groups that were settled and have changed nothing is left. */
+static void forget_unsettled(struct rb_world *world)
+{
+	struct rb_apart *apart = world->stepped->apart;
+	size_t contacts = 0, pushes = 0, events = 0;
+
+	for (size_t k = 0; k < apart->kept.count; k++) {
+		const struct rb_contact *contact = &apart->kept.row[k];
+
+		if (apart->settled[yields(world, contact->a) ? contact->a : contact->b])
+			apart->kept.row[contacts++] = *contact;
+	}
+	for (size_t k = 0; k < apart->push_count; k++)
+		if (apart->settled[apart->push[k].a])
+			apart->push[pushes++] = apart->push[k];
+	for (size_t k = 0; k < apart->event_count; k++)
+		if (apart->settled[apart->event[k].body])
+			apart->event[events++] = apart->event[k];
+	apart->kept.count = contacts;
+	apart->push_count = pushes;
+	apart->event_count = events;
+}
+
+/* Marks by body as groups have them now; counts what is taken back. */
+static void mark_bodies(struct rb_world *world)
+{
+	struct rb_apart *apart = world->stepped->apart;
+	struct rb_counts *counts = &world->frame_counts;
+
+	for (size_t g = 0; g < apart->group_count; g++) {
+		struct group *group = &apart->group[g];
+
+		group->settled = group->settled && group->failed;
+		if (!group->failed || group->settled)
+			continue;
+		counts->rollbacks++;
+		for (int k = 0; k < group->count; k++) {
+			const int i = apart->member[group->first + k];
+
+			counts->discarded_body_steps += (uint64_t)apart->steps[i];
+			apart->failed[i] = 1;
+			apart->settled[i] = 0;
+			apart->steps[i] = 0;
+		}
+	}
+	for (int k = 0; k < world->stepped->member_count; k++)
+		apart->was_group[world->stepped->body[k]] =
+			apart->group_of[world->stepped->body[k]];
+}
+
+/* ---- one group ---- */
+
+static void cohort_of(struct rb_world *world, const struct group *group)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	const int driven = s->all.body_count - s->member_count;
+
+	memcpy(apart->body, apart->member + group->first, (size_t)group->count * sizeof(int));
+	memcpy(apart->body + group->count, s->body + s->member_count, (size_t)driven * sizeof(int));
+	apart->land.pair = apart->pair + group->pair;
+	apart->land.clue = apart->land.own_clue ? apart->land.own_clue + group->pair : NULL;
+	apart->land.pair_count = group->pair_count;
+	s->part.body = apart->body;
+	s->part.member_count = group->count;
+	s->part.body_count = group->count + driven;
+	s->part.near = &apart->land;
+}
+
+/*
+ * Whoever has come farther gets a territory for the way that is left, at least twice as large as that so far; driven ones
+ * too.
+ */
+static bool has_left(struct rb_world *world, double rest_s)
+{
+	const struct rb_cohort *part = &world->stepped->part;
+	struct rb_near *land = &world->stepped->apart->land;
+	bool left = false;
+
+	for (int k = 0; k < part->body_count; k++) {
+		const int i = part->body[k];
+		const double distance = from_begin(world, i);
+
+		if (distance <= land->margin[i])
+			continue;
+		const double speed = rb_vec3_length(rb_world_row3(world->state.velocity, i));
+		land->margin[i] = fmax(2 * distance, distance + (1 + room_share) * rest_s * speed);
+		left = true;
+	}
+	return left;
+}
+
+static enum rb_status keep_step(struct rb_world *world, double time, double h,
+                                const struct rb_outcome *outcome, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	struct rb_cohort *part = &s->part;
+	struct rb_counts *counts = &world->frame_counts;
+	const struct rb_contacts swapped = apart->before;
+	/* before the group's first step those of all: it has none of its own */
+	const struct rb_contacts *before = apart->fresh ? &world->contacts : &apart->last;
+
+	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
+	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
+	counts->residual_m = fmax(counts->residual_m, outcome->residual);
+	for (int k = 0; k < part->member_count; k++)
+		apart->steps[part->body[k]]++;
+	s->told.count = 0;
+	enum rb_status status = rb_tell_impacts(world, part, time, before, NULL, err);
+	if (status == RB_OK &&
+	    !rb_memory_reserve(&apart->event, &apart->event_capacity,
+	                       apart->event_count + s->told.count + 1, sizeof *apart->event))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	for (size_t k = 0; status == RB_OK && k < s->told.count; k++) {
+		const int a = world->model->index_of[s->told.row[k].a];
+		const int b = world->model->index_of[s->told.row[k].b];
+
+		apart->event[apart->event_count++] = (struct rb_event_of){s->told.row[k],
+		                                                          yields(world, a) ? a : b};
+	}
+	apart->fresh = false;
+	apart->before = apart->last;
+	apart->last = swapped;
+	apart->last.count = 0;
+	if (status == RB_OK)
+		status = rb_tell_contacts(world, part, h, NULL, &apart->last, err);
+	rb_contacts_sort(&apart->last);
+	if (status == RB_OK)
+		status = rb_points_keep(&part->points, h, err);
+	rb_points_index_members(&part->points, part->body, part->member_count);
+	return status;
+}
+
+/* The bodies and their impulses as they were before the step. */
+static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+
+	rb_state_copy_rows(&world->state, &apart->begin, s->part.body, s->part.body_count);
+	if (!rb_points_room(&s->part.points, s->all.points.last_count))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
+		               s->all.points.last_count);
+	rb_points_take_last(&s->part.points, &s->all.points, s->part.body, s->part.member_count);
+	apart->fresh = true;
+	apart->last.count = 0;
+	return RB_OK;
+}
+
+static enum rb_status settle(struct rb_world *world, struct group *group, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	const struct rb_points *points = &s->part.points;
+
+	if (!rb_memory_reserve(&apart->push, &apart->push_capacity,
+	                       apart->push_count + points->last_count + 1, sizeof *apart->push))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
+	if (points->last_count > 0)
+		memcpy(apart->push + apart->push_count, points->last,
+		       points->last_count * sizeof *points->last);
+	apart->push_count += points->last_count;
+	const enum rb_status status = rb_contacts_reserve(
+		&apart->kept, apart->kept.count + apart->last.count + 1, err);
+	if (status != RB_OK)
+		return status;
+	for (size_t k = 0; k < apart->last.count; k++)
+		apart->kept.row[apart->kept.count++] = apart->last.row[k];
+	group->settled = true;
+	for (int k = 0; k < group->count; k++)
+		apart->settled[apart->member[group->first + k]] = 1;
+	return RB_OK;
+}
+
+enum rb_status rb_apart_give_up(const struct rb_world *world, double start,
+                                const struct rb_outcome *outcome, struct rb_error *err)
+{
+	const struct rb_scene *scene = world->model->scene;
+	const int *id_of = world->model->id_of;
+	char a[64], b[64];
+
+	if (outcome->body >= 0)
+		return RB_FAIL(err, RB_ERR_PHYSICS,
+		               "the state of '%s' is not finite after t = %.9g s",
+		               rb_scene_body_label(scene, id_of[outcome->body], a), start);
+	if (outcome->pair[0] < 0)
+		return RB_FAIL(err, RB_ERR_PHYSICS, "no step resolves the impacts after t = %.9g s",
+		               start);
+	return RB_FAIL(err, RB_ERR_PHYSICS,
+	               "no step resolves the overlap of '%s' and '%s' after t = %.9g s (%.3g m "
+	               "deep, the tolerance is %.3g m)",
+	               rb_scene_body_label(scene, id_of[outcome->pair[0]], a),
+	               rb_scene_body_label(scene, id_of[outcome->pair[1]], b), start,
+	               outcome->overlap, world->model->tolerance_m);
+}
+
+static void reset_arenas(struct rb_world *world)
+{
+	for (int k = 0; k < world->worker_count; k++)
+		rb_arena_reset(&world->arena[k]);
+}
+
+/* The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the territory, and it stops. */
+static enum rb_status run_group(struct rb_world *world, struct group *group, double start,
+                                double dt, bool *left, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_cohort *part = &s->part;
+	double done = 0, h = 0.5 * dt;
+	int halvings = 1;
+
+	cohort_of(world, group);
+	enum rb_status status = begin_group(world, err);
+	while (status == RB_OK && done < dt) {
+		struct rb_outcome outcome;
+
+		reset_arenas(world);
+		rb_state_copy_rows(&world->mark, &world->state, part->body, part->body_count);
+		status = rb_attempt(world, part, start + done, h, err);
+		if (status == RB_OK)
+			status = rb_judge(world, part, h, &outcome, err);
+		if (status != RB_OK)
+			break;
+		if (s->bad_count == 0) {
+			done = h < dt - done ? done + h : dt;
+			*left = has_left(world, dt - done);
+			if (*left)
+				return RB_OK;
+			status = keep_step(world, start + done, h, &outcome, err);
+			h = fmin(2 * h, dt - done);
+			halvings = 0;
+			continue;
+		}
+		rb_state_copy_rows(&world->state, &world->mark, part->body, part->body_count);
+		world->frame_counts.rollbacks++;
+		world->frame_counts.discarded_body_steps += (uint64_t)part->member_count;
+		if (++halvings > RB_HALVINGS_MOST)
+			return rb_apart_give_up(world, start + done, &outcome, err);
+		h *= 0.5;
+	}
+	return status == RB_OK ? settle(world, group, err) : status;
+}
+
+/* ---- the step ---- */
+
+/* Until nobody leaves the territory any more; it at least doubles each time. */
+static enum rb_status run_groups(struct rb_world *world, double start, double dt,
+                                 struct rb_error *err)
+{
+	struct rb_apart *apart = world->stepped->apart;
+	enum rb_status status = RB_OK;
+	bool again = true;
+
+	while (again && status == RB_OK) {
+		again = false;
+		reset_arenas(world);
+		status = form_groups(world, err);
+		if (status != RB_OK)
+			break;
+		mark_bodies(world);
+		forget_unsettled(world);
+		for (size_t g = 0; g < apart->group_count && status == RB_OK; g++) {
+			const size_t events = apart->event_count;
+			bool left = false;
+
+			if (!apart->group[g].failed || apart->group[g].settled)
+				continue;
+			status = run_group(world, &apart->group[g], start, dt, &left, err);
+			if (left)
+				apart->event_count = events;
+			again = again || left;
+		}
+	}
+	return status;
+}
+
+/* The world's contacts are those of both kinds. */
+static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	const struct rb_contacts before = world->contacts;
+	struct rb_contacts *to = &world->next_contacts;
+
+	to->count = 0;
+	enum rb_status status = rb_tell_contacts(world, &s->all, dt, apart->failed, to, err);
+	if (status == RB_OK)
+		status = rb_contacts_reserve(to, to->count + apart->kept.count + 1, err);
+	if (status != RB_OK)
+		return status;
+	for (size_t k = 0; k < apart->kept.count; k++)
+		to->row[to->count++] = apart->kept.row[k];
+	rb_contacts_sort(to);
+	world->contacts = *to;
+	*to = before;
+	return RB_OK;
+}
+
+/* Impulses for the next step: of what was kept of the whole one, then of groups that took shorter ones; by body. */
+static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	struct rb_points *points = &s->all.points;
+	size_t kept = 0;
+
+	for (size_t k = 0; k < points->count; k++)
+		if (!apart->failed[points->row[k].a])
+			points->row[kept++] = points->row[k];
+	points->count = kept;
+	const enum rb_status status = rb_points_keep(points, dt, err);
+	if (status != RB_OK)
+		return status;
+	const size_t count = points->last_count + apart->push_count;
+	struct rb_sort_item *item = rb_arena_take(&world->arena[0], count + 1, sizeof *item);
+	struct rb_sort_item *scratch = rb_arena_take(&world->arena[0], count + 1, sizeof *scratch);
+	struct rb_named_push *all = rb_arena_take(&world->arena[0], count + 1, sizeof *all);
+	if (!item || !scratch || !all || !rb_points_room(points, count))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	if (points->last_count > 0)
+		memcpy(all, points->last, points->last_count * sizeof *all);
+	if (apart->push_count > 0)
+		memcpy(all + points->last_count, apart->push, apart->push_count * sizeof *all);
+	for (size_t k = 0; k < count; k++)
+		item[k] = (struct rb_sort_item){(uint64_t)all[k].a, k};
+	rb_sort_by_key(item, scratch, count);
+	for (size_t k = 0; k < count; k++)
+		points->last[k] = all[item[k].value];
+	points->last_count = count;
+	rb_points_index(points, world->model);
+	return RB_OK;
+}
+
+static enum rb_status join_impacts(struct rb_world *world, double end, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_apart *apart = s->apart;
+
+	s->told.count = 0;
+	const enum rb_status status = rb_tell_impacts(world, &s->all, end, &world->contacts,
+	                                              apart->failed, err);
+	if (status != RB_OK)
+		return status;
+	if (!rb_memory_reserve(&s->told.row, &s->told.capacity,
+	                       s->told.count + apart->event_count + 1, sizeof *s->told.row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	for (size_t k = 0; k < apart->event_count; k++)
+		s->told.row[s->told.count++] = apart->event[k].event;
+	return RB_OK;
+}
+
+/* What those have come to that keep the whole step, and how many steps all have taken. */
+static enum rb_status count_steps(struct rb_world *world, double dt,
+                                  const struct rb_outcome *outcome, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_apart *apart = s->apart;
+	struct rb_counts *counts = &world->frame_counts;
+	struct rb_depths found = {0};
+	enum rb_status status = RB_OK;
+	bool some = false;
+
+	for (int k = 0; k < s->member_count; k++)
+		counts->body_steps += (uint64_t)apart->steps[s->body[k]];
+	for (size_t g = 0; g < apart->group_count; g++) {
+		const struct group *group = &apart->group[g];
+
+		some = some || !group->failed;
+		if (group->failed)
+			counts->substeps += (uint64_t)apart->steps[apart->member[group->first]];
+	}
+	if (!some)
+		return RB_OK;
+	counts->substeps++;
+	counts->smallest_step_s = fmin(counts->smallest_step_s, dt);
+	counts->residual_m = fmax(counts->residual_m, outcome->residual);
+	apart->land.pair = apart->pair;
+	apart->land.clue = apart->land.own_clue;
+	apart->land.pair_count = apart->group_count > 0
+	                                 ? apart->group[apart->group_count - 1].pair +
+	                                           apart->group[apart->group_count - 1].pair_count
+	                                 : 0;
+	rb_near_place(&apart->land, world, s->all.body, s->all.body_count);
+	if (world->broadphase)
+		status = rb_points_depths(world, &apart->land, apart->failed, &found, err);
+	counts->max_penetration_m = fmax(counts->max_penetration_m, found.most);
+	return status;
+}
+
+/* Driven bodies have gone with each group; they end where the step does. */
+static enum rb_status end_drive(struct rb_world *world, double start, double dt,
+                                struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	rb_state_copy_rows(&world->state, &s->apart->begin, s->body + s->member_count,
+	                   s->all.body_count - s->member_count);
+	const enum rb_status status = rb_drive_begin(world, start, dt, err);
+	if (status == RB_OK)
+		rb_drive_end(world);
+	return status;
+}
+
+enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
+                             const struct rb_outcome *outcome, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	enum rb_status status = s->apart ? RB_OK : create(world, err);
+
+	if (status != RB_OK)
+		return status;
+	struct rb_apart *apart = s->apart;
+	rb_state_copy(&apart->begin, &world->mark);
+	stake_out(world);
+	for (int i = 0; i < world->model->body_count; i++) {
+		apart->failed[i] = s->bad[i];
+		apart->settled[i] = 0;
+		apart->was_group[i] = -1;
+		apart->steps[i] = 1;
+	}
+	apart->kept.count = apart->push_count = apart->event_count = 0;
+	s->near.valid = false;
+	status = run_groups(world, start, dt, err);
+	if (status == RB_OK)
+		status = end_drive(world, start, dt, err);
+	if (status != RB_OK) {
+		rb_state_copy(&world->state, &apart->begin);
+		return status;
+	}
+	reset_arenas(world);
+	status = count_steps(world, dt, outcome, err);
+	if (status == RB_OK)
+		status = join_impacts(world, start + dt, err);
+	if (status == RB_OK)
+		status = join_contacts(world, dt, err);
+	return status == RB_OK ? join_pushes(world, dt, err) : status;
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/attempt.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "step/flow.h"
+#include "stepped/driven.h"
+#include "stepped/force.h"
+
+struct flow {
+	struct rb_world *world;
+	const struct rb_cohort *cohort;
+	double h_s;
+	const struct rb_stage *turn;
+};
+
+/* A body that nothing touches or turns: closed form or a series to rounding. */
+static bool turn_freely(struct rb_world *world, int i, double h)
+{
+	const struct rb_stepped *s = world->stepped;
+	struct rb_state *state = &world->state;
+	const rb_vec3 before = rb_world_row3(world->mark.spin, i);
+	const rb_vec3 none = {0, 0, 0};
+	rb_quat orientation;
+	rb_vec3 spin;
+
+	if (!s->top || s->solver.pushed[i] || s->top[i].kind == RB_TOP_CONSTANT ||
+	    rb_vec3_max_abs(rb_vec3_sub(before, rb_world_row3(state->spin, i))) > 0)
+		return false;
+	struct rb_top top = rb_top_start(
+		&s->top[i], rb_quat_from(state->orientation + 4 * (size_t)i), before, none);
+	rb_top_at(&top, h, &orientation, &spin);
+	rb_quat_to(state->orientation + 4 * (size_t)i, orientation);
+	rb_vec3_to(state->spin + 3 * (size_t)i, spin);
+	return true;
+}
+
+/*
+ * The velocity that moves a body: where it has points, what was solved for; else the mean of before and after, a parabola,
+ * but for forces that vary: of those all, since half of them would feed oscillations.
+ */
+static rb_vec3 moving_velocity(const struct rb_world *world, int i)
+{
+	const struct rb_stepped *s = world->stepped;
+	const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+
+	if (s->solver.island_of[i] >= 0)
+		return v;
+	rb_vec3 sum = rb_vec3_add(v, rb_world_row3(world->mark.velocity, i));
+	if (s->varied)
+		sum = rb_vec3_add(sum, rb_world_row3(s->varied, i));
+	return rb_vec3_scale(0.5, sum);
+}
+
+static void move_block(void *user, int block, int worker)
+{
+	const struct flow *flow = user;
+	struct rb_world *world = flow->world;
+	const int first = block * RB_BODIES_PER_BLOCK, n = flow->cohort->member_count;
+	const int end = first + RB_BODIES_PER_BLOCK < n ? first + RB_BODIES_PER_BLOCK : n;
+	struct rb_pass pass = {.world = world,
+	                       .arena = &world->arena[worker],
+	                       .member_count = 1,
+	                       .h_s = flow->h_s};
+
+	for (int k = first; k < end; k++) {
+		const int i = flow->cohort->body[k];
+		const rb_vec3 v = moving_velocity(world, i);
+
+		rb_vec3_to(
+			world->state.position + 3 * (size_t)i,
+			rb_vec3_add_scaled(rb_world_row3(world->state.position, i), flow->h_s, v));
+		if (!world->state.spin ||
+		    rb_vec3_max_abs(rb_world_row3(world->state.spin, i)) == 0 ||
+		    turn_freely(world, i, flow->h_s))
+			continue;
+		pass.member = flow->cohort->body + k;
+		flow->turn->run(&pass);
+	}
+}
+
+static void move(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	const bool unequal = world->model->features & RB_FEATURE_GYROSCOPIC;
+	struct flow flow = {world, cohort, h,
+	                    unequal ? &rb_stage_rotate_gyroscopic : &rb_stage_rotate};
+
+	rb_team_run(world->team,
+	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
+	            move_block, &flow);
+}
+
+/* Before the projection takes the solver for its own. */
+static void count_work(struct rb_world *world)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	struct rb_counts *counts = &world->frame_counts;
+
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const struct rb_island *island = &solver->island[g];
+
+		counts->row_sweeps += (uint64_t)island->sweeps * (uint64_t)island->row_count;
+		counts->rows += (uint64_t)island->row_count;
+		counts->factors += (uint64_t)island->factors;
+	}
+}
+
+static enum rb_status find_points(struct rb_world *world, struct rb_cohort *cohort, double h,
+                                  struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	enum rb_status status = RB_OK;
+
+	cohort->points.count = 0;
+	if (!world->broadphase)
+		return RB_OK;
+	rb_near_reach(cohort->near, world, h, cohort->body, cohort->body_count);
+	if (cohort->near == &s->near)
+		status = rb_near_find(&s->near, world, err);
+	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
+	if (status == RB_OK)
+		status = rb_points_find(&cohort->points, world, cohort->near, h, err);
+	if (status == RB_OK &&
+	    !rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
+	                       cohort->points.count + 1, sizeof *cohort->rebound))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	return status;
+}
+
+enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, double start, double h,
+                          struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	enum rb_status status = rb_drive_begin(world, start, h, err);
+
+	s->solver.active = cohort->body;
+	s->solver.active_count = cohort->body_count;
+	if (status == RB_OK)
+		status = rb_force_add(world, cohort, start, h, err);
+	if (status == RB_OK)
+		status = find_points(world, cohort, h, err);
+	if (status == RB_OK)
+		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
+	if (status != RB_OK)
+		return status;
+	move(world, cohort, h);
+	rb_drive_end(world);
+	if (cohort->points.count > 0)
+		memset(cohort->rebound, 0, cohort->points.count * sizeof *cohort->rebound);
+	s->solver.hands_over = world->located && world->dense_left == 1;
+	status = rb_solver_rebound(&s->solver, world, &cohort->points, cohort->rebound, err);
+	count_work(world);
+	return status;
+}

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/close.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+enum { CLOSINGS_MOST = 12 };
+
+/* Overlap after a step that moving positions may close, over the smallest size; more is taken back. */
+static const double closable_share = 0.01;
+
+/* ---- which groups ---- */
+
+static int root_of(int *parent, int i)
+{
+	while (parent[i] != i) {
+		parent[i] = parent[parent[i]];
+		i = parent[i];
+	}
+	return i;
+}
+
+static bool yields(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
+}
+
+/* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
+static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort *cohort,
+                                  const struct rb_depths *found, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_points *points = &s->closing;
+	const size_t n = (size_t)world->model->body_count;
+	int *parent = rb_arena_take(&world->arena[0], n, sizeof *parent);
+	signed char *moves = rb_arena_take(&world->arena[0], n, 1);
+	size_t kept = 0;
+
+	if (!parent || !moves)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	for (int k = 0; k < cohort->member_count; k++) {
+		parent[cohort->body[k]] = cohort->body[k];
+		moves[cohort->body[k]] = 0;
+	}
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+
+		if (!yields(world, point->b))
+			continue;
+		const int a = root_of(parent, point->a), b = root_of(parent, point->b);
+		parent[a > b ? a : b] = a > b ? b : a;
+	}
+	for (size_t k = 0; k < found->deep_count; k++)
+		moves[root_of(parent, found->deep[k].a)] = 1;
+	for (int k = 0; s->bad_count > 0 && k < cohort->member_count; k++)
+		if (s->bad[cohort->body[k]])
+			moves[root_of(parent, cohort->body[k])] = -1;
+	for (size_t k = 0; k < points->count; k++)
+		if (moves[root_of(parent, points->row[k].a)] > 0)
+			points->row[kept++] = points->row[k];
+	points->count = kept;
+	return RB_OK;
+}
+
+/* ---- moving ---- */
+
+/* Moves positions by what the solver's velocities have become. */
+static void shift(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+
+	for (int k = 0; k < cohort->member_count; k++) {
+		const int i = cohort->body[k];
+
+		if (solver->island_of[i] < 0)
+			continue;
+		const struct rb_dense_body *body = &solver->dense.body[i];
+		double *const at = world->state.position + 3 * (size_t)i;
+
+		rb_vec3_to(at, rb_vec3_add(rb_vec3_from(at), body->linear));
+		if (!world->state.spin)
+			continue;
+		double *const q = world->state.orientation + 4 * (size_t)i;
+		rb_quat_to(q, rb_quat_unit(rb_quat_multiply(rb_quat_from_turn(body->angular),
+		                                            rb_quat_from(q))));
+	}
+}
+
+/* Velocities of the cohort to or from the rows that are put aside; while positions are moved, they are ways. */
+static void put_aside(struct rb_world *world, const struct rb_cohort *cohort, bool back)
+{
+	double *const aside = world->stepped->aside;
+	double *const spin_aside = aside + 3 * (size_t)world->model->body_count;
+
+	for (int k = 0; k < cohort->body_count; k++) {
+		const size_t row = 3 * (size_t)cohort->body[k], size = 3 * sizeof(double);
+
+		memcpy(back ? world->state.velocity + row : aside + row,
+		       back ? aside + row : world->state.velocity + row, size);
+		if (world->state.spin)
+			memcpy(back ? world->state.spin + row : spin_aside + row,
+			       back ? spin_aside + row : world->state.spin + row, size);
+	}
+}
+
+static void clear_velocities(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	for (int k = 0; k < cohort->body_count; k++) {
+		const size_t row = 3 * (size_t)cohort->body[k], size = 3 * sizeof(double);
+
+		memset(world->state.velocity + row, 0, size);
+		if (world->state.spin)
+			memset(world->state.spin + row, 0, size);
+	}
+}
+
+static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *cohort,
+                                  struct rb_depths *found, struct rb_error *err)
+{
+	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
+	return rb_points_depths(world, cohort->near, world->stepped->bad, found, err);
+}
+
+static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohort,
+                                 const struct rb_depths *found, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+
+	clear_velocities(world, cohort);
+	/* parts stand where their overlaps were found */
+	enum rb_status status = rb_points_find(&s->closing, world, cohort->near, 1, err);
+	if (status == RB_OK)
+		status = keep_points(world, cohort, found, err);
+	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++)
+		s->closing.row[k].friction = 0;
+	if (status == RB_OK)
+		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
+	if (status == RB_OK)
+		shift(world, cohort);
+	return status;
+}
+
+static void blame_deep(struct rb_world *world, const struct rb_depths *found, double most)
+{
+	struct rb_stepped *s = world->stepped;
+
+	for (size_t k = 0; k < found->deep_count; k++) {
+		const struct rb_deep *deep = &found->deep[k];
+
+		if (!(deep->depth > most))
+			continue;
+		rb_stepped_blame(s, deep->a);
+		if (yields(world, deep->b))
+			rb_stepped_blame(s, deep->b);
+	}
+}
+
+static bool all_is_lost(const struct rb_stepped *s, const struct rb_cohort *cohort)
+{
+	return s->bad_count > 0 && !cohort->divides;
+}
+
+enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort,
+                                struct rb_depths *found, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	struct rb_stepped *s = world->stepped;
+	enum rb_status status = find_depths(world, cohort, found, err);
+	struct rb_depths last = *found;
+
+	if (status != RB_OK || found->deep_count == 0)
+		return status;
+	blame_deep(world, found, closable_share * model->size_min_m);
+	if (all_is_lost(s, cohort))
+		return RB_OK;
+	put_aside(world, cohort, false);
+	for (int round = 0; round < CLOSINGS_MOST && status == RB_OK && last.deep_count > 0;
+	     round++) {
+		status = close_once(world, cohort, &last, err);
+		world->frame_counts.closings++;
+		if (status == RB_OK)
+			status = find_depths(world, cohort, &last, err);
+	}
+	put_aside(world, cohort, true);
+	blame_deep(world, &last, model->tolerance_m);
+	if (last.deep_count > 0 || s->bad_count == 0)
+		*found = last;
+	else
+		found->most = fmax(found->most, last.most);
+	return status;
+}

@@ -1,0 +1,300 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/force.h"
+
+#include <string.h>
+
+#include "step/forces.h"
+#include "step/plan.h"
+
+/* ---- forces that classic steps have too ---- */
+
+struct flow {
+	struct rb_world *world;
+	const struct rb_cohort *cohort;
+	double start_s, h_s;
+};
+
+static void run_stages(void *user, int block, int worker)
+{
+	static const struct rb_stage *const stages[] = {&rb_stage_gravity, &rb_stage_gravity_force,
+	                                                &rb_stage_applied, &rb_stage_pushes};
+	const struct flow *flow = user;
+	const int first = block * RB_BODIES_PER_BLOCK;
+	const int rest = flow->cohort->member_count - first;
+	struct rb_pass pass = {.world = flow->world,
+	                       .arena = &flow->world->arena[worker],
+	                       .member = flow->cohort->body + first,
+	                       .member_count = rest < RB_BODIES_PER_BLOCK ? rest
+	                                                                  : RB_BODIES_PER_BLOCK,
+	                       .start_s = flow->start_s,
+	                       .dt_s = flow->h_s,
+	                       .h_s = flow->h_s};
+
+	for (size_t k = 0; k < sizeof stages / sizeof stages[0]; k++)
+		if (rb_plan_has(stages[k], flow->world->model->features))
+			stages[k]->run(&pass);
+}
+
+/* ---- springs ---- */
+
+/* A body at one end of a spring; what does not yield has no mass. */
+struct end {
+	int i;
+	rb_vec3 arm, at, velocity;
+};
+
+static struct end end_of(const struct rb_world *world, int id, rb_vec3 point)
+{
+	const struct rb_model *model = world->model;
+	const int i = model->index_of[id];
+	const bool moves = i < model->body_count;
+	struct end end = {.i = i};
+
+	end.at = moves ? rb_world_row3(world->state.position, i) : model->position[i];
+	if (!isnan(point.x)) {
+		if (moves && model->center_of_mass)
+			point = rb_vec3_sub(point, model->center_of_mass[i]);
+		end.arm = rb_quat_rotate(rb_world_orientation_at(world, &world->state, i), point);
+	}
+	end.at = rb_vec3_add(end.at, end.arm);
+	if (!moves)
+		return end;
+	end.velocity = rb_world_row3(world->state.velocity, i);
+	if (world->state.spin)
+		end.velocity = rb_vec3_add(
+			end.velocity, rb_vec3_cross(rb_world_row3(world->state.spin, i), end.arm));
+	return end;
+}
+
+static bool yields(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
+}
+
+/*
+ * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is shared out among them, so
+ * that all of them together are as stable as each is alone.
+ */
+static void add_yield(const struct rb_world *world, const struct end *end, rb_mat3 *yield)
+{
+	if (!yields(world, end->i))
+		return;
+	const double springs = world->stepped->springs_of[end->i];
+
+	for (int c = 0; c < 3; c++) {
+		const rb_vec3 unit = {c == 0, c == 1, c == 2};
+		rb_vec3 v = rb_vec3_scale(world->model->inverse_mass[end->i], unit);
+
+		if (world->state.spin)
+			v = rb_vec3_add(v,
+			                rb_vec3_cross(rb_world_turn(world, &world->state, end->i,
+			                                            rb_vec3_cross(end->arm, unit)),
+			                              end->arm));
+		yield->m[0][c] += springs * v.x;
+		yield->m[1][c] += springs * v.y;
+		yield->m[2][c] += springs * v.z;
+	}
+}
+
+/* No eigenvalue is larger. */
+static double size_of(const rb_mat3 *a)
+{
+	double square = 0;
+
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 3; c++)
+			square += a->m[r][c] * a->m[r][c];
+	return sqrt(square);
+}
+
+/*
+ * The impulse of a spring on its end b. With f the force now, K = -df/dx (what would push sideways left out), C = -df/dv, Y
+ * the yield and A = h (h K + C): the force at the step's end has the impulse p of (1 + A Y) p = h f - h^2 K v. A spring
+ * with h^2 k + h c below 1/Y is resolved, and acts as it is now: semi-implicit steps keep its oscillation, up to four
+ * times as stiff.
+ */
+static rb_vec3 impulse_of(const struct rb_world *world, int number, double h, const struct end *a,
+                          const struct end *b)
+{
+	const struct rb_spring_def *spring = &world->model->scene->springs[number];
+	const rb_vec3 d = rb_vec3_sub(b->at, a->at), v = rb_vec3_sub(b->velocity, a->velocity);
+	const double length = rb_vec3_length(d), k = spring->stiffness, c = spring->damping;
+	rb_mat3 yield = {{{0}}}, stiff, system, inverse;
+
+	if (!(length > 0)) /* no direction to pull in */
+		return (rb_vec3){0, 0, 0};
+	const rb_vec3 n = rb_vec3_scale(1 / length, d);
+	const double stretch = length - world->model->rest_length_m[number];
+	const double pull = h * (k * stretch + c * rb_vec3_dot(v, n));
+	add_yield(world, a, &yield);
+	add_yield(world, b, &yield);
+	if ((h * h * k + h * c) * size_of(&yield) <= 1)
+		return rb_vec3_scale(-pull, n);
+	const double across = h * h * k * fmax(0, stretch / length);
+	const double along = h * h * k + h * c - across;
+	const double x[3] = {n.x, n.y, n.z};
+	for (int r = 0; r < 3; r++)
+		for (int s = 0; s < 3; s++)
+			stiff.m[r][s] = along * (x[r] * x[s]) + (r == s ? across : 0);
+	system = rb_mat3_multiply(&stiff, &yield);
+	for (int r = 0; r < 3; r++)
+		system.m[r][r] += 1;
+	const rb_vec3 right = rb_vec3_add_scaled(rb_mat3_apply(&stiff, v), h * k * stretch, n);
+	if (!rb_mat3_inverse(&system, &inverse))
+		return rb_vec3_scale(-pull, n);
+	return rb_vec3_neg(rb_mat3_apply(&inverse, right));
+}
+
+struct pull {
+	rb_vec3 impulse; /* N s, on b */
+	struct end a, b;
+	bool acts;
+};
+
+static void apply(struct rb_world *world, const struct end *end, double sign, rb_vec3 impulse)
+{
+	if (!yields(world, end->i))
+		return;
+	const size_t row = 3 * (size_t)end->i;
+	const rb_vec3 p = rb_vec3_scale(sign, impulse);
+
+	rb_vec3_to(world->state.velocity + row,
+	           rb_vec3_add_scaled(rb_vec3_from(world->state.velocity + row),
+	                              world->model->inverse_mass[end->i], p));
+	if (world->state.spin)
+		rb_vec3_to(world->state.spin + row,
+		           rb_vec3_add(rb_vec3_from(world->state.spin + row),
+		                       rb_world_turn(world, &world->state, end->i,
+		                                     rb_vec3_cross(end->arm, p))));
+}
+
+/* All see the same velocities: their order is not in the result but for the rounding of sums. */
+static enum rb_status add_springs(struct rb_world *world, double h, const unsigned char *here,
+                                  struct rb_error *err)
+{
+	const struct rb_scene *scene = world->model->scene;
+	struct pull *pull = rb_arena_take(&world->arena[0], (size_t)scene->spring_count,
+	                                  sizeof *pull);
+
+	if (!pull)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", scene->spring_count);
+	for (int k = 0; k < scene->spring_count; k++) {
+		const struct rb_spring_def *spring = &scene->springs[k];
+		const int a = world->model->index_of[spring->a],
+			  b = world->model->index_of[spring->b];
+
+		pull[k].acts = (yields(world, a) && here[a]) || (yields(world, b) && here[b]);
+		if (!pull[k].acts)
+			continue;
+		pull[k].a = end_of(world, spring->a, spring->at_a);
+		pull[k].b = end_of(world, spring->b, spring->at_b);
+		pull[k].impulse = impulse_of(world, k, h, &pull[k].a, &pull[k].b);
+	}
+	for (int k = 0; k < scene->spring_count; k++) {
+		if (!pull[k].acts)
+			continue;
+		apply(world, &pull[k].a, -1, pull[k].impulse);
+		apply(world, &pull[k].b, 1, pull[k].impulse);
+	}
+	return RB_OK;
+}
+
+/* ---- fields and drag ---- */
+
+/* Functions of the scene: one after the other, in the simulator's thread. */
+static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort *cohort,
+                                 double start, double h, struct rb_error *err)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+	enum rb_status status = RB_OK;
+
+	for (int k = 0; hooks->field && k < cohort->member_count && status == RB_OK; k++) {
+		const int i = cohort->body[k];
+		double *const v = world->state.velocity + 3 * (size_t)i;
+		rb_vec3 force = {0, 0, 0};
+
+		status = hooks->field(hooks->user, start, rb_world_row3(world->mark.position, i),
+		                      rb_world_row3(world->mark.velocity, i), &force, err);
+		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), h * world->model->inverse_mass[i],
+		                                 force));
+	}
+	return status;
+}
+
+/* m (v - u) = -h (l + q |v|) v has v along u, and |v| is the root of a quadratic, written without cancellation. */
+static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	const struct rb_scene *scene = world->model->scene;
+	double linear = 0, quadratic = 0;
+
+	for (int k = 0; k < scene->drag_count; k++) {
+		linear += scene->drags[k].linear;
+		quadratic += scene->drags[k].quadratic;
+	}
+	for (int k = 0; k < cohort->member_count; k++) {
+		const int i = cohort->body[k];
+		double *const v = world->state.velocity + 3 * (size_t)i;
+		const double share = h * world->model->inverse_mass[i];
+		const double b = 1 + share * linear;
+		const double speed = rb_vec3_length(rb_vec3_from(v));
+
+		rb_vec3_to(v, rb_vec3_scale(2 / (b + sqrt(b * b + 4 * share * quadratic * speed)),
+		                            rb_vec3_from(v)));
+	}
+}
+
+/* ---- all ---- */
+
+/* Marks of the bodies of a cohort, for springs. */
+static unsigned char *marks_of(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	const size_t n = (size_t)world->model->body_count;
+	unsigned char *here = rb_arena_take(&world->arena[0], n, 1);
+
+	if (here) {
+		memset(here, 0, n);
+		for (int k = 0; k < cohort->member_count; k++)
+			here[cohort->body[k]] = 1;
+	}
+	return here;
+}
+
+static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, double sign)
+{
+	double *const varied = world->stepped->varied;
+
+	for (int k = 0; k < cohort->member_count; k++) {
+		const size_t row = 3 * (size_t)cohort->body[k];
+		const rb_vec3 v = rb_vec3_from(world->state.velocity + row);
+
+		rb_vec3_to(varied + row,
+		           sign < 0 ? rb_vec3_neg(v) : rb_vec3_add(v, rb_vec3_from(varied + row)));
+	}
+}
+
+enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *cohort, double start,
+                            double h, struct rb_error *err)
+{
+	const rb_features features = world->model->features;
+	struct flow flow = {world, cohort, start, h};
+	enum rb_status status = RB_OK;
+
+	rb_team_run(world->team,
+	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
+	            run_stages, &flow);
+	if (!world->stepped->varied)
+		return RB_OK;
+	note_varied(world, cohort, -1);
+	if (features & RB_FEATURE_SPRINGS) {
+		const unsigned char *here = marks_of(world, cohort);
+
+		status = here ? add_springs(world, h, here, err)
+		              : RB_FAIL(err, RB_ERR_MEMORY, "no memory for springs");
+	}
+	if (status == RB_OK && (features & RB_FEATURE_FIELD))
+		status = add_fields(world, cohort, start, h, err);
+	if (status == RB_OK && (features & RB_FEATURE_DRAG))
+		add_drag(world, cohort, h);
+	note_varied(world, cohort, 1);
+	return status;
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Forces of a step apart from contact, as changes of velocities.
+ *
+ * Those of step/forces, then springs and fields, whose values are those of the step's beginning, then drag, solved for at
+ * the step's end. A spring that the step does not resolve is solved for at its end too: it stays stable, and loses its
+ * oscillation.
+ */
+#ifndef RB_STEPPED_FORCE_H
+#define RB_STEPPED_FORCE_H
+
+#include "stepped/inside.h"
+
+RB_CHECKED enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *cohort,
+                                       double start_s, double h_s, struct rb_error *err);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * State of the stepped method, shared by its rooms, and what one try of a step is made of.
+ *
+ * Owned by the world; simulator thread, but for rows that a pass lends to workers.
+ */
+#ifndef RB_STEPPED_INSIDE_H
+#define RB_STEPPED_INSIDE_H
+
+#include "math/top.h"
+#include "stepped/solve.h"
+
+enum { RB_BODIES_PER_BLOCK = 512 };
+
+/* Bodies that step together: all of them, or a group that the others cannot meet within the step. */
+struct rb_cohort {
+	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
+	int member_count, body_count;
+	struct rb_near *near;    /* borrowed: candidates of theirs, reaches */
+	bool divides;            /* what fails may be told apart: else one that fails takes all */
+	struct rb_points points; /* of the try; `last` of the step before */
+	rb_vec3 *rebound;        /* owned, by point: N s on b */
+	size_t rebound_capacity;
+};
+
+/* What has become of a try: rb_stepped's `bad` says for whom. */
+struct rb_outcome {
+	int pair[2];    /* that overlaps, -1: none */
+	int body;       /* that is not finite, -1: none */
+	double overlap; /* m */
+	double residual; /* m: the largest that a solution which is good has left of a gap's closing */
+};
+
+/* A driven body at the end of the step. */
+struct rb_ride {
+	rb_vec3 position, velocity, spin;
+	rb_quat orientation;
+};
+
+struct rb_stepped {
+	struct rb_near near;
+	struct rb_cohort all, part;
+	struct rb_points closing; /* of the last projection; its `last` stays empty */
+	struct rb_solver solver;
+	struct rb_top_body *top; /* owned; NULL: no body needs one */
+	int *body;               /* owned: those that yield, then driven ones */
+	int member_count;
+	struct rb_ride *ride; /* owned, by driven body */
+	double *aside;        /* owned: [6 bodies] velocities while positions are moved */
+	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
+	int *springs_of;    /* owned: [bodies] ends of springs on each; NULL: none */
+	unsigned char *bad; /* owned: [bodies] 1: the try has failed for it */
+	int bad_count;
+	struct rb_events told;  /* impacts of the step under way, not in order yet */
+	struct rb_apart *apart; /* owned; NULL until a step has first failed for some */
+};
+
+static inline void rb_stepped_blame(struct rb_stepped *s, int i)
+{
+	s->bad_count += !s->bad[i];
+	s->bad[i] = 1;
+}
+
+#endif

@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/judge.h"
+
+#include <string.h>
+
+#include "step/verdict.h"
+#include "stepped/close.h"
+
+static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
+                       struct rb_outcome *outcome)
+{
+	for (int k = 0; k < cohort->body_count; k++) {
+		const int i = cohort->body[k];
+
+		if (rb_verdict_finite(&world->state, i))
+			continue;
+		if (outcome->body < 0)
+			outcome->body = i;
+		rb_stepped_blame(world->stepped, i);
+	}
+}
+
+static void blame_residuals(struct rb_world *world, double h, struct rb_outcome *outcome)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_solver *solver = &s->solver;
+
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const struct rb_island *island = &solver->island[g];
+		const double left = h * island->residual;
+
+		/* written so that NaN is not good */
+		if (left <= world->model->tolerance_m ||
+		    world->model->rollback == RB_ROLLBACK_NONE) {
+			outcome->residual = fmax(outcome->residual, left);
+			continue;
+		}
+		for (int k = 0; k < island->member_count; k++)
+			rb_stepped_blame(s, solver->member[island->first_member + k]);
+	}
+}
+
+/*
+ * A body that impacts have thrown farther than it would have flown, by more than half its size, may have passed others
+ * that it was not foreseen to meet.
+ */
+static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	for (int k = 0; k < cohort->member_count; k++) {
+		const int i = cohort->body[k];
+		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
+		                              rb_world_origin_at(world, &world->mark, i));
+		const double most = cohort->near->reach[i] + 0.5 * rb_model_reach(world->model, i);
+
+		if (!(rb_vec3_dot(d, d) <= most * most))
+			rb_stepped_blame(world->stepped, i);
+	}
+}
+
+/* So that boxes about the others can be made. */
+static void restore_bad(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	for (int k = 0; k < cohort->body_count; k++)
+		if (world->stepped->bad[cohort->body[k]])
+			rb_state_copy_rows(&world->state, &world->mark, &cohort->body[k], 1);
+}
+
+enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h,
+                        struct rb_outcome *outcome, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_depths found;
+	enum rb_status status = RB_OK;
+
+	*outcome = (struct rb_outcome){.pair = {-1, -1}, .body = -1};
+	for (int k = 0; k < cohort->body_count; k++)
+		s->bad[cohort->body[k]] = 0;
+	s->bad_count = 0;
+	blame_wild(world, cohort, outcome);
+	blame_residuals(world, h, outcome);
+	if (!world->broadphase)
+		return RB_OK;
+	if (world->model->rollback != RB_ROLLBACK_NONE)
+		blame_thrown(world, cohort);
+	if (s->bad_count > 0 && !cohort->divides)
+		return RB_OK;
+	if (s->bad_count > 0)
+		restore_bad(world, cohort);
+	if (cohort->near == &s->near && !rb_near_holds(&s->near, world)) {
+		s->near.valid = false;
+		status = rb_near_find(&s->near, world, err);
+	}
+	if (status == RB_OK)
+		status = rb_close_overlap(world, cohort, &found, err);
+	if (status != RB_OK)
+		return status;
+	outcome->overlap = found.most;
+	for (size_t k = 0; k < found.deep_count; k++)
+		if (found.deep[k].depth > outcome->overlap) {
+			outcome->overlap = found.deep[k].depth;
+			outcome->pair[0] = found.deep[k].a;
+			outcome->pair[1] = found.deep[k].b;
+		}
+	return RB_OK;
+}

@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/tell.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+static rb_vec3 arm_of(const struct rb_point *point)
+{
+	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
+}
+
+/* The points of one pair as one contact: forces add, at their middle. */
+static struct rb_contact contact_of(const struct rb_world *world, const struct rb_point *point,
+                                    size_t count, double h)
+{
+	struct rb_contact contact = {
+		.a = point->a, .b = point->b, .normal = point->normal, .gap = point->gap};
+	rb_vec3 sum = {0, 0, 0};
+	double weight = 0;
+
+	for (size_t k = 0; k < count; k++) {
+		weight += point[k].push;
+		sum = rb_vec3_add_scaled(sum, point[k].push, arm_of(&point[k]));
+		contact.tangent_force = rb_vec3_add_scaled(contact.tangent_force, 1 / h,
+		                                           point[k].rub);
+		contact.gap = fmin(contact.gap, point[k].gap);
+	}
+	contact.normal_force = weight / h;
+	contact.point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a),
+	                                   1 / weight, sum);
+	if (contact.a < contact.b)
+		return contact;
+	/* a driven body comes second, wherever it is in the scene */
+	contact.a = point->b;
+	contact.b = point->a;
+	contact.normal = rb_vec3_neg(contact.normal);
+	contact.tangent_force = rb_vec3_neg(contact.tangent_force);
+	return contact;
+}
+
+static size_t pair_length(const struct rb_points *points, size_t first)
+{
+	size_t end = first + 1;
+
+	while (end < points->count && points->row[end].a == points->row[first].a &&
+	       points->row[end].b == points->row[first].b)
+		end++;
+	return end - first;
+}
+
+enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort, double h,
+                                const unsigned char *skip, struct rb_contacts *to,
+                                struct rb_error *err)
+{
+	const struct rb_points *points = &cohort->points;
+	size_t length;
+
+	for (size_t k = 0; k < points->count; k += length) {
+		bool pushed = false;
+
+		length = pair_length(points, k);
+		for (size_t i = 0; i < length; i++)
+			pushed = pushed || points->row[k + i].push > 0;
+		if (!pushed || (skip && skip[points->row[k].a]))
+			continue;
+		const enum rb_status status = rb_contacts_reserve(to, to->count + 1, err);
+		if (status != RB_OK)
+			return status;
+		to->row[to->count++] = contact_of(world, &points->row[k], length, h);
+	}
+	return RB_OK;
+}
+
+/*
+ * An impact is told where a pair that did not touch in the step before has come together, by more than the residual. The
+ * whole impulse of the step counts.
+ */
+static bool is_impact(const struct rb_world *world, const struct rb_cohort *cohort, size_t first,
+                      size_t length, struct rb_event *event)
+{
+	const struct rb_point *point = &cohort->points.row[first];
+	double push = 0, approach = 0;
+
+	*event = (struct rb_event){
+		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
+	for (size_t k = 0; k < length; k++) {
+		if (!(point[k].push > 0))
+			continue;
+		event->impulse = rb_vec3_add(
+			event->impulse, rb_vec3_add(rb_vec3_add_scaled(point[k].rub, point[k].push,
+		                                                       point[k].normal),
+		                                    cohort->rebound[first + k]));
+		push += point[k].push;
+		approach = fmax(approach, point[k].approach);
+		event->point = rb_vec3_add_scaled(event->point, point[k].push, arm_of(&point[k]));
+	}
+	event->approach_speed = approach;
+	if (!(push > 0 && approach > world->stepped->solver.enough))
+		return false;
+	event->point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a), 1 / push,
+	                                  event->point);
+	return true;
+}
+
+enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *cohort, double time,
+                               const struct rb_contacts *before, const unsigned char *skip,
+                               struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_points *points = &cohort->points;
+	struct rb_events *told = &world->stepped->told;
+	size_t length;
+
+	for (size_t k = 0; k < points->count; k += length) {
+		const int i = points->row[k].a, j = points->row[k].b;
+		struct rb_event event;
+
+		length = pair_length(points, k);
+		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
+		    !is_impact(world, cohort, k, length, &event))
+			continue;
+		if (!rb_memory_reserve(&told->row, &told->capacity, told->count + 1,
+		                       sizeof *told->row))
+			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+		event.time_s = time;
+		const int a = model->id_of[i], b = model->id_of[j];
+		if (a > b) {
+			event.normal = rb_vec3_neg(event.normal);
+			event.impulse = rb_vec3_neg(event.impulse);
+		}
+		event.a = a < b ? a : b;
+		event.b = a < b ? b : a;
+		told->row[told->count++] = event;
+	}
+	return RB_OK;
+}
+
+static int by_time(const void *left, const void *right)
+{
+	const struct rb_event *x = left, *y = right;
+
+	if (x->time_s != y->time_s)
+		return x->time_s < y->time_s ? -1 : 1;
+	if (x->a != y->a)
+		return x->a < y->a ? -1 : 1;
+	return (x->b > y->b) - (x->b < y->b);
+}
+
+enum rb_status rb_tell_all(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_events *told = &world->stepped->told, *events = &world->events;
+	const size_t first = events->count, count = told->count;
+	enum rb_status status = RB_OK;
+
+	told->count = 0;
+	world->frame_counts.collisions += count;
+	if (count == 0 || (!world->hooks.collision && !world->options.keep_events))
+		return RB_OK;
+	if (!rb_memory_reserve(&events->row, &events->capacity, first + count, sizeof *events->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	qsort(told->row, count, sizeof *told->row, by_time);
+	memcpy(events->row + first, told->row, count * sizeof *told->row);
+	events->count += count;
+	for (size_t k = first; k < events->count && world->hooks.collision && status == RB_OK; k++)
+		status = world->hooks.collision(world->hooks.user, world, &events->row[k], err);
+	if (!world->options.keep_events)
+		events->count = 0;
+	return status;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT */
+/* What a step that is kept leaves: contacts with their forces, and impacts in order of time and ids. */
+#ifndef RB_STEPPED_TELL_H
+#define RB_STEPPED_TELL_H
+
+#include "stepped/inside.h"
+
+/*
+ * Adds the impacts of a cohort's step that ended at `time` to those told: pairs that were not among the contacts before.
+ * Bodies with a mark in `skip` (may be NULL) are left out.
+ */
+RB_CHECKED enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *cohort,
+                                          double time_s, const struct rb_contacts *before,
+                                          const unsigned char *skip, struct rb_error *err);
+/* Adds the contacts of a cohort's step to `to`, which is then no longer in order. */
+RB_CHECKED enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort,
+                                           double h_s, const unsigned char *skip,
+                                           struct rb_contacts *to, struct rb_error *err);
+/* Those told become the world's events, and callbacks hear of them. */
+RB_CHECKED enum rb_status rb_tell_all(struct rb_world *world, struct rb_error *err);
+
+#endif
