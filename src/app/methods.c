@@ -19,8 +19,8 @@ static const struct {
          "equal steps; what touches within one is solved together, to a residual, so that no gap closes beyond the "
          "tolerance; a step that fails is taken back and halved",
          "heaps, stacks, towers of any shapes and masses",
-         "impacts are at ends of steps: errors fall with the first power of time_step; no springs, drag, fields or "
-         "driven bodies"},
+         "impacts are at ends of steps: errors fall with the first power of time_step; springs that a step does not "
+         "resolve lose their oscillation"},
 	{"auto", "located, but stepped while events of a crowd come too densely to locate",
          "whoever does not want to choose (the default)",
          "how long was stepped stands in the summary and in the recording"},
@@ -29,7 +29,8 @@ static const struct {
 	const char *name, *what;
 } rollbacks[] = {
 	{"selective",
-         "only the bodies concerned are restored and go on in shorter steps (the default); located, none have to be"},
+         "only the bodies concerned are restored and go on in shorter steps (the default); stepped, with those they "
+         "could meet; located, none have to be"},
 	{"global",
          "the whole scene is restored, as first described; located, at every event, for the same bits"},
 	{"none", "nothing is restored: with classic steps the tolerance is reported, not promised"},

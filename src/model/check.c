@@ -500,14 +500,13 @@ static void check_drag(struct check *check, const struct rb_drag_def *drag)
 			drag->linear, drag->quadratic);
 }
 
-/* Steps have no stages for these: they would leave them out without a word. */
+/* Classic steps have no stages for these: they would leave them out without a word. */
 static void check_method(struct check *check)
 {
 	const struct rb_scene *scene = check->scene;
 	bool driven = false;
 
-	const bool classic = scene->world.method == RB_METHOD_CLASSIC;
-	if (!classic && scene->world.method != RB_METHOD_STEPPED)
+	if (scene->world.method != RB_METHOD_CLASSIC)
 		return;
 	for (int i = 0; i < scene->body_count; i++)
 		driven = driven || rb_body_is_driven(&scene->bodies[i]);
@@ -521,8 +520,8 @@ static void check_method(struct check *check)
 	for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++)
 		if (lacks[i].present)
 			world_mistake(check,
-			              "world: method '%s' has no %s: use 'located' or 'auto'",
-			              classic ? "classic" : "stepped", lacks[i].what);
+			              "world: method 'classic' has no %s: use 'located' or 'auto'",
+			              lacks[i].what);
 }
 
 static void check_links(struct check *check)

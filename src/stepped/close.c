@@ -118,8 +118,10 @@ static void clear_velocities(struct rb_world *world, const struct rb_cohort *coh
 static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *cohort,
                                   struct rb_depths *found, struct rb_error *err)
 {
+	const struct rb_stepped *s = world->stepped;
+
 	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
-	return rb_points_depths(world, cohort->near, world->stepped->bad, found, err);
+	return rb_points_depths(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, found, err);
 }
 
 static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohort,

@@ -340,21 +340,29 @@ static double turn_of(const struct look *look, int i, double distance)
 	return fmin(2, look->near->h_s * spin) * distance;
 }
 
-/* m: what two bodies can close in the step, by how far either gets. */
-static double slack_of(const struct look *look, const double *reach, struct rb_pair pair)
+/* A driven plane may turn: the farther away, the more of a way. */
+static double plane_turn(const struct look *look, struct rb_pair pair)
 {
 	const struct rb_world *world = look->world;
-	const struct rb_model *model = world->model;
-	double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
-	               model->tolerance_m;
+	const enum rb_shape_kind kind = world->model->shape[pair.b].kind;
 
-	if (pair.b < model->body_count && model->shape[pair.b].kind < RB_SHAPE_BOX &&
-	    model->shape[pair.b].kind != RB_SHAPE_SPHERE) /* a driven plane may turn */
-		slack += turn_of(look, pair.b,
-		                 rb_vec3_length(rb_vec3_sub(
-					 rb_world_origin_at(world, &world->state, pair.a),
-					 rb_world_origin_at(world, &world->state, pair.b))));
-	return slack;
+	if (pair.b >= world->model->body_count ||
+	    (kind != RB_SHAPE_PLANE && kind != RB_SHAPE_RECTANGLE))
+		return 0;
+	return turn_of(
+		look, pair.b,
+		rb_vec3_length(rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
+	                                   rb_world_origin_at(world, &world->state, pair.b))));
+}
+
+/* m: what two bodies can close in the step, by how far either gets. */
+static inline double slack_of(const struct look *look, const double *reach, struct rb_pair pair)
+{
+	const struct rb_model *model = look->world->model;
+	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
+	                     model->tolerance_m;
+
+	return model->driven ? slack + plane_turn(look, pair) : slack;
 }
 
 /* ---- all pairs, by blocks ---- */
@@ -566,8 +574,8 @@ static void depth_block(void *user, int block, int worker)
 		if (depth > work->limit)
 			add_deep(&depths, &work->world->arena[worker],
 			         (struct rb_deep){pair.a, pair.b, depth});
-		else
-			depths.most = fmax(depths.most, depth);
+		else if (depth > depths.most)
+			depths.most = depth;
 	}
 	work->block[block] = depths;
 }

@@ -1,0 +1,416 @@
+/* SPDX-License-Identifier: MIT */
+/* src/stepped/force, src/stepped/driven: springs, drag, fields and driven bodies under steps. */
+#include "worlds.h"
+
+#include "base/pack.h"
+#include "step/save.h"
+
+static const double g = 9.81;
+static const rb_vec3 origin = {0, 0, 0}, up = {0, 0, 1};
+
+enum drive { BELT, SHAKE, PADDLE };
+static const double speed = 1, size = 0.05, rate = 12, turn_rate = 4;
+
+static enum rb_status motion(void *user, int id, double t, struct rb_driven_pose *pose,
+                             struct rb_error *err)
+{
+	const enum drive *drive = user;
+
+	(void)id, (void)err;
+	if (*drive == BELT) {
+		pose->position = (rb_vec3){speed * t, 0, 0};
+	} else if (*drive == SHAKE) {
+		pose->position = (rb_vec3){0, 0, size * sin(rate * t)};
+		pose->velocity = (rb_vec3){0, 0, size * rate * cos(rate * t)};
+		pose->has_velocity = true;
+	} else {
+		pose->position = origin;
+		pose->orientation = rb_quat_from_turn((rb_vec3){0, 0, turn_rate * t});
+	}
+	return RB_OK;
+}
+
+/* A pull towards the origin, N, of a body of 1 kg that swings with 10 rad/s. */
+static enum rb_status field(void *user, double t, rb_vec3 position, rb_vec3 velocity,
+                            rb_vec3 *force, struct rb_error *err)
+{
+	(void)user, (void)t, (void)velocity, (void)err;
+	*force = rb_vec3_scale(-100, position);
+	return RB_OK;
+}
+
+static void open_stepped(struct lab *lab, double duration, double time_step)
+{
+	lab_open(lab, duration, 10);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = time_step;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -g};
+}
+
+static void seal(struct lab *lab, enum drive *drive, int threads)
+{
+	const struct rb_world_hooks hooks = {.user = drive, .motion = motion, .field = field};
+	const struct rb_world_options options = {.threads = threads};
+
+	lab_seal_with(lab, &options, &hooks);
+}
+
+static int add_box(struct lab *lab, rb_vec3 edges, rb_vec3 position)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "box";
+	def.shape.kind = RB_SHAPE_BOX;
+	rb_vec3_to(def.shape.size, edges);
+	def.mass = 1;
+	def.position = position;
+	return lab_add(lab, &def);
+}
+
+static int add_driven(struct lab *lab, enum rb_shape_kind kind, const double *edges, bool turns)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = kind == RB_SHAPE_BOX ? "box" : "plane";
+	def.shape.kind = kind;
+	for (int k = 0; edges && k < 3; k++)
+		def.shape.size[k] = edges[k];
+	if (kind != RB_SHAPE_BOX)
+		def.orientation = rb_plane_orientation(up, (rb_vec3){NAN, 0, 0});
+	def.mass = NAN;
+	def.motion = 0;
+	def.motion_turns = turns;
+	return lab_add(lab, &def);
+}
+
+static void add_spring(struct lab *lab, int a, int b, double stiffness, double rest)
+{
+	struct rb_spring_def def = rb_spring_def_default();
+
+	def.a = a;
+	def.b = b;
+	def.stiffness = stiffness;
+	def.rest_length_m = rest;
+	assert_int_equal(rb_scene_add_spring(&lab->scene, &def, &lab->error), RB_OK);
+}
+
+static int add_hook(struct lab *lab, rb_vec3 at)
+{
+	struct rb_body_def def = lab_sphere_def(0.01, 1, at, origin);
+
+	def.is_static = true;
+	return lab_add(lab, &def);
+}
+
+/* ---- driven bodies ---- */
+
+/* Where a box is after 1 s on a belt, over what Coulomb says: mu g until it is as fast, then with it. */
+static double miss_on_belt(enum rb_shape_kind kind, bool ball, double time_step)
+{
+	static const double edges[3] = {20, 20, 0.5};
+	const double mu = 0.3, top = kind == RB_SHAPE_BOX ? 0.25 : 0;
+	enum drive drive = BELT;
+	struct lab lab;
+	int rider;
+
+	open_stepped(&lab, 1, time_step);
+	lab_surface(&lab, mu, 0);
+	add_driven(&lab, kind, kind == RB_SHAPE_PLANE ? NULL : edges, false);
+	if (ball)
+		rider = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, top + 0.1}, origin);
+	else
+		rider = add_box(&lab, (rb_vec3){0.2, 0.2, 0.2}, (rb_vec3){0, 0, top + 0.1});
+	seal(&lab, &drive, 1);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).max_penetration <= lab.model->tolerance_m);
+	const rb_vec3 at = rb_world_position(lab.world, rider);
+	const rb_vec3 v = rb_world_velocity(lab.world, rider);
+	/* a ball slides until it rolls, at 2/7 of the speed */
+	const double end = ball ? 2.0 / 7 * speed : speed, slides = end / (mu * g);
+	const double x = 0.5 * mu * g * slides * slides + end * (1 - slides);
+	assert_near(v.x, end, 1e-6);
+	assert_near(at.z, top + 0.1, 1e-6);
+	lab_close(&lab);
+	return fabs(at.x - x);
+}
+
+static void a_belt_carries_along_at_mu_g_and_then_at_its_speed(void **state)
+{
+	static const enum rb_shape_kind kinds[] = {RB_SHAPE_PLANE, RB_SHAPE_RECTANGLE,
+	                                           RB_SHAPE_BOX};
+
+	(void)state;
+	for (int k = 0; k < 3; k++)
+		for (int ball = 0; ball < 2; ball++)
+			for (double h = 0.01; h > 1e-3; h *= 0.25)
+				assert_near(miss_on_belt(kinds[k], ball, h), 0, speed * h);
+}
+
+static uint64_t shaken(int threads, enum rb_rollback_kind rollback)
+{
+	enum drive drive = SHAKE;
+	struct lab lab;
+	double highest = 0;
+
+	open_stepped(&lab, 1, 1.0 / 120);
+	lab.scene.world.rollback = rollback;
+	lab_surface(&lab, 0.5, 0.3);
+	for (int k = 0; k < 12; k++) {
+		const rb_vec3 at = {1.03 * (k % 2), 1.04 * (k / 2 % 2), 0.55 + 1.05 * (k / 4)};
+
+		if (k % 3)
+			add_box(&lab, (rb_vec3){1, 1, 1}, at);
+		else
+			lab_sphere(&lab, 0.5, 1, at, origin);
+	}
+	const int floor = add_driven(&lab, RB_SHAPE_PLANE, NULL, false);
+	seal(&lab, &drive, threads);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		const double before = rb_world_position(lab.world, floor).z;
+
+		lab_step(&lab);
+		assert_near(rb_world_position(lab.world, floor).z,
+		            size * sin(rate * rb_world_time(lab.world)), 1e-12);
+		assert_near(rb_world_velocity(lab.world, floor).z,
+		            size * rate * cos(rate * rb_world_time(lab.world)), 1e-9);
+		assert_true(rb_world_position(lab.world, floor).z != before);
+		for (int id = 0; id < 12; id++) {
+			const double z = rb_world_position(lab.world, id).z -
+			                 rb_world_position(lab.world, floor).z;
+
+			assert_true(z > 0.5 - lab.model->tolerance_m);
+			highest = fmax(highest, z);
+		}
+	}
+	assert_true(rb_world_totals(lab.world).max_penetration <= lab.model->tolerance_m);
+	/* at 7.2 m/s^2 it is shaken, but not thrown up */
+	assert_true(highest < 4);
+	const uint64_t hash = rb_world_hash(lab.world);
+	lab_close(&lab);
+	return hash;
+}
+
+static void a_pile_on_a_shaken_floor_keeps_the_tolerance(void **state)
+{
+	(void)state;
+	const uint64_t one = shaken(1, RB_ROLLBACK_SELECTIVE);
+
+	assert_true(shaken(3, RB_ROLLBACK_SELECTIVE) == one);
+	(void)shaken(1, RB_ROLLBACK_GLOBAL);
+}
+
+static void a_paddle_that_turns_sweeps_a_ball_along(void **state)
+{
+	static const double edges[3] = {2, 0.2, 0.4};
+	enum drive drive = PADDLE;
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.3, 1.0 / 240);
+	lab.scene.world.gravity = origin;
+	lab_surface(&lab, 0, 0);
+	const int paddle = add_driven(&lab, RB_SHAPE_BOX, edges, true);
+	const int ball = lab_sphere(&lab, 0.1, 1, (rb_vec3){0.8, 0.5, 0}, origin);
+	seal(&lab, &drive, 1);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).max_penetration <= lab.model->tolerance_m);
+	assert_vector(rb_world_angular_velocity(lab.world, paddle), ((rb_vec3){0, 0, turn_rate}),
+	              1e-9);
+	/* it has the speed of the place where it was met, at least */
+	assert_true(rb_vec3_length(rb_world_velocity(lab.world, ball)) > 0.8 * turn_rate);
+	lab_close(&lab);
+}
+
+/* ---- springs ---- */
+
+/* How far a box on a spring is from its cosine after nine tenths of a second, m. */
+static double miss_on_spring(double time_step)
+{
+	const double k = 100;
+	struct lab lab;
+
+	open_stepped(&lab, 0.9, time_step);
+	const int hook = add_hook(&lab, (rb_vec3){0, 0, 2});
+	const int box = add_box(&lab, (rb_vec3){0.2, 0.2, 0.2}, origin);
+	add_spring(&lab, hook, box, k, 2);
+	seal(&lab, NULL, 1);
+	lab_run(&lab);
+	const double z = rb_world_position(lab.world, box).z;
+	lab_close(&lab);
+	return fabs(z + g / k * (1 - cos(sqrt(k) * 0.9)));
+}
+
+static void a_box_on_a_spring_swings_to_first_order(void **state)
+{
+	(void)state;
+	const double coarse = miss_on_spring(1e-3), fine = miss_on_spring(2.5e-4);
+
+	assert_true(coarse < 1e-3);
+	assert_true(fine < 0.3 * coarse);
+}
+
+static void a_spring_that_is_resolved_keeps_its_oscillation(void **state)
+{
+	struct lab lab;
+	double lowest = 0;
+
+	(void)state;
+	open_stepped(&lab, 60, 0.02);
+	lab.scene.world.gravity = origin;
+	const int hook = add_hook(&lab, (rb_vec3){0, 0, 2});
+	const int ball = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 0.1}, origin);
+	add_spring(&lab, hook, ball, 100, 2);
+	seal(&lab, NULL, 1);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		lab_step(&lab);
+		if (rb_world_time(lab.world) > 50)
+			lowest = fmin(lowest, rb_world_position(lab.world, ball).z);
+	}
+	assert_near(lowest, -0.1, 0.02);
+	lab_close(&lab);
+}
+
+/* Springs of 1e9 N/m on 1 kg, three at each ball: at 1/60 s far beyond what a step resolves. */
+static void stiff_springs_hold_and_do_not_explode(void **state)
+{
+	struct lab lab;
+	int ball[3];
+
+	(void)state;
+	open_stepped(&lab, 20, 1.0 / 60);
+	for (int k = 0; k < 3; k++) {
+		ball[k] = lab_sphere(&lab, 0.1, 1, (rb_vec3){cos(2.1 * k), sin(2.1 * k), 0},
+		                     (rb_vec3){sin(3.0 * k), 1, 0});
+		const int hook = add_hook(&lab, (rb_vec3){2 * cos(2.1 * k), 2 * sin(2.1 * k), 2});
+		add_spring(&lab, hook, ball[k], 1e9, NAN);
+	}
+	for (int k = 0; k < 3; k++)
+		add_spring(&lab, ball[k], ball[(k + 1) % 3], 1e9, NAN);
+	seal(&lab, NULL, 1);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		lab_step(&lab);
+		for (int k = 0; k < 3; k++) {
+			assert_true(rb_vec3_length(rb_world_position(lab.world, ball[k])) < 5);
+			assert_true(rb_vec3_length(rb_world_velocity(lab.world, ball[k])) < 20);
+		}
+	}
+	for (int k = 0; k < 3; k++) {
+		const rb_vec3 d = rb_vec3_sub(rb_world_position(lab.world, ball[k]),
+		                              rb_world_position(lab.world, ball[(k + 1) % 3]));
+		const double rest = lab.model->rest_length_m[3 + k];
+
+		assert_near(rb_vec3_length(d), rest, 0.01 * rest);
+	}
+	lab_close(&lab);
+}
+
+/* ---- drag and fields ---- */
+
+static double fall_speed(double linear, double quadratic)
+{
+	const struct rb_drag_def drag = {.linear = linear, .quadratic = quadratic};
+	struct lab lab;
+
+	open_stepped(&lab, 20, 1.0 / 30);
+	const int ball = lab_sphere(&lab, 0.1, 2, origin, origin);
+	assert_int_equal(rb_scene_add_drag(&lab.scene, &drag, &lab.error), RB_OK);
+	seal(&lab, NULL, 1);
+	lab_run(&lab);
+	const double v = -rb_world_velocity(lab.world, ball).z;
+	lab_close(&lab);
+	return v;
+}
+
+static void drag_has_its_terminal_speed_at_any_step(void **state)
+{
+	(void)state;
+	assert_near(fall_speed(4, 0), 2 * g / 4, 1e-9);
+	assert_near(fall_speed(0, 0.5), sqrt(2 * g / 0.5), 1e-9);
+	/* so strong that an explicit step would turn the motion round */
+	assert_near(fall_speed(1000, 0), 2 * g / 1000, 1e-9);
+	assert_near(fall_speed(0, 1e6), sqrt(2 * g / 1e6), 1e-9);
+}
+
+static double miss_in_field(double time_step)
+{
+	const struct rb_field_def def = {.function = 0};
+	struct lab lab;
+
+	open_stepped(&lab, 0.9, time_step);
+	lab.scene.world.gravity = origin;
+	const int ball = lab_sphere(&lab, 0.1, 1, (rb_vec3){1, 0, 0}, origin);
+	assert_int_equal(rb_scene_add_field(&lab.scene, &def, &lab.error), RB_OK);
+	seal(&lab, NULL, 1);
+	lab_run(&lab);
+	const double x = rb_world_position(lab.world, ball).x;
+	lab_close(&lab);
+	return fabs(x - cos(10 * 0.9));
+}
+
+static void a_field_acts_to_first_order(void **state)
+{
+	(void)state;
+	const double coarse = miss_in_field(1e-3), fine = miss_in_field(2.5e-4);
+
+	assert_true(coarse < 1e-2);
+	assert_true(fine < 0.3 * coarse);
+}
+
+/* ---- all of it ---- */
+
+static void lay_all(struct lab *lab)
+{
+	const struct rb_drag_def drag = {.linear = 0.1};
+
+	open_stepped(lab, 1, 1.0 / 120);
+	lab_surface(lab, 0.5, 0.4);
+	add_driven(lab, RB_SHAPE_PLANE, NULL, false);
+	for (int k = 0; k < 8; k++)
+		lab_sphere(lab, 0.5, 1, (rb_vec3){1.1 * (k % 2), 0, 0.7 + 1.1 * (k / 2)}, origin);
+	const int hook = add_hook(lab, (rb_vec3){0, 3, 8});
+	add_spring(lab, hook, 8, 50, NAN);
+	add_spring(lab, 5, 6, 1e7, NAN);
+	assert_int_equal(rb_scene_add_drag(&lab->scene, &drag, &lab->error), RB_OK);
+}
+
+static void a_restored_world_goes_on_in_the_same_bits(void **state)
+{
+	enum drive drive = SHAKE;
+	struct rb_pack saved = {0};
+	struct lab lab, again;
+
+	(void)state;
+	lay_all(&lab);
+	seal(&lab, &drive, 1);
+	for (int k = 0; k < 5; k++)
+		lab_step(&lab);
+	assert_int_equal(rb_world_pack(lab.world, &saved, &lab.error), RB_OK);
+	lab_run(&lab);
+	lay_all(&again);
+	seal(&again, &drive, 2);
+	struct rb_pack pack = {.loading = true, .bytes = saved.bytes, .size = saved.size};
+	assert_int_equal(rb_world_pack(again.world, &pack, &again.error), RB_OK);
+	lab_run(&again);
+	assert_true(rb_world_hash(again.world) == rb_world_hash(lab.world));
+	assert_true(rb_world_totals(lab.world).collisions > 0);
+	lab_close(&again);
+	lab_close(&lab);
+	rb_pack_release(&saved);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_belt_carries_along_at_mu_g_and_then_at_its_speed),
+		cmocka_unit_test(a_pile_on_a_shaken_floor_keeps_the_tolerance),
+		cmocka_unit_test(a_paddle_that_turns_sweeps_a_ball_along),
+		cmocka_unit_test(a_box_on_a_spring_swings_to_first_order),
+		cmocka_unit_test(a_spring_that_is_resolved_keeps_its_oscillation),
+		cmocka_unit_test(stiff_springs_hold_and_do_not_explode),
+		cmocka_unit_test(drag_has_its_terminal_speed_at_any_step),
+		cmocka_unit_test(a_field_acts_to_first_order),
+		cmocka_unit_test(a_restored_world_goes_on_in_the_same_bits),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
