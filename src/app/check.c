@@ -17,6 +17,7 @@
 #include "sink/module.h"
 #include "step/plan.h"
 #include "step/step.h"
+#include "stepped/stages.h"
 
 /* What a run will take. */
 struct needs {
@@ -222,12 +223,14 @@ static void print_bodies(const struct rb_model *model)
 		printf("  forces      %s\n", forces);
 }
 
+/* Parts of the located method, or stages of the stepped one; step/plan prints those of the classic method. */
 static void print_parts(const struct rb_model *model)
 {
+	const bool stepped = model->method == RB_METHOD_STEPPED;
 	int count;
-	const struct rb_part *const part = rb_parts(&count);
+	const struct rb_part *const part = stepped ? rb_stepped_stages(&count) : rb_parts(&count);
 
-	printf("parts of the located method\n");
+	puts(stepped ? "stages of a step" : "parts of the located method");
 	for (int k = 0; k < count; k++) {
 		const bool on = rb_part_is_used(&part[k], model);
 
@@ -284,7 +287,7 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	print_films(loaded, options);
 	print_materials(loaded);
 	rb_plan_print_features(model, stdout);
-	if (model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED)
+	if (model->method != RB_METHOD_CLASSIC)
 		print_parts(model);
 	rb_plan_print(model, stdout);
 }
@@ -306,8 +309,16 @@ static void json_plan(struct rb_json *json, const struct rb_model *model)
 			(model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED) &&
 				rb_part_is_used(&part[k], model));
 	rb_json_close(json, '}');
-	const struct rb_stage *const *const stage = rb_plan_stages(&count);
 	rb_json_open(json, "stages", '{');
+	if (model->method == RB_METHOD_STEPPED) {
+		const struct rb_part *const row = rb_stepped_stages(&count);
+
+		for (int k = 0; k < count; k++)
+			rb_json_bool(json, row[k].name, rb_part_is_used(&row[k], model));
+		rb_json_close(json, '}');
+		return;
+	}
+	const struct rb_stage *const *const stage = rb_plan_stages(&count);
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, stage[k]->name,
 		             model->method == RB_METHOD_CLASSIC &&

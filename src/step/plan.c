@@ -45,7 +45,7 @@ void rb_plan_run(const struct rb_plan *plan, struct rb_pass *pass)
 		plan->stage[k]->run(pass);
 }
 
-/* Bytes of the state's columns, three copies of which a world keeps (two without contact). */
+/* Bytes of the state's columns, three copies of which a world keeps (two of located and classic ones without contact). */
 static size_t state_bytes(const struct rb_model *model)
 {
 	int count = 0;
@@ -61,7 +61,7 @@ static size_t state_bytes(const struct rb_model *model)
 
 static int state_copies(const struct rb_model *model)
 {
-	return model->features & RB_FEATURE_CONTACT ? 3 : 2;
+	return (model->features & RB_FEATURE_CONTACT) || model->method == RB_METHOD_STEPPED ? 3 : 2;
 }
 
 void rb_plan_print_features(const struct rb_model *model, FILE *to)

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/stages.h"
+
+static const struct rb_part rows[] = {
+	{"drive", "driven bodies get the velocity to their next pose", RB_FEATURE_DRIVEN},
+	{"gravity", "the acceleration of the world", RB_FEATURE_GRAVITY},
+	{"gravity_force", "the same force on every body", RB_FEATURE_GRAVITY_FORCE},
+	{"forces", "each body's list of forces", RB_FEATURE_FORCES},
+	{"pushes", "forces applied by callbacks", RB_FEATURE_PUSHES},
+	{"springs", "as they are, or as they will be where the step does not resolve them",
+         RB_FEATURE_SPRINGS},
+	{"field", "the scene's functions, at the beginning of the step", RB_FEATURE_FIELD},
+	{"drag", "that of the velocity at the end of the step", RB_FEATURE_DRAG},
+	{"near", "boxes for several steps: pairs that could touch", RB_FEATURE_CONTACT},
+	{"points", "of these pairs, within the reach of the step", RB_FEATURE_CONTACT},
+	{"solve", "impulses by groups: sweeps, or sparse factors", RB_FEATURE_CONTACT},
+	{"move", "positions: solved velocities, parabolas", 0},
+	{"turn", "orientations", RB_FEATURE_ROTATION},
+	{"rebound", "impacts of the step give back their restitution", RB_FEATURE_RESTITUTION},
+	{"judge", "finite, residual, nobody thrown past others", 0},
+	{"close", "overlap that linearization has left, by positions only", RB_FEATURE_CONTACT},
+	{"apart", "groups for which the step has failed go back and halve it", RB_FEATURE_CONTACT},
+	{"tell", "contacts with their forces, impacts by time and ids", RB_FEATURE_CONTACT},
+};
+
+const struct rb_part *rb_stepped_stages(int *count)
+{
+	*count = (int)(sizeof rows / sizeof rows[0]);
+	return rows;
+}
