@@ -26,8 +26,8 @@ rb_convex_touch rb_convex_gap(const rb_placed *a, const rb_placed *b)
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	rb_vec3 on_a, on_b;
 
-	rb_patch_of(&pa, &near_a, s.normal, s.noise);
-	rb_patch_of(&pb, &near_b, rb_vec3_neg(s.normal), s.noise);
+	rb_patch_of(&pa, &near_a, s.normal, s.noise, 0);
+	rb_patch_of(&pb, &near_b, rb_vec3_neg(s.normal), s.noise, 0);
 	const rb_overlay_def def = {s.normal, s.noise, s.noise};
 	const int count = rb_overlay(&pa, &pb, &def, point);
 	if (count > 0) {

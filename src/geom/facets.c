@@ -36,6 +36,27 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 	}
 }
 
+int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int most)
+{
+	int count = 0;
+
+	for (int k = 0; k < 2; k++) {
+		const rb_placed *p = k ? axis->b : axis->a;
+		const bool round = p->core->kind == RB_CORE_CYLINDER;
+		const int faces = round ? 2 : p->core->polytope->face_count;
+
+		for (int f = 0; f < faces && count < most; f++) {
+			const rb_vec3 local = round ? (rb_vec3){0, 0, f ? -1 : 1}
+			                            : p->core->polytope->faces[f].normal;
+			const rb_vec3 n = rb_vec3_scale(k ? -1 : 1, rb_mat3_apply(&p->turn, local));
+
+			if (rb_axis_gap(axis, n) >= least)
+				normal[count++] = n;
+		}
+	}
+	return count;
+}
+
 static bool is_box(const rb_placed *p)
 {
 	return p->core->kind == RB_CORE_POLYTOPE && p->core->polytope->box;

@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 #include "geom/manifold.h"
 
+/*
+ * Of its reach, by which a face may tilt and still be taken whole: of bodies that are nearly flush, the outermost edge of one
+ * may lie past the border of the other, and the corners next to it on their borders count.
+ */
+static const double tilt_share = 0x1p-10;
 /* Room for the nearest points. */
 enum { NEAREST_MOST = 4 };
 
@@ -44,6 +49,7 @@ static int lowest(rb_overlay_point *point, int count, double band)
 typedef struct {
 	rb_placed a, b;
 	rb_separation s;
+	double tilt; /* shares of their reaches by which faces may tilt and still be taken whole */
 	rb_overlay_point point[RB_OVERLAY_MAX];
 	int count;
 } find;
@@ -53,19 +59,37 @@ static void start(find *f, const rb_placed *a, const rb_placed *b)
 	f->a = (rb_placed){a->core, {0, 0, 0}, a->turn};
 	f->b = (rb_placed){b->core, rb_vec3_sub(b->at, a->at), b->turn};
 	f->s = rb_separation_of(&f->a, &f->b);
+	f->tilt = 0;
 	f->count = 0;
 }
 
-static int corners(const find *f, double depth, rb_overlay_point point[RB_OVERLAY_MAX])
+/* `aside`: how far apart across the normal points may be and still lie over each other. */
+static int corners_within(const find *f, double depth, double aside,
+                          rb_overlay_point point[RB_OVERLAY_MAX])
 {
+	const double tilt_a = f->tilt * f->a.core->reach, tilt_b = f->tilt * f->b.core->reach;
 	rb_patch pa, pb;
 
-	rb_patch_of(&pa, &f->a, f->s.normal, depth);
-	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth);
+	rb_patch_of(&pa, &f->a, f->s.normal, depth, tilt_a);
+	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth, tilt_b);
 	/* two lines a distance d of their centres of curvature apart are farther by x^2 / 2d where they are off by x */
 	const double curve = fmax(f->s.gap, 0) + pa.curve + pb.curve;
-	const rb_overlay_def def = {f->s.normal, depth, sqrt(depth * depth + 2 * curve * depth)};
-	return lowest(point, rb_overlay(&pa, &pb, &def, point), depth);
+	const rb_overlay_def def = {f->s.normal, aside, sqrt(aside * aside + 2 * curve * aside)};
+	return rb_overlay(&pa, &pb, &def, point);
+}
+
+/*
+ * Directions that prove as much to rounding may be off from the one along which the bodies lie over each other; then what
+ * they share lies deeper.
+ */
+static int corners(const find *f, double band, rb_overlay_point point[RB_OVERLAY_MAX])
+{
+	const double most = f->a.core->reach + f->b.core->reach;
+	int count = corners_within(f, band, band, point);
+
+	for (double depth = 16 * band; count == 0 && depth < most; depth *= 16)
+		count = corners_within(f, depth, band, point);
+	return lowest(point, count, band);
 }
 
 /* Of what lies no deeper than rounding, after the others. */
@@ -92,6 +116,7 @@ static void search(find *f, double depth, double fine)
 	const bool only_corners = isinf(fine);
 	const int most = RB_MANIFOLD_MAX - (only_corners ? 0 : NEAREST_MOST);
 
+	f->tilt = only_corners ? 0 : tilt_share;
 	f->count = corners(f, depth, f->point);
 	if (f->count > most)
 		f->count = thin_out(f->point, f->count, most, f->s.normal);

@@ -368,29 +368,6 @@ static bool has_sides(const rb_patch *patch)
 	return patch->kind == RB_PATCH_SEGMENT || patch->kind == RB_PATCH_POLYGON;
 }
 
-int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
-               rb_overlay_point out[RB_OVERLAY_MAX])
-{
-	const rb_vec3 x = rb_vec3_across(def->n);
-	table t = {a, b, def, x, rb_vec3_cross(def->n, x), out, 0};
-
-	if (a->kind == RB_PATCH_POINT || (b->kind == RB_PATCH_PLANE && has_sides(a)))
-		put_points(&t, true);
-	else if (b->kind == RB_PATCH_POINT || (a->kind == RB_PATCH_PLANE && has_sides(b)))
-		put_points(&t, false);
-	else if (a->kind == RB_PATCH_PLANE || b->kind == RB_PATCH_PLANE)
-		quarters(&t, a->kind == RB_PATCH_DISC, NULL);
-	else if (a->kind == RB_PATCH_DISC && b->kind == RB_PATCH_DISC)
-		discs(&t);
-	else if (a->kind == RB_PATCH_DISC || b->kind == RB_PATCH_DISC)
-		disc_and_sides(&t, a->kind == RB_PATCH_DISC);
-	else if (a->kind == RB_PATCH_SEGMENT && b->kind == RB_PATCH_SEGMENT)
-		segments(&t);
-	else
-		polygons(&t);
-	return t.count;
-}
-
 double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n)
 {
 	const double none = (double)INFINITY;
@@ -415,4 +392,37 @@ double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n)
 	}
 	/* clockwise about n all signs are turned round */
 	return fmax(least, -most);
+}
+
+/* A point past the border of a face. */
+static bool misses(const rb_patch *point, const rb_patch *other, const rb_overlay_def *def)
+{
+	return point->kind == RB_PATCH_POINT &&
+	       (other->kind == RB_PATCH_POLYGON || other->kind == RB_PATCH_DISC) &&
+	       rb_overlay_margin(other, point->point[0], def->n) < -def->aside;
+}
+
+int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
+               rb_overlay_point out[RB_OVERLAY_MAX])
+{
+	const rb_vec3 x = rb_vec3_across(def->n);
+	table t = {a, b, def, x, rb_vec3_cross(def->n, x), out, 0};
+
+	if (misses(a, b, def) || misses(b, a, def))
+		return 0;
+	if (a->kind == RB_PATCH_POINT || (b->kind == RB_PATCH_PLANE && has_sides(a)))
+		put_points(&t, true);
+	else if (b->kind == RB_PATCH_POINT || (a->kind == RB_PATCH_PLANE && has_sides(b)))
+		put_points(&t, false);
+	else if (a->kind == RB_PATCH_PLANE || b->kind == RB_PATCH_PLANE)
+		quarters(&t, a->kind == RB_PATCH_DISC, NULL);
+	else if (a->kind == RB_PATCH_DISC && b->kind == RB_PATCH_DISC)
+		discs(&t);
+	else if (a->kind == RB_PATCH_DISC || b->kind == RB_PATCH_DISC)
+		disc_and_sides(&t, a->kind == RB_PATCH_DISC);
+	else if (a->kind == RB_PATCH_SEGMENT && b->kind == RB_PATCH_SEGMENT)
+		segments(&t);
+	else
+		polygons(&t);
+	return t.count;
 }

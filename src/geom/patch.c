@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "geom/patch.h"
 
+#include <string.h>
+
 static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 {
 	const int low = v < w ? v : w, high = v < w ? w : v;
@@ -113,12 +115,14 @@ static int round_up(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_
 	return size;
 }
 
-static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth)
+static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth,
+                        double tilt)
 {
 	const struct rb_polytope *p = placed->core->polytope;
 	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
 	int vertex[RB_PATCH_MAX] = {0}, all;
-	const double low = rb_vec3_dot(local, p->vertices[rb_polytope_support(p, local)]) - depth;
+	const double top = rb_vec3_dot(local, p->vertices[rb_polytope_support(p, local)]);
+	const double low = top - depth;
 	int count = outermost(p, local, low, vertex, &all);
 
 	if (count == 0) /* not a number */
@@ -126,21 +130,33 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	patch->normal = n;
 	patch->feature = rb_part_of(RB_PART_VERTEX, vertex[0]);
 	patch->kind = RB_PATCH_POINT;
-	if (all > 2 && p->face_count > 0) {
+	if ((all > 2 || tilt > depth) && p->face_count > 0) {
 		const int face = best_face(p, local);
 		int in_order[RB_PATCH_MAX], met;
-		const int ordered = from_face(p, face, local, low, in_order, &met);
-		if (met == all) {
+		int ordered = from_face(p, face, local, low, in_order, &met);
+		const bool of_face = met == all;
+		if (of_face && tilt > depth) {
+			int whole[RB_PATCH_MAX], whole_met;
+			const int with_all = from_face(p, face, local, top - tilt, whole,
+			                               &whole_met);
+			if (whole_met == p->faces[face].count) {
+				ordered = with_all;
+				memcpy(in_order, whole, (size_t)with_all * sizeof *whole);
+				all = whole_met;
+			}
+		}
+		if (of_face && all > 2) {
 			count = ordered;
 			for (int i = 0; i < count; i++)
 				vertex[i] = in_order[i];
 			patch->normal = rb_mat3_apply(&placed->turn, p->faces[face].normal);
 			patch->feature = rb_part_of(RB_PART_FACE, face);
-		} else {
+			patch->kind = RB_PATCH_POLYGON;
+		} else if (all > 2) {
 			count = round_up(p, local, vertex, count);
 			patch->feature = rb_part_of(RB_PART_SEVERAL, face);
+			patch->kind = RB_PATCH_POLYGON;
 		}
-		patch->kind = RB_PATCH_POLYGON;
 	}
 	if (count == 2) {
 		patch->kind = RB_PATCH_SEGMENT;
@@ -197,7 +213,8 @@ static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	}
 }
 
-void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth)
+void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth,
+                 double tilt)
 {
 	/* the points are set as far as `count` says */
 	patch->kind = RB_PATCH_PLANE;
@@ -215,6 +232,6 @@ void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, doub
 	} else if (placed->core->kind == RB_CORE_CYLINDER) {
 		of_cylinder(patch, placed, outward, depth);
 	} else {
-		of_polytope(patch, placed, outward, depth);
+		of_polytope(patch, placed, outward, depth, tilt);
 	}
 }

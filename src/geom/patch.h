@@ -53,7 +53,11 @@ typedef struct {
 	rb_part side[RB_PATCH_MAX];  /* a polygon's from this point to the next */
 } rb_patch;
 
-/* `outward`: unit. What lies no deeper than `depth` below the outermost belongs to it. */
-void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth);
+/*
+ * `outward`: unit. What lies no deeper than `depth` below the outermost belongs to it; and the whole of a polytope's face of
+ * which some does, if all of the face lies no deeper than `tilt`: its own plane says how deep.
+ */
+void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth,
+                 double tilt);
 
 #endif

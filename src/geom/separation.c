@@ -20,7 +20,7 @@
 
 /* Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to tell features. */
 static const double far_share = 1e-4;
-enum { NOISE_ULP = 16 };
+enum { NOISE_ULP = 16, TIES_MAX = 6 };
 /* Of more, only those along the direction of a distance are tried, where there is one; decides cost only. */
 enum { FEW_FACES = 32 };
 
@@ -107,6 +107,8 @@ static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_pat
 	return fmax(margin, 0);
 }
 
+typedef enum { NOTHING_SHARED, SHARED, BEST } proof;
+
 /*
  * Whether no direction proves more than the best face so far. Apart, by points that lie over each other along it. Overlapping
  * by d: the differences of points of b and a have, across the normal n, a disc of radius r at depth d, where r is how far a
@@ -115,31 +117,56 @@ static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_pat
  * as long as d tan(t / 2) <= r; for what is left, within 2 d / r of -n, the other point proves no more than
  * -(D - d) cos(2 d / r) + S 2 d / r.
  */
-static bool settled(const rb_axis *axis)
+static proof settled(const rb_axis *axis)
 {
 	const double depth = 4 * axis->noise, d = -axis->gap;
 	const rb_vec3 n = axis->normal, m = rb_vec3_neg(n);
 	rb_patch a, b;
 
-	rb_patch_of(&a, axis->a, n, depth);
-	rb_patch_of(&b, axis->b, m, depth);
+	rb_patch_of(&a, axis->a, n, depth, 0);
+	rb_patch_of(&b, axis->b, m, depth, 0);
 	const double margin = shared_margin(axis, &a, &b);
 	if (margin < 0)
-		return false;
+		return NOTHING_SHARED;
 	if (d <= depth)
-		return true;
+		return BEST;
 	if (!(margin >= 4 * d))
-		return false;
+		return SHARED;
 	const double extent = rb_placed_height(axis->a, n) + rb_placed_height(axis->a, m) +
 	                      rb_placed_height(axis->b, n) + rb_placed_height(axis->b, m);
 	const double aside = 2 * (axis->a->core->reach + axis->b->core->reach);
-	return extent >= 4 * d + 4 * aside * (d / margin);
+	return extent >= 4 * d + 4 * aside * (d / margin) ? BEST : SHARED;
 }
 
+/*
+ * Faces that prove as much to rounding are as good, but only along one of them may the bodies lie over each other: of two
+ * that are nearly flush and parallel, a corner of one may be past the face of the other.
+ */
 static bool best_face_settles(rb_axis *axis)
 {
+	rb_vec3 tie[TIES_MAX];
+
 	rb_facets_faces(axis, NULL);
-	return axis->found && settled(axis);
+	if (!axis->found)
+		return false;
+	proof most = settled(axis);
+	if (most == BEST)
+		return true;
+	rb_axis best = *axis;
+	const int ties = rb_facets_ties(axis, best.gap - 4 * axis->noise, tie, TIES_MAX);
+	for (int k = 0; k < ties && ties > 1; k++) {
+		axis->normal = tie[k];
+		axis->gap = rb_axis_gap(axis, tie[k]);
+		const proof this = settled(axis);
+		if (this == BEST)
+			return true;
+		if (this > most) {
+			best = *axis;
+			most = this;
+		}
+	}
+	*axis = best;
+	return false;
 }
 
 static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double scale)
