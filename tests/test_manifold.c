@@ -347,6 +347,38 @@ static void of_many_corners_those_farthest_out_stay(void **slot)
 	shapes_release(&s);
 }
 
+static double lowest_of(const rb_manifold *m)
+{
+	double least = HUGE_VAL;
+
+	for (int i = 0; i < m->count; i++)
+		least = fmin(least, m->point[i].gap);
+	return least;
+}
+
+static void a_disc_that_tilts_within_a_wide_band_has_its_lowest_point_too(void **slot)
+{
+	const rb_placed plane = ground();
+	const double wide = 0.05;
+	shape drum = shapes_cylinder(0.5, 0.2), block = shapes_box(1, 1, 0.1);
+	rb_manifold m;
+
+	(void)slot;
+	/* a disc that tilts half way between two of its quarters */
+	const rb_mat3 lean = shapes_turned((rb_vec3){0.03, 0.03, 0});
+	const rb_placed disc = {&drum.core, {0, 0, 0.25}, lean};
+	const rb_placed below[2] = {plane, {&block.core, {0.2, 0.1, -0.1}, shapes_upright}};
+	for (int k = 0; k < 2; k++) {
+		rb_manifold_with_nearest(&m, &disc, &below[k], wide, 1e-9);
+		assert_near(lowest_of(&m), m.gap, 1e-9);
+		const int count = m.count;
+		rb_manifold_of(&m, &disc, &below[k], wide);
+		assert_true(lowest_of(&m) > m.gap + 1e-4);
+		assert_true(m.count < count);
+	}
+	shapes_release(&block);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -366,6 +398,7 @@ int main(void)
 		cmocka_unit_test(a_capsule_lies_on_two_points_and_a_sphere_on_one),
 		cmocka_unit_test(keys_and_points_stay_under_tiny_motions),
 		cmocka_unit_test(of_many_corners_those_farthest_out_stay),
+		cmocka_unit_test(a_disc_that_tilts_within_a_wide_band_has_its_lowest_point_too),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }
