@@ -411,7 +411,7 @@ static bool room(struct rb_modes *w, int n, double **value, double **scale, doub
 	struct rb_dense *d = &w->dense;
 	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
 	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
-	d->last = rb_arena_take(arena, 4 * unknowns + 1, sizeof *d->last);
+	d->last = rb_arena_take(arena, 5 * unknowns + 1, sizeof *d->last);
 	if (!d->matrix || !d->right || !d->last)
 		return false;
 	d->size = d->right + unknowns;
@@ -419,6 +419,7 @@ static bool room(struct rb_modes *w, int n, double **value, double **scale, doub
 	d->down = d->last + unknowns;
 	d->pivot = d->down + unknowns;
 	d->from = d->pivot + unknowns;
+	d->order = d->from + unknowns;
 	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
 	       w->change;
 }

@@ -10,14 +10,15 @@ struct rb_dense {
 	double *matrix,
 		*right;       /* [n][n], [n]: used up; afterwards the solution stands in `right` */
 	double *size, *found; /* [n] scratch */
-	int *last, *down, *pivot, *from; /* [n] scratch */
-	int n;
+	int *last, *down, *pivot, *from, *order; /* [n] scratch */
+	int n, late;                             /* late: columns that were left for the end */
 	bool open; /* out: the solution is one of many; unknowns that nothing determines are zero */
 };
 
 /*
- * Gaussian elimination with row pivots. A column of which only rounding is left, as a share of what it was, is open; what
- * is then over-determined is left as it is. Zeros are passed over, so that a band costs what its width is, and a look at
+ * Gaussian elimination with row pivots; of a column of which next to nothing is left it waits for all others, since that may
+ * be another one's, by rounding. A column of which only rounding is left, as a share of what it was, is open; what is then
+ * over-determined is left as it is. Zeros are passed over, so that a band costs what its width is, and a look at
  * each entry.
  */
 void rb_dense_solve(struct rb_dense *dense);
