@@ -148,6 +148,70 @@ static void nobody_passes_another_within_a_step(void **state)
 	release(&both);
 }
 
+/* A ball far away, on a spring with one that is thrown. */
+static void what_a_spring_joins_goes_back_together(void **state)
+{
+	struct rb_spring_def spring = rb_spring_def_default();
+	const struct rb_world_options options = {0};
+	uint64_t discarded[2];
+
+	(void)state;
+	for (int joined = 0; joined < 2; joined++) {
+		struct lab lab;
+
+		lab_open(&lab, 0.5, 60);
+		lab.scene.world.method = RB_METHOD_STEPPED;
+		lab.scene.world.time_step_s = 1.0 / 60;
+		spring.a = ball(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){100, 0, 0});
+		(void)ball(&lab, (rb_vec3){3, 0, 0}, (rb_vec3){0, 0, 0});
+		spring.b = ball(&lab, (rb_vec3){0, far_away, 0}, (rb_vec3){0, 0, 0});
+		spring.stiffness = joined ? 1e-3 : 0;
+		if (joined)
+			assert_int_equal(rb_scene_add_spring(&lab.scene, &spring, &lab.error),
+			                 RB_OK);
+		lab_seal_with(&lab, &options, NULL);
+		lab_run(&lab);
+		discarded[joined] = rb_world_work(lab.world).discarded_body_steps;
+		lab_close(&lab);
+	}
+	assert_true(discarded[0] > 0);
+	assert_int_equal(2 * discarded[1], 3 * discarded[0]);
+}
+
+/* Blows one ball of three off, as no number can say. */
+static enum rb_status blow(void *user, double t, rb_vec3 position, rb_vec3 velocity, rb_vec3 *force,
+                           struct rb_error *err)
+{
+	(void)user, (void)velocity, (void)err;
+	*force = (rb_vec3){t > 0.1 && position.x > 100 ? 1e308 : 0, 0, 0};
+	return RB_OK;
+}
+
+static void what_is_not_finite_is_named_and_the_rest_is_as_before(void **state)
+{
+	const struct rb_field_def field = {.function = 0};
+	const struct rb_world_hooks hooks = {.field = blow};
+	const struct rb_world_options options = {0};
+	enum rb_status status = RB_OK;
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 60);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	assert_int_equal(rb_scene_add_field(&lab.scene, &field, &lab.error), RB_OK);
+	(void)ball(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){6, 0, 0});
+	(void)ball(&lab, (rb_vec3){3, 0, 0}, (rb_vec3){0, 0, 0});
+	(void)lab_sphere(&lab, 0.5, 1e-9, (rb_vec3){200, 0, 0}, (rb_vec3){0, 0, 0});
+	lab_seal_with(&lab, &options, &hooks);
+	while (status == RB_OK && rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world))
+		status = rb_world_step_frame(lab.world, &lab.error);
+	assert_int_equal(status, RB_ERR_PHYSICS);
+	assert_non_null(strstr(lab.error.text, "'#2' is not finite"));
+	assert_near(rb_world_position(lab.world, 0).x, 6 * rb_world_time(lab.world), 1e-12);
+	assert_near(rb_world_position(lab.world, 2).x, 200, 0);
+	lab_close(&lab);
+}
+
 static void order_of_groups_and_threads_are_not_in_the_bits(void **state)
 {
 	struct result both, swapped, threads;
@@ -193,6 +257,8 @@ int main(void)
 		cmocka_unit_test(only_the_group_that_fails_goes_back),
 		cmocka_unit_test(what_is_apart_has_the_same_bits_without_the_rest),
 		cmocka_unit_test(nobody_passes_another_within_a_step),
+		cmocka_unit_test(what_a_spring_joins_goes_back_together),
+		cmocka_unit_test(what_is_not_finite_is_named_and_the_rest_is_as_before),
 		cmocka_unit_test(order_of_groups_and_threads_are_not_in_the_bits),
 		cmocka_unit_test(impacts_are_told_in_order_of_time_then_ids),
 	};

@@ -227,9 +227,11 @@ void rb_near_reach(struct rb_near *near, const struct rb_world *world, double h,
 	near->h_s = h;
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
+		const double reach = fmax(way(world, &world->state, i, h),
+		                          way(world, &world->mark, i, h));
 
-		near->reach[i] = fmax(way(world, &world->state, i, h),
-		                      way(world, &world->mark, i, h));
+		/* a body that is not finite is lost, and must not take the boxes of others with it */
+		near->reach[i] = isfinite(reach) ? reach : 0;
 	}
 }
 

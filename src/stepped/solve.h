@@ -16,7 +16,7 @@ struct rb_island {
 	int first_row, row_count;
 	int first_member, member_count;
 	bool rebounds;
-	double energy;       /* J, twice: what a rebound may come to */
+	double energy; /* J, twice: what a rebound may come to, but for work of driven bodies in it */
 	double share;        /* of the rebound, that keeps to it */
 	int sweeps, factors; /* of the last solution */
 	double residual;     /* m/s */
