@@ -440,7 +440,7 @@ static void drag_slows_down_as_it_should(void **slot)
 	}
 }
 
-enum field { FIELD_ZERO, FIELD_HARMONIC, FIELD_MAGNETIC, FIELD_TIME };
+enum field { FIELD_ZERO, FIELD_HARMONIC, FIELD_MAGNETIC, FIELD_TIME, FIELD_FAR };
 
 static enum rb_status field(void *user, double t, rb_vec3 x, rb_vec3 v, rb_vec3 *force,
                             struct rb_error *err)
@@ -452,6 +452,9 @@ static enum rb_status field(void *user, double t, rb_vec3 x, rb_vec3 v, rb_vec3 
 		break;
 	case FIELD_HARMONIC:
 		*force = rb_vec3_scale(-5, x);
+		break;
+	case FIELD_FAR:
+		*force = rb_vec3_scale(-5, rb_vec3_sub(x, at(0x1p27, 0, 0)));
 		break;
 	case FIELD_MAGNETIC:
 		*force = rb_vec3_cross(v, at(0, 0, 5));
@@ -492,6 +495,33 @@ static void a_field_moves_bodies_as_it_should(void **slot)
 		}
 		lab_close(&lab);
 	}
+}
+
+/* Its centre is where coordinates are steps of 3e-8 m, and so is what it answers. */
+static void a_field_far_away_is_followed_as_far_as_it_can_be_told(void **slot)
+{
+	static const double away = 0x1p27;
+	const struct rb_field_def def = {.function = 0};
+	enum field kind = FIELD_FAR;
+	const struct rb_world_hooks hooks = {.user = &kind, .field = field};
+	const struct rb_world_options options = {.threads = 1};
+	struct lab lab;
+
+	(void)slot;
+	lab_open_located(&lab, 10, 10);
+	assert_int_equal(rb_scene_add_field(&lab.scene, &def, &lab.error), RB_OK);
+	const int ball = lab_sphere(&lab, 0.1, 2, at(away, 0, 0), at(1, 0, 0.5));
+	lab_seal_with(&lab, &options, &hooks);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		lab_step(&lab);
+		const double w = sqrt(2.5), x = sin(w * rb_world_time(lab.world)) / w;
+
+		assert_vector(rb_world_position(lab.world, ball), at(away + x, 0, 0.5 * x),
+		              4 * DBL_EPSILON * away);
+	}
+	/* as many pieces as near: it was 1e5 a second and more */
+	assert_true(rb_world_work(lab.world).body_steps < 20000);
+	lab_close(&lab);
 }
 
 /* With a field that returns nothing the same ball goes through the integrator, and bounces where it did. */
@@ -564,6 +594,7 @@ int main(void)
 		cmocka_unit_test(a_damped_spring_decays_as_it_should),
 		cmocka_unit_test(drag_slows_down_as_it_should),
 		cmocka_unit_test(a_field_moves_bodies_as_it_should),
+		cmocka_unit_test(a_field_far_away_is_followed_as_far_as_it_can_be_told),
 		cmocka_unit_test(a_field_of_zero_changes_a_bounce_by_rounding_only),
 		cmocka_unit_test(bodies_that_overlap_at_the_start_are_refused_by_name),
 	};

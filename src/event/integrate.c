@@ -22,6 +22,9 @@ static const double doubtful = 1e-8;
 /* Share of accelerations by which two solutions for the same motion differ. */
 static const double otherwise = 1e-10;
 
+/* What the rounding of places may cost at most, of the tolerance's sizes. */
+static const double coarse = 1e-6;
+
 enum { LOOKS = 8, BISECTIONS = 80 };
 
 /* ---- the problem that math/gauss sees ---- */
@@ -177,6 +180,35 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 		rb_vec3_to(r + RB_ROW_SPIN, w->angular[k]);
 	}
 	return RB_OK;
+}
+
+/*
+ * A field is asked at coordinates that are rounded, and answers with steps: what it changes along the way of a member, for
+ * a rounding of the place. Far from the origin that is more than the tolerance.
+ */
+static double field_noise(void *user, const double *coefficient)
+{
+	const struct rb_modes *w = user;
+	double worst = 0;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
+		double way = step, change = 0;
+
+		for (int m = 0; m < 3; m++) {
+			const int x = k * w->row + RB_ROW_POSITION + m, v = x + RB_ROW_VELOCITY;
+			double along = fabs(coefficient[x]), more = 0;
+
+			for (int p = 1; p < RB_GAUSS_NODES; p++) {
+				along += fabs(coefficient[p * w->c->piece.n + x]);
+				more += fabs(coefficient[p * w->c->piece.n + v]);
+			}
+			way = fmax(way, along);
+			change = fmax(change, more / w->scale[v]);
+		}
+		worst = fmax(worst, change > 0 ? change * (step / way) : 0);
+	}
+	return fmin(worst, coarse);
 }
 
 /* ---- changes of mode ---- */
@@ -591,13 +623,15 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
 	uint64_t calls = 0;
-	struct rb_gauss_problem problem = {.n = c->piece.n,
-	                                   .rates = rates,
-	                                   .user = w,
-	                                   .scale = scale,
-	                                   .tolerance = tolerance,
-	                                   .scratch = scratch,
-	                                   .calls = &calls};
+	struct rb_gauss_problem problem = {
+		.n = c->piece.n,
+		.rates = rates,
+		.noise = l->model->features & RB_FEATURE_FIELD ? field_noise : NULL,
+		.user = w,
+		.scale = scale,
+		.tolerance = tolerance,
+		.scratch = scratch,
+		.calls = &calls};
 
 	for (int k = 0; k < c->member_count; k++) {
 		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
@@ -624,6 +658,7 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt, 4 * fmin(excess_of(w, k), doubtful * w->force_most));
 	const double guess = sizes(w, scale);
+	w->scale = scale;
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */

@@ -17,6 +17,7 @@ struct rb_modes {
 	struct rb_located *l;
 	struct rb_cluster *c;
 	double origin_s;                  /* of the piece */
+	const double *scale;              /* of its rows: what errors are relative to */
 	int row;                          /* values a member */
 	struct rb_pose *pose;             /* [member_count] */
 	rb_vec3 *base;                    /* [member_count]: where positions are counted from */

@@ -173,16 +173,17 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 }
 
 /*
- * Visits until the changes are below rounding or no longer fall; `*sweeps` is 0 when they do not come down.
- * A change may grow now and then (a chain x' = v, v' = f(x) shows it in every other visit), so that two
+ * Visits until the changes are below rounding or no longer fall: `*left` is what they then are. `*sweeps` is 0 when
+ * something is not finite or they go on without end. A change may grow now and then (a chain x' = v, v' = f(x) shows it in every other visit), so that two
  * visits without halving the smallest change so far are wanted before giving up.
  */
-static enum rb_status settle(const struct attempt *a, double *rate, int *sweeps)
+static enum rb_status settle(const struct attempt *a, double *rate, int *sweeps, double *left)
 {
 	double change, before, least;
 	int stalled = 0;
 
 	*sweeps = 0;
+	*left = 0;
 	enum rb_status status = sweep(a, true, rate, &before);
 	if (status != RB_OK || !isfinite(before))
 		return status;
@@ -201,7 +202,8 @@ static enum rb_status settle(const struct attempt *a, double *rate, int *sweeps)
 		least = fmin(least, change);
 		before = change;
 		if (stalled == 2) {
-			*sweeps = least <= a->problem->tolerance ? count : 0;
+			*sweeps = count;
+			*left = least;
 			return RB_OK;
 		}
 	}
@@ -279,7 +281,7 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	                    .calls = problem->calls,
 	                    .err = err};
 	double *const rate = problem->scratch + 2 * n;
-	double change = 0;
+	double change = 0, left;
 	int sweeps;
 
 	for (size_t j = 0; j <= NODES; j++)
@@ -298,16 +300,19 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	for (a.h_s = *try_s;; a.h_s *= 0.5) {
 		for (size_t i = 0; i < n; i++)
 			a.g[0][i] = a.h_s * a.first[i];
-		status = settle(&a, rate, &sweeps);
+		status = settle(&a, rate, &sweeps, &left);
 		if (status != RB_OK)
 			return status;
 		if (sweeps > 0) {
 			coefficients(&a, piece->coefficient);
 			const double error = tail(problem, piece->coefficient);
-			if (error <= problem->tolerance) {
+			const double asked = fmax(
+				problem->tolerance,
+				problem->noise ? problem->noise(problem->user, piece->coefficient)
+					       : 0);
+			if (error <= asked && left <= asked) {
 				piece->length_s = a.h_s;
-				*try_s = next_length(a.h_s, problem->tolerance, error, sweeps,
-				                     a.h_s < *try_s);
+				*try_s = next_length(a.h_s, asked, error, sweeps, a.h_s < *try_s);
 				return RB_OK;
 			}
 		}

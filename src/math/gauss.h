@@ -22,6 +22,12 @@ typedef enum rb_status rb_gauss_rates(void *user, double time_s, const double *v
                                       struct rb_error *err);
 
 /*
+ * What the rates' own rounding is over a step with these coefficients, as a share of scale: a step is not asked for less.
+ * Of a step that is not accepted they may be anything.
+ */
+typedef double rb_gauss_noise(void *user, const double *coefficient);
+
+/*
  * One accepted step: values over [0, length_s] from its own origin in time. All arrays are the caller's:
  * start [n], and coefficient [RB_GAUSS_NODES][n]: Legendre coefficients, on [0, 1], of the rates times length_s.
  */
@@ -34,6 +40,7 @@ struct rb_gauss_piece {
 struct rb_gauss_problem {
 	int n;
 	rb_gauss_rates *rates;
+	rb_gauss_noise *noise; /* NULL: below the tolerance */
 	void *user;
 	const double *scale; /* [n]: sizes that the errors are relative to, > 0 */
 	double tolerance;    /* of scale, per step, >= a few ulp */
