@@ -208,13 +208,14 @@ static bool stop_slow_slips(struct rb_settling *s)
 		const struct rb_meet *m = &s->meet[k];
 		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 		const double slows = -rb_vec3_dot(slip_rate(s, k), c->slip);
-		const bool slides = rb_slips_press(s, k) && c->mode == RB_JOINT_SLIDE;
-		const bool ends = slides && c->friction > 0 && slows > 0 &&
+		const bool slides = c->mode == RB_JOINT_SLIDE;
+		const bool ends = slides && rb_slips_press(s, k) && c->friction > 0 && slows > 0 &&
 		                  !rb_set_is_single(s->l, m->a, m->b) &&
 		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
 		                                                     rb_meet_size(s->l, m);
 
-		kept[k] = rb_slips_press(s, k);
+		/* what does not press is not to lift for it */
+		kept[k] = true;
 		s->before[k].slipping = slides && !ends;
 		s->before[k].ending = ends;
 		any = any || ends;
