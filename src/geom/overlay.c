@@ -281,28 +281,45 @@ static void segments(table *t)
 	}
 }
 
-/* The quarters of a disc, counted from a direction of the other body, so that they stay when the disc spins. */
-static void quarters(table *t, bool of_a, const outline *within)
+/* A point of a disc's rim, if it lies over the other patch. */
+static void put_rim(table *t, bool of_a, rb_vec3 way, int place, const outline *within)
 {
 	const rb_patch *disc = of_a ? t->a : t->b, *other = of_a ? t->b : t->a;
-	const rb_vec3 x = rb_vec3_unit(rb_vec3_reject(other->axis, disc->normal),
-	                               rb_vec3_across(disc->normal));
-	const rb_vec3 y = rb_vec3_cross(t->def->n, x);
+	const rb_vec3 p = rb_vec3_add_scaled(disc->point[0], disc->round, way);
+	const rb_vec3 d = rb_vec3_sub(p, t->a->point[0]);
+	const double px = rb_vec3_dot(d, t->x), py = rb_vec3_dot(d, t->y);
+	bool in = other->kind == RB_PATCH_PLANE;
+
+	if (other->kind == RB_PATCH_DISC) {
+		const double dx = px - within->x[0], dy = py - within->y[0];
+		in = sqrt(dx * dx + dy * dy) <= other->round + t->def->aside;
+	} else if (!in) {
+		in = within->count > 2 && inside(within, px, py, t->def->aside);
+	}
+	if (in)
+		put_from(t, of_a, p, disc->id[0] | (rb_part)place << 1);
+}
+
+/*
+ * The quarters of a disc, counted from a direction of the other body, so that they stay when the disc spins; of one that
+ * tilts, the eighths from its lowest point on.
+ */
+static void rim(table *t, bool of_a, const outline *within)
+{
+	const rb_patch *disc = of_a ? t->a : t->b, *other = of_a ? t->b : t->a;
+	const bool tilts = rb_vec3_dot(disc->low, disc->low) > 0;
+	const rb_vec3 from = tilts ? disc->low : rb_vec3_reject(other->axis, disc->normal);
+	const rb_vec3 x = rb_vec3_unit(from, rb_vec3_across(disc->normal));
+	/* turning about n, in the disc's own plane */
+	const rb_vec3 left = rb_vec3_cross(disc->normal, x);
+	const rb_vec3 y = rb_vec3_dot(disc->normal, t->def->n) < 0 ? rb_vec3_neg(left) : left;
 	const rb_vec3 way[4] = {x, y, rb_vec3_neg(x), rb_vec3_neg(y)};
 
-	for (int k = 0; k < 4; k++) {
-		const rb_vec3 p = rb_vec3_add_scaled(disc->point[0], disc->round, way[k]);
-		const rb_vec3 d = rb_vec3_sub(p, t->a->point[0]);
-		const double px = rb_vec3_dot(d, t->x), py = rb_vec3_dot(d, t->y);
-		bool in = other->kind == RB_PATCH_PLANE;
-		if (other->kind == RB_PATCH_DISC) {
-			const double dx = px - within->x[0], dy = py - within->y[0];
-			in = sqrt(dx * dx + dy * dy) <= other->round + t->def->aside;
-		} else if (!in) {
-			in = within->count > 2 && inside(within, px, py, t->def->aside);
-		}
-		if (in)
-			put_from(t, of_a, p, disc->id[0] | (rb_part)(1 + k) << 1);
+	for (int k = 0; k < 4; k++)
+		put_rim(t, of_a, way[k], (tilts ? 8 : 1) + k, within);
+	for (int k = 0; k < 4 && tilts; k++) {
+		const rb_vec3 between = rb_vec3_add(way[k], way[(k + 1) % 4]);
+		put_rim(t, of_a, rb_vec3_scale(0.70710678118654752, between), 12 + k, within);
 	}
 }
 
@@ -337,7 +354,7 @@ static void disc_and_sides(table *t, bool disc_is_a)
 				         disc->id[0] | (rb_part)(5 + end) << 1);
 		}
 	}
-	quarters(t, disc_is_a, &o);
+	rim(t, disc_is_a, &o);
 }
 
 static void discs(table *t)
@@ -346,8 +363,8 @@ static void discs(table *t)
 	const double dx = b.x[0] - a.x[0], dy = b.y[0] - a.y[0];
 	const double d = sqrt(dx * dx + dy * dy), p = t->a->round, q = t->b->round;
 
-	quarters(t, true, &b);
-	quarters(t, false, &a);
+	rim(t, true, &b);
+	rim(t, false, &a);
 	if (!(d < p + q - t->def->aside && d > fabs(p - q) + t->def->aside))
 		return;
 	/* from a's centre towards b's to the line through both crossings */
@@ -415,7 +432,7 @@ int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
 	else if (b->kind == RB_PATCH_POINT || (a->kind == RB_PATCH_PLANE && has_sides(b)))
 		put_points(&t, false);
 	else if (a->kind == RB_PATCH_PLANE || b->kind == RB_PATCH_PLANE)
-		quarters(&t, a->kind == RB_PATCH_DISC, NULL);
+		rim(&t, a->kind == RB_PATCH_DISC, NULL);
 	else if (a->kind == RB_PATCH_DISC && b->kind == RB_PATCH_DISC)
 		discs(&t);
 	else if (a->kind == RB_PATCH_DISC || b->kind == RB_PATCH_DISC)

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* How much higher, over its radius and the sine of its tilt, a rim is an eighth of a turn from its lowest point. */
+static const double eighth_rise = 0.29289321881345254;
+
 static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 {
 	const int low = v < w ? v : w, high = v < w ? w : v;
@@ -171,7 +174,8 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	}
 }
 
-static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth)
+static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth,
+                        double tilt)
 {
 	const rb_core *core = placed->core;
 	const rb_vec3 u = rb_placed_axis(placed);
@@ -187,8 +191,11 @@ static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 
 	patch->count = 1;
 	patch->id[0] = rb_part_of(RB_PART_RIM, end);
-	if (2 * core->round * across <= depth) {
+	const bool leans = tilt > 0 && across < 0.5 && eighth_rise * core->round * across <= depth;
+	if (2 * core->round * across <= depth || leans) {
 		patch->kind = RB_PATCH_DISC;
+		if (tilt > 0 && core->round * across > tilt)
+			patch->low = out;
 		patch->feature = rb_part_of(RB_PART_END, end);
 		patch->normal = end ? rb_vec3_neg(u) : u;
 		patch->point[0] = centre;
@@ -220,6 +227,7 @@ void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, doub
 	patch->kind = RB_PATCH_PLANE;
 	patch->count = 1;
 	patch->curve = patch->round = 0;
+	patch->low = (rb_vec3){0, 0, 0};
 	patch->feature = patch->id[0] = rb_part_of(RB_PART_SURFACE, 0);
 	/* x, or y where x is much along the normal: far from the change over, neither is ever doubtful */
 	const rb_mat3 *turn = &placed->turn;
@@ -230,7 +238,7 @@ void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, doub
 		patch->normal = rb_placed_axis(placed);
 		patch->point[0] = placed->at;
 	} else if (placed->core->kind == RB_CORE_CYLINDER) {
-		of_cylinder(patch, placed, outward, depth);
+		of_cylinder(patch, placed, outward, depth, tilt);
 	} else {
 		of_polytope(patch, placed, outward, depth, tilt);
 	}

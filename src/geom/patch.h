@@ -18,7 +18,9 @@ typedef enum {
 	RB_PART_FACE,
 	RB_PART_DIAGONAL, /* between vertices of several faces that are nearly one */
 	RB_PART_SEVERAL,  /* such faces */
-	RB_PART_RIM, /* of a cylinder: bit 0 says which; above it where: 0 anywhere, 1 to 4 a quarter, 5, 6 a crossing */
+	/* of a cylinder: bit 0 says which; above it where: 0 anywhere, 1 to 4 a quarter, 5, 6 a crossing, 8 to 15 eighths from
+	   the outermost */
+	RB_PART_RIM,
 	RB_PART_END,    /* of a cylinder: 0 at +z, 1 at -z */
 	RB_PART_MANTLE, /* of a cylinder: 0 whole, 1 + the end at which a point is */
 	RB_PART_SURFACE /* a half space's */
@@ -47,6 +49,7 @@ typedef struct {
 	rb_vec3 normal;  /* unit, outward: of the plane it lies in */
 	double curve;    /* m: radius of what a segment is the outermost line of */
 	double round;    /* m: a disc's radius */
+	rb_vec3 low; /* unit: of a disc that tilts, from its centre to the outermost of its rim; else zero */
 	rb_vec3 axis; /* unit, of the body: where the quarters of a disc on it are counted from */
 	rb_vec3 point[RB_PATCH_MAX]; /* m; a polygon's in order round it */
 	rb_part id[RB_PATCH_MAX];    /* of the point */
@@ -55,7 +58,8 @@ typedef struct {
 
 /*
  * `outward`: unit. What lies no deeper than `depth` below the outermost belongs to it; and the whole of a polytope's face of
- * which some does, if all of the face lies no deeper than `tilt`: its own plane says how deep.
+ * which some does, if all of the face lies no deeper than `tilt`: its own plane says how deep. With a `tilt`, the whole of a
+ * cylinder's end if an eighth of its rim lies within the depth; it has a lowest point where it tilts by more.
  */
 void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth,
                  double tilt);
