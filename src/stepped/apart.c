@@ -434,7 +434,36 @@ static void reset_arenas(struct rb_world *world)
 		rb_arena_reset(&world->arena[k]);
 }
 
-/* The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the territory, and it stops. */
+/* With the territories as they are now: whether the group is still apart from all others. Its candidates are new. */
+static bool is_apart(struct rb_world *world, struct group *group, enum rb_status *status,
+                     struct rb_error *err)
+{
+	struct rb_apart *apart = world->stepped->apart;
+	const int first = apart->member[group->first], count = group->count;
+
+	*status = form_groups(world, err);
+	if (*status != RB_OK)
+		return false;
+	/* nobody else's territory has changed: if it has met none, all groups are those of before */
+	if (apart->group[apart->group_of[first]].count != count)
+		return false;
+	cohort_of(world, &apart->group[apart->group_of[first]]);
+	return true;
+}
+
+/* Back to the beginning of the attempt under way. */
+static void take_back(struct rb_world *world)
+{
+	const struct rb_cohort *part = &world->stepped->part;
+
+	rb_state_copy_rows(&world->state, &world->mark, part->body, part->body_count);
+	world->frame_counts.discarded_body_steps += (uint64_t)part->member_count;
+}
+
+/*
+ * The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the territory and could meet others;
+ * there it stops.
+ */
 static enum rb_status run_group(struct rb_world *world, struct group *group, double start,
                                 double dt, bool *left, struct rb_error *err)
 {
@@ -455,22 +484,25 @@ static enum rb_status run_group(struct rb_world *world, struct group *group, dou
 			status = rb_judge(world, part, h, &outcome, err);
 		if (status != RB_OK)
 			break;
-		if (s->bad_count == 0) {
-			done = h < dt - done ? done + h : dt;
-			*left = has_left(world, dt - done);
-			if (*left)
-				return RB_OK;
-			status = keep_step(world, start + done, h, &outcome, err);
-			h = fmin(2 * h, dt - done);
-			halvings = 0;
+		if (s->bad_count > 0) {
+			take_back(world);
+			world->frame_counts.rollbacks++;
+			if (++halvings > RB_HALVINGS_MOST)
+				return rb_apart_give_up(world, start + done, &outcome, err);
+			h *= 0.5;
 			continue;
 		}
-		rb_state_copy_rows(&world->state, &world->mark, part->body, part->body_count);
-		world->frame_counts.rollbacks++;
-		world->frame_counts.discarded_body_steps += (uint64_t)part->member_count;
-		if (++halvings > RB_HALVINGS_MOST)
-			return rb_apart_give_up(world, start + done, &outcome, err);
-		h *= 0.5;
+		if (has_left(world, dt - done - h)) {
+			take_back(world);
+			*left = !is_apart(world, group, &status, err);
+			if (*left)
+				return status;
+			continue;
+		}
+		done = h < dt - done ? done + h : dt;
+		status = keep_step(world, start + done, h, &outcome, err);
+		h = fmin(2 * h, dt - done);
+		halvings = 0;
 	}
 	return status == RB_OK ? settle(world, group, err) : status;
 }
