@@ -6,13 +6,15 @@
 
 #include "base/memory.h"
 #include "stepped/direct.h"
-#include "stepped/sweep.h"
+#include "stepped/sweeper.h"
 
 /* Rows from which on a group is solved by all workers; rows of small groups that one block of work has at least. */
-enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256, COLOURS_MOST = 64 };
+enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256 };
 
 /* Sweeps before factors are tried, and at most. */
 enum { SWEEPS_FIRST = 200, SWEEPS_MOST = 1000, SWEEPS_QUIET = 64 };
+/* The same where rows are between spheres, and may be held. */
+enum { WIDE_FIRST = 60, WIDE_MOST = 140, WIDE_HOLD = 100 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, STALLED, QUIET };
 enum { FACTORS_STIFF = 400, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
@@ -22,7 +24,7 @@ static const double factor_share = 4e3, factors_most = 1e8;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 static const double sweep_share = 0.25, direct_share = 1e-2, close_share = 1e-7;
-static const double stiff_ratio = 30;
+static const double stiff_ratio = 30, hold_slack = 16;
 
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
@@ -299,51 +301,7 @@ static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_i
 	return dense;
 }
 
-/* Rows in order of colours, none of which has two rows on one body that yields; false: no memory. */
-static bool colour_rows(const struct rb_solver *solver, const struct rb_island *island,
-                        struct rb_sweep *sweep, struct rb_arena *arena)
-{
-	const struct rb_dense dense = rows_of(solver, island);
-	const size_t count = (size_t)dense.row_count;
-	struct rb_dense_row *copy = rb_arena_take(arena, count, sizeof *copy);
-	uint64_t *taken = rb_arena_take(arena, (size_t)solver->body_count, sizeof *taken);
-	unsigned char *colour = rb_arena_take(arena, count, 1);
-	int *first = rb_arena_take(arena, COLOURS_MOST + 2, sizeof *first);
-	int colours = 0;
-
-	if (!copy || !taken || !colour || !first)
-		return false;
-	memset(taken, 0, (size_t)solver->body_count * sizeof *taken);
-	memset(first, 0, (COLOURS_MOST + 2) * sizeof *first);
-	for (size_t k = 0; k < count; k++) {
-		const int a = dense.row[k].a, b = dense.row[k].b;
-		const uint64_t mask = (yields(solver, a) ? taken[a] : 0) |
-		                      (yields(solver, b) ? taken[b] : 0);
-		const int c = ~mask ? __builtin_ctzll(~mask) : COLOURS_MOST - 1;
-
-		colour[k] = (unsigned char)c;
-		sweep->tail = sweep->tail || c == COLOURS_MOST - 1;
-		colours = c + 1 > colours ? c + 1 : colours;
-		first[c + 1]++;
-		if (yields(solver, a))
-			taken[a] |= (uint64_t)1 << c;
-		if (yields(solver, b))
-			taken[b] |= (uint64_t)1 << c;
-	}
-	for (int c = 0; c < colours; c++)
-		first[c + 1] += first[c];
-	memcpy(copy, dense.row, count * sizeof *copy);
-	for (size_t k = 0; k < count; k++)
-		dense.row[first[colour[k]]++] = copy[k];
-	for (int c = colours; c > 0; c--)
-		first[c] = first[c - 1];
-	first[0] = 0;
-	sweep->colour = first;
-	sweep->colour_count = colours;
-	return true;
-}
-
-/* Factors; false where they are too many or do not come to an end: the impulses are then no worse. */
+/* Factors; false where they are too many or do not come to an end: where sweeps stalled, the impulses are then as they were. */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_dense *dense, enum purpose purpose, struct rb_arena *arena)
 {
@@ -361,24 +319,56 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	                                 .enough_slip = solver->enough,
 	                                 .most = fmin(each, factors_most),
 	                                 .arena = arena};
-	const struct rb_direct_result result = rb_direct_solve(&direct);
+	struct rb_dense_row *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
-	island->factors += result.steps;
-	if (!result.tried || !(result.residual <= solver->enough))
+	if (!kept)
 		return false;
-	island->residual = result.residual;
-	return true;
+	memcpy(kept, dense->row, (size_t)dense->row_count * sizeof *kept);
+	const struct rb_direct_result result = rb_direct_solve(&direct);
+	island->factors += result.steps;
+	if (result.tried && result.residual <= solver->enough) {
+		island->residual = result.residual;
+		return true;
+	}
+	/* of stiff groups, what factors have come to is better than what there was */
+	if (!result.tried || purpose != STALLED)
+		return false;
+	memcpy(dense->row, kept, (size_t)dense->row_count * sizeof *kept);
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		dense->body[i] = solver->free[i];
+	}
+	rb_sweep_warm(dense);
+	return false;
 }
 
-static bool sweep_more(struct rb_sweep *sweep, struct rb_island *island, double enough, int most)
+static bool sweep_more(struct rb_sweeper *sweeper, struct rb_island *island, double enough,
+                       int most)
 {
-	sweep->most = most;
-	sweep->enough = enough;
-	const struct rb_sweep_result result = rb_sweep_solve(sweep);
+	const struct rb_sweep_result result = rb_sweeper_run(sweeper, enough, most);
 
 	island->sweeps += result.sweeps;
 	island->residual = result.residual;
 	return result.residual <= enough;
+}
+
+/*
+ * Friction in a jammed heap may not come to an end: pushes of many contacts creep on together until one of them slips or
+ * opens, which may take thousands of sweeps. What acts across the normals is then left as it is, if it is nearly right, and
+ * pushes alone see to it that no gap closes.
+ */
+static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double enough, int most)
+{
+	if (!sweeper->wide || !(island->residual <= hold_slack * enough))
+		return false;
+	const struct rb_sweep_result result = rb_sweeper_hold(sweeper, enough, most);
+
+	island->sweeps += result.sweeps;
+	if (!(result.residual <= enough))
+		return false;
+	island->residual = result.residual;
+	return true;
 }
 
 /* Whether nothing in the group moves by much more than the tolerance in a step, nor faster than its forces make it in one. */
@@ -531,7 +521,12 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 {
 	const struct rb_dense dense = rows_of(solver, island);
 	const double enough = solver->enough, close = close_share * enough;
-	struct rb_sweep sweep = {.dense = &dense, .team = team};
+	struct rb_sweeper sweeper = {.dense = &dense,
+	                             .still = solver->body_count,
+	                             .member = solver->member + island->first_member,
+	                             .member_count = island->member_count,
+	                             .local = solver->local,
+	                             .team = team};
 	bool good = false;
 
 	island->sweeps = island->factors = 0;
@@ -540,8 +535,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		stop(solver, island);
 		return;
 	}
-	if ((team && !colour_rows(solver, island, &sweep, arena)) ||
-	    !rb_sweep_take(&sweep, arena)) {
+	if (!rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return;
 	}
@@ -550,16 +544,20 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (stiff)
 		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
-		good = sweep_more(&sweep, island, enough, SWEEPS_FIRST);
+		good = sweep_more(&sweeper, island, enough,
+		                  sweeper.wide ? WIDE_FIRST : SWEEPS_FIRST);
 	/* the last digit costs as much as all before: the whole tolerance will do, as the verdict will see */
 	if (!good)
-		good = sweep_more(&sweep, island, enough / sweep_share, SWEEPS_MOST);
+		good = sweep_more(&sweeper, island, enough / sweep_share,
+		                  sweeper.wide ? WIDE_MOST : SWEEPS_MOST);
 	if (!good)
 		good = try_factors(solver, island, &dense, STALLED, arena);
 	if (!good)
-		good = sweep_more(&sweep, island, enough / sweep_share, SWEEPS_MOST);
+		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
+	if (!good && !sweeper.wide)
+		good = sweep_more(&sweeper, island, enough / sweep_share, SWEEPS_MOST);
 	if (good && is_quiet(solver, island) && island->residual > close &&
-	    (stiff || !sweep_more(&sweep, island, close, SWEEPS_QUIET)))
+	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
 	find_rest(solver, island, &dense);
 }

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/sweeper.h"
+
+#include <string.h>
+
+/* Rows from which on a group is solved in packs. */
+enum { COLOURS_MOST = 64, WIDE_ROWS = 32 };
+
+/* ---- colours ---- */
+
+/* Rows in order of colours: none has two rows on one body that yields, unless the last is a tail of what is left over. */
+struct colours {
+	int *first; /* [count + 1]: row of each */
+	int count;
+	bool tail;
+};
+
+/* Where a body that yields keeps its colours, as bits; NULL: it does not yield. */
+static uint64_t *taken_of(const struct rb_sweeper *sweeper, uint64_t *taken, int body)
+{
+	return sweeper->dense->body[body].inverse_mass > 0 ? &taken[sweeper->local[body]] : NULL;
+}
+
+static void choose(const struct rb_sweeper *sweeper, struct colours *colours, uint64_t *taken,
+                   unsigned char *colour)
+{
+	for (int k = 0; k < sweeper->dense->row_count; k++) {
+		const struct rb_dense_row *row = &sweeper->dense->row[k];
+		uint64_t *const of_a = taken_of(sweeper, taken, row->a);
+		uint64_t *const of_b = taken_of(sweeper, taken, row->b);
+		const uint64_t left = ~((of_a ? *of_a : 0) | (of_b ? *of_b : 0));
+		const int c = left ? __builtin_ctzll(left) : COLOURS_MOST - 1;
+
+		colour[k] = (unsigned char)c;
+		colours->tail = colours->tail || c == COLOURS_MOST - 1;
+		colours->count = c + 1 > colours->count ? c + 1 : colours->count;
+		colours->first[c + 1]++;
+		if (of_a)
+			*of_a |= (uint64_t)1 << c;
+		if (of_b)
+			*of_b |= (uint64_t)1 << c;
+	}
+}
+
+/* False: no memory. */
+static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colours,
+                        struct rb_arena *arena)
+{
+	const struct rb_dense *dense = sweeper->dense;
+	const size_t count = (size_t)dense->row_count, members = (size_t)sweeper->member_count;
+	struct rb_dense_row *copy = rb_arena_take(arena, count, sizeof *copy);
+	uint64_t *taken = rb_arena_take(arena, members, sizeof *taken);
+	unsigned char *colour = rb_arena_take(arena, count, 1);
+	int *first = rb_arena_take(arena, COLOURS_MOST + 2, sizeof *first);
+
+	if (!copy || !taken || !colour || !first)
+		return false;
+	colours->first = first;
+	for (int k = 0; k < sweeper->member_count; k++)
+		sweeper->local[sweeper->member[k]] = k;
+	memset(taken, 0, members * sizeof *taken);
+	memset(first, 0, (COLOURS_MOST + 2) * sizeof *first);
+	choose(sweeper, colours, taken, colour);
+	for (int c = 0; c < colours->count; c++)
+		first[c + 1] += first[c];
+	memcpy(copy, dense->row, count * sizeof *copy);
+	for (size_t k = 0; k < count; k++)
+		dense->row[first[colour[k]]++] = copy[k];
+	for (int c = colours->count; c > 0; c--)
+		first[c] = first[c - 1];
+	first[0] = 0;
+	return true;
+}
+
+/* ---- sweeps ---- */
+
+static bool is_central(const struct rb_dense *dense)
+{
+	for (int k = 0; k < dense->row_count; k++)
+		if (!dense->row[k].central)
+			return false;
+	return true;
+}
+
+bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
+{
+	struct colours colours = {.count = 0};
+
+	sweeper->wide = sweeper->dense->row_count >= WIDE_ROWS && is_central(sweeper->dense);
+	if ((sweeper->team || sweeper->wide) && !colour_rows(sweeper, &colours, arena))
+		return false;
+	sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
+	                                 .team = sweeper->team,
+	                                 .colour = colours.first,
+	                                 .colour_count = colours.count,
+	                                 .tail = colours.tail};
+	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
+	                                 .still = sweeper->still,
+	                                 .team = sweeper->team,
+	                                 .colour = colours.first,
+	                                 .colour_count = colours.count,
+	                                 .tail = colours.tail};
+	return sweeper->wide ? rb_wide_take(&sweeper->many, arena)
+	                     : rb_sweep_take(&sweeper->one, arena);
+}
+
+struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough, int most)
+{
+	if (sweeper->wide)
+		return rb_wide_solve(&sweeper->many, enough, most, false);
+	sweeper->one.enough = enough;
+	sweeper->one.most = most;
+	return rb_sweep_solve(&sweeper->one);
+}
+
+struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double enough, int most)
+{
+	return rb_wide_solve(&sweeper->many, enough, most, true);
+}

@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Sweeps over the rows of one group: packs of rows (stepped/wide) where there are enough and all are between spheres, else
+ * one row at a time (stepped/sweep); the order of rows by colours that either needs.
+ * Made for one solution; memory is the arena's.
+ */
+#ifndef RB_STEPPED_SWEEPER_H
+#define RB_STEPPED_SWEEPER_H
+
+#include "stepped/wide.h"
+
+struct rb_sweeper {
+	const struct rb_dense *dense; /* its rows are brought into another order */
+	int still;                    /* a body that does not yield */
+	const int *member;            /* bodies that yield */
+	int member_count;
+	int *local;           /* by body: scratch, -1 for what does not yield */
+	struct rb_team *team; /* NULL: in one thread */
+	/* rb_sweeper_take */
+	bool wide;
+	struct rb_sweep one;
+	struct rb_wide many;
+};
+
+/* Once what stands first is known; false: no memory. */
+bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena);
+
+struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough, int most);
+/* Wide ones only: with what acts across the normals as it is. */
+struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double enough, int most);
+
+#endif

@@ -1,0 +1,436 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/wide.h"
+
+#include <stdint.h>
+#if defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+enum { WIDTH = 4, BLOCK_PACKS = RB_SWEEP_BLOCK / WIDTH };
+
+/* Slip that is left opens no gap and closes none: a row may keep so much more of it. */
+static const double slip_share = 0.3;
+
+/* Share of its last way that a row is led on by, at most, to begin with: more swings where rows slide. */
+static const double lead_first = 0.9;
+
+/* Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile. */
+enum { SWEEPS_WATCHED = 24 };
+static const double fall_share = 0.9, lead_growth = 1.5;
+
+/*
+ * Four numbers, one of each row: vectors of GCC and Clang, in halves where registers are no wider, to the same bits. They
+ * are passed by address, since how they are passed by value depends on the registers.
+ */
+typedef double lanes __attribute__((vector_size(WIDTH * sizeof(double)), aligned(8)));
+typedef int64_t mask __attribute__((vector_size(WIDTH * sizeof(int64_t)), aligned(8)));
+#define ALWAYS static inline __attribute__((always_inline))
+
+struct lanes3 {
+	lanes x, y, z;
+};
+
+/* What rows are, and what they have come to. Lanes without a row have inverses, friction and impulses of zero. */
+struct rb_wide_pack {
+	int a[WIDTH], b[WIDTH];
+	bool writes_a[WIDTH],
+		writes_b[WIDTH]; /* what does not yield may be shared: not written to */
+	struct lanes3 normal;
+	lanes arm_a, arm_b; /* m, along the normal */
+	lanes yield_n, yield_t, inverse_n, inverse_t;
+	lanes leave, friction;
+	lanes push;
+	struct lanes3 rub;
+	lanes least;         /* N s, of push: 0, or what holds the rub */
+	struct lanes3 extra; /* N s: what the impulse was led on by, then all of its last way */
+	lanes count;         /* of sweeps that went one way */
+};
+
+/* Four bodies. */
+struct four {
+	struct lanes3 linear, angular;
+	lanes inverse_mass, inverse_inertia;
+};
+
+/* ---- arithmetic ---- */
+
+#define CHOOSE(where, yes, no) ((lanes)(((where) & (mask)(yes)) | (~(where) & (mask)(no))))
+#define DOT(p, q) ((p).x * (q).x + (p).y * (q).y + (p).z * (q).z)
+ALWAYS void take(struct four *four, const struct rb_dense_body *body, const int *which)
+{
+	const struct rb_dense_body *p = &body[which[0]], *q = &body[which[1]];
+	const struct rb_dense_body *r = &body[which[2]], *s = &body[which[3]];
+
+	four->linear.x = (lanes){p->linear.x, q->linear.x, r->linear.x, s->linear.x};
+	four->linear.y = (lanes){p->linear.y, q->linear.y, r->linear.y, s->linear.y};
+	four->linear.z = (lanes){p->linear.z, q->linear.z, r->linear.z, s->linear.z};
+	four->angular.x = (lanes){p->angular.x, q->angular.x, r->angular.x, s->angular.x};
+	four->angular.y = (lanes){p->angular.y, q->angular.y, r->angular.y, s->angular.y};
+	four->angular.z = (lanes){p->angular.z, q->angular.z, r->angular.z, s->angular.z};
+	four->inverse_mass = (lanes){p->inverse_mass, q->inverse_mass, r->inverse_mass,
+	                             s->inverse_mass};
+	four->inverse_inertia = (lanes){p->inverse_inertia, q->inverse_inertia, r->inverse_inertia,
+	                                s->inverse_inertia};
+}
+
+ALWAYS void give(const struct four *four, struct rb_dense_body *body, const int *which,
+                 const bool *writes)
+{
+	for (int i = 0; i < WIDTH; i++) {
+		if (!writes[i])
+			continue;
+		body[which[i]].linear = (rb_vec3){four->linear.x[i], four->linear.y[i],
+		                                  four->linear.z[i]};
+		body[which[i]].angular = (rb_vec3){four->angular.x[i], four->angular.y[i],
+		                                   four->angular.z[i]};
+	}
+}
+
+ALWAYS void root(lanes *r, const lanes *x)
+{
+#if defined(__SSE2__)
+	const __m128d low = _mm_sqrt_pd((__m128d){(*x)[0], (*x)[1]});
+	const __m128d high = _mm_sqrt_pd((__m128d){(*x)[2], (*x)[3]});
+
+	*r = (lanes){low[0], low[1], high[0], high[1]};
+#else
+	for (int i = 0; i < WIDTH; i++)
+		(*r)[i] = sqrt((*x)[i]);
+#endif
+}
+
+ALWAYS void cross(struct lanes3 *r, const struct lanes3 *p, const struct lanes3 *q)
+{
+	r->x = p->y * q->z - p->z * q->y;
+	r->y = p->z * q->x - p->x * q->z;
+	r->z = p->x * q->y - p->y * q->x;
+}
+
+/* Adds an impulse along the normal and one across it. */
+ALWAYS void push(const struct rb_wide_pack *pack, struct four *a, struct four *b,
+                 const lanes *along, const struct lanes3 *across)
+{
+	const struct lanes3 impulse = {across->x + *along * pack->normal.x,
+	                               across->y + *along * pack->normal.y,
+	                               across->z + *along * pack->normal.z};
+	const lanes turn_a = a->inverse_inertia * pack->arm_a;
+	const lanes turn_b = b->inverse_inertia * pack->arm_b;
+	struct lanes3 torque;
+
+	cross(&torque, &pack->normal, across);
+	a->linear.x -= a->inverse_mass * impulse.x;
+	a->linear.y -= a->inverse_mass * impulse.y;
+	a->linear.z -= a->inverse_mass * impulse.z;
+	a->angular.x -= turn_a * torque.x;
+	a->angular.y -= turn_a * torque.y;
+	a->angular.z -= turn_a * torque.z;
+	b->linear.x += b->inverse_mass * impulse.x;
+	b->linear.y += b->inverse_mass * impulse.y;
+	b->linear.z += b->inverse_mass * impulse.z;
+	b->angular.x += turn_b * torque.x;
+	b->angular.y += turn_b * torque.y;
+	b->angular.z += turn_b * torque.z;
+}
+
+/* ---- a pack ---- */
+
+/* Velocity of b relative to a: along the normal, and across it. */
+ALWAYS void look(const struct rb_wide_pack *pack, const struct four *a, const struct four *b,
+                 lanes *along, struct lanes3 *across)
+{
+	const struct lanes3 n = pack->normal;
+	const struct lanes3 w = {pack->arm_b * b->angular.x - pack->arm_a * a->angular.x,
+	                         pack->arm_b * b->angular.y - pack->arm_a * a->angular.y,
+	                         pack->arm_b * b->angular.z - pack->arm_a * a->angular.z};
+	struct lanes3 u;
+
+	cross(&u, &w, &n);
+	u.x += b->linear.x - a->linear.x;
+	u.y += b->linear.y - a->linear.y;
+	u.z += b->linear.z - a->linear.z;
+	*along = DOT(u, n);
+	*across = (struct lanes3){u.x - *along * n.x, u.y - *along * n.y, u.z - *along * n.z};
+}
+
+/* Each row on its own, as in stepped/sweep. Returns the largest square of what a row's velocity changed by. */
+ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
+{
+	const lanes none = {0, 0, 0, 0}, one = {1, 1, 1, 1};
+	struct four a, b;
+	lanes along, more, ratio, change;
+	struct lanes3 slip, d;
+
+	take(&a, body, pack->a);
+	take(&b, body, pack->b);
+	look(pack, &a, &b, &along, &slip);
+	along = pack->push + (pack->leave - along) * pack->inverse_n;
+	along = CHOOSE(along > pack->least, along, pack->least);
+	const mask acts = (along > none) | (pack->push != none);
+	if (!(acts[0] | acts[1] | acts[2] | acts[3]))
+		return 0;
+	struct lanes3 rub = {pack->rub.x - pack->inverse_t * slip.x,
+	                     pack->rub.y - pack->inverse_t * slip.y,
+	                     pack->rub.z - pack->inverse_t * slip.z};
+	const lanes square = DOT(rub, rub), most = pack->friction * along;
+	const mask slides = square > most * most;
+	if (slides[0] | slides[1] | slides[2] | slides[3]) {
+		root(&ratio, &square);
+		ratio = most / ratio;
+		ratio = CHOOSE(slides, ratio, one);
+		rub = (struct lanes3){ratio * rub.x, ratio * rub.y, ratio * rub.z};
+	}
+	more = along - pack->push;
+	d = (struct lanes3){rub.x - pack->rub.x, rub.y - pack->rub.y, rub.z - pack->rub.z};
+	/* its sign only: whether the row goes on as it was led */
+	const lanes goes = more * DOT(pack->extra, pack->normal) + DOT(pack->extra, d);
+	pack->count = CHOOSE(goes < none, 0.5 * pack->count, pack->count + 1);
+	pack->extra.x += d.x + more * pack->normal.x;
+	pack->extra.y += d.y + more * pack->normal.y;
+	pack->extra.z += d.z + more * pack->normal.z;
+	pack->push = along;
+	pack->rub = rub;
+	push(pack, &a, &b, &more, &d);
+	give(&a, body, pack->a, pack->writes_a);
+	give(&b, body, pack->b, pack->writes_b);
+	more *= pack->yield_n;
+	change = DOT(d, d) * (slip_share * slip_share) * pack->yield_t * pack->yield_t;
+	more *= more;
+	change = CHOOSE(change > more, change, more);
+	return fmax(fmax(change[0], change[1]), fmax(change[2], change[3]));
+}
+
+/* Leads the impulses on; the sweep that comes next projects back onto the cone. */
+ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack, double lead_most)
+{
+	const lanes most = {lead_most, lead_most, lead_most, lead_most};
+	const struct lanes3 n = pack->normal;
+	const lanes gathered = pack->count / (pack->count + 3);
+	const lanes share = CHOOSE(gathered > most, most, gathered);
+	const struct lanes3 extra = {share * pack->extra.x, share * pack->extra.y,
+	                             share * pack->extra.z};
+	const lanes along = DOT(extra, n);
+	const struct lanes3 across = {extra.x - along * n.x, extra.y - along * n.y,
+	                              extra.z - along * n.z};
+	const mask moves = (extra.x != 0) | (extra.y != 0) | (extra.z != 0);
+	struct four a, b;
+
+	pack->extra = extra;
+	if (!(moves[0] | moves[1] | moves[2] | moves[3]))
+		return;
+	pack->push += along;
+	pack->rub = (struct lanes3){pack->rub.x + across.x, pack->rub.y + across.y,
+	                            pack->rub.z + across.z};
+	take(&a, body, pack->a);
+	take(&b, body, pack->b);
+	push(pack, &a, &b, &along, &across);
+	give(&a, body, pack->a, pack->writes_a);
+	give(&b, body, pack->b, pack->writes_b);
+}
+
+/* ---- packs, by blocks ---- */
+
+struct work {
+	const struct rb_wide *wide;
+	double lead;     /* leads on by this share at most; 0: solves */
+	int first, end;  /* packs of the colour */
+	int first_block; /* its first block among those of all colours */
+};
+
+ALWAYS double run_packs(const struct work *work, int first, int end)
+{
+	struct rb_dense_body *body = work->wide->dense->body;
+	double most = 0;
+
+	if (work->lead > 0)
+		for (int k = first; k < end; k++)
+			lead_pack(body, &work->wide->pack[k], work->lead);
+	else
+		for (int k = first; k < end; k++)
+			most = fmax(most, solve_pack(body, &work->wide->pack[k]));
+	return most;
+}
+
+static double run_plain(const struct work *work, int first, int end)
+{
+	return run_packs(work, first, end);
+}
+
+#if defined(__x86_64__)
+/* The same operations in wider registers. */
+__attribute__((target("avx2"))) static double run_avx2(const struct work *work, int first, int end)
+{
+	return run_packs(work, first, end);
+}
+#endif
+
+static void run_block(void *user, int block, int worker)
+{
+	const struct work *work = user;
+	const int first = work->first + block * BLOCK_PACKS;
+	const int end = first + BLOCK_PACKS < work->end ? first + BLOCK_PACKS : work->end;
+	double *most = &work->wide->partial[work->first_block + block];
+
+	(void)worker;
+#if defined(__x86_64__)
+	if (__builtin_cpu_supports("avx2")) {
+		*most = run_avx2(work, first, end);
+		return;
+	}
+#endif
+	*most = run_plain(work, first, end);
+}
+
+static int block_count(int packs)
+{
+	return (packs + BLOCK_PACKS - 1) / BLOCK_PACKS;
+}
+
+/* Returns the largest change of a row's velocity, m/s. */
+static double run_all(const struct rb_wide *wide, double lead)
+{
+	struct work work = {.wide = wide, .lead = lead};
+	double most = 0;
+
+	for (int c = 0; c < wide->colour_count; c++) {
+		work.first = wide->first[c];
+		work.end = wide->first[c + 1];
+		const int blocks = block_count(work.end - work.first);
+		const bool alone = !wide->team || (wide->tail && c == wide->colour_count - 1);
+
+		if (blocks > 1 && !alone)
+			rb_team_run(wide->team, blocks, run_block, &work);
+		else
+			for (int b = 0; b < blocks; b++)
+				run_block(&work, b, 0);
+		work.first_block += blocks;
+	}
+	for (int b = 0; b < work.first_block; b++)
+		most = fmax(most, wide->partial[b]);
+	return sqrt(most);
+}
+
+/* ---- rows into packs and back ---- */
+
+/* Rows that one pack of this colour has. */
+static int width_of(const struct rb_wide *wide, int colour)
+{
+	return wide->tail && colour == wide->colour_count - 1 ? 1 : WIDTH;
+}
+
+static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
+                      const struct rb_dense_row *row)
+{
+	const struct rb_dense_body *body = wide->dense->body;
+
+	pack->a[i] = row->a;
+	pack->b[i] = row->b;
+	pack->writes_a[i] = body[row->a].inverse_mass != 0;
+	pack->writes_b[i] = body[row->b].inverse_mass != 0;
+	pack->normal.x[i] = row->normal.x;
+	pack->normal.y[i] = row->normal.y;
+	pack->normal.z[i] = row->normal.z;
+	pack->arm_a[i] = row->arm_a.x;
+	pack->arm_b[i] = row->arm_b.x;
+	pack->yield_n[i] = row->yield_n;
+	pack->yield_t[i] = row->yield_t;
+	pack->inverse_n[i] = 1 / row->yield_n;
+	pack->leave[i] = row->leave;
+	pack->friction[i] = row->friction;
+}
+
+bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
+{
+	int packs = 0, blocks = 0;
+
+	wide->first = rb_arena_take(arena, (size_t)wide->colour_count + 1, sizeof *wide->first);
+	if (!wide->first)
+		return false;
+	for (int c = 0; c < wide->colour_count; c++) {
+		const int width = width_of(wide, c);
+		const int more = (wide->colour[c + 1] - wide->colour[c] + width - 1) / width;
+
+		wide->first[c] = packs;
+		packs += more;
+		blocks += block_count(more);
+	}
+	wide->first[wide->colour_count] = packs;
+	wide->pack = rb_arena_take(arena, (size_t)packs, sizeof *wide->pack);
+	wide->partial = rb_arena_take(arena, (size_t)blocks, sizeof *wide->partial);
+	if (!wide->pack || !wide->partial)
+		return false;
+	for (int k = 0; k < packs; k++) {
+		wide->pack[k] = (struct rb_wide_pack){.count = {0}};
+		for (int i = 0; i < WIDTH; i++)
+			wide->pack[k].a[i] = wide->pack[k].b[i] = wide->still;
+	}
+	for (int c = 0; c < wide->colour_count; c++)
+		for (int k = wide->colour[c]; k < wide->colour[c + 1]; k++) {
+			const int at = k - wide->colour[c], width = width_of(wide, c);
+
+			fill_lane(wide, &wide->pack[wide->first[c] + at / width], at % width,
+			          &wide->dense->row[k]);
+		}
+	return true;
+}
+
+static void load(const struct rb_wide *wide, bool holds)
+{
+	for (int c = 0; c < wide->colour_count; c++)
+		for (int k = wide->colour[c]; k < wide->colour[c + 1]; k++) {
+			const int at = k - wide->colour[c], width = width_of(wide, c),
+				  i = at % width;
+			struct rb_wide_pack *pack = &wide->pack[wide->first[c] + at / width];
+			const struct rb_dense_row *row = &wide->dense->row[k];
+			const bool rubs = row->friction > 0;
+
+			pack->push[i] = row->push;
+			pack->rub.x[i] = row->rub.x;
+			pack->rub.y[i] = row->rub.y;
+			pack->rub.z[i] = row->rub.z;
+			pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
+			pack->count[i] = 0;
+			pack->inverse_t[i] = rubs && !holds ? 1 / row->yield_t : 0;
+			pack->least[i] = rubs && holds ? rb_vec3_length(row->rub) / row->friction
+			                               : 0;
+		}
+}
+
+static void store(const struct rb_wide *wide)
+{
+	for (int c = 0; c < wide->colour_count; c++)
+		for (int k = wide->colour[c]; k < wide->colour[c + 1]; k++) {
+			const int at = k - wide->colour[c], width = width_of(wide, c),
+				  i = at % width;
+			const struct rb_wide_pack *pack = &wide->pack[wide->first[c] + at / width];
+			struct rb_dense_row *row = &wide->dense->row[k];
+
+			row->push = pack->push[i];
+			row->rub = (rb_vec3){pack->rub.x[i], pack->rub.y[i], pack->rub.z[i]};
+		}
+}
+
+struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, int most,
+                                     bool holds)
+{
+	struct rb_sweep_result result = {0, 0};
+	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
+
+	load(wide, holds);
+	while (result.sweeps < most) {
+		result.residual = run_all(wide, 0);
+		result.sweeps++;
+		if (result.residual <= enough || result.sweeps == most)
+			break;
+		least = fmin(least, result.residual);
+		if (result.sweeps % SWEEPS_WATCHED == 0) {
+			if (least > fall_share * before)
+				lead = fmax(0, 1 - lead_growth * (1 - lead));
+			before = least;
+			least = (double)INFINITY;
+		}
+		if (lead > 0)
+			(void)run_all(wide, lead);
+	}
+	store(wide);
+	return result;
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rows between spheres by iteration, four at a time: sweeps as in stepped/sweep over packs of rows that share no body,
+ * each impulse then led on along the way it goes (Nesterov's momentum, Soviet Math. Doklady 27 (1983) 372, for each row
+ * on its own: a row that turns round loses half of what it has gathered, B. O'Donoghue and E. Candes, Found. Comput. Math.
+ * 15 (2015) 715).
+ *
+ * Jammed heaps have rows enough that change their face in every sweep; a mixture of earlier sweeps has then to be
+ * forgotten as often, momentum has not. Blocks are of packs, so what comes out does not depend on the workers.
+ */
+#ifndef RB_STEPPED_WIDE_H
+#define RB_STEPPED_WIDE_H
+
+#include "stepped/sweep.h"
+
+struct rb_wide_pack;
+
+struct rb_wide {
+	const struct rb_dense *dense; /* central rows only, in order of colours */
+	int still;                    /* a body that does not yield */
+	struct rb_team *team;         /* NULL: in one thread */
+	const int *colour;            /* [colour_count + 1]: first row of each */
+	int colour_count;
+	bool tail; /* rows of the last colour share bodies after all: one after the other */
+	/* scratch, rb_wide_take */
+	struct rb_wide_pack *pack;
+	int *first;      /* [colour_count + 1]: first pack of each colour */
+	double *partial; /* [blocks] */
+};
+
+/* Scratch, once the rest is known; false: no memory. */
+bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
+
+/*
+ * From the impulses that the rows have, which the bodies feel already. `holds`: what acts across the normals stays as it is,
+ * and no push falls below what holds it within the cone.
+ */
+struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, int most,
+                                     bool holds);
+
+#endif

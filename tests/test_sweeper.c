@@ -1,0 +1,246 @@
+/* SPDX-License-Identifier: MIT */
+/* stepped/sweeper, stepped/wide: what sweeps leave is what was asked for, in packs and one at a time, for any workers. */
+#include "stepped/sweeper.h"
+
+#include "support.h"
+
+#include "math/random.h"
+
+enum { SIDE = 8, LAYERS = 6, BODIES = SIDE * SIDE * LAYERS, ROWS_MOST = 4 * BODIES };
+
+static const double friction = 0.5, step_s = 1.0 / 240;
+
+/* Balls in a lattice on a floor, which touch and move at random: made anew by `make`. */
+struct heap {
+	struct rb_dense dense;
+	struct rb_dense_body body[BODIES + 1], free[BODIES + 1];
+	struct rb_dense_row row[ROWS_MOST];
+	int member[BODIES], local[BODIES + 1];
+	struct rb_arena arena;
+};
+
+static void add_row(struct heap *heap, int a, int b, rb_vec3 normal)
+{
+	struct rb_dense_row *row = &heap->row[heap->dense.row_count];
+	const struct rb_dense_body *p = &heap->body[a], *q = &heap->body[b];
+
+	*row = (struct rb_dense_row){.a = a,
+	                             .b = b,
+	                             .point = heap->dense.row_count,
+	                             .central = true,
+	                             .normal = normal,
+	                             .arm_a = {0.5, 0, 0},
+	                             .arm_b = {b < BODIES ? -0.5 : 0, 0, 0},
+	                             .friction = friction};
+	row->yield_n = p->inverse_mass + q->inverse_mass;
+	row->yield_t = row->yield_n + 0.25 * (p->inverse_inertia + q->inverse_inertia);
+	heap->dense.row_count++;
+}
+
+static struct heap *make(double speed)
+{
+	struct heap *heap = calloc(1, sizeof *heap);
+
+	assert_non_null(heap);
+	heap->dense = (struct rb_dense){.body = heap->body, .row = heap->row};
+	for (int i = 0; i < BODIES; i++) {
+		double v[3];
+
+		for (int k = 0; k < 3; k++)
+			v[k] = speed * (2 * rb_random_unit(7, (uint64_t)k, (uint64_t)i) - 1);
+		heap->body[i] = (struct rb_dense_body){.linear = {v[0], v[1], v[2] - 9.81 * step_s},
+		                                       .inverse_mass = 1.0 / 500,
+		                                       .inverse_inertia = 1.0 / 50};
+		heap->member[i] = i;
+	}
+	for (int i = 0; i < BODIES; i++) {
+		const int x = i % SIDE, y = i / SIDE % SIDE, z = i / (SIDE * SIDE);
+
+		if (x + 1 < SIDE)
+			add_row(heap, i, i + 1, (rb_vec3){1, 0, 0});
+		if (y + 1 < SIDE)
+			add_row(heap, i, i + SIDE, (rb_vec3){0, 1, 0});
+		if (z + 1 < LAYERS)
+			add_row(heap, i, i + SIDE * SIDE, (rb_vec3){0, 0, 1});
+		if (z == 0)
+			add_row(heap, i, BODIES, (rb_vec3){0, 0, -1});
+	}
+	heap->local[BODIES] = -1;
+	memcpy(heap->free, heap->body, sizeof heap->free);
+	return heap;
+}
+
+static void unmake(struct heap *heap)
+{
+	rb_arena_release(&heap->arena);
+	free(heap);
+}
+
+static struct rb_sweeper take(struct heap *heap, struct rb_team *team)
+{
+	struct rb_sweeper sweeper = {.dense = &heap->dense,
+	                             .still = BODIES,
+	                             .member = heap->member,
+	                             .member_count = BODIES,
+	                             .local = heap->local,
+	                             .team = team};
+
+	assert_true(rb_sweeper_take(&sweeper, &heap->arena));
+	return sweeper;
+}
+
+/* What the rows still ask for at the velocities that their impulses make, m/s; cones are kept. */
+static void look_at(const struct heap *heap, double *closing, double *any)
+{
+	static struct heap again;
+
+	again = *heap;
+	again.dense = (struct rb_dense){again.body, NULL, again.row, heap->dense.row_count};
+	memcpy(again.body, heap->free, sizeof again.body);
+	rb_sweep_warm(&again.dense);
+	*closing = *any = 0;
+	for (int k = 0; k < heap->dense.row_count; k++) {
+		const struct rb_dense_row *row = &again.row[k];
+		const rb_vec3 u = rb_dense_velocity(&again.dense, row);
+		const double u_n = rb_vec3_dot(u, row->normal);
+		const double push = fmax(0, row->push - u_n / row->yield_n);
+		rb_vec3 rub = rb_vec3_add_scaled(row->rub, -1 / row->yield_t,
+		                                 rb_vec3_reject(u, row->normal));
+		const double size = rb_vec3_length(rub);
+
+		assert_true(row->push >= 0);
+		assert_true(rb_vec3_length(row->rub) <= friction * row->push * (1 + 1e-12));
+		if (size > friction * push)
+			rub = rb_vec3_scale(friction * push / size, rub);
+		*closing = fmax(*closing, -u_n);
+		*any = fmax(*any, fabs(push - row->push) * row->yield_n);
+		*any = fmax(*any, rb_vec3_length(rb_vec3_sub(rub, row->rub)) * row->yield_t);
+	}
+	/* bodies are what the impulses make of them, to rounding */
+	for (int i = 0; i < BODIES; i++)
+		assert_near(rb_vec3_length(rb_vec3_sub(heap->body[i].linear, again.body[i].linear)),
+		            0, 1e-12);
+}
+
+static void packs_solve_a_heap_that_is_thrown_about(void **slot)
+{
+	struct heap *heap = make(0.1);
+	struct rb_sweeper sweeper = take(heap, NULL);
+	double closing, any;
+
+	(void)slot;
+	assert_true(sweeper.wide);
+	const struct rb_sweep_result result = rb_sweeper_run(&sweeper, 1e-4, 1000);
+	assert_true(result.residual <= 1e-4);
+	look_at(heap, &closing, &any);
+	assert_true(closing < 3e-4);
+	assert_true(any < 1e-3);
+	unmake(heap);
+}
+
+static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
+{
+	struct heap *packs = make(0), *rows = make(0);
+	struct rb_sweeper sweeper = take(packs, NULL);
+	struct rb_sweep one = {.dense = &rows->dense, .enough = 1e-9, .most = 3000};
+	double weight = 0;
+
+	(void)slot;
+	assert_true(rb_sweeper_run(&sweeper, 1e-9, 3000).residual <= 1e-9);
+	assert_true(rb_sweep_take(&one, &rows->arena));
+	assert_true(rb_sweep_solve(&one).residual <= 1e-9);
+	for (int i = 0; i < BODIES; i++) {
+		assert_near(packs->body[i].linear.z, 0, 1e-7);
+		assert_near(rows->body[i].linear.z, 0, 1e-7);
+	}
+	for (int k = 0; k < packs->dense.row_count; k++)
+		if (packs->row[k].b == BODIES)
+			weight += packs->row[k].push;
+	assert_near(weight / (BODIES * 500 * 9.81 * step_s), 1, 1e-6);
+	unmake(packs);
+	unmake(rows);
+}
+
+static void any_number_of_workers_leaves_the_same_bits(void **slot)
+{
+	struct heap *first = make(0.1);
+	struct rb_sweeper sweeper = take(first, NULL);
+	struct rb_error err;
+
+	(void)slot;
+	(void)rb_sweeper_run(&sweeper, 0, 50);
+	for (int workers = 1; workers <= 3; workers++) {
+		struct heap *heap = make(0.1);
+		struct rb_team *team;
+
+		assert_ok(rb_team_create(&team, workers, &err));
+		struct rb_sweeper by_team = take(heap, team);
+		(void)rb_sweeper_run(&by_team, 0, 50);
+		assert_memory_equal(heap->body, first->body, sizeof heap->body);
+		rb_team_destroy(team);
+		unmake(heap);
+	}
+	unmake(first);
+}
+
+static void holding_closes_no_gap_and_leaves_friction(void **slot)
+{
+	struct heap *heap = make(0.5);
+	struct rb_sweeper sweeper = take(heap, NULL);
+	double closing, any;
+
+	(void)slot;
+	(void)rb_sweeper_run(&sweeper, 0, 5);
+	rb_vec3 *rub = calloc(ROWS_MOST, sizeof *rub);
+	assert_non_null(rub);
+	for (int k = 0; k < heap->dense.row_count; k++)
+		rub[k] = heap->row[k].rub;
+	look_at(heap, &closing, &any);
+	assert_true(closing > 1e-3);
+	assert_true(rb_sweeper_hold(&sweeper, 1e-6, 1000).residual <= 1e-6);
+	look_at(heap, &closing, &any);
+	assert_true(closing < 1e-5);
+	for (int k = 0; k < heap->dense.row_count; k++)
+		assert_near(rb_vec3_length(rb_vec3_sub(rub[k], heap->row[k].rub)), 0, 1e-9);
+	free(rub);
+	unmake(heap);
+}
+
+/* More rows on one ball than there are colours. */
+static void a_ball_among_a_hundred_has_a_tail(void **slot)
+{
+	enum { AROUND = 100 };
+	struct heap *heap = make(0);
+	double closing, any;
+
+	(void)slot;
+	heap->dense.row_count = 0;
+	for (int i = 1; i <= AROUND; i++) {
+		const double turn = 2.4 * i, z = 1 - 2 * (i - 0.5) / AROUND;
+
+		add_row(heap, 0, i,
+		        (rb_vec3){sqrt(1 - z * z) * cos(turn), sqrt(1 - z * z) * sin(turn), z});
+		heap->body[i].linear = rb_vec3_scale(-1, heap->row[i - 1].normal);
+	}
+	memcpy(heap->free, heap->body, sizeof heap->free);
+	struct rb_sweeper sweeper = take(heap, NULL);
+	assert_true(sweeper.wide && sweeper.many.tail);
+	assert_true(rb_sweeper_run(&sweeper, 1e-9, 3000).residual <= 1e-9);
+	look_at(heap, &closing, &any);
+	assert_true(any < 1e-7);
+	assert_true(rb_vec3_length(heap->body[1].linear) < 0.01);
+	unmake(heap);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(packs_solve_a_heap_that_is_thrown_about),
+		cmocka_unit_test(packs_carry_a_heap_at_rest_as_single_rows_do),
+		cmocka_unit_test(any_number_of_workers_leaves_the_same_bits),
+		cmocka_unit_test(holding_closes_no_gap_and_leaves_friction),
+		cmocka_unit_test(a_ball_among_a_hundred_has_a_tail),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
