@@ -185,7 +185,7 @@ static enum rb_status number_groups(struct rb_world *world, struct rb_error *err
 /* Pairs of the land by group: those of a group's candidates stay in their order. */
 static enum rb_status sort_pairs(struct rb_apart *apart, struct rb_error *err)
 {
-	const struct rb_near *land = &apart->land;
+	struct rb_near *land = &apart->land;
 	size_t at = 0;
 
 	if (!rb_memory_reserve(&apart->pair, &apart->pair_capacity, land->pair_count + 1,
@@ -203,7 +203,8 @@ static enum rb_status sort_pairs(struct rb_apart *apart, struct rb_error *err)
 
 		apart->pair[group->pair + group->pair_count++] = land->pair[k];
 	}
-	return RB_OK;
+	land->pair = apart->pair;
+	return rb_near_forget(land, err);
 }
 
 static enum rb_status form_groups(struct rb_world *world, struct rb_error *err)
@@ -292,7 +293,9 @@ static void cohort_of(struct rb_world *world, const struct group *group)
 	memcpy(apart->body, apart->member + group->first, (size_t)group->count * sizeof(int));
 	memcpy(apart->body + group->count, s->body + s->member_count, (size_t)driven * sizeof(int));
 	apart->land.pair = apart->pair + group->pair;
-	apart->land.clue = apart->land.own_clue ? apart->land.own_clue + group->pair : NULL;
+	apart->land.first_clue = apart->land.own_first_clue
+	                                 ? apart->land.own_first_clue + group->pair
+	                                 : NULL;
 	apart->land.pair_count = group->pair_count;
 	s->part.body = apart->body;
 	s->part.member_count = group->count;
@@ -641,7 +644,7 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	counts->smallest_step_s = fmin(counts->smallest_step_s, dt);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	apart->land.pair = apart->pair;
-	apart->land.clue = apart->land.own_clue;
+	apart->land.first_clue = apart->land.own_first_clue;
 	apart->land.pair_count = apart->group_count > 0
 	                                 ? apart->group[apart->group_count - 1].pair +
 	                                           apart->group[apart->group_count - 1].pair_count

@@ -67,7 +67,8 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->margin);
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
-	rb_memory_free(near->own_clue);
+	rb_memory_free(near->clue);
+	rb_memory_free(near->own_first_clue);
 	rb_memory_free(near->first_part);
 	rb_memory_free(near->placed);
 	rb_memory_free(near->ahead);
@@ -171,14 +172,25 @@ static enum rb_status order_pairs(struct rb_near *near, const struct rb_world *w
 
 /* ---- all ---- */
 
-static enum rb_status forget_clues(struct rb_near *near, struct rb_error *err)
+enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err)
 {
-	if (!rb_memory_reserve(&near->own_clue, &near->clue_capacity, near->pair_count + 1,
-	                       sizeof *near->own_clue))
+	size_t count = 0;
+
+	if (!near->placed)
+		return RB_OK;
+	if (!rb_memory_reserve(&near->own_first_clue, &near->first_clue_capacity,
+	                       near->pair_count + 1, sizeof *near->own_first_clue))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
 		               near->pair_count);
-	memset(near->own_clue, 0, near->pair_count * sizeof *near->own_clue);
-	near->clue = near->own_clue;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		near->own_first_clue[k] = count;
+		count += (size_t)rb_near_part_count(near, near->pair[k].a) *
+		         (size_t)rb_near_part_count(near, near->pair[k].b);
+	}
+	if (!rb_memory_reserve(&near->clue, &near->clue_capacity, count + 1, sizeof *near->clue))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near parts", count);
+	memset(near->clue, 0, count * sizeof *near->clue);
+	near->first_clue = near->own_first_clue;
 	return RB_OK;
 }
 
@@ -199,7 +211,7 @@ enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world, struc
 	                                           &near->pair_count, err);
 	if (status == RB_OK && model->driven)
 		status = order_pairs(near, world, err);
-	return status == RB_OK && model->parts ? forget_clues(near, err) : status;
+	return status == RB_OK ? rb_near_forget(near, err) : status;
 }
 
 static enum rb_status build(struct rb_near *near, struct rb_world *world, struct rb_error *err)

@@ -12,7 +12,7 @@
 #include "step/broadphase.h"
 #include "world/world.h"
 
-/* What is known of a pair from the look before; decides cost only. */
+/* What is known of two parts from the look before; decides cost only. */
 struct rb_clue {
 	rb_vec3 axis;  /* the direction in which it was told apart, or touches; zero: none */
 	bool is_close; /* it was not told apart */
@@ -27,10 +27,11 @@ struct rb_near {
 	double h_s;                 /* of that step */
 	const struct rb_pair *pair; /* borrowed from the broadphase, or `own` */
 	size_t pair_count;
-	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clue. */
-	struct rb_clue *clue; /* [pair_count], as `pair` */
-	struct rb_clue *own_clue;
-	size_t clue_capacity;
+	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clues. */
+	struct rb_clue *clue; /* of each two parts of each pair */
+	size_t *first_clue;   /* [pair_count], as `pair` */
+	size_t *own_first_clue;
+	size_t clue_capacity, first_clue_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* where parts stand: rb_near_place */
 	double *ahead;     /* [bodies] m: how far points of each may get in the step, turning too */
@@ -52,6 +53,14 @@ RB_CHECKED enum rb_status rb_near_find(struct rb_near *near, struct rb_world *wo
 
 /* Whether every body is still within its margin; NaN is not. */
 bool rb_near_holds(const struct rb_near *near, const struct rb_world *world);
+
+/* Nothing is known of the pairs as they stand, in this order. */
+RB_CHECKED enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err);
+
+static inline int rb_near_part_count(const struct rb_near *near, int i)
+{
+	return near->first_part[i + 1] - near->first_part[i];
+}
 
 /* Parts of these bodies as they stand now, and what their turning may add: before touch is asked about them. */
 void rb_near_place(struct rb_near *near, struct rb_world *world, const int *body, int count);

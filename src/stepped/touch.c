@@ -291,29 +291,21 @@ static bool are_beyond(const struct parts *parts, double most, struct rb_clue *c
 	                            clue->is_close ? ROUNDS_CLOSE : ROUNDS_APART, &clue->axis);
 }
 
-/* Of several parts nothing is remembered. */
-static struct rb_clue *clue_of(struct rb_clue *kept, struct rb_clue *none, int parts)
-{
-	*none = (struct rb_clue){.is_close = false};
-	return parts > 2 ? none : kept;
-}
-
 static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
-                          struct rb_clue *kept)
+                          struct rb_clue *clues)
 {
 	const struct rb_near *near = look->near;
 	const double fine = fine_share * look->world->model->tolerance_m;
 	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
-	const int count_a = near->first_part[pair.a + 1] - a;
-	const int count_b = near->first_part[pair.b + 1] - b;
-	struct rb_clue none;
+	const int count_a = rb_near_part_count(near, pair.a);
+	const int count_b = rb_near_part_count(near, pair.b);
 	rb_manifold manifold;
 
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
 			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
 			const struct parts parts = parts_of(pa, pb);
-			struct rb_clue *clue = clue_of(kept, &none, count_a + count_b);
+			struct rb_clue *clue = &clues[i * count_b + j];
 
 			const bool apart = are_beyond(&parts, slack, clue);
 
@@ -356,13 +348,35 @@ static double plane_turn(const struct look *look, struct rb_pair pair)
 }
 
 /* m: what two bodies can close in the step, by how far either gets. */
-static inline double slack_of(const struct look *look, const double *reach, struct rb_pair pair)
+static inline double slack_of(const struct look *look, struct rb_pair pair)
 {
 	const struct rb_model *model = look->world->model;
+	const double *reach = look->near->reach;
 	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
 	                     model->tolerance_m;
 
 	return model->driven ? slack + plane_turn(look, pair) : slack;
+}
+
+/*
+ * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies that move together do not
+ * close both of their ways.
+ */
+static double closing_of(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_near *near = look->near;
+	const struct rb_model *model = look->world->model;
+	const rb_vec3 d = rb_vec3_sub(way_of(look, pair.b), way_of(look, pair.a));
+	const double a = near->reach[pair.a];
+	double b = 0, turning = near->ahead[pair.a] - a;
+
+	if (pair.b < model->body_count) {
+		b = near->reach[pair.b];
+		turning += near->ahead[pair.b] - b;
+	}
+	const double way = fmin(fmax(fmax(a, b), rb_vec3_length(d)), a + b);
+	const double closing = way + turning + model->tolerance_m;
+	return model->driven ? closing + plane_turn(look, pair) : closing;
 }
 
 /* ---- all pairs, by blocks ---- */
@@ -387,10 +401,10 @@ static void look_block(void *user, int block, int worker)
 		const struct rb_pair pair = near->pair[k];
 
 		if (is_plain(look.world->model, pair.a, pair.b))
-			look_at_plain(&look, pair, slack_of(&look, near->reach, pair));
+			look_at_plain(&look, pair, slack_of(&look, pair));
 		else
-			look_at_parts(&look, pair, slack_of(&look, near->ahead, pair),
-			              &near->clue[k]);
+			look_at_parts(&look, pair, closing_of(&look, pair),
+			              &near->clue[near->first_clue[k]]);
 	}
 	looks->block[block] = look;
 }
@@ -494,19 +508,18 @@ struct depths {
 	struct rb_depths *block;
 };
 
-static double depth_of_parts(const struct rb_near *near, struct rb_pair pair, struct rb_clue *kept)
+static double depth_of_parts(const struct rb_near *near, struct rb_pair pair, struct rb_clue *clues)
 {
 	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
-	const int count_a = near->first_part[pair.a + 1] - a;
-	const int count_b = near->first_part[pair.b + 1] - b;
-	struct rb_clue none;
+	const int count_a = rb_near_part_count(near, pair.a);
+	const int count_b = rb_near_part_count(near, pair.b);
 	double depth = 0;
 
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
 			const struct parts parts = parts_of(&near->placed[a + i],
 			                                    &near->placed[b + j]);
-			struct rb_clue *clue = clue_of(kept, &none, count_a + count_b);
+			struct rb_clue *clue = &clues[i * count_b + j];
 
 			if (are_beyond(&parts, 0, clue))
 				continue;
@@ -524,7 +537,7 @@ static double depth_of(const struct rb_world *world, const struct rb_near *near,
 	const struct rb_pair pair = near->pair[k];
 
 	if (!is_plain(model, pair.a, pair.b))
-		return depth_of_parts(near, pair, &near->clue[k]);
+		return depth_of_parts(near, pair, &near->clue[near->first_clue[k]]);
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
