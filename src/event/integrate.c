@@ -25,7 +25,7 @@ static const double otherwise = 1e-10;
 /* What the rounding of places may cost at most, of the tolerance's sizes. */
 static const double coarse = 1e-6;
 
-enum { LOOKS = 8, BISECTIONS = 80 };
+enum { LOOKS = 8, BISECTIONS = 80, HIT_ULP = 8 };
 
 /* ---- the problem that math/gauss sees ---- */
 
@@ -310,7 +310,8 @@ static bool is_hit(const struct rb_modes *w, int k)
 	}
 	const struct rb_meet now = rb_meet_poses(w->l, held->a, held->b, &m->pose_a, &m->pose_b);
 
-	return now.gap < low - rb_meet_band(w->l, &now, w->origin_s) &&
+	/* in a piece gaps are of differences: rounding of the size, wherever that is */
+	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_meet_size(w->l, &now) &&
 	       approaches_elsewhere(w, k, end);
 }
 
