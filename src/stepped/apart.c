@@ -21,7 +21,8 @@ struct group {
 };
 
 struct rb_apart {
-	struct rb_near land; /* its margins are the territories; pairs that could meet in them */
+	struct rb_near land; /* pairs that could meet in their territories */
+	rb_aabb *room;       /* owned, by body: the territory of its origin */
 	struct rb_state begin;
 	/* by body */
 	int *group_of, *parent, *was_group,
@@ -63,8 +64,9 @@ static enum rb_status create(struct rb_world *world, struct rb_error *err)
 	made->settled = rb_memory_take(n, 1);
 	made->member = rb_memory_take(n, sizeof *made->member);
 	made->body = rb_memory_take(n, sizeof *made->body);
-	if (!made->group_of || !made->parent || !made->was_group || !made->steps || !made->failed ||
-	    !made->settled || !made->member || !made->body)
+	made->room = rb_memory_take(n, sizeof *made->room);
+	if (!made->room || !made->group_of || !made->parent || !made->was_group || !made->steps ||
+	    !made->failed || !made->settled || !made->member || !made->body)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
 	enum rb_status status = rb_near_create(&made->land, model, err);
 	if (status == RB_OK)
@@ -78,6 +80,7 @@ void rb_apart_destroy(struct rb_apart *apart)
 		return;
 	rb_near_release(&apart->land);
 	rb_state_release(&apart->begin);
+	rb_memory_free(apart->room);
 	rb_memory_free(apart->group_of);
 	rb_memory_free(apart->parent);
 	rb_memory_free(apart->was_group);
@@ -98,26 +101,47 @@ void rb_apart_destroy(struct rb_apart *apart)
 
 /* ---- territories and groups ---- */
 
-static double from_begin(const struct rb_world *world, int i)
+static rb_vec3 lower(rb_vec3 a, rb_vec3 b)
 {
-	const struct rb_apart *apart = world->stepped->apart;
-
-	return rb_vec3_length(
-		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), apart->land.built_at[i]));
+	return (rb_vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
 }
 
-static void stake_out(struct rb_world *world)
+static rb_vec3 upper(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+/* The box of a straight way, with so much to all sides. */
+static rb_aabb box_of_way(rb_vec3 from, rb_vec3 to, double pad)
+{
+	const rb_vec3 all = {pad, pad, pad};
+
+	return (rb_aabb){rb_vec3_sub(lower(from, to), all), rb_vec3_add(upper(from, to), all)};
+}
+
+static bool is_inside(const rb_aabb *box, rb_vec3 p)
+{
+	return p.x >= box->low.x && p.y >= box->low.y && p.z >= box->low.z && p.x <= box->high.x &&
+	       p.y <= box->high.y && p.z <= box->high.z;
+}
+
+static void stake_out(struct rb_world *world, double dt)
 {
 	const struct rb_stepped *s = world->stepped;
 	struct rb_apart *apart = s->apart;
-	struct rb_near *land = &apart->land;
 
 	for (int i = 0; i < world->model->body_count; i++) {
-		land->built_at[i] = rb_world_origin_at(world, &apart->begin, i);
-		land->margin[i] = room_share * rb_near_size(world->model, i) +
-		                  (world->broadphase ? s->near.reach[i] : 0);
-		if (!s->bad[i])
-			land->margin[i] = fmax(land->margin[i], from_begin(world, i));
+		const rb_vec3 from = rb_world_origin_at(world, &apart->begin, i);
+		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(apart->begin.velocity, i));
+		const double reach = world->broadphase ? s->near.reach[i] : 0;
+		const double room = room_share * rb_near_size(world->model, i);
+
+		/* what forces add within the step is in the reach */
+		apart->room[i] = s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
+		                                        room + fmax(0, reach - rb_vec3_length(way)))
+		                           : box_of_way(from,
+		                                        rb_world_origin_at(world, &world->state, i),
+		                                        room);
 	}
 }
 
@@ -216,7 +240,7 @@ static enum rb_status form_groups(struct rb_world *world, struct rb_error *err)
 
 	apart->land.pair_count = 0;
 	if (world->broadphase)
-		status = rb_near_pairs(&apart->land, world, err);
+		status = rb_near_pairs(&apart->land, world, apart->room, err);
 	if (status != RB_OK)
 		return status;
 	for (int i = 0; i < model->body_count; i++)
@@ -303,24 +327,28 @@ static void cohort_of(struct rb_world *world, const struct group *group)
 	s->part.near = &apart->land;
 }
 
-/*
- * Whoever has come farther gets a territory for the way that is left, at least twice as large as that so far; driven ones
- * too.
- */
+/* Whoever has left the territory gets more of it: for the way ahead, and more the farther it is; driven ones too. */
 static bool has_left(struct rb_world *world, double rest_s)
 {
 	const struct rb_cohort *part = &world->stepped->part;
-	struct rb_near *land = &world->stepped->apart->land;
+	struct rb_apart *apart = world->stepped->apart;
 	bool left = false;
 
 	for (int k = 0; k < part->body_count; k++) {
 		const int i = part->body[k];
-		const double distance = from_begin(world, i);
+		const rb_vec3 at = rb_world_origin_at(world, &world->state, i);
+		rb_aabb *const room = &apart->room[i];
 
-		if (distance <= land->margin[i])
+		if (is_inside(room, at))
 			continue;
-		const double speed = rb_vec3_length(rb_world_row3(world->state.velocity, i));
-		land->margin[i] = fmax(2 * distance, distance + (1 + room_share) * rest_s * speed);
+		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
+		                                  rb_world_row3(world->state.velocity, i));
+		const rb_vec3 from = rb_world_origin_at(world, &apart->begin, i);
+		const rb_aabb more = box_of_way(
+			at, rb_vec3_add(at, way),
+			room_share * (rb_near_size(world->model, i) +
+		                      rb_vec3_length(rb_vec3_sub(at, from)) + rb_vec3_length(way)));
+		*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
 		left = true;
 	}
 	return left;
@@ -680,7 +708,7 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		return status;
 	struct rb_apart *apart = s->apart;
 	rb_state_copy(&apart->begin, &world->mark);
-	stake_out(world);
+	stake_out(world, dt);
 	for (int i = 0; i < world->model->body_count; i++) {
 		apart->failed[i] = s->bad[i];
 		apart->settled[i] = 0;
@@ -688,7 +716,8 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		apart->steps[i] = 1;
 	}
 	apart->kept.count = apart->push_count = apart->event_count = 0;
-	s->near.valid = false;
+	if (!rb_near_keep(&s->near))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
 	status = run_groups(world, start, dt, err);
 	if (status == RB_OK)
 		status = end_drive(world, start, dt, err);

@@ -2,8 +2,8 @@
 /*
  * A step that has failed for some bodies: these are taken back and go on in shorter steps, the others keep theirs.
  *
- * Each body has a territory for the step: so far it would fly, or has flown if all was well with it, and an eighth of its
- * size. Bodies of which the territories meet, or that a spring joins, are a group; groups cannot touch each other. A group
+ * Each body has a territory for the step: the box of the way that it would fly, or has flown if all was well with it, and an
+ * eighth of its size to all sides. Bodies of which the territories meet, or that a spring joins, are a group; groups cannot touch each other. A group
  * in which something has failed goes back as a whole. Should somebody leave the territory, it grows, groups are formed
  * anew, and those that have changed begin the step again. What becomes of a group depends on nothing but the group.
  */

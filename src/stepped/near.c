@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/near.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -194,24 +195,32 @@ enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err)
 	return RB_OK;
 }
 
-enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world, struct rb_error *err)
+static enum rb_status search(struct rb_near *near, struct rb_world *world, struct rb_error *err)
+{
+	enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
+	                                           &near->pair_count, err);
+
+	if (status == RB_OK && world->model->driven)
+		status = order_pairs(near, world, err);
+	return status == RB_OK ? rb_near_forget(near, err) : status;
+}
+
+enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world, const rb_aabb *room,
+                             struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
 
 	for (int i = 0; i < model->body_count; i++) {
-		const rb_vec3 c = near->built_at[i];
-		const double half = (rb_near_size(model, i) + near->margin[i] +
-		                     model->tolerance_m) *
-		                    (1 + 1e-12);
+		const rb_vec3 low = room[i].low, high = room[i].high;
+		/* room for the rounding of coordinates, too */
+		const double half = (rb_near_size(model, i) + model->tolerance_m) * (1 + 1e-12) +
+		                    4 * DBL_EPSILON *
+		                            fmax(rb_vec3_max_abs(low), rb_vec3_max_abs(high));
 
-		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
-		                         {c.x + half, c.y + half, c.z + half}};
+		near->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
+		                         {high.x + half, high.y + half, high.z + half}};
 	}
-	enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
-	                                           &near->pair_count, err);
-	if (status == RB_OK && model->driven)
-		status = order_pairs(near, world, err);
-	return status == RB_OK ? rb_near_forget(near, err) : status;
+	return search(near, world, err);
 }
 
 static enum rb_status build(struct rb_near *near, struct rb_world *world, struct rb_error *err)
@@ -223,14 +232,31 @@ static enum rb_status build(struct rb_near *near, struct rb_world *world, struct
 	for (int i = 0; i < model->body_count; i++)
 		mean += near->reach[i] / model->body_count;
 	for (int i = 0; i < model->body_count; i++) {
-		near->built_at[i] = rb_world_origin_at(world, &world->state, i);
+		const rb_vec3 c = rb_world_origin_at(world, &world->state, i);
+		const double size = rb_near_size(model, i);
+
+		near->built_at[i] = c;
 		/* forces add their share again in every step */
-		near->margin[i] = STEPS_PER_BOX * fmax(near->reach[i], mean) +
-		                  rb_near_size(model, i) / 64;
+		near->margin[i] = STEPS_PER_BOX * fmax(near->reach[i], mean) + size / 64;
+		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
+		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
+		                         {c.x + half, c.y + half, c.z + half}};
 	}
-	const enum rb_status status = rb_near_pairs(near, world, err);
+	const enum rb_status status = search(near, world, err);
 	near->valid = status == RB_OK;
 	return status;
+}
+
+bool rb_near_keep(struct rb_near *near)
+{
+	if (near->pair == near->own || near->pair_count == 0)
+		return true;
+	if (!rb_memory_reserve(&near->own, &near->own_capacity, near->pair_count,
+	                       sizeof *near->own))
+		return false;
+	memcpy(near->own, near->pair, near->pair_count * sizeof *near->own);
+	near->pair = near->own;
+	return true;
 }
 
 void rb_near_reach(struct rb_near *near, const struct rb_world *world, double h, const int *member,

@@ -35,7 +35,8 @@ struct rb_near {
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* where parts stand: rb_near_place */
 	double *ahead;     /* [bodies] m: how far points of each may get in the step, turning too */
-	struct rb_pair *own; /* owned; where bodies are driven: pairs in which the first yields */
+	struct rb_pair *
+		own; /* owned: rb_near_keep; where bodies are driven: pairs in which the first yields */
 	size_t own_capacity;
 };
 
@@ -65,9 +66,12 @@ static inline int rb_near_part_count(const struct rb_near *near, int i)
 /* Parts of these bodies as they stand now, and what their turning may add: before touch is asked about them. */
 void rb_near_place(struct rb_near *near, struct rb_world *world, const int *body, int count);
 
-/* Candidates by boxes about these places, so far around the bodies: places and margins of all are given. */
+/* Pairs that could touch while every body's origin stays within its room. */
 RB_CHECKED enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world,
-                                        struct rb_error *err);
+                                        const rb_aabb *room, struct rb_error *err);
+
+/* The candidates stay although the broadphase is asked for others; false: no memory. */
+bool rb_near_keep(struct rb_near *near);
 
 /* m: no point of a body that moves is farther from its origin; infinite planes: 0. */
 double rb_near_size(const struct rb_model *model, int i);
