@@ -7,8 +7,10 @@
 
 enum { CLOSINGS_MOST = 12 };
 
-/* Overlap after a step that moving positions may close, over the smallest size; more is taken back. */
+/* Overlap after a step that moving positions may close, over the smallest size; more than that and the bends is taken back. */
 static const double closable_share = 0.01;
+/* A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a thirty-second. */
+static const double bend_turn_most = 0.25;
 
 /* ---- which groups ---- */
 
@@ -143,18 +145,36 @@ static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohor
 	return status;
 }
 
-static void blame_deep(struct rb_world *world, const struct rb_depths *found, double most)
+static void blame(struct rb_world *world, const struct rb_deep *deep)
 {
-	struct rb_stepped *s = world->stepped;
+	rb_stepped_blame(world->stepped, deep->a);
+	if (yields(world, deep->b))
+		rb_stepped_blame(world->stepped, deep->b);
+}
+
+/* m: how far points of a body that turns are off the straight ways that contacts were solved for, r (w h)^2 / 2. */
+static double bend_of(const struct rb_world *world, int i, double h)
+{
+	if (!world->state.spin || i >= world->model->body_count)
+		return 0;
+	const double turn = fmin(bend_turn_most,
+	                         h * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                                  rb_vec3_length(rb_world_row3(world->mark.spin, i))));
+	return 0.5 * turn * turn * rb_near_size(world->model, i);
+}
+
+static void blame_unclosable(struct rb_world *world, const struct rb_cohort *cohort,
+                             const struct rb_depths *found)
+{
+	const double h = cohort->near->h_s;
 
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const struct rb_deep *deep = &found->deep[k];
 
-		if (!(deep->depth > most))
-			continue;
-		rb_stepped_blame(s, deep->a);
-		if (yields(world, deep->b))
-			rb_stepped_blame(s, deep->b);
+		if (!(deep->depth <= closable_share * world->model->size_min_m +
+		                             bend_of(world, deep->a, h) +
+		                             bend_of(world, deep->b, h)))
+			blame(world, deep);
 	}
 }
 
@@ -166,14 +186,13 @@ static bool all_is_lost(const struct rb_stepped *s, const struct rb_cohort *coho
 enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort,
                                 struct rb_depths *found, struct rb_error *err)
 {
-	const struct rb_model *model = world->model;
 	struct rb_stepped *s = world->stepped;
 	enum rb_status status = find_depths(world, cohort, found, err);
 	struct rb_depths last = *found;
 
 	if (status != RB_OK || found->deep_count == 0)
 		return status;
-	blame_deep(world, found, closable_share * model->size_min_m);
+	blame_unclosable(world, cohort, found);
 	if (all_is_lost(s, cohort))
 		return RB_OK;
 	put_aside(world, cohort, false);
@@ -185,7 +204,8 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 			status = find_depths(world, cohort, &last, err);
 	}
 	put_aside(world, cohort, true);
-	blame_deep(world, &last, model->tolerance_m);
+	for (size_t k = 0; k < last.deep_count; k++)
+		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)
 		*found = last;
 	else
