@@ -121,4 +121,22 @@ static inline rb_vec3 rb_dense_impulse(const struct rb_dense_row *row)
 	return rb_vec3_add_scaled(row->rub, row->push, row->normal);
 }
 
+/* What the impulses take from bodies that move and do not yield, J; such a body is the second of its rows. */
+static inline double rb_dense_work(const struct rb_dense *dense)
+{
+	double sum = 0;
+
+	for (int k = 0; k < dense->row_count; k++) {
+		const struct rb_dense_row *row = &dense->row[k];
+		const struct rb_dense_body *b = &dense->body[row->b];
+
+		if (b->inverse_mass == 0)
+			sum -= rb_vec3_dot(
+				rb_dense_impulse(row),
+				rb_vec3_add(b->linear,
+			                    rb_vec3_cross(b->angular, rb_dense_arm_b(row))));
+	}
+	return sum;
+}
+
 #endif

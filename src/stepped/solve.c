@@ -680,31 +680,14 @@ static double product(const struct rb_solver *solver, int i, const struct rb_den
 	       rb_vec3_dot(x->angular, spin);
 }
 
-/* What the rows' impulses take from bodies that move and do not yield, J. */
-static double work_of(const struct rb_solver *solver, const struct rb_island *island)
-{
-	double sum = 0;
-
-	for (int k = 0; k < island->row_count; k++) {
-		const struct rb_dense_row *row = &solver->dense.row[island->first_row + k];
-		const struct rb_dense_body *b = &solver->dense.body[row->b];
-
-		if (b->inverse_mass == 0)
-			sum -= rb_vec3_dot(
-				rb_dense_impulse(row),
-				rb_vec3_add(b->linear,
-			                    rb_vec3_cross(b->angular, rb_dense_arm_b(row))));
-	}
-	return sum;
-}
-
 /*
  * Of a group's rebound, the share that does not take its energy above what it had and what driven bodies have given it:
  * friction at an arm could.
  */
 static double share_of(const struct rb_solver *solver, const struct rb_island *island)
 {
-	double before = 0, mixed = -work_of(solver, island), after = 0;
+	const struct rb_dense rows = rows_of(solver, island);
+	double before = 0, mixed = -rb_dense_work(&rows), after = 0;
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -767,7 +750,8 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 			                   rebounds(solver, &points->row[row->point]);
 		}
 		any = any || island->rebounds;
-		island->energy = island->rebounds ? 2 * work_of(solver, island) : 0;
+		const struct rb_dense rows = rows_of(solver, island);
+		island->energy = island->rebounds ? 2 * rb_dense_work(&rows) : 0;
 		for (int k = 0; k < island->member_count && island->rebounds; k++) {
 			const int i = solver->member[island->first_member + k];
 
