@@ -8,31 +8,14 @@
 #include "stepped/attempt.h"
 #include "stepped/driven.h"
 #include "stepped/judge.h"
+#include "stepped/land.h"
 #include "stepped/tell.h"
 
-/* Of a body's size, what its territory has beyond its way. */
-static const double room_share = 0.125;
-
-/* Bodies that are apart from all others within the step. */
-struct group {
-	int first, count;        /* in `member` */
-	size_t pair, pair_count; /* in `pair` */
-	bool failed, settled;    /* settled: at the end of the step, in shorter steps */
-};
-
 struct rb_apart {
-	struct rb_near land; /* pairs that could meet in their territories */
-	rb_aabb *room;       /* owned, by body: the territory of its origin */
+	struct rb_land land;
 	struct rb_state begin;
-	/* by body */
-	int *group_of, *parent, *was_group,
-		*steps;                  /* owned; steps: that were taken and not taken back */
-	unsigned char *failed, *settled; /* owned */
-	int *member, *body;  /* owned: by group, ascending; a group's, with driven ones */
-	struct group *group; /* owned, in order of their smallest bodies */
-	size_t group_count, group_capacity;
-	struct rb_pair *pair; /* owned: of the land, by group */
-	size_t pair_capacity;
+	int *steps; /* owned, by body: that were taken and not taken back */
+	int *body;  /* owned: a group's, with driven ones */
 	struct rb_contacts last, before, kept; /* of a group's last step; of settled groups */
 	struct rb_named_push *push;            /* owned: of settled groups */
 	size_t push_count, push_capacity;
@@ -52,45 +35,34 @@ static enum rb_status create(struct rb_world *world, struct rb_error *err)
 	const struct rb_model *model = world->model;
 	const size_t n = (size_t)model->body_count;
 	struct rb_apart *made = rb_memory_take(1, sizeof *made);
+	enum rb_status status = RB_OK;
 
-	if (!made)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
-	world->stepped->apart = made;
-	made->group_of = rb_memory_take(n, sizeof *made->group_of);
-	made->parent = rb_memory_take(n, sizeof *made->parent);
-	made->was_group = rb_memory_take(n, sizeof *made->was_group);
-	made->steps = rb_memory_take(n, sizeof *made->steps);
-	made->failed = rb_memory_take(n, 1);
-	made->settled = rb_memory_take(n, 1);
-	made->member = rb_memory_take(n, sizeof *made->member);
-	made->body = rb_memory_take(n, sizeof *made->body);
-	made->room = rb_memory_take(n, sizeof *made->room);
-	if (!made->room || !made->group_of || !made->parent || !made->was_group || !made->steps ||
-	    !made->failed || !made->settled || !made->member || !made->body)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
-	enum rb_status status = rb_near_create(&made->land, model, err);
+	if (made) {
+		made->steps = rb_memory_take(n, sizeof *made->steps);
+		made->body = rb_memory_take(n, sizeof *made->body);
+	}
+	if (!made || !made->steps || !made->body)
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
+	if (status == RB_OK)
+		status = rb_land_create(&made->land, model, err);
 	if (status == RB_OK)
 		status = rb_state_init(&made->begin, model->body_count, model->features, err);
-	return status;
+	if (status != RB_OK) {
+		rb_apart_destroy(made);
+		return status;
+	}
+	world->stepped->apart = made;
+	return RB_OK;
 }
 
 void rb_apart_destroy(struct rb_apart *apart)
 {
 	if (!apart)
 		return;
-	rb_near_release(&apart->land);
+	rb_land_release(&apart->land);
 	rb_state_release(&apart->begin);
-	rb_memory_free(apart->room);
-	rb_memory_free(apart->group_of);
-	rb_memory_free(apart->parent);
-	rb_memory_free(apart->was_group);
 	rb_memory_free(apart->steps);
-	rb_memory_free(apart->failed);
-	rb_memory_free(apart->settled);
-	rb_memory_free(apart->member);
 	rb_memory_free(apart->body);
-	rb_memory_free(apart->group);
-	rb_memory_free(apart->pair);
 	rb_contacts_release(&apart->last);
 	rb_contacts_release(&apart->before);
 	rb_contacts_release(&apart->kept);
@@ -99,159 +71,9 @@ void rb_apart_destroy(struct rb_apart *apart)
 	rb_memory_free(apart);
 }
 
-/* ---- territories and groups ---- */
-
-static rb_vec3 lower(rb_vec3 a, rb_vec3 b)
-{
-	return (rb_vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
-}
-
-static rb_vec3 upper(rb_vec3 a, rb_vec3 b)
-{
-	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
-}
-
-/* The box of a straight way, with so much to all sides. */
-static rb_aabb box_of_way(rb_vec3 from, rb_vec3 to, double pad)
-{
-	const rb_vec3 all = {pad, pad, pad};
-
-	return (rb_aabb){rb_vec3_sub(lower(from, to), all), rb_vec3_add(upper(from, to), all)};
-}
-
-static bool is_inside(const rb_aabb *box, rb_vec3 p)
-{
-	return p.x >= box->low.x && p.y >= box->low.y && p.z >= box->low.z && p.x <= box->high.x &&
-	       p.y <= box->high.y && p.z <= box->high.z;
-}
-
-static void stake_out(struct rb_world *world, double dt)
-{
-	const struct rb_stepped *s = world->stepped;
-	struct rb_apart *apart = s->apart;
-
-	for (int i = 0; i < world->model->body_count; i++) {
-		const rb_vec3 from = rb_world_origin_at(world, &apart->begin, i);
-		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(apart->begin.velocity, i));
-		const double reach = world->broadphase ? s->near.reach[i] : 0;
-		const double room = room_share * rb_near_size(world->model, i);
-
-		/* what forces add within the step is in the reach */
-		apart->room[i] = s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
-		                                        room + fmax(0, reach - rb_vec3_length(way)))
-		                           : box_of_way(from,
-		                                        rb_world_origin_at(world, &world->state, i),
-		                                        room);
-	}
-}
-
-static int root_of(int *parent, int i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
 static bool yields(const struct rb_world *world, int i)
 {
 	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
-}
-
-static void join(const struct rb_world *world, int *parent, int a, int b)
-{
-	if (!yields(world, a) || !yields(world, b))
-		return;
-	a = root_of(parent, a);
-	b = root_of(parent, b);
-	parent[a > b ? a : b] = a > b ? b : a;
-}
-
-static enum rb_status number_groups(struct rb_world *world, struct rb_error *err)
-{
-	struct rb_stepped *s = world->stepped;
-	struct rb_apart *apart = s->apart;
-	int at = 0;
-
-	apart->group_count = 0;
-	for (int k = 0; k < s->member_count; k++) {
-		const int i = s->body[k], root = root_of(apart->parent, i);
-
-		if (root == i) {
-			if (!rb_memory_reserve(&apart->group, &apart->group_capacity,
-			                       apart->group_count + 1, sizeof *apart->group))
-				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
-			apart->group_of[i] = (int)apart->group_count;
-			apart->group[apart->group_count++] = (struct group){.settled = true};
-		}
-		apart->group_of[i] = apart->group_of[root];
-		apart->group[apart->group_of[i]].count++;
-	}
-	for (size_t g = 0; g < apart->group_count; g++) {
-		apart->group[g].first = at;
-		at += apart->group[g].count;
-		apart->group[g].count = 0;
-	}
-	for (int k = 0; k < s->member_count; k++) {
-		const int i = s->body[k];
-		struct group *group = &apart->group[apart->group_of[i]];
-
-		apart->member[group->first + group->count++] = i;
-		group->failed = group->failed || apart->failed[i];
-		group->settled = group->settled && apart->settled[i] &&
-		                 apart->was_group[i] ==
-		                         apart->was_group[apart->member[group->first]];
-	}
-	return RB_OK;
-}
-
-/* Pairs of the land by group: those of a group's candidates stay in their order. */
-static enum rb_status sort_pairs(struct rb_apart *apart, struct rb_error *err)
-{
-	struct rb_near *land = &apart->land;
-	size_t at = 0;
-
-	if (!rb_memory_reserve(&apart->pair, &apart->pair_capacity, land->pair_count + 1,
-	                       sizeof *apart->pair))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", land->pair_count);
-	for (size_t k = 0; k < land->pair_count; k++)
-		apart->group[apart->group_of[land->pair[k].a]].pair_count++;
-	for (size_t g = 0; g < apart->group_count; g++) {
-		apart->group[g].pair = at;
-		at += apart->group[g].pair_count;
-		apart->group[g].pair_count = 0;
-	}
-	for (size_t k = 0; k < land->pair_count; k++) {
-		struct group *group = &apart->group[apart->group_of[land->pair[k].a]];
-
-		apart->pair[group->pair + group->pair_count++] = land->pair[k];
-	}
-	land->pair = apart->pair;
-	return rb_near_forget(land, err);
-}
-
-static enum rb_status form_groups(struct rb_world *world, struct rb_error *err)
-{
-	const struct rb_model *model = world->model;
-	struct rb_stepped *s = world->stepped;
-	struct rb_apart *apart = s->apart;
-	enum rb_status status = RB_OK;
-
-	apart->land.pair_count = 0;
-	if (world->broadphase)
-		status = rb_near_pairs(&apart->land, world, apart->room, err);
-	if (status != RB_OK)
-		return status;
-	for (int i = 0; i < model->body_count; i++)
-		apart->parent[i] = i;
-	for (size_t k = 0; k < apart->land.pair_count; k++)
-		join(world, apart->parent, apart->land.pair[k].a, apart->land.pair[k].b);
-	for (int k = 0; k < model->scene->spring_count; k++)
-		join(world, apart->parent, model->index_of[model->scene->springs[k].a],
-		     model->index_of[model->scene->springs[k].b]);
-	status = number_groups(world, err);
-	return status == RB_OK ? sort_pairs(apart, err) : status;
 }
 
 /* ---- what has been found, and is to be found again ---- */
@@ -265,14 +87,14 @@ static void forget_unsettled(struct rb_world *world)
 	for (size_t k = 0; k < apart->kept.count; k++) {
 		const struct rb_contact *contact = &apart->kept.row[k];
 
-		if (apart->settled[yields(world, contact->a) ? contact->a : contact->b])
+		if (apart->land.settled[yields(world, contact->a) ? contact->a : contact->b])
 			apart->kept.row[contacts++] = *contact;
 	}
 	for (size_t k = 0; k < apart->push_count; k++)
-		if (apart->settled[apart->push[k].a])
+		if (apart->land.settled[apart->push[k].a])
 			apart->push[pushes++] = apart->push[k];
 	for (size_t k = 0; k < apart->event_count; k++)
-		if (apart->settled[apart->event[k].body])
+		if (apart->land.settled[apart->event[k].body])
 			apart->event[events++] = apart->event[k];
 	apart->kept.count = contacts;
 	apart->push_count = pushes;
@@ -285,73 +107,42 @@ static void mark_bodies(struct rb_world *world)
 	struct rb_apart *apart = world->stepped->apart;
 	struct rb_counts *counts = &world->frame_counts;
 
-	for (size_t g = 0; g < apart->group_count; g++) {
-		struct group *group = &apart->group[g];
+	for (size_t g = 0; g < apart->land.group_count; g++) {
+		struct rb_group *group = &apart->land.group[g];
 
 		group->settled = group->settled && group->failed;
 		if (!group->failed || group->settled)
 			continue;
 		counts->rollbacks++;
 		for (int k = 0; k < group->count; k++) {
-			const int i = apart->member[group->first + k];
+			const int i = apart->land.member[group->first + k];
 
 			counts->discarded_body_steps += (uint64_t)apart->steps[i];
-			apart->failed[i] = 1;
-			apart->settled[i] = 0;
+			apart->land.failed[i] = 1;
+			apart->land.settled[i] = 0;
 			apart->steps[i] = 0;
 		}
 	}
 	for (int k = 0; k < world->stepped->member_count; k++)
-		apart->was_group[world->stepped->body[k]] =
-			apart->group_of[world->stepped->body[k]];
+		apart->land.was_group[world->stepped->body[k]] =
+			apart->land.group_of[world->stepped->body[k]];
 }
 
 /* ---- one group ---- */
 
-static void cohort_of(struct rb_world *world, const struct group *group)
+static void cohort_of(struct rb_world *world, const struct rb_group *group)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_apart *apart = s->apart;
 	const int driven = s->all.body_count - s->member_count;
 
-	memcpy(apart->body, apart->member + group->first, (size_t)group->count * sizeof(int));
+	memcpy(apart->body, apart->land.member + group->first, (size_t)group->count * sizeof(int));
 	memcpy(apart->body + group->count, s->body + s->member_count, (size_t)driven * sizeof(int));
-	apart->land.pair = apart->pair + group->pair;
-	apart->land.first_clue = apart->land.own_first_clue
-	                                 ? apart->land.own_first_clue + group->pair
-	                                 : NULL;
-	apart->land.pair_count = group->pair_count;
+	rb_land_show(&apart->land, group->pair, group->pair_count);
 	s->part.body = apart->body;
 	s->part.member_count = group->count;
 	s->part.body_count = group->count + driven;
-	s->part.near = &apart->land;
-}
-
-/* Whoever has left the territory gets more of it: for the way ahead, and more the farther it is; driven ones too. */
-static bool has_left(struct rb_world *world, double rest_s)
-{
-	const struct rb_cohort *part = &world->stepped->part;
-	struct rb_apart *apart = world->stepped->apart;
-	bool left = false;
-
-	for (int k = 0; k < part->body_count; k++) {
-		const int i = part->body[k];
-		const rb_vec3 at = rb_world_origin_at(world, &world->state, i);
-		rb_aabb *const room = &apart->room[i];
-
-		if (is_inside(room, at))
-			continue;
-		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
-		                                  rb_world_row3(world->state.velocity, i));
-		const rb_vec3 from = rb_world_origin_at(world, &apart->begin, i);
-		const rb_aabb more = box_of_way(
-			at, rb_vec3_add(at, way),
-			room_share * (rb_near_size(world->model, i) +
-		                      rb_vec3_length(rb_vec3_sub(at, from)) + rb_vec3_length(way)));
-		*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
-		left = true;
-	}
-	return left;
+	s->part.near = &apart->land.near;
 }
 
 static enum rb_status keep_step(struct rb_world *world, double time, double h,
@@ -412,7 +203,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-static enum rb_status settle(struct rb_world *world, struct group *group, struct rb_error *err)
+static enum rb_status settle(struct rb_world *world, struct rb_group *group, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_apart *apart = s->apart;
@@ -433,7 +224,7 @@ static enum rb_status settle(struct rb_world *world, struct group *group, struct
 		apart->kept.row[apart->kept.count++] = apart->last.row[k];
 	group->settled = true;
 	for (int k = 0; k < group->count; k++)
-		apart->settled[apart->member[group->first + k]] = 1;
+		apart->land.settled[apart->land.member[group->first + k]] = 1;
 	return RB_OK;
 }
 
@@ -466,19 +257,19 @@ static void reset_arenas(struct rb_world *world)
 }
 
 /* With the territories as they are now: whether the group is still apart from all others. Its candidates are new. */
-static bool is_apart(struct rb_world *world, struct group *group, enum rb_status *status,
+static bool is_apart(struct rb_world *world, struct rb_group *group, enum rb_status *status,
                      struct rb_error *err)
 {
 	struct rb_apart *apart = world->stepped->apart;
-	const int first = apart->member[group->first], count = group->count;
+	const int first = apart->land.member[group->first], count = group->count;
 
-	*status = form_groups(world, err);
+	*status = rb_land_form(&apart->land, world, err);
 	if (*status != RB_OK)
 		return false;
 	/* nobody else's territory has changed: if it has met none, all groups are those of before */
-	if (apart->group[apart->group_of[first]].count != count)
+	if (apart->land.group[apart->land.group_of[first]].count != count)
 		return false;
-	cohort_of(world, &apart->group[apart->group_of[first]]);
+	cohort_of(world, &apart->land.group[apart->land.group_of[first]]);
 	return true;
 }
 
@@ -495,7 +286,7 @@ static void take_back(struct rb_world *world)
  * The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the territory and could meet others;
  * there it stops.
  */
-static enum rb_status run_group(struct rb_world *world, struct group *group, double start,
+static enum rb_status run_group(struct rb_world *world, struct rb_group *group, double start,
                                 double dt, bool *left, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -523,7 +314,7 @@ static enum rb_status run_group(struct rb_world *world, struct group *group, dou
 			h *= 0.5;
 			continue;
 		}
-		if (has_left(world, dt - done - h)) {
+		if (rb_land_left(&s->apart->land, world, part, dt - done - h)) {
 			take_back(world);
 			*left = !is_apart(world, group, &status, err);
 			if (*left)
@@ -551,18 +342,18 @@ static enum rb_status run_groups(struct rb_world *world, double start, double dt
 	while (again && status == RB_OK) {
 		again = false;
 		reset_arenas(world);
-		status = form_groups(world, err);
+		status = rb_land_form(&apart->land, world, err);
 		if (status != RB_OK)
 			break;
 		mark_bodies(world);
 		forget_unsettled(world);
-		for (size_t g = 0; g < apart->group_count && status == RB_OK; g++) {
+		for (size_t g = 0; g < apart->land.group_count && status == RB_OK; g++) {
 			const size_t events = apart->event_count;
 			bool left = false;
 
-			if (!apart->group[g].failed || apart->group[g].settled)
+			if (!apart->land.group[g].failed || apart->land.group[g].settled)
 				continue;
-			status = run_group(world, &apart->group[g], start, dt, &left, err);
+			status = run_group(world, &apart->land.group[g], start, dt, &left, err);
 			if (left)
 				apart->event_count = events;
 			again = again || left;
@@ -580,7 +371,7 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 	struct rb_contacts *to = &world->next_contacts;
 
 	to->count = 0;
-	enum rb_status status = rb_tell_contacts(world, &s->all, dt, apart->failed, to, err);
+	enum rb_status status = rb_tell_contacts(world, &s->all, dt, apart->land.failed, to, err);
 	if (status == RB_OK)
 		status = rb_contacts_reserve(to, to->count + apart->kept.count + 1, err);
 	if (status != RB_OK)
@@ -602,7 +393,7 @@ static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_e
 	size_t kept = 0;
 
 	for (size_t k = 0; k < points->count; k++)
-		if (!apart->failed[points->row[k].a])
+		if (!apart->land.failed[points->row[k].a])
 			points->row[kept++] = points->row[k];
 	points->count = kept;
 	const enum rb_status status = rb_points_keep(points, dt, err);
@@ -635,7 +426,7 @@ static enum rb_status join_impacts(struct rb_world *world, double end, struct rb
 
 	s->told.count = 0;
 	const enum rb_status status = rb_tell_impacts(world, &s->all, end, &world->contacts,
-	                                              apart->failed, err);
+	                                              apart->land.failed, err);
 	if (status != RB_OK)
 		return status;
 	if (!rb_memory_reserve(&s->told.row, &s->told.capacity,
@@ -659,27 +450,24 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 
 	for (int k = 0; k < s->member_count; k++)
 		counts->body_steps += (uint64_t)apart->steps[s->body[k]];
-	for (size_t g = 0; g < apart->group_count; g++) {
-		const struct group *group = &apart->group[g];
+	for (size_t g = 0; g < apart->land.group_count; g++) {
+		const struct rb_group *group = &apart->land.group[g];
 
 		some = some || !group->failed;
 		if (group->failed)
-			counts->substeps += (uint64_t)apart->steps[apart->member[group->first]];
+			counts->substeps += (uint64_t)
+			                            apart->steps[apart->land.member[group->first]];
 	}
 	if (!some)
 		return RB_OK;
 	counts->substeps++;
 	counts->smallest_step_s = fmin(counts->smallest_step_s, dt);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
-	apart->land.pair = apart->pair;
-	apart->land.first_clue = apart->land.own_first_clue;
-	apart->land.pair_count = apart->group_count > 0
-	                                 ? apart->group[apart->group_count - 1].pair +
-	                                           apart->group[apart->group_count - 1].pair_count
-	                                 : 0;
-	rb_near_place(&apart->land, world, s->all.body, s->all.body_count);
+	rb_land_show(&apart->land, 0, apart->land.pair_count);
+	rb_near_place(&apart->land.near, world, s->all.body, s->all.body_count);
 	if (world->broadphase)
-		status = rb_points_depths(world, &apart->land, apart->failed, &found, err);
+		status = rb_points_depths(world, &apart->land.near, apart->land.failed, &found,
+		                          err);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, found.most);
 	return status;
 }
@@ -704,21 +492,24 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 	struct rb_stepped *s = world->stepped;
 	enum rb_status status = s->apart ? RB_OK : create(world, err);
 
-	if (status != RB_OK)
+	if (status != RB_OK) {
+		rb_state_copy(&world->state, &world->mark);
 		return status;
+	}
 	struct rb_apart *apart = s->apart;
 	rb_state_copy(&apart->begin, &world->mark);
-	stake_out(world, dt);
+	rb_land_stake(&apart->land, world, &apart->begin, dt);
 	for (int i = 0; i < world->model->body_count; i++) {
-		apart->failed[i] = s->bad[i];
-		apart->settled[i] = 0;
-		apart->was_group[i] = -1;
+		apart->land.failed[i] = s->bad[i];
+		apart->land.settled[i] = 0;
+		apart->land.was_group[i] = -1;
 		apart->steps[i] = 1;
 	}
 	apart->kept.count = apart->push_count = apart->event_count = 0;
 	if (!rb_near_keep(&s->near))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
-	status = run_groups(world, start, dt, err);
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
+	if (status == RB_OK)
+		status = run_groups(world, start, dt, err);
 	if (status == RB_OK)
 		status = end_drive(world, start, dt, err);
 	if (status != RB_OK) {

@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/land.h"
+
+#include "base/memory.h"
+
+/* Of a body's size, what its territory has beyond its way. */
+static const double room_share = 0.125;
+
+enum rb_status rb_land_create(struct rb_land *land, const struct rb_model *model,
+                              struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count;
+
+	*land = (struct rb_land){0};
+	land->room = rb_memory_take(n, sizeof *land->room);
+	land->group_of = rb_memory_take(n, sizeof *land->group_of);
+	land->was_group = rb_memory_take(n, sizeof *land->was_group);
+	land->parent = rb_memory_take(n, sizeof *land->parent);
+	land->member = rb_memory_take(n, sizeof *land->member);
+	land->failed = rb_memory_take(n, 1);
+	land->settled = rb_memory_take(n, 1);
+	if (!land->room || !land->group_of || !land->was_group || !land->parent || !land->member ||
+	    !land->failed || !land->settled)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the territories of %zu bodies",
+		               n);
+	return rb_near_create(&land->near, model, err);
+}
+
+void rb_land_release(struct rb_land *land)
+{
+	rb_near_release(&land->near);
+	rb_memory_free(land->room);
+	rb_memory_free(land->group_of);
+	rb_memory_free(land->was_group);
+	rb_memory_free(land->parent);
+	rb_memory_free(land->member);
+	rb_memory_free(land->failed);
+	rb_memory_free(land->settled);
+	rb_memory_free(land->group);
+	rb_memory_free(land->pair);
+	*land = (struct rb_land){0};
+}
+
+/* ---- territories ---- */
+
+static rb_vec3 lower(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
+
+static rb_vec3 upper(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+/* The box of a straight way, with so much to all sides. */
+static rb_aabb box_of_way(rb_vec3 from, rb_vec3 to, double pad)
+{
+	const rb_vec3 all = {pad, pad, pad};
+
+	return (rb_aabb){rb_vec3_sub(lower(from, to), all), rb_vec3_add(upper(from, to), all)};
+}
+
+static bool is_inside(const rb_aabb *box, rb_vec3 p)
+{
+	return p.x >= box->low.x && p.y >= box->low.y && p.z >= box->low.z && p.x <= box->high.x &&
+	       p.y <= box->high.y && p.z <= box->high.z;
+}
+
+void rb_land_stake(struct rb_land *land, const struct rb_world *world, const struct rb_state *begin,
+                   double dt)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	for (int i = 0; i < world->model->body_count; i++) {
+		const rb_vec3 from = rb_world_origin_at(world, begin, i);
+		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(begin->velocity, i));
+		const double reach = world->broadphase ? s->near.reach[i] : 0;
+		const double room = room_share * rb_near_size(world->model, i);
+
+		land->near.built_at[i] = from;
+		/* what forces add within the step is in the reach */
+		land->room[i] = s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
+		                                       room + fmax(0, reach - rb_vec3_length(way)))
+		                          : box_of_way(from,
+		                                       rb_world_origin_at(world, &world->state, i),
+		                                       room);
+	}
+}
+
+/* ---- groups ---- */
+
+static int root_of(int *parent, int i)
+{
+	while (parent[i] != i) {
+		parent[i] = parent[parent[i]];
+		i = parent[i];
+	}
+	return i;
+}
+
+static bool yields(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
+}
+
+static void join(const struct rb_world *world, int *parent, int a, int b)
+{
+	if (!yields(world, a) || !yields(world, b))
+		return;
+	a = root_of(parent, a);
+	b = root_of(parent, b);
+	parent[a > b ? a : b] = a > b ? b : a;
+}
+
+static enum rb_status number_groups(struct rb_land *land, const struct rb_world *world,
+                                    struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+	int at = 0;
+
+	land->group_count = 0;
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k], root = root_of(land->parent, i);
+
+		if (root == i) {
+			if (!rb_memory_reserve(&land->group, &land->group_capacity,
+			                       land->group_count + 1, sizeof *land->group))
+				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
+			land->group_of[i] = (int)land->group_count;
+			land->group[land->group_count++] = (struct rb_group){.settled = true};
+		}
+		land->group_of[i] = land->group_of[root];
+		land->group[land->group_of[i]].count++;
+	}
+	for (size_t g = 0; g < land->group_count; g++) {
+		land->group[g].first = at;
+		at += land->group[g].count;
+		land->group[g].count = 0;
+	}
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k];
+		struct rb_group *group = &land->group[land->group_of[i]];
+
+		land->member[group->first + group->count++] = i;
+		group->failed = group->failed || land->failed[i];
+		group->settled = group->settled && land->settled[i] &&
+		                 land->was_group[i] == land->was_group[land->member[group->first]];
+	}
+	return RB_OK;
+}
+
+/* Pairs by group: those of a group's candidates stay in their order. */
+static enum rb_status sort_pairs(struct rb_land *land, struct rb_error *err)
+{
+	struct rb_near *near = &land->near;
+	size_t at = 0;
+
+	if (!rb_memory_reserve(&land->pair, &land->pair_capacity, near->pair_count + 1,
+	                       sizeof *land->pair))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++)
+		land->group[land->group_of[near->pair[k].a]].pair_count++;
+	for (size_t g = 0; g < land->group_count; g++) {
+		land->group[g].pair = at;
+		at += land->group[g].pair_count;
+		land->group[g].pair_count = 0;
+	}
+	land->pair_count = near->pair_count;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		struct rb_group *group = &land->group[land->group_of[near->pair[k].a]];
+
+		land->pair[group->pair + group->pair_count++] = near->pair[k];
+	}
+	near->pair = land->pair;
+	return rb_near_forget(near, err);
+}
+
+void rb_land_show(struct rb_land *land, size_t first, size_t count)
+{
+	struct rb_near *near = &land->near;
+
+	near->pair = land->pair + first;
+	near->pair_count = count;
+	if (near->own_first_clue)
+		near->first_clue = near->own_first_clue + first;
+}
+
+enum rb_status rb_land_form(struct rb_land *land, struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	enum rb_status status = RB_OK;
+
+	land->near.pair_count = 0;
+	if (world->broadphase)
+		status = rb_near_pairs(&land->near, world, land->room, err);
+	if (status != RB_OK)
+		return status;
+	for (int i = 0; i < model->body_count; i++)
+		land->parent[i] = i;
+	for (size_t k = 0; k < land->near.pair_count; k++)
+		join(world, land->parent, land->near.pair[k].a, land->near.pair[k].b);
+	for (int k = 0; k < model->scene->spring_count; k++)
+		join(world, land->parent, model->index_of[model->scene->springs[k].a],
+		     model->index_of[model->scene->springs[k].b]);
+	status = number_groups(land, world, err);
+	return status == RB_OK ? sort_pairs(land, err) : status;
+}
+
+bool rb_land_left(struct rb_land *land, const struct rb_world *world, const struct rb_cohort *part,
+                  double rest_s)
+{
+	bool left = false;
+
+	for (int k = 0; k < part->body_count; k++) {
+		const int i = part->body[k];
+		const rb_vec3 at = rb_world_origin_at(world, &world->state, i);
+		rb_aabb *const room = &land->room[i];
+
+		if (is_inside(room, at))
+			continue;
+		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
+		                                  rb_world_row3(world->state.velocity, i));
+		const rb_vec3 from = land->near.built_at[i];
+		const rb_aabb more = box_of_way(
+			at, rb_vec3_add(at, way),
+			room_share * (rb_near_size(world->model, i) +
+		                      rb_vec3_length(rb_vec3_sub(at, from)) + rb_vec3_length(way)));
+		*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
+		left = true;
+	}
+	return left;
+}
