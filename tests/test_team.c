@@ -238,12 +238,62 @@ static void processors_are_at_least_one_and_no_more_than_affinity_allows(void **
 	assert_int_equal(processors, 1);
 }
 
+/* Each phase adds what the one before has left in all blocks: who begins too soon finds too little. */
+enum { PHASES = 12, ROUNDS = 300 };
+
+struct layers {
+	int number[PHASES + 1][BLOCKS];
+	const int *count;
+};
+
+static void add_layer(void *user, int phase, int block, int worker)
+{
+	struct layers *layers = user;
+	int sum = 1;
+
+	(void)worker;
+	for (int k = 0; phase > 0 && k < layers->count[phase - 1]; k++)
+		sum += layers->number[phase - 1][k];
+	layers->number[phase][block] = sum % 1000;
+}
+
+static void a_phase_begins_when_the_one_before_has_ended(void **state)
+{
+	static const int workers[] = {2, 3, 8};
+	int count[PHASES];
+	struct layers *alone = calloc(1, sizeof *alone), *layers = calloc(1, sizeof *layers);
+	struct rb_team *team;
+	struct rb_error err;
+
+	(void)state;
+	assert_non_null(alone);
+	assert_non_null(layers);
+	for (int phase = 0; phase < PHASES; phase++)
+		count[phase] = 1 + 7 * phase % 11;
+	alone->count = layers->count = count;
+	assert_ok(rb_team_create(&team, 1, &err));
+	rb_team_run_phases(team, count, PHASES, add_layer, alone);
+	rb_team_destroy(team);
+	for (size_t w = 0; w < sizeof workers / sizeof *workers; w++) {
+		assert_ok(rb_team_create(&team, workers[w], &err));
+		for (int round = 0; round < ROUNDS; round++) {
+			memset(layers->number, 0, sizeof layers->number);
+			rb_team_run_phases(team, count, PHASES, add_layer, layers);
+			assert_memory_equal(layers->number, alone->number, sizeof alone->number);
+		}
+		rb_team_destroy(team);
+	}
+	free(alone);
+	free(layers);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_block_is_done_once_by_any_number_of_workers),
 		cmocka_unit_test(jobs_in_quick_succession_do_not_mix),
 		cmocka_unit_test(what_one_job_wrote_the_next_one_reads),
+		cmocka_unit_test(a_phase_begins_when_the_one_before_has_ended),
 		cmocka_unit_test(one_worker_is_the_caller),
 		cmocka_unit_test(workers_run_at_the_same_time_and_block_signals),
 		cmocka_unit_test(running_waits_for_blocks_that_others_are_still_at),

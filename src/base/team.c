@@ -20,10 +20,21 @@ struct member {
 	pthread_t thread;
 };
 
+/* Looks for what is awaited, before a thread sleeps, and between two in which others may run. */
+enum { SPINS_MOST = 4000, SPINS_POLITE = 64 };
+
 struct job {
-	rb_team_work *work;
+	rb_team_work *work;        /* of one phase; NULL: */
+	rb_team_phase_work *phase; /* of several */
 	void *user;
-	int block_count;
+	const int *block_count; /* [phase_count] */
+	int phase_count;
+};
+
+/* Blocks handed out to whoever asks, and blocks done; set to 0 under lock while nobody is active. */
+struct counters {
+	atomic_int next, done;
+	char apart[64 - 2 * sizeof(atomic_int)]; /* in lines of their own */
 };
 
 struct rb_team {
@@ -31,30 +42,66 @@ struct rb_team {
 	int worker_count;
 	struct member *members; /* owned: worker_count - 1 */
 
-	/* handed out to whoever asks; set to 0 under lock while nobody is active */
-	atomic_int next_block;
+	struct counters counters[RB_TEAM_PHASES];
+	atomic_uint_fast64_t posted; /* the job's number, for those who look before they sleep */
+	atomic_bool left;            /* the same for the end */
 
 	/* protected by lock */
 	pthread_mutex_t lock;
 	pthread_cond_t opened, finished;
 	struct job job;
 	uint64_t job_number;
-	bool open;  /* the job still may be joined */
-	int active; /* members at it; the caller does not wait for those who slept through it */
+	bool open; /* the job still may be joined */
+	atomic_int
+		active; /* members at it; the caller does not wait for those who slept through it */
 	bool stop;
 
 	/* owned by the creating thread */
 	int started;
 };
 
+/* Counts up; lets others run now and then: there may be more threads than processors. */
+static void look_again(int *spins)
+{
+#if defined(__x86_64__)
+	__builtin_ia32_pause();
+#endif
+	if (++*spins % SPINS_POLITE == 0)
+		sched_yield();
+}
+
 static void do_blocks(struct rb_team *team, const struct job *job, int worker)
 {
-	for (;;) {
-		const int block = atomic_fetch_add_explicit(&team->next_block, 1,
-		                                            memory_order_relaxed);
-		if (block >= job->block_count)
+	for (int phase = 0; phase < job->phase_count; phase++) {
+		struct counters *counters = &team->counters[phase];
+		const int count = job->block_count[phase];
+		int spins = 0;
+
+		for (;;) {
+			const int block = atomic_fetch_add_explicit(&counters->next, 1,
+			                                            memory_order_relaxed);
+			if (block >= count)
+				break;
+			if (job->work)
+				job->work(job->user, block, worker);
+			else
+				job->phase(job->user, phase, block, worker);
+			atomic_fetch_add_explicit(&counters->done, 1, memory_order_release);
+		}
+		while (phase + 1 < job->phase_count &&
+		       atomic_load_explicit(&counters->done, memory_order_acquire) < count)
+			look_again(&spins);
+	}
+}
+
+/* Work often comes in jobs that follow each other faster than a sleeping thread wakes. */
+static void await_job(struct rb_team *team, uint64_t seen)
+{
+	for (int spins = 0; spins < SPINS_MOST;) {
+		if (atomic_load_explicit(&team->posted, memory_order_relaxed) != seen ||
+		    atomic_load_explicit(&team->left, memory_order_relaxed))
 			return;
-		job->work(job->user, block, worker);
+		look_again(&spins);
 	}
 }
 
@@ -72,12 +119,15 @@ static void *live(void *argument)
 			break;
 		seen = team->job_number;
 		const struct job job = team->job;
-		team->active++;
+		atomic_fetch_add(&team->active, 1);
 		pthread_mutex_unlock(&team->lock);
 		do_blocks(team, &job, me->worker);
 		pthread_mutex_lock(&team->lock);
-		if (--team->active == 0)
+		if (atomic_fetch_sub(&team->active, 1) == 1)
 			pthread_cond_signal(&team->finished);
+		pthread_mutex_unlock(&team->lock);
+		await_job(team, seen);
+		pthread_mutex_lock(&team->lock);
 	}
 	pthread_mutex_unlock(&team->lock);
 	return NULL;
@@ -131,6 +181,7 @@ void rb_team_destroy(struct rb_team *team)
 {
 	if (!team)
 		return;
+	atomic_store(&team->left, true);
 	pthread_mutex_lock(&team->lock);
 	team->stop = true;
 	pthread_cond_broadcast(&team->opened);
@@ -149,32 +200,70 @@ int rb_team_workers(const struct rb_team *team)
 	return team->worker_count;
 }
 
-void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user)
+/* Without another thread, or for one block. */
+static bool run_alone(const struct rb_team *team, const struct job *job)
 {
-	if (team->worker_count == 1 || block_count <= 1) {
-		for (int block = 0; block < block_count; block++)
-			work(user, block, 0);
-		return;
-	}
+	if (team->worker_count > 1 && (job->phase_count > 1 || job->block_count[0] > 1))
+		return false;
+	for (int phase = 0; phase < job->phase_count; phase++)
+		for (int block = 0; block < job->block_count[phase]; block++)
+			if (job->work)
+				job->work(job->user, block, 0);
+			else
+				job->phase(job->user, phase, block, 0);
+	return true;
+}
 
-	const struct job job = {.work = work, .user = user, .block_count = block_count};
+static void run_job(struct rb_team *team, const struct job *job)
+{
+	if (run_alone(team, job))
+		return;
 	pthread_mutex_lock(&team->lock);
 	RB_ASSERT(!team->open); /* else called from a block */
-	team->job = job;
+	team->job = *job;
 	team->job_number++;
 	team->open = true;
-	atomic_store_explicit(&team->next_block, 0, memory_order_relaxed);
+	for (int phase = 0; phase < job->phase_count; phase++) {
+		atomic_store_explicit(&team->counters[phase].next, 0, memory_order_relaxed);
+		atomic_store_explicit(&team->counters[phase].done, 0, memory_order_relaxed);
+	}
+	atomic_store_explicit(&team->posted, team->job_number, memory_order_relaxed);
 	pthread_cond_broadcast(&team->opened);
 	pthread_mutex_unlock(&team->lock);
 
-	do_blocks(team, &job, 0);
+	do_blocks(team, job, 0);
 
 	/* All blocks are handed out: who has not come yet need not, who is at one is waited for. */
 	pthread_mutex_lock(&team->lock);
 	team->open = false;
-	while (team->active > 0)
+	pthread_mutex_unlock(&team->lock);
+	for (int spins = 0; spins < SPINS_MOST && atomic_load(&team->active) > 0;)
+		look_again(&spins);
+	pthread_mutex_lock(&team->lock);
+	while (atomic_load(&team->active) > 0)
 		pthread_cond_wait(&team->finished, &team->lock);
 	pthread_mutex_unlock(&team->lock);
+}
+
+void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user)
+{
+	const struct job job = {
+		.work = work, .user = user, .block_count = &block_count, .phase_count = 1};
+
+	run_job(team, &job);
+}
+
+void rb_team_run_phases(struct rb_team *team, const int *block_count, int phase_count,
+                        rb_team_phase_work *work, void *user)
+{
+	const struct job job = {.phase = work,
+	                        .user = user,
+	                        .block_count = block_count,
+	                        .phase_count = phase_count};
+
+	RB_ASSERT(phase_count <= RB_TEAM_PHASES);
+	if (phase_count > 0)
+		run_job(team, &job);
 }
 
 /* Quota over period of one cgroup, rounded up; 0 when it sets none. */

@@ -12,6 +12,9 @@
 struct rb_team; /* owned by whoever created it; rb_team_run from that thread only */
 
 typedef void rb_team_work(void *user, int block, int worker);
+typedef void rb_team_phase_work(void *user, int phase, int block, int worker);
+
+enum { RB_TEAM_PHASES = 128 };
 
 RB_CHECKED enum rb_status rb_team_create(struct rb_team **team, int worker_count,
                                          struct rb_error *err);
@@ -19,6 +22,9 @@ void rb_team_destroy(struct rb_team *team); /* NULL is fine */
 int rb_team_workers(const struct rb_team *team);
 /* Blocks are handed out by an atomic counter; worker is in [0, workers), the caller is one of them. */
 void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user);
+/* Several phases, at most RB_TEAM_PHASES: no block of one begins before all of those before have ended. */
+void rb_team_run_phases(struct rb_team *team, const int *block_count, int phase_count,
+                        rb_team_phase_work *work, void *user);
 
 /* Processors that this process may use (affinity, and a cgroup's quota rounded up), at least 1. */
 int rb_team_processors(void);

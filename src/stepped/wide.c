@@ -6,7 +6,7 @@
 #include <emmintrin.h>
 #endif
 
-enum { WIDTH = 4, BLOCK_PACKS = RB_SWEEP_BLOCK / WIDTH };
+enum { WIDTH = 4, BLOCK_PACKS = 32 };
 
 /* Slip that is left opens no gap and closes none: a row may keep so much more of it. */
 static const double slip_share = 0.3;
@@ -229,93 +229,93 @@ ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack, dou
 
 /* ---- packs, by blocks ---- */
 
+/* Rows of this colour share bodies: each has a pack of its own, and all are one block. */
+static bool is_tail(const struct rb_wide *wide, int colour)
+{
+	return wide->tail && colour == wide->colour_count - 1;
+}
+
+static int width_of(const struct rb_wide *wide, int colour)
+{
+	return is_tail(wide, colour) ? 1 : WIDTH;
+}
+
 struct work {
 	const struct rb_wide *wide;
-	double lead;     /* leads on by this share at most; 0: solves */
-	int first, end;  /* packs of the colour */
-	int first_block; /* its first block among those of all colours */
+	double lead; /* first, leads on by this share at most; 0: solves only */
 };
 
-ALWAYS double run_packs(const struct work *work, int first, int end)
+ALWAYS double run_packs(const struct rb_wide *wide, double lead, int first, int end)
 {
-	struct rb_dense_body *body = work->wide->dense->body;
+	struct rb_dense_body *body = wide->dense->body;
 	double most = 0;
 
-	if (work->lead > 0)
+	if (lead > 0)
 		for (int k = first; k < end; k++)
-			lead_pack(body, &work->wide->pack[k], work->lead);
+			lead_pack(body, &wide->pack[k], lead);
 	else
 		for (int k = first; k < end; k++)
-			most = fmax(most, solve_pack(body, &work->wide->pack[k]));
+			most = fmax(most, solve_pack(body, &wide->pack[k]));
 	return most;
 }
 
-static double run_plain(const struct work *work, int first, int end)
+static double run_plain(const struct rb_wide *wide, double lead, int first, int end)
 {
-	return run_packs(work, first, end);
+	return run_packs(wide, lead, first, end);
 }
 
 #if defined(__x86_64__)
 /* The same operations in wider registers. */
-__attribute__((target("avx2"))) static double run_avx2(const struct work *work, int first, int end)
+__attribute__((target("avx2"))) static double run_avx2(const struct rb_wide *wide, double lead,
+                                                       int first, int end)
 {
-	return run_packs(work, first, end);
+	return run_packs(wide, lead, first, end);
 }
 #endif
 
-static void run_block(void *user, int block, int worker)
+/* A phase is a colour: those that lead on come first, if any. */
+static void run_block(void *user, int phase, int block, int worker)
 {
 	const struct work *work = user;
-	const int first = work->first + block * BLOCK_PACKS;
-	const int end = first + BLOCK_PACKS < work->end ? first + BLOCK_PACKS : work->end;
-	double *most = &work->wide->partial[work->first_block + block];
+	const struct rb_wide *wide = work->wide;
+	const bool leads = work->lead > 0 && phase < wide->colour_count;
+	const int c = work->lead > 0 && !leads ? phase - wide->colour_count : phase;
+	const int most = is_tail(wide, c) ? wide->first[c + 1] - wide->first[c] : BLOCK_PACKS;
+	const int first = wide->first[c] + block * most;
+	const int end = first + most < wide->first[c + 1] ? first + most : wide->first[c + 1];
+	const double lead = leads ? work->lead : 0;
+	double change;
 
 	(void)worker;
 #if defined(__x86_64__)
-	if (__builtin_cpu_supports("avx2")) {
-		*most = run_avx2(work, first, end);
-		return;
-	}
+	if (__builtin_cpu_supports("avx2"))
+		change = run_avx2(wide, lead, first, end);
+	else
 #endif
-	*most = run_plain(work, first, end);
+		change = run_plain(wide, lead, first, end);
+	if (!leads)
+		wide->partial[wide->first_block[c] + block] = change;
 }
 
-static int block_count(int packs)
-{
-	return (packs + BLOCK_PACKS - 1) / BLOCK_PACKS;
-}
-
-/* Returns the largest change of a row's velocity, m/s. */
+/* Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s. */
 static double run_all(const struct rb_wide *wide, double lead)
 {
 	struct work work = {.wide = wide, .lead = lead};
+	const int phases = (lead > 0 ? 2 : 1) * wide->colour_count;
 	double most = 0;
 
-	for (int c = 0; c < wide->colour_count; c++) {
-		work.first = wide->first[c];
-		work.end = wide->first[c + 1];
-		const int blocks = block_count(work.end - work.first);
-		const bool alone = !wide->team || (wide->tail && c == wide->colour_count - 1);
-
-		if (blocks > 1 && !alone)
-			rb_team_run(wide->team, blocks, run_block, &work);
-		else
-			for (int b = 0; b < blocks; b++)
-				run_block(&work, b, 0);
-		work.first_block += blocks;
-	}
-	for (int b = 0; b < work.first_block; b++)
+	if (wide->team)
+		rb_team_run_phases(wide->team, wide->blocks, phases, run_block, &work);
+	else
+		for (int p = 0; p < phases; p++)
+			for (int b = 0; b < wide->blocks[p]; b++)
+				run_block(&work, p, b, 0);
+	for (int b = 0; b < wide->first_block[wide->colour_count]; b++)
 		most = fmax(most, wide->partial[b]);
 	return sqrt(most);
 }
 
 /* ---- rows into packs and back ---- */
-
-/* Rows that one pack of this colour has. */
-static int width_of(const struct rb_wide *wide, int colour)
-{
-	return wide->tail && colour == wide->colour_count - 1 ? 1 : WIDTH;
-}
 
 static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
                       const struct rb_dense_row *row)
@@ -340,20 +340,27 @@ static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int
 
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 {
+	const int colours = wide->colour_count;
 	int packs = 0, blocks = 0;
 
-	wide->first = rb_arena_take(arena, (size_t)wide->colour_count + 1, sizeof *wide->first);
-	if (!wide->first)
+	wide->first = rb_arena_take(arena, (size_t)colours + 1, sizeof *wide->first);
+	wide->first_block = rb_arena_take(arena, (size_t)colours + 1, sizeof *wide->first_block);
+	wide->blocks = rb_arena_take(arena, 2 * (size_t)colours, sizeof *wide->blocks);
+	if (!wide->first || !wide->first_block || !wide->blocks)
 		return false;
-	for (int c = 0; c < wide->colour_count; c++) {
+	for (int c = 0; c < colours; c++) {
 		const int width = width_of(wide, c);
 		const int more = (wide->colour[c + 1] - wide->colour[c] + width - 1) / width;
 
 		wide->first[c] = packs;
+		wide->first_block[c] = blocks;
+		wide->blocks[c] = is_tail(wide, c) ? 1 : (more + BLOCK_PACKS - 1) / BLOCK_PACKS;
+		wide->blocks[colours + c] = wide->blocks[c];
 		packs += more;
-		blocks += block_count(more);
+		blocks += wide->blocks[c];
 	}
-	wide->first[wide->colour_count] = packs;
+	wide->first[colours] = packs;
+	wide->first_block[colours] = blocks;
 	wide->pack = rb_arena_take(arena, (size_t)packs, sizeof *wide->pack);
 	wide->partial = rb_arena_take(arena, (size_t)blocks, sizeof *wide->partial);
 	if (!wide->pack || !wide->partial)
@@ -417,9 +424,9 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 
 	load(wide, holds);
 	while (result.sweeps < most) {
-		result.residual = run_all(wide, 0);
+		result.residual = run_all(wide, result.sweeps > 0 ? lead : 0);
 		result.sweeps++;
-		if (result.residual <= enough || result.sweeps == most)
+		if (result.residual <= enough)
 			break;
 		least = fmin(least, result.residual);
 		if (result.sweeps % SWEEPS_WATCHED == 0) {
@@ -428,8 +435,6 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 			before = least;
 			least = (double)INFINITY;
 		}
-		if (lead > 0)
-			(void)run_all(wide, lead);
 	}
 	store(wide);
 	return result;

@@ -24,8 +24,10 @@ struct rb_wide {
 	bool tail; /* rows of the last colour share bodies after all: one after the other */
 	/* scratch, rb_wide_take */
 	struct rb_wide_pack *pack;
-	int *first;      /* [colour_count + 1]: first pack of each colour */
-	double *partial; /* [blocks] */
+	int *first;       /* [colour_count + 1]: first pack of each colour */
+	int *first_block; /* the same of blocks */
+	int *blocks;      /* [2 colour_count]: of each colour, for two passes */
+	double *partial;  /* [blocks] */
 };
 
 /* Scratch, once the rest is known; false: no memory. */
