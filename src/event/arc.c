@@ -103,12 +103,13 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 void rb_arc_store(const struct rb_located *l, int i, double t)
 {
 	struct rb_state *state = &l->world->state;
-	const struct rb_pose pose = rb_arc_pose(l, i, t);
+	struct rb_pose pose;
 
-	rb_vec3_to(state->position + 3 * (size_t)i, pose.position);
-	rb_vec3_to(state->velocity + 3 * (size_t)i, pose.velocity);
+	rb_vec3_to(state->position + 3 * (size_t)i, rb_arc_position(l, i, t));
+	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
 	if (!l->top)
 		return;
+	turned(l, i, t, &pose);
 	rb_quat_to(state->orientation + 4 * (size_t)i, pose.orientation);
 	rb_vec3_to(state->spin + 3 * (size_t)i, pose.spin);
 }

@@ -13,8 +13,7 @@ struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const s
 	                             .arm_a = m->arm_a,
 	                             .arm_b = m->arm_b,
 	                             .friction = l->top ? pair->friction : 0,
-	                             .restitution = pair->restitution,
-	                             .noise = rb_meet_noise(l, m)};
+	                             .restitution = pair->restitution};
 
 	/* d/dt of the points' relative velocity, and of the normal that it is seen along */
 	c.bias = rb_vec3_sub(rb_vec3_cross(m->pose_b.spin, m->rate_b),

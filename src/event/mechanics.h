@@ -6,7 +6,7 @@
 #include "event/meet.h"
 #include "event/together.h"
 
-/* All but its bodies' places, mode, slip and impulse. */
+/* All but its bodies' places, mode, slip and impulse, and the noise that impacts ask for. */
 struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const struct rb_meet *m);
 
 /* A body that yields, in this pose: its velocities are those of an impact, or accelerations apart from contacts. */

@@ -6,6 +6,8 @@
 #include "event/pull.h"
 
 enum { TURNS = 6 };
+/* Loads beyond so many times the largest acceleration round by more than the integrator asks. */
+static const double heavy = 32;
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
 
@@ -216,11 +218,33 @@ void rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	}
 }
 
+static double load_of(const struct rb_modes *w, int body, double force)
+{
+	return rb_modes_place(w, body) >= 0 ? force * w->l->model->inverse_mass[body] : 0;
+}
+
+/* Does a member carry so much that the forces on it round by more than its acceleration may? */
+static bool carries(const struct rb_modes *w)
+{
+	const double most = heavy * w->most;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const double force = rb_vec3_max_abs(w->force[k]);
+
+		if (load_of(w, w->c->held[k].a, force) > most ||
+		    load_of(w, w->c->held[k].b, force) > most)
+			return true;
+	}
+	return false;
+}
+
 void rb_modes_refine(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
 	int row = 0;
 
+	if (!carries(w))
+		return;
 	for (int i = 0; i < c->held_count; i++) {
 		const struct rb_meet *m = &w->meet[i];
 		const rb_vec3 left = rb_vec3_add(

@@ -227,9 +227,11 @@ void rb_pull_at(struct rb_located *l, int i, const struct rb_pose *pose, const s
 	*angular = (rb_vec3){0, 0, 0};
 	if (!l->top)
 		return;
-	*angular = rb_vec3_add(rb_pull_yield(l, i, pose->orientation, load.torque),
-	                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],
-	                                      pose->orientation, pose->spin));
+	*angular = rb_pull_yield(l, i, pose->orientation, load.torque);
+	if (l->top_body[i].kind != RB_TOP_CONSTANT)
+		*angular = rb_vec3_add(*angular,
+		                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],
+		                                      pose->orientation, pose->spin));
 }
 
 bool rb_pull_is_constant(const struct rb_located *l, int i, double t)

@@ -148,6 +148,7 @@ bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 	const double inverse_a = m.a < l->n ? l->model->inverse_mass[m.a] : 0;
 	const double inverse_b = m.b < l->n ? l->model->inverse_mass[m.b] : 0;
 
+	c.noise = rb_meet_noise(l, &m);
 	if (!(approach > c.noise) || m.on_rim || !(leave > c.noise) || ends_here(l, &m, leave, t))
 		return false;
 	/* by n.n, which is 1 to rounding only: a wall is hit a million times by the same normal */
@@ -257,6 +258,7 @@ static bool build(struct striking *s)
 		struct rb_meet *m = &s->meet[k];
 
 		s->joint.contact[k] = rb_mechanics_contact(l, m);
+		s->joint.contact[k].noise = rb_meet_noise(l, m);
 		s->joint.contact[k].a = joint_body(s, m->a, &m->pose_a);
 		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
 		s->slack = fmax(s->slack, s->joint.contact[k].noise);

@@ -37,7 +37,7 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 	/* from the centre of mass, so that far from the world's origin no digits are lost */
 	*side = (struct rb_feature_side){
 		.core = placed.core,
-		.at = rb_vec3_add(rb_arc_between(reference, pose), arm),
+		.at = reference ? rb_vec3_add(rb_arc_between(reference, pose), arm) : arm,
 		.turn = placed.turn,
 		.velocity = rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)),
 		.spin = pose->spin,
@@ -53,7 +53,7 @@ struct couple {
 static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t parts,
                       struct couple *c)
 {
-	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, &pair->pose_a, &c->a);
+	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, NULL, &c->a);
 	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, &pair->pose_a, &c->b);
 }
 

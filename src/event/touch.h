@@ -28,7 +28,7 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 /* m: signed gap of the pair, of all its parts; which of these are nearest. */
 double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t *parts);
 
-/* A part of a body in this pose, seen from the centre of mass of another, m. */
+/* A part of a body in this pose, seen from the centre of mass of another, m; NULL: of its own. */
 struct rb_body_part;
 struct rb_feature_side;
 void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_pose *pose,

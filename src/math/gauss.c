@@ -131,8 +131,9 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 		const double now = a->h_s * rate[i];
 		double off = fabs(now - row[i]) / p->scale[i];
 
-		if (isfinite(now)) /* against a tiny scale it may overflow all the same */
-			off = fmin(off, DBL_MAX);
+		/* against a tiny scale it may overflow all the same */
+		if (off > DBL_MAX && isfinite(now))
+			off = DBL_MAX;
 		if (!(off <= *change)) /* NaN comes through */
 			*change = off;
 		row[i] = now;
