@@ -2,6 +2,8 @@
 /* src/stepped/apart: what fails goes back for the bodies concerned, and nobody else feels it. */
 #include "worlds.h"
 
+#include "base/memory.h"
+
 static const double g = 9.81, far_away = 1000;
 
 enum { HEAP = 12, VIOLENT = 5, BODIES = HEAP + VIOLENT, ROW = 6 };
@@ -212,6 +214,39 @@ static void what_is_not_finite_is_named_and_the_rest_is_as_before(void **state)
 	lab_close(&lab);
 }
 
+/* From the first step on which anything fails: whatever cannot be had, the world is at its last good step. */
+static void any_allocation_may_fail_in_a_step_that_goes_back(void **state)
+{
+	const struct rb_world_options options = {0};
+	enum rb_status status = RB_ERR_MEMORY;
+
+	(void)state;
+	for (uint64_t k = 1; status == RB_ERR_MEMORY; k++) {
+		struct lab lab;
+		int id[BODIES];
+
+		lab_open(&lab, 0.2, 60);
+		lab.scene.world.method = RB_METHOD_STEPPED;
+		lab.scene.world.time_step_s = 1.0 / 60;
+		lay_violent(&lab, id);
+		lab_seal_with(&lab, &options, NULL);
+		for (int frame = 0; frame < 4; frame++)
+			lab_step(&lab);
+		const double x = rb_world_position(lab.world, 0).x;
+		rb_memory_fail_at(k);
+		status = rb_world_step_frame(lab.world, &lab.error);
+		rb_memory_fail_at(0);
+		assert_true(status == RB_OK || status == RB_ERR_MEMORY);
+		if (status == RB_OK) {
+			assert_true(k > 10);
+			assert_true(rb_world_work(lab.world).discarded_body_steps > 0);
+		} else {
+			assert_near(rb_world_position(lab.world, 0).x, x, 0);
+		}
+		lab_close(&lab);
+	}
+}
+
 static void order_of_groups_and_threads_are_not_in_the_bits(void **state)
 {
 	struct result both, swapped, threads;
@@ -259,6 +294,7 @@ int main(void)
 		cmocka_unit_test(nobody_passes_another_within_a_step),
 		cmocka_unit_test(what_a_spring_joins_goes_back_together),
 		cmocka_unit_test(what_is_not_finite_is_named_and_the_rest_is_as_before),
+		cmocka_unit_test(any_allocation_may_fail_in_a_step_that_goes_back),
 		cmocka_unit_test(order_of_groups_and_threads_are_not_in_the_bits),
 		cmocka_unit_test(impacts_are_told_in_order_of_time_then_ids),
 	};

@@ -430,7 +430,8 @@ static enum rb_status join_impacts(struct rb_world *world, double end, struct rb
 	if (status != RB_OK)
 		return status;
 	if (!rb_memory_reserve(&s->told.row, &s->told.capacity,
-	                       s->told.count + apart->event_count + 1, sizeof *s->told.row))
+	                       s->told.count + apart->event_count + 1, sizeof *s->told.row) ||
+	    !rb_tell_room(world, s->told.count + apart->event_count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	for (size_t k = 0; k < apart->event_count; k++)
 		s->told.row[s->told.count++] = apart->event[k].event;
@@ -512,15 +513,16 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		status = run_groups(world, start, dt, err);
 	if (status == RB_OK)
 		status = end_drive(world, start, dt, err);
-	if (status != RB_OK) {
-		rb_state_copy(&world->state, &apart->begin);
-		return status;
-	}
 	reset_arenas(world);
-	status = count_steps(world, dt, outcome, err);
+	if (status == RB_OK)
+		status = count_steps(world, dt, outcome, err);
 	if (status == RB_OK)
 		status = join_impacts(world, start + dt, err);
 	if (status == RB_OK)
 		status = join_contacts(world, dt, err);
-	return status == RB_OK ? join_pushes(world, dt, err) : status;
+	if (status == RB_OK)
+		status = join_pushes(world, dt, err);
+	if (status != RB_OK)
+		rb_state_copy(&world->state, &apart->begin);
+	return status;
 }

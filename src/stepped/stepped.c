@@ -149,7 +149,6 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
-	world->state.time_s = end;
 	s->told.count = 0;
 	enum rb_status status = rb_tell_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	world->contacts.count = 0;
@@ -159,8 +158,15 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 		rb_contacts_sort(&world->contacts);
 	if (status == RB_OK)
 		status = rb_points_keep(&s->all.points, h, err);
+	if (status == RB_OK && !rb_tell_room(world, s->told.count))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	if (status != RB_OK) {
+		rb_state_copy(&world->state, &world->mark);
+		return status;
+	}
 	rb_points_index(&s->all.points, world->model);
-	return status == RB_OK ? rb_tell_all(world, err) : status;
+	world->state.time_s = end;
+	return rb_tell_all(world, err);
 }
 
 static void reset_arenas(struct rb_world *world)

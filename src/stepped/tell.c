@@ -148,6 +148,14 @@ static int by_time(const void *left, const void *right)
 	return (x->b > y->b) - (x->b < y->b);
 }
 
+bool rb_tell_room(struct rb_world *world, size_t count)
+{
+	struct rb_events *events = &world->events;
+
+	return rb_memory_reserve(&events->row, &events->capacity, events->count + count + 1,
+	                         sizeof *events->row);
+}
+
 enum rb_status rb_tell_all(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_events *told = &world->stepped->told, *events = &world->events;
@@ -158,8 +166,6 @@ enum rb_status rb_tell_all(struct rb_world *world, struct rb_error *err)
 	world->frame_counts.collisions += count;
 	if (count == 0 || (!world->hooks.collision && !world->options.keep_events))
 		return RB_OK;
-	if (!rb_memory_reserve(&events->row, &events->capacity, first + count, sizeof *events->row))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	qsort(told->row, count, sizeof *told->row, by_time);
 	memcpy(events->row + first, told->row, count * sizeof *told->row);
 	events->count += count;

@@ -16,7 +16,9 @@ RB_CHECKED enum rb_status rb_tell_impacts(struct rb_world *world, const struct r
 RB_CHECKED enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                            double h_s, const unsigned char *skip,
                                            struct rb_contacts *to, struct rb_error *err);
-/* Those told become the world's events, and callbacks hear of them. */
+/* Room among the world's events for so many more; false: no memory. */
+bool rb_tell_room(struct rb_world *world, size_t count);
+/* Those told, for which there is room, become the world's events, and callbacks hear of them. */
 RB_CHECKED enum rb_status rb_tell_all(struct rb_world *world, struct rb_error *err);
 
 #endif
