@@ -120,7 +120,7 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 		status = rb_near_find(&s->near, world, err);
 	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
 	if (status == RB_OK)
-		status = rb_points_find(&cohort->points, world, cohort->near, h, err);
+		status = rb_points_find(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
 	if (status == RB_OK &&
 	    !rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
 	                       cohort->points.count + 1, sizeof *cohort->rebound))

@@ -5,7 +5,8 @@
 
 #include "base/memory.h"
 
-enum { CLOSINGS_MOST = 12 };
+/* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
+enum { CLOSINGS_MOST = 12, CHAIN_MOST = 16 };
 
 /* Overlap after a step that moving positions may close, over the smallest size; more than that and the bends is taken back. */
 static const double closable_share = 0.01;
@@ -126,6 +127,15 @@ static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *coho
 	return rb_points_depths(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, found, err);
 }
 
+static double deepest(const struct rb_depths *found)
+{
+	double most = 0;
+
+	for (size_t k = 0; k < found->deep_count; k++)
+		most = fmax(most, found->deep[k].depth);
+	return most;
+}
+
 static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohort,
                                  const struct rb_depths *found, struct rb_error *err)
 {
@@ -133,7 +143,8 @@ static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohor
 
 	clear_velocities(world, cohort);
 	/* parts stand where their overlaps were found */
-	enum rb_status status = rb_points_find(&s->closing, world, cohort->near, 1, err);
+	const double most = CHAIN_MOST * deepest(found) + world->model->tolerance_m;
+	enum rb_status status = rb_points_find(&s->closing, world, cohort->near, 1, most, err);
 	if (status == RB_OK)
 		status = keep_points(world, cohort, found, err);
 	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++)

@@ -37,7 +37,7 @@ struct look {
 	struct rb_world *world;
 	const struct rb_points *points;
 	const struct rb_near *near;
-	double h;
+	double h, most; /* most: m, of what can be closed */
 	/* of the block */
 	struct rb_point *out;
 	size_t count, capacity;
@@ -396,24 +396,26 @@ static void look_block(void *user, int block, int worker)
 	const size_t end = first + PAIRS_PER_BLOCK < near->pair_count ? first + PAIRS_PER_BLOCK
 	                                                              : near->pair_count;
 
+	const double most = look.most;
 	look.arena = &look.world->arena[worker];
 	for (size_t k = first; k < end && !look.failed; k++) {
 		const struct rb_pair pair = near->pair[k];
 
 		if (is_plain(look.world->model, pair.a, pair.b))
-			look_at_plain(&look, pair, slack_of(&look, pair));
+			look_at_plain(&look, pair, fmin(slack_of(&look, pair), most));
 		else
-			look_at_parts(&look, pair, closing_of(&look, pair),
+			look_at_parts(&look, pair, fmin(closing_of(&look, pair), most),
 			              &near->clue[near->first_clue[k]]);
 	}
 	looks->block[block] = look;
 }
 
 enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
-                              struct rb_near *near, double h, struct rb_error *err)
+                              struct rb_near *near, double h, double most, struct rb_error *err)
 {
 	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
-	struct looks looks = {.look = {.world = world, .points = points, .near = near, .h = h}};
+	struct looks looks = {
+		.look = {.world = world, .points = points, .near = near, .h = h, .most = most}};
 	bool good = true;
 
 	points->count = 0;

@@ -45,9 +45,13 @@ RB_CHECKED enum rb_status rb_points_create(struct rb_points *points, const struc
                                            struct rb_error *err);
 void rb_points_release(struct rb_points *points);
 
-/* Of the candidates, which hold; velocities as for rb_near_find. Warm impulses are for a step of h_s. */
+/*
+ * Of the candidates, which hold; velocities as for rb_near_find. Warm impulses are for a step of h_s.
+ * What is farther apart than `most`, m, is left out.
+ */
 RB_CHECKED enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
-                                         struct rb_near *near, double h_s, struct rb_error *err);
+                                         struct rb_near *near, double h_s, double most,
+                                         struct rb_error *err);
 
 /* Keeps the impulses of a step that has been accepted; to be indexed then. */
 RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, double h_s,
