@@ -210,6 +210,9 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 	for (int round = 0; round < CLOSINGS_MOST && status == RB_OK && last.deep_count > 0;
 	     round++) {
 		status = close_once(world, cohort, &last, err);
+		/* nothing moves: all that overlap are with somebody who is bad */
+		if (status == RB_OK && s->closing.count == 0)
+			break;
 		world->frame_counts.closings++;
 		if (status == RB_OK)
 			status = find_depths(world, cohort, &last, err);
