@@ -17,10 +17,13 @@ typedef struct {
 	double gap;     /* m, between the cores */
 } rb_axis;
 
-/* Features farther than `depth` behind the outermost along `normal` (a's) or against it (b's) are left out. */
+/*
+ * Features farther than `depth` behind the outermost along `normal` (a's) or against it (b's) are left out. `distance`: m, the
+ * bodies are no farther apart; a better direction then makes a thinner slab. INFINITY: not known.
+ */
 typedef struct {
 	rb_vec3 normal;
-	double depth;
+	double depth, distance;
 } rb_slab;
 
 static inline double rb_axis_gap(const rb_axis *axis, rb_vec3 n)
@@ -39,6 +42,18 @@ static inline void rb_axis_try(rb_axis *axis, rb_vec3 n)
 	axis->found = true;
 	axis->normal = n;
 	axis->gap = gap;
+}
+
+/* The slab of the best direction so far, where it is thinner: see geom/separation. */
+static inline void rb_slab_tighten(rb_slab *slab, const rb_axis *axis)
+{
+	const double most = fmax(slab->distance, fabs(axis->gap));
+	const double depth = most - axis->gap + 8 * axis->noise;
+
+	if (!axis->found || !(depth < slab->depth))
+		return;
+	slab->normal = axis->normal;
+	slab->depth = depth;
 }
 
 #endif

@@ -201,23 +201,51 @@ static void vertex(rb_axis *axis, const drum *d, rb_vec3 point)
 	try_away(axis, d, out);
 }
 
-static void against_polytope(rb_axis *axis, const drum *d, const rb_placed *other,
-                             const rb_slab *slab, rb_vec3 guide)
+static void edge(rb_axis *axis, const drum *d, const rb_placed *other, int i, rb_vec3 guide)
 {
 	const struct rb_polytope *p = other->core->polytope;
-	const rb_slab_local in = rb_slab_of(other, rb_vec3_scale(-d->sense, slab->normal),
-	                                    slab->depth);
+	const rb_vec3 v = p->vertices[p->edges[i][0]], w = p->vertices[p->edges[i][1]];
+	const rb_vec3 e = rb_vec3_unit(rb_mat3_apply(&other->turn, rb_vec3_sub(w, v)),
+	                               (rb_vec3){0, 0, 1});
+	/* from a point of it that is near, for the digits */
+	const rb_vec3 p0 = rb_placed_point(other, v);
+	const double t = rb_vec3_dot(rb_vec3_sub(d->placed->at, p0), e);
 
-	for (int i = 0; i < p->edge_count; i++) {
-		const rb_vec3 v = p->vertices[p->edges[i][0]], w = p->vertices[p->edges[i][1]];
-		if (!rb_slab_has(&in, v) && !rb_slab_has(&in, w))
-			continue;
-		const rb_vec3 e = rb_vec3_unit(rb_mat3_apply(&other->turn, rb_vec3_sub(w, v)),
-		                               (rb_vec3){0, 0, 1});
-		/* from a point of it that is near, for the digits */
-		const rb_vec3 p0 = rb_placed_point(other, v);
-		const double t = rb_vec3_dot(rb_vec3_sub(d->placed->at, p0), e);
-		line(axis, d, rb_vec3_add_scaled(p0, t, e), e, guide);
+	line(axis, d, rb_vec3_add_scaled(p0, t, e), e, guide);
+}
+
+/* The polytope's end of the slab. */
+static rb_slab_local end_of(const drum *d, const rb_placed *other, const rb_slab *slab)
+{
+	return rb_slab_of(other, rb_vec3_scale(-d->sense, slab->normal), slab->depth);
+}
+
+/* First the edges where the guide points, mostly the right ones, after which few others can matter. */
+static void against_polytope(rb_axis *axis, const drum *d, const rb_placed *other,
+                             const rb_slab *given, rb_vec3 guide)
+{
+	const struct rb_polytope *p = other->core->polytope;
+	const rb_vec3 there = rb_mat3_apply_transposed(&other->turn,
+	                                               rb_vec3_scale(-d->sense, guide));
+	const int first = rb_polytope_support(p, there);
+	rb_slab slab = *given;
+
+	rb_slab_tighten(&slab, axis);
+	rb_slab_local in = end_of(d, other, &slab);
+	for (int pass = 0; pass < 2; pass++) {
+		for (int i = 0; i < p->edge_count; i++) {
+			const int v = p->edges[i][0], w = p->edges[i][1];
+			if ((v == first || w == first) != (pass == 0) ||
+			    (!rb_slab_has(&in, p->vertices[v]) &&
+			     !rb_slab_has(&in, p->vertices[w])))
+				continue;
+			const double before = axis->gap;
+			edge(axis, d, other, i, guide);
+			if (!(axis->gap > before))
+				continue;
+			rb_slab_tighten(&slab, axis);
+			in = end_of(d, other, &slab);
+		}
 	}
 	for (int i = 0; i < p->vertex_count; i++)
 		if (rb_slab_has(&in, p->vertices[i]))

@@ -171,7 +171,7 @@ static bool best_face_settles(rb_axis *axis)
 
 static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double scale)
 {
-	rb_slab slab = {gjk->normal, (double)INFINITY};
+	rb_slab slab = {gjk->normal, (double)INFINITY, (double)INFINITY};
 
 	if (axis->found) {
 		/* What lies far apart has been proved to; else a long distance is one from before they overlapped. */
@@ -179,8 +179,8 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 		const double distance = gjk->most <= far_share * scale
 		                                ? fmax(gjk->most, gjk->least) + doubt
 		                                : 0;
-		const double most = fmax(distance, fabs(axis->gap));
-		slab = (rb_slab){axis->normal, most - axis->gap + 8 * axis->noise};
+		slab.distance = distance;
+		rb_slab_tighten(&slab, axis);
 	}
 	if (round) {
 		rb_rims(axis, &slab, gjk->normal);
@@ -202,7 +202,8 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 {
 	/* of thin simplices on round cores the distance has lost digits: it may even lie below what is proved */
-	const rb_slab slab = {gjk->normal, fabs(gjk->most - gjk->least) + 8 * axis->noise};
+	const rb_slab slab = {gjk->normal, fabs(gjk->most - gjk->least) + 8 * axis->noise,
+	                      (double)INFINITY};
 
 	if (round) {
 		rb_rims(axis, &slab, gjk->normal);
