@@ -144,9 +144,8 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 	const bool solved = rb_modes_solve(w, t);
 	if (!solved && !rb_modes_solve_any(w, t, NULL))
 		return false;
-	rb_modes_press(w, w->force);
-	if (solved)
-		rb_modes_refine(w, t);
+	if (!rb_modes_press(w, w->force) || (solved && !rb_modes_refine(w, t)))
+		return false;
 	stand_still(w, pull);
 	return true;
 }

@@ -196,26 +196,44 @@ bool rb_modes_solve(struct rb_modes *w, double t)
 	return true;
 }
 
-static void press(struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
+/* Adds a force on a contact of a body to those on it. */
+static void press(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force, rb_vec3 *sum)
 {
 	const int place = rb_modes_place(w, body);
 
 	if (place < 0)
 		return;
-	w->linear[place] = rb_vec3_add_scaled(w->linear[place], w->l->model->inverse_mass[body],
-	                                      force);
-	if (w->l->top)
-		w->angular[place] = rb_vec3_add(
-			w->angular[place], rb_pull_yield(w->l, body, w->pose[place].orientation,
-		                                         rb_vec3_cross(arm, force)));
+	sum[2 * place] = rb_vec3_add(sum[2 * place], force);
+	sum[2 * place + 1] = rb_vec3_add(sum[2 * place + 1], rb_vec3_cross(arm, force));
 }
 
-void rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
+bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 {
-	for (int k = 0; k < w->c->held_count; k++) {
-		press(w, w->c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(force[k]));
-		press(w, w->c->held[k].b, w->meet[k].arm_b, force[k]);
+	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	/* what balances is summed first: turned to the body's axes and back it would leave its rounding each time */
+	rb_vec3 *const sum = rb_arena_take(l->arena, 2 * (size_t)c->member_count, sizeof *sum);
+
+	if (!sum)
+		return false;
+	memset(sum, 0, 2 * (size_t)c->member_count * sizeof *sum);
+	for (int k = 0; k < c->held_count; k++) {
+		press(w, c->held[k].a, w->meet[k].arm_a, rb_vec3_neg(force[k]), sum);
+		press(w, c->held[k].b, w->meet[k].arm_b, force[k], sum);
 	}
+	for (int k = 0; k < c->member_count; k++) {
+		const int i = c->member[k];
+
+		w->linear[k] = rb_vec3_add_scaled(w->linear[k], l->model->inverse_mass[i],
+		                                  sum[2 * k]);
+		if (l->top)
+			w->angular[k] = rb_vec3_add(
+				w->angular[k],
+				rb_pull_yield(l, i, w->pose[k].orientation, sum[2 * k + 1]));
+	}
+	rb_arena_back(l->arena, here);
+	return true;
 }
 
 static double load_of(const struct rb_modes *w, int body, double force)
@@ -238,13 +256,13 @@ static bool carries(const struct rb_modes *w)
 	return false;
 }
 
-void rb_modes_refine(struct rb_modes *w, double t)
+bool rb_modes_refine(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
 	int row = 0;
 
 	if (!carries(w))
-		return;
+		return true;
 	for (int i = 0; i < c->held_count; i++) {
 		const struct rb_meet *m = &w->meet[i];
 		const rb_vec3 left = rb_vec3_add(
@@ -264,7 +282,7 @@ void rb_modes_refine(struct rb_modes *w, double t)
 			                                  unit_of(w, i, k));
 		w->force[i] = rb_vec3_add(w->force[i], w->change[i]);
 	}
-	rb_modes_press(w, w->change);
+	return rb_modes_press(w, w->change);
 }
 
 static int joint_body(const struct rb_modes *w, struct rb_joint *joint, int body, double t)

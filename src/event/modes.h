@@ -44,14 +44,14 @@ int rb_modes_unknowns(const struct rb_held *held);
 /* Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many unknowns. */
 bool rb_modes_solve(struct rb_modes *w, double t);
 
-/* Accelerations by forces at the contacts; [held_count]. */
-void rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
+/* Accelerations by forces at the contacts; [held_count]. False: no memory. */
+bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
 
 /*
  * After rb_modes_solve and rb_modes_press: accelerations that are of the modes to the rounding of accelerations. Forces round
  * by the heaviest body that they carry, which to a light one below it is no small thing. Nothing to do where none is.
  */
-void rb_modes_refine(struct rb_modes *w, double t);
+bool rb_modes_refine(struct rb_modes *w, double t);
 
 /* Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies then move. */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **found);
