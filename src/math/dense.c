@@ -4,8 +4,11 @@
 #include <float.h>
 #include <math.h>
 
-/* Share of a column that has to be left for a pivot while other columns are still to come. */
-static const double early = 0x1p-26;
+/*
+ * Share of a column that has to be left for a pivot while other columns are still to come: more than rounding of what went
+ * in, less than what is left between masses of 1 and 1e9.
+ */
+static const double early = 0x1p-38;
 
 /* Columns that are not yet used: those in order from k on, and the late ones, which the end of `order` lists. */
 struct left {
