@@ -134,7 +134,8 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 			const rb_vec3 slip = rb_vec3_reject(w->meet[k].velocity, w->meet[k].normal);
 			const double speed = rb_vec3_length(slip);
 
-			if (speed > 0)
+			/* one that is just setting in goes where it sets in: its velocity is rounding */
+			if (speed > 4 * w->contact[k].noise)
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}
 	}
