@@ -15,6 +15,7 @@ typedef struct {
 	bool found;
 	rb_vec3 normal; /* unit, from a to b: the best so far */
 	double gap;     /* m, between the cores */
+	double second;  /* m: what the best of the others proves */
 } rb_axis;
 
 /*
@@ -37,8 +38,11 @@ static inline void rb_axis_try(rb_axis *axis, rb_vec3 n)
 {
 	const double gap = rb_axis_gap(axis, n);
 
-	if (axis->found && !(gap > axis->gap + axis->noise))
+	if (axis->found && !(gap > axis->gap + axis->noise)) {
+		axis->second = fmax(axis->second, gap);
 		return;
+	}
+	axis->second = axis->gap;
 	axis->found = true;
 	axis->normal = n;
 	axis->gap = gap;

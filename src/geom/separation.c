@@ -150,8 +150,8 @@ static bool best_face_settles(rb_axis *axis)
 	if (!axis->found)
 		return false;
 	proof most = settled(axis);
-	if (most == BEST)
-		return true;
+	if (most == BEST || axis->second < axis->gap - 4 * axis->noise)
+		return most == BEST;
 	rb_axis best = *axis;
 	const int ties = rb_facets_ties(axis, best.gap - 4 * axis->noise, tie, TIES_MAX);
 	for (int k = 0; k < ties && ties > 1; k++) {
@@ -232,7 +232,8 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 		return of_half_space(a, b, noise);
 	if (both_points(a, b))
 		return (rb_separation){rb_vec3_unit(d, (rb_vec3){0, 0, 1}), distance, noise};
-	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = -(double)INFINITY};
+	const double none = -(double)INFINITY;
+	rb_axis axis = {.a = a, .b = b, .noise = 0.25 * noise, .gap = none, .second = none};
 	const bool few = face_count(a) + face_count(b) <= FEW_FACES;
 	if (few && best_face_settles(&axis))
 		return (rb_separation){axis.normal, axis.gap, noise};

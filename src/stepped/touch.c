@@ -315,6 +315,9 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
 			rb_manifold_with_nearest(&manifold, pa, pb, slack, fine);
 			clue->axis = manifold.normal;
 			clue->is_close = manifold.gap <= slack;
+			/* as if it had been seen at once: what is known decides cost only */
+			if (!clue->is_close)
+				continue;
 			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
 		}
 	}
