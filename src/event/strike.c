@@ -2,6 +2,7 @@
 #include "event/strike.h"
 
 #include <float.h>
+#include <string.h>
 
 #include "base/memory.h"
 #include "event/mechanics.h"
@@ -349,20 +350,53 @@ static void stop_one_by_one(struct striking *s, const bool *ends)
 	}
 }
 
-/* The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. */
-static void stop_together(struct striking *s, const bool *ends)
+/* Of the contacts that are not `kept`, those are that approach now, or leave where they stood; true: there were such. */
+static bool keep_what_moves(const struct striking *s, const bool *stood, bool *kept)
+{
+	bool any = false;
+
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_joint_contact *c = &s->joint.contact[k];
+		const double leave = rb_vec3_dot(velocity_after(s, k), c->normal);
+
+		if (kept[k] || !(leave < -c->noise || (stood[k] && leave > c->noise)))
+			continue;
+		kept[k] = any = true;
+	}
+	return any;
+}
+
+/*
+ * The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. What it
+ * would have approach, or lift where it stood, is stopped as well: that would be the next impact.
+ */
+static void stop_together(struct striking *s, bool *ends)
 {
 	struct rb_tidy tidy = tidy_of(s, ends);
+	const size_t count = (size_t)s->l->set_count;
+	struct rb_joint_body *const before = rb_arena_take(s->l->arena, count, sizeof *before);
+	bool *const stood = rb_arena_take(s->l->arena, (size_t)s->meet_count, sizeof *stood);
+	bool more = before && stood;
 
-	for (int k = 0; k < s->l->set_count; k++) {
-		s->pose[k].velocity = s->joint.body[k].linear;
-		s->pose[k].spin = s->joint.body[k].angular;
+	for (int k = 0; k < s->meet_count && more; k++)
+		stood[k] = fabs(rb_vec3_dot(velocity_after(s, k), s->joint.contact[k].normal)) <=
+		           s->joint.contact[k].noise;
+	if (more)
+		memcpy(before, s->joint.body, count * sizeof *before);
+	for (int pass = 0; pass <= s->meet_count && more; pass++) {
+		for (int k = 0; k < s->l->set_count; k++) {
+			s->pose[k].velocity = before[k].linear;
+			s->pose[k].spin = before[k].angular;
+		}
+		rb_tidy_stop(&tidy);
+		for (int k = 0; k < s->l->set_count; k++) {
+			s->joint.body[k].linear = s->pose[k].velocity;
+			s->joint.body[k].angular = s->pose[k].spin;
+		}
+		more = keep_what_moves(s, stood, ends);
 	}
-	rb_tidy_stop(&tidy);
-	for (int k = 0; k < s->l->set_count; k++) {
-		s->joint.body[k].linear = s->pose[k].velocity;
-		s->joint.body[k].angular = s->pose[k].spin;
-	}
+	if (!before || !stood)
+		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
 }
 
 /*
