@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/modes.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "event/pull.h"
 
-enum { TURNS = 6 };
+enum { TURNS = 6, REFINEMENTS = 4 };
 /* Loads beyond so many times the largest acceleration round by more than the integrator asks. */
 static const double heavy = 32;
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
@@ -256,13 +257,13 @@ static bool carries(const struct rb_modes *w)
 	return false;
 }
 
-bool rb_modes_refine(struct rb_modes *w, double t)
+/* What the accelerations leave of the modes, to the right side; returns the largest, m/s^2. */
+static double residue(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
+	double most = 0;
 	int row = 0;
 
-	if (!carries(w))
-		return true;
 	for (int i = 0; i < c->held_count; i++) {
 		const struct rb_meet *m = &w->meet[i];
 		const rb_vec3 left = rb_vec3_add(
@@ -270,19 +271,41 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 		                    point_acceleration(w, m->a, m->arm_a, t)),
 			w->contact[i].bias);
 
-		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++) {
 			w->dense.right[row] = -asked_of(w, i, k, left);
+			most = fmax(most, fabs(w->dense.right[row]));
+		}
 	}
-	rb_dense_again(&w->dense);
-	row = 0;
-	for (int i = 0; i < c->held_count; i++) {
-		w->change[i] = (rb_vec3){0, 0, 0};
-		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
-			w->change[i] = rb_vec3_add_scaled(w->change[i], w->dense.right[row],
-			                                  unit_of(w, i, k));
-		w->force[i] = rb_vec3_add(w->force[i], w->change[i]);
+	return most;
+}
+
+bool rb_modes_refine(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	double before = HUGE_VAL;
+
+	if (!carries(w))
+		return true;
+	for (int round = 0; round < REFINEMENTS; round++) {
+		const double left = residue(w, t);
+		int row = 0;
+
+		/* where more contacts than freedoms contradict each other, something stays */
+		if (!(left > 4 * DBL_EPSILON * w->most) || !(left < 0.5 * before))
+			return true;
+		before = left;
+		rb_dense_again(&w->dense);
+		for (int i = 0; i < c->held_count; i++) {
+			w->change[i] = (rb_vec3){0, 0, 0};
+			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+				w->change[i] = rb_vec3_add_scaled(w->change[i], w->dense.right[row],
+				                                  unit_of(w, i, k));
+			w->force[i] = rb_vec3_add(w->force[i], w->change[i]);
+		}
+		if (!rb_modes_press(w, w->change))
+			return false;
 	}
-	return rb_modes_press(w, w->change);
+	return true;
 }
 
 static int joint_body(const struct rb_modes *w, struct rb_joint *joint, int body, double t)
