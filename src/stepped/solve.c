@@ -74,222 +74,6 @@ void rb_solver_release(struct rb_solver *solver)
 	*solver = (struct rb_solver){0};
 }
 
-/* ---- bodies ---- */
-
-/* World axes: R I^-1 R^T. */
-static rb_mat3 turned_tensor(const rb_mat3 *inverse, rb_quat orientation)
-{
-	const rb_mat3 r = rb_quat_to_mat3(orientation), t = rb_mat3_transposed(&r);
-	const rb_mat3 half = rb_mat3_multiply(&r, inverse);
-
-	return rb_mat3_multiply(&half, &t);
-}
-
-static void fill_bodies(struct rb_solver *solver, const struct rb_world *world)
-{
-	const struct rb_model *model = world->model;
-	const struct rb_state *state = &world->state;
-
-	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k];
-		struct rb_dense_body *body = &solver->dense.body[i];
-
-		*body = (struct rb_dense_body){.linear = rb_world_row3(state->velocity, i),
-		                               .inverse_mass = model->inverse_mass[i]};
-		if (state->spin) {
-			body->angular = rb_world_row3(state->spin, i);
-			body->inverse_inertia = body->inverse_mass > 0
-			                                ? model->inverse_inertia_scalar[i]
-			                                : 0;
-			if (isnan(body->inverse_inertia))
-				solver->tensor[i] = turned_tensor(
-					&model->inverse_inertia[i],
-					rb_quat_from(state->orientation + 4 * (size_t)i));
-		}
-		solver->free[i] = *body;
-	}
-	solver->dense.body[solver->body_count] = (struct rb_dense_body){.inverse_mass = 0};
-}
-
-static void store(const struct rb_solver *solver, struct rb_world *world)
-{
-	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k];
-
-		rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.body[i].linear);
-		if (world->state.spin)
-			rb_vec3_to(world->state.spin + 3 * (size_t)i,
-			           solver->dense.body[i].angular);
-	}
-}
-
-/* ---- groups ---- */
-
-static int root_of(int *parent, int i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
-static bool yields(const struct rb_solver *solver, int i)
-{
-	return i < solver->body_count && solver->dense.body[i].inverse_mass > 0;
-}
-
-/* The body of a point that yields: the group is its. */
-static int owner_of(const struct rb_solver *solver, const struct rb_point *point)
-{
-	return yields(solver, point->a) ? point->a : point->b;
-}
-
-static void join_all(struct rb_solver *solver, const struct rb_points *points)
-{
-	for (int k = 0; k < solver->active_count; k++)
-		solver->parent[solver->active[k]] = solver->active[k];
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
-
-		if (!yields(solver, point->a) || !yields(solver, point->b))
-			continue;
-		const int a = root_of(solver->parent, point->a);
-		const int b = root_of(solver->parent, point->b);
-		/* the smaller body stays the root: a group's place does not depend on the order of joining */
-		solver->parent[a > b ? a : b] = a > b ? b : a;
-	}
-}
-
-/* Numbers the groups that have points, in order of their smallest body, and lays out members and rows. */
-static enum rb_status lay_out(struct rb_solver *solver, const struct rb_points *points,
-                              struct rb_error *err)
-{
-	int row = 0, member = 0;
-
-	solver->island_count = 0;
-	for (int k = 0; k < solver->active_count; k++)
-		solver->island_of[solver->active[k]] = -1;
-	for (size_t k = 0; k < points->count; k++)
-		solver->island_of[root_of(solver->parent, owner_of(solver, &points->row[k]))] = 0;
-	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k], root = root_of(solver->parent, i);
-
-		if (solver->island_of[root] < 0)
-			continue;
-		if (root == i) {
-			if (!rb_memory_reserve(&solver->island, &solver->island_capacity,
-			                       solver->island_count + 1, sizeof *solver->island))
-				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
-			solver->island_of[i] = (int)solver->island_count;
-			solver->island[solver->island_count++] = (struct rb_island){0};
-		}
-		solver->island_of[i] = solver->island_of[root];
-		solver->island[solver->island_of[i]].member_count++;
-	}
-	for (size_t k = 0; k < points->count; k++)
-		solver->island[solver->island_of[owner_of(solver, &points->row[k])]].row_count++;
-	for (size_t g = 0; g < solver->island_count; g++) {
-		struct rb_island *island = &solver->island[g];
-
-		island->first_row = row;
-		island->first_member = member;
-		row += island->row_count;
-		member += island->member_count;
-		island->row_count = island->member_count = 0;
-	}
-	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k];
-
-		solver->local[i] = -1;
-		if (solver->island_of[i] < 0)
-			continue;
-		struct rb_island *island = &solver->island[solver->island_of[i]];
-		solver->member[island->first_member + island->member_count++] = i;
-	}
-	solver->local[solver->body_count] = -1;
-	return RB_OK;
-}
-
-/* Adds what a body at that arm yields along unit vectors n, x, y. */
-static void add_yield(const struct rb_dense *dense, int body, rb_vec3 arm, const rb_vec3 axis[3],
-                      double yield[3][3])
-{
-	rb_vec3 turn[3];
-
-	for (int i = 0; i < 3; i++)
-		turn[i] = dense->body[body].inverse_inertia != 0
-		                  ? rb_vec3_cross(
-					    rb_dense_turn(dense, body, rb_vec3_cross(arm, axis[i])),
-					    arm)
-		                  : (rb_vec3){0, 0, 0};
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			yield[i][j] += rb_vec3_dot(axis[i], turn[j]) +
-			               (i == j ? dense->body[body].inverse_mass : 0);
-}
-
-static void fill_yields(const struct rb_dense *dense, struct rb_dense_row *row)
-{
-	const struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
-
-	if (row->central) {
-		row->yield_n = a->inverse_mass + b->inverse_mass;
-		row->yield_t = row->yield_n + a->inverse_inertia * row->arm_a.x * row->arm_a.x +
-		               b->inverse_inertia * row->arm_b.x * row->arm_b.x;
-		return;
-	}
-	const rb_vec3 x = rb_vec3_across(row->normal);
-	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
-	double yield[3][3] = {{0}};
-
-	add_yield(dense, row->a, row->arm_a, axis, yield);
-	add_yield(dense, row->b, row->arm_b, axis, yield);
-	row->yield_n = yield[0][0];
-	row->yield_t = 0.5 * (yield[1][1] + yield[2][2]) +
-	               hypot(0.5 * (yield[1][1] - yield[2][2]), yield[1][2]);
-}
-
-static void fill_row(const struct rb_solver *solver, struct rb_dense_row *row,
-                     const struct rb_point *point, int number)
-{
-	*row = (struct rb_dense_row){
-		.a = point->a,
-		.b = point->b < solver->body_count ? point->b : solver->body_count,
-		.point = number,
-		.central = point->central,
-		.normal = point->normal,
-		.arm_a = point->arm_a,
-		.arm_b = point->arm_b,
-		.leave = -point->gap / solver->h_s,
-		.friction = point->friction,
-		.push = point->push,
-		.rub = point->rub,
-	};
-	const double most = row->friction * row->push;
-	const double square = rb_vec3_dot(row->rub, row->rub);
-	if (square > most * most)
-		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
-	fill_yields(&solver->dense, row);
-}
-
-static enum rb_status fill_rows(struct rb_solver *solver, const struct rb_points *points,
-                                struct rb_error *err)
-{
-	if (!rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
-	                       sizeof *solver->dense.row))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
-	solver->dense.row_count = (int)points->count;
-	for (size_t k = 0; k < points->count; k++) {
-		struct rb_island *island =
-			&solver->island[solver->island_of[owner_of(solver, &points->row[k])]];
-
-		fill_row(solver, &solver->dense.row[island->first_row + island->row_count++],
-		         &points->row[k], (int)k);
-	}
-	return RB_OK;
-}
-
 /* ---- one group ---- */
 
 static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_island *island)
@@ -394,47 +178,7 @@ static bool is_quiet(const struct rb_solver *solver, const struct rb_island *isl
 	return true;
 }
 
-/* ---- standing still ---- */
-
-static bool is_zero(const double *column, int i)
-{
-	const double *v = column ? column + 3 * (size_t)i : NULL;
-
-	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
-}
-
-static bool is_same(rb_vec3 now, const double *then, double h)
-{
-	const rb_vec3 was = rb_vec3_from(then), is = rb_vec3_scale(1 / h, now);
-
-	return rb_vec3_max_abs(rb_vec3_sub(is, was)) <= 16 * DBL_EPSILON * rb_vec3_max_abs(was);
-}
-
-/* The forces on it, whatever the rounding of the step's length. */
-static bool is_as_then(const struct rb_solver *solver, int i)
-{
-	const double *then = solver->rest_pull + 6 * (size_t)i;
-
-	return is_same(solver->free[i].linear, then, solver->h_s) &&
-	       is_same(solver->free[i].angular, then + 3, solver->h_s);
-}
-
-/* Whether anything that does not yield moves under or against the group. */
-static bool is_carried(const struct rb_dense *dense)
-{
-	for (int k = 0; k < dense->row_count; k++) {
-		const int ends[2] = {dense->row[k].a, dense->row[k].b};
-
-		for (int e = 0; e < 2; e++) {
-			const struct rb_dense_body *body = &dense->body[ends[e]];
-
-			if (body->inverse_mass == 0 && (rb_vec3_max_abs(body->linear) > 0 ||
-			                                rb_vec3_max_abs(body->angular) > 0))
-				return true;
-		}
-	}
-	return false;
-}
+/* ---- coming to rest ---- */
 
 static void stop(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -446,29 +190,14 @@ static void stop(const struct rb_solver *solver, const struct rb_island *island)
 	}
 }
 
-/* Nothing has changed since the group was found to stand still: it would be found so again. */
-static bool still_rests(const struct rb_solver *solver, const struct rb_island *island,
-                        const struct rb_dense *dense)
-{
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-
-		if (!solver->before || !solver->rests[i] || !is_zero(solver->before->velocity, i) ||
-		    !is_zero(solver->before->spin, i) || !is_as_then(solver, i))
-			return false;
-	}
-	return !is_carried(dense);
-}
-
 /*
  * Solved closely, before the step and after it no faster than what solving closely leaves: it stands still. At that speed
  * a body would take two million steps for the tolerance.
  */
-static void find_rest(const struct rb_solver *solver, const struct rb_island *island,
-                      const struct rb_dense *dense)
+static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
 	const double close = close_share * solver->enough, still = 16 * close;
-	bool rests = solver->before && island->residual <= close && !is_carried(dense);
+	bool rests = solver->before && island->residual <= close && !island->carried;
 
 	for (int k = 0; rests && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -531,7 +260,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 
 	island->sweeps = island->factors = 0;
 	island->residual = 0;
-	if (still_rests(solver, island, &dense)) {
+	if (island->rests) {
 		stop(solver, island);
 		return;
 	}
@@ -559,7 +288,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (good && is_quiet(solver, island) && island->residual > close &&
 	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
-	find_rest(solver, island, &dense);
+	find_rest(solver, island);
 }
 
 /* ---- all groups ---- */
@@ -632,26 +361,12 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	solver->h_s = h;
 	solver->before = before;
 	solver->enough = sweep_share * world->model->tolerance_m / h;
-	fill_bodies(solver, world);
-	join_all(solver, points);
-	status = lay_out(solver, points, err);
-	if (status == RB_OK)
-		status = fill_rows(solver, points, err);
+	status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
-	for (int k = 0; k < solver->active_count; k++)
-		solver->pushed[solver->active[k]] = 0;
-	for (int k = 0; k < solver->dense.row_count; k++) {
-		const struct rb_dense_row *row = &solver->dense.row[k];
-
-		if (row->push > 0)
-			solver->pushed[row->a] = solver->pushed[row->b] = 1;
-		points->row[row->point].push = row->push;
-		points->row[row->point].rub = row->rub;
-	}
-	store(solver, world);
+	rb_islands_end(solver, world, points);
 	return RB_OK;
 }
 
@@ -743,7 +458,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		struct rb_island *island = &solver->island[g];
 
 		island->rebounds = false;
-		for (int k = 0; k < island->row_count; k++) {
+		for (int k = 0; k < island->row_count && !island->rests; k++) {
 			const struct rb_dense_row *row = &solver->dense.row[island->first_row + k];
 
 			island->rebounds = island->rebounds ||

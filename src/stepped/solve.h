@@ -9,40 +9,7 @@
 #ifndef RB_STEPPED_SOLVE_H
 #define RB_STEPPED_SOLVE_H
 
-#include "stepped/row.h"
-#include "stepped/touch.h"
-
-struct rb_island {
-	int first_row, row_count;
-	int first_member, member_count;
-	bool rebounds;
-	double energy; /* J, twice: what a rebound may come to, but for work of driven bodies in it */
-	double share;        /* of the rebound, that keeps to it */
-	int sweeps, factors; /* of the last solution */
-	double residual;     /* m/s */
-};
-
-struct rb_solver {
-	int body_count;
-	const int *
-		active; /* borrowed: bodies of the step, those that yield ascending, then driven ones */
-	int active_count;
-	struct rb_dense
-		dense;   /* owned: body [bodies + 1], the last one for all that stands still */
-	rb_mat3 *tensor; /* owned; NULL: no body needs one */
-	struct rb_dense_body *free;               /* owned */
-	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
-	double *reach;                            /* owned, m: as of the model */
-	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
-	unsigned char *rests;  /* owned: 1 where the body stands still */
-	double *rest_pull; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
-	struct rb_island *island; /* owned */
-	size_t island_count, island_capacity, row_capacity;
-	const struct rb_state
-		*before;    /* borrowed: at the beginning of the step; NULL: positions are closed */
-	double h_s, enough; /* of the step; m/s */
-	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
-};
+#include "stepped/islands.h"
 
 RB_CHECKED enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                            struct rb_error *err);

@@ -1,0 +1,393 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/islands.h"
+
+#include <float.h>
+
+#include "base/memory.h"
+
+/* ---- bodies ---- */
+
+/* World axes: R I^-1 R^T. */
+static rb_mat3 turned_tensor(const rb_mat3 *inverse, rb_quat orientation)
+{
+	const rb_mat3 r = rb_quat_to_mat3(orientation), t = rb_mat3_transposed(&r);
+	const rb_mat3 half = rb_mat3_multiply(&r, inverse);
+
+	return rb_mat3_multiply(&half, &t);
+}
+
+static void fill_body(struct rb_solver *solver, const struct rb_world *world, int i)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_state *state = &world->state;
+	struct rb_dense_body *body = &solver->dense.body[i];
+
+	*body = (struct rb_dense_body){.linear = rb_world_row3(state->velocity, i),
+	                               .inverse_mass = model->inverse_mass[i]};
+	if (state->spin) {
+		body->angular = rb_world_row3(state->spin, i);
+		body->inverse_inertia = body->inverse_mass > 0 ? model->inverse_inertia_scalar[i]
+		                                               : 0;
+		if (isnan(body->inverse_inertia))
+			solver->tensor[i] = turned_tensor(
+				&model->inverse_inertia[i],
+				rb_quat_from(state->orientation + 4 * (size_t)i));
+	}
+	solver->free[i] = *body;
+}
+
+static void store_body(const struct rb_solver *solver, struct rb_world *world, int i)
+{
+	rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.body[i].linear);
+	if (world->state.spin)
+		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.body[i].angular);
+}
+
+/* What is done to every body, point or row on its own, in blocks. */
+struct pass {
+	struct rb_solver *solver;
+	struct rb_world *world;
+	struct rb_points *points;
+	const int *place; /* [points]: their rows, -1: none */
+	int count;
+};
+
+enum { PER_BLOCK = 512 };
+
+static int end_of(const struct pass *pass, int block)
+{
+	const int end = (block + 1) * PER_BLOCK;
+
+	return end < pass->count ? end : pass->count;
+}
+
+static void fill_bodies_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+
+	(void)worker;
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
+		fill_body(pass->solver, pass->world, pass->solver->active[k]);
+}
+
+static void store_bodies_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+
+	(void)worker;
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
+		store_body(pass->solver, pass->world, pass->solver->active[k]);
+}
+
+static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
+{
+	pass->count = (int)count;
+	rb_team_run(pass->world->team, (pass->count + PER_BLOCK - 1) / PER_BLOCK, work, pass);
+}
+
+static bool yields(const struct rb_solver *solver, int i)
+{
+	return i < solver->body_count && solver->dense.body[i].inverse_mass > 0;
+}
+
+/* ---- standing still ---- */
+
+static bool is_zero(const double *column, int i)
+{
+	const double *v = column ? column + 3 * (size_t)i : NULL;
+
+	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
+}
+
+static bool is_same(rb_vec3 now, const double *then, double h)
+{
+	const rb_vec3 was = rb_vec3_from(then), is = rb_vec3_scale(1 / h, now);
+
+	return rb_vec3_max_abs(rb_vec3_sub(is, was)) <= 16 * DBL_EPSILON * rb_vec3_max_abs(was);
+}
+
+/* The forces on it, whatever the rounding of the step's length. */
+static bool is_as_then(const struct rb_solver *solver, int i)
+{
+	const double *then = solver->rest_pull + 6 * (size_t)i;
+
+	return is_same(solver->free[i].linear, then, solver->h_s) &&
+	       is_same(solver->free[i].angular, then + 3, solver->h_s);
+}
+
+/* Nothing has changed since the group was found to stand still: it would be found so again. */
+static bool still_rests(const struct rb_solver *solver, const struct rb_island *island)
+{
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		if (!solver->before || !solver->rests[i] || !is_zero(solver->before->velocity, i) ||
+		    !is_zero(solver->before->spin, i) || !is_as_then(solver, i))
+			return false;
+	}
+	return !island->carried;
+}
+
+/* Whether what does not yield moves under or against the other. */
+static bool is_moved(const struct rb_solver *solver, const struct rb_point *point)
+{
+	const int ends[2] = {point->a, point->b};
+
+	for (int e = 0; e < 2; e++) {
+		if (ends[e] >= solver->body_count || yields(solver, ends[e]))
+			continue;
+		const struct rb_dense_body *body = &solver->dense.body[ends[e]];
+		if (rb_vec3_max_abs(body->linear) > 0 || rb_vec3_max_abs(body->angular) > 0)
+			return true;
+	}
+	return false;
+}
+
+/* ---- groups ---- */
+
+static int root_of(int *parent, int i)
+{
+	while (parent[i] != i) {
+		parent[i] = parent[parent[i]];
+		i = parent[i];
+	}
+	return i;
+}
+
+/* The body of a point that yields: the group is its. */
+static int owner_of(const struct rb_solver *solver, const struct rb_point *point)
+{
+	return yields(solver, point->a) ? point->a : point->b;
+}
+
+/* Owners of the points go to `place`. */
+static void join_all(struct rb_solver *solver, const struct rb_points *points, int *place)
+{
+	for (int k = 0; k < solver->active_count; k++)
+		solver->parent[solver->active[k]] = solver->active[k];
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+
+		place[k] = owner_of(solver, point);
+		if (!yields(solver, point->a) || !yields(solver, point->b))
+			continue;
+		const int a = root_of(solver->parent, point->a);
+		const int b = root_of(solver->parent, point->b);
+		/* the smaller body stays the root: a group's place does not depend on the order of joining */
+		solver->parent[a > b ? a : b] = a > b ? b : a;
+	}
+}
+
+/* Numbers the groups that have points, in order of their smallest body, and counts their members. */
+static enum rb_status number_groups(struct rb_solver *solver, const struct rb_points *points,
+                                    const int *place, struct rb_error *err)
+{
+	solver->island_count = 0;
+	for (int k = 0; k < solver->active_count; k++)
+		solver->island_of[solver->active[k]] = -1;
+	for (size_t k = 0; k < points->count; k++)
+		solver->island_of[root_of(solver->parent, place[k])] = 0;
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k], root = root_of(solver->parent, i);
+
+		if (solver->island_of[root] < 0)
+			continue;
+		if (root == i) {
+			if (!rb_memory_reserve(&solver->island, &solver->island_capacity,
+			                       solver->island_count + 1, sizeof *solver->island))
+				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
+			solver->island_of[i] = (int)solver->island_count;
+			solver->island[solver->island_count++] = (struct rb_island){0};
+		}
+		solver->island_of[i] = solver->island_of[root];
+		solver->island[solver->island_of[i]].member_count++;
+	}
+	return RB_OK;
+}
+
+/* Members and rows, whose places replace the owners; what still rests needs no rows. */
+static void lay_out(struct rb_solver *solver, const struct rb_points *points, int *place)
+{
+	int row = 0, member = 0;
+
+	for (size_t k = 0; k < points->count; k++) {
+		struct rb_island *island = &solver->island[solver->island_of[place[k]]];
+
+		island->row_count++;
+		island->carried = island->carried || is_moved(solver, &points->row[k]);
+	}
+	for (size_t g = 0; g < solver->island_count; g++) {
+		solver->island[g].first_member = member;
+		member += solver->island[g].member_count;
+		solver->island[g].member_count = 0;
+	}
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
+
+		solver->local[i] = -1;
+		if (solver->island_of[i] < 0)
+			continue;
+		struct rb_island *island = &solver->island[solver->island_of[i]];
+		solver->member[island->first_member + island->member_count++] = i;
+	}
+	solver->local[solver->body_count] = -1;
+	for (size_t g = 0; g < solver->island_count; g++) {
+		struct rb_island *island = &solver->island[g];
+
+		island->rests = still_rests(solver, island);
+		island->first_row = row;
+		row += island->rests ? 0 : island->row_count;
+		island->row_count = 0;
+	}
+	for (size_t k = 0; k < points->count; k++) {
+		struct rb_island *island = &solver->island[solver->island_of[place[k]]];
+
+		const int at = island->first_row + island->row_count++;
+		place[k] = island->rests ? -1 : at;
+	}
+	solver->dense.row_count = row;
+}
+
+/* Adds what a body at that arm yields along unit vectors n, x, y. */
+static void add_yield(const struct rb_dense *dense, int body, rb_vec3 arm, const rb_vec3 axis[3],
+                      double yield[3][3])
+{
+	rb_vec3 turn[3];
+
+	for (int i = 0; i < 3; i++)
+		turn[i] = dense->body[body].inverse_inertia != 0
+		                  ? rb_vec3_cross(
+					    rb_dense_turn(dense, body, rb_vec3_cross(arm, axis[i])),
+					    arm)
+		                  : (rb_vec3){0, 0, 0};
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			yield[i][j] += rb_vec3_dot(axis[i], turn[j]) +
+			               (i == j ? dense->body[body].inverse_mass : 0);
+}
+
+static void fill_yields(const struct rb_dense *dense, struct rb_dense_row *row)
+{
+	const struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+
+	if (row->central) {
+		row->yield_n = a->inverse_mass + b->inverse_mass;
+		row->yield_t = row->yield_n + a->inverse_inertia * row->arm_a.x * row->arm_a.x +
+		               b->inverse_inertia * row->arm_b.x * row->arm_b.x;
+		return;
+	}
+	const rb_vec3 x = rb_vec3_across(row->normal);
+	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
+	double yield[3][3] = {{0}};
+
+	add_yield(dense, row->a, row->arm_a, axis, yield);
+	add_yield(dense, row->b, row->arm_b, axis, yield);
+	row->yield_n = yield[0][0];
+	row->yield_t = 0.5 * (yield[1][1] + yield[2][2]) +
+	               hypot(0.5 * (yield[1][1] - yield[2][2]), yield[1][2]);
+}
+
+static void fill_row(const struct rb_solver *solver, struct rb_dense_row *row,
+                     const struct rb_point *point, int number)
+{
+	*row = (struct rb_dense_row){
+		.a = point->a,
+		.b = point->b < solver->body_count ? point->b : solver->body_count,
+		.point = number,
+		.central = point->central,
+		.normal = point->normal,
+		.arm_a = point->arm_a,
+		.arm_b = point->arm_b,
+		.leave = -point->gap / solver->h_s,
+		.friction = point->friction,
+		.push = point->push,
+		.rub = point->rub,
+	};
+	const double most = row->friction * row->push;
+	const double square = rb_vec3_dot(row->rub, row->rub);
+	if (square > most * most)
+		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
+	fill_yields(&solver->dense, row);
+}
+
+static void fill_rows_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+
+	(void)worker;
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
+		if (pass->place[k] >= 0)
+			fill_row(pass->solver, &pass->solver->dense.row[pass->place[k]],
+			         &pass->points->row[k], k);
+}
+
+static void store_rows_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+
+	(void)worker;
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+		const struct rb_dense_row *row = &pass->solver->dense.row[k];
+		struct rb_point *point = &pass->points->row[row->point];
+
+		point->push = row->push;
+		point->rub = row->rub;
+	}
+}
+
+static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struct rb_error *err)
+{
+	const struct rb_points *points = pass->points;
+	int *place = rb_arena_take(&pass->world->arena[0], points->count, sizeof *place);
+
+	if (!place || !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
+	                                 sizeof *solver->dense.row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
+	join_all(solver, points, place);
+	const enum rb_status status = number_groups(solver, points, place, err);
+	if (status != RB_OK)
+		return status;
+	lay_out(solver, points, place);
+	pass->place = place;
+	run_pass(pass, points->count, fill_rows_block);
+	return RB_OK;
+}
+
+enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
+                               struct rb_points *points, struct rb_error *err)
+{
+	struct pass pass = {.solver = solver, .world = world, .points = points};
+	struct rb_arena *arena = &world->arena[0];
+	const rb_arena_mark here = rb_arena_here(arena);
+
+	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
+	solver->dense.body[solver->body_count] = (struct rb_dense_body){.inverse_mass = 0};
+	const enum rb_status status = prepare(solver, &pass, err);
+	rb_arena_back(arena, here); /* a step may have many tries */
+	return status;
+}
+
+/* ---- the end of a step ---- */
+
+static void find_pushed(struct rb_solver *solver, const struct rb_points *points)
+{
+	for (int k = 0; k < solver->active_count; k++)
+		solver->pushed[solver->active[k]] = 0;
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+		const int b = point->b < solver->body_count ? point->b : solver->body_count;
+
+		if (point->push > 0)
+			solver->pushed[point->a] = solver->pushed[b] = 1;
+	}
+}
+
+void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_points *points)
+{
+	struct pass pass = {.solver = solver, .world = world, .points = points};
+
+	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
+	run_pass(&pass, (size_t)solver->active_count, store_bodies_block);
+	if (solver->tensor) /* else nobody asks */
+		find_pushed(solver, points);
+}
