@@ -10,7 +10,8 @@ enum { COLOURS_MOST = 64, WIDE_ROWS = 32 };
 
 /* Rows in order of colours: none has two rows on one body that yields, unless the last is a tail of what is left over. */
 struct colours {
-	int *first; /* [count + 1]: row of each */
+	int *first; /* [count + 1]: where each begins in `order` */
+	int *order; /* [rows] */
 	int count;
 	bool tail;
 };
@@ -42,20 +43,21 @@ static void choose(const struct rb_sweeper *sweeper, struct colours *colours, ui
 	}
 }
 
-/* False: no memory. */
+/* Rows by colour, those of one colour as they stood. False: no memory. */
 static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colours,
                         struct rb_arena *arena)
 {
-	const struct rb_dense *dense = sweeper->dense;
-	const size_t count = (size_t)dense->row_count, members = (size_t)sweeper->member_count;
-	struct rb_dense_row *copy = rb_arena_take(arena, count, sizeof *copy);
+	const size_t count = (size_t)sweeper->dense->row_count;
+	const size_t members = (size_t)sweeper->member_count;
 	uint64_t *taken = rb_arena_take(arena, members, sizeof *taken);
 	unsigned char *colour = rb_arena_take(arena, count, 1);
 	int *first = rb_arena_take(arena, COLOURS_MOST + 2, sizeof *first);
+	int *order = rb_arena_take(arena, count, sizeof *order);
 
-	if (!copy || !taken || !colour || !first)
+	if (!taken || !colour || !first || !order)
 		return false;
 	colours->first = first;
+	colours->order = order;
 	for (int k = 0; k < sweeper->member_count; k++)
 		sweeper->local[sweeper->member[k]] = k;
 	memset(taken, 0, members * sizeof *taken);
@@ -63,12 +65,24 @@ static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colour
 	choose(sweeper, colours, taken, colour);
 	for (int c = 0; c < colours->count; c++)
 		first[c + 1] += first[c];
-	memcpy(copy, dense->row, count * sizeof *copy);
 	for (size_t k = 0; k < count; k++)
-		dense->row[first[colour[k]]++] = copy[k];
+		order[first[colour[k]]++] = (int)k;
 	for (int c = colours->count; c > 0; c--)
 		first[c] = first[c - 1];
 	first[0] = 0;
+	return true;
+}
+
+static bool sort_rows(const struct rb_dense *dense, const int *order, struct rb_arena *arena)
+{
+	const size_t count = (size_t)dense->row_count;
+	struct rb_dense_row *copy = rb_arena_take(arena, count, sizeof *copy);
+
+	if (!copy)
+		return false;
+	memcpy(copy, dense->row, count * sizeof *copy);
+	for (size_t k = 0; k < count; k++)
+		dense->row[k] = copy[order[k]];
 	return true;
 }
 
@@ -89,12 +103,15 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	sweeper->wide = sweeper->dense->row_count >= WIDE_ROWS && is_central(sweeper->dense);
 	if ((sweeper->team || sweeper->wide) && !colour_rows(sweeper, &colours, arena))
 		return false;
+	if (!sweeper->wide && sweeper->team && !sort_rows(sweeper->dense, colours.order, arena))
+		return false;
 	sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
 	                                 .team = sweeper->team,
 	                                 .colour = colours.first,
 	                                 .colour_count = colours.count,
 	                                 .tail = colours.tail};
 	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
+	                                 .order = colours.order,
 	                                 .still = sweeper->still,
 	                                 .team = sweeper->team,
 	                                 .colour = colours.first,

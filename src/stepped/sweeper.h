@@ -10,7 +10,7 @@
 #include "stepped/wide.h"
 
 struct rb_sweeper {
-	const struct rb_dense *dense; /* its rows are brought into another order */
+	const struct rb_dense *dense; /* without packs, rows are brought into another order */
 	int still;                    /* a body that does not yield */
 	const int *member;            /* bodies that yield */
 	int member_count;

@@ -240,10 +240,88 @@ static int width_of(const struct rb_wide *wide, int colour)
 	return is_tail(wide, colour) ? 1 : WIDTH;
 }
 
+/* What is done to every pack. */
+enum task { SWEEP, FILL, LOAD, LOAD_HELD, STORE };
+
 struct work {
 	const struct rb_wide *wide;
-	double lead; /* first, leads on by this share at most; 0: solves only */
+	enum task task;
+	double lead; /* of sweeps: first, leads on by this share at most; 0: solves only */
 };
+
+static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
+                      const struct rb_dense_row *row)
+{
+	const struct rb_dense_body *body = wide->dense->body;
+
+	pack->a[i] = row->a;
+	pack->b[i] = row->b;
+	pack->writes_a[i] = body[row->a].inverse_mass != 0;
+	pack->writes_b[i] = body[row->b].inverse_mass != 0;
+	pack->normal.x[i] = row->normal.x;
+	pack->normal.y[i] = row->normal.y;
+	pack->normal.z[i] = row->normal.z;
+	pack->arm_a[i] = row->arm_a.x;
+	pack->arm_b[i] = row->arm_b.x;
+	pack->yield_n[i] = row->yield_n;
+	pack->yield_t[i] = row->yield_t;
+	pack->inverse_n[i] = 1 / row->yield_n;
+	pack->leave[i] = row->leave;
+	pack->friction[i] = row->friction;
+}
+
+static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_dense_row *row, bool holds)
+{
+	const bool rubs = row->friction > 0;
+
+	pack->push[i] = row->push;
+	pack->rub.x[i] = row->rub.x;
+	pack->rub.y[i] = row->rub.y;
+	pack->rub.z[i] = row->rub.z;
+	pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
+	pack->count[i] = 0;
+	pack->inverse_t[i] = rubs && !holds ? 1 / row->yield_t : 0;
+	pack->least[i] = rubs && holds ? rb_vec3_length(row->rub) / row->friction : 0;
+}
+
+static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_dense_row *row)
+{
+	row->push = pack->push[i];
+	row->rub = (rb_vec3){pack->rub.x[i], pack->rub.y[i], pack->rub.z[i]};
+}
+
+/* The rows of a pack are those of its colour from `at` on, as far as there are. */
+static void carry_pack(const struct rb_wide *wide, struct rb_wide_pack *pack, enum task task,
+                       int at, int count)
+{
+	if (task == FILL) {
+		*pack = (struct rb_wide_pack){.count = {0}};
+		for (int i = 0; i < WIDTH; i++)
+			pack->a[i] = pack->b[i] = wide->still;
+	}
+	for (int i = 0; i < count; i++) {
+		struct rb_dense_row *row = &wide->dense->row[wide->order[at + i]];
+
+		if (task == FILL)
+			fill_lane(wide, pack, i, row);
+		else if (task == STORE)
+			store_lane(pack, i, row);
+		else
+			load_lane(pack, i, row, task == LOAD_HELD);
+	}
+}
+
+static void carry_packs(const struct rb_wide *wide, enum task task, int colour, int first, int end)
+{
+	const int width = width_of(wide, colour);
+
+	for (int k = first; k < end; k++) {
+		const int at = wide->colour[colour] + width * (k - wide->first[colour]);
+		const int left = wide->colour[colour + 1] - at;
+
+		carry_pack(wide, &wide->pack[k], task, at, left < width ? left : width);
+	}
+}
 
 ALWAYS double run_packs(const struct rb_wide *wide, double lead, int first, int end)
 {
@@ -287,6 +365,10 @@ static void run_block(void *user, int phase, int block, int worker)
 	double change;
 
 	(void)worker;
+	if (work->task != SWEEP) {
+		carry_packs(wide, work->task, c, first, end);
+		return;
+	}
 #if defined(__x86_64__)
 	if (__builtin_cpu_supports("avx2"))
 		change = run_avx2(wide, lead, first, end);
@@ -297,12 +379,10 @@ static void run_block(void *user, int phase, int block, int worker)
 		wide->partial[wide->first_block[c] + block] = change;
 }
 
-/* Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s. */
-static double run_all(const struct rb_wide *wide, double lead)
+static void run_all(const struct rb_wide *wide, enum task task, double lead)
 {
-	struct work work = {.wide = wide, .lead = lead};
+	struct work work = {.wide = wide, .task = task, .lead = lead};
 	const int phases = (lead > 0 ? 2 : 1) * wide->colour_count;
-	double most = 0;
 
 	if (wide->team)
 		rb_team_run_phases(wide->team, wide->blocks, phases, run_block, &work);
@@ -310,32 +390,17 @@ static double run_all(const struct rb_wide *wide, double lead)
 		for (int p = 0; p < phases; p++)
 			for (int b = 0; b < wide->blocks[p]; b++)
 				run_block(&work, p, b, 0);
+}
+
+/* Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s. */
+static double sweep_all(const struct rb_wide *wide, double lead)
+{
+	double most = 0;
+
+	run_all(wide, SWEEP, lead);
 	for (int b = 0; b < wide->first_block[wide->colour_count]; b++)
 		most = fmax(most, wide->partial[b]);
 	return sqrt(most);
-}
-
-/* ---- rows into packs and back ---- */
-
-static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
-                      const struct rb_dense_row *row)
-{
-	const struct rb_dense_body *body = wide->dense->body;
-
-	pack->a[i] = row->a;
-	pack->b[i] = row->b;
-	pack->writes_a[i] = body[row->a].inverse_mass != 0;
-	pack->writes_b[i] = body[row->b].inverse_mass != 0;
-	pack->normal.x[i] = row->normal.x;
-	pack->normal.y[i] = row->normal.y;
-	pack->normal.z[i] = row->normal.z;
-	pack->arm_a[i] = row->arm_a.x;
-	pack->arm_b[i] = row->arm_b.x;
-	pack->yield_n[i] = row->yield_n;
-	pack->yield_t[i] = row->yield_t;
-	pack->inverse_n[i] = 1 / row->yield_n;
-	pack->leave[i] = row->leave;
-	pack->friction[i] = row->friction;
 }
 
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
@@ -365,55 +430,8 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 	wide->partial = rb_arena_take(arena, (size_t)blocks, sizeof *wide->partial);
 	if (!wide->pack || !wide->partial)
 		return false;
-	for (int k = 0; k < packs; k++) {
-		wide->pack[k] = (struct rb_wide_pack){.count = {0}};
-		for (int i = 0; i < WIDTH; i++)
-			wide->pack[k].a[i] = wide->pack[k].b[i] = wide->still;
-	}
-	for (int c = 0; c < wide->colour_count; c++)
-		for (int k = wide->colour[c]; k < wide->colour[c + 1]; k++) {
-			const int at = k - wide->colour[c], width = width_of(wide, c);
-
-			fill_lane(wide, &wide->pack[wide->first[c] + at / width], at % width,
-			          &wide->dense->row[k]);
-		}
+	run_all(wide, FILL, 0);
 	return true;
-}
-
-static void load(const struct rb_wide *wide, bool holds)
-{
-	for (int c = 0; c < wide->colour_count; c++)
-		for (int k = wide->colour[c]; k < wide->colour[c + 1]; k++) {
-			const int at = k - wide->colour[c], width = width_of(wide, c),
-				  i = at % width;
-			struct rb_wide_pack *pack = &wide->pack[wide->first[c] + at / width];
-			const struct rb_dense_row *row = &wide->dense->row[k];
-			const bool rubs = row->friction > 0;
-
-			pack->push[i] = row->push;
-			pack->rub.x[i] = row->rub.x;
-			pack->rub.y[i] = row->rub.y;
-			pack->rub.z[i] = row->rub.z;
-			pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
-			pack->count[i] = 0;
-			pack->inverse_t[i] = rubs && !holds ? 1 / row->yield_t : 0;
-			pack->least[i] = rubs && holds ? rb_vec3_length(row->rub) / row->friction
-			                               : 0;
-		}
-}
-
-static void store(const struct rb_wide *wide)
-{
-	for (int c = 0; c < wide->colour_count; c++)
-		for (int k = wide->colour[c]; k < wide->colour[c + 1]; k++) {
-			const int at = k - wide->colour[c], width = width_of(wide, c),
-				  i = at % width;
-			const struct rb_wide_pack *pack = &wide->pack[wide->first[c] + at / width];
-			struct rb_dense_row *row = &wide->dense->row[k];
-
-			row->push = pack->push[i];
-			row->rub = (rb_vec3){pack->rub.x[i], pack->rub.y[i], pack->rub.z[i]};
-		}
 }
 
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, int most,
@@ -422,9 +440,9 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 	struct rb_sweep_result result = {0, 0};
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
 
-	load(wide, holds);
+	run_all(wide, holds ? LOAD_HELD : LOAD, 0);
 	while (result.sweeps < most) {
-		result.residual = run_all(wide, result.sweeps > 0 ? lead : 0);
+		result.residual = sweep_all(wide, result.sweeps > 0 ? lead : 0);
 		result.sweeps++;
 		if (result.residual <= enough)
 			break;
@@ -436,6 +454,6 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 			least = (double)INFINITY;
 		}
 	}
-	store(wide);
+	run_all(wide, STORE, 0);
 	return result;
 }

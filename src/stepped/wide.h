@@ -16,10 +16,11 @@
 struct rb_wide_pack;
 
 struct rb_wide {
-	const struct rb_dense *dense; /* central rows only, in order of colours */
+	const struct rb_dense *dense; /* central rows only */
+	const int *order;             /* [rows]: these by colour */
 	int still;                    /* a body that does not yield */
 	struct rb_team *team;         /* NULL: in one thread */
-	const int *colour;            /* [colour_count + 1]: first row of each */
+	const int *colour;            /* [colour_count + 1]: where each begins in `order` */
 	int colour_count;
 	bool tail; /* rows of the last colour share bodies after all: one after the other */
 	/* scratch, rb_wide_take */
