@@ -20,8 +20,8 @@ struct member {
 	pthread_t thread;
 };
 
-/* Looks for what is awaited, before a thread sleeps, and between two in which others may run. */
-enum { SPINS_MOST = 4000, SPINS_POLITE = 64 };
+/* Looks for what is awaited before a thread sleeps; and before it lets others run, of whom one may be what is awaited. */
+enum { SPINS_MOST = 4000, SPINS_POLITE = 2000 };
 
 struct job {
 	rb_team_work *work;        /* of one phase; NULL: */
@@ -60,14 +60,12 @@ struct rb_team {
 	int started;
 };
 
-/* Counts up; lets others run now and then: there may be more threads than processors. */
 static void look_again(int *spins)
 {
 #if defined(__x86_64__)
 	__builtin_ia32_pause();
 #endif
-	if (++*spins % SPINS_POLITE == 0)
-		sched_yield();
+	++*spins;
 }
 
 static void do_blocks(struct rb_team *team, const struct job *job, int worker)
@@ -89,8 +87,12 @@ static void do_blocks(struct rb_team *team, const struct job *job, int worker)
 			atomic_fetch_add_explicit(&counters->done, 1, memory_order_release);
 		}
 		while (phase + 1 < job->phase_count &&
-		       atomic_load_explicit(&counters->done, memory_order_acquire) < count)
+		       atomic_load_explicit(&counters->done, memory_order_acquire) < count) {
 			look_again(&spins);
+			/* there may be more threads than processors */
+			if (spins % SPINS_POLITE == 0)
+				sched_yield();
+		}
 	}
 }
 
