@@ -50,6 +50,9 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	    solver->rest_pull && (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
+		for (int k = 0; k < model->material_count * model->material_count; k++)
+			if (model->pair_materials[k].restitution > 0)
+				solver->bounces = true;
 		return RB_OK;
 	}
 	rb_solver_release(solver);
@@ -454,6 +457,8 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	struct work work = {.solver = solver, .world = world, .rebound = true};
 	bool any = false;
 
+	if (!solver->bounces && !solver->hands_over)
+		return RB_OK;
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
