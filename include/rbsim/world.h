@@ -97,6 +97,7 @@ struct rb_world_work {
 	/* stepped: contact points of all steps, times that one was swept, factorizations, moves of positions only */
 	uint64_t rows, row_sweeps, factors, closings;
 	double residual_m; /* stepped: the largest that a solution left of a gap's closing */
+	double slip_m; /* stepped: the largest slip that was left where friction was held; 0: nowhere */
 };
 struct rb_world_work rb_world_work(const struct rb_world *world);
 

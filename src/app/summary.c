@@ -57,6 +57,8 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 		        " times",
 		        work->rows, (double)work->row_sweeps / (double)work->rows, work->factors,
 		        work->residual_m, work->closings);
+	if (work->slip_m > 0)
+		fprintf(file, ", friction held with %.3g m of slip left at most", work->slip_m);
 	putc('\n', file);
 }
 
@@ -251,6 +253,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_count(&json, "factorizations", result->work.factors);
 	rb_json_count(&json, "closings", result->work.closings);
 	rb_json_number(&json, "residual", result->work.residual_m);
+	rb_json_number(&json, "held_slip", result->work.slip_m);
 	rb_json_count(&json, "substeps", result->totals.substeps);
 	rb_json_count(&json, "rollbacks", result->totals.rollbacks);
 	rb_json_count(&json, "collisions", result->totals.collisions);

@@ -106,6 +106,7 @@ struct rb_world_work rb_world_work(const struct rb_world *world)
 		.factors = counts.factors,
 		.closings = counts.closings,
 		.residual_m = counts.residual_m,
+		.slip_m = counts.slip_m,
 		.pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase) : 0};
 }
 

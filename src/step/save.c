@@ -100,6 +100,7 @@ static void pack_counts(struct rb_counts *counts, struct rb_pack *pack)
 	rb_pack_u64(pack, &counts->factors);
 	rb_pack_u64(pack, &counts->closings);
 	rb_pack_finite(pack, &counts->residual_m, 1);
+	rb_pack_finite(pack, &counts->slip_m, 1);
 	rb_pack_times(pack, &counts->smallest_step_s, 1);
 	rb_pack_finite(pack, &counts->stepped_s, 1);
 	rb_pack_finite(pack, &counts->max_penetration_m, 1);

@@ -159,6 +159,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
+	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	for (int k = 0; k < part->member_count; k++)
 		apart->steps[part->body[k]]++;
 	s->told.count = 0;
@@ -464,6 +465,7 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	counts->substeps++;
 	counts->smallest_step_s = fmin(counts->smallest_step_s, dt);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
+	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	rb_land_show(&apart->land, 0, apart->land.pair_count);
 	rb_near_place(&apart->land.near, world, s->all.body, s->all.body_count);
 	if (world->broadphase)

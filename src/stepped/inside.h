@@ -29,6 +29,7 @@ struct rb_outcome {
 	int body;       /* that is not finite, -1: none */
 	double overlap; /* m */
 	double residual; /* m: the largest that a solution which is good has left of a gap's closing */
+	double slip;     /* m: the largest that such a one left by holding friction */
 };
 
 /* A driven body at the end of the step. */

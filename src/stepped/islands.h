@@ -22,6 +22,7 @@ struct rb_island {
 	double share;        /* of the rebound, that keeps to it */
 	int sweeps, factors; /* of the last solution */
 	double residual;     /* m/s */
+	double slip; /* m/s: about what was left across the normals where friction was held; 0: it was not */
 };
 
 struct rb_solver {

@@ -33,6 +33,7 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_outcome 
 		if (left <= world->model->tolerance_m ||
 		    world->model->rollback == RB_ROLLBACK_NONE) {
 			outcome->residual = fmax(outcome->residual, left);
+			outcome->slip = fmax(outcome->slip, h * island->slip);
 			continue;
 		}
 		for (int k = 0; k < island->member_count; k++)

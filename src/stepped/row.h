@@ -15,6 +15,9 @@
 #include "math/mat3.h"
 #include "math/vec3.h"
 
+/* Slip that is left opens no gap and closes none: of a residual it counts by this share. */
+#define RB_SLIP_SHARE 0.3
+
 /* A body of the problem; what does not yield has no inverses, but may move. */
 struct rb_dense_body {
 	rb_vec3 linear, angular; /* m/s, rad/s: in and out */

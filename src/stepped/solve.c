@@ -154,6 +154,7 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double en
 	island->sweeps += result.sweeps;
 	if (!(result.residual <= enough))
 		return false;
+	island->slip = island->residual / RB_SLIP_SHARE;
 	island->residual = result.residual;
 	return true;
 }
@@ -262,7 +263,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	bool good = false;
 
 	island->sweeps = island->factors = 0;
-	island->residual = 0;
+	island->residual = island->slip = 0;
 	if (island->rests) {
 		stop(solver, island);
 		return;

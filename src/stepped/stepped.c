@@ -149,6 +149,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
+	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	s->told.count = 0;
 	enum rb_status status = rb_tell_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	world->contacts.count = 0;

@@ -3,9 +3,6 @@
 
 #include <string.h>
 
-/* Slip that is left opens no gap and closes none: a row may keep so much more of it. */
-static const double slip_share = 0.3;
-
 /* What a block of rows has come to. */
 struct share {
 	double change; /* m/s: the largest of a row's velocity */
@@ -40,7 +37,7 @@ static inline double solve_row(const struct rb_dense *dense, struct rb_dense_row
 		const rb_vec3 d = rb_vec3_sub(rub, row->rub);
 		row->rub = rub;
 		change = rb_vec3_add(change, d);
-		moved = fmax(moved, slip_share * row->yield_t * sqrt(rb_vec3_dot(d, d)));
+		moved = fmax(moved, RB_SLIP_SHARE * row->yield_t * sqrt(rb_vec3_dot(d, d)));
 	}
 	row->step = change;
 	rb_dense_push(dense, row, change);

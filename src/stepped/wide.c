@@ -8,9 +8,6 @@
 
 enum { WIDTH = 4, BLOCK_PACKS = 32 };
 
-/* Slip that is left opens no gap and closes none: a row may keep so much more of it. */
-static const double slip_share = 0.3;
-
 /* Share of its last way that a row is led on by, at most, to begin with: more swings where rows slide. */
 static const double lead_first = 0.9;
 
@@ -193,7 +190,7 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 	more *= pack->yield_n;
-	change = DOT(d, d) * (slip_share * slip_share) * pack->yield_t * pack->yield_t;
+	change = DOT(d, d) * (RB_SLIP_SHARE * RB_SLIP_SHARE) * pack->yield_t * pack->yield_t;
 	more *= more;
 	change = CHOOSE(change > more, change, more);
 	return fmax(fmax(change[0], change[1]), fmax(change[2], change[3]));

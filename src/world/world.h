@@ -36,6 +36,7 @@ struct rb_counts {
 		row_sweeps; /* stepped: contact points of steps, and times that one was swept */
 	uint64_t factors, closings; /* stepped: factorizations; moves of positions only */
 	double residual_m;          /* stepped: largest that a solution left of a gap's closing */
+	double slip_m; /* stepped: largest that was left of friction's where that was held */
 	double max_penetration_m;
 };
 
@@ -55,6 +56,7 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	to->factors += from->factors;
 	to->closings += from->closings;
 	to->residual_m = fmax(to->residual_m, from->residual_m);
+	to->slip_m = fmax(to->slip_m, from->slip_m);
 	to->smallest_step_s = fmin(to->smallest_step_s, from->smallest_step_s);
 	to->max_penetration_m = fmax(to->max_penetration_m, from->max_penetration_m);
 }
