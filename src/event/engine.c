@@ -227,7 +227,9 @@ static void touch(struct rb_located *l, int i, double t)
 		take_back(l, i, j, &before);
 	}
 	rb_strike_all(l, i, j, t);
-	count_crowd(l);
+	/* two spheres alone are no crowd, whatever forces act on them */
+	if (l->set_count > 2 || l->model->parts)
+		count_crowd(l);
 	if (l->status == RB_OK)
 		foresee_set(l, t);
 }
