@@ -227,9 +227,7 @@ static void touch(struct rb_located *l, int i, double t)
 		take_back(l, i, j, &before);
 	}
 	rb_strike_all(l, i, j, t);
-	/* two spheres alone are no crowd, whatever forces act on them */
-	if (l->set_count > 2 || l->model->parts)
-		count_crowd(l);
+	count_crowd(l);
 	if (l->status == RB_OK)
 		foresee_set(l, t);
 }
