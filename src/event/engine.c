@@ -24,7 +24,8 @@ enum { CROWD_MOST = 1024, CROWD_MOST_PER_BODY = 8 };
 
 static bool can_be_stepped(const struct rb_located *l)
 {
-	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT);
+	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT) &&
+	       !(l->model->features & RB_FEATURES_LOCATED_ONLY);
 }
 
 /* ---- making ---- */
@@ -89,7 +90,7 @@ static bool wants_cells(const struct rb_located *l)
 	    l->model->center_of_mass)
 		return false;
 	/* bodies on pieces leave their cells at moments that have no closed form */
-	return !(l->model->features & RB_FEATURES_NOT_CLASSIC);
+	return !(l->model->features & RB_FEATURES_LOCATED_ONLY);
 }
 
 enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
