@@ -7,8 +7,6 @@
 #include "event/pull.h"
 
 enum { TURNS = 6, REFINEMENTS = 4 };
-/* Loads beyond so many times the largest acceleration round by more than the integrator asks. */
-static const double heavy = 32;
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
 
@@ -237,26 +235,6 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	return true;
 }
 
-static double load_of(const struct rb_modes *w, int body, double force)
-{
-	return rb_modes_place(w, body) >= 0 ? force * w->l->model->inverse_mass[body] : 0;
-}
-
-/* Does a member carry so much that the forces on it round by more than its acceleration may? */
-static bool carries(const struct rb_modes *w)
-{
-	const double most = heavy * w->most;
-
-	for (int k = 0; k < w->c->held_count; k++) {
-		const double force = rb_vec3_max_abs(w->force[k]);
-
-		if (load_of(w, w->c->held[k].a, force) > most ||
-		    load_of(w, w->c->held[k].b, force) > most)
-			return true;
-	}
-	return false;
-}
-
 /* What the accelerations leave of the modes, to the right side; returns the largest, m/s^2. */
 static double residue(struct rb_modes *w, double t)
 {
@@ -284,8 +262,6 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 	const struct rb_cluster *c = w->c;
 	double before = HUGE_VAL;
 
-	if (!carries(w))
-		return true;
 	for (int round = 0; round < REFINEMENTS; round++) {
 		const double left = residue(w, t);
 		int row = 0;

@@ -49,7 +49,7 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
 
 /*
  * After rb_modes_solve and rb_modes_press: accelerations that are of the modes to the rounding of accelerations. Forces round
- * by the heaviest body that they carry, which to a light one below it is no small thing. Nothing to do where none is heavy. False: no memory.
+ * by the heaviest body that they carry, which to a light one below it is no small thing. Nothing to do where nothing is left. False: no memory.
  */
 bool rb_modes_refine(struct rb_modes *w, double t);
 
