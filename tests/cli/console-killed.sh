@@ -101,9 +101,8 @@ exits 0 info q.h5
 says out 'interrupted'
 
 # one that is to stay stays, and can be attached to; nobody slows it down any more
-sed 's/duration = 1000/duration = 1e6/' long.lua >longer.lua
 enters 'clear'
-enters './rbsim-killed console longer.lua --no-record --detach; echo ended with $?'
+enters './rbsim-killed console long.lua --no-record --detach; echo ended with $?'
 sees 'playing.*playing$'
 types q
 sees 'the run goes on: rbsim attach /'

@@ -19,7 +19,7 @@ on_terminal()
 }
 
 on_terminal 100 TERM=xterm --
-says lines '^ *[0-9]+ % \[=* *\]  .* of 1000 s  .* x real time  .* left$'
+says lines '^ *[0-9]+ % \[=* *\]  .* of [0-9.e+]+ s  .* x real time  .* left$'
 says lines 'frames'
 on_terminal 30 TERM=xterm --
 says lines '^ *[0-9]+ %'

@@ -222,7 +222,7 @@ pid=$!
 trap 'kill -9 $pid 2>/dev/null' EXIT
 until_true [ -s long.h5 ]
 sleep 0.2
-exits 73 long.lua -o long.h5 --resume --duration 1000 # while it goes on; it has no checkpoint yet
+exits 73 long.lua -o long.h5 --resume --duration 100000 # while it goes on; it has no checkpoint yet
 kill -TERM $pid
 wait $pid
 [ $? -eq 75 ] || fail "SIGTERM: another exit status"
@@ -235,7 +235,7 @@ refused()
 }
 before=$(cksum <long.h5)
 refused "parameter 'n' was 50, is 49" long.lua -o long.h5 --resume -p n=49
-refused 'the duration was 1000, is 999' long.lua -o long.h5 --resume --duration 999
+refused 'the duration was 100000, is 999' long.lua -o long.h5 --resume --duration 999
 refused 'the seed was 1, is 2' long.lua -o long.h5 --resume --seed 2
 refused 'the method was auto, is classic' long.lua -o long.h5 --resume --method classic
 refused 'the time step was' long.lua -o long.h5 --resume --time-step 0.001

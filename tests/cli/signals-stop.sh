@@ -19,7 +19,7 @@ for case in "INT 75" "TERM 75" "USR1 75"; do
 	[ $got -eq "$wanted" ] || fail "SIG$signal: exit status $got, wanted $wanted"
 	says err "SIG$signal at [0-9.]+ s: --resume goes on from frame [0-9]+"
 	[ -s $signal.h5.checkpoint ] || fail "SIG$signal: there is no checkpoint"
-	says err 'frames +[0-9]+ of 60001'
+	says err 'frames +[0-9]+ of 6000001'
 	frames=$(sed -n 's/.*frames *\([0-9]*\) of.*/\1/p' err)
 	exits 0 info $signal.h5 --json
 	[ "$(value status)" = interrupted ] || fail "SIG$signal: the recording is '$(value status)'"
