@@ -53,7 +53,7 @@ pile()
 }
 
 # HEAP_DIR=folder keeps the diagram: error against time over the tolerance, beside what other engines reach on this heap
-# with 1,000 and 10,000 spheres (time of their 1,000, overlap of their 10,000: measured on a machine like this one)
+# with 10,000 spheres, measured on a machine like this one
 draw()
 {
 	gnuplot <<-END
