@@ -57,23 +57,6 @@ static double share(int k)
 	return fmod(0.5 + 0.6180339887498949 * k, 1);
 }
 
-static rb_vec3 mirrored(rb_vec3 v, int axis)
-{
-	if (axis == 0)
-		v.x = -v.x;
-	if (axis == 1)
-		v.y = -v.y;
-	if (axis == 2)
-		v.z = -v.z;
-	return v;
-}
-
-/* A pseudovector: the other components change their sign. */
-static rb_vec3 mirrored_spin(rb_vec3 v, int axis)
-{
-	return axis < 0 ? v : rb_vec3_neg(mirrored(v, axis));
-}
-
 static void add_planes(struct lab *lab, const struct recipe *recipe, int mirror)
 {
 	if (recipe->floor)

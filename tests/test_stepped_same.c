@@ -4,23 +4,6 @@
 
 enum { BODIES = 24, ROW = 9 };
 
-static rb_vec3 mirrored(rb_vec3 v, int axis)
-{
-	if (axis == 0)
-		v.x = -v.x;
-	if (axis == 1)
-		v.y = -v.y;
-	if (axis == 2)
-		v.z = -v.z;
-	return v;
-}
-
-/* A pseudovector: the other components change their sign. */
-static rb_vec3 mirrored_spin(rb_vec3 v, int axis)
-{
-	return axis < 0 ? v : rb_vec3_neg(mirrored(v, axis));
-}
-
 /* A fixed number in [0, 1) for each k: golden ratio. */
 static double share(int k)
 {

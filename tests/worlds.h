@@ -256,4 +256,22 @@ static inline const struct rb_event *bench_event(const struct bench *bench, enum
 	return event;
 }
 
+/* In the coordinate plane across the axis 0, 1, 2; -1: as it is. */
+static inline rb_vec3 mirrored(rb_vec3 v, int axis)
+{
+	if (axis == 0)
+		v.x = -v.x;
+	if (axis == 1)
+		v.y = -v.y;
+	if (axis == 2)
+		v.z = -v.z;
+	return v;
+}
+
+/* A pseudovector: the other components change their sign. */
+static inline rb_vec3 mirrored_spin(rb_vec3 v, int axis)
+{
+	return axis < 0 ? v : rb_vec3_neg(mirrored(v, axis));
+}
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "step/groups.h"
 
+#include "base/forest.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "step/forces.h"
@@ -160,20 +161,11 @@ static double pair_reach(const struct rb_groups *groups, const double *column, s
 	return column[pair.a] + (pair.b < groups->body_count ? column[pair.b] : 0);
 }
 
-static int root_of(int *parent, int i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
 /* The smaller body stays the root, so that a group's place does not depend on the order of joining. */
 static void join(int *parent, int a, int b)
 {
-	a = root_of(parent, a);
-	b = root_of(parent, b);
+	a = rb_forest_root(parent, a);
+	b = rb_forest_root(parent, b);
 	if (a < b)
 		parent[b] = a;
 	else
@@ -207,12 +199,12 @@ static bool find_active(struct rb_world *world)
 			join(groups->parent, pair.a, pair.b);
 	}
 	for (int i = 0; i < groups->body_count; i++) {
-		const int root = root_of(groups->parent, i);
+		const int root = rb_forest_root(groups->parent, i);
 
 		groups->reach[root] = fmax(groups->reach[root], groups->reach[i]);
 	}
 	for (int i = 0; i < groups->body_count; i++)
-		groups->reach[i] = groups->reach[root_of(groups->parent, i)];
+		groups->reach[i] = groups->reach[rb_forest_root(groups->parent, i)];
 	groups->active_count = 0;
 	for (size_t k = 0; k < groups->candidate_count; k++) {
 		const struct rb_pair pair = groups->candidate[k];
@@ -301,7 +293,7 @@ enum rb_status rb_groups_form(struct rb_world *world, double dt, struct rb_error
 		groups->group_of[i] = -1;
 	/* who has a pair is in a group, under its root */
 	for (size_t k = 0; good && k < groups->active_count; k++) {
-		const int root = root_of(groups->parent, groups->active[k].a);
+		const int root = rb_forest_root(groups->parent, groups->active[k].a);
 
 		if (groups->group_of[root] < 0)
 			groups->group_of[root] = 0;
@@ -309,7 +301,7 @@ enum rb_status rb_groups_form(struct rb_world *world, double dt, struct rb_error
 	if (world->model->rollback == RB_ROLLBACK_GLOBAL && groups->body_count > 0)
 		groups->group_of[0] = 0;
 	for (int i = 0; good && i < groups->body_count; i++) {
-		const int root = root_of(groups->parent, i);
+		const int root = rb_forest_root(groups->parent, i);
 
 		if (groups->group_of[root] < 0) {
 			groups->alone[groups->alone_count++] = i;
@@ -450,14 +442,14 @@ static bool regroup(struct rb_world *world)
 	if (!sort_active(world))
 		return false;
 	for (size_t k = 0; k < groups->missed_count; k++) {
-		const int root = root_of(groups->parent, groups->missed[k].a);
+		const int root = rb_forest_root(groups->parent, groups->missed[k].a);
 
 		if (groups->group_of[root] < (int)first && !add_group(groups, root))
 			return false;
 	}
 	size_t members = groups->member_count;
 	for (int i = 0; i < groups->body_count; i++) {
-		const int group = groups->group_of[root_of(groups->parent, i)];
+		const int group = groups->group_of[rb_forest_root(groups->parent, i)];
 
 		if (group < (int)first)
 			continue;

@@ -71,11 +71,6 @@ void rb_apart_destroy(struct rb_apart *apart)
 	rb_memory_free(apart);
 }
 
-static bool yields(const struct rb_world *world, int i)
-{
-	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
-}
-
 /* ---- what has been found, and is to be found again ---- */
 
 /* Of groups that were settled and have changed nothing is left. */
@@ -87,7 +82,8 @@ static void forget_unsettled(struct rb_world *world)
 	for (size_t k = 0; k < apart->kept.count; k++) {
 		const struct rb_contact *contact = &apart->kept.row[k];
 
-		if (apart->land.settled[yields(world, contact->a) ? contact->a : contact->b])
+		if (apart->land.settled[rb_stepped_yields(world, contact->a) ? contact->a
+		                                                             : contact->b])
 			apart->kept.row[contacts++] = *contact;
 	}
 	for (size_t k = 0; k < apart->push_count; k++)
@@ -172,8 +168,8 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		const int a = world->model->index_of[s->told.row[k].a];
 		const int b = world->model->index_of[s->told.row[k].b];
 
-		apart->event[apart->event_count++] = (struct rb_event_of){s->told.row[k],
-		                                                          yields(world, a) ? a : b};
+		apart->event[apart->event_count++] = (struct rb_event_of){
+			s->told.row[k], rb_stepped_yields(world, a) ? a : b};
 	}
 	apart->fresh = false;
 	apart->before = apart->last;

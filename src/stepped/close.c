@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/forest.h"
 #include "base/memory.h"
 
 /* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
@@ -14,20 +15,6 @@ static const double closable_share = 0.01;
 static const double bend_turn_most = 0.25;
 
 /* ---- which groups ---- */
-
-static int root_of(int *parent, int i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
-static bool yields(const struct rb_world *world, int i)
-{
-	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
-}
 
 /* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
 static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort *cohort,
@@ -49,18 +36,19 @@ static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_point *point = &points->row[k];
 
-		if (!yields(world, point->b))
+		if (!rb_stepped_yields(world, point->b))
 			continue;
-		const int a = root_of(parent, point->a), b = root_of(parent, point->b);
+		const int a = rb_forest_root(parent, point->a),
+			  b = rb_forest_root(parent, point->b);
 		parent[a > b ? a : b] = a > b ? b : a;
 	}
 	for (size_t k = 0; k < found->deep_count; k++)
-		moves[root_of(parent, found->deep[k].a)] = 1;
+		moves[rb_forest_root(parent, found->deep[k].a)] = 1;
 	for (int k = 0; s->bad_count > 0 && k < cohort->member_count; k++)
 		if (s->bad[cohort->body[k]])
-			moves[root_of(parent, cohort->body[k])] = -1;
+			moves[rb_forest_root(parent, cohort->body[k])] = -1;
 	for (size_t k = 0; k < points->count; k++)
-		if (moves[root_of(parent, points->row[k].a)] > 0)
+		if (moves[rb_forest_root(parent, points->row[k].a)] > 0)
 			points->row[kept++] = points->row[k];
 	points->count = kept;
 	return RB_OK;
@@ -159,7 +147,7 @@ static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohor
 static void blame(struct rb_world *world, const struct rb_deep *deep)
 {
 	rb_stepped_blame(world->stepped, deep->a);
-	if (yields(world, deep->b))
+	if (rb_stepped_yields(world, deep->b))
 		rb_stepped_blame(world->stepped, deep->b);
 }
 

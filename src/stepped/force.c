@@ -66,18 +66,13 @@ static struct end end_of(const struct rb_world *world, int id, rb_vec3 point)
 	return end;
 }
 
-static bool yields(const struct rb_world *world, int i)
-{
-	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
-}
-
 /*
  * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is shared out among them, so
  * that all of them together are as stable as each is alone.
  */
 static void add_yield(const struct rb_world *world, const struct end *end, rb_mat3 *yield)
 {
-	if (!yields(world, end->i))
+	if (!rb_stepped_yields(world, end->i))
 		return;
 	const double springs = world->stepped->springs_of[end->i];
 
@@ -153,7 +148,7 @@ struct pull {
 
 static void apply(struct rb_world *world, const struct end *end, double sign, rb_vec3 impulse)
 {
-	if (!yields(world, end->i))
+	if (!rb_stepped_yields(world, end->i))
 		return;
 	const size_t row = 3 * (size_t)end->i;
 	const rb_vec3 p = rb_vec3_scale(sign, impulse);
@@ -183,7 +178,8 @@ static enum rb_status add_springs(struct rb_world *world, double h, const unsign
 		const int a = world->model->index_of[spring->a],
 			  b = world->model->index_of[spring->b];
 
-		pull[k].acts = (yields(world, a) && here[a]) || (yields(world, b) && here[b]);
+		pull[k].acts = (rb_stepped_yields(world, a) && here[a]) ||
+		               (rb_stepped_yields(world, b) && here[b]);
 		if (!pull[k].acts)
 			continue;
 		pull[k].a = end_of(world, spring->a, spring->at_a);

@@ -56,6 +56,12 @@ struct rb_stepped {
 	struct rb_apart *apart; /* owned; NULL until a step has first failed for some */
 };
 
+/* Forces move it: no static, no driven one. */
+static inline bool rb_stepped_yields(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
+}
+
 static inline void rb_stepped_blame(struct rb_stepped *s, int i)
 {
 	s->bad_count += !s->bad[i];

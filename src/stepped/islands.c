@@ -3,6 +3,7 @@
 
 #include <float.h>
 
+#include "base/forest.h"
 #include "base/memory.h"
 
 /* ---- bodies ---- */
@@ -145,15 +146,6 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_point *poin
 
 /* ---- groups ---- */
 
-static int root_of(int *parent, int i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
 /* The body of a point that yields: the group is its. */
 static int owner_of(const struct rb_solver *solver, const struct rb_point *point)
 {
@@ -171,8 +163,8 @@ static void join_all(struct rb_solver *solver, const struct rb_points *points, i
 		place[k] = owner_of(solver, point);
 		if (!yields(solver, point->a) || !yields(solver, point->b))
 			continue;
-		const int a = root_of(solver->parent, point->a);
-		const int b = root_of(solver->parent, point->b);
+		const int a = rb_forest_root(solver->parent, point->a);
+		const int b = rb_forest_root(solver->parent, point->b);
 		/* the smaller body stays the root: a group's place does not depend on the order of joining */
 		solver->parent[a > b ? a : b] = a > b ? b : a;
 	}
@@ -186,9 +178,9 @@ static enum rb_status number_groups(struct rb_solver *solver, const struct rb_po
 	for (int k = 0; k < solver->active_count; k++)
 		solver->island_of[solver->active[k]] = -1;
 	for (size_t k = 0; k < points->count; k++)
-		solver->island_of[root_of(solver->parent, place[k])] = 0;
+		solver->island_of[rb_forest_root(solver->parent, place[k])] = 0;
 	for (int k = 0; k < solver->active_count; k++) {
-		const int i = solver->active[k], root = root_of(solver->parent, i);
+		const int i = solver->active[k], root = rb_forest_root(solver->parent, i);
 
 		if (solver->island_of[root] < 0)
 			continue;

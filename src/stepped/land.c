@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/land.h"
 
+#include "base/forest.h"
 #include "base/memory.h"
 
 /* Of a body's size, what its territory has beyond its way. */
@@ -90,26 +91,12 @@ void rb_land_stake(struct rb_land *land, const struct rb_world *world, const str
 
 /* ---- groups ---- */
 
-static int root_of(int *parent, int i)
-{
-	while (parent[i] != i) {
-		parent[i] = parent[parent[i]];
-		i = parent[i];
-	}
-	return i;
-}
-
-static bool yields(const struct rb_world *world, int i)
-{
-	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
-}
-
 static void join(const struct rb_world *world, int *parent, int a, int b)
 {
-	if (!yields(world, a) || !yields(world, b))
+	if (!rb_stepped_yields(world, a) || !rb_stepped_yields(world, b))
 		return;
-	a = root_of(parent, a);
-	b = root_of(parent, b);
+	a = rb_forest_root(parent, a);
+	b = rb_forest_root(parent, b);
 	parent[a > b ? a : b] = a > b ? b : a;
 }
 
@@ -121,7 +108,7 @@ static enum rb_status number_groups(struct rb_land *land, const struct rb_world 
 
 	land->group_count = 0;
 	for (int k = 0; k < s->member_count; k++) {
-		const int i = s->body[k], root = root_of(land->parent, i);
+		const int i = s->body[k], root = rb_forest_root(land->parent, i);
 
 		if (root == i) {
 			if (!rb_memory_reserve(&land->group, &land->group_capacity,
