@@ -279,9 +279,53 @@ static void fill_yields(const struct rb_dense *dense, struct rb_dense_row *row)
 	               hypot(0.5 * (yield[1][1] - yield[2][2]), yield[1][2]);
 }
 
-static void fill_row(const struct rb_solver *solver, struct rb_dense_row *row,
-                     const struct rb_point *point, int number)
+static bool share_face(const struct rb_point *p, const struct rb_point *q)
 {
+	return p->a == q->a && p->b == q->b && p->normal.x == q->normal.x &&
+	       p->normal.y == q->normal.y && p->normal.z == q->normal.z;
+}
+
+/* Of the points of one face, which stand together, the one with the least gap. */
+static const struct rb_point *nearest_of_face(const struct rb_points *points, int number)
+{
+	const struct rb_point *const point = &points->row[number], *const first = points->row;
+	const struct rb_point *const end = first + points->count, *nearest = point;
+
+	for (const struct rb_point *p = point; p-- > first && share_face(p, point);)
+		nearest = p->gap <= nearest->gap ? p : nearest;
+	for (const struct rb_point *p = point + 1; p < end && share_face(p, point); p++)
+		nearest = p->gap < nearest->gap ? p : nearest;
+	return nearest;
+}
+
+static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
+{
+	return rb_vec3_add_scaled(arm, rb_vec3_dot(rb_vec3_sub(nearest, arm), normal), normal);
+}
+
+/*
+ * Arms of a face end in one plane, which no normal velocity or torque sees, and opposite each other. Where gaps differ, or
+ * places aside, turning would else ask for different slips of points on one line, and friction would creep on against itself.
+ */
+static void level_arms(const struct rb_world *world, const struct rb_point *nearest,
+                       struct rb_dense_row *row)
+{
+	const rb_vec3 n = row->normal;
+
+	row->arm_a = level(row->arm_a, nearest->arm_a, n);
+	if (nearest->b >= world->model->body_count) /* at rest */
+		return;
+	const rb_vec3 between = rb_vec3_sub(rb_world_row3(world->state.position, nearest->a),
+	                                    rb_world_row3(world->state.position, nearest->b));
+	row->arm_b = level(rb_vec3_add(row->arm_a, between), nearest->arm_b, n);
+}
+
+static void fill_row(const struct pass *pass, struct rb_dense_row *row, int number)
+{
+	const struct rb_solver *const solver = pass->solver;
+	const struct rb_points *const points = pass->points;
+	const struct rb_point *const point = &points->row[number];
+
 	*row = (struct rb_dense_row){
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
@@ -299,6 +343,8 @@ static void fill_row(const struct rb_solver *solver, struct rb_dense_row *row,
 	const double square = rb_vec3_dot(row->rub, row->rub);
 	if (square > most * most)
 		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
+	if (!row->central)
+		level_arms(pass->world, nearest_of_face(points, number), row);
 	fill_yields(&solver->dense, row);
 }
 
@@ -309,8 +355,7 @@ static void fill_rows_block(void *user, int block, int worker)
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
 		if (pass->place[k] >= 0)
-			fill_row(pass->solver, &pass->solver->dense.row[pass->place[k]],
-			         &pass->points->row[k], k);
+			fill_row(pass, &pass->solver->dense.row[pass->place[k]], k);
 }
 
 static void store_rows_block(void *user, int block, int worker)
@@ -374,12 +419,25 @@ static void find_pushed(struct rb_solver *solver, const struct rb_points *points
 	}
 }
 
+/* What impulses that were taken back have left is rounding: nothing has touched the body. */
+static void free_unpushed(struct rb_solver *solver)
+{
+	for (int k = 0; k < solver->active_count; k++) {
+		const int i = solver->active[k];
+
+		if (solver->island_of[i] >= 0 && !solver->pushed[i])
+			solver->dense.body[i] = solver->free[i];
+	}
+}
+
 void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_points *points)
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 
 	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
-	run_pass(&pass, (size_t)solver->active_count, store_bodies_block);
-	if (solver->tensor) /* else nobody asks */
+	if (solver->tensor) { /* else nobody asks */
 		find_pushed(solver, points);
+		free_unpushed(solver);
+	}
+	run_pass(&pass, (size_t)solver->active_count, store_bodies_block);
 }
