@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* What a block of rows has come to. */
+/* What a sweep has come to. */
 struct share {
 	double change; /* m/s: the largest of a row's velocity */
 	double size;   /* J: of all changes of impulses */
@@ -44,11 +44,11 @@ static inline double solve_row(const struct rb_dense *dense, struct rb_dense_row
 	return moved;
 }
 
-static struct share solve_rows(const struct rb_dense *dense, int first, int end)
+static struct share solve_rows(const struct rb_dense *dense)
 {
 	struct share share = {0, 0};
 
-	for (int k = first; k < end; k++) {
+	for (int k = 0; k < dense->row_count; k++) {
 		struct rb_dense_row *row = &dense->row[k];
 
 		share.change = fmax(share.change, solve_row(dense, row));
@@ -72,12 +72,11 @@ struct sums {
 };
 
 /* Puts the last sweep into place `at` of the trace and adds up what the mixture needs. */
-static struct sums remember_rows(const struct rb_sweep *sweep, int first, int end, int at,
-                                 int filled)
+static struct sums remember_rows(const struct rb_sweep *sweep, int at, int filled)
 {
 	struct sums sums = {{0}, {0}};
 
-	for (int k = first; k < end; k++) {
+	for (int k = 0; k < sweep->dense->row_count; k++) {
 		const struct rb_dense_row *row = &sweep->dense->row[k];
 		struct rb_sweep_trace *trace = &sweep->trace[k];
 		const rb_vec3 impulse = rb_dense_impulse(row);
@@ -98,10 +97,9 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int first, int en
 }
 
 /* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. */
-static void follow_rows(const struct rb_sweep *sweep, int first, int end, const double *mix,
-                        int filled)
+static void follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
 {
-	for (int k = first; k < end; k++) {
+	for (int k = 0; k < sweep->dense->row_count; k++) {
 		struct rb_dense_row *row = &sweep->dense->row[k];
 		const struct rb_sweep_trace *trace = &sweep->trace[k];
 		rb_vec3 extra = {0, 0, 0};
@@ -117,95 +115,10 @@ static void follow_rows(const struct rb_sweep *sweep, int first, int end, const 
 	}
 }
 
-/* ---- all rows, by blocks ---- */
-
-/* What is done to every row. */
-enum task { SWEEP, REMEMBER, FOLLOW };
-
-/* What the workers of one colour share: read only but for each block's own partial sums. */
-struct work {
-	const struct rb_sweep *sweep;
-	enum task task;
-	int first, end;  /* rows of the colour */
-	int first_block; /* its first block among those of all colours */
-	int at, filled;
-	const double *mix;
-};
-
-static void run_block(void *user, int block, int worker)
-{
-	const struct work *work = user;
-	const struct rb_sweep *sweep = work->sweep;
-	const int first = work->first + block * RB_SWEEP_BLOCK;
-	const int end = first + RB_SWEEP_BLOCK < work->end ? first + RB_SWEEP_BLOCK : work->end;
-	double *const partial = sweep->partial + RB_SWEEP_PARTIAL * (work->first_block + block);
-
-	(void)worker;
-	if (work->task == SWEEP) {
-		const struct share share = solve_rows(sweep->dense, first, end);
-
-		partial[0] = share.change;
-		partial[1] = share.size;
-	} else if (work->task == REMEMBER) {
-		const struct sums sums = remember_rows(sweep, first, end, work->at, work->filled);
-
-		memcpy(partial, &sums, sizeof sums);
-	} else {
-		follow_rows(sweep, first, end, work->mix, work->filled);
-	}
-}
-
 bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
 {
-	const int one[2] = {0, sweep->dense->row_count};
-	const int *colour = sweep->team ? sweep->colour : one;
-	const int colours = sweep->team ? sweep->colour_count : 1;
-	size_t blocks = 0;
-
-	for (int c = 0; c < colours; c++)
-		blocks += (size_t)((colour[c + 1] - colour[c] + RB_SWEEP_BLOCK - 1) /
-		                   RB_SWEEP_BLOCK);
-	sweep->partial = rb_arena_take(arena, RB_SWEEP_PARTIAL * blocks, sizeof *sweep->partial);
 	sweep->trace = rb_arena_take(arena, (size_t)sweep->dense->row_count, sizeof *sweep->trace);
-	return sweep->partial && sweep->trace;
-}
-
-/* Returns the number of blocks, whose sums stand in sweep->partial. */
-static int run_all(struct work *work)
-{
-	const struct rb_sweep *sweep = work->sweep;
-	const int one[2] = {0, sweep->dense->row_count};
-	const int *colour = sweep->team ? sweep->colour : one;
-	const int colours = sweep->team ? sweep->colour_count : 1;
-
-	work->first_block = 0;
-	for (int c = 0; c < colours; c++) {
-		work->first = colour[c];
-		work->end = colour[c + 1];
-		const int blocks = (work->end - work->first + RB_SWEEP_BLOCK - 1) / RB_SWEEP_BLOCK;
-		const bool alone = !sweep->team || (sweep->tail && c == colours - 1);
-
-		if (blocks > 1 && !alone)
-			rb_team_run(sweep->team, blocks, run_block, work);
-		else
-			for (int b = 0; b < blocks; b++)
-				run_block(work, b, 0);
-		work->first_block += blocks;
-	}
-	return work->first_block;
-}
-
-static struct share sweep_once(const struct rb_sweep *sweep)
-{
-	struct work work = {.sweep = sweep, .task = SWEEP};
-	struct share sum = {0, 0};
-	const int blocks = run_all(&work);
-
-	for (int b = 0; b < blocks; b++) {
-		sum.change = fmax(sum.change, sweep->partial[RB_SWEEP_PARTIAL * b]);
-		sum.size += sweep->partial[RB_SWEEP_PARTIAL * b + 1];
-	}
-	return sum;
+	return sweep->trace != NULL;
 }
 
 /* ---- Anderson's mixture ---- */
@@ -256,30 +169,19 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 /* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. */
 static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
 {
-	struct work work = {.sweep = sweep, .task = REMEMBER, .at = m->at};
-	double right[RB_SWEEP_MEMORY] = {0}, mix[RB_SWEEP_MEMORY];
+	double mix[RB_SWEEP_MEMORY];
 
 	if (afresh) {
-		m->count = m->at = work.at = 0;
-		(void)run_all(&work);
+		m->count = m->at = 0;
+		(void)remember_rows(sweep, 0, 0);
 		return;
 	}
 	const int filled = m->count < RB_SWEEP_MEMORY ? m->count + 1 : RB_SWEEP_MEMORY;
-	work.filled = filled;
-	const int blocks = run_all(&work);
-	for (int j = 0; j < filled; j++) {
-		double newest = 0;
-
-		for (int b = 0; b < blocks; b++) {
-			newest += sweep->partial[RB_SWEEP_PARTIAL * b + j];
-			right[j] += sweep->partial[RB_SWEEP_PARTIAL * b + RB_SWEEP_MEMORY + j];
-		}
-		m->gram[m->at][j] = m->gram[j][m->at] = newest;
-	}
-	solve_gram(m, filled, right, mix);
-	work.task = FOLLOW;
-	work.mix = mix;
-	(void)run_all(&work);
+	const struct sums sums = remember_rows(sweep, m->at, filled);
+	for (int j = 0; j < filled; j++)
+		m->gram[m->at][j] = m->gram[j][m->at] = sums.newest[j];
+	solve_gram(m, filled, sums.now, mix);
+	follow_rows(sweep, mix, filled);
 	m->count = filled;
 	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
 }
@@ -298,7 +200,7 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	double before = 0;
 
 	while (result.sweeps < sweep->most) {
-		const struct share now = sweep_once(sweep);
+		const struct share now = solve_rows(sweep->dense);
 
 		result.sweeps++;
 		result.residual = now.change;

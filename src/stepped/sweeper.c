@@ -73,19 +73,6 @@ static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colour
 	return true;
 }
 
-static bool sort_rows(const struct rb_dense *dense, const int *order, struct rb_arena *arena)
-{
-	const size_t count = (size_t)dense->row_count;
-	struct rb_dense_row *copy = rb_arena_take(arena, count, sizeof *copy);
-
-	if (!copy)
-		return false;
-	memcpy(copy, dense->row, count * sizeof *copy);
-	for (size_t k = 0; k < count; k++)
-		dense->row[k] = copy[order[k]];
-	return true;
-}
-
 /* ---- sweeps ---- */
 
 static bool is_central(const struct rb_dense *dense)
@@ -100,25 +87,22 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 {
 	struct colours colours = {.count = 0};
 
-	sweeper->wide = sweeper->dense->row_count >= WIDE_ROWS && is_central(sweeper->dense);
-	if ((sweeper->team || sweeper->wide) && !colour_rows(sweeper, &colours, arena))
+	sweeper->wide = sweeper->dense->row_count >= WIDE_ROWS;
+	if (!sweeper->wide) {
+		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
+		return rb_sweep_take(&sweeper->one, arena);
+	}
+	if (!colour_rows(sweeper, &colours, arena))
 		return false;
-	if (!sweeper->wide && sweeper->team && !sort_rows(sweeper->dense, colours.order, arena))
-		return false;
-	sweeper->one = (struct rb_sweep){.dense = sweeper->dense,
-	                                 .team = sweeper->team,
-	                                 .colour = colours.first,
-	                                 .colour_count = colours.count,
-	                                 .tail = colours.tail};
 	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
+	                                 .central = is_central(sweeper->dense),
 	                                 .order = colours.order,
 	                                 .still = sweeper->still,
 	                                 .team = sweeper->team,
 	                                 .colour = colours.first,
 	                                 .colour_count = colours.count,
 	                                 .tail = colours.tail};
-	return sweeper->wide ? rb_wide_take(&sweeper->many, arena)
-	                     : rb_sweep_take(&sweeper->one, arena);
+	return rb_wide_take(&sweeper->many, arena);
 }
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough, int most)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sweeps over the rows of one group: packs of rows (stepped/wide) where there are enough and all are between spheres, else
- * one row at a time (stepped/sweep); the order of rows by colours that either needs.
+ * Sweeps over the rows of one group: packs of rows (stepped/wide) in an order of colours where there are enough, else one
+ * row at a time (stepped/sweep).
  * Made for one solution; memory is the arena's.
  */
 #ifndef RB_STEPPED_SWEEPER_H
@@ -10,12 +10,12 @@
 #include "stepped/wide.h"
 
 struct rb_sweeper {
-	const struct rb_dense *dense; /* without packs, rows are brought into another order */
-	int still;                    /* a body that does not yield */
-	const int *member;            /* bodies that yield */
+	const struct rb_dense *dense;
+	int still;         /* a body that does not yield */
+	const int *member; /* bodies that yield */
 	int member_count;
 	int *local;           /* by body: scratch, -1 for what does not yield */
-	struct rb_team *team; /* NULL: in one thread */
+	struct rb_team *team; /* of packs; NULL: in one thread */
 	/* rb_sweeper_take */
 	bool wide;
 	struct rb_sweep one;

@@ -43,6 +43,13 @@ struct rb_wide_pack {
 	lanes count;         /* of sweeps that went one way */
 };
 
+/* What else rows have that are not central: arms, m, and inverse tensors, 1/(kg m^2), xx xy xz yy yz zz. */
+struct rb_wide_turn {
+	struct lanes3 arm_a, arm_b;
+	lanes tensor_a[6], tensor_b[6];
+	struct lanes3 skew; /* 1/kg: slip that an impulse along the normal makes */
+};
+
 /* Four bodies. */
 struct four {
 	struct lanes3 linear, angular;
@@ -103,45 +110,89 @@ ALWAYS void cross(struct lanes3 *r, const struct lanes3 *p, const struct lanes3 
 	r->z = p->x * q->y - p->y * q->x;
 }
 
-/* Adds an impulse along the normal and one across it. */
-ALWAYS void push(const struct rb_wide_pack *pack, struct four *a, struct four *b,
-                 const lanes *along, const struct lanes3 *across)
+ALWAYS void apply(struct lanes3 *r, const lanes *tensor, const struct lanes3 *p)
 {
-	const struct lanes3 impulse = {across->x + *along * pack->normal.x,
-	                               across->y + *along * pack->normal.y,
-	                               across->z + *along * pack->normal.z};
+	r->x = tensor[0] * p->x + tensor[1] * p->y + tensor[2] * p->z;
+	r->y = tensor[1] * p->x + tensor[3] * p->y + tensor[4] * p->z;
+	r->z = tensor[2] * p->x + tensor[4] * p->y + tensor[5] * p->z;
+}
+
+/* What an impulse at their points turns bodies by. */
+ALWAYS void turn_central(const struct rb_wide_pack *pack, struct four *a, struct four *b,
+                         const struct lanes3 *across)
+{
 	const lanes turn_a = a->inverse_inertia * pack->arm_a;
 	const lanes turn_b = b->inverse_inertia * pack->arm_b;
 	struct lanes3 torque;
 
 	cross(&torque, &pack->normal, across);
-	a->linear.x -= a->inverse_mass * impulse.x;
-	a->linear.y -= a->inverse_mass * impulse.y;
-	a->linear.z -= a->inverse_mass * impulse.z;
 	a->angular.x -= turn_a * torque.x;
 	a->angular.y -= turn_a * torque.y;
 	a->angular.z -= turn_a * torque.z;
-	b->linear.x += b->inverse_mass * impulse.x;
-	b->linear.y += b->inverse_mass * impulse.y;
-	b->linear.z += b->inverse_mass * impulse.z;
 	b->angular.x += turn_b * torque.x;
 	b->angular.y += turn_b * torque.y;
 	b->angular.z += turn_b * torque.z;
 }
 
+ALWAYS void turn_any(const struct rb_wide_turn *turn, struct four *a, struct four *b,
+                     const struct lanes3 *impulse)
+{
+	struct lanes3 torque, w;
+
+	cross(&torque, &turn->arm_a, impulse);
+	apply(&w, turn->tensor_a, &torque);
+	a->angular.x -= w.x;
+	a->angular.y -= w.y;
+	a->angular.z -= w.z;
+	cross(&torque, &turn->arm_b, impulse);
+	apply(&w, turn->tensor_b, &torque);
+	b->angular.x += w.x;
+	b->angular.y += w.y;
+	b->angular.z += w.z;
+}
+
+/* Adds an impulse along the normal and one across it. `turn` is NULL where rows are central, here as below. */
+ALWAYS void push(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn, struct four *a,
+                 struct four *b, const lanes *along, const struct lanes3 *across)
+{
+	const struct lanes3 impulse = {across->x + *along * pack->normal.x,
+	                               across->y + *along * pack->normal.y,
+	                               across->z + *along * pack->normal.z};
+
+	a->linear.x -= a->inverse_mass * impulse.x;
+	a->linear.y -= a->inverse_mass * impulse.y;
+	a->linear.z -= a->inverse_mass * impulse.z;
+	b->linear.x += b->inverse_mass * impulse.x;
+	b->linear.y += b->inverse_mass * impulse.y;
+	b->linear.z += b->inverse_mass * impulse.z;
+	if (turn)
+		turn_any(turn, a, b, &impulse);
+	else
+		turn_central(pack, a, b, across);
+}
+
 /* ---- a pack ---- */
 
 /* Velocity of b relative to a: along the normal, and across it. */
-ALWAYS void look(const struct rb_wide_pack *pack, const struct four *a, const struct four *b,
-                 lanes *along, struct lanes3 *across)
+ALWAYS void look(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn,
+                 const struct four *a, const struct four *b, lanes *along, struct lanes3 *across)
 {
 	const struct lanes3 n = pack->normal;
-	const struct lanes3 w = {pack->arm_b * b->angular.x - pack->arm_a * a->angular.x,
-	                         pack->arm_b * b->angular.y - pack->arm_a * a->angular.y,
-	                         pack->arm_b * b->angular.z - pack->arm_a * a->angular.z};
 	struct lanes3 u;
 
-	cross(&u, &w, &n);
+	if (turn) {
+		struct lanes3 of_a;
+
+		cross(&u, &b->angular, &turn->arm_b);
+		cross(&of_a, &a->angular, &turn->arm_a);
+		u = (struct lanes3){u.x - of_a.x, u.y - of_a.y, u.z - of_a.z};
+	} else {
+		const struct lanes3 w = {pack->arm_b * b->angular.x - pack->arm_a * a->angular.x,
+		                         pack->arm_b * b->angular.y - pack->arm_a * a->angular.y,
+		                         pack->arm_b * b->angular.z - pack->arm_a * a->angular.z};
+
+		cross(&u, &w, &n);
+	}
 	u.x += b->linear.x - a->linear.x;
 	u.y += b->linear.y - a->linear.y;
 	u.z += b->linear.z - a->linear.z;
@@ -150,7 +201,8 @@ ALWAYS void look(const struct rb_wide_pack *pack, const struct four *a, const st
 }
 
 /* Each row on its own, as in stepped/sweep. Returns the largest square of what a row's velocity changed by. */
-ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
+ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
+                         const struct rb_wide_turn *turn)
 {
 	const lanes none = {0, 0, 0, 0}, one = {1, 1, 1, 1};
 	struct four a, b;
@@ -159,12 +211,18 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
 
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
-	look(pack, &a, &b, &along, &slip);
+	look(pack, turn, &a, &b, &along, &slip);
 	along = pack->push + (pack->leave - along) * pack->inverse_n;
 	along = CHOOSE(along > pack->least, along, pack->least);
 	const mask acts = (along > none) | (pack->push != none);
 	if (!(acts[0] | acts[1] | acts[2] | acts[3]))
 		return 0;
+	more = along - pack->push;
+	if (turn) {
+		slip.x += more * turn->skew.x;
+		slip.y += more * turn->skew.y;
+		slip.z += more * turn->skew.z;
+	}
 	struct lanes3 rub = {pack->rub.x - pack->inverse_t * slip.x,
 	                     pack->rub.y - pack->inverse_t * slip.y,
 	                     pack->rub.z - pack->inverse_t * slip.z};
@@ -176,7 +234,6 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
 		ratio = CHOOSE(slides, ratio, one);
 		rub = (struct lanes3){ratio * rub.x, ratio * rub.y, ratio * rub.z};
 	}
-	more = along - pack->push;
 	d = (struct lanes3){rub.x - pack->rub.x, rub.y - pack->rub.y, rub.z - pack->rub.z};
 	/* its sign only: whether the row goes on as it was led */
 	const lanes goes = more * DOT(pack->extra, pack->normal) + DOT(pack->extra, d);
@@ -186,7 +243,7 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
 	pack->extra.z += d.z + more * pack->normal.z;
 	pack->push = along;
 	pack->rub = rub;
-	push(pack, &a, &b, &more, &d);
+	push(pack, turn, &a, &b, &more, &d);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 	more *= pack->yield_n;
@@ -197,7 +254,8 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack)
 }
 
 /* Leads the impulses on; the sweep that comes next projects back onto the cone. */
-ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack, double lead_most)
+ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
+                      const struct rb_wide_turn *turn, double lead_most)
 {
 	const lanes most = {lead_most, lead_most, lead_most, lead_most};
 	const struct lanes3 n = pack->normal;
@@ -219,7 +277,7 @@ ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack, dou
 	                            pack->rub.z + across.z};
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
-	push(pack, &a, &b, &along, &across);
+	push(pack, turn, &a, &b, &along, &across);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
 }
@@ -258,13 +316,57 @@ static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int
 	pack->normal.x[i] = row->normal.x;
 	pack->normal.y[i] = row->normal.y;
 	pack->normal.z[i] = row->normal.z;
-	pack->arm_a[i] = row->arm_a.x;
-	pack->arm_b[i] = row->arm_b.x;
+	pack->arm_a[i] = wide->turn ? 0 : row->arm_a.x;
+	pack->arm_b[i] = wide->turn ? 0 : row->arm_b.x;
 	pack->yield_n[i] = row->yield_n;
 	pack->yield_t[i] = row->yield_t;
 	pack->inverse_n[i] = 1 / row->yield_n;
 	pack->leave[i] = row->leave;
 	pack->friction[i] = row->friction;
+}
+
+static void fill_tensor(const struct rb_dense *dense, int body, lanes *tensor, int i)
+{
+	const double inverse = dense->body[body].inverse_inertia;
+	const rb_mat3 own = isnan(inverse) ? dense->tensor[body]
+	                                   : rb_mat3_diagonal(inverse, inverse, inverse);
+
+	tensor[0][i] = own.m[0][0];
+	tensor[1][i] = own.m[0][1];
+	tensor[2][i] = own.m[0][2];
+	tensor[3][i] = own.m[1][1];
+	tensor[4][i] = own.m[1][2];
+	tensor[5][i] = own.m[2][2];
+}
+
+/* Velocity at the point by turning that a unit impulse along the normal makes. */
+static rb_vec3 skew_of(const struct rb_dense *dense, int body, rb_vec3 arm, rb_vec3 normal)
+{
+	if (dense->body[body].inverse_inertia == 0)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_cross(rb_dense_turn(dense, body, rb_vec3_cross(arm, normal)), arm);
+}
+
+static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int i,
+                      const struct rb_dense_row *row)
+{
+	const rb_vec3 arm_a = rb_dense_arm_a(row), arm_b = rb_dense_arm_b(row);
+
+	turn->arm_a.x[i] = arm_a.x;
+	turn->arm_a.y[i] = arm_a.y;
+	turn->arm_a.z[i] = arm_a.z;
+	turn->arm_b.x[i] = arm_b.x;
+	turn->arm_b.y[i] = arm_b.y;
+	turn->arm_b.z[i] = arm_b.z;
+	const rb_vec3 skew = rb_vec3_reject(
+		rb_vec3_add(skew_of(wide->dense, row->a, arm_a, row->normal),
+	                    skew_of(wide->dense, row->b, arm_b, row->normal)),
+		row->normal);
+	turn->skew.x[i] = skew.x;
+	turn->skew.y[i] = skew.y;
+	turn->skew.z[i] = skew.z;
+	fill_tensor(wide->dense, row->a, turn->tensor_a, i);
+	fill_tensor(wide->dense, row->b, turn->tensor_b, i);
 }
 
 static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_dense_row *row, bool holds)
@@ -288,9 +390,13 @@ static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_dense_r
 }
 
 /* The rows of a pack are those of its colour from `at` on, as far as there are. */
-static void carry_pack(const struct rb_wide *wide, struct rb_wide_pack *pack, enum task task,
-                       int at, int count)
+static void carry_pack(const struct rb_wide *wide, int k, enum task task, int at, int count)
 {
+	struct rb_wide_pack *const pack = &wide->pack[k];
+	struct rb_wide_turn *const turn = wide->turn ? &wide->turn[k] : NULL;
+
+	if (task == FILL && turn)
+		*turn = (struct rb_wide_turn){.tensor_a = {{0}}};
 	if (task == FILL) {
 		*pack = (struct rb_wide_pack){.count = {0}};
 		for (int i = 0; i < WIDTH; i++)
@@ -301,6 +407,8 @@ static void carry_pack(const struct rb_wide *wide, struct rb_wide_pack *pack, en
 
 		if (task == FILL)
 			fill_lane(wide, pack, i, row);
+		if (task == FILL && turn)
+			fill_turn(wide, turn, i, row);
 		else if (task == STORE)
 			store_lane(pack, i, row);
 		else
@@ -316,22 +424,31 @@ static void carry_packs(const struct rb_wide *wide, enum task task, int colour, 
 		const int at = wide->colour[colour] + width * (k - wide->first[colour]);
 		const int left = wide->colour[colour + 1] - at;
 
-		carry_pack(wide, &wide->pack[k], task, at, left < width ? left : width);
+		carry_pack(wide, k, task, at, left < width ? left : width);
 	}
 }
 
-ALWAYS double run_packs(const struct rb_wide *wide, double lead, int first, int end)
+ALWAYS double run_kind(const struct rb_wide *wide, bool turns, double lead, int first, int end)
 {
 	struct rb_dense_body *body = wide->dense->body;
 	double most = 0;
 
-	if (lead > 0)
-		for (int k = first; k < end; k++)
-			lead_pack(body, &wide->pack[k], lead);
-	else
-		for (int k = first; k < end; k++)
-			most = fmax(most, solve_pack(body, &wide->pack[k]));
+	for (int k = first; k < end; k++) {
+		const struct rb_wide_turn *const turn = turns ? &wide->turn[k] : NULL;
+
+		if (lead > 0)
+			lead_pack(body, &wide->pack[k], turn, lead);
+		else
+			most = fmax(most, solve_pack(body, &wide->pack[k], turn));
+	}
 	return most;
+}
+
+/* Each kind has code of its own. */
+ALWAYS double run_packs(const struct rb_wide *wide, double lead, int first, int end)
+{
+	return wide->turn ? run_kind(wide, true, lead, first, end)
+	                  : run_kind(wide, false, lead, first, end);
 }
 
 static double run_plain(const struct rb_wide *wide, double lead, int first, int end)
@@ -425,7 +542,10 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 	wide->first_block[colours] = blocks;
 	wide->pack = rb_arena_take(arena, (size_t)packs, sizeof *wide->pack);
 	wide->partial = rb_arena_take(arena, (size_t)blocks, sizeof *wide->partial);
-	if (!wide->pack || !wide->partial)
+	wide->turn = NULL;
+	if (!wide->central)
+		wide->turn = rb_arena_take(arena, (size_t)packs, sizeof *wide->turn);
+	if (!wide->pack || !wide->partial || (!wide->central && !wide->turn))
 		return false;
 	run_all(wide, FILL, 0);
 	return true;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows between spheres by iteration, four at a time: sweeps as in stepped/sweep over packs of rows that share no body,
+ * Rows by iteration, four at a time: sweeps as in stepped/sweep over packs of rows that share no body,
  * each impulse then led on along the way it goes (Nesterov's momentum, Soviet Math. Doklady 27 (1983) 372, for each row
  * on its own: a row that turns round loses half of what it has gathered, B. O'Donoghue and E. Candes, Found. Comput. Math.
  * 15 (2015) 715).
@@ -11,24 +11,28 @@
 #ifndef RB_STEPPED_WIDE_H
 #define RB_STEPPED_WIDE_H
 
+#include "base/team.h"
 #include "stepped/sweep.h"
 
 struct rb_wide_pack;
+struct rb_wide_turn;
 
 struct rb_wide {
-	const struct rb_dense *dense; /* central rows only */
-	const int *order;             /* [rows]: these by colour */
-	int still;                    /* a body that does not yield */
-	struct rb_team *team;         /* NULL: in one thread */
-	const int *colour;            /* [colour_count + 1]: where each begins in `order` */
+	const struct rb_dense *dense;
+	bool central;         /* all rows are: packs are smaller */
+	const int *order;     /* [rows]: these by colour */
+	int still;            /* a body that does not yield */
+	struct rb_team *team; /* NULL: in one thread */
+	const int *colour;    /* [colour_count + 1]: where each begins in `order` */
 	int colour_count;
 	bool tail; /* rows of the last colour share bodies after all: one after the other */
 	/* scratch, rb_wide_take */
 	struct rb_wide_pack *pack;
-	int *first;       /* [colour_count + 1]: first pack of each colour */
-	int *first_block; /* the same of blocks */
-	int *blocks;      /* [2 colour_count]: of each colour, for two passes */
-	double *partial;  /* [blocks] */
+	struct rb_wide_turn *turn; /* [packs]; NULL: all rows are central */
+	int *first;                /* [colour_count + 1]: first pack of each colour */
+	int *first_block;          /* the same of blocks */
+	int *blocks;               /* [2 colour_count]: of each colour, for two passes */
+	double *partial;           /* [blocks] */
 };
 
 /* Scratch, once the rest is known; false: no memory. */
