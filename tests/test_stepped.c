@@ -371,6 +371,45 @@ static void an_edge_that_lands_askew_does_not_creep(void **state)
 	}
 }
 
+/* Rows of cubes, each over the joints of those below; a single column. */
+static int lay_bricks(struct lab *lab, int rows, bool pyramid)
+{
+	int top = 0;
+
+	for (int row = 0; row < rows; row++)
+		for (int k = 0; k < (pyramid ? rows - row : 1); k++)
+			top = add_cube(
+				lab, 1,
+				(rb_vec3){(pyramid ? 0.5 * row : 0) + 1.001 * k, 0, 0.5 + row});
+	return top;
+}
+
+/* Sweeps let what is tall creep, and throw away half of its steps. */
+static void what_is_tall_stands_from_its_first_step(void **state)
+{
+	(void)state;
+	for (int pyramid = 0; pyramid < 2; pyramid++) {
+		const int rows = pyramid ? 12 : 50;
+		struct lab lab;
+
+		open_stepped(&lab, 2, 60, 1.0 / 60);
+		lab_surface(&lab, 0.5, 0);
+		lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		const int top = lay_bricks(&lab, rows, pyramid);
+		lab_seal(&lab, 1);
+		const rb_vec3 start = rb_world_position(lab.world, top);
+		for (int k = 0; k < 10; k++)
+			lab_step(&lab);
+		const struct rb_world_work before = rb_world_work(lab.world);
+		assert_int_equal(before.row_sweeps, 0);
+		assert_int_equal(before.closings, 0);
+		lab_run(&lab);
+		assert_int_equal(rb_world_work(lab.world).factors, before.factors);
+		assert_vector(rb_world_position(lab.world, top), start, 1e-12 * rows);
+		lab_close(&lab);
+	}
+}
+
 static void an_impact_is_told_once(void **state)
 {
 	struct lab lab;
@@ -404,6 +443,7 @@ int main(void)
 		cmocka_unit_test(a_heap_that_is_restored_goes_on_in_the_same_bits),
 		cmocka_unit_test(a_stack_at_rest_costs_no_sweeps),
 		cmocka_unit_test(an_edge_that_lands_askew_does_not_creep),
+		cmocka_unit_test(what_is_tall_stands_from_its_first_step),
 		cmocka_unit_test(an_impact_is_told_once),
 	};
 

@@ -9,7 +9,8 @@
 enum { OUTER_MOST = 30, INNER_MOST = 20, HALVINGS_MOST = 20, NOISE_ULP = 16 };
 
 /* First weight of a row, over its own yield; how much it grows where impulses follow slowly, and how far. */
-static const double weight_first = 1, weight_growth = 10, weight_most = 1e5;
+static const double weight_first = 1, weight_first_still = 30, weight_growth = 10,
+		    weight_most = 1e5;
 static const double relax_least = 0.3;
 
 /* A row while it is solved. */
@@ -298,7 +299,8 @@ static struct off follow(struct newton *s, double relax)
 
 			if (rb_vec3_dot(face->now, face->now) > 0)
 				off.shifted = fmax(off.shifted, fabs(shift - face->shift));
-			face->shift += relax * (shift - face->shift);
+			if (relax > 0)
+				face->shift += relax * (shift - face->shift);
 		}
 	}
 	return off;
@@ -357,13 +359,14 @@ static void fill(struct newton *s)
 			s->inertia[k] = rb_mat3_diagonal(turn, turn, turn);
 	}
 	s->ratio = heaviest / lightest;
+	double first = s->direct->holds ? weight_first_still : weight_first;
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_dense_row *row = &dense->row[k];
 		const double slip = rb_vec3_length(slip_of(row, rb_dense_velocity(dense, row)));
 
 		s->face[k] = (struct face){.impulse = rb_dense_impulse(row),
-		                           .weight = weight_first / row->yield_n,
-		                           .shift = row->friction * slip};
+		                           .weight = first / row->yield_n,
+		                           .shift = s->direct->holds ? 0 : row->friction * slip};
 	}
 }
 
@@ -380,7 +383,8 @@ static double noise_of(const struct newton *s)
 static struct rb_direct_result solve(struct newton *s)
 {
 	struct rb_direct_result result = {.tried = true};
-	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1, relax = 1;
+	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1;
+	double relax = s->direct->holds ? 0 : 1;
 
 	for (int outer = 0; outer < OUTER_MOST && result.steps < s->direct->steps_most; outer++) {
 		double rounding, value = evaluate(s, &rounding);
@@ -406,8 +410,12 @@ static struct rb_direct_result solve(struct newton *s)
 			for (int k = 0; k < s->dense->row_count; k++)
 				s->face[k].weight *= weight_growth;
 		}
+		/* who stood slips after all */
+		if (relax == 0 && off.closed <= s->direct->enough_slip &&
+		    off.shifted > s->direct->enough_slip)
+			relax = 1;
 		/* the shifts' own iteration may swing to and fro */
-		if (off.shifted > 0.9 * shifted)
+		else if (relax > 0 && off.shifted > 0.9 * shifted)
 			relax = fmax(relax_least, 0.6 * relax);
 		before = off.closed;
 		shifted = off.shifted;

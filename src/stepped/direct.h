@@ -22,6 +22,7 @@ struct rb_direct {
 	double enough;      /* m/s */
 	double enough_slip; /* m/s: of the shift by sliding, which only ever opens gaps */
 	int steps_most;     /* factorizations */
+	bool holds;         /* to begin with, as if nothing slipped: right where bodies stand */
 	double most;        /* multiplications that one factorization may take */
 	struct rb_arena *arena;
 };

@@ -16,14 +16,16 @@ enum { SWEEPS_FIRST = 200, SWEEPS_MOST = 1000, SWEEPS_QUIET = 64 };
 /* The same where rows are between spheres, and may be held. */
 enum { WIDE_FIRST = 60, WIDE_MOST = 140, WIDE_HOLD = 100 };
 /* Why factors are tried, and how many at most. */
-enum purpose { STIFF, STALLED, QUIET };
-enum { FACTORS_STIFF = 400, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
+enum purpose { STIFF, STANDING, STALLED, QUIET };
+enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
 
 /* Multiplications that one factorization may take, for each row and at most: some twenty sweeps. */
 static const double factor_share = 4e3, factors_most = 1e8;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 static const double sweep_share = 0.25, direct_share = 1e-2, close_share = 1e-7;
+/* Of the tolerance, gaps and overlaps that count as closed where bodies stand. */
+static const double let_share = 1.0 / 32;
 static const double stiff_ratio = 30, hold_slack = 16;
 
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
@@ -92,20 +94,24 @@ static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_i
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_dense *dense, enum purpose purpose, struct rb_arena *arena)
 {
-	static const int steps_most[] = {
-		[STIFF] = FACTORS_STIFF, [STALLED] = FACTORS_STALLED, [QUIET] = FACTORS_QUIET};
+	static const int steps_most[] = {[STIFF] = FACTORS_STIFF,
+	                                 [STANDING] = FACTORS_STANDING,
+	                                 [STALLED] = FACTORS_STALLED,
+	                                 [QUIET] = FACTORS_QUIET};
 	const double each = factor_share * (double)dense->row_count;
-	const struct rb_direct direct = {.dense = dense,
-	                                 .free = solver->free,
-	                                 .member = solver->member + island->first_member,
-	                                 .member_count = island->member_count,
-	                                 .local = solver->local,
-	                                 .enough = (purpose == QUIET ? close_share : direct_share) *
-	                                           solver->enough,
-	                                 .steps_most = steps_most[purpose],
-	                                 .enough_slip = solver->enough,
-	                                 .most = fmin(each, factors_most),
-	                                 .arena = arena};
+	const struct rb_direct direct = {
+		.dense = dense,
+		.free = solver->free,
+		.member = solver->member + island->first_member,
+		.member_count = island->member_count,
+		.local = solver->local,
+		.enough = (purpose == QUIET || purpose == STANDING ? close_share : direct_share) *
+	                  solver->enough,
+		.holds = purpose == STANDING,
+		.steps_most = steps_most[purpose],
+		.enough_slip = solver->enough,
+		.most = fmin(each, factors_most),
+		.arena = arena};
 	struct rb_dense_row *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
 	if (!kept)
@@ -118,7 +124,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		return true;
 	}
 	/* of stiff groups, what factors have come to is better than what there was */
-	if (!result.tried || purpose != STALLED)
+	if (!result.tried || (purpose != STALLED && purpose != STANDING))
 		return false;
 	memcpy(dense->row, kept, (size_t)dense->row_count * sizeof *kept);
 	for (int k = 0; k < island->member_count; k++) {
@@ -159,10 +165,10 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double en
 	return true;
 }
 
-/* Whether nothing in the group moves by much more than the tolerance in a step, nor faster than its forces make it in one. */
-static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island)
+/* m/s: what moves no faster is quiet: neither much more than the tolerance in a step, nor than its forces make it in one. */
+static double quiet_most(const struct rb_solver *solver, const struct rb_island *island)
 {
-	double most = 4 * solver->enough / sweep_share, pull = 0;
+	double pull = 0;
 
 	for (int k = 0; solver->before && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -170,7 +176,46 @@ static bool is_quiet(const struct rb_solver *solver, const struct rb_island *isl
 
 		pull = fmax(pull, rb_vec3_max_abs(rb_vec3_sub(solver->free[i].linear, v)));
 	}
-	most = fmin(most, pull);
+	return fmin(4 * solver->enough / sweep_share, pull);
+}
+
+/* Whether the group was quiet when the step began, and nothing moves under it. */
+static bool stood(const struct rb_solver *solver, const struct rb_island *island)
+{
+	if (!solver->before || island->carried)
+		return false;
+	const double most = quiet_most(solver, island);
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const size_t at = 3 * (size_t)i;
+
+		if (rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) > most ||
+		    (solver->before->spin &&
+		     rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * solver->reach[i] >
+		             most))
+			return false;
+	}
+	return true;
+}
+
+/*
+ * Gaps and overlaps far below the tolerance count as closed where bodies stand: then standing still is among what is
+ * possible, however they are wedged.
+ */
+static void leave_alone(const struct rb_solver *solver, const struct rb_dense *dense)
+{
+	const double most = let_share * solver->enough / sweep_share;
+
+	for (int k = 0; k < dense->row_count; k++)
+		if (fabs(dense->row[k].leave) <= most)
+			dense->row[k].leave = 0;
+}
+
+/* Whether nothing in the group moves faster than that. */
+static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island)
+{
+	const double most = quiet_most(solver, island);
+
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 		const struct rb_dense_body *body = &solver->dense.body[i];
@@ -246,8 +291,9 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 }
 
 /*
- * Sweeps first; factors where these do not come to an end soon and cost no more. What hardly moves is then solved far
- * closer, a little in each step, so that it comes to stand still instead of creeping. With a team: colours.
+ * What stands is solved closely by factors at once, as if nothing slipped: towers, which sweeps would let creep. Else sweeps
+ * first; factors where these do not come to an end soon and cost no more. What hardly moves is then solved far closer, a
+ * little in each step, so that it comes to stand still. With a team: colours.
  */
 static void solve_island(const struct rb_solver *solver, struct rb_island *island,
                          struct rb_team *team, struct rb_arena *arena)
@@ -273,8 +319,13 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		return;
 	}
 	rb_sweep_warm(&dense);
-	const bool stiff = is_stiff(solver, island);
-	if (stiff)
+	const bool stiff = is_stiff(solver, island), standing = stood(solver, island);
+	if (standing) {
+		leave_alone(solver, &dense);
+		good = try_factors(solver, island, &dense, STANDING, arena);
+	}
+	const bool closely = good;
+	if (!good && stiff)
 		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
 		good = sweep_more(&sweeper, island, enough,
@@ -289,7 +340,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
 	if (!good && !sweeper.wide)
 		good = sweep_more(&sweeper, island, enough / sweep_share, SWEEPS_MOST);
-	if (good && is_quiet(solver, island) && island->residual > close &&
+	if (good && !closely && is_quiet(solver, island) && island->residual > close &&
 	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
 	find_rest(solver, island);
