@@ -9,6 +9,7 @@
 #include "stepped/driven.h"
 #include "stepped/judge.h"
 #include "stepped/land.h"
+#include "stepped/stand.h"
 #include "stepped/tell.h"
 
 struct rb_apart {
@@ -130,14 +131,14 @@ static void cohort_of(struct rb_world *world, const struct rb_group *group)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_apart *apart = s->apart;
-	const int driven = s->all.body_count - s->member_count;
 
 	memcpy(apart->body, apart->land.member + group->first, (size_t)group->count * sizeof(int));
-	memcpy(apart->body + group->count, s->body + s->member_count, (size_t)driven * sizeof(int));
+	memcpy(apart->body + group->count, s->body + s->member_count,
+	       (size_t)s->driven_count * sizeof(int));
 	rb_land_show(&apart->land, group->pair, group->pair_count);
 	s->part.body = apart->body;
 	s->part.member_count = group->count;
-	s->part.body_count = group->count + driven;
+	s->part.body_count = group->count + s->driven_count;
 	s->part.near = &apart->land.near;
 }
 
@@ -179,7 +180,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		status = rb_tell_contacts(world, part, h, NULL, &apart->last, err);
 	rb_contacts_sort(&apart->last);
 	if (status == RB_OK)
-		status = rb_points_keep(&part->points, h, err);
+		status = rb_points_keep(&part->points, h, s->solver.stays, NULL, err);
 	rb_points_index_members(&part->points, part->body, part->member_count);
 	return status;
 }
@@ -393,7 +394,8 @@ static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_e
 		if (!apart->land.failed[points->row[k].a])
 			points->row[kept++] = points->row[k];
 	points->count = kept;
-	const enum rb_status status = rb_points_keep(points, dt, err);
+	const enum rb_status status = rb_points_keep(points, dt, s->solver.stays, s->stand.stands,
+	                                             err);
 	if (status != RB_OK)
 		return status;
 	const size_t count = points->last_count + apart->push_count;
@@ -463,10 +465,10 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	rb_land_show(&apart->land, 0, apart->land.pair_count);
-	rb_near_place(&apart->land.near, world, s->all.body, s->all.body_count);
+	rb_near_place(&apart->land.near, world, s->body, world->model->body_count);
 	if (world->broadphase)
-		status = rb_points_depths(world, &apart->land.near, apart->land.failed, &found,
-		                          err);
+		status = rb_points_depths(world, &apart->land.near, apart->land.failed, NULL,
+		                          &found, err);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, found.most);
 	return status;
 }
@@ -478,7 +480,7 @@ static enum rb_status end_drive(struct rb_world *world, double start, double dt,
 	const struct rb_stepped *s = world->stepped;
 
 	rb_state_copy_rows(&world->state, &s->apart->begin, s->body + s->member_count,
-	                   s->all.body_count - s->member_count);
+	                   s->driven_count);
 	const enum rb_status status = rb_drive_begin(world, start, dt, err);
 	if (status == RB_OK)
 		rb_drive_end(world);
@@ -512,6 +514,7 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 	if (status == RB_OK)
 		status = end_drive(world, start, dt, err);
 	reset_arenas(world);
+	rb_stand_rouse(world, apart->land.failed);
 	if (status == RB_OK)
 		status = count_steps(world, dt, outcome, err);
 	if (status == RB_OK)
@@ -520,7 +523,11 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		status = join_contacts(world, dt, err);
 	if (status == RB_OK)
 		status = join_pushes(world, dt, err);
-	if (status != RB_OK)
-		rb_state_copy(&world->state, &apart->begin);
+	if (status == RB_OK) {
+		rb_stand_end(world, start + dt, apart->land.failed);
+		return RB_OK;
+	}
+	rb_state_copy(&world->state, &apart->begin);
+	rb_stand_forget(s);
 	return status;
 }

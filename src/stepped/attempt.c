@@ -7,6 +7,7 @@
 #include "step/flow.h"
 #include "stepped/driven.h"
 #include "stepped/force.h"
+#include "stepped/stand.h"
 
 struct flow {
 	struct rb_world *world;
@@ -92,7 +93,7 @@ static void move(struct rb_world *world, const struct rb_cohort *cohort, double 
 }
 
 /* Before the projection takes the solver for its own. */
-static void count_work(struct rb_world *world)
+static void count_work(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	struct rb_counts *counts = &world->frame_counts;
@@ -104,10 +105,12 @@ static void count_work(struct rb_world *world)
 		counts->rows += (uint64_t)island->row_count;
 		counts->factors += (uint64_t)island->factors;
 	}
+	if (cohort == &world->stepped->all)
+		counts->rows += world->stepped->stand.point_count;
 }
 
-static enum rb_status find_points(struct rb_world *world, struct rb_cohort *cohort, double h,
-                                  struct rb_error *err)
+static enum rb_status find_points(struct rb_world *world, struct rb_cohort *cohort, double start,
+                                  double h, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	enum rb_status status = RB_OK;
@@ -115,12 +118,13 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 	cohort->points.count = 0;
 	if (!world->broadphase)
 		return RB_OK;
-	rb_near_reach(cohort->near, world, h, cohort->body, cohort->body_count);
-	if (cohort->near == &s->near)
-		status = rb_near_find(&s->near, world, err);
-	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
-	if (status == RB_OK)
-		status = rb_points_find(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
+	if (cohort == &s->all) {
+		status = rb_stand_points(world, start, h, err);
+	} else {
+		rb_near_reach(cohort->near, world, h, cohort->body, cohort->body_count);
+		rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
+		status = rb_points_add(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
+	}
 	if (status == RB_OK &&
 	    !rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
 	                       cohort->points.count + 1, sizeof *cohort->rebound))
@@ -134,22 +138,24 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	struct rb_stepped *s = world->stepped;
 	enum rb_status status = rb_drive_begin(world, start, h, err);
 
-	s->solver.active = cohort->body;
-	s->solver.active_count = cohort->body_count;
 	if (status == RB_OK)
 		status = rb_force_add(world, cohort, start, h, err);
 	if (status == RB_OK)
-		status = find_points(world, cohort, h, err);
+		status = find_points(world, cohort, start, h, err);
+	s->solver.active = cohort->body;
+	s->solver.active_count = cohort->body_count;
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
 	if (status != RB_OK)
 		return status;
+	if (cohort == &s->all)
+		rb_stand_note(world);
 	move(world, cohort, h);
 	rb_drive_end(world);
 	if (cohort->points.count > 0)
 		memset(cohort->rebound, 0, cohort->points.count * sizeof *cohort->rebound);
 	s->solver.hands_over = world->located && world->dense_left == 1;
 	status = rb_solver_rebound(&s->solver, world, &cohort->points, cohort->rebound, err);
-	count_work(world);
+	count_work(world, cohort);
 	return status;
 }

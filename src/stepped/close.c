@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
 
@@ -14,12 +15,199 @@ static const double closable_share = 0.01;
 /* A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a thirty-second. */
 static const double bend_turn_most = 0.25;
 
+/* What is looked for from what overlaps, from body to body. All in the arena. */
+struct search {
+	struct rb_world *world;
+	struct rb_cohort *cohort;
+	const int *body; /* that could be moved: those of the cohort, and what stands */
+	int count;
+	uint32_t *first, *of; /* by body, its candidates: `of` from first[i] up to the next one's */
+	int *place;           /* by body: in `body` */
+	unsigned char *seen;  /* by body: its candidates have been looked at */
+	unsigned char *moved; /* by body: in the round before */
+	unsigned char *looked; /* by pair */
+	int *wave, *active,
+		*stilled;     /* bodies: to look from; seen ones; without their velocities */
+	unsigned char *still; /* by body: it is without its velocity */
+	size_t *pair;         /* to be looked at */
+	int wave_count, active_count, still_count;
+	bool again; /* not the first round */
+};
+
+/* ---- candidates by body ---- */
+
+static enum rb_status begin_search(struct search *search, struct rb_error *err)
+{
+	struct rb_arena *arena = &search->world->arena[0];
+	const size_t n = (size_t)search->world->model->body_count;
+	const size_t pairs = search->cohort->near->pair_count, count = (size_t)search->count;
+
+	RB_ASSERT(pairs < UINT32_MAX / 2);
+	search->place = rb_arena_take(arena, n, sizeof *search->place);
+	search->first = rb_arena_take(arena, count + 2, sizeof *search->first);
+	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
+	search->seen = rb_arena_take(arena, n, 1);
+	search->moved = rb_arena_take(arena, n, 1);
+	search->still = rb_arena_take(arena, n, 1);
+	search->looked = rb_arena_take(arena, pairs + 1, 1);
+	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
+	search->active = rb_arena_take(arena, n, sizeof *search->active);
+	search->stilled = rb_arena_take(arena, n, sizeof *search->stilled);
+	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
+	if (search->place && search->first && search->of && search->seen && search->moved &&
+	    search->still && search->looked && search->wave && search->active && search->stilled &&
+	    search->pair) {
+		memset(search->moved, 0, n);
+		memset(search->still, 0, n);
+		return RB_OK;
+	}
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+}
+
+static void index_pairs(struct search *search)
+{
+	const struct rb_near *near = search->cohort->near;
+	const struct rb_world *world = search->world;
+	uint32_t *const first = search->first;
+
+	memset(first, 0, ((size_t)search->count + 2) * sizeof *first);
+	for (int k = 0; k < search->count; k++)
+		search->place[search->body[k]] = k;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		first[search->place[near->pair[k].a] + 2]++;
+		if (rb_stepped_yields(world, near->pair[k].b))
+			first[search->place[near->pair[k].b] + 2]++;
+	}
+	for (int k = 0; k < search->count; k++)
+		first[k + 2] += first[k + 1];
+	for (size_t k = 0; k < near->pair_count; k++) {
+		search->of[first[search->place[near->pair[k].a] + 1]++] = (uint32_t)k;
+		if (rb_stepped_yields(world, near->pair[k].b))
+			search->of[first[search->place[near->pair[k].b] + 1]++] = (uint32_t)k;
+	}
+}
+
+/* ---- velocities, which are ways while positions are moved ---- */
+
+static void clear_velocity(struct rb_world *world, int i)
+{
+	memset(world->state.velocity + 3 * (size_t)i, 0, 3 * sizeof(double));
+	if (world->state.spin)
+		memset(world->state.spin + 3 * (size_t)i, 0, 3 * sizeof(double));
+}
+
+static void take_velocity(struct search *search, int i)
+{
+	struct rb_world *world = search->world;
+	double *const aside = world->stepped->aside;
+
+	if (i >= world->model->body_count || search->still[i])
+		return;
+	search->still[i] = 1;
+	search->stilled[search->still_count++] = i;
+	rb_vec3_to(aside + 6 * (size_t)i, rb_world_row3(world->state.velocity, i));
+	if (world->state.spin)
+		rb_vec3_to(aside + 6 * (size_t)i + 3, rb_world_row3(world->state.spin, i));
+	clear_velocity(world, i);
+	/* whoever has been found before is seen as without its turn since then */
+	if (search->again)
+		rb_near_turn(search->cohort->near, world, i);
+}
+
+static void give_velocities(const struct search *search)
+{
+	struct rb_world *world = search->world;
+	const double *aside = world->stepped->aside;
+
+	for (int k = 0; k < search->still_count; k++) {
+		const int i = search->stilled[k];
+
+		rb_vec3_to(world->state.velocity + 3 * (size_t)i,
+		           rb_vec3_from(aside + 6 * (size_t)i));
+		if (world->state.spin)
+			rb_vec3_to(world->state.spin + 3 * (size_t)i,
+			           rb_vec3_from(aside + 6 * (size_t)i + 3));
+	}
+}
+
 /* ---- which groups ---- */
 
-/* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
-static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort *cohort,
-                                  const struct rb_depths *found, struct rb_error *err)
+static void look_from(struct search *search, int i)
 {
+	if (!rb_stepped_yields(search->world, i) || search->seen[i])
+		return;
+	search->seen[i] = 1;
+	search->wave[search->wave_count++] = i;
+}
+
+/* Candidates of the bodies of the wave that have not been looked at. */
+static size_t next_pairs(struct search *search)
+{
+	const struct rb_near *near = search->cohort->near;
+	size_t count = 0;
+
+	for (int k = 0; k < search->wave_count; k++) {
+		const int place = search->place[search->wave[k]];
+
+		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
+			const uint32_t pair = search->of[at];
+
+			if (search->looked[pair])
+				continue;
+			search->looked[pair] = 1;
+			search->pair[count++] = pair;
+			take_velocity(search, near->pair[pair].a);
+			take_velocity(search, near->pair[pair].b);
+		}
+	}
+	search->wave_count = 0;
+	return count;
+}
+
+/* Points of all groups in which something overlaps, in order of pairs, and their bodies: from those, wave by wave. */
+static enum rb_status find_points(struct search *search, const struct rb_depths *found, double most,
+                                  struct rb_error *err)
+{
+	struct rb_world *world = search->world;
+	struct rb_near *near = search->cohort->near;
+	struct rb_points *points = &world->stepped->closing;
+	const size_t *const live = near->live;
+	const size_t live_count = near->live_count;
+	enum rb_status status = RB_OK;
+
+	for (int k = 0; k < search->count; k++)
+		search->seen[search->body[k]] = 0;
+	memset(search->looked, 0, near->pair_count);
+	points->count = 0;
+	search->wave_count = 0;
+	for (size_t k = 0; k < found->deep_count; k++) {
+		look_from(search, found->deep[k].a);
+		look_from(search, found->deep[k].b);
+	}
+	near->live = search->pair;
+	while (status == RB_OK && (near->live_count = next_pairs(search)) > 0) {
+		size_t at = points->count;
+
+		status = rb_points_add(points, world, near, 1, most, err);
+		for (; at < points->count; at++) {
+			look_from(search, points->row[at].a);
+			look_from(search, points->row[at].b);
+		}
+	}
+	near->live = live;
+	near->live_count = live_count;
+	search->active_count = 0;
+	for (int k = 0; k < search->count; k++)
+		if (search->seen[search->body[k]])
+			search->active[search->active_count++] = search->body[k];
+	return status == RB_OK ? rb_points_sort(points, &world->arena[0], err) : status;
+}
+
+/* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
+static enum rb_status keep_points(const struct search *search, const struct rb_depths *found,
+                                  struct rb_error *err)
+{
+	struct rb_world *world = search->world;
 	struct rb_stepped *s = world->stepped;
 	struct rb_points *points = &s->closing;
 	const size_t n = (size_t)world->model->body_count;
@@ -29,9 +217,9 @@ static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort
 
 	if (!parent || !moves)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
-	for (int k = 0; k < cohort->member_count; k++) {
-		parent[cohort->body[k]] = cohort->body[k];
-		moves[cohort->body[k]] = 0;
+	for (int k = 0; k < search->active_count; k++) {
+		parent[search->active[k]] = search->active[k];
+		moves[search->active[k]] = 0;
 	}
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_point *point = &points->row[k];
@@ -44,9 +232,9 @@ static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort
 	}
 	for (size_t k = 0; k < found->deep_count; k++)
 		moves[rb_forest_root(parent, found->deep[k].a)] = 1;
-	for (int k = 0; s->bad_count > 0 && k < cohort->member_count; k++)
-		if (s->bad[cohort->body[k]])
-			moves[rb_forest_root(parent, cohort->body[k])] = -1;
+	for (int k = 0; s->bad_count > 0 && k < search->active_count; k++)
+		if (s->bad[search->active[k]])
+			moves[rb_forest_root(parent, search->active[k])] = -1;
 	for (size_t k = 0; k < points->count; k++)
 		if (moves[rb_forest_root(parent, points->row[k].a)] > 0)
 			points->row[kept++] = points->row[k];
@@ -57,15 +245,17 @@ static enum rb_status keep_points(struct rb_world *world, const struct rb_cohort
 /* ---- moving ---- */
 
 /* Moves positions by what the solver's velocities have become. */
-static void shift(struct rb_world *world, const struct rb_cohort *cohort)
+static void shift(struct search *search)
 {
+	struct rb_world *world = search->world;
 	const struct rb_solver *solver = &world->stepped->solver;
 
-	for (int k = 0; k < cohort->member_count; k++) {
-		const int i = cohort->body[k];
+	for (int k = 0; k < search->active_count; k++) {
+		const int i = search->active[k];
 
 		if (solver->island_of[i] < 0)
 			continue;
+		search->moved[i] = 1;
 		const struct rb_dense_body *body = &solver->dense.body[i];
 		double *const at = world->state.position + 3 * (size_t)i;
 
@@ -78,43 +268,6 @@ static void shift(struct rb_world *world, const struct rb_cohort *cohort)
 	}
 }
 
-/* Velocities of the cohort to or from the rows that are put aside; while positions are moved, they are ways. */
-static void put_aside(struct rb_world *world, const struct rb_cohort *cohort, bool back)
-{
-	double *const aside = world->stepped->aside;
-	double *const spin_aside = aside + 3 * (size_t)world->model->body_count;
-
-	for (int k = 0; k < cohort->body_count; k++) {
-		const size_t row = 3 * (size_t)cohort->body[k], size = 3 * sizeof(double);
-
-		memcpy(back ? world->state.velocity + row : aside + row,
-		       back ? aside + row : world->state.velocity + row, size);
-		if (world->state.spin)
-			memcpy(back ? world->state.spin + row : spin_aside + row,
-			       back ? spin_aside + row : world->state.spin + row, size);
-	}
-}
-
-static void clear_velocities(struct rb_world *world, const struct rb_cohort *cohort)
-{
-	for (int k = 0; k < cohort->body_count; k++) {
-		const size_t row = 3 * (size_t)cohort->body[k], size = 3 * sizeof(double);
-
-		memset(world->state.velocity + row, 0, size);
-		if (world->state.spin)
-			memset(world->state.spin + row, 0, size);
-	}
-}
-
-static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *cohort,
-                                  struct rb_depths *found, struct rb_error *err)
-{
-	const struct rb_stepped *s = world->stepped;
-
-	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
-	return rb_points_depths(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, found, err);
-}
-
 static double deepest(const struct rb_depths *found)
 {
 	double most = 0;
@@ -124,23 +277,51 @@ static double deepest(const struct rb_depths *found)
 	return most;
 }
 
-static enum rb_status close_once(struct rb_world *world, struct rb_cohort *cohort,
-                                 const struct rb_depths *found, struct rb_error *err)
+/* Groups are solved on their own: nobody else is asked about. */
+static enum rb_status close_once(struct search *search, const struct rb_depths *found,
+                                 struct rb_error *err)
 {
+	struct rb_world *world = search->world;
 	struct rb_stepped *s = world->stepped;
 
-	clear_velocities(world, cohort);
+	for (int k = 0; k < search->still_count; k++)
+		clear_velocity(world, search->stilled[k]);
 	/* parts stand where their overlaps were found */
 	const double most = CHAIN_MOST * deepest(found) + world->model->tolerance_m;
-	enum rb_status status = rb_points_find(&s->closing, world, cohort->near, 1, most, err);
+	enum rb_status status = find_points(search, found, most, err);
 	if (status == RB_OK)
-		status = keep_points(world, cohort, found, err);
+		status = keep_points(search, found, err);
 	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++)
 		s->closing.row[k].friction = 0;
+	/* driven bodies have no velocity either */
+	for (int k = 0; k < s->driven_count; k++) {
+		take_velocity(search, s->body[s->member_count + k]);
+		search->active[search->active_count + k] = s->body[s->member_count + k];
+	}
+	s->solver.active = search->active;
+	s->solver.active_count = search->active_count + s->driven_count;
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
 	if (status == RB_OK)
-		shift(world, cohort);
+		shift(search);
+	s->solver.active = search->cohort->body;
+	s->solver.active_count = search->cohort->body_count;
+	return status;
+}
+
+/* Of those that have been moved; parts of the others stand where they did. */
+static enum rb_status find_depths_again(struct search *search, struct rb_depths *found,
+                                        struct rb_error *err)
+{
+	struct rb_world *world = search->world;
+	const struct rb_stepped *s = world->stepped;
+
+	rb_near_place(search->cohort->near, world, search->stilled, search->still_count);
+	const enum rb_status status = rb_points_depths(world, search->cohort->near,
+	                                               s->bad_count > 0 ? s->bad : NULL,
+	                                               search->moved, found, err);
+	for (int k = 0; k < search->active_count; k++)
+		search->moved[search->active[k]] = 0;
 	return status;
 }
 
@@ -182,10 +363,25 @@ static bool all_is_lost(const struct rb_stepped *s, const struct rb_cohort *coho
 	return s->bad_count > 0 && !cohort->divides;
 }
 
+static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *cohort,
+                                  struct rb_depths *found, struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
+	return rb_points_depths(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, NULL, found,
+	                        err);
+}
+
 enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort,
                                 struct rb_depths *found, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
+	const bool all = cohort == &s->all;
+	struct search search = {.world = world,
+	                        .cohort = cohort,
+	                        .body = all ? s->body : cohort->body,
+	                        .count = all ? s->member_count : cohort->member_count};
 	enum rb_status status = find_depths(world, cohort, found, err);
 	struct rb_depths last = *found;
 
@@ -194,18 +390,22 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 	blame_unclosable(world, cohort, found);
 	if (all_is_lost(s, cohort))
 		return RB_OK;
-	put_aside(world, cohort, false);
+	status = begin_search(&search, err);
+	if (status != RB_OK)
+		return status;
+	index_pairs(&search);
 	for (int round = 0; round < CLOSINGS_MOST && status == RB_OK && last.deep_count > 0;
 	     round++) {
-		status = close_once(world, cohort, &last, err);
+		status = close_once(&search, &last, err);
+		search.again = true;
 		/* nothing moves: all that overlap are with somebody who is bad */
 		if (status == RB_OK && s->closing.count == 0)
 			break;
 		world->frame_counts.closings++;
 		if (status == RB_OK)
-			status = find_depths(world, cohort, &last, err);
+			status = find_depths_again(&search, &last, err);
 	}
-	put_aside(world, cohort, true);
+	give_velocities(&search);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

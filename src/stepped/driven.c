@@ -21,7 +21,7 @@ enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, st
 	const struct rb_world_hooks *hooks = &world->hooks;
 	struct rb_state *state = &world->state;
 
-	for (int k = 0; k < s->all.body_count - s->member_count; k++) {
+	for (int k = 0; k < s->driven_count; k++) {
 		const int i = s->body[s->member_count + k];
 		const size_t row = 3 * (size_t)i;
 		struct rb_driven_pose pose = {.position = rb_world_row3(state->position, i),
@@ -57,7 +57,7 @@ void rb_drive_end(struct rb_world *world)
 	const struct rb_stepped *s = world->stepped;
 	struct rb_state *state = &world->state;
 
-	for (int k = 0; k < s->all.body_count - s->member_count; k++) {
+	for (int k = 0; k < s->driven_count; k++) {
 		const size_t i = (size_t)s->body[s->member_count + k];
 
 		rb_vec3_to(state->position + 3 * i, s->ride[k].position);

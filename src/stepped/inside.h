@@ -38,6 +38,28 @@ struct rb_ride {
 	rb_quat orientation;
 };
 
+/* What stands still: stepped/stand. */
+struct rb_stand {
+	unsigned char *
+		stands; /* owned: [bodies] 1: nobody looks at it; of a driven one: it stays where it is */
+	unsigned char *mark; /* owned: [bodies] scratch, 0 */
+	int *next;           /* owned: [bodies] the next one of its group, in a ring */
+	int *group; /* owned: [bodies] of the step under way: the first of a group that rests, or -1 */
+	int *points;     /* owned: [bodies] of its group, for the first of it */
+	double *pose;    /* owned: [7 bodies] where it stands: position, orientation */
+	int *body;       /* owned: those that yield and do not stand, ascending, then driven ones */
+	int live_bodies; /* of those that yield */
+	size_t *live;    /* owned: pairs of which one does not stand */
+	size_t live_capacity;
+	int count;            /* of bodies that stand */
+	size_t point_count;   /* of theirs */
+	size_t contact_count; /* of the world's when the step before ended */
+	double end_s;         /* of the step before */
+	bool changed;         /* since the lists were made */
+	bool quiet;           /* in the step before nobody else had points, and nobody changed */
+	bool off;             /* for tests: nothing stands */
+};
+
 struct rb_stepped {
 	struct rb_near near;
 	struct rb_cohort all, part;
@@ -45,7 +67,8 @@ struct rb_stepped {
 	struct rb_solver solver;
 	struct rb_top_body *top; /* owned; NULL: no body needs one */
 	int *body;               /* owned: those that yield, then driven ones */
-	int member_count;
+	int member_count, driven_count;
+	struct rb_stand stand;
 	struct rb_ride *ride; /* owned, by driven body */
 	double *aside;        /* owned: [6 bodies] velocities while positions are moved */
 	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */

@@ -108,12 +108,11 @@ static bool is_same(rb_vec3 now, const double *then, double h)
 }
 
 /* The forces on it, whatever the rounding of the step's length. */
-static bool is_as_then(const struct rb_solver *solver, int i)
+bool rb_rest_holds(const struct rb_solver *solver, int i, rb_vec3 linear, rb_vec3 angular, double h)
 {
 	const double *then = solver->rest_pull + 6 * (size_t)i;
 
-	return is_same(solver->free[i].linear, then, solver->h_s) &&
-	       is_same(solver->free[i].angular, then + 3, solver->h_s);
+	return solver->rests[i] && is_same(linear, then, h) && is_same(angular, then + 3, h);
 }
 
 /* Nothing has changed since the group was found to stand still: it would be found so again. */
@@ -122,8 +121,10 @@ static bool still_rests(const struct rb_solver *solver, const struct rb_island *
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		if (!solver->before || !solver->rests[i] || !is_zero(solver->before->velocity, i) ||
-		    !is_zero(solver->before->spin, i) || !is_as_then(solver, i))
+		if (!solver->before || !is_zero(solver->before->velocity, i) ||
+		    !is_zero(solver->before->spin, i) ||
+		    !rb_rest_holds(solver, i, solver->free[i].linear, solver->free[i].angular,
+		                   solver->h_s))
 			return false;
 	}
 	return !island->carried;
@@ -230,6 +231,11 @@ static void lay_out(struct rb_solver *solver, const struct rb_points *points, in
 		island->first_row = row;
 		row += island->rests ? 0 : island->row_count;
 		island->row_count = 0;
+	}
+	for (int k = 0; solver->before && k < solver->active_count; k++) {
+		const int i = solver->active[k], g = solver->island_of[i];
+
+		solver->stays[i] = g >= 0 && solver->island[g].rests;
 	}
 	for (size_t k = 0; k < points->count; k++) {
 		struct rb_island *island = &solver->island[solver->island_of[place[k]]];

@@ -38,6 +38,7 @@ struct rb_solver {
 	double *reach;                            /* owned, m: as of the model */
 	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
 	unsigned char *rests;  /* owned: 1 where the body stands still */
+	unsigned char *stays;  /* owned: 1 where it still stands, since nothing has changed */
 	double *rest_pull; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
 	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity;
@@ -47,6 +48,10 @@ struct rb_solver {
 	bool bounces;       /* materials of the scene have restitution */
 	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };
+
+/* Whether forces that make such velocities from none in a step of h_s are those under which the body was found at rest. */
+bool rb_rest_holds(const struct rb_solver *solver, int i, rb_vec3 linear, rb_vec3 angular,
+                   double h_s);
 
 /* Takes velocities with the step's forces from the world; `before`, `h_s` and `enough` are set. */
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,

@@ -87,9 +87,10 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		return RB_OK;
 	if (s->bad_count > 0)
 		restore_bad(world, cohort);
-	if (cohort->near == &s->near && !rb_near_holds(&s->near, world)) {
+	if (cohort->near == &s->near &&
+	    !rb_near_holds(&s->near, world, cohort->body, cohort->body_count)) {
 		s->near.valid = false;
-		status = rb_near_find(&s->near, world, err);
+		status = rb_near_find(&s->near, world, cohort->body, cohort->body_count, err);
 	}
 	if (status == RB_OK)
 		status = rb_close_overlap(world, cohort, &found, err);

@@ -68,6 +68,7 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->margin);
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
+	rb_memory_free(near->own_depth);
 	rb_memory_free(near->clue);
 	rb_memory_free(near->own_first_clue);
 	rb_memory_free(near->first_part);
@@ -77,8 +78,7 @@ void rb_near_release(struct rb_near *near)
 	*near = (struct rb_near){0};
 }
 
-/* How far the object's origin gets at most at these speeds. */
-static double way(const struct rb_world *world, const struct rb_state *state, int i, double h)
+double rb_near_way(const struct rb_world *world, const struct rb_state *state, int i, double h)
 {
 	const struct rb_model *model = world->model;
 	double distance = rb_vec3_length(rb_world_row3(state->velocity, i)) * h;
@@ -177,6 +177,15 @@ enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err)
 {
 	size_t count = 0;
 
+	near->live = NULL;
+	near->still_depth = NAN;
+	if (!rb_memory_reserve(&near->own_depth, &near->depth_capacity, near->pair_count + 1,
+	                       sizeof *near->own_depth))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++)
+		near->own_depth[k] = NAN;
+	near->depth = near->own_depth;
 	if (!near->placed)
 		return RB_OK;
 	if (!rb_memory_reserve(&near->own_first_clue, &near->first_clue_capacity,
@@ -265,27 +274,32 @@ void rb_near_reach(struct rb_near *near, const struct rb_world *world, double h,
 	near->h_s = h;
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
-		const double reach = fmax(way(world, &world->state, i, h),
-		                          way(world, &world->mark, i, h));
+		const double reach = fmax(rb_near_way(world, &world->state, i, h),
+		                          rb_near_way(world, &world->mark, i, h));
 
 		/* a body that is not finite is lost, and must not take the boxes of others with it */
 		near->reach[i] = isfinite(reach) ? reach : 0;
 	}
 }
 
-enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world, struct rb_error *err)
+enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world, const int *body,
+                            int count, struct rb_error *err)
 {
-	for (int i = 0; i < world->model->body_count && near->valid; i++)
+	for (int k = 0; k < count && near->valid; k++) {
+		const int i = body[k];
+
 		/* written so that NaN asks for new boxes */
 		if (!(from_built(near, world, i) + near->reach[i] <= near->margin[i]))
 			near->valid = false;
+	}
 	return near->valid ? RB_OK : build(near, world, err);
 }
 
-bool rb_near_holds(const struct rb_near *near, const struct rb_world *world)
+bool rb_near_holds(const struct rb_near *near, const struct rb_world *world, const int *body,
+                   int count)
 {
-	for (int i = 0; i < world->model->body_count; i++)
-		if (!(from_built(near, world, i) <= near->margin[i]))
+	for (int k = 0; k < count; k++)
+		if (!(from_built(near, world, body[k]) <= near->margin[body[k]]))
 			return false;
 	return true;
 }
@@ -308,6 +322,12 @@ static double turn_reach(const struct rb_world *world, int i, double h)
 	return fmin(2, h * spin) * rb_model_reach(world->model, i);
 }
 
+void rb_near_turn(struct rb_near *near, const struct rb_world *world, int i)
+{
+	if (near->ahead)
+		near->ahead[i] = near->reach[i] + turn_reach(world, i, near->h_s);
+}
+
 static void place_block(void *user, int block, int worker)
 {
 	const struct places *places = user;
@@ -323,7 +343,7 @@ static void place_block(void *user, int block, int worker)
 
 		place(near, world->model, i, rb_world_origin_at(world, &world->state, i),
 		      rb_world_orientation_at(world, &world->state, i));
-		near->ahead[i] = near->reach[i] + turn_reach(world, i, near->h_s);
+		rb_near_turn(near, world, i);
 	}
 }
 

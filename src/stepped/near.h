@@ -27,6 +27,13 @@ struct rb_near {
 	double h_s;                 /* of that step */
 	const struct rb_pair *pair; /* borrowed from the broadphase, or `own` */
 	size_t pair_count;
+	/* borrowed: of these pairs, ascending, those to be looked at; NULL: all */
+	const size_t *live;
+	size_t live_count;
+	/* m: overlap of each pair when it was last measured, as `pair`; NAN: not yet, or not as it stands now */
+	double *depth, *own_depth;
+	size_t depth_capacity;
+	double still_depth; /* m: the largest of pairs that are not live; NAN: not known */
 	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clues. */
 	struct rb_clue *clue; /* of each two parts of each pair */
 	size_t *first_clue;   /* [pair_count], as `pair` */
@@ -48,12 +55,16 @@ void rb_near_release(struct rb_near *near);
 void rb_near_reach(struct rb_near *near, const struct rb_world *world, double h_s,
                    const int *member, int count);
 
-/* Candidates of the whole world, whose reaches are known, if those of before do not hold for them. */
+/*
+ * Candidates of the whole world, whose reaches are known, if those of before do not hold for these bodies; all others have
+ * not moved since. New ones are all live.
+ */
 RB_CHECKED enum rb_status rb_near_find(struct rb_near *near, struct rb_world *world,
-                                       struct rb_error *err);
+                                       const int *body, int count, struct rb_error *err);
 
-/* Whether every body is still within its margin; NaN is not. */
-bool rb_near_holds(const struct rb_near *near, const struct rb_world *world);
+/* Whether each of these is still within its margin; NaN is not. */
+bool rb_near_holds(const struct rb_near *near, const struct rb_world *world, const int *body,
+                   int count);
 
 /* Nothing is known of the pairs as they stand, in this order. */
 RB_CHECKED enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err);
@@ -65,6 +76,11 @@ static inline int rb_near_part_count(const struct rb_near *near, int i)
 
 /* Parts of these bodies as they stand now, and what their turning may add: before touch is asked about them. */
 void rb_near_place(struct rb_near *near, struct rb_world *world, const int *body, int count);
+
+/* m: how far the object's origin gets at most in a step of h_s, at the speeds of that state. */
+double rb_near_way(const struct rb_world *world, const struct rb_state *state, int i, double h_s);
+/* What `ahead` of a body becomes, if there are parts. */
+void rb_near_turn(struct rb_near *near, const struct rb_world *world, int i);
 
 /* Pairs that could touch while every body's origin stays within its room. */
 RB_CHECKED enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world,

@@ -43,13 +43,15 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->reach = rb_memory_take(n, sizeof *solver->reach);
 	solver->pushed = rb_memory_take(n, 1);
 	solver->rests = rb_memory_take(n, 1);
+	solver->stays = rb_memory_take(n, 1);
 	solver->rest_pull = rb_memory_take(6 * n, sizeof *solver->rest_pull);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.tensor = solver->tensor;
 	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
 	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
-	    solver->rest_pull && (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
+	    solver->stays && solver->rest_pull &&
+	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
 		for (int k = 0; k < model->material_count * model->material_count; k++)
@@ -74,6 +76,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->reach);
 	rb_memory_free(solver->pushed);
 	rb_memory_free(solver->rests);
+	rb_memory_free(solver->stays);
 	rb_memory_free(solver->rest_pull);
 	rb_memory_free(solver->island);
 	*solver = (struct rb_solver){0};

@@ -7,6 +7,7 @@
 #include "stepped/apart.h"
 #include "stepped/attempt.h"
 #include "stepped/judge.h"
+#include "stepped/stand.h"
 #include "stepped/tell.h"
 
 /* ---- what it needs ---- */
@@ -16,7 +17,6 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
                                   struct rb_error *err)
 {
 	const size_t n = (size_t)model->body_count;
-	int driven = 0;
 
 	s->body = rb_memory_take(n, sizeof *s->body);
 	s->aside = rb_memory_take(6 * n, sizeof *s->aside);
@@ -28,13 +28,12 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
 			s->body[s->member_count++] = i;
 	for (int i = 0; i < model->body_count; i++)
 		if (!(model->inverse_mass[i] > 0))
-			s->body[s->member_count + driven++] = i;
-	s->ride = rb_memory_take((size_t)driven, sizeof *s->ride);
+			s->body[s->member_count + s->driven_count++] = i;
+	s->ride = rb_memory_take((size_t)s->driven_count, sizeof *s->ride);
 	if (!s->ride)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d driven bodies", driven);
-	s->all.body = s->body;
-	s->all.member_count = s->member_count;
-	s->all.body_count = model->body_count;
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d driven bodies",
+		               s->driven_count);
+	rb_stand_gather(s);
 	s->all.near = &s->near;
 	s->all.divides = model->rollback == RB_ROLLBACK_SELECTIVE;
 	return RB_OK;
@@ -103,6 +102,8 @@ enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
 	if (status == RB_OK)
 		status = rb_near_create(&made->near, model, err);
 	if (status == RB_OK)
+		status = rb_stand_create(&made->stand, model, err);
+	if (status == RB_OK)
 		status = rb_points_create(&made->all.points, model, err);
 	if (status == RB_OK)
 		status = rb_points_create(&made->part.points, model, err);
@@ -118,6 +119,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	if (!stepped)
 		return;
 	rb_near_release(&stepped->near);
+	rb_stand_release(&stepped->stand);
 	rb_points_release(&stepped->all.points);
 	rb_points_release(&stepped->part.points);
 	rb_points_release(&stepped->closing);
@@ -138,6 +140,26 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 
 /* ---- the step ---- */
 
+static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_contacts before = world->contacts;
+
+	world->next_contacts.count = 0;
+	enum rb_status status = rb_tell_contacts(world, &s->all, h, NULL, &world->next_contacts,
+	                                         err);
+	if (status == RB_OK)
+		status = rb_points_keep(&s->all.points, h, s->solver.stays, s->stand.stands, err);
+	if (status != RB_OK)
+		return status;
+	world->contacts = world->next_contacts;
+	world->next_contacts = before;
+	if (world->model->driven)
+		rb_contacts_sort(&world->contacts);
+	rb_points_index(&s->all.points, world->model);
+	return RB_OK;
+}
+
 static enum rb_status commit(struct rb_world *world, double end, double h,
                              const struct rb_outcome *outcome, struct rb_error *err)
 {
@@ -152,20 +174,17 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	s->told.count = 0;
 	enum rb_status status = rb_tell_impacts(world, &s->all, end, &world->contacts, NULL, err);
-	world->contacts.count = 0;
-	if (status == RB_OK)
-		status = rb_tell_contacts(world, &s->all, h, NULL, &world->contacts, err);
-	if (world->model->driven)
-		rb_contacts_sort(&world->contacts);
-	if (status == RB_OK)
-		status = rb_points_keep(&s->all.points, h, err);
+	/* else the lists are those of before */
+	if (status == RB_OK && !(s->stand.quiet && s->all.points.count == 0))
+		status = keep_contacts(world, h, err);
 	if (status == RB_OK && !rb_tell_room(world, s->told.count))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
+		rb_stand_forget(s);
 		return status;
 	}
-	rb_points_index(&s->all.points, world->model);
+	rb_stand_end(world, end, NULL);
 	world->state.time_s = end;
 	return rb_tell_all(world, err);
 }
@@ -184,12 +203,14 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 	struct rb_stepped *s = world->stepped;
 
 	reset_arenas(world);
+	rb_stand_gather(s);
 	rb_state_copy(&world->mark, &world->state);
 	enum rb_status status = rb_attempt(world, &s->all, start, h, err);
 	if (status == RB_OK)
 		status = rb_judge(world, &s->all, h, outcome, err);
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
+		rb_stand_forget(s);
 		s->near.valid = false;
 	}
 	return status;
@@ -239,6 +260,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 			return status;
 		}
 		rb_state_copy(&world->state, &world->mark);
+		rb_stand_forget(s);
 		s->near.valid = false;
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
@@ -254,6 +276,7 @@ enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
 {
 	if (world->moved_by_hand) {
 		world->stepped->near.valid = false;
+		rb_stand_forget(world->stepped);
 		memset(world->stepped->solver.rests, 0, (size_t)world->model->body_count);
 	}
 	world->moved_by_hand = false;
@@ -326,6 +349,8 @@ void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 		pack->failed = pack->no_memory = true;
 		return;
 	}
+	if (pack->loading)
+		rb_stand_forget(world->stepped);
 	pack_pushes(world, pack);
 	pack_rests(world, pack);
 }

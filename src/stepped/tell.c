@@ -11,20 +11,32 @@ static rb_vec3 arm_of(const struct rb_point *point)
 	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
 }
 
-/* The points of one pair as one contact: forces add, at their middle. */
-static struct rb_contact contact_of(const struct rb_world *world, const struct rb_point *point,
-                                    size_t count, double h)
+/*
+ * The points of one pair as one contact: forces add, at their middle. Of what still rests they are what they were: the
+ * rounding of the step's length is not in them.
+ */
+static struct rb_contact contact_of(const struct rb_world *world, const struct rb_points *points,
+                                    size_t first, size_t count, double h)
 {
+	const struct rb_point *point = &points->row[first];
+	const bool stays = world->stepped->solver.stays[point->a];
 	struct rb_contact contact = {
 		.a = point->a, .b = point->b, .normal = point->normal, .gap = point->gap};
 	rb_vec3 sum = {0, 0, 0};
 	double weight = 0;
 
+	if (stays)
+		h = 1;
 	for (size_t k = 0; k < count; k++) {
-		weight += point[k].push;
-		sum = rb_vec3_add_scaled(sum, point[k].push, arm_of(&point[k]));
+		const struct rb_named_push *last = stays && point[k].from > 0
+		                                           ? &points->last[point[k].from - 1]
+		                                           : NULL;
+		const double push = last ? last->force : point[k].push;
+
+		weight += push;
+		sum = rb_vec3_add_scaled(sum, push, arm_of(&point[k]));
 		contact.tangent_force = rb_vec3_add_scaled(contact.tangent_force, 1 / h,
-		                                           point[k].rub);
+		                                           last ? last->rub : point[k].rub);
 		contact.gap = fmin(contact.gap, point[k].gap);
 	}
 	contact.normal_force = weight / h;
@@ -50,13 +62,38 @@ static size_t pair_length(const struct rb_points *points, size_t first)
 	return end - first;
 }
 
+/* Those of what stands, from there on, up to a pair, are as before; returns where it has come to. */
+static size_t add_standing(const struct rb_world *world, size_t from, const unsigned char *skip,
+                           const struct rb_contact *before, struct rb_contacts *to)
+{
+	const struct rb_contacts *last = &world->contacts;
+	const unsigned char *stands = world->stepped->stand.stands;
+
+	for (; from < last->count; from++) {
+		const struct rb_contact *contact = &last->row[from];
+		const int i = rb_stepped_yields(world, contact->a) ? contact->a : contact->b;
+
+		if (before &&
+		    (contact->a > before->a || (contact->a == before->a && contact->b > before->b)))
+			break;
+		if (stands[i] && !(skip && skip[i]))
+			to->row[to->count++] = *contact;
+	}
+	return from;
+}
+
 enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort, double h,
                                 const unsigned char *skip, struct rb_contacts *to,
                                 struct rb_error *err)
 {
 	const struct rb_points *points = &cohort->points;
-	size_t length;
+	const bool all = cohort == &world->stepped->all && world->stepped->stand.count > 0;
+	size_t length, old = 0;
+	const enum rb_status status = rb_contacts_reserve(
+		to, to->count + points->count + (all ? world->contacts.count : 0) + 1, err);
 
+	if (status != RB_OK)
+		return status;
 	for (size_t k = 0; k < points->count; k += length) {
 		bool pushed = false;
 
@@ -65,11 +102,13 @@ enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *
 			pushed = pushed || points->row[k + i].push > 0;
 		if (!pushed || (skip && skip[points->row[k].a]))
 			continue;
-		const enum rb_status status = rb_contacts_reserve(to, to->count + 1, err);
-		if (status != RB_OK)
-			return status;
-		to->row[to->count++] = contact_of(world, &points->row[k], length, h);
+		const struct rb_contact contact = contact_of(world, points, k, length, h);
+		if (all)
+			old = add_standing(world, old, skip, &contact, to);
+		to->row[to->count++] = contact;
 	}
+	if (all)
+		(void)add_standing(world, old, skip, NULL, to);
 	return RB_OK;
 }
 

@@ -12,7 +12,10 @@
 RB_CHECKED enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *cohort,
                                           double time_s, const struct rb_contacts *before,
                                           const unsigned char *skip, struct rb_error *err);
-/* Adds the contacts of a cohort's step to `to`, which is then no longer in order. */
+/*
+ * Adds the contacts of a cohort's step to `to`, which is then no longer in order. To the cohort of all belongs what stands: its
+ * contacts are those of the world.
+ */
 RB_CHECKED enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                            double h_s, const unsigned char *skip,
                                            struct rb_contacts *to, struct rb_error *err);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/sort.h"
 #include "geom/manifold.h"
 #include "model/parts.h"
 #include "step/gap.h"
@@ -26,6 +27,7 @@ void rb_points_release(struct rb_points *points)
 {
 	rb_memory_free(points->row);
 	rb_memory_free(points->last);
+	rb_memory_free(points->spare);
 	rb_memory_free(points->first_last);
 	*points = (struct rb_points){0};
 }
@@ -38,6 +40,7 @@ struct look {
 	const struct rb_points *points;
 	const struct rb_near *near;
 	double h, most; /* most: m, of what can be closed */
+	size_t pair;    /* the one that is looked at */
 	/* of the block */
 	struct rb_point *out;
 	size_t count, capacity;
@@ -127,6 +130,8 @@ static void fill_point(const struct look *look, struct rb_point *point)
 	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_before(world, point->a, arm_a),
 	                                          velocity_before(world, point->b, arm_b)),
 	                              point->normal);
+	point->pair = look->pair;
+	point->from = 0;
 	point->push = 0;
 	point->rub = (rb_vec3){0, 0, 0};
 	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
@@ -135,6 +140,7 @@ static void fill_point(const struct look *look, struct rb_point *point)
 
 		if (last->b != point->b || last->key != point->key)
 			continue;
+		point->from = k + 1;
 		point->push = look->h * last->force;
 		if (point->friction > 0)
 			point->rub = rb_vec3_scale(look->h,
@@ -390,20 +396,35 @@ struct looks {
 	struct look *block; /* what came of it */
 };
 
+static size_t live_count(const struct rb_near *near)
+{
+	return near->live ? near->live_count : near->pair_count;
+}
+
+static size_t end_of(size_t count, size_t first)
+{
+	return first + PAIRS_PER_BLOCK < count ? first + PAIRS_PER_BLOCK : count;
+}
+
+static int blocks_of(size_t count)
+{
+	return (int)((count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
+}
+
 static void look_block(void *user, int block, int worker)
 {
 	const struct looks *looks = user;
 	struct look look = looks->look;
 	const struct rb_near *near = look.near;
-	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
-	const size_t end = first + PAIRS_PER_BLOCK < near->pair_count ? first + PAIRS_PER_BLOCK
-	                                                              : near->pair_count;
+	const size_t first = (size_t)block * PAIRS_PER_BLOCK, end = end_of(live_count(near), first);
 
 	const double most = look.most;
 	look.arena = &look.world->arena[worker];
-	for (size_t k = first; k < end && !look.failed; k++) {
+	for (size_t at = first; at < end && !look.failed; at++) {
+		const size_t k = near->live ? near->live[at] : at;
 		const struct rb_pair pair = near->pair[k];
 
+		look.pair = k;
 		if (is_plain(look.world->model, pair.a, pair.b))
 			look_at_plain(&look, pair, fmin(slack_of(&look, pair), most));
 		else
@@ -413,20 +434,19 @@ static void look_block(void *user, int block, int worker)
 	looks->block[block] = look;
 }
 
-enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
-                              struct rb_near *near, double h, double most, struct rb_error *err)
+enum rb_status rb_points_add(struct rb_points *points, struct rb_world *world, struct rb_near *near,
+                             double h, double most, struct rb_error *err)
 {
-	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
+	const int blocks = blocks_of(live_count(near));
 	struct looks looks = {
 		.look = {.world = world, .points = points, .near = near, .h = h, .most = most}};
 	bool good = true;
 
-	points->count = 0;
-	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *looks.block);
+	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *looks.block);
 	if (!looks.block)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
 	rb_team_run(world->team, blocks, look_block, &looks);
-	size_t count = 0;
+	size_t count = points->count;
 	for (int b = 0; b < blocks; b++) {
 		count += looks.block[b].count;
 		good = good && !looks.block[b].failed;
@@ -440,6 +460,25 @@ enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
 			       looks.block[b].count * sizeof *points->row);
 		points->count += looks.block[b].count;
 	}
+	return RB_OK;
+}
+
+enum rb_status rb_points_sort(struct rb_points *points, struct rb_arena *arena,
+                              struct rb_error *err)
+{
+	const size_t n = points->count;
+	struct rb_sort_item *item = rb_arena_take(arena, 2 * n + 1, sizeof *item);
+	struct rb_point *row = rb_arena_take(arena, n + 1, sizeof *row);
+
+	if (!item || !row)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", n);
+	for (size_t k = 0; k < n; k++)
+		item[k] = (struct rb_sort_item){points->row[k].pair, k};
+	rb_sort_by_key(item, item + n, n);
+	for (size_t k = 0; k < n; k++)
+		row[k] = points->row[item[k].value];
+	if (n > 0)
+		memcpy(points->row, row, n * sizeof *row);
 	return RB_OK;
 }
 
@@ -486,19 +525,43 @@ bool rb_points_room(struct rb_points *points, size_t count)
 	                         sizeof *points->last);
 }
 
-enum rb_status rb_points_keep(struct rb_points *points, double h, struct rb_error *err)
+static struct rb_named_push push_of(const struct rb_points *points, const struct rb_point *point,
+                                    double h, const unsigned char *stays)
 {
-	if (!rb_points_room(points, points->count))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
-	points->last_count = 0;
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
+	if (point->from > 0 && stays[point->a])
+		return points->last[point->from - 1];
+	return (struct rb_named_push){point->a, point->b, point->key, point->push / h,
+	                              rb_vec3_scale(1 / h, point->rub)};
+}
 
-		if (point->push > 0)
-			points->last[points->last_count++] = (struct rb_named_push){
-				point->a, point->b, point->key, point->push / h,
-				rb_vec3_scale(1 / h, point->rub)};
+enum rb_status rb_points_keep(struct rb_points *points, double h, const unsigned char *stays,
+                              const unsigned char *stands, struct rb_error *err)
+{
+	const size_t most = points->count + (stands ? points->last_count : 0);
+	size_t old = stands ? 0 : points->last_count, count = 0;
+
+	if (!rb_memory_reserve(&points->spare, &points->spare_capacity, most + 1,
+	                       sizeof *points->spare))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", most);
+	struct rb_named_push *const to = points->spare;
+	for (size_t k = 0; k <= points->count; k++) {
+		const struct rb_point *point = k < points->count ? &points->row[k] : NULL;
+
+		if (point && !(point->push > 0))
+			continue;
+		for (; old < points->last_count && (!point || points->last[old].a < point->a);
+		     old++)
+			if (stands[points->last[old].a])
+				to[count++] = points->last[old];
+		if (point)
+			to[count++] = push_of(points, point, h, stays);
 	}
+	points->spare = points->last;
+	points->last = to;
+	const size_t capacity = points->spare_capacity;
+	points->spare_capacity = points->last_capacity;
+	points->last_capacity = capacity;
+	points->last_count = count;
 	return RB_OK;
 }
 
@@ -507,8 +570,9 @@ enum rb_status rb_points_keep(struct rb_points *points, double h, struct rb_erro
 /* What the workers share, read only, and what a block has come to. */
 struct depths {
 	struct rb_world *world;
-	const struct rb_near *near;
-	const unsigned char *skip;
+	struct rb_near *near; /* `depth` of the pairs of a block is the block's */
+	const unsigned char *skip, *moved;
+	bool all; /* not only live pairs */
 	double limit;
 	struct rb_depths *block;
 };
@@ -572,39 +636,74 @@ static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb
 	depths->deep[depths->deep_count++] = deep;
 }
 
+/* Of live pairs, ascending, the first from there on. */
+static size_t first_live(const struct rb_near *near, size_t pair)
+{
+	size_t low = 0, high = near->live ? near->live_count : 0;
+
+	while (low < high) {
+		const size_t middle = low + (high - low) / 2;
+
+		if (near->live[middle] < pair)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static bool is_marked(const struct rb_world *world, const unsigned char *mark, struct rb_pair pair)
+{
+	return mark && (mark[pair.a] || (pair.b < world->model->body_count && mark[pair.b]));
+}
+
 static void depth_block(void *user, int block, int worker)
 {
 	const struct depths *work = user;
-	const struct rb_near *near = work->near;
-	const int n = work->world->model->body_count;
+	struct rb_near *near = work->near;
 	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
-	const size_t end = first + PAIRS_PER_BLOCK < near->pair_count ? first + PAIRS_PER_BLOCK
-	                                                              : near->pair_count;
+	const size_t end = end_of(work->all ? near->pair_count : live_count(near), first);
+	size_t live = work->all ? first_live(near, first) : 0;
 	struct rb_depths depths = {0};
 
-	for (size_t k = first; k < end; k++) {
+	for (size_t at = first; at < end; at++) {
+		const size_t k = work->all || !near->live ? at : near->live[at];
 		const struct rb_pair pair = near->pair[k];
+		const bool is_live = !work->all || !near->live ||
+		                     (live < near->live_count && near->live[live] == k);
 
-		if (work->skip && (work->skip[pair.a] || (pair.b < n && work->skip[pair.b])))
+		live += is_live;
+		if (is_marked(work->world, work->skip, pair)) {
+			near->depth[k] = NAN;
 			continue;
-		const double depth = depth_of(work->world, near, k);
+		}
+		if ((work->moved ? is_marked(work->world, work->moved, pair) : is_live) ||
+		    isnan(near->depth[k]))
+			near->depth[k] = depth_of(work->world, near, k);
+		const double depth = near->depth[k];
 
 		if (depth > work->limit)
 			add_deep(&depths, &work->world->arena[worker],
 			         (struct rb_deep){pair.a, pair.b, depth});
 		else if (depth > depths.most)
 			depths.most = depth;
+		if (!is_live)
+			depths.still = fmax(depths.still, depth);
 	}
 	work->block[block] = depths;
 }
 
-enum rb_status rb_points_depths(struct rb_world *world, const struct rb_near *near,
-                                const unsigned char *skip, struct rb_depths *found,
-                                struct rb_error *err)
+enum rb_status rb_points_depths(struct rb_world *world, struct rb_near *near,
+                                const unsigned char *skip, const unsigned char *moved,
+                                struct rb_depths *found, struct rb_error *err)
 {
-	const int blocks = (int)((near->pair_count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
-	struct depths work = {
-		.world = world, .near = near, .skip = skip, .limit = world->model->tolerance_m};
+	struct depths work = {.world = world,
+	                      .near = near,
+	                      .skip = skip,
+	                      .moved = moved,
+	                      .all = moved || isnan(near->still_depth),
+	                      .limit = world->model->tolerance_m};
+	const int blocks = blocks_of(work.all ? near->pair_count : live_count(near));
 
 	*found = (struct rb_depths){0};
 	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);
@@ -614,9 +713,13 @@ enum rb_status rb_points_depths(struct rb_world *world, const struct rb_near *ne
 	for (int b = 0; b < blocks; b++) {
 		found->failed = found->failed || work.block[b].failed;
 		found->most = fmax(found->most, work.block[b].most);
+		found->still = fmax(found->still, work.block[b].still);
 		for (size_t k = 0; k < work.block[b].deep_count; k++)
 			add_deep(found, &world->arena[0], work.block[b].deep[k]);
 	}
+	if (work.all)
+		near->still_depth = found->still;
+	found->most = fmax(found->most, near->still_depth);
 	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
 	                     : RB_OK;
 }

@@ -23,6 +23,8 @@ struct rb_point {
 	double approach; /* m/s: towards each other at the beginning of the step, before its forces */
 	double push;     /* N s */
 	rb_vec3 rub;     /* N s, on b */
+	size_t pair;     /* among the candidates */
+	size_t from;     /* 1 + the place in `last` of what it started from; 0: of nothing */
 };
 
 /* What of a point the next step starts from. */
@@ -38,6 +40,8 @@ struct rb_points {
 	size_t count, capacity;
 	struct rb_named_push *last; /* owned, in the order of points */
 	size_t last_count, last_capacity;
+	struct rb_named_push *spare; /* owned: the other buffer for them */
+	size_t spare_capacity;
 	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
 };
 
@@ -46,15 +50,23 @@ RB_CHECKED enum rb_status rb_points_create(struct rb_points *points, const struc
 void rb_points_release(struct rb_points *points);
 
 /*
- * Of the candidates, which hold; velocities as for rb_near_find. Warm impulses are for a step of h_s.
+ * Adds those of the candidates that are live; velocities as for rb_near_find. Warm impulses are for a step of h_s.
  * What is farther apart than `most`, m, is left out.
  */
-RB_CHECKED enum rb_status rb_points_find(struct rb_points *points, struct rb_world *world,
-                                         struct rb_near *near, double h_s, double most,
+RB_CHECKED enum rb_status rb_points_add(struct rb_points *points, struct rb_world *world,
+                                        struct rb_near *near, double h_s, double most,
+                                        struct rb_error *err);
+
+/* In order of pairs, after several have been added; the points of one were added at once. */
+RB_CHECKED enum rb_status rb_points_sort(struct rb_points *points, struct rb_arena *arena,
                                          struct rb_error *err);
 
-/* Keeps the impulses of a step that has been accepted; to be indexed then. */
+/*
+ * Keeps the impulses of a step that has been accepted; to be indexed then. Bodies, by mark: of those that stay, forces are the
+ * ones they started from; those that stand (NULL: none do) have no points, and keep what they have.
+ */
 RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, double h_s,
+                                         const unsigned char *stays, const unsigned char *stands,
                                          struct rb_error *err);
 
 /* After `last` has changed. */
@@ -75,14 +87,18 @@ struct rb_deep {
 
 struct rb_depths {
 	double most;          /* m: the largest overlap of all other pairs */
+	double still;         /* m: of pairs that are not live */
 	struct rb_deep *deep; /* in the arena, in order of pairs */
 	size_t deep_count, deep_capacity;
 	bool failed; /* no memory */
 };
 
-/* Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are left out. */
-RB_CHECKED enum rb_status rb_points_depths(struct rb_world *world, const struct rb_near *near,
-                                           const unsigned char *skip, struct rb_depths *found,
-                                           struct rb_error *err);
+/*
+ * Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are left out. Measured are the
+ * live ones; with `moved`, those of bodies with a mark there: all others are as they were measured before.
+ */
+RB_CHECKED enum rb_status rb_points_depths(struct rb_world *world, struct rb_near *near,
+                                           const unsigned char *skip, const unsigned char *moved,
+                                           struct rb_depths *found, struct rb_error *err);
 
 #endif

@@ -1,0 +1,432 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/stand.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+enum { POSE = 7 };
+
+/* Of the smallest size: a way in which the touch of spheres is met where they stand, whatever the rounding of the step. */
+static const double small_share = 0.05;
+
+enum rb_status rb_stand_create(struct rb_stand *stand, const struct rb_model *model,
+                               struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count;
+
+	*stand = (struct rb_stand){.changed = true};
+	stand->stands = rb_memory_take(n, 1);
+	stand->mark = rb_memory_take(n, 1);
+	stand->next = rb_memory_take(n, sizeof *stand->next);
+	stand->group = rb_memory_take(n, sizeof *stand->group);
+	stand->points = rb_memory_take(n, sizeof *stand->points);
+	stand->body = rb_memory_take(n, sizeof *stand->body);
+	stand->pose = rb_memory_take(POSE * n, sizeof *stand->pose);
+	if (stand->stands && stand->mark && stand->next && stand->group && stand->points &&
+	    stand->body && stand->pose)
+		return RB_OK;
+	rb_stand_release(stand);
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for what stands of %zu bodies", n);
+}
+
+void rb_stand_release(struct rb_stand *stand)
+{
+	rb_memory_free(stand->stands);
+	rb_memory_free(stand->mark);
+	rb_memory_free(stand->next);
+	rb_memory_free(stand->group);
+	rb_memory_free(stand->points);
+	rb_memory_free(stand->body);
+	rb_memory_free(stand->pose);
+	rb_memory_free(stand->live);
+	*stand = (struct rb_stand){0};
+}
+
+/* ---- who ---- */
+
+static bool is_none(const double *column, int i)
+{
+	const double *v = column ? column + 3 * (size_t)i : NULL;
+
+	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
+}
+
+static bool has_pose(const struct rb_state *state, int i, const double *pose)
+{
+	return memcmp(state->position + 3 * (size_t)i, pose, 3 * sizeof *pose) == 0 &&
+	       (!state->orientation ||
+	        memcmp(state->orientation + 4 * (size_t)i, pose + 3, 4 * sizeof *pose) == 0);
+}
+
+static void take_pose(const struct rb_state *state, int i, double *pose)
+{
+	memcpy(pose, state->position + 3 * (size_t)i, 3 * sizeof *pose);
+	if (state->orientation)
+		memcpy(pose + 3, state->orientation + 4 * (size_t)i, 4 * sizeof *pose);
+}
+
+static bool is_unmoved(const struct rb_world *world, int i)
+{
+	double pose[POSE];
+
+	take_pose(&world->mark, i, pose);
+	return has_pose(&world->state, i, pose);
+}
+
+/* The group of a body, or a driven one on its own. */
+static void rouse(struct rb_stand *stand, int i)
+{
+	int k = i;
+
+	do {
+		stand->stands[k] = 0;
+		stand->count--;
+		stand->point_count -= (size_t)stand->points[k];
+		k = stand->next[k];
+	} while (k != i);
+	stand->changed = true;
+	stand->quiet = false;
+}
+
+static bool still_stands(const struct rb_world *world, int i, double h)
+{
+	const struct rb_stepped *s = world->stepped;
+	const struct rb_state *state = &world->state, *before = &world->mark;
+	const rb_vec3 none = {0, 0, 0};
+
+	/* before the step a driven body has the velocity that takes it to its next pose */
+	return is_none(before->velocity, i) && is_none(before->spin, i) &&
+	       has_pose(state, i, s->stand.pose + POSE * (size_t)i) &&
+	       (!rb_stepped_yields(world, i) ||
+	        rb_rest_holds(&s->solver, i, rb_world_row3(state->velocity, i),
+	                      state->spin ? rb_world_row3(state->spin, i) : none, h));
+}
+
+struct pass {
+	struct rb_world *world;
+	double h_s;
+};
+
+/* Reaches too, which hang on the rounding of the step's length. */
+static void check_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+	struct rb_world *world = pass->world;
+	struct rb_stepped *s = world->stepped;
+	const int n = world->model->body_count, first = block * RB_BODIES_PER_BLOCK;
+
+	(void)worker;
+	for (int k = first; k < n && k < first + RB_BODIES_PER_BLOCK; k++) {
+		const int i = s->body[k];
+
+		s->stand.mark[i] = s->stand.stands[i] && !still_stands(world, i, pass->h_s);
+		if (!s->stand.stands[i])
+			continue;
+		s->near.reach[i] = rb_near_way(world, &world->state, i, pass->h_s);
+		rb_near_turn(&s->near, world, i);
+	}
+}
+
+void rb_stand_rouse(struct rb_world *world, const unsigned char *mark)
+{
+	struct rb_stand *stand = &world->stepped->stand;
+
+	for (int i = 0; i < world->model->body_count; i++)
+		if (mark[i] && stand->stands[i])
+			rouse(stand, i);
+}
+
+static void check(struct rb_world *world, double start, double h)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	const int n = world->model->body_count;
+	struct pass pass = {world, h};
+
+	/* other methods may have had the world since, or a callback has changed what stands */
+	if (!(fabs(start - stand->end_s) <= 1e-3 * h) ||
+	    world->contacts.count != stand->contact_count)
+		rb_stand_forget(s);
+	if (stand->count == 0)
+		return;
+	s->near.h_s = h;
+	rb_team_run(world->team, (n + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK, check_block,
+	            &pass);
+	if (!memchr(stand->mark, 1, (size_t)n))
+		return;
+	rb_stand_rouse(world, stand->mark);
+	memset(stand->mark, 0, (size_t)n);
+}
+
+/* ---- what does not stand ---- */
+
+void rb_stand_gather(struct rb_stepped *s)
+{
+	s->all.body = s->body;
+	s->all.member_count = s->member_count;
+	s->all.body_count = s->member_count + s->driven_count;
+}
+
+/* Driven bodies are always among the cohort. */
+static void shrink(struct rb_stepped *s)
+{
+	struct rb_stand *stand = &s->stand;
+	int count = 0;
+
+	rb_stand_gather(s);
+	for (int k = 0; k < s->member_count; k++)
+		if (!stand->stands[s->body[k]])
+			stand->body[count++] = s->body[k];
+	memcpy(stand->body + count, s->body + s->member_count,
+	       (size_t)s->driven_count * sizeof *stand->body);
+	stand->live_bodies = count;
+}
+
+static void show(struct rb_stepped *s)
+{
+	s->all.body = s->stand.body;
+	s->all.member_count = s->stand.live_bodies;
+	s->all.body_count = s->stand.live_bodies + s->driven_count;
+}
+
+static bool stands_or_is_static(const struct rb_stand *stand, int n, int i)
+{
+	return i >= n || stand->stands[i];
+}
+
+/* Pairs of which one does not stand. */
+static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	struct rb_near *near = &s->near;
+	const int n = world->model->body_count;
+	size_t count = 0;
+
+	near->live = NULL;
+	near->still_depth = stand->count > 0 ? (double)NAN : 0;
+	stand->changed = false;
+	if (stand->count == 0)
+		return RB_OK;
+	if (!rb_memory_reserve(&stand->live, &stand->live_capacity, near->pair_count + 1,
+	                       sizeof *stand->live))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		const struct rb_pair pair = near->pair[k];
+
+		stand->live[count] = k;
+		count += !(stand->stands[pair.a] && stands_or_is_static(stand, n, pair.b));
+	}
+	near->live = stand->live;
+	near->live_count = count;
+	return RB_OK;
+}
+
+/* Groups that the points from there on touch, whose bodies get a mark. */
+static bool rouse_touched(struct rb_world *world, size_t first)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	bool any = false;
+
+	for (size_t k = first; k < s->all.points.count; k++) {
+		const int ends[2] = {s->all.points.row[k].a, s->all.points.row[k].b};
+
+		for (int e = 0; e < 2; e++) {
+			if (!rb_stepped_yields(world, ends[e]) || !stand->stands[ends[e]])
+				continue;
+			any = true;
+			rouse(stand, ends[e]);
+			for (int i = ends[e]; !stand->mark[i]; i = stand->next[i])
+				stand->mark[i] = 1;
+		}
+	}
+	return any;
+}
+
+/* Pairs of those with a mark among themselves and with what stands: the others have been looked at. */
+static enum rb_status look_at_roused(struct rb_world *world, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	struct rb_near *near = &s->near;
+	const int n = world->model->body_count;
+	const size_t all_count = near->live_count;
+	const size_t *all = near->live;
+	size_t *fresh = rb_arena_take(&world->arena[0], near->pair_count + 1, sizeof *fresh);
+	size_t count = 0;
+
+	if (!fresh)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		const int a = near->pair[k].a, b = near->pair[k].b;
+		const bool of_a = stand->mark[a], of_b = b < n && stand->mark[b];
+
+		fresh[count] = k;
+		count += (of_a || of_b) && (of_a || stand->stands[a]) &&
+		         (of_b || stands_or_is_static(stand, n, b));
+	}
+	near->live = fresh;
+	near->live_count = count;
+	const enum rb_status status = rb_points_add(&s->all.points, world, near, h, HUGE_VAL, err);
+	near->live = all;
+	near->live_count = all_count;
+	return status;
+}
+
+/* What stands has felt the forces of the step, and nothing of them is left. */
+static void stop(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_state *state = &world->state;
+
+	for (int k = 0; k < s->member_count && s->stand.count > 0; k++) {
+		const int i = s->body[k];
+
+		if (!s->stand.stands[i])
+			continue;
+		memset(state->velocity + 3 * (size_t)i, 0, 3 * sizeof(double));
+		if (state->spin)
+			memset(state->spin + 3 * (size_t)i, 0, 3 * sizeof(double));
+		if (s->near.ahead)
+			s->near.ahead[i] = s->near.reach[i];
+	}
+}
+
+enum rb_status rb_stand_points(struct rb_world *world, double start, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	struct rb_near *near = &s->near;
+	struct rb_points *points = &s->all.points;
+	size_t first = 0;
+
+	check(world, start, h);
+	if (stand->changed)
+		shrink(s);
+	show(s);
+	rb_near_reach(near, world, h, s->all.body, s->all.body_count);
+	enum rb_status status = rb_near_find(near, world, s->all.body, s->all.body_count, err);
+	if (status == RB_OK && (stand->changed || (!near->live && stand->count > 0)))
+		status = list_pairs(world, err);
+	rb_near_place(near, world, s->all.body, s->all.body_count);
+	points->count = 0;
+	if (status == RB_OK)
+		status = rb_points_add(points, world, near, h, HUGE_VAL, err);
+	while (status == RB_OK && stand->count > 0 && rouse_touched(world, first)) {
+		first = points->count;
+		shrink(s);
+		show(s);
+		status = list_pairs(world, err);
+		if (status == RB_OK)
+			status = look_at_roused(world, h, err);
+		memset(stand->mark, 0, (size_t)world->model->body_count);
+	}
+	if (status == RB_OK && first > 0)
+		status = rb_points_sort(points, &world->arena[0], err);
+	stop(world);
+	return status;
+}
+
+/* ---- who may from now on ---- */
+
+void rb_stand_note(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	const struct rb_solver *solver = &s->solver;
+
+	for (int k = 0; k < s->all.body_count; k++)
+		stand->group[s->all.body[k]] = -1;
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const struct rb_island *island = &solver->island[g];
+		const int *member = solver->member + island->first_member;
+
+		for (int k = 0; k < island->member_count && island->rests; k++) {
+			stand->group[member[k]] = member[0];
+			stand->next[member[k]] = member[k + 1 < island->member_count ? k + 1 : 0];
+			stand->points[member[k]] = k == 0 ? island->row_count : 0;
+		}
+	}
+}
+
+static bool may_stand(const struct rb_world *world, int i, const unsigned char *failed)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	return !(failed && failed[i]) && !s->bad[i] && is_unmoved(world, i) &&
+	       s->near.reach[i] <= small_share * world->model->size_min_m;
+}
+
+static void begin_to_stand(struct rb_world *world, int i)
+{
+	struct rb_stand *stand = &world->stepped->stand;
+
+	stand->stands[i] = 1;
+	stand->count++;
+	stand->point_count += (size_t)stand->points[i];
+	take_pose(&world->state, i, stand->pose + POSE * (size_t)i);
+	stand->changed = true;
+}
+
+static void end_driven(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+
+	for (int k = 0; k < s->driven_count; k++) {
+		const int i = s->body[s->member_count + k];
+		const bool stays = is_none(world->mark.velocity, i) &&
+		                   is_none(world->mark.spin, i) && is_unmoved(world, i);
+
+		stand->next[i] = i;
+		stand->points[i] = 0;
+		if (stays && !stand->stands[i])
+			begin_to_stand(world, i);
+		else if (!stays && stand->stands[i])
+			rouse(stand, i);
+	}
+}
+
+void rb_stand_end(struct rb_world *world, double end, const unsigned char *failed)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_stand *stand = &s->stand;
+	const struct rb_cohort *all = &s->all;
+
+	stand->quiet = all->points.count == 0;
+	stand->end_s = end;
+	stand->contact_count = world->contacts.count;
+	if (stand->off)
+		return;
+	end_driven(world);
+	for (int k = 0; k < all->member_count; k++) {
+		const int i = all->body[k], group = stand->group[i];
+
+		if (group >= 0 && !may_stand(world, i, failed))
+			stand->mark[group] = 1;
+	}
+	for (int k = 0; k < all->member_count; k++) {
+		const int i = all->body[k];
+
+		if (stand->group[i] >= 0 && !stand->mark[stand->group[i]])
+			begin_to_stand(world, i);
+	}
+	for (int k = 0; k < all->member_count; k++)
+		stand->mark[all->body[k]] = 0;
+	stand->quiet = stand->quiet && !stand->changed;
+}
+
+void rb_stand_forget(struct rb_stepped *s)
+{
+	struct rb_stand *stand = &s->stand;
+
+	stand->quiet = false;
+	if (stand->count == 0)
+		return;
+	memset(stand->stands, 0, (size_t)(s->member_count + s->driven_count));
+	stand->count = 0;
+	stand->point_count = 0;
+	stand->changed = true;
+}
