@@ -51,8 +51,9 @@ struct rb_stand {
 	int live_bodies; /* of those that yield */
 	size_t *live;    /* owned: pairs of which one does not stand */
 	size_t live_capacity;
-	int count;            /* of bodies that stand */
-	size_t point_count;   /* of theirs */
+	int count;          /* of bodies that stand */
+	size_t point_count; /* of theirs */
+	double still_depth; /* m: the largest overlap among them at the end of the step before; NAN: not known */
 	size_t contact_count; /* of the world's when the step before ended */
 	double end_s;         /* of the step before */
 	bool changed;         /* since the lists were made */

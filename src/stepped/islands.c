@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/islands.h"
 
-#include <float.h>
-
 #include "base/forest.h"
 #include "base/memory.h"
 
@@ -100,21 +98,6 @@ static bool is_zero(const double *column, int i)
 	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
 }
 
-static bool is_same(rb_vec3 now, const double *then, double h)
-{
-	const rb_vec3 was = rb_vec3_from(then), is = rb_vec3_scale(1 / h, now);
-
-	return rb_vec3_max_abs(rb_vec3_sub(is, was)) <= 16 * DBL_EPSILON * rb_vec3_max_abs(was);
-}
-
-/* The forces on it, whatever the rounding of the step's length. */
-bool rb_rest_holds(const struct rb_solver *solver, int i, rb_vec3 linear, rb_vec3 angular, double h)
-{
-	const double *then = solver->rest_pull + 6 * (size_t)i;
-
-	return solver->rests[i] && is_same(linear, then, h) && is_same(angular, then + 3, h);
-}
-
 /* Nothing has changed since the group was found to stand still: it would be found so again. */
 static bool still_rests(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -123,7 +106,7 @@ static bool still_rests(const struct rb_solver *solver, const struct rb_island *
 
 		if (!solver->before || !is_zero(solver->before->velocity, i) ||
 		    !is_zero(solver->before->spin, i) ||
-		    !rb_rest_holds(solver, i, solver->free[i].linear, solver->free[i].angular,
+		    !rb_rest_holds(solver, i, &solver->free[i].linear.x, &solver->free[i].angular.x,
 		                   solver->h_s))
 			return false;
 	}

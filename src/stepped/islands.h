@@ -12,6 +12,8 @@
 #include "stepped/row.h"
 #include "stepped/touch.h"
 
+#include <float.h>
+
 struct rb_island {
 	int first_row, row_count;
 	int first_member, member_count;
@@ -49,9 +51,27 @@ struct rb_solver {
 	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };
 
-/* Whether forces that make such velocities from none in a step of h_s are those under which the body was found at rest. */
-bool rb_rest_holds(const struct rb_solver *solver, int i, rb_vec3 linear, rb_vec3 angular,
-                   double h_s);
+static inline bool rb_rest_same(const double *now, const double *then, double h)
+{
+	const double each = 1 / h, x = fabs(then[0]), y = fabs(then[1]), z = fabs(then[2]);
+	const double xy = x > y ? x : y, most = 16 * DBL_EPSILON * (xy > z ? xy : z);
+
+	return fabs(each * now[0] - then[0]) <= most && fabs(each * now[1] - then[1]) <= most &&
+	       fabs(each * now[2] - then[2]) <= most;
+}
+
+/*
+ * Whether forces that make such velocities from none in a step of h_s are those under which the body was found at rest, but for
+ * the rounding of the step's length. No spin: NULL.
+ */
+static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const double *linear,
+                                 const double *angular, double h_s)
+{
+	const double *then = solver->rest_pull + 6 * (size_t)i;
+
+	return solver->rests[i] && rb_rest_same(linear, then, h_s) &&
+	       (!angular || rb_rest_same(angular, then + 3, h_s));
+}
 
 /* Takes velocities with the step's forces from the world; `before`, `h_s` and `enough` are set. */
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,

@@ -5,6 +5,7 @@
 
 #include "step/verdict.h"
 #include "stepped/close.h"
+#include "stepped/stand.h"
 
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
                        struct rb_outcome *outcome)
@@ -92,6 +93,8 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		s->near.valid = false;
 		status = rb_near_find(&s->near, world, cohort->body, cohort->body_count, err);
 	}
+	if (status == RB_OK && cohort == &s->all)
+		status = rb_stand_list(world, err);
 	if (status == RB_OK)
 		status = rb_close_overlap(world, cohort, &found, err);
 	if (status != RB_OK)

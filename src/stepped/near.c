@@ -9,6 +9,7 @@
 
 enum {
 	STEPS_PER_BOX = 8, /* that a box is meant to last */
+	BOXES_MOST = 8,    /* times as many, within a size, where nearly nothing moves */
 	BODIES_PER_BLOCK = 512
 };
 
@@ -51,7 +52,7 @@ enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model
 {
 	const size_t n = (size_t)model->body_count;
 
-	*near = (struct rb_near){0};
+	*near = (struct rb_near){.share = 1};
 	near->built_at = rb_memory_take(n, sizeof *near->built_at);
 	near->margin = rb_memory_take(n, sizeof *near->margin);
 	near->reach = rb_memory_take(n, sizeof *near->reach);
@@ -235,6 +236,7 @@ enum rb_status rb_near_pairs(struct rb_near *near, struct rb_world *world, const
 static enum rb_status build(struct rb_near *near, struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
+	const double lasting = STEPS_PER_BOX * fmin(BOXES_MOST, 1 / near->share);
 	double mean = 0;
 
 	near->valid = false;
@@ -246,7 +248,8 @@ static enum rb_status build(struct rb_near *near, struct rb_world *world, struct
 
 		near->built_at[i] = c;
 		/* forces add their share again in every step */
-		near->margin[i] = STEPS_PER_BOX * fmax(near->reach[i], mean) + size / 64;
+		const double margin = STEPS_PER_BOX * fmax(near->reach[i], mean);
+		near->margin[i] = fmax(margin, fmin(lasting * near->reach[i], size)) + size / 64;
 		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
 		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                         {c.x + half, c.y + half, c.z + half}};

@@ -24,7 +24,8 @@ struct rb_near {
 	double *margin;    /* [bodies] m: how far each may get from there */
 	double *reach; /* [bodies] m: how far each gets in the step under way, if nothing touches it */
 	rb_aabb *box;
-	double h_s;                 /* of that step */
+	double h_s;   /* of that step */
+	double share; /* of bodies that move: where these are few, their boxes are made to last */
 	const struct rb_pair *pair; /* borrowed from the broadphase, or `own` */
 	size_t pair_count;
 	/* borrowed: of these pairs, ascending, those to be looked at; NULL: all */

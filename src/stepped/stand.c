@@ -52,11 +52,30 @@ static bool is_none(const double *column, int i)
 	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
 }
 
-static bool has_pose(const struct rb_state *state, int i, const double *pose)
+static inline uint64_t bits(const double *number)
 {
-	return memcmp(state->position + 3 * (size_t)i, pose, 3 * sizeof *pose) == 0 &&
-	       (!state->orientation ||
-	        memcmp(state->orientation + 4 * (size_t)i, pose + 3, 4 * sizeof *pose) == 0);
+	uint64_t all;
+
+	memcpy(&all, number, sizeof all);
+	return all;
+}
+
+/* Bits in which two vectors differ. */
+static inline uint64_t differ(const double *a, const double *b)
+{
+	return (bits(a) ^ bits(b)) | (bits(a + 1) ^ bits(b + 1)) | (bits(a + 2) ^ bits(b + 2));
+}
+
+static inline bool has_pose(const struct rb_state *state, int i, const double *pose)
+{
+	uint64_t sum = differ(state->position + 3 * (size_t)i, pose);
+
+	if (state->orientation) {
+		const double *q = state->orientation + 4 * (size_t)i;
+
+		sum |= differ(q, pose + 3) | (bits(q + 3) ^ bits(pose + 6));
+	}
+	return sum == 0;
 }
 
 static void take_pose(const struct rb_state *state, int i, double *pose)
@@ -93,14 +112,17 @@ static bool still_stands(const struct rb_world *world, int i, double h)
 {
 	const struct rb_stepped *s = world->stepped;
 	const struct rb_state *state = &world->state, *before = &world->mark;
-	const rb_vec3 none = {0, 0, 0};
-
+	static const double none[3] = {0, 0, 0};
+	const size_t row = 3 * (size_t)i;
 	/* before the step a driven body has the velocity that takes it to its next pose */
-	return is_none(before->velocity, i) && is_none(before->spin, i) &&
-	       has_pose(state, i, s->stand.pose + POSE * (size_t)i) &&
+	uint64_t moves = differ(before->velocity + row, none);
+
+	if (state->spin)
+		moves |= differ(before->spin + row, none);
+	return moves == 0 && has_pose(state, i, s->stand.pose + POSE * (size_t)i) &&
 	       (!rb_stepped_yields(world, i) ||
-	        rb_rest_holds(&s->solver, i, rb_world_row3(state->velocity, i),
-	                      state->spin ? rb_world_row3(state->spin, i) : none, h));
+	        rb_rest_holds(&s->solver, i, state->velocity + row,
+	                      state->spin ? state->spin + row : NULL, h));
 }
 
 struct pass {
@@ -124,7 +146,10 @@ static void check_block(void *user, int block, int worker)
 		if (!s->stand.stands[i])
 			continue;
 		s->near.reach[i] = rb_near_way(world, &world->state, i, pass->h_s);
-		rb_near_turn(&s->near, world, i);
+		if (s->near.ahead && is_none(world->state.spin, i))
+			s->near.ahead[i] = s->near.reach[i];
+		else if (s->near.ahead)
+			rb_near_turn(&s->near, world, i);
 	}
 }
 
@@ -195,7 +220,7 @@ static bool stands_or_is_static(const struct rb_stand *stand, int n, int i)
 	return i >= n || stand->stands[i];
 }
 
-/* Pairs of which one does not stand. */
+/* Those of which one does not stand. Of the others it is known how deep they overlap, while all of them stand. */
 static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -205,7 +230,9 @@ static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 	size_t count = 0;
 
 	near->live = NULL;
-	near->still_depth = stand->count > 0 ? (double)NAN : 0;
+	if (stand->changed)
+		stand->still_depth = (double)NAN;
+	near->still_depth = stand->still_depth;
 	stand->changed = false;
 	if (stand->count == 0)
 		return RB_OK;
@@ -221,6 +248,13 @@ static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 	near->live = stand->live;
 	near->live_count = count;
 	return RB_OK;
+}
+
+enum rb_status rb_stand_list(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	return !s->near.live && s->stand.count > 0 ? list_pairs(world, err) : RB_OK;
 }
 
 /* Groups that the points from there on touch, whose bodies get a mark. */
@@ -307,9 +341,12 @@ enum rb_status rb_stand_points(struct rb_world *world, double start, double h, s
 		shrink(s);
 	show(s);
 	rb_near_reach(near, world, h, s->all.body, s->all.body_count);
+	near->share = (double)s->all.body_count / world->model->body_count;
 	enum rb_status status = rb_near_find(near, world, s->all.body, s->all.body_count, err);
-	if (status == RB_OK && (stand->changed || (!near->live && stand->count > 0)))
+	if (status == RB_OK && stand->changed)
 		status = list_pairs(world, err);
+	if (status == RB_OK)
+		status = rb_stand_list(world, err);
 	rb_near_place(near, world, s->all.body, s->all.body_count);
 	points->count = 0;
 	if (status == RB_OK)
@@ -398,6 +435,7 @@ void rb_stand_end(struct rb_world *world, double end, const unsigned char *faile
 	stand->quiet = all->points.count == 0;
 	stand->end_s = end;
 	stand->contact_count = world->contacts.count;
+	stand->still_depth = s->near.still_depth;
 	if (stand->off)
 		return;
 	end_driven(world);

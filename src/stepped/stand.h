@@ -26,6 +26,9 @@ void rb_stand_gather(struct rb_stepped *s);
 RB_CHECKED enum rb_status rb_stand_points(struct rb_world *world, double start_s, double h_s,
                                           struct rb_error *err);
 
+/* After candidates have been found anew: which of them are live. */
+RB_CHECKED enum rb_status rb_stand_list(struct rb_world *world, struct rb_error *err);
+
 /* After that step has been solved: which groups may stand from now on. */
 void rb_stand_note(struct rb_world *world);
 /* The step is kept, and its contacts are the world's: those stand that have not moved, nor have a mark in `failed` (or NULL). */
