@@ -13,14 +13,17 @@ enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256 };
 
 /* Sweeps before factors are tried, and at most. */
 enum { SWEEPS_FIRST = 200, SWEEPS_MOST = 1000, SWEEPS_QUIET = 64 };
-/* The same where rows are between spheres, and may be held. */
-enum { WIDE_FIRST = 60, WIDE_MOST = 140, WIDE_HOLD = 100 };
+/* The same where rows are in packs, and may be held; of spheres, most that stall are held sooner. */
+enum { WIDE_FIRST = 60, WIDE_MOST = 400, CENTRAL_MOST = 140, WIDE_HOLD = 100 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, STANDING, STALLED, QUIET };
 enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
 
-/* Multiplications that one factorization may take, for each row and at most: some twenty sweeps. */
-static const double factor_share = 4e3, factors_most = 1e8;
+/*
+ * Multiplications that one factorization may take, for each row and at most: some twenty sweeps. All of those of a large
+ * group that has stalled, of which few come to an end, some two hundred.
+ */
+static const double factor_share = 4e3, factors_most = 1e8, stalled_share = 4e2;
 
 /* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
 static const double sweep_share = 0.25, direct_share = 1e-2, close_share = 1e-7;
@@ -101,7 +104,8 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	                                 [STANDING] = FACTORS_STANDING,
 	                                 [STALLED] = FACTORS_STALLED,
 	                                 [QUIET] = FACTORS_QUIET};
-	const double each = factor_share * (double)dense->row_count;
+	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
+	                                                                            : factor_share;
 	const struct rb_direct direct = {
 		.dense = dense,
 		.free = solver->free,
@@ -113,7 +117,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 		.holds = purpose == STANDING,
 		.steps_most = steps_most[purpose],
 		.enough_slip = solver->enough,
-		.most = fmin(each, factors_most),
+		.most = fmin(share * (double)dense->row_count, factors_most),
 		.arena = arena};
 	struct rb_dense_row *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
@@ -137,6 +141,13 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	}
 	rb_sweep_warm(dense);
 	return false;
+}
+
+static int most_of(const struct rb_sweeper *sweeper)
+{
+	if (!sweeper->wide)
+		return SWEEPS_MOST;
+	return sweeper->many.central ? CENTRAL_MOST : WIDE_MOST;
 }
 
 static bool sweep_more(struct rb_sweeper *sweeper, struct rb_island *island, double enough,
@@ -335,8 +346,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		                  sweeper.wide ? WIDE_FIRST : SWEEPS_FIRST);
 	/* the last digit costs as much as all before: the whole tolerance will do, as the verdict will see */
 	if (!good)
-		good = sweep_more(&sweeper, island, enough / sweep_share,
-		                  sweeper.wide ? WIDE_MOST : SWEEPS_MOST);
+		good = sweep_more(&sweeper, island, enough / sweep_share, most_of(&sweeper));
 	if (!good)
 		good = try_factors(solver, island, &dense, STALLED, arena);
 	if (!good)

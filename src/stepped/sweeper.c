@@ -3,8 +3,7 @@
 
 #include <string.h>
 
-/* Rows from which on a group is solved in packs. */
-enum { COLOURS_MOST = 64, WIDE_ROWS = 32 };
+enum { COLOURS_MOST = 64 };
 
 /* ---- colours ---- */
 
@@ -87,7 +86,7 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 {
 	struct colours colours = {.count = 0};
 
-	sweeper->wide = sweeper->dense->row_count >= WIDE_ROWS;
+	sweeper->wide = sweeper->dense->row_count >= RB_WIDE_ROWS;
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
 		return rb_sweep_take(&sweeper->one, arena);

@@ -9,6 +9,9 @@
 
 #include "stepped/wide.h"
 
+/* Rows from which on a group is solved in packs. */
+enum { RB_WIDE_ROWS = 32 };
+
 struct rb_sweeper {
 	const struct rb_dense *dense;
 	int still;         /* a body that does not yield */

@@ -6,9 +6,9 @@
 
 run()
 {
-	timeout 20 "$RBSIM" "$TOP/tests/scenes/stress.lua" --no-record --json --quiet "$@" >out 2>err </dev/null
+	timeout 100 "$RBSIM" "$TOP/tests/scenes/stress.lua" --no-record --json --quiet "$@" >out 2>err </dev/null
 	got=$?
-	[ $got -ne 124 ] || fail "rbsim stress.lua $*: no end within 20 s"
+	[ $got -ne 124 ] || fail "rbsim stress.lua $*: no end within 100 s"
 	[ $got -eq 0 ] || fail "rbsim stress.lua $*: exit status $got"
 }
 
