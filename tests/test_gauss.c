@@ -309,6 +309,29 @@ static enum rb_status refusal(void *user, double t, const double *y, double *rat
 	return t > 0.5 ? RB_FAIL(err, RB_ERR_SCENE, "'field' says no") : RB_OK;
 }
 
+/* Beyond what numbers hold as soon as it is extrapolated: nobody is asked there. */
+static enum rb_status steep(void *user, double t, const double *y, double *rate,
+                            struct rb_error *err)
+{
+	(void)user, (void)t, (void)err;
+	assert_true(isfinite(y[0]));
+	rate[0] = 1.5e308 * (y[0] > 0 ? -1 : 1);
+	return RB_OK;
+}
+
+static void nobody_is_asked_for_rates_at_infinity(void **state)
+{
+	const double scale = 1;
+	struct rb_error err = {0};
+	struct course c;
+
+	(void)state;
+	begin(&c, 1, steep, NULL, &scale);
+	c.least_s = 1e-9;
+	c.value[0] = 1;
+	assert_int_equal(step(&c, 2, &err), RB_ERR_PHYSICS);
+}
+
 static void what_cannot_be_integrated_is_refused(void **state)
 {
 	const double scale[2] = {1, 1};
@@ -376,6 +399,7 @@ int main(void)
 		cmocka_unit_test(a_first_step_that_is_too_long_is_halved),
 		cmocka_unit_test(a_mirrored_problem_has_mirrored_bits),
 		cmocka_unit_test(the_basis_is_that_of_legendre),
+		cmocka_unit_test(nobody_is_asked_for_rates_at_infinity),
 		cmocka_unit_test(what_cannot_be_integrated_is_refused),
 	};
 

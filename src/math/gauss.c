@@ -116,12 +116,20 @@ size_t rb_gauss_room(int n)
 	return (size_t)(NODES + 4) * (size_t)n;
 }
 
-/* Calls the rates at `value` and puts them into `row`; `*change` is the largest change of a row's entry. */
+/*
+ * Calls the rates at `value` and puts them into `row`; `*change` is the largest change of a row's entry. What a try that is
+ * too long has thrown to infinity is asked nothing: its rates might be taken for a mistake in them.
+ */
 static enum rb_status rates_at(const struct attempt *a, double part, double *row, double *rate,
                                double *change)
 {
 	const struct rb_gauss_problem *p = a->problem;
 
+	for (int i = 0; i < p->n; i++)
+		if (!isfinite(a->value[i])) {
+			*change = INFINITY;
+			return RB_OK;
+		}
 	++*a->calls;
 	const enum rb_status status = p->rates(p->user, a->time_s + part * a->h_s, a->value, rate,
 	                                       a->err);
