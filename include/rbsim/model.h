@@ -40,8 +40,8 @@ enum {
 	RB_FEATURE_HOOK_TRANSITION = 1u << 18,
 
 	/* what the classic method does not have */
-	RB_FEATURES_LOCATED_ONLY = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
-	                           RB_FEATURE_DRIVEN,
+	RB_FEATURES_NOT_CLASSIC = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
+	                          RB_FEATURE_DRIVEN,
 };
 
 /* Entry of the dense materials table. */

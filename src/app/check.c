@@ -271,6 +271,8 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	printf("  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
 	       info->rollback, model->tolerance_m, info->threads,
 	       rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	if (model->method == RB_METHOD_AUTO && (model->features & RB_FEATURE_CONTACT))
+		puts("  crowds      too dense to locate are left to steps (rbsim-scene(5))");
 	printf("  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
 	       "              a touching pair that no force parts beyond that is in lasting contact (rbsim-scene(5))\n",
 	       8 * rb_ulp(model->coordinate_max_m));

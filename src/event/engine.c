@@ -19,13 +19,12 @@
 enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64 };
 /* So many events of every body at one moment: it does not get on. */
 enum { STUCK_EVENTS = 10000 };
-/* Bodies that are dealt with together in a step, over all of its events: more is too dense to locate. */
+/* What is counted within a step, in bodies: more is too dense to locate. */
 enum { CROWD_MOST = 1024, CROWD_MOST_PER_BODY = 8 };
 
 static bool can_be_stepped(const struct rb_located *l)
 {
-	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT) &&
-	       !(l->model->features & RB_FEATURES_LOCATED_ONLY);
+	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT);
 }
 
 /* ---- making ---- */
@@ -90,7 +89,7 @@ static bool wants_cells(const struct rb_located *l)
 	    l->model->center_of_mass)
 		return false;
 	/* bodies on pieces leave their cells at moments that have no closed form */
-	return !(l->model->features & RB_FEATURES_LOCATED_ONLY);
+	return !(l->model->features & RB_FEATURES_NOT_CLASSIC);
 }
 
 enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
@@ -163,10 +162,14 @@ static void foresee_set(struct rb_located *l, double t)
 	rb_set_clear(l);
 }
 
-/* An impact among several, a change of mode, or the next piece of their common motion: so many of them get nowhere. */
+/*
+ * Bodies that an impact or a change of contacts concerns together: so many of them get nowhere. Two spheres are no crowd,
+ * as they are none where nothing but gravity acts on them; two solids may rattle on and on.
+ */
 static void count_crowd(struct rb_located *l)
 {
-	l->crowd += (uint64_t)l->set_count;
+	if (l->set_count > 2 || l->model->parts)
+		l->crowd += (uint64_t)l->set_count;
 }
 
 static void settle_set(struct rb_located *l, double t)
@@ -241,7 +244,8 @@ static void body_event(struct rb_located *l, int i, double t)
 		rb_foresee_wall(l, i, t);
 		return;
 	}
-	l->crowd += next->again; /* a look that found nothing: so many of them get nowhere either */
+	/* a look that found nothing: so many of them get nowhere either */
+	l->crowd += next->again && l->model->parts;
 	if (next->again ||
 	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
 		rb_foresee(l, i, t, -1);
@@ -266,7 +270,9 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 		foresee_set(l, t);
 		return;
 	}
-	count_crowd(l);
+	/* the mere next piece is no event, however many a motion takes; its arithmetic counts */
+	if (!c->integrated || c->is_cut || c->hits || c->has_jammed)
+		count_crowd(l);
 	if (c->hits) { /* bodies that touch come to touch at another point */
 		rb_strike_all(l, c->hit_a, c->hit_b, t);
 		if (l->status == RB_OK)
@@ -520,7 +526,7 @@ static bool gives_way(struct rb_located *l)
 {
 	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
 		return false;
-	if (l->status == RB_OK && l->crowd <= l->crowd_most)
+	if (l->status == RB_OK && !rb_located_is_dense(l))
 		return false;
 	l->status = RB_OK;
 	rb_set_clear(l);
@@ -535,7 +541,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	double t;
 
 	l->err = err;
-	l->crowd = 0;
+	l->crowd = l->products = 0;
 	if (!l->started)
 		start(l, l->world->state.time_s);
 	if (gives_way(l))

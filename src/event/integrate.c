@@ -100,6 +100,21 @@ static double largest_acceleration(const struct rb_modes *w)
 	return most;
 }
 
+/* What a look at contacts has cost; what stands is looked at a few times, and then not for long. False: it is too much. */
+static bool count_look(struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+
+	if (!rb_modes_move(w))
+		return true;
+	l->products += (uint64_t)w->dense.products + RB_LOCATED_LOOK * (uint64_t)w->c->held_count;
+	if (rb_located_is_dense(l))
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%d contacts together are too many to locate",
+		                    w->c->held_count);
+	return l->status == RB_OK;
+}
+
 /* Poses, forces of contacts and accelerations at `t`. */
 static bool evaluate(struct rb_modes *w, double t, const double *value)
 {
@@ -148,7 +163,7 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 	if (!rb_modes_press(w, w->force) || (solved && !rb_modes_refine(w, t)))
 		return false;
 	stand_still(w, pull);
-	return true;
+	return count_look(w);
 }
 
 static enum rb_status rates(void *user, double t, const double *value, double *rate,
@@ -160,11 +175,6 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 		return w->l->status != RB_OK
 		               ? w->l->status
 		               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for a cluster");
-	w->l->crowd += rb_located_cost(w->dense.n);
-	w->too_dense = w->l->crowd > w->l->crowd_most;
-	if (w->too_dense)
-		return RB_FAIL(err, RB_ERR_PHYSICS, "%d contacts together are too many to locate",
-		               w->c->held_count);
 	for (int k = 0; k < w->c->member_count; k++) {
 		const double *v = value + (size_t)k * (size_t)w->row;
 		double *r = rate + (size_t)k * (size_t)w->row;
@@ -671,8 +681,7 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	const enum rb_status status = rb_gauss_step(
 		&problem, w->origin_s, &try_s, 2 * DBL_EPSILON * w->origin_s, &c->piece, l->err);
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
-	if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && !w->too_dense &&
-	    jams(w))
+	if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
 		return;
 	if (status != RB_OK) {
 		l->status = status;

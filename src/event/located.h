@@ -135,7 +135,8 @@ struct rb_located {
 	double stuck_s;      /* events at one moment are counted */
 	uint64_t stuck_count;
 	uint64_t events, polled;
-	uint64_t crowd;      /* bodies of crowds settled since the step began */
+	uint64_t crowd;      /* bodies of crowds dealt with since the step began */
+	uint64_t products;   /* arithmetic for what moves, since then */
 	uint64_t crowd_most; /* more than these are left to steps; UINT64_MAX: whatever it costs */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */
@@ -152,23 +153,45 @@ static inline int rb_located_row(const struct rb_located *l)
 }
 
 /*
- * Eliminating n unknowns, some n^3 / 3 products, counts as settling so many bodies: 10^5 products as one. That is a choice,
- * with which some fifty boxes that move together are left to steps; and arithmetic, not a clock: the same on every machine.
+ * So many products count as dealing with a body once. That is a choice, with which some fifty boxes that move together are
+ * left to steps; and arithmetic, not a clock: the same on every machine. A row of a contact's in a product of a vector with
+ * the matrix, and a look at a contact on a piece, count as so many.
  */
-static inline uint64_t rb_located_cost(double unknowns)
+enum { RB_LOCATED_PRODUCTS = 100000, RB_LOCATED_ROW = 200, RB_LOCATED_LOOK = 200 };
+
+/* What is counted, in bodies. */
+static inline uint64_t rb_located_crowd(const struct rb_located *l)
 {
-	return (uint64_t)fmin(unknowns * unknowns * unknowns / 3e5, 1e15);
+	return l->crowd + l->products / RB_LOCATED_PRODUCTS;
 }
 
-/* The same for products of a vector with the matrix of so many contacts, of which 500 rows count as one body; 0: no limit. */
-enum { RB_LOCATED_ROWS = 500 };
+/* Too much to locate within a step. */
+static inline bool rb_located_is_dense(const struct rb_located *l)
+{
+	return rb_located_crowd(l) > l->crowd_most;
+}
+
+/* Bodies that an elimination of so many unknowns would count for, had its matrix no zeros. */
+static inline uint64_t rb_located_cost(double unknowns)
+{
+	return (uint64_t)fmin(unknowns * unknowns * unknowns / (3.0 * RB_LOCATED_PRODUCTS), 1e15);
+}
+
+/* Of a vector with the matrix of so many contacts: how many until it is too dense; 0: no limit. */
 static inline long rb_located_products(const struct rb_located *l, int contacts)
 {
+	const uint64_t crowd = rb_located_crowd(l), row = RB_LOCATED_PRODUCTS / RB_LOCATED_ROW;
+
 	if (l->crowd_most == UINT64_MAX)
 		return 0;
-	const uint64_t left = l->crowd < l->crowd_most ? l->crowd_most - l->crowd : 0;
+	const uint64_t left = crowd < l->crowd_most ? l->crowd_most - crowd : 0;
 
-	return 1 + (long)(left * RB_LOCATED_ROWS / (uint64_t)(contacts > 0 ? contacts : 1));
+	return 1 + (long)(left * row / (uint64_t)(contacts > 0 ? contacts : 1));
+}
+
+static inline void rb_located_count(struct rb_located *l, long products, int contacts)
+{
+	l->products += (uint64_t)products * (uint64_t)contacts * RB_LOCATED_ROW;
 }
 
 static inline bool rb_located_driven(const struct rb_located *l, int i)

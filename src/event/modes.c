@@ -10,6 +10,15 @@ enum { TURNS = 6, REFINEMENTS = 4 };
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
 
+bool rb_modes_move(const struct rb_modes *w)
+{
+	for (int k = 0; k < w->c->member_count; k++)
+		if (rb_vec3_max_abs(w->pose[k].velocity) > 0 ||
+		    rb_vec3_max_abs(w->pose[k].spin) > 0)
+			return true;
+	return false;
+}
+
 int rb_modes_unknowns(const struct rb_held *held)
 {
 	if (!held->slipping)
@@ -309,6 +318,7 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **fou
 	if (!joint.body || !joint.contact)
 		return false;
 	joint.body_count = c->member_count;
+	joint.products_most = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
 	for (int k = 0; k < c->member_count; k++)
 		joint.body[k] = rb_mechanics_body(l, c->member[k], &w->pose[k], w->linear[k],
 		                                  w->angular[k]);
@@ -320,6 +330,8 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **fou
 		joint.contact[k].impulse = c->held[k].force;
 	}
 	rb_joint_forces(&joint);
+	if (rb_modes_move(w))
+		rb_located_count(l, joint.products, c->held_count);
 	for (int k = 0; k < c->held_count; k++)
 		w->force[k] = joint.contact[k].impulse;
 	if (found)

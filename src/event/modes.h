@@ -28,7 +28,6 @@ struct rb_modes {
 	struct rb_dense dense;            /* for contacts in their modes */
 	bool slip_ends, hits;             /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
-	bool too_dense;                   /* for steps to do instead */
 	double doubt;                     /* N: what the modes at the beginning leave open */
 	double most; /* m/s^2: largest acceleration that forces are to balance */
 };
@@ -37,6 +36,9 @@ static inline int rb_modes_place(const struct rb_modes *w, int body)
 {
 	return body < w->l->n ? w->l->place[body] : -1;
 }
+
+/* Does a member move, at the poses as they are? */
+bool rb_modes_move(const struct rb_modes *w);
 
 /* How many a contact has in its mode. */
 int rb_modes_unknowns(const struct rb_held *held);

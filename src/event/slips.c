@@ -129,8 +129,7 @@ static bool solve(struct rb_settling *s)
 	if (s->meet_count > 0)
 		rb_joint_forces(&s->joint);
 	if (s->moves)
-		s->l->crowd += (uint64_t)s->joint.products * (uint64_t)s->meet_count /
-		               RB_LOCATED_ROWS;
+		rb_located_count(s->l, s->joint.products, s->meet_count);
 	if (rb_joint_is_over(&s->joint)) {
 		rb_slips_too_many(s);
 		return false;

@@ -479,7 +479,7 @@ static void strike(struct striking *s)
 
 	s->joint.products_most = rb_located_products(l, s->meet_count);
 	const bool settled = rb_joint_impact(&s->joint, &rounds);
-	l->crowd += (uint64_t)s->joint.products * (uint64_t)s->meet_count / RB_LOCATED_ROWS;
+	rb_located_count(l, s->joint.products, s->meet_count);
 	if (rb_joint_is_over(&s->joint)) {
 		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
 		                    "%d contacts together are too many to locate", s->meet_count);

@@ -87,6 +87,7 @@ static void eliminate(struct rb_dense *d, int row, int k, const struct left *lef
 			at[c] -= share * top[c];
 		for (int i = 0; i < left->late_count; i++)
 			at[left->late[i]] -= share * top[left->late[i]];
+		d->products += d->last[row] + 1 - left->from + left->late_count;
 		d->right[r] -= share * d->right[row];
 		d->last[r] = d->last[r] > d->last[row] ? d->last[r] : d->last[row];
 	}
@@ -146,6 +147,7 @@ void rb_dense_solve(struct rb_dense *d)
 
 	d->open = false;
 	d->late = 0;
+	d->products = (long)n * n;
 	survey(d);
 	for (int k = 0; k < n; k++) {
 		const struct left left = {k + 1, d->order + n - d->late, d->late};

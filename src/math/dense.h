@@ -12,6 +12,7 @@ struct rb_dense {
 	double *size, *found; /* [n] scratch */
 	int *last, *down, *pivot, *from, *order; /* [n] scratch */
 	int n, late;                             /* late: columns that were left for the end */
+	long products; /* out: of rb_dense_solve, and its look at each entry */
 	bool open; /* out: the solution is one of many; unknowns that nothing determines are zero */
 };
 

@@ -137,26 +137,58 @@ static void forget_pushes(struct rb_world *world)
 /* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
 enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MOST = 4096 };
 
+/* m/s^2: the largest that gravity, gravity_force and fields make of a body at `t`, which the state is of. */
+static enum rb_status largest_pull(const struct rb_world *world, double t, double *most,
+                                   struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_world_def *def = &model->scene->world;
+	const bool field = (model->features & RB_FEATURE_FIELD) && world->hooks.field;
+	enum rb_status status = RB_OK;
+
+	*most = rb_vec3_length(def->gravity);
+	if (!field && !(model->features & RB_FEATURE_GRAVITY_FORCE))
+		return RB_OK;
+	for (int i = 0; i < model->body_count && status == RB_OK; i++) {
+		const rb_vec3 x = rb_world_row3(world->state.position, i);
+		const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+		rb_vec3 force = {0, 0, 0};
+
+		if (field)
+			status = world->hooks.field(world->hooks.user, t, x, v, &force, err);
+		force = rb_vec3_add(force, def->gravity_force);
+		*most = fmax(*most, rb_vec3_length(rb_vec3_add_scaled(
+					    def->gravity, model->inverse_mass[i], force)));
+	}
+	return status;
+}
+
 /*
  * What auto steps where it would locate must not hang on a time_step that was chosen for locating: no step is longer than an
  * eighth of the time in which the smallest body falls by its own size.
  */
-static double longest_step(const struct rb_model *model)
+static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
+                                   struct rb_error *err)
 {
-	const double weight = rb_vec3_length(model->scene->world.gravity);
+	double pull;
 
-	return model->method == RB_METHOD_AUTO && weight > 0
-	               ? sqrt(2 * model->size_min_m / weight) / 8
-	               : HUGE_VAL;
+	*step = HUGE_VAL;
+	if (world->model->method != RB_METHOD_AUTO)
+		return RB_OK;
+	const enum rb_status status = largest_pull(world, t, &pull, err);
+
+	if (pull > 0)
+		*step = sqrt(2 * world->model->size_min_m / pull) / 8;
+	return status;
 }
 
 /* From `start`, which the state is of, to `stop`. */
 static enum rb_status by_step(struct rb_world *world, double start, double stop,
                               struct rb_error *err)
 {
-	const double most = longest_step(world->model);
+	double most;
+	enum rb_status status = longest_step(world, start, &most, err);
 	const int64_t count = stop - start > most ? rb_step_count(stop - start, most) : 1;
-	enum rb_status status = RB_OK;
 
 	for (int64_t k = 0; k < count && status == RB_OK; k++) {
 		const double from = k > 0 ? world->state.time_s : start;
