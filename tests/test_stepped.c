@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/stepped: one step of dense groups, from the outside. */
+#include "solids.h"
 #include "worlds.h"
 
 #include "base/pack.h"
@@ -213,6 +214,47 @@ static void an_impact_of_a_turned_box_never_raises_energy(void **state)
 		assert_true(rb_world_totals(lab.world).collisions > 0);
 		lab_close(&lab);
 	}
+}
+
+/* A cylinder thrown on a floor: body-steps that are taken back in half a second. */
+static uint64_t thrown_away(int series, double time_step)
+{
+	struct rb_body_def def = rb_body_def_default();
+	struct lab lab;
+
+	open_stepped(&lab, 0.5, 60, time_step);
+	lab_surface(&lab, 0.4, 0);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	def.call = "cylinder";
+	def.shape.kind = RB_SHAPE_CYLINDER;
+	def.shape.radius = 0.08;
+	def.shape.size[2] = 0.08;
+	def.mass = 1;
+	def.position = (rb_vec3){0, 0, 0.3};
+	def.orientation = solids_turn((uint64_t)series);
+	def.velocity = (rb_vec3){1, 0, -4};
+	def.angular_velocity = (rb_vec3){15 * sin(series), 15 * cos(series), 15};
+	(void)lab_add(&lab, &def);
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	assert_true(rb_world_totals(lab.world).max_penetration <= lab.model->tolerance_m);
+	const uint64_t away = rb_world_work(lab.world).discarded_body_steps;
+	lab_close(&lab);
+	return away;
+}
+
+/* What lies under a rim is another point after every turn: it is looked for where the step ends, too. */
+static void what_tumbles_takes_whole_steps(void **state)
+{
+	uint64_t away = 0, coarse = 0;
+
+	(void)state;
+	for (int k = 0; k < 40; k++) {
+		away += thrown_away(k, 1.0 / 240);
+		coarse += thrown_away(k, 1.0 / 60);
+	}
+	assert_true(away <= 2);
+	assert_true(coarse <= 2);
 }
 
 /* ---- heaps ---- */
@@ -438,6 +480,7 @@ int main(void)
 		cmocka_unit_test(a_box_stands_on_a_slope_or_slides_as_coulomb_says),
 		cmocka_unit_test(a_heavy_box_stands_on_light_ones),
 		cmocka_unit_test(an_impact_of_a_turned_box_never_raises_energy),
+		cmocka_unit_test(what_tumbles_takes_whole_steps),
 		cmocka_unit_test(any_number_of_threads_gives_the_same_bits),
 		cmocka_unit_test(a_heap_comes_to_rest_within_the_tolerance),
 		cmocka_unit_test(a_heap_that_is_restored_goes_on_in_the_same_bits),

@@ -5,9 +5,13 @@
 
 #include "base/memory.h"
 #include "step/flow.h"
+#include "stepped/again.h"
 #include "stepped/driven.h"
 #include "stepped/force.h"
 #include "stepped/stand.h"
+
+/* Times that a step is looked at again. */
+enum { LOOKS_MOST = 1 };
 
 struct flow {
 	struct rb_world *world;
@@ -93,7 +97,7 @@ static void move(struct rb_world *world, const struct rb_cohort *cohort, double 
 }
 
 /* Before the projection takes the solver for its own. */
-static void count_work(struct rb_world *world, const struct rb_cohort *cohort)
+static void count_work(struct rb_world *world)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	struct rb_counts *counts = &world->frame_counts;
@@ -101,12 +105,31 @@ static void count_work(struct rb_world *world, const struct rb_cohort *cohort)
 	for (size_t g = 0; g < solver->island_count; g++) {
 		const struct rb_island *island = &solver->island[g];
 
+		if (island->kept)
+			continue;
 		counts->row_sweeps += (uint64_t)island->sweeps * (uint64_t)island->row_count;
 		counts->rows += (uint64_t)island->row_count;
 		counts->factors += (uint64_t)island->factors;
 	}
-	if (cohort == &world->stepped->all)
-		counts->rows += world->stepped->stand.point_count;
+}
+
+/* Where turning has made overlaps, from their end again, a few times. */
+static enum rb_status move_and_look(struct rb_world *world, struct rb_cohort *cohort, double h,
+                                    struct rb_error *err)
+{
+	bool again = true;
+	enum rb_status status = RB_OK;
+
+	cohort->is_measured = false;
+	for (int looks = 0; again && status == RB_OK; looks++) {
+		count_work(world);
+		move(world, cohort, h);
+		rb_drive_end(world);
+		again = false;
+		if (world->broadphase && looks < LOOKS_MOST)
+			status = rb_again(world, cohort, &again, err);
+	}
+	return status;
 }
 
 static enum rb_status find_points(struct rb_world *world, struct rb_cohort *cohort, double start,
@@ -125,10 +148,6 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 		rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
 		status = rb_points_add(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
 	}
-	if (status == RB_OK &&
-	    !rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
-	                       cohort->points.count + 1, sizeof *cohort->rebound))
-		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	return status;
 }
 
@@ -148,14 +167,18 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
 	if (status != RB_OK)
 		return status;
-	if (cohort == &s->all)
+	status = move_and_look(world, cohort, h, err);
+	if (status != RB_OK)
+		return status;
+	if (cohort == &s->all) {
 		rb_stand_note(world);
-	move(world, cohort, h);
-	rb_drive_end(world);
+		world->frame_counts.rows += s->stand.point_count;
+	}
+	if (!rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
+	                       cohort->points.count + 1, sizeof *cohort->rebound))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	if (cohort->points.count > 0)
 		memset(cohort->rebound, 0, cohort->points.count * sizeof *cohort->rebound);
 	s->solver.hands_over = world->located && world->dense_left == 1;
-	status = rb_solver_rebound(&s->solver, world, &cohort->points, cohort->rebound, err);
-	count_work(world, cohort);
-	return status;
+	return rb_solver_rebound(&s->solver, world, &cohort->points, cohort->rebound, err);
 }

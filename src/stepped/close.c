@@ -10,10 +10,32 @@
 /* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
 enum { CLOSINGS_MOST = 12, CHAIN_MOST = 16 };
 
-/* Overlap after a step that moving positions may close, over the smallest size; more than that and the bends is taken back. */
-static const double closable_share = 0.01;
+/*
+ * Overlap after a step that moving positions is for, over the smallest size, and of what turns, over its bend: what is
+ * deeper is looked at again, and taken back where twice as much is left.
+ */
+static const double closable_share = 0.02, closable_bends = 2, lost_ratio = 2;
 /* A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a thirty-second. */
 static const double bend_turn_most = 0.25;
+
+/* ---- how much ---- */
+
+/* m: how far points of a body that turns are off the straight ways that contacts were solved for, r (w h)^2 / 2. */
+static double bend_of(const struct rb_world *world, int i, double h)
+{
+	if (!world->state.spin || i >= world->model->body_count)
+		return 0;
+	const double turn = fmin(bend_turn_most,
+	                         h * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                                  rb_vec3_length(rb_world_row3(world->mark.spin, i))));
+	return 0.5 * turn * turn * rb_near_size(world->model, i);
+}
+
+double rb_close_most(const struct rb_world *world, const struct rb_deep *deep, double h)
+{
+	return closable_share * world->model->size_min_m +
+	       closable_bends * (bend_of(world, deep->a, h) + bend_of(world, deep->b, h));
+}
 
 /* What is looked for from what overlaps, from body to body. All in the arena. */
 struct search {
@@ -332,28 +354,14 @@ static void blame(struct rb_world *world, const struct rb_deep *deep)
 		rb_stepped_blame(world->stepped, deep->b);
 }
 
-/* m: how far points of a body that turns are off the straight ways that contacts were solved for, r (w h)^2 / 2. */
-static double bend_of(const struct rb_world *world, int i, double h)
-{
-	if (!world->state.spin || i >= world->model->body_count)
-		return 0;
-	const double turn = fmin(bend_turn_most,
-	                         h * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
-	                                  rb_vec3_length(rb_world_row3(world->mark.spin, i))));
-	return 0.5 * turn * turn * rb_near_size(world->model, i);
-}
-
+/* Nothing but shorter steps will do. */
 static void blame_unclosable(struct rb_world *world, const struct rb_cohort *cohort,
                              const struct rb_depths *found)
 {
-	const double h = cohort->near->h_s;
-
 	for (size_t k = 0; k < found->deep_count; k++) {
 		const struct rb_deep *deep = &found->deep[k];
 
-		if (!(deep->depth <= closable_share * world->model->size_min_m +
-		                             bend_of(world, deep->a, h) +
-		                             bend_of(world, deep->b, h)))
+		if (!(deep->depth <= lost_ratio * rb_close_most(world, deep, cohort->near->h_s)))
 			blame(world, deep);
 	}
 }
@@ -382,9 +390,13 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 	                        .cohort = cohort,
 	                        .body = all ? s->body : cohort->body,
 	                        .count = all ? s->member_count : cohort->member_count};
-	enum rb_status status = find_depths(world, cohort, found, err);
-	struct rb_depths last = *found;
+	enum rb_status status = RB_OK;
 
+	if (cohort->is_measured && s->bad_count == 0)
+		*found = cohort->depths;
+	else
+		status = find_depths(world, cohort, found, err);
+	struct rb_depths last = *found;
 	if (status != RB_OK || found->deep_count == 0)
 		return status;
 	blame_unclosable(world, cohort, found);

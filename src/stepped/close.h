@@ -12,4 +12,7 @@
 RB_CHECKED enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort,
                                            struct rb_depths *found, struct rb_error *err);
 
+/* m: what moving positions is for; a deeper overlap is looked at again, stepped/again. */
+double rb_close_most(const struct rb_world *world, const struct rb_deep *deep, double h);
+
 #endif

@@ -21,6 +21,9 @@ struct rb_cohort {
 	struct rb_points points; /* of the try; `last` of the step before */
 	rb_vec3 *rebound;        /* owned, by point: N s on b */
 	size_t rebound_capacity;
+	struct rb_depths
+		depths; /* where the try has ended, if they are known; borrowed from the arena */
+	bool is_measured;
 };
 
 /* What has become of a try: rb_stepped's `bad` says for whom. */

@@ -281,9 +281,9 @@ static const struct rb_point *nearest_of_face(const struct rb_points *points, in
 	const struct rb_point *const end = first + points->count, *nearest = point;
 
 	for (const struct rb_point *p = point; p-- > first && share_face(p, point);)
-		nearest = p->gap <= nearest->gap ? p : nearest;
+		nearest = p->gap + p->bend <= nearest->gap + nearest->bend ? p : nearest;
 	for (const struct rb_point *p = point + 1; p < end && share_face(p, point); p++)
-		nearest = p->gap < nearest->gap ? p : nearest;
+		nearest = p->gap + p->bend < nearest->gap + nearest->bend ? p : nearest;
 	return nearest;
 }
 
@@ -293,20 +293,13 @@ static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
 }
 
 /*
- * Arms of a face end in one plane, which no normal velocity or torque sees, and opposite each other. Where gaps differ, or
- * places aside, turning would else ask for different slips of points on one line, and friction would creep on against itself.
+ * Arms of a face end in one plane, which no normal velocity sees and no torque of a push. Where gaps differ, turning would
+ * else ask for different slips of points on one line, and friction would creep on against itself.
  */
-static void level_arms(const struct rb_world *world, const struct rb_point *nearest,
-                       struct rb_dense_row *row)
+static void level_arms(const struct rb_point *nearest, struct rb_dense_row *row)
 {
-	const rb_vec3 n = row->normal;
-
-	row->arm_a = level(row->arm_a, nearest->arm_a, n);
-	if (nearest->b >= world->model->body_count) /* at rest */
-		return;
-	const rb_vec3 between = rb_vec3_sub(rb_world_row3(world->state.position, nearest->a),
-	                                    rb_world_row3(world->state.position, nearest->b));
-	row->arm_b = level(rb_vec3_add(row->arm_a, between), nearest->arm_b, n);
+	row->arm_a = level(row->arm_a, nearest->arm_a, row->normal);
+	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
 }
 
 static void fill_row(const struct pass *pass, struct rb_dense_row *row, int number)
@@ -323,7 +316,7 @@ static void fill_row(const struct pass *pass, struct rb_dense_row *row, int numb
 		.normal = point->normal,
 		.arm_a = point->arm_a,
 		.arm_b = point->arm_b,
-		.leave = -point->gap / solver->h_s,
+		.leave = -(point->gap + point->bend) / solver->h_s,
 		.friction = point->friction,
 		.push = point->push,
 		.rub = point->rub,
@@ -333,7 +326,7 @@ static void fill_row(const struct pass *pass, struct rb_dense_row *row, int numb
 	if (square > most * most)
 		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
 	if (!row->central)
-		level_arms(pass->world, nearest_of_face(points, number), row);
+		level_arms(nearest_of_face(points, number), row);
 	fill_yields(&solver->dense, row);
 }
 

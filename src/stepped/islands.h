@@ -20,6 +20,7 @@ struct rb_island {
 	bool rebounds;
 	bool carried; /* what does not yield moves under or against it */
 	bool rests;   /* still: it has no rows */
+	bool kept;    /* as an earlier look at the step has solved it */
 	double energy; /* J, twice: what a rebound may come to, but for work of driven bodies in it */
 	double share;        /* of the rebound, that keeps to it */
 	int sweeps, factors; /* of the last solution */

@@ -48,6 +48,17 @@ struct rb_near {
 	size_t own_capacity;
 };
 
+static inline size_t rb_near_live_count(const struct rb_near *near)
+{
+	return near->live ? near->live_count : near->pair_count;
+}
+
+/* The pair that is the k-th of those to be looked at. */
+static inline size_t rb_near_live(const struct rb_near *near, size_t k)
+{
+	return near->live ? near->live[k] : k;
+}
+
 RB_CHECKED enum rb_status rb_near_create(struct rb_near *near, const struct rb_model *model,
                                          struct rb_error *err);
 void rb_near_release(struct rb_near *near);

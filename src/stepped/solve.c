@@ -370,7 +370,7 @@ struct work {
 
 static bool is_due(const struct work *work, const struct rb_island *island)
 {
-	return !work->rebound || island->rebounds;
+	return work->rebound ? island->rebounds : !island->kept;
 }
 
 static void solve_block(void *user, int block, int worker)
@@ -432,6 +432,70 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;
+	if (!solve_all(&work))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	rb_islands_end(solver, world, points);
+	return RB_OK;
+}
+
+/* What was found of groups without a mark: bodies and results are put back when groups have been made anew. */
+struct earlier {
+	struct rb_dense_body *body; /* by body */
+	struct rb_island *island;
+	int *island_of;
+};
+
+static bool take_earlier(const struct rb_solver *solver, struct rb_arena *arena,
+                         struct earlier *earlier)
+{
+	const size_t n = (size_t)solver->body_count + 1;
+
+	earlier->body = rb_arena_take(arena, n, sizeof *earlier->body);
+	earlier->island_of = rb_arena_take(arena, n, sizeof *earlier->island_of);
+	earlier->island = rb_arena_take(arena, solver->island_count + 1, sizeof *earlier->island);
+	if (!earlier->body || !earlier->island_of || !earlier->island)
+		return false;
+	memcpy(earlier->body, solver->dense.body, n * sizeof *earlier->body);
+	memcpy(earlier->island_of, solver->island_of, n * sizeof *earlier->island_of);
+	if (solver->island_count > 0)
+		memcpy(earlier->island, solver->island,
+		       solver->island_count * sizeof *earlier->island);
+	return true;
+}
+
+static void put_back(struct rb_solver *solver, const struct earlier *earlier,
+                     const unsigned char *again)
+{
+	for (size_t g = 0; g < solver->island_count; g++) {
+		struct rb_island *island = &solver->island[g];
+		const int *member = solver->member + island->first_member;
+
+		if (again[member[0]])
+			continue;
+		const struct rb_island *was = &earlier->island[earlier->island_of[member[0]]];
+		island->kept = true;
+		island->sweeps = was->sweeps;
+		island->factors = was->factors;
+		island->residual = was->residual;
+		island->slip = was->slip;
+		for (int k = 0; k < island->member_count; k++)
+			solver->dense.body[member[k]] = earlier->body[member[k]];
+	}
+}
+
+enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
+                               struct rb_points *points, const unsigned char *again,
+                               struct rb_error *err)
+{
+	struct work work = {.solver = solver, .world = world};
+	struct earlier earlier;
+
+	if (!take_earlier(solver, &world->arena[0], &earlier))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	const enum rb_status status = rb_islands_make(solver, world, points, err);
+	if (status != RB_OK)
+		return status;
+	put_back(solver, &earlier, again);
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
 	rb_islands_end(solver, world, points);

@@ -27,6 +27,14 @@ RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_wor
  * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points] receives the impulses on b,
  * where there are any.
  */
+/*
+ * The same step with other points for groups whose bodies have a mark in `again`; the others keep what was found. The world's
+ * velocities are those without impulses again.
+ */
+RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
+                                          struct rb_points *points, const unsigned char *again,
+                                          struct rb_error *err);
+
 RB_CHECKED enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
                                             const struct rb_points *points, rb_vec3 *rebound,
                                             struct rb_error *err);

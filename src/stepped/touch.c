@@ -253,7 +253,9 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
 			.key = at->key ^ part * 0x9e3779b97f4a7c15u,
 			.normal = manifold->normal,
 			.arm_a = rb_vec3_sub(at->on_a, at_a),
-			.arm_b = rb_vec3_sub(at->on_b, at_b),
+			/* opposite: else the impulse would turn both */
+			.arm_b = rb_vec3_sub(
+				rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal), at_b),
 			.gap = at->gap,
 		};
 		fill_point(look, point);
@@ -396,11 +398,6 @@ struct looks {
 	struct look *block; /* what came of it */
 };
 
-static size_t live_count(const struct rb_near *near)
-{
-	return near->live ? near->live_count : near->pair_count;
-}
-
 static size_t end_of(size_t count, size_t first)
 {
 	return first + PAIRS_PER_BLOCK < count ? first + PAIRS_PER_BLOCK : count;
@@ -416,12 +413,13 @@ static void look_block(void *user, int block, int worker)
 	const struct looks *looks = user;
 	struct look look = looks->look;
 	const struct rb_near *near = look.near;
-	const size_t first = (size_t)block * PAIRS_PER_BLOCK, end = end_of(live_count(near), first);
+	const size_t first = (size_t)block * PAIRS_PER_BLOCK,
+		     end = end_of(rb_near_live_count(near), first);
 
 	const double most = look.most;
 	look.arena = &look.world->arena[worker];
 	for (size_t at = first; at < end && !look.failed; at++) {
-		const size_t k = near->live ? near->live[at] : at;
+		const size_t k = rb_near_live(near, at);
 		const struct rb_pair pair = near->pair[k];
 
 		look.pair = k;
@@ -437,7 +435,7 @@ static void look_block(void *user, int block, int worker)
 enum rb_status rb_points_add(struct rb_points *points, struct rb_world *world, struct rb_near *near,
                              double h, double most, struct rb_error *err)
 {
-	const int blocks = blocks_of(live_count(near));
+	const int blocks = blocks_of(rb_near_live_count(near));
 	struct looks looks = {
 		.look = {.world = world, .points = points, .near = near, .h = h, .most = most}};
 	bool good = true;
@@ -662,7 +660,7 @@ static void depth_block(void *user, int block, int worker)
 	const struct depths *work = user;
 	struct rb_near *near = work->near;
 	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
-	const size_t end = end_of(work->all ? near->pair_count : live_count(near), first);
+	const size_t end = end_of(work->all ? near->pair_count : rb_near_live_count(near), first);
 	size_t live = work->all ? first_live(near, first) : 0;
 	struct rb_depths depths = {0};
 
@@ -703,7 +701,7 @@ enum rb_status rb_points_depths(struct rb_world *world, struct rb_near *near,
 	                      .moved = moved,
 	                      .all = moved || isnan(near->still_depth),
 	                      .limit = world->model->tolerance_m};
-	const int blocks = blocks_of(work.all ? near->pair_count : live_count(near));
+	const int blocks = blocks_of(work.all ? near->pair_count : rb_near_live_count(near));
 
 	*found = (struct rb_depths){0};
 	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);

@@ -19,6 +19,7 @@ struct rb_point {
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
 	double gap;    /* m, at the beginning of the step */
+	double bend; /* m: more of a gap by the end than straight ways make it; 0 unless it was looked for */
 	double friction, restitution;
 	double approach; /* m/s: towards each other at the beginning of the step, before its forces */
 	double push;     /* N s */

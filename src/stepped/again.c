@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/again.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "stepped/close.h"
+
+/* The candidates between bodies of groups that are looked at again. */
+struct view {
+	unsigned char *again; /* by body: of a group that is looked at again */
+	int *body;            /* those, then driven ones */
+	int count;
+	size_t *pair; /* of the candidates */
+	size_t pair_count;
+};
+
+/* The group of a body of the cohort; -1: it has none, or stands. */
+static int group_of(const struct rb_world *world, int i)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	return rb_stepped_yields(world, i) && !s->stand.stands[i] ? s->solver.island_of[i] : -1;
+}
+
+/* Groups of the deepest pairs; false: there are none. */
+static bool mark_groups(const struct rb_world *world, const struct rb_depths *found,
+                        unsigned char *of_group)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	bool any = false;
+
+	for (size_t k = 0; k < found->deep_count; k++) {
+		const struct rb_deep *deep = &found->deep[k];
+		const int ends[2] = {deep->a, deep->b};
+
+		if (!(deep->depth > rb_close_most(world, deep, solver->h_s)))
+			continue;
+		for (int e = 0; e < 2; e++) {
+			const int g = group_of(world, ends[e]);
+
+			if (g < 0)
+				continue;
+			of_group[g] = 1;
+			any = true;
+		}
+	}
+	return any;
+}
+
+static bool is_seen(const struct rb_world *world, const struct view *view, struct rb_pair pair)
+{
+	return view->again[pair.a] && (!rb_stepped_yields(world, pair.b) || view->again[pair.b]);
+}
+
+static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
+                      const unsigned char *of_group, struct view *view)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+	const struct rb_near *near = cohort->near;
+	struct rb_arena *arena = &world->arena[0];
+	const size_t n = (size_t)world->model->body_count;
+
+	*view = (struct view){.again = rb_arena_take(arena, n, 1)};
+	view->body = rb_arena_take(arena, n, sizeof *view->body);
+	view->pair = rb_arena_take(arena, rb_near_live_count(near) + 1, sizeof *view->pair);
+	if (!view->again || !view->body || !view->pair)
+		return false;
+	memset(view->again, 0, n);
+	for (int k = 0; k < cohort->body_count; k++) {
+		const int i = cohort->body[k], g = solver->island_of[i];
+
+		view->again[i] = k < cohort->member_count && g >= 0 && of_group[g];
+		if (view->again[i] || k >= cohort->member_count)
+			view->body[view->count++] = i;
+	}
+	for (size_t k = 0; k < rb_near_live_count(near); k++)
+		if (is_seen(world, view, near->pair[rb_near_live(near, k)]))
+			view->pair[view->pair_count++] = rb_near_live(near, k);
+	return true;
+}
+
+/* Bodies' velocities are not ways ahead any more. */
+static void clear_velocities(struct rb_world *world, const struct view *view)
+{
+	for (int k = 0; k < view->count; k++) {
+		const size_t row = 3 * (size_t)view->body[k], size = 3 * sizeof(double);
+
+		memset(world->state.velocity + row, 0, size);
+		if (world->state.spin)
+			memset(world->state.spin + row, 0, size);
+	}
+}
+
+/* ---- points ---- */
+
+static bool is_same(const struct rb_point *x, const struct rb_point *y)
+{
+	return x->a == y->a && x->b == y->b && x->key == y->key;
+}
+
+/* Impulses of a pair's points go on where these have kept their names. */
+static void inherit(struct rb_point *fresh, size_t fresh_count, const struct rb_point *old,
+                    size_t old_count)
+{
+	for (size_t k = 0; k < fresh_count; k++)
+		for (size_t o = 0; o < old_count; o++) {
+			if (!is_same(&fresh[k], &old[o]))
+				continue;
+			fresh[k].push = old[o].push;
+			fresh[k].rub = rb_vec3_reject(old[o].rub, fresh[k].normal);
+			break;
+		}
+}
+
+/* The gap as it would be from the beginning on straight ways to here. */
+static void bend(const struct rb_solver *solver, struct rb_point *point)
+{
+	const struct rb_dense_row row = {
+		.a = point->a,
+		.b = point->b < solver->body_count ? point->b : solver->body_count,
+		.central = point->central,
+		.normal = point->normal,
+		.arm_a = point->arm_a,
+		.arm_b = point->arm_b,
+	};
+	const double here = point->gap;
+
+	/* what has closed stood open, as far as anybody is told */
+	point->gap = fmax(0, here);
+	point->bend = here - point->gap -
+	              solver->h_s *
+	                      rb_vec3_dot(rb_dense_velocity(&solver->dense, &row), row.normal);
+}
+
+static size_t length_of(const struct rb_point *row, size_t count, struct rb_pair pair)
+{
+	size_t length = 0;
+
+	while (length < count && row[length].a == pair.a && row[length].b == pair.b)
+		length++;
+	return length;
+}
+
+/* Somebody has come out on the other side: its way there is not to be trusted, and what it has left stays deep. */
+static bool is_through(const struct rb_point *old, size_t old_count, const struct rb_point *fresh,
+                       size_t fresh_count)
+{
+	return old_count > 0 && fresh_count > 0 && !(rb_vec3_dot(old->normal, fresh->normal) > 0);
+}
+
+/* In order of the candidates: those of the pairs looked at are new. */
+static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
+                            const struct view *view, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_points *fresh = &s->closing;
+	struct rb_points *points = &cohort->points;
+	const size_t most = points->count + fresh->count;
+	struct rb_point *old = rb_arena_take(&world->arena[0], points->count, sizeof *old);
+	const size_t old_count = points->count;
+	size_t at = 0, new_at = 0;
+
+	if (!old || !rb_memory_reserve(&points->row, &points->capacity, most, sizeof *points->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", most);
+	if (old_count > 0)
+		memcpy(old, points->row, old_count * sizeof *old);
+	points->count = 0;
+	for (size_t k = 0; k < cohort->near->pair_count; k++) {
+		const struct rb_pair pair = cohort->near->pair[k];
+		const size_t was = length_of(old + at, old_count - at, pair);
+		const size_t is = length_of(fresh->row + new_at, fresh->count - new_at, pair);
+		const bool seen = is_seen(world, view, pair) &&
+		                  !is_through(old + at, was, fresh->row + new_at, is);
+		struct rb_point *to = points->row + points->count;
+		const size_t count = seen ? is : was;
+
+		if (count > 0)
+			memcpy(to, seen ? fresh->row + new_at : old + at, count * sizeof *to);
+		for (size_t p = 0; seen && p < count; p++)
+			bend(&s->solver, &to[p]);
+		if (seen)
+			inherit(to, count, old + at, was);
+		points->count += count;
+		at += was;
+		new_at += is;
+	}
+	return RB_OK;
+}
+
+/* Points of the groups as they are now. */
+static enum rb_status find_points(struct rb_world *world, struct rb_near *near,
+                                  const struct view *view, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const size_t *const live = near->live;
+	const size_t live_count = near->live_count;
+
+	s->closing.count = 0;
+	near->live = view->pair;
+	near->live_count = view->pair_count;
+	const enum rb_status status = rb_points_add(&s->closing, world, near, s->solver.h_s,
+	                                            HUGE_VAL, err);
+	near->live = live;
+	near->live_count = live_count;
+	return status;
+}
+
+/* ---- the whole ---- */
+
+/* The beginning of the step, with the velocities that its forces have made. */
+static void go_back(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	const struct rb_solver *solver = &world->stepped->solver;
+
+	rb_state_copy_rows(&world->state, &world->mark, cohort->body, cohort->body_count);
+	for (int k = 0; k < cohort->body_count; k++) {
+		const size_t i = (size_t)cohort->body[k];
+
+		rb_vec3_to(world->state.velocity + 3 * i, solver->free[i].linear);
+		if (world->state.spin)
+			rb_vec3_to(world->state.spin + 3 * i, solver->free[i].angular);
+	}
+}
+
+enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool *again,
+                        struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_depths found;
+	struct view view;
+	unsigned char *of_group = rb_arena_take(&world->arena[0], s->solver.island_count + 1, 1);
+
+	*again = false;
+	if (!of_group)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
+	if (cohort->near == &s->near &&
+	    !rb_near_holds(&s->near, world, cohort->body, cohort->body_count))
+		return RB_OK;
+	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
+	enum rb_status status = rb_points_depths(world, cohort->near, NULL, NULL, &found, err);
+	if (status != RB_OK)
+		return status;
+	memset(of_group, 0, s->solver.island_count + 1);
+	if (!mark_groups(world, &found, of_group)) {
+		cohort->depths = found;
+		cohort->is_measured = true;
+		return RB_OK;
+	}
+	if (!take_view(world, cohort, of_group, &view))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the points of a step");
+	clear_velocities(world, &view);
+	status = find_points(world, cohort->near, &view, err);
+	if (status == RB_OK)
+		status = merge(world, cohort, &view, err);
+	if (status != RB_OK)
+		return status;
+	go_back(world, cohort);
+	*again = true;
+	return rb_solver_again(&s->solver, world, &cohort->points, view.again, err);
+}
