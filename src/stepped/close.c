@@ -47,6 +47,8 @@ struct search {
 	int *place;           /* by body: in `body` */
 	unsigned char *seen;  /* by body: its candidates have been looked at */
 	unsigned char *moved; /* by body: in the round before */
+	int *parent;          /* by body: groups as far as they are known */
+	unsigned char *lost;  /* by group: somebody in it is bad */
 	unsigned char *looked; /* by pair */
 	int *wave, *active,
 		*stilled;     /* bodies: to look from; seen ones; without their velocities */
@@ -71,14 +73,16 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->seen = rb_arena_take(arena, n, 1);
 	search->moved = rb_arena_take(arena, n, 1);
 	search->still = rb_arena_take(arena, n, 1);
+	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
+	search->lost = rb_arena_take(arena, n, 1);
 	search->looked = rb_arena_take(arena, pairs + 1, 1);
 	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
 	search->active = rb_arena_take(arena, n, sizeof *search->active);
 	search->stilled = rb_arena_take(arena, n, sizeof *search->stilled);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	if (search->place && search->first && search->of && search->seen && search->moved &&
-	    search->still && search->looked && search->wave && search->active && search->stilled &&
-	    search->pair) {
+	    search->still && search->parent && search->lost && search->looked && search->wave &&
+	    search->active && search->stilled && search->pair) {
 		memset(search->moved, 0, n);
 		memset(search->still, 0, n);
 		return RB_OK;
@@ -162,7 +166,51 @@ static void look_from(struct search *search, int i)
 	search->wave[search->wave_count++] = i;
 }
 
-/* Candidates of the bodies of the wave that have not been looked at. */
+static void join(struct search *search, const struct rb_point *point)
+{
+	if (rb_stepped_yields(search->world, point->b)) {
+		const int a = rb_forest_root(search->parent, point->a);
+		const int b = rb_forest_root(search->parent, point->b);
+		const bool lost = search->lost[a] || search->lost[b];
+
+		search->parent[a > b ? a : b] = a > b ? b : a;
+		search->lost[a > b ? b : a] = lost;
+	}
+	look_from(search, point->a);
+	look_from(search, point->b);
+}
+
+/* Groups with somebody who is bad are not moved: what overlaps with one need not be looked from. */
+static void begin_round(struct search *search, const struct rb_depths *found)
+{
+	const unsigned char *bad = search->world->stepped->bad;
+
+	for (int k = 0; k < search->count; k++) {
+		const int i = search->body[k];
+
+		search->seen[i] = 0;
+		search->parent[i] = i;
+		search->lost[i] = bad[i];
+	}
+	memset(search->looked, 0, search->cohort->near->pair_count);
+	search->wave_count = 0;
+	for (size_t k = 0; k < found->deep_count; k++) {
+		const int a = found->deep[k].a, b = found->deep[k].b;
+		const bool yields = rb_stepped_yields(search->world, b);
+
+		if (!bad[a] && !(yields && bad[b]))
+			continue;
+		search->lost[a] = 1;
+		if (yields)
+			search->lost[b] = 1;
+	}
+	for (size_t k = 0; k < found->deep_count; k++) {
+		look_from(search, found->deep[k].a);
+		look_from(search, found->deep[k].b);
+	}
+}
+
+/* Candidates of the bodies of the wave that have not been looked at, but for groups that are lost. */
 static size_t next_pairs(struct search *search)
 {
 	const struct rb_near *near = search->cohort->near;
@@ -171,6 +219,8 @@ static size_t next_pairs(struct search *search)
 	for (int k = 0; k < search->wave_count; k++) {
 		const int place = search->place[search->wave[k]];
 
+		if (search->lost[rb_forest_root(search->parent, search->wave[k])])
+			continue;
 		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
 			const uint32_t pair = search->of[at];
 
@@ -197,24 +247,15 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	const size_t live_count = near->live_count;
 	enum rb_status status = RB_OK;
 
-	for (int k = 0; k < search->count; k++)
-		search->seen[search->body[k]] = 0;
-	memset(search->looked, 0, near->pair_count);
 	points->count = 0;
-	search->wave_count = 0;
-	for (size_t k = 0; k < found->deep_count; k++) {
-		look_from(search, found->deep[k].a);
-		look_from(search, found->deep[k].b);
-	}
+	begin_round(search, found);
 	near->live = search->pair;
 	while (status == RB_OK && (near->live_count = next_pairs(search)) > 0) {
 		size_t at = points->count;
 
 		status = rb_points_add(points, world, near, 1, most, err);
-		for (; at < points->count; at++) {
-			look_from(search, points->row[at].a);
-			look_from(search, points->row[at].b);
-		}
+		for (; at < points->count; at++)
+			join(search, &points->row[at]);
 	}
 	near->live = live;
 	near->live_count = live_count;
@@ -226,42 +267,22 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 }
 
 /* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
-static enum rb_status keep_points(const struct search *search, const struct rb_depths *found,
-                                  struct rb_error *err)
+static void keep_points(const struct search *search, const struct rb_depths *found)
 {
-	struct rb_world *world = search->world;
-	struct rb_stepped *s = world->stepped;
-	struct rb_points *points = &s->closing;
-	const size_t n = (size_t)world->model->body_count;
-	int *parent = rb_arena_take(&world->arena[0], n, sizeof *parent);
-	signed char *moves = rb_arena_take(&world->arena[0], n, 1);
+	struct rb_points *points = &search->world->stepped->closing;
 	size_t kept = 0;
 
-	if (!parent || !moves)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
-	for (int k = 0; k < search->active_count; k++) {
-		parent[search->active[k]] = search->active[k];
-		moves[search->active[k]] = 0;
-	}
-	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
-
-		if (!rb_stepped_yields(world, point->b))
-			continue;
-		const int a = rb_forest_root(parent, point->a),
-			  b = rb_forest_root(parent, point->b);
-		parent[a > b ? a : b] = a > b ? b : a;
-	}
+	memset(search->moved, 0, (size_t)search->world->model->body_count);
 	for (size_t k = 0; k < found->deep_count; k++)
-		moves[rb_forest_root(parent, found->deep[k].a)] = 1;
-	for (int k = 0; s->bad_count > 0 && k < search->active_count; k++)
-		if (s->bad[search->active[k]])
-			moves[rb_forest_root(parent, search->active[k])] = -1;
-	for (size_t k = 0; k < points->count; k++)
-		if (moves[rb_forest_root(parent, points->row[k].a)] > 0)
+		search->moved[rb_forest_root(search->parent, found->deep[k].a)] = 1;
+	for (size_t k = 0; k < points->count; k++) {
+		const int root = rb_forest_root(search->parent, points->row[k].a);
+
+		if (search->moved[root] && !search->lost[root])
 			points->row[kept++] = points->row[k];
+	}
 	points->count = kept;
-	return RB_OK;
+	memset(search->moved, 0, (size_t)search->world->model->body_count);
 }
 
 /* ---- moving ---- */
@@ -312,7 +333,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	const double most = CHAIN_MOST * deepest(found) + world->model->tolerance_m;
 	enum rb_status status = find_points(search, found, most, err);
 	if (status == RB_OK)
-		status = keep_points(search, found, err);
+		keep_points(search, found);
 	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++)
 		s->closing.row[k].friction = 0;
 	/* driven bodies have no velocity either */
