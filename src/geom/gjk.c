@@ -106,7 +106,8 @@ static bool has(const simplex *s, rb_vec3 w)
 	return false;
 }
 
-bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds, rb_vec3 *axis)
+double rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
+                     rb_vec3 *axis)
 {
 	rb_vec3 d = rb_vec3_dot(*axis, *axis) > 0 ? *axis : rb_vec3_sub(b->at, a->at);
 	nearest now = {.square = (double)INFINITY};
@@ -117,20 +118,21 @@ bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int rou
 		const rb_vec3 w = rb_vec3_sub(rb_placed_support(b, rb_vec3_neg(n)),
 		                              rb_placed_support(a, n));
 		*axis = n;
-		if (rb_vec3_dot(w, n) > limit)
-			return true;
+		const double proved = rb_vec3_dot(w, n);
+		if (proved > limit)
+			return proved;
 		if (round + 1 == rounds || has(&now.part, w))
-			return false;
+			break;
 		now.part.w[now.part.count++] = w;
 		if (now.part.count == 4 && holds_origin(&now.part))
-			return false;
+			break;
 		const nearest next = look(&now.part);
 		if (!(next.square < now.square) || next.square <= close)
-			return false;
+			break;
 		now = next;
 		d = now.v;
 	}
-	return false;
+	return -(double)INFINITY;
 }
 
 rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)

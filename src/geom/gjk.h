@@ -22,9 +22,10 @@ typedef struct {
 rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale);
 
 /*
- * True: `*axis`, unit, proves them farther apart than `limit`, m, by its own sum. False: nearer, or not seen to be apart.
+ * How far `*axis`, unit, proves them apart by its own sum, m, if that is more than `limit`. -INFINITY: nearer, or not seen to be.
  * Begins with the direction in `*axis`, where that is not zero, and leaves the last one tried there, of at most `rounds`. The same cores.
  */
-bool rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds, rb_vec3 *axis);
+double rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
+                     rb_vec3 *axis);
 
 #endif

@@ -252,17 +252,20 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	return (rb_separation){axis.normal, axis.gap, noise};
 }
 
-bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
-                          rb_vec3 *axis)
+double rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
+                            rb_vec3 *axis)
 {
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
 	/* the sum of the parts is no less than the length, and needs no root */
 	const double scale = fabs(d.x) + fabs(d.y) + fabs(d.z) + a->core->reach + b->core->reach;
 	const double noise = NOISE_ULP * DBL_EPSILON * scale;
 
-	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE)
-		return of_half_space(a, b, noise).gap > limit + noise;
-	if (both_points(a, b))
-		return rb_vec3_length(d) > limit + noise;
-	return rb_gjk_beyond(a, b, limit + 2 * noise, rounds, axis);
+	if (a->core->kind == RB_CORE_HALF_SPACE || b->core->kind == RB_CORE_HALF_SPACE ||
+	    both_points(a, b)) {
+		const double gap = both_points(a, b) ? rb_vec3_length(d)
+		                                     : of_half_space(a, b, noise).gap;
+
+		return gap > limit + noise ? gap - noise : -(double)INFINITY;
+	}
+	return rb_gjk_beyond(a, b, limit + 2 * noise, rounds, axis) - 2 * noise;
 }

@@ -18,11 +18,11 @@ typedef struct {
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
 
 /*
- * True only where rb_separation_of would find a gap above `limit`, m, with room for rounding; false says nothing. Cheap
- * where `*axis` still tells them apart, which it did when this was last true; zero: no idea. `rounds`: how many directions
- * may be tried.
+ * A gap, m, that rb_separation_of would find no less than, with room for rounding, if one above `limit` is seen; else
+ * -INFINITY, which says nothing. Cheap where `*axis` still tells them apart, which it did when this last did; zero: no idea.
+ * `rounds`: how many directions may be tried.
  */
-bool rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
-                          rb_vec3 *axis);
+double rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,
+                            rb_vec3 *axis);
 
 #endif

@@ -170,6 +170,8 @@ void rb_land_show(struct rb_land *land, size_t first, size_t count)
 	near->pair = land->pair + first;
 	near->pair_count = count;
 	near->depth = near->own_depth + first;
+	if (near->own_room)
+		near->room = near->own_room + first;
 	if (near->own_first_clue)
 		near->first_clue = near->own_first_clue + first;
 }

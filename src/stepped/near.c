@@ -13,12 +13,31 @@ enum {
 	BODIES_PER_BLOCK = 512
 };
 
+/* Points of a body that turns by an angle t move by 2 sin(t / 2) of their distance at most; quaternions by 2 sin(t / 4). */
+static void go_on(struct rb_near *near, int i, rb_vec3 to, rb_quat turn)
+{
+	const rb_vec3 from = near->at[i], way = rb_vec3_sub(to, from);
+	const rb_quat q = near->turn[i];
+	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
+	const double square = w * w + x * x + y * y + z * z;
+
+	near->turn[i] = turn;
+	if (square > 0)
+		near->path[i] += 2 * near->size[i] * sqrt(square) * (1 + 1e-9);
+	if (way.x != 0 || way.y != 0 || way.z != 0)
+		near->path[i] += rb_vec3_length(way) * (1 + 1e-9) +
+		                 4 * DBL_EPSILON * (fabs(to.x) + fabs(to.y) + fabs(to.z));
+}
+
 static void place(struct rb_near *near, const struct rb_model *model, int i, rb_vec3 origin,
                   rb_quat orientation)
 {
 	const struct rb_body_parts *parts = rb_model_parts(model, i);
 	rb_placed *placed = near->placed + near->first_part[i];
 
+	if (i < model->body_count)
+		go_on(near, i, origin, orientation);
+	near->at[i] = origin;
 	for (int k = 0; k < parts->count; k++)
 		placed[k] = rb_body_part_place(&parts->part[k], origin, orientation);
 }
@@ -40,8 +59,15 @@ static bool take_parts(struct rb_near *near, const struct rb_model *model)
 	near->first_part[count] = parts;
 	near->placed = rb_memory_take((size_t)parts, sizeof *near->placed);
 	near->ahead = rb_memory_take((size_t)model->body_count, sizeof *near->ahead);
-	if (!near->placed || !near->ahead)
+	near->turn = rb_memory_take((size_t)model->body_count, sizeof *near->turn);
+	near->path = rb_memory_take((size_t)model->body_count, sizeof *near->path);
+	near->at = rb_memory_take((size_t)count, sizeof *near->at);
+	near->size = rb_memory_take((size_t)count, sizeof *near->size);
+	if (!near->placed || !near->ahead || !near->turn || !near->path || !near->at || !near->size)
 		return false;
+	for (int i = 0; i < count; i++)
+		near->size[i] = model->shape[i].kind == RB_SHAPE_PLANE ? (double)INFINITY
+		                                                       : rb_near_size(model, i);
 	for (int i = model->body_count; i < count; i++)
 		place(near, model, i, model->position[i], model->orientation[i]);
 	return true;
@@ -70,10 +96,15 @@ void rb_near_release(struct rb_near *near)
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
 	rb_memory_free(near->own_depth);
+	rb_memory_free(near->own_room);
 	rb_memory_free(near->clue);
 	rb_memory_free(near->own_first_clue);
 	rb_memory_free(near->first_part);
 	rb_memory_free(near->placed);
+	rb_memory_free(near->turn);
+	rb_memory_free(near->path);
+	rb_memory_free(near->at);
+	rb_memory_free(near->size);
 	rb_memory_free(near->ahead);
 	rb_memory_free(near->own);
 	*near = (struct rb_near){0};
@@ -189,6 +220,13 @@ enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err)
 	near->depth = near->own_depth;
 	if (!near->placed)
 		return RB_OK;
+	if (!rb_memory_reserve(&near->own_room, &near->room_capacity, near->pair_count + 1,
+	                       sizeof *near->own_room))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++)
+		near->own_room[k] = -(double)INFINITY;
+	near->room = near->own_room;
 	if (!rb_memory_reserve(&near->own_first_clue, &near->first_clue_capacity,
 	                       near->pair_count + 1, sizeof *near->own_first_clue))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",

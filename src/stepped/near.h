@@ -31,9 +31,14 @@ struct rb_near {
 	/* borrowed: of these pairs, ascending, those to be looked at; NULL: all */
 	const size_t *live;
 	size_t live_count;
-	/* m: overlap of each pair when it was last measured, as `pair`; NAN: not yet, or not as it stands now */
+	/*
+	 * m: overlap of each pair when it was last measured, as `pair`; negative: it is no more than that; NAN: not measured
+	 * yet, or not as it stands now
+	 */
 	double *depth, *own_depth;
-	size_t depth_capacity;
+	/* Of pairs with parts, m: as long as their bodies' `path` together is shorter, they are apart by the difference. */
+	double *room, *own_room;
+	size_t depth_capacity, room_capacity;
 	double still_depth; /* m: the largest of pairs that are not live; NAN: not known */
 	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clues. */
 	struct rb_clue *clue; /* of each two parts of each pair */
@@ -42,7 +47,11 @@ struct rb_near {
 	size_t clue_capacity, first_clue_capacity;
 	int *first_part;   /* [bodies and statics + 1] into `placed` */
 	rb_placed *placed; /* where parts stand: rb_near_place */
-	double *ahead;     /* [bodies] m: how far points of each may get in the step, turning too */
+	rb_vec3 *at;       /* [bodies and statics] m: their origins, as the parts stand */
+	rb_quat *turn;     /* [bodies] so are they turned */
+	double *path; /* [bodies] m: how far points of each have got at most, through all placings */
+	double *size; /* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */
+	double *ahead; /* [bodies] m: how far points of each may get in the step, turning too */
 	struct rb_pair *
 		own; /* owned: rb_near_keep; where bodies are driven: pairs in which the first yields */
 	size_t own_capacity;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/touch.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -273,6 +274,44 @@ struct parts {
 	double radii; /* m, of both together */
 };
 
+static inline double path_of(const struct rb_near *near, struct rb_pair pair, int n)
+{
+	return near->path[pair.a] + (pair.b < n ? near->path[pair.b] : 0);
+}
+
+/*
+ * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than they have moved since; or by
+ * spheres about them.
+ */
+static inline bool are_far(const struct rb_near *near, size_t k, double path, double most)
+{
+	if (near->room[k] - path > most + 4 * DBL_EPSILON * path)
+		return true;
+	const struct rb_pair pair = near->pair[k];
+	const rb_vec3 d = rb_vec3_sub(near->at[pair.b], near->at[pair.a]);
+	const double sizes = (near->size[pair.a] + near->size[pair.b]) * (1 + 1e-12);
+	const double square = rb_vec3_dot(d, d), whole = (sizes + most) * (1 + 1e-12);
+
+	if (!(whole > 0 && square > whole * whole))
+		return false;
+	near->room[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
+	return true;
+}
+
+/* The same of two of their parts: how far, at least, or -INFINITY. */
+static inline double parts_room(const rb_placed *a, const rb_placed *b, double most)
+{
+	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
+	const double sizes = a->core->reach + b->core->reach + a->core->radius + b->core->radius;
+	const double square = rb_vec3_dot(d, d), whole = (sizes + most) * (1 + 1e-12);
+
+	/* a half space has no reach */
+	return a->core->kind != RB_CORE_HALF_SPACE && b->core->kind != RB_CORE_HALF_SPACE &&
+	                       whole > 0 && square > whole * whole
+	               ? sqrt(square) * (1 - 1e-12) - sizes
+	               : -(double)INFINITY;
+}
+
 static struct parts parts_of(const rb_placed *a, const rb_placed *b)
 {
 	return (struct parts){{a->core, {0, 0, 0}, a->turn},
@@ -280,27 +319,19 @@ static struct parts parts_of(const rb_placed *a, const rb_placed *b)
 	                      a->core->radius + b->core->radius};
 }
 
-static bool is_half_space(const rb_placed *p)
+/* How far they are apart at least, if that is seen to be more than `most`, m; else -INFINITY. */
+static double room_of(const struct parts *parts, double most, struct rb_clue *clue)
 {
-	return p->core->kind == RB_CORE_HALF_SPACE;
+	const int rounds = clue->is_close ? ROUNDS_CLOSE : ROUNDS_APART;
+
+	return rb_separation_beyond(&parts->a, &parts->b, most + parts->radii, rounds,
+	                            &clue->axis) -
+	       parts->radii;
 }
 
-/* Whether they are certainly farther apart than `most`, m. */
-static bool are_beyond(const struct parts *parts, double most, struct rb_clue *clue)
-{
-	const rb_vec3 d = parts->b.at;
-	const double whole = parts->a.core->reach + parts->b.core->reach + parts->radii + most;
-
-	/* a half space has no reach */
-	if (!is_half_space(&parts->a) && !is_half_space(&parts->b) &&
-	    rb_vec3_dot(d, d) > whole * whole)
-		return true;
-	return rb_separation_beyond(&parts->a, &parts->b, most + parts->radii,
-	                            clue->is_close ? ROUNDS_CLOSE : ROUNDS_APART, &clue->axis);
-}
-
-static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
-                          struct rb_clue *clues)
+/* How far all of them are apart at least; -INFINITY: nothing is known. */
+static double look_at_parts(struct look *look, struct rb_pair pair, double slack,
+                            struct rb_clue *clues)
 {
 	const struct rb_near *near = look->near;
 	const double fine = fine_share * look->world->model->tolerance_m;
@@ -308,18 +339,23 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
 	const int count_a = rb_near_part_count(near, pair.a);
 	const int count_b = rb_near_part_count(near, pair.b);
 	rb_manifold manifold;
+	double room = (double)INFINITY;
 
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
 			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
-			const struct parts parts = parts_of(pa, pb);
 			struct rb_clue *clue = &clues[i * count_b + j];
 
-			const bool apart = are_beyond(&parts, slack, clue);
+			const struct parts parts = parts_of(pa, pb);
+			double apart = parts_room(pa, pb, slack);
 
-			clue->is_close = !apart;
-			if (apart)
+			if (!(apart > slack))
+				apart = room_of(&parts, slack, clue);
+			room = fmin(room, apart);
+			if (apart > slack) {
+				clue->is_close = false;
 				continue;
+			}
 			rb_manifold_with_nearest(&manifold, pa, pb, slack, fine);
 			clue->axis = manifold.normal;
 			clue->is_close = manifold.gap <= slack;
@@ -329,6 +365,7 @@ static void look_at_parts(struct look *look, struct rb_pair pair, double slack,
 			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
 		}
 	}
+	return room;
 }
 
 /* How far turning may carry points of the body at that distance within the step, m. */
@@ -390,6 +427,22 @@ static double closing_of(const struct look *look, struct rb_pair pair)
 	return model->driven ? closing + plane_turn(look, pair) : closing;
 }
 
+/* Whether that could be enough, seen at a glance. */
+static bool may_close(const struct look *look, struct rb_pair pair, double path)
+{
+	const struct rb_near *near = look->near;
+	const struct rb_model *model = look->world->model;
+	double closing = near->ahead[pair.a] + model->tolerance_m;
+
+	if (pair.b < model->body_count) {
+		closing += near->ahead[pair.b];
+		/* a plate may turn */
+		if (model->driven && model->driven[pair.b])
+			return true;
+	}
+	return !are_far(near, look->pair, path, closing < look->most ? closing : look->most);
+}
+
 /* ---- all pairs, by blocks ---- */
 
 struct looks {
@@ -417,17 +470,22 @@ static void look_block(void *user, int block, int worker)
 		     end = end_of(rb_near_live_count(near), first);
 
 	const double most = look.most;
+	const int n = look.world->model->body_count;
 	look.arena = &look.world->arena[worker];
 	for (size_t at = first; at < end && !look.failed; at++) {
 		const size_t k = rb_near_live(near, at);
 		const struct rb_pair pair = near->pair[k];
 
 		look.pair = k;
-		if (is_plain(look.world->model, pair.a, pair.b))
+		if (is_plain(look.world->model, pair.a, pair.b)) {
 			look_at_plain(&look, pair, fmin(slack_of(&look, pair), most));
-		else
-			look_at_parts(&look, pair, fmin(closing_of(&look, pair), most),
-			              &near->clue[near->first_clue[k]]);
+			continue;
+		}
+		const double path = path_of(near, pair, n);
+		if (may_close(&look, pair, path))
+			near->room[k] = path + look_at_parts(&look, pair,
+			                                     fmin(closing_of(&look, pair), most),
+			                                     &near->clue[near->first_clue[k]]);
 	}
 	looks->block[block] = look;
 }
@@ -575,36 +633,53 @@ struct depths {
 	struct rb_depths *block;
 };
 
-static double depth_of_parts(const struct rb_near *near, struct rb_pair pair, struct rb_clue *clues)
+/* How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see that costs little. */
+static double depth_of_parts(const struct rb_near *near, size_t k, double path, double least)
 {
+	const struct rb_pair pair = near->pair[k];
+	struct rb_clue *clues = &near->clue[near->first_clue[k]];
 	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
 	const int count_a = rb_near_part_count(near, pair.a);
 	const int count_b = rb_near_part_count(near, pair.b);
 	double depth = 0;
+	double room = (double)INFINITY;
+	bool bounded = false;
 
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
-			const struct parts parts = parts_of(&near->placed[a + i],
-			                                    &near->placed[b + j]);
+			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
 			struct rb_clue *clue = &clues[i * count_b + j];
 
-			if (are_beyond(&parts, 0, clue))
+			double apart = parts_room(pa, pb, 0);
+			const struct parts parts = parts_of(pa, pb);
+
+			if (!(apart > 0))
+				apart = room_of(&parts, -fmax(depth, least), clue);
+			room = fmin(room, apart);
+			if (apart > -fmax(depth, least)) {
+				bounded = bounded || (apart < 0 && least > depth);
 				continue;
+			}
 			const rb_separation s = rb_separation_of(&parts.a, &parts.b);
 			clue->axis = s.normal;
 			depth = fmax(depth, parts.radii - s.gap);
 		}
 	}
-	return depth;
+	near->room[k] = path + room;
+	return bounded && depth < least ? -least : depth;
 }
 
-static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k)
+static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k,
+                       double least)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_pair pair = near->pair[k];
 
-	if (!is_plain(model, pair.a, pair.b))
-		return depth_of_parts(near, pair, &near->clue[near->first_clue[k]]);
+	if (!is_plain(model, pair.a, pair.b)) {
+		const double path = path_of(near, pair, model->body_count);
+
+		return are_far(near, k, path, 0) ? 0 : depth_of_parts(near, k, path, least);
+	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
@@ -613,7 +688,7 @@ static double depth_of(const struct rb_world *world, const struct rb_near *near,
 		if (rb_vec3_dot(d, d) > sum * sum)
 			return 0;
 	}
-	return -rb_gap_of(world, &world->state, pair.a, pair.b).gap;
+	return fmax(0, -rb_gap_of(world, &world->state, pair.a, pair.b).gap);
 }
 
 static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb_deep deep)
@@ -675,9 +750,13 @@ static void depth_block(void *user, int block, int worker)
 			near->depth[k] = NAN;
 			continue;
 		}
-		if ((work->moved ? is_marked(work->world, work->moved, pair) : is_live) ||
-		    isnan(near->depth[k]))
-			near->depth[k] = depth_of(work->world, near, k);
+		/* nobody asks how deep those are that are less deep than others */
+		const double least = is_live ? depths.most : depths.still;
+		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
+
+		/* written so that NaN is measured */
+		if (due || !(near->depth[k] >= -least))
+			near->depth[k] = depth_of(work->world, near, k, least);
 		const double depth = near->depth[k];
 
 		if (depth > work->limit)

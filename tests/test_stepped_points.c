@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT */
+/* src/stepped/near, src/stepped/touch: what was far apart is not looked at again until it could be near. */
+#include "worlds.h"
+
+#include "stepped/inside.h"
+#include "world/world.h"
+
+static int add_box(struct lab *lab, rb_vec3 size, rb_vec3 at, rb_vec3 velocity, rb_vec3 spin)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "box";
+	def.shape.kind = RB_SHAPE_BOX;
+	rb_vec3_to(def.shape.size, size);
+	def.mass = 1;
+	def.position = at;
+	def.velocity = velocity;
+	def.angular_velocity = spin;
+	return lab_add(lab, &def);
+}
+
+static void open_weightless(struct lab *lab, double duration)
+{
+	lab_open(lab, duration, 60);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = 1.0 / 240;
+	lab_surface(lab, 0.3, 0);
+}
+
+static void run_within_tolerance(struct lab *lab)
+{
+	lab_seal(lab, 1);
+	lab_run(lab);
+	assert_true(rb_world_totals(lab->world).max_penetration <= lab->model->tolerance_m);
+}
+
+static const rb_vec3 none = {0, 0, 0};
+
+/* Only its turning brings it there: its centre stays where it is. */
+static void a_stick_that_turns_hits_what_its_tip_reaches(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_weightless(&lab, 3);
+	add_box(&lab, (rb_vec3){4, 0.1, 0.1}, none, none, (rb_vec3){0, 0, 1});
+	const int hit = add_box(&lab, (rb_vec3){0.2, 0.2, 0.2}, (rb_vec3){0, 1.8, 0}, none, none);
+	run_within_tolerance(&lab);
+	/* a quarter of a turn, less what both are wide, takes about 1.5 s */
+	assert_true(rb_world_velocity(lab.world, hit).x < -0.2);
+	lab_close(&lab);
+}
+
+/* Seen far apart for long, and between others: nobody meets it but the wall, and then whom it had left. */
+static void what_comes_back_is_met(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_weightless(&lab, 3);
+	lab.scene.materials[0].restitution = 1;
+	lab_plane(&lab, (rb_vec3){1, 0, 0}, (rb_vec3){-1, 0, 0});
+	const int stays = add_box(&lab, (rb_vec3){0.5, 0.5, 0.5}, (rb_vec3){-0.3, 0, 0}, none,
+	                          none);
+	add_box(&lab, (rb_vec3){0.5, 0.5, 0.5}, (rb_vec3){0.21, 0, 0}, (rb_vec3){0.5, 0, 0}, none);
+	run_within_tolerance(&lab);
+	assert_near(rb_world_velocity(lab.world, stays).x, -0.5, 1e-6);
+	lab_close(&lab);
+}
+
+/* Many boxes in one heap: what each pair is known to be apart must not be more than it is. */
+static void a_heap_of_boxes_that_turn_stays_within_the_tolerance(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_weightless(&lab, 1.5);
+	lab.scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 4; k++) {
+		const rb_vec3 n = {k == 0 ? 1 : k == 1 ? -1 : 0, k == 2 ? 1 : k == 3 ? -1 : 0, 0};
+
+		lab_plane(&lab, rb_vec3_scale(-1, n), n);
+	}
+	for (int k = 0; k < 36; k++)
+		add_box(&lab, (rb_vec3){0.5, 0.3, 0.2},
+		        (rb_vec3){0.6 * (k % 3 - 1), 0.6 * (k / 3 % 3 - 1), 0.4 + 0.6 * (k / 9)},
+		        none, (rb_vec3){sin(k), 2 * cos(3.0 * k), sin(5.0 * k)});
+	run_within_tolerance(&lab);
+	for (int i = 0; i < lab.model->body_count; i++)
+		assert_true(lab.world->stepped->near.path[i] > 0.3);
+	assert_true(rb_world_work(lab.world).rows > 0);
+	lab_close(&lab);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),
+		cmocka_unit_test(what_comes_back_is_met),
+		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
