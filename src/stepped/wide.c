@@ -9,10 +9,13 @@
 enum { WIDTH = 4, BLOCK_PACKS = 32 };
 
 /* Share of its last way that a row is led on by, at most, to begin with: more swings where rows slide. */
-static const double lead_first = 0.9;
+static const double lead_first = 0.98;
 
-/* Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile. */
-enum { SWEEPS_WATCHED = 24 };
+/*
+ * Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile; times in
+ * succession that this may be, when impulses creep on for no end.
+ */
+enum { SWEEPS_WATCHED = 24, STALLED_MOST = 6 };
 static const double fall_share = 0.9, lead_growth = 1.5;
 
 /*
@@ -555,6 +558,7 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
                                      bool holds)
 {
 	struct rb_sweep_result result = {0, 0};
+	int stalled = 0;
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
 
 	run_all(wide, holds ? LOAD_HELD : LOAD, 0);
@@ -565,7 +569,10 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 			break;
 		least = fmin(least, result.residual);
 		if (result.sweeps % SWEEPS_WATCHED == 0) {
-			if (least > fall_share * before)
+			stalled = least > fall_share * before ? stalled + 1 : 0;
+			if (stalled == STALLED_MOST)
+				break;
+			if (stalled > 0)
 				lead = fmax(0, 1 - lead_growth * (1 - lead));
 			before = least;
 			least = (double)INFINITY;
