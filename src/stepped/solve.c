@@ -15,6 +15,8 @@ enum { LARGE_ROWS = 2048, BLOCK_ROWS = 256 };
 enum { SWEEPS_FIRST = 200, SWEEPS_MOST = 1000, SWEEPS_QUIET = 64 };
 /* The same where rows are in packs, and may be held; of spheres, most that stall are held sooner. */
 enum { WIDE_FIRST = 60, WIDE_MOST = 400, CENTRAL_MOST = 140, WIDE_HOLD = 100 };
+/* Turns of pushes and friction before a group is given up; sweeps of both in each. */
+enum { TURNS_MOST = 6, TURN_SWEEPS = 100 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, STANDING, STALLED, QUIET };
 enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
@@ -177,6 +179,23 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double en
 	island->slip = island->residual / RB_SLIP_SHARE;
 	island->residual = result.residual;
 	return true;
+}
+
+/*
+ * Where friction is not nearly right either, pushes are put right for it and it goes on from there, in turns: pushes and
+ * friction that are far from each other's make sweeps of both swing. For large groups, of which a lost step costs most:
+ * small ones are sooner done with shorter steps.
+ */
+static bool take_turns(struct rb_sweeper *sweeper, struct rb_island *island, double enough)
+{
+	for (int turn = 0; turn < TURNS_MOST; turn++) {
+		if (island->residual <= hold_slack * enough)
+			return false;
+		island->sweeps += rb_sweeper_hold(sweeper, enough, WIDE_HOLD).sweeps;
+		if (sweep_more(sweeper, island, enough, TURN_SWEEPS))
+			return true;
+	}
+	return false;
 }
 
 /* m/s: what moves no faster is quiet: neither much more than the tolerance in a step, nor than its forces make it in one. */
@@ -349,6 +368,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		good = sweep_more(&sweeper, island, enough / sweep_share, most_of(&sweeper));
 	if (!good)
 		good = try_factors(solver, island, &dense, STALLED, arena);
+	if (!good && solver->before && island->row_count >= LARGE_ROWS)
+		good = take_turns(&sweeper, island, enough / sweep_share);
 	if (!good)
 		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
 	if (!good && !sweeper.wide)
