@@ -22,9 +22,14 @@ static const double doubtful = 1e-8;
 /* Share of accelerations by which two solutions for the same motion differ. */
 static const double otherwise = 1e-10;
 
+/* Share of a column by which it is told from others, where that leads to forces that pull. */
+static const double nearly_open = 1e-6;
+
 /* What the rounding of places may cost at most, of the tolerance's sizes. */
 static const double coarse = 1e-6;
 
+/* A piece that is cut at less than this part of it was cut at once. */
+enum { AT_ONCE = 1024 };
 enum { LOOKS = 8, BISECTIONS = 80, HIT_ULP = 8 };
 
 /* ---- the problem that math/gauss sees ---- */
@@ -378,6 +383,29 @@ static void end_slips(struct rb_modes *w, double s, double *value)
 	}
 }
 
+/*
+ * Does a contact that sticks need more than its friction as soon as the piece has begun? Where forces are open, there may be
+ * some for which it holds, at every moment anew, and none that go on: so it slips.
+ */
+static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
+{
+	struct rb_held *const held = &w->c->held[which];
+	const rb_vec3 n = w->meet[which].normal;
+
+	if (held->slipping || w->hits || s > w->c->piece.length_s / AT_ONCE || !w->dense.open)
+		return false;
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!evaluate(w, w->origin_s + s, value))
+		return false;
+	const double push = rb_vec3_dot(w->force[which], n);
+
+	if (!(push > 0) || !(rb_vec3_length(rb_vec3_reject(w->force[which], n)) >
+	                     w->contact[which].friction * push))
+		return false;
+	held->force = w->force[which];
+	return true;
+}
+
 /* Where in the piece a mode ends first, seconds; the whole length if none does. */
 static double change_within(struct rb_modes *w, double *value)
 {
@@ -412,7 +440,7 @@ static double change_within(struct rb_modes *w, double *value)
 	}
 	if (ends)
 		end_slips(w, bad, value);
-	w->c->held[which].ending = ends;
+	w->c->held[which].ending = ends || rest_ends(w, bad, which, value);
 	w->c->hits = hits;
 	w->c->hit_a = w->c->held[which].a;
 	w->c->hit_b = w->c->held[which].b;
@@ -629,6 +657,46 @@ static double partners_end(const struct rb_modes *w)
 	return end;
 }
 
+/* Are these other forces than those that settling has found? */
+static bool are_others(const struct rb_modes *w)
+{
+	double off = 0, most = 0;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const rb_vec3 n = w->meet[k].normal, found = w->c->held[k].force;
+
+		most = fmax(most, rb_vec3_length(found));
+		off = fmax(off, fabs(rb_vec3_dot(rb_vec3_sub(w->force[k], found), n)));
+	}
+	return off > nearly_open * most;
+}
+
+/*
+ * Forces and accelerations at the beginning. Slips of which no direction is found that forces balance across do not creep:
+ * they turn, however fast that is. And where these are not the forces that settling has found, points are one too many but
+ * for next to nothing, which would leave the forces to rounding: they keep those, if the modes are as good with them.
+ */
+static bool begin_modes(struct rb_modes *w)
+{
+	bool creeps = false;
+
+	if (!evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	w->dense.least = are_others(w) ? nearly_open : 0;
+	if (w->dense.least > 0 && !evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	if (w->dense.least > 0 && !(rb_modes_left(w, w->origin_s) <= otherwise * w->most)) {
+		w->dense.least = 0;
+		if (!evaluate(w, w->origin_s, w->c->piece.start))
+			return false;
+	}
+	for (int k = 0; k < w->c->held_count && !w->balanced; k++) {
+		creeps = creeps || w->c->held[k].creeps;
+		w->c->held[k].creeps = false;
+	}
+	return !creeps || evaluate(w, w->origin_s, w->c->piece.start);
+}
+
 static void run(struct rb_modes *w, double *value, double *scale, double *scratch)
 {
 	struct rb_located *l = w->l;
@@ -656,7 +724,7 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		rb_quat_to(v + RB_ROW_ORIENTATION, pose.orientation);
 		rb_vec3_to(v + RB_ROW_SPIN, pose.spin);
 	}
-	if (!evaluate(w, w->origin_s, c->piece.start))
+	if (!begin_modes(w))
 		return;
 	for (int k = 0; k < c->held_count; k++) {
 		c->held[k].force = w->force[k];

@@ -59,7 +59,7 @@ struct rb_held {
 	uint32_t parts; /* which features of them meet: struct rb_meet_name */
 	uint64_t key;
 	bool slipping, on_rim;
-	bool ending;   /* its slip has come to its end at this moment */
+	bool ending;   /* its slip has come to its end at this moment; or its rest, by `force` */
 	bool straight; /* its slip keeps its direction to the end, to rounding */
 	bool creeps; /* its slip is so slow that forces across it balance: they say which way it goes */
 	rb_vec3 slip;    /* unit: velocity of b's point relative to a's */

@@ -195,10 +195,12 @@ static bool turn_creeping(struct rb_modes *w)
 
 bool rb_modes_solve(struct rb_modes *w, double t)
 {
+	w->balanced = true;
 	for (int round = 0; round < TURNS; round++) {
 		if (!solve_modes(w, t))
 			return false;
-		if (!turn_creeping(w))
+		w->balanced = !turn_creeping(w);
+		if (w->balanced)
 			break;
 	}
 	return true;
@@ -244,8 +246,8 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	return true;
 }
 
-/* What the accelerations leave of the modes, to the right side; returns the largest, m/s^2. */
-static double residue(struct rb_modes *w, double t)
+/* To the right side, too. */
+double rb_modes_left(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
 	double most = 0;
@@ -272,7 +274,7 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 	double before = HUGE_VAL;
 
 	for (int round = 0; round < REFINEMENTS; round++) {
-		const double left = residue(w, t);
+		const double left = rb_modes_left(w, t);
 		int row = 0;
 
 		/* where more contacts than freedoms contradict each other, something stays */

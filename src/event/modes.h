@@ -26,6 +26,7 @@ struct rb_modes {
 	struct rb_joint_contact *contact; /* [held_count] */
 	rb_vec3 *force, *change;          /* [held_count]: N on b; what refining adds */
 	struct rb_dense dense;            /* for contacts in their modes */
+	bool balanced;                    /* forces across slips that creep, by rb_modes_solve */
 	bool slip_ends, hits;             /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
 	double doubt;                     /* N: what the modes at the beginning leave open */
@@ -54,6 +55,9 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
  * by the heaviest body that they carry, which to a light one below it is no small thing. Nothing to do where nothing is left. False: no memory.
  */
 bool rb_modes_refine(struct rb_modes *w, double t);
+
+/* What the accelerations leave of the modes, the largest, m/s^2. */
+double rb_modes_left(struct rb_modes *w, double t);
 
 /* Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies then move. */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **found);

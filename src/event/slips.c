@@ -292,6 +292,36 @@ static bool begin_together(struct rb_settling *s)
 	return any;
 }
 
+/* Contacts whose rest has come to its end slip against the friction that it would have taken. True: there are such. */
+static bool end_rest(struct rb_settling *s)
+{
+	bool any = false;
+
+	for (int k = 0; k < s->meet_count; k++) {
+		const struct rb_held *before = &s->before[k];
+
+		if (before->a < 0 || before->slipping || !before->ending || s->struck)
+			continue;
+		s->slip[k] = rb_vec3_unit(
+			rb_vec3_reject(rb_vec3_neg(before->force), s->meet[k].normal), s->slip[k]);
+		any = any || is_given(s->slip[k]);
+	}
+	return any;
+}
+
+/* Do they begin to, and not the other way? */
+static bool rest_has_ended(const struct rb_settling *s)
+{
+	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->pull_most;
+
+	for (int k = 0; k < s->meet_count; k++)
+		if (s->before[k].a >= 0 && !s->before[k].slipping && s->before[k].ending &&
+		    is_given(s->slip[k]) &&
+		    (!rb_slips_press(s, k) || rb_vec3_dot(slip_rate(s, k), s->slip[k]) < -rounding))
+			return false;
+	return true;
+}
+
 /* Are the slips that go given ways straight? Do those that begin not begin the other way? */
 static bool go_as_given(const struct rb_settling *s, bool begin)
 {
@@ -311,11 +341,9 @@ static void forget_directions(struct rb_settling *s)
 		s->slip[k] = (rb_vec3){0, 0, 0};
 }
 
-bool rb_slips_solve(struct rb_settling *s)
+/* Contacts as they are, with the slips that are known to go their ways. */
+static bool solve_ways(struct rb_settling *s)
 {
-	s->slip = rb_slips_take(s, s->meet_count, sizeof *s->slip);
-	if (!s->slip)
-		return false;
 	const bool keeps = keep_directions(s);
 
 	if (!solve(s))
@@ -335,6 +363,21 @@ bool rb_slips_solve(struct rb_settling *s)
 			find_loads(s);
 		}
 	}
+	return true;
+}
+
+bool rb_slips_solve(struct rb_settling *s)
+{
+	s->slip = rb_slips_take(s, s->meet_count, sizeof *s->slip);
+	if (!s->slip)
+		return false;
+	forget_directions(s);
+	const bool ends = end_rest(s);
+
+	if (ends && !solve(s))
+		return false;
+	if (!(ends && rest_has_ended(s)) && !solve_ways(s))
+		return false;
 	if (s->meet_count == 0 || !stop_slow_slips(s))
 		return true;
 	forget_directions(s);

@@ -142,7 +142,7 @@ static void use(struct rb_dense *d, int row, int best, int k, const struct left 
 void rb_dense_solve(struct rb_dense *d)
 {
 	const int n = d->n;
-	const double least = 16 * n * DBL_EPSILON;
+	const double least = fmax(d->least, 16 * n * DBL_EPSILON);
 	int row = 0, count = 0;
 
 	d->open = false;

@@ -80,3 +80,6 @@ field(function() return {0, 0, 0} end)
 LUA
 exits 0 tower.lua --no-record --json --quiet
 [ "$(value stepped)" = 0 ] || fail "a tower that stands: stepped $(value stepped) s"
+
+# two tiles that lean face on face, whose slips have no time to turn: points one too many, and pieces that ended at once
+exits 0 "$TOP/scenes/dominoes.lua" --param count=2 --param spacing=0.01 --method located --no-record --no-render --json --quiet
