@@ -157,7 +157,7 @@ static inline int rb_located_row(const struct rb_located *l)
  * left to steps; and arithmetic, not a clock: the same on every machine. A row of a contact's in a product of a vector with
  * the matrix, and a look at a contact on a piece, count as so many.
  */
-enum { RB_LOCATED_PRODUCTS = 100000, RB_LOCATED_ROW = 200, RB_LOCATED_LOOK = 200 };
+enum { RB_LOCATED_PRODUCTS = 100000, RB_LOCATED_ROW = 200, RB_LOCATED_LOOK = 400 };
 
 /* What is counted, in bodies. */
 static inline uint64_t rb_located_crowd(const struct rb_located *l)

@@ -83,3 +83,7 @@ exits 0 tower.lua --no-record --json --quiet
 
 # two tiles that lean face on face, whose slips have no time to turn: points one too many, and pieces that ended at once
 exits 0 "$TOP/scenes/dominoes.lua" --param count=2 --param spacing=0.01 --method located --no-record --no-render --json --quiet
+# auto leaves to steps what rattles on and on
+exits 0 "$TOP/scenes/dominoes.lua" --param count=3 --no-record --no-render --json --quiet
+stepped=$(value stepped)
+awk -v s="$stepped" 'BEGIN { exit !(s > 0 && s < 0.4) }' || fail "three tiles: stepped $stepped s of 0.675"
