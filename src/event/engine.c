@@ -512,11 +512,16 @@ bool rb_engine_wants_steps(const struct rb_located *l)
 	return (l->model->features & RB_FEATURE_PUSHES) || can_be_stepped(l);
 }
 
-void rb_engine_restart(struct rb_located *l)
+/* Arcs and clusters are of no use from here: some were given up halfway, and a checkpoint would keep them. */
+static void forget_arcs(struct rb_located *l)
 {
 	for (int k = 0; k < l->cluster_count; k++)
 		if (l->cluster[k].used)
 			rb_cluster_drop(l, k);
+	for (int i = 0; l->piece && i < l->n; i++)
+		if (!rb_located_driven(l, i))
+			l->piece[i].piece.n = 0;
+	l->merge_count = 0;
 	l->switch_next = 0;
 	l->started = false;
 }
@@ -532,6 +537,7 @@ static bool gives_way(struct rb_located *l)
 	rb_set_clear(l);
 	store_all(l, l->now_s);
 	l->status = rb_look_contacts(l, l->now_s);
+	forget_arcs(l);
 	return true;
 }
 

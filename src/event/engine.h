@@ -20,14 +20,12 @@ void rb_engine_destroy(struct rb_located *l); /* NULL is fine */
 
 /*
  * All events up to `until_s`, callbacks called; the world's state is then as of that moment. Of a scene that may also
- * be stepped (method "auto"): ends earlier, with the state of that moment, where events of crowds come too densely.
+ * be stepped (method "auto"): ends earlier, with the state of that moment, where events of crowds come too densely; the
+ * next advance begins anew from the state as it then is.
  * RB_ERR_INTERRUPT when the world's `stop` said so.
  */
 RB_CHECKED enum rb_status rb_engine_advance(struct rb_located *l, double until_s,
                                             struct rb_error *err);
-
-/* The state has gone on by other means: the next advance begins anew from it. */
-void rb_engine_restart(struct rb_located *l);
 
 /* Whether callbacks or a change of method need the grid of time_step. */
 bool rb_engine_wants_steps(const struct rb_located *l);

@@ -246,8 +246,8 @@ static enum rb_status step(struct rb_world *world, double start, double stop, st
 		return status;
 	if (!world->located || world->dense_left > 0) {
 		status = by_step(world, start, stop, err);
-		if (status == RB_OK && world->located && --world->dense_left == 0)
-			rb_engine_restart(world->located);
+		if (status == RB_OK && world->located)
+			world->dense_left--;
 		return status;
 	}
 	return located(world, start, stop, err);
