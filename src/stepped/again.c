@@ -238,7 +238,7 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool *
 	    !rb_near_holds(&s->near, world, cohort->body, cohort->body_count))
 		return RB_OK;
 	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
-	enum rb_status status = rb_points_depths(world, cohort->near, NULL, NULL, &found, err);
+	enum rb_status status = rb_depths_find(world, cohort->near, NULL, NULL, &found, err);
 	if (status != RB_OK)
 		return status;
 	memset(of_group, 0, s->solver.island_count + 1);

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/sort.h"
 #include "stepped/attempt.h"
+#include "stepped/depth.h"
 #include "stepped/driven.h"
 #include "stepped/judge.h"
 #include "stepped/land.h"
@@ -467,8 +468,8 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	rb_land_show(&apart->land, 0, apart->land.pair_count);
 	rb_near_place(&apart->land.near, world, s->body, world->model->body_count);
 	if (world->broadphase)
-		status = rb_points_depths(world, &apart->land.near, apart->land.failed, NULL,
-		                          &found, err);
+		status = rb_depths_find(world, &apart->land.near, apart->land.failed, NULL, &found,
+		                        err);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, found.most);
 	return status;
 }

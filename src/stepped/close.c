@@ -360,9 +360,9 @@ static enum rb_status find_depths_again(struct search *search, struct rb_depths 
 	const struct rb_stepped *s = world->stepped;
 
 	rb_near_place(search->cohort->near, world, search->stilled, search->still_count);
-	const enum rb_status status = rb_points_depths(world, search->cohort->near,
-	                                               s->bad_count > 0 ? s->bad : NULL,
-	                                               search->moved, found, err);
+	const enum rb_status status = rb_depths_find(world, search->cohort->near,
+	                                             s->bad_count > 0 ? s->bad : NULL,
+	                                             search->moved, found, err);
 	for (int k = 0; k < search->active_count; k++)
 		search->moved[search->active[k]] = 0;
 	return status;
@@ -398,8 +398,8 @@ static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *coho
 	const struct rb_stepped *s = world->stepped;
 
 	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
-	return rb_points_depths(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, NULL, found,
-	                        err);
+	return rb_depths_find(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, NULL, found,
+	                      err);
 }
 
 enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort,

@@ -3,6 +3,7 @@
 #ifndef RB_STEPPED_CLOSE_H
 #define RB_STEPPED_CLOSE_H
 
+#include "stepped/depth.h"
 #include "stepped/inside.h"
 
 /*

@@ -8,6 +8,7 @@
 #define RB_STEPPED_INSIDE_H
 
 #include "math/top.h"
+#include "stepped/depth.h"
 #include "stepped/solve.h"
 
 enum { RB_BODIES_PER_BLOCK = 512 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/touch.h"
 
-#include <float.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -9,8 +8,7 @@
 #include "geom/manifold.h"
 #include "model/parts.h"
 #include "step/gap.h"
-
-enum { PAIRS_PER_BLOCK = 512 };
+#include "stepped/room.h"
 
 enum rb_status rb_points_create(struct rb_points *points, const struct rb_model *model,
                                 struct rb_error *err)
@@ -49,11 +47,6 @@ struct look {
 	bool failed;
 };
 
-static bool is_plain(const struct rb_model *model, int a, int b)
-{
-	return model->shape[a].kind == RB_SHAPE_SPHERE && model->shape[b].kind < RB_SHAPE_BOX;
-}
-
 /* Its arm lies along the normal and its inertia is a number, or nothing moves it. */
 static bool is_central(const struct rb_world *world, int i)
 {
@@ -87,7 +80,7 @@ static rb_vec3 center_of(const struct rb_world *world, int i)
 static struct rb_point *add_point(struct look *look)
 {
 	if (look->count == look->capacity) {
-		const size_t capacity = look->capacity ? 2 * look->capacity : PAIRS_PER_BLOCK;
+		const size_t capacity = look->capacity ? 2 * look->capacity : RB_PAIRS_PER_BLOCK;
 		struct rb_point *out = rb_arena_take(look->arena, capacity, sizeof *out);
 
 		if (!out) {
@@ -265,70 +258,6 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
 
 /* Of the tolerance, by which points may stand too high. */
 static const double fine_share = 0.125;
-/* Directions to look along for pairs that were apart, and for those that were not. */
-enum { ROUNDS_APART = 12, ROUNDS_CLOSE = 1 };
-
-/* Two parts, seen from the origin of the first. */
-struct parts {
-	rb_placed a, b;
-	double radii; /* m, of both together */
-};
-
-static inline double path_of(const struct rb_near *near, struct rb_pair pair, int n)
-{
-	return near->path[pair.a] + (pair.b < n ? near->path[pair.b] : 0);
-}
-
-/*
- * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than they have moved since; or by
- * spheres about them.
- */
-static inline bool are_far(const struct rb_near *near, size_t k, double path, double most)
-{
-	if (near->room[k] - path > most + 4 * DBL_EPSILON * path)
-		return true;
-	const struct rb_pair pair = near->pair[k];
-	const rb_vec3 d = rb_vec3_sub(near->at[pair.b], near->at[pair.a]);
-	const double sizes = (near->size[pair.a] + near->size[pair.b]) * (1 + 1e-12);
-	const double square = rb_vec3_dot(d, d), whole = (sizes + most) * (1 + 1e-12);
-
-	if (!(whole > 0 && square > whole * whole))
-		return false;
-	near->room[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
-	return true;
-}
-
-/* The same of two of their parts: how far, at least, or -INFINITY. */
-static inline double parts_room(const rb_placed *a, const rb_placed *b, double most)
-{
-	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
-	const double sizes = a->core->reach + b->core->reach + a->core->radius + b->core->radius;
-	const double square = rb_vec3_dot(d, d), whole = (sizes + most) * (1 + 1e-12);
-
-	/* a half space has no reach */
-	return a->core->kind != RB_CORE_HALF_SPACE && b->core->kind != RB_CORE_HALF_SPACE &&
-	                       whole > 0 && square > whole * whole
-	               ? sqrt(square) * (1 - 1e-12) - sizes
-	               : -(double)INFINITY;
-}
-
-static struct parts parts_of(const rb_placed *a, const rb_placed *b)
-{
-	return (struct parts){{a->core, {0, 0, 0}, a->turn},
-	                      {b->core, rb_vec3_sub(b->at, a->at), b->turn},
-	                      a->core->radius + b->core->radius};
-}
-
-/* How far they are apart at least, if that is seen to be more than `most`, m; else -INFINITY. */
-static double room_of(const struct parts *parts, double most, struct rb_clue *clue)
-{
-	const int rounds = clue->is_close ? ROUNDS_CLOSE : ROUNDS_APART;
-
-	return rb_separation_beyond(&parts->a, &parts->b, most + parts->radii, rounds,
-	                            &clue->axis) -
-	       parts->radii;
-}
-
 /* How far all of them are apart at least; -INFINITY: nothing is known. */
 static double look_at_parts(struct look *look, struct rb_pair pair, double slack,
                             struct rb_clue *clues)
@@ -346,11 +275,11 @@ static double look_at_parts(struct look *look, struct rb_pair pair, double slack
 			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
 			struct rb_clue *clue = &clues[i * count_b + j];
 
-			const struct parts parts = parts_of(pa, pb);
-			double apart = parts_room(pa, pb, slack);
+			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
+			double apart = rb_room_of_spheres(pa, pb, slack);
 
 			if (!(apart > slack))
-				apart = room_of(&parts, slack, clue);
+				apart = rb_room_of_parts(&parts, slack, clue);
 			room = fmin(room, apart);
 			if (apart > slack) {
 				clue->is_close = false;
@@ -440,7 +369,8 @@ static bool may_close(const struct look *look, struct rb_pair pair, double path)
 		if (model->driven && model->driven[pair.b])
 			return true;
 	}
-	return !are_far(near, look->pair, path, closing < look->most ? closing : look->most);
+	return !rb_room_is_more(near, look->pair, path,
+	                        closing < look->most ? closing : look->most);
 }
 
 /* ---- all pairs, by blocks ---- */
@@ -451,23 +381,13 @@ struct looks {
 	struct look *block; /* what came of it */
 };
 
-static size_t end_of(size_t count, size_t first)
-{
-	return first + PAIRS_PER_BLOCK < count ? first + PAIRS_PER_BLOCK : count;
-}
-
-static int blocks_of(size_t count)
-{
-	return (int)((count + PAIRS_PER_BLOCK - 1) / PAIRS_PER_BLOCK);
-}
-
 static void look_block(void *user, int block, int worker)
 {
 	const struct looks *looks = user;
 	struct look look = looks->look;
 	const struct rb_near *near = look.near;
-	const size_t first = (size_t)block * PAIRS_PER_BLOCK,
-		     end = end_of(rb_near_live_count(near), first);
+	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK,
+		     end = rb_pairs_end(rb_near_live_count(near), first);
 
 	const double most = look.most;
 	const int n = look.world->model->body_count;
@@ -477,11 +397,11 @@ static void look_block(void *user, int block, int worker)
 		const struct rb_pair pair = near->pair[k];
 
 		look.pair = k;
-		if (is_plain(look.world->model, pair.a, pair.b)) {
+		if (rb_pair_is_plain(look.world->model, pair.a, pair.b)) {
 			look_at_plain(&look, pair, fmin(slack_of(&look, pair), most));
 			continue;
 		}
-		const double path = path_of(near, pair, n);
+		const double path = rb_room_path(near, pair, n);
 		if (may_close(&look, pair, path))
 			near->room[k] = path + look_at_parts(&look, pair,
 			                                     fmin(closing_of(&look, pair), most),
@@ -493,7 +413,7 @@ static void look_block(void *user, int block, int worker)
 enum rb_status rb_points_add(struct rb_points *points, struct rb_world *world, struct rb_near *near,
                              double h, double most, struct rb_error *err)
 {
-	const int blocks = blocks_of(rb_near_live_count(near));
+	const int blocks = rb_pairs_blocks(rb_near_live_count(near));
 	struct looks looks = {
 		.look = {.world = world, .points = points, .near = near, .h = h, .most = most}};
 	bool good = true;
@@ -619,184 +539,4 @@ enum rb_status rb_points_keep(struct rb_points *points, double h, const unsigned
 	points->last_capacity = capacity;
 	points->last_count = count;
 	return RB_OK;
-}
-
-/* ---- the verdict ---- */
-
-/* What the workers share, read only, and what a block has come to. */
-struct depths {
-	struct rb_world *world;
-	struct rb_near *near; /* `depth` of the pairs of a block is the block's */
-	const unsigned char *skip, *moved;
-	bool all; /* not only live pairs */
-	double limit;
-	struct rb_depths *block;
-};
-
-/* How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see that costs little. */
-static double depth_of_parts(const struct rb_near *near, size_t k, double path, double least)
-{
-	const struct rb_pair pair = near->pair[k];
-	struct rb_clue *clues = &near->clue[near->first_clue[k]];
-	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
-	const int count_a = rb_near_part_count(near, pair.a);
-	const int count_b = rb_near_part_count(near, pair.b);
-	double depth = 0;
-	double room = (double)INFINITY;
-	bool bounded = false;
-
-	for (int i = 0; i < count_a; i++) {
-		for (int j = 0; j < count_b; j++) {
-			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
-			struct rb_clue *clue = &clues[i * count_b + j];
-
-			double apart = parts_room(pa, pb, 0);
-			const struct parts parts = parts_of(pa, pb);
-
-			if (!(apart > 0))
-				apart = room_of(&parts, -fmax(depth, least), clue);
-			room = fmin(room, apart);
-			if (apart > -fmax(depth, least)) {
-				bounded = bounded || (apart < 0 && least > depth);
-				continue;
-			}
-			const rb_separation s = rb_separation_of(&parts.a, &parts.b);
-			clue->axis = s.normal;
-			depth = fmax(depth, parts.radii - s.gap);
-		}
-	}
-	near->room[k] = path + room;
-	return bounded && depth < least ? -least : depth;
-}
-
-static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k,
-                       double least)
-{
-	const struct rb_model *model = world->model;
-	const struct rb_pair pair = near->pair[k];
-
-	if (!is_plain(model, pair.a, pair.b)) {
-		const double path = path_of(near, pair, model->body_count);
-
-		return are_far(near, k, path, 0) ? 0 : depth_of_parts(near, k, path, least);
-	}
-	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
-		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
-		                              rb_world_origin_at(world, &world->state, pair.a));
-		const double sum = model->shape[pair.a].radius + model->shape[pair.b].radius;
-
-		if (rb_vec3_dot(d, d) > sum * sum)
-			return 0;
-	}
-	return fmax(0, -rb_gap_of(world, &world->state, pair.a, pair.b).gap);
-}
-
-static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb_deep deep)
-{
-	if (depths->deep_count == depths->deep_capacity) {
-		const size_t capacity = depths->deep_capacity ? 2 * depths->deep_capacity : 16;
-		struct rb_deep *more = rb_arena_take(arena, capacity, sizeof *more);
-
-		if (!more) {
-			depths->failed = true;
-			return;
-		}
-		if (depths->deep_count > 0)
-			memcpy(more, depths->deep, depths->deep_count * sizeof *more);
-		depths->deep = more;
-		depths->deep_capacity = capacity;
-	}
-	depths->deep[depths->deep_count++] = deep;
-}
-
-/* Of live pairs, ascending, the first from there on. */
-static size_t first_live(const struct rb_near *near, size_t pair)
-{
-	size_t low = 0, high = near->live ? near->live_count : 0;
-
-	while (low < high) {
-		const size_t middle = low + (high - low) / 2;
-
-		if (near->live[middle] < pair)
-			low = middle + 1;
-		else
-			high = middle;
-	}
-	return low;
-}
-
-static bool is_marked(const struct rb_world *world, const unsigned char *mark, struct rb_pair pair)
-{
-	return mark && (mark[pair.a] || (pair.b < world->model->body_count && mark[pair.b]));
-}
-
-static void depth_block(void *user, int block, int worker)
-{
-	const struct depths *work = user;
-	struct rb_near *near = work->near;
-	const size_t first = (size_t)block * PAIRS_PER_BLOCK;
-	const size_t end = end_of(work->all ? near->pair_count : rb_near_live_count(near), first);
-	size_t live = work->all ? first_live(near, first) : 0;
-	struct rb_depths depths = {0};
-
-	for (size_t at = first; at < end; at++) {
-		const size_t k = work->all || !near->live ? at : near->live[at];
-		const struct rb_pair pair = near->pair[k];
-		const bool is_live = !work->all || !near->live ||
-		                     (live < near->live_count && near->live[live] == k);
-
-		live += is_live;
-		if (is_marked(work->world, work->skip, pair)) {
-			near->depth[k] = NAN;
-			continue;
-		}
-		/* nobody asks how deep those are that are less deep than others */
-		const double least = is_live ? depths.most : depths.still;
-		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
-
-		/* written so that NaN is measured */
-		if (due || !(near->depth[k] >= -least))
-			near->depth[k] = depth_of(work->world, near, k, least);
-		const double depth = near->depth[k];
-
-		if (depth > work->limit)
-			add_deep(&depths, &work->world->arena[worker],
-			         (struct rb_deep){pair.a, pair.b, depth});
-		else if (depth > depths.most)
-			depths.most = depth;
-		if (!is_live)
-			depths.still = fmax(depths.still, depth);
-	}
-	work->block[block] = depths;
-}
-
-enum rb_status rb_points_depths(struct rb_world *world, struct rb_near *near,
-                                const unsigned char *skip, const unsigned char *moved,
-                                struct rb_depths *found, struct rb_error *err)
-{
-	struct depths work = {.world = world,
-	                      .near = near,
-	                      .skip = skip,
-	                      .moved = moved,
-	                      .all = moved || isnan(near->still_depth),
-	                      .limit = world->model->tolerance_m};
-	const int blocks = blocks_of(work.all ? near->pair_count : rb_near_live_count(near));
-
-	*found = (struct rb_depths){0};
-	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);
-	if (!work.block)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
-	rb_team_run(world->team, blocks, depth_block, &work);
-	for (int b = 0; b < blocks; b++) {
-		found->failed = found->failed || work.block[b].failed;
-		found->most = fmax(found->most, work.block[b].most);
-		found->still = fmax(found->still, work.block[b].still);
-		for (size_t k = 0; k < work.block[b].deep_count; k++)
-			add_deep(found, &world->arena[0], work.block[b].deep[k]);
-	}
-	if (work.all)
-		near->still_depth = found->still;
-	found->most = fmax(found->most, near->still_depth);
-	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
-	                     : RB_OK;
 }

@@ -80,26 +80,4 @@ bool rb_points_room(struct rb_points *points, size_t count);
 void rb_points_take_last(struct rb_points *points, const struct rb_points *from, const int *member,
                          int count);
 
-/* A pair that overlaps by more than the tolerance. */
-struct rb_deep {
-	int a, b;
-	double depth; /* m */
-};
-
-struct rb_depths {
-	double most;          /* m: the largest overlap of all other pairs */
-	double still;         /* m: of pairs that are not live */
-	struct rb_deep *deep; /* in the arena, in order of pairs */
-	size_t deep_count, deep_capacity;
-	bool failed; /* no memory */
-};
-
-/*
- * Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are left out. Measured are the
- * live ones; with `moved`, those of bodies with a mark there: all others are as they were measured before.
- */
-RB_CHECKED enum rb_status rb_points_depths(struct rb_world *world, struct rb_near *near,
-                                           const unsigned char *skip, const unsigned char *moved,
-                                           struct rb_depths *found, struct rb_error *err);
-
 #endif

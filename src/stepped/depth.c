@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/depth.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "step/gap.h"
+#include "stepped/room.h"
+
+/* What the workers share, read only, and what a block has come to. */
+struct depths {
+	struct rb_world *world;
+	struct rb_near *near; /* `depth` of the pairs of a block is the block's */
+	const unsigned char *skip, *moved;
+	bool all; /* not only live pairs */
+	double limit;
+	struct rb_depths *block;
+};
+
+/* How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see that costs little. */
+static double depth_of_parts(const struct rb_near *near, size_t k, double path, double least)
+{
+	const struct rb_pair pair = near->pair[k];
+	struct rb_clue *clues = &near->clue[near->first_clue[k]];
+	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
+	const int count_a = rb_near_part_count(near, pair.a);
+	const int count_b = rb_near_part_count(near, pair.b);
+	double depth = 0;
+	double room = (double)INFINITY;
+	bool bounded = false;
+
+	for (int i = 0; i < count_a; i++) {
+		for (int j = 0; j < count_b; j++) {
+			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
+			struct rb_clue *clue = &clues[i * count_b + j];
+
+			double apart = rb_room_of_spheres(pa, pb, 0);
+			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
+
+			if (!(apart > 0))
+				apart = rb_room_of_parts(&parts, -fmax(depth, least), clue);
+			room = fmin(room, apart);
+			if (apart > -fmax(depth, least)) {
+				bounded = bounded || (apart < 0 && least > depth);
+				continue;
+			}
+			const rb_separation s = rb_separation_of(&parts.a, &parts.b);
+			clue->axis = s.normal;
+			depth = fmax(depth, parts.radii - s.gap);
+		}
+	}
+	near->room[k] = path + room;
+	return bounded && depth < least ? -least : depth;
+}
+
+static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k,
+                       double least)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_pair pair = near->pair[k];
+
+	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
+		const double path = rb_room_path(near, pair, model->body_count);
+
+		return rb_room_is_more(near, k, path, 0) ? 0 : depth_of_parts(near, k, path, least);
+	}
+	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
+		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
+		                              rb_world_origin_at(world, &world->state, pair.a));
+		const double sum = model->shape[pair.a].radius + model->shape[pair.b].radius;
+
+		if (rb_vec3_dot(d, d) > sum * sum)
+			return 0;
+	}
+	return fmax(0, -rb_gap_of(world, &world->state, pair.a, pair.b).gap);
+}
+
+static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb_deep deep)
+{
+	if (depths->deep_count == depths->deep_capacity) {
+		const size_t capacity = depths->deep_capacity ? 2 * depths->deep_capacity : 16;
+		struct rb_deep *more = rb_arena_take(arena, capacity, sizeof *more);
+
+		if (!more) {
+			depths->failed = true;
+			return;
+		}
+		if (depths->deep_count > 0)
+			memcpy(more, depths->deep, depths->deep_count * sizeof *more);
+		depths->deep = more;
+		depths->deep_capacity = capacity;
+	}
+	depths->deep[depths->deep_count++] = deep;
+}
+
+/* Of live pairs, ascending, the first from there on. */
+static size_t first_live(const struct rb_near *near, size_t pair)
+{
+	size_t low = 0, high = near->live ? near->live_count : 0;
+
+	while (low < high) {
+		const size_t middle = low + (high - low) / 2;
+
+		if (near->live[middle] < pair)
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low;
+}
+
+static bool is_marked(const struct rb_world *world, const unsigned char *mark, struct rb_pair pair)
+{
+	return mark && (mark[pair.a] || (pair.b < world->model->body_count && mark[pair.b]));
+}
+
+static void depth_block(void *user, int block, int worker)
+{
+	const struct depths *work = user;
+	struct rb_near *near = work->near;
+	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK;
+	const size_t end = rb_pairs_end(work->all ? near->pair_count : rb_near_live_count(near),
+	                                first);
+	size_t live = work->all ? first_live(near, first) : 0;
+	struct rb_depths depths = {0};
+
+	for (size_t at = first; at < end; at++) {
+		const size_t k = work->all || !near->live ? at : near->live[at];
+		const struct rb_pair pair = near->pair[k];
+		const bool is_live = !work->all || !near->live ||
+		                     (live < near->live_count && near->live[live] == k);
+
+		live += is_live;
+		if (is_marked(work->world, work->skip, pair)) {
+			near->depth[k] = NAN;
+			continue;
+		}
+		/* nobody asks how deep those are that are less deep than others */
+		const double least = is_live ? depths.most : depths.still;
+		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
+
+		/* written so that NaN is measured */
+		if (due || !(near->depth[k] >= -least))
+			near->depth[k] = depth_of(work->world, near, k, least);
+		const double depth = near->depth[k];
+
+		if (depth > work->limit)
+			add_deep(&depths, &work->world->arena[worker],
+			         (struct rb_deep){pair.a, pair.b, depth});
+		else if (depth > depths.most)
+			depths.most = depth;
+		if (!is_live)
+			depths.still = fmax(depths.still, depth);
+	}
+	work->block[block] = depths;
+}
+
+enum rb_status rb_depths_find(struct rb_world *world, struct rb_near *near,
+                              const unsigned char *skip, const unsigned char *moved,
+                              struct rb_depths *found, struct rb_error *err)
+{
+	struct depths work = {.world = world,
+	                      .near = near,
+	                      .skip = skip,
+	                      .moved = moved,
+	                      .all = moved || isnan(near->still_depth),
+	                      .limit = world->model->tolerance_m};
+	const int blocks = rb_pairs_blocks(work.all ? near->pair_count : rb_near_live_count(near));
+
+	*found = (struct rb_depths){0};
+	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);
+	if (!work.block)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	rb_team_run(world->team, blocks, depth_block, &work);
+	for (int b = 0; b < blocks; b++) {
+		found->failed = found->failed || work.block[b].failed;
+		found->most = fmax(found->most, work.block[b].most);
+		found->still = fmax(found->still, work.block[b].still);
+		for (size_t k = 0; k < work.block[b].deep_count; k++)
+			add_deep(found, &world->arena[0], work.block[b].deep[k]);
+	}
+	if (work.all)
+		near->still_depth = found->still;
+	found->most = fmax(found->most, near->still_depth);
+	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
+	                     : RB_OK;
+}
