@@ -452,6 +452,26 @@ static void what_is_tall_stands_from_its_first_step(void **state)
 	}
 }
 
+/* Columns of eight: a chain of rows, along which news of the floor must travel. */
+static void columns_that_fall_stand_after_few_sweeps(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 2, 60, 1.0 / 240);
+	lab_surface(&lab, 0.5, 0);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	for (int k = 0; k < 8 * 9; k++)
+		add_cube(&lab, 1,
+		         (rb_vec3){1.1 * (k / 8 % 3) + 0.04 * sin(7.0 * k),
+		                   1.1 * (k / 24) + 0.04 * cos(5.0 * k), 0.55 + 1.1 * (k % 8)});
+	lab_seal(&lab, 1);
+	lab_run(&lab);
+	const struct rb_world_work work = rb_world_work(lab.world);
+	assert_true(work.row_sweeps < 4 * work.rows);
+	lab_close(&lab);
+}
+
 static void an_impact_is_told_once(void **state)
 {
 	struct lab lab;
@@ -487,6 +507,7 @@ int main(void)
 		cmocka_unit_test(a_stack_at_rest_costs_no_sweeps),
 		cmocka_unit_test(an_edge_that_lands_askew_does_not_creep),
 		cmocka_unit_test(what_is_tall_stands_from_its_first_step),
+		cmocka_unit_test(columns_that_fall_stand_after_few_sweeps),
 		cmocka_unit_test(an_impact_is_told_once),
 	};
 
