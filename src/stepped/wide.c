@@ -12,11 +12,11 @@ enum { WIDTH = 4, BLOCK_PACKS = 32 };
 static const double lead_first = 0.98;
 
 /*
- * Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile; times in
- * succession that this may be, when impulses creep on for no end.
+ * Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile. Where it stays the
+ * same so many times in succession, impulses creep on for no end.
  */
-enum { SWEEPS_WATCHED = 24, STALLED_MOST = 6 };
-static const double fall_share = 0.9, lead_growth = 1.5;
+enum { SWEEPS_WATCHED = 24, SAME_MOST = 4 };
+static const double fall_share = 0.9, lead_growth = 1.5, same_share = 0.01;
 
 /*
  * Four numbers, one of each row: vectors of GCC and Clang, in halves where registers are no wider, to the same bits. They
@@ -558,7 +558,7 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
                                      bool holds)
 {
 	struct rb_sweep_result result = {0, 0};
-	int stalled = 0;
+	int same = 0;
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
 
 	run_all(wide, holds ? LOAD_HELD : LOAD, 0);
@@ -569,11 +569,11 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 			break;
 		least = fmin(least, result.residual);
 		if (result.sweeps % SWEEPS_WATCHED == 0) {
-			stalled = least > fall_share * before ? stalled + 1 : 0;
-			if (stalled == STALLED_MOST)
-				break;
-			if (stalled > 0)
+			if (least > fall_share * before)
 				lead = fmax(0, 1 - lead_growth * (1 - lead));
+			same = fabs(least - before) < same_share * before ? same + 1 : 0;
+			if (same == SAME_MOST)
+				break;
 			before = least;
 			least = (double)INFINITY;
 		}
