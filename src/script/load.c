@@ -367,11 +367,12 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 		script->sandbox.seed = scene->world.seed = options->seed;
 
 	status = run(script, run_scene, err);
+	const bool whole = status == RB_OK;
 	if (status == RB_OK)
 		status = start_driven(script);
 	if (status != RB_OK && status != RB_ERR_SCENE)
 		return status;
-	rb_params_check(script);
+	rb_params_check(script, whole);
 	status = conclude(script, err);
 	if (status != RB_OK)
 		return status;

@@ -327,7 +327,7 @@ static void name_params(const struct rb_scene *scene, char out[NAMES_MAX])
 		         scene->param_count - count);
 }
 
-void rb_params_check(struct rb_script *script)
+void rb_params_check(struct rb_script *script, bool whole)
 {
 	const struct rb_script_options *options = script->options;
 	const struct rb_scene *scene = script->scene;
@@ -343,7 +343,7 @@ void rb_params_check(struct rb_script *script)
 			continue;
 		}
 		struct rb_nearest nearest = rb_nearest_to(name);
-		bool known = false;
+		bool known = !whole;
 		for (int k = 0; k < scene->param_count && !known; k++) {
 			known = strlen(scene->params[k].name) == size &&
 			        strncmp(scene->params[k].name, given, size) == 0;

@@ -8,8 +8,11 @@
 /* param as a global. */
 void rb_params_open(lua_State *L);
 
-/* After the script ran: notes the parameters given on the command line that it never declared. */
-void rb_params_check(struct rb_script *script);
+/*
+ * After the script ran: notes the parameters given on the command line that are malformed, and those that it never declared
+ * although it came to its end (`whole`).
+ */
+void rb_params_check(struct rb_script *script, bool whole);
 
 /* rb_script_check_param. */
 RB_CHECKED enum rb_status rb_params_check_value(const struct rb_scene *scene, const char *name,

@@ -91,6 +91,12 @@ says err "must be a whole number \(got 'much'\)"
 exits 64 params.lua --no-record --param zz=1
 says err 'no such parameter; it has extra, p1, p2, .*, p9 and 2 more'
 
+# a scene that breaks off has not come to what it would have declared
+printf 'local x = nil + 1\nlocal n = param("n", 5, "bodies")\n' >breaks.lua
+exits 65 breaks.lua --param n=3
+says err '^breaks.lua:1: .*arithmetic'
+if grep -q 'no such parameter' err; then fail "a parameter is unknown that was not come to"; fi
+
 # what is no text
 small_scene >s.lua
 exits 0 s.lua -q
