@@ -505,11 +505,16 @@ static void tell_lifts(struct rb_settling *s)
 	}
 }
 
-/* What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon. */
+/*
+ * What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon, and so is
+ * what is found after steps, which may have to take over again.
+ */
 static bool is_moving(const struct rb_settling *s)
 {
 	const struct rb_located *l = s->l;
 
+	if (l->starting && l->world->dense_steps > 0)
+		return true;
 	for (int k = 0; k < l->set_count; k++) {
 		const double size = rb_model_reach(l->model, l->set[k]);
 		const double still = s->slack +

@@ -15,7 +15,7 @@ struct rb_settling {
 	struct rb_located *l;
 	double t, slack;
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
-	bool moves;   /* some body of it does */
+	bool moves;   /* some body of it does, or may soon */
 	bool struck;  /* an impact has just happened */
 	struct rb_meet *meet; /* [meet_count], sorted by (a, b, parts, key) */
 	int meet_count;
