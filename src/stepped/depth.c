@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/depth.h"
 
+#include <float.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -16,6 +17,9 @@ struct depths {
 	double limit;
 	struct rb_depths *block;
 };
+
+/* Farther apart by this, and the square root is seen to be no less than the smallest that matters. */
+static const double rounding = 1 + 16 * DBL_EPSILON;
 
 /* How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see that costs little. */
 static double depth_of_parts(const struct rb_near *near, size_t k, double path, double least)
@@ -53,6 +57,7 @@ static double depth_of_parts(const struct rb_near *near, size_t k, double path, 
 	return bounded && depth < least ? -least : depth;
 }
 
+/* The same of any pair. */
 static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k,
                        double least)
 {
@@ -68,9 +73,12 @@ static double depth_of(const struct rb_world *world, const struct rb_near *near,
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
 		                              rb_world_origin_at(world, &world->state, pair.a));
 		const double sum = model->shape[pair.a].radius + model->shape[pair.b].radius;
+		const double square = rb_vec3_dot(d, d), deep = fmax(0, sum - least);
 
-		if (rb_vec3_dot(d, d) > sum * sum)
+		if (square > sum * sum)
 			return 0;
+		if (square > rounding * deep * deep)
+			return -least;
 	}
 	return fmax(0, -rb_gap_of(world, &world->state, pair.a, pair.b).gap);
 }

@@ -48,6 +48,7 @@ struct rb_solver {
 	const struct rb_state
 		*before;    /* borrowed: at the beginning of the step; NULL: positions are closed */
 	double h_s, enough; /* of the step; m/s */
+	double pull;        /* m^2/s^2: the most that its forces change a velocity by, squared */
 	bool bounces;       /* materials of the scene have restitution */
 	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };

@@ -88,7 +88,8 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		return RB_OK;
 	if (s->bad_count > 0)
 		restore_bad(world, cohort);
-	if (cohort->near == &s->near &&
+	/* where overlaps are known already, nobody had gone too far for it */
+	if (cohort->near == &s->near && !(cohort->is_measured && s->bad_count == 0) &&
 	    !rb_near_holds(&s->near, world, cohort->body, cohort->body_count)) {
 		s->near.valid = false;
 		status = rb_near_find(&s->near, world, cohort->body, cohort->body_count, err);

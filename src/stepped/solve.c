@@ -198,37 +198,63 @@ static bool take_turns(struct rb_sweeper *sweeper, struct rb_island *island, dou
 	return false;
 }
 
-/* m/s: what moves no faster is quiet: neither much more than the tolerance in a step, nor than its forces make it in one. */
-static double quiet_most(const struct rb_solver *solver, const struct rb_island *island)
+static double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+/* m^2/s^2: the fastest of a group as the step began, or after it, squared; one beyond `most` may be told instead. */
+static double fastest(const struct rb_solver *solver, const struct rb_island *island, bool before,
+                      double most)
+{
+	const struct rb_state *state = solver->before;
+	double square = 0;
+
+	for (int k = 0; k < island->member_count && square <= most; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_dense_body *body = &solver->dense.body[i];
+		const size_t at = 3 * (size_t)i;
+		rb_vec3 v = body->linear, w = body->angular;
+
+		if (before) {
+			v = rb_vec3_from(state->velocity + at);
+			w = state->spin ? rb_vec3_from(state->spin + at) : (rb_vec3){0, 0, 0};
+		}
+		square = larger(square, rb_vec3_dot(v, v));
+		square = larger(square, rb_vec3_dot(w, w) * solver->reach[i] * solver->reach[i]);
+	}
+	return square;
+}
+
+/* m^2/s^2: the most that forces change a velocity of these bodies by, squared; no farther than to `enough`. */
+static double pull_of(const struct rb_solver *solver, const int *member, int count, double enough)
 {
 	double pull = 0;
 
-	for (int k = 0; solver->before && k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-		const rb_vec3 v = rb_vec3_from(solver->before->velocity + 3 * (size_t)i);
+	for (int k = 0; k < count && pull < enough; k++) {
+		const rb_vec3 v = rb_vec3_from(solver->before->velocity + 3 * (size_t)member[k]);
+		const rb_vec3 more = rb_vec3_sub(solver->free[member[k]].linear, v);
 
-		pull = fmax(pull, rb_vec3_max_abs(rb_vec3_sub(solver->free[i].linear, v)));
+		pull = larger(pull, rb_vec3_dot(more, more));
 	}
-	return fmin(4 * solver->enough / sweep_share, pull);
+	return pull;
+}
+
+/* Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in one: it is quiet. */
+static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island, bool before)
+{
+	const double few = 4 * solver->enough / sweep_share;
+	const double most = fmin(few * few, solver->pull);
+	const double square = fastest(solver, island, before, most);
+
+	return square <= most && square <= pull_of(solver, solver->member + island->first_member,
+	                                           island->member_count, square);
 }
 
 /* Whether the group was quiet when the step began, and nothing moves under it. */
 static bool stood(const struct rb_solver *solver, const struct rb_island *island)
 {
-	if (!solver->before || island->carried)
-		return false;
-	const double most = quiet_most(solver, island);
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-		const size_t at = 3 * (size_t)i;
-
-		if (rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) > most ||
-		    (solver->before->spin &&
-		     rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * solver->reach[i] >
-		             most))
-			return false;
-	}
-	return true;
+	return solver->before && !island->carried && is_quiet(solver, island, true);
 }
 
 /*
@@ -242,22 +268,6 @@ static void leave_alone(const struct rb_solver *solver, const struct rb_dense *d
 	for (int k = 0; k < dense->row_count; k++)
 		if (fabs(dense->row[k].leave) <= most)
 			dense->row[k].leave = 0;
-}
-
-/* Whether nothing in the group moves faster than that. */
-static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island)
-{
-	const double most = quiet_most(solver, island);
-
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-		const struct rb_dense_body *body = &solver->dense.body[i];
-
-		if (rb_vec3_max_abs(body->linear) > most ||
-		    rb_vec3_max_abs(body->angular) * solver->reach[i] > most)
-			return false;
-	}
-	return true;
 }
 
 /* ---- coming to rest ---- */
@@ -374,7 +384,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
 	if (!good && !sweeper.wide)
 		good = sweep_more(&sweeper, island, enough / sweep_share, SWEEPS_MOST);
-	if (good && !closely && is_quiet(solver, island) && island->residual > close &&
+	if (good && !closely && solver->before && island->residual > close &&
+	    is_quiet(solver, island, false) &&
 	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
 	find_rest(solver, island);
@@ -453,6 +464,9 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;
+	if (before)
+		solver->pull = pull_of(solver, solver->active, solver->active_count,
+		                       (double)INFINITY);
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
 	rb_islands_end(solver, world, points);

@@ -9,8 +9,11 @@
 
 #include "stepped/wide.h"
 
-/* Rows from which on a group is solved in packs: stacks of a few boxes come to an end far sooner by a mixture of sweeps. */
-enum { RB_WIDE_ROWS = 128 };
+/*
+ * Rows from which on a group is solved in packs: of spheres, and of bodies of other shapes, of which stacks of a few come to
+ * an end far sooner by a mixture of sweeps.
+ */
+enum { RB_WIDE_CENTRAL_ROWS = 32, RB_WIDE_ROWS = 128 };
 
 struct rb_sweeper {
 	const struct rb_dense *dense;

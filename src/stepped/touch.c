@@ -44,6 +44,7 @@ struct look {
 	struct rb_point *out;
 	size_t count, capacity;
 	struct rb_arena *arena;
+	bool in_place; /* `out` is where the points are to be */
 	bool failed;
 };
 
@@ -91,6 +92,7 @@ static struct rb_point *add_point(struct look *look)
 			memcpy(out, look->out, look->count * sizeof *out);
 		look->out = out;
 		look->capacity = capacity;
+		look->in_place = false;
 	}
 	return &look->out[look->count++];
 }
@@ -392,6 +394,12 @@ static void look_block(void *user, int block, int worker)
 	const double most = look.most;
 	const int n = look.world->model->body_count;
 	look.arena = &look.world->arena[worker];
+	/* the first block's need no copy, where there is room */
+	if (block == 0 && look.points->capacity > look.points->count) {
+		look.out = look.points->row + look.points->count;
+		look.capacity = look.points->capacity - look.points->count;
+		look.in_place = true;
+	}
 	for (size_t at = first; at < end && !look.failed; at++) {
 		const size_t k = rb_near_live(near, at);
 		const struct rb_pair pair = near->pair[k];
@@ -431,10 +439,12 @@ enum rb_status rb_points_add(struct rb_points *points, struct rb_world *world, s
 	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	for (int b = 0; b < blocks; b++) {
-		if (looks.block[b].count > 0)
-			memcpy(points->row + points->count, looks.block[b].out,
-			       looks.block[b].count * sizeof *points->row);
-		points->count += looks.block[b].count;
+		const struct look *look = &looks.block[b];
+
+		if (look->count > 0 && !look->in_place)
+			memcpy(points->row + points->count, look->out,
+			       look->count * sizeof *points->row);
+		points->count += look->count;
 	}
 	return RB_OK;
 }

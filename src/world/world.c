@@ -62,6 +62,15 @@ rb_mat3 rb_world_inertia(const struct rb_world *world, int id)
 	                                          : (rb_mat3){{{0}}};
 }
 
+rb_vec3 rb_world_origin_beside(const struct rb_world *world, const struct rb_state *state,
+                               int index)
+{
+	const rb_quat turn = rb_world_orientation_at(world, state, index);
+
+	return rb_vec3_sub(rb_world_row3(state->position, index),
+	                   rb_quat_rotate(turn, world->model->center_of_mass[index]));
+}
+
 rb_vec3 rb_world_position(const struct rb_world *world, int id)
 {
 	return rb_world_origin_at(world, &world->state, world->model->index_of[id]);

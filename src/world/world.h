@@ -109,6 +109,10 @@ static inline rb_quat rb_world_orientation_at(const struct rb_world *world,
 	return world->model->orientation[index];
 }
 
+/* The same as rb_world_origin_at, of a body whose centre of mass is elsewhere. */
+rb_vec3 rb_world_origin_beside(const struct rb_world *world, const struct rb_state *state,
+                               int index);
+
 /* Position of the object's origin, which is the centre of its shape. */
 static inline rb_vec3 rb_world_origin_at(const struct rb_world *world, const struct rb_state *state,
                                          int index)
@@ -117,11 +121,9 @@ static inline rb_vec3 rb_world_origin_at(const struct rb_world *world, const str
 
 	if (index >= model->body_count)
 		return model->position[index];
-	const rb_vec3 center = rb_world_row3(state->position, index);
 	if (!model->center_of_mass)
-		return center;
-	return rb_vec3_sub(center, rb_quat_rotate(rb_world_orientation_at(world, state, index),
-	                                          model->center_of_mass[index]));
+		return rb_world_row3(state->position, index);
+	return rb_world_origin_beside(world, state, index);
 }
 
 /* I^-1 applied to an angular impulse, world axes; the body must be moving and able to turn. */
