@@ -32,6 +32,11 @@ static const double sweep_share = 0.25, direct_share = 1e-2, close_share = 1e-7;
 /* Of the tolerance, gaps and overlaps that count as closed where bodies stand. */
 static const double let_share = 1.0 / 32;
 static const double stiff_ratio = 30, hold_slack = 16;
+/*
+ * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much more than this, stacks
+ * that ought to come to stand are kept swaying.
+ */
+static const double pull_share = 1e-3;
 
 enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model *model,
                                 struct rb_error *err)
@@ -251,6 +256,20 @@ static bool is_quiet(const struct rb_solver *solver, const struct rb_island *isl
 	                                           island->member_count, square);
 }
 
+/* m/s: what the first sweeps may leave. Spheres do not sway. */
+static double aim_of(const struct rb_solver *solver, const struct rb_island *island,
+                     const struct rb_sweeper *sweeper)
+{
+	const int *member = solver->member + island->first_member;
+	double pull = 0;
+
+	if (solver->before && !sweeper->wide && !sweeper->central)
+		pull = sqrt(pull_of(solver, member, island->member_count, (double)INFINITY));
+	return pull > 0
+	               ? fmin(fmax(pull_share * pull, close_share * solver->enough), solver->enough)
+	               : solver->enough;
+}
+
 /* Whether the group was quiet when the step began, and nothing moves under it. */
 static bool stood(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -371,7 +390,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (!good && stiff)
 		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
-		good = sweep_more(&sweeper, island, enough,
+		good = sweep_more(&sweeper, island, aim_of(solver, island, &sweeper),
 		                  sweeper.wide ? WIDE_FIRST : SWEEPS_FIRST);
 	/* the last digit costs as much as all before: the whole tolerance will do, as the verdict will see */
 	if (!good)

@@ -86,10 +86,9 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 {
 	struct colours colours = {.count = 0};
 
-	const bool central = is_central(sweeper->dense);
-
+	sweeper->central = is_central(sweeper->dense);
 	sweeper->wide = sweeper->dense->row_count >=
-	                (central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS);
+	                (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS);
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
 		return rb_sweep_take(&sweeper->one, arena);
@@ -97,7 +96,7 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	if (!colour_rows(sweeper, &colours, arena))
 		return false;
 	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
-	                                 .central = central,
+	                                 .central = sweeper->central,
 	                                 .order = colours.order,
 	                                 .still = sweeper->still,
 	                                 .team = sweeper->team,

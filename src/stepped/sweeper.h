@@ -23,7 +23,7 @@ struct rb_sweeper {
 	int *local;           /* by body: scratch, -1 for what does not yield */
 	struct rb_team *team; /* of packs; NULL: in one thread */
 	/* rb_sweeper_take */
-	bool wide;
+	bool wide, central; /* central: of spheres alone */
 	struct rb_sweep one;
 	struct rb_wide many;
 };
