@@ -2,6 +2,10 @@
 # SPDX-License-Identifier: MIT
 # Heaps, piles and stacks by steps: do they stand, and what does the way there cost?
 . "$(dirname "$0")/functions"
+case ${HEAP_DIR-/} in
+/*) ;;
+*) HEAP_DIR=$TOP/$HEAP_DIR ;;
+esac
 
 for e in 0 0.5; do
 	# a run that gives up is a result too, and says so as its status
@@ -52,7 +56,7 @@ pile()
 	echo "$cost $deepest $mean" >>"points.$1.$2.$4"
 }
 
-# HEAP_DIR=folder keeps the diagram: error against time over the tolerance, beside what other engines reach on this heap
+# HEAP_DIR=folder (from the top of the sources) keeps the diagram: error against time over the tolerance, beside what other engines reach on this heap
 # with 10,000 spheres, measured on a machine like this one
 draw()
 {
