@@ -15,8 +15,8 @@
 static const double tolerance = 3e-14;
 /* Shares of forces by which a mode is seen to have ended, so that what follows does not see it go on. */
 static const double clear = 1e-11;
-/* Accelerations below this share of the pulls are what the solver leaves. */
-static const double still_share = 1e-12;
+/* Accelerations below this share of the pulls are what the solver leaves: of what stands, and of what slides on. */
+static const double still_share = 1e-12, rounding_share = 16 * DBL_EPSILON;
 /* Share of forces up to which the solver's residue may be taken for a mode that holds. */
 static const double doubtful = 1e-8;
 /* Share of accelerations by which two solutions for the same motion differ. */
@@ -60,17 +60,20 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 
 /*
  * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means static, also under
- * forces that are looked at again and again.
+ * forces that are looked at again and again. Of one that slides on, so is what is no more than rounding; it would grow.
  */
 static void stand_still(struct rb_modes *w, double pull)
 {
+	bool stands = true;
+
+	for (int k = 0; k < w->c->member_count; k++)
+		stands = stands && rb_vec3_max_abs(w->pose[k].velocity) == 0;
+	const double most = pull * (stands ? still_share : rounding_share);
 	for (int k = 0; k < w->c->member_count; k++) {
 		const double radius = rb_model_reach(w->l->model, w->c->member[k]);
 
-		if (rb_vec3_max_abs(w->pose[k].velocity) > 0 ||
-		    rb_vec3_max_abs(w->pose[k].spin) > 0 ||
-		    rb_vec3_max_abs(w->linear[k]) > still_share * pull ||
-		    rb_vec3_max_abs(w->angular[k]) * radius > still_share * pull)
+		if (rb_vec3_max_abs(w->pose[k].spin) > 0 || rb_vec3_max_abs(w->linear[k]) > most ||
+		    rb_vec3_max_abs(w->angular[k]) * radius > most)
 			return;
 	}
 	for (int k = 0; k < w->c->member_count; k++)
