@@ -1,0 +1,9 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A thousand bodies of all shapes jam above the hole of a hopper: their groups come to an end, and few steps are taken back.
+# Where sweeps of such groups stalled, half of all steps were.
+. tests/cli/functions
+
+exits 0 "$TOP/scenes/hopper.lua" --param n=1000 --param seconds=1.2 --no-record --no-render --json --quiet
+awk -v lost="$(value discarded_body_steps)" -v all="$(value body_steps)" 'BEGIN { exit !(lost < 0.05 * all) }' ||
+	fail "$(value discarded_body_steps) body-steps are thrown away, $(value body_steps) kept"
