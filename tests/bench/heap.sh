@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Heaps, piles and stacks by steps: do they stand, and what does the way there cost?
 . "$(dirname "$0")/functions"
-case ${HEAP_DIR-/} in
+case ${HEAP_DIR:-/} in
 /*) ;;
 *) HEAP_DIR=$TOP/$HEAP_DIR ;;
 esac
@@ -56,8 +56,8 @@ pile()
 	echo "$cost $deepest $mean" >>"points.$1.$2.$4"
 }
 
-# HEAP_DIR=folder (from the top of the sources) keeps the diagram: error against time over the tolerance, beside what other engines reach on this heap
-# with 10,000 spheres, measured on a machine like this one
+# HEAP_DIR=folder (from the top of the sources) keeps the diagram: error against time over the tolerance, beside what other
+# engines reach on this heap with 10,000 spheres, measured on a machine like this one
 draw()
 {
 	gnuplot <<-END
