@@ -219,13 +219,85 @@ static void a_corner_that_passes_the_side_of_a_face_is_outside(void **slot)
 	rb_polytope_destroy(high.polytope);
 }
 
+/*
+ * A ball about a box, near its border or not: from whichever feature of it one begins, those that take over lead to the one
+ * that is nearest.
+ */
+static void what_takes_over_leads_to_the_feature_that_is_nearest(void **slot)
+{
+	shape box = shapes_box(0.5, 0.7, 1), ball = shapes_capsule(0, 0.5);
+	side a = still(&ball, (rb_vec3){0, 0, 0}, shapes_turn(31, 0));
+
+	(void)slot;
+	for (uint64_t index = 0; index < 400; index++) {
+		side b = still(&box, shapes_vector(32, index, 3), shapes_turn(33, index));
+		bring_together(&a, &b);
+		const rb_placed pa = rb_feature_placed(&a), pb = rb_feature_placed(&b);
+		const rb_convex_touch touch = rb_convex_gap(&pa, &pb);
+
+		for (int face = 0; face < 6; face++) {
+			uint64_t key = (uint64_t)rb_part_of(RB_PART_VERTEX, 0) << 32 |
+			               rb_part_of(RB_PART_FACE, face);
+			struct rb_feature_point p;
+			int steps = 0;
+
+			assert_true(rb_feature_meet(&p, &a, &b, key));
+			for (; p.inside < 0 && steps < 12; steps++) {
+				key = rb_feature_beyond(&a, &b, key, &p);
+				assert_true(key != 0);
+				assert_true(rb_feature_meet(&p, &a, &b, key));
+			}
+			/* the far side of a body is no neighbour of what is nearest */
+			if (rb_vec3_dot(p.normal, touch.normal) < 0.5)
+				continue;
+			assert_true(p.inside >= 0);
+			assert_near(p.gap, touch.gap, 1e-14);
+			assert_true(apart(p.normal, touch.normal) <= 1e-14);
+		}
+	}
+	rb_polytope_destroy(box.polytope);
+	rb_polytope_destroy(ball.polytope);
+}
+
+/*
+ * The lowest point of a rim over a plane, however little it is tilted: r sin(tilt) below the middle of its end, which comes
+ * down by r w where it turns by w about a line across both axes.
+ */
+static void the_lowest_point_of_a_rim_is_exact_at_every_tilt(void **slot)
+{
+	const double r = 0.6, half = 0.25, w = 3;
+	shape tin = shapes_cylinder(r, half), ground = {NULL, rb_core_of_half_space()};
+	const uint64_t key = (uint64_t)rb_part_of(RB_PART_RIM, 1) << 32 |
+	                     rb_part_of(RB_PART_SURFACE, 0);
+
+	(void)slot;
+	for (int k = 0; k < 60; k++) {
+		const double tilt = 1e-7 * pow(10, 0.1 * k);
+		const rb_vec3 way = {cos(0.7 * k), sin(0.7 * k), 0};
+		const rb_vec3 yaw = {0, 0, 1.3 * k};
+		const rb_mat3 lean = shapes_turned(rb_vec3_scale(tilt, way));
+		const rb_mat3 spun = shapes_turned(yaw);
+		side a = still(&tin, (rb_vec3){0, 0, 1}, rb_mat3_multiply(&lean, &spun));
+		const side b = still(&ground, (rb_vec3){0, 0, 0},
+		                     shapes_turned((rb_vec3){0, 0, 0}));
+		struct rb_feature_point p;
+
+		a.spin = rb_vec3_scale(w, way);
+		assert_true(rb_feature_meet(&p, &a, &b, key));
+		assert_near(p.gap, 1 - half * cos(tilt) - r * sin(tilt), 2e-15);
+		assert_near(p.point_rate.z, w * (half * sin(tilt) - r * cos(tilt)), 1e-14);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(points_of_bodies_in_any_place_are_where_their_features_say),
 		cmocka_unit_test(bodies_on_faces_touch_at_all_their_points),
+		cmocka_unit_test(the_lowest_point_of_a_rim_is_exact_at_every_tilt),
 		cmocka_unit_test(crossing_of_nearly_parallel_edges_keeps_the_normal_of_the_face),
 		cmocka_unit_test(a_corner_that_passes_the_side_of_a_face_is_outside),
+		cmocka_unit_test(what_takes_over_leads_to_the_feature_that_is_nearest),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

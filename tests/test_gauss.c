@@ -20,8 +20,8 @@ struct course {
 static void begin(struct course *c, int n, rb_gauss_rates *rates, void *user, const double *scale)
 {
 	memset(c, 0, sizeof *c);
-	c->problem = (struct rb_gauss_problem){n,     rates, NULL,       user,
-	                                       scale, 1e-14, c->scratch, &c->calls};
+	c->problem = (struct rb_gauss_problem){n,     rates,      NULL,      user, scale,
+	                                       1e-14, c->scratch, &c->calls, NULL};
 	c->try_s = 1;
 	c->piece.n = n;
 	c->piece.start = c->value;

@@ -165,7 +165,54 @@ static void a_recording_tells_of_springs_and_driven_bodies(void **slot)
 	const hid_t plain = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
 	assert_true(H5Lexists(plain, "/rbsim/springs", H5P_DEFAULT) == 0);
 	assert_true(H5Lexists(plain, "/rbsim/shapes/driven", H5P_DEFAULT) == 0);
+	assert_true(H5Lexists(plain, "/rbsim/shapes/collides_with", H5P_DEFAULT) == 0);
+	assert_true(H5Lexists(plain, "/rbsim/forces", H5P_DEFAULT) == 0);
 	H5Fclose(plain);
+}
+
+static void read_column(hid_t file, const char *path, hid_t type, void *out)
+{
+	const hid_t dataset = H5Dopen2(file, path, H5P_DEFAULT);
+
+	assert_true(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, out) >= 0);
+	H5Dclose(dataset);
+}
+
+static void a_recording_tells_who_meets_whom_and_what_pulls(void **slot)
+{
+	char path[512];
+	struct rb_error err;
+	struct fake fake;
+	uint64_t group[4] = {1, 2, 4, 8}, collides[4] = {8, 4, UINT64_MAX, 1};
+	const struct rb_force_def force = {.vector = {0, 3, 1}, .start_s = 2, .duration_s = 5};
+	uint64_t of_group[4], with[4];
+	int body[2];
+	double vector[2][3];
+
+	(void)slot;
+	fake_init(&fake, 3, 2, true);
+	fake.model.group_bit = group;
+	fake.model.collides = collides;
+	for (int id = 0; id < 4; id += 3) { /* the first and the last of the scene */
+		struct rb_body_def *const def = &fake.scene.bodies[id];
+		assert_ok(rb_scene_add_force(&fake.scene, &force, &err));
+		def->force_first = fake.scene.force_count - 1;
+		def->force_count = 1;
+	}
+	unlink(in_folder(path, "meets.h5"));
+	assert_ok(fake_record(&fake, path, &err));
+	fake_release(&fake);
+
+	const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+	read_column(file, "/rbsim/shapes/group", H5T_NATIVE_UINT64, of_group);
+	read_column(file, "/rbsim/shapes/collides_with", H5T_NATIVE_UINT64, with);
+	read_column(file, "/rbsim/forces/body", H5T_NATIVE_INT, body);
+	read_column(file, "/rbsim/forces/vector", H5T_NATIVE_DOUBLE, vector);
+	/* by id: the static plane, the last of the columns, has id 1 */
+	assert_true(of_group[0] == 1 && of_group[1] == 8 && of_group[2] == 2 && of_group[3] == 4);
+	assert_true(with[0] == 8 && with[1] == 1 && with[2] == 4 && with[3] == UINT64_MAX);
+	assert_true(body[0] == 0 && body[1] == 3 && vector[1][1] == 3 && vector[1][2] == 1);
+	H5Fclose(file);
 }
 
 static void an_event_of_no_kind_is_damage(void **slot)
@@ -553,6 +600,7 @@ int main(void)
 		cmocka_unit_test(flipped_bytes_do_not_crash_the_reader),
 		cmocka_unit_test(a_recording_says_how_it_was_made),
 		cmocka_unit_test(a_recording_tells_of_springs_and_driven_bodies),
+		cmocka_unit_test(a_recording_tells_who_meets_whom_and_what_pulls),
 		cmocka_unit_test(an_event_of_no_kind_is_damage),
 		cmocka_unit_test(observables_are_read_whole),
 		cmocka_unit_test(a_row_beyond_the_end_is_refused),

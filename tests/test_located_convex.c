@@ -367,6 +367,75 @@ static void a_slab_that_is_hit_clatters_without_overlap(void **slot)
 	bench_close(&bench);
 }
 
+/*
+ * A flat end that is tilted so little that all of its rim counts as touching: the lowest point of the rim is what is told,
+ * and not that of one of the points that hold it. By d of overlap and a tilt: d + r * tilt lower than the middle.
+ */
+static void the_overlap_that_is_told_is_that_of_the_lowest_point(void **state)
+{
+	static const double tilts[] = {1e-4, 1e-6, 1e-8};
+	const double r = 0.1, length = 0.1, d = 5e-4;
+
+	(void)state;
+	for (int k = 0; k < 3; k++) {
+		struct bench bench;
+		const double tilt = tilts[k];
+		const rb_quat q = {cos(tilt / 2), sin(tilt / 2) * cos(0.37),
+		                   sin(tilt / 2) * sin(0.37), 0};
+
+		bench_open(&bench, 0.1, 10);
+		bench.lab.scene.world.gravity = (rb_vec3){0, 0, 0};
+		bench.lab.scene.world.tolerance_m = 1e-3;
+		lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		struct rb_body_def def = solid_def(RB_SHAPE_CYLINDER, r, length, 0);
+		def.orientation = q;
+		def.position.z = r * sin(tilt) + 0.5 * length * cos(tilt) - d;
+		lab_add(&bench.lab, &def);
+		bench_seal(&bench);
+		lab_run(&bench.lab);
+		assert_near(rb_world_totals(bench.lab.world).max_penetration, d, 1e-3 * r * tilt);
+		bench_close(&bench);
+	}
+}
+
+/* Across the seams of two crates, in a direction of its own; and over the border of the last one, where it is too fast to stay. */
+static void a_ball_rolls_over_seams_and_flies_off_a_border(void **slot)
+{
+	const rb_vec3 v = {2, 0.7, 0};
+
+	(void)slot;
+	for (int fixed = 0; fixed < 2; fixed++) {
+		struct bench bench;
+
+		bench_open(&bench, 1, 10);
+		lab_surface(&bench.lab, 0, 0.5);
+		lab_plane(&bench.lab, (rb_vec3){0, 0, -1}, (rb_vec3){0, 0, 1});
+		for (int k = -1; k <= 1; k++) {
+			struct rb_body_def crate = solid_def(RB_SHAPE_BOX, 0.5, 4, 1);
+
+			crate.mass = fixed ? crate.mass : 1000;
+			crate.is_static = fixed;
+			crate.position = (rb_vec3){0.5 * k, 0, -0.5};
+			lab_add(&bench.lab, &crate);
+		}
+		struct rb_body_def ball = lab_sphere_def(0.1, 1, (rb_vec3){-0.7, 0, 0.1}, v);
+		ball.angular_velocity = (rb_vec3){-v.y / 0.1, v.x / 0.1, 0};
+		const int id = lab_add(&bench.lab, &ball);
+		bench_seal(&bench);
+		lab_run(&bench.lab);
+		/* its centre is over the border at x = 0.75; told by a share of the crates' size late */
+		const double s = 1 - 1.45 / v.x;
+		assert_vector(rb_world_position(bench.lab.world, id),
+		              ((rb_vec3){1.3, v.y, 0.1 - 0.5 * 9.81 * s * s}), 1e-9);
+		assert_vector(rb_world_velocity(bench.lab.world, id),
+		              ((rb_vec3){v.x, v.y, -9.81 * s}), 1e-9);
+		assert_vector(rb_world_angular_velocity(bench.lab.world, id), ball.angular_velocity,
+		              1e-9);
+		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_COLLISION), 0);
+		bench_close(&bench);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -380,6 +449,8 @@ int main(void)
 		cmocka_unit_test(edges_that_cross_exchange_velocities),
 		cmocka_unit_test(a_ball_meets_every_feature_of_a_box),
 		cmocka_unit_test(a_slab_that_is_hit_clatters_without_overlap),
+		cmocka_unit_test(the_overlap_that_is_told_is_that_of_the_lowest_point),
+		cmocka_unit_test(a_ball_rolls_over_seams_and_flies_off_a_border),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -77,8 +77,10 @@ static int add_driven(struct lab *lab, enum rb_shape_kind kind, const double *ed
 	def.shape.kind = kind;
 	for (int k = 0; edges && k < 3; k++)
 		def.shape.size[k] = edges[k];
-	if (kind != RB_SHAPE_BOX)
+	if (kind != RB_SHAPE_BOX) {
+		def.shape.radius = 0;
 		def.orientation = rb_plane_orientation(up, (rb_vec3){NAN, 0, 0});
+	}
 	def.mass = NAN;
 	def.motion = 0;
 	def.motion_turns = turns;

@@ -274,7 +274,7 @@ static void integrate(struct reference *r, double *y, double end)
 	double coefficient[7 * RB_GAUSS_NODES], scratch[256], t = 0, h = 0.1, after[7];
 	uint64_t calls = 0;
 	const struct rb_gauss_problem problem = {7,     turning, NULL,    r,
-	                                         scale, 1e-14,   scratch, &calls};
+	                                         scale, 1e-14,   scratch, &calls, NULL};
 	struct rb_gauss_piece piece = {7, 0, y, coefficient};
 	struct rb_error err;
 
@@ -519,6 +519,81 @@ static void a_needle_turns_over_without_noise_about_its_axis(void **state)
 	assert_near(rb_vec3_length(rb_top_turning(&body, &inertia, q, spin)), 0, 1e-12);
 }
 
+/* ---- steps ---- */
+
+static rb_vec3 momentum_of(const rb_mat3 *inertia, rb_quat q, rb_vec3 spin)
+{
+	return rb_quat_rotate(q, rb_mat3_apply(inertia, rb_quat_rotate_back(q, spin)));
+}
+
+/* Over thousands of steps only rounding adds up: some units in the last place in each. */
+static void steps_keep_energy_and_angular_momentum(void **state)
+{
+	const rb_mat3 tensors[4] = {rb_mat3_diagonal(3, 1, 2.5), rb_mat3_diagonal(1e-3, 1, 1.0005),
+	                            turned_tensor(some_orientation(), 2, 3, 4),
+	                            rb_mat3_diagonal(1, 1, 1.9)};
+	const double steps[3] = {1e-3, 0.04, 3}; /* up to a whole turn and more */
+	enum { COUNT = 4000 };
+
+	(void)state;
+	for (int k = 0; k < 4; k++)
+		for (int s = 0; s < 3; s++) {
+			const struct rb_top_body body = rb_top_body_of(&tensors[k]);
+			rb_quat q = some_orientation();
+			rb_vec3 spin = {1, -2, 0.5};
+			const rb_vec3 l = momentum_of(&tensors[k], q, spin);
+			const double energy = rb_vec3_dot(l, spin);
+
+			for (int n = 0; n < COUNT; n++)
+				rb_top_step(&body, steps[s], &q, &spin);
+			const rb_vec3 now = momentum_of(&tensors[k], q, spin);
+			const double bound = 4 * COUNT * DBL_EPSILON;
+			assert_near(rb_vec3_length(rb_vec3_sub(now, l)) / rb_vec3_length(l), 0,
+			            bound);
+			assert_near(rb_vec3_dot(now, spin) / energy, 1, bound);
+		}
+}
+
+/* Beside the series: the error of one step is of its third order, so half the step leaves an eighth. */
+static void a_step_is_right_but_for_its_third_order(void **state)
+{
+	const rb_mat3 inertia = turned_tensor(some_orientation(), 3, 1, 2.5);
+	const struct rb_top_body body = rb_top_body_of(&inertia);
+	const rb_vec3 spin = {1, -2, 0.5};
+	double off[2];
+
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		const double h = k == 0 ? 0.02 : 0.01;
+		struct rb_top top = rb_top_start(&body, some_orientation(), spin, none);
+		rb_quat q = some_orientation(), right;
+		rb_vec3 w = spin;
+
+		rb_top_at(&top, h, &right, NULL);
+		rb_top_step(&body, h, &q, &w);
+		off[k] = angle_between(q, right);
+		assert_true(off[k] < pow(h * rb_vec3_length(spin), 3) / 12);
+	}
+	assert_near(off[0] / off[1], 8, 0.5);
+}
+
+static void about_a_principal_axis_a_step_of_any_length_is_right(void **state)
+{
+	const rb_mat3 inertia = rb_mat3_diagonal(3, 1, 2.5);
+	const struct rb_top_body body = rb_top_body_of(&inertia);
+
+	(void)state;
+	for (double h = 0.001; h < 10; h *= 1.7) {
+		rb_quat q = rb_quat_identity;
+		rb_vec3 spin = {0, 0, 1.5};
+
+		rb_top_step(&body, h, &q, &spin);
+		const rb_quat right = rb_quat_from_turn((rb_vec3){0, 0, 1.5 * h});
+		assert_near(angle_between(q, right), 0, 16 * DBL_EPSILON);
+		assert_near(spin.z, 1.5, 4 * DBL_EPSILON);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -536,6 +611,9 @@ int main(void)
 		cmocka_unit_test(extremes_end_and_say_so),
 		cmocka_unit_test(the_turning_is_how_the_spin_changes),
 		cmocka_unit_test(a_needle_turns_over_without_noise_about_its_axis),
+		cmocka_unit_test(steps_keep_energy_and_angular_momentum),
+		cmocka_unit_test(a_step_is_right_but_for_its_third_order),
+		cmocka_unit_test(about_a_principal_axis_a_step_of_any_length_is_right),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

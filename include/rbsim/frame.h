@@ -12,6 +12,7 @@
 #include <stdint.h>
 
 #include <rbsim/error.h>
+#include <rbsim/ledger.h>
 #include <rbsim/math.h>
 
 #ifdef __cplusplus
@@ -65,6 +66,8 @@ struct rb_frame_numbers {
 	uint64_t collisions, rollbacks, substeps; /* substeps: accepted, all groups */
 	double smallest_step;                     /* s, the smallest substep tried */
 	double stepped; /* s that the classic method has simulated, the rest was located */
+	bool has_ledger;
+	struct rb_ledger_values ledger; /* zeros without one */
 };
 
 /*

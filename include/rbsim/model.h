@@ -85,6 +85,7 @@ struct rb_model {
 	enum rb_rollback_kind rollback;
 	enum rb_method_kind method; /* as asked for */
 	uint64_t frame_count;       /* frame 0 included */
+	bool keeps_ledger;          /* as asked for, or because it costs next to nothing here */
 	size_t bytes;               /* that the columns take */
 };
 

@@ -109,6 +109,12 @@ struct rb_force_def {
 	enum rb_force_frame frame;
 };
 
+/* From its start on, up to but without its end. */
+static inline bool rb_force_acts(const struct rb_force_def *force, double time_s)
+{
+	return time_s >= force->start_s && time_s < force->start_s + force->duration_s;
+}
+
 /* Between points of two bodies; pulls when longer than its rest length, damping along its line. */
 struct rb_spring_def {
 	int a, b;             /* ids */
@@ -230,7 +236,8 @@ struct rb_record_def {
 	int every;        /* record every n-th frame */
 	unsigned fields;  /* RB_FIELD_* */
 	bool single_precision;
-	int compression; /* 0 to 9 */
+	int compression;           /* 0 to 9 */
+	bool ledger, ledger_given; /* not given: where there are few bodies */
 };
 
 enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };

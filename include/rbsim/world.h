@@ -89,11 +89,16 @@ RB_CHECKED enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_
                                               struct rb_error *err);
 /* Numbers of this moment; counts are of the whole run. */
 struct rb_frame_numbers rb_world_totals(struct rb_world *world);
+/* Stepped: contacts of a group at most whose impacts are passed on one by one. */
+enum { RB_IMPACT_CONTACTS = 200 };
 /* Accepted and discarded (rolled back) body substeps of the whole run, and pair tests of the broadphase. */
 struct rb_world_work {
 	uint64_t body_steps, discarded_body_steps, pair_tests;
 	uint64_t
 		plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
+	/* stepped: impacts of groups that are too large to be passed on one by one, and the energy of their approach, J */
+	uint64_t crowded_impacts;
+	double crowded_energy_j;
 	/* stepped: contact points of all steps, times that one was swept, factorizations, moves of positions only */
 	uint64_t rows, row_sweeps, factors, closings;
 	double residual_m; /* stepped: the largest that a solution left of a gap's closing */

@@ -1,7 +1,7 @@
 -- SPDX-License-Identifier: MIT
 -- S32: the lower end of a slender rod slides and digs in, where friction would need a force that it cannot have
--- (Painleve: mu > 4/3 at 63 degrees). Answer: there is none; what can be asked is that energy never rises, that numbers
--- stay finite, and that the run ends.
+-- (Painleve: mu > 4/3 at 63 degrees). Answer: an impulse ends the slip at once, and the end stands (in numbers:
+-- tests/test_located_jam.c); asked here is that energy never rises, that numbers stay finite, and that the run ends.
 local verify = require "rbsim.verify"
 local shape = param("shape", "capsule", "of the rod", {choices = {"capsule", "box"}})
 local mu = param("mu", 1.5, "friction", {choices = {1.5, 3.0, 1.2}})

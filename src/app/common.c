@@ -226,6 +226,8 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *fro
 	if (status)
 		return status;
 	override(&loaded->scene.world, options);
+	if (options->keep_ledger && !loaded->scene.record.ledger_given)
+		loaded->scene.record.ledger = loaded->scene.record.ledger_given = true;
 	status = rb_model_create(&loaded->model, &loaded->scene, &loaded->mistakes, err);
 	if (status || options->no_record)
 		return status;

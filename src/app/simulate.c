@@ -346,6 +346,8 @@ static void pack_numbers(struct rb_frame_numbers *n, struct rb_pack *pack)
 	rb_pack_u64(pack, &n->substeps);
 	rb_pack_doubles(pack, &n->smallest_step, 1);
 	rb_pack_doubles(pack, &n->stepped, 1);
+	rb_pack_bool(pack, &n->has_ledger);
+	rb_ledger_values_pack(&n->ledger, pack);
 }
 
 /* What the summary tells of all frames so far, and which pictures films leave out. */
@@ -367,6 +369,7 @@ static void pack_result(void *user, struct rb_pack *pack)
 	rb_pack_doubles(pack, &result->energy_drift_j, 1);
 	rb_pack_doubles(pack, &result->momentum_drift, 1);
 	rb_pack_doubles(pack, &result->angular_momentum_drift, 1);
+	rb_balance_pack(&result->balance, pack);
 	rb_films_pack(run->films, pack);
 }
 
@@ -452,6 +455,7 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
 	result->angular_momentum_drift = rb_larger(
 		result->angular_momentum_drift,
 		rb_change_of(n->angular_momentum, first->angular_momentum));
+	rb_balance_take(&result->balance, n);
 	result->frames++;
 	result->time_s = frame->time_s;
 }

@@ -13,6 +13,7 @@
 
 #include <rbsim/world.h>
 
+#include "app/balance.h"
 #include "app/common.h"
 #include "app/films.h"
 #include "app/listen.h"
@@ -48,6 +49,7 @@ struct rb_run_result {
 	double kinetic_max_j, max_penetration_m;
 	/* largest |x(t) - x(0)|; NAN once a value was none */
 	double energy_drift_j, momentum_drift, angular_momentum_drift;
+	struct rb_balance balance;
 	struct rb_frame_numbers totals; /* counts of the whole run */
 	struct rb_world_work work;
 

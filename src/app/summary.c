@@ -49,6 +49,9 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 	if (work->plastic_ends > 0)
 		fprintf(file, "; %" PRIu64 " clusters of impacts ended without restitution",
 		        work->plastic_ends);
+	if (work->crowded_impacts > 0)
+		fprintf(file, "; %" PRIu64 " in groups of more than %d contacts at once, of %.3g J",
+		        work->crowded_impacts, RB_IMPACT_CONTACTS, work->crowded_energy_j);
 	if (work->rows > 0)
 		fprintf(file,
 		        "\n  contacts      %" PRIu64
@@ -127,6 +130,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	        result->max_penetration_m, loaded->model->tolerance_m,
 	        loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
 	print_changes(file, result);
+	rb_balance_print(file, &result->balance, &result->last.ledger);
 	if (result->expect_count > 0) {
 		fprintf(file, "  expectations  %d of %d hold\n",
 		        result->expect_count - result->expect_failures, result->expect_count);
@@ -248,6 +252,8 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	               per_second(result->work.body_steps, result->wall_s));
 	rb_json_count(&json, "pair_tests", result->work.pair_tests);
 	rb_json_count(&json, "plastic_ends", result->work.plastic_ends);
+	rb_json_count(&json, "crowded_impacts", result->work.crowded_impacts);
+	rb_json_number(&json, "crowded_energy", result->work.crowded_energy_j);
 	rb_json_count(&json, "contact_rows", result->work.rows);
 	rb_json_count(&json, "row_sweeps", result->work.row_sweeps);
 	rb_json_count(&json, "factorizations", result->work.factors);
@@ -263,6 +269,7 @@ void rb_summary_print_json(FILE *file, const struct rb_run_result *result,
 	rb_json_number(&json, "energy_drift", result->energy_drift_j);
 	rb_json_number(&json, "momentum_drift", result->momentum_drift);
 	rb_json_number(&json, "angular_momentum_drift", result->angular_momentum_drift);
+	rb_balance_print_json(&json, &result->balance, &result->last.ledger);
 	json_numbers(&json, "first", &result->first);
 	json_numbers(&json, "last", &result->last);
 	rb_json_text(&json, "state_hash", hash);

@@ -81,7 +81,7 @@ static void run_scene(const struct rb_trial_job *job, int fd)
 	options.operand_count = 1;
 	options.params = (const char **)(uintptr_t)job->params;
 	options.param_count = job->param_count;
-	options.no_record = options.quiet = true;
+	options.no_record = options.quiet = options.keep_ledger = true;
 	options.output = NULL;
 	options.threads = 1;
 	enum rb_status status = rb_loaded_init(&loaded, &options, &err);
@@ -96,6 +96,8 @@ static void run_scene(const struct rb_trial_job *job, int fd)
 	result.frames = run.frames;
 	result.state_hash = run.state_hash;
 	result.collisions = run.totals.collisions;
+	result.stepped_s = run.totals.stepped;
+	result.balance = run.balance;
 	result.expect_count = run.expect_count;
 	send(fd, &result, sizeof result);
 	for (int i = 0; i < run.expect_count; i++)

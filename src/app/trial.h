@@ -10,6 +10,7 @@
 
 #include <sys/types.h>
 
+#include "app/balance.h"
 #include "app/common.h"
 
 enum { RB_TRIAL_TEXT_SIZE = 200 };
@@ -26,6 +27,8 @@ struct rb_trial_result {
 	bool refused;  /* as the scene expects */
 	double wall_s;
 	uint64_t state_hash, collisions, frames;
+	double stepped_s; /* simulated by steps */
+	struct rb_balance balance;
 	char reason[RB_ERROR_TEXT_SIZE]; /* why it ended early, "" else */
 	struct rb_trial_expect *expects; /* owned */
 	int expect_count;

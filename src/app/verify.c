@@ -182,6 +182,13 @@ static void json_run(struct rb_json *json, const struct rb_case_run *run,
 	rb_json_number(json, "wall_time", result->wall_s);
 	rb_json_count(json, "frames", result->frames);
 	rb_json_count(json, "collisions", result->collisions);
+	rb_json_number(json, "stepped", result->stepped_s);
+	rb_json_number(json, "unexplained_share",
+	               result->balance.kept ? rb_balance_energy_share(&result->balance)
+	                                    : (double)NAN);
+	rb_json_number(json, "unexplained_momentum_share",
+	               result->balance.kept ? rb_balance_momentum_share(&result->balance)
+	                                    : (double)NAN);
 	rb_json_open(json, "expectations", '[');
 	for (int k = 0; k < result->expect_count; k++) {
 		const struct rb_trial_expect *const expect = &result->expects[k];

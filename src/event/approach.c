@@ -22,9 +22,12 @@ static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
 /* Across which the rate of a direction is a difference, in sizes of way. */
 static const double moment_share = 0x1p-20;
 
-/* m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane, INFINITY. */
+/*
+ * m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane, INFINITY. What turning moves
+ * is the core only: a ball about a point of it stays what it is.
+ */
 struct extent {
-	double ball, along, across;
+	double ball, core, along, across;
 };
 
 struct course {
@@ -45,12 +48,11 @@ struct course {
 	double bend_a, bend_b; /* m/s^2: of a point, by turning */
 };
 
-static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis, double radius)
+static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis)
 {
-	const double along = rb_vec3_dot(p, axis);
-
-	e->along = fmax(e->along, fabs(along) + radius);
-	e->across = fmax(e->across, rb_vec3_length(rb_vec3_reject(p, axis)) + radius);
+	e->core = fmax(e->core, rb_vec3_length(p));
+	e->along = fmax(e->along, fabs(rb_vec3_dot(p, axis)));
+	e->across = fmax(e->across, rb_vec3_length(rb_vec3_reject(p, axis)));
 }
 
 /* `axis`: unit, object coordinates. */
@@ -62,7 +64,8 @@ static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 	struct extent e = {0};
 
 	if (shape->kind == RB_SHAPE_PLANE)
-		return (struct extent){(double)INFINITY, (double)INFINITY, (double)INFINITY};
+		return (struct extent){(double)INFINITY, (double)INFINITY, (double)INFINITY,
+		                       (double)INFINITY};
 	if (i < l->n && l->model->center_of_mass)
 		centre = l->model->center_of_mass[i];
 	e.ball = rb_vec3_length(centre) + (shape->kind == RB_SHAPE_RECTANGLE
@@ -80,8 +83,9 @@ static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 			const double off = rb_vec3_length(rb_vec3_cross(u, axis));
 			struct extent ends = {0};
 
-			reach_out(&ends, rb_vec3_add(at, half), axis, 0);
-			reach_out(&ends, rb_vec3_sub(at, half), axis, 0);
+			reach_out(&ends, rb_vec3_add(at, half), axis);
+			reach_out(&ends, rb_vec3_sub(at, half), axis);
+			e.core = fmax(e.core, ends.core + core->round);
 			e.along = fmax(e.along, ends.along + off * core->round);
 			e.across = fmax(e.across, ends.across + core->round);
 			continue;
@@ -90,7 +94,7 @@ static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 			reach_out(&e,
 			          rb_vec3_add(at, rb_mat3_apply(&part->turn,
 			                                        core->polytope->vertices[v])),
-			          axis, core->radius);
+			          axis);
 	}
 	return e;
 }
@@ -142,8 +146,8 @@ static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
 		*bend = quick * arm;
 		return *turn * arm;
 	}
-	*bend = fmin(most->axis_bend * own->along + quick * own->across, quick * own->ball);
-	return fmin(most->axis_turn * own->along + *turn * own->across, *turn * own->ball);
+	*bend = fmin(most->axis_bend * own->along + quick * own->across, quick * own->core);
+	return fmin(most->axis_turn * own->along + *turn * own->across, *turn * own->core);
 }
 
 static void place(struct course *c, double t, double until)
@@ -165,10 +169,14 @@ static void place(struct course *c, double t, double until)
 	const double turning = turn_on(c, true, &c->turn_a, &c->bend_a) +
 	                       turn_on(c, false, &c->turn_b, &c->bend_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	const double surface = rb_vec3_length(c->pair.pose_a.spin) *
+	                               arm_of(c, c->a.ball, c->b.ball) +
+	                       rb_vec3_length(c->pair.pose_b.spin) *
+	                               arm_of(c, c->b.ball, c->a.ball);
 	c->speed = rb_vec3_length(w) + turning;
 	c->noise = 8 * DBL_EPSILON *
 	           (rb_vec3_max_abs(c->pair.pose_a.velocity) +
-	            rb_vec3_max_abs(c->pair.pose_b.velocity) + turning +
+	            rb_vec3_max_abs(c->pair.pose_b.velocity) + surface +
 	            sqrt(2 * l->weight * c->size));
 	struct rb_meet still = {
 		.a = c->pair.a, .b = c->pair.b, .pose_a = c->pair.pose_a, .pose_b = c->pair.pose_b};
@@ -393,6 +401,21 @@ static bool is_face(rb_part part)
 }
 
 /*
+ * The normal of a plane, as it turns. A plane has no end: along any other direction it reaches as far as one likes, so that
+ * the bounds are those of its own turning.
+ */
+static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
+                                 const struct rb_feature_side *plane)
+{
+	const double turn = is_a ? c->turn_a : c->turn_b;
+
+	return (struct axis){.n = n,
+	                     .rate = rb_vec3_cross(plane->spin, n),
+	                     .rate_most = turn,
+	                     .bend_most = turn * turn + (is_a ? c->turning_a : c->turning_b)};
+}
+
+/*
  * The direction that proves the gap of two parts, going on as it does now: with the face that it belongs to, else as a
  * difference says. n + n' s made a unit vector turns by no more than |n'|, and bends by no more than 1.2 |n'|^2.
  */
@@ -401,6 +424,10 @@ static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
 {
 	struct axis axis = {.n = touch->normal};
 
+	if (a->core->kind == RB_CORE_HALF_SPACE)
+		return axis_of_plane(c, true, touch->normal, a);
+	if (b->core->kind == RB_CORE_HALF_SPACE)
+		return axis_of_plane(c, false, touch->normal, b);
 	if (is_face(touch->b)) {
 		axis.rate = rb_vec3_cross(b->spin, touch->normal);
 	} else if (is_face(touch->a)) {
@@ -439,15 +466,20 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	const rb_convex_touch touch = rb_convex_gap(&at_a, &at_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	const double closing = -rb_vec3_dot(touch.normal, w);
-	const double straight = rb_convex_safe_time(touch.gap, closing,
-	                                            c->speed - rb_vec3_length(w), c->pull_most);
-
-	*gap = touch.gap;
-	if (straight >= c->horizon_s)
-		return straight;
 	const struct axis stays = {.n = touch.normal};
 	struct axis goes = axis_of(c, &touch, a, b);
-	double safe = fmax(straight, proved_along(c, &stays, a, b));
+	const bool plane = a->core->kind == RB_CORE_HALF_SPACE ||
+	                   b->core->kind == RB_CORE_HALF_SPACE;
+	double safe = 0;
+
+	*gap = touch.gap;
+	if (!plane || !(goes.rate_most > 0)) {
+		safe = rb_convex_safe_time(touch.gap, closing, c->speed - rb_vec3_length(w),
+		                           c->pull_most);
+		if (safe >= c->horizon_s)
+			return safe;
+		safe = fmax(safe, proved_along(c, &stays, a, b));
+	}
 	if (goes.rate_most > 0)
 		safe = fmax(safe, proved_along(c, &goes, a, b));
 	if (a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER) {
@@ -483,7 +515,7 @@ static double safe_bodies(const struct course *c, double *gap)
 
 /* ---- touching ---- */
 
-enum what { PARTING, STAYING, CLOSING };
+enum what { PARTING, RESTING, STAYING, CLOSING };
 
 /* What those points do that touch. */
 static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair)
@@ -496,7 +528,7 @@ static enum what touching(const struct rb_located *l, const struct rb_touch_pair
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
 		const double noise = rb_meet_noise(l, &all[k]);
 
-		if (rate > noise)
+		if (rate > noise || rb_meet_passes(l, &all[k], pair->t))
 			continue;
 		if (rate < -noise)
 			return CLOSING;
@@ -507,8 +539,11 @@ static enum what touching(const struct rb_located *l, const struct rb_touch_pair
 		                            rb_vec3_length(all[k].arm_a) +
 		                    rb_vec3_dot(pair->pose_b.spin, pair->pose_b.spin) *
 		                            rb_vec3_length(all[k].arm_b);
-		if (rb_meet_bend(l, &all[k], pair->t) < -64 * DBL_EPSILON * most)
-			found = STAYING;
+		const double bend = rb_meet_bend(l, &all[k], pair->t);
+		const double least = 64 * DBL_EPSILON * most;
+
+		if (bend <= least && found != STAYING)
+			found = bend < -least ? STAYING : RESTING;
 	}
 	return found;
 }
@@ -588,6 +623,7 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 {
 	struct rb_approach found = {.touch_s = HUGE_VAL};
 	double t = from, leap = leap_first, gap;
+	bool rests = false;
 	struct course c;
 
 	start(&c, l, a < b ? a : b, a < b ? b : a);
@@ -600,7 +636,10 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 				const enum what now = touching(l, &c.pair);
 
 				found.touching = found.touching || t == from;
-				if (now == CLOSING || (now == STAYING && t > from)) {
+				/* what has begun to rest on each other may share a load: asked once */
+				rests = rests || (t == from && now == RESTING);
+				if (now == CLOSING || (now == STAYING && t > from) ||
+				    (now == RESTING && !rests)) {
 					found.touch_s = t > from ? settled(&c, from, until) : t;
 					return found;
 				}

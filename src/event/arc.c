@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/arc.h"
 
+#include "event/account.h"
+
 #include <stddef.h>
 
 _Static_assert(offsetof(struct rb_arc, acceleration) == 64, "the rest is one line of memory");
@@ -87,6 +89,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 	                   acceleration.x == gravity.x && acceleration.y == gravity.y &&
 	                   acceleration.z == gravity.z;
 
+	rb_account_arc(l, i, t);
 	l->arc[i] = (struct rb_arc){.anchor_s = t,
 	                            .position = pose->position,
 	                            .velocity = pose->velocity,

@@ -29,6 +29,8 @@ int rb_cluster_take(struct rb_located *l, const int *member, int member_count, i
 	c->integrated = c->at_rest = c->is_cut = c->has_jammed = c->hits = false;
 	c->member_count = member_count;
 	c->held_count = 0;
+	c->account.n = 0;
+	c->rates = (struct rb_account_rates){0};
 	for (int m = 0; m < member_count; m++)
 		l->cluster_of[member[m]] = k;
 	return k;
@@ -53,6 +55,7 @@ void rb_cluster_release_all(struct rb_located *l)
 		rb_memory_free(l->cluster[k].member);
 		rb_memory_free(l->cluster[k].held);
 		rb_memory_free(l->cluster[k].block);
+		rb_memory_free(l->cluster[k].account_block);
 	}
 	rb_memory_free(l->cluster);
 	l->cluster = NULL;

@@ -76,6 +76,7 @@ struct rb_cone {
 	int window;
 	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
 	bool gave_way; /* friction was less than the law says, because the law found no solution */
+	double enough; /* in the unit of u: what may be left; 0: rounding */
 	long iterations; /* products with the matrix, so far */
 	long most;       /* of them, after which it ends with what it has; 0: no limit */
 };

@@ -444,7 +444,7 @@ static double give_way(struct rb_cone *cone, double enough, double scale)
 
 double rb_cone_settle(struct rb_cone *cone, double scale)
 {
-	const double enough = 2 * DBL_EPSILON * scale;
+	const double enough = fmax(2 * DBL_EPSILON * scale, cone->enough);
 	bool convex = true;
 
 	for (int k = 0; k < cone->row_count; k++)

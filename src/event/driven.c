@@ -2,11 +2,13 @@
 #include "event/driven.h"
 
 #include "base/memory.h"
+#include "step/motion.h"
 
 #include <float.h>
+#include <limits.h>
 #include <string.h>
 
-enum { NODES = RB_GAUSS_NODES, CHECKS = 3 };
+enum { NODES = RB_GAUSS_NODES, CHECKS = 3, CALM_PIECES = 8, SLIVER_ULP = 16 };
 
 /* Where velocities are asked for: the nodes of Lobatto's quadrature, so that both ends are among them. */
 static const double velocity_node[NODES] = {
@@ -42,6 +44,10 @@ static const double check_at[CHECKS] = {0.15, 0.55, 0.88};
 static const double near_ulp = 16;
 /* Where halving does not help: up to so many ulp it is the function's rounding, up to this share of sizes a kink in it. */
 static const double noise_ulp = 1e5, kink_share = 1e-9;
+/* Of the longest piece: where only kinks lead, whose ends may look smooth. */
+static const double kink_length = 0x1p-24;
+/* Shares by which the velocities may lead elsewhere than the places say: more than what a kink may leave of either. */
+static const double contradiction = 1e-8;
 
 struct rb_driven {
 	struct rb_gauss_piece piece;
@@ -50,6 +56,7 @@ struct rb_driven {
 	double end_s;     /* where the piece has ended; NAN: none has, or not smoothly */
 	double try_s;
 	double near_ulp; /* of the function, as far as is known */
+	int calm;        /* pieces in a row that were as long as tried */
 };
 
 /* A body's function over one piece. */
@@ -58,24 +65,19 @@ struct drive {
 	struct rb_driven *own;
 	int i;
 	double origin_s, length_s;
-	bool given[2]; /* velocities, angular velocities are */
-	bool fresh;    /* nothing is known of the velocity at the beginning */
+	double first_s, longest_s; /* of lengths: tried first, possible */
+	bool given[2];             /* velocities, angular velocities are */
+	bool fresh;                /* nothing is known of the velocity at the beginning */
 	struct rb_driven_pose begin, moving[NODES], placed[NODES];
 };
 
 static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
 {
 	struct rb_located *l = d->l;
-	const struct rb_world_hooks *hooks = &l->world->hooks;
 
-	*pose = (struct rb_driven_pose){.orientation = l->model->orientation[d->i]};
-	if (l->status == RB_OK && hooks->motion)
-		l->status = hooks->motion(hooks->user, l->model->id_of[d->i],
-		                          d->origin_s + part * d->length_s, pose, l->err);
-	/* of the two quaternions of an orientation that on the side of the beginning */
-	const rb_quat q = pose->orientation, o = d->begin.orientation;
-	if (q.w * o.w + q.x * o.x + q.y * o.y + q.z * o.z < 0)
-		pose->orientation = (rb_quat){-q.w, -q.x, -q.y, -q.z};
+	if (l->status == RB_OK)
+		l->status = rb_motion_ask(l->world, d->i, d->origin_s + part * d->length_s,
+		                          d->begin.orientation, pose, l->err);
 	return l->status == RB_OK;
 }
 
@@ -280,6 +282,22 @@ static void compare(const struct drive *d, double part, int first, rb_vec3 wante
 	most->share = fmax(most->share, off / unit->share);
 }
 
+/* Where the orientation's rates lead within the piece. */
+static void compare_turning(const struct drive *d, double part, const struct rb_driven_pose *pose,
+                            const struct units *unit, struct misses *most)
+{
+	const rb_quat wanted = turning_of(pose);
+	double rate[4], off = 0;
+
+	for (int k = 0; k < 4; k++)
+		rate[k] = rb_gauss_rate(&d->own->piece, RB_ROW_ORIENTATION + k, part * d->length_s);
+	off = fmax(fmax(fabs(rate[0] - wanted.w), fabs(rate[1] - wanted.x)),
+	           fmax(fabs(rate[2] - wanted.y), fabs(rate[3] - wanted.z)));
+	off *= d->length_s;
+	most->ulp = fmax(most->ulp, off / (DBL_EPSILON * unit->ulp));
+	most->share = fmax(most->share, off / unit->share);
+}
+
 /* Units of what changes by so much over the piece: the rounding of the time makes that of its rate. */
 static struct units units_of(const struct drive *d, double change, double value, double share)
 {
@@ -292,8 +310,8 @@ static double change_of(rb_vec3 a, rb_vec3 b)
 	return rb_vec3_max_abs(rb_vec3_sub(a, b));
 }
 
-/* False: the function has failed. */
-static bool look(struct drive *d, struct misses *most)
+/* False: the function has failed. `apart`: of the places to which velocities lead. */
+static bool look(struct drive *d, struct misses *most, struct misses *apart)
 {
 	const double size = d->l->model->size_min_m, length = d->length_s;
 	const struct rb_driven_pose *const first = &d->moving[0], *const last =
@@ -309,27 +327,64 @@ static bool look(struct drive *d, struct misses *most)
 	const struct units turns = units_of(
 		d, change_of(last->angular_velocity, first->angular_velocity), spin, 1 / length);
 
-	*most = (struct misses){0};
-	for (int k = 0; k < CHECKS; k++) {
-		const double part = check_at[k];
-		struct rb_driven_pose pose;
+	*most = *apart = (struct misses){0};
+	for (int k = 0; k <= CHECKS; k++) {
+		const double part = k < CHECKS ? check_at[k] : 1;
+		struct rb_driven_pose pose = *last;
 
-		if (!ask(d, part, &pose))
+		if (k == CHECKS && !d->given[0] && !d->given[1])
+			break;
+		if (k < CHECKS && !ask(d, part, &pose))
 			return false;
 		if (d->given[0])
 			compare(d, part, RB_ROW_VELOCITY, pose.velocity, &moves, most);
-		else
-			compare(d, part, RB_ROW_POSITION, pose.position, &at, most);
+		if (d->given[0] || k < CHECKS)
+			compare(d, part, RB_ROW_POSITION, pose.position, &at,
+			        d->given[0] ? apart : most);
 		if (!d->l->top)
 			continue;
 		const rb_quat q = pose.orientation;
-		if (d->given[1])
+		if (d->given[1]) {
 			compare(d, part, RB_ROW_SPIN, pose.angular_velocity, &turns, most);
-		else
+			compare_turning(d, part, &pose, &turned, most);
+		}
+		if (d->given[1] || k < CHECKS)
 			compare(d, part, RB_ROW_ORIENTATION + 1, (rb_vec3){q.x, q.y, q.z}, &turned,
-			        most);
+			        d->given[1] ? apart : most);
 	}
 	return true;
+}
+
+/* Looks for jumps and contradictions from the piece's beginning to `part` of it. */
+static bool watch(struct drive *d, double part)
+{
+	struct rb_located *l = d->l;
+	struct rb_motion motion = {.world = l->world,
+	                           .i = d->i,
+	                           .from_s = d->origin_s,
+	                           .to_s = d->origin_s + part * d->length_s,
+	                           .begin = d->begin,
+	                           .coarse = kink_share,
+	                           .agreement = noise_ulp * DBL_EPSILON};
+
+	if (ask(d, part, &motion.end))
+		l->status = rb_motion_watch(&motion, l->err);
+	return l->status == RB_OK;
+}
+
+/* A function that cannot be followed: what is wrong with it? */
+static bool refuse(struct drive *d)
+{
+	struct rb_located *l = d->l;
+	char label[64];
+
+	if (watch(d, d->first_s / d->length_s))
+		l->status = RB_FAIL(
+			l->err, RB_ERR_SCENE,
+			"'motion' of '%s' at t = %.9g s: no smooth motion follows it",
+			rb_scene_body_label(l->model->scene, l->model->id_of[d->i], label),
+			d->origin_s);
+	return false;
 }
 
 /* Of 8 binary digits, so that times of pieces add up exactly. */
@@ -341,28 +396,32 @@ static double rounded(double length)
 	return ldexp(floor(digits * 0x1p8), exponent - 8);
 }
 
-/* The error goes with the ninth power of the length. */
+/*
+ * The error goes with the ninth power of the length; but what is the function's rounding does not, as after a kink: twice as
+ * long is tried now and then.
+ */
 static double next_length(const struct drive *d, double missed)
 {
 	const double grow = sqrt(sqrt(sqrt(d->own->near_ulp / fmax(missed, DBL_MIN))));
+	const double least = d->own->calm >= CALM_PIECES ? 2 : 1;
 
-	return rounded(d->length_s * fmin(fmax(0.9 * grow, 1), 4));
+	return rounded(d->length_s * fmin(fmax(0.9 * grow, least), 4));
 }
 
 /* The longest piece that is near enough. */
 static bool find_length(struct drive *d)
 {
 	struct rb_driven *const own = d->own;
-	const double least = 4 * DBL_EPSILON * d->origin_s;
+	const double least = 4 * DBL_EPSILON * fmax(d->origin_s, d->length_s);
 	double before = HUGE_VAL;
-	struct misses missed;
+	struct misses missed, apart;
 
 	own->near_ulp = fmax(0.5 * own->near_ulp, near_ulp);
 	for (;; d->length_s *= 0.5) {
 		if (!sample(d))
 			return false;
 		fit(d);
-		if (!look(d, &missed))
+		if (!look(d, &missed, &apart))
 			return false;
 		const bool helps = missed.ulp <= 0.125 * before;
 		if (!helps && before <= noise_ulp) {
@@ -372,11 +431,19 @@ static bool find_length(struct drive *d)
 			continue;
 		}
 		if (missed.ulp <= own->near_ulp || !(0.5 * d->length_s > least) ||
-		    (!helps && missed.share <= kink_share))
+		    ((!helps || d->length_s <= kink_length * d->longest_s) &&
+		     missed.share <= kink_share))
 			break;
 		before = missed.ulp;
 	}
+	if ((missed.ulp > own->near_ulp && !(missed.share <= kink_share)) ||
+	    (apart.share > contradiction && apart.ulp > noise_ulp))
+		return refuse(d);
+	/* what is near only as kinks and rounding allow may be a jump */
+	if ((d->length_s < d->first_s || own->near_ulp > near_ulp) && !watch(d, 1))
+		return false;
 	const bool smooth = missed.ulp <= own->near_ulp;
+	own->calm = smooth && d->length_s == d->first_s ? own->calm + 1 : 0;
 	own->try_s = smooth ? next_length(d, missed.ulp) : 2 * d->length_s;
 	/* what comes after a kink owes nothing to what was before it */
 	own->end_s = smooth ? d->origin_s + d->length_s : (double)NAN;
@@ -443,12 +510,16 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	/* not so long that what happens in between could be overlooked */
 	const double longest = fmax(1 / l->model->frame_rate, l->end_s / 256);
 	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
+	/* what rounding leaves of the run is no piece */
+	const bool ends = l->end_s - t > SLIVER_ULP * DBL_EPSILON * t;
 	struct drive d = {.l = l,
 	                  .own = own,
 	                  .i = i,
 	                  .origin_s = t,
-	                  .length_s = l->end_s > t ? fmin(length, l->end_s - t) : length,
+	                  .length_s = ends ? fmin(length, l->end_s - t) : length,
 	                  .fresh = !(own->end_s == t)};
+	d.first_s = d.length_s;
+	d.longest_s = longest;
 	if (!begin(&d) || !find_length(&d))
 		return;
 	for (int m = 0; m < 3; m++) {
@@ -493,6 +564,7 @@ void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack)
 	rb_pack_doubles(pack, &own->end_s, 1);
 	rb_pack_finite(pack, &own->try_s, 1);
 	rb_pack_finite(pack, &own->near_ulp, 1);
+	rb_pack_int(pack, &own->calm, 0, INT_MAX);
 	(void)rb_pack_check(pack, own->piece.length_s > 0, "a piece without length");
 	if (pack->loading && !pack->failed)
 		l->piece[i].piece = own->piece;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "event/account.h"
 #include "event/cluster.h"
 #include "event/driven.h"
 #include "event/foresee.h"
@@ -44,6 +45,8 @@ static bool make_rows(struct rb_located *l)
 
 	l->arc = row(n, sizeof *l->arc, &failed);
 	l->generation = row(n, sizeof *l->generation, &failed);
+	if (l->model->keeps_ledger)
+		l->account_s = row(n, sizeof *l->account_s, &failed);
 	l->next = row(n, sizeof *l->next, &failed);
 	l->cluster_of = row(n, sizeof *l->cluster_of, &failed);
 	l->near = row(n, sizeof *l->near, &failed);
@@ -139,6 +142,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->top_body);
 	rb_memory_free(l->piece);
 	rb_memory_free(l->generation);
+	rb_memory_free(l->account_s);
 	rb_memory_free(l->next);
 	rb_memory_free(l->cluster_of);
 	rb_memory_free(l->near);
@@ -183,6 +187,8 @@ struct before {
 	struct rb_arc arc[2];
 	struct rb_top top[2];
 	struct rb_counts counts;
+	struct rb_ledger ledger;
+	double account_s[2];
 	size_t events;
 };
 
@@ -197,6 +203,12 @@ static void remember(const struct rb_located *l, int i, int j, struct before *be
 		before->top[1] = l->top[j];
 	before->counts = l->world->frame_counts;
 	before->events = l->world->events.count;
+	before->account_s[0] = before->account_s[1] = 0;
+	if (!l->account_s)
+		return;
+	before->ledger = l->world->ledger;
+	before->account_s[0] = l->account_s[i];
+	before->account_s[1] = j < l->n ? l->account_s[j] : 0;
 }
 
 static void take_back(struct rb_located *l, int i, int j, const struct before *before)
@@ -210,6 +222,12 @@ static void take_back(struct rb_located *l, int i, int j, const struct before *b
 		l->top[j] = before->top[1];
 	l->world->frame_counts = before->counts;
 	l->world->events.count = before->events;
+	if (!l->account_s)
+		return;
+	l->world->ledger = before->ledger;
+	l->account_s[i] = before->account_s[0];
+	if (j < l->n)
+		l->account_s[j] = before->account_s[1];
 }
 
 /* The common case first; taken back when somebody else turns out to touch as well. */
@@ -365,6 +383,7 @@ static void call_hooks(struct rb_located *l, size_t first, double t)
 
 	if (count > first && (hooks->collision || hooks->transition)) {
 		store_all(l, t);
+		rb_account_all(l, t); /* what has been pushed so far */
 		rb_state_copy(&world->start, &world->state);
 		for (size_t k = first; k < count && l->status == RB_OK; k++) {
 			const struct rb_event event = world->events.row[k];
@@ -446,6 +465,7 @@ static void start(struct rb_located *l, double t)
 
 	l->started = l->starting = true;
 	l->now_s = t;
+	rb_account_begin(l, t);
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
 		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
 		                       .velocity = rb_world_row3(l->world->state.velocity, i),
@@ -524,6 +544,14 @@ static void forget_arcs(struct rb_located *l)
 	l->merge_count = 0;
 	l->switch_next = 0;
 	l->started = false;
+	l->world->open = (struct rb_entries){0};
+}
+
+void rb_engine_go_back(struct rb_located *l)
+{
+	l->status = RB_OK;
+	rb_set_clear(l);
+	forget_arcs(l);
 }
 
 /* Leaves the rest to steps, at the moment reached, where events come too densely or cannot be resolved. */
@@ -537,6 +565,7 @@ static bool gives_way(struct rb_located *l)
 	rb_set_clear(l);
 	store_all(l, l->now_s);
 	l->status = rb_look_contacts(l, l->now_s);
+	rb_account_all(l, l->now_s);
 	forget_arcs(l);
 	return true;
 }
@@ -544,12 +573,16 @@ static bool gives_way(struct rb_located *l)
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
 {
 	const struct rb_world_options *options = &l->world->options;
+	const size_t told = l->world->events.count;
 	double t;
 
 	l->err = err;
 	l->crowd = l->products = 0;
-	if (!l->started)
+	if (!l->started) {
 		start(l, l->world->state.time_s);
+		if (l->status == RB_OK) /* slips that no force allows have ended at once */
+			call_hooks(l, told, l->now_s);
+	}
 	if (gives_way(l))
 		return l->status;
 	for (int which = rb_queue_first(l->queue, &t);
@@ -568,6 +601,10 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	l->now_s = fmax(l->now_s, until);
 	store_all(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;
+	if (l->model->features & RB_FEATURE_PUSHES) /* they end with the step */
+		rb_account_all(l, until);
+	else if (l->account_s)
+		l->world->open = rb_account_open(l, until);
 	return l->status;
 }
 
@@ -581,6 +618,8 @@ enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err)
 	if (!l->started) /* the classic method has just come to this frame */
 		return RB_OK;
 	l->status = rb_look_contacts(l, t);
+	if (l->status == RB_OK && l->world->options.keep_contacts)
+		l->status = rb_look_forces(l, t);
 	if (l->status != RB_OK || !(l->model->features & RB_FEATURE_CONTACT))
 		return l->status;
 	const double depth = rb_look_overlap(l, t, &a, &b);

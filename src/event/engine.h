@@ -30,6 +30,9 @@ RB_CHECKED enum rb_status rb_engine_advance(struct rb_located *l, double until_s
 /* Whether callbacks or a change of method need the grid of time_step. */
 bool rb_engine_wants_steps(const struct rb_located *l);
 
+/* The world's state is that of an earlier moment: the next advance begins anew from there. */
+void rb_engine_go_back(struct rb_located *l);
+
 /* At a frame: lists the lasting contacts and looks for overlaps; RB_ERR_PHYSICS names one beyond the tolerance. */
 RB_CHECKED enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err);
 

@@ -78,40 +78,44 @@ static bool corner_of(const side *s, rb_part part, corner *out)
 
 /* ---- how far from the end of a feature ---- */
 
-static num within_surface(const surface *f, vec p)
+static ending within_surface(const surface *f, vec p)
 {
 	const vec seen = seen_from(f->of, p);
 	const rb_core *core = f->of->core;
-	num inside = endless;
+	ending end = endless;
 
 	if (kind_of(f->part) == RB_PART_END) {
 		const vec flat = {{seen.at.x, seen.at.y, 0}, {seen.rate.x, seen.rate.y, 0}};
+		const rb_part rim = rb_part_of(RB_PART_RIM, index_of(f->part));
 		vec out;
-		num radial;
+		num radial = {0, 0};
 
-		if (!direction(flat, &out, &radial))
-			return (num){core->round, 0};
-		return (num){core->round - radial.at, -radial.rate};
+		direction(flat, &out, &radial);
+		nearer(&end, (num){core->round - radial.at, -radial.rate}, SECOND, rim);
+		return end;
 	}
 	if (core->kind != RB_CORE_POLYTOPE)
-		return inside;
+		return end;
 	const struct rb_polytope *p_ = core->polytope;
 	const rb_polytope_face *face = &p_->faces[index_of(f->part)];
 	for (int k = 0; k < face->count; k++) {
-		const rb_vec3 here = p_->vertices[p_->loop[face->first + k]];
-		const rb_vec3 next =
-			p_->vertices[p_->loop[face->first + (k + 1 < face->count ? k + 1 : 0)]];
-		const rb_vec3 in = rb_vec3_cross(
-			face->normal, rb_vec3_unit(rb_vec3_sub(next, here), face->normal));
+		const int v = p_->loop[face->first + k];
+		const int w = p_->loop[face->first + (k + 1 < face->count ? k + 1 : 0)];
+		const rb_vec3 here = p_->vertices[v];
+		const rb_vec3 along = rb_vec3_sub(p_->vertices[w], here);
+		const rb_vec3 in = rb_vec3_cross(face->normal, rb_vec3_unit(along, face->normal));
+		const num left = {rb_vec3_dot(in, rb_vec3_sub(seen.at, here)),
+		                  rb_vec3_dot(in, seen.rate)};
 
-		nearer(&inside, (num){rb_vec3_dot(in, rb_vec3_sub(seen.at, here)),
-		                      rb_vec3_dot(in, seen.rate)});
+		if (left.at < end.left.at)
+			nearer(&end, left, SECOND,
+			       rb_part_of(RB_PART_EDGE, rb_polytope_edge(p_, v, w)));
 	}
-	return inside;
+	return end;
 }
 
 /* What is nearest to the corner must not lie farther along one of the edges that end there. */
-static void within_corner(num *inside, const corner *c, vec to)
+static void within_corner(ending *end, const corner *c, vec to, whose who)
 {
 	const struct rb_polytope *p = c->of->core->polytope;
 	const rb_vec3 z = {0, 0, 1};
@@ -119,7 +123,7 @@ static void within_corner(num *inside, const corner *c, vec to)
 	if (kind_of(c->part) == RB_PART_MANTLE) {
 		const num along = dot(way_of(c->of, z), to);
 
-		nearer(inside, index_of(c->part) == 1 ? along : (num){-along.at, -along.rate});
+		nearer(end, index_of(c->part) == 1 ? along : (num){-along.at, -along.rate}, who, 0);
 		return;
 	}
 	const int v = index_of(c->part);
@@ -131,7 +135,7 @@ static void within_corner(num *inside, const corner *c, vec to)
 		const rb_vec3 d = rb_vec3_unit(rb_vec3_sub(p->vertices[other], p->vertices[v]), z);
 		const num along = dot(way_of(c->of, d), to);
 
-		nearer(inside, (num){-along.at, -along.rate});
+		nearer(end, (num){-along.at, -along.rate}, who, rb_part_of(RB_PART_EDGE, k));
 	}
 }
 
@@ -141,9 +145,31 @@ static void within_corner(num *inside, const corner *c, vec to)
 static void over_surface(struct rb_feature_point *out, vec x, double radius, const surface *f)
 {
 	const num height = dot(f->normal, minus(x, f->point));
+	const ending end = within_surface(f, x);
 
 	put(out, (num){height.at - radius - f->radius, height.rate}, negative(f->normal),
-	    plus_constant(x, -radius, f->normal), within_surface(f, x));
+	    plus_constant(x, -radius, f->normal), &end);
+}
+
+/*
+ * A direction of the world, seen by the body, without what goes along its axis: taken off in the world, the rounding of the
+ * rest would be a share of a small tilt, by which the lowest point of a rim would come off the end's plane.
+ */
+static vec across_axis(const side *s, vec way)
+{
+	const rb_vec3 at = rb_mat3_apply_transposed(&s->turn, way.at);
+	const rb_vec3 rate = rb_mat3_apply_transposed(
+		&s->turn, rb_vec3_sub(way.rate, rb_vec3_cross(s->spin, way.at)));
+
+	return (vec){{at.x, at.y, 0}, {rate.x, rate.y, 0}};
+}
+
+/* A direction that changes in the body's own axes, in the world. */
+static vec carried_by(const side *s, vec local)
+{
+	const vec way = way_of(s, local.at);
+
+	return (vec){way.at, rb_vec3_add(way.rate, rb_mat3_apply(&s->turn, local.rate))};
 }
 
 /* The point of a rim that lies lowest over a surface, or a quarter of it counted from the other body's axes. */
@@ -163,8 +189,10 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 	if (core->kind != RB_CORE_CYLINDER || (mantle && index == 0) || quarter > 4)
 		return false;
 	if (quarter == 0) {
-		if (!direction(reject(negative(f->normal), u), &out, &length) || length.at < 1e-8)
+		if (!direction(across_axis(s, negative(f->normal)), &out, &length) ||
+		    length.at < 1e-8)
 			return false;
+		out = carried_by(s, out);
 	} else {
 		/* as geom/overlay counts them: from an axis of the other body, turning about the normal from a to b */
 		const vec n = (low ? 1 : 0) == (is_a ? 1 : 0) ? negative(u) : u;
@@ -240,18 +268,18 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	const num apart = dot(n, minus(from_b, from_a));
 	const vec on_a = plus_constant(plus(a->from, s, a->along), a->radius, n);
 	const vec on_b = plus_constant(plus(b->from, t, b->along), -b->radius, n);
-	num inside = endless;
+	ending end = endless;
 
-	within_line(&inside, a, s);
-	within_line(&inside, b, t);
+	within_line(&end, a, s, FIRST);
+	within_line(&end, b, t, SECOND);
 	put(out, (num){apart.at - a->radius - b->radius, apart.rate}, n,
-	    plus_constant(on_a, 0.5, minus(on_b, on_a)), inside);
+	    plus_constant(on_a, 0.5, minus(on_b, on_a)), &end);
 	return true;
 }
 
 /* From a round thing at `from` to another at `to`. */
 static bool between_points(struct rb_feature_point *out, vec from, double radius_a, vec to,
-                           double radius_b, num inside)
+                           double radius_b, const ending *end)
 {
 	vec n;
 	num apart;
@@ -261,18 +289,18 @@ static bool between_points(struct rb_feature_point *out, vec from, double radius
 	const vec on_a = plus_constant(from, radius_a, n), on_b = plus_constant(to, -radius_b, n);
 
 	put(out, (num){apart.at - radius_a - radius_b, apart.rate}, n,
-	    plus_constant(on_a, 0.5, minus(on_b, on_a)), inside);
+	    plus_constant(on_a, 0.5, minus(on_b, on_a)), end);
 	return true;
 }
 
 static bool corner_to_corner(struct rb_feature_point *out, const corner *a, const corner *b)
 {
 	const vec r = minus(b->at, a->at);
-	num inside = endless;
+	ending end = endless;
 
-	within_corner(&inside, a, r);
-	within_corner(&inside, b, negative(r));
-	return between_points(out, a->at, a->radius, b->at, b->radius, inside);
+	within_corner(&end, a, r, FIRST);
+	within_corner(&end, b, negative(r), SECOND);
+	return between_points(out, a->at, a->radius, b->at, b->radius, &end);
 }
 
 /* The normal points from the corner. */
@@ -280,11 +308,12 @@ static bool corner_to_line(struct rb_feature_point *out, const corner *c, const 
 {
 	const num along = dot(minus(c->at, e->from), e->along);
 	const vec foot = plus(e->from, along, e->along);
-	num inside = endless;
+	ending end = endless;
 
-	within_line(&inside, e, along);
-	within_corner(&inside, c, minus(foot, c->at));
-	return between_points(out, c->at, c->radius, foot, e->radius, inside);
+	within_line(&end, e, along, SECOND);
+	within_borders(&end, e, minus(c->at, foot), SECOND);
+	within_corner(&end, c, minus(foot, c->at), FIRST);
+	return between_points(out, c->at, c->radius, foot, e->radius, &end);
 }
 
 static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const side *s,
@@ -299,16 +328,18 @@ static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const s
 	const vec centre = point_of(s, (rb_vec3){0, 0, half});
 	const vec d = minus(c->at, centre);
 	const num along = dot(d, u);
-	num inside = endless, radial;
+	ending end = endless;
+	num radial;
 	vec way;
 
 	if (!direction(reject(d, u), &way, &radial))
 		return false;
 	const vec foot = plus_constant(centre, core->round, way);
-	nearer(&inside, along);
-	nearer(&inside, (num){radial.at - core->round, radial.rate});
-	within_corner(&inside, c, minus(foot, c->at));
-	return between_points(out, c->at, c->radius, foot, core->radius, inside);
+	nearer(&end, along, SECOND, rb_part_of(RB_PART_MANTLE, 0));
+	nearer(&end, (num){radial.at - core->round, radial.rate}, SECOND,
+	       rb_part_of(RB_PART_END, index_of(part)));
+	within_corner(&end, c, minus(foot, c->at), FIRST);
+	return between_points(out, c->at, c->radius, foot, core->radius, &end);
 }
 
 /* The first of the two is the one that has the corner or the rim; the normal points from it. It is a, or not. */
@@ -334,37 +365,22 @@ static bool meet_in_order(struct rb_feature_point *out, const side *a, rb_part p
 
 enum { IN_FACE_OF_A = 1, IN_FACE_OF_B = 2, SECOND_FACE = 4, MARK_SHIFT = 60 };
 
-/* The faces at an edge. */
-static int faces_at(const struct rb_polytope *p, int edge, int faces[2])
+static int faces_at_edges(const struct rb_polytope *p)
 {
-	const int v = p->edges[edge][0], w = p->edges[edge][1];
-	int count = 0;
-
-	for (int f = 0; f < p->face_count && count < 2; f++) {
-		const int *loop = p->loop + p->faces[f].first, n = p->faces[f].count;
-		for (int k = 0; k < n; k++) {
-			const int x = loop[k], y = loop[k + 1 < n ? k + 1 : 0];
-			if ((x == v && y == w) || (x == w && y == v)) {
-				faces[count++] = f;
-				break;
-			}
-		}
-	}
-	return count;
+	return p->face_count > 0 ? 2 : 0;
 }
 
 /* Which of the faces at an edge lies across n, to within the depth: 0, 1; -1: none. */
 static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
 {
 	const rb_core *core = s->core;
-	int faces[2];
 
 	if (kind_of(part) != RB_PART_EDGE || core->kind != RB_CORE_POLYTOPE)
 		return -1;
 	const rb_vec3 local = rb_mat3_apply_transposed(&s->turn, n);
-	const int count = faces_at(core->polytope, index_of(part), faces);
-	for (int k = 0; k < count; k++) {
-		const rb_polytope_face *f = &core->polytope->faces[faces[k]];
+	for (int k = 0; k < faces_at_edges(core->polytope); k++) {
+		const int face = core->polytope->flanks[index_of(part)][k];
+		const rb_polytope_face *f = &core->polytope->faces[face];
 		double low = (double)INFINITY, high = -(double)INFINITY;
 
 		if (!(rb_vec3_dot(f->normal, local) > 0.5))
@@ -389,16 +405,12 @@ static bool marked_normal(const side *a, const side *b, uint64_t key, vec *n)
 	const bool of_a = (mark & IN_FACE_OF_A) != 0;
 	const side *s = of_a ? a : b;
 	const rb_part part = of_a ? (rb_part)(key >> 32) : (rb_part)key;
-	int faces[2];
+	const struct rb_polytope *p = s->core->polytope;
 
 	if (kind_of(part) != RB_PART_EDGE || s->core->kind != RB_CORE_POLYTOPE ||
-	    index_of(part) >= s->core->polytope->edge_count)
+	    index_of(part) >= p->edge_count || faces_at_edges(p) == 0)
 		return false;
-	const int count = faces_at(s->core->polytope, index_of(part), faces);
-	const int k = mark & SECOND_FACE ? 1 : 0;
-	if (k >= count)
-		return false;
-	*n = way_of(s, s->core->polytope->faces[faces[k]].normal);
+	*n = way_of(s, p->faces[p->flanks[index_of(part)][mark & SECOND_FACE ? 1 : 0]].normal);
 	if (!of_a)
 		*n = negative(*n);
 	return true;
@@ -417,6 +429,7 @@ bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side 
 	if (meet_in_order(out, b, part_b, a, part_a, false)) {
 		out->normal = rb_vec3_neg(out->normal);
 		out->normal_rate = rb_vec3_neg(out->normal_rate);
+		out->next_is_b = !out->next_is_b;
 		return true;
 	}
 	if (!line_of(a, part_a, &edge_a) || !line_of(b, part_b, &edge_b))
@@ -456,6 +469,56 @@ static rb_part which_of_two(const side *disc, rb_part rim, const line *other, rb
 
 	return rb_part_of(RB_PART_RIM,
 	                  (index_of(rim) & 1) | (beyond ? SECOND_CROSSING : FIRST_CROSSING) << 1);
+}
+
+/* A rim goes on by its nearest point; one of several that have been counted out does not. */
+static bool roll_on(rb_part *part)
+{
+	const int place = index_of(*part) >> 1;
+
+	if (kind_of(*part) != RB_PART_RIM)
+		return true;
+	*part = rb_part_of(RB_PART_RIM, index_of(*part) & 1);
+	return place == 0 || place == FIRST_CROSSING || place == SECOND_CROSSING;
+}
+
+/* m: of the ball that goes round a corner or line; 0: it is sharp, or none of these. */
+static double roundness(const side *s, rb_part part)
+{
+	if (kind_of(part) == RB_PART_MANTLE)
+		return s->core->round;
+	return kind_of(part) == RB_PART_VERTEX || kind_of(part) == RB_PART_EDGE ? s->core->radius
+	                                                                        : 0;
+}
+
+static bool is_corner(rb_part part)
+{
+	return kind_of(part) == RB_PART_VERTEX ||
+	       (kind_of(part) == RB_PART_MANTLE && index_of(part) > 0);
+}
+
+static bool is_flat(rb_part part)
+{
+	return kind_of(part) == RB_PART_FACE || kind_of(part) == RB_PART_END;
+}
+
+uint64_t rb_feature_beyond(const struct rb_feature_side *sa, const struct rb_feature_side *sb,
+                           uint64_t key, const struct rb_feature_point *p)
+{
+	const unsigned mark = (unsigned)(key >> MARK_SHIFT);
+	rb_part a = (rb_part)(key >> 32), b = (rb_part)key;
+
+	/* points within faces end where others are that have been found with them */
+	if (p->next == 0 || mark != 0)
+		return 0;
+	*(p->next_is_b ? &b : &a) = p->next;
+	if (!roll_on(&a) || !roll_on(&b))
+		return 0;
+	/* what is sharp on both sides has no closed form */
+	if ((is_corner(a) || is_corner(b)) && !is_flat(a) && !is_flat(b) &&
+	    !(roundness(sa, a) + roundness(sb, b) > 0))
+		return 0;
+	return (uint64_t)a << 32 | b;
 }
 
 uint64_t rb_feature_name(const struct rb_feature_side *a, const struct rb_feature_side *b,

@@ -21,6 +21,10 @@
 bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side *a,
                      const struct rb_feature_side *b, uint64_t key);
 
+/* The features that take over where those of the key end next, as a manifold's key; 0: to be searched for. */
+uint64_t rb_feature_beyond(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                           uint64_t key, const struct rb_feature_point *p);
+
 /*
  * The same of two rims, or a rim and an edge or mantle, which have no closed form: from a place near the point, seen from
  * the reference, by Newton's method; the rates by the implicit function. False: it is none of these, or does not settle.

@@ -94,14 +94,21 @@ static rb_vec3 outward_of(const curve *c)
 	return rb_vec3_sub(c->at.at, c->straight.of->at);
 }
 
-/* Of a line, the way to its ends; at a rim, what the outward normal has along the end's and along the mantle's. */
-static void within_curve(num *inside, const curve *c, double s, double rate, vec n)
+/*
+ * Of a line, the way to its ends, and to where its faces take over, which is as far as the other's surface goes until its
+ * normal is there; at a rim, what the outward normal has along the end's and along the mantle's.
+ */
+static void within_curve(ending *end, const curve *c, const curve *other, num s, vec n, whose who)
 {
+	const vec none = {{0, 0, 0}, {0, 0, 0}};
+
 	if (!c->round) {
-		within_line(inside, &c->straight, (num){s, rate});
+		within_line(end, &c->straight, s, who);
+		within_borders(end, &c->straight,
+		               plus_constant(none, rb_vec3_length(other->x.at), n), who);
 		return;
 	}
-	const vec at = carried(c->at, rate, c->first);
+	const vec at = carried(c->at, s.rate, c->first);
 	const vec radial = minus(at, c->centre);
 	vec u = cross(c->x, c->y);
 	if (rb_vec3_dot(u.at, rb_vec3_sub(c->centre.at, c->straight.of->at)) < 0)
@@ -109,8 +116,8 @@ static void within_curve(num *inside, const curve *c, double s, double rate, vec
 	const double per = 1 / rb_vec3_length(radial.at);
 	const num on_end = dot(n, u), on_mantle = dot(n, radial);
 
-	nearer(inside, (num){on_end.at * per, on_end.rate * per});
-	nearer(inside, on_mantle);
+	nearer(end, (num){on_end.at * per, on_end.rate * per}, who, 0);
+	nearer(end, on_mantle, who, 0);
 }
 
 /*
@@ -157,7 +164,8 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	curve *const on_a = &c[0], *const on_b = &c[1];
 	foot_point foot;
 	vec n;
-	num sine, inside = endless;
+	num sine;
+	ending end = endless;
 
 	if ((kind_of(part_a) != RB_PART_RIM && kind_of(part_b) != RB_PART_RIM) ||
 	    !curve_of(a, part_a, on_a) || !curve_of(b, part_b, on_b))
@@ -195,9 +203,9 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 	const num apart = dot(n, minus(at_b, at_a));
 	const vec surface_a = plus_constant(at_a, radius_a, n);
 	const vec surface_b = plus_constant(at_b, -radius_b, n);
-	within_curve(&inside, on_a, s[0], rate[0], n);
-	within_curve(&inside, on_b, s[1], rate[1], negative(n));
+	within_curve(&end, on_a, on_b, (num){s[0], rate[0]}, n, FIRST);
+	within_curve(&end, on_b, on_a, (num){s[1], rate[1]}, negative(n), SECOND);
 	put(out, (num){apart.at - radius_a - radius_b, apart.rate}, n,
-	    plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), inside);
+	    plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), &end);
 	return true;
 }

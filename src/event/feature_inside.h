@@ -125,6 +125,7 @@ typedef struct {
 	const side *of;
 	vec from, along; /* along: unit */
 	double length, radius;
+	int index; /* of a polytope's edge */
 } line;
 
 static inline bool line_of(const side *s, rb_part part, line *out)
@@ -143,7 +144,8 @@ static inline bool line_of(const side *s, rb_part part, line *out)
 	if (kind_of(part) != RB_PART_EDGE || core->kind != RB_CORE_POLYTOPE ||
 	    index_of(part) >= core->polytope->edge_count)
 		return false;
-	const int *edge = core->polytope->edges[index_of(part)];
+	out->index = index_of(part);
+	const int *edge = core->polytope->edges[out->index];
 	const rb_vec3 p = core->polytope->vertices[edge[0]];
 	const rb_vec3 d = rb_vec3_sub(core->polytope->vertices[edge[1]], p);
 
@@ -154,29 +156,83 @@ static inline bool line_of(const side *s, rb_part part, line *out)
 	return true;
 }
 
-static inline void nearer(num *inside, num value)
+/* Which of the two bodies' features ends. */
+typedef enum { FIRST, SECOND } whose;
+
+/* How far a point is from the nearest end of its features, and what takes over there for one of them; 0: not known. */
+typedef struct {
+	num left;
+	whose who;
+	rb_part part;
+} ending;
+
+static const ending endless = {{(double)INFINITY, 0}, FIRST, 0};
+
+static inline void nearer(ending *end, num left, whose who, rb_part part)
 {
-	if (value.at < inside->at)
-		*inside = value;
+	if (left.at < end->left.at)
+		*end = (ending){left, who, part};
 }
 
-static const num endless = {(double)INFINITY, 0};
-
-static inline void within_line(num *inside, const line *e, num along)
+/* Of a line, the way to its ends. */
+static inline void within_line(ending *end, const line *e, num along, whose who)
 {
-	nearer(inside, along);
-	nearer(inside, (num){e->length - along.at, -along.rate});
+	rb_part part[2] = {rb_part_of(RB_PART_RIM, 1), rb_part_of(RB_PART_RIM, 0)};
+
+	for (int k = 0; k < 2 && e->of->core->kind == RB_CORE_POLYTOPE; k++)
+		part[k] = rb_part_of(RB_PART_VERTEX, e->of->core->polytope->edges[e->index][k]);
+	nearer(end, along, who, part[0]);
+	nearer(end, (num){e->length - along.at, -along.rate}, who, part[1]);
 }
 
-static inline void put(struct rb_feature_point *out, num gap, vec normal, vec point, num inside)
+/*
+ * Where an edge is outermost: in the directions that have nothing along these, in its body's axes, below zero; how many.
+ * Along each a face begins there that is nearer to what lies beyond. A segment alone has none.
+ */
+static inline int borders_of(const line *e, rb_vec3 border[2])
+{
+	const struct rb_polytope *p = e->of->core->polytope;
+
+	if (e->of->core->kind != RB_CORE_POLYTOPE || p->face_count == 0)
+		return 0;
+	if (p->face_count ==
+	    2) { /* a flat has two arcs an edge: from its normal to outward, and on */
+		border[0] = p->arcs[2 * e->index].inner[0];
+		return 1;
+	}
+	border[0] = p->arcs[e->index].inner[0];
+	border[1] = p->arcs[e->index].inner[1];
+	return 2;
+}
+
+/* What is in this direction from an edge, m, must be nearer to it than to its faces. */
+static inline void within_borders(ending *end, const line *e, vec to, whose who)
+{
+	rb_vec3 border[2];
+	const int count = borders_of(e, border);
+
+	for (int k = 0; k < count; k++) {
+		int face = e->of->core->polytope->flanks[e->index][k];
+
+		if (count == 1) /* of a flat's two, that on the side where it goes */
+			face = rb_vec3_dot(way_of(e->of, e->of->core->polytope->faces[0].normal).at,
+			                   to.at) < 0;
+		nearer(end, dot(way_of(e->of, border[k]), to), who, rb_part_of(RB_PART_FACE, face));
+	}
+}
+
+static inline void put(struct rb_feature_point *out, num gap, vec normal, vec point,
+                       const ending *end)
 {
 	*out = (struct rb_feature_point){.gap = gap.at,
 	                                 .normal = normal.at,
 	                                 .normal_rate = normal.rate,
 	                                 .point = point.at,
 	                                 .point_rate = point.rate,
-	                                 .inside = inside.at,
-	                                 .inside_rate = inside.rate};
+	                                 .inside = end->left.at,
+	                                 .inside_rate = end->left.rate,
+	                                 .next = end->part,
+	                                 .next_is_b = end->who == SECOND};
 }
 
 /* Which way is out at the middle of an edge: from the middle of its body. */

@@ -3,6 +3,8 @@
 #ifndef RB_EVENT_FEATURE_SIDE_H
 #define RB_EVENT_FEATURE_SIDE_H
 
+#include <stdint.h>
+
 #include "geom/core.h"
 #include "math/quat.h"
 
@@ -21,6 +23,8 @@ struct rb_feature_point {
 	rb_vec3 point, point_rate; /* m, m/s, from the reference; of an edge on an edge, half way */
 	double inside,
 		inside_rate; /* m, m/s: how far from the end of the features; INFINITY, 0: they have none */
+	uint32_t next;  /* a rb_part: what takes over beyond that end; 0: not known */
+	bool next_is_b; /* ... of b's features, else of a's */
 };
 
 /* Where a part will be in a moment, s, if it goes straight on. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/freeze.h"
 
+#include "event/account.h"
 #include "base/error.h"
 #include "base/memory.h"
 #include "event/driven.h"
@@ -171,6 +172,7 @@ static void pack_cluster_piece(struct rb_located *l, struct rb_cluster *c, struc
 	const int n = c->member_count * rb_located_row(l);
 	const size_t size = (size_t)n * (1 + RB_GAUSS_NODES);
 
+	rb_pack_finite(pack, &c->least, 1);
 	rb_pack_finite(pack, &c->piece.length_s, 1);
 	(void)rb_pack_check(pack, c->piece.length_s > 0, "a piece without length");
 	if (pack->loading) {
@@ -328,6 +330,8 @@ void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 	pack_bodies(l, pack);
 	pack_clusters(l, pack);
 	pack_pieces(l, pack);
+	if (!pack->failed)
+		rb_account_pack(l, pack);
 	pack_merges(l, pack);
 	if (l->cells && !pack->failed)
 		rb_cells_pack(l->cells, pack);

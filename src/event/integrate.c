@@ -5,11 +5,14 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "event/account.h"
 #include "event/jam.h"
 #include "event/modes.h"
 #include "event/pull.h"
 #include "event/set.h"
+#include "event/sizes.h"
 #include "event/tell.h"
+#include "event/work.h"
 
 /* Of the sizes of position and velocity, per step; rounding is below it. */
 static const double tolerance = 3e-14;
@@ -25,12 +28,9 @@ static const double otherwise = 1e-10;
 /* Share of a column by which it is told from others, where that leads to forces that pull. */
 static const double nearly_open = 1e-6;
 
-/* What the rounding of places may cost at most, of the tolerance's sizes. */
-static const double coarse = 1e-6;
-
 /* A piece that is cut at less than this part of it was cut at once. */
 enum { AT_ONCE = 1024 };
-enum { LOOKS = 8, BISECTIONS = 80, HIT_ULP = 8 };
+enum { LOOKS = 8, BISECTIONS = 80, HIT_ULP = 8, STRAIGHT_NOISES = 8 };
 
 /* ---- the problem that math/gauss sees ---- */
 
@@ -84,7 +84,8 @@ static void stand_still(struct rb_modes *w, double pull)
 static bool pulls(struct rb_modes *w, double t, double *most)
 {
 	struct rb_located *l = w->l;
-	const struct rb_view view = {.pose = w->pose, .time_s = t, .active_s = w->origin_s};
+	const struct rb_view view = {
+		.pose = w->pose, .time_s = t, .active_s = w->origin_s, .parts = w->parts};
 
 	*most = 0;
 	for (int k = 0; k < w->c->member_count; k++)
@@ -130,6 +131,7 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 	const struct rb_cluster *c = w->c;
 	double pull;
 
+	w->time_s = t;
 	for (int k = 0; k < c->member_count; k++)
 		read_pose(w, k, value);
 	if (!pulls(w, t, &pull))
@@ -178,8 +180,13 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
                             struct rb_error *err)
 {
 	struct rb_modes *w = user;
+	const uint64_t products = w->l->products;
 
-	if (!evaluate(w, t, value))
+	const bool good = evaluate(w, t, value);
+	if (*w->calls == w->counted) /* for the ledger alone */
+		w->l->products = products;
+	w->counted = *w->calls;
+	if (!good)
 		return w->l->status != RB_OK
 		               ? w->l->status
 		               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for a cluster");
@@ -200,33 +207,14 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 	return RB_OK;
 }
 
-/*
- * A field is asked at coordinates that are rounded, and answers with steps: what it changes along the way of a member, for
- * a rounding of the place. Far from the origin that is more than the tolerance.
- */
-static double field_noise(void *user, const double *coefficient)
+static void enter_node(void *user, int node)
 {
 	const struct rb_modes *w = user;
-	double worst = 0;
 
-	for (int k = 0; k < w->c->member_count; k++) {
-		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
-		double way = step, change = 0;
+	struct rb_entries rate;
 
-		for (int m = 0; m < 3; m++) {
-			const int x = k * w->row + RB_ROW_POSITION + m, v = x + RB_ROW_VELOCITY;
-			double along = fabs(coefficient[x]), more = 0;
-
-			for (int p = 1; p < RB_GAUSS_NODES; p++) {
-				along += fabs(coefficient[p * w->c->piece.n + x]);
-				more += fabs(coefficient[p * w->c->piece.n + v]);
-			}
-			way = fmax(way, along);
-			change = fmax(change, more / w->scale[v]);
-		}
-		worst = fmax(worst, change > 0 ? change * (step / way) : 0);
-	}
-	return fmin(worst, coarse);
+	rb_work_rates(w, w->parts, w->time_s, &rate);
+	memcpy(w->seen + (size_t)node * RB_ENTRIES, rate.row, sizeof rate.row);
 }
 
 /* ---- changes of mode ---- */
@@ -298,7 +286,8 @@ static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 
 	for (int k = 0; k < count; k++) {
 		bool known = rb_vec3_dot(all[k].velocity, all[k].normal) >=
-		             -rb_meet_noise(w->l, &all[k]);
+		                     -rb_meet_noise(w->l, &all[k]) ||
+		             rb_meet_passes(w->l, &all[k], w->origin_s);
 		for (int i = first; i < end && !known; i++)
 			known = rb_set_is_same_place(w->l, &all[k], &w->meet[i]);
 		if (!known)
@@ -328,8 +317,8 @@ static bool is_hit(const struct rb_modes *w, int k)
 	}
 	const struct rb_meet now = rb_meet_poses(w->l, held->a, held->b, &m->pose_a, &m->pose_b);
 
-	/* in a piece gaps are of differences: rounding of the size, wherever that is */
-	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_meet_size(w->l, &now) &&
+	/* in a piece gaps are of differences: rounding of the sizes, wherever they are */
+	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_meet_largest(w->l, &now) &&
 	       approaches_elsewhere(w, k, end);
 }
 
@@ -450,6 +439,37 @@ static double change_within(struct rb_modes *w, double *value)
 	return bad;
 }
 
+/*
+ * Does a slip that was taken for straight turn aside within [0, s], beyond rounding? Of bodies that touch at several points
+ * it is not asked: theirs turn within what rounding makes of a slow slip.
+ */
+static bool turns_aside(struct rb_modes *w, double s, double *value)
+{
+	bool any = false;
+
+	for (int k = 0; k < w->c->held_count; k++)
+		any = any || w->c->held[k].straight;
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!any || !evaluate(w, w->origin_s + s, value))
+		return false;
+	any = false;
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+		const struct rb_meet *m = &w->meet[k];
+		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+		const rb_vec3 way = w->contact[k].slip;
+		const double off = rb_vec3_length(
+			rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way));
+
+		if (!held->straight || held->creeps || !rb_set_is_single(w->l, held->a, held->b) ||
+		    off <= STRAIGHT_NOISES * rb_meet_noise(w->l, m))
+			continue;
+		held->straight = false;
+		any = true;
+	}
+	return any;
+}
+
 /* ---- a piece ---- */
 
 size_t rb_integrate_room(int n)
@@ -457,114 +477,20 @@ size_t rb_integrate_room(int n)
 	return (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
 }
 
+/* In the cluster's block, for a piece to come. */
 static bool room(struct rb_modes *w, int n, double **value, double **scale, double **scratch)
 {
 	struct rb_cluster *c = w->c;
 	const size_t size = rb_integrate_room(n);
-	struct rb_arena *arena = w->l->arena;
-	size_t unknowns = 0;
 
-	for (int k = 0; k < c->held_count; k++)
-		unknowns += (size_t)rb_modes_unknowns(&c->held[k]);
-	if (unknowns > RB_MODES_DENSE)
-		unknowns = 0;
-	if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block))
+	if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block) ||
+	    !rb_account_room(w->l, c))
 		return false;
 	c->piece = (struct rb_gauss_piece){.n = n, .start = c->block, .coefficient = c->block + n};
 	*scale = c->block + (size_t)n * (1 + RB_GAUSS_NODES);
 	*value = *scale + n;
 	*scratch = *value + n;
-	w->pose = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->pose);
-	w->base = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->base);
-	w->linear = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->linear);
-	w->angular = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->angular);
-	w->meet = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->meet);
-	w->contact = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->contact);
-	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
-	w->change = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->change);
-	struct rb_dense *d = &w->dense;
-	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
-	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
-	d->last = rb_arena_take(arena, 5 * unknowns + 1, sizeof *d->last);
-	if (!d->matrix || !d->right || !d->last)
-		return false;
-	d->size = d->right + unknowns;
-	d->found = d->size + unknowns;
-	d->down = d->last + unknowns;
-	d->pivot = d->down + unknowns;
-	d->from = d->pivot + unknowns;
-	d->order = d->from + unknowns;
-	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
-	       w->change;
-}
-
-/* m/s^2: what the force alone would do to the point of the body that it acts on, by moving and by turning it. */
-static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
-{
-	const int place = rb_modes_place(w, body);
-
-	if (place < 0)
-		return 0;
-	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(force);
-	const rb_vec3 whole = rb_mechanics_answer(w->l, body, &w->pose[place], arm, arm, force);
-
-	return fmax(moves, rb_vec3_length(whole));
-}
-
-/* The largest of a member. What is solved together rounds together: the last of a column is not better known than the first. */
-static double largest_load(const struct rb_modes *w)
-{
-	double most = 0;
-
-	for (int k = 0; k < w->c->held_count; k++) {
-		const struct rb_held *held = &w->c->held[k];
-
-		most = fmax(most, load_of(w, held->a, w->meet[k].arm_a, w->force[k]));
-		most = fmax(most, load_of(w, held->b, w->meet[k].arm_b, w->force[k]));
-	}
-	return most;
-}
-
-/*
- * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the forces, not of what is
- * left of them: over a piece, and not more than a fall by its own size.
- */
-static double balanced(const struct rb_modes *w, double load, double radius)
-{
-	const double fall = sqrt(load * radius), try_s = w->c->try_s;
-
-	return try_s > 0 ? fmin(fall, load * try_s / 8) : fall;
-}
-
-/* Sizes that errors are relative to, and what length to try without knowing better. */
-static double sizes(struct rb_modes *w, double *scale)
-{
-	const struct rb_located *l = w->l;
-	const double load = largest_load(w);
-	double try_s = l->end_s;
-
-	for (int k = 0; k < w->c->member_count; k++) {
-		const struct rb_pose *pose = &w->pose[k];
-		const double radius = rb_model_reach(l->model, w->c->member[k]);
-		const double pull = rb_vec3_length(w->linear[k]);
-		const double own = fmax(rb_vec3_length(pose->velocity), sqrt(pull * radius));
-		const double speed = fmax(own, balanced(w, load, radius));
-		const double spin = fmax(rb_vec3_length(pose->spin), speed / radius);
-		double *const s = scale + (size_t)k * (size_t)w->row;
-
-		for (int m = 0; m < 3; m++) {
-			/* of a long way, its rounding */
-			s[RB_ROW_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
-			s[RB_ROW_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
-		}
-		for (int m = RB_ROW_ORIENTATION; l->top && m < RB_ROW_SPIN; m++)
-			s[m] = 1;
-		for (int m = 0; l->top && m < 3; m++)
-			s[RB_ROW_SPIN + m] = spin > 0 ? spin : 1 / l->end_s;
-		if (own > 0)
-			try_s = fmin(try_s, radius / own);
-	}
-	return try_s;
+	return true;
 }
 
 /* All contacts stick after it, and the cluster is to be settled anew. False: it is no such case. */
@@ -605,6 +531,9 @@ static bool jams(struct rb_modes *w)
 		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
 	}
 	for (int k = 0; k < c->held_count; k++) {
+		/* jam.scratch: what the impulses have added */
+		rb_work_impact(l, &w->meet[k], jam.impulse[k], w->meet[k].velocity,
+		               rb_vec3_add(w->meet[k].velocity, jam.scratch[k]));
 		c->held[k].ending = c->held[k].slipping;
 		rb_tell_impact(l, w->origin_s, &w->meet[k], jam.impulse[k], 0);
 	}
@@ -693,6 +622,7 @@ static bool begin_modes(struct rb_modes *w)
 		if (!evaluate(w, w->origin_s, w->c->piece.start))
 			return false;
 	}
+	w->c->least = w->dense.least;
 	for (int k = 0; k < w->c->held_count && !w->balanced; k++) {
 		creeps = creeps || w->c->held[k].creeps;
 		w->c->held[k].creeps = false;
@@ -708,10 +638,11 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	struct rb_gauss_problem problem = {
 		.n = c->piece.n,
 		.rates = rates,
-		.noise = l->model->features & RB_FEATURE_FIELD ? field_noise : NULL,
+		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
 		.user = w,
 		.scale = scale,
 		.tolerance = tolerance,
+		.visited = w->parts ? enter_node : NULL,
 		.scratch = scratch,
 		.calls = &calls};
 
@@ -739,7 +670,8 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	 */
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt, 4 * fmin(excess_of(w, k), doubtful * w->force_most));
-	const double guess = sizes(w, scale);
+	const double guess = rb_sizes_of(w, scale);
+	w->calls = &calls;
 	w->scale = scale;
 	if (!(c->try_s > 0))
 		c->try_s = guess;
@@ -747,24 +679,56 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	const double room_s = fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
 	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
-	double try_s = fmin(c->try_s, room_s);
-	const bool cut = try_s < c->try_s;
-	const enum rb_status status = rb_gauss_step(
-		&problem, w->origin_s, &try_s, 2 * DBL_EPSILON * w->origin_s, &c->piece, l->err);
+	double length = 0;
+
+	/* what is straight at the beginning may turn: on what turns itself, say */
+	do {
+		double try_s = fmin(c->try_s, room_s);
+		const double tried = try_s;
+		const bool cut = tried < c->try_s;
+		const enum rb_status status = rb_gauss_step(&problem, w->origin_s, &try_s,
+		                                            2 * DBL_EPSILON * w->origin_s,
+		                                            &c->piece, l->err);
+
+		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
+			break;
+		if (status != RB_OK) {
+			l->status = status;
+			break;
+		}
+		if (w->parts) {
+			c->account.n = RB_ENTRIES;
+			rb_gauss_integrate(&c->account, c->piece.length_s, w->seen);
+		}
+		/* room that was short says nothing of the motion, unless the step was shorter still */
+		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
+		length = c->held_count > 0 ? change_within(w, value) : c->piece.length_s;
+		c->is_cut = length < c->piece.length_s;
+	} while (l->status == RB_OK &&
+	         (turns_aside(w, length, value) || turns_aside(w, 0.5 * length, value)));
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
-	if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
-		return;
-	if (status != RB_OK) {
-		l->status = status;
-		return;
-	}
-	c->try_s = cut ? fmax(c->try_s, try_s) : try_s;
-	const double length = c->held_count > 0 ? change_within(w, value) : c->piece.length_s;
-	c->is_cut = length < c->piece.length_s;
-	if (l->status != RB_OK)
+	if (l->status != RB_OK || c->has_jammed)
 		return;
 	/* a piece ends at a moment that is later than its beginning */
 	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));
+}
+
+/* Within the piece, places are those of the members; NULL: no memory. Returns those of before. */
+static int *take_places(struct rb_located *l, const struct rb_cluster *c)
+{
+	int *const kept = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *kept);
+
+	for (int k = 0; kept && k < c->member_count; k++) {
+		kept[k] = l->place[c->member[k]];
+		l->place[c->member[k]] = k;
+	}
+	return kept;
+}
+
+static void give_back_places(struct rb_located *l, const struct rb_cluster *c, const int *kept)
+{
+	for (int k = 0; k < c->member_count; k++)
+		l->place[c->member[k]] = kept[k];
 }
 
 void rb_integrate_piece(struct rb_located *l, int cluster, double t)
@@ -774,22 +738,50 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	const int count = w.c->member_count;
 	double *value, *scale, *scratch;
-	int *const kept = rb_arena_take(l->arena, (size_t)count, sizeof *kept);
 
+	rb_account_cluster(l, cluster, t);
+	w.c->anchor_s = w.c->account_s = t;
 	if (!l->piece)
 		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
-	if (!kept || !l->piece || !room(&w, count * w.row, &value, &scale, &scratch)) {
+	int *kept = NULL;
+	if (l->piece && room(&w, count * w.row, &value, &scale, &scratch) && rb_modes_room(&w))
+		kept = take_places(l, w.c);
+	if (!kept) {
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory to integrate %d bodies",
 		                    count);
 		return;
 	}
-	/* within the piece, places are those of the members */
-	for (int k = 0; k < count; k++) {
-		kept[k] = l->place[w.c->member[k]];
-		l->place[w.c->member[k]] = k;
-	}
 	run(&w, value, scale, scratch);
-	for (int k = 0; k < count; k++)
-		l->place[w.c->member[k]] = kept[k];
+	give_back_places(l, w.c, kept);
 	rb_arena_back(l->arena, here);
+}
+
+bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force)
+{
+	struct rb_cluster *const c = &l->cluster[cluster];
+	struct rb_modes w = {.l = l,
+	                     .c = c,
+	                     .origin_s = l->piece[c->member[0]].origin_s,
+	                     .row = rb_located_row(l)};
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	/* a look that somebody asks for decides nothing */
+	const uint64_t products = l->products;
+	double *const value = rb_arena_take(l->arena, (size_t)c->piece.n + 1, sizeof *value);
+	const int *const kept = value && rb_modes_room(&w) ? take_places(l, c) : NULL;
+	bool good = kept != NULL;
+
+	if (good) {
+		for (int k = 0; k < c->member_count; k++)
+			w.base[k] = l->piece[c->member[k]].base;
+		w.dense.least = c->least;
+		rb_gauss_values(&c->piece, t - w.origin_s, value);
+		good = evaluate(&w, t, value);
+		give_back_places(l, c, kept);
+		memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
+	}
+	if (l->status == RB_ERR_PHYSICS) /* too much to look at */
+		l->status = RB_OK;
+	l->products = products;
+	rb_arena_back(l->arena, here);
+	return good;
 }

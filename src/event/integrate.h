@@ -12,6 +12,12 @@
 void rb_integrate_piece(struct rb_located *l, int cluster, double t);
 
 /*
+ * Forces of a cluster's contacts, N on b, at a moment of its piece; [held_count]. False: they are not to be had. Changes
+ * nothing.
+ */
+bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force);
+
+/*
  * Values that a cluster's block holds while it is integrated, for n rows. Arcs point into it, so it must not grow between
  * one piece and the next.
  */

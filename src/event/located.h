@@ -71,6 +71,12 @@ struct rb_held {
 	bool merged;   /* ... and announced as a merge first */
 };
 
+/* W and N of contacts at rest or sliding between parabolas, about the origin: polynomials in the time since then. */
+struct rb_account_rates {
+	double sliding[2];
+	rb_vec3 force[2], torque[2][3]; /* by static bodies, by driven ones (that do not move) */
+};
+
 struct rb_cluster {
 	bool used;
 	int next_free;   /* 1 + the next unused cluster, 0: none */
@@ -88,7 +94,14 @@ struct rb_cluster {
 	int held_count;
 	size_t held_capacity;
 
+	/* the ledger (event/account): what has acted since, if it is kept */
+	double account_s;
+	struct rb_account_rates rates; /* on parabolas: of its contacts */
+	struct rb_gauss_piece account; /* integrated: RB_ENTRIES values; n = 0: none */
+	double *account_block;         /* owned: start, coefficients */
+
 	/* integrated: rows of 13 (6 without rotation) values a member */
+	double least; /* of struct rb_dense, at the beginning of the piece */
 	struct rb_gauss_piece piece;
 	double *block; /* owned: start, coefficients, scale, scratch */
 	size_t block_capacity;
@@ -106,6 +119,7 @@ struct rb_located {
 		*piece; /* NULL until a force without a closed form or a driven body needs it */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: event/driven */
 	uint32_t *generation;
+	double *account_s; /* [n]: up to when the ledger has what acts on bodies in flight; NULL: it is not kept */
 	struct rb_next *next;
 	int *cluster_of; /* -1: none */
 	struct rb_cluster *cluster;

@@ -1,9 +1,42 @@
 /* SPDX-License-Identifier: MIT */
 #include "event/look.h"
 
-enum rb_status rb_look_contacts(struct rb_located *l, double t)
+#include "event/integrate.h"
+#include "event/touch.h"
+
+static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
+                        const struct rb_held *held, double t, rb_vec3 force)
 {
-	struct rb_contacts *contacts = &l->world->contacts;
+	const struct rb_meet m = rb_set_meet(l, held, t);
+	const double normal = rb_vec3_dot(force, m.normal);
+
+	contacts->row[contacts->count++] = (struct rb_contact){
+		.a = held->a,
+		.b = held->b,
+		.point = m.point,
+		.normal = m.normal,
+		.gap = m.gap,
+		.normal_force = normal,
+		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal)};
+}
+
+/* `force`: room for those of a cluster at this moment, which change along its piece; NULL: those of its beginning do. */
+static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int cluster, double t,
+                        rb_vec3 *force)
+{
+	const struct rb_cluster *c = &l->cluster[cluster];
+	const bool now = force && c->held_count > 0 && c->integrated && !c->has_jammed &&
+	                 rb_integrate_forces(l, cluster, t, force);
+
+	for (int h = 0; h < c->held_count; h++)
+		add_contact(l, contacts, &c->held[h], t, now ? force[h] : c->held[h].force);
+}
+
+static enum rb_status list(struct rb_located *l, double t, bool at_moment,
+                           struct rb_contacts *contacts)
+{
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	rb_vec3 *force = NULL;
 	size_t count = 0;
 
 	for (int k = 0; k < l->cluster_count; k++)
@@ -12,24 +45,40 @@ enum rb_status rb_look_contacts(struct rb_located *l, double t)
 	const enum rb_status status = rb_contacts_reserve(contacts, count, l->err);
 	if (status != RB_OK)
 		return status;
+	if (at_moment) {
+		force = rb_arena_take(l->arena, count + 1, sizeof *force);
+		if (!force)
+			return RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	}
 	for (int k = 0; k < l->cluster_count; k++)
-		for (int h = 0; h < l->cluster[k].held_count; h++) {
-			const struct rb_held *held = &l->cluster[k].held[h];
-			const struct rb_meet m = rb_set_meet(l, held, t);
-			const double normal = rb_vec3_dot(held->force, m.normal);
-
-			contacts->row[contacts->count++] = (struct rb_contact){
-				.a = held->a,
-				.b = held->b,
-				.point = m.point,
-				.normal = m.normal,
-				.gap = m.gap,
-				.normal_force = normal,
-				.tangent_force = rb_vec3_add_scaled(held->force, -normal,
-			                                            m.normal)};
-		}
+		add_cluster(l, contacts, k, t, force);
+	rb_arena_back(l->arena, here);
 	rb_contacts_sort(contacts);
-	return RB_OK;
+	return l->status;
+}
+
+enum rb_status rb_look_contacts(struct rb_located *l, double t)
+{
+	return list(l, t, false, &l->world->contacts);
+}
+
+enum rb_status rb_look_forces(struct rb_located *l, double t)
+{
+	const enum rb_status status = list(l, t, true, &l->world->shown);
+
+	l->world->has_shown = status == RB_OK;
+	return status;
+}
+
+/* m: of all points that the two have; a named one of several may be less deep than the next. */
+static double gap_at(const struct rb_located *l, int i, int j, double t)
+{
+	if (!rb_meet_has_features(l, i, j))
+		return rb_meet_at(l, i, j, t).gap;
+	const struct rb_touch_pair pair = {i, j, t, rb_arc_pose(l, i, t), rb_arc_pose(l, j, t)};
+	uint32_t parts;
+
+	return rb_touch_gap(l, &pair, &parts);
 }
 
 /* Below the deepest so far, between i and j? Spheres that are apart, also from planes, are seen without looking closer. */
@@ -55,9 +104,9 @@ static void deeper(const struct rb_located *l, double t, int i, int j, double *d
 		return;
 	if (rb_meet_has_features(l, i, j) && rb_meet_is_far(l, i, j, t, t))
 		return;
-	const struct rb_meet m = rb_meet_at(l, i, j, t);
-	if (-m.gap > *deepest) {
-		*deepest = -m.gap;
+	const double gap = gap_at(l, i, j, t);
+	if (-gap > *deepest) {
+		*deepest = -gap;
 		pair[0] = i;
 		pair[1] = j;
 	}

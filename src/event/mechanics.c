@@ -22,12 +22,10 @@ struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const s
 	return c;
 }
 
-/* Rows: principal axes in world coordinates over the roots of their moments. */
-static rb_mat3 inverse_root(const struct rb_located *l, int i, rb_quat orientation)
+rb_mat3 rb_mechanics_root(const rb_mat3 *inertia, const struct rb_top_body *top,
+                          rb_quat orientation)
 {
-	const rb_mat3 *inertia = &l->model->inertia[i];
 	const bool own = inertia->m[0][1] == 0 && inertia->m[0][2] == 0 && inertia->m[1][2] == 0;
-	const struct rb_top_body *top = &l->top_body[i];
 	const rb_mat3 r = rb_quat_to_mat3(own ? orientation
 	                                      : rb_quat_multiply(orientation, top->principal));
 	const double moment[3] = {own ? inertia->m[0][0] : top->moments.x,
@@ -51,7 +49,8 @@ struct rb_joint_body rb_mechanics_body(const struct rb_located *l, int i,
 		return body;
 	body.inverse_inertia = l->model->inverse_inertia_scalar[i];
 	if (isnan(body.inverse_inertia))
-		body.inverse_root = inverse_root(l, i, pose->orientation);
+		body.inverse_root = rb_mechanics_root(&l->model->inertia[i], &l->top_body[i],
+		                                      pose->orientation);
 	return body;
 }
 

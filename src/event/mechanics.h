@@ -9,6 +9,12 @@
 /* All but its bodies' places, mode, slip and impulse, and the noise that impacts ask for. */
 struct rb_joint_contact rb_mechanics_contact(const struct rb_located *l, const struct rb_meet *m);
 
+/*
+ * H of an inverse tensor H^T H, world axes. Rows: principal axes in world coordinates over the roots of their moments.
+ */
+rb_mat3 rb_mechanics_root(const rb_mat3 *inertia, const struct rb_top_body *top,
+                          rb_quat orientation);
+
 /* A body that yields, in this pose: its velocities are those of an impact, or accelerations apart from contacts. */
 struct rb_joint_body rb_mechanics_body(const struct rb_located *l, int i,
                                        const struct rb_pose *pose, rb_vec3 linear, rb_vec3 angular);

@@ -40,13 +40,17 @@ double rb_meet_size(const struct rb_located *l, const struct rb_meet *m)
 	return fmax(a, b);
 }
 
+double rb_meet_largest(const struct rb_located *l, const struct rb_meet *m)
+{
+	return rb_meet_has_features(l, m->a, m->b) ? fmax(size_of(l, m->a), size_of(l, m->b))
+	                                           : rb_meet_size(l, m);
+}
+
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t)
 {
 	const bool plain = !rb_meet_has_features(l, m->a, m->b);
-	double largest = rb_meet_size(l, m);
+	double largest = rb_meet_largest(l, m);
 
-	if (!plain) /* faces round by the distance of their corners, also of what does not move */
-		largest = fmax(size_of(l, m->a), size_of(l, m->b));
 	/* of an infinite plane only the other's place matters: its own point may be anywhere */
 	if (plain ? l->model->shape[m->a].kind == RB_SHAPE_SPHERE
 	          : l->model->shape[m->a].kind != RB_SHAPE_PLANE)
@@ -68,6 +72,14 @@ double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m)
 	        rb_vec3_max_abs(m->pose_a.spin) * rb_vec3_max_abs(m->arm_a) +
 	        rb_vec3_max_abs(m->pose_b.spin) * rb_vec3_max_abs(m->arm_b) +
 	        sqrt(2 * l->weight * size));
+}
+
+bool rb_meet_passes(const struct rb_located *l, const struct rb_meet *m, double t)
+{
+	const double rate = rb_vec3_dot(m->velocity, m->normal), bend = rb_meet_bend(l, m, t);
+
+	return rate < -rb_meet_noise(l, m) && bend > 0 &&
+	       rate * rate <= 2 * bend * (fmax(m->gap, 0) + rb_meet_band(l, m, t));
 }
 
 /* Angular acceleration; of what turns freely, by I w' = -w x I w. */

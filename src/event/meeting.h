@@ -30,6 +30,7 @@ struct rb_meet {
 	/* how far the point is from leaving its features, where others take over (< 0: it has left them, INFINITY:
 	 * it cannot), and the derivative */
 	double inside, inside_rate; /* m, m/s */
+	uint64_t beyond;            /* the key of these others, 0: they are to be searched for */
 	struct rb_pose pose_a, pose_b;
 	rb_vec3 arm_a, arm_b;   /* m, centres of mass to the point */
 	rb_vec3 rate_a, rate_b; /* m/s: derivatives of the arms as the point moves along */
@@ -57,6 +58,8 @@ static inline bool rb_meet_has_features(const struct rb_located *l, int a, int b
 
 /* m: how large the larger body of the two is (of those that move, where one does); a plane has no size. */
 double rb_meet_size(const struct rb_located *l, const struct rb_meet *m);
+/* m: the larger of the two whether it moves or not, whose corners say where its faces are. */
+double rb_meet_largest(const struct rb_located *l, const struct rb_meet *m);
 /* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
 double rb_meet_band(const struct rb_located *l, const struct rb_meet *m, double t);
 /* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */
@@ -64,6 +67,12 @@ double rb_meet_noise(const struct rb_located *l, const struct rb_meet *m);
 
 /* m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the meeting. */
 double rb_meet_bend(const struct rb_located *l, const struct rb_meet *m, double t);
+
+/*
+ * Do they only pass each other: does what they close with now turn back by itself before they are deeper in each other than
+ * they touch by rounding? A gap that falls to nothing as x^2 / 2r has a speed that is the root of its rounding.
+ */
+bool rb_meet_passes(const struct rb_located *l, const struct rb_meet *m, double t);
 
 /* Of a point that goes with the body in this pose; its acceleration on the arc as it is at `t`. */
 rb_vec3 rb_meet_point_velocity(const struct rb_pose *pose, rb_vec3 point);

@@ -9,6 +9,8 @@
 enum { TURNS = 6, REFINEMENTS = 4 };
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
+/* What the rounding of places may cost at most, of the tolerance's sizes. */
+static const double coarse = 1e-6;
 
 bool rb_modes_move(const struct rb_modes *w)
 {
@@ -341,4 +343,70 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **fou
 	else
 		rb_arena_back(l->arena, here);
 	return true;
+}
+
+double rb_modes_noise(void *user, const double *coefficient)
+{
+	const struct rb_modes *w = user;
+	double worst = 0;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
+		double way = step, change = 0;
+
+		for (int m = 0; m < 3; m++) {
+			const int x = k * w->row + RB_ROW_POSITION + m, v = x + RB_ROW_VELOCITY;
+			double along = fabs(coefficient[x]), more = 0;
+
+			for (int p = 1; p < RB_GAUSS_NODES; p++) {
+				along += fabs(coefficient[p * w->c->piece.n + x]);
+				more += fabs(coefficient[p * w->c->piece.n + v]);
+			}
+			way = fmax(way, along);
+			change = fmax(change, more / w->scale[v]);
+		}
+		worst = fmax(worst, change > 0 ? change * (step / way) : 0);
+	}
+	return fmin(worst, coarse);
+}
+
+bool rb_modes_room(struct rb_modes *w)
+{
+	struct rb_cluster *c = w->c;
+	struct rb_arena *arena = w->l->arena;
+	size_t unknowns = 0;
+
+	for (int k = 0; k < c->held_count; k++)
+		unknowns += (size_t)rb_modes_unknowns(&c->held[k]);
+	if (unknowns > RB_MODES_DENSE)
+		unknowns = 0;
+	w->pose = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->pose);
+	w->base = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->base);
+	w->linear = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->linear);
+	w->angular = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->angular);
+	w->meet = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->meet);
+	w->contact = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->contact);
+	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
+	w->change = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->change);
+	if (w->l->account_s) {
+		w->parts = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->parts);
+		w->seen = rb_arena_take(arena, (size_t)RB_GAUSS_NODES * RB_ENTRIES,
+		                        sizeof *w->seen);
+		if (!w->parts || !w->seen)
+			return false;
+	}
+	struct rb_dense *d = &w->dense;
+	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
+	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
+	d->last = rb_arena_take(arena, 5 * unknowns + 1, sizeof *d->last);
+	if (!d->matrix || !d->right || !d->last)
+		return false;
+	d->size = d->right + unknowns;
+	d->found = d->size + unknowns;
+	d->down = d->last + unknowns;
+	d->pivot = d->down + unknowns;
+	d->from = d->pivot + unknowns;
+	d->order = d->from + unknowns;
+	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
+	       w->change;
 }

@@ -30,13 +30,20 @@ struct rb_modes {
 	bool slip_ends, hits;             /* why `broken` said so */
 	double force_most;                /* N: largest force at the beginning */
 	double doubt;                     /* N: what the modes at the beginning leave open */
-	double most; /* m/s^2: largest acceleration that forces are to balance */
+	double most;                 /* m/s^2: largest acceleration that forces are to balance */
+	uint64_t *calls, counted;    /* of its rates, so far and at the last one */
+	double time_s;               /* of the last evaluation */
+	struct rb_pull_parts *parts; /* [member_count]: for the ledger; NULL: it is not kept */
+	double *seen;                /* [RB_GAUSS_NODES][RB_ENTRIES]: what acted there */
 };
 
 static inline int rb_modes_place(const struct rb_modes *w, int body)
 {
 	return body < w->l->n ? w->l->place[body] : -1;
 }
+
+/* Room in the arena for all arrays; false: no memory. */
+bool rb_modes_room(struct rb_modes *w);
 
 /* Does a member move, at the poses as they are? */
 bool rb_modes_move(const struct rb_modes *w);
@@ -61,5 +68,11 @@ double rb_modes_left(struct rb_modes *w, double t);
 
 /* Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies then move. */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_joint_body **found);
+
+/*
+ * A field is asked at coordinates that are rounded, and answers with steps: what it changes along the way of a member, for
+ * a rounding of the place. Far from the origin that is more than the tolerance.
+ */
+double rb_modes_noise(void *user, const double *coefficient);
 
 #endif

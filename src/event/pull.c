@@ -12,15 +12,33 @@ struct load {
 	const struct rb_pose *pose;
 	const struct rb_view *view;
 	rb_vec3 force, torque; /* N; N m about the centre of mass: sums */
+	enum rb_pull_cause cause;
+	struct rb_pull_parts *parts; /* NULL: nobody asks */
 };
 
 typedef void load_function(struct load *load);
 typedef bool constant_function(const struct rb_located *l, int i, double t);
 
-static void add(struct load *load, rb_vec3 force, rb_vec3 arm)
+static void add_torque(struct load *load, rb_vec3 torque)
+{
+	load->torque = rb_vec3_add(load->torque, torque);
+	if (load->parts)
+		load->parts->torque[load->cause] = rb_vec3_add(load->parts->torque[load->cause],
+		                                               torque);
+}
+
+static void add_force(struct load *load, rb_vec3 force)
 {
 	load->force = rb_vec3_add(load->force, force);
-	load->torque = rb_vec3_add(load->torque, rb_vec3_cross(arm, force));
+	if (load->parts)
+		load->parts->force[load->cause] = rb_vec3_add(load->parts->force[load->cause],
+		                                              force);
+}
+
+static void add(struct load *load, rb_vec3 force, rb_vec3 arm)
+{
+	add_force(load, force);
+	add_torque(load, rb_vec3_cross(arm, force));
 }
 
 static bool always(const struct rb_located *l, int i, double t)
@@ -37,12 +55,7 @@ static bool never(const struct rb_located *l, int i, double t)
 
 static void gravity_force(struct load *load)
 {
-	load->force = rb_vec3_add(load->force, load->l->model->scene->world.gravity_force);
-}
-
-static bool acts(const struct rb_force_def *force, double t)
-{
-	return t >= force->start_s && t < force->start_s + force->duration_s;
+	add_force(load, load->l->model->scene->world.gravity_force);
 }
 
 /* From the centre of mass to a point given in object coordinates, world axes. */
@@ -64,7 +77,7 @@ static void applied(struct load *load)
 		const struct rb_force_def *force = &model->scene->forces[body->force_first + f];
 		const rb_quat q = load->pose->orientation;
 
-		if (acts(force, load->view->active_s))
+		if (rb_force_acts(force, load->view->active_s))
 			add(load,
 			    force->frame == RB_FORCE_BODY ? rb_quat_rotate(q, force->vector)
 			                                  : force->vector,
@@ -82,7 +95,7 @@ static bool applied_constant(const struct rb_located *l, int i, double t)
 		const struct rb_force_def *force = &scene->forces[body->force_first + f];
 		const rb_vec3 arm = arm_of(l, i, (rb_quat){1, 0, 0, 0}, force->point);
 
-		if (acts(force, t) && l->top &&
+		if (rb_force_acts(force, t) && l->top &&
 		    (force->frame == RB_FORCE_BODY || rb_vec3_max_abs(arm) > 0))
 			return false;
 	}
@@ -93,8 +106,8 @@ static void pushed(struct load *load)
 {
 	const struct rb_state *state = &load->l->world->state;
 
-	load->force = rb_vec3_add(load->force, rb_world_row3(state->push, load->i));
-	load->torque = rb_vec3_add(load->torque, rb_world_row3(state->twist, load->i));
+	add_force(load, rb_world_row3(state->push, load->i));
+	add_torque(load, rb_world_row3(state->twist, load->i));
 }
 
 /* A torque on unequal moments does not turn it evenly. */
@@ -105,40 +118,51 @@ static bool pushed_constant(const struct rb_located *l, int i, double t)
 	       rb_vec3_max_abs(rb_world_row3(l->world->state.twist, i)) == 0;
 }
 
-static struct rb_pose pose_of(const struct load *load, int j)
+static struct rb_pose pose_of(const struct rb_located *l, const struct rb_view *view, int j)
 {
-	const struct rb_located *l = load->l;
-
-	if (load->view->pose && j < l->n && l->place[j] >= 0)
-		return load->view->pose[l->place[j]];
-	return rb_arc_pose(l, j, load->view->time_s);
+	if (view->pose && j < l->n && l->place[j] >= 0)
+		return view->pose[l->place[j]];
+	return rb_arc_pose(l, j, view->time_s);
 }
 
-/* Pulls i towards the other end when longer than at rest, and damps its change of length. */
-static void pull_spring(struct load *load, const struct rb_spring_def *spring, bool first)
+/* Pulls a towards b when longer than at rest, and damps its change of length. */
+bool rb_pull_spring_at(const struct rb_located *l, int spring, const struct rb_view *view,
+                       struct rb_pull_spring *out)
 {
-	const struct rb_located *l = load->l;
-	const int j = l->model->index_of[first ? spring->b : spring->a];
-	const struct rb_pose other = pose_of(load, j);
-	const rb_vec3 arm = arm_of(l, load->i, load->pose->orientation,
-	                           first ? spring->at_a : spring->at_b);
-	const rb_vec3 arm_other = arm_of(l, j, other.orientation,
-	                                 first ? spring->at_b : spring->at_a);
-	const rb_vec3 d = rb_vec3_add(rb_arc_between(load->pose, &other),
-	                              rb_vec3_sub(arm_other, arm));
+	const struct rb_spring_def *def = &l->model->scene->springs[spring];
+	const int i = l->model->index_of[def->a], j = l->model->index_of[def->b];
+	const struct rb_pose a = pose_of(l, view, i), b = pose_of(l, view, j);
+	const rb_vec3 arm_a = arm_of(l, i, a.orientation, def->at_a);
+	const rb_vec3 arm_b = arm_of(l, j, b.orientation, def->at_b);
+	const rb_vec3 d = rb_vec3_add(rb_arc_between(&a, &b), rb_vec3_sub(arm_b, arm_a));
 	const double length = rb_vec3_length(d);
 
-	if (!(length > 0)) /* no direction to pull in */
-		return;
-	const rb_vec3 v = rb_vec3_sub(
-		rb_vec3_add(other.velocity, rb_vec3_cross(other.spin, arm_other)),
-		rb_vec3_add(load->pose->velocity, rb_vec3_cross(load->pose->spin, arm)));
+	out->speed_a = rb_vec3_add(a.velocity, rb_vec3_cross(a.spin, arm_a));
+	out->speed_b = rb_vec3_add(b.velocity, rb_vec3_cross(b.spin, arm_b));
+	out->end_a = rb_vec3_add(a.position, arm_a);
+	out->end_b = rb_vec3_add(b.position, arm_b);
+	if (!(length > 0))
+		return false;
 	const rb_vec3 along = rb_vec3_scale(1 / length, d);
-	const double rest = l->model->rest_length_m[spring - l->model->scene->springs];
-	const double tension = spring->stiffness * (length - rest) +
-	                       spring->damping * rb_vec3_dot(v, along);
+	const double rate = rb_vec3_dot(rb_vec3_sub(out->speed_b, out->speed_a), along);
+	const double tension = def->stiffness * (length - l->model->rest_length_m[spring]) +
+	                       def->damping * rate;
 
-	add(load, rb_vec3_scale(tension, along), arm);
+	out->force = rb_vec3_scale(tension, along);
+	out->damping = def->damping * rate * rate;
+	return true;
+}
+
+static void pull_spring(struct load *load, int spring, bool first)
+{
+	const struct rb_located *l = load->l;
+	const struct rb_spring_def *def = &l->model->scene->springs[spring];
+	struct rb_pull_spring pull;
+
+	if (!rb_pull_spring_at(l, spring, load->view, &pull))
+		return;
+	add(load, first ? pull.force : rb_vec3_neg(pull.force),
+	    arm_of(l, load->i, load->pose->orientation, first ? def->at_a : def->at_b));
 }
 
 static void springs(struct load *load)
@@ -148,9 +172,9 @@ static void springs(struct load *load)
 
 	for (int k = 0; k < scene->spring_count; k++) {
 		if (scene->springs[k].a == id)
-			pull_spring(load, &scene->springs[k], true);
+			pull_spring(load, k, true);
 		if (scene->springs[k].b == id)
-			pull_spring(load, &scene->springs[k], false);
+			pull_spring(load, k, false);
 	}
 }
 
@@ -174,7 +198,7 @@ static void drag(struct load *load)
 
 	for (int k = 0; k < scene->drag_count; k++)
 		share += scene->drags[k].linear + scene->drags[k].quadratic * rb_vec3_length(v);
-	load->force = rb_vec3_add_scaled(load->force, -share, v);
+	add_force(load, rb_vec3_scale(-share, v));
 }
 
 static void field(struct load *load)
@@ -187,20 +211,21 @@ static void field(struct load *load)
 		return;
 	l->status = hooks->field(hooks->user, load->view->time_s, load->pose->position,
 	                         load->pose->velocity, &force, l->err);
-	load->force = rb_vec3_add(load->force, force);
+	add_force(load, force);
 }
 
 static const struct {
 	rb_features need;
+	enum rb_pull_cause cause;
 	load_function *act;
 	constant_function *is_constant;
 } rows[] = {
-	{RB_FEATURE_GRAVITY_FORCE, gravity_force, always},
-	{RB_FEATURE_FORCES, applied, applied_constant},
-	{RB_FEATURE_PUSHES, pushed, pushed_constant},
-	{RB_FEATURE_SPRINGS, springs, springs_constant},
-	{RB_FEATURE_DRAG, drag, never},
-	{RB_FEATURE_FIELD, field, never},
+	{RB_FEATURE_GRAVITY_FORCE, RB_PULL_UNIFORM, gravity_force, always},
+	{RB_FEATURE_FORCES, RB_PULL_STATED, applied, applied_constant},
+	{RB_FEATURE_PUSHES, RB_PULL_PUSHED, pushed, pushed_constant},
+	{RB_FEATURE_SPRINGS, RB_PULL_SPRINGS, springs, springs_constant},
+	{RB_FEATURE_DRAG, RB_PULL_DRAG, drag, never},
+	{RB_FEATURE_FIELD, RB_PULL_STATED, field, never},
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
@@ -219,9 +244,17 @@ void rb_pull_at(struct rb_located *l, int i, const struct rb_pose *pose, const s
 {
 	struct load load = {.l = l, .i = i, .pose = pose, .view = view};
 
+	if (view->parts) {
+		load.parts = &view->parts[l->place[i]];
+		*load.parts = (struct rb_pull_parts){0};
+		load.parts->force[RB_PULL_UNIFORM] = rb_vec3_scale(l->model->mass[i],
+		                                                   l->model->scene->world.gravity);
+	}
 	for (int k = 0; k < ROWS; k++)
-		if (l->model->features & rows[k].need)
+		if (l->model->features & rows[k].need) {
+			load.cause = rows[k].cause;
 			rows[k].act(&load);
+		}
 	*linear = rb_vec3_add_scaled(l->model->scene->world.gravity, l->model->inverse_mass[i],
 	                             load.force);
 	*angular = (rb_vec3){0, 0, 0};

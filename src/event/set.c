@@ -92,6 +92,13 @@ bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
 	return rb_vec3_length(rb_vec3_sub(x->point, y->point)) <= one_place * rb_meet_size(l, x);
 }
 
+bool rb_set_is_shared_place(const struct rb_located *l, const struct rb_meet *x,
+                            const struct rb_meet *y)
+{
+	return (x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b) &&
+	       rb_set_is_same_place(l, x, y);
+}
+
 bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m)
 {
 	return m->inside < 0 && m->inside < -beyond_end * rb_meet_size(l, m);
@@ -125,7 +132,8 @@ const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct 
 bool rb_set_touching(const struct rb_located *l, const struct rb_meet *m, double t, double slack)
 {
 	(void)slack;
-	return m->gap <= rb_meet_band(l, m, t);
+	return m->gap <= rb_meet_band(l, m, t) &&
+	       !(rb_meet_has_features(l, m->a, m->b) && rb_meet_passes(l, m, t));
 }
 
 bool rb_set_lasting(const struct rb_located *l, const struct rb_meet *m, double t, double slack)
@@ -181,10 +189,59 @@ static double drift_of(const struct rb_located *l, const struct rb_held *first,
 	return drift;
 }
 
+/* Has the point come over the end of its features, as far as this one has or others that go with it? */
+static bool passes_on(const struct rb_located *l, const struct rb_meet *m, bool others)
+{
+	return m->beyond != 0 &&
+	       (rb_set_has_left(l, m) || (others && m->inside < 0 && m->inside_rate < 0));
+}
+
+/* Another point that touches at this place and does not part: of another part of the body, which begins where one ends. */
+static const struct rb_meet *instead_of(const struct rb_located *l, const struct rb_meet *m,
+                                        const struct rb_meet *all, int count)
+{
+	for (int k = 0; k < count; k++)
+		if (rb_set_is_same_place(l, m, &all[k]) &&
+		    rb_vec3_dot(all[k].velocity, all[k].normal) <= rb_meet_noise(l, &all[k]))
+			return &all[k];
+	return NULL;
+}
+
+/*
+ * A point that is held and rolls from one feature to the next is the same contact: neither does it end, nor is the next one
+ * new, though its normal is off by as much as the point has gone too far. Those of a pair that roll there together do so
+ * together.
+ */
+static void pass_on(const struct rb_located *l, struct rb_meet *m, int count,
+                    const struct rb_meet *all, int all_count)
+{
+	bool any = false;
+
+	for (int k = 0; k < count; k++)
+		any = any || passes_on(l, &m[k], false);
+	for (int k = 0; k < count && any; k++) {
+		if (!passes_on(l, &m[k], true))
+			continue;
+		const struct rb_meet *const other = instead_of(l, &m[k], all, all_count);
+
+		m[k] = other ? *other : rb_touch_passed_on(l, &m[k]);
+	}
+}
+
+static bool is_known(const struct rb_located *l, const struct rb_meet *m, const struct rb_meet *of,
+                     int count)
+{
+	for (int k = 0; k < count; k++)
+		if ((of[k].parts == m->parts && of[k].key == m->key) ||
+		    rb_set_is_same_place(l, m, &of[k]))
+			return true;
+	return false;
+}
+
 /* The points of a pair that may have several: those that are held, and whatever else touches. */
 static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int b, bool come)
 {
-	struct rb_meet all[RB_MEET_MAX];
+	struct rb_meet all[RB_MEET_MAX], held[RB_MEET_MAX];
 	const struct rb_held *const first = rb_set_held(l, a, b);
 	const struct rb_held *const end = first ? rb_set_held_end(l, first) : NULL;
 	const int before = pairs->count;
@@ -194,19 +251,23 @@ static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int
 	/* what is no farther than those that are held touches as they do */
 	for (int k = 0; k < count && drift > 0; k++)
 		all[k].gap = fmin(all[k].gap, 0);
-	for (const struct rb_held *h = first; h < end; h++) {
-		const struct rb_meet m = rb_set_meet(l, h, pairs->t);
+	int held_count = 0;
+	for (const struct rb_held *h = first; h < end && held_count < RB_MEET_MAX; h++)
+		held[held_count++] = rb_set_meet(l, h, pairs->t);
+	pass_on(l, held, held_count, all, count);
+	for (int h = 0; h < held_count; h++) {
 		int left = 0;
 
 		/* one that has left its features stays only if nothing else is there that could end it */
-		if (rb_set_has_left(l, &m) && (count > 0 || end - first > 1))
+		if (rb_set_has_left(l, &held[h]) && (count > 0 || held_count > 1))
+			continue;
+		if (is_known(l, &held[h], held, h))
 			continue;
 		for (int k = 0; k < count; k++)
-			if ((all[k].parts != h->parts || all[k].key != h->key) &&
-			    !rb_set_is_same_place(l, &all[k], &m))
+			if (!is_known(l, &all[k], &held[h], 1))
 				all[left++] = all[k];
 		count = left;
-		keep(l, pairs, &m);
+		keep(l, pairs, &held[h]);
 	}
 	if (come && count == 0 && pairs->count == before) {
 		all[0] = rb_meet_at(l, a, b, pairs->t);

@@ -51,6 +51,10 @@ double rb_set_creep(const struct rb_located *l, const struct rb_meet *m);
 bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
                           const struct rb_meet *y);
 
+/* ... or of two pairs with a body in common? Rounding parts features that follow each other by no more. */
+bool rb_set_is_shared_place(const struct rb_located *l, const struct rb_meet *x,
+                            const struct rb_meet *y);
+
 /* Which pairs join: called with a pair that touches, or is held. */
 typedef bool rb_set_joins(const struct rb_located *l, const struct rb_meet *m, double t,
                           double slack);

@@ -4,18 +4,24 @@
 #include <float.h>
 #include <string.h>
 
+#include "event/account.h"
 #include "event/cluster.h"
 #include "event/integrate.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
+#include "event/seize.h"
 #include "event/slips.h"
 #include "event/tell.h"
 #include "event/tidy.h"
 #include "event/transition.h"
+#include "event/work.h"
 
 enum { STILL_ULP = 64, LOAD_ULP = 64 };
 /* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
 static const double gave_way = 1e-9;
+
+/* Share of the pulls below which accelerations are what the solver leaves. */
+static const double still_share = 1e-12;
 
 /* ---- gathering ---- */
 
@@ -109,6 +115,18 @@ static void end_contact(struct rb_settling *s, int k, const bool *kept)
 		rb_tell_transition(s->l, s->t, RB_EVENT_LIFT, &s->meet[k]);
 }
 
+/*
+ * A point that has just been passed on to other features opens by as much as it has come too far. Whether it lasts, its force
+ * will say; brought back, a body that leaves would be pulled.
+ */
+static bool opens_anew(const struct rb_settling *s, int k)
+{
+	const struct rb_meet *m = &s->meet[k];
+
+	return (s->before[k].key != m->key || s->before[k].parts != m->parts) &&
+	       rb_vec3_dot(m->velocity, m->normal) > rb_meet_noise(s->l, m);
+}
+
 static void keep_what_lasts(struct rb_settling *s)
 {
 	bool *const kept = rb_slips_take(s, s->meet_count, sizeof *kept);
@@ -125,7 +143,8 @@ static void keep_what_lasts(struct rb_settling *s)
 		return;
 	for (int k = 0; k < s->meet_count; k++)
 		/* an impact has left velocities that are right */
-		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->meet[k]);
+		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->meet[k]) &&
+		          !opens_anew(s, k);
 	rb_tidy(&tidy);
 	for (int k = 0; k < s->meet_count; k++) {
 		rb_tidy_meet(s->l, s->pose, &s->meet[k]);
@@ -302,7 +321,8 @@ static bool is_nothing(const struct rb_settling *s, int k, double pull, rb_vec3 
 	const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * pull * radius);
 
 	return rb_vec3_max_abs(speed) <= still &&
-	       rb_vec3_max_abs(rate) <= fmax(1e-12 * pull, LOAD_ULP * DBL_EPSILON * s->load[k]);
+	       rb_vec3_max_abs(rate) <=
+	               fmax(still_share * pull, LOAD_ULP * DBL_EPSILON * s->load[k]);
 }
 
 /* Neither a closed form nor without turning. */
@@ -346,6 +366,22 @@ static bool in_closed_form(const struct rb_settling *s, int part, const struct r
 	return true;
 }
 
+/* What drives it may be still at this moment only. */
+static bool will_move(const struct rb_settling *s, int body, double pull)
+{
+	const struct rb_located *l = s->l;
+
+	if (!rb_located_driven(l, body))
+		return false;
+	const struct rb_piece_of *p = &l->piece[body];
+	double turning = 0;
+
+	for (int m = 0; l->top && m < 3; m++)
+		turning = fmax(turning, rb_gauss_rate_bound(&p->piece, p->first + RB_ROW_SPIN + m));
+	return fmax(p->acceleration_most, turning * rb_model_reach(l->model, body)) >
+	       still_share * pull;
+}
+
 /*
  * All of a cluster stands still and nothing moves it: static means static. Still is a speed within rounding of that of a
  * fall by its own size.
@@ -358,6 +394,10 @@ static bool stands_still(const struct rb_settling *s, int part)
 	for (int k = 0; k < l->set_count; k++)
 		if (root_of(s->root, k) == part)
 			pull = fmax(pull, rb_vec3_max_abs(s->linear[k]));
+	for (int k = 0; k < s->meet_count; k++)
+		if (rb_slips_press(s, k) && root_of(s->root, l->place[yielding(s, k)]) == part &&
+		    (will_move(s, s->meet[k].a, pull) || will_move(s, s->meet[k].b, pull)))
+			return false;
 	for (int k = 0; k < l->set_count; k++) {
 		if (root_of(s->root, k) != part)
 			continue;
@@ -372,14 +412,44 @@ static bool stands_still(const struct rb_settling *s, int part)
 	return true;
 }
 
-static void start_part(struct rb_settling *s, int part, struct rb_cluster *c)
+/* What contacts with fixed bodies do while all of the cluster is on parabolas; others leave its momentum. */
+static void rate_contact(const struct rb_settling *s, int k, bool still,
+                         struct rb_account_rates *rates)
+{
+	const struct rb_meet *m = &s->meet[k];
+	const struct rb_joint_contact *c = &s->joint.contact[k];
+	const bool b_moves = rb_located_fixed(s->l, m->a);
+	const int mover = b_moves ? c->b : c->a, fixed = b_moves ? m->a : m->b;
+
+	if (!rb_located_fixed(s->l, fixed))
+		return;
+	const struct rb_joint_body *body = &s->joint.body[mover];
+	const struct rb_pose *pose = &s->pose[mover];
+	const rb_vec3 arm = b_moves ? m->arm_b : m->arm_a;
+	const rb_vec3 force = b_moves ? c->impulse : rb_vec3_neg(c->impulse);
+	const int by = rb_located_driven(s->l, fixed) ? 1 : 0;
+	rb_vec3 *const torque = rates->torque[by];
+
+	rates->force[by] = rb_vec3_add(rates->force[by], force);
+	torque[0] = rb_vec3_add(torque[0], rb_vec3_cross(rb_vec3_add(pose->position, arm), force));
+	if (still)
+		return;
+	rates->sliding[0] -= rb_vec3_dot(
+		force, rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)));
+	rates->sliding[1] -= rb_vec3_dot(
+		force, rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm)));
+	torque[1] = rb_vec3_add(torque[1], rb_vec3_cross(pose->velocity, force));
+	torque[2] = rb_vec3_add_scaled(torque[2], 0.5, rb_vec3_cross(body->linear, force));
+}
+
+static void start_part(struct rb_settling *s, int part, struct rb_cluster *c, const int *meet)
 {
 	struct rb_located *l = s->l;
 	const rb_vec3 none = {0, 0, 0};
 	const bool still = stands_still(s, part);
 	const bool closed = still || in_closed_form(s, part, c);
 
-	c->anchor_s = s->t;
+	c->anchor_s = c->account_s = s->t;
 	c->at_rest = still;
 	c->integrated = !closed;
 	for (int k = 0; k < l->set_count; k++) {
@@ -396,6 +466,8 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c)
 		              still ? none : s->joint.body[k].linear,
 		              still || !closed ? none : s->joint.body[k].angular);
 	}
+	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
+		rate_contact(s, meet[k], still, &c->rates);
 	if (!closed)
 		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
 }
@@ -466,7 +538,7 @@ static void write_parts(struct rb_settling *s, double try_s)
 		struct rb_cluster *c = &l->cluster[cluster];
 		c->try_s = try_s;
 		write_held(s, part, c, meet);
-		start_part(s, part, c);
+		start_part(s, part, c, meet);
 		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
 	}
 }
@@ -484,6 +556,7 @@ static void forget_before(struct rb_settling *s, double *try_s)
 		if (l->cluster[cluster].integrated)
 			*try_s = *try_s > 0 ? fmin(*try_s, l->cluster[cluster].try_s)
 			                    : l->cluster[cluster].try_s;
+		rb_account_cluster(l, cluster, s->t);
 		rb_cluster_drop(l, cluster);
 	}
 }
@@ -527,28 +600,89 @@ static bool is_moving(const struct rb_settling *s)
 	return false;
 }
 
-void rb_settle(struct rb_located *l, double t, bool struck, double slack)
+/* Velocities as they came in, for the ledger; NULL where it is not kept. */
+static struct rb_pose *see_poses(struct rb_settling *s)
 {
-	struct rb_settling s = {.l = l, .t = t, .slack = slack, .struck = struck};
-	const rb_arena_mark here = rb_arena_here(l->arena);
+	struct rb_pose *const seen = s->l->account_s
+	                                     ? rb_slips_take(s, s->l->set_count, sizeof *seen)
+	                                     : NULL;
+
+	if (seen)
+		memcpy(seen, s->pose, (size_t)s->l->set_count * sizeof *seen);
+	return seen;
+}
+
+/*
+ * What ends of slip and drift have changed of velocities, contacts have done; where one is with a fixed body, that has
+ * given the momentum. The energy, which is rounding, is not entered.
+ */
+static void enter_changes(const struct rb_settling *s, const struct rb_pose *seen,
+                          const struct rb_pose *now)
+{
+	struct rb_located *l = s->l;
+
+	for (int k = 0; seen && k < l->set_count; k++) {
+		struct rb_work_change change = {.body = l->set[k],
+		                                .partner = -1,
+		                                .cause = RB_ENERGY_CAUSES,
+		                                .linear = {seen[k].velocity, now[k].velocity},
+		                                .angular = {seen[k].spin, now[k].spin}};
+
+		for (int m = 0; m < s->meet_count && change.partner < 0; m++) {
+			if (s->meet[m].a == change.body && rb_located_fixed(l, s->meet[m].b))
+				change.partner = s->meet[m].b;
+			if (s->meet[m].b == change.body && rb_located_fixed(l, s->meet[m].a))
+				change.partner = s->meet[m].a;
+			change.point = s->meet[m].point;
+		}
+		rb_work_change(l, &now[k], &change);
+	}
+}
+
+/* One look at the set: true, it is to be looked at anew. */
+static bool settle_once(struct rb_settling *s, bool may_seize)
+{
+	struct rb_located *l = s->l;
 	double try_s;
 
-	if (begin(&s)) {
-		keep_what_lasts(&s);
-		s.moves = is_moving(&s);
-		if (s.moves && rb_located_cost(3.0 * s.meet_count) > l->crowd_most) {
-			rb_slips_too_many(&s);
-			rb_arena_back(l->arena, here);
-			return;
-		}
-		forget_before(&s, &try_s);
-		pulls(&s);
-		if (l->status == RB_OK && rb_slips_solve(&s)) {
-			join_all(&s);
-			tell_lifts(&s);
-			write_parts(&s, try_s);
-		}
+	if (!begin(s))
+		return false;
+	const struct rb_pose *const seen = see_poses(s);
+	keep_what_lasts(s);
+	s->moves = is_moving(s);
+	if (s->moves && rb_located_cost(3.0 * s->meet_count) > l->crowd_most) {
+		rb_slips_too_many(s);
+		return false;
+	}
+	pulls(s);
+	if (l->status != RB_OK || !rb_slips_solve(s))
+		return false;
+	join_all(s);
+	const struct rb_pose *const settled = see_poses(s);
+	if (may_seize && rb_seize(s)) {
+		/* its impulses are entered already */
+		enter_changes(s, seen, settled);
+		return true;
+	}
+	forget_before(s, &try_s);
+	tell_lifts(s);
+	write_parts(s, try_s);
+	enter_changes(s, seen, s->pose);
+	return false;
+}
+
+void rb_settle(struct rb_located *l, double t, bool struck, double slack)
+{
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	bool again = true;
+
+	/* each impulse ends a slip, and what it makes approach is an impact */
+	for (int round = 0; again; round++) {
+		struct rb_settling s = {
+			.l = l, .t = t, .slack = slack, .struck = struck || round > 0};
+
+		again = settle_once(&s, round <= l->set_count) && l->status == RB_OK;
+		rb_arena_back(l->arena, here);
 	}
 	l->merge_count = 0;
-	rb_arena_back(l->arena, here);
 }

@@ -10,6 +10,8 @@
 enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
 /* Share of what friction does to speeds by which a slip that creeps may change its own. */
 static const double slowly = 0.05;
+/* Cosine of the angle, of rounding only, between normals that are one. */
+static const double same_way = 1 - 1e-12;
 
 void *rb_slips_take(struct rb_settling *s, int count, size_t size)
 {
@@ -89,6 +91,34 @@ static void joint_contact(struct rb_settling *s, int k)
 	}
 }
 
+bool rb_slips_press(const struct rb_settling *s, int k)
+{
+	return rb_vec3_dot(s->joint.contact[k].impulse, s->meet[k].normal) > 0;
+}
+
+/*
+ * A contact that begins where another one holds the body already, on a surface that goes on in the same plane, takes half of
+ * that load: neither of the two is the first. Forces of either kind move the body alike.
+ */
+static void share_loads(struct rb_settling *s)
+{
+	for (int k = 0; k < s->meet_count; k++)
+		for (int i = 0; i < s->meet_count && s->before[k].a < 0; i++) {
+			const struct rb_meet *const mine = &s->meet[k], *const other = &s->meet[i];
+			const bool same = mine->a == other->a || mine->b == other->b;
+			const double along = rb_vec3_dot(mine->normal, other->normal);
+
+			if (s->before[i].a < 0 || !rb_slips_press(s, i) ||
+			    !rb_set_is_shared_place(s->l, mine, other) ||
+			    !((same ? along : -along) > same_way))
+				continue;
+			const rb_vec3 half = rb_vec3_scale(0.5, s->joint.contact[i].impulse);
+			s->joint.contact[i].impulse = half;
+			s->joint.contact[k].impulse = same ? half : rb_vec3_neg(half);
+			break;
+		}
+}
+
 static void add_load(struct rb_settling *s, int body, double force)
 {
 	if (body < s->l->n && s->l->place[body] >= 0)
@@ -124,6 +154,7 @@ static bool solve(struct rb_settling *s)
 	joint_set(s);
 	for (int k = 0; k < s->meet_count; k++)
 		joint_contact(s, k);
+	share_loads(s);
 	s->joint.contact_count = s->meet_count;
 	s->joint.products_most = s->moves ? rb_located_products(s->l, s->meet_count) : 0;
 	if (s->meet_count > 0)
@@ -136,11 +167,6 @@ static bool solve(struct rb_settling *s)
 	}
 	find_loads(s);
 	return true;
-}
-
-bool rb_slips_press(const struct rb_settling *s, int k)
-{
-	return rb_vec3_dot(s->joint.contact[k].impulse, s->meet[k].normal) > 0;
 }
 
 /* ---- which way ---- */
@@ -180,8 +206,8 @@ bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *he
 	const double rubs = rb_vec3_length(rb_vec3_reject(held->force, m->normal)) *
 	                    (inverse[m->a] + inverse[m->b]);
 
-	return held->slipping && !held->straight && held->friction > 0 &&
-	       !rb_set_is_single(s->l, m->a, m->b) &&
+	return held->slipping && (!held->straight || rb_set_is_single(s->l, m->a, m->b)) &&
+	       held->friction > 0 &&
 	       rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(s->l, m) &&
 	       fabs(rb_vec3_dot(slip_rate(s, k), held->slip)) <= slowly * rubs;
 }

@@ -48,8 +48,7 @@ int rb_slips_pair(const struct rb_settling *s, int k, int *first);
 bool rb_slips_press(const struct rb_settling *s, int k);
 bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip);
 /*
- * Is the direction of its slip what balances the forces across it? Of bodies that touch at points, where the slip is slow
- * and changes its speed by much less than friction could: else it has no time to turn there.
+ * Is the direction of its slip what balances the forces across it? Where the slip is slow and changes its speed by much less than friction could: else it has no time to turn there.
  */
 bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held);
 

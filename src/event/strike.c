@@ -5,12 +5,17 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "event/account.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
 #include "event/settle.h"
 #include "event/tell.h"
 #include "event/tidy.h"
+#include "event/work.h"
 #include "geom/distance.h"
+
+/* By how many times a rebound may change speeds when it is stopped: more is not what stopping it takes. */
+static const double dear = 1e3;
 
 enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64 };
 
@@ -82,6 +87,7 @@ static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_v
 {
 	struct rb_arc *arc = &l->arc[i];
 
+	rb_account_arc(l, i, t);
 	arc->anchor_s = t;
 	arc->position = position;
 	arc->velocity = velocity;
@@ -129,11 +135,29 @@ static bool strike_in_flight(struct rb_located *l, int a, int b, double t)
 	                    ((inverse_a + inverse_b) * rb_vec3_dot(normal, normal));
 	const rb_vec3 impulse = rb_vec3_scale(size, normal);
 
+	if (l->account_s) {
+		const struct rb_meet m = {.a = a,
+		                          .b = b,
+		                          .normal = normal,
+		                          .pose_a = {.position = position_a},
+		                          .arm_a = rb_vec3_scale(l->arc[a].plain_radius, normal)};
+
+		rb_work_impact(l, &m, impulse, w,
+		               rb_vec3_add_scaled(w, inverse_a + inverse_b, impulse));
+	}
 	fly_on(l, a, t, position_a, rb_vec3_add_scaled(velocity, inverse_a, rb_vec3_neg(impulse)));
 	if (!fixed)
 		fly_on(l, b, t, position_b, rb_vec3_add_scaled(other, inverse_b, impulse));
 	l->world->frame_counts.collisions++;
 	return true;
+}
+
+/* Of b's point relative to a's, by the poses as they are now. */
+static rb_vec3 velocity_of(const struct rb_meet *m)
+{
+	return rb_vec3_sub(
+		rb_vec3_add(m->pose_b.velocity, rb_vec3_cross(m->pose_b.spin, m->arm_b)),
+		rb_vec3_add(m->pose_a.velocity, rb_vec3_cross(m->pose_a.spin, m->arm_a)));
 }
 
 bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
@@ -173,6 +197,8 @@ bool rb_strike_pair(struct rb_located *l, int a, int b, double t)
 	const rb_vec3 on_b[2] = {c.impulse, tangent};
 	kick(l, m.a, on_a, m.arm_a, &m.pose_a);
 	kick(l, m.b, on_b, m.arm_b, &m.pose_b);
+	if (l->account_s)
+		rb_work_impact(l, &m, c.impulse, m.velocity, velocity_of(&m));
 	if (m.a < l->n)
 		rb_arc_anchor(l, m.a, t, &m.pose_a, acceleration_a, rb_pull_turning(l, m.a));
 	if (m.b < l->n)
@@ -288,6 +314,17 @@ static void stop_normal(struct striking *s, int k, double leave)
 	b->linear = rb_vec3_add_scaled(b->linear, -leave * b->inverse_mass / sum, c->normal);
 }
 
+/* Does another contact hold its body at the same place, so that nothing brings this one back? */
+static bool is_taken_over(const struct striking *s, int k)
+{
+	for (int i = 0; i < s->meet_count; i++)
+		if (i != k && rb_set_is_shared_place(s->l, &s->meet[k], &s->meet[i]) &&
+		    fabs(rb_vec3_dot(velocity_after(s, i), s->joint.contact[i].normal)) <=
+		            s->joint.contact[i].noise)
+			return true;
+	return false;
+}
+
 /* Seconds that infinitely many rebounds take which begin with this one; < 0: it is not of that kind. */
 static double accumulation(const struct striking *s, int k)
 {
@@ -308,7 +345,7 @@ static double accumulation(const struct striking *s, int k)
 	/* the other end of a body that rocks lifts without an impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
 	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
-	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t))
+	if (!took_part || !(leave > 0) || !ends_here(l, &after, leave, s->t) || is_taken_over(s, k))
 		return -1;
 	const double closing = closing_of(l, &after, s->t);
 
@@ -366,9 +403,38 @@ static bool keep_what_moves(const struct striking *s, const bool *stood, bool *k
 	return any;
 }
 
+/* The largest change of a member since then, at its surface, m/s. */
+static double largest_change(const struct striking *s, const struct rb_joint_body *before)
+{
+	double most = 0;
+
+	for (int k = 0; k < s->l->set_count; k++) {
+		const rb_vec3 moves = rb_vec3_sub(s->joint.body[k].linear, before[k].linear);
+		const rb_vec3 turns = rb_vec3_sub(s->joint.body[k].angular, before[k].angular);
+		const double reach = rb_model_reach(s->l->model, s->l->set[k]);
+
+		most = fmax(most, rb_vec3_length(moves));
+		if (s->l->top)
+			most = fmax(most, reach * rb_vec3_length(turns));
+	}
+	return most;
+}
+
+static double largest_rebound(const struct striking *s, const bool *ends)
+{
+	double most = 0;
+
+	for (int k = 0; k < s->meet_count; k++)
+		if (ends[k])
+			most = fmax(most, fabs(rb_vec3_dot(velocity_after(s, k),
+			                                   s->joint.contact[k].normal)));
+	return most;
+}
+
 /*
  * The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. What it
- * would have approach, or lift where it stood, is stopped as well: that would be the next impact.
+ * would have approach, or lift where it stood, is stopped as well: that would be the next impact. Not at any price: where a
+ * body rolls over an edge that stands out by rounding, only standing still would serve both sides of it.
  */
 static void stop_together(struct striking *s, bool *ends)
 {
@@ -383,6 +449,7 @@ static void stop_together(struct striking *s, bool *ends)
 		           s->joint.contact[k].noise;
 	if (more)
 		memcpy(before, s->joint.body, count * sizeof *before);
+	const double rebound = largest_rebound(s, ends);
 	for (int pass = 0; pass <= s->meet_count && more; pass++) {
 		for (int k = 0; k < s->l->set_count; k++) {
 			s->pose[k].velocity = before[k].linear;
@@ -397,6 +464,8 @@ static void stop_together(struct striking *s, bool *ends)
 	}
 	if (!before || !stood)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
+	else if (!(largest_change(s, before) <= dear * rebound))
+		memcpy(s->joint.body, before, count * sizeof *before);
 }
 
 /*
@@ -472,11 +541,81 @@ static void tell_impacts(struct striking *s)
 		}
 }
 
+/* ---- the ledger ---- */
+
+/* What the ledger asks of an impact: velocities before it, and before what is left of rebounds is taken away. */
+struct entering {
+	rb_vec3 *approach;            /* [meet_count] */
+	struct rb_joint_body *struck; /* [set_count] */
+};
+
+static void see_approaches(struct striking *s, struct entering *e)
+{
+	struct rb_located *l = s->l;
+
+	*e = (struct entering){0};
+	if (!l->account_s)
+		return;
+	e->approach = rb_arena_take(l->arena, (size_t)s->meet_count + 1, sizeof *e->approach);
+	e->struck = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *e->struck);
+	if (!e->approach || !e->struck) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
+		                    l->set_count);
+		return;
+	}
+	for (int k = 0; k < s->meet_count; k++)
+		e->approach[k] = velocity_after(s, k);
+}
+
+static void enter_impulses(struct striking *s, struct entering *e)
+{
+	for (int k = 0; s->l->account_s && k < s->meet_count; k++)
+		rb_work_impact(s->l, &s->meet[k], s->joint.contact[k].impulse, e->approach[k],
+		               velocity_after(s, k));
+	if (s->l->account_s)
+		memcpy(e->struck, s->joint.body, (size_t)s->l->set_count * sizeof *e->struck);
+}
+
+/* A contact of the body with one that is fixed, -1: none. */
+static int fixed_contact(const struct striking *s, int body)
+{
+	for (int k = 0; k < s->meet_count; k++)
+		if ((s->meet[k].a == body && rb_located_fixed(s->l, s->meet[k].b)) ||
+		    (s->meet[k].b == body && rb_located_fixed(s->l, s->meet[k].a)))
+			return k;
+	return -1;
+}
+
+static void enter_ends(struct striking *s, const struct entering *e)
+{
+	for (int k = 0; s->l->account_s && k < s->l->set_count; k++) {
+		const struct rb_joint_body *now = &s->joint.body[k], *then = &e->struck[k];
+		const int body = s->l->set[k], contact = fixed_contact(s, body);
+		struct rb_work_change change = {.body = body,
+		                                .partner = -1,
+		                                .cause = RB_ENERGY_IMPACTS,
+		                                .linear = {then->linear, now->linear},
+		                                .angular = {then->angular, now->angular}};
+
+		if (contact >= 0) {
+			const struct rb_meet *m = &s->meet[contact];
+
+			change.partner = m->a == body ? m->b : m->a;
+			change.point = m->point;
+		}
+		rb_work_change(s->l, &s->pose[k], &change);
+	}
+}
+
 static void strike(struct striking *s)
 {
 	struct rb_located *l = s->l;
+	struct entering entering;
 	int rounds = 0;
 
+	see_approaches(s, &entering);
+	if (l->status != RB_OK)
+		return;
 	s->joint.products_most = rb_located_products(l, s->meet_count);
 	const bool settled = rb_joint_impact(&s->joint, &rounds);
 	rb_located_count(l, s->joint.products, s->meet_count);
@@ -489,8 +628,10 @@ static void strike(struct striking *s)
 		l->world->frame_counts.plastic_ends++;
 	if (s->meet_count > 0)
 		tell_impacts(s);
+	enter_impulses(s, &entering);
 	tell_ends(s);
 	end_accumulations(s);
+	enter_ends(s, &entering);
 	for (int k = 0; k < l->set_count; k++) {
 		const int i = l->set[k];
 

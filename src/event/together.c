@@ -290,7 +290,7 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 /* Below it a contact does not approach: the caller's figure, and what this arithmetic can resolve. */
 static double noise_of(const struct rb_joint *joint, const struct rb_joint_contact *c)
 {
-	return fmax(c->noise, 4 * DBL_EPSILON * speeds_of(joint, c));
+	return fmax(fmax(c->noise, joint->enough), 4 * DBL_EPSILON * speeds_of(joint, c));
 }
 
 /* What takes part in a round: all that approaches, and with it the touching contacts that give nothing back. */
@@ -371,6 +371,7 @@ static bool take_rounds(struct rounds *all)
 	all->cone = (struct rb_cone){.body = joint->body,
 	                             .body_count = joint->body_count,
 	                             .arena = joint->arena,
+	                             .enough = joint->enough,
 	                             .most = joint->products_most};
 	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
 	all->contact = rb_arena_take(joint->arena, contacts, sizeof *all->contact);

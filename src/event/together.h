@@ -44,6 +44,7 @@ struct rb_joint {
 	int contact_count;
 	struct rb_arena *arena; /* scratch, given back */
 	long products; /* out: of vectors with the problem's matrix, each once through all contacts */
+	double enough;      /* m/s: impacts: what is not to be resolved; 0: only rounding is not */
 	long products_most; /* of them, beyond which what is found is of no use; 0: no limit */
 };
 

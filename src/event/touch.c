@@ -9,6 +9,8 @@
 
 /* What is nearer to the end of its features than this many bands, and goes there, is about to leave them. */
 enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
+/* From a face to its edge and corner, to another edge and its face; each on both sides. */
+enum { FEATURES_PASSED = 8 };
 /* Across which rates are differences, in sizes of way: a third of the digits for each, and a third for the rest. */
 static const double moment_share = 0x1p-17;
 
@@ -147,6 +149,7 @@ static struct rb_meet meet_of(const struct rb_touch_pair *pair, const struct cou
 	                    .point = rb_vec3_add(pair->pose_a.position, p.point),
 	                    .inside = p.inside,
 	                    .inside_rate = p.inside_rate,
+	                    .beyond = rb_feature_beyond(&c->a, &c->b, key, &p),
 	                    .pose_a = pair->pose_a,
 	                    .pose_b = pair->pose_b,
 	                    .arm_a = p.point};
@@ -167,6 +170,34 @@ struct rb_meet rb_touch_of(const struct rb_located *l, const struct rb_meet_name
 
 	couple_of(l, &pair, name->parts, &c);
 	return meet_of(&pair, &c, name->parts, name->key);
+}
+
+/*
+ * By the features in whose bounds the point lies. A search tells features that share a normal apart to the root of rounding
+ * only, and a face has points below what is beyond its border.
+ */
+static struct rb_meet meet_within(const struct rb_touch_pair *pair, const struct couple *c,
+                                  uint32_t parts, uint64_t key)
+{
+	struct rb_meet m = meet_of(pair, c, parts, key);
+
+	for (int k = 0; k < FEATURES_PASSED && m.inside < 0 && m.beyond != 0; k++) {
+		const struct rb_meet next = meet_of(pair, c, parts, m.beyond);
+
+		if (!(next.inside > m.inside))
+			break;
+		m = next;
+	}
+	return m;
+}
+
+struct rb_meet rb_touch_passed_on(const struct rb_located *l, const struct rb_meet *m)
+{
+	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
+	struct couple c;
+
+	couple_of(l, &pair, m->parts, &c);
+	return meet_within(&pair, &c, m->parts, m->key);
 }
 
 /* ---- the nearest ---- */
@@ -225,7 +256,7 @@ struct rb_meet rb_touch_nearest(const struct rb_located *l, int a, int b,
 		if (manifold.point[k].gap < manifold.point[best].gap)
 			best = k;
 	const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, best, 0);
-	return meet_of(&pair, &c, parts, key);
+	return meet_within(&pair, &c, parts, key);
 }
 
 /* ---- all ---- */
@@ -296,29 +327,45 @@ static int by_name(const void *left, const void *right)
 	return rb_meet_name_compare(&x, &y);
 }
 
-static bool is_leaving(const struct rb_meet *m, double band)
+static bool is_leaving(const struct rb_meet *m, double band, double noise)
 {
-	return m->inside <= LEAVING_BANDS * band && m->inside_rate < 0;
+	return m->inside <= LEAVING_BANDS * band && m->inside_rate < -noise;
 }
 
-/* Meetings of the names that touch; returns their number, and the fastest at which one leaves its features. */
-static int collect(const struct search *s, const struct rb_touch_pair *pair, double slack,
+/*
+ * Meetings of the names that touch; returns their number, and the fastest at which one leaves its features. Those that are
+ * known to take over, or have done so, are looked at as well: a search tells them apart to the root of rounding only.
+ */
+static int collect(struct search *s, const struct rb_touch_pair *pair, double slack,
                    struct rb_meet *all, double *leaving)
 {
 	int count = 0;
 
 	*leaving = 0;
 	for (int k = 0; k < s->count; k++) {
-		const struct rb_meet m = rb_touch_of(s->l, &s->name[k], &pair->pose_a,
-		                                     &pair->pose_b);
+		const struct rb_meet_name name = s->name[k];
+		const struct rb_meet m = rb_touch_of(s->l, &name, &pair->pose_a, &pair->pose_b);
 		const double band = rb_meet_band(s->l, &m, pair->t);
 		const double noise = rb_meet_noise(s->l, &m);
 
+		const bool leaves = is_leaving(&m, band, noise);
+
+		if (m.beyond != 0 && (leaves || m.inside < -band)) {
+			const struct rb_meet_name next = {pair->a, pair->b, name.parts, m.beyond};
+			const struct rb_meet n = rb_touch_of(s->l, &next, &pair->pose_a,
+			                                     &pair->pose_b);
+
+			/* rounding of lines that are parallel leads nowhere */
+			if (n.inside > fmin(m.inside, -LEAVING_BANDS * band)) {
+				add_name(s, &next);
+				continue;
+			}
+		}
 		/* features that are in touch at their ends only may be anywhere */
 		if (!(m.gap <= band + slack) ||
 		    m.gap < s->least - s->depth - astray * rb_meet_size(s->l, &m))
 			continue;
-		if (is_leaving(&m, band) && m.inside_rate < -noise) {
+		if (leaves) {
 			*leaving = fmax(*leaving, -m.inside_rate);
 			continue;
 		}

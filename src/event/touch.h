@@ -16,6 +16,9 @@ struct rb_meet rb_touch_of(const struct rb_located *l, const struct rb_meet_name
 struct rb_meet rb_touch_nearest(const struct rb_located *l, int a, int b,
                                 const struct rb_pose *pose_a, const struct rb_pose *pose_b);
 
+/* A point that has left its features, by those that it is passed on to. */
+struct rb_meet rb_touch_passed_on(const struct rb_located *l, const struct rb_meet *m);
+
 /* Two bodies at a moment, in poses of their own. */
 struct rb_touch_pair {
 	int a, b;

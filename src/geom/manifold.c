@@ -63,8 +63,11 @@ static void start(find *f, const rb_placed *a, const rb_placed *b)
 	f->count = 0;
 }
 
-/* `aside`: how far apart across the normal points may be and still lie over each other. */
-static int corners_within(const find *f, double depth, double aside,
+/*
+ * Points lie over each other that are no farther apart across the normal than the band; or, `round`, than what is round may
+ * be past a border without the gap's being larger by more than that.
+ */
+static int corners_within(const find *f, double depth, double band, bool round,
                           rb_overlay_point point[RB_OVERLAY_MAX])
 {
 	const double tilt_a = f->tilt * f->a.core->reach, tilt_b = f->tilt * f->b.core->reach;
@@ -74,7 +77,11 @@ static int corners_within(const find *f, double depth, double aside,
 	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth, tilt_b);
 	/* two lines a distance d of their centres of curvature apart are farther by x^2 / 2d where they are off by x */
 	const double curve = fmax(f->s.gap, 0) + pa.curve + pb.curve;
-	const rb_overlay_def def = {f->s.normal, aside, sqrt(aside * aside + 2 * curve * aside)};
+	const double along = sqrt(band * band + 2 * curve * band);
+	/* what is sharp ends where it ends */
+	const double radii = pa.curve + pb.curve + f->a.core->radius + f->b.core->radius;
+	const double aside = round ? sqrt(band * band + 2 * radii * band) : band;
+	const rb_overlay_def def = {f->s.normal, aside, along};
 	return rb_overlay(&pa, &pb, &def, point);
 }
 
@@ -85,10 +92,12 @@ static int corners_within(const find *f, double depth, double aside,
 static int corners(const find *f, double band, rb_overlay_point point[RB_OVERLAY_MAX])
 {
 	const double most = f->a.core->reach + f->b.core->reach;
-	int count = corners_within(f, band, band, point);
+	int count = corners_within(f, band, band, false, point);
 
+	if (count == 0)
+		count = corners_within(f, band, band, true, point);
 	for (double depth = 16 * band; count == 0 && depth < most; depth *= 16)
-		count = corners_within(f, depth, band, point);
+		count = corners_within(f, depth, band, false, point);
 	return lowest(point, count, band);
 }
 

@@ -8,20 +8,9 @@ static const double eighth_rise = 0.29289321881345254;
 
 static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 {
-	const int low = v < w ? v : w, high = v < w ? w : v;
-	int from = 0, to = p->edge_count;
+	const int edge = rb_polytope_edge(p, v, w);
 
-	while (from < to) {
-		const int at = (from + to) / 2;
-		const int *edge = p->edges[at];
-		if (edge[0] < low || (edge[0] == low && edge[1] < high))
-			from = at + 1;
-		else
-			to = at;
-	}
-	if (from < p->edge_count && p->edges[from][0] == low && p->edges[from][1] == high)
-		return rb_part_of(RB_PART_EDGE, from);
-	return rb_part_of(RB_PART_DIAGONAL, v);
+	return edge >= 0 ? rb_part_of(RB_PART_EDGE, edge) : rb_part_of(RB_PART_DIAGONAL, v);
 }
 
 /* The vertices above `low` along n; `*all` is how many there are, of which the first RB_PATCH_MAX are taken. */

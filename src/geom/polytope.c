@@ -23,8 +23,9 @@ static enum rb_status take(struct rb_polytope **polytope, int vertices, int face
 	p->faces = rb_memory_take((size_t)faces, sizeof *p->faces);
 	p->loop = rb_memory_take((size_t)loop, sizeof *p->loop);
 	p->edges = rb_memory_take((size_t)edges, sizeof *p->edges);
+	p->flanks = rb_memory_take((size_t)edges, sizeof *p->flanks);
 	p->arcs = rb_memory_take((size_t)(2 * edges + 1), sizeof *p->arcs);
-	if (!p->vertices || !p->faces || !p->loop || !p->edges || !p->arcs) {
+	if (!p->vertices || !p->faces || !p->loop || !p->edges || !p->flanks || !p->arcs) {
 		rb_polytope_destroy(p);
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot keep a convex shape of %d vertices",
 		               vertices);
@@ -44,6 +45,7 @@ void rb_polytope_destroy(struct rb_polytope *polytope)
 	rb_memory_free(polytope->faces);
 	rb_memory_free(polytope->loop);
 	rb_memory_free(polytope->edges);
+	rb_memory_free(polytope->flanks);
 	rb_memory_free(polytope->arcs);
 	rb_memory_free(polytope);
 }
@@ -129,6 +131,8 @@ static enum rb_status pair_sides(struct rb_polytope *p, const side *sides, struc
 			return RB_FAIL(err, RB_ERR_SCENE,
 			               "edge %d-%d of a convex shape is not that of two faces",
 			               s->low, s->high);
+		p->flanks[p->edge_count][0] = s->face;
+		p->flanks[p->edge_count][1] = s[1].face;
 		p->edges[p->edge_count][0] = s->low;
 		p->edges[p->edge_count++][1] = s->high;
 		const rb_vec3 n0 = p->faces[s->face].normal, n1 = p->faces[s[1].face].normal;
@@ -268,6 +272,23 @@ enum rb_status rb_polytope_create_segment(struct rb_polytope **polytope, double 
 	for (int i = 0; i < 3; i++)
 		add_arc(p, vertex, n[i], n[(i + 1) % 3]);
 	return RB_OK;
+}
+
+int rb_polytope_edge(const struct rb_polytope *p, int v, int w)
+{
+	const int low = v < w ? v : w, high = v < w ? w : v;
+	int from = 0, to = p->edge_count;
+
+	while (from < to) {
+		const int at = (from + to) / 2;
+		const int *edge = p->edges[at];
+		if (edge[0] < low || (edge[0] == low && edge[1] < high))
+			from = at + 1;
+		else
+			to = at;
+	}
+	return from < p->edge_count && p->edges[from][0] == low && p->edges[from][1] == high ? from
+	                                                                                     : -1;
 }
 
 int rb_polytope_support(const struct rb_polytope *polytope, rb_vec3 direction)

@@ -37,6 +37,7 @@ struct rb_polytope {
 	rb_polytope_face *faces; /* none for a segment or a point */
 	int *loop;               /* vertices of the faces, one face after the other */
 	int (*edges)[2];         /* vertices of each edge, the lower first */
+	int (*flanks)[2];        /* faces at each edge, the lower first; a segment's has none */
 	rb_polytope_arc *arcs;
 	double reach;   /* m: of its farthest vertex from the origin */
 	rb_vec3 middle; /* m: mean of its vertices */
@@ -70,6 +71,9 @@ enum rb_status rb_polytope_create_rectangle(struct rb_polytope **polytope, doubl
 enum rb_status rb_polytope_create_segment(struct rb_polytope **polytope, double half_length,
                                           struct rb_error *err);
 void rb_polytope_destroy(struct rb_polytope *polytope);
+
+/* The edge between two vertices, in any order; -1: there is none. */
+int rb_polytope_edge(const struct rb_polytope *polytope, int v, int w);
 
 /* The vertex farthest along `direction`, the first of several. */
 int rb_polytope_support(const struct rb_polytope *polytope, rb_vec3 direction);

@@ -108,6 +108,7 @@ struct attempt {
 	const double *start;
 	double *first, *value, *g[1 + NODES];
 	uint64_t *calls;
+	bool shows; /* problem->visited is called */
 	struct rb_error *err;
 };
 
@@ -164,6 +165,8 @@ static void value_of(const struct attempt *a, const double *weight, int from, in
 /* One visit of all nodes, each with the newest rates of the others. `rate` is scratch. */
 static enum rb_status sweep(const struct attempt *a, bool first, double *rate, double *change)
 {
+	const bool shows = a->shows && a->problem->visited;
+
 	*change = 0;
 	for (int i = 0; i < NODES; i++) {
 		if (first) {
@@ -177,6 +180,8 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 			return status;
 		if (!isfinite(*change))
 			return RB_OK;
+		if (shows)
+			a->problem->visited(a->problem->user, i);
 	}
 	return RB_OK;
 }
@@ -186,7 +191,7 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
  * something is not finite or they go on without end. A change may grow now and then (a chain x' = v, v' = f(x) shows it in every other visit), so that two
  * visits without halving the smallest change so far are wanted before giving up.
  */
-static enum rb_status settle(const struct attempt *a, double *rate, int *sweeps, double *left)
+static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, double *left)
 {
 	double change, before, least;
 	int stalled = 0;
@@ -197,6 +202,7 @@ static enum rb_status settle(const struct attempt *a, double *rate, int *sweeps,
 	if (status != RB_OK || !isfinite(before))
 		return status;
 	least = before = INFINITY;
+	a->shows = false;
 	for (int count = 1; count <= SWEEPS_MOST; count++) {
 		status = sweep(a, false, rate, &change);
 		if (status != RB_OK || !isfinite(change))
@@ -208,6 +214,9 @@ static enum rb_status settle(const struct attempt *a, double *rate, int *sweeps,
 			return RB_OK;
 		}
 		stalled = change < 0.5 * least ? 0 : stalled + 1;
+		/* as the changes fall, the next one may be small enough */
+		a->shows = stalled > 0 ||
+		           (count > 1 && change * ratio * ratio < 0x1p10 * DBL_EPSILON);
 		least = fmin(least, change);
 		before = change;
 		if (stalled == 2) {
@@ -245,6 +254,23 @@ static double tail(const struct rb_gauss_problem *problem, const double *coeffic
 	return worst;
 }
 
+/* Where the last visit of the nodes was not foreseen, once more, and not counted; the values are as accepted. */
+static enum rb_status show(const struct attempt *a, double *rate)
+{
+	const struct rb_gauss_problem *p = a->problem;
+
+	for (int i = 0; i < NODES && p->visited && !a->shows; i++) {
+		value_of(a, matrix[i], 1, NODES);
+		const enum rb_status status = p->rates(p->user, a->time_s + node[i] * a->h_s,
+		                                       a->value, rate, a->err);
+
+		if (status != RB_OK)
+			return status;
+		p->visited(p->user, i);
+	}
+	return RB_OK;
+}
+
 static void coefficients(const struct attempt *a, double *coefficient)
 {
 	const size_t n = (size_t)a->problem->n;
@@ -259,6 +285,24 @@ static void coefficients(const struct attempt *a, double *coefficient)
 				       (k % 2 ? a->g[1 + j][i] - a->g[NODES - j][i]
 				              : a->g[1 + j][i] + a->g[NODES - j][i]);
 			coefficient[k * n + i] = sum;
+		}
+}
+
+void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate)
+{
+	const size_t n = (size_t)piece->n;
+
+	piece->length_s = length_s;
+	memset(piece->start, 0, n * sizeof(double));
+	for (size_t k = 0; k < NODES; k++)
+		for (size_t i = 0; i < n; i++) {
+			double sum = 0;
+
+			for (size_t j = 0; j < NODES; j++)
+				sum += legendre[k][j < NODES / 2 ? j : NODES - 1 - j] *
+				       (k % 2 && j >= NODES / 2 ? -rate[j * n + i]
+				                                : rate[j * n + i]);
+			piece->coefficient[k * n + i] = length_s * sum;
 		}
 }
 
@@ -320,9 +364,10 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 				problem->noise ? problem->noise(problem->user, piece->coefficient)
 					       : 0);
 			if (error <= asked && left <= asked) {
+				status = show(&a, rate);
 				piece->length_s = a.h_s;
 				*try_s = next_length(a.h_s, asked, error, sweeps, a.h_s < *try_s);
-				return RB_OK;
+				return status;
 			}
 		}
 		if (!(0.5 * a.h_s >= least_s) || !(0.5 * a.h_s > 0))

@@ -46,6 +46,11 @@ struct rb_gauss_problem {
 	double tolerance;    /* of scale, per step, >= a few ulp */
 	double *scratch;     /* [rb_gauss_room(n)] */
 	uint64_t *calls;     /* grows by the calls of rates */
+	/*
+	 * Called after the rates at node 0 .. RB_GAUSS_NODES - 1, in visits that may be the last; after those of an accepted
+	 * step nothing is called before rb_gauss_step returns. May be NULL.
+	 */
+	void (*visited)(void *user, int node);
 };
 
 /* Doubles of scratch that a step needs. */
@@ -61,6 +66,12 @@ size_t rb_gauss_room(int n);
 RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time_s,
                                         double *try_s, double least_s, struct rb_gauss_piece *piece,
                                         struct rb_error *err);
+
+/*
+ * A piece of what else was seen at the nodes of an accepted step: its values are integrals from the step's beginning on.
+ * `rate`: [RB_GAUSS_NODES][piece->n]; start and coefficients of the piece are filled.
+ */
+void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
 
 /* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
 double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);

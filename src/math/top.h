@@ -57,4 +57,11 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 /* At `t` >= 0 seconds after the anchor. Either result may be NULL. */
 void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin);
 
+/*
+ * Turns a body for `h` seconds without torque, for steps whose error is of their second order anyhow: kinetic energy and
+ * angular momentum stay to rounding, and turning about a principal axis is right for any step, but a free body's orientation
+ * is off by up to (w h)^3 / 12.
+ */
+void rb_top_step(const struct rb_top_body *body, double h, rb_quat *orientation, rb_vec3 *spin);
+
 #endif

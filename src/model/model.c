@@ -203,8 +203,13 @@ static void fill_body(struct rb_model *model, int index)
 		fill_inertia(model, index, body);
 }
 
+/* With more bodies the ledger would cost more than two hundredths of the run's time (tests/bench/ledger.sh). */
+enum { LEDGER_BODIES_MOST = 64 };
+
 static void fill_numbers(struct rb_model *model)
 {
+	const struct rb_record_def *record = &model->scene->record;
+
 	const struct rb_world_def *world = &model->scene->world;
 	const struct rb_sizes sizes = rb_scene_sizes(model->scene);
 	bool whole;
@@ -216,6 +221,8 @@ static void fill_numbers(struct rb_model *model)
 	model->tolerance_m = sizes.tolerance_m;
 	model->size_min_m = sizes.size_min_m;
 	model->coordinate_max_m = sizes.coordinate_max_m;
+	model->keeps_ledger = record->ledger_given ? record->ledger
+	                                           : model->body_count <= LEDGER_BODIES_MOST;
 	model->rollback = world->rollback;
 	model->method = world->method;
 	model->frame_count = (uint64_t)rb_frame_intervals(world->duration_s, world->frame_rate,

@@ -68,6 +68,11 @@ static int l_record(lua_State *L)
 	struct rb_call call = rb_call_begin(L, "record", &rb_rows_record, 1);
 	struct rb_record_def record = call.script->scene->record;
 
+	if (call.index > 0) {
+		lua_pushliteral(L, "ledger");
+		record.ledger_given = lua_rawget(L, call.index) != LUA_TNIL;
+		lua_pop(L, 1);
+	}
 	rb_call_read(&call, &record);
 	if (!only_call(&call, &call.script->record_line))
 		return 0;

@@ -163,10 +163,16 @@ static int serve_motion(lua_State *L)
 		                          "a finite position {x, y, z} first", 2);
 	read_orientation(L, body, request);
 	pose->has_velocity = !lua_isnil(L, 4);
+	if (!request->starts && pose->has_velocity != body->motion_gives_velocity)
+		return rb_function_refuse(L, body->motion, "motion", "a velocity always or never",
+		                          4);
 	if (pose->has_velocity && !read_vector(L, 4, &pose->velocity))
 		return rb_function_refuse(L, body->motion, "motion",
 		                          "a finite velocity {x, y, z} third", 4);
 	pose->has_angular_velocity = !lua_isnil(L, 5);
+	if (!request->starts && pose->has_angular_velocity != body->motion_gives_angular_velocity)
+		return rb_function_refuse(L, body->motion, "motion",
+		                          "an angular velocity always or never", 5);
 	if (pose->has_angular_velocity && !read_vector(L, 5, &pose->angular_velocity))
 		return rb_function_refuse(L, body->motion, "motion",
 		                          "a finite angular velocity {x, y, z} fourth", 5);

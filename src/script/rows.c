@@ -292,6 +292,8 @@ static const struct rb_row record_rows[] = {
 	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
          "position, orientation, velocity, angular_velocity, contacts, events", NULL,
          "the first four", "", "what is kept of each frame: one or a list"},
+	{"ledger", RB_ROW_BOOLEAN, 0, 0, AT(rb_record_def, ledger), NULL, NULL, "see LEDGER", "",
+         "whether energy and momentum are accounted for by cause"},
 	{"precision", RB_ROW_SWITCH, 0, 0, AT(rb_record_def, single_precision), "double, single",
          NULL, "double", "", ""},
 	{"compression", RB_ROW_INTEGER, RB_RANGE_DIGIT, 0, AT(rb_record_def, compression), NULL,

@@ -97,6 +97,14 @@ _Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) 
                        sizeof(int) == 4,
                "enums and ints are recorded as 32-bit integers");
 
+static const struct cell force_cells[] = {
+	{"vector", CELL_NUMBER, 3, offsetof(struct rb_force_def, vector), "N"},
+	{"point", CELL_NUMBER, 3, offsetof(struct rb_force_def, point), "m"},
+	{"start", CELL_NUMBER, 1, offsetof(struct rb_force_def, start_s), "s"},
+	{"duration", CELL_NUMBER, 1, offsetof(struct rb_force_def, duration_s), "s"},
+	{"frame", CELL_INT, 1, offsetof(struct rb_force_def, frame), NULL},
+};
+
 struct rows {
 	const char *group; /* path */
 	const void *first;
@@ -329,6 +337,50 @@ static void put_driven(struct rb_h5 *h5, const struct rb_model *model)
 	rb_memory_free(driven);
 }
 
+/* Who meets whom, by id: those that have each other's bit of `group` in `collides_with`. Absent without such filters. */
+static void put_filters(struct rb_h5 *h5, const struct rb_model *model)
+{
+	const size_t count = (size_t)model->scene->body_count;
+
+	if (!model->collides)
+		return;
+	uint64_t *const column = rb_memory_take(2 * count, sizeof *column);
+	if (!column) {
+		no_memory(h5, "/rbsim/shapes/group");
+		return;
+	}
+	for (size_t i = 0; i < count; i++) {
+		column[model->id_of[i]] = model->group_bit[i];
+		column[count + (size_t)model->id_of[i]] = model->collides[i];
+	}
+	rb_h5_put(h5, "/rbsim/shapes/group", RB_H5_U64, (rb_h5_shape){1, {count}}, column);
+	rb_h5_put(h5, "/rbsim/shapes/collides_with", RB_H5_U64, (rb_h5_shape){1, {count}},
+	          column + count);
+	rb_memory_free(column);
+}
+
+/* Those that bodies have of their own; `body` is an id. */
+static void put_own_forces(struct rb_h5 *h5, const struct rb_scene *scene)
+{
+	const size_t count = (size_t)scene->force_count;
+
+	if (count == 0)
+		return;
+	put_table(h5, &(struct rows){"/rbsim/forces", scene->forces, count, sizeof *scene->forces},
+	          force_cells, COUNT(force_cells));
+	rb_h5_attribute_text(h5, "/rbsim/forces/frame", "frames", "0 world, 1 body");
+	int *const body = rb_memory_take(count, sizeof *body);
+	if (!body) {
+		no_memory(h5, "/rbsim/forces/body");
+		return;
+	}
+	for (int id = 0; id < scene->body_count; id++)
+		for (int k = 0; k < scene->bodies[id].force_count; k++)
+			body[scene->bodies[id].force_first + k] = id;
+	rb_h5_put(h5, "/rbsim/forces/body", RB_H5_I32, (rb_h5_shape){1, {count}}, body);
+	rb_memory_free(body);
+}
+
 /* Forces between and on bodies; a scene without them has none of these groups. */
 static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 {
@@ -350,6 +402,7 @@ static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 		          &(struct rows){"/rbsim/drags", scene->drags, (size_t)scene->drag_count,
 		                         sizeof *scene->drags},
 		          drag_cells, COUNT(drag_cells));
+	put_own_forces(h5, scene);
 	if (scene->field_count > 0)
 		rb_h5_put_i64(h5, "/rbsim/fields", scene->field_count);
 }
@@ -390,6 +443,7 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 	rb_h5_attribute_text(h5, "/rbsim/shapes", "kinds", kinds);
 	rb_solids_write(h5, scene);
 	put_driven(h5, model);
+	put_filters(h5, model);
 	put_forces(h5, model);
 	put_table(h5,
 	          &(struct rows){"/rbsim/cameras", scene->cameras, (size_t)scene->camera_count,

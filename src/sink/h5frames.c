@@ -31,28 +31,58 @@ static const double compressed_buffer_bytes = 64 << 20;
 
 #define COLUMN(member) offsetof(struct rb_frame, member)
 #define NUMBER(member) offsetof(struct rb_frame_numbers, member)
+#define ENERGY(name, cause)                                                       \
+	{                                                                         \
+		"/observables/ledger/" name, "J", 0, RB_H5_F64, 1,                \
+			NUMBER(ledger.energy) + (cause) * sizeof(double), 0, true \
+	}
+#define MOMENTUM(name, cause)                                                              \
+	{                                                                                  \
+		"/observables/ledger/momentum/" name, "kg m/s, kg m^2/s", 0, RB_H5_F64, 3, \
+			NUMBER(ledger.momentum) + (cause)*2 * sizeof(rb_vec3), 2, true     \
+	}
 /*
  * Observables are there for every frame in every recording, also where a scene cannot change them: H5MD would have them
  * as plain datasets then, but MDAnalysis takes every member of /observables for a group.
  */
 static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
-	{"/particles/bodies/position", "m", RB_FIELD_POSITION, RB_H5_F64, 3, COLUMN(position)},
+	{"/particles/bodies/position", "m", RB_FIELD_POSITION, RB_H5_F64, 3, COLUMN(position), 0,
+         false},
 	{"/particles/bodies/orientation", NULL, RB_FIELD_ORIENTATION, RB_H5_F64, 4,
-         COLUMN(orientation)},
-	{"/particles/bodies/velocity", "m/s", RB_FIELD_VELOCITY, RB_H5_F64, 3, COLUMN(velocity)},
+         COLUMN(orientation), 0, false},
+	{"/particles/bodies/velocity", "m/s", RB_FIELD_VELOCITY, RB_H5_F64, 3, COLUMN(velocity), 0,
+         false},
 	{"/particles/bodies/angular_velocity", "rad/s", RB_FIELD_ANGULAR_VELOCITY, RB_H5_F64, 3,
-         COLUMN(angular_velocity)},
-	{"/observables/kinetic_energy", "J", 0, RB_H5_F64, 1, NUMBER(kinetic_energy)},
-	{"/observables/potential_energy", "J", 0, RB_H5_F64, 1, NUMBER(potential_energy)},
-	{"/observables/momentum", "kg m/s", 0, RB_H5_F64, 3, NUMBER(momentum)},
-	{"/observables/angular_momentum", "kg m^2/s", 0, RB_H5_F64, 3, NUMBER(angular_momentum)},
-	{"/observables/max_penetration", "m", 0, RB_H5_F64, 1, NUMBER(max_penetration)},
-	{"/observables/contacts", NULL, 0, RB_H5_U64, 1, NUMBER(contacts)},
-	{"/observables/collisions", NULL, 0, RB_H5_U64, 1, NUMBER(collisions)},
-	{"/observables/rollbacks", NULL, 0, RB_H5_U64, 1, NUMBER(rollbacks)},
-	{"/observables/substeps", NULL, 0, RB_H5_U64, 1, NUMBER(substeps)},
-	{"/observables/smallest_step", "s", 0, RB_H5_F64, 1, NUMBER(smallest_step)},
-	{"/observables/stepped", "s", 0, RB_H5_F64, 1, NUMBER(stepped)},
+         COLUMN(angular_velocity), 0, false},
+	{"/observables/kinetic_energy", "J", 0, RB_H5_F64, 1, NUMBER(kinetic_energy), 0, false},
+	{"/observables/potential_energy", "J", 0, RB_H5_F64, 1, NUMBER(potential_energy), 0, false},
+	{"/observables/momentum", "kg m/s", 0, RB_H5_F64, 3, NUMBER(momentum), 0, false},
+	{"/observables/angular_momentum", "kg m^2/s", 0, RB_H5_F64, 3, NUMBER(angular_momentum), 0,
+         false},
+	{"/observables/max_penetration", "m", 0, RB_H5_F64, 1, NUMBER(max_penetration), 0, false},
+	{"/observables/contacts", NULL, 0, RB_H5_U64, 1, NUMBER(contacts), 0, false},
+	{"/observables/collisions", NULL, 0, RB_H5_U64, 1, NUMBER(collisions), 0, false},
+	{"/observables/rollbacks", NULL, 0, RB_H5_U64, 1, NUMBER(rollbacks), 0, false},
+	{"/observables/substeps", NULL, 0, RB_H5_U64, 1, NUMBER(substeps), 0, false},
+	{"/observables/smallest_step", "s", 0, RB_H5_F64, 1, NUMBER(smallest_step), 0, false},
+	{"/observables/stepped", "s", 0, RB_H5_F64, 1, NUMBER(stepped), 0, false},
+	ENERGY("applied", RB_ENERGY_APPLIED),
+	ENERGY("driven", RB_ENERGY_DRIVEN),
+	ENERGY("callbacks", RB_ENERGY_CALLBACKS),
+	ENERGY("impacts", RB_ENERGY_IMPACTS),
+	ENERGY("impact_friction", RB_ENERGY_IMPACT_FRICTION),
+	ENERGY("sliding", RB_ENERGY_SLIDING),
+	ENERGY("rolling", RB_ENERGY_ROLLING),
+	ENERGY("joint_friction", RB_ENERGY_JOINT_FRICTION),
+	ENERGY("drag", RB_ENERGY_DRAG),
+	ENERGY("damping", RB_ENERGY_DAMPING),
+	ENERGY("unexplained", RB_ENERGY_CAUSES),
+	MOMENTUM("applied", RB_MOMENTUM_APPLIED),
+	MOMENTUM("drag", RB_MOMENTUM_DRAG),
+	MOMENTUM("callbacks", RB_MOMENTUM_CALLBACKS),
+	MOMENTUM("driven", RB_MOMENTUM_DRIVEN),
+	MOMENTUM("static", RB_MOMENTUM_STATIC),
+	MOMENTUM("unexplained", RB_MOMENTUM_CAUSES),
 };
 _Static_assert(RB_FRAMES_SOURCE_COUNT + 4 <= RB_FRAMES_COLUMNS_MAX,
                "room for step, time and the ends");
@@ -169,24 +199,33 @@ static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *f
 	return column;
 }
 
+rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodies)
+{
+	const hsize_t width = (hsize_t)source->width;
+
+	if (source->field != 0)
+		return (rb_h5_shape){2, {bodies, width}};
+	if (source->rows > 0)
+		return (rb_h5_shape){2, {(hsize_t)source->rows, width}};
+	return width > 1 ? (rb_h5_shape){1, {width}} : (rb_h5_shape){0};
+}
+
 static void add_source(struct rb_h5 *h5, struct rb_frames *frames,
                        const struct rb_frames_source *source, const struct rb_run_info *info,
                        const struct cut *cut)
 {
 	const struct rb_record_def *const record = &info->scene->record;
 	const bool bodies = source->field != 0;
-	struct rb_h5_layout layout = {.kind = source->kind,
-	                              .chunk_rows = bodies ? cut->chunk_rows : cut->numbers_rows};
+	struct rb_h5_layout layout = {
+		.kind = source->kind,
+		.row = rb_frames_shape(source, (hsize_t)info->model->body_count),
+		.chunk_rows = bodies ? cut->chunk_rows : cut->numbers_rows};
 
 	if (bodies) {
-		layout.row = (rb_h5_shape){
-			2, {(hsize_t)info->model->body_count, (hsize_t)source->width}};
 		layout.chunk_first = cut->chunk_bodies;
 		layout.compression = record->compression;
 		if (record->single_precision)
 			layout.kind = RB_H5_F32;
-	} else if (source->width > 1) {
-		layout.row = (rb_h5_shape){1, {(hsize_t)source->width}};
 	}
 	struct rb_frames_column *column = add_column(h5, frames, source->path, "value", &layout);
 	column->source = source;
@@ -272,6 +311,8 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	const char *first = NULL; /* the element that step and time are made in */
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (sources[i].field != 0 && !(frames->fields & sources[i].field))
+			continue;
+		if (sources[i].of_ledger && !model->keeps_ledger)
 			continue;
 		add_source(h5, frames, &sources[i], info, &cut);
 		first = first ? first : sources[i].path;

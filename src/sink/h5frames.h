@@ -22,10 +22,15 @@ struct rb_frames_source {
 	unsigned field;    /* RB_FIELD_*: a column of bodies; 0: one of the numbers */
 	enum rb_h5_kind kind;
 	int width;
-	size_t offset; /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
+	size_t offset;  /* of the pointer in rb_frame, or of the number in rb_frame_numbers */
+	int rows;       /* of a number that is a table: width 3; 0: it is none */
+	bool of_ledger; /* there where the ledger is kept */
 };
-enum { RB_FRAMES_SOURCE_COUNT = 15 };
+enum { RB_FRAMES_SOURCE_COUNT = 32 };
 const struct rb_frames_source *rb_frames_sources(void); /* [RB_FRAMES_SOURCE_COUNT] */
+
+/* What a frame has of it. */
+rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodies);
 
 /* One column of a table: events are rows of struct rb_event, contacts of struct rb_contact_row. */
 struct rb_table_cell {
@@ -42,7 +47,7 @@ enum { RB_EVENT_CELL_COUNT = 8, RB_CONTACT_CELL_COUNT = 7 };
 const struct rb_table_cell *rb_event_cells(void);
 const struct rb_table_cell *rb_contact_cells(void);
 
-enum { RB_FRAMES_COLUMNS_MAX = 20, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZE = 64 };
+enum { RB_FRAMES_COLUMNS_MAX = 36, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZE = 64 };
 
 struct rb_frames_column {
 	struct rb_h5_column column;

@@ -329,10 +329,8 @@ static enum rb_status open_sources(struct rb_reader *reader, struct rb_error *er
 
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT && status == RB_OK; i++) {
 		struct column *const column = &reader->sources[i];
-		const hsize_t width = (hsize_t)sources[i].width;
 		column->kind = sources[i].kind;
-		column->row = sources[i].field != 0 ? (rb_h5_shape){2, {bodies, width}}
-		                                    : (rb_h5_shape){width > 1, {width}};
+		column->row = rb_frames_shape(&sources[i], bodies);
 		if (sources[i].field != 0 && bodies == 0)
 			continue;
 		snprintf(path, sizeof path, "%s/value", sources[i].path);
@@ -758,6 +756,7 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 		} else {
 			memcpy((unsigned char *)&frame->numbers + sources[i].offset, at,
 			       reader->sources[i].row_bytes);
+			frame->numbers.has_ledger |= sources[i].of_ledger;
 		}
 	}
 	const enum rb_status status = fill_rows(reader, row, frame, err);
@@ -789,7 +788,7 @@ enum rb_status rb_reader_observable(struct rb_reader *reader, const char *name, 
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (sources[i].field != 0 || strcmp(sources[i].path + strlen(folder), name) != 0)
 			continue;
-		if (sources[i].width != width)
+		if (sources[i].width != width || sources[i].rows > 0)
 			break;
 		if (reader->sources[i].dataset >= 0)
 			return read_whole(reader, &reader->sources[i], name, values, err);

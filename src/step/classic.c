@@ -3,6 +3,7 @@
 
 #include "base/sort.h"
 #include "base/memory.h"
+#include "step/entering.h"
 #include "step/groups.h"
 #include "step/plan.h"
 #include "step/rollback.h"
@@ -18,7 +19,9 @@ struct step_work {
 	struct rb_world *world;
 	double start_s, dt_s;
 	size_t first_group;
-	int *bad; /* [blocks of bodies alone]: a body that is not finite, else -1 */
+	int blocks; /* of bodies alone */
+	int *bad;   /* [blocks of bodies alone]: a body that is not finite, else -1 */
+	struct rb_entries *entries; /* [blocks of bodies alone] */
 };
 
 static void fly_block(void *user, int block, int worker)
@@ -37,6 +40,8 @@ static void fly_block(void *user, int block, int worker)
 	                       .h_s = work->dt_s};
 
 	rb_plan_run(world->plan, &pass);
+	rb_entering_substep(&pass, &world->start);
+	work->entries[block] = pass.entries;
 	work->bad[block] = -1;
 	for (int k = 0; k < pass.member_count && work->bad[block] < 0; k++)
 		if (!rb_verdict_finite(&world->state, pass.member[k]))
@@ -53,9 +58,11 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
 	if (blocks == 0)
 		return RB_OK;
 	work->bad = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *work->bad);
-	if (!work->bad)
+	work->entries = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *work->entries);
+	if (!work->bad || !work->entries)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
 	rb_team_run(world->team, blocks, fly_block, work);
+	work->blocks = blocks;
 	world->frame_counts.substeps++;
 	world->frame_counts.body_steps += (uint64_t)groups->alone_count;
 	world->frame_counts.smallest_step_s = fmin(world->frame_counts.smallest_step_s, work->dt_s);
@@ -253,6 +260,18 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
+/* In the order of blocks and groups, once the step has been resolved. */
+static void enter_all(struct rb_world *world, const struct step_work *work)
+{
+	const struct rb_groups *groups = world->groups;
+
+	for (int b = 0; b < work->blocks; b++)
+		rb_ledger_enter(&world->ledger, &work->entries[b]);
+	for (size_t g = 0; g < groups->group_count; g++)
+		if (!groups->group[g].dead)
+			rb_ledger_enter(&world->ledger, &groups->group[g].pass.entries);
+}
+
 static enum rb_status solve_step(struct rb_world *world, double start, double dt,
                                  struct rb_error *err)
 {
@@ -270,6 +289,8 @@ static enum rb_status solve_step(struct rb_world *world, double start, double dt
 			break;
 		status = run_groups(world, &work, world->groups->group_count - again, err);
 	}
+	if (status == RB_OK && world->ledger.kept)
+		enter_all(world, &work);
 	return status;
 }
 

@@ -55,6 +55,33 @@ static double acting_s(const struct rb_force_def *force, double from, double h)
 	return begin <= from && end >= from + h ? h : fmax(0, end - begin);
 }
 
+struct rb_force_impulse rb_forces_stated(const struct rb_pass *pass, const struct rb_state *state,
+                                         int index, int f)
+{
+	const struct rb_world *world = pass->world;
+	const struct rb_scene *scene = world->model->scene;
+	const struct rb_body_def *body = &scene->bodies[world->model->id_of[index]];
+	const struct rb_force_def *force = &scene->forces[body->force_first + f];
+	const double span = acting_s(force, pass->start_s + pass->done_s, pass->h_s);
+	struct rb_force_impulse out = {.cause = RB_MOMENTUM_APPLIED};
+	rb_vec3 arm = {0, 0, 0};
+
+	if (!(span > 0))
+		return out;
+	const rb_quat q = rb_world_orientation_at(world, state, index);
+	const rb_vec3 newton = force->frame == RB_FORCE_BODY ? rb_quat_rotate(q, force->vector)
+	                                                     : force->vector;
+	if (!isnan(force->point.x)) {
+		arm = force->point;
+		if (world->model->center_of_mass)
+			arm = rb_vec3_sub(arm, world->model->center_of_mass[index]);
+		arm = rb_quat_rotate(q, arm);
+	}
+	out.impulse = rb_vec3_scale(span, newton);
+	out.turn = rb_vec3_cross(arm, out.impulse);
+	return out;
+}
+
 static void applied(struct rb_pass *pass)
 {
 	struct rb_world *world = pass->world;
@@ -62,40 +89,32 @@ static void applied(struct rb_pass *pass)
 
 	for (int k = 0; k < pass->member_count; k++) {
 		const int i = pass->member[k];
-		const struct rb_body_def *body = &scene->bodies[world->model->id_of[i]];
 
-		for (int f = 0; f < body->force_count; f++) {
-			const struct rb_force_def *force = &scene->forces[body->force_first + f];
-			const double span = acting_s(force, pass->start_s + pass->done_s,
-			                             pass->h_s);
-			if (!(span > 0))
-				continue;
-			const rb_quat q = rb_world_orientation_at(world, &world->state, i);
-			const rb_vec3 newton = force->frame == RB_FORCE_BODY
-			                               ? rb_quat_rotate(q, force->vector)
-			                               : force->vector;
-			rb_vec3 arm = {0, 0, 0};
-			if (!isnan(force->point.x)) {
-				arm = force->point;
-				if (world->model->center_of_mass)
-					arm = rb_vec3_sub(arm, world->model->center_of_mass[i]);
-				arm = rb_quat_rotate(q, arm);
-			}
-			const rb_vec3 impulse = rb_vec3_scale(span, newton);
-			push(world, i, impulse, rb_vec3_cross(arm, impulse));
+		for (int f = 0; f < scene->bodies[world->model->id_of[i]].force_count; f++) {
+			const struct rb_force_impulse force = rb_forces_stated(pass, &world->state,
+			                                                       i, f);
+
+			push(world, i, force.impulse, force.turn);
 		}
 	}
 }
 
+struct rb_force_impulse rb_forces_pushed(const struct rb_pass *pass, int index)
+{
+	const struct rb_state *state = &pass->world->state;
+
+	return (struct rb_force_impulse){
+		.impulse = rb_vec3_scale(pass->h_s, rb_world_row3(state->push, index)),
+		.turn = rb_vec3_scale(pass->h_s, rb_world_row3(state->twist, index)),
+		.cause = RB_MOMENTUM_CALLBACKS};
+}
+
 static void pushes(struct rb_pass *pass)
 {
-	struct rb_world *world = pass->world;
-
 	for (int k = 0; k < pass->member_count; k++) {
-		const int i = pass->member[k];
+		const struct rb_force_impulse force = rb_forces_pushed(pass, pass->member[k]);
 
-		push(world, i, rb_vec3_scale(pass->h_s, rb_world_row3(world->state.push, i)),
-		     rb_vec3_scale(pass->h_s, rb_world_row3(world->state.twist, i)));
+		push(pass->world, pass->member[k], force.impulse, force.turn);
 	}
 }
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "step/contact.h"
+#include "step/entering.h"
 
 /* A touching pair during the rounds. */
 struct meeting {
@@ -145,8 +146,15 @@ static bool solve_together(struct meetings *all)
 		work += 0.5 * rb_vec3_dot(impulse, rb_vec3_add(m->before, after));
 		moved += rb_vec3_length(impulse) * rb_vec3_length(m->before);
 	}
-	if (work <= 1024 * DBL_EPSILON * moved)
+	if (work <= 1024 * DBL_EPSILON * moved) {
+		for (int n = 0; n < all->active_count; n++) {
+			const struct meeting *m = &all->row[all->active[n]];
+
+			rb_entering_impact(all->pass, &m->link, row_impulse(&all->solver[n]),
+			                   m->before);
+		}
 		return true;
+	}
 	for (int n = 0; n < all->active_count; n++)
 		rb_link_push(world, &all->solver[n].link,
 		             rb_vec3_neg(row_impulse(&all->solver[n])));
@@ -171,6 +179,7 @@ static void solve_one_by_one(struct meetings *all)
 		row->normal = rb_vec3_dot(impulse, m->link.normal);
 		row->tangent = rb_vec3_add_scaled(impulse, -row->normal, m->link.normal);
 		rb_link_push(world, &m->link, impulse);
+		rb_entering_impact(all->pass, &m->link, impulse, m->before);
 	}
 }
 
@@ -206,13 +215,17 @@ static bool stop_the_rest(struct meetings *all)
 		any = any || (approaches && !(all->pass->touch[all->row[k].touch].lasting &&
 		                              normal >= all->row[k].unforced));
 		all->solver[k] = (struct rb_row){.link = *link};
+		all->row[k].before = rb_link_velocity(world, &world->state, link);
 	}
 	if (!any)
 		return false;
 	rb_rows_solve(world, all->solver, all->count, SWEEPS, rb_contact_enough(all->pass));
-	for (int k = 0; k < all->count; k++)
+	for (int k = 0; k < all->count; k++) {
+		rb_entering_impact(all->pass, &all->row[k].link, row_impulse(&all->solver[k]),
+		                   all->row[k].before);
 		if (all->solver[k].normal > 0)
 			all->pass->touch[all->row[k].touch].lasting = true;
+	}
 	return true;
 }
 

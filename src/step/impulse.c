@@ -3,6 +3,8 @@
 
 #include <float.h>
 
+#include "step/eccentric.h"
+
 static bool is_moving(const struct rb_world *world, int index)
 {
 	return index < world->model->body_count;
@@ -186,117 +188,16 @@ static rb_vec3 within(rb_vec3 tangent, double most)
 	return length > most ? rb_vec3_scale(most / length, tangent) : tangent;
 }
 
-/*
- * Direction of the impulse per unit of normal impulse at relative velocity u: n - mu s while it slips along s; where
- * it does not, what keeps it from slipping if the cone allows that, else the slip that then sets in.
- */
-static rb_vec3 direction(const struct rb_link *link, rb_vec3 slip, double still)
-{
-	const double speed = rb_vec3_length(slip);
-
-	if (speed > still)
-		return rb_vec3_add_scaled(link->normal, -link->friction / speed, slip);
-
-	/* tangential part of K (n + x t + y s) = 0 */
-	const rb_vec3 t = rb_vec3_across(link->normal), s = rb_vec3_cross(link->normal, t);
-	const rb_vec3 kn = rb_mat3_apply(&link->yield, link->normal);
-	const rb_vec3 kt = rb_mat3_apply(&link->yield, t), ks = rb_mat3_apply(&link->yield, s);
-	const double tt = rb_vec3_dot(t, kt), ts = rb_vec3_dot(t, ks), ss = rb_vec3_dot(s, ks);
-	const double nt = rb_vec3_dot(t, kn), ns = rb_vec3_dot(s, kn);
-	const double determinant = tt * ss - ts * ts;
-	const double x = (ts * ns - ss * nt) / determinant, y = (ts * nt - tt * ns) / determinant;
-	if (hypot(x, y) <= link->friction)
-		return rb_vec3_add_scaled(rb_vec3_add_scaled(link->normal, x, t), y, s);
-
-	/* slip sets in along its own change of velocity: a fixed point, found by iteration from the frictionless one */
-	rb_vec3 along = rb_vec3_unit(across(link, kn), t);
-	for (int round = 0; round < 64; round++)
-		along = rb_vec3_unit(
-			across(link, rb_mat3_apply(&link->yield,
-		                                   rb_vec3_add_scaled(link->normal, -link->friction,
-		                                                      along))),
-			along);
-	return rb_vec3_add_scaled(link->normal, -link->friction, along);
-}
-
-/*
- * Stronge's process: the normal impulse p grows, the relative velocity follows du/dp = K d(u), compression ends
- * where u_n = 0, restitution where the normal work has come back to -e^2 times that of compression. Midpoint
- * steps; a step that would carry slip through zero ends on zero, so that sticking is seen.
- */
-static rb_vec3 energetic_impact(const struct rb_link *link, rb_vec3 velocity, double restitution)
-{
-	enum { STEPS = 256, MOST = 64 * STEPS };
-	const double approach = -rb_vec3_dot(velocity, link->normal);
-	const double dp = approach / (link->normal_yield * STEPS);
-	const double still = 1e-9 * rb_vec3_length(velocity);
-	const double rounding = 4 * DBL_EPSILON * rb_vec3_length(velocity);
-	double compression = 0, restored = 0;
-	rb_vec3 u = velocity, impulse = {0, 0, 0};
-	bool compressing = true;
-
-	for (int round = 0; round < MOST; round++) {
-		/* what compression leaves along the normal is rounding, of either sign */
-		double normal_before = rb_vec3_dot(u, link->normal);
-		compressing = compressing || normal_before < -rounding;
-		if (!compressing)
-			normal_before = fmax(normal_before, 0);
-		const rb_vec3 slip = across(link, u);
-		rb_vec3 d = direction(link, slip, still);
-		const rb_vec3 half = rb_vec3_add_scaled(u, 0.5 * dp,
-		                                        rb_mat3_apply(&link->yield, d));
-		const rb_vec3 half_slip = across(link, half);
-
-		if (rb_vec3_length(slip) > still && rb_vec3_dot(half_slip, slip) > 0)
-			d = direction(link, half_slip, still);
-		const rb_vec3 rate = rb_mat3_apply(&link->yield, d);
-		double step = dp;
-
-		/* not beyond the end of slip */
-		const rb_vec3 slip_rate = across(link, rate);
-		const double closing = -rb_vec3_dot(slip, slip_rate);
-		if (rb_vec3_length(slip) > still && closing > 0)
-			step = fmin(step, rb_vec3_dot(slip, slip) / closing);
-		/* nor beyond the end of compression or of restitution */
-		const double normal_rate = rb_vec3_dot(rate, link->normal);
-		bool last = false;
-		if (compressing && normal_rate > 0 && normal_before + step * normal_rate > 0)
-			step = -normal_before / normal_rate;
-		if (!compressing) {
-			/* work still to come back: u step + rate step^2 / 2 */
-			const double owed = -restitution * restitution * compression - restored;
-			const double gives = normal_before * step + 0.5 * normal_rate * step * step;
-			if (!(owed > 0)) {
-				step = 0;
-				last = true;
-			} else if (gives >= owed) {
-				/* the smaller root of owed = u s + rate s^2 / 2, without cancellation */
-				step = 2 * owed /
-				       (normal_before + sqrt(normal_before * normal_before +
-				                             2 * normal_rate * owed));
-				last = true;
-			}
-		}
-		const double work = normal_before * step + 0.5 * normal_rate * step * step;
-		*(compressing ? &compression : &restored) += work;
-		u = rb_vec3_add_scaled(u, step, rate);
-		impulse = rb_vec3_add_scaled(impulse, step, d);
-		if (compressing && rb_vec3_dot(u, link->normal) >= -rounding) {
-			compressing = false;
-			u = across(link, u);
-		}
-		if (last)
-			break;
-	}
-	return impulse;
-}
-
 rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double leave)
 {
 	const double approach = -rb_vec3_dot(velocity, link->normal);
 
-	if (!link->central && link->friction > 0)
-		return energetic_impact(link, velocity, leave / approach);
+	if (!link->central && link->friction > 0) {
+		const struct rb_eccentric contact = {link->yield, link->normal, link->friction,
+		                                     leave / approach};
+
+		return rb_eccentric_impulse(&contact, velocity);
+	}
 	const double normal = (leave + approach) / link->normal_yield;
 	if (!(link->friction > 0))
 		return rb_vec3_scale(normal, link->normal);

@@ -6,28 +6,37 @@
 
 #include <string.h>
 
-/* Of a spring's end, world. */
-static rb_vec3 end_of(const struct rb_world *world, int id, rb_vec3 at)
+/* Of the bodies one by one: what momenta are small against, kg m/s and kg m^2/s. */
+static void measure_sizes(const struct rb_world *world, struct rb_ledger_values *values)
 {
-	return isnan(at.x) ? rb_world_center_of_mass(world, id) : rb_world_point(world, id, at);
+	const struct rb_model *model = world->model;
+
+	for (int i = 0; i < model->body_count; i++) {
+		if (model->driven && model->driven[i])
+			continue;
+		const double p = model->mass[i] *
+		                 rb_vec3_length(rb_world_row3(world->state.velocity, i));
+
+		values->momentum_scale[0] += p;
+		values->momentum_scale[1] += p * rb_vec3_length(
+							 rb_world_row3(world->state.position, i));
+		if (world->state.spin)
+			values->momentum_scale[1] += rb_vec3_length(
+				rb_world_spin_momentum(world, i));
+	}
 }
 
-/* Zero at rest length, J. */
-static double in_springs(const struct rb_world *world)
+static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
-	const struct rb_scene *scene = world->model->scene;
-	double sum = 0;
+	struct rb_ledger ledger = world->ledger;
 
-	for (int k = 0; k < scene->spring_count; k++) {
-		const struct rb_spring_def *spring = &scene->springs[k];
-		const double stretch = rb_vec3_length(rb_vec3_sub(
-					       end_of(world, spring->b, spring->at_b),
-					       end_of(world, spring->a, spring->at_a))) -
-		                       world->model->rest_length_m[k];
-
-		sum += 0.5 * spring->stiffness * stretch * stretch;
-	}
-	return sum;
+	rb_ledger_enter(&ledger, &world->open);
+	numbers->has_ledger = true;
+	numbers->ledger = rb_ledger_values(&ledger, numbers);
+	/* causes that have cancelled in angular momentum were not small */
+	numbers->ledger.momentum_scale[1] += world->model->coordinate_max_m *
+	                                     numbers->ledger.momentum_scale[0];
+	measure_sizes(world, &numbers->ledger);
 }
 
 /*
@@ -64,9 +73,12 @@ void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *n
 		}
 	}
 	*numbers = (struct rb_frame_numbers){.kinetic_energy = 0.5 * twice_kinetic,
-	                                     .potential_energy = potential + in_springs(world),
+	                                     .potential_energy = potential +
+	                                                         rb_world_spring_energy(world),
 	                                     .momentum = momentum,
 	                                     .angular_momentum = angular};
+	if (world->ledger.kept)
+		measure_ledger(world, numbers);
 }
 
 void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,
@@ -101,6 +113,8 @@ struct rb_world_work rb_world_work(const struct rb_world *world)
 		.body_steps = counts.body_steps,
 		.discarded_body_steps = counts.discarded_body_steps,
 		.plastic_ends = counts.plastic_ends,
+		.crowded_impacts = counts.crowded_impacts,
+		.crowded_energy_j = counts.crowded_energy_j,
 		.rows = counts.rows,
 		.row_sweeps = counts.row_sweeps,
 		.factors = counts.factors,
@@ -146,15 +160,16 @@ static bool fill_events(struct rb_world *world, struct rb_frame *frame)
 
 static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
 {
+	const struct rb_contacts *contacts = world->has_shown ? &world->shown : &world->contacts;
 	size_t capacity = (size_t)frame->contact_capacity;
 
-	if (!rb_memory_reserve(&frame->contacts, &capacity, world->contacts.count,
+	if (!rb_memory_reserve(&frame->contacts, &capacity, contacts->count,
 	                       sizeof *frame->contacts))
 		return false;
 	frame->contact_capacity = (int)capacity;
-	frame->contact_count = (int)world->contacts.count;
-	for (size_t k = 0; k < world->contacts.count; k++) {
-		const struct rb_contact *c = &world->contacts.row[k];
+	frame->contact_count = (int)contacts->count;
+	for (size_t k = 0; k < contacts->count; k++) {
+		const struct rb_contact *c = &contacts->row[k];
 		struct rb_frame_contact *out = &frame->contacts[k];
 		const int a = world->model->id_of[c->a], b = world->model->id_of[c->b];
 		const double sign = a < b ? 1 : -1;

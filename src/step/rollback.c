@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "step/contact.h"
+#include "step/entering.h"
 #include "step/gap.h"
 #include "step/groups.h"
 #include "step/impact.h"
@@ -80,6 +81,7 @@ static void accept(struct rb_pass *pass, bool last)
 {
 	struct rb_gap *const gaps = pass->now;
 
+	rb_entering_substep(pass, &pass->world->mark);
 	pass->done_s = last ? pass->dt_s : pass->done_s + pass->h_s;
 	pass->now = pass->next;
 	pass->next = gaps;

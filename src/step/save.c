@@ -95,6 +95,8 @@ static void pack_counts(struct rb_counts *counts, struct rb_pack *pack)
 	rb_pack_u64(pack, &counts->body_steps);
 	rb_pack_u64(pack, &counts->discarded_body_steps);
 	rb_pack_u64(pack, &counts->plastic_ends);
+	rb_pack_u64(pack, &counts->crowded_impacts);
+	rb_pack_finite(pack, &counts->crowded_energy_j, 1);
 	rb_pack_u64(pack, &counts->rows);
 	rb_pack_u64(pack, &counts->row_sweeps);
 	rb_pack_u64(pack, &counts->factors);
@@ -203,6 +205,9 @@ enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struc
 		pack_state(&world->start, pack);
 	if (!pack->failed)
 		pack_contacts(world, pack);
+	rb_ledger_pack(&world->ledger, pack);
+	rb_pack_finite(pack, world->open.row, RB_ENTRIES);
+	rb_pack_u32(pack, &world->open.causes);
 	pack_counts(&world->frame_counts, pack);
 	pack_counts(&world->total_counts, pack);
 	if (!pack->failed)

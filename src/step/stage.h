@@ -47,6 +47,7 @@ struct rb_pass {
 	double worst_gap;
 
 	struct rb_counts counts;
+	struct rb_entries entries; /* for the ledger, of what has been accepted */
 	struct rb_event
 		*event; /* in the arena; `a`, `b` are body indices until they are committed */
 	int event_count, event_capacity;

@@ -90,6 +90,13 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	}
 	if (status == RB_OK && is_located(model))
 		status = rb_engine_create(&world->located, world, err);
+	if (status == RB_OK && model->keeps_ledger) {
+		struct rb_frame_numbers numbers;
+
+		rb_numbers_measure(world, &numbers);
+		rb_ledger_start(&world->ledger, &numbers);
+		world->ledger.kept = true;
+	}
 	if (status != RB_OK) {
 		rb_world_destroy(world);
 		return status;
@@ -114,8 +121,11 @@ void rb_world_destroy(struct rb_world *world)
 	rb_state_release(&world->state);
 	rb_state_release(&world->start);
 	rb_state_release(&world->mark);
+	rb_state_release(&world->frame_state);
+	rb_contacts_release(&world->frame_contacts);
 	rb_contacts_release(&world->contacts);
 	rb_contacts_release(&world->next_contacts);
+	rb_contacts_release(&world->shown);
 	rb_memory_free(world->events.row);
 	rb_groups_destroy(world->groups);
 	rb_stepped_destroy(world->stepped);
@@ -136,6 +146,13 @@ static void forget_pushes(struct rb_world *world)
 
 /* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
 enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MOST = 4096 };
+
+static void more_dense_steps(struct rb_world *world)
+{
+	if (world->dense_steps < DENSE_STEPS_MOST)
+		world->dense_steps = world->dense_steps > 0 ? 2 * world->dense_steps
+		                                            : DENSE_STEPS_FIRST;
+}
 
 /* m/s^2: the largest that gravity, gravity_force and fields make of a body at `t`, which the state is of. */
 static enum rb_status largest_pull(const struct rb_world *world, double t, double *most,
@@ -187,6 +204,8 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
                               struct rb_error *err)
 {
 	double most;
+
+	world->has_shown = false;
 	enum rb_status status = longest_step(world, start, &most, err);
 	const int64_t count = stop - start > most ? rb_step_count(stop - start, most) : 1;
 
@@ -222,9 +241,7 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 		return status;
 	if (world->state.time_s <
 	    stop) { /* too dense to locate: the rest of it, and some more, is stepped */
-		if (world->dense_steps < DENSE_STEPS_MOST)
-			world->dense_steps = world->dense_steps > 0 ? 2 * world->dense_steps
-			                                            : DENSE_STEPS_FIRST;
+		more_dense_steps(world);
 		world->dense_left = world->dense_steps;
 		status = prepare_steps(world, err);
 		return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
@@ -263,24 +280,104 @@ int64_t rb_step_count(double interval, double time_step)
 	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
 }
 
+/* ---- a frame that one method does not come to the end of is done by the other ---- */
+
+/* What the world is taken back to. */
+struct frame_begin {
+	struct rb_counts counts;
+	struct rb_ledger ledger;
+	size_t event_count;
+	int64_t dense_steps, dense_left;
+	bool is_known;
+};
+
+/* Callbacks cannot be taken back. */
+static bool can_go_back(const struct rb_world *world)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+
+	return world->model->method == RB_METHOD_AUTO && world->located &&
+	       rb_engine_wants_steps(world->located) && !hooks->step && !hooks->collision &&
+	       !hooks->transition;
+}
+
+static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_contacts *from,
+                                    struct rb_error *err)
+{
+	const enum rb_status status = rb_contacts_reserve(to, from->count, err);
+
+	if (status != RB_OK)
+		return status;
+	if (from->count > 0)
+		memcpy(to->row, from->row, from->count * sizeof *to->row);
+	to->count = from->count;
+	return RB_OK;
+}
+
+static enum rb_status remember_frame(struct rb_world *world, struct frame_begin *begin,
+                                     struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	enum rb_status status = RB_OK;
+
+	*begin = (struct frame_begin){.is_known = can_go_back(world)};
+	if (!begin->is_known)
+		return RB_OK;
+	if (!world->frame_state.block)
+		status = rb_state_init(&world->frame_state, model->body_count, model->features,
+		                       err);
+	if (status == RB_OK)
+		status = copy_contacts(&world->frame_contacts, &world->contacts, err);
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&world->frame_state, &world->state);
+	begin->counts = world->frame_counts;
+	begin->ledger = world->ledger;
+	rb_ledger_enter(&begin->ledger, &world->open);
+	begin->event_count = world->events.count;
+	begin->dense_steps = world->dense_steps;
+	begin->dense_left = world->dense_left;
+	return RB_OK;
+}
+
+/* What was located is stepped, for a while; what was stepped from its beginning is located. */
+static enum rb_status go_back(struct rb_world *world, const struct frame_begin *begin,
+                              int64_t steps, struct rb_error *err)
+{
+	const uint64_t bodies = (uint64_t)world->model->body_count;
+	const enum rb_status status = copy_contacts(&world->contacts, &world->frame_contacts, err);
+
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&world->state, &world->frame_state);
+	rb_engine_go_back(world->located);
+	const bool by_steps = world->dense_left > 0;
+	world->frame_counts = begin->counts;
+	world->ledger = begin->ledger;
+	world->frame_counts.rollbacks++;
+	world->frame_counts.discarded_body_steps += bodies;
+	world->events.count = begin->event_count;
+	world->moved_by_hand = true;
+	world->dense_steps = begin->dense_steps;
+	world->dense_left = 0;
+	if (begin->dense_left > 0 && by_steps)
+		return RB_OK;
+	more_dense_steps(world);
+	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MOST)
+		world->dense_steps *= 2;
+	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
+	return prepare_steps(world, err);
+}
+
 static bool asked_to_stop(const struct rb_world *world)
 {
 	return world->options.stop && world->options.stop(world->options.stop_user);
 }
 
-enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
+/* From `begin` to `end`, in so many steps. */
+static enum rb_status run_frame(struct rb_world *world, double begin, double end, int64_t steps,
+                                struct rb_error *err)
 {
-	const struct rb_model *model = world->model;
-	const double begin = rb_model_frame_time(model, world->state.frame);
-	const double end = rb_model_frame_time(model, world->state.frame + 1);
-	/* the difference of two times has their rounding: a whole interval is known better */
-	const double interval = 1 / model->frame_rate;
-	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
-	const bool by_steps = !world->located || rb_engine_wants_steps(world->located);
-	const int64_t steps = by_steps ? rb_step_count(whole ? interval : end - begin,
-	                                               model->time_step_s)
-	                               : 1;
-
 	for (int64_t k = 0; k < steps; k++) {
 		const double start = begin + (end - begin) * ((double)k / (double)steps);
 		const double stop = k + 1 < steps ? begin + (end - begin) * ((double)(k + 1) /
@@ -296,12 +393,35 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 			return RB_OK;
 		}
 	}
-	if (world->located && world->dense_left == 0) {
-		const enum rb_status status = rb_engine_look(world->located, err);
+	return world->located && world->dense_left == 0 ? rb_engine_look(world->located, err)
+	                                                : RB_OK;
+}
 
-		if (status != RB_OK)
-			return status;
+enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const double begin = rb_model_frame_time(model, world->state.frame);
+	const double end = rb_model_frame_time(model, world->state.frame + 1);
+	/* the difference of two times has their rounding: a whole interval is known better */
+	const double interval = 1 / model->frame_rate;
+	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
+	const bool by_steps = !world->located || rb_engine_wants_steps(world->located);
+	const int64_t steps = by_steps ? rb_step_count(whole ? interval : end - begin,
+	                                               model->time_step_s)
+	                               : 1;
+	struct frame_begin before;
+	world->stopped = false;
+	enum rb_status status = remember_frame(world, &before, err);
+
+	if (status == RB_OK)
+		status = run_frame(world, begin, end, steps, err);
+	if (status == RB_ERR_PHYSICS && before.is_known) {
+		status = go_back(world, &before, steps, err);
+		if (status == RB_OK)
+			status = run_frame(world, begin, end, steps, err);
 	}
+	if (status != RB_OK || world->stopped)
+		return status;
 	world->state.frame++;
 	world->stopped = asked_to_stop(world);
 	return RB_OK;

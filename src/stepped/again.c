@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "stepped/close.h"
+#include "stepped/impact.h"
 
 /* The candidates between bodies of groups that are looked at again. */
 struct view {
@@ -177,8 +178,10 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 
 		if (count > 0)
 			memcpy(to, seen ? fresh->row + new_at : old + at, count * sizeof *to);
-		for (size_t p = 0; seen && p < count; p++)
+		for (size_t p = 0; seen && p < count; p++) {
 			bend(&s->solver, &to[p]);
+			rb_impacts_seen(s, &to[p]);
+		}
 		if (seen)
 			inherit(to, count, old + at, was);
 		points->count += count;

@@ -8,6 +8,7 @@
 #include "stepped/again.h"
 #include "stepped/driven.h"
 #include "stepped/force.h"
+#include "stepped/impact.h"
 #include "stepped/stand.h"
 
 /* Times that a step is looked at again. */
@@ -17,25 +18,31 @@ struct flow {
 	struct rb_world *world;
 	const struct rb_cohort *cohort;
 	double h_s;
-	const struct rb_stage *turn;
 };
 
-/* A body that nothing touches or turns: closed form or a series to rounding. */
+/*
+ * A body with unequal moments: in closed form or by a series to rounding where nothing touches or turns it, else so that
+ * energy and angular momentum stay.
+ */
 static bool turn_freely(struct rb_world *world, int i, double h)
 {
 	const struct rb_stepped *s = world->stepped;
 	struct rb_state *state = &world->state;
-	const rb_vec3 before = rb_world_row3(world->mark.spin, i);
+	const rb_vec3 before = rb_vec3_add(rb_world_row3(world->mark.spin, i),
+	                                   rb_impacts_spin(s, i));
 	const rb_vec3 none = {0, 0, 0};
-	rb_quat orientation;
-	rb_vec3 spin;
+	rb_quat orientation = rb_quat_from(state->orientation + 4 * (size_t)i);
+	rb_vec3 spin = rb_world_row3(state->spin, i);
 
-	if (!s->top || s->solver.pushed[i] || s->top[i].kind == RB_TOP_CONSTANT ||
-	    rb_vec3_max_abs(rb_vec3_sub(before, rb_world_row3(state->spin, i))) > 0)
+	if (!s->top || s->top[i].kind == RB_TOP_CONSTANT)
 		return false;
-	struct rb_top top = rb_top_start(
-		&s->top[i], rb_quat_from(state->orientation + 4 * (size_t)i), before, none);
-	rb_top_at(&top, h, &orientation, &spin);
+	if (s->solver.pushed[i] || rb_vec3_max_abs(rb_vec3_sub(before, spin)) > 0) {
+		rb_top_step(&s->top[i], h, &orientation, &spin);
+	} else {
+		struct rb_top top = rb_top_start(&s->top[i], orientation, spin, none);
+
+		rb_top_at(&top, h, &orientation, &spin);
+	}
 	rb_quat_to(state->orientation + 4 * (size_t)i, orientation);
 	rb_vec3_to(state->spin + 3 * (size_t)i, spin);
 	return true;
@@ -76,20 +83,19 @@ static void move_block(void *user, int block, int worker)
 		rb_vec3_to(
 			world->state.position + 3 * (size_t)i,
 			rb_vec3_add_scaled(rb_world_row3(world->state.position, i), flow->h_s, v));
+		rb_impacts_shift(world->stepped, &world->state, i);
 		if (!world->state.spin ||
 		    rb_vec3_max_abs(rb_world_row3(world->state.spin, i)) == 0 ||
 		    turn_freely(world, i, flow->h_s))
 			continue;
 		pass.member = flow->cohort->body + k;
-		flow->turn->run(&pass);
+		rb_stage_rotate.run(&pass);
 	}
 }
 
 static void move(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
-	const bool unequal = world->model->features & RB_FEATURE_GYROSCOPIC;
-	struct flow flow = {world, cohort, h,
-	                    unequal ? &rb_stage_rotate_gyroscopic : &rb_stage_rotate};
+	struct flow flow = {world, cohort, h};
 
 	rb_team_run(world->team,
 	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
@@ -161,8 +167,11 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		status = rb_force_add(world, cohort, start, h, err);
 	if (status == RB_OK)
 		status = find_points(world, cohort, start, h, err);
+	if (status == RB_OK)
+		status = rb_impacts_resolve(world, cohort, start, h, err);
 	s->solver.active = cohort->body;
 	s->solver.active_count = cohort->body_count;
+	s->solver.kick = s->kicked_count > 0 ? s->kick : NULL;
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
 	if (status != RB_OK)

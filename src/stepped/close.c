@@ -6,6 +6,7 @@
 #include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
+#include "stepped/lift.h"
 
 /* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
 enum { CLOSINGS_MOST = 12, CHAIN_MOST = 16 };
@@ -55,6 +56,7 @@ struct search {
 	unsigned char *still; /* by body: it is without its velocity */
 	size_t *pair;         /* to be looked at */
 	int wave_count, active_count, still_count;
+	struct rb_lift lift;
 	bool again; /* not the first round */
 };
 
@@ -302,6 +304,7 @@ static void shift(struct search *search)
 		const struct rb_dense_body *body = &solver->dense.body[i];
 		double *const at = world->state.position + 3 * (size_t)i;
 
+		rb_lift_add(&search->lift, world, i);
 		rb_vec3_to(at, rb_vec3_add(rb_vec3_from(at), body->linear));
 		if (!world->state.spin)
 			continue;
@@ -334,8 +337,10 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	enum rb_status status = find_points(search, found, most, err);
 	if (status == RB_OK)
 		keep_points(search, found);
-	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++)
+	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++) {
 		s->closing.row[k].friction = 0;
+		rb_lift_join(&search->lift, world, s->closing.row[k].a, s->closing.row[k].b);
+	}
 	/* driven bodies have no velocity either */
 	for (int k = 0; k < s->driven_count; k++) {
 		take_velocity(search, s->body[s->member_count + k]);
@@ -427,6 +432,7 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 	if (status != RB_OK)
 		return status;
 	index_pairs(&search);
+	status = rb_lift_begin(&search.lift, world, err);
 	for (int round = 0; round < CLOSINGS_MOST && status == RB_OK && last.deep_count > 0;
 	     round++) {
 		status = close_once(&search, &last, err);
@@ -439,6 +445,8 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 			status = find_depths_again(&search, &last, err);
 	}
 	give_velocities(&search);
+	if (status == RB_OK)
+		rb_lift_pay(&search.lift, world);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

@@ -13,6 +13,17 @@
 
 enum { RB_BODIES_PER_BLOCK = 512 };
 
+/* An impact that was resolved within the step; crowded: one of a group that is too large for that. */
+struct rb_hit {
+	int a, b;
+	bool crowded;
+	bool plastic; /* the group's impacts did not settle but without restitution */
+	double time_s;
+	double approach;                /* m/s */
+	double energy;                  /* J: crowded: of the approach */
+	rb_vec3 point, normal, impulse; /* impulse: N s, on b */
+};
+
 /* Bodies that step together: all of them, or a group that the others cannot meet within the step. */
 struct rb_cohort {
 	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
@@ -22,6 +33,8 @@ struct rb_cohort {
 	struct rb_points points; /* of the try; `last` of the step before */
 	rb_vec3 *rebound;        /* owned, by point: N s on b */
 	size_t rebound_capacity;
+	struct rb_hit *hit; /* owned: of the try, in order of time */
+	size_t hit_count, hit_capacity;
 	struct rb_depths
 		depths; /* where the try has ended, if they are known; borrowed from the arena */
 	bool is_measured;
@@ -77,7 +90,13 @@ struct rb_stepped {
 	struct rb_ride *ride; /* owned, by driven body */
 	double *aside;        /* owned: [6 bodies] velocities while positions are moved */
 	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
-	int *springs_of;    /* owned: [bodies] ends of springs on each; NULL: none */
+	int *springs_of; /* owned: [bodies] ends of springs on each; NULL: none */
+	struct rb_kick
+		*kick; /* owned: [bodies] zero but for those in `kicked`; NULL: nothing rebounds */
+	int *kicked;   /* owned */
+	int kicked_count;
+	struct rb_due *due; /* owned: scratch of stepped/impact */
+	size_t due_capacity;
 	unsigned char *bad; /* owned: [bodies] 1: the try has failed for it */
 	int bad_count;
 	struct rb_events told;  /* impacts of the step under way, not in order yet */

@@ -412,11 +412,26 @@ static void free_unpushed(struct rb_solver *solver)
 	}
 }
 
+/* Positions that are closed leave nothing. */
+static void note_left(struct rb_solver *solver)
+{
+	for (int k = 0; solver->before && k < solver->active_count; k++) {
+		const int i = solver->active[k], g = solver->island_of[i];
+
+		/* written so that NaN is not good */
+		solver->left[i] = g < 0 ? 0
+		                  : solver->island[g].residual < solver->enough
+		                          ? solver->island[g].residual
+		                          : solver->enough;
+	}
+}
+
 void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_points *points)
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 
 	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
+	note_left(solver);
 	if (solver->tensor) { /* else nobody asks */
 		find_pushed(solver, points);
 		free_unpushed(solver);

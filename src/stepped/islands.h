@@ -21,11 +21,18 @@ struct rb_island {
 	bool carried; /* what does not yield moves under or against it */
 	bool rests;   /* still: it has no rows */
 	bool kept;    /* as an earlier look at the step has solved it */
-	double energy; /* J, twice: what a rebound may come to, but for work of driven bodies in it */
+	double room; /* J, twice: what its contacts have taken in the step; more than it no rebound gives back */
 	double share;        /* of the rebound, that keeps to it */
 	int sweeps, factors; /* of the last solution */
 	double residual;     /* m/s */
 	double slip; /* m/s: about what was left across the normals where friction was held; 0: it was not */
+};
+
+/* What impacts within the step have done to a body. */
+struct rb_kick {
+	rb_vec3 linear, angular; /* m/s, rad/s */
+	rb_vec3 shift; /* m: where it is besides what its velocity at the end comes to; turns go on as from the beginning */
+	bool is_set;
 };
 
 struct rb_solver {
@@ -42,14 +49,17 @@ struct rb_solver {
 	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
 	unsigned char *rests;  /* owned: 1 where the body stands still */
 	unsigned char *stays;  /* owned: 1 where it still stands, since nothing has changed */
+	double *left; /* owned, m/s: what the last solution has left of the contacts of the body's group */
 	double *rest_pull; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
 	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity;
 	const struct rb_state
-		*before;    /* borrowed: at the beginning of the step; NULL: positions are closed */
-	double h_s, enough; /* of the step; m/s */
-	double pull;        /* m^2/s^2: the most that its forces change a velocity by, squared */
-	bool bounces;       /* materials of the scene have restitution */
+		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
+	const struct rb_kick *kick; /* borrowed: by body; NULL: there have been no impacts */
+	double h_s, enough;         /* of the step; m/s */
+	double pull;  /* m^2/s^2: the most that its forces change a velocity by, squared */
+	bool bounces; /* materials of the scene have restitution */
+	bool mixed;   /* some pairs of them have, others have none */
 	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };
 

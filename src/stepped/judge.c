@@ -5,6 +5,7 @@
 
 #include "step/verdict.h"
 #include "stepped/close.h"
+#include "stepped/impact.h"
 #include "stepped/stand.h"
 
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
@@ -84,6 +85,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		return RB_OK;
 	if (world->model->rollback != RB_ROLLBACK_NONE)
 		blame_thrown(world, cohort);
+	rb_impacts_blame(s, world, cohort);
 	if (s->bad_count > 0 && !cohort->divides)
 		return RB_OK;
 	if (s->bad_count > 0)
@@ -100,6 +102,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		status = rb_close_overlap(world, cohort, &found, err);
 	if (status != RB_OK)
 		return status;
+	rb_impacts_blame(s, world, cohort);
 	outcome->overlap = found.most;
 	for (size_t k = 0; k < found.deep_count; k++)
 		if (found.deep[k].depth > outcome->overlap) {

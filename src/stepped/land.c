@@ -68,6 +68,16 @@ static bool is_inside(const rb_aabb *box, rb_vec3 p)
 	       p.y <= box->high.y && p.z <= box->high.z;
 }
 
+/* An impact on the way: it has come from where its velocity before was taking it. */
+static void turn_round(rb_aabb *room, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
+                       double pad)
+{
+	const double pads = pad + rb_vec3_length(kick->shift);
+	const rb_aabb more = box_of_way(from, rb_vec3_add(from, way), pads);
+
+	*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
+}
+
 void rb_land_stake(struct rb_land *land, const struct rb_world *world, const struct rb_state *begin,
                    double dt)
 {
@@ -86,6 +96,8 @@ void rb_land_stake(struct rb_land *land, const struct rb_world *world, const str
 		                          : box_of_way(from,
 		                                       rb_world_origin_at(world, &world->state, i),
 		                                       room);
+		if (s->kicked_count > 0 && s->kick[i].is_set)
+			turn_round(&land->room[i], from, &s->kick[i], way, room);
 	}
 }
 

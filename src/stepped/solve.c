@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "stepped/direct.h"
+#include "stepped/energy.h"
 #include "stepped/sweeper.h"
 
 /* Rows from which on a group is solved by all workers; rows of small groups that one block of work has at least. */
@@ -54,19 +55,23 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->pushed = rb_memory_take(n, 1);
 	solver->rests = rb_memory_take(n, 1);
 	solver->stays = rb_memory_take(n, 1);
+	solver->left = rb_memory_take(n, sizeof *solver->left);
 	solver->rest_pull = rb_memory_take(6 * n, sizeof *solver->rest_pull);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
 	solver->dense.tensor = solver->tensor;
 	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
 	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
-	    solver->stays && solver->rest_pull &&
+	    solver->stays && solver->left && solver->rest_pull &&
 	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
 		for (int k = 0; k < model->material_count * model->material_count; k++)
 			if (model->pair_materials[k].restitution > 0)
 				solver->bounces = true;
+			else
+				solver->mixed = true;
+		solver->mixed = solver->mixed && solver->bounces;
 		return RB_OK;
 	}
 	rb_solver_release(solver);
@@ -87,9 +92,15 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->pushed);
 	rb_memory_free(solver->rests);
 	rb_memory_free(solver->stays);
+	rb_memory_free(solver->left);
 	rb_memory_free(solver->rest_pull);
 	rb_memory_free(solver->island);
 	*solver = (struct rb_solver){0};
+}
+
+double rb_solver_enough(const struct rb_model *model, double h)
+{
+	return sweep_share * model->tolerance_m / h;
 }
 
 /* ---- one group ---- */
@@ -148,6 +159,17 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	}
 	rb_sweep_warm(dense);
 	return false;
+}
+
+static struct rb_sweeper sweeper_of(const struct rb_solver *solver, const struct rb_island *island,
+                                    const struct rb_dense *dense, struct rb_team *team)
+{
+	return (struct rb_sweeper){.dense = dense,
+	                           .still = solver->body_count,
+	                           .member = solver->member + island->first_member,
+	                           .member_count = island->member_count,
+	                           .local = solver->local,
+	                           .team = team};
 }
 
 static int most_of(const struct rb_sweeper *sweeper)
@@ -277,15 +299,15 @@ static bool stood(const struct rb_solver *solver, const struct rb_island *island
 }
 
 /*
- * Gaps and overlaps far below the tolerance count as closed where bodies stand: then standing still is among what is
- * possible, however they are wedged.
+ * Gaps far below the tolerance count as closed where bodies stand: then standing still is among what is possible, however they
+ * are wedged. So do all overlaps: what stands has nothing to push apart with.
  */
 static void leave_alone(const struct rb_solver *solver, const struct rb_dense *dense)
 {
 	const double most = let_share * solver->enough / sweep_share;
 
 	for (int k = 0; k < dense->row_count; k++)
-		if (fabs(dense->row[k].leave) <= most)
+		if (dense->row[k].leave >= -most)
 			dense->row[k].leave = 0;
 }
 
@@ -352,6 +374,56 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 	return most > stiff_ratio * least;
 }
 
+/* ---- energy ---- */
+
+/*
+ * Without pushing apart, closely; then back to it as far as that gains nothing. What is between two solutions is in the cones,
+ * and closes no gap that neither closes.
+ */
+static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
+                                  const struct rb_dense *dense, struct rb_arena *arena)
+{
+	const struct rb_energy none = {0};
+	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
+	struct rb_kept kept;
+	const bool good = rb_energy_keep(solver, island, arena, &kept);
+
+	for (int k = 0; good && k < dense->row_count; k++)
+		dense->row[k].leave = fmin(dense->row[k].leave, 0);
+	if (!good || !rb_sweeper_take(&sweeper, arena)) {
+		island->residual = (double)INFINITY; /* no memory: taken back */
+		return none;
+	}
+	if (!sweep_more(&sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_QUIET) &&
+	    !(island->residual <= solver->enough))
+		(void)try_factors(solver, island, dense, STALLED, arena);
+	const struct rb_energy least = rb_energy_of(solver, island);
+	const bool gains = rb_energy_gain(&least) > least.noise;
+	const double share = gains ? 0 : rb_energy_between(solver, island, &least, &kept);
+	rb_energy_mix(solver, island, &kept, share);
+	return gains ? least : none;
+}
+
+/*
+ * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what is still left is taken from
+ * all impulses. Where that lets gaps close by more than is good, the step is halved: without impulses nothing is gained, and
+ * halves of it close less.
+ */
+static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
+                        const struct rb_dense *dense, struct rb_arena *arena)
+{
+	island->room = 0;
+	if (!rb_energy_pushes(dense, -(double)INFINITY))
+		return;
+	struct rb_energy energy = rb_energy_of(solver, island);
+	if (rb_energy_gain(&energy) > energy.noise && rb_energy_pushes(dense, 0))
+		energy = push_less(solver, island, dense, arena);
+	if (rb_energy_gain(&energy) > energy.noise)
+		rb_energy_take(solver, island, rb_energy_share(&energy));
+	else
+		island->room = fmax(0, -2 * rb_energy_gain(&energy));
+}
+
 /*
  * What stands is solved closely by factors at once, as if nothing slipped: towers, which sweeps would let creep. Else sweeps
  * first; factors where these do not come to an end soon and cost no more. What hardly moves is then solved far closer, a
@@ -362,12 +434,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 {
 	const struct rb_dense dense = rows_of(solver, island);
 	const double enough = solver->enough, close = close_share * enough;
-	struct rb_sweeper sweeper = {.dense = &dense,
-	                             .still = solver->body_count,
-	                             .member = solver->member + island->first_member,
-	                             .member_count = island->member_count,
-	                             .local = solver->local,
-	                             .team = team};
+	struct rb_sweeper sweeper = sweeper_of(solver, island, &dense, team);
 	bool good = false;
 
 	island->sweeps = island->factors = 0;
@@ -407,6 +474,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	    is_quiet(solver, island, false) &&
 	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
+	if (solver->before)
+		keep_energy(solver, island, &dense, arena);
 	find_rest(solver, island);
 }
 
@@ -479,7 +548,7 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 
 	solver->h_s = h;
 	solver->before = before;
-	solver->enough = sweep_share * world->model->tolerance_m / h;
+	solver->enough = rb_solver_enough(world->model, h);
 	status = rb_islands_make(solver, world, points, err);
 	if (status != RB_OK)
 		return status;
@@ -532,6 +601,7 @@ static void put_back(struct rb_solver *solver, const struct earlier *earlier,
 		island->factors = was->factors;
 		island->residual = was->residual;
 		island->slip = was->slip;
+		island->room = was->room;
 		for (int k = 0; k < island->member_count; k++)
 			solver->dense.body[member[k]] = earlier->body[member[k]];
 	}
@@ -563,73 +633,25 @@ static bool rebounds(const struct rb_solver *solver, const struct rb_point *poin
 	       (solver->hands_over || point->restitution * point->approach > solver->enough);
 }
 
-/* Twice the kinetic energy of two states of a body's motion taken together, J. */
-static double product(const struct rb_solver *solver, int i, const struct rb_dense_body *x,
-                      const struct rb_dense_body *y)
-{
-	const struct rb_dense_body *body = &solver->dense.body[i];
-	rb_vec3 spin = {0, 0, 0};
-	rb_mat3 inertia;
-
-	if (isnan(body->inverse_inertia)) {
-		(void)rb_mat3_inverse(&solver->tensor[i], &inertia);
-		spin = rb_mat3_apply(&inertia, y->angular);
-	} else if (body->inverse_inertia > 0) {
-		spin = rb_vec3_scale(1 / body->inverse_inertia, y->angular);
-	}
-	return rb_vec3_dot(x->linear, y->linear) / body->inverse_mass +
-	       rb_vec3_dot(x->angular, spin);
-}
-
-/*
- * Of a group's rebound, the share that does not take its energy above what it had and what driven bodies have given it:
- * friction at an arm could.
- */
-static double share_of(const struct rb_solver *solver, const struct rb_island *island)
-{
-	const struct rb_dense rows = rows_of(solver, island);
-	double before = 0, mixed = -rb_dense_work(&rows), after = 0;
-
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-		const struct rb_dense_body *now = &solver->dense.body[i], *was = &solver->free[i];
-		const struct rb_dense_body more = {
-			.linear = rb_vec3_sub(now->linear, was->linear),
-			.angular = rb_vec3_sub(now->angular, was->angular)};
-
-		before += product(solver, i, was, was);
-		mixed += product(solver, i, was, &more);
-		after += product(solver, i, &more, &more);
-	}
-	/* before + 2 s mixed + s^2 after <= most */
-	const double room = fmax(0, island->energy - before);
-	if (2 * mixed + after <= room)
-		return 1;
-	const double root = sqrt(mixed * mixed + after * room);
-	return fmin(1, mixed > 0 ? room / (mixed + root) : (root - mixed) / after);
-}
-
-/* What the rebound has added: turning bodies have gone on meanwhile. */
 static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 {
 	for (size_t g = 0; g < solver->island_count; g++)
 		if (solver->island[g].rebounds)
-			solver->island[g].share = share_of(solver, &solver->island[g]);
+			solver->island[g].share = rb_energy_rebound(solver, world,
+			                                            &solver->island[g]);
 	for (int k = 0; k < solver->active_count; k++) {
 		const int i = solver->active[k];
-		const struct rb_dense_body *body = &solver->dense.body[i], *was = &solver->free[i];
 		double *const v = world->state.velocity + 3 * (size_t)i;
 
 		if (solver->island_of[i] < 0 || !solver->island[solver->island_of[i]].rebounds)
 			continue;
 		const double share = solver->island[solver->island_of[i]].share;
-		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), share,
-		                                 rb_vec3_sub(body->linear, was->linear)));
+		const struct rb_dense_body more = rb_energy_added(solver, world, i);
+		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), share, more.linear));
 		if (!world->state.spin)
 			continue;
 		double *const w = world->state.spin + 3 * (size_t)i;
-		rb_vec3_to(w, rb_vec3_add_scaled(rb_vec3_from(w), share,
-		                                 rb_vec3_sub(body->angular, was->angular)));
+		rb_vec3_to(w, rb_vec3_add_scaled(rb_vec3_from(w), share, more.angular));
 	}
 }
 
@@ -653,13 +675,6 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 			                   rebounds(solver, &points->row[row->point]);
 		}
 		any = any || island->rebounds;
-		const struct rb_dense rows = rows_of(solver, island);
-		island->energy = island->rebounds ? 2 * rb_dense_work(&rows) : 0;
-		for (int k = 0; k < island->member_count && island->rebounds; k++) {
-			const int i = solver->member[island->first_member + k];
-
-			island->energy += product(solver, i, &solver->free[i], &solver->free[i]);
-		}
 	}
 	if (!any)
 		return RB_OK;

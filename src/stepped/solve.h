@@ -15,6 +15,9 @@ RB_CHECKED enum rb_status rb_solver_create(struct rb_solver *solver, const struc
                                            struct rb_error *err);
 void rb_solver_release(struct rb_solver *solver);
 
+/* m/s: what a solution of a step of h_s may leave of the closing of gaps. */
+double rb_solver_enough(const struct rb_model *model, double h_s);
+
 /*
  * Takes velocities with the step's forces from the world, those before it from `before`; solves; impulses go to the points.
  * A group that stood still under the same forces is not solved again.

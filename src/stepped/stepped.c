@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "stepped/apart.h"
 #include "stepped/attempt.h"
+#include "stepped/impact.h"
 #include "stepped/judge.h"
 #include "stepped/stand.h"
 #include "stepped/tell.h"
@@ -111,6 +112,8 @@ enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_points_create(&made->closing, model, err);
 	if (status == RB_OK)
 		status = rb_solver_create(&made->solver, model, err);
+	if (status == RB_OK)
+		status = rb_impacts_create(made, model, err);
 	return status;
 }
 
@@ -125,8 +128,11 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_points_release(&stepped->closing);
 	rb_solver_release(&stepped->solver);
 	rb_apart_destroy(stepped->apart);
+	rb_impacts_release(stepped);
 	rb_memory_free(stepped->all.rebound);
 	rb_memory_free(stepped->part.rebound);
+	rb_memory_free(stepped->all.hit);
+	rb_memory_free(stepped->part.hit);
 	rb_memory_free(stepped->top);
 	rb_memory_free(stepped->body);
 	rb_memory_free(stepped->ride);
@@ -331,6 +337,7 @@ static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 		bool rests = solver->rests[i];
 
 		rb_pack_bool(pack, &rests);
+		rb_pack_finite(pack, &solver->left[i], 1);
 		solver->rests[i] = rests;
 		if (rests)
 			rb_pack_finite(pack, solver->rest_pull + 6 * (size_t)i, 6);

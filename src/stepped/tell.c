@@ -143,16 +143,63 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	return true;
 }
 
+/* With ids, the smaller one first. */
+static enum rb_status add_told(struct rb_world *world, struct rb_event event, struct rb_error *err)
+{
+	struct rb_events *told = &world->stepped->told;
+	const int a = world->model->id_of[event.a], b = world->model->id_of[event.b];
+
+	if (!rb_memory_reserve(&told->row, &told->capacity, told->count + 1, sizeof *told->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	if (a > b) {
+		event.normal = rb_vec3_neg(event.normal);
+		event.impulse = rb_vec3_neg(event.impulse);
+	}
+	event.a = a < b ? a : b;
+	event.b = a < b ? b : a;
+	told->row[told->count++] = event;
+	return RB_OK;
+}
+
+/* Impacts that were resolved within the step; those that were left to its end are only counted. */
+static enum rb_status tell_hits(struct rb_world *world, const struct rb_cohort *cohort, double time,
+                                const unsigned char *skip, struct rb_error *err)
+{
+	struct rb_counts *counts = &world->frame_counts;
+	enum rb_status status = RB_OK;
+
+	for (size_t k = 0; k < cohort->hit_count && status == RB_OK; k++) {
+		const struct rb_hit *hit = &cohort->hit[k];
+
+		if (skip && skip[hit->a])
+			continue;
+		counts->plastic_ends += hit->plastic;
+		counts->crowded_impacts += hit->crowded;
+		counts->crowded_energy_j += hit->energy;
+		if (hit->crowded)
+			continue;
+		const struct rb_event event = {.kind = RB_EVENT_COLLISION,
+		                               .time_s = fmin(hit->time_s, time),
+		                               .a = hit->a,
+		                               .b = hit->b,
+		                               .point = hit->point,
+		                               .normal = hit->normal,
+		                               .impulse = hit->impulse,
+		                               .approach_speed = hit->approach};
+		status = add_told(world, event, err);
+	}
+	return status;
+}
+
 enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *cohort, double time,
                                const struct rb_contacts *before, const unsigned char *skip,
                                struct rb_error *err)
 {
-	const struct rb_model *model = world->model;
 	const struct rb_points *points = &cohort->points;
-	struct rb_events *told = &world->stepped->told;
+	enum rb_status status = tell_hits(world, cohort, time, skip, err);
 	size_t length;
 
-	for (size_t k = 0; k < points->count; k += length) {
+	for (size_t k = 0; k < points->count && status == RB_OK; k += length) {
 		const int i = points->row[k].a, j = points->row[k].b;
 		struct rb_event event;
 
@@ -160,20 +207,10 @@ enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *c
 		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
 		    !is_impact(world, cohort, k, length, &event))
 			continue;
-		if (!rb_memory_reserve(&told->row, &told->capacity, told->count + 1,
-		                       sizeof *told->row))
-			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 		event.time_s = time;
-		const int a = model->id_of[i], b = model->id_of[j];
-		if (a > b) {
-			event.normal = rb_vec3_neg(event.normal);
-			event.impulse = rb_vec3_neg(event.impulse);
-		}
-		event.a = a < b ? a : b;
-		event.b = a < b ? b : a;
-		told->row[told->count++] = event;
+		status = add_told(world, event, err);
 	}
-	return RB_OK;
+	return status;
 }
 
 static int by_time(const void *left, const void *right)

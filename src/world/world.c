@@ -147,21 +147,87 @@ rb_vec3 rb_world_point(const struct rb_world *world, int id, rb_vec3 point_local
 	                   rb_quat_rotate(rb_world_orientation(world, id), point_local));
 }
 
+/* Of a spring's end, world. */
+static rb_vec3 end_of(const struct rb_world *world, int id, rb_vec3 at)
+{
+	return isnan(at.x) ? rb_world_center_of_mass(world, id) : rb_world_point(world, id, at);
+}
+
+double rb_world_spring_energy(const struct rb_world *world)
+{
+	const struct rb_scene *scene = world->model->scene;
+	double sum = 0;
+
+	for (int k = 0; k < scene->spring_count; k++) {
+		const struct rb_spring_def *spring = &scene->springs[k];
+		const double stretch = rb_vec3_length(rb_vec3_sub(
+					       end_of(world, spring->b, spring->at_b),
+					       end_of(world, spring->a, spring->at_a))) -
+		                       world->model->rest_length_m[k];
+
+		sum += 0.5 * spring->stiffness * stretch * stretch;
+	}
+	return sum;
+}
+
+/* ---- changes by callbacks ---- */
+
+/* What a callback can change of a body, for the ledger. */
+struct account {
+	double energy; /* J */
+	rb_vec3 linear, angular;
+};
+
+static struct account account_of(const struct rb_world *world, int id)
+{
+	const struct rb_world_def *def = &world->model->scene->world;
+	struct account account = {0};
+
+	if (!world->ledger.kept || !yields(world, id))
+		return account;
+	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, rb_world_mass(world, id),
+	                                          def->gravity);
+
+	account.energy = rb_world_kinetic_energy(world, id) -
+	                 rb_vec3_dot(weight, rb_world_center_of_mass(world, id)) +
+	                 rb_world_spring_energy(world);
+	account.linear = rb_world_momentum(world, id);
+	account.angular = rb_world_angular_momentum(world, id);
+	return account;
+}
+
+static void enter_change(struct rb_world *world, int id, const struct account *before)
+{
+	const struct account now = account_of(world, id);
+	struct rb_entries e = {0};
+
+	if (!world->ledger.kept)
+		return;
+	rb_entries_energy(&e, RB_ENERGY_CALLBACKS, now.energy - before->energy);
+	rb_entries_momentum(&e, RB_MOMENTUM_CALLBACKS, rb_vec3_sub(now.linear, before->linear),
+	                    rb_vec3_sub(now.angular, before->angular));
+	rb_ledger_enter(&world->ledger, &e);
+}
+
 void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_vec3 point)
 {
 	const struct rb_model *model = world->model;
 	const int i = model->index_of[id];
 	const rb_vec3 arm = rb_vec3_sub(point, rb_world_row3(world->state.position, i));
 	const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+	const struct account before = account_of(world, id);
 
 	rb_contacts_drop(&world->contacts, i);
 	rb_vec3_to(world->state.velocity + 3 * i,
 	           rb_vec3_add_scaled(v, model->inverse_mass[i], impulse));
-	if (!world->state.spin)
-		return;
-	const rb_vec3 w = rb_world_row3(world->state.spin, i);
-	const rb_vec3 turn = rb_world_turn(world, &world->state, i, rb_vec3_cross(arm, impulse));
-	rb_vec3_to(world->state.spin + 3 * i, rb_vec3_add(w, turn));
+	if (world->state.spin) {
+		const rb_vec3 w = rb_world_row3(world->state.spin, i);
+		const rb_vec3 turn = rb_world_turn(world, &world->state, i,
+		                                   rb_vec3_cross(arm, impulse));
+
+		rb_vec3_to(world->state.spin + 3 * i, rb_vec3_add(w, turn));
+	}
+	enter_change(world, id, &before);
 }
 
 void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3 point)
@@ -180,19 +246,23 @@ void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3
 void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity)
 {
 	const int i = world->model->index_of[id];
+	const struct account before = account_of(world, id);
 
 	rb_contacts_drop(&world->contacts, i);
 	rb_vec3_to(world->state.velocity + 3 * i, velocity);
+	enter_change(world, id, &before);
 }
 
 void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angular_velocity)
 {
 	const int i = world->model->index_of[id];
+	const struct account before = account_of(world, id);
 
 	if (!world->state.spin)
 		return;
 	rb_contacts_drop(&world->contacts, i);
 	rb_vec3_to(world->state.spin + 3 * i, angular_velocity);
+	enter_change(world, id, &before);
 }
 
 void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position)
@@ -200,8 +270,11 @@ void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position)
 	const int i = world->model->index_of[id];
 	const rb_vec3 shift = rb_vec3_sub(position, rb_world_origin_at(world, &world->state, i));
 
+	const struct account before = account_of(world, id);
+
 	rb_contacts_drop(&world->contacts, i);
 	world->moved_by_hand = true;
 	rb_vec3_to(world->state.position + 3 * i,
 	           rb_vec3_add(rb_world_row3(world->state.position, i), shift));
+	enter_change(world, id, &before);
 }

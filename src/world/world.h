@@ -14,6 +14,7 @@
 #include "base/team.h"
 #include "math/quat.h"
 #include "world/contacts.h"
+#include "world/ledger.h"
 #include "world/state.h"
 
 #include <math.h>
@@ -30,8 +31,11 @@ struct rb_counts {
 	uint64_t body_steps, discarded_body_steps;
 	uint64_t
 		plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
-	double smallest_step_s; /* HUGE_VAL: no step yet */
-	double stepped_s;       /* simulated by steps: the classic or the stepped method */
+	uint64_t
+		crowded_impacts; /* stepped: impacts of groups too large for the law of lone ones */
+	double crowded_energy_j; /* of their approach */
+	double smallest_step_s;  /* HUGE_VAL: no step yet */
+	double stepped_s;        /* simulated by steps: the classic or the stepped method */
 	uint64_t rows,
 		row_sweeps; /* stepped: contact points of steps, and times that one was swept */
 	uint64_t factors, closings; /* stepped: factorizations; moves of positions only */
@@ -51,6 +55,8 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	to->body_steps += from->body_steps;
 	to->discarded_body_steps += from->discarded_body_steps;
 	to->plastic_ends += from->plastic_ends;
+	to->crowded_impacts += from->crowded_impacts;
+	to->crowded_energy_j += from->crowded_energy_j;
 	to->rows += from->rows;
 	to->row_sweeps += from->row_sweeps;
 	to->factors += from->factors;
@@ -78,11 +84,16 @@ struct rb_world {
 	struct rb_state start; /* as it was at the beginning of the step */
 	struct rb_state mark;  /* rows as they were at the beginning of the group's substep */
 	struct rb_contacts contacts, next_contacts;
-	struct rb_broadphase *broadphase; /* owned; NULL without contact */
-	struct rb_groups *groups;         /* owned; NULL without contact */
-	struct rb_located *located;       /* owned; NULL: all is stepped */
-	struct rb_stepped *stepped;       /* owned; NULL until it is first used */
-	struct rb_team *team;             /* owned */
+	struct rb_contacts
+		shown;  /* located: contacts with their forces at a frame, where frames keep them */
+	bool has_shown; /* ... at this one */
+	struct rb_state frame_state;       /* auto: as the frame began */
+	struct rb_contacts frame_contacts; /* its contacts */
+	struct rb_broadphase *broadphase;  /* owned; NULL without contact */
+	struct rb_groups *groups;          /* owned; NULL without contact */
+	struct rb_located *located;        /* owned; NULL: all is stepped */
+	struct rb_stepped *stepped;        /* owned; NULL until it is first used */
+	struct rb_team *team;              /* owned */
 	int64_t dense_steps,
 		dense_left;     /* auto: steps that the classic method takes, still to take */
 	struct rb_arena *arena; /* owned; [workers]: scratch of a pass */
@@ -91,7 +102,10 @@ struct rb_world {
 	struct rb_counts frame_counts; /* since the frame before */
 	struct rb_counts total_counts; /* of the run, without frame_counts */
 	struct rb_events events;       /* since the frame before */
-	bool moved_by_hand;            /* a callback has set a position */
+	struct rb_ledger ledger;
+	struct rb_entries
+		open;       /* what is not yet entered, as of the state's time (event/account) */
+	bool moved_by_hand; /* a callback has set a position */
 	bool stopped;
 };
 
@@ -139,6 +153,9 @@ static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct r
 	return rb_quat_rotate(q, rb_mat3_apply(&model->inverse_inertia[index],
 	                                       rb_quat_rotate_back(q, angular_impulse)));
 }
+
+/* J, of all springs, zero at rest length. */
+double rb_world_spring_energy(const struct rb_world *world);
 
 /* Angular momentum about its own centre of mass of a moving body that can turn, by index. */
 static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)

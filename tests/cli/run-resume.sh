@@ -29,6 +29,7 @@ interrupted()
 		h5dump -d /rbsim/state_hash -d /observables/collisions/value -d /observables/kinetic_energy/value \
 			-d /observables/smallest_step/value -d /observables/substeps/value $file 2>/dev/null |
 			grep -v '^HDF5' >${file%/*}.numbers
+		h5dump -g /observables/ledger $file 2>/dev/null | grep -v '^HDF5' >>${file%/*}.numbers
 		h5dump -g /rbsim/events $file 2>/dev/null | grep -v '^HDF5' >${file%/*}.events
 	done
 	cmp whole.numbers broken.numbers || fail "$scene: observables differ"

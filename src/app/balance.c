@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/balance.h"
+
+#include <math.h>
+
+#include "app/common.h"
+#include "math/vec3.h"
+
+void rb_balance_take(struct rb_balance *balance, const struct rb_frame_numbers *numbers)
+{
+	const struct rb_ledger_values *const ledger = &numbers->ledger;
+	const double off = ledger->energy[RB_ENERGY_CAUSES];
+
+	if (!numbers->has_ledger)
+		return;
+	balance->kept = true;
+	balance->energy_scale = rb_larger(balance->energy_scale, ledger->energy_scale);
+	balance->unexplained = rb_larger(balance->unexplained, fabs(off));
+	balance->gained = rb_larger(balance->gained, off);
+	for (int k = 0; k < 2; k++) {
+		balance->momentum_scale[k] = rb_larger(balance->momentum_scale[k],
+		                                       ledger->momentum_scale[k]);
+		balance->momentum_unexplained[k] = rb_larger(
+			balance->momentum_unexplained[k],
+			rb_vec3_length(ledger->momentum[RB_MOMENTUM_CAUSES][k]));
+	}
+}
+
+static double share(double part, double whole)
+{
+	return whole > 0 ? part / whole : 0;
+}
+
+double rb_balance_energy_share(const struct rb_balance *balance)
+{
+	return share(balance->unexplained, balance->energy_scale);
+}
+
+double rb_balance_momentum_share(const struct rb_balance *balance)
+{
+	return rb_larger(share(balance->momentum_unexplained[0], balance->momentum_scale[0]),
+	                 share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+}
+
+static void print_causes(FILE *file, const struct rb_ledger_values *last)
+{
+	char text[64];
+	int count = 0;
+
+	fputs("  ledger        ", file);
+	for (int k = 0; k < RB_ENERGY_CAUSES; k++) {
+		if (last->energy[k] == 0)
+			continue;
+		fputs(count++ > 0 ? ", " : "", file);
+		for (const char *c = rb_ledger_energy_name(k); *c; c++)
+			putc(*c == '_' ? ' ' : *c, file);
+		fputs(rb_text_measure(" ", rb_ledger_takes(k) ? -last->energy[k] : last->energy[k],
+		                      3, "J", text),
+		      file);
+	}
+	fputs(count > 0 ? "\n" : "nothing gave or took energy\n", file);
+}
+
+void rb_balance_print(FILE *file, const struct rb_balance *balance,
+                      const struct rb_ledger_values *last)
+{
+	char text[64];
+
+	if (!balance->kept)
+		return;
+	print_causes(file, last);
+	fprintf(file,
+	        "  unexplained   %s, %.2g of what moved; of momentum %.2g, of angular momentum %.2g\n",
+	        rb_text_measure("", balance->unexplained, 3, "J at most", text),
+	        share(balance->unexplained, balance->energy_scale),
+	        share(balance->momentum_unexplained[0], balance->momentum_scale[0]),
+	        share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+}
+
+void rb_balance_print_json(struct rb_json *json, const struct rb_balance *balance,
+                           const struct rb_ledger_values *last)
+{
+	if (!balance->kept) {
+		rb_json_text(json, "ledger", NULL);
+		return;
+	}
+	rb_json_open(json, "ledger", '{');
+	for (int k = 0; k <= RB_ENERGY_CAUSES; k++)
+		rb_json_number(json, rb_ledger_energy_name(k), last->energy[k]);
+	rb_json_number(json, "energy_scale", balance->energy_scale);
+	rb_json_number(json, "unexplained_max", balance->unexplained);
+	rb_json_number(json, "unexplained_share",
+	               share(balance->unexplained, balance->energy_scale));
+	rb_json_number(json, "gained_share", share(balance->gained, balance->energy_scale));
+	rb_json_number(json, "momentum_share",
+	               share(balance->momentum_unexplained[0], balance->momentum_scale[0]));
+	rb_json_number(json, "angular_momentum_share",
+	               share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+	rb_json_close(json, '}');
+}
+
+void rb_balance_pack(struct rb_balance *balance, struct rb_pack *pack)
+{
+	rb_pack_bool(pack, &balance->kept);
+	rb_pack_doubles(pack, &balance->energy_scale, 1);
+	rb_pack_doubles(pack, &balance->unexplained, 1);
+	rb_pack_doubles(pack, &balance->gained, 1);
+	rb_pack_doubles(pack, balance->momentum_scale, 2);
+	rb_pack_doubles(pack, balance->momentum_unexplained, 2);
+}
+
+void rb_ledger_values_pack(struct rb_ledger_values *values, struct rb_pack *pack)
+{
+	rb_pack_doubles(pack, values->energy, RB_ENERGY_CAUSES + 1);
+	rb_pack_doubles(pack, &values->momentum[0][0].x, (size_t)6 * (RB_MOMENTUM_CAUSES + 1));
+	rb_pack_doubles(pack, &values->energy_scale, 1);
+	rb_pack_doubles(pack, values->momentum_scale, 2);
+}

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+#include "step/motion.h"
+
+#include <float.h>
+#include <math.h>
+
+#include "math/quat.h"
+#include "math/vec3.h"
+
+/* Looks that some kinks and jumps within one interval never need: velocities that contradict the places everywhere do. */
+enum { LOOKS_MOST = 1024 };
+/* Share of the size by which velocities and places differ at a kink without being seen. */
+static const double kink_share = 1e-9;
+/* Of the change over an interval, what its middle may be off the mean: a kink or a jump near an end has it at 1/2. */
+static const double bent = 0.4;
+
+static rb_quat on_side_of(rb_quat near, rb_quat q)
+{
+	if (q.w * near.w + q.x * near.x + q.y * near.y + q.z * near.z < 0)
+		return (rb_quat){-q.w, -q.x, -q.y, -q.z};
+	return q;
+}
+
+enum rb_status rb_motion_ask(const struct rb_world *world, int i, double t, rb_quat near,
+                             struct rb_driven_pose *pose, struct rb_error *err)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+	enum rb_status status = RB_OK;
+
+	*pose = (struct rb_driven_pose){.orientation = world->model->orientation[i]};
+	if (hooks->motion)
+		status = hooks->motion(hooks->user, world->model->id_of[i], t, pose, err);
+	pose->orientation = on_side_of(near, pose->orientation);
+	return status;
+}
+
+/* ---- looking within ---- */
+
+struct moment {
+	double t;
+	struct rb_driven_pose pose;
+};
+
+struct watch {
+	const struct rb_motion *motion;
+	struct rb_error *err;
+	enum rb_status status;
+	bool places, turns; /* velocities, angular velocities are returned */
+	double size, round; /* m: of the smallest body; of coordinates */
+	double instant;     /* s: too short to look within */
+	int looks;
+};
+
+static rb_quat turning_of(const struct rb_driven_pose *pose)
+{
+	const rb_vec3 w = pose->angular_velocity;
+
+	return rb_quat_multiply((rb_quat){0, 0.5 * w.x, 0.5 * w.y, 0.5 * w.z}, pose->orientation);
+}
+
+/* Values of places (3) or orientations (4), and their rates. */
+static int values_of(const struct moment *m, bool turns, double value[4], double rate[4])
+{
+	if (turns) {
+		rb_quat_to(value, m->pose.orientation);
+		rb_quat_to(rate, turning_of(&m->pose));
+		return 4;
+	}
+	rb_vec3_to(value, m->pose.position);
+	rb_vec3_to(rate, m->pose.velocity);
+	return 3;
+}
+
+/*
+ * By how much [a, b] is more than smooth, seen from its middle: the change against Simpson's rule over the velocities, or
+ * the middle against the mean. What is not seen, and rounding of the time, is taken off: 0 is smooth.
+ */
+static double roughness(const struct watch *w, const struct moment *a, const struct moment *m,
+                        const struct moment *b, bool turns)
+{
+	const bool given = turns ? w->turns : w->places;
+	const double unit = turns ? 1 : w->size, h = b->t - a->t;
+	double at[3][4], rate[3][4], off = 0, way = 0, ride = 0, speed = 0;
+	const int count = values_of(a, turns, at[0], rate[0]);
+
+	values_of(m, turns, at[1], rate[1]);
+	values_of(b, turns, at[2], rate[2]);
+	for (int k = 0; k < count; k++) {
+		const double change = at[2][k] - at[0][k];
+		const double by_rate = h / 6 * (rate[0][k] + 4 * rate[1][k] + rate[2][k]);
+		const double middle = at[1][k] - 0.5 * (at[0][k] + at[2][k]);
+
+		off = fmax(off, fabs(given ? change - by_rate : middle));
+		way = fmax(way, fabs(change));
+		ride = fmax(ride, fabs(by_rate));
+		speed = fmax(speed, fabs(rate[1][k]));
+	}
+	const double unseen = (given ? kink_share : w->motion->coarse) * unit +
+	                      16 * DBL_EPSILON * (turns ? 1 : w->round);
+	const double known = given ? w->motion->agreement * (way + ride) +
+	                                     16 * DBL_EPSILON * fabs(b->t) * speed
+	                           : bent * way;
+	return off > unseen + known ? off : 0;
+}
+
+/* An interval with its middle; orientations on the side of the one before. */
+struct part {
+	struct moment begin, middle, end;
+	bool rough[2]; /* places, orientations */
+};
+
+static bool look(struct watch *w, const struct moment *begin, const struct moment *end,
+                 struct part *part)
+{
+	*part = (struct part){.begin = *begin, .end = *end};
+	struct moment *const m = &part->middle;
+
+	m->t = begin->t + 0.5 * (end->t - begin->t);
+	w->status = rb_motion_ask(w->motion->world, w->motion->i, m->t, begin->pose.orientation,
+	                          &m->pose, w->err);
+	part->end.pose.orientation = on_side_of(m->pose.orientation, end->pose.orientation);
+	for (int turns = 0; turns < 2; turns++)
+		part->rough[turns] = roughness(w, begin, m, &part->end, turns) > 0;
+	return w->status == RB_OK;
+}
+
+/* rad: of the turn from one orientation to another. */
+static double angle_between(rb_quat a, rb_quat b)
+{
+	const rb_quat d = rb_quat_multiply(b, (rb_quat){a.w, -a.x, -a.y, -a.z});
+
+	return 2 * atan2(rb_vec3_length((rb_vec3){d.x, d.y, d.z}), fabs(d.w));
+}
+
+static void refuse_jump(struct watch *w, const struct moment *a, const struct moment *b)
+{
+	const struct rb_model *model = w->motion->world->model;
+	const double way = rb_vec3_length(rb_vec3_sub(b->pose.position, a->pose.position));
+	const double angle = angle_between(a->pose.orientation, b->pose.orientation);
+	const bool turns = angle > way / w->size;
+	char label[64];
+
+	w->status = RB_FAIL(
+		w->err, RB_ERR_SCENE,
+		"'motion' of '%s' jumps by %.3g %s at t = %.9g s: a driven body moves without jumps",
+		rb_scene_body_label(model->scene, model->id_of[w->motion->i], label),
+		turns ? angle : way, turns ? "rad" : "m", b->t);
+}
+
+static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
+{
+	const struct rb_model *model = w->motion->world->model;
+	const double off = roughness(w, &p->begin, &p->middle, &p->end, turns) /
+	                   (p->end.t - p->begin.t);
+	char label[64];
+
+	w->status = RB_FAIL(
+		w->err, RB_ERR_SCENE,
+		"'motion' of '%s' at t = %.9g s: its %s is %.3g %s off what leads from one %s to the next (it may be left out)",
+		rb_scene_body_label(model->scene, model->id_of[w->motion->i], label), p->begin.t,
+		turns ? "angular velocity" : "velocity", turns ? 2 * off : off,
+		turns ? "rad/s" : "m/s", turns ? "orientation" : "position");
+}
+
+/* It is rough; goes on where it still is. */
+static void look_closer(struct watch *w, const struct part *p)
+{
+	struct part low, high;
+
+	if (!(p->end.t - p->begin.t > w->instant)) {
+		refuse_jump(w, &p->begin, &p->end);
+		return;
+	}
+	if (!look(w, &p->begin, &p->middle, &low) || !look(w, &p->middle, &p->end, &high))
+		return;
+	w->looks += 2;
+	/* of what jumps everywhere, the first is told */
+	if (low.rough[0] || low.rough[1])
+		look_closer(w, &low);
+	if (w->status == RB_OK && w->looks < LOOKS_MOST && (high.rough[0] || high.rough[1]))
+		look_closer(w, &high);
+}
+
+enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *err)
+{
+	const struct moment begin = {motion->from_s, motion->begin};
+	const struct moment end = {motion->to_s, motion->end};
+	struct watch w = {.motion = motion,
+	                  .err = err,
+	                  .places = begin.pose.has_velocity && end.pose.has_velocity,
+	                  .turns = begin.pose.has_angular_velocity && end.pose.has_angular_velocity,
+	                  .size = motion->world->model->size_min_m,
+	                  .round = fmax(rb_vec3_max_abs(begin.pose.position),
+	                                rb_vec3_max_abs(end.pose.position)),
+	                  .instant = 4 * DBL_EPSILON * fmax(end.t, end.t - begin.t)};
+	struct part all;
+
+	if (look(&w, &begin, &end, &all) && (all.rough[0] || all.rough[1]))
+		look_closer(&w, &all);
+	for (int turns = 0; turns < 2; turns++)
+		if (w.status == RB_OK && w.looks >= LOOKS_MOST && all.rough[turns] &&
+		    (turns ? w.turns : w.places))
+			refuse_velocities(&w, &all, turns);
+	return w.status;
+}

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/energy.h"
+
+#include <string.h>
+
+/* Units in the last place by which sums over a group may be off. */
+enum { NOISE_ULP = 16 };
+
+static inline rb_vec3 weigh_turn(const struct rb_solver *solver, int i, rb_vec3 turn)
+{
+	const double inverse = solver->dense.body[i].inverse_inertia;
+	rb_mat3 inertia;
+
+	if (!isnan(inverse))
+		return rb_vec3_scale(inverse > 0 ? 1 / inverse : 0, turn);
+	(void)rb_mat3_inverse(&solver->tensor[i], &inertia);
+	return rb_mat3_apply(&inertia, turn);
+}
+
+struct rb_dense_body rb_energy_weigh(const struct rb_solver *solver, int i,
+                                     const struct rb_dense_body *motion)
+{
+	return (struct rb_dense_body){
+		.linear = rb_vec3_scale(1 / solver->dense.body[i].inverse_mass, motion->linear),
+		.angular = weigh_turn(solver, i, motion->angular)};
+}
+
+static struct rb_dense_body difference(const struct rb_dense_body *x, const struct rb_dense_body *y)
+{
+	return (struct rb_dense_body){.linear = rb_vec3_sub(x->linear, y->linear),
+	                              .angular = rb_vec3_sub(x->angular, y->angular)};
+}
+
+/* Of the step, after the impacts in it. */
+static struct rb_dense_body motion_before(const struct rb_solver *solver, int i)
+{
+	const struct rb_state *before = solver->before;
+	struct rb_dense_body motion = {.linear = rb_vec3_from(before->velocity + 3 * (size_t)i)};
+
+	if (before->spin)
+		motion.angular = rb_vec3_from(before->spin + 3 * (size_t)i);
+	if (solver->kick) {
+		motion.linear = rb_vec3_add(motion.linear, solver->kick[i].linear);
+		motion.angular = rb_vec3_add(motion.angular, solver->kick[i].angular);
+	}
+	return motion;
+}
+
+/* What driven bodies give a group by these impulses, J. */
+static double driven_work(const struct rb_solver *solver, const struct rb_island *island,
+                          struct rb_dense_row *row)
+{
+	struct rb_dense rows = solver->dense;
+
+	rows.row = row;
+	rows.row_count = island->row_count;
+	return island->carried ? rb_dense_work(&rows) : 0;
+}
+
+/* A body's share of the sums: what forces, and then impulses, have changed its motion by. */
+static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
+{
+	const struct rb_dense_body *now = &solver->dense.body[i], *free = &solver->free[i];
+	const struct rb_dense_body before = motion_before(solver, i);
+	const double mass = 1 / now->inverse_mass;
+	const rb_vec3 force = rb_vec3_sub(free->linear, before.linear);
+	const rb_vec3 more = rb_vec3_sub(now->linear, free->linear);
+	double square = mass * rb_vec3_dot(more, more);
+	double mixed = mass * rb_vec3_dot(more, before.linear);
+	double lost = mass * rb_vec3_dot(force, force);
+
+	if (now->inverse_inertia != 0) {
+		const rb_vec3 turn = rb_vec3_sub(now->angular, free->angular);
+		const rb_vec3 twist = rb_vec3_sub(free->angular, before.angular);
+		const rb_vec3 momentum = weigh_turn(solver, i, turn);
+
+		square += rb_vec3_dot(momentum, turn);
+		mixed += rb_vec3_dot(momentum, before.angular);
+		if (rb_vec3_max_abs(twist) > 0)
+			lost += rb_vec3_dot(weigh_turn(solver, i, twist), twist);
+	}
+	energy->square += square;
+	energy->mixed += mixed;
+	energy->lost += lost;
+	energy->noise += square + fabs(mixed) + lost;
+}
+
+struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_island *island)
+{
+	struct rb_energy energy = {
+		.mixed = -driven_work(solver, island, solver->dense.row + island->first_row)};
+
+	energy.noise = fabs(energy.mixed);
+	for (int k = 0; k < island->member_count; k++)
+		add_body(&energy, solver, solver->member[island->first_member + k]);
+	energy.noise *= NOISE_ULP * DBL_EPSILON;
+	return energy;
+}
+
+/* The root, up to 1, of c s^2 + 2 b s - a, which is not positive at 0, without cancellation. */
+static double root_of(double c, double b, double a)
+{
+	if (!(c + 2 * b > a))
+		return 1;
+	const double root = sqrt(b * b + c * a);
+	return fmin(1, b > 0 ? a / (b + root) : (root - b) / c);
+}
+
+double rb_energy_share(const struct rb_energy *energy)
+{
+	return root_of(energy->square, energy->mixed, energy->lost);
+}
+
+double rb_energy_between(const struct rb_solver *solver, const struct rb_island *island,
+                         const struct rb_energy *now, const struct rb_kept *kept)
+{
+	double mixed = driven_work(solver, island, solver->dense.row + island->first_row) -
+	               driven_work(solver, island, kept->row);
+	double square = 0;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_dense_body before = motion_before(solver, i);
+		const struct rb_dense_body more = difference(&kept->body[k],
+		                                             &solver->dense.body[i]);
+		const struct rb_dense_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_dense_body impulse = difference(&solver->dense.body[i],
+		                                                &solver->free[i]);
+
+		square += rb_energy_product(&momentum, &more);
+		mixed += rb_energy_product(&momentum, &before) +
+		         rb_energy_product(&momentum, &impulse);
+	}
+	return root_of(square, mixed, fmax(0, -2 * rb_energy_gain(now)));
+}
+
+bool rb_energy_pushes(const struct rb_dense *dense, double speed)
+{
+	for (int k = 0; k < dense->row_count; k++)
+		if (dense->row[k].push > 0 && dense->row[k].leave > speed)
+			return true;
+	return false;
+}
+
+static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_island *island)
+{
+	struct rb_dense dense = solver->dense;
+
+	dense.row += island->first_row;
+	dense.row_count = island->row_count;
+	return dense;
+}
+
+bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
+                    struct rb_arena *arena, struct rb_kept *kept)
+{
+	const struct rb_dense dense = rows_of(solver, island);
+
+	kept->row = rb_arena_take(arena, (size_t)dense.row_count, sizeof *kept->row);
+	kept->body = rb_arena_take(arena, (size_t)island->member_count, sizeof *kept->body);
+	if (!kept->row || !kept->body)
+		return false;
+	memcpy(kept->row, dense.row, (size_t)dense.row_count * sizeof *kept->row);
+	for (int k = 0; k < island->member_count; k++)
+		kept->body[k] = dense.body[solver->member[island->first_member + k]];
+	return true;
+}
+
+/* Of the way from one motion to another. */
+static void go(struct rb_dense_body *body, double share, const struct rb_dense_body *to)
+{
+	body->linear = rb_vec3_add_scaled(body->linear, share,
+	                                  rb_vec3_sub(to->linear, body->linear));
+	body->angular = rb_vec3_add_scaled(body->angular, share,
+	                                   rb_vec3_sub(to->angular, body->angular));
+}
+
+void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
+                   const struct rb_kept *kept, double share)
+{
+	const struct rb_dense dense = rows_of(solver, island);
+
+	for (int k = 0; k < dense.row_count; k++) {
+		struct rb_dense_row *row = &dense.row[k];
+		const struct rb_dense_row *was = &kept->row[k];
+
+		row->leave = was->leave;
+		row->push += share * (was->push - row->push);
+		row->rub = rb_vec3_add_scaled(row->rub, share, rb_vec3_sub(was->rub, row->rub));
+	}
+	for (int k = 0; k < island->member_count; k++)
+		go(&dense.body[solver->member[island->first_member + k]], share, &kept->body[k]);
+}
+
+void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share)
+{
+	const struct rb_dense dense = rows_of(solver, island);
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		go(&dense.body[i], 1 - share, &solver->free[i]);
+	}
+	for (int k = 0; k < dense.row_count; k++) {
+		struct rb_dense_row *row = &dense.row[k];
+		const double now = rb_vec3_dot(rb_dense_velocity(&dense, row), row->normal);
+
+		row->push *= share;
+		row->rub = rb_vec3_scale(share, row->rub);
+		island->residual = fmax(island->residual, fmin(row->leave, 0) - now);
+	}
+}
+
+/* ---- rebound ---- */
+
+struct rb_dense_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
+                                     int i)
+{
+	const struct rb_dense_body *body = &solver->dense.body[i], *was = &solver->free[i];
+	struct rb_dense_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
+	                             .angular = rb_vec3_sub(body->angular, was->angular)};
+
+	if (isnan(body->inverse_inertia))
+		more.angular = rb_world_turn(world, &world->state, i,
+		                             rb_energy_weigh(solver, i, &more).angular);
+	return more;
+}
+
+double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *world,
+                         struct rb_island *island)
+{
+	const struct rb_dense rows = rows_of(solver, island);
+	struct rb_energy energy = {.lost = island->room, .mixed = -rb_dense_work(&rows)};
+
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_dense_body more = {
+			.linear = rb_vec3_sub(solver->dense.body[i].linear, solver->free[i].linear),
+			.angular = rb_vec3_sub(solver->dense.body[i].angular,
+		                               solver->free[i].angular)};
+		const struct rb_dense_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_dense_body now = rb_energy_added(solver, world, i);
+		const struct rb_dense_body state = {
+			.linear = rb_world_row3(world->state.velocity, i),
+			.angular = world->state.spin ? rb_world_row3(world->state.spin, i)
+		                                     : (rb_vec3){0, 0, 0}};
+
+		energy.mixed += rb_energy_product(&momentum, &state);
+		energy.square += rb_energy_product(&momentum, &now);
+	}
+	const double share = rb_energy_share(&energy);
+	island->room = fmax(0, island->room - share * (2 * energy.mixed + share * energy.square));
+	return share;
+}

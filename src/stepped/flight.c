@@ -1,0 +1,239 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/flight.h"
+
+#include <float.h>
+
+/* Newton's steps to a touch; rounding of a gap, over the sizes; of an approach, over the speeds. */
+enum { STEPS_MOST = 32, GAP_ULP = 4, SPEED_ULP = 64 };
+/* Over what a solution has left of a body's contacts: approaches by which these may differ. */
+static const double left_share = 16;
+
+static double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_vec3 arm)
+{
+	const struct rb_world *world = flight->world;
+	const struct rb_state *now = &world->state, *mark = &world->mark;
+	struct rb_flight_motion motion = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
+
+	if (i >= world->model->body_count)
+		return motion;
+	const struct rb_kick *kick = &world->stepped->kick[i];
+	const rb_vec3 before = rb_world_row3(mark->velocity, i);
+	rb_vec3 more = rb_vec3_sub(rb_world_row3(now->velocity, i), before);
+
+	motion.velocity = rb_vec3_add(before, kick->linear);
+	motion.shift = kick->shift;
+	if (now->spin) {
+		const rb_vec3 spin = rb_world_row3(mark->spin, i);
+
+		motion.velocity = rb_vec3_add(motion.velocity,
+		                              rb_vec3_cross(rb_vec3_add(spin, kick->angular), arm));
+		more = rb_vec3_add(
+			more, rb_vec3_cross(rb_vec3_sub(rb_world_row3(now->spin, i), spin), arm));
+	}
+	if (!flight->held[i])
+		motion.pull = rb_vec3_scale(1 / flight->h_s, more);
+	return motion;
+}
+
+bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_point *point)
+{
+	return point->central && flight->world->model->shape[point->b].kind == RB_SHAPE_SPHERE;
+}
+
+/* Of b relative to a, at the point; of plain ones, of the centres. */
+static struct rb_flight_motion relative(const struct rb_flight *flight,
+                                        const struct rb_point *point)
+{
+	/* arms along the normal turn nothing towards the other */
+	const rb_vec3 none = {0, 0, 0};
+	const struct rb_flight_motion a = rb_flight_of(flight, point->a,
+	                                               point->central ? none : point->arm_a);
+	const struct rb_flight_motion b = rb_flight_of(flight, point->b,
+	                                               point->central ? none : point->arm_b);
+
+	return (struct rb_flight_motion){rb_vec3_sub(b.velocity, a.velocity),
+	                                 rb_vec3_sub(b.pull, a.pull),
+	                                 rb_vec3_sub(b.shift, a.shift)};
+}
+
+static rb_vec3 way(const struct rb_flight_motion *motion, double t)
+{
+	return rb_vec3_add_scaled(motion->shift, t, rb_flight_velocity(motion, t));
+}
+
+static double radii_of(const struct rb_point *point)
+{
+	return point->arm_a.x - point->arm_b.x;
+}
+
+static rb_vec3 center_of(const struct rb_flight *flight, int i)
+{
+	const struct rb_world *world = flight->world;
+
+	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
+	                                    : world->model->position[i];
+}
+
+/* From centre to centre as the step began. */
+static rb_vec3 between(const struct rb_flight *flight, const struct rb_point *point)
+{
+	return rb_vec3_sub(center_of(flight, point->b), center_of(flight, point->a));
+}
+
+static double gap_of(const struct rb_flight *flight, const struct rb_point *point,
+                     const struct rb_flight_motion *motion, double t, rb_vec3 *normal)
+{
+	const rb_vec3 moved = way(motion, t);
+
+	*normal = point->normal;
+	if (!rb_flight_is_plain(flight, point))
+		return point->gap + point->bend + rb_vec3_dot(point->normal, moved);
+	const rb_vec3 d = rb_vec3_add(between(flight, point), moved);
+	const double distance = rb_vec3_length(d);
+	if (distance > 0)
+		*normal = rb_vec3_scale(1 / distance, d);
+	return distance - radii_of(point);
+}
+
+double rb_flight_gap(const struct rb_flight *flight, const struct rb_point *point, double t,
+                     rb_vec3 *normal)
+{
+	const struct rb_flight_motion motion = relative(flight, point);
+
+	return gap_of(flight, point, &motion, t, normal);
+}
+
+double rb_flight_approach(const struct rb_flight *flight, const struct rb_point *point,
+                          rb_vec3 normal)
+{
+	return -rb_vec3_dot(relative(flight, point).velocity, normal);
+}
+
+/* m/s: what the solution before has left of the contacts of either. */
+static double left_of(const struct rb_flight *flight, const struct rb_point *point)
+{
+	const struct rb_solver *solver = &flight->world->stepped->solver;
+	const double left = solver->left[point->a];
+
+	return point->b < solver->body_count ? larger(left, solver->left[point->b]) : left;
+}
+
+double rb_flight_rounding(const struct rb_flight *flight, int i)
+{
+	const double size = flight->world->stepped->solver.reach[i];
+
+	return DBL_EPSILON * (rb_vec3_max_abs(center_of(flight, i)) + size) / flight->h_s;
+}
+
+double rb_flight_least(const struct rb_flight *flight, const struct rb_point *point, rb_vec3 normal)
+{
+	const struct rb_world *world = flight->world;
+	const int ends[2] = {point->a, point->b};
+	double rounding = 0, closing = 0;
+
+	for (int e = 0; e < 2; e++) {
+		if (ends[e] >= world->model->body_count)
+			continue;
+		const rb_vec3 before = rb_world_row3(world->mark.velocity, ends[e]);
+		const rb_vec3 after = rb_world_row3(world->state.velocity, ends[e]);
+		const double more = rb_vec3_dot(rb_vec3_sub(after, before), normal);
+
+		closing += e == 0 ? more : -more;
+		const rb_vec3 arm = e == 0 ? point->arm_a : point->arm_b;
+		const double speed = rb_vec3_length(rb_flight_of(flight, ends[e], arm).velocity);
+		rounding = larger(rounding,
+		                  DBL_EPSILON * speed + rb_flight_rounding(flight, ends[e]));
+	}
+	const double some = larger(closing, left_share * left_of(flight, point));
+	return larger(SPEED_ULP * rounding, some < flight->enough ? some : flight->enough);
+}
+
+/* Newton's steps: along a straight way the distance is convex, so that they do not go too far. */
+static double spheres_meet(const struct rb_flight *flight, const struct rb_point *point,
+                           const struct rb_flight_motion *motion, double now)
+{
+	const double none = GAP_ULP * DBL_EPSILON * radii_of(point);
+	double t = now;
+
+	for (int step = 0; step < STEPS_MOST; step++) {
+		rb_vec3 normal;
+		const double gap = gap_of(flight, point, motion, t, &normal);
+		const double rate = rb_vec3_dot(
+			normal, rb_vec3_add_scaled(motion->velocity, 2 * t, motion->pull));
+
+		if (!(rate < 0))
+			return (double)INFINITY;
+		if (gap <= none)
+			return t;
+		t -= gap / rate;
+		if (!(t <= flight->h_s))
+			return (double)INFINITY;
+	}
+	return t;
+}
+
+/* Along one normal: gap + t u + t^2 a = 0. */
+static double face_meets(const struct rb_flight *flight, const struct rb_point *point,
+                         const struct rb_flight_motion *motion, double now)
+{
+	rb_vec3 normal;
+	const double c = gap_of(flight, point, motion, 0, &normal);
+	const double b = rb_vec3_dot(normal, motion->velocity);
+	const double a = rb_vec3_dot(normal, motion->pull);
+	const double square = b * b - 4 * a * c;
+
+	if (gap_of(flight, point, motion, now, &normal) <= 0)
+		return now;
+	if (!(square >= 0))
+		return (double)INFINITY;
+	/* both roots without cancellation */
+	const double q = -0.5 * (b + copysign(sqrt(square), b));
+	const double x = q / a, y = c / q;
+	const double first = x < y ? x : y, second = x < y ? y : x;
+	const double t = first >= now ? first : second;
+	return t >= now && t <= flight->h_s ? t : (double)INFINITY;
+}
+
+double rb_flight_meets(const struct rb_flight *flight, const struct rb_point *point, double now)
+{
+	const struct rb_flight_motion motion = relative(flight, point);
+	const bool plain = rb_flight_is_plain(flight, point);
+	const double t = plain ? spheres_meet(flight, point, &motion, now)
+	                       : face_meets(flight, point, &motion, now);
+	rb_vec3 normal;
+
+	if (!(t <= flight->h_s))
+		return (double)INFINITY;
+	(void)gap_of(flight, point, &motion, t, &normal);
+	const double approach = -rb_vec3_dot(motion.velocity, normal);
+	return rb_flight_rebound(flight, point, approach) > rb_flight_least(flight, point, normal)
+	               ? t
+	               : (double)INFINITY;
+}
+
+void rb_flight_see(const struct rb_flight *flight, struct rb_point *point, bool touched)
+{
+	const struct rb_flight_motion motion = relative(flight, point);
+
+	if (!rb_flight_is_plain(flight, point)) {
+		point->bend += rb_vec3_dot(point->normal, motion.shift);
+		return;
+	}
+	if (!touched) {
+		/* where they come closest */
+		const rb_vec3 d = rb_vec3_add(between(flight, point), motion.shift);
+		const double square = rb_vec3_dot(motion.velocity, motion.velocity);
+		const double t = square > 0 ? -rb_vec3_dot(d, motion.velocity) / square : 0;
+
+		(void)gap_of(flight, point, &motion, t > 0 ? fmin(t, flight->h_s) : 0,
+		             &point->normal);
+	}
+	point->bend = rb_vec3_dot(point->normal,
+	                          rb_vec3_add(between(flight, point), motion.shift)) -
+	              radii_of(point) - point->gap;
+}

@@ -1,0 +1,150 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The ledger: causes have the values of closed forms, nothing that was located is unexplained, steps explain what is first
+# order in them; it changes no bit, goes through a checkpoint, and is recorded as it is summed up.
+. tests/cli/functions
+
+ledger()
+{
+	exits 0 "$@" --no-render --json --force -o run.h5
+	cp out "$1.json"
+}
+
+# A ball slides until it rolls, mu m g (v0/mu g)(2/7) of path: m v0^2/7 goes to heat.
+cat >slide.lua <<'END'
+world { duration = 2, gravity = {0, 0, -9.81} }
+local m = material { friction = 0.3, density = 1000 }
+plane { normal = {0, 0, 1}, material = m }
+sphere { radius = 0.1, mass = 2, position = {0, 0, 0.1}, velocity = {2, 1, 0}, material = m }
+END
+# Restitution 1/2 from 1 m: a rest of nothing; gravity and the floor balance.
+cat >drop.lua <<'END'
+world { duration = 5, gravity = {0, 0, -9.81} }
+local m = material { friction = 0.4, restitution = 0.5 }
+plane { normal = {0, 0, 1}, material = m }
+sphere { radius = 0.1, mass = 3, position = {2, 0, 1.1}, material = m }
+END
+# An oscillator that its damper brings to rest, beside a ball that drag stops.
+cat >damped.lua <<'END'
+world { duration = 60 }
+local wall = sphere { radius = 0.1, static = true, position = {0, 5, 0} }
+local bob = sphere { radius = 0.1, mass = 1, position = {2, 5, 0} }
+spring { a = wall, b = bob, stiffness = 40, damping = 3, rest_length = 1.5 }
+END
+cat >drag.lua <<'END'
+world { duration = 60 }
+drag { linear = 2 }
+sphere { radius = 0.1, mass = 1, velocity = {3, 0, 4} }
+END
+# A belt takes a box along: what the motor gives is twice what the box gets.
+cat >belt.lua <<'END'
+world { duration = 2, gravity = {0, 0, -9.81} }
+local m = material { friction = 0.5 }
+box { size = {20, 2, 0.2}, material = m, motion = function(t)
+	return {3 * t, 0, -0.1}, {1, 0, 0, 0}, {3, 0, 0}, {0, 0, 0}
+end }
+box { size = {0.4, 0.4, 0.4}, mass = 5, position = {-5, 0, 0.2}, material = m }
+END
+# Forces stated, of a field and of callbacks; impulses and velocities that callbacks set.
+cat >pushed.lua <<'END'
+world { duration = 3, time_step = 0.01, gravity = {0, 0, -1} }
+field(function(t, x, v) return {0, 0.3 * math.cos(t), 0} end)
+local ball = sphere { radius = 0.1, mass = 2, velocity = {0, 1, 0}, angular_velocity = {0, 0, 3},
+	forces = {{vector = {1, 0, 0}, start = 0.5, duration = 1.25}} }
+local other = sphere { radius = 0.1, mass = 1, position = {5, 0, 0} }
+local done = false
+on_step(function(t)
+	ball:apply_force({0, 0, 2.5}, vec3(ball.position) + vec3(0, 0.05, 0))
+	if t > 1 and not done then
+		done = true
+		ball:apply_impulse({0, 0.5, 0}, {0, 0, 0})
+		other:set_velocity({0, 2, 0})
+	end
+end)
+END
+for scene in slide drop damped drag belt pushed; do
+	ledger $scene.lua --method located
+done
+python3 - <<'END' || fail 'the ledger is not that of the closed forms'
+import json
+from math import isclose, sqrt
+
+def run(name):
+    return json.load(open(name + '.lua.json'))
+
+def near(found, wanted, share=1e-11):
+    assert isclose(found, wanted, rel_tol=share, abs_tol=share), (found, wanted)
+
+near(run('slide')['ledger']['sliding'], 2 * 5 / 7)
+near(run('drop')['ledger']['impacts'], 3 * 9.81 * 1)
+near(run('damped')['ledger']['damping'], 0.5 * 40 * 0.5 ** 2)
+near(run('drag')['ledger']['drag'], 12.5)
+belt = run('belt')['ledger']
+near(belt['sliding'], 0.5 * 5 * 9)
+near(belt['driven'], 5 * 9)
+pushed = run('pushed')
+assert abs(pushed['ledger']['applied']) > 1e-3 and abs(pushed['ledger']['callbacks']) > 1e-3
+for name in 'slide', 'drop', 'damped', 'drag', 'belt', 'pushed':
+    ledger = run(name)['ledger']
+    for key in 'unexplained_share', 'momentum_share', 'angular_momentum_share':
+        assert ledger[key] <= 1e-12, (name, key, ledger[key])
+    whole = run(name)
+    change = sum(whole['last'][k] - whole['first'][k] for k in ('kinetic_energy', 'potential_energy'))
+    given = sum(ledger[k] for k in ('applied', 'driven', 'callbacks'))
+    taken = sum(ledger[k] for k in ('impacts', 'impact_friction', 'sliding', 'rolling', 'joint_friction',
+                                    'drag', 'damping'))
+    near(change, given - taken + ledger['unexplained'], 1e-13 * ledger['energy_scale'] + 1e-15)
+END
+
+# The classic method explains all but what is first order in its step.
+sed 's/gravity = {0/gravity = {2/' slide.lua >slope.lua
+for step in 0.004 0.001; do
+	ledger slope.lua --method classic --time-step $step
+	mv slope.lua.json slope-$step.json
+done
+python3 - <<'END' || fail 'what the classic method leaves is not first order'
+import json
+coarse, fine = (json.load(open(f'slope-{step}.json'))['ledger'] for step in ('0.004', '0.001'))
+assert 3 < coarse['unexplained_max'] / fine['unexplained_max'] < 5, (coarse, fine)
+assert fine['momentum_share'] < 1e-12 and fine['angular_momentum_share'] < 1e-12
+END
+
+# It changes no bit of what is simulated.
+for scene in slide drop belt pushed; do
+	hash=$(value state_hash $scene.lua.json)
+	for word in false true; do
+		{ cat $scene.lua; echo "record { ledger = $word }"; } >other.lua
+		exits 0 other.lua --method located --no-record --json
+		[ "$(value state_hash)" = "$hash" ] || fail "$scene: another hash with ledger = $word"
+	done
+done
+exits 0 other.lua --no-record
+says err '^  ledger +applied .* J, callbacks .* J$'
+says err '^  unexplained +[^ ]+ J at most, [^ ]+ of what moved; of momentum [^ ]+, of angular momentum [^ ]+$'
+sed -i 's/ledger = true/ledger = false/' other.lua
+exits 0 other.lua --no-record
+grep -q 'unexplained' err && fail 'a ledger that was not to be kept'
+echo 'world { duration = 1 } sphere { radius = 1 } record { ledger = 3 }' >bad.lua
+exits 65 bad.lua
+says err "'ledger' must be true or false"
+
+# As recorded; tests/cli/run-resume.sh looks at it after checkpoints.
+exits 0 belt.lua --no-render --json --force -o whole.h5
+cp out whole.json
+python3 - <<'END' || fail 'the recording is not what was summed up'
+import json, sys
+try:
+    import h5py
+except ImportError:
+    sys.exit(0)
+whole = json.load(open('whole.json'))['ledger']
+with h5py.File('whole.h5') as f:
+    books = f['/observables/ledger']
+    for name in books:
+        if name != 'momentum':
+            value = books[name]['value']
+            assert value[-1] == whole[name], name
+            assert value.attrs['units'] in (b'J', 'J'), name
+    for name in books['momentum']:
+        assert books['momentum'][name]['value'].shape == (121, 2, 3), name
+END

@@ -1,0 +1,20 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Recordings say what is so: tests/oracle computes gaps, contacts, impacts, energy and momentum anew, without the program.
+# That it would notice if they did not is tested with recordings that have one thing spoiled.
+. tests/cli/functions
+
+oracle=$TOP/tests/oracle
+python=
+for p in ${RBSIM_PYTHON:-} /usr/bin/python3 python3; do
+	"$p" -c 'import h5py, numpy' 2>/dev/null && { python=$p; break; }
+done
+[ -n "$python" ] || { echo "no Python with h5py and numpy (RBSIM_PYTHON can name one)"; exit 77; }
+# compiled files would land in the tree, and more threads than one for small matrices only wait
+export PYTHONDONTWRITEBYTECODE=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1
+
+"$python" "$oracle/test_gaps.py" || fail "gaps of the oracle are not those of closed forms"
+exits 0 "$oracle/wall.lua" -o located.h5 --quiet
+exits 0 "$oracle/wall.lua" --method stepped -o stepped.h5 --quiet
+"$python" "$oracle/spoil.py" located.h5 stepped.h5 >out || fail "the oracle misses what is spoiled"
+"$python" "$oracle/scenes.py" --program "$RBSIM" --frames 8 >out || fail "recordings and oracle disagree"

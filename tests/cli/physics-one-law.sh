@@ -1,0 +1,64 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# One law of impact: rows, racks and a pyramid of touching bodies that are hit have the same velocities afterwards by
+# located and by steps, to 1e-6 of the largest, whatever the step. Prints the largest difference of each case.
+. tests/cli/functions
+scene=$TOP/tests/scenes/one_law.lua
+
+# velocities METHOD TIME_STEP PARAMETER...
+velocities()
+{
+	method=$1 step=$2
+	shift 2
+	timeout 60 "$RBSIM" "$scene" --no-record --method "$method" --time-step "$step" "$@" >out 2>err </dev/null ||
+		fail "$method, time step $step, $*: exit status $?"
+	cat out err | sed -n 's/.*velocity //p' | tr '\n' ' '
+	echo
+}
+
+# alike CASE PARAMETER...
+alike()
+{
+	name=$1
+	shift
+	velocities located 0.01 "$@" >located
+	[ -s located ] || fail "$name: located told no velocities"
+	for step in 1e-4 1e-3 0.00312 0.00833333333333 0.0166666666667 0.0333333333333; do
+		velocities stepped $step "$@" >stepped
+		cat located stepped | awk -v name="$name, time step $step" '
+			NR == 1 { n = split($0, x); for (k = 1; k <= n; k++) if ((x[k] < 0 ? -x[k] : x[k]) > most) most = x[k] < 0 ? -x[k] : x[k] }
+			NR == 2 { m = split($0, y); for (k = 1; k <= m; k++) { d = x[k] - y[k]; if (d < 0) d = -d; if (d > worst) worst = d } }
+			END { printf "%s: %.3g of the largest speed\n", name, worst / most; exit !(n == m && most > 0 && worst <= 1e-6 * most) }' ||
+			fail "$name: time step $step ends elsewhere than located"
+	done
+}
+
+alike "row" -p kind=row
+alike "row, e = 0.5, gaps of 1e-9 m" -p kind=row -p e=0.5 -p gap=1e-9
+alike "row, each heavier, e = 0.9" -p kind=row -p grow=1.7 -p e=0.9
+alike "row, each lighter, against a wall" -p kind=row -p grow=0.7 -p wall=true
+alike "row on a table" -p kind=row -p e=0.8 -p g=9.81
+alike "break" -p kind=rack
+alike "break, e = 0.95, off the middle" -p kind=rack -p e=0.95 -p off=0.7
+alike "break on a table, friction" -p kind=rack -p e=0.9 -p off=-1.2 -p mu=0.2 -p speed=9
+alike "break of fifty-five" -p kind=rack -p count=10
+alike "boxes" -p kind=boxes -p e=0.6
+alike "pyramid" -p kind=pyramid
+alike "pyramid, e = 0.5, friction" -p kind=pyramid -p e=0.5 -p mu=0.4
+
+# more touching than the law is for: told with how many impacts and how much energy
+exits 0 "$scene" --no-record --json --quiet --method stepped -p kind=rack -p count=12
+[ "$(value crowded_impacts)" -eq 0 ] || fail "twelve rows have 198 contacts at most"
+cat >many.lua <<'LUA'
+world { duration = 0.1, frame_rate = 10, method = "stepped", time_step = 0.01 }
+local m = material { name = "m", density = 1000, friction = 0, restitution = 1 }
+for i = 0, 14 do
+	for j = 0, 14 do sphere { radius = 0.1, material = m, position = {0.2 * i, 0.2 * j, 0} } end
+end
+sphere { name = "cue", radius = 0.1, material = m, position = {-0.4, 1.4, 0}, velocity = {5, 0, 0} }
+LUA
+exits 0 many.lua --no-record --json --quiet
+[ "$(value crowded_impacts)" -ge 1 ] || fail "225 balls that touch at 420 points are no large group"
+awk -v e="$(value crowded_energy)" 'BEGIN { exit !(e > 0) }' || fail "the impact of a large group has no energy"
+exits 0 many.lua --no-record
+says err 'in groups of more than 200 contacts at once, of [0-9.]+ J'
