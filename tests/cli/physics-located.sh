@@ -60,8 +60,7 @@ end end end
 if kind == "drag" then drag { linear = 0.1 } end
 if kind == "field" then field(function(_, x) return {0, 0, -9.81 - x.x} end) end
 LUA
-# not of springs: since impacts are resolved within steps, that crowd takes minutes (a known fault)
-for kind in drag field motion; do
+for kind in drag field spring motion; do
 	exits 0 crowd.lua --param kind=$kind --no-record --json --quiet
 	stepped=$(value stepped)
 	awk -v s="$stepped" 'BEGIN { exit !(s > 0 && s < 0.3) }' || fail "boxes, $kind: stepped $stepped s of 0.3"
