@@ -85,7 +85,9 @@ exits 0 tower.lua --no-record --json --quiet
 exits 0 "$TOP/scenes/verify/S27_frictionless.lua" --param what=box --param zero_field=true --no-record --json --quiet
 
 # two tiles that lean face on face, whose slips have no time to turn: points one too many, and pieces that ended at once
-exits 0 "$TOP/scenes/dominoes.lua" --param count=2 --param spacing=0.01 --method located --no-record --no-render --json --quiet
+for spacing in 0.01 0.011 0.0125 0.014; do
+	exits 0 "$TOP/scenes/dominoes.lua" --param count=2 --param spacing=$spacing --method located --no-record --no-render --json --quiet
+done
 # auto leaves to steps what rattles on and on
 exits 0 "$TOP/scenes/dominoes.lua" --param count=3 --no-record --no-render --json --quiet
 stepped=$(value stepped)
