@@ -172,7 +172,7 @@ static void what_is_open_but_for_rounding_is_seen_at_the_end(void **slot)
 	}
 }
 
-/* Small rows are those of heavy bodies, whose unknowns do not wait. */
+/* Small rows are those of heavy bodies, whose unknowns are not open; that some wait costs no accuracy. */
 static void a_small_row_is_not_a_rest(void **slot)
 {
 	double store[MOST * MOST + 3 * MOST], kept[MOST * MOST];
@@ -190,9 +190,38 @@ static void a_small_row_is_not_a_rest(void **slot)
 	memcpy(d.matrix, kept, sizeof kept);
 	rb_dense_solve(&d);
 	assert_false(d.open);
-	assert_int_equal(d.late, 0);
 	for (int k = 0; k < MOST; k++)
 		assert_near(d.right[k], k - 4, 1e-12);
+}
+
+/*
+ * The loads of four corners, which are open by one but for a little that a fifth unknown can do better: the column that is
+ * nearly spent is not used first, which would answer a small right side with large loads.
+ */
+static void a_column_nearly_spent_waits(void **slot)
+{
+	const double base[4][4] = {{2, 0, 1, 1}, {0, 2, 1, 1}, {1, 1, 2, 0}, {1, 1, 0, 2}};
+	double store[MOST * MOST + 3 * MOST];
+	int places[5 * MOST];
+
+	(void)slot;
+	for (int m = 0; m < 12; m++) {
+		const double nearly = ldexp(0.01, -m);
+		struct rb_dense d = take(5, store, places);
+
+		for (int r = 0; r < 4; r++)
+			for (int c = 0; c < 4; c++)
+				d.matrix[5 * r + c] = base[r][c];
+		for (int r = 0; r < 5; r++) {
+			d.matrix[5 * r + 4] = r == 4;
+			d.right[r] = r == 4;
+		}
+		for (int c = 0; c < 4; c++)
+			d.matrix[20 + c] = nearly * (c < 2 ? 1 : -1);
+		rb_dense_solve(&d);
+		for (int k = 0; k < 5; k++)
+			assert_true(fabs(d.right[k]) < 2);
+	}
 }
 
 int main(void)
@@ -204,6 +233,7 @@ int main(void)
 		cmocka_unit_test(what_nothing_determines_is_left_open),
 		cmocka_unit_test(what_is_open_but_for_rounding_is_seen_at_the_end),
 		cmocka_unit_test(a_small_row_is_not_a_rest),
+		cmocka_unit_test(a_column_nearly_spent_waits),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
