@@ -2,6 +2,7 @@
 #include "event/arc.h"
 
 #include "event/account.h"
+#include "math/turn.h"
 
 #include <stddef.h>
 
@@ -36,11 +37,17 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 {
 	if (rb_located_on_piece(l, i)) {
 		const struct rb_piece_of *p = &l->piece[i];
+		const double *const begin = p->piece.start + p->first + RB_ROW_ORIENTATION;
 		double q[4];
 
+		pose->spin = rb_arc_piece_vector(p, RB_ROW_SPIN, t);
+		if (l->unfelt[i]) {
+			pose->orientation = rb_turn_through(&p->piece, p->first + RB_ROW_SPIN,
+			                                    rb_quat_from(begin), t - p->origin_s);
+			return;
+		}
 		rb_gauss_some(&p->piece, p->first + RB_ROW_ORIENTATION, 4, t - p->origin_s, q);
 		pose->orientation = rb_quat_unit(rb_quat_from(q));
-		pose->spin = rb_arc_piece_vector(p, RB_ROW_SPIN, t);
 		return;
 	}
 	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);

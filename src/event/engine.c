@@ -38,6 +38,16 @@ static void *row(size_t count, size_t size, bool *failed)
 	return block;
 }
 
+/* A fast spin asks for short pieces only where the orientation acts on something. */
+static bool is_unfelt(const struct rb_located *l, int i)
+{
+	const struct rb_model *model = l->model;
+
+	return model->shape[i].kind == RB_SHAPE_SPHERE && !model->center_of_mass &&
+	       !isnan(model->inverse_inertia_scalar[i]) && !rb_located_driven(l, i) &&
+	       !rb_pull_turns_with(l, i);
+}
+
 static bool make_rows(struct rb_located *l)
 {
 	const size_t n = (size_t)l->n;
@@ -56,14 +66,17 @@ static bool make_rows(struct rb_located *l)
 	if (l->world->state.orientation) {
 		l->top = row(n, sizeof *l->top, &failed);
 		l->top_body = row(n, sizeof *l->top_body, &failed);
+		l->unfelt = row(n, sizeof *l->unfelt, &failed);
 	}
 	if (failed)
 		return false;
 	for (int i = 0; i < l->n; i++) {
 		l->cluster_of[i] = l->place[i] = -1;
 		l->next[i] = (struct rb_next){.touch_s = HUGE_VAL, .wall_s = HUGE_VAL};
-		if (l->top)
-			l->top_body[i] = rb_top_body_of(&l->model->inertia[i]);
+		if (!l->top)
+			continue;
+		l->top_body[i] = rb_top_body_of(&l->model->inertia[i]);
+		l->unfelt[i] = is_unfelt(l, i);
 	}
 	for (int k = 0; k < l->model->static_count; k++)
 		l->plane_normal[k] = rb_plane_normal(l->model->orientation[l->n + k]);
@@ -140,6 +153,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->arc);
 	rb_memory_free(l->top);
 	rb_memory_free(l->top_body);
+	rb_memory_free(l->unfelt);
 	rb_memory_free(l->piece);
 	rb_memory_free(l->generation);
 	rb_memory_free(l->account_s);

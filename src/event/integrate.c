@@ -198,11 +198,15 @@ static enum rb_status rates(void *user, double t, const double *value, double *r
 		rb_vec3_to(r + RB_ROW_VELOCITY, w->linear[k]);
 		if (!w->l->top)
 			continue;
+		rb_vec3_to(r + RB_ROW_SPIN, w->angular[k]);
+		if (w->l->unfelt[w->c->member[k]]) {
+			rb_quat_to(r + RB_ROW_ORIENTATION, (rb_quat){0, 0, 0, 0});
+			continue;
+		}
 		const rb_quat turn = {0, 0.5 * w->pose[k].spin.x, 0.5 * w->pose[k].spin.y,
 		                      0.5 * w->pose[k].spin.z};
 		rb_quat_to(r + RB_ROW_ORIENTATION,
 		           rb_quat_multiply(turn, rb_quat_from(v + RB_ROW_ORIENTATION)));
-		rb_vec3_to(r + RB_ROW_SPIN, w->angular[k]);
 	}
 	return RB_OK;
 }

@@ -29,7 +29,10 @@ struct rb_arc {
 	rb_vec3 acceleration;
 };
 
-/* Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and holds to until_s. */
+/*
+ * Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and holds to until_s. Where its
+ * orientation is not felt, that stays as it began: what it is follows from the spin (math/turn).
+ */
 struct rb_piece_of {
 	struct rb_gauss_piece
 		piece; /* n = 0: the arc is a parabola; its arrays are the cluster's */
@@ -115,6 +118,7 @@ struct rb_located {
 	struct rb_arc *arc;
 	struct rb_top *top;           /* NULL where nothing turns */
 	struct rb_top_body *top_body; /* NULL where nothing turns */
+	bool *unfelt; /* [n]: how it is turned acts on nothing; NULL where nothing turns */
 	struct rb_piece_of
 		*piece; /* NULL until a force without a closed form or a driven body needs it */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: event/driven */

@@ -275,6 +275,33 @@ bool rb_pull_is_constant(const struct rb_located *l, int i, double t)
 	return true;
 }
 
+static bool has_arm(rb_vec3 point)
+{
+	return !isnan(point.x) && rb_vec3_max_abs(point) > 0;
+}
+
+bool rb_pull_turns_with(const struct rb_located *l, int i)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const int id = l->model->id_of[i];
+	const struct rb_body_def *body = &scene->bodies[id];
+
+	for (int f = 0; f < body->force_count; f++) {
+		const struct rb_force_def *force = &scene->forces[body->force_first + f];
+
+		if (force->frame == RB_FORCE_BODY || has_arm(force->point))
+			return true;
+	}
+	for (int k = 0; k < scene->spring_count; k++) {
+		const struct rb_spring_def *spring = &scene->springs[k];
+
+		if ((spring->a == id && has_arm(spring->at_a)) ||
+		    (spring->b == id && has_arm(spring->at_b)))
+			return true;
+	}
+	return false;
+}
+
 rb_vec3 rb_pull_turning(const struct rb_located *l, int i)
 {
 	if (!l->top || !l->world->state.twist || l->top_body[i].kind != RB_TOP_CONSTANT)

@@ -56,6 +56,9 @@ bool rb_pull_is_constant(const struct rb_located *l, int i, double t);
 /* The turning by torques only, where rb_pull_is_constant: what rb_arc_anchor wants. */
 rb_vec3 rb_pull_turning(const struct rb_located *l, int i);
 
+/* Does a stated force or a spring act at a point that turns with the body, or along its axes? */
+bool rb_pull_turns_with(const struct rb_located *l, int i);
+
 /* I^-1 applied to an angular impulse, world axes. */
 rb_vec3 rb_pull_yield(const struct rb_located *l, int i, rb_quat orientation, rb_vec3 torque);
 

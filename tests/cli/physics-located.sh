@@ -92,3 +92,20 @@ done
 exits 0 "$TOP/scenes/dominoes.lua" --param count=3 --no-record --no-render --json --quiet
 stepped=$(value stepped)
 awk -v s="$stepped" 'BEGIN { exit !(s > 0 && s < 0.65) }' || fail "three tiles: stepped $stepped s of 0.675"
+
+# how fast a ball has come to spin does not make its pieces shorter: the cost of a tilted turntable is linear in the time
+cat >turntable.lua <<'LUA'
+local w = 6
+world { duration = 5, gravity = {0.86, 0, -9.77}, frame_rate = 10, method = "located" }
+local m = material { name = "m", friction = 2, restitution = 0 }
+plane { material = m, motion = function(t)
+	return {0, 0, 0}, {axis = {0, 0, 1}, angle = w * t}, {0, 0, 0}, {0, 0, w}
+end }
+sphere { radius = 0.05, position = {0.3, 0, 0.05}, material = m }
+LUA
+for duration in 5 10 20; do
+	exits 0 turntable.lua --duration $duration --no-record --json --quiet
+	echo "$(value body_steps)"
+done >steps
+awk '{ n[NR] = $1 } END { exit !(n[3] - n[2] < 3 * (n[2] - n[1])) }' steps ||
+	fail "a turntable: $(tr '\n' ' ' <steps)body steps in 5, 10 and 20 s"

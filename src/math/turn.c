@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * q' = w q / 2 with a polynomial w: a Taylor series over parts of the way, in each of which the body turns by no more than
+ * a radian. That costs a small part of what collocation of q' = f(q) does, which knows nothing of its being linear.
+ */
+#include "math/turn.h"
+
+#include <float.h>
+#include <math.h>
+
+enum { POWERS = RB_GAUSS_NODES + 1, TERMS_MOST = 64 };
+
+/* Pure quaternions, by powers of a variable. */
+struct spin {
+	rb_vec3 power[POWERS];
+};
+
+/* Legendre's polynomials by powers of u, -1 to 1. */
+static void legendre(double p[POWERS][POWERS])
+{
+	for (int k = 0; k < POWERS; k++)
+		for (int i = 0; i < POWERS; i++)
+			p[k][i] = 0;
+	p[0][0] = p[1][1] = 1;
+	for (int k = 1; k + 1 < POWERS; k++)
+		for (int i = 0; i < POWERS; i++)
+			p[k + 1][i] = ((2 * k + 1) * (i > 0 ? p[k][i - 1] : 0) - k * p[k - 1][i]) /
+			              (k + 1);
+}
+
+/*
+ * By powers of u = 2 t / length - 1: a coefficient of a rate belongs to an integral of P_k on [0, 1] from 0 on, which is
+ * (P_(k+1) - P_(k-1)) / (2 (2 k + 1)).
+ */
+static struct spin spin_of(const struct rb_gauss_piece *piece, int first)
+{
+	double p[POWERS][POWERS];
+	struct spin w = {.power = {rb_vec3_from(piece->start + first)}};
+
+	legendre(p);
+	for (int k = RB_GAUSS_NODES - 1; k >= 0; k--) {
+		const rb_vec3 c = rb_vec3_from(piece->coefficient + (size_t)k * (size_t)piece->n +
+		                               first);
+
+		for (int i = 0; i < POWERS; i++) {
+			const double before = k > 0 ? -p[k - 1][i] : i == 0;
+
+			w.power[i] = rb_vec3_add_scaled(
+				w.power[i], (p[k + 1][i] + before) / (2 * (2 * k + 1)), c);
+		}
+	}
+	return w;
+}
+
+/* By powers of s, 0 to 1, on a part of the way from u on: Horner's division. */
+static struct spin part_of(const struct spin *spin, double u, double length)
+{
+	struct spin w = *spin;
+	double scale = 1;
+
+	for (int i = 0; i < POWERS; i++) {
+		for (int j = POWERS - 2; j >= i; j--)
+			w.power[j] = rb_vec3_add_scaled(w.power[j], u, w.power[j + 1]);
+	}
+	for (int i = 0; i < POWERS; i++, scale *= length)
+		w.power[i] = rb_vec3_scale(scale, w.power[i]);
+	return w;
+}
+
+/* The angles are those of half the way: w is in radians over the part, times 1/2. */
+static rb_quat turned(const struct spin *w, rb_quat begin)
+{
+	rb_quat term[TERMS_MOST] = {begin}, sum = begin;
+	int small = 0;
+
+	for (int k = 0; k + 1 < TERMS_MOST && small < POWERS; k++) {
+		rb_quat next = {0, 0, 0, 0};
+
+		for (int j = 0; j < POWERS && j <= k; j++) {
+			const rb_vec3 v = w->power[j];
+			const rb_quat part = rb_quat_multiply((rb_quat){0, v.x, v.y, v.z},
+			                                      term[k - j]);
+
+			next = (rb_quat){next.w + part.w, next.x + part.x, next.y + part.y,
+			                 next.z + part.z};
+		}
+		const double share = 1.0 / (k + 1);
+		term[k + 1] = (rb_quat){share * next.w, share * next.x, share * next.y,
+		                        share * next.z};
+		sum = (rb_quat){sum.w + term[k + 1].w, sum.x + term[k + 1].x, sum.y + term[k + 1].y,
+		                sum.z + term[k + 1].z};
+		/* each comes from as many as there are powers */
+		small = rb_quat_length(term[k + 1]) < 0x1p-6 * DBL_EPSILON ? small + 1 : 0;
+	}
+	return rb_quat_unit(sum);
+}
+
+rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat orientation, double t)
+{
+	rb_vec3 most = {0, 0, 0};
+
+	if (!(t > 0))
+		return orientation;
+	struct spin w = spin_of(piece, spin);
+	for (int i = 0; i < POWERS; i++) {
+		most = rb_vec3_add(most, (rb_vec3){fabs(w.power[i].x), fabs(w.power[i].y),
+		                                   fabs(w.power[i].z)});
+		w.power[i] = rb_vec3_scale(0.25 * piece->length_s, w.power[i]);
+	}
+	const double parts = ceil(rb_vec3_length(most) * t) + 1;
+	const double length = 2 * (t / piece->length_s) / parts;
+
+	for (double k = 0; k < parts; k++) {
+		struct spin part = part_of(&w, -1 + k * length, length);
+
+		for (int i = 0; i < POWERS; i++)
+			part.power[i] = rb_vec3_scale(length, part.power[i]);
+		orientation = turned(&part, orientation);
+	}
+	return orientation;
+}
