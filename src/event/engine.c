@@ -192,8 +192,12 @@ static void count_crowd(struct rb_located *l)
 
 static void settle_set(struct rb_located *l, double t)
 {
-	rb_settle(l, t, false, 0);
-	foresee_set(l, t);
+	int hit[2];
+
+	if (!rb_settle(l, t, false, 0, hit))
+		rb_strike_all(l, hit[0], hit[1], t);
+	if (l->status == RB_OK)
+		foresee_set(l, t);
 }
 
 /* What an impact of a pair changes. */
@@ -464,7 +468,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 		rb_set_add(l, i);
 	}
 	if (l->set_count > 0) {
-		rb_settle(l, t, true, 0);
+		rb_settle(l, t, true, 0, NULL);
 		foresee_set(l, t);
 	}
 	return l->status;

@@ -647,6 +647,8 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		.scale = scale,
 		.tolerance = tolerance,
 		.visited = w->parts ? enter_node : NULL,
+		/* a spring that is passed through pulls the other way at once; a field is the user's */
+		.jumps = (l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)) != 0,
 		.scratch = scratch,
 		.calls = &calls};
 

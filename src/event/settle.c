@@ -78,14 +78,22 @@ static bool begin(struct rb_settling *s)
 	return true;
 }
 
+/* m/s: normal velocity that a lasting contact may have by rounding and drift. */
+static double drifts(const struct rb_settling *s, const struct rb_meet *m)
+{
+	const double most = rb_meet_noise(s->l, m) + s->slack + s->drift;
+
+	if (s->struck)
+		return most;
+	return most + rb_tidy_drift * (rb_vec3_length(m->pose_a.velocity) +
+	                               rb_vec3_length(m->pose_b.velocity));
+}
+
 /* A contact that was held and is hit or pulled apart by a change is no longer one. */
 static bool parts(const struct rb_settling *s, const struct rb_meet *m)
 {
-	double most = rb_meet_noise(s->l, m) + s->slack + s->drift;
+	const double most = drifts(s, m);
 
-	if (!s->struck)
-		most += rb_tidy_drift *
-		        (rb_vec3_length(m->pose_a.velocity) + rb_vec3_length(m->pose_b.velocity));
 	/* and one whose body has been put elsewhere */
 	return rb_vec3_dot(m->velocity, m->normal) > most || rb_set_has_left(s->l, m) ||
 	       m->gap > fmax(rb_tidy_drift * rb_meet_size(s->l, m), rb_meet_band(s->l, m, s->t));
@@ -127,6 +135,19 @@ static bool opens_anew(const struct rb_settling *s, int k)
 	       rb_vec3_dot(m->velocity, m->normal) > rb_meet_noise(s->l, m);
 }
 
+/* One that has come to slip by more than drift, as where it rolls on to another feature, does not stick. */
+static void let_slip(const struct rb_settling *s, int k)
+{
+	const struct rb_meet *m = &s->meet[k];
+	struct rb_held *const before = &s->before[k];
+
+	if (before->a >= 0 && !s->l->starting &&
+	    rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) > drifts(s, m)) {
+		before->slipping = true;
+		before->ending = false;
+	}
+}
+
 static void keep_what_lasts(struct rb_settling *s)
 {
 	bool *const kept = rb_slips_take(s, s->meet_count, sizeof *kept);
@@ -141,10 +162,12 @@ static void keep_what_lasts(struct rb_settling *s)
 
 	if (!kept)
 		return;
-	for (int k = 0; k < s->meet_count; k++)
+	for (int k = 0; k < s->meet_count; k++) {
+		let_slip(s, k);
 		/* an impact has left velocities that are right */
 		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->meet[k]) &&
 		          !opens_anew(s, k);
+	}
 	rb_tidy(&tidy);
 	for (int k = 0; k < s->meet_count; k++) {
 		rb_tidy_meet(s->l, s->pose, &s->meet[k]);
@@ -639,6 +662,16 @@ static void enter_changes(const struct rb_settling *s, const struct rb_pose *see
 	}
 }
 
+/* The first contact that has lasted and approaches, -1: none. What steps have left is not that of an impact. */
+static int find_hit(const struct rb_settling *s)
+{
+	for (int k = 0; k < s->meet_count && !s->struck && !s->l->starting; k++)
+		if (s->before[k].a >= 0 && rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) <
+		                                   -drifts(s, &s->meet[k]))
+			return k;
+	return -1;
+}
+
 /* One look at the set: true, it is to be looked at anew. */
 static bool settle_once(struct rb_settling *s, bool may_seize)
 {
@@ -646,6 +679,9 @@ static bool settle_once(struct rb_settling *s, bool may_seize)
 	double try_s;
 
 	if (!begin(s))
+		return false;
+	s->hit = find_hit(s);
+	if (s->hit >= 0)
 		return false;
 	const struct rb_pose *const seen = see_poses(s);
 	keep_what_lasts(s);
@@ -671,18 +707,29 @@ static bool settle_once(struct rb_settling *s, bool may_seize)
 	return false;
 }
 
-void rb_settle(struct rb_located *l, double t, bool struck, double slack)
+bool rb_settle(struct rb_located *l, double t, bool struck, double slack, int hit[2])
 {
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	bool again = true;
 
 	/* each impulse ends a slip, and what it makes approach is an impact */
 	for (int round = 0; again; round++) {
-		struct rb_settling s = {
-			.l = l, .t = t, .slack = slack, .struck = struck || round > 0};
+		struct rb_settling s = {.l = l,
+		                        .t = t,
+		                        .slack = slack,
+		                        .struck = struck || round > 0,
+		                        .hit = -1};
 
 		again = settle_once(&s, round <= l->set_count) && l->status == RB_OK;
+		const bool is_hit = s.hit >= 0;
+		if (is_hit) {
+			hit[0] = s.meet[s.hit].a;
+			hit[1] = s.meet[s.hit].b;
+		}
 		rb_arena_back(l->arena, here);
+		if (is_hit)
+			return false;
 	}
 	l->merge_count = 0;
+	return true;
 }

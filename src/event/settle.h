@@ -14,7 +14,11 @@
  * callback has just changed velocities, which are right as they are; `slack` m/s: the rounding that it has left on top
  * of that of the velocities themselves. Leaves the set, whose bodies are
  * then to foresee anew. Sets l->status.
+ *
+ * False, and nothing is changed but the set: a contact that has lasted approaches by more than can have drifted, as where one
+ * rolls on to another feature. `hit` is its pair: an impact (rb_strike_all). Never of what has been struck; then `hit` may be
+ * NULL.
  */
-void rb_settle(struct rb_located *l, double t, bool struck, double slack);
+bool rb_settle(struct rb_located *l, double t, bool struck, double slack, int hit[2]);
 
 #endif

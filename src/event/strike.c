@@ -660,6 +660,6 @@ void rb_strike_all(struct rb_located *l, int a, int b, double t)
 		strike(&s);
 	rb_arena_back(l->arena, here);
 	if (l->status == RB_OK)
-		rb_settle(l, t, true, s.slack);
+		rb_settle(l, t, true, s.slack, NULL);
 	l->come_a = l->come_b = -1;
 }

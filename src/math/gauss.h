@@ -10,6 +10,7 @@
 #ifndef RB_MATH_GAUSS_H
 #define RB_MATH_GAUSS_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -51,6 +52,8 @@ struct rb_gauss_problem {
 	 * step nothing is called before rb_gauss_step returns. May be NULL.
 	 */
 	void (*visited)(void *user, int node);
+	/* Rates may jump: also where that is between an end of the step and the node next to it, for one more call. */
+	bool jumps;
 };
 
 /* Doubles of scratch that a step needs. */
