@@ -623,51 +623,12 @@ static bool is_moving(const struct rb_settling *s)
 	return false;
 }
 
-/* Velocities as they came in, for the ledger; NULL where it is not kept. */
-static struct rb_pose *see_poses(struct rb_settling *s)
-{
-	struct rb_pose *const seen = s->l->account_s
-	                                     ? rb_slips_take(s, s->l->set_count, sizeof *seen)
-	                                     : NULL;
-
-	if (seen)
-		memcpy(seen, s->pose, (size_t)s->l->set_count * sizeof *seen);
-	return seen;
-}
-
-/*
- * What ends of slip and drift have changed of velocities, contacts have done; where one is with a fixed body, that has
- * given the momentum. The energy, which is rounding, is not entered.
- */
-static void enter_changes(const struct rb_settling *s, const struct rb_pose *seen,
-                          const struct rb_pose *now)
-{
-	struct rb_located *l = s->l;
-
-	for (int k = 0; seen && k < l->set_count; k++) {
-		struct rb_work_change change = {.body = l->set[k],
-		                                .partner = -1,
-		                                .cause = RB_ENERGY_CAUSES,
-		                                .linear = {seen[k].velocity, now[k].velocity},
-		                                .angular = {seen[k].spin, now[k].spin}};
-
-		for (int m = 0; m < s->meet_count && change.partner < 0; m++) {
-			if (s->meet[m].a == change.body && rb_located_fixed(l, s->meet[m].b))
-				change.partner = s->meet[m].b;
-			if (s->meet[m].b == change.body && rb_located_fixed(l, s->meet[m].a))
-				change.partner = s->meet[m].a;
-			change.point = s->meet[m].point;
-		}
-		rb_work_change(l, &now[k], &change);
-	}
-}
-
 /* The first contact that has lasted and approaches, -1: none. What steps have left is not that of an impact. */
 static int find_hit(const struct rb_settling *s)
 {
 	for (int k = 0; k < s->meet_count && !s->struck && !s->l->starting; k++)
-		if (s->before[k].a >= 0 && rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) <
-		                                   -drifts(s, &s->meet[k]))
+		if (s->before[k].a >= 0 &&
+		    rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) < -drifts(s, &s->meet[k]))
 			return k;
 	return -1;
 }
@@ -683,7 +644,6 @@ static bool settle_once(struct rb_settling *s, bool may_seize)
 	s->hit = find_hit(s);
 	if (s->hit >= 0)
 		return false;
-	const struct rb_pose *const seen = see_poses(s);
 	keep_what_lasts(s);
 	s->moves = is_moving(s);
 	if (s->moves && rb_located_cost(3.0 * s->meet_count) > l->crowd_most) {
@@ -694,16 +654,11 @@ static bool settle_once(struct rb_settling *s, bool may_seize)
 	if (l->status != RB_OK || !rb_slips_solve(s))
 		return false;
 	join_all(s);
-	const struct rb_pose *const settled = see_poses(s);
-	if (may_seize && rb_seize(s)) {
-		/* its impulses are entered already */
-		enter_changes(s, seen, settled);
+	if (may_seize && rb_seize(s))
 		return true;
-	}
 	forget_before(s, &try_s);
 	tell_lifts(s);
 	write_parts(s, try_s);
-	enter_changes(s, seen, s->pose);
 	return false;
 }
 
@@ -714,11 +669,8 @@ bool rb_settle(struct rb_located *l, double t, bool struck, double slack, int hi
 
 	/* each impulse ends a slip, and what it makes approach is an impact */
 	for (int round = 0; again; round++) {
-		struct rb_settling s = {.l = l,
-		                        .t = t,
-		                        .slack = slack,
-		                        .struck = struck || round > 0,
-		                        .hit = -1};
+		struct rb_settling s = {
+			.l = l, .t = t, .slack = slack, .struck = struck || round > 0, .hit = -1};
 
 		again = settle_once(&s, round <= l->set_count) && l->status == RB_OK;
 		const bool is_hit = s.hit >= 0;

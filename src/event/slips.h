@@ -17,7 +17,7 @@ struct rb_settling {
 	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
 	bool moves;   /* some body of it does, or may soon */
 	bool struck;  /* an impact has just happened */
-	int hit; /* meeting that approaches though it has lasted, -1: none */
+	int hit;      /* meeting that approaches though it has lasted, -1: none */
 	struct rb_meet *meet; /* [meet_count], sorted by (a, b, parts, key) */
 	int meet_count;
 	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */

@@ -302,16 +302,42 @@ static rb_vec3 velocity_after(const struct striking *s, int k)
 	                   rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
 }
 
+/* Across which a normal impulse turns the body, m; nothing but rounding where it passes through its centre. */
+static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
+{
+	const rb_vec3 lever = rb_vec3_cross(arm, normal);
+	const bool central = rb_vec3_length(lever) <= 16 * DBL_EPSILON * rb_vec3_length(arm);
+
+	return central ? (rb_vec3){0, 0, 0} : lever;
+}
+
+/* rad/s by a unit impulse along the normal */
+static rb_vec3 turn_by(const struct striking *s, int place, rb_vec3 lever)
+{
+	if (place >= s->l->set_count || !s->l->top || !(rb_vec3_max_abs(lever) > 0))
+		return (rb_vec3){0, 0, 0};
+	return rb_pull_yield(s->l, s->l->set[place], s->pose[place].orientation, lever);
+}
+
 static void stop_normal(struct striking *s, int k, double leave)
 {
 	const struct rb_joint_contact *c = &s->joint.contact[k];
 	struct rb_joint_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
-	const double sum = a->inverse_mass + b->inverse_mass;
+	const rb_vec3 lever_a = lever_of(c->arm_a, c->normal);
+	const rb_vec3 lever_b = lever_of(c->arm_b, c->normal);
+	const rb_vec3 turn_a = turn_by(s, c->a, lever_a), turn_b = turn_by(s, c->b, lever_b);
+	const double sum = a->inverse_mass + b->inverse_mass + rb_vec3_dot(lever_a, turn_a) +
+	                   rb_vec3_dot(lever_b, turn_b);
 
 	if (!(sum > 0))
 		return;
+	const rb_vec3 before = velocity_after(s, k);
 	a->linear = rb_vec3_add_scaled(a->linear, leave * a->inverse_mass / sum, c->normal);
 	b->linear = rb_vec3_add_scaled(b->linear, -leave * b->inverse_mass / sum, c->normal);
+	a->angular = rb_vec3_add_scaled(a->angular, leave / sum, turn_a);
+	b->angular = rb_vec3_add_scaled(b->angular, -leave / sum, turn_b);
+	rb_work_impact(s->l, &s->meet[k], rb_vec3_scale(-leave / sum, c->normal), before,
+	               velocity_after(s, k));
 }
 
 /* Does another contact hold its body at the same place, so that nothing brings this one back? */
@@ -431,6 +457,20 @@ static double largest_rebound(const struct striking *s, const bool *ends)
 	return most;
 }
 
+/* Bodies as they were, and from there without the rebounds of `tidy`. */
+static void stop_from(struct striking *s, struct rb_tidy *tidy, const struct rb_joint_body *before)
+{
+	for (int k = 0; k < s->l->set_count; k++) {
+		s->pose[k].velocity = before[k].linear;
+		s->pose[k].spin = before[k].angular;
+	}
+	rb_tidy_stop(tidy);
+	for (int k = 0; k < s->l->set_count; k++) {
+		s->joint.body[k].linear = s->pose[k].velocity;
+		s->joint.body[k].angular = s->pose[k].spin;
+	}
+}
+
 /*
  * The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. What it
  * would have approach, or lift where it stood, is stopped as well: that would be the next impact. Not at any price: where a
@@ -439,6 +479,8 @@ static double largest_rebound(const struct striking *s, const bool *ends)
 static void stop_together(struct striking *s, bool *ends)
 {
 	struct rb_tidy tidy = tidy_of(s, ends);
+
+	tidy.tries = true;
 	const size_t count = (size_t)s->l->set_count;
 	struct rb_joint_body *const before = rb_arena_take(s->l->arena, count, sizeof *before);
 	bool *const stood = rb_arena_take(s->l->arena, (size_t)s->meet_count, sizeof *stood);
@@ -451,21 +493,17 @@ static void stop_together(struct striking *s, bool *ends)
 		memcpy(before, s->joint.body, count * sizeof *before);
 	const double rebound = largest_rebound(s, ends);
 	for (int pass = 0; pass <= s->meet_count && more; pass++) {
-		for (int k = 0; k < s->l->set_count; k++) {
-			s->pose[k].velocity = before[k].linear;
-			s->pose[k].spin = before[k].angular;
-		}
-		rb_tidy_stop(&tidy);
-		for (int k = 0; k < s->l->set_count; k++) {
-			s->joint.body[k].linear = s->pose[k].velocity;
-			s->joint.body[k].angular = s->pose[k].spin;
-		}
-		more = keep_what_moves(s, stood, ends);
+		stop_from(s, &tidy, before);
+		more = pass < s->meet_count && keep_what_moves(s, stood, ends);
 	}
 	if (!before || !stood)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
 	else if (!(largest_change(s, before) <= dear * rebound))
 		memcpy(s->joint.body, before, count * sizeof *before);
+	else if (s->l->account_s) { /* the same once more, for good */
+		tidy.tries = false;
+		stop_from(s, &tidy, before);
+	}
 }
 
 /*
@@ -543,77 +581,36 @@ static void tell_impacts(struct striking *s)
 
 /* ---- the ledger ---- */
 
-/* What the ledger asks of an impact: velocities before it, and before what is left of rebounds is taken away. */
-struct entering {
-	rb_vec3 *approach;            /* [meet_count] */
-	struct rb_joint_body *struck; /* [set_count] */
-};
-
-static void see_approaches(struct striking *s, struct entering *e)
+/* Velocities before the impact; NULL where nobody asks. */
+static rb_vec3 *see_approaches(struct striking *s)
 {
 	struct rb_located *l = s->l;
 
-	*e = (struct entering){0};
 	if (!l->account_s)
-		return;
-	e->approach = rb_arena_take(l->arena, (size_t)s->meet_count + 1, sizeof *e->approach);
-	e->struck = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *e->struck);
-	if (!e->approach || !e->struck) {
+		return NULL;
+	rb_vec3 *const approach = rb_arena_take(l->arena, (size_t)s->meet_count + 1,
+	                                        sizeof *approach);
+	if (!approach)
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
 		                    l->set_count);
-		return;
-	}
-	for (int k = 0; k < s->meet_count; k++)
-		e->approach[k] = velocity_after(s, k);
+	for (int k = 0; approach && k < s->meet_count; k++)
+		approach[k] = velocity_after(s, k);
+	return approach;
 }
 
-static void enter_impulses(struct striking *s, struct entering *e)
+static void enter_impulses(struct striking *s, const rb_vec3 *approach)
 {
-	for (int k = 0; s->l->account_s && k < s->meet_count; k++)
-		rb_work_impact(s->l, &s->meet[k], s->joint.contact[k].impulse, e->approach[k],
+	for (int k = 0; approach && k < s->meet_count; k++)
+		rb_work_impact(s->l, &s->meet[k], s->joint.contact[k].impulse, approach[k],
 		               velocity_after(s, k));
-	if (s->l->account_s)
-		memcpy(e->struck, s->joint.body, (size_t)s->l->set_count * sizeof *e->struck);
-}
-
-/* A contact of the body with one that is fixed, -1: none. */
-static int fixed_contact(const struct striking *s, int body)
-{
-	for (int k = 0; k < s->meet_count; k++)
-		if ((s->meet[k].a == body && rb_located_fixed(s->l, s->meet[k].b)) ||
-		    (s->meet[k].b == body && rb_located_fixed(s->l, s->meet[k].a)))
-			return k;
-	return -1;
-}
-
-static void enter_ends(struct striking *s, const struct entering *e)
-{
-	for (int k = 0; s->l->account_s && k < s->l->set_count; k++) {
-		const struct rb_joint_body *now = &s->joint.body[k], *then = &e->struck[k];
-		const int body = s->l->set[k], contact = fixed_contact(s, body);
-		struct rb_work_change change = {.body = body,
-		                                .partner = -1,
-		                                .cause = RB_ENERGY_IMPACTS,
-		                                .linear = {then->linear, now->linear},
-		                                .angular = {then->angular, now->angular}};
-
-		if (contact >= 0) {
-			const struct rb_meet *m = &s->meet[contact];
-
-			change.partner = m->a == body ? m->b : m->a;
-			change.point = m->point;
-		}
-		rb_work_change(s->l, &s->pose[k], &change);
-	}
 }
 
 static void strike(struct striking *s)
 {
 	struct rb_located *l = s->l;
-	struct entering entering;
 	int rounds = 0;
 
-	see_approaches(s, &entering);
+	rb_vec3 *const approach = see_approaches(s);
 	if (l->status != RB_OK)
 		return;
 	s->joint.products_most = rb_located_products(l, s->meet_count);
@@ -628,10 +625,9 @@ static void strike(struct striking *s)
 		l->world->frame_counts.plastic_ends++;
 	if (s->meet_count > 0)
 		tell_impacts(s);
-	enter_impulses(s, &entering);
+	enter_impulses(s, approach);
 	tell_ends(s);
 	end_accumulations(s);
-	enter_ends(s, &entering);
 	for (int k = 0; k < l->set_count; k++) {
 		const int i = l->set[k];
 

@@ -3,6 +3,7 @@
 
 #include "event/mechanics.h"
 #include "event/pull.h"
+#include "event/work.h"
 
 #include <string.h>
 
@@ -116,6 +117,9 @@ static void tidy_one(const struct rb_tidy *tidy, int which)
 				m->normal);
 		push(tidy, m->a, m->arm_a, rb_vec3_neg(impulse));
 		push(tidy, m->b, m->arm_b, impulse);
+		if (!tidy->tries)
+			rb_work_impact(tidy->l, m, impulse, m->velocity,
+			               rb_vec3_add(m->velocity, rb_mat3_apply(&k, impulse)));
 	}
 	rb_tidy_meet(tidy->l, tidy->pose, m);
 }
@@ -298,6 +302,19 @@ static void move_places(struct errors *e)
 	meet_all(e->tidy);
 }
 
+/* What the impulses in `sum` do by e->linear and e->angular. */
+static void enter(const struct errors *e)
+{
+	for (int k = 0; k < e->n; k++) {
+		const struct rb_meet *m = &e->tidy->meet[e->row[k]];
+		const rb_vec3 change = rb_vec3_sub(moved(e, m->b, m->arm_b),
+		                                   moved(e, m->a, m->arm_a));
+
+		rb_work_impact(e->tidy->l, m, e->sum[k], m->velocity,
+		               rb_vec3_add(m->velocity, change));
+	}
+}
+
 static void move_velocities(struct errors *e)
 {
 	bool any = false;
@@ -310,6 +327,8 @@ static void move_velocities(struct errors *e)
 	if (!any)
 		return;
 	solve(e);
+	if (!e->tidy->tries)
+		enter(e);
 	for (int k = 0; k < e->tidy->l->set_count; k++) {
 		struct rb_pose *pose = &e->tidy->pose[k];
 

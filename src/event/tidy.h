@@ -5,6 +5,7 @@
  *
  * Spheres are moved one contact after the other. Bodies with several points a pair are moved and turned together, by the
  * smallest motion in the metric of kinetic energy that serves all points at once: one by one each would undo the others.
+ * Velocities change by impulses at the contacts, which the ledger is told like any others.
  */
 #ifndef RB_EVENT_TIDY_H
 #define RB_EVENT_TIDY_H
@@ -20,6 +21,7 @@ struct rb_tidy {
 	const bool *kept;             /* [count]: these are put right */
 	int count;
 	struct rb_pose *pose;
+	bool tries; /* the ledger is not told: it may be undone */
 };
 
 /* Share of sizes and speeds by which integration may have let a held contact drift. */

@@ -51,49 +51,6 @@ void rb_work_impact(struct rb_located *l, const struct rb_meet *m, rb_vec3 impul
 	rb_ledger_enter(&l->world->ledger, &e);
 }
 
-void rb_work_change(struct rb_located *l, const struct rb_pose *pose,
-                    const struct rb_work_change *change)
-{
-	struct rb_entries e = {0};
-	const int i = change->body;
-	const rb_vec3 way = rb_vec3_sub(change->linear[1], change->linear[0]);
-	const rb_vec3 impulse = rb_vec3_scale(l->model->mass[i], way);
-	double taken = -0.5 *
-	               rb_vec3_dot(impulse, rb_vec3_add(change->linear[0], change->linear[1]));
-	rb_vec3 turned = {0, 0, 0};
-
-	if (!l->account_s)
-		return;
-	if (l->top) {
-		const rb_vec3 spin = rb_vec3_sub(change->angular[1], change->angular[0]);
-
-		turned = rb_quat_rotate(
-			pose->orientation,
-			rb_mat3_apply(&l->model->inertia[i],
-		                      rb_quat_rotate_back(pose->orientation, spin)));
-		taken -= 0.5 *
-		         rb_vec3_dot(turned, rb_vec3_add(change->angular[0], change->angular[1]));
-	}
-	if (change->partner >= 0) {
-		const enum rb_ledger_momentum cause = cause_of(l, change->partner);
-
-		rb_entries_impulse(&e, cause, impulse, pose->position);
-		rb_entries_twist(&e, cause, turned);
-		if (rb_located_driven(l, change->partner) && change->cause < RB_ENERGY_CAUSES) {
-			const struct rb_pose other = rb_arc_pose(l, change->partner, l->now_s);
-			const double given = rb_vec3_dot(
-				impulse,
-				velocity_at(&other, rb_vec3_sub(change->point, other.position)));
-
-			rb_entries_energy(&e, RB_ENERGY_DRIVEN, given);
-			taken += given;
-		}
-	}
-	if (change->cause < RB_ENERGY_CAUSES)
-		rb_entries_energy(&e, change->cause, taken);
-	rb_ledger_enter(&l->world->ledger, &e);
-}
-
 /* ---- forces ---- */
 
 static void add_member(const struct rb_pull_parts *parts, const struct rb_pose *pose,

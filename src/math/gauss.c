@@ -392,10 +392,10 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 				problem->noise ? problem->noise(problem->user, piece->coefficient)
 					       : 0);
 			const bool fits = error <= asked && left <= asked;
-			const double missed =
-				fits && problem->jumps
-					? missed_at_ends(&a, piece->coefficient, rate, &status)
-					: 0;
+			const double missed = fits && problem->jumps
+			                              ? missed_at_ends(&a, piece->coefficient, rate,
+			                                               &status)
+			                              : 0;
 			if (status != RB_OK)
 				return status;
 			if (fits && missed <= MISSED_TAILS * asked) {
