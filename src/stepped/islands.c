@@ -3,6 +3,7 @@
 
 #include "base/forest.h"
 #include "base/memory.h"
+#include "stepped/pivot.h"
 
 /* ---- bodies ---- */
 
@@ -327,6 +328,13 @@ static void fill_row(const struct pass *pass, struct rb_dense_row *row, int numb
 		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
 	if (!row->central)
 		level_arms(nearest_of_face(points, number), row);
+	const double pivot = row->central ? 0
+	                                  : rb_pivot_angle(pass->world, point->a, point->b,
+	                                                   point->normal, solver->h_s);
+	if (pivot != 0) {
+		row->arm_a = rb_pivot_mean(row->arm_a, row->normal, pivot);
+		row->arm_b = rb_pivot_mean(row->arm_b, row->normal, pivot);
+	}
 	fill_yields(&solver->dense, row);
 }
 

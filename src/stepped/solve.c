@@ -278,6 +278,25 @@ static bool is_quiet(const struct rb_solver *solver, const struct rb_island *isl
 	                                           island->member_count, square);
 }
 
+/*
+ * Whether the group is carried and nowhere slips by more than sweeps leave: it stands on what moves, and what is left would
+ * add up to a way.
+ */
+static bool goes_along(const struct rb_solver *solver, const struct rb_island *island,
+                       const struct rb_dense *dense)
+{
+	const double most = solver->enough / (sweep_share * RB_SLIP_SHARE);
+	bool sticks = island->carried;
+
+	for (int k = 0; k < dense->row_count && sticks; k++) {
+		const struct rb_dense_row *row = &dense->row[k];
+		const rb_vec3 u = rb_dense_velocity(dense, row);
+
+		sticks = row->push == 0 || rb_vec3_length(rb_vec3_reject(u, row->normal)) <= most;
+	}
+	return sticks;
+}
+
 /* m/s: what the first sweeps may leave. Spheres do not sway. */
 static double aim_of(const struct rb_solver *solver, const struct rb_island *island,
                      const struct rb_sweeper *sweeper)
@@ -471,7 +490,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (!good && !sweeper.wide)
 		good = sweep_more(&sweeper, island, enough / sweep_share, SWEEPS_MOST);
 	if (good && !closely && solver->before && island->residual > close &&
-	    is_quiet(solver, island, false) &&
+	    (is_quiet(solver, island, false) ||
+	     (!sweeper.wide && goes_along(solver, island, &dense))) &&
 	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
 	if (solver->before)

@@ -5,9 +5,11 @@
 
 #include "base/memory.h"
 #include "base/sort.h"
+#include "geom/distance.h"
 #include "geom/manifold.h"
 #include "model/parts.h"
 #include "step/gap.h"
+#include "stepped/pivot.h"
 #include "stepped/room.h"
 
 enum rb_status rb_points_create(struct rb_points *points, const struct rb_model *model,
@@ -130,6 +132,10 @@ static void fill_point(const struct look *look, struct rb_point *point)
 	point->from = 0;
 	point->push = 0;
 	point->rub = (rb_vec3){0, 0, 0};
+	/* friction goes round with what turns together */
+	const double pivot = central ? 0
+	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
+	                                              look->h);
 	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
 	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
 		const struct rb_named_push *last = &points->last[k];
@@ -139,8 +145,9 @@ static void fill_point(const struct look *look, struct rb_point *point)
 		point->from = k + 1;
 		point->push = look->h * last->force;
 		if (point->friction > 0)
-			point->rub = rb_vec3_scale(look->h,
-			                           rb_vec3_reject(last->rub, point->normal));
+			point->rub = rb_vec3_scale(
+				look->h, rb_pivot_turn(rb_vec3_reject(last->rub, point->normal),
+			                               point->normal, pivot, 1));
 		break;
 	}
 }
@@ -258,6 +265,36 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
 	}
 }
 
+/*
+ * Which points count, m: all that can close within `slack`; but of what rides on a driven body that turns only those that come
+ * near as that body sees it. Its corners may go round by more than their height, and corners one above the other would all
+ * count.
+ */
+static double band_of(const struct look *look, struct rb_pair pair, double slack)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_state *state = &world->state;
+	const struct rb_model *model = world->model;
+
+	if (pair.b >= model->body_count || !model->driven || !model->driven[pair.b] ||
+	    !state->spin || rb_vec3_max_abs(rb_world_row3(state->spin, pair.b)) == 0)
+		return slack;
+	const double h = look->h, reach = rb_model_reach(model, pair.a);
+	const rb_vec3 w = rb_world_row3(state->spin, pair.b);
+	const rb_vec3 d = rb_vec3_sub(rb_world_row3(state->position, pair.a),
+	                              rb_world_row3(state->position, pair.b));
+	const rb_vec3 v = rb_vec3_sub(rb_world_row3(state->velocity, pair.a),
+	                              rb_world_row3(state->velocity, pair.b));
+	const rb_vec3 slide = rb_vec3_sub(v, rb_vec3_cross(w, d));
+	const rb_vec3 turn = rb_vec3_sub(rb_world_row3(state->spin, pair.a), w);
+	/* of both in a turning frame, and what is beyond the first order */
+	const double angle = h * (rb_vec3_length(w) + rb_vec3_length(turn));
+	const double way = h * (rb_vec3_length(slide) + rb_vec3_length(turn) * reach) +
+	                   0.5 * angle * angle * (rb_vec3_length(d) + reach);
+
+	return fmin(slack, way + model->tolerance_m);
+}
+
 /* Of the tolerance, by which points may stand too high. */
 static const double fine_share = 0.125;
 /* How far all of them are apart at least; -INFINITY: nothing is known. */
@@ -266,6 +303,7 @@ static double look_at_parts(struct look *look, struct rb_pair pair, double slack
 {
 	const struct rb_near *near = look->near;
 	const double fine = fine_share * look->world->model->tolerance_m;
+	const double band = band_of(look, pair, slack);
 	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
 	const int count_a = rb_near_part_count(near, pair.a);
 	const int count_b = rb_near_part_count(near, pair.b);
@@ -287,7 +325,7 @@ static double look_at_parts(struct look *look, struct rb_pair pair, double slack
 				clue->is_close = false;
 				continue;
 			}
-			rb_manifold_with_nearest(&manifold, pa, pb, slack, fine);
+			rb_manifold_with_nearest(&manifold, pa, pb, band, fine);
 			clue->axis = manifold.normal;
 			clue->is_close = manifold.gap <= slack;
 			/* as if it had been seen at once: what is known decides cost only */
@@ -299,31 +337,27 @@ static double look_at_parts(struct look *look, struct rb_pair pair, double slack
 	return room;
 }
 
-/* How far turning may carry points of the body at that distance within the step, m. */
-static double turn_of(const struct look *look, int i, double distance)
-{
-	const struct rb_world *world = look->world;
-
-	if (!world->state.spin)
-		return 0;
-	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
-	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
-	return fmin(2, look->near->h_s * spin) * distance;
-}
-
-/* A driven plane may turn: the farther away, the more of a way. */
+/*
+ * A driven plane may turn: the farther away, the more of a way. About its own normal that closes nothing.
+ */
 static double plane_turn(const struct look *look, struct rb_pair pair)
 {
 	const struct rb_world *world = look->world;
 	const enum rb_shape_kind kind = world->model->shape[pair.b].kind;
+	const size_t at = (size_t)pair.b;
 
-	if (pair.b >= world->model->body_count ||
+	if (pair.b >= world->model->body_count || !world->state.spin ||
 	    (kind != RB_SHAPE_PLANE && kind != RB_SHAPE_RECTANGLE))
 		return 0;
-	return turn_of(
-		look, pair.b,
-		rb_vec3_length(rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
-	                                   rb_world_origin_at(world, &world->state, pair.b))));
+	const rb_vec3 normal = rb_plane_normal(rb_quat_from(world->state.orientation + 4 * at));
+	const rb_vec3 now = rb_world_row3(world->state.spin, pair.b);
+	const rb_vec3 before = rb_world_row3(world->mark.spin, pair.b);
+	const double tilt = fmax(rb_vec3_length(rb_vec3_cross(now, normal)),
+	                         rb_vec3_length(rb_vec3_cross(before, normal)));
+	const rb_vec3 between = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
+	                                    rb_world_origin_at(world, &world->state, pair.b));
+
+	return fmin(2, look->near->h_s * tilt) * rb_vec3_length(between);
 }
 
 /* m: what two bodies can close in the step, by how far either gets. */

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Two bodies that turn together about the normal of their contact, as what sticks to a turntable does: within a step their
+ * points go along chords, not along tangents. An arm on the way, the mean over the step, makes its velocity that of the
+ * chord, so that what sticks at its velocity stays in its place.
+ */
+#ifndef RB_STEPPED_PIVOT_H
+#define RB_STEPPED_PIVOT_H
+
+#include <math.h>
+
+#include "world/world.h"
+
+/* rad: what both turn by about `normal` within h_s, as far as they do so together. */
+static inline double rb_pivot_angle(const struct rb_world *world, int a, int b, rb_vec3 normal,
+                                    double h_s)
+{
+	const double *const spin = world->state.spin;
+
+	if (!spin || b >= world->model->body_count)
+		return 0;
+	const double turn_a = h_s * rb_vec3_dot(rb_vec3_from(spin + 3 * (size_t)a), normal);
+	const double turn_b = h_s * rb_vec3_dot(rb_vec3_from(spin + 3 * (size_t)b), normal);
+
+	if (!(turn_a * turn_b > 0))
+		return 0;
+	return fabs(turn_a) < fabs(turn_b) ? turn_a : turn_b;
+}
+
+/* Turns by `angle` about the unit vector `normal`, what is across it scaled by `share`. */
+static inline rb_vec3 rb_pivot_turn(rb_vec3 v, rb_vec3 normal, double angle, double share)
+{
+	const rb_vec3 along = rb_vec3_scale(rb_vec3_dot(v, normal), normal);
+	const rb_vec3 across = rb_vec3_sub(v, along);
+
+	return rb_vec3_add(rb_vec3_add_scaled(along, share * cos(angle), across),
+	                   rb_vec3_scale(share * sin(angle), rb_vec3_cross(normal, across)));
+}
+
+/* The mean of an arm that turns by `angle`, != 0: (R(angle) - 1) arm is angle normal x this. */
+static inline rb_vec3 rb_pivot_mean(rb_vec3 arm, rb_vec3 normal, double angle)
+{
+	const double half = 0.5 * angle;
+
+	return rb_pivot_turn(arm, normal, half, sin(half) / half);
+}
+
+#endif
