@@ -224,6 +224,39 @@ static void a_column_nearly_spent_waits(void **slot)
 	}
 }
 
+/* What is open can be added to a solution, and is all that can: the matrix takes it to nothing. */
+static void what_solutions_differ_by_is_known(void **slot)
+{
+	const double base[4][4] = {{2, 0, 1, 1}, {0, 2, 1, 1}, {1, 1, 2, 0}, {1, 1, 0, 2}};
+	double store[MOST * MOST + 3 * MOST];
+	int places[5 * MOST], open = 0;
+	struct rb_dense d = take(4, store, places);
+
+	(void)slot;
+	for (int r = 0; r < 4; r++) {
+		for (int c = 0; c < 4; c++)
+			d.matrix[4 * r + c] = base[r][c];
+		d.right[r] = 4;
+	}
+	rb_dense_solve(&d);
+	assert_true(d.open);
+	for (int k = 0; k < 4; k++) {
+		if (!rb_dense_is_open(&d, k))
+			continue;
+		open++;
+		rb_dense_opened(&d, k);
+		assert_near(d.right[k], 1, 0);
+		for (int r = 0; r < 4; r++) {
+			double sum = 0;
+
+			for (int c = 0; c < 4; c++)
+				sum += base[r][c] * d.right[c];
+			assert_near(sum, 0, 1e-15);
+		}
+	}
+	assert_int_equal(open, 1);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -234,6 +267,7 @@ int main(void)
 		cmocka_unit_test(what_is_open_but_for_rounding_is_seen_at_the_end),
 		cmocka_unit_test(a_small_row_is_not_a_rest),
 		cmocka_unit_test(a_column_nearly_spent_waits),
+		cmocka_unit_test(what_solutions_differ_by_is_known),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -144,10 +144,113 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 		w->dense.right[row + r] = -asked_of(w, i, r, free);
 }
 
+/* From `v` what it has along `way`. */
+static void take_off(double *v, const double *way, size_t n)
+{
+	double along = 0, square = 0;
+
+	for (size_t i = 0; i < n; i++) {
+		along += v[i] * way[i];
+		square += way[i] * way[i];
+	}
+	for (size_t i = 0; i < n && square > 0; i++)
+		v[i] -= along / square * way[i];
+}
+
 /*
- * Fills w->force; false: too many. Where the modes leave forces open (more contacts than freedoms), those that are nearest
- * to what they were when the cluster was settled: accelerations do not depend on it.
+ * Where the modes leave forces open (more contacts than freedoms), of all that do the same to the bodies: `least` [n], by
+ * unknowns, becomes the one of the smallest squares and `change` [n] the smallest change. Neither knows which contacts come
+ * first. What they may differ by is made orthogonal, one after the other (Gram and Schmidt, modified). False: no memory.
  */
+static bool close_open(struct rb_modes *w, double *least, double *change)
+{
+	const size_t n = (size_t)w->dense.n;
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	size_t count = 0, open = 0;
+
+	for (int k = 0; k < w->dense.n; k++)
+		open += rb_dense_is_open(&w->dense, k);
+	double *const way = rb_arena_take(w->l->arena, open * n + 1, sizeof *way);
+	if (!way)
+		return false;
+	for (int k = 0; k < w->dense.n; k++) {
+		if (!rb_dense_is_open(&w->dense, k))
+			continue;
+		double *const own = way + n * count++;
+
+		rb_dense_opened(&w->dense, k);
+		memcpy(own, w->dense.right, n * sizeof *own);
+		for (size_t j = 0; j + 1 < count; j++)
+			take_off(own, way + n * j, n);
+		take_off(least, own, n);
+		take_off(change, own, n);
+	}
+	w->dense.products += (long)(n * open * (n + open));
+	rb_arena_back(w->l->arena, here);
+	return true;
+}
+
+static void set_forces(struct rb_modes *w, const double *unknown)
+{
+	int row = 0;
+
+	for (int i = 0; i < w->c->held_count; i++) {
+		w->force[i] = (rb_vec3){0, 0, 0};
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
+			w->force[i] = rb_vec3_add_scaled(w->force[i], unknown[row],
+			                                 unit_of(w, i, k));
+	}
+}
+
+/* Is none of the forces outside its cone? */
+static bool are_lawful(const struct rb_modes *w)
+{
+	for (int i = 0; i < w->c->held_count; i++) {
+		const rb_vec3 n = w->meet[i].normal;
+		const double push = rb_vec3_dot(w->force[i], n);
+
+		if (push < 0 ||
+		    (!w->c->held[i].slipping && rb_vec3_length(rb_vec3_reject(w->force[i], n)) >
+		                                        w->contact[i].friction * push))
+			return false;
+	}
+	return true;
+}
+
+/*
+ * Forces where some are open: the smallest, which have the symmetry that the bodies have; where these are against the law, those
+ * that are nearest to what they were when the cluster was settled.
+ */
+static bool choose_forces(struct rb_modes *w)
+{
+	const struct rb_cluster *c = w->c;
+	const size_t n = (size_t)w->dense.n;
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	double *const least = rb_arena_take(w->l->arena, 2 * n, sizeof *least);
+	double *const change = least ? least + n : NULL;
+	int row = 0;
+
+	if (!least)
+		return false;
+	memcpy(change, w->dense.right, n * sizeof *change);
+	for (int i = 0; i < c->held_count; i++)
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+			least[row] = guess_of(w, i, k) + change[row];
+	const bool good = !w->dense.open || close_open(w, least, change);
+	if (good)
+		set_forces(w, least);
+	if (good && w->dense.open && !are_lawful(w)) {
+		row = 0;
+		for (int i = 0; i < c->held_count; i++)
+			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+				change[row] += guess_of(w, i, k);
+		set_forces(w, change);
+	}
+	rb_arena_back(w->l->arena, here);
+	return good;
+}
+
+/* Fills w->force; false: too many. */
 static bool solve_modes(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -161,15 +264,7 @@ static bool solve_modes(struct rb_modes *w, double t)
 	for (int i = 0; i < c->held_count; row += rb_modes_unknowns(&c->held[i]), i++)
 		fill_row(w, i, row, t);
 	rb_dense_solve(&w->dense);
-	row = 0;
-	for (int i = 0; i < c->held_count; i++) {
-		w->force[i] = (rb_vec3){0, 0, 0};
-		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
-			w->force[i] = rb_vec3_add_scaled(w->force[i],
-			                                 guess_of(w, i, k) + w->dense.right[row],
-			                                 unit_of(w, i, k));
-	}
-	return true;
+	return choose_forces(w);
 }
 
 /* Slips that creep go where nothing is left across them. True: one has turned. */

@@ -94,6 +94,7 @@ static void eliminate(struct rb_dense *d, int row, int k, const struct left *lef
 	}
 }
 
+/* What is open is as `found` has it. */
 static void substitute_back(struct rb_dense *d)
 {
 	const int n = d->n, ordered = n - d->late;
@@ -101,7 +102,6 @@ static void substitute_back(struct rb_dense *d)
 	for (int j = n - 1; j >= 0; j--) {
 		const int k = d->order[j], p = d->pivot[k];
 
-		d->found[k] = 0;
 		if (p < 0)
 			continue;
 		const double *const row = d->matrix + p * n;
@@ -116,6 +116,12 @@ static void substitute_back(struct rb_dense *d)
 	}
 	for (int k = 0; k < n; k++)
 		d->right[k] = d->found[k];
+}
+
+static void close_all(struct rb_dense *d)
+{
+	for (int k = 0; k < d->n; k++)
+		d->found[k] = 0;
 }
 
 /* Of the rows that are not used yet, from `row` on, the one with most of column k; -1: none has more than `least` of it. */
@@ -174,6 +180,7 @@ void rb_dense_solve(struct rb_dense *d)
 		if (best >= 0)
 			use(d, row++, best, k, &left);
 	}
+	close_all(d);
 	substitute_back(d);
 }
 
@@ -188,5 +195,20 @@ void rb_dense_again(struct rb_dense *d)
 		for (int r = p + 1; r <= d->down[k]; r++)
 			d->right[r] -= d->matrix[r * d->n + k] * d->right[p];
 	}
+	close_all(d);
+	substitute_back(d);
+}
+
+bool rb_dense_is_open(const struct rb_dense *d, int k)
+{
+	return d->pivot[k] < 0;
+}
+
+void rb_dense_opened(struct rb_dense *d, int k)
+{
+	for (int i = 0; i < d->n; i++)
+		d->right[i] = 0;
+	close_all(d);
+	d->found[k] = 1;
 	substitute_back(d);
 }

@@ -28,4 +28,13 @@ void rb_dense_solve(struct rb_dense *dense);
 /* For another right side, of the matrix that rb_dense_solve has just used up: what is open stays open. */
 void rb_dense_again(struct rb_dense *dense);
 
+/* After rb_dense_solve: is unknown k one that nothing determines? */
+bool rb_dense_is_open(const struct rb_dense *dense, int k);
+
+/*
+ * To the right: what leaves all right sides as they are, with one for that open unknown and zero for the others. All of these
+ * are what solutions may differ by.
+ */
+void rb_dense_opened(struct rb_dense *dense, int k);
+
 #endif
