@@ -422,6 +422,18 @@ static double time_of(const struct impacts *all)
 	return fmax(all->start_s + all->t_s, nextafter(all->start_s, (double)INFINITY));
 }
 
+/* Where a point is at the moment. */
+static rb_vec3 place_of(const struct impacts *all, const struct rb_point *point)
+{
+	const rb_vec3 arm = point->central ? rb_vec3_scale(point->arm_a.x, point->normal)
+	                                   : point->arm_a;
+	const struct rb_flight_motion motion = rb_flight_of(&all->flight, point->a, arm);
+	rb_vec3 at = rb_vec3_add(rb_world_row3(all->world->state.position, point->a), motion.shift);
+
+	at = rb_vec3_add_scaled(at, all->t_s, rb_flight_velocity(&motion, all->t_s));
+	return rb_vec3_add(at, arm);
+}
+
 /* One for all points and impacts of a pair at one moment. */
 static struct rb_hit *find_hit(const struct impacts *all, const struct rb_point *point)
 {
@@ -438,24 +450,31 @@ static struct rb_hit *find_hit(const struct impacts *all, const struct rb_point 
 static struct rb_hit *add_hit(struct impacts *all, const struct rb_point *point)
 {
 	struct rb_cohort *cohort = all->cohort;
-	const struct rb_world *world = all->world;
 
 	if (!rb_memory_reserve(&cohort->hit, &cohort->hit_capacity, cohort->hit_count + 1,
 	                       sizeof *cohort->hit))
 		return NULL;
 	struct rb_hit *hit = &cohort->hit[cohort->hit_count++];
-	const rb_vec3 arm = point->central ? rb_vec3_scale(point->arm_a.x, point->normal)
-	                                   : point->arm_a;
-	const struct rb_flight_motion motion = rb_flight_of(&all->flight, point->a, arm);
-	rb_vec3 at = rb_vec3_add(rb_world_row3(world->state.position, point->a), motion.shift);
-
-	at = rb_vec3_add_scaled(at, all->t_s, rb_flight_velocity(&motion, all->t_s));
 	*hit = (struct rb_hit){.a = point->a,
 	                       .b = point->b,
 	                       .time_s = time_of(all),
-	                       .point = rb_vec3_add(at, arm),
+	                       .point = place_of(all, point),
 	                       .normal = point->normal};
 	return hit;
+}
+
+/* The pair's impulse acts in the middle of its points, each with the weight of its own. */
+static void add_impulse(const struct impacts *all, struct rb_hit *hit, const struct rb_point *point,
+                        const struct rb_joint_contact *c)
+{
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+
+	hit->impulse = rb_vec3_add(hit->impulse, c->impulse);
+	if (!(push > 0))
+		return;
+	hit->push += push;
+	hit->point = rb_vec3_add_scaled(hit->point, push / hit->push,
+	                                rb_vec3_sub(place_of(all, point), hit->point));
 }
 
 static bool tell(struct impacts *all, const struct rb_joint *joint, bool settled)
@@ -477,7 +496,7 @@ static bool tell(struct impacts *all, const struct rb_joint *joint, bool settled
 			hit->approach = c->approach;
 			hit->normal = c->normal;
 		}
-		hit->impulse = rb_vec3_add(hit->impulse, c->impulse);
+		add_impulse(all, hit, point, c);
 		hit->plastic = hit->plastic || (first && !settled);
 		first = false;
 	}

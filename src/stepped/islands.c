@@ -303,6 +303,26 @@ static void level_arms(const struct rb_point *nearest, struct rb_dense_row *row)
 	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
 }
 
+/* Those at which impulses act. */
+static void set_arms(const struct pass *pass, struct rb_dense_row *row, int number)
+{
+	const struct rb_point *const point = &pass->points->row[number];
+
+	row->central = point->central;
+	row->normal = point->normal;
+	row->arm_a = point->arm_a;
+	row->arm_b = point->arm_b;
+	if (row->central)
+		return;
+	level_arms(nearest_of_face(pass->points, number), row);
+	const double pivot = rb_pivot_angle(pass->world, point->a, point->b, point->normal,
+	                                    pass->solver->h_s);
+	if (pivot != 0) {
+		row->arm_a = rb_pivot_mean(row->arm_a, row->normal, pivot);
+		row->arm_b = rb_pivot_mean(row->arm_b, row->normal, pivot);
+	}
+}
+
 static void fill_row(const struct pass *pass, struct rb_dense_row *row, int number)
 {
 	const struct rb_solver *const solver = pass->solver;
@@ -313,10 +333,6 @@ static void fill_row(const struct pass *pass, struct rb_dense_row *row, int numb
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
 		.point = number,
-		.central = point->central,
-		.normal = point->normal,
-		.arm_a = point->arm_a,
-		.arm_b = point->arm_b,
 		.leave = -(point->gap + point->bend) / solver->h_s,
 		.friction = point->friction,
 		.push = point->push,
@@ -326,15 +342,7 @@ static void fill_row(const struct pass *pass, struct rb_dense_row *row, int numb
 	const double square = rb_vec3_dot(row->rub, row->rub);
 	if (square > most * most)
 		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
-	if (!row->central)
-		level_arms(nearest_of_face(points, number), row);
-	const double pivot = row->central ? 0
-	                                  : rb_pivot_angle(pass->world, point->a, point->b,
-	                                                   point->normal, solver->h_s);
-	if (pivot != 0) {
-		row->arm_a = rb_pivot_mean(row->arm_a, row->normal, pivot);
-		row->arm_b = rb_pivot_mean(row->arm_b, row->normal, pivot);
-	}
+	set_arms(pass, row, number);
 	fill_yields(&solver->dense, row);
 }
 
@@ -343,9 +351,17 @@ static void fill_rows_block(void *user, int block, int worker)
 	const struct pass *pass = user;
 
 	(void)worker;
-	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++)
-		if (pass->place[k] >= 0)
-			fill_row(pass, &pass->solver->dense.row[pass->place[k]], k);
+	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
+		struct rb_dense_row still, *row = &still;
+
+		if (pass->place[k] >= 0) {
+			row = &pass->solver->dense.row[pass->place[k]];
+			fill_row(pass, row, k);
+		} else {
+			set_arms(pass, row, k);
+		}
+		pass->points->row[k].lever = rb_dense_arm_a(row);
+	}
 }
 
 static void store_rows_block(void *user, int block, int worker)

@@ -715,8 +715,13 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	}
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
-	for (int k = 0; k < solver->dense.row_count; k++)
-		rebound[solver->dense.row[k].point] = rb_dense_impulse(&solver->dense.row[k]);
 	add_rebound(solver, world);
+	for (int k = 0; k < solver->dense.row_count; k++) {
+		const struct rb_dense_row *row = &solver->dense.row[k];
+		const struct rb_island *island = &solver->island[solver->island_of[row->a]];
+
+		if (island->rebounds)
+			rebound[row->point] = rb_vec3_scale(island->share, rb_dense_impulse(row));
+	}
 	return RB_OK;
 }

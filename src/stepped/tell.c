@@ -6,42 +6,37 @@
 
 #include "base/memory.h"
 
-static rb_vec3 arm_of(const struct rb_point *point)
-{
-	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
-}
-
 /*
- * The points of one pair as one contact: forces add, at their middle. Of what still rests they are what they were: the
- * rounding of the step's length is not in them.
+ * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as a force and as an impact.
+ * It acts where the step's solution has had it. Of what still rests it is what it was: the rounding of the step's length is
+ * not in it.
  */
-static struct rb_contact contact_of(const struct rb_world *world, const struct rb_points *points,
-                                    size_t first, size_t count, double h)
+static struct rb_contact contact_of(const struct rb_world *world, const struct rb_cohort *cohort,
+                                    size_t at, double h)
 {
-	const struct rb_point *point = &points->row[first];
-	const bool stays = world->stepped->solver.stays[point->a];
+	const struct rb_points *points = &cohort->points;
+	const struct rb_point *point = &points->row[at];
+	const bool stays = world->stepped->solver.stays[point->a] && point->from > 0;
 	struct rb_contact contact = {
-		.a = point->a, .b = point->b, .normal = point->normal, .gap = point->gap};
-	rb_vec3 sum = {0, 0, 0};
-	double weight = 0;
+		.a = point->a,
+		.b = point->b,
+		.point = rb_vec3_add(rb_world_row3(world->state.position, point->a), point->lever),
+		.normal = point->normal,
+		.gap = point->gap,
+	};
 
-	if (stays)
-		h = 1;
-	for (size_t k = 0; k < count; k++) {
-		const struct rb_named_push *last = stays && point[k].from > 0
-		                                           ? &points->last[point[k].from - 1]
-		                                           : NULL;
-		const double push = last ? last->force : point[k].push;
+	if (stays) {
+		contact.normal_force = points->last[point->from - 1].force;
+		contact.tangent_force = points->last[point->from - 1].rub;
+	} else if (!point->struck) {
+		const rb_vec3 rebound = cohort->rebound[at];
+		const double more = rb_vec3_dot(rebound, point->normal);
 
-		weight += push;
-		sum = rb_vec3_add_scaled(sum, push, arm_of(&point[k]));
-		contact.tangent_force = rb_vec3_add_scaled(contact.tangent_force, 1 / h,
-		                                           last ? last->rub : point[k].rub);
-		contact.gap = fmin(contact.gap, point[k].gap);
+		contact.normal_force = (point->push + more) / h;
+		contact.tangent_force = rb_vec3_scale(
+			1 / h,
+			rb_vec3_add(point->rub, rb_vec3_add_scaled(rebound, -more, point->normal)));
 	}
-	contact.normal_force = weight / h;
-	contact.point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a),
-	                                   1 / weight, sum);
 	if (contact.a < contact.b)
 		return contact;
 	/* a driven body comes second, wherever it is in the scene */
@@ -88,21 +83,16 @@ enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *
 {
 	const struct rb_points *points = &cohort->points;
 	const bool all = cohort == &world->stepped->all && world->stepped->stand.count > 0;
-	size_t length, old = 0;
+	size_t old = 0;
 	const enum rb_status status = rb_contacts_reserve(
 		to, to->count + points->count + (all ? world->contacts.count : 0) + 1, err);
 
 	if (status != RB_OK)
 		return status;
-	for (size_t k = 0; k < points->count; k += length) {
-		bool pushed = false;
-
-		length = pair_length(points, k);
-		for (size_t i = 0; i < length; i++)
-			pushed = pushed || points->row[k + i].push > 0;
-		if (!pushed || (skip && skip[points->row[k].a]))
+	for (size_t k = 0; k < points->count; k++) {
+		if (!(points->row[k].push > 0) || (skip && skip[points->row[k].a]))
 			continue;
-		const struct rb_contact contact = contact_of(world, points, k, length, h);
+		const struct rb_contact contact = contact_of(world, cohort, k, h);
 		if (all)
 			old = add_standing(world, old, skip, &contact, to);
 		to->row[to->count++] = contact;
@@ -125,15 +115,18 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	*event = (struct rb_event){
 		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
 	for (size_t k = 0; k < length; k++) {
+		const rb_vec3 rebound = cohort->rebound[first + k];
+
 		if (!(point[k].push > 0))
 			continue;
+		const double along = point[k].push + rb_vec3_dot(rebound, point[k].normal);
 		event->impulse = rb_vec3_add(
 			event->impulse, rb_vec3_add(rb_vec3_add_scaled(point[k].rub, point[k].push,
 		                                                       point[k].normal),
-		                                    cohort->rebound[first + k]));
-		push += point[k].push;
+		                                    rebound));
+		push += along;
 		approach = fmax(approach, point[k].approach);
-		event->point = rb_vec3_add_scaled(event->point, point[k].push, arm_of(&point[k]));
+		event->point = rb_vec3_add_scaled(event->point, along, point[k].lever);
 	}
 	event->approach_speed = approach;
 	if (!(push > 0 && approach > world->stepped->solver.enough))
@@ -191,11 +184,11 @@ static enum rb_status tell_hits(struct rb_world *world, const struct rb_cohort *
 	return status;
 }
 
-enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *cohort, double time,
+enum rb_status rb_tell_impacts(struct rb_world *world, struct rb_cohort *cohort, double time,
                                const struct rb_contacts *before, const unsigned char *skip,
                                struct rb_error *err)
 {
-	const struct rb_points *points = &cohort->points;
+	struct rb_points *points = &cohort->points;
 	enum rb_status status = tell_hits(world, cohort, time, skip, err);
 	size_t length;
 
@@ -207,6 +200,8 @@ enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *c
 		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
 		    !is_impact(world, cohort, k, length, &event))
 			continue;
+		for (size_t p = k; p < k + length; p++)
+			points->row[p].struck = true;
 		event.time_s = time;
 		status = add_told(world, event, err);
 	}

@@ -9,12 +9,12 @@
  * Adds the impacts of a cohort's step that ended at `time` to those told: pairs that were not among the contacts before.
  * Bodies with a mark in `skip` (may be NULL) are left out.
  */
-RB_CHECKED enum rb_status rb_tell_impacts(struct rb_world *world, const struct rb_cohort *cohort,
+RB_CHECKED enum rb_status rb_tell_impacts(struct rb_world *world, struct rb_cohort *cohort,
                                           double time_s, const struct rb_contacts *before,
                                           const unsigned char *skip, struct rb_error *err);
 /*
- * Adds the contacts of a cohort's step to `to`, which is then no longer in order. To the cohort of all belongs what stands: its
- * contacts are those of the world.
+ * Adds the contacts of a cohort's step to `to`, which is then no longer in order: of each point what has not been told as an
+ * impact. To the cohort of all belongs what stands: its contacts are those of the world.
  */
 RB_CHECKED enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                            double h_s, const unsigned char *skip,

@@ -24,8 +24,10 @@ struct rb_point {
 	double approach; /* m/s: towards each other at the beginning of the step, before its forces */
 	double push;     /* N s */
 	rb_vec3 rub;     /* N s, on b */
-	size_t pair;     /* among the candidates */
-	size_t from;     /* 1 + the place in `last` of what it started from; 0: of nothing */
+	rb_vec3 lever; /* m, from a's centre of mass: at which the step's solution has applied these */
+	bool struck; /* they have been told as an impact */
+	size_t pair; /* among the candidates */
+	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
 };
 
 /* What of a point the next step starts from. */

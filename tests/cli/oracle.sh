@@ -18,3 +18,5 @@ exits 0 "$oracle/wall.lua" -o located.h5 --quiet
 exits 0 "$oracle/wall.lua" --method stepped -o stepped.h5 --quiet
 "$python" "$oracle/spoil.py" located.h5 stepped.h5 >out || fail "the oracle misses what is spoiled"
 "$python" "$oracle/scenes.py" --program "$RBSIM" --frames 8 >out || fail "recordings and oracle disagree"
+"$python" "$oracle/scenes.py" --program "$RBSIM" --frames 2 --share steps arch dominoes heap marble_run >out ||
+	fail "forces and impulses of steps are not what changes momentum"

@@ -114,18 +114,6 @@ def check(rec, report, geometry, rows_most=4000):
 
     report.true("ids of contacts", bool((t["a"] < t["b"]).all() and rec.can_meet(t["i"], t["j"]).all()))
     report.bounds("normals are units", np.abs(np.linalg.norm(c.normal, axis=1) - 1), np.full(len(rows), 1e-14), where)
-    # under steps all points of a pair are one row, and those of unions have no one normal
-    parts = np.array([len(p) for p in geometry.of])
-    mixed = stepped & (np.maximum(parts[c.i], parts[c.j]) > 1)
-    report.count("contacts of unions left out", mixed.sum())
-    c = Rows(rec, geometry, t, rows[~mixed], lambda r, i: rec.pose(t["frame"][r], i))
-    rows, frame, stepped = rows[~mixed], frame[~mixed], stepped[~mixed]
-    if len(rows) == 0:
-        return
-
-    def where(k):
-        return f"frame {frame[k]}, {rec.label((c.i[k], c.j[k]))}, row {rows[k]}"
-
     shapes(rec, report, c, frame, stepped, where)
     forces(rec, report, c, frame, stepped, where)
 

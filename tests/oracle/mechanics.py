@@ -199,10 +199,14 @@ def steps(rec, report):
     report.bounds("steps, momentum", off, 1e-9 * scale[frame, body] + 1e-300, where, "N s")
     off = np.linalg.norm(np.diff(turned, axis=0, prepend=turned[:1]) - angular, axis=2)[frame, body]
     reach = np.sqrt(np.trace(rec.inertia, axis1=1, axis2=2) / np.where(m > 0, m, 1))
-    # points and arms are those of one moment of the step: first order in what the body turns and moves by
+    # points and arms are those of one moment of the step: first order in what the body turns and moves by, before or
+    # after what stops it
     way = (np.linalg.norm(rec.velocity, axis=2) + np.linalg.norm(rec.spin, axis=2) * reach) * dt[:, None]
+    way[1:] = np.maximum(way[1:], way[:-1])
     spin_scale = size * (1e-9 * reach + way) + np.linalg.norm(turned, axis=2) * (
         1e-9 + dt[:, None] * np.linalg.norm(rec.spin, axis=2))
+    # impulses that were taken back leave the rounding of what they would have stopped
+    spin_scale += FLIGHT * rec.unit * m * np.linalg.norm(rec.velocity, axis=2) * reach
     report.bounds("steps, angular momentum", off, spin_scale[frame, body] + 1e-300, where, "N m s")
     report.count("steps", len(frame))
 

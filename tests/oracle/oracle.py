@@ -25,11 +25,9 @@ from report import Report
 
 
 PARTS = ("layout", "overlaps", "contacts", "mechanics", "impacts")
-# What is known to be wrong in the program, and told as such: until forces are those of the frame, located friction may
-# be that of a moment before, and steps keep forces and impulses that overlap; until the ledger has all causes, and errors
-# of 3e-14 a piece of the integrator add up to more than 1e-12 (S41), not all of it is explained.
-PENDING = {"steps, momentum", "steps, angular momentum",
-           "ledger, momentum unexplained", "ledger, unexplained"}
+# What is known to be wrong in the program, and told as such: until the ledger has all causes, and errors of 3e-14 a piece
+# of the integrator add up to more than 1e-12 (S41), not all of it is explained.
+PENDING = {"ledger, momentum unexplained", "ledger, unexplained"}
 
 
 def examine(path, name=None, frames=24, parts=PARTS, pending=True):
