@@ -588,6 +588,15 @@ static bool gives_way(struct rb_located *l)
 	return true;
 }
 
+/* What has been counted lasts until time has allowed for it. */
+static void allow(struct rb_located *l, double dt)
+{
+	const double left = (double)rb_located_crowd(l) - RB_LOCATED_SECOND * dt;
+
+	l->crowd = left > 0 ? (uint64_t)left : 0;
+	l->products = 0;
+}
+
 enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
 {
 	const struct rb_world_options *options = &l->world->options;
@@ -595,8 +604,10 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	double t;
 
 	l->err = err;
-	l->crowd = l->products = 0;
-	if (!l->started) {
+	if (l->started) {
+		allow(l, until - l->now_s);
+	} else {
+		l->crowd = l->products = 0;
 		start(l, l->world->state.time_s);
 		if (l->status == RB_OK) /* slips that no force allows have ended at once */
 			call_hooks(l, told, l->now_s);
@@ -617,6 +628,8 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	if (l->status != RB_OK)
 		return l->status;
 	l->now_s = fmax(l->now_s, until);
+	l->crowd = rb_located_crowd(l);
+	l->products = 0;
 	store_all(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;
 	if (l->model->features & RB_FEATURE_PUSHES) /* they end with the step */

@@ -109,18 +109,25 @@ static double largest_acceleration(const struct rb_modes *w)
 	return most;
 }
 
-/* What a look at contacts has cost; what stands is looked at a few times, and then not for long. False: it is too much. */
+/* What a look has cost; what stands is looked at a few times, and then not for long. False: it is too much. */
 static bool count_look(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
 
 	if (!rb_modes_move(w))
 		return true;
-	l->products += (uint64_t)w->dense.products + RB_LOCATED_LOOK * (uint64_t)w->c->held_count;
+	l->products += c->held_count > 0 ? (uint64_t)w->dense.products +
+	                                           RB_LOCATED_LOOK * (uint64_t)c->held_count
+	                                 : RB_LOCATED_FLIGHT * (uint64_t)c->member_count;
 	if (rb_located_is_dense(l))
-		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-		                    "%d contacts together are too many to locate",
-		                    w->c->held_count);
+		l->status = c->held_count > 0
+		                    ? RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                              "%d contacts together are too many to locate",
+		                              c->held_count)
+		                    : RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                              "%d bodies together move too fast to locate",
+		                              c->member_count);
 	return l->status == RB_OK;
 }
 
@@ -166,7 +173,7 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 	}
 	w->most = largest_acceleration(w);
 	if (c->held_count == 0)
-		return true;
+		return count_look(w);
 	const bool solved = rb_modes_solve(w, t);
 	if (!solved && !rb_modes_solve_any(w, t, NULL))
 		return false;

@@ -153,8 +153,8 @@ struct rb_located {
 	double stuck_s;      /* events at one moment are counted */
 	uint64_t stuck_count;
 	uint64_t events, polled;
-	uint64_t crowd;      /* bodies of crowds dealt with since the step began */
-	uint64_t products;   /* arithmetic for what moves, since then */
+	uint64_t crowd;      /* bodies of crowds dealt with, less what time has allowed */
+	uint64_t products;   /* arithmetic for what moves, since the step began */
 	uint64_t crowd_most; /* more than these are left to steps; UINT64_MAX: whatever it costs */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */
@@ -173,9 +173,16 @@ static inline int rb_located_row(const struct rb_located *l)
 /*
  * So many products count as dealing with a body once. That is a choice, with which some fifty boxes that move together are
  * left to steps; and arithmetic, not a clock: the same on every machine. A row of a contact's in a product of a vector with
- * the matrix, and a look at a contact on a piece, count as so many.
+ * the matrix, a look at a contact on a piece, and at what pulls a body in flight, count as so many. A simulated second allows
+ * so many bodies, which take about one.
  */
-enum { RB_LOCATED_PRODUCTS = 100000, RB_LOCATED_ROW = 200, RB_LOCATED_LOOK = 400 };
+enum {
+	RB_LOCATED_PRODUCTS = 100000,
+	RB_LOCATED_ROW = 200,
+	RB_LOCATED_LOOK = 400,
+	RB_LOCATED_FLIGHT = 300
+};
+enum { RB_LOCATED_SECOND = 10000 };
 
 /* What is counted, in bodies. */
 static inline uint64_t rb_located_crowd(const struct rb_located *l)
@@ -183,7 +190,7 @@ static inline uint64_t rb_located_crowd(const struct rb_located *l)
 	return l->crowd + l->products / RB_LOCATED_PRODUCTS;
 }
 
-/* Too much to locate within a step. */
+/* Too much to locate. */
 static inline bool rb_located_is_dense(const struct rb_located *l)
 {
 	return rb_located_crowd(l) > l->crowd_most;

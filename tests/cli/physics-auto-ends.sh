@@ -13,3 +13,15 @@ timeout 60 "$RBSIM" tilted.lua --no-record --json --quiet >out 2>err </dev/null 
 hash=$(value state_hash)
 exits 0 tilted.lua --no-record --json --quiet --threads 3
 [ "$(value state_hash)" = "$hash" ] || fail "other threads, another end"
+
+# what is integrated a million times a second, in flight, is left to steps as well
+cat >stiff.lua <<'LUA'
+world { duration = 0.2, frame_rate = 20, gravity = {0, 0, -9.81} }
+plane {}
+local a = sphere { radius = 0.01, mass = 1e-3, position = {0, 0, 1} }
+local b = sphere { radius = 0.01, mass = 1e-3, position = {0.2, 0, 1} }
+spring { a = a, b = b, rest_length = 0.1, stiffness = 1e9 }
+LUA
+exits 0 stiff.lua --no-record --json --quiet
+stepped=$(value stepped)
+awk -v s="$stepped" 'BEGIN { exit !(s > 0.1) }' || fail "a spring of 1e9 N/m: stepped $stepped s of 0.2"
