@@ -33,7 +33,7 @@ static const struct rb_row world_rows[] = {
          "then reported and not promised)"},
 	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic, located, stepped",
          NULL, "auto", "",
-         "how time is advanced; auto is located, and stepped where events of a crowd come too densely (see rbsim methods)"},
+         "how time is advanced; auto is located, and stepped where locating costs too much (see rbsim methods)"},
 	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",
          "of math.random and all helpers; comes before the first random number is drawn"},
 	{"pause_on_collision", RB_ROW_BOOLEAN, 0, 0, AT(rb_world_def, pause_on_collision), NULL,
