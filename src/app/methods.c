@@ -21,7 +21,8 @@ static const struct {
          "heaps, stacks, towers of any shapes and masses",
          "impacts are at ends of steps: errors fall with the first power of time_step; springs that a step does not "
          "resolve lose their oscillation"},
-	{"auto", "located, but stepped while events come too densely, or motion is too fast, to locate",
+	{"auto",
+         "located, but stepped while events come too densely, or motion is too fast, to locate",
          "whoever does not want to choose (the default)",
          "how long was stepped stands in the summary and in the recording"},
 };
