@@ -2,6 +2,7 @@
 /* src/app/checkpoint.c: files that are whole, and all that are not */
 #include "support.h"
 
+#include <errno.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -299,6 +300,39 @@ static void what_the_recording_will_not_hold_is_not_written(void **state)
 	close_bench(&bench);
 }
 
+/* In place of the C library's, for this program: the n-th call from now fails, with that error. */
+static int syncs_before = -1, sync_error;
+
+int fsync(int fd)
+{
+	(void)fd;
+	if (syncs_before < 0 || syncs_before-- > 0)
+		return 0;
+	errno = sync_error;
+	return -1;
+}
+
+/* First the recording is synced, then the checkpoint, then their folder, whose error only costs safety. */
+static void what_cannot_be_synced_is_no_checkpoint(void **state)
+{
+	struct rb_checkpoints_tally tally;
+	struct bench bench;
+
+	(void)state;
+	for (int k = 0; k < 6; k++) {
+		const bool fails = k < 2;
+
+		open_bench(&bench);
+		syncs_before = k % 3;
+		sync_error = k < 3 ? EIO : EINVAL;
+		assert_int_equal(keep(&bench, 1, &tally), fails ? RB_ERR_IO : RB_OK);
+		assert_int_equal(syncs_before, -1);
+		assert_int_equal(tally.written, fails ? 0 : 1);
+		assert_int_equal(access(bench.name, F_OK) == 0, !fails);
+		close_bench(&bench);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -307,6 +341,7 @@ int main(void)
 		cmocka_unit_test(a_file_that_ends_early_or_late_is_told),
 		cmocka_unit_test(the_one_before_is_taken_where_the_last_is_not_whole),
 		cmocka_unit_test(what_the_recording_will_not_hold_is_not_written),
+		cmocka_unit_test(what_cannot_be_synced_is_no_checkpoint),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

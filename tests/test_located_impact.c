@@ -538,6 +538,155 @@ static void touching_bodies_with_full_restitution_stay(void **slot)
 	lab_close(&lab);
 }
 
+/* ---- what is told, and which numbers are taken ---- */
+
+/* Two balls in flight, or a ball and a plane, of materials with restitutions of their own; a short way where nobody is told. */
+static void bounce_pair(const int material[2], double restitution, bool plane, bool told)
+{
+	const double mass[2] = {1, 3};
+	const struct rb_world_options options = {.threads = 1, .keep_events = told};
+	struct lab lab;
+	int id[2];
+
+	lab_open_located(&lab, 1, 1);
+	lab_surface(&lab, 0, 0);
+	for (int k = 0; k < 3; k++) {
+		struct rb_material_def def = rb_material_def_default();
+
+		def.friction = 0;
+		def.restitution = 0.1 * k;
+		assert_int_equal(rb_scene_add_material(&lab.scene, &def, NULL, &lab.error), RB_OK);
+	}
+	static const struct rb_contact_pair_def pairs[] = {
+		{1, 2, 0, 0.6}, {1, 3, 0, 0.4}, {2, 3, 0, 0.8}};
+	for (int k = 0; k < 3; k++)
+		assert_int_equal(rb_scene_add_contact_pair(&lab.scene, &pairs[k], &lab.error),
+		                 RB_OK);
+	for (int k = 0; k < 2; k++) {
+		struct rb_body_def def = lab_sphere_def(0.1, mass[k], at(k ? 0.5 : -0.5, 0, 0),
+		                                        at(k ? 0 : 2, 0, 0));
+
+		if (plane && k) {
+			def = rb_body_def_default();
+			def.call = "plane";
+			def.shape.kind = RB_SHAPE_PLANE;
+			def.orientation = rb_plane_orientation(at(-1, 0, 0), at(NAN, 0, 0));
+			def.is_static = true;
+		}
+		def.material = material[k];
+		id[k] = lab_add(&lab, &def);
+	}
+	lab_seal_with(&lab, &options, NULL);
+	lab_run(&lab);
+	assert_int_equal(rb_world_totals(lab.world).collisions, 1);
+	if (plane) {
+		assert_vector(rb_world_velocity(lab.world, id[0]), at(-2 * restitution, 0, 0),
+		              1e-14);
+	} else { /* of 2 m/s: a quarter is the centre's */
+		assert_vector(rb_world_velocity(lab.world, id[0]),
+		              at(0.5 - 1.5 * restitution, 0, 0), 1e-14);
+		assert_vector(rb_world_velocity(lab.world, id[1]),
+		              at(0.5 + 0.5 * restitution, 0, 0), 1e-14);
+	}
+	lab_close(&lab);
+}
+
+static void a_pair_has_its_own_restitution_in_either_order(void **slot)
+{
+	static const double wanted[4][4] = {
+		{0}, {0, 0, 0.6, 0.4}, {0, 0.6, 0, 0.8}, {0, 0.4, 0.8, 0}};
+
+	(void)slot;
+	for (int a = 1; a < 4; a++)
+		for (int b = 1; b < 4; b++)
+			for (int way = 0; way < 4 && a != b; way++)
+				bounce_pair((const int[2]){a, b}, wanted[a][b], way & 1, way & 2);
+}
+
+/* With v^2 > g R it leaves at once where the sheet ends, and falls freely; nowhere does it come back to the edge. */
+static void a_ball_flies_off_every_edge_of_a_sheet(void **slot)
+{
+	const double v = 2, radius = 0.1, end = 0.75, size[2] = {1, 1.6};
+
+	(void)slot;
+	for (int way = 0; way < 4; way++) {
+		const double sign = way & 1 ? -1 : 1, falls = end - 0.5 * size[way / 2] / v;
+		struct lab lab;
+
+		lab_open_located(&lab, end, 1 / end);
+		lab.scene.world.gravity = earth;
+		lab_surface(&lab, 0, 0);
+		lab_rectangle(&lab, origin, up, size[0], size[1]);
+		const int ball = lab_sphere(&lab, radius, 1, at(0, 0, radius),
+		                            way / 2 ? at(0, sign * v, 0) : at(sign * v, 0, 0));
+		lab_seal(&lab, 1);
+		/* the sheet's own axes: width along x, up to a turn about its normal by a half */
+		const rb_vec3 along = rb_quat_rotate(rb_plane_orientation(up, at(NAN, 0, 0)),
+		                                     at(1, 0, 0));
+		assert_near(fabs(along.x), 1, 1e-15);
+		lab_run(&lab);
+		const rb_vec3 p = rb_world_position(lab.world, ball);
+		assert_near(way / 2 ? p.y : p.x, sign * v * end, 1e-13);
+		assert_near(p.z, radius - 0.5 * g * falls * falls, 1e-12);
+		lab_close(&lab);
+	}
+}
+
+/* A box falls flat on a plane, made before or after it: points lie on both, normals point from the lower id. */
+static void an_impact_is_told_from_the_lower_id_at_its_points(void **slot)
+{
+	(void)slot;
+	for (int way = 0; way < 4; way++) {
+		const bool box_first = way & 1, located = way & 2;
+		struct lab lab;
+		struct lab_log log;
+		rb_vec3 impulse = origin, mean = origin;
+
+		lab_open_located(&lab, 0.5, 10);
+		if (!located)
+			lab.scene.world.method = RB_METHOD_STEPPED;
+		lab.scene.world.gravity = earth;
+		lab_surface(&lab, 0.5, 0);
+		struct rb_body_def def = lab_sphere_def(0, 2, at(2, 3, 0.3), origin);
+		def.call = "box";
+		def.shape.kind = RB_SHAPE_BOX;
+		rb_vec3_to(def.shape.size, at(1, 0.4, 0.2));
+		if (box_first)
+			lab_add(&lab, &def);
+		lab_plane(&lab, origin, up);
+		if (!box_first)
+			lab_add(&lab, &def);
+		const struct rb_world_hooks hooks = lab_log_open(&log);
+		const struct rb_world_options options = {.threads = 1, .keep_events = true};
+		lab_seal_with(&lab, &options, &hooks);
+		lab_run(&lab);
+		const double sign = box_first ? -1 : 1;
+		double whole = 0;
+		assert_true(log.count > 0);
+		for (int k = 0; k < log.count; k++) {
+			const struct rb_event *e = &log.row[k];
+
+			if (e->kind != RB_EVENT_COLLISION)
+				continue;
+			assert_true(e->a == 0 && e->b == 1);
+			assert_vector(e->normal, at(0, 0, sign), 1e-14);
+			assert_true(sign * e->impulse.z > 0);
+			assert_true(fabs(e->point.x - 2) <= 0.5 + 1e-9);
+			assert_true(fabs(e->point.y - 3) <= 0.2 + 1e-9);
+			assert_near(e->point.z, 0, located ? 1e-12 : 1e-3);
+			impulse = rb_vec3_add(impulse, e->impulse);
+			mean = rb_vec3_add_scaled(mean, sign * e->impulse.z, e->point);
+			whole += sign * e->impulse.z;
+		}
+		/* the whole momentum of a fall by 0.2 m; steps add a step's weight or take it */
+		assert_near(whole, 2 * sqrt(2 * g * 0.2), located ? 1e-12 : 0.1 * whole);
+		assert_near(mean.x / whole, 2, 1e-6);
+		assert_near(mean.y / whole, 3, 1e-6);
+		lab_log_close(&log);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -557,6 +706,9 @@ int main(void)
 		cmocka_unit_test(a_fast_ball_in_a_room_unfolds),
 		cmocka_unit_test(a_thin_sheet_is_never_passed),
 		cmocka_unit_test(touching_bodies_with_full_restitution_stay),
+		cmocka_unit_test(a_pair_has_its_own_restitution_in_either_order),
+		cmocka_unit_test(a_ball_flies_off_every_edge_of_a_sheet),
+		cmocka_unit_test(an_impact_is_told_from_the_lower_id_at_its_points),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
