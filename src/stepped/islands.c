@@ -360,7 +360,8 @@ static void fill_rows_block(void *user, int block, int worker)
 		} else {
 			set_arms(pass, row, k);
 		}
-		pass->points->row[k].lever = rb_dense_arm_a(row);
+		if (!row->central)
+			pass->points->row[k].lever = row->arm_a;
 	}
 }
 

@@ -6,6 +6,11 @@
 
 #include "base/memory.h"
 
+static rb_vec3 lever_of(const struct rb_point *point)
+{
+	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
+}
+
 /*
  * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as a force and as an impact.
  * It acts where the step's solution has had it. Of what still rests it is what it was: the rounding of the step's length is
@@ -20,7 +25,8 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 	struct rb_contact contact = {
 		.a = point->a,
 		.b = point->b,
-		.point = rb_vec3_add(rb_world_row3(world->state.position, point->a), point->lever),
+		.point = rb_vec3_add(rb_world_row3(world->state.position, point->a),
+	                             lever_of(point)),
 		.normal = point->normal,
 		.gap = point->gap,
 	};
@@ -126,7 +132,7 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 		                                    rebound));
 		push += along;
 		approach = fmax(approach, point[k].approach);
-		event->point = rb_vec3_add_scaled(event->point, along, point[k].lever);
+		event->point = rb_vec3_add_scaled(event->point, along, lever_of(&point[k]));
 	}
 	event->approach_speed = approach;
 	if (!(push > 0 && approach > world->stepped->solver.enough))

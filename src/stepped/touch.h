@@ -15,6 +15,7 @@ struct rb_point {
 	int a, b; /* indices of the model, a < b: a moves */
 	uint64_t key;
 	bool central;
+	bool struck;    /* what the step's solution has applied has been told as an impact */
 	rb_vec3 normal; /* unit, from a to b */
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
@@ -24,8 +25,7 @@ struct rb_point {
 	double approach; /* m/s: towards each other at the beginning of the step, before its forces */
 	double push;     /* N s */
 	rb_vec3 rub;     /* N s, on b */
-	rb_vec3 lever; /* m, from a's centre of mass: at which the step's solution has applied these */
-	bool struck; /* they have been told as an impact */
+	rb_vec3 lever; /* m, from a's centre of mass: where the solution has applied these; central: not set */
 	size_t pair; /* among the candidates */
 	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
 };

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Does the oracle notice? Spoils one thing in copies of recordings and asks for the check that must fail.
 
-    spoil.py LOCATED.h5 STEPPED.h5      of wall.lua beside this file, by each method
+    spoil.py LOCATED.h5 STEPPED.h5 STEPS.h5     of wall.lua beside this file, by each method; one step a frame
 """
 import os
 import shutil
@@ -149,7 +149,8 @@ CHECKS = {
     "contacts": {"contacts counted", "points on bodies", "normals part", "normals of planes", "forces push",
                  "cone of friction"},
     "mechanics": {"kinetic energy", "potential energy", "momentum", "angular momentum", "flights, place",
-                  "ledger, energy", "ledger, momentum", "ledger, weight"},
+                  "ledger, energy", "ledger, momentum", "ledger, weight", "steps, momentum",
+                  "steps, angular momentum"},
     "impacts": {"impacts counted", "impulses push", "impacts, momentum", "points of impacts", "normals of impacts",
                 "normals of impacts on planes", "approach speeds", "restitution", "ledger, impacts"},
 }
@@ -203,11 +204,18 @@ STEPPED = [
     ("a body pushed in, stepped", pushed_in, "overlap"),
 ]
 
+# one step a frame
+STEPS = [
+    ("a force a millionth larger, stepped", contact("force", lambda v, n: v * (1 + 1e-6)), "steps, momentum"),
+    ("impulses a millionth larger, stepped", event("impulse", lambda v, n: v * (1 + 1e-6)), "steps, momentum"),
+    ("a contact's point off, stepped", contact("point", lambda v, n: v + 0.2 * across(n)), "steps, angular momentum"),
+]
+
 
 def main():
     failed = 0
     with tempfile.TemporaryDirectory() as folder:
-        for path, spoils in zip(sys.argv[1:], (LOCATED, STEPPED)):
+        for path, spoils in zip(sys.argv[1:], (LOCATED, STEPPED, STEPS)):
             clean = examine(path, frames=8)
             if clean.failures:
                 print(f"{path}: fails as it is: {', '.join(clean.failures)}")
