@@ -20,8 +20,13 @@ struct course {
 static void begin(struct course *c, int n, rb_gauss_rates *rates, void *user, const double *scale)
 {
 	memset(c, 0, sizeof *c);
-	c->problem = (struct rb_gauss_problem){n,     rates,      NULL,      user, scale,
-	                                       1e-14, c->scratch, &c->calls, NULL};
+	c->problem = (struct rb_gauss_problem){.n = n,
+	                                       .rates = rates,
+	                                       .user = user,
+	                                       .scale = scale,
+	                                       .tolerance = 1e-14,
+	                                       .scratch = c->scratch,
+	                                       .calls = &c->calls};
 	c->try_s = 1;
 	c->piece.n = n;
 	c->piece.start = c->value;
@@ -240,6 +245,34 @@ static void a_kink_is_closed_in_on(void **state)
 	assert_true(c.steps < 200);
 }
 
+static enum rb_status jump(void *user, double t, const double *y, double *rate,
+                           struct rb_error *err)
+{
+	const double *const at = user;
+
+	(void)y;
+	(void)err;
+	rate[0] = t < *at ? 1 : -1;
+	return RB_OK;
+}
+
+/* Also where no node sees it: between an end of a step and the node next to it. */
+static void a_jump_near_the_end_of_a_step_is_seen(void **state)
+{
+	const double scale[1] = {1};
+
+	(void)state;
+	for (int k = 0; k < 8; k++) {
+		double at = k < 4 ? 1 - 0.004 * (k + 1) : 0.004 * (k - 3);
+		struct course c;
+
+		begin(&c, 1, jump, &at, scale);
+		c.problem.jumps = true;
+		go(&c, 2);
+		assert_true(fabs(c.value[0] - (2 * at - 2)) < 1e-11);
+	}
+}
+
 static void a_first_step_that_is_too_long_is_halved(void **state)
 {
 	const double scale[2] = {1, 1};
@@ -396,6 +429,7 @@ int main(void)
 		cmocka_unit_test(drag_follows_its_closed_form),
 		cmocka_unit_test(a_quaternion_follows_a_given_turn),
 		cmocka_unit_test(a_kink_is_closed_in_on),
+		cmocka_unit_test(a_jump_near_the_end_of_a_step_is_seen),
 		cmocka_unit_test(a_first_step_that_is_too_long_is_halved),
 		cmocka_unit_test(a_mirrored_problem_has_mirrored_bits),
 		cmocka_unit_test(the_basis_is_that_of_legendre),

@@ -273,8 +273,13 @@ static void integrate(struct reference *r, double *y, double end)
 	static const double scale[7] = {1, 1, 1, 1, 1, 1, 1};
 	double coefficient[7 * RB_GAUSS_NODES], scratch[256], t = 0, h = 0.1, after[7];
 	uint64_t calls = 0;
-	const struct rb_gauss_problem problem = {7,     turning, NULL,   r,   scale,
-	                                         1e-14, scratch, &calls, NULL};
+	const struct rb_gauss_problem problem = {.n = 7,
+	                                         .rates = turning,
+	                                         .user = r,
+	                                         .scale = scale,
+	                                         .tolerance = 1e-14,
+	                                         .scratch = scratch,
+	                                         .calls = &calls};
 	struct rb_gauss_piece piece = {7, 0, y, coefficient};
 	struct rb_error err;
 

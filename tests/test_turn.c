@@ -75,8 +75,13 @@ static void a_spin_that_wanders_is_followed(void **state)
 
 	(void)state;
 	spin(&s, 1.5, (rb_vec3){3, -20, 7}, (rb_vec3){40, -30, 25});
-	const struct rb_gauss_problem problem = {4,     turning, NULL,   &s,  scale,
-	                                         1e-15, scratch, &calls, NULL};
+	const struct rb_gauss_problem problem = {.n = 4,
+	                                         .rates = turning,
+	                                         .user = &s,
+	                                         .scale = scale,
+	                                         .tolerance = 1e-15,
+	                                         .scratch = scratch,
+	                                         .calls = &calls};
 	struct rb_gauss_piece piece = {4, 0, value, coefficient};
 	assert_true(rb_gauss_room(4) <= sizeof scratch / sizeof *scratch);
 	rb_quat_to(value, rb_quat_identity);
