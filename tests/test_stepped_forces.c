@@ -358,6 +358,37 @@ static void drag_has_its_terminal_speed_at_any_step(void **state)
 	assert_near(fall_speed(0, 1e6), sqrt(2 * g / 1e6), 1e-9);
 }
 
+/* Thrown up and caught by drag that a step does not resolve, or hardly does: kinetic and potential energy only fall. */
+static void drag_and_gravity_give_no_energy(void **state)
+{
+	const double linear[] = {0.01, 1, 60, 4e3, 4e7, 0}, quadratic[] = {0, 0, 0, 0, 0, 1e4};
+
+	(void)state;
+	for (int k = 0; k < 6; k++)
+		for (int rise = 0; rise < 3; rise++) {
+			const struct rb_drag_def drag = {.linear = linear[k],
+			                                 .quadratic = quadratic[k]};
+			const rb_vec3 thrown = {0.3, 0, 4 * rise};
+			struct lab lab;
+
+			open_stepped(&lab, 1, 1.0 / 30);
+			const int ball = lab_sphere(&lab, 0.1, 2, origin, thrown);
+			assert_int_equal(rb_scene_add_drag(&lab.scene, &drag, &lab.error), RB_OK);
+			seal(&lab, NULL, 1);
+			double before = HUGE_VAL;
+			for (int frame = 0; frame < 10; frame++) {
+				assert_int_equal(rb_world_step_frame(lab.world, &lab.error), RB_OK);
+				const rb_vec3 v = rb_world_velocity(lab.world, ball);
+				const double energy = 0.5 * rb_vec3_dot(v, v) +
+				                      g * rb_world_position(lab.world, ball).z;
+
+				assert_true(energy <= before + 1e-12);
+				before = energy;
+			}
+			lab_close(&lab);
+		}
+}
+
 static double miss_in_field(double time_step)
 {
 	const struct rb_field_def def = {.function = 0};
@@ -538,6 +569,7 @@ int main(void)
 		cmocka_unit_test(a_spring_that_is_resolved_keeps_its_oscillation),
 		cmocka_unit_test(stiff_springs_hold_and_do_not_explode),
 		cmocka_unit_test(drag_has_its_terminal_speed_at_any_step),
+		cmocka_unit_test(drag_and_gravity_give_no_energy),
 		cmocka_unit_test(a_field_acts_to_first_order),
 		cmocka_unit_test(a_restored_world_goes_on_in_the_same_bits),
 		cmocka_unit_test(a_damper_at_an_arm_slows_spin_and_body),

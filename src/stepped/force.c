@@ -217,7 +217,11 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 	return status;
 }
 
-/* m (v - u) = -h (l + q |v|) v has v along u, and |v| is the root of a quadratic, written without cancellation. */
+/*
+ * m (v - u) = -h (l + q |v|) v has v along u, and |v| is the root of a quadratic, written without cancellation. Of what drag
+ * leaves of the velocity, s = |v| / |u|, the way is s times that of a parabola and 1 - s times that of the velocity at the end:
+ * with h (v - s (v - v0) / 2) gravity and drag together never give energy, however stiff drag is.
+ */
 static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
 	const struct rb_scene *scene = world->model->scene;
@@ -234,8 +238,14 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 		const double b = 1 + share * linear;
 		const double speed = rb_vec3_length(rb_vec3_from(v));
 
-		rb_vec3_to(v, rb_vec3_scale(2 / (b + sqrt(b * b + 4 * share * quadratic * speed)),
-		                            rb_vec3_from(v)));
+		const double left = 2 / (b + sqrt(b * b + 4 * share * quadratic * speed));
+		double *const varied = world->stepped->varied + 3 * (size_t)i;
+		const rb_vec3 others = rb_vec3_add(rb_world_row3(world->mark.velocity, i),
+		                                   rb_vec3_from(varied));
+
+		rb_vec3_to(v, rb_vec3_scale(left, rb_vec3_from(v)));
+		rb_vec3_to(varied, rb_vec3_add_scaled(rb_vec3_from(varied), 1 - left,
+		                                      rb_vec3_sub(rb_vec3_from(v), others)));
 	}
 }
 
@@ -289,8 +299,8 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	}
 	if (status == RB_OK && (features & RB_FEATURE_FIELD))
 		status = add_fields(world, cohort, start, h, err);
+	note_varied(world, cohort, 1);
 	if (status == RB_OK && (features & RB_FEATURE_DRAG))
 		add_drag(world, cohort, h);
-	note_varied(world, cohort, 1);
 	return status;
 }
