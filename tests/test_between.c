@@ -112,9 +112,10 @@ static void positions_go_straight_and_counts_are_those_of_the_later_frame(void *
 	assert_null(out.orientation);
 	assert_near(out.numbers.kinetic_energy, 7, 1e-14);
 	assert_near(out.numbers.potential_energy, 0, 1e-14);
-	assert_near(rb_vec3_length(rb_vec3_sub(out.numbers.momentum, (rb_vec3){2, -1, 7})), 0, 1e-14);
-	assert_near(rb_vec3_length(rb_vec3_sub(out.numbers.angular_momentum, (rb_vec3){6, 1, 1})), 0,
+	assert_near(rb_vec3_length(rb_vec3_sub(out.numbers.momentum, (rb_vec3){2, -1, 7})), 0,
 	            1e-14);
+	assert_near(rb_vec3_length(rb_vec3_sub(out.numbers.angular_momentum, (rb_vec3){6, 1, 1})),
+	            0, 1e-14);
 	assert_int_equal(out.numbers.collisions, 5);
 	assert_true(out.time_s == 1.5);
 	rb_frame_release(&a);
@@ -152,7 +153,8 @@ static void orientations_without_spins_follow_the_great_circle(void **state)
 		assert_ok(rb_frame_between(&out, &a, &b, 1, &err));
 		for (int i = 0; i < 2; i++) {
 			assert_near(apart(out.orientation + 4 * i, gone(i, 0.25)), 0, 1e-14);
-			assert_near(rb_quat_length(rb_quat_from(out.orientation + 4 * i)), 1, 1e-15);
+			assert_near(rb_quat_length(rb_quat_from(out.orientation + 4 * i)), 1,
+			            1e-15);
 		}
 		for (int i = 0; i < 8; i++)
 			b.orientation[i] = -b.orientation[i];
@@ -173,7 +175,8 @@ static void every_body_follows_its_own_spin(void **state)
 	(void)state;
 	a.time_s = 1, b.time_s = 5;
 	for (int i = 0; i < 2; i++) {
-		const double turns = i ? 5 : -3; /* of the way, in the interval: several times round */
+		const double turns = i ? 5
+		                       : -3; /* of the way, in the interval: several times round */
 		rb_quat_to(a.orientation + 4 * i, gone(i, 0));
 		rb_quat_to(b.orientation + 4 * i, gone(i, turns));
 		rb_vec3_to(a.angular_velocity + 3 * i, rb_vec3_scale(turns / 4, way_turn[i]));

@@ -125,8 +125,11 @@ static void the_default_camera_sees_all_bodies(void **state)
 /* Bodies of several sizes, to one side of the origin in all directions, each seen whole; and the picture is not empty. */
 static void the_default_camera_sees_bodies_wherever_they_are(void **state)
 {
-	static const double at[4][4] = { /* place, radius */
-		{3, 9, -2, 0.5}, {-1, 4, 5, 2}, {6, 14, 1, 0.1}, {2, -3, 0, 1}};
+	static const double at[4][4] = {/* place, radius */
+	                                {3, 9, -2, 0.5},
+	                                {-1, 4, 5, 2},
+	                                {6, 14, 1, 0.1},
+	                                {2, -3, 0, 1}};
 
 	(void)state;
 	for (int turned = 0; turned < 3; turned++) {
