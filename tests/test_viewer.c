@@ -68,6 +68,27 @@ static void a_live_view_has_the_newest_frame_in_each_picture(void **state)
 	leave(&seat);
 }
 
+static void a_look_tells_whether_there_is_anything_new(void **state)
+{
+	struct seat seat = {0};
+	struct rb_error *const err = &seat.host.err;
+	bool changed = true;
+
+	(void)state;
+	sit_down(&seat, true);
+	for (uint64_t k = 1; k < 4; k++) {
+		assert_good(*err, rb_source_refresh(seat.source, seat.now_ns, true, &changed, err));
+		assert_false(changed);
+		keep_frame(&seat.host, k);
+		assert_good(*err, rb_source_refresh(seat.source, seat.now_ns, true, &changed, err));
+		assert_true(changed);
+	}
+	/* too early for another look */
+	assert_good(*err, rb_source_refresh(seat.source, seat.now_ns, false, &changed, err));
+	assert_false(changed);
+	leave(&seat);
+}
+
 static void a_view_that_waits_for_the_run_shows_its_next_frame_at_once(void **state)
 {
 	struct seat seat = {0};
@@ -147,6 +168,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_live_view_has_the_newest_frame_in_each_picture),
+		cmocka_unit_test(a_look_tells_whether_there_is_anything_new),
 		cmocka_unit_test(a_view_that_waits_for_the_run_shows_its_next_frame_at_once),
 		cmocka_unit_test(a_step_of_the_run_is_shown_with_the_next_picture),
 		cmocka_unit_test(toggle_goes_by_what_the_run_does_now),
