@@ -362,7 +362,8 @@ static void a_quota_of_version_1_is_that_of_the_controller_of_processors(void **
 		assert_int_equal(rb_team_quota(root), 0);
 	}
 	/* the least of all lines; what is no line of three parts is passed over */
-	put(root, "/proc/self/cgroup", "nothing\n1:cpu\n4:cpu:/job\n0::/new\n2:cpu,cpuacct:/more\n");
+	put(root, "/proc/self/cgroup",
+	    "nothing\n1:cpu\n4:cpu:/job\n0::/new\n2:cpu,cpuacct:/more\n");
 	put(root, "/sys/fs/cgroup/new/cpu.max", "200000 100000\n");
 	assert_int_equal(rb_team_quota(root), 2);
 	put(root, "/sys/fs/cgroup/cpu/more/cpu.cfs_quota_us", "90000\n");
