@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The only malloc. Blocks are zeroed, counted, aligned to 64 bytes, and the k-th allocation can be
- * made to fail (tests). Thread-safe. Released with rb_memory_free only, which aborts where the bytes
- * behind the block were written to.
+ * made to fail (tests). Thread-safe. Released with rb_memory_free only.
  */
 #ifndef RB_BASE_MEMORY_H
 #define RB_BASE_MEMORY_H
