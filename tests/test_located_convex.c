@@ -436,6 +436,88 @@ static void a_ball_rolls_over_seams_and_flies_off_a_border(void **slot)
 	}
 }
 
+static const double rim = 0.15; /* m: radius of a cylinder */
+
+/*
+ * Lets a cylinder go at rest, on its rim, tilted by this towards `yaw`; how it stands after a second. It falls about the point
+ * of the rim, as friction is large, with (I + m(h^2 + R^2)) w^2 / 2 = m g (h cos tilt + R sin tilt - h), and lands flat.
+ */
+static void rock(struct bench *bench, int ground, double half, double tilt, double yaw,
+                 double seconds)
+{
+	const rb_quat turn = rb_quat_from_turn((rb_vec3){tilt * cos(yaw), tilt * sin(yaw), 0});
+	struct rb_body_def def = solid_def(RB_SHAPE_CYLINDER, rim, 2 * half, 0);
+	struct rb_body_def floor = solid_def(RB_SHAPE_BOX, 5, 4, 1);
+
+	bench_open(bench, seconds, 10);
+	lab_surface(&bench->lab, 5, 0);
+	def.position.z = half * cos(tilt) + rim * sin(tilt);
+	def.orientation = turn;
+	lab_add(&bench->lab, &def);
+	floor.position.z = -0.5;
+	floor.is_static = true;
+	if (ground == 0)
+		lab_plane(&bench->lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	else
+		lab_add(&bench->lab, &floor);
+	bench_seal(bench);
+	lab_run(&bench->lab);
+}
+
+/* Of a thin one both sides are stopped, wherever it lands, and so is all of it. */
+static void a_coin_that_rocks_on_to_its_face_stays_there(void **slot)
+{
+	const double half = 0.02, tilt = 0.1;
+
+	(void)slot;
+	for (int ground = 0; ground < 2; ground++)
+		for (int k = 0; k < 12; k++) {
+			const double yaw = 0.6 * k;
+			/* the point of the rim that it falls about stays where it is */
+			const double moved = rim * (1 - cos(tilt)) + half * sin(tilt);
+			struct bench bench;
+
+			rock(&bench, ground, half, tilt, yaw, 1);
+			const rb_vec3 p = rb_world_position(bench.lab.world, 0);
+			assert_near(fabs(p.x * sin(yaw) - p.y * cos(yaw)), moved, 1e-12);
+			assert_near(p.x * cos(yaw) + p.y * sin(yaw), 0, 1e-12);
+			assert_near(p.z, half, 1e-14); /* roundings of the floor's size */
+			assert_vector(rb_world_velocity(bench.lab.world, 0), ((rb_vec3){0, 0, 0}),
+			              0);
+			assert_vector(rb_world_angular_velocity(bench.lab.world, 0),
+			              ((rb_vec3){0, 0, 0}), 0);
+			bench_close(&bench);
+		}
+}
+
+/*
+ * Of a long one the side that lands takes it up: by the angular momentum about it, w' = w (I + m(h^2 - R^2)) /
+ * (I + m(h^2 + R^2)), and the other side leaves.
+ */
+static void a_long_cylinder_rocks_over_to_the_other_side(void **slot)
+{
+	const double half = 0.3, tilt = 0.1, g = 9.81;
+
+	(void)slot;
+	for (int k = 0; k < 12; k++) {
+		struct bench bench;
+
+		/* it takes 0.22 s to fall, and 0.14 s up to where it turns */
+		rock(&bench, 0, half, tilt, 0.6 * k, 0.3);
+		const double inertia = bench.lab.model->inertia[0].m[0][0];
+		const double far = inertia + half * half + rim * rim;
+		const double near = inertia + half * half - rim * rim;
+		const double fall = g * (half * cos(tilt) + rim * sin(tilt) - half);
+		const double left = fall * near * near / (far * far);
+		const double up = g * (rb_world_position(bench.lab.world, 0).z - half);
+
+		assert_true(up > 0.1 * left);
+		assert_near(energy(&bench.lab, 1) + up, left, 1e-12 * fall);
+		assert_int_equal(lab_log_count(&bench.log, RB_EVENT_COLLISION), 1);
+		bench_close(&bench);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -451,6 +533,8 @@ int main(void)
 		cmocka_unit_test(a_slab_that_is_hit_clatters_without_overlap),
 		cmocka_unit_test(the_overlap_that_is_told_is_that_of_the_lowest_point),
 		cmocka_unit_test(a_ball_rolls_over_seams_and_flies_off_a_border),
+		cmocka_unit_test(a_coin_that_rocks_on_to_its_face_stays_there),
+		cmocka_unit_test(a_long_cylinder_rocks_over_to_the_other_side),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

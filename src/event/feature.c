@@ -172,6 +172,21 @@ static vec carried_by(const side *s, vec local)
 	return (vec){way.at, rb_vec3_add(way.rate, rb_mat3_apply(&s->turn, local.rate))};
 }
 
+/* Sine of a tilt that is rounding, whose direction says nothing. */
+static const double flat_sine = 16 * DBL_EPSILON;
+
+/* The direction of the way, of those up and down it, that is on the side's half. */
+static vec on_half(const side *s, vec way)
+{
+	vec out = {s->half, {0, 0, 0}};
+	num length;
+
+	if (rb_vec3_length(way.at) > flat_sine && direction(way, &out, &length) &&
+	    rb_vec3_dot(out.at, s->half) < 0)
+		out = negative(out);
+	return out;
+}
+
 /* The point of a rim that lies lowest over a surface, or a quarter of it counted from the other body's axes. */
 static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, vec *x)
 {
@@ -188,9 +203,14 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 
 	if (core->kind != RB_CORE_CYLINDER || (mantle && index == 0) || quarter > 4)
 		return false;
-	if (quarter == 0) {
+	const bool halved = rb_vec3_max_abs(s->half) > 0;
+	if (quarter == 0 && halved) {
+		out = carried_by(s, on_half(s, across_axis(s, negative(f->normal))));
+	} else if (halved) {
+		out = way_of(s, rb_vec3_cross((rb_vec3){0, 0, 1}, s->half));
+	} else if (quarter == 0) {
 		if (!direction(across_axis(s, negative(f->normal)), &out, &length) ||
-		    length.at < 1e-8)
+		    length.at < flat_sine)
 			return false;
 		out = carried_by(s, out);
 	} else {
@@ -437,6 +457,88 @@ bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side 
 	if (marked && !marked_normal(a, b, key, &n))
 		return false;
 	return across_lines(out, &edge_a, &edge_b, marked ? &n : NULL);
+}
+
+static bool half_of(const side *rim, rb_part part, const side *flat, rb_part other, rb_vec3 *half)
+{
+	const rb_vec3 none = {0, 0, 0};
+	surface f;
+
+	if (kind_of(part) != RB_PART_RIM || index_of(part) >> 1 != 0 ||
+	    rim->core->kind != RB_CORE_CYLINDER || !surface_of(flat, other, &f))
+		return false;
+	const vec down = across_axis(rim, negative(f.normal));
+	if (rb_vec3_max_abs(rim->half) > 0)
+		*half = on_half(rim, down).at;
+	else
+		*half = rb_vec3_unit(rb_vec3_length(down.at) > flat_sine ? down.at : down.rate,
+		                     none);
+	return rb_vec3_max_abs(*half) > 0;
+}
+
+bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_side *b, uint64_t key,
+                     rb_vec3 *half)
+{
+	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
+
+	return half_of(a, part_a, b, part_b, half) || half_of(b, part_b, a, part_a, half);
+}
+
+/* ---- a flat rim ---- */
+
+enum { LOWEST = 0, ASIDE = 2, QUARTERS = 4 };
+
+static bool is_quarter(rb_part part)
+{
+	const int place = index_of(part) >> 1;
+
+	return kind_of(part) == RB_PART_RIM && place >= 1 && place <= QUARTERS;
+}
+
+static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part other, double least,
+                       rb_vec3 *way)
+{
+	const rb_vec3 none = {0, 0, 0};
+	surface f;
+
+	if (!is_quarter(part) || rim->core->kind != RB_CORE_CYLINDER ||
+	    !surface_of(flat, other, &f))
+		return false;
+	/* what the lowest point is, with its rate, is where the normal of the surface goes in the rim's own axes */
+	const rb_vec3 rate = across_axis(rim, negative(f.normal)).rate;
+	*way = rb_vec3_unit(rate, none);
+	return 2 * rim->core->round * rb_vec3_length(rate) > least;
+}
+
+bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                        uint64_t key, double least, rb_vec3 *way)
+{
+	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
+
+	return landing_of(a, part_a, b, part_b, least, way) ||
+	       landing_of(b, part_b, a, part_a, least, way);
+}
+
+static uint64_t with_place(uint64_t key, int place)
+{
+	rb_part part[2] = {(rb_part)(key >> 32), (rb_part)key};
+
+	for (int k = 0; k < 2; k++)
+		if (is_quarter(part[k])) {
+			part[k] = rb_part_of(RB_PART_RIM, (index_of(part[k]) & 1) | place << 1);
+			break;
+		}
+	return (uint64_t)part[0] << 32 | part[1];
+}
+
+uint64_t rb_feature_lowest(uint64_t quarter)
+{
+	return with_place(quarter, LOWEST);
+}
+
+uint64_t rb_feature_aside(uint64_t quarter)
+{
+	return with_place(quarter, ASIDE);
 }
 
 /* ---- names ---- */

@@ -21,6 +21,25 @@
 bool rb_feature_meet(struct rb_feature_point *out, const struct rb_feature_side *a,
                      const struct rb_feature_side *b, uint64_t key);
 
+/*
+ * The way to the point of a rim that lies lowest over a surface, across its axis, in its core's axes; of one that lies flat
+ * within rounding, to that which will. False: the key names no such point. A rim that comes to lie flat, and goes on, has its
+ * lowest point on the other side at once; with this as the side's `half`, the point stays where it was, and what has come to
+ * be below it is another one.
+ */
+bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_side *b, uint64_t key,
+                     rb_vec3 *half);
+
+/*
+ * Of one of a flat rim's quarters that lie on a surface: the way to that point of the rim which closes fastest, if one does
+ * so by more than this, m/s; the others of the quarters, counted from there, are no less than that. False: it is none.
+ */
+bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
+                        uint64_t key, double least, rb_vec3 *way);
+/* The key of such a point: its lowest, on a half; and of that a quarter turn on. */
+uint64_t rb_feature_lowest(uint64_t quarter);
+uint64_t rb_feature_aside(uint64_t quarter);
+
 /* The features that take over where those of the key end next, as a manifold's key; 0: to be searched for. */
 uint64_t rb_feature_beyond(const struct rb_feature_side *a, const struct rb_feature_side *b,
                            uint64_t key, const struct rb_feature_point *p);

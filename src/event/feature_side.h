@@ -15,6 +15,7 @@ struct rb_feature_side {
 	rb_mat3 turn;
 	rb_vec3 velocity; /* m/s, of that origin */
 	rb_vec3 spin;     /* rad/s */
+	rb_vec3 half; /* which half of its rims is meant, see rb_feature_half; 0: whichever is lower */
 };
 
 struct rb_feature_point {

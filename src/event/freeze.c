@@ -10,7 +10,7 @@
 #include <math.h>
 
 /* Bytes that a contact, and a cluster that is not used, take at least. */
-enum { HELD_LEAST = 81, CLUSTER_LEAST = 13 };
+enum { HELD_LEAST = 105, CLUSTER_LEAST = 13 };
 
 static void out_of_memory(struct rb_pack *pack)
 {
@@ -151,6 +151,7 @@ static void pack_held(struct rb_located *l, struct rb_held *held, struct rb_pack
 	(void)rb_pack_check(pack, held->a < held->b, "a contact of a body with itself");
 	rb_pack_u32(pack, &held->parts);
 	rb_pack_u64(pack, &held->key);
+	pack_vector(pack, &held->half);
 	rb_pack_bool(pack, &held->slipping);
 	rb_pack_bool(pack, &held->on_rim);
 	rb_pack_bool(pack, &held->ending);

@@ -61,6 +61,7 @@ struct rb_held {
 	int a, b;       /* body indices, a < b */
 	uint32_t parts; /* which features of them meet: struct rb_meet_name */
 	uint64_t key;
+	rb_vec3 half; /* the same: of a rim in a piece, the half that it began with */
 	bool slipping, on_rim;
 	bool ending;   /* its slip has come to its end at this moment; or its rest, by `force` */
 	bool straight; /* its slip keeps its direction to the end, to rounding */
@@ -85,8 +86,8 @@ struct rb_cluster {
 	int next_free;   /* 1 + the next unused cluster, 0: none */
 	bool integrated; /* else every member is on a parabola */
 	bool at_rest;
-	bool has_jammed; /* velocities have just jumped: it is to be settled at once */
-	bool is_cut;     /* its piece ends where a contact changes its mode */
+	bool has_jammed; /* velocities have just jumped, or are to: it is to be settled, or struck, at once */
+	bool is_cut; /* its piece ends where a contact changes its mode */
 	bool hits; /* ... or where two bodies that touch already come to touch at another point: */
 	int hit_a, hit_b;
 	double anchor_s;

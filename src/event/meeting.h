@@ -16,12 +16,14 @@ struct rb_meet_name {
 		parts; /* part of a in the upper half, of b in the lower; 0 of bodies with one part */
 	uint64_t
 		key; /* the features that meet there, see geom/manifold; 0 of spheres on spheres and planes */
+	rb_vec3 half; /* of a rim, see rb_feature_half */
 };
 
 struct rb_meet {
 	int a, b;
 	uint32_t parts;
 	uint64_t key;
+	rb_vec3 half;        /* see struct rb_meet_name */
 	double gap;          /* m */
 	rb_vec3 normal;      /* unit, from a to b */
 	rb_vec3 normal_rate; /* 1/s: its derivative */
@@ -39,11 +41,13 @@ struct rb_meet {
 
 static inline struct rb_meet_name rb_meet_name_of(const struct rb_meet *m)
 {
-	return (struct rb_meet_name){m->a, m->b, m->parts, m->key};
+	return (struct rb_meet_name){m->a, m->b, m->parts, m->key, m->half};
 }
 
-/* Order of names: by (a, b, parts, key). < 0, 0, > 0 as for qsort. */
+/* Order of names: by (a, b, parts, key, half). < 0, 0, > 0 as for qsort. */
 int rb_meet_name_compare(const struct rb_meet_name *x, const struct rb_meet_name *y);
+/* Do they name the same point? Points on opposite halves of a rim are two. */
+bool rb_meet_name_is(const struct rb_meet_name *x, const struct rb_meet_name *y);
 
 /* No: a sphere with a sphere, plane or rectangle, which have one point and no key. */
 static inline bool rb_meet_has_features(const struct rb_located *l, int a, int b)

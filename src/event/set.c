@@ -104,6 +104,22 @@ bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m)
 	return m->inside < 0 && m->inside < -beyond_end * rb_meet_size(l, m);
 }
 
+double rb_set_lands(const struct rb_located *l, const struct rb_meet *m)
+{
+	struct rb_meet_name other = rb_meet_name_of(m);
+
+	if (!(rb_vec3_max_abs(m->half) > 0))
+		return 0;
+	other.half = rb_vec3_neg(m->half);
+	const struct rb_meet across = rb_meet_of(l, &other, &m->pose_a, &m->pose_b);
+	const bool closes = rb_vec3_dot(across.velocity, across.normal) <
+	                    -rb_meet_noise(l, &across);
+
+	return closes && across.gap > 0 && across.gap <= beyond_end * rb_meet_size(l, &across)
+	               ? across.gap
+	               : 0;
+}
+
 double rb_set_creep(const struct rb_located *l, const struct rb_meet *m)
 {
 	return creeping / (8 * DBL_EPSILON) * rb_meet_noise(l, m);
@@ -116,9 +132,13 @@ const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct 
 	if (!first || rb_set_is_single(l, m->a, m->b))
 		return first;
 	const struct rb_held *const end = rb_set_held_end(l, first);
-	for (const struct rb_held *h = first; h < end; h++)
-		if (h->parts == m->parts && h->key == m->key)
+	const struct rb_meet_name wanted = rb_meet_name_of(m);
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_meet_name name = rb_set_name(h);
+
+		if (rb_meet_name_is(&name, &wanted))
 			return h;
+	}
 	for (const struct rb_held *h = first; h < end; h++) {
 		const struct rb_meet_name name = rb_set_name(h);
 		const struct rb_meet now = rb_meet_of(l, &name, &m->pose_a, &m->pose_b);
@@ -231,11 +251,30 @@ static void pass_on(const struct rb_located *l, struct rb_meet *m, int count,
 static bool is_known(const struct rb_located *l, const struct rb_meet *m, const struct rb_meet *of,
                      int count)
 {
-	for (int k = 0; k < count; k++)
-		if ((of[k].parts == m->parts && of[k].key == m->key) ||
-		    rb_set_is_same_place(l, m, &of[k]))
+	const struct rb_meet_name name = rb_meet_name_of(m);
+
+	for (int k = 0; k < count; k++) {
+		const struct rb_meet_name known = rb_meet_name_of(&of[k]);
+
+		if (rb_meet_name_is(&name, &known) || rb_set_is_same_place(l, m, &of[k]))
 			return true;
+	}
 	return false;
+}
+
+/* Of a rim that has come to lie flat, the points that it lands on instead of that on which it rolled there. */
+static void land_on(struct rb_meet *m, const struct rb_meet *all, int count)
+{
+	const struct rb_meet_name name = rb_meet_name_of(m);
+
+	for (int k = 0; k < count && rb_vec3_max_abs(m->half) > 0; k++) {
+		const struct rb_meet_name other = rb_meet_name_of(&all[k]);
+
+		if (rb_vec3_max_abs(all[k].half) > 0 && rb_meet_name_is(&name, &other)) {
+			*m = all[k];
+			return;
+		}
+	}
 }
 
 /* The points of a pair that may have several: those that are held, and whatever else touches. */
@@ -245,7 +284,13 @@ static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int
 	const struct rb_held *const first = rb_set_held(l, a, b);
 	const struct rb_held *const end = first ? rb_set_held_end(l, first) : NULL;
 	const int before = pairs->count;
-	const double drift = drift_of(l, first, end, pairs->t);
+	double drift = drift_of(l, first, end, pairs->t);
+
+	for (const struct rb_held *h = first; h < end && come; h++) {
+		const struct rb_meet m = rb_set_meet(l, h, pairs->t);
+
+		drift = fmax(drift, rb_set_lands(l, &m));
+	}
 	int count = rb_meet_all(l, a, b, pairs->t, drift, all);
 
 	/* what is no farther than those that are held touches as they do */
@@ -254,6 +299,8 @@ static void look_at_points(struct rb_located *l, struct pairs *pairs, int a, int
 	int held_count = 0;
 	for (const struct rb_held *h = first; h < end && held_count < RB_MEET_MAX; h++)
 		held[held_count++] = rb_set_meet(l, h, pairs->t);
+	for (int h = 0; h < held_count; h++)
+		land_on(&held[h], all, count);
 	pass_on(l, held, held_count, all, count);
 	for (int h = 0; h < held_count; h++) {
 		int left = 0;
@@ -321,15 +368,9 @@ static void add_springs(struct rb_located *l, int i)
 
 static int by_name(const void *left, const void *right)
 {
-	const struct rb_meet *x = left, *y = right;
+	const struct rb_meet_name x = rb_meet_name_of(left), y = rb_meet_name_of(right);
 
-	if (x->a != y->a)
-		return x->a < y->a ? -1 : 1;
-	if (x->b != y->b)
-		return x->b < y->b ? -1 : 1;
-	if (x->parts != y->parts)
-		return x->parts < y->parts ? -1 : 1;
-	return (x->key > y->key) - (x->key < y->key);
+	return rb_meet_name_compare(&x, &y);
 }
 
 int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,

@@ -34,7 +34,7 @@ static inline bool rb_set_is_single(const struct rb_located *l, int a, int b)
 
 static inline struct rb_meet_name rb_set_name(const struct rb_held *held)
 {
-	return (struct rb_meet_name){held->a, held->b, held->parts, held->key};
+	return (struct rb_meet_name){held->a, held->b, held->parts, held->key, held->half};
 }
 
 /* A held contact at a moment of its bodies' arcs. */
@@ -47,6 +47,11 @@ bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m);
  * steps of that length.
  */
 double rb_set_creep(const struct rb_located *l, const struct rb_meet *m);
+/*
+ * m: by how much the other side of a rim that rolls on this point is off touching, while it closes and that is no more than
+ * what integration leaves of where things are; 0: it is none, or not so near.
+ */
+double rb_set_lands(const struct rb_located *l, const struct rb_meet *m);
 /* Are these the same point of the pair, though by other features? */
 bool rb_set_is_same_place(const struct rb_located *l, const struct rb_meet *x,
                           const struct rb_meet *y);

@@ -280,6 +280,7 @@ static struct rb_held held_of(struct rb_settling *s, int k)
 	held.b = m->b;
 	held.parts = m->parts;
 	held.key = m->key;
+	held.half = m->half;
 	held.force = c->impulse;
 	held.ending = held.straight = false;
 	/* without friction nothing sticks, whether it slips or not */
@@ -623,12 +624,22 @@ static bool is_moving(const struct rb_settling *s)
 	return false;
 }
 
-/* The first contact that has lasted and approaches, -1: none. What steps have left is not that of an impact. */
+/* Is it another point of bodies that touch already? */
+static bool comes_to_touch(const struct rb_settling *s, const struct rb_meet *m)
+{
+	return rb_meet_has_features(s->l, m->a, m->b) && rb_set_held(s->l, m->a, m->b) != NULL &&
+	       !rb_meet_passes(s->l, m, s->t);
+}
+
+/*
+ * The first contact that has lasted and approaches, or comes to where its bodies touch already, -1: none. What steps have left
+ * is not that of an impact.
+ */
 static int find_hit(const struct rb_settling *s)
 {
 	for (int k = 0; k < s->meet_count && !s->struck && !s->l->starting; k++)
-		if (s->before[k].a >= 0 &&
-		    rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) < -drifts(s, &s->meet[k]))
+		if (rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) < -drifts(s, &s->meet[k]) &&
+		    (s->before[k].a >= 0 || comes_to_touch(s, &s->meet[k])))
 			return k;
 	return -1;
 }

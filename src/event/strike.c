@@ -363,7 +363,7 @@ static double accumulation(const struct striking *s, int k)
 	pose_b.velocity = s->joint.body[c->b].linear;
 	pose_b.spin = s->joint.body[c->b].angular;
 	const struct rb_meet *m = &s->meet[k];
-	const struct rb_meet_name name = {m->a, m->b, m->parts, m->key};
+	const struct rb_meet_name name = rb_meet_name_of(m);
 	const struct rb_meet after = rb_set_is_single(l, m->a, m->b)
 	                                     ? rb_meet_poses(l, m->a, m->b, &pose_a, &pose_b)
 	                                     : rb_meet_of(l, &name, &pose_a, &pose_b);

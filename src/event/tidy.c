@@ -30,7 +30,7 @@ void rb_tidy_meet(const struct rb_located *l, const struct rb_pose *pose, struct
 {
 	const struct rb_pose *a = pose_in(l, pose, m->a), *b = pose_in(l, pose, m->b);
 	const struct rb_pose pose_a = a ? *a : m->pose_a, pose_b = b ? *b : m->pose_b;
-	const struct rb_meet_name name = {m->a, m->b, m->parts, m->key};
+	const struct rb_meet_name name = rb_meet_name_of(m);
 
 	*m = rb_set_is_single(l, m->a, m->b) ? rb_meet_poses(l, m->a, m->b, &pose_a, &pose_b)
 	                                     : rb_meet_of(l, &name, &pose_a, &pose_b);

@@ -143,6 +143,7 @@ static struct rb_meet meet_of(const struct rb_touch_pair *pair, const struct cou
 	                    .b = pair->b,
 	                    .parts = parts,
 	                    .key = key,
+	                    .half = c->a.half,
 	                    .gap = p.gap,
 	                    .normal = p.normal,
 	                    .normal_rate = p.normal_rate,
@@ -169,7 +170,18 @@ struct rb_meet rb_touch_of(const struct rb_located *l, const struct rb_meet_name
 	struct couple c;
 
 	couple_of(l, &pair, name->parts, &c);
+	c.a.half = c.b.half = name->half;
 	return meet_of(&pair, &c, name->parts, name->key);
+}
+
+bool rb_touch_half(const struct rb_located *l, const struct rb_meet *m, rb_vec3 *half)
+{
+	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
+	struct couple c;
+
+	couple_of(l, &pair, m->parts, &c);
+	c.a.half = c.b.half = m->half;
+	return rb_feature_half(&c.a, &c.b, m->key, half);
 }
 
 /*
@@ -266,7 +278,8 @@ static const double astray = 1e-9;
 
 struct search {
 	const struct rb_located *l;
-	double depth; /* m: of manifolds */
+	const struct rb_touch_pair *pair; /* as names are added: then, or a moment later */
+	double depth;                     /* m: of manifolds */
 	struct rb_meet_name name[RB_MEET_MAX];
 	int count;
 	double least; /* m: gap of the pair */
@@ -281,14 +294,41 @@ static void add_name(struct search *s, const struct rb_meet_name *name)
 		s->name[s->count++] = *name;
 }
 
+/*
+ * A rim that lies flat touches all round, and any four quarters of it say how it stands; but when it comes to lie so, or is
+ * tilted from there, the points that count are that which closes fastest and the one across from it.
+ */
+static void add_rim(struct search *s, const struct couple *c, const struct rb_meet_name *name)
+{
+	const struct rb_meet m = rb_touch_of(s->l, name, &s->pair->pose_a, &s->pair->pose_b);
+	rb_vec3 way;
+
+	if (!rb_feature_landing(&c->a, &c->b, name->key, 4 * rb_meet_noise(s->l, &m), &way)) {
+		add_name(s, name);
+		return;
+	}
+	for (int k = 0; k < 4; k++) {
+		struct rb_meet_name landing = *name;
+
+		landing.key = k < 2 ? rb_feature_lowest(name->key) : rb_feature_aside(name->key);
+		landing.half = k % 2 == 0 ? way : rb_vec3_neg(way);
+		/* not past the border of the face that it lands on */
+		if (!(rb_touch_of(s->l, &landing, &s->pair->pose_a, &s->pair->pose_b).inside <
+		      -s->depth))
+			add_name(s, &landing);
+	}
+}
+
 /* The names of all points of all parts that touch. */
 static void add_names(struct search *s, const struct rb_touch_pair *pair)
 {
 	const int of_a = rb_model_parts(s->l->model, pair->a)->count;
 	const int of_b = rb_model_parts(s->l->model, pair->b)->count;
+	const rb_vec3 none = {0, 0, 0};
 	rb_manifold manifold;
 	struct couple c;
 
+	s->pair = pair;
 	for (int i = 0; i < of_a; i++)
 		for (int j = 0; j < of_b; j++) {
 			const uint32_t parts = (uint32_t)i << 16 | (uint32_t)j;
@@ -306,7 +346,8 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 					continue;
 				const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, k,
 				                                     s->depth);
-				add_name(s, &(struct rb_meet_name){pair->a, pair->b, parts, key});
+				add_rim(s, &c,
+				        &(struct rb_meet_name){pair->a, pair->b, parts, key, none});
 			}
 		}
 }
@@ -351,7 +392,8 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 		const bool leaves = is_leaving(&m, band, noise);
 
 		if (m.beyond != 0 && (leaves || m.inside < -band)) {
-			const struct rb_meet_name next = {pair->a, pair->b, name.parts, m.beyond};
+			const struct rb_meet_name next = {
+				.a = pair->a, .b = pair->b, .parts = name.parts, .key = m.beyond};
 			const struct rb_meet n = rb_touch_of(s->l, &next, &pair->pose_a,
 			                                     &pair->pose_b);
 

@@ -13,6 +13,8 @@ enum { RB_MEET_MAX = 64 };
 /* See rb_meet_of, rb_meet_poses, rb_meet_all in event/meet.h. */
 struct rb_meet rb_touch_of(const struct rb_located *l, const struct rb_meet_name *name,
                            const struct rb_pose *pose_a, const struct rb_pose *pose_b);
+/* See rb_feature_half. */
+bool rb_touch_half(const struct rb_located *l, const struct rb_meet *m, rb_vec3 *half);
 struct rb_meet rb_touch_nearest(const struct rb_located *l, int a, int b,
                                 const struct rb_pose *pose_a, const struct rb_pose *pose_b);
 

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+#include "event/landing.h"
+
+#include "event/set.h"
+
+static void set_halves(struct rb_modes *w)
+{
+	const struct rb_located *l = w->l;
+	const rb_vec3 none = {0, 0, 0};
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+
+		held->half = none;
+		if (rb_set_is_single(l, held->a, held->b))
+			continue;
+		const struct rb_meet m = rb_set_meet(l, held, w->origin_s);
+		if (!rb_touch_half(l, &m, &held->half))
+			held->half = none;
+	}
+}
+
+bool rb_landing_begin(struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	struct rb_cluster *c = w->c;
+	const rb_vec3 none = {0, 0, 0};
+	int which = -1;
+
+	set_halves(w);
+	for (int k = 0; k < c->held_count && which < 0; k++) {
+		const struct rb_meet m = rb_set_meet(l, &c->held[k], w->origin_s);
+
+		if (rb_set_lands(l, &m) > 0)
+			which = k;
+	}
+	if (which < 0)
+		return false;
+	for (int k = 0; k < c->member_count; k++) {
+		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
+
+		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
+	}
+	c->integrated = false;
+	c->has_jammed = c->hits = true;
+	c->hit_a = c->held[which].a;
+	c->hit_b = c->held[which].b;
+	return true;
+}
