@@ -121,6 +121,7 @@ $(filter $(BUILD)/tests/test_h5%,$(tests)): $(h5_objects)
 $(filter $(BUILD)/tests/test_h5%,$(tests)): h5_libs = $(HDF5_LIBS)
 $(filter $(BUILD)/tests/test_film%,$(tests)): $(film_objects)
 $(filter $(BUILD)/tests/test_film%,$(tests)): film_libs = $(FILM_LIBS)
+$(BUILD)/tests/test_panels: $(filter %/panels.o,$(console_objects))
 
 extra =
 $(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)

@@ -35,6 +35,21 @@ static void pieces_are_aligned_and_do_not_overlap(void **state)
 	rb_arena_release(&arena);
 }
 
+static void a_piece_costs_its_size_rounded_up_to_lines(void **state)
+{
+	struct rb_arena arena = {0};
+
+	(void)state;
+	for (int round = 0; round < 2; round++) {
+		assert_non_null(rb_arena_take(&arena, 1, 1));
+		assert_non_null(rb_arena_take(&arena, 64, 1));
+		assert_non_null(rb_arena_take(&arena, 13, 5));
+		assert_int_equal(arena.high_water, 64 + 64 + 128);
+		rb_arena_reset(&arena);
+	}
+	rb_arena_release(&arena);
+}
+
 static void after_a_reset_the_same_step_allocates_nothing(void **state)
 {
 	struct rb_arena arena = {0};
@@ -121,6 +136,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(pieces_are_aligned_and_do_not_overlap),
+		cmocka_unit_test(a_piece_costs_its_size_rounded_up_to_lines),
 		cmocka_unit_test(after_a_reset_the_same_step_allocates_nothing),
 		cmocka_unit_test(going_back_to_a_mark_gives_the_same_place_again),
 		cmocka_unit_test(a_mark_before_everything_empties_the_arena),

@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include <pthread.h>
+#include <sys/wait.h>
 
 #include "base/memory.h"
 
@@ -133,6 +134,31 @@ static void a_copied_text_is_a_block_of_its_own(void **state)
 	rb_memory_free(copy);
 }
 
+/* Whether a process that writes one byte behind a block of that size, and then frees it, comes to its end. */
+static bool goes_unnoticed(size_t size)
+{
+	const pid_t child = fork();
+	int status = 0;
+
+	if (child == 0) {
+		unsigned char *volatile block = rb_memory_take(size, 1);
+		freopen("/dev/null", "w", stderr);
+		block[size] ^= 1;
+		rb_memory_free(block);
+		_exit(0);
+	}
+	assert_true(child > 0 && waitpid(child, &status, 0) == child);
+	return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+static void a_byte_written_behind_a_block_ends_the_process(void **state)
+{
+	(void)state;
+	assert_false(goes_unnoticed(1));
+	assert_false(goes_unnoticed(64));
+	assert_false(goes_unnoticed(1000001));
+}
+
 static void *take_and_free_often(void *argument)
 {
 	(void)argument;
@@ -171,6 +197,7 @@ int main(void)
 		cmocka_unit_test(reserving_doubles_and_leaves_all_as_it_was_when_memory_is_out),
 		cmocka_unit_test(the_kth_allocation_fails_and_all_after_it),
 		cmocka_unit_test(a_copied_text_is_a_block_of_its_own),
+		cmocka_unit_test(a_byte_written_behind_a_block_ends_the_process),
 		cmocka_unit_test(counts_hold_with_several_threads),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -6,6 +6,7 @@
 #include <sched.h>
 #include <signal.h>
 #include <stdatomic.h>
+#include <sys/stat.h>
 
 #include "base/memory.h"
 #include "base/team.h"
@@ -287,6 +288,93 @@ static void a_phase_begins_when_the_one_before_has_ended(void **state)
 	free(layers);
 }
 
+/* A file below a root of its own, with the folders on its way. */
+static void put(const char *root, const char *path, const char *text)
+{
+	char whole[512];
+
+	snprintf(whole, sizeof whole, "%s%s", root, path);
+	for (char *slash = strchr(whole + strlen(root) + 1, '/'); slash;
+	     slash = strchr(slash + 1, '/')) {
+		*slash = '\0';
+		mkdir(whole, 0700);
+		*slash = '/';
+	}
+	FILE *const file = fopen(whole, "w");
+	assert_non_null(file);
+	fputs(text, file);
+	assert_int_equal(fclose(file), 0);
+}
+
+static void a_quota_of_version_2_holds_for_all_groups_below(void **state)
+{
+	char root[256];
+
+	(void)state;
+	support_folder(root);
+	assert_int_equal(rb_team_quota(root), 0);
+	put(root, "/proc/self/cgroup", "0::/users/job\n");
+	assert_int_equal(rb_team_quota(root), 0);
+	put(root, "/sys/fs/cgroup/users/job/cpu.max", "max 100000\n");
+	put(root, "/sys/fs/cgroup/users/cpu.max", "max 100000\n");
+	assert_int_equal(rb_team_quota(root), 0);
+	put(root, "/sys/fs/cgroup/users/job/cpu.max", "450000 100000\n"); /* rounded up */
+	assert_int_equal(rb_team_quota(root), 5);
+	put(root, "/sys/fs/cgroup/users/job/cpu.max", "400000 100000\n");
+	assert_int_equal(rb_team_quota(root), 4);
+	put(root, "/sys/fs/cgroup/users/cpu.max", "700000 100000\n");
+	assert_int_equal(rb_team_quota(root), 4);
+	put(root, "/sys/fs/cgroup/users/cpu.max", "50000 25000\n");
+	assert_int_equal(rb_team_quota(root), 2);
+	put(root, "/sys/fs/cgroup/cpu.max", "1 100000\n");
+	assert_int_equal(rb_team_quota(root), 1);
+	/* what lies above the tree is none of it */
+	put(root, "/sys/fs/cgroup/cpu.max", "max 100000\n");
+	put(root, "/sys/fs/cpu.max", "100000 100000\n");
+	assert_int_equal(rb_team_quota(root), 2);
+	put(root, "/sys/fs/cgroup/users/cpu.max", "9000000000000 1000\n");
+	put(root, "/sys/fs/cgroup/users/job/cpu.max", "-1 100000\n");
+	assert_int_equal(rb_team_quota(root), 1024);
+}
+
+static void a_quota_of_version_1_is_that_of_the_controller_of_processors(void **state)
+{
+	static const char *const with[] = {"cpu", "cpu,cpuacct"};
+	static const char *const without[] = {"cpuset", "memory", "cpuacct,cpu2"};
+	char root[256], line[128];
+
+	(void)state;
+	support_folder(root);
+	put(root, "/sys/fs/cgroup/cpu/job/cpu.cfs_quota_us", "250000\n");
+	assert_int_equal(rb_team_quota(root), 0);
+	for (size_t i = 0; i < 2; i++) {
+		snprintf(line, sizeof line, "5:memory:/other\n4:%s:/job\n3:pids:/job\n", with[i]);
+		put(root, "/proc/self/cgroup", line);
+		put(root, "/sys/fs/cgroup/cpu/job/cpu.cfs_period_us", "100000\n");
+		assert_int_equal(rb_team_quota(root), 3);
+		put(root, "/sys/fs/cgroup/cpu/job/cpu.cfs_period_us", "no number\n");
+		assert_int_equal(rb_team_quota(root), 0);
+	}
+	put(root, "/sys/fs/cgroup/cpu/job/cpu.cfs_period_us", "100000\n");
+	for (size_t i = 0; i < 3; i++) {
+		snprintf(line, sizeof line, "4:%s:/job\n", without[i]);
+		put(root, "/proc/self/cgroup", line);
+		assert_int_equal(rb_team_quota(root), 0);
+	}
+	/* the least of all lines; what is no line of three parts is passed over */
+	put(root, "/proc/self/cgroup",
+	    "nothing\n1:cpu\n4:cpu:/job\n0::/new\n2:cpu,cpuacct:/more\n");
+	put(root, "/sys/fs/cgroup/new/cpu.max", "200000 100000\n");
+	assert_int_equal(rb_team_quota(root), 2);
+	put(root, "/sys/fs/cgroup/cpu/more/cpu.cfs_quota_us", "90000\n");
+	put(root, "/sys/fs/cgroup/cpu/more/cpu.cfs_period_us", "90000\n");
+	assert_int_equal(rb_team_quota(root), 1);
+	put(root, "/sys/fs/cgroup/cpu/more/cpu.cfs_quota_us", "990000\n");
+	assert_int_equal(rb_team_quota(root), 2);
+	put(root, "/sys/fs/cgroup/cpu/more/cpu.cfs_quota_us", "-1\n");
+	assert_int_equal(rb_team_quota(root), 2);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -298,6 +386,8 @@ int main(void)
 		cmocka_unit_test(workers_run_at_the_same_time_and_block_signals),
 		cmocka_unit_test(running_waits_for_blocks_that_others_are_still_at),
 		cmocka_unit_test(a_team_without_memory_says_so_and_leaves_nothing),
+		cmocka_unit_test(a_quota_of_version_2_holds_for_all_groups_below),
+		cmocka_unit_test(a_quota_of_version_1_is_that_of_the_controller_of_processors),
 		cmocka_unit_test(processors_are_at_least_one_and_no_more_than_affinity_allows),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

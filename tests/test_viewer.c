@@ -68,6 +68,27 @@ static void a_live_view_has_the_newest_frame_in_each_picture(void **state)
 	leave(&seat);
 }
 
+static void a_look_tells_whether_there_is_anything_new(void **state)
+{
+	struct seat seat = {0};
+	struct rb_error *const err = &seat.host.err;
+	bool changed = true;
+
+	(void)state;
+	sit_down(&seat, true);
+	for (uint64_t k = 1; k < 4; k++) {
+		assert_good(*err, rb_source_refresh(seat.source, seat.now_ns, true, &changed, err));
+		assert_false(changed);
+		keep_frame(&seat.host, k);
+		assert_good(*err, rb_source_refresh(seat.source, seat.now_ns, true, &changed, err));
+		assert_true(changed);
+	}
+	/* too early for another look */
+	assert_good(*err, rb_source_refresh(seat.source, seat.now_ns, false, &changed, err));
+	assert_false(changed);
+	leave(&seat);
+}
+
 static void a_view_that_waits_for_the_run_shows_its_next_frame_at_once(void **state)
 {
 	struct seat seat = {0};
@@ -80,6 +101,28 @@ static void a_view_that_waits_for_the_run_shows_its_next_frame_at_once(void **st
 		assert_int_equal(seat.viewer->row, k - 1);
 		keep_frame(&seat.host, k);
 		tick(&seat, picture_ns);
+		assert_int_equal(seat.viewer->row, k);
+	}
+	leave(&seat);
+}
+
+/* The run was held up for a second: what it then makes at once is not skipped to make up for that. */
+static void after_a_wait_time_goes_on_from_the_frame_that_came(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, false);
+	for (int i = 0; i < 20; i++)
+		tick(&seat, 50000000);
+	for (uint64_t k = 1; k < 8; k++)
+		keep_frame(&seat.host, k);
+	tick(&seat, 1000000);
+	assert_int_equal(seat.viewer->row, 1);
+	for (uint64_t k = 2; k < 8; k++) { /* a tenth of a second a frame */
+		tick(&seat, 80000000);
+		assert_int_equal(seat.viewer->row, k - 1);
+		tick(&seat, 20000000);
 		assert_int_equal(seat.viewer->row, k);
 	}
 	leave(&seat);
@@ -147,7 +190,9 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_live_view_has_the_newest_frame_in_each_picture),
+		cmocka_unit_test(a_look_tells_whether_there_is_anything_new),
 		cmocka_unit_test(a_view_that_waits_for_the_run_shows_its_next_frame_at_once),
+		cmocka_unit_test(after_a_wait_time_goes_on_from_the_frame_that_came),
 		cmocka_unit_test(a_step_of_the_run_is_shown_with_the_next_picture),
 		cmocka_unit_test(toggle_goes_by_what_the_run_does_now),
 		cmocka_unit_test(only_what_is_new_is_counted_as_drawn),

@@ -11,6 +11,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "control/steer.h"
 #include "flow/between.h"
 #include "flow/frame.h"
 #include "flow/pump.h"
@@ -119,32 +120,6 @@ static enum rb_status check_names(const struct rb_scene *scene, const char *name
 	return RB_OK;
 }
 
-/* A camera for a recording whose scene has none: all bodies at the start, from the usual side. */
-static struct rb_camera_def fallback_camera(const struct rb_model *model)
-{
-	struct rb_camera_def camera = rb_camera_def_default();
-	const int count = model->body_count > 0 ? model->body_count : model->static_count;
-	const int first = model->body_count > 0 ? 0 : model->body_count;
-	rb_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
-
-	for (int i = first; i < first + count; i++) {
-		const double r = rb_model_reach(model, i);
-		const rb_vec3 p = model->position[i];
-		low = (rb_vec3){fmin(low.x, p.x - r), fmin(low.y, p.y - r), fmin(low.z, p.z - r)};
-		high = (rb_vec3){fmax(high.x, p.x + r), fmax(high.y, p.y + r),
-		                 fmax(high.z, p.z + r)};
-	}
-	const rb_vec3 middle = rb_vec3_scale(0.5, rb_vec3_add(low, high));
-	double radius = 0.5 * rb_vec3_length(rb_vec3_sub(high, low));
-	if (!(radius > 0))
-		radius = 1;
-	const rb_vec3 side = camera.position.value; /* of the default camera, towards the origin */
-	const double distance = 1.4 * radius / sin(camera.fov / 2) / rb_vec3_length(side);
-	camera.look_at.value = middle;
-	camera.position.value = rb_vec3_add(middle, rb_vec3_scale(distance, side));
-	return camera;
-}
-
 static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish)
 {
 	if (!isnan(wish->from_s))
@@ -207,7 +182,7 @@ static enum rb_status choose(struct rb_films *films, const struct rb_films_wish 
 			add(films, camera, i, wish);
 	}
 	if (scene->camera_count == 0 && wish->fallback && wish->output) {
-		const struct rb_camera_def camera = fallback_camera(films->loaded->model);
+		const struct rb_camera_def camera = rb_steer_default(films->loaded->model);
 		add(films, &camera, 0, wish);
 	}
 	if (wish->output && films->count == 0)

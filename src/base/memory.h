@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * The only malloc. Blocks are zeroed, counted, aligned to 64 bytes, and the k-th allocation can be
- * made to fail (tests). Thread-safe. Released with rb_memory_free only.
+ * made to fail (tests). Thread-safe. Released with rb_memory_free only, which aborts where the bytes
+ * behind the block were written to.
  */
 #ifndef RB_BASE_MEMORY_H
 #define RB_BASE_MEMORY_H

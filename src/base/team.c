@@ -303,32 +303,34 @@ static int quota_in(const char *folder)
 	return processors < 1024 ? (int)processors : 1024;
 }
 
-/* The least quota from our cgroup up to the root of its tree; 0 when there is none. */
-static int quota_along(const char *root, const char *group)
+/* The least quota from our cgroup up to the top of its tree; 0 when there is none. */
+static int quota_along(const char *root, const char *tree, const char *group)
 {
 	char folder[4160];
 	int least = 0;
 
-	if (snprintf(folder, sizeof folder, "%s%s", root, group) >= (int)sizeof folder)
+	if (snprintf(folder, sizeof folder, "%s%s%s", root, tree, group) >= (int)sizeof folder)
 		return 0;
-	const size_t root_length = strlen(root);
+	const size_t top_length = strlen(root) + strlen(tree);
 	for (;;) {
 		const int quota = quota_in(folder);
 		if (quota > 0 && (least == 0 || quota < least))
 			least = quota;
 		char *slash = strrchr(folder, '/');
-		if (!slash || (size_t)(slash - folder) < root_length)
+		if (!slash || (size_t)(slash - folder) < top_length)
 			return least;
 		*slash = '\0';
 	}
 }
 
 /* Lines of /proc/self/cgroup are number:controllers:path; version 2 is "0::path" (cgroups(7)). */
-static int cgroup_quota(void)
+int rb_team_quota(const char *root)
 {
-	FILE *file = fopen("/proc/self/cgroup", "re");
 	char line[4096];
 	int least = 0;
+
+	snprintf(line, sizeof line, "%s/proc/self/cgroup", root);
+	FILE *file = fopen(line, "re");
 
 	while (file && fgets(line, sizeof line, file)) {
 		line[strcspn(line, "\n")] = '\0';
@@ -340,9 +342,9 @@ static int cgroup_quota(void)
 		controllers++;
 		int quota = 0;
 		if (*controllers == '\0')
-			quota = quota_along("/sys/fs/cgroup", group);
+			quota = quota_along(root, "/sys/fs/cgroup", group);
 		else if (strcmp(controllers, "cpu") == 0 || strncmp(controllers, "cpu,", 4) == 0)
-			quota = quota_along("/sys/fs/cgroup/cpu", group);
+			quota = quota_along(root, "/sys/fs/cgroup/cpu", group);
 		if (quota > 0 && (least == 0 || quota < least))
 			least = quota;
 	}
@@ -361,7 +363,7 @@ int rb_team_processors(void)
 		count = CPU_COUNT(&allowed);
 	else
 		count = sysconf(_SC_NPROCESSORS_ONLN); /* more processors than a cpu_set_t holds */
-	const int quota = cgroup_quota();
+	const int quota = rb_team_quota("");
 	if (quota > 0 && quota < count)
 		count = quota;
 	return count < 1 ? 1 : (int)count;

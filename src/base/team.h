@@ -28,5 +28,7 @@ void rb_team_run_phases(struct rb_team *team, const int *block_count, int phase_
 
 /* Processors that this process may use (affinity, and a cgroup's quota rounded up), at least 1. */
 int rb_team_processors(void);
+/* That quota alone, 0: there is none. `root` stands before /proc and /sys, which is "" but for tests. */
+int rb_team_quota(const char *root);
 
 #endif

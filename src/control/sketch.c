@@ -45,7 +45,16 @@ static void dot(const struct drawing *d, double x, double y, const uint8_t rgb[3
 	memcpy(d->picture->rgba + 4 * at, rgb, 3);
 }
 
-/* Of what lies before the eye. */
+/* Of the part of a line from s[0] to s[1], that on which a coordinate lies in the picture. */
+static void cut(double at, double by, double most, double s[2])
+{
+	if (by == 0)
+		return; /* wholly inside, or no dot of it is */
+	s[0] = fmax(s[0], fmin(-at / by, (most - at) / by));
+	s[1] = fmin(s[1], fmax(-at / by, (most - at) / by));
+}
+
+/* Of what lies before the eye. A line that passes by the eye is many pictures long: dots go to what is in this one. */
 static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
 {
 	const double nearest = 1e-3 * rb_vec3_length(rb_vec3_sub(d->stand->eye, d->stand->target));
@@ -57,15 +66,20 @@ static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
 		p = rb_vec3_add_scaled(p, (nearest - p.z) / (q.z - p.z), rb_vec3_sub(q, p));
 	if (q.z < nearest)
 		q = rb_vec3_add_scaled(q, (nearest - q.z) / (p.z - q.z), rb_vec3_sub(p, q));
-	const double x[2] = {d->scale * p.x / p.z, d->scale * q.x / q.z};
-	const double y[2] = {d->scale * p.y / p.z, d->scale * q.y / q.z};
-	const int side = 4 * (d->picture->width + d->picture->height);
-	const double length = fmax(fabs(x[1] - x[0]), fabs(y[1] - y[0]));
-	const int steps = (int)fmin(ceil(length) + 1, side);
+	const double x = 0.5 * d->picture->width + d->scale * p.x / p.z;
+	const double y = 0.5 * d->picture->height - d->scale * p.y / p.z;
+	const double dx = d->scale * (q.x / q.z - p.x / p.z);
+	const double dy = -d->scale * (q.y / q.z - p.y / p.z);
+	double part[2] = {0, 1};
+	cut(x, dx, d->picture->width, part);
+	cut(y, dy, d->picture->height, part);
+	if (!(part[0] <= part[1]))
+		return;
+	const double length = fmax(fabs(dx), fabs(dy)) * (part[1] - part[0]);
+	const int steps = (int)ceil(length) + 1;
 	for (int i = 0; i <= steps; i++) {
-		const double s = (double)i / steps;
-		dot(d, 0.5 * d->picture->width + x[0] + s * (x[1] - x[0]),
-		    0.5 * d->picture->height - y[0] - s * (y[1] - y[0]), lines);
+		const double s = part[0] + (part[1] - part[0]) * i / steps;
+		dot(d, x + s * dx, y + s * dy, lines);
 	}
 }
 

@@ -726,22 +726,14 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));
 }
 
-/* Within the piece, places are those of the members; NULL: no memory. Returns those of before. */
-static int *take_places(struct rb_located *l, const struct rb_cluster *c)
+/* What has been given up halfway has left the piece before: its members are where this one was to begin. */
+static void stay(struct rb_modes *w)
 {
-	int *const kept = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *kept);
+	struct rb_gauss_piece *piece = &w->c->piece;
 
-	for (int k = 0; kept && k < c->member_count; k++) {
-		kept[k] = l->place[c->member[k]];
-		l->place[c->member[k]] = k;
-	}
-	return kept;
-}
-
-static void give_back_places(struct rb_located *l, const struct rb_cluster *c, const int *kept)
-{
-	for (int k = 0; k < c->member_count; k++)
-		l->place[c->member[k]] = kept[k];
+	memset(piece->coefficient, 0, (size_t)piece->n * RB_GAUSS_NODES * sizeof(double));
+	piece->length_s = 1;
+	put_on_piece(w, w->origin_s);
 }
 
 void rb_integrate_piece(struct rb_located *l, int cluster, double t)
@@ -758,14 +750,16 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
 	int *kept = NULL;
 	if (l->piece && room(&w, count * w.row, &value, &scale, &scratch) && rb_modes_room(&w))
-		kept = take_places(l, w.c);
+		kept = rb_modes_take_places(l, w.c);
 	if (!kept) {
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory to integrate %d bodies",
 		                    count);
 		return;
 	}
 	run(&w, value, scale, scratch);
-	give_back_places(l, w.c, kept);
+	if (l->status != RB_OK)
+		stay(&w);
+	rb_modes_give_back_places(l, w.c, kept);
 	rb_arena_back(l->arena, here);
 }
 
@@ -780,7 +774,7 @@ bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *f
 	/* a look that somebody asks for decides nothing */
 	const uint64_t products = l->products;
 	double *const value = rb_arena_take(l->arena, (size_t)c->piece.n + 1, sizeof *value);
-	const int *const kept = value && rb_modes_room(&w) ? take_places(l, c) : NULL;
+	const int *const kept = value && rb_modes_room(&w) ? rb_modes_take_places(l, c) : NULL;
 	bool good = kept != NULL;
 
 	if (good) {
@@ -789,7 +783,7 @@ bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *f
 		w.dense.least = c->least;
 		rb_gauss_values(&c->piece, t - w.origin_s, value);
 		good = evaluate(&w, t, value);
-		give_back_places(l, c, kept);
+		rb_modes_give_back_places(l, c, kept);
 		memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
 	}
 	if (l->status == RB_ERR_PHYSICS) /* too much to look at */

@@ -465,6 +465,23 @@ double rb_modes_noise(void *user, const double *coefficient)
 	return fmin(worst, coarse);
 }
 
+int *rb_modes_take_places(struct rb_located *l, const struct rb_cluster *c)
+{
+	int *const kept = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *kept);
+
+	for (int k = 0; kept && k < c->member_count; k++) {
+		kept[k] = l->place[c->member[k]];
+		l->place[c->member[k]] = k;
+	}
+	return kept;
+}
+
+void rb_modes_give_back_places(struct rb_located *l, const struct rb_cluster *c, const int *kept)
+{
+	for (int k = 0; k < c->member_count; k++)
+		l->place[c->member[k]] = kept[k];
+}
+
 bool rb_modes_room(struct rb_modes *w)
 {
 	struct rb_cluster *c = w->c;

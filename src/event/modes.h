@@ -45,6 +45,10 @@ static inline int rb_modes_place(const struct rb_modes *w, int body)
 /* Room in the arena for all arrays; false: no memory. */
 bool rb_modes_room(struct rb_modes *w);
 
+/* Within the piece, places are those of the members; NULL: no memory. Returns those of before. */
+int *rb_modes_take_places(struct rb_located *l, const struct rb_cluster *c);
+void rb_modes_give_back_places(struct rb_located *l, const struct rb_cluster *c, const int *kept);
+
 /* Does a member move, at the poses as they are? */
 bool rb_modes_move(const struct rb_modes *w);
 

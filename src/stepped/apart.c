@@ -8,6 +8,7 @@
 #include "stepped/attempt.h"
 #include "stepped/depth.h"
 #include "stepped/driven.h"
+#include "stepped/enter.h"
 #include "stepped/judge.h"
 #include "stepped/land.h"
 #include "stepped/stand.h"
@@ -23,12 +24,21 @@ struct rb_apart {
 	size_t push_count, push_capacity;
 	struct rb_event_of *event; /* owned: impacts of settled groups */
 	size_t event_count, event_capacity;
+	struct rb_entries entries;  /* for the ledger: of the group under way */
+	struct rb_entries_of *book; /* owned: of settled groups */
+	size_t book_count, book_capacity;
 	bool fresh; /* the group under way has not taken a step yet */
 };
 
 /* An impact, and a body that yields in it. */
 struct rb_event_of {
 	struct rb_event event;
+	int body;
+};
+
+/* A group's entries of the ledger, and one of its bodies. */
+struct rb_entries_of {
+	struct rb_entries entries;
 	int body;
 };
 
@@ -70,6 +80,7 @@ void rb_apart_destroy(struct rb_apart *apart)
 	rb_contacts_release(&apart->kept);
 	rb_memory_free(apart->push);
 	rb_memory_free(apart->event);
+	rb_memory_free(apart->book);
 	rb_memory_free(apart);
 }
 
@@ -79,7 +90,7 @@ void rb_apart_destroy(struct rb_apart *apart)
 static void forget_unsettled(struct rb_world *world)
 {
 	struct rb_apart *apart = world->stepped->apart;
-	size_t contacts = 0, pushes = 0, events = 0;
+	size_t contacts = 0, pushes = 0, events = 0, books = 0;
 
 	for (size_t k = 0; k < apart->kept.count; k++) {
 		const struct rb_contact *contact = &apart->kept.row[k];
@@ -94,6 +105,10 @@ static void forget_unsettled(struct rb_world *world)
 	for (size_t k = 0; k < apart->event_count; k++)
 		if (apart->land.settled[apart->event[k].body])
 			apart->event[events++] = apart->event[k];
+	for (size_t k = 0; k < apart->book_count; k++)
+		if (apart->land.settled[apart->book[k].body])
+			apart->book[books++] = apart->book[k];
+	apart->book_count = books;
 	apart->kept.count = contacts;
 	apart->push_count = pushes;
 	apart->event_count = events;
@@ -173,6 +188,11 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 		apart->event[apart->event_count++] = (struct rb_event_of){
 			s->told.row[k], rb_stepped_yields(world, a) ? a : b};
 	}
+	if (status == RB_OK && s->tally) {
+		const struct rb_entries e = rb_enter_step(world, part, &world->mark, time - h, h,
+		                                          NULL);
+		rb_entries_add(&apart->entries, 1, &e);
+	}
 	apart->fresh = false;
 	apart->before = apart->last;
 	apart->last = swapped;
@@ -198,6 +218,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 		               s->all.points.last_count);
 	rb_points_take_last(&s->part.points, &s->all.points, s->part.body, s->part.member_count);
 	apart->fresh = true;
+	apart->entries = (struct rb_entries){0};
 	apart->last.count = 0;
 	return RB_OK;
 }
@@ -221,6 +242,13 @@ static enum rb_status settle(struct rb_world *world, struct rb_group *group, str
 		return status;
 	for (size_t k = 0; k < apart->last.count; k++)
 		apart->kept.row[apart->kept.count++] = apart->last.row[k];
+	if (s->tally) {
+		if (!rb_memory_reserve(&apart->book, &apart->book_capacity, apart->book_count + 1,
+		                       sizeof *apart->book))
+			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of a step");
+		apart->book[apart->book_count++] = (struct rb_entries_of){
+			apart->entries, apart->land.member[group->first]};
+	}
 	group->settled = true;
 	for (int k = 0; k < group->count; k++)
 		apart->land.settled[apart->land.member[group->first + k]] = 1;
@@ -383,6 +411,18 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 	return RB_OK;
 }
 
+/* Of those that keep the whole step, then of groups that took shorter ones. */
+static void enter_all(struct rb_world *world, double start, double dt)
+{
+	const struct rb_apart *apart = world->stepped->apart;
+	const struct rb_entries whole = rb_enter_step(world, &world->stepped->all, &apart->begin,
+	                                              start, dt, apart->land.failed);
+
+	rb_ledger_enter(&world->ledger, &whole);
+	for (size_t k = 0; k < apart->book_count; k++)
+		rb_ledger_enter(&world->ledger, &apart->book[k].entries);
+}
+
 /* Impulses for the next step: of what was kept of the whole one, then of groups that took shorter ones; by body. */
 static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_error *err)
 {
@@ -507,7 +547,7 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		apart->land.was_group[i] = -1;
 		apart->steps[i] = 1;
 	}
-	apart->kept.count = apart->push_count = apart->event_count = 0;
+	apart->kept.count = apart->push_count = apart->event_count = apart->book_count = 0;
 	if (!rb_near_keep(&s->near))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
 	if (status == RB_OK)
@@ -522,6 +562,8 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		status = join_impacts(world, start + dt, err);
 	if (status == RB_OK)
 		status = join_contacts(world, dt, err);
+	if (status == RB_OK && s->tally)
+		enter_all(world, start, dt);
 	if (status == RB_OK)
 		status = join_pushes(world, dt, err);
 	if (status == RB_OK) {

@@ -10,6 +10,7 @@
 #include "stepped/force.h"
 #include "stepped/impact.h"
 #include "stepped/stand.h"
+#include "stepped/tally.h"
 
 /* Times that a step is looked at again. */
 enum { LOOKS_MOST = 1 };
@@ -179,6 +180,8 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	status = move_and_look(world, cohort, h, err);
 	if (status != RB_OK)
 		return status;
+	if (s->tally)
+		rb_tally_solved(world, cohort);
 	if (cohort == &s->all) {
 		rb_stand_note(world);
 		world->frame_counts.rows += s->stand.point_count;

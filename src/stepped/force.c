@@ -5,6 +5,7 @@
 
 #include "step/forces.h"
 #include "step/plan.h"
+#include "stepped/tally.h"
 
 /* ---- forces that classic steps have too ---- */
 
@@ -163,6 +164,17 @@ static void apply(struct rb_world *world, const struct end *end, double sign, rb
 		                                     rb_vec3_cross(end->arm, p))));
 }
 
+static void note_pull(struct rb_tally_pull *to, const struct pull *pull)
+{
+	const rb_vec3 d = rb_vec3_sub(pull->b.at, pull->a.at);
+	const double length = rb_vec3_length(d);
+
+	*to = (struct rb_tally_pull){
+		.impulse = pull->impulse, .arm_a = pull->a.arm, .arm_b = pull->b.arm};
+	if (length > 0)
+		to->along = rb_vec3_scale(1 / length, d);
+}
+
 /* All see the same velocities: their order is not in the result but for the rounding of sums. */
 static enum rb_status add_springs(struct rb_world *world, double h, const unsigned char *here,
                                   struct rb_error *err)
@@ -189,6 +201,8 @@ static enum rb_status add_springs(struct rb_world *world, double h, const unsign
 	for (int k = 0; k < scene->spring_count; k++) {
 		if (!pull[k].acts)
 			continue;
+		if (world->stepped->tally)
+			note_pull(&world->stepped->tally->pull[k], &pull[k]);
 		apply(world, &pull[k].a, -1, pull[k].impulse);
 		apply(world, &pull[k].b, 1, pull[k].impulse);
 	}
@@ -213,6 +227,8 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 		                      rb_world_row3(world->mark.velocity, i), &force, err);
 		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), h * world->model->inverse_mass[i],
 		                                 force));
+		if (world->stepped->tally)
+			world->stepped->tally->body[i].field = rb_vec3_scale(h, force);
 	}
 	return status;
 }
@@ -243,6 +259,13 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 		const rb_vec3 others = rb_vec3_add(rb_world_row3(world->mark.velocity, i),
 		                                   rb_vec3_from(varied));
 
+		if (world->stepped->tally) {
+			struct rb_tally_body *body = &world->stepped->tally->body[i];
+
+			body->drag = rb_vec3_scale((left - 1) * world->model->mass[i],
+			                           rb_vec3_from(v));
+			body->carry = rb_vec3_scale(0.5 * h * left * left, others);
+		}
 		rb_vec3_to(v, rb_vec3_scale(left, rb_vec3_from(v)));
 		rb_vec3_to(varied, rb_vec3_add_scaled(rb_vec3_from(varied), 1 - left,
 		                                      rb_vec3_sub(rb_vec3_from(v), others)));
@@ -278,6 +301,18 @@ static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, 
 	}
 }
 
+/* Where forces that do not vary act on what flies: half way along what those that do have left of its velocity. */
+static void note_carry(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	for (int k = 0; k < cohort->member_count; k++) {
+		const int i = cohort->body[k];
+
+		world->stepped->tally->body[i].carry = rb_vec3_scale(
+			0.5 * h, rb_vec3_add(rb_world_row3(world->mark.velocity, i),
+		                             rb_world_row3(world->stepped->varied, i)));
+	}
+}
+
 enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *cohort, double start,
                             double h, struct rb_error *err)
 {
@@ -288,6 +323,8 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	rb_team_run(world->team,
 	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
 	            run_stages, &flow);
+	if (world->stepped->tally)
+		rb_tally_begin(world, cohort, h);
 	if (!world->stepped->varied)
 		return RB_OK;
 	note_varied(world, cohort, -1);
@@ -300,6 +337,8 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	if (status == RB_OK && (features & RB_FEATURE_FIELD))
 		status = add_fields(world, cohort, start, h, err);
 	note_varied(world, cohort, 1);
+	if (world->stepped->tally)
+		note_carry(world, cohort, h);
 	if (status == RB_OK && (features & RB_FEATURE_DRAG))
 		add_drag(world, cohort, h);
 	return status;

@@ -536,6 +536,51 @@ static bool leave(struct impacts *all, size_t due)
 	return true;
 }
 
+/* ---- for the ledger ---- */
+
+static rb_vec3 velocity_at(const struct rb_joint_body *body, rb_vec3 arm)
+{
+	return rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm));
+}
+
+/* What each contact has done, while bodies have not been kicked yet; false: no memory. */
+static bool note_blows(struct impacts *all, const struct rb_joint *joint)
+{
+	struct rb_cohort *cohort = all->cohort;
+
+	if (!rb_memory_reserve(&cohort->blow, &cohort->blow_capacity,
+	                       cohort->blow_count + (size_t)joint->contact_count,
+	                       sizeof *cohort->blow))
+		return false;
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_joint_contact *c = &joint->contact[k];
+		const struct rb_point *point = &all->points->row[all->contact[k]];
+		const struct rb_joint_body a = joint_body(all, point->a);
+		const struct rb_joint_body b = joint_body(all, point->b);
+		const rb_vec3 on_b = velocity_at(&b, c->arm_b);
+		const rb_vec3 before = rb_vec3_sub(on_b, velocity_at(&a, c->arm_a));
+		const rb_vec3 after = rb_vec3_sub(velocity_at(&joint->body[c->b], c->arm_b),
+		                                  velocity_at(&joint->body[c->a], c->arm_a));
+		const rb_vec3 mean = rb_vec3_scale(0.5, rb_vec3_add(before, after));
+		const double work = rb_vec3_dot(c->impulse, mean);
+		const double along = rb_vec3_dot(c->impulse, c->normal) *
+		                     rb_vec3_dot(mean, c->normal);
+
+		if (rb_vec3_max_abs(c->impulse) == 0)
+			continue;
+		cohort->blow[cohort->blow_count++] = (struct rb_blow){
+			.a = point->a,
+			.b = point->b,
+			.t_s = all->t_s,
+			.impulse = c->impulse,
+			.arm_a = c->arm_a,
+			.along = -along,
+			.across = along - work,
+			.driven = -rb_vec3_dot(c->impulse, on_b)};
+	}
+	return true;
+}
+
 /* ---- one moment ---- */
 
 /* False: no memory. */
@@ -556,6 +601,8 @@ static bool strike(struct impacts *all, size_t due, bool *done)
 		*done = !rb_joint_is_over(&joint);
 		fine = *done ? tell(all, &joint, settled) : leave(all, due);
 	}
+	if (fine && *done && all->s->tally)
+		fine = note_blows(all, &joint);
 	for (int k = 0; k < all->body_count && fine && *done; k++)
 		kick(all, all->body[k], &joint.body[k]);
 	rb_arena_back(&all->world->arena[0], here);
@@ -636,7 +683,7 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	                                 .mixed = s->solver.mixed}};
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 
-	cohort->hit_count = 0;
+	cohort->hit_count = cohort->blow_count = 0;
 	for (int k = 0; k < s->kicked_count; k++)
 		s->kick[s->kicked[k]] = (struct rb_kick){.is_set = false};
 	s->kicked_count = 0;

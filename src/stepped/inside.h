@@ -25,6 +25,15 @@ struct rb_hit {
 	rb_vec3 point, normal, impulse; /* impulse: N s, on b */
 };
 
+/* A contact in an impact within the step, for the ledger. */
+struct rb_blow {
+	int a, b;
+	double t_s;             /* after the step's beginning */
+	rb_vec3 impulse, arm_a; /* N s, on b; m, from a's centre of mass */
+	double along, across;   /* J: taken, along the normal and across it */
+	double driven;          /* J: given by b, if that is driven */
+};
+
 /* Bodies that step together: all of them, or a group that the others cannot meet within the step. */
 struct rb_cohort {
 	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
@@ -36,6 +45,8 @@ struct rb_cohort {
 	size_t rebound_capacity;
 	struct rb_hit *hit; /* owned: of the try, in order of time */
 	size_t hit_count, hit_capacity;
+	struct rb_blow *blow; /* owned: of the try, where the ledger is kept */
+	size_t blow_count, blow_capacity;
 	struct rb_depths
 		depths; /* where the try has ended, if they are known; borrowed from the arena */
 	bool is_measured;
@@ -101,6 +112,7 @@ struct rb_stepped {
 	unsigned char *bad; /* owned: [bodies] 1: the try has failed for it */
 	int bad_count;
 	struct rb_events told;  /* impacts of the step under way, not in order yet */
+	struct rb_tally *tally; /* owned; NULL: the ledger is not kept */
 	struct rb_apart *apart; /* owned; NULL until a step has first failed for some */
 };
 

@@ -6,6 +6,7 @@
 #include "base/forest.h"
 #include "base/memory.h"
 #include "stepped/energy.h"
+#include "stepped/tally.h"
 
 /* Of the sums of a group. */
 enum { RISE, MIXED, SQUARE, KINETIC, SUMS };
@@ -71,7 +72,15 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 	const struct rb_dense_body *body = &solver->dense.body[i];
 	const struct rb_dense_body momentum = rb_energy_weigh(solver, i, body);
 	double *const way = lift->way + 6 * (size_t)i;
+	double *const aside = world->stepped->aside + 6 * (size_t)i;
 
+	if (world->stepped->tally) {
+		const rb_vec3 motion[2] = {rb_vec3_from(aside), world->state.spin
+		                                                        ? rb_vec3_from(aside + 3)
+		                                                        : (rb_vec3){0, 0, 0}};
+
+		rb_tally_close(world, i, motion);
+	}
 	if (!lift->moved[i])
 		memset(way, 0, 6 * sizeof *way);
 	lift->moved[i] = 1;
@@ -79,8 +88,8 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 	rb_vec3_to(way + 3, rb_vec3_add(rb_vec3_from(way + 3), momentum.angular));
 	if (!isnan(body->inverse_inertia))
 		return;
-	double *const spin = world->stepped->aside + 6 * (size_t)i + 3;
-	rb_vec3_to(spin, rb_quat_rotate(rb_quat_from_turn(body->angular), rb_vec3_from(spin)));
+	rb_vec3_to(aside + 3,
+	           rb_quat_rotate(rb_quat_from_turn(body->angular), rb_vec3_from(aside + 3)));
 }
 
 /* rad/s per unit of the payment. */
@@ -141,6 +150,12 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 	double *const w = world->state.spin ? world->state.spin + 3 * (size_t)i : NULL;
 	const double kept = 1 - payment.slowed;
 
+	if (world->stepped->tally) {
+		const rb_vec3 motion[2] = {rb_vec3_from(v),
+		                           w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0}};
+
+		rb_tally_close(world, i, motion);
+	}
 	if (lift->moved[i]) {
 		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), -payment.pace,
 		                                 rb_vec3_from(lift->way + 6 * (size_t)i)));
@@ -151,6 +166,24 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 	rb_vec3_to(v, rb_vec3_scale(kept, rb_vec3_from(v)));
 	if (w)
 		rb_vec3_to(w, rb_vec3_scale(kept, rb_vec3_from(w)));
+}
+
+/* Whom the ledger names for what closing has done to a body: the fixed one that its group has been closed against. */
+static void tell_closed(const struct rb_lift *lift, struct rb_world *world, int i)
+{
+	const struct rb_world_def *of = &world->model->scene->world;
+	const int root = rb_forest_root(lift->parent, i);
+	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
+	const double lifted = lift->moved[i]
+	                              ? -world->model->mass[i] * rb_vec3_dot(of->gravity, way) -
+	                                        rb_vec3_dot(of->gravity_force, way)
+	                              : 0;
+
+	rb_tally_closed(world, i,
+	                lift->given[root]  ? RB_MOMENTUM_DRIVEN
+	                : lift->held[root] ? RB_MOMENTUM_STATIC
+	                                   : RB_MOMENTUM_CAUSES,
+	                lifted);
 }
 
 void rb_lift_pay(struct rb_lift *lift, struct rb_world *world)
@@ -172,5 +205,7 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world)
 			rb_stepped_blame(s, i);
 		else if (need > 0)
 			pay(lift, world, i, payment);
+		if (s->tally && (lift->moved[i] || (need > 0 && !isnan(payment.pace))))
+			tell_closed(lift, world, i);
 	}
 }

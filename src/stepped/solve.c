@@ -114,6 +114,18 @@ static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_i
 	return dense;
 }
 
+/* Velocities are what the impulses make of them. */
+static void apply_again(const struct rb_solver *solver, const struct rb_island *island,
+                        const struct rb_dense *dense)
+{
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		dense->body[i] = solver->free[i];
+	}
+	rb_sweep_warm(dense);
+}
+
 /* Factors; false where they are too many or do not come to an end: where sweeps stalled, the impulses are then as they were. */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_dense *dense, enum purpose purpose, struct rb_arena *arena)
@@ -152,12 +164,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	if (!result.tried || (purpose != STALLED && purpose != STANDING))
 		return false;
 	memcpy(dense->row, kept, (size_t)dense->row_count * sizeof *kept);
-	for (int k = 0; k < island->member_count; k++) {
-		const int i = solver->member[island->first_member + k];
-
-		dense->body[i] = solver->free[i];
-	}
-	rb_sweep_warm(dense);
+	apply_again(solver, island, dense);
 	return false;
 }
 
@@ -179,13 +186,15 @@ static int most_of(const struct rb_sweeper *sweeper)
 	return sweeper->many.central ? CENTRAL_MOST : WIDE_MOST;
 }
 
-static bool sweep_more(struct rb_sweeper *sweeper, struct rb_island *island, double enough,
-                       int most)
+static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                       struct rb_island *island, double enough, int most)
 {
 	const struct rb_sweep_result result = rb_sweeper_run(sweeper, enough, most);
 
 	island->sweeps += result.sweeps;
 	island->residual = result.residual;
+	if (result.is_far)
+		apply_again(solver, island, sweeper->dense);
 	return result.residual <= enough;
 }
 
@@ -213,13 +222,14 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double en
  * friction that are far from each other's make sweeps of both swing. For large groups, of which a lost step costs most:
  * small ones are sooner done with shorter steps.
  */
-static bool take_turns(struct rb_sweeper *sweeper, struct rb_island *island, double enough)
+static bool take_turns(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                       struct rb_island *island, double enough)
 {
 	for (int turn = 0; turn < TURNS_MOST; turn++) {
 		if (island->residual <= hold_slack * enough)
 			return false;
 		island->sweeps += rb_sweeper_hold(sweeper, enough, WIDE_HOLD).sweeps;
-		if (sweep_more(sweeper, island, enough, TURN_SWEEPS))
+		if (sweep_more(solver, sweeper, island, enough, TURN_SWEEPS))
 			return true;
 	}
 	return false;
@@ -413,7 +423,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
 	}
-	if (!sweep_more(&sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_QUIET) &&
+	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_QUIET) &&
 	    !(island->residual <= solver->enough))
 		(void)try_factors(solver, island, dense, STALLED, arena);
 	const struct rb_energy least = rb_energy_of(solver, island);
@@ -476,23 +486,24 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	if (!good && stiff)
 		good = try_factors(solver, island, &dense, STIFF, arena);
 	if (!good)
-		good = sweep_more(&sweeper, island, aim_of(solver, island, &sweeper),
+		good = sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper),
 		                  sweeper.wide ? WIDE_FIRST : SWEEPS_FIRST);
 	/* the last digit costs as much as all before: the whole tolerance will do, as the verdict will see */
 	if (!good)
-		good = sweep_more(&sweeper, island, enough / sweep_share, most_of(&sweeper));
+		good = sweep_more(solver, &sweeper, island, enough / sweep_share,
+		                  most_of(&sweeper));
 	if (!good)
 		good = try_factors(solver, island, &dense, STALLED, arena);
 	if (!good && solver->before && island->row_count >= LARGE_ROWS)
-		good = take_turns(&sweeper, island, enough / sweep_share);
+		good = take_turns(solver, &sweeper, island, enough / sweep_share);
 	if (!good)
 		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
 	if (!good && !sweeper.wide)
-		good = sweep_more(&sweeper, island, enough / sweep_share, SWEEPS_MOST);
+		good = sweep_more(solver, &sweeper, island, enough / sweep_share, SWEEPS_MOST);
 	if (good && !closely && solver->before && island->residual > close &&
 	    (is_quiet(solver, island, false) ||
 	     (!sweeper.wide && goes_along(solver, island, &dense))) &&
-	    (stiff || !sweep_more(&sweeper, island, close, SWEEPS_QUIET)))
+	    (stiff || !sweep_more(solver, &sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
 	if (solver->before)
 		keep_energy(solver, island, &dense, arena);

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "stepped/apart.h"
 #include "stepped/attempt.h"
+#include "stepped/enter.h"
 #include "stepped/impact.h"
 #include "stepped/judge.h"
 #include "stepped/stand.h"
@@ -114,6 +115,8 @@ enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
 		status = rb_solver_create(&made->solver, model, err);
 	if (status == RB_OK)
 		status = rb_impacts_create(made, model, err);
+	if (status == RB_OK)
+		status = rb_tally_create(made, model, err);
 	return status;
 }
 
@@ -129,10 +132,13 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_solver_release(&stepped->solver);
 	rb_apart_destroy(stepped->apart);
 	rb_impacts_release(stepped);
+	rb_tally_release(stepped);
 	rb_memory_free(stepped->all.rebound);
 	rb_memory_free(stepped->part.rebound);
 	rb_memory_free(stepped->all.hit);
 	rb_memory_free(stepped->part.hit);
+	rb_memory_free(stepped->all.blow);
+	rb_memory_free(stepped->part.blow);
 	rb_memory_free(stepped->top);
 	rb_memory_free(stepped->body);
 	rb_memory_free(stepped->ride);
@@ -189,6 +195,11 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 		rb_state_copy(&world->state, &world->mark);
 		rb_stand_forget(s);
 		return status;
+	}
+	if (s->tally) {
+		const struct rb_entries e = rb_enter_step(world, &s->all, &world->mark, end - h, h,
+		                                          NULL);
+		rb_ledger_enter(&world->ledger, &e);
 	}
 	rb_stand_end(world, end, NULL);
 	world->state.time_s = end;

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* Mixtures that go so many times as far as impulses leave velocities some rounding of their own: ten bits. */
+static const double far_ratio = 1024;
+
 /* What a sweep has come to. */
 struct share {
 	double change; /* m/s: the largest of a row's velocity */
@@ -96,23 +99,28 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 	return sums;
 }
 
-/* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. */
-static void follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
+/* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. Whether it goes far. */
+static bool follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
 {
+	double size = 0, way = 0; /* N s: of impulses; that one of them goes, squared */
+
 	for (int k = 0; k < sweep->dense->row_count; k++) {
 		struct rb_dense_row *row = &sweep->dense->row[k];
 		const struct rb_sweep_trace *trace = &sweep->trace[k];
 		rb_vec3 extra = {0, 0, 0};
 
+		size = fmax(size, row->push);
 		for (int j = 0; j < filled; j++)
 			extra = rb_vec3_add_scaled(extra, -mix[j], trace->more_impulse[j]);
 		if (extra.x == 0 && extra.y == 0 && extra.z == 0)
 			continue;
 		const double normal = rb_vec3_dot(extra, row->normal);
+		way = fmax(way, rb_vec3_dot(extra, extra));
 		row->push += normal;
 		row->rub = rb_vec3_add(row->rub, rb_vec3_add_scaled(extra, -normal, row->normal));
 		rb_dense_push(sweep->dense, row, extra);
 	}
+	return way > far_ratio * far_ratio * size * size;
 }
 
 bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
@@ -166,24 +174,24 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 	}
 }
 
-/* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. */
-static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
+/* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. Whether far. */
+static bool accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
 {
 	double mix[RB_SWEEP_MEMORY];
 
 	if (afresh) {
 		m->count = m->at = 0;
 		(void)remember_rows(sweep, 0, 0);
-		return;
+		return false;
 	}
 	const int filled = m->count < RB_SWEEP_MEMORY ? m->count + 1 : RB_SWEEP_MEMORY;
 	const struct sums sums = remember_rows(sweep, m->at, filled);
 	for (int j = 0; j < filled; j++)
 		m->gram[m->at][j] = m->gram[j][m->at] = sums.newest[j];
 	solve_gram(m, filled, sums.now, mix);
-	follow_rows(sweep, mix, filled);
 	m->count = filled;
 	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
+	return follow_rows(sweep, mix, filled);
 }
 
 void rb_sweep_warm(const struct rb_dense *dense)
@@ -195,7 +203,7 @@ void rb_sweep_warm(const struct rb_dense *dense)
 
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 {
-	struct rb_sweep_result result = {0, 0};
+	struct rb_sweep_result result = {0};
 	struct mixture mixture = {0};
 	double before = 0;
 
@@ -207,7 +215,8 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		if (now.change <= sweep->enough || result.sweeps == sweep->most)
 			break;
 		/* where it got worse, faces have changed, and with them what was learned */
-		accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before);
+		if (accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before))
+			result.is_far = true;
 		before = now.size;
 	}
 	return result;

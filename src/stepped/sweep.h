@@ -26,6 +26,7 @@ struct rb_sweep {
 struct rb_sweep_result {
 	int sweeps;
 	double residual; /* m/s: largest change of a row's velocity in the last sweep */
+	bool is_far; /* mixtures went far beyond the impulses: velocities have the rounding of these */
 };
 
 /* Applies the impulses that rows begin with to the bodies. */

@@ -557,7 +557,7 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, int most,
                                      bool holds)
 {
-	struct rb_sweep_result result = {0, 0};
+	struct rb_sweep_result result = {0};
 	int same = 0;
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
 

@@ -14,12 +14,14 @@ camera { name = "main", position = {6, -8, 3}, look_at = {0, 0, 1} }
 camera { name = "moving", position = function(t) return {6 - t, -8, 3} end, look_at = {0, 0, 1} }
 END
 exits 0 s.lua
+impacts=$(sed -n 's/^ *impacts *\([0-9][0-9]*\).*/\1/p' err)
 terminal 110 34
 enters "$RBSIM console s.h5"
 sees 'playing.*speed 1 '
 sees 't 0.[2-9]... of 4 s'
 types Space
 sees '^ paused'
+sees "collisions $impacts\$"
 types Home
 sees 't 0.0000 of 4 s.* frame 0 of 200'
 types . .

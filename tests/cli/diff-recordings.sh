@@ -6,9 +6,11 @@
 cat >s.lua <<'END'
 local kick = param("kick", 0.0, "m/s that one ball gets at 0.25 s")
 local extra = param("extra", false, "a third ball")
-world { duration = param("duration", 0.5, "s"), gravity = {0, 0, -9.81} }
+local bare = param("bare", false, "without velocities")
+world { duration = param("duration", 0.5, "s"), frame_rate = param("rate", 60, "Hz"), gravity = {0, 0, -9.81} }
 sphere { name = "left", radius = 0.1, position = {-0.5, 0, 2}, angular_velocity = {0, 0, param("spin", 0.5, "rad/s")} }
 local right = sphere { name = "right", radius = 0.1, position = {0.5, 0, 2} }
+record { fields = bare and {"position", "orientation"} or {"position", "orientation", "velocity", "angular_velocity"} }
 if extra then sphere { radius = 0.1, position = {0, 5, 2} } end
 if kick ~= 0 then
 	on_step(function(t) if t == 0.25 then right:set_velocity({kick, 0, right.velocity.z}) end end)
@@ -37,6 +39,19 @@ says out "bodies differ: 'a.h5' has 2 moving .* 'more.h5' has 3"
 exits 0 s.lua -q -o short.h5 --param duration=0.25
 exits 1 diff a.h5 short.h5
 says out "'a.h5' has 31 frames and 'short.h5' has 16"
+exits 0 s.lua -q -o rate.h5 --param rate=50
+exits 1 diff a.h5 rate.h5
+says out "^frame 1 is at 0.01666666666666666[0-9]* s in 'a.h5' and at 0.02[0-9]* s in 'rate.h5'$"
+exits 1 diff rate.h5 a.h5 --json
+says out '"difference":"times".*"frame":1,"time":\[0.02[0-9]*,0.0166[0-9]*\]'
+exits 0 s.lua -q -o bare.h5 --param bare=true
+for order in "a.h5 bare.h5" "bare.h5 a.h5"; do
+	# shellcheck disable=SC2086 # two names
+	exits 1 diff $order
+	says out "^only 'a.h5' has the column 'velocity'; what both have is the same$"
+	says out "^only 'a.h5' has the column 'angular_velocity'; "
+	[ "$(wc -l <out)" -eq 2 ] || fail "more than the two columns are told"
+done
 exits 66 diff a.h5 missing.h5
 says err 'missing.h5'
 

@@ -72,6 +72,38 @@ says out "^survived +$file:11:sign "
 says out '^66.7 % of 3 killed$'
 grep -q 'a + b' toy/$file || fail "the tree itself was changed"
 
+# What the journal says was killed is not run again, also where its line has moved; a survivor is.
+mutate 1 --only $file:6:sign --only $file:11:sign --journal journal
+cp toy/tests/test_sum.c kept
+echo 'int main(void) { return 0; }' >toy/tests/test_sum.c
+cp toy/$file first.c
+{ echo; cat first.c; } >toy/$file
+mutate 1 --only $file:7:sign --only $file:12:sign --journal journal
+says out "^killed +$file:7:sign \\(test_sum: exit 1"
+says out "^survived +$file:12:sign "
+[ "$(grep -c -v ^took journal)" -eq 3 ] || fail "the journal tells of $(grep -c -v ^took journal) changes, wanted 3"
+says journal '^took	test_sum\*	[0-9.]+	$'
+cp kept toy/tests/test_sum.c
+cp first.c toy/$file
+
+# A line more elsewhere does not change what a seed draws.
+mutate 0 --list
+sed -i 's/^int count(int n)$/int more(int a);\nint more(int a)\n{\n\treturn a - 9;\n}\nint count(int n)/' toy/$file
+python3 - "$TOP/tools/mutate" toy >drawn <<'END'
+import importlib.machinery, importlib.util, sys
+loader = importlib.machinery.SourceFileLoader("mutate", sys.argv[1])
+tool = importlib.util.module_from_spec(importlib.util.spec_from_loader("mutate", loader))
+sys.dont_write_bytecode = True
+loader.exec_module(tool)
+after = tool.mutants_of(sys.argv[2], "src/math/sum.c")
+before = [m for m in after if "9" not in m.was]
+drawn = [[m.key() for m in tool.chosen(some, len(some), 5)] for some in (before, after)]
+kinds = [[k for k in drawn[1] if k in drawn[0] and kind in k[0]] == [k for k in drawn[0] if kind in k[0]]
+         for kind in ("sign", "term", "statement")]
+print(all(kinds))
+END
+says drawn '^True$'
+
 printf '%s\n' "$file:sign" 'return a + 7;' 'nobody calls it' >toy/tools/mutate-equivalent
 mutate 0 --only $file:11:sign
 says out "^equivalent +$file:11:sign "

@@ -1,0 +1,433 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/enter.h"
+
+#include "step/forces.h"
+
+struct entering {
+	const struct rb_world *world;
+	const struct rb_cohort *cohort;
+	const struct rb_tally *tally;
+	const struct rb_state *before;
+	const unsigned char *skip;
+	struct rb_pass pass; /* what stated forces are asked with */
+	struct rb_entries e;
+	double lost; /* J: by bodies, kinetic energy and that under gravity */
+};
+
+static const rb_vec3 none = {0, 0, 0};
+
+static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
+{
+	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
+}
+
+static rb_vec3 velocity_at(const rb_vec3 motion[2], rb_vec3 arm)
+{
+	return rb_vec3_add(motion[0], rb_vec3_cross(motion[1], arm));
+}
+
+static bool is_in(const struct entering *n, int i)
+{
+	return rb_stepped_yields(n->world, i) && !(n->skip && n->skip[i]);
+}
+
+/* Whom the ledger names for a body that contacts do not move. */
+static enum rb_ledger_momentum cause_of(const struct entering *n, int i)
+{
+	return i < n->world->model->body_count ? RB_MOMENTUM_DRIVEN : RB_MOMENTUM_STATIC;
+}
+
+/* A fixed body's velocity at a place, while the step is solved. */
+static rb_vec3 fixed_velocity(const struct entering *n, int i, rb_vec3 at)
+{
+	if (i >= n->world->model->body_count)
+		return none;
+	const rb_vec3 arm = rb_vec3_sub(at, rb_world_row3(n->before->position, i));
+	const rb_vec3 motion[2] = {rb_world_row3(n->before->velocity, i),
+	                           n->before->spin ? rb_world_row3(n->before->spin, i) : none};
+
+	return velocity_at(motion, arm);
+}
+
+/* A fixed body acts on what moves, there. */
+static void enter_fixed(struct entering *n, int i, rb_vec3 impulse, rb_vec3 at)
+{
+	rb_entries_impulse(&n->e, cause_of(n, i), impulse, at);
+	if (i < n->world->model->body_count)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN,
+		                  rb_vec3_dot(impulse, fixed_velocity(n, i, at)));
+}
+
+/* ---- forces ---- */
+
+/* What a body's forces have come to: so much has to hold it, if it stands still. */
+struct held {
+	rb_vec3 linear, angular; /* N s; N m s about the origin */
+};
+
+static void hold(struct held *held, rb_vec3 impulse, rb_vec3 at)
+{
+	held->linear = rb_vec3_add(held->linear, impulse);
+	held->angular = rb_vec3_add(held->angular, rb_vec3_cross(at, impulse));
+}
+
+/* A force without potential, and a turn. */
+static void enter_force(struct entering *n, const struct rb_tally_body *body,
+                        enum rb_ledger_momentum cause, rb_vec3 impulse, rb_vec3 turn)
+{
+	static const enum rb_ledger_energy energy[RB_MOMENTUM_CAUSES] = {
+		[RB_MOMENTUM_APPLIED] = RB_ENERGY_APPLIED,
+		[RB_MOMENTUM_DRAG] = RB_ENERGY_DRAG,
+		[RB_MOMENTUM_CALLBACKS] = RB_ENERGY_CALLBACKS};
+	const double work = rb_vec3_dot(impulse, mean(body->begin[0], body->end[0])) +
+	                    rb_vec3_dot(turn, mean(body->begin[1], body->end[1]));
+
+	rb_entries_energy(&n->e, energy[cause], cause == RB_MOMENTUM_DRAG ? -work : work);
+}
+
+static void enter_even(struct entering *n, int i, const struct rb_force_impulse *force, rb_vec3 at,
+                       struct held *held)
+{
+	const struct rb_tally_body *body = &n->tally->body[i];
+
+	enter_force(n, body, force->cause, force->impulse, force->turn);
+	rb_entries_impulse(&n->e, force->cause, force->impulse, at);
+	rb_entries_twist(&n->e, force->cause, force->turn);
+	hold(held, force->impulse, at);
+	held->angular = rb_vec3_add(held->angular, force->turn);
+}
+
+/* Those that are the same throughout the step act where a free body is on the way that they bend. */
+static void enter_even_forces(struct entering *n, int i, struct held *held)
+{
+	const struct rb_model *model = n->world->model;
+	const struct rb_world_def *def = &model->scene->world;
+	const struct rb_tally_body *body = &n->tally->body[i];
+	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, model->mass[i], def->gravity);
+	const rb_vec3 begin = rb_world_row3(n->before->position, i);
+	const rb_vec3 at = body->kind == RB_TALLY_FREE ? rb_vec3_add(begin, body->carry) : begin;
+	const int count = model->scene->bodies[model->id_of[i]].force_count;
+
+	rb_entries_impulse(&n->e, RB_MOMENTUM_APPLIED, rb_vec3_scale(n->pass.h_s, weight), at);
+	hold(held, rb_vec3_scale(n->pass.h_s, weight), at);
+	for (int f = 0; f < count; f++) {
+		const struct rb_force_impulse force = rb_forces_stated(&n->pass, n->before, i, f);
+
+		enter_even(n, i, &force, at, held);
+	}
+	if (model->features & RB_FEATURE_PUSHES) {
+		const struct rb_force_impulse force = rb_forces_pushed(&n->pass, i);
+
+		enter_even(n, i, &force, at, held);
+	}
+}
+
+static void enter_varied(struct entering *n, int i, enum rb_ledger_momentum cause, rb_vec3 impulse,
+                         struct held *held)
+{
+	const rb_vec3 at = rb_world_row3(n->before->position, i);
+
+	enter_force(n, &n->tally->body[i], cause, impulse, none);
+	rb_entries_impulse(&n->e, cause, impulse, at);
+	hold(held, impulse, at);
+}
+
+static double energy_under_gravity(const struct entering *n, const struct rb_state *state, int i)
+{
+	const struct rb_world_def *def = &n->world->model->scene->world;
+	const double mass = n->world->model->mass[i];
+	const rb_vec3 v = rb_world_row3(state->velocity, i);
+	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, mass, def->gravity);
+	double twice = mass * rb_vec3_dot(v, v);
+
+	if (state->spin) {
+		const rb_vec3 spin = rb_world_row3(state->spin, i);
+
+		twice += rb_vec3_dot(spin, rb_tally_spin(n->world, state, i, spin));
+	}
+	/* places as differences: what a fall is worth is not the rounding of how far away it is */
+	return 0.5 * twice -
+	       rb_vec3_dot(weight, rb_vec3_sub(rb_world_row3(state->position, i),
+	                                       rb_world_row3(n->before->position, i)));
+}
+
+/* What holds a body that stands still gives what its forces take, and what motion it had left. */
+static void enter_held(struct entering *n, int i, const struct held *held)
+{
+	const struct rb_model *model = n->world->model;
+	const struct rb_tally_body *body = &n->tally->body[i];
+	const rb_vec3 p = rb_vec3_scale(model->mass[i], rb_vec3_sub(body->end[0], body->begin[0]));
+	const rb_vec3 turn = rb_tally_spin(n->world, n->before, i,
+	                                   rb_vec3_sub(body->end[1], body->begin[1]));
+	const rb_vec3 angular = rb_vec3_add(
+		turn, rb_vec3_cross(rb_world_row3(n->before->position, i), p));
+
+	rb_entries_momentum(&n->e,
+	                    model->static_count > 0 ? RB_MOMENTUM_STATIC : RB_MOMENTUM_DRIVEN,
+	                    rb_vec3_sub(p, held->linear), rb_vec3_sub(angular, held->angular));
+}
+
+static void enter_closing(struct entering *n, int i)
+{
+	const struct rb_tally_body *body = &n->tally->body[i];
+
+	if (body->closed_by != RB_MOMENTUM_CAUSES)
+		rb_entries_momentum(&n->e, body->closed_by, body->closed[0], body->closed[1]);
+	if (body->closed_by == RB_MOMENTUM_DRIVEN)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, body->lifted);
+}
+
+static void enter_body(struct entering *n, int i)
+{
+	const rb_features features = n->world->model->features;
+	const struct rb_tally_body *body = &n->tally->body[i];
+	struct held held = {none, none};
+
+	enter_even_forces(n, i, &held);
+	if (features & RB_FEATURE_FIELD)
+		enter_varied(n, i, RB_MOMENTUM_APPLIED, body->field, &held);
+	if (features & RB_FEATURE_DRAG)
+		enter_varied(n, i, RB_MOMENTUM_DRAG, body->drag, &held);
+	if (body->kind == RB_TALLY_RESTS)
+		enter_held(n, i, &held);
+	if (body->is_closed)
+		enter_closing(n, i);
+	if (body->kind == RB_TALLY_RESTS && !body->is_closed)
+		return;
+	n->lost += energy_under_gravity(n, n->before, i) -
+	           energy_under_gravity(n, &n->world->state, i);
+}
+
+/* ---- springs ---- */
+
+static rb_vec3 end_at(const struct entering *n, const struct rb_state *state, int i, rb_vec3 point)
+{
+	const struct rb_model *model = n->world->model;
+	const bool moves = i < model->body_count;
+	const rb_vec3 center = moves ? rb_world_row3(state->position, i) : model->position[i];
+
+	if (isnan(point.x))
+		return center;
+	if (moves && model->center_of_mass)
+		point = rb_vec3_sub(point, model->center_of_mass[i]);
+	return rb_vec3_add(center,
+	                   rb_quat_rotate(rb_world_orientation_at(n->world, state, i), point));
+}
+
+static double spring_energy(const struct entering *n, const struct rb_state *state, int number)
+{
+	const struct rb_model *model = n->world->model;
+	const struct rb_spring_def *spring = &model->scene->springs[number];
+	const rb_vec3 a = end_at(n, state, model->index_of[spring->a], spring->at_a);
+	const rb_vec3 b = end_at(n, state, model->index_of[spring->b], spring->at_b);
+	const double stretch = rb_vec3_length(rb_vec3_sub(b, a)) - model->rest_length_m[number];
+
+	return 0.5 * spring->stiffness * stretch * stretch;
+}
+
+/* The velocity of a spring's end in the mean of the step. */
+static rb_vec3 end_velocity(const struct entering *n, int i, rb_vec3 arm)
+{
+	if (!rb_stepped_yields(n->world, i))
+		return i < n->world->model->body_count
+		               ? fixed_velocity(
+					 n, i,
+					 rb_vec3_add(rb_world_row3(n->before->position, i), arm))
+		               : none;
+	const struct rb_tally_body *body = &n->tally->body[i];
+
+	return mean(velocity_at(body->begin, arm), velocity_at(body->end, arm));
+}
+
+/* An end that is fixed, or stands still, gives the impulse to what moves. */
+static void enter_end(struct entering *n, int i, rb_vec3 arm, int other, rb_vec3 other_arm,
+                      rb_vec3 impulse)
+{
+	const bool yields = rb_stepped_yields(n->world, i);
+
+	if (yields && n->tally->body[i].kind == RB_TALLY_RESTS) {
+		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, i), arm);
+
+		rb_entries_impulse(&n->e,
+		                   n->world->model->static_count > 0 ? RB_MOMENTUM_STATIC
+		                                                     : RB_MOMENTUM_DRIVEN,
+		                   impulse, at);
+	}
+	if (yields)
+		return;
+	/* at the end that moves */
+	const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, other), other_arm);
+	rb_entries_impulse(&n->e, cause_of(n, i), impulse, at);
+	if (i < n->world->model->body_count)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN,
+		                  rb_vec3_dot(impulse, end_velocity(n, i, arm)));
+}
+
+/* A damper takes what its rate along the spring is worth, and no more than bodies and spring have lost. */
+static void enter_spring(struct entering *n, int number)
+{
+	const struct rb_model *model = n->world->model;
+	const struct rb_spring_def *spring = &model->scene->springs[number];
+	const struct rb_tally_pull *pull = &n->tally->pull[number];
+	const int a = model->index_of[spring->a], b = model->index_of[spring->b];
+	const rb_vec3 p = pull->impulse;
+
+	enter_end(n, a, pull->arm_a, b, pull->arm_b, p);
+	enter_end(n, b, pull->arm_b, a, pull->arm_a, rb_vec3_neg(p));
+	if (!(spring->damping > 0))
+		return;
+	const rb_vec3 u = rb_vec3_sub(end_velocity(n, b, pull->arm_b),
+	                              end_velocity(n, a, pull->arm_a));
+	const double rate = rb_vec3_dot(u, pull->along);
+	const double taken = n->pass.h_s * spring->damping * rate * rate;
+	const double lost = spring_energy(n, n->before, number) -
+	                    spring_energy(n, &n->world->state, number) - rb_vec3_dot(p, u);
+
+	rb_entries_energy(&n->e, RB_ENERGY_DAMPING, fmax(0, fmin(taken, lost)));
+}
+
+/* A spring is of a step that one of its bodies was part of. */
+static void enter_springs(struct entering *n, const int *member, int count)
+{
+	const struct rb_scene *scene = n->world->model->scene;
+	const int *index_of = n->world->model->index_of;
+	unsigned char *const here = n->tally->here;
+
+	for (int k = 0; k < count && scene->spring_count > 0; k++)
+		here[member[k]] = is_in(n, member[k]);
+	for (int k = 0; k < scene->spring_count; k++)
+		if (here[index_of[scene->springs[k].a]] || here[index_of[scene->springs[k].b]])
+			enter_spring(n, k);
+	for (int k = 0; k < count && scene->spring_count > 0; k++)
+		here[member[k]] = 0;
+}
+
+/* ---- contacts ---- */
+
+/* The impulse of a contact on b, at the mean of relative velocities, takes that along and across the normal. */
+static void enter_work(struct entering *n, const struct rb_point *point, rb_vec3 impulse, rb_vec3 u)
+{
+	const double work = rb_vec3_dot(impulse, u);
+	const double along = rb_vec3_dot(impulse, point->normal) * rb_vec3_dot(u, point->normal);
+
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -along);
+	rb_entries_energy(&n->e, point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING,
+	                  along - work);
+}
+
+static void enter_point(struct entering *n, size_t k)
+{
+	const struct rb_point *point = &n->cohort->points.row[k];
+	const struct rb_tally_body *a = &n->tally->body[point->a];
+	const rb_vec3 rebound = n->cohort->rebound[k];
+	const bool rebounds = rb_vec3_max_abs(rebound) > 0;
+	const rb_vec3 arm_a = point->central ? rb_vec3_scale(point->arm_a.x, point->normal)
+	                                     : point->lever;
+	/* arms end where impulses act, beside the point */
+	const rb_vec3 arm_b = point->central
+	                              ? rb_vec3_scale(point->arm_b.x, point->normal)
+	                              : rb_vec3_add(point->arm_b, rb_vec3_sub(arm_a, point->arm_a));
+	const bool yields = rb_stepped_yields(n->world, point->b);
+	const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a), arm_a);
+	const rb_vec3 fixed = yields ? none : fixed_velocity(n, point->b, at);
+	const struct rb_tally_body *b = yields ? &n->tally->body[point->b] : NULL;
+	const rb_vec3 end = rb_vec3_sub(b ? velocity_at(b->end, arm_b) : fixed,
+	                                velocity_at(a->end, arm_a));
+
+	if (a->kind == RB_TALLY_JOINED && point->push > 0) {
+		const rb_vec3 begin = rb_vec3_sub(b ? velocity_at(b->begin, arm_b) : fixed,
+		                                  velocity_at(a->begin, arm_a));
+		const rb_vec3 p = rb_vec3_add_scaled(point->rub, point->push, point->normal);
+
+		enter_work(n, point, p, mean(begin, end));
+		if (!yields)
+			enter_fixed(n, point->b, rb_vec3_neg(p), at);
+	}
+	if (!rebounds)
+		return;
+	const struct rb_state *now = &n->world->state;
+	const rb_vec3 after_a[2] = {rb_world_row3(now->velocity, point->a),
+	                            now->spin ? rb_world_row3(now->spin, point->a) : none};
+	rb_vec3 after = fixed;
+	if (yields) {
+		const rb_vec3 after_b[2] = {rb_world_row3(now->velocity, point->b),
+		                            now->spin ? rb_world_row3(now->spin, point->b) : none};
+
+		after = velocity_at(after_b, arm_b);
+	}
+	after = rb_vec3_sub(after, velocity_at(after_a, arm_a));
+	enter_work(n, point, rebound, mean(end, after));
+	if (!yields)
+		enter_fixed(n, point->b, rb_vec3_neg(rebound), rb_vec3_add(a->place, arm_a));
+}
+
+/*
+ * Impacts within the step. A body goes on from there with the velocity of the step's end, as if it had come with it: that is
+ * where the impulse acts on it.
+ */
+static void enter_blow(struct entering *n, const struct rb_blow *blow)
+{
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, blow->along);
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACT_FRICTION, blow->across);
+	if (rb_stepped_yields(n->world, blow->b))
+		return;
+	const rb_vec3 from = rb_world_row3(n->before->position, blow->a);
+	const rb_vec3 center = rb_vec3_add_scaled(from, blow->t_s, n->tally->body[blow->a].end[0]);
+
+	rb_entries_impulse(&n->e, cause_of(n, blow->b), rb_vec3_neg(blow->impulse),
+	                   rb_vec3_add(center, blow->arm_a));
+	if (blow->b < n->world->model->body_count)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, blow->driven);
+}
+
+/* ---- all ---- */
+
+/* Contacts, impacts and drag have taken no less than nothing, and no more than was lost. */
+static void keep_to(struct entering *n)
+{
+	static const enum rb_ledger_energy taker[] = {RB_ENERGY_IMPACTS, RB_ENERGY_IMPACT_FRICTION,
+	                                              RB_ENERGY_SLIDING, RB_ENERGY_DRAG};
+	const double given = n->e.row[RB_ENERGY_APPLIED] + n->e.row[RB_ENERGY_DRIVEN] +
+	                     n->e.row[RB_ENERGY_CALLBACKS];
+	const double lost = fmax(0, n->lost + given);
+	double taken = 0;
+
+	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++) {
+		n->e.row[taker[k]] = fmax(0, n->e.row[taker[k]]);
+		taken += n->e.row[taker[k]];
+	}
+	if (!(taken > lost) ||
+	    (n->world->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)))
+		return;
+	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++)
+		n->e.row[taker[k]] *= lost / taken;
+}
+
+struct rb_entries rb_enter_step(struct rb_world *world, const struct rb_cohort *cohort,
+                                const struct rb_state *before, double start, double h,
+                                const unsigned char *skip)
+{
+	const struct rb_stepped *s = world->stepped;
+	const bool all = cohort == &s->all;
+	const int *member = all ? s->body : cohort->body;
+	const int count = all ? s->member_count : cohort->member_count;
+	struct entering n = {.world = world,
+	                     .cohort = cohort,
+	                     .tally = s->tally,
+	                     .before = before,
+	                     .skip = skip,
+	                     .pass = {.world = world, .start_s = start, .dt_s = h, .h_s = h}};
+
+	for (int k = 0; k < count; k++)
+		if (is_in(&n, member[k]))
+			enter_body(&n, member[k]);
+	for (size_t k = 0; k < cohort->points.count; k++)
+		if (is_in(&n, cohort->points.row[k].a))
+			enter_point(&n, k);
+	for (size_t k = 0; k < cohort->blow_count; k++)
+		if (is_in(&n, cohort->blow[k].a))
+			enter_blow(&n, &cohort->blow[k]);
+	enter_springs(&n, member, count);
+	keep_to(&n);
+	return n.e;
+}

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/tally.h"
+
+#include "base/memory.h"
+
+enum rb_status rb_tally_create(struct rb_stepped *s, const struct rb_model *model,
+                               struct rb_error *err)
+{
+	struct rb_tally *made;
+
+	if (!model->keeps_ledger)
+		return RB_OK;
+	made = s->tally = rb_memory_take(1, sizeof *made);
+	if (made) {
+		made->body = rb_memory_take((size_t)model->body_count, sizeof *made->body);
+		made->pull = rb_memory_take((size_t)model->scene->spring_count, sizeof *made->pull);
+		made->here = rb_memory_take((size_t)(model->body_count + model->static_count), 1);
+	}
+	return made && made->body && made->pull && made->here
+	               ? RB_OK
+	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of %d bodies",
+	                         model->body_count);
+}
+
+void rb_tally_release(struct rb_stepped *s)
+{
+	if (!s->tally)
+		return;
+	rb_memory_free(s->tally->body);
+	rb_memory_free(s->tally->pull);
+	rb_memory_free(s->tally->here);
+	rb_memory_free(s->tally);
+}
+
+void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort, double h)
+{
+	for (int k = 0; k < cohort->member_count; k++) {
+		struct rb_tally_body *body = &world->stepped->tally->body[cohort->body[k]];
+
+		body->field = body->drag = (rb_vec3){0, 0, 0};
+		body->carry = rb_vec3_scale(0.5 * h,
+		                            rb_world_row3(world->mark.velocity, cohort->body[k]));
+	}
+}
+
+static rb_vec3 spin_of(const struct rb_state *state, int i)
+{
+	return state->spin ? rb_world_row3(state->spin, i) : (rb_vec3){0, 0, 0};
+}
+
+void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
+{
+	struct rb_stepped *s = world->stepped;
+	const struct rb_solver *solver = &s->solver;
+	const bool all = cohort == &s->all;
+	const int *member = all ? s->body : cohort->body;
+	const int count = all ? s->member_count : cohort->member_count;
+
+	for (int k = 0; k < count; k++) {
+		const int i = member[k];
+		struct rb_tally_body *body = &s->tally->body[i];
+		const struct rb_kick *kick = s->kicked_count > 0 && s->kick[i].is_set ? &s->kick[i]
+		                                                                      : NULL;
+
+		body->begin[0] = rb_world_row3(world->mark.velocity, i);
+		body->begin[1] = spin_of(&world->mark, i);
+		if (kick) {
+			body->begin[0] = rb_vec3_add(body->begin[0], kick->linear);
+			body->begin[1] = rb_vec3_add(body->begin[1], kick->angular);
+		}
+		body->is_closed = false;
+		body->place = rb_world_row3(world->state.position, i);
+		if (s->stand.stands[i]) { /* it has not been looked at */
+			body->kind = RB_TALLY_RESTS;
+			body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
+			continue;
+		}
+		body->kind = solver->island_of[i] < 0 ? RB_TALLY_FREE
+		             : solver->rests[i]       ? RB_TALLY_RESTS
+		                                      : RB_TALLY_JOINED;
+		/* the state's spin has turned with the body since */
+		body->end[0] = solver->dense.body[i].linear;
+		body->end[1] = solver->dense.body[i].angular;
+	}
+}
+
+rb_vec3 rb_tally_spin(const struct rb_world *world, const struct rb_state *state, int i,
+                      rb_vec3 spin)
+{
+	const struct rb_model *model = world->model;
+
+	if (!state->spin)
+		return (rb_vec3){0, 0, 0};
+	if (!isnan(model->inverse_inertia_scalar[i]))
+		return rb_vec3_scale(model->inertia[i].m[0][0], spin);
+	const rb_quat q = rb_quat_from(state->orientation + 4 * (size_t)i);
+	return rb_quat_rotate(q, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(q, spin)));
+}
+
+/* Adds so many times its momentum, about the origin. */
+static void add_momentum(const struct rb_world *world, int i, const rb_vec3 motion[2], double sign,
+                         rb_vec3 sum[2])
+{
+	const rb_vec3 p = rb_vec3_scale(world->model->mass[i], motion[0]);
+	const rb_vec3 l = rb_vec3_add(rb_vec3_cross(rb_world_row3(world->state.position, i), p),
+	                              rb_tally_spin(world, &world->state, i, motion[1]));
+
+	sum[0] = rb_vec3_add_scaled(sum[0], sign, p);
+	sum[1] = rb_vec3_add_scaled(sum[1], sign, l);
+}
+
+void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2])
+{
+	struct rb_tally_body *body = &world->stepped->tally->body[i];
+
+	if (body->is_closed)
+		return;
+	body->is_closed = true;
+	body->closed[0] = body->closed[1] = (rb_vec3){0, 0, 0};
+	add_momentum(world, i, motion, -1, body->closed);
+}
+
+void rb_tally_closed(struct rb_world *world, int i, enum rb_ledger_momentum by, double lifted)
+{
+	struct rb_tally_body *body = &world->stepped->tally->body[i];
+	const rb_vec3 motion[2] = {rb_world_row3(world->state.velocity, i),
+	                           spin_of(&world->state, i)};
+
+	add_momentum(world, i, motion, 1, body->closed);
+	body->closed_by = by;
+	body->lifted = lifted;
+}

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What a try has done to each body, noted while it is known, for the ledger: stepped/enter makes entries of it if the step is
+ * kept. There only where the ledger is kept (rb_stepped's `tally`), and nothing that is solved reads it.
+ *
+ * Owned by the method's state; simulator thread.
+ */
+#ifndef RB_STEPPED_TALLY_H
+#define RB_STEPPED_TALLY_H
+
+#include "stepped/inside.h"
+
+enum rb_tally_kind {
+	RB_TALLY_FREE,   /* it has no points: parabolas */
+	RB_TALLY_JOINED, /* solved for: it moves with the velocity of the step's end */
+	RB_TALLY_RESTS   /* it stands still: what holds it gives what forces take */
+};
+
+/* Of a body, in the last try that it was part of. */
+struct rb_tally_body {
+	enum rb_tally_kind kind;
+	rb_vec3 begin[2];    /* m/s, rad/s: as the step began, with the impacts in it */
+	rb_vec3 end[2];      /* as solved, before what rebounds */
+	rb_vec3 place;       /* m: where the step has moved it */
+	rb_vec3 carry;       /* m: free: from where it was to where forces that do not vary act */
+	rb_vec3 field, drag; /* N s */
+	/* closing of overlaps, and what pays for it */
+	rb_vec3 closed[2]; /* kg m/s, kg m^2/s about the origin */
+	double lifted;     /* J: by driven bodies */
+	bool is_closed;
+	enum rb_ledger_momentum closed_by; /* RB_MOMENTUM_CAUSES: by other bodies that yield */
+};
+
+/* A spring in its last step. */
+struct rb_tally_pull {
+	rb_vec3 impulse;      /* N s, on b */
+	rb_vec3 arm_a, arm_b; /* m, from centres of mass as the step began */
+	rb_vec3 along;        /* unit, from a to b; zero: they were at one place */
+};
+
+struct rb_tally {
+	struct rb_tally_body *body; /* owned, [bodies] */
+	struct rb_tally_pull *pull; /* owned, [springs] */
+	unsigned char *here;        /* owned, [bodies and statics]: scratch, 0 */
+};
+
+/* Where the ledger is kept; else it stays NULL. */
+RB_CHECKED enum rb_status rb_tally_create(struct rb_stepped *stepped, const struct rb_model *model,
+                                          struct rb_error *err);
+void rb_tally_release(struct rb_stepped *stepped);
+
+/* Before forces that vary are added to these bodies, in a step of h_s. */
+void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort, double h_s);
+/* The try is solved and has moved its bodies; nothing has rebound yet. */
+void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort);
+
+/*
+ * Closing moves a body, or what pays for it slows it down: before that, with the velocity and spin that it has, and after it.
+ * Again before the same try has ended: nothing.
+ */
+void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2]);
+void rb_tally_closed(struct rb_world *world, int i, enum rb_ledger_momentum by, double lifted_j);
+
+/* I w about the centre of mass, kg m^2/s. */
+rb_vec3 rb_tally_spin(const struct rb_world *world, const struct rb_state *state, int i,
+                      rb_vec3 spin);
+
+#endif
