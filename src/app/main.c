@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+#include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <unistd.h>
 
 #include "app/check.h"
@@ -23,6 +25,7 @@
 #include "app/sweep.h"
 #include "app/verify.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "control/command.h"
 #include "control/keys.h"
 #include "script/rows.h"
@@ -97,6 +100,18 @@ static int run_verb(const struct rb_options *options)
 	return verb_main[options->verb](options);
 }
 
+/* For tests, by the environment: a run that ends with blocks of memory has a bug. */
+static int check_memory(int exit_code)
+{
+	const struct rb_memory_counts counts = rb_memory_counts();
+
+	if (!getenv("RBSIM_CHECK_MEMORY") || counts.taken == counts.freed)
+		return exit_code;
+	fprintf(stderr, "rbsim: %" PRIu64 " blocks of memory were not given back\n",
+	        counts.taken - counts.freed);
+	return rb_status_exit_code(RB_ERR_BUG);
+}
+
 int main(int argc, char **argv)
 {
 	struct rb_options options;
@@ -121,5 +136,5 @@ int main(int argc, char **argv)
 		exit_code = run_verb(&options);
 	}
 	rb_options_release(&options);
-	return exit_code;
+	return check_memory(exit_code);
 }
