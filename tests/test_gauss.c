@@ -41,9 +41,10 @@ static enum rb_status step(struct course *c, double end, struct rb_error *err)
 {
 	c->try_s = fmin(c->try_s, end - c->time_s);
 	c->steps++;
-	const enum rb_status status =
-		rb_gauss_step(&c->problem, c->time_s, &c->try_s, c->least_s, &c->piece, err);
-	for (size_t i = rb_gauss_room(c->problem.n); i < sizeof c->scratch / sizeof *c->scratch; i++)
+	const enum rb_status status = rb_gauss_step(&c->problem, c->time_s, &c->try_s, c->least_s,
+	                                            &c->piece, err);
+	for (size_t i = rb_gauss_room(c->problem.n); i < sizeof c->scratch / sizeof *c->scratch;
+	     i++)
 		assert_true(isnan(c->scratch[i])); /* that room is nobody's */
 	return status;
 }

@@ -65,7 +65,8 @@ static void each_cause_is_kept_by_itself_and_together_they_explain_the_change(vo
 		assert_near(v.momentum_scale[part], length[part], 1e-12 * length[part]);
 	}
 	assert_near(v.energy_scale,
-	            now.kinetic_energy + fabs(now.potential_energy - start.potential_energy) + scale,
+	            now.kinetic_energy + fabs(now.potential_energy - start.potential_energy) +
+	                    scale,
 	            1e-9);
 
 	/* what nobody entered is unexplained, with its sign */
@@ -91,8 +92,8 @@ static void small_entries_are_not_lost_beside_large_ones(void **state)
 		rb_ledger_start(&ledger, &none);
 		for (int i = -1; i <= 1000; i++) {
 			struct rb_entries one = {0};
-			const double value = i < 0      ? (large_first ? 0x1p60 : 0)
-			                     : i == 500 ? (large_first ? -0x1p60 : 0x1p60)
+			const double value = i < 0       ? (large_first ? 0x1p60 : 0)
+			                     : i == 500  ? (large_first ? -0x1p60 : 0x1p60)
 			                     : i == 1000 ? (large_first ? 0 : -0x1p60)
 			                                 : i + 0.5;
 			rb_entries_energy(&one, RB_ENERGY_DRAG, value);
@@ -189,8 +190,7 @@ static void causes_have_names_of_their_own(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(
-			each_cause_is_kept_by_itself_and_together_they_explain_the_change),
+		cmocka_unit_test(each_cause_is_kept_by_itself_and_together_they_explain_the_change),
 		cmocka_unit_test(small_entries_are_not_lost_beside_large_ones),
 		cmocka_unit_test(an_impulse_turns_about_the_origin),
 		cmocka_unit_test(entries_are_added_with_their_share),
