@@ -150,6 +150,38 @@ static void single_precision_and_compression_come_back(void **slot)
 		}
 }
 
+/* What changes little from frame to frame is packed over many frames, however many bodies there are. */
+static void compressed_chunks_span_frames(void **slot)
+{
+	static const char *const paths[] = {"/particles/bodies/position/value",
+	                                    "/particles/bodies/velocity/value"};
+	char path[512];
+	struct fake fake;
+	struct rb_error err;
+
+	(void)slot;
+	for (int bodies = 10; bodies <= 4000; bodies *= 20) {
+		in_folder(path, "packed.h5");
+		unlink(path);
+		fake_init(&fake, bodies, 40, false);
+		fake.scene.record.compression = 1;
+		assert_ok(fake_record(&fake, path, &err));
+		fake_release(&fake);
+		const hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
+		for (int k = 0; k < 2; k++) {
+			const hid_t dataset = H5Dopen2(file, paths[k], H5P_DEFAULT);
+			const hid_t properties = H5Dget_create_plist(dataset);
+			hsize_t chunk[3] = {0, 0, 0};
+			assert_int_equal(H5Pget_chunk(properties, 3, chunk), 3);
+			assert_in_range(chunk[0], 16, 40);
+			assert_int_equal(chunk[1], bodies);
+			H5Pclose(properties);
+			H5Dclose(dataset);
+		}
+		H5Fclose(file);
+	}
+}
+
 static void bodies_split_among_chunks_come_back(void **slot)
 {
 	char path[512];
@@ -697,6 +729,7 @@ int main(void)
 		cmocka_unit_test(a_failing_disk_ends_the_run_without_a_crash),
 		cmocka_unit_test(every_frame_comes_back_to_the_bit),
 		cmocka_unit_test(single_precision_and_compression_come_back),
+		cmocka_unit_test(compressed_chunks_span_frames),
 		cmocka_unit_test(bodies_split_among_chunks_come_back),
 		cmocka_unit_test(every_third_frame_and_the_last_are_recorded_and_counts_add_up),
 		cmocka_unit_test(a_scene_that_cannot_turn_has_one_fixed_orientation),

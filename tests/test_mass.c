@@ -190,6 +190,24 @@ static void a_needle_or_foil_as_a_hull_is_the_box_to_rounding(void **slot)
 	rb_scene_release(&scene);
 }
 
+static void the_least_half_width_is_found_along_any_axis(void **state)
+{
+	static const double sizes[][3] = {{1, 5, 7}, {5, 1, 7}, {7, 5, 1}, {1, 7, 5}, {5, 7, 1}, {7, 1, 5}};
+	struct rb_scene scene = scene_of();
+
+	(void)state;
+	for (uint64_t k = 0; k < 24; k++) {
+		rb_vec3 points[8];
+
+		solids_box(points, sizes[k % 6], k < 6 ? rb_quat_identity : solids_turn(k),
+		           (rb_vec3){3, 1, -2});
+		const struct rb_shape hull = {.kind = RB_SHAPE_HULL,
+		                              .solid = add_hull(&scene, points, 8)};
+		assert_near(rb_shape_half_width(scene.solids, &hull), 0.5, 1e-14);
+	}
+	rb_scene_release(&scene);
+}
+
 static void a_box_as_a_hull_turned_and_far_away_is_still_that_box(void **slot)
 {
 	struct rb_scene scene = scene_of();
@@ -324,6 +342,7 @@ int main(void)
 		cmocka_unit_test(boxes_and_cylinders_have_the_inertia_of_the_books),
 		cmocka_unit_test(a_capsule_has_what_its_slices_have_together),
 		cmocka_unit_test(a_needle_or_foil_as_a_hull_is_the_box_to_rounding),
+		cmocka_unit_test(the_least_half_width_is_found_along_any_axis),
 		cmocka_unit_test(a_box_as_a_hull_turned_and_far_away_is_still_that_box),
 		cmocka_unit_test(a_corner_of_a_cube_has_its_rational_numbers),
 		cmocka_unit_test(a_box_is_the_union_of_its_halves_however_they_are_made),

@@ -207,6 +207,27 @@ static void the_default_tolerance_follows_the_smallest_radius_or_the_ulp(void **
 	assert_near(b.model->tolerance_m, 5e-7, 1e-22);
 	assert_near(b.model->size_min_m, 0.5, 0);
 	assert_near(b.model->coordinate_max_m, 100, 0);
+	/* what is large counts as coordinates far away do, and in the middle too; what stands still is not the smallest */
+	struct rb_body_def sheet = rb_body_def_default();
+	sheet.call = "plane";
+	sheet.shape.kind = RB_SHAPE_RECTANGLE;
+	sheet.is_static = true;
+	for (int way = 0; way < 2; way++) {
+		sheet.position.z = -10 - way;
+		sheet.shape.size[way] = 3000 + way;
+		sheet.shape.size[1 - way] = 0.1;
+		add(&b, sheet);
+		seal(&b);
+		assert_near(b.model->coordinate_max_m, 3000 + way, 0);
+		assert_near(b.model->size_min_m, 0.5, 0);
+	}
+	add(&b, ball(4000, 0, -10000, 0));
+	seal(&b);
+	assert_near(b.model->coordinate_max_m, 10000, 0);
+	add(&b, ball(20000, 0, 0, 60000));
+	seal(&b);
+	assert_near(b.model->coordinate_max_m, 60000, 0);
+	assert_near(b.model->tolerance_m, 5e-7, 1e-22);
 	add(&b, ball(2, -1e12, 0, 0));
 	seal(&b);
 	assert_near(b.model->tolerance_m, 8 * 0x1p-13, 0);

@@ -485,6 +485,8 @@ static void a_call_that_is_assigned_to_is_a_mistake(void **state)
 	} cases[] = {
 		{"world { duration = 1 }\nfunction on_step(t, dt) end",
 	         "t.lua:2: 'on_step' is a call of the scene language: write on_step(function(t, dt) ... end)"},
+		{"world { duration = 1 }\n  sphere { radius = 1 }\nlocal f = sphere\nfunction  sphere() end",
+	         "t.lua:4: 'sphere' is a call of the scene language: write sphere { ... }"},
 		{"-- world = nothing\n\nworld = { duration = 1 }",
 	         "t.lua:3: 'world' is a call of the scene language: write world { ... }"},
 		{"world { duration = 1 }\n_G['sphere'] = 5\n",

@@ -169,6 +169,43 @@ static void toggle_goes_by_what_the_run_does_now(void **state)
 	leave(&seat);
 }
 
+static double apart(rb_vec3 a, rb_vec3 b)
+{
+	return rb_vec3_length(rb_vec3_sub(a, b));
+}
+
+/* Angles are degrees; a way is to the right, up and forward. */
+static void a_camera_is_moved_as_it_is_told(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, false);
+	struct rb_camera_def *const camera = &seat.viewer->camera;
+	const rb_vec3 *const eye = &camera->position.value, *const target = &camera->look_at.value;
+	rb_vec3 was = *eye;
+	assert_false(seat.viewer->camera_moved);
+	assert_int_equal(rb_order(seat.viewer, "camera orbit 20 0", seat.now_ns), RB_OK);
+	assert_true(seat.viewer->camera_moved);
+	const double across = hypot(was.x - target->x, was.y - target->y);
+	assert_near(eye->z, was.z, 1e-12);
+	assert_near(hypot(eye->x - target->x, eye->y - target->y), across, 1e-12 * across);
+	assert_near(apart(*eye, was), 2 * across * sin(10 * 3.14159265358979323846 / 180),
+	            1e-12 * across);
+	was = *eye;
+	assert_int_equal(rb_order(seat.viewer, "camera orbit 0 10", seat.now_ns), RB_OK);
+	assert_true(eye->z > was.z);
+	assert_near(apart(*eye, *target), apart(was, *target), 1e-12 * across);
+	was = *eye;
+	assert_int_equal(rb_order(seat.viewer, "camera zoom 2", seat.now_ns), RB_OK);
+	assert_near(apart(*eye, *target), 0.5 * apart(was, *target), 1e-12 * across);
+	const rb_vec3 eyes[2] = {*eye, *target};
+	assert_int_equal(rb_order(seat.viewer, "camera move 1 2 3", seat.now_ns), RB_OK);
+	assert_near(apart(*eye, eyes[0]), sqrt(14), 1e-12);
+	assert_near(apart(rb_vec3_sub(*eye, eyes[0]), rb_vec3_sub(*target, eyes[1])), 0, 1e-12);
+	leave(&seat);
+}
+
 static void only_what_is_new_is_counted_as_drawn(void **state)
 {
 	struct seat seat = {0};
@@ -195,6 +232,7 @@ int main(void)
 		cmocka_unit_test(after_a_wait_time_goes_on_from_the_frame_that_came),
 		cmocka_unit_test(a_step_of_the_run_is_shown_with_the_next_picture),
 		cmocka_unit_test(toggle_goes_by_what_the_run_does_now),
+		cmocka_unit_test(a_camera_is_moved_as_it_is_told),
 		cmocka_unit_test(only_what_is_new_is_counted_as_drawn),
 	};
 

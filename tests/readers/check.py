@@ -43,6 +43,9 @@ def check_h5py(path):
     with h5py.File(path, "r") as f:
         assert list(f["h5md"].attrs["version"]) == [1, 1]
         assert text(f["h5md/modules/units"].attrs["system"]) == "SI"
+        assert list(f["h5md/modules/units"].attrs["version"]) == [1, 0]
+        assert text(f["h5md/creator"].attrs["name"]) == "rbsim" and text(f["h5md/creator"].attrs["version"])
+        assert "name" in f["h5md/author"].attrs
         bodies = f["particles/bodies"]
         assert sorted(f["particles"])[0] == "bodies"
         assert bodies["box"].attrs["dimension"] == 3 and "edges" not in bodies["box"]
