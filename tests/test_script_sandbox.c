@@ -12,6 +12,8 @@
 #include "script/pattern.h"
 #include "script/sandbox.h"
 
+static size_t memory_bytes = (size_t)8 << 20;
+
 /* What loading ends with; budgets are small, so that running into them takes no time. */
 static enum rb_status load(const char *text, bool trust, struct rb_error *err)
 {
@@ -22,7 +24,7 @@ static enum rb_status load(const char *text, bool trust, struct rb_error *err)
 	                                          .file_count = 1,
 	                                          .trust = trust,
 	                                          .load_instructions = 3000000,
-	                                          .memory_bytes = (size_t)8 << 20};
+	                                          .memory_bytes = memory_bytes};
 	struct rb_script *script;
 	struct rb_scene scene;
 
@@ -239,6 +241,19 @@ static void what_works_in_c_is_stopped_too(void **state)
 	assert_true(rb_clock_cpu_ns() - start < 60000000000u);
 }
 
+/* 2^18 numbers are 4 MiB, which come to be where there were 2: what counts is what there is in the end. */
+static void memory_that_grows_counts_once(void **state)
+{
+	static const char text[] = "local t = {} for i = 1, 2^18 do t[i] = i end";
+
+	(void)state;
+	memory_bytes = (size_t)5 << 20;
+	must_run(text);
+	memory_bytes = (size_t)3 << 20;
+	must_fail(text, "wants more than 3 MiB of memory");
+	memory_bytes = (size_t)8 << 20;
+}
+
 static void memory_is_bounded(void **state)
 {
 	static const char message[] =
@@ -366,6 +381,7 @@ int main(void)
 		cmocka_unit_test(addresses_do_not_show),
 		cmocka_unit_test(endless_loops_are_stopped_and_named),
 		cmocka_unit_test(what_works_in_c_is_stopped_too),
+		cmocka_unit_test(memory_that_grows_counts_once),
 		cmocka_unit_test(memory_is_bounded),
 		cmocka_unit_test(trust_lifts_the_sandbox),
 		cmocka_unit_test(coroutines_and_xpcall_work_as_in_lua),

@@ -16,6 +16,10 @@ end)
 END
 classic="--methods classic,classic-global --runs 1"
 
+# a method that is named twice is run once
+exits 0 converge throw.lua --methods classic,classic-global,classic --runs 1 --dt 0.01 --json
+python3 -c 'import json; assert len(json.load(open("out"))["rows"]) == 2' || fail "not two methods"
+
 # Semi-implicit Euler falls short by g t dt/2: at the end 10 x 0.5 x dt / 2.
 exits 0 converge throw.lua $classic --dt 0.01,0.001 --json
 [ "$(wc -l <out)" -eq 1 ] || fail "not one object"

@@ -31,6 +31,10 @@ cat >worn.lua <<'END'
 world { duration = 0.1 }
 sphere { radius = 0.1, texture = "skins/globe.png" }
 END
+cat >bare.lua <<'END'
+world { duration = 0.1 }
+plane { normal = {0, 0, 1} }
+END
 mkdir skins
 "$python" - <<'END'
 import struct, zlib
@@ -40,7 +44,7 @@ rows = b"".join(b"\0" + bytes([40 * y, 0, 255 - x]) for y in range(2) for x in r
 open("skins/globe.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 2, 8, 2, 0, 0, 0))
     + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
 END
-for scene in all packed still worn; do
+for scene in all packed still worn bare; do
 	"$RBSIM" "$scene.lua" -o "$scene.h5" --quiet
 	echo "== $scene"
 	"$python" "$top/tests/readers/check.py" "$scene.h5"

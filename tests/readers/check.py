@@ -82,7 +82,31 @@ def check_h5py(path):
             ends = f["rbsim/frames/contact_end"][:]
             per_frame = np.diff(ends, prepend=np.uint64(0))
             same("steps of contacts", f["rbsim/contacts/step"][:], np.repeat(step[:], per_frame.astype(int)))
+        moves = frames > 0 and count > 0 and isinstance(bodies.get("position"), h5py.Group)
+        assert ("VTKHDF" in f) == moves, "a view for VTK is for what moves"
+        if moves:
+            check_view(f["VTKHDF"], bodies, frames, count)
         return f"{frames} frames, {count} bodies, {statics} statics"
+
+
+def check_view(view, bodies, frames, count):
+    """PolyData in time: one vertex a body, and columns that begin anew with each frame."""
+    same("points", view["Points"][:], bodies["position/value"][:].reshape(frames * count, 3))
+    same("times", view["Steps/Values"][:], bodies["position/time"][:])
+    assert view["Steps"].attrs["NSteps"] == frames and view["NumberOfPoints"][0] == count
+    offsets = np.arange(frames) * count
+    same("offsets of points", view["Steps/PointOffsets"][:], offsets)
+    for name in ("velocity", "angular_velocity", "orientation"):
+        if isinstance(bodies.get(name), h5py.Group):
+            value = bodies[name]["value"][:]
+            same(name, view["PointData"][name][:], value.reshape(frames * count, value.shape[2]))
+            same("offsets of " + name, view["Steps/PointDataOffsets"][name][:], offsets)
+    same("ids", view["PointData/id"][:], bodies["id"][:])
+    same("vertices", view["Vertices/Connectivity"][:], np.arange(count))
+    same("offsets of vertices", view["Vertices/Offsets"][:], np.arange(count + 1))
+    for kind in ("Vertices", "Lines", "Strips", "Polygons"):
+        cells = count if kind == "Vertices" else 0
+        assert view[kind]["NumberOfCells"][0] == view[kind]["NumberOfConnectivityIds"][0] == cells, kind
 
 
 def check_h5dump(path):
