@@ -263,6 +263,45 @@ static void a_slow_ball_turns_round_an_edge_and_leaves_it(void **slot)
 	}
 }
 
+/* A ball that leaves a sheet at its four edges, and one that begins over an edge and moves outwards: turned, to the bit. */
+static void all_edges_of_a_sheet_are_alike(void **slot)
+{
+	const double radius = 0.125, v = 0.5, half = 0.25;
+
+	(void)slot;
+	for (int begins = 0; begins < 2; begins++) {
+		rb_vec3 place = origin, speed = origin;
+
+		for (int way = 0; way < 4; way++) {
+			const double sign = way % 2 ? -1 : 1, from = begins ? sign * half : 0;
+			const bool along_y = way > 1;
+			struct bench bench;
+
+			bench_open(&bench, 0.75, 7);
+			lab_surface(&bench.lab, 0.5, 0);
+			struct rb_body_def def = lab_sphere_def(
+				radius, 1, along_y ? at(0, from, radius) : at(from, 0, radius),
+				along_y ? at(0, sign * v, 0) : at(sign * v, 0, 0));
+			def.angular_velocity = along_y ? at(-sign * v / radius, 0, 0)
+			                               : at(0, sign * v / radius, 0);
+			const int ball = lab_add(&bench.lab, &def);
+			lab_rectangle(&bench.lab, origin, up, 2 * half, 2 * half);
+			bench_seal(&bench);
+			lab_run(&bench.lab);
+			const rb_vec3 x = rb_world_position(bench.lab.world, ball);
+			const rb_vec3 u = rb_world_velocity(bench.lab.world, ball);
+			const rb_vec3 here = at(sign * (along_y ? x.y : x.x), along_y ? x.x : x.y, x.z);
+			const rb_vec3 goes = at(sign * (along_y ? u.y : u.x), along_y ? u.x : u.y, u.z);
+			assert_true(here.x > half && here.z < radius && goes.z < 0);
+			if (way == 0)
+				place = here, speed = goes;
+			assert_vector(here, place, 0);
+			assert_vector(goes, speed, 0);
+			bench_close(&bench);
+		}
+	}
+}
+
 /* On top of a fixed sphere, let go at angle a: lifts off at cos = 10/17 cos(a) rolling, 2/3 cos(a) without friction. */
 static void a_ball_leaves_a_fixed_sphere_where_it_should(void **slot)
 {
@@ -474,6 +513,7 @@ int main(void)
 		cmocka_unit_test(a_ball_thrown_across_a_slope_curves_as_it_should),
 		cmocka_unit_test(a_fast_ball_flies_off_an_edge),
 		cmocka_unit_test(a_slow_ball_turns_round_an_edge_and_leaves_it),
+		cmocka_unit_test(all_edges_of_a_sheet_are_alike),
 		cmocka_unit_test(a_ball_leaves_a_fixed_sphere_where_it_should),
 		cmocka_unit_test(a_ball_on_a_sphere_rolls_slips_and_lifts),
 		cmocka_unit_test(a_ball_slides_off_a_free_one),

@@ -195,6 +195,32 @@ static void a_narrow_table_keeps_what_matters(void **state)
 	assert_null(strstr(head, "cpu"));
 }
 
+/* A run that has failed says so over the columns of its results, which are as wide as the others need them. */
+static void columns_are_as_wide_as_what_stands_in_them(void **state)
+{
+	struct made *const made = made_of();
+	char text[4096];
+	struct rb_error err;
+	(void)state;
+
+	add(made, 0, 0.1, 1e-3, 0.001);
+	add(made, 1, 1.25e-5, 1.234567e-13, 123456.789);
+	struct rb_report_row *const failed = add(made, 1, 1.23e-7, 1, 1);
+	failed->result.state = RB_RUNG_CRASHED;
+	rb_report_conclude(&made->report);
+	FILE *const file = fmemopen(text, sizeof text, "w");
+	assert_non_null(file);
+	assert_int_equal(rb_report_print(file, &made->report, 0, &err), RB_OK);
+	fclose(file);
+	const char *line = strstr(text, "  method ");
+	assert_non_null(line);
+	const size_t width = strcspn(line, "\n");
+	for (int row = 0; row < 4; row++, line += strcspn(line, "\n") + 1)
+		if (row != 1) /* units */
+			assert_int_equal(strcspn(line, "\n"), width);
+	assert_memory_equal(line, "  located   1.23e-07  ", 22);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -206,6 +232,7 @@ int main(void)
 		cmocka_unit_test(a_missed_error_is_told_with_its_factor),
 		cmocka_unit_test(a_run_against_itself_has_no_better_error_than_the_reference),
 		cmocka_unit_test(an_error_that_is_no_number_reaches_nothing),
+		cmocka_unit_test(columns_are_as_wide_as_what_stands_in_them),
 		cmocka_unit_test(a_narrow_table_keeps_what_matters),
 	};
 

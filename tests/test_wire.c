@@ -142,6 +142,27 @@ static void what_single_precision_does_not_hold_is_as_far_away_as_it_goes(void *
 	rb_frame_release(&back);
 }
 
+/* Among these is one that fills the block it was given to the last byte, and one that just fits no more. */
+static void frames_of_any_size_come_back(void **state)
+{
+	(void)state;
+	for (int bodies = 1; bodies <= 300; bodies++) {
+		struct rb_frame frame = frame_of(bodies, RB_FEATURE_ROTATION, RB_FIELD_POSITION),
+				back = {0};
+		struct rb_error err;
+		char *text;
+		size_t size;
+
+		write_frame(&frame, &text, &size);
+		assert_ok(rb_wire_read_frame(&back, bodies, text, size, &err));
+		for (int i = 0; i < 3 * bodies; i++)
+			assert_near(back.position[i], frame.position[i], 0);
+		rb_memory_free(text);
+		rb_frame_release(&frame);
+		rb_frame_release(&back);
+	}
+}
+
 static void a_frame_of_nothing_is_a_frame(void **state)
 {
 	struct rb_frame frame = frame_of(0, 0, RB_FIELD_DEFAULT), back = {0};
@@ -235,6 +256,7 @@ int main(void)
 		cmocka_unit_test(base64_is_that_of_the_standard),
 		cmocka_unit_test(a_frame_comes_back_as_single_precision_and_its_numbers_in_full),
 		cmocka_unit_test(what_single_precision_does_not_hold_is_as_far_away_as_it_goes),
+		cmocka_unit_test(frames_of_any_size_come_back),
 		cmocka_unit_test(a_frame_of_nothing_is_a_frame),
 		cmocka_unit_test(no_line_that_was_cut_or_changed_in_its_structure_is_taken),
 		cmocka_unit_test(a_pose_that_is_not_finite_is_refused),
