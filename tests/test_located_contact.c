@@ -290,8 +290,10 @@ static void all_edges_of_a_sheet_are_alike(void **slot)
 			lab_run(&bench.lab);
 			const rb_vec3 x = rb_world_position(bench.lab.world, ball);
 			const rb_vec3 u = rb_world_velocity(bench.lab.world, ball);
-			const rb_vec3 here = at(sign * (along_y ? x.y : x.x), along_y ? x.x : x.y, x.z);
-			const rb_vec3 goes = at(sign * (along_y ? u.y : u.x), along_y ? u.x : u.y, u.z);
+			const rb_vec3 here = at(sign * (along_y ? x.y : x.x), along_y ? x.x : x.y,
+			                        x.z);
+			const rb_vec3 goes = at(sign * (along_y ? u.y : u.x), along_y ? u.x : u.y,
+			                        u.z);
 			assert_true(here.x > half && here.z < radius && goes.z < 0);
 			if (way == 0)
 				place = here, speed = goes;

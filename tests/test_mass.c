@@ -192,7 +192,8 @@ static void a_needle_or_foil_as_a_hull_is_the_box_to_rounding(void **slot)
 
 static void the_least_half_width_is_found_along_any_axis(void **state)
 {
-	static const double sizes[][3] = {{1, 5, 7}, {5, 1, 7}, {7, 5, 1}, {1, 7, 5}, {5, 7, 1}, {7, 1, 5}};
+	static const double sizes[][3] = {{1, 5, 7}, {5, 1, 7}, {7, 5, 1},
+	                                  {1, 7, 5}, {5, 7, 1}, {7, 1, 5}};
 	struct rb_scene scene = scene_of();
 
 	(void)state;
