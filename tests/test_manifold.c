@@ -63,6 +63,45 @@ static void a_box_flat_on_a_plane_has_four_corners_mirrored_to_the_bit(void **sl
 	shapes_release(&box);
 }
 
+/* Bands as wide as a way in a step is: low, narrow and thin bodies keep what they lie on. */
+static void a_wide_band_hides_no_lower_corner(void **slot)
+{
+	const rb_placed plane = ground();
+	shape low = shapes_box(0.3, 0.7, 0.025), narrow = shapes_box(0.015, 0.7, 0.1);
+	shape table = shapes_box(2, 2, 0.1), rod = shapes_cylinder(0.005, 0.25);
+	const rb_placed top = {&table.core, {0.01, 0.02, -0.1}, shapes_upright};
+	const rb_placed *const below[] = {&plane, &top};
+	rb_manifold m;
+
+	(void)slot;
+	for (int k = 0; k < 2; k++) {
+		for (double tilt = 0; tilt < 0.02; tilt += 0.004) {
+			const rb_placed p = {&low.core,
+			                     {0, 0, 0.025 + 0.7 * sin(tilt)},
+			                     shapes_turned((rb_vec3){tilt, 0, 0})};
+			rb_manifold_of(&m, &p, below[k], 0.1);
+			int corners = 0;
+			for (int i = 0; i < m.count; i++)
+				corners += m.point[i].gap < 0.04;
+			assert_int_equal(corners, 4);
+		}
+		const rb_placed p = {&narrow.core, {0, 0, 0.1}, shapes_upright};
+		rb_manifold_of(&m, &p, below[k], 0.05);
+		assert_int_equal(m.count, 4);
+		const rb_placed lying = {&rod.core,
+		                         {0, 0, 0.005},
+		                         shapes_turned((rb_vec3){1.5707963267948966, 0, 0})};
+		rb_manifold_of(&m, &lying, below[k], 0.02);
+		assert_true(has(&m, 0, 0.25, 1e-12) && has(&m, 0, -0.25, 1e-12));
+		for (int i = 0; i < m.count; i++)
+			assert_near(m.point[i].gap, 0, 1e-12);
+	}
+	shapes_release(&low);
+	shapes_release(&narrow);
+	shapes_release(&table);
+	shapes_release(&rod);
+}
+
 static void a_leaning_box_has_the_edge_or_the_corner_that_touches(void **slot)
 {
 	const rb_placed plane = ground();
@@ -383,6 +422,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_box_flat_on_a_plane_has_four_corners_mirrored_to_the_bit),
+		cmocka_unit_test(a_wide_band_hides_no_lower_corner),
 		cmocka_unit_test(a_leaning_box_has_the_edge_or_the_corner_that_touches),
 		cmocka_unit_test(boxes_face_on_face_share_the_corners_of_their_overlap),
 		cmocka_unit_test(

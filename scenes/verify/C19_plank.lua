@@ -4,11 +4,15 @@
 local verify = require "rbsim.verify"
 local shape = param("shape", "box", "what lies on them", {choices = {"box", "capsule"}})
 local wide = param("wide", 0.2, "width of the plank, m", {choices = {0.2, 0.03}})
+local way = param("way", "located", "method", {choices = {"located", "stepped"}})
 local g, mu, D, R, W, c, x0 = 9.81, 0.3, 0.5, 0.1, 20, 0.025, 0.1
 local w = math.sqrt(mu * g / (D - mu * c))
 
-verify.case { title = "A plank on rollers", duration = 5, gravity = {0, 0, -g}, time_step = {0.01, 1e-3, 0.1},
-	frame_rate = {10, 1, 7}, quick = "base" }
+verify.case { title = "A plank on rollers", duration = 5, gravity = {0, 0, -g}, method = way,
+	time_step = {0.01, 1e-3, way == "stepped" and 0.005 or 0.1}, frame_rate = {10, 1, 7}, quick = "base" }
+-- Steps are off by the first order of the longest step, and turn by what their solver leaves.
+local bound, turns = 1e-9, 1e-9
+if way == "stepped" then bound, turns = 0.02, 1e-3 end
 local stuff = material { name = "stuff", friction = mu, restitution = 0 }
 for side = -1, 1, 2 do
 	-- the cylinder's axis along y, then a turn about it
@@ -24,9 +28,9 @@ else keys.radius, keys.length, keys.orientation = c, 2, {axis = {0, 1, 0}, angle
 local plank = verify[shape](keys)
 
 expect_always("place, of the swing", function()
-	return (verify.position(plank) - vec3(x0 * math.cos(w * time()), 0, c)):length() / x0, 1e-9 + 64 * verify.rounding
+	return (verify.position(plank) - vec3(x0 * math.cos(w * time()), 0, c)):length() / x0, bound + 64 * verify.rounding
 end)
 expect_always("velocity, relative", function()
-	return (verify.velocity(plank) - vec3(-x0 * w * math.sin(w * time()), 0, 0)):length() / (x0 * w), 1e-9 + 64 * verify.rounding
+	return (verify.velocity(plank) - vec3(-x0 * w * math.sin(w * time()), 0, 0)):length() / (x0 * w), bound + 64 * verify.rounding
 end)
-expect_always("it does not turn, rad/s", function() return verify.spin(plank):length(), 1e-9 + 64 * verify.rounding end)
+expect_always("it does not turn, rad/s", function() return verify.spin(plank):length(), turns + 64 * verify.rounding end)

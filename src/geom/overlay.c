@@ -42,14 +42,22 @@ static double above(const rb_patch *patch, rb_vec3 p, rb_vec3 n)
 	return rb_vec3_dot(from, patch->normal) / along;
 }
 
+/*
+ * Of two beside each other the first stays, or the lower one: what lies deep may have corners one above the other. Two of one
+ * part are two, however near: a body may be narrower than `aside`.
+ */
 static void put(table *t, rb_overlay_point p)
 {
 	const double near = t->def->aside;
 
 	for (int i = 0; i < t->count; i++) {
 		const rb_vec3 d = rb_vec3_sub(p.on_a, t->out[i].on_a);
-		if (fabs(rb_vec3_dot(d, t->x)) <= near && fabs(rb_vec3_dot(d, t->y)) <= near)
-			return;
+		if (p.a == t->out[i].a || p.b == t->out[i].b ||
+		    !(fabs(rb_vec3_dot(d, t->x)) <= near && fabs(rb_vec3_dot(d, t->y)) <= near))
+			continue;
+		if (p.gap < t->out[i].gap - near)
+			t->out[i] = p;
+		return;
 	}
 	if (t->count < RB_OVERLAY_MAX)
 		t->out[t->count++] = p;

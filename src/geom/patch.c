@@ -64,6 +64,38 @@ static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double lo
 	return count;
 }
 
+/*
+ * Without those that lie higher than another by more than they lie beside it, which leaves at least one: before they touch, the
+ * body has turned by an eighth. Seen along n they may hide what lies below them. Returns how many; `*low` is the height of the
+ * innermost.
+ */
+static int without_steep(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_MAX],
+                         int count, double *low)
+{
+	bool steep[RB_PATCH_MAX];
+	int kept = 0;
+
+	for (int i = 0; i < count; i++) {
+		const rb_vec3 here = p->vertices[vertex[i]];
+
+		steep[i] = false;
+		for (int k = 0; k < count && !steep[i]; k++) {
+			const rb_vec3 d = rb_vec3_sub(p->vertices[vertex[k]], here);
+			const double below = rb_vec3_dot(n, d);
+
+			steep[i] = below > 0 && rb_vec3_dot(d, d) < 2 * below * below;
+		}
+	}
+	*low = (double)INFINITY;
+	for (int i = 0; i < count; i++) {
+		if (steep[i])
+			continue;
+		*low = fmin(*low, rb_vec3_dot(n, p->vertices[vertex[i]]));
+		vertex[kept++] = vertex[i];
+	}
+	return kept;
+}
+
 typedef struct {
 	double x, y;
 	int vertex;
@@ -114,18 +146,21 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
 	int vertex[RB_PATCH_MAX] = {0}, all;
 	const double top = rb_vec3_dot(local, p->vertices[rb_polytope_support(p, local)]);
-	const double low = top - depth;
+	double low = top - depth;
 	int count = outermost(p, local, low, vertex, &all);
 
 	if (count == 0) /* not a number */
 		count = all = 1;
 	patch->normal = n;
-	patch->feature = rb_part_of(RB_PART_VERTEX, vertex[0]);
 	patch->kind = RB_PATCH_POINT;
 	if ((all > 2 || tilt > depth) && p->face_count > 0) {
 		const int face = best_face(p, local);
 		int in_order[RB_PATCH_MAX], met;
 		int ordered = from_face(p, face, local, low, in_order, &met);
+		if (met < all) {
+			all = count = without_steep(p, local, vertex, count, &low);
+			ordered = from_face(p, face, local, low, in_order, &met);
+		}
 		const bool of_face = met == all;
 		if (of_face && tilt > depth) {
 			int whole[RB_PATCH_MAX], whole_met;
@@ -150,9 +185,10 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 			patch->kind = RB_PATCH_POLYGON;
 		}
 	}
-	if (count == 2) {
-		patch->kind = RB_PATCH_SEGMENT;
-		patch->feature = edge_between(p, vertex[0], vertex[1]);
+	if (count <= 2) {
+		patch->kind = count == 2 ? RB_PATCH_SEGMENT : RB_PATCH_POINT;
+		patch->feature = count == 2 ? edge_between(p, vertex[0], vertex[1])
+		                            : rb_part_of(RB_PART_VERTEX, vertex[0]);
 		patch->normal = n;
 	}
 	patch->count = count;
@@ -180,8 +216,9 @@ static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 
 	patch->count = 1;
 	patch->id[0] = rb_part_of(RB_PART_RIM, end);
+	const bool stands = across <= fabs(along) && 2 * core->round * across <= depth;
 	const bool leans = tilt > 0 && across < 0.5 && eighth_rise * core->round * across <= depth;
-	if (2 * core->round * across <= depth || leans) {
+	if (stands || leans) {
 		patch->kind = RB_PATCH_DISC;
 		if (tilt > 0 && core->round * across > tilt)
 			patch->low = out;

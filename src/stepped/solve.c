@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "stepped/direct.h"
 #include "stepped/energy.h"
+#include "stepped/even.h"
 #include "stepped/sweeper.h"
 
 /* Rows from which on a group is solved by all workers; rows of small groups that one block of work has at least. */
@@ -18,6 +19,8 @@ enum { SWEEPS_FIRST = 200, SWEEPS_MOST = 1000, SWEEPS_QUIET = 64 };
 enum { WIDE_FIRST = 60, WIDE_MOST = 400, CENTRAL_MOST = 140, WIDE_HOLD = 100 };
 /* Turns of pushes and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MOST = 6, TURN_SWEEPS = 100 };
+/* Times that open pushes are made even, with sweeps after each. */
+enum { EVEN_MOST = 4 };
 /* Why factors are tried, and how many at most. */
 enum purpose { STIFF, STANDING, STALLED, QUIET };
 enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
@@ -454,6 +457,31 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 }
 
 /*
+ * Of small groups: sweeps leave open pushes as they come upon them, by the order of points; friction that follows them would turn
+ * what lies evenly.
+ */
+static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                     struct rb_island *island, struct rb_arena *arena)
+{
+	const double close = fmax(island->residual, close_share * solver->enough);
+	const double aim = fmin(aim_of(solver, island, sweeper), close);
+	bool good = true;
+
+	for (int k = 0; k < EVEN_MOST && good; k++) {
+		const rb_arena_mark here = rb_arena_here(arena);
+		const bool changed = rb_even(sweeper->dense, close_share * solver->enough,
+		                             factor_share * (double)island->row_count, arena);
+
+		rb_arena_back(arena, here);
+		if (!changed)
+			break;
+		good = sweep_more(sweeper, island, aim, SWEEPS_QUIET) ||
+		       sweep_more(sweeper, island, solver->enough / sweep_share, SWEEPS_MOST);
+	}
+	return good;
+}
+
+/*
  * What stands is solved closely by factors at once, as if nothing slipped: towers, which sweeps would let creep. Else sweeps
  * first; factors where these do not come to an end soon and cost no more. What hardly moves is then solved far closer, a
  * little in each step, so that it comes to stand still. With a team: colours.
@@ -505,6 +533,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 	     (!sweeper.wide && goes_along(solver, island, &dense))) &&
 	    (stiff || !sweep_more(solver, &sweeper, island, close, SWEEPS_QUIET)))
 		(void)try_factors(solver, island, &dense, QUIET, arena);
+	if (good && !closely && solver->before && !sweeper.wide)
+		good = even_out(solver, &sweeper, island, arena);
 	if (solver->before)
 		keep_energy(solver, island, &dense, arena);
 	find_rest(solver, island);

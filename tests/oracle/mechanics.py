@@ -176,15 +176,26 @@ def steps(rec, report):
     dt = np.diff(rec.time, prepend=0)
     m = np.where(rec.driven, 0, rec.mass)
     linear, angular = np.zeros(rec.com.shape), np.zeros(rec.com.shape)
-    size = np.zeros(rec.com.shape[:2])
+    size, moment, apart = (np.zeros(rec.com.shape[:2]) for _ in range(3))
+    way, angle = (np.linalg.norm(c, axis=2) * dt[:, None] for c in (rec.velocity, rec.spin))
+    way[1:] = np.maximum(way[1:], np.linalg.norm(np.diff(rec.com, axis=0), axis=2))  # overlaps are closed, too
+    for c in (way, angle):
+        c[1:] = np.maximum(c[1:], c[:-1])
+    ways = np.pad(way, ((0, 0), (0, 1)))  # of what does not move
     for table, kind, column in ((rec.contacts, None, "force"), (rec.events, 0, "impulse")):
         push = table[column] * (dt[table["frame"]][:, None] if column == "force" else 1)
         for side, sign in (("i", -1), ("j", 1)):
             rows = table[side] < rec.bodies
             at = (table["frame"][rows], table[side][rows])
             np.add.at(linear, at, sign * push[rows])
-            np.add.at(angular, at, sign * np.cross(table["point"][rows] - rec.com[at], push[rows]))
+            arm = table["point"][rows] - rec.com[at]
+            np.add.at(angular, at, sign * np.cross(arm, push[rows]))
             np.add.at(size, at, np.linalg.norm(push[rows], axis=1))
+            np.add.at(moment, at, np.linalg.norm(push[rows], axis=1) * np.linalg.norm(arm, axis=1))
+            off = ways[at[0], np.minimum(table["j" if side == "i" else "i"][rows], rec.bodies)]
+            if "gap" in table:
+                off = off + np.abs(table["gap"][rows])
+            np.add.at(apart, at, np.linalg.norm(push[rows], axis=1) * off)
     change = np.zeros(rec.com.shape)
     change[1:] = np.diff(rec.velocity, axis=0) - (dt[1:, None, None] * acceleration(rec))
     turned = spin_momentum(rec, rec.rotation, rec.spin, np.where(rec.driven[:, None, None], 0, rec.inertia)[None])
@@ -200,10 +211,9 @@ def steps(rec, report):
     off = np.linalg.norm(np.diff(turned, axis=0, prepend=turned[:1]) - angular, axis=2)[frame, body]
     reach = np.sqrt(np.trace(rec.inertia, axis1=1, axis2=2) / np.where(m > 0, m, 1))
     # points and arms are those of one moment of the step: first order in what the body turns and moves by, before or
-    # after what stops it
-    way = (np.linalg.norm(rec.velocity, axis=2) + np.linalg.norm(rec.spin, axis=2) * reach) * dt[:, None]
-    way[1:] = np.maximum(way[1:], way[:-1])
-    spin_scale = size * (1e-9 * reach + way) + np.linalg.norm(turned, axis=2) * (
+    # after what stops it; and one point stands for those of both bodies, a gap apart
+    # and found from where either is
+    spin_scale = size * (1e-9 * reach + way) + moment * angle + apart + np.linalg.norm(turned, axis=2) * (
         1e-9 + dt[:, None] * np.linalg.norm(rec.spin, axis=2))
     # impulses that were taken back leave the rounding of what they would have stopped
     spin_scale += FLIGHT * rec.unit * m * np.linalg.norm(rec.velocity, axis=2) * reach
