@@ -92,7 +92,7 @@ console_module := $(if $(console_sources),$(BUILD)/rbsim-console.so)
 # A name that the program has too, unnoticed, would otherwise be the program's in the module.
 own_names := -Wl,-Bsymbolic
 loaded := $(h5_module) $(film_module) $(console_module)
-seconds = $(if $(filter release debug,$(MODE)),120,600)
+seconds = $(if $(filter release debug,$(MODE)),400,900)
 run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 	TEST_WRAP="$(if $(filter tsan,$(MODE)),$$(setarch -R true 2>/dev/null && echo setarch -R))" tools/run-tests $(program)
 

@@ -475,8 +475,9 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;
-		good = sweep_more(sweeper, island, aim, SWEEPS_QUIET) ||
-		       sweep_more(sweeper, island, solver->enough / sweep_share, SWEEPS_MOST);
+		good = sweep_more(solver, sweeper, island, aim, SWEEPS_QUIET) ||
+		       sweep_more(solver, sweeper, island, solver->enough / sweep_share,
+		                  SWEEPS_MOST);
 	}
 	return good;
 }
