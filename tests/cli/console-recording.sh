@@ -21,6 +21,7 @@ sees 'playing.*speed 1 '
 sees 't (0\.[2-9]|[1-4]\.).* of 4 s'
 types Space
 sees '^ (paused|at the end)'
+sees "collisions $impacts\$"
 types Home
 sees 't 0.0000 of 4 s.* frame 0 of 200'
 types . .
