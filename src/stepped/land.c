@@ -191,6 +191,7 @@ void rb_land_show(struct rb_land *land, size_t first, size_t count)
 enum rb_status rb_land_form(struct rb_land *land, struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
+	const struct rb_points *points = &world->stepped->all.points;
 	enum rb_status status = RB_OK;
 
 	land->near.pair_count = 0;
@@ -202,6 +203,10 @@ enum rb_status rb_land_form(struct rb_land *land, struct rb_world *world, struct
 		land->parent[i] = i;
 	for (size_t k = 0; k < land->near.pair_count; k++)
 		join(world, land->parent, land->near.pair[k].a, land->near.pair[k].b);
+	/* who has pushed another in the try goes back with it, or its impulse would be half lost */
+	for (size_t k = 0; k < points->count; k++)
+		if (points->row[k].push > 0)
+			join(world, land->parent, points->row[k].a, points->row[k].b);
 	for (int k = 0; k < model->scene->spring_count; k++)
 		join(world, land->parent, model->index_of[model->scene->springs[k].a],
 		     model->index_of[model->scene->springs[k].b]);

@@ -40,7 +40,7 @@ void rb_land_release(struct rb_land *land);
  */
 void rb_land_stake(struct rb_land *land, const struct rb_world *world, const struct rb_state *begin,
                    double dt_s);
-/* Groups by territories and springs; bodies that do not yield join nobody. */
+/* Groups by territories, springs and impulses of the try; bodies that do not yield join nobody. */
 RB_CHECKED enum rb_status rb_land_form(struct rb_land *land, struct rb_world *world,
                                        struct rb_error *err);
 /* Lends `near` so many of the pairs by group, from that one on. */
