@@ -259,6 +259,7 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 		const rb_vec3 others = rb_vec3_add(rb_world_row3(world->mark.velocity, i),
 		                                   rb_vec3_from(varied));
 
+		world->stepped->undragged[i] = left;
 		if (world->stepped->tally) {
 			struct rb_tally_body *body = &world->stepped->tally->body[i];
 

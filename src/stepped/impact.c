@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "event/mechanics.h"
 #include "stepped/flight.h"
+#include "stepped/tally.h"
 
 /* Impacts in a step, and for each of its points, after which what is left rebounds at the end. */
 enum { EVENTS_MOST = 64, EVENTS_PER_POINT = 4 };
@@ -642,6 +643,25 @@ static enum rb_status run_event(struct impacts *all, struct rb_due due, struct r
 	return fine ? status : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 }
 
+/*
+ * What impacts add to a velocity by the step's end. Drag takes of it for the rest of the step: what it has taken of the velocity
+ * before would else push a body that has turned round.
+ */
+static rb_vec3 left_of_kick(const struct impacts *all, int i, const struct rb_kick *of)
+{
+	struct rb_stepped *s = all->s;
+
+	if (!s->undragged)
+		return of->linear;
+	const rb_vec3 taken = rb_vec3_scale(
+		s->undragged[i] - 1,
+		rb_vec3_add_scaled(of->linear, 1 / all->flight.h_s, of->shift));
+	if (s->tally)
+		s->tally->body[i].drag = rb_vec3_add_scaled(s->tally->body[i].drag,
+		                                            all->world->model->mass[i], taken);
+	return rb_vec3_add(of->linear, taken);
+}
+
 /* The step is solved from velocities after the impacts, for the ways that are left. */
 static void end(struct impacts *all)
 {
@@ -660,7 +680,7 @@ static void end(struct impacts *all)
 		const struct rb_kick *of = &s->kick[s->kicked[k]];
 		double *const v = state->velocity + 3 * (size_t)s->kicked[k];
 
-		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), of->linear));
+		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), left_of_kick(all, s->kicked[k], of)));
 		if (!state->spin)
 			continue;
 		double *const w = state->spin + 3 * (size_t)s->kicked[k];

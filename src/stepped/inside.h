@@ -102,6 +102,7 @@ struct rb_stepped {
 	struct rb_ride *ride; /* owned, by driven body */
 	double *aside;        /* owned: [6 bodies] velocities while positions are moved */
 	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
+	double *undragged; /* owned: [bodies] what drag leaves of a velocity in the step; NULL: there is none */
 	int *springs_of; /* owned: [bodies] ends of springs on each; NULL: none */
 	struct rb_kick
 		*kick; /* owned: [bodies] zero but for those in `kicked`; NULL: nothing rebounds */

@@ -52,6 +52,11 @@ static enum rb_status take_forces(struct rb_stepped *s, const struct rb_model *m
 		if (!s->varied)
 			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
 	}
+	if (model->features & RB_FEATURE_DRAG) {
+		s->undragged = rb_memory_take(n, sizeof *s->undragged);
+		if (!s->undragged)
+			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
+	}
 	if (!(model->features & RB_FEATURE_SPRINGS))
 		return RB_OK;
 	s->springs_of = rb_memory_take(n, sizeof *s->springs_of);
@@ -144,6 +149,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->ride);
 	rb_memory_free(stepped->aside);
 	rb_memory_free(stepped->varied);
+	rb_memory_free(stepped->undragged);
 	rb_memory_free(stepped->springs_of);
 	rb_memory_free(stepped->bad);
 	rb_memory_free(stepped->told.row);
