@@ -3,15 +3,23 @@
 
 #include "step/forces.h"
 
+/* Bodies that weigh, summed up. */
+struct weights {
+	double mass, count;
+	rb_vec3 moment, place; /* kg m; m: sums of where their weights act */
+};
+
 struct entering {
 	const struct rb_world *world;
 	const struct rb_cohort *cohort;
 	const struct rb_tally *tally;
 	const struct rb_state *before;
 	const unsigned char *skip;
-	struct rb_pass pass; /* what stated forces are asked with */
+	const int *member; /* of the cohort, and of all those that stand */
+	int member_count;
+	struct rb_pass pass;       /* what stated forces are asked with */
+	struct weights all, still; /* of those that stand still */
 	struct rb_entries e;
-	double lost; /* J: by bodies, kinetic energy and that under gravity */
 };
 
 static const rb_vec3 none = {0, 0, 0};
@@ -60,7 +68,7 @@ static void enter_fixed(struct entering *n, int i, rb_vec3 impulse, rb_vec3 at)
 
 /* ---- forces ---- */
 
-/* What a body's forces have come to: so much has to hold it, if it stands still. */
+/* What a body's forces have come to, but for its weight: so much has to hold it, if it stands still. */
 struct held {
 	rb_vec3 linear, angular; /* N s; N m s about the origin */
 };
@@ -71,6 +79,33 @@ static void hold(struct held *held, rb_vec3 impulse, rb_vec3 at)
 	held->angular = rb_vec3_add(held->angular, rb_vec3_cross(at, impulse));
 }
 
+static void add_weight(struct weights *weights, double mass, rb_vec3 at)
+{
+	weights->mass += mass;
+	weights->count++;
+	weights->moment = rb_vec3_add_scaled(weights->moment, mass, at);
+	weights->place = rb_vec3_add(weights->place, at);
+}
+
+static void enter_weights(struct entering *n, enum rb_ledger_momentum cause, double seconds,
+                          const struct weights *weights)
+{
+	const struct rb_world_def *def = &n->world->model->scene->world;
+	const rb_vec3 force = rb_vec3_add_scaled(rb_vec3_scale(weights->mass, def->gravity),
+	                                         weights->count, def->gravity_force);
+	const rb_vec3 torque = rb_vec3_add(rb_vec3_cross(weights->moment, def->gravity),
+	                                   rb_vec3_cross(weights->place, def->gravity_force));
+
+	rb_entries_momentum(&n->e, cause, rb_vec3_scale(seconds, force),
+	                    rb_vec3_scale(seconds, torque));
+}
+
+/* Who holds what stands still. */
+static enum rb_ledger_momentum holder(const struct entering *n)
+{
+	return n->world->model->static_count > 0 ? RB_MOMENTUM_STATIC : RB_MOMENTUM_DRIVEN;
+}
+
 /* A force without potential, and a turn. */
 static void enter_force(struct entering *n, const struct rb_tally_body *body,
                         enum rb_ledger_momentum cause, rb_vec3 impulse, rb_vec3 turn)
@@ -79,8 +114,7 @@ static void enter_force(struct entering *n, const struct rb_tally_body *body,
 		[RB_MOMENTUM_APPLIED] = RB_ENERGY_APPLIED,
 		[RB_MOMENTUM_DRAG] = RB_ENERGY_DRAG,
 		[RB_MOMENTUM_CALLBACKS] = RB_ENERGY_CALLBACKS};
-	const double work = rb_vec3_dot(impulse, mean(body->begin[0], body->end[0])) +
-	                    rb_vec3_dot(turn, mean(body->begin[1], body->end[1]));
+	const double work = rb_vec3_dot(impulse, body->mean[0]) + rb_vec3_dot(turn, body->mean[1]);
 
 	rb_entries_energy(&n->e, energy[cause], cause == RB_MOMENTUM_DRAG ? -work : work);
 }
@@ -97,19 +131,20 @@ static void enter_even(struct entering *n, int i, const struct rb_force_impulse 
 	held->angular = rb_vec3_add(held->angular, force->turn);
 }
 
-/* Those that are the same throughout the step act where a free body is on the way that they bend. */
-static void enter_even_forces(struct entering *n, int i, struct held *held)
+/* Where forces act that are the same throughout the step: of a free body on the way that they bend. */
+static rb_vec3 even_place(const struct entering *n, int i)
+{
+	const struct rb_tally_body *body = &n->tally->body[i];
+	const rb_vec3 begin = rb_world_row3(n->before->position, i);
+
+	return body->kind == RB_TALLY_FREE ? rb_vec3_add(begin, body->carry) : begin;
+}
+
+static void enter_even_forces(struct entering *n, int i, rb_vec3 at, struct held *held)
 {
 	const struct rb_model *model = n->world->model;
-	const struct rb_world_def *def = &model->scene->world;
-	const struct rb_tally_body *body = &n->tally->body[i];
-	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, model->mass[i], def->gravity);
-	const rb_vec3 begin = rb_world_row3(n->before->position, i);
-	const rb_vec3 at = body->kind == RB_TALLY_FREE ? rb_vec3_add(begin, body->carry) : begin;
 	const int count = model->scene->bodies[model->id_of[i]].force_count;
 
-	rb_entries_impulse(&n->e, RB_MOMENTUM_APPLIED, rb_vec3_scale(n->pass.h_s, weight), at);
-	hold(held, rb_vec3_scale(n->pass.h_s, weight), at);
 	for (int f = 0; f < count; f++) {
 		const struct rb_force_impulse force = rb_forces_stated(&n->pass, n->before, i, f);
 
@@ -132,25 +167,6 @@ static void enter_varied(struct entering *n, int i, enum rb_ledger_momentum caus
 	hold(held, impulse, at);
 }
 
-static double energy_under_gravity(const struct entering *n, const struct rb_state *state, int i)
-{
-	const struct rb_world_def *def = &n->world->model->scene->world;
-	const double mass = n->world->model->mass[i];
-	const rb_vec3 v = rb_world_row3(state->velocity, i);
-	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, mass, def->gravity);
-	double twice = mass * rb_vec3_dot(v, v);
-
-	if (state->spin) {
-		const rb_vec3 spin = rb_world_row3(state->spin, i);
-
-		twice += rb_vec3_dot(spin, rb_tally_spin(n->world, state, i, spin));
-	}
-	/* places as differences: what a fall is worth is not the rounding of how far away it is */
-	return 0.5 * twice -
-	       rb_vec3_dot(weight, rb_vec3_sub(rb_world_row3(state->position, i),
-	                                       rb_world_row3(n->before->position, i)));
-}
-
 /* What holds a body that stands still gives what its forces take, and what motion it had left. */
 static void enter_held(struct entering *n, int i, const struct held *held)
 {
@@ -162,9 +178,8 @@ static void enter_held(struct entering *n, int i, const struct held *held)
 	const rb_vec3 angular = rb_vec3_add(
 		turn, rb_vec3_cross(rb_world_row3(n->before->position, i), p));
 
-	rb_entries_momentum(&n->e,
-	                    model->static_count > 0 ? RB_MOMENTUM_STATIC : RB_MOMENTUM_DRIVEN,
-	                    rb_vec3_sub(p, held->linear), rb_vec3_sub(angular, held->angular));
+	rb_entries_momentum(&n->e, holder(n), rb_vec3_sub(p, held->linear),
+	                    rb_vec3_sub(angular, held->angular));
 }
 
 static void enter_closing(struct entering *n, int i)
@@ -177,25 +192,35 @@ static void enter_closing(struct entering *n, int i)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, body->lifted);
 }
 
+static bool is_still(const struct rb_tally_body *body)
+{
+	return rb_vec3_max_abs(body->begin[0]) == 0 && rb_vec3_max_abs(body->begin[1]) == 0 &&
+	       rb_vec3_max_abs(body->end[0]) == 0 && rb_vec3_max_abs(body->end[1]) == 0;
+}
+
 static void enter_body(struct entering *n, int i)
 {
+	static const rb_features others = RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURE_FIELD |
+	                                  RB_FEATURE_DRAG;
 	const rb_features features = n->world->model->features;
 	const struct rb_tally_body *body = &n->tally->body[i];
+	const rb_vec3 at = even_place(n, i);
+	const bool rests = body->kind == RB_TALLY_RESTS;
 	struct held held = {none, none};
 
-	enter_even_forces(n, i, &held);
+	add_weight(&n->all, n->world->model->mass[i], at);
+	if (rests)
+		add_weight(&n->still, n->world->model->mass[i], at);
+	if (features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES))
+		enter_even_forces(n, i, at, &held);
 	if (features & RB_FEATURE_FIELD)
 		enter_varied(n, i, RB_MOMENTUM_APPLIED, body->field, &held);
 	if (features & RB_FEATURE_DRAG)
 		enter_varied(n, i, RB_MOMENTUM_DRAG, body->drag, &held);
-	if (body->kind == RB_TALLY_RESTS)
+	if (rests && ((features & others) || !is_still(body)))
 		enter_held(n, i, &held);
 	if (body->is_closed)
 		enter_closing(n, i);
-	if (body->kind == RB_TALLY_RESTS && !body->is_closed)
-		return;
-	n->lost += energy_under_gravity(n, n->before, i) -
-	           energy_under_gravity(n, &n->world->state, i);
 }
 
 /* ---- springs ---- */
@@ -234,9 +259,7 @@ static rb_vec3 end_velocity(const struct entering *n, int i, rb_vec3 arm)
 					 n, i,
 					 rb_vec3_add(rb_world_row3(n->before->position, i), arm))
 		               : none;
-	const struct rb_tally_body *body = &n->tally->body[i];
-
-	return mean(velocity_at(body->begin, arm), velocity_at(body->end, arm));
+	return velocity_at(n->tally->body[i].mean, arm);
 }
 
 /* An end that is fixed, or stands still, gives the impulse to what moves. */
@@ -248,10 +271,7 @@ static void enter_end(struct entering *n, int i, rb_vec3 arm, int other, rb_vec3
 	if (yields && n->tally->body[i].kind == RB_TALLY_RESTS) {
 		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, i), arm);
 
-		rb_entries_impulse(&n->e,
-		                   n->world->model->static_count > 0 ? RB_MOMENTUM_STATIC
-		                                                     : RB_MOMENTUM_DRIVEN,
-		                   impulse, at);
+		rb_entries_impulse(&n->e, holder(n), impulse, at);
 	}
 	if (yields)
 		return;
@@ -287,19 +307,19 @@ static void enter_spring(struct entering *n, int number)
 }
 
 /* A spring is of a step that one of its bodies was part of. */
-static void enter_springs(struct entering *n, const int *member, int count)
+static void enter_springs(struct entering *n)
 {
 	const struct rb_scene *scene = n->world->model->scene;
 	const int *index_of = n->world->model->index_of;
 	unsigned char *const here = n->tally->here;
 
-	for (int k = 0; k < count && scene->spring_count > 0; k++)
-		here[member[k]] = is_in(n, member[k]);
+	for (int k = 0; k < n->member_count && scene->spring_count > 0; k++)
+		here[n->member[k]] = is_in(n, n->member[k]);
 	for (int k = 0; k < scene->spring_count; k++)
 		if (here[index_of[scene->springs[k].a]] || here[index_of[scene->springs[k].b]])
 			enter_spring(n, k);
-	for (int k = 0; k < count && scene->spring_count > 0; k++)
-		here[member[k]] = 0;
+	for (int k = 0; k < n->member_count && scene->spring_count > 0; k++)
+		here[n->member[k]] = 0;
 }
 
 /* ---- contacts ---- */
@@ -315,50 +335,76 @@ static void enter_work(struct entering *n, const struct rb_point *point, rb_vec3
 	                  along - work);
 }
 
-static void enter_point(struct entering *n, size_t k)
+/* Where impulses act on a, from its centre of mass. */
+static rb_vec3 arm_of_a(const struct rb_point *point)
 {
-	const struct rb_point *point = &n->cohort->points.row[k];
+	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
+}
+
+/* Arms end where impulses act, beside the point. */
+static rb_vec3 arm_of_b(const struct rb_point *point)
+{
+	return point->central ? rb_vec3_scale(point->arm_b.x, point->normal)
+	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
+}
+
+static void enter_point(struct entering *n, const struct rb_point *point)
+{
 	const struct rb_tally_body *a = &n->tally->body[point->a];
-	const rb_vec3 rebound = n->cohort->rebound[k];
-	const bool rebounds = rb_vec3_max_abs(rebound) > 0;
-	const rb_vec3 arm_a = point->central ? rb_vec3_scale(point->arm_a.x, point->normal)
-	                                     : point->lever;
-	/* arms end where impulses act, beside the point */
-	const rb_vec3 arm_b = point->central
-	                              ? rb_vec3_scale(point->arm_b.x, point->normal)
-	                              : rb_vec3_add(point->arm_b, rb_vec3_sub(arm_a, point->arm_a));
-	const bool yields = rb_stepped_yields(n->world, point->b);
-	const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a), arm_a);
-	const rb_vec3 fixed = yields ? none : fixed_velocity(n, point->b, at);
-	const struct rb_tally_body *b = yields ? &n->tally->body[point->b] : NULL;
-	const rb_vec3 end = rb_vec3_sub(b ? velocity_at(b->end, arm_b) : fixed,
-	                                velocity_at(a->end, arm_a));
+	const rb_vec3 arm = arm_of_a(point);
+	const rb_vec3 p = rb_vec3_add_scaled(point->rub, point->push, point->normal);
+	rb_vec3 on_b;
 
-	if (a->kind == RB_TALLY_JOINED && point->push > 0) {
-		const rb_vec3 begin = rb_vec3_sub(b ? velocity_at(b->begin, arm_b) : fixed,
-		                                  velocity_at(a->begin, arm_a));
-		const rb_vec3 p = rb_vec3_add_scaled(point->rub, point->push, point->normal);
+	if (rb_stepped_yields(n->world, point->b)) {
+		on_b = velocity_at(n->tally->body[point->b].mean, arm_of_b(point));
+	} else {
+		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a), arm);
 
-		enter_work(n, point, p, mean(begin, end));
-		if (!yields)
-			enter_fixed(n, point->b, rb_vec3_neg(p), at);
+		on_b = fixed_velocity(n, point->b, at);
+		enter_fixed(n, point->b, rb_vec3_neg(p), at);
 	}
-	if (!rebounds)
-		return;
+	enter_work(n, point, p, rb_vec3_sub(on_b, velocity_at(a->mean, arm)));
+}
+
+/* Between that and the velocity that it has now. */
+static rb_vec3 mean_since(const struct entering *n, int i, const rb_vec3 motion[2], rb_vec3 arm)
+{
 	const struct rb_state *now = &n->world->state;
-	const rb_vec3 after_a[2] = {rb_world_row3(now->velocity, point->a),
-	                            now->spin ? rb_world_row3(now->spin, point->a) : none};
-	rb_vec3 after = fixed;
-	if (yields) {
-		const rb_vec3 after_b[2] = {rb_world_row3(now->velocity, point->b),
-		                            now->spin ? rb_world_row3(now->spin, point->b) : none};
+	const rb_vec3 after[2] = {rb_world_row3(now->velocity, i),
+	                          now->spin ? rb_world_row3(now->spin, i) : none};
 
-		after = velocity_at(after_b, arm_b);
+	return mean(velocity_at(motion, arm), velocity_at(after, arm));
+}
+
+static void enter_rebound(struct entering *n, const struct rb_point *point, rb_vec3 rebound)
+{
+	const struct rb_tally_body *a = &n->tally->body[point->a], *body = n->tally->body;
+	const rb_vec3 arm = arm_of_a(point), at = rb_vec3_add(a->place, arm);
+	rb_vec3 on_b;
+
+	if (rb_stepped_yields(n->world, point->b)) {
+		on_b = mean_since(n, point->b, body[point->b].end, arm_of_b(point));
+	} else {
+		on_b = fixed_velocity(n, point->b, at);
+		enter_fixed(n, point->b, rb_vec3_neg(rebound), at);
 	}
-	after = rb_vec3_sub(after, velocity_at(after_a, arm_a));
-	enter_work(n, point, rebound, mean(end, after));
-	if (!yields)
-		enter_fixed(n, point->b, rb_vec3_neg(rebound), rb_vec3_add(a->place, arm_a));
+	enter_work(n, point, rebound, rb_vec3_sub(on_b, mean_since(n, point->a, a->end, arm)));
+}
+
+static void enter_points(struct entering *n)
+{
+	const struct rb_points *points = &n->cohort->points;
+
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+
+		if (!(point->push > 0) || !is_in(n, point->a))
+			continue;
+		if (n->tally->body[point->a].kind == RB_TALLY_JOINED)
+			enter_point(n, point);
+		if (rb_vec3_max_abs(n->cohort->rebound[k]) > 0)
+			enter_rebound(n, point, n->cohort->rebound[k]);
+	}
 }
 
 /*
@@ -382,25 +428,53 @@ static void enter_blow(struct entering *n, const struct rb_blow *blow)
 
 /* ---- all ---- */
 
+/* J: of kinetic energy and that under gravity, by a body. */
+static double lost_by(const struct entering *n, int i)
+{
+	if (n->tally->body[i].kind == RB_TALLY_RESTS && !n->tally->body[i].is_closed)
+		return 0;
+	const struct rb_world *world = n->world;
+	const struct rb_state *before = n->before, *now = &world->state;
+	const struct rb_world_def *def = &world->model->scene->world;
+	const double mass = world->model->mass[i];
+	const rb_vec3 from = rb_world_row3(before->velocity, i),
+		      to = rb_world_row3(now->velocity, i);
+	const rb_vec3 way = rb_vec3_sub(rb_world_row3(now->position, i),
+	                                rb_world_row3(before->position, i));
+	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, mass, def->gravity);
+	const double lost = 0.5 * mass * rb_vec3_dot(rb_vec3_sub(from, to), rb_vec3_add(from, to)) +
+	                    rb_vec3_dot(weight, way);
+
+	if (!now->spin)
+		return lost;
+	const rb_vec3 w = rb_world_row3(before->spin, i), w_now = rb_world_row3(now->spin, i);
+	if (!isnan(world->model->inverse_inertia_scalar[i]))
+		return lost + 0.5 * world->model->inertia[i].m[0][0] *
+		                      rb_vec3_dot(rb_vec3_sub(w, w_now), rb_vec3_add(w, w_now));
+	return lost + 0.5 * (rb_vec3_dot(w, rb_tally_spin(world, before, i, w)) -
+	                     rb_vec3_dot(w_now, rb_tally_spin(world, now, i, w_now)));
+}
+
 /* Contacts, impacts and drag have taken no less than nothing, and no more than was lost. */
 static void keep_to(struct entering *n)
 {
 	static const enum rb_ledger_energy taker[] = {RB_ENERGY_IMPACTS, RB_ENERGY_IMPACT_FRICTION,
 	                                              RB_ENERGY_SLIDING, RB_ENERGY_DRAG};
-	const double given = n->e.row[RB_ENERGY_APPLIED] + n->e.row[RB_ENERGY_DRIVEN] +
-	                     n->e.row[RB_ENERGY_CALLBACKS];
-	const double lost = fmax(0, n->lost + given);
+	double lost = n->e.row[RB_ENERGY_APPLIED] + n->e.row[RB_ENERGY_DRIVEN] +
+	              n->e.row[RB_ENERGY_CALLBACKS];
 	double taken = 0;
 
 	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++) {
 		n->e.row[taker[k]] = fmax(0, n->e.row[taker[k]]);
 		taken += n->e.row[taker[k]];
 	}
-	if (!(taken > lost) ||
-	    (n->world->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)))
+	if (!(taken > 0) || (n->world->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)))
 		return;
-	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++)
-		n->e.row[taker[k]] *= lost / taken;
+	for (int k = 0; k < n->member_count; k++)
+		if (is_in(n, n->member[k]))
+			lost += lost_by(n, n->member[k]);
+	for (size_t k = 0; k < sizeof taker / sizeof taker[0] && taken > lost; k++)
+		n->e.row[taker[k]] *= fmax(0, lost) / taken;
 }
 
 struct rb_entries rb_enter_step(struct rb_world *world, const struct rb_cohort *cohort,
@@ -409,25 +483,26 @@ struct rb_entries rb_enter_step(struct rb_world *world, const struct rb_cohort *
 {
 	const struct rb_stepped *s = world->stepped;
 	const bool all = cohort == &s->all;
-	const int *member = all ? s->body : cohort->body;
-	const int count = all ? s->member_count : cohort->member_count;
 	struct entering n = {.world = world,
 	                     .cohort = cohort,
 	                     .tally = s->tally,
 	                     .before = before,
 	                     .skip = skip,
+	                     .member = all ? s->body : cohort->body,
+	                     .member_count = all ? s->member_count : cohort->member_count,
 	                     .pass = {.world = world, .start_s = start, .dt_s = h, .h_s = h}};
 
-	for (int k = 0; k < count; k++)
-		if (is_in(&n, member[k]))
-			enter_body(&n, member[k]);
-	for (size_t k = 0; k < cohort->points.count; k++)
-		if (is_in(&n, cohort->points.row[k].a))
-			enter_point(&n, k);
+	for (int k = 0; k < n.member_count; k++)
+		if (is_in(&n, n.member[k]))
+			enter_body(&n, n.member[k]);
+	enter_weights(&n, RB_MOMENTUM_APPLIED, h, &n.all);
+	if (n.still.count > 0)
+		enter_weights(&n, holder(&n), -h, &n.still);
+	enter_points(&n);
 	for (size_t k = 0; k < cohort->blow_count; k++)
 		if (is_in(&n, cohort->blow[k].a))
 			enter_blow(&n, &cohort->blow[k]);
-	enter_springs(&n, member, count);
+	enter_springs(&n);
 	keep_to(&n);
 	return n.e;
 }

@@ -73,6 +73,7 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 		if (s->stand.stands[i]) { /* it has not been looked at */
 			body->kind = RB_TALLY_RESTS;
 			body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
+			body->mean[0] = body->mean[1] = body->end[0];
 			continue;
 		}
 		body->kind = solver->island_of[i] < 0 ? RB_TALLY_FREE
@@ -81,6 +82,9 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 		/* the state's spin has turned with the body since */
 		body->end[0] = solver->dense.body[i].linear;
 		body->end[1] = solver->dense.body[i].angular;
+		for (int m = 0; m < 2; m++)
+			body->mean[m] = rb_vec3_scale(0.5,
+			                              rb_vec3_add(body->begin[m], body->end[m]));
 	}
 }
 

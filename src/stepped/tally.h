@@ -21,6 +21,7 @@ struct rb_tally_body {
 	enum rb_tally_kind kind;
 	rb_vec3 begin[2];    /* m/s, rad/s: as the step began, with the impacts in it */
 	rb_vec3 end[2];      /* as solved, before what rebounds */
+	rb_vec3 mean[2];     /* of both */
 	rb_vec3 place;       /* m: where the step has moved it */
 	rb_vec3 carry;       /* m: free: from where it was to where forces that do not vary act */
 	rb_vec3 field, drag; /* N s */
