@@ -53,7 +53,7 @@ static inline void open_scene(struct lab *lab)
 	for (int i = 0; i < BODIES; i++) {
 		struct rb_body_def def = lab_sphere_def(0.1, 1, (rb_vec3){i, 0, 1},
 		                                        (rb_vec3){0, 0, 0});
-		def.name = i == 1 ? "the ball" : NULL;
+		def.name = i == 1 ? "the ball" : i == 2 ? "c" : NULL;
 		lab_add(lab, &def);
 	}
 	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});

@@ -162,10 +162,33 @@ static void spheres_that_graze_turn_by_their_own_radii(void **state)
 		}
 }
 
+static void only_what_turns_has_an_inertia(void **state)
+{
+	(void)state;
+	for (int turns = 0; turns < 2; turns++) {
+		struct lab lab;
+
+		open_space(&lab, RB_METHOD_LOCATED, 1);
+		lab_surface(&lab, turns ? 0.5 : 0, 1);
+		lab_sphere(&lab, 0.5, 2, (rb_vec3){0, 0, 1}, (rb_vec3){0, 0, 0});
+		const int plane = lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		lab_seal(&lab, 1);
+		const rb_mat3 ball = rb_world_inertia(lab.world, 0);
+		const rb_mat3 still = rb_world_inertia(lab.world, plane);
+		for (int i = 0; i < 9; i++) {
+			const bool counts = turns && i % 4 == 0;
+			assert_near(ball.m[i / 3][i % 3], counts ? 0.4 * 2 * 0.25 : 0, 1e-16);
+			assert_near(still.m[i / 3][i % 3], 0, 0);
+		}
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(bodies_that_meet_keep_their_momenta),
+		cmocka_unit_test(only_what_turns_has_an_inertia),
 		cmocka_unit_test(spheres_that_graze_turn_by_their_own_radii),
 	};
 

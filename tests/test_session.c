@@ -44,6 +44,38 @@ static void films_are_switched_where_there_are_any(void **state)
 	close_host(&host);
 }
 
+/* Counts are those of the run so far, the rest is of the frame that came last. */
+static void the_status_tells_what_the_frames_have_told(void **state)
+{
+	static const char *const lines[] = {
+		" state playing\n",       " frame 2\n",
+		" frames 101\n",          " time 0.25\n",
+		" duration 10\n",         " restarts 1\n",
+		" collisions 13\n",       " rollbacks 7\n",
+		" smallest-step 0.001\n", " kinetic-energy 2.5\n",
+		" potential-energy -3\n", " max-penetration 2e-09\n",
+	};
+	struct host host;
+
+	(void)state;
+	open_session(&host);
+	rb_player_begin_again(host.player, 101, 10);
+	for (uint64_t k = 1; k <= 2; k++) {
+		const struct rb_frame_numbers numbers = {.kinetic_energy = 2.5,
+		                                         .potential_energy = -3,
+		                                         .max_penetration = k == 1 ? 2e-9 : 1e-9,
+		                                         .collisions = k == 1 ? 12 : 1,
+		                                         .rollbacks = k == 1 ? 3 : 4,
+		                                         .smallest_step = k == 1 ? 0.001 : 0.002};
+		const struct rb_player_frame passing = {
+			.numbers = &numbers, .index = k, .time_s = (double)k / 8};
+		rb_player_arrive(host.player, &passing);
+	}
+	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+		assert_answer(&host, "status", lines[i]);
+	close_host(&host);
+}
+
 static void commands_reach_the_player(void **state)
 {
 	struct host host;
@@ -207,6 +239,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_a_run_cannot_serve_is_refused_in_one_line),
 		cmocka_unit_test(films_are_switched_where_there_are_any),
+		cmocka_unit_test(the_status_tells_what_the_frames_have_told),
 		cmocka_unit_test(commands_reach_the_player),
 		cmocka_unit_test(the_last_frames_are_kept_and_sent),
 		cmocka_unit_test(bodies_are_inspected_in_full),

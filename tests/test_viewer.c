@@ -199,6 +199,11 @@ static void a_camera_is_moved_as_it_is_told(void **state)
 	was = *eye;
 	assert_int_equal(rb_order(seat.viewer, "camera zoom 2", seat.now_ns), RB_OK);
 	assert_near(apart(*eye, *target), 0.5 * apart(was, *target), 1e-12 * across);
+	assert_int_equal(rb_order(seat.viewer, "camera mount c", seat.now_ns), RB_OK);
+	assert_int_equal(camera->mount, 2);
+	assert_int_equal(rb_order(seat.viewer, "camera mount", seat.now_ns), RB_OK);
+	assert_int_equal(camera->mount, -1);
+	assert_int_equal(rb_order(seat.viewer, "camera mount nobody", seat.now_ns), RB_ERR_USAGE);
 	const rb_vec3 eyes[2] = {*eye, *target};
 	assert_int_equal(rb_order(seat.viewer, "camera move 1 2 3", seat.now_ns), RB_OK);
 	assert_near(apart(*eye, eyes[0]), sqrt(14), 1e-12);
