@@ -16,6 +16,43 @@ end)
 END
 classic="--methods classic,classic-global --runs 1"
 
+# three bodies that turn about principal axes, each from an orientation of its own: all of them are compared
+cat >turn.lua <<'END'
+world { duration = 0.4, gravity = {0, 0, 0} }
+local turns = {{1, 0, 0, 0}, {0.8, 0.6, 0, 0}, {0.6, 0, 0.8, 0}}
+local axes = {{0, 0, 1}, {0, -0.96, 0.28}, {0.96, 0, -0.28}}
+for i = 1, 3 do
+	local w = 2 * i
+	box { name = "b" .. i, size = {0.1 * i, 0.3, 0.2}, mass = i, position = {i, 0, 0}, orientation = turns[i],
+		angular_velocity = {w * axes[i][1], w * axes[i][2], w * axes[i][3]} }
+end
+reference(function(t)
+	local all = {}
+	for i = 1, 3 do
+		local a = axes[i]
+		local half = i * t
+		local s, c = math.sin(half), math.cos(half)
+		local q = turns[i]
+		local u = {s * a[1], s * a[2], s * a[3]}
+		all["b" .. i] = { position = vec3(i, 0, 0), velocity = vec3(0, 0, 0), angular_velocity = vec3(2 * i * a[1], 2 * i * a[2], 2 * i * a[3]),
+			orientation = {
+				c * q[1] - u[1] * q[2] - u[2] * q[3] - u[3] * q[4],
+				c * q[2] + u[1] * q[1] + u[2] * q[4] - u[3] * q[3],
+				c * q[3] + u[2] * q[1] + u[3] * q[2] - u[1] * q[4],
+				c * q[4] + u[3] * q[1] + u[1] * q[3] - u[2] * q[2] } }
+	end
+	return all
+end)
+END
+exits 0 converge turn.lua --methods located --runs 1 --dt 0.01 --json
+python3 - <<'END' || fail "bodies that turn are not where they should be"
+import json
+errors = json.load(open("out"))["rows"][0]["errors"]
+assert sorted(errors) == ["angular_velocity", "energy", "orientation", "penetration", "position", "velocity"], errors
+for name, error in errors.items():
+    assert error["max"] < 1e-13, (name, error)
+END
+
 # a method that is named twice is run once
 exits 0 converge throw.lua --methods classic,classic-global,classic --runs 1 --dt 0.01 --json
 python3 -c 'import json; assert len(json.load(open("out"))["rows"]) == 2' || fail "not two methods"
