@@ -41,6 +41,11 @@ exits 0 collect deep/d --json
 exits 66 collect deep/er
 exits 73 collect deep/d -o nowhere/x.h5
 
+# recordings of positions alone are as good as others
+sed '/^world/i record { fields = {"position"} }' s.lua >bare.lua
+exits 0 sweep bare.lua -p n=1,2 -o bare
+exits 0 collect bare
+says out 'sweep.h5: 2 points, 2 done, 2 recordings'
 /usr/bin/python3 -c 'import h5py' 2>/dev/null || { echo "no h5py"; exit 77; }
 mv deep moved
 cat >look.py <<'END'
