@@ -11,6 +11,7 @@
 #include "app/checkpoint.h"
 #include "base/memory.h"
 #include "script/hooks.h"
+#include "script/keep.h"
 #include "script/load.h"
 
 static const char source[] =
@@ -158,6 +159,58 @@ static void close_bench(struct bench *bench)
 }
 
 /* ---- tests ---- */
+
+static enum rb_status load_again(struct rb_script *script, const unsigned char *bytes, size_t size)
+{
+	struct rb_pack pack = {.loading = true, .size = size};
+	struct rb_error err;
+
+	pack.bytes = rb_memory_take(size, 1);
+	assert_non_null(pack.bytes);
+	memcpy(pack.bytes, bytes, size);
+	const enum rb_status status = rb_script_pack(script, &pack, &err);
+	rb_memory_free(pack.bytes);
+	return status;
+}
+
+/* Of two bodies the second is kept: the first one would be as good, a third one is none. */
+static void a_body_that_there_is_not_is_refused(void **slot)
+{
+	static const char text[] = "world { duration = 1 }\n"
+				   "sphere { radius = 0.1 }\n"
+				   "state.b = sphere { radius = 0.1, position = {1, 0, 0} }\n";
+	const struct rb_source_file file = {
+		.name = "s.lua", .text = text, .size_bytes = sizeof text - 1};
+	const struct rb_script_options options = {.path = "s.lua", .files = &file, .file_count = 1};
+	struct rb_mistakes mistakes = {0};
+	struct rb_script *script;
+	struct rb_scene scene;
+	struct rb_error err;
+	struct rb_pack saved = {0};
+	int places = 0;
+
+	(void)slot;
+	assert_ok(rb_script_load(&script, &scene, &mistakes, &options, &err));
+	assert_ok(rb_script_pack(script, &saved, &err));
+	assert_int_equal(load_again(script, saved.bytes, saved.size), RB_OK);
+	for (size_t i = 0; i + sizeof(int32_t) <= saved.size; i++) {
+		int32_t id;
+		memcpy(&id, saved.bytes + i, sizeof id);
+		if (id != 1)
+			continue;
+		memcpy(saved.bytes + i, &(int32_t){0}, sizeof id);
+		const bool first = load_again(script, saved.bytes, saved.size) == RB_OK;
+		memcpy(saved.bytes + i, &(int32_t){2}, sizeof id);
+		const enum rb_status third = load_again(script, saved.bytes, saved.size);
+		memcpy(saved.bytes + i, &id, sizeof id);
+		places += first && third == RB_ERR_INPUT;
+	}
+	assert_int_equal(places, 2); /* the other is how many entries the table has */
+	rb_pack_release(&saved);
+	rb_script_destroy(script);
+	rb_scene_release(&scene);
+	rb_mistakes_release(&mistakes);
+}
 
 static void what_was_kept_comes_back(void **state)
 {
@@ -336,6 +389,7 @@ static void what_cannot_be_synced_is_no_checkpoint(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_body_that_there_is_not_is_refused),
 		cmocka_unit_test(what_was_kept_comes_back),
 		cmocka_unit_test(a_byte_that_has_changed_is_told_wherever_it_is),
 		cmocka_unit_test(a_file_that_ends_early_or_late_is_told),
