@@ -237,12 +237,21 @@ static void what_solutions_differ_by_is_known(void **slot)
 		for (int c = 0; c < 4; c++)
 			d.matrix[4 * r + c] = base[r][c];
 		d.right[r] = 4;
+		d.found[r] = NAN; /* what is left in there must not matter */
 	}
 	rb_dense_solve(&d);
 	assert_true(d.open);
+	for (int r = 0; r < 4; r++) {
+		double sum = 0;
+
+		for (int c = 0; c < 4; c++)
+			sum += base[r][c] * d.right[c];
+		assert_near(sum, 4, 1e-14);
+	}
 	for (int k = 0; k < 4; k++) {
 		if (!rb_dense_is_open(&d, k))
 			continue;
+		assert_near(d.right[k], 0, 0);
 		open++;
 		rb_dense_opened(&d, k);
 		assert_near(d.right[k], 1, 0);

@@ -3,6 +3,7 @@
 #include "shapes.h"
 
 #include "geom/manifold.h"
+#include "geom/overlay.h"
 
 static const double band = 1e-9;
 
@@ -179,6 +180,53 @@ static void edges_that_cross_touch_in_one_point_and_parallel_ones_in_two(void **
 	assert_int_equal(m.count, 2);
 	assert_true(has(&m, 1, 0, 1e-14) && has(&m, -0.5, 0, 1e-14));
 	shapes_release(&box);
+}
+
+/* From x = low to x = high at a height, its ends and the whole by names of their own. */
+static rb_patch line_of(double low, double high, double z, int name)
+{
+	rb_patch patch = {.kind = RB_PATCH_SEGMENT,
+	                  .count = 2,
+	                  .feature = rb_part_of(RB_PART_EDGE, name),
+	                  .normal = {0, 0, z > 0 ? -1 : 1}};
+
+	patch.point[0] = (rb_vec3){low, 0, z}, patch.point[1] = (rb_vec3){high, 0, z};
+	patch.id[0] = rb_part_of(RB_PART_VERTEX, name + 1);
+	patch.id[1] = rb_part_of(RB_PART_VERTEX, name + 2);
+	patch.side[0] = patch.side[1] = patch.feature;
+	return patch;
+}
+
+/* Where one ends over the other, the point is the end of the one and anywhere on the other. */
+static void lines_that_overlap_are_named_by_their_ends(void **slot)
+{
+	static const double rows[][4] = {
+		{0, 2, 1, 3}, {1, 3, 0, 2}, {0, 3, 1, 2}, {1, 2, 0, 3}, {0, 2, 0, 2}};
+	const rb_overlay_def def = {.n = {0, 0, 1}, .aside = 1e-9, .along = 1e-9};
+
+	(void)slot;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		const rb_patch a = line_of(rows[i][0], rows[i][1], 0, 10);
+		const rb_patch b = line_of(rows[i][2], rows[i][3], 0.5, 20);
+		rb_overlay_point points[RB_OVERLAY_MAX];
+
+		assert_int_equal(rb_overlay(&a, &b, &def, points), 2);
+		for (int k = 0; k < 2; k++) {
+			const double x = points[k].on_a.x;
+			assert_near(points[k].on_b.x, x, 1e-12);
+			assert_near(points[k].gap, 0.5, 1e-12);
+			const rb_part of_a = x == rows[i][0]   ? a.id[0]
+			                     : x == rows[i][1] ? a.id[1]
+			                                       : a.feature;
+			const rb_part of_b = x == rows[i][2]   ? b.id[0]
+			                     : x == rows[i][3] ? b.id[1]
+			                                       : b.feature;
+			assert_int_equal(points[k].a, of_a);
+			assert_int_equal(points[k].b, of_b);
+		}
+		assert_near(fabs(points[0].on_a.x - points[1].on_a.x),
+		            fmin(rows[i][1], rows[i][3]) - fmax(rows[i][0], rows[i][2]), 1e-12);
+	}
 }
 
 static void a_corner_on_a_corner_touches_in_one_point(void **slot)
@@ -428,6 +476,7 @@ int main(void)
 		cmocka_unit_test(
 			equal_boxes_one_on_the_other_have_four_points_whatever_rounding_says),
 		cmocka_unit_test(edges_that_cross_touch_in_one_point_and_parallel_ones_in_two),
+		cmocka_unit_test(lines_that_overlap_are_named_by_their_ends),
 		cmocka_unit_test(a_corner_on_a_corner_touches_in_one_point),
 		cmocka_unit_test(a_cylinder_stands_on_four_points_that_do_not_turn_with_it),
 		cmocka_unit_test(a_cylinder_lies_on_a_line_and_leans_on_its_rim),

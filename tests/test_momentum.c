@@ -175,6 +175,10 @@ static void only_what_turns_has_an_inertia(void **state)
 		lab_seal(&lab, 1);
 		const rb_mat3 ball = rb_world_inertia(lab.world, 0);
 		const rb_mat3 still = rb_world_inertia(lab.world, plane);
+		/* what stands still has none of these, though no mass to count with either */
+		assert_near(rb_world_kinetic_energy(lab.world, plane), 0, 0);
+		assert_vector(rb_world_momentum(lab.world, plane), ((rb_vec3){0, 0, 0}), 0);
+		assert_vector(rb_world_angular_momentum(lab.world, plane), ((rb_vec3){0, 0, 0}), 0);
 		for (int i = 0; i < 9; i++) {
 			const bool counts = turns && i % 4 == 0;
 			assert_near(ball.m[i / 3][i % 3], counts ? 0.4 * 2 * 0.25 : 0, 1e-16);

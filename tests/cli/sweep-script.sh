@@ -9,7 +9,7 @@ cat >bin/sbatch <<'END'
 #!/bin/sh
 for word in "$@"; do echo "$word"; done >"$OLDPWD_OF_TEST/words"
 pwd >"$OLDPWD_OF_TEST/where"
-[ ! -e "$OLDPWD_OF_TEST/broken" ] || { echo "sbatch: error: Batch job submission failed: Invalid account" >&2; exit 1; }
+[ ! -e "$OLDPWD_OF_TEST/broken" ] || { printf 'sbatch: error: Batch job submission failed: Invalid account\nand more\n' >&2; exit 1; }
 echo "sbatch: a warning" >&2
 echo "4711;cluster"
 END
@@ -84,6 +84,7 @@ says err "does not begin with '-'"
 touch broken
 exits 69 sweep long --slurm
 says err 'sbatch refused the job: .*Invalid account'
+[ "$(wc -l <err)" -eq 1 ] || fail "more than a line of what sbatch said"
 rm bin/sbatch bin/scontrol
 for program in sbatch scontrol; do
 	command -v $program >/dev/null && { PATH=$plain; echo "Slurm is installed: its absence is not tried"; exit 0; }
