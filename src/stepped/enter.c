@@ -464,17 +464,21 @@ static void keep_to(struct entering *n)
 	              n->e.row[RB_ENERGY_CALLBACKS];
 	double taken = 0;
 
-	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++) {
-		n->e.row[taker[k]] = fmax(0, n->e.row[taker[k]]);
-		taken += n->e.row[taker[k]];
-	}
+	double *const row = n->e.row;
+	/* friction within an impact can make the normal impulse give energy: only both together take */
+	if (row[RB_ENERGY_IMPACTS] + row[RB_ENERGY_IMPACT_FRICTION] < 0)
+		row[RB_ENERGY_IMPACTS] = row[RB_ENERGY_IMPACT_FRICTION] = 0;
+	row[RB_ENERGY_SLIDING] = fmax(0, row[RB_ENERGY_SLIDING]);
+	row[RB_ENERGY_DRAG] = fmax(0, row[RB_ENERGY_DRAG]);
+	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++)
+		taken += row[taker[k]];
 	if (!(taken > 0) || (n->world->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)))
 		return;
 	for (int k = 0; k < n->member_count; k++)
 		if (is_in(n, n->member[k]))
 			lost += lost_by(n, n->member[k]);
 	for (size_t k = 0; k < sizeof taker / sizeof taker[0] && taken > lost; k++)
-		n->e.row[taker[k]] *= fmax(0, lost) / taken;
+		row[taker[k]] *= fmax(0, lost) / taken;
 }
 
 struct rb_entries rb_enter_step(struct rb_world *world, const struct rb_cohort *cohort,
