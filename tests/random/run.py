@@ -15,6 +15,7 @@ list, or if one is listed that holds. What is checked:
     gain       energy never rises by more than 1e-9 of its scale where nothing could give any
     ledger     where it is kept: what it cannot explain is below 1e-12 of what moved, located (velocities of motions stated);
                by steps so is what it cannot explain of momentum, and no energy comes from nowhere
+    order      by steps, energy that it cannot explain is less with a shorter step
     overlap    no frame shows one beyond the tolerance
     lost       every position is a number, nobody is behind an infinite plane
     threads    the same bits with 1 and 3 threads
@@ -43,6 +44,8 @@ LEAST_SECONDS = 0.2
 GAIN = 1e-9
 # Of energy and momenta, located.
 UNEXPLAINED = 1e-12
+# Share of the energy beyond which what steps leave unexplained is theirs, not that of the tolerance.
+ROUGH = 1e-6
 DISTURBANCE = 1e-12
 # Copies are compared until the disturbance has grown to this share of the scene.
 GROWN = 1e-7
@@ -106,13 +109,15 @@ class Bench:
         with open(os.path.join(self.folder, "s.lua"), "w") as f:
             f.write(HEADER + "\n".join(lines) + FOOTER)
 
-    def run(self, method, *params, threads=2, duration=None, processor=None):
+    def run(self, method, *params, threads=2, duration=None, processor=None, step=None):
         """One run of the scene that was written."""
         arguments = ["s.lua", "--no-record", "--json", "--method", method, "--threads", str(threads)]
         for p in params:
             arguments += ["--param", p]
         if duration:
             arguments += ["--duration", repr(duration)]
+        if step:
+            arguments += ["--time-step", repr(step)]
         return Run(*self.start(arguments, processor or self.processor))
 
 
@@ -245,9 +250,25 @@ class Judge:
                 if other.facts.get("state_hash") != run.facts.get("state_hash") and not other.over_time():
                     found.append(("threads", "%s with %d threads, %s with 2" % (
                         other.facts.get("state_hash"), threads, run.facts.get("state_hash"))))
+        if "order" in checks and method == "stepped":
+            found += self.order(run, 16 * limit)
         if "copies" in checks and not re.search(r"^on_", "\n".join(lines), re.M):
             found += self.copies(run, method, number, 2 * limit)
         return run, found
+
+    def order(self, run, limit):
+        """First order: a sixteenth of the step leaves less, or its quarter does: by chance the first has left little."""
+        shares = [run.ledger.get("unexplained_share", 0.0)]
+        if not shares[0] > ROUGH:
+            return []
+        for parts in 16, 64:
+            fine = self.bench.run("stepped", processor=limit, step=run.facts["time_step"] / parts)
+            if fine.over_time():
+                return []
+            shares.append((fine.facts.get("ledger") or {}).get("unexplained_share", math.inf))
+            if shares[-1] < 0.5 * shares[-2]:
+                return []
+        return [("order", "%.3g of the energy is unexplained, %.3g and %.3g by steps of 1/16 and 1/64 of it" % tuple(shares))]
 
     def copies(self, run, method, number, limit):
         found = []
@@ -346,7 +367,7 @@ def main():
     o = here.parse_args()
     checks = set(o.checks.split(","))
     if "all" in checks:
-        checks = {"ends", "slow", "gain", "ledger", "overlap", "lost", "threads", "copies"}
+        checks = {"ends", "slow", "gain", "ledger", "overlap", "lost", "threads", "copies", "order"}
     bench = Bench(o.program, o.processor)
     try:
         sys.exit(run_all(o, bench, checks))
@@ -374,7 +395,7 @@ def run_all(o, bench, checks):
     else:
         scenes = bench.emit(o.first, o.seeds, o.param)
     known, table, bad, seen, ran = read_known(o.known), Table(), 0, set(), set()
-    dear = checks & {"threads", "copies"}
+    dear = checks & {"threads", "copies", "order"}
     for k, lines in enumerate(scenes):
         seed = o.first + k
         for method in o.methods.split(","):

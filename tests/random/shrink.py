@@ -222,7 +222,7 @@ def main():
     try:
         lines = runner.read_file(o.file) if o.file else bench.emit(o.seed, 1, o.param)[0]
         if not o.check:
-            _, found = runner.Judge(bench, {"ends", "slow", "gain", "ledger", "overlap", "lost", "threads", "copies"}).judge(lines, o.method)
+            _, found = runner.Judge(bench, {"ends", "slow", "gain", "ledger", "overlap", "lost", "threads", "copies", "order"}).judge(lines, o.method)
             if not found:
                 sys.exit("nothing fails")
             o.check = found[0][0]
