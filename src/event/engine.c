@@ -13,6 +13,7 @@
 #include "event/pull.h"
 #include "event/settle.h"
 #include "event/strike.h"
+#include "event/tidy.h"
 #include "event/transition.h"
 #include "geom/distance.h"
 
@@ -406,6 +407,8 @@ static void call_hooks(struct rb_located *l, size_t first, double t)
 		for (size_t k = first; k < count && l->status == RB_OK; k++) {
 			const struct rb_event event = world->events.row[k];
 
+			world->called++;
+
 			if (event.kind == RB_EVENT_COLLISION && hooks->collision)
 				l->status = hooks->collision(hooks->user, world, &event, l->err);
 			else if (event.kind != RB_EVENT_COLLISION && hooks->transition)
@@ -422,6 +425,34 @@ static bool differs(const double *a, const double *b, int i, int columns)
 {
 	return a && memcmp(a + (size_t)columns * (size_t)i, b + (size_t)columns * (size_t)i,
 	                   (size_t)columns * sizeof *a) != 0;
+}
+
+/*
+ * What callbacks have thrown into something that it touches already: that is an impact, and nobody looks for one between those
+ * that are held. By more than a held contact may drift.
+ */
+static void foresee_thrown(struct rb_located *l, double t)
+{
+	for (int k = 0; k < l->cluster_count; k++) {
+		const struct rb_cluster *c = &l->cluster[k];
+
+		for (int h = 0; c->used && h < c->held_count; h++) {
+			const struct rb_meet m = rb_set_meet(l, &c->held[h], t);
+			const double speeds = rb_vec3_length(m.pose_a.velocity) +
+			                      rb_vec3_length(m.pose_b.velocity);
+			const int mover = rb_located_fixed(l, m.a) ? m.b : m.a;
+			const int other = mover == m.a ? m.b : m.a;
+
+			if (!(rb_vec3_dot(m.velocity, m.normal) <
+			      -rb_meet_noise(l, &m) - rb_tidy_drift * speeds))
+				continue;
+			l->next[mover].touch_s = t;
+			l->next[mover].partner = other;
+			l->next[mover].again = false;
+			l->next[mover].generation = other < l->n ? l->generation[other] : 0;
+			rb_queue_set(l->queue, mover, t);
+		}
+	}
 }
 
 enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_error *err)
@@ -470,6 +501,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 	if (l->set_count > 0) {
 		rb_settle(l, t, true, 0, NULL);
 		foresee_set(l, t);
+		foresee_thrown(l, t);
 	}
 	return l->status;
 }
@@ -639,11 +671,39 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	return l->status;
 }
 
-enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err)
+/* Fails with the deepest overlap that is beyond the tolerance; 0 where nothing can touch. */
+static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
 {
 	const double t = l->world->state.time_s;
 	char first[64], second[64];
 	int a, b;
+
+	*depth = 0;
+	if (!(l->model->features & RB_FEATURE_CONTACT))
+		return RB_OK;
+	*depth = rb_look_overlap(l, t, &a, &b);
+	if (*depth <= l->model->tolerance_m)
+		return RB_OK;
+	return l->status = RB_FAIL(
+		       err, RB_ERR_PHYSICS,
+		       "'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
+		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
+		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), *depth, t,
+		       l->model->tolerance_m);
+}
+
+enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)
+{
+	double depth;
+
+	/* what is in cells are spheres whose touches have closed forms */
+	return l->cells ? RB_OK : check(l, &depth, err);
+}
+
+enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err)
+{
+	const double t = l->world->state.time_s;
+	double depth;
 
 	l->err = err;
 	if (!l->started) /* the classic method has just come to this frame */
@@ -651,17 +711,10 @@ enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err)
 	l->status = rb_look_contacts(l, t);
 	if (l->status == RB_OK && l->world->options.keep_contacts)
 		l->status = rb_look_forces(l, t);
-	if (l->status != RB_OK || !(l->model->features & RB_FEATURE_CONTACT))
+	if (l->status != RB_OK)
 		return l->status;
-	const double depth = rb_look_overlap(l, t, &a, &b);
+	const enum rb_status status = check(l, &depth, err);
 	l->world->frame_counts.max_penetration_m = fmax(l->world->frame_counts.max_penetration_m,
 	                                                depth);
-	if (depth <= l->model->tolerance_m)
-		return RB_OK;
-	return l->status = RB_FAIL(
-		       err, RB_ERR_PHYSICS,
-		       "'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
-		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
-		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), depth, t,
-		       l->model->tolerance_m);
+	return status;
 }

@@ -33,6 +33,9 @@ bool rb_engine_wants_steps(const struct rb_located *l);
 /* The world's state is that of an earlier moment: the next advance begins anew from there. */
 void rb_engine_go_back(struct rb_located *l);
 
+/* At a moment that it has come to: RB_ERR_PHYSICS names an overlap beyond the tolerance. */
+RB_CHECKED enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err);
+
 /* At a frame: lists the lasting contacts and looks for overlaps; RB_ERR_PHYSICS names one beyond the tolerance. */
 RB_CHECKED enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err);
 

@@ -227,8 +227,103 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 	return status;
 }
 
-static enum rb_status located(struct rb_world *world, double start, double stop,
+/* ---- what one method does not come to the end of is done by the other ---- */
+
+/* What the world is taken back to. */
+struct restart {
+	struct rb_counts counts;
+	struct rb_ledger ledger;
+	size_t event_count;
+	int64_t dense_steps, dense_left;
+	uint64_t called;
+	bool is_known;
+};
+
+static bool can_change_method(const struct rb_world *world)
+{
+	return world->model->method == RB_METHOD_AUTO && world->located &&
+	       rb_engine_wants_steps(world->located);
+}
+
+/* Callbacks cannot be taken back: with some it is a step that is done anew, not a frame. */
+static bool has_callbacks(const struct rb_world *world)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+
+	return hooks->step || hooks->collision || hooks->transition;
+}
+
+static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_contacts *from,
+                                    struct rb_error *err)
+{
+	const enum rb_status status = rb_contacts_reserve(to, from->count, err);
+
+	if (status != RB_OK)
+		return status;
+	if (from->count > 0)
+		memcpy(to->row, from->row, from->count * sizeof *to->row);
+	to->count = from->count;
+	return RB_OK;
+}
+
+static enum rb_status remember(struct rb_world *world, bool known, struct restart *begin,
+                               struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	enum rb_status status = RB_OK;
+
+	*begin = (struct restart){.is_known = known, .called = world->called};
+	if (!begin->is_known)
+		return RB_OK;
+	if (!world->frame_state.block)
+		status = rb_state_init(&world->frame_state, model->body_count, model->features,
+		                       err);
+	if (status == RB_OK)
+		status = copy_contacts(&world->frame_contacts, &world->contacts, err);
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&world->frame_state, &world->state);
+	begin->counts = world->frame_counts;
+	begin->ledger = world->ledger;
+	rb_ledger_enter(&begin->ledger, &world->open);
+	begin->event_count = world->events.count;
+	begin->dense_steps = world->dense_steps;
+	begin->dense_left = world->dense_left;
+	return RB_OK;
+}
+
+/* What was located is stepped, for a while; what was stepped from its beginning is located. */
+static enum rb_status go_back(struct rb_world *world, const struct restart *begin, int64_t steps,
                               struct rb_error *err)
+{
+	const uint64_t bodies = (uint64_t)world->model->body_count;
+	const enum rb_status status = copy_contacts(&world->contacts, &world->frame_contacts, err);
+
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&world->state, &world->frame_state);
+	rb_engine_go_back(world->located);
+	const bool by_steps = world->dense_left > 0;
+	world->frame_counts = begin->counts;
+	world->ledger = begin->ledger;
+	world->frame_counts.rollbacks++;
+	world->frame_counts.discarded_body_steps += bodies;
+	world->events.count = begin->event_count;
+	world->moved_by_hand = true;
+	world->dense_steps = begin->dense_steps;
+	world->dense_left = 0;
+	if (begin->dense_left > 0 && by_steps)
+		return RB_OK;
+	more_dense_steps(world);
+	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MOST)
+		world->dense_steps *= 2;
+	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
+	return prepare_steps(world, err);
+}
+
+/* A step of the located method; whatever it comes to, the world is as it has left it. */
+static enum rb_status try_located(struct rb_world *world, double start, double stop,
+                                  struct rb_error *err)
 {
 	const bool pushes = world->model->features & RB_FEATURE_PUSHES;
 	enum rb_status status = RB_OK;
@@ -237,20 +332,41 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 		status = rb_engine_take_changes(world->located, start, err);
 	if (status == RB_OK)
 		status = rb_engine_advance(world->located, stop, err);
-	if (status != RB_OK)
+	if (status != RB_OK || world->state.time_s < stop)
 		return status;
-	if (world->state.time_s <
-	    stop) { /* too dense to locate: the rest of it, and some more, is stepped */
-		more_dense_steps(world);
-		world->dense_left = world->dense_steps;
-		status = prepare_steps(world, err);
-		return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
-	}
 	if (pushes) {
 		rb_state_copy(&world->start, &world->state);
 		forget_pushes(world);
 	}
 	return RB_OK;
+}
+
+/*
+ * A frame with callbacks cannot be done anew, a step within can: what on_step has given it is kept, and no other callback has
+ * been called. So every such step is looked at.
+ */
+static enum rb_status located(struct rb_world *world, double start, double stop,
+                              struct rb_error *err)
+{
+	struct restart before;
+	enum rb_status status = remember(world, can_change_method(world) && has_callbacks(world),
+	                                 &before, err);
+
+	if (status == RB_OK)
+		status = try_located(world, start, stop, err);
+	if (status == RB_OK && before.is_known && !(world->state.time_s < stop))
+		status = rb_engine_check(world->located, err);
+	if (status == RB_ERR_PHYSICS && before.is_known && world->called == before.called) {
+		status = go_back(world, &before, 0, err);
+		return status == RB_OK ? by_step(world, start, stop, err) : status;
+	}
+	if (status != RB_OK || !(world->state.time_s < stop))
+		return status;
+	/* too dense to locate: the rest of it, and some more, is stepped */
+	more_dense_steps(world);
+	world->dense_left = world->dense_steps;
+	status = prepare_steps(world, err);
+	return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
 }
 
 static enum rb_status step(struct rb_world *world, double start, double stop, struct rb_error *err)
@@ -278,95 +394,6 @@ int64_t rb_step_count(double interval, double time_step)
 	                                                                          : ceil(quotient);
 
 	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
-}
-
-/* ---- a frame that one method does not come to the end of is done by the other ---- */
-
-/* What the world is taken back to. */
-struct frame_begin {
-	struct rb_counts counts;
-	struct rb_ledger ledger;
-	size_t event_count;
-	int64_t dense_steps, dense_left;
-	bool is_known;
-};
-
-/* Callbacks cannot be taken back. */
-static bool can_go_back(const struct rb_world *world)
-{
-	const struct rb_world_hooks *hooks = &world->hooks;
-
-	return world->model->method == RB_METHOD_AUTO && world->located &&
-	       rb_engine_wants_steps(world->located) && !hooks->step && !hooks->collision &&
-	       !hooks->transition;
-}
-
-static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_contacts *from,
-                                    struct rb_error *err)
-{
-	const enum rb_status status = rb_contacts_reserve(to, from->count, err);
-
-	if (status != RB_OK)
-		return status;
-	if (from->count > 0)
-		memcpy(to->row, from->row, from->count * sizeof *to->row);
-	to->count = from->count;
-	return RB_OK;
-}
-
-static enum rb_status remember_frame(struct rb_world *world, struct frame_begin *begin,
-                                     struct rb_error *err)
-{
-	const struct rb_model *model = world->model;
-	enum rb_status status = RB_OK;
-
-	*begin = (struct frame_begin){.is_known = can_go_back(world)};
-	if (!begin->is_known)
-		return RB_OK;
-	if (!world->frame_state.block)
-		status = rb_state_init(&world->frame_state, model->body_count, model->features,
-		                       err);
-	if (status == RB_OK)
-		status = copy_contacts(&world->frame_contacts, &world->contacts, err);
-	if (status != RB_OK)
-		return status;
-	rb_state_copy(&world->frame_state, &world->state);
-	begin->counts = world->frame_counts;
-	begin->ledger = world->ledger;
-	rb_ledger_enter(&begin->ledger, &world->open);
-	begin->event_count = world->events.count;
-	begin->dense_steps = world->dense_steps;
-	begin->dense_left = world->dense_left;
-	return RB_OK;
-}
-
-/* What was located is stepped, for a while; what was stepped from its beginning is located. */
-static enum rb_status go_back(struct rb_world *world, const struct frame_begin *begin,
-                              int64_t steps, struct rb_error *err)
-{
-	const uint64_t bodies = (uint64_t)world->model->body_count;
-	const enum rb_status status = copy_contacts(&world->contacts, &world->frame_contacts, err);
-
-	if (status != RB_OK)
-		return status;
-	rb_state_copy(&world->state, &world->frame_state);
-	rb_engine_go_back(world->located);
-	const bool by_steps = world->dense_left > 0;
-	world->frame_counts = begin->counts;
-	world->ledger = begin->ledger;
-	world->frame_counts.rollbacks++;
-	world->frame_counts.discarded_body_steps += bodies;
-	world->events.count = begin->event_count;
-	world->moved_by_hand = true;
-	world->dense_steps = begin->dense_steps;
-	world->dense_left = 0;
-	if (begin->dense_left > 0 && by_steps)
-		return RB_OK;
-	more_dense_steps(world);
-	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MOST)
-		world->dense_steps *= 2;
-	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
-	return prepare_steps(world, err);
 }
 
 static bool asked_to_stop(const struct rb_world *world)
@@ -409,9 +436,10 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	const int64_t steps = by_steps ? rb_step_count(whole ? interval : end - begin,
 	                                               model->time_step_s)
 	                               : 1;
-	struct frame_begin before;
+	struct restart before;
 	world->stopped = false;
-	enum rb_status status = remember_frame(world, &before, err);
+	enum rb_status status = remember(world, can_change_method(world) && !has_callbacks(world),
+	                                 &before, err);
 
 	if (status == RB_OK)
 		status = run_frame(world, begin, end, steps, err);

@@ -106,6 +106,7 @@ struct rb_world {
 	struct rb_entries
 		open;       /* what is not yet entered, as of the state's time (event/account) */
 	bool moved_by_hand; /* a callback has set a position */
+	uint64_t called;    /* how often callbacks have been told of events by the located method */
 	bool stopped;
 };
 

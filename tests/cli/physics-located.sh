@@ -109,3 +109,38 @@ for duration in 5 10 20; do
 done >steps
 awk '{ n[NR] = $1 } END { exit !(n[3] - n[2] < 3 * (n[2] - n[1])) }' steps ||
 	fail "a turntable: $(tr '\n' ' ' <steps)body steps in 5, 10 and 20 s"
+
+# what a callback throws into what it lies on comes up again with e times that, whatever it lies on
+cat >thrown.lua <<'LUA'
+world { duration = 0.6, frame_rate = 20, gravity = {0, 0, -10} }
+local m = material { name = "m", restitution = 0.5, friction = 0.4 }
+local kind = param("kind", "driven", "what it lies on", {choices = {"plane", "driven", "box"}})
+local v = kind == "driven" and 0.5 or 0
+if kind == "box" then
+	box { size = {4, 4, 1}, position = {0, 0, -0.5}, static = true, material = m }
+elseif kind == "plane" then
+	plane { material = m }
+else
+	plane { material = m, motion = function(t) return {0, 0, v * t}, nil, {0, 0, v} end }
+end
+local ball = param("body", "sphere", "", {choices = {"sphere", "box"}}) == "sphere"
+	and sphere { radius = 0.1, mass = 2, position = {0, 0, 0.1}, velocity = {0, 0, v}, material = m }
+	or box { size = {0.2, 0.2, 0.2}, mass = 2, position = {0, 0, 0.1}, velocity = {0, 0, v}, material = m }
+local thrown = false
+on_step(function(t)
+	if not thrown and t >= 0.3 then
+		thrown = t
+		ball:apply_impulse({0, 0, -2 * 4})
+	end
+end)
+-- 0.3 s later: up by 2 m/s, back by gravity
+expect("it comes up again", function()
+	local s = time() - thrown
+	return math.abs(ball.position.z - (0.1 + v * time() + 2 * s - 5 * s ^ 2)), 1e-12
+end)
+LUA
+for body in sphere box; do
+	for kind in plane driven box; do
+		exits 0 thrown.lua --param kind=$kind --param body=$body --method located --no-record --json --quiet
+	done
+done
