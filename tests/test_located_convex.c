@@ -518,6 +518,43 @@ static void a_long_cylinder_rocks_over_to_the_other_side(void **slot)
 	}
 }
 
+/* Friction turns it over as it lands: about the point of its rim that is foremost, in whichever direction that is. */
+static void a_cylinder_that_lands_flat_in_flight_trips_alike_in_every_direction(void **slot)
+{
+	const double height = 0.05;
+	rb_vec3 first = {0, 0, 0}, spin = {0, 0, 0};
+
+	(void)slot;
+	for (int k = 0; k < 8; k++) {
+		const rb_vec3 along = {cos(0.7 * k), sin(0.7 * k), 0};
+		const rb_vec3 aside = {-along.y, along.x, 0};
+		struct bench bench;
+		struct rb_body_def def = solid_def(RB_SHAPE_CYLINDER, 0.2, 0.4, 0);
+
+		bench_open(&bench, 0.15, 100);
+		lab_surface(&bench.lab, 2, 0);
+		def.position.z = 0.2 + height;
+		def.velocity = rb_vec3_scale(4, along);
+		lab_add(&bench.lab, &def);
+		lab_plane(&bench.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+		bench_seal(&bench);
+		lab_run(&bench.lab);
+		const rb_vec3 p = rb_world_position(bench.lab.world, 0);
+		const rb_vec3 w = rb_world_angular_velocity(bench.lab.world, 0);
+		const rb_vec3 place = {rb_vec3_dot(p, along), rb_vec3_dot(p, aside), p.z};
+		const rb_vec3 turns = {rb_vec3_dot(w, along), rb_vec3_dot(w, aside), w.z};
+
+		if (k == 0) {
+			first = place;
+			spin = turns;
+			assert_true(spin.y > 0.1);
+		}
+		assert_vector(place, first, 1e-10);
+		assert_vector(turns, spin, 1e-9);
+		bench_close(&bench);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -535,6 +572,8 @@ int main(void)
 		cmocka_unit_test(a_ball_rolls_over_seams_and_flies_off_a_border),
 		cmocka_unit_test(a_coin_that_rocks_on_to_its_face_stays_there),
 		cmocka_unit_test(a_long_cylinder_rocks_over_to_the_other_side),
+		cmocka_unit_test(
+			a_cylinder_that_lands_flat_in_flight_trips_alike_in_every_direction),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -207,7 +207,8 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 	if (quarter == 0 && halved) {
 		out = carried_by(s, on_half(s, across_axis(s, negative(f->normal))));
 	} else if (halved) {
-		out = way_of(s, rb_vec3_cross((rb_vec3){0, 0, 1}, s->half));
+		out = way_of(s,
+		             quarter == 1 ? s->half : rb_vec3_cross((rb_vec3){0, 0, 1}, s->half));
 	} else if (quarter == 0) {
 		if (!direction(across_axis(s, negative(f->normal)), &out, &length) ||
 		    length.at < flat_sine)
@@ -486,7 +487,7 @@ bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_si
 
 /* ---- a flat rim ---- */
 
-enum { LOWEST = 0, ASIDE = 2, QUARTERS = 4 };
+enum { LOWEST = 0, AHEAD = 1, ASIDE = 2, QUARTERS = 4 };
 
 static bool is_quarter(rb_part part)
 {
@@ -496,7 +497,7 @@ static bool is_quarter(rb_part part)
 }
 
 static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part other, double least,
-                       rb_vec3 *way)
+                       struct rb_feature_rim *out)
 {
 	const rb_vec3 none = {0, 0, 0};
 	surface f;
@@ -504,19 +505,26 @@ static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part 
 	if (!is_quarter(part) || rim->core->kind != RB_CORE_CYLINDER ||
 	    !surface_of(flat, other, &f))
 		return false;
+	const double half = index_of(part) & 1 ? -rim->core->half_height : rim->core->half_height;
 	/* what the lowest point is, with its rate, is where the normal of the surface goes in the rim's own axes */
 	const rb_vec3 rate = across_axis(rim, negative(f.normal)).rate;
-	*way = rb_vec3_unit(rate, none);
-	return 2 * rim->core->round * rb_vec3_length(rate) > least;
+	const vec centre = seen_from(flat, point_of(rim, (rb_vec3){0, 0, half}));
+	const rb_vec3 comes = rb_mat3_apply(&flat->turn, centre.rate);
+	const rb_vec3 slip = rb_vec3_reject(comes, f.normal.at);
+
+	out->turns = 2 * rim->core->round * rb_vec3_length(rate) > least;
+	out->way = rb_vec3_unit(out->turns ? rate : across_axis(rim, (vec){slip, none}).at, none);
+	return out->turns ||
+	       (rb_vec3_dot(comes, f.normal.at) < -least && rb_vec3_length(slip) > least);
 }
 
 bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
-                        uint64_t key, double least, rb_vec3 *way)
+                        uint64_t key, double least, struct rb_feature_rim *out)
 {
 	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
 
-	return landing_of(a, part_a, b, part_b, least, way) ||
-	       landing_of(b, part_b, a, part_a, least, way);
+	return landing_of(a, part_a, b, part_b, least, out) ||
+	       landing_of(b, part_b, a, part_a, least, out);
 }
 
 static uint64_t with_place(uint64_t key, int place)
@@ -531,14 +539,9 @@ static uint64_t with_place(uint64_t key, int place)
 	return (uint64_t)part[0] << 32 | part[1];
 }
 
-uint64_t rb_feature_lowest(uint64_t quarter)
+uint64_t rb_feature_of_rim(const struct rb_feature_rim *rim, uint64_t quarter, bool aside)
 {
-	return with_place(quarter, LOWEST);
-}
-
-uint64_t rb_feature_aside(uint64_t quarter)
-{
-	return with_place(quarter, ASIDE);
+	return with_place(quarter, aside ? ASIDE : rim->turns ? LOWEST : AHEAD);
 }
 
 /* ---- names ---- */

@@ -31,14 +31,18 @@ bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_si
                      rb_vec3 *half);
 
 /*
- * Of one of a flat rim's quarters that lie on a surface: the way to that point of the rim which closes fastest, if one does
- * so by more than this, m/s; the others of the quarters, counted from there, are no less than that. False: it is none.
+ * Of one of a flat rim's quarters that lie on a surface, how it lands: which point of the rim is first. If it turns by more than
+ * `least`, m/s between opposite points, that which closes fastest; else, if it closes and slips by more than that, that which
+ * slips ahead of the others, about which friction turns it. False: it does neither, and all quarters are alike.
  */
+struct rb_feature_rim {
+	rb_vec3 way; /* to that point, as in rb_feature_half */
+	bool turns;
+};
 bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature_side *b,
-                        uint64_t key, double least, rb_vec3 *way);
-/* The key of such a point: its lowest, on a half; and of that a quarter turn on. */
-uint64_t rb_feature_lowest(uint64_t quarter);
-uint64_t rb_feature_aside(uint64_t quarter);
+                        uint64_t key, double least, struct rb_feature_rim *out);
+/* The key of that point, or of one a quarter turn on, where the side's `half` is the way; of those across, where it is -way. */
+uint64_t rb_feature_of_rim(const struct rb_feature_rim *rim, uint64_t quarter, bool aside);
 
 /* The features that take over where those of the key end next, as a manifold's key; 0: to be searched for. */
 uint64_t rb_feature_beyond(const struct rb_feature_side *a, const struct rb_feature_side *b,

@@ -11,12 +11,14 @@ static void set_halves(struct rb_modes *w)
 	for (int k = 0; k < w->c->held_count; k++) {
 		struct rb_held *const held = &w->c->held[k];
 
-		held->half = none;
 		if (rb_set_is_single(l, held->a, held->b))
 			continue;
-		const struct rb_meet m = rb_set_meet(l, held, w->origin_s);
-		if (!rb_touch_half(l, &m, &held->half))
-			held->half = none;
+		struct rb_held now = *held;
+		now.half = none;
+		const struct rb_meet m = rb_set_meet(l, &now, w->origin_s);
+		/* what is counted from a half keeps to it */
+		if (rb_touch_half(l, &m, &now.half))
+			held->half = now.half;
 	}
 }
 

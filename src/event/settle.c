@@ -78,15 +78,21 @@ static bool begin(struct rb_settling *s)
 	return true;
 }
 
-/* m/s: normal velocity that a lasting contact may have by rounding and drift. */
+/* m/s: normal velocity that a lasting contact may have by rounding; and by what integration lets drift. */
+static double rounds(const struct rb_settling *s, const struct rb_meet *m)
+{
+	return rb_meet_noise(s->l, m) + s->slack + s->drift;
+}
+
+static double integrates(const struct rb_settling *s, const struct rb_meet *m)
+{
+	return rounds(s, m) + rb_tidy_drift * (rb_vec3_length(m->pose_a.velocity) +
+	                                       rb_vec3_length(m->pose_b.velocity));
+}
+
 static double drifts(const struct rb_settling *s, const struct rb_meet *m)
 {
-	const double most = rb_meet_noise(s->l, m) + s->slack + s->drift;
-
-	if (s->struck)
-		return most;
-	return most + rb_tidy_drift * (rb_vec3_length(m->pose_a.velocity) +
-	                               rb_vec3_length(m->pose_b.velocity));
+	return s->struck ? rounds(s, m) : integrates(s, m);
 }
 
 /* A contact that was held and is hit or pulled apart by a change is no longer one. */
@@ -624,11 +630,17 @@ static bool is_moving(const struct rb_settling *s)
 	return false;
 }
 
-/* Is it another point of bodies that touch already? */
+/*
+ * Is it another point of bodies that touch already? An impact has dealt with all of them, but of a flat rim with some: where it
+ * has begun to turn, another point of it may be the lowest.
+ */
 static bool comes_to_touch(const struct rb_settling *s, const struct rb_meet *m)
 {
-	return rb_meet_has_features(s->l, m->a, m->b) && rb_set_held(s->l, m->a, m->b) != NULL &&
-	       !rb_meet_passes(s->l, m, s->t);
+	const bool may = s->struck ? rb_vec3_max_abs(m->half) > 0
+	                           : rb_meet_has_features(s->l, m->a, m->b) &&
+	                                     rb_set_held(s->l, m->a, m->b) != NULL;
+
+	return may && !rb_meet_passes(s->l, m, s->t);
 }
 
 /*
@@ -637,22 +649,23 @@ static bool comes_to_touch(const struct rb_settling *s, const struct rb_meet *m)
  */
 static int find_hit(const struct rb_settling *s)
 {
-	for (int k = 0; k < s->meet_count && !s->struck && !s->l->starting; k++)
-		if (rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) < -drifts(s, &s->meet[k]) &&
-		    (s->before[k].a >= 0 || comes_to_touch(s, &s->meet[k])))
+	for (int k = 0; k < s->meet_count && !s->l->starting; k++)
+		if (rb_vec3_dot(s->meet[k].velocity, s->meet[k].normal) <
+		            -integrates(s, &s->meet[k]) &&
+		    ((s->before[k].a >= 0 && !s->struck) || comes_to_touch(s, &s->meet[k])))
 			return k;
 	return -1;
 }
 
-/* One look at the set: true, it is to be looked at anew. */
-static bool settle_once(struct rb_settling *s, bool may_seize)
+/* One look at the set, first for impacts: true, it is to be looked at anew. */
+static bool settle_once(struct rb_settling *s, bool looks, bool may_seize)
 {
 	struct rb_located *l = s->l;
 	double try_s;
 
 	if (!begin(s))
 		return false;
-	s->hit = find_hit(s);
+	s->hit = looks ? find_hit(s) : -1;
 	if (s->hit >= 0)
 		return false;
 	keep_what_lasts(s);
@@ -683,7 +696,8 @@ bool rb_settle(struct rb_located *l, double t, bool struck, double slack, int hi
 		struct rb_settling s = {
 			.l = l, .t = t, .slack = slack, .struck = struck || round > 0, .hit = -1};
 
-		again = settle_once(&s, round <= l->set_count) && l->status == RB_OK;
+		again = settle_once(&s, hit && round == 0, round <= l->set_count) &&
+		        l->status == RB_OK;
 		const bool is_hit = s.hit >= 0;
 		if (is_hit) {
 			hit[0] = s.meet[s.hit].a;

@@ -16,8 +16,8 @@
  * then to foresee anew. Sets l->status.
  *
  * False, and nothing is changed but the set: a contact that has lasted approaches by more than can have drifted, as where one
- * rolls on to another feature. `hit` is its pair: an impact (rb_strike_all). Never of what has been struck; then `hit` may be
- * NULL.
+ * rolls on to another feature; or another point of a rim that has landed flat. `hit` is its pair: an impact (rb_strike_all).
+ * NULL: it is not asked for.
  */
 bool rb_settle(struct rb_located *l, double t, bool struck, double slack, int hit[2]);
 

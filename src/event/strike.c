@@ -17,7 +17,7 @@
 /* By how many times a rebound may change speeds when it is stopped: more is not what stopping it takes. */
 static const double dear = 1e3;
 
-enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64 };
+enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64, ROUNDS_MOST = 16 };
 
 /* ---- one pair ---- */
 
@@ -639,7 +639,8 @@ static void strike(struct striking *s)
 	}
 }
 
-void rb_strike_all(struct rb_located *l, int a, int b, double t)
+/* One impact of all that touches; m/s: the rounding that it leaves. */
+static double strike_once(struct rb_located *l, int a, int b, double t)
 {
 	struct striking s = {.l = l, .t = t};
 	const rb_arena_mark here = rb_arena_here(l->arena);
@@ -655,7 +656,20 @@ void rb_strike_all(struct rb_located *l, int a, int b, double t)
 	else
 		strike(&s);
 	rb_arena_back(l->arena, here);
-	if (l->status == RB_OK)
-		rb_settle(l, t, true, s.slack, NULL);
+	return s.slack;
+}
+
+void rb_strike_all(struct rb_located *l, int a, int b, double t)
+{
+	int hit[2] = {a, b};
+	bool more = true;
+
+	/* the lowest point of a rim is found as a root is, with twice the digits each time */
+	for (int round = 0; more; round++) {
+		const double slack = strike_once(l, hit[0], hit[1], t);
+
+		more = l->status == RB_OK &&
+		       !rb_settle(l, t, true, slack, round < ROUNDS_MOST ? hit : NULL);
+	}
 	l->come_a = l->come_b = -1;
 }

@@ -296,22 +296,22 @@ static void add_name(struct search *s, const struct rb_meet_name *name)
 
 /*
  * A rim that lies flat touches all round, and any four quarters of it say how it stands; but when it comes to lie so, or is
- * tilted from there, the points that count are that which closes fastest and the one across from it.
+ * tilted from there, those that count begin with the first of them.
  */
 static void add_rim(struct search *s, const struct couple *c, const struct rb_meet_name *name)
 {
 	const struct rb_meet m = rb_touch_of(s->l, name, &s->pair->pose_a, &s->pair->pose_b);
-	rb_vec3 way;
+	struct rb_feature_rim rim;
 
-	if (!rb_feature_landing(&c->a, &c->b, name->key, 4 * rb_meet_noise(s->l, &m), &way)) {
+	if (!rb_feature_landing(&c->a, &c->b, name->key, 4 * rb_meet_noise(s->l, &m), &rim)) {
 		add_name(s, name);
 		return;
 	}
 	for (int k = 0; k < 4; k++) {
 		struct rb_meet_name landing = *name;
 
-		landing.key = k < 2 ? rb_feature_lowest(name->key) : rb_feature_aside(name->key);
-		landing.half = k % 2 == 0 ? way : rb_vec3_neg(way);
+		landing.key = rb_feature_of_rim(&rim, name->key, k >= 2);
+		landing.half = k % 2 == 0 ? rim.way : rb_vec3_neg(rim.way);
 		/* not past the border of the face that it lands on */
 		if (!(rb_touch_of(s->l, &landing, &s->pair->pose_a, &s->pair->pose_b).inside <
 		      -s->depth))
