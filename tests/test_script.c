@@ -623,6 +623,26 @@ static void the_seed_of_the_command_line_wins(void **state)
 	unload(&it);
 }
 
+static void a_refusal_is_expected_with_a_status_there_is(void **state)
+{
+	static const char *const wrong[] = {"3", "65.5", "0", "'65'", "nil", "1e300"};
+	struct loaded it;
+	char text[128];
+
+	(void)state;
+	for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+		snprintf(text, sizeof text, "world { duration = 1 }\nexpect_refused(%s)", wrong[i]);
+		load_text(&it, text);
+		assert_int_equal(it.status, RB_ERR_SCENE);
+		assert_non_null(strstr(it.error.text, "wants an exit status of rbsim(1) first"));
+		unload(&it);
+	}
+	must_load(&it, "world { duration = 1 }\nexpect_refused(76, 'too deep')");
+	assert_int_equal(it.scene.expect_refused, 76);
+	assert_string_equal(it.scene.expect_refused_pattern, "too deep");
+	unload(&it);
+}
+
 static void pairs_has_an_order(void **state)
 {
 	struct loaded it;
@@ -725,6 +745,7 @@ int main(void)
 		cmocka_unit_test(vectors_have_operators),
 		cmocka_unit_test(random_numbers_are_those_of_the_seed),
 		cmocka_unit_test(the_seed_of_the_command_line_wins),
+		cmocka_unit_test(a_refusal_is_expected_with_a_status_there_is),
 		cmocka_unit_test(pairs_has_an_order),
 		cmocka_unit_test(patterns_mean_what_they_mean_in_lua),
 		cmocka_unit_test(expect_refused_is_known_even_of_a_scene_that_fails),

@@ -15,6 +15,17 @@ says out 'energy'
 says out 'momentum'
 says out 'overlap'
 says out 'command +.*s.lua -q --param e=0.25'
+# what it adds up is what the run has summed up
+exits 0 s.lua --param e=0.25 --json -o again.h5
+cp out again.json
+exits 0 info s.h5 --json
+python3 - <<'END' || fail "the energies of the run are others"
+import json
+run, told = json.load(open("again.json")), json.load(open("out"))
+for end in "first", "last":
+    assert run[end]["kinetic_energy"] + run[end]["potential_energy"] == told["energy_" + end], end
+assert told["energy_first"] != told["energy_last"]
+END
 exits 0 info s.h5 --json
 [ "$(value frames)" = 31 ] || fail "frames: $(value frames)"
 [ "$(value status)" = complete ] || fail "status"
