@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Checks recordings without the program: oracle.py [--all] [--frames N] RUN.h5 ...
 
-Gaps, contacts, impacts, energy, momentum, units and views are computed anew from poses, velocities, masses, inertias,
+Gaps, contacts, impacts, energy, momentum, inertias, units and views are computed anew from poses, velocities, masses,
 shapes and materials. Exit 0: all agree; 1: something does not; 77: no h5py or numpy here.
 """
 import argparse
@@ -15,6 +15,7 @@ except ImportError as error:
     print("h5py and numpy are needed:", error)
     sys.exit(77)
 
+import bodies
 import contacts
 import impacts
 import layout
@@ -24,7 +25,7 @@ from recording import Recording
 from report import Report
 
 
-PARTS = ("layout", "overlaps", "contacts", "mechanics", "impacts")
+PARTS = ("layout", "bodies", "overlaps", "contacts", "mechanics", "impacts")
 # What is known to be wrong in the program, and told as such: until the ledger has all causes, and errors of 3e-14 a piece
 # of the integrator add up to more than 1e-12 (S41), not all of it is explained.
 PENDING = {"ledger, momentum unexplained", "ledger, unexplained"}
@@ -37,6 +38,8 @@ def examine(path, name=None, frames=24, parts=PARTS, pending=True):
             layout.check(path, report)
         rec = Recording(path)
         geometry = overlaps.Geometry(rec)
+        if "bodies" in parts:
+            bodies.check(rec, report)
         if "overlaps" in parts:
             overlaps.check(rec, report, geometry, frames)
         if "contacts" in parts:

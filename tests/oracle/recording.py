@@ -4,12 +4,17 @@
 Nothing here knows how the program computes; it reads what rbsim-recording(5) states. Bodies are counted by index: those
 that move first, in their order, then statics. An id is a place in the scene.
 """
+import re
+from collections import namedtuple
+
 import h5py
 import numpy as np
 
 SPHERE, PLANE, RECTANGLE, BOX, CAPSULE, CYLINDER, HULL, UNION = range(8)
 COLLISION = 0
 HOOKS = ("on_step", "on_frame", "on_collision", "on_transition")
+# A part of a union, as the recording has it.
+Part = namedtuple("Part", "kind solid radius size position orientation share")
 PUSHES = ("apply_impulse", "apply_force", "apply_torque", "set_velocity", "set_angular_velocity", "set_position")
 
 
@@ -136,7 +141,8 @@ class Recording:
         self.mass = bodies["mass"][:]
         self.driven = ~np.isfinite(self.mass)
         zero = np.zeros((self.bodies, 3, 3))
-        self.inertia = bodies["inertia"][:] if "inertia" in bodies else zero
+        self.has_inertia = "inertia" in bodies
+        self.inertia = bodies["inertia"][:] if self.has_inertia else zero
         self.center = bodies["center_of_mass"][:]
         self.static_position = statics["position"][:].reshape(-1, 3)
         self.static_orientation = statics["orientation"][:].reshape(-1, 4)
@@ -146,7 +152,8 @@ class Recording:
 
     def read_shapes(self, f):
         shapes, count = f["rbsim/shapes"], self.bodies + self.statics
-        solids = self.read_solids(f)
+        self.solids = solids = self.read_solids(f)
+        self.shape = []
         self.kind = np.zeros(count, int)
         self.pieces = [[] for _ in range(count)]
         made = {}
@@ -154,6 +161,7 @@ class Recording:
             kind = self.kind[i] = int(shapes["kind"][who])
             number = int(shapes["solid"][who]) if "solid" in shapes else -1
             key = (kind, number, float(shapes["radius"][who]), tuple(shapes["size"][who]))
+            self.shape.append(key)
             if key not in made:
                 made[key] = self.pieces_of(solids, *key)
             self.pieces[i] = made[key]
@@ -171,9 +179,9 @@ class Recording:
         for n, faces, many in zip(s["vertex_count"], s["face_count"], s["part_count"]):
             if many:
                 rows = range(part, part + many)
-                solids.append([(int(parts["kind"][k]), int(parts["solid"][k]), float(parts["radius"][k]),
-                                tuple(parts["size"][k]), parts["position"][k], parts["orientation"][k])
-                               for k in rows])
+                solids.append([Part(int(parts["kind"][k]), int(parts["solid"][k]), float(parts["radius"][k]),
+                                    tuple(parts["size"][k]), parts["position"][k], parts["orientation"][k],
+                                    float(parts["share"][k])) for k in rows])
                 part += many
                 continue
             first = s["face_first"][bound:bound + faces + 1]
@@ -188,8 +196,8 @@ class Recording:
             return []
         if kind != UNION:
             return [piece_of(kind, radius, size, solids[number] if kind == HULL else None)]
-        return [piece_of(k, r, s, solids[n] if k == HULL else None).moved(p, q)
-                for k, n, r, s, p, q in solids[number]]
+        return [piece_of(p.kind, p.radius, p.size, solids[p.solid] if p.kind == HULL else None)
+                .moved(p.position, p.orientation) for p in solids[number]]
 
     def read_forces(self, f):
         run = f["rbsim"]
@@ -199,6 +207,7 @@ class Recording:
         self.fields = "fields" in run
         scene = text(run["scene"][()])
         every = scene + "".join(text(v[()]) for v in run["files"].values() if v.dtype.kind == "S")
+        self.states_inertia = re.search(r"\b(inertia|center_of_mass)\s*=", every) is not None
         self.pushes = any(w in scene for w in HOOKS) and any(w in every for w in PUSHES)
         self.forces = {k: v[:] for k, v in run["forces"].items()} if "forces" in run else None
 

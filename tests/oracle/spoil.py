@@ -144,6 +144,7 @@ def view_of_its_own(f):
 
 
 CHECKS = {
+    "bodies": {"inertias", "centres of mass"},
     "layout": {"units", "ids", "names", "times", "views"},
     "overlaps": {"overlap", "overlap told", "overlap told, located"},
     "contacts": {"contacts counted", "points on bodies", "normals part", "normals of planes", "forces push",
