@@ -30,7 +30,7 @@ static const double otherwise = 1e-10;
 static const double nearly_open = 1e-6;
 /* A piece that is cut at less than this part of it was cut at once. */
 enum { AT_ONCE = 1024 };
-enum { LOOKS = 8, BISECTIONS = 80, HIT_ULP = 8, STRAIGHT_NOISES = 8 };
+enum { LOOKS = 8, BISECTIONS = 80, HIT_ULP = 8 };
 
 /* ---- the problem that math/gauss sees ---- */
 
@@ -450,10 +450,7 @@ static double change_within(struct rb_modes *w, double *value)
 	return bad;
 }
 
-/*
- * Does a slip that was taken for straight turn aside within [0, s], beyond rounding? Of bodies that touch at several points
- * it is not asked: theirs turn within what rounding makes of a slow slip.
- */
+/* Does a slip that was taken for straight turn aside within [0, s]? */
 static bool turns_aside(struct rb_modes *w, double s, double *value)
 {
 	bool any = false;
@@ -465,17 +462,9 @@ static bool turns_aside(struct rb_modes *w, double s, double *value)
 		return false;
 	any = false;
 	for (int k = 0; k < w->c->held_count; k++) {
-		struct rb_held *const held = &w->c->held[k];
-		const struct rb_meet *m = &w->meet[k];
-		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
-		const rb_vec3 way = w->contact[k].slip;
-		const double off = rb_vec3_length(
-			rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way));
-
-		if (!held->straight || held->creeps || !rb_set_is_single(w->l, held->a, held->b) ||
-		    off <= STRAIGHT_NOISES * rb_meet_noise(w->l, m))
+		if (!rb_modes_turns_aside(w, k))
 			continue;
-		held->straight = false;
+		w->c->held[k].straight = false;
 		any = true;
 	}
 	return any;
@@ -638,7 +627,12 @@ static bool begin_modes(struct rb_modes *w)
 		creeps = creeps || w->c->held[k].creeps;
 		w->c->held[k].creeps = false;
 	}
-	return !creeps || evaluate(w, w->origin_s, w->c->piece.start);
+	if (creeps && !evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	for (int k = 0; k < w->c->held_count; k++)
+		w->goes_straight = w->goes_straight ||
+		                   (w->c->held[k].straight && rb_modes_is_slow(w, k, w->origin_s));
+	return true;
 }
 
 static void run(struct rb_modes *w, double *value, double *scale, double *scratch)

@@ -5,8 +5,11 @@
 #include <string.h>
 
 #include "event/pull.h"
+#include "event/set.h"
 
-enum { TURNS = 6, REFINEMENTS = 4 };
+enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
+/* Of a slip's speed: what is beside its direction, where it has turned. */
+static const double aside_share = 1e-9;
 /* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
 static const double balanced_share = 1e-7;
 /* What the rounding of places may cost at most, of the tolerance's sizes. */
@@ -343,6 +346,37 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	return true;
 }
 
+static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
+{
+	const struct rb_meet *m = &w->meet[i];
+
+	return rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                               point_acceleration(w, m->a, m->arm_a, t)),
+	                   w->contact[i].bias);
+}
+
+bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t)
+{
+	return rb_set_is_slow(
+		w->l, &w->meet[contact],
+		rb_vec3_dot(relative_acceleration(w, contact, t), w->contact[contact].slip),
+		w->force[contact]);
+}
+
+bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
+{
+	const struct rb_held *const held = &w->c->held[contact];
+	const struct rb_meet *m = &w->meet[contact];
+	const bool single = rb_set_is_single(w->l, held->a, held->b);
+	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+	const rb_vec3 way = w->contact[contact].slip;
+	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way);
+	const double least = single ? 0 : aside_share * rb_vec3_length(slip);
+
+	return held->straight && !held->creeps && (single || !w->goes_straight) &&
+	       rb_vec3_length(off) > fmax(least, STRAIGHT_NOISES * rb_meet_noise(w->l, m));
+}
+
 /* To the right side, too. */
 double rb_modes_left(struct rb_modes *w, double t)
 {
@@ -351,11 +385,7 @@ double rb_modes_left(struct rb_modes *w, double t)
 	int row = 0;
 
 	for (int i = 0; i < c->held_count; i++) {
-		const struct rb_meet *m = &w->meet[i];
-		const rb_vec3 left = rb_vec3_add(
-			rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
-		                    point_acceleration(w, m->a, m->arm_a, t)),
-			w->contact[i].bias);
+		const rb_vec3 left = relative_acceleration(w, i, t);
 
 		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++) {
 			w->dense.right[row] = -asked_of(w, i, k, left);

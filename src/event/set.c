@@ -82,6 +82,8 @@ struct rb_meet rb_set_meet(const struct rb_located *l, const struct rb_held *hel
 /* Points of a pair closer than this share of its size are one; rounding of places by their features is far below. */
 static const double one_place = 1e-9;
 /* Share of the speeds below which a slip creeps. */
+/* Share of what friction does to speeds by which a slip that creeps may change its own. */
+static const double slowly = 0.05;
 static const double creeping = 1e-5;
 /* Share of the size by which rounding and integration let a point be beyond the end of its features. */
 static const double beyond_end = 1e-11;
@@ -123,6 +125,16 @@ double rb_set_lands(const struct rb_located *l, const struct rb_meet *m)
 double rb_set_creep(const struct rb_located *l, const struct rb_meet *m)
 {
 	return creeping / (8 * DBL_EPSILON) * rb_meet_noise(l, m);
+}
+
+bool rb_set_is_slow(const struct rb_located *l, const struct rb_meet *m, double rate, rb_vec3 force)
+{
+	const double *const inverse = l->model->inverse_mass;
+	const double rubs = rb_vec3_length(rb_vec3_reject(force, m->normal)) *
+	                    (inverse[m->a] + inverse[m->b]);
+
+	return rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(l, m) &&
+	       fabs(rate) <= slowly * rubs;
 }
 
 const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct rb_meet *m)

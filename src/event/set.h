@@ -47,6 +47,9 @@ bool rb_set_has_left(const struct rb_located *l, const struct rb_meet *m);
  * steps of that length.
  */
 double rb_set_creep(const struct rb_located *l, const struct rb_meet *m);
+/* Is a slip below it, and does it change its speed, at `rate` m/s^2, by little of what friction, of `force` N, could do? */
+bool rb_set_is_slow(const struct rb_located *l, const struct rb_meet *m, double rate,
+                    rb_vec3 force);
 /*
  * m: by how much the other side of a rim that rolls on this point is off touching, while it closes and that is no more than
  * what integration leaves of where things are; 0: it is none, or not so near.

@@ -8,8 +8,6 @@
 #include "event/tidy.h"
 
 enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
-/* Share of what friction does to speeds by which a slip that creeps may change its own. */
-static const double slowly = 0.05;
 /* Cosine of the angle, of rounding only, between normals that are one. */
 static const double same_way = 1 - 1e-12;
 
@@ -202,14 +200,10 @@ bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip)
 bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held)
 {
 	const struct rb_meet *m = &s->meet[k];
-	const double *const inverse = s->l->model->inverse_mass;
-	const double rubs = rb_vec3_length(rb_vec3_reject(held->force, m->normal)) *
-	                    (inverse[m->a] + inverse[m->b]);
 
 	return held->slipping && (!held->straight || rb_set_is_single(s->l, m->a, m->b)) &&
 	       held->friction > 0 &&
-	       rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(s->l, m) &&
-	       fabs(rb_vec3_dot(slip_rate(s, k), held->slip)) <= slowly * rubs;
+	       rb_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), held->force);
 }
 
 /*
