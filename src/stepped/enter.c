@@ -34,9 +34,10 @@ static rb_vec3 velocity_at(const rb_vec3 motion[2], rb_vec3 arm)
 	return rb_vec3_add(motion[0], rb_vec3_cross(motion[1], arm));
 }
 
+/* Of bodies that yield. */
 static bool is_in(const struct entering *n, int i)
 {
-	return rb_stepped_yields(n->world, i) && !(n->skip && n->skip[i]);
+	return !n->skip || !n->skip[i];
 }
 
 /* Whom the ledger names for a body that contacts do not move. */
@@ -137,7 +138,12 @@ static rb_vec3 even_place(const struct entering *n, int i)
 	const struct rb_tally_body *body = &n->tally->body[i];
 	const rb_vec3 begin = rb_world_row3(n->before->position, i);
 
-	return body->kind == RB_TALLY_FREE ? rb_vec3_add(begin, body->carry) : begin;
+	if (body->kind != RB_TALLY_FREE)
+		return begin;
+	return n->world->stepped->varied
+	               ? rb_vec3_add(begin, body->carry)
+	               : rb_vec3_add_scaled(begin, 0.5 * n->pass.h_s,
+	                                    rb_world_row3(n->before->velocity, i));
 }
 
 static void enter_even_forces(struct entering *n, int i, rb_vec3 at, struct held *held)
@@ -324,6 +330,11 @@ static void enter_springs(struct entering *n)
 
 /* ---- contacts ---- */
 
+static enum rb_ledger_energy friction_of(const struct rb_point *point)
+{
+	return point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
+}
+
 /* The impulse of a contact on b, at the mean of relative velocities, takes that along and across the normal. */
 static void enter_work(struct entering *n, const struct rb_point *point, rb_vec3 impulse, rb_vec3 u)
 {
@@ -331,8 +342,7 @@ static void enter_work(struct entering *n, const struct rb_point *point, rb_vec3
 	const double along = rb_vec3_dot(impulse, point->normal) * rb_vec3_dot(u, point->normal);
 
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -along);
-	rb_entries_energy(&n->e, point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING,
-	                  along - work);
+	rb_entries_energy(&n->e, friction_of(point), along - work);
 }
 
 /* Where impulses act on a, from its centre of mass. */
@@ -348,22 +358,39 @@ static rb_vec3 arm_of_b(const struct rb_point *point)
 	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
 }
 
+/* The mean of the relative velocity. */
+static rb_vec3 mean_at(const struct entering *n, const struct rb_point *point, bool yields,
+                       rb_vec3 on_fixed)
+{
+	const struct rb_tally_body *a = &n->tally->body[point->a], *b = &n->tally->body[point->b];
+
+	if (!yields)
+		return rb_vec3_sub(on_fixed, velocity_at(a->mean, arm_of_a(point)));
+	const rb_vec3 u = rb_vec3_sub(b->mean[0], a->mean[0]);
+	if (!point->central)
+		return rb_vec3_add(u, rb_vec3_sub(rb_vec3_cross(b->mean[1], arm_of_b(point)),
+		                                  rb_vec3_cross(a->mean[1], arm_of_a(point))));
+	const rb_vec3 w = rb_vec3_add_scaled(rb_vec3_scale(point->arm_b.x, b->mean[1]),
+	                                     -point->arm_a.x, a->mean[1]);
+	return rb_vec3_add(u, rb_vec3_cross(w, point->normal));
+}
+
 static void enter_point(struct entering *n, const struct rb_point *point)
 {
-	const struct rb_tally_body *a = &n->tally->body[point->a];
-	const rb_vec3 arm = arm_of_a(point);
-	const rb_vec3 p = rb_vec3_add_scaled(point->rub, point->push, point->normal);
-	rb_vec3 on_b;
+	const bool yields = rb_stepped_yields(n->world, point->b);
+	rb_vec3 on_fixed = none;
 
-	if (rb_stepped_yields(n->world, point->b)) {
-		on_b = velocity_at(n->tally->body[point->b].mean, arm_of_b(point));
-	} else {
-		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a), arm);
+	if (!yields) {
+		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a),
+		                               arm_of_a(point));
+		const rb_vec3 p = rb_vec3_add_scaled(point->rub, point->push, point->normal);
 
-		on_b = fixed_velocity(n, point->b, at);
+		on_fixed = fixed_velocity(n, point->b, at);
 		enter_fixed(n, point->b, rb_vec3_neg(p), at);
 	}
-	enter_work(n, point, p, rb_vec3_sub(on_b, velocity_at(a->mean, arm)));
+	const rb_vec3 u = mean_at(n, point, yields, on_fixed);
+	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -point->push * rb_vec3_dot(u, point->normal));
+	rb_entries_energy(&n->e, friction_of(point), -rb_vec3_dot(u, point->rub));
 }
 
 /* Between that and the velocity that it has now. */
@@ -402,8 +429,9 @@ static void enter_points(struct entering *n)
 			continue;
 		if (n->tally->body[point->a].kind == RB_TALLY_JOINED)
 			enter_point(n, point);
-		if (rb_vec3_max_abs(n->cohort->rebound[k]) > 0)
-			enter_rebound(n, point, n->cohort->rebound[k]);
+		const rb_vec3 rebound = n->cohort->rebound[k];
+		if (rebound.x != 0 || rebound.y != 0 || rebound.z != 0)
+			enter_rebound(n, point, rebound);
 	}
 }
 
@@ -431,8 +459,6 @@ static void enter_blow(struct entering *n, const struct rb_blow *blow)
 /* J: of kinetic energy and that under gravity, by a body. */
 static double lost_by(const struct entering *n, int i)
 {
-	if (n->tally->body[i].kind == RB_TALLY_RESTS && !n->tally->body[i].is_closed)
-		return 0;
 	const struct rb_world *world = n->world;
 	const struct rb_state *before = n->before, *now = &world->state;
 	const struct rb_world_def *def = &world->model->scene->world;
@@ -455,6 +481,13 @@ static double lost_by(const struct entering *n, int i)
 	                     rb_vec3_dot(w_now, rb_tally_spin(world, now, i, w_now)));
 }
 
+/* On parabolas nothing is lost, nor by what stands still. */
+static bool may_lose(const struct entering *n, const struct rb_tally_body *body)
+{
+	return body->is_closed || body->kind == RB_TALLY_JOINED ||
+	       (body->kind == RB_TALLY_FREE && rb_tally_works(n->world->model));
+}
+
 /* Contacts, impacts and drag have taken no less than nothing, and no more than was lost. */
 static void keep_to(struct entering *n)
 {
@@ -475,7 +508,7 @@ static void keep_to(struct entering *n)
 	if (!(taken > 0) || (n->world->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)))
 		return;
 	for (int k = 0; k < n->member_count; k++)
-		if (is_in(n, n->member[k]))
+		if (is_in(n, n->member[k]) && may_lose(n, &n->tally->body[n->member[k]]))
 			lost += lost_by(n, n->member[k]);
 	for (size_t k = 0; k < sizeof taker / sizeof taker[0] && taken > lost; k++)
 		row[taker[k]] *= fmax(0, lost) / taken;

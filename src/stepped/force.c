@@ -324,10 +324,10 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	rb_team_run(world->team,
 	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
 	            run_stages, &flow);
-	if (world->stepped->tally)
-		rb_tally_begin(world, cohort, h);
 	if (!world->stepped->varied)
 		return RB_OK;
+	if (world->stepped->tally)
+		rb_tally_begin(world, cohort);
 	note_varied(world, cohort, -1);
 	if (features & RB_FEATURE_SPRINGS) {
 		const unsigned char *here = marks_of(world, cohort);

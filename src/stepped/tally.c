@@ -32,15 +32,19 @@ void rb_tally_release(struct rb_stepped *s)
 	rb_memory_free(s->tally);
 }
 
-void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort, double h)
+void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	for (int k = 0; k < cohort->member_count; k++) {
 		struct rb_tally_body *body = &world->stepped->tally->body[cohort->body[k]];
 
 		body->field = body->drag = (rb_vec3){0, 0, 0};
-		body->carry = rb_vec3_scale(0.5 * h,
-		                            rb_world_row3(world->mark.velocity, cohort->body[k]));
 	}
+}
+
+bool rb_tally_works(const struct rb_model *model)
+{
+	return model->features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURE_FIELD |
+	                          RB_FEATURE_DRAG | RB_FEATURE_SPRINGS);
 }
 
 static rb_vec3 spin_of(const struct rb_state *state, int i)
@@ -48,43 +52,46 @@ static rb_vec3 spin_of(const struct rb_state *state, int i)
 	return state->spin ? rb_world_row3(state->spin, i) : (rb_vec3){0, 0, 0};
 }
 
+static void note_solved(const struct rb_world *world, int i, struct rb_tally_body *body)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	body->begin[0] = rb_world_row3(world->mark.velocity, i);
+	body->begin[1] = spin_of(&world->mark, i);
+	if (s->kicked_count > 0 && s->kick[i].is_set) {
+		body->begin[0] = rb_vec3_add(body->begin[0], s->kick[i].linear);
+		body->begin[1] = rb_vec3_add(body->begin[1], s->kick[i].angular);
+	}
+	/* the state's spin has turned with the body since; what stands has not been looked at */
+	body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
+	if (!s->stand.stands[i]) {
+		body->end[0] = s->solver.dense.body[i].linear;
+		body->end[1] = s->solver.dense.body[i].angular;
+	}
+	for (int m = 0; m < 2; m++)
+		body->mean[m] = rb_vec3_scale(0.5, rb_vec3_add(body->begin[m], body->end[m]));
+	body->place = rb_world_row3(world->state.position, i);
+}
+
 void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	struct rb_stepped *s = world->stepped;
 	const struct rb_solver *solver = &s->solver;
-	const bool all = cohort == &s->all;
+	const bool all = cohort == &s->all, works = rb_tally_works(world->model);
 	const int *member = all ? s->body : cohort->body;
 	const int count = all ? s->member_count : cohort->member_count;
 
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
 		struct rb_tally_body *body = &s->tally->body[i];
-		const struct rb_kick *kick = s->kicked_count > 0 && s->kick[i].is_set ? &s->kick[i]
-		                                                                      : NULL;
 
-		body->begin[0] = rb_world_row3(world->mark.velocity, i);
-		body->begin[1] = spin_of(&world->mark, i);
-		if (kick) {
-			body->begin[0] = rb_vec3_add(body->begin[0], kick->linear);
-			body->begin[1] = rb_vec3_add(body->begin[1], kick->angular);
-		}
 		body->is_closed = false;
-		body->place = rb_world_row3(world->state.position, i);
-		if (s->stand.stands[i]) { /* it has not been looked at */
-			body->kind = RB_TALLY_RESTS;
-			body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
-			body->mean[0] = body->mean[1] = body->end[0];
-			continue;
-		}
-		body->kind = solver->island_of[i] < 0 ? RB_TALLY_FREE
-		             : solver->rests[i]       ? RB_TALLY_RESTS
-		                                      : RB_TALLY_JOINED;
-		/* the state's spin has turned with the body since */
-		body->end[0] = solver->dense.body[i].linear;
-		body->end[1] = solver->dense.body[i].angular;
-		for (int m = 0; m < 2; m++)
-			body->mean[m] = rb_vec3_scale(0.5,
-			                              rb_vec3_add(body->begin[m], body->end[m]));
+		body->kind = s->stand.stands[i]         ? RB_TALLY_RESTS
+		             : solver->island_of[i] < 0 ? RB_TALLY_FREE
+		             : solver->rests[i]         ? RB_TALLY_RESTS
+		                                        : RB_TALLY_JOINED;
+		if (body->kind != RB_TALLY_FREE || works)
+			note_solved(world, i, body);
 	}
 }
 

@@ -16,14 +16,14 @@ enum rb_tally_kind {
 	RB_TALLY_RESTS   /* it stands still: what holds it gives what forces take */
 };
 
-/* Of a body, in the last try that it was part of. */
+/* Of a body, in the last try that it was part of. Velocities of a free one only where forces do work that are not its weight. */
 struct rb_tally_body {
 	enum rb_tally_kind kind;
-	rb_vec3 begin[2];    /* m/s, rad/s: as the step began, with the impacts in it */
-	rb_vec3 end[2];      /* as solved, before what rebounds */
-	rb_vec3 mean[2];     /* of both */
-	rb_vec3 place;       /* m: where the step has moved it */
-	rb_vec3 carry;       /* m: free: from where it was to where forces that do not vary act */
+	rb_vec3 begin[2]; /* m/s, rad/s: as the step began, with the impacts in it */
+	rb_vec3 end[2];   /* as solved, before what rebounds */
+	rb_vec3 mean[2];  /* of both */
+	rb_vec3 place;    /* m: where the step has moved it */
+	rb_vec3 carry; /* m: where forces vary, free: from where it was to where the others act */
 	rb_vec3 field, drag; /* N s */
 	/* closing of overlaps, and what pays for it */
 	rb_vec3 closed[2]; /* kg m/s, kg m^2/s about the origin */
@@ -50,8 +50,11 @@ RB_CHECKED enum rb_status rb_tally_create(struct rb_stepped *stepped, const stru
                                           struct rb_error *err);
 void rb_tally_release(struct rb_stepped *stepped);
 
-/* Before forces that vary are added to these bodies, in a step of h_s. */
-void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort, double h_s);
+/* Whether forces do work that are not weights. */
+bool rb_tally_works(const struct rb_model *model);
+
+/* Before forces that vary are added to these bodies. */
+void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort);
 /* The try is solved and has moved its bodies; nothing has rebound yet. */
 void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort);
 
