@@ -26,9 +26,9 @@ from report import Report
 
 
 PARTS = ("layout", "bodies", "overlaps", "contacts", "mechanics", "impacts")
-# What is known to be wrong in the program, and told as such: until the ledger has all causes, and errors of 3e-14 a piece
-# of the integrator add up to more than 1e-12 (S41), not all of it is explained.
-PENDING = {"ledger, momentum unexplained", "ledger, unexplained"}
+# What is known to be wrong in the program, and told as such: errors of 3e-14 a piece of the integrator add up to more than
+# 1e-12 (S41).
+PENDING = {"ledger, unexplained"}
 
 
 def examine(path, name=None, frames=24, parts=PARTS, pending=True):
