@@ -266,6 +266,32 @@ static void what_solutions_differ_by_is_known(void **slot)
 	assert_int_equal(open, 1);
 }
 
+/* Of several that are open each has a solution of its own, in which the others are nothing. */
+static void what_is_open_is_told_one_at_a_time(void **slot)
+{
+	double store[MOST * MOST + 3 * MOST];
+	int places[5 * MOST], open = 0;
+	struct rb_dense d = take(4, store, places);
+
+	(void)slot;
+	for (int r = 0; r < 4; r++) {
+		for (int c = 0; c < 4; c++)
+			d.matrix[4 * r + c] = r / 2 == c / 2; /* two pairs that are the same twice */
+		d.right[r] = 2;
+	}
+	rb_dense_solve(&d);
+	for (int round = 0; round < 2; round++)
+		for (int k = 0; k < 4; k++) {
+			if (!rb_dense_is_open(&d, k))
+				continue;
+			open++;
+			rb_dense_opened(&d, k);
+			for (int c = 0; c < 4; c++)
+				assert_near(d.right[c], c == k ? 1 : c / 2 == k / 2 ? -1 : 0, 0);
+		}
+	assert_int_equal(open, 4);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -276,6 +302,7 @@ int main(void)
 		cmocka_unit_test(what_is_open_but_for_rounding_is_seen_at_the_end),
 		cmocka_unit_test(a_small_row_is_not_a_rest),
 		cmocka_unit_test(a_column_nearly_spent_waits),
+		cmocka_unit_test(what_is_open_is_told_one_at_a_time),
 		cmocka_unit_test(what_solutions_differ_by_is_known),
 	};
 
