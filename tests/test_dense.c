@@ -276,7 +276,8 @@ static void what_is_open_is_told_one_at_a_time(void **slot)
 	(void)slot;
 	for (int r = 0; r < 4; r++) {
 		for (int c = 0; c < 4; c++)
-			d.matrix[4 * r + c] = r / 2 == c / 2; /* two pairs that are the same twice */
+			d.matrix[4 * r + c] = r / 2 ==
+			                      c / 2; /* two pairs that are the same twice */
 		d.right[r] = 2;
 	}
 	rb_dense_solve(&d);

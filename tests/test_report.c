@@ -221,6 +221,38 @@ static void columns_are_as_wide_as_what_stands_in_them(void **state)
 	assert_memory_equal(line, "  located   1.23e-07  ", 22);
 }
 
+/* Whole decades around all points, which gnuplot marks; without gnuplot there is no picture to look at. */
+static void a_picture_has_room_for_all_its_points(void **state)
+{
+	struct made *const made = made_of();
+	char text[65536] = "";
+	struct rb_error err;
+	(void)state;
+
+	add(made, 0, 0.1, 1e-3, 0.002);
+	add(made, 0, 0.01, 1e-5, 300);
+	add(made, 1, 0.01, 2e-9, 0.5);
+	FILE *const file = tmpfile();
+	assert_non_null(file);
+	const enum rb_status status = rb_chart_draw(file, &made->report, RB_PLOT_TEXT,
+	                                            (struct rb_plot_size){120, 40, false}, &err);
+	rewind(file);
+	(void)!fread(text, 1, sizeof text - 1, file);
+	fclose(file);
+	if (status == RB_ERR_MISSING)
+		skip();
+	assert_int_equal(status, RB_OK);
+	for (int i = 0; i < 4; i++) /* the ends of both axes */
+		says(text, ((const char *[]){"1e+03 +--", "1e-03 +--", " 1e-09 ", " 1e-02 "})[i]);
+	int marks[2] = {0, 0};
+	for (const char *at = text; *at; at++)
+		for (int k = 0; k < 2; k++)
+			marks[k] += *at == "AB"[k];
+	/* and one each in the key */
+	assert_int_equal(marks[0], 3);
+	assert_int_equal(marks[1], 2);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -233,6 +265,7 @@ int main(void)
 		cmocka_unit_test(a_run_against_itself_has_no_better_error_than_the_reference),
 		cmocka_unit_test(an_error_that_is_no_number_reaches_nothing),
 		cmocka_unit_test(columns_are_as_wide_as_what_stands_in_them),
+		cmocka_unit_test(a_picture_has_room_for_all_its_points),
 		cmocka_unit_test(a_narrow_table_keeps_what_matters),
 	};
 
