@@ -355,6 +355,19 @@ char *rb_input_text(const struct rb_input *input, const char *path, struct rb_ar
 	return text;
 }
 
+enum rb_status rb_input_no_text(const struct rb_input *input, const char *path, const char *name,
+                                struct rb_error *err)
+{
+	size_t size = 0;
+	const hid_t dataset = text_dataset(input, path, 0, &size);
+
+	rb_h5_done(dataset);
+	if (dataset >= 0)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot read '%s': out of memory", name);
+	return RB_FAIL(err, RB_ERR_INPUT,
+	               "'%s' is not a recording of rbsim: '%s' is missing or no text", name, path);
+}
+
 char *rb_input_bytes(const struct rb_input *input, const char *path, struct rb_arena *arena,
                      size_t *size)
 {

@@ -46,6 +46,9 @@ bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5
 /* A fixed-length text, zero-terminated, in `arena`; NULL: there is none. `room` (may be NULL): its length on disk. */
 char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena,
                     size_t *room);
+/* Why rb_input_text gave NULL for a text that the recording `name` must have: it has none there, or memory was out. */
+enum rb_status rb_input_no_text(const struct rb_input *input, const char *path, const char *name,
+                                struct rb_error *err);
 /* The same into memory that has room + 1 bytes. */
 bool rb_input_text_again(const struct rb_input *input, const char *path, char *text, size_t room);
 /* A list of bytes (unsigned 8-bit integers), in `arena` with a zero behind them; NULL: there is none. */

@@ -88,10 +88,7 @@ static enum rb_status read_changing(struct rb_reader *reader, struct rb_error *e
 			(void)rb_input_text_again(&reader->input, paths[i], *texts[i],
 			                          reader->room[i]);
 		if (!*texts[i])
-			return RB_FAIL(
-				err, RB_ERR_INPUT,
-				"'%s' is not a recording of rbsim: '%s' is missing or no text",
-				reader->path, paths[i]);
+			return rb_input_no_text(&reader->input, paths[i], reader->path, err);
 	}
 	reader->reading.status = reader->status;
 	reader->reading.reason = reader->reason;
@@ -482,10 +479,7 @@ static enum rb_status open_recording(struct rb_reader *reader, struct rb_error *
 	reader->reading.version = rb_input_text(&reader->input, "/rbsim/version", &reader->arena,
 	                                        NULL);
 	if (!reader->reading.version)
-		return RB_FAIL(
-			err, RB_ERR_INPUT,
-			"'%s' is not a recording of rbsim: '/rbsim/version' is missing or no text",
-			reader->path);
+		return rb_input_no_text(&reader->input, "/rbsim/version", reader->path, err);
 	status = read_changing(reader, err);
 	if (status == RB_OK)
 		status = read_bodies(reader, err);

@@ -25,3 +25,17 @@ for args in "--no-record" "-o r.h5" ; do
 	[ $k -gt 20 ] || fail "$args: only $k allocations could fail"
 	echo "$args: $((k - 1)) allocations, each failed once"
 done
+
+# so does what reads a recording
+k=1
+while :; do
+	RBSIM_FAIL_ALLOCATION=$k "$RBSIM" replay r.h5 >out 2>err </dev/null
+	got=$?
+	[ $got -eq 0 ] && break
+	[ $got -eq 71 ] || fail "replay: allocation $k: exit status $got, wanted 71"
+	says err 'memory'
+	k=$((k + 1))
+	[ $k -lt 2000 ] || fail "replay: no end of allocations"
+done
+[ $k -gt 20 ] || fail "replay: only $k allocations could fail"
+echo "replay: $((k - 1)) allocations, each failed once"
