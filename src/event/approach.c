@@ -15,7 +15,7 @@
 #include "event/feature.h"
 #include "model/parts.h"
 
-enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4 };
+enum { STEPS_MOST = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4, SERIES_MOST = 4096 };
 
 /* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
@@ -618,40 +618,61 @@ static double dip_time(const struct course *c)
 	return sqrt(DIP_ULP * DBL_EPSILON * c->size / (c->pull_most + c->bend_a + c->bend_b));
 }
 
-struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
-                                    double until)
+/* s: a step of the series by which a body turns freely; INFINITY: it needs none. */
+static double series_step(const struct rb_located *l, int i)
 {
-	struct rb_approach found = {.touch_s = HUGE_VAL};
+	const bool is = l->top && i < l->n && !rb_located_on_piece(l, i) &&
+	                l->top_body[i].kind == RB_TOP_FREE && l->top[i].grid_s > 0;
+
+	return is ? l->top[i].grid_s : HUGE_VAL;
+}
+
+/* Products that a body's turning takes from its anchor to this moment. */
+static uint64_t turning_cost(const struct rb_located *l, int i, double t)
+{
+	const double steps = (t - l->arc[i].anchor_s) / series_step(l, i);
+
+	return (uint64_t)(RB_LOCATED_SERIES * fmin(fmax(steps, 0), 1e12));
+}
+
+static void search(struct course *c, double from, double until, struct rb_approach *found)
+{
+	const struct rb_model *model = c->l->model;
+	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count *
+	                       (uint64_t)rb_model_parts(model, c->pair.b)->count;
+	/* no farther than turning is followed soon: what spins a million times is asked again on the way */
+	const double far = from + SERIES_MOST * fmin(series_step(c->l, c->pair.a),
+	                                             series_step(c->l, c->pair.b));
 	double t = from, leap = leap_first, gap;
 	bool rests = false;
-	struct course c;
 
-	start(&c, l, a < b ? a : b, a < b ? b : a);
 	for (int step = 0; step < STEPS_MOST; step++) {
-		place(&c, t, until);
-		double s = from_afar(&c);
+		place(c, t, until);
+		found->products += RB_LOCATED_FLIGHT;
+		double s = from_afar(c);
 		if (s < 0) {
-			s = safe_bodies(&c, &gap);
-			if (gap <= c.band) {
-				const enum what now = touching(l, &c.pair);
+			s = safe_bodies(c, &gap);
+			found->products += RB_LOCATED_SEARCH * parts;
+			if (gap <= c->band) {
+				const enum what now = touching(c->l, &c->pair);
 
-				found.touching = found.touching || t == from;
+				found->touching = found->touching || t == from;
 				/* what has begun to rest on each other may share a load: asked once */
 				rests = rests || (t == from && now == RESTING);
 				if (now == CLOSING || (now == STAYING && t > from) ||
 				    (now == RESTING && !rests)) {
-					found.touch_s = t > from ? settled(&c, from, until) : t;
-					return found;
+					found->touch_s = t > from ? settled(c, from, until) : t;
+					return;
 				}
 			}
-			const double least = fmin(leap * c.size / c.speed, dip_time(&c));
-			if (s < least && c.speed > 0) {
+			const double least = fmin(leap * c->size / c->speed, dip_time(c));
+			if (s < least && c->speed > 0) {
 				/* what parts has its gap half way to where it may be back; what overlaps has none */
-				const double low = gap > c.band ? t : t + 0.5 * s;
-				if (t + least <= until && gap_at(&c, t + least) < 0 &&
-				    (gap > c.band || gap_at(&c, low) > 0)) {
-					found.touch_s = crossing(&c, low, t + least);
-					return found;
+				const double low = gap > c->band ? t : t + 0.5 * s;
+				if (t + least <= until && gap_at(c, t + least) < 0 &&
+				    (gap > c->band || gap_at(c, low) > 0)) {
+					found->touch_s = crossing(c, low, t + least);
+					return;
 				}
 				s = least;
 				leap = fmin(2 * leap, leap_last);
@@ -661,10 +682,26 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 		}
 		s = fmax(s, 2 * DBL_EPSILON * t);
 		if (!(t + s <= until))
-			return found;
+			return;
+		if (!(t + s <= far)) {
+			t = far;
+			break;
+		}
 		t += s;
 	}
-	found.touch_s = t;
-	found.again = true;
+	found->touch_s = t;
+	found->again = true;
+}
+
+struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
+                                    double until)
+{
+	struct rb_approach found = {.touch_s = HUGE_VAL};
+	struct course c;
+
+	start(&c, l, a < b ? a : b, a < b ? b : a);
+	search(&c, from, until, &found);
+	found.products += a < l->n ? turning_cost(l, a, c.pair.t) : 0;
+	found.products += b < l->n ? turning_cost(l, b, c.pair.t) : 0;
 	return found;
 }

@@ -11,7 +11,8 @@
 struct rb_approach {
 	double touch_s; /* INFINITY: none; else from the moment asked for on, or, with `again`, where to look again */
 	bool again;
-	bool touching; /* they touch at the beginning */
+	bool touching;     /* they touch at the beginning */
+	uint64_t products; /* what it has cost: see RB_LOCATED_PRODUCTS */
 };
 
 /* The first moment in [from, until] at which they touch and approach at a point, neither of them beyond its piece. */

@@ -539,7 +539,8 @@ static void start(struct rb_located *l, double t)
 			rb_pull_at(l, i, &pose, &view, &linear, &angular);
 		rb_arc_anchor(l, i, t, &pose, linear, rb_pull_turning(l, i));
 	}
-	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
+	/* what is too dense to begin with is left to steps at once */
+	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
 		const int touching = rb_foresee(l, i, t, -1);
 
 		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||

@@ -295,6 +295,7 @@ static void see_body(struct seer *s, int j)
 	if (rb_meet_has_features(l, s->i, j)) {
 		const struct rb_approach found = rb_approach_find(l, s->i, j, s->now, until);
 
+		s->l->products += found.products;
 		s->touching += found.touching && s->except != j;
 		see(s, j, found.touch_s, found.again);
 		return;

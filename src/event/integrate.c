@@ -326,6 +326,8 @@ static bool is_hit(const struct rb_modes *w, int k)
 			break;
 		low = fmin(low, w->meet[end].gap);
 	}
+	if (rb_modes_move(w))
+		w->l->products += RB_LOCATED_SEARCH;
 	const struct rb_meet now = rb_meet_poses(w->l, held->a, held->b, &m->pose_a, &m->pose_b);
 
 	/* in a piece gaps are of differences: rounding of the sizes, wherever they are */

@@ -174,14 +174,17 @@ static inline int rb_located_row(const struct rb_located *l)
 /*
  * So many products count as dealing with a body once. That is a choice, with which some fifty boxes that move together are
  * left to steps; and arithmetic, not a clock: the same on every machine. A row of a contact's in a product of a vector with
- * the matrix, a look at a contact on a piece, and at what pulls a body in flight, count as so many. A simulated second allows
- * so many bodies, which take about one.
+ * the matrix, a look at a contact on a piece, and at what pulls a body in flight, a call of a field's function, and a search for
+ * points where two convex bodies touch, count as so many. A simulated second allows so many bodies, which take about one.
  */
 enum {
 	RB_LOCATED_PRODUCTS = 100000,
 	RB_LOCATED_ROW = 200,
 	RB_LOCATED_LOOK = 400,
-	RB_LOCATED_FLIGHT = 300
+	RB_LOCATED_FLIGHT = 300,
+	RB_LOCATED_FIELD = 1500,
+	RB_LOCATED_SEARCH = 3000,
+	RB_LOCATED_SERIES = 1000
 };
 enum { RB_LOCATED_SECOND = 10000 };
 

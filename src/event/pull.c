@@ -209,6 +209,7 @@ static void field(struct load *load)
 
 	if (!hooks->field || l->status != RB_OK)
 		return;
+	l->products += RB_LOCATED_FIELD;
 	l->status = hooks->field(hooks->user, load->view->time_s, load->pose->position,
 	                         load->pose->velocity, &force, l->err);
 	add_force(load, force);

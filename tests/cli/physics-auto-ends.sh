@@ -40,3 +40,14 @@ on_step(function() calls = calls + 1 end)
 expect("each step is asked for once", function() return calls == 200 end)
 LUA
 exits 0 turntable.lua --no-record --json --quiet
+
+# so is what asks a field too often
+cat >field.lua <<'LUA'
+world { duration = 0.4, frame_rate = 20, gravity = {0, 0, -9.81} }
+plane {}
+for i = 1, 10 do sphere { radius = 0.01, mass = 1e-3, position = {0.1 * i, 0, 2} } end
+field(function(t) return {1e-3 * math.sin(1e4 * t), 0, 0} end)
+LUA
+exits 0 field.lua --no-record --json --quiet
+stepped=$(value stepped)
+awk -v s="$stepped" 'BEGIN { exit !(s > 0.2) }' || fail "a field asked 4 million times a second: stepped $stepped s of 0.4"
