@@ -779,8 +779,10 @@ bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *f
 		w.dense.least = c->least;
 		rb_gauss_values(&c->piece, t - w.origin_s, value);
 		good = evaluate(&w, t, value);
-		rb_modes_give_back_places(l, c, kept);
 		memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
+		if (good && w.dense.open && !rb_modes_are_lawful(&w) && holds_otherwise(&w, t))
+			memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
+		rb_modes_give_back_places(l, c, kept);
 	}
 	if (l->status == RB_ERR_PHYSICS) /* too much to look at */
 		l->status = RB_OK;

@@ -205,8 +205,7 @@ static void set_forces(struct rb_modes *w, const double *unknown)
 	}
 }
 
-/* Is none of the forces outside its cone? */
-static bool are_lawful(const struct rb_modes *w)
+bool rb_modes_are_lawful(const struct rb_modes *w)
 {
 	for (int i = 0; i < w->c->held_count; i++) {
 		const rb_vec3 n = w->meet[i].normal;
@@ -242,7 +241,7 @@ static bool choose_forces(struct rb_modes *w)
 	const bool good = !w->dense.open || close_open(w, least, change);
 	if (good)
 		set_forces(w, least);
-	if (good && w->dense.open && !are_lawful(w)) {
+	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
 		row = 0;
 		for (int i = 0; i < c->held_count; i++)
 			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)

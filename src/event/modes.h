@@ -59,6 +59,9 @@ int rb_modes_unknowns(const struct rb_held *held);
 /* Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many unknowns. */
 bool rb_modes_solve(struct rb_modes *w, double t);
 
+/* Is none of the forces outside its cone? */
+bool rb_modes_are_lawful(const struct rb_modes *w);
+
 /* Accelerations by forces at the contacts; [held_count]. False: no memory. */
 bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
 

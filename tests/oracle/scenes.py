@@ -43,6 +43,7 @@ QUICK = [
     ("scenes/wrecking_ball.lua", ["--duration", "0.3"]),
     ("scenes/verify/B03_rolling.lua", ["--duration", "0.2"]),
     ("scenes/verify/C03_driven_floor.lua", ["--param", "part=belt"]),
+    ("scenes/verify/C18_sticks.lua", []),
     ("scenes/verify/C09_same_solid.lua", ["--duration", "0.5"]),
     ("scenes/verify/C10_impacts_lose.lua", ["--duration", "0.5"]),
     ("scenes/verify/S33_dzhanibekov.lua", ["--duration", "0.5"]),
