@@ -241,6 +241,15 @@ static enum rb_status plan_scene(struct rb_planned *sweep, struct rb_error *err)
 	return status;
 }
 
+/* What a signal leaves of a sweep that has its folder is told with how it goes on. */
+static void hold_signals(struct rb_planned *sweep)
+{
+	const struct rb_options *const options = sweep->options;
+
+	if (!options->sweep_plan && !options->sweep_status && !options->slurm)
+		rb_jobs_hold_signals(&sweep->mask_before);
+}
+
 static enum rb_status settle_folder(struct rb_planned *sweep, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -310,6 +319,8 @@ enum rb_status rb_planned_init(struct rb_planned *sweep, const struct rb_options
 	*sweep = (struct rb_planned){.options = options, .shown = options->output};
 	if (is_folder(options->operand[0])) {
 		const enum rb_status settled = check_settled(options, err);
+
+		hold_signals(sweep);
 		return settled ? settled
 		               : rb_planned_open(sweep, options, options->operand[0], err);
 	}
@@ -326,6 +337,7 @@ enum rb_status rb_planned_init(struct rb_planned *sweep, const struct rb_options
 	}
 	if (!status)
 		status = plan_scene(sweep, err);
+	hold_signals(sweep);
 	if (!status)
 		status = settle_folder(sweep, err);
 	if (!status && !realpath(sweep->shown, sweep->folder))

@@ -11,13 +11,15 @@
 #include "app/common.h"
 #include "sink/module.h"
 #include "sweep/folder.h"
+#include "sweep/jobs.h"
 
 struct rb_planned {
 	const struct rb_options *options;
 	const char *shown;     /* the folder as the user calls it; borrowed */
 	char folder[PATH_MAX]; /* absolute */
 	struct rb_plan plan;
-	bool goes_on; /* the folder was there before */
+	bool goes_on;         /* the folder was there before */
+	sigset_t mask_before; /* of signals, which are held if points are to be run here */
 
 	/* while it is planned */
 	struct rb_loaded loaded;      /* with the defaults of its parameters */

@@ -255,6 +255,7 @@ static enum rb_status run_points(const struct rb_planned *sweep, int *exit_code,
 	                              .shares = options->task >= 0 ? (uint64_t)options->tasks : 1,
 	                              .retry = options->retry,
 	                              .checkpoint_every_s = options->checkpoint_every_s,
+	                              .mask_before = sweep->mask_before,
 	                              .tick = rb_overview_tick,
 	                              .told = rb_overview_told,
 	                              .user = &overview};

@@ -34,9 +34,29 @@ struct jobs {
 	const char **words; /* of one run's command line */
 	char *text;         /* what is made of them */
 	size_t text_size;
-	sigset_t signals, mask_before;
+	sigset_t signals;
 	uint64_t start_ns, ticked_ns;
 };
+
+/* ---- signals ---- */
+
+static sigset_t heard(void)
+{
+	sigset_t signals;
+
+	sigemptyset(&signals);
+	sigaddset(&signals, SIGINT);
+	sigaddset(&signals, SIGTERM);
+	sigaddset(&signals, SIGUSR1);
+	return signals;
+}
+
+void rb_jobs_hold_signals(sigset_t *mask_before)
+{
+	const sigset_t signals = heard();
+
+	sigprocmask(SIG_BLOCK, &signals, mask_before);
+}
 
 /* ---- what is due ---- */
 
@@ -128,7 +148,7 @@ static _Noreturn void become_run(const struct jobs *jobs, const char *folder, in
 	if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(result, STDOUT_FILENO) < 0 ||
 	    dup2(log, STDERR_FILENO) < 0 || chdir(folder) != 0)
 		_exit(126);
-	sigprocmask(SIG_SETMASK, &jobs->mask_before, NULL);
+	sigprocmask(SIG_SETMASK, &jobs->order->mask_before, NULL);
 	execv("/proc/self/exe", (char *const *)(uintptr_t)jobs->words);
 	_exit(127);
 }
@@ -368,12 +388,9 @@ static enum rb_status prepare(struct jobs *jobs, struct rb_error *err)
 	if (!jobs->places || !jobs->due || !jobs->words || !jobs->text)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot run %" PRIu64 " points: out of memory",
 		               jobs->tally->total);
-	sigemptyset(&jobs->signals);
+	jobs->signals = heard();
 	sigaddset(&jobs->signals, SIGCHLD);
-	sigaddset(&jobs->signals, SIGINT);
-	sigaddset(&jobs->signals, SIGTERM);
-	sigaddset(&jobs->signals, SIGUSR1);
-	sigprocmask(SIG_BLOCK, &jobs->signals, &jobs->mask_before);
+	sigprocmask(SIG_BLOCK, &jobs->signals, NULL);
 	return RB_OK;
 }
 
@@ -386,7 +403,7 @@ static void take_late_signals(struct jobs *jobs)
 	while ((signal = sigtimedwait(&jobs->signals, NULL, &none)) > 0 || errno == EINTR)
 		if (signal > 0 && signal != SIGCHLD && jobs->tally->signal == 0)
 			jobs->tally->signal = signal;
-	sigprocmask(SIG_SETMASK, &jobs->mask_before, NULL);
+	sigprocmask(SIG_SETMASK, &jobs->order->mask_before, NULL);
 }
 
 enum rb_status rb_jobs_run(const struct rb_jobs_order *order, struct rb_jobs_tally *tally,

@@ -10,6 +10,8 @@
 #ifndef RB_SWEEP_JOBS_H
 #define RB_SWEEP_JOBS_H
 
+#include <signal.h>
+
 #include "sweep/point.h"
 
 struct rb_jobs_tally {
@@ -31,12 +33,19 @@ struct rb_jobs_order {
 	uint64_t share, shares;              /* the share-th of so many, from 0 */
 	bool retry;
 	double checkpoint_every_s; /* NAN: as runs do by themselves */
+	sigset_t mask_before;      /* of signals: what runs get */
 	int tick_ms;               /* longest time between two calls of `tick`; 0: never */
 	void (*tick)(void *user, const struct rb_jobs_tally *tally);
 	/* A run of ours has ended, or a failed one was found. */
 	void (*told)(void *user, uint64_t index, const struct rb_point *point);
 	void *user;
 };
+
+/*
+ * SIGINT, SIGTERM and SIGUSR1 wait for rb_jobs_run from here on: before anything is there that a later call goes on with.
+ * `mask_before`: as it was.
+ */
+void rb_jobs_hold_signals(sigset_t *mask_before);
 
 /* RB_OK whatever becomes of the runs; the tally is right in any case. */
 RB_CHECKED enum rb_status rb_jobs_run(const struct rb_jobs_order *order,

@@ -33,6 +33,19 @@ none_left()
 	! runs_left
 }
 
+# as soon as there is a folder, its sweep can be gone on with
+for round in 1 2 3 4 5 6; do
+	"$RBSIM" sweep s.lua -p e=0.5:0.9:0.05 -o "early$round" >out 2>err &
+	pid=$!
+	while [ ! -f "early$round/plan.csv" ] && kill -0 $pid 2>/dev/null; do :; done
+	kill -USR1 $pid 2>/dev/null
+	wait $pid
+	got=$?
+	pid=
+	[ $got -eq 75 ] || fail "SIGUSR1 as soon as there is a plan: exit status $got"
+	says err "'rbsim sweep early$round' goes on"
+done
+
 stopped=0
 for signal in INT TERM USR1 KILL INT TERM KILL; do
 	"$RBSIM" sweep s.lua -p e=0.5:0.9:0.05 -o cut >out 2>err &
