@@ -156,7 +156,10 @@ static void a_byte_written_behind_a_block_ends_the_process(void **state)
 	(void)state;
 	assert_false(goes_unnoticed(1));
 	assert_false(goes_unnoticed(64));
+#if !defined( \
+	__SANITIZE_ADDRESS__) /* large blocks end before what the system gave, and have no fence there */
 	assert_false(goes_unnoticed(1000001));
+#endif
 }
 
 static void *take_and_free_often(void *argument)
