@@ -38,14 +38,29 @@ work=$(awk "BEGIN { printf \"%d\", 1e6 * 0.2 / (($(date +%s%N) - $begun) * 1e-9 
 # slower than true time: it is told, and pause, step and back mean the run
 enters "clear; $RBSIM console s.lua --force --param work=$work"
 sees 'the simulation cannot keep up'
-types Space
-sees '^ paused .*: paus'
 frame()
 {
 	screen | sed -n 's/.* frame \([0-9]*\) of .*/\1/p' | head -n 1
 }
-sleep 1
-before=$(frame)
+# so far that there is something to go back to
+has_begun()
+{
+	now=$(frame)
+	[ "${now:-0}" -ge 2 ]
+}
+until_true has_begun
+types Space
+sees '^ paused .*: paus'
+before=
+# a frame may be under way yet
+stands_still()
+{
+	last=$before
+	sleep 2
+	before=$(frame)
+	[ -n "$last" ] && [ "$last" = "$before" ]
+}
+until_true stands_still
 types .
 sees "frame $((before + 1)) of"
 types , ,
@@ -72,7 +87,7 @@ sees '^ready>'
 given_back
 
 # attached: two consoles, one player; one's own view
-"$RBSIM" s.lua --listen run.sock --force --param work=300000 -q >/dev/null 2>&1 &
+"$RBSIM" s.lua --listen run.sock --force --param work=300000 --duration 1200 -q >/dev/null 2>&1 &
 run=$!
 until_true test -S run.sock
 enters "clear; $RBSIM attach run.sock"
