@@ -632,8 +632,7 @@ static bool begin_modes(struct rb_modes *w)
 	if (creeps && !evaluate(w, w->origin_s, w->c->piece.start))
 		return false;
 	for (int k = 0; k < w->c->held_count; k++)
-		w->goes_straight = w->goes_straight ||
-		                   (w->c->held[k].straight && rb_modes_is_slow(w, k, w->origin_s));
+		w->slow[k] = w->c->held[k].straight && rb_modes_is_slow(w, k, w->origin_s);
 	return true;
 }
 

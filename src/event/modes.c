@@ -372,7 +372,7 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
 	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way);
 	const double least = single ? 0 : aside_share * rb_vec3_length(slip);
 
-	return held->straight && !held->creeps && (single || !w->goes_straight) &&
+	return held->straight && !held->creeps && (single || !w->slow[contact]) &&
 	       rb_vec3_length(off) > fmax(least, STRAIGHT_NOISES * rb_meet_noise(w->l, m));
 }
 
@@ -529,6 +529,7 @@ bool rb_modes_room(struct rb_modes *w)
 	w->contact = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->contact);
 	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
 	w->change = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->change);
+	w->slow = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->slow);
 	if (w->l->account_s) {
 		w->parts = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->parts);
 		w->seen = rb_arena_take(arena, (size_t)RB_GAUSS_NODES * RB_ENTRIES,
@@ -549,5 +550,5 @@ bool rb_modes_room(struct rb_modes *w)
 	d->from = d->pivot + unknowns;
 	d->order = d->from + unknowns;
 	return w->pose && w->base && w->linear && w->angular && w->meet && w->contact && w->force &&
-	       w->change;
+	       w->change && w->slow;
 }

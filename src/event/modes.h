@@ -24,16 +24,16 @@ struct rb_modes {
 	rb_vec3 *linear, *angular;        /* [member_count] */
 	struct rb_meet *meet;             /* [held_count] */
 	struct rb_joint_contact *contact; /* [held_count] */
-	rb_vec3 *force, *change;          /* [held_count]: N on b; what refining adds */
-	struct rb_dense dense;            /* for contacts in their modes */
-	bool balanced;                    /* forces across slips that creep, by rb_modes_solve */
-	bool goes_straight;       /* what slips at several points is not asked whether it turns */
-	bool slip_ends, hits;     /* why `broken` said so */
-	double force_most;        /* N: largest force at the beginning */
-	double doubt;             /* N: what the modes at the beginning leave open */
-	double most;              /* m/s^2: largest acceleration that forces are to balance */
-	uint64_t *calls, counted; /* of its rates, so far and at the last one */
-	double time_s;            /* of the last evaluation */
+	bool *slow;                  /* [held_count]: its slip begins slowly (rb_modes_is_slow) */
+	rb_vec3 *force, *change;     /* [held_count]: N on b; what refining adds */
+	struct rb_dense dense;       /* for contacts in their modes */
+	bool balanced;               /* forces across slips that creep, by rb_modes_solve */
+	bool slip_ends, hits;        /* why `broken` said so */
+	double force_most;           /* N: largest force at the beginning */
+	double doubt;                /* N: what the modes at the beginning leave open */
+	double most;                 /* m/s^2: largest acceleration that forces are to balance */
+	uint64_t *calls, counted;    /* of its rates, so far and at the last one */
+	double time_s;               /* of the last evaluation */
 	struct rb_pull_parts *parts; /* [member_count]: for the ledger; NULL: it is not kept */
 	double *seen;                /* [RB_GAUSS_NODES][RB_ENTRIES]: what acted there */
 };
@@ -79,7 +79,7 @@ bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t);
 
 /*
  * Has a slip that was taken for straight turned aside, beyond rounding? Those at several points of a pair also turn within what
- * rounding makes of a slow slip: of their speed it has to be more, and one that begins slowly goes straight.
+ * rounding makes of a slow slip: of their speed it has to be more, and what begins slowly goes straight.
  */
 bool rb_modes_turns_aside(const struct rb_modes *w, int contact);
 

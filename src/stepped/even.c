@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/even.h"
 
-#include <string.h>
 /* Share of a cone's edge at which friction slides. */
 static const double at_edge = 1 - 1e-9;
 
