@@ -618,13 +618,11 @@ static double dip_time(const struct course *c)
 	return sqrt(DIP_ULP * DBL_EPSILON * c->size / (c->pull_most + c->bend_a + c->bend_b));
 }
 
-/* s: a step of the series by which a body turns freely; INFINITY: it needs none. */
+/* s: a step of the series by which a body's turning is followed; INFINITY: it needs none. */
 static double series_step(const struct rb_located *l, int i)
 {
-	const bool is = l->top && i < l->n && !rb_located_on_piece(l, i) &&
-	                l->top_body[i].kind == RB_TOP_FREE && l->top[i].grid_s > 0;
-
-	return is ? l->top[i].grid_s : HUGE_VAL;
+	return l->top && i < l->n && !rb_located_on_piece(l, i) ? rb_top_step_s(&l->top[i])
+	                                                        : HUGE_VAL;
 }
 
 /* Products that a body's turning takes from its anchor to this moment. */

@@ -18,7 +18,7 @@
 #include "geom/distance.h"
 
 /* Below this many bodies all are candidates of each other: cells would cost more than they spare. */
-enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64 };
+enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
 /* So many events of every body at one moment: it does not get on. */
 enum { STUCK_EVENTS = 10000 };
 /* What is counted within a step, in bodies: more is too dense to locate. */
@@ -630,9 +630,27 @@ static void allow(struct rb_located *l, double dt)
 	l->products = 0;
 }
 
-enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
+/* Asks now and then; true: the run is to end. */
+static bool is_stopped(const struct rb_located *l)
 {
 	const struct rb_world_options *options = &l->world->options;
+
+	return options->stop && options->stop(options->stop_user);
+}
+
+/* Brings what turns fast and evenly faster to this moment bit by bit; false: the run is to end. */
+static bool follow_turns(struct rb_located *l, double t)
+{
+	for (int i = 0; l->top && i < l->n; i++)
+		while (!rb_located_on_piece(l, i) &&
+		       !rb_top_follow(&l->top[i], t - l->arc[i].anchor_s, TURNS_PER_POLL))
+			if (is_stopped(l))
+				return false;
+	return true;
+}
+
+enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
+{
 	const size_t told = l->world->events.count;
 	double t;
 
@@ -652,14 +670,15 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		rb_arena_reset(l->arena);
 		/* what was late by rounding happens now */
 		one_event(l, which, fmax(t, l->now_s));
-		if (++l->polled % EVENTS_PER_POLL == 0 && options->stop &&
-		    options->stop(options->stop_user))
+		if (++l->polled % EVENTS_PER_POLL == 0 && is_stopped(l))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 		if (gives_way(l))
 			return l->status;
 	}
 	if (l->status != RB_OK)
 		return l->status;
+	if (!follow_turns(l, until))
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	l->now_s = fmax(l->now_s, until);
 	l->crowd = rb_located_crowd(l);
 	l->products = 0;

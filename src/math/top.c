@@ -13,10 +13,14 @@
 #include <math.h>
 #include <stdbool.h>
 
+static const double pi = 3.14159265358979323846;
+
 enum { ORDER = 32 }; /* of a series, at most */
 
 static const double negligible = 0x1p-60; /* a term of a series, against what it is added to */
 static const double far = 0x1p53;         /* grid points beyond this can't be told apart */
+/* Grid points from which on whole periods are leapt, which costs the same however many they are. */
+static const double leap_from = 0x1p16;
 
 static rb_quat conjugate(rb_quat q)
 {
@@ -300,14 +304,17 @@ static rb_quat steady_series(rb_quat start, rb_vec3 w, rb_vec3 acceleration, dou
 	return rb_quat_unit(sum);
 }
 
-static rb_quat steady_at(struct rb_top *top, double t)
+/* The last grid point before `t`, a whole number, or one that is too large to be one. */
+static double steady_count(const struct rb_top *top, double t)
 {
 	const double w = rb_vec3_length(top->spin), a = rb_vec3_length(top->acceleration);
-	const double k = floor(t * (w + 0.5 * a * t));
 
-	if (!(k < far))
-		return (rb_quat){NAN, NAN, NAN, NAN};
-	const uint64_t point = k > 0 ? (uint64_t)k : 0;
+	return fmax(floor(t * (w + 0.5 * a * t)), 0);
+}
+
+/* Walks on to a grid point. */
+static void steady_walk(struct rb_top *top, uint64_t point)
+{
 	if (point < top->at) {
 		top->at = 0;
 		top->cached = top->orientation;
@@ -320,8 +327,34 @@ static rb_quat steady_at(struct rb_top *top, double t)
 		                            there - here);
 		top->at++;
 	}
-	const double here = steady_point(top, (double)point);
+}
+
+static rb_quat steady_at(struct rb_top *top, double t)
+{
+	const double k = steady_count(top, t);
+
+	if (!(k < far))
+		return (rb_quat){NAN, NAN, NAN, NAN};
+	steady_walk(top, (uint64_t)k);
+	const double here = steady_point(top, k);
 	return steady_series(top->cached, steady_spin(top, here), top->acceleration, t - here);
+}
+
+bool rb_top_follow(struct rb_top *top, double t, uint64_t steps)
+{
+	const double k = top->kind == RB_TOP_STEADY && top->grid_s == 0 ? steady_count(top, t) : 0;
+
+	if (!(k < far) || k <= (double)top->at + (double)steps)
+		return true;
+	steady_walk(top, top->at + steps);
+	return false;
+}
+
+double rb_top_step_s(const struct rb_top *top)
+{
+	if (top->kind == RB_TOP_FREE)
+		return top->grid_s > 0 ? top->grid_s : HUGE_VAL;
+	return top->kind == RB_TOP_STEADY && top->grid_s == 0 ? steady_point(top, 1) : HUGE_VAL;
 }
 
 /* ---- free: Euler's equations and q' = q w / 2, w in principal axes ---- */
@@ -415,34 +448,119 @@ static void free_keep(struct rb_top *top, const struct motion *m, uint64_t at)
 	top->cached_spin = (rb_vec3){m->w[0] / g, m->w[1] / g, m->w[2] / g};
 }
 
-static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
+/* The anchor's state again. */
+static void free_begin(struct rb_top *top)
+{
+	top->at = 0;
+	top->cached = is_identity(top->principal)
+	                      ? top->orientation
+	                      : rb_quat_multiply(top->orientation, top->principal);
+	top->cached_spin = rb_quat_rotate_back(top->cached, top->spin);
+}
+
+/* `t` seconds after the anchor, from grid point to grid point. */
+static struct motion free_walk(struct rb_top *top, double t)
 {
 	const double i[3] = {top->moments.x, top->moments.y, top->moments.z};
 	const double k[3] = {(i[1] - i[2]) / i[0], (i[2] - i[0]) / i[1], (i[0] - i[1]) / i[2]};
 	const double steps = floor(t / top->grid_s);
-	const bool turned = !is_identity(top->principal);
-
-	if (!(steps < far)) {
-		*orientation = (rb_quat){NAN, NAN, NAN, NAN};
-		*spin = (rb_vec3){NAN, NAN, NAN};
-		return;
-	}
 	const uint64_t point = steps > 0 ? (uint64_t)steps : 0;
-	if (point < top->at) {
-		top->at = 0;
-		top->cached = top->orientation;
-		if (turned)
-			top->cached = rb_quat_multiply(top->orientation, top->principal);
-		top->cached_spin = rb_quat_rotate_back(top->cached, top->spin);
-	}
+
+	if (point < top->at)
+		free_begin(top);
 	struct motion m = free_cached(top);
 	if (top->at < point) {
 		for (uint64_t n = top->at; n < point; n++)
 			m = free_series(&m, k, 1);
 		free_keep(top, &m, point);
 	}
-	m = free_series(&m, k, t / top->grid_s - (double)point);
+	return free_series(&m, k, t / top->grid_s - (double)point);
+}
+
+/* Arithmetic-geometric mean of two positive numbers (Abramowitz, Stegun, section 17.6). */
+static double agm(double a, double b)
+{
+	for (int n = 0; n < 64 && fabs(a - b) > 4 * DBL_EPSILON * a; n++) {
+		const double mean = 0.5 * (a + b);
+
+		b = sqrt(a * b);
+		a = mean;
+	}
+	return a;
+}
+
+/*
+ * The time after which the spin is the same in the body's axes, s: 4 K(m) / p (Landau, Lifshitz, Mechanics, section 37), about
+ * the axis of the largest moment or of the smallest, with differences of L^2 and 2 E I written so that they do not cancel.
+ * INFINITY on the border between the two.
+ */
+static double free_period(rb_vec3 moments, rb_vec3 spin)
+{
+	const double i[3] = {moments.x, moments.y, moments.z}, w[3] = {spin.x, spin.y, spin.z};
+	int least = 0, most = 0;
+
+	for (int n = 1; n < 3; n++) {
+		least = i[n] < i[least] ? n : least;
+		most = i[n] >= i[most] ? n : most;
+	}
+	const int middle = 3 - least - most;
+	const double low = i[middle] - i[least], high = i[most] - i[middle],
+		     all = i[most] - i[least];
+	/* L^2 - 2 E I of the least and of the middle, 2 E I - L^2 of the largest */
+	const double over = i[middle] * low * w[middle] * w[middle] +
+	                    i[most] * all * w[most] * w[most];
+	const double under = i[least] * all * w[least] * w[least] +
+	                     i[middle] * high * w[middle] * w[middle];
+	const double side = i[most] * high * w[most] * w[most] -
+	                    i[least] * low * w[least] * w[least];
+	const double rate = (side > 0 ? high * over : low * under);
+	const double rest = all * fabs(side) / rate; /* 1 - m */
+	const double product = i[least] * i[middle] * i[most];
+
+	return rest > 0 ? 2 * pi / agm(1, sqrt(rest)) * sqrt(product / rate) : HUGE_VAL;
+}
+
+/* After a period the body is as it was, but for a turn about its angular momentum. */
+static void free_learn(struct rb_top *top)
+{
+	free_begin(top);
+	const rb_quat start = top->cached;
+	const rb_vec3 w = top->cached_spin, i = top->moments;
+	const rb_vec3 momentum = rb_quat_rotate(start, (rb_vec3){i.x * w.x, i.y * w.y, i.z * w.z});
+
+	top->period_s = free_period(i, w);
+	if (isinf(top->period_s))
+		return;
+	const rb_vec3 about = rb_vec3_scale(1 / rb_vec3_length(momentum), momentum);
+	const rb_quat end = free_walk(top, top->period_s).q;
+	const rb_quat d = rb_quat_multiply(end, conjugate(start));
+	const double along = rb_vec3_dot((rb_vec3){d.x, d.y, d.z}, about);
+	top->precession = rb_vec3_scale(2 * atan2(along, d.w), about);
+}
+
+static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
+{
+	const double steps = t / top->grid_s;
+	double periods = 0;
+
+	if (!(steps < far)) {
+		*orientation = (rb_quat){NAN, NAN, NAN, NAN};
+		*spin = (rb_vec3){NAN, NAN, NAN};
+		return;
+	}
+	if (steps > leap_from) {
+		if (!(top->period_s > 0))
+			free_learn(top);
+		periods = floor(t / top->period_s);
+		if (periods > 0)
+			t = fmax(fma(-periods, top->period_s, t), 0);
+	}
+	struct motion m = free_walk(top, t);
+	if (periods > 0)
+		m.q = rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(periods, top->precession)),
+		                       m.q);
 	const rb_vec3 w = {m.w[0] / top->grid_s, m.w[1] / top->grid_s, m.w[2] / top->grid_s};
+	const bool turned = !is_identity(top->principal);
 	*orientation = turned ? rb_quat_multiply(m.q, conjugate(top->principal)) : m.q;
 	*spin = rb_quat_rotate(m.q, w);
 }

@@ -7,7 +7,8 @@
  *   steady     equal moments and a constant angular acceleration; closed form when parallel to the spin, else a series
  *   symmetric  two equal moments: closed form (precession about L, spin about the own axis)
  *   free       three unequal moments, or a frame of the tensor that is not diagonal: a Taylor series of Euler's
- *              equations and the quaternion's, carried to rounding over steps of a grid that starts at the anchor
+ *              equations and the quaternion's, carried to rounding over steps of a grid that starts at the anchor; far
+ *              from it by whole periods, each of which turns the body about its angular momentum by the same angle
  *
  * The grid's last point is kept, so that going forward costs one step per grid interval; what comes out does not
  * depend on what was asked before.
@@ -15,6 +16,7 @@
 #ifndef RB_MATH_TOP_H
 #define RB_MATH_TOP_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include "math/mat3.h"
@@ -33,6 +35,8 @@ struct rb_top {
 	uint64_t at;         /* grid point that the cache holds */
 	rb_quat cached;      /* principal axes to world */
 	rb_vec3 cached_spin; /* principal axes for `free`, world axes for `steady` */
+	double period_s;     /* free: of the spin in principal axes; 0: not known yet */
+	rb_vec3 precession;  /* free: by which a period turns the body, rad, world axes */
 };
 
 /* What does not change with the state: principal axes of a tensor (object coordinates), kg m^2. */
@@ -56,6 +60,15 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 
 /* At `t` >= 0 seconds after the anchor. Either result may be NULL. */
 void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin);
+
+/*
+ * Walks on to `t`, by at most so many steps of a series: false where more are left. With it a caller can hear what comes
+ * in while rb_top_at would not come back; only what is steady can take that long.
+ */
+bool rb_top_follow(struct rb_top *top, double t, uint64_t steps);
+
+/* s: a step of the series that follows this one, at its anchor; INFINITY: it needs none. */
+double rb_top_step_s(const struct rb_top *top);
 
 /*
  * Turns a body for `h` seconds without torque, for steps whose error is of their second order anyhow: kinetic energy and

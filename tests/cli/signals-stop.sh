@@ -37,6 +37,21 @@ got=$?
 pid=
 [ $got -eq 143 ] || fail "--no-record: exit status $got"
 
+# a body whose turn until the next frame takes ages to follow
+cat >fast.lua <<'END'
+world { gravity = { 0, 0, 0 }, duration = 1, frame_rate = 1, time_step = 1, method = "located" }
+local ball = sphere { radius = 1, density = 1, angular_velocity = { 1e13, 0, 0 } }
+on_step(function() ball:apply_force({ 0, 1, 0 }, { 1, 0, 0 }) end)
+END
+"$RBSIM" fast.lua --no-record -q >out 2>err &
+pid=$!
+sleep 0.3
+kill -TERM $pid
+wait $pid
+got=$?
+pid=
+[ $got -eq 143 ] || fail "fast turning: exit status $got"
+
 # One that can't come to a whole step soon: a callback that works for a while.
 cat >busy.lua <<'END'
 world { duration = 10 }
