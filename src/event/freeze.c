@@ -158,6 +158,7 @@ static void pack_held(struct rb_located *l, struct rb_held *held, struct rb_pack
 	rb_pack_bool(pack, &held->straight);
 	rb_pack_bool(pack, &held->creeps);
 	pack_vector(pack, &held->slip);
+	pack_vector(pack, &held->common);
 	rb_pack_finite(pack, &held->friction, 1);
 	pack_vector(pack, &held->force);
 	rb_pack_int(pack, &told, RB_HELD_REST, RB_HELD_ROLL);

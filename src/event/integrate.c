@@ -160,8 +160,8 @@ static bool evaluate(struct rb_modes *w, double t, const double *value)
 		if (held->slipping)
 			w->contact[k].friction = held->friction;
 		/* a direction that is kept turns with the normal all the same */
-		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(held->slip, w->meet[k].normal),
-		                                  held->slip);
+		const rb_vec3 way = rb_vec3_max_abs(held->common) > 0 ? held->common : held->slip;
+		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(way, w->meet[k].normal), way);
 		if (held->slipping && !held->straight && !held->creeps) {
 			const rb_vec3 slip = rb_vec3_reject(w->meet[k].velocity, w->meet[k].normal);
 			const double speed = rb_vec3_length(slip);
@@ -614,8 +614,15 @@ static bool begin_modes(struct rb_modes *w)
 {
 	bool creeps = false;
 
+	const bool joined = rb_modes_join_slips(w);
+
 	if (!evaluate(w, w->origin_s, w->c->piece.start))
 		return false;
+	if (joined && !w->balanced) {
+		rb_modes_part_slips(w);
+		if (!evaluate(w, w->origin_s, w->c->piece.start))
+			return false;
+	}
 	w->dense.least = are_others(w) ? nearly_open : 0;
 	if (w->dense.least > 0 && !evaluate(w, w->origin_s, w->c->piece.start))
 		return false;

@@ -67,6 +67,7 @@ struct rb_held {
 	bool straight; /* its slip keeps its direction to the end, to rounding */
 	bool creeps; /* its slip is so slow that forces across it balance: they say which way it goes */
 	rb_vec3 slip;    /* unit: velocity of b's point relative to a's */
+	rb_vec3 common;  /* unit: where all points of a pair creep one way, that way; else 0 */
 	double friction; /* while it slips: the law's, or what is left of it where a body jams */
 	rb_vec3 force;   /* N, on b, at the cluster's anchor */
 	enum rb_held_mode told; /* what the last transition said */

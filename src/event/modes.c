@@ -269,24 +269,79 @@ static bool solve_modes(struct rb_modes *w, double t)
 	return choose_forces(w);
 }
 
-/* Slips that creep go where nothing is left across them. True: one has turned. */
+static inline bool is_joined(const struct rb_held *held)
+{
+	return rb_vec3_max_abs(held->common) > 0;
+}
+
+static int pair_end(const struct rb_cluster *c, int first)
+{
+	int end = first + 1;
+
+	while (end < c->held_count && c->held[end].a == c->held[first].a &&
+	       c->held[end].b == c->held[first].b)
+		end++;
+	return end;
+}
+
+bool rb_modes_join_slips(struct rb_modes *w)
+{
+	struct rb_held *const held = w->c->held;
+	bool any = false;
+
+	for (int first = 0, end; first < w->c->held_count; first = end) {
+		rb_vec3 sum = {0, 0, 0};
+		bool creep = true;
+
+		end = pair_end(w->c, first);
+		for (int k = first; k < end; k++) {
+			creep = creep && held[k].creeps;
+			sum = rb_vec3_add(sum, held[k].slip);
+		}
+		const bool joins = creep && end > first + 1;
+		for (int k = first; k < end; k++)
+			held[k].common = joins ? rb_vec3_unit(sum, held[k].slip)
+			                       : (rb_vec3){0, 0, 0};
+		any = any || joins;
+	}
+	return any;
+}
+
+void rb_modes_part_slips(struct rb_modes *w)
+{
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+
+		held->creeps = held->creeps && !(is_joined(held) && held->straight);
+		held->common = (rb_vec3){0, 0, 0};
+	}
+}
+
+/* Slips that creep go where nothing is left across them, joined ones together. True: one has turned. */
 static bool turn_creeping(struct rb_modes *w)
 {
+	const struct rb_held *const held = w->c->held;
 	bool turned = false;
 
-	for (int k = 0; k < w->c->held_count; k++) {
-		const rb_vec3 n = w->meet[k].normal;
-		struct rb_joint_contact *const c = &w->contact[k];
-		const double limit = c->friction * rb_vec3_dot(w->force[k], n);
+	for (int first = 0, end; first < w->c->held_count; first = end) {
+		double limit = 0, off = 0, most = 0;
 
-		if (!w->c->held[k].creeps || !(limit > 0))
+		end = is_joined(&held[first]) ? pair_end(w->c, first) : first + 1;
+		for (int k = first; k < end; k++) {
+			const double across = rb_vec3_dot(w->force[k], aside(w, k));
+
+			limit += w->contact[k].friction *
+			         rb_vec3_dot(w->force[k], w->meet[k].normal);
+			off += across;
+			most = fmax(most, fabs(across));
+		}
+		if (!held[first].creeps || !(limit > 0) || most <= balanced_share * limit)
 			continue;
-		const rb_vec3 across = aside(w, k);
-		const double off = rb_vec3_dot(w->force[k], across);
-		if (fabs(off) <= balanced_share * limit)
-			continue;
-		c->slip = rb_vec3_unit(
-			rb_vec3_add_scaled(rb_vec3_scale(limit, c->slip), -off, across), c->slip);
+		for (int k = first; k < end; k++)
+			w->contact[k].slip = rb_vec3_unit(
+				rb_vec3_add_scaled(rb_vec3_scale(limit, w->contact[k].slip), -off,
+			                           aside(w, k)),
+				w->contact[k].slip);
 		turned = true;
 	}
 	return turned;

@@ -59,6 +59,13 @@ int rb_modes_unknowns(const struct rb_held *held);
 /* Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many unknowns. */
 bool rb_modes_solve(struct rb_modes *w, double t);
 
+/*
+ * Where all points of a pair creep they are to go one way, which is turned for all of them together: each on its own would be
+ * one too many. True: there is such a pair. And back: those that are straight then do not creep.
+ */
+bool rb_modes_join_slips(struct rb_modes *w);
+void rb_modes_part_slips(struct rb_modes *w);
+
 /* Is none of the forces outside its cone? */
 bool rb_modes_are_lawful(const struct rb_modes *w);
 

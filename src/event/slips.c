@@ -201,8 +201,7 @@ bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *he
 {
 	const struct rb_meet *m = &s->meet[k];
 
-	return held->slipping && (!held->straight || rb_set_is_single(s->l, m->a, m->b)) &&
-	       held->friction > 0 &&
+	return held->slipping && held->friction > 0 &&
 	       rb_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), held->force);
 }
 
