@@ -51,6 +51,31 @@ static void an_even_spin_turns_about_its_axis(void **state)
 	}
 }
 
+/* About one axis it is the angle: followed radian by radian it would take hours. */
+static void a_fast_spin_about_one_axis_is_an_angle(void **state)
+{
+	enum { PARTS = 2000 };
+	const rb_quat begin = rb_quat_unit((rb_quat){1, 2, -3, 4});
+	const rb_vec3 fast = {0, 0x1p30, 0}, axis = {0, 0, 1};
+	double angle = 0, w[N];
+	struct spun s;
+
+	(void)state;
+	spin(&s, 2, fast, (rb_vec3){0, 0, 0});
+	assert_near(off(rb_turn_through(&s.piece, 0, begin, 2),
+	                rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(2, fast)), begin)),
+	            0, 1e-15);
+	/* one that changes, by Simpson's rule */
+	spin(&s, 2, (rb_vec3){0, 0, 30}, (rb_vec3){0, 0, 25});
+	for (int k = 0; k <= 2 * PARTS; k++) {
+		rb_gauss_values(&s.piece, 1.5 * k / (2 * PARTS), w);
+		angle += w[2] * (k % (2 * PARTS) == 0 ? 1 : k % 2 ? 4 : 2) * 1.5 / (6 * PARTS);
+	}
+	assert_near(off(rb_turn_through(&s.piece, 0, begin, 1.5),
+	                rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(angle, axis)), begin)),
+	            0, 1e-12);
+}
+
 static enum rb_status turning(void *user, double t, const double *value, double *rate,
                               struct rb_error *err)
 {
@@ -112,6 +137,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(an_even_spin_turns_about_its_axis),
+		cmocka_unit_test(a_fast_spin_about_one_axis_is_an_angle),
 		cmocka_unit_test(a_spin_that_wanders_is_followed),
 		cmocka_unit_test(nothing_is_left_at_the_beginning),
 	};

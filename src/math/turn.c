@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * q' = w q / 2 with a polynomial w: a Taylor series over parts of the way, in each of which the body turns by no more than
- * a radian. That costs a small part of what collocation of q' = f(q) does, which knows nothing of its being linear.
+ * a radian. That costs a small part of what collocation of q' = f(q) does, which knows nothing of its being linear. About one
+ * axis it is the angle: a ball that rolls on and on may turn thousands of times within a piece.
  */
 #include "math/turn.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
 
 enum { POWERS = RB_GAUSS_NODES + 1, TERMS_MOST = 64 };
 
@@ -95,6 +97,33 @@ static rb_quat turned(const struct spin *w, rb_quat begin)
 	return rb_quat_unit(sum);
 }
 
+/* Is the spin along one axis, to its rounding? Then what it turns through is the angle, however large. */
+static bool is_about_one_axis(const struct spin *w)
+{
+	rb_vec3 largest = {0, 0, 0};
+	double all = 0, off = 0;
+
+	for (int i = 0; i < POWERS; i++) {
+		all += rb_vec3_length(w->power[i]);
+		if (rb_vec3_length(w->power[i]) > rb_vec3_length(largest))
+			largest = w->power[i];
+	}
+	const rb_vec3 axis = rb_vec3_unit(largest, largest);
+	for (int i = 0; i < POWERS; i++)
+		off += rb_vec3_length(rb_vec3_cross(w->power[i], axis));
+	return off <= 2 * DBL_EPSILON * all;
+}
+
+/* As `turned`, about one axis. */
+static rb_quat turned_evenly(const struct spin *w, rb_quat begin)
+{
+	rb_vec3 half = {0, 0, 0};
+
+	for (int i = 0; i < POWERS; i++)
+		half = rb_vec3_add_scaled(half, 1.0 / (i + 1), w->power[i]);
+	return rb_quat_unit(rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(2, half)), begin));
+}
+
 rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat orientation, double t)
 {
 	rb_vec3 most = {0, 0, 0};
@@ -107,7 +136,8 @@ rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat or
 		                                   fabs(w.power[i].z)});
 		w.power[i] = rb_vec3_scale(0.25 * piece->length_s, w.power[i]);
 	}
-	const double parts = ceil(rb_vec3_length(most) * t) + 1;
+	const bool even = is_about_one_axis(&w);
+	const double parts = even ? 1 : ceil(rb_vec3_length(most) * t) + 1;
 	const double length = 2 * (t / piece->length_s) / parts;
 
 	for (double k = 0; k < parts; k++) {
@@ -115,7 +145,7 @@ rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat or
 
 		for (int i = 0; i < POWERS; i++)
 			part.power[i] = rb_vec3_scale(length, part.power[i]);
-		orientation = turned(&part, orientation);
+		orientation = even ? turned_evenly(&part, orientation) : turned(&part, orientation);
 	}
 	return orientation;
 }
