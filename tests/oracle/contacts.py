@@ -168,8 +168,11 @@ def forces(rec, report, c, frame, stepped, where):
     # slower slip may be rounding, or begin within the step, when a row is also the sum of points with their own slip
     fall = 4 * np.maximum(friction, 1) * np.linalg.norm(rec.gravity) * rec.time_step
     fast = np.where(stepped, fall + 0.1 * rate + 4 * spun, 1e-6 * rate + 1e-9)
+    # one that creeps (rbsim-scene(5)) rubs against where it is going, not against where it has gone up to now
+    creeps = speed <= 2e-5 * (rate + spun + np.sqrt(2 * np.linalg.norm(rec.gravity) * c.size()))
     rows = np.nonzero((speed > fast) & (push > 1e-6 * scale) & (friction > 0))[0]
     against = rub[rows] + (friction * push / speed)[rows][:, None] * slip[rows]
     if len(rows):
         report.bounds("friction against slip", np.linalg.norm(against, axis=1),
-                      (friction * push * np.where(stepped, 0.5, 1e-6))[rows], lambda k: where(rows[k]), "N")
+                      (friction * push * np.where(stepped, 0.5, np.where(creeps, 0.01, 1e-6)))[rows],
+                      lambda k: where(rows[k]), "N")

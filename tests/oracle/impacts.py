@@ -229,10 +229,11 @@ def energy_taken(rec, report, rows, pairs, good):
             np.add.at(size, rec.events["frame"][rows], kinetic)
     count = np.zeros(rec.frames, int)
     np.add.at(count, rec.events["frame"][rows[good]], 1)
-    took = np.diff(sum(rec.ledger[n] for n in names), prepend=0)
+    total = sum(rec.ledger[n] for n in names)
+    took = np.diff(total, prepend=0)
     frames = np.nonzero((count > 0) & (count == rec.observed["collisions"]))[0]
-    report.bounds("ledger, impacts", np.abs(took - lost)[frames], (1e-9 * size)[frames], lambda k: f"frame {frames[k]}",
-                  "J")
+    report.bounds("ledger, impacts", np.abs(took - lost)[frames], (1e-9 * size + 4 * rec.unit * np.abs(total))[frames],
+                  lambda k: f"frame {frames[k]}", "J")
 
 
 def places(rec, report, geometry, rows, sides, good, tell):
