@@ -409,8 +409,8 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 /* ---- energy ---- */
 
 /*
- * Without pushing apart, closely; then back to it as far as that gains nothing. What is between two solutions is in the cones,
- * and closes no gap that neither closes.
+ * Without pushing apart, closely; then back to it, if it was a solution, as far as that gains nothing. What is between two
+ * solutions is in the cones, and closes no gap that neither closes.
  */
 static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
                                   const struct rb_dense *dense, struct rb_arena *arena)
@@ -419,6 +419,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
 	struct rb_kept kept;
 	const bool good = rb_energy_keep(solver, island, arena, &kept);
+	const bool solved = island->residual <= solver->enough;
 
 	for (int k = 0; good && k < dense->row_count; k++)
 		dense->row[k].leave = fmin(dense->row[k].leave, 0);
@@ -431,7 +432,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 		(void)try_factors(solver, island, dense, STALLED, arena);
 	const struct rb_energy least = rb_energy_of(solver, island);
 	const bool gains = rb_energy_gain(&least) > least.noise;
-	const double share = gains ? 0 : rb_energy_between(solver, island, &least, &kept);
+	const double share = gains || !solved ? 0 : rb_energy_between(solver, island, &least, &kept);
 	rb_energy_mix(solver, island, &kept, share);
 	return gains ? least : none;
 }
@@ -439,7 +440,8 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 /*
  * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what is still left is taken from
  * all impulses. Where that lets gaps close by more than is good, the step is halved: without impulses nothing is gained, and
- * halves of it close less.
+ * halves of it close less. Nor is a group pushed apart that cannot be: what is squeezed overlaps on both sides, within the
+ * tolerance, and the shorter the step, the less way there is to part in.
  */
 static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_dense *dense, struct rb_arena *arena)
@@ -448,7 +450,8 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 	if (!rb_energy_pushes(dense, -(double)INFINITY))
 		return;
 	struct rb_energy energy = rb_energy_of(solver, island);
-	if (rb_energy_gain(&energy) > energy.noise && rb_energy_pushes(dense, 0))
+	if ((rb_energy_gain(&energy) > energy.noise || !(island->residual <= solver->enough)) &&
+	    rb_energy_pushes(dense, 0))
 		energy = push_less(solver, island, dense, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));

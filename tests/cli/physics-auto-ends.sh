@@ -51,3 +51,20 @@ LUA
 exits 0 field.lua --no-record --json --quiet
 stepped=$(value stepped)
 awk -v s="$stepped" 'BEGIN { exit !(s > 0.2) }' || fail "a field asked 4 million times a second: stepped $stepped s of 0.4"
+
+# what is squeezed within the tolerance cannot be pushed apart, however short the step: it stays where it is
+cat >squeezed.lua <<'LUA'
+world { duration = 0.2, time_step = 0.01, gravity = {0, 0, -9.81}, tolerance = 1e-6, method = "stepped" }
+local m = material { density = 1000, friction = 0.5 }
+plane { material = m }
+plane { material = m, normal = {0, 0, -1}, point = {0, 0, 0.2 - 1.2e-6} }
+sphere { material = m, radius = 0.1, position = {0, 0, 0.1 - 6e-7}, velocity = {0.5, 0, 0} }
+capsule { material = m, radius = 0.1, length = 0.3, position = {0, 1, 0.1 - 6e-7}, velocity = {0.5, 0, 0},
+          orientation = {axis = {0, 1, 0}, angle = math.pi / 2} }
+box { material = m, size = {0.3, 0.2, 0.2}, position = {0, 2, 0.1 - 6e-7}, velocity = {0.5, 0, 0} }
+LUA
+for method in stepped auto; do
+	exits 0 squeezed.lua --no-record --json --quiet --method $method
+	short=$(value smallest_step)
+	awk -v s="$short" 'BEGIN { exit !(s > 1e-3) }' || fail "$method: what is squeezed takes steps of $short s"
+done
