@@ -26,13 +26,49 @@ static void measure_sizes(const struct rb_world *world, struct rb_ledger_values 
 	}
 }
 
+/*
+ * With potential energies from where each body began, not from the origin: of what is heavy and stands nothing is left to
+ * round, beside what little the others do.
+ */
+static struct rb_frame_numbers since_start(const struct rb_world *world,
+                                           const struct rb_frame_numbers *numbers)
+{
+	const struct rb_model *model = world->model;
+	const rb_vec3 gravity = model->scene->world.gravity;
+	const rb_vec3 force = model->scene->world.gravity_force;
+	struct rb_frame_numbers since = *numbers;
+
+	since.potential_energy = rb_world_spring_energy(world);
+	for (int i = 0; i < model->body_count; i++) {
+		if (model->driven && model->driven[i])
+			continue;
+		const rb_vec3 way = rb_vec3_sub(rb_world_row3(world->state.position, i),
+		                                model->position[i]);
+
+		since.potential_energy -= model->mass[i] * rb_vec3_dot(gravity, way) +
+		                          rb_vec3_dot(force, way);
+	}
+	return since;
+}
+
+void rb_numbers_start_ledger(struct rb_world *world)
+{
+	struct rb_frame_numbers numbers;
+
+	rb_numbers_measure(world, &numbers);
+	numbers = since_start(world, &numbers);
+	rb_ledger_start(&world->ledger, &numbers);
+	world->ledger.kept = true;
+}
+
 static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
+	const struct rb_frame_numbers since = since_start(world, numbers);
 	struct rb_ledger ledger = world->ledger;
 
 	rb_ledger_enter(&ledger, &world->open);
 	numbers->has_ledger = true;
-	numbers->ledger = rb_ledger_values(&ledger, numbers);
+	numbers->ledger = rb_ledger_values(&ledger, &since);
 	/* causes that have cancelled in angular momentum were not small */
 	numbers->ledger.momentum_scale[1] += world->model->coordinate_max_m *
 	                                     numbers->ledger.momentum_scale[0];

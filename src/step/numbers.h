@@ -7,6 +7,8 @@
 
 /* Fills all but the counts. Potential energy is of gravity and gravity_force, zero at the origin. */
 void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers);
+/* The ledger counts from here on. */
+void rb_numbers_start_ledger(struct rb_world *world);
 void rb_numbers_count(struct rb_frame_numbers *numbers, const struct rb_counts *counts,
                       size_t contacts);
 

@@ -90,13 +90,8 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	}
 	if (status == RB_OK && is_located(model))
 		status = rb_engine_create(&world->located, world, err);
-	if (status == RB_OK && model->keeps_ledger) {
-		struct rb_frame_numbers numbers;
-
-		rb_numbers_measure(world, &numbers);
-		rb_ledger_start(&world->ledger, &numbers);
-		world->ledger.kept = true;
-	}
+	if (status == RB_OK && model->keeps_ledger)
+		rb_numbers_start_ledger(world);
 	if (status != RB_OK) {
 		rb_world_destroy(world);
 		return status;
