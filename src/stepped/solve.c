@@ -432,7 +432,8 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 		(void)try_factors(solver, island, dense, STALLED, arena);
 	const struct rb_energy least = rb_energy_of(solver, island);
 	const bool gains = rb_energy_gain(&least) > least.noise;
-	const double share = gains || !solved ? 0 : rb_energy_between(solver, island, &least, &kept);
+	const double share = gains || !solved ? 0
+	                                      : rb_energy_between(solver, island, &least, &kept);
 	rb_energy_mix(solver, island, &kept, share);
 	return gains ? least : none;
 }
