@@ -4,12 +4,15 @@
 
 #include "h5support.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <rbsim/model.h>
 
 #include "flow/frame.h"
 #include "script/load.h"
+#include "sink/h5output.h"
 
 static char folder[256];
 
@@ -355,6 +358,31 @@ static int remove_folder(void **state)
 	return system(command) != 0;
 }
 
+/* Whatever end is asked for: bytes that are there stay. */
+static void a_file_is_lengthened_and_never_cut(void **state)
+{
+	static const uint64_t ends[] = {10, 4096, 100, 5000, 5000, 0};
+	struct rb_output output;
+	struct rb_error err;
+	struct stat found;
+	char path[512];
+	uint64_t most = 0;
+
+	(void)state;
+	assert_ok(rb_output_open(&output, in_folder(path, "long"), true, &err));
+	const int file = open(output.partial, O_RDWR | O_CREAT, 0666);
+	assert_true(file >= 0);
+	close(file);
+	assert_ok(rb_output_attach(&output, &err));
+	for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+		rb_output_lengthen(&output, ends[i]);
+		most = ends[i] > most ? ends[i] : most;
+		assert_int_equal(fstat(output.fd, &found), 0);
+		assert_int_equal(found.st_size, most);
+	}
+	rb_output_release(&output);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -362,6 +390,7 @@ int main(void)
 		cmocka_unit_test(files_that_were_changed_are_refused),
 		cmocka_unit_test(damaged_files_do_no_harm),
 		cmocka_unit_test(a_recording_gives_its_scene_again),
+		cmocka_unit_test(a_file_is_lengthened_and_never_cut),
 	};
 
 	return cmocka_run_group_tests(tests, make_folder, remove_folder);

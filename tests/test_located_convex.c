@@ -5,6 +5,9 @@
 #include "solids.h"
 #include "worlds.h"
 
+#include "event/touch.h"
+#include "world/world.h"
+
 static struct rb_body_def solid_def(enum rb_shape_kind kind, double x, double y, double z)
 {
 	struct rb_body_def def = rb_body_def_default();
@@ -555,9 +558,49 @@ static void a_cylinder_that_lands_flat_in_flight_trips_alike_in_every_direction(
 	}
 }
 
+/* Of unlike bodies in any order: a point that lies within its features' bounds is passed on to itself. */
+static void a_point_within_its_features_is_passed_on_to_itself(void **slot)
+{
+	static const rb_vec3 size[] = {{0.5, 0.4, 0.3}, {0.2, 0.5, 0}, {0.3, 0.2, 0}};
+	static const enum rb_shape_kind kinds[] = {RB_SHAPE_BOX, RB_SHAPE_CAPSULE,
+	                                           RB_SHAPE_CYLINDER};
+	int seen = 0;
+
+	(void)slot;
+	for (int k = 0; k < 60; k++) {
+		const int which[2] = {k % 3, k / 3 % 3};
+		struct bench bench;
+
+		bench_open(&bench, 1, 1);
+		for (int i = 0; i < 2; i++) {
+			struct rb_body_def def = solid_def(kinds[which[i]], size[which[i]].x,
+			                                   size[which[i]].y, size[which[i]].z);
+
+			def.position = (rb_vec3){1.5 * i, 0.1, 0};
+			def.orientation = rb_quat_from_turn(
+				random_vector((uint64_t)(2 * k + i), 3));
+			lab_add(&bench.lab, &def);
+		}
+		bench_seal(&bench);
+		const struct rb_located *const l = bench.lab.world->located;
+		const struct rb_pose a = rb_arc_pose(l, 0, 0), b = rb_arc_pose(l, 1, 0);
+		const struct rb_meet m = rb_touch_nearest(l, 0, 1, &a, &b);
+		const struct rb_meet passed = rb_touch_passed_on(l, &m);
+		if (m.inside >= 0) {
+			seen++;
+			assert_true(passed.key == m.key);
+			assert_near(passed.gap, m.gap, 1e-15);
+			assert_vector(passed.point, m.point, 1e-15);
+		}
+		bench_close(&bench);
+	}
+	assert_true(seen > 30);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(a_point_within_its_features_is_passed_on_to_itself),
 		cmocka_unit_test(a_flat_drop_stays_flat_on_every_ground),
 		cmocka_unit_test(a_needle_that_lands_on_its_tip_gets_the_impulse_of_the_formula),
 		cmocka_unit_test(a_spinning_rod_hits_at_the_moment_at_which_its_corner_comes_down),

@@ -100,6 +100,65 @@ static void a_bouncing_ball_rests_in_time(void **slot)
 	}
 }
 
+/* Far from the origin a touch is off by roundings: what leaves it falls from no height, and is back after 2 v / g. */
+static void a_hop_from_a_touch_lasts_as_long_as_its_speed(void **slot)
+{
+	const double far = 1000, radius = 0.1, speed = 1e-7, ulp = 0x1p-43;
+
+	(void)slot;
+	for (int off = -8; off <= 8; off += 4)
+		for (int flat = 0; flat < 2; flat++) {
+			struct bench bench;
+
+			bench_open(&bench, 1, 1);
+			lab_surface(&bench.lab, 0, 0);
+			lab_sphere(&bench.lab, radius, 1, at(0, 0, far + radius + off * ulp),
+			           at(0, 0, speed));
+			struct rb_body_def def = lab_sphere_def(1, 1, at(0, 0, far - 1), origin);
+			def.is_static = true;
+			if (flat)
+				lab_plane(&bench.lab, at(0, 0, far), up);
+			else
+				lab_add(&bench.lab, &def);
+			bench_seal(&bench);
+			lab_run(&bench.lab);
+			/* its speed is known to the rounding of a fall by its own size, 3e-8 of it */
+			const double back_s = 2 * speed / g;
+			assert_near(bench_event(&bench, RB_EVENT_COLLISION, 0)->time_s / back_s, 1,
+			            1e-6);
+			bench_close(&bench);
+		}
+}
+
+/* A ball on the middle of a box that stands: bounces end where they are too small, whichever of the two comes first. */
+static void a_ball_bounces_as_often_whoever_is_named_first(void **slot)
+{
+	int count[2];
+
+	(void)slot;
+	for (int way = 0; way < 2; way++) {
+		struct bench bench;
+		struct rb_body_def ball = lab_sphere_def(0.1, 1, at(0, 0, 1.1), origin);
+		struct rb_body_def box = lab_sphere_def(0, 8, at(0, 0, -0.1), origin);
+
+		bench_open(&bench, 3, 1);
+		lab_surface(&bench.lab, 0.3, 0.5);
+		box.call = "box";
+		box.shape.kind = RB_SHAPE_BOX;
+		rb_vec3_to(box.shape.size, at(1, 1, 0.2));
+		lab_add(&bench.lab, way ? &box : &ball);
+		lab_add(&bench.lab, way ? &ball : &box);
+		lab_plane(&bench.lab, at(0, 0, -0.2), up);
+		bench_seal(&bench);
+		lab_run(&bench.lab);
+		assert_near(rb_world_totals(bench.lab.world).kinetic_energy, 0, 1e-20);
+		count[way] = lab_log_count(&bench.log, RB_EVENT_COLLISION);
+		bench_close(&bench);
+	}
+	assert_true(count[0] > 10);
+	assert_int_equal(count[0], count[1]);
+}
+
 /* It goes on sideways: by friction it rolls when the bouncing is over, and is told once. */
 static void a_ball_thrown_sideways_ends_in_rolling(void **slot)
 {
@@ -692,6 +751,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_thousand_elastic_bounces_keep_energy_and_phase),
 		cmocka_unit_test(a_bouncing_ball_rests_in_time),
+		cmocka_unit_test(a_hop_from_a_touch_lasts_as_long_as_its_speed),
+		cmocka_unit_test(a_ball_bounces_as_often_whoever_is_named_first),
 		cmocka_unit_test(a_ball_thrown_sideways_ends_in_rolling),
 		cmocka_unit_test(oblique_impacts_follow_the_rigid_limit),
 		cmocka_unit_test(gears_do_not_rub),

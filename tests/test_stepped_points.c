@@ -2,6 +2,7 @@
 /* src/stepped/near, src/stepped/touch: what was far apart is not looked at again until it could be near. */
 #include "worlds.h"
 
+#include "stepped/close.h"
 #include "stepped/inside.h"
 #include "world/world.h"
 
@@ -93,11 +94,43 @@ static void a_heap_of_boxes_that_turn_stays_within_the_tolerance(void **state)
 	lab_close(&lab);
 }
 
+/* An impact within a step may begin a turn as well as end it: what the contacts were solved for bends either way. */
+static void what_may_be_closed_follows_the_faster_turn(void **state)
+{
+	static const double spins[][2] = {{0, 0}, {0, 3}, {3, 0}, {3, 3}, {3, -1}};
+	double most[5];
+	struct lab lab;
+
+	(void)state;
+	open_weightless(&lab, 1);
+	for (int k = 0; k < 2; k++)
+		add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){2.0 * k, 0, 0}, none, none);
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	for (int k = 0; k < 5; k++)
+		for (int body = 0; body < 2; body++) {
+			const struct rb_deep deep = {0, 1, 0};
+
+			memset(lab.world->state.spin, 0, 6 * sizeof(double));
+			memset(lab.world->mark.spin, 0, 6 * sizeof(double));
+			lab.world->mark.spin[3 * body + 1] = spins[k][0];
+			lab.world->state.spin[3 * body + 2] = spins[k][1];
+			const double here = rb_close_most(lab.world, &deep, 1e-3);
+			assert_true(body == 0 || here == most[k]);
+			most[k] = here;
+		}
+	assert_true(most[1] > most[0]);
+	for (int k = 2; k < 5; k++)
+		assert_true(most[k] == most[1]);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),
 		cmocka_unit_test(what_comes_back_is_met),
+		cmocka_unit_test(what_may_be_closed_follows_the_faster_turn),
 		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),
 	};
 
