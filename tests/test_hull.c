@@ -97,6 +97,41 @@ static void a_box_has_six_faces_wherever_it_is_and_however_thin(void **slot)
 			}
 }
 
+/* A cloud that is pressed flat, or to a needle, and turned has the same corners and faces. */
+static void a_cloud_keeps_its_faces_however_it_is_pressed(void **slot)
+{
+	static const double sizes[][2] = {{1, 1},      {1, 1e-8},    {1e-4, 1e-4},
+	                                  {0.1, 1e-8}, {1e-4, 1e-8}, {1e-8, 1e-8}};
+	rb_vec3 points[36];
+
+	(void)slot;
+	for (uint64_t k = 0; k < 40; k++) {
+		struct rb_hull first = {0};
+
+		for (int s = 0; s < 6; s++) {
+			const rb_quat turn = s ? solids_turn(k) : rb_quat_identity;
+
+			for (uint64_t i = 0; i < 36; i++)
+				points[i] = rb_quat_rotate(
+					turn,
+					(rb_vec3){solids_random(k, 3 * i, -1, 1),
+				                  sizes[s][0] * solids_random(k, 3 * i + 1, -1, 1),
+				                  sizes[s][1] *
+				                          solids_random(k, 3 * i + 2, -1, 1)});
+			struct rb_hull hull = hull_of(points, 36);
+			if (s == 0) {
+				first = hull;
+				continue;
+			}
+			assert_int_equal(hull.vertex_count, first.vertex_count);
+			assert_int_equal(hull.face_count, first.face_count);
+			assert_int_equal(hull.edge_count, first.edge_count);
+			rb_hull_release(&hull);
+		}
+		rb_hull_release(&first);
+	}
+}
+
 static void of_points_on_a_ball_all_are_corners_and_faces_are_triangles(void **slot)
 {
 	enum { COUNT = 5000 };
@@ -276,6 +311,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(what_lies_within_on_faces_or_twice_is_no_corner),
 		cmocka_unit_test(a_box_has_six_faces_wherever_it_is_and_however_thin),
+		cmocka_unit_test(a_cloud_keeps_its_faces_however_it_is_pressed),
 		cmocka_unit_test(of_points_on_a_ball_all_are_corners_and_faces_are_triangles),
 		cmocka_unit_test(a_prism_of_many_sides_keeps_its_ends_whole),
 		cmocka_unit_test(clouds_of_all_kinds_close),

@@ -16,8 +16,6 @@
 
 #include <libqhull_r/poly_r.h>
 
-/* Below that share of the largest extent after scaling along the axes, the cloud is thin across them too. */
-static const double thin = 1e-3;
 /* Roundings of coordinates that a face may be off its plane by, and extents that count as none. */
 enum { COPLANAR_ULP = 16, FLAT_ULP = 64, TRIES = 6 };
 
@@ -65,10 +63,10 @@ static bool stretch(struct cloud *cloud, double noise[3])
 	return true;
 }
 
-/* The principal axes of the points' second moments become the axes; false: they are that already. */
-static bool turn(struct cloud *cloud, double noise[3])
+/* The principal axes of the points' second moments become the axes. */
+static void turn(struct cloud *cloud, double noise[3])
 {
-	double s[3][3] = {{0}}, least = HUGE_VAL, most = 0;
+	double s[3][3] = {{0}};
 
 	for (int i = 0; i < cloud->count; i++)
 		for (int j = 0; j < 3; j++)
@@ -79,9 +77,9 @@ static bool turn(struct cloud *cloud, double noise[3])
 	                         {-s[1][0], s[0][0] + s[2][2], -s[1][2]},
 	                         {-s[2][0], -s[2][1], s[0][0] + s[1][1]}}};
 	const rb_quat axes = rb_top_body_of(&tensor).principal;
-	double low[3], high[3], across[3];
-
 	const rb_mat3 r = rb_quat_to_mat3(axes);
+	double across[3];
+
 	for (int k = 0; k < 3; k++)
 		across[k] = fabs(r.m[0][k]) * noise[0] + fabs(r.m[1][k]) * noise[1] +
 		            fabs(r.m[2][k]) * noise[2] + DBL_EPSILON;
@@ -90,13 +88,7 @@ static bool turn(struct cloud *cloud, double noise[3])
 
 		rb_vec3_to(p, rb_quat_rotate_back(axes, rb_vec3_from(p)));
 	}
-	extent(cloud->at, cloud->count, low, high);
-	for (int k = 0; k < 3; k++) {
-		least = fmin(least, high[k] - low[k]);
-		most = fmax(most, high[k] - low[k]);
-	}
 	memcpy(noise, across, sizeof across);
-	return least < thin * most;
 }
 
 static enum rb_status refuse(struct rb_error *err, size_t count)
@@ -121,15 +113,10 @@ static enum rb_status to_cube(struct cloud *cloud, struct rb_error *err)
 	}
 	if (!stretch(cloud, noise))
 		return refuse(err, (size_t)cloud->count);
-	/* thin across the axes: turned, stretched again, and once more to see whether that was enough */
-	for (int round = 0; round < 2; round++) {
-		const bool is_thin = turn(cloud, noise);
-
-		if (!stretch(cloud, noise))
-			return refuse(err, (size_t)cloud->count);
-		if (!is_thin)
-			break;
-	}
+	/* it may be thin across the axes */
+	turn(cloud, noise);
+	if (!stretch(cloud, noise))
+		return refuse(err, (size_t)cloud->count);
 	cloud->noise = fmax(noise[0], fmax(noise[1], noise[2]));
 	return RB_OK;
 }
