@@ -177,12 +177,64 @@ static void patterns_turn_with_their_body(void **state)
 	}
 }
 
+static void add_picture(struct studio *studio, const char *name, int width, int height,
+                        uint8_t *rgba)
+{
+	const struct rb_pixmap image = {width, height, rgba};
+	char folder[256], path[300], bytes[8192];
+
+	snprintf(path, sizeof path, "%s/%s", support_folder(folder), name);
+	assert_int_equal(rb_png_write(path, false, &image, NULL, NULL, &studio->err), RB_OK);
+	FILE *const file = fopen(path, "rb");
+	assert_non_null(file);
+	const size_t size = fread(bytes, 1, sizeof bytes, file);
+	fclose(file);
+	remove(path);
+	rmdir(folder);
+	assert_int_equal(rb_scene_add_file(&studio->lab.scene, name, bytes, size, "", &studio->err),
+	                 RB_OK);
+}
+
+/* Balls left and right, and the ground before them. */
+static void each_body_has_its_own_picture(void **state)
+{
+	static const char *const names[] = {"red.png", "green.png", "blue.png"};
+	struct studio studio;
+
+	(void)state;
+	studio_open(&studio);
+	for (int k = 0; k < 3; k++) {
+		uint8_t rgba[8 * 8 * 4];
+
+		for (int i = 0; i < 8 * 8 * 4; i++)
+			rgba[i] = i % 4 == 3 ? 255 : i % 4 == k ? 220 : 10;
+		add_picture(&studio, names[k], 8, 8, rgba);
+		struct rb_body_def def = lab_sphere_def(1, 1, (rb_vec3){k ? 1.5 : -1.5, 0, 1.5},
+		                                        (rb_vec3){0, 0, 0});
+		if (k == 2) {
+			def = rb_body_def_default();
+			def.call = "plane";
+			def.shape.kind = RB_SHAPE_PLANE;
+			def.orientation = rb_plane_orientation((rb_vec3){0, 0, 1},
+			                                       (rb_vec3){NAN, 0, 0});
+			def.is_static = true;
+		}
+		def.texture = names[k];
+		lab_add(&studio.lab, &def);
+	}
+	studio_seal(&studio);
+	studio_draw(&studio);
+	assert_true(is_red(pixel_at(&studio, WIDTH / 2 - 30, HEIGHT / 2 - 10)));
+	assert_true(is_green(pixel_at(&studio, WIDTH / 2 + 30, HEIGHT / 2 - 10)));
+	assert_true(is_blue(pixel_at(&studio, WIDTH / 2, HEIGHT - 10)));
+	studio_close(&studio);
+}
+
 /* Northern half red, southern half blue, west of the meridian green below. */
 static void a_picture_lies_on_a_sphere_as_on_a_globe(void **state)
 {
 	struct studio studio;
 	uint8_t rgba[32 * 16 * 4];
-	char folder[256], path[300];
 
 	(void)state;
 	for (int y = 0; y < 16; y++)
@@ -193,19 +245,7 @@ static void a_picture_lies_on_a_sphere_as_on_a_globe(void **state)
 			memcpy(rgba + 4 * (y * 32 + x), y < 8 ? north : x < 8 ? west : east, 4);
 		}
 	studio_open(&studio);
-	snprintf(path, sizeof path, "%s/globe.png", support_folder(folder));
-	const struct rb_pixmap image = {32, 16, rgba};
-	assert_int_equal(rb_png_write(path, false, &image, NULL, NULL, &studio.err), RB_OK);
-	char bytes[8192];
-	FILE *file = fopen(path, "rb");
-	assert_non_null(file);
-	const size_t size = fread(bytes, 1, sizeof bytes, file);
-	fclose(file);
-	remove(path);
-	rmdir(folder);
-	assert_int_equal(
-		rb_scene_add_file(&studio.lab.scene, "globe.png", bytes, size, "", &studio.err),
-		RB_OK);
+	add_picture(&studio, "globe.png", 32, 16, rgba);
 	struct rb_body_def def = lab_sphere_def(1.5, 1, (rb_vec3){0, 0, 1}, (rb_vec3){0, 0, 0});
 	def.texture = "globe.png";
 	lab_add(&studio.lab, &def);
@@ -605,6 +645,7 @@ int main(void)
 		cmocka_unit_test(a_shadow_is_darker_and_lies_away_from_the_light),
 		cmocka_unit_test(a_lamp_throws_a_shadow_too_and_unseen_bodies_none),
 		cmocka_unit_test(patterns_turn_with_their_body),
+		cmocka_unit_test(each_body_has_its_own_picture),
 		cmocka_unit_test(a_picture_lies_on_a_sphere_as_on_a_globe),
 		cmocka_unit_test(a_texture_that_is_no_picture_is_told_with_its_place),
 		cmocka_unit_test(a_plain_background_is_the_colour_that_was_asked_for),

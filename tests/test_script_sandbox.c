@@ -12,7 +12,8 @@
 #include "script/pattern.h"
 #include "script/sandbox.h"
 
-static size_t memory_bytes = (size_t)8 << 20;
+static size_t memory_bytes = (size_t)8 << 20, bytes_held;
+static uint64_t load_instructions = 3000000;
 
 /* What loading ends with; budgets are small, so that running into them takes no time. */
 static enum rb_status load(const char *text, bool trust, struct rb_error *err)
@@ -23,13 +24,14 @@ static enum rb_status load(const char *text, bool trust, struct rb_error *err)
 	                                          .files = &file,
 	                                          .file_count = 1,
 	                                          .trust = trust,
-	                                          .load_instructions = 3000000,
+	                                          .load_instructions = load_instructions,
 	                                          .memory_bytes = memory_bytes};
 	struct rb_script *script;
 	struct rb_scene scene;
 
 	*err = (struct rb_error){0};
 	const enum rb_status status = rb_script_load(&script, &scene, NULL, &options, err);
+	bytes_held = rb_memory_counts().bytes_now;
 	rb_script_destroy(script);
 	rb_scene_release(&scene);
 	return status;
@@ -254,6 +256,50 @@ static void memory_that_grows_counts_once(void **state)
 	memory_bytes = (size_t)8 << 20;
 }
 
+/* What a scene with so many hulls, all different, is allowed at least, to a 64th; to `held` what the program then holds. */
+static double least_for_hulls(int count, double *held)
+{
+	double low = 1 << 16, high = 1 << 26;
+	struct rb_error err;
+	char text[400];
+
+	snprintf(
+		text, sizeof text,
+		"local p = {} for i = 1, 200 do p[i] = {0, 0, 0} end\n"
+		"for k = 1, %d do\n"
+		"  for i = 1, 200 do local z, a = i / 101 - 1, 2.4 * i + k local r = math.sqrt(1 - z * z)\n"
+		"    p[i][1], p[i][2], p[i][3] = r * math.cos(a), r * math.sin(a), z end\n"
+		"  hull { points = p, mass = 1, position = {3 * k, 0, 0} } end",
+		count);
+	while (high > low * (1 + 1.0 / 64)) {
+		memory_bytes = (size_t)sqrt(low * high);
+		if (load(text, false, &err) == RB_OK) {
+			high = (double)memory_bytes;
+			*held = (double)bytes_held;
+		} else {
+			if (!strstr(err.text, "of memory"))
+				fail_msg("%s", err.text);
+			low = (double)memory_bytes;
+		}
+	}
+	memory_bytes = (size_t)8 << 20;
+	return high;
+}
+
+/* Twice as many hulls want as much more as they take. */
+static void hulls_count_with_what_they_take(void **state)
+{
+	double held[2];
+
+	(void)state;
+	load_instructions = 1000000000;
+	const double few = least_for_hulls(20, &held[0]), many = least_for_hulls(40, &held[1]);
+
+	load_instructions = 3000000;
+	/* both bounds to a 64th */
+	assert_near(many - few, held[1] - held[0], (many + few) / 64);
+}
+
 static void memory_is_bounded(void **state)
 {
 	static const char message[] =
@@ -382,6 +428,7 @@ int main(void)
 		cmocka_unit_test(endless_loops_are_stopped_and_named),
 		cmocka_unit_test(what_works_in_c_is_stopped_too),
 		cmocka_unit_test(memory_that_grows_counts_once),
+		cmocka_unit_test(hulls_count_with_what_they_take),
 		cmocka_unit_test(memory_is_bounded),
 		cmocka_unit_test(trust_lifts_the_sandbox),
 		cmocka_unit_test(coroutines_and_xpcall_work_as_in_lua),
