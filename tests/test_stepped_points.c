@@ -125,11 +125,44 @@ static void what_may_be_closed_follows_the_faster_turn(void **state)
 	lab_close(&lab);
 }
 
+/* About any axis, from any orientation: no point of it has gone farther than its size times the angle, and some as far. */
+static void what_turns_in_place_has_gone_its_size_times_its_angle(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 6; k++) {
+		const rb_vec3 axis = {k % 3 == 0, k % 3 == 1, k % 3 == 2};
+		struct rb_body_def def = rb_body_def_default();
+		struct lab lab;
+
+		open_weightless(&lab, 1);
+		def.call = "box";
+		def.shape.kind = RB_SHAPE_BOX;
+		def.mass = 1;
+		rb_vec3_to(def.shape.size, (rb_vec3){1, 1, 1});
+		def.orientation = k < 3 ? rb_quat_identity
+		                        : rb_quat_from_turn((rb_vec3){2, -1, 0.5});
+		def.angular_velocity = axis;
+		lab_add(&lab, &def);
+		add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){1.9, 0, 0}, none, none);
+		lab_seal(&lab, 1);
+		lab_step(&lab);
+		const struct rb_near *const near = &lab.world->stepped->near;
+		const double before = near->path[0], since = rb_world_time(lab.world);
+		for (int n = 0; n < 20; n++)
+			lab_step(&lab);
+		/* 2 sin(t / 2) for an angle t of a step falls short by t^2 / 24, 1e-6 of it */
+		assert_near(near->path[0] - before,
+		            near->size[0] * (rb_world_time(lab.world) - since), 1e-5);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),
 		cmocka_unit_test(what_comes_back_is_met),
+		cmocka_unit_test(what_turns_in_place_has_gone_its_size_times_its_angle),
 		cmocka_unit_test(what_may_be_closed_follows_the_faster_turn),
 		cmocka_unit_test(a_heap_of_boxes_that_turn_stays_within_the_tolerance),
 	};
