@@ -7,6 +7,13 @@ small_scene 'local e = param("e", 0.5, "x")' >s.lua
 exits 0 s.lua -q -o run.h5
 exits 0 sweep s.lua -p e=0.1,0.5,0.9 -o d -q
 exits 0 collect d -q
+cat >two.lua <<'END'
+world { duration = 0.1 }
+for name, z in pairs {a1 = 1, a2 = 5, a21 = 9, a22 = 13} do
+	sphere { name = name, radius = 0.1, mass = 1, position = {z, 0, z} }
+end
+END
+exits 0 two.lua -q -o two.h5
 if ! command -v gnuplot >/dev/null; then
 	exits 69 plot run.h5 energy
 	says err "no 'gnuplot'"
@@ -17,6 +24,11 @@ fi
 exits 0 plot run.h5 energy kinetic_energy left.z
 says out 'time \[s\]'
 says out 'left.z'
+# of two bodies whose names are alike the one that was named, and no other
+exits 0 plot two.h5 a2.z
+says out ' 5 [+|]\*\*'
+exits 0 plot two.h5 a21.z
+says out ' 9 [+|]\*\*'
 exits 0 plot d/sweep.h5 e --against e
 [ "$(grep -o X out | wc -l)" -ge 4 ] || fail "not a cross for each run and one in the key"
 

@@ -71,6 +71,21 @@ says out 'array=1-2,4-5'
 exits 0 sweep d --json
 [ "$(value runs)" = 4 ] || fail "$(value runs) points were run again, wanted 4"
 
+# whose recording it is, is told by its parameters: as numbers where both are numbers, and nothing is no number
+echo 'param("text", "", "any") world { duration = 0.01 } sphere { radius = 1, mass = 1 }' >text.lua
+for text in "" 0 0.0 1 x; do exits 0 sweep text.lua -p "text=$text" -o "text-$text" -q; done
+for a in "" 0 0.0 1 x; do
+	for b in "" 0 0.0 1 x; do
+		rm -rf other && cp -r "text-$a" other
+		cp "text-$b"/point-* other
+		exits 0 sweep other --status
+		case "$a,$b" in
+		0,0.0 | 0.0,0 | "$a,$a") says out '1 point of text.lua: 1 done' ;;
+		*) says out ': 0 done, 1 unfinished' ;;
+		esac
+	done
+done
+
 # failing points: an expectation, a scene that is wrong there; they stop nothing and are told with reasons
 exits 1 sweep src/s.lua -p e=1,1.5,0.5 -p n=1,0 -o f
 says err 'point 2 \(e=1.5, n=1\) failed, exit status 1: 1 of 1 expectations failed'

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT */
+/* src/stepped/even: who bears how much, where that is open. */
+#include "solids.h"
+#include "support.h"
+
+#include "stepped/even.h"
+
+enum { CORNERS = 4 };
+
+/* A box of 2 kg on what does not yield, at four corners: pushes at random, friction within the cones, at one of them at its edge. */
+struct stand {
+	struct rb_dense_body body[2];
+	struct rb_dense_row row[CORNERS];
+	struct rb_dense dense;
+};
+
+static void lay(struct stand *stand, uint64_t series)
+{
+	*stand = (struct stand){
+		.body = {{.inverse_mass = 0}, {.inverse_mass = 0.5, .inverse_inertia = 0.8}}};
+	for (int k = 0; k < CORNERS; k++) {
+		const uint64_t of = 100 + 4 * (uint64_t)k;
+		struct rb_dense_row *const row = &stand->row[k];
+		const double push = solids_random(series, of, 0.1, 1);
+		const double share = k == 0 ? 1 : solids_random(series, of + 1, 0, 1);
+		const double way = solids_random(series, of + 2, -3, 3);
+
+		*row = (struct rb_dense_row){.a = 0,
+		                             .b = 1,
+		                             .point = k,
+		                             .normal = {0, 0, 1},
+		                             .arm_b = {k % 2 ? 1 : -1, k / 2 ? 0.7 : -0.7, -0.5},
+		                             .yield_n = 1,
+		                             .yield_t = 1,
+		                             .friction = 0.4,
+		                             .push = push};
+		row->rub = rb_vec3_scale(share * 0.4 * push, (rb_vec3){cos(way), sin(way), 0});
+	}
+	stand->dense = (struct rb_dense){
+		.body = stand->body, .row = stand->row, .row_count = CORNERS};
+}
+
+/* What the impulses are to the box: force, and torque about its centre. */
+static void load_of(const struct stand *stand, bool whole, rb_vec3 *force, rb_vec3 *torque)
+{
+	*force = *torque = (rb_vec3){0, 0, 0};
+	for (int k = 0; k < CORNERS; k++) {
+		const struct rb_dense_row *const row = &stand->row[k];
+		const rb_vec3 impulse = whole ? rb_dense_impulse(row)
+		                              : rb_vec3_scale(row->push, row->normal);
+
+		*force = rb_vec3_add(*force, impulse);
+		*torque = rb_vec3_add(*torque, rb_vec3_cross(row->arm_b, impulse));
+	}
+}
+
+static void assert_same(rb_vec3 a, rb_vec3 b)
+{
+	assert_near(a.x, b.x, 1e-14);
+	assert_near(a.y, b.y, 1e-14);
+	assert_near(a.z, b.z, 1e-14);
+}
+
+/* The same force and torque with the smallest squares: what is left over, 1 -1 -1 1, is not in it. Nothing leaves its cone. */
+static void pushes_become_even_and_do_the_same(void **state)
+{
+	struct rb_arena arena = {0};
+	int cut = 0;
+
+	(void)state;
+	for (uint64_t series = 0; series < 100; series++) {
+		rb_vec3 force[2], torque[2], whole[2], turn[2];
+		struct stand stand, before;
+
+		lay(&stand, series);
+		before = stand;
+		assert_true(rb_even(&stand.dense, 1e-9, 1e9, &arena));
+		load_of(&before, false, &force[0], &torque[0]);
+		load_of(&stand, false, &force[1], &torque[1]);
+		assert_same(force[0], force[1]);
+		assert_same(torque[0], torque[1]);
+		double least = 1;
+		for (int k = 0; k < CORNERS; k++)
+			least = fmin(least, stand.row[k].push);
+		assert_true(least >= 0);
+		if (least > 0)
+			assert_near(stand.row[0].push - stand.row[1].push - stand.row[2].push +
+			                    stand.row[3].push,
+			            0, 1e-14);
+		for (int k = 0; k < CORNERS; k++) {
+			const struct rb_dense_row *const row = &stand.row[k];
+			const double rub = rb_vec3_length(row->rub);
+			const rb_vec3 off = rb_vec3_cross(row->rub, before.row[k].rub);
+
+			assert_true(rub <= row->friction * row->push + 1e-15);
+			assert_near(rb_vec3_length(off), 0, 1e-15);
+			cut += k > 0 && rub < rb_vec3_length(before.row[k].rub);
+		}
+		assert_near(rb_vec3_length(stand.row[0].rub), 0.4 * stand.row[0].push, 1e-15);
+		/* the bodies have what the impulses have changed by */
+		load_of(&before, true, &whole[0], &turn[0]);
+		load_of(&stand, true, &whole[1], &turn[1]);
+		assert_same(stand.body[1].linear,
+		            rb_vec3_scale(0.5, rb_vec3_sub(whole[1], whole[0])));
+		assert_same(stand.body[1].angular,
+		            rb_vec3_scale(0.8, rb_vec3_sub(turn[1], turn[0])));
+		rb_arena_reset(&arena);
+	}
+	assert_true(cut > 10);
+	rb_arena_release(&arena);
+}
+
+static void what_does_not_slide_or_would_take_too_long_is_left(void **state)
+{
+	struct rb_arena arena = {0};
+	struct stand stand, before;
+
+	(void)state;
+	lay(&stand, 1);
+	before = stand;
+	assert_false(rb_even(&stand.dense, 1e-9, 10, &arena));
+	assert_memory_equal(stand.row, before.row, sizeof stand.row);
+	stand.row[0].rub = (rb_vec3){0, 0, 0};
+	before = stand;
+	assert_false(rb_even(&stand.dense, 1e-9, 1e9, &arena));
+	assert_memory_equal(stand.row, before.row, sizeof stand.row);
+	rb_arena_release(&arena);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(pushes_become_even_and_do_the_same),
+		cmocka_unit_test(what_does_not_slide_or_would_take_too_long_is_left),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
