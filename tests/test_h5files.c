@@ -358,6 +358,28 @@ static int remove_folder(void **state)
 	return system(command) != 0;
 }
 
+static herr_t innermost(unsigned depth, const H5E_error2_t *entry, void *user)
+{
+	(void)depth;
+	snprintf(user, 150, "%s", entry->desc);
+	return 0;
+}
+
+/* Of all that the library says of a failure, what failed first. */
+static void a_failure_is_told_by_what_failed_first(void **state)
+{
+	char first[150] = "", last[150] = "", said[160], wanted[170];
+
+	(void)state;
+	rb_h5_quiet();
+	assert_true(H5Dopen2(H5P_DEFAULT, "nowhere", H5P_DEFAULT) < 0);
+	assert_true(H5Ewalk2(H5E_DEFAULT, H5E_WALK_DOWNWARD, innermost, first) >= 0);
+	snprintf(wanted, sizeof wanted, "HDF5: %s", first);
+	assert_string_equal(rb_h5_reason(said), wanted);
+	assert_true(H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, innermost, last) >= 0);
+	assert_string_not_equal(first, last);
+}
+
 /* Whatever end is asked for: bytes that are there stay. */
 static void a_file_is_lengthened_and_never_cut(void **state)
 {
@@ -390,6 +412,7 @@ int main(void)
 		cmocka_unit_test(files_that_were_changed_are_refused),
 		cmocka_unit_test(damaged_files_do_no_harm),
 		cmocka_unit_test(a_recording_gives_its_scene_again),
+		cmocka_unit_test(a_failure_is_told_by_what_failed_first),
 		cmocka_unit_test(a_file_is_lengthened_and_never_cut),
 	};
 

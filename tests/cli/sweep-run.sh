@@ -86,6 +86,28 @@ for a in "" 0 0.0 1 x; do
 	done
 done
 
+# processor time told is that of the runs, of which the system knows too; a terminal is told a time that is left
+cat >account.py <<'END'
+import json, os, pty, resource, subprocess, sys
+program = os.environ["RBSIM"]
+words = [program, "sweep", "text.lua", "--seeds", "40", "--jobs", "2", "-o"]
+told = json.loads(subprocess.run(words + ["c", "--json"], check=True, capture_output=True).stdout)
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+assert 0 < told["processor_time"] < used.ru_utime + used.ru_stime, (told["processor_time"], used)
+said = b""
+child, terminal = pty.fork()
+if child == 0:
+    os.execve(program, words + ["t"], dict(os.environ, TERM="xterm"))
+while True:
+    try:
+        said += os.read(terminal, 4096)
+    except OSError:
+        break
+assert os.waitpid(child, 0)[1] == 0, said
+assert b" left" in said and b"ages left" not in said, said
+END
+python3 account.py || fail "the account of a sweep is wrong"
+
 # failing points: an expectation, a scene that is wrong there; they stop nothing and are told with reasons
 exits 1 sweep src/s.lua -p e=1,1.5,0.5 -p n=1,0 -o f
 says err 'point 2 \(e=1.5, n=1\) failed, exit status 1: 1 of 1 expectations failed'
