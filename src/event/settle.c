@@ -636,11 +636,7 @@ static bool is_moving(const struct rb_settling *s)
  */
 static bool comes_to_touch(const struct rb_settling *s, const struct rb_meet *m)
 {
-	const bool may = s->struck ? rb_vec3_max_abs(m->half) > 0
-	                           : rb_meet_has_features(s->l, m->a, m->b) &&
-	                                     rb_set_held(s->l, m->a, m->b) != NULL;
-
-	return may && !rb_meet_passes(s->l, m, s->t);
+	return (!s->struck || rb_vec3_max_abs(m->half) > 0) && !rb_meet_passes(s->l, m, s->t);
 }
 
 /*
