@@ -57,9 +57,10 @@ struct rb_solver {
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
 	const struct rb_kick *kick; /* borrowed: by body; NULL: there have been no impacts */
 	double h_s, enough;         /* of the step; m/s */
-	double pull;  /* m^2/s^2: the most that its forces change a velocity by, squared */
-	bool bounces; /* materials of the scene have restitution */
-	bool mixed;   /* some pairs of them have, others have none */
+	double whole_s; /* of the step that was tried first, set by the caller; 0: of this one */
+	double pull;    /* m^2/s^2: the most that its forces change a velocity by, squared */
+	bool bounces;   /* materials of the scene have restitution */
+	bool mixed;     /* some pairs of them have, others have none */
 	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };
 

@@ -441,8 +441,8 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 /*
  * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what is still left is taken from
  * all impulses. Where that lets gaps close by more than is good, the step is halved: without impulses nothing is gained, and
- * halves of it close less. Nor is a group pushed apart that cannot be: what is squeezed overlaps on both sides, within the
- * tolerance, and the shorter the step, the less way there is to part in.
+ * halves of it close less. Nor is in halves of a step a group pushed apart that cannot be: what is squeezed overlaps on both
+ * sides, within the tolerance, and the shorter the step, the faster it would have to part.
  */
 static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_dense *dense, struct rb_arena *arena)
@@ -450,9 +450,10 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 	island->room = 0;
 	if (!rb_energy_pushes(dense, -(double)INFINITY))
 		return;
+	const bool squeezed = solver->h_s < solver->whole_s &&
+	                      !(island->residual <= solver->enough);
 	struct rb_energy energy = rb_energy_of(solver, island);
-	if ((rb_energy_gain(&energy) > energy.noise || !(island->residual <= solver->enough)) &&
-	    rb_energy_pushes(dense, 0))
+	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_pushes(dense, 0))
 		energy = push_less(solver, island, dense, arena);
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));
