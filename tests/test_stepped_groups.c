@@ -55,6 +55,18 @@ static void lay(struct lab *lab, const struct plan *plan, int *id)
 		lay_violent(lab, id + HEAP);
 }
 
+/* Steps of a sixtieth of a second on a plane. */
+static void open_sixtieths(struct lab *lab)
+{
+	lab_open(lab, 0.5, 60);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = 1.0 / 60;
+	lab->scene.world.tolerance_m = 1e-6;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -g};
+	lab_surface(lab, 0.5, 0.5);
+	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+}
+
 static void run(const struct plan *plan, struct result *result)
 {
 	struct lab_log log;
@@ -63,14 +75,8 @@ static void run(const struct plan *plan, struct result *result)
 	struct lab lab;
 	int id[BODIES];
 
-	lab_open(&lab, 0.5, 60);
-	lab.scene.world.method = RB_METHOD_STEPPED;
+	open_sixtieths(&lab);
 	lab.scene.world.rollback = plan->rollback;
-	lab.scene.world.time_step_s = 1.0 / 60;
-	lab.scene.world.tolerance_m = 1e-6;
-	lab.scene.world.gravity = (rb_vec3){0, 0, -g};
-	lab_surface(&lab, 0.5, 0.5);
-	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
 	lay(&lab, plan, id);
 	lab_seal_with(&lab, &options, &hooks);
 	lab_run(&lab);
@@ -286,6 +292,37 @@ static void impacts_are_told_in_order_of_time_then_ids(void **state)
 	release(&both);
 }
 
+static bool count_calls(void *user)
+{
+	++*(int *)user;
+	return false;
+}
+
+/* However often a step is halved: the groups ask before each part of it whether the run is to end. */
+static void parts_of_a_step_hear_that_the_run_is_to_end(void **state)
+{
+	int calls = 0;
+	const struct rb_world_options options = {.stop = count_calls, .stop_user = &calls};
+	struct lab lab;
+	int id[BODIES];
+
+	(void)state;
+	for (int global = 0; global < 2; global++) {
+		open_sixtieths(&lab);
+		lab.scene.world.rollback = global ? RB_ROLLBACK_GLOBAL : RB_ROLLBACK_SELECTIVE;
+		lay_violent(&lab, id);
+		lab_seal_with(&lab, &options, NULL);
+		calls = 0;
+		lab_run(&lab);
+		const int frames = (int)rb_world_frame(lab.world);
+		const struct rb_frame_numbers numbers = rb_world_totals(lab.world);
+		assert_true(numbers.rollbacks > 0);
+		/* at least two parts of what went back, and whoever went on has tried them */
+		assert_true(calls >= frames + 2 * (int)numbers.rollbacks);
+		lab_close(&lab);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -297,6 +334,7 @@ int main(void)
 		cmocka_unit_test(any_allocation_may_fail_in_a_step_that_goes_back),
 		cmocka_unit_test(order_of_groups_and_threads_are_not_in_the_bits),
 		cmocka_unit_test(impacts_are_told_in_order_of_time_then_ids),
+		cmocka_unit_test(parts_of_a_step_hear_that_the_run_is_to_end),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -630,21 +630,13 @@ static void allow(struct rb_located *l, double dt)
 	l->products = 0;
 }
 
-/* Asks now and then; true: the run is to end. */
-static bool is_stopped(const struct rb_located *l)
-{
-	const struct rb_world_options *options = &l->world->options;
-
-	return options->stop && options->stop(options->stop_user);
-}
-
 /* Brings what turns fast and evenly faster to this moment bit by bit; false: the run is to end. */
 static bool follow_turns(struct rb_located *l, double t)
 {
 	for (int i = 0; l->top && i < l->n; i++)
 		while (!rb_located_on_piece(l, i) &&
 		       !rb_top_follow(&l->top[i], t - l->arc[i].anchor_s, TURNS_PER_POLL))
-			if (is_stopped(l))
+			if (rb_world_is_stopped(l->world))
 				return false;
 	return true;
 }
@@ -670,7 +662,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 		rb_arena_reset(l->arena);
 		/* what was late by rounding happens now */
 		one_event(l, which, fmax(t, l->now_s));
-		if (++l->polled % EVENTS_PER_POLL == 0 && is_stopped(l))
+		if (++l->polled % EVENTS_PER_POLL == 0 && rb_world_is_stopped(l->world))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 		if (gives_way(l))
 			return l->status;

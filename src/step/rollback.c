@@ -118,7 +118,6 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
                                struct rb_error *err)
 {
 	struct rb_world *world = pass->world;
-	const struct rb_world_options *options = &world->options;
 	struct search search = {.fail_s = HUGE_VAL};
 	double h = pass->dt_s, looked_s = -HUGE_VAL;
 	bool stuck = false;
@@ -168,8 +167,7 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_plan *plan,
 				return RB_FAIL(err, RB_ERR_MEMORY,
 				               "no memory for the impacts of a step");
 		}
-		if (attempt % ATTEMPTS_PER_POLL == 0 && options->stop &&
-		    options->stop(options->stop_user))
+		if (attempt % ATTEMPTS_PER_POLL == 0 && rb_world_is_stopped(world))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	}
 	rb_contact_settle(pass);

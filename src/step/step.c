@@ -391,11 +391,6 @@ int64_t rb_step_count(double interval, double time_step)
 	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
 }
 
-static bool asked_to_stop(const struct rb_world *world)
-{
-	return world->options.stop && world->options.stop(world->options.stop_user);
-}
-
 /* From `begin` to `end`, in so many steps. */
 static enum rb_status run_frame(struct rb_world *world, double begin, double end, int64_t steps,
                                 struct rb_error *err)
@@ -410,7 +405,7 @@ static enum rb_status run_frame(struct rb_world *world, double begin, double end
 		if (status != RB_OK && status != RB_ERR_INTERRUPT)
 			return status;
 		const bool look = k % STEPS_PER_POLL == STEPS_PER_POLL - 1 && k + 1 < steps;
-		if (status == RB_ERR_INTERRUPT || (look && asked_to_stop(world))) {
+		if (status == RB_ERR_INTERRUPT || (look && rb_world_is_stopped(world))) {
 			world->stopped = true;
 			return RB_OK;
 		}
@@ -446,6 +441,6 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	if (status != RB_OK || world->stopped)
 		return status;
 	world->state.frame++;
-	world->stopped = asked_to_stop(world);
+	world->stopped = rb_world_is_stopped(world);
 	return RB_OK;
 }

@@ -326,6 +326,8 @@ static enum rb_status run_group(struct rb_world *world, struct rb_group *group, 
 	while (status == RB_OK && done < dt) {
 		struct rb_outcome outcome;
 
+		if (rb_world_is_stopped(world))
+			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 		reset_arenas(world);
 		rb_state_copy_rows(&world->mark, &world->state, part->body, part->body_count);
 		status = rb_attempt(world, part, start + done, h, err);

@@ -225,6 +225,8 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 {
 	struct rb_stepped *s = world->stepped;
 
+	if (rb_world_is_stopped(world))
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	reset_arenas(world);
 	rb_stand_gather(s);
 	rb_state_copy(&world->mark, &world->state);

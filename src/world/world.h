@@ -110,6 +110,12 @@ struct rb_world {
 	bool stopped;
 };
 
+/* Whether the run is to end, which whoever may take long asks now and then. */
+static inline bool rb_world_is_stopped(const struct rb_world *world)
+{
+	return world->options.stop && world->options.stop(world->options.stop_user);
+}
+
 static inline rb_vec3 rb_world_row3(const double *column, int index)
 {
 	return rb_vec3_from(column + 3 * (size_t)index);
