@@ -196,6 +196,26 @@ static void spheres_and_cylinders_have_their_closed_forms(void **slot)
 	}
 }
 
+/* The most that directions prove, by trying: wide at first, then around the best. */
+static double proved(const rb_placed *a, const rb_placed *b, uint64_t k)
+{
+	rb_vec3 best = {0, 0, 1};
+	double most = shapes_proof(a, b, best), step = 1;
+
+	for (uint64_t m = 0; m < 3000; m++) {
+		step = m < 1000 ? 4 : fmax(step * 0.99, 1e-6);
+		const rb_vec3 n = rb_vec3_unit(
+			rb_vec3_add(best, shapes_vector(150, 3000 * k + m, step)), best);
+		const double proof = shapes_proof(a, b, n);
+
+		if (proof > most) {
+			most = proof;
+			best = n;
+		}
+	}
+	return most;
+}
+
 /* Against directions all over the sphere, improved by going uphill: none proves more. */
 static void no_direction_proves_more_than_the_gap_of_cylinders(void **slot)
 {
@@ -205,22 +225,30 @@ static void no_direction_proves_more_than_the_gap_of_cylinders(void **slot)
 			const rb_placed a = place(&kinds[k % 2 ? 3 : 6], 130, k, 0.6);
 			const rb_placed b = place(&kinds[i], 140, k, 0.6);
 			const double gap = rb_convex_gap(&a, &b).gap;
-			rb_vec3 best = {0, 0, 1};
-			double most = shapes_proof(&a, &b, best), step = 1;
-			for (uint64_t m = 0; m < 3000; m++) {
-				/* wide at first, then around the best */
-				step = m < 1000 ? 4 : fmax(step * 0.99, 1e-6);
-				const rb_vec3 n = rb_vec3_unit(
-					rb_vec3_add(best, shapes_vector(150, 3000 * k + m, step)),
-					best);
-				const double proof = shapes_proof(&a, &b, n);
-				if (proof > most) {
-					most = proof;
-					best = n;
-				}
-			}
-			assert_true(most <= gap + 1e-12);
+			assert_true(proved(&a, &b, k) <= gap + 1e-12);
 		}
+}
+
+/* Deep in one another, nearly across: the slopes of rims turn fast there, and Newton's steps leave their brackets. */
+static void a_rod_that_is_stuck_in_a_drum_comes_out_the_shortest_way(void **slot)
+{
+	(void)slot;
+	for (uint64_t k = 0; k < 200; k++) {
+		const double half = 9 + 6 * shapes_random(300, k),
+			     tilt = 0.2 * shapes_random(301, k);
+		const shape rod = shapes_cylinder(0.01 + 4 * shapes_random(302, k), half);
+		const shape drum = shapes_cylinder(0.8 * half, 0.7);
+		const rb_mat3 turn = shapes_turn(303, k);
+		const rb_mat3 across = shapes_turned(
+			(rb_vec3){acos(-1) / 2 + (k % 2 ? tilt : -tilt), 0, 0});
+		const rb_placed a = {&rod.core, {0, 0, 0}, turn};
+		const rb_placed b = {&drum.core, shapes_vector(304, k, 1.5),
+		                     rb_mat3_multiply(&turn, &across)};
+		const double gap = rb_convex_gap(&a, &b).gap;
+
+		assert_near(rb_convex_gap(&b, &a).gap, gap, 128 * DBL_EPSILON * size_of(&a, &b));
+		assert_true(proved(&a, &b, k) <= gap + 1e-12);
+	}
 }
 
 /* Along a straight line through a touch the gap has no jump, and its slope is the normal's share of the motion. */
@@ -465,6 +493,7 @@ int main(void)
 		cmocka_unit_test(boxes_along_the_axes_have_their_closed_form),
 		cmocka_unit_test(crossed_edges_have_the_gap_of_their_lines_at_any_angle),
 		cmocka_unit_test(spheres_and_cylinders_have_their_closed_forms),
+		cmocka_unit_test(a_rod_that_is_stuck_in_a_drum_comes_out_the_shortest_way),
 		cmocka_unit_test(no_direction_proves_more_than_the_gap_of_cylinders),
 		cmocka_unit_test(the_gap_is_continuous_through_zero_and_the_normal_is_its_gradient),
 		cmocka_unit_test(needles_foils_and_discs_have_their_gaps),
