@@ -483,6 +483,21 @@ static void extremes_end_and_say_so(void **state)
 	assert_true(same_vec(w, (rb_vec3){0, 1e4, 0}));
 }
 
+/* The spin, in the body's axes, is what it was after it, and for the first time: halfway it is on the other side. */
+static void assert_period(const struct rb_top *first, double period)
+{
+	struct rb_top top = *first;
+	rb_vec3 w[3];
+	rb_quat q;
+
+	for (int k = 0; k < 3; k++) {
+		rb_top_at(&top, 0.5 * k * period, &q, &w[k]);
+		w[k] = rb_quat_rotate_back(q, w[k]);
+	}
+	assert_near(rb_vec3_length(rb_vec3_sub(w[2], w[0])), 0, 1e-9 * rb_vec3_length(w[0]));
+	assert_true(rb_vec3_length(rb_vec3_sub(w[1], w[0])) > 1e-3 * rb_vec3_length(w[0]));
+}
+
 /* Whole periods are leapt from 65,536 steps on: from an anchor on the way there the same moment is walked to. */
 static void a_leap_comes_to_where_a_walk_comes(void **state)
 {
@@ -499,6 +514,7 @@ static void a_leap_comes_to_where_a_walk_comes(void **state)
 			const rb_quat start = rb_quat_unit((rb_quat){0.3, -0.5, 0.7, 0.2});
 			struct rb_top whole = rb_top_start(&body, start, spins[k], none);
 			struct rb_top half = whole;
+			const struct rb_top first = whole;
 			const double t = 60000 * whole.grid_s;
 			rb_quat q, p;
 			rb_vec3 w, v;
@@ -509,6 +525,7 @@ static void a_leap_comes_to_where_a_walk_comes(void **state)
 			rb_top_at(&half, t, &q, &w);
 			rb_top_at(&whole, 2 * t, &p, &v);
 			assert_true(whole.period_s > 0 && whole.at < 60000);
+			assert_period(&first, whole.period_s);
 			assert_near(rb_quat_length(
 					    (rb_quat){q.w - p.w, q.x - p.x, q.y - p.y, q.z - p.z}),
 			            0, 1e-9);
