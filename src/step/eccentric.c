@@ -191,20 +191,14 @@ struct series {
 		[TERMS]; /* of the direction from that of law.n: where it is zero the rate is least or most */
 };
 
-/* Coefficient k of a product. */
-static double product(const double *a, const double *b, int k)
-{
-	double sum = 0;
-
-	for (int i = 0; i <= k; i++)
-		sum += a[i] * b[k - i];
-	return sum;
-}
+/* Two series at once: what their products cost is most of what an impact does. */
+typedef double two __attribute__((vector_size(16)));
 
 static void expand(const struct course *c, struct series *t)
 {
 	const struct law *const law = &c->law;
-	double ax[TERMS], ay[TERMS];
+	/* the direction, and it swapped; the rates that bend it; of speed and of w */
+	two along[TERMS], swapped[TERMS], bend[TERMS], bend_swapped[TERMS], rates[TERMS];
 
 	t->x[0] = c->along.x;
 	t->y[0] = c->along.y;
@@ -212,25 +206,41 @@ static void expand(const struct course *c, struct series *t)
 	t->p[0] = t->qx[0] = t->qy[0] = t->work[0] = 0;
 	t->w[0] = c->w;
 	for (int k = 0; k < TERMS; k++) {
-		const double over = law->unit / (k + 1);
+		const double over = law->unit / (k + 1), x = t->x[k], y = t->y[k];
+		const double ax = (k == 0 ? law->n.x : 0) - (law->xx * x + law->xy * y);
+		const double ay = (k == 0 ? law->n.y : 0) - (law->xy * x + law->yy * y);
+		two gain = {0, 0}, turn = {0, 0}, turned = {0, 0}, driven = {0, 0}, rub = {0, 0};
+		double work = 0;
 
-		ax[k] = (k == 0 ? law->n.x : 0) - (law->xx * t->x[k] + law->xy * t->y[k]);
-		ay[k] = (k == 0 ? law->n.y : 0) - (law->xy * t->x[k] + law->yy * t->y[k]);
-		t->rate[k] = (k == 0 ? law->nn : 0) -
-		             law->friction * (law->n.x * t->x[k] + law->n.y * t->y[k]);
-		t->aside[k] = law->n.x * t->y[k] - law->n.y * t->x[k];
-		t->gain[k] = product(ax, t->x, k) + product(ay, t->y, k);
-		t->turn[k] = product(ay, t->x, k) - product(ax, t->y, k);
+		t->rate[k] = (k == 0 ? law->nn : 0) - law->friction * (law->n.x * x + law->n.y * y);
+		t->aside[k] = law->n.x * y - law->n.y * x;
+		along[k] = (two){x, y};
+		swapped[k] = (two){y, x};
+		bend[k] = (two){ax, ay};
+		bend_swapped[k] = (two){ay, ax};
+		for (int i = 0; i <= k; i++) {
+			gain += bend[i] * along[k - i];
+			turn += bend_swapped[i] * along[k - i];
+		}
+		t->gain[k] = gain[0] + gain[1];
+		t->turn[k] = turn[0] - turn[1];
 		if (k == ORDER)
 			break;
-		t->x[k + 1] = -over * product(t->y, t->turn, k);
-		t->y[k + 1] = over * product(t->x, t->turn, k);
-		t->speed[k + 1] = over * product(t->speed, t->gain, k);
+		rates[k] = (two){t->gain[k], t->rate[k]};
+		for (int i = 0; i <= k; i++) {
+			turned += swapped[i] * t->turn[k - i];
+			driven += t->speed[i] * rates[k - i];
+			rub += t->speed[i] * along[k - i];
+			work += t->speed[i] * t->w[k - i];
+		}
+		t->x[k + 1] = -over * turned[0];
+		t->y[k + 1] = over * turned[1];
+		t->speed[k + 1] = over * driven[0];
 		t->p[k + 1] = over * t->speed[k];
-		t->w[k + 1] = over * product(t->speed, t->rate, k);
-		t->qx[k + 1] = -over * law->friction * product(t->speed, t->x, k);
-		t->qy[k + 1] = -over * law->friction * product(t->speed, t->y, k);
-		t->work[k + 1] = over * product(t->speed, t->w, k);
+		t->w[k + 1] = over * driven[1];
+		t->qx[k + 1] = -over * law->friction * rub[0];
+		t->qy[k + 1] = -over * law->friction * rub[1];
+		t->work[k + 1] = over * work;
 	}
 }
 
