@@ -106,6 +106,33 @@ static void a_camera_rides_on_a_body_and_follows_it(void **state)
 	lab_close(&lab);
 }
 
+/* Of several bodies it follows the one that it was told to, and another one when it is told so. */
+static void a_camera_follows_the_body_that_it_was_told_to(void **state)
+{
+	struct rb_frame frame;
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 10);
+	for (int id = 0; id < 3; id++)
+		lab_sphere(&lab, 1, 1, (rb_vec3){5.0 * id, id, 0}, (rb_vec3){0, 0, 0});
+	assert_int_equal(rb_model_create(&lab.model, &lab.scene, NULL, &lab.error), RB_OK);
+	assert_int_equal(rb_frame_init(&frame, lab.model, RB_FIELD_DEFAULT, &lab.error), RB_OK);
+	for (int i = 0; i < 3; i++)
+		rb_vec3_to(frame.position + 3 * i, lab.model->position[i]);
+	struct rb_camera_def camera = camera_at((rb_vec3){0, -10, 0});
+	for (int k = 0; k < 6; k++) {
+		const int id = (2 * k + 1) % 3;
+		struct rb_stand stand = rb_steer_stand(lab.model, &camera, &frame, NULL);
+
+		rb_steer_follow(&camera, &stand, id);
+		stand = rb_steer_stand(lab.model, &camera, &frame, NULL);
+		assert_vector(stand.target, ((rb_vec3){5.0 * id, id, 0}), 1e-15);
+	}
+	rb_frame_release(&frame);
+	lab_close(&lab);
+}
+
 static void the_default_camera_sees_all_bodies(void **state)
 {
 	struct lab lab;
@@ -335,6 +362,7 @@ int main(void)
 		cmocka_unit_test(orbits_go_round_and_end_before_the_pole),
 		cmocka_unit_test(moving_keeps_the_direction_and_zoom_the_target),
 		cmocka_unit_test(a_camera_rides_on_a_body_and_follows_it),
+		cmocka_unit_test(a_camera_follows_the_body_that_it_was_told_to),
 		cmocka_unit_test(the_default_camera_sees_all_bodies),
 		cmocka_unit_test(the_default_camera_sees_bodies_wherever_they_are),
 		cmocka_unit_test(a_sketch_has_discs_where_spheres_are),
