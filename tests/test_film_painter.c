@@ -230,6 +230,37 @@ static void each_body_has_its_own_picture(void **state)
 	studio_close(&studio);
 }
 
+/* Seen from above: its upper half red, and of the lower one the left green and the right blue; from edge to edge. */
+static void a_picture_lies_on_a_rectangle_as_it_hangs(void **state)
+{
+	struct studio studio;
+	uint8_t rgba[16 * 16 * 4];
+
+	(void)state;
+	for (int y = 0; y < 16; y++)
+		for (int x = 0; x < 16; x++) {
+			const uint8_t upper[4] = {220, 10, 10, 255}, left[4] = {10, 220, 10, 255},
+				      right[4] = {10, 10, 220, 255};
+			memcpy(rgba + 4 * (y * 16 + x), y < 8 ? upper : x < 8 ? left : right, 4);
+		}
+	studio_open(&studio);
+	studio.camera.position.value = (rb_vec3){0, -0.1, 8};
+	studio.camera.look_at.value = (rb_vec3){0, 0, 0};
+	add_picture(&studio, "sheet.png", 16, 16, rgba);
+	const int id = lab_rectangle(&studio.lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1}, 4, 4);
+	studio.lab.scene.bodies[id].texture = "sheet.png";
+	studio_ball(&studio, 0.1, (rb_vec3){0, 0, 0.1}, red);
+	studio_seal(&studio);
+	studio_draw(&studio);
+	for (int k = 5; k <= 25; k += 10) {
+		assert_true(is_red(pixel_at(&studio, WIDTH / 2 - k, HEIGHT / 2 - k)));
+		assert_true(is_red(pixel_at(&studio, WIDTH / 2 + k, HEIGHT / 2 - k)));
+		assert_true(is_green(pixel_at(&studio, WIDTH / 2 - k, HEIGHT / 2 + k)));
+		assert_true(is_blue(pixel_at(&studio, WIDTH / 2 + k, HEIGHT / 2 + k)));
+	}
+	studio_close(&studio);
+}
+
 /* Northern half red, southern half blue, west of the meridian green below. */
 static void a_picture_lies_on_a_sphere_as_on_a_globe(void **state)
 {
@@ -646,6 +677,7 @@ int main(void)
 		cmocka_unit_test(a_lamp_throws_a_shadow_too_and_unseen_bodies_none),
 		cmocka_unit_test(patterns_turn_with_their_body),
 		cmocka_unit_test(each_body_has_its_own_picture),
+		cmocka_unit_test(a_picture_lies_on_a_rectangle_as_it_hangs),
 		cmocka_unit_test(a_picture_lies_on_a_sphere_as_on_a_globe),
 		cmocka_unit_test(a_texture_that_is_no_picture_is_told_with_its_place),
 		cmocka_unit_test(a_plain_background_is_the_colour_that_was_asked_for),

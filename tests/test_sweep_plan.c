@@ -9,6 +9,7 @@
 #include "base/memory.h"
 #include "sweep/folder.h"
 #include "sweep/status.h"
+#include "sweep/told.h"
 
 /* ---- axes ---- */
 
@@ -434,6 +435,29 @@ static void a_locked_point_is_running_and_is_not_locked_twice(void **state)
 	rb_plan_release(&plan);
 }
 
+static void what_a_run_has_told_is_read_as_it_was_meant(void **state)
+{
+	static const char json[] =
+		"{\"error\":\"line 1\\nsays \\\"no\\\" to C:\\\\n\",\"empty\":\"\",\"n\":2.5,\"yes\":true,\"none\":null}\n";
+	char text[64], little[7];
+
+	(void)state;
+	rb_told_text(json, "error", text, sizeof text);
+	assert_string_equal(text, "line 1 says \"no\" to C:\\n");
+	rb_told_text(json, "error", little, sizeof little);
+	assert_string_equal(little, "line 1");
+	rb_told_text(json, "empty", text, sizeof text);
+	assert_string_equal(text, "");
+	rb_told_text(json, "nothing", text, sizeof text);
+	assert_string_equal(text, "");
+	rb_told_text(json, "n", text, sizeof text);
+	assert_string_equal(text, "");
+	assert_true(rb_told_number(json, "n") == 2.5);
+	assert_true(rb_told_number(json, "yes") == 1);
+	assert_true(isnan(rb_told_number(json, "none")));
+	assert_true(isnan(rb_told_number(json, "nothing")));
+}
+
 static void the_overview_fits_and_tells_what_is_left(void **state)
 {
 	const struct rb_jobs_tally tally = {.total = 1000,
@@ -470,6 +494,7 @@ int main(void)
 		cmocka_unit_test(damaged_plans_are_refused),
 		cmocka_unit_test(shares_list_every_point_that_is_due_once),
 		cmocka_unit_test(a_locked_point_is_running_and_is_not_locked_twice),
+		cmocka_unit_test(what_a_run_has_told_is_read_as_it_was_meant),
 		cmocka_unit_test(the_overview_fits_and_tells_what_is_left),
 	};
 
