@@ -217,6 +217,54 @@ static uint64_t shaken(int threads, enum rb_rollback_kind rollback)
 	return hash;
 }
 
+/* Each up at a speed, and round at a rate, of its own; of every other one both are given. */
+static enum rb_status own_motion(void *user, int id, double t, struct rb_driven_pose *pose,
+                                 struct rb_error *err)
+{
+	(void)user, (void)err;
+	pose->position = (rb_vec3){5.0 * id, 0, (1 + id) * t};
+	pose->orientation = rb_quat_from_turn((rb_vec3){0, 0, (0.5 + id) * t});
+	pose->velocity = (rb_vec3){0, 0, 1 + id};
+	pose->angular_velocity = (rb_vec3){0, 0, 0.5 + id};
+	pose->has_velocity = pose->has_angular_velocity = id % 2;
+	return RB_OK;
+}
+
+static void each_driven_body_goes_its_own_way(void **state)
+{
+	const double edges[3] = {1, 1, 1};
+	const struct rb_world_hooks hooks = {.motion = own_motion};
+	const struct rb_world_options options = {.threads = 1};
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.5, 0.01);
+	lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 5, 0}, origin);
+	for (int id = 1; id < 4; id++) {
+		assert_int_equal(add_driven(&lab, RB_SHAPE_BOX, edges, true), id);
+		struct rb_body_def *const def = &lab.scene.bodies[id];
+		def->position = (rb_vec3){5.0 * id, 0, 0};
+		def->motion_gives_velocity = def->motion_gives_angular_velocity = id % 2;
+	}
+	lab_seal_with(&lab, &options, &hooks);
+	for (int frame = 1; frame <= 5; frame++) {
+		lab_step(&lab);
+		const double t = rb_world_time(lab.world);
+		for (int id = 1; id < 4; id++) {
+			const rb_vec3 there = {5.0 * id, 0, (1 + id) * t};
+			const rb_quat q = rb_world_orientation(lab.world, id);
+
+			assert_vector(rb_world_position(lab.world, id), there, 1e-13);
+			assert_vector(rb_world_velocity(lab.world, id), ((rb_vec3){0, 0, 1 + id}),
+			              1e-11);
+			assert_vector(rb_world_angular_velocity(lab.world, id),
+			              ((rb_vec3){0, 0, 0.5 + id}), 1e-11);
+			assert_near(fabs(q.z), fabs(sin(0.5 * (0.5 + id) * t)), 1e-13);
+		}
+	}
+	lab_close(&lab);
+}
+
 static void a_pile_on_a_shaken_floor_keeps_the_tolerance(void **state)
 {
 	(void)state;
@@ -563,6 +611,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_belt_carries_along_at_mu_g_and_then_at_its_speed),
 		cmocka_unit_test(a_ball_bounces_on_a_floor_that_rises),
+		cmocka_unit_test(each_driven_body_goes_its_own_way),
 		cmocka_unit_test(a_pile_on_a_shaken_floor_keeps_the_tolerance),
 		cmocka_unit_test(a_paddle_that_turns_sweeps_a_ball_along),
 		cmocka_unit_test(a_box_on_a_spring_swings_to_first_order),
