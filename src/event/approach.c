@@ -667,9 +667,10 @@ static void search(struct course *c, double from, double until, struct rb_approa
 			if (s < least && c->speed > 0) {
 				/* what parts has its gap half way to where it may be back; what overlaps has none */
 				const double low = gap > c->band ? t : t + 0.5 * s;
-				if (t + least <= until && gap_at(c, t + least) < 0 &&
+				const double high = fmin(t + least, until);
+				if (t + s < high && gap_at(c, high) < 0 &&
 				    (gap > c->band || gap_at(c, low) > 0)) {
-					found->touch_s = crossing(c, low, t + least);
+					found->touch_s = crossing(c, low, high);
 					return;
 				}
 				s = least;
