@@ -610,6 +610,26 @@ static void a_force_off_the_centre_turns_the_body(void **slot)
 	lab_close(&lab);
 }
 
+/* A ball of a million kg against one of 1 kg at a wall: 3,141 impacts in turn are more than are followed. It is told once. */
+static void a_cluster_that_is_ended_is_told(void **slot)
+{
+	(void)slot;
+	for (int heavy = 0; heavy < 2; heavy++) {
+		struct lab lab;
+
+		open_classic(&lab, 0.2, 100);
+		lab.scene.world.gravity = origin;
+		lab_surface(&lab, 0, 1);
+		lab_plane(&lab, origin, at(1, 0, 0));
+		lab_sphere(&lab, 0.5, 1, at(0.5, 0, 0), origin);
+		lab_sphere(&lab, 0.5, heavy ? 1e6 : 1, at(1.6, 0, 0), at(-1, 0, 0));
+		lab_seal(&lab, 1);
+		lab_run(&lab);
+		assert_int_equal(rb_world_work(lab.world).plastic_ends, heavy);
+		lab_close(&lab);
+	}
+}
+
 /* Scene and body turned as one, with the force in either frame: the answer is turned, too. Steps, and the exact method. */
 static void a_force_at_a_point_follows_the_body(void **slot)
 {
@@ -678,6 +698,7 @@ int main(void)
 		cmocka_unit_test(a_timed_force_gives_its_whole_impulse),
 		cmocka_unit_test(a_force_off_the_centre_turns_the_body),
 		cmocka_unit_test(a_force_at_a_point_follows_the_body),
+		cmocka_unit_test(a_cluster_that_is_ended_is_told),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);
