@@ -12,6 +12,7 @@
 
 #include "flow/frame.h"
 #include "script/load.h"
+#include "sink/h5mark.h"
 #include "sink/h5output.h"
 
 static char folder[256];
@@ -380,6 +381,38 @@ static void a_failure_is_told_by_what_failed_first(void **state)
 	assert_string_not_equal(first, last);
 }
 
+/* Cut before its end, or of another kind by a single byte: it is no HDF5 file, and stays as it is. */
+static void what_is_no_hdf5_file_is_not_marked(void **state)
+{
+	char path[512], before[4096], after[4096];
+
+	(void)state;
+	record_bytes(in_folder(path, "a.h5"));
+	for (int k = 0; k < 9; k++) {
+		const int fd = open(path, O_RDWR);
+		struct rb_error err = {0};
+		bool was = true;
+
+		assert_int_equal(pread(fd, before, sizeof before, 0), sizeof before);
+		const char other = (char)(before[k % 8] + 1);
+		if (k < 8)
+			assert_int_equal(pwrite(fd, &other, 1, k), 1);
+		else
+			assert_int_equal(ftruncate(fd, 40), 0);
+		assert_int_equal(rb_mark_clear(fd, "a.h5", &was, &err), RB_ERR_INPUT);
+		assert_string_equal(err.text, "'a.h5' is no HDF5 file");
+		assert_false(was);
+		if (k < 8) {
+			assert_int_equal(pwrite(fd, before + k, 1, k), 1);
+			assert_int_equal(pread(fd, after, sizeof after, 0), sizeof after);
+			assert_memory_equal(before, after, sizeof before);
+			assert_ok(rb_mark_clear(fd, "a.h5", &was, &err));
+			assert_false(was);
+		}
+		close(fd);
+	}
+}
+
 /* Whatever end is asked for: bytes that are there stay. */
 static void a_file_is_lengthened_and_never_cut(void **state)
 {
@@ -413,6 +446,7 @@ int main(void)
 		cmocka_unit_test(damaged_files_do_no_harm),
 		cmocka_unit_test(a_recording_gives_its_scene_again),
 		cmocka_unit_test(a_failure_is_told_by_what_failed_first),
+		cmocka_unit_test(what_is_no_hdf5_file_is_not_marked),
 		cmocka_unit_test(a_file_is_lengthened_and_never_cut),
 	};
 
