@@ -81,6 +81,7 @@ struct rb_model {
 
 	double duration_s, frame_rate, time_step_s;
 	double tolerance_m, size_min_m; /* smallest radius or half-edge of a moving body */
+	double size_mean_m;             /* geometric mean of these over moving bodies */
 	double coordinate_max_m;        /* largest |coordinate| or size at the start */
 	enum rb_rollback_kind rollback;
 	enum rb_method_kind method; /* as asked for */

@@ -87,6 +87,8 @@ rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *
 struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
 {
 	struct rb_sizes sizes = {.size_min_m = (double)INFINITY};
+	double logs = 0;
+	int moving = 0;
 
 	for (int i = 0; i < scene->body_count; i++) {
 		const struct rb_body_def *body = &scene->bodies[i];
@@ -96,10 +98,14 @@ struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
 			size = fmax(body->shape.size[0], body->shape.size[1]);
 		sizes.coordinate_max_m = fmax(sizes.coordinate_max_m,
 		                              fmax(size, rb_vec3_max_abs(body->position)));
-		if (!body->is_static)
-			sizes.size_min_m = fmin(sizes.size_min_m,
-			                        rb_shape_half_width(scene->solids, &body->shape));
+		if (body->is_static)
+			continue;
+		const double width = rb_shape_half_width(scene->solids, &body->shape);
+		sizes.size_min_m = fmin(sizes.size_min_m, width);
+		logs += log(width);
+		moving++;
 	}
+	sizes.size_mean_m = moving > 0 ? exp(logs / moving) : 0;
 	if (isinf(sizes.size_min_m))
 		sizes.size_min_m = 0;
 	sizes.tolerance_m = scene->world.tolerance_m;

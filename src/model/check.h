@@ -66,6 +66,7 @@ double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_sprin
 
 struct rb_sizes {
 	double size_min_m;       /* smallest radius or half-edge of a moving body, 0: none moves */
+	double size_mean_m;      /* geometric mean of these over moving bodies, 0: none moves */
 	double coordinate_max_m; /* largest |coordinate| or size */
 	double tolerance_m;      /* as given, or the default */
 };

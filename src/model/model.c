@@ -220,6 +220,7 @@ static void fill_numbers(struct rb_model *model)
 	                                               : world->time_step_s;
 	model->tolerance_m = sizes.tolerance_m;
 	model->size_min_m = sizes.size_min_m;
+	model->size_mean_m = sizes.size_mean_m;
 	model->coordinate_max_m = sizes.coordinate_max_m;
 	model->keeps_ledger = record->ledger_given ? record->ledger
 	                                           : model->body_count <= LEDGER_BODIES_MOST;

@@ -177,7 +177,7 @@ static enum rb_status largest_pull(const struct rb_world *world, double t, doubl
 
 /*
  * What auto steps where it would locate must not hang on a time_step that was chosen for locating: no step is longer than an
- * eighth of the time in which the smallest body falls by its own size.
+ * eighth of the time in which a body falls by its own size, of the mean size: the smallest of many would make all of them wait.
  */
 static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
                                    struct rb_error *err)
@@ -190,7 +190,7 @@ static enum rb_status longest_step(const struct rb_world *world, double t, doubl
 	const enum rb_status status = largest_pull(world, t, &pull, err);
 
 	if (pull > 0)
-		*step = sqrt(2 * world->model->size_min_m / pull) / 8;
+		*step = sqrt(2 * world->model->size_mean_m / pull) / 8;
 	return status;
 }
 
