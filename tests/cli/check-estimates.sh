@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Memory and disk that check foretells are within 10 % of what the run then takes.
+# Memory and disk that check foretells are within 10 % of what the run then takes; of a small run's memory half a megabyte,
+# since how many pages of libraries count as its own changes from start to start.
 . tests/cli/functions
 case ${RBSIM_MODE:-release} in
 release) ;;
@@ -8,10 +9,13 @@ release) ;;
 esac
 [ -r /proc/self/status ] || { echo "no /proc"; exit 77; }
 
-# within WHAT FORETOLD TAKEN
+# within WHAT FORETOLD TAKEN [SLACK]
 within()
 {
-	awk -v a="$2" -v b="$3" 'BEGIN { exit !(b > 0 && a / b >= 0.9 && a / b <= 1.1) }' ||
+	awk -v a="$2" -v b="$3" -v more="${4:-0}" 'BEGIN {
+		off = a > b ? a - b : b - a
+		exit !(b > 0 && (off <= 0.1 * b || off <= more))
+	}' ||
 		fail "$scene: $1 foretold $2, taken $3"
 	echo "$scene: $1 foretold $2, taken $3"
 }
@@ -35,7 +39,7 @@ for scene in "small.lua" "small.lua --duration 5" "rows.lua" "rows.lua --param n
 	rm -f ./*.h5
 	# shellcheck disable=SC2086
 	exits 0 $scene --json # which reads its largest resident set from the kernel
-	within memory "$memory" "$(value memory_bytes)"
+	within memory "$memory" "$(value memory_bytes)" 524288
 	case $scene in
 	*--no-record*) ;;
 	*) within disk "$disk" "$(cat ./*.h5 | wc -c)" ;;
