@@ -251,14 +251,8 @@ static bool has_callbacks(const struct rb_world *world)
 static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_contacts *from,
                                     struct rb_error *err)
 {
-	const enum rb_status status = rb_contacts_reserve(to, from->count, err);
-
-	if (status != RB_OK)
-		return status;
-	if (from->count > 0)
-		memcpy(to->row, from->row, from->count * sizeof *to->row);
-	to->count = from->count;
-	return RB_OK;
+	to->count = 0;
+	return rb_contacts_join(to, from, err);
 }
 
 static enum rb_status remember(struct rb_world *world, bool known, struct restart *begin,

@@ -11,6 +11,7 @@
 #include "stepped/enter.h"
 #include "stepped/judge.h"
 #include "stepped/land.h"
+#include "stepped/means.h"
 #include "stepped/stand.h"
 #include "stepped/tell.h"
 
@@ -20,7 +21,10 @@ struct rb_apart {
 	int *steps; /* owned, by body: that were taken and not taken back */
 	int *body;  /* owned: a group's, with driven ones */
 	struct rb_contacts last, before, kept; /* of a group's last step; of settled groups */
-	struct rb_named_push *push;            /* owned: of settled groups */
+	struct rb_contacts part,
+		shown;         /* for the frames: of a part; of settled groups, the whole step's */
+	struct rb_means means; /* of the group under way */
+	struct rb_named_push *push; /* owned: of settled groups */
 	size_t push_count, push_capacity;
 	struct rb_event_of *event; /* owned: impacts of settled groups */
 	size_t event_count, event_capacity;
@@ -78,6 +82,9 @@ void rb_apart_destroy(struct rb_apart *apart)
 	rb_contacts_release(&apart->last);
 	rb_contacts_release(&apart->before);
 	rb_contacts_release(&apart->kept);
+	rb_means_release(&apart->means);
+	rb_contacts_release(&apart->part);
+	rb_contacts_release(&apart->shown);
 	rb_memory_free(apart->push);
 	rb_memory_free(apart->event);
 	rb_memory_free(apart->book);
@@ -86,19 +93,28 @@ void rb_apart_destroy(struct rb_apart *apart)
 
 /* ---- what has been found, and is to be found again ---- */
 
+static void forget_contacts(const struct rb_world *world, struct rb_contacts *contacts)
+{
+	const unsigned char *settled = world->stepped->apart->land.settled;
+	size_t kept = 0;
+
+	for (size_t k = 0; k < contacts->count; k++) {
+		const struct rb_contact *contact = &contacts->row[k];
+
+		if (settled[rb_stepped_yields(world, contact->a) ? contact->a : contact->b])
+			contacts->row[kept++] = *contact;
+	}
+	contacts->count = kept;
+}
+
 /* Of groups that were settled and have changed nothing is left. */
 static void forget_unsettled(struct rb_world *world)
 {
 	struct rb_apart *apart = world->stepped->apart;
-	size_t contacts = 0, pushes = 0, events = 0, books = 0;
+	size_t pushes = 0, events = 0, books = 0;
 
-	for (size_t k = 0; k < apart->kept.count; k++) {
-		const struct rb_contact *contact = &apart->kept.row[k];
-
-		if (apart->land.settled[rb_stepped_yields(world, contact->a) ? contact->a
-		                                                             : contact->b])
-			apart->kept.row[contacts++] = *contact;
-	}
+	forget_contacts(world, &apart->kept);
+	forget_contacts(world, &apart->shown);
 	for (size_t k = 0; k < apart->push_count; k++)
 		if (apart->land.settled[apart->push[k].a])
 			apart->push[pushes++] = apart->push[k];
@@ -109,7 +125,6 @@ static void forget_unsettled(struct rb_world *world)
 		if (apart->land.settled[apart->book[k].body])
 			apart->book[books++] = apart->book[k];
 	apart->book_count = books;
-	apart->kept.count = contacts;
 	apart->push_count = pushes;
 	apart->event_count = events;
 }
@@ -158,6 +173,16 @@ static void cohort_of(struct rb_world *world, const struct rb_group *group)
 	s->part.near = &apart->land.near;
 }
 
+static enum rb_status add_part(struct rb_apart *apart, const struct rb_cohort *cohort, double h,
+                               struct rb_error *err)
+{
+	apart->part.count = 0;
+	enum rb_status status = rb_contacts_join(&apart->part, &apart->last, err);
+	if (status == RB_OK)
+		status = rb_tell_passed(cohort, h, NULL, &apart->part, err);
+	return status == RB_OK ? rb_means_add(&apart->means, &apart->part, h, err) : status;
+}
+
 static enum rb_status keep_step(struct rb_world *world, double time, double h,
                                 const struct rb_outcome *outcome, struct rb_error *err)
 {
@@ -199,6 +224,8 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	apart->last.count = 0;
 	if (status == RB_OK)
 		status = rb_tell_contacts(world, part, h, NULL, &apart->last, err);
+	if (status == RB_OK && world->options.keep_contacts)
+		status = add_part(apart, part, h, err);
 	rb_contacts_sort(&apart->last);
 	if (status == RB_OK)
 		status = rb_points_keep(&part->points, h, s->solver.stays, NULL, err);
@@ -219,11 +246,12 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	rb_points_take_last(&s->part.points, &s->all.points, s->part.body, s->part.member_count);
 	apart->fresh = true;
 	apart->entries = (struct rb_entries){0};
-	apart->last.count = 0;
+	apart->last.count = apart->means.count = 0;
 	return RB_OK;
 }
 
-static enum rb_status settle(struct rb_world *world, struct rb_group *group, struct rb_error *err)
+static enum rb_status settle(struct rb_world *world, struct rb_group *group, double dt,
+                             struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_apart *apart = s->apart;
@@ -236,12 +264,11 @@ static enum rb_status settle(struct rb_world *world, struct rb_group *group, str
 		memcpy(apart->push + apart->push_count, points->last,
 		       points->last_count * sizeof *points->last);
 	apart->push_count += points->last_count;
-	const enum rb_status status = rb_contacts_reserve(
-		&apart->kept, apart->kept.count + apart->last.count + 1, err);
+	enum rb_status status = rb_contacts_join(&apart->kept, &apart->last, err);
+	if (status == RB_OK)
+		status = rb_means_tell(&apart->means, dt, &apart->shown, err);
 	if (status != RB_OK)
 		return status;
-	for (size_t k = 0; k < apart->last.count; k++)
-		apart->kept.row[apart->kept.count++] = apart->last.row[k];
 	if (s->tally) {
 		if (!rb_memory_reserve(&apart->book, &apart->book_capacity, apart->book_count + 1,
 		                       sizeof *apart->book))
@@ -355,7 +382,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_group *group, 
 		h = fmin(2 * h, dt - done);
 		halvings = 0;
 	}
-	return status == RB_OK ? settle(world, group, err) : status;
+	return status == RB_OK ? settle(world, group, dt, err) : status;
 }
 
 /* ---- the step ---- */
@@ -391,6 +418,23 @@ static enum rb_status run_groups(struct rb_world *world, double start, double dt
 	return status;
 }
 
+/* For the frames, beside those that keep the whole step. */
+static enum rb_status show_contacts(struct rb_world *world, double dt,
+                                    const struct rb_contacts *whole, struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	world->shown.count = 0;
+	enum rb_status status = rb_contacts_join(&world->shown, whole, err);
+	if (status == RB_OK)
+		status = rb_tell_passed(&s->all, dt, s->apart->land.failed, &world->shown, err);
+	if (status == RB_OK)
+		status = rb_contacts_join(&world->shown, &s->apart->shown, err);
+	rb_contacts_sort(&world->shown);
+	world->has_shown = status == RB_OK;
+	return status;
+}
+
 /* The world's contacts are those of both kinds. */
 static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb_error *err)
 {
@@ -401,12 +445,12 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 
 	to->count = 0;
 	enum rb_status status = rb_tell_contacts(world, &s->all, dt, apart->land.failed, to, err);
+	if (status == RB_OK && world->options.keep_contacts)
+		status = show_contacts(world, dt, to, err);
 	if (status == RB_OK)
-		status = rb_contacts_reserve(to, to->count + apart->kept.count + 1, err);
+		status = rb_contacts_join(to, &apart->kept, err);
 	if (status != RB_OK)
 		return status;
-	for (size_t k = 0; k < apart->kept.count; k++)
-		to->row[to->count++] = apart->kept.row[k];
 	rb_contacts_sort(to);
 	world->contacts = *to;
 	*to = before;
@@ -549,7 +593,8 @@ enum rb_status rb_apart_step(struct rb_world *world, double start, double dt,
 		apart->land.was_group[i] = -1;
 		apart->steps[i] = 1;
 	}
-	apart->kept.count = apart->push_count = apart->event_count = apart->book_count = 0;
+	apart->kept.count = apart->shown.count = apart->push_count = apart->event_count =
+		apart->book_count = 0;
 	if (!rb_near_keep(&s->near))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
 	if (status == RB_OK)

@@ -478,6 +478,30 @@ static void add_impulse(const struct impacts *all, struct rb_hit *hit, const str
 	                                rb_vec3_sub(place_of(all, point), hit->point));
 }
 
+/* A contact that touched and has passed an impact on is none of its own: its impulse is in the mean force of the step. */
+static bool pass(struct impacts *all, const struct rb_point *point,
+                 const struct rb_joint_contact *c)
+{
+	struct rb_contacts *passed = &all->cohort->passed;
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+
+	if (!all->world->options.keep_contacts || rb_vec3_max_abs(c->impulse) == 0)
+		return true;
+	if (rb_contacts_reserve(passed, passed->count + 1, NULL) != RB_OK)
+		return false;
+	passed->row[passed->count++] = (struct rb_contact){
+		.a = point->a,
+		.b = point->b,
+		.point = place_of(all, point),
+		.normal = c->normal,
+		.gap = point->gap,
+		.normal_force = push,
+		.tangent_force = rb_vec3_add_scaled(c->impulse, -push, c->normal),
+		.key = point->key,
+	};
+	return true;
+}
+
 static bool tell(struct impacts *all, const struct rb_joint *joint, bool settled)
 {
 	bool first = true;
@@ -485,9 +509,12 @@ static bool tell(struct impacts *all, const struct rb_joint *joint, bool settled
 	for (int k = 0; k < all->contact_count; k++) {
 		const struct rb_joint_contact *c = &joint->contact[k];
 
+		const struct rb_point *point = &all->points->row[all->contact[k]];
+
+		if (!(c->approach > 0) && !pass(all, point, c))
+			return false;
 		if (!(c->approach > 0))
 			continue;
-		const struct rb_point *point = &all->points->row[all->contact[k]];
 		struct rb_hit *hit = find_hit(all, point);
 		if (!hit)
 			hit = add_hit(all, point);
@@ -703,7 +730,7 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	                                 .mixed = s->solver.mixed}};
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 
-	cohort->hit_count = cohort->blow_count = 0;
+	cohort->hit_count = cohort->blow_count = cohort->passed.count = 0;
 	for (int k = 0; k < s->kicked_count; k++)
 		s->kick[s->kicked[k]] = (struct rb_kick){.is_set = false};
 	s->kicked_count = 0;

@@ -142,6 +142,8 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->part.rebound);
 	rb_memory_free(stepped->all.hit);
 	rb_memory_free(stepped->part.hit);
+	rb_contacts_release(&stepped->all.passed);
+	rb_contacts_release(&stepped->part.passed);
 	rb_memory_free(stepped->all.blow);
 	rb_memory_free(stepped->part.blow);
 	rb_memory_free(stepped->top);
@@ -174,8 +176,16 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	world->next_contacts = before;
 	if (world->model->driven)
 		rb_contacts_sort(&world->contacts);
+	if (s->all.passed.count > 0) {
+		world->shown.count = 0;
+		status = rb_contacts_join(&world->shown, &world->contacts, err);
+		if (status == RB_OK)
+			status = rb_tell_passed(&s->all, h, NULL, &world->shown, err);
+		rb_contacts_sort(&world->shown);
+		world->has_shown = true;
+	}
 	rb_points_index(&s->all.points, world->model);
-	return RB_OK;
+	return status;
 }
 
 static enum rb_status commit(struct rb_world *world, double end, double h,
@@ -248,6 +258,8 @@ static enum rb_status step_apart(struct rb_world *world, double start, double dt
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_outcome outcome;
+
+	world->has_shown = false;
 	enum rb_status status = try_all(world, start, dt, &outcome, err);
 
 	if (status != RB_OK)

@@ -11,6 +11,20 @@ static rb_vec3 lever_of(const struct rb_point *point)
 	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
 }
 
+/* A driven body comes second, wherever it is in the scene. */
+static struct rb_contact in_order(struct rb_contact contact)
+{
+	const int a = contact.a;
+
+	if (a < contact.b)
+		return contact;
+	contact.a = contact.b;
+	contact.b = a;
+	contact.normal = rb_vec3_neg(contact.normal);
+	contact.tangent_force = rb_vec3_neg(contact.tangent_force);
+	return contact;
+}
+
 /*
  * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as a force and as an impact.
  * It acts where the step's solution has had it. Of what still rests it is what it was: the rounding of the step's length is
@@ -29,6 +43,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 	                             lever_of(point)),
 		.normal = point->normal,
 		.gap = point->gap,
+		.key = point->key,
 	};
 
 	if (stays) {
@@ -43,14 +58,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 			1 / h,
 			rb_vec3_add(point->rub, rb_vec3_add_scaled(rebound, -more, point->normal)));
 	}
-	if (contact.a < contact.b)
-		return contact;
-	/* a driven body comes second, wherever it is in the scene */
-	contact.a = point->b;
-	contact.b = point->a;
-	contact.normal = rb_vec3_neg(contact.normal);
-	contact.tangent_force = rb_vec3_neg(contact.tangent_force);
-	return contact;
+	return in_order(contact);
 }
 
 static size_t pair_length(const struct rb_points *points, size_t first)
@@ -106,6 +114,24 @@ enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *
 	if (all)
 		(void)add_standing(world, old, skip, NULL, to);
 	return RB_OK;
+}
+
+enum rb_status rb_tell_passed(const struct rb_cohort *cohort, double h, const unsigned char *skip,
+                              struct rb_contacts *to, struct rb_error *err)
+{
+	const struct rb_contacts *passed = &cohort->passed;
+	const enum rb_status status = rb_contacts_reserve(to, to->count + passed->count, err);
+
+	for (size_t k = 0; status == RB_OK && k < passed->count; k++) {
+		struct rb_contact contact = passed->row[k];
+
+		if (skip && skip[contact.a])
+			continue;
+		contact.normal_force /= h;
+		contact.tangent_force = rb_vec3_scale(1 / h, contact.tangent_force);
+		to->row[to->count++] = in_order(contact);
+	}
+	return status;
 }
 
 /*

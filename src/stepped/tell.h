@@ -19,6 +19,10 @@ RB_CHECKED enum rb_status rb_tell_impacts(struct rb_world *world, struct rb_coho
 RB_CHECKED enum rb_status rb_tell_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                            double h_s, const unsigned char *skip,
                                            struct rb_contacts *to, struct rb_error *err);
+/* Adds to `to` what its contacts have passed on in impacts within the step, as mean forces. */
+RB_CHECKED enum rb_status rb_tell_passed(const struct rb_cohort *cohort, double h_s,
+                                         const unsigned char *skip, struct rb_contacts *to,
+                                         struct rb_error *err);
 /* Room among the world's events for so many more; false: no memory. */
 bool rb_tell_room(struct rb_world *world, size_t count);
 /* Those told, for which there is room, become the world's events, and callbacks hear of them. */

@@ -5,11 +5,25 @@
 #include "base/memory.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size_t count, struct rb_error *err)
 {
 	if (!rb_memory_reserve(&contacts->row, &contacts->capacity, count, sizeof contacts->row[0]))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	return RB_OK;
+}
+
+enum rb_status rb_contacts_join(struct rb_contacts *to, const struct rb_contacts *more,
+                                struct rb_error *err)
+{
+	const enum rb_status status = rb_contacts_reserve(to, to->count + more->count, err);
+
+	if (status != RB_OK)
+		return status;
+	if (more->count > 0)
+		memcpy(to->row + to->count, more->row, more->count * sizeof *to->row);
+	to->count += more->count;
 	return RB_OK;
 }
 

@@ -18,6 +18,7 @@ struct rb_contact {
 	double gap;            /* m, negative: overlap */
 	double normal_force;   /* N, >= 0 */
 	rb_vec3 tangent_force; /* N, on b, across the normal */
+	uint64_t key;          /* stepped: its name among the points of the pair; no state */
 };
 
 struct rb_contacts {
@@ -27,6 +28,9 @@ struct rb_contacts {
 
 RB_CHECKED enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size_t count,
                                               struct rb_error *err);
+/* Adds them at the end, as they are. */
+RB_CHECKED enum rb_status rb_contacts_join(struct rb_contacts *to, const struct rb_contacts *more,
+                                           struct rb_error *err);
 void rb_contacts_release(struct rb_contacts *contacts);
 
 /* By pair, as all else here wants them. */

@@ -99,7 +99,9 @@ def check(rec, report, geometry, rows_most=4000):
         return
     total = len(t["a"])
     counted = np.diff(t["end"], prepend=0)
-    report.true("contacts counted", np.array_equal(counted, rec.observed["contacts"].astype(int)))
+    more = counted - rec.observed["contacts"].astype(int)
+    # by steps there are rows, too, of what was over before the frame, and of impacts that were passed on
+    report.true("contacts counted", bool(np.where(rec.observed["stepped"] > 0, more >= 0, more == 0).all()))
     report.true("contacts of frames", np.array_equal(t["step"], rec.step[t["frame"]]))
     report.count("contacts", total)
     if total == 0:

@@ -146,6 +146,7 @@ def main():
     parser.add_argument("--all", action="store_true", help="tell also what agrees")
     parser.add_argument("--strict", action="store_true", help="what is known to be wrong counts as well")
     parser.add_argument("--keep", help="folder that recordings are copied to")
+    parser.add_argument("--one-step", action="store_true", help="a step for each frame")
     parser.add_argument("--given", default="", help="more options for the program")
     parser.add_argument("name", nargs="*")
     options = parser.parse_args()
@@ -167,7 +168,7 @@ def judge(options, program, scenes):
             continue
         with tempfile.TemporaryDirectory() as folder:
             path, why = record(program, scene, given + options.given.split(), folder,
-                               options.seconds, options.share == "steps")
+                               options.seconds, options.one_step or options.share == "steps")
             if not path:
                 print(f"{name:34.34} no recording: {why}")
                 continue

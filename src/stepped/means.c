@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/means.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+#include "math/vec3.h"
+
+void rb_means_release(struct rb_means *means)
+{
+	rb_memory_free(means->row);
+	rb_memory_free(means->spare);
+	*means = (struct rb_means){0};
+}
+
+static int by_name(const void *left, const void *right)
+{
+	const struct rb_contact *x = left, *y = right;
+
+	if (x->a != y->a)
+		return x->a < y->a ? -1 : 1;
+	if (x->b != y->b)
+		return x->b < y->b ? -1 : 1;
+	return (x->key > y->key) - (x->key < y->key);
+}
+
+static void add(struct rb_mean *mean, const struct rb_contact *contact, double h)
+{
+	const double push = contact->normal_force * h;
+
+	mean->contact = *contact;
+	mean->push = rb_vec3_add_scaled(mean->push, push, contact->normal);
+	mean->rub = rb_vec3_add_scaled(mean->rub, h, contact->tangent_force);
+	mean->moment = rb_vec3_add_scaled(mean->moment, push, contact->point);
+	mean->weight += push;
+	mean->lasts = true;
+}
+
+enum rb_status rb_means_add(struct rb_means *means, struct rb_contacts *part, double h,
+                            struct rb_error *err)
+{
+	const struct rb_mean *old = means->row;
+	const size_t most = means->count + part->count + 1;
+	size_t at = 0, count = 0;
+
+	if (!rb_memory_reserve(&means->spare, &means->spare_capacity, most, sizeof *means->spare))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", most);
+	if (part->count > 1)
+		qsort(part->row, part->count, sizeof *part->row, by_name);
+	for (size_t k = 0; k <= part->count; k++) {
+		const struct rb_contact *contact = k < part->count ? &part->row[k] : NULL;
+		struct rb_mean mean = {0};
+
+		for (; at < means->count && (!contact || by_name(&old[at].contact, contact) < 0);
+		     at++) {
+			means->spare[count] = old[at];
+			means->spare[count++].lasts = false;
+		}
+		if (!contact)
+			break;
+		if (at < means->count && by_name(&old[at].contact, contact) == 0)
+			mean = old[at++];
+		add(&mean, contact, h);
+		means->spare[count++] = mean;
+	}
+	const struct rb_means was = *means;
+	means->row = was.spare;
+	means->count = count;
+	means->capacity = was.spare_capacity;
+	means->spare = was.row;
+	means->spare_capacity = was.capacity;
+	return RB_OK;
+}
+
+enum rb_status rb_means_tell(const struct rb_means *means, double h, struct rb_contacts *to,
+                             struct rb_error *err)
+{
+	const enum rb_status status = rb_contacts_reserve(to, to->count + means->count + 1, err);
+
+	if (status != RB_OK)
+		return status;
+	for (size_t k = 0; k < means->count; k++) {
+		const struct rb_mean *mean = &means->row[k];
+		const double push = rb_vec3_length(mean->push);
+		struct rb_contact contact = mean->contact;
+
+		if (push > 0) {
+			const rb_vec3 normal = rb_vec3_scale(1 / push, mean->push);
+			const double more = rb_vec3_dot(mean->rub, normal);
+
+			contact.normal = normal;
+			contact.normal_force = (push + more) / h;
+			contact.tangent_force = rb_vec3_scale(
+				1 / h, rb_vec3_add_scaled(mean->rub, -more, normal));
+			contact.point = rb_vec3_scale(1 / mean->weight, mean->moment);
+		} else if (!mean->lasts) {
+			continue;
+		}
+		to->row[to->count++] = contact;
+	}
+	return RB_OK;
+}
