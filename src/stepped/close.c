@@ -16,6 +16,8 @@ enum { CLOSINGS_MOST = 12, CHAIN_MOST = 16 };
  * deeper is looked at again, and taken back where twice as much is left.
  */
 static const double closable_share = 0.02, closable_bends = 2, lost_ratio = 2;
+/* What spin does not pay for is looked at in shorter steps, down to this part of the whole one. */
+static const double paying_parts = 8;
 /* A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a thirty-second. */
 static const double bend_turn_most = 0.25;
 
@@ -350,8 +352,10 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	s->solver.active_count = search->active_count + s->driven_count;
 	if (status == RB_OK)
 		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
-	if (status == RB_OK)
+	if (status == RB_OK) {
+		rb_lift_turn(&search->lift, world, &s->closing);
 		shift(search);
+	}
 	s->solver.active = search->cohort->body;
 	s->solver.active_count = search->cohort->body_count;
 	return status;
@@ -446,7 +450,8 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 	}
 	give_velocities(&search);
 	if (status == RB_OK)
-		rb_lift_pay(&search.lift, world);
+		rb_lift_pay(&search.lift, world,
+		            paying_parts * cohort->near->h_s <= s->solver.whole_s);
 	for (size_t k = 0; k < last.deep_count; k++)
 		blame(world, &last.deep[k]);
 	if (last.deep_count > 0 || s->bad_count == 0)

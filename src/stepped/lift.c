@@ -9,7 +9,7 @@
 #include "stepped/tally.h"
 
 /* Of the sums of a group. */
-enum { RISE, MIXED, SQUARE, KINETIC, SUMS };
+enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
 
 enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world, struct rb_error *err)
 {
@@ -20,13 +20,15 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world, struc
 	*lift = (struct rb_lift){.parent = rb_arena_take(arena, n, sizeof *lift->parent),
 	                         .room = rb_arena_take(arena, n, sizeof *lift->room),
 	                         .way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
+	                         .turn = rb_arena_take(arena, 3 * n, sizeof *lift->turn),
 	                         .moved = rb_arena_take(arena, n, 1),
 	                         .given = rb_arena_take(arena, n, 1),
 	                         .held = rb_arena_take(arena, n, 1),
 	                         .sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
-	if (!lift->parent || !lift->room || !lift->way || !lift->moved || !lift->given ||
-	    !lift->held || !lift->sum)
+	if (!lift->parent || !lift->room || !lift->way || !lift->turn || !lift->moved ||
+	    !lift->given || !lift->held || !lift->sum)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+	memset(lift->turn, 0, 3 * n * sizeof *lift->turn);
 	memset(lift->moved, 0, n);
 	memset(lift->given, 0, n);
 	memset(lift->held, 0, n);
@@ -66,6 +68,30 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 	lift->held[first] = lift->held[first] || lift->held[second];
 }
 
+void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
+                  const struct rb_points *closing)
+{
+	for (size_t k = 0; world->state.spin && k < closing->count; k++) {
+		const struct rb_point *point = &closing->row[k];
+		const int ends[2] = {point->a, point->b};
+
+		/* the points of spheres about their centres stay where they are */
+		for (int e = 0; e < 2 && point->push > 0 && !point->central; e++) {
+			const int i = ends[e];
+			if (!rb_stepped_yields(world, i))
+				continue;
+			double *const turn = lift->turn + 3 * (size_t)i;
+			const rb_vec3 spin = rb_vec3_from(world->stepped->aside + 6 * (size_t)i +
+			                                  3);
+			const rb_vec3 along = rb_vec3_cross(spin, e ? point->arm_b : point->arm_a);
+
+			rb_vec3_to(turn, rb_vec3_add_scaled(rb_vec3_from(turn),
+			                                    e ? point->push : -point->push,
+			                                    rb_vec3_cross(along, point->normal)));
+		}
+	}
+}
+
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
@@ -92,19 +118,28 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 	           rb_quat_rotate(rb_quat_from_turn(body->angular), rb_vec3_from(aside + 3)));
 }
 
-/* rad/s per unit of the payment. */
-static rb_vec3 turn_of(const struct rb_lift *lift, const struct rb_world *world, int i)
+/* rad/s, of an angular momentum. */
+static rb_vec3 spin_of(const struct rb_world *world, int i, const double *momentum)
 {
-	return world->state.spin ? rb_world_turn(world, &world->state, i,
-	                                         rb_vec3_from(lift->way + 6 * (size_t)i + 3))
+	return world->state.spin ? rb_world_turn(world, &world->state, i, rb_vec3_from(momentum))
 	                         : (rb_vec3){0, 0, 0};
+}
+
+static void add_turn(const struct rb_world *world, int i, const double *momentum, double *mixed,
+                     double *square)
+{
+	const rb_vec3 turn = rb_vec3_from(momentum);
+
+	if (!world->state.spin)
+		return;
+	*mixed += rb_vec3_dot(rb_world_row3(world->state.spin, i), turn);
+	*square += rb_vec3_dot(turn, spin_of(world, i, momentum));
 }
 
 static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 {
 	const struct rb_world_def *of = &world->model->scene->world;
 	const rb_vec3 way = rb_vec3_from(lift->way + 6 * (size_t)i);
-	const rb_vec3 turn = rb_vec3_from(lift->way + 6 * (size_t)i + 3);
 	const double mass = world->model->mass[i];
 	double *const sum = lift->sum + SUMS * (size_t)rb_forest_root(lift->parent, i);
 
@@ -114,58 +149,60 @@ static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 	sum[RISE] -= mass * rb_vec3_dot(of->gravity, way) + rb_vec3_dot(of->gravity_force, way);
 	sum[MIXED] += mass * rb_vec3_dot(rb_world_row3(world->state.velocity, i), way);
 	sum[SQUARE] += mass * rb_vec3_dot(way, way);
-	if (!world->state.spin)
-		return;
-	sum[MIXED] += rb_vec3_dot(rb_world_row3(world->state.spin, i), turn);
-	sum[SQUARE] += rb_vec3_dot(turn, turn_of(lift, world, i));
+	add_turn(world, i, lift->way + 6 * (size_t)i + 3, &sum[MIXED], &sum[SQUARE]);
+	add_turn(world, i, lift->turn + 3 * (size_t)i, &sum[TURN_MIXED], &sum[TURN_SQUARE]);
 }
 
-/* How velocities change: v (1 - slowed) - pace way. NAN: there is not as much. */
+/* How velocities change: v (1 - slowed) - pace way, spins by -twist turn as well. NAN: there is not as much. */
 struct payment {
-	double pace, slowed;
+	double twist, pace, slowed;
 };
 
-/*
- * Kinetic energy falls by `need`: that along the ways first, which is how contacts would push or hold back; else, with what
- * stands still below, that of all motion, which is how a body slows down that slides or rolls over a bump.
- */
-static struct payment payment_of(const double *sum, double need, bool held)
-{
-	const double left = sum[MIXED] * sum[MIXED] - 2 * need * sum[SQUARE];
+static const struct payment nothing = {0, 0, 0}, impossible = {(double)NAN, 0, 0};
 
+/* How often a momentum is taken for kinetic energy to fall by `need`. NAN: it never does. */
+static double share_of(double need, double mixed, double square)
+{
+	const double left = mixed * mixed - 2 * need * square;
+
+	return left >= 0 ? 2 * need / (mixed + copysign(sqrt(left), mixed)) : (double)NAN;
+}
+
+static struct payment payment_of(const double *sum, double need, bool held, bool anyhow)
+{
 	if (!(need > 0))
-		return (struct payment){0, 0};
-	if (left >= 0)
-		return (struct payment){2 * need / (sum[MIXED] + copysign(sqrt(left), sum[MIXED])),
-		                        0};
-	if (held && sum[KINETIC] >= need)
-		return (struct payment){0,
-		                        need / sum[KINETIC] / (1 + sqrt(1 - need / sum[KINETIC]))};
-	return (struct payment){(double)NAN, 0};
+		return nothing;
+	const double twist = share_of(need, sum[TURN_MIXED], sum[TURN_SQUARE]);
+	if (isfinite(twist))
+		return (struct payment){.twist = twist};
+	const double pace = anyhow ? share_of(need, sum[MIXED], sum[SQUARE]) : (double)NAN;
+	if (isfinite(pace))
+		return (struct payment){.pace = pace};
+	if (anyhow && held && sum[KINETIC] >= need)
+		return (struct payment){.slowed = need / sum[KINETIC] /
+		                                  (1 + sqrt(1 - need / sum[KINETIC]))};
+	return impossible;
 }
 
 static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct payment payment)
 {
 	double *const v = world->state.velocity + 3 * (size_t)i;
 	double *const w = world->state.spin ? world->state.spin + 3 * (size_t)i : NULL;
+	const double *way = lift->way + 6 * (size_t)i;
 	const double kept = 1 - payment.slowed;
+	rb_vec3 linear = rb_vec3_from(v), spin = w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0};
 
-	if (world->stepped->tally) {
-		const rb_vec3 motion[2] = {rb_vec3_from(v),
-		                           w ? rb_vec3_from(w) : (rb_vec3){0, 0, 0}};
-
-		rb_tally_close(world, i, motion);
-	}
+	if (world->stepped->tally)
+		rb_tally_close(world, i, (const rb_vec3[2]){linear, spin});
 	if (lift->moved[i]) {
-		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), -payment.pace,
-		                                 rb_vec3_from(lift->way + 6 * (size_t)i)));
-		if (w)
-			rb_vec3_to(w, rb_vec3_add_scaled(rb_vec3_from(w), -payment.pace,
-			                                 turn_of(lift, world, i)));
+		linear = rb_vec3_add_scaled(linear, -payment.pace, rb_vec3_from(way));
+		spin = rb_vec3_add_scaled(spin, -payment.pace, spin_of(world, i, way + 3));
+		spin = rb_vec3_add_scaled(spin, -payment.twist,
+		                          spin_of(world, i, lift->turn + 3 * (size_t)i));
 	}
-	rb_vec3_to(v, rb_vec3_scale(kept, rb_vec3_from(v)));
+	rb_vec3_to(v, rb_vec3_scale(kept, linear));
 	if (w)
-		rb_vec3_to(w, rb_vec3_scale(kept, rb_vec3_from(w)));
+		rb_vec3_to(w, rb_vec3_scale(kept, spin));
 }
 
 /* Whom the ledger names for what closing has done to a body: the fixed one that its group has been closed against. */
@@ -186,7 +223,7 @@ static void tell_closed(const struct rb_lift *lift, struct rb_world *world, int 
 	                lifted);
 }
 
-void rb_lift_pay(struct rb_lift *lift, struct rb_world *world)
+void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
 {
 	struct rb_stepped *s = world->stepped;
 
@@ -199,13 +236,13 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world)
 		const int root = rb_forest_root(lift->parent, i);
 		const double *sum = lift->sum + SUMS * (size_t)root;
 		const double need = lift->given[root] ? 0 : sum[RISE] - 0.5 * lift->room[root];
-		const struct payment payment = payment_of(sum, need, lift->held[root]);
+		const struct payment payment = payment_of(sum, need, lift->held[root], anyhow);
 
-		if (isnan(payment.pace))
+		if (isnan(payment.twist))
 			rb_stepped_blame(s, i);
 		else if (need > 0)
 			pay(lift, world, i, payment);
-		if (s->tally && (lift->moved[i] || (need > 0 && !isnan(payment.pace))))
+		if (s->tally && (lift->moved[i] || (need > 0 && !isnan(payment.twist))))
 			tell_closed(lift, world, i);
 	}
 }

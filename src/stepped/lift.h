@@ -1,7 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What closing overlaps by moving positions raises, and what pays for it: what contacts of the group have taken in the step,
- * then motion along the ways that closing has gone.
+ * then the spin of bodies that have turned into each other.
+ *
+ * A point of a body that turns is off its straight way by w x (w x r) h^2 / 2, and closing lifts the body by as much. In truth
+ * the point, which goes along by w x r h, takes the contact's push with it: the push acts at another arm, and the torque slows
+ * the turning by just what the lift is worth. Payment is that torque. It leaves momentum alone, so the forces of contacts
+ * are what has changed it.
  *
  * Made for one step in its arena; simulator thread.
  */
@@ -14,10 +19,11 @@ struct rb_lift {
 	int *parent;  /* [bodies]: groups: of the solution, joined by those that are closed */
 	double *room; /* [bodies], J, twice: what contacts took, by the first of a group */
 	double *way;  /* [6 bodies]: m; kg m^2 rad, as momentum */
+	double *turn; /* [3 bodies]: of the torque, by the closing's pushes, kg m^2/s */
 	unsigned char *moved; /* [bodies] */
 	unsigned char *given; /* [bodies]: a driven body has pushed, by a body of the group */
 	unsigned char *held;  /* [bodies]: so has a static one */
-	double *sum;          /* [4 bodies], J, by the first of a group */
+	double *sum;          /* [6 bodies], J, by the first of a group */
 };
 
 /* Before the solver has become that of closing. */
@@ -27,12 +33,18 @@ RB_CHECKED enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *w
 /* These bodies are closed together; b may be driven or static. */
 void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int b);
 
+/* What points take along of the pushes that close them; before bodies move by these. */
+void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
+                  const struct rb_points *closing);
+
 /* A body moves by what the solver has for it; its spin, put aside, turns with it. */
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i);
 
 /*
  * Velocities, given back, pay; groups that cannot are blamed: in shorter steps turning leaves less to close, with its square.
+ * `anyhow`: where spin does not suffice, motion along the ways of closing pays, else, with what stands still below, all
+ * motion; no contact's force says so.
  */
-void rb_lift_pay(struct rb_lift *lift, struct rb_world *world);
+void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow);
 
 #endif
