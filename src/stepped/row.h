@@ -119,6 +119,12 @@ static inline void rb_dense_push(const struct rb_dense *dense, const struct rb_d
 }
 
 /* The impulse as a vector. */
+static inline void rb_dense_clear(struct rb_dense_row *row)
+{
+	row->push = 0;
+	row->rub = (rb_vec3){0, 0, 0};
+}
+
 static inline rb_vec3 rb_dense_impulse(const struct rb_dense_row *row)
 {
 	return rb_vec3_add_scaled(row->rub, row->push, row->normal);

@@ -488,6 +488,31 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 }
 
 /*
+ * Where friction wedges what is to be pushed apart no impulses may do it: those of sweeps grow without end. Nothing is pushed
+ * apart then; what is wedged all the same is looked at in shorter steps.
+ */
+static bool start_over(const struct rb_solver *solver, struct rb_island *island,
+                       const struct rb_dense *dense, struct rb_arena *arena)
+{
+	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
+
+	for (int k = 0; k < dense->row_count; k++) {
+		struct rb_dense_row *row = &dense->row[k];
+
+		rb_dense_clear(row);
+		row->leave = fmin(row->leave, 0);
+	}
+	apply_again(solver, island, dense);
+	const bool good = rb_sweeper_take(&sweeper, arena) &&
+	                  sweep_more(solver, &sweeper, island, solver->enough / sweep_share,
+	                             most_of(&sweeper));
+	if (rb_energy_bounds(solver, island, dense))
+		return good;
+	island->residual = (double)INFINITY;
+	return false;
+}
+
+/*
  * What stands is solved closely by factors at once, as if nothing slipped: towers, which sweeps would let creep. Else sweeps
  * first; factors where these do not come to an end soon and cost no more. What hardly moves is then solved far closer, a
  * little in each step, so that it comes to stand still. With a team: colours.
@@ -534,6 +559,8 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
 	if (!good && !sweeper.wide)
 		good = sweep_more(solver, &sweeper, island, enough / sweep_share, SWEEPS_MOST);
+	if (!rb_energy_bounds(solver, island, &dense))
+		good = start_over(solver, island, &dense, arena);
 	if (good && !closely && solver->before && island->residual > close &&
 	    (is_quiet(solver, island, false) ||
 	     (!sweeper.wide && goes_along(solver, island, &dense))) &&
@@ -757,8 +784,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		row->leave = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
 		if (rebounds(solver, point))
 			row->leave = fmax(0, point->restitution * point->approach);
-		row->push = 0;
-		row->rub = (rb_vec3){0, 0, 0};
+		rb_dense_clear(row);
 	}
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
