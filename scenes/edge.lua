@@ -24,6 +24,7 @@ end)
 -- the classic method: to first order in dt the same, and v dt for the step in which the middle passes the edge.
 if speed >= math.sqrt(g * radius) then
 	expect("it lands after its flight", function()
+		if not state.landed then return false end
 		return math.abs(state.landed - 1 / speed - math.sqrt(2 * height / g)), 4 * dt
 	end)
 	expect("it rolls on at the speed it came with", function() return math.abs(ball.velocity.x - speed), 4 * g * dt end)

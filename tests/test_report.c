@@ -100,6 +100,22 @@ static void scattered_errors_have_no_order(void **state)
 	says(made->methods[0].order_note, "no power of the time step");
 }
 
+static void errors_that_do_not_fall_have_no_order(void **state)
+{
+	struct made *const made = made_of();
+	(void)state;
+
+	for (int i = 0; i < 4; i++) {
+		add(made, 0, pow(10, -1 - i), pow(10, -5 + 0.3 * i), 1);
+		add(made, 1, pow(10, -1 - i), 1e-5 * (1 - 0.02 * i), 1);
+	}
+	rb_report_conclude(&made->report);
+	for (int m = 0; m < 2; m++) {
+		assert_true(isnan(made->methods[m].order));
+		says(made->methods[m].order_note, "do not fall with the time step");
+	}
+}
+
 static void where_nothing_converges_there_is_no_order(void **state)
 {
 	struct made *const made = made_of();
@@ -259,6 +275,7 @@ int main(void)
 		cmocka_unit_test(an_order_is_the_slope_above_rounding),
 		cmocka_unit_test(errors_below_that_of_the_reference_have_no_order),
 		cmocka_unit_test(scattered_errors_have_no_order),
+		cmocka_unit_test(errors_that_do_not_fall_have_no_order),
 		cmocka_unit_test(where_nothing_converges_there_is_no_order),
 		cmocka_unit_test(the_advice_is_the_cheapest_that_is_good_enough),
 		cmocka_unit_test(a_missed_error_is_told_with_its_factor),

@@ -156,7 +156,7 @@ static enum rb_status take_output(struct converge *converge, struct rb_error *er
 		               name);
 	const enum rb_status status = rb_outfile_check(name, converge->options->force, err);
 	if (!status && (converge->output == SVG || converge->output == PNG))
-		return rb_plot_available(err);
+		return rb_plot_available(", or ask for .csv or .json", err);
 	return status;
 }
 
@@ -510,7 +510,7 @@ static enum rb_status print_all(const struct converge *converge, struct rb_error
 	enum rb_status status = rb_report_print(stdout, report, width, err);
 
 	if (!status && converge->output == TERMINAL) {
-		if (rb_plot_available(&missing) ||
+		if (rb_plot_available("", &missing) ||
 		    rb_chart_draw(stdout, report, RB_PLOT_TEXT, size, &missing))
 			printf("  no picture: %s\n", missing.text);
 	}

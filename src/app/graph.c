@@ -44,7 +44,16 @@ static const struct {
 } parts[] = {{"x", 0}, {"y", 1}, {"z", 2}, {"vx", 3}, {"vy", 4}, {"vz", 5}, {"speed", -1}};
 enum { PART_COUNT = sizeof parts / sizeof *parts };
 
-/* "NAME.z"; false: it is not of that form, or there is no such body that moves. */
+/* What messages call a body: its name, or "#ID". */
+static const char *label_of(const struct rb_reading *reading, int id, char out[16])
+{
+	if (*reading->names[id])
+		return reading->names[id];
+	snprintf(out, 16, "#%d", id);
+	return out;
+}
+
+/* "NAME.z", "#ID.z"; false: it is not of that form, or there is no such body that moves. */
 static bool find_body(const struct rb_reading *reading, const char *text, int *body, int *part)
 {
 	const char *const dot = strrchr(text, '.');
@@ -53,7 +62,8 @@ static bool find_body(const struct rb_reading *reading, const char *text, int *b
 		return false;
 	for (int k = 0; k < PART_COUNT; k++)
 		for (int i = 0; i < reading->body_count; i++) {
-			const char *const name = reading->names[reading->id[i]];
+			char number[16];
+			const char *const name = label_of(reading, reading->id[i], number);
 			if (strcmp(dot + 1, parts[k].name) != 0 ||
 			    strlen(name) != (size_t)(dot - text) ||
 			    strncmp(name, text, (size_t)(dot - text)) != 0)
@@ -113,7 +123,7 @@ static enum rb_status read_observable(struct graph *graph, const char *name, dou
 		if (status)
 			status = RB_FAIL(
 				err, RB_ERR_USAGE,
-				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, momentum, max_penetration, ..., or BODY.x, .y, .z, .vx, .vy, .vz, .speed)",
+				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, momentum, max_penetration, ..., or BODY.x, .y, .z, .vx, .vy, .vz, .speed; BODY: a name, or #ID of one without)",
 				graph->file, name);
 	}
 	rb_memory_free(more);
@@ -292,7 +302,7 @@ int rb_graph_main(const struct rb_options *options)
 {
 	struct graph graph = {.options = options, .file = options->words[0]};
 	struct rb_error err;
-	enum rb_status status = rb_plot_available(&err);
+	enum rb_status status = rb_plot_available("", &err);
 
 	graph.quantity_count = options->word_count - 1;
 	if (!status)

@@ -4,13 +4,21 @@
 #include <math.h>
 #include <string.h>
 
+/* Commands that can be copied with what is said of them. */
 static void print_examples(FILE *file, const char *examples)
 {
+	size_t longest = 0;
+
+	for (const char *line = examples; *line; line += strcspn(line, "\n") + 1) {
+		const size_t command = strcspn(line, "\t");
+
+		longest = command > longest ? command : longest;
+	}
 	for (const char *line = examples; *line;) {
 		const size_t command = strcspn(line, "\t");
 		const size_t whole = strcspn(line, "\n");
-		fprintf(file, "  %-42.*s %.*s\n", (int)command, line, (int)(whole - command - 1),
-		        line + command + 1);
+		fprintf(file, "  %-*.*s  # %.*s\n", (int)longest, (int)command, line,
+		        (int)(whole - command - 1), line + command + 1);
 		line += whole + 1;
 	}
 }

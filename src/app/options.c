@@ -502,8 +502,11 @@ static enum rb_status check_whole(const struct parse *parse)
 	for (int i = 0; i < rb_option_row_count; i++)
 		if (parse->given[i] && !(rb_option_rows[i].verbs & 1u << options->verb))
 			return RB_FAIL(parse->err, RB_ERR_USAGE,
-			               "option '--%s' does not belong to '%s'",
-			               rb_option_rows[i].name, verb->name);
+			               "option '--%s' does not belong to '%s'%s",
+			               rb_option_rows[i].name, verb->name,
+			               strcmp(rb_option_rows[i].name, "dt") == 0
+			                       ? " (did you mean '--time-step'?)"
+			                       : "");
 	if (options->help || options->version || options->print_tables)
 		return RB_OK;
 	if (options->operand_count < verb->operand_count)

@@ -18,7 +18,7 @@
 
 static const char program[] = "gnuplot";
 
-enum rb_status rb_plot_available(struct rb_error *err)
+enum rb_status rb_plot_available(const char *instead, struct rb_error *err)
 {
 	const char *path = getenv("PATH");
 	char file[4096];
@@ -30,10 +30,9 @@ enum rb_status rb_plot_available(struct rb_error *err)
 			return RB_OK;
 		path += length + (path[length] == ':');
 	}
-	return RB_FAIL(
-		err, RB_ERR_MISSING,
-		"cannot draw: there is no '%s' in PATH (install the package gnuplot-nox, or ask for .csv or .json)",
-		program);
+	return RB_FAIL(err, RB_ERR_MISSING,
+	               "cannot draw: there is no '%s' in PATH (install the package gnuplot-nox%s)",
+	               program, instead);
 }
 
 /* ---- what gnuplot is told ---- */

@@ -50,6 +50,7 @@ static double floor_of(const struct rb_report *report, const struct rb_report_ro
 /* Of the logarithms of dial and error; an order is their slope where they lie on a line. */
 struct sums {
 	double n, x, y, xx, xy, yy;
+	double least, most; /* of x */
 };
 
 static void judge_fit(const struct rb_report *report, struct rb_report_method *of,
@@ -70,6 +71,9 @@ static void judge_fit(const struct rb_report *report, struct rb_report_method *o
 		snprintf(of->order_note, sizeof of->order_note,
 		         "none: it takes two points with errors above those of rounding%s",
 		         reference);
+	else if (!(both / spread * (s->most - s->least) >= log(2)))
+		snprintf(of->order_note, sizeof of->order_note,
+		         "none: the errors do not fall with the %s", dial_name);
 	else if (both * both < line_least * spread * height)
 		snprintf(of->order_note, sizeof of->order_note,
 		         "none: the errors follow no power of the %s", dial_name);
@@ -97,6 +101,8 @@ static void fit(struct rb_report *report, int method)
 		if (error <= floor_of(report, row))
 			continue;
 		const double u = log(dial(report, row)), v = log(error);
+		s.least = s.n > 0 ? fmin(s.least, u) : u;
+		s.most = s.n > 0 ? fmax(s.most, u) : u;
 		s.n += 1;
 		s.x += u;
 		s.y += v;

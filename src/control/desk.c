@@ -340,6 +340,16 @@ static bool scroll_help(struct desk *desk, uint32_t key)
 	return true;
 }
 
+/* What closes the help does nothing else; what is another key's business is also done. True: the key has been used. */
+static bool leave_help(struct desk *desk, uint32_t key)
+{
+	desk->stale = true;
+	if (scroll_help(desk, key))
+		return true;
+	desk->helps = false;
+	return key == RB_KEY_ESCAPE || key == RB_KEY_ENTER || key == '?' || key == 'q';
+}
+
 static void click(struct desk *desk, const struct rb_input_key *key)
 {
 	const rb_area line = desk->layout.timeline;
@@ -358,11 +368,9 @@ static void take_key(struct desk *desk, const struct rb_input_key *key)
 		click(desk, key);
 	} else if (desk->prompt.open) {
 		type(desk, key->key);
-	} else if (desk->helps) {
-		desk->helps = scroll_help(desk, key->key);
-		desk->stale = true;
-	} else if (rb_key_find(key->key)) {
-		run_key(desk, rb_key_find(key->key));
+	} else if (!desk->helps || !leave_help(desk, key->key)) {
+		if (rb_key_find(key->key))
+			run_key(desk, rb_key_find(key->key));
 	}
 }
 

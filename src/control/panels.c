@@ -282,7 +282,7 @@ static void help_rows(struct help *help)
 	const int indent = help->area.width >= WIDE ? COMMANDS : NARROW;
 	char lead[LINE_SIZE];
 
-	help_row(help, RB_STYLE_STRONG, "Keys (up, down: more; others: back)");
+	help_row(help, RB_STYLE_STRONG, "Keys (up, down: more; ?: back)");
 	for (int i = 0; i < rb_key_row_count; i++) {
 		snprintf(lead, sizeof lead, "  %s", rb_key_rows[i].name);
 		help_entry(help, lead, KEYS, rb_key_rows[i].help);

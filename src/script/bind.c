@@ -49,6 +49,9 @@ static int l_world(lua_State *L)
 	struct rb_world_def world = script->scene->world;
 
 	rb_call_read(&call, &world);
+	for (int i = 0; i < rb_rows_world.count; i++)
+		if (rb_call_given(&call, rb_rows_world.rows[i].key))
+			script->world_given |= UINT64_C(1) << i;
 	if (!only_call(&call, &script->world_line))
 		return 0;
 	world.title = keep_text(&call, world.title);

@@ -6,6 +6,7 @@
 
 #include <lauxlib.h>
 
+#include "script/advice.h"
 #include "script/nearest.h"
 #include "script/values.h"
 
@@ -43,8 +44,13 @@ static void note_unknown(struct rb_call *call)
 				rb_nearest_offer(&nearest, table->rows[i].key,
 				                 strlen(table->rows[i].key));
 		char hint[96];
+		const char *advice = rb_advice_for_key(next);
 		call->unknown++;
-		rb_call_mistake(call, "unknown key '%s'%s", next, rb_nearest_hint(&nearest, hint));
+		if (advice)
+			rb_call_mistake(call, "unknown key '%s' (%s)", next, advice);
+		else
+			rb_call_mistake(call, "unknown key '%s'%s", next,
+			                rb_nearest_hint(&nearest, hint));
 		memcpy(after, next, sizeof after);
 	}
 	if (unnamed)

@@ -9,6 +9,7 @@
 
 #include <lauxlib.h>
 
+#include "base/log.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "model/check.h"
@@ -21,6 +22,7 @@
 #include "script/functions.h"
 #include "script/hooks.h"
 #include "script/library.h"
+#include "script/advice.h"
 #include "script/nearest.h"
 #include "script/params.h"
 
@@ -135,6 +137,25 @@ static int check_originals(lua_State *L)
 	return 0;
 }
 
+/* What was assigned to the name of a key of world { } that the call does not have: nobody reads that. */
+static int warn_of_world(lua_State *L)
+{
+	const struct rb_script *script = rb_script_of(L);
+
+	lua_pushglobaltable(L);
+	for (int i = 0; i < rb_rows_world.count; i++) {
+		const char *key = rb_rows_world.rows[i].key;
+
+		lua_pushstring(L, key);
+		if (lua_rawget(L, 1) != LUA_TNIL && !(script->world_given & UINT64_C(1) << i))
+			rb_log(RB_LOG_WARNING,
+			       "%s: nothing reads the global '%s'; it is a key of world { }: world { %s = ... }",
+			       script->source, key, key);
+		lua_pop(L, 1);
+	}
+	return 0;
+}
+
 /* What follows is in protected mode: it may be left by a jump, and owns nothing. */
 
 static void run_source(lua_State *L)
@@ -174,10 +195,10 @@ static int run_cameras(lua_State *L)
 
 struct misspelt {
 	const char *message;
-	char hint[96];
+	char hint[160];
 };
 
-/* "attempt to call a nil value (global 'shpere')": the nearest of the globals that there are. */
+/* "attempt to call a nil value (global 'shpere')": advice, or the nearest of the globals that could be meant. */
 static int find_misspelt(lua_State *L)
 {
 	static const char mark[] = "(global '";
@@ -195,16 +216,24 @@ static int find_misspelt(lua_State *L)
 	name[size] = '\0';
 	if (lua_getglobal(L, name) != LUA_TNIL) /* spelt well, but of another type */
 		return 0;
+	const char *advice = rb_advice_for_global(name);
+	if (advice) {
+		snprintf(misspelt->hint, sizeof misspelt->hint, " (%s)", advice);
+		return 0;
+	}
+	const int wanted = strstr(misspelt->message, "attempt to call") ? LUA_TFUNCTION
+	                                                                : LUA_TTABLE;
 	struct rb_nearest nearest = rb_nearest_to(name);
 	lua_pushglobaltable(L);
 	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1)) {
 		size_t candidate_size;
-		if (lua_type(L, -2) != LUA_TSTRING)
+		if (lua_type(L, -2) != LUA_TSTRING || lua_type(L, -1) != wanted)
 			continue;
 		const char *candidate = lua_tolstring(L, -2, &candidate_size);
 		rb_nearest_offer(&nearest, candidate, candidate_size);
 	}
-	rb_nearest_hint(&nearest, misspelt->hint);
+	char hint[96];
+	snprintf(misspelt->hint, sizeof misspelt->hint, "%s", rb_nearest_hint(&nearest, hint));
 	return 0;
 }
 
@@ -332,6 +361,11 @@ static enum rb_status run(struct rb_script *script, lua_CFunction part, struct r
 		lua_pop(L, 1);
 	if (status == RB_ERR_SCENE)
 		note_error(script, err);
+	if (status != RB_OK || part != run_scene)
+		return status;
+	lua_pushcfunction(L, warn_of_world);
+	if (lua_pcall(L, 0, 0, 0) != LUA_OK)
+		lua_pop(L, 1);
 	return status;
 }
 

@@ -358,7 +358,7 @@ const char *rb_range_text(enum rb_row_range range)
 		[RB_RANGE_PIXELS] = "in [1, 16384]",
 		[RB_RANGE_SAMPLES] = "in [1, 64]",
 		[RB_RANGE_COUNT] = "1 or more",
-		[RB_RANGE_FOV] = "between 0 and pi",
+		[RB_RANGE_FOV] = "between 0 and pi, in radians: deg(45)",
 	};
 
 	return texts[range];

@@ -50,6 +50,7 @@ struct rb_script {
 	uint64_t last_mistake; /* hash of its text */
 	char first_mistake[RB_ERROR_TEXT_SIZE];
 	int world_line, record_line; /* of their only call, 0: none yet */
+	uint64_t world_given;        /* bits: rows of world { } that were */
 	char *folder;                /* owned: of the source, "." for the current one */
 	char *reading;               /* owned: a file between disk and Lua */
 	size_t reading_size;

@@ -278,6 +278,8 @@ static int hex_digit(char c)
 }
 
 /* {r, g, b} in [0, 1] or "#rrggbb". */
+static const char color_wanted[] = "a color {r, g, b} or '#rrggbb', like '#ff0000' for red";
+
 static bool read_color(struct rb_call *call, const struct rb_row *row, int index, double *color)
 {
 	double values[3];
@@ -292,9 +294,9 @@ static bool read_color(struct rb_call *call, const struct rb_row *row, int index
 			values[i] = (16 * high + low) / 255.0;
 		}
 		if (!right)
-			return is_wrong(call, row, index, "a color {r, g, b} or '#rrggbb'");
+			return is_wrong(call, row, index, color_wanted);
 	} else if (!rb_vector_numbers(call->L, index, 3, values, NULL)) {
-		return is_wrong(call, row, index, "a color {r, g, b} or '#rrggbb'");
+		return is_wrong(call, row, index, color_wanted);
 	}
 	for (int i = 0; i < 3; i++)
 		if (!(values[i] >= 0 && values[i] <= 1))

@@ -27,10 +27,6 @@ RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_wor
                                          double h_s, struct rb_error *err);
 
 /*
- * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points] receives the impulses on b,
- * where there are any.
- */
-/*
  * The same step with other points for groups whose bodies have a mark in `again`; the others keep what was found. The world's
  * velocities are those without impulses again.
  */
@@ -38,6 +34,10 @@ RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_wo
                                           struct rb_points *points, const unsigned char *again,
                                           struct rb_error *err);
 
+/*
+ * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points] receives the impulses on b,
+ * where there are any.
+ */
 RB_CHECKED enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
                                             const struct rb_points *points, rb_vec3 *rebound,
                                             struct rb_error *err);

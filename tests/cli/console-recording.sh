@@ -98,12 +98,19 @@ sees "unknown command 'se'"
 types : && enters 'help seek'
 sees 'seek TIME.PERCENT%: show the frame'
 types '?'
-sees 'Keys .up, down: more; others: back'
+sees 'Keys .up, down: more; .: back'
 sees '^  space +play what is paused'
 types PageDown PageDown PageDown
 sees '^  quit +leave the console'
 types Escape
 sees_not '^  quit +leave'
+# a key that has nothing to do with the help is not lost on it
+types '?'
+sees 'Keys .up, down'
+types :
+sees '^:'
+sees_not 'Keys .up, down'
+enters 'seek 0'
 types : && enters 'restart'
 sees 'needs a run'
 types : && enters 'set e 1'

@@ -16,7 +16,7 @@ END
 exits 0 two.lua -q -o two.h5
 if ! command -v gnuplot >/dev/null; then
 	exits 69 plot run.h5 energy
-	says err "no 'gnuplot'"
+	says err "no 'gnuplot' in PATH .install the package gnuplot-nox)"
 	echo "no gnuplot"
 	exit 77
 fi
@@ -55,6 +55,13 @@ exits 0 plot d/sweep.h5 frames --against e -o s.png
 awk '/^\$data0/ { inside = 1; next } /^END/ { if (inside) exit } inside { print }' script | cut -d ' ' -f 2 | sort -u >frames
 [ "$(cat frames)" = 31 ] || fail "frames: $(cat frames)"
 PATH=$plain
+
+sed 's/name = name, //' two.lua >unnamed.lua
+exits 0 unnamed.lua -q -o unnamed.h5
+exits 0 plot unnamed.h5 '#3.z'
+says out '#3.z'
+exits 64 plot unnamed.h5 '#4.z'
+says err "no quantity '#4.z' .*#ID of one without"
 
 exits 64 plot run.h5
 exits 64 plot run.h5 height

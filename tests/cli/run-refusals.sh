@@ -18,6 +18,17 @@ exits 65 wrong.lua --debug
 says err 'scene error, from .*\.c:[0-9]+'
 exits 65 check wrong.lua
 
+cat >unread.lua <<'END'
+gravity, duration, tolerance = {0, 0, -9.81}, 0.1, function() end
+world { duration = duration }
+sphere { radius = 1 }
+END
+exits 0 unread.lua --no-record
+says err "warning: unread.lua: nothing reads the global 'gravity'; it is a key of world"
+says_no err "'duration'"
+exits 64 unread.lua --dt 0.1
+says err "option '--dt' does not belong to 'run' .did you mean '--time-step'"
+
 small_scene 'expect("the world ends", function() return false end)
 expect("small", function() return 2, 1 end)' >fails.lua
 exits 1 fails.lua

@@ -15,7 +15,7 @@ camera { lights = {{}, {position = {1, 1, 1}, intensity = -1}, {direction = {0, 
 -- expect: :3: camera: 'up' must be a vector with a length (got {0, 0, 0})
 -- expect: :4: camera: 'up' must not be along the line of sight
 -- expect: :5: camera: 'position' and 'look_at' must not be the same point
--- expect: :6: camera: 'fov' must be between 0 and pi (got 4)
+-- expect: :6: camera: 'fov' must be between 0 and pi, in radians: deg(45) (got 4)
 -- expect: :6: camera: 'size' must lie in [1, 16384] (got {640, 0.5})
 -- expect: :6: camera: 'samples' must lie in [1, 64] (got 0)
 -- expect: :6: camera: 'offset' goes with 'mount'
