@@ -227,7 +227,7 @@ static void a_film_needs_only_what_its_pictures_show(void **state)
 	assert_int_equal(rb_film_create(&set.film, &set.sink, &options, NULL), RB_OK);
 	assert_int_equal(set.sink.fields, RB_FIELD_POSITION | RB_FIELD_ORIENTATION |
 	                                          RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY |
-	                                          RB_FIELD_CONTACTS);
+	                                          RB_FIELD_CONTACTS | RB_FIELD_EVENTS);
 	close_set(&set);
 }
 

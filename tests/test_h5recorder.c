@@ -460,7 +460,7 @@ static void record_on_and_on(int safe)
 
 static void what_was_flushed_survives_kill_9(void **slot)
 {
-	static const int bodies[] = {1, 40, 3000};
+	static const int bodies[] = {5, 40, 3000};
 	char path[512];
 
 	(void)slot;

@@ -9,6 +9,7 @@
 #ifndef RBSIM_FRAME_H
 #define RBSIM_FRAME_H
 
+#include <stdbool.h>
 #include <stdint.h>
 
 #include <rbsim/error.h>
@@ -95,6 +96,7 @@ struct rb_frame {
 
 	struct rb_event *events; /* since the frame before, in order of time */
 	int event_count, event_capacity;
+	bool has_events; /* nobody is told of any, else */
 	struct rb_frame_contact *contacts;
 	int contact_count, contact_capacity;
 	struct rb_frame_shot

@@ -232,9 +232,10 @@ enum {
 };
 
 struct rb_record_def {
-	const char *file; /* NULL: from the scene's name */
-	int every;        /* record every n-th frame */
-	unsigned fields;  /* RB_FIELD_* */
+	const char *file;  /* NULL: from the scene's name */
+	int every;         /* record every n-th frame */
+	unsigned fields;   /* RB_FIELD_* */
+	bool fields_given; /* these and no others */
 	bool single_precision;
 	int compression;           /* 0 to 9 */
 	bool ledger, ledger_given; /* not given: where there are few bodies */

@@ -246,6 +246,7 @@ static void print_films(struct rb_loaded *loaded, const struct rb_options *optio
 	struct rb_films *films = NULL;
 	struct rb_error refusal;
 
+	rb_films_tell_unrecorded(loaded);
 	if (options->no_render)
 		return;
 	if (rb_films_create(&films, loaded, &wish, &refusal))

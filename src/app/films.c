@@ -39,7 +39,8 @@ struct rb_films {
 	int count;
 	bool shoots;   /* some camera has functions */
 	bool has_last; /* then: `last` is the frame before */
-	struct rb_frame last, between;
+	struct rb_frame last;
+	struct rb_between between;
 	double *switched_s; /* when pictures were left out, drawn again, ...: as the films have it */
 	size_t switch_count, switch_capacity;
 	atomic_int cut; /* the signal; set by anybody, after every film's own; 0: not */
@@ -365,7 +366,7 @@ void rb_films_destroy(struct rb_films *films)
 		if (films->film[i].film)
 			films->module->film_destroy(films->film[i].film);
 	rb_frame_release(&films->last);
-	rb_frame_release(&films->between);
+	rb_between_release(&films->between);
 	rb_memory_free(films->switched_s);
 	rb_memory_free(films->film);
 	rb_memory_free(films);
@@ -383,13 +384,40 @@ unsigned rb_films_fields(const struct rb_films *films)
 	return fields;
 }
 
-bool rb_films_show_velocities(const struct rb_films *films)
+void rb_films_tell_missing(const struct rb_model *model, const char *name, unsigned wanted,
+                           unsigned fields)
 {
-	bool shown = false;
+	static const struct {
+		unsigned field;
+		const char *what, *then;
+	} rows[] = {
+		{RB_FIELD_POSITION, "positions", "no film can be made from it"},
+		{RB_FIELD_ORIENTATION, "orientations", "bodies are shown unturned"},
+		{RB_FIELD_VELOCITY, "velocities",
+	         "their arrows are not drawn, and pictures between frames show straight lines"},
+		{RB_FIELD_ANGULAR_VELOCITY, "angular velocities",
+	         "between frames bodies turn the shortest way"},
+		{RB_FIELD_CONTACTS, "contacts", "their arrows are not drawn"},
+		{RB_FIELD_EVENTS, "events", "pictures between frames show straight lines"},
+	};
+	const unsigned missing = rb_frame_fields(model, wanted) & ~fields;
 
-	for (int i = 0; i < rb_films_count(films); i++)
-		shown |= (films->film[i].camera.vectors & RB_VECTORS_VELOCITY) != 0;
-	return shown;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+		if (missing & rows[i].field)
+			rb_log(RB_LOG_WARNING, "'%s' holds no %s ('fields' of record): %s", name,
+			       rows[i].what, rows[i].then);
+}
+
+void rb_films_tell_unrecorded(const struct rb_loaded *loaded)
+{
+	const struct rb_scene *const scene = &loaded->scene;
+	unsigned wanted = 0;
+
+	for (int i = 0; i < scene->camera_count; i++)
+		wanted |= rb_schedule_fields(&scene->cameras[i], loaded->model,
+		                             loaded->model->duration_s);
+	if (loaded->output && loaded->model->body_count > 0)
+		rb_films_tell_missing(loaded->model, loaded->output, wanted, scene->record.fields);
 }
 
 /* Trails, and the digits of energies, which suit the largest so far. */
@@ -454,9 +482,9 @@ static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame 
 		if (time_s < frame->time_s) {
 			if (!films->has_last)
 				continue; /* before the first frame: there is no such picture */
-			status = rb_frame_between(&films->between, &films->last, &plain, time_s,
-			                          err);
-			moment = &films->between;
+			status = rb_frame_between(&films->between, films->loaded->model,
+			                          &films->last, &plain, time_s, err);
+			moment = &films->between.frame;
 		}
 		if (!status)
 			status = rb_script_shot(films->loaded->script, films->loaded->model,

@@ -54,8 +54,11 @@ void rb_films_destroy(struct rb_films *films); /* NULL is fine, for all below to
 int rb_films_count(const struct rb_films *films);
 /* RB_FIELD_* that the films read. */
 unsigned rb_films_fields(const struct rb_films *films);
-/* Some film has arrows of velocities. */
-bool rb_films_show_velocities(const struct rb_films *films);
+/* Warns of what of `wanted` films of `name`, a recording of other fields, lack, and what comes of it. */
+void rb_films_tell_missing(const struct rb_model *model, const char *name, unsigned wanted,
+                           unsigned fields);
+/* Before a run: warns of what films of the scene's cameras would lack that are made from its recording. */
+void rb_films_tell_unrecorded(const struct rb_loaded *loaded);
 /* Simulated time of the first frame that the films want to see; what grows from frame to frame wants all. */
 double rb_films_first_s(const struct rb_films *films);
 

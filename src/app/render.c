@@ -135,6 +135,11 @@ static enum rb_status open_recording(struct render *render, struct rb_error *err
 	render->reading = render->module->reader_reading(render->reader);
 	if (render->reading->frame_count == 0)
 		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", path);
+	if (render->reading->body_count > 0 && !(render->reading->fields & RB_FIELD_POSITION))
+		return RB_FAIL(
+			err, RB_ERR_INPUT,
+			"'%s' holds no positions ('fields' of record is without \"position\"): there is nothing to film",
+			path);
 	status = render->module->reader_frame(render->reader, render->reading->frame_count - 1,
 	                                      &frame, err);
 	if (status)
@@ -227,22 +232,6 @@ static enum rb_status feed(struct render *render, struct rb_error *err)
 	return status;
 }
 
-/* What a film would show and the recording does not hold. */
-static void tell_missing(const struct render *render)
-{
-	const unsigned missing = rb_films_fields(render->films) & ~render->reading->fields;
-
-	if (missing & RB_FIELD_CONTACTS)
-		rb_log(RB_LOG_WARNING, "'%s' holds no contacts: their arrows are not drawn",
-		       render->options->operand[0]);
-	if (missing & RB_FIELD_VELOCITY && rb_films_show_velocities(render->films))
-		rb_log(RB_LOG_WARNING, "'%s' holds no velocities: their arrows are not drawn",
-		       render->options->operand[0]);
-	if (missing & RB_FIELD_ORIENTATION && render->loaded.model->features & RB_FEATURE_ROTATION)
-		rb_log(RB_LOG_WARNING, "'%s' holds no orientations: bodies are shown unturned",
-		       render->options->operand[0]);
-}
-
 static void cut_films(void *user, int signal)
 {
 	const struct render *const render = user;
@@ -268,7 +257,8 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	                                        err);
 	if (status)
 		return status;
-	tell_missing(render);
+	rb_films_tell_missing(render->loaded.model, options->operand[0],
+	                      rb_films_fields(render->films), render->reading->fields);
 	if (!render->films)
 		return RB_FAIL(err, RB_ERR_USAGE,
 		               "no camera of '%s' says where its film goes: give --output FILM.mp4",

@@ -58,6 +58,7 @@ static enum rb_status prepare_films(struct rb_films **films, struct rb_loaded *l
 {
 	const struct rb_films_wish wish = rb_films_wish_of_run(loaded, options);
 
+	rb_films_tell_unrecorded(loaded);
 	return options->no_render ? RB_OK : rb_films_create(films, loaded, &wish, err);
 }
 

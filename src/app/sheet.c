@@ -22,7 +22,8 @@ struct drawing {
 	struct rb_camera_def camera; /* that of a cell */
 	struct rb_take *take;
 	struct rb_pixmap whole;
-	struct rb_frame before, between;
+	struct rb_frame before;
+	struct rb_between between;
 	uint64_t seen; /* rows that the take has seen */
 };
 
@@ -51,8 +52,9 @@ static enum rb_status moment_at(struct drawing *d, double time_s, const struct r
 	if (!status)
 		status = sheet->module->reader_frame(sheet->reader, row + 1, after, err);
 	if (!status)
-		status = rb_frame_between(&d->between, &d->before, after, time_s, err);
-	*moment = &d->between;
+		status = rb_frame_between(&d->between, sheet->loaded->model, &d->before, after,
+		                          time_s, err);
+	*moment = &d->between.frame;
 	return status;
 }
 
@@ -130,6 +132,6 @@ enum rb_status rb_sheet_make(const struct rb_sheet *sheet, size_t *bytes, struct
 		d.film->take_destroy(d.take);
 	rb_memory_free(d.whole.rgba);
 	rb_frame_release(&d.before);
-	rb_frame_release(&d.between);
+	rb_between_release(&d.between);
 	return status;
 }

@@ -36,7 +36,8 @@ struct rb_film {
 	bool has_frame;         /* there was one before; its number, and how many lay between: */
 	uint64_t index, stride; /* 0: not known yet */
 	bool has_last;          /* `last` is that one */
-	struct rb_frame last, between;
+	struct rb_frame last;
+	struct rb_between between;
 	size_t switched; /* switches that lie before `next` */
 
 	atomic_bool cut; /* set by anybody */
@@ -242,8 +243,9 @@ static enum rb_status make_earlier(struct rb_film *film, const struct rb_frame *
 			continue;
 		}
 		if (film->has_last) {
-			status = rb_frame_between(&film->between, &film->last, &plain, time_s, err);
-			moment = &film->between;
+			status = rb_frame_between(&film->between, film->options.model, &film->last,
+			                          &plain, time_s, err);
+			moment = &film->between.frame;
 		}
 		if (!status)
 			status = make_picture(film, moment, frame, err);
@@ -311,29 +313,6 @@ static enum rb_status film_close(void *self, const struct rb_outcome *outcome, s
 	return status;
 }
 
-/* Columns that pictures need; spins tell how a body turns from one frame to the next. */
-static unsigned fields_of(const struct rb_film *film)
-{
-	const struct rb_camera_def *const camera = film->options.camera;
-	const struct rb_model *const model = film->options.model;
-	const int every = model->scene->record.every;
-	/* frames of a run, or fewer in a recording */
-	const double rate = model->frame_rate / (every > 1 ? every : 1);
-	const double step = film->schedule.speed * rate / film->schedule.fps;
-	const double first = film->schedule.from_s * rate;
-	const double noise = 1e-12;
-	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
-
-	if (camera->vectors & RB_VECTORS_VELOCITY)
-		fields |= RB_FIELD_VELOCITY;
-	if (camera->vectors & RB_VECTORS_CONTACT)
-		fields |= RB_FIELD_CONTACTS;
-	if (fabs(step - nearbyint(step)) > noise * step ||
-	    fabs(first - nearbyint(first)) > noise * first)
-		fields |= RB_FIELD_ANGULAR_VELOCITY;
-	return fields;
-}
-
 enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *sink,
                               const struct rb_film_options *options, struct rb_error *err)
 {
@@ -352,13 +331,14 @@ enum rb_status rb_film_create(struct rb_film **film, struct rb_sink *sink,
 	else
 		snprintf(f->label, sizeof f->label, "camera %d", options->number + 1);
 	pthread_mutex_init(&f->lock, NULL);
-	*sink = (struct rb_sink){.name = f->label,
-	                         .lossless = true,
-	                         .fields = fields_of(f),
-	                         .self = f,
-	                         .open = film_open,
-	                         .frame = film_frame,
-	                         .close = film_close};
+	*sink = (struct rb_sink){
+		.name = f->label,
+		.lossless = true,
+		.fields = rb_schedule_fields(options->camera, options->model, options->end_s),
+		.self = f,
+		.open = film_open,
+		.frame = film_frame,
+		.close = film_close};
 	return RB_OK;
 }
 
@@ -369,7 +349,7 @@ void rb_film_destroy(struct rb_film *film)
 	rb_press_destroy(film->press);
 	rb_memory_free(film->switches);
 	rb_frame_release(&film->last);
-	rb_frame_release(&film->between);
+	rb_between_release(&film->between);
 	pthread_mutex_destroy(&film->lock);
 	rb_memory_free(film);
 }

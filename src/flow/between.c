@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "flow/frame.h"
+#include "math/mat3.h"
 #include "math/quat.h"
 #include "math/vec3.h"
 
@@ -71,6 +72,7 @@ enum rb_status rb_frame_copy(struct rb_frame *to, const struct rb_frame *from, s
 	to->event_count = from->event_count;
 	to->contact_count = from->contact_count;
 	to->shot_count = from->shot_count;
+	to->has_events = from->has_events;
 	return RB_OK;
 }
 
@@ -90,6 +92,139 @@ static void mix_column(double *out, const double *a, int count, double part)
 		out[i] = mix(a[i], out[i], part);
 }
 
+/* ---- impacts of the interval ---- */
+
+/* No more links than this for each event: its two bodies. */
+enum { SIDES = 2 };
+
+/* One interval and the moment in it that is asked for; times since its beginning, s. */
+struct interval {
+	const struct rb_model *model;
+	const struct rb_frame *a, *b;
+	const struct rb_between *links;
+	double length_s, t;
+};
+
+/* Bodies that an impact changes have a list of theirs, in order of time; links are 1 + 2 event + side, 0: the end. */
+static bool link_events(struct rb_between *between, const struct rb_model *model,
+                        const struct rb_frame *b)
+{
+	const size_t bodies = (size_t)model->body_count;
+	const size_t links = SIDES * (size_t)b->event_count;
+
+	if (!b->has_events || b->event_count == 0)
+		return true;
+	void *first = between->first, *next = between->next;
+	const bool held = rb_memory_reserve(&first, &between->first_capacity, bodies,
+	                                    sizeof *between->first) &&
+	                  rb_memory_reserve(&next, &between->next_capacity, links,
+	                                    sizeof *between->next);
+	between->first = first;
+	between->next = next;
+	if (!held)
+		return false;
+	memset(between->first, 0, bodies * sizeof *between->first);
+	/* from the last to the first, so that the lists begin with the earliest */
+	for (size_t link = links; link-- > 0;) {
+		const struct rb_event *const event = &b->events[link / SIDES];
+		const int i = model->index_of[link % SIDES ? event->b : event->a];
+		if (event->kind != RB_EVENT_COLLISION || i >= model->body_count ||
+		    !(model->inverse_mass[i] > 0))
+			continue;
+		between->next[link] = between->first[i];
+		between->first[i] = 1 + (int)link;
+	}
+	return true;
+}
+
+static int first_link(const struct interval *in, int i)
+{
+	return in->b->has_events && in->b->event_count > 0 ? in->links->first[i] : 0;
+}
+
+static int next_link(const struct interval *in, int link)
+{
+	return in->links->next[link - 1];
+}
+
+/* The impulse of a link on its body, N s, and when. */
+static const struct rb_event *impulse_of(const struct interval *in, int link, double *when_s,
+                                         rb_vec3 *impulse)
+{
+	const struct rb_event *const event = &in->b->events[(link - 1) / SIDES];
+
+	*when_s = fmin(fmax(event->time_s - in->a->time_s, 0), in->length_s);
+	*impulse = rb_vec3_scale((link - 1) % SIDES ? 1 : -1, event->impulse);
+	return event;
+}
+
+/* ---- where it is ---- */
+
+/* Motion of a centre of mass without what impacts have made of it: x + v t + a t^2 + c t^3. */
+struct smooth {
+	rb_vec3 x, v, a, c;
+};
+
+static rb_vec3 smooth_at(const struct smooth *m, double t)
+{
+	return rb_vec3_add_scaled(m->x, t,
+	                          rb_vec3_add_scaled(m->v, t, rb_vec3_add_scaled(m->a, t, m->c)));
+}
+
+static rb_vec3 smooth_velocity(const struct smooth *m, double t)
+{
+	return rb_vec3_add_scaled(m->v, t, rb_vec3_add_scaled(rb_vec3_scale(2, m->a), 3 * t, m->c));
+}
+
+/*
+ * Less the jumps of velocity that impulses are, the motion is smooth, and its cubic with the positions and velocities of
+ * both frames is exact where the acceleration is constant, however many impacts there are.
+ */
+static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, rb_vec3 to)
+{
+	const double h = in->length_s;
+	const rb_vec3 v0 = rb_vec3_from(in->a->velocity + 3 * i);
+	rb_vec3 v1 = rb_vec3_from(in->b->velocity + 3 * i), impulse;
+	double when_s;
+
+	for (int link = first_link(in, i); link; link = next_link(in, link)) {
+		impulse_of(in, link, &when_s, &impulse);
+		const rb_vec3 jump = rb_vec3_scale(in->model->inverse_mass[i], impulse);
+		v1 = rb_vec3_sub(v1, jump);
+		to = rb_vec3_add_scaled(to, when_s - h, jump);
+	}
+	const rb_vec3 mean = rb_vec3_scale(1 / h, rb_vec3_sub(to, from));
+	const rb_vec3 sum = rb_vec3_add(v0, v1);
+	return (struct smooth){
+		.x = from,
+		.v = v0,
+		.a = rb_vec3_scale(1 / h,
+	                           rb_vec3_sub(rb_vec3_scale(3, mean), rb_vec3_add(sum, v0))),
+		.c = rb_vec3_scale(1 / (h * h), rb_vec3_add_scaled(sum, -2, mean)),
+	};
+}
+
+/* With the impacts up to `t`, from the link of the first on. */
+static rb_vec3 center_at(const struct interval *in, int i, const struct smooth *smooth, double t,
+                         rb_vec3 *velocity)
+{
+	rb_vec3 at = smooth_at(smooth, t), impulse;
+	double when_s;
+
+	*velocity = smooth_velocity(smooth, t);
+	for (int link = first_link(in, i); link; link = next_link(in, link)) {
+		impulse_of(in, link, &when_s, &impulse);
+		if (when_s > t)
+			break;
+		const rb_vec3 jump = rb_vec3_scale(in->model->inverse_mass[i], impulse);
+		*velocity = rb_vec3_add(*velocity, jump);
+		at = rb_vec3_add_scaled(at, t - when_s, jump);
+	}
+	return at;
+}
+
+/* ---- how it is turned ---- */
+
 /* The shortest turn that the unit quaternion stands for, as a rotation vector. */
 static rb_vec3 turn_of(rb_quat q)
 {
@@ -102,67 +237,206 @@ static rb_vec3 turn_of(rb_quat q)
 	return rb_vec3_scale(sine > 0 ? 2 * atan2(sine, q.w) / sine : 2, axis);
 }
 
+/* A body that turns as its angular momentum says: that jumps by impacts and changes at an even rate between. */
+struct turning {
+	const rb_mat3 *inertia, *inverse;
+	rb_quat q;
+	rb_vec3 momentum, rate; /* kg m^2/s, of both frames but for impacts; N m */
+};
+
+static rb_vec3 momentum_of(const rb_mat3 *inertia, rb_quat q, rb_vec3 spin)
+{
+	return rb_quat_rotate(q, rb_mat3_apply(inertia, rb_quat_rotate_back(q, spin)));
+}
+
+static rb_vec3 spin_of(const struct turning *turning)
+{
+	return momentum_of(turning->inverse, turning->q, turning->momentum);
+}
+
+static rb_quat turned_by(rb_quat q, double s, rb_vec3 spin)
+{
+	return rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(s, spin)), q);
+}
+
 /*
- * With spins, `turn` is what they say of the interval, whole turns and all, and what is left to b is the shortest
- * way; both are gone in proportion, so that constant spin is followed however fast it is. Without: the great circle.
+ * Steps of the midpoint rule, each about a fixed axis: right at any length about a principal axis, else to the third order
+ * of a small angle. What the next frame knows better is corrected there.
  */
-static rb_quat mix_orientation(rb_quat a, rb_quat b, rb_vec3 turn, double part)
+static void turn_on(struct turning *turning, double s)
 {
-	const rb_quat expected = rb_quat_multiply(rb_quat_from_turn(turn), a);
-	const rb_quat back = {expected.w, -expected.x, -expected.y, -expected.z};
-	const rb_vec3 rest = turn_of(rb_quat_multiply(b, back));
-	const rb_quat gone = rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(part, rest)),
-	                                      rb_quat_from_turn(rb_vec3_scale(part, turn)));
+	enum { STEPS_MOST = 4096 };
+	const double angle = 1.0 / 16;
+	const double steps = ceil(rb_vec3_length(spin_of(turning)) * s / angle);
+	const int count = steps < STEPS_MOST ? (int)fmax(steps, 1) : STEPS_MOST;
+	const double step = s / count;
 
-	return rb_quat_unit(rb_quat_multiply(gone, a));
-}
-
-static void mix_orientations(struct rb_frame *out, const struct rb_frame *a,
-                             const struct rb_frame *b, double part)
-{
-	const double half = 0.5 * (b->time_s - a->time_s);
-	const bool spins = a->angular_velocity && b->angular_velocity;
-
-	for (int i = 0; i < out->body_count; i++) {
-		rb_vec3 turn = {0};
-		if (spins)
-			turn = rb_vec3_scale(
-				half, rb_vec3_add(rb_vec3_from(a->angular_velocity + 3 * i),
-			                          rb_vec3_from(b->angular_velocity + 3 * i)));
-		rb_quat_to(out->orientation + 4 * i,
-		           mix_orientation(rb_quat_from(a->orientation + 4 * i),
-		                           rb_quat_from(b->orientation + 4 * i), turn, part));
+	for (int k = 0; k < count; k++) {
+		struct turning half = *turning;
+		half.q = turned_by(turning->q, step / 2, spin_of(turning));
+		half.momentum = rb_vec3_add_scaled(turning->momentum, step / 2, turning->rate);
+		turning->q = turned_by(turning->q, step, spin_of(&half));
+		turning->momentum = rb_vec3_add_scaled(turning->momentum, step, turning->rate);
 	}
+	turning->q = rb_quat_unit(turning->q);
 }
 
-enum rb_status rb_frame_between(struct rb_frame *out, const struct rb_frame *a,
-                                const struct rb_frame *b, double time_s, struct rb_error *err)
+/* By an impact's impulse, about where the centre of mass is then. */
+static rb_vec3 twist_of(const struct interval *in, int i, const struct smooth *smooth, int link,
+                        double *when_s)
 {
+	rb_vec3 impulse, velocity;
+	const struct rb_event *const event = impulse_of(in, link, when_s, &impulse);
+	const rb_vec3 center = center_at(in, i, smooth, *when_s, &velocity);
+
+	return rb_vec3_cross(rb_vec3_sub(event->point, center), impulse);
+}
+
+/* From the earlier frame to `t`, orientation and angular momentum. */
+static void follow(const struct interval *in, int i, const struct smooth *smooth, double t,
+                   struct turning *turning)
+{
+	double at_s = 0, when_s;
+
+	for (int link = first_link(in, i); link && smooth; link = next_link(in, link)) {
+		const rb_vec3 twist = twist_of(in, i, smooth, link, &when_s);
+		if (when_s > t)
+			break;
+		turn_on(turning, when_s - at_s);
+		turning->momentum = rb_vec3_add(turning->momentum, twist);
+		at_s = when_s;
+	}
+	turn_on(turning, t - at_s);
+}
+
+/*
+ * What spins tell of the interval, whole turns and all; what is then left to the later frame is the shortest way, and gone
+ * in proportion. Without spins or moments of inertia: the great circle.
+ */
+static rb_quat orientation_at(const struct interval *in, int i, const struct smooth *smooth,
+                              rb_vec3 *spin)
+{
+	const rb_quat from = rb_quat_from(in->a->orientation + 4 * i);
+	const rb_quat to = rb_quat_from(in->b->orientation + 4 * i);
+	const double part = in->t / in->length_s;
+	/* of what is driven nobody knows how it turns but by its spins */
+	static const rb_mat3 unit = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+	const bool free = in->model->inverse_mass[i] > 0;
+	struct turning now = {.inertia = free ? &in->model->inertia[i] : &unit,
+	                      .inverse = free ? &in->model->inverse_inertia[i] : &unit,
+	                      .q = from};
+
+	if (in->a->angular_velocity && in->b->angular_velocity) {
+		const rb_vec3 before = rb_vec3_from(in->a->angular_velocity + 3 * i);
+		const rb_vec3 after = rb_vec3_from(in->b->angular_velocity + 3 * i);
+		double when_s;
+		now.momentum = momentum_of(now.inertia, from, before);
+		rb_vec3 rest = rb_vec3_sub(momentum_of(now.inertia, to, after), now.momentum);
+		for (int link = first_link(in, i); link && smooth; link = next_link(in, link))
+			rest = rb_vec3_sub(rest, twist_of(in, i, smooth, link, &when_s));
+		now.rate = rb_vec3_scale(1 / in->length_s, rest);
+	}
+	struct turning end = now;
+	follow(in, i, smooth, in->t, &now);
+	follow(in, i, smooth, in->length_s, &end);
+	*spin = spin_of(&now);
+	const rb_quat back = {end.q.w, -end.q.x, -end.q.y, -end.q.z};
+	const rb_vec3 rest = turn_of(rb_quat_multiply(to, back));
+	return rb_quat_unit(turned_by(now.q, part, rest));
+}
+
+/* ---- a frame ---- */
+
+/* From the object's origin to its centre of mass, world axes. */
+static rb_vec3 center_arm(const struct rb_model *model, int i, rb_quat q)
+{
+	return model->center_of_mass ? rb_quat_rotate(q, model->center_of_mass[i])
+	                             : (rb_vec3){0, 0, 0};
+}
+
+static void move_body(const struct interval *in, int i, struct rb_frame *out)
+{
+	const struct rb_frame *const a = in->a, *const b = in->b;
+	const bool arcs = b->has_events && out->position && a->position && out->velocity &&
+	                  a->velocity;
+	const bool turns = out->orientation && a->orientation;
+	struct smooth smooth;
+
+	if (arcs) {
+		rb_vec3 from = rb_vec3_from(a->position + 3 * i);
+		rb_vec3 to = rb_vec3_from(b->position + 3 * i), velocity;
+		if (turns) {
+			from = rb_vec3_add(from, center_arm(in->model, i,
+			                                    rb_quat_from(a->orientation + 4 * i)));
+			to = rb_vec3_add(
+				to, center_arm(in->model, i, rb_quat_from(b->orientation + 4 * i)));
+		}
+		smooth = smooth_of(in, i, from, to);
+		rb_vec3_to(out->position + 3 * i, center_at(in, i, &smooth, in->t, &velocity));
+		rb_vec3_to(out->velocity + 3 * i, velocity);
+	}
+	if (!turns)
+		return;
+	rb_vec3 spin;
+	const rb_quat q = orientation_at(in, i, arcs ? &smooth : NULL, &spin);
+	rb_quat_to(out->orientation + 4 * i, q);
+	if (out->angular_velocity && a->angular_velocity)
+		rb_vec3_to(out->angular_velocity + 3 * i, spin);
+	if (arcs)
+		rb_vec3_to(out->position + 3 * i, rb_vec3_sub(rb_vec3_from(out->position + 3 * i),
+		                                              center_arm(in->model, i, q)));
+}
+
+static void mix_numbers(struct rb_frame_numbers *numbers, const struct rb_frame_numbers *before,
+                        double part)
+{
+	numbers->kinetic_energy = mix(before->kinetic_energy, numbers->kinetic_energy, part);
+	numbers->potential_energy = mix(before->potential_energy, numbers->potential_energy, part);
+	numbers->momentum = mix_vec3(before->momentum, numbers->momentum, part);
+	numbers->angular_momentum = mix_vec3(before->angular_momentum, numbers->angular_momentum,
+	                                     part);
+}
+
+enum rb_status rb_frame_between(struct rb_between *between, const struct rb_model *model,
+                                const struct rb_frame *a, const struct rb_frame *b, double time_s,
+                                struct rb_error *err)
+{
+	struct rb_frame *const out = &between->frame;
+
 	RB_ASSERT(a->body_count == b->body_count);
 	RB_ASSERT(a->time_s <= time_s && time_s <= b->time_s);
 	/* Columns of a run are the same in all its frames; b's lists and counts are already right. */
 	const enum rb_status status = rb_frame_copy(out, time_s == a->time_s ? a : b, err);
 	if (status || time_s == a->time_s || time_s == b->time_s)
 		return status;
+	if (!link_events(between, model, b))
+		return RB_FAIL(err, RB_ERR_MEMORY,
+		               "cannot look between two frames of %d bodies: out of memory",
+		               b->body_count);
 
-	const double part = (time_s - a->time_s) / (b->time_s - a->time_s);
-	const int count = out->body_count;
+	const struct interval in = {.model = model,
+	                            .a = a,
+	                            .b = b,
+	                            .links = between,
+	                            .length_s = b->time_s - a->time_s,
+	                            .t = time_s - a->time_s};
+	const double part = in.t / in.length_s;
 	out->time_s = time_s;
+	/* what is not known better goes straight */
 	if (out->position && a->position)
-		mix_column(out->position, a->position, 3 * count, part);
+		mix_column(out->position, a->position, 3 * out->body_count, part);
 	if (out->velocity && a->velocity)
-		mix_column(out->velocity, a->velocity, 3 * count, part);
-	if (out->orientation && a->orientation)
-		mix_orientations(out, a, b, part);
-	if (out->angular_velocity && a->angular_velocity)
-		mix_column(out->angular_velocity, a->angular_velocity, 3 * count, part);
-
-	struct rb_frame_numbers *const numbers = &out->numbers;
-	const struct rb_frame_numbers *const before = &a->numbers;
-	numbers->kinetic_energy = mix(before->kinetic_energy, numbers->kinetic_energy, part);
-	numbers->potential_energy = mix(before->potential_energy, numbers->potential_energy, part);
-	numbers->momentum = mix_vec3(before->momentum, numbers->momentum, part);
-	numbers->angular_momentum = mix_vec3(before->angular_momentum, numbers->angular_momentum,
-	                                     part);
+		mix_column(out->velocity, a->velocity, 3 * out->body_count, part);
+	for (int i = 0; i < out->body_count; i++)
+		move_body(&in, i, out);
+	mix_numbers(&out->numbers, &a->numbers, part);
 	return RB_OK;
+}
+
+void rb_between_release(struct rb_between *between)
+{
+	rb_frame_release(&between->frame);
+	rb_memory_free(between->first);
+	rb_memory_free(between->next);
+	*between = (struct rb_between){0};
 }

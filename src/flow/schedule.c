@@ -39,3 +39,25 @@ double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture)
 
 	return fmin(schedule->from_s + since, schedule->to_s);
 }
+
+unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_model *model,
+                            double end_s)
+{
+	const struct rb_schedule schedule = rb_schedule_of(camera, model->frame_rate, end_s);
+	const int every = model->scene->record.every;
+	/* frames of a run, or fewer in a recording */
+	const double rate = model->frame_rate / (every > 1 ? every : 1);
+	const double step = schedule.speed * rate / schedule.fps;
+	const double first = schedule.from_s * rate;
+	const double noise = 1e-12;
+	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
+
+	if (camera->vectors & RB_VECTORS_VELOCITY)
+		fields |= RB_FIELD_VELOCITY;
+	if (camera->vectors & RB_VECTORS_CONTACT)
+		fields |= RB_FIELD_CONTACTS;
+	if (fabs(step - nearbyint(step)) > noise * step ||
+	    fabs(first - nearbyint(first)) > noise * first)
+		fields |= RB_FIELD_VELOCITY | RB_FIELD_ANGULAR_VELOCITY | RB_FIELD_EVENTS;
+	return fields;
+}

@@ -8,6 +8,7 @@
 
 #include <stdint.h>
 
+#include <rbsim/model.h>
 #include <rbsim/scene.h>
 
 struct rb_schedule {
@@ -24,5 +25,8 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule);
 /* Simulated time of a picture, s: from + n speed / fps, in this order of rounding, so that with speed 1 and the fps of
  * the recording pictures fall on frames to the bit; never later than to_s. */
 double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture);
+/* RB_FIELD_* that pictures need; between frames also velocities, spins and impacts, which tell how bodies go there. */
+unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_model *model,
+                            double end_s);
 
 #endif

@@ -74,7 +74,10 @@ static int l_record(lua_State *L)
 	if (call.index > 0) {
 		lua_pushliteral(L, "ledger");
 		record.ledger_given = lua_rawget(L, call.index) != LUA_TNIL;
-		lua_pop(L, 1);
+		lua_pushliteral(L, "fields");
+		record.fields_given = lua_rawget(L, call.index) != LUA_TNIL &&
+		                      !rb_flags_add(L, lua_absindex(L, -1));
+		lua_pop(L, 2);
 	}
 	rb_call_read(&call, &record);
 	if (!only_call(&call, &call.script->record_line))

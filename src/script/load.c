@@ -411,6 +411,9 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	if (status != RB_OK)
 		return status;
 	const size_t count = scene->expect_count > 0 ? (size_t)scene->expect_count : 1;
+	/* what films of the recording show between frames */
+	if (scene->camera_count > 0 && !scene->record.fields_given)
+		scene->record.fields |= RB_FIELD_EVENTS;
 	script->expects = rb_memory_take(count, sizeof *script->expects);
 	if (!script->expects)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory", scene->file);

@@ -335,10 +335,21 @@ static int read_choice(struct rb_call *call, const struct rb_row *row, int index
 	return -1;
 }
 
+bool rb_flags_add(lua_State *L, int index)
+{
+	if (lua_type(L, index) != LUA_TTABLE)
+		return false;
+	lua_rawgeti(L, index, 1);
+	const bool adds = lua_type(L, -1) == LUA_TSTRING && strcmp(lua_tostring(L, -1), "+") == 0;
+	lua_pop(L, 1);
+	return adds;
+}
+
 static bool read_flags(struct rb_call *call, const struct rb_row *row, int index, unsigned *value)
 {
 	lua_State *L = call->L;
-	unsigned flags = 0;
+	const bool adds = rb_flags_add(L, index);
+	unsigned flags = adds ? *value : 0;
 
 	if (lua_type(L, index) == LUA_TSTRING) {
 		const int k = read_choice(call, row, index);
@@ -349,7 +360,7 @@ static bool read_flags(struct rb_call *call, const struct rb_row *row, int index
 	if (lua_type(L, index) != LUA_TTABLE)
 		return is_wrong(call, row, index, "a text or a list of texts");
 	const lua_Unsigned count = lua_rawlen(L, index);
-	for (lua_Unsigned i = 1; i <= count && i <= 32; i++) {
+	for (lua_Unsigned i = adds ? 2 : 1; i <= count && i <= 32; i++) {
 		lua_rawgeti(L, index, (lua_Integer)i);
 		const int k = read_choice(call, row, lua_absindex(L, -1));
 		lua_pop(L, 1);

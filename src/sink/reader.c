@@ -696,12 +696,16 @@ static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct r
 		return status;
 	if (frame->event_count > 0)
 		frame->events = (struct rb_event *)(void *)reader->events.rows_out;
-	for (int i = 0; i < frame->event_count; i++)
-		if ((unsigned)frame->events[i].kind >= RB_EVENT_KIND_COUNT)
+	const int bodies = reader->reading.body_count + reader->reading.static_count;
+	for (int i = 0; i < frame->event_count; i++) {
+		const struct rb_event *const e = &frame->events[i];
+		if ((unsigned)e->kind >= RB_EVENT_KIND_COUNT || e->a < 0 || e->a >= bodies ||
+		    e->b < 0 || e->b >= bodies)
 			return RB_FAIL(
 				err, RB_ERR_INPUT,
-				"'/rbsim/events/kind' in '%s' is damaged: frame %llu has kind %d",
-				reader->path, (unsigned long long)row, (int)frame->events[i].kind);
+				"'/rbsim/events' in '%s' is damaged: frame %llu has kind %d of bodies %d and %d",
+				reader->path, (unsigned long long)row, (int)e->kind, e->a, e->b);
+	}
 	frame->event_capacity = frame->event_count;
 	if (frame->contact_count > 0) {
 		/* without their steps, in place: a row is longer than what is left of it */
@@ -740,6 +744,7 @@ enum rb_status rb_reader_frame(struct rb_reader *reader, uint64_t row, struct rb
 	memcpy(&frame->time_s, row_of(reader, &reader->time, row), sizeof frame->time_s);
 	frame->index = (uint64_t)step;
 	frame->body_count = reader->reading.body_count;
+	frame->has_events = reader->reading.fields & RB_FIELD_EVENTS;
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {
 		if (reader->sources[i].dataset < 0)
 			continue;

@@ -231,6 +231,7 @@ enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *fram
 	rb_numbers_measure(world, &frame->numbers);
 	rb_numbers_count(&frame->numbers, &world->frame_counts, world->contacts.count);
 	frame->event_count = frame->contact_count = 0;
+	frame->has_events = world->options.keep_events;
 	if ((world->options.keep_events && !fill_events(world, frame)) ||
 	    (world->options.keep_contacts && !fill_contacts(world, frame)))
 		return RB_FAIL(err, RB_ERR_MEMORY,
