@@ -166,7 +166,7 @@ static inline const struct rb_frame *fake_frame(struct fake *fake, uint64_t k)
 static inline enum rb_status fake_sink(struct fake *fake, const char *path, bool replace,
                                        struct rb_error *err)
 {
-	const struct rb_recorder_options options = {.path = path, .replace = replace};
+	const struct rb_recorder_options options = {.path = path, .how = replace};
 
 	return rb_recorder_create(&fake->recorder, &fake->sink, &fake->info, &options, err);
 }

@@ -150,7 +150,7 @@ static void put(const char *name, const unsigned char *bytes, size_t size)
 
 static void close_bench(struct bench *bench)
 {
-	rb_checkpoints_remove(bench->recording);
+	rb_checkpoints_remove(bench->recording, 0);
 	assert_int_not_equal(access(bench->name, F_OK), 0);
 	assert_int_not_equal(access(bench->before, F_OK), 0);
 	unlink(bench->recording);
@@ -221,7 +221,7 @@ static void what_was_kept_comes_back(void **state)
 
 	(void)state;
 	open_bench(&bench);
-	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, &bench.error),
+	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, 0, &bench.error),
 	                 RB_OK);
 	assert_false(found);
 	assert_int_equal(keep(&bench, 3, &tally), RB_OK);
@@ -232,7 +232,7 @@ static void what_was_kept_comes_back(void **state)
 	make_world(&bench);
 	bench.told = 0;
 	const struct rb_checkpoint_parts parts = parts_of(&bench);
-	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, &bench.error),
+	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, 0, &bench.error),
 	                 RB_OK);
 	assert_true(found);
 	assert_int_equal(checkpoint.about.run, 7);
@@ -317,7 +317,7 @@ static void the_one_before_is_taken_where_the_last_is_not_whole(void **state)
 	bytes[size - 1] ^= 1;
 	put(bench.name, bytes, size);
 	rb_memory_free(bytes);
-	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, &bench.error),
+	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, 0, &bench.error),
 	                 RB_OK);
 	assert_true(found);
 	assert_int_equal(checkpoint.about.frame, 1);
@@ -325,7 +325,7 @@ static void the_one_before_is_taken_where_the_last_is_not_whole(void **state)
 	/* both */
 	put(bench.before, (const unsigned char *)"x", 1);
 	put(bench.name, (const unsigned char *)"", 0);
-	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, &bench.error),
+	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, 0, &bench.error),
 	                 RB_ERR_INPUT);
 	assert_true(found);
 	rb_checkpoint_release(&checkpoint);
@@ -345,7 +345,7 @@ static void what_the_recording_will_not_hold_is_not_written(void **state)
 	bench.held = false;
 	assert_int_equal(keep(&bench, 1, &tally), RB_ERR_IO);
 	assert_int_equal(tally.written, 0);
-	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, &bench.error),
+	assert_int_equal(rb_checkpoint_read(&checkpoint, &found, bench.recording, 0, &bench.error),
 	                 RB_OK);
 	assert_true(found);
 	assert_int_equal(checkpoint.about.frame, 1);

@@ -4,6 +4,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/place.h"
 #include "film/png.h"
 #include "film/press.h"
 
@@ -498,8 +499,12 @@ static void memory_that_runs_out_in_the_press_is_told_and_given_back(void **stat
 
 	(void)state;
 	snprintf(png, sizeof png, "%s/%%d.png", support_folder(folder));
-	const struct rb_press_options options = {
-		.png = png, .replace = true, .width = W, .height = H, .fps = 10, .png_threads = 2};
+	const struct rb_press_options options = {.png = png,
+	                                         .how = RB_PLACE_REPLACE,
+	                                         .width = W,
+	                                         .height = H,
+	                                         .fps = 10,
+	                                         .png_threads = 2};
 	assert_int_equal(rb_pixmap_init(&pixmap, W, H, NULL), RB_OK);
 	const struct rb_memory_counts before = rb_memory_counts();
 	for (uint64_t k = 1;; k++, failures++) {

@@ -349,7 +349,7 @@ static void what_cannot_be_written_leaves_nothing(void **state)
 	snprintf(path, sizeof path, "%s/none/a.png", support_folder(folder));
 	assert_int_equal(rb_png_write(path, false, &pixmap, NULL, NULL, &err), RB_ERR_CREATE);
 	assert_int_equal(rb_png_write(folder, true, &pixmap, NULL, NULL, &err), RB_ERR_CREATE);
-	assert_non_null(strstr(err.text, "not a regular file"));
+	assert_non_null(strstr(err.text, "it is a folder"));
 	snprintf(path, sizeof path, "%s/a.png", folder);
 	for (uint64_t k = 1;; k++, failures++) {
 		rb_memory_fail_at(k);
@@ -398,8 +398,8 @@ static void folders_that_are_missing_are_made_and_a_probe_leaves_none(void **sta
 	snprintf(path, sizeof path, "%s/a/b//c/d.png", support_folder(folder));
 	assert_ok(rb_outfile_probe(path, false, &err));
 	assert_int_equal(count_files(folder), 0);
-	assert_ok(rb_outfile_folders(path, &err));
-	assert_ok(rb_outfile_folders(path, &err));
+	assert_ok(rb_outfile_folders(path, 0, &err));
+	assert_ok(rb_outfile_folders(path, 0, &err));
 	snprintf(path, sizeof path, "%s/a/b/c", folder);
 	assert_int_equal(stat(path, &found), 0);
 	assert_true(S_ISDIR(found.st_mode));
@@ -412,14 +412,14 @@ static void folders_that_are_missing_are_made_and_a_probe_leaves_none(void **sta
 	/* a file where a folder is wanted */
 	snprintf(path, sizeof path, "%s/a/b/c/d.png/e/f.png", folder);
 	assert_int_equal(rb_outfile_probe(path, false, &err), RB_ERR_CREATE);
-	assert_int_equal(rb_outfile_folders(path, &err), RB_ERR_CREATE);
+	assert_int_equal(rb_outfile_folders(path, 0, &err), RB_ERR_CREATE);
 	if (geteuid() == 0)
 		return; /* who may write everywhere */
 	snprintf(path, sizeof path, "%s/a", folder);
 	chmod(path, 0500);
 	snprintf(path, sizeof path, "%s/a/new/f.png", folder);
 	assert_int_equal(rb_outfile_probe(path, false, &err), RB_ERR_CREATE);
-	assert_int_equal(rb_outfile_folders(path, &err), RB_ERR_CREATE);
+	assert_int_equal(rb_outfile_folders(path, 0, &err), RB_ERR_CREATE);
 	snprintf(path, sizeof path, "%s/a", folder);
 	chmod(path, 0700);
 }

@@ -239,7 +239,7 @@ static void record(const struct loaded *loaded, const char *path)
 	                                 .rollback = "",
 	                                 .model = loaded->model,
 	                                 .scene = &loaded->scene};
-	const struct rb_recorder_options options = {.path = path, .replace = true};
+	const struct rb_recorder_options options = {.path = path, .how = RB_PLACE_REPLACE};
 
 	assert_ok(rb_recorder_create(&recorder, &sink, &info, &options, &err));
 	struct rb_frame frame;
@@ -425,7 +425,7 @@ static void a_file_is_lengthened_and_never_cut(void **state)
 
 	(void)state;
 	assert_ok(rb_output_open(&output, in_folder(path, "long"), true, &err));
-	const int file = open(output.partial, O_RDWR | O_CREAT, 0666);
+	const int file = open(output.library, O_RDWR | O_CREAT, 0666);
 	assert_true(file >= 0);
 	close(file);
 	assert_ok(rb_output_attach(&output, &err));

@@ -345,15 +345,15 @@ static void a_name_that_cannot_be_made_is_refused_at_once(void **slot)
 		const char *name, *text;
 	} cases[] = {{"no/such/run.h5", "No such file or directory"},
 	             {".", "it is a folder"},
-	             {"loop.h5", "Too many levels of symbolic links"},
-	             {"device.h5", "it is not a regular file"}};
+	             {"loop/run.h5", "Too many levels of symbolic links"},
+	             {"pipe.h5", "it is not a regular file"}};
 	char path[512];
 	struct fake fake;
 	struct rb_error err;
 
 	(void)slot;
-	assert_int_equal(symlink("loop.h5", in_folder(path, "loop.h5")), 0);
-	assert_int_equal(symlink("/dev/full", in_folder(path, "device.h5")), 0);
+	assert_int_equal(symlink("loop", in_folder(path, "loop")), 0);
+	assert_int_equal(mkfifo(in_folder(path, "pipe.h5"), 0666), 0);
 	for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
 		fake_init(&fake, 1, 10, true);
 		assert_int_equal(fake_open(&fake, in_folder(path, cases[i].name), true, &err),
@@ -364,7 +364,7 @@ static void a_name_that_cannot_be_made_is_refused_at_once(void **slot)
 	}
 }
 
-static void a_symbolic_link_means_what_it_points_to(void **slot)
+static void a_symbolic_link_is_replaced_and_what_it_points_to_stays(void **slot)
 {
 	char path[512], target[512];
 	struct fake fake;
@@ -376,10 +376,16 @@ static void a_symbolic_link_means_what_it_points_to(void **slot)
 	in_folder(target, "target.h5");
 	assert_int_equal(symlink("target.h5", path), 0);
 	fake_init(&fake, 1, 10, true);
-	assert_ok(fake_record(&fake, path, &err));
+	assert_int_equal(fake_open(&fake, path, false, &err), RB_ERR_CREATE);
+	fake_release(&fake);
+	fake_init(&fake, 1, 10, true);
+	assert_ok(fake_open(&fake, path, true, &err));
+	assert_ok(fake_push(&fake, 0, 10, &err));
+	assert_ok(fake_close(&fake, RB_OK, &err));
 	assert_int_equal(lstat(path, &found), 0);
-	assert_true(S_ISLNK(found.st_mode));
-	assert_int_equal(assert_right(target, "complete", false), 10);
+	assert_true(S_ISREG(found.st_mode));
+	assert_int_not_equal(lstat(target, &found), 0);
+	assert_int_equal(assert_right(path, "complete", false), 10);
 	fake_release(&fake);
 }
 
@@ -736,7 +742,7 @@ int main(void)
 		cmocka_unit_test(the_name_appears_with_the_first_frame_and_not_before),
 		cmocka_unit_test(what_exists_is_only_replaced_when_asked_and_then_by_a_frame),
 		cmocka_unit_test(a_name_that_cannot_be_made_is_refused_at_once),
-		cmocka_unit_test(a_symbolic_link_means_what_it_points_to),
+		cmocka_unit_test(a_symbolic_link_is_replaced_and_what_it_points_to_stays),
 		cmocka_unit_test(the_estimate_is_within_a_tenth),
 		cmocka_unit_test(no_memory_is_an_error_and_leaves_nothing_behind),
 	};

@@ -16,6 +16,7 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/place.h"
 #include "script/keep.h"
 #include "step/save.h"
 
@@ -39,6 +40,7 @@ _Static_assert(sizeof(struct head) == 32 && sizeof(struct section) == 24, "no pa
 struct rb_checkpoints {
 	/* set before the thread starts, then only read */
 	struct rb_checkpoints_options options;
+	struct rb_place place; /* the recording's */
 	pthread_t thread;
 
 	/* the simulator's while the thread is idle, the thread's while it is busy */
@@ -54,13 +56,8 @@ struct rb_checkpoints {
 	struct rb_checkpoints_tally tally;
 };
 
-/* "RUN.h5.checkpoint" and what follows it. */
-static bool name_of(const char *recording, const char *more, char out[PATH_MAX])
-{
-	const int size = snprintf(out, PATH_MAX, "%s.checkpoint%s", recording, more);
-
-	return size > 0 && size < PATH_MAX;
-}
+/* What stands beside a recording, "RUN.h5.checkpoint" and the one before. */
+static const char last_ending[] = ".checkpoint", before_ending[] = ".checkpoint~";
 
 /* ---- writing: the thread's ---- */
 
@@ -94,9 +91,14 @@ static void seal(struct rb_pack *pack)
 	memcpy(pack->bytes, &head, sizeof head);
 }
 
-static enum rb_status fail(struct rb_error *err, const char *what, const char *name)
+/* `name` stands beside the recording and is told as that is. */
+static enum rb_status fail(struct rb_error *err, const char *what, const struct rb_place *place,
+                           const char *name)
 {
-	return RB_FAIL(err, RB_ERR_IO, "cannot %s '%s': %s", what, name, strerror(errno));
+	const int number = errno;
+
+	return RB_FAIL(err, RB_ERR_IO, "cannot %s '%.*s%s': %s", what,
+	               (int)(place->name - place->path), place->path, name, strerror(number));
 }
 
 static bool write_all(int fd, const unsigned char *bytes, size_t size)
@@ -120,70 +122,56 @@ static bool sync_file(int fd)
 	return fsync(fd) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
 
-static enum rb_status sync_recording(const char *name, struct rb_error *err)
+static enum rb_status sync_recording(const struct rb_place *place, struct rb_error *err)
 {
-	const int fd = open(name, O_RDONLY | O_CLOEXEC);
+	const int fd = rb_place_reach(place, place->name, O_RDONLY);
 	enum rb_status status = RB_OK;
 
 	if (fd < 0)
-		return fail(err, "open", name);
+		return fail(err, "open", place, place->name);
 	if (!sync_file(fd))
-		status = fail(err, "sync", name);
+		status = fail(err, "sync", place, place->name);
 	close(fd);
 	return status;
 }
 
-static void sync_folder(const char *name)
-{
-	char folder[PATH_MAX];
-	char *slash;
-
-	snprintf(folder, sizeof folder, "%s", name);
-	slash = strrchr(folder, '/');
-	if (slash)
-		slash[slash == folder] = '\0';
-	const int fd = open(slash ? folder : ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-	if (fd < 0)
-		return;
-	(void)sync_file(fd);
-	close(fd);
-}
-
-static enum rb_status write_partial(const struct rb_pack *pack, const char *name,
+/* A new file, `partial`; `name` is what it is to be. */
+static enum rb_status write_partial(const struct rb_place *place, const struct rb_pack *pack,
+                                    const char *name, char partial[RB_PLACE_NAME_SIZE],
                                     struct rb_error *err)
 {
-	const int fd = open(name, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+	const int fd = rb_place_create(place, last_ending, partial);
 	enum rb_status status = RB_OK;
 
 	if (fd < 0)
-		return fail(err, "create", name);
+		return fail(err, "create", place, name);
 	if (!write_all(fd, pack->bytes, pack->size) || !sync_file(fd))
-		status = fail(err, "write", name);
+		status = fail(err, "write", place, name);
 	if (close(fd) != 0 && !status)
-		status = fail(err, "write", name);
+		status = fail(err, "write", place, name);
 	if (status)
-		unlink(name);
+		rb_place_remove(place, partial);
 	return status;
 }
 
-static enum rb_status write_file(const char *recording, const struct rb_pack *pack,
+static enum rb_status write_file(const struct rb_place *place, const struct rb_pack *pack,
                                  struct rb_error *err)
 {
-	char name[PATH_MAX], before[PATH_MAX], partial[PATH_MAX];
+	char name[RB_PLACE_NAME_SIZE], before[RB_PLACE_NAME_SIZE], partial[RB_PLACE_NAME_SIZE];
 
-	if (!name_of(recording, "", name) || !name_of(recording, "~", before) ||
-	    !name_of(recording, ".partial", partial))
-		return RB_FAIL(err, RB_ERR_IO, "cannot write a checkpoint beside '%s': %s",
-		               recording, strerror(ENAMETOOLONG));
-	const enum rb_status status = write_partial(pack, partial, err);
+	rb_place_beside(place, last_ending, name);
+	rb_place_beside(place, before_ending, before);
+	enum rb_status status = write_partial(place, pack, name, partial, err);
 	if (status)
 		return status;
 	/* between the two renames there is the one before */
-	if (rename(name, before) != 0 && errno != ENOENT)
-		return fail(err, "rename", name);
-	if (rename(partial, name) != 0)
-		return fail(err, "rename", partial);
-	sync_folder(name);
+	if ((rb_place_rename(place, name, before) != 0 && errno != ENOENT) ||
+	    rb_place_rename(place, partial, name) != 0) {
+		status = fail(err, "rename", place, name);
+		rb_place_remove(place, partial);
+		return status;
+	}
+	rb_place_sync(place);
 	return RB_OK;
 }
 
@@ -196,8 +184,8 @@ static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_er
 		return RB_FAIL(err, RB_ERR_IO,
 		               "there is no checkpoint at frame %llu: the recording has failed",
 		               (unsigned long long)checkpoints->frame);
-	const enum rb_status status = sync_recording(options->recording, err);
-	return status ? status : write_file(options->recording, &checkpoints->pack, err);
+	const enum rb_status status = sync_recording(&checkpoints->place, err);
+	return status ? status : write_file(&checkpoints->place, &checkpoints->pack, err);
 }
 
 /*
@@ -281,6 +269,12 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	if (!checkpoints)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare checkpoints: out of memory");
 	checkpoints->options = *options;
+	const enum rb_status status = rb_place_open(&checkpoints->place, options->recording,
+	                                            options->how, err);
+	if (status) {
+		rb_memory_free(checkpoints);
+		return status;
+	}
 	/* without it the first one finds its room step by step */
 	if (!rb_memory_reserve(&checkpoints->pack.bytes, &checkpoints->pack.capacity,
 	                       options->size_guess, 1))
@@ -293,6 +287,7 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	if (failed) {
 		rb_pack_release(&checkpoints->pack);
+		rb_place_release(&checkpoints->place);
 		rb_memory_free(checkpoints);
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a thread for checkpoints: %s",
 		               strerror(failed));
@@ -412,17 +407,21 @@ void rb_checkpoints_stop(struct rb_checkpoints *checkpoints)
 	pthread_cond_destroy(&checkpoints->changed);
 	pthread_mutex_destroy(&checkpoints->lock);
 	rb_pack_release(&checkpoints->pack);
+	rb_place_release(&checkpoints->place);
 	rb_memory_free(checkpoints);
 }
 
-void rb_checkpoints_remove(const char *recording)
+void rb_checkpoints_remove(const char *recording, unsigned how)
 {
-	static const char *const more[] = {"", "~", ".partial"};
-	char name[PATH_MAX];
+	char name[RB_PLACE_NAME_SIZE];
+	struct rb_place place;
 
-	for (size_t i = 0; i < sizeof more / sizeof *more; i++)
-		if (name_of(recording, more[i], name))
-			unlink(name);
+	if (rb_place_open(&place, recording, how, NULL) != RB_OK)
+		return;
+	rb_place_remove(&place, rb_place_beside(&place, last_ending, name));
+	rb_place_remove(&place, rb_place_beside(&place, before_ending, name));
+	rb_place_tidy(&place, last_ending);
+	rb_place_release(&place);
 }
 
 /* ---- reading ---- */
@@ -497,9 +496,9 @@ enum rb_status rb_checkpoint_parse(struct rb_checkpoint *checkpoint, unsigned ch
 }
 
 /* NULL where it can't be read; errno says why. */
-static unsigned char *read_all(const char *name, size_t *size)
+static unsigned char *read_all(const struct rb_place *place, const char *name, size_t *size)
 {
-	const int fd = open(name, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+	const int fd = rb_place_reach(place, name, O_RDONLY | O_NONBLOCK);
 	struct stat found;
 	unsigned char *bytes = NULL;
 
@@ -525,44 +524,43 @@ static unsigned char *read_all(const char *name, size_t *size)
 	return bytes;
 }
 
-static enum rb_status read_one(struct rb_checkpoint *checkpoint, bool *found, const char *name,
-                               struct rb_error *err)
+static enum rb_status read_one(struct rb_checkpoint *checkpoint, bool *found,
+                               const struct rb_place *place, const char *name, struct rb_error *err)
 {
 	size_t size;
 
 	*checkpoint = (struct rb_checkpoint){0};
-	unsigned char *const bytes = read_all(name, &size);
+	unsigned char *const bytes = read_all(place, name, &size);
 	*found = bytes || errno != ENOENT;
 	if (!*found)
 		return RB_OK;
 	if (!bytes)
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", name, strerror(errno));
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", name,
+		               errno == ELOOP ? "it is a symbolic link" : strerror(errno));
 	return rb_checkpoint_parse(checkpoint, bytes, size, name, err);
 }
 
-enum rb_status rb_checkpoint_read(struct rb_checkpoint *checkpoint, bool *found,
-                                  const char *recording, struct rb_error *err)
+static enum rb_status read_both(struct rb_checkpoint *checkpoint, bool *found,
+                                const struct rb_place *place, struct rb_error *err)
 {
-	char name[PATH_MAX], before[PATH_MAX];
+	char name[RB_PLACE_NAME_SIZE], before[RB_PLACE_NAME_SIZE];
 	struct rb_error second = {0};
 	bool has_second = false;
 
-	*checkpoint = (struct rb_checkpoint){0};
-	*found = false;
-	if (!name_of(recording, "", name) || !name_of(recording, "~", before))
-		return RB_OK;
-	const enum rb_status status = read_one(checkpoint, found, name, err);
+	rb_place_beside(place, last_ending, name);
+	rb_place_beside(place, before_ending, before);
+	const enum rb_status status = read_one(checkpoint, found, place, name, err);
 	if (!status && *found)
 		return RB_OK;
 	const bool broken = *found;
 	rb_checkpoint_release(checkpoint);
-	const enum rb_status other = read_one(checkpoint, &has_second, before, &second);
+	const enum rb_status other = read_one(checkpoint, &has_second, place, before, &second);
 	if (!other && has_second) {
 		if (broken) {
 			rb_log(RB_LOG_WARNING, "%s: going on from the one before, '%s'",
 			       err ? err->text : name, before);
 			/* it must not take the place of the good one */
-			unlink(name);
+			rb_place_remove(place, name);
 		}
 		*found = true;
 		return RB_OK;
@@ -574,6 +572,20 @@ enum rb_status rb_checkpoint_read(struct rb_checkpoint *checkpoint, bool *found,
 	if (has_second && err)
 		*err = second;
 	return other;
+}
+
+enum rb_status rb_checkpoint_read(struct rb_checkpoint *checkpoint, bool *found,
+                                  const char *recording, unsigned how, struct rb_error *err)
+{
+	struct rb_place place;
+
+	*checkpoint = (struct rb_checkpoint){0};
+	*found = false;
+	enum rb_status status = rb_place_open(&place, recording, how, err);
+	if (!status)
+		status = read_both(checkpoint, found, &place, err);
+	rb_place_release(&place);
+	return status;
 }
 
 void rb_checkpoint_release(struct rb_checkpoint *checkpoint)

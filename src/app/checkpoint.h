@@ -9,7 +9,7 @@
  *              (script/keep), "run" (what the summary tells); each once, in this order
  *
  * The simulator's thread copies what is to be kept (rb_checkpoint_take); a thread beside it waits until the recording
- * holds every frame up to there, syncs it, writes the file under another name, syncs that, and renames. So the file that
+ * holds every frame up to there, syncs it, writes the file under a new name, syncs that, and renames. So the file that
  * is there is whole, and never ahead of its recording. A file that is not whole all the same is told by its hashes.
  */
 #ifndef RB_APP_CHECKPOINT_H
@@ -43,6 +43,7 @@ struct rb_checkpoint_parts {
 
 struct rb_checkpoints_options {
 	const char *recording; /* borrowed */
+	unsigned how;          /* of base/place */
 	/* Waits until the recording holds all frames up to this one; false: it never will. In the writing thread. */
 	bool (*recorded)(void *user, uint64_t frame);
 	void *user;
@@ -79,8 +80,8 @@ struct rb_checkpoints_tally rb_checkpoints_tally(struct rb_checkpoints *checkpoi
 /* Waits for what is under way. NULL is fine. */
 void rb_checkpoints_stop(struct rb_checkpoints *checkpoints);
 
-/* Both files go, if they are there. */
-void rb_checkpoints_remove(const char *recording);
+/* Both files go, if they are there. `how` is that of base/place, here and below. */
+void rb_checkpoints_remove(const char *recording, unsigned how);
 
 /* ---- going on from one ---- */
 
@@ -96,7 +97,8 @@ struct rb_checkpoint {
  * where there is one but none is whole; `*found` false where there is none. Released in any case.
  */
 RB_CHECKED enum rb_status rb_checkpoint_read(struct rb_checkpoint *checkpoint, bool *found,
-                                             const char *recording, struct rb_error *err);
+                                             const char *recording, unsigned how,
+                                             struct rb_error *err);
 /* The same from memory, which it takes over. RB_ERR_INPUT: `what` is wrong with `name`. */
 RB_CHECKED enum rb_status rb_checkpoint_parse(struct rb_checkpoint *checkpoint,
                                               unsigned char *bytes, size_t size, const char *name,

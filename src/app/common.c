@@ -8,6 +8,7 @@
 
 #include "app/json.h"
 #include "base/memory.h"
+#include "base/place.h"
 #include "math/vec3.h"
 #include "script/pattern.h"
 
@@ -231,6 +232,8 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *fro
 	status = rb_model_create(&loaded->model, &loaded->scene, &loaded->mistakes, err);
 	if (status || options->no_record)
 		return status;
+	loaded->how = (options->force || options->resume ? RB_PLACE_REPLACE : 0) |
+	              (options->output || options->trust ? 0 : RB_PLACE_BENEATH);
 	loaded->output = options->output ? rb_memory_copy_text(options->output)
 	                                 : default_output(&loaded->scene, options->operand[0]);
 	if (!loaded->output)

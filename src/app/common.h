@@ -25,6 +25,7 @@ struct rb_loaded {
 	struct rb_model *model;
 	struct rb_mistakes mistakes;
 	char *output; /* the recording's name; NULL: none is wanted */
+	unsigned how; /* it may be made: of base/place */
 };
 
 /*

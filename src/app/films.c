@@ -10,6 +10,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/place.h"
 #include "base/team.h"
 #include "control/steer.h"
 #include "flow/between.h"
@@ -67,6 +68,7 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 		.speed = NAN,
 		.recording = loaded->output,
 		.replace = options->force || options->resume,
+		.trust = options->trust,
 		.end_s = loaded->model->duration_s,
 	};
 }
@@ -286,7 +288,8 @@ static struct rb_film_options options_of(const struct rb_films *films, int numbe
 		.still = wish->still,
 		.number = number,
 		.end_s = wish->end_s,
-		.replace = wish->replace,
+		.how = (wish->replace ? RB_PLACE_REPLACE : 0) |
+	               (wish->output || wish->trust ? 0 : RB_PLACE_BENEATH),
 		.encoder_threads = spare > 1 ? spare : 1,
 	};
 }

@@ -113,6 +113,7 @@ static enum rb_status read_wish(struct render *render, struct rb_error *err)
 		.fallback = true,
 		.recording = options->operand[0],
 		.replace = options->force,
+		.trust = options->trust,
 	};
 	if (options->from_s > options->to_s)
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--from' must not be after '--to'");

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "app/resume.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -8,6 +9,7 @@
 
 #include "base/hash.h"
 #include "base/log.h"
+#include "base/place.h"
 #include "flow/between.h"
 #include "flow/frame.h"
 #include "sink/module.h"
@@ -183,37 +185,46 @@ static enum rb_status judge(struct rb_resume *resume, const struct rb_loaded *lo
 	return RB_OK;
 }
 
-/* Its writer has a lock on it (sink/h5output). */
-static bool is_being_written(const char *name)
+/* What will be written to: no link. Its writer, if it has one, has a lock on it (sink/h5output). */
+static enum rb_status check_file(const struct rb_loaded *loaded, bool *is_written,
+                                 struct rb_error *err)
 {
 	struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
-	const int fd = open(name, O_RDWR | O_CLOEXEC);
-	bool is = false;
+	struct rb_place place;
+	enum rb_status status = rb_place_open(&place, loaded->output, loaded->how, err);
 
+	if (status)
+		return status;
+	const int fd = rb_place_reach(&place, place.name, O_RDONLY | O_NONBLOCK);
 	if (fd < 0)
-		return false;
-	is = fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
-	close(fd);
-	return is;
+		status = RB_FAIL(err, RB_ERR_CREATE, "cannot write to '%s': %s", loaded->output,
+		                 errno == ELOOP ? "it is a symbolic link" : strerror(errno));
+	*is_written = fd >= 0 && fcntl(fd, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
+	if (fd >= 0)
+		close(fd);
+	rb_place_release(&place);
+	return status;
 }
 
 static enum rb_status look(struct rb_resume *resume, const struct rb_loaded *loaded,
                            const struct rb_reading *reading, struct rb_error *err)
 {
-	bool found = false;
-	enum rb_status status = compare(loaded->output, loaded, reading, err);
+	bool found = false, is_written;
+	enum rb_status status = check_file(loaded, &is_written, err);
 
+	if (!status)
+		status = compare(loaded->output, loaded, reading, err);
 	if (status)
 		return status;
 	if (strcmp(reading->status, "complete") == 0) {
 		resume->kind = RB_RESUME_DONE;
 		return RB_OK;
 	}
-	if (is_being_written(loaded->output))
+	if (is_written)
 		return RB_FAIL(err, RB_ERR_CREATE,
 		               "cannot write to '%s': the run that writes it goes on",
 		               loaded->output);
-	status = rb_checkpoint_read(&resume->checkpoint, &found, loaded->output, err);
+	status = rb_checkpoint_read(&resume->checkpoint, &found, loaded->output, loaded->how, err);
 	snprintf(resume->started, sizeof resume->started, "%s", reading->started);
 	if (!status && found)
 		return judge(resume, loaded, reading, err);

@@ -133,7 +133,7 @@ static int tell_done(const struct rb_loaded *loaded, const struct rb_options *op
 {
 	struct rb_json json = {.file = stdout};
 
-	rb_checkpoints_remove(loaded->output);
+	rb_checkpoints_remove(loaded->output, loaded->how);
 	if (options->json) {
 		rb_json_open(&json, NULL, '{');
 		rb_json_text(&json, "scene", loaded->scene.file);

@@ -56,6 +56,7 @@ enum rb_status rb_saving_start(struct rb_saving **made, const struct rb_saving_o
 	                               : 1;
 	const struct rb_checkpoints_options own = {
 		.recording = options->loaded->output,
+		.how = options->loaded->how,
 		.recorded = recorded,
 		.user = saving,
 		.size_guess = rb_world_pack_guess(options->parts.world),

@@ -214,9 +214,7 @@ static enum rb_status start_world(struct run *run, struct rb_error *err)
 static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 {
 	const struct rb_resume *const resume = run->resume;
-	struct rb_recorder_options options = {.path = run->loaded->output,
-	                                      .replace = run->options->force ||
-	                                                 run->options->resume};
+	struct rb_recorder_options options = {.path = run->loaded->output, .how = run->loaded->how};
 	if (resume) {
 		options.resume = true;
 		options.row_count = resume->checkpoint.about.row_count;
@@ -431,7 +429,8 @@ static enum rb_status start(struct run *run, struct rb_error *err)
 		status = rb_frame_init(&run->numbers_only, run->loaded->model, fields_wanted(run),
 		                       err);
 	if (!status && run->recorder && !run->resume)
-		rb_checkpoints_remove(run->loaded->output); /* of the run that was there before */
+		rb_checkpoints_remove(run->loaded->output,
+		                      run->loaded->how); /* of the run that was there before */
 	if (!status)
 		status = start_saving(run, err);
 	return status;
@@ -696,7 +695,7 @@ static void finish(struct run *run)
 	if (status && result->frames > 0)
 		count_recorded(run);
 	if (run->recorder && !result->status && result->frames == result->frame_count)
-		rb_checkpoints_remove(run->loaded->output);
+		rb_checkpoints_remove(run->loaded->output, run->loaded->how);
 	if (run->recorder && stat(run->loaded->output, &file) == 0)
 		result->recording_bytes = (uint64_t)file.st_size;
 	rb_ring_destroy(run->ring);

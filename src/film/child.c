@@ -34,7 +34,7 @@ static void close_end(int *end)
 
 void rb_child_init(struct rb_child *child)
 {
-	*child = (struct rb_child){.in = -1, .out = -1, .complaints = -1};
+	*child = (struct rb_child){.in = -1, .out = -1, .complaints = -1, .files = {-1, -1}};
 }
 
 /* Above the standard three, so that setting these up in the child does not overwrite one. */
@@ -56,9 +56,10 @@ static bool make_pipe(int ends[2])
 	return false;
 }
 
-/* The child's ends of pipes; -1: none. */
+/* The child's ends of pipes; -1: none. And what else it is to have: to -1. */
 struct ends {
 	int in, out, complaints, report;
+	const int *kept;
 };
 
 static void redirect(int from, int to, int flags)
@@ -67,6 +68,13 @@ static void redirect(int from, int to, int flags)
 		from = open("/dev/null", flags);
 	if (from != to)
 		(void)dup2(from, to);
+}
+
+static void close_between(int from, int to, int except)
+{
+	for (int descriptor = from; descriptor < to; descriptor++)
+		if (descriptor != except)
+			close(descriptor);
 }
 
 /* In the child: only what may be called between fork and exec. */
@@ -85,14 +93,22 @@ static _Noreturn void become(char *const *arguments, const struct ends *ends, pi
 	redirect(ends->in, 0, O_RDONLY);
 	redirect(ends->out, 1, O_WRONLY);
 	(void)dup2(ends->complaints, 2);
-	const int report = ends->report == 3 ? 3 : dup3(ends->report, 3, O_CLOEXEC);
 	/* whatever other libraries have opened without asking for close-on-exec */
-	closefrom(4);
+	int next = STDERR_FILENO + 1;
+	for (const int *kept = ends->kept; kept && *kept >= 0; next = *kept++ + 1) {
+		close_between(next, *kept, ends->report);
+		(void)fcntl(*kept, F_SETFD, 0);
+	}
+	if (ends->report >= next) {
+		close_between(next, ends->report, -1);
+		next = ends->report + 1;
+	}
+	closefrom(next);
 	sigemptyset(&none);
 	(void)sigprocmask(SIG_SETMASK, &none, NULL);
 	(void)execvp(arguments[0], arguments);
 	const int number = errno;
-	const ssize_t told = write(report, &number, sizeof number);
+	const ssize_t told = write(ends->report, &number, sizeof number);
 	(void)told;
 	_exit(127);
 }
@@ -137,7 +153,7 @@ static int read_report(struct rb_child *child, int report)
 }
 
 enum rb_status rb_child_start(struct rb_child *child, const char *const *arguments, bool feeds,
-                              bool listens, struct rb_error *err)
+                              bool listens, const int *kept, struct rb_error *err)
 {
 	int in[2] = {-1, -1}, out[2] = {-1, -1}, complaints[2] = {-1, -1}, report[2] = {-1, -1};
 	int failed = 0;
@@ -146,7 +162,7 @@ enum rb_status rb_child_start(struct rb_child *child, const char *const *argumen
 	if ((feeds && !make_pipe(in)) || (listens && !make_pipe(out)) || !make_pipe(complaints) ||
 	    !make_pipe(report))
 		failed = errno;
-	const struct ends ends = {in[0], out[1], complaints[1], report[1]};
+	const struct ends ends = {in[0], out[1], complaints[1], report[1], kept};
 	if (!failed)
 		failed = launch(child, arguments, &ends);
 	close_end(&in[0]);
@@ -260,7 +276,7 @@ static struct rb_child_signs look(const struct rb_child *child)
 
 	for (int i = 0; i < RB_CHILD_FILES_MAX; i++) {
 		struct stat found;
-		if (!child->files[i] || stat(child->files[i], &found) != 0)
+		if (child->files[i] < 0 || fstat(child->files[i], &found) != 0)
 			continue;
 		results.file[i][0] = found.st_size;
 		results.file[i][1] = found.st_mtim.tv_sec;

@@ -3,7 +3,7 @@
  * A program beside ours: bytes down its input, its last words, its end. No shell in between.
  *
  * One thread at a time. The thread that starts a program must live as long: the program dies with it, so that it never
- * outlives ours. It gets a process group of its own, default signals, and no descriptor but the standard three. SIGPIPE must be
+ * outlives ours. It gets a process group of its own, default signals, and no descriptor but the standard three and those it is given. SIGPIPE must be
  * blocked or ignored in ours.
  *
  * No wait is without bound once the program has nothing more to expect, in rb_child_wait, or where `cut` is set: one
@@ -48,8 +48,8 @@ struct rb_child {
 
 	/* set by the owner after the start */
 	double patience_s;
-	const atomic_bool *cut;                /* borrowed; NULL: never */
-	const char *files[RB_CHILD_FILES_MAX]; /* borrowed; what it makes; NULL: none */
+	const atomic_bool *cut;        /* borrowed; NULL: never */
+	int files[RB_CHILD_FILES_MAX]; /* borrowed; what it makes; -1: none */
 
 	uint64_t taken, heard; /* bytes */
 	bool watched;
@@ -60,9 +60,13 @@ struct rb_child {
 /* A zeroed one that holds nothing. */
 void rb_child_init(struct rb_child *child);
 
-/* `arguments` end with NULL. With a pipe to its input, or one from its output. RB_ERR_MISSING. */
+/*
+ * `arguments` end with NULL. With a pipe to its input, or one from its output. It inherits the descriptors `kept`, which
+ * end with -1, are above the standard three and in rising order; NULL: none. RB_ERR_MISSING.
+ */
 RB_CHECKED enum rb_status rb_child_start(struct rb_child *child, const char *const *arguments,
-                                         bool feeds, bool listens, struct rb_error *err);
+                                         bool feeds, bool listens, const int *kept,
+                                         struct rb_error *err);
 /* False: it takes no more; rb_child_wait tells why. */
 bool rb_child_feed(struct rb_child *child, const uint8_t *bytes, size_t size);
 /* What has come on its standard error, as much as a pipe holds. */

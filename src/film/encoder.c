@@ -93,10 +93,12 @@ struct rb_encoder {
 	double fps;
 
 	char *path;            /* owned */
-	struct rb_outfile out; /* ffmpeg writes it by its name */
-	char *output;          /* which is this, as it gets it */
-	/* of a gif: pictures without loss and the palette, both of which its second pass reads */
-	char *pictures_path, *palette_path;
+	struct rb_outfile out; /* ffmpeg writes it */
+	/* of a gif: pictures without loss and the palette, both of which its second pass reads; -1: none */
+	int lossless, palette;
+	/* what ffmpeg calls them: it inherits the descriptors */
+	char output[RB_PLACE_LINK_SIZE], lossless_path[RB_PLACE_LINK_SIZE],
+		palette_path[RB_PLACE_LINK_SIZE];
 	struct rb_child child;
 	double patience_s;
 	const atomic_bool *cut; /* borrowed; NULL: never */
@@ -123,16 +125,16 @@ static const char *words_of_space(const struct rb_child *child, char line[RB_CHI
 }
 
 /* Less than what ffmpeg writes at once. */
-static bool is_full(const char *path)
+static bool is_full(int file)
 {
 	struct statvfs room;
 
-	return path && statvfs(path, &room) == 0 &&
+	return file >= 0 && fstatvfs(file, &room) == 0 &&
 	       (uint64_t)room.f_bavail * room.f_frsize < WRITE_SIZE;
 }
 
 /* It has ended otherwise than it should, or `end` is none. The disk is to blame where there is a sign of it. */
-static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, const char *path,
+static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, int file,
                                struct rb_error *err)
 {
 	char line[RB_CHILD_SAID_SIZE];
@@ -146,7 +148,7 @@ static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, co
 	if (signal == SIGXFSZ)
 		return RB_FAIL(err, RB_ERR_IO, "cannot write the film: '%s' was ended by %s",
 		               program(), strsignal(signal));
-	if (end == RB_CHILD_FAILED && is_full(path))
+	if (end == RB_CHILD_FAILED && is_full(file))
 		return RB_FAIL(err, RB_ERR_IO, "cannot write the film: %s; '%s' said last: %.120s",
 		               strerror(ENOSPC), program(), rb_child_last_words(child));
 	if (end == RB_CHILD_WELL)
@@ -165,13 +167,13 @@ static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, co
 	               program(), WEXITSTATUS(child->outcome), rb_child_last_words(child));
 }
 
-/* `path`: of what it writes, NULL: none. An empty one is no success either. */
-static enum rb_status finish_child(struct rb_child *child, const char *path, struct rb_error *err)
+/* `file`: what it writes, -1: none. An empty one is no success either. */
+static enum rb_status finish_child(struct rb_child *child, int file, struct rb_error *err)
 {
 	struct stat found;
-	const enum rb_status status = tell_end(child, rb_child_wait(child), path, err);
+	const enum rb_status status = tell_end(child, rb_child_wait(child), file, err);
 
-	if (status || !path || (stat(path, &found) == 0 && found.st_size > 0))
+	if (status || file < 0 || (fstat(file, &found) == 0 && found.st_size > 0))
 		return status;
 	return RB_FAIL(err, RB_ERR_MISSING, "'%s' has written nothing: %.160s", program(),
 	               rb_child_last_words(child));
@@ -204,7 +206,7 @@ static enum rb_status read_list(struct rb_child *child, char *list, struct rb_er
 			break;
 	}
 	list[size] = '\0';
-	return finish_child(child, NULL, err);
+	return finish_child(child, -1, err);
 }
 
 /* A line " V....D libx264   H.264 ...": the second word is the name. */
@@ -232,7 +234,7 @@ static enum rb_status find_coder(enum format format, const struct coder **coder,
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot look for '%s': out of memory",
 		               program());
 	*coder = NULL;
-	enum rb_status status = rb_child_start(&child, arguments.list, false, true, err);
+	enum rb_status status = rb_child_start(&child, arguments.list, false, true, NULL, err);
 	child.patience_s = list_timeout_s;
 	if (!status)
 		status = read_list(&child, list, err);
@@ -282,7 +284,7 @@ enum rb_status rb_encoder_check(const struct rb_encoder_options *options, struct
 	if (!status)
 		status = check_rate(options, format, err);
 	if (!status)
-		status = rb_outfile_probe(options->path, options->replace, err);
+		status = rb_outfile_probe(options->path, options->how, err);
 	if (!status)
 		status = find_coder(format, &coder, err);
 	return status;
@@ -322,30 +324,30 @@ static void add_pictures(struct arguments *arguments, const struct rb_encoder *e
 	add_pair(arguments, "-i", "pipe:0");
 }
 
-/* "file:NAME", since a name may look like an option or a protocol. Owned by the caller. */
-static char *file_name(const char *path, const char *ending)
-{
-	static const char protocol[] = "file:";
-	const size_t size = sizeof protocol + strlen(path) + strlen(ending);
-	char *const name = rb_memory_take(size, 1);
-
-	if (name)
-		snprintf(name, size, "%s%s%s", protocol, path, ending);
-	return name;
-}
-
-/* A film is made of `first` and `second`, names with "file:" or NULL; how far it is shows in their sizes. */
+/* A film is made of `first` and `second`, files or -1; how far it is shows in their sizes. */
 static enum rb_status start(struct rb_encoder *encoder, const struct arguments *arguments,
-                            bool feeds, const char *first, const char *second, struct rb_error *err)
+                            bool feeds, int first, int second, struct rb_error *err)
 {
-	const size_t protocol = strlen("file:");
+	const int all[] = {fileno(encoder->out.file), encoder->lossless, encoder->palette};
+	int kept[4], count = 0;
+
+	/* in rising order */
+	for (int last = -1;; count++) {
+		kept[count] = -1;
+		for (int i = 0; i < 3; i++)
+			if (all[i] > last && (kept[count] < 0 || all[i] < kept[count]))
+				kept[count] = all[i];
+		if (kept[count] < 0)
+			break;
+		last = kept[count];
+	}
 	const enum rb_status status = rb_child_start(&encoder->child, arguments->list, feeds, false,
-	                                             err);
+	                                             kept, err);
 
 	encoder->child.patience_s = encoder->patience_s;
 	encoder->child.cut = encoder->cut;
-	encoder->child.files[0] = first ? first + protocol : NULL;
-	encoder->child.files[1] = second ? second + protocol : NULL;
+	encoder->child.files[0] = first;
+	encoder->child.files[1] = second;
 	return status;
 }
 
@@ -361,7 +363,7 @@ static void print_rate(char out[ARGUMENT_SIZE], double fps)
 }
 
 static enum rb_status start_film(struct rb_encoder *encoder, const struct coder *coder,
-                                 const char *output, struct rb_error *err)
+                                 struct rb_error *err)
 {
 	struct arguments arguments;
 
@@ -374,8 +376,8 @@ static enum rb_status start_film(struct rb_encoder *encoder, const struct coder 
 	if (*encoder->title)
 		add_pair(&arguments, "-metadata", encoder->title);
 	add_pair(&arguments, "-f", formats[encoder->format].muxer);
-	add(&arguments, output);
-	return start(encoder, &arguments, true, output, NULL, err);
+	add(&arguments, encoder->output);
+	return start(encoder, &arguments, true, fileno(encoder->out.file), -1, err);
 }
 
 /*
@@ -400,22 +402,21 @@ static enum rb_status start_gif(struct rb_encoder *encoder, struct rb_error *err
 	add_pair(&arguments, "-c:v", "ffv1");
 	add_pair(&arguments, "-level", "3");
 	add_pair(&arguments, "-f", "nut");
-	add(&arguments, encoder->pictures_path);
+	add(&arguments, encoder->lossless_path);
 	add_pair(&arguments, "-map", "[palette]");
 	add_pair(&arguments, "-c:v", "rawvideo");
 	add_pair(&arguments, "-pix_fmt", "bgra");
 	add_pair(&arguments, "-f", "rawvideo");
 	add(&arguments, encoder->palette_path);
-	return start(encoder, &arguments, true, encoder->pictures_path, encoder->palette_path, err);
+	return start(encoder, &arguments, true, encoder->lossless, encoder->palette, err);
 }
 
-static enum rb_status second_pass(struct rb_encoder *encoder, const char *output,
-                                  struct rb_error *err)
+static enum rb_status second_pass(struct rb_encoder *encoder, struct rb_error *err)
 {
 	struct arguments arguments;
 
 	begin(&arguments);
-	add_pair(&arguments, "-i", encoder->pictures_path);
+	add_pair(&arguments, "-i", encoder->lossless_path);
 	add_pair(&arguments, "-f", "rawvideo");
 	add_pair(&arguments, "-pix_fmt", "bgra");
 	add_pair(&arguments, "-s", "16x16");
@@ -424,8 +425,9 @@ static enum rb_status second_pass(struct rb_encoder *encoder, const char *output
 	add_pair(&arguments, "-filter_complex",
 	         "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle");
 	add_pair(&arguments, "-f", "gif");
-	add(&arguments, output);
-	const enum rb_status status = start(encoder, &arguments, false, output, NULL, err);
+	add(&arguments, encoder->output);
+	const enum rb_status status = start(encoder, &arguments, false, fileno(encoder->out.file),
+	                                    -1, err);
 	return status ? status : finish_child(&encoder->child, encoder->child.files[0], err);
 }
 
@@ -454,6 +456,20 @@ static enum rb_status set_sizes(struct rb_encoder *encoder,
 	return encoder->padded ? RB_OK : no_memory(options->path, err);
 }
 
+/* A file that only the passes of a gif know: it has no name, and is gone when it is closed. */
+static enum rb_status make_nameless(const struct rb_place *place, int *file,
+                                    char path[RB_PLACE_LINK_SIZE], struct rb_error *err)
+{
+	char name[RB_PLACE_NAME_SIZE];
+
+	*file = rb_place_create(place, "", name);
+	if (*file < 0)
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", place->path,
+		               strerror(errno));
+	rb_place_remove(place, name);
+	return rb_place_link(*file, NULL, path, err);
+}
+
 static enum rb_status set_names(struct rb_encoder *encoder,
                                 const struct rb_encoder_options *options, struct rb_error *err)
 {
@@ -466,18 +482,15 @@ static enum rb_status set_names(struct rb_encoder *encoder,
 		return no_memory(options->path, err);
 	if (*title)
 		sprintf(encoder->title, "%s%s", key, title);
-	const enum rb_status status = rb_outfile_open(&encoder->out, encoder->path,
-	                                              options->replace, err);
-	if (status)
+	enum rb_status status = rb_outfile_open(&encoder->out, encoder->path, options->how, err);
+	if (!status)
+		status = rb_place_link(fileno(encoder->out.file), NULL, encoder->output, err);
+	if (status || encoder->format != FORMAT_GIF)
 		return status;
-	encoder->output = file_name(encoder->out.partial, "");
-	if (encoder->format != FORMAT_GIF)
-		return encoder->output ? RB_OK : no_memory(options->path, err);
-	encoder->pictures_path = file_name(encoder->out.partial, ".pictures");
-	encoder->palette_path = file_name(encoder->out.partial, ".palette");
-	return encoder->output && encoder->pictures_path && encoder->palette_path
-	               ? RB_OK
-	               : no_memory(options->path, err);
+	const struct rb_place *const place = &encoder->out.place;
+	status = make_nameless(place, &encoder->lossless, encoder->lossless_path, err);
+	return status ? status
+	              : make_nameless(place, &encoder->palette, encoder->palette_path, err);
 }
 
 static enum rb_status set_up_encoder(struct rb_encoder *encoder,
@@ -496,7 +509,7 @@ static enum rb_status set_up_encoder(struct rb_encoder *encoder,
 		return status;
 	if (encoder->format == FORMAT_GIF)
 		return start_gif(encoder, err);
-	return start_film(encoder, coder, encoder->output, err);
+	return start_film(encoder, coder, err);
 }
 
 enum rb_status rb_encoder_create(struct rb_encoder **encoder,
@@ -507,6 +520,7 @@ enum rb_status rb_encoder_create(struct rb_encoder **encoder,
 	if (!*encoder)
 		return no_memory(options->path, err);
 	(*encoder)->cut = options->cut;
+	(*encoder)->lossless = (*encoder)->palette = -1;
 	(*encoder)->patience_s = options->patience_s > 0 ? options->patience_s : patience_s;
 	rb_child_init(&(*encoder)->child);
 	const enum rb_status status = set_up_encoder(*encoder, options, err);
@@ -568,23 +582,15 @@ enum rb_status rb_encoder_finish(struct rb_encoder *encoder, bool discard, uint6
 	}
 	enum rb_status status = finish_child(&encoder->child, encoder->child.files[0], err);
 	if (!status && encoder->format == FORMAT_GIF)
-		status = second_pass(encoder, encoder->output, err);
+		status = second_pass(encoder, err);
 	encoder->failed = true; /* it takes no more pictures */
 	if (status) {
 		rb_outfile_release(&encoder->out);
 		return status;
 	}
-	if (bytes && stat(encoder->out.partial, &found) == 0)
+	if (bytes && fstat(fileno(encoder->out.file), &found) == 0)
 		*bytes = (uint64_t)found.st_size;
 	return rb_outfile_publish(&encoder->out, err);
-}
-
-/* By the name that ffmpeg was given. */
-static void remove_named(char *name)
-{
-	if (name)
-		unlink(name + strlen("file:"));
-	rb_memory_free(name);
 }
 
 void rb_encoder_destroy(struct rb_encoder *encoder)
@@ -593,9 +599,10 @@ void rb_encoder_destroy(struct rb_encoder *encoder)
 		return;
 	rb_child_stop(&encoder->child);
 	rb_outfile_release(&encoder->out);
-	remove_named(encoder->pictures_path);
-	remove_named(encoder->palette_path);
-	rb_memory_free(encoder->output);
+	if (encoder->lossless >= 0)
+		close(encoder->lossless);
+	if (encoder->palette >= 0)
+		close(encoder->palette);
 	rb_memory_free(encoder->padded);
 	rb_memory_free(encoder->title);
 	rb_memory_free(encoder->path);

@@ -19,7 +19,7 @@ struct rb_encoder;
 struct rb_encoder_options {
 	const char *
 		path; /* final name; its ending says the format: .mp4 (H.264, yuv420p, faststart), .webm, .gif */
-	bool replace;
+	unsigned how; /* of base/place */
 	int width,
 		height; /* of all pictures; odd ones are padded by a row or column where the format wants even ones */
 	double fps;

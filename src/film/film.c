@@ -57,7 +57,7 @@ static struct rb_press_options press_options(const struct rb_film_options *optio
 	struct rb_press_options press = {.png = camera->png,
 	                                 .still = options->still,
 	                                 .video = camera->video,
-	                                 .replace = options->replace,
+	                                 .how = options->how,
 	                                 .width = camera->size_px[0],
 	                                 .height = camera->size_px[1],
 	                                 .png_threads = options->encoder_threads,

@@ -267,12 +267,12 @@ static enum rb_status encode(struct job *job, const char *path, const struct rb_
 	return RB_OK;
 }
 
-enum rb_status rb_png_write(const char *path, bool replace, const struct rb_pixmap *pixmap,
+enum rb_status rb_png_write(const char *path, unsigned how, const struct rb_pixmap *pixmap,
                             const struct rb_png_text *texts, size_t *bytes, struct rb_error *err)
 {
 	struct rb_outfile out;
 	struct job job = {0};
-	enum rb_status status = rb_outfile_open(&out, path, replace, err);
+	enum rb_status status = rb_outfile_open(&out, path, how, err);
 
 	if (status)
 		return status;

@@ -28,11 +28,11 @@ RB_CHECKED enum rb_status rb_png_decode(struct rb_pixmap *pixmap, const char *na
 
 /*
  * Writes the picture (alpha is left out) under another name in the same folder and renames it: nobody sees half a
- * picture. One that exists is replaced only with `replace` (RB_ERR_CREATE otherwise). The same picture and texts give
+ * picture. One that exists is replaced only where `how` (base/place) says so (RB_ERR_CREATE otherwise). The same picture and texts give
  * the same bytes. `texts` (may be NULL) end with a key that is NULL. RB_ERR_CREATE, RB_ERR_IO. `*bytes` (may be NULL)
  * receives the size.
  */
-RB_CHECKED enum rb_status rb_png_write(const char *path, bool replace,
+RB_CHECKED enum rb_status rb_png_write(const char *path, unsigned how,
                                        const struct rb_pixmap *pixmap,
                                        const struct rb_png_text *texts, size_t *bytes,
                                        struct rb_error *err);

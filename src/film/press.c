@@ -99,7 +99,7 @@ static enum rb_status name_of(const struct rb_press_options *options, uint64_t p
 static struct rb_encoder_options encoder_options(const struct rb_press_options *options)
 {
 	return (struct rb_encoder_options){.path = options->video,
-	                                   .replace = options->replace,
+	                                   .how = options->how,
 	                                   .width = options->width,
 	                                   .height = options->height,
 	                                   .fps = options->fps,
@@ -116,7 +116,7 @@ enum rb_status rb_press_check(const struct rb_press_options *options, struct rb_
 	if (options->png) {
 		status = name_of(options, 0, name, err);
 		if (!status)
-			status = rb_outfile_probe(name, options->replace, err);
+			status = rb_outfile_probe(name, options->how, err);
 	}
 	if (!status && options->video)
 		status = rb_encoder_check(&encoder, err);
@@ -167,7 +167,7 @@ static enum rb_status make_png(const struct rb_press *press, const struct slot *
 	const enum rb_status status = name_of(options, slot->picture, name, err);
 	if (status)
 		return status;
-	return rb_png_write(name, options->replace, &slot->pixmap, texts, bytes, err);
+	return rb_png_write(name, options->how, &slot->pixmap, texts, bytes, err);
 }
 
 static void *print_png(void *argument)
@@ -258,10 +258,10 @@ static enum rb_status set_up(struct rb_press *press, int png_threads, struct rb_
 	if (!status && options->png) {
 		status = name_of(options, 0, name, err);
 		if (!status)
-			status = rb_outfile_folders(name, err);
+			status = rb_outfile_folders(name, options->how, err);
 	}
 	if (!status && options->video) {
-		status = rb_outfile_folders(options->video, err);
+		status = rb_outfile_folders(options->video, options->how, err);
 		if (!status)
 			status = rb_encoder_create(&press->encoder, &encoder, err);
 	}

@@ -26,7 +26,7 @@ struct rb_press_options {
 	const char *png;   /* NULL: none; a pattern with one %d, or a name */
 	bool still;        /* it is a name */
 	const char *video; /* NULL: none */
-	bool replace;      /* existing files may be replaced */
+	unsigned how;      /* of base/place: whose word these names are */
 	int width, height; /* of all pictures */
 	double fps;
 	int png_threads;

@@ -217,7 +217,7 @@ enum rb_status rb_h5_collect(const struct rb_collection *collection, uint64_t *l
 		               collection->path);
 	}
 	measure_all(&collect);
-	put_all(&collect, output.partial);
+	put_all(&collect, output.library);
 	rb_memory_free(collect.sizes);
 	status = collect.h5.status;
 	if (status && err)

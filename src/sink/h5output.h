@@ -2,8 +2,9 @@
 /*
  * The file under a recording: its two names and its room on disk. No HDF5 in here.
  *
- * It is written as NAME.partial-PID beside NAME and renamed when its first frame is in it; until then nothing that
- * stands under NAME is touched. Owned by one thread.
+ * It is written as NAME.partial-NUMBER beside NAME and renamed when its first frame is in it; until then nothing that
+ * stands under NAME is touched. Folder and file are held open, and the library reaches them through that (base/place):
+ * whatever becomes of the names, it writes to this file. Owned by one thread.
  */
 #ifndef RB_SINK_H5OUTPUT_H
 #define RB_SINK_H5OUTPUT_H
@@ -13,31 +14,39 @@
 
 #include <rbsim/error.h>
 
+#include "base/place.h"
+
 struct rb_output {
-	char *name;    /* owned: the final name, symbolic links followed */
-	char *partial; /* owned */
-	bool replace;
-	bool published;          /* stands under its final name */
-	int fd;                  /* owned; -1: none */
+	struct rb_place place;
+	char partial[RB_PLACE_NAME_SIZE]; /* the name in there until it is published; "": none */
+	char library
+		[RB_PLACE_LINK_SIZE]; /* what the library is to open, or to make before rb_output_attach */
+	bool published;               /* stands under its final name */
+	int fd;                       /* owned; -1: none */
 	uint64_t reserved_bytes; /* the disk has room up to here */
 	bool cannot_reserve;     /* the file system has no such call */
 };
 
 /*
- * Follows links, checks that NAME may be made, and finds a name for the partial file under which the library can make
- * it; rb_output_attach then opens it. RB_ERR_CREATE. A NAME that is a symbolic link means what it points to: the link
- * stays.
+ * Checks that NAME may be made, and finds a new name under which the library can make it (`library`); rb_output_attach
+ * then takes hold of it. `how` is that of base/place. RB_ERR_CREATE.
  */
-RB_CHECKED enum rb_status rb_output_open(struct rb_output *output, const char *name, bool replace,
+RB_CHECKED enum rb_status rb_output_open(struct rb_output *output, const char *name, unsigned how,
                                          struct rb_error *err);
 
 RB_CHECKED enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err);
 
 /*
+ * Tells other processes that this file is being written: the library's own lock (flock) does not hold while readers are
+ * let in, and this kind has nothing to do with it. False: somebody else writes it.
+ */
+bool rb_output_lock(const struct rb_output *output);
+
+/*
  * A recording that stands under NAME already is to be written on. RB_ERR_CREATE where it can't be, or where somebody else
  * writes it.
  */
-RB_CHECKED enum rb_status rb_output_reopen(struct rb_output *output, const char *name,
+RB_CHECKED enum rb_status rb_output_reopen(struct rb_output *output, const char *name, unsigned how,
                                            struct rb_error *err);
 
 /* The partial file gets its final name; without `replace` never over another one. Once; then it does nothing. */

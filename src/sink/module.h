@@ -20,8 +20,9 @@
 
 struct rb_recorder_options {
 	const char *path; /* final name */
-	bool replace;     /* --force: an existing file may be replaced */
-	double flush_s;   /* longest wall time between flushes; 0: one second */
+	unsigned
+		how; /* of base/place: whether an existing file may be replaced, and whose word the name is */
+	double flush_s; /* longest wall time between flushes; 0: one second */
 	/* a recording that is there goes on after `row_count` of its frames, the last of them `frame` */
 	bool resume;
 	uint64_t row_count, frame;
@@ -137,7 +138,7 @@ struct rb_film_options {
 	bool still;      /* one picture, to `png` as it is, without a number */
 	int number;      /* of the camera among those filmed: that of its shots */
 	double end_s;    /* when the run ends */
-	bool replace;    /* existing files may be replaced */
+	unsigned how;    /* of base/place: whose word its files' names are */
 	int encoder_threads; /* that make PNG files besides the one that draws; 0: one */
 	const char *command; /* for the text chunks of pictures; may be NULL */
 };
@@ -181,7 +182,7 @@ struct rb_film_module {
 	enum rb_status (*take_draw)(struct rb_take *take, const struct rb_frame *frame,
 	                            const struct rb_frame_shot *shot, struct rb_pixmap *picture,
 	                            struct rb_error *err);
-	enum rb_status (*png_write)(const char *path, bool replace, const struct rb_pixmap *pixmap,
+	enum rb_status (*png_write)(const char *path, unsigned how, const struct rb_pixmap *pixmap,
 	                            const struct rb_png_text *texts, size_t *bytes,
 	                            struct rb_error *err);
 };

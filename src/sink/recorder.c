@@ -235,7 +235,7 @@ static void make_about(struct rb_recorder *recorder)
 	struct rb_h5 *const h5 = &recorder->h5;
 	const hid_t access = file_access(1);
 
-	*h5 = (struct rb_h5){.file = create_file(recorder->output.partial, access),
+	*h5 = (struct rb_h5){.file = create_file(recorder->output.library, access),
 	                     .name = recorder->path};
 	rb_h5_done(access);
 	if (h5->file < 0) {
@@ -243,6 +243,7 @@ static void make_about(struct rb_recorder *recorder)
 		return;
 	}
 	recorder->file_open = true;
+	h5->status = rb_output_attach(&recorder->output, &h5->error);
 	rb_about_write(h5, recorder->info);
 	if (h5->status == RB_OK || h5->status == RB_ERR_MEMORY) {
 		if (H5Fclose(h5->file) < 0)
@@ -260,7 +261,7 @@ static void make_growing(struct rb_recorder *recorder)
 	if (h5->status)
 		return;
 	const hid_t access = file_access(rb_frames_alignment(recorder->info));
-	h5->file = H5Fopen(recorder->output.partial, H5F_ACC_RDWR, access);
+	h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR, access);
 	rb_h5_done(access);
 	if (h5->file < 0) {
 		fail_create(h5);
@@ -283,9 +284,10 @@ static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *e
 
 	make_about(recorder);
 	make_growing(recorder);
-	const enum rb_status status = h5->status ? RB_OK : rb_output_attach(&recorder->output, err);
-	if (!h5->status)
-		return status;
+	if (!h5->status) {
+		(void)rb_output_lock(&recorder->output); /* nobody else knows of it yet */
+		return RB_OK;
+	}
 	/* nothing can be written in mid-run that could not be made */
 	if (h5->status == RB_ERR_IO)
 		h5->status = h5->error.status = RB_ERR_CREATE;
@@ -311,7 +313,7 @@ static bool open_again(struct rb_recorder *recorder)
 		return false;
 	}
 	const hid_t access = file_access(1);
-	h5->file = H5Fopen(recorder->output.name, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
+	h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE, access);
 	rb_h5_done(access);
 	if (h5->file < 0) {
 		rb_h5_fail(h5, "open", "/");
@@ -342,7 +344,8 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 	const struct rb_recorder_options *const options = &recorder->options;
 	struct rb_h5 *const h5 = &recorder->h5;
 	bool was;
-	enum rb_status status = rb_output_reopen(&recorder->output, recorder->path, err);
+	enum rb_status status = rb_output_reopen(&recorder->output, recorder->path,
+	                                         recorder->options.how, err);
 
 	if (!status)
 		status = rb_mark_clear(recorder->output.fd, recorder->path, &was, err);
@@ -352,7 +355,7 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 	if (!h5->status) {
 		const hid_t access = file_access(rb_frames_alignment(recorder->info));
 		*h5 = (struct rb_h5){.name = recorder->path, .there = true};
-		h5->file = H5Fopen(recorder->output.name, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
+		h5->file = H5Fopen(recorder->output.library, H5F_ACC_RDWR | H5F_ACC_SWMR_WRITE,
 		                   access);
 		rb_h5_done(access);
 		if (h5->file < 0)
@@ -384,8 +387,8 @@ static enum rb_status open_file(void *self, struct rb_error *err)
 	if (recorder->options.resume) {
 		status = reopen_file(recorder, err);
 	} else {
-		status = rb_output_open(&recorder->output, recorder->path,
-		                        recorder->options.replace, err);
+		status = rb_output_open(&recorder->output, recorder->path, recorder->options.how,
+		                        err);
 		if (status)
 			return status;
 		status = make_file(recorder, err);

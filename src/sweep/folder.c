@@ -383,9 +383,10 @@ static enum rb_status write_copy(const char *folder, const struct rb_source_file
 		return RB_OK;
 	enum rb_status status = rb_folder_name(folder, name, path, err);
 	if (!status)
-		status = rb_outfile_folders(path, err);
+		status = rb_outfile_folders(path, RB_PLACE_BELOW(strlen(folder)), err);
 	if (!status)
-		status = rb_outfile_open(&out, path, true, err);
+		status = rb_outfile_open(&out, path,
+		                         RB_PLACE_REPLACE | RB_PLACE_BELOW(strlen(folder)), err);
 	if (status)
 		return status;
 	(void)!fwrite(from->text, 1, from->size_bytes, out.file); /* told by publish */
@@ -427,7 +428,7 @@ enum rb_status rb_folder_write(const char *folder, const struct rb_plan *plan,
 	if (!status)
 		status = rb_folder_name(folder, RB_FOLDER_PLAN, path, err);
 	if (!status)
-		status = rb_outfile_folders(path, err);
+		status = rb_outfile_folders(path, 0, err);
 	for (int i = 0; i < plan->file_count && !status; i++)
 		status = write_copy(folder, &files[i], i == 0, err);
 	if (!status)

@@ -17,6 +17,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/place.h"
 
 /* A run under way. */
 struct place {
@@ -136,7 +137,7 @@ static void command_of(struct jobs *jobs, uint64_t index, bool goes_on)
 }
 
 /* After fork, in the child: only what may be done there. */
-static _Noreturn void become_run(const struct jobs *jobs, const char *folder, int result, int log,
+static _Noreturn void become_run(const struct jobs *jobs, int folder, int result, int log,
                                  pid_t parent)
 {
 	const int nothing = open("/dev/null", O_RDONLY);
@@ -146,34 +147,60 @@ static _Noreturn void become_run(const struct jobs *jobs, const char *folder, in
 	if (getppid() != parent) /* it ended before that was set */
 		_exit(143);
 	if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(result, STDOUT_FILENO) < 0 ||
-	    dup2(log, STDERR_FILENO) < 0 || chdir(folder) != 0)
+	    dup2(log, STDERR_FILENO) < 0 || fchdir(folder) != 0)
 		_exit(126);
 	sigprocmask(SIG_SETMASK, &jobs->order->mask_before, NULL);
 	execv("/proc/self/exe", (char *const *)(uintptr_t)jobs->words);
 	_exit(127);
 }
 
+/* Where a point's run works, and the new file that its result goes to. */
+static enum rb_status open_point(const struct rb_jobs_order *order, uint64_t index, int *folder,
+                                 int *result, struct rb_error *err)
+{
+	char path[RB_FOLDER_PATH_SIZE];
+	struct rb_place top, point;
+
+	enum rb_status status = rb_place_open(
+		&top, rb_folder_path(order->plan, order->folder, index, ".json", path), 0, err);
+	if (status)
+		return status;
+	rb_place_remove(&top, top.name);
+	*result = rb_place_reach(&top, top.name, O_WRONLY | O_CREAT | O_EXCL);
+	if (*result < 0)
+		status = RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", path,
+		                 strerror(errno));
+	rb_place_release(&top);
+	if (status)
+		return status;
+	/* films of a point have a folder of their own */
+	rb_folder_path(order->plan, order->folder, index, order->plan->films ? "/film" : "", path);
+	status = rb_place_open(&point, path, RB_PLACE_MAKE | RB_PLACE_BELOW(strlen(order->folder)),
+	                       err);
+	*folder = status ? -1 : fcntl(point.folder, F_DUPFD_CLOEXEC, 0);
+	if (!status && *folder < 0)
+		status = RB_FAIL(err, RB_ERR_CREATE, "cannot open '%s': %s", order->folder,
+		                 strerror(errno));
+	rb_place_release(&point);
+	if (status)
+		close(*result);
+	return status;
+}
+
 static enum rb_status start_run(struct jobs *jobs, struct place *place, struct rb_error *err)
 {
 	const struct rb_jobs_order *const order = jobs->order;
-	char path[RB_FOLDER_PATH_SIZE], folder[RB_FOLDER_PATH_SIZE];
 	const pid_t parent = getpid();
+	int folder, result;
 
-	snprintf(folder, sizeof folder, "%s", order->folder);
-	if (order->plan->films) {
-		rb_folder_path(order->plan, order->folder, place->index, "", folder);
-		if (mkdir(folder, 0777) != 0 && errno != EEXIST)
-			return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", folder,
-			               strerror(errno));
-	}
-	rb_folder_path(order->plan, order->folder, place->index, ".json", path);
-	const int result = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-	if (result < 0)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", path, strerror(errno));
+	const enum rb_status status = open_point(order, place->index, &folder, &result, err);
+	if (status)
+		return status;
 	place->process = fork();
 	if (place->process == 0)
 		become_run(jobs, folder, result, place->log, parent);
 	close(result);
+	close(folder);
 	if (place->process < 0) {
 		place->process = 0;
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a process: %s", strerror(errno));

@@ -13,6 +13,7 @@
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "base/place.h"
 #include "sweep/told.h"
 
 static const size_t result_bytes_max = (size_t)64 << 20;
@@ -148,11 +149,19 @@ enum rb_status rb_point_lock(const char *folder, const struct rb_plan *plan, uin
 {
 	struct flock lock = whole_file();
 	char path[RB_FOLDER_PATH_SIZE];
+	struct rb_place place;
 
-	rb_folder_path(plan, folder, index, ".log", path);
-	*descriptor = open(path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+	*descriptor = -1;
+	const enum rb_status status = rb_place_open(
+		&place, rb_folder_path(plan, folder, index, ".log", path), 0, err);
+	if (status)
+		return status;
+	*descriptor = rb_place_reach(&place, place.name, O_RDWR | O_CREAT | O_APPEND);
+	const int number = errno;
+	rb_place_release(&place);
 	if (*descriptor < 0)
-		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", path, strerror(errno));
+		return RB_FAIL(err, RB_ERR_CREATE, "cannot create '%s': %s", path,
+		               strerror(number));
 	/* a file system without locks is taken as it is */
 	if (fcntl(*descriptor, F_OFD_SETLK, &lock) != 0 && (errno == EAGAIN || errno == EACCES)) {
 		close(*descriptor);
