@@ -179,10 +179,8 @@ static void put_view(struct collect *collect, int view, bool last)
 static void put_all(struct collect *collect, const char *partial)
 {
 	struct rb_h5 *const h5 = &collect->h5;
-	const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+	const hid_t access = rb_h5_access(1);
 
-	/* what HDF5 from 1.10 on reads */
-	H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
 	h5->file = H5Fcreate(partial, H5F_ACC_EXCL, H5P_DEFAULT, access);
 	rb_h5_done(access);
 	if (h5->file < 0) {

@@ -62,6 +62,16 @@ void rb_h5_quiet(void)
 	H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
 }
 
+hid_t rb_h5_access(unsigned attempts)
+{
+	const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+
+	/* whatever version this one is */
+	H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
+	H5Pset_metadata_read_attempts(access, attempts);
+	return access;
+}
+
 void rb_h5_done(hid_t id)
 {
 	if (id >= 0)

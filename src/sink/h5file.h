@@ -50,6 +50,12 @@ typedef struct {
  * (after a failed write it could hang), no plugins.
  */
 void rb_h5_quiet(void);
+/*
+ * How files are opened and made; every one is. What other HDF5 from 1.10 on can read, and `attempts` at bytes that are
+ * damaged: 1 where nobody else writes them. Left to itself the library tries a hundred times where it writes by the rules of
+ * SWMR, after pauses twice as long each time: for ever.
+ */
+hid_t rb_h5_access(unsigned attempts);
 
 /* Closes any kind of id; nothing for a negative one. */
 void rb_h5_done(hid_t id);

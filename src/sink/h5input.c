@@ -82,6 +82,14 @@ static bool marked_shared(const struct rb_input *input)
 	       (head[11] & BEING_WRITTEN) != 0;
 }
 
+static void open_with(struct rb_input *input, const char *name, unsigned flags, unsigned attempts)
+{
+	const hid_t access = rb_h5_access(attempts);
+
+	input->file = H5Fopen(name, flags, access);
+	rb_h5_done(access);
+}
+
 enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb_error *err)
 {
 	struct stat found;
@@ -100,13 +108,10 @@ enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb
 		return status;
 
 	/* A file that was closed is read as it is; one that grows, or whose writer was killed, by the rules of SWMR. */
-	input->file = H5Fopen(name, H5F_ACC_RDONLY, H5P_DEFAULT);
+	open_with(input, name, H5F_ACC_RDONLY, 1);
 	if (input->file < 0 && marked_shared(input)) {
 		/* What is just being changed is read again, after a pause twice as long each time: not for ever. */
-		const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
-		H5Pset_metadata_read_attempts(access, READ_ATTEMPTS);
-		input->file = H5Fopen(name, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, access);
-		rb_h5_done(access);
+		open_with(input, name, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, READ_ATTEMPTS);
 		input->shared = true;
 	}
 	if (input->file < 0) {

@@ -71,13 +71,11 @@ struct rb_recorder {
 /* `alignment` 1: none. */
 static hid_t file_access(unsigned alignment)
 {
-	const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+	const hid_t access = rb_h5_access(1);
 
 	H5Pset_alignment(access, ALIGNED_FROM, alignment);
 	if (alignment > 1)
 		H5Pset_meta_block_size(access, 0);
-	/* What every HDF5 from 1.10 on can read, whatever this one is. */
-	H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
 	H5Pset_fclose_degree(access, H5F_CLOSE_STRONG);
 	return access;
 }
