@@ -200,7 +200,9 @@ struct rb_camera_def {
 	const char *file; /* where its line is; NULL: in the scene's own file */
 	int line;
 	struct rb_camera_vector position, look_at, up;
-	int mount; /* id of a body, -1: none */
+	bool framed; /* no position is given: it stands where it sees all that moves (flow/framing) */
+	bool aimed; /* look_at is given */
+	int mount;  /* id of a body, -1: none */
 	rb_vec3 offset;
 	bool level;
 	double fov; /* rad, vertical */

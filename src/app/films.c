@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/recorded.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/place.h"
@@ -15,6 +16,7 @@
 #include "control/steer.h"
 #include "flow/between.h"
 #include "flow/frame.h"
+#include "flow/framing.h"
 #include "flow/pump.h"
 #include "flow/schedule.h"
 #include "math/vec3.h"
@@ -25,7 +27,9 @@ struct film {
 	struct rb_camera_def camera; /* as wished */
 	char label[80];              /* "camera 'main'", for messages */
 	struct rb_schedule schedule;
-	uint64_t next; /* picture whose shot comes next */
+	uint64_t next;       /* picture whose shot comes next */
+	bool late;           /* made when the run has ended */
+	double from_s, to_s; /* of what a camera without a position sees */
 	struct rb_film *film;
 	struct rb_sink sink;
 	struct rb_pump *pump;
@@ -38,6 +42,7 @@ struct rb_films {
 	const struct rb_film_module *module;
 	struct film *film; /* [count] */
 	int count;
+	bool late;     /* those that are made when the run has ended are at work */
 	bool shoots;   /* some camera has functions */
 	bool has_last; /* then: `last` is the frame before */
 	struct rb_frame last;
@@ -49,6 +54,12 @@ struct rb_films {
 
 /* One slot of the ring's consumers is the recorder's. */
 enum { FILMS_MAX = RB_RING_CONSUMERS_MAX - 1, NAME_SIZE = 4352 };
+
+/* Whether a film is made now: with the run, or behind it. */
+static bool works(const struct rb_films *films, const struct film *film)
+{
+	return film->late == films->late;
+}
 
 int rb_films_count(const struct rb_films *films)
 {
@@ -67,6 +78,7 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 		.fps = NAN,
 		.speed = NAN,
 		.recording = loaded->output,
+		.runs = true,
 		.replace = options->force || options->resume,
 		.trust = options->trust,
 		.end_s = loaded->model->duration_s,
@@ -150,6 +162,10 @@ static void add(struct rb_films *films, const struct rb_camera_def *camera, int 
 
 	film->camera = *camera;
 	apply(&film->camera, wish);
+	film->late = camera->framed && wish->runs && wish->recording;
+	/* one picture shows what it would in the film */
+	film->from_s = wish->still ? camera->from_s : film->camera.from_s;
+	film->to_s = wish->still ? camera->to_s : film->camera.to_s;
 	if (camera->name)
 		snprintf(film->label, sizeof film->label, "camera '%.60s'", camera->name);
 	else
@@ -162,6 +178,16 @@ static void add(struct rb_films *films, const struct rb_camera_def *camera, int 
 		       film->label, film->schedule.from_s, wish->end_s);
 		films->count--;
 		return;
+	}
+	if (camera->framed && wish->runs && !wish->recording) {
+		char left_out[1];
+		struct rb_framing start;
+		if (rb_framing_init(&start, films->loaded->model, NULL) == RB_OK)
+			(void)rb_framing_aim(&start, &film->camera, left_out, sizeof left_out);
+		rb_framing_release(&start);
+		rb_log(RB_LOG_WARNING,
+		       "%s has no 'position', and no recording tells what moves where: it shows the start",
+		       film->label);
 	}
 	films->shoots |= rb_shot_wanted(&film->camera);
 }
@@ -361,6 +387,65 @@ enum rb_status rb_films_one_camera(struct rb_camera_def *camera, struct rb_loade
 	return status;
 }
 
+enum rb_status rb_films_frame_camera(struct rb_camera_def *camera, const struct rb_model *model,
+                                     const struct rb_hdf5_module *module, struct rb_reader *reader,
+                                     const char *label, struct rb_error *err)
+{
+	const uint64_t count = module->reader_reading(reader)->frame_count;
+	struct rb_framing framing;
+	struct rb_frame frame;
+	char left_out[160];
+	uint64_t row = 0;
+	enum rb_status status = rb_framing_init(&framing, model, err);
+
+	if (!status)
+		status = rb_recorded_row_at(module, reader, camera->from_s, &row, err);
+	for (; !status && row < count; row++) {
+		status = module->reader_frame(reader, row, &frame, err);
+		if (!status)
+			rb_framing_see(&framing, &frame);
+		if (!status && frame.time_s >= camera->to_s)
+			break;
+	}
+	if (!status && rb_framing_aim(&framing, camera, left_out, sizeof left_out) > 0)
+		rb_log(RB_LOG_WARNING, "%s leaves out what flies off: %s", label, left_out);
+	rb_framing_release(&framing);
+	return status;
+}
+
+enum rb_status rb_films_frame(struct rb_films *films, const struct rb_hdf5_module *module,
+                              struct rb_reader *reader, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int i = 0; i < rb_films_count(films) && !status; i++) {
+		struct film *const film = &films->film[i];
+		struct rb_camera_def seen = film->camera;
+		if (!film->camera.framed || !works(films, film))
+			continue;
+		seen.from_s = film->from_s;
+		seen.to_s = film->to_s;
+		status = rb_films_frame_camera(&seen, films->loaded->model, module, reader,
+		                               film->label, err);
+		film->camera.position = seen.position;
+		film->camera.look_at = seen.look_at;
+	}
+	return status;
+}
+
+bool rb_films_begin_late(struct rb_films *films)
+{
+	bool any = false;
+
+	for (int i = 0; i < rb_films_count(films); i++)
+		any |= films->film[i].late;
+	if (any)
+		films->late = true;
+	if (any)
+		films->has_last = false;
+	return any;
+}
+
 void rb_films_destroy(struct rb_films *films)
 {
 	if (!films)
@@ -380,7 +465,8 @@ unsigned rb_films_fields(const struct rb_films *films)
 	unsigned fields = 0;
 
 	for (int i = 0; i < rb_films_count(films); i++)
-		fields |= films->film[i].sink.fields;
+		if (works(films, &films->film[i]))
+			fields |= films->film[i].sink.fields;
 	if (films && films->shoots) /* handles show all of a frame */
 		fields |= RB_FIELD_POSITION | RB_FIELD_ORIENTATION | RB_FIELD_VELOCITY |
 		          RB_FIELD_ANGULAR_VELOCITY;
@@ -434,9 +520,10 @@ double rb_films_first_s(const struct rb_films *films)
 	double first_s = INFINITY;
 
 	for (int i = 0; i < rb_films_count(films); i++)
-		first_s = fmin(first_s, has_memory(&films->film[i].camera)
-		                                ? 0
-		                                : films->film[i].schedule.from_s);
+		if (works(films, &films->film[i]))
+			first_s = fmin(first_s, has_memory(&films->film[i].camera)
+			                                ? 0
+			                                : films->film[i].schedule.from_s);
 	return first_s;
 }
 
@@ -448,8 +535,9 @@ enum rb_status rb_films_start(struct rb_films *films, struct rb_ring *ring,
 	enum rb_status status = RB_OK;
 
 	for (int i = 0; i < rb_films_count(films) && !status; i++)
-		status = rb_pump_start(&films->film[i].pump, ring, &films->film[i].sink, outcome,
-		                       err);
+		if (works(films, &films->film[i]))
+			status = rb_pump_start(&films->film[i].pump, ring, &films->film[i].sink,
+			                       outcome, err);
 	return status;
 }
 
@@ -506,7 +594,7 @@ enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame, st
 	if (!films || !films->shoots)
 		return RB_OK;
 	for (int i = 0; i < films->count && !status; i++)
-		if (rb_shot_wanted(&films->film[i].camera))
+		if (rb_shot_wanted(&films->film[i].camera) && works(films, &films->film[i]))
 			status = shoot(films, i, frame, err);
 	struct rb_frame plain = *frame;
 	plain.shot_count = 0;
@@ -573,7 +661,7 @@ static enum rb_status tell_cut(const struct rb_films *films, struct rb_error *er
 	bool missing = false;
 
 	for (int i = 0; i < rb_films_count(films); i++)
-		missing |= is_cut_short(&films->film[i].tally);
+		missing |= works(films, &films->film[i]) && is_cut_short(&films->film[i].tally);
 	if (!signal || !missing)
 		return RB_OK;
 	return signal == SIGINT

@@ -27,6 +27,7 @@ struct rb_films_wish {
 	int size_px[2];
 	const char *output;    /* instead of the camera's own: a film, or pictures with one %d */
 	bool still;            /* one picture, to `output`, at from_s */
+	bool runs;             /* the run that is recorded is still to come */
 	bool fallback;         /* without a camera in the scene, one that shows the start */
 	const char *recording; /* that is written or read: no film may take its place; NULL: none */
 	bool replace;          /* existing files */
@@ -50,6 +51,24 @@ RB_CHECKED enum rb_status rb_films_one_camera(struct rb_camera_def *camera,
                                               struct rb_loaded *loaded,
                                               const struct rb_films_wish *wish,
                                               struct rb_error *err);
+/*
+ * Where a camera without a position stands: it sees what moves from one time to the other in a recording. Whom it leaves out
+ * is told.
+ */
+RB_CHECKED enum rb_status rb_films_frame_camera(struct rb_camera_def *camera,
+                                                const struct rb_model *model,
+                                                const struct rb_hdf5_module *module,
+                                                struct rb_reader *reader, const char *label,
+                                                struct rb_error *err);
+/* That of each film at work that has none. */
+RB_CHECKED enum rb_status rb_films_frame(struct rb_films *films,
+                                         const struct rb_hdf5_module *module,
+                                         struct rb_reader *reader, struct rb_error *err);
+/*
+ * Films of a run whose cameras have no position are made from its recording when it has ended: whether there are any;
+ * from then on they are those at work, all other functions know of no others.
+ */
+bool rb_films_begin_late(struct rb_films *films);
 void rb_films_destroy(struct rb_films *films); /* NULL is fine, for all below too */
 
 int rb_films_count(const struct rb_films *films);

@@ -13,6 +13,7 @@
 #include "app/sheet.h"
 #include "base/clock.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "flow/between.h"
 #include "script/camera.h"
 
@@ -22,12 +23,14 @@ enum { SLOTS = 4 };
 /* One call of the verb. */
 struct render {
 	const struct rb_options *options;
+	const char *path; /* of the recording */
 	const struct rb_hdf5_module *module;
 	struct rb_reader *reader;
 	const struct rb_reading *reading;
 	struct rb_loaded loaded;
 	double end_s; /* time of the last frame that is there */
 	struct rb_films_wish wish;
+	char *output; /* owned: the film's name where nobody names it */
 	struct rb_films *films;
 	struct rb_ring *ring;
 	struct rb_progress *progress;
@@ -125,7 +128,7 @@ static enum rb_status read_wish(struct render *render, struct rb_error *err)
 
 static enum rb_status open_recording(struct render *render, struct rb_error *err)
 {
-	const char *const path = render->options->operand[0];
+	const char *const path = render->path;
 	struct rb_frame frame;
 	enum rb_status status = rb_module_hdf5(&render->module, err);
 
@@ -150,8 +153,7 @@ static enum rb_status open_recording(struct render *render, struct rb_error *err
 		return RB_FAIL(err, RB_ERR_USAGE,
 		               "option '--from': '%s' holds frames up to %.9g s, not to %.9g s",
 		               path, render->end_s, render->wish.from_s);
-	return rb_recorded_load(&render->loaded, render->reading, path, render->options->trust,
-	                        err);
+	return RB_OK;
 }
 
 /* The time of the frame that --frame names becomes that of a film of one picture. */
@@ -240,6 +242,22 @@ static void cut_films(void *user, int signal)
 	rb_films_cut(render->films, signal);
 }
 
+/* RUN.mp4 beside RUN.h5, where no camera says where its film goes. */
+static enum rb_status name_output(struct render *render, struct rb_error *err)
+{
+	static const char end[] = ".h5", other[] = ".mp4";
+	const char *const path = render->path;
+	const size_t size = strlen(path) - (ends_with(path, end) ? strlen(end) : 0);
+
+	render->output = rb_memory_take(size + sizeof other, 1);
+	if (!render->output)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
+	memcpy(render->output, path, size);
+	memcpy(render->output + size, other, sizeof other);
+	render->wish.output = render->output;
+	return RB_OK;
+}
+
 /* The films are joined whatever happens before; the first failure is the one that is told. */
 static enum rb_status film(struct render *render, struct rb_error *err)
 {
@@ -254,16 +272,11 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	};
 	struct rb_error joined;
 
-	enum rb_status status = rb_films_create(&render->films, &render->loaded, &render->wish,
-	                                        err);
+	rb_films_tell_missing(render->loaded.model, render->path, rb_films_fields(render->films),
+	                      render->reading->fields);
+	enum rb_status status = rb_films_frame(render->films, render->module, render->reader, err);
 	if (status)
 		return status;
-	rb_films_tell_missing(render->loaded.model, options->operand[0],
-	                      rb_films_fields(render->films), render->reading->fields);
-	if (!render->films)
-		return RB_FAIL(err, RB_ERR_USAGE,
-		               "no camera of '%s' says where its film goes: give --output FILM.mp4",
-		               options->operand[0]);
 	render->wish.from_s = from_s;
 	status = rb_progress_start(&render->progress, &progress, err);
 	if (!status)
@@ -286,6 +299,22 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	return status;
 }
 
+static enum rb_status make_films(struct render *render, struct rb_error *err)
+{
+	enum rb_status status = rb_films_create(&render->films, &render->loaded, &render->wish,
+	                                        err);
+
+	if (!status && !render->films) {
+		status = name_output(render, err);
+		if (!status)
+			status = rb_films_create(&render->films, &render->loaded, &render->wish,
+			                         err);
+	}
+	if (!status && !render->films) /* it begins after the end, which is told */
+		status = RB_FAIL(err, RB_ERR_USAGE, "no camera of '%s' makes a film", render->path);
+	return status ? status : film(render, err);
+}
+
 static enum rb_status sheet(struct render *render, struct rb_error *err)
 {
 	const struct rb_camera_def *chosen;
@@ -305,6 +334,9 @@ static enum rb_status sheet(struct render *render, struct rb_error *err)
 		return status;
 	camera.to_s = fmin(camera.to_s, render->end_s);
 	camera.from_s = fmin(camera.from_s, camera.to_s);
+	if (camera.framed && rb_films_frame_camera(&camera, render->loaded.model, render->module,
+	                                           render->reader, "the camera", err))
+		return RB_ERR_INPUT;
 	return rb_sheet_make(&sheet, &render->sheet_bytes, err);
 }
 
@@ -349,6 +381,9 @@ static enum rb_status prepare(struct render *render, struct rb_error *err)
 
 	if (!status)
 		status = open_recording(render, err);
+	if (!status)
+		status = rb_recorded_load(&render->loaded, render->reading, render->path,
+		                          render->options->trust, err);
 	if (!status && render->options->frame >= 0)
 		status = aim_at_frame(render, err);
 	if (!status)
@@ -356,9 +391,31 @@ static enum rb_status prepare(struct render *render, struct rb_error *err)
 	return status;
 }
 
+enum rb_status rb_render_late(struct rb_films *films, struct rb_loaded *loaded,
+                              const struct rb_options *options, struct rb_error *err)
+{
+	struct render render = {.options = options,
+	                        .path = loaded->output,
+	                        .loaded = *loaded,
+	                        .wish = {.from_s = NAN, .to_s = NAN},
+	                        .films = films,
+	                        .outcome = {.reason = ""}};
+
+	if (!rb_films_begin_late(films))
+		return RB_OK;
+	enum rb_status status = open_recording(&render, err);
+	if (!status)
+		status = film(&render, err);
+	rb_ring_destroy(render.ring);
+	if (render.reader)
+		render.module->reader_close(render.reader);
+	return status;
+}
+
 int rb_render_main(const struct rb_options *options)
 {
-	struct render render = {.options = options, .outcome = {.reason = ""}};
+	struct render render = {
+		.options = options, .path = options->operand[0], .outcome = {.reason = ""}};
 	const uint64_t start_ns = rb_clock_now_ns();
 	struct rb_error err = {0};
 	enum rb_status status = prepare(&render, &err);
@@ -366,7 +423,7 @@ int rb_render_main(const struct rb_options *options)
 	int exit_code = 0;
 
 	if (!status)
-		status = options->contact_sheet ? sheet(&render, &err) : film(&render, &err);
+		status = options->contact_sheet ? sheet(&render, &err) : make_films(&render, &err);
 	render.wall_s = (double)(rb_clock_now_ns() - start_ns) * 1e-9;
 	if (prepared && (render.films || !status)) {
 		tell(&render, status, &err);
@@ -380,6 +437,7 @@ int rb_render_main(const struct rb_options *options)
 	rb_ring_destroy(render.ring);
 	rb_films_destroy(render.films);
 	rb_loaded_release(&render.loaded);
+	rb_memory_free(render.output);
 	if (render.reader)
 		render.module->reader_close(render.reader);
 	return rb_app_finish(options, exit_code);

@@ -10,6 +10,7 @@
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/place.h"
+#include "base/memory.h"
 #include "flow/between.h"
 #include "flow/frame.h"
 #include "sink/module.h"
@@ -274,12 +275,41 @@ static bool copy_column(double *to, const double *from, int count, int width)
 	return !to || from;
 }
 
+/* A list that is kept for the next frame of the slot. */
+static bool copy_list(void **to, int *capacity, const void *from, int count, size_t size)
+{
+	size_t room = (size_t)*capacity;
+
+	if (count == 0)
+		return true;
+	if (!rb_memory_reserve(to, &room, (size_t)count, size))
+		return false;
+	*capacity = (int)room;
+	memcpy(*to, from, (size_t)count * size);
+	return true;
+}
+
+static bool copy_lists(struct rb_frame *to, const struct rb_frame *from)
+{
+	void *events = to->events, *contacts = to->contacts;
+	const bool held = copy_list(&events, &to->event_capacity, from->events, from->event_count,
+	                            sizeof *to->events) &&
+	                  copy_list(&contacts, &to->contact_capacity, from->contacts,
+	                            from->contact_count, sizeof *to->contacts);
+
+	to->events = events;
+	to->contacts = contacts;
+	to->has_events = from->has_events;
+	to->event_count = held ? from->event_count : 0;
+	to->contact_count = held ? from->contact_count : 0;
+	return held;
+}
+
 static bool copy_frame(struct rb_frame *to, const struct rb_frame *from)
 {
 	to->index = from->index;
 	to->time_s = from->time_s;
 	to->numbers = from->numbers;
-	to->event_count = to->contact_count = 0;
 	return copy_column(to->position, from->position, to->body_count, 3) &&
 	       copy_column(to->orientation, from->orientation, to->body_count, 4) &&
 	       copy_column(to->velocity, from->velocity, to->body_count, 3) &&
@@ -291,14 +321,15 @@ static enum rb_status check_fields(const struct rb_loaded *loaded, const struct 
                                    const struct rb_reading *reading, struct rb_error *err)
 {
 	const struct rb_record_def *const record = &loaded->scene.record;
-	const unsigned wanted = rb_frame_fields(loaded->model, rb_films_fields(films)) &
-	                        (unsigned)RB_FIELD_DEFAULT;
+	const unsigned all = rb_films_fields(films);
+	const unsigned wanted = rb_frame_fields(loaded->model, all) & (unsigned)RB_FIELD_DEFAULT;
 
 	if (wanted & ~reading->fields)
 		return RB_FAIL(
 			err, RB_ERR_USAGE,
 			"option '--resume': '%s' does not hold what its films show, so they can't be made again up to the checkpoint (--no-render goes on without them)",
 			loaded->output);
+	rb_films_tell_missing(loaded->model, loaded->output, all, reading->fields);
 	if (record->every > 1 || record->single_precision)
 		rb_log(RB_LOG_WARNING,
 		       "films begin again from the recording, which has %s: up to the checkpoint "
@@ -322,6 +353,8 @@ static enum rb_status feed(const struct rb_hdf5_module *module, struct rb_reader
 	if (!status && !copy_frame(slot, &frame))
 		status = RB_FAIL(err, RB_ERR_INPUT, "the recording lacks a column of frame %llu",
 		                 (unsigned long long)frame.index);
+	if (!status && !copy_lists(slot, &frame))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the events of a frame");
 	if (!status)
 		status = rb_films_shoot(films, slot, err);
 	if (!status)

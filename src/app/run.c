@@ -9,6 +9,7 @@
 #include "app/json.h"
 #include "app/listen.h"
 #include "app/progress.h"
+#include "app/render.h"
 #include "app/simulate.h"
 #include "app/summary.h"
 #include "base/memory.h"
@@ -157,6 +158,22 @@ static struct rb_simulate_parts parts_of(struct attempt *attempt, struct rb_list
 		.again = attempt->resume.kind == RB_RESUME_AGAIN};
 }
 
+/* Of a run that was not broken off, as far as it has come. */
+static void make_late_films(struct attempt *attempt, const struct rb_options *options)
+{
+	struct rb_run_result *const result = &attempt->result;
+	struct rb_error err;
+
+	if (result->frames == 0 || (result->status && result->status != RB_ERR_PHYSICS))
+		return;
+	const enum rb_status status = rb_render_late(attempt->films, attempt->loaded, options,
+	                                             &err);
+	if (status && !result->film_status) {
+		result->film_status = status;
+		result->film_error = err;
+	}
+}
+
 int rb_run_main(const struct rb_options *options)
 {
 	struct attempt attempt = {.loaded = rb_memory_take(1, sizeof *attempt.loaded)};
@@ -183,6 +200,8 @@ int rb_run_main(const struct rb_options *options)
 		wanted = rb_listen_options(listen);
 	}
 	rb_listen_destroy(listen);
+	if (!status && !done)
+		make_late_films(&attempt, wanted);
 	exit_code = status ? rb_app_refuse_scene(options, attempt.loaded, &err)
 	            : done ? tell_done(attempt.loaded, options)
 	                   : report(&attempt.result, attempt.loaded, options, &attempt.info,

@@ -39,6 +39,7 @@ struct rb_camera_def rb_steer_default(const struct rb_model *model)
 	if (last > first)
 		camera.look_at.value = rb_vec3_scale(0.5, rb_vec3_add(low, high));
 	camera.position.value = rb_vec3_add_scaled(camera.look_at.value, distance, side);
+	camera.framed = true;
 	return camera;
 }
 

@@ -145,6 +145,7 @@ static enum rb_status decorate(struct rb_looks *looks, struct rb_look *look,
 	const char *texture = body->texture ? body->texture : material->texture;
 
 	look->image = -1;
+	look->plain = !texture;
 	if (!texture)
 		return RB_OK;
 	for (size_t k = 0; k < sizeof patterns / sizeof patterns[0]; k++)
@@ -180,6 +181,14 @@ enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *mode
 	if (status != RB_OK)
 		rb_looks_release(looks);
 	return status;
+}
+
+void rb_looks_show_motion(struct rb_looks *looks, const struct rb_model *model)
+{
+	for (int i = model->body_count; i < model->body_count + model->static_count; i++)
+		if (looks->of[i].plain && (model->shape[i].kind == RB_SHAPE_PLANE ||
+		                           model->shape[i].kind == RB_SHAPE_RECTANGLE))
+			looks->of[i].pattern = RB_PATTERN_CHECKER;
 }
 
 void rb_looks_release(struct rb_looks *looks)

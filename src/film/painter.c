@@ -80,6 +80,8 @@ static enum rb_status make(struct rb_painter *painter, struct rb_error *err)
 	enum rb_status status = rb_pixmap_init(&painter->picture, width, height, err);
 	if (status == RB_OK)
 		status = rb_looks_make(&painter->looks, painter->model, err);
+	if (status == RB_OK && camera->framed)
+		rb_looks_show_motion(&painter->looks, painter->model);
 	if (status == RB_OK)
 		status = rb_canvas_create(
 			&painter->canvas, width, height,

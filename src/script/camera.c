@@ -138,6 +138,8 @@ static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 		rb_call_mistake(call, "'level' goes with 'mount'");
 	if (mounted && rb_call_tried(call, "position"))
 		rb_call_mistake(call, "'mount' and 'position' exclude each other (use 'offset')");
+	def->framed = !mounted && !rb_call_tried(call, "position");
+	def->aimed = rb_call_given(call, "look_at");
 	def->has_frustum = rb_call_given(call, "frustum");
 	if (def->has_frustum) {
 		const double *f = def->frustum;
@@ -158,7 +160,7 @@ static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 		                def->from_s, def->to_s);
 	const rb_vec3 up = def->up.value;
 	if (def->position.source == RB_CAMERA_FIXED && def->look_at.source == RB_CAMERA_FIXED &&
-	    !mounted) {
+	    !mounted && !def->framed) {
 		const rb_vec3 sight = rb_vec3_sub(def->look_at.value, def->position.value);
 		const double length = rb_vec3_length(sight);
 		if (!(length > 0))

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: MIT */
+#include "flow/framing.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "math/vec3.h"
+
+/* Where a body has been, with its whole size. */
+struct rb_reach {
+	rb_vec3 low, high;
+	rb_vec3 last;            /* its origin */
+	double away_m, before_m; /* from the middle of all, in the last frame and at most before */
+	bool leaves, visible;
+};
+
+/* A picture shows its bodies where a typical one is so many pixels wide. */
+static const double pixels_least = 2;
+/* What is left free of a picture's half at its edges. */
+static const double margin = 0.1;
+
+static rb_vec3 least(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
+
+static rb_vec3 most(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+/* Bodies without end, planes, reach nowhere. */
+static void grow(struct rb_reach *reach, rb_vec3 at, double radius)
+{
+	const rb_vec3 r = {radius, radius, radius};
+
+	reach->low = least(reach->low, rb_vec3_sub(at, r));
+	reach->high = most(reach->high, rb_vec3_add(at, r));
+}
+
+enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model *model,
+                               struct rb_error *err)
+{
+	const bool moves = model->body_count > 0;
+	const rb_vec3 end = {INFINITY, INFINITY, INFINITY};
+	rb_vec3 low = end, high = rb_vec3_neg(end);
+
+	*framing = (struct rb_framing){.model = model,
+	                               .count = moves ? model->body_count : model->static_count};
+	framing->reach = rb_memory_take((size_t)framing->count + 1, sizeof *framing->reach);
+	if (!framing->reach)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot look for %d bodies: out of memory",
+		               framing->count);
+	for (int i = 0; i < framing->count; i++) {
+		struct rb_reach *const reach = &framing->reach[i];
+		*reach = (struct rb_reach){
+			.low = end,
+			.high = rb_vec3_neg(end),
+			.last = model->position[i],
+			.visible = model->scene->bodies[model->id_of[i]].visible};
+		grow(reach, model->position[i], rb_model_reach(model, i));
+		if (reach->visible) {
+			low = least(low, reach->low);
+			high = most(high, reach->high);
+		}
+	}
+	if (low.x <= high.x)
+		framing->middle = rb_vec3_scale(0.5, rb_vec3_add(low, high));
+	return RB_OK;
+}
+
+void rb_framing_release(struct rb_framing *framing)
+{
+	rb_memory_free(framing->reach);
+	*framing = (struct rb_framing){0};
+}
+
+void rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
+{
+	for (int i = 0; frame->position && i < framing->count && i < frame->body_count; i++) {
+		struct rb_reach *const reach = &framing->reach[i];
+		const rb_vec3 at = rb_vec3_from(frame->position + 3 * (size_t)i);
+		if (!rb_vec3_finite(at))
+			continue;
+		grow(reach, at, rb_model_reach(framing->model, i));
+		reach->before_m = fmax(reach->before_m, reach->away_m);
+		reach->away_m = rb_vec3_length(rb_vec3_sub(at, framing->middle));
+		reach->leaves = reach->away_m > reach->before_m;
+		reach->last = at;
+	}
+}
+
+/* A camera's axes and how much of a metre at a metre's distance is in its picture. */
+struct sight {
+	rb_vec3 right, up, back;
+	double across, upright;
+	double wide; /* 1, or how much larger all is taken to be where the sight turns */
+};
+
+static struct sight sight_of(const struct rb_camera_def *camera)
+{
+	const bool fixed = camera->look_at.source == RB_CAMERA_FIXED &&
+	                   camera->up.source == RB_CAMERA_FIXED;
+	const rb_vec3 vertical = camera->up.source == RB_CAMERA_FIXED ? camera->up.value
+	                                                              : (rb_vec3){0, 0, 1};
+	struct sight sight = {.wide = fixed ? 1 : 2};
+
+	sight.back = rb_vec3_unit(rb_camera_def_default().position.value, (rb_vec3){0, -1, 0});
+	sight.right = rb_vec3_unit(rb_vec3_cross(vertical, sight.back), rb_vec3_across(sight.back));
+	sight.up = rb_vec3_cross(sight.back, sight.right);
+	if (camera->has_frustum) {
+		const double *const f = camera->frustum;
+		/* beside its axis nothing can be placed for it */
+		sight.across = (f[0] < 0 && f[1] > 0 ? fmin(-f[0], f[1]) : f[1] - f[0]) / f[4];
+		sight.upright = (f[2] < 0 && f[3] > 0 ? fmin(-f[2], f[3]) : f[3] - f[2]) / f[4];
+	} else {
+		sight.upright = tan(0.5 * camera->fov);
+		sight.across = sight.upright * camera->size_px[0] / camera->size_px[1];
+	}
+	sight.across *= 1 - margin;
+	sight.upright *= 1 - margin;
+	return sight;
+}
+
+/* How far from `target` the eye must be to see the corners of a box. */
+static double distance_of(const struct sight *sight, rb_vec3 low, rb_vec3 high, rb_vec3 target)
+{
+	double distance = 0;
+
+	for (int k = 0; k < 8; k++) {
+		const rb_vec3 corner = {k & 1 ? high.x : low.x, k & 2 ? high.y : low.y,
+		                        k & 4 ? high.z : low.z};
+		const rb_vec3 arm = rb_vec3_scale(sight->wide, rb_vec3_sub(corner, target));
+		const double sideways = fmax(fabs(rb_vec3_dot(arm, sight->right)) / sight->across,
+		                             fabs(rb_vec3_dot(arm, sight->up)) / sight->upright);
+		distance = fmax(distance, rb_vec3_dot(arm, sight->back) + sideways);
+	}
+	return distance;
+}
+
+static int by_distance(const void *left, const void *right)
+{
+	const struct rb_reach *const x = *(const struct rb_reach *const *)left;
+	const struct rb_reach *const y = *(const struct rb_reach *const *)right;
+
+	if (x->leaves != y->leaves)
+		return x->leaves ? 1 : -1;
+	if (x->away_m != y->away_m)
+		return x->away_m < y->away_m ? -1 : 1;
+	return x < y ? -1 : x > y;
+}
+
+static void name(const struct rb_framing *framing, const struct rb_reach *reach, int place,
+                 char *text, size_t size)
+{
+	const int id = framing->model->id_of[reach - framing->reach];
+	const char *const own = framing->model->scene->bodies[id].name;
+	const size_t used = strlen(text);
+
+	if (used >= size)
+		return;
+	if (own)
+		snprintf(text + used, size - used, "%s'%.60s'", place > 0 ? ", " : "", own);
+	else
+		snprintf(text + used, size - used, "%s#%d", place > 0 ? ", " : "", id);
+}
+
+int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camera, char *text,
+                   size_t size)
+{
+	const struct sight sight = sight_of(camera);
+	const struct rb_reach **const order = rb_memory_take((size_t)framing->count + 1,
+	                                                     sizeof *order);
+	const double typical_m = 2 * framing->model->size_mean_m;
+	const rb_vec3 end = {INFINITY, INFINITY, INFINITY};
+	const bool looks = camera->look_at.source == RB_CAMERA_FIXED && camera->aimed;
+	rb_vec3 low = end, high = rb_vec3_neg(end), target = camera->look_at.value;
+	double distance = 0;
+	int count = 0, taken = 0, left_out = 0;
+
+	*text = '\0';
+	for (int i = 0; order && i < framing->count; i++)
+		if (framing->reach[i].visible && isfinite(framing->reach[i].high.x))
+			order[count++] = &framing->reach[i];
+	if (count > 0)
+		qsort(order, (size_t)count, sizeof *order, by_distance);
+	const bool some_stay = count > 0 && !order[0]->leaves;
+	for (; taken < count; taken++) {
+		const rb_vec3 wider_low = least(low, order[taken]->low);
+		const rb_vec3 wider_high = most(high, order[taken]->high);
+		const rb_vec3 middle = looks ? target
+		                             : rb_vec3_scale(0.5,
+		                                             rb_vec3_add(wider_low, wider_high));
+		const double wider = distance_of(&sight, wider_low, wider_high, middle);
+		const double pixel_m = 2 * wider * sight.upright / camera->size_px[1];
+		if (some_stay && order[taken]->leaves && typical_m < pixels_least * pixel_m)
+			break;
+		low = wider_low;
+		high = wider_high;
+		target = middle;
+		distance = wider;
+	}
+	for (int k = taken; k < count; k++, left_out++)
+		if (left_out < 3)
+			name(framing, order[k], left_out, text, size);
+	if (left_out > 3 && strlen(text) < size)
+		snprintf(text + strlen(text), size - strlen(text), " and %d more", left_out - 3);
+	rb_memory_free(order);
+	if (camera->look_at.source == RB_CAMERA_FIXED)
+		camera->look_at.value = target;
+	camera->position.source = RB_CAMERA_FIXED;
+	camera->position.value = rb_vec3_add_scaled(target, distance > 0 ? distance : 1,
+	                                            sight.back);
+	return left_out;
+}
