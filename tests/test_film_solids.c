@@ -508,6 +508,81 @@ static void meshes_are_closed_and_look_outwards(void **state)
 	studio_close(&studio);
 }
 
+enum { CLIPS = 5, WAYS = 4 };
+
+/* Every shape in a row, at 2.5 m from each other along x. */
+static void add_every_shape(struct studio *studio)
+{
+	for (int kind = 0; kind < RB_SHAPE_KIND_COUNT; kind++) {
+		const rb_vec3 at = {2.5 * (kind - 3.5), 0, 0};
+		if (kind == RB_SHAPE_PLANE) { /* below all */
+			lab_plane(&studio->lab, (rb_vec3){0, 0, -2}, (rb_vec3){0, 0, 1});
+		} else if (kind == RB_SHAPE_RECTANGLE) {
+			lab_rectangle(&studio->lab, at, (rb_vec3){0, -1, 0}, 1, 1);
+		} else if (kind == RB_SHAPE_UNION) {
+			struct rb_solid_part part = {.shape = shape_of(studio, RB_SHAPE_BOX),
+			                             .orientation = rb_quat_identity,
+			                             .share = 1};
+			struct rb_shape shape = {.kind = RB_SHAPE_UNION};
+			assert_int_equal(rb_scene_add_union(&studio->lab.scene, &part, 1,
+			                                    &shape.solid, &studio->err),
+			                 RB_OK);
+			const struct rb_body_def def = solid_def(shape, at, (rb_vec3){0, 0, 0});
+			lab_add(&studio->lab, &def);
+		} else {
+			studio_solid(studio, (enum rb_shape_kind)kind, at, (rb_vec3){0, 0, 0});
+		}
+	}
+}
+
+static void clip(struct rb_camera_def *camera, int kind, bool frustum)
+{
+	const double near = 5, far = 50, slope = 0.4;
+
+	if (kind & 1)
+		camera->near = near;
+	if (kind & 2)
+		camera->far = far;
+	if (!frustum)
+		return;
+	camera->has_frustum = true;
+	const double edges[6] = {-slope * near, slope * near, -slope * near,
+	                         slope * near,  near,         far};
+	memcpy(camera->frustum, edges, sizeof edges);
+}
+
+/* Something of each is drawn, by both styles, both projections, cut off near or far or not, from one sample to many. */
+static void every_style_projection_clip_and_number_of_samples_draws_every_shape(void **state)
+{
+	static const int samples[WAYS] = {1, 2, 4, 16};
+
+	(void)state;
+	for (int way = 0; way < 2 * CLIPS * WAYS; way++) {
+		struct studio studio;
+		studio_open(&studio);
+		studio.camera.wireframe = way % 2 == 1;
+		studio.camera.samples = samples[way / (2 * CLIPS)];
+		clip(&studio.camera, way / 2 % CLIPS, way / 2 % CLIPS == CLIPS - 1);
+		memcpy(studio.camera.background, paper, sizeof paper);
+		studio.camera.position.value = (rb_vec3){0, -30, 1};
+		studio.camera.look_at.value = (rb_vec3){0, 0, 0};
+		add_every_shape(&studio);
+		studio_seal(&studio);
+		studio_draw(&studio);
+		for (int kind = 0; kind < RB_SHAPE_KIND_COUNT; kind++) {
+			const rb_vec3 at = {2.5 * (kind - 3.5), 0, kind == RB_SHAPE_PLANE ? -2 : 0};
+			int drawn = 0;
+			for (int k = 0; k < 21 * 21; k++) {
+				const rb_vec3 near_it = {at.x + 0.1 * (k % 21 - 10), at.y,
+				                         at.z + 0.1 * (k / 21 - 10)};
+				drawn += pixel_of(&studio, near_it)[1] < 250;
+			}
+			assert_true(drawn > 0);
+		}
+		studio_close(&studio);
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -522,6 +597,8 @@ int main(void)
 		cmocka_unit_test(millimetres_and_kilometres_look_the_same),
 		cmocka_unit_test(a_camera_may_be_next_to_a_solid_but_not_within),
 		cmocka_unit_test(wires_run_along_edges_and_outlines),
+		cmocka_unit_test(
+			every_style_projection_clip_and_number_of_samples_draws_every_shape),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

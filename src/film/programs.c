@@ -91,13 +91,14 @@ static enum rb_status make_ball(const struct rb_programs *programs, struct rb_ba
 		say_samples(samples, sizeof samples, programs->canvas);
 	snprintf(defines, sizeof defines,
 	         "#define PATTERN %d\n#define GLOSS\n#define CORNERS %d\n#define TEXEL %.9f\n"
-	         "%s%s%s%s%s%s%s",
+	         "%s%s%s%s%s%s%s%s",
 	         (int)kind.pattern,
 	         kind.rim ? sizes[kind.size].ring_corners : sizes[kind.size].corners,
 	         1.0 / RB_SHADOW_SIDE, programs->cut ? "#define CLIP\n" : "",
 	         kind.rim ? "" : sizes[kind.size].filter, programs->soft ? "#define SOFT\n" : "",
-	         kind.rim ? "#define RIM\n" : "", kind.exact ? "#define EXACT\n" : "", lights,
-	         samples);
+	         kind.rim ? "#define RIM\n" : "", kind.exact ? "#define EXACT\n" : "",
+	         /* rims are cut off at near and far too, though they have no depth of their own */
+	         kind.exact || programs->cut ? "#define DEEP\n" : "", lights, samples);
 	const struct rb_glsl_parts parts = {
 		.name = "sphere",
 		.defines = defines,

@@ -147,7 +147,7 @@ const char rb_shader_sphere_vertex[] =
 	"flat out vec4 body;\n"   /* colour, radius */
 	"flat out vec4 spin;\n"   /* world to object coordinates */
 	"CARRY(out)\n"
-	"#ifdef EXACT\n"
+	"#ifdef DEEP\n"
 	"flat out vec4 sent_depth, sent_back;\n"
 	"#endif\n"
 	"void main()\n"
@@ -172,6 +172,8 @@ const char rb_shader_sphere_vertex[] =
 	"	gl_Position = projection * vec4(ball.xyz + ball.w * q, 1.0);\n"
 	"#ifdef EXACT\n"
 	"	gl_Position.z = 0.5 * gl_Position.w;\n" /* never cut off: fragments have their own depth */
+	"#endif\n"
+	"#ifdef DEEP\n"
 	"	sent_depth = depth;\n"
 	"	sent_back = axes[2];\n"
 	"#endif\n"
@@ -181,7 +183,7 @@ const char rb_shader_sphere_vertex[] =
 const char rb_shader_sphere_fragment[] =
 	"in vec3 ray;\n"
 	"flat in vec4 centre, body, spin;\n"
-	"#ifdef EXACT\n"
+	"#ifdef DEEP\n"
 	"flat in vec4 sent_depth, sent_back;\n"
 	"#endif\n"
 	"out vec4 result;\n"
@@ -233,8 +235,10 @@ const char rb_shader_sphere_fragment[] =
 	"#endif\n"
 	"	vec3 N = e - sqrt(max(1.0 - h2, 0.0)) * u;\n"
 	"	vec3 P = (centre.xyz + N) * body.w;\n"
-	"#ifdef EXACT\n"
+	"#ifdef DEEP\n"
 	"	float far = -dot(P, sent_back.xyz);\n"
+	"#endif\n"
+	"#ifdef EXACT\n"
 	"	gl_FragDepth = sent_depth.x + sent_depth.y / far;\n"
 	"#endif\n"
 	"#ifdef CLIP\n"
