@@ -108,6 +108,7 @@ static void cameras_have_names_or_are_moved(void **state)
 	assert_near(right("camera zoom 2").number, 2, 0);
 	assert_int_equal(right("camera mount ball").action, RB_CAMERA_MOUNT);
 	assert_string_equal(right("camera mount").text, "");
+	assert_int_equal(right("camera all").action, RB_CAMERA_ALL);
 	assert_string_equal(right("camera main").text, "main");
 	/* a camera may be called as an action is, in quotes */
 	assert_int_equal(right("camera \"move\"").action, RB_CAMERA_NAMED);

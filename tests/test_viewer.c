@@ -211,6 +211,42 @@ static void a_camera_is_moved_as_it_is_told(void **state)
 	leave(&seat);
 }
 
+/* Whether the body with this id is in the middle square of a picture. */
+static bool is_seen(const struct seat *seat, int id)
+{
+	const struct rb_viewer *const viewer = seat->viewer;
+	const struct rb_stand stand = rb_viewer_stand(viewer);
+	const rb_vec3 arm = rb_vec3_sub(rb_steer_body(viewer->options.model, &viewer->frame, id),
+	                                stand.eye);
+	const double most = -rb_vec3_dot(arm, stand.back) * tan(0.5 * viewer->camera.fov);
+
+	return fabs(rb_vec3_dot(arm, stand.right)) < most &&
+	       fabs(rb_vec3_dot(arm, stand.up)) < most;
+}
+
+/* Until it is moved by hand, and again when all is to be shown. */
+static void a_camera_without_a_position_keeps_all_that_moves_in_the_picture(void **state)
+{
+	struct seat seat = {0};
+
+	(void)state;
+	sit_down(&seat, true);
+	for (uint64_t k = 1; k < 40; k++) {
+		keep_frame(&seat.host, k);
+		tick(&seat, picture_ns);
+		assert_true(is_seen(&seat, 0));
+		if (k == 20) {
+			assert_int_equal(rb_order(seat.viewer, "camera zoom 50", seat.now_ns),
+			                 RB_OK);
+			assert_false(is_seen(&seat, 0));
+			assert_int_equal(rb_order(seat.viewer, "camera all", seat.now_ns), RB_OK);
+			assert_true(is_seen(&seat, 0));
+		}
+	}
+	assert_int_equal(rb_order(seat.viewer, "camera all of it", seat.now_ns), RB_ERR_USAGE);
+	leave(&seat);
+}
+
 static void only_what_is_new_is_counted_as_drawn(void **state)
 {
 	struct seat seat = {0};
@@ -232,6 +268,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_live_view_has_the_newest_frame_in_each_picture),
+		cmocka_unit_test(a_camera_without_a_position_keeps_all_that_moves_in_the_picture),
 		cmocka_unit_test(a_look_tells_whether_there_is_anything_new),
 		cmocka_unit_test(a_view_that_waits_for_the_run_shows_its_next_frame_at_once),
 		cmocka_unit_test(after_a_wait_time_goes_on_from_the_frame_that_came),

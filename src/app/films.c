@@ -403,7 +403,7 @@ enum rb_status rb_films_frame_camera(struct rb_camera_def *camera, const struct 
 	for (; !status && row < count; row++) {
 		status = module->reader_frame(reader, row, &frame, err);
 		if (!status)
-			rb_framing_see(&framing, &frame);
+			(void)rb_framing_see(&framing, &frame);
 		if (!status && frame.time_s >= camera->to_s)
 			break;
 	}

@@ -31,10 +31,10 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 		"show the frame with a collision before this one"},
 	[RB_COMMAND_FOLLOW] = {"follow", "[BODY]", RB_NEEDS_VIEW,
 		"keep a body in the middle of the picture; without a name, none"},
-	[RB_COMMAND_CAMERA] = {"camera", "NAME|move X Y Z|orbit DEGREES DEGREES|zoom FACTOR|mount [BODY]",
+	[RB_COMMAND_CAMERA] = {"camera", "NAME|move X Y Z|orbit DEGREES DEGREES|zoom FACTOR|mount [BODY]|all",
 		RB_NEEDS_VIEW,
 		"take a camera of the scene; move it to the right, up and forward (m); turn it around what it looks at and "
-		"over it; bring it nearer; put it on a body"},
+		"over it; bring it nearer; put it on a body; put it where it sees all that moves"},
 	[RB_COMMAND_SNAPSHOT] = {"snapshot", "[FILE]", RB_NEEDS_VIEW, "write a picture of this frame"},
 	[RB_COMMAND_FILM] = {"film", "on|off", RB_NEEDS_RUN, "draw the pictures of the run's films, or leave them out"},
 	[RB_COMMAND_CHECKPOINT] = {"checkpoint", "", RB_NEEDS_RUN, "write a checkpoint beside the recording, from which --resume goes on"},
@@ -330,8 +330,13 @@ static enum rb_status take_camera(struct parse *parse)
 		*action = RB_CAMERA_MOUNT;
 		return take_text(parse, 2, false, "the name of a body");
 	}
+	if (is_word(parse, 1, "all")) {
+		*action = RB_CAMERA_ALL;
+		return at_most(parse, 2);
+	}
 	*action = RB_CAMERA_NAMED;
-	return take_text(parse, 1, true, "the name of a camera, or move, orbit, zoom or mount");
+	return take_text(parse, 1, true,
+	                 "the name of a camera, or move, orbit, zoom, mount or all");
 }
 
 static enum rb_status take_set(struct parse *parse)
@@ -451,7 +456,7 @@ static const char *const *fixed_words(enum rb_command_kind kind, int place)
 	static const char *const at[] = {"at", NULL}, *const collision[] = {"collision", NULL},
 				 *const on_off[] = {"on", "off", NULL},
 				 *const view[] = {"pause", "play", NULL},
-				 *const camera[] = {"move", "orbit", "zoom", "mount", NULL};
+				 *const camera[] = {"move", "orbit", "zoom", "mount", "all", NULL};
 
 	switch (kind) {
 	case RB_COMMAND_STOP:

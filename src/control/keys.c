@@ -28,6 +28,7 @@ const struct rb_key_row rb_key_rows[] = {
 	{'b', "b", RB_KEY_TYPES, "body ", "look at a body by its name"},
 	{'f', "f", RB_KEY_FOLLOWS, "", "keep the body that is looked at in the middle, or none"},
 	{'v', "v", RB_KEY_CAMERA, "", "the next camera of the scene"},
+	{'a', "a", RB_KEY_RUNS, "camera all", "show all that moves, over the whole time"},
 	{'+', "+", RB_KEY_RUNS, "camera zoom 1.25", "nearer"},
 	{'-', "-", RB_KEY_RUNS, "camera zoom 0.8", "farther away"},
 	{'h', "h", RB_KEY_RUNS, "camera orbit -10 0", "around what the camera looks at, to the left"},

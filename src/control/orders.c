@@ -367,6 +367,9 @@ static enum rb_status execute_camera(const struct order *order)
 	switch (command->action) {
 	case RB_CAMERA_NAMED:
 		return name_camera(order);
+	case RB_CAMERA_ALL:
+		rb_viewer_show_all(viewer);
+		return RB_OK;
 	case RB_CAMERA_MOVE:
 		rb_steer_move(&viewer->camera, &stand, rb_vec3_from(command->vector));
 		break;

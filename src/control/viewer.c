@@ -53,6 +53,19 @@ void rb_viewer_aim(struct rb_viewer *viewer)
 	rb_viewer_take_camera(viewer, -1);
 }
 
+/* Whatever the shape of the screen's picture, which is known to others and seldom higher than wide. */
+static void frame_all(struct rb_viewer *viewer)
+{
+	struct rb_camera_def *const camera = &viewer->camera;
+	struct rb_camera_def square = *camera;
+	char left_out[160];
+
+	square.size_px[0] = square.size_px[1];
+	(void)rb_framing_aim(&viewer->framing, &square, left_out, sizeof left_out);
+	camera->position = square.position;
+	camera->look_at = square.look_at;
+}
+
 void rb_viewer_take_camera(struct rb_viewer *viewer, int number)
 {
 	const struct rb_scene *const scene = viewer->options.model->scene;
@@ -63,6 +76,43 @@ void rb_viewer_take_camera(struct rb_viewer *viewer, int number)
 	viewer->camera_name = given && viewer->camera.name ? viewer->camera.name : "";
 	viewer->camera_moved = false;
 	viewer->followed = -1;
+	if (viewer->camera.framed && viewer->has_frame)
+		frame_all(viewer);
+	rb_viewer_aim(viewer);
+}
+
+/* Frames of a recording that are looked through to find where everything goes. */
+enum { LOOKED_THROUGH = 256 };
+
+/* A recording tells at once where everything goes; of a run it is known as it comes. */
+static void look_through(struct rb_viewer *viewer)
+{
+	struct rb_source *const source = viewer->options.source;
+	const struct rb_source_status *const status = rb_source_status(source);
+	const uint64_t count = status->is_run ? 0 : status->row_count;
+	const uint64_t step = 1 + count / LOOKED_THROUGH;
+	const struct rb_frame *frame;
+	uint64_t found;
+
+	for (uint64_t row = 0; row < count;
+	     row = row + 1 < count && row + step >= count ? count - 1 : row + step)
+		if (rb_source_frame(source, row, &frame, &found, NULL) == RB_OK)
+			(void)rb_framing_see(&viewer->framing, frame);
+}
+
+void rb_viewer_show_all(struct rb_viewer *viewer)
+{
+	struct rb_camera_def *const camera = &viewer->camera;
+
+	camera->mount = -1;
+	camera->framed = true;
+	camera->aimed = false;
+	camera->look_at.source = camera->up.source = RB_CAMERA_FIXED;
+	camera->up.value = rb_camera_def_default().up.value;
+	viewer->camera_moved = false;
+	viewer->followed = -1;
+	look_through(viewer);
+	frame_all(viewer);
 	rb_viewer_aim(viewer);
 }
 
@@ -82,6 +132,12 @@ enum rb_status rb_viewer_create(struct rb_viewer **viewer, const struct rb_viewe
 	v->stops = options->model->scene->world.pause_on_collision;
 	v->inspected = v->followed = -1;
 	v->restarts = rb_source_status(options->source)->restarts;
+	const enum rb_status status = rb_framing_init(&v->framing, options->model, err);
+	if (status) {
+		rb_viewer_destroy(v);
+		*viewer = NULL;
+		return status;
+	}
 	rb_viewer_take_camera(v, 0);
 	rb_viewer_pace(v, now_ns);
 	return RB_OK;
@@ -92,6 +148,7 @@ void rb_viewer_destroy(struct rb_viewer *viewer)
 	if (!viewer)
 		return;
 	rb_frame_release(&viewer->frame);
+	rb_framing_release(&viewer->framing);
 	rb_memory_free(viewer);
 }
 
@@ -129,8 +186,17 @@ static void fetch(struct rb_viewer *viewer, uint64_t row)
 		rb_viewer_say(viewer, "%s", err.text);
 		return;
 	}
+	const bool first = !viewer->has_frame, framed = viewer->camera.framed;
 	viewer->row = found;
 	viewer->has_frame = true;
+	if (first && framed)
+		look_through(viewer);
+	if (rb_framing_see(&viewer->framing, &viewer->frame) || first)
+		viewer->reframes = true;
+	if (viewer->reframes && framed && !viewer->camera_moved) {
+		frame_all(viewer);
+		viewer->reframes = false;
+	}
 	rb_viewer_aim(viewer);
 }
 

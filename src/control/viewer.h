@@ -14,6 +14,7 @@
 #include "control/pace.h"
 #include "control/source.h"
 #include "control/steer.h"
+#include "flow/framing.h"
 
 struct rb_script;
 
@@ -71,6 +72,8 @@ struct rb_viewer {
 	bool camera_moved;       /* by hand */
 	struct rb_frame_shot shot;
 	bool has_shot;
+	bool reframes;             /* something went where nothing was, since it was placed */
+	struct rb_framing framing; /* of what was seen so far, for a camera without a position */
 	int inspected, followed; /* ids, -1: none */
 
 	/* what is said: line n in [n % RB_VIEWER_LOG_LINES] */
@@ -102,6 +105,8 @@ void rb_viewer_go(struct rb_viewer *viewer, uint64_t row, uint64_t now_ns);
 void rb_viewer_pace(struct rb_viewer *viewer, uint64_t now_ns);
 /* The number-th camera of the scene, -1: one that shows the start. */
 void rb_viewer_take_camera(struct rb_viewer *viewer, int number);
+/* The camera goes where it sees all that moves: in the whole recording, or in what was seen of a run. */
+void rb_viewer_show_all(struct rb_viewer *viewer);
 struct rb_stand rb_viewer_stand(const struct rb_viewer *viewer);
 /* Where the frame's camera stands, for one with functions; and something is to be drawn. */
 void rb_viewer_aim(struct rb_viewer *viewer);

@@ -34,12 +34,18 @@ static rb_vec3 most(rb_vec3 a, rb_vec3 b)
 }
 
 /* Bodies without end, planes, reach nowhere. */
-static void grow(struct rb_reach *reach, rb_vec3 at, double radius)
+static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 {
 	const rb_vec3 r = {radius, radius, radius};
+	const rb_vec3 low = least(reach->low, rb_vec3_sub(at, r));
+	const rb_vec3 high = most(reach->high, rb_vec3_add(at, r));
+	const bool more = low.x < reach->low.x || low.y < reach->low.y || low.z < reach->low.z ||
+	                  high.x > reach->high.x || high.y > reach->high.y ||
+	                  high.z > reach->high.z;
 
-	reach->low = least(reach->low, rb_vec3_sub(at, r));
-	reach->high = most(reach->high, rb_vec3_add(at, r));
+	reach->low = low;
+	reach->high = high;
+	return more;
 }
 
 enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model *model,
@@ -62,7 +68,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 			.high = rb_vec3_neg(end),
 			.last = model->position[i],
 			.visible = model->scene->bodies[model->id_of[i]].visible};
-		grow(reach, model->position[i], rb_model_reach(model, i));
+		(void)grow(reach, model->position[i], rb_model_reach(model, i));
 		if (reach->visible) {
 			low = least(low, reach->low);
 			high = most(high, reach->high);
@@ -79,19 +85,22 @@ void rb_framing_release(struct rb_framing *framing)
 	*framing = (struct rb_framing){0};
 }
 
-void rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
+bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 {
+	bool more = false;
+
 	for (int i = 0; frame->position && i < framing->count && i < frame->body_count; i++) {
 		struct rb_reach *const reach = &framing->reach[i];
 		const rb_vec3 at = rb_vec3_from(frame->position + 3 * (size_t)i);
 		if (!rb_vec3_finite(at))
 			continue;
-		grow(reach, at, rb_model_reach(framing->model, i));
+		more |= grow(reach, at, rb_model_reach(framing->model, i));
 		reach->before_m = fmax(reach->before_m, reach->away_m);
 		reach->away_m = rb_vec3_length(rb_vec3_sub(at, framing->middle));
 		reach->leaves = reach->away_m > reach->before_m;
 		reach->last = at;
 	}
+	return more;
 }
 
 /* A camera's axes and how much of a metre at a metre's distance is in its picture. */

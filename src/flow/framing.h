@@ -8,6 +8,7 @@
 #ifndef RB_FLOW_FRAMING_H
 #define RB_FLOW_FRAMING_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
 #include <rbsim/frame.h>
@@ -24,8 +25,8 @@ struct rb_framing {
 RB_CHECKED enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model *model,
                                           struct rb_error *err);
 void rb_framing_release(struct rb_framing *framing); /* safe on a zeroed one */
-/* A frame that is shown, in order of time. */
-void rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame);
+/* A frame that is shown, in order of time. True: something is where nothing was before. */
+bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame);
 
 /*
  * Puts `camera` where it sees what was seen so far, along its own line of sight. Whom it leaves out is told in `text`, as
