@@ -5,10 +5,12 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <sys/statvfs.h>
 
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/place.h"
+#include "flow/frame.h"
 #include "math/vec3.h"
 #include "script/pattern.h"
 
@@ -206,6 +208,51 @@ static char *default_output(const struct rb_scene *scene, const char *path)
 	return output;
 }
 
+/* All of the file system that `name` will be on; 0: not known. */
+static double disk_bytes(const char *name)
+{
+	char *const folder = rb_memory_copy_text(name);
+	char *const slash = folder ? strrchr(folder, '/') : NULL;
+	struct statvfs about = {0};
+
+	if (slash)
+		slash[slash == folder] = '\0';
+	const bool known = folder && statvfs(slash ? folder : ".", &about) == 0;
+	rb_memory_free(folder);
+	return known ? (double)about.f_blocks * (double)about.f_frsize : 0;
+}
+
+/* What no disk and no patience is enough for is refused before anything is made. */
+static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error *err)
+{
+	/* the least that a frame takes, of any run on any machine; and more than anybody waits */
+	const double frame_s = 1e-6, wait_s = 365.25 * 24 * 3600;
+	const struct rb_model *const model = loaded->model;
+	const struct rb_record_def *const record = &loaded->scene.record;
+	const double frames = (double)model->frame_count;
+	double bytes = (double)rb_frame_bytes(model, record->fields) /
+	               (record->single_precision ? 2 : 1);
+	char needed[32], there[32], years[64] = "";
+
+	/* compressed, its time at least */
+	bytes = (record->compression > 0 ? 0 : bytes) + sizeof(double);
+	bytes *= frames / (record->every > 1 ? record->every : 1);
+	const double disk = loaded->output ? disk_bytes(loaded->output) : 0;
+	const bool too_large = disk > 0 && bytes > disk;
+	if (!too_large && !(frames * frame_s > wait_s))
+		return RB_OK;
+	if (frames * frame_s > wait_s)
+		snprintf(years, sizeof years, " and %.2g years at a microsecond each",
+		         frames * frame_s / wait_s);
+	rb_text_bytes((uint64_t)fmin(bytes, 1e19), needed);
+	rb_text_bytes((uint64_t)disk, there);
+	return RB_FAIL(
+		err, RB_ERR_SCENE,
+		"%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which would take at least %s of disk%s%s%s%s",
+		loaded->scene.file, model->duration_s, model->frame_rate, frames, needed, years,
+		disk > 0 ? " (all of this disk: " : "", disk > 0 ? there : "", disk > 0 ? ")" : "");
+}
+
 /* `from` NULL: the files on disk. */
 static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *from,
                            const struct rb_options *options, struct rb_error *err)
@@ -231,7 +278,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *fro
 		loaded->scene.record.ledger = loaded->scene.record.ledger_given = true;
 	status = rb_model_create(&loaded->model, &loaded->scene, &loaded->mistakes, err);
 	if (status || options->no_record)
-		return status;
+		return status ? status : check_size(loaded, err);
 	loaded->how = (options->force || options->resume ? RB_PLACE_REPLACE : 0) |
 	              (options->output || options->trust ? 0 : RB_PLACE_BENEATH);
 	loaded->output = options->output ? rb_memory_copy_text(options->output)
@@ -239,7 +286,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *fro
 	if (!loaded->output)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load '%s': out of memory",
 		               options->operand[0]);
-	return RB_OK;
+	return check_size(loaded, err);
 }
 
 enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,

@@ -81,6 +81,7 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 		.runs = true,
 		.replace = options->force || options->resume,
 		.trust = options->trust,
+		.patience_s = options->film_timeout_s,
 		.end_s = loaded->model->duration_s,
 	};
 }
@@ -314,6 +315,7 @@ static struct rb_film_options options_of(const struct rb_films *films, int numbe
 		.still = wish->still,
 		.number = number,
 		.end_s = wish->end_s,
+		.patience_s = wish->patience_s,
 		.how = (wish->replace ? RB_PLACE_REPLACE : 0) |
 	               (wish->output || wish->trust ? 0 : RB_PLACE_BENEATH),
 		.encoder_threads = spare > 1 ? spare : 1,

@@ -31,6 +31,7 @@ struct rb_films_wish {
 	bool fallback;         /* without a camera in the scene, one that shows the start */
 	const char *recording; /* that is written or read: no film may take its place; NULL: none */
 	bool replace;          /* existing files */
+	double patience_s;     /* with an encoder that hangs; 0: as usual */
 	bool trust;            /* cameras may name files anywhere */
 	double end_s;          /* of the run */
 };

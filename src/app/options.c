@@ -206,6 +206,8 @@ const struct rb_option_row rb_option_rows[] = {
 	 "one picture, of this frame, to --output PICTURE.png"},
 	{"contact-sheet", 0, NULL, RB_OPTION_FLAG, AT(contact_sheet), VERB(RENDER), 0, 0, false, NULL,
 	 "sixteen pictures in one, with their times, to --output SHEET.png"},
+	{"film-timeout", 0, "SECONDS", RB_OPTION_NUMBER, AT(film_timeout_s), VERB(RUN) | VERB(RENDER) | EACH, 0, INFINITY, true, NULL,
+	 "give a film up whose encoder shows no sign of life for so long; the run goes on (default: 60)"},
 	{"checkpoint-every", 0, "SECONDS", RB_OPTION_NUMBER, AT(checkpoint_every_s), VERB(RUN) | EACH, 0, INFINITY, false, NULL,
 	 "wall time between checkpoints, 0: only on a signal or command (default: 60)"},
 	{"resume", 0, NULL, RB_OPTION_FLAG, AT(resume), VERB(RUN), 0, 0, false, NULL,
@@ -544,6 +546,7 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 	                               .error = NAN,
 	                               .budget_s = NAN,
 	                               .checkpoint_every_s = NAN,
+	                               .film_timeout_s = NAN,
 	                               .argc = argc,
 	                               .argv = argv};
 	options->params = rb_memory_take((size_t)argc + 1, sizeof *options->params);

@@ -67,6 +67,7 @@ struct rb_options {
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
 	bool no_render, resume;        /* run */
 	double checkpoint_every_s;     /* run; NAN: not given */
+	double film_timeout_s;         /* run, render; NAN: not given */
 	const char *listen, *commands; /* run; NULL: not given */
 	const char *camera;            /* run, render: names; NULL: not given */
 	const char *with, *size;       /* render; NULL: not given */

@@ -32,6 +32,7 @@ struct rb_progress {
 
 	atomic_uint_fast64_t time_bits; /* of a double: the simulated time reached */
 	atomic_uint_fast64_t paused_ns;
+	_Atomic(const char *) awaited;
 	atomic_int signal;
 	atomic_bool stop;
 
@@ -121,7 +122,8 @@ static void say(const char *text)
 
 static void show(struct rb_progress *progress)
 {
-	char line[LINE_SIZE], text[LINE_SIZE + 16];
+	char line[LINE_SIZE], waits[LINE_SIZE] = "", text[2 * LINE_SIZE + 16];
+	const char *const awaited = atomic_load(&progress->awaited);
 	int width = 79;
 	struct winsize window;
 
@@ -130,12 +132,17 @@ static void show(struct rb_progress *progress)
 	const double wall_s = (double)(rb_clock_now_ns() - progress->start_ns -
 	                               atomic_load(&progress->paused_ns)) *
 	                      1e-9;
+	if (awaited)
+		snprintf(waits, sizeof waits, "  waits for %.100s", awaited);
+	if (progress->redraw && (int)strlen(waits) > width)
+		waits[0] = '\0';
+	width -= (int)strlen(waits);
 	rb_progress_line(line, sizeof line, progress->redraw ? width : 1000, time_reached(progress),
 	                 progress->duration_s, wall_s);
 	if (progress->redraw)
-		snprintf(text, sizeof text, "\r\033[K%s", line);
+		snprintf(text, sizeof text, "\r\033[K%s%s", line, waits);
 	else
-		snprintf(text, sizeof text, "rbsim: %s\n", line);
+		snprintf(text, sizeof text, "rbsim: %s%s\n", line, waits);
 	say(text);
 	progress->bar_shown = progress->redraw;
 }
@@ -261,6 +268,11 @@ void rb_progress_at(struct rb_progress *progress, double time_s)
 
 	memcpy(&bits, &time_s, sizeof bits);
 	atomic_store_explicit(&progress->time_bits, bits, memory_order_relaxed);
+}
+
+void rb_progress_waits(struct rb_progress *progress, const char *awaited)
+{
+	atomic_store(&progress->awaited, awaited);
 }
 
 void rb_progress_paused(struct rb_progress *progress, double paused_s)

@@ -39,6 +39,8 @@ int rb_progress_stop(struct rb_progress *progress);
 
 /* Simulator's thread: where it is. Cheap enough for every step. */
 void rb_progress_at(struct rb_progress *progress, double time_s);
+/* Any thread: who the run waits for, a text that stays; NULL: for nobody. */
+void rb_progress_waits(struct rb_progress *progress, const char *awaited);
 /* Any thread: how long the run has stood still so far, which does not count as its time. */
 void rb_progress_paused(struct rb_progress *progress, double paused_s);
 /* The signal that asked for an end, 0: none. From any thread. */

@@ -95,6 +95,15 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *re
 	return rb_model_create(&loaded->model, &loaded->scene, &loaded->mistakes, err);
 }
 
+/* A word of the command that made it. */
+static bool was_trusted(const struct rb_reading *reading)
+{
+	static const char word[] = " --trust";
+	const char *at = reading->command ? strstr(reading->command, word) : NULL;
+
+	return at && (at[sizeof word - 1] == ' ' || at[sizeof word - 1] == '\0');
+}
+
 enum rb_status rb_recorded_load(struct rb_loaded *loaded, const struct rb_reading *reading,
                                 const char *path, bool trust, struct rb_error *err)
 {
@@ -112,8 +121,13 @@ enum rb_status rb_recorded_load(struct rb_loaded *loaded, const struct rb_readin
 	enum rb_status status = load(loaded, reading, &stored, trust, &own);
 	release(&stored);
 	if (status == RB_ERR_SCENE || status == RB_ERR_USAGE || status == RB_ERR_INPUT)
-		return RB_FAIL(err, RB_ERR_INPUT, "the scene stored in '%s' does not load here: %s",
-		               path, own.text);
+		return RB_FAIL(
+			err, RB_ERR_INPUT, "the scene stored in '%s' does not load here%s: %s",
+			path,
+			!trust && was_trusted(reading)
+				? " without --trust, with which it was recorded (for your own)"
+				: "",
+			own.text);
 	if (status) {
 		if (err)
 			*err = own;

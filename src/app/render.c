@@ -117,6 +117,7 @@ static enum rb_status read_wish(struct render *render, struct rb_error *err)
 		.recording = options->operand[0],
 		.replace = options->force,
 		.trust = options->trust,
+		.patience_s = options->film_timeout_s,
 	};
 	if (options->from_s > options->to_s)
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--from' must not be after '--to'");

@@ -294,6 +294,8 @@ static enum rb_status start_recording(struct run *run, struct rb_error *err)
 /* Ends films and recording, in this order; the status of the latter. */
 static enum rb_status join_consumers(struct run *run, struct rb_error *err)
 {
+	if (run->progress && rb_films_count(run->films) > 0)
+		rb_progress_waits(run->progress, "the films");
 	run->result->film_status = rb_films_join(run->films, &run->result->film_error);
 	pthread_mutex_lock(&run->films_lock);
 	run->films_whole = true;
@@ -465,8 +467,10 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
  */
 static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 {
+	rb_progress_waits(run->progress, run->ring ? rb_ring_awaited(run->ring) : NULL);
 	struct rb_frame *const frame = run->ring ? rb_ring_acquire(run->ring) : &run->numbers_only;
 
+	rb_progress_waits(run->progress, NULL);
 	*ended = !frame || must_stop(run);
 	if (*ended)
 		return RB_OK;

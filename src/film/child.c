@@ -302,6 +302,9 @@ static bool is_hung(struct rb_child *child)
 		child->signs = signs;
 	}
 	child->watched = true;
+	/* after a signal nobody waits as long */
+	if (child->cut && atomic_load(child->cut) && child->patience_s > RB_CHILD_CUT_S)
+		child->patience_s = RB_CHILD_CUT_S;
 	return (double)(now - child->sign_ns) * 1e-9 > child->patience_s ||
 	       (double)(now - child->result_ns) * 1e-9 > RB_CHILD_BUSY_TIMES * child->patience_s;
 }
@@ -404,8 +407,7 @@ bool rb_child_feed(struct rb_child *child, const uint8_t *bytes, size_t size)
 		poll(wishes, 2, PAUSE_MS);
 		if (wishes[1].revents)
 			rb_child_hear(child);
-		/* until then somebody may have stopped it for a while, and wants it to go on */
-		if (child->cut && atomic_load(child->cut) && is_hung(child)) {
+		if (is_hung(child)) {
 			end_hung(child);
 			return false;
 		}

@@ -6,9 +6,9 @@
  * outlives ours. It gets a process group of its own, default signals, and no descriptor but the standard three and those it is given. SIGPIPE must be
  * blocked or ignored in ours.
  *
- * No wait is without bound once the program has nothing more to expect, in rb_child_wait, or where `cut` is set: one
- * that shows no sign of life for `patience_s` is ended. Signs are bytes taken, files that grow, words, and
- * processor time; the last two alone are believed RB_CHILD_BUSY_TIMES as long.
+ * No wait is without bound: a program that shows no sign of life for `patience_s` is ended, where `cut` is set after
+ * RB_CHILD_CUT_S at most. Signs are bytes taken, files that grow, words, and processor time; the last two alone are
+ * believed RB_CHILD_BUSY_TIMES as long.
  */
 #ifndef RB_FILM_CHILD_H
 #define RB_FILM_CHILD_H
@@ -22,7 +22,12 @@
 #include <rbsim/error.h>
 
 /* Encoding what is left, or a palette, may say nothing for minutes. */
-enum { RB_CHILD_SAID_SIZE = 2048, RB_CHILD_FILES_MAX = 2, RB_CHILD_BUSY_TIMES = 15 };
+enum {
+	RB_CHILD_SAID_SIZE = 2048,
+	RB_CHILD_FILES_MAX = 2,
+	RB_CHILD_BUSY_TIMES = 15,
+	RB_CHILD_CUT_S = 20
+};
 
 enum rb_child_end {
 	RB_CHILD_WELL,   /* exit status 0 */

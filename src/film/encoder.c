@@ -29,8 +29,8 @@ enum {
 };
 
 static const double list_timeout_s = 5;
-/* A disk that has to start, or other work on all processors, takes seconds; longer than that nobody waits. */
-static const double patience_s = 20;
+/* A disk that has to start, or other work on all processors, takes seconds; longer than that is for who asks for it. */
+static const double patience_s = 60;
 
 enum format { FORMAT_MP4, FORMAT_WEBM, FORMAT_GIF, FORMAT_COUNT };
 

@@ -25,8 +25,8 @@ struct rb_encoder_options {
 	double fps;
 	const char *title; /* metadata; "" for none */
 	const atomic_bool
-		*cut;      /* borrowed; set: no more waiting for a child that hangs; NULL: never */
-	double patience_s; /* with such a one; 0: as usual */
+		*cut;      /* borrowed; set: less patience with a child that hangs; NULL: never */
+	double patience_s; /* with such a one, --film-timeout; 0: as usual */
 };
 
 /*

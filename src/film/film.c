@@ -58,6 +58,7 @@ static struct rb_press_options press_options(const struct rb_film_options *optio
 	                                 .still = options->still,
 	                                 .video = camera->video,
 	                                 .how = options->how,
+	                                 .patience_s = options->patience_s,
 	                                 .width = camera->size_px[0],
 	                                 .height = camera->size_px[1],
 	                                 .png_threads = options->encoder_threads,

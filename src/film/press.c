@@ -104,7 +104,8 @@ static struct rb_encoder_options encoder_options(const struct rb_press_options *
 	                                   .height = options->height,
 	                                   .fps = options->fps,
 	                                   .title = options->title,
-	                                   .cut = options->cut};
+	                                   .cut = options->cut,
+	                                   .patience_s = options->patience_s};
 }
 
 enum rb_status rb_press_check(const struct rb_press_options *options, struct rb_error *err)

@@ -32,7 +32,8 @@ struct rb_press_options {
 	int png_threads;
 	const char *title; /* of the video; NULL: none */
 	const atomic_bool
-		*cut; /* borrowed; set: nobody waits for an ffmpeg that hangs; NULL: never */
+		*cut;      /* borrowed; set: nobody waits for an ffmpeg that hangs; NULL: never */
+	double patience_s; /* with one that hangs; 0: as usual */
 	struct rb_png_text texts[RB_PRESS_TEXTS_MAX]; /* of every PNG file */
 	int text_count;
 };

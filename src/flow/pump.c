@@ -135,6 +135,7 @@ enum rb_status rb_pump_start(struct rb_pump **pump, struct rb_ring *ring,
 		destroy(p);
 		return status;
 	}
+	rb_ring_name(ring, p->consumer, sink->name);
 	const int failed = start_thread(p);
 	if (failed) {
 		rb_ring_detach(ring, p->consumer);

@@ -13,6 +13,7 @@ static const size_t bytes_wanted = (size_t)64 << 20;
 
 struct cursor {
 	bool lossless, attached;
+	const char *name;            /* NULL: nobody has said */
 	uint64_t next;               /* frames below this number are done with */
 	const struct rb_frame *held; /* being read, NULL: none */
 	uint64_t wake_at;            /* asleep until so many frames are published; 0: awake */
@@ -183,6 +184,29 @@ int rb_ring_used(struct rb_ring *ring, int *slot_count)
 	pthread_mutex_unlock(&ring->lock);
 	*slot_count = ring->slot_count;
 	return (int)used;
+}
+
+void rb_ring_name(struct rb_ring *ring, int consumer, const char *name)
+{
+	pthread_mutex_lock(&ring->lock);
+	ring->cursor[consumer].name = name;
+	pthread_mutex_unlock(&ring->lock);
+}
+
+const char *rb_ring_awaited(struct rb_ring *ring)
+{
+	const char *name = NULL;
+
+	pthread_mutex_lock(&ring->lock);
+	const uint64_t tail = tail_locked(ring);
+	for (int i = 0; i < ring->consumer_count; i++) {
+		const struct cursor *const cursor = &ring->cursor[i];
+		if (cursor->attached && cursor->lossless && cursor->next == tail &&
+		    ring->head - tail >= (uint64_t)ring->slot_count)
+			name = cursor->name;
+	}
+	pthread_mutex_unlock(&ring->lock);
+	return name;
 }
 
 void rb_ring_close(struct rb_ring *ring)

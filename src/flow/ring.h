@@ -52,6 +52,9 @@ struct rb_frame *rb_ring_acquire(struct rb_ring *ring);
 void rb_ring_publish(struct rb_ring *ring);
 /* Frames that were published and that some lossless consumer still needs. Any thread. */
 int rb_ring_used(struct rb_ring *ring, int *slot_count);
+/* Who a consumer is; borrowed while there is the ring. And who the producer would wait for now; NULL: nobody. Any thread. */
+void rb_ring_name(struct rb_ring *ring, int consumer, const char *name);
+const char *rb_ring_awaited(struct rb_ring *ring);
 /* No frame will follow: consumers read what is there and are then told so. */
 void rb_ring_close(struct rb_ring *ring);
 /* Stops both sides at once: what is unread stays unread. */

@@ -139,6 +139,7 @@ struct rb_film_options {
 	int number;      /* of the camera among those filmed: that of its shots */
 	double end_s;    /* when the run ends */
 	unsigned how;    /* of base/place: whose word its files' names are */
+	double patience_s;   /* with an encoder that hangs; 0: as usual */
 	int encoder_threads; /* that make PNG files besides the one that draws; 0: one */
 	const char *command; /* for the text chunks of pictures; may be NULL */
 };

@@ -19,6 +19,8 @@
 #include "base/memory.h"
 #include "base/place.h"
 
+enum { DUE = 1, ELSEWHERE };
+
 /* A run under way. */
 struct place {
 	pid_t process; /* 0: free */
@@ -30,8 +32,9 @@ struct jobs {
 	const struct rb_jobs_order *order;
 	struct rb_jobs_tally *tally;
 	struct place *places;
-	unsigned char *due; /* by number within the share */
-	uint64_t next;      /* number of the first that may be due */
+	unsigned char
+		*due;  /* by number within the share: DUE, or ELSEWHERE: another process has it */
+	uint64_t next; /* number of the first that may be due */
 	const char **words; /* of one run's command line */
 	char *text;         /* what is made of them */
 	size_t text_size;
@@ -85,11 +88,12 @@ static enum rb_status survey(struct jobs *jobs, struct rb_error *err)
 		                                            order->module, &point, err);
 		if (status)
 			return status;
-		jobs->due[k] = rb_point_is_due(&point, order->retry);
-		tally->due += jobs->due[k];
+		const bool due = rb_point_is_due(&point, order->retry);
+		jobs->due[k] = point.state == RB_POINT_RUNNING ? ELSEWHERE : due ? DUE : 0;
+		tally->due += due;
 		tally->done += point.state == RB_POINT_DONE;
 		tally->elsewhere += point.state == RB_POINT_RUNNING;
-		if (point.state == RB_POINT_FAILED && !jobs->due[k]) {
+		if (point.state == RB_POINT_FAILED && !due) {
 			tally->failed++;
 			tell(jobs, index, &point);
 		}
@@ -220,6 +224,35 @@ static bool goes_on(const struct rb_point *point)
 	       code != rb_status_exit_code(RB_ERR_INPUT);
 }
 
+/* Another process has the point of that number within the share. */
+static void leave_elsewhere(struct jobs *jobs, uint64_t number)
+{
+	jobs->due[number] = ELSEWHERE;
+	jobs->tally->elsewhere++;
+}
+
+/* What has become, at the end, of points that other processes had. */
+static enum rb_status look_elsewhere(struct jobs *jobs, struct rb_error *err)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	struct rb_jobs_tally *const tally = jobs->tally;
+	enum rb_status status = RB_OK;
+
+	for (uint64_t number = 0; number < tally->total && !status; number++) {
+		struct rb_point point;
+		if (jobs->due[number] != ELSEWHERE)
+			continue;
+		status = rb_point_look(order->folder, order->plan, index_of(jobs, number),
+		                       order->module, &point, err);
+		if (status || (point.state != RB_POINT_DONE && point.state != RB_POINT_FAILED))
+			continue;
+		tally->elsewhere--;
+		tally->done += point.state == RB_POINT_DONE;
+		tally->failed += point.state == RB_POINT_FAILED;
+	}
+	return status;
+}
+
 /* Takes a point that is due into a free place, unless somebody else has taken or done it meanwhile. */
 static enum rb_status take_point(struct jobs *jobs, struct place *place, struct rb_error *err)
 {
@@ -227,7 +260,7 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 	struct rb_jobs_tally *const tally = jobs->tally;
 	struct rb_point point;
 
-	while (jobs->next < tally->total && !jobs->due[jobs->next])
+	while (jobs->next < tally->total && jobs->due[jobs->next] != DUE)
 		jobs->next++;
 	if (jobs->next >= tally->total)
 		return RB_OK;
@@ -238,7 +271,8 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 	if (!status && !rb_point_is_due(&point, order->retry)) {
 		tally->done += point.state == RB_POINT_DONE;
 		tally->failed += point.state == RB_POINT_FAILED;
-		tally->elsewhere += point.state == RB_POINT_RUNNING;
+		if (point.state == RB_POINT_RUNNING)
+			leave_elsewhere(jobs, jobs->next - 1);
 		if (point.state == RB_POINT_FAILED)
 			tell(jobs, place->index, &point);
 		return RB_OK;
@@ -246,7 +280,8 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 	if (!status)
 		status = rb_point_lock(order->folder, order->plan, place->index, &place->log, err);
 	if (status || place->log < 0) {
-		tally->elsewhere += !status;
+		if (!status)
+			leave_elsewhere(jobs, jobs->next - 1);
 		return status;
 	}
 	command_of(jobs, place->index, goes_on(&point));
@@ -384,6 +419,8 @@ static enum rb_status run_all(struct jobs *jobs, struct rb_error *err)
 			status = fill(jobs, err);
 		tick(jobs);
 	}
+	if (!status)
+		status = look_elsewhere(jobs, err);
 	if (!status)
 		return RB_OK;
 	/* what still runs is stopped properly; the first failure is the one that is told */

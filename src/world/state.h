@@ -51,6 +51,7 @@ int rb_state_row_size(const struct rb_state *state);
 void rb_state_save_rows(const struct rb_state *state, const int *member, int count, double *buffer);
 void rb_state_load_rows(struct rb_state *state, const int *member, int count, const double *buffer);
 
+/* Pushes that are zero are left out. */
 uint64_t rb_state_hash(const struct rb_state *state);
 
 /* One row a column, for `rbsim check`. */

@@ -92,3 +92,16 @@ exits 66 render text.h5 -o x.mp4
 exits 66 render absent.h5 -o x.mp4
 [ ! -e x.mp4 ] || fail "half a film"
 [ ! -e x.png ] || fail "half a picture"
+
+# a scene of one's own that asks for what the sandbox lacks: what is needed stands in the first line
+cat >own.lua <<'END'
+local home = os.getenv("HOME")
+world { duration = 0.1 }
+sphere { radius = 0.1 }
+camera { position = {2, 2, 2}, size = {32, 32}, png = "own/%d.png" }
+END
+exits 0 own.lua --trust --no-render
+exits 66 render own.h5
+head -n 1 err >first
+says first 'without --trust, with which it was recorded'
+exits 0 render own.h5 --trust

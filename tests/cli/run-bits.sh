@@ -40,3 +40,14 @@ for method in classic auto; do
 done
 same "--method located --param loose=true --no-record" "--threads 1" "--threads 3" "--rollback global" \
 	"--time-step 0.001" "--time-step 0.01"
+# callbacks that do nothing
+small_scene >plain.lua
+for method in auto located stepped classic; do
+	exits 0 plain.lua --json --no-record --method $method
+	plain=$(value state_hash)
+	for hook in on_frame on_step; do
+		small_scene "$hook(function() end)" >hook.lua
+		exits 0 hook.lua --json --no-record --method $method
+		[ "$(value state_hash)" = "$plain" ] || fail "$method: an empty $hook changes the state's hash"
+	done
+done

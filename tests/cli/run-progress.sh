@@ -38,3 +38,23 @@ for case in "0 TERM=xterm NO_COLOR=" "1 TERM=xterm NO_COLOR=1" "1 TERM=dumb NO_C
 	grep -q "$(printf '\033\[32m')" out
 	[ $? -eq "${case%% *}" ] || fail "colour with ${case#* }"
 done
+
+# an encoder that hangs: the line says who waits, the film is given up, the run goes on, and its status tells
+command -v ffmpeg >/dev/null || { echo "no ffmpeg"; exit 77; }
+cat >hanging <<'END'
+#!/bin/sh
+case $* in *-encoders*) exec ffmpeg "$@" ;; esac
+exec sleep 1000
+END
+chmod +x hanging
+small_scene 'camera { name = "main", position = {2, 2, 1}, look_at = {0, 0, 0}, size = {320, 240}, video = "x.mp4" }' |
+	sed 's/duration = 0.5/duration = 20/' >film.lua
+script -qec "env TERM=xterm RBSIM_FFMPEG=$PWD/hanging timeout 300 $RBSIM film.lua --film-timeout 2; echo status \$?" /dev/null \
+	</dev/null >out 2>err
+tr '\r' '\n' <out >lines
+says lines "waits for camera 'main'"
+says lines "camera 'main': .*hanging' got no further for 2 s"
+says lines '^status 69'
+exits 0 info film.h5
+says out 'status *complete'
+says out ': 1201 frames'

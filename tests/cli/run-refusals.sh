@@ -128,3 +128,23 @@ says err 'expected to be refused'
 sed 's/{ raduis/{ radius/' refused.lua >accepted.lua
 exits 1 accepted.lua --no-record
 says err 'expected to be refused .* but was not'
+
+# frames beyond any disk or patience, before anything is made
+for rate in 1e12 1e15; do
+	small_scene | sed "s/duration = 0.5/duration = 0.5, frame_rate = $rate/" >often.lua
+	exits 65 often.lua
+	says err "'frame_rate' 1e\+1[25] makes 5e\+1[14] frames, which would take at least [0-9.]+ [TP]B of disk"
+	[ ! -e often.h5 ] || fail "a recording of $rate frames a second"
+done
+exits 65 often.lua --no-record
+says err '16 years at a microsecond each'
+exits 65 check often.lua
+
+# names up to the system's limit, with everything that stands beside them
+long=$(printf '%0252d' 0).h5
+small_scene >s.lua
+exits 0 s.lua -o "$long" --checkpoint-every 0.001
+exits 0 info "$long"
+[ -z "$(find . -name '00*checkpoint*')" ] || fail "a checkpoint of a long name stays"
+exits 73 s.lua -o "0$long"
+says err "cannot create '00"

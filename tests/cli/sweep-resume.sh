@@ -96,3 +96,16 @@ exits 1 sweep damaged --jobs 3
 says err 'point 0 .*exit status 66: .*is no checkpoint to go on from'
 exits 0 sweep damaged --jobs 3
 whole damaged 6
+
+# Two at once on one folder: who ends last has nothing left to do, whoever ran the points.
+exits 0 sweep s.lua --trust -p e=0.2,0.4,0.6,0.8 -o shared --plan
+"$RBSIM" sweep shared --jobs 2 >first 2>&1 &
+pid=$!
+until_true has_begun shared 2
+"$RBSIM" sweep shared --jobs 2 >out 2>err
+second=$?
+wait $pid
+first=$?
+pid=
+[ $first -eq 0 ] || [ $second -eq 0 ] || fail "two at once, and all is done: $first and $second"
+exits 0 sweep shared --status

@@ -41,6 +41,7 @@ _rbsim()
 	--speed) return ;;
 	--size) return ;;
 	--frame) return ;;
+	--film-timeout) return ;;
 	--checkpoint-every) return ;;
 	--listen) return ;;
 	--commands) compopt -o filenames; COMPREPLY=($(compgen -f -- "$word")); return ;;
@@ -49,10 +50,10 @@ _rbsim()
 	esac
 	if [[ $word == -* ]]; then
 		case $verb in
-		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --checkpoint-every --resume --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --film-timeout --checkpoint-every --resume --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
-		render) COMPREPLY=($(compgen -W '--output --camera --with --from --to --fps --speed --size --frame --contact-sheet --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		render) COMPREPLY=($(compgen -W '--output --camera --with --from --to --fps --speed --size --frame --contact-sheet --film-timeout --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		diff) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		replay) COMPREPLY=($(compgen -W '--threads --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		repair) COMPREPLY=($(compgen -W '--trust --quiet --json --debug --help --version' -- "$word")) ;;
@@ -62,7 +63,7 @@ _rbsim()
 		ctl) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		console) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --fps --speed --detach --force --trust --debug --help --version' -- "$word")) ;;
 		attach) COMPREPLY=($(compgen -W '--fps --speed --trust --debug --help --version' -- "$word")) ;;
-		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
+		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --film-timeout --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		collect) COMPREPLY=($(compgen -W '--output --csv --force --quiet --json --debug --help --version' -- "$word")) ;;
 		plot) COMPREPLY=($(compgen -W '--output --against --force --quiet --json --debug --help --version' -- "$word")) ;;
 		esac
