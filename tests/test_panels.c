@@ -303,8 +303,8 @@ static void the_help_can_be_read_to_its_end(void **state)
 		clean(&screen);
 		rb_panel_help(&screen, area, &first);
 		assert_int_equal(first, 0);
-		assert_memory_equal(&screen.cell[area.y][area.x],
-		                    "Keys (up, down: more; ?: back)", 30);
+		assert_memory_equal(&screen.cell[area.y][area.x], "Keys (up, down: more; ?: back)",
+		                    30);
 		assert_filled(&screen, area);
 		rb_panel_help(&screen, area, &last);
 		assert_in_range(last, 1, 500);

@@ -74,7 +74,7 @@ struct rb_viewer {
 	bool has_shot;
 	bool reframes;             /* something went where nothing was, since it was placed */
 	struct rb_framing framing; /* of what was seen so far, for a camera without a position */
-	int inspected, followed; /* ids, -1: none */
+	int inspected, followed;   /* ids, -1: none */
 
 	/* what is said: line n in [n % RB_VIEWER_LOG_LINES] */
 	uint64_t log_count;

@@ -21,7 +21,8 @@ static const double chunk_bytes = 256 * 1024, chunk_bytes_max = 1 << 30, buffer_
 enum { CHUNKS_MAX = 500, ALIGNMENT = 1024, ALIGNMENT_FILTER = 2048 };
 enum {
 	NUMBERS_CHUNK_ROWS = 1024,
-	TABLE_CHUNK_ROWS = 4096,
+	TABLE_CHUNK_ROWS = 4096, /* at most; of a run with few frames of few bodies so many: */
+	TABLE_CHUNK_ROWS_LEAST = 256,
 	TABLE_ROWS_MAX = 65536,
 	CHUNK_BODIES = 1 << 20
 };
@@ -142,7 +143,7 @@ static unsigned stored_fields(const struct rb_run_info *info)
 
 /* How the chunks and buffers of this run are cut. */
 struct cut {
-	hsize_t chunk_rows, chunk_bodies, numbers_rows, capacity;
+	hsize_t chunk_rows, chunk_bodies, numbers_rows, table_rows, capacity;
 };
 
 static hsize_t whole(double rows, hsize_t most)
@@ -177,6 +178,8 @@ static struct cut plan_cut(const struct rb_run_info *info)
 		rows = fmax(rows, COMPRESSED_FRAMES);
 	cut.chunk_rows = whole(fmin(rows, most), expected);
 
+	cut.table_rows = (hsize_t)fmin(fmax((double)expected * bodies, TABLE_CHUNK_ROWS_LEAST),
+	                               TABLE_CHUNK_ROWS);
 	const double numbers = fmax(fmax((double)cut.chunk_rows, NUMBERS_CHUNK_ROWS), few);
 	cut.numbers_rows = whole(numbers, expected);
 	const hsize_t buffered = whole(buffer_bytes / frame_bytes, expected);
@@ -249,14 +252,12 @@ static void link_steps(struct rb_h5 *h5, const struct rb_frames *frames)
 }
 
 static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
-                      const struct rb_table_cell *cells, int count, size_t row_size)
+                      const struct rb_table_cell *cells, int count, hsize_t chunk_rows)
 {
 	table->on = true;
 	table->cells = cells;
-	table->row_size = row_size;
 	for (int i = 0; i < count; i++) {
-		struct rb_h5_layout layout = {.kind = cells[i].kind,
-		                              .chunk_rows = TABLE_CHUNK_ROWS};
+		struct rb_h5_layout layout = {.kind = cells[i].kind, .chunk_rows = chunk_rows};
 		if (cells[i].width > 1)
 			layout.row = (rb_h5_shape){1, {(hsize_t)cells[i].width}};
 		rb_h5_column_create(h5, &table->columns[i], cells[i].path, &layout);
@@ -319,14 +320,15 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 	}
 	const struct rb_h5_layout end = {.kind = RB_H5_U64, .chunk_rows = cut.numbers_rows};
 	if (frames->fields & RB_FIELD_EVENTS) {
-		add_table(h5, &frames->events, event_cells, RB_EVENT_CELL_COUNT,
-		          sizeof(struct rb_event));
+		frames->events.row_size = sizeof(struct rb_event);
+		add_table(h5, &frames->events, event_cells, RB_EVENT_CELL_COUNT, cut.table_rows);
 		name_kinds(h5);
 		frames->event_end = add_column(h5, frames, "/rbsim/frames", "event_end", &end);
 	}
 	if (frames->fields & RB_FIELD_CONTACTS) {
+		frames->contacts.row_size = sizeof(struct rb_contact_row);
 		add_table(h5, &frames->contacts, contact_cells, RB_CONTACT_CELL_COUNT,
-		          sizeof(struct rb_contact_row));
+		          cut.table_rows);
 		frames->contact_end = add_column(h5, frames, "/rbsim/frames", "contact_end", &end);
 	}
 	frames->time = add_column(
