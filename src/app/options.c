@@ -206,6 +206,10 @@ const struct rb_option_row rb_option_rows[] = {
 	 "one picture, of this frame, to --output PICTURE.png"},
 	{"contact-sheet", 0, NULL, RB_OPTION_FLAG, AT(contact_sheet), VERB(RENDER), 0, 0, false, NULL,
 	 "sixteen pictures in one, with their times, to --output SHEET.png"},
+	{"point-time", 0, "SECONDS", RB_OPTION_NUMBER, AT(point_time_s), VERB(SWEEP), 0, INFINITY, true, NULL,
+	 "end a run that takes longer (wall time, at a checkpoint); its point has failed"},
+	{"point-disk", 0, "BYTES", RB_OPTION_NUMBER, AT(point_disk_bytes), VERB(SWEEP), 1, 1e18, false, NULL,
+	 "end a run that makes a file larger than this; its point has failed"},
 	{"film-timeout", 0, "SECONDS", RB_OPTION_NUMBER, AT(film_timeout_s), VERB(RUN) | VERB(RENDER) | EACH, 0, INFINITY, true, NULL,
 	 "give a film up whose encoder shows no sign of life for so long; the run goes on (default: 60)"},
 	{"checkpoint-every", 0, "SECONDS", RB_OPTION_NUMBER, AT(checkpoint_every_s), VERB(RUN) | EACH, 0, INFINITY, false, NULL,
@@ -547,6 +551,8 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 	                               .budget_s = NAN,
 	                               .checkpoint_every_s = NAN,
 	                               .film_timeout_s = NAN,
+	                               .point_time_s = NAN,
+	                               .point_disk_bytes = NAN,
 	                               .argc = argc,
 	                               .argv = argv};
 	options->params = rb_memory_take((size_t)argc + 1, sizeof *options->params);

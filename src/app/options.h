@@ -65,12 +65,13 @@ struct rb_options {
 
 	bool keep_ledger; /* of no option: whatever the number of bodies, unless the scene says no */
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
-	bool no_render, resume;        /* run */
-	double checkpoint_every_s;     /* run; NAN: not given */
-	double film_timeout_s;         /* run, render; NAN: not given */
-	const char *listen, *commands; /* run; NULL: not given */
-	const char *camera;            /* run, render: names; NULL: not given */
-	const char *with, *size;       /* render; NULL: not given */
+	bool no_render, resume;                /* run */
+	double checkpoint_every_s;             /* run; NAN: not given */
+	double point_time_s, point_disk_bytes; /* sweep; NAN: not given */
+	double film_timeout_s;                 /* run, render; NAN: not given */
+	const char *listen, *commands;         /* run; NULL: not given */
+	const char *camera;                    /* run, render: names; NULL: not given */
+	const char *with, *size;               /* render; NULL: not given */
 	double from_s, to_s, fps,
 		speed;      /* render; the last two console, attach too; NAN: not given */
 	bool detach;        /* console */

@@ -20,12 +20,18 @@
 #include "base/place.h"
 
 enum { DUE = 1, ELSEWHERE };
+/* Of a run that was ended because it took too long, as timeout(1) has it. */
+enum { EXIT_OVERDUE = 124 };
+/* From asking a run to end, which leaves a checkpoint, to ending it. */
+static const double overdue_s = 30;
 
 /* A run under way. */
 struct place {
 	pid_t process; /* 0: free */
 	uint64_t index;
 	int log; /* keeps the lock */
+	uint64_t start_ns;
+	int warned; /* signals sent because it takes too long */
 };
 
 struct jobs {
@@ -146,8 +152,14 @@ static _Noreturn void become_run(const struct jobs *jobs, int folder, int result
 {
 	const int nothing = open("/dev/null", O_RDONLY);
 
+	const double most = jobs->order->point_disk_bytes;
+	const struct rlimit disk = {.rlim_cur = isnan(most) ? 0 : (rlim_t)most,
+	                            .rlim_max = isnan(most) ? 0 : (rlim_t)most};
+
 	setpgid(0, 0);
 	prctl(PR_SET_PDEATHSIG, SIGTERM);
+	if (!isnan(most) && setrlimit(RLIMIT_FSIZE, &disk) != 0)
+		_exit(126);
 	if (getppid() != parent) /* it ended before that was set */
 		_exit(143);
 	if (nothing < 0 || dup2(nothing, STDIN_FILENO) < 0 || dup2(result, STDOUT_FILENO) < 0 ||
@@ -210,6 +222,7 @@ static enum rb_status start_run(struct jobs *jobs, struct place *place, struct r
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a process: %s", strerror(errno));
 	}
 	setpgid(place->process, place->process); /* whoever comes first */
+	place->start_ns = rb_clock_now_ns();
 	jobs->tally->started++;
 	jobs->tally->running++;
 	return RB_OK;
@@ -298,7 +311,11 @@ static enum rb_status tell_crash(const struct jobs *jobs, const struct place *pl
 	const struct rb_jobs_order *const order = jobs->order;
 
 	*point = (struct rb_point){.state = RB_POINT_FAILED, .may_mend = true};
-	if (WIFSIGNALED(outcome)) {
+	if (place->warned > 0) {
+		point->exit_code = EXIT_OVERDUE;
+		snprintf(point->reason, sizeof point->reason, "took longer than %g s",
+		         order->point_time_s);
+	} else if (WIFSIGNALED(outcome)) {
 		point->exit_code = 128 + WTERMSIG(outcome);
 		snprintf(point->reason, sizeof point->reason, "ended by signal %d",
 		         WTERMSIG(outcome));
@@ -328,8 +345,8 @@ static enum rb_status end_run(struct jobs *jobs, struct place *place, int outcom
 	                1e-6 * (double)(used->ru_utime.tv_usec + used->ru_stime.tv_usec);
 	enum rb_status status = rb_point_look(order->folder, order->plan, place->index, NULL,
 	                                      &point, err);
-	if (!status && point.state == RB_POINT_BEGUN && tally->signal == 0 && code != 75 &&
-	    code != 130 && code != 143)
+	if (!status && point.state == RB_POINT_BEGUN && tally->signal == 0 &&
+	    (place->warned > 0 || (code != 75 && code != 130 && code != 143)))
 		status = tell_crash(jobs, place, outcome, &point, err);
 	if (status)
 		return status;
@@ -371,10 +388,29 @@ static void tick(struct jobs *jobs)
 	order->tick(order->user, jobs->tally);
 }
 
+/* Runs that take longer than they may are asked to end, and then ended. */
+static void mind_time(struct jobs *jobs)
+{
+	const uint64_t now_ns = rb_clock_now_ns();
+
+	for (int i = 0; i < jobs->order->jobs && !isnan(jobs->order->point_time_s); i++) {
+		struct place *const place = &jobs->places[i];
+		const double over_s = (double)(now_ns - place->start_ns) * 1e-9 -
+		                      jobs->order->point_time_s;
+		if (place->process <= 0 || over_s < place->warned * overdue_s)
+			continue;
+		kill(place->process, place->warned == 0 ? SIGTERM : SIGKILL);
+		place->warned++;
+	}
+}
+
 /* Waits for the end of a run, a signal, or the time of the next tick. */
 static void wait_for_some(struct jobs *jobs)
 {
-	const int wait_ms = jobs->order->tick_ms > 0 ? jobs->order->tick_ms : 3600000;
+	const int most_ms = isnan(jobs->order->point_time_s) ? 3600000 : 200;
+	const int wait_ms = jobs->order->tick_ms > 0 && jobs->order->tick_ms < most_ms
+	                            ? jobs->order->tick_ms
+	                            : most_ms;
 	const struct timespec wait = {wait_ms / 1000, wait_ms % 1000 * 1000000L};
 	const int signal = sigtimedwait(&jobs->signals, NULL, &wait);
 
@@ -414,6 +450,7 @@ static enum rb_status run_all(struct jobs *jobs, struct rb_error *err)
 
 	while (!status && jobs->tally->running > 0) {
 		wait_for_some(jobs);
+		mind_time(jobs);
 		status = reap(jobs, err);
 		if (!status)
 			status = fill(jobs, err);

@@ -109,3 +109,21 @@ first=$?
 pid=
 [ $first -eq 0 ] || [ $second -eq 0 ] || fail "two at once, and all is done: $first and $second"
 exits 0 sweep shared --status
+
+# A point that takes too long, or makes too large a file, has failed; the others have not, and it goes on when it may.
+cat >bound.lua <<'END'
+local n = param("n", 1.0, "how long")
+world { duration = n, gravity = {0, 0, -9.81} }
+sphere { radius = 0.1, position = {0, 0, 1} }
+on_frame(function() local x = 0 for i = 1, 3e5 do x = x + i end end)
+END
+"$RBSIM" sweep bound.lua -p n=0.1,1e4 -o slow --jobs 2 --point-time 3 >out 2>err
+[ $? -eq 1 ] || fail "a point that takes too long: $(cat err)"
+says err 'point 1 .*took longer than 3 s'
+[ -s slow/point-00001.h5.checkpoint ] || fail "no checkpoint of a point that takes too long"
+"$RBSIM" sweep bound.lua -p n=0.1,40 -o large --jobs 2 --point-disk 1000000 --no-render >out 2>err
+[ $? -eq 1 ] || fail "a point that takes too much disk: $(cat err)"
+says err 'point 1 .*File too large'
+[ -z "$(find large -size +1000000c)" ] || fail "a file beyond the bound"
+exits 0 sweep large --jobs 2
+exits 0 sweep large --status

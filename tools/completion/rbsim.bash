@@ -41,6 +41,8 @@ _rbsim()
 	--speed) return ;;
 	--size) return ;;
 	--frame) return ;;
+	--point-time) return ;;
+	--point-disk) return ;;
 	--film-timeout) return ;;
 	--checkpoint-every) return ;;
 	--listen) return ;;
@@ -63,7 +65,7 @@ _rbsim()
 		ctl) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		console) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --fps --speed --detach --force --trust --debug --help --version' -- "$word")) ;;
 		attach) COMPREPLY=($(compgen -W '--fps --speed --trust --debug --help --version' -- "$word")) ;;
-		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --film-timeout --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
+		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --point-time --point-disk --film-timeout --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		collect) COMPREPLY=($(compgen -W '--output --csv --force --quiet --json --debug --help --version' -- "$word")) ;;
 		plot) COMPREPLY=($(compgen -W '--output --against --force --quiet --json --debug --help --version' -- "$word")) ;;
 		esac
