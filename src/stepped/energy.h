@@ -34,9 +34,9 @@ double rb_energy_share(const struct rb_energy *energy);
 /* Whether a row with an impulse is left to open faster than that, m/s; 0: contacts that overlap, or would, are pushed apart. */
 bool rb_energy_pushes(const struct rb_dense *dense, double speed);
 
-/* Whether impulses are of a size that the group's momentum, and what it is asked for, can explain. */
+/* Whether impulses are of a size that the group's momentum, and what it is asked for, can explain; held: nothing is pushed apart. */
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
-                      const struct rb_dense *dense);
+                      const struct rb_dense *dense, bool held);
 
 /* Rows and velocities that a group was solved to; the arena's. */
 struct rb_kept {

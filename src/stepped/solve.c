@@ -196,7 +196,7 @@ static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweepe
 
 	island->sweeps += result.sweeps;
 	island->residual = result.residual;
-	if (result.is_far)
+	if (rb_sweeper_went_far(sweeper))
 		apply_again(solver, island, sweeper->dense);
 	return result.residual <= enough;
 }
@@ -506,7 +506,7 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 	const bool good = rb_sweeper_take(&sweeper, arena) &&
 	                  sweep_more(solver, &sweeper, island, solver->enough / sweep_share,
 	                             most_of(&sweeper));
-	if (rb_energy_bounds(solver, island, dense))
+	if (rb_energy_bounds(solver, island, dense, true))
 		return good;
 	island->residual = (double)INFINITY;
 	return false;
@@ -559,7 +559,7 @@ static void solve_island(const struct rb_solver *solver, struct rb_island *islan
 		good = hold(&sweeper, island, enough / sweep_share, WIDE_HOLD);
 	if (!good && !sweeper.wide)
 		good = sweep_more(solver, &sweeper, island, enough / sweep_share, SWEEPS_MOST);
-	if (!rb_energy_bounds(solver, island, &dense))
+	if (!rb_energy_bounds(solver, island, &dense, false))
 		good = start_over(solver, island, &dense, arena);
 	if (good && !closely && solver->before && island->residual > close &&
 	    (is_quiet(solver, island, false) ||

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-/* Mixtures that go so many times as far as impulses leave velocities some rounding of their own: ten bits. */
+/* Bodies that mixtures have pushed so many times as hard as it came to have some rounding of their own: ten bits. */
 static const double far_ratio = 1024;
 
 /* What a sweep has come to. */
@@ -21,7 +21,8 @@ static inline double solve_row(const struct rb_dense *dense, struct rb_dense_row
 	/* the sum is clamped, not the change: a later sweep may take back what this one gives too much */
 	const double push = fmax(0, row->push + (row->leave - u_n) / row->yield_n);
 
-	if (push == 0 && row->push == 0) {
+	/* what a mixture has left across the normal goes as well */
+	if (push == 0 && row->push == 0 && rb_vec3_max_abs(row->rub) == 0) {
 		row->step = (rb_vec3){0, 0, 0};
 		return 0;
 	}
@@ -65,6 +66,7 @@ static struct share solve_rows(const struct rb_dense *dense)
 /* Differences between sweeps, of one row: of what each changed, and of what each led to. */
 struct rb_sweep_trace {
 	rb_vec3 change, impulse; /* of the last sweep */
+	double most;             /* N s: the largest impulse that it was led to */
 	rb_vec3 more_change[RB_SWEEP_MEMORY], more_impulse[RB_SWEEP_MEMORY];
 };
 
@@ -99,28 +101,30 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 	return sums;
 }
 
-/* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. Whether it goes far. */
-static bool follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
+/* Goes to the mixture of earlier sweeps; the sweep that comes next projects back onto the cone. */
+static void follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
 {
-	double size = 0, way = 0; /* N s: of impulses; that one of them goes, squared */
-
 	for (int k = 0; k < sweep->dense->row_count; k++) {
 		struct rb_dense_row *row = &sweep->dense->row[k];
 		const struct rb_sweep_trace *trace = &sweep->trace[k];
 		rb_vec3 extra = {0, 0, 0};
 
-		size = fmax(size, row->push);
 		for (int j = 0; j < filled; j++)
 			extra = rb_vec3_add_scaled(extra, -mix[j], trace->more_impulse[j]);
 		if (extra.x == 0 && extra.y == 0 && extra.z == 0)
 			continue;
 		const double normal = rb_vec3_dot(extra, row->normal);
-		way = fmax(way, rb_vec3_dot(extra, extra));
+		/* large mixtures make much of what rounding is across the normal */
+		if (row->friction == 0)
+			extra = rb_vec3_scale(normal, row->normal);
 		row->push += normal;
-		row->rub = rb_vec3_add(row->rub, rb_vec3_add_scaled(extra, -normal, row->normal));
+		if (row->friction > 0)
+			row->rub = rb_vec3_add(row->rub,
+			                       rb_vec3_add_scaled(extra, -normal, row->normal));
 		rb_dense_push(sweep->dense, row, extra);
+		const rb_vec3 led = rb_dense_impulse(row);
+		sweep->trace[k].most = fmax(sweep->trace[k].most, rb_vec3_max_abs(led));
 	}
-	return way > far_ratio * far_ratio * size * size;
 }
 
 bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
@@ -174,15 +178,15 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 	}
 }
 
-/* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. Whether far. */
-static bool accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
+/* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. */
+static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
 {
 	double mix[RB_SWEEP_MEMORY];
 
 	if (afresh) {
 		m->count = m->at = 0;
 		(void)remember_rows(sweep, 0, 0);
-		return false;
+		return;
 	}
 	const int filled = m->count < RB_SWEEP_MEMORY ? m->count + 1 : RB_SWEEP_MEMORY;
 	const struct sums sums = remember_rows(sweep, m->at, filled);
@@ -191,7 +195,7 @@ static bool accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afr
 	solve_gram(m, filled, sums.now, mix);
 	m->count = filled;
 	m->at = (m->at + 1) % RB_SWEEP_MEMORY;
-	return follow_rows(sweep, mix, filled);
+	follow_rows(sweep, mix, filled);
 }
 
 void rb_sweep_warm(const struct rb_dense *dense)
@@ -207,6 +211,8 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	struct mixture mixture = {0};
 	double before = 0;
 
+	for (int k = 0; k < sweep->dense->row_count; k++)
+		sweep->trace[k].most = 0;
 	while (result.sweeps < sweep->most) {
 		const struct share now = solve_rows(sweep->dense);
 
@@ -215,9 +221,36 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		if (now.change <= sweep->enough || result.sweeps == sweep->most)
 			break;
 		/* where it got worse, faces have changed, and with them what was learned */
-		if (accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before))
-			result.is_far = true;
+		accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before);
 		before = now.size;
 	}
 	return result;
+}
+
+bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*push)[2],
+                       int member_count)
+{
+	const struct rb_dense *dense = sweep->dense;
+	bool far = false;
+
+	for (int k = 0; k < member_count; k++)
+		push[k][0] = push[k][1] = 0;
+	for (int k = 0; k < dense->row_count; k++) {
+		const struct rb_dense_row *row = &dense->row[k];
+		const int ends[2] = {row->a, row->b};
+
+		for (int e = 0; e < 2; e++) {
+			const struct rb_dense_body *body = &dense->body[ends[e]];
+			const int at = local[ends[e]];
+
+			if (body->inverse_mass == 0)
+				continue;
+			push[at][0] += sweep->trace[k].most;
+			push[at][1] += rb_vec3_max_abs(rb_dense_impulse(row)) +
+			               rb_vec3_max_abs(body->linear) / body->inverse_mass;
+		}
+	}
+	for (int k = 0; k < member_count; k++)
+		far = far || push[k][0] > far_ratio * push[k][1];
+	return far;
 }

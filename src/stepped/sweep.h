@@ -26,12 +26,17 @@ struct rb_sweep {
 struct rb_sweep_result {
 	int sweeps;
 	double residual; /* m/s: largest change of a row's velocity in the last sweep */
-	bool is_far; /* mixtures went far beyond the impulses: velocities have the rounding of these */
 };
 
 /* Applies the impulses that rows begin with to the bodies. */
 void rb_sweep_warm(const struct rb_dense *dense);
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep);
+/*
+ * Whether mixtures have led to impulses far beyond what it came to: velocities have the rounding of these. `push` [members] is
+ * scratch, `local` a body's place in it.
+ */
+bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*push)[2],
+                       int member_count);
 
 /* Scratch, once dense is known; false: no memory. */
 bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena);

@@ -91,7 +91,9 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	                (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS);
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
-		return rb_sweep_take(&sweeper->one, arena);
+		sweeper->push = rb_arena_take(arena, (size_t)sweeper->member_count + 1,
+		                              sizeof *sweeper->push);
+		return sweeper->push && rb_sweep_take(&sweeper->one, arena);
 	}
 	if (!colour_rows(sweeper, &colours, arena))
 		return false;
@@ -113,6 +115,16 @@ struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough,
 	sweeper->one.enough = enough;
 	sweeper->one.most = most;
 	return rb_sweep_solve(&sweeper->one);
+}
+
+bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)
+{
+	if (sweeper->wide)
+		return false;
+	for (int k = 0; k < sweeper->member_count; k++)
+		sweeper->local[sweeper->member[k]] = k;
+	return rb_sweep_went_far(&sweeper->one, sweeper->local, sweeper->push,
+	                         sweeper->member_count);
 }
 
 struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double enough, int most)

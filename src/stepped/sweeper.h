@@ -25,6 +25,7 @@ struct rb_sweeper {
 	/* rb_sweeper_take */
 	bool wide, central; /* central: of spheres alone */
 	struct rb_sweep one;
+	double (*push)[2]; /* [members]: scratch of `one` */
 	struct rb_wide many;
 };
 
@@ -32,6 +33,8 @@ struct rb_sweeper {
 bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena);
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough, int most);
+/* Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide ones. */
+bool rb_sweeper_went_far(const struct rb_sweeper *sweeper);
 /* Wide ones only: with what acts across the normals as it is. */
 struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double enough, int most);
 

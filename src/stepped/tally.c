@@ -52,7 +52,8 @@ static rb_vec3 spin_of(const struct rb_state *state, int i)
 	return state->spin ? rb_world_row3(state->spin, i) : (rb_vec3){0, 0, 0};
 }
 
-static void note_solved(const struct rb_world *world, int i, struct rb_tally_body *body)
+static void note_solved(const struct rb_world *world, int i, bool stands,
+                        struct rb_tally_body *body)
 {
 	const struct rb_stepped *s = world->stepped;
 
@@ -64,7 +65,7 @@ static void note_solved(const struct rb_world *world, int i, struct rb_tally_bod
 	}
 	/* the state's spin has turned with the body since; what stands has not been looked at */
 	body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
-	if (!s->stand.stands[i]) {
+	if (!stands) {
 		body->end[0] = s->solver.dense.body[i].linear;
 		body->end[1] = s->solver.dense.body[i].angular;
 	}
@@ -84,14 +85,16 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
 		struct rb_tally_body *body = &s->tally->body[i];
+		/* whoever takes shorter steps stands no longer, though nobody has been told yet */
+		const bool stands = all && s->stand.stands[i];
 
 		body->is_closed = false;
-		body->kind = s->stand.stands[i]         ? RB_TALLY_RESTS
+		body->kind = stands                     ? RB_TALLY_RESTS
 		             : solver->island_of[i] < 0 ? RB_TALLY_FREE
 		             : solver->rests[i]         ? RB_TALLY_RESTS
 		                                        : RB_TALLY_JOINED;
 		if (body->kind != RB_TALLY_FREE || works)
-			note_solved(world, i, body);
+			note_solved(world, i, stands, body);
 	}
 }
 
