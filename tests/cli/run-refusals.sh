@@ -25,7 +25,7 @@ sphere { radius = 1 }
 END
 exits 0 unread.lua --no-record
 says err "warning: unread.lua: nothing reads the global 'gravity'; it is a key of world"
-says_no err "'duration'"
+! grep -q "'duration'" err || fail "what is right is told as a mistake"
 exits 64 unread.lua --dt 0.1
 says err "option '--dt' does not belong to 'run' .did you mean '--time-step'"
 
@@ -148,3 +148,21 @@ exits 0 info "$long"
 [ -z "$(find . -name '00*checkpoint*')" ] || fail "a checkpoint of a long name stays"
 exits 73 s.lua -o "0$long"
 says err "cannot create '00"
+
+# without /proc, or with something else in its place: what is missing is told, and what does not need it goes on
+if unshare -rm true 2>/dev/null; then
+	cat >bare.sh <<'END'
+mount -t tmpfs none /proc || exit 77
+"$RBSIM" s.lua -q -o bare.h5 2>err
+[ $? -eq 69 ] && grep -q '/proc/self/exe does not say' err || exit 1
+RBSIM_MODULE_DIR=${RBSIM%/*} "$RBSIM" s.lua -q -o bare.h5 2>err
+[ $? -eq 73 ] && grep -q "'/proc/self/fd' is missing or not the system's own" err && [ ! -e bare.h5 ] || exit 2
+mkdir -p /proc/self/fd && echo nonsense >/proc/self/status
+"$RBSIM" s.lua -q --no-record 2>err || exit 3
+RBSIM_MODULE_DIR=${RBSIM%/*} "$RBSIM" s.lua -q -o bare.h5 2>err
+[ $? -eq 73 ] || exit 4
+END
+	unshare -rm sh bare.sh >bare.out 2>&1
+	got=$?
+	[ $got -eq 0 ] || [ $got -eq 77 ] || fail "without /proc, $got: $(cat bare.out err)"
+fi
