@@ -8,6 +8,7 @@
 #include "app/json.h"
 #include "app/simulate.h"
 #include "base/clock.h"
+#include "base/visible.h"
 #include "event/parts.h"
 #include "flow/frame.h"
 #include "flow/ring.h"
@@ -160,13 +161,13 @@ static void print_materials(const struct rb_loaded *loaded)
 {
 	const struct rb_model *const model = loaded->model;
 
-	printf("materials\n");
+	rb_print(stdout, "materials\n");
 	for (int a = 0; a < model->material_count; a++)
 		for (int b = a; b < model->material_count; b++) {
 			const struct rb_pair_material pair = pair_of(model, a, b);
-			printf("  %s on %s: friction %g, restitution %g\n",
-			       material_name(&loaded->scene, a), material_name(&loaded->scene, b),
-			       pair.friction, pair.restitution);
+			rb_print(stdout, "  %s on %s: friction %g, restitution %g\n",
+			         material_name(&loaded->scene, a), material_name(&loaded->scene, b),
+			         pair.friction, pair.restitution);
 		}
 }
 
@@ -193,13 +194,13 @@ static void print_driven(const struct rb_model *model)
 		if (!model->driven[i] || shown++ >= SHOWN)
 			continue;
 		const bool shift = !body->motion_gives_velocity;
-		printf("  %-11s %s%s%s%s%s%s\n", shown == 1 ? "driven" : "",
-		       rb_scene_body_label(model->scene, id, label), shift || turn ? ": " : "",
-		       shift ? "velocity" : "", shift && turn ? " and " : "",
-		       turn ? "angular velocity" : "", shift || turn ? " differenced" : "");
+		rb_print(stdout, "  %-11s %s%s%s%s%s%s\n", shown == 1 ? "driven" : "",
+		         rb_scene_body_label(model->scene, id, label), shift || turn ? ": " : "",
+		         shift ? "velocity" : "", shift && turn ? " and " : "",
+		         turn ? "angular velocity" : "", shift || turn ? " differenced" : "");
 	}
 	if (shown > SHOWN)
-		printf("  %-11s %d more\n", "", shown - SHOWN);
+		rb_print(stdout, "  %-11s %d more\n", "", shown - SHOWN);
 }
 
 static void print_bodies(const struct rb_model *model)
@@ -209,18 +210,18 @@ static void print_bodies(const struct rb_model *model)
 	int counts[RB_SHAPE_KIND_COUNT] = {0};
 	char forces[96], shapes[160];
 
-	printf("  bodies      %d moving", model->body_count);
+	rb_print(stdout, "  bodies      %d moving", model->body_count);
 	if (driven > 0)
-		printf(" (%d of them driven)", driven);
-	printf(", %d static\n", model->static_count);
+		rb_print(stdout, " (%d of them driven)", driven);
+	rb_print(stdout, ", %d static\n", model->static_count);
 	for (int i = 0; i < scene->body_count; i++)
 		counts[scene->bodies[i].shape.kind]++;
 	if (*rb_text_shapes(counts, shapes))
-		printf("  shapes      %s\n", shapes);
+		rb_print(stdout, "  shapes      %s\n", shapes);
 	print_driven(model);
 	rb_text_forces(scene->spring_count, scene->drag_count, scene->field_count, forces);
 	if (*forces)
-		printf("  forces      %s\n", forces);
+		rb_print(stdout, "  forces      %s\n", forces);
 }
 
 /* Parts of the located method, or stages of the stepped one; step/plan prints those of the classic method. */
@@ -234,8 +235,8 @@ static void print_parts(const struct rb_model *model)
 	for (int k = 0; k < count; k++) {
 		const bool on = rb_part_is_used(&part[k], model);
 
-		printf("  %c %-16s %s\n", on ? '+' : '-', part[k].name,
-		       on ? part[k].what : rb_part_why_not(&part[k], model));
+		rb_print(stdout, "  %c %-16s %s\n", on ? '+' : '-', part[k].name,
+		         on ? part[k].what : rb_part_why_not(&part[k], model));
 	}
 }
 
@@ -250,7 +251,7 @@ static void print_films(struct rb_loaded *loaded, const struct rb_options *optio
 	if (options->no_render)
 		return;
 	if (rb_films_create(&films, loaded, &wish, &refusal))
-		printf("  but         %s\n", refusal.text);
+		rb_print(stdout, "  but         %s\n", refusal.text);
 	rb_films_print_plan(stdout, films);
 	rb_films_destroy(films);
 }
@@ -263,30 +264,35 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	const char *title = loaded->scene.world.title;
 	char size[32];
 
-	printf("%s%s%s\n", loaded->scene.file, title && *title ? ": " : "", title ? title : "");
+	rb_print(stdout, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
+	         title ? title : "");
 	print_bodies(model);
-	printf("  run         %g s in %" PRIu64 " frames at %g per second, %" PRIu64
-	       " steps of at most %g s, seed %" PRIu64 "\n",
-	       model->duration_s, model->frame_count, model->frame_rate, needs->steps,
-	       model->time_step_s, loaded->scene.world.seed);
-	printf("  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
-	       info->rollback, model->tolerance_m, info->threads,
-	       rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	rb_print(stdout,
+	         "  run         %g s in %" PRIu64 " frames at %g per second, %" PRIu64
+	         " steps of at most %g s, seed %" PRIu64 "\n",
+	         model->duration_s, model->frame_count, model->frame_rate, needs->steps,
+	         model->time_step_s, loaded->scene.world.seed);
+	rb_print(stdout, "  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
+	         info->rollback, model->tolerance_m, info->threads,
+	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
 	if (model->method == RB_METHOD_AUTO && (model->features & RB_FEATURE_CONTACT))
 		puts("  crowds      too dense to locate are left to steps (rbsim-scene(5))");
-	printf("  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
-	       "              a touching pair that no force parts beyond that is in lasting contact (rbsim-scene(5))\n",
-	       8 * rb_ulp(model->coordinate_max_m));
-	printf("  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 "%s)\n",
-	       rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count,
-	       loaded->scene.camera_count > 0 && !options->no_render ? ", without the films" : "");
+	rb_print(
+		stdout,
+		"  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
+		"              a touching pair that no force parts beyond that is in lasting contact (rbsim-scene(5))\n",
+		8 * rb_ulp(model->coordinate_max_m));
+	rb_print(stdout, "  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 "%s)\n",
+	         rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count,
+	         loaded->scene.camera_count > 0 && !options->no_render ? ", without the films"
+	                                                               : "");
 	if (loaded->output)
-		printf("  disk        %s: %s\n", loaded->output,
-		       rb_text_bytes(needs->disk_bytes, size));
+		rb_print(stdout, "  disk        %s: %s\n", loaded->output,
+		         rb_text_bytes(needs->disk_bytes, size));
 	else
-		printf("  disk        nothing is recorded\n");
+		rb_print(stdout, "  disk        nothing is recorded\n");
 	if (rb_simulate_check_output(loaded, options, &refusal))
-		printf("  but         %s\n", refusal.text);
+		rb_print(stdout, "  but         %s\n", refusal.text);
 	print_films(loaded, options);
 	print_materials(loaded);
 	rb_plan_print_features(model, stdout);

@@ -8,6 +8,7 @@
 #include "app/json.h"
 #include "app/planned.h"
 #include "base/outfile.h"
+#include "base/visible.h"
 #include "sweep/table.h"
 
 /* All of one call of the verb. */
@@ -150,11 +151,11 @@ static void tell(const struct collect *collect, uint64_t linked)
 		rb_json_close(&json, '}');
 		putchar('\n');
 	} else if (!collect->options->quiet && *collect->output) {
-		printf("%s: %" PRIu64 " %s, %" PRIu64 " done", collect->output, points,
-		       rb_text_plural(points, "point", "points"), done);
+		rb_print(stdout, "%s: %" PRIu64 " %s, %" PRIu64 " done", collect->output, points,
+		         rb_text_plural(points, "point", "points"), done);
 		if (!is_csv(collect))
-			printf(", %" PRIu64 " %s", linked,
-			       rb_text_plural(linked, "recording", "recordings"));
+			rb_print(stdout, ", %" PRIu64 " %s", linked,
+			         rb_text_plural(linked, "recording", "recordings"));
 		putchar('\n');
 	}
 }

@@ -10,16 +10,17 @@
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/place.h"
+#include "base/visible.h"
 #include "flow/frame.h"
 #include "math/vec3.h"
 #include "script/pattern.h"
 
 int rb_app_fail(const struct rb_options *options, const struct rb_error *err)
 {
-	fprintf(stderr, "rbsim: %s\n", *err->text ? err->text : rb_status_name(err->status));
+	rb_print(stderr, "rbsim: %s\n", *err->text ? err->text : rb_status_name(err->status));
 	if (options->debug && err->file)
-		fprintf(stderr, "rbsim: (%s error, from %s:%d)\n", rb_status_name(err->status),
-		        err->file, err->line);
+		rb_print(stderr, "rbsim: (%s error, from %s:%d)\n", rb_status_name(err->status),
+		         err->file, err->line);
 	return rb_status_exit_code(err->status);
 }
 
@@ -56,10 +57,21 @@ static void print_traceback(const struct rb_options *options, const struct rb_lo
 {
 	const char *traceback = loaded->script ? rb_script_traceback(loaded->script) : "";
 	const bool callback = err->status == RB_ERR_SCENE && loaded->mistakes.count == 0;
-	const char *calls = strstr(traceback, "stack traceback:");
+	const char *calls = NULL;
 
-	if (calls && (callback || options->debug))
-		fprintf(stderr, "%s\n", calls);
+	/* the last: the message before it may say so too */
+	for (const char *at = traceback; (at = strstr(at, "stack traceback:")); at++)
+		calls = at;
+	if (!calls || !(callback || options->debug))
+		return;
+	const char *const first = calls;
+	while (*calls) {
+		const size_t size = strcspn(calls, "\n");
+		/* a name of a function may hold a line break: no line of it begins one of ours */
+		rb_print(stderr, "%s%.*s\n", calls == first || *calls == '\t' ? "" : "\t",
+		         (int)size, calls);
+		calls += size + (calls[size] == '\n');
+	}
 }
 
 int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *loaded,
@@ -69,30 +81,31 @@ int rb_app_fail_scene(const struct rb_options *options, const struct rb_loaded *
 
 	if (rb_app_refused_as_expected(loaded, err)) {
 		if (!options->quiet)
-			fprintf(stderr, "rbsim: refused, as the scene expects: %s\n", err->text);
+			rb_print(stderr, "rbsim: refused, as the scene expects: %s\n", err->text);
 		return 0;
 	}
 	if (mistakes->count == 0 || (err->status != RB_ERR_SCENE && err->status != RB_ERR_USAGE)) {
 		if (err->status == RB_ERR_SCENE && has_place(loaded, err->text))
-			fprintf(stderr, "%s\n", err->text);
+			rb_print(stderr, "%s\n", err->text);
 		else
 			(void)rb_app_fail(options, err);
 	} else {
 		for (int i = 0; i < mistakes->count && i < RB_MISTAKES_MAX; i++)
 			if (mistakes->line[i])
-				fprintf(stderr, "%s\n", mistakes->line[i]);
+				rb_print(stderr, "%s\n", mistakes->line[i]);
 		if (mistakes->count > RB_MISTAKES_MAX)
-			fprintf(stderr, "rbsim: and %d more\n", mistakes->count - RB_MISTAKES_MAX);
+			rb_print(stderr, "rbsim: and %d more\n", mistakes->count - RB_MISTAKES_MAX);
 		if (options->debug && err->file)
-			fprintf(stderr, "rbsim: (%s error, from %s:%d)\n",
-			        rb_status_name(err->status), err->file, err->line);
+			rb_print(stderr, "rbsim: (%s error, from %s:%d)\n",
+			         rb_status_name(err->status), err->file, err->line);
 	}
 	print_traceback(options, loaded, err);
 	if (loaded->scene.expect_refused)
-		fprintf(stderr, "rbsim: the scene expected to be refused with status %d and '%s'\n",
-		        loaded->scene.expect_refused,
-		        loaded->scene.expect_refused_pattern ? loaded->scene.expect_refused_pattern
-		                                             : "");
+		rb_print(stderr,
+		         "rbsim: the scene expected to be refused with status %d and '%s'\n",
+		         loaded->scene.expect_refused,
+		         loaded->scene.expect_refused_pattern ? loaded->scene.expect_refused_pattern
+		                                              : "");
 	return rb_status_exit_code(err->status);
 }
 
@@ -148,9 +161,9 @@ int rb_app_not_refused(const struct rb_loaded *loaded)
 {
 	const char *pattern = loaded->scene.expect_refused_pattern;
 
-	fprintf(stderr, "rbsim: '%s' expected to be refused with status %d%s%s%s, but was not\n",
-	        loaded->scene.file, loaded->scene.expect_refused, pattern ? " and '" : "",
-	        pattern ? pattern : "", pattern ? "'" : "");
+	rb_print(stderr, "rbsim: '%s' expected to be refused with status %d%s%s%s, but was not\n",
+	         loaded->scene.file, loaded->scene.expect_refused, pattern ? " and '" : "",
+	         pattern ? pattern : "", pattern ? "'" : "");
 	return rb_status_exit_code(RB_ERR_EXPECT);
 }
 

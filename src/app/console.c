@@ -15,6 +15,7 @@
 #include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/visible.h"
 #include "control/viewer.h"
 
 static const double usual_fps = 30, connect_s = 2;
@@ -212,7 +213,7 @@ static void tell_child(struct rb_process *child)
 	ssize_t size;
 
 	while (child->errors >= 0 && (size = read(child->errors, bytes, sizeof bytes)) > 0)
-		fwrite(bytes, 1, (size_t)size, stderr);
+		rb_print_lines(stderr, bytes, (size_t)size);
 }
 
 static void end_child(struct console *c)
@@ -220,14 +221,14 @@ static void end_child(struct console *c)
 	if (c->child.address[0] == '\0')
 		return;
 	if (c->options->detach && rb_process_lives(&c->child)) {
-		fprintf(stderr, "rbsim: the run goes on: rbsim attach %s\n", c->child.address);
+		rb_print(stderr, "rbsim: the run goes on: rbsim attach %s\n", c->child.address);
 		return;
 	}
 	if (rb_process_lives(&c->child)) {
 		rb_process_end(&c->child);
 		if (c->recording)
-			fprintf(stderr, "rbsim: the run was ended; '%s' holds it up to there\n",
-			        c->recording);
+			rb_print(stderr, "rbsim: the run was ended; '%s' holds it up to there\n",
+			         c->recording);
 	}
 }
 

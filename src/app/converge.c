@@ -13,6 +13,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "base/visible.h"
 #include "script/reference.h"
 #include "step/step.h"
 
@@ -227,8 +228,8 @@ static double seconds_since(uint64_t start_ns)
 static void show(const struct converge *converge, const char *what, double time_step_s)
 {
 	if (converge->bar)
-		fprintf(stderr, "\r\033[K%s, time step %.3g s (%.0f of %.0f s)", what, time_step_s,
-		        seconds_since(converge->start_ns), converge->report.budget_s);
+		rb_print(stderr, "\r\033[K%s, time step %.3g s (%.0f of %.0f s)", what, time_step_s,
+		         seconds_since(converge->start_ns), converge->report.budget_s);
 }
 
 static void show_reference(double time_step_s, void *user)
@@ -512,10 +513,10 @@ static enum rb_status print_all(const struct converge *converge, struct rb_error
 	if (!status && converge->output == TERMINAL) {
 		if (rb_plot_available("", &missing) ||
 		    rb_chart_draw(stdout, report, RB_PLOT_TEXT, size, &missing))
-			printf("  no picture: %s\n", missing.text);
+			rb_print(stdout, "  no picture: %s\n", missing.text);
 	}
 	if (!status && converge->output != TERMINAL)
-		printf("  written    %s\n", converge->options->output);
+		rb_print(stdout, "  written    %s\n", converge->options->output);
 	if (!status)
 		rb_report_print_end(stdout, report);
 	return status;

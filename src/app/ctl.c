@@ -7,6 +7,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "base/memory.h"
+#include "base/visible.h"
 #include "control/client.h"
 #include "control/command.h"
 
@@ -77,8 +78,8 @@ int rb_ctl_main(const struct rb_options *options)
 	if (options->json)
 		print_json(options, line, lines, &err);
 	else
-		(void)!fwrite(lines, 1, size,
-		              stdout); /* rb_app_finish looks whether it was written */
+		rb_print_lines(stdout, lines,
+		               size); /* rb_app_finish looks whether it was written */
 	const int exit_code = status ? rb_app_fail(options, &err) : 0;
 	rb_client_close(client);
 	return rb_app_finish(options, exit_code);

@@ -7,6 +7,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "base/visible.h"
 #include "sink/module.h"
 
 static const struct {
@@ -161,9 +162,9 @@ static double plain_nan(double x)
 
 static void print_vector(const struct side *side, const struct difference *found, int i)
 {
-	printf("  %s:", side[i].path);
+	rb_print(stdout, "  %s:", side[i].path);
 	for (int k = 0; k < columns[found->column].width; k++)
-		printf(" %.17g", plain_nan(found->value[i][k]));
+		rb_print(stdout, " %.17g", plain_nan(found->value[i][k]));
 	putchar('\n');
 }
 
@@ -172,10 +173,13 @@ static void print_fields(const struct side *side, const struct difference *found
 	for (int i = 0; i < 2; i++)
 		for (int c = 0; c < COLUMN_COUNT; c++)
 			if (found->only[i] & columns[c].field)
-				printf("only '%s' has the column '%s'; what both have is the same\n",
-				       side[i].path, columns[c].name);
+				rb_print(
+					stdout,
+					"only '%s' has the column '%s'; what both have is the same\n",
+					side[i].path, columns[c].name);
 	if ((found->only[0] | found->only[1]) & (RB_FIELD_CONTACTS | RB_FIELD_EVENTS))
-		printf("only one of them has contacts or events; the bodies are the same\n");
+		rb_print(stdout,
+		         "only one of them has contacts or events; the bodies are the same\n");
 }
 
 static void print_text(const struct side *side, const struct difference *found)
@@ -185,38 +189,44 @@ static void print_text(const struct side *side, const struct difference *found)
 
 	switch (found->kind) {
 	case SAME:
-		printf("the same to the bit: %" PRIu64 " frames of %d bodies\n", a->frame_count,
-		       a->body_count);
+		rb_print(stdout, "the same to the bit: %" PRIu64 " frames of %d bodies\n",
+		         a->frame_count, a->body_count);
 		break;
 	case BODIES:
-		printf("the bodies differ: '%s' has %d moving and %d static, '%s' has %d and %d\n",
-		       side[0].path, a->body_count, a->static_count, side[1].path, b->body_count,
-		       b->static_count);
+		rb_print(
+			stdout,
+			"the bodies differ: '%s' has %d moving and %d static, '%s' has %d and %d\n",
+			side[0].path, a->body_count, a->static_count, side[1].path, b->body_count,
+			b->static_count);
 		break;
 	case FIELDS:
 		print_fields(side, found);
 		break;
 	case TIMES:
-		printf("frame %" PRIu64 " is at %.17g s in '%s' and at %.17g s in '%s'\n",
-		       found->row, found->time[0], side[0].path, found->time[1], side[1].path);
+		rb_print(stdout, "frame %" PRIu64 " is at %.17g s in '%s' and at %.17g s in '%s'\n",
+		         found->row, found->time[0], side[0].path, found->time[1], side[1].path);
 		break;
 	case VALUES:
-		printf("frame %" PRIu64
-		       " (%.9g s): body %s: %s differs by %.3g (the largest difference of any body: %.3g)\n",
-		       found->row, found->time[0], label_of(&side[0], found->body, label),
-		       columns[found->column].name, plain_nan(found->largest),
-		       plain_nan(found->largest_in_frame));
+		rb_print(
+			stdout,
+			"frame %" PRIu64
+			" (%.9g s): body %s: %s differs by %.3g (the largest difference of any body: %.3g)\n",
+			found->row, found->time[0], label_of(&side[0], found->body, label),
+			columns[found->column].name, plain_nan(found->largest),
+			plain_nan(found->largest_in_frame));
 		print_vector(side, found, 0);
 		print_vector(side, found, 1);
 		break;
 	case FRAME_COUNTS:
-		printf("the same as far as both go, but '%s' has %" PRIu64
-		       " frames and '%s' has %" PRIu64 "\n",
-		       side[0].path, a->frame_count, side[1].path, b->frame_count);
+		rb_print(stdout,
+		         "the same as far as both go, but '%s' has %" PRIu64
+		         " frames and '%s' has %" PRIu64 "\n",
+		         side[0].path, a->frame_count, side[1].path, b->frame_count);
 		break;
 	case HASHES:
-		printf("the frames are the same, but the states at the end differ: %s and %s\n",
-		       a->state_hash, b->state_hash);
+		rb_print(stdout,
+		         "the frames are the same, but the states at the end differ: %s and %s\n",
+		         a->state_hash, b->state_hash);
 		break;
 	}
 }

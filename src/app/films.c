@@ -13,6 +13,7 @@
 #include "base/memory.h"
 #include "base/place.h"
 #include "base/team.h"
+#include "base/visible.h"
 #include "control/steer.h"
 #include "flow/between.h"
 #include "flow/frame.h"
@@ -699,9 +700,9 @@ static void print_name(FILE *file, const struct film *film)
 {
 	const struct rb_camera_def *const camera = &film->camera;
 
-	fprintf(file, "%s%s%s, %s", camera->video ? camera->video : "",
-	        camera->video && camera->png ? " and " : "", camera->png ? camera->png : "",
-	        film->label);
+	rb_print(file, "%s%s%s, %s", camera->video ? camera->video : "",
+	         camera->video && camera->png ? " and " : "", camera->png ? camera->png : "",
+	         film->label);
 }
 
 void rb_films_print_plan(FILE *file, const struct rb_films *films)
@@ -709,11 +710,11 @@ void rb_films_print_plan(FILE *file, const struct rb_films *films)
 	for (int i = 0; i < rb_films_count(films); i++) {
 		const struct film *const film = &films->film[i];
 		const uint64_t count = rb_schedule_count(&film->schedule);
-		fprintf(file, "  film        ");
+		rb_print(file, "  film        ");
 		print_name(file, film);
-		fprintf(file, ": %" PRIu64 " %s of %d x %d pixels\n", count,
-		        rb_text_plural(count, "picture", "pictures"), film->camera.size_px[0],
-		        film->camera.size_px[1]);
+		rb_print(file, ": %" PRIu64 " %s of %d x %d pixels\n", count,
+		         rb_text_plural(count, "picture", "pictures"), film->camera.size_px[0],
+		         film->camera.size_px[1]);
 	}
 }
 
@@ -727,22 +728,23 @@ void rb_films_print(FILE *file, const struct rb_films *films)
 		const double busy = (double)(t->draw_ns + t->read_ns + t->png_ns + t->pipe_ns);
 		const double percent = busy > 0 ? 100 / busy : 0;
 
-		fprintf(file, "  film          ");
+		rb_print(file, "  film          ");
 		print_name(file, film);
-		fprintf(file, ": %" PRIu64 " %s, %s", t->pictures,
-		        rb_text_plural(t->pictures, "picture", "pictures"),
-		        rb_text_bytes(t->bytes, size));
+		rb_print(file, ": %" PRIu64 " %s, %s", t->pictures,
+		         rb_text_plural(t->pictures, "picture", "pictures"),
+		         rb_text_bytes(t->bytes, size));
 		if (t->pictures > 0)
-			fprintf(file,
-			        "; drawing %.0f %%, reading back %.0f %%, PNG %.0f %%, pipe %.0f %%",
-			        percent * (double)t->draw_ns, percent * (double)t->read_ns,
-			        percent * (double)t->png_ns, percent * (double)t->pipe_ns);
+			rb_print(
+				file,
+				"; drawing %.0f %%, reading back %.0f %%, PNG %.0f %%, pipe %.0f %%",
+				percent * (double)t->draw_ns, percent * (double)t->read_ns,
+				percent * (double)t->png_ns, percent * (double)t->pipe_ns);
 		if (t->left_out > 0)
-			fprintf(file, "; %" PRIu64 " left out by command", t->left_out);
-		fprintf(file, "%s\n",
-		        film->status      ? " (failed)"
-		        : is_cut_short(t) ? " (cut short)"
-		                          : "");
+			rb_print(file, "; %" PRIu64 " left out by command", t->left_out);
+		rb_print(file, "%s\n",
+		         film->status      ? " (failed)"
+		         : is_cut_short(t) ? " (cut short)"
+		                           : "");
 	}
 }
 

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "base/visible.h"
+
 /* Commands that can be copied with what is said of them. */
 static void print_examples(FILE *file, const char *examples)
 {
@@ -65,33 +67,33 @@ void rb_help_print(FILE *file, const struct rb_options *options)
 static void print_range(FILE *file, const struct rb_param_def *param)
 {
 	if (param->choices)
-		fprintf(file, "one of %s", param->choices);
+		rb_print(file, "one of %s", param->choices);
 	else if (!isnan(param->min) && !isnan(param->max))
-		fprintf(file, "%g to %g", param->min, param->max);
+		rb_print(file, "%g to %g", param->min, param->max);
 	else if (!isnan(param->min))
-		fprintf(file, "at least %g", param->min);
+		rb_print(file, "at least %g", param->min);
 	else if (!isnan(param->max))
-		fprintf(file, "at most %g", param->max);
+		rb_print(file, "at most %g", param->max);
 }
 
 void rb_help_print_params(FILE *file, const struct rb_scene *scene)
 {
 	if (scene->world.title && *scene->world.title)
-		fprintf(file, "\nScene: %s\n", scene->world.title);
+		rb_print(file, "\nScene: %s\n", scene->world.title);
 	if (scene->world.description && *scene->world.description)
-		fprintf(file, "  %s\n", scene->world.description);
+		rb_print(file, "  %s\n", scene->world.description);
 	if (scene->param_count == 0) {
-		fprintf(file, "\nParameters of %s: none\n", scene->file);
+		rb_print(file, "\nParameters of %s: none\n", scene->file);
 		return;
 	}
-	fprintf(file, "\nParameters of %s (--param NAME=VALUE):\n", scene->file);
+	rb_print(file, "\nParameters of %s (--param NAME=VALUE):\n", scene->file);
 	for (int i = 0; i < scene->param_count; i++) {
 		const struct rb_param_def *param = &scene->params[i];
 		char left[96];
 		snprintf(left, sizeof left, "%s=%s", param->name, param->default_text);
-		fprintf(file, "  %-26s %s", left, param->help ? param->help : "");
+		rb_print(file, "  %-26s %s", left, param->help ? param->help : "");
 		if (param->choices || !isnan(param->min) || !isnan(param->max)) {
-			fprintf(file, "%s(", param->help && *param->help ? " " : "");
+			rb_print(file, "%s(", param->help && *param->help ? " " : "");
 			print_range(file, param);
 			putc(')', file);
 		}

@@ -4,10 +4,12 @@
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "app/common.h"
 #include "app/json.h"
 #include "base/memory.h"
+#include "base/visible.h"
 #include "math/vec3.h"
 #include "sink/module.h"
 
@@ -211,20 +213,20 @@ static void print_changes(const struct course *course)
 	char first[64], last[64], largest[64];
 
 	if (course->has_energy) {
-		printf("  energy      %s at the start, %s at the end",
-		       rb_text_measure("", course->energy_first, 6, "J", first),
-		       rb_text_measure("", course->energy_last, 6, "J", last));
+		rb_print(stdout, "  energy      %s at the start, %s at the end",
+		         rb_text_measure("", course->energy_first, 6, "J", first),
+		         rb_text_measure("", course->energy_last, 6, "J", last));
 		if (isfinite(change))
-			printf(": %+.3g J", change);
-		printf(", largest kinetic %s\n",
-		       rb_text_measure("", course->kinetic_max, 6, "J", largest));
+			rb_print(stdout, ": %+.3g J", change);
+		rb_print(stdout, ", largest kinetic %s\n",
+		         rb_text_measure("", course->kinetic_max, 6, "J", largest));
 	}
 	if (course->has_momentum)
-		printf("  momentum    %s, angular momentum %s\n",
-		       rb_text_measure("changed by up to ", course->momentum_change, 3, "kg m/s",
-		                       first),
-		       rb_text_measure("by up to ", course->angular_momentum_change, 3, "kg m^2/s",
-		                       last));
+		rb_print(stdout, "  momentum    %s, angular momentum %s\n",
+		         rb_text_measure("changed by up to ", course->momentum_change, 3, "kg m/s",
+		                         first),
+		         rb_text_measure("by up to ", course->angular_momentum_change, 3,
+		                         "kg m^2/s", last));
 }
 
 static void print_text(const char *path, const struct rb_reading *reading,
@@ -232,55 +234,69 @@ static void print_text(const char *path, const struct rb_reading *reading,
 {
 	char forces[96], shapes[160], size[32];
 
-	printf("%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
-	       rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
-	       rb_text_plural((uint64_t)reading->body_count, "body", "bodies"));
+	rb_print(stdout, "%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
+	         rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
+	         rb_text_plural((uint64_t)reading->body_count, "body", "bodies"));
 	if (reading->static_count > 0)
-		printf(" (and %d that %s)", reading->static_count,
-		       rb_text_plural((uint64_t)reading->static_count, "is static", "are static"));
-	printf(", %g to %g s of %g s\n", course->first_s, course->last_s, reading->duration_s);
+		rb_print(
+			stdout, " (and %d that %s)", reading->static_count,
+			rb_text_plural((uint64_t)reading->static_count, "is static", "are static"));
+	rb_print(stdout, ", %g to %g s of %g s\n", course->first_s, course->last_s,
+	         reading->duration_s);
 	if (*reading->title)
-		printf("  title       %s\n", reading->title);
+		rb_print(stdout, "  title       %s\n", reading->title);
 	if (*rb_text_shapes(reading->shape_counts, shapes))
-		printf("  shapes      %s\n", shapes);
+		rb_print(stdout, "  shapes      %s\n", shapes);
 	if (reading->driven_count > 0)
-		printf("  driven      %d of the moving bodies\n", reading->driven_count);
+		rb_print(stdout, "  driven      %d of the moving bodies\n", reading->driven_count);
 	rb_text_forces(reading->spring_count, reading->drag_count, reading->field_count, forces);
 	if (*forces)
-		printf("  forces      %s\n", forces);
-	printf("  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",
-	       reading->reason);
-	printf("  columns    ");
+		rb_print(stdout, "  forces      %s\n", forces);
+	rb_print(stdout, "  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",
+	         reading->reason);
+	rb_print(stdout, "  columns    ");
 	for (int i = 0; i < FIELD_COUNT; i++)
 		if (reading->fields & field_names[i].bit)
-			printf(" %s", field_names[i].name);
-	printf("\n  method      %s, rollback %s, time step %g s, tolerance %g m\n", reading->method,
-	       reading->rollback, reading->time_step_s, reading->tolerance_m);
-	printf("  run         %g frames per second, seed %" PRIu64
-	       ", %d %s, rbsim %s on %s, %s to %s\n",
-	       reading->frame_rate, reading->seed, reading->threads,
-	       rb_text_plural((uint64_t)reading->threads, "thread", "threads"), reading->version,
-	       reading->host, reading->started, *reading->ended ? reading->ended : "?");
-	printf("  command     %s\n", reading->command);
+			rb_print(stdout, " %s", field_names[i].name);
+	rb_print(stdout, "\n  method      %s, rollback %s, time step %g s, tolerance %g m\n",
+	         reading->method, reading->rollback, reading->time_step_s, reading->tolerance_m);
+	rb_print(stdout,
+	         "  run         %g frames per second, seed %" PRIu64
+	         ", %d %s, rbsim %s on %s, %s to %s\n",
+	         reading->frame_rate, reading->seed, reading->threads,
+	         rb_text_plural((uint64_t)reading->threads, "thread", "threads"), reading->version,
+	         reading->host, reading->started, *reading->ended ? reading->ended : "?");
+	rb_print(stdout, "  command     %s\n", reading->command);
 	for (int i = 0; i < reading->param_count; i++)
-		printf("  %-11s %s = %s\n", i == 0 ? "parameters" : "", reading->param_names[i],
-		       reading->param_values[i]);
+		rb_print(stdout, "  %-11s %s = %s\n", i == 0 ? "parameters" : "",
+		         reading->param_names[i], reading->param_values[i]);
 	for (int i = 0; i < reading->file_count; i++)
-		printf("  %-11s %s, %s%s\n", i == 0 ? "files" : "", reading->file_names[i],
-		       rb_text_bytes(reading->file_sizes[i], size), i == 0 ? " (see --scene)" : "");
+		rb_print(stdout, "  %-11s %s, %s%s\n", i == 0 ? "files" : "",
+		         reading->file_names[i], rb_text_bytes(reading->file_sizes[i], size),
+		         i == 0 ? " (see --scene)" : "");
 	if (reading->frame_count == 0)
 		return;
 	print_changes(course);
 	if (isfinite(course->max_penetration))
-		printf("  overlap     %.3g m at most\n", course->max_penetration);
+		rb_print(stdout, "  overlap     %.3g m at most\n", course->max_penetration);
 	if (isfinite(course->collisions))
-		printf("  work        %.0f impacts, %.0f rollbacks, %.0f substeps",
-		       course->collisions, course->rollbacks, course->substeps);
+		rb_print(stdout, "  work        %.0f impacts, %.0f rollbacks, %.0f substeps",
+		         course->collisions, course->rollbacks, course->substeps);
 	if (isfinite(course->smallest_step))
-		printf(", smallest step %.3g s", course->smallest_step);
+		rb_print(stdout, ", smallest step %.3g s", course->smallest_step);
 	if (course->stepped > 0)
-		printf("; %.6g s of it stepped", course->stepped);
-	printf("\n  state       %s\n", *reading->state_hash ? reading->state_hash : "not told");
+		rb_print(stdout, "; %.6g s of it stepped", course->stepped);
+	rb_print(stdout, "\n  state       %s\n",
+	         *reading->state_hash ? reading->state_hash : "not told");
+}
+
+/* To the byte into files and pipes, where it is run again. */
+static void print_scene(const char *text, size_t size)
+{
+	if (isatty(STDOUT_FILENO))
+		rb_print_lines(stdout, text, size);
+	else
+		(void)!fwrite(text, 1, size, stdout);
 }
 
 static enum rb_status look(const struct rb_options *options, struct rb_error *err)
@@ -298,7 +314,7 @@ static enum rb_status look(const struct rb_options *options, struct rb_error *er
 	const struct rb_reading *reading = module->reader_reading(reader);
 	if (options->scene_text) {
 		if (reading->file_count > 0)
-			(void)!fwrite(reading->file_texts[0], 1, reading->file_sizes[0], stdout);
+			print_scene(reading->file_texts[0], reading->file_sizes[0]);
 		else
 			status = RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no scene",
 			                 options->operand[0]);

@@ -5,37 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/*
- * Length of the UTF-8 character at `s`, 0 where there is none (overlong forms and surrogates too).
- */
-static int character_length(const unsigned char *s)
-{
-	static const struct {
-		unsigned char mask, lead, second_low, second_high;
-		int length;
-	} forms[] = {
-		{0xff, 0xe0, 0xa0, 0xbf, 3}, {0xff, 0xed, 0x80, 0x9f, 3},
-		{0xff, 0xf0, 0x90, 0xbf, 4}, {0xff, 0xf4, 0x80, 0x8f, 4},
-		{0xe0, 0xc0, 0x80, 0xbf, 2}, {0xf0, 0xe0, 0x80, 0xbf, 3},
-		{0xfc, 0xf0, 0x80, 0xbf, 4},
-	};
-
-	if (s[0] < 0x80)
-		return 1;
-	if (s[0] < 0xc2)
-		return 0;
-	for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-		if ((s[0] & forms[i].mask) != forms[i].lead)
-			continue;
-		if (s[1] < forms[i].second_low || s[1] > forms[i].second_high)
-			return 0;
-		for (int k = 2; k < forms[i].length; k++)
-			if ((s[k] & 0xc0) != 0x80)
-				return 0;
-		return forms[i].length;
-	}
-	return 0;
-}
+#include "base/visible.h"
 
 static void put_text(FILE *file, const char *text)
 {
@@ -43,7 +13,7 @@ static void put_text(FILE *file, const char *text)
 
 	putc('"', file);
 	while (*s) {
-		const int length = character_length(s);
+		const size_t length = rb_utf8_size((const char *)s);
 		if (length == 0) {
 			fputs("\\ufffd", file);
 			s++;
@@ -56,7 +26,7 @@ static void put_text(FILE *file, const char *text)
 		else if (*s < 0x20 || *s == 0x7f)
 			fprintf(file, "\\u%04x", *s);
 		else
-			fwrite(s, 1, (size_t)length, file);
+			fwrite(s, 1, length, file);
 		s += length;
 	}
 	putc('"', file);

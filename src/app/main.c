@@ -26,6 +26,7 @@
 #include "app/verify.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/visible.h"
 #include "control/command.h"
 #include "control/keys.h"
 #include "script/rows.h"
@@ -46,8 +47,12 @@ static void tell(enum rb_log_level level, const char *text, void *user)
 {
 	const bool *const bar = user;
 
-	fprintf(stderr, "%s%s%s\n", *bar ? "\r\033[K" : "",
-	        level == RB_LOG_WARNING ? "rbsim: warning: " : "", text);
+	const char *const before = level == RB_LOG_WARNING ? "rbsim: warning: " : "";
+
+	if (*bar)
+		rb_print(stderr, "\r\033[K%s%s\n", before, text);
+	else
+		rb_print(stderr, "%s%s\n", before, text);
 }
 
 static int print_version(const struct rb_options *options)
@@ -107,8 +112,8 @@ static int check_memory(int exit_code)
 
 	if (!getenv("RBSIM_CHECK_MEMORY") || counts.taken == counts.freed)
 		return exit_code;
-	fprintf(stderr, "rbsim: %" PRIu64 " blocks of memory were not given back\n",
-	        counts.taken - counts.freed);
+	rb_print(stderr, "rbsim: %" PRIu64 " blocks of memory were not given back\n",
+	         counts.taken - counts.freed);
 	return rb_status_exit_code(RB_ERR_BUG);
 }
 
@@ -128,7 +133,7 @@ int main(int argc, char **argv)
 	if (rb_options_parse(&options, argc, argv, &err)) {
 		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)
-			fprintf(stderr, "rbsim: 'rbsim --help' tells more\n");
+			rb_print(stderr, "rbsim: 'rbsim --help' tells more\n");
 		exit_code = rb_app_finish(&options, exit_code);
 	} else {
 		if (!options.quiet)

@@ -3,6 +3,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "base/visible.h"
 
 static const struct {
 	const char *name, *what, *good_for, *mind;
@@ -67,12 +68,13 @@ int rb_methods_main(const struct rb_options *options)
 		putchar('\n');
 		return rb_app_finish(options, 0);
 	}
-	printf("method = ... (or --method)\n");
+	rb_print(stdout, "method = ... (or --method)\n");
 	for (int i = 0; i < method_count; i++)
-		printf("  %-10s %s\n  %-10s good for: %s\n  %-10s mind: %s\n", methods[i].name,
-		       methods[i].what, "", methods[i].good_for, "", methods[i].mind);
-	printf("rollback = ... (or --rollback)\n");
+		rb_print(stdout, "  %-10s %s\n  %-10s good for: %s\n  %-10s mind: %s\n",
+		         methods[i].name, methods[i].what, "", methods[i].good_for, "",
+		         methods[i].mind);
+	rb_print(stdout, "rollback = ... (or --rollback)\n");
 	for (int i = 0; i < rollback_count; i++)
-		printf("  %-10s %s\n", rollbacks[i].name, rollbacks[i].what);
+		rb_print(stdout, "  %-10s %s\n", rollbacks[i].name, rollbacks[i].what);
 	return rb_app_finish(options, 0);
 }

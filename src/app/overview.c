@@ -9,6 +9,7 @@
 
 #include "app/common.h"
 #include "app/progress.h"
+#include "base/visible.h"
 
 enum {
 	REDRAW_EVERY_MS = 100,
@@ -85,9 +86,9 @@ void rb_overview_tick(void *user, const struct rb_jobs_tally *tally)
 		width = window.ws_col - 1;
 	rb_overview_line(line, sizeof line, width, tally);
 	if (overview->redraw)
-		fprintf(stderr, "\r\033[K%s", line);
+		rb_print(stderr, "\r\033[K%s", line);
 	else
-		fprintf(stderr, "rbsim: %s\n", line);
+		rb_print(stderr, "rbsim: %s\n", line);
 	fflush(stderr);
 	overview->shown = overview->redraw;
 }
@@ -101,15 +102,15 @@ void rb_overview_told(void *user, uint64_t index, const struct rb_point *point)
 		return;
 	hide(overview);
 	if (++overview->failures <= FAILURES_TOLD)
-		fprintf(stderr,
-		        "rbsim: point %" PRIu64 " (%s) failed, exit status %d: %s; see '%s'\n",
-		        index, rb_plan_label(overview->plan, index, label, sizeof label),
-		        point->exit_code, *point->reason ? point->reason : "it gave no reason",
-		        rb_folder_path(overview->plan, overview->folder, index, ".log", log));
+		rb_print(stderr,
+		         "rbsim: point %" PRIu64 " (%s) failed, exit status %d: %s; see '%s'\n",
+		         index, rb_plan_label(overview->plan, index, label, sizeof label),
+		         point->exit_code, *point->reason ? point->reason : "it gave no reason",
+		         rb_folder_path(overview->plan, overview->folder, index, ".log", log));
 	else if (overview->failures == FAILURES_TOLD + 1)
-		fprintf(stderr,
-		        "rbsim: more points failed: 'rbsim sweep %s --status' lists them all\n",
-		        overview->folder);
+		rb_print(stderr,
+		         "rbsim: more points failed: 'rbsim sweep %s --status' lists them all\n",
+		         overview->folder);
 }
 
 void rb_overview_end(struct rb_overview *overview, const struct rb_jobs_tally *tally, int jobs)
@@ -121,21 +122,21 @@ void rb_overview_end(struct rb_overview *overview, const struct rb_jobs_tally *t
 		return;
 	hide(overview);
 	rb_progress_duration(wall, sizeof wall, tally->wall_s);
-	fprintf(stderr, "rbsim: %s: %" PRIu64 " of %" PRIu64 " %s done", overview->folder,
-	        tally->done, tally->total, rb_text_plural(tally->total, "point", "points"));
+	rb_print(stderr, "rbsim: %s: %" PRIu64 " of %" PRIu64 " %s done", overview->folder,
+	         tally->done, tally->total, rb_text_plural(tally->total, "point", "points"));
 	if (tally->failed > 0)
-		fprintf(stderr, ", %" PRIu64 " failed", tally->failed);
+		rb_print(stderr, ", %" PRIu64 " failed", tally->failed);
 	if (left > 0)
-		fprintf(stderr, ", %" PRIu64 " left", left);
+		rb_print(stderr, ", %" PRIu64 " left", left);
 	if (tally->ended > 0)
-		fprintf(stderr, "; %" PRIu64 " %s in %s, %.3g of %d %s busy", tally->ended,
-		        rb_text_plural(tally->ended, "run", "runs"), wall,
-		        tally->cpu_s / tally->wall_s, jobs,
-		        rb_text_plural((uint64_t)jobs, "processor", "processors"));
+		rb_print(stderr, "; %" PRIu64 " %s in %s, %.3g of %d %s busy", tally->ended,
+		         rb_text_plural(tally->ended, "run", "runs"), wall,
+		         tally->cpu_s / tally->wall_s, jobs,
+		         rb_text_plural((uint64_t)jobs, "processor", "processors"));
 	fputc('\n', stderr);
 	if (tally->elsewhere > 0)
-		fprintf(stderr, "rbsim: %" PRIu64 " of them are being run by another process\n",
-		        tally->elsewhere);
+		rb_print(stderr, "rbsim: %" PRIu64 " of them are being run by another process\n",
+		         tally->elsewhere);
 	else if (left > 0)
-		fprintf(stderr, "rbsim: 'rbsim sweep %s' goes on\n", overview->folder);
+		rb_print(stderr, "rbsim: 'rbsim sweep %s' goes on\n", overview->folder);
 }

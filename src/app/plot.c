@@ -3,7 +3,6 @@
 
 #include "app/progress.h"
 
-#include <ctype.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -15,6 +14,7 @@
 #include <unistd.h>
 
 #include "base/error.h"
+#include "base/visible.h"
 
 static const char program[] = "gnuplot";
 
@@ -41,10 +41,16 @@ enum rb_status rb_plot_available(const char *instead, struct rb_error *err)
 static void put_text(FILE *script, const char *text)
 {
 	putc('\'', script);
-	for (; *text; text++) {
-		if (*text == '\'')
-			putc('\'', script);
-		putc(iscntrl((unsigned char)*text) ? ' ' : *text, script);
+	while (*text) {
+		char escape[16];
+		size_t size = rb_visible_size(text);
+		if (size > 0) {
+			fprintf(script, "%s%.*s", *text == '\'' ? "'" : "", (int)size, text);
+		} else {
+			size = rb_visible_escape(text, escape);
+			fputs(escape, script);
+		}
+		text += size;
 	}
 	putc('\'', script);
 }

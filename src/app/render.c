@@ -14,6 +14,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/visible.h"
 #include "flow/between.h"
 #include "script/camera.h"
 
@@ -364,14 +365,14 @@ static void tell(const struct render *render, enum rb_status status, const struc
 		rb_json_close(&json, '}');
 		putchar('\n');
 	} else if (!options->quiet && !status && options->contact_sheet) {
-		fprintf(stderr, "%s: %s\n", options->output,
-		        rb_text_bytes(render->sheet_bytes, size));
+		rb_print(stderr, "%s: %s\n", options->output,
+		         rb_text_bytes(render->sheet_bytes, size));
 	} else if (!options->quiet) {
 		if (strcmp(render->reading->status, "complete") != 0)
-			fprintf(stderr,
-			        "rbsim: the recording is %s and holds frames up to %.6g s\n",
-			        render->reading->status, render->end_s);
-		fprintf(stderr, "%s, in %.3g s\n", options->operand[0], render->wall_s);
+			rb_print(stderr,
+			         "rbsim: the recording is %s and holds frames up to %.6g s\n",
+			         render->reading->status, render->end_s);
+		rb_print(stderr, "%s, in %.3g s\n", options->operand[0], render->wall_s);
 		rb_films_print(stderr, render->films);
 	}
 }

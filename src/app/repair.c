@@ -6,6 +6,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/recorded.h"
+#include "base/visible.h"
 #include "sink/module.h"
 
 /* What is to be known before the file is written to. */
@@ -88,9 +89,9 @@ static void tell(const struct patient *patient, const struct rb_options *options
 
 	if (!options->json) {
 		if (!options->quiet)
-			printf("'%s' is a plain file: %llu frames, %s%s%s\n", patient->path,
-			       (unsigned long long)patient->row_count, patient->status,
-			       *patient->reason ? ": " : "", patient->reason);
+			rb_print(stdout, "'%s' is a plain file: %llu frames, %s%s%s\n",
+			         patient->path, (unsigned long long)patient->row_count,
+			         patient->status, *patient->reason ? ": " : "", patient->reason);
 		return;
 	}
 	rb_json_open(&json, NULL, '{');

@@ -9,6 +9,7 @@
 #include "app/recorded.h"
 #include "app/simulate.h"
 #include "base/log.h"
+#include "base/visible.h"
 #include "flow/frame.h"
 #include "script/hooks.h"
 #include "sink/module.h"
@@ -180,15 +181,18 @@ static int tell(const struct replay *replay, const struct rb_options *options)
 	else if (options->quiet)
 		return exit_code;
 	else if (replay->differs)
-		printf("'%s' differs first at frame %" PRIu64 ": %s\n", replay->path, replay->first,
-		       replay->what);
+		rb_print(stdout, "'%s' differs first at frame %" PRIu64 ": %s\n", replay->path,
+		         replay->first, replay->what);
 	else if (replay->hash_differs)
-		printf("'%s' has the same %" PRIu64 " frames, but ends in another state: %s "
-		       "recorded, %016" PRIx64 " now\n",
-		       replay->path, replay->row, replay->reading->state_hash, replay->state_hash);
+		rb_print(stdout,
+		         "'%s' has the same %" PRIu64 " frames, but ends in another state: %s "
+		         "recorded, %016" PRIx64 " now\n",
+		         replay->path, replay->row, replay->reading->state_hash,
+		         replay->state_hash);
 	else
-		printf("the same to the bit: %" PRIu64 " frames, state hash %016" PRIx64 "\n",
-		       replay->row, replay->state_hash);
+		rb_print(stdout,
+		         "the same to the bit: %" PRIu64 " frames, state hash %016" PRIx64 "\n",
+		         replay->row, replay->state_hash);
 	return exit_code;
 }
 

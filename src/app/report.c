@@ -8,6 +8,7 @@
 
 #include "app/common.h"
 #include "base/memory.h"
+#include "base/visible.h"
 
 /* Wall over processor time that is worth a word. */
 static const double busy_most = 1.3;
@@ -416,9 +417,9 @@ static void print_cell(FILE *file, const struct table *table, int column, const 
 	if (table->width[column] == 0)
 		return;
 	if (column == METHOD)
-		fprintf(file, "  %-*s", table->width[column], text);
+		rb_print(file, "  %-*s", table->width[column], text);
 	else
-		fprintf(file, "  %*s", table->width[column], text);
+		rb_print(file, "  %*s", table->width[column], text);
 }
 
 static void print_head(FILE *file, const struct rb_report *report, const struct table *table)
@@ -439,7 +440,7 @@ static void print_row(FILE *file, const struct rb_report *report, const struct t
 		if (result->state == RB_RUNG_OK || c <= TOLERANCE)
 			print_cell(file, table, c, table->cells[i][c]);
 	if (result->state != RB_RUNG_OK)
-		fprintf(file, "  %s: %s", rb_rung_state_name(result->state), result->text);
+		rb_print(file, "  %s: %s", rb_rung_state_name(result->state), result->text);
 	putc('\n', file);
 }
 
@@ -460,24 +461,26 @@ static void print_facts(FILE *file, const struct rb_report *report)
 {
 	const bool titled = report->title && *report->title;
 
-	fprintf(file, "%s%s%s\n", report->scene, titled ? ": " : "", titled ? report->title : "");
-	fprintf(file, "  error of   %s, over %" PRIu64 " frames (%.6g s) and %d %s\n",
-	        rb_quantities[report->quantity].what, report->frame_count, report->duration_s,
-	        report->body_count, rb_text_plural((uint64_t)report->body_count, "body", "bodies"));
-	fprintf(file, "  against    %s\n", report->reference);
+	rb_print(file, "%s%s%s\n", report->scene, titled ? ": " : "", titled ? report->title : "");
+	rb_print(file, "  error of   %s, over %" PRIu64 " frames (%.6g s) and %d %s\n",
+	         rb_quantities[report->quantity].what, report->frame_count, report->duration_s,
+	         report->body_count,
+	         rb_text_plural((uint64_t)report->body_count, "body", "bodies"));
+	rb_print(file, "  against    %s\n", report->reference);
 	if (*report->warning)
-		fprintf(file, "  mind       %s\n", report->warning);
+		rb_print(file, "  mind       %s\n", report->warning);
 	if (busy(report) > busy_most)
-		fprintf(file,
-		        "  mind       the machine was busy: wall times are up to %.2g times the processor's\n",
-		        busy(report));
-	fprintf(file,
-	        "  energy     %s, relative to the largest kinetic energy\n"
-	        "  wall, cpu  the least of all runs of a setting, without recording, %d %s\n"
-	        "  took       %.3g s of the %.3g s that --budget allows\n",
-	        report->energy_drifts ? "change since the start" : "largest error", report->threads,
-	        rb_text_plural((uint64_t)report->threads, "thread", "threads"), report->spent_s,
-	        report->budget_s);
+		rb_print(
+			file,
+			"  mind       the machine was busy: wall times are up to %.2g times the processor's\n",
+			busy(report));
+	rb_print(file,
+	         "  energy     %s, relative to the largest kinetic energy\n"
+	         "  wall, cpu  the least of all runs of a setting, without recording, %d %s\n"
+	         "  took       %.3g s of the %.3g s that --budget allows\n",
+	         report->energy_drifts ? "change since the start" : "largest error",
+	         report->threads, rb_text_plural((uint64_t)report->threads, "thread", "threads"),
+	         report->spent_s, report->budget_s);
 }
 
 enum rb_status rb_report_print(FILE *file, const struct rb_report *report, int width,
@@ -498,20 +501,21 @@ enum rb_status rb_report_print(FILE *file, const struct rb_report *report, int w
 	for (int i = 0; i < report->method_count; i++) {
 		const struct rb_report_method *const of = &report->methods[i];
 		if (isnan(of->order))
-			fprintf(file, "  %s: order %s\n", of->method->name, of->order_note);
+			rb_print(file, "  %s: order %s\n", of->method->name, of->order_note);
 		else
-			fprintf(file, "  %s: order %.2f in the %s, from %d points\n",
-			        of->method->name, of->order,
-			        report->by_tolerance ? "tolerance" : "time step", of->order_points);
+			rb_print(file, "  %s: order %.2f in the %s, from %d points\n",
+			         of->method->name, of->order,
+			         report->by_tolerance ? "tolerance" : "time step",
+			         of->order_points);
 		if (*of->left_out)
-			fprintf(file, "  %s: %s\n", of->method->name, of->left_out);
+			rb_print(file, "  %s: %s\n", of->method->name, of->left_out);
 	}
 	return RB_OK;
 }
 
 void rb_report_print_end(FILE *file, const struct rb_report *report)
 {
-	fprintf(file, "%s\n", report->advice);
+	rb_print(file, "%s\n", report->advice);
 }
 
 void rb_report_release(struct rb_report *report)

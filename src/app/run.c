@@ -13,6 +13,7 @@
 #include "app/simulate.h"
 #include "app/summary.h"
 #include "base/memory.h"
+#include "base/visible.h"
 
 static bool color_wanted(void)
 {
@@ -143,8 +144,8 @@ static int tell_done(const struct rb_loaded *loaded, const struct rb_options *op
 		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
 	} else if (!options->quiet) {
-		fprintf(stderr, "rbsim: '%s' is complete: nothing is left to be done\n",
-		        loaded->output);
+		rb_print(stderr, "rbsim: '%s' is complete: nothing is left to be done\n",
+		         loaded->output);
 	}
 	return 0;
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/json.h"
+#include "base/visible.h"
 
 static double per_second(uint64_t count, double seconds)
 {
@@ -20,14 +21,15 @@ void rb_summary_print_expects(FILE *file, const struct rb_run_result *result, bo
 		if (failed_only && e->ok)
 			continue;
 		const char *paint = e->ok ? "\033[32m" : "\033[31m";
-		fprintf(file, "    %s%-4s%s %s", color ? paint : "", e->ok ? "ok" : "FAIL",
-		        color ? "\033[0m" : "", e->text);
+		fprintf(file, "    %s%-4s%s ", color ? paint : "", e->ok ? "ok" : "FAIL",
+		        color ? "\033[0m" : "");
+		rb_print(file, "%s", e->text);
 		if (e->has_numbers)
-			fprintf(file, ": measured %.6g, bound %.6g", e->measured, e->bound);
+			rb_print(file, ": measured %.6g, bound %.6g", e->measured, e->bound);
 		if (!e->ok && *e->message && !e->has_numbers)
-			fprintf(file, ": %s", e->message);
+			rb_print(file, ": %s", e->message);
 		if (!e->ok && e->always && !isnan(e->failed_s))
-			fprintf(file, " (first at %g s)", e->failed_s);
+			rb_print(file, " (first at %g s)", e->failed_s);
 		putc('\n', file);
 	}
 }
@@ -37,43 +39,44 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 	const struct rb_world_work *const work = &result->work;
 	const uint64_t tried = work->body_steps + work->discarded_body_steps;
 
-	fprintf(file, "  work          %" PRIu64 " body steps, %.3g per second", work->body_steps,
-	        per_second(work->body_steps, result->wall_s));
+	rb_print(file, "  work          %" PRIu64 " body steps, %.3g per second", work->body_steps,
+	         per_second(work->body_steps, result->wall_s));
 	if (work->discarded_body_steps > 0)
-		fprintf(file, "; %.3g %% of the work thrown away",
-		        100 * (double)work->discarded_body_steps / (double)tried);
-	fprintf(file, "\n  rollbacks     %" PRIu64, result->totals.rollbacks);
+		rb_print(file, "; %.3g %% of the work thrown away",
+		         100 * (double)work->discarded_body_steps / (double)tried);
+	rb_print(file, "\n  rollbacks     %" PRIu64, result->totals.rollbacks);
 	if (isfinite(result->totals.smallest_step) && result->totals.smallest_step > 0)
-		fprintf(file, ", smallest step %.3g s", result->totals.smallest_step);
-	fprintf(file, "\n  impacts       %" PRIu64, result->totals.collisions);
+		rb_print(file, ", smallest step %.3g s", result->totals.smallest_step);
+	rb_print(file, "\n  impacts       %" PRIu64, result->totals.collisions);
 	if (work->plastic_ends > 0)
-		fprintf(file, "; %" PRIu64 " clusters of impacts ended without restitution",
-		        work->plastic_ends);
+		rb_print(file, "; %" PRIu64 " clusters of impacts ended without restitution",
+		         work->plastic_ends);
 	if (work->crowded_impacts > 0)
-		fprintf(file, "; %" PRIu64 " in groups of more than %d contacts at once, of %.3g J",
-		        work->crowded_impacts, RB_IMPACT_CONTACTS, work->crowded_energy_j);
+		rb_print(file,
+		         "; %" PRIu64 " in groups of more than %d contacts at once, of %.3g J",
+		         work->crowded_impacts, RB_IMPACT_CONTACTS, work->crowded_energy_j);
 	if (work->rows > 0)
-		fprintf(file,
-		        "\n  contacts      %" PRIu64
-		        " points stepped, each swept %.3g times; %" PRIu64
-		        " factorizations, residual %.3g m at most, positions closed %" PRIu64
-		        " times",
-		        work->rows, (double)work->row_sweeps / (double)work->rows, work->factors,
-		        work->residual_m, work->closings);
+		rb_print(file,
+		         "\n  contacts      %" PRIu64
+		         " points stepped, each swept %.3g times; %" PRIu64
+		         " factorizations, residual %.3g m at most, positions closed %" PRIu64
+		         " times",
+		         work->rows, (double)work->row_sweeps / (double)work->rows, work->factors,
+		         work->residual_m, work->closings);
 	if (work->slip_m > 0)
-		fprintf(file, ", friction held with %.3g m of slip left at most", work->slip_m);
+		rb_print(file, ", friction held with %.3g m of slip left at most", work->slip_m);
 	putc('\n', file);
 }
 
 static void print_frames(FILE *file, const struct rb_run_result *result)
 {
-	fprintf(file, "  frames        %" PRIu64 " of %" PRIu64, result->frames,
-	        result->frame_count);
+	rb_print(file, "  frames        %" PRIu64 " of %" PRIu64, result->frames,
+	         result->frame_count);
 	if (result->recorder_failed && result->recorded_known)
-		fprintf(file, " simulated, %" PRIu64 " of them in the recording",
-		        result->recorded_frames);
+		rb_print(file, " simulated, %" PRIu64 " of them in the recording",
+		         result->recorded_frames);
 	else if (result->recorder_failed)
-		fprintf(file, " simulated; the recording may hold fewer, see rbsim info");
+		rb_print(file, " simulated; the recording may hold fewer, see rbsim info");
 	putc('\n', file);
 }
 
@@ -83,17 +86,17 @@ static void print_changes(FILE *file, const struct rb_run_result *result)
 	const double last = result->last.kinetic_energy + result->last.potential_energy;
 	char text[3][64];
 
-	fprintf(file, "  energy        %s at the start, %s at the end, %s\n",
-	        rb_text_measure("", first, 6, "J", text[0]),
-	        rb_text_measure("", last, 6, "J", text[1]),
-	        isfinite(result->energy_drift_j)
-	                ? rb_text_measure("changed by up to ", result->energy_drift_j, 3, "J",
-	                                  text[2])
-	                : "change not finite");
-	fprintf(file, "  momentum      %s, angular momentum %s\n",
-	        rb_text_measure("changed by up to ", result->momentum_drift, 3, "kg m/s", text[0]),
-	        rb_text_measure("by up to ", result->angular_momentum_drift, 3, "kg m^2/s",
-	                        text[1]));
+	rb_print(file, "  energy        %s at the start, %s at the end, %s\n",
+	         rb_text_measure("", first, 6, "J", text[0]),
+	         rb_text_measure("", last, 6, "J", text[1]),
+	         isfinite(result->energy_drift_j)
+	                 ? rb_text_measure("changed by up to ", result->energy_drift_j, 3, "J",
+	                                   text[2])
+	                 : "change not finite");
+	rb_print(file, "  momentum      %s, angular momentum %s\n",
+	         rb_text_measure("changed by up to ", result->momentum_drift, 3, "kg m/s", text[0]),
+	         rb_text_measure("by up to ", result->angular_momentum_drift, 3, "kg m^2/s",
+	                         text[1]));
 }
 
 /* Which method was used for how much of the run. */
@@ -102,14 +105,14 @@ static void print_method(FILE *file, const struct rb_run_result *result,
 {
 	const double stepped = result->totals.stepped;
 
-	fprintf(file, "  method        %s", info->method);
+	rb_print(file, "  method        %s", info->method);
 	if (loaded->model->method == RB_METHOD_AUTO && stepped > 0)
-		fprintf(file, ": located %.6g s, stepped %.6g s (too dense to locate)",
-		        fmax(0, result->time_s - stepped), stepped);
+		rb_print(file, ": located %.6g s, stepped %.6g s (too dense to locate)",
+		         fmax(0, result->time_s - stepped), stepped);
 	else if (loaded->model->method == RB_METHOD_AUTO)
 		fputs(": located", file);
-	fprintf(file, ", rollback %s, time step %g s\n", info->rollback,
-	        loaded->model->time_step_s);
+	rb_print(file, ", rollback %s, time step %g s\n", info->rollback,
+	         loaded->model->time_step_s);
 }
 
 void rb_summary_print(FILE *file, const struct rb_run_result *result,
@@ -118,32 +121,32 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 	const char *title = loaded->scene.world.title;
 	char size[32];
 
-	fprintf(file, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
-	        title ? title : "");
+	rb_print(file, "%s%s%s\n", loaded->scene.file, title && *title ? ": " : "",
+	         title ? title : "");
 	print_frames(file, result);
-	fprintf(file, "  time          %.6g s simulated in %.3g s: %.3g x real time, %d %s\n",
-	        result->time_s, result->wall_s, result->time_s / result->wall_s, info->threads,
-	        rb_text_plural((uint64_t)info->threads, "thread", "threads"));
+	rb_print(file, "  time          %.6g s simulated in %.3g s: %.3g x real time, %d %s\n",
+	         result->time_s, result->wall_s, result->time_s / result->wall_s, info->threads,
+	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
 	print_method(file, result, loaded, info);
 	print_work(file, result);
-	fprintf(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
-	        result->max_penetration_m, loaded->model->tolerance_m,
-	        loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
+	rb_print(file, "  overlap       %.3g m at most (tolerance %.3g m%s)\n",
+	         result->max_penetration_m, loaded->model->tolerance_m,
+	         loaded->model->rollback == RB_ROLLBACK_NONE ? ", not promised" : "");
 	print_changes(file, result);
 	rb_balance_print(file, &result->balance, &result->last.ledger);
 	if (result->expect_count > 0) {
-		fprintf(file, "  expectations  %d of %d hold\n",
-		        result->expect_count - result->expect_failures, result->expect_count);
+		rb_print(file, "  expectations  %d of %d hold\n",
+		         result->expect_count - result->expect_failures, result->expect_count);
 		rb_summary_print_expects(file, result, false, color);
 	} else if (loaded->scene.expect_count > 0) {
-		fprintf(file,
-		        "  expectations  %d, not looked at: the run did not come to its end\n",
-		        loaded->scene.expect_count);
+		rb_print(file,
+		         "  expectations  %d, not looked at: the run did not come to its end\n",
+		         loaded->scene.expect_count);
 	}
-	fprintf(file, "  memory        %s at most\n", rb_text_bytes(result->memory_bytes, size));
+	rb_print(file, "  memory        %s at most\n", rb_text_bytes(result->memory_bytes, size));
 	if (loaded->output)
-		fprintf(file, "  recording     %s, %s\n", loaded->output,
-		        rb_text_bytes(result->recording_bytes, size));
+		rb_print(file, "  recording     %s, %s\n", loaded->output,
+		         rb_text_bytes(result->recording_bytes, size));
 }
 
 /* The recording's own words. */

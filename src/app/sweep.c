@@ -10,6 +10,7 @@
 #include "app/overview.h"
 #include "app/planned.h"
 #include "base/team.h"
+#include "base/visible.h"
 #include "sweep/slurm.h"
 #include "sweep/status.h"
 
@@ -29,9 +30,9 @@ static int tell_plan(const struct rb_planned *sweep)
 		rb_json_close(&json, '}');
 		putchar('\n');
 	} else if (!sweep->options->quiet) {
-		printf("%s: %" PRIu64 " %s of %s, listed in %s/" RB_FOLDER_PLAN "\n", sweep->shown,
-		       plan->count, rb_text_plural(plan->count, "point", "points"), plan->scene,
-		       sweep->shown);
+		rb_print(stdout, "%s: %" PRIu64 " %s of %s, listed in %s/" RB_FOLDER_PLAN "\n",
+		         sweep->shown, plan->count, rb_text_plural(plan->count, "point", "points"),
+		         plan->scene, sweep->shown);
 	}
 	return 0;
 }
@@ -68,9 +69,9 @@ static void tell_failure(void *user, uint64_t index, const struct rb_point *poin
 	if (failures->json)
 		json_point(failures->json, plan, index, point);
 	else if (!failures->sweep->options->quiet)
-		printf("  failed      %" PRIu64 " (%s), exit status %d: %s\n", index,
-		       rb_plan_label(plan, index, label, sizeof label), point->exit_code,
-		       *point->reason ? point->reason : "it gave no reason");
+		rb_print(stdout, "  failed      %" PRIu64 " (%s), exit status %d: %s\n", index,
+		         rb_plan_label(plan, index, label, sizeof label), point->exit_code,
+		         *point->reason ? point->reason : "it gave no reason");
 }
 
 static void print_status(const struct rb_planned *sweep, const struct rb_sweep_status *status,
@@ -80,20 +81,21 @@ static void print_status(const struct rb_planned *sweep, const struct rb_sweep_s
 		RB_POINT_DONE, RB_POINT_RUNNING, RB_POINT_FAILED, RB_POINT_BEGUN, RB_POINT_MISSING};
 	const char *comma = "";
 
-	printf("%s: %" PRIu64 " %s of %s: ", sweep->shown, sweep->plan.count,
-	       rb_text_plural(sweep->plan.count, "point", "points"), sweep->plan.scene);
+	rb_print(stdout, "%s: %" PRIu64 " %s of %s: ", sweep->shown, sweep->plan.count,
+	         rb_text_plural(sweep->plan.count, "point", "points"), sweep->plan.scene);
 	for (size_t i = 0; i < sizeof order / sizeof *order; i++) {
 		if (status->points[order[i]] == 0 && order[i] != RB_POINT_DONE)
 			continue;
-		printf("%s%" PRIu64 " %s", comma, status->points[order[i]],
-		       rb_point_state_names[order[i]]);
+		rb_print(stdout, "%s%" PRIu64 " %s", comma, status->points[order[i]],
+		         rb_point_state_names[order[i]]);
 		comma = ", ";
 	}
 	putchar('\n');
 	if (status->due > 0)
-		printf("  to be run   %" PRIu64 ": 'rbsim sweep %s', or of %" PRIu64
-		       " tasks --array=%s\n",
-		       status->due, sweep->shown, tasks, status->array);
+		rb_print(stdout,
+		         "  to be run   %" PRIu64 ": 'rbsim sweep %s', or of %" PRIu64
+		         " tasks --array=%s\n",
+		         status->due, sweep->shown, tasks, status->array);
 }
 
 static enum rb_status tell_status(const struct rb_planned *sweep, int *exit_code,
@@ -191,11 +193,11 @@ static enum rb_status submit(const struct rb_planned *sweep, struct rb_error *er
 		putchar('\n');
 	} else if (!status) {
 		if (*id)
-			printf("%s\n", id);
+			rb_print(stdout, "%s\n", id);
 		if (!options->quiet)
-			fprintf(stderr, "rbsim: %s: %" PRIu64 " %s to be run%s%s\n", sweep->shown,
-			        left.due, rb_text_plural(left.due, "point", "points"),
-			        *id ? ", as tasks " : "", left.array);
+			rb_print(stderr, "rbsim: %s: %" PRIu64 " %s to be run%s%s\n", sweep->shown,
+			         left.due, rb_text_plural(left.due, "point", "points"),
+			         *id ? ", as tasks " : "", left.array);
 	}
 	rb_status_release(&left);
 	return status;

@@ -15,6 +15,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/team.h"
+#include "base/visible.h"
 
 /* A run under way, in its place of the pool; which one it is. */
 struct place {
@@ -96,14 +97,14 @@ enum { NAME_COLUMNS = 22, TEXT_COLUMNS = 48, LABEL_COLUMNS = 30 };
 
 static void print_line(const char *name, const char *text, const char *label)
 {
-	printf("%-*.*s %-*.*s %-*.*s", NAME_COLUMNS, NAME_COLUMNS, name, TEXT_COLUMNS, TEXT_COLUMNS,
-	       text, LABEL_COLUMNS, LABEL_COLUMNS, label);
+	rb_print(stdout, "%-*.*s %-*.*s %-*.*s", NAME_COLUMNS, NAME_COLUMNS, name, TEXT_COLUMNS,
+	         TEXT_COLUMNS, text, LABEL_COLUMNS, LABEL_COLUMNS, label);
 }
 
 static void print_head(void)
 {
 	print_line("case", "what", "worst at");
-	printf(" %10s %10s\n", "measured", "bound");
+	rb_print(stdout, " %10s %10s\n", "measured", "bound");
 }
 
 /* Returns the name that the next line of this case has: none. */
@@ -116,9 +117,9 @@ static const char *print_expect(const struct verify *verify, int one, int k, con
 		return name;
 	print_line(name, expect->text, verify->cases.cases[one].runs[run].label);
 	if (expect->has_numbers)
-		printf(" %10.3g %10.3g", expect->measured, expect->bound);
+		rb_print(stdout, " %10.3g %10.3g", expect->measured, expect->bound);
 	else
-		printf(" %21.21s", expect->ok ? "holds" : expect->message);
+		rb_print(stdout, " %21.21s", expect->ok ? "holds" : expect->message);
 	print_verdict(verify, expect->ok);
 	return "";
 }
@@ -159,12 +160,12 @@ static const char *print_ends(const struct verify *verify, int one, const char *
 		snprintf(status, sizeof status, "exit status %d:", results[run].exit_code);
 		print_line(name, is_long ? status : reason, the_case->runs[run].label);
 		if (alike > 0)
-			printf(" and %3d more like it ", alike);
+			rb_print(stdout, " and %3d more like it ", alike);
 		else
-			printf(" %21s", "");
+			rb_print(stdout, " %21s", "");
 		print_verdict(verify, passed);
 		if (is_long)
-			printf("%*s %s\n", NAME_COLUMNS, "", reason);
+			rb_print(stdout, "%*s %s\n", NAME_COLUMNS, "", reason);
 		name = "";
 	}
 	return name;
@@ -243,7 +244,7 @@ static void tell_case(struct verify *verify, int one)
 		name = print_expect(verify, one, k, name);
 	name = print_ends(verify, one, name);
 	if (*the_case->left_out && !verify->options->quiet && !verify->options->quick)
-		printf("%*s (not varied: %s)\n", NAME_COLUMNS, "", the_case->left_out);
+		rb_print(stdout, "%*s (not varied: %s)\n", NAME_COLUMNS, "", the_case->left_out);
 	fflush(stdout);
 }
 
@@ -403,10 +404,11 @@ static void end(struct verify *verify, double wall_s, int exit_code, const struc
 		rb_json_close(&verify->json, '}');
 		putchar('\n');
 	} else if (!verify->options->quiet) {
-		printf("%d of %d %s pass; %d of %d %s in %.3g s\n", cases - verify->case_failures,
-		       cases, rb_text_plural((uint64_t)cases, "case", "cases"),
-		       verify->run_count - verify->run_failures, verify->run_count,
-		       rb_text_plural((uint64_t)verify->run_count, "run", "runs"), wall_s);
+		rb_print(stdout, "%d of %d %s pass; %d of %d %s in %.3g s\n",
+		         cases - verify->case_failures, cases,
+		         rb_text_plural((uint64_t)cases, "case", "cases"),
+		         verify->run_count - verify->run_failures, verify->run_count,
+		         rb_text_plural((uint64_t)verify->run_count, "run", "runs"), wall_s);
 	}
 }
 

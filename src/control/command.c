@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "base/visible.h"
 #include "script/nearest.h"
 
 /* clang-format off */
@@ -72,28 +73,7 @@ struct parse {
 
 size_t rb_command_character(const char *text)
 {
-	static const struct {
-		unsigned char first_low, first_high, second_low, second_high, size;
-	} forms[] = {
-		{0xc2, 0xdf, 0x80, 0xbf, 2}, {0xe0, 0xe0, 0xa0, 0xbf, 3},
-		{0xe1, 0xec, 0x80, 0xbf, 3}, {0xed, 0xed, 0x80, 0x9f, 3},
-		{0xee, 0xef, 0x80, 0xbf, 3}, {0xf0, 0xf0, 0x90, 0xbf, 4},
-		{0xf1, 0xf3, 0x80, 0xbf, 4}, {0xf4, 0xf4, 0x80, 0x8f, 4},
-	};
-
-	const unsigned char *const at = (const unsigned char *)text;
-	if (at[0] == '\t' || (at[0] >= ' ' && at[0] < 0x7f))
-		return 1;
-	for (size_t i = 0; i < sizeof forms / sizeof *forms; i++) {
-		if (at[0] < forms[i].first_low || at[0] > forms[i].first_high ||
-		    at[1] < forms[i].second_low || at[1] > forms[i].second_high)
-			continue;
-		for (int k = 2; k < forms[i].size; k++)
-			if (at[k] < 0x80 || at[k] > 0xbf)
-				return 0;
-		return at[0] == 0xc2 && at[1] < 0xa0 ? 0 : forms[i].size; /* C1 controls */
-	}
-	return 0;
+	return *text == '\t' ? 1 : rb_visible_size(text);
 }
 
 static enum rb_status check_bytes(const char *line, struct rb_error *err)

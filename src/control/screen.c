@@ -24,6 +24,7 @@
 #include "base/clock.h"
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/visible.h"
 #include "control/guard.h"
 #include "control/keys.h"
 
@@ -372,7 +373,8 @@ void rb_screen_text(struct rb_screen *screen, rb_area area, int row, enum rb_sty
 		return;
 	while (*text && x < area.width) {
 		wchar_t c = L'?';
-		size_t size = mbrtowc(&c, text, strlen(text), &state);
+		size_t size = rb_visible_size(text) > 0 ? mbrtowc(&c, text, strlen(text), &state)
+		                                        : 0;
 		if (size == (size_t)-1 || size == (size_t)-2 || size == 0) {
 			c = L'?';
 			size = 1;

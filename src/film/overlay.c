@@ -9,6 +9,7 @@
 #include FT_FREETYPE_H
 
 #include "base/memory.h"
+#include "base/visible.h"
 
 enum {
 	GLYPHS_MAX = 256,   /* drawn ones that are kept */
@@ -282,8 +283,9 @@ static uint32_t next_code(const char **text)
 	                                : 3;
 	uint32_t code = more <= 0 ? first : first & (0x3fu >> more);
 
+	const bool hidden = rb_visible_size(*text) == 0;
 	*text += 1;
-	if (more < 0 || first > 0xf4)
+	if (hidden || more < 0 || first > 0xf4)
 		return replacement;
 	for (int i = 0; i < more; i++, at++) {
 		if ((*at & 0xc0) != 0x80)

@@ -93,7 +93,11 @@ static int l_print(lua_State *L)
 		luaL_addvalue(&line);
 	}
 	luaL_pushresult(&line);
-	rb_log(RB_LOG_NOTE, "%s", lua_tostring(L, -1));
+	/* line by line: what a line break within a message is, is not ours to show */
+	const char *text = lua_tostring(L, -1);
+	for (const char *end; (end = strchr(text, '\n')); text = end + 1)
+		rb_log(RB_LOG_NOTE, "%.*s", (int)(end - text), text);
+	rb_log(RB_LOG_NOTE, "%s", text);
 	return 0;
 }
 

@@ -15,6 +15,7 @@
 
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "base/visible.h"
 
 /* slurm.conf(5): MaxArraySize, one more than the largest index */
 enum { ARRAY_SIZE_DEFAULT = 1001, OUTPUT_SIZE = 16384 };
@@ -98,7 +99,7 @@ static void put_directive(FILE *file, const char *option, const char *value)
 	if (!value)
 		return;
 	const bool quoted = value[strcspn(value, " \t#'\"")] != '\0';
-	fprintf(file, "#SBATCH %s%s%s%s\n", option, quoted ? "\"" : "", value, quoted ? "\"" : "");
+	rb_print(file, "#SBATCH %s%s%s%s\n", option, quoted ? "\"" : "", value, quoted ? "\"" : "");
 }
 
 static enum rb_status check_text(const char *option, const char *text, struct rb_error *err)
