@@ -627,6 +627,9 @@ static int l_wrap(lua_State *L)
 	return 1;
 }
 
+/* Each level may hold Lua's own 200 nested calls, some kilobytes each: far below a stack of 8 MB. */
+enum { CLOSING_MAX = 8 };
+
 /* Upvalue: the original, which closes what is suspended, or dead of itself. */
 static int l_close(lua_State *L)
 {
@@ -637,11 +640,18 @@ static int l_close(lua_State *L)
 		lua_pushliteral(L, "died of an error");
 		return 2;
 	}
+	/* Lua counts nested calls anew where one coroutine closes another: C's stack would end first */
+	struct rb_sandbox *const sandbox = rb_sandbox_of(L);
+	if (sandbox->closing >= CLOSING_MAX)
+		return luaL_error(L, "coroutines are closed in each other more than %d deep",
+		                  CLOSING_MAX);
 	lua_settop(L, 1);
 	lua_pushvalue(L, lua_upvalueindex(1));
 	lua_insert(L, 1);
-	lua_call(L, 1, LUA_MULTRET);
-	return lua_gettop(L);
+	sandbox->closing++;
+	const int status = lua_pcall(L, 1, LUA_MULTRET, 0);
+	sandbox->closing--;
+	return status == LUA_OK ? lua_gettop(L) : lua_error(L);
 }
 
 /* ---- putting it together ---- */

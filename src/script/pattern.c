@@ -20,6 +20,18 @@ static int byte_at(const char *p)
 	return (unsigned char)*p;
 }
 
+/* A walk along so many bytes of a pattern: a set is as long as its author likes. */
+static bool pay(struct rb_match *m, ptrdiff_t bytes)
+{
+	if (m->steps < (uint64_t)bytes) {
+		m->steps = 0;
+		wrong(m, "the pattern takes too many steps on this text");
+		return false;
+	}
+	m->steps -= (uint64_t)bytes;
+	return true;
+}
+
 /* Just behind the single character class that begins at p. */
 static const char *class_end(struct rb_match *m, const char *p)
 {
@@ -32,6 +44,7 @@ static const char *class_end(struct rb_match *m, const char *p)
 	}
 	if (first != '[')
 		return p;
+	const char *const set = p;
 	if (p < m->pattern_end && *p == '^')
 		p++;
 	/* a ']' in the first place stands for itself */
@@ -44,7 +57,7 @@ static const char *class_end(struct rb_match *m, const char *p)
 			p++;
 		}
 	} while (p == m->pattern_end || *p != ']');
-	return p + 1;
+	return pay(m, p - set) ? p + 1 : NULL;
 }
 
 static bool in_class(int c, int class)
@@ -113,12 +126,7 @@ static bool in_set(int c, const char *p, const char *last)
 
 static bool single(struct rb_match *m, const char *s, const char *p, const char *end)
 {
-	if (m->steps == 0) {
-		wrong(m, "the pattern takes too many steps on this text");
-		return false;
-	}
-	m->steps--;
-	if (s >= m->subject_end)
+	if (!pay(m, *p == '[' ? end - p : 1) || s >= m->subject_end)
 		return false;
 	switch (*p) {
 	case '.':
@@ -228,7 +236,7 @@ static const char *frontier(struct rb_match *m, const char *s, const char *p)
 	if (p == m->pattern_end || *p != '[')
 		return wrong(m, "missing '[' after '%f' in pattern");
 	const char *end = class_end(m, p);
-	if (!end)
+	if (!end || !pay(m, 2 * (end - p)))
 		return NULL;
 	const int before = s == m->subject ? 0 : byte_at(s - 1);
 	const int here = s < m->subject_end ? byte_at(s) : 0;

@@ -45,7 +45,8 @@ struct rb_sandbox {
 	size_t chunk_used;
 
 	/* work of the call that goes on */
-	int depth; /* calls into the state that go on: a callback can lead to a further one */
+	int closing; /* coroutines that are being closed in each other */
+	int depth;   /* calls into the state that go on: a callback can lead to a further one */
 	uint64_t work, work_max;
 	uint64_t cpu_end_ns; /* 0: the clock has not been looked at */
 	enum rb_spent spent;
