@@ -38,6 +38,19 @@ static void print_option(FILE *file, const struct rb_option_row *row)
 	putc('\n', file);
 }
 
+void rb_help_print_overview(FILE *file)
+{
+	fprintf(file,
+	        "rbsim simulates rigid bodies: scenes in Lua, recordings in HDF5, films.\n\n");
+	for (int i = 0; i < RB_VERB_COUNT; i++) {
+		const struct rb_verb_row *const verb = &rb_verbs[i];
+
+		fprintf(file, "  %-8s %s\n             %.*s\n", verb->name, verb->help,
+		        (int)strcspn(verb->examples, "\t\n"), verb->examples);
+	}
+	fprintf(file, "\n'rbsim help VERB' tells more of one, rbsim(1) all.\n");
+}
+
 void rb_help_print(FILE *file, const struct rb_options *options)
 {
 	const struct rb_verb_row *const verb = &rb_verbs[options->verb];

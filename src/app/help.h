@@ -12,6 +12,8 @@
 
 #include "app/options.h"
 
+/* What the program is, its verbs, and an example of each. */
+void rb_help_print_overview(FILE *file);
 /* Of one verb; of the whole program when none was given by name. */
 void rb_help_print(FILE *file, const struct rb_options *options);
 /* The parameters that a scene declares: name, default, range or choices, help. */

@@ -3,6 +3,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 #include "app/check.h"
@@ -117,6 +118,22 @@ static int check_memory(int exit_code)
 	return rb_status_exit_code(RB_ERR_BUG);
 }
 
+/* `rbsim` alone on a terminal, and `rbsim help`; a scene may still be called help. */
+static bool wants_overview(int argc, char **argv)
+{
+	if (argc == 1)
+		return isatty(STDOUT_FILENO);
+	return argc == 2 && strcmp(argv[1], "help") == 0 && access("help", F_OK) != 0;
+}
+
+static int print_overview(void)
+{
+	static const struct rb_options options = {.verb = RB_VERB_RUN};
+
+	rb_help_print_overview(stdout);
+	return rb_app_finish(&options, 0);
+}
+
 int main(int argc, char **argv)
 {
 	struct rb_options options;
@@ -130,6 +147,11 @@ int main(int argc, char **argv)
 	/* inherited as ignored, the ends of children would be told to nobody */
 	signal(SIGCHLD, SIG_DFL);
 
+	if (wants_overview(argc, argv))
+		return check_memory(print_overview());
+	char help[] = "--help", *of_verb[] = {argv[0], argc == 3 ? argv[2] : NULL, help, NULL};
+	if (argc == 3 && strcmp(argv[1], "help") == 0 && access("help", F_OK) != 0)
+		argv = of_verb;
 	if (rb_options_parse(&options, argc, argv, &err)) {
 		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)

@@ -5,6 +5,16 @@
 
 exits 64
 says err "'run' needs SCENE.lua"
+exits 0 help
+for verb in run check render sweep plot; do
+	says out "^  $verb "
+	says out "^ *rbsim .*"
+done
+[ "$(grep -c '^             rbsim ' out)" = "$(grep -c '^  [a-z]' out)" ] || fail "not an example for each verb"
+exits 0 help render
+says out '^usage: rbsim render'
+exits 64 help nonsense
+says err "'nonsense' is neither a verb nor a scene"
 says_nothing out
 exits 64 --durration 3 s.lua
 says err "unknown option '--durration' \(did you mean '--duration'\?\)"
