@@ -104,6 +104,7 @@ enum rb_force_frame { RB_FORCE_WORLD, RB_FORCE_BODY };
 
 struct rb_force_def {
 	rb_vec3 vector;             /* N */
+	rb_vec3 torque;             /* N m, beside that of the vector at the point */
 	rb_vec3 point;              /* m, object coordinates; x is NAN: the centre of mass */
 	double start_s, duration_s; /* duration may be INFINITY: to the end */
 	enum rb_force_frame frame;

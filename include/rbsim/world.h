@@ -125,6 +125,8 @@ rb_vec3 rb_world_point(const struct rb_world *world, int id,
 void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_vec3 point);
 /* Holds until the next step hook. */
 void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3 point);
+/* N m, as long. */
+void rb_world_apply_torque(struct rb_world *world, int id, rb_vec3 torque);
 void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity);
 void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angular_velocity);
 void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position);

@@ -77,11 +77,12 @@ static void applied(struct load *load)
 		const struct rb_force_def *force = &model->scene->forces[body->force_first + f];
 		const rb_quat q = load->pose->orientation;
 
-		if (rb_force_acts(force, load->view->active_s))
-			add(load,
-			    force->frame == RB_FORCE_BODY ? rb_quat_rotate(q, force->vector)
-			                                  : force->vector,
-			    arm_of(load->l, load->i, q, force->point));
+		if (!rb_force_acts(force, load->view->active_s))
+			continue;
+		const bool turns = force->frame == RB_FORCE_BODY;
+		add(load, turns ? rb_quat_rotate(q, force->vector) : force->vector,
+		    arm_of(load->l, load->i, q, force->point));
+		add_torque(load, turns ? rb_quat_rotate(q, force->torque) : force->torque);
 	}
 }
 
@@ -96,7 +97,8 @@ static bool applied_constant(const struct rb_located *l, int i, double t)
 		const rb_vec3 arm = arm_of(l, i, (rb_quat){1, 0, 0, 0}, force->point);
 
 		if (rb_force_acts(force, t) && l->top &&
-		    (force->frame == RB_FORCE_BODY || rb_vec3_max_abs(arm) > 0))
+		    (force->frame == RB_FORCE_BODY || rb_vec3_max_abs(arm) > 0 ||
+		     rb_vec3_max_abs(force->torque) > 0))
 			return false;
 	}
 	return true;

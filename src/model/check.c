@@ -369,12 +369,13 @@ static void check_forces(struct check *check, int id)
 	for (int i = 0; i < body->force_count; i++) {
 		const struct rb_force_def *force = &check->scene->forces[body->force_first + i];
 
-		if (!rb_vec3_finite(force->vector) || !isfinite(force->start_s) ||
-		    isnan(force->duration_s) ||
+		if (!rb_vec3_finite(force->vector) || !rb_vec3_finite(force->torque) ||
+		    !isfinite(force->start_s) || isnan(force->duration_s) ||
 		    (!isnan(force->point.x) && !rb_vec3_finite(force->point)))
-			body_mistake(check, id,
-			             "'forces' entry %d must have a finite vector, point and start",
-			             i + 1);
+			body_mistake(
+				check, id,
+				"'forces' entry %d must have a finite vector, torque, point and start",
+				i + 1);
 	}
 }
 

@@ -229,9 +229,11 @@ static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_mater
 	}
 }
 
-/* `point` of a force, unless it is where the centre of mass is anyway. */
-static bool beside(const struct rb_force_def *force, rb_vec3 center_of_mass)
+/* A torque, or a `point`, unless that is where the centre of mass is anyway. */
+static bool twists(const struct rb_force_def *force, rb_vec3 center_of_mass)
 {
+	if (rb_vec3_max_abs(force->torque) > 0)
+		return true;
 	return !isnan(force->point.x) && rb_vec3_max_abs(force->vector) > 0 &&
 	       rb_vec3_max_abs(rb_vec3_sub(force->point, center_of_mass)) > 0;
 }
@@ -285,7 +287,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 		facts.unequal = facts.unequal || has_unequal_moments(scene, body);
 		facts.forces = facts.forces || body->force_count > 0;
 		for (int f = 0; f < body->force_count; f++)
-			facts.torque = facts.torque || beside(&scene->forces[body->force_first + f],
+			facts.torque = facts.torque || twists(&scene->forces[body->force_first + f],
 			                                      body->center_of_mass);
 	}
 	see_springs(&facts);

@@ -51,11 +51,15 @@ static void add_force(struct rb_call *part)
 	if (part->index == 0)
 		return;
 	const bool has_vector = rb_call_tried(part, "vector");
+	const bool has_torque = rb_call_tried(part, "torque");
 	const bool has_direction = rb_call_push(part, "direction") != LUA_TNIL;
 	const bool has_magnitude = rb_call_push(part, "magnitude") != LUA_TNIL;
-	if (has_vector ? has_direction || has_magnitude : !(has_direction && has_magnitude)) {
-		rb_call_mistake(part, "wants 'vector', or 'direction' and 'magnitude'");
-	} else if (!has_vector) {
+	const bool both = has_direction && has_magnitude,
+		   neither = !has_direction && !has_magnitude;
+	if (has_vector ? !neither : !both && !(has_torque && neither)) {
+		rb_call_mistake(part,
+		                "wants 'vector', or 'direction' and 'magnitude', or 'torque'");
+	} else if (both) {
 		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2,
 		                                 &direction);
 		if (rb_call_value(part, rb_row_find(table, "magnitude", NULL), -1, &magnitude) &&

@@ -125,6 +125,12 @@ static int get_is_static(lua_State *L, int id)
 	return 1;
 }
 
+static int get_center_of_mass(lua_State *L, int id)
+{
+	rb_vector_push(L, definition(L, id)->center_of_mass);
+	return 1;
+}
+
 /* point(p) of the body in upvalue 1: `body.point(p)` and `body:point(p)` are the same. */
 static int l_point(lua_State *L)
 {
@@ -155,6 +161,7 @@ static const struct field {
 	{"angular_velocity", get_angular_velocity, "set_angular_velocity(w)"},
 	{"mass", get_mass, NULL},
 	{"inertia", get_inertia, NULL},
+	{"center_of_mass", get_center_of_mass, NULL},
 	{"kinetic_energy", get_kinetic_energy, NULL},
 	{"momentum", get_momentum, "apply_impulse(j)"},
 	{"angular_momentum", get_angular_momentum, NULL},
@@ -214,6 +221,27 @@ static int l_apply_force(lua_State *L)
 	return 0;
 }
 
+static int l_apply_torque(lua_State *L)
+{
+	const int id = body_to_change(L, "apply_torque");
+
+	rb_world_apply_torque(rb_script_of(L)->world, id, rb_vector_check(L, 2, "apply_torque"));
+	return 0;
+}
+
+/* m/s, of a point in object coordinates. */
+static int l_point_velocity(lua_State *L)
+{
+	const int id = self_id(L, "point_velocity");
+	const rb_vec3 point = rb_vector_check(L, 2, "point_velocity");
+	const rb_vec3 arm = rb_quat_rotate(rb_moment_orientation(L, id),
+	                                   rb_vec3_sub(point, definition(L, id)->center_of_mass));
+
+	rb_vector_push(L, rb_vec3_add(rb_moment_velocity(L, id),
+	                              rb_vec3_cross(rb_moment_angular_velocity(L, id), arm)));
+	return 1;
+}
+
 static int l_set_velocity(lua_State *L)
 {
 	const int id = body_to_change(L, "set_velocity");
@@ -241,6 +269,7 @@ static int l_set_position(lua_State *L)
 
 static const luaL_Reg methods[] = {
 	{"apply_impulse", l_apply_impulse}, {"apply_force", l_apply_force},
+	{"apply_torque", l_apply_torque},   {"point_velocity", l_point_velocity},
 	{"set_velocity", l_set_velocity},   {"set_angular_velocity", l_set_angular_velocity},
 	{"set_position", l_set_position},   {NULL, NULL}};
 

@@ -174,7 +174,9 @@ static const struct rb_row part_rows[] = {
 
 static const struct rb_row force_rows[] = {
 	{"vector", RB_ROW_VECTOR, 0, 0, AT(rb_force_def, vector), NULL, NULL,
-         "required, or direction and magnitude", "N", ""},
+         "required, or direction and magnitude, or torque", "N", ""},
+	{"torque", RB_ROW_VECTOR, 0, 0, AT(rb_force_def, torque), NULL, NULL, "none", "N m",
+         "with a vector or alone"},
 	{"direction", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "none", "",
          "of any length"},
 	{"magnitude", RB_ROW_NUMBER, 0, 0, HAND, NULL, NULL, "none", "N", "along the direction"},
@@ -185,7 +187,7 @@ static const struct rb_row force_rows[] = {
 	{"duration", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_force_def, duration_s), NULL, NULL,
          "to the end", "s", ""},
 	{"frame", RB_ROW_CHOICE, 0, 0, AT(rb_force_def, frame), "world, body", NULL, "world", "",
-         "axes of the vector; those of the body turn with it"},
+         "axes of the vector and the torque; those of the body turn with it"},
 };
 
 static const struct rb_row spring_rows[] = {

@@ -99,6 +99,7 @@ _Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) 
 
 static const struct cell force_cells[] = {
 	{"vector", CELL_NUMBER, 3, offsetof(struct rb_force_def, vector), "N"},
+	{"torque", CELL_NUMBER, 3, offsetof(struct rb_force_def, torque), "N m"},
 	{"point", CELL_NUMBER, 3, offsetof(struct rb_force_def, point), "m"},
 	{"start", CELL_NUMBER, 1, offsetof(struct rb_force_def, start_s), "s"},
 	{"duration", CELL_NUMBER, 1, offsetof(struct rb_force_def, duration_s), "s"},

@@ -78,7 +78,9 @@ struct rb_force_impulse rb_forces_stated(const struct rb_pass *pass, const struc
 		arm = rb_quat_rotate(q, arm);
 	}
 	out.impulse = rb_vec3_scale(span, newton);
-	out.turn = rb_vec3_cross(arm, out.impulse);
+	out.turn = rb_vec3_add_scaled(
+		rb_vec3_cross(arm, out.impulse), span,
+		force->frame == RB_FORCE_BODY ? rb_quat_rotate(q, force->torque) : force->torque);
 	return out;
 }
 

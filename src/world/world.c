@@ -243,6 +243,16 @@ void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3
 	           rb_vec3_add(rb_world_row3(world->state.twist, i), rb_vec3_cross(arm, force)));
 }
 
+void rb_world_apply_torque(struct rb_world *world, int id, rb_vec3 torque)
+{
+	const int i = world->model->index_of[id];
+
+	if (!world->state.twist)
+		return;
+	rb_vec3_to(world->state.twist + 3 * i,
+	           rb_vec3_add(rb_world_row3(world->state.twist, i), torque));
+}
+
 void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity)
 {
 	const int i = world->model->index_of[id];

@@ -56,3 +56,34 @@ says out '^  forces +2 springs, 1 drag, 1 field$'
 exits 0 driven.lua --quiet
 exits 0 info driven.h5 --json
 [ "$(value driven_count)" = 2 ] || fail "info --json: $(cat out)"
+
+# torques: for a time, one that turns with its body beside a force, one of a callback; by every method that has boxes
+cat >torque.lua <<'LUA'
+world { duration = 1, frame_rate = 20, time_step = param("dt", 0.01) }
+local bound = param("bound", 1e-12)
+local ball = sphere { name = "ball", radius = 0.5, mass = 2, forces = { { torque = {0, 0, 0.3}, start = 0.25, duration = 0.5 } } }
+local bar = box { name = "bar", size = {1, 0.2, 0.3}, mass = 3, position = {0, 5, 0}, angular_velocity = {0, 0, 1},
+	forces = { { torque = {0, 0, 0.2}, vector = {3, 0, 0}, frame = "body" } } }
+local top = sphere { name = "top", radius = 0.5, mass = 2, position = {0, 10, 0} }
+on_step(function() top:apply_torque {0.1, 0, 0} end)
+local I = 0.4 * 2 * 0.25
+local J = 3 * (1 + 0.04) / 12
+expect("a torque for a time", function() return math.abs(ball.angular_velocity.z - 0.3 * 0.5 / I), bound end)
+expect("a torque that turns with its body", function() return math.abs(bar.angular_velocity.z - 1 - 0.2 / J), bound end)
+expect("a torque of a callback", function() return math.abs(top.angular_velocity.x - 0.1 / I), bound end)
+expect("speed of a point", function()
+	local v = ball:point_velocity {0.5, 0, 0}
+	return math.abs(math.sqrt(v.x * v.x + v.y * v.y) - 0.5 * ball.angular_velocity.z), 1e-12
+end)
+expect("centre", function() return bar.center_of_mass.x == 0 end)
+LUA
+for method in located stepped auto; do
+	exits 0 torque.lua --method $method --no-record --json
+	awk -v s="$(value angular_momentum_share)" 'BEGIN { exit !(s < 1e-14) }' || fail "$method: a torque is in no account"
+done
+cat >nothing.lua <<'LUA'
+world { duration = 1 }
+sphere { radius = 1, forces = { { start = 1 } } }
+LUA
+exits 65 check nothing.lua
+says err "wants 'vector', or 'direction' and 'magnitude', or 'torque'"
