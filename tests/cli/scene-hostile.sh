@@ -12,16 +12,23 @@ refused()
 }
 
 refused close 'closed in each other more than' <<'END'
-local function nest(n)
+local before
+for i = 1, 100000 do
+	local inner = before
 	local co = coroutine.create(function()
-		local x <close> = setmetatable({}, { __close = function() if n > 0 then nest(n - 1) end end })
+		local x <close> = setmetatable({}, { __close = function()
+			if inner then
+				local ok, err = coroutine.close(inner)
+				if not ok then error(err, 0) end
+			end
+		end })
 		coroutine.yield()
 	end)
 	coroutine.resume(co)
-	local ok, err = coroutine.close(co)
-	if not ok then error(err, 0) end
+	before = co
 end
-nest(100000)
+local ok, err = coroutine.close(before)
+if not ok then error(err, 0) end
 END
 refused set 'too many steps|million instructions' <<'END'
 local set = "[" .. ("a"):rep(1000000) .. "]"
