@@ -191,7 +191,7 @@ done
 rm -f r.h5*
 
 # a file system of its own that is full before the end: what was kept until then is gone on from when there is room again
-sed 's/duration = 1/duration = 20/; s/6e4/3e3/; s/== 101/== 2001/' s.lua >large.lua
+sed 's/duration = 1/duration = 14/; s/6e4/3e3/; s/== 101/== 1401/' s.lua >large.lua
 echo 'record { ledger = false }' >>large.lua
 exits 0 large.lua -q -o large.h5
 cat >full.sh <<'END'

@@ -14,8 +14,8 @@ plane { normal = {0, 0, 1}, material = m }
 sphere { name = "b$bad\nok forged", radius = 0.1, position = {0, 0, 0.3}, material = m }
 expect("E$bad\nok forged", function() return n < 2 end)
 END
-echo "error('R$bad\nok forged')" >bad.lua
-echo "world { ['k$bad\nok forged'] = 1 }" >key.lua
+printf "%s\n" "error('R$bad\nok forged')" >bad.lua
+printf "%s\n" "world { ['k$bad\nok forged'] = 1 }" >key.lua
 cat >name.lua <<END
 world { duration = 1 }
 sphere { name = "x$bad\nok forged", radius = -1 }
