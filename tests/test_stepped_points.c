@@ -4,6 +4,7 @@
 
 #include "stepped/close.h"
 #include "stepped/inside.h"
+#include "stepped/stepped.h"
 #include "world/world.h"
 
 static int add_box(struct lab *lab, rb_vec3 size, rb_vec3 at, rb_vec3 velocity, rb_vec3 spin)
@@ -157,9 +158,52 @@ static void what_turns_in_place_has_gone_its_size_times_its_angle(void **state)
 	}
 }
 
+/* Steps begin with the forces that locating has left; a driven body comes second in their pairs. */
+static void steps_take_over_what_was_located(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 10);
+	lab.scene.world.method = RB_METHOD_AUTO;
+	lab.scene.world.time_step_s = 1.0 / 240;
+	lab.scene.world.gravity = (rb_vec3){0, 0, -10};
+	lab_surface(&lab, 0.5, 0);
+	const int low = add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){0, 0, 0.5}, none, none);
+	const int high = add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){0, 0, 1.5}, none, none);
+	const int floor = lab_plane(&lab, none, (rb_vec3){0, 0, 1});
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	struct rb_world *world = lab.world;
+	assert_true(world->contacts.count >= 2);
+	assert_int_equal(rb_stepped_prepare(world, &lab.error), RB_OK);
+	assert_int_equal(rb_stepped_take_over(world, &lab.error), RB_OK);
+	const struct rb_points *points = &world->stepped->all.points;
+	const int *at = world->model->index_of;
+
+	assert_int_equal(points->last_count, 2);
+	for (size_t k = 0; k < 2; k++) {
+		const struct rb_named_push *push = &points->last[k];
+		const bool below = push->b == at[floor];
+		size_t rows = 0;
+
+		assert_int_equal(push->a, below                ? at[low]
+		                          : at[low] < at[high] ? at[low]
+		                                               : at[high]);
+		for (size_t c = 0; c < world->contacts.count; c++)
+			rows += world->contacts.row[c].a == push->a &&
+			        world->contacts.row[c].b == push->b;
+		assert_true(fabs(push->force * (double)rows - (below ? 20 : 10)) < 1e-9);
+	}
+	assert_int_equal(rb_stepped_step(world, world->state.time_s, 1.0 / 240, &lab.error), RB_OK);
+	assert_true(rb_vec3_max_abs(rb_world_velocity(world, high)) < 1e-9);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(steps_take_over_what_was_located),
 		cmocka_unit_test(a_stick_that_turns_hits_what_its_tip_reaches),
 		cmocka_unit_test(what_comes_back_is_met),
 		cmocka_unit_test(what_turns_in_place_has_gone_its_size_times_its_angle),

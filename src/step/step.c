@@ -55,6 +55,14 @@ static enum rb_status prepare_steps(struct rb_world *world, struct rb_error *err
 	                                : rb_classic_prepare(world, err);
 }
 
+/* From locating. */
+static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *err)
+{
+	const enum rb_status status = prepare_steps(world, err);
+
+	return status == RB_OK && world->stepped ? rb_stepped_take_over(world, err) : status;
+}
+
 enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
                                const struct rb_world_options *options,
                                const struct rb_world_hooks *hooks, struct rb_error *err)
@@ -307,7 +315,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MOST)
 		world->dense_steps *= 2;
 	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
-	return prepare_steps(world, err);
+	return change_to_steps(world, err);
 }
 
 /* A step of the located method; whatever it comes to, the world is as it has left it. */
@@ -354,7 +362,7 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 	/* too dense to locate: the rest of it, and some more, is stepped */
 	more_dense_steps(world);
 	world->dense_left = world->dense_steps;
-	status = prepare_steps(world, err);
+	status = change_to_steps(world, err);
 	return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
 }
 

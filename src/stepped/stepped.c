@@ -376,6 +376,12 @@ static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 	}
 }
 
+enum rb_status rb_stepped_take_over(struct rb_world *world, struct rb_error *err)
+{
+	rb_stand_forget(world->stepped);
+	return rb_points_take_over(&world->stepped->all.points, world, err);
+}
+
 void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 {
 	bool prepared = world->stepped != NULL;

@@ -19,6 +19,9 @@ struct rb_stepped;
 RB_CHECKED enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err);
 void rb_stepped_destroy(struct rb_stepped *stepped); /* NULL is fine */
 
+/* Before the first step after another method: it starts from the forces of the contacts that this has left. */
+RB_CHECKED enum rb_status rb_stepped_take_over(struct rb_world *world, struct rb_error *err);
+
 /* On failure the state is that of the beginning of the step. */
 RB_CHECKED enum rb_status rb_stepped_step(struct rb_world *world, double start_s, double dt_s,
                                           struct rb_error *err);

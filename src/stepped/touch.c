@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/touch.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -140,7 +141,7 @@ static void fill_point(const struct look *look, struct rb_point *point)
 	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
 		const struct rb_named_push *last = &points->last[k];
 
-		if (last->b != point->b || last->key != point->key)
+		if (last->b != point->b || (last->key != point->key && last->key != RB_ANY_POINT))
 			continue;
 		point->from = k + 1;
 		point->push = look->h * last->force;
@@ -513,6 +514,48 @@ void rb_points_index(struct rb_points *points, const struct rb_model *model)
 		points->first_last[a] = points->last_count;
 }
 
+static int by_first(const void *left, const void *right)
+{
+	const struct rb_named_push *x = left, *y = right;
+
+	if (x->a != y->a)
+		return x->a < y->a ? -1 : 1;
+	return (x->b > y->b) - (x->b < y->b);
+}
+
+enum rb_status rb_points_take_over(struct rb_points *points, const struct rb_world *world,
+                                   struct rb_error *err)
+{
+	const struct rb_contacts *contacts = &world->contacts;
+	size_t length;
+
+	points->last_count = 0;
+	if (!rb_points_room(points, contacts->count))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", contacts->count);
+	for (size_t k = 0; k < contacts->count; k += length) {
+		const struct rb_contact *first = &contacts->row[k];
+		const bool swapped = world->model->inverse_mass[first->a] == 0; /* driven */
+		struct rb_named_push push = {.a = swapped ? first->b : first->a,
+		                             .b = swapped ? first->a : first->b,
+		                             .key = RB_ANY_POINT};
+
+		for (length = 0; k + length < contacts->count && first[length].a == first->a &&
+		                 first[length].b == first->b;
+		     length++) {
+			push.force += first[length].normal_force;
+			push.rub = rb_vec3_add(push.rub, first[length].tangent_force);
+		}
+		push.force /= (double)length;
+		push.rub = rb_vec3_scale((swapped ? -1 : 1) / (double)length, push.rub);
+		if (push.force > 0)
+			points->last[points->last_count++] = push;
+	}
+	if (points->last_count > 1)
+		qsort(points->last, points->last_count, sizeof *points->last, by_first);
+	rb_points_index(points, world->model);
+	return RB_OK;
+}
+
 void rb_points_take_last(struct rb_points *points, const struct rb_points *from, const int *member,
                          int count)
 {
@@ -548,8 +591,12 @@ bool rb_points_room(struct rb_points *points, size_t count)
 static struct rb_named_push push_of(const struct rb_points *points, const struct rb_point *point,
                                     double h, const unsigned char *stays)
 {
-	if (point->from > 0 && stays[point->a])
-		return points->last[point->from - 1];
+	if (point->from > 0 && stays[point->a]) {
+		struct rb_named_push push = points->last[point->from - 1];
+
+		push.key = point->key;
+		return push;
+	}
 	return (struct rb_named_push){point->a, point->b, point->key, point->push / h,
 	                              rb_vec3_scale(1 / h, point->rub)};
 }

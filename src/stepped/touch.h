@@ -30,6 +30,9 @@ struct rb_point {
 	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
 };
 
+/* Of any point of a pair: another method has told its forces. */
+#define RB_ANY_POINT UINT64_MAX
+
 /* What of a point the next step starts from. */
 struct rb_named_push {
 	int a, b;
@@ -71,6 +74,13 @@ RB_CHECKED enum rb_status rb_points_sort(struct rb_points *points, struct rb_are
 RB_CHECKED enum rb_status rb_points_keep(struct rb_points *points, double h_s,
                                          const unsigned char *stays, const unsigned char *stands,
                                          struct rb_error *err);
+
+/*
+ * What the next step starts from is what another method has found: each point of a pair that touches has the mean force of the
+ * pair's contacts.
+ */
+RB_CHECKED enum rb_status rb_points_take_over(struct rb_points *points,
+                                              const struct rb_world *world, struct rb_error *err);
 
 /* After `last` has changed. */
 void rb_points_index(struct rb_points *points, const struct rb_model *model);
