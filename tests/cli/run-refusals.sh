@@ -149,8 +149,13 @@ exits 0 info "$long"
 exits 73 s.lua -o "0$long"
 says err "cannot create '00"
 
-# without /proc, or with something else in its place: what is missing is told, and what does not need it goes on
-if unshare -rm true 2>/dev/null; then
+# without /proc, or with something else in its place: what is missing is told, and what does not need it goes on; sanitizers
+# do not go on without it
+case ${RBSIM_MODE:-release} in
+asan | tsan) bare=false ;;
+*) bare=true ;;
+esac
+if $bare && unshare -rm true 2>/dev/null; then
 	cat >bare.sh <<'END'
 mount -t tmpfs none /proc || exit 77
 "$RBSIM" s.lua -q -o bare.h5 2>err
