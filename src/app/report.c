@@ -72,7 +72,7 @@ static void judge_fit(const struct rb_report *report, struct rb_report_method *o
 		snprintf(of->order_note, sizeof of->order_note,
 		         "none: it takes two points with errors above those of rounding%s",
 		         reference);
-	else if (!(both / spread * (s->most - s->least) >= log(2)))
+	else if (!(both / spread * (s->most - s->least) >= log(2))) /* by half, over all points */
 		snprintf(of->order_note, sizeof of->order_note,
 		         "none: the errors do not fall with the %s", dial_name);
 	else if (both * both < line_least * spread * height)

@@ -185,7 +185,7 @@ static enum rb_status largest_pull(const struct rb_world *world, double t, doubl
 
 /*
  * What auto steps where it would locate must not hang on a time_step that was chosen for locating: no step is longer than an
- * eighth of the time in which a body falls by its own size, of the mean size: the smallest of many would make all of them wait.
+ * eighth of the time in which a body of the mean size falls by its size: the smallest of many would make all of them wait.
  */
 static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
                                    struct rb_error *err)

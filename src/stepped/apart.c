@@ -11,7 +11,6 @@
 #include "stepped/enter.h"
 #include "stepped/judge.h"
 #include "stepped/land.h"
-#include "stepped/means.h"
 #include "stepped/stand.h"
 #include "stepped/tell.h"
 
@@ -21,9 +20,8 @@ struct rb_apart {
 	int *steps; /* owned, by body: that were taken and not taken back */
 	int *body;  /* owned: a group's, with driven ones */
 	struct rb_contacts last, before, kept; /* of a group's last step; of settled groups */
-	struct rb_contacts part,
-		shown;         /* for the frames: of a part; of settled groups, the whole step's */
-	struct rb_means means; /* of the group under way */
+	struct rb_contacts shown;   /* for the frames: of settled groups, over the whole step */
+	struct rb_means means;      /* of the group under way */
 	struct rb_named_push *push; /* owned: of settled groups */
 	size_t push_count, push_capacity;
 	struct rb_event_of *event; /* owned: impacts of settled groups */
@@ -83,7 +81,6 @@ void rb_apart_destroy(struct rb_apart *apart)
 	rb_contacts_release(&apart->before);
 	rb_contacts_release(&apart->kept);
 	rb_means_release(&apart->means);
-	rb_contacts_release(&apart->part);
 	rb_contacts_release(&apart->shown);
 	rb_memory_free(apart->push);
 	rb_memory_free(apart->event);
@@ -173,16 +170,6 @@ static void cohort_of(struct rb_world *world, const struct rb_group *group)
 	s->part.near = &apart->land.near;
 }
 
-static enum rb_status add_part(struct rb_apart *apart, const struct rb_cohort *cohort, double h,
-                               struct rb_error *err)
-{
-	apart->part.count = 0;
-	enum rb_status status = rb_contacts_join(&apart->part, &apart->last, err);
-	if (status == RB_OK)
-		status = rb_tell_passed(cohort, h, NULL, &apart->part, err);
-	return status == RB_OK ? rb_means_add(&apart->means, &apart->part, h, err) : status;
-}
-
 static enum rb_status keep_step(struct rb_world *world, double time, double h,
                                 const struct rb_outcome *outcome, struct rb_error *err)
 {
@@ -225,7 +212,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	if (status == RB_OK)
 		status = rb_tell_contacts(world, part, h, NULL, &apart->last, err);
 	if (status == RB_OK && world->options.keep_contacts)
-		status = add_part(apart, part, h, err);
+		status = rb_tell_part(part, &apart->last, h, &s->part_contacts, &apart->means, err);
 	rb_contacts_sort(&apart->last);
 	if (status == RB_OK)
 		status = rb_points_keep(&part->points, h, s->solver.stays, NULL, err);

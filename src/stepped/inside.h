@@ -9,6 +9,7 @@
 
 #include "math/top.h"
 #include "stepped/depth.h"
+#include "stepped/means.h"
 #include "stepped/solve.h"
 
 enum { RB_BODIES_PER_BLOCK = 512 };
@@ -117,6 +118,8 @@ struct rb_stepped {
 	struct rb_events told;  /* impacts of the step under way, not in order yet */
 	struct rb_tally *tally; /* owned; NULL: the ledger is not kept */
 	struct rb_apart *apart; /* owned; NULL until a step has first failed for some */
+	struct rb_means means;  /* of a step that is halved for all, where frames keep contacts */
+	struct rb_contacts part_contacts; /* scratch of rb_tell_part */
 };
 
 /* Forces move it: no static, no driven one. */

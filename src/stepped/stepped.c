@@ -142,6 +142,8 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->part.rebound);
 	rb_memory_free(stepped->all.hit);
 	rb_memory_free(stepped->part.hit);
+	rb_means_release(&stepped->means);
+	rb_contacts_release(&stepped->part_contacts);
 	rb_contacts_release(&stepped->all.passed);
 	rb_contacts_release(&stepped->part.passed);
 	rb_memory_free(stepped->all.blow);
@@ -258,8 +260,6 @@ static enum rb_status step_apart(struct rb_world *world, double start, double dt
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_outcome outcome;
-
-	world->has_shown = false;
 	enum rb_status status = try_all(world, start, dt, &outcome, err);
 
 	if (status != RB_OK)
@@ -273,6 +273,17 @@ static enum rb_status step_apart(struct rb_world *world, double start, double dt
 	return rb_tell_all(world, err);
 }
 
+/* For the frames: over the whole step, which was taken in parts. */
+static enum rb_status show_means(struct rb_world *world, double dt, struct rb_error *err)
+{
+	world->shown.count = 0;
+	const enum rb_status status = rb_means_tell(&world->stepped->means, dt, &world->shown, err);
+
+	rb_contacts_sort(&world->shown);
+	world->has_shown = status == RB_OK;
+	return status;
+}
+
 /* What fails is halved for all; with `none`, only what is not finite fails. */
 static enum rb_status step_together(struct rb_world *world, double start, double dt,
                                     struct rb_error *err)
@@ -280,8 +291,9 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 	struct rb_stepped *s = world->stepped;
 	const bool none = world->model->rollback == RB_ROLLBACK_NONE;
 	double done = 0, h = dt;
-	int halvings = 0;
+	int halvings = 0, parts = 0;
 
+	s->means.count = 0;
 	while (done < dt) {
 		struct rb_outcome outcome;
 		enum rb_status status = try_all(world, start + done, h, &outcome, err);
@@ -291,6 +303,10 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		if (s->bad_count == 0 || (none && outcome.body < 0)) {
 			done = h < dt - done ? done + h : dt;
 			status = commit(world, start + done, h, &outcome, err);
+			if (status == RB_OK && h < dt && world->options.keep_contacts)
+				status = rb_tell_part(&s->all, &world->contacts, h,
+				                      &s->part_contacts, &s->means, err);
+			parts++;
 			h = fmin(2 * h, dt - done);
 			halvings = 0;
 			if (status == RB_OK)
@@ -306,7 +322,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 			return rb_apart_give_up(world, start + done, &outcome, err);
 		h *= 0.5;
 	}
-	return RB_OK;
+	return parts > 1 && world->options.keep_contacts ? show_means(world, dt, err) : RB_OK;
 }
 
 enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
@@ -317,7 +333,7 @@ enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
 		rb_stand_forget(world->stepped);
 		memset(world->stepped->solver.rests, 0, (size_t)world->model->body_count);
 	}
-	world->moved_by_hand = false;
+	world->moved_by_hand = world->has_shown = false;
 	return world->model->rollback == RB_ROLLBACK_SELECTIVE
 	               ? step_apart(world, start, dt, err)
 	               : step_together(world, start, dt, err);

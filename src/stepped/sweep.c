@@ -245,9 +245,10 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 
 			if (body->inverse_mass == 0)
 				continue;
+			if (push[at][1] == 0) /* once a body */
+				push[at][1] = rb_vec3_max_abs(body->linear) / body->inverse_mass;
 			push[at][0] += sweep->trace[k].most;
-			push[at][1] += rb_vec3_max_abs(rb_dense_impulse(row)) +
-			               rb_vec3_max_abs(body->linear) / body->inverse_mass;
+			push[at][1] += rb_vec3_max_abs(rb_dense_impulse(row));
 		}
 	}
 	for (int k = 0; k < member_count; k++)

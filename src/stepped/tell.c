@@ -134,6 +134,17 @@ enum rb_status rb_tell_passed(const struct rb_cohort *cohort, double h, const un
 	return status;
 }
 
+enum rb_status rb_tell_part(const struct rb_cohort *cohort, const struct rb_contacts *contacts,
+                            double h, struct rb_contacts *scratch, struct rb_means *means,
+                            struct rb_error *err)
+{
+	scratch->count = 0;
+	enum rb_status status = rb_contacts_join(scratch, contacts, err);
+	if (status == RB_OK)
+		status = rb_tell_passed(cohort, h, NULL, scratch, err);
+	return status == RB_OK ? rb_means_add(means, scratch, h, err) : status;
+}
+
 /*
  * An impact is told where a pair that did not touch in the step before has come together, by more than the residual. The
  * whole impulse of the step counts.

@@ -23,6 +23,11 @@ RB_CHECKED enum rb_status rb_tell_contacts(struct rb_world *world, const struct 
 RB_CHECKED enum rb_status rb_tell_passed(const struct rb_cohort *cohort, double h_s,
                                          const unsigned char *skip, struct rb_contacts *to,
                                          struct rb_error *err);
+/* Adds a part of a step to its means: the contacts that it has left, and what has been passed on in it. */
+RB_CHECKED enum rb_status rb_tell_part(const struct rb_cohort *cohort,
+                                       const struct rb_contacts *contacts, double h_s,
+                                       struct rb_contacts *scratch, struct rb_means *means,
+                                       struct rb_error *err);
 /* Room among the world's events for so many more; false: no memory. */
 bool rb_tell_room(struct rb_world *world, size_t count);
 /* Those told, for which there is room, become the world's events, and callbacks hear of them. */

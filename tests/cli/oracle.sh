@@ -40,3 +40,8 @@ for first in 205 212 229 271; do
 	"$python" "$oracle/scenes.py" --program "$RBSIM" --frames 2 --share random --first $first --count 1 --one-step \
 		--given "--method stepped --duration 1" >>out || fail "forces and impulses of random scene $first do not add up"
 done
+# steps that are halved for all: forces are means over the whole step
+"$python" "$oracle/scenes.py" --program "$RBSIM" --frames 2 --share random --first 229 --count 1 --one-step \
+	--given "--method stepped --rollback global --duration 1" >global
+says global random-229
+if grep -q 'FAIL.*steps, momentum' global; then fail "forces of steps that are halved for all do not add up"; fi
