@@ -249,7 +249,8 @@ enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC, RB_METHOD_LOCATED, RB_M
 
 struct rb_world_def {
 	const char *title, *description; /* "" when not given */
-	double duration_s;               /* NAN: not given */
+	double duration_s;               /* NAN: not given, `steps` tells it */
+	int steps;                       /* the duration in time steps; 0: not given */
 	double frame_rate;               /* 1/s */
 	double time_step_s;              /* NAN: 1/(4 frame_rate) */
 	double tolerance_m;              /* NAN: the rule of rbsim-scene(5) */
@@ -260,6 +261,11 @@ struct rb_world_def {
 	uint64_t seed;
 	bool pause_on_collision;
 };
+
+/* Seconds, from `steps` where no duration stands; NAN: neither was given. */
+double rb_world_duration(const struct rb_world_def *world);
+/* s: of the scene, or the default. */
+double rb_world_time_step(const struct rb_world_def *world);
 
 enum rb_param_type { RB_PARAM_NUMBER, RB_PARAM_INTEGER, RB_PARAM_BOOLEAN, RB_PARAM_TEXT };
 

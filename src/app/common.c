@@ -186,8 +186,10 @@ static void override(struct rb_world_def *world, const struct rb_options *option
 	                                             [RB_ROLLBACK_GLOBAL] = "global",
 	                                             [RB_ROLLBACK_NONE] = "none"};
 
-	if (!isnan(options->duration_s))
+	if (!isnan(options->duration_s) || options->step_count > 0) {
 		world->duration_s = options->duration_s;
+		world->steps = options->step_count;
+	}
 	if (!isnan(options->time_step_s))
 		world->time_step_s = options->time_step_s;
 	if (!isnan(options->tolerance_m))

@@ -163,12 +163,13 @@ static enum rb_status open_recording(struct console *c, struct rb_error *err)
 /* Options of a run have no meaning for a recording. */
 static enum rb_status check_options(const struct rb_options *options, struct rb_error *err)
 {
-	static const char *const flags[] = {"--param",  "--duration", "--time-step", "--tolerance",
-	                                    "--method", "--rollback", "--seed",      "--threads",
-	                                    "--output", "--force",    "--no-record", "--no-render",
-	                                    "--camera", "--detach"};
+	static const char *const flags[] = {
+		"--param",  "--duration",  "--steps",     "--time-step", "--tolerance",
+		"--method", "--rollback",  "--seed",      "--threads",   "--output",
+		"--force",  "--no-record", "--no-render", "--camera",    "--detach"};
 	const bool given[] = {options->param_count > 0,
 	                      !isnan(options->duration_s),
+	                      options->step_count > 0,
 	                      !isnan(options->time_step_s),
 	                      !isnan(options->tolerance_m),
 	                      options->method != NULL,

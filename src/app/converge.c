@@ -555,8 +555,8 @@ static int tell(const struct converge *converge)
 
 int rb_converge_main(const struct rb_options *options)
 {
-	struct converge converge = {.options = options, .start_ns = rb_clock_now_ns()};
-	struct rb_options no_record = *options;
+	struct rb_options no_record = *options, held = *options;
+	struct converge converge = {.options = &held, .start_ns = rb_clock_now_ns()};
 	struct rb_error err;
 	int exit_code;
 
@@ -570,6 +570,9 @@ int rb_converge_main(const struct rb_options *options)
 		exit_code = rb_app_refuse_scene(options, &converge.loaded, &err);
 	} else {
 		const struct rb_model *const model = converge.loaded.model;
+		/* every setting runs as long, also where the scene counts time steps */
+		held.duration_s = model->duration_s;
+		held.step_count = 0;
 		converge.interval_s = fmin(1 / model->frame_rate, model->duration_s);
 		converge.report.scene = converge.loaded.scene.file;
 		converge.report.title = converge.loaded.scene.world.title;

@@ -149,6 +149,8 @@ const struct rb_option_row rb_option_rows[] = {
 	 "set a parameter of the scene; may be given again"},
 	{"duration", 0, "SECONDS", RB_OPTION_NUMBER, AT(duration_s), SCENE | EACH | VERB(CONVERGE), 0, INFINITY, true, NULL,
 	 "simulated time, instead of the scene's"},
+	{"steps", 0, "N", RB_OPTION_INTEGER, AT(step_count), SCENE | EACH | VERB(CONVERGE), 1, INT_MAX, false, NULL,
+	 "simulated time as a whole number of time steps, instead of the scene's"},
 	{"time-step", 0, "SECONDS", RB_OPTION_NUMBER, AT(time_step_s), SCENE | EACH, 0, INFINITY, true, NULL,
 	 "longest step of the solver, instead of the scene's"},
 	{"tolerance", 0, "METRES", RB_OPTION_NUMBER, AT(tolerance_m), SCENE | EACH, 0, INFINITY, true, NULL,
@@ -525,6 +527,9 @@ static enum rb_status check_whole(const struct parse *parse)
 	if (options->no_record && options->output && options->verb != RB_VERB_SWEEP)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--output' contradicts '--no-record'");
+	if (options->step_count > 0 && !isnan(options->duration_s))
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--steps' contradicts '--duration'");
 	if (options->resume && (options->no_record || options->force))
 		return RB_FAIL(parse->err, RB_ERR_USAGE, "option '--resume' contradicts '--%s'",
 		               options->no_record ? "no-record" : "force");

@@ -93,6 +93,7 @@ struct rb_options {
 	bool sweep_status, sweep_plan, slurm, retry;           /* sweep */
 	const char *output, *method, *rollback, *print_tables; /* NULL: not given */
 	double duration_s, time_step_s, tolerance_m;           /* NAN: not given */
+	int step_count;                                        /* 0: not given */
 	uint64_t seed;
 	int threads;         /* 0: not given */
 	const char **params; /* owned: K=V each */

@@ -195,21 +195,23 @@ static void check_world(struct check *check)
 {
 	const struct rb_world_def *world = &check->scene->world;
 	const bool has_rate = positive(world->frame_rate);
+	const bool has_step = isnan(world->time_step_s) || positive(world->time_step_s);
+	const double duration_s = rb_world_duration(world);
 
-	if (isnan(world->duration_s))
+	/* where steps tell it, a mistake of the frame rate or the time step is told below */
+	if (isnan(world->duration_s) && world->steps == 0)
 		world_mistake(
 			check,
-			"world: 'duration' is missing (wanted seconds, here or by --duration)");
-	else if (!positive(world->duration_s))
+			"world: 'duration' is missing (wanted seconds, here or by --duration, or 'steps')");
+	else if (!positive(duration_s) && (!isnan(world->duration_s) || (has_rate && has_step)))
 		world_mistake(check, "world: 'duration' must be positive and finite (got %g s)",
-		              world->duration_s);
-	else if (has_rate && !(world->duration_s * world->frame_rate < frames_most))
+		              duration_s);
+	else if (has_rate && has_step && !(duration_s * world->frame_rate < frames_most))
 		world_mistake(
 			check,
 			"world: 'duration' %g s times 'frame_rate' %g makes %g frames (wanted less than "
 			"2^53)",
-			world->duration_s, world->frame_rate,
-			world->duration_s * world->frame_rate);
+			duration_s, world->frame_rate, duration_s * world->frame_rate);
 	if (!has_rate)
 		world_mistake(check, "world: 'frame_rate' must be positive and finite (got %g)",
 		              world->frame_rate);
@@ -220,7 +222,7 @@ static void check_world(struct check *check)
 		world_mistake(check, "world: 'time_step' must be positive and finite (got %g s)",
 		              world->time_step_s);
 	else if (!isnan(world->time_step_s) && has_rate &&
-	         !(fmin(1 / world->frame_rate, world->duration_s) / world->time_step_s <=
+	         !(fmin(1 / world->frame_rate, duration_s) / world->time_step_s <=
 	           steps_per_frame_most))
 		world_mistake(check, "world: 'time_step' %g s cuts a frame into more than %g steps",
 		              world->time_step_s, steps_per_frame_most);

@@ -214,10 +214,9 @@ static void fill_numbers(struct rb_model *model)
 	const struct rb_sizes sizes = rb_scene_sizes(model->scene);
 	bool whole;
 
-	model->duration_s = world->duration_s;
+	model->duration_s = rb_world_duration(world);
 	model->frame_rate = world->frame_rate;
-	model->time_step_s = isnan(world->time_step_s) ? 1 / (4 * world->frame_rate)
-	                                               : world->time_step_s;
+	model->time_step_s = rb_world_time_step(world);
 	model->tolerance_m = sizes.tolerance_m;
 	model->size_min_m = sizes.size_min_m;
 	model->size_mean_m = sizes.size_mean_m;
@@ -226,7 +225,7 @@ static void fill_numbers(struct rb_model *model)
 	                                           : model->body_count <= LEDGER_BODIES_MOST;
 	model->rollback = world->rollback;
 	model->method = world->method;
-	model->frame_count = (uint64_t)rb_frame_intervals(world->duration_s, world->frame_rate,
+	model->frame_count = (uint64_t)rb_frame_intervals(model->duration_s, model->frame_rate,
 	                                                  &whole) +
 	                     1;
 	/* where the grid of frames ends before the duration, one more at its end */

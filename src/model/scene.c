@@ -144,6 +144,18 @@ enum rb_status rb_scene_init(struct rb_scene *scene, struct rb_error *err)
 	return status;
 }
 
+double rb_world_time_step(const struct rb_world_def *world)
+{
+	return isnan(world->time_step_s) ? 1 / (4 * world->frame_rate) : world->time_step_s;
+}
+
+double rb_world_duration(const struct rb_world_def *world)
+{
+	if (!isnan(world->duration_s) || world->steps == 0)
+		return world->duration_s;
+	return world->steps * rb_world_time_step(world);
+}
+
 void rb_scene_release(struct rb_scene *scene)
 {
 	if (scene->memory) {

@@ -52,6 +52,8 @@ static int l_world(lua_State *L)
 	for (int i = 0; i < rb_rows_world.count; i++)
 		if (rb_call_given(&call, rb_rows_world.rows[i].key))
 			script->world_given |= UINT64_C(1) << i;
+	if (rb_call_given(&call, "duration") && rb_call_given(&call, "steps"))
+		rb_call_mistake(&call, "'duration' and 'steps' exclude each other");
 	if (!only_call(&call, &script->world_line))
 		return 0;
 	world.title = keep_text(&call, world.title);

@@ -22,6 +22,7 @@ _rbsim()
 	--slurm-option) return ;;
 	--seed) return ;;
 	--duration) return ;;
+	--steps) return ;;
 	--time-step) return ;;
 	--tolerance) return ;;
 	--methods) return ;;
@@ -52,20 +53,20 @@ _rbsim()
 	esac
 	if [[ $word == -* ]]; then
 		case $verb in
-		run) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --film-timeout --checkpoint-every --resume --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
-		check) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		run) COMPREPLY=($(compgen -W '--output --param --duration --steps --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --film-timeout --checkpoint-every --resume --listen --commands --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		check) COMPREPLY=($(compgen -W '--output --param --duration --steps --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		info) COMPREPLY=($(compgen -W '--scene --quiet --json --debug --help --version' -- "$word")) ;;
 		render) COMPREPLY=($(compgen -W '--output --camera --with --from --to --fps --speed --size --frame --contact-sheet --film-timeout --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		diff) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		replay) COMPREPLY=($(compgen -W '--threads --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		repair) COMPREPLY=($(compgen -W '--trust --quiet --json --debug --help --version' -- "$word")) ;;
-		converge) COMPREPLY=($(compgen -W '--output --param --duration --methods --dt --tolerance --quantity --error --runs --budget --seed --threads --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
+		converge) COMPREPLY=($(compgen -W '--output --param --duration --steps --methods --dt --tolerance --quantity --error --runs --budget --seed --threads --force --trust --quiet --json --debug --help --version' -- "$word")) ;;
 		verify) COMPREPLY=($(compgen -W '--method --rollback --quick --scenes --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		methods) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
 		ctl) COMPREPLY=($(compgen -W '--quiet --json --debug --help --version' -- "$word")) ;;
-		console) COMPREPLY=($(compgen -W '--output --param --duration --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --fps --speed --detach --force --trust --debug --help --version' -- "$word")) ;;
+		console) COMPREPLY=($(compgen -W '--output --param --duration --steps --time-step --tolerance --method --rollback --seed --threads --no-record --no-render --camera --fps --speed --detach --force --trust --debug --help --version' -- "$word")) ;;
 		attach) COMPREPLY=($(compgen -W '--fps --speed --trust --debug --help --version' -- "$word")) ;;
-		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --point-time --point-disk --film-timeout --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
+		sweep) COMPREPLY=($(compgen -W '--output --param --seeds --sample --task --tasks --status --plan --retry-failed --slurm --time --mem --partition --slurm-option --seed --duration --steps --time-step --tolerance --method --rollback --threads --no-record --no-render --camera --point-time --point-disk --film-timeout --checkpoint-every --trust --jobs --quiet --json --debug --help --version' -- "$word")) ;;
 		collect) COMPREPLY=($(compgen -W '--output --csv --force --quiet --json --debug --help --version' -- "$word")) ;;
 		plot) COMPREPLY=($(compgen -W '--output --against --force --quiet --json --debug --help --version' -- "$word")) ;;
 		esac
