@@ -332,6 +332,86 @@ static void the_parts_of_a_union_weigh_by_their_shares(void **slot)
 	rb_scene_release(&scene);
 }
 
+/* About the axes through the points' own mean: sums of m (y^2 + z^2), -m x y and the like, by pairs (Lagrange's identity:
+ * the sum over pairs of m_i m_j d_ij^2 / M), so by another way than the function's. */
+static void particles_weigh_what_their_pairs_say_wherever_they_are(void **slot)
+{
+	enum { COUNT = 9 };
+	struct rb_particle p[COUNT];
+	uint64_t seed = 1;
+
+	(void)slot;
+	for (int i = 0; i < COUNT; i++) {
+		double x[4];
+
+		for (int k = 0; k < 4; k++) {
+			seed = seed * 6364136223846793005u + 1442695040888963407u;
+			x[k] = (double)(seed >> 40) / (1 << 24);
+		}
+		p[i] = (struct rb_particle){0.5 + x[3], {x[0] + 3, x[1] - 7, x[2]}};
+	}
+	const struct rb_particles all = rb_particles_measure(p, COUNT);
+	double mass = 0;
+	rb_mat3 wanted = rb_mat3_diagonal(0, 0, 0);
+	rb_vec3 pull = {0, 0, 0};
+
+	for (int i = 0; i < COUNT; i++)
+		mass += p[i].mass;
+	for (int i = 0; i < COUNT; i++) {
+		pull = rb_vec3_add_scaled(pull, p[i].mass, rb_vec3_sub(p[i].position, all.center));
+		for (int j = 0; j < i; j++) {
+			const rb_vec3 d = rb_vec3_sub(p[i].position, p[j].position);
+			const double m = p[i].mass * p[j].mass / mass, x[3] = {d.x, d.y, d.z};
+
+			for (int k = 0; k < 9; k++)
+				wanted.m[k / 3][k % 3] += m * ((k / 3 == k % 3 ? rb_vec3_dot(d, d)
+				                                               : 0) -
+				                               x[k / 3] * x[k % 3]);
+		}
+	}
+	assert_near(all.mass, mass, 1e-15 * mass);
+	assert_near(rb_vec3_max_abs(pull), 0, 1e-14 * mass * 8);
+	assert_tensor(all.inertia, wanted, 1e-14 * mass);
+	assert_false(rb_particles_in_line(&all.inertia, COUNT));
+
+	/* turned as a whole, the tensor turns with them */
+	const rb_quat q = rb_quat_unit((rb_quat){0.3, -0.8, 0.4, 0.2});
+	const rb_mat3 turn = rb_quat_to_mat3(q), back = rb_mat3_transposed(&turn);
+	const rb_mat3 half = rb_mat3_multiply(&turn, &all.inertia);
+	for (int i = 0; i < COUNT; i++)
+		p[i].position = rb_quat_rotate(q, p[i].position);
+	const struct rb_particles turned = rb_particles_measure(p, COUNT);
+	assert_near(rb_vec3_length(rb_vec3_sub(turned.center, rb_quat_rotate(q, all.center))), 0,
+	            1e-14 * 8);
+	assert_tensor(turned.inertia, rb_mat3_multiply(&half, &back), 1e-13 * mass);
+}
+
+static bool in_line(const struct rb_particle *particles, size_t count)
+{
+	const struct rb_particles all = rb_particles_measure(particles, count);
+
+	return rb_particles_in_line(&all.inertia, count);
+}
+
+static void particles_on_a_line_are_known_in_any_direction(void **slot)
+{
+	struct rb_particle p[4];
+
+	(void)slot;
+	for (int k = 0; k < 50; k++) {
+		const rb_vec3 along = {cos(k), sin(k), 0.1 * k}, from = {k, -2, 1.0 / (k + 1)};
+
+		for (int i = 0; i < 4; i++)
+			p[i] = (struct rb_particle){i + 1, rb_vec3_add_scaled(from, i * i, along)};
+		for (size_t count = 1; count <= 4; count++)
+			assert_true(in_line(p, count));
+		/* a thousandth of its length beside the line counts */
+		p[1].position.z += 0.01;
+		p[1].position.x += 0.01;
+		assert_false(in_line(p, 4));
+	}
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -348,6 +428,8 @@ int main(void)
 		cmocka_unit_test(a_corner_of_a_cube_has_its_rational_numbers),
 		cmocka_unit_test(a_box_is_the_union_of_its_halves_however_they_are_made),
 		cmocka_unit_test(the_parts_of_a_union_weigh_by_their_shares),
+		cmocka_unit_test(particles_weigh_what_their_pairs_say_wherever_they_are),
+		cmocka_unit_test(particles_on_a_line_are_known_in_any_direction),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -152,6 +152,7 @@ struct rb_body_def {
 	rb_vec3 center_of_mass;
 	bool has_inertia;
 	rb_mat3 inertia; /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
+	size_t particle_count; /* mass, centre and inertia came of so many particles; 0: none were given */
 
 	rb_vec3 position;         /* m, of the object's origin */
 	rb_quat orientation;      /* a unit quaternion */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "geom/mass.h"
 
+#include <float.h>
+
 #include "math/quat.h"
 #include "math/top.h"
 
@@ -340,6 +342,42 @@ bool rb_inertia_is_scalar(const rb_mat3 *inertia)
 			if (fabs(inertia->m[i][j] - (i == j ? inertia->m[0][0] : 0)) > limit)
 				return false;
 	return true;
+}
+
+struct rb_particles rb_particles_measure(const struct rb_particle *particles, size_t count)
+{
+	struct rb_particles all = {.mass = 0};
+	rb_vec3 first = {0, 0, 0};
+	double farthest = 0;
+
+	for (size_t i = 0; i < count; i++) {
+		const struct rb_particle *const p = &particles[i];
+
+		all.mass += p->mass;
+		first = rb_vec3_add_scaled(first, p->mass, p->position);
+		farthest = fmax(farthest, rb_vec3_max_abs(p->position));
+	}
+	all.center = rb_vec3_scale(1 / all.mass, first);
+	all.center_error = (double)count * DBL_EPSILON * farthest;
+	for (size_t i = 0; i < count; i++) {
+		const rb_vec3 r = rb_vec3_sub(particles[i].position, all.center);
+		const double x[3] = {r.x, r.y, r.z};
+
+		for (int j = 0; j < 9; j++)
+			all.inertia.m[j / 3][j % 3] += particles[i].mass *
+			                               ((j / 3 == j % 3 ? rb_vec3_dot(r, r) : 0) -
+			                                x[j / 3] * x[j % 3]);
+	}
+	return all;
+}
+
+bool rb_particles_in_line(const rb_mat3 *inertia, size_t count)
+{
+	double moments[3];
+
+	rb_inertia_principal(inertia, moments);
+	/* a few roundings for each term of the sums and each entry of the tensor */
+	return moments[0] <= (double)(count + 9) * 4 * DBL_EPSILON * moments[2];
 }
 
 const char *rb_inertia_fault(const rb_mat3 *inertia)

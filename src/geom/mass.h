@@ -36,6 +36,24 @@ double rb_shape_half_width(const struct rb_solid *solids, const struct rb_shape 
  */
 void rb_solid_measure(struct rb_solid *solid, const struct rb_solid *solids);
 
+struct rb_particle {
+	double mass;      /* kg */
+	rb_vec3 position; /* m, object coordinates */
+};
+
+struct rb_particles {
+	double mass;         /* kg */
+	rb_vec3 center;      /* m */
+	rb_mat3 inertia;     /* kg m^2 about the centre */
+	double center_error; /* m: what sums of so many leave open in a coordinate of the centre */
+};
+
+/* What `count` > 0 rigidly joined points weigh together. */
+struct rb_particles rb_particles_measure(const struct rb_particle *particles, size_t count);
+
+/* Whether the tensor of `count` particles says, to rounding, that they lie on one line or at one point. */
+bool rb_particles_in_line(const rb_mat3 *inertia, size_t count);
+
 /* Ascending eigenvalues of a symmetric tensor (its lower half is not read). */
 void rb_inertia_principal(const rb_mat3 *inertia, double moments[3]);
 

@@ -272,6 +272,17 @@ static void check_mass(struct check *check, int id)
 				mass);
 		return;
 	}
+	/* particles without a turn to resist may lie anywhere */
+	if (body->particle_count > 0 && !check->turns)
+		return;
+	if (body->particle_count > 0 &&
+	    rb_particles_in_line(&body->inertia, body->particle_count)) {
+		body_mistake(
+			check, id,
+			"'particles' lie on one line or at one point, so that nothing resists turning about it (wanted "
+			"some off the line, or 'mass' and 'inertia' instead)");
+		return;
+	}
 	const char *fault = body->has_inertia ? rb_inertia_fault(&body->inertia) : NULL;
 	if (fault) {
 		double moments[3];

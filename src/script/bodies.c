@@ -7,6 +7,7 @@
 
 #include <lauxlib.h>
 
+#include "geom/mass.h"
 #include "math/vec3.h"
 #include "model/check.h"
 #include "script/fields.h"
@@ -101,6 +102,72 @@ static void add_forces(struct rb_call *call, bool is_fixed)
 	lua_settop(L, list - 1);
 }
 
+/* ---- particles ---- */
+
+/* A key that a particle must have. Where one is misspelt it may be this one: one message is enough. */
+static bool has_key(struct rb_call *part, const char *key)
+{
+	if (part->index > 0 && !part->unknown && !rb_call_tried(part, key))
+		rb_call_mistake(part, "'%s' is missing", key);
+	return rb_call_given(part, key);
+}
+
+/* Reads the list on top of the stack; false: a mistake was noted. */
+static bool read_list(struct rb_call *call, struct rb_particle *particles, size_t count)
+{
+	bool right = true;
+
+	for (size_t i = 0; i < count; i++) {
+		lua_rawgeti(call->L, -2, (lua_Integer)i + 1);
+		struct rb_call part = rb_call_part(call, &rb_rows_particle, -1, (int)i + 1);
+		rb_call_read(&part, &particles[i]);
+		const bool has_mass = has_key(&part, "mass");
+		right = has_key(&part, "position") && has_mass && right;
+		lua_pop(call->L, 1);
+	}
+	return right;
+}
+
+/* Mass, centre and inertia from the points. */
+static void read_particles(struct rb_call *call, struct rb_body_def *def)
+{
+	static const char *const others[] = {"mass", "density", "center_of_mass", "inertia"};
+	lua_State *L = call->L;
+	const int top = lua_gettop(L);
+	char found[80];
+
+	if (rb_call_push(call, "particles") == LUA_TNIL) {
+		lua_settop(L, top);
+		return;
+	}
+	for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+		if (rb_call_tried(call, others[i]))
+			rb_call_mistake(call, "'particles' and '%s' exclude each other", others[i]);
+	const size_t count = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
+	if (count == 0) {
+		rb_call_mistake(
+			call,
+			"'particles' must be a list of tables {{mass = ..., position = {...}}, ...} (got %s)",
+			rb_describe(L, -1, found));
+		lua_settop(L, top);
+		return;
+	}
+	struct rb_particle *const particles = lua_newuserdatauv(L, count * sizeof *particles, 0);
+	if (read_list(call, particles, count) && rb_body_is_free(def)) {
+		const struct rb_particles all = rb_particles_measure(particles, count);
+
+		def->mass = all.mass;
+		def->has_inertia = true;
+		def->inertia = all.inertia;
+		def->particle_count = count;
+		/* at the shape's own centroid where only the rounding of sums says otherwise */
+		if (rb_vec3_max_abs(rb_vec3_sub(all.center, def->center_of_mass)) >
+		    all.center_error)
+			def->center_of_mass = all.center;
+	}
+	lua_settop(L, top);
+}
+
 /* ---- groups ---- */
 
 /* The number of the group named by the value on top of the stack, which is taken off; -1: a mistake
@@ -178,8 +245,8 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 /* Keys that say what pushes would do, of a body that is not pushed. */
 static void check_driven(const struct rb_call *call, const struct rb_body_def *def)
 {
-	static const char *const pushed[] = {"mass", "density", "center_of_mass", "inertia",
-	                                     "forces"};
+	static const char *const pushed[] = {"mass",    "density",   "center_of_mass",
+	                                     "inertia", "particles", "forces"};
 	static const char *const moved[] = {"velocity", "angular_velocity"};
 
 	if (def->is_static)
@@ -216,6 +283,7 @@ static int finish_body(struct rb_call *call, struct rb_body_def *def)
 
 	def->line = call->line;
 	def->has_inertia = rb_call_given(call, "inertia");
+	read_particles(call, def);
 	check_body(call, def);
 	read_groups(call, def);
 	rb_name_take(call, "body", def->name);

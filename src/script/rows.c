@@ -5,6 +5,8 @@
 
 #include <rbsim/scene.h>
 
+#include "geom/mass.h"
+
 #define AT(type, member) offsetof(struct type, member)
 #define HAND RB_ROW_BY_HAND
 #define ROWS(array) array, (int)(sizeof(array) / sizeof *(array))
@@ -83,6 +85,8 @@ static const struct rb_row body_rows[] = {
 	{"inertia", RB_ROW_INERTIA, 0, 0, AT(rb_body_def, inertia), NULL, NULL,
          "from shape and mass", "kg m^2",
          "about the centre of mass, object axes: {Ix, Iy, Iz} or three rows"},
+	{"particles", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
+         "a list of points that mass, centre of mass and inertia follow from, see below; excludes these and density"},
 	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, position), NULL, NULL, "{0, 0, 0}", "m",
          "of the object's origin"},
 	{"orientation", RB_ROW_ORIENTATION, 0, 0, AT(rb_body_def, orientation), NULL, NULL,
@@ -191,6 +195,13 @@ static const struct rb_row force_rows[] = {
          "to the end", "s", ""},
 	{"frame", RB_ROW_CHOICE, 0, 0, AT(rb_force_def, frame), "world, body", NULL, "world", "",
          "axes of the vector and the torque; those of the body turn with it"},
+};
+
+static const struct rb_row particle_rows[] = {
+	{"mass", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_particle, mass), NULL, NULL, "required",
+         "kg", ""},
+	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_particle, position), NULL, NULL, "required", "m",
+         "in object coordinates, within the shape or not"},
 };
 
 static const struct rb_row spring_rows[] = {
@@ -330,6 +341,7 @@ const struct rb_row_table rb_rows_hull = {"hull", ROWS(hull_rows), &rb_rows_body
 const struct rb_row_table rb_rows_union = {"union", ROWS(union_rows), &rb_rows_body};
 const struct rb_row_table rb_rows_part = {"shapes", ROWS(part_rows), NULL};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
+const struct rb_row_table rb_rows_particle = {"particles", ROWS(particle_rows), NULL};
 const struct rb_row_table rb_rows_spring = {"spring", ROWS(spring_rows), NULL};
 const struct rb_row_table rb_rows_drag = {"drag", ROWS(drag_rows), NULL};
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
@@ -434,11 +446,11 @@ static void print_row(FILE *file, const struct rb_row *row)
 void rb_fields_print(FILE *file)
 {
 	static const struct rb_row_table *const tables[] = {
-		&rb_rows_world, &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere,
-		&rb_rows_plane, &rb_rows_box,      &rb_rows_capsule,      &rb_rows_cylinder,
-		&rb_rows_hull,  &rb_rows_union,    &rb_rows_part,         &rb_rows_body,
-		&rb_rows_force, &rb_rows_spring,   &rb_rows_drag,         &rb_rows_camera,
-		&rb_rows_light, &rb_rows_record,   &rb_rows_param};
+		&rb_rows_world,  &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere,
+		&rb_rows_plane,  &rb_rows_box,      &rb_rows_capsule,      &rb_rows_cylinder,
+		&rb_rows_hull,   &rb_rows_union,    &rb_rows_part,         &rb_rows_body,
+		&rb_rows_force,  &rb_rows_particle, &rb_rows_spring,       &rb_rows_drag,
+		&rb_rows_camera, &rb_rows_light,    &rb_rows_record,       &rb_rows_param};
 
 	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
 		fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", tables[t]->name);

@@ -79,8 +79,8 @@ enum { RB_ROWS_MAX = 64 }; /* of a table and what it shares */
 
 extern const struct rb_row_table rb_rows_world, rb_rows_material, rb_rows_contact_pair,
 	rb_rows_body, rb_rows_sphere, rb_rows_plane, rb_rows_box, rb_rows_capsule, rb_rows_cylinder,
-	rb_rows_hull, rb_rows_union, rb_rows_part, rb_rows_force, rb_rows_spring, rb_rows_drag,
-	rb_rows_camera, rb_rows_light, rb_rows_record, rb_rows_param;
+	rb_rows_hull, rb_rows_union, rb_rows_part, rb_rows_force, rb_rows_particle, rb_rows_spring,
+	rb_rows_drag, rb_rows_camera, rb_rows_light, rb_rows_record, rb_rows_param;
 
 /* NULL when there is no such key; *index (may be NULL) counts through `more`. */
 const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *key, int *index);
