@@ -30,9 +30,9 @@ if thickness >= 0.2 then
 	expect("the arch stands, m", function()
 		local far = 0
 		for i, wedge in ipairs(arch) do far = math.max(far, (wedge.position - start[i]):length()) end
-		return far, drop == 0 and 1e-9 or 1e-2
+		return far, 1e-6
 	end)
-	expect("the stone lies on it, m", function() return math.abs(stone.position.z - top - s / 2), 1e-2 end)
+	expect("the stone lies on it, m", function() return math.abs(stone.position.z - top - s / 2), 1e-6 end)
 end
 expect("at rest", function()
 	local most = stone.velocity:length()

@@ -33,7 +33,7 @@ expect_always("the break is symmetric", function()
 	if time() < 0.2 then
 		worst = math.max(worst, math.abs(momentum().y) / (cue.mass * speed))
 	end
-	return worst, 1e-4
+	return worst, 1e-12
 end)
 expect("kinetic energy is kept (e = 1)", function()
 	return math.abs(energy() / (cue.mass * speed ^ 2 / 2) - 1), e == 1 and 1e-12 or 1

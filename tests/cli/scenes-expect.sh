@@ -1,0 +1,14 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What scenes expect holds for other parameters too, and is bounded for what the default method promises: by the steps of
+# the classic one a bounce misses it.
+. tests/cli/functions
+
+for run in 'bounce e=0' 'bounce e=0.5' 'bounce e=0.9' 'edge speed=0.3' 'edge speed=10' 'off_center offset=-0.09' \
+	'scripted throw=1' 'scripted hand=5' 'slide_to_roll spin=-100' 'slide_to_roll mu=0.05' 'slope angle=0.6' 'slope mu=0' \
+	'slope mu=0.1' 'stacked_drop mass=0.1' 'stacked_drop mass=3' 'two_materials ice=0.01' 'billiard speed=20'; do
+	exits 0 "$TOP/scenes/${run% *}.lua" --param "${run#* }" --no-record --no-render --quiet
+done
+exits 1 "$TOP/scenes/bounce.lua" --method classic --no-record --no-render
+says err 'FAIL bounces end at'
+exits 1 "$TOP/scenes/edge.lua" --duration 0.05 --no-record --no-render
