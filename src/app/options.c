@@ -211,7 +211,7 @@ const struct rb_option_row rb_option_rows[] = {
 	{"point-time", 0, "SECONDS", RB_OPTION_NUMBER, AT(point_time_s), VERB(SWEEP), 0, INFINITY, true, NULL,
 	 "end a run that takes longer (wall time, at a checkpoint); its point has failed"},
 	{"point-disk", 0, "BYTES", RB_OPTION_NUMBER, AT(point_disk_bytes), VERB(SWEEP), 1, 1e18, false, NULL,
-	 "end a run that makes a file larger than this; its point has failed"},
+	 "end a run whose files have more bytes than that; its point has failed"},
 	{"film-timeout", 0, "SECONDS", RB_OPTION_NUMBER, AT(film_timeout_s), VERB(RUN) | VERB(RENDER) | EACH, 0, INFINITY, true, NULL,
 	 "give a film up whose encoder shows no sign of life for so long; the run goes on (default: 60)"},
 	{"checkpoint-every", 0, "SECONDS", RB_OPTION_NUMBER, AT(checkpoint_every_s), VERB(RUN) | EACH, 0, INFINITY, false, NULL,

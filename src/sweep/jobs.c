@@ -18,20 +18,24 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/place.h"
+#include "sweep/usage.h"
 
 enum { DUE = 1, ELSEWHERE };
-/* Of a run that was ended because it took too long, as timeout(1) has it. */
+/* Of a run that was ended because it took too long, as timeout(1) has it, or too much. */
 enum { EXIT_OVERDUE = 124 };
 /* From asking a run to end, which leaves a checkpoint, to ending it. */
 static const double overdue_s = 30;
+/* Between two looks at what runs have taken of the disk. */
+static const double look_s = 1;
 
 /* A run under way. */
 struct place {
 	pid_t process; /* 0: free */
 	uint64_t index;
 	int log; /* keeps the lock */
-	uint64_t start_ns;
-	int warned; /* signals sent because it takes too long */
+	uint64_t start_ns, warned_ns;
+	int warned;     /* signals sent because it takes too long, or too much */
+	bool too_large; /* it is the disk that it has taken too much of */
 };
 
 struct jobs {
@@ -45,7 +49,7 @@ struct jobs {
 	char *text;         /* what is made of them */
 	size_t text_size;
 	sigset_t signals;
-	uint64_t start_ns, ticked_ns;
+	uint64_t start_ns, ticked_ns, looked_ns;
 };
 
 /* ---- signals ---- */
@@ -151,7 +155,7 @@ static _Noreturn void become_run(const struct jobs *jobs, int folder, int result
                                  pid_t parent)
 {
 	const int nothing = open("/dev/null", O_RDONLY);
-
+	/* no file alone may be larger, whatever grows between two looks at all of them */
 	const double most = jobs->order->point_disk_bytes;
 	const struct rlimit disk = {.rlim_cur = isnan(most) ? 0 : (rlim_t)most,
 	                            .rlim_max = isnan(most) ? 0 : (rlim_t)most};
@@ -313,8 +317,12 @@ static enum rb_status tell_crash(const struct jobs *jobs, const struct place *pl
 	*point = (struct rb_point){.state = RB_POINT_FAILED, .may_mend = true};
 	if (place->warned > 0) {
 		point->exit_code = EXIT_OVERDUE;
-		snprintf(point->reason, sizeof point->reason, "took longer than %g s",
-		         order->point_time_s);
+		if (place->too_large)
+			snprintf(point->reason, sizeof point->reason,
+			         "took more than %.17g bytes of disk", order->point_disk_bytes);
+		else
+			snprintf(point->reason, sizeof point->reason, "took longer than %g s",
+			         order->point_time_s);
 	} else if (WIFSIGNALED(outcome)) {
 		point->exit_code = 128 + WTERMSIG(outcome);
 		snprintf(point->reason, sizeof point->reason, "ended by signal %d",
@@ -388,26 +396,46 @@ static void tick(struct jobs *jobs)
 	order->tick(order->user, jobs->tally);
 }
 
-/* Runs that take longer than they may are asked to end, and then ended. */
-static void mind_time(struct jobs *jobs)
+/* Asked to end, a run leaves a checkpoint; one that does not end is ended. */
+static void warn(struct place *place, uint64_t now_ns)
 {
-	const uint64_t now_ns = rb_clock_now_ns();
+	if (place->warned > 0 && (double)(now_ns - place->warned_ns) * 1e-9 < overdue_s)
+		return;
+	kill(place->process, place->warned == 0 ? SIGTERM : SIGKILL);
+	place->warned++;
+	place->warned_ns = now_ns;
+}
 
-	for (int i = 0; i < jobs->order->jobs && !isnan(jobs->order->point_time_s); i++) {
+/* Runs that have taken more time or disk than they may. */
+static void mind_bounds(struct jobs *jobs)
+{
+	const struct rb_jobs_order *const order = jobs->order;
+	const uint64_t now_ns = rb_clock_now_ns();
+	const bool looks = !isnan(order->point_disk_bytes) &&
+	                   (double)(now_ns - jobs->looked_ns) * 1e-9 >= look_s;
+
+	if (looks)
+		jobs->looked_ns = now_ns;
+	for (int i = 0; i < order->jobs; i++) {
 		struct place *const place = &jobs->places[i];
-		const double over_s = (double)(now_ns - place->start_ns) * 1e-9 -
-		                      jobs->order->point_time_s;
-		if (place->process <= 0 || over_s < place->warned * overdue_s)
+		const double taken_s = (double)(now_ns - place->start_ns) * 1e-9;
+
+		if (place->process <= 0)
 			continue;
-		kill(place->process, place->warned == 0 ? SIGTERM : SIGKILL);
-		place->warned++;
+		if (looks && place->warned == 0)
+			place->too_large = rb_usage_bytes(order->folder, order->plan,
+			                                  place->index) > order->point_disk_bytes;
+		if (place->warned > 0 || place->too_large || taken_s > order->point_time_s)
+			warn(place, now_ns);
 	}
 }
 
 /* Waits for the end of a run, a signal, or the time of the next tick. */
 static void wait_for_some(struct jobs *jobs)
 {
-	const int most_ms = isnan(jobs->order->point_time_s) ? 3600000 : 200;
+	const bool bounded = !isnan(jobs->order->point_time_s) ||
+	                     !isnan(jobs->order->point_disk_bytes);
+	const int most_ms = bounded ? 200 : 3600000;
 	const int wait_ms = jobs->order->tick_ms > 0 && jobs->order->tick_ms < most_ms
 	                            ? jobs->order->tick_ms
 	                            : most_ms;
@@ -450,7 +478,7 @@ static enum rb_status run_all(struct jobs *jobs, struct rb_error *err)
 
 	while (!status && jobs->tally->running > 0) {
 		wait_for_some(jobs);
-		mind_time(jobs);
+		mind_bounds(jobs);
 		status = reap(jobs, err);
 		if (!status)
 			status = fill(jobs, err);

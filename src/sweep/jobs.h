@@ -34,7 +34,7 @@ struct rb_jobs_order {
 	bool retry;
 	double checkpoint_every_s; /* NAN: as runs do by themselves */
 	double point_time_s;       /* wall time of a run, then it is ended; NAN: no bound */
-	double point_disk_bytes;   /* of each file of a run; NAN: no bound */
+	double point_disk_bytes;   /* of all files of a run; NAN: no bound */
 	sigset_t mask_before;      /* of signals: what runs get */
 	int tick_ms;               /* longest time between two calls of `tick`; 0: never */
 	void (*tick)(void *user, const struct rb_jobs_tally *tally);

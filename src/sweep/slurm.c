@@ -104,8 +104,8 @@ static void put_directive(FILE *file, const char *option, const char *value)
 
 static enum rb_status check_text(const char *option, const char *text, struct rb_error *err)
 {
-	for (const char *c = text; c && *c; c++)
-		if ((unsigned char)*c < ' ')
+	for (const char *at = text; at && *at; at += rb_visible_size(at))
+		if (rb_visible_size(at) == 0)
 			return RB_FAIL(err, RB_ERR_USAGE, "option '--%s' holds a control character",
 			               option);
 	return RB_OK;

@@ -127,3 +127,16 @@ says err 'point 1 .*File too large'
 [ -z "$(find large -size +1000000c)" ] || fail "a file beyond the bound"
 exits 0 sweep large --jobs 2
 exits 0 sweep large --status
+
+# Many small files count together, and what the run has recorded until then stays.
+cat >pictures.lua <<'END'
+local n = param("n", 0.1, "how long")
+world { duration = n, frame_rate = 10 }
+plane {}
+sphere { radius = 0.1, velocity = {0.1, 0, 0}, position = {0, 0, 0.5} }
+camera { position = {0, -4, 0.6}, look_at = {0, 0, 0.6}, size = {640, 480}, samples = 1, png = "many/%06d.png" }
+END
+"$RBSIM" sweep pictures.lua -p n=0.1,100 -o many --jobs 2 --point-disk 3000000 >out 2>err
+[ $? -eq 1 ] || fail "a point whose pictures take too much disk: $(cat err)"
+says err 'point 1 .*took more than 3000000 bytes of disk'
+[ -s many/point-00001.h5.checkpoint ] || fail "no checkpoint of a point that takes too much disk"
