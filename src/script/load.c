@@ -345,14 +345,14 @@ static enum rb_status start_driven(struct rb_script *script)
 static enum rb_status run(struct rb_script *script, lua_CFunction part, struct rb_error *err)
 {
 	const struct rb_script_options *options = script->options;
-	lua_State *L = script->sandbox.L;
 
-	lua_pushcfunction(L, part);
+	lua_pushcfunction(script->sandbox.L, part);
 	enum rb_status status = rb_sandbox_call(&script->sandbox, 0, 0,
 	                                        options->load_instructions
 	                                                ? options->load_instructions
 	                                                : rb_sandbox_load_instructions,
 	                                        err);
+	lua_State *L = script->sandbox.L; /* may be another one now */
 	rb_disk_forget(script);
 	if (status != RB_OK && status != RB_ERR_SCENE)
 		return status;

@@ -7,7 +7,6 @@
 #include <lauxlib.h>
 #include <lualib.h>
 
-#include "base/clock.h"
 #include "base/memory.h"
 
 enum {
@@ -23,6 +22,12 @@ struct rb_sandbox_chunk {
 	struct rb_sandbox_chunk *next;
 	_Alignas(16) unsigned char bytes[CHUNK_BYTES];
 };
+
+/* Stands before each block that is no part of a chunk: a state that was lost can't give its blocks back itself. */
+struct rb_sandbox_large {
+	struct rb_sandbox_large *next, *before;
+};
+_Static_assert(sizeof(struct rb_sandbox_large) % GRAIN == 0, "blocks keep their alignment");
 
 /* Small blocks are cut from chunks and kept in lists by size: base/memory zeroes, aligns and counts
  * each block, which is too dear for the millions of small ones that a script takes. */
@@ -48,16 +53,44 @@ static void *small_take(struct rb_sandbox *sandbox, size_t class)
 	return block;
 }
 
+static void *large_take(struct rb_sandbox *sandbox, size_t size)
+{
+	struct rb_sandbox_large *head = NULL;
+
+	if (size <= SIZE_MAX - sizeof *head)
+		head = rb_memory_take(1, sizeof *head + size);
+	if (!head)
+		return NULL;
+	head->next = sandbox->large;
+	if (head->next)
+		head->next->before = head;
+	sandbox->large = head;
+	return head + 1;
+}
+
+static void large_give(struct rb_sandbox *sandbox, void *block)
+{
+	struct rb_sandbox_large *head = (struct rb_sandbox_large *)block - 1;
+
+	if (head->next)
+		head->next->before = head->before;
+	if (head->before)
+		head->before->next = head->next;
+	else
+		sandbox->large = head->next;
+	rb_memory_free(head);
+}
+
 static void *block_take(struct rb_sandbox *sandbox, size_t size)
 {
 	return size <= SMALL_MAX ? small_take(sandbox, (size - 1) / GRAIN)
-	                         : rb_memory_take(1, size);
+	                         : large_take(sandbox, size);
 }
 
 static void block_give(struct rb_sandbox *sandbox, void *block, size_t size)
 {
 	if (size > SMALL_MAX) {
-		rb_memory_free(block);
+		large_give(sandbox, block);
 		return;
 	}
 	const size_t class = (size - 1) / GRAIN;
@@ -131,13 +164,14 @@ static void raise_spent(lua_State *L, int level)
 {
 	const struct rb_sandbox *sandbox = rb_sandbox_of(L);
 	const char *lifted = "(--trust lifts this)";
+	char seconds[32];
 
 	/* each next instruction raises again, so that a pcall around this one is of no use */
 	lua_sethook(L, count_hook, LUA_MASKCOUNT, 1);
 	luaL_where(L, level);
+	snprintf(seconds, sizeof seconds, "%.9g", rb_overtime_seconds());
 	if (sandbox->spent == RB_SPENT_TIME)
-		lua_pushfstring(L, "the script ran longer than %d seconds %s", RB_SANDBOX_SECONDS,
-		                lifted);
+		lua_pushfstring(L, "the script ran longer than %s seconds %s", seconds, lifted);
 	else if (sandbox->spent == RB_SPENT_MEMORY)
 		lua_pushfstring(L, "the script wants more than %d MiB of memory %s",
 		                (int)(sandbox->bytes_max >> 20), lifted);
@@ -151,17 +185,6 @@ static void raise_spent(lua_State *L, int level)
 	lua_error(L);
 }
 
-/* The clock starts here, not where a call begins: most end long before the first look, and the look
- * costs more than they do. */
-static bool time_is_up(struct rb_sandbox *sandbox)
-{
-	const uint64_t now_ns = rb_clock_cpu_ns();
-
-	if (sandbox->cpu_end_ns == 0)
-		sandbox->cpu_end_ns = now_ns + (uint64_t)RB_SANDBOX_SECONDS * 1000000000u;
-	return now_ns > sandbox->cpu_end_ns;
-}
-
 static void verify(lua_State *L, int level)
 {
 	struct rb_sandbox *sandbox = rb_sandbox_of(L);
@@ -172,7 +195,7 @@ static void verify(lua_State *L, int level)
 	    sandbox->spent != RB_SPENT_MEMORY) {
 		if (sandbox->work > sandbox->work_max)
 			sandbox->spent = RB_SPENT_INSTRUCTIONS;
-		else if (time_is_up(sandbox))
+		else if (rb_overtime_is_up(&sandbox->overtime))
 			sandbox->spent = RB_SPENT_TIME;
 		else
 			return;
@@ -218,29 +241,44 @@ void rb_sandbox_charge_bytes(lua_State *L, size_t bytes)
 	sandbox->bytes += bytes;
 }
 
+static lua_State *new_state(struct rb_sandbox *sandbox)
+{
+	lua_State *L = lua_newstate(allocate, sandbox);
+
+	if (L)
+		memcpy(lua_getextraspace(L), &sandbox, sizeof(void *));
+	return L;
+}
+
 enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, bool trust,
                                struct rb_error *err)
 {
 	*sandbox = (struct rb_sandbox){.bytes_max = bytes_max, .trust = trust, .seed = 1};
 	sandbox->work_max = rb_sandbox_load_instructions;
-	sandbox->cpu_end_ns = UINT64_MAX;
-	sandbox->L = lua_newstate(allocate, sandbox);
-	if (!sandbox->L) {
+	sandbox->L = new_state(sandbox);
+	sandbox->spare = new_state(sandbox);
+	if (!sandbox->L || !sandbox->spare) {
 		rb_sandbox_release(sandbox);
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a Lua state");
 	}
-	memcpy(lua_getextraspace(sandbox->L), &sandbox, sizeof(void *));
 	return RB_OK;
+}
+
+/* Finalizers (files of trusted scripts) may run here, without end if they wish: not ours to stop. */
+static void close_state(lua_State *L)
+{
+	if (!L)
+		return;
+	lua_sethook(L, NULL, 0, 0);
+	lua_close(L);
 }
 
 void rb_sandbox_release(struct rb_sandbox *sandbox)
 {
-	if (sandbox->L) {
-		/* finalizers (files of trusted scripts) may run here, without end if they wish: not
-		 * ours to stop */
-		lua_sethook(sandbox->L, NULL, 0, 0);
-		lua_close(sandbox->L);
-	}
+	close_state(sandbox->L);
+	close_state(sandbox->spare);
+	while (sandbox->large) /* of a state that was lost */
+		large_give(sandbox, sandbox->large + 1);
 	while (sandbox->chunks) {
 		struct rb_sandbox_chunk *next = sandbox->chunks->next;
 		rb_memory_free(sandbox->chunks);
@@ -286,10 +324,8 @@ static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 	sandbox->refused = false;
 	rb_memory_free(sandbox->traceback);
 	sandbox->traceback = NULL;
-	if (!sandbox->trust) {
-		sandbox->cpu_end_ns = 0;
+	if (!sandbox->trust)
 		lua_sethook(sandbox->L, count_hook, LUA_MASKCOUNT, HOOK_COUNT);
-	}
 }
 
 /* In protected mode: the traceback out of the registry, cut. */
@@ -343,18 +379,62 @@ static int spent_text(lua_State *L)
 	return 0;
 }
 
+enum { STATUS_LOST = -1 };
+
+/* lua_pcall, out of which time leads too. */
+static int timed_call(struct rb_sandbox *sandbox, int argument_count, int result_count, int handler)
+{
+	if (sigsetjmp(sandbox->overtime.way_out, 0) != 0)
+		return STATUS_LOST;
+	rb_overtime_begin(&sandbox->overtime);
+	const int status = lua_pcall(sandbox->L, argument_count, result_count, handler);
+	rb_overtime_end();
+	return status;
+}
+
+/* The state of Lua was left in the midst of something: nobody touches it again. */
+static void lose(struct rb_sandbox *sandbox)
+{
+	sandbox->lost = true;
+	sandbox->L = sandbox->spare;
+	sandbox->spare = NULL;
+	sandbox->depth = sandbox->closing = 0;
+	sandbox->work_max = UINT64_MAX;
+}
+
+static enum rb_status refuse_lost(struct rb_sandbox *sandbox, struct rb_error *err)
+{
+	lua_settop(sandbox->L, 0);
+	return RB_FAIL(
+		err, RB_ERR_SCENE,
+		"the script ran longer than %.9g seconds within one operation (--trust lifts this)",
+		rb_overtime_seconds());
+}
+
 enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, int result_count,
                                uint64_t instructions, struct rb_error *err)
 {
 	lua_State *L = sandbox->L;
 	const int base = lua_gettop(L) - argument_count;
+	const bool outermost = sandbox->depth == 0, timed = outermost && !sandbox->trust;
 
-	const bool outermost = sandbox->depth++ == 0;
+	if (sandbox->lost)
+		return refuse_lost(sandbox, err);
+	if (timed && rb_overtime_prepare(err) != RB_OK) {
+		lua_settop(L, base - 1);
+		return RB_ERR_IO;
+	}
+	sandbox->depth++;
 	if (outermost)
 		start_budget(sandbox, instructions);
 	lua_pushcfunction(L, keep_traceback); /* allocates nothing: a light function */
 	lua_insert(L, base);
-	const int status = lua_pcall(L, argument_count, result_count, base);
+	const int status = timed ? timed_call(sandbox, argument_count, result_count, base)
+	                         : lua_pcall(L, argument_count, result_count, base);
+	if (status == STATUS_LOST) {
+		lose(sandbox);
+		return refuse_lost(sandbox, err);
+	}
 	sandbox->depth--;
 	if (outermost)
 		lua_sethook(L, NULL, 0, 0);

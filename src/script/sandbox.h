@@ -5,7 +5,8 @@
  * Budgets: every byte the state takes is counted, and what C functions work through is charged as
  * if it had been instructions (rb_sandbox_charge), because the count hook of Lua does not run
  * inside of them. A budget that is used up raises errors until the call from outside returns: a
- * script that catches one gets the next.
+ * script that catches one gets the next. What no error can end is left where it is, and the state with it: further
+ * calls are then refused.
  *
  * Owned by one thread at a time. C functions called from Lua may be left by a jump at any call into
  * Lua: they own nothing; what must be released belongs to the state, to this struct or to the
@@ -22,6 +23,8 @@
 
 #include <rbsim/error.h>
 
+#include "script/overtime.h"
+
 enum rb_spent {
 	RB_SPENT_NOTHING,
 	RB_SPENT_INSTRUCTIONS,
@@ -34,7 +37,11 @@ enum { RB_SANDBOX_CLASSES = 32 }; /* blocks of 16, 32, ... 512 bytes come from c
 
 struct rb_sandbox {
 	lua_State *L; /* owned */
-	void *user;   /* what rb_sandbox_user gives inside of C functions */
+	/* owned: an empty one, which takes the place of one that was lost (script/overtime), so that
+	 * whoever only pushes what a next call would want needs not ask */
+	lua_State *spare;
+	bool lost;
+	void *user; /* what rb_sandbox_user gives inside of C functions */
 	bool trust;
 
 	/* memory */
@@ -42,13 +49,14 @@ struct rb_sandbox {
 	bool refused; /* the system had no more: not the script's fault */
 	void *free_list[RB_SANDBOX_CLASSES];
 	struct rb_sandbox_chunk *chunks; /* owned */
+	struct rb_sandbox_large *large;  /* owned: blocks that are no part of a chunk */
 	size_t chunk_used;
 
 	/* work of the call that goes on */
 	int closing; /* coroutines that are being closed in each other */
 	int depth;   /* calls into the state that go on: a callback can lead to a further one */
 	uint64_t work, work_max;
-	uint64_t cpu_end_ns; /* 0: the clock has not been looked at */
+	struct rb_overtime overtime;
 	enum rb_spent spent;
 
 	/* math.random: number = f(seed, stream, index) */
@@ -62,7 +70,7 @@ struct rb_sandbox {
 static const uint64_t rb_sandbox_load_instructions = 2000000000;
 static const uint64_t rb_sandbox_callback_instructions = 100000000;
 static const size_t rb_sandbox_memory_bytes = (size_t)256 << 20;
-enum { RB_SANDBOX_TEXT_BYTES = 16 << 20, RB_SANDBOX_SECONDS = 120 };
+enum { RB_SANDBOX_TEXT_BYTES = 16 << 20 };
 
 /* An empty state: script/library fills it. `sandbox` must stay where it is. Fails on memory only.
  */

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/overtime.h"
+
+#include <errno.h>
+#include <link.h>
+#include <math.h>
+#include <pthread.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <ucontext.h>
+#include <unistd.h>
+
+#include <lua.h>
+
+/* Ticks in the seconds of a call. The first can come at any time, so that one more is waited for. */
+enum { TICKS = 12, HOOK_TICKS = TICKS + 1, JUMP_TICKS = HOOK_TICKS + 1, LAST_TICKS = 3 * TICKS };
+
+static const double usual_seconds = 120;
+
+/* Set once, before any handler runs. */
+static pthread_once_t prepared_once = PTHREAD_ONCE_INIT;
+static double seconds;
+static uintptr_t lua_from, lua_to; /* the code of Lua's library; empty where it is one with ours */
+static char last_words[160];
+
+static _Thread_local struct rb_overtime *volatile watched;
+static _Thread_local bool ticking;
+
+double rb_overtime_seconds(void)
+{
+	const char *text = getenv("RBSIM_SCRIPT_SECONDS");
+	const double value = text ? strtod(text, NULL) : 0;
+
+	return value > 0 && value < 1e9 ? value : usual_seconds;
+}
+
+/* Where the processor was when the signal came; 0: not known on this one. */
+static uintptr_t interrupted_at(const ucontext_t *context)
+{
+#if defined(__x86_64__)
+	return (uintptr_t)context->uc_mcontext.gregs[REG_RIP];
+#elif defined(__aarch64__)
+	return (uintptr_t)context->uc_mcontext.pc;
+#else
+	(void)context;
+	return 0;
+#endif
+}
+
+static void tick(int number, siginfo_t *about, void *context)
+{
+	struct rb_overtime *const call = watched;
+
+	(void)number;
+	(void)about;
+	if (!call || ++call->ticks < JUMP_TICKS)
+		return;
+	const uintptr_t at = interrupted_at(context);
+	if (at >= lua_from && at < lua_to) {
+		watched = NULL;
+		siglongjmp(call->way_out, 1);
+	}
+	if (call->ticks >= LAST_TICKS) {
+		const ssize_t told = write(STDERR_FILENO, last_words, strlen(last_words));
+		(void)told; /* nobody else is left to tell */
+		_exit(rb_status_exit_code(RB_ERR_SCENE));
+	}
+}
+
+/* Finds the code of the library that Lua's functions are in. */
+static int find_lua(struct dl_phdr_info *object, size_t size, void *user)
+{
+	(void)size;
+	(void)user;
+	for (int i = 0; i < object->dlpi_phnum; i++) {
+		const ElfW(Phdr) *part = &object->dlpi_phdr[i];
+		const uintptr_t from = (uintptr_t)(object->dlpi_addr + part->p_vaddr);
+		const uintptr_t to = from + (uintptr_t)part->p_memsz;
+		const uintptr_t lua = (uintptr_t)lua_newstate, ours = (uintptr_t)find_lua;
+		if (part->p_type != PT_LOAD || !(part->p_flags & PF_X) || lua < from || lua >= to)
+			continue;
+		if (ours < from || ours >= to) {
+			lua_from = from;
+			lua_to = to;
+		}
+		return 1;
+	}
+	return 0;
+}
+
+/* Timers do not follow into the child of a fork. */
+static void forget_timer(void)
+{
+	ticking = false;
+}
+
+static void prepare_once(void)
+{
+	seconds = rb_overtime_seconds();
+	snprintf(last_words, sizeof last_words,
+	         "rbsim: the script ran longer than %.9g seconds and can't be stopped "
+	         "(--trust lifts this)\n",
+	         seconds);
+	(void)dl_iterate_phdr(find_lua, NULL);
+	(void)pthread_atfork(NULL, NULL, forget_timer);
+}
+
+enum rb_status rb_overtime_prepare(struct rb_error *err)
+{
+	if (ticking)
+		return RB_OK;
+	(void)pthread_once(&prepared_once, prepare_once);
+
+	/* not blocked within itself: the jump out of it leaves the mask as it was */
+	struct sigaction action = {.sa_sigaction = tick};
+	action.sa_flags = (int)(SA_SIGINFO | SA_RESTART | SA_NODEFER);
+	struct sigevent event = {.sigev_notify = SIGEV_THREAD_ID, .sigev_signo = SIGVTALRM};
+	event._sigev_un._tid = gettid();
+	const double between = seconds / TICKS;
+	struct itimerspec times = {0};
+	times.it_interval.tv_sec = (time_t)between;
+	times.it_interval.tv_nsec = (long)((between - floor(between)) * 1e9);
+	if (times.it_interval.tv_sec == 0 && times.it_interval.tv_nsec < 1000000)
+		times.it_interval.tv_nsec = 1000000;
+	times.it_value = times.it_interval;
+	sigset_t signals;
+	timer_t timer;
+	sigemptyset(&signals);
+	sigaddset(&signals, SIGVTALRM);
+	if (sigaction(SIGVTALRM, &action, NULL) != 0 ||
+	    timer_create(CLOCK_THREAD_CPUTIME_ID, &event, &timer) != 0 ||
+	    timer_settime(timer, 0, &times, NULL) != 0)
+		return RB_FAIL(err, RB_ERR_IO, "cannot watch the time of a script: %s",
+		               strerror(errno));
+	pthread_sigmask(SIG_UNBLOCK, &signals, NULL);
+	ticking = true; /* until the thread ends, and its timer with it */
+	return RB_OK;
+}
+
+void rb_overtime_begin(struct rb_overtime *call)
+{
+	call->ticks = 0;
+	watched = call;
+}
+
+void rb_overtime_end(void)
+{
+	watched = NULL;
+}
+
+bool rb_overtime_is_up(const struct rb_overtime *call)
+{
+	return call->ticks >= HOOK_TICKS;
+}
