@@ -517,6 +517,25 @@ static void an_impact_is_told_once(void **state)
 	lab_close(&lab);
 }
 
+static void what_has_sunk_rises_again_from_rest(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_stepped(&lab, 0.1, 100, 0.01);
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+	const int ball = lab_sphere(&lab, 0.1, 1, (rb_vec3){0, 0, 0.1}, (rb_vec3){0, 0, 0});
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	/* a little more than the tolerance, as residuals within it add up to */
+	const double tolerance = lab.world->model->tolerance_m;
+	lab.world->state.position[2] = 0.1 - 1.01 * tolerance;
+	lab_run(&lab);
+	assert_near(rb_world_position(lab.world, ball).z, 0.1, tolerance);
+	assert_near(rb_world_velocity(lab.world, ball).z, 0, 1e-12);
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -538,6 +557,7 @@ int main(void)
 		cmocka_unit_test(columns_that_fall_stand_after_few_sweeps),
 		cmocka_unit_test(columns_come_to_stand_whatever_the_tolerance),
 		cmocka_unit_test(an_impact_is_told_once),
+		cmocka_unit_test(what_has_sunk_rises_again_from_rest),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -436,7 +436,7 @@ enum rb_status rb_close_overlap(struct rb_world *world, struct rb_cohort *cohort
 	if (status != RB_OK)
 		return status;
 	index_pairs(&search);
-	status = rb_lift_begin(&search.lift, world, err);
+	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->near->h_s, err);
 	for (int round = 0; round < CLOSINGS_MOST && status == RB_OK && last.deep_count > 0;
 	     round++) {
 		status = close_once(&search, &last, err);

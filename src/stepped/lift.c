@@ -11,7 +11,20 @@
 /* Of the sums of a group. */
 enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
 
-enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world, struct rb_error *err)
+/* What points that had overlap at the beginning of the step have held up by so much less. */
+static void add_sunk(struct rb_lift *lift, const struct rb_points *points, double h)
+{
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_point *point = &points->row[k];
+
+		if (point->gap < 0 && point->push > 0)
+			lift->sunk[rb_forest_root(lift->parent, point->a)] -= point->gap *
+			                                                      point->push / h;
+	}
+}
+
+enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
+                             const struct rb_points *points, double h, struct rb_error *err)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	struct rb_arena *arena = &world->arena[0];
@@ -19,14 +32,15 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world, struc
 
 	*lift = (struct rb_lift){.parent = rb_arena_take(arena, n, sizeof *lift->parent),
 	                         .room = rb_arena_take(arena, n, sizeof *lift->room),
+	                         .sunk = rb_arena_take(arena, n, sizeof *lift->sunk),
 	                         .way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
 	                         .turn = rb_arena_take(arena, 3 * n, sizeof *lift->turn),
 	                         .moved = rb_arena_take(arena, n, 1),
 	                         .given = rb_arena_take(arena, n, 1),
 	                         .held = rb_arena_take(arena, n, 1),
 	                         .sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
-	if (!lift->parent || !lift->room || !lift->way || !lift->turn || !lift->moved ||
-	    !lift->given || !lift->held || !lift->sum)
+	if (!lift->parent || !lift->room || !lift->sunk || !lift->way || !lift->turn ||
+	    !lift->moved || !lift->given || !lift->held || !lift->sum)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	memset(lift->turn, 0, 3 * n * sizeof *lift->turn);
 	memset(lift->moved, 0, n);
@@ -34,7 +48,7 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world, struc
 	memset(lift->held, 0, n);
 	for (size_t i = 0; i < n; i++) {
 		lift->parent[i] = (int)i;
-		lift->room[i] = 0;
+		lift->room[i] = lift->sunk[i] = 0;
 	}
 	for (size_t g = 0; g < solver->island_count; g++) {
 		const struct rb_island *island = &solver->island[g];
@@ -44,6 +58,7 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world, struc
 		for (int k = 1; k < island->member_count; k++)
 			lift->parent[member[k]] = member[0];
 	}
+	add_sunk(lift, points, h);
 	return RB_OK;
 }
 
@@ -64,6 +79,7 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 	const int first = root < other ? root : other, second = root < other ? other : root;
 	lift->parent[second] = first;
 	lift->room[first] += lift->room[second];
+	lift->sunk[first] += lift->sunk[second];
 	lift->given[first] = lift->given[first] || lift->given[second];
 	lift->held[first] = lift->held[first] || lift->held[second];
 }
@@ -236,7 +252,10 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
 		const int root = rb_forest_root(lift->parent, i);
 		const double *sum = lift->sum + SUMS * (size_t)root;
 		const double need = lift->given[root] ? 0 : sum[RISE] - 0.5 * lift->room[root];
-		const struct payment payment = payment_of(sum, need, lift->held[root], anyhow);
+		struct payment payment = payment_of(sum, need, lift->held[root], anyhow);
+
+		if (anyhow && isnan(payment.twist) && need <= lift->sunk[root])
+			payment = nothing;
 
 		if (isnan(payment.twist))
 			rb_stepped_blame(s, i);

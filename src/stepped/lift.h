@@ -18,6 +18,7 @@
 struct rb_lift {
 	int *parent;  /* [bodies]: groups: of the solution, joined by those that are closed */
 	double *room; /* [bodies], J, twice: what contacts took, by the first of a group */
+	double *sunk; /* [bodies], J: that steps before have given, by the first of a group */
 	double *way;  /* [6 bodies]: m; kg m^2 rad, as momentum */
 	double *turn; /* [3 bodies]: of the torque, by the closing's pushes, kg m^2/s */
 	unsigned char *moved; /* [bodies] */
@@ -28,6 +29,7 @@ struct rb_lift {
 
 /* Before the solver has become that of closing. */
 RB_CHECKED enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
+                                        const struct rb_points *points, double h_s,
                                         struct rb_error *err);
 
 /* These bodies are closed together; b may be driven or static. */
@@ -43,7 +45,8 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i);
 /*
  * Velocities, given back, pay; groups that cannot are blamed: in shorter steps turning leaves less to close, with its square.
  * `anyhow`: where spin does not suffice, motion along the ways of closing pays, else, with what stands still below, all
- * motion; no contact's force says so.
+ * motion; no contact's force says so. What stands still has nothing to pay with: it may rise by as much as it has sunk into
+ * the overlap that the step has found, which gave that energy when it was made.
  */
 void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow);
 
