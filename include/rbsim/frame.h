@@ -91,6 +91,10 @@ struct rb_frame {
 	double *orientation;      /* [body_count][4] w, x, y, z; NULL when nothing can turn */
 	double *velocity;         /* [body_count][3] m/s, of the centre of mass */
 	double *angular_velocity; /* [body_count][3] rad/s, world axes; NULL when nothing can turn */
+	double *acceleration;     /* [body_count][3] m/s^2, of the centre of mass */
+	double *angular_acceleration; /* [body_count][3] rad/s^2; NULL when nothing can turn */
+	double *force;                /* [body_count][3] N, of all that acts: struct rb_load */
+	double *torque;               /* [body_count][3] N m; NULL when nothing can turn */
 
 	struct rb_frame_numbers numbers;
 

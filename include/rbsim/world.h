@@ -106,6 +106,21 @@ struct rb_world_work {
 };
 struct rb_world_work rb_world_work(const struct rb_world *world);
 
+/* What acts on a body at this moment, contacts included, and what it does. */
+struct rb_load {
+	rb_vec3 force;                /* N */
+	rb_vec3 torque;               /* N m, about the centre of mass, world axes */
+	rb_vec3 acceleration;         /* m/s^2, of the centre of mass */
+	rb_vec3 angular_acceleration; /* rad/s^2, world axes */
+};
+/*
+ * Of a body, by id; changes nothing. Located motion has them from its arcs on; of steps contacts have the mean force of the
+ * step that has ended. Forces of callbacks are those of the step under way or, between steps, of the one that has ended.
+ * Of a driven or static body force and torque are what contacts and springs do to it.
+ */
+RB_CHECKED enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *load,
+                                        struct rb_error *err);
+
 int rb_world_id_count(const struct rb_world *world);
 bool rb_world_is_static(const struct rb_world *world, int id);
 double rb_world_mass(const struct rb_world *world, int id); /* kg; INFINITY: static */

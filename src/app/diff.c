@@ -21,6 +21,11 @@ static const struct {
 	{RB_FIELD_VELOCITY, "velocity", 3, offsetof(struct rb_frame, velocity)},
 	{RB_FIELD_ANGULAR_VELOCITY, "angular_velocity", 3,
          offsetof(struct rb_frame, angular_velocity)},
+	{RB_FIELD_ACCELERATION, "acceleration", 3, offsetof(struct rb_frame, acceleration)},
+	{RB_FIELD_ANGULAR_ACCELERATION, "angular_acceleration", 3,
+         offsetof(struct rb_frame, angular_acceleration)},
+	{RB_FIELD_FORCE, "force", 3, offsetof(struct rb_frame, force)},
+	{RB_FIELD_TORQUE, "torque", 3, offsetof(struct rb_frame, torque)},
 };
 enum { COLUMN_COUNT = sizeof columns / sizeof *columns };
 

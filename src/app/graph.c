@@ -38,10 +38,24 @@ static const char *quantity(const struct graph *graph, int k)
 /* ---- a run: quantities against time ---- */
 
 /* What of a body can be told, behind its name and a point. */
+#define VECTOR(x, y, z, length, column)                                                       \
+	{x, 0, offsetof(struct rb_frame, column)}, {y, 1, offsetof(struct rb_frame, column)}, \
+		{z, 2, offsetof(struct rb_frame, column)},                                    \
+	{                                                                                     \
+		length, -1, offsetof(struct rb_frame, column)                                 \
+	}
 static const struct {
 	const char *name;
-	int axis; /* of the position, 3 + axis of the velocity; -1: the speed */
-} parts[] = {{"x", 0}, {"y", 1}, {"z", 2}, {"vx", 3}, {"vy", 4}, {"vz", 5}, {"speed", -1}};
+	int axis;      /* -1: the length */
+	size_t column; /* of struct rb_frame */
+} parts[] = {{"x", 0, offsetof(struct rb_frame, position)},
+             {"y", 1, offsetof(struct rb_frame, position)},
+             {"z", 2, offsetof(struct rb_frame, position)},
+             VECTOR("vx", "vy", "vz", "speed", velocity),
+             VECTOR("wx", "wy", "wz", "spin", angular_velocity),
+             VECTOR("ax", "ay", "az", "acceleration", acceleration),
+             VECTOR("fx", "fy", "fz", "force", force),
+             VECTOR("tx", "ty", "tz", "torque", torque)};
 enum { PART_COUNT = sizeof parts / sizeof *parts };
 
 /* What messages call a body: its name, or "#ID". */
@@ -85,14 +99,13 @@ static enum rb_status read_body(struct graph *graph, int body, int part, double 
 		                                                          &frame, err);
 		if (status)
 			return status;
-		const double *const from = parts[part].axis >= 0 && parts[part].axis < 3
-		                                   ? frame.position
-		                                   : frame.velocity;
+		const double *from;
+		memcpy(&from, (const char *)&frame + parts[part].column, sizeof from);
 		if (!from)
 			return RB_FAIL(err, RB_ERR_INPUT, "'%s' does not record what '%s' needs",
 			               graph->file, parts[part].name);
 		out[row] = parts[part].axis < 0 ? rb_vec3_length(rb_vec3_from(from + 3 * body))
-		                                : from[3 * body + parts[part].axis % 3];
+		                                : from[3 * body + parts[part].axis];
 	}
 	return RB_OK;
 }
@@ -123,7 +136,7 @@ static enum rb_status read_observable(struct graph *graph, const char *name, dou
 		if (status)
 			status = RB_FAIL(
 				err, RB_ERR_USAGE,
-				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, momentum, max_penetration, ..., or BODY.x, .y, .z, .vx, .vy, .vz, .speed; BODY: a name, or #ID of one without)",
+				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, momentum, max_penetration, ..., or BODY.x, .vx, .wx, .ax, .fx, .tx and so for y and z, .speed, .spin, .acceleration, .force, .torque; BODY: a name, or #ID of one without)",
 				graph->file, name);
 	}
 	rb_memory_free(more);

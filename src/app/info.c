@@ -129,9 +129,16 @@ static const struct {
 	unsigned bit;
 	const char *name;
 } field_names[] = {
-	{RB_FIELD_POSITION, "position"}, {RB_FIELD_ORIENTATION, "orientation"},
-	{RB_FIELD_VELOCITY, "velocity"}, {RB_FIELD_ANGULAR_VELOCITY, "angular_velocity"},
-	{RB_FIELD_CONTACTS, "contacts"}, {RB_FIELD_EVENTS, "events"},
+	{RB_FIELD_POSITION, "position"},
+	{RB_FIELD_ORIENTATION, "orientation"},
+	{RB_FIELD_VELOCITY, "velocity"},
+	{RB_FIELD_ANGULAR_VELOCITY, "angular_velocity"},
+	{RB_FIELD_CONTACTS, "contacts"},
+	{RB_FIELD_EVENTS, "events"},
+	{RB_FIELD_ACCELERATION, "acceleration"},
+	{RB_FIELD_ANGULAR_ACCELERATION, "angular_acceleration"},
+	{RB_FIELD_FORCE, "force"},
+	{RB_FIELD_TORQUE, "torque"},
 };
 enum { FIELD_COUNT = sizeof field_names / sizeof *field_names };
 

@@ -14,7 +14,7 @@
 #include "script/hooks.h"
 #include "sink/module.h"
 
-enum { COLUMN_COUNT = 4 };
+enum { COLUMN_COUNT = 8 };
 static const struct {
 	const char *name;
 	int width;
@@ -24,6 +24,10 @@ static const struct {
 	{"orientation", 4, offsetof(struct rb_frame, orientation)},
 	{"velocity", 3, offsetof(struct rb_frame, velocity)},
 	{"angular_velocity", 3, offsetof(struct rb_frame, angular_velocity)},
+	{"acceleration", 3, offsetof(struct rb_frame, acceleration)},
+	{"angular_acceleration", 3, offsetof(struct rb_frame, angular_acceleration)},
+	{"force", 3, offsetof(struct rb_frame, force)},
+	{"torque", 3, offsetof(struct rb_frame, torque)},
 };
 
 struct replay {

@@ -408,7 +408,7 @@ static void call_hooks(struct rb_located *l, size_t first, double t)
 			const struct rb_event event = world->events.row[k];
 
 			world->called++;
-
+			world->moment++;
 			if (event.kind == RB_EVENT_COLLISION && hooks->collision)
 				l->status = hooks->collision(hooks->user, world, &event, l->err);
 			else if (event.kind != RB_EVENT_COLLISION && hooks->transition)
@@ -722,7 +722,8 @@ enum rb_status rb_engine_look(struct rb_located *l, struct rb_error *err)
 		return RB_OK;
 	l->status = rb_look_contacts(l, t);
 	if (l->status == RB_OK && l->world->options.keep_contacts)
-		l->status = rb_look_forces(l, t);
+		l->status = rb_look_forces(l, t, &l->world->shown);
+	l->world->has_shown = l->world->options.keep_contacts && l->status == RB_OK;
 	if (l->status != RB_OK)
 		return l->status;
 	const enum rb_status status = check(l, &depth, err);

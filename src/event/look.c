@@ -62,11 +62,14 @@ enum rb_status rb_look_contacts(struct rb_located *l, double t)
 	return list(l, t, false, &l->world->contacts);
 }
 
-enum rb_status rb_look_forces(struct rb_located *l, double t)
+enum rb_status rb_look_forces(struct rb_located *l, double t, struct rb_contacts *shown)
 {
-	const enum rb_status status = list(l, t, true, &l->world->shown);
+	const double *const push = l->world->push, *const twist = l->world->twist;
 
-	l->world->has_shown = status == RB_OK;
+	rb_world_choose_pushes(l->world);
+	const enum rb_status status = list(l, t, true, shown);
+	l->world->push = push;
+	l->world->twist = twist;
 	return status;
 }
 

@@ -106,10 +106,12 @@ static bool applied_constant(const struct rb_located *l, int i, double t)
 
 static void pushed(struct load *load)
 {
-	const struct rb_state *state = &load->l->world->state;
+	const struct rb_world *world = load->l->world;
 
-	add_force(load, rb_world_row3(state->push, load->i));
-	add_torque(load, rb_world_row3(state->twist, load->i));
+	if (!world->push)
+		return;
+	add_force(load, rb_world_row3(world->push, load->i));
+	add_torque(load, rb_world_row3(world->twist, load->i));
 }
 
 /* A torque on unequal moments does not turn it evenly. */

@@ -8,11 +8,15 @@
 enum { EVENTS_AT_START = 16, CONTACTS_AT_START = 16 };
 
 /* Columns of a frame, one row each. */
-#define COLUMNS(X)                              \
-	X(RB_FIELD_POSITION, position, 3)       \
-	X(RB_FIELD_ORIENTATION, orientation, 4) \
-	X(RB_FIELD_VELOCITY, velocity, 3)       \
-	X(RB_FIELD_ANGULAR_VELOCITY, angular_velocity, 3)
+#define COLUMNS(X)                                                \
+	X(RB_FIELD_POSITION, position, 3)                         \
+	X(RB_FIELD_ORIENTATION, orientation, 4)                   \
+	X(RB_FIELD_VELOCITY, velocity, 3)                         \
+	X(RB_FIELD_ANGULAR_VELOCITY, angular_velocity, 3)         \
+	X(RB_FIELD_ACCELERATION, acceleration, 3)                 \
+	X(RB_FIELD_ANGULAR_ACCELERATION, angular_acceleration, 3) \
+	X(RB_FIELD_FORCE, force, 3)                               \
+	X(RB_FIELD_TORQUE, torque, 3)
 
 const char *rb_event_kind_name(enum rb_event_kind kind)
 {
@@ -30,7 +34,8 @@ const char *rb_event_kind_name(enum rb_event_kind kind)
 unsigned rb_frame_fields(const struct rb_model *model, unsigned fields)
 {
 	if (!(model->features & RB_FEATURE_ROTATION))
-		fields &= ~(unsigned)(RB_FIELD_ORIENTATION | RB_FIELD_ANGULAR_VELOCITY);
+		fields &= ~(unsigned)(RB_FIELD_ORIENTATION | RB_FIELD_ANGULAR_VELOCITY |
+		                      RB_FIELD_ANGULAR_ACCELERATION | RB_FIELD_TORQUE);
 	return fields;
 }
 

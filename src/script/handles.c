@@ -82,6 +82,30 @@ static int get_angular_velocity(lua_State *L, int id)
 	return 1;
 }
 
+static int get_acceleration(lua_State *L, int id)
+{
+	rb_vector_push(L, rb_moment_load(L, id, "acceleration").acceleration);
+	return 1;
+}
+
+static int get_angular_acceleration(lua_State *L, int id)
+{
+	rb_vector_push(L, rb_moment_load(L, id, "angular_acceleration").angular_acceleration);
+	return 1;
+}
+
+static int get_force(lua_State *L, int id)
+{
+	rb_vector_push(L, rb_moment_load(L, id, "force").force);
+	return 1;
+}
+
+static int get_torque(lua_State *L, int id)
+{
+	rb_vector_push(L, rb_moment_load(L, id, "torque").torque);
+	return 1;
+}
+
 static int get_mass(lua_State *L, int id)
 {
 	lua_pushnumber(L, rb_moment_mass(L, id));
@@ -167,6 +191,10 @@ static const struct field {
 	{"angular_momentum", get_angular_momentum, NULL},
 	{"point", get_point, NULL},
 	{"static", get_is_static, NULL},
+	{"acceleration", get_acceleration, "apply_force(f)"},
+	{"angular_acceleration", get_angular_acceleration, "apply_torque(t)"},
+	{"force", get_force, "apply_force(f)"},
+	{"torque", get_torque, "apply_torque(t)"},
 };
 enum { FIELD_COUNT = sizeof fields / sizeof *fields };
 
@@ -242,6 +270,22 @@ static int l_point_velocity(lua_State *L)
 	return 1;
 }
 
+/* m/s^2, of a point in object coordinates, as it moves with the body. */
+static int l_point_acceleration(lua_State *L)
+{
+	const int id = self_id(L, "point_acceleration");
+	const rb_vec3 point = rb_vector_check(L, 2, "point_acceleration");
+	const rb_vec3 arm = rb_quat_rotate(rb_moment_orientation(L, id),
+	                                   rb_vec3_sub(point, definition(L, id)->center_of_mass));
+	const rb_vec3 spin = rb_moment_angular_velocity(L, id);
+	const struct rb_load load = rb_moment_load(L, id, "point_acceleration");
+	const rb_vec3 turn = rb_vec3_add(rb_vec3_cross(load.angular_acceleration, arm),
+	                                 rb_vec3_cross(spin, rb_vec3_cross(spin, arm)));
+
+	rb_vector_push(L, rb_vec3_add(load.acceleration, turn));
+	return 1;
+}
+
 static int l_set_velocity(lua_State *L)
 {
 	const int id = body_to_change(L, "set_velocity");
@@ -267,11 +311,15 @@ static int l_set_position(lua_State *L)
 	return 0;
 }
 
-static const luaL_Reg methods[] = {
-	{"apply_impulse", l_apply_impulse}, {"apply_force", l_apply_force},
-	{"apply_torque", l_apply_torque},   {"point_velocity", l_point_velocity},
-	{"set_velocity", l_set_velocity},   {"set_angular_velocity", l_set_angular_velocity},
-	{"set_position", l_set_position},   {NULL, NULL}};
+static const luaL_Reg methods[] = {{"apply_impulse", l_apply_impulse},
+                                   {"apply_force", l_apply_force},
+                                   {"apply_torque", l_apply_torque},
+                                   {"point_velocity", l_point_velocity},
+                                   {"point_acceleration", l_point_acceleration},
+                                   {"set_velocity", l_set_velocity},
+                                   {"set_angular_velocity", l_set_angular_velocity},
+                                   {"set_position", l_set_position},
+                                   {NULL, NULL}};
 
 /* ---- the metatable ---- */
 
@@ -283,11 +331,11 @@ static int l_index(lua_State *L)
 	if (lua_type(L, 2) != LUA_TSTRING)
 		return luaL_error(L, "a body has no field %s", luaL_typename(L, 2));
 	const char *key = lua_tostring(L, 2);
-	for (int i = 0; i < FIELD_COUNT; i++)
-		if (strcmp(fields[i].name, key) == 0)
-			return fields[i].get(L, id);
 	lua_pushvalue(L, 2);
-	if (lua_rawget(L, lua_upvalueindex(1)) != LUA_TNIL)
+	const int type = lua_rawget(L, lua_upvalueindex(1));
+	if (type == LUA_TNUMBER) /* the place of a field */
+		return fields[lua_tointeger(L, -1)].get(L, id);
+	if (type != LUA_TNIL)
 		return 1;
 	struct rb_nearest nearest = rb_nearest_to(key);
 	for (int i = 0; i < FIELD_COUNT; i++)
@@ -377,6 +425,10 @@ void rb_handles_open(lua_State *L)
 
 	luaL_newmetatable(L, RB_HANDLE_TYPE);
 	luaL_newlib(L, methods);
+	for (int i = 0; i < FIELD_COUNT; i++) {
+		lua_pushinteger(L, i);
+		lua_setfield(L, -2, fields[i].name);
+	}
 	lua_pushcclosure(L, l_index, 1);
 	lua_setfield(L, -2, "__index");
 	lua_pushcfunction(L, l_newindex);

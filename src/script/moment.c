@@ -15,6 +15,7 @@ struct source {
 	rb_quat (*orientation)(lua_State *L, int id);
 	rb_vec3 (*velocity)(lua_State *L, int id); /* of the centre of mass */
 	rb_vec3 (*angular_velocity)(lua_State *L, int id);
+	struct rb_load (*load)(lua_State *L, int id, const char *name);
 	double (*time)(lua_State *L);
 	struct rb_frame_numbers (*numbers)(lua_State *L, const char *call, bool of_run);
 };
@@ -44,6 +45,13 @@ static rb_vec3 start_velocity(lua_State *L, int id)
 static rb_vec3 start_angular_velocity(lua_State *L, int id)
 {
 	return definition(L, id)->angular_velocity;
+}
+
+static struct rb_load start_load(lua_State *L, int id, const char *name)
+{
+	(void)id;
+	luaL_error(L, "a body's '%s': only in callbacks and at the end of a run", name);
+	return (struct rb_load){.force = {0, 0, 0}};
 }
 
 static double start_time(lua_State *L)
@@ -79,6 +87,16 @@ static rb_vec3 world_velocity(lua_State *L, int id)
 static rb_vec3 world_angular_velocity(lua_State *L, int id)
 {
 	return rb_world_angular_velocity(rb_script_of(L)->world, id);
+}
+
+static struct rb_load world_load(lua_State *L, int id, const char *name)
+{
+	struct rb_load load;
+	struct rb_error err;
+
+	(void)name;
+	rb_script_need(L, rb_world_load(rb_script_of(L)->world, id, &load, &err), &err);
+	return load;
 }
 
 static double world_time(lua_State *L)
@@ -148,6 +166,14 @@ static rb_vec3 frame_angular_velocity(lua_State *L, int id)
 	return row ? rb_vec3_from(row) : (rb_vec3){0, 0, 0};
 }
 
+static struct rb_load frame_load(lua_State *L, int id, const char *name)
+{
+	(void)id;
+	luaL_error(L, "a body's '%s': not in the function of a camera: a frame does not tell it",
+	           name);
+	return (struct rb_load){.force = {0, 0, 0}};
+}
+
 static double frame_time(lua_State *L)
 {
 	return rb_script_of(L)->frame->time_s;
@@ -165,15 +191,15 @@ static struct rb_frame_numbers frame_numbers(lua_State *L, const char *call, boo
 
 static const struct source *source_of(lua_State *L)
 {
-	static const struct source start = {start_position, start_orientation,
-	                                    start_velocity, start_angular_velocity,
-	                                    start_time,     start_numbers};
-	static const struct source world = {world_position, world_orientation,
-	                                    world_velocity, world_angular_velocity,
-	                                    world_time,     world_numbers};
-	static const struct source frame = {frame_position, frame_orientation,
-	                                    frame_velocity, frame_angular_velocity,
-	                                    frame_time,     frame_numbers};
+	static const struct source start = {
+		start_position, start_orientation, start_velocity, start_angular_velocity,
+		start_load,     start_time,        start_numbers};
+	static const struct source world = {
+		world_position, world_orientation, world_velocity, world_angular_velocity,
+		world_load,     world_time,        world_numbers};
+	static const struct source frame = {
+		frame_position, frame_orientation, frame_velocity, frame_angular_velocity,
+		frame_load,     frame_time,        frame_numbers};
 	const struct rb_script *script = rb_script_of(L);
 
 	return script->frame ? &frame : script->world ? &world : &start;
@@ -197,6 +223,11 @@ rb_vec3 rb_moment_velocity(lua_State *L, int id)
 rb_vec3 rb_moment_angular_velocity(lua_State *L, int id)
 {
 	return source_of(L)->angular_velocity(L, id);
+}
+
+struct rb_load rb_moment_load(lua_State *L, int id, const char *name)
+{
+	return source_of(L)->load(L, id, name);
 }
 
 rb_vec3 rb_moment_point(lua_State *L, int id, rb_vec3 point)

@@ -14,6 +14,8 @@ rb_vec3 rb_moment_position(lua_State *L, int id);
 rb_quat rb_moment_orientation(lua_State *L, int id);
 rb_vec3 rb_moment_velocity(lua_State *L, int id);
 rb_vec3 rb_moment_angular_velocity(lua_State *L, int id);
+/* Raises an error where it is not known, with the name of what was asked for. */
+struct rb_load rb_moment_load(lua_State *L, int id, const char *name);
 rb_vec3 rb_moment_point(lua_State *L, int id,
                         rb_vec3 point); /* world position of an object point */
 

@@ -55,6 +55,13 @@ static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
          false},
 	{"/particles/bodies/angular_velocity", "rad/s", RB_FIELD_ANGULAR_VELOCITY, RB_H5_F64, 3,
          COLUMN(angular_velocity), 0, false},
+	{"/particles/bodies/acceleration", "m/s^2", RB_FIELD_ACCELERATION, RB_H5_F64, 3,
+         COLUMN(acceleration), 0, false},
+	{"/particles/bodies/angular_acceleration", "rad/s^2", RB_FIELD_ANGULAR_ACCELERATION,
+         RB_H5_F64, 3, COLUMN(angular_acceleration), 0, false},
+	{"/particles/bodies/force", "N", RB_FIELD_FORCE, RB_H5_F64, 3, COLUMN(force), 0, false},
+	{"/particles/bodies/torque", "N m", RB_FIELD_TORQUE, RB_H5_F64, 3, COLUMN(torque), 0,
+         false},
 	{"/observables/kinetic_energy", "J", 0, RB_H5_F64, 1, NUMBER(kinetic_energy), 0, false},
 	{"/observables/potential_energy", "J", 0, RB_H5_F64, 1, NUMBER(potential_energy), 0, false},
 	{"/observables/momentum", "kg m/s", 0, RB_H5_F64, 3, NUMBER(momentum), 0, false},
@@ -307,7 +314,7 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		.model = model, .fields = stored_fields(info), .capacity = cut.capacity};
 	frames->every = info->scene->record.every > 1 ? (uint64_t)info->scene->record.every : 1;
 	if (model->body_count == 0)
-		frames->fields &= ~(unsigned)RB_FIELD_DEFAULT;
+		frames->fields &= ~(unsigned)(RB_FIELD_DEFAULT | RB_FIELD_LOADS);
 
 	const char *first = NULL; /* the element that step and time are made in */
 	for (int i = 0; i < RB_FRAMES_SOURCE_COUNT; i++) {

@@ -26,7 +26,7 @@ struct rb_frames_source {
 	int rows;       /* of a number that is a table: width 3; 0: it is none */
 	bool of_ledger; /* there where the ledger is kept */
 };
-enum { RB_FRAMES_SOURCE_COUNT = 32 };
+enum { RB_FRAMES_SOURCE_COUNT = 36 };
 const struct rb_frames_source *rb_frames_sources(void); /* [RB_FRAMES_SOURCE_COUNT] */
 
 /* What a frame has of it. */
@@ -47,7 +47,7 @@ enum { RB_EVENT_CELL_COUNT = 8, RB_CONTACT_CELL_COUNT = 7 };
 const struct rb_table_cell *rb_event_cells(void);
 const struct rb_table_cell *rb_contact_cells(void);
 
-enum { RB_FRAMES_COLUMNS_MAX = 36, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZE = 64 };
+enum { RB_FRAMES_COLUMNS_MAX = 40, RB_TABLE_COLUMNS_MAX = 10, RB_FRAMES_PATH_SIZE = 64 };
 
 struct rb_frames_column {
 	struct rb_h5_column column;

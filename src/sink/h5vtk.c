@@ -18,6 +18,12 @@ static const struct {
 	{"/VTKHDF/PointData/velocity", "/particles/bodies/velocity/value", RB_FIELD_VELOCITY, 3},
 	{"/VTKHDF/PointData/angular_velocity", "/particles/bodies/angular_velocity/value",
          RB_FIELD_ANGULAR_VELOCITY, 3},
+	{"/VTKHDF/PointData/acceleration", "/particles/bodies/acceleration/value",
+         RB_FIELD_ACCELERATION, 3},
+	{"/VTKHDF/PointData/angular_acceleration", "/particles/bodies/angular_acceleration/value",
+         RB_FIELD_ANGULAR_ACCELERATION, 3},
+	{"/VTKHDF/PointData/force", "/particles/bodies/force/value", RB_FIELD_FORCE, 3},
+	{"/VTKHDF/PointData/torque", "/particles/bodies/torque/value", RB_FIELD_TORQUE, 3},
 };
 
 static hid_t type_of(struct rb_h5 *h5, const char *path)

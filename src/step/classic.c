@@ -248,7 +248,7 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 			world->events.count = 0;
 		return RB_OK;
 	}
-	for (size_t k = first; k < world->events.count; k++) {
+	for (size_t k = first; k < world->events.count; k++, world->moment++) {
 		const enum rb_status status = world->hooks.collision(world->hooks.user, world,
 		                                                     &world->events.row[k], err);
 

@@ -221,8 +221,8 @@ static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
 	return true;
 }
 
-enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame,
-                                   struct rb_error *err)
+enum rb_status rb_numbers_fill_frame(struct rb_world *world, struct rb_frame *frame,
+                                     struct rb_error *err)
 {
 	frame->index = world->state.frame;
 	frame->time_s = world->state.time_s;

@@ -29,9 +29,9 @@ static void pack_state(struct rb_state *state, struct rb_pack *pack)
 	rb_pack_finite(pack, state->block, state->size_bytes / sizeof(double));
 }
 
-static void pack_contacts(struct rb_world *world, struct rb_pack *pack)
+static void pack_contacts(struct rb_world *world, struct rb_contacts *contacts,
+                          struct rb_pack *pack)
 {
-	struct rb_contacts *const contacts = &world->contacts;
 	const int last = world->model->body_count + world->model->static_count - 1;
 	size_t count = contacts->count;
 
@@ -56,6 +56,26 @@ static void pack_contacts(struct rb_world *world, struct rb_pack *pack)
 		                    c->a < c->b && (k == 0 || c[-1].a < c->a ||
 		                                    (c[-1].a == c->a && c[-1].b <= c->b)),
 		                    "contacts that are not in order");
+	}
+}
+
+/* What callbacks are told of the step before: contacts over the whole of it, and what they pushed with. */
+static void pack_loads(struct rb_world *world, struct rb_pack *pack)
+{
+	bool shown = world->keeps_means && world->has_shown;
+
+	rb_pack_bool(pack, &shown);
+	world->has_shown = shown;
+	if (shown && !pack->failed)
+		pack_contacts(world, &world->shown, pack);
+	if (!world->held || pack->failed)
+		return;
+	rb_pack_bool(pack, &world->has_held);
+	if (world->has_held)
+		rb_pack_finite(pack, world->held, 6 * (size_t)world->model->body_count);
+	if (pack->loading) {
+		world->pushed = true; /* the state may hold some */
+		world->moment++;
 	}
 }
 
@@ -200,11 +220,15 @@ enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struc
 		pack_state(&world->state, pack);
 	(void)rb_pack_check(pack, world->state.frame < world->model->frame_count,
 	                    "a frame after the last one");
+	if (pack->loading)
+		world->begun = world->state.frame > 0;
 	/* what changes that a callback makes are told from */
 	if (world->state.push && !pack->failed)
 		pack_state(&world->start, pack);
 	if (!pack->failed)
-		pack_contacts(world, pack);
+		pack_contacts(world, &world->contacts, pack);
+	if (!pack->failed)
+		pack_loads(world, pack);
 	rb_ledger_pack(&world->ledger, pack);
 	rb_pack_finite(pack, world->open.row, RB_ENTRIES);
 	rb_pack_u32(pack, &world->open.causes);

@@ -5,6 +5,7 @@
 #include "event/engine.h"
 #include "step/classic.h"
 #include "step/groups.h"
+#include "step/loads.h"
 #include "step/numbers.h"
 #include "step/plan.h"
 #include "stepped/stepped.h"
@@ -63,6 +64,36 @@ static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *e
 	return status == RB_OK && world->stepped ? rb_stepped_take_over(world, err) : status;
 }
 
+/* What callbacks push with holds for one step. Who asks after it what acts is told of these. */
+static void forget_pushes(struct rb_world *world)
+{
+	const size_t n = 3 * (size_t)world->model->body_count;
+
+	if (!world->state.push)
+		return;
+	world->has_held = world->pushed;
+	if (!world->pushed)
+		return;
+	memcpy(world->held, world->state.push, n * sizeof(double));
+	memcpy(world->held + n, world->state.twist, n * sizeof(double));
+	memset(world->state.push, 0, n * sizeof(double));
+	memset(world->state.twist, 0, n * sizeof(double));
+	world->pushed = false;
+}
+
+/* Room for pushes that have been; whether somebody may ask for forces of contacts: any function of the scene's can. */
+static bool prepare_loads(struct rb_world *world)
+{
+	const struct rb_scene *scene = world->model->scene;
+
+	world->keeps_means = world->options.keep_contacts || scene->hooks != 0 ||
+	                     scene->expect_count > 0 || (scene->record.fields & RB_FIELD_LOADS);
+	if (!world->state.push)
+		return true;
+	world->held = rb_memory_take(6 * (size_t)world->model->body_count, sizeof *world->held);
+	return world->held != NULL;
+}
+
 enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
                                const struct rb_world_options *options,
                                const struct rb_world_hooks *hooks, struct rb_error *err)
@@ -88,6 +119,8 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 		status = rb_state_init(&world->state, model->body_count, model->features, err);
 	if (status == RB_OK)
 		status = rb_state_init(&world->start, model->body_count, model->features, err);
+	if (status == RB_OK && !prepare_loads(world))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
 	if (status == RB_OK)
 		status = rb_team_create(&world->team, world->worker_count, err);
 	if (status == RB_OK && !is_located(model))
@@ -113,6 +146,8 @@ void rb_world_destroy(struct rb_world *world)
 	if (!world)
 		return;
 	rb_team_destroy(world->team);
+	rb_loads_destroy(world->loads);
+	rb_memory_free(world->held);
 	rb_engine_destroy(world->located);
 	for (int k = 0; world->arena && k < world->worker_count; k++)
 		rb_arena_release(&world->arena[k]);
@@ -134,17 +169,6 @@ void rb_world_destroy(struct rb_world *world)
 	rb_stepped_destroy(world->stepped);
 	rb_broadphase_destroy(world->broadphase);
 	rb_memory_free(world);
-}
-
-/* What callbacks push with holds for one step. */
-static void forget_pushes(struct rb_world *world)
-{
-	const size_t n = (size_t)world->model->body_count;
-
-	if (!world->state.push)
-		return;
-	memset(world->state.push, 0, 3 * n * sizeof(double));
-	memset(world->state.twist, 0, 3 * n * sizeof(double));
 }
 
 /* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
@@ -299,6 +323,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	if (status != RB_OK)
 		return status;
 	rb_state_copy(&world->state, &world->frame_state);
+	world->pushed = true; /* it may have been so */
 	rb_engine_go_back(world->located);
 	const bool by_steps = world->dense_left > 0;
 	world->frame_counts = begin->counts;
@@ -366,6 +391,20 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 	return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
 }
 
+/* One that has begun. */
+static enum rb_status go(struct rb_world *world, double start, double stop, struct rb_error *err)
+{
+	enum rb_status status;
+
+	if (!world->located || world->dense_left > 0) {
+		status = by_step(world, start, stop, err);
+		if (status == RB_OK && world->located)
+			world->dense_left--;
+		return status;
+	}
+	return located(world, start, stop, err);
+}
+
 static enum rb_status step(struct rb_world *world, double start, double stop, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -374,13 +413,12 @@ static enum rb_status step(struct rb_world *world, double start, double stop, st
 		status = world->hooks.step(world->hooks.user, world, start, stop - start, err);
 	if (status != RB_OK)
 		return status;
-	if (!world->located || world->dense_left > 0) {
-		status = by_step(world, start, stop, err);
-		if (status == RB_OK && world->located)
-			world->dense_left--;
-		return status;
-	}
-	return located(world, start, stop, err);
+	world->begun = world->in_step = true;
+	rb_world_choose_pushes(world);
+	status = go(world, start, stop, err);
+	world->in_step = false;
+	world->moment++;
+	return status;
 }
 
 int64_t rb_step_count(double interval, double time_step)

@@ -211,7 +211,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	apart->last.count = 0;
 	if (status == RB_OK)
 		status = rb_tell_contacts(world, part, h, NULL, &apart->last, err);
-	if (status == RB_OK && world->options.keep_contacts)
+	if (status == RB_OK && world->keeps_means)
 		status = rb_tell_part(part, &apart->last, h, &s->part_contacts, &apart->means, err);
 	rb_contacts_sort(&apart->last);
 	if (status == RB_OK)
@@ -432,7 +432,7 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 
 	to->count = 0;
 	enum rb_status status = rb_tell_contacts(world, &s->all, dt, apart->land.failed, to, err);
-	if (status == RB_OK && world->options.keep_contacts)
+	if (status == RB_OK && world->keeps_means)
 		status = show_contacts(world, dt, to, err);
 	if (status == RB_OK)
 		status = rb_contacts_join(to, &apart->kept, err);

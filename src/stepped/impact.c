@@ -485,7 +485,7 @@ static bool pass(struct impacts *all, const struct rb_point *point,
 	struct rb_contacts *passed = &all->cohort->passed;
 	const double push = rb_vec3_dot(c->impulse, c->normal);
 
-	if (!all->world->options.keep_contacts || rb_vec3_max_abs(c->impulse) == 0)
+	if (!all->world->keeps_means || rb_vec3_max_abs(c->impulse) == 0)
 		return true;
 	if (rb_contacts_reserve(passed, passed->count + 1, NULL) != RB_OK)
 		return false;

@@ -303,7 +303,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 		if (s->bad_count == 0 || (none && outcome.body < 0)) {
 			done = h < dt - done ? done + h : dt;
 			status = commit(world, start + done, h, &outcome, err);
-			if (status == RB_OK && h < dt && world->options.keep_contacts)
+			if (status == RB_OK && h < dt && world->keeps_means)
 				status = rb_tell_part(&s->all, &world->contacts, h,
 				                      &s->part_contacts, &s->means, err);
 			parts++;
@@ -322,7 +322,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 			return rb_apart_give_up(world, start + done, &outcome, err);
 		h *= 0.5;
 	}
-	return parts > 1 && world->options.keep_contacts ? show_means(world, dt, err) : RB_OK;
+	return parts > 1 && world->keeps_means ? show_means(world, dt, err) : RB_OK;
 }
 
 enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,

@@ -283,7 +283,8 @@ enum rb_status rb_tell_all(struct rb_world *world, struct rb_error *err)
 	qsort(told->row, count, sizeof *told->row, by_time);
 	memcpy(events->row + first, told->row, count * sizeof *told->row);
 	events->count += count;
-	for (size_t k = first; k < events->count && world->hooks.collision && status == RB_OK; k++)
+	for (size_t k = first; k < events->count && world->hooks.collision && status == RB_OK;
+	     k++, world->moment++)
 		status = world->hooks.collision(world->hooks.user, world, &events->row[k], err);
 	if (!world->options.keep_events)
 		events->count = 0;

@@ -217,6 +217,7 @@ void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_
 	const rb_vec3 v = rb_world_row3(world->state.velocity, i);
 	const struct account before = account_of(world, id);
 
+	world->moment++;
 	rb_contacts_drop(&world->contacts, i);
 	rb_vec3_to(world->state.velocity + 3 * i,
 	           rb_vec3_add_scaled(v, model->inverse_mass[i], impulse));
@@ -237,6 +238,8 @@ void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3
 
 	if (!world->state.push)
 		return;
+	world->pushed = true;
+	world->moment++;
 	rb_vec3_to(world->state.push + 3 * i,
 	           rb_vec3_add(rb_world_row3(world->state.push, i), force));
 	rb_vec3_to(world->state.twist + 3 * i,
@@ -249,6 +252,8 @@ void rb_world_apply_torque(struct rb_world *world, int id, rb_vec3 torque)
 
 	if (!world->state.twist)
 		return;
+	world->pushed = true;
+	world->moment++;
 	rb_vec3_to(world->state.twist + 3 * i,
 	           rb_vec3_add(rb_world_row3(world->state.twist, i), torque));
 }
@@ -258,6 +263,7 @@ void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity)
 	const int i = world->model->index_of[id];
 	const struct account before = account_of(world, id);
 
+	world->moment++;
 	rb_contacts_drop(&world->contacts, i);
 	rb_vec3_to(world->state.velocity + 3 * i, velocity);
 	enter_change(world, id, &before);
@@ -270,6 +276,7 @@ void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angul
 
 	if (!world->state.spin)
 		return;
+	world->moment++;
 	rb_contacts_drop(&world->contacts, i);
 	rb_vec3_to(world->state.spin + 3 * i, angular_velocity);
 	enter_change(world, id, &before);
@@ -282,6 +289,7 @@ void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position)
 
 	const struct account before = account_of(world, id);
 
+	world->moment++;
 	rb_contacts_drop(&world->contacts, i);
 	world->moved_by_hand = true;
 	rb_vec3_to(world->state.position + 3 * i,

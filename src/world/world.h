@@ -24,6 +24,7 @@ struct rb_plan;
 struct rb_groups;
 struct rb_located;
 struct rb_stepped;
+struct rb_loads;
 
 /* Counts since some moment; all are sums or extremes, so the order of adding does not matter. */
 struct rb_counts {
@@ -104,9 +105,19 @@ struct rb_world {
 	struct rb_events events;       /* since the frame before */
 	struct rb_ledger ledger;
 	struct rb_entries
-		open;       /* what is not yet entered, as of the state's time (event/account) */
-	bool moved_by_hand; /* a callback has set a position */
-	uint64_t called;    /* how often callbacks have been told of events by the located method */
+		open; /* what is not yet entered, as of the state's time (event/account) */
+	struct rb_loads *loads; /* owned; NULL until somebody asks what acts */
+	uint64_t
+		moment; /* counts what may change that: steps, events, callbacks that set something */
+	bool keeps_means; /* somebody may ask for contact forces: those of steps are of whole ones */
+	bool begun;       /* a step has been taken, or is */
+	bool in_step;
+	bool pushed;   /* callbacks may have pushed since the step before */
+	bool has_held; /* they pushed in the step before ... */
+	double *held;  /* ... with these, N, N m; owned, [2][bodies][3]; NULL: no callback can */
+	const double *push, *twist; /* those that hold now; NULL: none */
+	bool moved_by_hand;         /* a callback has set a position */
+	uint64_t called; /* how often callbacks have been told of events by the located method */
 	bool stopped;
 };
 
@@ -119,6 +130,17 @@ static inline bool rb_world_is_stopped(const struct rb_world *world)
 static inline rb_vec3 rb_world_row3(const double *column, int index)
 {
 	return rb_vec3_from(column + 3 * (size_t)index);
+}
+
+/* What callbacks push with: in a step what the state has, else what they have pushed with in the one before. */
+static inline void rb_world_choose_pushes(struct rb_world *world)
+{
+	const size_t half = 3 * (size_t)world->model->body_count;
+
+	world->push = world->in_step ? world->state.push : world->has_held ? world->held : NULL;
+	world->twist = world->in_step    ? world->state.twist
+	               : world->has_held ? world->held + half
+	                                 : NULL;
 }
 
 /* Orientation of a body by index, moving or not. */
