@@ -3,7 +3,7 @@
 # The cameras of every shipped scene see something: a picture of its first frame is not of one colour.
 . tests/cli/functions
 
-for scene in "$TOP"/scenes/*.lua; do
+for scene in "$TOP"/scenes/*.lua "$TOP"/scenes/examples/*.lua; do
 	name=$(basename "$scene" .lua)
 	# expectations are of the whole run
 	"$RBSIM" "$scene" -q --no-render --duration 0.05 -o "$name.h5" >out 2>err </dev/null

@@ -4,7 +4,7 @@
 . tests/cli/functions
 
 count=0
-for scene in "$TOP"/scenes/*.lua; do
+for scene in "$TOP"/scenes/*.lua "$TOP"/scenes/examples/*.lua; do
 	awk '
 	NR == 1 { ok = /^-- [A-Z0-9].*\.$/ }
 	NR == 2 { ok = ok && /^-- Watch: ./ }

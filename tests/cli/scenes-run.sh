@@ -3,7 +3,7 @@
 # Every shipped scene runs and keeps what it expects. Hopper and tower are small, the heap too in builds that are slow.
 set -eu
 scenes=$(dirname "$0")/../../scenes
-for scene in "$scenes"/*.lua; do
+for scene in "$scenes"/*.lua "$scenes"/examples/*.lua; do
 	set -- --no-record --no-render --quiet
 	case $scene in
 	*/heap.lua) [ "${RBSIM_MODE:-release}" = release ] || set -- "$@" --param balls=15 ;;
