@@ -24,6 +24,11 @@ rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t)
 	return rb_vec3_from(v);
 }
 
+rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t)
+{
+	return rb_vec3_add(p->base, rb_arc_piece_vector(p, RB_ROW_POSITION, t));
+}
+
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 {
 	if (i >= l->n)
@@ -80,10 +85,8 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 	return pose;
 }
 
-rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t)
+rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t)
 {
-	if (i >= l->n || !l->model->center_of_mass)
-		return rb_arc_position(l, i, t);
 	return rb_arc_pose(l, i, t).origin;
 }
 
@@ -110,16 +113,23 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
 }
 
-void rb_arc_store(const struct rb_located *l, int i, double t)
+/* Apart, so that what does not turn needs no pose on the stack. */
+__attribute__((noinline)) static void store_turned(const struct rb_located *l, int i, double t)
 {
 	struct rb_state *state = &l->world->state;
 	struct rb_pose pose;
 
-	rb_vec3_to(state->position + 3 * (size_t)i, rb_arc_position(l, i, t));
-	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
-	if (!l->top)
-		return;
 	turned(l, i, t, &pose);
 	rb_quat_to(state->orientation + 4 * (size_t)i, pose.orientation);
 	rb_vec3_to(state->spin + 3 * (size_t)i, pose.spin);
+}
+
+void rb_arc_store(const struct rb_located *l, int i, double t)
+{
+	struct rb_state *state = &l->world->state;
+
+	rb_vec3_to(state->position + 3 * (size_t)i, rb_arc_position(l, i, t));
+	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
+	if (l->top)
+		store_turned(l, i, t);
 }

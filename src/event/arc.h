@@ -32,14 +32,14 @@ static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)
 /* Three rows of the piece that the body is on. */
 rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t);
 rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t);
+rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t);
 
 static inline rb_vec3 rb_arc_position(const struct rb_located *l, int i, double t)
 {
 	if (i >= l->n)
 		return l->model->position[i];
 	if (rb_located_on_piece(l, i))
-		return rb_vec3_add(l->piece[i].base,
-		                   rb_arc_piece_vector(&l->piece[i], RB_ROW_POSITION, t));
+		return rb_arc_piece_position(&l->piece[i], t);
 	const struct rb_arc *arc = &l->arc[i];
 	const double s = t - arc->anchor_s;
 
@@ -62,8 +62,14 @@ static inline rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double 
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t);
 struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t);
 
-/* Centre of the shape, and its velocity. */
-rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t);
+/* Centre of the shape; of one that is not in the centre of mass. */
+rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t);
+static inline rb_vec3 rb_arc_origin(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n || !l->model->center_of_mass)
+		return rb_arc_position(l, i, t);
+	return rb_arc_off_center(l, i, t);
+}
 
 /* The body starts a new arc here: a parabola, turning freely with `turning` (rad/s^2) on top. */
 void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
