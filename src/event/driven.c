@@ -48,6 +48,8 @@ static const double noise_ulp = 1e5, kink_share = 1e-9;
 static const double kink_length = 0x1p-24;
 /* Shares by which the velocities may lead elsewhere than the places say: more than what a kink may leave of either. */
 static const double contradiction = 1e-8;
+/* Share of a piece that is left to none of its own: one in the last of the digits that lengths have. */
+static const double sliver = 0x1p-8;
 
 struct rb_driven {
 	struct rb_gauss_piece piece;
@@ -510,13 +512,14 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	/* not so long that what happens in between could be overlooked */
 	const double longest = fmax(1 / l->model->frame_rate, l->end_s / 256);
 	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
-	/* what rounding leaves of the run is no piece */
-	const bool ends = l->end_s - t > SLIVER_ULP * DBL_EPSILON * t;
+	/* what is left of the run is no piece, nor is what a piece would leave of it: such short ones have no second derivative */
+	const double left = l->end_s - t;
+	const bool ends = left > SLIVER_ULP * DBL_EPSILON * t;
 	struct drive d = {.l = l,
 	                  .own = own,
 	                  .i = i,
 	                  .origin_s = t,
-	                  .length_s = ends ? fmin(length, l->end_s - t) : length,
+	                  .length_s = ends && left <= (1 + sliver) * length ? left : length,
 	                  .fresh = !(own->end_s == t)};
 	d.first_s = d.length_s;
 	d.longest_s = longest;

@@ -3,9 +3,10 @@
 # Whichever allocation fails, the run ends with 71 and a message, and what it leaves behind is no wreck.
 . tests/cli/functions
 
-small_scene 'on_frame(function() end)
+small_scene 'on_frame(function() return body("left").force.z + body("right"):point_acceleration({0.1, 0, 0}).z end)
+record { fields = {"+", "acceleration", "force", "torque"} }
 expect("the end comes", function() return true end)' >s.lua
-for args in "--no-record" "-o r.h5" ; do
+for args in "--no-record" "--no-record --method stepped" "-o r.h5"; do
 	k=1
 	while :; do
 		rm -f r.h5

@@ -122,7 +122,7 @@ cat >mixed.lua <<'END'
 local looks = param("looks", true, "at what acts")
 local feels = param("feels", false, "and lets it push")
 local where = param("where", "frames and steps and events", "that it looks")
-world { duration = 1, frame_rate = 30, gravity = {0, 0, -9.81}, seed = 3 }
+world { duration = 1, frame_rate = param("rate", 30, "1/s"), gravity = {0, 0, -9.81}, seed = 3 }
 local m = material { friction = 0.5, restitution = 0.4 }
 local drum = box { size = {2, 2, 0.2}, position = {0, 0, -0.1}, material = m,
 	motion = function(t) return {0.05 * math.sin(9 * t), 0, -0.1} end }
@@ -143,7 +143,7 @@ end
 on_step(look)
 on_frame(look)
 on_collision(look)
-record { fields = {"+", "acceleration", "angular_acceleration", "force", "torque", "contacts"} }
+record { fields = {"+", "acceleration", "angular_acceleration", "force", "torque", "contacts", "events"} }
 END
 for method in auto located stepped; do
 	exits 0 mixed.lua --no-record --method $method --json -p looks=false
@@ -186,6 +186,7 @@ command -v gnuplot >/dev/null && {
 }
 python3 -c 'import h5py, numpy' 2>/dev/null && python=python3 || python=/usr/bin/python3
 "$python" -c 'import h5py, numpy' 2>/dev/null || exit 0
+exits 0 mixed.lua --method located -p looks=false -p rate=3000 --duration 0.3 -o fine.h5
 "$python" - <<'END' || fail 'what is recorded is not what acts'
 import h5py, numpy as np
 units = {'acceleration': 'm/s^2', 'angular_acceleration': 'rad/s^2', 'force': 'N', 'torque': 'N m'}
@@ -200,4 +201,18 @@ for method in ('located', 'stepped', 'auto'):
         force, a = b['force/value'][:], b['acceleration/value'][:]
         off = np.abs(force[:, free] - b['mass'][:][None, free, None] * a[:, free]).max()
         assert off < 1e-12 * np.abs(force).max(), (method, off)
+# between events accelerations are the derivatives of velocities
+with h5py.File('fine.h5') as f:
+    b, events = f['/particles/bodies'], f['/rbsim/events/time'][:]
+    t = b['velocity/time'][:]
+    quiet = np.ones(len(t) - 1, bool)
+    quiet[0] = False # the velocity of a driven body is not known at the start
+    for k in np.searchsorted(t, events):
+        quiet[max(0, k - 2):k + 1] = False
+    assert quiet.sum() > 100, quiet.sum()
+    for v, a in (('velocity', 'acceleration'), ('angular_velocity', 'angular_acceleration')):
+        v, a = b[v + '/value'][:], b[a + '/value'][:]
+        rate = np.diff(v, axis=0) / np.diff(t)[:, None, None]
+        off = np.linalg.norm(rate - (a[1:] + a[:-1]) / 2, axis=2) / (1 + np.linalg.norm(rate, axis=2))
+        assert np.quantile(off[quiet], 0.9) < 1e-6 and off[quiet].max() < 0.001, off[quiet].max()
 END
