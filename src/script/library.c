@@ -598,6 +598,7 @@ static int l_create(lua_State *L)
 static int wrapped(lua_State *L)
 {
 	lua_State *co = lua_tothread(L, lua_upvalueindex(1));
+	struct rb_sandbox *const sandbox = rb_sandbox_of(L);
 	const int count = lua_gettop(L);
 	int results = 0;
 
@@ -610,7 +611,9 @@ static int wrapped(lua_State *L)
 	if (!lua_checkstack(co, count))
 		return luaL_error(L, "too many arguments to resume");
 	lua_xmove(L, co, count);
+	sandbox->overtime.running = co;
 	const int status = lua_resume(co, L, count, &results);
+	sandbox->overtime.running = L;
 	if (status == LUA_OK || status == LUA_YIELD) {
 		luaL_checkstack(L, results, "too many results to resume");
 		lua_xmove(co, L, results);
@@ -625,6 +628,20 @@ static int l_wrap(lua_State *L)
 	new_coroutine(L);
 	lua_pushcclosure(L, wrapped, 1);
 	return 1;
+}
+
+/* Upvalue: the original, around which it is told who runs. */
+static int l_resume(lua_State *L)
+{
+	struct rb_sandbox *const sandbox = rb_sandbox_of(L);
+	lua_State *const co = checked_coroutine(L);
+
+	lua_pushvalue(L, lua_upvalueindex(1));
+	lua_insert(L, 1);
+	sandbox->overtime.running = co;
+	const int status = lua_pcall(L, lua_gettop(L) - 1, LUA_MULTRET, 0);
+	sandbox->overtime.running = L;
+	return status == LUA_OK ? lua_gettop(L) : lua_error(L);
 }
 
 /* Each level may hold Lua's own 200 nested calls, some kilobytes each: far below a stack of 8 MB. */
@@ -649,7 +666,9 @@ static int l_close(lua_State *L)
 	lua_pushvalue(L, lua_upvalueindex(1));
 	lua_insert(L, 1);
 	sandbox->closing++;
+	sandbox->overtime.running = co;
 	const int status = lua_pcall(L, 1, LUA_MULTRET, 0);
+	sandbox->overtime.running = L;
 	sandbox->closing--;
 	return status == LUA_OK ? lua_gettop(L) : lua_error(L);
 }
@@ -717,6 +736,7 @@ static void open_sandboxed(lua_State *L)
 
 	lua_getglobal(L, LUA_COLIBNAME);
 	wrap(L, "close", l_close);
+	wrap(L, "resume", l_resume);
 	lua_pushcfunction(L, l_create);
 	lua_setfield(L, -2, "create");
 	lua_pushcfunction(L, l_wrap);

@@ -13,10 +13,7 @@
 #include <ucontext.h>
 #include <unistd.h>
 
-#include <lua.h>
-
-/* Ticks in the seconds of a call. The first can come at any time, so that one more is waited for. */
-enum { TICKS = 12, HOOK_TICKS = TICKS + 1, JUMP_TICKS = HOOK_TICKS + 1, LAST_TICKS = 3 * TICKS };
+enum { JUMP_TICKS = RB_OVERTIME_TICKS + 2, LAST_TICKS = 3 * RB_OVERTIME_TICKS };
 
 static const double usual_seconds = 120;
 
@@ -56,7 +53,13 @@ static void tick(int number, siginfo_t *about, void *context)
 
 	(void)number;
 	(void)about;
-	if (!call || ++call->ticks < JUMP_TICKS)
+	if (!call)
+		return;
+	call->ticks++;
+	if (!rb_overtime_is_up(call))
+		return;
+	lua_sethook(call->running, call->hook, LUA_MASKCOUNT, 1); /* Lua allows it in a handler */
+	if (call->ticks < JUMP_TICKS)
 		return;
 	const uintptr_t at = interrupted_at(context);
 	if (at >= lua_from && at < lua_to) {
@@ -119,7 +122,7 @@ enum rb_status rb_overtime_prepare(struct rb_error *err)
 	action.sa_flags = (int)(SA_SIGINFO | SA_RESTART | SA_NODEFER);
 	struct sigevent event = {.sigev_notify = SIGEV_THREAD_ID, .sigev_signo = SIGVTALRM};
 	event._sigev_un._tid = gettid();
-	const double between = seconds / TICKS;
+	const double between = seconds / RB_OVERTIME_TICKS;
 	struct itimerspec times = {0};
 	times.it_interval.tv_sec = (time_t)between;
 	times.it_interval.tv_nsec = (long)((between - floor(between)) * 1e9);
@@ -149,9 +152,4 @@ void rb_overtime_begin(struct rb_overtime *call)
 void rb_overtime_end(void)
 {
 	watched = NULL;
-}
-
-bool rb_overtime_is_up(const struct rb_overtime *call)
-{
-	return call->ticks >= HOOK_TICKS;
 }

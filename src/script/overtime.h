@@ -4,8 +4,8 @@
  *
  * Lua's count hook sees no time that Lua spends in its own C code, and a line of a script can keep that busy for hours:
  * a table that is its own __call, compared with by table.sort. So a timer of the thread's own processor time ticks,
- * seldom enough that an ordinary run meets none or a few. When a call has had its seconds, the hook finds that out; one
- * that no hook ends is left by a jump to `way_out`, but only while the processor is in Lua's library itself: neither
+ * seldom enough that an ordinary run meets none or a few. When a call has had its seconds, each further instruction of the
+ * script asks the hook, and functions of ours that take long ask for themselves; a call that neither ends is left by a jump to `way_out`, but only while the processor is in Lua's library itself: neither
  * the allocator nor code of ours is cut in two. The state of Lua is then lost: it must not be touched any more, not
  * even to close it. Where that does not come about either, the process ends with status 65, and what a recording holds
  * by then is there for `rbsim repair`.
@@ -19,11 +19,17 @@
 #include <signal.h>
 #include <stdbool.h>
 
+#include <lua.h>
+
 #include <rbsim/error.h>
+
+enum { RB_OVERTIME_TICKS = 12 }; /* in the seconds of a call */
 
 /* One call. Belongs to the thread that makes it and to the signal's handler on this thread. */
 struct rb_overtime {
 	volatile sig_atomic_t ticks;
+	lua_State *volatile running; /* which coroutine is being run; set by whoever resumes one */
+	lua_Hook hook;               /* what raises the error */
 	sigjmp_buf way_out; /* set by the caller, in a frame that is there until rb_overtime_end */
 };
 
@@ -37,7 +43,10 @@ RB_CHECKED enum rb_status rb_overtime_prepare(struct rb_error *err);
 void rb_overtime_begin(struct rb_overtime *call);
 void rb_overtime_end(void);
 
-/* The call has had its seconds. */
-bool rb_overtime_is_up(const struct rb_overtime *call);
+/* The call has had its seconds: the first tick can come at any time, so that one more is waited for. */
+static inline bool rb_overtime_is_up(const struct rb_overtime *call)
+{
+	return call->ticks > RB_OVERTIME_TICKS;
+}
 
 #endif

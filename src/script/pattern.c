@@ -20,10 +20,10 @@ static int byte_at(const char *p)
 	return (unsigned char)*p;
 }
 
-/* A walk along so many bytes of a pattern: a set is as long as its author likes. */
+/* For a walk along so many bytes: a set is as long as its author likes. */
 static bool pay(struct rb_match *m, ptrdiff_t bytes)
 {
-	if (m->steps < (uint64_t)bytes) {
+	if (m->steps < (uint64_t)bytes || (m->overtime && rb_overtime_is_up(m->overtime))) {
 		m->steps = 0;
 		wrong(m, "the pattern takes too many steps on this text");
 		return false;
@@ -148,9 +148,8 @@ static const char *match_balance(struct rb_match *m, const char *s, const char *
 		return NULL;
 	int open = 1;
 	for (const char *at = s + 1; at < m->subject_end; at++) {
-		if (m->steps == 0)
-			return wrong(m, "the pattern takes too many steps on this text");
-		m->steps--;
+		if (!pay(m, 1))
+			return NULL;
 		if (*at == p[1]) {
 			if (--open == 0)
 				return at + 1;
@@ -221,9 +220,8 @@ static const char *match_again(struct rb_match *m, const char *s, int digit)
 	const ptrdiff_t size = m->capture[i].size;
 	if (size < 0) /* a position matches nothing */
 		return NULL;
-	if (m->steps < (uint64_t)size)
-		return wrong(m, "the pattern takes too many steps on this text");
-	m->steps -= (uint64_t)size;
+	if (!pay(m, size))
+		return NULL;
 	if (m->subject_end - s < size || memcmp(m->capture[i].start, s, (size_t)size) != 0)
 		return NULL;
 	return s + size;
@@ -345,6 +343,7 @@ void rb_match_start(struct rb_match *match, const char *subject, size_t subject_
 	match->pattern_end = pattern + pattern_size;
 	match->steps = steps;
 	match->mistake = NULL;
+	match->overtime = NULL;
 	match->depth = 0;
 	match->capture_count = 0;
 }

@@ -13,6 +13,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "script/overtime.h"
+
 enum { RB_PATTERN_CAPTURES = 32 };
 
 enum { RB_CAPTURE_OPEN = -1, RB_CAPTURE_POSITION = -2 };
@@ -26,6 +28,8 @@ struct rb_match {
 	uint64_t steps;                                  /* left; the caller sets it */
 	const char *mistake; /* NULL: none; else why the pattern is wrong, or that the steps are
 	                        used up */
+	const struct rb_overtime
+		*overtime; /* NULL: none; ends the match as if the steps were used up */
 	int depth;
 	int capture_count;
 	struct rb_capture capture[RB_PATTERN_CAPTURES];

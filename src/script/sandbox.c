@@ -216,7 +216,7 @@ void rb_sandbox_charge(lua_State *L, uint64_t work)
 
 	if (__builtin_add_overflow(sandbox->work, work, &sandbox->work))
 		sandbox->work = UINT64_MAX / 2;
-	if (sandbox->work > sandbox->work_max)
+	if (sandbox->work > sandbox->work_max || rb_overtime_is_up(&sandbox->overtime))
 		verify(L, 1);
 }
 
@@ -321,6 +321,8 @@ static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 	sandbox->work = 0;
 	sandbox->work_max = instructions;
 	sandbox->spent = RB_SPENT_NOTHING;
+	sandbox->overtime.running = sandbox->L;
+	sandbox->overtime.hook = count_hook;
 	sandbox->refused = false;
 	rb_memory_free(sandbox->traceback);
 	sandbox->traceback = NULL;

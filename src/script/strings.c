@@ -105,6 +105,7 @@ static int find_or_match(lua_State *L, bool find)
 	const char *at = text + offset;
 	uint64_t before = rb_sandbox_left(L);
 	rb_match_start(&match, text, size, pattern, pattern_size, before);
+	match.overtime = &rb_sandbox_of(L)->overtime;
 	do {
 		const char *end = rb_match_at(&match, at, first);
 		if (match.mistake)
@@ -143,6 +144,7 @@ static int gmatch_step(lua_State *L)
 	struct rb_match match;
 
 	rb_match_start(&match, text, size, pattern, pattern_size, 0);
+	match.overtime = &rb_sandbox_of(L)->overtime;
 	for (lua_Integer at = lua_tointeger(L, lua_upvalueindex(3)); at <= (lua_Integer)size;
 	     at++) {
 		const char *end = charged_match(L, &match, text + at, pattern);
@@ -244,6 +246,7 @@ static int l_gsub(lua_State *L)
 	                 3, "string/function/table");
 	luaL_buffinit(L, &out);
 	rb_match_start(&match, text, size, pattern, pattern_size, 0);
+	match.overtime = &rb_sandbox_of(L)->overtime;
 	while (count < most) {
 		const char *end = charged_match(L, &match, at, first);
 		if (end && end != last) {
