@@ -7,6 +7,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <hdf5.h>
+#include <limits.h>
 #include <sched.h>
 #include <signal.h>
 #include <sys/mount.h>
@@ -653,7 +654,7 @@ static bool break_descriptors(const char *path)
 
 static void a_failing_disk_ends_the_run_without_a_crash(void **slot)
 {
-	char path[512], real[512];
+	char path[512], real[PATH_MAX];
 	int status;
 
 	(void)slot;
