@@ -4,12 +4,12 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "event/driven.h"
 #include "event/engine.h"
 #include "event/look.h"
 #include "event/mechanics.h"
 #include "event/pull.h"
 #include "step/classic.h"
-#include "step/motion.h"
 #include "step/numbers.h"
 #include "stepped/stepped.h"
 
@@ -314,48 +314,40 @@ static void press(struct rb_world *world, int i, struct rb_load *load)
 	}
 }
 
-/* The turn, as a vector, from one orientation to another on its side. */
-static rb_vec3 turn_of(rb_quat from, rb_quat to)
+/* Puts a driven body on the piece that leads on from `t`, whatever it was on before. */
+static enum rb_status lead_on(struct rb_located *l, int i, double t, struct rb_error *err)
 {
-	const rb_quat d = rb_quat_multiply(to, (rb_quat){from.w, -from.x, -from.y, -from.z});
-	const rb_vec3 axis = {d.x, d.y, d.z};
-	const double sine = rb_vec3_length(axis);
-
-	return rb_vec3_scale(sine > 0 ? 2 * atan2(sine, d.w) / sine : 2, axis);
+	rb_driven_release(l);
+	l->driven = NULL;
+	for (int k = 0; l->piece && k < l->n; k++)
+		l->piece[k].piece.n = 0;
+	l->err = err;
+	l->status = RB_OK;
+	rb_driven_piece(l, i, t);
+	return l->status;
 }
 
-/*
- * Of a driven body in steps: differences of what its function says over a time step to either side, at the beginning of the
- * run over the first two.
- */
-static enum rb_status drive(const struct rb_world *world, int i, struct rb_load *load,
-                            struct rb_error *err)
+enum rb_status rb_loads_start_driven(struct rb_world *world, struct rb_error *err)
 {
-	const double h = world->model->time_step_s, t = fmax(world->state.time_s, h);
-	struct rb_driven_pose at[3];
-	rb_quat near = rb_world_orientation_at(world, &world->state, i);
+	const struct rb_model *model = world->model;
+	const double t = world->state.time_s;
+	struct rb_located *l;
+	struct rb_error own;
+	const enum rb_status status = rb_engine_create(&l, world, err);
 
-	for (int k = 0; k < 3; k++) {
-		const enum rb_status status = rb_motion_ask(world, i, t + (k - 1) * h, near, &at[k],
-		                                            err);
+	if (status != RB_OK)
+		return status;
+	for (int i = 0; i < model->body_count; i++) {
+		const struct rb_body_def *def = &model->scene->bodies[model->id_of[i]];
 
-		if (status != RB_OK)
-			return status;
-		near = at[k].orientation;
+		if (!model->driven[i] || lead_on(l, i, t, &own) != RB_OK)
+			continue;
+		if (!def->motion_gives_velocity)
+			rb_vec3_to(world->state.velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
+		if (l->top && def->motion_turns && !def->motion_gives_angular_velocity)
+			rb_vec3_to(world->state.spin + 3 * (size_t)i, rb_arc_pose(l, i, t).spin);
 	}
-	load->acceleration =
-		at[1].has_velocity
-			? rb_vec3_scale(0.5 / h, rb_vec3_sub(at[2].velocity, at[0].velocity))
-			: rb_vec3_scale(1 / (h * h),
-	                                rb_vec3_sub(rb_vec3_sub(at[2].position, at[1].position),
-	                                            rb_vec3_sub(at[1].position, at[0].position)));
-	load->angular_acceleration =
-		at[1].has_angular_velocity
-			? rb_vec3_scale(0.5 / h,
-	                                rb_vec3_sub(at[2].angular_velocity, at[0].angular_velocity))
-			: rb_vec3_scale(1 / (h * h),
-	                                rb_vec3_sub(turn_of(at[1].orientation, at[2].orientation),
-	                                            turn_of(at[0].orientation, at[1].orientation)));
+	rb_engine_destroy(l);
 	return RB_OK;
 }
 
@@ -377,10 +369,15 @@ enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *loa
 	press(world, i, load);
 	if (!driven)
 		return RB_OK;
+	const double t = world->state.time_s;
+	struct rb_located *l = is_located(world) ? world->located : world->loads->looker;
+
 	if (!is_located(world))
-		return drive(world, i, load, err);
-	load->acceleration = rb_arc_acceleration(world->located, i, world->state.time_s);
-	load->angular_acceleration = rb_mechanics_turning(world->located, i, world->state.time_s);
+		status = lead_on(l, i, t, err);
+	if (status != RB_OK)
+		return status;
+	load->acceleration = rb_arc_acceleration(l, i, t);
+	load->angular_acceleration = rb_mechanics_turning(l, i, t);
 	return RB_OK;
 }
 

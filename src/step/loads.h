@@ -10,6 +10,12 @@
 
 #include "world/world.h"
 
+/*
+ * Velocities that functions of driven bodies do not give are those that lead on from time 0: of what `world` starts with.
+ * Where a function does not lead on it says so when the run comes there.
+ */
+RB_CHECKED enum rb_status rb_loads_start_driven(struct rb_world *world, struct rb_error *err);
+
 void rb_loads_destroy(struct rb_loads *loads); /* NULL is fine */
 
 #endif

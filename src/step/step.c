@@ -131,6 +131,8 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 	}
 	if (status == RB_OK && is_located(model))
 		status = rb_engine_create(&world->located, world, err);
+	if (status == RB_OK && model->driven)
+		status = rb_loads_start_driven(world, err);
 	if (status == RB_OK && model->keeps_ledger)
 		rb_numbers_start_ledger(world);
 	if (status != RB_OK) {
