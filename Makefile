@@ -116,7 +116,7 @@ run_tests = RBSIM_MODE=$(MODE) TEST_SECONDS=$(seconds) \
 .DELETE_ON_ERROR:
 .SUFFIXES:
 .SECONDARY:
-.PHONY: all deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall clean FORCE
+.PHONY: all build-tests deps deps-slurm demo test test-long test-slurm bench fuzz fuzz-run lint format install uninstall clean FORCE
 
 all: $(program) $(loaded) $(library) compile_commands.json
 
@@ -186,6 +186,7 @@ demo: all
 	cd build/demo && $(abspath $(program)) $(CURDIR)/scenes/bounce.lua --force
 	@echo "the recording is build/demo/bounce.h5 (look inside: $(program) info build/demo/bounce.h5)"
 	@echo "the film is build/demo/bounce.mp4 (another one: $(program) render build/demo/bounce.h5 -o slow.gif --speed 0.25)"
+build-tests: $(tests)
 test: $(program) $(loaded) $(tests)
 	@$(run_tests) $(tests) $(cli_tests)
 test-long: seconds = 3600

@@ -198,9 +198,10 @@ static inline struct keller_impact impacts_pick(int shape, uint64_t k)
 		const double angle = atan2((double)p.k[0][2], (double)p.k[0][1]) +
 		                     impacts_sign(&r) * aside;
 		const double c = cos(angle), s = sin(angle);
-		rb_vec3 way = {(double)(p.axis[1][0] * c + p.axis[2][0] * s),
-		               (double)(p.axis[1][1] * c + p.axis[2][1] * s),
-		               (double)(p.axis[1][2] * c + p.axis[2][2] * s)};
+		const real *const first = p.axis[1], *const second = p.axis[2];
+		rb_vec3 way = {(double)(first[0] * (real)c + second[0] * (real)s),
+		               (double)(first[1] * (real)c + second[1] * (real)s),
+		               (double)(first[2] * (real)c + second[2] * (real)s)};
 		impact.friction = least * above;
 		u = rb_vec3_add_scaled(rb_vec3_scale(impacts_decades(&r, -3, 0), u),
 		                       rb_vec3_length(slip), way);
@@ -215,9 +216,10 @@ static inline struct keller_impact impacts_pick(int shape, uint64_t k)
 		const double angle = atan2((double)-p.k[2][0], (double)-p.k[1][0]) +
 		                     impacts_sign(&r) * impacts_decades(&r, -14, -1);
 		const double c = cos(angle), s = sin(angle);
-		rb_vec3 way = {(double)(p.axis[1][0] * c + p.axis[2][0] * s),
-		               (double)(p.axis[1][1] * c + p.axis[2][1] * s),
-		               (double)(p.axis[1][2] * c + p.axis[2][2] * s)};
+		const real *const first = p.axis[1], *const second = p.axis[2];
+		rb_vec3 way = {(double)(first[0] * (real)c + second[0] * (real)s),
+		               (double)(first[1] * (real)c + second[1] * (real)s),
+		               (double)(first[2] * (real)c + second[2] * (real)s)};
 		u = rb_vec3_add_scaled(u, rb_vec3_length(slip), way);
 	} else {
 		u = rb_vec3_add_scaled(u, kind == 4 ? impacts_decades(&r, 0, 3) : 1, slip);

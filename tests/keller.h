@@ -68,17 +68,19 @@ static inline void keller_unit(real *a)
 
 static inline void keller_vector(rb_vec3 v, real *out)
 {
-	out[0] = v.x;
-	out[1] = v.y;
-	out[2] = v.z;
+	out[0] = (real)v.x;
+	out[1] = (real)v.y;
+	out[2] = (real)v.z;
 }
 
 /* Rows: principal axes in world coordinates. */
 static inline void keller_axes(rb_quat q, real axes[3][3])
 {
-	const real length = sqrtl((real)q.w * q.w + (real)q.x * q.x + (real)q.y * q.y +
-	                          (real)q.z * q.z);
-	const real w = q.w / length, x = q.x / length, y = q.y / length, z = q.z / length;
+	const real raw[4] = {(real)q.w, (real)q.x, (real)q.y, (real)q.z};
+	const real length = sqrtl(raw[0] * raw[0] + raw[1] * raw[1] + raw[2] * raw[2] +
+	                          raw[3] * raw[3]);
+	const real w = raw[0] / length, x = raw[1] / length, y = raw[2] / length,
+		   z = raw[3] / length;
 	const real rows[3][3] = {
 		{1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)},
 		{2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)},
@@ -93,14 +95,14 @@ static inline void keller_answer(const struct keller_body *body, const real *imp
 	real axes[3][3], arm[3], torque[3], turn[3] = {0, 0, 0};
 
 	for (int i = 0; i < 3; i++)
-		out[i] = body->inverse_mass * impulse[i];
+		out[i] = (real)body->inverse_mass * impulse[i];
 	if (!(body->inverse_mass > 0))
 		return;
 	keller_axes(body->orientation, axes);
 	keller_vector(body->arm, arm);
 	keller_cross(arm, impulse, torque);
 	for (int k = 0; k < 3; k++) {
-		const real own = keller_dot(axes[k], torque) / body->moment[k];
+		const real own = keller_dot(axes[k], torque) / (real)body->moment[k];
 
 		for (int i = 0; i < 3; i++)
 			turn[i] += own * axes[k][i];
@@ -115,7 +117,8 @@ static inline void keller_begin(struct keller *p, const struct keller_impact *im
 {
 	real velocity[3] = {0, 0, 0};
 
-	*p = (struct keller){.friction = impact->friction, .restitution = impact->restitution};
+	*p = (struct keller){.friction = (real)impact->friction,
+	                     .restitution = (real)impact->restitution};
 	keller_vector(impact->normal, p->axis[0]);
 	keller_unit(p->axis[0]);
 	const real helper[2][3] = {{1, 0, 0}, {0, 1, 0}};

@@ -237,7 +237,7 @@ static void what_solutions_differ_by_is_known(void **slot)
 		for (int c = 0; c < 4; c++)
 			d.matrix[4 * r + c] = base[r][c];
 		d.right[r] = 4;
-		d.found[r] = NAN; /* what is left in there must not matter */
+		d.found[r] = (double)NAN; /* what is left in there must not matter */
 	}
 	rb_dense_solve(&d);
 	assert_true(d.open);

@@ -453,8 +453,8 @@ static void a_full_disk_is_told_as_such(void **state)
 	static const char *const scripts[] = {
 		"cat >/dev/null; echo 'write: No space left on device' >&2; echo Failed. >&2; exit 1",
 		"head -c 500000 >/dev/null; echo 'write: No space left on device' >&2; exit 1",
-		"cat >/dev/null; for last; do :; done; echo x >${last#file:}\n"
-		"echo 'Error writing trailer: No space left on device' >&2; exit 0",
+		("cat >/dev/null; for last; do :; done; echo x >${last#file:}\n"
+	         "echo 'Error writing trailer: No space left on device' >&2; exit 0"),
 		"cat >/dev/null; echo 'write: File too large' >&2; exit 1"};
 	struct rlimit before, small;
 	char folder[256], path[300];

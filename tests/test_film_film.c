@@ -170,7 +170,7 @@ static void slow_motion_shows_what_lies_between_frames_and_time_lapse_leaves_out
 	} cases[] = {{0, 0.5, 10, 0.25, 21},
 	             {0.13, 0.61, 25, 1, 13},
 	             {0, 2, 10, 5, 5},
-	             {0.3, 0.3, NAN, 1, 1}};
+	             {0.3, 0.3, (double)NAN, 1, 1}};
 
 	(void)state;
 	for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {

@@ -216,7 +216,7 @@ static void each_body_has_its_own_picture(void **state)
 			def.call = "plane";
 			def.shape.kind = RB_SHAPE_PLANE;
 			def.orientation = rb_plane_orientation((rb_vec3){0, 0, 1},
-			                                       (rb_vec3){NAN, 0, 0});
+			                                       (rb_vec3){(double)NAN, 0, 0});
 			def.is_static = true;
 		}
 		def.texture = names[k];

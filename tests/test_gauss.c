@@ -33,7 +33,7 @@ static void begin(struct course *c, int n, rb_gauss_rates *rates, void *user, co
 	c->piece.coefficient = c->coefficient;
 	assert_true(rb_gauss_room(n) <= sizeof c->scratch / sizeof *c->scratch);
 	for (size_t i = 0; i < sizeof c->scratch / sizeof *c->scratch; i++)
-		c->scratch[i] = NAN; /* what is left in there must not matter */
+		c->scratch[i] = (double)NAN; /* what is left in there must not matter */
 }
 
 /* One step, no further than `end`; its piece can be looked at until `next`. */
@@ -289,7 +289,7 @@ static void a_first_step_that_is_too_long_is_halved(void **state)
 	begin(&c, 2, oscillator, &omega, scale);
 	c.try_s = 0x1p40;
 	c.value[0] = 1;
-	assert_ok(step(&c, INFINITY, &err));
+	assert_ok(step(&c, (double)INFINITY, &err));
 	assert_true(c.piece.length_s < 1 && c.piece.length_s > 0.05);
 	assert_near(rb_gauss_value(&c.piece, 0, c.piece.length_s), cos(c.piece.length_s), 1e-14);
 	int exponent;
@@ -335,7 +335,7 @@ static enum rb_status no_number(void *user, double t, const double *y, double *r
 {
 	(void)user, (void)y, (void)err;
 	rate[0] = 0;
-	rate[1] = t < 0.3 ? 1 : NAN;
+	rate[1] = t < 0.3 ? 1 : (double)NAN;
 	return RB_OK;
 }
 
@@ -394,7 +394,7 @@ static void what_cannot_be_integrated_is_refused(void **state)
 	assert_near(c.time_s, 0.3, 1e-8);
 	c.time_s = 0.4;
 	assert_int_equal(step(&c, 2, &err), RB_ERR_PHYSICS);
-	c.try_s = NAN;
+	c.try_s = (double)NAN;
 	assert_int_equal(step(&c, 2, &err), RB_ERR_PHYSICS);
 
 	begin(&c, 1, refusal, NULL, scale);

@@ -402,7 +402,7 @@ static void thrown_boxes_lose_energy_until_they_lie(void **state)
 		def.angular_velocity = (rb_vec3){5 * sin(7.0 * k), 3, 5 * cos(3.0 * k)};
 		lab_add(&bench.lab, &def);
 		bench_seal(&bench);
-		double energy = INFINITY;
+		double energy = (double)INFINITY;
 		while (rb_world_frame(bench.lab.world) + 1 <
 		       rb_world_frame_count(bench.lab.world)) {
 			lab_step(&bench.lab);

@@ -121,11 +121,11 @@ static void open_driven(struct bench *bench, struct driver *driver, double durat
 	if (driver->drive != DRIVE_PUSH) {
 		def.call = "plane";
 		def.shape = (struct rb_shape){.kind = RB_SHAPE_PLANE};
-		def.orientation = rb_plane_orientation(up, at(NAN, 0, 0));
+		def.orientation = rb_plane_orientation(up, at((double)NAN, 0, 0));
 	} else {
 		bench->lab.scene.world.gravity = origin;
 	}
-	def.mass = NAN;
+	def.mass = (double)NAN;
 	def.motion = 0;
 	const bool turns = driver->drive == DRIVE_TURN || driver->drive == DRIVE_WRAP ||
 	                   driver->drive == DRIVE_TURN_BACK;

@@ -629,7 +629,7 @@ static void bounce_pair(const int material[2], double restitution, bool plane, b
 			def = rb_body_def_default();
 			def.call = "plane";
 			def.shape.kind = RB_SHAPE_PLANE;
-			def.orientation = rb_plane_orientation(at(-1, 0, 0), at(NAN, 0, 0));
+			def.orientation = rb_plane_orientation(at(-1, 0, 0), at((double)NAN, 0, 0));
 			def.is_static = true;
 		}
 		def.material = material[k];
@@ -680,8 +680,8 @@ static void a_ball_flies_off_every_edge_of_a_sheet(void **slot)
 		                            way / 2 ? at(0, sign * v, 0) : at(sign * v, 0, 0));
 		lab_seal(&lab, 1);
 		/* the sheet's own axes: width along x, up to a turn about its normal by a half */
-		const rb_vec3 along = rb_quat_rotate(rb_plane_orientation(up, at(NAN, 0, 0)),
-		                                     at(1, 0, 0));
+		const rb_vec3 along = rb_quat_rotate(
+			rb_plane_orientation(up, at((double)NAN, 0, 0)), at(1, 0, 0));
 		assert_near(fabs(along.x), 1, 1e-15);
 		lab_run(&lab);
 		const rb_vec3 p = rb_world_position(lab.world, ball);

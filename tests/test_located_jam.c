@@ -116,9 +116,9 @@ static bool jump(const struct rod *rod, struct plane *p, double *y)
 	if (rod->fall == 0) /* its rounding must not say that it leaves */
 		impact.body[1].linear.z = y[SPIN] * ax - 1e-18;
 	assert_true(keller_solve(&k, &impact, impulse));
-	y[VX] += (double)(impulse[0] / p->mass);
-	y[VZ] += (double)(impulse[2] / p->mass);
-	y[SPIN] += (double)((az * impulse[0] - ax * impulse[2]) / p->inertia);
+	y[VX] += (double)(impulse[0] / (real)p->mass);
+	y[VZ] += (double)(impulse[2] / (real)p->mass);
+	y[SPIN] += (double)(((real)az * impulse[0] - (real)ax * impulse[2]) / (real)p->inertia);
 	const double slip = y[VX] + az * y[SPIN], leave = y[VZ] - ax * y[SPIN];
 	p->slip = leave > 1e-9 ? 2 : fabs(slip) < 1e-9 ? 0 : slip > 0 ? 1 : -1;
 	forces_of(p, y, &normal, &friction);

@@ -430,7 +430,7 @@ static void events_come_in_the_order_of_time_and_pair(void **slot)
 
 /* What callbacks do, and what they saw. */
 struct meddler {
-	enum { SET_VELOCITY, IMPULSE, FORCE, MOVE, SPIN } act;
+	enum act { SET_VELOCITY, IMPULSE, FORCE, MOVE, SPIN } act;
 	double when;
 	int calls;
 	double seen_z, seen_time;
@@ -471,7 +471,7 @@ static void what_on_step_does_takes_effect_at_once(void **slot)
 
 	(void)slot;
 	for (int act = SET_VELOCITY; act <= SPIN; act++) {
-		struct meddler m = {.act = act, .when = 0.5};
+		struct meddler m = {.act = (enum act)act, .when = 0.5};
 		const struct rb_world_hooks hooks = {.user = &m, .step = meddle_step};
 		const struct rb_world_options options = {.threads = 1};
 		struct lab lab;
@@ -538,7 +538,7 @@ static void what_on_collision_does_takes_effect_at_once(void **slot)
 
 	(void)slot;
 	for (int act = SET_VELOCITY; act <= IMPULSE; act++) {
-		struct meddler m = {.act = act};
+		struct meddler m = {.act = (enum act)act};
 		const struct rb_world_hooks hooks = {.user = &m, .collision = kick_up};
 		const struct rb_world_options options = {.threads = 1};
 		struct lab lab;

@@ -58,9 +58,9 @@ static void length_holds_from_the_smallest_to_the_largest_vector(void **state)
 		assert_near(rb_vec3_length(rb_vec3_of(ldexp(3, e), 0, ldexp(-4, e))) / ldexp(5, e),
 		            1, 4e-16);
 	assert_near(rb_vec3_length(rb_vec3_of(0, 0, 0)), 0, 0);
-	assert_true(isinf(rb_vec3_length(rb_vec3_of(1, -INFINITY, 0))));
-	assert_true(isnan(rb_vec3_length(rb_vec3_of(NAN, 1, 1))));
-	assert_true(isnan(rb_vec3_length(rb_vec3_of(NAN, NAN, NAN))));
+	assert_true(isinf(rb_vec3_length(rb_vec3_of(1, -(double)INFINITY, 0))));
+	assert_true(isnan(rb_vec3_length(rb_vec3_of((double)NAN, 1, 1))));
+	assert_true(isnan(rb_vec3_length(rb_vec3_of((double)NAN, (double)NAN, (double)NAN))));
 }
 
 static void unit_has_length_one_whatever_the_size(void **state)
@@ -98,9 +98,9 @@ static void finite_sees_each_coordinate(void **state)
 {
 	(void)state;
 	assert_true(rb_vec3_finite(rb_vec3_of(1, -2, 1e308)));
-	assert_false(rb_vec3_finite(rb_vec3_of(NAN, 0, 0)));
-	assert_false(rb_vec3_finite(rb_vec3_of(0, INFINITY, 0)));
-	assert_false(rb_vec3_finite(rb_vec3_of(0, 0, -INFINITY)));
+	assert_false(rb_vec3_finite(rb_vec3_of((double)NAN, 0, 0)));
+	assert_false(rb_vec3_finite(rb_vec3_of(0, (double)INFINITY, 0)));
+	assert_false(rb_vec3_finite(rb_vec3_of(0, 0, -(double)INFINITY)));
 }
 
 static void inverse_undoes_a_matrix_of_any_size(void **state)
@@ -125,8 +125,8 @@ static void a_singular_matrix_has_no_inverse(void **state)
 	const rb_mat3 singular[] = {
 		{{{0}}},
 		{{{1, 2, 3}, {2, 4, 6}, {0, 0, 1}}},
-		{{{NAN, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
-		{{{INFINITY, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+		{{{(double)NAN, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
+		{{{(double)INFINITY, 0, 0}, {0, 1, 0}, {0, 0, 1}}},
 	};
 
 	(void)state;
@@ -261,8 +261,8 @@ static void random_numbers_are_uniform_and_streams_do_not_resemble_each_other(vo
 static void the_length_of_what_is_no_number_is_none(void **slot)
 {
 	(void)slot;
-	assert_true(isnan(rb_vec3_length((rb_vec3){NAN, 0, 0})));
-	assert_true(isnan(rb_vec3_length((rb_vec3){0, 1e300, NAN})));
+	assert_true(isnan(rb_vec3_length((rb_vec3){(double)NAN, 0, 0})));
+	assert_true(isnan(rb_vec3_length((rb_vec3){0, 1e300, (double)NAN})));
 }
 
 int main(void)

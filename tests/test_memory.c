@@ -142,7 +142,8 @@ static bool goes_unnoticed(size_t size)
 
 	if (child == 0) {
 		unsigned char *volatile block = rb_memory_take(size, 1);
-		freopen("/dev/null", "w", stderr);
+		if (!freopen("/dev/null", "w", stderr))
+			_exit(1);
 		block[size] ^= 1;
 		rb_memory_free(block);
 		_exit(0);

@@ -436,7 +436,7 @@ static void springs_that_make_no_sense_are_refused(void **slot)
 	b.scene.bodies[0].is_static = b.scene.bodies[1].is_static = true;
 	assert_refused(&b, "test.lua:7: spring: nothing can move either end");
 	b.scene.bodies[0].is_static = b.scene.bodies[1].is_static = false;
-	it->damping = NAN;
+	it->damping = (double)NAN;
 	assert_refused(&b, "'stiffness', 'damping' and 'rest_length' must be finite and 0 or more");
 	it->damping = 0;
 	it->at_a = (rb_vec3){4, 0, 0};
@@ -445,7 +445,7 @@ static void springs_that_make_no_sense_are_refused(void **slot)
 	it->at_b = (rb_vec3){0, 3, 0};
 	seal(&b);
 	assert_near(b.model->rest_length_m[0], 3, 1e-15);
-	it->at_b = (rb_vec3){NAN, 0, 0};
+	it->at_b = (rb_vec3){(double)NAN, 0, 0};
 	it->rest_length_m = 0.5;
 	assert_refused(&b,
 	               "its ends are at one point at the start, so that its 'rest_length' 0.5 m");

@@ -24,7 +24,7 @@ static void what_takes_centuries_is_never_due(void **state)
 
 	(void)state;
 	assert_true(rb_pace_due(&slow, 1) == UINT64_MAX);
-	assert_true(rb_pace_due(&slow, INFINITY) == UINT64_MAX);
+	assert_true(rb_pace_due(&slow, (double)INFINITY) == UINT64_MAX);
 	assert_true(rb_pace_due(&fast, 1) == second + 1);
 	assert_true(rb_pace_due(&fast, (double)NAN) == second);
 }

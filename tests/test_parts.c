@@ -162,7 +162,8 @@ static void a_plane_has_the_normal_that_spheres_see(void **slot)
 	add(&shop, ground);
 	add(&shop, brick);
 	assert_int_equal(rb_parts_table_create(&shop.table, &shop.scene, &shop.err), RB_OK);
-	const rb_quat turn = rb_plane_orientation((rb_vec3){-1, 0, 0}, (rb_vec3){NAN, 0, 0});
+	const rb_quat turn = rb_plane_orientation((rb_vec3){-1, 0, 0},
+	                                          (rb_vec3){(double)NAN, 0, 0});
 	const struct rb_body_part *part = rb_parts_of(shop.table, 0)->part;
 	const rb_placed there = rb_body_part_place(part, (rb_vec3){1, 2, 3}, turn);
 	const rb_vec3 n = rb_placed_axis(&there);

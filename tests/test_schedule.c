@@ -23,7 +23,7 @@ static struct rb_schedule schedule_of(double from_s, double to_s, double fps, do
 static void a_camera_without_wishes_takes_a_picture_of_every_frame_to_the_bit(void **state)
 {
 	const double rates[] = {60, 24, 25, 1000, 59.94, 3};
-	const struct rb_camera_def camera = camera_of(0, INFINITY, NAN, 1);
+	const struct rb_camera_def camera = camera_of(0, (double)INFINITY, (double)NAN, 1);
 
 	(void)state;
 	for (size_t r = 0; r < sizeof rates / sizeof *rates; r++) {

@@ -48,7 +48,7 @@ static void unload(struct loaded *it)
 
 static rb_vec3 field_at(struct loaded *it, double t, rb_vec3 x, rb_vec3 v)
 {
-	rb_vec3 force = {NAN, NAN, NAN};
+	rb_vec3 force = {(double)NAN, (double)NAN, (double)NAN};
 
 	if (it->hooks.field(it->hooks.user, t, x, v, &force, &it->error) != RB_OK)
 		fail_msg("%s", it->error.text);

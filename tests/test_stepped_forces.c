@@ -80,9 +80,9 @@ static int add_driven(struct lab *lab, enum rb_shape_kind kind, const double *ed
 		def.shape.size[k] = edges[k];
 	if (kind != RB_SHAPE_BOX) {
 		def.shape.radius = 0;
-		def.orientation = rb_plane_orientation(up, (rb_vec3){NAN, 0, 0});
+		def.orientation = rb_plane_orientation(up, (rb_vec3){(double)NAN, 0, 0});
 	}
-	def.mass = NAN;
+	def.mass = (double)NAN;
 	def.motion = 0;
 	def.motion_turns = turns;
 	return lab_add(lab, &def);
@@ -357,10 +357,10 @@ static void stiff_springs_hold_and_do_not_explode(void **state)
 		ball[k] = lab_sphere(&lab, 0.1, 1, (rb_vec3){cos(2.1 * k), sin(2.1 * k), 0},
 		                     (rb_vec3){sin(3.0 * k), 1, 0});
 		const int hook = add_hook(&lab, (rb_vec3){2 * cos(2.1 * k), 2 * sin(2.1 * k), 2});
-		add_spring(&lab, hook, ball[k], 1e9, NAN);
+		add_spring(&lab, hook, ball[k], 1e9, (double)NAN);
 	}
 	for (int k = 0; k < 3; k++)
-		add_spring(&lab, ball[k], ball[(k + 1) % 3], 1e9, NAN);
+		add_spring(&lab, ball[k], ball[(k + 1) % 3], 1e9, (double)NAN);
 	seal(&lab, NULL, 1);
 	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
 		lab_step(&lab);
@@ -474,8 +474,8 @@ static void lay_all(struct lab *lab)
 	for (int k = 0; k < 8; k++)
 		lab_sphere(lab, 0.5, 1, (rb_vec3){1.1 * (k % 2), 0, 0.7 + 1.1 * (k / 2)}, origin);
 	const int hook = add_hook(lab, (rb_vec3){0, 3, 8});
-	add_spring(lab, hook, 8, 50, NAN);
-	add_spring(lab, 5, 6, 1e7, NAN);
+	add_spring(lab, hook, 8, 50, (double)NAN);
+	add_spring(lab, 5, 6, 1e7, (double)NAN);
 	assert_int_equal(rb_scene_add_drag(&lab->scene, &drag, &lab->error), RB_OK);
 }
 
@@ -585,7 +585,7 @@ static enum rb_status push_nothing(void *user, struct rb_world *world, double ti
 /* Were one missing, groups of the classic method could meet unseen. */
 static void the_bound_on_forces_has_all_of_them(void **state)
 {
-	struct rb_force_def force = {.vector = {0, 6, 8}, .duration_s = INFINITY};
+	struct rb_force_def force = {.vector = {0, 6, 8}, .duration_s = (double)INFINITY};
 	const struct rb_world_hooks hooks = {.step = push_nothing};
 	const struct rb_world_options options = {.threads = 1};
 	struct lab lab;
@@ -597,7 +597,7 @@ static void the_bound_on_forces_has_all_of_them(void **state)
 	lab.scene.world.gravity = (rb_vec3){0, 3, 4};
 	lab.scene.world.gravity_force = (rb_vec3){0, 0, -20};
 	const int ball = lab_sphere(&lab, 0.1, 4, origin, origin);
-	force.point.x = NAN;
+	force.point.x = (double)NAN;
 	assert_int_equal(rb_scene_add_force(&lab.scene, &force, &lab.error), RB_OK);
 	lab_seal_with(&lab, &options, &hooks);
 	assert_near(rb_forces_bound(lab.world, 0), 5 + 30.0 / 4, 1e-14);

@@ -66,7 +66,7 @@ static int add_box(struct lab *lab, rb_vec3 size, rb_vec3 at, bool driven)
 	def.position = at;
 	if (driven) {
 		def.motion = 0;
-		def.mass = NAN;
+		def.mass = (double)NAN;
 	}
 	return lab_add(lab, &def);
 }

@@ -50,7 +50,7 @@ static void a_sum_does_not_depend_on_order_and_is_odd(void **state)
 		assert_true(rb_exact_sum(other, count) == -sum);
 		long double wide = 0;
 		for (int i = 0; i < count; i++)
-			wide += term[i];
+			wide += (long double)term[i];
 		assert_near(sum, (double)wide, DBL_EPSILON * fabs(sum) + 1e-5);
 	}
 	assert_true(rb_exact_sum((double[]){1e16, 1, -1e16, 1e-16}, 4) == 1);
@@ -672,7 +672,7 @@ static void as_tensor(struct rb_joint_body *body)
 	const double i = sqrt(body->inverse_inertia);
 
 	body->inverse_root = rb_mat3_diagonal(i, i, i);
-	body->inverse_inertia = NAN;
+	body->inverse_inertia = (double)NAN;
 }
 
 static void a_tensor_that_is_a_sphere_s_is_a_sphere(void **state)

@@ -156,8 +156,10 @@ static void a_disc_at_ten_thousand_radians_a_second(void **state)
 
 	(void)state;
 	rb_top_at(&top, t, &q, &w);
-	const long double l3 = (long double)i3 * 1e4L, l1 = i1, l = sqrtl(l3 * l3 + l1 * l1);
-	const long double about = l / i1 * t, own = -((long double)i3 - i1) / i1 * 1e4L * t;
+	const long double l3 = (long double)i3 * 1e4L, l1 = (long double)i1,
+			  l = sqrtl(l3 * l3 + l1 * l1);
+	const long double about = l / l1 * (long double)t;
+	const long double own = -((long double)i3 - l1) / l1 * 1e4L * (long double)t;
 	/* the body's axis: x turned about L = (l3, l1, 0) */
 	const long double lx = l3 / l, ly = l1 / l;
 	const rb_vec3 axis = rb_quat_rotate(q, (rb_vec3){1, 0, 0});
@@ -447,8 +449,9 @@ static void a_power_of_two_changes_no_bit(void **state)
 
 static void extremes_end_and_say_so(void **state)
 {
-	static const double times[] = {1e-300, 1e9, 1e300, INFINITY, NAN};
-	static const double spins[] = {0, 1e-320, 1e-170, 1e4, 1e170, INFINITY, NAN};
+	static const double times[] = {1e-300, 1e9, 1e300, (double)INFINITY, (double)NAN};
+	static const double spins[] = {0,     1e-320,           1e-170,     1e4,
+	                               1e170, (double)INFINITY, (double)NAN};
 	const double long_time = 1e9;
 
 	(void)state;

@@ -128,9 +128,9 @@ static void what_single_precision_does_not_hold_is_as_far_away_as_it_goes(void *
 
 	(void)state;
 	frame.position[0] = 1e200;
-	frame.position[1] = -INFINITY;
+	frame.position[1] = -(double)INFINITY;
 	frame.position[2] = 1e-300;
-	frame.numbers.kinetic_energy = INFINITY;
+	frame.numbers.kinetic_energy = (double)INFINITY;
 	write_frame(&frame, &text, &size);
 	assert_ok(rb_wire_read_frame(&back, 1, text, size, &err));
 	assert_near(back.position[0], (double)FLT_MAX, 0);

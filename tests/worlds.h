@@ -83,7 +83,7 @@ static inline int lab_plane(struct lab *lab, rb_vec3 point, rb_vec3 normal)
 	def.call = "plane";
 	def.shape.kind = RB_SHAPE_PLANE;
 	def.position = point;
-	def.orientation = rb_plane_orientation(normal, (rb_vec3){NAN, 0, 0});
+	def.orientation = rb_plane_orientation(normal, (rb_vec3){(double)NAN, 0, 0});
 	def.is_static = true;
 	return lab_add(lab, &def);
 }
@@ -97,7 +97,7 @@ static inline int lab_rectangle(struct lab *lab, rb_vec3 point, rb_vec3 normal, 
 	def.shape.size[0] = w;
 	def.shape.size[1] = h;
 	def.position = point;
-	def.orientation = rb_plane_orientation(normal, (rb_vec3){NAN, 0, 0});
+	def.orientation = rb_plane_orientation(normal, (rb_vec3){(double)NAN, 0, 0});
 	def.is_static = true;
 	return lab_add(lab, &def);
 }

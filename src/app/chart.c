@@ -29,7 +29,7 @@ static double decade_above(double value)
 /* Whole decades around all points; one more to the left where an error is 0. */
 static struct frame_of_axes axes_of(const struct rb_report *report)
 {
-	double x_low = INFINITY, x_high = 0, y_low = INFINITY, y_high = 0;
+	double x_low = (double)INFINITY, x_high = 0, y_low = (double)INFINITY, y_high = 0;
 	bool has_zero = false;
 
 	for (int i = 0; i < report->row_count; i++) {

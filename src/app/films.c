@@ -74,10 +74,10 @@ struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
 {
 	return (struct rb_films_wish){
 		.names = options->camera,
-		.from_s = NAN,
-		.to_s = NAN,
-		.fps = NAN,
-		.speed = NAN,
+		.from_s = (double)NAN,
+		.to_s = (double)NAN,
+		.fps = (double)NAN,
+		.speed = (double)NAN,
 		.recording = loaded->output,
 		.runs = true,
 		.replace = options->force || options->resume,
@@ -520,7 +520,7 @@ static bool has_memory(const struct rb_camera_def *camera)
 
 double rb_films_first_s(const struct rb_films *films)
 {
-	double first_s = INFINITY;
+	double first_s = (double)INFINITY;
 
 	for (int i = 0; i < rb_films_count(films); i++)
 		if (works(films, &films->film[i]))

@@ -236,10 +236,10 @@ static enum rb_status draw(const struct graph *graph, struct rb_error *err)
 	struct rb_plot plot = {.title = graph->file,
 	                       .x_label = graph->x_label,
 	                       .y_label = graph->quantity_count == 1 ? quantity(graph, 0) : "",
-	                       .x_low = NAN,
-	                       .x_high = NAN,
-	                       .y_low = NAN,
-	                       .y_high = NAN,
+	                       .x_low = (double)NAN,
+	                       .x_high = (double)NAN,
+	                       .y_low = (double)NAN,
+	                       .y_high = (double)NAN,
 	                       .series = graph->series,
 	                       .series_count = graph->quantity_count};
 	struct rb_outfile out;

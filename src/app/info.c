@@ -42,7 +42,7 @@ static double sum_of(const struct observer *observer, const char *name)
 	double sum = 0;
 
 	if (!observe(observer, name, 1))
-		return NAN;
+		return (double)NAN;
 	for (uint64_t k = 0; k < observer->frame_count; k++)
 		sum += observer->values[k];
 	return sum;
@@ -53,7 +53,7 @@ static double largest_change(const struct observer *observer, const char *name)
 	double largest = 0;
 
 	if (!observe(observer, name, 3))
-		return NAN;
+		return (double)NAN;
 	for (uint64_t k = 0; k < observer->frame_count; k++) {
 		const double change = rb_change_of(rb_vec3_from(observer->values + 3 * k),
 		                                   rb_vec3_from(observer->values));
@@ -66,7 +66,7 @@ static void observe_energy(const struct observer *observer, struct course *cours
 {
 	const uint64_t last = observer->frame_count - 1;
 
-	course->energy_first = course->energy_last = course->kinetic_max = NAN;
+	course->energy_first = course->energy_last = course->kinetic_max = (double)NAN;
 	if (!observe(observer, "kinetic_energy", 1))
 		return;
 	const double kinetic_first = observer->values[0], kinetic_last = observer->values[last];
@@ -108,7 +108,7 @@ static enum rb_status observe_all(const struct rb_hdf5_module *module, struct rb
 	course->has_momentum = observe(&observer, "momentum", 3);
 	course->momentum_change = largest_change(&observer, "momentum");
 	course->angular_momentum_change = largest_change(&observer, "angular_momentum");
-	course->max_penetration = course->smallest_step = NAN;
+	course->max_penetration = course->smallest_step = (double)NAN;
 	if (observe(&observer, "max_penetration", 1))
 		for (uint64_t k = 0; k < observer.frame_count; k++)
 			course->max_penetration = fmax(course->max_penetration, observer.values[k]);

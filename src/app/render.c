@@ -399,7 +399,7 @@ enum rb_status rb_render_late(struct rb_films *films, struct rb_loaded *loaded,
 	struct render render = {.options = options,
 	                        .path = loaded->output,
 	                        .loaded = *loaded,
-	                        .wish = {.from_s = NAN, .to_s = NAN},
+	                        .wish = {.from_s = (double)NAN, .to_s = (double)NAN},
 	                        .films = films,
 	                        .outcome = {.reason = ""}};
 

@@ -22,7 +22,8 @@ struct rb_camera_def rb_steer_default(const struct rb_model *model)
 	struct rb_camera_def camera = rb_camera_def_default();
 	const int first = model->body_count > 0 ? 0 : model->body_count;
 	const int last = model->body_count > 0 ? model->body_count : model->static_count;
-	rb_vec3 low = {INFINITY, INFINITY, INFINITY}, high = {-INFINITY, -INFINITY, -INFINITY};
+	rb_vec3 low = {(double)INFINITY, (double)INFINITY, (double)INFINITY},
+		high = {-(double)INFINITY, -(double)INFINITY, -(double)INFINITY};
 
 	for (int i = first; i < last; i++) {
 		const double r = rb_model_reach(model, i);

@@ -306,7 +306,7 @@ double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position,
 		const int64_t *at = entry->at;
 		const int number = WALLS * (l - own);
 
-		if (flies && !(is_last(at[0]) | is_last(at[1]) | is_last(at[2]))) {
+		if (flies && !((int)is_last(at[0]) | (int)is_last(at[1]) | (int)is_last(at[2]))) {
 			fly_out(&exit, level, entry, x, v, number);
 			continue;
 		}

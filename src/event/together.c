@@ -454,7 +454,7 @@ double rb_joint_forces(struct rb_joint *joint)
 		begin_forces(joint, &cone, guess);
 	if (!guess || !cone.row || !rb_cone_open(&cone)) {
 		rb_arena_back(joint->arena, here);
-		return INFINITY;
+		return (double)INFINITY;
 	}
 	for (size_t k = 0; k < contacts; k++)
 		scale = fmax(scale, fmax(speeds_of(joint, &joint->contact[k]),

@@ -52,7 +52,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
                                struct rb_error *err)
 {
 	const bool moves = model->body_count > 0;
-	const rb_vec3 end = {INFINITY, INFINITY, INFINITY};
+	const rb_vec3 end = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
 	rb_vec3 low = end, high = rb_vec3_neg(end);
 
 	*framing = (struct rb_framing){.model = model,
@@ -185,7 +185,7 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 	const struct rb_reach **const order = rb_memory_take((size_t)framing->count + 1,
 	                                                     sizeof *order);
 	const double typical_m = 2 * framing->model->size_mean_m;
-	const rb_vec3 end = {INFINITY, INFINITY, INFINITY};
+	const rb_vec3 end = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
 	const bool looks = camera->look_at.source == RB_CAMERA_FIXED && camera->aimed;
 	rb_vec3 low = end, high = rb_vec3_neg(end), target = camera->look_at.value;
 	double distance = 0;

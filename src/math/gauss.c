@@ -128,7 +128,7 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 
 	for (int i = 0; i < p->n; i++)
 		if (!isfinite(a->value[i])) {
-			*change = INFINITY;
+			*change = (double)INFINITY;
 			return RB_OK;
 		}
 	++*a->calls;
@@ -201,7 +201,7 @@ static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, doubl
 	enum rb_status status = sweep(a, true, rate, &before);
 	if (status != RB_OK || !isfinite(before))
 		return status;
-	least = before = INFINITY;
+	least = before = (double)INFINITY;
 	a->shows = false;
 	for (int count = 1; count <= SWEEPS_MOST; count++) {
 		status = sweep(a, false, rate, &change);

@@ -196,7 +196,7 @@ static double grid_of(rb_vec3 moments, rb_vec3 spin)
 
 	for (int n = 0; n < 3; n++) {
 		const int a = (n + 1) % 3, b = (n + 2) % 3;
-		double most = INFINITY;
+		double most = (double)INFINITY;
 
 		k = fmax(k, fabs(i[a] - i[b]) / i[n]);
 		for (int s = 0; s < 2; s++) {
@@ -211,7 +211,7 @@ static double grid_of(rb_vec3 moments, rb_vec3 spin)
 	}
 	const double rate = k * sqrt(square);
 	if (!(rate > 0) || !isfinite(rate))
-		return rate > 0 ? 0 : INFINITY;
+		return rate > 0 ? 0 : (double)INFINITY;
 	frexp(rate, &exponent); /* rate < 2^exponent */
 	return ldexp(1, -exponent - 1);
 }
@@ -232,13 +232,13 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 	                     .acceleration = acceleration,
 	                     .principal = body->principal,
 	                     .moments = body->moments,
-	                     .grid_s = INFINITY,
+	                     .grid_s = (double)INFINITY,
 	                     .cached = orientation,
 	                     .cached_spin = spin};
 
 	if (top.kind == RB_TOP_CONSTANT && !is_zero(acceleration)) {
 		top.kind = RB_TOP_STEADY;
-		top.grid_s = parallel(spin, acceleration) ? INFINITY : 0;
+		top.grid_s = parallel(spin, acceleration) ? (double)INFINITY : 0;
 	}
 	if (top.kind == RB_TOP_FREE) {
 		if (!is_identity(body->principal))
@@ -334,7 +334,7 @@ static rb_quat steady_at(struct rb_top *top, double t)
 	const double k = steady_count(top, t);
 
 	if (!(k < far))
-		return (rb_quat){NAN, NAN, NAN, NAN};
+		return (rb_quat){(double)NAN, (double)NAN, (double)NAN, (double)NAN};
 	steady_walk(top, (uint64_t)k);
 	const double here = steady_point(top, k);
 	return steady_series(top->cached, steady_spin(top, here), top->acceleration, t - here);
@@ -544,8 +544,8 @@ static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 
 	double periods = 0;
 
 	if (!(steps < far)) {
-		*orientation = (rb_quat){NAN, NAN, NAN, NAN};
-		*spin = (rb_vec3){NAN, NAN, NAN};
+		*orientation = (rb_quat){(double)NAN, (double)NAN, (double)NAN, (double)NAN};
+		*spin = (rb_vec3){(double)NAN, (double)NAN, (double)NAN};
 		return;
 	}
 	if (steps > leap_from) {

@@ -149,7 +149,7 @@ static bool add_source(struct collect *collect, hid_t properties, hid_t whole, i
 static void put_view(struct collect *collect, int view, bool last)
 {
 	const char *const path = last ? views[view].end : views[view].path;
-	const double none = NAN;
+	const double none = (double)NAN;
 	const int rank = collect->most.rank[view], first = last ? 1 : 0;
 	hsize_t all[RANK_MAX + 1] = {collect->collection->table->rows};
 

@@ -69,7 +69,7 @@ static double number_or_nan(struct rb_reader *reader, const char *path)
 	double value;
 
 	if (!rb_input_numbers(&reader->input, path, RB_H5_F64, (rb_h5_shape){0}, &value))
-		value = NAN;
+		value = (double)NAN;
 	return value;
 }
 

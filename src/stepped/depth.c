@@ -140,7 +140,7 @@ static void depth_block(void *user, int block, int worker)
 
 		live += is_live;
 		if (is_marked(work->world, work->skip, pair)) {
-			near->depth[k] = NAN;
+			near->depth[k] = (double)NAN;
 			continue;
 		}
 		/* nobody asks how deep those are that are less deep than others */

@@ -210,13 +210,13 @@ enum rb_status rb_near_forget(struct rb_near *near, struct rb_error *err)
 	size_t count = 0;
 
 	near->live = NULL;
-	near->still_depth = NAN;
+	near->still_depth = (double)NAN;
 	if (!rb_memory_reserve(&near->own_depth, &near->depth_capacity, near->pair_count + 1,
 	                       sizeof *near->own_depth))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
 		               near->pair_count);
 	for (size_t k = 0; k < near->pair_count; k++)
-		near->own_depth[k] = NAN;
+		near->own_depth[k] = (double)NAN;
 	near->depth = near->own_depth;
 	if (!near->placed)
 		return RB_OK;

@@ -58,7 +58,7 @@ static struct rb_table_column *add_column(struct rb_table *table, const char *gr
 	else
 		column->numbers = rb_memory_take((size_t)table->rows + 1, sizeof *column->numbers);
 	for (uint64_t i = 0; column->numbers && i < table->rows; i++)
-		column->numbers[i] = NAN;
+		column->numbers[i] = (double)NAN;
 	return column->name && (column->texts || column->numbers) ? column : NULL;
 }
 

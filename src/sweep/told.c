@@ -40,7 +40,7 @@ double rb_told_number(const char *json, const char *key)
 	char *end;
 
 	if (!at)
-		return NAN;
+		return (double)NAN;
 	if (strncmp(at, "true", 4) == 0 || strncmp(at, "false", 5) == 0)
 		return *at == 't';
 	const double value = strtod(at, &end);
