@@ -28,7 +28,6 @@ enum {
 	GIF_FPS_MAX = 50 /* delays are hundredths of a second, and of 1 most programs make 10 */
 };
 
-static const double list_timeout_s = 5;
 /* A disk that has to start, or other work on all processors, takes seconds; longer than that is for who asks for it. */
 static const double patience_s = 60;
 
@@ -191,11 +190,11 @@ static enum rb_status read_list(struct rb_child *child, char *list, struct rb_er
 	while (got != 0 && size < LIST_SIZE - 1) {
 		struct pollfd wish = {.fd = child->out, .events = POLLIN};
 		rb_child_hear(child);
-		if ((double)(rb_clock_now_ns() - begin) * 1e-9 > list_timeout_s) {
+		if ((double)(rb_clock_now_ns() - begin) * 1e-9 > child->patience_s) {
 			rb_child_stop(child);
 			return RB_FAIL(err, RB_ERR_MISSING,
 			               "'%s' does not say within %g s what it can do", program(),
-			               list_timeout_s);
+			               child->patience_s);
 		}
 		if (poll(&wish, 1, PAUSE_MS) <= 0)
 			continue;
@@ -223,7 +222,12 @@ static bool lists(const char *list, const char *name)
 	return false;
 }
 
-static enum rb_status find_coder(enum format format, const struct coder **coder,
+static double patience_of(const struct rb_encoder_options *options)
+{
+	return options->patience_s > 0 ? options->patience_s : patience_s;
+}
+
+static enum rb_status find_coder(enum format format, double patience, const struct coder **coder,
                                  struct rb_error *err)
 {
 	const struct arguments arguments = {{program(), "-hide_banner", "-encoders"}, 3};
@@ -235,7 +239,7 @@ static enum rb_status find_coder(enum format format, const struct coder **coder,
 		               program());
 	*coder = NULL;
 	enum rb_status status = rb_child_start(&child, arguments.list, false, true, NULL, err);
-	child.patience_s = list_timeout_s;
+	child.patience_s = patience;
 	if (!status)
 		status = read_list(&child, list, err);
 	for (int i = 0; i < 2 && !status && !*coder; i++)
@@ -286,7 +290,7 @@ enum rb_status rb_encoder_check(const struct rb_encoder_options *options, struct
 	if (!status)
 		status = rb_outfile_probe(options->path, options->how, err);
 	if (!status)
-		status = find_coder(format, &coder, err);
+		status = find_coder(format, patience_of(options), &coder, err);
 	return status;
 }
 
@@ -500,7 +504,7 @@ static enum rb_status set_up_encoder(struct rb_encoder *encoder,
 	enum rb_status status = find_format(options->path, &encoder->format, err);
 
 	if (!status)
-		status = find_coder(encoder->format, &coder, err);
+		status = find_coder(encoder->format, encoder->patience_s, &coder, err);
 	if (!status)
 		status = set_sizes(encoder, options, err);
 	if (!status)
@@ -521,7 +525,7 @@ enum rb_status rb_encoder_create(struct rb_encoder **encoder,
 		return no_memory(options->path, err);
 	(*encoder)->cut = options->cut;
 	(*encoder)->lossless = (*encoder)->palette = -1;
-	(*encoder)->patience_s = options->patience_s > 0 ? options->patience_s : patience_s;
+	(*encoder)->patience_s = patience_of(options);
 	rb_child_init(&(*encoder)->child);
 	const enum rb_status status = set_up_encoder(*encoder, options, err);
 	if (status) {

@@ -72,7 +72,7 @@ resize()
 {
 	tmux -L "$TERMINAL" resize-window -x "$1" -y "$2"
 }
-enters "clear; $RBSIM console s.h5 --speed 0.1"
+enters "clear; $RBSIM console s.h5 --speed 0.01"
 sees '^ playing'
 for size in '40 12' '39 12' '20 5' '40 11' '1 1' '120 40' '41 13' '200 60' '40 12'; do
 	# shellcheck disable=SC2086 # two words

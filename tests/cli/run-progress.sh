@@ -49,11 +49,11 @@ END
 chmod +x hanging
 small_scene 'camera { name = "main", position = {2, 2, 1}, look_at = {0, 0, 0}, size = {320, 240}, video = "x.mp4" }' |
 	sed 's/duration = 0.5/duration = 20/' >film.lua
-script -qec "env TERM=xterm RBSIM_FFMPEG=$PWD/hanging timeout 300 $RBSIM film.lua --film-timeout 2; echo status \$?" /dev/null \
+script -qec "env TERM=xterm RBSIM_FFMPEG=$PWD/hanging timeout 300 $RBSIM film.lua --film-timeout 20; echo status \$?" /dev/null \
 	</dev/null >out 2>err
 tr '\r' '\n' <out >lines
 says lines "waits for camera 'main'"
-says lines "camera 'main': .*hanging' got no further for 2 s"
+says lines "camera 'main': .*hanging' got no further for 20 s"
 says lines '^status 69'
 exits 0 info film.h5
 says out 'status *complete'
