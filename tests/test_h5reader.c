@@ -504,6 +504,22 @@ static void record_and_die(const char *path, int bodies, uint64_t frames)
 }
 
 /* Its tables hold less than its frames say: what all hold is read, whatever is missing. */
+/* The column of events' kinds with its first rows alone. */
+static void cut_short(hid_t file, hid_t dataset, hsize_t rows)
+{
+	const hid_t type = H5Dget_type(dataset), space = H5Screate_simple(1, &rows, NULL);
+	unsigned char value[64];
+
+	assert_true(H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) >= 0);
+	assert_true(H5Ldelete(file, "/rbsim/events/kind", H5P_DEFAULT) >= 0);
+	const hid_t made = H5Dcreate2(file, "/rbsim/events/kind", type, space, H5P_DEFAULT,
+	                              H5P_DEFAULT, H5P_DEFAULT);
+	assert_true(rows == 0 || H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) >= 0);
+	H5Dclose(made);
+	H5Sclose(space);
+	H5Tclose(type);
+}
+
 static void of_tables_that_are_cut_short_whole_frames_are_read(void **slot)
 {
 	char path[512];
@@ -520,7 +536,7 @@ static void of_tables_that_are_cut_short_whole_frames_are_read(void **slot)
 		hsize_t size;
 		H5Sget_simple_extent_dims(space, &size, NULL);
 		if (left <= size)
-			assert_true(H5Dset_extent(dataset, &left) >= 0);
+			cut_short(file, dataset, left);
 		H5Sclose(space);
 		H5Dclose(dataset);
 		H5Fclose(file);

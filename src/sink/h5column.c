@@ -8,6 +8,16 @@ static hsize_t pieces(const struct rb_h5_layout *layout)
 	return (layout->row.size[0] + layout->chunk_first - 1) / layout->chunk_first;
 }
 
+uint64_t rb_h5_column_plain(const struct rb_h5_column *column, hsize_t rows)
+{
+	const struct rb_h5_layout *const layout = &column->layout;
+	uint64_t bytes = rows * rb_h5_size(layout->kind);
+
+	for (int i = 0; i < layout->row.rank; i++)
+		bytes *= layout->row.size[i];
+	return bytes;
+}
+
 static uint64_t chunk_bytes(const struct rb_h5_layout *layout)
 {
 	uint64_t bytes = layout->chunk_rows * rb_h5_size(layout->kind);

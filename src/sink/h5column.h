@@ -44,5 +44,7 @@ void rb_h5_column_close(struct rb_h5_column *column); /* safe on a zeroed one */
 uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count);
 /* Bytes that `rows` rows take in the end, the chunks as they are without a filter. */
 uint64_t rb_h5_column_bytes(const struct rb_h5_column *column, hsize_t rows);
+/* Bytes of the rows alone, without a filter. */
+uint64_t rb_h5_column_plain(const struct rb_h5_column *column, hsize_t rows);
 
 #endif

@@ -668,6 +668,15 @@ void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames)
 	frames->count = 0;
 }
 
+uint64_t rb_frames_plain(const struct rb_frames *frames, uint64_t count)
+{
+	uint64_t bytes = 0;
+
+	for (int i = 0; i < frames->column_count; i++)
+		bytes += rb_h5_column_plain(&frames->columns[i].column, count);
+	return bytes;
+}
+
 uint64_t rb_frames_pretend(struct rb_h5 *h5, struct rb_frames *frames, uint64_t count)
 {
 	uint64_t bytes = 0;

@@ -126,5 +126,7 @@ void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames);
 
 /* For estimates: the datasets as long as after `count` frames, and the bytes that the rows take. */
 uint64_t rb_frames_pretend(struct rb_h5 *h5, struct rb_frames *frames, uint64_t count);
+/* The bytes of that many frames without anything around them. */
+uint64_t rb_frames_plain(const struct rb_frames *frames, uint64_t count);
 
 #endif

@@ -73,6 +73,13 @@ static void put(unsigned char *to, uint64_t value, int size)
 		to[i] = (unsigned char)(value >> (8 * i));
 }
 
+void rb_mark_image(unsigned char *image, size_t size)
+{
+	image[FLAGS_AT] = 0;
+	put(image + END_AT, size, 8);
+	put(image + SUM_AT, checksum(image), 4);
+}
+
 enum rb_status rb_mark_clear(int fd, const char *name, bool *was, struct rb_error *err)
 {
 	static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};

@@ -9,6 +9,7 @@
 #define RB_SINK_H5MARK_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include <rbsim/error.h>
 
@@ -17,5 +18,11 @@
  * nothing is given out twice. One small write. The caller knows that nobody writes. RB_ERR_INPUT: no such file.
  */
 RB_CHECKED enum rb_status rb_mark_clear(int fd, const char *name, bool *was, struct rb_error *err);
+
+/*
+ * Puts the marks into the image of a file in memory, of `size` bytes, 48 at least. The library, asked for such an image, takes
+ * the writer's mark away and leaves the checksum as it was (H5F_get_file_image in 1.10.8).
+ */
+void rb_mark_image(unsigned char *image, size_t size);
 
 #endif

@@ -140,6 +140,38 @@ void rb_output_lengthen(struct rb_output *output, uint64_t end)
 		return;
 }
 
+static int write_all(int fd, const unsigned char *bytes, size_t size)
+{
+	while (size > 0) {
+		const ssize_t written = write(fd, bytes, size);
+
+		if (written < 0 && errno != EINTR)
+			return errno;
+		if (written == 0)
+			return EIO;
+		bytes += written < 0 ? 0 : written;
+		size -= written < 0 ? 0 : (size_t)written;
+	}
+	return 0;
+}
+
+int rb_output_replace(struct rb_output *output, const void *bytes, size_t size)
+{
+	char name[RB_PLACE_NAME_SIZE];
+	const int fd = rb_place_create(&output->place, "", name);
+	int number = fd < 0 ? errno : write_all(fd, bytes, size);
+
+	if (fd < 0)
+		return number;
+	if (close(fd) != 0 && number == 0)
+		number = errno;
+	if (number == 0 && rb_place_rename(&output->place, name, output->place.name) != 0)
+		number = errno;
+	if (number != 0)
+		rb_place_remove(&output->place, name);
+	return number;
+}
+
 bool rb_output_is_ours(const struct rb_output *output)
 {
 	struct stat named, open_file;

@@ -10,6 +10,7 @@
 #define RB_SINK_H5OUTPUT_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <rbsim/error.h>
@@ -57,6 +58,12 @@ int rb_output_reserve(struct rb_output *output, uint64_t end, uint64_t need);
 
 /* The file is at least `end` long from now on, as far as that can be had. */
 void rb_output_lengthen(struct rb_output *output, uint64_t end);
+
+/*
+ * The final name means a new file of these bytes from now on, in one step; readers of the old one keep it. An errno where
+ * that cannot be: then nothing has changed.
+ */
+int rb_output_replace(struct rb_output *output, const void *bytes, size_t size);
 
 /* Does the final name still mean this file? Another run with --force may have taken it. */
 bool rb_output_is_ours(const struct rb_output *output);

@@ -26,6 +26,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "sink/h5about.h"
+#include "sink/h5compact.h"
 #include "sink/h5frames.h"
 #include "sink/h5mark.h"
 #include "sink/h5output.h"
@@ -35,11 +36,13 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum {
-	SUPERBLOCK_SIZE = 48, /* of version 2 and 3 with 8-byte addresses */
-	ALIGNED_FROM = 16,    /* bytes: smaller objects may stand anywhere */
+	SUPERBLOCK_SIZE = 48,   /* of version 2 and 3 with 8-byte addresses */
+	ALIGNED_FROM = 16,      /* bytes: smaller objects may stand anywhere */
+	COMPACT_MOST = 1 << 21, /* bytes: in larger files it is a small part */
 };
 
 struct rb_recorder {
@@ -529,6 +532,39 @@ static void add_vtk(struct rb_recorder *recorder)
 		       h5->error.text);
 }
 
+/*
+ * What stands at multiples of ALIGNMENT, and the indices of what grows, are of no use to a run that is over: a small file is
+ * mostly that. It is written anew without; where that cannot be, the one that is there stays.
+ */
+static void compact(struct rb_recorder *recorder)
+{
+	struct stat found;
+	struct rb_error error;
+	unsigned char *image;
+	size_t size;
+
+	if (fstat(recorder->output.fd, &found) != 0 || found.st_size > COMPACT_MOST)
+		return;
+	const hid_t access = rb_h5_access(1);
+	const hid_t file = H5Fopen(recorder->output.library, H5F_ACC_RDONLY, access);
+	rb_h5_done(access);
+	if (file < 0)
+		return;
+	const enum rb_status status = rb_compact_image(file, recorder->path, &image, &size, &error);
+	H5Fclose(file);
+	if (status) {
+		rb_log(RB_LOG_DEBUG, "%s", error.text);
+		return;
+	}
+	const int number = (off_t)size < found.st_size
+	                           ? rb_output_replace(&recorder->output, image, size)
+	                           : 0;
+	if (number != 0)
+		rb_log(RB_LOG_DEBUG, "cannot write '%s' anew: %s", recorder->path,
+		       strerror(number));
+	rb_memory_free(image);
+}
+
 static enum rb_status close_file(void *self, const struct rb_outcome *outcome, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
@@ -571,6 +607,9 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 				(void)note_failure(recorder, h5->status, &h5->error);
 		} else if (recorder->output.published && ours) {
 			add_vtk(recorder);
+			if (!recorder->failed && !recorder->options.repair &&
+			    (outcome->status == RB_OK || outcome->status == RB_ERR_EXPECT))
+				compact(recorder);
 		}
 	}
 	if (h5->status)
@@ -652,14 +691,24 @@ static hid_t memory_file(unsigned alignment)
 	return file;
 }
 
-/* Its size, that of its image, for the file itself goes by whole blocks; then it is closed. */
-static size_t close_memory_file(hid_t file)
+/* Its size, that of its image, for the file itself goes by whole blocks; 0: a failure. */
+static uint64_t memory_size(hid_t file)
 {
 	const ssize_t size = H5Fflush(file, H5F_SCOPE_LOCAL) < 0 ? -1
 	                                                         : H5Fget_file_image(file, NULL, 0);
 
-	H5Fclose(file);
-	return size < 0 ? 0 : (size_t)size;
+	return size < 0 ? 0 : (uint64_t)size;
+}
+
+static uint64_t compact_size(hid_t file)
+{
+	unsigned char *image;
+	size_t size;
+
+	if (rb_compact_image(file, "estimate", &image, &size, NULL))
+		return 0;
+	rb_memory_free(image);
+	return size;
 }
 
 /* Both parts of the file are made in memory as they will be, but for the rows: these take what their chunks take. */
@@ -667,24 +716,28 @@ uint64_t rb_recorder_estimate(const struct rb_run_info *info)
 {
 	struct rb_h5 about = {.name = "estimate"}, growing = about;
 	struct rb_frames frames;
+	uint64_t size = 0;
 
 	rb_h5_quiet();
 	about.file = memory_file(1);
 	growing.file = memory_file(rb_frames_alignment(info));
-	if (about.file < 0 || growing.file < 0) {
-		rb_h5_done(about.file);
-		rb_h5_done(growing.file);
-		return 0;
+	if (about.file >= 0 && growing.file >= 0) {
+		rb_about_write(&about, info);
+		const uint64_t expected = rb_frames_expected(info);
+		rb_about_write_changing(&growing);
+		rb_frames_create(&growing, &frames, info, false);
+		const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
+		const uint64_t plain = rb_frames_plain(&frames, expected);
+		rb_vtk_write(&growing, info->model, frames.fields, expected, frames.time->path);
+		rb_frames_release(&frames);
+		const uint64_t fixed = memory_size(about.file), moving = memory_size(growing.file);
+		size = about.status || growing.status || fixed == 0 || moving == 0
+		               ? 0
+		               : fixed + moving + rows;
+		if (size > 0 && size <= COMPACT_MOST)
+			size = compact_size(about.file) + compact_size(growing.file) + plain;
 	}
-	rb_about_write(&about, info);
-	const uint64_t expected = rb_frames_expected(info);
-	rb_about_write_changing(&growing);
-	rb_frames_create(&growing, &frames, info, false);
-	const uint64_t rows = rb_frames_pretend(&growing, &frames, expected);
-	rb_vtk_write(&growing, info->model, frames.fields, expected, frames.time->path);
-	rb_frames_release(&frames);
-	const size_t fixed = close_memory_file(about.file),
-		     moving = close_memory_file(growing.file);
-	return about.status || growing.status || fixed == 0 || moving == 0 ? 0
-	                                                                   : fixed + moving + rows;
+	rb_h5_done(about.file);
+	rb_h5_done(growing.file);
+	return size;
 }

@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: MIT */
+#include "sink/h5compact.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "sink/h5file.h"
+#include "sink/h5mark.h"
+
+enum {
+	DEPTH_MAX = 32,      /* of groups in each other */
+	PATH_MOST = 1024,    /* bytes of an object's path */
+	LINKS_IN_HEADER = 64 /* of a group, before they get an index of their own */
+};
+
+/* An object that has been copied, by where it stands in the old file. */
+struct copied {
+	unsigned char address[16];
+	char *path; /* owned */
+};
+
+struct compaction {
+	struct rb_h5 h5; /* the new file */
+	struct copied *copied;
+	size_t count, capacity;
+};
+
+#if H5_VERSION_GE(1, 12, 0)
+static void address_of(const H5L_info_t *link, unsigned char out[16])
+{
+	memcpy(out, &link->u.token, sizeof link->u.token);
+}
+#else
+static void address_of(const H5L_info_t *link, unsigned char out[16])
+{
+	memset(out, 0, 16);
+	memcpy(out, &link->u.address, sizeof link->u.address);
+}
+#endif
+
+static void fail(struct compaction *to, const char *path)
+{
+	rb_h5_fail(&to->h5, "copy", path);
+}
+
+static void no_memory(struct compaction *to)
+{
+	if (!to->h5.status)
+		to->h5.status = RB_FAIL(&to->h5.error, RB_ERR_MEMORY,
+		                        "cannot copy '%s': out of memory", to->h5.name);
+}
+
+/* ---- values ---- */
+
+/* Room for all of a dataspace, `element` bytes each; `count`: of them. */
+static void *room_for(struct compaction *to, hid_t space, hid_t type, hssize_t *count)
+{
+	*count = H5Sget_simple_extent_npoints(space);
+	void *const room = *count < 0 ? NULL
+	                              : rb_memory_take((size_t)*count + 1, H5Tget_size(type));
+
+	if (!room)
+		no_memory(to);
+	return room;
+}
+
+static void copy_attribute(struct compaction *to, hid_t from, hid_t object, hsize_t index,
+                           const char *path)
+{
+	const hid_t old = H5Aopen_by_idx(from, ".", H5_INDEX_NAME, H5_ITER_INC, index, H5P_DEFAULT,
+	                                 H5P_DEFAULT);
+	const hid_t type = old < 0 ? -1 : H5Aget_type(old);
+	const hid_t space = old < 0 ? -1 : H5Aget_space(old);
+	const hid_t properties = old < 0 ? -1 : H5Aget_create_plist(old);
+	char name[PATH_MOST];
+	hssize_t count = 0;
+	hid_t made = -1;
+
+	if (properties >= 0 && H5Aget_name(old, sizeof name, name) >= 0)
+		made = H5Acreate2(object, name, type, space, properties, H5P_DEFAULT);
+	void *const value = made < 0 ? NULL : room_for(to, space, type, &count);
+	if (made < 0 || (value && count > 0 &&
+	                 (H5Aread(old, type, value) < 0 || H5Awrite(made, type, value) < 0)))
+		fail(to, path);
+	rb_memory_free(value);
+	rb_h5_done(made);
+	rb_h5_done(properties);
+	rb_h5_done(space);
+	rb_h5_done(type);
+	rb_h5_done(old);
+}
+
+static void copy_attributes(struct compaction *to, hid_t from, hid_t object, const char *path)
+{
+	H5O_info_t info;
+
+#if H5_VERSION_GE(1, 12, 0)
+	const bool known = H5Oget_info(from, &info, H5O_INFO_NUM_ATTRS) >= 0;
+#else
+	const bool known = H5Oget_info(from, &info) >= 0;
+#endif
+	if (!known)
+		fail(to, path);
+	for (hsize_t k = 0; !to->h5.status && k < info.num_attrs; k++)
+		copy_attribute(to, from, object, k, path);
+}
+
+/* ---- datasets ---- */
+
+/* One that grew: of its rows now, in one piece, or as one chunk where they are compressed. */
+static hid_t layout_of(hid_t old, hid_t space)
+{
+	const hid_t was = H5Dget_create_plist(old);
+	hid_t properties = was;
+
+	if (was < 0 || H5Pget_layout(was) != H5D_CHUNKED)
+		return was;
+	if (H5Pget_nfilters(was) > 0) {
+		hsize_t size[H5S_MAX_RANK];
+		const int rank = H5Sget_simple_extent_dims(space, size, NULL);
+
+		for (int k = 0; k < rank; k++)
+			size[k] += size[k] == 0;
+		H5Pset_chunk(properties, rank, size);
+		return properties;
+	}
+	properties = rb_h5_dataset_properties();
+	H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);
+	rb_h5_done(was);
+	return properties;
+}
+
+static hid_t make_dataset(struct compaction *to, hid_t group, const char *name, hid_t old,
+                          const char *path)
+{
+	const hid_t type = H5Dget_type(old), was = H5Dget_space(old), space = H5Scopy(was);
+	hsize_t size[H5S_MAX_RANK];
+	const int rank = H5Sget_simple_extent_dims(was, size, NULL);
+
+	if (rank > 0)
+		H5Sset_extent_simple(space, rank, size, NULL);
+	const hid_t properties = layout_of(old, space), links = rb_h5_link_properties();
+	const bool is_stored = H5Dget_storage_size(old) > 0;
+#if H5_VERSION_GE(1, 10, 5)
+	H5Pset_dset_no_attrs_hint(properties, true);
+#endif
+	const hid_t made = H5Dcreate2(group, name, type, space, links, properties, H5P_DEFAULT);
+	hssize_t count = 0;
+	void *const value = made < 0 || !is_stored ? NULL : room_for(to, was, type, &count);
+
+	if (made < 0 || (value && count > 0 &&
+	                 (H5Dread(old, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0 ||
+	                  H5Dwrite(made, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, value) < 0)))
+		fail(to, path);
+	rb_memory_free(value);
+	rb_h5_done(links);
+	rb_h5_done(properties);
+	rb_h5_done(space);
+	rb_h5_done(was);
+	rb_h5_done(type);
+	return made;
+}
+
+/* ---- groups ---- */
+
+/* In the order in which they were made? */
+static bool is_ordered(hid_t group)
+{
+	const hid_t properties = H5Gget_create_plist(group);
+	unsigned order = 0;
+
+	if (properties >= 0)
+		H5Pget_link_creation_order(properties, &order);
+	rb_h5_done(properties);
+	return order & H5P_CRT_ORDER_INDEXED;
+}
+
+/* A header that has room for the links of the old group, and for no more. */
+static void fit_links(hid_t properties, hid_t old)
+{
+	H5G_info_t info;
+	size_t bytes = 0;
+
+	if (H5Gget_info(old, &info) < 0 || info.nlinks == 0 || info.nlinks > LINKS_IN_HEADER)
+		return;
+	for (hsize_t k = 0; k < info.nlinks; k++) {
+		const ssize_t size = H5Lget_name_by_idx(old, ".", H5_INDEX_NAME, H5_ITER_INC, k,
+		                                        NULL, 0, H5P_DEFAULT);
+		bytes += size > 0 ? (size_t)size : 0;
+	}
+	H5Pset_est_link_info(properties, (unsigned)info.nlinks,
+	                     (unsigned)(bytes / info.nlinks + 1));
+}
+
+/* The old one's properties would not do: they hold where its own index stands. */
+static hid_t make_group(hid_t group, const char *name, hid_t old)
+{
+	const hid_t properties = H5Pcreate(H5P_GROUP_CREATE), links = rb_h5_link_properties();
+
+	H5Pset_obj_track_times(properties, 0);
+	H5Pset_link_phase_change(properties, LINKS_IN_HEADER, LINKS_IN_HEADER);
+	fit_links(properties, old);
+	if (is_ordered(old))
+		H5Pset_link_creation_order(properties,
+		                           H5P_CRT_ORDER_TRACKED | H5P_CRT_ORDER_INDEXED);
+	const hid_t made = H5Gcreate2(group, name, links, properties, H5P_DEFAULT);
+	rb_h5_done(links);
+	rb_h5_done(properties);
+	return made;
+}
+
+static const char *path_of_copy(const struct compaction *to, const unsigned char address[16])
+{
+	for (size_t k = 0; k < to->count; k++)
+		if (memcmp(to->copied[k].address, address, 16) == 0)
+			return to->copied[k].path;
+	return NULL;
+}
+
+static void remember(struct compaction *to, const unsigned char address[16], const char *path)
+{
+	if (!rb_memory_reserve(&to->copied, &to->capacity, to->count + 1, sizeof *to->copied)) {
+		no_memory(to);
+		return;
+	}
+	struct copied *const copied = &to->copied[to->count];
+	memcpy(copied->address, address, 16);
+	copied->path = rb_memory_copy_text(path);
+	if (copied->path)
+		to->count++;
+	else
+		no_memory(to);
+}
+
+static void copy_members(struct compaction *to, hid_t from, hid_t group, const char *path,
+                         int depth);
+
+static void copy_object(struct compaction *to, hid_t from, hid_t group, const char *name,
+                        const char *path, int depth)
+{
+	const hid_t old = H5Oopen(from, name, H5P_DEFAULT);
+	const bool is_group = old >= 0 && H5Iget_type(old) == H5I_GROUP;
+	hid_t made = -1;
+
+	if (is_group)
+		made = make_group(group, name, old);
+	else if (old >= 0 && H5Iget_type(old) == H5I_DATASET)
+		made = make_dataset(to, group, name, old, path);
+	if (made < 0)
+		fail(to, path);
+	if (!to->h5.status)
+		copy_attributes(to, old, made, path);
+	if (is_group && !to->h5.status)
+		copy_members(to, old, made, path, depth + 1);
+	rb_h5_done(made);
+	rb_h5_done(old);
+}
+
+static void copy_soft(struct compaction *to, hid_t from, hid_t group, const char *name,
+                      const char *path)
+{
+	const hid_t links = rb_h5_link_properties();
+	char value[PATH_MOST];
+
+	if (H5Lget_val(from, name, value, sizeof value, H5P_DEFAULT) < 0 ||
+	    H5Lcreate_soft(value, group, name, links, H5P_DEFAULT) < 0)
+		fail(to, path);
+	rb_h5_done(links);
+}
+
+static void copy_link(struct compaction *to, hid_t from, hid_t group, const char *name,
+                      const char *parent, int depth)
+{
+	unsigned char address[16];
+	char path[PATH_MOST];
+	H5L_info_t link;
+
+	if (snprintf(path, sizeof path, "%s/%s", parent, name) >= (int)sizeof path ||
+	    H5Lget_info(from, name, &link, H5P_DEFAULT) < 0 ||
+	    (link.type != H5L_TYPE_HARD && link.type != H5L_TYPE_SOFT)) {
+		fail(to, path);
+		return;
+	}
+	if (link.type == H5L_TYPE_SOFT) {
+		copy_soft(to, from, group, name, path);
+		return;
+	}
+	address_of(&link, address);
+	const char *const there = path_of_copy(to, address);
+	if (there) {
+		rb_h5_link(&to->h5, there, path);
+		return;
+	}
+	remember(to, address, path);
+	if (!to->h5.status)
+		copy_object(to, from, group, name, path, depth);
+}
+
+static void copy_members(struct compaction *to, hid_t from, hid_t group, const char *path,
+                         int depth)
+{
+	const H5_index_t index = is_ordered(from) ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
+	H5G_info_t info;
+
+	if (H5Gget_info(from, &info) < 0 || depth > DEPTH_MAX)
+		fail(to, path);
+	for (hsize_t k = 0; !to->h5.status && k < info.nlinks; k++) {
+		char name[PATH_MOST];
+
+		if (H5Lget_name_by_idx(from, ".", index, H5_ITER_INC, k, name, sizeof name,
+		                       H5P_DEFAULT) < 0)
+			fail(to, path);
+		else
+			copy_link(to, from, group, name, path, depth);
+	}
+}
+
+/* ---- the file ---- */
+
+static hid_t create_in_memory(void)
+{
+	const hid_t access = rb_h5_access(1), creation = H5Pcreate(H5P_FILE_CREATE);
+
+	/* a name that no file can have, so that none is looked at */
+	H5Pset_fapl_core(access, 1 << 16, 0);
+	H5Pset_meta_block_size(access, 0); /* nothing is taken in advance */
+	H5Pset_small_data_block_size(access, 0);
+	H5Pset_obj_track_times(creation, 0);
+	H5Pset_link_phase_change(creation, LINKS_IN_HEADER, LINKS_IN_HEADER);
+	const hid_t file = H5Fcreate("/dev/null/compact", H5F_ACC_EXCL, creation, access);
+	rb_h5_done(creation);
+	rb_h5_done(access);
+	return file;
+}
+
+static void take_image(struct compaction *to, unsigned char **image, size_t *size)
+{
+	const ssize_t bytes = H5Fflush(to->h5.file, H5F_SCOPE_LOCAL) < 0
+	                              ? -1
+	                              : H5Fget_file_image(to->h5.file, NULL, 0);
+
+	if (bytes <= 0) {
+		fail(to, "/");
+		return;
+	}
+	*image = rb_memory_take((size_t)bytes, 1);
+	*size = (size_t)bytes;
+	if (!*image)
+		no_memory(to);
+	else if (H5Fget_file_image(to->h5.file, *image, *size) != bytes)
+		fail(to, "/");
+	else
+		rb_mark_image(*image, *size);
+}
+
+enum rb_status rb_compact_image(hid_t file, const char *name, unsigned char **image, size_t *size,
+                                struct rb_error *err)
+{
+	struct compaction to = {.h5 = {.name = name, .file = create_in_memory()}};
+	const hid_t from = H5Gopen2(file, "/", H5P_DEFAULT);
+	const hid_t root = to.h5.file < 0 ? -1 : H5Gopen2(to.h5.file, "/", H5P_DEFAULT);
+
+	*image = NULL;
+	if (from < 0 || root < 0)
+		fail(&to, "/");
+	if (!to.h5.status)
+		copy_attributes(&to, from, root, "/");
+	if (!to.h5.status)
+		copy_members(&to, from, root, "", 0);
+	rb_h5_done(root);
+	rb_h5_done(from);
+	if (!to.h5.status)
+		take_image(&to, image, size);
+	for (size_t k = 0; k < to.count; k++)
+		rb_memory_free(to.copied[k].path);
+	rb_memory_free(to.copied);
+	if (to.h5.file >= 0)
+		H5Fclose(to.h5.file);
+	if (to.h5.status) {
+		rb_memory_free(*image);
+		*image = NULL;
+		if (err)
+			*err = to.h5.error;
+	}
+	return to.h5.status;
+}
