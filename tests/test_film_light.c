@@ -41,7 +41,7 @@ static void a_camera_has_the_lights_it_was_given(void **state)
 	camera.lights[0] = (struct rb_light_def){
 		.position = {2, 1, 13}, .color = {1, 0.5, 0}, .intensity = 2};
 	camera.lights[1] = (struct rb_light_def){
-		.position = {0, 0, 5}, .directional = true, .color = {1, 1, 1}, .intensity = 0.5};
+		.position = {0, 0, 5}, .kind = RB_LIGHT_SUN, .color = {1, 1, 1}, .intensity = 0.5};
 	rb_lights_make(&lights, lab.model, &camera);
 	assert_int_equal(lights.count, 2);
 	assert_true(lights.of[0].lamp && !lights.of[1].lamp);

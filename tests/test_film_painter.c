@@ -105,7 +105,7 @@ static void a_shadow_is_darker_and_lies_away_from_the_light(void **state)
 		studio.camera.shadows = shadows;
 		studio.camera.light_count = 1;
 		studio.camera.lights[0] = (struct rb_light_def){.position = {-1, 0, 1},
-		                                                .directional = true,
+		                                                .kind = RB_LIGHT_SUN,
 		                                                .color = {1, 1, 1},
 		                                                .intensity = 0.5};
 		studio_ball(&studio, 0.5, (rb_vec3){0, 0, 1.5}, red);

@@ -134,7 +134,7 @@ static void use_light(struct studio *studio, rb_vec3 towards)
 {
 	studio->camera.light_count = 1;
 	studio->camera.lights[0] = (struct rb_light_def){
-		.position = towards, .directional = true, .color = {1, 1, 1}, .intensity = 0.7};
+		.position = towards, .kind = RB_LIGHT_SUN, .color = {1, 1, 1}, .intensity = 0.7};
 }
 
 static void faces_are_as_bright_as_they_look_to_the_light(void **state)

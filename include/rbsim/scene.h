@@ -190,9 +190,14 @@ enum { RB_CAMERA_LIGHTS_MAX = 8, RB_CAMERA_TRAILS_MAX = 64 };
 enum { RB_OVERLAY_TIME = 1u << 0, RB_OVERLAY_TITLE = 1u << 1, RB_OVERLAY_ENERGY = 1u << 2 };
 enum { RB_VECTORS_VELOCITY = 1u << 0, RB_VECTORS_CONTACT = 1u << 1 };
 
+enum rb_light_kind { RB_LIGHT_LAMP, RB_LIGHT_SUN, RB_LIGHT_SPOT, RB_LIGHT_AMBIENT };
+
 struct rb_light_def {
-	rb_vec3 position; /* m, or the direction towards the light when directional */
-	bool directional;
+	enum rb_light_kind kind;
+	rb_vec3 position; /* m; of a sun the direction towards it */
+	rb_vec3 look_at;  /* m: where the axis of a spot's cone goes */
+	double angle;     /* rad: of a spot, from the axis of its cone to its edge */
+	double softness;  /* of `angle`, over which a spot's light fades out */
 	double color[3], intensity;
 };
 

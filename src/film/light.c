@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "film/light.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -65,6 +66,25 @@ static void make_default(struct rb_lights *lights, bool shadows)
 	lights->count = 2;
 }
 
+/* A scene's first ambient light takes the place of the sky's. */
+static void add_ambient(struct rb_lights *lights, const double colour[3], bool more)
+{
+	for (int c = 0; c < 3; c++) {
+		lights->ambient_up[c] = (more ? lights->ambient_up[c] : 0) + colour[c];
+		lights->ambient_down[c] = (more ? lights->ambient_down[c] : 0) + colour[c];
+	}
+}
+
+static void make_cone(struct rb_light *light, const struct rb_light_def *def)
+{
+	light->spot = true;
+	light->axis = rb_vec3_unit(rb_vec3_sub(def->position, def->look_at), light->axis);
+	light->edge = cos(def->angle);
+	/* The steepest that fragments, in single precision, can tell from a step. */
+	light->rise = 1 / fmax(cos(def->angle * (1 - def->softness)) - light->edge,
+	                       (double)FLT_EPSILON);
+}
+
 void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
                     const struct rb_camera_def *camera)
 {
@@ -94,18 +114,26 @@ void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
 		make_default(lights, camera->shadows);
 		return;
 	}
-	lights->count = camera->light_count;
 	const rb_vec3 centre = middle(model);
-	for (int k = 0; k < lights->count; k++) {
+	bool own_ambient = false;
+	for (int k = 0; k < camera->light_count; k++) {
 		const struct rb_light_def *def = &camera->lights[k];
-		struct rb_light *light = &lights->of[k];
-		light->lamp = !def->directional;
-		light->shadow = camera->shadows;
-		light->place = def->directional ? rb_vec3_unit(def->position, lights->up)
-		                                : def->position;
-		light->reach_m = rb_vec3_length(rb_vec3_sub(def->position, centre));
-		set(light->colour, def->color[0], def->color[1], def->color[2]);
-		scale(light->colour, light->colour, def->intensity);
+		struct rb_light light = {.lamp = def->kind != RB_LIGHT_SUN,
+		                         .shadow = camera->shadows,
+		                         .place = def->position};
+		set(light.colour, def->color[0], def->color[1], def->color[2]);
+		scale(light.colour, light.colour, def->intensity);
+		if (def->kind == RB_LIGHT_AMBIENT) {
+			add_ambient(lights, light.colour, own_ambient);
+			own_ambient = true;
+			continue;
+		}
+		if (def->kind == RB_LIGHT_SUN)
+			light.place = rb_vec3_unit(def->position, lights->up);
+		if (def->kind == RB_LIGHT_SPOT)
+			make_cone(&light, def);
+		light.reach_m = rb_vec3_length(rb_vec3_sub(def->position, centre));
+		lights->of[lights->count++] = light;
 	}
 }
 
@@ -218,12 +246,20 @@ static void say_light(struct text *text, const struct rb_light *light, int k, bo
 	const double *c = light->colour;
 	rb_vec3 axis[2];
 
-	say(text, "%s%s(vec3(%.7g, %.7g, %.7g), ", light->lamp ? "LAMP" : "SUN",
+	say(text, "%s%s(vec3(%.7g, %.7g, %.7g), ",
+	    light->spot   ? "SPOT"
+	    : light->lamp ? "LAMP"
+	                  : "SUN",
 	    light->shadow ? "_SHADOW" : "", c[0], c[1], c[2]);
 	if (light->lamp)
 		say(text, is_carried ? "sent_place%d" : "place[%d]", k);
 	else
 		say_vector(text, light->place);
+	if (light->spot) {
+		say(text, ", ");
+		say_vector(text, light->axis);
+		say(text, ", %.9e, %.9e", light->edge, light->rise);
+	}
 	across(light, axis);
 	for (int r = 0; r < 2 && light->shadow && !light->lamp; r++) {
 		say(text, ", ");

@@ -17,6 +17,10 @@ struct rb_light {
 	rb_vec3 place;    /* unit, towards it; or m, where it is */
 	double colour[3]; /* linear light */
 	double reach_m;   /* of a lamp: where it is as bright as it says */
+	bool spot;        /* a lamp that lights a cone */
+	rb_vec3 axis;     /* unit, towards the spot */
+	double edge;      /* cosine of the angle where the cone ends */
+	double rise;      /* 1 / (cosine where it is fully lit - `edge`) */
 };
 
 struct rb_lights {

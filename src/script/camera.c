@@ -35,25 +35,47 @@ static int push_list(struct rb_call *call, const char *key, const char *of, int 
 	return -1;
 }
 
+/* Which keys the kinds of lights have beside those of all: 1 may have, 2 must have. */
+static const struct {
+	const char *key;
+	char of[4]; /* by enum rb_light_kind */
+} light_keys[] = {
+	{"position", {2, 0, 2, 0}}, {"direction", {0, 2, 0, 0}}, {"look_at", {0, 0, 2, 0}},
+	{"angle", {0, 0, 1, 0}},    {"softness", {0, 0, 1, 0}},
+};
+
 static void read_light(struct rb_call *part, struct rb_light_def *light)
 {
-	lua_State *L = part->L;
+	static const char *const names[] = {"a lamp", "a sun", "a spot", "an ambient light"};
 
-	*light = (struct rb_light_def){.color = {1, 1, 1}, .intensity = 1};
+	*light = (struct rb_light_def){
+		.angle = acos(sqrt(0.75)), .softness = 0.2, .color = {1, 1, 1}, .intensity = 1};
 	rb_call_read(part, light);
 	if (part->index == 0)
 		return;
-	const bool lamp = rb_call_push(part, "position") != LUA_TNIL;
-	light->directional = rb_call_push(part, "direction") != LUA_TNIL;
-	if (lamp == light->directional)
-		rb_call_mistake(part, "wants one of 'position' and 'direction'");
-	else if (lamp)
-		rb_call_value(part, rb_row_find(&rb_rows_light, "position", NULL), -2,
-		              &light->position);
-	else
-		rb_call_value(part, rb_row_find(&rb_rows_light, "direction", NULL), -1,
-		              &light->position);
-	lua_pop(L, 2);
+	if (!rb_call_tried(part, "kind")) {
+		if (rb_call_tried(part, "position") == rb_call_tried(part, "direction")) {
+			rb_call_mistake(part,
+			                "wants a 'kind', or one of 'position' and 'direction'");
+			return;
+		}
+		light->kind = rb_call_tried(part, "position") ? RB_LIGHT_LAMP : RB_LIGHT_SUN;
+	} else if (!rb_call_given(part, "kind")) {
+		return;
+	}
+	for (size_t k = 0; k < sizeof light_keys / sizeof *light_keys; k++) {
+		const bool given = rb_call_tried(part, light_keys[k].key);
+		if (given && light_keys[k].of[light->kind] == 0)
+			rb_call_mistake(part, "%s has no '%s'", names[light->kind],
+			                light_keys[k].key);
+		if (!given && light_keys[k].of[light->kind] == 2)
+			rb_call_mistake(part, "%s wants '%s'", names[light->kind],
+			                light_keys[k].key);
+	}
+	if (light->kind == RB_LIGHT_SPOT && rb_call_given(part, "position") &&
+	    rb_call_given(part, "look_at") &&
+	    !(rb_vec3_length(rb_vec3_sub(light->position, light->look_at)) > 0))
+		rb_call_mistake(part, "'look_at' is where the spot is");
 }
 
 static void read_lights(struct rb_call *call, struct rb_camera_def *def)

@@ -291,15 +291,28 @@ static const struct rb_row camera_rows[] = {
 };
 
 static const struct rb_row light_rows[] = {
-	{"position", RB_ROW_VECTOR, 0, 0, HAND, NULL, NULL, "required, or direction", "m",
-         "of a lamp"},
-	{"direction", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "none", "",
-         "towards a light that is far away, like the sun"},
+	{"kind", RB_ROW_CHOICE, 0, 0, AT(rb_light_def, kind), "lamp, sun, spot, ambient", NULL,
+         "lamp with position, sun with direction", "",
+         "lamp: shines to all sides; sun: is far away; spot: a lamp that lights a cone; ambient: comes from all sides, "
+         "throws no shadow and takes the place of the sky's own light"},
+	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_light_def, position), NULL, NULL, "required", "m",
+         "of a lamp or a spot"},
+	{"direction", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, AT(rb_light_def, position), NULL, NULL,
+         "required", "", "of a sun: towards it"},
+	{"look_at", RB_ROW_VECTOR, 0, 0, AT(rb_light_def, look_at), NULL, NULL, "required", "m",
+         "of a spot: a point on the axis of its cone"},
+	{"angle", RB_ROW_NUMBER, RB_RANGE_FOV, 0, AT(rb_light_def, angle), NULL, NULL, "deg(30)",
+         "rad",
+         "of a spot: from the axis of its cone to the edge, outside of which it lights nothing"},
+	{"softness", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_light_def, softness), NULL, NULL, "0.2",
+         "",
+         "of a spot: the share of the angle over which its light fades out towards the edge; 0: a sharp edge"},
 	{"color", RB_ROW_COLOR, 0, 0, AT(rb_light_def, color), NULL, NULL, "{1, 1, 1}", "",
          "of the light"},
 	{"intensity", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_light_def, intensity), NULL,
          NULL, "1", "",
-         "of a lamp: at the middle of the bodies, as they are at the start; it falls with the square of the distance"},
+         "of a lamp or a spot: at the middle of the bodies, as they are at the start; it falls with the square of the "
+         "distance"},
 };
 
 static const struct rb_row record_rows[] = {

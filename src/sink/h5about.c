@@ -453,11 +453,13 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 	rb_h5_attribute_text(h5, "/rbsim/cameras", "sources", "0 fixed, 1 body, 2 function");
 }
 
-/* Lights: [cameras][RB_CAMERA_LIGHTS_MAX][8] position, directional, colour, intensity. */
+/* Position (of a sun, direction), kind, colour, intensity, look_at, angle, softness. */
+enum { LIGHT_CELLS = 13 };
+
 static void put_lights(struct rb_h5 *h5, const struct rb_scene *scene)
 {
 	const size_t count = (size_t)scene->camera_count;
-	double(*lights)[RB_CAMERA_LIGHTS_MAX][8];
+	double(*lights)[RB_CAMERA_LIGHTS_MAX][LIGHT_CELLS];
 
 	if (count == 0)
 		return;
@@ -469,14 +471,16 @@ static void put_lights(struct rb_h5 *h5, const struct rb_scene *scene)
 	for (size_t i = 0; i < count; i++)
 		for (int k = 0; k < scene->cameras[i].light_count; k++) {
 			const struct rb_light_def *light = &scene->cameras[i].lights[k];
-			const double cells[8] = {light->position.x, light->position.y,
-			                         light->position.z, light->directional,
-			                         light->color[0],   light->color[1],
-			                         light->color[2],   light->intensity};
+			const double cells[LIGHT_CELLS] = {
+				light->position.x, light->position.y, light->position.z,
+				light->kind,       light->color[0],   light->color[1],
+				light->color[2],   light->intensity,  light->look_at.x,
+				light->look_at.y,  light->look_at.z,  light->angle,
+				light->softness};
 			memcpy(lights[i][k], cells, sizeof cells);
 		}
 	rb_h5_put(h5, "/rbsim/cameras/lights", RB_H5_F64,
-	          (rb_h5_shape){3, {count, RB_CAMERA_LIGHTS_MAX, 8}}, lights);
+	          (rb_h5_shape){3, {count, RB_CAMERA_LIGHTS_MAX, LIGHT_CELLS}}, lights);
 	rb_memory_free(lights);
 }
 

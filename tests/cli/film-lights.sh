@@ -1,0 +1,40 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Kinds of lights: in the run's pictures and in those from the recording, and what is refused.
+. tests/cli/functions
+
+cat >s.lua <<'EOF'
+world { duration = 0.1, frame_rate = 10 }
+plane { }
+sphere { radius = 0.3, position = {0, 0, 0.6} }
+camera { name = "main", position = {3, -4, 3}, look_at = {0, 0, 0}, size = {96, 64}, png = "live/%d.png", lights = {
+	{kind = "spot", position = {1, -1, 3}, look_at = {0, 0, 0}, angle = deg(20), softness = 0.5, intensity = 1.5},
+	{kind = "ambient", color = {0.5, 0.6, 1}, intensity = 0.1},
+	{kind = "sun", direction = {-1, 0, 1}, intensity = 0.1}, {kind = "lamp", position = {0, 3, 2}, intensity = 0.1} } }
+EOF
+exits 0 s.lua
+mkdir alone
+mv s.h5 alone
+(
+	cd alone || exit 1
+	exits 0 render s.h5
+) || exit 1
+diff -r live alone/live >/dev/null || fail "the pictures from the recording differ from those of the run"
+
+# refused LIGHT MESSAGE
+refused()
+{
+	printf 'world { duration = 1 }\nsphere { radius = 1 }\ncamera { position = {0, 0, 5}, lights = {%s} }\n' "$1" >bad.lua
+	exits 65 bad.lua
+	grep -qF "bad.lua:3: camera: lights[1]: $2" err || fail "not told: $2: $(cat err)"
+}
+refused '{}' "wants a 'kind', or one of 'position' and 'direction'"
+refused '{kind = "spot", position = {0, 0, 1}}' "a spot wants 'look_at'"
+refused '{kind = "spot", position = {0, 0, 1}, look_at = {0, 0, 1}}' "'look_at' is where the spot is"
+refused '{kind = "spot", look_at = {0, 0, 1}}' "a spot wants 'position'"
+refused '{kind = "sun", position = {0, 0, 1}}' "a sun has no 'position'"
+refused '{kind = "sun"}' "a sun wants 'direction'"
+refused '{kind = "lamp", position = {0, 0, 1}, angle = 0.5}' "a lamp has no 'angle'"
+refused '{kind = "ambient", direction = {0, 0, 1}}' "an ambient light has no 'direction'"
+refused '{kind = "moon"}' "'kind' must be one of lamp, sun, spot, ambient (got 'moon')"
+refused '{position = {0, 0, 1}, softness = 0.5}' "a lamp has no 'softness'"
