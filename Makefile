@@ -10,13 +10,18 @@
 #   make format          lay the sources out as .clang-format says
 #
 # MODE=release|debug|asan|tsan|cov builds into build/$(MODE)/ (or BUILD=folder); WERROR=1 makes warnings
-# errors; V=1 shows whole commands; LAYERS="base math" leaves out the other layers. CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the
+# errors; V=1 shows whole commands; LAYERS="base math" leaves out the other layers. WITH_FILM=0 leaves out pictures and video (OSMesa
+# or EGL, libpng, FreeType), WITH_CONSOLE=0 the console (ncurses); GL=osmesa or GL=egl says how contexts of OpenGL are made where
+# both are there. CPPFLAGS, CFLAGS, LDFLAGS and LDLIBS are the
 # user's: they are appended to what the project needs. Nothing here asks pkg-config before a recipe
 # needs the answer, so that `make deps test` works where nothing is installed.
 
 MODE ?= release
 BUILD ?= build/$(MODE)
 LAYERS ?=
+WITH_FILM ?= 1
+WITH_CONSOLE ?= 1
+GL ?=
 FUZZ_SECONDS ?= 600
 V ?= 0
 prefix ?= /usr/local
@@ -65,13 +70,17 @@ say = @$(if $(filter 0,$(V)),printf '%-5s %s\n' '$1' '$@',printf '%s\n' $(call s
 found = $(if $2,$(patsubst -I%,-isystem %,$(wordlist 2,99,$2)),$(error no library '$1' for pkg-config: try 'make deps'))
 package = $(call found,$(firstword $2),$(shell for p in $2; do \
 	pkg-config --exists $$p && echo found && pkg-config $1 $$p && break; done 2>/dev/null))
-LUA_CFLAGS = $(eval LUA_CFLAGS := $(call package,--cflags,lua5.4 lua-5.4))$(LUA_CFLAGS)
-LUA_LIBS = $(eval LUA_LIBS := $(call package,--libs,lua5.4 lua-5.4))$(LUA_LIBS)
+lua = lua5.4 lua-5.4 lua5.5 lua-5.5
+LUA_CFLAGS = $(eval LUA_CFLAGS := $(call package,--cflags,$(lua)))$(LUA_CFLAGS)
+LUA_LIBS = $(eval LUA_LIBS := $(call package,--libs,$(lua)))$(LUA_LIBS)
 HDF5_CFLAGS = $(eval HDF5_CFLAGS := $(call package,--cflags,hdf5-serial hdf5))$(HDF5_CFLAGS)
-FILM_CFLAGS = $(eval FILM_CFLAGS := $(call package,--cflags,osmesa) $(call package,--cflags,libpng) $(call \
-	package,--cflags,freetype2))$(FILM_CFLAGS)
-FILM_LIBS = $(eval FILM_LIBS := $(call package,--libs,osmesa) $(call package,--libs,libpng) $(call \
-	package,--libs,freetype2))$(FILM_LIBS)
+# Mesa has no OSMesa from 25.1 on.
+gl = $(eval gl := $(or $(GL),$(shell pkg-config --exists osmesa 2>/dev/null && echo osmesa || echo egl)))$(gl)
+packages_osmesa = $(call package,$1,osmesa)
+packages_egl = $(call package,$1,egl) $(call package,$1,opengl)
+film_packages = $(call packages_$(gl),$1) $(call package,$1,libpng) $(call package,$1,freetype2)
+FILM_CFLAGS = $(eval FILM_CFLAGS := $(call film_packages,--cflags) $(if $(filter egl,$(gl)),-DRB_GL_EGL))$(FILM_CFLAGS)
+FILM_LIBS = $(eval FILM_LIBS := $(call film_packages,--libs))$(FILM_LIBS)
 CONSOLE_CFLAGS = $(eval CONSOLE_CFLAGS := $(call package,--cflags,ncursesw))$(CONSOLE_CFLAGS)
 CONSOLE_LIBS = $(eval CONSOLE_LIBS := $(call package,--libs,ncursesw))$(CONSOLE_LIBS)
 HDF5_LIBS = $(eval HDF5_LIBS := $(call package,--libs,hdf5-serial hdf5))$(HDF5_LIBS)
@@ -83,7 +92,9 @@ libs = $(LUA_LIBS) $(HULL_LIBS) -lm -ldl $(LDLIBS)
 
 # src/ORDER is the only list of modules; what needs HDF5, what makes pictures and what needs curses become modules that are loaded at run time.
 listed := $(shell sh tools/modules src/ORDER)
-modules := $(if $(LAYERS),$(filter $(LAYERS:%=%/%),$(listed)),$(listed))
+console_modules := $(addprefix control/,screen panels desk deskmodule)
+left_out := $(if $(filter 0,$(WITH_FILM)),film/%) $(if $(filter 0,$(WITH_CONSOLE)),$(console_modules))
+modules := $(filter-out $(left_out),$(if $(LAYERS),$(filter $(LAYERS:%=%/%),$(listed)),$(listed)))
 absent := $(strip $(foreach m,$(modules),$(if $(wildcard src/$(m).c src/$(m).h),,$(m))))
 $(if $(absent),$(warning src/ORDER lists modules without files: $(absent)))
 sources := $(foreach m,$(modules),$(wildcard src/$(m).c))
@@ -93,12 +104,14 @@ objects = $(patsubst %.c,$(BUILD)/%.o,$1)
 h5_objects := $(call objects,$(h5_sources))
 film_sources := $(filter src/film/%,$(sources))
 film_objects := $(call objects,$(film_sources))
-console_sources := $(filter $(patsubst %,src/control/%.c,screen panels desk deskmodule),$(sources))
+console_sources := $(filter $(console_modules:%=src/%.c),$(sources))
 console_objects := $(call objects,$(console_sources))
 lib_objects := $(call objects,$(filter-out $(h5_sources) $(film_sources) $(console_sources) $(main_source),$(sources)))
-test_sources := $(wildcard tests/test_*.c)
+untested := $(if $(filter 0,$(WITH_FILM)),tests/test_film% $(addprefix tests/cli/,film-%.sh scenes-film.sh control-film.sh)) \
+	$(if $(filter 0,$(WITH_CONSOLE)),tests/test_panels.c tests/cli/console-%.sh)
+test_sources := $(filter-out $(untested),$(wildcard tests/test_*.c))
 tests := $(test_sources:%.c=$(BUILD)/%)
-cli_tests := $(wildcard tests/cli/*.sh)
+cli_tests := $(filter-out $(untested),$(wildcard tests/cli/*.sh))
 fuzz_sources := $(wildcard tests/fuzz/fuzz_*.c)
 
 program := $(BUILD)/rbsim
@@ -148,6 +161,8 @@ $(BUILD)/src/geom/hull.o: extra = $(HULL_CFLAGS)
 $(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
 $(film_objects): extra = -fPIC $(FILM_CFLAGS)
 $(console_objects): extra = -fPIC $(CONSOLE_CFLAGS)
+$(BUILD)/src/sink/module.o: extra = $(if $(filter 0,$(WITH_FILM)),-DRB_WITHOUT_FILM) $(if $(filter 0,$(WITH_CONSOLE)),-DRB_WITHOUT_CONSOLE)
+$(filter %_osmesa.o %_egl.o,$(film_objects)) $(BUILD)/src/sink/module.o: $(BUILD)/modules
 $(BUILD)/tests/%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS)
 $(BUILD)/tests/test_h5%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(HDF5_CFLAGS)
 $(BUILD)/tests/test_film%.o: extra = -Itests $(CMOCKA_CFLAGS) $(LUA_CFLAGS) $(FILM_CFLAGS)
@@ -159,7 +174,7 @@ $(BUILD)/%.o: %.c $(BUILD)/flags
 shell_word = '$(subst ','\'',$1)'
 # Stamps, rewritten only when their text changes. `deps` goes first when it is asked for too, even under -j.
 $(BUILD)/flags: text = $(compile) $(compile_user) $(link) $(LDLIBS)
-$(BUILD)/modules: text = $(modules) $(link) $(LDLIBS)
+$(BUILD)/modules: text = $(modules) $(GL) $(link) $(LDLIBS)
 $(BUILD)/flags $(BUILD)/modules: FORCE | $(BUILD)/ $(filter deps,$(MAKECMDGOALS))
 	@printf '%s\n' $(call shell_word,$(text)) >$@.new; cmp -s $@.new $@ && rm $@.new || mv $@.new $@
 $(BUILD)/:
@@ -175,12 +190,13 @@ flags_of = $(if $(filter $1,$(h5_sources)),-fPIC $(HDF5_CFLAGS),$(if $(filter $1
 compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
 	$(file >$@,[)$(foreach s,$(sources),$(file >>$@,$(call entry,$(s),$(call flags_of,$(s)))))$(file >>$@,])@:
 
+build_deps = build $(if $(filter 0,$(WITH_FILM)),,film) $(if $(filter 0,$(WITH_CONSOLE)),,console)
 # What is needed follows from what else is asked for; alone, all but the fuzzer.
 deps:
-	@tools/deps $(if $(filter-out deps,$(MAKECMDGOALS)),build $(if $(filter test test-long bench,$(MAKECMDGOALS)),test) \
-	$(filter lint fuzz,$(MAKECMDGOALS)))
+	@tools/deps $(build_deps) $(if $(filter-out deps,$(MAKECMDGOALS)),$(if $(filter test test-long bench,$(MAKECMDGOALS)),test) \
+	$(filter lint fuzz,$(MAKECMDGOALS)),test lint)
 deps-slurm:
-	@tools/deps build test slurm
+	@tools/deps $(build_deps) test slurm
 demo: all
 	@mkdir -p build/demo
 	cd build/demo && $(abspath $(program)) $(CURDIR)/scenes/bounce.lua --force

@@ -344,6 +344,12 @@ static enum rb_status prepare(struct rb_films *films, const struct rb_films_wish
 
 	if (status || films->count == 0)
 		return status;
+	if (wish->runs && !wish->names && !rb_module_has_film()) {
+		rb_log(RB_LOG_WARNING,
+		       "this program was built without films (WITH_FILM=0): the scene's cameras make none");
+		films->count = 0;
+		return RB_OK;
+	}
 	status = check_twins(films, wish, err);
 	if (!status)
 		status = rb_module_film(&films->module, err);

@@ -4,15 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <GL/osmesa.h>
-
 #include "base/error.h"
 #include "base/memory.h"
+#include "film/context.h"
 
 struct rb_canvas {
-	OSMesaContext context;
-	/* The context insists on a picture of its own; nothing is drawn on it. */
-	unsigned char own[4 * 4 * 4];
+	struct rb_context *context;
 	int width, height, samples;
 	bool depth_from_zero;
 	float sample_positions[RB_CANVAS_SAMPLES_MAX][2];
@@ -20,28 +17,6 @@ struct rb_canvas {
 	GLuint target, colour, depth; /* drawn on */
 	GLuint flat, flat_colour;     /* read from; 0 without samples */
 };
-
-static enum rb_status make_context(struct rb_canvas *canvas, struct rb_error *err)
-{
-	static const int versions[][2] = {{4, 5}, {4, 3}, {4, 1}, {4, 0}, {3, 3}};
-
-	for (size_t k = 0; k < sizeof versions / sizeof versions[0] && !canvas->context; k++) {
-		const int wanted[] = {OSMESA_FORMAT,
-		                      OSMESA_RGBA,
-		                      OSMESA_PROFILE,
-		                      OSMESA_CORE_PROFILE,
-		                      OSMESA_CONTEXT_MAJOR_VERSION,
-		                      versions[k][0],
-		                      OSMESA_CONTEXT_MINOR_VERSION,
-		                      versions[k][1],
-		                      0};
-		canvas->context = OSMesaCreateContextAttribs(wanted, NULL);
-	}
-	if (!canvas->context)
-		return RB_FAIL(err, RB_ERR_MISSING,
-		               "cannot draw: the OSMesa library has no OpenGL 3.3 core context");
-	return rb_canvas_enter(canvas, err);
-}
 
 static bool has_extension(const char *name)
 {
@@ -58,7 +33,7 @@ static bool has_extension(const char *name)
 static void choose_depths(struct rb_canvas *canvas)
 {
 	PFNGLCLIPCONTROLPROC clip_control = NULL;
-	const OSMESAproc found = OSMesaGetProcAddress("glClipControl");
+	const rb_context_function found = rb_context_find("glClipControl");
 
 	if (!found || !has_extension("GL_ARB_clip_control"))
 		return;
@@ -160,7 +135,7 @@ enum rb_status rb_canvas_create(struct rb_canvas **canvas_out, int width, int he
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
 	canvas->width = width;
 	canvas->height = height;
-	enum rb_status status = make_context(canvas, err);
+	enum rb_status status = rb_context_create(&canvas->context, err);
 	if (status == RB_OK)
 		status = learn(canvas, samples, err);
 	if (status == RB_OK)
@@ -177,20 +152,13 @@ void rb_canvas_destroy(struct rb_canvas *canvas)
 {
 	if (!canvas)
 		return;
-	/* The context takes all that was made in it along. */
-	if (canvas->context)
-		OSMesaDestroyContext(canvas->context);
+	rb_context_destroy(canvas->context);
 	rb_memory_free(canvas);
 }
 
 enum rb_status rb_canvas_enter(struct rb_canvas *canvas, struct rb_error *err)
 {
-	if (OSMesaGetCurrentContext() == canvas->context)
-		return RB_OK;
-	if (!OSMesaMakeCurrent(canvas->context, canvas->own, GL_UNSIGNED_BYTE, 4, 4))
-		return RB_FAIL(err, RB_ERR_MISSING,
-		               "cannot draw: the OSMesa library does not make its context current");
-	return RB_OK;
+	return rb_context_enter(canvas->context, err);
 }
 
 void rb_canvas_begin(struct rb_canvas *canvas)

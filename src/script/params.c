@@ -11,6 +11,7 @@
 #include "base/memory.h"
 #include "script/fields.h"
 #include "script/nearest.h"
+#include "script/sandbox.h"
 
 enum { TEXT_MAX = 256, NAMES_MAX = 512 };
 
@@ -425,7 +426,7 @@ enum rb_status rb_params_check_value(const struct rb_scene *scene, const char *n
 		return RB_FAIL(err, RB_ERR_USAGE, "the scene has no parameter '%.60s'%s%s", name,
 		               rb_nearest_hint(&nearest, hint), names);
 	}
-	lua_State *const L = lua_newstate(give_memory, NULL);
+	lua_State *const L = rb_lua_new(give_memory, NULL);
 	if (!L)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot check parameter '%.60s': out of memory",
 		               name);

@@ -243,7 +243,7 @@ void rb_sandbox_charge_bytes(lua_State *L, size_t bytes)
 
 static lua_State *new_state(struct rb_sandbox *sandbox)
 {
-	lua_State *L = lua_newstate(allocate, sandbox);
+	lua_State *L = rb_lua_new(allocate, sandbox);
 
 	if (L)
 		memcpy(lua_getextraspace(L), &sandbox, sizeof(void *));

@@ -25,6 +25,17 @@
 
 #include "script/overtime.h"
 
+/* A state of any version of Lua that we know. */
+static inline lua_State *rb_lua_new(lua_Alloc allocate, void *user)
+{
+#if LUA_VERSION_NUM >= 505
+	/* the seed of tables of texts: the same in all runs */
+	return lua_newstate(allocate, user, 0);
+#else
+	return lua_newstate(allocate, user);
+#endif
+}
+
 enum rb_spent {
 	RB_SPENT_NOTHING,
 	RB_SPENT_INSTRUCTIONS,

@@ -174,7 +174,8 @@ static void put_h5md(struct rb_h5 *h5, const struct rb_run_info *info)
 /* H5MD wants one text per axis. */
 static void put_box(struct rb_h5 *h5)
 {
-	static const char none[3][4] = {"none", "none", "none"};
+	static const char none[3][4] = {
+		{'n', 'o', 'n', 'e'}, {'n', 'o', 'n', 'e'}, {'n', 'o', 'n', 'e'}};
 
 	rb_h5_group(h5, "/particles/bodies");
 	rb_h5_group(h5, "/particles/bodies/box");

@@ -14,21 +14,35 @@ enum { PATH_SIZE = 4096 };
 /* A module's file, its exported object and, after it was asked for, what became of it. */
 struct module {
 	const char *file_name, *symbol;
-	int version; /* wanted; the object begins with its own */
+	int version;          /* wanted; the object begins with its own */
+	const char *left_out; /* what this program was built without; NULL: it was not */
 	/* written once, under the module's pthread_once_t; then only read */
 	const void *loaded;
 	struct rb_error failure;
 };
+
+#ifdef RB_WITHOUT_FILM
+#define NO_FILM "films (WITH_FILM=0)"
+#else
+#define NO_FILM NULL
+#endif
+#ifdef RB_WITHOUT_CONSOLE
+#define NO_CONSOLE "the console (WITH_CONSOLE=0)"
+#else
+#define NO_CONSOLE NULL
+#endif
 
 static struct module hdf5 = {.file_name = "rbsim-hdf5.so",
                              .symbol = "rb_hdf5_module",
                              .version = RB_HDF5_MODULE_VERSION};
 static struct module film = {.file_name = "rbsim-film.so",
                              .symbol = "rb_film_module",
-                             .version = RB_FILM_MODULE_VERSION};
+                             .version = RB_FILM_MODULE_VERSION,
+                             .left_out = NO_FILM};
 static struct module console = {.file_name = "rbsim-console.so",
                                 .symbol = "rb_console_module",
-                                .version = RB_CONSOLE_MODULE_VERSION};
+                                .version = RB_CONSOLE_MODULE_VERSION,
+                                .left_out = NO_CONSOLE};
 _Static_assert(offsetof(struct rb_hdf5_module, version) == 0 &&
                        offsetof(struct rb_film_module, version) == 0 &&
                        offsetof(struct rb_console_module, version) == 0,
@@ -83,6 +97,11 @@ static void load(struct module *module)
 	char folder[PATH_SIZE], path[PATH_SIZE + 64];
 	const char *const given = getenv("RBSIM_MODULE_DIR");
 
+	if (module->left_out) {
+		RB_FAIL(&module->failure, RB_ERR_MISSING, "this program was built without %s",
+		        module->left_out);
+		return;
+	}
 	if (given && given[0]) {
 		snprintf(path, sizeof path, "%.*s/%s", PATH_SIZE, given, module->file_name);
 		load_from(module, path);
@@ -138,6 +157,11 @@ enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module, struct rb_er
 	pthread_once(&once, load_hdf5);
 	*module = hdf5.loaded;
 	return answer(&hdf5, err);
+}
+
+bool rb_module_has_film(void)
+{
+	return !film.left_out;
 }
 
 enum rb_status rb_module_film(const struct rb_film_module **module, struct rb_error *err)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * What is heavy and not always needed lives in modules of their own, loaded when a run or a verb needs them: the HDF5
- * side in rbsim-hdf5.so (recording, reading recordings), pictures and video in rbsim-film.so (OSMesa, libpng, FreeType), the
+ * side in rbsim-hdf5.so (recording, reading recordings), pictures and video in rbsim-film.so (OSMesa or EGL, libpng, FreeType), the
  * console's screen in rbsim-console.so (ncurses).
  * Linking them would cost every start some milliseconds and tens of megabytes.
  *
@@ -192,6 +192,8 @@ enum { RB_FILM_MODULE_VERSION = 3 };
 
 RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);
+/* false: this program was built without films (WITH_FILM=0), so that the above fails. */
+bool rb_module_has_film(void);
 
 /* ---- the console's screen ---- */
 
