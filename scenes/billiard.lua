@@ -3,6 +3,7 @@
 -- Expected end: fifteen balls on their way, kinetic energy as at the start.
 -- Impacts of bodies that touch at the same moment are solved together, and mirror images come out to the bit.
 -- Try: --param speed=20, or --param e=0.95 to see energy go.
+-- Takes: less than a second.
 local speed = param("speed", 8.0, "of the cue ball, m/s", {min = 0.1, max = 50})
 local e = param("e", 1.0, "restitution of the balls", {min = 0, max = 1})
 local radius, gap = 0.0286, 1e-4

@@ -3,6 +3,7 @@
 -- Expected end: at rest on the floor after sqrt(2h/g) (1+e)/(1-e), 5.6 s for e = 0.8.
 -- Its impacts and its end are located: the time step has no part in them, and bounds are those of rounding.
 -- Try: rbsim scenes/bounce.lua --param e=0.5, or --method classic to see what steps of 1/960 s make of it
+-- Takes: 20 s of processor time, less than a second without its film.
 local e = param("e", 0.8, "restitution of the ball", {min = 0, max = 0.9})
 local g, h, radius, dt = 9.81, 1.9, 0.1, 1 / 960
 local ending = math.sqrt(2 * h / g) * (1 + e) / (1 - e)

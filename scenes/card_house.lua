@@ -3,6 +3,7 @@
 -- Expected end: the house has stood until it was hit; without the marble it stands as it was built.
 -- Cards lean by 30 degrees: feet and tops need mu >= tan(30 degrees) = 0.58 in the worst place, and get 0.7.
 -- Try: --param marble=false --duration 60, --param mu=0.2 (it slides apart at once), --param levels=4
+-- Takes: 25 s of processor time, 3 s without its film.
 local mu = param("mu", 0.7, "friction of cards", {min = 0, max = 2})
 local levels = param("levels", 3, "of pairs", {min = 1, max = 8})
 local marble = param("marble", true, "a marble hits the house")

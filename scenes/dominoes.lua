@@ -3,6 +3,7 @@
 -- Expected end: every tile has fallen, one after the other, none twice; impacts and friction have only taken energy.
 -- A tile leans on the next, slides down along it, and both lean on the one after: lasting contacts, not only impacts.
 -- Try: --param spacing=0.035 (a slower wave), --param count=200, --param push=0.02 (too weak: the first one rocks back)
+-- Takes: 35 s of processor time, 5 s without its film.
 local count = param("count", 60, "tiles", {min = 2, max = 2000})
 local spacing = param("spacing", 0.018, "from face to face, m", {min = 0.005, max = 0.045})
 local push = param("push", 0.1, "on the upper edge of the first tile, for a twentieth of a second, N", {min = 0, max = 10})

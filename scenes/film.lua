@@ -3,6 +3,7 @@
 -- Expected end: every ball lies or rolls on the floor; impacts have only taken energy.
 -- Cameras are functions of time, bodies or vectors; each has its own size, speed and output, and none slows the steps.
 -- Try: rbsim scenes/film.lua, then rbsim render film.h5 --camera slow -o slow.gif --size 320x180 --to 1
+-- Takes: 40 s of processor time, less than a second without its film.
 local palette, path = require "rbsim.palette", require "rbsim.path"
 
 world { title = "Rain of balls", duration = 8, frame_rate = 60, gravity = {0, 0, -9.81}, seed = 3 }

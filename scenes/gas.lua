@@ -3,6 +3,7 @@
 -- Expected end: the same energy; <v^4>/<v^2>^2 near 5/3; a third of the energy along each axis.
 -- An impact concerns two balls: each flies on its own clock, and nobody else is looked at (compare --rollback global).
 -- Try: --param balls=1000
+-- Takes: less than a second.
 local count = param("balls", 343, "spheres", {min = 8, max = 100000})
 local radius, spacing, speed = 0.05, 0.3, 1
 

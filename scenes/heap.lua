@@ -3,6 +3,7 @@
 -- Expected end: a heap at rest, no two balls overlapping by more than a millionth of a radius.
 -- Events of a crowd come too densely to locate: method auto leaves them to steps; the summary says how long.
 -- Try: --param e=0.5, --param balls=300
+-- Takes: 5 s of processor time.
 local e = param("e", 0.0, "restitution", {min = 0, max = 1})
 local mu = param("mu", 0.5, "friction", {min = 0, max = 2})
 local count = param("balls", 100, "balls", {min = 1, max = 2000})

@@ -3,6 +3,7 @@
 -- Expected end: without the ball the tower stands as it was built, for as long as one likes.
 -- After SimBenchmark's Kapla, where engines lose their tower after 25 to 60,000 steps, by the number of iterations.
 -- Try: --param ball=true, --param floors=20, --duration 600
+-- Takes: 15 s of processor time, 2 s without its film.
 local floors = param("floors", 6, "of 17 blocks", {min = 1, max = 100})
 local ball = param("ball", false, "a ball is thrown at the tower")
 local stack, palette = require "rbsim.stack", require "rbsim.palette"

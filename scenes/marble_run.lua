@@ -3,6 +3,7 @@
 -- Expected end: all are in the tray at the bottom, none fell beside.
 -- A union is one body: its boxes share a name, a material and, where it moves, one mass and inertia.
 -- Try: --param marbles=12, --param slope=0.2, --param e=0.5
+-- Takes: 55 s of processor time, 2 s without its film.
 local count = param("marbles", 5, "how many", {min = 1, max = 40})
 local slope = param("slope", 0.12, "of the troughs, rad", {min = 0.02, max = 0.4})
 local e = param("e", 0.2, "restitution", {min = 0, max = 0.9})

@@ -3,6 +3,7 @@
 -- Expected end: the top box is off, the lowest rows are where they were built.
 -- All 55 boxes rest on each other in one problem of some 200 contacts, solved once; standing costs nothing after that.
 -- Try: --param rows=20, --param ball=false --duration 60, --param heavy=1000
+-- Takes: 15 s of processor time, 2 s without its film.
 local rows = param("rows", 10, "boxes in the lowest row", {min = 1, max = 100})
 local ball = param("ball", true, "a ball is thrown at the top")
 local heavy = param("heavy", 1.0, "mass of the top box over that of the others", {min = 1, max = 1e6})

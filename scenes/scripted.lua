@@ -3,6 +3,7 @@
 -- Expected end: as many throws as fit into the run, and the floating ball where it was.
 -- on_step comes every time_step, with every method; what callbacks must remember they keep in the table `state`.
 -- Try: --param throw=3
+-- Takes: less than a second.
 local throw = param("throw", 5.0, "speed of each throw, m/s", {min = 1, max = 20})
 local hand = param("hand", 1.0, "height of the hand, m", {min = 0.5, max = 5})
 local g, radius, dt, duration = 9.81, 0.1, 1 / 480, 10

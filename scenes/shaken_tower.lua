@@ -3,6 +3,7 @@
 -- Expected end: it stands as it was built, as long as the ground's acceleration stays below g times width over height.
 -- Beyond g b/h the inertia of the whole tower turns it about an edge of its foot; beyond mu g it slides before it can tip.
 -- Try: --param strength=1.02 (it rocks), --param strength=2 (it falls), --param mu=0.1 (it slides and stands)
+-- Takes: less than a second.
 local strength = param("strength", 0.95, "largest acceleration of the ground over the bound g b/h", {min = 0, max = 10})
 local mu = param("mu", 0.9, "friction between the ground and the tower", {min = 0, max = 2})
 local count = param("blocks", 4, "of the tower", {min = 1, max = 20})

@@ -3,6 +3,7 @@
 -- Expected end: all are where they were, turned; momentum, energy and angular momentum are as at the start.
 -- Patterns lie on the surfaces of bodies and turn with them. Here they collide with nothing.
 -- Try: --param spin=6, or rbsim render shapes.h5 --frame 100 -o shapes.png --size 1920x1080
+-- Takes: 55 s of processor time, less than a second without its film.
 local palette = require "rbsim.palette"
 local spin = param("spin", 2, "angular speed, rad/s", {min = 0, max = 20})
 

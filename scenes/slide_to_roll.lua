@@ -3,6 +3,7 @@
 -- Expected end: v = 5/7 v0, spin v/R, after 2 v0/(7 mu g) of sliding.
 -- With spin w0 at the start the end is (5 v0 + 2 R w0)/7.
 -- Try: --param spin=-100 (backspin strong enough to come back)
+-- Takes: less than a second.
 local v0 = param("speed", 5.0, "m/s", {min = 0.1, max = 20})
 local w0 = param("spin", 0.0, "about y, rad/s", {min = -400, max = 400})
 local mu = param("mu", 0.3, "friction", {min = 0.05, max = 1})

@@ -3,6 +3,7 @@
 -- Expected end: back in the hand, after a whole period of that: the spin stands in the box as at the start.
 -- The period is that of Jacobi's elliptic functions for its moments, 2.5, 5 and 6.5 kg m^2, and the default wobble.
 -- Try: --param wobble=0.1
+-- Takes: less than a second.
 local wobble = param("wobble", 0.01, "spin about the other two axes, rad/s", {min = 1e-6, max = 1})
 local period, g = 12.9012460037936, 9.81
 local inertia, spin = {2.5, 5, 6.5}, vec3(wobble, 5, wobble)

@@ -3,6 +3,7 @@
 -- Expected end: it lies still on a face, all of whose corners are on the floor.
 -- A body of points has the mass, centroid and inertia of their hull; on which face it ends is sensitive to everything.
 -- Try: --param seed_points=5 (another crystal), --param e=0.6, --param spin=20
+-- Takes: 45 s of processor time, less than a second without its film.
 local e = param("e", 0.3, "restitution", {min = 0, max = 1})
 local spin = param("spin", 8.0, "at the start, rad/s", {min = 0, max = 100})
 local seed = param("seed_points", 2, "which crystal", {min = 1, max = 1000})

@@ -3,6 +3,7 @@
 -- Expected end: a third of the wall or more is a heap; impacts and friction have only taken energy.
 -- A force that holds for a step lags behind by half of it, which feeds the rope's oscillation: its damping takes more.
 -- Try: --param rows=10 --param columns=8, --param mass=100 (some of the wall stands), --param lift=0.3
+-- Takes: 20 s of processor time, 6 s without its film.
 local rows = param("rows", 6, "of bricks, one on the other", {min = 1, max = 40})
 local columns = param("columns", 5, "bricks in a row", {min = 1, max = 40})
 local mass = param("mass", 500.0, "of the ball, kg", {min = 1, max = 1e5})

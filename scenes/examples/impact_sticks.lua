@@ -3,6 +3,7 @@
 -- Expected end: it leaves at (-5/7, 2) m/s and turns at 28.571 rad/s.
 -- To stop the point below takes 2/7 m v = 5.43 N s along the floor; friction gives up to mu * 2 m v = 19 N s: enough.
 -- Try: --param mu=0.05 (too little to stop it: it leaves sliding)
+-- Takes: less than a second.
 local mu = param("mu", 0.25, "friction", {min = 0, max = 1})
 local mass, r, vx, vz = 19, 0.025, -1, -2
 world { title = "An impact that sticks", duration = 0.2, frame_rate = 60, time_step = 1 / 1920 }

@@ -3,6 +3,7 @@
 -- Expected end: 0.0285 kg m^2/s, 47.5 kg m^2, 225.0225 J, as at the start.
 -- A solid ball has 2/5 m r^2 about any axis through its middle, not the m r^2 of a single particle at its rim.
 -- Try: --duration 100
+-- Takes: less than a second.
 world { title = "Solid spheres", duration = 1, frame_rate = 60 }
 local small = sphere { name = "small", radius = 0.025, mass = 19, position = {-4, 0, 0}, angular_velocity = {0, 0, 6} }
 local large = sphere { name = "large", radius = 2.5, mass = 19, angular_velocity = {0, 1, 0} }

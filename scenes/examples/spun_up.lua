@@ -3,6 +3,7 @@
 -- Expected end: turned by 6 rad, at 6 rad/s; the point at (0, 0.025, 0) m has v = (-0.15, 0, 0), a = (-0.075, -0.9, 0).
 -- a = alpha x r + omega x (omega x r): 0.075 along the way, and 0.9 = 36 * 0.025 to the middle.
 -- Try: --param alpha=30
+-- Takes: less than a second.
 local alpha = param("alpha", 3.0, "rad/s^2", {min = 0, max = 100})
 local r, mass, seconds = 0.025, 19, 2
 world { title = "Spun up", duration = seconds, frame_rate = 60 }

@@ -3,6 +3,7 @@
 -- Expected end: (1, 2.5, -2) m after 2 s.
 -- Its weight is borne by the floor: what acts on it sums up to nothing, so it keeps its velocity.
 -- Try: --param mu=0.3 (it then begins to roll, and gets less far)
+-- Takes: less than a second.
 local mu = param("mu", 0.0, "friction", {min = 0, max = 1})
 world { title = "Straight on", duration = 2, frame_rate = 60, gravity = {0, -9.81, 0} }
 local ice = material { name = "ice", friction = mu, restitution = 0 }

@@ -287,7 +287,7 @@ static int finish_body(struct rb_call *call, struct rb_body_def *def)
 	check_body(call, def);
 	read_groups(call, def);
 	rb_name_take(call, "body", def->name);
-	rb_sandbox_charge_bytes(call->L, sizeof *def + (def->name ? strlen(def->name) : 0));
+	rb_sandbox_charge_body(call->L, sizeof *def + (def->name ? strlen(def->name) : 0));
 	rb_script_need(call->L, rb_scene_add_body(call->script->scene, def, &id, &err), &err);
 	add_forces(call, def->is_static || rb_body_is_driven(def));
 	if (rb_body_is_driven(def))

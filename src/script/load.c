@@ -6,6 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <lauxlib.h>
 
@@ -379,6 +380,16 @@ static enum rb_status conclude(const struct rb_script *script, struct rb_error *
 	return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s", script->first_mistake);
 }
 
+/* What bodies may take, bytes: two million of them, or a quarter of a smaller machine's memory. */
+static size_t most_for_bodies(void)
+{
+	const size_t most = (size_t)4 << 30;
+	const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+	const size_t share = pages > 0 && size > 0 ? (size_t)pages / 4 * (size_t)size : 0;
+
+	return share < most ? share : most;
+}
+
 static enum rb_status load(struct rb_script *script, struct rb_error *err)
 {
 	const struct rb_script_options *options = script->options;
@@ -397,6 +408,8 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	if (status != RB_OK)
 		return status;
 	script->sandbox.user = script;
+	if (!options->memory_bytes)
+		script->sandbox.bytes_most = most_for_bodies();
 	if (options->has_seed)
 		script->sandbox.seed = scene->world.seed = options->seed;
 

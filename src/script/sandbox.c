@@ -15,7 +15,9 @@ enum {
 	CHUNK_BYTES = 32768,
 	HOOK_COUNT = 4000,
 	BYTES_PER_INSTRUCTION = 16,
-	TRACEBACK_MAX = 16000
+	TRACEBACK_MAX = 16000,
+	BODY_BYTES =
+		1024 /* of a body's keys and handle, those that wait for the collector included */
 };
 
 struct rb_sandbox_chunk {
@@ -241,6 +243,18 @@ void rb_sandbox_charge_bytes(lua_State *L, size_t bytes)
 	sandbox->bytes += bytes;
 }
 
+void rb_sandbox_charge_body(lua_State *L, size_t bytes)
+{
+	struct rb_sandbox *sandbox = rb_sandbox_of(L);
+	const size_t wanted = bytes + BODY_BYTES;
+	const size_t left = sandbox->bytes_most > sandbox->bytes_max
+	                            ? sandbox->bytes_most - sandbox->bytes_max
+	                            : 0;
+
+	sandbox->bytes_max += wanted < left ? wanted : left;
+	rb_sandbox_charge_bytes(L, bytes);
+}
+
 static lua_State *new_state(struct rb_sandbox *sandbox)
 {
 	lua_State *L = rb_lua_new(allocate, sandbox);
@@ -253,7 +267,8 @@ static lua_State *new_state(struct rb_sandbox *sandbox)
 enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, bool trust,
                                struct rb_error *err)
 {
-	*sandbox = (struct rb_sandbox){.bytes_max = bytes_max, .trust = trust, .seed = 1};
+	*sandbox = (struct rb_sandbox){
+		.bytes_max = bytes_max, .bytes_most = bytes_max, .trust = trust, .seed = 1};
 	sandbox->work_max = rb_sandbox_load_instructions;
 	sandbox->L = new_state(sandbox);
 	sandbox->spare = new_state(sandbox);

@@ -57,7 +57,8 @@ struct rb_sandbox {
 
 	/* memory */
 	size_t bytes, bytes_max;
-	bool refused; /* the system had no more: not the script's fault */
+	size_t bytes_most; /* that bytes_max can come to by bodies */
+	bool refused;      /* the system had no more: not the script's fault */
 	void *free_list[RB_SANDBOX_CLASSES];
 	struct rb_sandbox_chunk *chunks; /* owned */
 	struct rb_sandbox_large *large;  /* owned: blocks that are no part of a chunk */
@@ -111,5 +112,7 @@ uint64_t rb_sandbox_left(lua_State *L);
 /* Counts memory that a script makes us take outside of its state, for good; raises a Lua error
  * beyond the budget. */
 void rb_sandbox_charge_bytes(lua_State *L, size_t bytes);
+/* The same for a body: the budget grows by what it takes, here and in the state, up to bytes_most. */
+void rb_sandbox_charge_body(lua_State *L, size_t bytes);
 
 #endif
