@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -17,6 +16,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/place.h"
+#include "base/thread.h"
 #include "script/keep.h"
 #include "step/save.h"
 
@@ -220,6 +220,7 @@ static void *work(void *argument)
 {
 	struct rb_checkpoints *const checkpoints = argument;
 
+	rb_thread_name("checkpoint");
 	pthread_mutex_lock(&checkpoints->lock);
 	make_ready(checkpoints);
 	for (;;) {
@@ -263,7 +264,6 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
                                     struct rb_error *err)
 {
 	struct rb_checkpoints *const checkpoints = rb_memory_take(1, sizeof *checkpoints);
-	sigset_t all, before;
 
 	*made = NULL;
 	if (!checkpoints)
@@ -281,10 +281,7 @@ enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 		rb_log(RB_LOG_DEBUG, "no room for checkpoints yet");
 	pthread_mutex_init(&checkpoints->lock, NULL);
 	init_condition(&checkpoints->changed);
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
-	const int failed = pthread_create(&checkpoints->thread, NULL, work, checkpoints);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
+	const int failed = rb_thread_start(&checkpoints->thread, work, checkpoints);
 	if (failed) {
 		rb_pack_release(&checkpoints->pack);
 		rb_place_release(&checkpoints->place);

@@ -5,13 +5,13 @@
 #include <math.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
 #include "base/memory.h"
+#include "base/thread.h"
 #include "script/load.h"
 
 enum { FILE_MAX = 1 << 20, PIECE = 4096, WHO_SIZE = 80 };
@@ -289,6 +289,7 @@ static void *listen_to(void *argument)
 	struct rb_stdin *const input = argument;
 	char *end;
 
+	rb_thread_name("commands");
 	while (hear(input)) {
 		while ((end = memchr(input->in, '\n', input->in_size)) != NULL)
 			serve_line(input, end);
@@ -309,7 +310,6 @@ enum rb_status rb_stdin_start(struct rb_stdin **input, struct rb_session *sessio
                               void (*ended)(void *user), void *user, struct rb_error *err)
 {
 	struct rb_stdin *const s = rb_memory_take(1, sizeof *s);
-	sigset_t all, before;
 
 	*input = NULL;
 	if (!s)
@@ -317,12 +317,8 @@ enum rb_status rb_stdin_start(struct rb_stdin **input, struct rb_session *sessio
 	*s = (struct rb_stdin){.session = session, .out = out, .ended = ended, .user = user};
 	s->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
 	int failed = s->wake < 0 ? errno : 0;
-	if (!failed) {
-		sigfillset(&all);
-		pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
-		failed = pthread_create(&s->thread, NULL, listen_to, s);
-		pthread_sigmask(SIG_SETMASK, &before, NULL);
-	}
+	if (!failed)
+		failed = rb_thread_start(&s->thread, listen_to, s);
 	if (failed) {
 		if (s->wake >= 0)
 			close(s->wake);

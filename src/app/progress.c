@@ -15,6 +15,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/thread.h"
 
 enum { BAR_FROM_MS = 500, BAR_EVERY_MS = 100, LINE_EVERY_MS = 60000, LINE_SIZE = 256 };
 
@@ -183,6 +184,7 @@ static void *watch(void *argument)
 	const uint64_t from_ms = progress->redraw ? BAR_FROM_MS : LINE_EVERY_MS;
 	uint64_t next_ns = progress->start_ns + from_ms * 1000000;
 
+	rb_thread_name("progress");
 	while (!atomic_load(&progress->stop)) {
 		struct timespec wait = {.tv_sec = 3600};
 		if (!progress->quiet) {
@@ -237,7 +239,7 @@ enum rb_status rb_progress_start(struct rb_progress **progress,
 	 * them.
 	 */
 	pthread_sigmask(SIG_BLOCK, &p->signals, &p->mask_before);
-	const int failed = pthread_create(&p->thread, NULL, watch, p);
+	const int failed = rb_thread_start(&p->thread, watch, p);
 	if (failed) {
 		pthread_sigmask(SIG_SETMASK, &p->mask_before, NULL);
 		rb_memory_free(p);

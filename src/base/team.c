@@ -3,7 +3,6 @@
 
 #include <pthread.h>
 #include <sched.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -13,6 +12,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/thread.h"
 
 struct member {
 	struct rb_team *team;
@@ -113,6 +113,7 @@ static void *live(void *argument)
 	struct rb_team *team = me->team;
 	uint64_t seen = 0;
 
+	rb_thread_name("worker");
 	pthread_mutex_lock(&team->lock);
 	for (;;) {
 		while (!team->stop && !(team->open && team->job_number != seen))
@@ -135,18 +136,6 @@ static void *live(void *argument)
 	return NULL;
 }
 
-/* Signals are for one thread of the program, never for a worker. */
-static int start_member(struct member *member)
-{
-	sigset_t all, before;
-
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before);
-	const int failed = pthread_create(&member->thread, NULL, live, member);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return failed;
-}
-
 enum rb_status rb_team_create(struct rb_team **team, int worker_count, struct rb_error *err)
 {
 	RB_ASSERT(worker_count >= 1);
@@ -167,7 +156,7 @@ enum rb_status rb_team_create(struct rb_team **team, int worker_count, struct rb
 	pthread_cond_init(&made->finished, NULL);
 	for (int i = 0; i < worker_count - 1; i++) {
 		members[i] = (struct member){.team = made, .worker = i + 1};
-		const int failed = start_member(&members[i]);
+		const int failed = rb_thread_start(&members[i].thread, live, &members[i]);
 		if (failed) {
 			rb_team_destroy(made);
 			return RB_FAIL(err, RB_ERR_MEMORY, "cannot start thread %d of %d: %s",

@@ -4,7 +4,6 @@
 #include <errno.h>
 #include <poll.h>
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
@@ -14,6 +13,7 @@
 
 #include "base/clock.h"
 #include "base/memory.h"
+#include "base/thread.h"
 #include "control/address.h"
 
 enum {
@@ -313,6 +313,7 @@ static void *run(void *argument)
 {
 	struct rb_server *const server = argument;
 
+	rb_thread_name("server");
 	while (!atomic_load(&server->stop)) {
 		const int timeout_ms = fill_polls(server);
 		if (poll(server->polls, RB_SERVER_CLIENTS_MAX + 2, timeout_ms) <= 0)
@@ -326,17 +327,6 @@ static void *run(void *argument)
 }
 
 /* ---- life ---- */
-
-static int start_thread(struct rb_server *server)
-{
-	sigset_t all, before;
-
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
-	const int failed = pthread_create(&server->thread, NULL, run, server);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return failed;
-}
 
 static void release(struct rb_server *server)
 {
@@ -374,7 +364,7 @@ enum rb_status rb_server_create(struct rb_server **server, const char *path,
 		return status;
 	}
 	s->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
-	const int failed = s->wake < 0 ? errno : start_thread(s);
+	const int failed = s->wake < 0 ? errno : rb_thread_start(&s->thread, run, s);
 	if (failed) {
 		release(s);
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot listen on '%s': %s", path,

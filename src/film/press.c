@@ -2,7 +2,6 @@
 #include "film/press.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,6 +9,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "base/thread.h"
 #include "film/encoder.h"
 
 /* Beside those in the threads' hands: the next one for each kind of output. */
@@ -176,6 +176,7 @@ static void *print_png(void *argument)
 	struct rb_press *const press = argument;
 	struct slot *slot;
 
+	rb_thread_name("png");
 	pthread_mutex_lock(&press->lock);
 	while ((slot = next_locked(press, &press->png_next)) != NULL) {
 		const bool wanted = !press->status;
@@ -206,6 +207,7 @@ static void *print_video(void *argument)
 	struct slot *slot;
 	bool broken = false;
 
+	rb_thread_name("video");
 	pthread_mutex_lock(&press->lock);
 	while ((slot = next_locked(press, &press->video_next)) != NULL) {
 		struct rb_error error;
@@ -231,12 +233,8 @@ static void *print_video(void *argument)
 static enum rb_status start_thread(struct rb_press *press, void *(*run)(void *),
                                    struct rb_error *err)
 {
-	sigset_t all, before;
+	const int failed = rb_thread_start(&press->thread[press->thread_count], run, press);
 
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
-	const int failed = pthread_create(&press->thread[press->thread_count], NULL, run, press);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	if (failed)
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot start a thread for pictures: %s",
 		               strerror(failed));

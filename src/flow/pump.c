@@ -2,11 +2,11 @@
 #include "flow/pump.h"
 
 #include <pthread.h>
-#include <signal.h>
 #include <stdatomic.h>
 #include <string.h>
 
 #include "base/memory.h"
+#include "base/thread.h"
 
 static const double idle_s = 0.25;
 
@@ -71,6 +71,7 @@ static void *run(void *argument)
 	struct rb_pump *const pump = argument;
 	const struct rb_sink *const sink = &pump->sink;
 
+	rb_thread_name(sink->name);
 	pump->status = sink->open(sink->self, &pump->error);
 	if (pump->status) {
 		rb_ring_detach(pump->ring, pump->consumer);
@@ -96,17 +97,6 @@ static void *run(void *argument)
 		pump->status = sink->close(sink->self, pump->outcome, &pump->error);
 	}
 	return NULL;
-}
-
-static int start_thread(struct rb_pump *pump)
-{
-	sigset_t all, before;
-
-	sigfillset(&all);
-	pthread_sigmask(SIG_SETMASK, &all, &before); /* the thread inherits it */
-	const int failed = pthread_create(&pump->thread, NULL, run, pump);
-	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	return failed;
 }
 
 static void destroy(struct rb_pump *pump)
@@ -136,7 +126,7 @@ enum rb_status rb_pump_start(struct rb_pump **pump, struct rb_ring *ring,
 		return status;
 	}
 	rb_ring_name(ring, p->consumer, sink->name);
-	const int failed = start_thread(p);
+	const int failed = rb_thread_start(&p->thread, run, p);
 	if (failed) {
 		rb_ring_detach(ring, p->consumer);
 		destroy(p);
