@@ -16,6 +16,7 @@
 #include "app/graph.h"
 #include "app/help.h"
 #include "app/info.h"
+#include "app/libraries.h"
 #include "app/methods.h"
 #include "app/progress.h"
 #include "app/render.h"
@@ -61,7 +62,8 @@ static int print_version(const struct rb_options *options)
 	char build[128];
 
 	rb_build_text(build, sizeof build);
-	printf("rbsim %s\n%s\n", RB_VERSION, build);
+	printf("rbsim %s\nbuilt with %s\n", RB_VERSION, build);
+	rb_libraries_print(stdout);
 	return rb_app_finish(options, 0);
 }
 

@@ -559,3 +559,8 @@ int rb_screen_signal(const struct rb_screen *screen)
 	(void)screen;
 	return rescue.asked;
 }
+
+void rb_screen_library(char *out, size_t size)
+{
+	snprintf(out, size, "%s", curses_version());
+}

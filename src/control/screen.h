@@ -9,6 +9,7 @@
 #define RB_CONTROL_SCREEN_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include <rbsim/error.h>
@@ -23,6 +24,9 @@ enum rb_style { RB_STYLE_PLAIN, RB_STYLE_STRONG, RB_STYLE_FAINT, RB_STYLE_BAR, R
 /* RB_ERR_MISSING: this terminal can't be written to anywhere but at the cursor, or is not known. */
 RB_CHECKED enum rb_status rb_screen_open(struct rb_screen **screen, struct rb_error *err);
 void rb_screen_close(struct rb_screen *screen); /* NULL is fine */
+
+/* "ncurses 6.4.20221231" */
+void rb_screen_library(char *out, size_t size);
 
 void rb_screen_size(const struct rb_screen *screen, int *width, int *height);
 enum rb_palette rb_screen_palette(const struct rb_screen *screen);

@@ -402,6 +402,14 @@ enum rb_status rb_hull_make(struct rb_hull *hull, const rb_vec3 *points, size_t 
 		count);
 }
 
+void rb_hull_library(char *out, size_t size)
+{
+	/* "qhull_r 8.0.2 (...)" */
+	const char *const space = strchr(qh_version2, ' ');
+
+	snprintf(out, size, "Qhull%s", space ? space : "");
+}
+
 void rb_hull_release(struct rb_hull *hull)
 {
 	rb_memory_free(hull->vertices);

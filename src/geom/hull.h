@@ -23,6 +23,9 @@ struct rb_hull {
 RB_CHECKED enum rb_status rb_hull_make(struct rb_hull *hull, const rb_vec3 *points, size_t count,
                                        struct rb_error *err);
 
+/* "Qhull 8.0.2 (2020.2.r 2020/08/31)", of the library that is linked or loaded. */
+void rb_hull_library(char *out, size_t size);
+
 /* Safe on a zeroed hull and on one already released. */
 void rb_hull_release(struct rb_hull *hull);
 

@@ -6,6 +6,18 @@
 #include "sink/reader.h"
 #include "sink/recorder.h"
 
+#include <stdio.h>
+
+#include <hdf5.h>
+
+static void libraries(char *out, size_t size)
+{
+	unsigned major = 0, minor = 0, release = 0;
+
+	H5get_libversion(&major, &minor, &release);
+	snprintf(out, size, "HDF5 %u.%u.%u", major, minor, release);
+}
+
 const struct rb_hdf5_module rb_hdf5_module = {
 	.version = RB_HDF5_MODULE_VERSION,
 	.recorder_create = rb_recorder_create,
@@ -21,4 +33,5 @@ const struct rb_hdf5_module rb_hdf5_module = {
 	.reader_observable = rb_reader_observable,
 	.collect = rb_h5_collect,
 	.column = rb_h5_column,
+	.libraries = libraries,
 };

@@ -119,9 +119,12 @@ struct rb_hdf5_module {
 	/* A column of numbers in such a file, to be freed; RB_ERR_INPUT where there is none. */
 	enum rb_status (*column)(const char *file, const char *group, const char *name,
 	                         double **values, uint64_t *count, struct rb_error *err);
+
+	/* Names and versions of the libraries underneath, as they are loaded: "HDF5 1.10.8". */
+	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_HDF5_MODULE_VERSION = 4 };
+enum { RB_HDF5_MODULE_VERSION = 5 };
 
 RB_CHECKED enum rb_status rb_module_hdf5(const struct rb_hdf5_module **module,
                                          struct rb_error *err);
@@ -186,9 +189,12 @@ struct rb_film_module {
 	enum rb_status (*png_write)(const char *path, unsigned how, const struct rb_pixmap *pixmap,
 	                            const struct rb_png_text *texts, size_t *bytes,
 	                            struct rb_error *err);
+
+	/* Names and versions of the libraries underneath, as they are loaded: "HDF5 1.10.8". */
+	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_FILM_MODULE_VERSION = 3 };
+enum { RB_FILM_MODULE_VERSION = 4 };
 
 RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);
@@ -206,9 +212,12 @@ struct rb_console_module {
 	/* control/desk.h: keys in, screen out, until the viewer wishes for something else. */
 	enum rb_status (*run)(struct rb_viewer *viewer, int listen, int *signal,
 	                      struct rb_error *err);
+
+	/* Names and versions of the libraries underneath, as they are loaded: "HDF5 1.10.8". */
+	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_CONSOLE_MODULE_VERSION = 1 };
+enum { RB_CONSOLE_MODULE_VERSION = 2 };
 
 RB_CHECKED enum rb_status rb_module_console(const struct rb_console_module **module,
                                             struct rb_error *err);
