@@ -380,10 +380,10 @@ static enum rb_status conclude(const struct rb_script *script, struct rb_error *
 	return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s", script->first_mistake);
 }
 
-/* What bodies may take, bytes: two million of them, or a quarter of a smaller machine's memory. */
+/* What bodies may take, bytes: more than a million of them, or a quarter of a smaller machine's memory. */
 static size_t most_for_bodies(void)
 {
-	const size_t most = (size_t)4 << 30;
+	const size_t most = (size_t)2 << 30;
 	const long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
 	const size_t share = pages > 0 && size > 0 ? (size_t)pages / 4 * (size_t)size : 0;
 
