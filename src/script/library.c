@@ -397,8 +397,10 @@ static int l_randomseed(lua_State *L)
 	uint64_t bits;
 
 	/* 1 and 1.0 are one stream */
-	lua_Integer whole;
-	if (lua_numbertointeger(value, &whole) && (lua_Number)whole == value)
+	int is_whole;
+	lua_pushnumber(L, value);
+	const lua_Integer whole = lua_tointegerx(L, -1, &is_whole);
+	if (is_whole)
 		bits = (uint64_t)whole;
 	else
 		memcpy(&bits, &value, sizeof bits);
