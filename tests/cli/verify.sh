@@ -4,11 +4,15 @@
 # breaks; variations reach the scene; words that name no case are refused.
 . tests/cli/functions
 
-# The shipped ones: all of the quick subset where the program is fast, some everywhere.
-exits 0 verify --quick s05 s09 s12 s40
+# The shipped ones: all of the quick subset where the program is fast, some everywhere. S40 fills the memory that a script
+# may have with bodies, for which a program under tsan needs more than the time that a script may take.
+exits 0 verify --quick s05 s09 s12
 says out '^S12_ball_ball_wall +three impacts .* pass$'
-says out '^S40_bad_input +refused, as it must be .* pass$'
-says out '^4 of 4 cases pass; [0-9]+ of [0-9]+ runs in '
+says out '^3 of 3 cases pass; [0-9]+ of [0-9]+ runs in '
+if [ "${RBSIM_MODE:-release}" != tsan ]; then
+	exits 0 verify --quick s40
+	says out '^S40_bad_input +refused, as it must be .* pass$'
+fi
 if [ "${RBSIM_MODE:-release}" = release ]; then
 	exits 0 verify --quick
 fi
