@@ -13,6 +13,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "base/program.h"
 #include "control/wire.h"
 
 static const double answer_s = 10, connect_s = 2;
@@ -327,7 +328,7 @@ _Noreturn static void become_run(const char **words, int errors, bool stays, pid
 	dup2(nothing, STDIN_FILENO);
 	dup2(nothing, STDOUT_FILENO);
 	dup2(errors, STDERR_FILENO);
-	execv("/proc/self/exe", (char *const *)(uintptr_t)words);
+	execv(RB_PROGRAM_AGAIN, (char *const *)(uintptr_t)words);
 	_exit(127);
 }
 
@@ -335,9 +336,13 @@ enum rb_status rb_process_start(struct rb_process *child, const struct rb_option
                                 bool again, bool stays, struct rb_error *err)
 {
 	const pid_t parent = getpid();
+	char program[PATH_MAX];
 	int ends[2];
 
 	*child = (struct rb_process){.errors = -1};
+	const enum rb_status status = rb_program_path(program, err);
+	if (status)
+		return status;
 	name_socket(child->address);
 	const char **const words = make_words(child, options, again);
 	if (!words)

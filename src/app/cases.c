@@ -11,6 +11,7 @@
 
 #include "app/common.h"
 #include "base/memory.h"
+#include "base/program.h"
 #include "script/nearest.h"
 
 enum { PATH_BYTES = 4096, VALUE_BYTES = 64 };
@@ -23,23 +24,15 @@ static bool find_folder(const struct rb_options *options, char folder[PATH_BYTES
 	static const char *const beside[] = {"../scenes/verify", "../../scenes/verify",
 	                                     "../share/rbsim/scenes/verify"};
 	const char *given = options->scenes ? options->scenes : getenv("RBSIM_VERIFY_PATH");
-	char program[PATH_MAX];
 
 	if (given && *given) {
 		snprintf(folder, PATH_BYTES, "%s", given);
 		return access(folder, R_OK) == 0;
 	}
 	snprintf(folder, PATH_BYTES, "%s", beside[2]);
-	const ssize_t size = readlink("/proc/self/exe", program, sizeof program - 1);
-	if (size <= 0)
-		return false;
-	program[size] = '\0';
-	*strrchr(program, '/') = '\0';
-	for (size_t i = 0; i < sizeof beside / sizeof *beside; i++) {
-		const int length = snprintf(folder, PATH_BYTES, "%s/%s", program, beside[i]);
-		if (length > 0 && length < PATH_BYTES && access(folder, R_OK) == 0)
+	for (size_t i = 0; i < sizeof beside / sizeof *beside; i++)
+		if (rb_program_beside(beside[i], folder, PATH_BYTES) && access(folder, R_OK) == 0)
 			return true;
-	}
 	return false;
 }
 

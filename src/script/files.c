@@ -12,6 +12,7 @@
 #include <lauxlib.h>
 
 #include "base/hash.h"
+#include "base/program.h"
 #include "script/call.h"
 #include "script/disk.h"
 
@@ -75,7 +76,7 @@ static bool find_shipped(const struct rb_script *script, const char *name, char 
 	static const char *const beside[] = {"../lua", "../../lua", "../share/rbsim/lua"};
 	const struct rb_script_options *options = script->options;
 	const char *folders = getenv("RBSIM_LUA_PATH");
-	char program[PATH_MAX], folder[PATH_BYTES];
+	char folder[PATH_BYTES];
 
 	for (int i = 0; i < options->lua_folder_count; i++)
 		if (found_in(path, options->lua_folders[i], strlen(options->lua_folders[i]), name))
@@ -90,17 +91,10 @@ static bool find_shipped(const struct rb_script *script, const char *name, char 
 		if (!*folders)
 			return false;
 	}
-	const ssize_t size = readlink("/proc/self/exe", program, sizeof program - 1);
-	if (size <= 0)
-		return false;
-	program[size] = '\0';
-	*strrchr(program, '/') = '\0';
-	for (size_t i = 0; i < sizeof beside / sizeof *beside; i++) {
-		const int length = snprintf(folder, sizeof folder, "%s/%s", program, beside[i]);
-		if (length > 0 && length < (int)sizeof folder &&
-		    found_in(path, folder, (size_t)length, name))
+	for (size_t i = 0; i < sizeof beside / sizeof *beside; i++)
+		if (rb_program_beside(beside[i], folder, sizeof folder) &&
+		    found_in(path, folder, strlen(folder), name))
 			return true;
-	}
 	return false;
 }
 

@@ -9,6 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/program.h"
+
 enum { PATH_SIZE = 4096 };
 
 /* A module's file, its exported object and, after it was asked for, what became of it. */
@@ -48,21 +50,6 @@ _Static_assert(offsetof(struct rb_hdf5_module, version) == 0 &&
                        offsetof(struct rb_console_module, version) == 0,
                "load_from reads it from there");
 
-/* The folder of the running program, without a slash at its end. */
-static bool program_folder(char folder[PATH_SIZE])
-{
-	const ssize_t size = readlink("/proc/self/exe", folder, PATH_SIZE - 1);
-
-	if (size <= 0)
-		return false;
-	folder[size] = '\0';
-	char *const slash = strrchr(folder, '/');
-	if (!slash)
-		return false;
-	*slash = '\0';
-	return true;
-}
-
 static void refuse(struct module *module, const char *path, const char *why)
 {
 	RB_FAIL(&module->failure, RB_ERR_MISSING, "cannot load '%s': %s", path, why);
@@ -94,7 +81,8 @@ static void load_from(struct module *module, const char *path)
 
 static void load(struct module *module)
 {
-	char folder[PATH_SIZE], path[PATH_SIZE + 64];
+	char name[64], path[PATH_SIZE + 64];
+	struct rb_error unknown;
 	const char *const given = getenv("RBSIM_MODULE_DIR");
 
 	if (module->left_out) {
@@ -107,23 +95,25 @@ static void load(struct module *module)
 		load_from(module, path);
 		return;
 	}
-	if (!program_folder(folder)) {
-		refuse(module, module->file_name,
-		       "/proc/self/exe does not say where this program is (RBSIM_MODULE_DIR can)");
+	if (rb_program_path(path, &unknown)) {
+		char why[160];
+		snprintf(why, sizeof why, "%.120s, or set RBSIM_MODULE_DIR", unknown.text);
+		refuse(module, module->file_name, why);
 		return;
 	}
+	*strrchr(path, '/') = '\0';
+	RB_FAIL(&module->failure, RB_ERR_MISSING,
+	        "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names another)",
+	        module->file_name, path, path);
 	/* as built, then as installed */
-	static const char *const places[] = {"", "/../lib/rbsim"};
+	static const char *const places[] = {"", "../lib/rbsim/"};
 	for (size_t i = 0; i < sizeof places / sizeof places[0]; i++) {
-		snprintf(path, sizeof path, "%s%s/%s", folder, places[i], module->file_name);
-		if (access(path, F_OK) == 0) {
+		snprintf(name, sizeof name, "%s%s", places[i], module->file_name);
+		if (rb_program_beside(name, path, sizeof path) && access(path, F_OK) == 0) {
 			load_from(module, path);
 			return;
 		}
 	}
-	RB_FAIL(&module->failure, RB_ERR_MISSING,
-	        "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names another)",
-	        module->file_name, folder, folder);
 }
 
 static void load_hdf5(void)

@@ -18,6 +18,7 @@
 #include "base/clock.h"
 #include "base/memory.h"
 #include "base/place.h"
+#include "base/program.h"
 #include "sweep/usage.h"
 
 enum { DUE = 1, ELSEWHERE };
@@ -170,7 +171,7 @@ static _Noreturn void become_run(const struct jobs *jobs, int folder, int result
 	    dup2(log, STDERR_FILENO) < 0 || fchdir(folder) != 0)
 		_exit(126);
 	sigprocmask(SIG_SETMASK, &jobs->order->mask_before, NULL);
-	execv("/proc/self/exe", (char *const *)(uintptr_t)jobs->words);
+	execv(RB_PROGRAM_AGAIN, (char *const *)(uintptr_t)jobs->words);
 	_exit(127);
 }
 
@@ -539,10 +540,13 @@ enum rb_status rb_jobs_run(const struct rb_jobs_order *order, struct rb_jobs_tal
                            struct rb_error *err)
 {
 	struct jobs jobs = {.order = order, .tally = tally, .start_ns = rb_clock_now_ns()};
+	char program[PATH_MAX];
 
 	*tally = (struct rb_jobs_tally){0};
 	jobs.ticked_ns = jobs.start_ns;
-	enum rb_status status = prepare(&jobs, err);
+	enum rb_status status = rb_program_path(program, err); /* every run is this program again */
+	if (!status)
+		status = prepare(&jobs, err);
 	if (!status) {
 		status = survey(&jobs, err);
 		if (!status)

@@ -15,6 +15,7 @@
 
 #include "base/memory.h"
 #include "base/outfile.h"
+#include "base/program.h"
 #include "base/visible.h"
 
 /* slurm.conf(5): MaxArraySize, one more than the largest index */
@@ -182,19 +183,16 @@ enum rb_status rb_slurm_write(const struct rb_slurm_order *order, struct rb_erro
 {
 	char path[RB_FOLDER_PATH_SIZE], program[PATH_MAX];
 	struct rb_outfile out;
-	const ssize_t size = readlink("/proc/self/exe", program, sizeof program - 1);
 	enum rb_status status = check_texts(order, err);
 
 	if (!status)
 		status = rb_folder_name(order->folder, RB_SLURM_SCRIPT, path, err);
-	if (!status && size <= 0)
-		status = RB_FAIL(err, RB_ERR_MISSING, "cannot tell where this program is: %s",
-		                 strerror(errno));
+	if (!status)
+		status = rb_program_path(program, err);
 	if (!status)
 		status = rb_outfile_open(&out, path, true, err);
 	if (status)
 		return status;
-	program[size] = '\0';
 	put_script(out.file, order, program);
 	return rb_outfile_publish(&out, err);
 }

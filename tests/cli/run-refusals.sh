@@ -156,6 +156,7 @@ asan | tsan) bare=false ;;
 *) bare=true ;;
 esac
 if $bare && unshare -rm true 2>/dev/null; then
+	small_scene 'param("r", 0.1, "unused", {min = 0})' >t.lua
 	cat >bare.sh <<'END'
 mount -t tmpfs none /proc || exit 77
 "$RBSIM" s.lua -q -o bare.h5 2>err
@@ -166,6 +167,15 @@ mkdir -p /proc/self/fd && echo nonsense >/proc/self/status
 "$RBSIM" s.lua -q --no-record 2>err || exit 3
 RBSIM_MODULE_DIR=${RBSIM%/*} "$RBSIM" s.lua -q -o bare.h5 2>err
 [ $? -eq 73 ] || exit 4
+export RBSIM_MODULE_DIR=${RBSIM%/*}
+umount /proc && mount -t tmpfs none /proc
+"$RBSIM" sweep t.lua --param r=0.1,0.2 -o bare 2>err
+[ $? -eq 69 ] && grep -q '/proc/self/exe does not say' err && [ ! -e bare/point-00000.log ] || exit 5
+mkdir /proc/self && ln -s x /proc/self/exe
+"$RBSIM" sweep t.lua --param r=0.1,0.2 -o bare 2>err
+[ $? -eq 69 ] && grep -q "but 'x'" err || exit 6
+"$RBSIM" verify s05 2>err
+[ $? -eq 66 ] && grep -q 'cannot find the cases' err || exit 7
 END
 	unshare -rm sh bare.sh >bare.out 2>&1
 	got=$?
