@@ -49,7 +49,7 @@ sees '^ready> *$'
 given_back
 
 # no UTF-8, no colours, no cursor: characters alone, and an error that says it
-tmux -L "$TERMINAL" kill-server
+terminal_ends
 TERMINAL=rbsim-$$-plain
 terminal 100 30 LC_ALL=C TERM=vt100
 enters "$RBSIM console s.h5"

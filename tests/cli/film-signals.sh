@@ -20,11 +20,11 @@ ends()
 	until_true sh -c 'find . -name "*.png" -o -name "*film*" | grep -q .'
 	sleep 0.5
 	kill -"$signal" $pid
-	for _ in $(seq 50); do
+	for _ in $(seq 600); do
 		kill -0 $pid 2>/dev/null || break
 		sleep 0.1
 	done
-	kill -0 $pid 2>/dev/null && fail "rbsim $*: still there five seconds after SIG$signal"
+	kill -0 $pid 2>/dev/null && fail "rbsim $*: still there a minute after SIG$signal"
 	wait $pid
 	got=$?
 	pid=
