@@ -5,7 +5,7 @@
 
 #include <stdlib.h>
 
-#include "event/together.h"
+#include "constraint/simultaneous.h"
 #include "geom/hull.h"
 #include "geom/mass.h"
 #include "keller.h"
@@ -264,11 +264,11 @@ static inline struct keller_impact impacts_perturbed(const struct keller_impact 
 	return p;
 }
 
-static inline struct rb_joint_body impacts_joint_body(const struct keller_body *body)
+static inline struct rb_solver_body impacts_joint_body(const struct keller_body *body)
 {
-	struct rb_joint_body out = {.inverse_mass = body->inverse_mass,
-	                            .linear = body->linear,
-	                            .angular = body->angular};
+	struct rb_solver_body out = {.inverse_mass = body->inverse_mass,
+	                             .linear = body->linear,
+	                             .angular = body->angular};
 
 	if (!(body->inverse_mass > 0))
 		return out;
@@ -282,25 +282,25 @@ static inline struct rb_joint_body impacts_joint_body(const struct keller_body *
 
 /* The same by the program; `after`: bodies, or NULL. */
 static inline rb_vec3 impacts_program(const struct keller_impact *impact,
-                                      struct rb_joint_body *after)
+                                      struct rb_solver_body *after)
 {
 	struct rb_arena arena = {0};
-	struct rb_joint_body body[2] = {impacts_joint_body(&impact->body[0]),
-	                                impacts_joint_body(&impact->body[1])};
-	struct rb_joint_contact contact = {.a = 0,
-	                                   .b = 1,
-	                                   .normal = impact->normal,
-	                                   .arm_a = impact->body[0].arm,
-	                                   .arm_b = impact->body[1].arm,
-	                                   .friction = impact->friction,
-	                                   .restitution = impact->restitution};
-	struct rb_joint joint = {.body = body,
-	                         .body_count = 2,
-	                         .contact = &contact,
-	                         .contact_count = 1,
-	                         .arena = &arena};
+	struct rb_solver_body body[2] = {impacts_joint_body(&impact->body[0]),
+	                                 impacts_joint_body(&impact->body[1])};
+	struct rb_solver_contact contact = {.a = 0,
+	                                    .b = 1,
+	                                    .normal = impact->normal,
+	                                    .arm_a = impact->body[0].arm,
+	                                    .arm_b = impact->body[1].arm,
+	                                    .friction = impact->friction,
+	                                    .restitution = impact->restitution};
+	struct rb_simultaneous joint = {.body = body,
+	                                .body_count = 2,
+	                                .contact = &contact,
+	                                .contact_count = 1,
+	                                .arena = &arena};
 
-	rb_joint_impact(&joint, NULL);
+	rb_simultaneous_impact(&joint, NULL);
 	rb_arena_release(&arena);
 	if (after)
 		memcpy(after, body, sizeof body);

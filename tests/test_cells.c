@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* src/event/cells.c: nobody comes within touch without having been listed */
+/* src/located/cells.c: nobody comes within touch without having been listed */
 #include "support.h"
 
 #include "base/memory.h"
-#include "event/cells.h"
-#include "event/queue.h"
+#include "located/cells.h"
+#include "located/queue.h"
 #include "math/random.h"
 #include "math/vec3.h"
 
@@ -36,7 +36,7 @@ static struct rb_cells *make(int count)
 	for (int body = 0; body < count; body++)
 		rb_vec3_to(&position[3 * body], place[body]);
 	assert_ok(rb_cells_create(&cells, count, radius, position, &err));
-	assert_int_equal(rb_cells_most(cells), count);
+	assert_int_equal(rb_cells_max(cells), count);
 	return cells;
 }
 
@@ -56,7 +56,7 @@ static void mark_list(bool *mark, int count, int body, int found)
 
 static void mark_near(const struct rb_cells *cells, bool *mark, int body)
 {
-	const int count = rb_cells_most(cells);
+	const int count = rb_cells_max(cells);
 
 	out[count] = untouched;
 	mark_list(mark, count, body, rb_cells_near(cells, body, out));
@@ -81,7 +81,7 @@ static double distance(rb_vec3 a, rb_vec3 b)
 /* Everybody within touch of the body at `now` is near it. Returns how many touch. */
 static int assert_complete(const struct rb_cells *cells, int body, double now)
 {
-	const int count = rb_cells_most(cells);
+	const int count = rb_cells_max(cells);
 	const rb_vec3 at = at_time(body, now);
 	int touching = 0;
 
@@ -387,7 +387,7 @@ static void a_body_at_a_wall_goes_one_way(void **state)
 static void companions_stay_near_however_far_they_go(void **state)
 {
 	struct rb_cells *cells = make_lattice(5, 2);
-	const int count = rb_cells_most(cells), pair[2] = {31, 36};
+	const int count = rb_cells_max(cells), pair[2] = {31, 36};
 
 	(void)state;
 	for (int i = 0; i < 2; i++) {
@@ -482,14 +482,14 @@ static void few_bodies_are_always_near_and_never_leave(void **state)
 	struct rb_error err;
 
 	assert_ok(rb_cells_create(&cells, 0, NULL, NULL, &err));
-	assert_int_equal(rb_cells_most(cells), 0);
+	assert_int_equal(rb_cells_max(cells), 0);
 	rb_cells_destroy(cells);
 	rb_cells_destroy(NULL);
 }
 
 static double mean_near(const struct rb_cells *cells)
 {
-	const int count = rb_cells_most(cells);
+	const int count = rb_cells_max(cells);
 	double sum = 0;
 
 	for (int body = 0; body < count; body++)

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* src/step/eccentric: against an integration of its own (tests/keller.h), and what holds for every impact. */
+/* src/constraint/eccentric: against an integration of its own (tests/keller.h), and what holds for every impact. */
 #include "support.h"
 
 #include "impacts.h"
-#include "step/eccentric.h"
+#include "constraint/eccentric.h"
 
 /*
  * What goes in is rounded, K in some fifty operations: a hundred times its last digit, times the condition. The largest of
@@ -26,7 +26,7 @@ static void impulses_are_those_of_the_integration(void **slot)
 
 static rb_mat3 yield_of(const struct keller_impact *impact)
 {
-	rb_mat3 yield;
+	rb_mat3 inverse_effective_mass;
 
 	for (int j = 0; j < 3; j++) {
 		const real axis[3] = {j == 0, j == 1, j == 2};
@@ -35,9 +35,9 @@ static rb_mat3 yield_of(const struct keller_impact *impact)
 		keller_answer(&impact->body[0], axis, of_a);
 		keller_answer(&impact->body[1], axis, of_b);
 		for (int i = 0; i < 3; i++)
-			yield.m[i][j] = (double)(of_a[i] + of_b[i]);
+			inverse_effective_mass.m[i][j] = (double)(of_a[i] + of_b[i]);
 	}
-	return yield;
+	return inverse_effective_mass;
 }
 
 static struct rb_eccentric contact_of(const struct keller_impact *impact)
@@ -62,7 +62,8 @@ static void mirror_images_and_exchanged_bodies_come_out_to_the_bit(void **slot)
 			struct rb_eccentric image = contact;
 
 			for (int i = 0; i < 9; i++)
-				image.yield.m[i / 3][i % 3] *= sign[i / 3] * sign[i % 3];
+				image.inverse_effective_mass.m[i / 3][i % 3] *= sign[i / 3] *
+				                                                sign[i % 3];
 			image.normal = (rb_vec3){sign[0] * contact.normal.x,
 			                         sign[1] * contact.normal.y,
 			                         sign[2] * contact.normal.z};
@@ -115,14 +116,14 @@ static void every_impact_has_an_end_and_a_finite_impulse(void **slot)
 		const double most = impacts_decades(&r, -wide, wide);
 
 		for (int i = 0; i < 9; i++)
-			contact.yield.m[i / 3][i % 3] *= k % 3 ? most
-			                                       : most * impacts_decades(
-										&r, -0.1 * wide, 0);
+			contact.inverse_effective_mass.m[i / 3][i % 3] *=
+				k % 3 ? most : most * impacts_decades(&r, -0.1 * wide, 0);
 		contact.friction = impacts_decades(&r, -wide, wide);
 		const double speed = impacts_decades(&r, -wide, wide);
 		const rb_vec3 u = rb_vec3_scale(speed, impacts_velocity(&impact));
 		const rb_vec3 impulse = rb_eccentric_impulse(&contact, u);
-		const rb_vec3 after = rb_vec3_add(u, rb_mat3_apply(&contact.yield, impulse));
+		const rb_vec3 after = rb_vec3_add(
+			u, rb_mat3_apply(&contact.inverse_effective_mass, impulse));
 
 		assert_true(rb_vec3_finite(impulse));
 		/* where the products below are numbers */

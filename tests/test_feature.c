@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* src/event/feature.c */
+/* src/located/feature.c */
 #include "shapes.h"
 
-#include "event/feature.h"
+#include "located/feature.h"
 
 typedef struct rb_feature_side side;
 
@@ -42,7 +42,7 @@ static double apart(rb_vec3 a, rb_vec3 b)
 static bool meet(struct rb_feature_point *out, const side *a, const side *b, uint64_t key,
                  rb_vec3 near)
 {
-	return rb_feature_meet(out, a, b, key) || rb_feature_curves(out, a, b, key, near);
+	return rb_feature_contact(out, a, b, key) || rb_feature_curves(out, a, b, key, near);
 }
 
 static void assert_rates(const side *a, const side *b, uint64_t key, rb_vec3 near)
@@ -186,7 +186,7 @@ static void crossing_of_nearly_parallel_edges_keeps_the_normal_of_the_face(void 
 		struct rb_feature_point p;
 
 		crossings += key != manifold.point[k].key;
-		assert_true(rb_feature_meet(&p, &a, &b, key));
+		assert_true(rb_feature_contact(&p, &a, &b, key));
 		assert_true(p.normal.z == 1 && p.normal.x == 0 && p.normal.y == 0);
 	}
 	assert_true(crossings >= 4);
@@ -211,7 +211,7 @@ static void a_corner_that_passes_the_side_of_a_face_is_outside(void **slot)
 				up = f;
 		const uint64_t key = (uint64_t)rb_part_of(RB_PART_FACE, up) << 32 |
 		                     rb_part_of(RB_PART_VERTEX, 4);
-		assert_true(rb_feature_meet(&p, &a, &b, key));
+		assert_true(rb_feature_contact(&p, &a, &b, key));
 		assert_near(p.inside, k ? -0.125 : 0.125, 1e-15);
 		assert_near(p.inside_rate, -3, 1e-15);
 	}
@@ -241,11 +241,11 @@ static void what_takes_over_leads_to_the_feature_that_is_nearest(void **slot)
 			struct rb_feature_point p;
 			int steps = 0;
 
-			assert_true(rb_feature_meet(&p, &a, &b, key));
+			assert_true(rb_feature_contact(&p, &a, &b, key));
 			for (; p.inside < 0 && steps < 12; steps++) {
 				key = rb_feature_beyond(&a, &b, key, &p);
 				assert_true(key != 0);
-				assert_true(rb_feature_meet(&p, &a, &b, key));
+				assert_true(rb_feature_contact(&p, &a, &b, key));
 			}
 			/* the far side of a body is no neighbour of what is nearest */
 			if (rb_vec3_dot(p.normal, touch.normal) < 0.5)
@@ -283,7 +283,7 @@ static void the_lowest_point_of_a_rim_is_exact_at_every_tilt(void **slot)
 		struct rb_feature_point p;
 
 		a.spin = rb_vec3_scale(w, way);
-		assert_true(rb_feature_meet(&p, &a, &b, key));
+		assert_true(rb_feature_contact(&p, &a, &b, key));
 		assert_near(p.gap, 1 - half * cos(tilt) - r * sin(tilt), 2e-15);
 		assert_near(p.point_rate.z, w * (half * sin(tilt) - r * cos(tilt)), 1e-14);
 	}

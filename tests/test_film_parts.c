@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* src/film/parts.c, apart.c: how large bodies are in pictures, how far away, and which spheres overlap. */
-#include "film/parts.h"
+/* src/film/extents.c, apart.c: how large bodies are in pictures, how far away, and which spheres overlap. */
+#include "film/extents.h"
 
-#include "film/apart.h"
+#include "film/isolated.h"
 #include "math/vec3.h"
 #include "solids.h"
 #include "worlds.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* src/film/solids.c and its rooms: boxes, capsules, cylinders, hulls and unions in pictures. */
-#include "film/solids.h"
+/* src/film/solid_shapes.c and its rooms: boxes, capsules, cylinders, hulls and unions in pictures. */
+#include "film/solid_shapes.h"
 
 #include "film/mesh.h"
 #include "math/quat.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* src/step/impulse: single impacts, central and eccentric. */
+/* src/constraint/impulse: single impacts, central and eccentric. */
 #include "support.h"
 
 #include "math/random.h"
-#include "step/impulse.h"
+#include "constraint/impulse.h"
 
 static double pick(uint64_t stream, uint64_t k, double low, double high)
 {
@@ -37,12 +37,15 @@ static struct rb_link random_link(uint64_t k)
 		                      torque.z / inertia.z};
 		const rb_vec3 dv = rb_vec3_add_scaled(rb_vec3_cross(turn, arm), 1 / mass, unit);
 
-		link.yield.m[0][column] = dv.x;
-		link.yield.m[1][column] = dv.y;
-		link.yield.m[2][column] = dv.z;
+		link.inverse_effective_mass.m[0][column] = dv.x;
+		link.inverse_effective_mass.m[1][column] = dv.y;
+		link.inverse_effective_mass.m[2][column] = dv.z;
 	}
-	link.normal_yield = rb_vec3_dot(link.normal, rb_mat3_apply(&link.yield, link.normal));
-	link.tangent_yield = link.yield.m[0][0] + link.yield.m[1][1] + link.yield.m[2][2];
+	link.normal_inverse_mass = rb_vec3_dot(
+		link.normal, rb_mat3_apply(&link.inverse_effective_mass, link.normal));
+	link.tangent_inverse_mass = link.inverse_effective_mass.m[0][0] +
+	                            link.inverse_effective_mass.m[1][1] +
+	                            link.inverse_effective_mass.m[2][2];
 	return link;
 }
 
@@ -57,7 +60,8 @@ static void an_impact_never_raises_kinetic_energy(void **slot)
 			u = rb_vec3_neg(u);
 		const double approach = -rb_vec3_dot(u, link.normal);
 		const rb_vec3 impulse = rb_link_impact(&link, u, link.restitution * approach);
-		const rb_vec3 after = rb_vec3_add(u, rb_mat3_apply(&link.yield, impulse));
+		const rb_vec3 after = rb_vec3_add(
+			u, rb_mat3_apply(&link.inverse_effective_mass, impulse));
 		const double normal = rb_vec3_dot(impulse, link.normal);
 		const rb_vec3 tangent = rb_vec3_add_scaled(impulse, -normal, link.normal);
 		const double change = 0.5 * rb_vec3_dot(impulse, rb_vec3_add(u, after));
@@ -78,22 +82,24 @@ static void a_frictionless_rod_follows_newton(void **slot)
 		     rz = -a * sqrt(0.5);
 
 	(void)slot;
-	link.yield = (rb_mat3){{{1 / m + rz * rz / inertia, 0, -rx * rz / inertia},
-	                        {0, 1 / m + (rx * rx + rz * rz) / inertia, 0},
-	                        {-rx * rz / inertia, 0, 1 / m + rx * rx / inertia}}};
-	link.normal_yield = link.yield.m[2][2];
+	link.inverse_effective_mass = (rb_mat3){
+		{{1 / m + rz * rz / inertia, 0, -rx * rz / inertia},
+	         {0, 1 / m + (rx * rx + rz * rz) / inertia, 0},
+	         {-rx * rz / inertia, 0, 1 / m + rx * rx / inertia}}};
+	link.normal_inverse_mass = link.inverse_effective_mass.m[2][2];
 	const rb_vec3 impulse = rb_link_impact(&link, (rb_vec3){0, 0, -2}, 1);
-	assert_near(impulse.z, 3 / link.normal_yield, 1e-12);
+	assert_near(impulse.z, 3 / link.normal_inverse_mass, 1e-12);
 	assert_near(impulse.x, 0, 1e-15);
 
 	/* with much friction the end sticks: the process runs along K (n + x t) with no slip */
 	link.friction = 10;
-	link.tangent_yield = link.yield.m[0][0];
+	link.tangent_inverse_mass = link.inverse_effective_mass.m[0][0];
 	const rb_vec3 rough = rb_link_impact(&link, (rb_vec3){0, 0, -2}, 1);
-	const double x = -link.yield.m[0][2] / link.yield.m[0][0];
-	const double yield = link.yield.m[2][2] + x * link.yield.m[0][2];
-	assert_near(rough.z, 3 / yield, 1e-9);
-	assert_near(rough.x, x * 3 / yield, 1e-9);
+	const double x = -link.inverse_effective_mass.m[0][2] / link.inverse_effective_mass.m[0][0];
+	const double inverse_effective_mass = link.inverse_effective_mass.m[2][2] +
+	                                      x * link.inverse_effective_mass.m[0][2];
+	assert_near(rough.z, 3 / inverse_effective_mass, 1e-9);
+	assert_near(rough.x, x * 3 / inverse_effective_mass, 1e-9);
 }
 
 /* Chung and Ooi's test 4 in the rigid limit (section 5 of Kharaz, Gorham, Salman 2001): sphere on wall, mu 0.092, e 0.98. */
@@ -107,8 +113,8 @@ static void an_oblique_sphere_sticks_or_slips_as_coulomb_says(void **slot)
 	                       .central = true,
 	                       .friction = 0.092,
 	                       .restitution = 0.98,
-	                       .normal_yield = 1,
-	                       .tangent_yield = 3.5};
+	                       .normal_inverse_mass = 1,
+	                       .tangent_inverse_mass = 3.5};
 
 	(void)slot;
 	for (size_t k = 0; k < sizeof table / sizeof table[0]; k++) {
@@ -135,7 +141,8 @@ static void every_impact_gives_back_what_compression_left(void **slot)
 			u = rb_vec3_neg(u);
 		const double approach = -rb_vec3_dot(u, link.normal);
 		const rb_vec3 impulse = rb_link_impact(&link, u, 0.5 * approach);
-		const rb_vec3 after = rb_vec3_add(u, rb_mat3_apply(&link.yield, impulse));
+		const rb_vec3 after = rb_vec3_add(
+			u, rb_mat3_apply(&link.inverse_effective_mass, impulse));
 
 		assert_true(rb_vec3_dot(after, link.normal) > 0.1 * approach);
 	}

@@ -5,7 +5,7 @@
 #include "solids.h"
 #include "worlds.h"
 
-#include "event/touch.h"
+#include "located/convex_contact.h"
 #include "world/world.h"
 
 static struct rb_body_def solid_def(enum rb_shape_kind kind, double x, double y, double z)
@@ -584,8 +584,8 @@ static void a_point_within_its_features_is_passed_on_to_itself(void **slot)
 		bench_seal(&bench);
 		const struct rb_located *const l = bench.lab.world->located;
 		const struct rb_pose a = rb_arc_pose(l, 0, 0), b = rb_arc_pose(l, 1, 0);
-		const struct rb_meet m = rb_touch_nearest(l, 0, 1, &a, &b);
-		const struct rb_meet passed = rb_touch_passed_on(l, &m);
+		const struct rb_contact_point m = rb_touch_nearest(l, 0, 1, &a, &b);
+		const struct rb_contact_point passed = rb_touch_passed_on(l, &m);
 		if (m.inside >= 0) {
 			seen++;
 			assert_true(passed.key == m.key);

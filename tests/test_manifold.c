@@ -3,7 +3,7 @@
 #include "shapes.h"
 
 #include "geom/manifold.h"
-#include "geom/overlay.h"
+#include "geom/patch_overlap.h"
 
 static const double band = 1e-9;
 

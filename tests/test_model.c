@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* src/model/model.c, src/model/check.c, src/model/features.c */
+/* src/model/model.c, src/model/validate.c, src/model/features.c */
 #include "support.h"
 
 #include <float.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* src/event/queue.c: always what a look at all bodies would find */
+/* src/located/queue.c: always what a look at all bodies would find */
 #include "support.h"
 
 #include "base/memory.h"
-#include "event/queue.h"
+#include "located/queue.h"
 #include "math/random.h"
 
 enum { MOST = 700 };

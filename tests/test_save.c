@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* src/step/save.c, src/event/freeze.c, src/base/pack.c */
+/* src/method/save.c, src/located/freeze.c, src/base/pack.c */
 #include "worlds.h"
 
 #include "base/memory.h"
 #include "base/pack.h"
 #include "flow/frame.h"
-#include "step/save.h"
+#include "method/save.h"
 
 static const rb_vec3 up = {0, 0, 1};
 static const rb_vec3 none = {0, 0, 0};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* src/script/forces, functions, hooks: springs, drag, fields, driven bodies and transitions as a scene states them */
+/* src/script/force_calls, functions, hooks: springs, drag, fields, driven bodies and transitions as a scene states them */
 #include "support.h"
 
 #include <rbsim/model.h>

@@ -4,7 +4,7 @@
 #include "worlds.h"
 
 #include "base/pack.h"
-#include "step/save.h"
+#include "method/save.h"
 #include "world/world.h"
 
 static const double g = 9.81;

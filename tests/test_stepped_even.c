@@ -8,45 +8,46 @@
 enum { CORNERS = 4 };
 
 /* A box of 2 kg on what does not yield, at four corners: pushes at random, friction within the cones, at one of them at its edge. */
-struct stand {
-	struct rb_dense_body body[2];
-	struct rb_dense_row row[CORNERS];
-	struct rb_dense dense;
+struct sleep {
+	struct rb_system_body body[2];
+	struct rb_system_row row[CORNERS];
+	struct rb_row_system dense;
 };
 
-static void lay(struct stand *stand, uint64_t series)
+static void lay(struct sleep *sleep, uint64_t series)
 {
-	*stand = (struct stand){
+	*sleep = (struct sleep){
 		.body = {{.inverse_mass = 0}, {.inverse_mass = 0.5, .inverse_inertia = 0.8}}};
 	for (int k = 0; k < CORNERS; k++) {
 		const uint64_t of = 100 + 4 * (uint64_t)k;
-		struct rb_dense_row *const row = &stand->row[k];
+		struct rb_system_row *const row = &sleep->row[k];
 		const double push = solids_random(series, of, 0.1, 1);
 		const double share = k == 0 ? 1 : solids_random(series, of + 1, 0, 1);
 		const double way = solids_random(series, of + 2, -3, 3);
 
-		*row = (struct rb_dense_row){.a = 0,
-		                             .b = 1,
-		                             .point = k,
-		                             .normal = {0, 0, 1},
-		                             .arm_b = {k % 2 ? 1 : -1, k / 2 ? 0.7 : -0.7, -0.5},
-		                             .yield_n = 1,
-		                             .yield_t = 1,
-		                             .friction = 0.4,
-		                             .push = push};
-		row->rub = rb_vec3_scale(share * 0.4 * push, (rb_vec3){cos(way), sin(way), 0});
+		*row = (struct rb_system_row){.a = 0,
+		                              .b = 1,
+		                              .point = k,
+		                              .normal = {0, 0, 1},
+		                              .arm_b = {k % 2 ? 1 : -1, k / 2 ? 0.7 : -0.7, -0.5},
+		                              .inverse_mass_n = 1,
+		                              .inverse_mass_t = 1,
+		                              .friction = 0.4,
+		                              .push = push};
+		row->friction_impulse = rb_vec3_scale(share * 0.4 * push,
+		                                      (rb_vec3){cos(way), sin(way), 0});
 	}
-	stand->dense = (struct rb_dense){
-		.body = stand->body, .row = stand->row, .row_count = CORNERS};
+	sleep->dense = (struct rb_row_system){
+		.body = sleep->body, .row = sleep->row, .row_count = CORNERS};
 }
 
 /* What the impulses are to the box: force, and torque about its centre. */
-static void load_of(const struct stand *stand, bool whole, rb_vec3 *force, rb_vec3 *torque)
+static void load_of(const struct sleep *sleep, bool whole, rb_vec3 *force, rb_vec3 *torque)
 {
 	*force = *torque = (rb_vec3){0, 0, 0};
 	for (int k = 0; k < CORNERS; k++) {
-		const struct rb_dense_row *const row = &stand->row[k];
-		const rb_vec3 impulse = whole ? rb_dense_impulse(row)
+		const struct rb_system_row *const row = &sleep->row[k];
+		const rb_vec3 impulse = whole ? rb_system_impulse(row)
 		                              : rb_vec3_scale(row->push, row->normal);
 
 		*force = rb_vec3_add(*force, impulse);
@@ -70,39 +71,42 @@ static void pushes_become_even_and_do_the_same(void **state)
 	(void)state;
 	for (uint64_t series = 0; series < 100; series++) {
 		rb_vec3 force[2], torque[2], whole[2], turn[2];
-		struct stand stand, before;
+		struct sleep sleep, before;
 
-		lay(&stand, series);
-		before = stand;
-		assert_true(rb_even(&stand.dense, 1e-9, 1e9, &arena));
+		lay(&sleep, series);
+		before = sleep;
+		assert_true(rb_even(&sleep.dense, 1e-9, 1e9, &arena));
 		load_of(&before, false, &force[0], &torque[0]);
-		load_of(&stand, false, &force[1], &torque[1]);
+		load_of(&sleep, false, &force[1], &torque[1]);
 		assert_same(force[0], force[1]);
 		assert_same(torque[0], torque[1]);
 		double least = 1;
 		for (int k = 0; k < CORNERS; k++)
-			least = fmin(least, stand.row[k].push);
+			least = fmin(least, sleep.row[k].push);
 		assert_true(least >= 0);
 		if (least > 0)
-			assert_near(stand.row[0].push - stand.row[1].push - stand.row[2].push +
-			                    stand.row[3].push,
+			assert_near(sleep.row[0].push - sleep.row[1].push - sleep.row[2].push +
+			                    sleep.row[3].push,
 			            0, 1e-14);
 		for (int k = 0; k < CORNERS; k++) {
-			const struct rb_dense_row *const row = &stand.row[k];
-			const double rub = rb_vec3_length(row->rub);
-			const rb_vec3 off = rb_vec3_cross(row->rub, before.row[k].rub);
+			const struct rb_system_row *const row = &sleep.row[k];
+			const double friction_impulse = rb_vec3_length(row->friction_impulse);
+			const rb_vec3 off = rb_vec3_cross(row->friction_impulse,
+			                                  before.row[k].friction_impulse);
 
-			assert_true(rub <= row->friction * row->push + 1e-15);
+			assert_true(friction_impulse <= row->friction * row->push + 1e-15);
 			assert_near(rb_vec3_length(off), 0, 1e-15);
-			cut += k > 0 && rub < rb_vec3_length(before.row[k].rub);
+			cut += k > 0 &&
+			       friction_impulse < rb_vec3_length(before.row[k].friction_impulse);
 		}
-		assert_near(rb_vec3_length(stand.row[0].rub), 0.4 * stand.row[0].push, 1e-15);
+		assert_near(rb_vec3_length(sleep.row[0].friction_impulse), 0.4 * sleep.row[0].push,
+		            1e-15);
 		/* the bodies have what the impulses have changed by */
 		load_of(&before, true, &whole[0], &turn[0]);
-		load_of(&stand, true, &whole[1], &turn[1]);
-		assert_same(stand.body[1].linear,
+		load_of(&sleep, true, &whole[1], &turn[1]);
+		assert_same(sleep.body[1].linear,
 		            rb_vec3_scale(0.5, rb_vec3_sub(whole[1], whole[0])));
-		assert_same(stand.body[1].angular,
+		assert_same(sleep.body[1].angular,
 		            rb_vec3_scale(0.8, rb_vec3_sub(turn[1], turn[0])));
 		rb_arena_reset(&arena);
 	}
@@ -113,17 +117,17 @@ static void pushes_become_even_and_do_the_same(void **state)
 static void what_does_not_slide_or_would_take_too_long_is_left(void **state)
 {
 	struct rb_arena arena = {0};
-	struct stand stand, before;
+	struct sleep sleep, before;
 
 	(void)state;
-	lay(&stand, 1);
-	before = stand;
-	assert_false(rb_even(&stand.dense, 1e-9, 10, &arena));
-	assert_memory_equal(stand.row, before.row, sizeof stand.row);
-	stand.row[0].rub = (rb_vec3){0, 0, 0};
-	before = stand;
-	assert_false(rb_even(&stand.dense, 1e-9, 1e9, &arena));
-	assert_memory_equal(stand.row, before.row, sizeof stand.row);
+	lay(&sleep, 1);
+	before = sleep;
+	assert_false(rb_even(&sleep.dense, 1e-9, 10, &arena));
+	assert_memory_equal(sleep.row, before.row, sizeof sleep.row);
+	sleep.row[0].friction_impulse = (rb_vec3){0, 0, 0};
+	before = sleep;
+	assert_false(rb_even(&sleep.dense, 1e-9, 1e9, &arena));
+	assert_memory_equal(sleep.row, before.row, sizeof sleep.row);
 	rb_arena_release(&arena);
 }
 

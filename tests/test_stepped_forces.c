@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped/force, src/stepped/driven: springs, drag, fields and driven bodies under steps. */
+/* src/stepped/force, src/stepped/driven_bodies: springs, drag, fields and driven bodies under steps. */
 #include "worlds.h"
 
 #include "base/pack.h"
-#include "step/forces.h"
-#include "step/save.h"
+#include "step/force_stages.h"
+#include "method/save.h"
 
 static const double g = 9.81;
 static const rb_vec3 origin = {0, 0, 0}, up = {0, 0, 1};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped/apart: what fails goes back for the bodies concerned, and nobody else feels it. */
+/* src/stepped/local_rollback: what fails goes back for the bodies concerned, and nobody else feels it. */
 #include "worlds.h"
 
 #include "base/memory.h"

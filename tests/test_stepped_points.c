@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped/near, src/stepped/touch: what was far apart is not looked at again until it could be near. */
+/* src/stepped/candidates, src/stepped/contact_points: what was far apart is not looked at again until it could be near. */
 #include "worlds.h"
 
-#include "stepped/close.h"
+#include "stepped/projection.h"
 #include "stepped/inside.h"
 #include "stepped/stepped.h"
 #include "world/world.h"
@@ -116,7 +116,7 @@ static void what_may_be_closed_follows_the_faster_turn(void **state)
 			memset(lab.world->mark.spin, 0, 6 * sizeof(double));
 			lab.world->mark.spin[3 * body + 1] = spins[k][0];
 			lab.world->state.spin[3 * body + 2] = spins[k][1];
-			const double here = rb_close_most(lab.world, &deep, 1e-3);
+			const double here = rb_projection_max(lab.world, &deep, 1e-3);
 			assert_true(body == 0 || here == most[k]);
 			most[k] = here;
 		}
@@ -147,7 +147,7 @@ static void what_turns_in_place_has_gone_its_size_times_its_angle(void **state)
 		add_box(&lab, (rb_vec3){1, 1, 1}, (rb_vec3){1.9, 0, 0}, none, none);
 		lab_seal(&lab, 1);
 		lab_step(&lab);
-		const struct rb_near *const near = &lab.world->stepped->near;
+		const struct rb_candidates *const near = &lab.world->stepped->near;
 		const double before = near->path[0], since = rb_world_time(lab.world);
 		for (int n = 0; n < 20; n++)
 			lab_step(&lab);
@@ -178,7 +178,7 @@ static void steps_take_over_what_was_located(void **state)
 	assert_true(world->contacts.count >= 2);
 	assert_int_equal(rb_stepped_prepare(world, &lab.error), RB_OK);
 	assert_int_equal(rb_stepped_take_over(world, &lab.error), RB_OK);
-	const struct rb_points *points = &world->stepped->all.points;
+	const struct rb_step_points *points = &world->stepped->all.points;
 	const int *at = world->model->index_of;
 
 	assert_int_equal(points->last_count, 2);

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* src/stepped/stand: what stands is not looked at, and nothing comes out otherwise for it. */
+/* src/stepped/sleep: what stands is not looked at, and nothing comes out otherwise for it. */
 #include "worlds.h"
 
 #include "base/pack.h"
-#include "step/save.h"
+#include "method/save.h"
 #include "stepped/inside.h"
 #include "world/world.h"
 
@@ -125,7 +125,7 @@ static void seal(struct lab *lab, struct course *course)
 	const struct rb_world_hooks hooks = {.user = course, .motion = motion, .step = on_step};
 
 	lab_seal_with(lab, &options, &hooks);
-	lab->world->stepped->stand.off = course->off;
+	lab->world->stepped->sleep.off = course->off;
 }
 
 static void run(struct course *course)
@@ -137,7 +137,7 @@ static void run(struct course *course)
 	for (int k = 0; k < FRAMES; k++) {
 		lab_step(&lab);
 		course->hash[k] = rb_world_hash(lab.world);
-		course->standing[k] = lab.world->stepped->stand.count;
+		course->standing[k] = lab.world->stepped->sleep.count;
 		if (k + 1 != course->pack_at)
 			continue;
 		struct rb_pack saved = {0};

@@ -12,9 +12,9 @@ static const double friction = 0.5, step_s = 1.0 / 240;
 
 /* Balls in a lattice on a floor, which touch and move at random: made anew by `make`. */
 struct heap {
-	struct rb_dense dense;
-	struct rb_dense_body body[BODIES + 1], free[BODIES + 1];
-	struct rb_dense_row row[ROWS_MOST];
+	struct rb_row_system dense;
+	struct rb_system_body body[BODIES + 1], free[BODIES + 1];
+	struct rb_system_row row[ROWS_MOST];
 	rb_mat3 tensor[BODIES + 1]; /* of bodies that are no balls */
 	int member[BODIES], local[BODIES + 1];
 	struct rb_arena arena;
@@ -22,26 +22,27 @@ struct heap {
 
 static void add_row(struct heap *heap, int a, int b, rb_vec3 normal)
 {
-	struct rb_dense_row *row = &heap->row[heap->dense.row_count];
-	const struct rb_dense_body *p = &heap->body[a], *q = &heap->body[b];
+	struct rb_system_row *row = &heap->row[heap->dense.row_count];
+	const struct rb_system_body *p = &heap->body[a], *q = &heap->body[b];
 
-	*row = (struct rb_dense_row){.a = a,
-	                             .b = b,
-	                             .point = heap->dense.row_count,
-	                             .central = true,
-	                             .normal = normal,
-	                             .arm_a = {0.5, 0, 0},
-	                             .arm_b = {b < BODIES ? -0.5 : 0, 0, 0},
-	                             .friction = friction};
-	row->yield_n = p->inverse_mass + q->inverse_mass;
-	row->yield_t = row->yield_n + 0.25 * (p->inverse_inertia + q->inverse_inertia);
+	*row = (struct rb_system_row){.a = a,
+	                              .b = b,
+	                              .point = heap->dense.row_count,
+	                              .central = true,
+	                              .normal = normal,
+	                              .arm_a = {0.5, 0, 0},
+	                              .arm_b = {b < BODIES ? -0.5 : 0, 0, 0},
+	                              .friction = friction};
+	row->inverse_mass_n = p->inverse_mass + q->inverse_mass;
+	row->inverse_mass_t = row->inverse_mass_n +
+	                      0.25 * (p->inverse_inertia + q->inverse_inertia);
 	heap->dense.row_count++;
 }
 
 /* What a body gives way by to a unit impulse along n. */
 static double yield_of(const struct heap *heap, int body, rb_vec3 arm, rb_vec3 n)
 {
-	const rb_vec3 turn = rb_dense_turn(&heap->dense, body, rb_vec3_cross(arm, n));
+	const rb_vec3 turn = rb_system_turn(&heap->dense, body, rb_vec3_cross(arm, n));
 
 	return heap->body[body].inverse_mass + rb_vec3_dot(rb_vec3_cross(turn, arm), n);
 }
@@ -58,7 +59,7 @@ static void spoil(struct heap *heap)
 		heap->body[i].inverse_inertia = heap->free[i].inverse_inertia = (double)NAN;
 	}
 	for (int k = 0; k < heap->dense.row_count; k++) {
-		struct rb_dense_row *row = &heap->row[k];
+		struct rb_system_row *row = &heap->row[k];
 		const rb_vec3 x = rb_vec3_across(row->normal), y = rb_vec3_cross(row->normal, x);
 		const rb_vec3 aside = rb_vec3_add(rb_vec3_scale(0.2 * (k % 3 - 1), x),
 		                                  rb_vec3_scale(0.1 * (k % 4), y));
@@ -66,12 +67,12 @@ static void spoil(struct heap *heap)
 		row->central = false;
 		row->arm_a = rb_vec3_add_scaled(aside, 0.5, row->normal);
 		row->arm_b = rb_vec3_add_scaled(aside, -0.5, row->normal);
-		row->yield_n = yield_of(heap, row->a, row->arm_a, row->normal) +
-		               yield_of(heap, row->b, row->arm_b, row->normal);
-		row->yield_t = 0;
+		row->inverse_mass_n = yield_of(heap, row->a, row->arm_a, row->normal) +
+		                      yield_of(heap, row->b, row->arm_b, row->normal);
+		row->inverse_mass_t = 0;
 		for (int e = 0; e < 2; e++) /* no less than the larger */
-			row->yield_t += yield_of(heap, row->a, row->arm_a, e ? x : y) +
-			                yield_of(heap, row->b, row->arm_b, e ? x : y);
+			row->inverse_mass_t += yield_of(heap, row->a, row->arm_a, e ? x : y) +
+			                       yield_of(heap, row->b, row->arm_b, e ? x : y);
 	}
 }
 
@@ -80,15 +81,16 @@ static struct heap *make(double speed)
 	struct heap *heap = calloc(1, sizeof *heap);
 
 	assert_non_null(heap);
-	heap->dense = (struct rb_dense){.body = heap->body, .row = heap->row};
+	heap->dense = (struct rb_row_system){.body = heap->body, .row = heap->row};
 	for (int i = 0; i < BODIES; i++) {
 		double v[3];
 
 		for (int k = 0; k < 3; k++)
 			v[k] = speed * (2 * rb_random_unit(7, (uint64_t)k, (uint64_t)i) - 1);
-		heap->body[i] = (struct rb_dense_body){.linear = {v[0], v[1], v[2] - 9.81 * step_s},
-		                                       .inverse_mass = 1.0 / 500,
-		                                       .inverse_inertia = 1.0 / 50};
+		heap->body[i] = (struct rb_system_body){
+			.linear = {v[0], v[1], v[2] - 9.81 * step_s},
+			.inverse_mass = 1.0 / 500,
+			.inverse_inertia = 1.0 / 50};
 		heap->member[i] = i;
 	}
 	for (int i = 0; i < BODIES; i++) {
@@ -140,21 +142,25 @@ static void look_at(const struct heap *heap, double *closing, double *any)
 	rb_sweep_warm(&again.dense);
 	*closing = *any = 0;
 	for (int k = 0; k < heap->dense.row_count; k++) {
-		const struct rb_dense_row *row = &again.row[k];
-		const rb_vec3 u = rb_dense_velocity(&again.dense, row);
+		const struct rb_system_row *row = &again.row[k];
+		const rb_vec3 u = rb_system_velocity(&again.dense, row);
 		const double u_n = rb_vec3_dot(u, row->normal);
-		const double push = fmax(0, row->push - u_n / row->yield_n);
-		rb_vec3 rub = rb_vec3_add_scaled(row->rub, -1 / row->yield_t,
-		                                 rb_vec3_reject(u, row->normal));
-		const double size = rb_vec3_length(rub);
+		const double push = fmax(0, row->push - u_n / row->inverse_mass_n);
+		rb_vec3 friction_impulse = rb_vec3_add_scaled(row->friction_impulse,
+		                                              -1 / row->inverse_mass_t,
+		                                              rb_vec3_reject(u, row->normal));
+		const double size = rb_vec3_length(friction_impulse);
 
 		assert_true(row->push >= 0);
-		assert_true(rb_vec3_length(row->rub) <= friction * row->push * (1 + 1e-12));
+		assert_true(rb_vec3_length(row->friction_impulse) <=
+		            friction * row->push * (1 + 1e-12));
 		if (size > friction * push)
-			rub = rb_vec3_scale(friction * push / size, rub);
+			friction_impulse = rb_vec3_scale(friction * push / size, friction_impulse);
 		*closing = fmax(*closing, -u_n);
-		*any = fmax(*any, fabs(push - row->push) * row->yield_n);
-		*any = fmax(*any, rb_vec3_length(rb_vec3_sub(rub, row->rub)) * row->yield_t);
+		*any = fmax(*any, fabs(push - row->push) * row->inverse_mass_n);
+		*any = fmax(*any,
+		            rb_vec3_length(rb_vec3_sub(friction_impulse, row->friction_impulse)) *
+		                    row->inverse_mass_t);
 	}
 	/* bodies are what the impulses make of them, to rounding */
 	for (int i = 0; i < BODIES; i++)
@@ -199,7 +205,7 @@ static void packs_solve_bodies_of_any_shape(void **slot)
 static void packs_of_any_shape_end_where_single_rows_do(void **slot)
 {
 	struct heap *packs = make(0.1), *rows = make(0.1);
-	struct rb_sweep one = {.dense = &rows->dense, .enough = 1e-8, .most = 5000};
+	struct rb_sweep one = {.dense = &rows->dense, .tolerance = 1e-8, .max = 5000};
 
 	(void)slot;
 	spoil(packs);
@@ -226,7 +232,7 @@ static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 {
 	struct heap *packs = make(0), *rows = make(0);
 	struct rb_sweeper sweeper = take(packs, NULL);
-	struct rb_sweep one = {.dense = &rows->dense, .enough = 1e-9, .most = 3000};
+	struct rb_sweep one = {.dense = &rows->dense, .tolerance = 1e-9, .max = 3000};
 	double weight = 0;
 
 	(void)slot;
@@ -275,18 +281,20 @@ static void holding_closes_no_gap_and_leaves_friction(void **slot)
 
 	(void)slot;
 	(void)rb_sweeper_run(&sweeper, 0, 5);
-	rb_vec3 *rub = calloc(ROWS_MOST, sizeof *rub);
-	assert_non_null(rub);
+	rb_vec3 *friction_impulse = calloc(ROWS_MOST, sizeof *friction_impulse);
+	assert_non_null(friction_impulse);
 	for (int k = 0; k < heap->dense.row_count; k++)
-		rub[k] = heap->row[k].rub;
+		friction_impulse[k] = heap->row[k].friction_impulse;
 	look_at(heap, &closing, &any);
 	assert_true(closing > 1e-3);
 	assert_true(rb_sweeper_hold(&sweeper, 1e-6, 1000).residual <= 1e-6);
 	look_at(heap, &closing, &any);
 	assert_true(closing < 1e-5);
 	for (int k = 0; k < heap->dense.row_count; k++)
-		assert_near(rb_vec3_length(rb_vec3_sub(rub[k], heap->row[k].rub)), 0, 1e-9);
-	free(rub);
+		assert_near(rb_vec3_length(rb_vec3_sub(friction_impulse[k],
+		                                       heap->row[k].friction_impulse)),
+		            0, 1e-9);
+	free(friction_impulse);
 	unmake(heap);
 }
 

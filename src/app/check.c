@@ -9,15 +9,15 @@
 #include "app/simulate.h"
 #include "base/clock.h"
 #include "base/visible.h"
-#include "event/parts.h"
+#include "located/needed_parts.h"
 #include "flow/frame.h"
 #include "flow/ring.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "model/features.h"
 #include "script/hooks.h"
 #include "sink/module.h"
-#include "step/plan.h"
-#include "step/step.h"
+#include "classic/stage_list.h"
+#include "method/method.h"
 #include "stepped/stages.h"
 
 /* What a run will take. */
@@ -224,19 +224,20 @@ static void print_bodies(const struct rb_model *model)
 		rb_print(stdout, "  forces      %s\n", forces);
 }
 
-/* Parts of the located method, or stages of the stepped one; step/plan prints those of the classic method. */
+/* Parts of the located method, or stages of the stepped one; classic/stage_list prints those of the classic method. */
 static void print_parts(const struct rb_model *model)
 {
 	const bool stepped = model->method == RB_METHOD_STEPPED;
 	int count;
-	const struct rb_part *const part = stepped ? rb_stepped_stages(&count) : rb_parts(&count);
+	const struct rb_method_part *const part = stepped ? rb_stepped_parts(&count)
+	                                                  : rb_located_parts(&count);
 
 	puts(stepped ? "stages of a step" : "parts of the located method");
 	for (int k = 0; k < count; k++) {
-		const bool on = rb_part_is_used(&part[k], model);
+		const bool on = rb_method_part_is_used(&part[k], model);
 
 		rb_print(stdout, "  %c %-16s %s\n", on ? '+' : '-', part[k].name,
-		         on ? part[k].what : rb_part_why_not(&part[k], model));
+		         on ? part[k].what : rb_method_part_why_not(&part[k], model));
 	}
 }
 
@@ -295,10 +296,10 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 		rb_print(stdout, "  but         %s\n", refusal.text);
 	print_films(loaded, options);
 	print_materials(loaded);
-	rb_plan_print_features(model, stdout);
+	rb_stage_list_print_features(model, stdout);
 	if (model->method != RB_METHOD_CLASSIC)
 		print_parts(model);
-	rb_plan_print(model, stdout);
+	rb_stage_list_print(model, stdout);
 }
 
 static void json_plan(struct rb_json *json, const struct rb_model *model)
@@ -310,28 +311,28 @@ static void json_plan(struct rb_json *json, const struct rb_model *model)
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, feature[k].name, model->features & feature[k].bit);
 	rb_json_close(json, '}');
-	const struct rb_part *const part = rb_parts(&count);
+	const struct rb_method_part *const part = rb_located_parts(&count);
 	rb_json_open(json, "parts", '{');
 	for (int k = 0; k < count; k++)
 		rb_json_bool(
 			json, part[k].name,
 			(model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED) &&
-				rb_part_is_used(&part[k], model));
+				rb_method_part_is_used(&part[k], model));
 	rb_json_close(json, '}');
 	rb_json_open(json, "stages", '{');
 	if (model->method == RB_METHOD_STEPPED) {
-		const struct rb_part *const row = rb_stepped_stages(&count);
+		const struct rb_method_part *const row = rb_stepped_parts(&count);
 
 		for (int k = 0; k < count; k++)
-			rb_json_bool(json, row[k].name, rb_part_is_used(&row[k], model));
+			rb_json_bool(json, row[k].name, rb_method_part_is_used(&row[k], model));
 		rb_json_close(json, '}');
 		return;
 	}
-	const struct rb_stage *const *const stage = rb_plan_stages(&count);
+	const struct rb_stage *const *const stage = rb_stage_list_all(&count);
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, stage[k]->name,
 		             model->method == RB_METHOD_CLASSIC &&
-		                     rb_plan_has(stage[k], model->features));
+		                     rb_stage_list_has(stage[k], model->features));
 	rb_json_close(json, '}');
 }
 

@@ -18,7 +18,7 @@
 #include "base/place.h"
 #include "base/thread.h"
 #include "script/keep.h"
-#include "step/save.h"
+#include "method/save.h"
 
 enum { FORMAT = 2, SECTION_COUNT = 4, NAME_SIZE = 8 };
 static const uint32_t order_mark = 0x04030201;

@@ -5,7 +5,7 @@
  * RUN.h5.checkpoint, and the one before as RUN.h5.checkpoint~:
  *
  *   head       "rbsim-cp", order of bytes, format, size and hash (base/hash) of all that follows
- *   sections   name of 8 bytes, size, hash, bytes: "about" (whose run, which frame), "world" (step/save), "script"
+ *   sections   name of 8 bytes, size, hash, bytes: "about" (whose run, which frame), "world" (method/save), "script"
  *              (script/keep), "run" (what the summary tells); each once, in this order
  *
  * The simulator's thread copies what is to be kept (rb_checkpoint_take); a thread beside it waits until the recording

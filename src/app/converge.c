@@ -15,7 +15,7 @@
 #include "base/outfile.h"
 #include "base/visible.h"
 #include "script/reference.h"
-#include "step/step.h"
+#include "method/method.h"
 
 enum { LIST_MOST = 64, DEFAULT_STEPS = 7, RUNS_DEFAULT = 5 };
 static const double budget_default_s = 60, error_default = 1e-6;

@@ -11,7 +11,7 @@
 
 #include "app/common.h"
 #include "control/player.h"
-#include "flow/info.h"
+#include "flow/run_info.h"
 
 struct rb_listen;
 

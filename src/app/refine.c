@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "app/common.h"
-#include "step/step.h"
+#include "method/method.h"
 
 /* Half a decade, as the ladders of converge. */
 static const double refinement = 3.1622776601683795;

@@ -8,7 +8,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
-#include "step/save.h"
+#include "method/save.h"
 
 /* Lost at most, when a process is killed. */
 static const double default_every_s = 60;

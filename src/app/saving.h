@@ -9,7 +9,7 @@
 
 #include "app/checkpoint.h"
 #include "app/common.h"
-#include "flow/info.h"
+#include "flow/run_info.h"
 #include "sink/module.h"
 
 struct rb_saving;

@@ -18,7 +18,7 @@
 #include "app/films.h"
 #include "app/listen.h"
 #include "app/resume.h"
-#include "flow/info.h"
+#include "flow/run_info.h"
 #include "script/hooks.h"
 
 /* What a run tells of itself; filled as far as it came. */

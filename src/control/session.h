@@ -13,7 +13,7 @@
 #include "control/answer.h"
 #include "control/command.h"
 #include "control/player.h"
-#include "flow/info.h"
+#include "flow/run_info.h"
 
 struct rb_session;
 

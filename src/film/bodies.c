@@ -9,11 +9,11 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "base/sort.h"
-#include "film/apart.h"
+#include "film/isolated.h"
 #include "film/glsl.h"
 #include "film/hidden.h"
 #include "film/programs.h"
-#include "film/solids.h"
+#include "film/solid_shapes.h"
 #include "film/surfaces.h"
 #include "math/quat.h"
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Bodies on a canvas: spheres as ray-cast impostors, planes as polygons that may reach infinity; other solids by
- * film/solids.
+ * film/solid_shapes.
  *
  * One thread, its canvas current in every call. What `see` has gathered holds until the next one.
  */
@@ -10,7 +10,7 @@
 
 #include "film/canvas.h"
 #include "film/light.h"
-#include "film/look.h"
+#include "film/appearance.h"
 #include "film/view.h"
 
 /* What the vertex shader of spheres reads, in view coordinates. */

@@ -9,7 +9,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
-#include "film/look.h"
+#include "film/appearance.h"
 #include "film/overlay.h"
 #include "film/press.h"
 #include "film/take.h"

@@ -8,7 +8,7 @@
 #include <string.h>
 
 #include "base/error.h"
-#include "film/look.h"
+#include "film/appearance.h"
 #include "math/quat.h"
 
 /* Texels around a map that stay empty: what lies outside is lit. */

@@ -10,7 +10,7 @@
 #ifndef RB_FILM_MESH_H
 #define RB_FILM_MESH_H
 
-#include "film/parts.h"
+#include "film/extents.h"
 
 struct rb_mesh_vertex {
 	float unit[4], normal[3], axis[2], tex[2];

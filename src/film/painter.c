@@ -13,7 +13,7 @@
 #include "film/glsl.h"
 #include "film/lines.h"
 #include "film/shadow.h"
-#include "film/solids.h"
+#include "film/solid_shapes.h"
 
 struct rb_painter {
 	const struct rb_model *model;

@@ -10,7 +10,7 @@
 #include "film/canvas.h"
 #include "film/glsl.h"
 #include "film/light.h"
-#include "film/look.h"
+#include "film/appearance.h"
 
 enum {
 	RB_BALL_SIZES = 3, /* of spheres in the picture */

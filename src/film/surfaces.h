@@ -6,7 +6,7 @@
 #ifndef RB_FILM_SURFACES_H
 #define RB_FILM_SURFACES_H
 
-#include "film/look.h"
+#include "film/appearance.h"
 #include "film/view.h"
 
 enum { RB_SURFACE_PARTS = 4, RB_SURFACE_CORNERS = 12 };

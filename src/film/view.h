@@ -11,7 +11,7 @@
 #include <rbsim/frame.h>
 #include <rbsim/model.h>
 
-#include "film/parts.h"
+#include "film/extents.h"
 
 /* Where a body is: p_world = position + orientation p_object. */
 typedef struct {

@@ -13,7 +13,7 @@
 #ifndef RB_GEOM_CONVEX_H
 #define RB_GEOM_CONVEX_H
 
-#include "geom/overlay.h"
+#include "geom/patch_overlap.h"
 #include "geom/separation.h"
 
 typedef struct {

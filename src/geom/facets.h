@@ -6,7 +6,7 @@
 #ifndef RB_GEOM_FACETS_H
 #define RB_GEOM_FACETS_H
 
-#include "geom/axis.h"
+#include "geom/axis_test.h"
 
 /* Faces of polytopes, ends of cylinders. With a `guide`, only those that are nearly along it. */
 void rb_facets_faces(rb_axis *axis, const rb_vec3 *guide);

@@ -15,7 +15,7 @@
 #include <stddef.h>
 
 #include "geom/gjk.h"
-#include "geom/overlay.h"
+#include "geom/patch_overlap.h"
 #include "geom/rims.h"
 
 /* Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to tell features. */

@@ -156,6 +156,23 @@ static double difference(double a, double b)
 	return same(a, b) ? 0 : a - b;
 }
 
+rb_mat3 rb_top_inverse_root(const struct rb_top_body *body, const rb_mat3 *inertia,
+                            rb_quat orientation)
+{
+	const bool own = inertia->m[0][1] == 0 && inertia->m[0][2] == 0 && inertia->m[1][2] == 0;
+	const rb_mat3 r = rb_quat_to_mat3(own ? orientation
+	                                      : rb_quat_multiply(orientation, body->principal));
+	const double moment[3] = {own ? inertia->m[0][0] : body->moments.x,
+	                          own ? inertia->m[1][1] : body->moments.y,
+	                          own ? inertia->m[2][2] : body->moments.z};
+	rb_mat3 out;
+
+	for (int k = 0; k < 3; k++)
+		for (int x = 0; x < 3; x++)
+			out.m[k][x] = r.m[x][k] / sqrt(moment[k]);
+	return out;
+}
+
 rb_vec3 rb_top_turning(const struct rb_top_body *body, const rb_mat3 *inertia, rb_quat orientation,
                        rb_vec3 spin)
 {

@@ -48,6 +48,12 @@ struct rb_top_body {
 struct rb_top_body rb_top_body_of(const rb_mat3 *inertia);
 
 /*
+ * H of a body's inverse tensor H^T H, world axes. Rows: principal axes in world coordinates over the roots of their moments.
+ */
+rb_mat3 rb_top_inverse_root(const struct rb_top_body *body, const rb_mat3 *inertia,
+                            rb_quat orientation);
+
+/*
  * Angular acceleration without torque, rad/s^2, world axes: Euler's equations in the differences of moments, none of which
  * is larger than the moment that it is divided by. From w x I w the small moment of a needle would magnify rounding.
  */

@@ -4,7 +4,7 @@
 #include <math.h>
 
 #include "geom/mass.h"
-#include "model/check.h"
+#include "model/validate.h"
 
 /* Bodies that are alike for the question who can meet whom, and with what material. */
 struct kind {
@@ -217,7 +217,7 @@ static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_mater
 	for (int a = 0; a < count; a++) {
 		for (int b = a; b < count; b++) {
 			if ((a == b && !kinds[a].several) ||
-			    !rb_bodies_can_meet(kinds[a].body, kinds[b].body))
+			    !rb_bodies_can_touch(kinds[a].body, kinds[b].body))
 				continue;
 			const struct rb_pair_material *p =
 				&pair[kinds[a].body->material * scene->material_count +

@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "geom/mass.h"
 #include "math/quat.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "model/features.h"
 #include "model/parts.h"
 

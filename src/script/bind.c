@@ -7,10 +7,10 @@
 
 #include <lauxlib.h>
 
-#include "script/bodies.h"
+#include "script/body_calls.h"
 #include "script/camera.h"
 #include "script/fields.h"
-#include "script/forces.h"
+#include "script/force_calls.h"
 #include "script/handles.h"
 #include "script/nearest.h"
 #include "script/params.h"

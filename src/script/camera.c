@@ -7,7 +7,7 @@
 #include <lauxlib.h>
 
 #include "math/vec3.h"
-#include "script/bodies.h"
+#include "script/body_calls.h"
 #include "script/fields.h"
 #include "script/values.h"
 

@@ -8,7 +8,7 @@
 #include <lauxlib.h>
 
 #include "math/quat.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "script/call.h"
 #include "script/vector.h"
 

@@ -7,7 +7,7 @@
 #include <lauxlib.h>
 
 #include "math/quat.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "script/call.h"
 #include "script/moment.h"
 #include "script/nearest.h"

@@ -8,7 +8,7 @@
 #include <lauxlib.h>
 
 #include "base/memory.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "script/call.h"
 #include "script/expects.h"
 #include "script/functions.h"

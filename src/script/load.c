@@ -13,7 +13,7 @@
 #include "base/log.h"
 #include "base/hash.h"
 #include "base/memory.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "script/bind.h"
 #include "script/call.h"
 #include "script/camera.h"

@@ -7,7 +7,7 @@
 
 #include "geom/mass.h"
 #include "math/quat.h"
-#include "model/check.h"
+#include "model/validate.h"
 
 /* What a kind of moment knows by itself; all else follows from it and from the definition. */
 struct source {

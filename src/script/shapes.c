@@ -7,7 +7,7 @@
 #include <lauxlib.h>
 
 #include "math/quat.h"
-#include "model/check.h"
+#include "model/validate.h"
 #include "script/fields.h"
 #include "script/values.h"
 #include "script/vector.h"

@@ -5,7 +5,7 @@
 #ifndef RB_SINK_H5ABOUT_H
 #define RB_SINK_H5ABOUT_H
 
-#include "flow/info.h"
+#include "flow/run_info.h"
 #include "sink/h5file.h"
 
 /* Room of the texts that change. */

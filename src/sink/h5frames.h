@@ -12,7 +12,7 @@
 
 #include <rbsim/frame.h>
 
-#include "flow/info.h"
+#include "flow/run_info.h"
 #include "sink/h5column.h"
 
 /* Where a column of a frame comes from, and where it stands in the file: one table for recorder and reader. */

@@ -16,7 +16,7 @@
 #include <rbsim/scene.h>
 #include <rbsim/sink.h>
 
-#include "flow/info.h"
+#include "flow/run_info.h"
 
 struct rb_recorder_options {
 	const char *path; /* final name */

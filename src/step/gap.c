@@ -173,7 +173,7 @@ static double allowed(const struct rb_pass *pass, const struct rb_touch *touch, 
 }
 
 /* An eccentric body that turns further than this in a substep leaves the straight path too far to be swept, rad. */
-static const double turn_most = 1;
+static const double turn_max = 1;
 
 /* Could the arcs of these two have met what the straight path does not show? */
 static bool turns_too_far(const struct rb_pass *pass, const struct rb_touch *touch, double gap)
@@ -196,7 +196,7 @@ static bool turns_too_far(const struct rb_pass *pass, const struct rb_touch *tou
 		turn = fmax(turn,
 		            pass->h_s * rb_vec3_length(rb_world_row3(world->state.spin, body[k])));
 	}
-	return turn > turn_most && gap < 2 * arms;
+	return turn > turn_max && gap < 2 * arms;
 }
 
 static void measure(struct rb_pass *pass)

@@ -8,7 +8,7 @@
 #include "math/vec3.h"
 
 /* Looks that some kinks and jumps within one interval never need: velocities that contradict the places everywhere do. */
-enum { LOOKS_MOST = 1024 };
+enum { INSPECTIONS_MAX = 1024 };
 /* Share of the size by which velocities and places differ at a kink without being seen. */
 static const double kink_share = 1e-9;
 /* Of the change over an interval, what its middle may be off the mean: a kink or a jump near an end has it at 1/2. */
@@ -163,7 +163,7 @@ static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
 }
 
 /* It is rough; goes on where it still is. */
-static void look_closer(struct watch *w, const struct part *p)
+static void inspect_closer(struct watch *w, const struct part *p)
 {
 	struct part low, high;
 
@@ -176,9 +176,9 @@ static void look_closer(struct watch *w, const struct part *p)
 	w->looks += 2;
 	/* of what jumps everywhere, the first is told */
 	if (low.rough[0] || low.rough[1])
-		look_closer(w, &low);
-	if (w->status == RB_OK && w->looks < LOOKS_MOST && (high.rough[0] || high.rough[1]))
-		look_closer(w, &high);
+		inspect_closer(w, &low);
+	if (w->status == RB_OK && w->looks < INSPECTIONS_MAX && (high.rough[0] || high.rough[1]))
+		inspect_closer(w, &high);
 }
 
 enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *err)
@@ -196,9 +196,9 @@ enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *
 	struct part all;
 
 	if (look(&w, &begin, &end, &all) && (all.rough[0] || all.rough[1]))
-		look_closer(&w, &all);
+		inspect_closer(&w, &all);
 	for (int turns = 0; turns < 2; turns++)
-		if (w.status == RB_OK && w.looks >= LOOKS_MOST && all.rough[turns] &&
+		if (w.status == RB_OK && w.looks >= INSPECTIONS_MAX && all.rough[turns] &&
 		    (turns ? w.turns : w.places))
 			refuse_velocities(&w, &all, turns);
 	return w.status;

@@ -2,7 +2,7 @@
 /*
  * What a pass over the bodies of a group is, and what it works on.
  *
- * A substep is a list of stages, put together once from the scene's features (step/plan). Each stage runs over a
+ * A substep is a list of stages, put together once from the scene's features (classic/stage_list). Each stage runs over a
  * `struct rb_pass`: the bodies and touches of one group, on one worker. Bodies that can meet nobody within
  * the step run through the same stages in blocks, without touches.
  */
@@ -62,6 +62,11 @@ struct rb_stage {
 	rb_features need; /* any of these features; 0: always */
 	rb_stage_run *run;
 };
+
+static inline bool rb_stage_is_needed(const struct rb_stage *stage, rb_features features)
+{
+	return stage->need == 0 || (features & stage->need) != 0;
+}
 
 /* Memory for a pass from one of its arenas; NULL sets out_of_memory. */
 static inline void *rb_pass_take(struct rb_pass *pass, struct rb_arena *arena, int count,

@@ -4,8 +4,8 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "stepped/close.h"
-#include "stepped/impact.h"
+#include "stepped/projection.h"
+#include "stepped/impact_pass.h"
 
 /* The candidates between bodies of groups that are looked at again. */
 struct view {
@@ -21,7 +21,7 @@ static int group_of(const struct rb_world *world, int i)
 {
 	const struct rb_stepped *s = world->stepped;
 
-	return rb_stepped_yields(world, i) && !s->stand.stands[i] ? s->solver.island_of[i] : -1;
+	return rb_stepped_is_dynamic(world, i) && !s->sleep.sleeps[i] ? s->solver.island_of[i] : -1;
 }
 
 /* Groups of the deepest pairs; false: there are none. */
@@ -35,7 +35,7 @@ static bool mark_groups(const struct rb_world *world, const struct rb_depths *fo
 		const struct rb_deep *deep = &found->deep[k];
 		const int ends[2] = {deep->a, deep->b};
 
-		if (!(deep->depth > rb_close_most(world, deep, solver->h_s)))
+		if (!(deep->depth > rb_projection_max(world, deep, solver->h_s)))
 			continue;
 		for (int e = 0; e < 2; e++) {
 			const int g = group_of(world, ends[e]);
@@ -51,20 +51,21 @@ static bool mark_groups(const struct rb_world *world, const struct rb_depths *fo
 
 static bool is_seen(const struct rb_world *world, const struct view *view, struct rb_pair pair)
 {
-	return view->again[pair.a] && (!rb_stepped_yields(world, pair.b) || view->again[pair.b]);
+	return view->again[pair.a] &&
+	       (!rb_stepped_is_dynamic(world, pair.b) || view->again[pair.b]);
 }
 
 static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
                       const unsigned char *of_group, struct view *view)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
-	const struct rb_near *near = cohort->near;
+	const struct rb_candidates *near = cohort->near;
 	struct rb_arena *arena = &world->arena[0];
 	const size_t n = (size_t)world->model->body_count;
 
 	*view = (struct view){.again = rb_arena_take(arena, n, 1)};
 	view->body = rb_arena_take(arena, n, sizeof *view->body);
-	view->pair = rb_arena_take(arena, rb_near_live_count(near) + 1, sizeof *view->pair);
+	view->pair = rb_arena_take(arena, rb_candidates_live_count(near) + 1, sizeof *view->pair);
 	if (!view->again || !view->body || !view->pair)
 		return false;
 	memset(view->again, 0, n);
@@ -75,9 +76,9 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 		if (view->again[i] || k >= cohort->member_count)
 			view->body[view->count++] = i;
 	}
-	for (size_t k = 0; k < rb_near_live_count(near); k++)
-		if (is_seen(world, view, near->pair[rb_near_live(near, k)]))
-			view->pair[view->pair_count++] = rb_near_live(near, k);
+	for (size_t k = 0; k < rb_candidates_live_count(near); k++)
+		if (is_seen(world, view, near->pair[rb_candidates_live(near, k)]))
+			view->pair[view->pair_count++] = rb_candidates_live(near, k);
 	return true;
 }
 
@@ -95,29 +96,30 @@ static void clear_velocities(struct rb_world *world, const struct view *view)
 
 /* ---- points ---- */
 
-static bool is_same(const struct rb_point *x, const struct rb_point *y)
+static bool is_same(const struct rb_step_point *x, const struct rb_step_point *y)
 {
 	return x->a == y->a && x->b == y->b && x->key == y->key;
 }
 
 /* Impulses of a pair's points go on where these have kept their names. */
-static void inherit(struct rb_point *fresh, size_t fresh_count, const struct rb_point *old,
-                    size_t old_count)
+static void inherit(struct rb_step_point *fresh, size_t fresh_count,
+                    const struct rb_step_point *old, size_t old_count)
 {
 	for (size_t k = 0; k < fresh_count; k++)
 		for (size_t o = 0; o < old_count; o++) {
 			if (!is_same(&fresh[k], &old[o]))
 				continue;
 			fresh[k].push = old[o].push;
-			fresh[k].rub = rb_vec3_reject(old[o].rub, fresh[k].normal);
+			fresh[k].friction_impulse = rb_vec3_reject(old[o].friction_impulse,
+			                                           fresh[k].normal);
 			break;
 		}
 }
 
 /* The gap as it would be from the beginning on straight ways to here. */
-static void bend(const struct rb_solver *solver, struct rb_point *point)
+static void bend(const struct rb_solver *solver, struct rb_step_point *point)
 {
-	const struct rb_dense_row row = {
+	const struct rb_system_row row = {
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
 		.central = point->central,
@@ -131,10 +133,10 @@ static void bend(const struct rb_solver *solver, struct rb_point *point)
 	point->gap = fmax(0, here);
 	point->bend = here - point->gap -
 	              solver->h_s *
-	                      rb_vec3_dot(rb_dense_velocity(&solver->dense, &row), row.normal);
+	                      rb_vec3_dot(rb_system_velocity(&solver->dense, &row), row.normal);
 }
 
-static size_t length_of(const struct rb_point *row, size_t count, struct rb_pair pair)
+static size_t length_of(const struct rb_step_point *row, size_t count, struct rb_pair pair)
 {
 	size_t length = 0;
 
@@ -144,8 +146,8 @@ static size_t length_of(const struct rb_point *row, size_t count, struct rb_pair
 }
 
 /* Somebody has come out on the other side: its way there is not to be trusted, and what it has left stays deep. */
-static bool is_through(const struct rb_point *old, size_t old_count, const struct rb_point *fresh,
-                       size_t fresh_count)
+static bool is_through(const struct rb_step_point *old, size_t old_count,
+                       const struct rb_step_point *fresh, size_t fresh_count)
 {
 	return old_count > 0 && fresh_count > 0 && !(rb_vec3_dot(old->normal, fresh->normal) > 0);
 }
@@ -155,15 +157,15 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
                             const struct view *view, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	const struct rb_points *fresh = &s->closing;
-	struct rb_points *points = &cohort->points;
-	const size_t most = points->count + fresh->count;
-	struct rb_point *old = rb_arena_take(&world->arena[0], points->count, sizeof *old);
+	const struct rb_step_points *fresh = &s->closing;
+	struct rb_step_points *points = &cohort->points;
+	const size_t max = points->count + fresh->count;
+	struct rb_step_point *old = rb_arena_take(&world->arena[0], points->count, sizeof *old);
 	const size_t old_count = points->count;
 	size_t at = 0, new_at = 0;
 
-	if (!old || !rb_memory_reserve(&points->row, &points->capacity, most, sizeof *points->row))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", most);
+	if (!old || !rb_memory_reserve(&points->row, &points->capacity, max, sizeof *points->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
 	if (old_count > 0)
 		memcpy(old, points->row, old_count * sizeof *old);
 	points->count = 0;
@@ -173,7 +175,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 		const size_t is = length_of(fresh->row + new_at, fresh->count - new_at, pair);
 		const bool seen = is_seen(world, view, pair) &&
 		                  !is_through(old + at, was, fresh->row + new_at, is);
-		struct rb_point *to = points->row + points->count;
+		struct rb_step_point *to = points->row + points->count;
 		const size_t count = seen ? is : was;
 
 		if (count > 0)
@@ -192,7 +194,7 @@ static enum rb_status merge(struct rb_world *world, struct rb_cohort *cohort,
 }
 
 /* Points of the groups as they are now. */
-static enum rb_status find_points(struct rb_world *world, struct rb_near *near,
+static enum rb_status find_points(struct rb_world *world, struct rb_candidates *near,
                                   const struct view *view, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -202,8 +204,8 @@ static enum rb_status find_points(struct rb_world *world, struct rb_near *near,
 	s->closing.count = 0;
 	near->live = view->pair;
 	near->live_count = view->pair_count;
-	const enum rb_status status = rb_points_add(&s->closing, world, near, s->solver.h_s,
-	                                            HUGE_VAL, err);
+	const enum rb_status status = rb_step_points_add(&s->closing, world, near, s->solver.h_s,
+	                                                 HUGE_VAL, err);
 	near->live = live;
 	near->live_count = live_count;
 	return status;
@@ -238,9 +240,9 @@ enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool *
 	if (!of_group)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the groups of a step");
 	if (cohort->near == &s->near &&
-	    !rb_near_holds(&s->near, world, cohort->body, cohort->body_count))
+	    !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count))
 		return RB_OK;
-	rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
+	rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
 	enum rb_status status = rb_depths_find(world, cohort->near, NULL, NULL, &found, err);
 	if (status != RB_OK)
 		return status;

@@ -6,14 +6,14 @@
 #include "base/memory.h"
 #include "step/flow.h"
 #include "stepped/again.h"
-#include "stepped/driven.h"
+#include "stepped/driven_bodies.h"
 #include "stepped/force.h"
-#include "stepped/impact.h"
-#include "stepped/stand.h"
+#include "stepped/impact_pass.h"
+#include "stepped/sleep.h"
 #include "stepped/tally.h"
 
 /* Times that a step is looked at again. */
-enum { LOOKS_MOST = 1 };
+enum { INSPECTIONS_MAX = 1 };
 
 struct flow {
 	struct rb_world *world;
@@ -121,8 +121,8 @@ static void count_work(struct rb_world *world)
 }
 
 /* Where turning has made overlaps, from their end again, a few times. */
-static enum rb_status move_and_look(struct rb_world *world, struct rb_cohort *cohort, double h,
-                                    struct rb_error *err)
+static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort *cohort, double h,
+                                       struct rb_error *err)
 {
 	bool again = true;
 	enum rb_status status = RB_OK;
@@ -133,7 +133,7 @@ static enum rb_status move_and_look(struct rb_world *world, struct rb_cohort *co
 		move(world, cohort, h);
 		rb_drive_end(world);
 		again = false;
-		if (world->broadphase && looks < LOOKS_MOST)
+		if (world->broadphase && looks < INSPECTIONS_MAX)
 			status = rb_again(world, cohort, &again, err);
 	}
 	return status;
@@ -149,11 +149,11 @@ static enum rb_status find_points(struct rb_world *world, struct rb_cohort *coho
 	if (!world->broadphase)
 		return RB_OK;
 	if (cohort == &s->all) {
-		status = rb_stand_points(world, start, h, err);
+		status = rb_sleep_points(world, start, h, err);
 	} else {
-		rb_near_reach(cohort->near, world, h, cohort->body, cohort->body_count);
-		rb_near_place(cohort->near, world, cohort->body, cohort->body_count);
-		status = rb_points_add(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
+		rb_candidates_reach(cohort->near, world, h, cohort->body, cohort->body_count);
+		rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
+		status = rb_step_points_add(&cohort->points, world, cohort->near, h, HUGE_VAL, err);
 	}
 	return status;
 }
@@ -177,14 +177,14 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 		status = rb_solver_step(&s->solver, world, &world->mark, &cohort->points, h, err);
 	if (status != RB_OK)
 		return status;
-	status = move_and_look(world, cohort, h, err);
+	status = move_and_inspect(world, cohort, h, err);
 	if (status != RB_OK)
 		return status;
 	if (s->tally)
 		rb_tally_solved(world, cohort);
 	if (cohort == &s->all) {
-		rb_stand_note(world);
-		world->frame_counts.rows += s->stand.point_count;
+		rb_sleep_note(world);
+		world->frame_counts.rows += s->sleep.point_count;
 	}
 	if (!rb_memory_reserve(&cohort->rebound, &cohort->rebound_capacity,
 	                       cohort->points.count + 1, sizeof *cohort->rebound))

@@ -71,7 +71,7 @@ static int least_degree(const struct graph *graph)
 }
 
 /* Orders all; the rows of eliminated bodies keep what was left of their neighbours then. Returns blocks, 0: too much. */
-static int order_all(struct graph *graph, struct rb_blocks *blocks, double most)
+static int order_all(struct graph *graph, struct rb_blocks *blocks, double max)
 {
 	const double cube = RB_BLOCK * RB_BLOCK * RB_BLOCK;
 	int total = 0;
@@ -82,7 +82,7 @@ static int order_all(struct graph *graph, struct rb_blocks *blocks, double most)
 		const double degree = graph->degree[k];
 
 		blocks->work += 0.5 * cube * degree * (degree + 1);
-		if (blocks->work > most)
+		if (blocks->work > max)
 			return 0;
 		total += graph->degree[k];
 		graph->order[place] = k;
@@ -122,7 +122,7 @@ static void fill_columns(const struct graph *graph, struct rb_blocks *blocks)
 }
 
 bool rb_blocks_plan(struct rb_blocks *blocks, int count, const int (*pair)[2], int pair_count,
-                    double most, struct rb_arena *arena)
+                    double max, struct rb_arena *arena)
 {
 	struct graph graph = {.count = count, .words = (count + WORD - 1) / WORD};
 	const size_t n = (size_t)count, words = n * (size_t)graph.words;
@@ -144,7 +144,7 @@ bool rb_blocks_plan(struct rb_blocks *blocks, int count, const int (*pair)[2], i
 	}
 	for (int i = 0; i < count; i++)
 		graph.degree[i] = count_bits(row_of(&graph, i), graph.words);
-	const int total = order_all(&graph, blocks, most);
+	const int total = order_all(&graph, blocks, max);
 	if (total == 0)
 		return false;
 	blocks->row = rb_arena_take(arena, (size_t)total, sizeof *blocks->row);

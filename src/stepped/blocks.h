@@ -30,7 +30,7 @@ struct rb_blocks {
  * more than `most` multiplications a factorization.
  */
 bool rb_blocks_plan(struct rb_blocks *blocks, int count, const int (*pair)[2], int pair_count,
-                    double most, struct rb_arena *arena);
+                    double max, struct rb_arena *arena);
 
 void rb_blocks_clear(struct rb_blocks *blocks);
 /* The block of two bodies; `*turned`: it is kept transposed. */

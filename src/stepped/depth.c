@@ -6,12 +6,12 @@
 
 #include "base/memory.h"
 #include "step/gap.h"
-#include "stepped/room.h"
+#include "stepped/clearance.h"
 
 /* What the workers share, read only, and what a block has come to. */
 struct depths {
 	struct rb_world *world;
-	struct rb_near *near; /* `depth` of the pairs of a block is the block's */
+	struct rb_candidates *near; /* `depth` of the pairs of a block is the block's */
 	const unsigned char *skip, *moved;
 	bool all; /* not only live pairs */
 	double limit;
@@ -22,13 +22,13 @@ struct depths {
 static const double rounding = 1 + 16 * DBL_EPSILON;
 
 /* How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see that costs little. */
-static double depth_of_parts(const struct rb_near *near, size_t k, double path, double least)
+static double depth_of_parts(const struct rb_candidates *near, size_t k, double path, double least)
 {
 	const struct rb_pair pair = near->pair[k];
 	struct rb_clue *clues = &near->clue[near->first_clue[k]];
 	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
-	const int count_a = rb_near_part_count(near, pair.a);
-	const int count_b = rb_near_part_count(near, pair.b);
+	const int count_a = rb_candidates_part_count(near, pair.a);
+	const int count_b = rb_candidates_part_count(near, pair.b);
 	double depth = 0;
 	double room = (double)INFINITY;
 	bool bounded = false;
@@ -38,11 +38,11 @@ static double depth_of_parts(const struct rb_near *near, size_t k, double path, 
 			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
 			struct rb_clue *clue = &clues[i * count_b + j];
 
-			double apart = rb_room_of_spheres(pa, pb, 0);
+			double apart = rb_clearance_of_spheres(pa, pb, 0);
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 
 			if (!(apart > 0))
-				apart = rb_room_of_parts(&parts, -fmax(depth, least), clue);
+				apart = rb_clearance_of_parts(&parts, -fmax(depth, least), clue);
 			room = fmin(room, apart);
 			if (apart > -fmax(depth, least)) {
 				bounded = bounded || (apart < 0 && least > depth);
@@ -58,16 +58,18 @@ static double depth_of_parts(const struct rb_near *near, size_t k, double path, 
 }
 
 /* The same of any pair. */
-static double depth_of(const struct rb_world *world, const struct rb_near *near, size_t k,
+static double depth_of(const struct rb_world *world, const struct rb_candidates *near, size_t k,
                        double least)
 {
 	const struct rb_model *model = world->model;
 	const struct rb_pair pair = near->pair[k];
 
 	if (!rb_pair_is_plain(model, pair.a, pair.b)) {
-		const double path = rb_room_path(near, pair, model->body_count);
+		const double path = rb_clearance_path(near, pair, model->body_count);
 
-		return rb_room_is_more(near, k, path, 0) ? 0 : depth_of_parts(near, k, path, least);
+		return rb_clearance_is_more(near, k, path, 0)
+		               ? 0
+		               : depth_of_parts(near, k, path, least);
 	}
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) {
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
@@ -102,7 +104,7 @@ static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb
 }
 
 /* Of live pairs, ascending, the first from there on. */
-static size_t first_live(const struct rb_near *near, size_t pair)
+static size_t first_live(const struct rb_candidates *near, size_t pair)
 {
 	size_t low = 0, high = near->live ? near->live_count : 0;
 
@@ -125,10 +127,10 @@ static bool is_marked(const struct rb_world *world, const unsigned char *mark, s
 static void depth_block(void *user, int block, int worker)
 {
 	const struct depths *work = user;
-	struct rb_near *near = work->near;
+	struct rb_candidates *near = work->near;
 	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK;
-	const size_t end = rb_pairs_end(work->all ? near->pair_count : rb_near_live_count(near),
-	                                first);
+	const size_t end = rb_pairs_end(
+		work->all ? near->pair_count : rb_candidates_live_count(near), first);
 	size_t live = work->all ? first_live(near, first) : 0;
 	struct rb_depths depths = {0};
 
@@ -144,7 +146,7 @@ static void depth_block(void *user, int block, int worker)
 			continue;
 		}
 		/* nobody asks how deep those are that are less deep than others */
-		const double least = is_live ? depths.most : depths.still;
+		const double least = is_live ? depths.max : depths.still;
 		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
 
 		/* written so that NaN is measured */
@@ -155,15 +157,15 @@ static void depth_block(void *user, int block, int worker)
 		if (depth > work->limit)
 			add_deep(&depths, &work->world->arena[worker],
 			         (struct rb_deep){pair.a, pair.b, depth});
-		else if (depth > depths.most)
-			depths.most = depth;
+		else if (depth > depths.max)
+			depths.max = depth;
 		if (!is_live)
 			depths.still = fmax(depths.still, depth);
 	}
 	work->block[block] = depths;
 }
 
-enum rb_status rb_depths_find(struct rb_world *world, struct rb_near *near,
+enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near,
                               const unsigned char *skip, const unsigned char *moved,
                               struct rb_depths *found, struct rb_error *err)
 {
@@ -173,7 +175,8 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_near *near,
 	                      .moved = moved,
 	                      .all = moved || isnan(near->still_depth),
 	                      .limit = world->model->tolerance_m};
-	const int blocks = rb_pairs_blocks(work.all ? near->pair_count : rb_near_live_count(near));
+	const int blocks = rb_pairs_blocks(work.all ? near->pair_count
+	                                            : rb_candidates_live_count(near));
 
 	*found = (struct rb_depths){0};
 	work.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *work.block);
@@ -182,14 +185,14 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_near *near,
 	rb_team_run(world->team, blocks, depth_block, &work);
 	for (int b = 0; b < blocks; b++) {
 		found->failed = found->failed || work.block[b].failed;
-		found->most = fmax(found->most, work.block[b].most);
+		found->max = fmax(found->max, work.block[b].max);
 		found->still = fmax(found->still, work.block[b].still);
 		for (size_t k = 0; k < work.block[b].deep_count; k++)
 			add_deep(found, &world->arena[0], work.block[b].deep[k]);
 	}
 	if (work.all)
 		near->still_depth = found->still;
-	found->most = fmax(found->most, near->still_depth);
+	found->max = fmax(found->max, near->still_depth);
 	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
 	                     : RB_OK;
 }

@@ -6,11 +6,10 @@
 
 #include "stepped/blocks.h"
 
-enum { OUTER_MOST = 30, INNER_MOST = 20, HALVINGS_MOST = 20, NOISE_ULP = 16 };
+enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
 
 /* First weight of a row, over its own yield; how much it grows where impulses follow slowly, and how far. */
-static const double weight_first = 1, weight_first_still = 30, weight_growth = 10,
-		    weight_most = 1e5;
+static const double weight_first = 1, weight_first_still = 30, weight_growth = 10, weight_max = 1e5;
 static const double relax_least = 0.3;
 
 /* A row while it is solved. */
@@ -24,17 +23,17 @@ struct face {
 
 struct newton {
 	const struct rb_direct *direct;
-	const struct rb_dense *dense;
+	const struct rb_row_system *dense;
 	struct face *face;
 	struct rb_blocks blocks;
 	double *gradient, *move, *scratch; /* [6 members] */
-	struct rb_dense_body *kept;        /* [members]: where a line search begins */
+	struct rb_system_body *kept;       /* [members]: where a line search begins */
 	rb_mat3 *inertia;                  /* [members] */
 	double *mass;                      /* [members] */
 	double ratio;                      /* of the masses */
 };
 
-static rb_vec3 slip_of(const struct rb_dense_row *row, rb_vec3 u)
+static rb_vec3 slip_of(const struct rb_system_row *row, rb_vec3 u)
 {
 	return rb_vec3_reject(u, row->normal);
 }
@@ -50,7 +49,7 @@ static void add_outer(rb_mat3 *m, double s, rb_vec3 a, rb_vec3 b)
 }
 
 /* Nearest point of the friction cone, and how it follows. */
-static void project(const struct rb_dense_row *row, struct face *face, rb_vec3 z)
+static void project(const struct rb_system_row *row, struct face *face, rb_vec3 z)
 {
 	const rb_vec3 n = row->normal;
 	const double mu = row->friction;
@@ -94,7 +93,7 @@ static double inertial(const struct newton *s)
 
 	for (int k = 0; k < s->direct->member_count; k++) {
 		const int i = s->direct->member[k];
-		const struct rb_dense_body *b = &s->dense->body[i], *f = &s->direct->free[i];
+		const struct rb_system_body *b = &s->dense->body[i], *f = &s->direct->free[i];
 		const rb_vec3 v = rb_vec3_sub(b->linear, f->linear);
 		const rb_vec3 w = rb_vec3_sub(b->angular, f->angular);
 		const rb_vec3 p = rb_vec3_scale(s->mass[k], v);
@@ -118,29 +117,30 @@ static void add_to(double *g, double sign, rb_vec3 force, rb_vec3 torque)
 	g[5] += sign * torque.z;
 }
 
-static rb_vec3 arm_of(const struct newton *s, const struct rb_dense_row *row, bool of_a)
+static rb_vec3 arm_of(const struct newton *s, const struct rb_system_row *row, bool of_a)
 {
 	const rb_vec3 none = {0, 0, 0};
 
 	if (s->dense->body[of_a ? row->a : row->b].inverse_inertia == 0)
 		return none;
-	return of_a ? rb_dense_arm_a(row) : rb_dense_arm_b(row);
+	return of_a ? rb_system_arm_a(row) : rb_system_arm_b(row);
 }
 
 /* At the bodies' present velocities: faces, gradient, value, and its rounding. */
 static double evaluate(struct newton *s, double *rounding)
 {
-	const struct rb_dense *dense = s->dense;
+	const struct rb_row_system *dense = s->dense;
 	double sum = inertial(s);
 
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_dense_row *row = &dense->row[k];
+		const struct rb_system_row *row = &dense->row[k];
 		struct face *face = &s->face[k];
 		const int a = s->direct->local[row->a], b = s->direct->local[row->b];
-		const rb_vec3 u = rb_vec3_add_scaled(rb_dense_velocity(dense, row),
-		                                     face->shift - row->leave, row->normal);
+		const rb_vec3 u = rb_vec3_add_scaled(rb_system_velocity(dense, row),
+		                                     face->shift - row->target_velocity,
+		                                     row->normal);
 
-		if (isinf(row->leave)) { /* open whatever happens */
+		if (isinf(row->target_velocity)) { /* open whatever happens */
 			face->now = (rb_vec3){0, 0, 0};
 			continue;
 		}
@@ -197,7 +197,7 @@ static void assemble(struct newton *s)
 		}
 	}
 	for (int k = 0; k < s->dense->row_count; k++) {
-		const struct rb_dense_row *row = &s->dense->row[k];
+		const struct rb_system_row *row = &s->dense->row[k];
 		const struct face *face = &s->face[k];
 		const int a = s->direct->local[row->a], b = s->direct->local[row->b];
 		rb_mat3 weighted = face->slope;
@@ -224,7 +224,7 @@ static void assemble(struct newton *s)
 static void go(struct newton *s, double share)
 {
 	for (int k = 0; k < s->direct->member_count; k++) {
-		struct rb_dense_body *body = &s->dense->body[s->direct->member[k]];
+		struct rb_system_body *body = &s->dense->body[s->direct->member[k]];
 		const double *move = s->move + RB_BLOCK * k;
 
 		body->linear = rb_vec3_add_scaled(s->kept[k].linear, share, rb_vec3_from(move));
@@ -237,12 +237,12 @@ static void go(struct newton *s, double share)
 /* What the gradient would change velocities by at most, m/s. */
 static double imbalance(const struct newton *s)
 {
-	double most = 0;
+	double max = 0;
 
 	for (int k = 0; k < s->direct->member_count; k++)
-		most = fmax(most,
-		            rb_vec3_max_abs(rb_vec3_from(s->gradient + RB_BLOCK * k)) / s->mass[k]);
-	return most;
+		max = fmax(max,
+		           rb_vec3_max_abs(rb_vec3_from(s->gradient + RB_BLOCK * k)) / s->mass[k]);
+	return max;
 }
 
 /* False: nothing more to gain. */
@@ -261,7 +261,7 @@ static bool improve(struct newton *s, double *value, double *rounding)
 		slope += s->move[i] * s->gradient[i];
 	for (int k = 0; k < s->direct->member_count; k++)
 		s->kept[k] = s->dense->body[s->direct->member[k]];
-	for (int halving = 0; halving < HALVINGS_MOST; halving++, share *= 0.5) {
+	for (int halving = 0; halving < HALVINGS_MAX; halving++, share *= 0.5) {
 		go(s, share);
 		const double there = evaluate(s, rounding);
 
@@ -286,7 +286,7 @@ static struct off follow(struct newton *s, double relax)
 	struct off off = {0, 0};
 
 	for (int k = 0; k < s->dense->row_count; k++) {
-		const struct rb_dense_row *row = &s->dense->row[k];
+		const struct rb_system_row *row = &s->dense->row[k];
 		struct face *face = &s->face[k];
 		const rb_vec3 d = rb_vec3_sub(face->now, face->impulse);
 
@@ -295,7 +295,7 @@ static struct off follow(struct newton *s, double relax)
 		if (row->friction > 0) {
 			const double shift = row->friction *
 			                     rb_vec3_length(slip_of(
-						     row, rb_dense_velocity(s->dense, row)));
+						     row, rb_system_velocity(s->dense, row)));
 
 			if (rb_vec3_dot(face->now, face->now) > 0)
 				off.shifted = fmax(off.shifted, fabs(shift - face->shift));
@@ -311,7 +311,7 @@ static struct off follow(struct newton *s, double relax)
 static bool prepare(struct newton *s)
 {
 	const struct rb_direct *direct = s->direct;
-	const struct rb_dense *dense = s->dense;
+	const struct rb_row_system *dense = s->dense;
 	const size_t n = (size_t)direct->member_count, rows = (size_t)dense->row_count;
 	int(*pair)[2] = rb_arena_take(direct->arena, rows, sizeof *pair);
 	int pairs = 0;
@@ -335,18 +335,18 @@ static bool prepare(struct newton *s)
 			pair[pairs++][1] = b;
 		}
 	}
-	return rb_blocks_plan(&s->blocks, (int)n, (const int(*)[2])pair, pairs, direct->most,
+	return rb_blocks_plan(&s->blocks, (int)n, (const int(*)[2])pair, pairs, direct->max,
 	                      direct->arena);
 }
 
 static void fill(struct newton *s)
 {
-	const struct rb_dense *dense = s->dense;
+	const struct rb_row_system *dense = s->dense;
 	double lightest = (double)INFINITY, heaviest = 0;
 
 	for (int k = 0; k < s->direct->member_count; k++) {
 		const int i = s->direct->member[k];
-		const struct rb_dense_body *b = &dense->body[i];
+		const struct rb_system_body *b = &dense->body[i];
 		const double turn = b->inverse_inertia != 0 ? 1 / b->inverse_inertia
 		                                            : 1 / b->inverse_mass;
 
@@ -361,11 +361,11 @@ static void fill(struct newton *s)
 	s->ratio = heaviest / lightest;
 	double first = s->direct->holds ? weight_first_still : weight_first;
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_dense_row *row = &dense->row[k];
-		const double slip = rb_vec3_length(slip_of(row, rb_dense_velocity(dense, row)));
+		const struct rb_system_row *row = &dense->row[k];
+		const double slip = rb_vec3_length(slip_of(row, rb_system_velocity(dense, row)));
 
-		s->face[k] = (struct face){.impulse = rb_dense_impulse(row),
-		                           .weight = first / row->yield_n,
+		s->face[k] = (struct face){.impulse = rb_system_impulse(row),
+		                           .weight = first / row->inverse_mass_n,
 		                           .shift = s->direct->holds ? 0 : row->friction * slip};
 	}
 }
@@ -373,11 +373,11 @@ static void fill(struct newton *s)
 /* What rounding of the impulses makes of velocities, m/s: closer than that there is nothing to be had. */
 static double noise_of(const struct newton *s)
 {
-	double most = 0;
+	double max = 0;
 
 	for (int k = 0; k < s->dense->row_count; k++)
-		most = fmax(most, s->dense->row[k].yield_n * rb_vec3_max_abs(s->face[k].now));
-	return NOISE_ULP * DBL_EPSILON * most;
+		max = fmax(max, s->dense->row[k].inverse_mass_n * rb_vec3_max_abs(s->face[k].now));
+	return NOISE_ULP * DBL_EPSILON * max;
 }
 
 static struct rb_direct_result solve(struct newton *s)
@@ -386,33 +386,34 @@ static struct rb_direct_result solve(struct newton *s)
 	double before = (double)INFINITY, shifted = (double)INFINITY, grown = 1;
 	double relax = s->direct->holds ? 0 : 1;
 
-	for (int outer = 0; outer < OUTER_MOST && result.steps < s->direct->steps_most; outer++) {
+	for (int outer = 0; outer < OUTER_MAX && result.steps < s->direct->steps_max; outer++) {
 		double rounding, value = evaluate(s, &rounding);
-		double enough = fmax(s->direct->enough, noise_of(s));
+		double tolerance = fmax(s->direct->tolerance, noise_of(s));
 
-		for (int inner = 0; inner < INNER_MOST && result.steps < s->direct->steps_most &&
-		                    imbalance(s) > 0.1 * enough;
+		for (int inner = 0; inner < INNER_MAX && result.steps < s->direct->steps_max &&
+		                    imbalance(s) > 0.1 * tolerance;
 		     inner++) {
 			result.steps++;
 			if (!improve(s, &value, &rounding))
 				break;
-			enough = fmax(s->direct->enough, noise_of(s));
+			tolerance = fmax(s->direct->tolerance, noise_of(s));
 		}
 		const double balance = imbalance(s);
 		const struct off off = follow(s, relax);
 
 		result.residual = fmax(balance, fmax(off.closed, off.shifted));
-		if (fmax(balance, off.closed) <= enough && off.shifted <= s->direct->enough_slip)
+		if (fmax(balance, off.closed) <= tolerance &&
+		    off.shifted <= s->direct->slip_tolerance)
 			break;
-		if (off.closed > enough && off.closed > 0.1 * before &&
-		    grown < weight_most * s->ratio) {
+		if (off.closed > tolerance && off.closed > 0.1 * before &&
+		    grown < weight_max * s->ratio) {
 			grown *= weight_growth;
 			for (int k = 0; k < s->dense->row_count; k++)
 				s->face[k].weight *= weight_growth;
 		}
 		/* who stood slips after all */
-		if (relax == 0 && off.closed <= s->direct->enough_slip &&
-		    off.shifted > s->direct->enough_slip)
+		if (relax == 0 && off.closed <= s->direct->slip_tolerance &&
+		    off.shifted > s->direct->slip_tolerance)
 			relax = 1;
 		/* the shifts' own iteration may swing to and fro */
 		else if (relax > 0 && off.shifted > 0.9 * shifted)
@@ -433,17 +434,17 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 		fill(&s);
 		result = solve(&s);
 		for (int k = 0; k < direct->dense->row_count; k++) {
-			struct rb_dense_row *row = &direct->dense->row[k];
+			struct rb_system_row *row = &direct->dense->row[k];
 
 			row->push = fmax(0, rb_vec3_dot(s.face[k].impulse, row->normal));
-			row->rub = rb_vec3_reject(s.face[k].impulse, row->normal);
+			row->friction_impulse = rb_vec3_reject(s.face[k].impulse, row->normal);
 		}
 		/* velocities are what the impulses make of them */
 		for (int k = 0; k < direct->member_count; k++)
 			direct->dense->body[direct->member[k]] = direct->free[direct->member[k]];
 		for (int k = 0; k < direct->dense->row_count; k++)
-			rb_dense_push(direct->dense, &direct->dense->row[k],
-			              rb_dense_impulse(&direct->dense->row[k]));
+			rb_system_apply(direct->dense, &direct->dense->row[k],
+			                rb_system_impulse(&direct->dense->row[k]));
 	}
 	rb_arena_back(direct->arena, here);
 	return result;

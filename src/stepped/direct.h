@@ -14,16 +14,16 @@
 #include "stepped/row.h"
 
 struct rb_direct {
-	const struct rb_dense *dense;
-	const struct rb_dense_body *free; /* by body: velocities without any impulse of the rows */
-	const int *member;                /* bodies that yield */
+	const struct rb_row_system *dense;
+	const struct rb_system_body *free; /* by body: velocities without any impulse of the rows */
+	const int *member;                 /* bodies that yield */
 	int member_count;
-	int *local;         /* by body: scratch, -1 for what does not yield */
-	double enough;      /* m/s */
-	double enough_slip; /* m/s: of the shift by sliding, which only ever opens gaps */
-	int steps_most;     /* factorizations */
-	bool holds;         /* to begin with, as if nothing slipped: right where bodies stand */
-	double most;        /* multiplications that one factorization may take */
+	int *local;            /* by body: scratch, -1 for what does not yield */
+	double tolerance;      /* m/s */
+	double slip_tolerance; /* m/s: of the shift by sliding, which only ever opens gaps */
+	int steps_max;         /* factorizations */
+	bool holds;            /* to begin with, as if nothing slipped: right where bodies stand */
+	double max;            /* multiplications that one factorization may take */
 	struct rb_arena *arena;
 };
 

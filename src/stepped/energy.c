@@ -10,7 +10,7 @@ enum { NOISE_ULP = 16 };
  * Of impulses over momentum: what levers and wedges ask for, so that twelve digits are left for them; more is not believed
  * before it has come out without pushing apart, and then not beyond what leaves ten.
  */
-static const double impulse_most = 1e4, impulse_most_held = 1e6;
+static const double impulse_max = 1e4, impulse_max_held = 1e6;
 
 static inline rb_vec3 weigh_turn(const struct rb_solver *solver, int i, rb_vec3 turn)
 {
@@ -23,25 +23,26 @@ static inline rb_vec3 weigh_turn(const struct rb_solver *solver, int i, rb_vec3 
 	return rb_mat3_apply(&inertia, turn);
 }
 
-struct rb_dense_body rb_energy_weigh(const struct rb_solver *solver, int i,
-                                     const struct rb_dense_body *motion)
+struct rb_system_body rb_energy_weigh(const struct rb_solver *solver, int i,
+                                      const struct rb_system_body *motion)
 {
-	return (struct rb_dense_body){
+	return (struct rb_system_body){
 		.linear = rb_vec3_scale(1 / solver->dense.body[i].inverse_mass, motion->linear),
 		.angular = weigh_turn(solver, i, motion->angular)};
 }
 
-static struct rb_dense_body difference(const struct rb_dense_body *x, const struct rb_dense_body *y)
+static struct rb_system_body difference(const struct rb_system_body *x,
+                                        const struct rb_system_body *y)
 {
-	return (struct rb_dense_body){.linear = rb_vec3_sub(x->linear, y->linear),
-	                              .angular = rb_vec3_sub(x->angular, y->angular)};
+	return (struct rb_system_body){.linear = rb_vec3_sub(x->linear, y->linear),
+	                               .angular = rb_vec3_sub(x->angular, y->angular)};
 }
 
 /* Of the step, after the impacts in it. */
-static struct rb_dense_body motion_before(const struct rb_solver *solver, int i)
+static struct rb_system_body motion_before(const struct rb_solver *solver, int i)
 {
 	const struct rb_state *before = solver->before;
-	struct rb_dense_body motion = {.linear = rb_vec3_from(before->velocity + 3 * (size_t)i)};
+	struct rb_system_body motion = {.linear = rb_vec3_from(before->velocity + 3 * (size_t)i)};
 
 	if (before->spin)
 		motion.angular = rb_vec3_from(before->spin + 3 * (size_t)i);
@@ -54,20 +55,20 @@ static struct rb_dense_body motion_before(const struct rb_solver *solver, int i)
 
 /* What driven bodies give a group by these impulses, J. */
 static double driven_work(const struct rb_solver *solver, const struct rb_island *island,
-                          struct rb_dense_row *row)
+                          struct rb_system_row *row)
 {
-	struct rb_dense rows = solver->dense;
+	struct rb_row_system rows = solver->dense;
 
 	rows.row = row;
 	rows.row_count = island->row_count;
-	return island->carried ? rb_dense_work(&rows) : 0;
+	return island->carried ? rb_system_work(&rows) : 0;
 }
 
 /* A body's share of the sums: what forces, and then impulses, have changed its motion by. */
 static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
 {
-	const struct rb_dense_body *now = &solver->dense.body[i], *free = &solver->free[i];
-	const struct rb_dense_body before = motion_before(solver, i);
+	const struct rb_system_body *now = &solver->dense.body[i], *free = &solver->free[i];
+	const struct rb_system_body before = motion_before(solver, i);
 	const double mass = 1 / now->inverse_mass;
 	const rb_vec3 force = rb_vec3_sub(free->linear, before.linear);
 	const rb_vec3 more = rb_vec3_sub(now->linear, free->linear);
@@ -126,12 +127,12 @@ double rb_energy_between(const struct rb_solver *solver, const struct rb_island 
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_dense_body before = motion_before(solver, i);
-		const struct rb_dense_body more = difference(&kept->body[k],
-		                                             &solver->dense.body[i]);
-		const struct rb_dense_body momentum = rb_energy_weigh(solver, i, &more);
-		const struct rb_dense_body impulse = difference(&solver->dense.body[i],
-		                                                &solver->free[i]);
+		const struct rb_system_body before = motion_before(solver, i);
+		const struct rb_system_body more = difference(&kept->body[k],
+		                                              &solver->dense.body[i]);
+		const struct rb_system_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_system_body impulse = difference(&solver->dense.body[i],
+		                                                 &solver->free[i]);
 
 		square += rb_energy_product(&momentum, &more);
 		mixed += rb_energy_product(&momentum, &before) +
@@ -141,42 +142,42 @@ double rb_energy_between(const struct rb_solver *solver, const struct rb_island 
 }
 
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
-                      const struct rb_dense *dense, bool held)
+                      const struct rb_row_system *dense, bool held)
 {
-	double momentum = 0, most = 0;
+	double momentum = 0, max = 0;
 
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_dense_row *row = &dense->row[k];
+		const struct rb_system_row *row = &dense->row[k];
 
-		most = fmax(most, row->push);
-		if (isfinite(row->leave))
-			momentum += fabs(row->leave) / row->yield_n;
+		max = fmax(max, row->push);
+		if (isfinite(row->target_velocity))
+			momentum += fabs(row->target_velocity) / row->inverse_mass_n;
 	}
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_dense_body *motion[2] = {&solver->free[i], &dense->body[i]};
+		const struct rb_system_body *motion[2] = {&solver->free[i], &dense->body[i]};
 
 		for (int m = 0; m < 2; m++) {
-			const struct rb_dense_body weight = rb_energy_weigh(solver, i, motion[m]);
+			const struct rb_system_body weight = rb_energy_weigh(solver, i, motion[m]);
 
 			momentum += sqrt(rb_energy_product(&weight, motion[m]) /
 			                 motion[m]->inverse_mass);
 		}
 	}
-	return most <= (held ? impulse_most_held : impulse_most) * momentum;
+	return max <= (held ? impulse_max_held : impulse_max) * momentum;
 }
 
-bool rb_energy_pushes(const struct rb_dense *dense, double speed)
+bool rb_energy_pushes(const struct rb_row_system *dense, double speed)
 {
 	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].push > 0 && dense->row[k].leave > speed)
+		if (dense->row[k].push > 0 && dense->row[k].target_velocity > speed)
 			return true;
 	return false;
 }
 
-static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_island *island)
+static struct rb_row_system rows_of(const struct rb_solver *solver, const struct rb_island *island)
 {
-	struct rb_dense dense = solver->dense;
+	struct rb_row_system dense = solver->dense;
 
 	dense.row += island->first_row;
 	dense.row_count = island->row_count;
@@ -186,7 +187,7 @@ static struct rb_dense rows_of(const struct rb_solver *solver, const struct rb_i
 bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
                     struct rb_arena *arena, struct rb_kept *kept)
 {
-	const struct rb_dense dense = rows_of(solver, island);
+	const struct rb_row_system dense = rows_of(solver, island);
 
 	kept->row = rb_arena_take(arena, (size_t)dense.row_count, sizeof *kept->row);
 	kept->body = rb_arena_take(arena, (size_t)island->member_count, sizeof *kept->body);
@@ -199,7 +200,7 @@ bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *isla
 }
 
 /* Of the way from one motion to another. */
-static void go(struct rb_dense_body *body, double share, const struct rb_dense_body *to)
+static void go(struct rb_system_body *body, double share, const struct rb_system_body *to)
 {
 	body->linear = rb_vec3_add_scaled(body->linear, share,
 	                                  rb_vec3_sub(to->linear, body->linear));
@@ -210,15 +211,17 @@ static void go(struct rb_dense_body *body, double share, const struct rb_dense_b
 void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
                    const struct rb_kept *kept, double share)
 {
-	const struct rb_dense dense = rows_of(solver, island);
+	const struct rb_row_system dense = rows_of(solver, island);
 
 	for (int k = 0; k < dense.row_count; k++) {
-		struct rb_dense_row *row = &dense.row[k];
-		const struct rb_dense_row *was = &kept->row[k];
+		struct rb_system_row *row = &dense.row[k];
+		const struct rb_system_row *was = &kept->row[k];
 
-		row->leave = was->leave;
+		row->target_velocity = was->target_velocity;
 		row->push += share * (was->push - row->push);
-		row->rub = rb_vec3_add_scaled(row->rub, share, rb_vec3_sub(was->rub, row->rub));
+		row->friction_impulse = rb_vec3_add_scaled(
+			row->friction_impulse, share,
+			rb_vec3_sub(was->friction_impulse, row->friction_impulse));
 	}
 	for (int k = 0; k < island->member_count; k++)
 		go(&dense.body[solver->member[island->first_member + k]], share, &kept->body[k]);
@@ -226,7 +229,7 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 
 void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share)
 {
-	const struct rb_dense dense = rows_of(solver, island);
+	const struct rb_row_system dense = rows_of(solver, island);
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -234,23 +237,23 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 		go(&dense.body[i], 1 - share, &solver->free[i]);
 	}
 	for (int k = 0; k < dense.row_count; k++) {
-		struct rb_dense_row *row = &dense.row[k];
-		const double now = rb_vec3_dot(rb_dense_velocity(&dense, row), row->normal);
+		struct rb_system_row *row = &dense.row[k];
+		const double now = rb_vec3_dot(rb_system_velocity(&dense, row), row->normal);
 
 		row->push *= share;
-		row->rub = rb_vec3_scale(share, row->rub);
-		island->residual = fmax(island->residual, fmin(row->leave, 0) - now);
+		row->friction_impulse = rb_vec3_scale(share, row->friction_impulse);
+		island->residual = fmax(island->residual, fmin(row->target_velocity, 0) - now);
 	}
 }
 
 /* ---- rebound ---- */
 
-struct rb_dense_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
-                                     int i)
+struct rb_system_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
+                                      int i)
 {
-	const struct rb_dense_body *body = &solver->dense.body[i], *was = &solver->free[i];
-	struct rb_dense_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
-	                             .angular = rb_vec3_sub(body->angular, was->angular)};
+	const struct rb_system_body *body = &solver->dense.body[i], *was = &solver->free[i];
+	struct rb_system_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
+	                              .angular = rb_vec3_sub(body->angular, was->angular)};
 
 	if (isnan(body->inverse_inertia))
 		more.angular = rb_world_turn(world, &world->state, i,
@@ -261,18 +264,18 @@ struct rb_dense_body rb_energy_added(const struct rb_solver *solver, const struc
 double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *world,
                          struct rb_island *island)
 {
-	const struct rb_dense rows = rows_of(solver, island);
-	struct rb_energy energy = {.lost = island->room, .mixed = -rb_dense_work(&rows)};
+	const struct rb_row_system rows = rows_of(solver, island);
+	struct rb_energy energy = {.lost = island->room, .mixed = -rb_system_work(&rows)};
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_dense_body more = {
+		const struct rb_system_body more = {
 			.linear = rb_vec3_sub(solver->dense.body[i].linear, solver->free[i].linear),
 			.angular = rb_vec3_sub(solver->dense.body[i].angular,
 		                               solver->free[i].angular)};
-		const struct rb_dense_body momentum = rb_energy_weigh(solver, i, &more);
-		const struct rb_dense_body now = rb_energy_added(solver, world, i);
-		const struct rb_dense_body state = {
+		const struct rb_system_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_system_body now = rb_energy_added(solver, world, i);
+		const struct rb_system_body state = {
 			.linear = rb_world_row3(world->state.velocity, i),
 			.angular = world->state.spin ? rb_world_row3(world->state.spin, i)
 		                                     : (rb_vec3){0, 0, 0}};

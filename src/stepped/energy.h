@@ -32,16 +32,16 @@ static inline double rb_energy_gain(const struct rb_energy *energy)
 double rb_energy_share(const struct rb_energy *energy);
 
 /* Whether a row with an impulse is left to open faster than that, m/s; 0: contacts that overlap, or would, are pushed apart. */
-bool rb_energy_pushes(const struct rb_dense *dense, double speed);
+bool rb_energy_pushes(const struct rb_row_system *dense, double speed);
 
 /* Whether impulses are of a size that the group's momentum, and what it is asked for, can explain; held: nothing is pushed apart. */
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
-                      const struct rb_dense *dense, bool held);
+                      const struct rb_row_system *dense, bool held);
 
 /* Rows and velocities that a group was solved to; the arena's. */
 struct rb_kept {
-	struct rb_dense_row *row;
-	struct rb_dense_body *body; /* by member */
+	struct rb_system_row *row;
+	struct rb_system_body *body; /* by member */
 };
 
 /* False: no memory. */
@@ -63,8 +63,8 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
  * What a rebound adds to a body's motion: turning bodies have gone on meanwhile, and keep the angular momentum that it has
  * given them.
  */
-struct rb_dense_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
-                                     int body);
+struct rb_system_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
+                                      int body);
 
 /*
  * Of a group's rebound, the share that does not take more than its contacts have taken: friction at an arm could. The room
@@ -74,12 +74,12 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
                          struct rb_island *island);
 
 /* Momentum and angular momentum of a body at these velocities, as it stood when the step began. */
-struct rb_dense_body rb_energy_weigh(const struct rb_solver *solver, int body,
-                                     const struct rb_dense_body *motion);
+struct rb_system_body rb_energy_weigh(const struct rb_solver *solver, int body,
+                                      const struct rb_system_body *motion);
 
 /* Twice the kinetic energy of a momentum and a motion taken together, J. */
-static inline double rb_energy_product(const struct rb_dense_body *momentum,
-                                       const struct rb_dense_body *motion)
+static inline double rb_energy_product(const struct rb_system_body *momentum,
+                                       const struct rb_system_body *motion)
 {
 	return rb_vec3_dot(momentum->linear, motion->linear) +
 	       rb_vec3_dot(momentum->angular, motion->angular);

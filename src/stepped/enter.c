@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/enter.h"
 
-#include "step/forces.h"
+#include "step/force_stages.h"
 
 /* Bodies that weigh, summed up. */
 struct weights {
@@ -259,7 +259,7 @@ static double spring_energy(const struct entering *n, const struct rb_state *sta
 /* The velocity of a spring's end in the mean of the step. */
 static rb_vec3 end_velocity(const struct entering *n, int i, rb_vec3 arm)
 {
-	if (!rb_stepped_yields(n->world, i))
+	if (!rb_stepped_is_dynamic(n->world, i))
 		return i < n->world->model->body_count
 		               ? fixed_velocity(
 					 n, i,
@@ -272,14 +272,14 @@ static rb_vec3 end_velocity(const struct entering *n, int i, rb_vec3 arm)
 static void enter_end(struct entering *n, int i, rb_vec3 arm, int other, rb_vec3 other_arm,
                       rb_vec3 impulse)
 {
-	const bool yields = rb_stepped_yields(n->world, i);
+	const bool is_dynamic = rb_stepped_is_dynamic(n->world, i);
 
-	if (yields && n->tally->body[i].kind == RB_TALLY_RESTS) {
+	if (is_dynamic && n->tally->body[i].kind == RB_TALLY_RESTS) {
 		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, i), arm);
 
 		rb_entries_impulse(&n->e, holder(n), impulse, at);
 	}
-	if (yields)
+	if (is_dynamic)
 		return;
 	/* at the end that moves */
 	const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, other), other_arm);
@@ -294,17 +294,17 @@ static void enter_spring(struct entering *n, int number)
 {
 	const struct rb_model *model = n->world->model;
 	const struct rb_spring_def *spring = &model->scene->springs[number];
-	const struct rb_tally_pull *pull = &n->tally->pull[number];
+	const struct rb_tally_external *external = &n->tally->external[number];
 	const int a = model->index_of[spring->a], b = model->index_of[spring->b];
-	const rb_vec3 p = pull->impulse;
+	const rb_vec3 p = external->impulse;
 
-	enter_end(n, a, pull->arm_a, b, pull->arm_b, p);
-	enter_end(n, b, pull->arm_b, a, pull->arm_a, rb_vec3_neg(p));
+	enter_end(n, a, external->arm_a, b, external->arm_b, p);
+	enter_end(n, b, external->arm_b, a, external->arm_a, rb_vec3_neg(p));
 	if (!(spring->damping > 0))
 		return;
-	const rb_vec3 u = rb_vec3_sub(end_velocity(n, b, pull->arm_b),
-	                              end_velocity(n, a, pull->arm_a));
-	const double rate = rb_vec3_dot(u, pull->along);
+	const rb_vec3 u = rb_vec3_sub(end_velocity(n, b, external->arm_b),
+	                              end_velocity(n, a, external->arm_a));
+	const double rate = rb_vec3_dot(u, external->along);
 	const double taken = n->pass.h_s * spring->damping * rate * rate;
 	const double lost = spring_energy(n, n->before, number) -
 	                    spring_energy(n, &n->world->state, number) - rb_vec3_dot(p, u);
@@ -330,13 +330,14 @@ static void enter_springs(struct entering *n)
 
 /* ---- contacts ---- */
 
-static enum rb_ledger_energy friction_of(const struct rb_point *point)
+static enum rb_ledger_energy friction_of(const struct rb_step_point *point)
 {
 	return point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
 }
 
 /* The impulse of a contact on b, at the mean of relative velocities, takes that along and across the normal. */
-static void enter_work(struct entering *n, const struct rb_point *point, rb_vec3 impulse, rb_vec3 u)
+static void enter_work(struct entering *n, const struct rb_step_point *point, rb_vec3 impulse,
+                       rb_vec3 u)
 {
 	const double work = rb_vec3_dot(impulse, u);
 	const double along = rb_vec3_dot(impulse, point->normal) * rb_vec3_dot(u, point->normal);
@@ -346,25 +347,25 @@ static void enter_work(struct entering *n, const struct rb_point *point, rb_vec3
 }
 
 /* Where impulses act on a, from its centre of mass. */
-static rb_vec3 arm_of_a(const struct rb_point *point)
+static rb_vec3 arm_of_a(const struct rb_step_point *point)
 {
 	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
 }
 
 /* Arms end where impulses act, beside the point. */
-static rb_vec3 arm_of_b(const struct rb_point *point)
+static rb_vec3 arm_of_b(const struct rb_step_point *point)
 {
 	return point->central ? rb_vec3_scale(point->arm_b.x, point->normal)
 	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
 }
 
 /* The mean of the relative velocity. */
-static rb_vec3 mean_at(const struct entering *n, const struct rb_point *point, bool yields,
+static rb_vec3 mean_at(const struct entering *n, const struct rb_step_point *point, bool is_dynamic,
                        rb_vec3 on_fixed)
 {
 	const struct rb_tally_body *a = &n->tally->body[point->a], *b = &n->tally->body[point->b];
 
-	if (!yields)
+	if (!is_dynamic)
 		return rb_vec3_sub(on_fixed, velocity_at(a->mean, arm_of_a(point)));
 	const rb_vec3 u = rb_vec3_sub(b->mean[0], a->mean[0]);
 	if (!point->central)
@@ -375,22 +376,23 @@ static rb_vec3 mean_at(const struct entering *n, const struct rb_point *point, b
 	return rb_vec3_add(u, rb_vec3_cross(w, point->normal));
 }
 
-static void enter_point(struct entering *n, const struct rb_point *point)
+static void enter_point(struct entering *n, const struct rb_step_point *point)
 {
-	const bool yields = rb_stepped_yields(n->world, point->b);
+	const bool is_dynamic = rb_stepped_is_dynamic(n->world, point->b);
 	rb_vec3 on_fixed = none;
 
-	if (!yields) {
+	if (!is_dynamic) {
 		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a),
 		                               arm_of_a(point));
-		const rb_vec3 p = rb_vec3_add_scaled(point->rub, point->push, point->normal);
+		const rb_vec3 p = rb_vec3_add_scaled(point->friction_impulse, point->push,
+		                                     point->normal);
 
 		on_fixed = fixed_velocity(n, point->b, at);
 		enter_fixed(n, point->b, rb_vec3_neg(p), at);
 	}
-	const rb_vec3 u = mean_at(n, point, yields, on_fixed);
+	const rb_vec3 u = mean_at(n, point, is_dynamic, on_fixed);
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, -point->push * rb_vec3_dot(u, point->normal));
-	rb_entries_energy(&n->e, friction_of(point), -rb_vec3_dot(u, point->rub));
+	rb_entries_energy(&n->e, friction_of(point), -rb_vec3_dot(u, point->friction_impulse));
 }
 
 /* Between that and the velocity that it has now. */
@@ -403,13 +405,13 @@ static rb_vec3 mean_since(const struct entering *n, int i, const rb_vec3 motion[
 	return mean(velocity_at(motion, arm), velocity_at(after, arm));
 }
 
-static void enter_rebound(struct entering *n, const struct rb_point *point, rb_vec3 rebound)
+static void enter_rebound(struct entering *n, const struct rb_step_point *point, rb_vec3 rebound)
 {
 	const struct rb_tally_body *a = &n->tally->body[point->a], *body = n->tally->body;
 	const rb_vec3 arm = arm_of_a(point), at = rb_vec3_add(a->place, arm);
 	rb_vec3 on_b;
 
-	if (rb_stepped_yields(n->world, point->b)) {
+	if (rb_stepped_is_dynamic(n->world, point->b)) {
 		on_b = mean_since(n, point->b, body[point->b].end, arm_of_b(point));
 	} else {
 		on_b = fixed_velocity(n, point->b, at);
@@ -420,10 +422,10 @@ static void enter_rebound(struct entering *n, const struct rb_point *point, rb_v
 
 static void enter_points(struct entering *n)
 {
-	const struct rb_points *points = &n->cohort->points;
+	const struct rb_step_points *points = &n->cohort->points;
 
 	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
+		const struct rb_step_point *point = &points->row[k];
 
 		if (!(point->push > 0) || !is_in(n, point->a))
 			continue;
@@ -443,7 +445,7 @@ static void enter_blow(struct entering *n, const struct rb_blow *blow)
 {
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACTS, blow->along);
 	rb_entries_energy(&n->e, RB_ENERGY_IMPACT_FRICTION, blow->across);
-	if (rb_stepped_yields(n->world, blow->b))
+	if (rb_stepped_is_dynamic(n->world, blow->b))
 		return;
 	const rb_vec3 from = rb_world_row3(n->before->position, blow->a);
 	const rb_vec3 center = rb_vec3_add_scaled(from, blow->t_s, n->tally->body[blow->a].end[0]);

@@ -4,25 +4,26 @@
 /* Share of a cone's edge at which friction slides. */
 static const double at_edge = 1 - 1e-9;
 
-static bool slides(const struct rb_dense_row *row)
+static bool slides(const struct rb_system_row *row)
 {
-	const double most = at_edge * row->friction * row->push;
+	const double max = at_edge * row->friction * row->push;
 
-	return row->push > 0 && row->friction > 0 && rb_vec3_dot(row->rub, row->rub) >= most * most;
+	return row->push > 0 && row->friction > 0 &&
+	       rb_vec3_dot(row->friction_impulse, row->friction_impulse) >= max * max;
 }
 
-static bool is_pair(const struct rb_dense_row *x, const struct rb_dense_row *y)
+static bool is_pair(const struct rb_system_row *x, const struct rb_system_row *y)
 {
 	return x->a == y->a && x->b == y->b;
 }
 
 /* Rows that bear, of pairs of which one slides and that touch at several; returns how many. */
-static int take_rows(const struct rb_dense *rows, struct rb_dense_row **taken)
+static int take_rows(const struct rb_row_system *rows, struct rb_system_row **taken)
 {
 	int count = 0;
 
 	for (int k = 0, end; k < rows->row_count; k = end) {
-		struct rb_dense_row *const row = &rows->row[k];
+		struct rb_system_row *const row = &rows->row[k];
 		bool slide = false;
 
 		for (end = k; end < rows->row_count && is_pair(row, &rows->row[end]); end++)
@@ -82,10 +83,10 @@ static double component(rb_vec3 v, int k)
 }
 
 /* One component of the force and torque that units of the pushes are on a body; [n]. */
-static void load(struct rb_dense_row *const *taken, int n, int body, int which, double *v)
+static void load(struct rb_system_row *const *taken, int n, int body, int which, double *v)
 {
 	for (int i = 0; i < n; i++) {
-		const struct rb_dense_row *row = taken[i];
+		const struct rb_system_row *row = taken[i];
 		const bool is_a = row->a == body;
 		const rb_vec3 arm = is_a ? row->arm_a : row->arm_b;
 
@@ -100,7 +101,7 @@ static void load(struct rb_dense_row *const *taken, int n, int body, int which, 
 }
 
 /* All of what the pushes do to bodies. */
-static void span_loads(const struct rb_dense *rows, struct rb_dense_row *const *taken,
+static void span_loads(const struct rb_row_system *rows, struct rb_system_row *const *taken,
                        struct span *span, double *scratch)
 {
 	for (int k = 0; k < span->n; k++) {
@@ -120,36 +121,37 @@ static void span_loads(const struct rb_dense *rows, struct rb_dense_row *const *
 }
 
 /* Goes to the push; friction at the cone's edge stays there. Returns how much it changes a velocity, m/s. */
-static double put(const struct rb_dense *rows, struct rb_dense_row *row, double push)
+static double put(const struct rb_row_system *rows, struct rb_system_row *row, double push)
 {
-	const double share = push / row->push, most = row->friction * push;
-	const double square = rb_vec3_dot(row->rub, row->rub);
-	rb_vec3 rub = row->rub;
+	const double share = push / row->push, max = row->friction * push;
+	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
+	rb_vec3 friction_impulse = row->friction_impulse;
 
 	if (slides(row))
-		rub = rb_vec3_scale(share, rub);
-	else if (square > most * most)
-		rub = rb_vec3_scale(most / sqrt(square), rub);
-	const rb_vec3 change = rb_vec3_add_scaled(rb_vec3_sub(rub, row->rub), push - row->push,
-	                                          row->normal);
+		friction_impulse = rb_vec3_scale(share, friction_impulse);
+	else if (square > max * max)
+		friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
+	const rb_vec3 change = rb_vec3_add_scaled(
+		rb_vec3_sub(friction_impulse, row->friction_impulse), push - row->push,
+		row->normal);
 	row->push = push;
-	row->rub = rub;
-	rb_dense_push(rows, row, change);
-	return row->yield_n * rb_vec3_length(change);
+	row->friction_impulse = friction_impulse;
+	rb_system_apply(rows, row, change);
+	return row->inverse_mass_n * rb_vec3_length(change);
 }
 
-bool rb_even(const struct rb_dense *rows, double enough, double most, struct rb_arena *arena)
+bool rb_even(const struct rb_row_system *rows, double tolerance, double max, struct rb_arena *arena)
 {
 	const size_t all = (size_t)rows->row_count;
-	struct rb_dense_row **const taken = rb_arena_take(arena, all,
-	                                                  sizeof(struct rb_dense_row *));
+	struct rb_system_row **const taken = rb_arena_take(arena, all,
+	                                                   sizeof(struct rb_system_row *));
 	double share = 1, changed = 0;
 
 	if (!taken)
 		return false;
 	const int n = take_rows(rows, taken);
 	const size_t size = (size_t)n;
-	if (n == 0 || multiplications * (double)(size * size * size) > most)
+	if (n == 0 || multiplications * (double)(size * size * size) > max)
 		return false;
 	double *const store = rb_arena_take(arena, (size + 3) * size + 1, sizeof *store);
 	if (!store)
@@ -178,5 +180,5 @@ bool rb_even(const struct rb_dense *rows, double enough, double most, struct rb_
 	for (int i = 0; i < n; i++)
 		changed = fmax(changed,
 		               put(rows, taken[i], fmax(0, push[i] + share * (even[i] - push[i]))));
-	return changed > enough;
+	return changed > tolerance;
 }

@@ -15,6 +15,7 @@
  * slides goes with them. True: something has changed by more than `enough`, m/s, and is to be swept again. What would take more
  * than `most` multiplications is left as it is.
  */
-bool rb_even(const struct rb_dense *rows, double enough, double most, struct rb_arena *arena);
+bool rb_even(const struct rb_row_system *rows, double tolerance, double max,
+             struct rb_arena *arena);
 
 #endif

@@ -4,7 +4,7 @@
 #include <float.h>
 
 /* Newton's steps to a touch; rounding of a gap, over the sizes; of an approach, over the speeds. */
-enum { STEPS_MOST = 32, GAP_ULP = 4, SPEED_ULP = 64 };
+enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
 /* Over what a solution has left of a body's contacts: approaches by which these may differ. */
 static const double left_share = 16;
 
@@ -36,18 +36,18 @@ struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_v
 			more, rb_vec3_cross(rb_vec3_sub(rb_world_row3(now->spin, i), spin), arm));
 	}
 	if (!flight->held[i])
-		motion.pull = rb_vec3_scale(1 / flight->h_s, more);
+		motion.external = rb_vec3_scale(1 / flight->h_s, more);
 	return motion;
 }
 
-bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_point *point)
+bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	return point->central && flight->world->model->shape[point->b].kind == RB_SHAPE_SPHERE;
 }
 
 /* Of b relative to a, at the point; of plain ones, of the centres. */
 static struct rb_flight_motion relative(const struct rb_flight *flight,
-                                        const struct rb_point *point)
+                                        const struct rb_step_point *point)
 {
 	/* arms along the normal turn nothing towards the other */
 	const rb_vec3 none = {0, 0, 0};
@@ -57,7 +57,7 @@ static struct rb_flight_motion relative(const struct rb_flight *flight,
 	                                               point->central ? none : point->arm_b);
 
 	return (struct rb_flight_motion){rb_vec3_sub(b.velocity, a.velocity),
-	                                 rb_vec3_sub(b.pull, a.pull),
+	                                 rb_vec3_sub(b.external, a.external),
 	                                 rb_vec3_sub(b.shift, a.shift)};
 }
 
@@ -66,7 +66,7 @@ static rb_vec3 way(const struct rb_flight_motion *motion, double t)
 	return rb_vec3_add_scaled(motion->shift, t, rb_flight_velocity(motion, t));
 }
 
-static double radii_of(const struct rb_point *point)
+static double radii_of(const struct rb_step_point *point)
 {
 	return point->arm_a.x - point->arm_b.x;
 }
@@ -80,12 +80,12 @@ static rb_vec3 center_of(const struct rb_flight *flight, int i)
 }
 
 /* From centre to centre as the step began. */
-static rb_vec3 between(const struct rb_flight *flight, const struct rb_point *point)
+static rb_vec3 between(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	return rb_vec3_sub(center_of(flight, point->b), center_of(flight, point->a));
 }
 
-static double gap_of(const struct rb_flight *flight, const struct rb_point *point,
+static double gap_of(const struct rb_flight *flight, const struct rb_step_point *point,
                      const struct rb_flight_motion *motion, double t, rb_vec3 *normal)
 {
 	const rb_vec3 moved = way(motion, t);
@@ -100,7 +100,7 @@ static double gap_of(const struct rb_flight *flight, const struct rb_point *poin
 	return distance - radii_of(point);
 }
 
-double rb_flight_gap(const struct rb_flight *flight, const struct rb_point *point, double t,
+double rb_flight_gap(const struct rb_flight *flight, const struct rb_step_point *point, double t,
                      rb_vec3 *normal)
 {
 	const struct rb_flight_motion motion = relative(flight, point);
@@ -108,14 +108,14 @@ double rb_flight_gap(const struct rb_flight *flight, const struct rb_point *poin
 	return gap_of(flight, point, &motion, t, normal);
 }
 
-double rb_flight_approach(const struct rb_flight *flight, const struct rb_point *point,
+double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_point *point,
                           rb_vec3 normal)
 {
 	return -rb_vec3_dot(relative(flight, point).velocity, normal);
 }
 
 /* m/s: what the solution before has left of the contacts of either. */
-static double left_of(const struct rb_flight *flight, const struct rb_point *point)
+static double left_of(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	const struct rb_solver *solver = &flight->world->stepped->solver;
 	const double left = solver->left[point->a];
@@ -130,7 +130,8 @@ double rb_flight_rounding(const struct rb_flight *flight, int i)
 	return DBL_EPSILON * (rb_vec3_max_abs(center_of(flight, i)) + size) / flight->h_s;
 }
 
-double rb_flight_least(const struct rb_flight *flight, const struct rb_point *point, rb_vec3 normal)
+double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
+                       rb_vec3 normal)
 {
 	const struct rb_world *world = flight->world;
 	const int ends[2] = {point->a, point->b};
@@ -150,21 +151,21 @@ double rb_flight_least(const struct rb_flight *flight, const struct rb_point *po
 		                  DBL_EPSILON * speed + rb_flight_rounding(flight, ends[e]));
 	}
 	const double some = larger(closing, left_share * left_of(flight, point));
-	return larger(SPEED_ULP * rounding, some < flight->enough ? some : flight->enough);
+	return larger(SPEED_ULP * rounding, some < flight->tolerance ? some : flight->tolerance);
 }
 
 /* Newton's steps: along a straight way the distance is convex, so that they do not go too far. */
-static double spheres_meet(const struct rb_flight *flight, const struct rb_point *point,
-                           const struct rb_flight_motion *motion, double now)
+static double spheres_touch(const struct rb_flight *flight, const struct rb_step_point *point,
+                            const struct rb_flight_motion *motion, double now)
 {
 	const double none = GAP_ULP * DBL_EPSILON * radii_of(point);
 	double t = now;
 
-	for (int step = 0; step < STEPS_MOST; step++) {
+	for (int step = 0; step < STEPS_MAX; step++) {
 		rb_vec3 normal;
 		const double gap = gap_of(flight, point, motion, t, &normal);
 		const double rate = rb_vec3_dot(
-			normal, rb_vec3_add_scaled(motion->velocity, 2 * t, motion->pull));
+			normal, rb_vec3_add_scaled(motion->velocity, 2 * t, motion->external));
 
 		if (!(rate < 0))
 			return (double)INFINITY;
@@ -178,13 +179,13 @@ static double spheres_meet(const struct rb_flight *flight, const struct rb_point
 }
 
 /* Along one normal: gap + t u + t^2 a = 0. */
-static double face_meets(const struct rb_flight *flight, const struct rb_point *point,
+static double face_meets(const struct rb_flight *flight, const struct rb_step_point *point,
                          const struct rb_flight_motion *motion, double now)
 {
 	rb_vec3 normal;
 	const double c = gap_of(flight, point, motion, 0, &normal);
 	const double b = rb_vec3_dot(normal, motion->velocity);
-	const double a = rb_vec3_dot(normal, motion->pull);
+	const double a = rb_vec3_dot(normal, motion->external);
 	const double square = b * b - 4 * a * c;
 
 	if (gap_of(flight, point, motion, now, &normal) <= 0)
@@ -199,11 +200,12 @@ static double face_meets(const struct rb_flight *flight, const struct rb_point *
 	return t >= now && t <= flight->h_s ? t : (double)INFINITY;
 }
 
-double rb_flight_meets(const struct rb_flight *flight, const struct rb_point *point, double now)
+double rb_flight_meets(const struct rb_flight *flight, const struct rb_step_point *point,
+                       double now)
 {
 	const struct rb_flight_motion motion = relative(flight, point);
 	const bool plain = rb_flight_is_plain(flight, point);
-	const double t = plain ? spheres_meet(flight, point, &motion, now)
+	const double t = plain ? spheres_touch(flight, point, &motion, now)
 	                       : face_meets(flight, point, &motion, now);
 	rb_vec3 normal;
 
@@ -216,7 +218,7 @@ double rb_flight_meets(const struct rb_flight *flight, const struct rb_point *po
 	               : (double)INFINITY;
 }
 
-void rb_flight_see(const struct rb_flight *flight, struct rb_point *point, bool touched)
+void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched)
 {
 	const struct rb_flight_motion motion = relative(flight, point);
 

@@ -15,13 +15,13 @@ struct rb_flight {
 		*world; /* at the beginning of the step, with the velocities that its forces make */
 	const unsigned char *held; /* [bodies] a contact had a force on it in the step before */
 	double h_s;
-	double enough; /* m/s: what a solution may leave */
-	bool mixed;    /* impacts without restitution matter, since they are passed on to others */
+	double tolerance; /* m/s: what a solution may leave */
+	bool mixed; /* impacts without restitution matter, since they are passed on to others */
 };
 
 /* A point of a body, and what it does; without the forces of the step: `pull`, m/s^2. */
 struct rb_flight_motion {
-	rb_vec3 velocity, pull, shift;
+	rb_vec3 velocity, external, shift;
 };
 
 struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_vec3 arm);
@@ -29,38 +29,39 @@ struct rb_flight_motion rb_flight_of(const struct rb_flight *flight, int i, rb_v
 /* The velocity at `t` seconds after the beginning. */
 static inline rb_vec3 rb_flight_velocity(const struct rb_flight_motion *motion, double t)
 {
-	return rb_vec3_add_scaled(motion->velocity, t, motion->pull);
+	return rb_vec3_add_scaled(motion->velocity, t, motion->external);
 }
 
 /* Two spheres about their centres of mass. */
-bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_point *point);
+bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_point *point);
 
 /* m: the gap at `t`, and the normal there. */
-double rb_flight_gap(const struct rb_flight *flight, const struct rb_point *point, double t,
+double rb_flight_gap(const struct rb_flight *flight, const struct rb_step_point *point, double t,
                      rb_vec3 *normal);
 
 /* m/s: approach along the normal, without the forces of the step. */
-double rb_flight_approach(const struct rb_flight *flight, const struct rb_point *point,
+double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_point *point,
                           rb_vec3 normal);
 
 /* m/s: what a step makes of the rounding of where a body is and of how large it is. */
 double rb_flight_rounding(const struct rb_flight *flight, int i);
 
 /* m/s: slower approaches are no impacts: what the solution before may have left, and what forces make in a step. */
-double rb_flight_least(const struct rb_flight *flight, const struct rb_point *point,
+double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
                        rb_vec3 normal);
 
 /* The approach with which it is an impact: as it stands, or only with more than that. */
-static inline double rb_flight_rebound(const struct rb_flight *flight, const struct rb_point *point,
-                                       double approach)
+static inline double rb_flight_rebound(const struct rb_flight *flight,
+                                       const struct rb_step_point *point, double approach)
 {
 	return (point->restitution > 0 ? point->restitution : flight->mixed) * approach;
 }
 
 /* When they next touch with an impact, from `now` on, s; INFINITY: not within the step. */
-double rb_flight_meets(const struct rb_flight *flight, const struct rb_point *point, double now);
+double rb_flight_meets(const struct rb_flight *flight, const struct rb_step_point *point,
+                       double now);
 
 /* Gap and normal become those under which nothing that flies past is in the way; `touched`: the normal is right already. */
-void rb_flight_see(const struct rb_flight *flight, struct rb_point *point, bool touched);
+void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched);
 
 #endif

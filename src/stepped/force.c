@@ -3,8 +3,7 @@
 
 #include <string.h>
 
-#include "step/forces.h"
-#include "step/plan.h"
+#include "step/force_stages.h"
 #include "stepped/tally.h"
 
 /* ---- forces that classic steps have too ---- */
@@ -32,7 +31,7 @@ static void run_stages(void *user, int block, int worker)
 	                       .h_s = flow->h_s};
 
 	for (size_t k = 0; k < sizeof stages / sizeof stages[0]; k++)
-		if (rb_plan_has(stages[k], flow->world->model->features))
+		if (rb_stage_is_needed(stages[k], flow->world->model->features))
 			stages[k]->run(&pass);
 }
 
@@ -71,9 +70,10 @@ static struct end end_of(const struct rb_world *world, int id, rb_vec3 point)
  * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is shared out among them, so
  * that all of them together are as stable as each is alone.
  */
-static void add_yield(const struct rb_world *world, const struct end *end, rb_mat3 *yield)
+static void add_inverse_mass(const struct rb_world *world, const struct end *end,
+                             rb_mat3 *inverse_effective_mass)
 {
-	if (!rb_stepped_yields(world, end->i))
+	if (!rb_stepped_is_dynamic(world, end->i))
 		return;
 	const double springs = world->stepped->springs_of[end->i];
 
@@ -86,9 +86,9 @@ static void add_yield(const struct rb_world *world, const struct end *end, rb_ma
 			                rb_vec3_cross(rb_world_turn(world, &world->state, end->i,
 			                                            rb_vec3_cross(end->arm, unit)),
 			                              end->arm));
-		yield->m[0][c] += springs * v.x;
-		yield->m[1][c] += springs * v.y;
-		yield->m[2][c] += springs * v.z;
+		inverse_effective_mass->m[0][c] += springs * v.x;
+		inverse_effective_mass->m[1][c] += springs * v.y;
+		inverse_effective_mass->m[2][c] += springs * v.z;
 	}
 }
 
@@ -115,33 +115,33 @@ static rb_vec3 impulse_of(const struct rb_world *world, int number, double h, co
 	const struct rb_spring_def *spring = &world->model->scene->springs[number];
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at), v = rb_vec3_sub(b->velocity, a->velocity);
 	const double length = rb_vec3_length(d), k = spring->stiffness, c = spring->damping;
-	rb_mat3 yield = {{{0}}}, stiff, system, inverse;
+	rb_mat3 inverse_effective_mass = {{{0}}}, stiff, system, inverse;
 
 	if (!(length > 0)) /* no direction to pull in */
 		return (rb_vec3){0, 0, 0};
 	const rb_vec3 n = rb_vec3_scale(1 / length, d);
 	const double stretch = length - world->model->rest_length_m[number];
-	const double pull = h * (k * stretch + c * rb_vec3_dot(v, n));
-	add_yield(world, a, &yield);
-	add_yield(world, b, &yield);
-	if ((h * h * k + h * c) * size_of(&yield) <= 1)
-		return rb_vec3_scale(-pull, n);
+	const double external = h * (k * stretch + c * rb_vec3_dot(v, n));
+	add_inverse_mass(world, a, &inverse_effective_mass);
+	add_inverse_mass(world, b, &inverse_effective_mass);
+	if ((h * h * k + h * c) * size_of(&inverse_effective_mass) <= 1)
+		return rb_vec3_scale(-external, n);
 	const double across = h * h * k * fmax(0, stretch / length);
 	const double along = h * h * k + h * c - across;
 	const double x[3] = {n.x, n.y, n.z};
 	for (int r = 0; r < 3; r++)
 		for (int s = 0; s < 3; s++)
 			stiff.m[r][s] = along * (x[r] * x[s]) + (r == s ? across : 0);
-	system = rb_mat3_multiply(&stiff, &yield);
+	system = rb_mat3_multiply(&stiff, &inverse_effective_mass);
 	for (int r = 0; r < 3; r++)
 		system.m[r][r] += 1;
 	const rb_vec3 right = rb_vec3_add_scaled(rb_mat3_apply(&stiff, v), h * k * stretch, n);
 	if (!rb_mat3_inverse(&system, &inverse))
-		return rb_vec3_scale(-pull, n);
+		return rb_vec3_scale(-external, n);
 	return rb_vec3_neg(rb_mat3_apply(&inverse, right));
 }
 
-struct pull {
+struct external {
 	rb_vec3 impulse; /* N s, on b */
 	struct end a, b;
 	bool acts;
@@ -149,7 +149,7 @@ struct pull {
 
 static void apply(struct rb_world *world, const struct end *end, double sign, rb_vec3 impulse)
 {
-	if (!rb_stepped_yields(world, end->i))
+	if (!rb_stepped_is_dynamic(world, end->i))
 		return;
 	const size_t row = 3 * (size_t)end->i;
 	const rb_vec3 p = rb_vec3_scale(sign, impulse);
@@ -164,13 +164,13 @@ static void apply(struct rb_world *world, const struct end *end, double sign, rb
 		                                     rb_vec3_cross(end->arm, p))));
 }
 
-static void note_pull(struct rb_tally_pull *to, const struct pull *pull)
+static void note_external(struct rb_tally_external *to, const struct external *external)
 {
-	const rb_vec3 d = rb_vec3_sub(pull->b.at, pull->a.at);
+	const rb_vec3 d = rb_vec3_sub(external->b.at, external->a.at);
 	const double length = rb_vec3_length(d);
 
-	*to = (struct rb_tally_pull){
-		.impulse = pull->impulse, .arm_a = pull->a.arm, .arm_b = pull->b.arm};
+	*to = (struct rb_tally_external){
+		.impulse = external->impulse, .arm_a = external->a.arm, .arm_b = external->b.arm};
 	if (length > 0)
 		to->along = rb_vec3_scale(1 / length, d);
 }
@@ -180,31 +180,31 @@ static enum rb_status add_springs(struct rb_world *world, double h, const unsign
                                   struct rb_error *err)
 {
 	const struct rb_scene *scene = world->model->scene;
-	struct pull *pull = rb_arena_take(&world->arena[0], (size_t)scene->spring_count,
-	                                  sizeof *pull);
+	struct external *external = rb_arena_take(&world->arena[0], (size_t)scene->spring_count,
+	                                          sizeof *external);
 
-	if (!pull)
+	if (!external)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", scene->spring_count);
 	for (int k = 0; k < scene->spring_count; k++) {
 		const struct rb_spring_def *spring = &scene->springs[k];
 		const int a = world->model->index_of[spring->a],
 			  b = world->model->index_of[spring->b];
 
-		pull[k].acts = (rb_stepped_yields(world, a) && here[a]) ||
-		               (rb_stepped_yields(world, b) && here[b]);
-		if (!pull[k].acts)
+		external[k].acts = (rb_stepped_is_dynamic(world, a) && here[a]) ||
+		                   (rb_stepped_is_dynamic(world, b) && here[b]);
+		if (!external[k].acts)
 			continue;
-		pull[k].a = end_of(world, spring->a, spring->at_a);
-		pull[k].b = end_of(world, spring->b, spring->at_b);
-		pull[k].impulse = impulse_of(world, k, h, &pull[k].a, &pull[k].b);
+		external[k].a = end_of(world, spring->a, spring->at_a);
+		external[k].b = end_of(world, spring->b, spring->at_b);
+		external[k].impulse = impulse_of(world, k, h, &external[k].a, &external[k].b);
 	}
 	for (int k = 0; k < scene->spring_count; k++) {
-		if (!pull[k].acts)
+		if (!external[k].acts)
 			continue;
 		if (world->stepped->tally)
-			note_pull(&world->stepped->tally->pull[k], &pull[k]);
-		apply(world, &pull[k].a, -1, pull[k].impulse);
-		apply(world, &pull[k].b, 1, pull[k].impulse);
+			note_external(&world->stepped->tally->external[k], &external[k]);
+		apply(world, &external[k].a, -1, external[k].impulse);
+		apply(world, &external[k].b, 1, external[k].impulse);
 	}
 	return RB_OK;
 }

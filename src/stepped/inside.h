@@ -39,10 +39,10 @@ struct rb_blow {
 struct rb_cohort {
 	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
 	int member_count, body_count;
-	struct rb_near *near;    /* borrowed: candidates of theirs, reaches */
-	bool divides;            /* what fails may be told apart: else one that fails takes all */
-	struct rb_points points; /* of the try; `last` of the step before */
-	rb_vec3 *rebound;        /* owned, by point: N s on b */
+	struct rb_candidates *near; /* borrowed: candidates of theirs, reaches */
+	bool divides; /* what fails may be told apart: else one that fails takes all */
+	struct rb_step_points points; /* of the try; `last` of the step before */
+	rb_vec3 *rebound;             /* owned, by point: N s on b */
 	size_t rebound_capacity;
 	struct rb_hit *hit; /* owned: of the try, in order of time */
 	size_t hit_count, hit_capacity;
@@ -56,7 +56,7 @@ struct rb_cohort {
 };
 
 /* What has become of a try: rb_stepped's `bad` says for whom. */
-struct rb_outcome {
+struct rb_attempt_outcome {
 	int pair[2];    /* that overlaps, -1: none */
 	int body;       /* that is not finite, -1: none */
 	double overlap; /* m */
@@ -70,10 +70,10 @@ struct rb_ride {
 	rb_quat orientation;
 };
 
-/* What stands still: stepped/stand. */
-struct rb_stand {
+/* What stands still: stepped/sleep. */
+struct rb_sleep {
 	unsigned char *
-		stands; /* owned: [bodies] 1: nobody looks at it; of a driven one: it stays where it is */
+		sleeps; /* owned: [bodies] 1: nobody looks at it; of a driven one: it stays where it is */
 	unsigned char *mark; /* owned: [bodies] scratch, 0 */
 	int *next;           /* owned: [bodies] the next one of its group, in a ring */
 	int *group; /* owned: [bodies] of the step under way: the first of a group that rests, or -1 */
@@ -94,14 +94,14 @@ struct rb_stand {
 };
 
 struct rb_stepped {
-	struct rb_near near;
+	struct rb_candidates near;
 	struct rb_cohort all, part;
-	struct rb_points closing; /* of the last projection; its `last` stays empty */
+	struct rb_step_points closing; /* of the last projection; its `last` stays empty */
 	struct rb_solver solver;
 	struct rb_top_body *top; /* owned; NULL: no body needs one */
 	int *body;               /* owned: those that yield, then driven ones */
 	int member_count, driven_count;
-	struct rb_stand stand;
+	struct rb_sleep sleep;
 	struct rb_ride *ride; /* owned, by driven body */
 	double *aside;        /* owned: [6 bodies] velocities while positions are moved */
 	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
@@ -111,19 +111,19 @@ struct rb_stepped {
 		*kick; /* owned: [bodies] zero but for those in `kicked`; NULL: nothing rebounds */
 	int *kicked;   /* owned */
 	int kicked_count;
-	struct rb_due *due; /* owned: scratch of stepped/impact */
+	struct rb_due *due; /* owned: scratch of stepped/impact_pass */
 	size_t due_capacity;
 	unsigned char *bad; /* owned: [bodies] 1: the try has failed for it */
 	int bad_count;
-	struct rb_events told;  /* impacts of the step under way, not in order yet */
-	struct rb_tally *tally; /* owned; NULL: the ledger is not kept */
-	struct rb_apart *apart; /* owned; NULL until a step has first failed for some */
-	struct rb_means means;  /* of a step that is halved for all, where frames keep contacts */
-	struct rb_contacts part_contacts; /* scratch of rb_tell_part */
+	struct rb_events reported;       /* impacts of the step under way, not in order yet */
+	struct rb_tally *tally;          /* owned; NULL: the ledger is not kept */
+	struct rb_local_rollback *apart; /* owned; NULL until a step has first failed for some */
+	struct rb_means means; /* of a step that is halved for all, where frames keep contacts */
+	struct rb_contacts part_contacts; /* scratch of rb_record_part */
 };
 
 /* Forces move it: no static, no driven one. */
-static inline bool rb_stepped_yields(const struct rb_world *world, int i)
+static inline bool rb_stepped_is_dynamic(const struct rb_world *world, int i)
 {
 	return i < world->model->body_count && world->model->inverse_mass[i] > 0;
 }

@@ -20,10 +20,10 @@ static void fill_body(struct rb_solver *solver, const struct rb_world *world, in
 {
 	const struct rb_model *model = world->model;
 	const struct rb_state *state = &world->state;
-	struct rb_dense_body *body = &solver->dense.body[i];
+	struct rb_system_body *body = &solver->dense.body[i];
 
-	*body = (struct rb_dense_body){.linear = rb_world_row3(state->velocity, i),
-	                               .inverse_mass = model->inverse_mass[i]};
+	*body = (struct rb_system_body){.linear = rb_world_row3(state->velocity, i),
+	                                .inverse_mass = model->inverse_mass[i]};
 	if (state->spin) {
 		body->angular = rb_world_row3(state->spin, i);
 		body->inverse_inertia = body->inverse_mass > 0 ? model->inverse_inertia_scalar[i]
@@ -47,7 +47,7 @@ static void store_body(const struct rb_solver *solver, struct rb_world *world, i
 struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
-	struct rb_points *points;
+	struct rb_step_points *points;
 	const int *place; /* [points]: their rows, -1: none */
 	int count;
 };
@@ -85,7 +85,7 @@ static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
 	rb_team_run(pass->world->team, (pass->count + PER_BLOCK - 1) / PER_BLOCK, work, pass);
 }
 
-static bool yields(const struct rb_solver *solver, int i)
+static bool is_dynamic(const struct rb_solver *solver, int i)
 {
 	return i < solver->body_count && solver->dense.body[i].inverse_mass > 0;
 }
@@ -115,14 +115,14 @@ static bool still_rests(const struct rb_solver *solver, const struct rb_island *
 }
 
 /* Whether what does not yield moves under or against the other. */
-static bool is_moved(const struct rb_solver *solver, const struct rb_point *point)
+static bool is_moved(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	const int ends[2] = {point->a, point->b};
 
 	for (int e = 0; e < 2; e++) {
-		if (ends[e] >= solver->body_count || yields(solver, ends[e]))
+		if (ends[e] >= solver->body_count || is_dynamic(solver, ends[e]))
 			continue;
-		const struct rb_dense_body *body = &solver->dense.body[ends[e]];
+		const struct rb_system_body *body = &solver->dense.body[ends[e]];
 		if (rb_vec3_max_abs(body->linear) > 0 || rb_vec3_max_abs(body->angular) > 0)
 			return true;
 	}
@@ -132,21 +132,21 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_point *poin
 /* ---- groups ---- */
 
 /* The body of a point that yields: the group is its. */
-static int owner_of(const struct rb_solver *solver, const struct rb_point *point)
+static int owner_of(const struct rb_solver *solver, const struct rb_step_point *point)
 {
-	return yields(solver, point->a) ? point->a : point->b;
+	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
 /* Owners of the points go to `place`. */
-static void join_all(struct rb_solver *solver, const struct rb_points *points, int *place)
+static void join_all(struct rb_solver *solver, const struct rb_step_points *points, int *place)
 {
 	for (int k = 0; k < solver->active_count; k++)
 		solver->parent[solver->active[k]] = solver->active[k];
 	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
+		const struct rb_step_point *point = &points->row[k];
 
 		place[k] = owner_of(solver, point);
-		if (!yields(solver, point->a) || !yields(solver, point->b))
+		if (!is_dynamic(solver, point->a) || !is_dynamic(solver, point->b))
 			continue;
 		const int a = rb_forest_root(solver->parent, point->a);
 		const int b = rb_forest_root(solver->parent, point->b);
@@ -156,7 +156,7 @@ static void join_all(struct rb_solver *solver, const struct rb_points *points, i
 }
 
 /* Numbers the groups that have points, in order of their smallest body, and counts their members. */
-static enum rb_status number_groups(struct rb_solver *solver, const struct rb_points *points,
+static enum rb_status number_groups(struct rb_solver *solver, const struct rb_step_points *points,
                                     const int *place, struct rb_error *err)
 {
 	solver->island_count = 0;
@@ -183,7 +183,7 @@ static enum rb_status number_groups(struct rb_solver *solver, const struct rb_po
 }
 
 /* Members and rows, whose places replace the owners; what still rests needs no rows. */
-static void lay_out(struct rb_solver *solver, const struct rb_points *points, int *place)
+static void lay_out(struct rb_solver *solver, const struct rb_step_points *points, int *place)
 {
 	int row = 0, member = 0;
 
@@ -231,59 +231,63 @@ static void lay_out(struct rb_solver *solver, const struct rb_points *points, in
 }
 
 /* Adds what a body at that arm yields along unit vectors n, x, y. */
-static void add_yield(const struct rb_dense *dense, int body, rb_vec3 arm, const rb_vec3 axis[3],
-                      double yield[3][3])
+static void add_inverse_mass(const struct rb_row_system *dense, int body, rb_vec3 arm,
+                             const rb_vec3 axis[3], double inverse_effective_mass[3][3])
 {
 	rb_vec3 turn[3];
 
 	for (int i = 0; i < 3; i++)
 		turn[i] = dense->body[body].inverse_inertia != 0
-		                  ? rb_vec3_cross(
-					    rb_dense_turn(dense, body, rb_vec3_cross(arm, axis[i])),
-					    arm)
+		                  ? rb_vec3_cross(rb_system_turn(dense, body,
+		                                                 rb_vec3_cross(arm, axis[i])),
+		                                  arm)
 		                  : (rb_vec3){0, 0, 0};
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++)
-			yield[i][j] += rb_vec3_dot(axis[i], turn[j]) +
-			               (i == j ? dense->body[body].inverse_mass : 0);
+			inverse_effective_mass[i][j] += rb_vec3_dot(axis[i], turn[j]) +
+			                                (i == j ? dense->body[body].inverse_mass
+			                                        : 0);
 }
 
-static void fill_yields(const struct rb_dense *dense, struct rb_dense_row *row)
+static void fill_dynamic(const struct rb_row_system *dense, struct rb_system_row *row)
 {
-	const struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	const struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
 
 	if (row->central) {
-		row->yield_n = a->inverse_mass + b->inverse_mass;
-		row->yield_t = row->yield_n + a->inverse_inertia * row->arm_a.x * row->arm_a.x +
-		               b->inverse_inertia * row->arm_b.x * row->arm_b.x;
+		row->inverse_mass_n = a->inverse_mass + b->inverse_mass;
+		row->inverse_mass_t = row->inverse_mass_n +
+		                      a->inverse_inertia * row->arm_a.x * row->arm_a.x +
+		                      b->inverse_inertia * row->arm_b.x * row->arm_b.x;
 		return;
 	}
 	const rb_vec3 x = rb_vec3_across(row->normal);
 	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
-	double yield[3][3] = {{0}};
+	double inverse_effective_mass[3][3] = {{0}};
 
-	add_yield(dense, row->a, row->arm_a, axis, yield);
-	add_yield(dense, row->b, row->arm_b, axis, yield);
-	row->yield_n = yield[0][0];
-	row->yield_t = 0.5 * (yield[1][1] + yield[2][2]) +
-	               hypot(0.5 * (yield[1][1] - yield[2][2]), yield[1][2]);
+	add_inverse_mass(dense, row->a, row->arm_a, axis, inverse_effective_mass);
+	add_inverse_mass(dense, row->b, row->arm_b, axis, inverse_effective_mass);
+	row->inverse_mass_n = inverse_effective_mass[0][0];
+	row->inverse_mass_t = 0.5 * (inverse_effective_mass[1][1] + inverse_effective_mass[2][2]) +
+	                      hypot(0.5 * (inverse_effective_mass[1][1] -
+	                                   inverse_effective_mass[2][2]),
+	                            inverse_effective_mass[1][2]);
 }
 
-static bool share_face(const struct rb_point *p, const struct rb_point *q)
+static bool share_face(const struct rb_step_point *p, const struct rb_step_point *q)
 {
 	return p->a == q->a && p->b == q->b && p->normal.x == q->normal.x &&
 	       p->normal.y == q->normal.y && p->normal.z == q->normal.z;
 }
 
 /* Of the points of one face, which stand together, the one with the least gap. */
-static const struct rb_point *nearest_of_face(const struct rb_points *points, int number)
+static const struct rb_step_point *nearest_of_face(const struct rb_step_points *points, int number)
 {
-	const struct rb_point *const point = &points->row[number], *const first = points->row;
-	const struct rb_point *const end = first + points->count, *nearest = point;
+	const struct rb_step_point *const point = &points->row[number], *const first = points->row;
+	const struct rb_step_point *const end = first + points->count, *nearest = point;
 
-	for (const struct rb_point *p = point; p-- > first && share_face(p, point);)
+	for (const struct rb_step_point *p = point; p-- > first && share_face(p, point);)
 		nearest = p->gap + p->bend <= nearest->gap + nearest->bend ? p : nearest;
-	for (const struct rb_point *p = point + 1; p < end && share_face(p, point); p++)
+	for (const struct rb_step_point *p = point + 1; p < end && share_face(p, point); p++)
 		nearest = p->gap + p->bend < nearest->gap + nearest->bend ? p : nearest;
 	return nearest;
 }
@@ -297,16 +301,16 @@ static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
  * Arms of a face end in one plane, which no normal velocity sees and no torque of a push. Where gaps differ, turning would
  * else ask for different slips of points on one line, and friction would creep on against itself.
  */
-static void level_arms(const struct rb_point *nearest, struct rb_dense_row *row)
+static void level_arms(const struct rb_step_point *nearest, struct rb_system_row *row)
 {
 	row->arm_a = level(row->arm_a, nearest->arm_a, row->normal);
 	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
 }
 
 /* Those at which impulses act. */
-static void set_arms(const struct pass *pass, struct rb_dense_row *row, int number)
+static void set_arms(const struct pass *pass, struct rb_system_row *row, int number)
 {
-	const struct rb_point *const point = &pass->points->row[number];
+	const struct rb_step_point *const point = &pass->points->row[number];
 
 	row->central = point->central;
 	row->normal = point->normal;
@@ -323,27 +327,27 @@ static void set_arms(const struct pass *pass, struct rb_dense_row *row, int numb
 	}
 }
 
-static void fill_row(const struct pass *pass, struct rb_dense_row *row, int number)
+static void fill_row(const struct pass *pass, struct rb_system_row *row, int number)
 {
 	const struct rb_solver *const solver = pass->solver;
-	const struct rb_points *const points = pass->points;
-	const struct rb_point *const point = &points->row[number];
+	const struct rb_step_points *const points = pass->points;
+	const struct rb_step_point *const point = &points->row[number];
 
-	*row = (struct rb_dense_row){
+	*row = (struct rb_system_row){
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
 		.point = number,
-		.leave = -(point->gap + point->bend) / solver->h_s,
+		.target_velocity = -(point->gap + point->bend) / solver->h_s,
 		.friction = point->friction,
 		.push = point->push,
-		.rub = point->rub,
+		.friction_impulse = point->friction_impulse,
 	};
-	const double most = row->friction * row->push;
-	const double square = rb_vec3_dot(row->rub, row->rub);
-	if (square > most * most)
-		row->rub = rb_vec3_scale(most / sqrt(square), row->rub);
+	const double max = row->friction * row->push;
+	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
+	if (square > max * max)
+		row->friction_impulse = rb_vec3_scale(max / sqrt(square), row->friction_impulse);
 	set_arms(pass, row, number);
-	fill_yields(&solver->dense, row);
+	fill_dynamic(&solver->dense, row);
 }
 
 static void fill_rows_block(void *user, int block, int worker)
@@ -352,7 +356,7 @@ static void fill_rows_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		struct rb_dense_row still, *row = &still;
+		struct rb_system_row still, *row = &still;
 
 		if (pass->place[k] >= 0) {
 			row = &pass->solver->dense.row[pass->place[k]];
@@ -371,17 +375,17 @@ static void store_rows_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		const struct rb_dense_row *row = &pass->solver->dense.row[k];
-		struct rb_point *point = &pass->points->row[row->point];
+		const struct rb_system_row *row = &pass->solver->dense.row[k];
+		struct rb_step_point *point = &pass->points->row[row->point];
 
 		point->push = row->push;
-		point->rub = row->rub;
+		point->friction_impulse = row->friction_impulse;
 	}
 }
 
 static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struct rb_error *err)
 {
-	const struct rb_points *points = pass->points;
+	const struct rb_step_points *points = pass->points;
 	int *place = rb_arena_take(&pass->world->arena[0], points->count, sizeof *place);
 
 	if (!place || !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
@@ -398,14 +402,14 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 }
 
 enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
-                               struct rb_points *points, struct rb_error *err)
+                               struct rb_step_points *points, struct rb_error *err)
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 	struct rb_arena *arena = &world->arena[0];
 	const rb_arena_mark here = rb_arena_here(arena);
 
 	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
-	solver->dense.body[solver->body_count] = (struct rb_dense_body){.inverse_mass = 0};
+	solver->dense.body[solver->body_count] = (struct rb_system_body){.inverse_mass = 0};
 	const enum rb_status status = prepare(solver, &pass, err);
 	rb_arena_back(arena, here); /* a step may have many tries */
 	return status;
@@ -413,12 +417,12 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 
 /* ---- the end of a step ---- */
 
-static void find_pushed(struct rb_solver *solver, const struct rb_points *points)
+static void find_pushed(struct rb_solver *solver, const struct rb_step_points *points)
 {
 	for (int k = 0; k < solver->active_count; k++)
 		solver->pushed[solver->active[k]] = 0;
 	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
+		const struct rb_step_point *point = &points->row[k];
 		const int b = point->b < solver->body_count ? point->b : solver->body_count;
 
 		if (point->push > 0)
@@ -445,13 +449,13 @@ static void note_left(struct rb_solver *solver)
 
 		/* written so that NaN is not good */
 		solver->left[i] = g < 0 ? 0
-		                  : solver->island[g].residual < solver->enough
+		                  : solver->island[g].residual < solver->tolerance
 		                          ? solver->island[g].residual
-		                          : solver->enough;
+		                          : solver->tolerance;
 	}
 }
 
-void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_points *points)
+void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_step_points *points)
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 

@@ -10,7 +10,7 @@
 #define RB_STEPPED_ISLANDS_H
 
 #include "stepped/row.h"
-#include "stepped/touch.h"
+#include "stepped/contact_points.h"
 
 #include <float.h>
 
@@ -40,37 +40,37 @@ struct rb_solver {
 	const int *
 		active; /* borrowed: bodies of the step, those that yield ascending, then driven ones */
 	int active_count;
-	struct rb_dense
+	struct rb_row_system
 		dense;   /* owned: body [bodies + 1], the last one for all that stands still */
 	rb_mat3 *tensor; /* owned; NULL: no body needs one */
-	struct rb_dense_body *free;               /* owned */
+	struct rb_system_body *free;              /* owned */
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
 	double *reach;                            /* owned, m: as of the model */
 	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
 	unsigned char *rests;  /* owned: 1 where the body stands still */
 	unsigned char *stays;  /* owned: 1 where it still stands, since nothing has changed */
 	double *left; /* owned, m/s: what the last solution has left of the contacts of the body's group */
-	double *rest_pull; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
+	double *rest_external; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
 	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity;
 	const struct rb_state
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
 	const struct rb_kick *kick; /* borrowed: by body; NULL: there have been no impacts */
-	double h_s, enough;         /* of the step; m/s */
-	double whole_s; /* of the step that was tried first, set by the caller; 0: of this one */
-	double pull;    /* m^2/s^2: the most that its forces change a velocity by, squared */
-	bool bounces;   /* materials of the scene have restitution */
-	bool mixed;     /* some pairs of them have, others have none */
+	double h_s, tolerance;      /* of the step; m/s */
+	double whole_s;  /* of the step that was tried first, set by the caller; 0: of this one */
+	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */
+	bool bounces;    /* materials of the scene have restitution */
+	bool mixed;      /* some pairs of them have, others have none */
 	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
 };
 
 static inline bool rb_rest_same(const double *now, const double *then, double h)
 {
 	const double each = 1 / h, x = fabs(then[0]), y = fabs(then[1]), z = fabs(then[2]);
-	const double xy = x > y ? x : y, most = 16 * DBL_EPSILON * (xy > z ? xy : z);
+	const double xy = x > y ? x : y, max = 16 * DBL_EPSILON * (xy > z ? xy : z);
 
-	return fabs(each * now[0] - then[0]) <= most && fabs(each * now[1] - then[1]) <= most &&
-	       fabs(each * now[2] - then[2]) <= most;
+	return fabs(each * now[0] - then[0]) <= max && fabs(each * now[1] - then[1]) <= max &&
+	       fabs(each * now[2] - then[2]) <= max;
 }
 
 /*
@@ -80,7 +80,7 @@ static inline bool rb_rest_same(const double *now, const double *then, double h)
 static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const double *linear,
                                  const double *angular, double h_s)
 {
-	const double *then = solver->rest_pull + 6 * (size_t)i;
+	const double *then = solver->rest_external + 6 * (size_t)i;
 
 	return solver->rests[i] && rb_rest_same(linear, then, h_s) &&
 	       (!angular || rb_rest_same(angular, then + 3, h_s));
@@ -88,9 +88,10 @@ static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const do
 
 /* Takes velocities with the step's forces from the world; `before`, `h_s` and `enough` are set. */
 RB_CHECKED enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
-                                          struct rb_points *points, struct rb_error *err);
+                                          struct rb_step_points *points, struct rb_error *err);
 
 /* Impulses go to the points, velocities to the world. */
-void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_points *points);
+void rb_islands_end(struct rb_solver *solver, struct rb_world *world,
+                    struct rb_step_points *points);
 
 #endif

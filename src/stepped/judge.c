@@ -4,12 +4,12 @@
 #include <string.h>
 
 #include "step/verdict.h"
-#include "stepped/close.h"
-#include "stepped/impact.h"
-#include "stepped/stand.h"
+#include "stepped/projection.h"
+#include "stepped/impact_pass.h"
+#include "stepped/sleep.h"
 
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
-                       struct rb_outcome *outcome)
+                       struct rb_attempt_outcome *outcome)
 {
 	for (int k = 0; k < cohort->body_count; k++) {
 		const int i = cohort->body[k];
@@ -22,7 +22,7 @@ static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
 	}
 }
 
-static void blame_residuals(struct rb_world *world, double h, struct rb_outcome *outcome)
+static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_outcome *outcome)
 {
 	struct rb_stepped *s = world->stepped;
 	const struct rb_solver *solver = &s->solver;
@@ -53,9 +53,9 @@ static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 		const int i = cohort->body[k];
 		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
 		                              rb_world_origin_at(world, &world->mark, i));
-		const double most = cohort->near->reach[i] + 0.5 * rb_model_reach(world->model, i);
+		const double max = cohort->near->reach[i] + 0.5 * rb_model_reach(world->model, i);
 
-		if (!(rb_vec3_dot(d, d) <= most * most))
+		if (!(rb_vec3_dot(d, d) <= max * max))
 			rb_stepped_blame(world->stepped, i);
 	}
 }
@@ -69,13 +69,13 @@ static void restore_bad(struct rb_world *world, const struct rb_cohort *cohort)
 }
 
 enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h,
-                        struct rb_outcome *outcome, struct rb_error *err)
+                        struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_depths found;
 	enum rb_status status = RB_OK;
 
-	*outcome = (struct rb_outcome){.pair = {-1, -1}, .body = -1};
+	*outcome = (struct rb_attempt_outcome){.pair = {-1, -1}, .body = -1};
 	for (int k = 0; k < cohort->body_count; k++)
 		s->bad[cohort->body[k]] = 0;
 	s->bad_count = 0;
@@ -92,18 +92,18 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		restore_bad(world, cohort);
 	/* where overlaps are known already, nobody had gone too far for it */
 	if (cohort->near == &s->near && !(cohort->is_measured && s->bad_count == 0) &&
-	    !rb_near_holds(&s->near, world, cohort->body, cohort->body_count)) {
+	    !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count)) {
 		s->near.valid = false;
-		status = rb_near_find(&s->near, world, cohort->body, cohort->body_count, err);
+		status = rb_candidates_find(&s->near, world, cohort->body, cohort->body_count, err);
 	}
 	if (status == RB_OK && cohort == &s->all)
-		status = rb_stand_list(world, err);
+		status = rb_sleep_list(world, err);
 	if (status == RB_OK)
-		status = rb_close_overlap(world, cohort, &found, err);
+		status = rb_projection_close(world, cohort, &found, err);
 	if (status != RB_OK)
 		return status;
 	rb_impacts_blame(s, world, cohort);
-	outcome->overlap = found.most;
+	outcome->overlap = found.max;
 	for (size_t k = 0; k < found.deep_count; k++)
 		if (found.deep[k].depth > outcome->overlap) {
 			outcome->overlap = found.deep[k].depth;

@@ -10,6 +10,6 @@
  * that moving positions does not close. In a cohort that divides, rows of bad bodies may have been restored.
  */
 RB_CHECKED enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h_s,
-                                   struct rb_outcome *outcome, struct rb_error *err);
+                                   struct rb_attempt_outcome *outcome, struct rb_error *err);
 
 #endif

@@ -12,10 +12,10 @@
 enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
 
 /* What points that had overlap at the beginning of the step have held up by so much less. */
-static void add_sunk(struct rb_lift *lift, const struct rb_points *points, double h)
+static void add_sunk(struct rb_lift *lift, const struct rb_step_points *points, double h)
 {
 	for (size_t k = 0; k < points->count; k++) {
-		const struct rb_point *point = &points->row[k];
+		const struct rb_step_point *point = &points->row[k];
 
 		if (point->gap < 0 && point->push > 0)
 			lift->sunk[rb_forest_root(lift->parent, point->a)] -= point->gap *
@@ -24,7 +24,7 @@ static void add_sunk(struct rb_lift *lift, const struct rb_points *points, doubl
 }
 
 enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
-                             const struct rb_points *points, double h, struct rb_error *err)
+                             const struct rb_step_points *points, double h, struct rb_error *err)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
 	struct rb_arena *arena = &world->arena[0];
@@ -66,7 +66,7 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 {
 	const int root = rb_forest_root(lift->parent, a);
 
-	if (!rb_stepped_yields(world, b)) {
+	if (!rb_stepped_is_dynamic(world, b)) {
 		const bool is_static = b >= world->model->body_count;
 
 		lift->given[root] = lift->given[root] || !is_static;
@@ -85,16 +85,16 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 }
 
 void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
-                  const struct rb_points *closing)
+                  const struct rb_step_points *closing)
 {
 	for (size_t k = 0; world->state.spin && k < closing->count; k++) {
-		const struct rb_point *point = &closing->row[k];
+		const struct rb_step_point *point = &closing->row[k];
 		const int ends[2] = {point->a, point->b};
 
 		/* the points of spheres about their centres stay where they are */
 		for (int e = 0; e < 2 && point->push > 0 && !point->central; e++) {
 			const int i = ends[e];
-			if (!rb_stepped_yields(world, i))
+			if (!rb_stepped_is_dynamic(world, i))
 				continue;
 			double *const turn = lift->turn + 3 * (size_t)i;
 			const rb_vec3 spin = rb_vec3_from(world->stepped->aside + 6 * (size_t)i +
@@ -111,8 +111,8 @@ void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
-	const struct rb_dense_body *body = &solver->dense.body[i];
-	const struct rb_dense_body momentum = rb_energy_weigh(solver, i, body);
+	const struct rb_system_body *body = &solver->dense.body[i];
+	const struct rb_system_body momentum = rb_energy_weigh(solver, i, body);
 	double *const way = lift->way + 6 * (size_t)i;
 	double *const aside = world->stepped->aside + 6 * (size_t)i;
 
@@ -222,7 +222,7 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 }
 
 /* Whom the ledger names for what closing has done to a body: the fixed one that its group has been closed against. */
-static void tell_closed(const struct rb_lift *lift, struct rb_world *world, int i)
+static void record_closed(const struct rb_lift *lift, struct rb_world *world, int i)
 {
 	const struct rb_world_def *of = &world->model->scene->world;
 	const int root = rb_forest_root(lift->parent, i);
@@ -262,6 +262,6 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
 		else if (need > 0)
 			pay(lift, world, i, payment);
 		if (s->tally && (lift->moved[i] || (need > 0 && !isnan(payment.twist))))
-			tell_closed(lift, world, i);
+			record_closed(lift, world, i);
 	}
 }

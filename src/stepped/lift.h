@@ -29,7 +29,7 @@ struct rb_lift {
 
 /* Before the solver has become that of closing. */
 RB_CHECKED enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
-                                        const struct rb_points *points, double h_s,
+                                        const struct rb_step_points *points, double h_s,
                                         struct rb_error *err);
 
 /* These bodies are closed together; b may be driven or static. */
@@ -37,7 +37,7 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 
 /* What points take along of the pushes that close them; before bodies move by these. */
 void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
-                  const struct rb_points *closing);
+                  const struct rb_step_points *closing);
 
 /* A body moves by what the solver has for it; its spin, put aside, turns with it. */
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i);

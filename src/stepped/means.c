@@ -30,7 +30,8 @@ static void add(struct rb_mean *mean, const struct rb_contact *contact, double h
 
 	mean->contact = *contact;
 	mean->push = rb_vec3_add_scaled(mean->push, push, contact->normal);
-	mean->rub = rb_vec3_add_scaled(mean->rub, h, contact->tangent_force);
+	mean->friction_impulse = rb_vec3_add_scaled(mean->friction_impulse, h,
+	                                            contact->tangent_force);
 	mean->moment = rb_vec3_add_scaled(mean->moment, push, contact->point);
 	mean->weight += push;
 	mean->lasts = true;
@@ -40,11 +41,11 @@ enum rb_status rb_means_add(struct rb_means *means, struct rb_contacts *part, do
                             struct rb_error *err)
 {
 	const struct rb_mean *old = means->row;
-	const size_t most = means->count + part->count + 1;
+	const size_t max = means->count + part->count + 1;
 	size_t at = 0, count = 0;
 
-	if (!rb_memory_reserve(&means->spare, &means->spare_capacity, most, sizeof *means->spare))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", most);
+	if (!rb_memory_reserve(&means->spare, &means->spare_capacity, max, sizeof *means->spare))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
 	if (part->count > 1)
 		qsort(part->row, part->count, sizeof *part->row, by_name);
 	for (size_t k = 0; k <= part->count; k++) {
@@ -72,8 +73,8 @@ enum rb_status rb_means_add(struct rb_means *means, struct rb_contacts *part, do
 	return RB_OK;
 }
 
-enum rb_status rb_means_tell(const struct rb_means *means, double h, struct rb_contacts *to,
-                             struct rb_error *err)
+enum rb_status rb_means_record(const struct rb_means *means, double h, struct rb_contacts *to,
+                               struct rb_error *err)
 {
 	const enum rb_status status = rb_contacts_reserve(to, to->count + means->count + 1, err);
 
@@ -86,12 +87,12 @@ enum rb_status rb_means_tell(const struct rb_means *means, double h, struct rb_c
 
 		if (push > 0) {
 			const rb_vec3 normal = rb_vec3_scale(1 / push, mean->push);
-			const double more = rb_vec3_dot(mean->rub, normal);
+			const double more = rb_vec3_dot(mean->friction_impulse, normal);
 
 			contact.normal = normal;
 			contact.normal_force = (push + more) / h;
 			contact.tangent_force = rb_vec3_scale(
-				1 / h, rb_vec3_add_scaled(mean->rub, -more, normal));
+				1 / h, rb_vec3_add_scaled(mean->friction_impulse, -more, normal));
 			contact.point = rb_vec3_scale(1 / mean->weight, mean->moment);
 		} else if (!mean->lasts) {
 			continue;

@@ -13,11 +13,11 @@
 #include "world/contacts.h"
 
 struct rb_mean {
-	struct rb_contact contact; /* as the last part had it that had it */
-	rb_vec3 push, rub;         /* N s, on b: along the normals of parts, and across them */
-	rb_vec3 moment;            /* N s m: points times the lengths of pushes */
-	double weight;             /* N s: those added up */
-	bool lasts;                /* the last part had it */
+	struct rb_contact contact;      /* as the last part had it that had it */
+	rb_vec3 push, friction_impulse; /* N s, on b: along the normals of parts, and across them */
+	rb_vec3 moment;                 /* N s m: points times the lengths of pushes */
+	double weight;                  /* N s: those added up */
+	bool lasts;                     /* the last part had it */
 };
 
 struct rb_means {
@@ -34,7 +34,7 @@ RB_CHECKED enum rb_status rb_means_add(struct rb_means *means, struct rb_contact
                                        struct rb_error *err);
 
 /* Adds to `to`, which is then no longer in order, the contacts over a step of h_s: those that carried force in it, or last. */
-RB_CHECKED enum rb_status rb_means_tell(const struct rb_means *means, double h_s,
-                                        struct rb_contacts *to, struct rb_error *err);
+RB_CHECKED enum rb_status rb_means_record(const struct rb_means *means, double h_s,
+                                          struct rb_contacts *to, struct rb_error *err);
 
 #endif

@@ -19,36 +19,37 @@
 #define RB_SLIP_SHARE 0.3
 
 /* A body of the problem; what does not yield has no inverses, but may move. */
-struct rb_dense_body {
+struct rb_system_body {
 	rb_vec3 linear, angular; /* m/s, rad/s: in and out */
 	double inverse_mass;     /* 1/kg; 0: does not yield */
 	double inverse_inertia;  /* 1/(kg m^2); 0: does not turn; NAN: its tensor */
 };
 
-struct rb_dense_row {
+struct rb_system_row {
 	int a, b;  /* bodies of the problem */
 	int point; /* its place among the points of the step */
 	bool central; /* between spheres, or a sphere and what does not yield: the arms are along the normal */
 	rb_vec3 normal; /* unit, from a to b */
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
-	double yield_n, yield_t; /* 1/kg: of the normal; bound for all directions across */
-	double leave;            /* m/s */
+	double inverse_mass_n,
+		inverse_mass_t; /* 1/kg: of the normal; bound for all directions across */
+	double target_velocity; /* m/s */
 	double friction;
-	double push;  /* N s, >= 0 */
-	rb_vec3 rub;  /* N s, across the normal, |rub| <= friction push */
-	rb_vec3 step; /* scratch: last change */
+	double push;              /* N s, >= 0 */
+	rb_vec3 friction_impulse; /* N s, across the normal, |rub| <= friction push */
+	rb_vec3 step;             /* scratch: last change */
 };
 
 /* Rows solved together. */
-struct rb_dense {
-	struct rb_dense_body *body;
+struct rb_row_system {
+	struct rb_system_body *body;
 	const rb_mat3 *tensor; /* world axes, by body; NULL: none is needed */
-	struct rb_dense_row *row;
+	struct rb_system_row *row;
 	int row_count;
 };
 
-static inline rb_vec3 rb_dense_turn(const struct rb_dense *dense, int body, rb_vec3 torque)
+static inline rb_vec3 rb_system_turn(const struct rb_row_system *dense, int body, rb_vec3 torque)
 {
 	const double inverse = dense->body[body].inverse_inertia;
 
@@ -56,21 +57,21 @@ static inline rb_vec3 rb_dense_turn(const struct rb_dense *dense, int body, rb_v
 	                      : rb_vec3_scale(inverse, torque);
 }
 
-static inline rb_vec3 rb_dense_arm_a(const struct rb_dense_row *row)
+static inline rb_vec3 rb_system_arm_a(const struct rb_system_row *row)
 {
 	return row->central ? rb_vec3_scale(row->arm_a.x, row->normal) : row->arm_a;
 }
 
-static inline rb_vec3 rb_dense_arm_b(const struct rb_dense_row *row)
+static inline rb_vec3 rb_system_arm_b(const struct rb_system_row *row)
 {
 	return row->central ? rb_vec3_scale(row->arm_b.x, row->normal) : row->arm_b;
 }
 
 /* Relative velocity at the point, m/s. */
-static inline rb_vec3 rb_dense_velocity(const struct rb_dense *dense,
-                                        const struct rb_dense_row *row)
+static inline rb_vec3 rb_system_velocity(const struct rb_row_system *dense,
+                                         const struct rb_system_row *row)
 {
-	const struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	const struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
 	const rb_vec3 u = rb_vec3_sub(b->linear, a->linear);
 
 	if (row->central) {
@@ -85,10 +86,10 @@ static inline rb_vec3 rb_dense_velocity(const struct rb_dense *dense,
 }
 
 /* An impulse on b and its opposite on a. */
-static inline void rb_dense_push(const struct rb_dense *dense, const struct rb_dense_row *row,
-                                 rb_vec3 impulse)
+static inline void rb_system_apply(const struct rb_row_system *dense,
+                                   const struct rb_system_row *row, rb_vec3 impulse)
 {
-	struct rb_dense_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
 
 	/* what does not yield may be shared: not written to */
 	if (a->inverse_mass != 0)
@@ -108,42 +109,42 @@ static inline void rb_dense_push(const struct rb_dense *dense, const struct rb_d
 	if (a->inverse_inertia != 0)
 		a->angular = rb_vec3_sub(
 			a->angular,
-			rb_dense_turn(dense, row->a, rb_vec3_cross(row->arm_a, impulse)));
+			rb_system_turn(dense, row->a, rb_vec3_cross(row->arm_a, impulse)));
 	if (b->inverse_mass == 0)
 		return;
 	b->linear = rb_vec3_add_scaled(b->linear, b->inverse_mass, impulse);
 	if (b->inverse_inertia != 0)
 		b->angular = rb_vec3_add(
 			b->angular,
-			rb_dense_turn(dense, row->b, rb_vec3_cross(row->arm_b, impulse)));
+			rb_system_turn(dense, row->b, rb_vec3_cross(row->arm_b, impulse)));
 }
 
 /* The impulse as a vector. */
-static inline void rb_dense_clear(struct rb_dense_row *row)
+static inline void rb_system_clear(struct rb_system_row *row)
 {
 	row->push = 0;
-	row->rub = (rb_vec3){0, 0, 0};
+	row->friction_impulse = (rb_vec3){0, 0, 0};
 }
 
-static inline rb_vec3 rb_dense_impulse(const struct rb_dense_row *row)
+static inline rb_vec3 rb_system_impulse(const struct rb_system_row *row)
 {
-	return rb_vec3_add_scaled(row->rub, row->push, row->normal);
+	return rb_vec3_add_scaled(row->friction_impulse, row->push, row->normal);
 }
 
 /* What the impulses take from bodies that move and do not yield, J; such a body is the second of its rows. */
-static inline double rb_dense_work(const struct rb_dense *dense)
+static inline double rb_system_work(const struct rb_row_system *dense)
 {
 	double sum = 0;
 
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_dense_row *row = &dense->row[k];
-		const struct rb_dense_body *b = &dense->body[row->b];
+		const struct rb_system_row *row = &dense->row[k];
+		const struct rb_system_body *b = &dense->body[row->b];
 
 		if (b->inverse_mass == 0)
 			sum -= rb_vec3_dot(
-				rb_dense_impulse(row),
+				rb_system_impulse(row),
 				rb_vec3_add(b->linear,
-			                    rb_vec3_cross(b->angular, rb_dense_arm_b(row))));
+			                    rb_vec3_cross(b->angular, rb_system_arm_b(row))));
 	}
 	return sum;
 }

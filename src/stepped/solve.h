@@ -16,22 +16,23 @@ RB_CHECKED enum rb_status rb_solver_create(struct rb_solver *solver, const struc
 void rb_solver_release(struct rb_solver *solver);
 
 /* m/s: what a solution of a step of h_s may leave of the closing of gaps. */
-double rb_solver_enough(const struct rb_model *model, double h_s);
+double rb_solver_tolerance(const struct rb_model *model, double h_s);
 
 /*
  * Takes velocities with the step's forces from the world, those before it from `before`; solves; impulses go to the points.
  * A group that stood still under the same forces is not solved again.
  */
 RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
-                                         const struct rb_state *before, struct rb_points *points,
-                                         double h_s, struct rb_error *err);
+                                         const struct rb_state *before,
+                                         struct rb_step_points *points, double h_s,
+                                         struct rb_error *err);
 
 /*
  * The same step with other points for groups whose bodies have a mark in `again`; the others keep what was found. The world's
  * velocities are those without impulses again.
  */
 RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
-                                          struct rb_points *points, const unsigned char *again,
+                                          struct rb_step_points *points, const unsigned char *again,
                                           struct rb_error *err);
 
 /*
@@ -39,7 +40,7 @@ RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_wo
  * where there are any.
  */
 RB_CHECKED enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
-                                            const struct rb_points *points, rb_vec3 *rebound,
+                                            const struct rb_step_points *points, rb_vec3 *rebound,
                                             struct rb_error *err);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/stages.h"
 
-static const struct rb_part rows[] = {
+static const struct rb_method_part rows[] = {
 	{"drive", "driven bodies get the velocity to their next pose", RB_FEATURE_DRIVEN},
 	{"gravity", "the acceleration of the world", RB_FEATURE_GRAVITY},
 	{"gravity_force", "the same force on every body", RB_FEATURE_GRAVITY_FORCE},
@@ -24,7 +24,7 @@ static const struct rb_part rows[] = {
 	{"tell", "contacts with their forces, impacts by time and ids", RB_FEATURE_CONTACT},
 };
 
-const struct rb_part *rb_stepped_stages(int *count)
+const struct rb_method_part *rb_stepped_parts(int *count)
 {
 	*count = (int)(sizeof rows / sizeof rows[0]);
 	return rows;

@@ -3,8 +3,8 @@
 #ifndef RB_STEPPED_STAGES_H
 #define RB_STEPPED_STAGES_H
 
-#include "event/parts.h"
+#include "step/method_part.h"
 
-const struct rb_part *rb_stepped_stages(int *count);
+const struct rb_method_part *rb_stepped_parts(int *count);
 
 #endif

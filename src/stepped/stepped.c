@@ -4,13 +4,13 @@
 #include <string.h>
 
 #include "base/memory.h"
-#include "stepped/apart.h"
+#include "stepped/local_rollback.h"
 #include "stepped/attempt.h"
 #include "stepped/enter.h"
-#include "stepped/impact.h"
+#include "stepped/impact_pass.h"
 #include "stepped/judge.h"
-#include "stepped/stand.h"
-#include "stepped/tell.h"
+#include "stepped/sleep.h"
+#include "stepped/contact_records.h"
 
 /* ---- what it needs ---- */
 
@@ -35,7 +35,7 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
 	if (!s->ride)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d driven bodies",
 		               s->driven_count);
-	rb_stand_gather(s);
+	rb_sleep_gather(s);
 	s->all.near = &s->near;
 	s->all.divides = model->rollback == RB_ROLLBACK_SELECTIVE;
 	return RB_OK;
@@ -107,15 +107,15 @@ enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
 	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT) && !world->broadphase)
 		status = rb_broadphase_create(&world->broadphase, model, err);
 	if (status == RB_OK)
-		status = rb_near_create(&made->near, model, err);
+		status = rb_candidates_create(&made->near, model, err);
 	if (status == RB_OK)
-		status = rb_stand_create(&made->stand, model, err);
+		status = rb_sleep_create(&made->sleep, model, err);
 	if (status == RB_OK)
-		status = rb_points_create(&made->all.points, model, err);
+		status = rb_step_points_create(&made->all.points, model, err);
 	if (status == RB_OK)
-		status = rb_points_create(&made->part.points, model, err);
+		status = rb_step_points_create(&made->part.points, model, err);
 	if (status == RB_OK)
-		status = rb_points_create(&made->closing, model, err);
+		status = rb_step_points_create(&made->closing, model, err);
 	if (status == RB_OK)
 		status = rb_solver_create(&made->solver, model, err);
 	if (status == RB_OK)
@@ -129,13 +129,13 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 {
 	if (!stepped)
 		return;
-	rb_near_release(&stepped->near);
-	rb_stand_release(&stepped->stand);
-	rb_points_release(&stepped->all.points);
-	rb_points_release(&stepped->part.points);
-	rb_points_release(&stepped->closing);
+	rb_candidates_release(&stepped->near);
+	rb_sleep_release(&stepped->sleep);
+	rb_step_points_release(&stepped->all.points);
+	rb_step_points_release(&stepped->part.points);
+	rb_step_points_release(&stepped->closing);
 	rb_solver_release(&stepped->solver);
-	rb_apart_destroy(stepped->apart);
+	rb_local_rollback_destroy(stepped->apart);
 	rb_impacts_release(stepped);
 	rb_tally_release(stepped);
 	rb_memory_free(stepped->all.rebound);
@@ -156,7 +156,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->undragged);
 	rb_memory_free(stepped->springs_of);
 	rb_memory_free(stepped->bad);
-	rb_memory_free(stepped->told.row);
+	rb_memory_free(stepped->reported.row);
 	rb_memory_free(stepped);
 }
 
@@ -168,10 +168,11 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	const struct rb_contacts before = world->contacts;
 
 	world->next_contacts.count = 0;
-	enum rb_status status = rb_tell_contacts(world, &s->all, h, NULL, &world->next_contacts,
-	                                         err);
+	enum rb_status status = rb_record_contacts(world, &s->all, h, NULL, &world->next_contacts,
+	                                           err);
 	if (status == RB_OK)
-		status = rb_points_keep(&s->all.points, h, s->solver.stays, s->stand.stands, err);
+		status = rb_step_points_keep(&s->all.points, h, s->solver.stays, s->sleep.sleeps,
+		                             err);
 	if (status != RB_OK)
 		return status;
 	world->contacts = world->next_contacts;
@@ -182,16 +183,16 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 		world->shown.count = 0;
 		status = rb_contacts_join(&world->shown, &world->contacts, err);
 		if (status == RB_OK)
-			status = rb_tell_passed(&s->all, h, NULL, &world->shown, err);
+			status = rb_record_passed(&s->all, h, NULL, &world->shown, err);
 		rb_contacts_sort(&world->shown);
 		world->has_shown = true;
 	}
-	rb_points_index(&s->all.points, world->model);
+	rb_step_points_index(&s->all.points, world->model);
 	return status;
 }
 
 static enum rb_status commit(struct rb_world *world, double end, double h,
-                             const struct rb_outcome *outcome, struct rb_error *err)
+                             const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_counts *counts = &world->frame_counts;
@@ -202,16 +203,16 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
-	s->told.count = 0;
-	enum rb_status status = rb_tell_impacts(world, &s->all, end, &world->contacts, NULL, err);
+	s->reported.count = 0;
+	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	/* else the lists are those of before */
-	if (status == RB_OK && !(s->stand.quiet && s->all.points.count == 0))
+	if (status == RB_OK && !(s->sleep.quiet && s->all.points.count == 0))
 		status = keep_contacts(world, h, err);
-	if (status == RB_OK && !rb_tell_room(world, s->told.count))
+	if (status == RB_OK && !rb_record_reserve(world, s->reported.count))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
-		rb_stand_forget(s);
+		rb_sleep_forget(s);
 		return status;
 	}
 	if (s->tally) {
@@ -219,9 +220,9 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 		                                          NULL);
 		rb_ledger_enter(&world->ledger, &e);
 	}
-	rb_stand_end(world, end, NULL);
+	rb_sleep_end(world, end, NULL);
 	world->state.time_s = end;
-	return rb_tell_all(world, err);
+	return rb_record_all(world, err);
 }
 
 static void reset_arenas(struct rb_world *world)
@@ -233,14 +234,14 @@ static void reset_arenas(struct rb_world *world)
 }
 
 static enum rb_status try_all(struct rb_world *world, double start, double h,
-                              struct rb_outcome *outcome, struct rb_error *err)
+                              struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 
 	if (rb_world_is_stopped(world))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	reset_arenas(world);
-	rb_stand_gather(s);
+	rb_sleep_gather(s);
 	rb_state_copy(&world->mark, &world->state);
 	s->solver.whole_s = h;
 	enum rb_status status = rb_attempt(world, &s->all, start, h, err);
@@ -248,7 +249,7 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 		status = rb_judge(world, &s->all, h, outcome, err);
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
-		rb_stand_forget(s);
+		rb_sleep_forget(s);
 		s->near.valid = false;
 	}
 	return status;
@@ -259,25 +260,26 @@ static enum rb_status step_apart(struct rb_world *world, double start, double dt
                                  struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_outcome outcome;
+	struct rb_attempt_outcome outcome;
 	enum rb_status status = try_all(world, start, dt, &outcome, err);
 
 	if (status != RB_OK)
 		return status;
 	if (s->bad_count == 0)
 		return commit(world, start + dt, dt, &outcome, err);
-	status = rb_apart_step(world, start, dt, &outcome, err);
+	status = rb_local_rollback_step(world, start, dt, &outcome, err);
 	if (status != RB_OK)
 		return status;
 	world->state.time_s = start + dt;
-	return rb_tell_all(world, err);
+	return rb_record_all(world, err);
 }
 
 /* For the frames: over the whole step, which was taken in parts. */
 static enum rb_status show_means(struct rb_world *world, double dt, struct rb_error *err)
 {
 	world->shown.count = 0;
-	const enum rb_status status = rb_means_tell(&world->stepped->means, dt, &world->shown, err);
+	const enum rb_status status = rb_means_record(&world->stepped->means, dt, &world->shown,
+	                                              err);
 
 	rb_contacts_sort(&world->shown);
 	world->has_shown = status == RB_OK;
@@ -295,7 +297,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 
 	s->means.count = 0;
 	while (done < dt) {
-		struct rb_outcome outcome;
+		struct rb_attempt_outcome outcome;
 		enum rb_status status = try_all(world, start + done, h, &outcome, err);
 
 		if (status != RB_OK)
@@ -304,8 +306,8 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 			done = h < dt - done ? done + h : dt;
 			status = commit(world, start + done, h, &outcome, err);
 			if (status == RB_OK && h < dt && world->keeps_means)
-				status = rb_tell_part(&s->all, &world->contacts, h,
-				                      &s->part_contacts, &s->means, err);
+				status = rb_record_part(&s->all, &world->contacts, h,
+				                        &s->part_contacts, &s->means, err);
 			parts++;
 			h = fmin(2 * h, dt - done);
 			halvings = 0;
@@ -314,12 +316,12 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 			return status;
 		}
 		rb_state_copy(&world->state, &world->mark);
-		rb_stand_forget(s);
+		rb_sleep_forget(s);
 		s->near.valid = false;
 		world->frame_counts.rollbacks++;
 		world->frame_counts.discarded_body_steps += (uint64_t)s->member_count;
-		if (++halvings > RB_HALVINGS_MOST)
-			return rb_apart_give_up(world, start + done, &outcome, err);
+		if (++halvings > RB_HALVINGS_MAX)
+			return rb_local_rollback_give_up(world, start + done, &outcome, err);
 		h *= 0.5;
 	}
 	return parts > 1 && world->keeps_means ? show_means(world, dt, err) : RB_OK;
@@ -330,7 +332,7 @@ enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
 {
 	if (world->moved_by_hand) {
 		world->stepped->near.valid = false;
-		rb_stand_forget(world->stepped);
+		rb_sleep_forget(world->stepped);
 		memset(world->stepped->solver.rests, 0, (size_t)world->model->body_count);
 	}
 	world->moved_by_hand = world->has_shown = false;
@@ -346,19 +348,20 @@ enum { PUSH_SIZE = 48 };
 static void pack_push(const struct rb_world *world, struct rb_named_push *push,
                       struct rb_pack *pack)
 {
-	double numbers[4] = {push->force, push->rub.x, push->rub.y, push->rub.z};
+	double numbers[4] = {push->force, push->friction_impulse.x, push->friction_impulse.y,
+	                     push->friction_impulse.z};
 
 	rb_pack_int(pack, &push->a, 0, world->model->body_count - 1);
 	rb_pack_int(pack, &push->b, 0, world->model->body_count + world->model->static_count - 1);
 	rb_pack_u64(pack, &push->key);
 	rb_pack_finite(pack, numbers, 4);
 	push->force = numbers[0];
-	push->rub = rb_vec3_from(numbers + 1);
+	push->friction_impulse = rb_vec3_from(numbers + 1);
 }
 
 static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 {
-	struct rb_points *points = &world->stepped->all.points;
+	struct rb_step_points *points = &world->stepped->all.points;
 	size_t count = points->last_count;
 
 	rb_pack_count(pack, &count, INT32_MAX, PUSH_SIZE);
@@ -374,7 +377,7 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 		(void)rb_pack_check(pack, k == 0 || points->last[k - 1].a <= points->last[k].a,
 		                    "impulses that are not in order");
 	}
-	rb_points_index(points, world->model);
+	rb_step_points_index(points, world->model);
 }
 
 static void pack_rests(struct rb_world *world, struct rb_pack *pack)
@@ -388,14 +391,14 @@ static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 		rb_pack_finite(pack, &solver->left[i], 1);
 		solver->rests[i] = rests;
 		if (rests)
-			rb_pack_finite(pack, solver->rest_pull + 6 * (size_t)i, 6);
+			rb_pack_finite(pack, solver->rest_external + 6 * (size_t)i, 6);
 	}
 }
 
 enum rb_status rb_stepped_take_over(struct rb_world *world, struct rb_error *err)
 {
-	rb_stand_forget(world->stepped);
-	return rb_points_take_over(&world->stepped->all.points, world, err);
+	rb_sleep_forget(world->stepped);
+	return rb_step_points_take_over(&world->stepped->all.points, world, err);
 }
 
 void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
@@ -411,7 +414,7 @@ void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 		return;
 	}
 	if (pack->loading)
-		rb_stand_forget(world->stepped);
+		rb_sleep_forget(world->stepped);
 	pack_pushes(world, pack);
 	pack_rests(world, pack);
 }

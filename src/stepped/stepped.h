@@ -2,7 +2,7 @@
 /*
  * The stepped method, for groups with too many events to locate one by one.
  *
- * One step: forces; points of all pairs that could touch within it (stepped/touch); groups that touch, each solved
+ * One step: forces; points of all pairs that could touch within it (stepped/contact_points); groups that touch, each solved
  * for impulses that leave no overlap at the end of the step (stepped/row) until its residual is below what the tolerance
  * asks for; positions move with those velocities, then impacts rebound; what turning bodies have left of overlap is closed
  * by moving positions only; the verdict; else back, and half the step.

@@ -3,7 +3,7 @@
 
 #include <string.h>
 
-enum { COLOURS_MOST = 64 };
+enum { COLOURS_MAX = 64 };
 
 /* ---- colours ---- */
 
@@ -25,14 +25,14 @@ static void choose(const struct rb_sweeper *sweeper, struct colours *colours, ui
                    unsigned char *colour)
 {
 	for (int k = 0; k < sweeper->dense->row_count; k++) {
-		const struct rb_dense_row *row = &sweeper->dense->row[k];
+		const struct rb_system_row *row = &sweeper->dense->row[k];
 		uint64_t *const of_a = taken_of(sweeper, taken, row->a);
 		uint64_t *const of_b = taken_of(sweeper, taken, row->b);
 		const uint64_t left = ~((of_a ? *of_a : 0) | (of_b ? *of_b : 0));
-		const int c = left ? __builtin_ctzll(left) : COLOURS_MOST - 1;
+		const int c = left ? __builtin_ctzll(left) : COLOURS_MAX - 1;
 
 		colour[k] = (unsigned char)c;
-		colours->tail = colours->tail || c == COLOURS_MOST - 1;
+		colours->tail = colours->tail || c == COLOURS_MAX - 1;
 		colours->count = c + 1 > colours->count ? c + 1 : colours->count;
 		colours->first[c + 1]++;
 		if (of_a)
@@ -50,7 +50,7 @@ static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colour
 	const size_t members = (size_t)sweeper->member_count;
 	uint64_t *taken = rb_arena_take(arena, members, sizeof *taken);
 	unsigned char *colour = rb_arena_take(arena, count, 1);
-	int *first = rb_arena_take(arena, COLOURS_MOST + 2, sizeof *first);
+	int *first = rb_arena_take(arena, COLOURS_MAX + 2, sizeof *first);
 	int *order = rb_arena_take(arena, count, sizeof *order);
 
 	if (!taken || !colour || !first || !order)
@@ -60,7 +60,7 @@ static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colour
 	for (int k = 0; k < sweeper->member_count; k++)
 		sweeper->local[sweeper->member[k]] = k;
 	memset(taken, 0, members * sizeof *taken);
-	memset(first, 0, (COLOURS_MOST + 2) * sizeof *first);
+	memset(first, 0, (COLOURS_MAX + 2) * sizeof *first);
 	choose(sweeper, colours, taken, colour);
 	for (int c = 0; c < colours->count; c++)
 		first[c + 1] += first[c];
@@ -74,7 +74,7 @@ static bool colour_rows(const struct rb_sweeper *sweeper, struct colours *colour
 
 /* ---- sweeps ---- */
 
-static bool is_central(const struct rb_dense *dense)
+static bool is_central(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
 		if (!dense->row[k].central)
@@ -108,12 +108,12 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	return rb_wide_take(&sweeper->many, arena);
 }
 
-struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough, int most)
+struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max)
 {
 	if (sweeper->wide)
-		return rb_wide_solve(&sweeper->many, enough, most, false);
-	sweeper->one.enough = enough;
-	sweeper->one.most = most;
+		return rb_wide_solve(&sweeper->many, tolerance, max, false);
+	sweeper->one.tolerance = tolerance;
+	sweeper->one.max = max;
 	return rb_sweep_solve(&sweeper->one);
 }
 
@@ -127,7 +127,7 @@ bool rb_sweeper_went_far(const struct rb_sweeper *sweeper)
 	                         sweeper->member_count);
 }
 
-struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double enough, int most)
+struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double tolerance, int max)
 {
-	return rb_wide_solve(&sweeper->many, enough, most, true);
+	return rb_wide_solve(&sweeper->many, tolerance, max, true);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Sweeps over the rows of one group: packs of rows (stepped/wide) in an order of colours where there are enough, else one
- * row at a time (stepped/sweep).
+ * row at a time (stepped/gauss_seidel).
  * Made for one solution; memory is the arena's.
  */
 #ifndef RB_STEPPED_SWEEPER_H
@@ -16,7 +16,7 @@
 enum { RB_WIDE_CENTRAL_ROWS = 32, RB_WIDE_ROWS = 128 };
 
 struct rb_sweeper {
-	const struct rb_dense *dense;
+	const struct rb_row_system *dense;
 	int still;         /* a body that does not yield */
 	const int *member; /* bodies that yield */
 	int member_count;
@@ -32,10 +32,10 @@ struct rb_sweeper {
 /* Once what stands first is known; false: no memory. */
 bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena);
 
-struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double enough, int most);
+struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max);
 /* Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide ones. */
 bool rb_sweeper_went_far(const struct rb_sweeper *sweeper);
 /* Wide ones only: with what acts across the normals as it is. */
-struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double enough, int most);
+struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double tolerance, int max);
 
 #endif

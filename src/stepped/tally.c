@@ -13,10 +13,11 @@ enum rb_status rb_tally_create(struct rb_stepped *s, const struct rb_model *mode
 	made = s->tally = rb_memory_take(1, sizeof *made);
 	if (made) {
 		made->body = rb_memory_take((size_t)model->body_count, sizeof *made->body);
-		made->pull = rb_memory_take((size_t)model->scene->spring_count, sizeof *made->pull);
+		made->external = rb_memory_take((size_t)model->scene->spring_count,
+		                                sizeof *made->external);
 		made->here = rb_memory_take((size_t)(model->body_count + model->static_count), 1);
 	}
-	return made && made->body && made->pull && made->here
+	return made && made->body && made->external && made->here
 	               ? RB_OK
 	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of %d bodies",
 	                         model->body_count);
@@ -27,7 +28,7 @@ void rb_tally_release(struct rb_stepped *s)
 	if (!s->tally)
 		return;
 	rb_memory_free(s->tally->body);
-	rb_memory_free(s->tally->pull);
+	rb_memory_free(s->tally->external);
 	rb_memory_free(s->tally->here);
 	rb_memory_free(s->tally);
 }
@@ -52,7 +53,7 @@ static rb_vec3 spin_of(const struct rb_state *state, int i)
 	return state->spin ? rb_world_row3(state->spin, i) : (rb_vec3){0, 0, 0};
 }
 
-static void note_solved(const struct rb_world *world, int i, bool stands,
+static void note_solved(const struct rb_world *world, int i, bool sleeps,
                         struct rb_tally_body *body)
 {
 	const struct rb_stepped *s = world->stepped;
@@ -65,7 +66,7 @@ static void note_solved(const struct rb_world *world, int i, bool stands,
 	}
 	/* the state's spin has turned with the body since; what stands has not been looked at */
 	body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
-	if (!stands) {
+	if (!sleeps) {
 		body->end[0] = s->solver.dense.body[i].linear;
 		body->end[1] = s->solver.dense.body[i].angular;
 	}
@@ -86,15 +87,15 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 		const int i = member[k];
 		struct rb_tally_body *body = &s->tally->body[i];
 		/* whoever takes shorter steps stands no longer, though nobody has been told yet */
-		const bool stands = all && s->stand.stands[i];
+		const bool sleeps = all && s->sleep.sleeps[i];
 
 		body->is_closed = false;
-		body->kind = stands                     ? RB_TALLY_RESTS
+		body->kind = sleeps                     ? RB_TALLY_RESTS
 		             : solver->island_of[i] < 0 ? RB_TALLY_FREE
 		             : solver->rests[i]         ? RB_TALLY_RESTS
 		                                        : RB_TALLY_JOINED;
 		if (body->kind != RB_TALLY_FREE || works)
-			note_solved(world, i, stands, body);
+			note_solved(world, i, sleeps, body);
 	}
 }
 

@@ -33,16 +33,16 @@ struct rb_tally_body {
 };
 
 /* A spring in its last step. */
-struct rb_tally_pull {
+struct rb_tally_external {
 	rb_vec3 impulse;      /* N s, on b */
 	rb_vec3 arm_a, arm_b; /* m, from centres of mass as the step began */
 	rb_vec3 along;        /* unit, from a to b; zero: they were at one place */
 };
 
 struct rb_tally {
-	struct rb_tally_body *body; /* owned, [bodies] */
-	struct rb_tally_pull *pull; /* owned, [springs] */
-	unsigned char *here;        /* owned, [bodies and statics]: scratch, 0 */
+	struct rb_tally_body *body;         /* owned, [bodies] */
+	struct rb_tally_external *external; /* owned, [springs] */
+	unsigned char *here;                /* owned, [bodies and statics]: scratch, 0 */
 };
 
 /* Where the ledger is kept; else it stays NULL. */

@@ -15,7 +15,7 @@ static const double lead_first = 0.98;
  * Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile. Where it stays the
  * same so many times in succession, impulses creep on for no end.
  */
-enum { SWEEPS_WATCHED = 24, SAME_MOST = 4 };
+enum { SWEEPS_WATCHED = 24, SAME_MAX = 4 };
 static const double fall_share = 0.9, lead_growth = 1.5, same_share = 0.01;
 
 /*
@@ -37,10 +37,10 @@ struct rb_wide_pack {
 		writes_b[WIDTH]; /* what does not yield may be shared: not written to */
 	struct lanes3 normal;
 	lanes arm_a, arm_b; /* m, along the normal */
-	lanes yield_n, yield_t, inverse_n, inverse_t;
-	lanes leave, friction;
+	lanes inverse_mass_n, inverse_mass_t, inverse_n, inverse_t;
+	lanes target_velocity, friction;
 	lanes push;
-	struct lanes3 rub;
+	struct lanes3 friction_impulse;
 	lanes least;         /* N s, of push: 0, or what holds the rub */
 	struct lanes3 extra; /* N s: what the impulse was led on by, then all of its last way */
 	lanes count;         /* of sweeps that went one way */
@@ -63,10 +63,10 @@ struct four {
 
 #define CHOOSE(where, yes, no) ((lanes)(((where) & (mask)(yes)) | (~(where) & (mask)(no))))
 #define DOT(p, q) ((p).x * (q).x + (p).y * (q).y + (p).z * (q).z)
-ALWAYS void take(struct four *four, const struct rb_dense_body *body, const int *which)
+ALWAYS void take(struct four *four, const struct rb_system_body *body, const int *which)
 {
-	const struct rb_dense_body *p = &body[which[0]], *q = &body[which[1]];
-	const struct rb_dense_body *r = &body[which[2]], *s = &body[which[3]];
+	const struct rb_system_body *p = &body[which[0]], *q = &body[which[1]];
+	const struct rb_system_body *r = &body[which[2]], *s = &body[which[3]];
 
 	four->linear.x = (lanes){p->linear.x, q->linear.x, r->linear.x, s->linear.x};
 	four->linear.y = (lanes){p->linear.y, q->linear.y, r->linear.y, s->linear.y};
@@ -80,7 +80,7 @@ ALWAYS void take(struct four *four, const struct rb_dense_body *body, const int 
 	                                s->inverse_inertia};
 }
 
-ALWAYS void give(const struct four *four, struct rb_dense_body *body, const int *which,
+ALWAYS void give(const struct four *four, struct rb_system_body *body, const int *which,
                  const bool *writes)
 {
 	for (int i = 0; i < WIDTH; i++) {
@@ -203,8 +203,8 @@ ALWAYS void look(const struct rb_wide_pack *pack, const struct rb_wide_turn *tur
 	*across = (struct lanes3){u.x - *along * n.x, u.y - *along * n.y, u.z - *along * n.z};
 }
 
-/* Each row on its own, as in stepped/sweep. Returns the largest square of what a row's velocity changed by. */
-ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
+/* Each row on its own, as in stepped/gauss_seidel. Returns the largest square of what a row's velocity changed by. */
+ALWAYS double solve_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
                          const struct rb_wide_turn *turn)
 {
 	const lanes none = {0, 0, 0, 0}, one = {1, 1, 1, 1};
@@ -215,7 +215,7 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
 	look(pack, turn, &a, &b, &along, &slip);
-	along = pack->push + (pack->leave - along) * pack->inverse_n;
+	along = pack->push + (pack->target_velocity - along) * pack->inverse_n;
 	along = CHOOSE(along > pack->least, along, pack->least);
 	const mask acts = (along > none) | (pack->push != none);
 	if (!(acts[0] | acts[1] | acts[2] | acts[3]))
@@ -226,18 +226,22 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
 		slip.y += more * turn->skew.y;
 		slip.z += more * turn->skew.z;
 	}
-	struct lanes3 rub = {pack->rub.x - pack->inverse_t * slip.x,
-	                     pack->rub.y - pack->inverse_t * slip.y,
-	                     pack->rub.z - pack->inverse_t * slip.z};
-	const lanes square = DOT(rub, rub), most = pack->friction * along;
-	const mask slides = square > most * most;
+	struct lanes3 friction_impulse = {pack->friction_impulse.x - pack->inverse_t * slip.x,
+	                                  pack->friction_impulse.y - pack->inverse_t * slip.y,
+	                                  pack->friction_impulse.z - pack->inverse_t * slip.z};
+	const lanes square = DOT(friction_impulse, friction_impulse), max = pack->friction * along;
+	const mask slides = square > max * max;
 	if (slides[0] | slides[1] | slides[2] | slides[3]) {
 		root(&ratio, &square);
-		ratio = most / ratio;
+		ratio = max / ratio;
 		ratio = CHOOSE(slides, ratio, one);
-		rub = (struct lanes3){ratio * rub.x, ratio * rub.y, ratio * rub.z};
+		friction_impulse = (struct lanes3){ratio * friction_impulse.x,
+		                                   ratio * friction_impulse.y,
+		                                   ratio * friction_impulse.z};
 	}
-	d = (struct lanes3){rub.x - pack->rub.x, rub.y - pack->rub.y, rub.z - pack->rub.z};
+	d = (struct lanes3){friction_impulse.x - pack->friction_impulse.x,
+	                    friction_impulse.y - pack->friction_impulse.y,
+	                    friction_impulse.z - pack->friction_impulse.z};
 	/* its sign only: whether the row goes on as it was led */
 	const lanes goes = more * DOT(pack->extra, pack->normal) + DOT(pack->extra, d);
 	pack->count = CHOOSE(goes < none, 0.5 * pack->count, pack->count + 1);
@@ -245,25 +249,26 @@ ALWAYS double solve_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
 	pack->extra.y += d.y + more * pack->normal.y;
 	pack->extra.z += d.z + more * pack->normal.z;
 	pack->push = along;
-	pack->rub = rub;
+	pack->friction_impulse = friction_impulse;
 	push(pack, turn, &a, &b, &more, &d);
 	give(&a, body, pack->a, pack->writes_a);
 	give(&b, body, pack->b, pack->writes_b);
-	more *= pack->yield_n;
-	change = DOT(d, d) * (RB_SLIP_SHARE * RB_SLIP_SHARE) * pack->yield_t * pack->yield_t;
+	more *= pack->inverse_mass_n;
+	change = DOT(d, d) * (RB_SLIP_SHARE * RB_SLIP_SHARE) * pack->inverse_mass_t *
+	         pack->inverse_mass_t;
 	more *= more;
 	change = CHOOSE(change > more, change, more);
 	return fmax(fmax(change[0], change[1]), fmax(change[2], change[3]));
 }
 
 /* Leads the impulses on; the sweep that comes next projects back onto the cone. */
-ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
-                      const struct rb_wide_turn *turn, double lead_most)
+ALWAYS void lead_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
+                      const struct rb_wide_turn *turn, double lead_max)
 {
-	const lanes most = {lead_most, lead_most, lead_most, lead_most};
+	const lanes max = {lead_max, lead_max, lead_max, lead_max};
 	const struct lanes3 n = pack->normal;
 	const lanes gathered = pack->count / (pack->count + 3);
-	const lanes share = CHOOSE(gathered > most, most, gathered);
+	const lanes share = CHOOSE(gathered > max, max, gathered);
 	const struct lanes3 extra = {share * pack->extra.x, share * pack->extra.y,
 	                             share * pack->extra.z};
 	const lanes along = DOT(extra, n);
@@ -276,8 +281,9 @@ ALWAYS void lead_pack(struct rb_dense_body *body, struct rb_wide_pack *pack,
 	if (!(moves[0] | moves[1] | moves[2] | moves[3]))
 		return;
 	pack->push += along;
-	pack->rub = (struct lanes3){pack->rub.x + across.x, pack->rub.y + across.y,
-	                            pack->rub.z + across.z};
+	pack->friction_impulse = (struct lanes3){pack->friction_impulse.x + across.x,
+	                                         pack->friction_impulse.y + across.y,
+	                                         pack->friction_impulse.z + across.z};
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
 	push(pack, turn, &a, &b, &along, &across);
@@ -308,9 +314,9 @@ struct work {
 };
 
 static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
-                      const struct rb_dense_row *row)
+                      const struct rb_system_row *row)
 {
-	const struct rb_dense_body *body = wide->dense->body;
+	const struct rb_system_body *body = wide->dense->body;
 
 	pack->a[i] = row->a;
 	pack->b[i] = row->b;
@@ -321,14 +327,14 @@ static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int
 	pack->normal.z[i] = row->normal.z;
 	pack->arm_a[i] = wide->turn ? 0 : row->arm_a.x;
 	pack->arm_b[i] = wide->turn ? 0 : row->arm_b.x;
-	pack->yield_n[i] = row->yield_n;
-	pack->yield_t[i] = row->yield_t;
-	pack->inverse_n[i] = 1 / row->yield_n;
-	pack->leave[i] = row->leave;
+	pack->inverse_mass_n[i] = row->inverse_mass_n;
+	pack->inverse_mass_t[i] = row->inverse_mass_t;
+	pack->inverse_n[i] = 1 / row->inverse_mass_n;
+	pack->target_velocity[i] = row->target_velocity;
 	pack->friction[i] = row->friction;
 }
 
-static void fill_tensor(const struct rb_dense *dense, int body, lanes *tensor, int i)
+static void fill_tensor(const struct rb_row_system *dense, int body, lanes *tensor, int i)
 {
 	const double inverse = dense->body[body].inverse_inertia;
 	const rb_mat3 own = isnan(inverse) ? dense->tensor[body]
@@ -343,17 +349,17 @@ static void fill_tensor(const struct rb_dense *dense, int body, lanes *tensor, i
 }
 
 /* Velocity at the point by turning that a unit impulse along the normal makes. */
-static rb_vec3 skew_of(const struct rb_dense *dense, int body, rb_vec3 arm, rb_vec3 normal)
+static rb_vec3 skew_of(const struct rb_row_system *dense, int body, rb_vec3 arm, rb_vec3 normal)
 {
 	if (dense->body[body].inverse_inertia == 0)
 		return (rb_vec3){0, 0, 0};
-	return rb_vec3_cross(rb_dense_turn(dense, body, rb_vec3_cross(arm, normal)), arm);
+	return rb_vec3_cross(rb_system_turn(dense, body, rb_vec3_cross(arm, normal)), arm);
 }
 
 static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int i,
-                      const struct rb_dense_row *row)
+                      const struct rb_system_row *row)
 {
-	const rb_vec3 arm_a = rb_dense_arm_a(row), arm_b = rb_dense_arm_b(row);
+	const rb_vec3 arm_a = rb_system_arm_a(row), arm_b = rb_system_arm_b(row);
 
 	turn->arm_a.x[i] = arm_a.x;
 	turn->arm_a.y[i] = arm_a.y;
@@ -372,24 +378,25 @@ static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int
 	fill_tensor(wide->dense, row->b, turn->tensor_b, i);
 }
 
-static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_dense_row *row, bool holds)
+static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_system_row *row, bool holds)
 {
 	const bool rubs = row->friction > 0;
 
 	pack->push[i] = row->push;
-	pack->rub.x[i] = row->rub.x;
-	pack->rub.y[i] = row->rub.y;
-	pack->rub.z[i] = row->rub.z;
+	pack->friction_impulse.x[i] = row->friction_impulse.x;
+	pack->friction_impulse.y[i] = row->friction_impulse.y;
+	pack->friction_impulse.z[i] = row->friction_impulse.z;
 	pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
 	pack->count[i] = 0;
-	pack->inverse_t[i] = rubs && !holds ? 1 / row->yield_t : 0;
-	pack->least[i] = rubs && holds ? rb_vec3_length(row->rub) / row->friction : 0;
+	pack->inverse_t[i] = rubs && !holds ? 1 / row->inverse_mass_t : 0;
+	pack->least[i] = rubs && holds ? rb_vec3_length(row->friction_impulse) / row->friction : 0;
 }
 
-static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_dense_row *row)
+static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_system_row *row)
 {
 	row->push = pack->push[i];
-	row->rub = (rb_vec3){pack->rub.x[i], pack->rub.y[i], pack->rub.z[i]};
+	row->friction_impulse = (rb_vec3){pack->friction_impulse.x[i], pack->friction_impulse.y[i],
+	                                  pack->friction_impulse.z[i]};
 }
 
 /* The rows of a pack are those of its colour from `at` on, as far as there are. */
@@ -406,7 +413,7 @@ static void carry_pack(const struct rb_wide *wide, int k, enum task task, int at
 			pack->a[i] = pack->b[i] = wide->still;
 	}
 	for (int i = 0; i < count; i++) {
-		struct rb_dense_row *row = &wide->dense->row[wide->order[at + i]];
+		struct rb_system_row *row = &wide->dense->row[wide->order[at + i]];
 
 		if (task == FILL)
 			fill_lane(wide, pack, i, row);
@@ -433,8 +440,8 @@ static void carry_packs(const struct rb_wide *wide, enum task task, int colour, 
 
 ALWAYS double run_kind(const struct rb_wide *wide, bool turns, double lead, int first, int end)
 {
-	struct rb_dense_body *body = wide->dense->body;
-	double most = 0;
+	struct rb_system_body *body = wide->dense->body;
+	double max = 0;
 
 	for (int k = first; k < end; k++) {
 		const struct rb_wide_turn *const turn = turns ? &wide->turn[k] : NULL;
@@ -442,9 +449,9 @@ ALWAYS double run_kind(const struct rb_wide *wide, bool turns, double lead, int 
 		if (lead > 0)
 			lead_pack(body, &wide->pack[k], turn, lead);
 		else
-			most = fmax(most, solve_pack(body, &wide->pack[k], turn));
+			max = fmax(max, solve_pack(body, &wide->pack[k], turn));
 	}
-	return most;
+	return max;
 }
 
 /* Each kind has code of its own. */
@@ -475,9 +482,9 @@ static void run_block(void *user, int phase, int block, int worker)
 	const struct rb_wide *wide = work->wide;
 	const bool leads = work->lead > 0 && phase < wide->colour_count;
 	const int c = work->lead > 0 && !leads ? phase - wide->colour_count : phase;
-	const int most = is_tail(wide, c) ? wide->first[c + 1] - wide->first[c] : BLOCK_PACKS;
-	const int first = wide->first[c] + block * most;
-	const int end = first + most < wide->first[c + 1] ? first + most : wide->first[c + 1];
+	const int max = is_tail(wide, c) ? wide->first[c + 1] - wide->first[c] : BLOCK_PACKS;
+	const int first = wide->first[c] + block * max;
+	const int end = first + max < wide->first[c + 1] ? first + max : wide->first[c + 1];
 	const double lead = leads ? work->lead : 0;
 	double change;
 
@@ -512,12 +519,12 @@ static void run_all(const struct rb_wide *wide, enum task task, double lead)
 /* Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s. */
 static double sweep_all(const struct rb_wide *wide, double lead)
 {
-	double most = 0;
+	double max = 0;
 
 	run_all(wide, SWEEP, lead);
 	for (int b = 0; b < wide->first_block[wide->colour_count]; b++)
-		most = fmax(most, wide->partial[b]);
-	return sqrt(most);
+		max = fmax(max, wide->partial[b]);
+	return sqrt(max);
 }
 
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
@@ -554,7 +561,7 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena)
 	return true;
 }
 
-struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, int most,
+struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
                                      bool holds)
 {
 	struct rb_sweep_result result = {0};
@@ -562,17 +569,17 @@ struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, 
 	double lead = lead_first, least = (double)INFINITY, before = (double)INFINITY;
 
 	run_all(wide, holds ? LOAD_HELD : LOAD, 0);
-	while (result.sweeps < most) {
+	while (result.sweeps < max) {
 		result.residual = sweep_all(wide, result.sweeps > 0 ? lead : 0);
 		result.sweeps++;
-		if (result.residual <= enough)
+		if (result.residual <= tolerance)
 			break;
 		least = fmin(least, result.residual);
 		if (result.sweeps % SWEEPS_WATCHED == 0) {
 			if (least > fall_share * before)
 				lead = fmax(0, 1 - lead_growth * (1 - lead));
 			same = fabs(least - before) < same_share * before ? same + 1 : 0;
-			if (same == SAME_MOST)
+			if (same == SAME_MAX)
 				break;
 			before = least;
 			least = (double)INFINITY;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows by iteration, four at a time: sweeps as in stepped/sweep over packs of rows that share no body,
+ * Rows by iteration, four at a time: sweeps as in stepped/gauss_seidel over packs of rows that share no body,
  * each impulse then led on along the way it goes (Nesterov's momentum, Soviet Math. Doklady 27 (1983) 372, for each row
  * on its own: a row that turns round loses half of what it has gathered, B. O'Donoghue and E. Candes, Found. Comput. Math.
  * 15 (2015) 715).
@@ -12,13 +12,13 @@
 #define RB_STEPPED_WIDE_H
 
 #include "base/team.h"
-#include "stepped/sweep.h"
+#include "stepped/gauss_seidel.h"
 
 struct rb_wide_pack;
 struct rb_wide_turn;
 
 struct rb_wide {
-	const struct rb_dense *dense;
+	const struct rb_row_system *dense;
 	bool central;         /* all rows are: packs are smaller */
 	const int *order;     /* [rows]: these by colour */
 	int still;            /* a body that does not yield */
@@ -42,7 +42,7 @@ bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
  * From the impulses that the rows have, which the bodies feel already. `holds`: what acts across the normals stays as it is,
  * and no push falls below what holds it within the cone.
  */
-struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double enough, int most,
+struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
                                      bool holds);
 
 #endif

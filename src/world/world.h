@@ -20,7 +20,7 @@
 #include <math.h>
 
 struct rb_broadphase;
-struct rb_plan;
+struct rb_stage_list;
 struct rb_groups;
 struct rb_located;
 struct rb_stepped;
@@ -78,7 +78,7 @@ struct rb_world {
 	const struct rb_model *model;
 	struct rb_world_options options;
 	struct rb_world_hooks hooks;
-	struct rb_plan *plan; /* owned */
+	struct rb_stage_list *plan; /* owned */
 
 	/* simulator thread; rows of `state` are lent to workers while groups run */
 	struct rb_state state;
@@ -105,7 +105,7 @@ struct rb_world {
 	struct rb_events events;       /* since the frame before */
 	struct rb_ledger ledger;
 	struct rb_entries
-		open; /* what is not yet entered, as of the state's time (event/account) */
+		open; /* what is not yet entered, as of the state's time (located/account) */
 	struct rb_loads *loads; /* owned; NULL until somebody asks what acts */
 	uint64_t
 		moment; /* counts what may change that: steps, events, callbacks that set something */

@@ -16,7 +16,7 @@
 #include "script/hooks.h"
 #include "script/keep.h"
 #include "script/load.h"
-#include "step/save.h"
+#include "method/save.h"
 
 int LLVMFuzzerTestOneInput(const unsigned char *bytes, size_t size);
 

@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+#include "classic/classic.h"
+
+#include "base/sort.h"
+#include "base/memory.h"
+#include "classic/entering.h"
+#include "classic/groups.h"
+#include "classic/stage_list.h"
+#include "classic/rollback.h"
+#include "step/verdict.h"
+
+#include <string.h>
+
+/* Work is cut into blocks of this size, whatever the number of workers. */
+enum { ALONE_PER_BLOCK = 256, GROUPS_PER_BLOCK = 8 };
+
+/* What the workers of a step share; set before they start, then only read, but for each block's own row. */
+struct step_work {
+	struct rb_world *world;
+	double start_s, dt_s;
+	size_t first_group;
+	int blocks; /* of bodies alone */
+	int *bad;   /* [blocks of bodies alone]: a body that is not finite, else -1 */
+	struct rb_entries *entries; /* [blocks of bodies alone] */
+};
+
+static void fly_block(void *user, int block, int worker)
+{
+	const struct step_work *work = user;
+	struct rb_world *world = work->world;
+	const struct rb_groups *groups = world->groups;
+	const int first = block * ALONE_PER_BLOCK;
+	const int rest = groups->alone_count - first;
+	struct rb_pass pass = {.world = world,
+	                       .arena = &world->arena[worker],
+	                       .member = groups->alone + first,
+	                       .member_count = rest < ALONE_PER_BLOCK ? rest : ALONE_PER_BLOCK,
+	                       .start_s = work->start_s,
+	                       .dt_s = work->dt_s,
+	                       .h_s = work->dt_s};
+
+	rb_stage_list_run(world->plan, &pass);
+	rb_entering_substep(&pass, &world->start);
+	work->entries[block] = pass.entries;
+	work->bad[block] = -1;
+	for (int k = 0; k < pass.member_count && work->bad[block] < 0; k++)
+		if (!rb_verdict_finite(&world->state, pass.member[k]))
+			work->bad[block] = pass.member[k];
+}
+
+static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
+                                struct rb_error *err)
+{
+	const struct rb_groups *groups = world->groups;
+	const int blocks = (groups->alone_count + ALONE_PER_BLOCK - 1) / ALONE_PER_BLOCK;
+	char label[64];
+
+	if (blocks == 0)
+		return RB_OK;
+	work->bad = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *work->bad);
+	work->entries = rb_arena_take(&world->arena[0], (size_t)blocks, sizeof *work->entries);
+	if (!work->bad || !work->entries)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a step");
+	rb_team_run(world->team, blocks, fly_block, work);
+	work->blocks = blocks;
+	world->frame_counts.substeps++;
+	world->frame_counts.body_steps += (uint64_t)groups->alone_count;
+	world->frame_counts.smallest_step_s = fmin(world->frame_counts.smallest_step_s, work->dt_s);
+	for (int b = 0; b < blocks; b++)
+		if (work->bad[b] >= 0)
+			return RB_FAIL(err, RB_ERR_PHYSICS,
+			               "the state of '%s' is not finite after t = %.9g s",
+			               rb_scene_body_label(world->model->scene,
+			                                   world->model->id_of[work->bad[b]],
+			                                   label),
+			               work->start_s);
+	return RB_OK;
+}
+
+static void run_block(void *user, int block, int worker)
+{
+	const struct step_work *work = user;
+	struct rb_world *world = work->world;
+	struct rb_groups *groups = world->groups;
+	const size_t first = work->first_group + (size_t)block * GROUPS_PER_BLOCK;
+	const size_t end = first + GROUPS_PER_BLOCK < groups->group_count ? first + GROUPS_PER_BLOCK
+	                                                                  : groups->group_count;
+
+	for (size_t g = first; g < end; g++) {
+		struct rb_group *group = &groups->group[g];
+
+		group->pass = (struct rb_pass){.world = world,
+		                               .arena = &world->arena[worker],
+		                               .kept = &world->kept[worker],
+		                               .member = groups->member + group->member_first,
+		                               .member_count = group->member_count,
+		                               .touch = groups->touch + group->touch_first,
+		                               .touch_count = group->touch_count,
+		                               .start_s = work->start_s,
+		                               .dt_s = work->dt_s};
+		group->error = (struct rb_error){0};
+		group->error.status = rb_rollback_run(&group->pass, world->plan, &group->error);
+	}
+}
+
+/* The groups from `first` on; the first failure in order of groups is the step's. */
+static enum rb_status run_groups(struct rb_world *world, struct step_work *work, size_t first,
+                                 struct rb_error *err)
+{
+	struct rb_groups *groups = world->groups;
+	const size_t count = groups->group_count - first;
+
+	work->first_group = first;
+	rb_team_run(world->team, (int)((count + GROUPS_PER_BLOCK - 1) / GROUPS_PER_BLOCK),
+	            run_block, work);
+	for (size_t g = first; g < groups->group_count; g++)
+		if (groups->group[g].error.status != RB_OK) {
+			if (err)
+				*err = groups->group[g].error;
+			return groups->group[g].error.status;
+		}
+	return RB_OK;
+}
+
+/* ---- commit ---- */
+
+static bool keep_contacts(struct rb_world *world)
+{
+	struct rb_groups *groups = world->groups;
+	size_t max = 0;
+
+	for (size_t g = 0; g < groups->group_count; g++)
+		max += groups->group[g].dead ? 0 : (size_t)groups->group[g].touch_count;
+	if (rb_contacts_reserve(&world->next_contacts, max, NULL) != RB_OK)
+		return false;
+
+	/* groups are in no order of pairs: sorted by key at the end */
+	struct rb_sort_item *item = rb_arena_take(&world->arena[0], 2 * max, sizeof *item);
+	struct rb_contact *row = rb_arena_take(&world->arena[0], max, sizeof *row);
+	size_t count = 0;
+
+	if (!item || !row)
+		return false;
+	for (size_t g = 0; g < groups->group_count; g++) {
+		const struct rb_pass *pass = &groups->group[g].pass;
+
+		for (int k = 0; !groups->group[g].dead && k < pass->touch_count; k++) {
+			const struct rb_touch *touch = &pass->touch[k];
+
+			if (!touch->lasting)
+				continue;
+			item[count] = (struct rb_sort_item){
+				(uint64_t)(uint32_t)touch->a << 32 | (uint32_t)touch->b, count};
+			row[count++] = (struct rb_contact){.a = touch->a,
+			                                   .b = touch->b,
+			                                   .point = pass->now[k].point,
+			                                   .normal = pass->now[k].normal,
+			                                   .gap = pass->now[k].gap,
+			                                   .normal_force = touch->normal_force,
+			                                   .tangent_force = touch->tangent_force};
+		}
+	}
+	rb_sort_by_key(item, item + max, count);
+	for (size_t k = 0; k < count; k++)
+		world->next_contacts.row[k] = row[item[k].value];
+	world->next_contacts.count = count;
+	const struct rb_contacts last = world->contacts;
+	world->contacts = world->next_contacts;
+	world->next_contacts = last;
+	return true;
+}
+
+static struct rb_event with_ids(const struct rb_model *model, struct rb_event event)
+{
+	const int a = model->id_of[event.a], b = model->id_of[event.b];
+
+	event.a = a;
+	event.b = b;
+	if (a >
+	    b) { /* ids and indices need not be in the same order: statics come last among indices */
+		event.a = b;
+		event.b = a;
+		event.normal = rb_vec3_neg(event.normal);
+		event.impulse = rb_vec3_neg(event.impulse);
+	}
+	return event;
+}
+
+/* Appends the events of all groups in order of time and then of pair; `*first` is where they begin. */
+static bool keep_events(struct rb_world *world, size_t *first)
+{
+	struct rb_groups *groups = world->groups;
+	struct rb_events *events = &world->events;
+	size_t count = 0, n = 0;
+
+	*first = events->count;
+	for (size_t g = 0; g < groups->group_count; g++)
+		count += groups->group[g].dead ? 0 : (size_t)groups->group[g].pass.event_count;
+	if (count == 0)
+		return true;
+	struct rb_sort_item *item = rb_arena_take(&world->arena[0], 2 * count, sizeof *item);
+	struct rb_event *event = rb_arena_take(&world->arena[0], count, sizeof *event);
+	if (!item || !event ||
+	    !rb_memory_reserve(&events->row, &events->capacity, *first + count, sizeof *event))
+		return false;
+	for (size_t g = 0; g < groups->group_count; g++) {
+		const struct rb_pass *pass = &groups->group[g].pass;
+
+		for (int k = 0; !groups->group[g].dead && k < pass->event_count; k++) {
+			event[n] = with_ids(world->model, pass->event[k]);
+			item[n] = (struct rb_sort_item){
+				(uint64_t)(uint32_t)event[n].a << 32 | (uint32_t)event[n].b, n};
+			n++;
+		}
+	}
+	/* stable sorts, the last key first; times are not negative, so their bits sort like they do */
+	rb_sort_by_key(item, item + count, count);
+	for (size_t k = 0; k < count; k++)
+		memcpy(&item[k].key, &event[item[k].value].time_s, sizeof item[k].key);
+	rb_sort_by_key(item, item + count, count);
+	for (size_t k = 0; k < count; k++)
+		events->row[events->count++] = event[item[k].value];
+	return true;
+}
+
+static enum rb_status commit(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_groups *groups = world->groups;
+	size_t first = 0;
+
+	for (size_t g = 0; g < groups->group_count; g++) {
+		const struct rb_group *group = &groups->group[g];
+		struct rb_counts counts = group->pass.counts;
+
+		if (group->dead) { /* its work was in vain */
+			counts = (struct rb_counts){
+				.discarded_body_steps = counts.body_steps +
+			                                counts.discarded_body_steps,
+				.rollbacks = counts.rollbacks + 1,
+				.smallest_step_s = counts.smallest_step_s};
+		}
+		rb_counts_add(&world->frame_counts, &counts);
+	}
+	if (!keep_contacts(world) || !keep_events(world, &first))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
+	if (!world->hooks.collision) {
+		if (!world->options.keep_events)
+			world->events.count = 0;
+		return RB_OK;
+	}
+	for (size_t k = first; k < world->events.count; k++, world->moment++) {
+		const enum rb_status status = world->hooks.collision(world->hooks.user, world,
+		                                                     &world->events.row[k], err);
+
+		if (status != RB_OK)
+			return status;
+	}
+	if (!world->options.keep_events)
+		world->events.count = 0;
+	return RB_OK;
+}
+
+/* In the order of blocks and groups, once the step has been resolved. */
+static void enter_all(struct rb_world *world, const struct step_work *work)
+{
+	const struct rb_groups *groups = world->groups;
+
+	for (int b = 0; b < work->blocks; b++)
+		rb_ledger_enter(&world->ledger, &work->entries[b]);
+	for (size_t g = 0; g < groups->group_count; g++)
+		if (!groups->group[g].dead)
+			rb_ledger_enter(&world->ledger, &groups->group[g].pass.entries);
+}
+
+static enum rb_status solve_step(struct rb_world *world, double start, double dt,
+                                 struct rb_error *err)
+{
+	struct step_work work = {.world = world, .start_s = start, .dt_s = dt};
+	size_t again = 0;
+	enum rb_status status = rb_groups_form(world, dt, err);
+
+	if (status == RB_OK)
+		status = fly_alone(world, &work, err);
+	if (status == RB_OK)
+		status = run_groups(world, &work, 0, err);
+	while (status == RB_OK) {
+		status = rb_groups_merge(world, &again, err);
+		if (status != RB_OK || again == 0)
+			break;
+		status = run_groups(world, &work, world->groups->group_count - again, err);
+	}
+	if (status == RB_OK && world->ledger.kept)
+		enter_all(world, &work);
+	return status;
+}
+
+enum rb_status rb_classic_prepare(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	enum rb_status status = RB_OK;
+
+	if (world->groups)
+		return RB_OK;
+	if (model->features & RB_FEATURE_CONTACT)
+		status = rb_state_init(&world->mark, model->body_count, model->features, err);
+	if (status == RB_OK)
+		status = rb_groups_create(&world->groups, model, err);
+	if (status == RB_OK && (model->features & RB_FEATURE_CONTACT))
+		status = rb_broadphase_create(&world->broadphase, model, err);
+	return status;
+}
+
+enum rb_status rb_classic_step(struct rb_world *world, double start, double dt,
+                               struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int k = 0; k < world->worker_count; k++) {
+		rb_arena_reset(&world->arena[k]);
+		rb_arena_reset(&world->kept[k]);
+	}
+	if (world->moved_by_hand)
+		rb_groups_forget(world->groups);
+	world->moved_by_hand = false;
+	rb_state_copy(&world->start, &world->state);
+	status = solve_step(world, start, dt, err);
+	if (status != RB_OK) {
+		rb_state_copy(&world->state, &world->start);
+		return status;
+	}
+	world->state.time_s = start + dt;
+	return commit(world, err);
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: MIT */
+#include "classic/rollback.h"
+
+#include <float.h>
+
+#include "classic/contact.h"
+#include "classic/entering.h"
+#include "step/gap.h"
+#include "classic/groups.h"
+#include "classic/impact.h"
+#include "step/verdict.h"
+
+/* Halvings of the step below which no time and no position changes any more: 2^-60. */
+static const double smallest_share = 0x1p-60;
+/* A group that in so many tries gets no further than a millionth of its step has failed too. */
+enum { ATTEMPTS_PER_POLL = 1024, TRIES_PER_INSPECTION = 4096 };
+static const double least_progress = 1e-6;
+
+/* How the next attempt is chosen. */
+struct search {
+	double fail_s; /* done_s + h_s of the attempt rejected last, INFINITY: none pending */
+	int accepted;  /* in a row since then */
+};
+
+static double next_attempt(const struct rb_pass *pass, struct search *search, double h)
+{
+	const double rest = pass->dt_s - pass->done_s;
+
+	if (!isfinite(search->fail_s))
+		return fmin(2 * h, rest);
+	const double to_fail = search->fail_s - pass->done_s;
+	if (!(to_fail > 0) || search->accepted >= 2) {
+		/* twice accepted: the smaller steps have moved the contact; try the failed end itself, then beyond */
+		search->accepted = 0;
+		if (!(to_fail > 0)) {
+			search->fail_s = HUGE_VAL;
+			return fmin(2 * h, rest);
+		}
+		return fmin(to_fail, rest);
+	}
+	return fmin(0.5 * to_fail, rest);
+}
+
+static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdict, int body,
+                              struct rb_error *err)
+{
+	const struct rb_model *model = pass->world->model;
+	const double when = pass->start_s + pass->done_s;
+	char a[64], b[64];
+
+	if (verdict == RB_VERDICT_NOT_FINITE)
+		return RB_FAIL(err, RB_ERR_PHYSICS,
+		               "the state of '%s' is not finite after t = %.9g s",
+		               rb_scene_body_label(model->scene, model->id_of[body], a), when);
+	const struct rb_touch *touch = &pass->touch[pass->worst];
+	return RB_FAIL(
+		err, RB_ERR_PHYSICS,
+		"no step resolves the overlap of '%s' and '%s' at t = %.9g s: %.3g m deep after %.3g s, "
+		"tolerance %.3g m",
+		rb_scene_body_label(model->scene, model->id_of[touch->a], a),
+		rb_scene_body_label(model->scene, model->id_of[touch->b], b), when,
+		-pass->worst_gap, pass->h_s, model->tolerance_m);
+}
+
+/* For classic/groups: who has come further than was foreseen? */
+static void note_travel(struct rb_pass *pass)
+{
+	const struct rb_world *world = pass->world;
+	double *const travelled = world->groups->travelled;
+
+	for (int k = 0; k < pass->member_count; k++) {
+		const int i = pass->member[k];
+		const rb_vec3 moved = rb_vec3_sub(rb_world_origin_at(world, &world->state, i),
+		                                  rb_world_origin_at(world, &world->start, i));
+
+		travelled[i] = fmax(travelled[i], rb_vec3_length(moved));
+	}
+}
+
+static void accept(struct rb_pass *pass, bool last)
+{
+	struct rb_gap *const gaps = pass->now;
+
+	rb_entering_substep(pass, &pass->world->mark);
+	pass->done_s = last ? pass->dt_s : pass->done_s + pass->h_s;
+	pass->now = pass->next;
+	pass->next = gaps;
+	pass->counts.substeps++;
+	pass->counts.body_steps += (uint64_t)pass->member_count;
+	for (int k = 0; k < pass->touch_count; k++)
+		pass->counts.max_penetration_m = fmax(pass->counts.max_penetration_m,
+		                                      -pass->now[k].gap);
+	note_travel(pass);
+}
+
+static enum rb_status begin(struct rb_pass *pass, struct rb_error *err)
+{
+	const struct rb_world *world = pass->world;
+
+	if (pass->touch_count == 0)
+		return RB_OK;
+	pass->now = rb_pass_take(pass, pass->kept, pass->touch_count, sizeof *pass->now);
+	pass->next = rb_pass_take(pass, pass->kept, pass->touch_count, sizeof *pass->next);
+	if (pass->out_of_memory)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d contacts", pass->touch_count);
+	for (int k = 0; k < pass->touch_count; k++) {
+		struct rb_touch *touch = &pass->touch[k];
+
+		pass->now[k] = rb_gap_of(world, &world->state, touch->a, touch->b);
+		touch->band = rb_gap_band(world, &world->state, touch->a, touch->b);
+	}
+	rb_contact_begin(pass);
+	rb_impact_resolve(pass, false);
+	return RB_OK;
+}
+
+enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_stage_list *plan,
+                               struct rb_error *err)
+{
+	struct rb_world *world = pass->world;
+	struct search search = {.fail_s = HUGE_VAL};
+	double h = pass->dt_s, looked_s = -HUGE_VAL;
+	bool stuck = false;
+
+	pass->counts = rb_counts_none;
+	const enum rb_status status = begin(pass, err);
+	if (status != RB_OK)
+		return status;
+	for (int attempt = 1; pass->done_s < pass->dt_s; attempt++) {
+		const double rest = pass->dt_s - pass->done_s;
+		const bool last = h >= rest;
+		int body = -1;
+
+		pass->h_s = last ? rest : h;
+		pass->counts.smallest_step_s = fmin(pass->counts.smallest_step_s, pass->h_s);
+		rb_state_copy_rows(&world->mark, &world->state, pass->member, pass->member_count);
+		rb_stage_list_run(plan, pass);
+		if (pass->out_of_memory)
+			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a group of %d bodies",
+			               pass->member_count);
+
+		const enum rb_verdict verdict = rb_verdict_of(pass, &body);
+		if (attempt % TRIES_PER_INSPECTION == 0) {
+			stuck = pass->done_s - looked_s < least_progress * pass->dt_s;
+			looked_s = pass->done_s;
+		}
+		if (verdict != RB_VERDICT_GOOD) {
+			rb_state_copy_rows(&world->state, &world->mark, pass->member,
+			                   pass->member_count);
+			pass->counts.rollbacks++;
+			pass->counts.discarded_body_steps += (uint64_t)pass->member_count;
+			if (pass->h_s <= pass->dt_s * smallest_share || stuck)
+				return give_up(pass, verdict, body, err);
+			search.fail_s = pass->done_s + pass->h_s;
+			search.accepted = 0;
+			h = 0.5 * pass->h_s;
+		} else {
+			accept(pass, last);
+			search.accepted++;
+			if (pass->touch_count > 0 && rb_impact_resolve(pass, true)) {
+				search.fail_s = HUGE_VAL;
+				h = pass->dt_s - pass->done_s;
+			} else {
+				h = next_attempt(pass, &search, pass->h_s);
+			}
+			if (pass->out_of_memory)
+				return RB_FAIL(err, RB_ERR_MEMORY,
+				               "no memory for the impacts of a step");
+		}
+		if (attempt % ATTEMPTS_PER_POLL == 0 && rb_world_is_stopped(world))
+			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+	}
+	rb_contact_resolve(pass);
+	return RB_OK;
+}

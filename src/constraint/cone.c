@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+#include "constraint/cone.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "constraint/exact_sum.h"
+
+enum {
+	WINDOW = 100, /* of directions; of more than MANY rows fewer, for the memory */
+	WINDOW_MANY = 40,
+	MANY = 400
+};
+
+static bool is_dynamic(const struct rb_solver_body *body)
+{
+	return body->inverse_mass > 0 || body->inverse_inertia != 0;
+}
+
+static rb_vec3 turn(const struct rb_solver_body *body, rb_vec3 torque)
+{
+	if (isnan(body->inverse_inertia))
+		return rb_mat3_apply_transposed(&body->inverse_root,
+		                                rb_mat3_apply(&body->inverse_root, torque));
+	return rb_vec3_scale(body->inverse_inertia, torque);
+}
+
+/* A bound on the largest eigenvalue of the inverse inertia. */
+static double largest_turn(const struct rb_solver_body *body)
+{
+	double largest = 0;
+
+	if (!isnan(body->inverse_inertia))
+		return body->inverse_inertia;
+	const rb_mat3 back = rb_mat3_transposed(&body->inverse_root);
+	const rb_mat3 tensor = rb_mat3_multiply(&back, &body->inverse_root);
+	for (int i = 0; i < 3; i++)
+		largest = fmax(largest,
+		               fabs(tensor.m[i][0]) + fabs(tensor.m[i][1]) + fabs(tensor.m[i][2]));
+	return largest;
+}
+
+/*
+ * What one body adds to the bounds of a row. A body with d rows counts d fold: then the rows' yields together are an
+ * upper bound of the whole matrix, and steps of all rows at once converge ("mass splitting", Tonge, Benevolenski,
+ * Voroshilov, ACM TOG 31(4):105 (2012)). Eccentric rows, whose normal and tangent meddle, count twice.
+ */
+static void add_dynamic(const struct rb_solver_body *body, rb_vec3 arm, int rows,
+                        struct rb_cone_row *row)
+{
+	const double spin = largest_turn(body);
+	const rb_vec3 lever = rb_vec3_cross(arm, row->normal);
+	const double along = rb_vec3_dot(lever, lever), whole = rb_vec3_dot(arm, arm);
+	const double count = rows * (isnan(body->inverse_inertia) || along > 1e-12 * whole ? 2 : 1);
+
+	row->inverse_mass_n += count * (body->inverse_mass + rb_vec3_dot(lever, turn(body, lever)));
+	row->inverse_mass_t += count * (body->inverse_mass + spin * whole);
+}
+
+static bool take_scratch(struct rb_cone *cone, int largest)
+{
+	const size_t rows = (size_t)cone->row_count + 1, bodies = (size_t)cone->body_count + 1;
+	const size_t terms = 6 * (size_t)largest > 4 * rows ? 6 * (size_t)largest : 4 * rows;
+
+	const int widest = cone->row_count > MANY ? WINDOW_MANY : WINDOW;
+
+	cone->window = 3 * cone->row_count + 1 < widest ? 3 * cone->row_count + 1 : widest;
+	cone->linear = rb_arena_take(cone->arena, bodies, sizeof *cone->linear);
+	cone->angular = rb_arena_take(cone->arena, bodies, sizeof *cone->angular);
+	cone->kept = rb_arena_take(cone->arena, bodies, sizeof *cone->kept);
+	cone->term = rb_arena_take(cone->arena, terms, sizeof *cone->term);
+	cone->change = rb_arena_take(cone->arena, rows, sizeof *cone->change);
+	cone->residual = rb_arena_take(cone->arena, rows, sizeof *cone->residual);
+	cone->best = rb_arena_take(cone->arena, rows, sizeof *cone->best);
+	cone->before = rb_arena_take(cone->arena, rows, sizeof *cone->before);
+	cone->faces = rb_arena_take(cone->arena, rows, sizeof *cone->faces);
+	cone->snapped = rb_arena_take(cone->arena, bodies, sizeof *cone->snapped);
+	cone->direction = rb_arena_take(cone->arena, (size_t)cone->window * rows,
+	                                sizeof *cone->direction);
+	cone->image = rb_arena_take(cone->arena, (size_t)cone->window * rows, sizeof *cone->image);
+	return cone->linear && cone->angular && cone->kept && cone->term && cone->change &&
+	       cone->residual && cone->best && cone->before && cone->faces && cone->snapped &&
+	       cone->direction && cone->image;
+}
+
+bool rb_cone_open(struct rb_cone *cone)
+{
+	int largest = 0;
+
+	cone->first = rb_arena_take(cone->arena, (size_t)cone->body_count + 2, sizeof *cone->first);
+	cone->entry = rb_arena_take(cone->arena, 2 * (size_t)cone->row_count + 1,
+	                            sizeof *cone->entry);
+	if (!cone->first || !cone->entry)
+		return false;
+	int *const first = cone->first;
+	memset(first, 0, ((size_t)cone->body_count + 2) * sizeof *first);
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		first[row->a + 2] += is_dynamic(&cone->body[row->a]);
+		first[row->b + 2] += is_dynamic(&cone->body[row->b]);
+	}
+	for (int i = 2; i <= cone->body_count + 1; i++) {
+		largest = first[i] > largest ? first[i] : largest;
+		first[i] += first[i - 1];
+	}
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		if (is_dynamic(&cone->body[row->a]))
+			cone->entry[first[row->a + 1]++] = 2 * k;
+		if (is_dynamic(&cone->body[row->b]))
+			cone->entry[first[row->b + 1]++] = 2 * k + 1;
+	}
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+
+		row->inverse_mass_n = row->inverse_mass_t = 0;
+		add_dynamic(&cone->body[row->a], row->arm_a, first[row->a + 1] - first[row->a],
+		            row);
+		double n = row->inverse_mass_n, t = row->inverse_mass_t;
+		row->inverse_mass_n = row->inverse_mass_t = 0;
+		add_dynamic(&cone->body[row->b], row->arm_b, first[row->b + 1] - first[row->b],
+		            row);
+		row->inverse_mass_n += n;
+		row->inverse_mass_t += t;
+	}
+	return take_scratch(cone, largest);
+}
+
+static rb_cone_pair split(const struct rb_cone_row *row, rb_vec3 v)
+{
+	const double n = rb_vec3_dot(v, row->normal);
+
+	return (rb_cone_pair){n, rb_vec3_add_scaled(v, -n, row->normal)};
+}
+
+static rb_vec3 joined(const struct rb_cone_row *row, rb_cone_pair p)
+{
+	return rb_vec3_add_scaled(p.t, p.n, row->normal);
+}
+
+rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row)
+{
+	const struct rb_solver_body *a = &cone->body[row->a], *b = &cone->body[row->b];
+	const rb_vec3 of_a = rb_vec3_add(a->linear, rb_vec3_cross(a->angular, row->arm_a));
+	const rb_vec3 of_b = rb_vec3_add(b->linear, rb_vec3_cross(b->angular, row->arm_b));
+
+	return split(row, rb_vec3_add(rb_vec3_sub(of_b, of_a), row->bias));
+}
+
+/* Increments of all bodies by impulses on all rows. */
+void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse)
+{
+	cone->iterations++;
+	for (int i = 0; i < cone->body_count; i++) {
+		const struct rb_solver_body *body = &cone->body[i];
+		const int count = cone->first[i + 1] - cone->first[i];
+		double *const term = cone->term;
+
+		if (count == 0)
+			continue;
+		for (int e = 0; e < count; e++) {
+			const int code = cone->entry[cone->first[i] + e];
+			const struct rb_cone_row *row = &cone->row[code / 2];
+			rb_vec3 j = joined(row, impulse[code / 2]);
+
+			if (code % 2 == 0)
+				j = rb_vec3_neg(j);
+			const rb_vec3 torque = rb_vec3_cross(
+				code % 2 == 0 ? row->arm_a : row->arm_b, j);
+			term[e] = j.x;
+			term[e + count] = j.y;
+			term[e + 2 * count] = j.z;
+			term[e + 3 * count] = torque.x;
+			term[e + 4 * count] = torque.y;
+			term[e + 5 * count] = torque.z;
+		}
+		cone->linear[i] = rb_vec3_scale(body->inverse_mass,
+		                                (rb_vec3){rb_exact_sum(term, count),
+		                                          rb_exact_sum(term + count, count),
+		                                          rb_exact_sum(term + 2 * count, count)});
+		cone->angular[i] = (rb_vec3){0, 0, 0};
+		if (body->inverse_inertia != 0)
+			cone->angular[i] = turn(body,
+			                        (rb_vec3){rb_exact_sum(term + 3 * count, count),
+			                                  rb_exact_sum(term + 4 * count, count),
+			                                  rb_exact_sum(term + 5 * count, count)});
+	}
+}
+
+static void commit(struct rb_cone *cone)
+{
+	for (int i = 0; i < cone->body_count; i++) {
+		struct rb_solver_body *body = &cone->body[i];
+
+		if (cone->first[i + 1] == cone->first[i])
+			continue;
+		body->linear = rb_vec3_add(body->linear, cone->linear[i]);
+		body->angular = rb_vec3_add(body->angular, cone->angular[i]);
+	}
+}
+
+void rb_cone_apply_normal(struct rb_cone *cone, const rb_cone_pair *impulse)
+{
+	rb_cone_respond(cone, impulse);
+	commit(cone);
+	for (int k = 0; k < cone->row_count; k++) {
+		rb_cone_pair *const p = &cone->row[k].impulse;
+
+		p->n += impulse[k].n;
+		p->t = rb_vec3_add(p->t, impulse[k].t);
+	}
+}
+
+/* What the increments do to a row. */
+rb_cone_pair rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row)
+{
+	rb_vec3 of_a = {0, 0, 0}, of_b = {0, 0, 0};
+
+	if (cone->first[row->a + 1] > cone->first[row->a])
+		of_a = rb_vec3_add(cone->linear[row->a],
+		                   rb_vec3_cross(cone->angular[row->a], row->arm_a));
+	if (cone->first[row->b + 1] > cone->first[row->b])
+		of_b = rb_vec3_add(cone->linear[row->b],
+		                   rb_vec3_cross(cone->angular[row->b], row->arm_b));
+	return split(row, rb_vec3_sub(of_b, of_a));
+}
+
+double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
+{
+	for (int k = 0; k < cone->row_count; k++)
+		cone->term[k] = a[k].n * b[k].n + rb_vec3_dot(a[k].t, b[k].t);
+	return rb_exact_sum(cone->term, cone->row_count);
+}
+
+/* The same in the metric in which a row's step is as large as what it does: rows of heavy and light bodies compare. */
+double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
+{
+	for (int k = 0; k < cone->row_count; k++)
+		cone->term[k] = cone->row[k].inverse_mass_n * (a[k].n * b[k].n) +
+		                cone->row[k].inverse_mass_t * rb_vec3_dot(a[k].t, b[k].t);
+	return rb_exact_sum(cone->term, cone->row_count);
+}

@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Contacts between bodies as one complementarity problem: velocities (or accelerations) and impulses (or forces).
+ *
+ * For every row, with u the relative velocity of its points plus its bias: u_n >= 0, push >= 0, one of them zero;
+ * across the normal no velocity, or friction at the cone against it (`slide`: against `slip`, whatever it is;
+ * `given`: the push is what it is, and friction is bounded by it). Solved on the bodies' velocities themselves, which
+ * only ever get increments, so that they are right also where impulses nearly cancel (a light body between heavy ones).
+ * Arithmetic is free of order and of handedness (constraint/exact_sum; nothing is used before all of it is found).
+ *
+ * All arrays are the caller's or from its arena; rb_cone_open fills the scratch, which ends with the arena's mark.
+ */
+#ifndef RB_CONSTRAINT_CONE_H
+#define RB_CONSTRAINT_CONE_H
+
+#include <stdbool.h>
+
+#include "base/arena.h"
+#include "math/mat3.h"
+#include "math/vec3.h"
+
+/* A body of the problem. Velocities for impacts; accelerations for forces. */
+struct rb_solver_body {
+	double inverse_mass; /* 1/kg; 0: does not yield (static or driven: it may move all the same) */
+	double inverse_inertia; /* 1/(kg m^2) where it is a multiple of one; NAN: the tensor; 0: does not turn */
+	/* H where H^T H is the inverse tensor, world axes; read only when inverse_inertia is NAN. Of needles the tensor
+	 * itself would have lost what is not about their axis. */
+	rb_mat3 inverse_root;
+	rb_vec3 linear,
+		angular; /* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
+};
+
+/* Along the normal and across it. */
+typedef struct {
+	double n;
+	rb_vec3 t;
+} rb_cone_pair;
+
+/* What is asked of a row across its normal: the impulse is known; no slip; at the cone; push times `slip`. */
+enum rb_cone_apply_friction { RB_CONE_KNOWN, RB_CONE_STICK, RB_CONE_SLIP, RB_CONE_FOLLOW };
+
+struct rb_cone_row {
+	int a, b;
+	rb_vec3 normal; /* unit, from a to b */
+	rb_vec3 arm_a, arm_b;
+	rb_vec3 bias, slip;
+	double friction;
+	bool slide, given;
+	rb_cone_pair impulse; /* on b; in: already in the bodies' velocities */
+
+	/* scratch */
+	rb_cone_pair u;
+	double inverse_mass_n, inverse_mass_t; /* 1/kg: bounds that make simultaneous steps safe */
+	double limit;                          /* N s: of friction, while it is held fixed */
+	bool closed;                           /* push is an unknown, u_n = 0 asked for */
+	enum rb_cone_apply_friction friction_impulse;
+	rb_vec3 along; /* slip: direction of the friction that is at its limit */
+	double share;  /* slip: of the friction that was asked for, what the cone allows */
+};
+
+struct rb_cone {
+	struct rb_solver_body *body;
+	int body_count;
+	struct rb_cone_row *row;
+	int row_count;
+	struct rb_arena *arena;
+
+	/* scratch */
+	int *first, *entry; /* [body_count + 1], [2 row_count]: rows of a body, 2 row + side */
+	rb_vec3 *linear, *angular; /* [body_count]: increments */
+	double *term;              /* [6 x largest number of rows of a body, or 4 row_count] */
+	rb_cone_pair *change, *residual, *best, *before; /* [row_count] */
+	struct rb_cone_row *faces;                       /* [row_count] */
+	struct rb_solver_body *kept, *snapped;           /* [body_count] */
+	rb_cone_pair *direction, *image;                 /* [window][row_count] */
+	int window;
+	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
+	bool gave_way; /* friction was less than the law says, because the law found no solution */
+	double tolerance; /* in the unit of u: what may be left; 0: rounding */
+	long iterations;  /* products with the matrix, so far */
+	long max;         /* of them, after which it ends with what it has; 0: no limit */
+};
+
+static inline bool rb_cone_is_over(const struct rb_cone *cone)
+{
+	return cone->max > 0 && cone->iterations > cone->max;
+}
+
+/* False when memory is out. Bodies and rows are filled; may be called again after rows have changed their number. */
+bool rb_cone_open(struct rb_cone *cone);
+
+/* Relative velocity of the points of a row, plus its bias. */
+rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row);
+
+/* Adds impulses to the bodies' velocities and to the rows; `u` of the rows is then out of date. */
+void rb_cone_apply_normal(struct rb_cone *cone, const rb_cone_pair *impulse);
+
+/* sum of a.b over the rows */
+double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
+
+/* The same in the metric in which a row's step is as large as what it does: rows of heavy and light bodies compare. */
+double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
+
+/* Increments of all bodies by impulses on all rows, into cone->linear and angular; and what those do to a row. */
+void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse);
+rb_cone_pair rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row);
+
+#endif

@@ -1,0 +1,470 @@
+/* SPDX-License-Identifier: MIT */
+#include "constraint/coulomb.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "constraint/exact_sum.h"
+
+enum {
+	WINDOW_SYMMETRIC = 3, /* conjugate residuals need one; the others mend rounding */
+	ROUNDS_GENERAL = 60,  /* where the window is too small; the next Newton step goes on */
+	FIRST_STEPS = 2,      /* of all rows at once, before the first Newton step */
+	STEPS_LIMIT = 64,
+	ROUNDS_LIMIT = 400
+};
+
+/* Square of the share of a direction's length by which an image of it is more than rounding. */
+static const double felt_share = 1e-26;
+
+/* Violation, as a share of the speeds, above which a solution is not taken for one. */
+static const double failed_share = 1e-9;
+
+/* Across the normal, at a push that the step leads to. */
+static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *row, double push,
+                                rb_cone_pair *step)
+{
+	const rb_cone_pair *const j = &row->impulse;
+	const double limit = cone->held ? row->limit : row->friction * push;
+
+	row->friction_impulse = RB_CONE_KNOWN;
+	step->t = rb_vec3_neg(j->t);
+	if (row->slide) {
+		const double before = cone->held ? limit : row->friction * j->n;
+		const double more = cone->held ? 0 : row->friction * step->n;
+
+		/* not as a difference of large forces */
+		step->t = rb_vec3_neg(rb_vec3_add_scaled(
+			rb_vec3_add_scaled(j->t, before, row->slip), more, row->slip));
+		if (!cone->held && row->closed)
+			row->friction_impulse = RB_CONE_FOLLOW;
+		return;
+	}
+	if (!(row->friction > 0) || (!cone->held && !row->given && !row->closed))
+		return;
+	const rb_vec3 back = rb_vec3_scale(-1 / row->inverse_mass_t, row->u.t);
+	const rb_vec3 wanted = rb_vec3_add(j->t, back);
+	const double length = rb_vec3_length(wanted);
+	row->friction_impulse = RB_CONE_STICK;
+	step->t = back;
+	if (length <= limit)
+		return;
+	row->friction_impulse = RB_CONE_SLIP;
+	row->along = rb_vec3_scale(1 / length, wanted);
+	row->share = limit / length;
+	step->t = rb_vec3_sub(rb_vec3_scale(limit, row->along), j->t);
+}
+
+/*
+ * Where the row stands and the step that would solve it alone: the negative of the function whose zeros are the
+ * solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353). Increments are not taken as differences
+ * where they need not be.
+ */
+static rb_cone_pair step_of(const struct rb_cone *cone, struct rb_cone_row *row)
+{
+	const rb_cone_pair *const j = &row->impulse;
+	rb_cone_pair step = {0, {0, 0, 0}};
+	double push = j->n;
+
+	row->closed = false;
+	row->friction_impulse = RB_CONE_KNOWN;
+	if (!(row->inverse_mass_n > 0)) /* between bodies that do not yield */
+		return step;
+	if (!row->given) {
+		step.n = -row->u.n / row->inverse_mass_n;
+		push = j->n + step.n;
+		row->closed = push >= 0;
+		if (!row->closed) {
+			push = 0;
+			step.n = -j->n;
+		}
+	}
+	friction_impulse_of(cone, row, push, &step);
+	return step;
+}
+
+/* All rows' velocities, faces and steps; the largest violation in units of u. */
+static double look(struct rb_cone *cone, rb_cone_pair *step)
+{
+	double largest = 0;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+
+		row->u = rb_cone_velocity(cone, row);
+		step[k] = step_of(cone, row);
+		largest = fmax(largest, row->inverse_mass_n * fabs(step[k].n));
+		largest = fmax(largest, row->inverse_mass_t * rb_vec3_length(step[k].t));
+	}
+	return largest;
+}
+
+/* What the linearized function does to a change x of the impulses; what follows in x from its unknowns is completed. */
+static void image_of(struct rb_cone *cone, rb_cone_pair *x, rb_cone_pair *y)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		if (row->friction_impulse == RB_CONE_FOLLOW)
+			x[k].t = rb_vec3_scale(-row->friction * x[k].n, row->slip);
+		else /* rounding that grows when small directions are made unit ones */
+			x[k].t = rb_vec3_add_scaled(x[k].t, -rb_vec3_dot(x[k].t, row->normal),
+			                            row->normal);
+	}
+	rb_cone_respond(cone, x);
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		y[k] = (rb_cone_pair){0, {0, 0, 0}};
+		if (!row->closed && row->friction_impulse == RB_CONE_KNOWN)
+			continue;
+		const rb_cone_pair du = rb_cone_felt(cone, row);
+		if (row->closed)
+			y[k].n = du.n / row->inverse_mass_n;
+		if (row->friction_impulse == RB_CONE_STICK)
+			y[k].t = rb_vec3_scale(1 / row->inverse_mass_t, du.t);
+		if (row->friction_impulse != RB_CONE_SLIP)
+			continue;
+		const double push = row->closed && !cone->held ? x[k].n - y[k].n : 0;
+		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->inverse_mass_t, du.t);
+		const rb_vec3 across = rb_vec3_add_scaled(wanted, -rb_vec3_dot(wanted, row->along),
+		                                          row->along);
+		y[k].t = rb_vec3_add_scaled(x[k].t, -row->friction * push, row->along);
+		y[k].t = rb_vec3_add_scaled(y[k].t, -row->share, across);
+	}
+}
+
+static void add_scaled(int count, rb_cone_pair *a, double s, const rb_cone_pair *b)
+{
+	for (int k = 0; k < count; k++) {
+		a[k].n += s * b[k].n;
+		a[k].t = rb_vec3_add_scaled(a[k].t, s, b[k].t);
+	}
+}
+
+/*
+ * Solves the linearized problem on the present faces for `x`, given the steps in cone->residual (used up): generalized
+ * conjugate residuals with a window (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983) 345), which are
+ * conjugate residuals where no contact slips, because the matrix is then symmetric in the weighted product.
+ */
+static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
+{
+	const int n = cone->row_count;
+	rb_cone_pair *const r = cone->residual;
+	int dimension = 0, window = WINDOW_SYMMETRIC;
+
+	for (int k = 0; k < n; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+		const bool across = row->friction_impulse == RB_CONE_STICK ||
+		                    row->friction_impulse == RB_CONE_SLIP;
+
+		x[k] = (rb_cone_pair){0, {0, 0, 0}};
+		if (!row->closed)
+			r[k].n = 0;
+		if (!across)
+			r[k].t = (rb_vec3){0, 0, 0};
+		if (row->friction_impulse == RB_CONE_SLIP ||
+		    row->friction_impulse == RB_CONE_FOLLOW)
+			window = cone->window;
+		dimension += row->closed + 2 * across;
+	}
+	window = window < cone->window ? window : cone->window;
+	const double start = rb_cone_weighted(cone, r, r);
+	double square = start;
+	bool poor = false;
+	const bool direct = dimension < window && window > WINDOW_SYMMETRIC;
+	const int max = direct                      ? dimension + 4
+	                : window > WINDOW_SYMMETRIC ? ROUNDS_GENERAL
+	                : dimension < 500           ? 2 * dimension + 4
+	                                            : 1000;
+	const double tolerance = window > WINDOW_SYMMETRIC && !direct ? 1e-16 : 1e-33;
+	for (int round = 0; round < max && square > tolerance * start; round++) {
+		rb_cone_pair *const p = cone->direction + (size_t)(round % window) * (size_t)n;
+		rb_cone_pair *const q = cone->image + (size_t)(round % window) * (size_t)n;
+
+		/* where the residual alone leads nowhere (the matrix need not be definite), the last image does */
+		memcpy(p, poor ? cone->image + (size_t)((round - 1) % window) * (size_t)n : r,
+		       (size_t)n * sizeof *p);
+		image_of(cone, p, q);
+		const double whole = rb_cone_weighted(cone, q, q);
+		for (int back = 1; back < window && back <= round; back++) {
+			const size_t at = (size_t)((round - back) % window) * (size_t)n;
+			const double share = rb_cone_weighted(cone, q, cone->image + at);
+
+			add_scaled(n, q, -share, cone->image + at);
+			add_scaled(n, p, -share, cone->direction + at);
+		}
+		const double size = sqrt(rb_cone_weighted(cone, q, q));
+		const double length = rb_cone_weighted(cone, p, p);
+		if (!(size * size > 1e-22 * whole) || !(size * size > felt_share * length) ||
+		    !isfinite(size))
+			break;
+		for (int k = 0; k < n; k++) {
+			q[k] = (rb_cone_pair){q[k].n / size, rb_vec3_scale(1 / size, q[k].t)};
+			p[k] = (rb_cone_pair){p[k].n / size, rb_vec3_scale(1 / size, p[k].t)};
+		}
+		const double share = rb_cone_weighted(cone, r, q);
+		add_scaled(n, x, share, p);
+		add_scaled(n, r, -share, q);
+		const double next = rb_cone_weighted(cone, r, r);
+		poor = next > 0.8 * square;
+		square = next;
+	}
+	/* directions in which next to nothing changes are long, and so is what rounding adds to them */
+	for (int k = 0; k < n; k++)
+		x[k].t = rb_vec3_reject(x[k].t, cone->row[k].normal);
+}
+
+/* The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it. */
+static void keep_cone(struct rb_cone *cone, double s, const rb_cone_pair *x, rb_cone_pair *kept)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+		const rb_cone_pair *const j = &row->impulse;
+		double push = j->n + s * x[k].n;
+
+		kept[k] = (rb_cone_pair){s * x[k].n, rb_vec3_scale(s, x[k].t)};
+		if (row->closed && !(push > 0)) {
+			push = 0;
+			kept[k].n = -j->n;
+		}
+		const double limit = cone->held ? row->limit : row->friction * push;
+		if (row->friction_impulse == RB_CONE_FOLLOW)
+			kept[k].t = rb_vec3_scale(-row->friction * kept[k].n, row->slip);
+		if (row->friction_impulse != RB_CONE_STICK && row->friction_impulse != RB_CONE_SLIP)
+			continue;
+		const rb_vec3 wanted = rb_vec3_add(j->t, kept[k].t);
+		const double length = rb_vec3_length(wanted);
+		if (length > limit ||
+		    (s == 1 && row->friction_impulse == RB_CONE_SLIP && length > 0))
+			kept[k].t = rb_vec3_sub(rb_vec3_scale(limit / length, wanted), j->t);
+	}
+}
+
+static void keep(struct rb_cone *cone)
+{
+	memcpy(cone->kept, cone->body, (size_t)cone->body_count * sizeof *cone->kept);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->best[k] = cone->row[k].impulse;
+}
+
+static void restore(struct rb_cone *cone)
+{
+	memcpy(cone->body, cone->kept, (size_t)cone->body_count * sizeof *cone->kept);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->row[k].impulse = cone->best[k];
+}
+
+/* Off what the faces exclude, so that the linear problem starts on them. */
+static void snap(struct rb_cone *cone, rb_cone_pair *step)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+
+		if (row->closed)
+			step[k].n = 0;
+		if (row->friction_impulse == RB_CONE_FOLLOW)
+			step[k].t = rb_vec3_neg(rb_vec3_add_scaled(
+				row->impulse.t, row->friction * row->impulse.n, row->slip));
+		else if (row->friction_impulse != RB_CONE_KNOWN)
+			step[k].t = (rb_vec3){0, 0, 0};
+	}
+	rb_cone_apply_normal(cone, step);
+}
+
+/* Steps on the faces as they are. */
+static void steps_on_faces(struct rb_cone *cone, rb_cone_pair *step)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+
+		row->u = rb_cone_velocity(cone, row);
+		step[k] = (rb_cone_pair){-row->u.n / row->inverse_mass_n,
+		                         rb_vec3_scale(-1 / row->inverse_mass_t, row->u.t)};
+		if (row->friction_impulse != RB_CONE_SLIP)
+			continue;
+		const double push = row->impulse.n + (row->closed ? step[k].n : 0);
+		const double limit = cone->held ? row->limit : row->friction * push;
+		step[k].t = rb_vec3_sub(rb_vec3_scale(limit, row->along), row->impulse.t);
+	}
+}
+
+/* Twice the change of energy since `before` (velocities) and cone->kept, which must be what `keep` has kept. */
+static double energy_change(struct rb_cone *cone, const rb_cone_pair *before)
+{
+	for (int k = 0; k < cone->row_count; k++) {
+		const struct rb_cone_row *row = &cone->row[k];
+		const rb_cone_pair *const j = &row->impulse, *const i = &cone->best[k];
+
+		cone->term[k] = (j->n - i->n) * (row->u.n + before[k].n) +
+		                rb_vec3_dot(rb_vec3_sub(j->t, i->t),
+		                            rb_vec3_add(row->u.t, before[k].t));
+	}
+	return rb_exact_sum(cone->term, cone->row_count);
+}
+
+/*
+ * One Newton step from where `look` has just been, along it as far as it helps; false, and all as it was, where it does
+ * not. What it must lower: the energy where the problem is convex, else the residual.
+ */
+static bool newton(struct rb_cone *cone, bool convex)
+{
+	const double before = rb_cone_weighted(cone, cone->residual, cone->residual);
+	bool better = false;
+
+	keep(cone);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->before[k] = cone->row[k].u;
+	snap(cone, cone->residual);
+	steps_on_faces(cone, cone->residual);
+	solve_faces(cone, cone->change);
+	memcpy(cone->faces, cone->row, (size_t)cone->row_count * sizeof *cone->row);
+	memcpy(cone->snapped, cone->body, (size_t)cone->body_count * sizeof *cone->body);
+	double share = 1;
+	for (int attempt = 0; attempt < (convex ? 10 : 5) && !better; attempt++, share *= 0.3) {
+		if (attempt > 0) {
+			memcpy(cone->row, cone->faces, (size_t)cone->row_count * sizeof *cone->row);
+			memcpy(cone->body, cone->snapped,
+			       (size_t)cone->body_count * sizeof *cone->body);
+		}
+		keep_cone(cone, share, cone->change, cone->residual);
+		rb_cone_apply_normal(cone, cone->residual);
+		look(cone, cone->residual);
+		const double after = rb_cone_weighted(cone, cone->residual, cone->residual);
+		better = after < 0.99 * before || (convex && energy_change(cone, cone->before) < 0);
+	}
+	if (!better)
+		restore(cone);
+	return better;
+}
+
+/*
+ * Steps of all rows at once, with the momentum of Nesterov's method, which begins anew where it leads uphill (O'Donoghue,
+ * Candes, Found. Comput. Math. 15 (2015) 715). Begins and ends where `look` has just been.
+ */
+static double walk(struct rb_cone *cone, int steps, double left, double tolerance)
+{
+	const int n = cone->row_count;
+	rb_cone_pair *const moved = cone->change;
+	int since = 0;
+
+	for (int round = 0; round < steps && left > tolerance; round++) {
+		if (since > 0) {
+			const double momentum = since / (since + 3.0);
+
+			for (int k = 0; k < n; k++)
+				moved[k] = (rb_cone_pair){momentum * moved[k].n,
+				                          rb_vec3_scale(momentum, moved[k].t)};
+			rb_cone_apply_normal(cone, moved);
+			look(cone, cone->residual);
+			if (rb_cone_weighted(cone, moved, cone->residual) < 0)
+				since = 0;
+		}
+		rb_cone_apply_normal(cone, cone->residual);
+		for (int k = 0; k < n; k++) {
+			if (since == 0)
+				moved[k] = cone->residual[k];
+			else
+				moved[k] = (rb_cone_pair){
+					moved[k].n + cone->residual[k].n,
+					rb_vec3_add(moved[k].t, cone->residual[k].t)};
+		}
+		since++;
+		left = look(cone, cone->residual);
+	}
+	return left;
+}
+
+/* Until the problem as it stands is solved or nothing helps any more. */
+static double relax(struct rb_cone *cone, bool convex, double tolerance, int rounds)
+{
+	double left = look(cone, cone->residual), least = left;
+	int steps = FIRST_STEPS, stalled = 0;
+
+	for (int round = 0; round < rounds && left > tolerance && stalled < 4; round++) {
+		if (rb_cone_is_over(cone))
+			break;
+		left = walk(cone, steps, left, tolerance);
+		if (!(left > tolerance))
+			break;
+		const bool better = newton(cone, convex);
+		left = look(cone, cone->residual);
+		if (better)
+			steps = steps > FIRST_STEPS ? steps / 2 : FIRST_STEPS;
+		else
+			steps = steps < STEPS_LIMIT ? 2 * steps : STEPS_LIMIT;
+		if (left < 0.5 * least)
+			stalled = 0;
+		else if (left < 256 * tolerance)
+			stalled++;
+		least = fmin(left, least);
+	}
+	return left;
+}
+
+/* Bounds of friction from the pushes as they are; `never_more` lets them only shrink. True if one had to change. */
+static bool hold(struct rb_cone *cone, bool never_more)
+{
+	bool changed = false;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		struct rb_cone_row *row = &cone->row[k];
+		const double limit = row->friction * fmax(0, row->impulse.n);
+
+		if (!never_more) {
+			row->limit = limit;
+		} else if (rb_vec3_length(row->impulse.t) > limit * (1 + 4 * DBL_EPSILON)) {
+			row->limit = fmin(0.9 * row->limit, limit);
+			changed = true;
+		}
+	}
+	return changed;
+}
+
+/*
+ * Where the law finds no solution (a body that friction jams between others, Painleve): the bounds of friction shrink
+ * until it is within the cones; what slips may then have less of it than the law says, at worst none.
+ */
+static double give_way(struct rb_cone *cone, double tolerance, double scale)
+{
+	double left = 0;
+
+	hold(cone, false);
+	cone->held = true;
+	for (int round = 0; round < 300; round++) {
+		left = relax(cone, true, tolerance, 200);
+		if (!hold(cone, true) || rb_cone_is_over(cone))
+			break;
+	}
+	if (left > failed_share * scale) {
+		for (int k = 0; k < cone->row_count; k++)
+			cone->row[k].limit = 0;
+		left = relax(cone, true, tolerance, ROUNDS_LIMIT);
+	}
+	cone->held = false;
+	return left;
+}
+
+double rb_cone_resolve(struct rb_cone *cone, double scale)
+{
+	const double tolerance = fmax(2 * DBL_EPSILON * scale, cone->tolerance);
+	bool convex = true;
+
+	for (int k = 0; k < cone->row_count; k++)
+		convex = convex && (cone->row[k].given || !(cone->row[k].friction > 0));
+	cone->held = false;
+	double left = relax(cone, convex, tolerance, convex ? ROUNDS_LIMIT : 16);
+	for (int outer = 0; outer < 20 && !convex && left > 1e3 * tolerance; outer++) {
+		if (rb_cone_is_over(cone))
+			return left;
+		hold(cone, false);
+		cone->held = true;
+		relax(cone, true, fmax(tolerance, 1e-3 * left), 20);
+		cone->held = false;
+		left = relax(cone, false, tolerance, 5);
+	}
+	if (convex || left <= failed_share * scale)
+		return left;
+	cone->gave_way = true;
+	return give_way(cone, tolerance, scale);
+}

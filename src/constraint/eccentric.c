@@ -1,0 +1,486 @@
+/* SPDX-License-Identifier: MIT */
+#include "constraint/eccentric.h"
+
+#include <float.h>
+
+/*
+ * Across the normal u = (speed) (c, s), and with dp = speed dt the end of slip, where the direction may turn ever faster,
+ * is infinitely far away in t: everything is analytic in t, and the direction follows an equation of its own. Steps are
+ * Taylor series, whose coefficients are products of series; directions that keep themselves need none.
+ */
+enum {
+	ORDER = 24,
+	TERMS = ORDER + 1,
+	/* a slip loses at most all of its digits twice, in steps of about one e-fold; turning takes a few more */
+	STEPS = 1024,
+	EVENTS =
+		64, /* compression begins at most twice again: normal acceleration changes its sign twice a turn */
+	ROUNDS = 128 /* of bisection, of Newton's method for a direction */
+};
+/* Friction beyond this many times what goes in is as good as boundless. */
+static const double friction_max = 0x1p100;
+/* A slip below this share of the speeds has ended: below the rounding even of what depends on its root. */
+static const double ended = DBL_EPSILON * DBL_EPSILON;
+/* Directions that turn less than this share of the rates keep themselves: K is not known better. */
+static const double turning = 4 * DBL_EPSILON;
+
+/* Two coordinates across the normal. */
+struct pair {
+	double x, y;
+};
+
+/* K in units of its largest number, friction included: what it does to slip and normal velocity per normal impulse. */
+struct law {
+	double nn;         /* normal by normal */
+	struct pair n;     /* slip by normal */
+	double xx, xy, yy; /* slip by friction at its limit */
+	double friction;
+	double unit; /* of t: rates in it are about 1 */
+};
+
+struct course {
+	struct law law;
+	struct pair along;   /* unit: direction of slip */
+	double speed;        /* of slip */
+	double w;            /* normal velocity, parting */
+	double p;            /* normal impulse so far */
+	struct pair q;       /* friction's */
+	double taken, given; /* work of compression and of restitution, >= 0 */
+	double share;        /* e^2 */
+	bool compressing, over;
+};
+
+static double dot(struct pair a, struct pair b)
+{
+	return a.x * b.x + a.y * b.y;
+}
+
+static struct pair unit(struct pair a)
+{
+	const double length = hypot(a.x, a.y);
+
+	return (struct pair){a.x / length, a.y / length};
+}
+
+/* Rate of slip per normal impulse, slipping along d. */
+static struct pair slip_rate(const struct law *law, struct pair d)
+{
+	return (struct pair){law->n.x - (law->xx * d.x + law->xy * d.y),
+	                     law->n.y - (law->xy * d.x + law->yy * d.y)};
+}
+
+/* Of the normal velocity. */
+static double normal_rate(const struct law *law, struct pair d)
+{
+	return law->nn - law->friction * dot(law->n, d);
+}
+
+static double owed(const struct course *c)
+{
+	return c->share * c->taken - c->given;
+}
+
+/* ---- directions that keep themselves ---- */
+
+/*
+ * With constant rates over at most `most` of normal impulse: `rate` of the normal velocity, `rub` of friction's impulse.
+ */
+static void go_straight(struct course *c, double max, double rate, struct pair friction_impulse)
+{
+	for (int event = 0; event < EVENTS && !c->over && max > 0; event++) {
+		const bool compressing = c->compressing;
+		double step = max;
+
+		if (compressing && rate > 0 && -c->w / rate <= step) {
+			step = -c->w / rate;
+			c->compressing = false;
+		} else if (!compressing) {
+			const double rest = owed(c), square = c->w * c->w + 2 * rate * rest;
+			const double end = square >= 0 ? 2 * rest / (c->w + sqrt(square))
+			                               : HUGE_VAL;
+
+			if (!(rest > 0) || end <= step) {
+				step = rest > 0 ? end : 0;
+				c->over = true;
+			} else if (rate < 0 && -c->w / rate <= step) {
+				step = -c->w / rate;
+				c->compressing = true;
+			}
+		}
+		if (isinf(step)) { /* only by rounding of a K that is none */
+			c->over = true;
+			break;
+		}
+		*(compressing ? &c->taken : &c->given) += (compressing ? -1 : 1) * step *
+		                                          (c->w + 0.5 * step * rate);
+		c->w = c->compressing != compressing ? 0 : c->w + step * rate;
+		c->p += step;
+		c->q.x += step * friction_impulse.x;
+		c->q.y += step * friction_impulse.y;
+		max -= step;
+	}
+}
+
+/* Slip along a direction that it keeps, up to its end. */
+static void slip_straight(struct course *c)
+{
+	const struct law *const law = &c->law;
+	const double slows = -dot(slip_rate(law, c->along), c->along);
+
+	go_straight(c, slows > 0 ? c->speed / slows : HUGE_VAL, normal_rate(law, c->along),
+	            (struct pair){-law->friction * c->along.x, -law->friction * c->along.y});
+	c->speed = 0;
+}
+
+/* v with (A + g) v = n, A what friction at its limit does to slip. */
+static struct pair against(const struct law *law, double g, struct pair n)
+{
+	const double xx = law->xx + g, yy = law->yy + g;
+	const double determinant = xx * yy - law->xy * law->xy;
+
+	return (struct pair){(yy * n.x - law->xy * n.y) / determinant,
+	                     (xx * n.y - law->xy * n.x) / determinant};
+}
+
+/*
+ * From no slip. With v = A^-1 n, friction -v (of its limit) keeps it from slipping; if that is longer than 1, slip sets in
+ * along the one d with slip_rate = g d, g > 0: |(A + g)^-1 n| = 1, whose left side falls with g, so that Newton's method
+ * for its inverse comes to the root from one side (More, Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
+ */
+static void leave_rest(struct course *c)
+{
+	const struct law *const law = &c->law;
+	const double trace = law->xx + law->yy;
+	const double determinant = law->xx * law->yy - law->xy * law->xy;
+	/* of a block that is singular to rounding the lesser yield is not known */
+	double g = determinant > DBL_EPSILON * DBL_EPSILON * trace * trace ? 0
+	                                                                   : DBL_EPSILON * trace;
+	struct pair v = against(law, g, law->n);
+
+	if (hypot(v.x, v.y) <= 1) {
+		const struct pair friction_impulse = {-law->friction * v.x, -law->friction * v.y};
+
+		/* positive, as K is */
+		go_straight(c, HUGE_VAL,
+		            fmax(law->nn + dot(law->n, friction_impulse), DBL_EPSILON * law->nn),
+		            friction_impulse);
+		c->over = true;
+		return;
+	}
+	for (int round = 0; round < ROUNDS; round++) {
+		const double length = hypot(v.x, v.y);
+		const double next = g + length * length * (length - 1) / dot(v, against(law, g, v));
+
+		if (!(next > g))
+			break;
+		g = next;
+		v = against(law, g, law->n);
+	}
+	c->along = unit(v);
+	slip_straight(c);
+	c->over = true;
+}
+
+/* ---- directions that turn ---- */
+
+struct series {
+	double x[TERMS], y[TERMS], speed[TERMS]; /* of direction and slip */
+	double gain[TERMS], turn[TERMS],
+		rate[TERMS]; /* of slip; of the direction; of w per impulse */
+	double p[TERMS], w[TERMS], qx[TERMS], qy[TERMS], work[TERMS];
+	double aside
+		[TERMS]; /* of the direction from that of law.n: where it is zero the rate is least or most */
+};
+
+/* Two series at once: what their products cost is most of what an impact does. */
+typedef double two __attribute__((vector_size(16)));
+
+static void expand(const struct course *c, struct series *t)
+{
+	const struct law *const law = &c->law;
+	/* the direction, and it swapped; the rates that bend it; of speed and of w */
+	two along[TERMS], swapped[TERMS], bend[TERMS], bend_swapped[TERMS], rates[TERMS];
+
+	t->x[0] = c->along.x;
+	t->y[0] = c->along.y;
+	t->speed[0] = c->speed;
+	t->p[0] = t->qx[0] = t->qy[0] = t->work[0] = 0;
+	t->w[0] = c->w;
+	for (int k = 0; k < TERMS; k++) {
+		const double over = law->unit / (k + 1), x = t->x[k], y = t->y[k];
+		const double ax = (k == 0 ? law->n.x : 0) - (law->xx * x + law->xy * y);
+		const double ay = (k == 0 ? law->n.y : 0) - (law->xy * x + law->yy * y);
+		two gain = {0, 0}, turn = {0, 0}, turned = {0, 0}, driven = {0, 0},
+		    friction_impulse = {0, 0};
+		double work = 0;
+
+		t->rate[k] = (k == 0 ? law->nn : 0) - law->friction * (law->n.x * x + law->n.y * y);
+		t->aside[k] = law->n.x * y - law->n.y * x;
+		along[k] = (two){x, y};
+		swapped[k] = (two){y, x};
+		bend[k] = (two){ax, ay};
+		bend_swapped[k] = (two){ay, ax};
+		for (int i = 0; i <= k; i++) {
+			gain += bend[i] * along[k - i];
+			turn += bend_swapped[i] * along[k - i];
+		}
+		t->gain[k] = gain[0] + gain[1];
+		t->turn[k] = turn[0] - turn[1];
+		if (k == ORDER)
+			break;
+		rates[k] = (two){t->gain[k], t->rate[k]};
+		for (int i = 0; i <= k; i++) {
+			turned += swapped[i] * t->turn[k - i];
+			driven += t->speed[i] * rates[k - i];
+			friction_impulse += t->speed[i] * along[k - i];
+			work += t->speed[i] * t->w[k - i];
+		}
+		t->x[k + 1] = -over * turned[0];
+		t->y[k + 1] = over * turned[1];
+		t->speed[k + 1] = over * driven[0];
+		t->p[k + 1] = over * t->speed[k];
+		t->w[k + 1] = over * driven[1];
+		t->qx[k + 1] = -over * law->friction * friction_impulse[0];
+		t->qy[k + 1] = -over * law->friction * friction_impulse[1];
+		t->work[k + 1] = over * work;
+	}
+}
+
+/*
+ * Up to where the last terms are below rounding. Work, a product of two that fall with slip, is the first to ask for it.
+ */
+static double reach_of(const struct series *t)
+{
+	const double work = t->speed[0] * fmax(fabs(t->w[0]), t->speed[0]);
+	double reach = 0x1p100;
+
+	for (int k = ORDER - 1; k <= ORDER; k++) {
+		const double size = fmax(
+			fmax(fabs(t->x[k]), fabs(t->y[k])),
+			fmax(fabs(t->speed[k]) / t->speed[0], fabs(t->work[k]) / work));
+
+		if (size > 0)
+			reach = fmin(reach, pow(DBL_EPSILON / size, 1.0 / k));
+	}
+	return reach;
+}
+
+static double value(const double *a, double t)
+{
+	double sum = a[ORDER];
+
+	for (int k = ORDER - 1; k >= 0; k--)
+		sum = sum * t + a[k];
+	return sum;
+}
+
+static double slope(const double *a, double t)
+{
+	double sum = ORDER * a[ORDER];
+
+	for (int k = ORDER - 1; k >= 1; k--)
+		sum = sum * t + k * a[k];
+	return sum;
+}
+
+/* Where a - level changes its sign in [low, high], between which it is monotone: Newton's method, or halves. */
+static double crossing(const double *a, double level, double low, double high)
+{
+	const bool rises = value(a, high) > level;
+	double t = high, before = high - low;
+
+	for (int round = 0; round < ROUNDS; round++) {
+		const double off = value(a, t) - level;
+
+		*((off > 0) == rises ? &high : &low) = t;
+		double next = t - off / slope(a, t);
+		/* it converges from the second round on, or is far from the root */
+		if (!(next >= low && next <= high && fabs(next - t) <= 0.5 * before))
+			next = 0.5 * (low + high);
+		before = fabs(next - t);
+		if (off == 0 || before <= DBL_EPSILON * fabs(t))
+			return next >= low && next <= high && off != 0 ? next : t;
+		t = next;
+	}
+	return t;
+}
+
+/* First sign change in (low, high) of what is monotone there; `high` if there is none. */
+static double first_change(const double *a, double low, double high)
+{
+	return (value(a, low) > 0) != (value(a, high) > 0) ? crossing(a, 0, low, high) : high;
+}
+
+static void come_to(struct course *c, const struct series *s, double t)
+{
+	const double work = value(s->work, t);
+
+	c->along = unit((struct pair){value(s->x, t), value(s->y, t)});
+	c->speed = value(s->speed, t);
+	c->w = value(s->w, t);
+	c->p += value(s->p, t);
+	c->q.x += value(s->qx, t);
+	c->q.y += value(s->qy, t);
+	*(c->compressing ? &c->taken : &c->given) += c->compressing ? -work : work;
+}
+
+/*
+ * On [low, high] w is monotone. Does compression or restitution end there? Then the course is there, and it is true.
+ */
+static bool ends_within(struct course *c, const struct series *s, double low, double high)
+{
+	const double after = value(s->w, high);
+	const bool changes = c->compressing ? after > 0 : after < 0;
+	const double end = changes ? crossing(s->w, 0, low, high) : high;
+
+	if (!c->compressing && value(s->work, end) >= owed(c)) {
+		come_to(c, s, crossing(s->work, owed(c), low, end));
+		c->over = true;
+		return true;
+	}
+	if (!changes)
+		return false;
+	come_to(c, s, end);
+	c->w = 0;
+	c->compressing = !c->compressing;
+	c->over = !c->compressing && !(owed(c) > 0);
+	return true;
+}
+
+static void slip_on(struct course *c)
+{
+	struct series s;
+
+	expand(c, &s);
+	const double end = reach_of(&s);
+	const double middle = first_change(s.aside, 0, end);
+	const double stop[5] = {0, first_change(s.rate, 0, middle), middle,
+	                        first_change(s.rate, middle, end), end};
+	for (int k = 0; k < 4; k++)
+		if (stop[k + 1] > stop[k] && ends_within(c, &s, stop[k], stop[k + 1]))
+			return;
+	come_to(c, &s, end);
+}
+
+static void run(struct course *c)
+{
+	for (int step = 0; step < STEPS && !c->over; step++) {
+		const struct pair rate = slip_rate(&c->law, c->along);
+		const double turn = rate.y * c->along.x - rate.x * c->along.y;
+
+		if (!(c->speed > ended))
+			leave_rest(c);
+		else if (fabs(turn) * c->law.unit <= turning || step == STEPS - 2)
+			slip_straight(c);
+		else
+			slip_on(c);
+	}
+}
+
+/* ---- from vectors and back ---- */
+
+static double largest_of(const rb_mat3 *a)
+{
+	double largest = 0;
+
+	for (int i = 0; i < 9; i++)
+		largest = fmax(largest, fabs(a->m[i / 3][i % 3]));
+	return largest;
+}
+
+/* A power of two that brings `size` to about 1: it costs no digits. */
+static int binary_size(double size)
+{
+	int exponent;
+
+	frexp(size, &exponent);
+	return exponent;
+}
+
+static rb_vec3 scaled(rb_vec3 a, int exponent)
+{
+	return (rb_vec3){ldexp(a.x, exponent), ldexp(a.y, exponent), ldexp(a.z, exponent)};
+}
+
+/* In units in which its numbers are about 1, and symmetric where rounding has left it otherwise. */
+static rb_mat3 inverse_effective_mass_of(const struct rb_eccentric *contact, int size)
+{
+	rb_mat3 inverse_effective_mass;
+
+	for (int i = 0; i < 9; i++)
+		inverse_effective_mass.m[i / 3][i % 3] =
+			0.5 * (ldexp(contact->inverse_effective_mass.m[i / 3][i % 3], -size) +
+		               ldexp(contact->inverse_effective_mass.m[i % 3][i / 3], -size));
+	return inverse_effective_mass;
+}
+
+static struct law law_of(const struct rb_eccentric *contact, rb_vec3 t, rb_vec3 s)
+{
+	const rb_vec3 kn = rb_mat3_apply(&contact->inverse_effective_mass, contact->normal);
+	const rb_vec3 kt = rb_mat3_apply(&contact->inverse_effective_mass, t);
+	const rb_vec3 ks = rb_mat3_apply(&contact->inverse_effective_mass, s);
+	const double friction = fmin(contact->friction, friction_max);
+	struct law law = {.nn = rb_vec3_dot(contact->normal, kn),
+	                  .n = {rb_vec3_dot(t, kn), rb_vec3_dot(s, kn)},
+	                  .xx = friction * rb_vec3_dot(t, kt),
+	                  .xy = friction * rb_vec3_dot(s, kt),
+	                  .yy = friction * rb_vec3_dot(s, ks),
+	                  .friction = friction};
+
+	law.unit = 1 / (fabs(law.n.x) + fabs(law.n.y) + law.xx + law.yy + law.nn);
+	return law;
+}
+
+/* What an impulse changes of the kinetic energy is J.(u + K J / 2): is it above rounding of its parts? */
+static bool gains(const struct rb_eccentric *contact, rb_vec3 u, rb_vec3 impulse)
+{
+	const rb_vec3 change = rb_mat3_apply(&contact->inverse_effective_mass, impulse);
+	const double before = rb_vec3_dot(impulse, u), more = 0.5 * rb_vec3_dot(impulse, change);
+
+	return !(before + more <= 64 * DBL_EPSILON * (fabs(before) + fabs(more)));
+}
+
+/* Without friction. */
+static rb_vec3 along_normal(const struct rb_eccentric *contact, const struct law *law,
+                            rb_vec3 velocity)
+{
+	const double approach = -rb_vec3_dot(velocity, contact->normal);
+
+	return rb_vec3_scale((1 + contact->restitution) * (approach / law->nn), contact->normal);
+}
+
+static rb_vec3 solve(const struct rb_eccentric *contact, rb_vec3 u)
+{
+	const rb_vec3 t = rb_vec3_across(contact->normal), s = rb_vec3_cross(contact->normal, t);
+	const struct pair slip = {rb_vec3_dot(t, u), rb_vec3_dot(s, u)};
+	struct course c = {.law = law_of(contact, t, s),
+	                   .speed = hypot(slip.x, slip.y),
+	                   .w = rb_vec3_dot(contact->normal, u),
+	                   .share = contact->restitution * contact->restitution,
+	                   .compressing = true};
+
+	c.along = c.speed > 0 ? unit(slip) : (struct pair){1, 0};
+	if (c.w > 0 || (c.w == 0 && !(c.speed > ended && normal_rate(&c.law, c.along) < 0)))
+		return (rb_vec3){0, 0, 0};
+	run(&c);
+	const rb_vec3 impulse = rb_vec3_add_scaled(
+		rb_vec3_add_scaled(rb_vec3_scale(c.p, contact->normal), c.q.x, t), c.q.y, s);
+	/* where K is not what bodies can have */
+	return gains(contact, u, impulse) ? along_normal(contact, &c.law, u) : impulse;
+}
+
+rb_vec3 rb_eccentric_impulse(const struct rb_eccentric *contact, rb_vec3 velocity)
+{
+	const double largest = largest_of(&contact->inverse_effective_mass),
+		     fastest = rb_vec3_max_abs(velocity);
+	const rb_vec3 none = {0, 0, 0};
+
+	if (!(largest > 0) || !isfinite(largest) || !(fastest > 0) || !isfinite(fastest))
+		return none;
+	const int size = binary_size(largest), speed = binary_size(fastest);
+	struct rb_eccentric own = *contact;
+
+	own.inverse_effective_mass = inverse_effective_mass_of(contact, size);
+	const rb_vec3 impulse = scaled(solve(&own, scaled(velocity, -speed)), speed - size);
+	return rb_vec3_finite(impulse) ? impulse : none;
+}

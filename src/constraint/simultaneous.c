@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: MIT */
+#include "constraint/simultaneous.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "constraint/coulomb.h"
+#include "constraint/impulse.h"
+
+enum {
+	ROUNDS = 512, /* and 16 per contact: then the rest is done without restitution */
+	ROUNDS_PER_CONTACT = 16
+};
+
+/* Approaches below this share of the first round's end without restitution: what is left of an infinite series. */
+static const double tail_share = 1e-13;
+/* Violation, as a share of the speeds, above which a solution is not taken for one. */
+static const double failed_share = 1e-9;
+
+static rb_vec3 velocity_at(const struct rb_solver_body *body, rb_vec3 arm)
+{
+	return rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm));
+}
+
+static rb_vec3 relative(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
+{
+	return rb_vec3_sub(velocity_at(&joint->body[c->b], c->arm_b),
+	                   velocity_at(&joint->body[c->a], c->arm_a));
+}
+
+static double speed_bound(const struct rb_solver_body *body, rb_vec3 arm)
+{
+	return rb_vec3_length(body->linear) + rb_vec3_length(body->angular) * rb_vec3_length(arm);
+}
+
+/* The largest speed that a contact's velocity is a difference of. */
+static double speeds_of(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
+{
+	return fmax(speed_bound(&joint->body[c->a], c->arm_a),
+	            speed_bound(&joint->body[c->b], c->arm_b));
+}
+
+static bool is_dynamic(const struct rb_solver_body *body)
+{
+	return body->inverse_mass > 0 || body->inverse_inertia != 0;
+}
+
+/* --- one contact on its own --- */
+
+static rb_vec3 turned(const struct rb_solver_body *body, rb_vec3 torque)
+{
+	if (isnan(body->inverse_inertia))
+		return rb_mat3_apply_transposed(&body->inverse_root,
+		                                rb_mat3_apply(&body->inverse_root, torque));
+	return rb_vec3_scale(body->inverse_inertia, torque);
+}
+
+static void push(struct rb_solver_body *body, rb_vec3 arm, rb_vec3 impulse)
+{
+	body->linear = rb_vec3_add_scaled(body->linear, body->inverse_mass, impulse);
+	if (body->inverse_inertia != 0)
+		body->angular = rb_vec3_add(body->angular,
+		                            turned(body, rb_vec3_cross(arm, impulse)));
+}
+
+/* Adds the body's part of K; false where it is eccentric: normal and tangent meddle, or tangents differ. */
+static bool add_inverse_mass(const struct rb_solver_body *body, rb_vec3 arm, struct rb_link *link)
+{
+	const rb_vec3 lever = rb_vec3_cross(arm, link->normal);
+
+	for (int column = 0; column < 3; column++) {
+		const rb_vec3 unit = {column == 0, column == 1, column == 2};
+		rb_vec3 dv = rb_vec3_scale(body->inverse_mass, unit);
+
+		if (body->inverse_inertia != 0)
+			dv = rb_vec3_add(
+				dv, rb_vec3_cross(turned(body, rb_vec3_cross(arm, unit)), arm));
+		link->inverse_effective_mass.m[0][column] += dv.x;
+		link->inverse_effective_mass.m[1][column] += dv.y;
+		link->inverse_effective_mass.m[2][column] += dv.z;
+	}
+	link->normal_inverse_mass += body->inverse_mass + rb_vec3_dot(lever, turned(body, lever));
+	if (body->inverse_inertia == 0) {
+		link->tangent_inverse_mass += body->inverse_mass;
+		return true;
+	}
+	link->tangent_inverse_mass += body->inverse_mass +
+	                              body->inverse_inertia * rb_vec3_dot(arm, arm);
+	return !isnan(body->inverse_inertia) &&
+	       rb_vec3_length(lever) <= 16 * DBL_EPSILON * rb_vec3_length(arm);
+}
+
+static struct rb_link link_of(const struct rb_simultaneous *joint,
+                              const struct rb_solver_contact *c)
+{
+	const struct rb_solver_body *const a = &joint->body[c->a], *const b = &joint->body[c->b];
+	struct rb_link link = {.a = c->a,
+	                       .b = c->b,
+	                       .normal = c->normal,
+	                       .arm_a = c->arm_a,
+	                       .arm_b = c->arm_b,
+	                       .friction = c->friction,
+	                       .restitution = c->restitution,
+	                       .inverse_mass_a = a->inverse_mass,
+	                       .inverse_mass_b = b->inverse_mass,
+	                       .inverse_inertia_a = a->inverse_inertia,
+	                       .inverse_inertia_b = b->inverse_inertia};
+	/* each on its own and then together: which is called a must not matter */
+	struct rb_link other = link;
+	const bool central_a = add_inverse_mass(a, c->arm_a, &link);
+	const bool central_b = add_inverse_mass(b, c->arm_b, &other);
+
+	link.central = central_a && central_b;
+	link.normal_inverse_mass += other.normal_inverse_mass;
+	link.tangent_inverse_mass += other.tangent_inverse_mass;
+	for (int i = 0; i < 9; i++)
+		link.inverse_effective_mass.m[i / 3][i % 3] +=
+			other.inverse_effective_mass.m[i / 3][i % 3];
+	if (!link.central) {
+		const rb_vec3 t = rb_vec3_across(link.normal), s = rb_vec3_cross(link.normal, t);
+		const rb_vec3 kt = rb_mat3_apply(&link.inverse_effective_mass, t);
+		const rb_vec3 ks = rb_mat3_apply(&link.inverse_effective_mass, s);
+		const double tt = rb_vec3_dot(t, kt), ss = rb_vec3_dot(s, ks);
+
+		link.tangent_inverse_mass = 0.5 * (tt + ss) +
+		                            hypot(0.5 * (tt - ss), rb_vec3_dot(s, kt));
+	}
+	return link;
+}
+
+static void hit_alone(struct rb_simultaneous *joint, struct rb_solver_contact *c)
+{
+	const struct rb_link link = link_of(joint, c);
+	const rb_vec3 u = relative(joint, c);
+	const double approach = -rb_vec3_dot(u, c->normal);
+
+	if (!(link.normal_inverse_mass > 0))
+		return;
+	const rb_vec3 impulse = rb_link_impact(&link, u, c->restitution * approach);
+	push(&joint->body[c->a], c->arm_a, rb_vec3_neg(impulse));
+	push(&joint->body[c->b], c->arm_b, impulse);
+	c->impulse = rb_vec3_add(c->impulse, impulse);
+	if (c->approach == 0)
+		c->approach = approach;
+}
+
+/* --- several --- */
+
+struct rounds {
+	struct rb_simultaneous *joint;
+	bool *active; /* [contact_count]: takes part in this round */
+	int *crowd;   /* [body_count]: contacts of this round that a body has */
+	int *contact; /* [contact_count]: of the rows */
+	double first; /* m/s: largest approach of the first round */
+	double scale; /* m/s: largest speed */
+	struct rb_cone cone;
+};
+
+static struct rb_cone_row row_of(const struct rb_solver_contact *c)
+{
+	return (struct rb_cone_row){.a = c->a,
+	                            .b = c->b,
+	                            .normal = c->normal,
+	                            .arm_a = c->arm_a,
+	                            .arm_b = c->arm_b,
+	                            .friction = c->friction};
+}
+
+static rb_vec3 impulse_of(const struct rb_cone_row *row)
+{
+	return rb_vec3_add_scaled(row->impulse.t, row->impulse.n, row->normal);
+}
+
+static double largest_speed(const struct rb_simultaneous *joint)
+{
+	double largest = 0;
+
+	for (int k = 0; k < joint->contact_count; k++)
+		largest = fmax(largest, speeds_of(joint, &joint->contact[k]));
+	return largest;
+}
+
+/* Impulses of all rows back to nothing, and the bodies with them. */
+static void undo(struct rounds *all, const struct rb_solver_body *before)
+{
+	memcpy(all->cone.body, before, (size_t)all->cone.body_count * sizeof *before);
+	for (int k = 0; k < all->cone.row_count; k++)
+		all->cone.row[k].impulse = (rb_cone_pair){0, {0, 0, 0}};
+}
+
+/* Stops what approaches, with friction; without it where that does not settle (a body jammed between others). */
+static void compress(struct rounds *all, const struct rb_solver_body *before)
+{
+	struct rb_cone *const cone = &all->cone;
+
+	if (rb_cone_resolve(cone, all->scale) <= failed_share * all->scale)
+		return;
+	undo(all, before);
+	for (int k = 0; k < cone->row_count; k++)
+		cone->row[k].friction = 0;
+	rb_cone_resolve(cone, all->scale);
+}
+
+/*
+ * Gives back restitution times what compression took, along the normals, then lets friction stop what it can within the
+ * cones of the whole. `spare` is twice the energy that compression took: the normal impulses are made smaller together
+ * where they would give back more.
+ */
+static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_cone_pair *after)
+{
+	struct rb_cone *const cone = &all->cone;
+	bool rubs = false;
+
+	for (int k = 0; k < cone->row_count; k++) {
+		back[k] = (rb_cone_pair){all->joint->contact[all->contact[k]].restitution *
+		                                 cone->row[k].impulse.n,
+		                         {0, 0, 0}};
+		after[k] = rb_cone_velocity(cone, &cone->row[k]);
+	}
+	struct rb_solver_body *const kept = cone->kept;
+	memcpy(kept, cone->body, (size_t)cone->body_count * sizeof *kept);
+	rb_cone_apply_normal(cone, back);
+	for (int k = 0; k < cone->row_count; k++) {
+		const rb_cone_pair u = rb_cone_velocity(cone, &cone->row[k]);
+
+		after[k] = (rb_cone_pair){u.n - after[k].n, {0, 0, 0}};
+	}
+	const double needed = rb_cone_dot(cone, back, after);
+	if (needed > spare * (1 + 64 * DBL_EPSILON)) {
+		const double share = spare > 0 ? sqrt(spare / needed) : 0;
+
+		memcpy(cone->body, kept, (size_t)cone->body_count * sizeof *kept);
+		for (int k = 0; k < cone->row_count; k++) {
+			cone->row[k].impulse.n -= back[k].n;
+			back[k].n *= share;
+		}
+		rb_cone_apply_normal(cone, back);
+	}
+	for (int k = 0; k < cone->row_count; k++) {
+		cone->row[k].given = true;
+		rubs = rubs || cone->row[k].friction > 0;
+	}
+	if (rubs)
+		rb_cone_resolve(cone, all->scale);
+}
+
+/* The rows of one round, together. False when memory is out. */
+static bool hit_together(struct rounds *all, bool with_restitution)
+{
+	struct rb_simultaneous *const joint = all->joint;
+	struct rb_cone *const cone = &all->cone;
+	const size_t rows = (size_t)cone->row_count;
+	const rb_arena_mark here = rb_arena_here(joint->arena);
+	rb_cone_pair *const before = rb_arena_take(joint->arena, rows, sizeof *before);
+	rb_cone_pair *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
+	rb_cone_pair *const sum = rb_arena_take(joint->arena, rows, sizeof *sum);
+	struct rb_solver_body *const kept = rb_arena_take(joint->arena, (size_t)joint->body_count,
+	                                                  sizeof *kept);
+	bool restitution = false;
+
+	if (!before || !impulse || !sum || !kept || !rb_cone_open(cone)) {
+		rb_arena_back(joint->arena, here);
+		return false;
+	}
+	memcpy(kept, joint->body, (size_t)joint->body_count * sizeof *kept);
+	for (size_t k = 0; k < rows; k++)
+		before[k] = rb_cone_velocity(cone, &cone->row[k]);
+	compress(all, kept);
+	for (size_t k = 0; k < rows; k++) {
+		const rb_cone_pair u = rb_cone_velocity(cone, &cone->row[k]);
+
+		impulse[k] = cone->row[k].impulse;
+		sum[k] = (rb_cone_pair){u.n + before[k].n, rb_vec3_add(u.t, before[k].t)};
+		restitution = restitution ||
+		              (impulse[k].n > 0 && joint->contact[all->contact[k]].restitution > 0);
+	}
+	/* change of kinetic energy: the sum of J.(u + u')/2 */
+	const double spare = -rb_cone_dot(cone, impulse, sum);
+	if (restitution && with_restitution)
+		restore(all, spare, impulse, sum);
+	for (size_t k = 0; k < rows; k++) {
+		struct rb_solver_contact *const c = &joint->contact[all->contact[k]];
+		const struct rb_cone_row *const row = &cone->row[k];
+
+		c->impulse = rb_vec3_add(c->impulse, impulse_of(row));
+		if (row->impulse.n > 0 && c->approach == 0 && before[k].n < -c->noise)
+			c->approach = -before[k].n;
+	}
+	rb_arena_back(joint->arena, here);
+	return true;
+}
+
+/* Below it a contact does not approach: the caller's figure, and what this arithmetic can resolve. */
+static double noise_of(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
+{
+	return fmax(fmax(c->noise, joint->tolerance), 4 * DBL_EPSILON * speeds_of(joint, c));
+}
+
+/* What takes part in a round: all that approaches, and with it the touching contacts that give nothing back. */
+static int find_active(struct rounds *all, bool *only_tail)
+{
+	struct rb_simultaneous *const joint = all->joint;
+	double largest = 0, restitution_max = 0;
+	int count = 0;
+
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_solver_contact *c = &joint->contact[k];
+		const double approach = -rb_vec3_dot(relative(joint, c), c->normal);
+
+		all->active[k] = approach > noise_of(joint, c) &&
+		                 (is_dynamic(&joint->body[c->a]) || is_dynamic(&joint->body[c->b]));
+		if (!all->active[k])
+			continue;
+		count++;
+		largest = fmax(largest, approach);
+		restitution_max = fmax(restitution_max, c->restitution);
+	}
+	if (all->first == 0)
+		all->first = largest;
+	*only_tail = restitution_max < 1 && largest <= tail_share * all->first;
+	if (count == 0)
+		return 0;
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_solver_contact *c = &joint->contact[k];
+
+		if (!all->active[k] && c->restitution == 0 &&
+		    (is_dynamic(&joint->body[c->a]) || is_dynamic(&joint->body[c->b]))) {
+			all->active[k] = true;
+			count++;
+		}
+	}
+	return count;
+}
+
+/* Those that share no body with another are done at once, the others together. False when memory is out. */
+static bool run_round(struct rounds *all, bool with_restitution)
+{
+	struct rb_simultaneous *const joint = all->joint;
+	struct rb_cone *const cone = &all->cone;
+
+	memset(all->crowd, 0, (size_t)joint->body_count * sizeof *all->crowd);
+	cone->row_count = 0;
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_solver_contact *c = &joint->contact[k];
+
+		if (!all->active[k])
+			continue;
+		all->crowd[c->a] += is_dynamic(&joint->body[c->a]);
+		all->crowd[c->b] += is_dynamic(&joint->body[c->b]);
+	}
+	for (int k = 0; k < joint->contact_count; k++) {
+		struct rb_solver_contact *const c = &joint->contact[k];
+		const bool alone = all->crowd[c->a] <= 1 && all->crowd[c->b] <= 1;
+
+		if (!all->active[k])
+			continue;
+		if (with_restitution && alone) {
+			if (-rb_vec3_dot(relative(joint, c), c->normal) > noise_of(joint, c))
+				hit_alone(joint, c);
+			continue;
+		}
+		all->contact[cone->row_count] = k;
+		cone->row[cone->row_count++] = row_of(c);
+	}
+	all->scale = largest_speed(joint);
+	return cone->row_count == 0 || hit_together(all, with_restitution);
+}
+
+static bool take_rounds(struct rounds *all)
+{
+	struct rb_simultaneous *const joint = all->joint;
+	const size_t contacts = (size_t)joint->contact_count;
+
+	all->cone = (struct rb_cone){.body = joint->body,
+	                             .body_count = joint->body_count,
+	                             .arena = joint->arena,
+	                             .tolerance = joint->tolerance,
+	                             .max = joint->products_max};
+	all->active = rb_arena_take(joint->arena, contacts, sizeof *all->active);
+	all->contact = rb_arena_take(joint->arena, contacts, sizeof *all->contact);
+	all->crowd = rb_arena_take(joint->arena, (size_t)joint->body_count, sizeof *all->crowd);
+	all->cone.row = rb_arena_take(joint->arena, contacts, sizeof *all->cone.row);
+	return all->active && all->contact && all->crowd && all->cone.row;
+}
+
+bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
+{
+	const rb_arena_mark here = rb_arena_here(joint->arena);
+	struct rounds all = {.joint = joint};
+	bool settled = take_rounds(&all), only_tail = false;
+	int round = 0;
+
+	for (int k = 0; k < joint->contact_count; k++) {
+		joint->contact[k].impulse = (rb_vec3){0, 0, 0};
+		joint->contact[k].approach = 0;
+	}
+	const int max = ROUNDS + ROUNDS_PER_CONTACT * joint->contact_count;
+	while (settled && find_active(&all, &only_tail) > 0) {
+		const bool last = only_tail || round == max;
+
+		if (last)
+			memset(all.active, 1, (size_t)joint->contact_count * sizeof *all.active);
+		if (!run_round(&all, !last) || rb_cone_is_over(&all.cone))
+			settled = false;
+		round++;
+		if (last) {
+			settled = settled && only_tail;
+			break;
+		}
+	}
+	joint->products = all.cone.iterations;
+	if (rounds)
+		*rounds = round;
+	rb_arena_back(joint->arena, here);
+	return settled;
+}
+
+/* --- forces --- */
+
+/* Accelerations and forces as they are; the guess is brought into the cone and applied. */
+static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone, rb_cone_pair *guess)
+{
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_solver_contact *const c = &joint->contact[k];
+		struct rb_cone_row *const row = &cone->row[k];
+		const double n = fmax(0, rb_vec3_dot(c->impulse, c->normal));
+		rb_vec3 t = rb_vec3_add_scaled(c->impulse, -n, c->normal);
+
+		*row = row_of(c);
+		row->bias = c->bias;
+		row->slip = c->slip;
+		row->slide = c->mode == RB_SOLVER_SLIDE;
+		t = rb_vec3_add_scaled(t, -rb_vec3_dot(t, c->normal), c->normal);
+		const double length = rb_vec3_length(t);
+		if (row->slide)
+			t = rb_vec3_scale(-c->friction * n, c->slip);
+		else if (length > c->friction * n)
+			t = rb_vec3_scale(c->friction * n / length, t);
+		guess[k] = (rb_cone_pair){n, t};
+	}
+}
+
+double rb_simultaneous_forces(struct rb_simultaneous *joint)
+{
+	const rb_arena_mark here = rb_arena_here(joint->arena);
+	const size_t contacts = (size_t)joint->contact_count;
+	struct rb_cone cone = {.body = joint->body,
+	                       .body_count = joint->body_count,
+	                       .row_count = joint->contact_count,
+	                       .arena = joint->arena,
+	                       .max = joint->products_max};
+	rb_cone_pair *const guess = rb_arena_take(joint->arena, contacts, sizeof *guess);
+	double scale = 0;
+
+	cone.row = rb_arena_take(joint->arena, contacts, sizeof *cone.row);
+	if (guess && cone.row)
+		begin_forces(joint, &cone, guess);
+	if (!guess || !cone.row || !rb_cone_open(&cone)) {
+		rb_arena_back(joint->arena, here);
+		return (double)INFINITY;
+	}
+	for (size_t k = 0; k < contacts; k++)
+		scale = fmax(scale, fmax(speeds_of(joint, &joint->contact[k]),
+		                         rb_vec3_length(joint->contact[k].bias)));
+	rb_cone_apply_normal(&cone, guess);
+	const double left = rb_cone_resolve(&cone, scale);
+	joint->products = cone.iterations;
+	for (size_t k = 0; k < contacts; k++) {
+		struct rb_solver_contact *const c = &joint->contact[k];
+		const struct rb_cone_row *const row = &cone.row[k];
+
+		c->impulse = impulse_of(row);
+		c->slipping = row->impulse.n > 0 && row->friction_impulse != RB_CONE_STICK &&
+		              rb_vec3_length(row->u.t) > 1e-12 * scale;
+	}
+	rb_arena_back(joint->arena, here);
+	return left;
+}

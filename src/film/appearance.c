@@ -1,0 +1,202 @@
+/* SPDX-License-Identifier: MIT */
+#include "film/appearance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+#include "film/png.h"
+
+/* Eight colours that the colour-blind can tell apart (Okabe and Ito 2008), without black, warm ones first. */
+static const double palette[][3] = {
+	{0.835, 0.369, 0.000}, {0.000, 0.447, 0.698}, {0.000, 0.620, 0.451}, {0.902, 0.624, 0.000},
+	{0.800, 0.475, 0.655}, {0.337, 0.706, 0.914}, {0.941, 0.894, 0.259},
+};
+static const double plane_colour[3] = {0.80, 0.80, 0.79};
+/* The second colour of a plane's pattern: so much of the first. */
+static const double PLANE_SHADE = 0.62;
+static const double SOLID_GLOSS = 55;
+
+double rb_look_linear(double srgb)
+{
+	return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
+}
+
+static int compare(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+/* The median diameter of solids that move, else of those that don't, else what planes there are. */
+static enum rb_status measure(struct rb_looks *looks, const struct rb_model *model,
+                              struct rb_error *err)
+{
+	const int total = model->body_count + model->static_count;
+	double *sizes = rb_memory_take((size_t)total, sizeof *sizes);
+
+	if (!sizes)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
+	int count = 0;
+	for (int part = 0; part < 2 && count == 0; part++)
+		for (int i = part ? model->body_count : 0; i < (part ? total : model->body_count);
+		     i++)
+			if (rb_model_reach(model, i) > 0)
+				sizes[count++] = 2 * rb_model_reach(model, i);
+	for (int i = 0; i < total && count == 0; i++)
+		if (model->shape[i].kind == RB_SHAPE_RECTANGLE)
+			sizes[count++] = 0.2 *
+			                 fmin(model->shape[i].size[0], model->shape[i].size[1]);
+	if (count > 0)
+		qsort(sizes, (size_t)count, sizeof *sizes, compare);
+	looks->size_m = count > 0 ? sizes[count / 2] : 1;
+	rb_memory_free(sizes);
+
+	const double wanted = 2 * looks->size_m;
+	const double ten = pow(10, floor(log10(wanted)));
+	const double part = wanted / ten;
+	looks->cell_m = ten * (part < 1.5 ? 1 : part < 3.5 ? 2 : part < 7.5 ? 5 : 10);
+	return RB_OK;
+}
+
+static const struct rb_source_file *file_of(const struct rb_scene *scene, const char *name)
+{
+	for (int k = 0; k < scene->file_count; k++)
+		if (strcmp(scene->files[k].name, name) == 0)
+			return &scene->files[k];
+	return NULL;
+}
+
+static enum rb_status load(struct rb_looks *looks, int *image, const char *name,
+                           const struct rb_model *model, int id, struct rb_error *err)
+{
+	const struct rb_scene *scene = model->scene;
+	const struct rb_source_file *file = file_of(scene, name);
+	struct rb_error why;
+	char text[64];
+
+	for (*image = 0; *image < looks->image_count; ++*image)
+		if (strcmp(looks->names[*image], name) == 0)
+			return RB_OK;
+	const size_t count = (size_t)looks->image_count;
+	struct rb_pixmap *images = rb_memory_grow(looks->images, count, count + 1,
+	                                          sizeof *looks->images);
+	if (images)
+		looks->images = images;
+	const char **names = rb_memory_grow(looks->names, count, count + 1, sizeof *looks->names);
+	if (names)
+		looks->names = names;
+	if (!images || !names)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot load texture '%s': out of memory", name);
+	if (!file)
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "%s:%d: body '%s': no texture '%s' came with the scene", scene->file,
+		               scene->bodies[id].line, rb_scene_body_label(scene, id, text), name);
+	const enum rb_status status = rb_png_decode(&looks->images[count], name, file->text,
+	                                            file->size_bytes, &why);
+	if (status == RB_ERR_SCENE)
+		return RB_FAIL(err, status, "%s:%d: body '%s': %s", scene->file,
+		               scene->bodies[id].line, rb_scene_body_label(scene, id, text),
+		               why.text);
+	if (status != RB_OK)
+		return RB_FAIL(err, status, "%s", why.text);
+	looks->names[count] = name;
+	looks->image_count++;
+	return RB_OK;
+}
+
+static void colour(struct rb_look *look, const struct rb_body_def *body,
+                   const struct rb_material_def *material, int material_index)
+{
+	const bool solid = body->shape.kind != RB_SHAPE_PLANE &&
+	                   body->shape.kind != RB_SHAPE_RECTANGLE;
+	const size_t palette_count = sizeof palette / sizeof palette[0];
+	const double *srgb = solid ? palette[(size_t)material_index % palette_count] : plane_colour;
+
+	if (!isnan(body->color[0]))
+		srgb = body->color;
+	else if (!isnan(material->color[0]))
+		srgb = material->color;
+	for (int k = 0; k < 3; k++) {
+		const double linear = rb_look_linear(srgb[k]);
+		/* Nothing real gives back all light; pictures are their own colour. */
+		look->colour[k] = (float)(0.9 * linear);
+		look->other[k] = (float)(0.9 * linear * PLANE_SHADE * PLANE_SHADE);
+	}
+	look->gloss = (float)(isnan(material->shininess) ? (solid ? SOLID_GLOSS : 0)
+	                                                 : material->shininess);
+}
+
+static enum rb_status decorate(struct rb_looks *looks, struct rb_look *look,
+                               const struct rb_model *model, int id, struct rb_error *err)
+{
+	static const struct {
+		const char *name;
+		enum rb_pattern pattern;
+	} patterns[] = {{"none", RB_PATTERN_PLAIN},
+	                {"checker", RB_PATTERN_CHECKER},
+	                {"stripes", RB_PATTERN_STRIPES},
+	                {"beachball", RB_PATTERN_BEACHBALL}};
+	const struct rb_body_def *body = &model->scene->bodies[id];
+	const struct rb_material_def *material = &model->scene->materials[body->material];
+	const char *texture = body->texture ? body->texture : material->texture;
+
+	look->image = -1;
+	look->plain = !texture;
+	if (!texture)
+		return RB_OK;
+	for (size_t k = 0; k < sizeof patterns / sizeof patterns[0]; k++)
+		if (strcmp(texture, patterns[k].name) == 0) {
+			look->pattern = patterns[k].pattern;
+			return RB_OK;
+		}
+	/* A palette colour would tint a picture that asked for none. */
+	if (isnan(body->color[0]) && isnan(material->color[0]))
+		for (int k = 0; k < 3; k++)
+			look->colour[k] = 1;
+	look->pattern = RB_PATTERN_IMAGE;
+	return load(looks, &look->image, texture, model, id, err);
+}
+
+enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *model,
+                             struct rb_error *err)
+{
+	const struct rb_scene *scene = model->scene;
+
+	*looks = (struct rb_looks){0};
+	looks->of = rb_memory_take((size_t)scene->body_count, sizeof *looks->of);
+	if (!looks->of)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
+	enum rb_status status = measure(looks, model, err);
+	for (int id = 0; id < scene->body_count && status == RB_OK; id++) {
+		const struct rb_body_def *body = &scene->bodies[id];
+		struct rb_look *look = &looks->of[model->index_of[id]];
+		look->visible = body->visible;
+		colour(look, body, &scene->materials[body->material], body->material);
+		status = decorate(looks, look, model, id, err);
+	}
+	if (status != RB_OK)
+		rb_looks_release(looks);
+	return status;
+}
+
+void rb_looks_show_motion(struct rb_looks *looks, const struct rb_model *model)
+{
+	for (int i = model->body_count; i < model->body_count + model->static_count; i++)
+		if (looks->of[i].plain && (model->shape[i].kind == RB_SHAPE_PLANE ||
+		                           model->shape[i].kind == RB_SHAPE_RECTANGLE))
+			looks->of[i].pattern = RB_PATTERN_CHECKER;
+}
+
+void rb_looks_release(struct rb_looks *looks)
+{
+	for (int k = 0; k < looks->image_count; k++)
+		rb_pixmap_release(&looks->images[k]);
+	rb_memory_free(looks->images);
+	rb_memory_free(looks->names);
+	rb_memory_free(looks->of);
+	*looks = (struct rb_looks){0};
+}

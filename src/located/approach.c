@@ -1,0 +1,708 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * For every direction n, what lies between the two bodies along n is no more than their gap. So n may go along with a face,
+ * with two edges, or stay: heights of corners along it have a value, a rate, and bounded second derivatives, and the gap
+ * stays above the lowest of parabolas. Where these follow the true gap to first order the steps converge like
+ * Newton's. Where they do not (round rims, outlines that n knows nothing of), tiny steps go on, across which a gap
+ * that is missed is smaller than what rounding leaves of sizes.
+ */
+#include "located/approach.h"
+
+#include <float.h>
+#include <stddef.h>
+
+#include "located/bounds.h"
+#include "located/feature.h"
+#include "model/parts.h"
+
+enum { STEPS_MAX = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4, SERIES_MAX = 4096 };
+
+/* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
+static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
+/* Across which the rate of a direction is a difference, in sizes of way. */
+static const double moment_share = 0x1p-20;
+
+/*
+ * m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane, INFINITY. What turning moves
+ * is the core only: a ball about a point of it stays what it is.
+ */
+struct extent {
+	double ball, core, along, across;
+};
+
+struct course {
+	const struct rb_located *l;
+	struct rb_touch_pair pair; /* at pair.t */
+	struct rb_bounds of_a, of_b;
+	struct extent a, b;
+	double size; /* m: of the smaller that has one */
+	bool flies;  /* both on parabolas: then their relative acceleration is this */
+	rb_vec3 external;
+	double external_max; /* m/s^2: of one centre relative to the other */
+
+	/* of the moment */
+	double speed; /* m/s: relative, of any two points, at most, turning included */
+	double noise, band;
+	double horizon_s; /* the bounds hold so long from now */
+	double turn_a, turn_b, turning_a, turning_b;
+	double bend_a, bend_b; /* m/s^2: of a point, by turning */
+};
+
+static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis)
+{
+	e->core = fmax(e->core, rb_vec3_length(p));
+	e->along = fmax(e->along, fabs(rb_vec3_dot(p, axis)));
+	e->across = fmax(e->across, rb_vec3_length(rb_vec3_reject(p, axis)));
+}
+
+/* `axis`: unit, object coordinates. */
+static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
+{
+	const struct rb_shape *shape = &l->model->shape[i];
+	const struct rb_body_parts *parts = rb_model_parts(l->model, i);
+	rb_vec3 centre = {0, 0, 0};
+	struct extent e = {0};
+
+	if (shape->kind == RB_SHAPE_PLANE)
+		return (struct extent){(double)INFINITY, (double)INFINITY, (double)INFINITY,
+		                       (double)INFINITY};
+	if (i < l->n && l->model->center_of_mass)
+		centre = l->model->center_of_mass[i];
+	e.ball = rb_vec3_length(centre) + (shape->kind == RB_SHAPE_RECTANGLE
+	                                           ? 0.5 * (shape->size[0] + shape->size[1])
+	                                           : rb_model_reach(l->model, i));
+	for (int k = 0; k < parts->count; k++) {
+		const struct rb_body_part *part = &parts->part[k];
+		const rb_core *core = &part->core;
+		const rb_vec3 at = rb_vec3_sub(part->at, centre);
+
+		if (core->kind == RB_CORE_CYLINDER) {
+			/* a ring about its axis: round by what is across */
+			const rb_vec3 u = rb_mat3_apply(&part->turn, (rb_vec3){0, 0, 1});
+			const rb_vec3 half = rb_vec3_scale(core->half_height, u);
+			const double off = rb_vec3_length(rb_vec3_cross(u, axis));
+			struct extent ends = {0};
+
+			reach_out(&ends, rb_vec3_add(at, half), axis);
+			reach_out(&ends, rb_vec3_sub(at, half), axis);
+			e.core = fmax(e.core, ends.core + core->round);
+			e.along = fmax(e.along, ends.along + off * core->round);
+			e.across = fmax(e.across, ends.across + core->round);
+			continue;
+		}
+		for (int v = 0; v < core->polytope->vertex_count; v++)
+			reach_out(&e,
+			          rb_vec3_add(at, rb_mat3_apply(&part->turn,
+			                                        core->polytope->vertices[v])),
+			          axis);
+	}
+	return e;
+}
+
+static void start(struct course *c, const struct rb_located *l, int a, int b)
+{
+	*c = (struct course){.l = l, .pair = {.a = a, .b = b}};
+	c->of_a = rb_bounds_of(l, a);
+	c->of_b = rb_bounds_of(l, b);
+	c->a = extent_of(l, a, c->of_a.axis);
+	c->b = extent_of(l, b, c->of_b.axis);
+	c->size = fmin(c->a.ball, c->b.ball);
+	c->flies = !rb_located_on_piece(l, a) && !rb_located_on_piece(l, b);
+	c->external_max = c->of_a.own_external + c->of_b.own_external;
+	if (c->flies) {
+		c->external = rb_vec3_sub(rb_arc_acceleration(l, b, 0),
+		                          rb_arc_acceleration(l, a, 0));
+		c->external_max = rb_vec3_length(c->external);
+	}
+}
+
+/* m: what of the body is that far from its centre of mass; of a turning plane, as far as the other is. */
+static double arm_of(const struct course *c, double ball, double other)
+{
+	if (isfinite(ball))
+		return ball;
+	return other + rb_vec3_length(rb_arc_between(&c->pair.pose_a, &c->pair.pose_b));
+}
+
+/* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */
+static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
+{
+	struct rb_bounds *max = is_a ? &c->of_a : &c->of_b;
+	const struct extent *own = is_a ? &c->a : &c->b, *other = is_a ? &c->b : &c->a;
+	const struct rb_pose *pose = is_a ? &c->pair.pose_a : &c->pair.pose_b;
+
+	if (max->growing > 0) {
+		max->turn = rb_vec3_length(pose->spin) + max->growing * c->horizon_s;
+		max->axis_turn = max->turn;
+		max->axis_bend = max->turn * max->turn + max->turning;
+	}
+	*turn = max->turn;
+	const double quick = *turn * *turn + max->turning;
+	*bend = 0;
+	if (!(quick > 0))
+		return 0;
+	if (!isfinite(own->ball)) {
+		const double arm = arm_of(c, own->ball, other->ball);
+
+		*bend = quick * arm;
+		return *turn * arm;
+	}
+	*bend = fmin(max->axis_bend * own->along + quick * own->across, quick * own->core);
+	return fmin(max->axis_turn * own->along + *turn * own->across, *turn * own->core);
+}
+
+static void place(struct course *c, double t, double until)
+{
+	const struct rb_located *l = c->l;
+
+	c->pair.t = t;
+	c->pair.pose_a = rb_arc_pose(l, c->pair.a, t);
+	c->pair.pose_b = rb_arc_pose(l, c->pair.b, t);
+	c->turning_a = c->of_a.turning;
+	c->turning_b = c->of_b.turning;
+	/* a spin that grows is bounded for no longer than it takes to double, or to turn by a radian from rest */
+	const double growing = fmax(c->of_a.growing, c->of_b.growing);
+	const double fastest = fmax(rb_vec3_length(c->pair.pose_a.spin),
+	                            rb_vec3_length(c->pair.pose_b.spin));
+	c->horizon_s = until - t;
+	if (growing > 0)
+		c->horizon_s = fmin(c->horizon_s, fmax(fastest / growing, sqrt(1 / growing)));
+	const double turning = turn_on(c, true, &c->turn_a, &c->bend_a) +
+	                       turn_on(c, false, &c->turn_b, &c->bend_b);
+	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	const double surface = rb_vec3_length(c->pair.pose_a.spin) *
+	                               arm_of(c, c->a.ball, c->b.ball) +
+	                       rb_vec3_length(c->pair.pose_b.spin) *
+	                               arm_of(c, c->b.ball, c->a.ball);
+	c->speed = rb_vec3_length(w) + turning;
+	c->noise = 8 * DBL_EPSILON *
+	           (rb_vec3_max_abs(c->pair.pose_a.velocity) +
+	            rb_vec3_max_abs(c->pair.pose_b.velocity) + surface +
+	            sqrt(2 * l->weight * c->size));
+	struct rb_contact_point still = {
+		.a = c->pair.a, .b = c->pair.b, .pose_a = c->pair.pose_a, .pose_b = c->pair.pose_b};
+	c->band = rb_contact_point_band(l, &still, t);
+}
+
+/* ---- from afar ---- */
+
+/* Seconds from which on gap + rate s + bend s^2 / 2 is below zero; INFINITY: never. */
+static double falls_after(double gap, double rate, double bend)
+{
+	const double square = rate * rate - 2 * bend * gap;
+
+	if (!(gap > 0))
+		return 0;
+	if (square < 0 || (rate >= 0 && bend >= 0))
+		return HUGE_VAL;
+	return rate < 0 ? 2 * gap / (sqrt(square) - rate) : (rate + sqrt(square)) / -bend;
+}
+
+/* Seconds until the balls around both can touch; < 0: they are too near for that question. */
+static double from_afar(const struct course *c)
+{
+	const struct rb_located *l = c->l;
+	const bool a_is = !isfinite(c->a.ball);
+	const rb_vec3 d = rb_arc_between(&c->pair.pose_a, &c->pair.pose_b);
+	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	double apart;
+	rb_vec3 n;
+
+	if (a_is || !isfinite(c->b.ball)) {
+		const int plane = a_is ? c->pair.a : c->pair.b;
+		if (plane < l->n) /* a driven one may turn */
+			return -1;
+		n = a_is ? l->plane_normal[plane - l->n]
+		         : rb_vec3_neg(l->plane_normal[plane - l->n]);
+		apart = rb_vec3_dot(n, d) - (a_is ? c->b.ball : c->a.ball);
+	} else {
+		const double length = rb_vec3_length(d);
+		apart = length - (c->a.ball + c->b.ball);
+		n = rb_vec3_scale(1 / length, d);
+		const double b = rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
+		const double sum = 1.001 * (c->a.ball + c->b.ball);
+		/* straight past each other */
+		if (apart > 0.01 * c->size && c->flies && c->external_max == 0 &&
+		    (b >= 0 || b * b < square * (length - sum) * (length + sum)))
+			return HUGE_VAL;
+	}
+	if (!(apart > 0.1 * c->size))
+		return -1;
+	return falls_after(apart, rb_vec3_dot(n, w),
+	                   c->flies ? rb_vec3_dot(n, c->external) : -c->external_max);
+}
+
+/* ---- along one direction ---- */
+
+/* A direction from a to b that moves, and bounds on how: along which heights are looked at. */
+struct axis {
+	rb_vec3 n, rate;
+	double rate_max, bend_max; /* 1/s, 1/s^2 */
+	bool polar; /* rims are taken to lie across it, or nearly: else to be off it, and to stay so */
+};
+
+struct height {
+	double value, rate; /* m, m/s */
+};
+
+/* The outermost of a rim along the axis. */
+static struct height rim_height(const struct rb_feature_side *s, const struct axis *axis,
+                                double sign)
+{
+	const rb_core *core = s->core;
+	const rb_vec3 u = {s->turn.m[0][2], s->turn.m[1][2], s->turn.m[2][2]};
+	const rb_vec3 u_rate = rb_vec3_cross(s->spin, u);
+	const rb_vec3 across = rb_vec3_cross(u, axis->n);
+	const rb_vec3 across_rate = rb_vec3_add(rb_vec3_cross(u_rate, axis->n),
+	                                        rb_vec3_cross(u, axis->rate));
+	const double sine = rb_vec3_length(across);
+	const rb_vec3 arm = rb_vec3_scale(sign * core->half_height, u);
+	const rb_vec3 x = rb_vec3_add(s->at, arm);
+	const rb_vec3 v = rb_vec3_add(s->velocity, rb_vec3_cross(s->spin, arm));
+	/* |u x n| grows no faster than u x n itself changes */
+	const double swell = axis->polar || !(sine > 0) ? rb_vec3_length(across_rate)
+	                                                : rb_vec3_dot(across, across_rate) / sine;
+
+	return (struct height){rb_vec3_dot(axis->n, x) + core->round * sine,
+	                       rb_vec3_dot(axis->n, v) + rb_vec3_dot(axis->rate, x) +
+	                               core->round * swell};
+}
+
+/*
+ * What |u x n| of a cylinder's axis u adds: m/s^2, while s <= *most, which may become less. Its second derivative is at most
+ * |w''| + |w'|^2 / |w| with w = u x n; off the pole, |w| stays above half of what it is.
+ */
+static double rim_bend(const struct rb_feature_side *side, const struct rb_bounds *bounds,
+                       const struct axis *axis, double *max)
+{
+	const rb_vec3 u = {side->turn.m[0][2], side->turn.m[1][2], side->turn.m[2][2]};
+	const double sine = rb_vec3_length(rb_vec3_cross(u, axis->n));
+	/* its axis is its body's z, as a rule that of the bounds */
+	const bool own = fabs(bounds->axis.z) > 1 - 1e-12;
+	const double turn = own ? bounds->axis_turn : bounds->turn;
+	const double bend = own ? bounds->axis_bend : turn * turn + bounds->turning;
+	const double both = turn + axis->rate_max;
+	double more = bend + 2 * turn * axis->rate_max + axis->bend_max;
+
+	if (side->core->kind != RB_CORE_CYLINDER)
+		return 0;
+	if (!axis->polar && sine > 0 && both > 0) {
+		*max = fmin(*max, 0.5 * sine / both);
+		more += 2 * both * both / sine;
+	}
+	return side->core->round * more;
+}
+
+/* The highest point along the axis at a time s from now, if all went straight. */
+static struct height highest(const struct rb_feature_side *side, const struct axis *axis, double s)
+{
+	const rb_core *core = side->core;
+	struct height best = {-(double)INFINITY, 0};
+
+	if (core->kind == RB_CORE_HALF_SPACE)
+		return (struct height){rb_vec3_dot(axis->n, side->at),
+		                       rb_vec3_dot(axis->n, side->velocity) +
+		                               rb_vec3_dot(axis->rate, side->at)};
+	if (core->kind == RB_CORE_CYLINDER) {
+		const struct height up = rim_height(side, axis, 1);
+		const struct height down = rim_height(side, axis, -1);
+		return up.value + s * up.rate >= down.value + s * down.rate ? up : down;
+	}
+	/* in the body's axes: n.(v + w x r) + n'.r = n.v + r.(n x w + n') */
+	const rb_vec3 local = rb_mat3_apply_transposed(&side->turn, axis->n);
+	const rb_vec3 local_rate = rb_mat3_apply_transposed(
+		&side->turn, rb_vec3_add(rb_vec3_cross(axis->n, side->spin), axis->rate));
+	const double base = rb_vec3_dot(axis->n, side->at);
+	const double base_rate = rb_vec3_dot(axis->n, side->velocity) +
+	                         rb_vec3_dot(axis->rate, side->at);
+	for (int i = 0; i < core->polytope->vertex_count; i++) {
+		const rb_vec3 r = core->polytope->vertices[i];
+		const double value = base + rb_vec3_dot(local, r);
+		const double rate = base_rate + rb_vec3_dot(local_rate, r);
+		if (value + s * rate > best.value + s * best.rate || !isfinite(best.value))
+			best = (struct height){value, rate};
+	}
+	return best;
+}
+
+static struct axis reversed(const struct axis *axis)
+{
+	return (struct axis){rb_vec3_neg(axis->n), rb_vec3_neg(axis->rate), axis->rate_max,
+	                     axis->bend_max, axis->polar};
+}
+
+/* Seconds until the gap of two points can be gone; what touches must leave by more than rounding to have any. */
+static double gone_after(const struct course *c, struct height a, struct height b, double radii,
+                         double bend)
+{
+	double gap = -(a.value + b.value) - radii, rate = -(a.rate + b.rate);
+
+	if (gap > c->band)
+		return falls_after(gap, rate, -bend);
+	if (rate < -c->noise)
+		return 0;
+	if (rate <= c->noise) /* half of the band is free */
+		return bend > 0 ? sqrt(c->band / bend) : HUGE_VAL;
+	return bend > 0 ? 2 * rate / bend : HUGE_VAL;
+}
+
+/* Bounds on the second derivative of what lies between any two points along the axis, m/s^2. */
+static double bend_max(const struct course *c, const struct axis *axis,
+                       const struct rb_feature_side *a, const struct rb_feature_side *b, double *s)
+{
+	double bend = c->external_max + c->bend_a + c->bend_b;
+
+	bend += rim_bend(a, &c->of_a, axis, s) + rim_bend(b, &c->of_b, axis, s);
+
+	if (axis->rate_max > 0) {
+		const double arms = arm_of(c, c->a.ball, c->b.ball) +
+		                    arm_of(c, c->b.ball, c->a.ball);
+		const rb_vec3 d = rb_arc_between(&c->pair.pose_a, &c->pair.pose_b);
+		const double far = rb_vec3_length(d) + arms + c->speed * *s;
+
+		bend += 2 * axis->rate_max * (c->speed + c->external_max * *s) +
+		        axis->bend_max * far;
+	}
+	return bend;
+}
+
+/* For how long the axis proves that two parts do not touch, s. */
+static double proved_along(const struct course *c, const struct axis *axis,
+                           const struct rb_feature_side *a, const struct rb_feature_side *b)
+{
+	const struct axis back = reversed(axis);
+	const double radii = a->core->radius + b->core->radius;
+	double s = 0, max = c->horizon_s;
+
+	if (axis->rate_max > 0)
+		max = fmin(max, 1 / axis->rate_max);
+	const double bend = bend_max(c, axis, a, b, &max);
+	for (int k = 0; k < CORNERS_ROUNDS; k++) {
+		const struct height on_a = highest(a, axis, s);
+		const struct height on_b = highest(b, &back, s);
+		const double next = fmin(gone_after(c, on_a, on_b, radii, bend), max);
+		/* the lowest parabola at the root of another one has an earlier root */
+		if (k > 0 && !(next < s))
+			break;
+		s = next;
+		if (s == 0)
+			break;
+	}
+	return s;
+}
+
+/* ---- a step ---- */
+
+static bool is_face(rb_part part)
+{
+	const rb_part_kind kind = (rb_part_kind)(part >> 24 & 15);
+
+	return kind == RB_PART_FACE || kind == RB_PART_SEVERAL || kind == RB_PART_END ||
+	       kind == RB_PART_SURFACE;
+}
+
+/*
+ * The normal of a plane, as it turns. A plane has no end: along any other direction it reaches as far as one likes, so that
+ * the bounds are those of its own turning.
+ */
+static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
+                                 const struct rb_feature_side *plane)
+{
+	const double turn = is_a ? c->turn_a : c->turn_b;
+
+	return (struct axis){.n = n,
+	                     .rate = rb_vec3_cross(plane->spin, n),
+	                     .rate_max = turn,
+	                     .bend_max = turn * turn + (is_a ? c->turning_a : c->turning_b)};
+}
+
+/*
+ * The direction that proves the gap of two parts, going on as it does now: with the face that it belongs to, else as a
+ * difference says. n + n' s made a unit vector turns by no more than |n'|, and bends by no more than 1.2 |n'|^2.
+ */
+static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
+                           const struct rb_feature_side *a, const struct rb_feature_side *b)
+{
+	struct axis axis = {.n = touch->normal};
+
+	if (a->core->kind == RB_CORE_HALF_SPACE)
+		return axis_of_plane(c, true, touch->normal, a);
+	if (b->core->kind == RB_CORE_HALF_SPACE)
+		return axis_of_plane(c, false, touch->normal, b);
+	if (is_face(touch->b)) {
+		axis.rate = rb_vec3_cross(b->spin, touch->normal);
+	} else if (is_face(touch->a)) {
+		axis.rate = rb_vec3_cross(a->spin, touch->normal);
+	} else if (c->speed > 0) {
+		const double moment = moment_share * c->size / c->speed;
+		const struct rb_feature_side next_a = rb_feature_later(a, moment);
+		const struct rb_feature_side next_b = rb_feature_later(b, moment);
+		const rb_placed at_a = rb_feature_placed(&next_a);
+		const rb_placed at_b = rb_feature_placed(&next_b);
+		const rb_vec3 n = rb_separation_of(&at_a, &at_b).normal;
+
+		axis.rate = rb_vec3_reject(rb_vec3_scale(1 / moment, rb_vec3_sub(n, touch->normal)),
+		                           touch->normal);
+	}
+	axis.rate_max = rb_vec3_length(axis.rate);
+	axis.bend_max = 1.2 * axis.rate_max * axis.rate_max;
+	return axis;
+}
+
+/* Seconds in which two parts surely do not touch; *gap is their gap, or less than it where they are far apart. */
+static double safe_parts(const struct course *c, const struct rb_feature_side *a,
+                         const struct rb_feature_side *b, double *gap, double tolerance)
+{
+	const rb_placed at_a = rb_feature_placed(a), at_b = rb_feature_placed(b);
+
+	if (a->core->kind != RB_CORE_HALF_SPACE && b->core->kind != RB_CORE_HALF_SPACE) {
+		const double apart = rb_vec3_length(rb_vec3_sub(b->at, a->at)) -
+		                     rb_convex_reach(a->core) - rb_convex_reach(b->core);
+		const double s = falls_after(apart, -c->speed, -c->external_max);
+		if (s > tolerance && apart > 0) {
+			*gap = apart;
+			return s;
+		}
+	}
+	const rb_convex_touch touch = rb_convex_gap(&at_a, &at_b);
+	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
+	const double closing = -rb_vec3_dot(touch.normal, w);
+	const struct axis stays = {.n = touch.normal};
+	struct axis goes = axis_of(c, &touch, a, b);
+	const bool plane = a->core->kind == RB_CORE_HALF_SPACE ||
+	                   b->core->kind == RB_CORE_HALF_SPACE;
+	double safe = 0;
+
+	*gap = touch.gap;
+	if (!plane || !(goes.rate_max > 0)) {
+		safe = rb_convex_safe_time(touch.gap, closing, c->speed - rb_vec3_length(w),
+		                           c->external_max);
+		if (safe >= c->horizon_s)
+			return safe;
+		safe = fmax(safe, proved_along(c, &stays, a, b));
+	}
+	if (goes.rate_max > 0)
+		safe = fmax(safe, proved_along(c, &goes, a, b));
+	if (a->core->kind == RB_CORE_CYLINDER || b->core->kind == RB_CORE_CYLINDER) {
+		goes.polar = true;
+		safe = fmax(safe, proved_along(c, &goes, a, b));
+	}
+	return safe;
+}
+
+/* The same of two bodies. */
+static double safe_bodies(const struct course *c, double *gap)
+{
+	const struct rb_model *model = c->l->model;
+	const int of_a = rb_model_parts(model, c->pair.a)->count;
+	const int of_b = rb_model_parts(model, c->pair.b)->count;
+	const struct rb_pose *const here = &c->pair.pose_a;
+	struct rb_feature_side a, b;
+	double safe = HUGE_VAL;
+
+	*gap = (double)INFINITY;
+	for (int i = 0; i < of_a; i++) {
+		rb_touch_side(c->l, c->pair.a, i, &c->pair.pose_a, here, &a);
+		for (int j = 0; j < of_b; j++) {
+			double between;
+
+			rb_touch_side(c->l, c->pair.b, j, &c->pair.pose_b, here, &b);
+			safe = fmin(safe, safe_parts(c, &a, &b, &between, safe));
+			*gap = fmin(*gap, between);
+		}
+	}
+	return safe;
+}
+
+/* ---- touching ---- */
+
+enum what { PARTING, RESTING, STAYING, CLOSING };
+
+/* What those points do that touch. */
+static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair)
+{
+	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
+	const int count = rb_touch_all(l, pair, 0, all);
+	enum what found = PARTING;
+
+	for (int k = 0; k < count; k++) {
+		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
+		const double noise = rb_contact_point_noise(l, &all[k]);
+
+		if (rate > noise || rb_contact_point_passes(l, &all[k], pair->t))
+			continue;
+		if (rate < -noise)
+			return CLOSING;
+		/* neither closes nor opens: what accelerates decides, beyond its rounding */
+		const double max = rb_vec3_length(rb_arc_acceleration(l, pair->a, pair->t)) +
+		                   rb_vec3_length(rb_arc_acceleration(l, pair->b, pair->t)) +
+		                   rb_vec3_dot(pair->pose_a.spin, pair->pose_a.spin) *
+		                           rb_vec3_length(all[k].arm_a) +
+		                   rb_vec3_dot(pair->pose_b.spin, pair->pose_b.spin) *
+		                           rb_vec3_length(all[k].arm_b);
+		const double bend = rb_contact_point_bend(l, &all[k], pair->t);
+		const double least = 64 * DBL_EPSILON * max;
+
+		if (bend <= least && found != STAYING)
+			found = bend < -least ? STAYING : RESTING;
+	}
+	return found;
+}
+
+bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
+{
+	const struct rb_touch_pair pair = {a < b ? a : b, a < b ? b : a, t,
+	                                   rb_arc_pose(l, a < b ? a : b, t),
+	                                   rb_arc_pose(l, a < b ? b : a, t)};
+
+	return touching(l, &pair) == CLOSING;
+}
+
+static double gap_at(const struct course *c, double t)
+{
+	const struct rb_touch_pair pair = {c->pair.a, c->pair.b, t, rb_arc_pose(c->l, c->pair.a, t),
+	                                   rb_arc_pose(c->l, c->pair.b, t)};
+	uint32_t parts;
+
+	return rb_touch_gap(c->l, &pair, &parts);
+}
+
+/* Where a gap falls through zero between two moments, the ends above and below: bracketed, halved down to rounding. */
+static double crossing(const struct course *c, double low, double high)
+{
+	double above = gap_at(c, low), below = gap_at(c, high);
+
+	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
+		/* a secant where it helps, a half every third time */
+		double t = low + (high - low) * (k % 3 == 2 ? 0.5 : above / (above - below));
+		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
+		const double gap = gap_at(c, t);
+
+		if (fabs(gap) <= 0.125 * c->band)
+			return t;
+		if (gap > 0) {
+			low = t;
+			above = gap;
+		} else {
+			high = t;
+			below = gap;
+		}
+	}
+	return high;
+}
+
+/* A touch found just before or after it to within the band: moved to where the gap is zero, as far as that is time. */
+static double settled(const struct course *c, double from, double until)
+{
+	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
+	const int count = rb_touch_all(c->l, &c->pair, 0, all);
+	const double t = c->pair.t;
+	double sooner = HUGE_VAL;
+
+	for (int k = 0; k < count; k++) {
+		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
+
+		/* one that hardly closes falls by what accelerates it */
+		if (rate < -c->noise && all[k].gap > 0)
+			sooner = fmin(sooner,
+			              falls_after(all[k].gap, rate,
+			                          -(c->external_max + c->bend_a + c->bend_b)));
+		else if (rate < -c->noise)
+			sooner = fmin(sooner, all[k].gap / -rate);
+	}
+	/* not back to where it has just rebounded */
+	return isfinite(sooner) && t + sooner > from ? fmin(t + sooner, until) : t;
+}
+
+/* Seconds in which what falls and comes up again gets no deeper than some roundings of the size. */
+static double dip_time(const struct course *c)
+{
+	return sqrt(DIP_ULP * DBL_EPSILON * c->size / (c->external_max + c->bend_a + c->bend_b));
+}
+
+/* s: a step of the series by which a body's turning is followed; INFINITY: it needs none. */
+static double series_step(const struct rb_located *l, int i)
+{
+	return l->top && i < l->n && !rb_located_on_piece(l, i) ? rb_top_step_s(&l->top[i])
+	                                                        : HUGE_VAL;
+}
+
+/* Products that a body's turning takes from its anchor to this moment. */
+static uint64_t turning_cost(const struct rb_located *l, int i, double t)
+{
+	const double steps = (t - l->arc[i].anchor_s) / series_step(l, i);
+
+	return (uint64_t)(RB_LOCATED_SERIES * fmin(fmax(steps, 0), 1e12));
+}
+
+static void search(struct course *c, double from, double until, struct rb_approach *found)
+{
+	const struct rb_model *model = c->l->model;
+	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count *
+	                       (uint64_t)rb_model_parts(model, c->pair.b)->count;
+	/* no farther than turning is followed soon: what spins a million times is asked again on the way */
+	const double far = from + SERIES_MAX * fmin(series_step(c->l, c->pair.a),
+	                                            series_step(c->l, c->pair.b));
+	double t = from, leap = leap_first, gap;
+	bool rests = false;
+
+	for (int step = 0; step < STEPS_MAX; step++) {
+		place(c, t, until);
+		found->products += RB_LOCATED_FLIGHT;
+		double s = from_afar(c);
+		if (s < 0) {
+			s = safe_bodies(c, &gap);
+			found->products += RB_LOCATED_SEARCH * parts;
+			if (gap <= c->band) {
+				const enum what now = touching(c->l, &c->pair);
+
+				found->touching = found->touching || t == from;
+				/* what has begun to rest on each other may share a load: asked once */
+				rests = rests || (t == from && now == RESTING);
+				if (now == CLOSING || (now == STAYING && t > from) ||
+				    (now == RESTING && !rests)) {
+					found->touch_s = t > from ? settled(c, from, until) : t;
+					return;
+				}
+			}
+			const double least = fmin(leap * c->size / c->speed, dip_time(c));
+			if (s < least && c->speed > 0) {
+				/* what parts has its gap half way to where it may be back; what overlaps has none */
+				const double low = gap > c->band ? t : t + 0.5 * s;
+				const double high = fmin(t + least, until);
+				if (t + s < high && gap_at(c, high) < 0 &&
+				    (gap > c->band || gap_at(c, low) > 0)) {
+					found->touch_s = crossing(c, low, high);
+					return;
+				}
+				s = least;
+				leap = fmin(2 * leap, leap_last);
+			} else {
+				leap = leap_first;
+			}
+		}
+		s = fmax(s, 2 * DBL_EPSILON * t);
+		if (!(t + s <= until))
+			return;
+		if (!(t + s <= far)) {
+			t = far;
+			break;
+		}
+		t += s;
+	}
+	found->touch_s = t;
+	found->again = true;
+}
+
+struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, double from,
+                                    double until)
+{
+	struct rb_approach found = {.touch_s = HUGE_VAL};
+	struct course c;
+
+	start(&c, l, a < b ? a : b, a < b ? b : a);
+	search(&c, from, until, &found);
+	found.products += a < l->n ? turning_cost(l, a, c.pair.t) : 0;
+	found.products += b < l->n ? turning_cost(l, b, c.pair.t) : 0;
+	return found;
+}

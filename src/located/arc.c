@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/arc.h"
+
+#include "located/account.h"
+#include "math/turn.h"
+
+#include <stddef.h>
+
+_Static_assert(offsetof(struct rb_arc, acceleration) == 64, "the rest is one line of memory");
+
+rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t)
+{
+	double v[3];
+
+	rb_gauss_some(&p->piece, p->first + row, 3, t - p->origin_s, v);
+	return rb_vec3_from(v);
+}
+
+rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t)
+{
+	double v[3];
+
+	rb_gauss_some_rates(&p->piece, p->first + row, 3, t - p->origin_s, v);
+	return rb_vec3_from(v);
+}
+
+rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t)
+{
+	return rb_vec3_add(p->base, rb_arc_piece_vector(p, RB_ROW_POSITION, t));
+}
+
+rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
+{
+	if (i >= l->n)
+		return (rb_vec3){0, 0, 0};
+	if (!rb_located_on_piece(l, i))
+		return l->arc[i].acceleration;
+	return rb_arc_piece_rate(&l->piece[i], RB_ROW_VELOCITY, t);
+}
+
+static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
+{
+	if (rb_located_on_piece(l, i)) {
+		const struct rb_piece_of *p = &l->piece[i];
+		const double *const begin = p->piece.start + p->first + RB_ROW_ORIENTATION;
+		double q[4];
+
+		pose->spin = rb_arc_piece_vector(p, RB_ROW_SPIN, t);
+		if (l->unfelt[i]) {
+			pose->orientation = rb_turn_through(&p->piece, p->first + RB_ROW_SPIN,
+			                                    rb_quat_from(begin), t - p->origin_s);
+			return;
+		}
+		rb_gauss_some(&p->piece, p->first + RB_ROW_ORIENTATION, 4, t - p->origin_s, q);
+		pose->orientation = rb_quat_unit(rb_quat_from(q));
+		return;
+	}
+	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
+}
+
+static rb_vec3 rest_of(const struct rb_piece_of *p, rb_vec3 position, double t)
+{
+	if (p->piece.n == 0)
+		return p->rest;
+	return rb_vec3_lost(p->base, rb_arc_piece_vector(p, RB_ROW_POSITION, t), position);
+}
+
+struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
+{
+	struct rb_pose pose = {.position = rb_arc_position(l, i, t)};
+
+	if (l->piece && i < l->n)
+		pose.rest = rest_of(&l->piece[i], pose.position, t);
+	if (i < l->n)
+		pose.velocity = rb_arc_velocity(l, i, t);
+	if (i < l->n && l->top)
+		turned(l, i, t, &pose);
+	else
+		pose.orientation = l->model->orientation[i];
+	pose.origin = pose.position;
+	if (i < l->n && l->model->center_of_mass)
+		pose.origin = rb_vec3_sub(
+			pose.position,
+			rb_quat_rotate(pose.orientation, l->model->center_of_mass[i]));
+	return pose;
+}
+
+rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t)
+{
+	return rb_arc_pose(l, i, t).origin;
+}
+
+void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
+                   rb_vec3 acceleration, rb_vec3 turning)
+{
+	const rb_vec3 gravity = l->model->scene->world.gravity;
+	const struct rb_shape *shape = &l->model->shape[i];
+	const bool plain = shape->kind == RB_SHAPE_SPHERE && !l->model->center_of_mass &&
+	                   acceleration.x == gravity.x && acceleration.y == gravity.y &&
+	                   acceleration.z == gravity.z;
+
+	rb_account_arc(l, i, t);
+	l->arc[i] = (struct rb_arc){.anchor_s = t,
+	                            .position = pose->position,
+	                            .velocity = pose->velocity,
+	                            .plain_radius = plain ? shape->radius : (double)NAN,
+	                            .acceleration = acceleration};
+	if (l->piece) {
+		l->piece[i].piece.n = 0;
+		l->piece[i].rest = pose->rest;
+	}
+	if (l->top)
+		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
+}
+
+/* Apart, so that what does not turn needs no pose on the stack. */
+__attribute__((noinline)) static void store_turned(const struct rb_located *l, int i, double t)
+{
+	struct rb_state *state = &l->world->state;
+	struct rb_pose pose;
+
+	turned(l, i, t, &pose);
+	rb_quat_to(state->orientation + 4 * (size_t)i, pose.orientation);
+	rb_vec3_to(state->spin + 3 * (size_t)i, pose.spin);
+}
+
+void rb_arc_store(const struct rb_located *l, int i, double t)
+{
+	struct rb_state *state = &l->world->state;
+
+	rb_vec3_to(state->position + 3 * (size_t)i, rb_arc_position(l, i, t));
+	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
+	if (l->top)
+		store_turned(l, i, t);
+}

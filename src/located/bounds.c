@@ -1,0 +1,159 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/bounds.h"
+
+#include <float.h>
+
+/* Of three rows of a piece: the sums of bounds on their rates, and on the rates of these: |P_k'| <= k (k + 1). */
+static double rates_max(const struct rb_gauss_piece *p, int first)
+{
+	return rb_gauss_rate_bound(p, first) + rb_gauss_rate_bound(p, first + 1) +
+	       rb_gauss_rate_bound(p, first + 2);
+}
+
+static double second_rates_max(const struct rb_gauss_piece *p, int first)
+{
+	double sum = 0;
+
+	for (int k = RB_GAUSS_NODES - 1; k > 0; k--)
+		for (int m = 0; m < 3; m++)
+			sum += k * (k + 1) * fabs(p->coefficient[k * p->n + first + m]);
+	return sum * (1 + 64 * DBL_EPSILON) / (p->length_s * p->length_s);
+}
+
+/* What is known of a top: of its principal axes, and sums over them. */
+struct spinning {
+	double w[3], moment[3];
+	double energy, momentum, square; /* twice the energy; squares of momentum and spin */
+};
+
+static struct spinning spinning_of(const struct rb_top_body *body, const struct rb_top *top)
+{
+	const rb_vec3 local = rb_quat_rotate_back(body->principal,
+	                                          rb_quat_rotate_back(top->orientation, top->spin));
+	struct spinning s = {{local.x, local.y, local.z},
+	                     {body->moments.x, body->moments.y, body->moments.z},
+	                     0,
+	                     0,
+	                     0};
+
+	for (int k = 0; k < 3; k++) {
+		s.energy += s.moment[k] * s.w[k] * s.w[k];
+		s.momentum += s.moment[k] * s.moment[k] * s.w[k] * s.w[k];
+		s.square += s.w[k] * s.w[k];
+	}
+	return s;
+}
+
+/*
+ * The spin of a free top. With energy T and momentum L, the squares x_k of its components have sum I_k x_k = 2 T and
+ * sum I_k^2 x_k = L^2, so that the largest sum x_k has one of them at zero. Where two moments are too near each other to
+ * tell, the energy alone bounds it. Its rate: |I_j - I_k| <= I_i in Euler's equations, and of three products of two
+ * components the root of the sum of squares is at most the square of the length over the root of three.
+ */
+static void free_spin(const struct spinning *s, struct rb_bounds *max)
+{
+	double square = s->square;
+
+	for (int i = 0; i < 3; i++) {
+		const double p = s->moment[i], q = s->moment[(i + 1) % 3];
+		const double x = (s->momentum - q * s->energy) / (p * (p - q));
+		const double y = (s->momentum - p * s->energy) / (q * (q - p));
+
+		if (fabs(p - q) <= 1e-3 * p)
+			square = fmax(square, s->energy / fmin(p, q));
+		else if (x >= 0 && y >= 0)
+			square = fmax(square, x + y);
+	}
+	max->turn = 1.001 * sqrt(square);
+	max->turning = square / sqrt(3.0);
+}
+
+/*
+ * The axis of the smallest moment, or of a symmetric top its own. With a, b the components of the spin across it and c
+ * along it, Euler's equations give e'' = (a L_3 / I_2 + a c (1 - I_1 / I_2)) e_1 + (b L_3 / I_1 + b c (1 - I_2 / I_1)) e_2
+ * - (a^2 + b^2) e for the axis e; momentum bounds a and b.
+ */
+static void axis_rates(const struct rb_top_body *body, const struct spinning *s,
+                       struct rb_bounds *max)
+{
+	int k = 2;
+
+	if (body->kind != RB_TOP_SYMMETRIC)
+		for (int i = 0; i < 2; i++)
+			if (s->moment[i] < s->moment[k])
+				k = i;
+	const double p = s->moment[(k + 1) % 3], q = s->moment[(k + 2) % 3];
+	const double least = fmin(p, q);
+	double across = sqrt(s->momentum) / least, along = sqrt(s->momentum);
+
+	max->axis = rb_quat_rotate(body->principal, (rb_vec3){k == 0, k == 1, k == 2});
+	if (body->kind == RB_TOP_SYMMETRIC) {
+		across = sqrt(s->w[0] * s->w[0] + s->w[1] * s->w[1]);
+		along = fabs(s->w[2]) * s->moment[2];
+	}
+	max->axis_turn = 1.001 * fmin(across, max->turn);
+	max->axis_bend = 1.001 * across * (across + (along + max->turn * fabs(p - q)) / least);
+}
+
+static void free_top(const struct rb_top_body *body, const struct rb_top *top,
+                     struct rb_bounds *max)
+{
+	const struct spinning s = spinning_of(body, top);
+
+	if (body->kind == RB_TOP_SYMMETRIC) { /* its spin keeps its length */
+		const double across = sqrt(s.w[0] * s.w[0] + s.w[1] * s.w[1]);
+
+		max->turning = across * fabs(s.w[2]) * fabs(s.moment[2] - s.moment[0]) /
+		               s.moment[0];
+	} else {
+		free_spin(&s, max);
+	}
+	axis_rates(body, &s, max);
+}
+
+struct rb_bounds rb_bounds_of(const struct rb_located *l, int i)
+{
+	struct rb_bounds max = {.axis = {0, 0, 1}};
+	double turning_rate = 0;
+	bool is_free = false;
+
+	if (i >= l->n)
+		return max;
+	if (rb_located_on_piece(l, i)) {
+		const struct rb_piece_of *p = &l->piece[i];
+
+		max.external = p->acceleration_max;
+		max.jerk = second_rates_max(&p->piece, p->first + RB_ROW_VELOCITY);
+		if (l->top) {
+			const double *spin = p->piece.start + p->first + RB_ROW_SPIN;
+
+			max.turning = rates_max(&p->piece, p->first + RB_ROW_SPIN);
+			max.turn = rb_vec3_length(rb_vec3_from(spin)) +
+			           p->piece.length_s * max.turning;
+			turning_rate = second_rates_max(&p->piece, p->first + RB_ROW_SPIN);
+		}
+	} else {
+		max.external = rb_vec3_length(l->arc[i].acceleration);
+		if (l->top) {
+			max.turn = rb_vec3_length(l->top[i].spin);
+			max.growing = max.turning = rb_vec3_length(l->top[i].acceleration);
+			is_free = l->top_body[i].kind != RB_TOP_CONSTANT;
+			if (is_free) {
+				free_top(&l->top_body[i], &l->top[i], &max);
+				turning_rate = 2 * max.turn * max.turning;
+			}
+		}
+	}
+	max.own_external = max.external;
+	if (!is_free) {
+		max.axis_turn = max.turn;
+		max.axis_bend = max.turn * max.turn + max.turning;
+	}
+	if (l->model->center_of_mass) {
+		const double arm = rb_vec3_length(l->model->center_of_mass[i]), w = max.turn;
+
+		max.external += arm * (w * w + max.turning);
+		max.jerk += arm * (w * w * w + 3 * w * max.turning + turning_rate);
+	}
+	return max;
+}

@@ -1,0 +1,620 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Each level has one or two grids: of the bodies whose level it is (natives) and of smaller ones (guests), since a
+ * guest's partners on a level are its natives only. A body's place on a level, an entry, is three whole numbers that
+ * change when it crosses a wall and at no other time: they are never worked out again from a position, so rounding
+ * can't lose a body.
+ *
+ * Walls give way: a body leaves its cell `yielding` x edge behind the wall. It must come back twice that far before it
+ * returns, so one that stops or turns at a wall does not cross it for ever. The edge is that much larger: bodies
+ * that touch are in neighbouring cells as long as each is in its own or within `yielding` of it,
+ *     r_a + r_b <= 2 r_max < edge (1 - 2 yielding),
+ * and what is left of the difference covers the rounding of coordinates up to 1e12 edges.
+ *
+ * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory without pointers to
+ * follow, and, because a block is copied as a whole, however many are in it, without branches to guess. What does not
+ * fit goes to further blocks; all blocks of a cell are full except its last-made one. So c > SLOTS bodies need fewer
+ * than c / SLOTS further blocks, and all that can ever be needed are taken beforehand. Measured in a gas against
+ * lists through the bodies (a fifth slower) and copying slot by slot (a walk takes twice as long).
+ */
+#include "located/cells.h"
+
+#include "located/cells_inside.h"
+#include "base/error.h"
+#include "base/memory.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+enum {
+	FEW = 16, /* up to here all are always near each other: no more than the 27 cells would hold, and no walls */
+	SMALLEST_SIDE = 4,
+	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
+};
+
+static const double yielding = 0x1p-8;
+static const double slack = 0x1p-6; /* edge / (2 r_max) - 1 at least */
+/* Bodies to a cell, where they are spread evenly and small. In a gas 0.25 to 0.7 are equally good: smaller cells are
+ * crossed more often, larger ones hold more candidates. */
+static const double load = 0.5;
+static const double crowded =
+	6; /* bodies in a body's own cell, on average, that ask for smaller cells */
+
+/* ---- members of a cell ---- */
+
+/* The last of the open block takes the place that becomes free. */
+static void remove_member(struct rb_cells *cells, struct block *cell, int32_t body)
+{
+	struct block *open = open_block(cells, cell);
+	const int32_t last = open->member[members_in(open) - 1];
+
+	for (struct block *block = cell; last != body; block = next_block(cells, block)) {
+		uint32_t i = 0;
+
+		RB_ASSERT(block);
+		while (i < members_in(block) && block->member[i] != body)
+			i++;
+		if (i < members_in(block)) {
+			block->member[i] = last;
+			break;
+		}
+	}
+	open->tail--;
+	if (open != cell && members_in(open) == 0) {
+		const uint32_t index_tail = cell->tail & ~3u;
+
+		cell->tail = open->tail | members_in(cell);
+		open->tail = cells->free_tail;
+		cells->free_tail = index_tail;
+	}
+}
+
+/* ---- walks ---- */
+
+/* Which cells: along each axis up to three places, in cells from the first. */
+struct walk {
+	size_t place[3][3];
+	int count[3];
+};
+
+static void walk_around(const struct level *level, const int64_t at[3], struct walk *walk)
+{
+	for (int k = 0; k < 3; k++) {
+		for (int i = 0; i < 3; i++)
+			walk->place[k][i] = (size_t)((at[k] + i - 1) & level->mask[k]) *
+			                    level->stride[k];
+		walk->count[k] = 3;
+	}
+}
+
+/* Room for `most` in all: the last few are copied one by one. */
+__attribute__((noinline, cold)) static int copy_cell(const struct rb_cells *cells,
+                                                     const struct block *block, int *out, int count)
+{
+	for (; block; block = next_block(cells, block)) {
+		const int here = (int)members_in(block);
+
+		memcpy(out + count, block->member, (size_t)here * sizeof *out);
+		count += here;
+	}
+	return count;
+}
+
+/* One that has no further blocks is copied as a whole where there is room: most by far. */
+static inline int copy_block(const struct rb_cells *cells, const struct block *block, int *out,
+                             int count, int roomy)
+{
+	if ((block->tail > 3) | (count > roomy))
+		return copy_cell(cells, block, out, count);
+	memcpy(out + count, block, sizeof *block);
+	return count + (int)block->tail;
+}
+
+/* Appends the members of these cells. */
+static int copy_members(const struct rb_cells *cells, const struct grid *grid,
+                        const struct walk *walk, int *out, int count)
+{
+	const int roomy = cells->count - (int)(sizeof(struct block) / sizeof *out);
+	const size_t first = walk->place[0][0], second = walk->place[0][1];
+	const size_t third = walk->place[0][2];
+
+	for (int z = 0; z < walk->count[2]; z++) {
+		const struct block *sheet = grid->cells + walk->place[2][z];
+
+		for (int y = 0; y < walk->count[1]; y++) {
+			const struct block *row = sheet + walk->place[1][y];
+
+			count = copy_block(cells, row + first, out, count, roomy);
+			if (walk->count[0] == 1)
+				continue;
+			count = copy_block(cells, row + second, out, count, roomy);
+			count = copy_block(cells, row + third, out, count, roomy);
+		}
+	}
+	return count;
+}
+
+static int remove_from(int *out, int count, int body)
+{
+	int i = 0;
+
+	while (out[i] != body)
+		i++;
+	out[i] = out[--count];
+	return count;
+}
+
+int rb_cells_near(const struct rb_cells *cells, int body, int *out)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const struct entry *entry = entries_of(cells, body);
+	const int own = own_level(cells, body);
+	struct walk walk;
+	int count = 0;
+
+	if (cells->level_count == 0) {
+		for (int other = 0; other < cells->count; other++) {
+			out[count] = other;
+			count += other != body;
+		}
+		return count;
+	}
+	for (int l = own; l < cells->level_count; l++) {
+		const struct level *level = &cells->levels[l];
+
+		walk_around(level, entry++->at, &walk);
+		count = copy_members(cells, &level->natives, &walk, out, count);
+		if (l > own)
+			continue;
+		count = remove_from(out, count, body);
+		if (level->guests.cells)
+			count = copy_members(cells, &level->guests, &walk, out, count);
+	}
+	return count;
+}
+
+void rb_cells_prefetch(const struct rb_cells *cells, int body)
+{
+	__builtin_prefetch(entries_of(cells, body));
+}
+
+void rb_cells_prefetch_near(const struct rb_cells *cells, int body)
+{
+	const struct entry *entry = entries_of(cells, body);
+	struct walk walk;
+
+	if (cells->level_count == 0)
+		return;
+	const struct level *level = &cells->levels[own_level(cells, body)];
+
+	walk_around(level, entry->at, &walk);
+	for (int z = 0; z < 3; z++) {
+		for (int y = 0; y < 3; y++) {
+			const struct block *row = level->natives.cells + walk.place[2][z] +
+			                          walk.place[1][y];
+
+			__builtin_prefetch(row + walk.place[0][0]);
+			__builtin_prefetch(row + walk.place[0][2]);
+		}
+	}
+}
+
+int rb_cells_max(const struct rb_cells *cells)
+{
+	return cells->count;
+}
+
+int rb_cells_level_count(const struct rb_cells *cells)
+{
+	return cells->level_count;
+}
+
+/* ---- moving ---- */
+
+/*
+ * Along one axis: x is the distance from the cell's middle, and the body leaves where |x| = reach. With u the speed, b
+ * the acceleration in the direction of motion and d > 0 the way ahead, u t + b t^2 / 2 = d has the first root
+ * 2 d / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns round and comes to the wall behind it, at -c, at
+ * the second root of u t + b t^2 / 2 = -c, which is (u + sqrt(u^2 - 2 b c)) / -b. All sums are of numbers of one
+ * sign, except under the first root: there rounding decides whether a body that all but turns at the wall leaves, and
+ * either will do.
+ */
+static double leaves_along(double reach, double x, double v, double a, int *high)
+{
+	const double sign = copysign(1, v == 0 ? a : v);
+	const double ahead = reach - sign * x, u = fabs(v), b = sign * a;
+
+	*high = sign > 0;
+	if (a == 0)
+		return (ahead > 0 ? ahead : 0) / u;
+	if (ahead <= 0)
+		return 0;
+	const double square = u * u + 2 * b * ahead;
+
+	if (square >= 0)
+		return 2 * ahead / (u + sqrt(square));
+	*high = sign < 0;
+	return (u + sqrt(fmax(0, u * u - 2 * b * (reach + sign * x)))) / -b;
+}
+
+/* The first wall so far: when, s, and its number. */
+struct exit {
+	double s;
+	int wall;
+};
+
+/* Beyond the last cells nobody leaves any more. */
+static bool is_last(int64_t at)
+{
+	return (at <= -farthest) | (at >= farthest);
+}
+
+static void fall_out(struct exit *exit, const struct level *level, int64_t at, const double xva[3],
+                     int wall)
+{
+	const double off = xva[0] - ((double)at + 0.5) * level->edge;
+	int high;
+	const double s = leaves_along(level->reach, off, xva[1], xva[2], &high);
+
+	if (s < exit->s && !is_last(at))
+		*exit = (struct exit){s, wall + high};
+}
+
+static inline double flies_along(const struct level *level, int64_t at, double x, double v)
+{
+	const double off = x - ((double)at + 0.5) * level->edge;
+	const double ahead = level->reach - copysign(1, v) * off;
+
+	return (ahead > 0 ? ahead : 0) / fabs(v); /* 0 / 0 is never */
+}
+
+/* Without acceleration, which is most of a gas, and without branches: which way is anybody's guess. */
+static inline void fly_out(struct exit *exit, const struct level *level, const struct entry *entry,
+                           const double x[3], const double v[3], int number)
+{
+	const double never = (double)INFINITY;
+	const double s0 = flies_along(level, entry->at[0], x[0], v[0]);
+	const double s1 = flies_along(level, entry->at[1], x[1], v[1]);
+	const double s2 = flies_along(level, entry->at[2], x[2], v[2]);
+	const double first = s0 < never ? s0 : never;
+	const bool second = s1 < first;
+	const double both = s1 < first ? s1 : first;
+	const bool third = s2 < both;
+	const double all = s2 < both ? s2 : both;
+	const int axis = 2 * third + (second & !third);
+	const int high = (v[0] > 0) | (v[1] > 0) << 1 | (v[2] > 0) << 2;
+
+	if (all < exit->s)
+		*exit = (struct exit){all, number + 2 * axis + (high >> axis & 1)};
+}
+
+double rb_cells_leaves(const struct rb_cells *cells, int body, rb_vec3 position, rb_vec3 velocity,
+                       rb_vec3 acceleration, int *wall)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const double x[3] = {position.x, position.y, position.z};
+	const double v[3] = {velocity.x, velocity.y, velocity.z};
+	const double a[3] = {acceleration.x, acceleration.y, acceleration.z};
+	const bool flies = (a[0] == 0) & (a[1] == 0) & (a[2] == 0);
+	const struct entry *entry = entries_of(cells, body);
+	const int own = own_level(cells, body);
+	struct exit exit = {(double)INFINITY, -1};
+
+	for (int l = own; l < cells->level_count; l++, entry++) {
+		const struct level *level = &cells->levels[l];
+		const int64_t *at = entry->at;
+		const int number = WALLS * (l - own);
+
+		if (flies && !((int)is_last(at[0]) | (int)is_last(at[1]) | (int)is_last(at[2]))) {
+			fly_out(&exit, level, entry, x, v, number);
+			continue;
+		}
+		for (int k = 0; k < 3; k++)
+			fall_out(&exit, level, at[k], (double[]){x[k], v[k], a[k]}, number + 2 * k);
+	}
+	*wall = exit.wall;
+	return exit.s;
+}
+
+int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out)
+{
+	RB_ASSERT(body >= 0 && body < cells->count && wall >= 0);
+	const int own = own_level(cells, body), l = own + wall / WALLS;
+	const int axis = wall % WALLS / 2, step = wall % 2 ? 1 : -1;
+
+	RB_ASSERT(l < cells->level_count);
+	const struct level *level = &cells->levels[l];
+	const struct grid *grid = l == own ? &level->natives : &level->guests;
+	struct entry *entry = entries_of(cells, body) + (l - own);
+	struct walk walk;
+	int count;
+
+	remove_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+	entry->at[axis] += step;
+	add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+
+	walk_around(level, entry->at, &walk);
+	walk.place[axis][0] = walk.place[axis][1 + step];
+	walk.count[axis] = 1;
+	count = copy_members(cells, &level->natives, &walk, out, 0);
+	if (l == own && level->guests.cells)
+		count = copy_members(cells, &level->guests, &walk, out, count);
+	return count;
+}
+
+static struct entry find_entry(const struct level *level, const double position[3])
+{
+	struct entry entry;
+
+	for (int k = 0; k < 3; k++) {
+		const double at = floor(position[k] * level->inverse);
+
+		entry.at[k] = (int64_t)fmax(-(double)farthest, fmin((double)farthest, at));
+	}
+	return entry;
+}
+
+void rb_cells_place(struct rb_cells *cells, int body, rb_vec3 position)
+{
+	RB_ASSERT(body >= 0 && body < cells->count);
+	const double x[3] = {position.x, position.y, position.z};
+	const int own = own_level(cells, body);
+	struct entry *entry = entries_of(cells, body);
+
+	for (int l = own; l < cells->level_count; l++, entry++) {
+		const struct level *level = &cells->levels[l];
+		const struct grid *grid = l == own ? &level->natives : &level->guests;
+
+		remove_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+		*entry = find_entry(level, x);
+		add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+	}
+}
+
+int rb_cells_wall_count(const struct rb_cells *cells, int body)
+{
+	return cells->level_count == 0 ? 0 : WALLS * (cells->level_count - own_level(cells, body));
+}
+
+/* ---- making ---- */
+
+struct extent {
+	double size[3]; /* m, of the box around the centres of those listed on a level */
+	int count;
+};
+
+static struct extent find_extent(const struct rb_cells *cells, int l, const double *position)
+{
+	double low[3], high[3];
+	struct extent extent = {.count = 0};
+
+	for (int body = 0; body < cells->count; body++) {
+		if (own_level(cells, body) > l)
+			continue;
+		for (int k = 0; k < 3; k++) {
+			const double x = position[3 * (size_t)body + (size_t)k];
+
+			low[k] = extent.count == 0 ? x : fmin(low[k], x);
+			high[k] = extent.count == 0 ? x : fmax(high[k], x);
+		}
+		extent.count++;
+	}
+	for (int k = 0; k < 3; k++)
+		extent.size[k] = high[k] - low[k];
+	return extent;
+}
+
+/* Empty cells cost nothing but their addresses, a torus that is wound up twice over costs candidates: sides are powers
+ * of two, so a box may need eight times its cells. */
+static size_t cells_max(const struct extent *extent)
+{
+	return 16 * (size_t)extent->count + 64;
+}
+
+/* The torus holds the box if that takes no more than a few cells a body; else it is wound up. */
+static void set_edge(struct level *level, const struct extent *extent, double edge)
+{
+	const size_t max = cells_max(extent);
+	size_t side[3];
+
+	level->edge = edge;
+	level->inverse = 1 / edge;
+	level->reach = edge * (0.5 + yielding);
+	for (int k = 0; k < 3; k++) {
+		side[k] = SMALLEST_SIDE;
+		while ((double)side[k] < extent->size[k] / edge + 2 && side[k] < max)
+			side[k] *= 2;
+	}
+	/* not of the product, which could overflow */
+	while ((double)side[0] * (double)side[1] * (double)side[2] > (double)max) {
+		const int longest = side[0] >= side[1] ? (side[0] >= side[2] ? 0 : 2)
+		                                       : (side[1] >= side[2] ? 1 : 2);
+		side[longest] /= 2;
+	}
+	for (int k = 0; k < 3; k++)
+		level->mask[k] = (int64_t)side[k] - 1;
+	level->stride[0] = 1;
+	level->stride[1] = side[0];
+	level->stride[2] = side[0] * side[1];
+	level->cell_count = side[0] * side[1] * side[2];
+}
+
+/* How many a body finds in its own cell, with itself, on average. `counts` has room for all cells. */
+static double measure_crowd(const struct rb_cells *cells, int l, const double *position,
+                            int32_t *counts)
+{
+	const struct level *level = &cells->levels[l];
+	double sum = 0, listed = 0;
+
+	memset(counts, 0, level->cell_count * sizeof *counts);
+	for (int body = 0; body < cells->count; body++) {
+		if (own_level(cells, body) > l)
+			continue;
+		const struct entry entry = find_entry(level, &position[3 * (size_t)body]);
+
+		/* 1 + 3 + 5 + ... = n^2 */
+		sum += 2 * counts[cell_at(level, entry.at)]++ + 1;
+		listed++;
+	}
+	return sum / listed;
+}
+
+/* Begins with what would suit bodies spread evenly over their box, and goes finer while that finds crowds. */
+static bool choose_edge(struct rb_cells *cells, int l, const double *position)
+{
+	struct level *level = &cells->levels[l];
+	const struct extent extent = find_extent(cells, l, position);
+	const double least = 2 * level->largest * (1 + slack), *size = extent.size;
+	double edge = fmax(least, fmax(size[0], fmax(size[1], size[2])));
+	int32_t *counts;
+
+	while (edge > least &&
+	       fmax(1, size[0] / edge) * fmax(1, size[1] / edge) * fmax(1, size[2] / edge) <
+	               extent.count / load)
+		edge *= 0.9;
+	edge = fmax(edge, least);
+	set_edge(level, &extent, edge);
+
+	counts = rb_memory_take(cells_max(&extent), sizeof *counts);
+	if (!counts)
+		return false;
+	while (edge > least && measure_crowd(cells, l, position, counts) > crowded) {
+		edge = fmax(edge / 2, least);
+		set_edge(level, &extent, edge);
+	}
+	rb_memory_free(counts);
+	return true;
+}
+
+static bool take_grid(struct grid *grid, size_t cell_count)
+{
+	grid->cells = rb_memory_take(cell_count, sizeof *grid->cells);
+	return grid->cells != NULL;
+}
+
+/* Fills level_count, levels and own: a level for each octave of radii that occurs. */
+static bool find_levels(struct rb_cells *cells, const double *radius)
+{
+	enum { OCTAVES = 1025 };
+	double smallest = (double)INFINITY, largest[OCTAVES] = {0};
+	int rank[OCTAVES];
+
+	cells->own = rb_memory_take((size_t)cells->count, sizeof *cells->own);
+	if (!cells->own)
+		return false;
+	for (int body = 0; body < cells->count; body++) {
+		RB_ASSERT(radius[body] > 0 && radius[body] < (double)INFINITY);
+		smallest = fmin(smallest, radius[body]);
+	}
+	for (int body = 0; body < cells->count; body++) {
+		const int octave = ilogb(fmin(radius[body] / smallest, 0x1p1023));
+
+		cells->own[body] = octave;
+		largest[octave] = fmax(largest[octave], radius[body]);
+	}
+	for (int octave = 0; octave < OCTAVES; octave++) {
+		rank[octave] = cells->level_count;
+		cells->level_count += largest[octave] > 0;
+	}
+	cells->levels = rb_memory_take((size_t)cells->level_count, sizeof *cells->levels);
+	if (!cells->levels)
+		return false;
+	for (int octave = 0; octave < OCTAVES; octave++) {
+		if (largest[octave] > 0)
+			cells->levels[rank[octave]].largest = largest[octave];
+	}
+	for (int body = 0; body < cells->count; body++)
+		cells->own[body] = rank[cells->own[body]];
+	if (cells->level_count == 1) {
+		rb_memory_free(cells->own);
+		cells->own = NULL;
+	}
+	return true;
+}
+
+/* Room for the places of all bodies and for all blocks that they can ever need. */
+static bool take_entries(struct rb_cells *cells)
+{
+	size_t entry_count = (size_t)cells->count, block_count;
+
+	if (cells->own) {
+		cells->first = rb_memory_take((size_t)cells->count, sizeof *cells->first);
+		if (!cells->first)
+			return false;
+		entry_count = 0;
+		for (int body = 0; body < cells->count; body++) {
+			cells->first[body] = entry_count;
+			entry_count += (size_t)(cells->level_count - cells->own[body]);
+		}
+	}
+	block_count = entry_count / SLOTS;
+	cells->entries = rb_memory_take(entry_count, sizeof *cells->entries);
+	cells->blocks = rb_memory_take(block_count, sizeof *cells->blocks);
+	if (!cells->entries || !cells->blocks || block_count >= UINT32_MAX / 4)
+		return false;
+	for (size_t i = block_count; i-- > 0;) {
+		cells->blocks[i].tail = cells->free_tail;
+		cells->free_tail = (uint32_t)(i + 1) << 2;
+	}
+	return true;
+}
+
+static bool fill(struct rb_cells *cells, const double *radius, const double *position)
+{
+	if (!find_levels(cells, radius) || !take_entries(cells))
+		return false;
+	for (int l = 0; l < cells->level_count; l++) {
+		struct level *level = &cells->levels[l];
+
+		if (!choose_edge(cells, l, position) ||
+		    !take_grid(&level->natives, level->cell_count) ||
+		    (l > 0 && !take_grid(&level->guests, level->cell_count)))
+			return false;
+	}
+	for (int body = 0; body < cells->count; body++) {
+		const int own = own_level(cells, body);
+		struct entry *entry = entries_of(cells, body);
+
+		for (int l = own; l < cells->level_count; l++, entry++) {
+			const struct level *level = &cells->levels[l];
+			const struct grid *grid = l == own ? &level->natives : &level->guests;
+
+			*entry = find_entry(level, &position[3 * (size_t)body]);
+			add_member(cells, &grid->cells[cell_at(level, entry->at)], body);
+		}
+	}
+	return true;
+}
+
+enum rb_status rb_cells_create(struct rb_cells **cells, int count, const double *radius,
+                               const double *position, struct rb_error *err)
+{
+	struct rb_cells *made = rb_memory_take(1, sizeof *made);
+
+	*cells = NULL;
+	if (made)
+		made->count = count;
+	if (!made || (count > FEW && !fill(made, radius, position))) {
+		rb_cells_destroy(made);
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %d bodies", count);
+	}
+	*cells = made;
+	return RB_OK;
+}
+
+void rb_cells_destroy(struct rb_cells *cells)
+{
+	if (!cells)
+		return;
+	for (int l = 0; cells->levels && l < cells->level_count; l++) {
+		rb_memory_free(cells->levels[l].natives.cells);
+		rb_memory_free(cells->levels[l].guests.cells);
+	}
+	rb_memory_free(cells->levels);
+	rb_memory_free(cells->entries);
+	rb_memory_free(cells->own);
+	rb_memory_free(cells->first);
+	rb_memory_free(cells->blocks);
+	rb_memory_free(cells);
+}

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/* What cells are made of: for located/cells, which says how they work, and located/cells_pack, which saves them. */
+#ifndef RB_LOCATED_CELLS_INSIDE_H
+#define RB_LOCATED_CELLS_INSIDE_H
+
+#include "base/error.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { SLOTS = 3 };
+
+static const int64_t farthest =
+	1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
+
+/* Members come first; what is behind them means nothing. A cell's own block and all further ones are full, but for the
+ * last of them that was made, which the own block points to. */
+struct block {
+	int32_t member[SLOTS];
+	uint32_t tail; /* how many, and 4 x (1 + index of a further block), 0 for none */
+};
+_Static_assert(SLOTS < 4, "the tail has two bits for the number of members");
+
+struct grid {
+	struct block *cells; /* NULL: nobody will ever be in it */
+};
+
+struct level {
+	double edge, inverse; /* m, 1/m */
+	double reach;         /* m, from a cell's middle to where it is left */
+	double largest;       /* m, radius */
+	int64_t mask[3];      /* cells along each axis less 1 */
+	size_t stride[3];     /* in cells */
+	size_t cell_count;
+	struct grid natives, guests;
+};
+
+struct entry {
+	int64_t at[3]; /* not wrapped */
+};
+
+struct rb_cells {
+	int count, level_count;
+	struct level *levels;  /* fine to coarse; 0: few bodies, no cells */
+	struct entry *entries; /* of each body from its own level to the coarsest */
+	int32_t *own;          /* level of each body; NULL: there is one level */
+	size_t *first;         /* of each body in entries; NULL: the body itself */
+	struct block *blocks;  /* further ones */
+	uint32_t free_tail;    /* a tail without members that leads to the free ones */
+};
+
+static inline size_t cell_at(const struct level *level, const int64_t at[3])
+{
+	size_t cell = 0;
+
+	for (int k = 0; k < 3; k++)
+		cell += (size_t)(at[k] & level->mask[k]) * level->stride[k];
+	return cell;
+}
+
+static inline uint32_t members_in(const struct block *block)
+{
+	return block->tail & 3;
+}
+
+/* NULL: none. */
+static inline struct block *next_block(const struct rb_cells *cells, const struct block *block)
+{
+	return block->tail > 3 ? &cells->blocks[(block->tail >> 2) - 1] : NULL;
+}
+
+/* The block of a cell that is not full if any is. */
+static inline struct block *open_block(const struct rb_cells *cells, struct block *cell)
+{
+	struct block *next = next_block(cells, cell);
+
+	return next ? next : cell;
+}
+
+static inline void add_member(struct rb_cells *cells, struct block *cell, int32_t body)
+{
+	struct block *block = open_block(cells, cell);
+
+	if (members_in(block) == SLOTS) {
+		const uint32_t free_tail = cells->free_tail, further = cell->tail & ~3u;
+
+		RB_ASSERT(free_tail != 0);
+		block = &cells->blocks[(free_tail >> 2) - 1];
+		cells->free_tail = block->tail;
+		cell->tail = free_tail | members_in(cell);
+		block->tail = further;
+	}
+	block->member[members_in(block)] = body;
+	block->tail++;
+}
+
+static inline int own_level(const struct rb_cells *cells, int body)
+{
+	return cells->own ? cells->own[body] : 0;
+}
+
+static inline struct entry *entries_of(const struct rb_cells *cells, int body)
+{
+	return &cells->entries[cells->first ? cells->first[body] : (size_t)body];
+}
+
+#endif

@@ -1,0 +1,459 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/convex_contact.h"
+
+#include <float.h>
+#include <stdlib.h>
+
+#include "located/feature.h"
+#include "model/parts.h"
+
+/* What is nearer to the end of its features than this many bands, and goes there, is about to leave them. */
+enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
+/* From a face to its edge and corner, to another edge and its face; each on both sides. */
+enum { FEATURES_PASSED = 8 };
+/* Across which rates are differences, in sizes of way: a third of the digits for each, and a third for the rest. */
+static const double moment_share = 0x1p-17;
+
+static uint32_t part_of_a(uint32_t parts)
+{
+	return parts >> 16;
+}
+
+static uint32_t part_of_b(uint32_t parts)
+{
+	return parts & 0xffff;
+}
+
+void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_pose *pose,
+                   const struct rb_pose *reference, struct rb_feature_side *side)
+{
+	const struct rb_model *model = l->model;
+	const struct rb_body_part *own = &rb_model_parts(model, i)->part[part];
+	rb_vec3 origin = {0, 0, 0};
+	const rb_placed placed = rb_body_part_place(own, origin, pose->orientation);
+
+	if (i < l->n && model->center_of_mass)
+		origin = rb_vec3_neg(rb_quat_rotate(pose->orientation, model->center_of_mass[i]));
+	const rb_vec3 arm = rb_vec3_add(origin, placed.at);
+
+	/* from the centre of mass, so that far from the world's origin no digits are lost */
+	*side = (struct rb_feature_side){
+		.core = placed.core,
+		.at = reference ? rb_vec3_add(rb_arc_between(reference, pose), arm) : arm,
+		.turn = placed.turn,
+		.velocity = rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)),
+		.spin = pose->spin,
+	};
+}
+
+/* ---- one point ---- */
+
+struct couple {
+	struct rb_feature_side a, b;
+};
+
+static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t parts,
+                      struct couple *c)
+{
+	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, NULL, &c->a);
+	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, &pair->pose_a, &c->b);
+}
+
+/* What a search finds of a name, seen from the first side; false: nothing of that name, but what is lowest. */
+static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+{
+	const rb_placed a = rb_feature_placed(&c->a), b = rb_feature_placed(&c->b);
+	rb_manifold manifold;
+	int which = -1;
+
+	rb_manifold_of(&manifold, &a, &b, 0);
+	for (int k = 0; k < manifold.count && which < 0; k++)
+		if (rb_feature_name(&c->a, &c->b, &manifold, k, 0) == key)
+			which = k;
+	const rb_manifold_point *p = &manifold.point[which < 0 ? 0 : which];
+
+	*out = (struct rb_feature_point){
+		.gap = p->gap,
+		.normal = manifold.normal,
+		.point = rb_vec3_scale(0.5, rb_vec3_add(p->on_a, p->on_b)),
+		.inside = which < 0 ? -(c->a.core->reach + c->a.core->radius) : (double)INFINITY,
+	};
+	return which >= 0;
+}
+
+/* m/s: of the parts against each other. */
+static double speed_of(const struct couple *c)
+{
+	return rb_vec3_length(rb_vec3_sub(c->b.velocity, c->a.velocity)) +
+	       rb_vec3_length(c->a.spin) * (c->a.core->reach + c->a.core->radius) +
+	       rb_vec3_length(c->b.spin) * (c->b.core->reach + c->b.core->radius);
+}
+
+static double size_of(const struct couple *c)
+{
+	const double a = c->a.core->reach + c->a.core->radius;
+	const double b = c->b.core->reach + c->b.core->radius;
+
+	return a > 0 && b > 0 ? fmin(a, b) : fmax(a, b);
+}
+
+/* By a search, for what has no closed form; its rates are differences. */
+static void find(const struct couple *c, uint64_t key, struct rb_feature_point *out)
+{
+	const double speed = speed_of(c), s = speed > 0 ? moment_share * size_of(c) / speed : 0;
+	struct rb_feature_point p[2];
+	double from = 0, to = 0;
+
+	const bool named = search_name(c, key, out);
+	if (rb_feature_curves(&p[0], &c->a, &c->b, key, out->point) &&
+	    rb_vec3_dot(p[0].normal, out->normal) > 0) {
+		*out = p[0];
+		return;
+	}
+	if (!named || !(s > 0))
+		return;
+	p[0] = p[1] = *out;
+	for (int k = 0; k < 2; k++) {
+		const double time = k ? s : -s;
+		const struct couple there = {rb_feature_later(&c->a, time),
+		                             rb_feature_later(&c->b, time)};
+		struct rb_feature_point found;
+
+		if (!search_name(&there, key, &found))
+			continue;
+		p[k] = found;
+		*(k ? &to : &from) = time;
+	}
+	if (!(to > from))
+		return;
+	const double per = 1 / (to - from);
+	out->normal_rate = rb_vec3_reject(rb_vec3_scale(per, rb_vec3_sub(p[1].normal, p[0].normal)),
+	                                  out->normal);
+	out->point_rate = rb_vec3_scale(per, rb_vec3_sub(p[1].point, p[0].point));
+}
+
+static struct rb_contact_point point_of_pair(const struct rb_touch_pair *pair,
+                                             const struct couple *c, uint32_t parts, uint64_t key)
+{
+	struct rb_feature_point p;
+
+	if (!rb_feature_contact(&p, &c->a, &c->b, key))
+		find(c, key, &p);
+	struct rb_contact_point m = {.a = pair->a,
+	                             .b = pair->b,
+	                             .parts = parts,
+	                             .key = key,
+	                             .half = c->a.half,
+	                             .gap = p.gap,
+	                             .normal = p.normal,
+	                             .normal_rate = p.normal_rate,
+	                             .point = rb_vec3_add(pair->pose_a.position, p.point),
+	                             .inside = p.inside,
+	                             .inside_rate = p.inside_rate,
+	                             .beyond = rb_feature_beyond(&c->a, &c->b, key, &p),
+	                             .pose_a = pair->pose_a,
+	                             .pose_b = pair->pose_b,
+	                             .arm_a = p.point};
+	m.arm_b = rb_vec3_sub(p.point, rb_arc_between(&pair->pose_a, &pair->pose_b));
+	m.rate_a = rb_vec3_sub(p.point_rate, pair->pose_a.velocity);
+	m.rate_b = rb_vec3_sub(p.point_rate, pair->pose_b.velocity);
+	m.velocity = rb_vec3_sub(
+		rb_vec3_add(pair->pose_b.velocity, rb_vec3_cross(pair->pose_b.spin, m.arm_b)),
+		rb_vec3_add(pair->pose_a.velocity, rb_vec3_cross(pair->pose_a.spin, m.arm_a)));
+	return m;
+}
+
+struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_contact_name *name,
+                                    const struct rb_pose *pose_a, const struct rb_pose *pose_b)
+{
+	const struct rb_touch_pair pair = {name->a, name->b, 0, *pose_a, *pose_b};
+	struct couple c;
+
+	couple_of(l, &pair, name->parts, &c);
+	c.a.half = c.b.half = name->half;
+	return point_of_pair(&pair, &c, name->parts, name->key);
+}
+
+bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m, rb_vec3 *half)
+{
+	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
+	struct couple c;
+
+	couple_of(l, &pair, m->parts, &c);
+	c.a.half = c.b.half = m->half;
+	return rb_feature_half(&c.a, &c.b, m->key, half);
+}
+
+/*
+ * By the features in whose bounds the point lies. A search tells features that share a normal apart to the root of rounding
+ * only, and a face has points below what is beyond its border.
+ */
+static struct rb_contact_point contact_within(const struct rb_touch_pair *pair,
+                                              const struct couple *c, uint32_t parts, uint64_t key)
+{
+	struct rb_contact_point m = point_of_pair(pair, c, parts, key);
+
+	for (int k = 0; k < FEATURES_PASSED && m.inside < 0 && m.beyond != 0; k++) {
+		const struct rb_contact_point next = point_of_pair(pair, c, parts, m.beyond);
+
+		if (!(next.inside > m.inside))
+			break;
+		m = next;
+	}
+	return m;
+}
+
+struct rb_contact_point rb_touch_passed_on(const struct rb_located *l,
+                                           const struct rb_contact_point *m)
+{
+	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
+	struct couple c;
+
+	couple_of(l, &pair, m->parts, &c);
+	return contact_within(&pair, &c, m->parts, m->key);
+}
+
+/* ---- the nearest ---- */
+
+/* m: no less than this lies between two parts, by the balls around them; -INFINITY of a plane. */
+static double least_between(const struct couple *c)
+{
+	const rb_core *a = c->a.core, *b = c->b.core;
+
+	if (a->kind == RB_CORE_HALF_SPACE || b->kind == RB_CORE_HALF_SPACE)
+		return -(double)INFINITY;
+	return rb_vec3_length(rb_vec3_sub(c->b.at, c->a.at)) - rb_convex_reach(a) -
+	       rb_convex_reach(b);
+}
+
+double rb_touch_gap(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t *parts)
+{
+	const int of_a = rb_model_parts(l->model, pair->a)->count;
+	const int of_b = rb_model_parts(l->model, pair->b)->count;
+	double least = (double)INFINITY;
+	struct couple c;
+
+	*parts = 0;
+	for (int i = 0; i < of_a; i++)
+		for (int j = 0; j < of_b; j++) {
+			const uint32_t these = (uint32_t)i << 16 | (uint32_t)j;
+			couple_of(l, pair, these, &c);
+			if (of_a * of_b > 1 && least_between(&c) > least)
+				continue;
+			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
+			const rb_separation s = rb_separation_of(&a, &b);
+			const double gap = s.gap - a.core->radius - b.core->radius;
+			if (gap < least) {
+				least = gap;
+				*parts = these;
+			}
+		}
+	return least;
+}
+
+struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int b,
+                                         const struct rb_pose *pose_a, const struct rb_pose *pose_b)
+{
+	const struct rb_touch_pair pair = {a, b, 0, *pose_a, *pose_b};
+	rb_manifold manifold;
+	struct couple c;
+	uint32_t parts = 0;
+	int best = 0;
+
+	if (rb_model_parts(l->model, a)->count * rb_model_parts(l->model, b)->count > 1)
+		rb_touch_gap(l, &pair, &parts);
+	couple_of(l, &pair, parts, &c);
+	const rb_placed at_a = rb_feature_placed(&c.a), at_b = rb_feature_placed(&c.b);
+	rb_manifold_of(&manifold, &at_a, &at_b, 0);
+	for (int k = 1; k < manifold.count; k++)
+		if (manifold.point[k].gap < manifold.point[best].gap)
+			best = k;
+	const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, best, 0);
+	return contact_within(&pair, &c, parts, key);
+}
+
+/* ---- all ---- */
+
+/* Share of the size by which a point's gap may be below that of its pair. */
+static const double astray = 1e-9;
+
+struct search {
+	const struct rb_located *l;
+	const struct rb_touch_pair *pair; /* as names are added: then, or a moment later */
+	double depth;                     /* m: of manifolds */
+	struct rb_contact_name name[RB_CONTACT_POINTS_MAX];
+	int count;
+	double least; /* m: gap of the pair */
+};
+
+static void add_name(struct search *s, const struct rb_contact_name *name)
+{
+	for (int k = 0; k < s->count; k++)
+		if (rb_contact_name_compare(&s->name[k], name) == 0)
+			return;
+	if (s->count < RB_CONTACT_POINTS_MAX)
+		s->name[s->count++] = *name;
+}
+
+/*
+ * A rim that lies flat touches all round, and any four quarters of it say how it stands; but when it comes to lie so, or is
+ * tilted from there, those that count begin with the first of them.
+ */
+static void add_rim(struct search *s, const struct couple *c, const struct rb_contact_name *name)
+{
+	const struct rb_contact_point m = rb_touch_of(s->l, name, &s->pair->pose_a,
+	                                              &s->pair->pose_b);
+	struct rb_feature_rim rim;
+
+	if (!rb_feature_landing(&c->a, &c->b, name->key, 4 * rb_contact_point_noise(s->l, &m),
+	                        &rim)) {
+		add_name(s, name);
+		return;
+	}
+	for (int k = 0; k < 4; k++) {
+		struct rb_contact_name landing = *name;
+
+		landing.key = rb_feature_of_rim(&rim, name->key, k >= 2);
+		landing.half = k % 2 == 0 ? rim.way : rb_vec3_neg(rim.way);
+		/* not past the border of the face that it lands on */
+		if (!(rb_touch_of(s->l, &landing, &s->pair->pose_a, &s->pair->pose_b).inside <
+		      -s->depth))
+			add_name(s, &landing);
+	}
+}
+
+/* The names of all points of all parts that touch. */
+static void add_names(struct search *s, const struct rb_touch_pair *pair)
+{
+	const int of_a = rb_model_parts(s->l->model, pair->a)->count;
+	const int of_b = rb_model_parts(s->l->model, pair->b)->count;
+	const rb_vec3 none = {0, 0, 0};
+	rb_manifold manifold;
+	struct couple c;
+
+	s->pair = pair;
+	for (int i = 0; i < of_a; i++)
+		for (int j = 0; j < of_b; j++) {
+			const uint32_t parts = (uint32_t)i << 16 | (uint32_t)j;
+			couple_of(s->l, pair, parts, &c);
+			if (least_between(&c) > s->depth)
+				continue;
+			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
+			rb_manifold_of(&manifold, &a, &b, s->depth);
+			/* one that overlaps must not hide those that touch */
+			if (manifold.gap < 0)
+				rb_manifold_of(&manifold, &a, &b, s->depth - manifold.gap);
+			s->least = fmin(s->least, manifold.gap);
+			for (int k = 0; k < manifold.count; k++) {
+				if (manifold.point[k].gap > s->depth)
+					continue;
+				const uint64_t key = rb_feature_name(&c.a, &c.b, &manifold, k,
+				                                     s->depth);
+				add_rim(s, &c,
+				        &(struct rb_contact_name){pair->a, pair->b, parts, key,
+				                                  none});
+			}
+		}
+}
+
+/* Where the pair will be in a moment, if it goes straight on. */
+static void go_on(struct rb_pose *pose, double s)
+{
+	const rb_quat turn = rb_quat_from_turn(rb_vec3_scale(s, pose->spin));
+
+	pose->position = rb_vec3_add_scaled(pose->position, s, pose->velocity);
+	pose->orientation = rb_quat_unit(rb_quat_multiply(turn, pose->orientation));
+}
+
+static int by_name(const void *left, const void *right)
+{
+	const struct rb_contact_name x = rb_contact_name_of(left), y = rb_contact_name_of(right);
+
+	return rb_contact_name_compare(&x, &y);
+}
+
+static bool is_leaving(const struct rb_contact_point *m, double band, double noise)
+{
+	return m->inside <= LEAVING_BANDS * band && m->inside_rate < -noise;
+}
+
+/*
+ * Meetings of the names that touch; returns their number, and the fastest at which one leaves its features. Those that are
+ * known to take over, or have done so, are looked at as well: a search tells them apart to the root of rounding only.
+ */
+static int collect(struct search *s, const struct rb_touch_pair *pair, double slack,
+                   struct rb_contact_point *all, double *leaving)
+{
+	int count = 0;
+
+	*leaving = 0;
+	for (int k = 0; k < s->count; k++) {
+		const struct rb_contact_name name = s->name[k];
+		const struct rb_contact_point m = rb_touch_of(s->l, &name, &pair->pose_a,
+		                                              &pair->pose_b);
+		const double band = rb_contact_point_band(s->l, &m, pair->t);
+		const double noise = rb_contact_point_noise(s->l, &m);
+
+		const bool leaves = is_leaving(&m, band, noise);
+
+		if (m.beyond != 0 && (leaves || m.inside < -band)) {
+			const struct rb_contact_name next = {
+				.a = pair->a, .b = pair->b, .parts = name.parts, .key = m.beyond};
+			const struct rb_contact_point n = rb_touch_of(s->l, &next, &pair->pose_a,
+			                                              &pair->pose_b);
+
+			/* rounding of lines that are parallel leads nowhere */
+			if (n.inside > fmin(m.inside, -LEAVING_BANDS * band)) {
+				add_name(s, &next);
+				continue;
+			}
+		}
+		/* features that are in touch at their ends only may be anywhere */
+		if (!(m.gap <= band + slack) ||
+		    m.gap < s->least - s->depth - astray * rb_contact_point_size(s->l, &m))
+			continue;
+		if (leaves) {
+			*leaving = fmax(*leaving, -m.inside_rate);
+			continue;
+		}
+		all[count++] = m;
+	}
+	return count;
+}
+
+int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, double slack,
+                 struct rb_contact_point all[RB_CONTACT_POINTS_MAX])
+{
+	const rb_vec3 w = rb_vec3_sub(pair->pose_b.velocity, pair->pose_a.velocity);
+	struct rb_contact_point still = {.a = pair->a,
+	                                 .b = pair->b,
+	                                 .pose_a = pair->pose_a,
+	                                 .pose_b = pair->pose_b,
+	                                 .normal = {1, 0, 0}};
+	struct search s = {.l = l, .least = HUGE_VAL};
+	double leaving;
+
+	/* no less than the band of any of its points */
+	const double turning = rb_vec3_length(pair->pose_a.spin) *
+	                               rb_model_reach(l->model, pair->a) +
+	                       rb_vec3_length(pair->pose_b.spin) *
+	                               rb_model_reach(l->model, pair->b);
+	still.velocity.x = rb_vec3_length(w) + 2 * turning;
+	const double band = rb_contact_point_band(l, &still, pair->t);
+	s.depth = band + fmax(slack, 0);
+	add_names(&s, pair);
+	int count = collect(&s, pair, slack, all, &leaving);
+	if (leaving > 0) {
+		/* what takes over is what touches a moment later */
+		struct rb_touch_pair later = *pair;
+		const double ahead = AHEAD_BANDS * band / leaving;
+
+		go_on(&later.pose_a, ahead);
+		go_on(&later.pose_b, ahead);
+		s.depth += 2 * ahead * still.velocity.x;
+		add_names(&s, &later);
+		count = collect(&s, pair, slack, all, &leaving);
+	}
+	qsort(all, (size_t)count, sizeof *all, by_name);
+	return count;
+}

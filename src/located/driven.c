@@ -1,0 +1,574 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/driven.h"
+
+#include "base/memory.h"
+#include "step/motion.h"
+
+#include <float.h>
+#include <limits.h>
+#include <string.h>
+
+enum { NODES = RB_GAUSS_NODES, CHECKS = 3, CALM_PIECES = 8, SLIVER_ULP = 16 };
+
+/* Where velocities are asked for: the nodes of Lobatto's quadrature, so that both ends are among them. */
+static const double velocity_node[NODES] = {
+	0,
+	0.064129925745196692331,
+	0.20414990928342884893,
+	0.39535039104876056562,
+	0.60464960895123943438,
+	0.79585009071657115107,
+	0.93587007425480330767,
+	1,
+};
+/*
+ * Where poses are asked for when nothing else is known: the zeros of the Jacobi polynomial P_6^(1,2), and the end. With
+ * pose and velocity at the beginning they determine a polynomial of degree eight. An error of that velocity, which the
+ * last piece has ended with, comes out at the other end as a share prod (1 - s)/s = 1/4 of it: it dies away. The last
+ * one takes the place of that velocity where there is none.
+ */
+static const double pose_node[NODES] = {
+	0.10030907272538186727,
+	0.25404710433055934653,
+	0.44413303230020510064,
+	0.64176988622409823922,
+	0.81689666352785747408,
+	0.94284424089189797226,
+	1,
+	0.03,
+};
+/* Between nodes of both kinds, where polynomials through them are worst. */
+static const double check_at[CHECKS] = {0.15, 0.55, 0.88};
+
+/* Ulp by which a piece may miss the function, if that is no rougher. */
+static const double near_ulp = 16;
+/* Where halving does not help: up to so many ulp it is the function's rounding, up to this share of sizes a kink in it. */
+static const double noise_ulp = 1e5, kink_share = 1e-9;
+/* Of the longest piece: where only kinks lead, whose ends may look smooth. */
+static const double kink_length = 0x1p-24;
+/* Shares by which the velocities may lead elsewhere than the places say: more than what a kink may leave of either. */
+static const double contradiction = 1e-8;
+/* Share of a piece that is left to none of its own: one in the last of the digits that lengths have. */
+static const double sliver = 0x1p-8;
+
+struct rb_driven {
+	struct rb_gauss_piece piece;
+	double *block;    /* owned */
+	double *end_rate; /* [n] of the piece's values at its end, 1/s */
+	double end_s;     /* where the piece has ended; NAN: none has, or not smoothly */
+	double try_s;
+	double near_ulp; /* of the function, as far as is known */
+	int calm;        /* pieces in a row that were as long as tried */
+};
+
+/* A body's function over one piece. */
+struct drive {
+	struct rb_located *l;
+	struct rb_driven *own;
+	int i;
+	double origin_s, length_s;
+	double first_s, longest_s; /* of lengths: tried first, possible */
+	bool given[2];             /* velocities, angular velocities are */
+	bool fresh;                /* nothing is known of the velocity at the beginning */
+	struct rb_driven_pose begin, moving[NODES], placed[NODES];
+};
+
+static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
+{
+	struct rb_located *l = d->l;
+
+	if (l->status == RB_OK)
+		l->status = rb_motion_ask(l->world, d->i, d->origin_s + part * d->length_s,
+		                          d->begin.orientation, pose, l->err);
+	return l->status == RB_OK;
+}
+
+static bool sample(struct drive *d)
+{
+	const bool turns = d->l->top != NULL;
+
+	for (int k = 0; k < NODES && (d->given[0] || (turns && d->given[1])); k++)
+		if (!ask(d, velocity_node[k], &d->moving[k]))
+			return false;
+	for (int k = 0; k < NODES && (!d->given[0] || (turns && !d->given[1])); k++)
+		if (!ask(d, pose_node[k], &d->placed[k]))
+			return false;
+	return true;
+}
+
+static rb_quat turning_of(const struct rb_driven_pose *pose)
+{
+	const rb_vec3 w = pose->angular_velocity;
+
+	return rb_quat_multiply((rb_quat){0, 0.5 * w.x, 0.5 * w.y, 0.5 * w.z}, pose->orientation);
+}
+
+/* ---- polynomials from conditions ---- */
+
+/* Eight conditions on the rates' Legendre coefficients, for up to four columns. */
+struct fit {
+	double matrix[NODES][NODES], right[NODES][4];
+};
+
+static void swap(double *a, double *b)
+{
+	const double kept = *a;
+
+	*a = *b;
+	*b = kept;
+}
+
+/* Gaussian elimination with row pivots; the coefficients go to columns first .. of the piece. */
+static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int count)
+{
+	for (int k = 0; k < NODES; k++) {
+		int best = k;
+
+		for (int r = k + 1; r < NODES; r++)
+			if (fabs(f->matrix[r][k]) > fabs(f->matrix[best][k]))
+				best = r;
+		for (int c = 0; c < NODES; c++)
+			swap(&f->matrix[k][c], &f->matrix[best][c]);
+		for (int c = 0; c < count; c++)
+			swap(&f->right[k][c], &f->right[best][c]);
+		for (int r = k + 1; r < NODES; r++) {
+			const double share = f->matrix[r][k] / f->matrix[k][k];
+
+			for (int c = k; c < NODES; c++)
+				f->matrix[r][c] -= share * f->matrix[k][c];
+			for (int c = 0; c < count; c++)
+				f->right[r][c] -= share * f->right[k][c];
+		}
+	}
+	for (int k = NODES - 1; k >= 0; k--)
+		for (int c = 0; c < count; c++) {
+			double *const column = piece->coefficient + first + c;
+			double sum = f->right[k][c];
+
+			for (int m = k + 1; m < NODES; m++)
+				sum -= f->matrix[k][m] * column[m * piece->n];
+			column[k * piece->n] = sum / f->matrix[k][k];
+		}
+}
+
+/* A row of values of a pose, or of their rates: `first` says which. */
+static void values_of(const struct rb_driven_pose *pose, int first, bool rates, double *to)
+{
+	if (first == RB_ROW_POSITION)
+		rb_vec3_to(to, rates ? pose->velocity : pose->position);
+	else if (first == RB_ROW_ORIENTATION)
+		rb_quat_to(to, rates ? turning_of(pose) : pose->orientation);
+	else
+		rb_vec3_to(to, pose->angular_velocity);
+}
+
+/* Through rates at the nodes of velocities. */
+static void fit_rates(struct drive *d, int first, int count)
+{
+	struct fit f;
+	double value[NODES];
+
+	for (int k = 0; k < NODES; k++) {
+		rb_gauss_basis(velocity_node[k], value, f.matrix[k]);
+		values_of(&d->moving[k], first, true, f.right[k]);
+		for (int c = 0; c < count; c++)
+			f.right[k][c] *= d->length_s;
+	}
+	solve(&f, &d->own->piece, first, count);
+}
+
+/* Through values, and the rate with which the last piece has ended. */
+static void fit_values(struct drive *d, int first, int count)
+{
+	const double *start = d->own->piece.start + first;
+	struct fit f;
+	double value[NODES], rate[NODES];
+
+	for (int k = 0; k < NODES; k++) {
+		const bool joins = k == NODES - 1 && !d->fresh;
+
+		rb_gauss_basis(joins ? 0 : pose_node[k], value, rate);
+		memcpy(f.matrix[k], joins ? rate : value, sizeof value);
+		values_of(&d->placed[k], first, false, f.right[k]);
+		for (int c = 0; c < count; c++)
+			f.right[k][c] = joins ? d->own->end_rate[first + c] * d->length_s
+			                      : f.right[k][c] - start[c];
+	}
+	solve(&f, &d->own->piece, first, count);
+}
+
+/* Rows `to` become the rates of rows `from`: P_k' = 2 sum (2 j + 1) P_j over j = k - 1, k - 3, ... on [0, 1]. */
+static void derive(struct drive *d, int from, int to)
+{
+	const struct rb_gauss_piece *piece = &d->own->piece;
+	const int n = piece->n;
+
+	for (int m = 0; m < 3; m++) {
+		double *const c = piece->coefficient;
+		double start = 0;
+
+		for (int k = NODES - 1; k >= 0; k--)
+			start += (k % 2 ? -1 : 1) * c[k * n + from + m];
+		piece->start[to + m] = start / d->length_s;
+		for (int j = 0; j < NODES; j++) {
+			double sum = 0;
+
+			for (int k = NODES - 1; k > j; k--)
+				sum += (k - j) % 2 ? c[k * n + from + m] : 0;
+			c[j * n + to + m] = 2 * (2 * j + 1) * sum / d->length_s;
+		}
+	}
+}
+
+/* Angular velocity of the orientation's polynomial: w = 2 q' q^-1. */
+static rb_vec3 spin_of(const struct rb_gauss_piece *piece, double s)
+{
+	double q[4], r[4], square = 0;
+
+	for (int k = 0; k < 4; k++) {
+		q[k] = rb_gauss_value(piece, RB_ROW_ORIENTATION + k, s);
+		r[k] = rb_gauss_rate(piece, RB_ROW_ORIENTATION + k, s);
+		square += q[k] * q[k];
+	}
+	const rb_quat w = rb_quat_multiply(rb_quat_from(r), (rb_quat){q[0], -q[1], -q[2], -q[3]});
+	return rb_vec3_scale(2 / square, (rb_vec3){w.x, w.y, w.z});
+}
+
+static void fit(struct drive *d)
+{
+	struct rb_gauss_piece *piece = &d->own->piece;
+
+	piece->length_s = d->length_s;
+	rb_vec3_to(piece->start + RB_ROW_POSITION, d->begin.position);
+	if (d->given[0])
+		fit_rates(d, RB_ROW_POSITION, 3);
+	else
+		fit_values(d, RB_ROW_POSITION, 3);
+	derive(d, RB_ROW_POSITION, RB_ROW_VELOCITY);
+	if (!d->l->top)
+		return;
+	rb_quat_to(piece->start + RB_ROW_ORIENTATION, d->begin.orientation);
+	if (d->given[1])
+		fit_rates(d, RB_ROW_ORIENTATION, 4);
+	else
+		fit_values(d, RB_ROW_ORIENTATION, 4);
+	for (int k = 0; k < NODES && !d->given[1]; k++)
+		d->moving[k].angular_velocity = spin_of(piece, velocity_node[k] * d->length_s);
+	fit_rates(d, RB_ROW_SPIN, 3);
+	derive(d, RB_ROW_SPIN, RB_ROW_SPIN);
+}
+
+/* ---- how good it is ---- */
+
+/* How far a piece is from the function. */
+struct misses {
+	double ulp; /* of the change over the piece, and of the rounding of coordinates and time */
+	double share; /* of the size of the smallest body, of a radian */
+};
+
+/* What rows of a piece may be off by, per ulp, and what makes a share of it. */
+struct units {
+	double ulp, share;
+};
+
+static void compare(const struct drive *d, double part, int first, rb_vec3 wanted,
+                    const struct units *unit, struct misses *max)
+{
+	const double s = part * d->length_s;
+	const rb_vec3 found = {rb_gauss_value(&d->own->piece, first, s),
+	                       rb_gauss_value(&d->own->piece, first + 1, s),
+	                       rb_gauss_value(&d->own->piece, first + 2, s)};
+	const double off = rb_vec3_max_abs(rb_vec3_sub(found, wanted));
+
+	max->ulp = fmax(max->ulp, off / (DBL_EPSILON * fmax(unit->ulp, DBL_MIN)));
+	max->share = fmax(max->share, off / unit->share);
+}
+
+/* Where the orientation's rates lead within the piece. */
+static void compare_turning(const struct drive *d, double part, const struct rb_driven_pose *pose,
+                            const struct units *unit, struct misses *max)
+{
+	const rb_quat wanted = turning_of(pose);
+	double rate[4], off = 0;
+
+	for (int k = 0; k < 4; k++)
+		rate[k] = rb_gauss_rate(&d->own->piece, RB_ROW_ORIENTATION + k, part * d->length_s);
+	off = fmax(fmax(fabs(rate[0] - wanted.w), fabs(rate[1] - wanted.x)),
+	           fmax(fabs(rate[2] - wanted.y), fabs(rate[3] - wanted.z)));
+	off *= d->length_s;
+	max->ulp = fmax(max->ulp, off / (DBL_EPSILON * unit->ulp));
+	max->share = fmax(max->share, off / unit->share);
+}
+
+/* Units of what changes by so much over the piece: the rounding of the time makes that of its rate. */
+static struct units units_of(const struct drive *d, double change, double value, double share)
+{
+	return (struct units){change * (1 + 0.125 * d->origin_s / d->length_s) + 0.125 * value,
+	                      share};
+}
+
+static double change_of(rb_vec3 a, rb_vec3 b)
+{
+	return rb_vec3_max_abs(rb_vec3_sub(a, b));
+}
+
+/* False: the function has failed. `apart`: of the places to which velocities lead. */
+static bool look(struct drive *d, struct misses *max, struct misses *apart)
+{
+	const double size = d->l->model->size_min_m, length = d->length_s;
+	const struct rb_driven_pose *const first = &d->moving[0], *const last =
+									  &d->moving[NODES - 1];
+	const rb_vec3 end = d->given[0] ? last->position : d->placed[NODES - 2].position;
+	const double speed = rb_vec3_max_abs(last->velocity);
+	const double spin = d->l->top ? rb_vec3_max_abs(last->angular_velocity) : 0;
+	const struct units at = units_of(d, change_of(end, d->begin.position), rb_vec3_max_abs(end),
+	                                 size);
+	const struct units moves = units_of(d, change_of(last->velocity, first->velocity), speed,
+	                                    size / length);
+	const struct units turned = units_of(d, length * spin, 1, 1);
+	const struct units turns = units_of(
+		d, change_of(last->angular_velocity, first->angular_velocity), spin, 1 / length);
+
+	*max = *apart = (struct misses){0};
+	for (int k = 0; k <= CHECKS; k++) {
+		const double part = k < CHECKS ? check_at[k] : 1;
+		struct rb_driven_pose pose = *last;
+
+		if (k == CHECKS && !d->given[0] && !d->given[1])
+			break;
+		if (k < CHECKS && !ask(d, part, &pose))
+			return false;
+		if (d->given[0])
+			compare(d, part, RB_ROW_VELOCITY, pose.velocity, &moves, max);
+		if (d->given[0] || k < CHECKS)
+			compare(d, part, RB_ROW_POSITION, pose.position, &at,
+			        d->given[0] ? apart : max);
+		if (!d->l->top)
+			continue;
+		const rb_quat q = pose.orientation;
+		if (d->given[1]) {
+			compare(d, part, RB_ROW_SPIN, pose.angular_velocity, &turns, max);
+			compare_turning(d, part, &pose, &turned, max);
+		}
+		if (d->given[1] || k < CHECKS)
+			compare(d, part, RB_ROW_ORIENTATION + 1, (rb_vec3){q.x, q.y, q.z}, &turned,
+			        d->given[1] ? apart : max);
+	}
+	return true;
+}
+
+/* Looks for jumps and contradictions from the piece's beginning to `part` of it. */
+static bool watch(struct drive *d, double part)
+{
+	struct rb_located *l = d->l;
+	struct rb_motion motion = {.world = l->world,
+	                           .i = d->i,
+	                           .from_s = d->origin_s,
+	                           .to_s = d->origin_s + part * d->length_s,
+	                           .begin = d->begin,
+	                           .coarse = kink_share,
+	                           .agreement = noise_ulp * DBL_EPSILON};
+
+	if (ask(d, part, &motion.end))
+		l->status = rb_motion_watch(&motion, l->err);
+	return l->status == RB_OK;
+}
+
+/* A function that cannot be followed: what is wrong with it? */
+static bool refuse(struct drive *d)
+{
+	struct rb_located *l = d->l;
+	char label[64];
+
+	if (watch(d, d->first_s / d->length_s))
+		l->status = RB_FAIL(
+			l->err, RB_ERR_SCENE,
+			"'motion' of '%s' at t = %.9g s: no smooth motion follows it",
+			rb_scene_body_label(l->model->scene, l->model->id_of[d->i], label),
+			d->origin_s);
+	return false;
+}
+
+/* Of 8 binary digits, so that times of pieces add up exactly. */
+static double rounded(double length)
+{
+	int exponent;
+	const double digits = frexp(length, &exponent);
+
+	return ldexp(floor(digits * 0x1p8), exponent - 8);
+}
+
+/*
+ * The error goes with the ninth power of the length; but what is the function's rounding does not, as after a kink: twice as
+ * long is tried now and then.
+ */
+static double next_length(const struct drive *d, double missed)
+{
+	const double grow = sqrt(sqrt(sqrt(d->own->near_ulp / fmax(missed, DBL_MIN))));
+	const double least = d->own->calm >= CALM_PIECES ? 2 : 1;
+
+	return rounded(d->length_s * fmin(fmax(0.9 * grow, least), 4));
+}
+
+/* The longest piece that is near enough. */
+static bool find_length(struct drive *d)
+{
+	struct rb_driven *const own = d->own;
+	const double least = 4 * DBL_EPSILON * fmax(d->origin_s, d->length_s);
+	double before = HUGE_VAL;
+	struct misses missed, apart;
+
+	own->near_ulp = fmax(0.5 * own->near_ulp, near_ulp);
+	for (;; d->length_s *= 0.5) {
+		if (!sample(d))
+			return false;
+		fit(d);
+		if (!look(d, &missed, &apart))
+			return false;
+		const bool helps = missed.ulp <= 0.125 * before;
+		if (!helps && before <= noise_ulp) {
+			own->near_ulp = 4 * before;
+			before = HUGE_VAL;
+			d->length_s *= 4;
+			continue;
+		}
+		if (missed.ulp <= own->near_ulp || !(0.5 * d->length_s > least) ||
+		    ((!helps || d->length_s <= kink_length * d->longest_s) &&
+		     missed.share <= kink_share))
+			break;
+		before = missed.ulp;
+	}
+	if ((missed.ulp > own->near_ulp && !(missed.share <= kink_share)) ||
+	    (apart.share > contradiction && apart.ulp > noise_ulp))
+		return refuse(d);
+	/* what is near only as kinks and rounding allow may be a jump */
+	if ((d->length_s < d->first_s || own->near_ulp > near_ulp) && !watch(d, 1))
+		return false;
+	const bool smooth = missed.ulp <= own->near_ulp;
+	own->calm = smooth && d->length_s == d->first_s ? own->calm + 1 : 0;
+	own->try_s = smooth ? next_length(d, missed.ulp) : 2 * d->length_s;
+	/* what comes after a kink owes nothing to what was before it */
+	own->end_s = smooth ? d->origin_s + d->length_s : (double)NAN;
+	for (int k = 0; k < own->piece.n; k++)
+		own->end_rate[k] = rb_gauss_rate(&own->piece, k, d->length_s);
+	return true;
+}
+
+/* ---- a piece ---- */
+
+static struct rb_driven *driven_of(struct rb_located *l, int i, int n)
+{
+	if (!l->piece)
+		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
+	if (!l->driven)
+		l->driven = rb_memory_take((size_t)l->n, sizeof *l->driven);
+	if (!l->piece || !l->driven)
+		return NULL;
+	if (!l->driven[i]) {
+		struct rb_driven *made = rb_memory_take(1, sizeof *made);
+
+		if (!made)
+			return NULL;
+		l->driven[i] = made;
+		made->block = rb_memory_take((size_t)n * (2 + NODES), sizeof *made->block);
+		if (!made->block)
+			return NULL;
+		made->piece = (struct rb_gauss_piece){
+			.n = n, .start = made->block, .coefficient = made->block + 2 * n};
+		made->end_rate = made->block + n;
+		made->end_s = (double)NAN;
+	}
+	return l->driven[i];
+}
+
+/* The orientation goes on on the side where the last piece has ended. */
+static bool begin(struct drive *d)
+{
+	const struct rb_gauss_piece *piece = &d->own->piece;
+	double q[4];
+
+	d->begin.orientation = d->l->model->orientation[d->i];
+	if (!d->fresh && d->l->top) {
+		for (int k = 0; k < 4; k++)
+			q[k] = rb_gauss_value(piece, RB_ROW_ORIENTATION + k, piece->length_s);
+		d->begin.orientation = rb_quat_from(q);
+	}
+	if (!ask(d, 0, &d->begin))
+		return false;
+	d->given[0] = d->begin.has_velocity;
+	d->given[1] = d->begin.has_angular_velocity;
+	return true;
+}
+
+void rb_driven_piece(struct rb_located *l, int i, double t)
+{
+	struct rb_driven *own = driven_of(l, i, rb_located_row(l));
+	double square = 0;
+
+	if (!own) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a driven body");
+		return;
+	}
+	/* not so long that what happens in between could be overlooked */
+	const double longest = fmax(1 / l->model->frame_rate, l->end_s / 256);
+	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
+	/* what is left of the run is no piece, nor is what a piece would leave of it: such short ones have no second derivative */
+	const double left = l->end_s - t;
+	const bool ends = left > SLIVER_ULP * DBL_EPSILON * t;
+	struct drive d = {.l = l,
+	                  .own = own,
+	                  .i = i,
+	                  .origin_s = t,
+	                  .length_s = ends && left <= (1 + sliver) * length ? left : length,
+	                  .fresh = !(own->end_s == t)};
+	d.first_s = d.length_s;
+	d.longest_s = longest;
+	if (!begin(&d) || !find_length(&d))
+		return;
+	for (int m = 0; m < 3; m++) {
+		const double max = rb_gauss_rate_bound(&own->piece, RB_ROW_VELOCITY + m);
+		square += max * max;
+	}
+	l->piece[i] = (struct rb_piece_of){.piece = own->piece,
+	                                   .first = 0,
+	                                   .origin_s = t,
+	                                   .until_s = t + own->piece.length_s,
+	                                   .acceleration_max = sqrt(square)};
+}
+
+void rb_driven_release(struct rb_located *l)
+{
+	for (int i = 0; l->driven && i < l->n; i++)
+		if (l->driven[i]) {
+			rb_memory_free(l->driven[i]->block);
+			rb_memory_free(l->driven[i]);
+		}
+	rb_memory_free(l->driven);
+}
+
+void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack)
+{
+	const int n = rb_located_row(l);
+	bool has = l->driven && l->driven[i];
+
+	rb_pack_bool(pack, &has);
+	if (!has)
+		return;
+	struct rb_driven *const own = pack->loading ? driven_of(l, i, n) : l->driven[i];
+
+	if (!own) {
+		pack->failed = pack->no_memory = true;
+		return;
+	}
+	rb_pack_finite(pack, &own->piece.length_s, 1);
+	rb_pack_finite(pack, own->piece.start, (size_t)n);
+	rb_pack_finite(pack, own->piece.coefficient, (size_t)n * NODES);
+	rb_pack_finite(pack, own->end_rate, (size_t)n);
+	rb_pack_doubles(pack, &own->end_s, 1);
+	rb_pack_finite(pack, &own->try_s, 1);
+	rb_pack_finite(pack, &own->near_ulp, 1);
+	rb_pack_int(pack, &own->calm, 0, INT_MAX);
+	(void)rb_pack_check(pack, own->piece.length_s > 0, "a piece without length");
+	if (pack->loading && !pack->failed)
+		l->piece[i].piece = own->piece;
+}

@@ -1,0 +1,733 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/engine.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "located/account.h"
+#include "located/cluster.h"
+#include "located/driven.h"
+#include "located/predict.h"
+#include "located/integrate.h"
+#include "located/inspect.h"
+#include "located/external_force.h"
+#include "located/resolve_contacts.h"
+#include "located/resolve_impact.h"
+#include "located/drift.h"
+#include "located/transition.h"
+#include "geom/distance.h"
+
+/* Below this many bodies all are candidates of each other: cells would cost more than they spare. */
+enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
+/* So many events of every body at one moment: it does not get on. */
+enum { STUCK_EVENTS = 10000 };
+/* What is counted within a step, in bodies: more is too dense to locate. */
+enum { CROWD_MAX = 1024, CROWD_MAX_PER_BODY = 8 };
+
+static bool can_be_stepped(const struct rb_located *l)
+{
+	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT);
+}
+
+/* ---- making ---- */
+
+static void *row(size_t count, size_t size, bool *failed)
+{
+	void *const block = rb_memory_take(count > 0 ? count : 1, size);
+
+	*failed = *failed || !block;
+	return block;
+}
+
+/* A fast spin asks for short pieces only where the orientation acts on something. */
+static bool is_unfelt(const struct rb_located *l, int i)
+{
+	const struct rb_model *model = l->model;
+
+	return model->shape[i].kind == RB_SHAPE_SPHERE && !model->center_of_mass &&
+	       !isnan(model->inverse_inertia_scalar[i]) && !rb_located_driven(l, i) &&
+	       !rb_external_turns_with(l, i);
+}
+
+static bool make_rows(struct rb_located *l)
+{
+	const size_t n = (size_t)l->n;
+	bool failed = false;
+
+	l->arc = row(n, sizeof *l->arc, &failed);
+	l->generation = row(n, sizeof *l->generation, &failed);
+	if (l->model->keeps_ledger)
+		l->account_s = row(n, sizeof *l->account_s, &failed);
+	l->next = row(n, sizeof *l->next, &failed);
+	l->cluster_of = row(n, sizeof *l->cluster_of, &failed);
+	l->near = row(n, sizeof *l->near, &failed);
+	l->set = row(n, sizeof *l->set, &failed);
+	l->place = row(n, sizeof *l->place, &failed);
+	l->plane_normal = row((size_t)l->model->static_count, sizeof *l->plane_normal, &failed);
+	if (l->world->state.orientation) {
+		l->top = row(n, sizeof *l->top, &failed);
+		l->top_body = row(n, sizeof *l->top_body, &failed);
+		l->unfelt = row(n, sizeof *l->unfelt, &failed);
+	}
+	if (failed)
+		return false;
+	for (int i = 0; i < l->n; i++) {
+		l->cluster_of[i] = l->place[i] = -1;
+		l->next[i] = (struct rb_next){.touch_s = HUGE_VAL, .wall_s = HUGE_VAL};
+		if (!l->top)
+			continue;
+		l->top_body[i] = rb_top_body_of(&l->model->inertia[i]);
+		l->unfelt[i] = is_unfelt(l, i);
+	}
+	for (int k = 0; k < l->model->static_count; k++)
+		l->plane_normal[k] = rb_plane_normal(l->model->orientation[l->n + k]);
+	return true;
+}
+
+static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
+{
+	const size_t n = (size_t)l->n;
+	double *const radius = rb_memory_take(n, sizeof *radius);
+	enum rb_status status;
+
+	if (!radius)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the cells of %zu bodies", n);
+	for (int i = 0; i < l->n; i++)
+		radius[i] = rb_model_reach(l->model, i);
+	status = rb_cells_create(&l->cells, l->n, radius, l->world->state.position, err);
+	rb_memory_free(radius);
+	return status;
+}
+
+/* Cells are of spheres about their centres. */
+static bool wants_cells(const struct rb_located *l)
+{
+	if (l->n < CELLS_FROM || !(l->model->features & RB_FEATURE_CONTACT) || l->model->driven ||
+	    l->model->center_of_mass)
+		return false;
+	/* bodies on pieces leave their cells at moments that have no closed form */
+	return !(l->model->features & RB_FEATURES_NOT_CLASSIC);
+}
+
+enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
+                                struct rb_error *err)
+{
+	struct rb_located *l = rb_memory_take(1, sizeof *l);
+	enum rb_status status = RB_OK;
+
+	*made = NULL;
+	if (!l)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
+	l->world = world;
+	l->model = world->model;
+	l->n = world->model->body_count;
+	l->arena = &world->arena[0];
+	l->end_s = world->model->duration_s;
+	l->crowd_max = can_be_stepped(l) ? CROWD_MAX + CROWD_MAX_PER_BODY * (uint64_t)l->n
+	                                 : UINT64_MAX;
+	l->weight = rb_vec3_length(world->model->scene->world.gravity);
+	l->stuck_s = -HUGE_VAL;
+	l->come_a = l->come_b = -1;
+	if (!make_rows(l) || !rb_external_switches(l))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the located method");
+	/* bodies, clusters (never more than bodies), switches of forces */
+	if (status == RB_OK)
+		status = rb_queue_create(&l->queue, 2 * l->n + 1, err);
+	if (status == RB_OK && wants_cells(l))
+		status = make_cells(l, err);
+	if (status != RB_OK) {
+		rb_engine_destroy(l);
+		return status;
+	}
+	*made = l;
+	return RB_OK;
+}
+
+void rb_engine_destroy(struct rb_located *l)
+{
+	if (!l)
+		return;
+	rb_cluster_release_all(l);
+	rb_driven_release(l);
+	rb_queue_destroy(l->queue);
+	rb_cells_destroy(l->cells);
+	rb_memory_free(l->arc);
+	rb_memory_free(l->top);
+	rb_memory_free(l->top_body);
+	rb_memory_free(l->unfelt);
+	rb_memory_free(l->piece);
+	rb_memory_free(l->generation);
+	rb_memory_free(l->account_s);
+	rb_memory_free(l->next);
+	rb_memory_free(l->cluster_of);
+	rb_memory_free(l->near);
+	rb_memory_free(l->set);
+	rb_memory_free(l->place);
+	rb_memory_free(l->plane_normal);
+	rb_memory_free(l->switch_s);
+	rb_memory_free(l->merge);
+	rb_memory_free(l);
+}
+
+/* ---- events ---- */
+
+/* All of the set are on new arcs. */
+static void predict_set(struct rb_located *l, double t)
+{
+	for (int k = 0; k < l->set_count; k++)
+		l->generation[l->set[k]]++;
+	for (int k = 0; k < l->set_count && l->status == RB_OK; k++)
+		rb_predict(l, l->set[k], t, -1);
+	rb_set_clear(l);
+}
+
+/*
+ * Bodies that an impact or a change of contacts concerns together: so many of them get nowhere. Two spheres are no crowd,
+ * as they are none where nothing but gravity acts on them; two solids may rattle on and on.
+ */
+static void count_crowd(struct rb_located *l)
+{
+	if (l->set_count > 2 || l->model->parts)
+		l->crowd += (uint64_t)l->set_count;
+}
+
+static void resolve_set(struct rb_located *l, double t)
+{
+	int hit[2];
+
+	if (!rb_resolve_contacts(l, t, false, 0, hit))
+		rb_resolve_impacts(l, hit[0], hit[1], t);
+	if (l->status == RB_OK)
+		predict_set(l, t);
+}
+
+/* What an impact of a pair changes. */
+struct before {
+	struct rb_arc arc[2];
+	struct rb_top top[2];
+	struct rb_counts counts;
+	struct rb_ledger ledger;
+	double account_s[2];
+	size_t events;
+};
+
+static void remember(const struct rb_located *l, int i, int j, struct before *before)
+{
+	before->arc[0] = l->arc[i];
+	if (j < l->n)
+		before->arc[1] = l->arc[j];
+	if (l->top)
+		before->top[0] = l->top[i];
+	if (l->top && j < l->n)
+		before->top[1] = l->top[j];
+	before->counts = l->world->frame_counts;
+	before->events = l->world->events.count;
+	before->account_s[0] = before->account_s[1] = 0;
+	if (!l->account_s)
+		return;
+	before->ledger = l->world->ledger;
+	before->account_s[0] = l->account_s[i];
+	before->account_s[1] = j < l->n ? l->account_s[j] : 0;
+}
+
+static void take_back(struct rb_located *l, int i, int j, const struct before *before)
+{
+	l->arc[i] = before->arc[0];
+	if (j < l->n)
+		l->arc[j] = before->arc[1];
+	if (l->top)
+		l->top[i] = before->top[0];
+	if (l->top && j < l->n)
+		l->top[j] = before->top[1];
+	l->world->frame_counts = before->counts;
+	l->world->events.count = before->events;
+	if (!l->account_s)
+		return;
+	l->world->ledger = before->ledger;
+	l->account_s[i] = before->account_s[0];
+	if (j < l->n)
+		l->account_s[j] = before->account_s[1];
+}
+
+/* The common case first; taken back when somebody else turns out to touch as well. */
+static void touch(struct rb_located *l, int i, double t)
+{
+	const int j = l->next[i].partner;
+	struct before before;
+
+	remember(l, i, j, &before);
+	if (rb_resolve_impact_of_pair(l, i, j, t)) {
+		l->generation[i]++;
+		if (j < l->n)
+			l->generation[j]++;
+		int others = rb_predict(l, i, t, j);
+		if (j < l->n)
+			others += rb_predict(l, j, t, i);
+		if (others == 0)
+			return;
+		take_back(l, i, j, &before);
+	}
+	rb_resolve_impacts(l, i, j, t);
+	count_crowd(l);
+	if (l->status == RB_OK)
+		predict_set(l, t);
+}
+
+static void body_event(struct rb_located *l, int i, double t)
+{
+	const struct rb_next *next = &l->next[i];
+
+	if (next->wall_s < next->touch_s) {
+		rb_predict_wall(l, i, t);
+		return;
+	}
+	/* a look that found nothing: so many of them get nowhere either */
+	l->crowd += next->again && l->model->parts;
+	if (next->again ||
+	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
+		rb_predict(l, i, t, -1);
+		return;
+	}
+	l->events++;
+	l->world->frame_counts.substeps++;
+	touch(l, i, t);
+}
+
+static void cluster_event(struct rb_located *l, int cluster, double t)
+{
+	const struct rb_cluster *c = &l->cluster[cluster];
+
+	l->events++;
+	l->world->frame_counts.substeps++;
+	for (int k = 0; k < c->member_count; k++)
+		rb_set_add(l, c->member[k]);
+	if (c->integrated && c->held_count == 0) { /* nothing but the next piece */
+		rb_integrate_piece(l, cluster, t);
+		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
+		predict_set(l, t);
+		return;
+	}
+	/* the mere next piece is no event, however many a motion takes; its arithmetic counts */
+	if (!c->integrated || c->is_cut || c->hits || c->has_jammed)
+		count_crowd(l);
+	if (c->hits) { /* bodies that touch come to touch at another point */
+		rb_resolve_impacts(l, c->hit_a, c->hit_b, t);
+		if (l->status == RB_OK)
+			predict_set(l, t);
+		return;
+	}
+	resolve_set(l, t);
+}
+
+/* Forces begin or end: every body that has some starts anew. */
+static void switch_event(struct rb_located *l, double t)
+{
+	const struct rb_scene *scene = l->model->scene;
+
+	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
+		l->switch_next++;
+	rb_queue_set(l->queue, 2 * l->n,
+	             l->switch_next < l->switch_count ? l->switch_s[l->switch_next] : HUGE_VAL);
+	for (int i = 0; i < l->n; i++) {
+		if (scene->bodies[l->model->id_of[i]].force_count == 0 || rb_located_fixed(l, i))
+			continue;
+		rb_set_add(l, i);
+	}
+	resolve_set(l, t);
+}
+
+static void driven_event(struct rb_located *l, int i, double t)
+{
+	rb_driven_piece(l, i, t);
+	if (l->status != RB_OK)
+		return;
+	l->generation[i]++;
+	rb_predict(l, i, t, -1);
+	/* whatever rests on it follows its new piece */
+	for (int k = 0; k < l->cluster_count; k++)
+		for (int h = 0; l->cluster[k].used && h < l->cluster[k].held_count; h++)
+			if (l->cluster[k].held[h].a == i || l->cluster[k].held[h].b == i) {
+				for (int m = 0; m < l->cluster[k].member_count; m++)
+					rb_set_add(l, l->cluster[k].member[m]);
+				break;
+			}
+	if (l->set_count > 0)
+		resolve_set(l, t);
+}
+
+static bool is_stuck(struct rb_located *l, int which, double t)
+{
+	char label[64];
+	const int body = which < l->n       ? which
+	                 : which < 2 * l->n ? l->cluster[which - l->n].member[0]
+	                                    : 0;
+
+	if (t > l->stuck_s) {
+		l->stuck_s = t;
+		l->stuck_count = 0;
+		return false;
+	}
+	if (++l->stuck_count < (uint64_t)STUCK_EVENTS + 64 * (uint64_t)l->n)
+		return false;
+	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+	                    "%llu events at t = %.17g s and no end, the last of '%s'",
+	                    (unsigned long long)l->stuck_count, t,
+	                    rb_scene_body_label(l->model->scene, l->model->id_of[body], label));
+	return true;
+}
+
+static void store_all(const struct rb_located *l, double t)
+{
+	for (int i = 0; i < l->n; i++)
+		rb_arc_store(l, i, t);
+	l->world->state.time_s = t;
+}
+
+/* As first described: an event takes the whole scene back to its moment. */
+static void restore_everything(struct rb_located *l, double t)
+{
+	store_all(l, t);
+	l->world->frame_counts.rollbacks++;
+	l->world->frame_counts.discarded_body_steps += (uint64_t)l->n;
+}
+
+/* ---- callbacks ---- */
+
+/* Events that have been told since `first`, in their order; what the callbacks change starts new arcs. */
+static void call_hooks(struct rb_located *l, size_t first, double t)
+{
+	struct rb_world *world = l->world;
+	const struct rb_world_hooks *hooks = &world->hooks;
+	const size_t count = world->events.count;
+
+	if (count > first && (hooks->collision || hooks->transition)) {
+		store_all(l, t);
+		rb_account_all(l, t); /* what has been pushed so far */
+		rb_state_copy(&world->start, &world->state);
+		for (size_t k = first; k < count && l->status == RB_OK; k++) {
+			const struct rb_event event = world->events.row[k];
+
+			world->called++;
+			world->moment++;
+			if (event.kind == RB_EVENT_COLLISION && hooks->collision)
+				l->status = hooks->collision(hooks->user, world, &event, l->err);
+			else if (event.kind != RB_EVENT_COLLISION && hooks->transition)
+				l->status = hooks->transition(hooks->user, world, &event, l->err);
+		}
+		if (l->status == RB_OK)
+			l->status = rb_engine_take_changes(l, t, l->err);
+	}
+	if (!world->options.keep_events)
+		world->events.count = first;
+}
+
+static bool differs(const double *a, const double *b, int i, int columns)
+{
+	return a && memcmp(a + (size_t)columns * (size_t)i, b + (size_t)columns * (size_t)i,
+	                   (size_t)columns * sizeof *a) != 0;
+}
+
+/*
+ * What callbacks have thrown into something that it touches already: that is an impact, and nobody looks for one between those
+ * that are held. By more than a held contact may drift.
+ */
+static void predict_thrown(struct rb_located *l, double t)
+{
+	for (int k = 0; k < l->cluster_count; k++) {
+		const struct rb_cluster *c = &l->cluster[k];
+
+		for (int h = 0; c->used && h < c->held_count; h++) {
+			const struct rb_contact_point m = rb_set_contact_point(l, &c->held[h], t);
+			const double speeds = rb_vec3_length(m.pose_a.velocity) +
+			                      rb_vec3_length(m.pose_b.velocity);
+			const int mover = rb_located_fixed(l, m.a) ? m.b : m.a;
+			const int other = mover == m.a ? m.b : m.a;
+
+			if (!(rb_vec3_dot(m.velocity, m.normal) <
+			      -rb_contact_point_noise(l, &m) - rb_drift_correct * speeds))
+				continue;
+			l->next[mover].touch_s = t;
+			l->next[mover].partner = other;
+			l->next[mover].again = false;
+			l->next[mover].generation = other < l->n ? l->generation[other] : 0;
+			rb_queue_set(l->queue, mover, t);
+		}
+	}
+}
+
+enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_error *err)
+{
+	const struct rb_state *now = &l->world->state, *before = &l->world->start;
+
+	l->err = err;
+	for (int i = 0; i < l->n && l->started; i++) {
+		const bool moved = differs(now->position, before->position, i, 3);
+		const bool kicked = moved || differs(now->velocity, before->velocity, i, 3) ||
+		                    differs(now->spin, before->spin, i, 3) ||
+		                    differs(now->orientation, before->orientation, i, 4);
+
+		if (rb_located_driven(l, i) ||
+		    (!kicked && !differs(now->push, before->push, i, 3) &&
+		     !differs(now->twist, before->twist, i, 3)))
+			continue;
+		struct rb_pose pose = rb_arc_pose(l, i, t);
+		if (moved) {
+			pose.position = rb_world_row3(now->position, i);
+			pose.rest = (rb_vec3){0, 0, 0};
+		}
+		pose.velocity = rb_world_row3(now->velocity, i);
+		if (l->top)
+			pose.spin = rb_world_row3(now->spin, i);
+		if (kicked && l->cluster_of[i] >= 0) {
+			/* all of its cluster goes on from where it is */
+			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
+
+			for (int m = 0; m < c->member_count; m++) {
+				const struct rb_pose other = rb_arc_pose(l, c->member[m], t);
+
+				rb_set_add(l, c->member[m]);
+				if (rb_located_on_piece(l, c->member[m]))
+					rb_arc_anchor(l, c->member[m], t, &other,
+					              (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+			}
+		}
+		if (kicked)
+			rb_arc_anchor(l, i, t, &pose, rb_arc_acceleration(l, i, t),
+			              (rb_vec3){0, 0, 0});
+		if (moved && l->cells)
+			rb_cells_place(l->cells, i, pose.position);
+		rb_set_add(l, i);
+	}
+	if (l->set_count > 0) {
+		rb_resolve_contacts(l, t, true, 0, NULL);
+		predict_set(l, t);
+		predict_thrown(l, t);
+	}
+	return l->status;
+}
+
+/* ---- advancing ---- */
+
+/* Arcs of the beginning; what touches or has no closed form is settled. */
+static void start(struct rb_located *l, double t)
+{
+	const rb_vec3 none = {0, 0, 0};
+
+	l->started = l->starting = true;
+	l->now_s = t;
+	rb_account_begin(l, t);
+	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
+		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
+		                       .velocity = rb_world_row3(l->world->state.velocity, i),
+		                       .orientation = l->model->orientation[i]};
+		const struct rb_force_query view = {.time_s = t, .active_s = t};
+		rb_vec3 linear = none, angular = none;
+
+		if (l->top) {
+			pose.orientation = rb_quat_from(l->world->state.orientation +
+			                                4 * (size_t)i);
+			pose.spin = rb_world_row3(l->world->state.spin, i);
+		}
+		rb_arc_anchor(l, i, t, &pose, none, none);
+		if (l->cells && t > 0)
+			rb_cells_place(l->cells, i, pose.position);
+		if (rb_located_driven(l, i)) {
+			rb_driven_piece(l, i, t);
+			continue;
+		}
+		if (rb_external_is_constant(l, i, t))
+			rb_external_force_at(l, i, &pose, &view, &linear, &angular);
+		rb_arc_anchor(l, i, t, &pose, linear, rb_external_turning(l, i));
+	}
+	/* what is too dense to begin with is left to steps at once */
+	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
+		const int touching = rb_predict(l, i, t, -1);
+
+		if (rb_located_driven(l, i) || l->cluster_of[i] >= 0 ||
+		    (touching == 0 && rb_external_is_constant(l, i, t)))
+			continue;
+		rb_set_add(l, i);
+		resolve_set(l, t);
+	}
+	l->starting = false;
+	while (l->switch_next < l->switch_count && l->switch_s[l->switch_next] <= t)
+		l->switch_next++;
+	if (l->switch_next < l->switch_count)
+		rb_queue_set(l->queue, 2 * l->n, l->switch_s[l->switch_next]);
+}
+
+static void one_event(struct rb_located *l, int which, double t)
+{
+	const size_t reported = l->world->events.count;
+
+	l->now_s = t;
+	if (is_stuck(l, which, t))
+		return;
+	if (l->model->rollback == RB_ROLLBACK_GLOBAL)
+		restore_everything(l, t);
+	if (which >= 2 * l->n)
+		switch_event(l, t);
+	else if (which >= l->n)
+		cluster_event(l, which - l->n, t);
+	else if (rb_located_driven(l, which) && t >= l->piece[which].until_s)
+		driven_event(l, which, t);
+	else
+		body_event(l, which, t);
+	if (l->status == RB_OK)
+		call_hooks(l, reported, t);
+}
+
+/* Steps have rollback for what events cannot resolve, but not every force. */
+bool rb_engine_wants_steps(const struct rb_located *l)
+{
+	return (l->model->features & RB_FEATURE_PUSHES) || can_be_stepped(l);
+}
+
+/* Arcs and clusters are of no use from here: some were given up halfway, and a checkpoint would keep them. */
+static void forget_arcs(struct rb_located *l)
+{
+	for (int k = 0; k < l->cluster_count; k++)
+		if (l->cluster[k].used)
+			rb_cluster_drop(l, k);
+	for (int i = 0; l->piece && i < l->n; i++)
+		if (!rb_located_driven(l, i))
+			l->piece[i].piece.n = 0;
+	l->merge_count = 0;
+	l->switch_next = 0;
+	l->started = false;
+	l->world->open = (struct rb_entries){0};
+}
+
+void rb_engine_go_back(struct rb_located *l)
+{
+	l->status = RB_OK;
+	rb_set_clear(l);
+	forget_arcs(l);
+}
+
+/* Leaves the rest to steps, at the moment reached, where events come too densely or cannot be resolved. */
+static bool gives_way(struct rb_located *l)
+{
+	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
+		return false;
+	if (l->status == RB_OK && !rb_located_is_dense(l))
+		return false;
+	l->status = RB_OK;
+	rb_set_clear(l);
+	store_all(l, l->now_s);
+	l->status = rb_inspect_contacts(l, l->now_s);
+	rb_account_all(l, l->now_s);
+	forget_arcs(l);
+	return true;
+}
+
+/* What has been counted lasts until time has allowed for it. */
+static void allow(struct rb_located *l, double dt)
+{
+	const double left = (double)rb_located_crowd(l) - RB_LOCATED_SECOND * dt;
+
+	l->crowd = left > 0 ? (uint64_t)left : 0;
+	l->products = 0;
+}
+
+/* Brings what turns fast and evenly faster to this moment bit by bit; false: the run is to end. */
+static bool follow_turns(struct rb_located *l, double t)
+{
+	for (int i = 0; l->top && i < l->n; i++)
+		while (!rb_located_on_piece(l, i) &&
+		       !rb_top_follow(&l->top[i], t - l->arc[i].anchor_s, TURNS_PER_POLL))
+			if (rb_world_is_stopped(l->world))
+				return false;
+	return true;
+}
+
+enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_error *err)
+{
+	const size_t reported = l->world->events.count;
+	double t;
+
+	l->err = err;
+	if (l->started) {
+		allow(l, until - l->now_s);
+	} else {
+		l->crowd = l->products = 0;
+		start(l, l->world->state.time_s);
+		if (l->status == RB_OK) /* slips that no force allows have ended at once */
+			call_hooks(l, reported, l->now_s);
+	}
+	if (gives_way(l))
+		return l->status;
+	for (int which = rb_queue_first(l->queue, &t);
+	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
+		rb_arena_reset(l->arena);
+		/* what was late by rounding happens now */
+		one_event(l, which, fmax(t, l->now_s));
+		if (++l->polled % EVENTS_PER_POLL == 0 && rb_world_is_stopped(l->world))
+			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+		if (gives_way(l))
+			return l->status;
+	}
+	if (l->status != RB_OK)
+		return l->status;
+	if (!follow_turns(l, until))
+		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
+	l->now_s = fmax(l->now_s, until);
+	l->crowd = rb_located_crowd(l);
+	l->products = 0;
+	store_all(l, until);
+	l->world->frame_counts.body_steps += (uint64_t)l->n;
+	if (l->model->features & RB_FEATURE_PUSHES) /* they end with the step */
+		rb_account_all(l, until);
+	else if (l->account_s)
+		l->world->open = rb_account_open(l, until);
+	return l->status;
+}
+
+/* Fails with the deepest overlap that is beyond the tolerance; 0 where nothing can touch. */
+static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
+{
+	const double t = l->world->state.time_s;
+	char first[64], second[64];
+	int a, b;
+
+	*depth = 0;
+	if (!(l->model->features & RB_FEATURE_CONTACT))
+		return RB_OK;
+	*depth = rb_inspect_overlap(l, t, &a, &b);
+	if (*depth <= l->model->tolerance_m)
+		return RB_OK;
+	return l->status = RB_FAIL(
+		       err, RB_ERR_PHYSICS,
+		       "'%s' and '%s' overlap by %.3g m at t = %.9g s, tolerance %.3g m",
+		       rb_scene_body_label(l->model->scene, l->model->id_of[a], first),
+		       rb_scene_body_label(l->model->scene, l->model->id_of[b], second), *depth, t,
+		       l->model->tolerance_m);
+}
+
+enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)
+{
+	double depth;
+
+	/* what is in cells are spheres whose touches have closed forms */
+	return l->cells ? RB_OK : check(l, &depth, err);
+}
+
+enum rb_status rb_engine_inspect(struct rb_located *l, struct rb_error *err)
+{
+	const double t = l->world->state.time_s;
+	double depth;
+
+	l->err = err;
+	if (!l->started) /* the classic method has just come to this frame */
+		return RB_OK;
+	l->status = rb_inspect_contacts(l, t);
+	if (l->status == RB_OK && l->world->options.keep_contacts)
+		l->status = rb_inspect_forces(l, t, &l->world->shown);
+	l->world->has_shown = l->world->options.keep_contacts && l->status == RB_OK;
+	if (l->status != RB_OK)
+		return l->status;
+	const enum rb_status status = check(l, &depth, err);
+	l->world->frame_counts.max_penetration_m = fmax(l->world->frame_counts.max_penetration_m,
+	                                                depth);
+	return status;
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * The located method: from event to event in order of time, each dealing only with the bodies that it touches.
+ *
+ * Between events nobody is looked at; frames and callbacks see every body evaluated on its arc at their moment, which
+ * changes nothing. With `rollback = "global"` every event evaluates the whole scene at its moment and takes it back, as
+ * first described: the same bits at the cost that this has.
+ */
+#ifndef RB_LOCATED_ENGINE_H
+#define RB_LOCATED_ENGINE_H
+
+#include "world/world.h"
+
+struct rb_located;
+
+/* From the world's state, which is that of its start. The first advance makes arcs and foresees. */
+RB_CHECKED enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,
+                                           struct rb_error *err);
+void rb_engine_destroy(struct rb_located *l); /* NULL is fine */
+
+/*
+ * All events up to `until_s`, callbacks called; the world's state is then as of that moment. Of a scene that may also
+ * be stepped (method "auto"): ends earlier, with the state of that moment, where events of crowds come too densely; the
+ * next advance begins anew from the state as it then is.
+ * RB_ERR_INTERRUPT when the world's `stop` said so.
+ */
+RB_CHECKED enum rb_status rb_engine_advance(struct rb_located *l, double until_s,
+                                            struct rb_error *err);
+
+/* Whether callbacks or a change of method need the grid of time_step. */
+bool rb_engine_wants_steps(const struct rb_located *l);
+
+/* The world's state is that of an earlier moment: the next advance begins anew from there. */
+void rb_engine_go_back(struct rb_located *l);
+
+/* At a moment that it has come to: RB_ERR_PHYSICS names an overlap beyond the tolerance. */
+RB_CHECKED enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err);
+
+/* At a frame: lists the lasting contacts and looks for overlaps; RB_ERR_PHYSICS names one beyond the tolerance. */
+RB_CHECKED enum rb_status rb_engine_inspect(struct rb_located *l, struct rb_error *err);
+
+/* A callback may have changed the world's state since it was stored: bodies that differ start new arcs. */
+RB_CHECKED enum rb_status rb_engine_take_changes(struct rb_located *l, double now_s,
+                                                 struct rb_error *err);
+
+#endif

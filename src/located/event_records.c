@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/event_records.h"
+
+#include "base/memory.h"
+
+static void keep(struct rb_located *l, struct rb_event event)
+{
+	struct rb_events *events = &l->world->events;
+	const int a = l->model->id_of[event.a], b = l->model->id_of[event.b];
+
+	event.a = a < b ? a : b;
+	event.b = a < b ? b : a;
+	if (a > b) {
+		event.normal = rb_vec3_neg(event.normal);
+		event.impulse = rb_vec3_neg(event.impulse);
+	}
+	if (!rb_memory_reserve(&events->row, &events->capacity, events->count + 1,
+	                       sizeof *events->row)) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for %zu events",
+		                    events->count + 1);
+		return;
+	}
+	events->row[events->count++] = event;
+}
+
+void rb_record_impact(struct rb_located *l, double t, const struct rb_contact_point *m,
+                      rb_vec3 impulse, double approach)
+{
+	l->world->frame_counts.collisions++;
+	if (!l->world->options.keep_events && !l->world->hooks.collision)
+		return;
+	keep(l, (struct rb_event){.time_s = t,
+	                          .kind = RB_EVENT_COLLISION,
+	                          .a = m->a,
+	                          .b = m->b,
+	                          .point = m->point,
+	                          .normal = m->normal,
+	                          .impulse = impulse,
+	                          .approach_speed = approach});
+}
+
+void rb_record_transition(struct rb_located *l, double t, enum rb_event_kind kind,
+                          const struct rb_contact_point *m)
+{
+	if (!l->world->options.keep_events && !l->world->hooks.transition)
+		return;
+	keep(l, (struct rb_event){.time_s = t,
+	                          .kind = kind,
+	                          .a = m->a,
+	                          .b = m->b,
+	                          .point = m->point,
+	                          .normal = m->normal});
+}

@@ -1,0 +1,347 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/external_force.h"
+
+#include <stdlib.h>
+
+#include "base/memory.h"
+
+/* One force on one body at one moment. */
+struct load {
+	struct rb_located *l;
+	int i;
+	const struct rb_pose *pose;
+	const struct rb_force_query *view;
+	rb_vec3 force, torque; /* N; N m about the centre of mass: sums */
+	enum rb_external_cause cause;
+	struct rb_external_parts *parts; /* NULL: nobody asks */
+};
+
+typedef void load_function(struct load *load);
+typedef bool constant_function(const struct rb_located *l, int i, double t);
+
+static void add_torque(struct load *load, rb_vec3 torque)
+{
+	load->torque = rb_vec3_add(load->torque, torque);
+	if (load->parts)
+		load->parts->torque[load->cause] = rb_vec3_add(load->parts->torque[load->cause],
+		                                               torque);
+}
+
+static void add_force(struct load *load, rb_vec3 force)
+{
+	load->force = rb_vec3_add(load->force, force);
+	if (load->parts)
+		load->parts->force[load->cause] = rb_vec3_add(load->parts->force[load->cause],
+		                                              force);
+}
+
+static void add(struct load *load, rb_vec3 force, rb_vec3 arm)
+{
+	add_force(load, force);
+	add_torque(load, rb_vec3_cross(arm, force));
+}
+
+static bool always(const struct rb_located *l, int i, double t)
+{
+	(void)l, (void)i, (void)t;
+	return true;
+}
+
+static bool never(const struct rb_located *l, int i, double t)
+{
+	(void)l, (void)i, (void)t;
+	return false;
+}
+
+static void gravity_force(struct load *load)
+{
+	add_force(load, load->l->model->scene->world.gravity_force);
+}
+
+/* From the centre of mass to a point given in object coordinates, world axes. */
+static rb_vec3 arm_of(const struct rb_located *l, int i, rb_quat orientation, rb_vec3 point)
+{
+	if (isnan(point.x))
+		return (rb_vec3){0, 0, 0};
+	if (i < l->n && l->model->center_of_mass)
+		point = rb_vec3_sub(point, l->model->center_of_mass[i]);
+	return rb_quat_rotate(orientation, point);
+}
+
+static void applied(struct load *load)
+{
+	const struct rb_model *model = load->l->model;
+	const struct rb_body_def *body = &model->scene->bodies[model->id_of[load->i]];
+
+	for (int f = 0; f < body->force_count; f++) {
+		const struct rb_force_def *force = &model->scene->forces[body->force_first + f];
+		const rb_quat q = load->pose->orientation;
+
+		if (!rb_force_acts(force, load->view->active_s))
+			continue;
+		const bool turns = force->frame == RB_FORCE_BODY;
+		add(load, turns ? rb_quat_rotate(q, force->vector) : force->vector,
+		    arm_of(load->l, load->i, q, force->point));
+		add_torque(load, turns ? rb_quat_rotate(q, force->torque) : force->torque);
+	}
+}
+
+/* In world axes at the centre of mass; anything else turns with the body. */
+static bool applied_constant(const struct rb_located *l, int i, double t)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const struct rb_body_def *body = &scene->bodies[l->model->id_of[i]];
+
+	for (int f = 0; f < body->force_count; f++) {
+		const struct rb_force_def *force = &scene->forces[body->force_first + f];
+		const rb_vec3 arm = arm_of(l, i, (rb_quat){1, 0, 0, 0}, force->point);
+
+		if (rb_force_acts(force, t) && l->top &&
+		    (force->frame == RB_FORCE_BODY || rb_vec3_max_abs(arm) > 0 ||
+		     rb_vec3_max_abs(force->torque) > 0))
+			return false;
+	}
+	return true;
+}
+
+static void pushed(struct load *load)
+{
+	const struct rb_world *world = load->l->world;
+
+	if (!world->push)
+		return;
+	add_force(load, rb_world_row3(world->push, load->i));
+	add_torque(load, rb_world_row3(world->twist, load->i));
+}
+
+/* A torque on unequal moments does not turn it evenly. */
+static bool pushed_constant(const struct rb_located *l, int i, double t)
+{
+	(void)t;
+	return !l->top || l->top_body[i].kind == RB_TOP_CONSTANT ||
+	       rb_vec3_max_abs(rb_world_row3(l->world->state.twist, i)) == 0;
+}
+
+static struct rb_pose pose_of(const struct rb_located *l, const struct rb_force_query *view, int j)
+{
+	if (view->pose && j < l->n && l->place[j] >= 0)
+		return view->pose[l->place[j]];
+	return rb_arc_pose(l, j, view->time_s);
+}
+
+/* Pulls a towards b when longer than at rest, and damps its change of length. */
+bool rb_spring_force_at(const struct rb_located *l, int spring, const struct rb_force_query *view,
+                        struct rb_spring_force *out)
+{
+	const struct rb_spring_def *def = &l->model->scene->springs[spring];
+	const int i = l->model->index_of[def->a], j = l->model->index_of[def->b];
+	const struct rb_pose a = pose_of(l, view, i), b = pose_of(l, view, j);
+	const rb_vec3 arm_a = arm_of(l, i, a.orientation, def->at_a);
+	const rb_vec3 arm_b = arm_of(l, j, b.orientation, def->at_b);
+	const rb_vec3 d = rb_vec3_add(rb_arc_between(&a, &b), rb_vec3_sub(arm_b, arm_a));
+	const double length = rb_vec3_length(d);
+
+	out->speed_a = rb_vec3_add(a.velocity, rb_vec3_cross(a.spin, arm_a));
+	out->speed_b = rb_vec3_add(b.velocity, rb_vec3_cross(b.spin, arm_b));
+	out->end_a = rb_vec3_add(a.position, arm_a);
+	out->end_b = rb_vec3_add(b.position, arm_b);
+	if (!(length > 0))
+		return false;
+	const rb_vec3 along = rb_vec3_scale(1 / length, d);
+	const double rate = rb_vec3_dot(rb_vec3_sub(out->speed_b, out->speed_a), along);
+	const double tension = def->stiffness * (length - l->model->rest_length_m[spring]) +
+	                       def->damping * rate;
+
+	out->force = rb_vec3_scale(tension, along);
+	out->damping = def->damping * rate * rate;
+	return true;
+}
+
+static void spring_force(struct load *load, int spring, bool first)
+{
+	const struct rb_located *l = load->l;
+	const struct rb_spring_def *def = &l->model->scene->springs[spring];
+	struct rb_spring_force external;
+
+	if (!rb_spring_force_at(l, spring, load->view, &external))
+		return;
+	add(load, first ? external.force : rb_vec3_neg(external.force),
+	    arm_of(l, load->i, load->pose->orientation, first ? def->at_a : def->at_b));
+}
+
+static void springs(struct load *load)
+{
+	const struct rb_scene *scene = load->l->model->scene;
+	const int id = load->l->model->id_of[load->i];
+
+	for (int k = 0; k < scene->spring_count; k++) {
+		if (scene->springs[k].a == id)
+			spring_force(load, k, true);
+		if (scene->springs[k].b == id)
+			spring_force(load, k, false);
+	}
+}
+
+static bool springs_constant(const struct rb_located *l, int i, double t)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const int id = l->model->id_of[i];
+
+	(void)t;
+	for (int k = 0; k < scene->spring_count; k++)
+		if (scene->springs[k].a == id || scene->springs[k].b == id)
+			return false;
+	return true;
+}
+
+static void drag(struct load *load)
+{
+	const struct rb_scene *scene = load->l->model->scene;
+	const rb_vec3 v = load->pose->velocity;
+	double share = 0;
+
+	for (int k = 0; k < scene->drag_count; k++)
+		share += scene->drags[k].linear + scene->drags[k].quadratic * rb_vec3_length(v);
+	add_force(load, rb_vec3_scale(-share, v));
+}
+
+static void field(struct load *load)
+{
+	struct rb_located *l = load->l;
+	const struct rb_world_hooks *hooks = &l->world->hooks;
+	rb_vec3 force = {0, 0, 0};
+
+	if (!hooks->field || l->status != RB_OK)
+		return;
+	l->products += RB_LOCATED_FIELD;
+	l->status = hooks->field(hooks->user, load->view->time_s, load->pose->position,
+	                         load->pose->velocity, &force, l->err);
+	add_force(load, force);
+}
+
+static const struct {
+	rb_features need;
+	enum rb_external_cause cause;
+	load_function *act;
+	constant_function *is_constant;
+} rows[] = {
+	{RB_FEATURE_GRAVITY_FORCE, RB_EXTERNAL_UNIFORM, gravity_force, always},
+	{RB_FEATURE_FORCES, RB_EXTERNAL_STATED, applied, applied_constant},
+	{RB_FEATURE_PUSHES, RB_EXTERNAL_CALLBACKS, pushed, pushed_constant},
+	{RB_FEATURE_SPRINGS, RB_EXTERNAL_SPRINGS, springs, springs_constant},
+	{RB_FEATURE_DRAG, RB_EXTERNAL_DRAG, drag, never},
+	{RB_FEATURE_FIELD, RB_EXTERNAL_STATED, field, never},
+};
+enum { ROWS = sizeof rows / sizeof rows[0] };
+
+rb_vec3 rb_effective_mass_inverse(const struct rb_located *l, int i, rb_quat orientation,
+                                  rb_vec3 torque)
+{
+	const double scalar = l->model->inverse_inertia_scalar[i];
+
+	if (!isnan(scalar))
+		return rb_vec3_scale(scalar, torque);
+	return rb_quat_rotate(orientation, rb_mat3_apply(&l->model->inverse_inertia[i],
+	                                                 rb_quat_rotate_back(orientation, torque)));
+}
+
+void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pose,
+                          const struct rb_force_query *view, rb_vec3 *linear, rb_vec3 *angular)
+{
+	struct load load = {.l = l, .i = i, .pose = pose, .view = view};
+
+	if (view->parts) {
+		load.parts = &view->parts[l->place[i]];
+		*load.parts = (struct rb_external_parts){0};
+		load.parts->force[RB_EXTERNAL_UNIFORM] = rb_vec3_scale(
+			l->model->mass[i], l->model->scene->world.gravity);
+	}
+	for (int k = 0; k < ROWS; k++)
+		if (l->model->features & rows[k].need) {
+			load.cause = rows[k].cause;
+			rows[k].act(&load);
+		}
+	*linear = rb_vec3_add_scaled(l->model->scene->world.gravity, l->model->inverse_mass[i],
+	                             load.force);
+	*angular = (rb_vec3){0, 0, 0};
+	if (!l->top)
+		return;
+	*angular = rb_effective_mass_inverse(l, i, pose->orientation, load.torque);
+	if (l->top_body[i].kind != RB_TOP_CONSTANT)
+		*angular = rb_vec3_add(*angular,
+		                       rb_top_turning(&l->top_body[i], &l->model->inertia[i],
+		                                      pose->orientation, pose->spin));
+}
+
+bool rb_external_is_constant(const struct rb_located *l, int i, double t)
+{
+	for (int k = 0; k < ROWS; k++)
+		if ((l->model->features & rows[k].need) && !rows[k].is_constant(l, i, t))
+			return false;
+	return true;
+}
+
+static bool has_arm(rb_vec3 point)
+{
+	return !isnan(point.x) && rb_vec3_max_abs(point) > 0;
+}
+
+bool rb_external_turns_with(const struct rb_located *l, int i)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const int id = l->model->id_of[i];
+	const struct rb_body_def *body = &scene->bodies[id];
+
+	for (int f = 0; f < body->force_count; f++) {
+		const struct rb_force_def *force = &scene->forces[body->force_first + f];
+
+		if (force->frame == RB_FORCE_BODY || has_arm(force->point))
+			return true;
+	}
+	for (int k = 0; k < scene->spring_count; k++) {
+		const struct rb_spring_def *spring = &scene->springs[k];
+
+		if ((spring->a == id && has_arm(spring->at_a)) ||
+		    (spring->b == id && has_arm(spring->at_b)))
+			return true;
+	}
+	return false;
+}
+
+rb_vec3 rb_external_turning(const struct rb_located *l, int i)
+{
+	if (!l->top || !l->world->state.twist || l->top_body[i].kind != RB_TOP_CONSTANT)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_scale(l->model->inverse_inertia_scalar[i],
+	                     rb_world_row3(l->world->state.twist, i));
+}
+
+static int by_time(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+bool rb_external_switches(struct rb_located *l)
+{
+	const struct rb_scene *scene = l->model->scene;
+	int count = 0;
+
+	l->switch_s = rb_memory_take(2 * (size_t)scene->force_count + 1, sizeof *l->switch_s);
+	if (!l->switch_s)
+		return false;
+	for (int k = 0; k < scene->force_count; k++) {
+		const double end = scene->forces[k].start_s + scene->forces[k].duration_s;
+
+		if (scene->forces[k].start_s > 0)
+			l->switch_s[count++] = scene->forces[k].start_s;
+		if (isfinite(end))
+			l->switch_s[count++] = end;
+	}
+	qsort(l->switch_s, (size_t)count, sizeof *l->switch_s, by_time);
+	for (int k = 0; k < count; k++)
+		if (l->switch_count == 0 || l->switch_s[k] > l->switch_s[l->switch_count - 1])
+			l->switch_s[l->switch_count++] = l->switch_s[k];
+	return true;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What accelerates a body apart from contact: one row a force in pull.c.
+ *
+ * A force has a closed form when its acceleration is constant from now to the next switch of forces; all others call
+ * for the integrator (located/integrate).
+ */
+#ifndef RB_LOCATED_EXTERNAL_FORCE_H
+#define RB_LOCATED_EXTERNAL_FORCE_H
+
+#include "located/arc.h"
+
+/* Forces of a body by what the ledger enters them under; those of springs are entered spring by spring. */
+enum rb_external_cause {
+	RB_EXTERNAL_UNIFORM, /* gravity, gravity_force: they have a potential */
+	RB_EXTERNAL_STATED,  /* `forces`, fields */
+	RB_EXTERNAL_CALLBACKS,
+	RB_EXTERNAL_DRAG,
+	RB_EXTERNAL_SPRINGS,
+	RB_EXTERNAL_CAUSES
+};
+
+struct rb_external_parts {
+	rb_vec3 force[RB_EXTERNAL_CAUSES],
+		torque[RB_EXTERNAL_CAUSES]; /* N; N m about the centre of mass */
+};
+
+/* Poses of the bodies that are dealt with together; all others are on their arcs. */
+struct rb_force_query {
+	const struct rb_pose *pose; /* [..], by l->place; NULL: all on their arcs */
+	double time_s;
+	double active_s; /* the moment that says which forces act: the beginning of the piece */
+	struct rb_external_parts *parts; /* [..], by l->place: out; NULL: nobody asks */
+};
+
+/* A spring at one moment; the force on its other end is the opposite. */
+struct rb_spring_force {
+	rb_vec3 force;            /* N, on a */
+	rb_vec3 end_a, end_b;     /* m, world */
+	rb_vec3 speed_a, speed_b; /* m/s, of the ends */
+	double damping;           /* W, >= 0: what its damper takes */
+};
+
+/* False: it has no direction to pull in. */
+bool rb_spring_force_at(const struct rb_located *l, int spring, const struct rb_force_query *view,
+                        struct rb_spring_force *out);
+
+/*
+ * Acceleration of the centre of mass and of the turning, gyroscopic term included, m/s^2 and rad/s^2. Sets l->status
+ * where a field's function fails.
+ */
+void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pose,
+                          const struct rb_force_query *view, rb_vec3 *linear, rb_vec3 *angular);
+
+/* Whether both are constant from `t` to the next switch as long as nothing touches the body. */
+bool rb_external_is_constant(const struct rb_located *l, int i, double t);
+/* The turning by torques only, where rb_external_is_constant: what rb_arc_anchor wants. */
+rb_vec3 rb_external_turning(const struct rb_located *l, int i);
+
+/* Does a stated force or a spring act at a point that turns with the body, or along its axes? */
+bool rb_external_turns_with(const struct rb_located *l, int i);
+
+/* I^-1 applied to an angular impulse, world axes. */
+rb_vec3 rb_effective_mass_inverse(const struct rb_located *l, int i, rb_quat orientation,
+                                  rb_vec3 torque);
+
+/* Moments at which forces of bodies begin and end, sorted, without repeats; false: no memory. */
+bool rb_external_switches(struct rb_located *l);
+
+#endif

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/inspect.h"
+
+#include "located/integrate.h"
+#include "located/convex_contact.h"
+
+static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
+                        const struct rb_held *held, double t, rb_vec3 force)
+{
+	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
+	const double normal = rb_vec3_dot(force, m.normal);
+
+	contacts->row[contacts->count++] = (struct rb_contact){
+		.a = held->a,
+		.b = held->b,
+		.point = m.point,
+		.normal = m.normal,
+		.gap = m.gap,
+		.normal_force = normal,
+		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal)};
+}
+
+/* `force`: room for those of a cluster at this moment, which change along its piece; NULL: those of its beginning do. */
+static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int cluster, double t,
+                        rb_vec3 *force)
+{
+	const struct rb_cluster *c = &l->cluster[cluster];
+	const bool now = force && c->held_count > 0 && c->integrated && !c->has_jammed &&
+	                 rb_integrate_forces(l, cluster, t, force);
+
+	for (int h = 0; h < c->held_count; h++)
+		add_contact(l, contacts, &c->held[h], t, now ? force[h] : c->held[h].force);
+}
+
+static enum rb_status list(struct rb_located *l, double t, bool at_moment,
+                           struct rb_contacts *contacts)
+{
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	rb_vec3 *force = NULL;
+	size_t count = 0;
+
+	for (int k = 0; k < l->cluster_count; k++)
+		count += (size_t)l->cluster[k].held_count;
+	contacts->count = 0;
+	const enum rb_status status = rb_contacts_reserve(contacts, count, l->err);
+	if (status != RB_OK)
+		return status;
+	if (at_moment) {
+		force = rb_arena_take(l->arena, count + 1, sizeof *force);
+		if (!force)
+			return RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	}
+	for (int k = 0; k < l->cluster_count; k++)
+		add_cluster(l, contacts, k, t, force);
+	rb_arena_back(l->arena, here);
+	rb_contacts_sort(contacts);
+	return l->status;
+}
+
+enum rb_status rb_inspect_contacts(struct rb_located *l, double t)
+{
+	return list(l, t, false, &l->world->contacts);
+}
+
+enum rb_status rb_inspect_forces(struct rb_located *l, double t, struct rb_contacts *shown)
+{
+	const double *const push = l->world->push, *const twist = l->world->twist;
+
+	rb_world_choose_pushes(l->world);
+	const enum rb_status status = list(l, t, true, shown);
+	l->world->push = push;
+	l->world->twist = twist;
+	return status;
+}
+
+/* m: of all points that the two have; a named one of several may be less deep than the next. */
+static double gap_at(const struct rb_located *l, int i, int j, double t)
+{
+	if (!rb_pair_has_features(l, i, j))
+		return rb_contact_point_at(l, i, j, t).gap;
+	const struct rb_touch_pair pair = {i, j, t, rb_arc_pose(l, i, t), rb_arc_pose(l, j, t)};
+	uint32_t parts;
+
+	return rb_touch_gap(l, &pair, &parts);
+}
+
+/* Below the deepest so far, between i and j? Spheres that are apart, also from planes, are seen without looking closer. */
+static void deeper(const struct rb_located *l, double t, int i, int j, double *deepest, int pair[2])
+{
+	const struct rb_model *model = l->model;
+
+	if (model->shape[i].kind == RB_SHAPE_SPHERE && model->shape[j].kind == RB_SHAPE_SPHERE) {
+		const rb_vec3 d = rb_vec3_sub(rb_arc_origin(l, j, t), rb_arc_origin(l, i, t));
+		const double sum = model->shape[i].radius + model->shape[j].radius;
+
+		if (rb_vec3_dot(d, d) > sum * sum)
+			return;
+	}
+	if (model->shape[i].kind == RB_SHAPE_SPHERE && model->shape[j].kind == RB_SHAPE_PLANE &&
+	    j >= l->n) {
+		const rb_vec3 d = rb_vec3_sub(rb_arc_origin(l, i, t), model->position[j]);
+
+		if (rb_vec3_dot(d, l->plane_normal[j - l->n]) > model->shape[i].radius)
+			return;
+	}
+	if (!rb_pair_can_touch(l, i, j))
+		return;
+	if (rb_pair_has_features(l, i, j) && rb_contact_point_is_far(l, i, j, t, t))
+		return;
+	const double gap = gap_at(l, i, j, t);
+	if (-gap > *deepest) {
+		*deepest = -gap;
+		pair[0] = i;
+		pair[1] = j;
+	}
+}
+
+double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
+{
+	double deepest = 0;
+	int pair[2] = {-1, -1};
+
+	for (int i = 0; i < l->n; i++) {
+		const int near = rb_set_near(l, i);
+
+		for (int k = 0; k < near; k++)
+			if (l->near[k] > i)
+				deeper(l, t, i, l->near[k], &deepest, pair);
+		for (int j = l->n; j < l->n + l->model->static_count; j++)
+			deeper(l, t, i, j, &deepest, pair);
+	}
+	*a = pair[0];
+	*b = pair[1];
+	return deepest;
+}

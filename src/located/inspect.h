@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT */
+/* What a frame shows of contacts: those that last, and overlaps. */
+#ifndef RB_LOCATED_INSPECT_H
+#define RB_LOCATED_INSPECT_H
+
+#include "located/set.h"
+
+/* Fills the world's contacts with what lasts at `t`, with forces as steps would start from them. */
+RB_CHECKED enum rb_status rb_inspect_contacts(struct rb_located *l, double t);
+/* Fills `shown` with the same, with the forces of this very moment; changes nothing else. */
+RB_CHECKED enum rb_status rb_inspect_forces(struct rb_located *l, double t,
+                                            struct rb_contacts *shown);
+
+/* The deepest overlap of any two bodies at `t`, and whose it is; 0 and -1: none. */
+double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b);
+
+#endif

@@ -1,0 +1,349 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/integrate.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "located/account.h"
+#include "located/event_records.h"
+#include "located/landing.h"
+#include "located/mode_checks.h"
+#include "located/painleve.h"
+#include "located/rates.h"
+#include "located/set.h"
+#include "located/sizes.h"
+#include "located/work.h"
+
+/* Of the sizes of position and velocity, per step; rounding is below it. */
+static const double tolerance = 3e-14;
+/* Share of forces up to which the solver's residue may be taken for a mode that holds. */
+static const double doubtful = 1e-8;
+/* Share of a column by which it is told from others, where that leads to forces that pull. */
+static const double nearly_open = 1e-6;
+
+size_t rb_integrate_scratch_size(int n)
+{
+	return (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
+}
+
+/* In the cluster's block, for a piece to come. */
+static bool room(struct rb_modes *w, int n, double **value, double **scale, double **scratch)
+{
+	struct rb_cluster *c = w->c;
+	const size_t size = rb_integrate_scratch_size(n);
+
+	if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block) ||
+	    !rb_account_reserve(w->l, c))
+		return false;
+	c->piece = (struct rb_gauss_piece){.n = n, .start = c->block, .coefficient = c->block + n};
+	*scale = c->block + (size_t)n * (1 + RB_GAUSS_NODES);
+	*value = *scale + n;
+	*scratch = *value + n;
+	return true;
+}
+
+/* All contacts stick after it, and the cluster is to be settled anew. False: it is no such case. */
+static bool jams(struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	struct rb_cluster *c = w->c;
+	const size_t n = (size_t)c->held_count + 1;
+	double *const friction = rb_arena_take(l->arena, n, sizeof *friction);
+	struct rb_painleve painleve = {
+		.l = l,
+		.contact_point = w->contact_point,
+		.force = w->force,
+		.friction = friction,
+		.count = c->held_count,
+		.pose = w->pose,
+		.body_count = c->member_count,
+		.impulse = rb_arena_take(l->arena, n, sizeof *painleve.impulse),
+		.linear = w->linear,
+		.angular = w->angular,
+		.scratch = rb_arena_take(l->arena, 3 * n, sizeof *painleve.scratch)};
+	bool slips = false;
+
+	for (int k = 0; k < c->held_count; k++)
+		slips = slips || c->held[k].slipping;
+	if (!slips || !friction || !painleve.impulse || !painleve.scratch ||
+	    !rb_rates_evaluate(w, w->origin_s, c->piece.start))
+		return false;
+	for (int k = 0; k < c->held_count; k++)
+		friction[k] = w->contact[k].friction;
+	if (!rb_painleve_stop(&painleve))
+		return false;
+	for (int k = 0; k < c->member_count; k++) {
+		struct rb_pose pose = w->pose[k];
+		const rb_vec3 none = {0, 0, 0};
+
+		pose.velocity = rb_vec3_add(pose.velocity, w->linear[k]);
+		pose.spin = rb_vec3_add(pose.spin, w->angular[k]);
+		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
+	}
+	for (int k = 0; k < c->held_count; k++) {
+		/* jam.scratch: what the impulses have added */
+		rb_work_impact(l, &w->contact_point[k], painleve.impulse[k],
+		               w->contact_point[k].velocity,
+		               rb_vec3_add(w->contact_point[k].velocity, painleve.scratch[k]));
+		c->held[k].ending = c->held[k].slipping;
+		rb_record_impact(l, w->origin_s, &w->contact_point[k], painleve.impulse[k], 0);
+	}
+	c->integrated = false;
+	c->has_jammed = true;
+	return true;
+}
+
+static void put_on_piece(struct rb_modes *w, double until_s)
+{
+	struct rb_located *l = w->l;
+	const struct rb_gauss_piece *piece = &w->c->piece;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const int first = k * w->row;
+		double square = 0;
+
+		for (int m = 0; m < 3; m++) {
+			const double max = rb_gauss_rate_bound(piece, first + RB_ROW_VELOCITY + m);
+			square += max * max;
+		}
+		l->piece[w->c->member[k]] = (struct rb_piece_of){.piece = *piece,
+		                                                 .first = first,
+		                                                 .base = w->base[k],
+		                                                 .origin_s = w->origin_s,
+		                                                 .until_s = until_s,
+		                                                 .acceleration_max = sqrt(square)};
+	}
+}
+
+static double next_switch(const struct rb_located *l, double t)
+{
+	for (int k = l->switch_next; k < l->switch_count; k++)
+		if (l->switch_s[k] > t)
+			return l->switch_s[k];
+	return HUGE_VAL;
+}
+
+/* Where a driven body that one of the contacts leans on comes to the end of what is known of it. */
+static double partners_end(const struct rb_modes *w)
+{
+	const double soon = w->origin_s * (1 + 4 * DBL_EPSILON);
+	double end = HUGE_VAL;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const int pair[2] = {w->c->held[k].a, w->c->held[k].b};
+
+		for (int side = 0; side < 2; side++)
+			if (rb_located_driven(w->l, pair[side]) &&
+			    w->l->piece[pair[side]].until_s > soon)
+				end = fmin(end, w->l->piece[pair[side]].until_s);
+	}
+	return end;
+}
+
+/* Are these other forces than those that settling has found? */
+static bool are_others(const struct rb_modes *w)
+{
+	double off = 0, max = 0;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const rb_vec3 n = w->contact_point[k].normal, found = w->c->held[k].force;
+
+		max = fmax(max, rb_vec3_length(found));
+		off = fmax(off, fabs(rb_vec3_dot(rb_vec3_sub(w->force[k], found), n)));
+	}
+	return off > nearly_open * max;
+}
+
+/*
+ * Forces and accelerations at the beginning. Slips of which no direction is found that forces balance across do not creep:
+ * they turn, however fast that is. And where these are not the forces that settling has found, points are one too many but
+ * for next to nothing, which would leave the forces to rounding: they keep those, if the modes are as good with them.
+ */
+static bool begin_modes(struct rb_modes *w)
+{
+	bool creeps = false;
+
+	const bool joined = rb_modes_join_slips(w);
+
+	if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	if (joined && !w->balanced) {
+		rb_modes_part_slips(w);
+		if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
+			return false;
+	}
+	w->dense.least = are_others(w) ? nearly_open : 0;
+	if (w->dense.least > 0 && !rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	if (w->dense.least > 0 && !(rb_modes_left(w, w->origin_s) <= RB_CHECK_OTHERWISE * w->max)) {
+		w->dense.least = 0;
+		if (!rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
+			return false;
+	}
+	w->c->least = w->dense.least;
+	for (int k = 0; k < w->c->held_count && !w->balanced; k++) {
+		creeps = creeps || w->c->held[k].creeps;
+		w->c->held[k].creeps = false;
+	}
+	if (creeps && !rb_rates_evaluate(w, w->origin_s, w->c->piece.start))
+		return false;
+	for (int k = 0; k < w->c->held_count; k++)
+		w->slow[k] = w->c->held[k].straight && rb_modes_is_slow(w, k, w->origin_s);
+	return true;
+}
+
+static void run(struct rb_modes *w, double *value, double *scale, double *scratch)
+{
+	struct rb_located *l = w->l;
+	struct rb_cluster *c = w->c;
+	uint64_t calls = 0;
+	struct rb_gauss_problem problem = {
+		.n = c->piece.n,
+		.rates = rb_rates,
+		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
+		.user = w,
+		.scale = scale,
+		.tolerance = tolerance,
+		.visited = w->parts ? rb_rates_enter_node : NULL,
+		/* a spring that is passed through pulls the other way at once; a field is the user's */
+		.jumps = (l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)) != 0,
+		.scratch = scratch,
+		.calls = &calls};
+
+	for (int k = 0; k < c->member_count; k++) {
+		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
+		double *const v = c->piece.start + (size_t)k * (size_t)w->row;
+
+		w->base[k] = pose.position;
+		rb_vec3_to(v + RB_ROW_POSITION, pose.rest);
+		rb_vec3_to(v + RB_ROW_VELOCITY, pose.velocity);
+		if (!l->top)
+			continue;
+		rb_quat_to(v + RB_ROW_ORIENTATION, pose.orientation);
+		rb_vec3_to(v + RB_ROW_SPIN, pose.spin);
+	}
+	if (rb_landing_begin(w) || !begin_modes(w))
+		return;
+	for (int k = 0; k < c->held_count; k++) {
+		c->held[k].force = w->force[k];
+		w->force_max = fmax(w->force_max, rb_vec3_length(w->force[k]));
+	}
+	/*
+	 * What has just been said to stick sticks: by so much the solver has not seen it slip. The next look is where that has
+	 * grown.
+	 */
+	for (int k = 0; k < c->held_count; k++)
+		w->doubt = fmax(w->doubt, 4 * fmin(rb_check_excess(w, k), doubtful * w->force_max));
+	const double guess = rb_sizes_of(w, scale);
+	w->calls = &calls;
+	w->scale = scale;
+	if (!(c->try_s > 0))
+		c->try_s = guess;
+	/* never past the end of the run by more than it needs, nor over a switch of forces */
+	const double room_s = fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
+	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
+	                      w->origin_s;
+	double length = 0;
+
+	/* what is straight at the beginning may turn: on what turns itself, say */
+	do {
+		double try_s = fmin(c->try_s, room_s);
+		const double tried = try_s;
+		const bool cut = tried < c->try_s;
+		const enum rb_status status = rb_gauss_step(&problem, w->origin_s, &try_s,
+		                                            2 * DBL_EPSILON * w->origin_s,
+		                                            &c->piece, l->err);
+
+		if (status == RB_ERR_PHYSICS && l->status == RB_OK && c->held_count > 0 && jams(w))
+			break;
+		if (status != RB_OK) {
+			l->status = status;
+			break;
+		}
+		if (w->parts) {
+			c->account.n = RB_ENTRIES;
+			rb_gauss_integrate(&c->account, c->piece.length_s, w->seen);
+		}
+		/* room that was short says nothing of the motion, unless the step was shorter still */
+		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
+		length = c->held_count > 0 ? rb_check_change_within(w, value) : c->piece.length_s;
+		c->is_cut = length < c->piece.length_s;
+	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, value) ||
+	                                rb_check_turns_aside(w, 0.5 * length, value)));
+	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
+	if (l->status != RB_OK || c->has_jammed)
+		return;
+	/* a piece ends at a moment that is later than its beginning */
+	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));
+}
+
+/* What has been given up halfway has left the piece before: its members are where this one was to begin. */
+static void stay(struct rb_modes *w)
+{
+	struct rb_gauss_piece *piece = &w->c->piece;
+
+	memset(piece->coefficient, 0, (size_t)piece->n * RB_GAUSS_NODES * sizeof(double));
+	piece->length_s = 1;
+	put_on_piece(w, w->origin_s);
+}
+
+void rb_integrate_piece(struct rb_located *l, int cluster, double t)
+{
+	struct rb_modes w = {
+		.l = l, .c = &l->cluster[cluster], .origin_s = t, .row = rb_located_row(l)};
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	const int count = w.c->member_count;
+	double *value, *scale, *scratch;
+
+	rb_account_cluster(l, cluster, t);
+	w.c->anchor_s = w.c->account_s = t;
+	if (!l->piece)
+		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
+	int *kept = NULL;
+	if (l->piece && room(&w, count * w.row, &value, &scale, &scratch) && rb_modes_reserve(&w))
+		kept = rb_modes_take_places(l, w.c);
+	if (!kept) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory to integrate %d bodies",
+		                    count);
+		return;
+	}
+	run(&w, value, scale, scratch);
+	if (l->status != RB_OK)
+		stay(&w);
+	rb_modes_give_back_places(l, w.c, kept);
+	rb_arena_back(l->arena, here);
+}
+
+bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force)
+{
+	struct rb_cluster *const c = &l->cluster[cluster];
+	struct rb_modes w = {.l = l,
+	                     .c = c,
+	                     .origin_s = l->piece[c->member[0]].origin_s,
+	                     .row = rb_located_row(l)};
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	/* a look that somebody asks for decides nothing */
+	const uint64_t products = l->products;
+	double *const value = rb_arena_take(l->arena, (size_t)c->piece.n + 1, sizeof *value);
+	const int *const kept = value && rb_modes_reserve(&w) ? rb_modes_take_places(l, c) : NULL;
+	bool good = kept != NULL;
+
+	if (good) {
+		for (int k = 0; k < c->member_count; k++)
+			w.base[k] = l->piece[c->member[k]].base;
+		w.dense.least = c->least;
+		rb_gauss_values(&c->piece, t - w.origin_s, value);
+		good = rb_rates_evaluate(&w, t, value);
+		memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
+		if (good && w.dense.open && !rb_modes_are_lawful(&w) &&
+		    rb_check_holds_otherwise(&w, t))
+			memcpy(force, w.force, (size_t)c->held_count * sizeof *force);
+		rb_modes_give_back_places(l, c, kept);
+	}
+	if (l->status == RB_ERR_PHYSICS) /* too much to look at */
+		l->status = RB_OK;
+	l->products = products;
+	rb_arena_back(l->arena, here);
+	return good;
+}

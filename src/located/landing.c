@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/landing.h"
+
+#include "located/set.h"
+
+static void set_halves(struct rb_modes *w)
+{
+	const struct rb_located *l = w->l;
+	const rb_vec3 none = {0, 0, 0};
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+
+		if (rb_set_is_single(l, held->a, held->b))
+			continue;
+		struct rb_held now = *held;
+		now.half = none;
+		const struct rb_contact_point m = rb_set_contact_point(l, &now, w->origin_s);
+		/* what is counted from a half keeps to it */
+		if (rb_touch_half(l, &m, &now.half))
+			held->half = now.half;
+	}
+}
+
+bool rb_landing_begin(struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	struct rb_cluster *c = w->c;
+	const rb_vec3 none = {0, 0, 0};
+	int which = -1;
+
+	set_halves(w);
+	for (int k = 0; k < c->held_count && which < 0; k++) {
+		const struct rb_contact_point m = rb_set_contact_point(l, &c->held[k], w->origin_s);
+
+		if (rb_set_lands(l, &m) > 0)
+			which = k;
+	}
+	if (which < 0)
+		return false;
+	for (int k = 0; k < c->member_count; k++) {
+		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
+
+		rb_arc_anchor(l, c->member[k], w->origin_s, &pose, none, none);
+	}
+	c->integrated = false;
+	c->has_jammed = c->hits = true;
+	c->hit_a = c->held[which].a;
+	c->hit_b = c->held[which].b;
+	return true;
+}

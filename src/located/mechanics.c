@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/mechanics.h"
+
+#include "located/external_force.h"
+
+struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
+                                              const struct rb_contact_point *m)
+{
+	const struct rb_model *model = l->model;
+	const struct rb_pair_material *pair =
+		&model->pair_materials[model->material[m->a] * model->material_count +
+	                               model->material[m->b]];
+	struct rb_solver_contact c = {.normal = m->normal,
+	                              .arm_a = m->arm_a,
+	                              .arm_b = m->arm_b,
+	                              .friction = l->top ? pair->friction : 0,
+	                              .restitution = pair->restitution};
+
+	/* d/dt of the points' relative velocity, and of the normal that it is seen along */
+	c.bias = rb_vec3_sub(rb_vec3_cross(m->pose_b.spin, m->rate_b),
+	                     rb_vec3_cross(m->pose_a.spin, m->rate_a));
+	c.bias = rb_vec3_add_scaled(c.bias, rb_vec3_dot(m->velocity, m->normal_rate), m->normal);
+	return c;
+}
+
+struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
+                                        const struct rb_pose *pose, rb_vec3 linear, rb_vec3 angular)
+{
+	struct rb_solver_body body = {
+		.inverse_mass = l->model->inverse_mass[i], .linear = linear, .angular = angular};
+
+	if (!l->top)
+		return body;
+	body.inverse_inertia = l->model->inverse_inertia_scalar[i];
+	if (isnan(body.inverse_inertia))
+		body.inverse_root = rb_top_inverse_root(&l->top_body[i], &l->model->inertia[i],
+		                                        pose->orientation);
+	return body;
+}
+
+rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
+{
+	if (!l->top || !rb_located_on_piece(l, i))
+		return (rb_vec3){0, 0, 0};
+	return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
+}
+
+struct rb_solver_body rb_mechanics_fixed(const struct rb_located *l, int i, double t)
+{
+	return (struct rb_solver_body){.linear = rb_arc_acceleration(l, i, t),
+	                               .angular = rb_mechanics_turning(l, i, t)};
+}
+
+rb_vec3 rb_mechanics_answer(const struct rb_located *l, int i, const struct rb_pose *pose,
+                            rb_vec3 arm, rb_vec3 at, rb_vec3 impulse)
+{
+	const rb_vec3 linear = rb_vec3_scale(l->model->inverse_mass[i], impulse);
+
+	if (!l->top)
+		return linear;
+	const rb_vec3 angular = rb_effective_mass_inverse(l, i, pose->orientation,
+	                                                  rb_vec3_cross(arm, impulse));
+	return rb_vec3_add(linear, rb_vec3_cross(angular, at));
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* A meeting of two bodies as a contact of constraint/simultaneous. */
+#ifndef RB_LOCATED_MECHANICS_H
+#define RB_LOCATED_MECHANICS_H
+
+#include "located/pair_contacts.h"
+#include "constraint/simultaneous.h"
+
+/* All but its bodies' places, mode, slip and impulse, and the noise that impacts ask for. */
+struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
+                                              const struct rb_contact_point *m);
+
+/* A body that yields, in this pose: its velocities are those of an impact, or accelerations apart from contacts. */
+struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
+                                        const struct rb_pose *pose, rb_vec3 linear,
+                                        rb_vec3 angular);
+/*
+ * One that does not, with its accelerations at `t`: static, or driven. Each contact gets a copy of its own, since what
+ * shares a body is solved together.
+ */
+struct rb_solver_body rb_mechanics_fixed(const struct rb_located *l, int i, double t);
+
+/* What an impulse on a body that yields, at `arm`, adds to the velocity of its point at `at`. */
+rb_vec3 rb_mechanics_answer(const struct rb_located *l, int i, const struct rb_pose *pose,
+                            rb_vec3 arm, rb_vec3 at, rb_vec3 impulse);
+
+/* Angular acceleration of a body on a piece, rad/s^2; zero of any other. */
+rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t);
+
+#endif

@@ -1,0 +1,251 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/mode_checks.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "located/rates.h"
+#include "located/set.h"
+
+/* Shares of forces by which a mode is seen to have ended, so that what follows does not see it go on. */
+static const double clear = 1e-11;
+/* A piece that is cut at less than this part of it was cut at once. */
+enum { AT_ONCE = 1024 };
+enum { SAMPLES = 8, BISECTIONS = 80, HIT_ULP = 8 };
+
+bool rb_check_holds_otherwise(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	const size_t count = (size_t)c->member_count;
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	rb_vec3 *const moves = rb_arena_take(w->l->arena, count, sizeof *moves);
+	struct rb_solver_body *found;
+	double max = 0, off = 0;
+
+	if (!moves)
+		return false;
+	rb_vec3 *const turns = rb_arena_take(w->l->arena, count, sizeof *turns);
+
+	if (!turns)
+		return false;
+	memcpy(moves, w->linear, count * sizeof *moves);
+	memcpy(turns, w->angular, count * sizeof *turns);
+	if (!rb_rates_external(w, t, &max) || !rb_modes_solve_any(w, t, &found))
+		return false;
+	for (size_t k = 0; k < count; k++) {
+		max = fmax(max, rb_vec3_max_abs(found[k].linear));
+		off = fmax(off, rb_vec3_max_abs(rb_vec3_sub(found[k].linear, moves[k])));
+		if (w->l->top)
+			off = fmax(off, rb_model_reach(w->l->model, w->c->member[k]) *
+			                        rb_vec3_max_abs(
+							rb_vec3_sub(found[k].angular, turns[k])));
+	}
+	rb_arena_back(w->l->arena, here);
+	return off <= RB_CHECK_OTHERWISE * max;
+}
+
+double rb_check_excess(const struct rb_modes *w, int k)
+{
+	const rb_vec3 n = w->contact_point[k].normal;
+	const double push = rb_vec3_dot(w->force[k], n);
+
+	if (w->c->held[k].slipping)
+		return -push;
+	return fmax(-push,
+	            rb_vec3_length(rb_vec3_reject(w->force[k], n)) - w->contact[k].friction * push);
+}
+
+static bool is_lawful(const struct rb_modes *w, int k)
+{
+	const struct rb_held *held = &w->c->held[k];
+	const double *const inverse = w->l->model->inverse_mass;
+	const double weight = w->max / (inverse[held->a] + inverse[held->b]);
+
+	return rb_check_excess(w, k) <= fmax(clear * fmax(w->force_max, weight), w->doubt);
+}
+
+/* Does a pair approach at a point that is not one of its held ones, [first, end)? */
+static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
+{
+	const struct rb_held *held = &w->c->held[first];
+	const struct rb_touch_pair pair = {held->a, held->b, w->origin_s,
+	                                   w->contact_point[first].pose_a,
+	                                   w->contact_point[first].pose_b};
+	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
+	const int count = rb_touch_all(w->l, &pair, 0, all);
+
+	for (int k = 0; k < count; k++) {
+		bool known = rb_vec3_dot(all[k].velocity, all[k].normal) >=
+		                     -rb_contact_point_noise(w->l, &all[k]) ||
+		             rb_contact_point_passes(w->l, &all[k], w->origin_s);
+		for (int i = first; i < end && !known; i++)
+			known = rb_set_is_same_place(w->l, &all[k], &w->contact_point[i]);
+		if (!known)
+			return true;
+	}
+	return false;
+}
+
+/*
+ * Asked of the first of a pair's points: is another, which is not held, below them? The bodies have come to touch there.
+ * What is held may be off by what integration lets drift.
+ */
+static bool is_hit(const struct rb_modes *w, int k)
+{
+	const struct rb_contact_point *m = &w->contact_point[k];
+	const struct rb_held *held = &w->c->held[k];
+	double low = m->gap;
+	int end = k + 1;
+
+	if (rb_set_is_single(w->l, held->a, held->b) ||
+	    (k > 0 && held[-1].a == held->a && held[-1].b == held->b))
+		return false;
+	for (; end < w->c->held_count; end++) {
+		if (w->c->held[end].a != held->a || w->c->held[end].b != held->b)
+			break;
+		low = fmin(low, w->contact_point[end].gap);
+	}
+	if (rb_modes_move(w))
+		w->l->products += RB_LOCATED_SEARCH;
+	const struct rb_contact_point now = rb_contact_point_poses(w->l, held->a, held->b,
+	                                                           &m->pose_a, &m->pose_b);
+
+	/* in a piece gaps are of differences: rounding of the sizes, wherever they are */
+	return now.gap < low - HIT_ULP * DBL_EPSILON * rb_contact_point_largest(w->l, &now) &&
+	       approaches_elsewhere(w, k, end);
+}
+
+/* The first contact that does not keep its mode at this state, -1: all do. */
+static int broken(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	bool looked = false;
+
+	for (int k = 0; k < c->held_count; k++) {
+		const struct rb_held *held = &c->held[k];
+		const struct rb_contact_point *m = &w->contact_point[k];
+
+		w->slip_ends = false;
+		w->hits = is_hit(w, k);
+		if (held->creeps &&
+		    rb_vec3_dot(m->velocity, w->contact[k].slip) > 2 * rb_set_creep(w->l, m))
+			return k;
+		if (m->on_rim != held->on_rim || rb_set_has_left(w->l, m) || w->hits)
+			return k;
+		if (!looked && !is_lawful(w, k)) {
+			if (!w->dense.open || !rb_check_holds_otherwise(w, t))
+				return k;
+			looked = true;
+		}
+		w->slip_ends = held->slipping && (held->straight || held->creeps) &&
+		               rb_vec3_dot(m->velocity, w->contact[k].slip) < 0;
+		if (w->slip_ends)
+			return k;
+	}
+	return -1;
+}
+
+static int broken_at(struct rb_modes *w, double s, double *value)
+{
+	rb_gauss_values(&w->c->piece, s, value);
+	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
+}
+
+/* Points of one body come to the end of their slip together: whose slip is nothing there has ended as well. */
+static void end_slips(struct rb_modes *w, double s, double *value)
+{
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!rb_rates_evaluate(w, w->origin_s + s, value))
+		return;
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+		const struct rb_contact_point *m = &w->contact_point[k];
+
+		if (held->slipping && (held->straight || held->creeps) &&
+		    !rb_set_is_single(w->l, held->a, held->b))
+			held->ending = rb_vec3_dot(m->velocity, w->contact[k].slip) <=
+			               rb_contact_point_noise(w->l, m);
+	}
+}
+
+/*
+ * Does a contact that sticks need more than its friction as soon as the piece has begun? Where forces are open, there may be
+ * some for which it holds, at every moment anew, and none that go on: so it slips.
+ */
+static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
+{
+	struct rb_held *const held = &w->c->held[which];
+	const rb_vec3 n = w->contact_point[which].normal;
+
+	if (held->slipping || w->hits || s > w->c->piece.length_s / AT_ONCE || !w->dense.open)
+		return false;
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!rb_rates_evaluate(w, w->origin_s + s, value))
+		return false;
+	const double push = rb_vec3_dot(w->force[which], n);
+
+	if (!(push > 0) || !(rb_vec3_length(rb_vec3_reject(w->force[which], n)) >
+	                     w->contact[which].friction * push))
+		return false;
+	held->force = w->force[which];
+	return true;
+}
+
+double rb_check_change_within(struct rb_modes *w, double *value)
+{
+	const double length = w->c->piece.length_s;
+	double good = 0, bad = length;
+	int which = -1;
+
+	w->c->hits = false;
+	for (int k = 1; k <= SAMPLES && which < 0; k++) {
+		bad = k < SAMPLES ? length * k / SAMPLES : length;
+		which = broken_at(w, bad, value);
+		if (which < 0)
+			good = bad;
+	}
+	if (which < 0 || w->l->status != RB_OK)
+		return length;
+	bool ends = w->slip_ends, hits = w->hits;
+	for (int round = 0; round < BISECTIONS && bad - good > 0; round++) {
+		const double middle = good + 0.5 * (bad - good);
+
+		if (middle <= good || middle >= bad)
+			break;
+		const int now = broken_at(w, middle, value);
+		if (now >= 0) {
+			bad = middle;
+			which = now;
+			ends = w->slip_ends;
+			hits = w->hits;
+		} else {
+			good = middle;
+		}
+	}
+	if (ends)
+		end_slips(w, bad, value);
+	w->c->held[which].ending = ends || rest_ends(w, bad, which, value);
+	w->c->hits = hits;
+	w->c->hit_a = w->c->held[which].a;
+	w->c->hit_b = w->c->held[which].b;
+	return bad;
+}
+
+bool rb_check_turns_aside(struct rb_modes *w, double s, double *value)
+{
+	bool any = false;
+
+	for (int k = 0; k < w->c->held_count; k++)
+		any = any || w->c->held[k].straight;
+	rb_gauss_values(&w->c->piece, s, value);
+	if (!any || !rb_rates_evaluate(w, w->origin_s + s, value))
+		return false;
+	any = false;
+	for (int k = 0; k < w->c->held_count; k++) {
+		if (!rb_modes_turns_aside(w, k))
+			continue;
+		w->c->held[k].straight = false;
+		any = true;
+	}
+	return any;
+}

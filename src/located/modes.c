@@ -1,0 +1,611 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/modes.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "located/external_force.h"
+#include "located/set.h"
+
+enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
+/* Of a slip's speed: what is beside its direction, where it has turned. */
+static const double aside_share = 1e-9;
+/* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
+static const double balanced_share = 1e-7;
+/* What the rounding of places may cost at most, of the tolerance's sizes. */
+static const double coarse = 1e-6;
+
+bool rb_modes_move(const struct rb_modes *w)
+{
+	for (int k = 0; k < w->c->member_count; k++)
+		if (rb_vec3_max_abs(w->pose[k].velocity) > 0 ||
+		    rb_vec3_max_abs(w->pose[k].spin) > 0)
+			return true;
+	return false;
+}
+
+int rb_modes_unknowns(const struct rb_held *held)
+{
+	if (!held->slipping)
+		return 3;
+	return held->creeps ? 2 : 1;
+}
+
+/* Across normal and slip. */
+static inline rb_vec3 aside(const struct rb_modes *w, int contact)
+{
+	return rb_vec3_cross(w->contact_point[contact].normal, w->contact[contact].slip);
+}
+
+/* Of the relative acceleration, what the k-th unknown of a contact is to make zero. */
+static inline double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
+{
+	if (!w->c->held[contact].slipping)
+		return k == 0 ? a.x : k == 1 ? a.y : a.z;
+	return rb_vec3_dot(a, k == 0 ? w->contact_point[contact].normal : aside(w, contact));
+}
+
+/*
+ * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis; of a slip that
+ * creeps, across it.
+ */
+static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
+{
+	const struct rb_held *held = &w->c->held[contact];
+	const struct rb_contact_point *m = &w->contact_point[contact];
+
+	if (!held->slipping)
+		return (rb_vec3){k == 0, k == 1, k == 2};
+	if (k == 1)
+		return aside(w, contact);
+	return rb_vec3_add_scaled(m->normal, -w->contact[contact].friction,
+	                          w->contact[contact].slip);
+}
+
+static rb_vec3 answer(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
+{
+	return rb_mechanics_answer(w->l, body, &w->pose[rb_modes_place(w, body)], arm, at, f);
+}
+
+/* Relative acceleration at contact i by a force `f` on b of contact j. */
+static rb_vec3 coupling(const struct rb_modes *w, int i, int j, rb_vec3 f)
+{
+	const struct rb_contact_point *x = &w->contact_point[i], *y = &w->contact_point[j];
+	rb_vec3 sum = {0, 0, 0};
+
+	if (rb_modes_place(w, y->b) >= 0) {
+		if (x->b == y->b)
+			sum = rb_vec3_add(sum, answer(w, y->b, y->arm_b, x->arm_b, f));
+		if (x->a == y->b)
+			sum = rb_vec3_sub(sum, answer(w, y->b, y->arm_b, x->arm_a, f));
+	}
+	if (rb_modes_place(w, y->a) >= 0) {
+		if (x->b == y->a)
+			sum = rb_vec3_sub(sum, answer(w, y->a, y->arm_a, x->arm_b, f));
+		if (x->a == y->a)
+			sum = rb_vec3_add(sum, answer(w, y->a, y->arm_a, x->arm_a, f));
+	}
+	return sum;
+}
+
+static inline bool share_a_body(const struct rb_contact_point *x, const struct rb_contact_point *y)
+{
+	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
+}
+
+static rb_vec3 point_acceleration(const struct rb_modes *w, int body, rb_vec3 arm, double t)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place >= 0)
+		return rb_vec3_add(w->linear[place], rb_vec3_cross(w->angular[place], arm));
+	return rb_vec3_add(rb_arc_acceleration(w->l, body, t),
+	                   rb_vec3_cross(rb_mechanics_turning(w->l, body, t), arm));
+}
+
+static double axis(rb_vec3 v, int k)
+{
+	return k == 0 ? v.x : k == 1 ? v.y : v.z;
+}
+
+/* The unknowns as the contact's last known force has them: its pressure, or all of it. */
+static inline double guess_of(const struct rb_modes *w, int contact, int k)
+{
+	const struct rb_held *held = &w->c->held[contact];
+
+	if (!held->slipping)
+		return axis(held->force, k);
+	return k == 0 ? rb_vec3_dot(held->force, w->contact_point[contact].normal) : 0;
+}
+
+/* What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the guess to the right. */
+static void fill_row(struct rb_modes *w, int i, int row, double t)
+{
+	const struct rb_cluster *c = w->c;
+	const struct rb_contact_point *m = &w->contact_point[i];
+	const int n = w->dense.n, rows = rb_modes_unknowns(&c->held[i]);
+	rb_vec3 free = rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                                       point_acceleration(w, m->a, m->arm_a, t)),
+	                           w->contact[i].bias);
+	int column = 0;
+
+	for (int r = 0; r < rows; r++)
+		memset(w->dense.matrix + (row + r) * n, 0, (size_t)n * sizeof(double));
+	for (int j = 0; j < c->held_count; j++) {
+		const int unknowns = rb_modes_unknowns(&c->held[j]);
+
+		for (int k = 0; k < unknowns && share_a_body(m, &w->contact_point[j]); k++) {
+			const rb_vec3 a = coupling(w, i, j, unit_of(w, j, k));
+
+			free = rb_vec3_add_scaled(free, guess_of(w, j, k), a);
+			for (int r = 0; r < rows; r++)
+				w->dense.matrix[(row + r) * n + column + k] = asked_of(w, i, r, a);
+		}
+		column += unknowns;
+	}
+	for (int r = 0; r < rows; r++)
+		w->dense.right[row + r] = -asked_of(w, i, r, free);
+}
+
+/* From `v` what it has along `way`. */
+static void take_off(double *v, const double *way, size_t n)
+{
+	double along = 0, square = 0;
+
+	for (size_t i = 0; i < n; i++) {
+		along += v[i] * way[i];
+		square += way[i] * way[i];
+	}
+	for (size_t i = 0; i < n && square > 0; i++)
+		v[i] -= along / square * way[i];
+}
+
+/*
+ * Where the modes leave forces open (more contacts than freedoms), of all that do the same to the bodies: `least` [n], by
+ * unknowns, becomes the one of the smallest squares and `change` [n] the smallest change. Neither knows which contacts come
+ * first. What they may differ by is made orthogonal, one after the other (Gram and Schmidt, modified). False: no memory.
+ */
+static bool close_open(struct rb_modes *w, double *least, double *change)
+{
+	const size_t n = (size_t)w->dense.n;
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	size_t count = 0, open = 0;
+
+	for (int k = 0; k < w->dense.n; k++)
+		open += rb_dense_is_open(&w->dense, k);
+	double *const way = rb_arena_take(w->l->arena, open * n + 1, sizeof *way);
+	if (!way)
+		return false;
+	for (int k = 0; k < w->dense.n; k++) {
+		if (!rb_dense_is_open(&w->dense, k))
+			continue;
+		double *const own = way + n * count++;
+
+		rb_dense_opened(&w->dense, k);
+		memcpy(own, w->dense.right, n * sizeof *own);
+		for (size_t j = 0; j + 1 < count; j++)
+			take_off(own, way + n * j, n);
+		take_off(least, own, n);
+		take_off(change, own, n);
+	}
+	w->dense.products += (long)(n * open * (n + open));
+	rb_arena_back(w->l->arena, here);
+	return true;
+}
+
+static void set_forces(struct rb_modes *w, const double *unknown)
+{
+	int row = 0;
+
+	for (int i = 0; i < w->c->held_count; i++) {
+		w->force[i] = (rb_vec3){0, 0, 0};
+		for (int k = 0; k < rb_modes_unknowns(&w->c->held[i]); k++, row++)
+			w->force[i] = rb_vec3_add_scaled(w->force[i], unknown[row],
+			                                 unit_of(w, i, k));
+	}
+}
+
+bool rb_modes_are_lawful(const struct rb_modes *w)
+{
+	for (int i = 0; i < w->c->held_count; i++) {
+		const rb_vec3 n = w->contact_point[i].normal;
+		const double push = rb_vec3_dot(w->force[i], n);
+
+		if (push < 0 ||
+		    (!w->c->held[i].slipping && rb_vec3_length(rb_vec3_reject(w->force[i], n)) >
+		                                        w->contact[i].friction * push))
+			return false;
+	}
+	return true;
+}
+
+/*
+ * Forces where some are open: the smallest, which have the symmetry that the bodies have; where these are against the law, those
+ * that are nearest to what they were when the cluster was settled.
+ */
+static bool choose_forces(struct rb_modes *w)
+{
+	const struct rb_cluster *c = w->c;
+	const size_t n = (size_t)w->dense.n;
+	const rb_arena_mark here = rb_arena_here(w->l->arena);
+	double *const least = rb_arena_take(w->l->arena, 2 * n, sizeof *least);
+	double *const change = least ? least + n : NULL;
+	int row = 0;
+
+	if (!least)
+		return false;
+	memcpy(change, w->dense.right, n * sizeof *change);
+	for (int i = 0; i < c->held_count; i++)
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+			least[row] = guess_of(w, i, k) + change[row];
+	const bool good = !w->dense.open || close_open(w, least, change);
+	if (good)
+		set_forces(w, least);
+	if (good && w->dense.open && !rb_modes_are_lawful(w)) {
+		row = 0;
+		for (int i = 0; i < c->held_count; i++)
+			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+				change[row] += guess_of(w, i, k);
+		set_forces(w, change);
+	}
+	rb_arena_back(w->l->arena, here);
+	return good;
+}
+
+/* Fills w->force; false: too many. */
+static bool solve_modes(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	int n = 0, row = 0;
+
+	for (int k = 0; k < c->held_count; k++)
+		n += rb_modes_unknowns(&c->held[k]);
+	if (n > RB_MODES_DENSE)
+		return false;
+	w->dense.n = n;
+	for (int i = 0; i < c->held_count; row += rb_modes_unknowns(&c->held[i]), i++)
+		fill_row(w, i, row, t);
+	rb_dense_solve(&w->dense);
+	return choose_forces(w);
+}
+
+static inline bool is_joined(const struct rb_held *held)
+{
+	return rb_vec3_max_abs(held->common) > 0;
+}
+
+static int pair_end(const struct rb_cluster *c, int first)
+{
+	int end = first + 1;
+
+	while (end < c->held_count && c->held[end].a == c->held[first].a &&
+	       c->held[end].b == c->held[first].b)
+		end++;
+	return end;
+}
+
+bool rb_modes_join_slips(struct rb_modes *w)
+{
+	struct rb_held *const held = w->c->held;
+	bool any = false;
+
+	for (int first = 0, end; first < w->c->held_count; first = end) {
+		rb_vec3 sum = {0, 0, 0};
+		bool creep = true;
+
+		end = pair_end(w->c, first);
+		for (int k = first; k < end; k++) {
+			creep = creep && held[k].creeps;
+			sum = rb_vec3_add(sum, held[k].slip);
+		}
+		const bool joins = creep && end > first + 1;
+		for (int k = first; k < end; k++)
+			held[k].common = joins ? rb_vec3_unit(sum, held[k].slip)
+			                       : (rb_vec3){0, 0, 0};
+		any = any || joins;
+	}
+	return any;
+}
+
+void rb_modes_part_slips(struct rb_modes *w)
+{
+	for (int k = 0; k < w->c->held_count; k++) {
+		struct rb_held *const held = &w->c->held[k];
+
+		held->creeps = held->creeps && !(is_joined(held) && held->straight);
+		held->common = (rb_vec3){0, 0, 0};
+	}
+}
+
+/* Slips that creep go where nothing is left across them, joined ones together. True: one has turned. */
+static bool turn_creeping(struct rb_modes *w)
+{
+	const struct rb_held *const held = w->c->held;
+	bool turned = false;
+
+	for (int first = 0, end; first < w->c->held_count; first = end) {
+		double limit = 0, off = 0, max = 0;
+
+		end = is_joined(&held[first]) ? pair_end(w->c, first) : first + 1;
+		for (int k = first; k < end; k++) {
+			const double across = rb_vec3_dot(w->force[k], aside(w, k));
+
+			limit += w->contact[k].friction *
+			         rb_vec3_dot(w->force[k], w->contact_point[k].normal);
+			off += across;
+			max = fmax(max, fabs(across));
+		}
+		if (!held[first].creeps || !(limit > 0) || max <= balanced_share * limit)
+			continue;
+		for (int k = first; k < end; k++)
+			w->contact[k].slip = rb_vec3_unit(
+				rb_vec3_add_scaled(rb_vec3_scale(limit, w->contact[k].slip), -off,
+			                           aside(w, k)),
+				w->contact[k].slip);
+		turned = true;
+	}
+	return turned;
+}
+
+bool rb_modes_solve(struct rb_modes *w, double t)
+{
+	w->balanced = true;
+	for (int round = 0; round < TURNS; round++) {
+		if (!solve_modes(w, t))
+			return false;
+		w->balanced = !turn_creeping(w);
+		if (w->balanced)
+			break;
+	}
+	return true;
+}
+
+/* Adds a force on a contact of a body to those on it. */
+static void press(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force, rb_vec3 *sum)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place < 0)
+		return;
+	sum[2 * place] = rb_vec3_add(sum[2 * place], force);
+	sum[2 * place + 1] = rb_vec3_add(sum[2 * place + 1], rb_vec3_cross(arm, force));
+}
+
+bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
+{
+	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	/* what balances is summed first: turned to the body's axes and back it would leave its rounding each time */
+	rb_vec3 *const sum = rb_arena_take(l->arena, 2 * (size_t)c->member_count, sizeof *sum);
+
+	if (!sum)
+		return false;
+	memset(sum, 0, 2 * (size_t)c->member_count * sizeof *sum);
+	for (int k = 0; k < c->held_count; k++) {
+		press(w, c->held[k].a, w->contact_point[k].arm_a, rb_vec3_neg(force[k]), sum);
+		press(w, c->held[k].b, w->contact_point[k].arm_b, force[k], sum);
+	}
+	for (int k = 0; k < c->member_count; k++) {
+		const int i = c->member[k];
+
+		w->linear[k] = rb_vec3_add_scaled(w->linear[k], l->model->inverse_mass[i],
+		                                  sum[2 * k]);
+		if (l->top)
+			w->angular[k] = rb_vec3_add(
+				w->angular[k],
+				rb_effective_mass_inverse(l, i, w->pose[k].orientation,
+			                                  sum[2 * k + 1]));
+	}
+	rb_arena_back(l->arena, here);
+	return true;
+}
+
+static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
+{
+	const struct rb_contact_point *m = &w->contact_point[i];
+
+	return rb_vec3_add(rb_vec3_sub(point_acceleration(w, m->b, m->arm_b, t),
+	                               point_acceleration(w, m->a, m->arm_a, t)),
+	                   w->contact[i].bias);
+}
+
+bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t)
+{
+	return rb_set_is_slow(
+		w->l, &w->contact_point[contact],
+		rb_vec3_dot(relative_acceleration(w, contact, t), w->contact[contact].slip),
+		w->force[contact]);
+}
+
+bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
+{
+	const struct rb_held *const held = &w->c->held[contact];
+	const struct rb_contact_point *m = &w->contact_point[contact];
+	const bool single = rb_set_is_single(w->l, held->a, held->b);
+	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+	const rb_vec3 way = w->contact[contact].slip;
+	const rb_vec3 off = rb_vec3_add_scaled(slip, -rb_vec3_dot(slip, way), way);
+	const double least = single ? 0 : aside_share * rb_vec3_length(slip);
+
+	return held->straight && !held->creeps && (single || !w->slow[contact]) &&
+	       rb_vec3_length(off) > fmax(least, STRAIGHT_NOISES * rb_contact_point_noise(w->l, m));
+}
+
+/* To the right side, too. */
+double rb_modes_left(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	double max = 0;
+	int row = 0;
+
+	for (int i = 0; i < c->held_count; i++) {
+		const rb_vec3 left = relative_acceleration(w, i, t);
+
+		for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++) {
+			w->dense.right[row] = -asked_of(w, i, k, left);
+			max = fmax(max, fabs(w->dense.right[row]));
+		}
+	}
+	return max;
+}
+
+bool rb_modes_refine(struct rb_modes *w, double t)
+{
+	const struct rb_cluster *c = w->c;
+	double before = HUGE_VAL;
+
+	for (int round = 0; round < REFINEMENTS; round++) {
+		const double left = rb_modes_left(w, t);
+		int row = 0;
+
+		/* where more contacts than freedoms contradict each other, something stays */
+		if (!(left > 4 * DBL_EPSILON * w->max) || !(left < 0.5 * before))
+			return true;
+		before = left;
+		rb_dense_again(&w->dense);
+		for (int i = 0; i < c->held_count; i++) {
+			w->change[i] = (rb_vec3){0, 0, 0};
+			for (int k = 0; k < rb_modes_unknowns(&c->held[i]); k++, row++)
+				w->change[i] = rb_vec3_add_scaled(w->change[i], w->dense.right[row],
+				                                  unit_of(w, i, k));
+			w->force[i] = rb_vec3_add(w->force[i], w->change[i]);
+		}
+		if (!rb_modes_press(w, w->change))
+			return false;
+	}
+	return true;
+}
+
+static int joint_body(const struct rb_modes *w, struct rb_simultaneous *joint, int body, double t)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place >= 0)
+		return place;
+	joint->body[joint->body_count] = rb_mechanics_fixed(w->l, body, t);
+	return joint->body_count++;
+}
+
+bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **found)
+{
+	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	struct rb_simultaneous joint = {.arena = l->arena, .contact_count = c->held_count};
+
+	if (found)
+		*found = NULL;
+	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
+	                           sizeof *joint.body);
+	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
+	if (!joint.body || !joint.contact)
+		return false;
+	joint.body_count = c->member_count;
+	joint.products_max = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
+	for (int k = 0; k < c->member_count; k++)
+		joint.body[k] = rb_mechanics_body(l, c->member[k], &w->pose[k], w->linear[k],
+		                                  w->angular[k]);
+	for (int k = 0; k < c->held_count; k++) {
+		joint.contact[k] = w->contact[k];
+		joint.contact[k].mode = c->held[k].slipping ? RB_SOLVER_SLIDE : RB_SOLVER_STICK;
+		joint.contact[k].a = joint_body(w, &joint, c->held[k].a, t);
+		joint.contact[k].b = joint_body(w, &joint, c->held[k].b, t);
+		joint.contact[k].impulse = c->held[k].force;
+	}
+	rb_simultaneous_forces(&joint);
+	if (rb_modes_move(w))
+		rb_located_count(l, joint.products, c->held_count);
+	for (int k = 0; k < c->held_count; k++)
+		w->force[k] = joint.contact[k].impulse;
+	if (found)
+		*found = joint.body;
+	else
+		rb_arena_back(l->arena, here);
+	return true;
+}
+
+double rb_modes_noise(void *user, const double *coefficient)
+{
+	const struct rb_modes *w = user;
+	double worst = 0;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double step = 2 * DBL_EPSILON * rb_vec3_max_abs(w->base[k]);
+		double way = step, change = 0;
+
+		for (int m = 0; m < 3; m++) {
+			const int x = k * w->row + RB_ROW_POSITION + m, v = x + RB_ROW_VELOCITY;
+			double along = fabs(coefficient[x]), more = 0;
+
+			for (int p = 1; p < RB_GAUSS_NODES; p++) {
+				along += fabs(coefficient[p * w->c->piece.n + x]);
+				more += fabs(coefficient[p * w->c->piece.n + v]);
+			}
+			way = fmax(way, along);
+			change = fmax(change, more / w->scale[v]);
+		}
+		worst = fmax(worst, change > 0 ? change * (step / way) : 0);
+	}
+	return fmin(worst, coarse);
+}
+
+int *rb_modes_take_places(struct rb_located *l, const struct rb_cluster *c)
+{
+	int *const kept = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *kept);
+
+	for (int k = 0; kept && k < c->member_count; k++) {
+		kept[k] = l->place[c->member[k]];
+		l->place[c->member[k]] = k;
+	}
+	return kept;
+}
+
+void rb_modes_give_back_places(struct rb_located *l, const struct rb_cluster *c, const int *kept)
+{
+	for (int k = 0; k < c->member_count; k++)
+		l->place[c->member[k]] = kept[k];
+}
+
+bool rb_modes_reserve(struct rb_modes *w)
+{
+	struct rb_cluster *c = w->c;
+	struct rb_arena *arena = w->l->arena;
+	size_t unknowns = 0;
+
+	for (int k = 0; k < c->held_count; k++)
+		unknowns += (size_t)rb_modes_unknowns(&c->held[k]);
+	if (unknowns > RB_MODES_DENSE)
+		unknowns = 0;
+	w->pose = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->pose);
+	w->base = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->base);
+	w->linear = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->linear);
+	w->angular = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->angular);
+	w->contact_point = rb_arena_take(arena, (size_t)c->held_count + 1,
+	                                 sizeof *w->contact_point);
+	w->contact = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->contact);
+	w->force = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->force);
+	w->change = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->change);
+	w->slow = rb_arena_take(arena, (size_t)c->held_count + 1, sizeof *w->slow);
+	if (w->l->account_s) {
+		w->parts = rb_arena_take(arena, (size_t)c->member_count, sizeof *w->parts);
+		w->seen = rb_arena_take(arena, (size_t)RB_GAUSS_NODES * RB_ENTRIES,
+		                        sizeof *w->seen);
+		if (!w->parts || !w->seen)
+			return false;
+	}
+	struct rb_dense *d = &w->dense;
+	d->matrix = rb_arena_take(arena, unknowns * unknowns + 1, sizeof *d->matrix);
+	d->right = rb_arena_take(arena, 3 * unknowns + 1, sizeof *d->right);
+	d->last = rb_arena_take(arena, 5 * unknowns + 1, sizeof *d->last);
+	if (!d->matrix || !d->right || !d->last)
+		return false;
+	d->size = d->right + unknowns;
+	d->found = d->size + unknowns;
+	d->down = d->last + unknowns;
+	d->pivot = d->down + unknowns;
+	d->from = d->pivot + unknowns;
+	d->order = d->from + unknowns;
+	return w->pose && w->base && w->linear && w->angular && w->contact_point && w->contact &&
+	       w->force && w->change && w->slow;
+}

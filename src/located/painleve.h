@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Where friction presses a slipping contact harder together than it yields, its force grows beyond all bounds before the
+ * slip ends (Painleve): what follows is an impact without an approach, which ends with the slip (Genot, Brogliato, Eur. J.
+ * Mech. A 18 (1999) 653).
+ */
+#ifndef RB_LOCATED_PAINLEVE_H
+#define RB_LOCATED_PAINLEVE_H
+
+#include "located/pair_contacts.h"
+
+/* The contacts of bodies whose places are 0 .. body_count - 1 (l->place); all arrays are the caller's. */
+struct rb_painleve {
+	struct rb_located *l;
+	const struct rb_contact_point *contact_point;
+	const rb_vec3 *force;   /* N, on b, as they have grown */
+	const double *friction; /* coefficients */
+	int count;
+	const struct rb_pose *pose; /* [body_count] */
+	int body_count;
+
+	/* out */
+	rb_vec3 *impulse;          /* [count]: N s, on b */
+	rb_vec3 *linear, *angular; /* [body_count]: what they add to velocities */
+	rb_vec3 *scratch;          /* [3 count] */
+};
+
+/* Impulses that stop all contacts' points; false: they would pull, or be outside the cones. */
+bool rb_painleve_stop(struct rb_painleve *painleve);
+
+#endif

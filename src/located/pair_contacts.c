@@ -1,0 +1,623 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/pair_contacts.h"
+
+#include "located/approach.h"
+#include "located/bounds.h"
+#include "geom/distance.h"
+#include "math/quartic.h"
+
+#include <float.h>
+
+enum { TOUCHING_ULP = 8, STEPS_MAX = 48 };
+
+bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
+{
+	const struct rb_model *model = l->model;
+
+	if (a == b || (rb_located_fixed(l, a) && rb_located_fixed(l, b)))
+		return false;
+	return !model->group_bit || ((model->group_bit[a] & model->collides[b]) != 0 &&
+	                             (model->group_bit[b] & model->collides[a]) != 0);
+}
+
+/* ---- geometry of a moment ---- */
+
+/* What a shape of kind b makes of a sphere: gap, normal from the sphere, its rate, whether at a rim. */
+typedef void contact_function(const struct rb_located *l, struct rb_contact_point *m);
+
+/* From a body's centre of mass to its origin: by the orientation, so that far away it is as exact as near. */
+static rb_vec3 origin_arm(const struct rb_located *l, int i, const struct rb_pose *pose)
+{
+	if (i >= l->n || !l->model->center_of_mass)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_neg(rb_quat_rotate(pose->orientation, l->model->center_of_mass[i]));
+}
+
+static rb_vec3 origin_velocity(const struct rb_located *l, int i, const struct rb_pose *pose)
+{
+	if (i >= l->n || !l->model->center_of_mass)
+		return pose->velocity;
+	return rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, origin_arm(l, i, pose)));
+}
+
+/* From a's origin to b's. */
+static rb_vec3 between_origins(const struct rb_located *l, const struct rb_contact_point *m)
+{
+	const rb_vec3 d = rb_arc_between(&m->pose_a, &m->pose_b);
+
+	if (!l->model->center_of_mass)
+		return d;
+	return rb_vec3_add(
+		d, rb_vec3_sub(origin_arm(l, m->b, &m->pose_b), origin_arm(l, m->a, &m->pose_a)));
+}
+
+/* A sphere is seen from its own centre. */
+static const rb_vec3 here = {0, 0, 0};
+
+static void contact_of_spheres(const struct rb_located *l, struct rb_contact_point *m)
+{
+	const rb_vec3 w = rb_vec3_sub(origin_velocity(l, m->b, &m->pose_b),
+	                              origin_velocity(l, m->a, &m->pose_a));
+	const double sum = l->model->shape[m->a].radius + l->model->shape[m->b].radius;
+
+	m->gap = rb_distance_sphere_sphere(here, l->model->shape[m->a].radius,
+	                                   between_origins(l, m), l->model->shape[m->b].radius,
+	                                   &m->normal);
+	m->normal_rate = rb_vec3_scale(1 / (m->gap + sum), rb_vec3_reject(w, m->normal));
+}
+
+static rb_vec3 normal_of(const struct rb_located *l, int b, rb_quat orientation)
+{
+	return b >= l->n ? l->plane_normal[b - l->n] : rb_plane_normal(orientation);
+}
+
+static void contact_with_plane(const struct rb_located *l, struct rb_contact_point *m)
+{
+	m->gap = rb_distance_sphere_plane(here, l->model->shape[m->a].radius, between_origins(l, m),
+	                                  normal_of(l, m->b, m->pose_b.orientation), &m->normal);
+	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
+}
+
+/* On a boundary to rounding, the way it moves decides: outwards it is at the rim already. */
+static double beyond(double x, double half, double rate, double band)
+{
+	const double sign = x < 0 ? -1 : 1;
+	const double out = sign * x - half;
+
+	if (out > band || (out >= -band && sign * rate > 0))
+		return sign * fmax(out, DBL_MIN);
+	return 0;
+}
+
+static void contact_with_rectangle(const struct rb_located *l, struct rb_contact_point *m)
+{
+	const double radius = l->model->shape[m->a].radius;
+	rb_rectangle sheet = rb_rectangle_of(between_origins(l, m), m->pose_b.orientation,
+	                                     l->model->shape[m->b].size);
+	const rb_vec3 face = normal_of(l, m->b, m->pose_b.orientation);
+	rb_vec3 closest;
+
+	sheet.normal = face;
+	m->gap = rb_distance_sphere_rectangle(here, radius, &sheet, &m->normal, &closest);
+	const rb_vec3 d = rb_vec3_neg(sheet.center);
+	const rb_vec3 arm = rb_vec3_add(rb_vec3_sub(closest, sheet.center),
+	                                origin_arm(l, m->b, &m->pose_b));
+	const rb_vec3 w = rb_vec3_sub(
+		rb_vec3_add(m->pose_b.velocity, rb_vec3_cross(m->pose_b.spin, arm)),
+		origin_velocity(l, m->a, &m->pose_a));
+	const double band = TOUCHING_ULP * DBL_EPSILON *
+	                    fmax(rb_vec3_max_abs(m->pose_a.origin),
+	                         fmax(sheet.half_x, sheet.half_y));
+	const double out_x = beyond(rb_vec3_dot(d, sheet.axis_x), sheet.half_x,
+	                            -rb_vec3_dot(w, sheet.axis_x), band);
+	const double out_y = beyond(rb_vec3_dot(d, sheet.axis_y), sheet.half_y,
+	                            -rb_vec3_dot(w, sheet.axis_y), band);
+
+	m->on_rim = out_x != 0 || out_y != 0;
+	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
+	if (!m->on_rim)
+		return;
+	/* along an edge the normal does not turn; at a corner it follows every way across */
+	rb_vec3 turn = rb_vec3_reject(w, m->normal);
+	if (out_x == 0)
+		turn = rb_vec3_add_scaled(turn, -rb_vec3_dot(turn, sheet.axis_x), sheet.axis_x);
+	if (out_y == 0)
+		turn = rb_vec3_add_scaled(turn, -rb_vec3_dot(turn, sheet.axis_y), sheet.axis_y);
+	m->normal_rate = rb_vec3_scale(1 / (m->gap + radius), turn);
+}
+
+static contact_function *const point_of_pair[RB_SHAPE_KIND_COUNT] = {
+	[RB_SHAPE_SPHERE] = contact_of_spheres,
+	[RB_SHAPE_PLANE] = contact_with_plane,
+	[RB_SHAPE_RECTANGLE] = contact_with_rectangle,
+};
+
+/* Arms, their rates and the velocity at the point, from gap, normal and its rate; a is the sphere. */
+static void finish(const struct rb_located *l, struct rb_contact_point *m)
+{
+	const double radius = l->model->shape[m->a].radius;
+
+	m->point = rb_vec3_add_scaled(m->pose_a.origin, radius, m->normal);
+	const rb_vec3 point_rate = rb_vec3_add_scaled(origin_velocity(l, m->a, &m->pose_a), radius,
+	                                              m->normal_rate);
+	if (l->model->center_of_mass) {
+		m->arm_a = rb_vec3_add_scaled(origin_arm(l, m->a, &m->pose_a), radius, m->normal);
+		m->rate_a = rb_vec3_sub(point_rate, m->pose_a.velocity);
+	} else {
+		m->arm_a = rb_vec3_scale(radius, m->normal);
+		m->rate_a = rb_vec3_scale(radius, m->normal_rate);
+	}
+	if (l->model->shape[m->b].kind == RB_SHAPE_SPHERE && !l->model->center_of_mass) {
+		m->arm_b = rb_vec3_scale(-l->model->shape[m->b].radius, m->normal);
+		m->rate_b = rb_vec3_scale(-l->model->shape[m->b].radius, m->normal_rate);
+	} else {
+		m->arm_b = rb_vec3_sub(m->arm_a, rb_arc_between(&m->pose_a, &m->pose_b));
+		m->rate_b = rb_vec3_sub(point_rate, m->pose_b.velocity);
+	}
+	m->velocity = rb_vec3_sub(
+		rb_vec3_add(m->pose_b.velocity, rb_vec3_cross(m->pose_b.spin, m->arm_b)),
+		rb_vec3_add(m->pose_a.velocity, rb_vec3_cross(m->pose_a.spin, m->arm_a)));
+}
+
+static void swap(struct rb_contact_point *m)
+{
+	const struct rb_contact_point o = *m;
+
+	m->a = o.b;
+	m->b = o.a;
+	m->pose_a = o.pose_b;
+	m->pose_b = o.pose_a;
+	m->arm_a = o.arm_b;
+	m->arm_b = o.arm_a;
+	m->rate_a = o.rate_b;
+	m->rate_b = o.rate_a;
+	m->normal = rb_vec3_neg(o.normal);
+	m->normal_rate = rb_vec3_neg(o.normal_rate);
+	m->velocity = rb_vec3_neg(o.velocity);
+}
+
+struct rb_contact_point rb_contact_point_at(const struct rb_located *l, int a, int b, double t)
+{
+	const struct rb_pose pose_a = rb_arc_pose(l, a, t), pose_b = rb_arc_pose(l, b, t);
+
+	return rb_contact_point_poses(l, a, b, &pose_a, &pose_b);
+}
+
+struct rb_contact_point rb_contact_point_poses(const struct rb_located *l, int a, int b,
+                                               const struct rb_pose *pose_a,
+                                               const struct rb_pose *pose_b)
+{
+	const bool swapped = l->model->shape[a].kind != RB_SHAPE_SPHERE;
+
+	if (rb_pair_has_features(l, a, b))
+		return rb_touch_nearest(l, a, b, pose_a, pose_b);
+	struct rb_contact_point m = {.a = swapped ? b : a,
+	                             .b = swapped ? a : b,
+	                             .inside = (double)INFINITY,
+	                             .pose_a = swapped ? *pose_b : *pose_a,
+	                             .pose_b = swapped ? *pose_a : *pose_b};
+
+	point_of_pair[l->model->shape[m.b].kind](l, &m);
+	finish(l, &m);
+	if (swapped)
+		swap(&m);
+	return m;
+}
+
+int rb_pair_contact_points(const struct rb_located *l, int a, int b, double t, double slack,
+                           struct rb_contact_point all[RB_CONTACT_POINTS_MAX])
+{
+	if (rb_pair_has_features(l, a, b)) {
+		const struct rb_touch_pair pair = {a, b, t, rb_arc_pose(l, a, t),
+		                                   rb_arc_pose(l, b, t)};
+
+		return rb_touch_all(l, &pair, slack, all);
+	}
+	all[0] = rb_contact_point_at(l, a, b, t);
+	return all[0].gap <= rb_contact_point_band(l, &all[0], t) + slack ? 1 : 0;
+}
+
+struct rb_contact_point rb_contact_point_of(const struct rb_located *l,
+                                            const struct rb_contact_name *name,
+                                            const struct rb_pose *pose_a,
+                                            const struct rb_pose *pose_b)
+{
+	if (rb_pair_has_features(l, name->a, name->b))
+		return rb_touch_of(l, name, pose_a, pose_b);
+	return rb_contact_point_poses(l, name->a, name->b, pose_a, pose_b);
+}
+
+/* m: how far from its centre of mass anything of a body is. */
+static double extent(const struct rb_located *l, int i)
+{
+	const struct rb_shape *shape = &l->model->shape[i];
+	const double aside = i < l->n && l->model->center_of_mass
+	                             ? rb_vec3_length(l->model->center_of_mass[i])
+	                             : 0;
+
+	if (shape->kind == RB_SHAPE_SPHERE)
+		return aside + shape->radius;
+	if (shape->kind >= RB_SHAPE_BOX)
+		return aside + rb_model_reach(l->model, i);
+	return shape->kind == RB_SHAPE_RECTANGLE ? aside + shape->size[0] + shape->size[1]
+	                                         : (double)INFINITY;
+}
+
+static double external_max(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return 0;
+	return rb_located_on_piece(l, i) ? l->piece[i].acceleration_max
+	                                 : rb_vec3_length(l->arc[i].acceleration);
+}
+
+/* Is this body above a plane at rest all the time? */
+static bool is_above(const struct rb_located *l, int i, int plane, double from, double until)
+{
+	const double h = until - from, ball = extent(l, i);
+
+	if (plane < l->n || l->model->shape[plane].kind != RB_SHAPE_PLANE || !isfinite(ball))
+		return false;
+	const rb_vec3 n = l->plane_normal[plane - l->n], x = rb_arc_position(l, i, from);
+	const rb_vec3 d = rb_vec3_sub(x, l->model->position[plane]);
+	double reach = ball;
+	if (h > 0)
+		reach += h * (fmax(-rb_vec3_dot(n, rb_arc_velocity(l, i, from)), 0) +
+		              0.5 * h * external_max(l, i));
+	return rb_vec3_dot(n, d) >
+	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
+}
+
+/* A ball that the body's origin of motion stays in up to `until`: about where its arc or piece began. */
+static rb_vec3 beginning(const struct rb_located *l, int i, double until, double *way)
+{
+	double speed, external, age;
+	rb_vec3 center;
+
+	*way = 0;
+	if (i >= l->n)
+		return l->model->position[i];
+	if (rb_located_on_piece(l, i)) {
+		const struct rb_piece_of *p = &l->piece[i];
+		const double *start = p->piece.start + p->first;
+
+		center = rb_vec3_add(p->base, rb_vec3_from(start + RB_ROW_POSITION));
+		speed = rb_vec3_length(rb_vec3_from(start + RB_ROW_VELOCITY));
+		external = p->acceleration_max;
+		age = until - p->origin_s;
+	} else {
+		center = l->arc[i].position;
+		speed = rb_vec3_length(l->arc[i].velocity);
+		external = rb_vec3_length(l->arc[i].acceleration);
+		age = until - l->arc[i].anchor_s;
+	}
+	*way = age * (speed + external * age);
+	return center;
+}
+
+/* Seen without a look at where pieces have come to, which is what a pair costs where many bodies are on them. */
+static bool began_far(const struct rb_located *l, int a, int b, double until, double sum)
+{
+	double way_a, way_b;
+	const rb_vec3 x = beginning(l, a, until, &way_a), y = beginning(l, b, until, &way_b);
+
+	return rb_vec3_length(rb_vec3_sub(y, x)) >
+	       1.001 * (sum + way_a + way_b) + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
+}
+
+bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double from, double until)
+{
+	const double sum = extent(l, a) + extent(l, b), h = until - from;
+
+	if (!isfinite(sum))
+		return is_above(l, a, b, from, until) || is_above(l, b, a, from, until);
+	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
+	    began_far(l, a, b, until, sum))
+		return true;
+	const rb_vec3 x = rb_arc_position(l, a, from), y = rb_arc_position(l, b, from);
+	double reach = sum;
+	if (h > 0)
+		reach += h * (rb_vec3_length(rb_vec3_sub(rb_arc_velocity(l, b, from),
+		                                         rb_arc_velocity(l, a, from))) +
+		              0.5 * h * (external_max(l, a) + external_max(l, b)));
+	/* by much more than rounding, of places, of speeds and of the time */
+	return rb_vec3_length(rb_vec3_sub(y, x)) >
+	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
+}
+
+bool rb_contact_point_approaches(const struct rb_located *l, int a, int b, double t)
+{
+	if (rb_pair_has_features(l, a, b))
+		return rb_approach_now(l, a, b, t);
+	const struct rb_contact_point m = rb_contact_point_at(l, a < b ? a : b, a < b ? b : a, t);
+
+	return rb_vec3_dot(m.velocity, m.normal) < -rb_contact_point_noise(l, &m);
+}
+
+/* ---- when ---- */
+
+static bool same_vector(rb_vec3 a, rb_vec3 b)
+{
+	return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+/* Seconds until |d + w s| = sum while closing; INFINITY: never. */
+static double linear_touch(rb_vec3 d, rb_vec3 w, double sum, double noise)
+{
+	const double b = rb_vec3_dot(d, w);
+
+	if (!(b < 0))
+		return HUGE_VAL;
+	const double c = rb_vec3_dot(d, d) - sum * sum;
+	const double square = rb_vec3_dot(w, w);
+	if (c <= 0)
+		return -b > noise * sum ? 0 : HUGE_VAL;
+	double discriminant = b * b - square * c;
+	if (fabs(discriminant) < 1e-4 * b * b) {
+		/* grazing: without the cancellation */
+		const double speed = sqrt(square);
+		const double offset = rb_vec3_length(rb_vec3_cross(d, w));
+
+		discriminant = (speed * sum - offset) * (speed * sum + offset);
+	}
+	if (discriminant < 0)
+		return HUGE_VAL;
+	const double s = c / (sqrt(discriminant) - b);
+	/* what only rounding closes is no approach */
+	return s * square < noise * sum && -b <= noise * sum ? HUGE_VAL : s;
+}
+
+/* Seconds until gap + rate s + acceleration s^2 / 2 = 0 while falling; INFINITY: never. */
+static double quadratic_touch(double gap, double rate, double acceleration, double band,
+                              double noise)
+{
+	const bool touching = gap <= band;
+
+	if (touching && rate < -noise)
+		return 0;
+	if (touching && rate <= noise) { /* only the acceleration can bring them together */
+		return acceleration < 0 ? 0 : HUGE_VAL;
+	}
+	if (touching) /* what rounding has left of its gap is no height to fall from */
+		return acceleration < 0 ? -2 * rate / acceleration : HUGE_VAL;
+	const double discriminant = rate * rate - 2 * acceleration * gap;
+	if (rate < 0)
+		return discriminant < 0 ? HUGE_VAL : 2 * gap / (sqrt(discriminant) - rate);
+	if (!(acceleration < 0))
+		return HUGE_VAL;
+	return (rate + sqrt(discriminant)) / -acceleration;
+}
+
+/*
+ * Seconds until two spheres touch that fly under different accelerations: |d + w s + a s^2/2|^2 - sum^2 is a quartic.
+ * What is touching and neither closes nor opens beyond rounding starts from zero, so that only what follows counts.
+ */
+static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, double noise,
+                              double max)
+{
+	const rb_vec3 d = motion[0], w = motion[1], a = motion[2];
+	const double length = rb_vec3_length(d), rate = rb_vec3_dot(d, w) / length;
+	const bool touching = length - sum <= band;
+	double c[5] = {(length - sum) * (length + sum), 2 * rb_vec3_dot(d, w),
+	               rb_vec3_dot(w, w) + rb_vec3_dot(d, a), rb_vec3_dot(w, a),
+	               0.25 * rb_vec3_dot(a, a)};
+	const double bend = rb_vec3_dot(w, w) + length * rb_vec3_length(a);
+
+	if (touching && rate < -noise)
+		return 0;
+	if (touching)
+		c[0] = 0;
+	if (touching && rate <= noise)
+		c[1] = 0;
+	if (touching && c[1] == 0 && fabs(c[2]) <= 64 * DBL_EPSILON * bend)
+		c[2] = 0;
+	if (touching && c[1] == 0 && c[2] < 0)
+		return 0;
+	return rb_quartic_falls(c, max);
+}
+
+/* What is known of a pair's approach from a moment on. */
+struct course {
+	double gap, rate, bend; /* without what curvature adds, which only parts them */
+	double external, jerk;  /* bounds: of the relative acceleration, and of its rate */
+	double speed,
+		radius; /* of the centres; at least how far the normal's centre of turning is */
+};
+
+/* Would the gap stay above `least` for h? Below it are gap + rate s + bend s^2 / 2 - K s^3 / 6, s <= h. */
+static bool stays_above(const struct course *c, double h, double least)
+{
+	/* the rate of a.n: the jerk, and the turning of the normal */
+	const double k = c->jerk + c->external * (c->speed + c->external * h) / c->radius;
+	const double end = c->gap + h * (c->rate + h * (0.5 * c->bend - k * h / 6));
+
+	if (!(end >= least))
+		return false;
+	if (!(c->rate < 0) || !(c->bend > 0))
+		return true; /* it rises, or falls all the way from where it starts to fall */
+	const double low = -2 * c->rate /
+	                   (c->bend + sqrt(fmax(c->bend * c->bend + 2 * k * c->rate, 0)));
+	return low >= h || c->gap + low * (c->rate + low * (0.5 * c->bend - k * low / 6)) >= least;
+}
+
+/* How long nothing can happen: at least h, and longer where the accelerations change little. */
+static double longer(const struct course *c, double h, double max, double least)
+{
+	if (!isfinite(c->jerk))
+		return h;
+	while (h < max && stays_above(c, fmin(2 * h, max), least))
+		h *= 2;
+	return h;
+}
+
+static struct course course_of(const struct rb_located *l, const struct rb_contact_point *m,
+                               const struct rb_bounds *a, const struct rb_bounds *b, double t)
+{
+	const bool flat_a = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
+	const bool flat_b = l->model->shape[m->b].kind != RB_SHAPE_SPHERE;
+	const double apart = rb_vec3_length(between_origins(l, m));
+	const rb_vec3 w = rb_vec3_sub(rb_contact_point_velocity(&m->pose_b, m->pose_b.origin),
+	                              rb_contact_point_velocity(&m->pose_a, m->pose_a.origin));
+	const rb_vec3 external = rb_vec3_sub(
+		rb_contact_point_acceleration(l, m->b, &m->pose_b, m->pose_b.origin, t),
+		rb_contact_point_acceleration(l, m->a, &m->pose_a, m->pose_a.origin, t));
+	struct course c = {.gap = m->gap,
+	                   .rate = rb_vec3_dot(m->velocity, m->normal),
+	                   .bend = rb_vec3_dot(external, m->normal),
+	                   .external = a->external + b->external,
+	                   .jerk = a->jerk + b->jerk,
+	                   .speed = rb_vec3_length(w),
+	                   .radius = apart};
+	const struct rb_bounds *const flat = flat_a ? a : b;
+
+	if (!flat_a && !flat_b)
+		return c;
+	/* the normal of a face stays, that of an edge turns about it */
+	c.radius = l->model->shape[flat_a ? m->a : m->b].kind == RB_SHAPE_PLANE
+	                   ? (double)INFINITY
+	                   : rb_contact_point_size(l, m);
+	if (flat->turn > 0) { /* a face that turns sweeps with the distance */
+		c.external += 2 * flat->turn * flat->turn * apart + 2 * flat->turn * flat->external;
+		c.jerk = (double)INFINITY;
+	}
+	return c;
+}
+
+static double advance(const struct rb_located *l, int a, int b, double from, double until,
+                      bool *again)
+{
+	struct rb_bounds of_a = {0}, of_b = {0};
+	double t = from, nearest = HUGE_VAL;
+
+	*again = false;
+	for (int step = 0; step < STEPS_MAX; step++) {
+		const struct rb_contact_point m = rb_contact_point_at(l, a, b, t);
+		const double band = rb_contact_point_band(l, &m, t),
+			     noise = rb_contact_point_noise(l, &m);
+
+		if (step == 0) {
+			of_a = rb_bounds_of(l, m.a);
+			of_b = rb_bounds_of(l, m.b);
+		}
+		struct course c = course_of(l, &m, &of_a, &of_b, t);
+		const double rate = c.rate, max = c.external;
+		const bool touches = m.gap <= band;
+		double h, least = 0;
+
+		if (touches && rate < -noise) {
+			/* what has come here by steps goes on from the band to the root */
+			const double more = 2 * m.gap /
+			                    (sqrt(rate * rate + 2 * max * m.gap) - rate);
+
+			if (!(t > from && m.gap > 0 && m.gap < 0.5 * nearest && t + more <= until))
+				return t;
+			nearest = m.gap;
+			t += more;
+			continue;
+		}
+		if (touches && rate <= noise) {
+			const double bend = rb_contact_point_bend(l, &m, t);
+
+			if (bend < -64 * DBL_EPSILON * max && t > from)
+				return t;
+			if (!(max > 0))
+				return HUGE_VAL;
+			h = sqrt(band / max);
+			/* half of the band is free, and what is rounding is nothing */
+			c.gap = c.rate = 0;
+			c.bend = fabs(c.bend) <= 64 * DBL_EPSILON * max ? 0 : c.bend;
+			least = -0.5 * band;
+		} else {
+			const double gap = touches ? 0 : m.gap;
+			const double root = sqrt(rate * rate + 2 * max * gap);
+
+			/* the root of gap + rate h - most h^2 / 2, in the form that does not cancel */
+			if (rate > 0)
+				h = max > 0 ? (rate + root) / max : HUGE_VAL;
+			else
+				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
+			c.gap = gap;
+		}
+		/* leaving a touch, until it turns back: not by the bound but by what pulls now */
+		if (touches && rate > noise && max > 0) {
+			const double turns = rate / fmax(-rb_contact_point_bend(l, &m, t), DBL_MIN);
+
+			h = fmax(h, fmin(turns, sqrt(band / max)));
+		}
+		h = fmax(longer(&c, h, until - t, least), 2 * DBL_EPSILON * t);
+		if (!(t + h <= until))
+			return HUGE_VAL;
+		t += h;
+	}
+	*again = true;
+	return t;
+}
+
+/* Of bodies in flight, in closed form. */
+static bool in_flight(const struct rb_located *l, int i)
+{
+	return !rb_located_on_piece(l, i) && !l->model->center_of_mass;
+}
+
+double rb_pair_contact_time(const struct rb_located *l, int a, int b, double from, double until,
+                            bool *again)
+{
+	const struct rb_model *model = l->model;
+	double s;
+
+	*again = false;
+	if (rb_pair_has_features(l, a, b)) {
+		const struct rb_approach found = rb_approach_find(l, a, b, from, until);
+
+		*again = found.again;
+		return found.touch_s;
+	}
+	/* of spheres always the same one first: an impact rounds as its foresight does */
+	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
+	    (a > b && model->shape[b].kind == RB_SHAPE_SPHERE)) {
+		const int other = a;
+
+		a = b;
+		b = other;
+	}
+	if (!in_flight(l, a) || (b < l->n && !in_flight(l, b)))
+		return advance(l, a, b, from, until, again);
+	const rb_vec3 none = {0, 0, 0};
+	const rb_vec3 acceleration_b = b < l->n ? l->arc[b].acceleration : none;
+	const rb_vec3 va = rb_arc_velocity(l, a, from), vb = rb_arc_velocity(l, b, from);
+	if (model->shape[b].kind == RB_SHAPE_SPHERE &&
+	    !same_vector(l->arc[a].acceleration, acceleration_b)) {
+		const struct rb_contact_point m = rb_contact_point_at(l, a, b, from);
+		const rb_vec3 motion[3] = {between_origins(l, &m), rb_vec3_sub(vb, va),
+		                           rb_vec3_sub(acceleration_b, l->arc[a].acceleration)};
+
+		s = parabolic_touch(motion, model->shape[a].radius + model->shape[b].radius,
+		                    rb_contact_point_band(l, &m, from),
+		                    rb_contact_point_noise(l, &m), until - from);
+	} else if (model->shape[b].kind == RB_SHAPE_SPHERE) {
+		s = linear_touch(
+			rb_vec3_sub(rb_arc_position(l, b, from), rb_arc_position(l, a, from)),
+			rb_vec3_sub(vb, va), model->shape[a].radius + model->shape[b].radius,
+			8 * DBL_EPSILON * (rb_vec3_max_abs(va) + rb_vec3_max_abs(vb)));
+		if (s == 0 && !rb_contact_point_approaches(l, a, b, from))
+			return HUGE_VAL;
+	} else if (model->shape[b].kind == RB_SHAPE_PLANE && b >= l->n) {
+		const rb_vec3 n = l->plane_normal[b - l->n];
+		const rb_vec3 x = rb_arc_position(l, a, from), v = rb_arc_velocity(l, a, from);
+		const double rate = rb_vec3_dot(v, n);
+		const double band = DBL_EPSILON * (TOUCHING_ULP * fmax(model->shape[a].radius,
+		                                                       rb_vec3_max_abs(x)) +
+		                                   2 * from * fabs(rate));
+
+		const double gap = rb_vec3_dot(rb_vec3_sub(x, model->position[b]), n) -
+		                   model->shape[a].radius;
+		const struct rb_contact_point m = gap <= band ? rb_contact_point_at(l, a, b, from)
+		                                              : (struct rb_contact_point){0};
+
+		s = quadratic_touch(gap, rate, rb_vec3_dot(l->arc[a].acceleration, n), band,
+		                    gap <= band ? rb_contact_point_noise(l, &m) : 0);
+	} else {
+		return advance(l, a, b, from, until, again);
+	}
+	return from + s <= until ? from + s : HUGE_VAL;
+}

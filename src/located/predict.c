@@ -1,0 +1,461 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/predict.h"
+
+#include <float.h>
+
+#include "located/approach.h"
+
+/* From here on bodies may not fit into fast memory. */
+enum { MANY = 4096 };
+
+/* The body whose future is looked for; read once. */
+struct seer {
+	struct rb_located *l;
+	int i, except;
+	double now, until;
+	double radius;
+	bool plain;   /* a sphere about its centre on a parabola */
+	bool general; /* filters or driven bodies: pairs are looked at one by one */
+	bool quick;   /* what is more, under gravity alone, and pairs are not */
+	bool falls;   /* it has an acceleration */
+	rb_vec3 position, velocity, acceleration; /* now */
+	double reach, speed; /* largest coordinate or radius; largest component */
+	int touching;
+	struct rb_next next;
+};
+
+/* fmax is a call into the library, which shows here. */
+static inline double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+static inline double largest(rb_vec3 a)
+{
+	return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
+}
+
+static inline void see(struct seer *s, int j, double t, bool again)
+{
+	if (t >= s->next.touch_s)
+		return;
+	s->next.touch_s = t;
+	s->next.partner = j;
+	s->next.again = again;
+}
+
+/* Another sphere at the same moment, under the same acceleration. */
+static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, double radius)
+{
+	const struct rb_located *l = s->l;
+	const rb_vec3 d = rb_vec3_sub(x, s->position), w = rb_vec3_sub(v, s->velocity);
+	const double sum = s->radius + radius;
+	const double b = rb_vec3_dot(d, w), c = rb_vec3_dot(d, d) - sum * sum;
+
+	if (c < 1e-3 * sum * sum || b < 0) {
+		const double reach = larger(larger(s->reach, radius), largest(x));
+		const double band = DBL_EPSILON * (8 * reach + 2 * s->now * fabs(b) / sum);
+
+		if (c <= 2 * sum * band) {
+			const double noise = 8 * DBL_EPSILON * (s->speed + largest(v));
+
+			if (j != s->except && !rb_set_held(l, s->i, j))
+				s->touching++;
+			if (-b > noise * sum && !rb_set_held(l, s->i, j) &&
+			    rb_contact_point_approaches(l, s->i, j, s->now))
+				see(s, j, s->now, false);
+			return;
+		}
+	}
+	/* not before c / (-2 b), which may be later than what is known already */
+	if (!(b < 0) || c * (1 - 1e-9) > -2 * b * (s->next.touch_s - s->now))
+		return;
+	const double square = rb_vec3_dot(w, w);
+	double discriminant = b * b - square * c;
+	if (discriminant < 1e-4 * b * b) {
+		/* grazing: without the cancellation */
+		const double speed = sqrt(square);
+		const double offset = rb_vec3_length(rb_vec3_cross(d, w));
+
+		discriminant = (speed * sum - offset) * (speed * sum + offset);
+		if (discriminant < 0)
+			return;
+	}
+	see(s, j, s->now + c / (sqrt(discriminant) - b), false);
+}
+
+/* Two spheres in flight under the same acceleration. False: not such a pair. */
+static bool see_sphere(struct seer *s, int j)
+{
+	const struct rb_located *l = s->l;
+	const struct rb_arc *arc = &l->arc[j];
+
+	if (!s->plain || (l->piece && l->piece[j].piece.n > 0))
+		return false;
+	const bool quick = s->quick && arc->plain_radius > 0;
+	if (!quick && l->model->shape[j].kind != RB_SHAPE_SPHERE)
+		return false;
+	/* what is plain falls as this body does: the rest of its arc is not looked at */
+	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
+	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
+		return false;
+	const double age = s->now - arc->anchor_s;
+	const rb_vec3 v = rb_vec3_add_scaled(arc->velocity, age, a);
+	const rb_vec3 x = rb_vec3_add_scaled(arc->position, age,
+	                                     rb_vec3_add_scaled(arc->velocity, 0.5 * age, a));
+
+	see_flight(s, j, x, v, quick ? arc->plain_radius : l->model->shape[j].radius);
+	return true;
+}
+
+/* Two numbers that are worked on at once, as every processor of today can. */
+typedef double two __attribute__((vector_size(16)));
+
+struct two_vec {
+	two x, y, z;
+};
+
+static inline two both(double a)
+{
+	return (two){a, a};
+}
+
+static inline struct two_vec pair_of(rb_vec3 a, rb_vec3 b)
+{
+	return (struct two_vec){{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
+}
+
+static inline struct two_vec plus_scaled(struct two_vec a, two s, struct two_vec b)
+{
+	return (struct two_vec){a.x + s * b.x, a.y + s * b.y, a.z + s * b.z};
+}
+
+static inline struct two_vec minus(struct two_vec a, struct two_vec b)
+{
+	return (struct two_vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static inline two dot(struct two_vec a, struct two_vec b)
+{
+	return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/*
+ * Leaves of `near` those that see_sphere has to look at: the few that are near or come close, and what is no plain
+ * sphere. Without branches that depend on where bodies are, which nobody can guess: most of a gas's time is spent here.
+ */
+static inline int sift(const struct seer *s, int *near, int count, bool falls)
+{
+	const struct rb_arc *arcs = s->l->arc;
+	const struct two_vec here = pair_of(s->position, s->position);
+	const struct two_vec mine = pair_of(s->velocity, s->velocity);
+	const struct two_vec a = pair_of(s->acceleration, s->acceleration);
+	const int last = count > 0 ? near[count - 1] : -1;
+	int kept = 0;
+
+	for (int k = 0; k < count; k += 2) {
+		const int i = near[k], j = near[k + 1 < count ? k + 1 : k];
+		const struct rb_arc *first = &arcs[i], *second = &arcs[j];
+		const two age = both(s->now) - (two){first->anchor_s, second->anchor_s};
+		struct two_vec v = pair_of(first->velocity, second->velocity), mean = v;
+
+		if (falls) {
+			mean = plus_scaled(v, both(0.5) * age, a);
+			v = plus_scaled(v, age, a);
+		}
+		const struct two_vec d = minus(
+			plus_scaled(pair_of(first->position, second->position), age, mean), here);
+		const struct two_vec w = minus(v, mine);
+		const two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
+		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
+		/* false where the radius is not a number; 1e-290: squares of what is smaller underflow */
+		const __typeof__(b < c) apart =
+			(c >= both(1e-3) * square) &
+			((b >= both(0)) | (b * b * both(1 + 1e-6) + both(1e-290) < dot(w, w) * c));
+
+		/* true is -1 */
+		near[kept] = i;
+		kept += 1 + (int)apart[0];
+		near[kept] = j;
+		kept += 1 + (int)apart[1];
+	}
+	/* the last one of an odd number has been looked at twice */
+	if (count % 2 == 1 && kept > 0 && near[kept - 1] == last)
+		kept--;
+	return kept;
+}
+
+static int sift_near(const struct seer *s, int *near, int count)
+{
+	const struct rb_located *l = s->l;
+
+	int odd = 0;
+
+	/* the arcs of bodies on pieces mean nothing */
+	for (int k = 0; l->piece && k < count; k++) {
+		const int j = near[k];
+
+		if (l->piece[j].piece.n > 0) {
+			near[k] = near[odd];
+			near[odd++] = j;
+		}
+	}
+	for (int k = 0; l->n >= MANY && k < count; k++)
+		__builtin_prefetch(&l->arc[near[k]]);
+	near += odd;
+	count -= odd;
+	return odd + (s->falls ? sift(s, near, count, true) : sift(s, near, count, false));
+}
+
+/* A plane at rest, seen from a sphere in flight that is not near it. False: not such a pair, or near. */
+static bool see_plane(struct seer *s, int j)
+{
+	const struct rb_located *l = s->l;
+	const rb_vec3 n = l->plane_normal[j - l->n];
+	const double gap = rb_vec3_dot(rb_vec3_sub(s->position, l->model->position[j]), n) -
+	                   s->radius;
+	const double rate = rb_vec3_dot(s->velocity, n);
+	const double external = rb_vec3_dot(s->acceleration, n);
+
+	if (!s->plain || !(gap > DBL_EPSILON * (16 * s->reach + 4 * s->now * fabs(rate))))
+		return false;
+	const double discriminant = rate * rate - 2 * external * gap;
+	if (discriminant < 0 || (rate >= 0 && external >= 0))
+		return true;
+	const double t = s->now + (rate < 0 ? 2 * gap / (sqrt(discriminant) - rate)
+	                                    : (rate + sqrt(discriminant)) / -external);
+	if (t <= s->until)
+		see(s, j, t, false);
+	return true;
+}
+
+static void see_body(struct seer *s, int j);
+
+/* What see_plane does for one of those that do not move, without gravity and branches. */
+struct first_fixed {
+	double near; /* m: at least see_plane's, |v . n| being below twice the largest component */
+	double t;
+	int which;
+};
+
+static inline void see_one_fixed(struct seer *s, struct first_fixed *first, int j, double gap,
+                                 double rate)
+{
+	if (!(gap > first->near) || s->l->model->shape[j].kind != RB_SHAPE_PLANE) {
+		see_body(s, j);
+		return;
+	}
+	const double t = s->now + gap / (rate < 0 ? -rate : 0); /* infinite where it parts */
+
+	first->which = t < first->t ? j : first->which;
+	first->t = t < first->t ? t : first->t;
+}
+
+static void see_fixed(struct seer *s)
+{
+	const struct rb_located *l = s->l;
+	const int count = l->model->static_count;
+	const rb_vec3 *points = l->model->position + l->n;
+	const struct two_vec here = pair_of(s->position, s->position);
+	const struct two_vec mine = pair_of(s->velocity, s->velocity);
+	struct first_fixed first = {DBL_EPSILON * (16 * s->reach + 8 * s->now * s->speed), HUGE_VAL,
+	                            -1};
+
+	for (int k = 0; k < count; k += 2) {
+		const int next = k + 1 < count ? k + 1 : k;
+		const struct two_vec n = pair_of(l->plane_normal[k], l->plane_normal[next]);
+		const two gap = dot(minus(here, pair_of(points[k], points[next])), n) -
+		                both(s->radius);
+		const two rate = dot(mine, n);
+
+		see_one_fixed(s, &first, l->n + k, gap[0], rate[0]);
+		if (next > k)
+			see_one_fixed(s, &first, l->n + next, gap[1], rate[1]);
+	}
+	if (first.t <= s->until)
+		see(s, first.which, first.t, false);
+}
+
+static void see_body(struct seer *s, int j)
+{
+	const struct rb_located *l = s->l;
+	bool again = false;
+
+	if (!s->general && j < l->n ? see_sphere(s, j)
+	                            : j >= l->n && l->model->shape[j].kind == RB_SHAPE_PLANE &&
+	                                      !s->general && see_plane(s, j))
+		return;
+	if (!rb_pair_can_touch(l, s->i, j) || rb_set_held(l, s->i, j))
+		return;
+	double until = fmin(s->until, s->next.touch_s);
+	if (rb_located_on_piece(l, j))
+		until = fmin(until, l->piece[j].until_s);
+	if (rb_contact_point_is_far(l, s->i, j, s->now, until))
+		return;
+	if (rb_pair_has_features(l, s->i, j)) {
+		const struct rb_approach found = rb_approach_find(l, s->i, j, s->now, until);
+
+		s->l->products += found.products;
+		s->touching += found.touching && s->except != j;
+		see(s, j, found.touch_s, found.again);
+		return;
+	}
+	if (s->except != j) {
+		const struct rb_contact_point m = rb_contact_point_at(l, s->i, j, s->now);
+
+		s->touching += m.gap <= rb_contact_point_band(l, &m, s->now);
+	}
+	const double t = rb_pair_contact_time(l, s->i, j, s->now, until, &again);
+	see(s, j, t, again);
+}
+
+/* Where the body is now, and what pulls it. */
+static inline void find_self(struct seer *s, const struct rb_located *l, int i, double now)
+{
+	const struct rb_arc *arc = &l->arc[i];
+
+	s->until = l->end_s;
+	if (rb_located_on_piece(l, i)) {
+		s->position = rb_arc_position(l, i, now);
+		s->velocity = rb_arc_velocity(l, i, now);
+		s->acceleration = rb_arc_acceleration(l, i, now);
+		s->until = fmin(s->until, l->piece[i].until_s);
+		return;
+	}
+	const double age = now - arc->anchor_s;
+
+	s->acceleration = arc->acceleration;
+	s->velocity = rb_vec3_add_scaled(arc->velocity, age, arc->acceleration);
+	s->position = rb_vec3_add_scaled(
+		arc->position, age,
+		rb_vec3_add_scaled(arc->velocity, 0.5 * age, arc->acceleration));
+}
+
+static inline void open(struct seer *s, struct rb_located *l, int i, double now, int except)
+{
+	s->l = l;
+	s->i = i;
+	s->except = except;
+	s->now = now;
+	s->touching = 0;
+	s->general = l->model->group_bit || l->model->driven;
+	s->quick = l->arc[i].plain_radius > 0 && !rb_located_on_piece(l, i) && !s->general;
+	s->plain = s->quick || (l->model->shape[i].kind == RB_SHAPE_SPHERE &&
+	                        !rb_located_on_piece(l, i) && !l->model->center_of_mass);
+	s->radius = s->quick ? l->arc[i].plain_radius : l->model->shape[i].radius;
+	find_self(s, l, i, now);
+	s->falls = largest(s->acceleration) > 0;
+	s->reach = larger(s->radius, largest(s->position));
+	s->speed = largest(s->velocity);
+}
+
+static void next_wall(struct seer *s)
+{
+	struct rb_located *l = s->l;
+
+	if (!l->cells)
+		return;
+	s->next.wall_s = s->now + rb_cells_leaves(l->cells, s->i, s->position, s->velocity,
+	                                          s->acceleration, &s->next.wall);
+}
+
+static void keep(struct seer *s)
+{
+	struct rb_located *l = s->l;
+
+	if (s->next.partner >= 0 && s->next.partner < l->n)
+		s->next.generation = l->generation[s->next.partner];
+	if (rb_located_driven(l, s->i))
+		s->next.wall_s = l->piece[s->i].until_s;
+	l->next[s->i] = s->next;
+	rb_queue_set(l->queue, s->i, fmin(s->next.touch_s, s->next.wall_s));
+}
+
+/*
+ * Of many bodies, most of what an event reads lies in slow memory: it is asked for while the events before it are dealt
+ * with, in two stages, the second of which needs what the first has brought. Hints only.
+ */
+static void ask_for(const struct rb_located *l, int i)
+{
+	__builtin_prefetch(&l->arc[i]);
+	__builtin_prefetch(&l->arc[i].acceleration);
+	__builtin_prefetch(&l->next[i]);
+	__builtin_prefetch(&l->generation[i]);
+	__builtin_prefetch(&l->cluster_of[i]);
+	__builtin_prefetch(&l->model->inverse_mass[i]);
+	__builtin_prefetch(&l->model->material[i]);
+	rb_queue_prefetch(l->queue, i);
+	if (l->cells)
+		rb_cells_prefetch(l->cells, i);
+}
+
+static void look_ahead(const struct rb_located *l)
+{
+	enum { NEXT_END = 3 };
+	const int later = rb_queue_later(l->queue);
+
+	for (int k = 1; k < NEXT_END; k++) {
+		const int i = rb_queue_soon(l->queue, k);
+
+		if (i < 0 || i >= l->n)
+			continue;
+		const int j = l->next[i].partner;
+
+		if (l->cells)
+			rb_cells_prefetch_near(l->cells, i);
+		if (j >= 0 && j < l->n)
+			ask_for(l, j);
+	}
+	if (later >= 0 && later < l->n)
+		ask_for(l, later);
+}
+
+int rb_predict(struct rb_located *l, int i, double now, int except)
+{
+	struct seer s;
+
+	if (l->n >= MANY)
+		look_ahead(l);
+	open(&s, l, i, now, except);
+	s.next = (struct rb_next){.touch_s = HUGE_VAL, .partner = -1, .wall_s = HUGE_VAL};
+	next_wall(&s);
+	if (l->model->features & RB_FEATURE_CONTACT) {
+		int near = rb_set_near(l, i);
+
+		if (s.quick)
+			near = sift_near(&s, l->near, near);
+		for (int k = 0; k < near; k++)
+			see_body(&s, l->near[k]);
+		if (s.quick && !s.falls)
+			see_fixed(&s);
+		for (int j = l->n; j < l->n + l->model->static_count && !(s.quick && !s.falls); j++)
+			see_body(&s, j);
+	}
+	keep(&s);
+	return s.touching;
+}
+
+void rb_predict_wall(struct rb_located *l, int i, double now)
+{
+	struct seer s;
+
+	if (l->n >= MANY)
+		look_ahead(l);
+	open(&s, l, i, now, -1);
+	s.next = l->next[i];
+	int count = rb_cells_cross(l->cells, i, s.next.wall, l->near);
+
+	if (s.quick)
+		count = sift_near(&s, l->near, count);
+	for (int k = 0; k < count; k++) {
+		const int partner = s.next.partner;
+
+		see_body(&s, l->near[k]);
+		if (s.next.partner != partner && s.next.partner < l->n)
+			s.next.generation = l->generation[s.next.partner];
+	}
+	next_wall(&s);
+	/* the partner's generation is of the moment when it was foreseen */
+	l->next[i] = s.next;
+	rb_queue_set(l->queue, i, fmin(s.next.touch_s, s.next.wall_s));
+}

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/rates.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "located/account.h"
+#include "located/external_force.h"
+#include "located/set.h"
+#include "located/work.h"
+
+/* Accelerations below this share of the external ones are residue of the solver: of what is at rest, and of what slides on. */
+static const double rest_share = 1e-12, rounding_share = 16 * DBL_EPSILON;
+
+static void read_pose(struct rb_modes *w, int k, const double *value)
+{
+	const struct rb_located *l = w->l;
+	const int i = w->c->member[k];
+	const double *v = value + (size_t)k * (size_t)w->row;
+	struct rb_pose *pose = &w->pose[k];
+
+	pose->position = w->base[k];
+	pose->rest = (rb_vec3){0, 0, 0};
+	rb_arc_move(pose, rb_vec3_from(v + RB_ROW_POSITION));
+	pose->velocity = rb_vec3_from(v + RB_ROW_VELOCITY);
+	pose->spin = (rb_vec3){0, 0, 0};
+	pose->orientation = l->model->orientation[i];
+	if (l->top) {
+		pose->orientation = rb_quat_unit(rb_quat_from(v + RB_ROW_ORIENTATION));
+		pose->spin = rb_vec3_from(v + RB_ROW_SPIN);
+	}
+	pose->origin = pose->position;
+	if (l->model->center_of_mass)
+		pose->origin = rb_vec3_sub(
+			pose->position,
+			rb_quat_rotate(pose->orientation, l->model->center_of_mass[i]));
+}
+
+/*
+ * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means static, also under
+ * forces that are looked at again and again. Of one that slides on, so is what is no more than rounding; it would grow.
+ */
+static void stand_still(struct rb_modes *w, double external)
+{
+	bool sleeps = true;
+
+	for (int k = 0; k < w->c->member_count; k++)
+		sleeps = sleeps && rb_vec3_max_abs(w->pose[k].velocity) == 0;
+	const double max = external * (sleeps ? rest_share : rounding_share);
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double radius = rb_model_reach(w->l->model, w->c->member[k]);
+
+		if (rb_vec3_max_abs(w->pose[k].spin) > 0 || rb_vec3_max_abs(w->linear[k]) > max ||
+		    rb_vec3_max_abs(w->angular[k]) * radius > max)
+			return;
+	}
+	for (int k = 0; k < w->c->member_count; k++)
+		w->linear[k] = w->angular[k] = (rb_vec3){0, 0, 0};
+}
+
+/* Accelerations apart from contacts, and the largest. */
+bool rb_rates_external(struct rb_modes *w, double t, double *max)
+{
+	struct rb_located *l = w->l;
+	const struct rb_force_query view = {
+		.pose = w->pose, .time_s = t, .active_s = w->origin_s, .parts = w->parts};
+
+	*max = 0;
+	for (int k = 0; k < w->c->member_count; k++)
+		rb_external_force_at(l, w->c->member[k], &w->pose[k], &view, &w->linear[k],
+		                     &w->angular[k]);
+	for (int k = 0; k < w->c->member_count; k++)
+		*max = fmax(*max, rb_vec3_max_abs(w->linear[k]));
+	return l->status == RB_OK;
+}
+
+/* Of members without contacts, at their surfaces, and of what contacts' normals and arms make. */
+static double largest_acceleration(const struct rb_modes *w)
+{
+	double max = 0;
+
+	for (int k = 0; k < w->c->member_count; k++)
+		max = fmax(max, rb_vec3_length(w->linear[k]) +
+		                        rb_vec3_length(w->angular[k]) *
+		                                w->l->model->shape[w->c->member[k]].radius);
+	for (int k = 0; k < w->c->held_count; k++)
+		max = fmax(max, rb_vec3_length(w->contact[k].bias));
+	return max;
+}
+
+/* What a look has cost; what stands is looked at a few times, and then not for long. False: it is too much. */
+static bool count_inspection(struct rb_modes *w)
+{
+	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
+
+	if (!rb_modes_move(w))
+		return true;
+	l->products += c->held_count > 0 ? (uint64_t)w->dense.products +
+	                                           RB_LOCATED_INSPECTION * (uint64_t)c->held_count
+	                                 : RB_LOCATED_FLIGHT * (uint64_t)c->member_count;
+	if (rb_located_is_dense(l))
+		l->status = c->held_count > 0
+		                    ? RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                              "%d contacts together are too many to locate",
+		                              c->held_count)
+		                    : RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                              "%d bodies together move too fast to locate",
+		                              c->member_count);
+	return l->status == RB_OK;
+}
+
+/* Poses, forces of contacts and accelerations at `t`. */
+bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
+{
+	struct rb_located *l = w->l;
+	const struct rb_cluster *c = w->c;
+	double external;
+
+	w->time_s = t;
+	for (int k = 0; k < c->member_count; k++)
+		read_pose(w, k, value);
+	if (!rb_rates_external(w, t, &external))
+		return false;
+	for (int k = 0; k < c->held_count; k++) {
+		const struct rb_held *held = &c->held[k];
+		const int a = rb_modes_place(w, held->a), b = rb_modes_place(w, held->b);
+		const struct rb_pose pose_a = a >= 0 ? w->pose[a] : rb_arc_pose(l, held->a, t);
+		const struct rb_pose pose_b = b >= 0 ? w->pose[b] : rb_arc_pose(l, held->b, t);
+
+		if (rb_set_is_single(l, held->a, held->b)) {
+			w->contact_point[k] = rb_contact_point_poses(l, held->a, held->b, &pose_a,
+			                                             &pose_b);
+		} else {
+			const struct rb_contact_name name = rb_set_name(held);
+
+			w->contact_point[k] = rb_contact_point_of(l, &name, &pose_a, &pose_b);
+		}
+		w->contact[k] = rb_mechanics_contact(l, &w->contact_point[k]);
+		if (held->slipping)
+			w->contact[k].friction = held->friction;
+		/* a direction that is kept turns with the normal all the same */
+		const rb_vec3 way = rb_vec3_max_abs(held->common) > 0 ? held->common : held->slip;
+		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(way, w->contact_point[k].normal),
+		                                  way);
+		if (held->slipping && !held->straight && !held->creeps) {
+			const rb_vec3 slip = rb_vec3_reject(w->contact_point[k].velocity,
+			                                    w->contact_point[k].normal);
+			const double speed = rb_vec3_length(slip);
+
+			/* one that is just setting in goes where it sets in: its velocity is rounding */
+			if (speed > 4 * w->contact[k].noise)
+				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
+		}
+	}
+	w->max = largest_acceleration(w);
+	if (c->held_count == 0)
+		return count_inspection(w);
+	const bool solved = rb_modes_solve(w, t);
+	if (!solved && !rb_modes_solve_any(w, t, NULL))
+		return false;
+	if (!rb_modes_press(w, w->force) || (solved && !rb_modes_refine(w, t)))
+		return false;
+	stand_still(w, external);
+	return count_inspection(w);
+}
+
+enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
+                        struct rb_error *err)
+{
+	struct rb_modes *w = user;
+	const uint64_t products = w->l->products;
+
+	const bool good = rb_rates_evaluate(w, t, value);
+	if (*w->calls == w->counted) /* for the ledger alone */
+		w->l->products = products;
+	w->counted = *w->calls;
+	if (!good)
+		return w->l->status != RB_OK
+		               ? w->l->status
+		               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for a cluster");
+	for (int k = 0; k < w->c->member_count; k++) {
+		const double *v = value + (size_t)k * (size_t)w->row;
+		double *r = rate + (size_t)k * (size_t)w->row;
+
+		rb_vec3_to(r + RB_ROW_POSITION, w->pose[k].velocity);
+		rb_vec3_to(r + RB_ROW_VELOCITY, w->linear[k]);
+		if (!w->l->top)
+			continue;
+		rb_vec3_to(r + RB_ROW_SPIN, w->angular[k]);
+		if (w->l->unfelt[w->c->member[k]]) {
+			rb_quat_to(r + RB_ROW_ORIENTATION, (rb_quat){0, 0, 0, 0});
+			continue;
+		}
+		const rb_quat turn = {0, 0.5 * w->pose[k].spin.x, 0.5 * w->pose[k].spin.y,
+		                      0.5 * w->pose[k].spin.z};
+		rb_quat_to(r + RB_ROW_ORIENTATION,
+		           rb_quat_multiply(turn, rb_quat_from(v + RB_ROW_ORIENTATION)));
+	}
+	return RB_OK;
+}
+
+void rb_rates_enter_node(void *user, int node)
+{
+	const struct rb_modes *w = user;
+
+	struct rb_entries rate;
+
+	rb_work_rates(w, w->parts, w->time_s, &rate);
+	memcpy(w->seen + (size_t)node * RB_ENTRIES, rate.row, sizeof rate.row);
+}

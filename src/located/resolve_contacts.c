@@ -1,0 +1,722 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/resolve_contacts.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "located/account.h"
+#include "located/cluster.h"
+#include "located/integrate.h"
+#include "located/mechanics.h"
+#include "located/external_force.h"
+#include "located/seize.h"
+#include "located/slips.h"
+#include "located/event_records.h"
+#include "located/drift.h"
+#include "located/transition.h"
+#include "located/work.h"
+
+enum { STILL_ULP = 64, LOAD_ULP = 64 };
+/* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
+static const double gave_way = 1e-9;
+
+/* Share of the pulls below which accelerations are what the solver leaves. */
+static const double still_share = 1e-12;
+
+/* ---- gathering ---- */
+
+/* What the rounding of a held contact's force has made of its velocity since then, m/s. */
+static double drift_of(const struct rb_located *l, const struct rb_held *held, double t)
+{
+	const int is_dynamic = rb_located_fixed(l, held->a) ? held->b : held->a;
+	const double age = t - l->cluster[l->cluster_of[is_dynamic]].anchor_s;
+
+	return 16 * DBL_EPSILON * age * rb_vec3_length(held->force) *
+	       (l->model->inverse_mass[held->a] + l->model->inverse_mass[held->b]);
+}
+
+/* A slip is known beforehand to end with its piece, which something else may cut short. */
+static bool has_ended(const struct rb_located *l, const struct rb_held *held, double t)
+{
+	const int is_dynamic = rb_located_fixed(l, held->a) ? held->b : held->a;
+
+	return !l->cluster[l->cluster_of[is_dynamic]].integrated ||
+	       t >= l->piece[is_dynamic].until_s;
+}
+
+static bool begin(struct rb_settling *s)
+{
+	struct rb_located *l = s->l;
+
+	s->contact_point_count = rb_set_grow(l, s->t, s->slack, rb_set_lasting, &s->contact_point);
+	if (s->contact_point_count < 0) {
+		rb_slips_take(s, -1, SIZE_MAX / 2);
+		return false;
+	}
+	s->before = rb_slips_take(s, s->contact_point_count, sizeof *s->before);
+	s->pose = rb_slips_take(s, l->set_count, sizeof *s->pose);
+	s->linear = rb_slips_take(s, l->set_count, sizeof *s->linear);
+	s->angular = rb_slips_take(s, l->set_count, sizeof *s->angular);
+	s->constant = rb_slips_take(s, l->set_count, sizeof *s->constant);
+	s->root = rb_slips_take(s, l->set_count, sizeof *s->root);
+	s->load = rb_slips_take(s, l->set_count, sizeof *s->load);
+	if (l->status != RB_OK)
+		return false;
+	for (int k = 0; k < l->set_count; k++) {
+		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
+		s->root[k] = k;
+	}
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
+
+		s->before[k] = (struct rb_held){.a = -1};
+		if (!held)
+			continue;
+		s->before[k] = *held;
+		s->before[k].ending = held->ending && has_ended(l, held, s->t);
+		s->drift = fmax(s->drift, drift_of(l, held, s->t));
+	}
+	return true;
+}
+
+/* m/s: normal velocity that a lasting contact may have by rounding; and by what integration lets drift. */
+static double rounds(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	return rb_contact_point_noise(s->l, m) + s->slack + s->drift;
+}
+
+static double integrates(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	return rounds(s, m) + rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
+	                                          rb_vec3_length(m->pose_b.velocity));
+}
+
+static double drifts(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	return s->struck ? rounds(s, m) : integrates(s, m);
+}
+
+/* A contact that was held and is hit or pulled apart by a change is no longer one. */
+static bool parts(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	const double max = drifts(s, m);
+
+	/* and one whose body has been put elsewhere */
+	return rb_vec3_dot(m->velocity, m->normal) > max || rb_set_has_left(s->l, m) ||
+	       m->gap > fmax(rb_drift_correct * rb_contact_point_size(s->l, m),
+	                     rb_contact_point_band(s->l, m, s->t));
+}
+
+/* A contact that ends: either others of its pair go on, with what has been told of the pair, or the bodies part. */
+static void end_contact(struct rb_settling *s, int k, const bool *kept)
+{
+	int first;
+	const int end = rb_slips_pair(s, k, &first);
+	bool goes_on = false;
+
+	if (!s->before[k].is_reported)
+		return;
+	for (int other = first; other < end; other++) {
+		struct rb_held *const before = &s->before[other];
+
+		goes_on = goes_on || kept[other];
+		if (kept[other] && !before->is_reported) {
+			before->is_reported = true;
+			before->reported = s->before[k].reported;
+		} else if (!kept[other] && other > k) {
+			before->is_reported = false; /* once is enough */
+		}
+	}
+	if (!goes_on)
+		rb_record_transition(s->l, s->t, RB_EVENT_LIFT, &s->contact_point[k]);
+}
+
+/*
+ * A point that has just been passed on to other features opens by as much as it has come too far. Whether it lasts, its force
+ * will say; brought back, a body that leaves would be pulled.
+ */
+static bool opens_anew(const struct rb_settling *s, int k)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+
+	return (s->before[k].key != m->key || s->before[k].parts != m->parts) &&
+	       rb_vec3_dot(m->velocity, m->normal) > rb_contact_point_noise(s->l, m);
+}
+
+/* One that has come to slip by more than drift, as where it rolls on to another feature, does not stick. */
+static void let_slip(const struct rb_settling *s, int k)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+	struct rb_held *const before = &s->before[k];
+
+	if (before->a >= 0 && !s->l->starting &&
+	    rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) > drifts(s, m)) {
+		before->slipping = true;
+		before->ending = false;
+	}
+}
+
+static void keep_what_lasts(struct rb_settling *s)
+{
+	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
+	struct rb_drift drift = {.l = s->l,
+	                         .t = s->t,
+	                         .contact_point = s->contact_point,
+	                         .before = s->before,
+	                         .kept = kept,
+	                         .count = s->contact_point_count,
+	                         .pose = s->pose};
+	int count = 0;
+
+	if (!kept)
+		return;
+	for (int k = 0; k < s->contact_point_count; k++) {
+		let_slip(s, k);
+		/* an impact has left velocities that are right */
+		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->contact_point[k]) &&
+		          !opens_anew(s, k);
+	}
+	rb_drift(&drift);
+	for (int k = 0; k < s->contact_point_count; k++) {
+		rb_drift_point(s->l, s->pose, &s->contact_point[k]);
+		kept[k] = s->before[k].a < 0 || !parts(s, &s->contact_point[k]);
+	}
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (!kept[k])
+			end_contact(s, k, kept);
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (kept[k]) {
+			s->contact_point[count] = s->contact_point[k];
+			s->before[count++] = s->before[k];
+		}
+	s->contact_point_count = count;
+}
+
+/* ---- forces ---- */
+
+static void pulls(struct rb_settling *s)
+{
+	struct rb_located *l = s->l;
+	const struct rb_force_query view = {.pose = s->pose, .time_s = s->t, .active_s = s->t};
+
+	for (int k = 0; k < l->set_count; k++) {
+		rb_external_force_at(l, l->set[k], &s->pose[k], &view, &s->linear[k],
+		                     &s->angular[k]);
+		s->constant[k] = rb_external_is_constant(l, l->set[k], s->t);
+		s->external_max = fmax(s->external_max, rb_vec3_max_abs(s->linear[k]));
+	}
+}
+
+/* The body of a pair that contacts move; of two, the first. */
+static int yielding(const struct rb_settling *s, int k)
+{
+	return rb_located_fixed(s->l, s->contact_point[k].a) ? s->contact_point[k].b
+	                                                     : s->contact_point[k].a;
+}
+
+/* ---- who goes on with whom ---- */
+
+static int root_of(int *root, int k)
+{
+	while (root[k] != k)
+		k = root[k] = root[root[k]];
+	return k;
+}
+
+static void join(struct rb_settling *s, int a, int b)
+{
+	const struct rb_located *l = s->l;
+
+	if (a >= l->n || b >= l->n || l->place[a] < 0 || l->place[b] < 0)
+		return;
+	const int x = root_of(s->root, l->place[a]), y = root_of(s->root, l->place[b]);
+	s->root[x > y ? x : y] = x > y ? y : x;
+}
+
+static void join_all(struct rb_settling *s)
+{
+	const struct rb_scene *scene = s->l->model->scene;
+
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (rb_slips_press(s, k))
+			join(s, s->contact_point[k].a, s->contact_point[k].b);
+	for (int k = 0; k < scene->spring_count; k++)
+		join(s, s->l->model->index_of[scene->springs[k].a],
+		     s->l->model->index_of[scene->springs[k].b]);
+}
+
+static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+	const rb_vec3 turn = rb_vec3_sub(m->pose_b.spin, m->pose_a.spin);
+	const double noise = 4 * rb_contact_point_noise(s->l, m) + s->slack;
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+
+	if (c->slipping || c->mode == RB_SOLVER_SLIDE)
+		return RB_HELD_SLIDE;
+	/* without slip, and without turning against each other */
+	return rb_vec3_length(m->velocity) <= noise &&
+	                       rb_vec3_length(turn) * rb_contact_point_size(s->l, m) <= noise
+	               ? RB_HELD_REST
+	               : RB_HELD_ROLL;
+}
+
+/* ---- writing ---- */
+
+/* The solution has less friction than the law where the law has none (constraint/simultaneous); what follows keeps to it. */
+static double friction_of(const struct rb_solver_contact *c)
+{
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double rubs = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
+
+	return push > 0 && rubs < c->friction * push * (1 - gave_way) ? rubs / push : c->friction;
+}
+
+static struct rb_held held_of(struct rb_settling *s, int k)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	struct rb_held held = s->before[k];
+	const bool known = held.a >= 0;
+
+	if (!known)
+		held = (struct rb_held){.recorded_s = s->t,
+		                        .is_reported = held.is_reported,
+		                        .reported = held.reported};
+	for (int n = 0; n < s->l->merge_count && !known; n++)
+		if (s->l->merge[n].a == m->a && s->l->merge[n].b == m->b) {
+			held.recorded_s = s->l->merge[n].recorded_s;
+			held.merged = true;
+		}
+	held.a = m->a;
+	held.b = m->b;
+	held.parts = m->parts;
+	held.key = m->key;
+	held.half = m->half;
+	held.force = c->impulse;
+	held.ending = held.straight = false;
+	/* without friction nothing sticks, whether it slips or not */
+	held.slipping = c->slipping || c->mode == RB_SOLVER_SLIDE || !(c->friction > 0);
+	held.slip = c->slip;
+	held.friction = friction_of(c);
+	if (known && m->on_rim && !held.on_rim)
+		rb_record_transition(s->l, s->t, RB_EVENT_EDGE, m);
+	held.on_rim = m->on_rim;
+	if (c->slipping && c->mode == RB_SOLVER_STICK) {
+		/* slip sets in against its friction */
+		const rb_vec3 friction = rb_vec3_reject(c->impulse, m->normal);
+		const double size = rb_vec3_length(friction);
+
+		held.slip = size > 0 ? rb_vec3_scale(-1 / size, friction) : (rb_vec3){0, 0, 0};
+	}
+	return held;
+}
+
+/*
+ * Tells what the points of a pair do together, unless it was told already or an accumulation is still to end: they slide
+ * if one of them does, rest if all do, and else they roll, rock or topple.
+ */
+static void record_mode(struct rb_settling *s, struct rb_held *held, const int *contact_point,
+                        int count)
+{
+	static const enum rb_event_kind kinds[] = {[RB_HELD_REST] = RB_EVENT_REST,
+	                                           [RB_HELD_SLIDE] = RB_EVENT_SLIDE,
+	                                           [RB_HELD_ROLL] = RB_EVENT_ROLL};
+	enum rb_held_mode mode = RB_HELD_REST;
+	const struct rb_held *reported = NULL;
+	bool merged = false;
+
+	for (int k = 0; k < count; k++) {
+		if (held[k].is_reported && !reported)
+			reported = &held[k];
+		const enum rb_held_mode own = mode_of(s, contact_point[k]);
+		if (mode != RB_HELD_SLIDE && own != RB_HELD_REST)
+			mode = own;
+		merged = merged || held[k].merged;
+	}
+	if (!reported && held->recorded_s > s->t)
+		return;
+	const bool again = reported && reported->reported == mode;
+	for (int k = 0; k < count; k++) {
+		held[k].merged = false;
+		held[k].is_reported = true;
+		held[k].reported = mode;
+		held[k].recorded_s = fmin(held[k].recorded_s, s->t);
+	}
+	if (again)
+		return;
+	if (merged)
+		rb_record_transition(s->l, s->t, RB_EVENT_MERGE,
+		                     &s->contact_point[contact_point[0]]);
+	if (!s->l->starting)
+		rb_record_transition(s->l, s->t, kinds[mode], &s->contact_point[contact_point[0]]);
+}
+
+/* Speeds and accelerations that are nothing to a member: rounding of a fall by its own size, and of what presses it. */
+static bool is_nothing(const struct rb_settling *s, int k, double external, rb_vec3 speed,
+                       rb_vec3 rate)
+{
+	const double radius = rb_model_reach(s->l->model, s->l->set[k]);
+	const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * external * radius);
+
+	return rb_vec3_max_abs(speed) <= still &&
+	       rb_vec3_max_abs(rate) <=
+	               fmax(still_share * external, LOAD_ULP * DBL_EPSILON * s->load[k]);
+}
+
+/* Neither a closed form nor without turning. */
+static bool turns_oddly(const struct rb_settling *s, int k)
+{
+	const struct rb_located *l = s->l;
+	const double radius = rb_model_reach(l->model, l->set[k]);
+
+	/* what turns evenly is in closed form only where it is round */
+	if (!l->top || (l->top_body[l->set[k]].kind == RB_TOP_CONSTANT &&
+	                l->model->shape[l->set[k]].kind == RB_SHAPE_SPHERE))
+		return false;
+	return !is_nothing(s, k, s->external_max, rb_vec3_scale(radius, s->pose[k].spin),
+	                   rb_vec3_scale(radius, s->joint.body[k].angular));
+}
+
+/* Constant accelerations from here to the next transition? */
+static bool in_closed_form(const struct rb_settling *s, int part, const struct rb_cluster *c)
+{
+	const struct rb_located *l = s->l;
+
+	for (int k = 0; k < l->set_count; k++)
+		if (root_of(s->root, k) == part &&
+		    (!s->constant[k] || l->model->center_of_mass || turns_oddly(s, k)))
+			return false;
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_held *held = rb_set_held_like(l, &s->contact_point[k]);
+
+		if (!held || l->cluster_of[yielding(s, k)] != (int)(c - l->cluster))
+			continue;
+		if (s->contact_point[k].b < l->n || s->contact_point[k].on_rim ||
+		    l->model->shape[s->contact_point[k].b].kind == RB_SHAPE_SPHERE)
+			return false;
+		/* nobody looks for where a point leaves its features, or another one comes */
+		if (!rb_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b) &&
+		    l->model->shape[s->contact_point[k].b].kind != RB_SHAPE_PLANE)
+			return false;
+		if (held->slipping && !held->straight)
+			return false;
+	}
+	return true;
+}
+
+/* What drives it may be still at this moment only. */
+static bool will_move(const struct rb_settling *s, int body, double external)
+{
+	const struct rb_located *l = s->l;
+
+	if (!rb_located_driven(l, body))
+		return false;
+	const struct rb_piece_of *p = &l->piece[body];
+	double turning = 0;
+
+	for (int m = 0; l->top && m < 3; m++)
+		turning = fmax(turning, rb_gauss_rate_bound(&p->piece, p->first + RB_ROW_SPIN + m));
+	return fmax(p->acceleration_max, turning * rb_model_reach(l->model, body)) >
+	       still_share * external;
+}
+
+/*
+ * All of a cluster stands still and nothing moves it: static means static. Still is a speed within rounding of that of a
+ * fall by its own size.
+ */
+static bool stands_still(const struct rb_settling *s, int part)
+{
+	const struct rb_located *l = s->l;
+	double external = 0;
+
+	for (int k = 0; k < l->set_count; k++)
+		if (root_of(s->root, k) == part)
+			external = fmax(external, rb_vec3_max_abs(s->linear[k]));
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (rb_slips_press(s, k) && root_of(s->root, l->place[yielding(s, k)]) == part &&
+		    (will_move(s, s->contact_point[k].a, external) ||
+		     will_move(s, s->contact_point[k].b, external)))
+			return false;
+	for (int k = 0; k < l->set_count; k++) {
+		if (root_of(s->root, k) != part)
+			continue;
+		const double radius = rb_model_reach(l->model, l->set[k]);
+		const struct rb_solver_body *b = &s->joint.body[k];
+
+		if (!s->constant[k] ||
+		    !is_nothing(s, k, external, s->pose[k].velocity, b->linear) ||
+		    !is_nothing(s, k, external, rb_vec3_scale(radius, s->pose[k].spin),
+		                rb_vec3_scale(radius, b->angular)))
+			return false;
+	}
+	return true;
+}
+
+/* What contacts with fixed bodies do while all of the cluster is on parabolas; others leave its momentum. */
+static void rate_contact(const struct rb_settling *s, int k, bool still,
+                         struct rb_account_rates *rates)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const bool b_moves = rb_located_fixed(s->l, m->a);
+	const int mover = b_moves ? c->b : c->a, fixed = b_moves ? m->a : m->b;
+
+	if (!rb_located_fixed(s->l, fixed))
+		return;
+	const struct rb_solver_body *body = &s->joint.body[mover];
+	const struct rb_pose *pose = &s->pose[mover];
+	const rb_vec3 arm = b_moves ? m->arm_b : m->arm_a;
+	const rb_vec3 force = b_moves ? c->impulse : rb_vec3_neg(c->impulse);
+	const int by = rb_located_driven(s->l, fixed) ? 1 : 0;
+	rb_vec3 *const torque = rates->torque[by];
+
+	rates->force[by] = rb_vec3_add(rates->force[by], force);
+	torque[0] = rb_vec3_add(torque[0], rb_vec3_cross(rb_vec3_add(pose->position, arm), force));
+	if (still)
+		return;
+	rates->sliding[0] -= rb_vec3_dot(
+		force, rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)));
+	rates->sliding[1] -= rb_vec3_dot(
+		force, rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm)));
+	torque[1] = rb_vec3_add(torque[1], rb_vec3_cross(pose->velocity, force));
+	torque[2] = rb_vec3_add_scaled(torque[2], 0.5, rb_vec3_cross(body->linear, force));
+}
+
+static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
+                       const int *contact_point)
+{
+	struct rb_located *l = s->l;
+	const rb_vec3 none = {0, 0, 0};
+	const bool still = stands_still(s, part);
+	const bool closed = still || in_closed_form(s, part, c);
+
+	c->anchor_s = c->account_s = s->t;
+	c->at_rest = still;
+	c->integrated = !closed;
+	for (int k = 0; k < l->set_count; k++) {
+		if (root_of(s->root, k) != part)
+			continue;
+		if (still)
+			s->pose[k].velocity = s->pose[k].spin = none;
+		if (closed)
+			s->pose[k].rest = none; /* closed forms go from one number */
+		if (!still && closed && l->top &&
+		    l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
+			s->pose[k].spin = s->joint.body[k].angular = none;
+		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
+		              still ? none : s->joint.body[k].linear,
+		              still || !closed ? none : s->joint.body[k].angular);
+	}
+	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
+		rate_contact(s, contact_point[k], still, &c->rates);
+	if (!closed)
+		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
+}
+
+/* The contacts of a part, for its cluster; `meet`: room for as many numbers. */
+static void write_held(struct rb_settling *s, int part, struct rb_cluster *c, int *contact_point)
+{
+	const struct rb_located *l = s->l;
+	int reported = 0;
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		if (!rb_slips_press(s, k) || root_of(s->root, l->place[yielding(s, k)]) != part)
+			continue;
+		struct rb_held held = held_of(s, k);
+
+		held.straight = held.slipping && rb_slips_straight(s, k, held.slip);
+		held.creeps = rb_slips_creep(s, k, &held);
+		contact_point[c->held_count] = k;
+		c->held[c->held_count++] = held;
+	}
+	for (int k = 1; k <= c->held_count; k++)
+		if (k == c->held_count || c->held[k].a != c->held[reported].a ||
+		    c->held[k].b != c->held[reported].b) {
+			record_mode(s, c->held + reported, contact_point + reported, k - reported);
+			reported = k;
+		}
+}
+
+static void fly(struct rb_settling *s, int body)
+{
+	const int place = s->l->place[body];
+
+	s->pose[place].rest = (rb_vec3){0, 0, 0};
+	rb_arc_anchor(s->l, body, s->t, &s->pose[place], s->linear[place],
+	              rb_external_turning(s->l, body));
+}
+
+static void write_parts(struct rb_settling *s, double try_s)
+{
+	struct rb_located *l = s->l;
+	int *member = rb_slips_take(s, l->set_count, sizeof *member);
+	int *contact_point = rb_slips_take(s, s->contact_point_count, sizeof *contact_point);
+
+	for (int part = 0; member && contact_point && part < l->set_count; part++) {
+		int count = 0, held_count = 0;
+		bool alone = true;
+
+		if (root_of(s->root, part) != part)
+			continue;
+		for (int k = part; k < l->set_count; k++)
+			if (root_of(s->root, k) == part)
+				member[count++] = l->set[k];
+		for (int k = 0; k < s->contact_point_count; k++)
+			held_count += rb_slips_press(s, k) &&
+			              root_of(s->root, l->place[yielding(s, k)]) == part;
+		for (int k = 0; k < count; k++)
+			alone = alone && s->constant[l->place[member[k]]];
+		if (held_count == 0 && alone) { /* a body in flight */
+			for (int k = 0; k < count; k++)
+				fly(s, member[k]);
+			continue;
+		}
+		const int cluster = rb_cluster_take(l, member, count, held_count);
+		if (cluster < 0) {
+			rb_slips_take(s, -1, SIZE_MAX / 2);
+			return;
+		}
+		struct rb_cluster *c = &l->cluster[cluster];
+		c->try_s = try_s;
+		write_held(s, part, c, contact_point);
+		start_part(s, part, c, contact_point);
+		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
+	}
+}
+
+static void forget_before(struct rb_settling *s, double *try_s)
+{
+	struct rb_located *l = s->l;
+
+	*try_s = 0;
+	for (int k = 0; k < l->set_count; k++) {
+		const int cluster = l->cluster_of[l->set[k]];
+
+		if (cluster < 0)
+			continue;
+		if (l->cluster[cluster].integrated)
+			*try_s = *try_s > 0 ? fmin(*try_s, l->cluster[cluster].try_s)
+			                    : l->cluster[cluster].try_s;
+		rb_account_cluster(l, cluster, s->t);
+		rb_cluster_drop(l, cluster);
+	}
+}
+
+/* Of a pair that does not press at any of its points any more. */
+static void record_lifts(struct rb_settling *s)
+{
+	for (int k = 0, first; k < s->contact_point_count; k++) {
+		const int end = rb_slips_pair(s, k, &first);
+		bool goes_on = false;
+
+		if (!s->before[k].is_reported || rb_slips_press(s, k))
+			continue;
+		for (int other = first; other < end; other++)
+			goes_on = goes_on || rb_slips_press(s, other) ||
+			          (other < k && s->before[other].is_reported);
+		if (!goes_on)
+			rb_record_transition(s->l, s->t, RB_EVENT_LIFT, &s->contact_point[k]);
+	}
+}
+
+/*
+ * What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon, and so is
+ * what is found after steps, which may have to take over again.
+ */
+static bool is_moving(const struct rb_settling *s)
+{
+	const struct rb_located *l = s->l;
+
+	if (l->starting && l->world->dense_steps > 0)
+		return true;
+	for (int k = 0; k < l->set_count; k++) {
+		const double size = rb_model_reach(l->model, l->set[k]);
+		const double still = s->slack +
+		                     STILL_ULP * DBL_EPSILON * sqrt(2 * l->weight * size);
+
+		if (rb_vec3_max_abs(s->pose[k].velocity) > still ||
+		    rb_vec3_max_abs(s->pose[k].spin) * size > still)
+			return true;
+	}
+	return false;
+}
+
+/*
+ * Is it another point of bodies that touch already? An impact has dealt with all of them, but of a flat rim with some: where it
+ * has begun to turn, another point of it may be the lowest.
+ */
+static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	return (!s->struck || rb_vec3_max_abs(m->half) > 0) &&
+	       !rb_contact_point_passes(s->l, m, s->t);
+}
+
+/*
+ * The first contact that has lasted and approaches, or comes to where its bodies touch already, -1: none. What steps have left
+ * is not that of an impact.
+ */
+static int find_hit(const struct rb_settling *s)
+{
+	for (int k = 0; k < s->contact_point_count && !s->l->starting; k++)
+		if (rb_vec3_dot(s->contact_point[k].velocity, s->contact_point[k].normal) <
+		            -integrates(s, &s->contact_point[k]) &&
+		    ((s->before[k].a >= 0 && !s->struck) ||
+		     comes_to_touch(s, &s->contact_point[k])))
+			return k;
+	return -1;
+}
+
+/* One look at the set, first for impacts: true, it is to be looked at anew. */
+static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
+{
+	struct rb_located *l = s->l;
+	double try_s;
+
+	if (!begin(s))
+		return false;
+	s->hit = looks ? find_hit(s) : -1;
+	if (s->hit >= 0)
+		return false;
+	keep_what_lasts(s);
+	s->moves = is_moving(s);
+	if (s->moves && rb_located_cost(3.0 * s->contact_point_count) > l->crowd_max) {
+		rb_slips_too_many(s);
+		return false;
+	}
+	pulls(s);
+	if (l->status != RB_OK || !rb_slips_solve(s))
+		return false;
+	join_all(s);
+	if (may_seize && rb_seize(s))
+		return true;
+	forget_before(s, &try_s);
+	record_lifts(s);
+	write_parts(s, try_s);
+	return false;
+}
+
+bool rb_resolve_contacts(struct rb_located *l, double t, bool struck, double slack, int hit[2])
+{
+	const rb_arena_mark here = rb_arena_here(l->arena);
+	bool again = true;
+
+	/* each impulse ends a slip, and what it makes approach is an impact */
+	for (int round = 0; again; round++) {
+		struct rb_settling s = {
+			.l = l, .t = t, .slack = slack, .struck = struck || round > 0, .hit = -1};
+
+		again = resolve_once(&s, hit && round == 0, round <= l->set_count) &&
+		        l->status == RB_OK;
+		const bool is_hit = s.hit >= 0;
+		if (is_hit) {
+			hit[0] = s.contact_point[s.hit].a;
+			hit[1] = s.contact_point[s.hit].b;
+		}
+		rb_arena_back(l->arena, here);
+		if (is_hit)
+			return false;
+	}
+	l->merge_count = 0;
+	return true;
+}

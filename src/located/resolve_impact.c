@@ -1,0 +1,696 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/resolve_impact.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "located/account.h"
+#include "located/mechanics.h"
+#include "located/external_force.h"
+#include "located/resolve_contacts.h"
+#include "located/event_records.h"
+#include "located/drift.h"
+#include "located/work.h"
+#include "geom/distance.h"
+
+/* By how many times a rebound may change speeds when it is stopped: more is not what stopping it takes. */
+static const double dear = 1e3;
+
+enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64, ROUNDS_MAX = 16 };
+
+/* ---- one pair ---- */
+
+/* A sphere about its centre, or what does not yield. */
+static bool is_plain(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return true;
+	return l->model->shape[i].kind == RB_SHAPE_SPHERE && l->cluster_of[i] < 0 &&
+	       !rb_located_on_piece(l, i) && !l->model->center_of_mass &&
+	       (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
+}
+
+/* The normal part passes through the centre: only what is across it turns the body. */
+static void kick(struct rb_located *l, int i, const rb_vec3 impulse[2], rb_vec3 arm,
+                 struct rb_pose *pose)
+{
+	if (i >= l->n)
+		return;
+	pose->velocity = rb_vec3_add_scaled(pose->velocity, l->model->inverse_mass[i], impulse[0]);
+	if (l->top)
+		pose->spin = rb_vec3_add_scaled(pose->spin, l->model->inverse_inertia_scalar[i],
+		                                rb_vec3_cross(arm, impulse[1]));
+}
+
+static double turn_inverse_mass(const struct rb_located *l, int i)
+{
+	if (i >= l->n)
+		return 0;
+	const double radius = l->model->shape[i].radius;
+
+	return l->model->inverse_mass[i] +
+	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
+}
+
+/* Acceleration by which two bodies that part now are brought together again, m/s^2. */
+static double closing_of(const struct rb_located *l, const struct rb_contact_point *m, double t)
+{
+	const struct rb_held *held = rb_set_held_like(l, m);
+
+	if (held) /* what its force has held back */
+		return fabs(rb_vec3_dot(held->force, m->normal)) *
+		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
+	return -rb_contact_point_bend(l, m, t);
+}
+
+/* Would it open the gap no further than the rounding of the body's size? Where it is does not matter. */
+static bool ends_here(const struct rb_located *l, const struct rb_contact_point *m,
+                      double target_velocity, double t)
+{
+	const double closing = closing_of(l, m, t);
+	/* where a corner is, is known less well than where a sphere's surface is */
+	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : SMALLEST_CORNER_ULP;
+
+	return closing > 0 && target_velocity * target_velocity <=
+	                              2 * closing * ulp * DBL_EPSILON * rb_contact_point_size(l, m);
+}
+
+/* ---- one pair in flight ---- */
+
+/* A sphere about its centre on a parabola of gravity alone, in no cluster; nothing turns. */
+static bool flies(const struct rb_located *l, int i)
+{
+	return l->arc[i].plain_radius > 0 && l->cluster_of[i] < 0 && !l->top &&
+	       !rb_located_on_piece(l, i) && !rb_located_driven(l, i);
+}
+
+static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_vec3 velocity)
+{
+	struct rb_arc *arc = &l->arc[i];
+
+	rb_account_arc(l, i, t);
+	arc->anchor_s = t;
+	arc->position = position;
+	arc->velocity = velocity;
+}
+
+/*
+ * What rb_resolve_impact_of_pair does, to the bit, where all that it looks at is known to be nothing: spins, friction, differences
+ * of acceleration, somebody who is told. False: it is not, or the rebound is so slow that it has to be looked at.
+ */
+static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
+{
+	const struct rb_model *model = l->model;
+	const bool fixed = b >= l->n;
+	rb_vec3 normal, other = {0, 0, 0}, position_b = {0, 0, 0};
+
+	if (l->world->options.keep_events || l->world->hooks.collision || !flies(l, a))
+		return false;
+	const rb_vec3 position_a = rb_arc_position(l, a, t), velocity = rb_arc_velocity(l, a, t);
+	if (fixed) {
+		if (model->shape[b].kind != RB_SHAPE_PLANE ||
+		    rb_vec3_max_abs(l->arc[a].acceleration) > 0)
+			return false;
+		normal = rb_vec3_neg(l->plane_normal[b - l->n]);
+	} else {
+		if (!flies(l, b))
+			return false;
+		other = rb_arc_velocity(l, b, t);
+		position_b = rb_arc_position(l, b, t);
+		rb_distance_sphere_sphere(position_a, 0, position_b, 0, &normal);
+	}
+	const rb_vec3 w = rb_vec3_sub(other, velocity);
+	const double restitution =
+		model->pair_materials[model->material[a] * model->material_count +
+	                              model->material[b]]
+			.restitution;
+	const double approach = -rb_vec3_dot(w, normal), target_velocity = restitution * approach;
+	const double noise = 8 * DBL_EPSILON * (rb_vec3_max_abs(velocity) + rb_vec3_max_abs(other));
+
+	if (!(approach > noise) || !(target_velocity > noise) ||
+	    !(target_velocity * target_velocity > DBL_EPSILON * rb_vec3_dot(w, w)))
+		return false;
+	const double inverse_a = model->inverse_mass[a];
+	const double inverse_b = fixed ? 0 : model->inverse_mass[b];
+	const double size = (1 + restitution) * approach /
+	                    ((inverse_a + inverse_b) * rb_vec3_dot(normal, normal));
+	const rb_vec3 impulse = rb_vec3_scale(size, normal);
+
+	if (l->account_s) {
+		const struct rb_contact_point m = {
+			.a = a,
+			.b = b,
+			.normal = normal,
+			.pose_a = {.position = position_a},
+			.arm_a = rb_vec3_scale(l->arc[a].plain_radius, normal)};
+
+		rb_work_impact(l, &m, impulse, w,
+		               rb_vec3_add_scaled(w, inverse_a + inverse_b, impulse));
+	}
+	fly_on(l, a, t, position_a, rb_vec3_add_scaled(velocity, inverse_a, rb_vec3_neg(impulse)));
+	if (!fixed)
+		fly_on(l, b, t, position_b, rb_vec3_add_scaled(other, inverse_b, impulse));
+	l->world->frame_counts.collisions++;
+	return true;
+}
+
+/* Of b's point relative to a's, by the poses as they are now. */
+static rb_vec3 velocity_of(const struct rb_contact_point *m)
+{
+	return rb_vec3_sub(
+		rb_vec3_add(m->pose_b.velocity, rb_vec3_cross(m->pose_b.spin, m->arm_b)),
+		rb_vec3_add(m->pose_a.velocity, rb_vec3_cross(m->pose_a.spin, m->arm_a)));
+}
+
+bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
+{
+	if (collide_in_flight(l, a, b, t))
+		return true;
+	if (!is_plain(l, a) || !is_plain(l, b))
+		return false;
+	struct rb_contact_point m = rb_contact_point_at(l, a, b, t);
+	struct rb_solver_contact c = rb_mechanics_contact(l, &m);
+	const double approach = -rb_vec3_dot(m.velocity, m.normal);
+	const double target_velocity = c.restitution * approach;
+	const double inverse_a = m.a < l->n ? l->model->inverse_mass[m.a] : 0;
+	const double inverse_b = m.b < l->n ? l->model->inverse_mass[m.b] : 0;
+
+	c.noise = rb_contact_point_noise(l, &m);
+	if (!(approach > c.noise) || m.on_rim || !(target_velocity > c.noise) ||
+	    ends_here(l, &m, target_velocity, t))
+		return false;
+	/* by n.n, which is 1 to rounding only: a wall is hit a million times by the same normal */
+	const double normal = (1 + c.restitution) * approach /
+	                      ((inverse_a + inverse_b) * rb_vec3_dot(m.normal, m.normal));
+	rb_vec3 tangent = {0, 0, 0};
+	if (c.friction > 0) {
+		const rb_vec3 slip = rb_vec3_reject(m.velocity, m.normal);
+		const double speed = rb_vec3_length(slip);
+		const double stop = speed / (turn_inverse_mass(l, m.a) + turn_inverse_mass(l, m.b));
+		const double size = fmin(stop, c.friction * normal);
+
+		if (speed > 0)
+			tangent = rb_vec3_scale(-size / speed, slip);
+	}
+	c.impulse = rb_vec3_add_scaled(tangent, normal, m.normal);
+	c.approach = approach;
+	const rb_vec3 acceleration_a = rb_arc_acceleration(l, m.a, t);
+	const rb_vec3 acceleration_b = rb_arc_acceleration(l, m.b, t);
+	const rb_vec3 on_a[2] = {rb_vec3_neg(c.impulse), rb_vec3_neg(tangent)};
+	const rb_vec3 on_b[2] = {c.impulse, tangent};
+	kick(l, m.a, on_a, m.arm_a, &m.pose_a);
+	kick(l, m.b, on_b, m.arm_b, &m.pose_b);
+	if (l->account_s)
+		rb_work_impact(l, &m, c.impulse, m.velocity, velocity_of(&m));
+	if (m.a < l->n)
+		rb_arc_anchor(l, m.a, t, &m.pose_a, acceleration_a, rb_external_turning(l, m.a));
+	if (m.b < l->n)
+		rb_arc_anchor(l, m.b, t, &m.pose_b, acceleration_b, rb_external_turning(l, m.b));
+	rb_record_impact(l, t, &m, c.impulse, approach);
+	return true;
+}
+
+/* ---- all that touch ---- */
+
+struct striking {
+	struct rb_located *l;
+	double t;
+	struct rb_contact_point *contact_point;
+	int contact_point_count;
+	struct rb_pose *pose; /* [set_count] */
+	struct rb_simultaneous joint;
+	double slack; /* m/s: rounding of the velocities that came in */
+};
+
+static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
+{
+	struct rb_located *l = s->l;
+
+	if (body < l->n && l->place[body] >= 0)
+		return l->place[body];
+	/* fixed: each contact has its own copy of what does not yield */
+	s->joint.body[s->joint.body_count] = (struct rb_solver_body){.linear = pose->velocity,
+	                                                             .angular = pose->spin};
+	return s->joint.body_count++;
+}
+
+static struct rb_drift drift_of(struct striking *s, const bool *kept)
+{
+	return (struct rb_drift){.l = s->l,
+	                         .t = s->t,
+	                         .contact_point = s->contact_point,
+	                         .kept = kept,
+	                         .count = s->contact_point_count,
+	                         .pose = s->pose};
+}
+
+/*
+ * What bodies with several points that have been held, and come to touch at another, have drifted: it would feed a series
+ * of impacts that comes to its end.
+ */
+static bool put_right(struct striking *s)
+{
+	struct rb_located *l = s->l;
+	bool *const kept = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
+	                                 sizeof *kept);
+	struct rb_drift drift = drift_of(s, kept);
+
+	if (!kept)
+		return false;
+	for (int k = 0; k < s->contact_point_count; k++)
+		kept[k] = rb_set_held(l, s->contact_point[k].a, s->contact_point[k].b) != NULL;
+	rb_drift_places(&drift);
+	return true;
+}
+
+static bool build(struct striking *s)
+{
+	struct rb_located *l = s->l;
+
+	s->pose = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *s->pose);
+	s->joint.body = rb_arena_take(l->arena,
+	                              (size_t)(l->set_count + 2 * s->contact_point_count + 1),
+	                              sizeof *s->joint.body);
+	s->joint.contact = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
+	                                 sizeof *s->joint.contact);
+	if (!s->pose || !s->joint.body || !s->joint.contact)
+		return false;
+	s->joint.arena = l->arena;
+	s->joint.body_count = l->set_count;
+	s->joint.contact_count = s->contact_point_count;
+	for (int k = 0; k < l->set_count; k++)
+		s->pose[k] = rb_arc_pose(l, l->set[k], s->t);
+	if (!put_right(s))
+		return false;
+	for (int k = 0; k < l->set_count; k++) {
+		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->pose[k].velocity,
+		                                     s->pose[k].spin);
+	}
+	for (int k = 0; k < s->contact_point_count; k++) {
+		struct rb_contact_point *m = &s->contact_point[k];
+
+		s->joint.contact[k] = rb_mechanics_contact(l, m);
+		s->joint.contact[k].noise = rb_contact_point_noise(l, m);
+		s->joint.contact[k].a = joint_body(s, m->a, &m->pose_a);
+		s->joint.contact[k].b = joint_body(s, m->b, &m->pose_b);
+		s->slack = fmax(s->slack, s->joint.contact[k].noise);
+	}
+	return true;
+}
+
+static rb_vec3 velocity_after(const struct striking *s, int k)
+{
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+
+	return rb_vec3_sub(rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
+	                   rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
+}
+
+/* Across which a normal impulse turns the body, m; nothing but rounding where it passes through its centre. */
+static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
+{
+	const rb_vec3 lever = rb_vec3_cross(arm, normal);
+	const bool central = rb_vec3_length(lever) <= 16 * DBL_EPSILON * rb_vec3_length(arm);
+
+	return central ? (rb_vec3){0, 0, 0} : lever;
+}
+
+/* rad/s by a unit impulse along the normal */
+static rb_vec3 turn_by(const struct striking *s, int place, rb_vec3 lever)
+{
+	if (place >= s->l->set_count || !s->l->top || !(rb_vec3_max_abs(lever) > 0))
+		return (rb_vec3){0, 0, 0};
+	return rb_effective_mass_inverse(s->l, s->l->set[place], s->pose[place].orientation, lever);
+}
+
+static void stop_normal(struct striking *s, int k, double target_velocity)
+{
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const rb_vec3 lever_a = lever_of(c->arm_a, c->normal);
+	const rb_vec3 lever_b = lever_of(c->arm_b, c->normal);
+	const rb_vec3 turn_a = turn_by(s, c->a, lever_a), turn_b = turn_by(s, c->b, lever_b);
+	const double sum = a->inverse_mass + b->inverse_mass + rb_vec3_dot(lever_a, turn_a) +
+	                   rb_vec3_dot(lever_b, turn_b);
+
+	if (!(sum > 0))
+		return;
+	const rb_vec3 before = velocity_after(s, k);
+	a->linear = rb_vec3_add_scaled(a->linear, target_velocity * a->inverse_mass / sum,
+	                               c->normal);
+	b->linear = rb_vec3_add_scaled(b->linear, -target_velocity * b->inverse_mass / sum,
+	                               c->normal);
+	a->angular = rb_vec3_add_scaled(a->angular, target_velocity / sum, turn_a);
+	b->angular = rb_vec3_add_scaled(b->angular, -target_velocity / sum, turn_b);
+	rb_work_impact(s->l, &s->contact_point[k], rb_vec3_scale(-target_velocity / sum, c->normal),
+	               before, velocity_after(s, k));
+}
+
+/* Does another contact hold its body at the same place, so that nothing brings this one back? */
+static bool is_taken_over(const struct striking *s, int k)
+{
+	for (int i = 0; i < s->contact_point_count; i++)
+		if (i != k &&
+		    rb_set_is_shared_place(s->l, &s->contact_point[k], &s->contact_point[i]) &&
+		    fabs(rb_vec3_dot(velocity_after(s, i), s->joint.contact[i].normal)) <=
+		            s->joint.contact[i].noise)
+			return true;
+	return false;
+}
+
+/* Seconds that infinitely many rebounds take which begin with this one; < 0: it is not of that kind. */
+static double accumulation(const struct striking *s, int k)
+{
+	const struct rb_located *l = s->l;
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	struct rb_pose pose_a = s->contact_point[k].pose_a, pose_b = s->contact_point[k].pose_b;
+
+	pose_a.velocity = s->joint.body[c->a].linear;
+	pose_a.spin = s->joint.body[c->a].angular;
+	pose_b.velocity = s->joint.body[c->b].linear;
+	pose_b.spin = s->joint.body[c->b].angular;
+	const struct rb_contact_point *m = &s->contact_point[k];
+	const struct rb_contact_name name = rb_contact_name_of(m);
+	const struct rb_contact_point after = rb_set_is_single(l, m->a, m->b)
+	                                              ? rb_contact_point_poses(l, m->a, m->b,
+	                                                                       &pose_a, &pose_b)
+	                                              : rb_contact_point_of(l, &name, &pose_a,
+	                                                                    &pose_b);
+	const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
+	/* the other end of a body that rocks lifts without an impulse */
+	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
+	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
+	if (!took_part || !(target_velocity > 0) || !ends_here(l, &after, target_velocity, s->t) ||
+	    is_taken_over(s, k))
+		return -1;
+	const double closing = closing_of(l, &after, s->t);
+
+	return c->restitution < 1 ? 2 * target_velocity / (closing * (1 - c->restitution)) : 0;
+}
+
+/* Impacts that go on without end between bodies that nothing presses together. */
+static void record_ends(struct striking *s)
+{
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_solver_contact *c = &s->joint.contact[k];
+
+		if (k > 0 && s->contact_point[k - 1].a == s->contact_point[k].a &&
+		    s->contact_point[k - 1].b == s->contact_point[k].b)
+			continue;
+		if (c->approach > 0 && c->restitution > 0 &&
+		    rb_vec3_dot(velocity_after(s, k), c->normal) <= c->noise)
+			rb_record_transition(s->l, s->t, RB_EVENT_MERGE, &s->contact_point[k]);
+	}
+}
+
+/* Of contacts that are to end, what is left of their rebounds is taken away. */
+static void stop_one_by_one(struct striking *s, const bool *ends)
+{
+	/* stopping one may move another that ends as well: until all stand */
+	for (int pass = 0; pass < STOP_PASSES; pass++) {
+		bool moved = false;
+
+		for (int k = 0; k < s->contact_point_count; k++) {
+			const struct rb_solver_contact *c = &s->joint.contact[k];
+			const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
+
+			if (!ends[k] || fabs(target_velocity) <= 0.5 * c->noise)
+				continue;
+			stop_normal(s, k, target_velocity);
+			moved = true;
+		}
+		if (!moved)
+			break;
+	}
+}
+
+/* Of the contacts that are not `kept`, those are that approach now, or leave where they stood; true: there were such. */
+static bool keep_what_moves(const struct striking *s, const bool *stood, bool *kept)
+{
+	bool any = false;
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
+
+		if (kept[k] ||
+		    !(target_velocity < -c->noise || (stood[k] && target_velocity > c->noise)))
+			continue;
+		kept[k] = any = true;
+	}
+	return any;
+}
+
+/* The largest change of a member since then, at its surface, m/s. */
+static double largest_change(const struct striking *s, const struct rb_solver_body *before)
+{
+	double max = 0;
+
+	for (int k = 0; k < s->l->set_count; k++) {
+		const rb_vec3 moves = rb_vec3_sub(s->joint.body[k].linear, before[k].linear);
+		const rb_vec3 turns = rb_vec3_sub(s->joint.body[k].angular, before[k].angular);
+		const double reach = rb_model_reach(s->l->model, s->l->set[k]);
+
+		max = fmax(max, rb_vec3_length(moves));
+		if (s->l->top)
+			max = fmax(max, reach * rb_vec3_length(turns));
+	}
+	return max;
+}
+
+static double largest_rebound(const struct striking *s, const bool *ends)
+{
+	double max = 0;
+
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (ends[k])
+			max = fmax(max, fabs(rb_vec3_dot(velocity_after(s, k),
+			                                 s->joint.contact[k].normal)));
+	return max;
+}
+
+/* Bodies as they were, and from there without the rebounds of `tidy`. */
+static void stop_from(struct striking *s, struct rb_drift *drift,
+                      const struct rb_solver_body *before)
+{
+	for (int k = 0; k < s->l->set_count; k++) {
+		s->pose[k].velocity = before[k].linear;
+		s->pose[k].spin = before[k].angular;
+	}
+	rb_drift_stop(drift);
+	for (int k = 0; k < s->l->set_count; k++) {
+		s->joint.body[k].linear = s->pose[k].velocity;
+		s->joint.body[k].angular = s->pose[k].spin;
+	}
+}
+
+/*
+ * The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. What it
+ * would have approach, or lift where it stood, is stopped as well: that would be the next impact. Not at any price: where a
+ * body rolls over an edge that stands out by rounding, only standing still would serve both sides of it.
+ */
+static void stop_together(struct striking *s, bool *ends)
+{
+	struct rb_drift drift = drift_of(s, ends);
+
+	drift.tries = true;
+	const size_t count = (size_t)s->l->set_count;
+	struct rb_solver_body *const before = rb_arena_take(s->l->arena, count, sizeof *before);
+	bool *const stood = rb_arena_take(s->l->arena, (size_t)s->contact_point_count,
+	                                  sizeof *stood);
+	bool more = before && stood;
+
+	for (int k = 0; k < s->contact_point_count && more; k++)
+		stood[k] = fabs(rb_vec3_dot(velocity_after(s, k), s->joint.contact[k].normal)) <=
+		           s->joint.contact[k].noise;
+	if (more)
+		memcpy(before, s->joint.body, count * sizeof *before);
+	const double rebound = largest_rebound(s, ends);
+	for (int pass = 0; pass <= s->contact_point_count && more; pass++) {
+		stop_from(s, &drift, before);
+		more = pass < s->contact_point_count && keep_what_moves(s, stood, ends);
+	}
+	if (!before || !stood)
+		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
+	else if (!(largest_change(s, before) <= dear * rebound))
+		memcpy(s->joint.body, before, count * sizeof *before);
+	else if (s->l->account_s) { /* the same once more, for good */
+		drift.tries = false;
+		stop_from(s, &drift, before);
+	}
+}
+
+/*
+ * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the contact lasts from
+ * here, and is told when the last of them would be over, after 2 u / (a (1 - e)).
+ */
+static void end_accumulations(struct striking *s)
+{
+	struct rb_located *l = s->l;
+	bool *const ends = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
+	                                 sizeof *ends);
+	bool any = false, single = true;
+
+	if (!ends || !rb_memory_reserve(&l->merge, &l->merge_capacity,
+	                                (size_t)(l->merge_count + s->contact_point_count),
+	                                sizeof *l->merge)) {
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a contact");
+		return;
+	}
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const double rest_s = accumulation(s, k);
+
+		ends[k] = rest_s >= 0;
+		if (!ends[k])
+			continue;
+		any = true;
+		single = single &&
+		         rb_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b);
+		l->merge[l->merge_count++] = (struct rb_merge){
+			s->contact_point[k].a, s->contact_point[k].b, s->t + rest_s};
+	}
+	if (any && single)
+		stop_one_by_one(s, ends);
+	else if (any)
+		stop_together(s, ends);
+}
+
+/* One event a pair: the impulses of its points together, where they act on the whole. */
+static void record_pair(struct striking *s, int first, int end)
+{
+	struct rb_contact_point m = s->contact_point[first];
+	rb_vec3 impulse = {0, 0, 0}, point = {0, 0, 0};
+	double approach = 0, push = 0;
+
+	for (int k = first; k < end; k++) {
+		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const double own = rb_vec3_dot(c->impulse, c->normal);
+
+		impulse = rb_vec3_add(impulse, c->impulse);
+		if (own > 0) /* from the first one: far away that costs no digits */
+			point = rb_vec3_add_scaled(point, own,
+			                           rb_vec3_sub(s->contact_point[k].point,
+			                                       s->contact_point[first].point));
+		push += fmax(own, 0);
+		if (c->approach > approach) {
+			approach = c->approach;
+			m.normal = c->normal;
+		}
+	}
+	if (!(approach > 0))
+		return;
+	if (end > first + 1 && push > 0)
+		m.point = rb_vec3_add_scaled(m.point, 1 / push, point);
+	rb_record_impact(s->l, s->t, &m, impulse, approach);
+}
+
+static void record_impacts(struct striking *s)
+{
+	int first = 0;
+
+	for (int k = 1; k <= s->contact_point_count; k++)
+		if (k == s->contact_point_count ||
+		    s->contact_point[k].a != s->contact_point[first].a ||
+		    s->contact_point[k].b != s->contact_point[first].b) {
+			record_pair(s, first, k);
+			first = k;
+		}
+}
+
+/* ---- the ledger ---- */
+
+/* Velocities before the impact; NULL where nobody asks. */
+static rb_vec3 *see_approaches(struct striking *s)
+{
+	struct rb_located *l = s->l;
+
+	if (!l->account_s)
+		return NULL;
+	rb_vec3 *const approach = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
+	                                        sizeof *approach);
+	if (!approach)
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
+		                    l->set_count);
+	for (int k = 0; approach && k < s->contact_point_count; k++)
+		approach[k] = velocity_after(s, k);
+	return approach;
+}
+
+static void enter_impulses(struct striking *s, const rb_vec3 *approach)
+{
+	for (int k = 0; approach && k < s->contact_point_count; k++)
+		rb_work_impact(s->l, &s->contact_point[k], s->joint.contact[k].impulse, approach[k],
+		               velocity_after(s, k));
+}
+
+static void collide(struct striking *s)
+{
+	struct rb_located *l = s->l;
+	int rounds = 0;
+
+	rb_vec3 *const approach = see_approaches(s);
+	if (l->status != RB_OK)
+		return;
+	s->joint.products_max = rb_located_products(l, s->contact_point_count);
+	const bool settled = rb_simultaneous_impact(&s->joint, &rounds);
+	rb_located_count(l, s->joint.products, s->contact_point_count);
+	if (rb_simultaneous_is_over(&s->joint)) {
+		l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
+		                    "%d contacts together are too many to locate",
+		                    s->contact_point_count);
+		return;
+	}
+	if (!settled)
+		l->world->frame_counts.plastic_ends++;
+	if (s->contact_point_count > 0)
+		record_impacts(s);
+	enter_impulses(s, approach);
+	record_ends(s);
+	end_accumulations(s);
+	for (int k = 0; k < l->set_count; k++) {
+		const int i = l->set[k];
+
+		s->pose[k].velocity = s->joint.body[k].linear;
+		s->pose[k].spin = s->joint.body[k].angular;
+		/* for the moment only: settling gives it its forces */
+		rb_arc_anchor(l, i, s->t, &s->pose[k], rb_arc_acceleration(l, i, s->t),
+		              (rb_vec3){0, 0, 0});
+	}
+}
+
+/* One impact of all that touches; m/s: the rounding that it leaves. */
+static double collide_once(struct rb_located *l, int a, int b, double t)
+{
+	struct striking s = {.l = l, .t = t};
+	const rb_arena_mark here = rb_arena_here(l->arena);
+
+	rb_set_add(l, a);
+	rb_set_add(l, b);
+	l->come_a = a;
+	l->come_b = b;
+	s.contact_point_count = rb_set_grow(l, t, 0, rb_set_touching, &s.contact_point);
+	if (s.contact_point_count < 0 || !build(&s))
+		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for an impact of %d bodies",
+		                    l->set_count);
+	else
+		collide(&s);
+	rb_arena_back(l->arena, here);
+	return s.slack;
+}
+
+void rb_resolve_impacts(struct rb_located *l, int a, int b, double t)
+{
+	int hit[2] = {a, b};
+	bool more = true;
+
+	/* the lowest point of a rim is found as a root is, with twice the digits each time */
+	for (int round = 0; more; round++) {
+		const double slack = collide_once(l, hit[0], hit[1], t);
+
+		more = l->status == RB_OK &&
+		       !rb_resolve_contacts(l, t, true, slack, round < ROUNDS_MAX ? hit : NULL);
+	}
+	l->come_a = l->come_b = -1;
+}

@@ -1,0 +1,235 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/seize.h"
+
+#include <float.h>
+
+#include "located/painleve.h"
+#include "located/mechanics.h"
+#include "located/external_force.h"
+#include "located/event_records.h"
+#include "located/work.h"
+#include "constraint/eccentric.h"
+
+/* Friction that the solver leaves out where it has found no solution with all of it; its residue is less. */
+static const double left_out = 1e-9;
+
+static bool is_yielding(const struct rb_settling *s, int body)
+{
+	return body < s->l->n && s->l->place[body] >= 0;
+}
+
+static int root_of(const struct rb_settling *s, int place)
+{
+	while (s->root[place] != place)
+		place = s->root[place];
+	return place;
+}
+
+/* The root of the bodies that a contact moves. */
+static int part_of(const struct rb_settling *s, int k)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+
+	return root_of(s, s->l->place[is_yielding(s, m->a) ? m->a : m->b]);
+}
+
+/* Does it slip with less than its friction? Only where the law has no force for it. */
+static bool is_seized(const struct rb_settling *s, int k)
+{
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+	const double rubs = rb_vec3_length(rb_vec3_reject(c->impulse, c->normal));
+
+	return c->mode == RB_SOLVER_SLIDE && push > 0 && rubs < c->friction * push * (1 - left_out);
+}
+
+/* Do other pairs press in this part? */
+static bool is_alone(const struct rb_settling *s, int k)
+{
+	int first;
+	const int end = rb_slips_pair(s, k, &first);
+
+	for (int other = 0; other < s->contact_point_count; other++)
+		if ((other < first || other >= end) && rb_slips_press(s, other) &&
+		    part_of(s, other) == part_of(s, k))
+			return false;
+	return true;
+}
+
+/* Of a body that yields: what does not may be anywhere. */
+static rb_vec3 arm_of(const struct rb_settling *s, const struct rb_contact_point *m)
+{
+	return is_yielding(s, m->a) ? m->arm_a : m->arm_b;
+}
+
+/* The points of a pair as one, where their pushes together act. */
+static struct rb_contact_point middle_of(const struct rb_settling *s, int k)
+{
+	struct rb_contact_point all = s->contact_point[k];
+	rb_vec3 off = {0, 0, 0}, velocity = {0, 0, 0};
+	double sum = 0;
+	int first;
+	const int end = rb_slips_pair(s, k, &first);
+
+	for (int i = first; i < end; i++) {
+		const struct rb_contact_point *m = &s->contact_point[i];
+		const double push = fmax(0, rb_vec3_dot(s->joint.contact[i].impulse, m->normal));
+
+		off = rb_vec3_add_scaled(off, push, rb_vec3_sub(arm_of(s, m), arm_of(s, &all)));
+		velocity = rb_vec3_add_scaled(velocity, push, m->velocity);
+		sum += push;
+	}
+	if (end == first + 1)
+		return all;
+	off = rb_vec3_scale(1 / sum, off);
+	all.velocity = rb_vec3_scale(1 / sum, velocity);
+	all.point = rb_vec3_add(all.point, off);
+	all.arm_a = rb_vec3_add(all.arm_a, off);
+	all.arm_b = rb_vec3_add(all.arm_b, off);
+	return all;
+}
+
+static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
+                                         const struct rb_contact_point *m)
+{
+	rb_mat3 inverse_effective_mass = {{{0}}};
+
+	for (int column = 0; column < 3; column++) {
+		const rb_vec3 unit = {column == 0, column == 1, column == 2};
+		rb_vec3 of[2] = {{0, 0, 0}, {0, 0, 0}};
+
+		if (is_yielding(s, m->a))
+			of[0] = rb_mechanics_answer(s->l, m->a, &m->pose_a, m->arm_a, m->arm_a,
+			                            unit);
+		if (is_yielding(s, m->b))
+			of[1] = rb_mechanics_answer(s->l, m->b, &m->pose_b, m->arm_b, m->arm_b,
+			                            unit);
+		const rb_vec3 sum = rb_vec3_add(of[0], of[1]);
+		inverse_effective_mass.m[0][column] = sum.x;
+		inverse_effective_mass.m[1][column] = sum.y;
+		inverse_effective_mass.m[2][column] = sum.z;
+	}
+	return inverse_effective_mass;
+}
+
+/*
+ * Its normal velocity is rounding: an approach of that size instead. Where the contact yields after all, so is the impulse,
+ * and none.
+ */
+static rb_vec3 impulse_at(const struct rb_settling *s, const struct rb_contact_point *m,
+                          const struct rb_solver_contact *c, rb_vec3 *change)
+{
+	const struct rb_eccentric contact = {inverse_effective_mass_of(s, m), m->normal,
+	                                     c->friction, c->restitution};
+	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+	const double speed = rb_vec3_length(slip);
+	const rb_vec3 impulse = rb_eccentric_impulse(
+		&contact, rb_vec3_add_scaled(slip, -4 * DBL_EPSILON * speed, m->normal));
+
+	*change = rb_mat3_apply(&contact.inverse_effective_mass, impulse);
+	return rb_vec3_length(*change) > sqrt(DBL_EPSILON) * speed ? impulse : (rb_vec3){0, 0, 0};
+}
+
+static void push(struct rb_settling *s, int body, const struct rb_pose *pose, rb_vec3 arm,
+                 rb_vec3 impulse)
+{
+	struct rb_pose *const own = is_yielding(s, body) ? &s->pose[s->l->place[body]] : NULL;
+
+	if (!own)
+		return;
+	own->velocity = rb_vec3_add_scaled(own->velocity, s->l->model->inverse_mass[body], impulse);
+	if (s->l->top)
+		own->spin = rb_vec3_add(own->spin,
+		                        rb_effective_mass_inverse(s->l, body, pose->orientation,
+		                                                  rb_vec3_cross(arm, impulse)));
+}
+
+static bool seize_at(struct rb_settling *s, const struct rb_contact_point *m,
+                     const struct rb_solver_contact *c)
+{
+	rb_vec3 change;
+	const rb_vec3 impulse = impulse_at(s, m, c, &change);
+
+	if (!(rb_vec3_dot(impulse, m->normal) > 0))
+		return false;
+	push(s, m->a, &m->pose_a, m->arm_a, rb_vec3_neg(impulse));
+	push(s, m->b, &m->pose_b, m->arm_b, impulse);
+	rb_work_impact(s->l, m, impulse, m->velocity, rb_vec3_add(m->velocity, change));
+	rb_record_impact(s->l, s->t, m, impulse, 0);
+	return true;
+}
+
+/* All pressing contacts of a part are stopped. */
+static bool seize_part(struct rb_settling *s, int part)
+{
+	struct rb_located *l = s->l;
+	const int max = s->contact_point_count;
+	struct rb_contact_point *const contact_point = rb_slips_take(s, max, sizeof *contact_point);
+	rb_vec3 *const force = rb_slips_take(s, max, sizeof *force);
+	double *const friction = rb_slips_take(s, max, sizeof *friction);
+	struct rb_painleve painleve = {
+		.l = l,
+		.contact_point = contact_point,
+		.force = force,
+		.friction = friction,
+		.pose = s->pose,
+		.body_count = l->set_count,
+		.impulse = rb_slips_take(s, max, sizeof *painleve.impulse),
+		.linear = rb_slips_take(s, l->set_count, sizeof *painleve.linear),
+		.angular = rb_slips_take(s, l->set_count, sizeof *painleve.angular),
+		.scratch = rb_slips_take(s, 3 * max, sizeof *painleve.scratch)};
+
+	if (l->status != RB_OK)
+		return false;
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_solver_contact *c = &s->joint.contact[k];
+
+		if (!rb_slips_press(s, k) || part_of(s, k) != part)
+			continue;
+		contact_point[painleve.count] = s->contact_point[k];
+		friction[painleve.count] = c->friction;
+		/* along what would grow */
+		force[painleve.count] = rb_vec3_scale(
+			rb_vec3_dot(c->impulse, c->normal),
+			rb_vec3_add_scaled(c->normal, -c->friction, c->slip));
+		painleve.count++;
+	}
+	if (!rb_painleve_stop(&painleve))
+		return false;
+	for (int k = 0; k < l->set_count; k++) {
+		s->pose[k].velocity = rb_vec3_add(s->pose[k].velocity, painleve.linear[k]);
+		s->pose[k].spin = rb_vec3_add(s->pose[k].spin, painleve.angular[k]);
+	}
+	for (int k = 0; k < painleve.count; k++) {
+		/* jam.scratch: what the impulses have added */
+		rb_work_impact(l, &contact_point[k], painleve.impulse[k], contact_point[k].velocity,
+		               rb_vec3_add(contact_point[k].velocity, painleve.scratch[k]));
+		rb_record_impact(l, s->t, &contact_point[k], painleve.impulse[k], 0);
+	}
+	return true;
+}
+
+bool rb_seize(struct rb_settling *s)
+{
+	const rb_vec3 none = {0, 0, 0};
+	bool any = false;
+
+	for (int k = 0; k < s->contact_point_count && !any; k++) {
+		if (!is_seized(s, k))
+			continue;
+		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const bool alone = is_alone(s, k);
+		const struct rb_contact_point middle = middle_of(s, k);
+		int first;
+
+		/* points of a pair that come to stand together are all stopped: that is more than their middle is */
+		any = (!alone ||
+		       (rb_slips_pair(s, k, &first) > first + 1 && c->restitution == 0)) &&
+		      seize_part(s, part_of(s, k));
+		any = any || (alone && seize_at(s, &middle, c));
+	}
+	/* for the moment only: settling anew gives them their forces */
+	for (int k = 0; k < s->l->set_count && any; k++)
+		rb_arc_anchor(s->l, s->l->set[k], s->t, &s->pose[k], none, none);
+	return any;
+}

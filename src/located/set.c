@@ -1,0 +1,433 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/set.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+void rb_set_add(struct rb_located *l, int i)
+{
+	if (rb_located_fixed(l, i) || l->place[i] >= 0)
+		return;
+	l->place[i] = l->set_count;
+	l->set[l->set_count++] = i;
+}
+
+void rb_set_clear(struct rb_located *l)
+{
+	for (int k = 0; k < l->set_count; k++)
+		l->place[l->set[k]] = -1;
+	l->set_count = 0;
+}
+
+int rb_set_near(const struct rb_located *l, int i)
+{
+	int count = 0;
+
+	if (l->cells)
+		return rb_cells_near(l->cells, i, l->near);
+	for (int j = 0; j < l->n; j++)
+		if (j != i)
+			l->near[count++] = j;
+	return count;
+}
+
+const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b)
+{
+	const int mover = a < l->n && l->cluster_of[a] >= 0 ? a : b;
+
+	if (mover >= l->n || l->cluster_of[mover] < 0)
+		return NULL;
+	const struct rb_cluster *c = &l->cluster[l->cluster_of[mover]];
+	const int low_a = a < b ? a : b, high_b = a < b ? b : a;
+	int low = 0, high = c->held_count;
+
+	while (low < high) {
+		const int middle = low + (high - low) / 2;
+		const struct rb_held *h = &c->held[middle];
+
+		if (h->a < low_a || (h->a == low_a && h->b < high_b))
+			low = middle + 1;
+		else
+			high = middle;
+	}
+	return low < c->held_count && c->held[low].a == low_a && c->held[low].b == high_b
+	               ? &c->held[low]
+	               : NULL;
+}
+
+const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct rb_held *first)
+{
+	const int mover = first->a < l->n && l->cluster_of[first->a] >= 0 ? first->a : first->b;
+	const struct rb_cluster *c = &l->cluster[l->cluster_of[mover]];
+	const struct rb_held *h = first;
+
+	while (h < c->held + c->held_count && h->a == first->a && h->b == first->b)
+		h++;
+	return h;
+}
+
+struct rb_contact_point rb_set_contact_point(const struct rb_located *l, const struct rb_held *held,
+                                             double t)
+{
+	const struct rb_contact_name name = rb_set_name(held);
+
+	if (rb_set_is_single(l, held->a, held->b))
+		return rb_contact_point_at(l, held->a, held->b, t);
+	const struct rb_pose pose_a = rb_arc_pose(l, held->a, t);
+	const struct rb_pose pose_b = rb_arc_pose(l, held->b, t);
+
+	return rb_contact_point_of(l, &name, &pose_a, &pose_b);
+}
+
+/* Points of a pair closer than this share of its size are one; rounding of places by their features is far below. */
+static const double one_place = 1e-9;
+/* Share of the speeds below which a slip creeps. */
+/* Share of what friction does to speeds by which a slip that creeps may change its own. */
+static const double slowly = 0.05;
+static const double creeping = 1e-5;
+/* Share of the size by which rounding and integration let a point be beyond the end of its features. */
+static const double beyond_end = 1e-11;
+
+bool rb_set_is_same_place(const struct rb_located *l, const struct rb_contact_point *x,
+                          const struct rb_contact_point *y)
+{
+	return rb_vec3_length(rb_vec3_sub(x->point, y->point)) <=
+	       one_place * rb_contact_point_size(l, x);
+}
+
+bool rb_set_is_shared_place(const struct rb_located *l, const struct rb_contact_point *x,
+                            const struct rb_contact_point *y)
+{
+	return (x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b) &&
+	       rb_set_is_same_place(l, x, y);
+}
+
+bool rb_set_has_left(const struct rb_located *l, const struct rb_contact_point *m)
+{
+	return m->inside < 0 && m->inside < -beyond_end * rb_contact_point_size(l, m);
+}
+
+double rb_set_lands(const struct rb_located *l, const struct rb_contact_point *m)
+{
+	struct rb_contact_name other = rb_contact_name_of(m);
+
+	if (!(rb_vec3_max_abs(m->half) > 0))
+		return 0;
+	other.half = rb_vec3_neg(m->half);
+	const struct rb_contact_point across = rb_contact_point_of(l, &other, &m->pose_a,
+	                                                           &m->pose_b);
+	const bool closes = rb_vec3_dot(across.velocity, across.normal) <
+	                    -rb_contact_point_noise(l, &across);
+
+	return closes && across.gap > 0 &&
+	                       across.gap <= beyond_end * rb_contact_point_size(l, &across)
+	               ? across.gap
+	               : 0;
+}
+
+double rb_set_creep(const struct rb_located *l, const struct rb_contact_point *m)
+{
+	return creeping / (8 * DBL_EPSILON) * rb_contact_point_noise(l, m);
+}
+
+bool rb_set_is_slow(const struct rb_located *l, const struct rb_contact_point *m, double rate,
+                    rb_vec3 force)
+{
+	const double *const inverse = l->model->inverse_mass;
+	const double rubs = rb_vec3_length(rb_vec3_reject(force, m->normal)) *
+	                    (inverse[m->a] + inverse[m->b]);
+
+	return rb_vec3_length(rb_vec3_reject(m->velocity, m->normal)) <= rb_set_creep(l, m) &&
+	       fabs(rate) <= slowly * rubs;
+}
+
+const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct rb_contact_point *m)
+{
+	const struct rb_held *const first = rb_set_held(l, m->a, m->b);
+
+	if (!first || rb_set_is_single(l, m->a, m->b))
+		return first;
+	const struct rb_held *const end = rb_set_held_end(l, first);
+	const struct rb_contact_name wanted = rb_contact_name_of(m);
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_contact_name name = rb_set_name(h);
+
+		if (rb_contact_name_is(&name, &wanted))
+			return h;
+	}
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_contact_name name = rb_set_name(h);
+		const struct rb_contact_point now = rb_contact_point_of(l, &name, &m->pose_a,
+		                                                        &m->pose_b);
+
+		if (rb_set_is_same_place(l, m, &now))
+			return h;
+	}
+	return NULL;
+}
+
+bool rb_set_touching(const struct rb_located *l, const struct rb_contact_point *m, double t,
+                     double slack)
+{
+	(void)slack;
+	return m->gap <= rb_contact_point_band(l, m, t) &&
+	       !(rb_pair_has_features(l, m->a, m->b) && rb_contact_point_passes(l, m, t));
+}
+
+bool rb_set_lasting(const struct rb_located *l, const struct rb_contact_point *m, double t,
+                    double slack)
+{
+	const double rate = rb_vec3_dot(m->velocity, m->normal);
+	const double still = rb_contact_point_noise(l, m) + slack;
+
+	/* impacts have been dealt with; but not those that another method has left to come */
+	return m->gap <= rb_contact_point_band(l, m, t) && rate <= still &&
+	       (!l->starting || rate >= -still);
+}
+
+/* Share of the size that a held point may be off touching. */
+static const double drifted = 1e-9;
+
+struct pairs {
+	double t, slack;
+	rb_set_joins *joins;
+	struct rb_contact_point *row; /* in the arena */
+	int count, capacity;
+	bool failed;
+};
+
+static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_contact_point *m)
+{
+	if (pairs->count == pairs->capacity) {
+		const int capacity = pairs->capacity > 0 ? 2 * pairs->capacity : 8;
+		struct rb_contact_point *const grown = rb_arena_take(l->arena, (size_t)capacity,
+		                                                     sizeof *grown);
+
+		if (!grown) {
+			pairs->failed = true;
+			return;
+		}
+		if (pairs->count > 0)
+			memcpy(grown, pairs->row, (size_t)pairs->count * sizeof *grown);
+		pairs->row = grown;
+		pairs->capacity = capacity;
+	}
+	pairs->row[pairs->count++] = *m;
+}
+
+/* m: by how much the held points of a pair are off touching; integrating leaves some roundings. */
+static double drift_of(const struct rb_located *l, const struct rb_held *first,
+                       const struct rb_held *end, double t)
+{
+	double drift = 0;
+
+	for (const struct rb_held *h = first; h < end; h++) {
+		const struct rb_contact_point m = rb_set_contact_point(l, h, t);
+
+		drift = fmax(drift, fmin(2 * fabs(m.gap), drifted * rb_contact_point_size(l, &m)));
+	}
+	return drift;
+}
+
+/* Has the point come over the end of its features, as far as this one has or others that go with it? */
+static bool passes_on(const struct rb_located *l, const struct rb_contact_point *m, bool others)
+{
+	return m->beyond != 0 &&
+	       (rb_set_has_left(l, m) || (others && m->inside < 0 && m->inside_rate < 0));
+}
+
+/* Another point that touches at this place and does not part: of another part of the body, which begins where one ends. */
+static const struct rb_contact_point *instead_of(const struct rb_located *l,
+                                                 const struct rb_contact_point *m,
+                                                 const struct rb_contact_point *all, int count)
+{
+	for (int k = 0; k < count; k++)
+		if (rb_set_is_same_place(l, m, &all[k]) &&
+		    rb_vec3_dot(all[k].velocity, all[k].normal) <=
+		            rb_contact_point_noise(l, &all[k]))
+			return &all[k];
+	return NULL;
+}
+
+/*
+ * A point that is held and rolls from one feature to the next is the same contact: neither does it end, nor is the next one
+ * new, though its normal is off by as much as the point has gone too far. Those of a pair that roll there together do so
+ * together.
+ */
+static void pass_on(const struct rb_located *l, struct rb_contact_point *m, int count,
+                    const struct rb_contact_point *all, int all_count)
+{
+	bool any = false;
+
+	for (int k = 0; k < count; k++)
+		any = any || passes_on(l, &m[k], false);
+	for (int k = 0; k < count && any; k++) {
+		if (!passes_on(l, &m[k], true))
+			continue;
+		const struct rb_contact_point *const other = instead_of(l, &m[k], all, all_count);
+
+		m[k] = other ? *other : rb_touch_passed_on(l, &m[k]);
+	}
+}
+
+static bool is_known(const struct rb_located *l, const struct rb_contact_point *m,
+                     const struct rb_contact_point *of, int count)
+{
+	const struct rb_contact_name name = rb_contact_name_of(m);
+
+	for (int k = 0; k < count; k++) {
+		const struct rb_contact_name known = rb_contact_name_of(&of[k]);
+
+		if (rb_contact_name_is(&name, &known) || rb_set_is_same_place(l, m, &of[k]))
+			return true;
+	}
+	return false;
+}
+
+/* Of a rim that has come to lie flat, the points that it lands on instead of that on which it rolled there. */
+static void land_on(struct rb_contact_point *m, const struct rb_contact_point *all, int count)
+{
+	const struct rb_contact_name name = rb_contact_name_of(m);
+
+	for (int k = 0; k < count && rb_vec3_max_abs(m->half) > 0; k++) {
+		const struct rb_contact_name other = rb_contact_name_of(&all[k]);
+
+		if (rb_vec3_max_abs(all[k].half) > 0 && rb_contact_name_is(&name, &other)) {
+			*m = all[k];
+			return;
+		}
+	}
+}
+
+/* The points of a pair that may have several: those that are held, and whatever else touches. */
+static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int b, bool come)
+{
+	struct rb_contact_point all[RB_CONTACT_POINTS_MAX], held[RB_CONTACT_POINTS_MAX];
+	const struct rb_held *const first = rb_set_held(l, a, b);
+	const struct rb_held *const end = first ? rb_set_held_end(l, first) : NULL;
+	const int before = pairs->count;
+	double drift = drift_of(l, first, end, pairs->t);
+
+	for (const struct rb_held *h = first; h < end && come; h++) {
+		const struct rb_contact_point m = rb_set_contact_point(l, h, pairs->t);
+
+		drift = fmax(drift, rb_set_lands(l, &m));
+	}
+	int count = rb_pair_contact_points(l, a, b, pairs->t, drift, all);
+
+	/* what is no farther than those that are held touches as they do */
+	for (int k = 0; k < count && drift > 0; k++)
+		all[k].gap = fmin(all[k].gap, 0);
+	int held_count = 0;
+	for (const struct rb_held *h = first; h < end && held_count < RB_CONTACT_POINTS_MAX; h++)
+		held[held_count++] = rb_set_contact_point(l, h, pairs->t);
+	for (int h = 0; h < held_count; h++)
+		land_on(&held[h], all, count);
+	pass_on(l, held, held_count, all, count);
+	for (int h = 0; h < held_count; h++) {
+		int left = 0;
+
+		/* one that has left its features stays only if nothing else is there that could end it */
+		if (rb_set_has_left(l, &held[h]) && (count > 0 || held_count > 1))
+			continue;
+		if (is_known(l, &held[h], held, h))
+			continue;
+		for (int k = 0; k < count; k++)
+			if (!is_known(l, &all[k], &held[h], 1))
+				all[left++] = all[k];
+		count = left;
+		keep(l, pairs, &held[h]);
+	}
+	if (come && count == 0 && pairs->count == before) {
+		all[0] = rb_contact_point_at(l, a, b, pairs->t);
+		all[0].gap = fmin(all[0].gap, 0);
+		count = 1;
+	}
+	for (int k = 0; k < count; k++)
+		if (pairs->joins(l, &all[k], pairs->t, pairs->slack))
+			keep(l, pairs, &all[k]);
+	if (pairs->count > before) {
+		rb_set_add(l, a);
+		rb_set_add(l, b);
+	}
+}
+
+/* A pair whose far side is not yet dealt with. */
+static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
+{
+	if (!rb_pair_can_touch(l, i, j))
+		return;
+	const bool come = (i == l->come_a && j == l->come_b) || (i == l->come_b && j == l->come_a);
+	const bool held = rb_set_held(l, i, j) != NULL;
+	if (!come && !held && rb_contact_point_is_far(l, i, j, pairs->t, pairs->t))
+		return;
+	if (!rb_set_is_single(l, i, j)) {
+		inspect_points(l, pairs, i < j ? i : j, i < j ? j : i, come);
+		return;
+	}
+	struct rb_contact_point m = rb_contact_point_at(l, i < j ? i : j, i < j ? j : i, pairs->t);
+	/* those whose touch has been located do touch, whatever rounding makes of their gap */
+	if (come)
+		m.gap = fmin(m.gap, 0);
+	if (!held && !pairs->joins(l, &m, pairs->t, pairs->slack))
+		return;
+	keep(l, pairs, &m);
+	rb_set_add(l, j);
+}
+
+static void add_springs(struct rb_located *l, int i)
+{
+	const struct rb_scene *scene = l->model->scene;
+	const int id = l->model->id_of[i];
+
+	for (int k = 0; k < scene->spring_count; k++) {
+		if (scene->springs[k].a == id)
+			rb_set_add(l, l->model->index_of[scene->springs[k].b]);
+		if (scene->springs[k].b == id)
+			rb_set_add(l, l->model->index_of[scene->springs[k].a]);
+	}
+}
+
+static int by_name(const void *left, const void *right)
+{
+	const struct rb_contact_name x = rb_contact_name_of(left), y = rb_contact_name_of(right);
+
+	return rb_contact_name_compare(&x, &y);
+}
+
+int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,
+                struct rb_contact_point **found)
+{
+	struct pairs pairs = {.t = t, .slack = slack, .joins = joins};
+
+	for (int k = 0; k < l->set_count && !pairs.failed; k++) {
+		const int i = l->set[k];
+
+		if (l->cluster_of[i] >= 0) {
+			const struct rb_cluster *c = &l->cluster[l->cluster_of[i]];
+
+			for (int m = 0; m < c->member_count; m++)
+				rb_set_add(l, c->member[m]);
+		}
+		add_springs(l, i);
+		if (!(l->model->features & RB_FEATURE_CONTACT))
+			continue;
+		const int near = rb_set_near(l, i);
+		for (int m = 0; m < near; m++) {
+			const int j = l->near[m];
+
+			/* each pair once: from the one that came into the set first */
+			if (rb_located_driven(l, j) || l->place[j] < 0 || l->place[j] > k)
+				look(l, &pairs, i, j);
+		}
+		for (int j = l->n; j < l->n + l->model->static_count; j++)
+			look(l, &pairs, i, j);
+	}
+	if (pairs.failed)
+		return -1;
+	if (pairs.count > 1)
+		qsort(pairs.row, (size_t)pairs.count, sizeof *pairs.row, by_name);
+	*found = pairs.row;
+	return pairs.count;
+}

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/sizes.h"
+
+/* m/s^2: what the force alone would do to the point of the body that it acts on, by moving and by turning it. */
+static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
+{
+	const int place = rb_modes_place(w, body);
+
+	if (place < 0)
+		return 0;
+	const double moves = w->l->model->inverse_mass[body] * rb_vec3_length(force);
+	const rb_vec3 whole = rb_mechanics_answer(w->l, body, &w->pose[place], arm, arm, force);
+
+	return fmax(moves, rb_vec3_length(whole));
+}
+
+/* The largest of a member. What is solved together rounds together: the last of a column is not better known than the first. */
+static double largest_load(const struct rb_modes *w)
+{
+	double max = 0;
+
+	for (int k = 0; k < w->c->held_count; k++) {
+		const struct rb_held *held = &w->c->held[k];
+
+		max = fmax(max, load_of(w, held->a, w->contact_point[k].arm_a, w->force[k]));
+		max = fmax(max, load_of(w, held->b, w->contact_point[k].arm_b, w->force[k]));
+	}
+	return max;
+}
+
+/*
+ * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the forces, not of what is
+ * left of them: over a piece, and not more than a fall by its own size.
+ */
+static double balanced(const struct rb_modes *w, double load, double radius)
+{
+	const double fall = sqrt(load * radius), try_s = w->c->try_s;
+
+	return try_s > 0 ? fmin(fall, load * try_s / 8) : fall;
+}
+
+double rb_sizes_of(struct rb_modes *w, double *scale)
+{
+	const struct rb_located *l = w->l;
+	const double load = largest_load(w);
+	double try_s = l->end_s;
+
+	for (int k = 0; k < w->c->member_count; k++) {
+		const struct rb_pose *pose = &w->pose[k];
+		const double radius = rb_model_reach(l->model, w->c->member[k]);
+		const double external = rb_vec3_length(w->linear[k]);
+		const double own = fmax(rb_vec3_length(pose->velocity), sqrt(external * radius));
+		const double speed = fmax(own, balanced(w, load, radius));
+		const double spin = fmax(rb_vec3_length(pose->spin), speed / radius);
+		double *const s = scale + (size_t)k * (size_t)w->row;
+
+		for (int m = 0; m < 3; m++) {
+			/* of a long way, its rounding */
+			s[RB_ROW_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
+			s[RB_ROW_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
+		}
+		for (int m = RB_ROW_ORIENTATION; l->top && m < RB_ROW_SPIN; m++)
+			s[m] = 1;
+		for (int m = 0; l->top && m < 3; m++)
+			s[RB_ROW_SPIN + m] = spin > 0 ? spin : 1 / l->end_s;
+		if (own > 0)
+			try_s = fmin(try_s, radius / own);
+	}
+	return try_s;
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT */
+/* How large the values of a cluster are, against which the integrator's errors are small or not. */
+#ifndef RB_LOCATED_SIZES_H
+#define RB_LOCATED_SIZES_H
+
+#include "located/modes.h"
+
+/*
+ * Fills `scale`, a size > 0 for each value of the piece, after the forces at its beginning have been found; returns the
+ * length to try without knowing better, s.
+ */
+double rb_sizes_of(struct rb_modes *w, double *scale);
+
+#endif

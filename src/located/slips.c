@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/slips.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "located/mechanics.h"
+#include "located/drift.h"
+
+enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
+/* Cosine of the angle, of rounding only, between normals that are one. */
+static const double same_way = 1 - 1e-12;
+
+void *rb_slips_take(struct rb_settling *s, int count, size_t size)
+{
+	void *const block = rb_arena_take(s->l->arena, (size_t)(count > 0 ? count : 1), size);
+
+	if (!block && s->l->status == RB_OK)
+		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY,
+		                       "no memory for the contacts of %d bodies", s->l->set_count);
+	return block;
+}
+
+int rb_slips_pair(const struct rb_settling *s, int k, int *first)
+{
+	const struct rb_contact_point *m = s->contact_point;
+	int end = k + 1;
+
+	*first = k;
+	while (*first > 0 && m[*first - 1].a == m[k].a && m[*first - 1].b == m[k].b)
+		--*first;
+	while (end < s->contact_point_count && m[end].a == m[k].a && m[end].b == m[k].b)
+		end++;
+	return end;
+}
+
+/* ---- forces ---- */
+
+static int joint_body(struct rb_settling *s, int body)
+{
+	const struct rb_located *l = s->l;
+
+	if (body < l->n && l->place[body] >= 0)
+		return l->place[body];
+	s->joint.body[s->joint.body_count] = rb_mechanics_fixed(l, body, s->t);
+	return s->joint.body_count++;
+}
+
+static void joint_set(struct rb_settling *s)
+{
+	const struct rb_located *l = s->l;
+
+	for (int k = 0; k < l->set_count; k++)
+		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->linear[k],
+		                                     s->angular[k]);
+	s->joint.body_count = l->set_count;
+}
+
+static bool is_given(rb_vec3 slip)
+{
+	return rb_vec3_max_abs(slip) > 0;
+}
+
+static void joint_contact(struct rb_settling *s, int k)
+{
+	struct rb_located *l = s->l;
+	const struct rb_contact_point *m = &s->contact_point[k];
+	const struct rb_held *before = &s->before[k];
+	struct rb_solver_contact *c = &s->joint.contact[k];
+	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+	const double speed = rb_vec3_length(slip);
+	const double still = 4 * rb_contact_point_noise(l, m) + s->slack;
+	const bool stuck = before->a >= 0 && !s->struck && (!before->slipping || before->ending);
+
+	*c = rb_mechanics_contact(l, m);
+	c->a = joint_body(s, m->a);
+	c->b = joint_body(s, m->b);
+	if (before->a >= 0)
+		c->impulse = before->force;
+	c->slip = s->slip[k];
+	if (speed > (stuck ? fmax(still, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
+	                                                     rb_vec3_length(m->pose_b.velocity)))
+	                   : still)) {
+		c->mode = RB_SOLVER_SLIDE;
+		if (!is_given(c->slip))
+			c->slip = rb_vec3_scale(1 / speed, slip);
+	} else if (is_given(c->slip)) {
+		c->mode = RB_SOLVER_SLIDE;
+	}
+}
+
+bool rb_slips_press(const struct rb_settling *s, int k)
+{
+	return rb_vec3_dot(s->joint.contact[k].impulse, s->contact_point[k].normal) > 0;
+}
+
+/*
+ * A contact that begins where another one holds the body already, on a surface that goes on in the same plane, takes half of
+ * that load: neither of the two is the first. Forces of either kind move the body alike.
+ */
+static void share_loads(struct rb_settling *s)
+{
+	for (int k = 0; k < s->contact_point_count; k++)
+		for (int i = 0; i < s->contact_point_count && s->before[k].a < 0; i++) {
+			const struct rb_contact_point *const mine = &s->contact_point[k],
+							     *const other = &s->contact_point[i];
+			const bool same = mine->a == other->a || mine->b == other->b;
+			const double along = rb_vec3_dot(mine->normal, other->normal);
+
+			if (s->before[i].a < 0 || !rb_slips_press(s, i) ||
+			    !rb_set_is_shared_place(s->l, mine, other) ||
+			    !((same ? along : -along) > same_way))
+				continue;
+			const rb_vec3 half = rb_vec3_scale(0.5, s->joint.contact[i].impulse);
+			s->joint.contact[i].impulse = half;
+			s->joint.contact[k].impulse = same ? half : rb_vec3_neg(half);
+			break;
+		}
+}
+
+static void add_load(struct rb_settling *s, int body, double force)
+{
+	if (body < s->l->n && s->l->place[body] >= 0)
+		s->load[s->l->place[body]] += s->l->model->inverse_mass[body] * force;
+}
+
+static void find_loads(struct rb_settling *s)
+{
+	for (int k = 0; k < s->l->set_count; k++)
+		s->load[k] = 0;
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const double force = rb_vec3_length(s->joint.contact[k].impulse);
+
+		add_load(s, s->contact_point[k].a, force);
+		add_load(s, s->contact_point[k].b, force);
+	}
+}
+
+void rb_slips_too_many(const struct rb_settling *s)
+{
+	s->l->status = RB_FAIL(s->l->err, RB_ERR_PHYSICS,
+	                       "%d contacts together are too many to locate",
+	                       s->contact_point_count);
+}
+
+static bool solve(struct rb_settling *s)
+{
+	s->joint.arena = s->l->arena;
+	s->joint.body = rb_slips_take(s, s->l->set_count + 2 * s->contact_point_count,
+	                              sizeof *s->joint.body);
+	s->joint.contact = rb_slips_take(s, s->contact_point_count, sizeof *s->joint.contact);
+	if (s->l->status != RB_OK)
+		return false;
+	joint_set(s);
+	for (int k = 0; k < s->contact_point_count; k++)
+		joint_contact(s, k);
+	share_loads(s);
+	s->joint.contact_count = s->contact_point_count;
+	s->joint.products_max = s->moves ? rb_located_products(s->l, s->contact_point_count) : 0;
+	if (s->contact_point_count > 0)
+		rb_simultaneous_forces(&s->joint);
+	if (s->moves)
+		rb_located_count(s->l, s->joint.products, s->contact_point_count);
+	if (rb_simultaneous_is_over(&s->joint)) {
+		rb_slips_too_many(s);
+		return false;
+	}
+	find_loads(s);
+	return true;
+}
+
+/* ---- which way ---- */
+
+/* Rate at which the contact point's slip changes, across the normal. */
+static rb_vec3 slip_rate(const struct rb_settling *s, int k)
+{
+	const struct rb_solver_contact *c = &s->joint.contact[k];
+	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
+	const rb_vec3 rate = rb_vec3_sub(
+		rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
+		rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
+
+	return rb_vec3_reject(rb_vec3_add(rate, c->bias), c->normal);
+}
+
+bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip)
+{
+	const rb_vec3 rate = slip_rate(s, k);
+	const double along = rb_vec3_dot(rate, slip);
+	const double aside = rb_vec3_length(rb_vec3_add_scaled(rate, -along, slip));
+	const double speed = rb_vec3_length(
+		rb_vec3_reject(s->contact_point[k].velocity, s->contact_point[k].normal));
+	const double largest = rb_vec3_length(s->contact_point[k].pose_a.velocity) +
+	                       rb_vec3_length(s->contact_point[k].pose_b.velocity);
+
+	if (aside <= STRAIGHT_ULP * DBL_EPSILON * s->external_max)
+		return true;
+	/* nor is there time to turn where it ends within the rounding of the time */
+	return along < 0 && (aside * speed <= -along * 16 * DBL_EPSILON * largest ||
+	                     speed <= -along * 16 * DBL_EPSILON * s->t);
+}
+
+bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held)
+{
+	const struct rb_contact_point *m = &s->contact_point[k];
+
+	return held->slipping && held->friction > 0 &&
+	       rb_set_is_slow(s->l, m, rb_vec3_dot(slip_rate(s, k), held->slip), held->force);
+}
+
+/*
+ * A slip that would end within the rounding of sizes has ended: of bodies that touch at several points it may turn at the
+ * end as fast as it slows down. Returns whether there was one; then the forces are to be found again.
+ */
+static bool stop_slow_slips(struct rb_settling *s)
+{
+	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
+	struct rb_drift drift = {.l = s->l,
+	                         .t = s->t,
+	                         .contact_point = s->contact_point,
+	                         .before = s->before,
+	                         .kept = kept,
+	                         .count = s->contact_point_count,
+	                         .pose = s->pose};
+	bool any = false;
+
+	for (int k = 0; kept && k < s->contact_point_count; k++) {
+		const struct rb_solver_contact *c = &s->joint.contact[k];
+		const struct rb_contact_point *m = &s->contact_point[k];
+		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+		const double slows = -rb_vec3_dot(slip_rate(s, k), c->slip);
+		const bool slides = c->mode == RB_SOLVER_SLIDE;
+		const bool ends = slides && rb_slips_press(s, k) && c->friction > 0 && slows > 0 &&
+		                  !rb_set_is_single(s->l, m->a, m->b) &&
+		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
+		                                                     rb_contact_point_size(s->l, m);
+
+		/* what does not press is not to lift for it */
+		kept[k] = true;
+		s->before[k].slipping = slides && !ends;
+		s->before[k].ending = ends;
+		any = any || ends;
+	}
+	if (any)
+		rb_drift_stop(&drift);
+	return any;
+}
+
+/*
+ * The velocity of a slow slip says its direction to rounding over speed only, and against friction in a direction that is
+ * wrong by that it would turn back within speed / (friction g), all the way. So where slips are straight in the directions
+ * that they had, within rounding, these are kept. True: there are such.
+ */
+static bool keep_directions(struct rb_settling *s)
+{
+	bool any = false;
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_held *before = &s->before[k];
+		const struct rb_contact_point *m = &s->contact_point[k];
+		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
+		const double speed = rb_vec3_length(slip);
+		const double still = 4 * rb_contact_point_noise(s->l, m) + s->slack + s->drift;
+
+		s->slip[k] = (rb_vec3){0, 0, 0};
+		if (before->a < 0 || !before->slipping || before->ending || s->struck ||
+		    !(speed > 4 * rb_contact_point_noise(s->l, m) + s->slack))
+			continue;
+		const rb_vec3 now = rb_vec3_scale(1 / speed, slip);
+		const rb_vec3 old = rb_vec3_unit(rb_vec3_reject(before->slip, m->normal), now);
+		if (rb_vec3_length(rb_vec3_sub(now, old)) * speed > still)
+			continue;
+		s->slip[k] = old;
+		any = true;
+	}
+	return any;
+}
+
+/*
+ * Where slip sets in at all points of a pair, each against its own friction, whose direction is known to the root of
+ * rounding only: the cones leave it so much room. Do they go one way, against all of it? True: there are such pairs.
+ */
+static bool begin_together(struct rb_settling *s)
+{
+	bool any = false;
+
+	for (int k = 0, first, end; k < s->contact_point_count; k = end) {
+		rb_vec3 rubs = {0, 0, 0};
+		bool begin = true, straight = true;
+		int count = 0;
+
+		end = rb_slips_pair(s, k, &first);
+		for (int i = k; i < end; i++) {
+			const struct rb_solver_contact *c = &s->joint.contact[i];
+			const rb_vec3 friction = rb_vec3_reject(c->impulse, c->normal);
+
+			if (!rb_slips_press(s, i))
+				continue;
+			count++;
+			begin = begin && c->slipping && c->mode == RB_SOLVER_STICK;
+			straight = straight &&
+			           rb_slips_straight(s, i,
+			                             rb_vec3_unit(rb_vec3_neg(friction), c->slip));
+			rubs = rb_vec3_add(rubs, friction);
+		}
+		for (int i = k; i < end; i++) {
+			const rb_vec3 way = rb_vec3_reject(rb_vec3_neg(rubs),
+			                                   s->contact_point[i].normal);
+
+			s->slip[i] = count > 1 && begin && !straight ? rb_vec3_unit(way, s->slip[i])
+			                                             : (rb_vec3){0, 0, 0};
+			any = any || is_given(s->slip[i]);
+		}
+	}
+	return any;
+}
+
+/* Contacts whose rest has come to its end slip against the friction that it would have taken. True: there are such. */
+static bool end_rest(struct rb_settling *s)
+{
+	bool any = false;
+
+	for (int k = 0; k < s->contact_point_count; k++) {
+		const struct rb_held *before = &s->before[k];
+
+		if (before->a < 0 || before->slipping || !before->ending || s->struck)
+			continue;
+		s->slip[k] = rb_vec3_unit(
+			rb_vec3_reject(rb_vec3_neg(before->force), s->contact_point[k].normal),
+			s->slip[k]);
+		any = any || is_given(s->slip[k]);
+	}
+	return any;
+}
+
+/* Do they begin to, and not the other way? */
+static bool rest_has_ended(const struct rb_settling *s)
+{
+	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
+
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (s->before[k].a >= 0 && !s->before[k].slipping && s->before[k].ending &&
+		    is_given(s->slip[k]) &&
+		    (!rb_slips_press(s, k) || rb_vec3_dot(slip_rate(s, k), s->slip[k]) < -rounding))
+			return false;
+	return true;
+}
+
+/* Are the slips that go given ways straight? Do those that begin not begin the other way? */
+static bool go_as_given(const struct rb_settling *s, bool begin)
+{
+	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
+
+	for (int k = 0; k < s->contact_point_count; k++)
+		if (is_given(s->slip[k]) && rb_slips_press(s, k) &&
+		    (!rb_slips_straight(s, k, s->slip[k]) ||
+		     (begin && rb_vec3_dot(slip_rate(s, k), s->slip[k]) < -rounding)))
+			return false;
+	return true;
+}
+
+static void forget_directions(struct rb_settling *s)
+{
+	for (int k = 0; k < s->contact_point_count; k++)
+		s->slip[k] = (rb_vec3){0, 0, 0};
+}
+
+/* Contacts as they are, with the slips that are known to go their ways. */
+static bool solve_ways(struct rb_settling *s)
+{
+	const bool keeps = keep_directions(s);
+
+	if (!solve(s))
+		return false;
+	if (keeps && !go_as_given(s, false)) {
+		forget_directions(s);
+		if (!solve(s))
+			return false;
+	}
+	if (!keeps && begin_together(s)) {
+		const struct rb_simultaneous before = s->joint;
+
+		if (!solve(s))
+			return false;
+		if (!go_as_given(s, true)) {
+			s->joint = before;
+			find_loads(s);
+		}
+	}
+	return true;
+}
+
+bool rb_slips_solve(struct rb_settling *s)
+{
+	s->slip = rb_slips_take(s, s->contact_point_count, sizeof *s->slip);
+	if (!s->slip)
+		return false;
+	forget_directions(s);
+	const bool ends = end_rest(s);
+
+	if (ends && !solve(s))
+		return false;
+	if (!(ends && rest_has_ended(s)) && !solve_ways(s))
+		return false;
+	if (s->contact_point_count == 0 || !stop_slow_slips(s))
+		return true;
+	forget_directions(s);
+	return solve(s);
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * For located/resolve_contacts: which forces hold and rub in the contacts of a set of bodies, and which way those slip that do.
+ *
+ * What a settling works on is in the world's arena until it ends; l->set and l->place are those of its bodies.
+ */
+#ifndef RB_LOCATED_SLIPS_H
+#define RB_LOCATED_SLIPS_H
+
+#include "located/set.h"
+#include "constraint/simultaneous.h"
+
+/* What one settling works on. */
+struct rb_settling {
+	struct rb_located *l;
+	double t, slack;
+	double drift; /* m/s: what rounding of forces has added to velocities of held contacts */
+	bool moves;   /* some body of it does, or may soon */
+	bool struck;  /* an impact has just happened */
+	int hit;      /* meeting that approaches though it has lasted, -1: none */
+	struct rb_contact_point *contact_point; /* [meet_count], sorted by (a, b, parts, key) */
+	int contact_point_count;
+	struct rb_held *before;    /* [meet_count]: what was held of each, a < 0: nothing */
+	struct rb_pose *pose;      /* [set_count] */
+	rb_vec3 *linear, *angular; /* [set_count]: accelerations without contacts, then with them */
+	struct rb_simultaneous joint; /* bodies: the set, then the fixed partners */
+	bool *constant;               /* [set_count]: its other forces are constant */
+	int *root;                    /* [set_count]: union-find over what stays together */
+	double external_max;          /* m/s^2: largest acceleration that went in */
+	double *load; /* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
+	rb_vec3 *
+		slip; /* [meet_count]: unit, slips are to go this way; 0: as velocities or forces say */
+};
+
+/* Room in the arena; NULL, and l->status says so: there is none. */
+void *rb_slips_take(struct rb_settling *s, int count, size_t size);
+
+/*
+ * Fills `joint` and `load`. Slips that end within rounding are ended, which changes poses' velocities. False: l->status
+ * says why, for one that these are too many contacts.
+ */
+bool rb_slips_solve(struct rb_settling *s);
+void rb_slips_too_many(const struct rb_settling *s);
+
+/* Those of the same pair as contact k: from *first to before the number returned. */
+int rb_slips_pair(const struct rb_settling *s, int k, int *first);
+
+/* Of contact k, once solved: does it press? Does a slip that goes this way keep its direction until it ends, to rounding? */
+bool rb_slips_press(const struct rb_settling *s, int k);
+bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip);
+/*
+ * Is the direction of its slip what balances the forces across it? Where the slip is slow and changes its speed by much less than friction could: else it has no time to turn there.
+ */
+bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held);
+
+#endif

@@ -1,0 +1,414 @@
+/* SPDX-License-Identifier: MIT */
+#include "method/loads.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+#include "located/driven.h"
+#include "located/engine.h"
+#include "located/inspect.h"
+#include "located/mechanics.h"
+#include "located/external_force.h"
+#include "classic/classic.h"
+#include "method/numbers.h"
+#include "stepped/stepped.h"
+
+struct rb_loads {
+	bool known; /* the rows below are of `moment` */
+	uint64_t moment;
+	rb_vec3 *force, *torque;     /* of contacts, by index, static bodies too */
+	struct rb_contacts contacts; /* scratch */
+	struct rb_located *
+		looker; /* owned: what located/external_force asks of where nothing is located; NULL: so far it is */
+	struct rb_pose *pose;            /* [bodies], of all where nothing is located */
+	struct rb_external_parts *parts; /* [bodies] of which one row is used */
+};
+
+static void release(struct rb_loads *loads)
+{
+	rb_engine_destroy(loads->looker);
+	rb_contacts_release(&loads->contacts);
+	rb_memory_free(loads->force);
+	rb_memory_free(loads->torque);
+	rb_memory_free(loads->pose);
+	rb_memory_free(loads->parts);
+}
+
+void rb_loads_destroy(struct rb_loads *loads)
+{
+	if (!loads)
+		return;
+	release(loads);
+	rb_memory_free(loads);
+}
+
+static enum rb_status create(struct rb_world *world, struct rb_error *err)
+{
+	const size_t n = (size_t)world->model->body_count;
+	const size_t all = n + (size_t)world->model->static_count;
+	struct rb_loads *loads = rb_memory_take(1, sizeof *loads);
+	enum rb_status status = RB_OK;
+
+	if (!loads)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the forces on %zu bodies", all);
+	loads->force = rb_memory_take(all, sizeof *loads->force);
+	loads->torque = rb_memory_take(all, sizeof *loads->torque);
+	loads->pose = rb_memory_take(n + 1, sizeof *loads->pose);
+	loads->parts = rb_memory_take(n + 1, sizeof *loads->parts);
+	if (!loads->force || !loads->torque || !loads->pose || !loads->parts)
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the forces on %zu bodies", all);
+	if (status != RB_OK) {
+		rb_loads_destroy(loads);
+		return status;
+	}
+	world->loads = loads;
+	return RB_OK;
+}
+
+/* ---- contacts ---- */
+
+static bool is_located(const struct rb_world *world)
+{
+	return world->located && world->located->started;
+}
+
+static rb_vec3 center_of(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
+	                                    : world->model->position[i];
+}
+
+static void add(rb_vec3 *to, double sign, rb_vec3 more)
+{
+	*to = rb_vec3_add_scaled(*to, sign, more);
+}
+
+/* Sums of the contacts over each body, which are where this world has them. */
+static void gather(struct rb_loads *loads, const struct rb_world *world)
+{
+	const int all = world->model->body_count + world->model->static_count;
+
+	for (int i = 0; i < all; i++)
+		loads->force[i] = loads->torque[i] = (rb_vec3){0, 0, 0};
+	for (size_t k = 0; k < loads->contacts.count; k++) {
+		const struct rb_contact *c = &loads->contacts.row[k];
+		const rb_vec3 force = rb_vec3_add_scaled(c->tangent_force, c->normal_force,
+		                                         c->normal);
+		const int pair[2] = {c->a, c->b};
+
+		for (int side = 0; side < 2; side++) {
+			const int i = pair[side];
+			const rb_vec3 arm = rb_vec3_sub(c->point, center_of(world, i));
+
+			add(&loads->force[i], side ? 1 : -1, force);
+			add(&loads->torque[i], side ? 1 : -1, rb_vec3_cross(arm, force));
+		}
+	}
+}
+
+/* Of located contacts, at the state's moment; event/ keeps its own error and counts. */
+static enum rb_status look(struct rb_located *l, struct rb_contacts *to, struct rb_error *err)
+{
+	struct rb_error *const before = l->err;
+	const enum rb_status was = l->status;
+
+	l->err = err;
+	l->status = RB_OK;
+	const enum rb_status status = rb_inspect_forces(l, l->world->state.time_s, to);
+	l->err = before;
+	l->status = was;
+	return status;
+}
+
+static enum rb_status copy(struct rb_contacts *to, const struct rb_world *world,
+                           struct rb_error *err)
+{
+	to->count = 0;
+	return rb_contacts_join(to, world->has_shown ? &world->shown : &world->contacts, err);
+}
+
+static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
+{
+	const struct rb_model *model = other->model;
+	const double from = other->state.time_s;
+	const double dt = fmin(model->time_step_s, rb_model_frame_time(model, 1) - from);
+	enum rb_status status = RB_OK;
+
+	if (model->method == RB_METHOD_CLASSIC)
+		return rb_classic_step(other, from, dt, err);
+	if (other->located)
+		status = rb_stepped_prepare(other, err);
+	return status == RB_OK ? rb_stepped_step(other, from, dt, err) : status;
+}
+
+/*
+ * Nobody has looked at contacts before the first step. Another world does, of the same state and without callbacks; where it
+ * comes to nothing there are none.
+ */
+static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_contacts *to = &world->loads->contacts;
+	const struct rb_world_options options = {.threads = 1, .keep_contacts = true};
+	const struct rb_world_hooks hooks = {.user = world->hooks.user,
+	                                     .field = world->hooks.field,
+	                                     .motion = world->hooks.motion};
+	struct rb_world *other;
+	enum rb_status status = rb_world_create(&other, world->model, &options, &hooks, err);
+
+	to->count = 0;
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&other->state, &world->state);
+	if (other->located)
+		status = rb_engine_advance(other->located, other->state.time_s, err);
+	if (status == RB_OK && is_located(other)) {
+		status = look(other->located, to, err);
+	} else if (status == RB_OK) {
+		status = first_step(other, err);
+		if (status == RB_OK)
+			status = copy(to, other, err);
+	}
+	gather(world->loads, other);
+	rb_world_destroy(other);
+	return status == RB_ERR_PHYSICS ? RB_OK : status;
+}
+
+static struct rb_pose pose_of(const struct rb_world *world, int i)
+{
+	struct rb_pose pose = {.position = rb_world_row3(world->state.position, i),
+	                       .origin = rb_world_origin_at(world, &world->state, i),
+	                       .orientation = rb_world_orientation_at(world, &world->state, i),
+	                       .velocity = rb_world_row3(world->state.velocity, i)};
+
+	if (world->state.spin)
+		pose.spin = rb_world_row3(world->state.spin, i);
+	return pose;
+}
+
+/* Where nothing is located the poses of all are told. */
+static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_loads *loads = world->loads;
+
+	if (!loads->looker) {
+		const enum rb_status status = rb_engine_create(&loads->looker, world, err);
+
+		if (status != RB_OK)
+			return status;
+		for (int i = 0; i < world->model->body_count; i++)
+			loads->looker->place[i] = i;
+	}
+	for (int i = 0; i < world->model->body_count; i++)
+		loads->pose[i] = pose_of(world, i);
+	return RB_OK;
+}
+
+/* The rows of contacts, and the poses that springs are between, are of this moment from here. */
+static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_loads *loads = world->loads;
+	enum rb_status status;
+
+	if (loads->known && loads->moment == world->moment)
+		return RB_OK;
+	const bool begins = !world->begun && (world->model->features & RB_FEATURE_CONTACT);
+	if (is_located(world))
+		status = look(world->located, &loads->contacts, err);
+	else if (begins)
+		status = try_beginning(world, err);
+	else
+		status = copy(&loads->contacts, world, err);
+	if (status == RB_OK && !is_located(world))
+		status = place_all(world, err);
+	if (status != RB_OK)
+		return status;
+	if (is_located(world) || !begins)
+		gather(loads, world);
+	loads->moment = world->moment;
+	loads->known = true;
+	return RB_OK;
+}
+
+/* ---- all else ---- */
+
+/*
+ * The engine that located/external_force looks through: of located motion its own, whose arcs tell where all are; else one that never
+ * runs, with the poses of the state.
+ */
+static struct rb_located *begin_inspection(struct rb_world *world, int i,
+                                           struct rb_force_query *view)
+{
+	struct rb_loads *loads = world->loads;
+	struct rb_located *l = is_located(world) ? world->located : loads->looker;
+
+	*view = (struct rb_force_query){.time_s = world->state.time_s,
+	                                .active_s = world->state.time_s,
+	                                .pose = is_located(world) ? NULL : loads->pose,
+	                                .parts = loads->parts};
+	loads->pose[i] = pose_of(world, i);
+	l->place[i] = i;
+	rb_world_choose_pushes(world);
+	return l;
+}
+
+static void end_inspection(struct rb_located *l, int i)
+{
+	if (is_located(l->world))
+		l->place[i] = -1;
+}
+
+/* Of one that yields. */
+static enum rb_status external(struct rb_world *world, int i, struct rb_load *load,
+                               struct rb_error *err)
+{
+	struct rb_loads *loads = world->loads;
+	struct rb_force_query view;
+	struct rb_located *l = begin_inspection(world, i, &view);
+	struct rb_error *const before = l->err;
+	const enum rb_status was = l->status;
+	const uint64_t products = l->products;
+
+	l->err = err;
+	l->status = RB_OK;
+	rb_external_force_at(l, i, &loads->pose[i], &view, &load->acceleration,
+	                     &load->angular_acceleration);
+	const enum rb_status status = l->status;
+	l->err = before;
+	l->status = was;
+	l->products = products;
+	end_inspection(l, i);
+	for (int cause = 0; cause < RB_EXTERNAL_CAUSES; cause++) {
+		add(&load->force, 1, loads->parts[i].force[cause]);
+		add(&load->torque, 1, loads->parts[i].torque[cause]);
+	}
+	add(&load->force, 1, loads->force[i]);
+	add(&load->torque, 1, loads->torque[i]);
+	add(&load->acceleration, world->model->inverse_mass[i], loads->force[i]);
+	if (world->state.spin)
+		add(&load->angular_acceleration, 1,
+		    rb_effective_mass_inverse(l, i, loads->pose[i].orientation, loads->torque[i]));
+	return status;
+}
+
+/* What presses and pulls on one that does not yield. */
+static void press(struct rb_world *world, int i, struct rb_load *load)
+{
+	const struct rb_scene *scene = world->model->scene;
+	const int id = world->model->id_of[i];
+	struct rb_located *l = is_located(world) ? world->located : world->loads->looker;
+	const struct rb_force_query view = {.time_s = world->state.time_s,
+	                                    .pose = is_located(world) ? NULL : world->loads->pose};
+
+	load->force = world->loads->force[i];
+	load->torque = world->loads->torque[i];
+	for (int k = 0; k < scene->spring_count; k++) {
+		const struct rb_spring_def *spring = &scene->springs[k];
+		struct rb_spring_force at;
+
+		if ((spring->a != id && spring->b != id) || !rb_spring_force_at(l, k, &view, &at))
+			continue;
+		const double sign = spring->a == id ? 1 : -1;
+		const rb_vec3 end = spring->a == id ? at.end_a : at.end_b;
+
+		add(&load->force, sign, at.force);
+		add(&load->torque, sign,
+		    rb_vec3_cross(rb_vec3_sub(end, center_of(world, i)), at.force));
+	}
+}
+
+/* Puts a driven body on the piece that leads on from `t`, whatever it was on before. */
+static enum rb_status lead_on(struct rb_located *l, int i, double t, struct rb_error *err)
+{
+	rb_driven_release(l);
+	l->driven = NULL;
+	for (int k = 0; l->piece && k < l->n; k++)
+		l->piece[k].piece.n = 0;
+	l->err = err;
+	l->status = RB_OK;
+	rb_driven_piece(l, i, t);
+	return l->status;
+}
+
+enum rb_status rb_loads_start_driven(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const double t = world->state.time_s;
+	struct rb_located *l;
+	struct rb_error own;
+	const enum rb_status status = rb_engine_create(&l, world, err);
+
+	if (status != RB_OK)
+		return status;
+	for (int i = 0; i < model->body_count; i++) {
+		const struct rb_body_def *def = &model->scene->bodies[model->id_of[i]];
+
+		if (!model->driven[i] || lead_on(l, i, t, &own) != RB_OK)
+			continue;
+		if (!def->motion_gives_velocity)
+			rb_vec3_to(world->state.velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
+		if (l->top && def->motion_turns && !def->motion_gives_angular_velocity)
+			rb_vec3_to(world->state.spin + 3 * (size_t)i, rb_arc_pose(l, i, t).spin);
+	}
+	rb_engine_destroy(l);
+	return RB_OK;
+}
+
+enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *load,
+                             struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const int i = model->index_of[id];
+	enum rb_status status = world->loads ? RB_OK : create(world, err);
+
+	*load = (struct rb_load){.force = {0, 0, 0}};
+	if (status == RB_OK)
+		status = refresh(world, err);
+	if (status != RB_OK)
+		return status;
+	const bool driven = i < model->body_count && model->driven && model->driven[i];
+	if (i < model->body_count && !driven)
+		return external(world, i, load, err);
+	press(world, i, load);
+	if (!driven)
+		return RB_OK;
+	const double t = world->state.time_s;
+	struct rb_located *l = is_located(world) ? world->located : world->loads->looker;
+
+	if (!is_located(world))
+		status = lead_on(l, i, t, err);
+	if (status != RB_OK)
+		return status;
+	load->acceleration = rb_arc_acceleration(l, i, t);
+	load->angular_acceleration = rb_mechanics_turning(l, i, t);
+	return RB_OK;
+}
+
+/* ---- frames ---- */
+
+static bool wants(const struct rb_frame *frame)
+{
+	return frame->acceleration || frame->angular_acceleration || frame->force || frame->torque;
+}
+
+enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame,
+                                   struct rb_error *err)
+{
+	for (int i = 0; wants(frame) && i < world->model->body_count; i++) {
+		struct rb_load load;
+		const enum rb_status status = rb_world_load(world, world->model->id_of[i], &load,
+		                                            err);
+
+		if (status != RB_OK)
+			return status;
+		if (frame->acceleration)
+			rb_vec3_to(frame->acceleration + 3 * (size_t)i, load.acceleration);
+		if (frame->angular_acceleration)
+			rb_vec3_to(frame->angular_acceleration + 3 * (size_t)i,
+			           load.angular_acceleration);
+		if (frame->force)
+			rb_vec3_to(frame->force + 3 * (size_t)i, load.force);
+		if (frame->torque)
+			rb_vec3_to(frame->torque + 3 * (size_t)i, load.torque);
+	}
+	return rb_numbers_fill_frame(world, frame, err);
+}

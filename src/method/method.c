@@ -1,0 +1,488 @@
+/* SPDX-License-Identifier: MIT */
+#include "method/method.h"
+
+#include "base/memory.h"
+#include "located/engine.h"
+#include "classic/classic.h"
+#include "classic/groups.h"
+#include "method/loads.h"
+#include "method/numbers.h"
+#include "classic/stage_list.h"
+#include "stepped/stepped.h"
+
+#include <float.h>
+#include <string.h>
+
+/* A frame of very many steps can be stopped within. */
+enum { STEPS_PER_POLL = 1024 };
+
+/* ---- making a world ---- */
+
+static void start_state(struct rb_world *world)
+{
+	const struct rb_model *model = world->model;
+	struct rb_state *state = &world->state;
+
+	for (int i = 0; i < model->body_count; i++) {
+		const struct rb_body_def *body = &model->scene->bodies[model->id_of[i]];
+		rb_vec3 center = model->position[i];
+
+		if (model->center_of_mass)
+			center = rb_vec3_add(center, rb_quat_rotate(model->orientation[i],
+			                                            model->center_of_mass[i]));
+		rb_vec3_to(state->position + 3 * (size_t)i, center);
+		rb_vec3_to(state->velocity + 3 * (size_t)i, body->velocity);
+		if (state->orientation) {
+			rb_quat_to(state->orientation + 4 * (size_t)i, model->orientation[i]);
+			rb_vec3_to(state->spin + 3 * (size_t)i, body->angular_velocity);
+		}
+	}
+}
+
+static bool is_located(const struct rb_model *model)
+{
+	return model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED;
+}
+
+/* Steps of `auto` and of `stepped`; lectures and comparisons ask for those of `classic`. */
+static bool is_stepped(const struct rb_model *model)
+{
+	return model->method != RB_METHOD_CLASSIC;
+}
+
+static enum rb_status prepare_steps(struct rb_world *world, struct rb_error *err)
+{
+	return is_stepped(world->model) ? rb_stepped_prepare(world, err)
+	                                : rb_classic_prepare(world, err);
+}
+
+/* From locating. */
+static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *err)
+{
+	const enum rb_status status = prepare_steps(world, err);
+
+	return status == RB_OK && world->stepped ? rb_stepped_take_over(world, err) : status;
+}
+
+/* What callbacks push with holds for one step. Who asks after it what acts is told of these. */
+static void forget_pushes(struct rb_world *world)
+{
+	const size_t n = 3 * (size_t)world->model->body_count;
+
+	if (!world->state.push)
+		return;
+	world->has_held = world->pushed;
+	if (!world->pushed)
+		return;
+	memcpy(world->held, world->state.push, n * sizeof(double));
+	memcpy(world->held + n, world->state.twist, n * sizeof(double));
+	memset(world->state.push, 0, n * sizeof(double));
+	memset(world->state.twist, 0, n * sizeof(double));
+	world->pushed = false;
+}
+
+/* Room for pushes that have been; whether somebody may ask for forces of contacts: any function of the scene's can. */
+static bool prepare_loads(struct rb_world *world)
+{
+	const struct rb_scene *scene = world->model->scene;
+
+	world->keeps_means = world->options.keep_contacts || scene->hooks != 0 ||
+	                     scene->expect_count > 0 || (scene->record.fields & RB_FIELD_LOADS);
+	if (!world->state.push)
+		return true;
+	world->held = rb_memory_take(6 * (size_t)world->model->body_count, sizeof *world->held);
+	return world->held != NULL;
+}
+
+enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *model,
+                               const struct rb_world_options *options,
+                               const struct rb_world_hooks *hooks, struct rb_error *err)
+{
+	struct rb_world *world = rb_memory_take(1, sizeof *world);
+	enum rb_status status = RB_OK;
+
+	*made = NULL;
+	if (!world)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
+	world->model = model;
+	world->options = *options;
+	if (hooks)
+		world->hooks = *hooks;
+	world->frame_counts = world->total_counts = rb_counts_none;
+	world->worker_count = options->threads > 1 ? options->threads : 1;
+	world->arena = rb_memory_take((size_t)world->worker_count, sizeof *world->arena);
+	world->kept = rb_memory_take((size_t)world->worker_count, sizeof *world->kept);
+	world->plan = rb_memory_take(1, sizeof *world->plan);
+	if (!world->arena || !world->kept || !world->plan)
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
+	if (status == RB_OK)
+		status = rb_state_init(&world->state, model->body_count, model->features, err);
+	if (status == RB_OK)
+		status = rb_state_init(&world->start, model->body_count, model->features, err);
+	if (status == RB_OK && !prepare_loads(world))
+		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
+	if (status == RB_OK)
+		status = rb_team_create(&world->team, world->worker_count, err);
+	if (status == RB_OK && !is_located(model))
+		status = prepare_steps(world, err);
+	if (status == RB_OK) {
+		rb_stage_list_build(world->plan, model->features);
+		start_state(world);
+	}
+	if (status == RB_OK && is_located(model))
+		status = rb_engine_create(&world->located, world, err);
+	if (status == RB_OK && model->driven)
+		status = rb_loads_start_driven(world, err);
+	if (status == RB_OK && model->keeps_ledger)
+		rb_numbers_start_ledger(world);
+	if (status != RB_OK) {
+		rb_world_destroy(world);
+		return status;
+	}
+	*made = world;
+	return RB_OK;
+}
+
+void rb_world_destroy(struct rb_world *world)
+{
+	if (!world)
+		return;
+	rb_team_destroy(world->team);
+	rb_loads_destroy(world->loads);
+	rb_memory_free(world->held);
+	rb_engine_destroy(world->located);
+	for (int k = 0; world->arena && k < world->worker_count; k++)
+		rb_arena_release(&world->arena[k]);
+	for (int k = 0; world->kept && k < world->worker_count; k++)
+		rb_arena_release(&world->kept[k]);
+	rb_memory_free(world->arena);
+	rb_memory_free(world->kept);
+	rb_memory_free(world->plan);
+	rb_state_release(&world->state);
+	rb_state_release(&world->start);
+	rb_state_release(&world->mark);
+	rb_state_release(&world->frame_state);
+	rb_contacts_release(&world->frame_contacts);
+	rb_contacts_release(&world->contacts);
+	rb_contacts_release(&world->next_contacts);
+	rb_contacts_release(&world->shown);
+	rb_memory_free(world->events.row);
+	rb_groups_destroy(world->groups);
+	rb_stepped_destroy(world->stepped);
+	rb_broadphase_destroy(world->broadphase);
+	rb_memory_free(world);
+}
+
+/* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
+enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MAX = 4096 };
+
+static void more_dense_steps(struct rb_world *world)
+{
+	if (world->dense_steps < DENSE_STEPS_MAX)
+		world->dense_steps = world->dense_steps > 0 ? 2 * world->dense_steps
+		                                            : DENSE_STEPS_FIRST;
+}
+
+/* m/s^2: the largest that gravity, gravity_force and fields make of a body at `t`, which the state is of. */
+static enum rb_status largest_external(const struct rb_world *world, double t, double *max,
+                                       struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_world_def *def = &model->scene->world;
+	const bool field = (model->features & RB_FEATURE_FIELD) && world->hooks.field;
+	enum rb_status status = RB_OK;
+
+	*max = rb_vec3_length(def->gravity);
+	if (!field && !(model->features & RB_FEATURE_GRAVITY_FORCE))
+		return RB_OK;
+	for (int i = 0; i < model->body_count && status == RB_OK; i++) {
+		const rb_vec3 x = rb_world_row3(world->state.position, i);
+		const rb_vec3 v = rb_world_row3(world->state.velocity, i);
+		rb_vec3 force = {0, 0, 0};
+
+		if (field)
+			status = world->hooks.field(world->hooks.user, t, x, v, &force, err);
+		force = rb_vec3_add(force, def->gravity_force);
+		*max = fmax(*max, rb_vec3_length(rb_vec3_add_scaled(
+					  def->gravity, model->inverse_mass[i], force)));
+	}
+	return status;
+}
+
+/*
+ * What auto steps where it would locate must not hang on a time_step that was chosen for locating: no step is longer than an
+ * eighth of the time in which a body of the mean size falls by its size: the smallest of many would make all of them wait.
+ */
+static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
+                                   struct rb_error *err)
+{
+	double external;
+
+	*step = HUGE_VAL;
+	if (world->model->method != RB_METHOD_AUTO)
+		return RB_OK;
+	const enum rb_status status = largest_external(world, t, &external, err);
+
+	if (external > 0)
+		*step = sqrt(2 * world->model->size_mean_m / external) / 8;
+	return status;
+}
+
+/* From `start`, which the state is of, to `stop`. */
+static enum rb_status by_step(struct rb_world *world, double start, double stop,
+                              struct rb_error *err)
+{
+	double max;
+
+	world->has_shown = false;
+	enum rb_status status = longest_step(world, start, &max, err);
+	const int64_t count = stop - start > max ? rb_step_count(stop - start, max) : 1;
+
+	for (int64_t k = 0; k < count && status == RB_OK; k++) {
+		const double from = k > 0 ? world->state.time_s : start;
+		const double to = k + 1 < count ? start + (stop - start) *
+		                                                  ((double)(k + 1) / (double)count)
+		                                : stop;
+
+		status = is_stepped(world->model) ? rb_stepped_step(world, from, to - from, err)
+		                                  : rb_classic_step(world, from, to - from, err);
+		if (status != RB_OK)
+			break;
+		world->state.time_s = to;
+		world->frame_counts.stepped_s += to - from;
+	}
+	if (status == RB_OK)
+		forget_pushes(world);
+	return status;
+}
+
+/* ---- what one method does not come to the end of is done by the other ---- */
+
+/* What the world is taken back to. */
+struct restart {
+	struct rb_counts counts;
+	struct rb_ledger ledger;
+	size_t event_count;
+	int64_t dense_steps, dense_left;
+	uint64_t called;
+	bool is_known;
+};
+
+static bool can_change_method(const struct rb_world *world)
+{
+	return world->model->method == RB_METHOD_AUTO && world->located &&
+	       rb_engine_wants_steps(world->located);
+}
+
+/* Callbacks cannot be taken back: with some it is a step that is done anew, not a frame. */
+static bool has_callbacks(const struct rb_world *world)
+{
+	const struct rb_world_hooks *hooks = &world->hooks;
+
+	return hooks->step || hooks->collision || hooks->transition;
+}
+
+static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_contacts *from,
+                                    struct rb_error *err)
+{
+	to->count = 0;
+	return rb_contacts_join(to, from, err);
+}
+
+static enum rb_status remember(struct rb_world *world, bool known, struct restart *begin,
+                               struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	enum rb_status status = RB_OK;
+
+	*begin = (struct restart){.is_known = known, .called = world->called};
+	if (!begin->is_known)
+		return RB_OK;
+	if (!world->frame_state.block)
+		status = rb_state_init(&world->frame_state, model->body_count, model->features,
+		                       err);
+	if (status == RB_OK)
+		status = copy_contacts(&world->frame_contacts, &world->contacts, err);
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&world->frame_state, &world->state);
+	begin->counts = world->frame_counts;
+	begin->ledger = world->ledger;
+	rb_ledger_enter(&begin->ledger, &world->open);
+	begin->event_count = world->events.count;
+	begin->dense_steps = world->dense_steps;
+	begin->dense_left = world->dense_left;
+	return RB_OK;
+}
+
+/* What was located is stepped, for a while; what was stepped from its beginning is located. */
+static enum rb_status go_back(struct rb_world *world, const struct restart *begin, int64_t steps,
+                              struct rb_error *err)
+{
+	const uint64_t bodies = (uint64_t)world->model->body_count;
+	const enum rb_status status = copy_contacts(&world->contacts, &world->frame_contacts, err);
+
+	if (status != RB_OK)
+		return status;
+	rb_state_copy(&world->state, &world->frame_state);
+	world->pushed = true; /* it may have been so */
+	rb_engine_go_back(world->located);
+	const bool by_steps = world->dense_left > 0;
+	world->frame_counts = begin->counts;
+	world->ledger = begin->ledger;
+	world->frame_counts.rollbacks++;
+	world->frame_counts.discarded_body_steps += bodies;
+	world->events.count = begin->event_count;
+	world->moved_by_hand = true;
+	world->dense_steps = begin->dense_steps;
+	world->dense_left = 0;
+	if (begin->dense_left > 0 && by_steps)
+		return RB_OK;
+	more_dense_steps(world);
+	while (world->dense_steps < steps && world->dense_steps < DENSE_STEPS_MAX)
+		world->dense_steps *= 2;
+	world->dense_left = world->dense_steps > steps ? world->dense_steps : steps;
+	return change_to_steps(world, err);
+}
+
+/* A step of the located method; whatever it comes to, the world is as it has left it. */
+static enum rb_status try_located(struct rb_world *world, double start, double stop,
+                                  struct rb_error *err)
+{
+	const bool pushes = world->model->features & RB_FEATURE_PUSHES;
+	enum rb_status status = RB_OK;
+
+	if (pushes)
+		status = rb_engine_take_changes(world->located, start, err);
+	if (status == RB_OK)
+		status = rb_engine_advance(world->located, stop, err);
+	if (status != RB_OK || world->state.time_s < stop)
+		return status;
+	if (pushes) {
+		rb_state_copy(&world->start, &world->state);
+		forget_pushes(world);
+	}
+	return RB_OK;
+}
+
+/*
+ * A frame with callbacks cannot be done anew, a step within can: what on_step has given it is kept, and no other callback has
+ * been called. So every such step is looked at.
+ */
+static enum rb_status located(struct rb_world *world, double start, double stop,
+                              struct rb_error *err)
+{
+	struct restart before;
+	enum rb_status status = remember(world, can_change_method(world) && has_callbacks(world),
+	                                 &before, err);
+
+	if (status == RB_OK)
+		status = try_located(world, start, stop, err);
+	if (status == RB_OK && before.is_known && !(world->state.time_s < stop))
+		status = rb_engine_check(world->located, err);
+	if (status == RB_ERR_PHYSICS && before.is_known && world->called == before.called) {
+		status = go_back(world, &before, 0, err);
+		return status == RB_OK ? by_step(world, start, stop, err) : status;
+	}
+	if (status != RB_OK || !(world->state.time_s < stop))
+		return status;
+	/* too dense to locate: the rest of it, and some more, is stepped */
+	more_dense_steps(world);
+	world->dense_left = world->dense_steps;
+	status = change_to_steps(world, err);
+	return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
+}
+
+/* One that has begun. */
+static enum rb_status go(struct rb_world *world, double start, double stop, struct rb_error *err)
+{
+	enum rb_status status;
+
+	if (!world->located || world->dense_left > 0) {
+		status = by_step(world, start, stop, err);
+		if (status == RB_OK && world->located)
+			world->dense_left--;
+		return status;
+	}
+	return located(world, start, stop, err);
+}
+
+static enum rb_status step(struct rb_world *world, double start, double stop, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	if (world->hooks.step)
+		status = world->hooks.step(world->hooks.user, world, start, stop - start, err);
+	if (status != RB_OK)
+		return status;
+	world->begun = world->in_step = true;
+	rb_world_choose_pushes(world);
+	status = go(world, start, stop, err);
+	world->in_step = false;
+	world->moment++;
+	return status;
+}
+
+int64_t rb_step_count(double interval, double time_step)
+{
+	const double quotient = interval / time_step;
+	const double whole = nearbyint(quotient);
+	const double count = fabs(quotient - whole) <= 8 * DBL_EPSILON * quotient ? whole
+	                                                                          : ceil(quotient);
+
+	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
+}
+
+/* From `begin` to `end`, in so many steps. */
+static enum rb_status run_frame(struct rb_world *world, double begin, double end, int64_t steps,
+                                struct rb_error *err)
+{
+	for (int64_t k = 0; k < steps; k++) {
+		const double start = begin + (end - begin) * ((double)k / (double)steps);
+		const double stop = k + 1 < steps ? begin + (end - begin) * ((double)(k + 1) /
+		                                                             (double)steps)
+		                                  : end;
+		const enum rb_status status = step(world, start, stop, err);
+
+		if (status != RB_OK && status != RB_ERR_INTERRUPT)
+			return status;
+		const bool look = k % STEPS_PER_POLL == STEPS_PER_POLL - 1 && k + 1 < steps;
+		if (status == RB_ERR_INTERRUPT || (look && rb_world_is_stopped(world))) {
+			world->stopped = true;
+			return RB_OK;
+		}
+	}
+	return world->located && world->dense_left == 0 ? rb_engine_inspect(world->located, err)
+	                                                : RB_OK;
+}
+
+enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const double begin = rb_model_frame_time(model, world->state.frame);
+	const double end = rb_model_frame_time(model, world->state.frame + 1);
+	/* the difference of two times has their rounding: a whole interval is known better */
+	const double interval = 1 / model->frame_rate;
+	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
+	const bool by_steps = !world->located || rb_engine_wants_steps(world->located);
+	const int64_t steps = by_steps ? rb_step_count(whole ? interval : end - begin,
+	                                               model->time_step_s)
+	                               : 1;
+	struct restart before;
+	world->stopped = false;
+	enum rb_status status = remember(world, can_change_method(world) && !has_callbacks(world),
+	                                 &before, err);
+
+	if (status == RB_OK)
+		status = run_frame(world, begin, end, steps, err);
+	if (status == RB_ERR_PHYSICS && before.is_known) {
+		status = go_back(world, &before, steps, err);
+		if (status == RB_OK)
+			status = run_frame(world, begin, end, steps, err);
+	}
+	if (status != RB_OK || world->stopped)
+		return status;
+	world->state.frame++;
+	world->stopped = rb_world_is_stopped(world);
+	return RB_OK;
+}

@@ -1,0 +1,782 @@
+/* SPDX-License-Identifier: MIT */
+#include "model/validate.h"
+
+#include <float.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "base/error.h"
+#include "base/hash.h"
+#include "base/memory.h"
+#include "base/sort.h"
+#include "geom/distance.h"
+#include "geom/grid.h"
+#include "geom/mass.h"
+#include "math/quat.h"
+#include "model/parts.h"
+
+enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 };
+
+/* Beyond these, frames are no longer told apart by a double, or a frame would never end. */
+static const double frames_most = 0x1p53;
+static const double steps_per_frame_most = 1e9;
+/* m and m/s: beyond it, sums and squares of coordinates leave the doubles. */
+static const double coordinate_most = 1e300;
+
+struct check {
+	const struct rb_scene *scene;
+	struct rb_mistakes *mistakes; /* the caller's or `own` */
+	struct rb_mistakes own;
+	bool turns;
+	struct rb_sizes sizes;
+	struct rb_parts_table *parts; /* NULL: only spheres and planes */
+};
+
+void rb_mistakes_add(struct rb_mistakes *mistakes, const char *format, ...)
+{
+	char text[LINE_SIZE];
+	va_list arguments;
+
+	if (mistakes->count < RB_MISTAKES_MAX) {
+		va_start(arguments, format);
+		vsnprintf(text, sizeof text, format, arguments);
+		va_end(arguments);
+		mistakes->line[mistakes->count] = rb_memory_copy_text(text);
+	}
+	mistakes->count++;
+}
+
+void rb_mistakes_release(struct rb_mistakes *mistakes)
+{
+	for (int i = 0; i < RB_MISTAKES_MAX; i++)
+		rb_memory_free(mistakes->line[i]);
+	*mistakes = (struct rb_mistakes){0};
+}
+
+double rb_ulp(double x)
+{
+	return nextafter(fabs(x), (double)INFINITY) - fabs(x);
+}
+
+static double density_of(const struct rb_scene *scene, const struct rb_body_def *body)
+{
+	return isnan(body->density) ? scene->materials[body->material].density : body->density;
+}
+
+double rb_body_mass(const struct rb_scene *scene, const struct rb_body_def *body)
+{
+	return isnan(body->mass)
+	               ? density_of(scene, body) * rb_shape_volume(scene->solids, &body->shape)
+	               : body->mass;
+}
+
+rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *body, double mass)
+{
+	if (!body->has_inertia)
+		return rb_shape_inertia(scene->solids, &body->shape, mass);
+	/* halves that differ by rounding become one tensor */
+	rb_mat3 inertia = body->inertia;
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < i; j++)
+			inertia.m[i][j] = inertia.m[j][i] = 0.5 * inertia.m[i][j] +
+			                                    0.5 * inertia.m[j][i];
+	return inertia;
+}
+
+struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
+{
+	struct rb_sizes sizes = {.size_min_m = (double)INFINITY};
+	double logs = 0;
+	int moving = 0;
+
+	for (int i = 0; i < scene->body_count; i++) {
+		const struct rb_body_def *body = &scene->bodies[i];
+		double size = rb_shape_reach(scene->solids, &body->shape);
+
+		if (body->shape.kind == RB_SHAPE_RECTANGLE)
+			size = fmax(body->shape.size[0], body->shape.size[1]);
+		sizes.coordinate_max_m = fmax(sizes.coordinate_max_m,
+		                              fmax(size, rb_vec3_max_abs(body->position)));
+		if (body->is_static)
+			continue;
+		const double width = rb_shape_half_width(scene->solids, &body->shape);
+		sizes.size_min_m = fmin(sizes.size_min_m, width);
+		logs += log(width);
+		moving++;
+	}
+	sizes.size_mean_m = moving > 0 ? exp(logs / moving) : 0;
+	if (isinf(sizes.size_min_m))
+		sizes.size_min_m = 0;
+	sizes.tolerance_m = scene->world.tolerance_m;
+	if (isnan(sizes.tolerance_m))
+		sizes.tolerance_m = fmax(1e-6 * sizes.size_min_m,
+		                         8 * rb_ulp(sizes.coordinate_max_m));
+	return sizes;
+}
+
+double rb_frame_intervals(double duration_s, double frame_rate, bool *whole)
+{
+	const double q = duration_s * frame_rate;
+	const double nearest = nearbyint(q);
+
+	*whole = nearest > 0 && fabs(q - nearest) <= 4 * rb_ulp(q);
+	return *whole ? nearest : floor(q);
+}
+
+/* `scene.lua:12: ` or nothing */
+static void place(const struct rb_scene *scene, int line, char out[256])
+{
+	out[0] = '\0';
+	if (scene->file && scene->file[0] != '\0' && line > 0)
+		snprintf(out, 256, "%.200s:%d: ", scene->file, line);
+	else if (scene->file && scene->file[0] != '\0')
+		snprintf(out, 256, "%.200s: ", scene->file);
+}
+
+/* sphere 'ball', or sphere #3 */
+static void title(const struct rb_scene *scene, int id, char out[128])
+{
+	const struct rb_body_def *body = &scene->bodies[id];
+
+	if (body->name)
+		snprintf(out, 128, "%.20s '%.80s'", body->call, body->name);
+	else
+		snprintf(out, 128, "%.20s #%d", body->call, id);
+}
+
+static void world_mistake(struct check *check, const char *format, ...) RB_PRINTF(2, 3);
+static void world_mistake(struct check *check, const char *format, ...)
+{
+	char text[LINE_SIZE], where[256];
+	va_list arguments;
+
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	place(check->scene, 0, where);
+	rb_mistakes_add(check->mistakes, "%s%s", where, text);
+}
+
+/* At a line of the scene, about no body. */
+static void line_mistake(struct check *check, int line, const char *format, ...) RB_PRINTF(3, 4);
+static void line_mistake(struct check *check, int line, const char *format, ...)
+{
+	char text[LINE_SIZE], where[256];
+	va_list arguments;
+
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	place(check->scene, line, where);
+	rb_mistakes_add(check->mistakes, "%s%s", where, text);
+}
+
+static void body_mistake(struct check *check, int id, const char *format, ...) RB_PRINTF(3, 4);
+static void body_mistake(struct check *check, int id, const char *format, ...)
+{
+	char text[LINE_SIZE], where[256], who[128];
+	va_list arguments;
+
+	va_start(arguments, format);
+	vsnprintf(text, sizeof text, format, arguments);
+	va_end(arguments);
+	place(check->scene, check->scene->bodies[id].line, where);
+	title(check->scene, id, who);
+	rb_mistakes_add(check->mistakes, "%s%s: %s", where, who, text);
+}
+
+static bool positive(double x)
+{
+	return x > 0 && isfinite(x);
+}
+
+static void check_world(struct check *check)
+{
+	const struct rb_world_def *world = &check->scene->world;
+	const bool has_rate = positive(world->frame_rate);
+	const bool has_step = isnan(world->time_step_s) || positive(world->time_step_s);
+	const double duration_s = rb_world_duration(world);
+
+	/* where steps tell it, a mistake of the frame rate or the time step is told below */
+	if (isnan(world->duration_s) && world->steps == 0)
+		world_mistake(
+			check,
+			"world: 'duration' is missing (wanted seconds, here or by --duration, or 'steps')");
+	else if (!positive(duration_s) && (!isnan(world->duration_s) || (has_rate && has_step)))
+		world_mistake(check, "world: 'duration' must be positive and finite (got %g s)",
+		              duration_s);
+	else if (has_rate && has_step && !(duration_s * world->frame_rate < frames_most))
+		world_mistake(
+			check,
+			"world: 'duration' %g s times 'frame_rate' %g makes %g frames (wanted less than "
+			"2^53)",
+			duration_s, world->frame_rate, duration_s * world->frame_rate);
+	if (!has_rate)
+		world_mistake(check, "world: 'frame_rate' must be positive and finite (got %g)",
+		              world->frame_rate);
+	else if (!isfinite(1 / world->frame_rate))
+		world_mistake(check, "world: 'frame_rate' %g has no finite interval",
+		              world->frame_rate);
+	if (!isnan(world->time_step_s) && !positive(world->time_step_s))
+		world_mistake(check, "world: 'time_step' must be positive and finite (got %g s)",
+		              world->time_step_s);
+	else if (!isnan(world->time_step_s) && has_rate &&
+	         !(fmin(1 / world->frame_rate, duration_s) / world->time_step_s <=
+	           steps_per_frame_most))
+		world_mistake(check, "world: 'time_step' %g s cuts a frame into more than %g steps",
+		              world->time_step_s, steps_per_frame_most);
+	if (!rb_vec3_finite(world->gravity) || !rb_vec3_finite(world->gravity_force))
+		world_mistake(check, "world: 'gravity' must be finite");
+}
+
+static void check_tolerance(struct check *check)
+{
+	const double given = check->scene->world.tolerance_m;
+	const double least = 8 * rb_ulp(check->sizes.coordinate_max_m);
+
+	if (isnan(given))
+		return;
+	if (!positive(given))
+		world_mistake(check, "world: 'tolerance' must be positive and finite (got %g m)",
+		              given);
+	else if (given < least)
+		world_mistake(
+			check,
+			"world: 'tolerance' %g m is below what coordinates resolve (wanted at least %g m, "
+			"8 ulp of the largest coordinate or size %g m)",
+			given, least, check->sizes.coordinate_max_m);
+}
+
+static void check_mass(struct check *check, int id)
+{
+	const struct rb_body_def *body = &check->scene->bodies[id];
+	const double mass = rb_body_mass(check->scene, body);
+
+	if (!isnan(body->mass) && !isnan(body->density)) {
+		body_mistake(check, id, "'mass' and 'density' exclude each other");
+		return;
+	}
+	if (!positive(mass) || !isfinite(1 / mass)) {
+		if (isnan(body->mass))
+			body_mistake(
+				check, id,
+				"its mass comes out as %g kg (density %g kg/m^3, volume %g m^3; wanted a "
+				"positive mass that a double holds)",
+				mass, density_of(check->scene, body),
+				rb_shape_volume(check->scene->solids, &body->shape));
+		else
+			body_mistake(
+				check, id,
+				"'mass' must be positive and finite, and so its inverse (got %g kg)",
+				mass);
+		return;
+	}
+	/* particles without a turn to resist may lie anywhere */
+	if (body->particle_count > 0 && !check->turns)
+		return;
+	if (body->particle_count > 0 &&
+	    rb_particles_in_line(&body->inertia, body->particle_count)) {
+		body_mistake(
+			check, id,
+			"'particles' lie on one line or at one point, so that nothing resists turning about it (wanted "
+			"some off the line, or 'mass' and 'inertia' instead)");
+		return;
+	}
+	const char *fault = body->has_inertia ? rb_inertia_fault(&body->inertia) : NULL;
+	if (fault) {
+		double moments[3];
+
+		rb_inertia_principal(&body->inertia, moments);
+		body_mistake(check, id, "'inertia' %s (principal moments %g, %g, %g kg m^2)", fault,
+		             moments[0], moments[1], moments[2]);
+		return;
+	}
+	if (!check->turns)
+		return;
+	const rb_mat3 inertia = rb_body_inertia(check->scene, body, mass);
+	rb_mat3 inverse;
+	bool held = rb_mat3_inverse(&inertia, &inverse);
+	for (int i = 0; held && i < 9; i++)
+		held = isfinite(inverse.m[i / 3][i % 3]);
+	if (!held)
+		body_mistake(
+			check, id,
+			"its inertia comes out as %g kg m^2 (wanted one that a double holds, and so its "
+			"inverse)",
+			inertia.m[0][0]);
+}
+
+static bool check_sizes(struct check *check, int id)
+{
+	const struct rb_shape *shape = &check->scene->bodies[id].shape;
+	const double *const s = shape->size;
+
+	switch (shape->kind) {
+	case RB_SHAPE_SPHERE:
+		if (positive(shape->radius))
+			return true;
+		body_mistake(check, id, "'radius' must be positive and finite (got %g m)",
+		             shape->radius);
+		return false;
+	case RB_SHAPE_RECTANGLE:
+		if (positive(s[0]) && positive(s[1]))
+			return true;
+		body_mistake(check, id, "'size' must be two positive finite lengths (got %g, %g m)",
+		             s[0], s[1]);
+		return false;
+	case RB_SHAPE_BOX:
+		if (positive(s[0]) && positive(s[1]) && positive(s[2]))
+			return true;
+		body_mistake(check, id,
+		             "'size' must be three positive finite lengths (got %g, %g, %g m)",
+		             s[0], s[1], s[2]);
+		return false;
+	case RB_SHAPE_CAPSULE:
+	case RB_SHAPE_CYLINDER:
+		if (positive(shape->radius) && positive(s[2]))
+			return true;
+		body_mistake(check, id,
+		             "'radius' and 'length' must be positive and finite (got %g and %g m)",
+		             shape->radius, s[2]);
+		return false;
+	default:
+		return true;
+	}
+}
+
+/* false: the shape or pose is no use for further checks */
+static bool check_shape(struct check *check, int id)
+{
+	const struct rb_body_def *body = &check->scene->bodies[id];
+	bool good = check_sizes(check, id);
+
+	if (!(rb_vec3_max_abs(body->position) <= coordinate_most) ||
+	    !rb_vec3_finite(body->position)) {
+		body_mistake(check, id, "'position' must lie within %g m (got %g, %g, %g)",
+		             coordinate_most, body->position.x, body->position.y, body->position.z);
+		good = false;
+	}
+	if (good &&
+	    !(rb_shape_reach(check->scene->solids, &body->shape) <= coordinate_most &&
+	      body->shape.size[0] <= coordinate_most && body->shape.size[1] <= coordinate_most)) {
+		body_mistake(check, id, "its size must be at most %g m", coordinate_most);
+		good = false;
+	}
+	if (!(fabs(rb_quat_length(body->orientation) - 1) <= 1e-3)) {
+		body_mistake(check, id, "'orientation' must have unit length (got %g)",
+		             rb_quat_length(body->orientation));
+		good = false;
+	}
+	if (!rb_vec3_finite(body->velocity) || !rb_vec3_finite(body->angular_velocity))
+		body_mistake(check, id, "'velocity' and 'angular_velocity' must be finite");
+	if (!rb_vec3_finite(body->center_of_mass))
+		body_mistake(check, id, "'center_of_mass' must be finite");
+	return good;
+}
+
+static void check_forces(struct check *check, int id)
+{
+	const struct rb_body_def *body = &check->scene->bodies[id];
+
+	for (int i = 0; i < body->force_count; i++) {
+		const struct rb_force_def *force = &check->scene->forces[body->force_first + i];
+
+		if (!rb_vec3_finite(force->vector) || !rb_vec3_finite(force->torque) ||
+		    !isfinite(force->start_s) || isnan(force->duration_s) ||
+		    (!isnan(force->point.x) && !rb_vec3_finite(force->point)))
+			body_mistake(
+				check, id,
+				"'forces' entry %d must have a finite vector, torque, point and start",
+				i + 1);
+	}
+}
+
+static bool has_contacts(const struct rb_shape *shape)
+{
+	return shape->kind == RB_SHAPE_SPHERE || rb_shape_is_flat(shape);
+}
+
+/* The classic method knows contacts of spheres only; false: a mistake was noted. */
+static bool check_contacts(struct check *check, int id)
+{
+	static const char *const plural[RB_SHAPE_KIND_COUNT] = {
+		[RB_SHAPE_BOX] = "boxes",          [RB_SHAPE_CAPSULE] = "capsules",
+		[RB_SHAPE_CYLINDER] = "cylinders", [RB_SHAPE_HULL] = "hulls",
+		[RB_SHAPE_UNION] = "unions",
+	};
+	const struct rb_scene *scene = check->scene;
+	const struct rb_body_def *body = &scene->bodies[id];
+
+	if (scene->world.method != RB_METHOD_CLASSIC || has_contacts(&body->shape) ||
+	    rb_body_collides(body) == 0)
+		return true;
+	for (int i = 0; i < scene->body_count; i++) {
+		if (i == id || !rb_bodies_can_touch(body, &scene->bodies[i]))
+			continue;
+		body_mistake(
+			check, id,
+			"the classic method has no contacts of %s (use 'located' or 'auto', or let "
+			"it collide with nothing: collides_with = {})",
+			plural[body->shape.kind]);
+		return false;
+	}
+	return true;
+}
+
+/* Shapes, masses; returns whether all shapes and poses can be used. */
+static bool check_bodies(struct check *check)
+{
+	const struct rb_scene *scene = check->scene;
+	bool good = true;
+
+	for (int i = 0; i < scene->body_count; i++) {
+		const struct rb_body_def *body = &scene->bodies[i];
+		const bool shaped = check_shape(check, i);
+
+		good = check_contacts(check, i) && shaped && good;
+		check_forces(check, i);
+		if (rb_body_is_free(body) && rb_shape_is_flat(&body->shape)) {
+			body_mistake(
+				check, i,
+				"a plane has no mass: it is static, or 'motion' says how it moves");
+			good = false;
+		} else if (rb_body_is_free(body) && shaped) {
+			check_mass(check, i);
+		} else if (body->is_static && rb_body_is_driven(body)) {
+			body_mistake(check, i, "'motion' of a static body: it never moves");
+		}
+	}
+	return good;
+}
+
+const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring_def *spring)
+{
+	RB_ASSERT(spring->a >= 0 && spring->a < scene->body_count);
+	RB_ASSERT(spring->b >= 0 && spring->b < scene->body_count);
+	if (spring->a == spring->b)
+		return "both ends are on the same body";
+	if (!rb_body_is_free(&scene->bodies[spring->a]) &&
+	    !rb_body_is_free(&scene->bodies[spring->b]))
+		return "nothing can move either end: one must be on a body that is neither static nor driven";
+	return NULL;
+}
+
+/* World coordinates of one end at the start. */
+static rb_vec3 spring_end(const struct rb_body_def *body, rb_vec3 at)
+{
+	const rb_vec3 local = isnan(at.x) ? body->center_of_mass : at;
+
+	return rb_vec3_add(body->position, rb_quat_rotate(rb_quat_unit(body->orientation), local));
+}
+
+static rb_vec3 spring_span(const struct rb_scene *scene, const struct rb_spring_def *spring)
+{
+	return rb_vec3_sub(spring_end(&scene->bodies[spring->b], spring->at_b),
+	                   spring_end(&scene->bodies[spring->a], spring->at_a));
+}
+
+double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_spring_def *spring)
+{
+	return isnan(spring->rest_length_m) ? rb_vec3_length(spring_span(scene, spring))
+	                                    : spring->rest_length_m;
+}
+
+static void check_spring(struct check *check, const struct rb_spring_def *spring)
+{
+	const char *fault = rb_spring_fault(check->scene, spring);
+	const double rest = spring->rest_length_m;
+
+	if (fault) {
+		line_mistake(check, spring->line, "spring: %s", fault);
+		return;
+	}
+	if (!(spring->stiffness >= 0 && isfinite(spring->stiffness)) ||
+	    !(spring->damping >= 0 && isfinite(spring->damping)) ||
+	    !(isnan(rest) || (rest >= 0 && isfinite(rest)))) {
+		line_mistake(
+			check, spring->line,
+			"spring: 'stiffness', 'damping' and 'rest_length' must be finite and 0 or more "
+			"(got %g, %g and %g)",
+			spring->stiffness, spring->damping, rest);
+		return;
+	}
+	const rb_vec3 span = spring_span(check->scene, spring);
+	if (rest > 0 && !(rb_vec3_max_abs(span) > 0))
+		line_mistake(
+			check, spring->line,
+			"spring: its ends are at one point at the start, so that its 'rest_length' %g m has "
+			"no direction (wanted 0, or ends apart)",
+			rest);
+}
+
+static void check_drag(struct check *check, const struct rb_drag_def *drag)
+{
+	if (!(drag->linear >= 0 && isfinite(drag->linear)) ||
+	    !(drag->quadratic >= 0 && isfinite(drag->quadratic)))
+		line_mistake(
+			check, drag->line,
+			"drag: 'linear' and 'quadratic' must be finite and 0 or more (got %g and %g)",
+			drag->linear, drag->quadratic);
+}
+
+/* Classic steps have no stages for these: they would leave them out without a word. */
+static void check_method(struct check *check)
+{
+	const struct rb_scene *scene = check->scene;
+	bool driven = false;
+
+	if (scene->world.method != RB_METHOD_CLASSIC)
+		return;
+	for (int i = 0; i < scene->body_count; i++)
+		driven = driven || rb_body_is_driven(&scene->bodies[i]);
+	const struct {
+		bool present;
+		const char *what;
+	} lacks[] = {{scene->spring_count > 0, "springs"},
+	             {scene->drag_count > 0, "drag"},
+	             {scene->field_count > 0, "fields"},
+	             {driven, "driven bodies ('motion')"}};
+	for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++)
+		if (lacks[i].present)
+			world_mistake(check,
+			              "world: method 'classic' has no %s: use 'located' or 'auto'",
+			              lacks[i].what);
+}
+
+static void check_links(struct check *check)
+{
+	for (int i = 0; i < check->scene->spring_count; i++)
+		check_spring(check, &check->scene->springs[i]);
+	for (int i = 0; i < check->scene->drag_count; i++)
+		check_drag(check, &check->scene->drags[i]);
+}
+
+/* The place of the last earlier body of that name among items[0 .. i), or -1. */
+static int same_name(const struct rb_scene *scene, const struct rb_sort_item *items, size_t i)
+{
+	const char *name = scene->bodies[items[i].value].name;
+
+	for (size_t j = i; j-- > 0 && items[j].key == items[i].key;)
+		if (strcmp(scene->bodies[items[j].value].name, name) == 0)
+			return (int)items[j].value;
+	return -1;
+}
+
+static enum rb_status check_names(struct check *check, struct rb_error *err)
+{
+	const struct rb_scene *scene = check->scene;
+	const size_t most = (size_t)scene->body_count;
+	struct rb_sort_item *items = rb_memory_take(2 * most, sizeof *items);
+	int *taken = rb_memory_take(most, sizeof *taken); /* id of the other + 1, by id */
+	size_t count = 0;
+
+	for (int i = 0; items && taken && i < scene->body_count; i++) {
+		const char *name = scene->bodies[i].name;
+
+		if (name)
+			items[count++] = (struct rb_sort_item){rb_hash_bytes(name, strlen(name), 0),
+			                                       (uint64_t)i};
+	}
+	if (count > 0)
+		rb_sort_by_key(items, items + most, count);
+	/* equal names have equal keys and stand together, the earlier body first */
+	for (size_t i = 1; i < count; i++)
+		taken[items[i].value] = same_name(scene, items, i) + 1;
+	for (int i = 0; items && taken && i < scene->body_count; i++)
+		if (taken[i] > 0)
+			body_mistake(check, i, "'name' is taken already (by body #%d, line %d)",
+			             taken[i] - 1, scene->bodies[taken[i] - 1].line);
+	const bool failed = !items || !taken;
+	rb_memory_free(items);
+	rb_memory_free(taken);
+	return failed ? RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the names of bodies")
+	              : RB_OK;
+}
+
+/* Gap of a sphere and another body at the start, neither of them convex otherwise. */
+static double gap_of_sphere(const struct rb_body_def *sphere, const struct rb_body_def *other)
+{
+	const rb_quat turn = rb_quat_unit(other->orientation);
+	rb_vec3 normal;
+
+	switch (other->shape.kind) {
+	case RB_SHAPE_PLANE:
+		return rb_distance_sphere_plane(sphere->position, sphere->shape.radius,
+		                                other->position, rb_plane_normal(turn), &normal);
+	case RB_SHAPE_RECTANGLE: {
+		const rb_rectangle rectangle = rb_rectangle_of(other->position, turn,
+		                                               other->shape.size);
+
+		return rb_distance_sphere_rectangle(sphere->position, sphere->shape.radius,
+		                                    &rectangle, &normal, NULL);
+	}
+	default:
+		return rb_distance_sphere_sphere(sphere->position, sphere->shape.radius,
+		                                 other->position, other->shape.radius, &normal);
+	}
+}
+
+static double gap_at_start(const struct check *check, int a, int b)
+{
+	const struct rb_body_def *body_a = &check->scene->bodies[a];
+	const struct rb_body_def *body_b = &check->scene->bodies[b];
+	const bool spheres_a = body_a->shape.kind == RB_SHAPE_SPHERE;
+	const bool spheres_b = body_b->shape.kind == RB_SHAPE_SPHERE;
+
+	if (spheres_a && has_contacts(&body_b->shape))
+		return gap_of_sphere(body_a, body_b);
+	if (spheres_b && has_contacts(&body_a->shape))
+		return gap_of_sphere(body_b, body_a);
+	return rb_parts_gap_at_start(check->parts, check->scene, a, b);
+}
+
+static void check_overlap(struct check *check, int a, int b, int *found)
+{
+	const struct rb_scene *scene = check->scene;
+	const struct rb_body_def *body_a = &scene->bodies[a], *body_b = &scene->bodies[b];
+
+	if (!rb_bodies_can_touch(body_a, body_b))
+		return;
+	const double gap = gap_at_start(check, a, b);
+	if (gap >= -check->sizes.tolerance_m)
+		return;
+	if (++*found <= OVERLAPS_SHOWN) {
+		char other[128];
+
+		title(scene, a, other);
+		body_mistake(check, b, "overlaps %s by %.6g m at the start (tolerance %.6g m)",
+		             other, -gap, check->sizes.tolerance_m);
+	}
+}
+
+/* The bodies' boxes, those that move first; id[] gives the body of a box. */
+struct start_boxes {
+	rb_aabb *box;
+	int *id, *planes;
+	int moving, count, plane_count; /* driven planes are among the planes */
+};
+
+static rb_aabb box_at_start(const struct rb_scene *scene, const struct rb_body_def *body)
+{
+	/* the sphere around a rectangle will do: it is only a first sieve */
+	const double r = body->shape.kind == RB_SHAPE_RECTANGLE
+	                         ? 0.5 * (body->shape.size[0] + body->shape.size[1])
+	                         : rb_shape_reach(scene->solids, &body->shape);
+	const rb_vec3 h = {r, r, r};
+
+	return (rb_aabb){rb_vec3_sub(body->position, h), rb_vec3_add(body->position, h)};
+}
+
+static void fill_boxes(const struct rb_scene *scene, struct start_boxes *boxes)
+{
+	for (int i = 0; i < scene->body_count; i++) {
+		if (scene->bodies[i].is_static || scene->bodies[i].shape.kind == RB_SHAPE_PLANE)
+			continue;
+		boxes->id[boxes->count] = i;
+		boxes->box[boxes->count++] = box_at_start(scene, &scene->bodies[i]);
+	}
+	boxes->moving = boxes->count;
+	for (int i = 0; i < scene->body_count; i++) {
+		if (scene->bodies[i].shape.kind == RB_SHAPE_PLANE) {
+			boxes->planes[boxes->plane_count++] = i;
+			continue;
+		}
+		if (!scene->bodies[i].is_static)
+			continue;
+		boxes->id[boxes->count] = i;
+		boxes->box[boxes->count++] = box_at_start(scene, &scene->bodies[i]);
+	}
+}
+
+static enum rb_status check_boxes(struct check *check, const struct start_boxes *boxes,
+                                  struct rb_error *err)
+{
+	const struct rb_grid_boxes asked = {
+		.moving = boxes->box,
+		.fixed = boxes->box + boxes->moving,
+		.moving_count = boxes->moving,
+		.fixed_count = boxes->count - boxes->moving,
+	};
+	struct rb_grid grid;
+	int found = 0;
+
+	for (int p = 0; p < boxes->plane_count; p++)
+		for (int i = 0; i < boxes->moving; i++)
+			check_overlap(
+				check,
+				boxes->planes[p] < boxes->id[i] ? boxes->planes[p] : boxes->id[i],
+				boxes->planes[p] < boxes->id[i] ? boxes->id[i] : boxes->planes[p],
+				&found);
+	rb_grid_init(&grid);
+	enum rb_status status = rb_grid_find(&grid, &asked, err);
+	if (status == RB_OK)
+		status = rb_grid_sort(&grid, boxes->count, err);
+	for (size_t i = 0; status == RB_OK && i < grid.pair_count; i++) {
+		const int a = boxes->id[grid.pairs[i].a], b = boxes->id[grid.pairs[i].b];
+
+		check_overlap(check, a < b ? a : b, a < b ? b : a, &found);
+	}
+	rb_grid_release(&grid);
+	if (found > OVERLAPS_SHOWN)
+		world_mistake(check, "%d more pairs of bodies overlap at the start",
+		              found - OVERLAPS_SHOWN);
+	return status;
+}
+
+static enum rb_status check_overlaps(struct check *check, struct rb_error *err)
+{
+	const size_t count = (size_t)check->scene->body_count;
+	struct start_boxes boxes = {
+		.box = rb_memory_take(count, sizeof *boxes.box),
+		.id = rb_memory_take(count, sizeof *boxes.id),
+		.planes = rb_memory_take(count, sizeof *boxes.planes),
+	};
+	enum rb_status status = rb_parts_table_create(&check->parts, check->scene, err);
+
+	if (status != RB_OK) {
+		/* said already */
+	} else if (boxes.box && boxes.id && boxes.planes) {
+		fill_boxes(check->scene, &boxes);
+		status = check_boxes(check, &boxes, err);
+	} else {
+		status = RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the boxes of %zu bodies",
+		                 count);
+	}
+	rb_parts_table_destroy(check->parts);
+	rb_memory_free(boxes.box);
+	rb_memory_free(boxes.id);
+	rb_memory_free(boxes.planes);
+	return status;
+}
+
+enum rb_status rb_scene_check(const struct rb_scene *scene, bool turns,
+                              struct rb_mistakes *mistakes, struct rb_error *err)
+{
+	struct check check = {.scene = scene, .turns = turns, .sizes = rb_scene_sizes(scene)};
+	enum rb_status status = RB_OK;
+
+	check.mistakes = mistakes ? mistakes : &check.own;
+	const int before = check.mistakes->count;
+	check_world(&check);
+	if (scene->body_count == 0)
+		world_mistake(
+			&check,
+			"the scene has no body (wanted at least one, such as sphere { radius = 1 })");
+	const bool good = check_bodies(&check);
+	check_method(&check);
+	check_links(&check);
+	status = check_names(&check, err);
+	if (good)
+		check_tolerance(&check);
+	/* with a useless tolerance the overlaps would be named against it */
+	if (status == RB_OK && good && check.sizes.tolerance_m >= 0)
+		status = check_overlaps(&check, err);
+	if (status == RB_OK && check.mistakes->count > before) {
+		const char *first = before < RB_MISTAKES_MAX ? check.mistakes->line[before] : NULL;
+
+		status = RB_FAIL(err, RB_ERR_SCENE, "%s", first ? first : "the scene has mistakes");
+	}
+	rb_mistakes_release(&check.own);
+	return status;
+}

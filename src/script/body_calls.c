@@ -1,0 +1,477 @@
+/* SPDX-License-Identifier: MIT */
+#include "script/body_calls.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <lauxlib.h>
+
+#include "geom/mass.h"
+#include "math/vec3.h"
+#include "model/validate.h"
+#include "script/fields.h"
+#include "script/functions.h"
+#include "script/handles.h"
+#include "script/shapes.h"
+#include "script/values.h"
+
+void rb_name_take(const struct rb_call *call, const char *kind, const char *name)
+{
+	lua_State *L = call->L;
+	char key[64];
+
+	if (!name)
+		return;
+	if (name[0] == '\0') {
+		rb_call_mistake(call, "'name' must not be empty");
+		return;
+	}
+	snprintf(key, sizeof key, RB_NAMES_KEY "%s", kind);
+	luaL_getsubtable(L, LUA_REGISTRYINDEX, key);
+	if (lua_getfield(L, -1, name) != LUA_TNIL)
+		rb_call_mistake(call, "name '%.60s' is taken by the %s of line %d", name, kind,
+		                (int)lua_tointeger(L, -1));
+	lua_pop(L, 1);
+	lua_pushinteger(L, call->line);
+	lua_setfield(L, -2, name);
+	lua_pop(L, 1);
+}
+
+/* ---- forces ---- */
+
+static void add_force(struct rb_call *part)
+{
+	struct rb_force_def def = rb_force_def_default();
+	static const struct rb_row_table *const table = &rb_rows_force;
+	struct rb_error err;
+	rb_vec3 direction = {0, 0, 0};
+	double magnitude = 0;
+
+	rb_call_read(part, &def);
+	if (part->index == 0)
+		return;
+	const bool has_vector = rb_call_tried(part, "vector");
+	const bool has_torque = rb_call_tried(part, "torque");
+	const bool has_direction = rb_call_push(part, "direction") != LUA_TNIL;
+	const bool has_magnitude = rb_call_push(part, "magnitude") != LUA_TNIL;
+	const bool both = has_direction && has_magnitude,
+		   neither = !has_direction && !has_magnitude;
+	if (has_vector ? !neither : !both && !(has_torque && neither)) {
+		rb_call_mistake(part,
+		                "wants 'vector', or 'direction' and 'magnitude', or 'torque'");
+	} else if (both) {
+		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2,
+		                                 &direction);
+		if (rb_call_value(part, rb_row_find(table, "magnitude", NULL), -1, &magnitude) &&
+		    right)
+			def.vector = rb_vec3_scale(magnitude, rb_vec3_unit(direction, direction));
+	}
+	lua_pop(part->L, 2);
+	rb_sandbox_charge_bytes(part->L, sizeof def);
+	rb_script_need(part->L, rb_scene_add_force(part->script->scene, &def, &err), &err);
+}
+
+/* Of the body that was added last. */
+static void add_forces(struct rb_call *call, bool is_fixed)
+{
+	lua_State *L = call->L;
+	char found[80];
+
+	if (rb_call_push(call, "forces") == LUA_TNIL) {
+		lua_pop(L, 1);
+		return;
+	}
+	const int list = lua_gettop(L);
+	if (lua_type(L, list) != LUA_TTABLE ||
+	    (lua_rawlen(L, list) == 0 && (lua_pushnil(L), lua_next(L, list)))) {
+		rb_call_mistake(
+			call, "'forces' must be a list of tables {{vector = {...}}, ...} (got %s)",
+			rb_describe(L, list, found));
+	} else {
+		const lua_Integer count = (lua_Integer)lua_rawlen(L, list);
+		if (is_fixed && count > 0 && !rb_call_given(call, "motion"))
+			rb_call_mistake(call, "'forces' of a static body: it never moves");
+		for (lua_Integer i = 1; i <= count; i++) {
+			lua_rawgeti(L, list, i);
+			struct rb_call part = rb_call_part(call, &rb_rows_force, -1, (int)i);
+			add_force(&part);
+			lua_pop(L, 1);
+		}
+	}
+	lua_settop(L, list - 1);
+}
+
+/* ---- particles ---- */
+
+/* A key that a particle must have. Where one is misspelt it may be this one: one message is enough. */
+static bool has_key(struct rb_call *part, const char *key)
+{
+	if (part->index > 0 && !part->unknown && !rb_call_tried(part, key))
+		rb_call_mistake(part, "'%s' is missing", key);
+	return rb_call_given(part, key);
+}
+
+/* Reads the list on top of the stack; false: a mistake was noted. */
+static bool read_list(struct rb_call *call, struct rb_particle *particles, size_t count)
+{
+	bool right = true;
+
+	for (size_t i = 0; i < count; i++) {
+		lua_rawgeti(call->L, -2, (lua_Integer)i + 1);
+		struct rb_call part = rb_call_part(call, &rb_rows_particle, -1, (int)i + 1);
+		rb_call_read(&part, &particles[i]);
+		const bool has_mass = has_key(&part, "mass");
+		right = has_key(&part, "position") && has_mass && right;
+		lua_pop(call->L, 1);
+	}
+	return right;
+}
+
+/* Mass, centre and inertia from the points. */
+static void read_particles(struct rb_call *call, struct rb_body_def *def)
+{
+	static const char *const others[] = {"mass", "density", "center_of_mass", "inertia"};
+	lua_State *L = call->L;
+	const int top = lua_gettop(L);
+	char found[80];
+
+	if (rb_call_push(call, "particles") == LUA_TNIL) {
+		lua_settop(L, top);
+		return;
+	}
+	for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+		if (rb_call_tried(call, others[i]))
+			rb_call_mistake(call, "'particles' and '%s' exclude each other", others[i]);
+	const size_t count = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
+	if (count == 0) {
+		rb_call_mistake(
+			call,
+			"'particles' must be a list of tables {{mass = ..., position = {...}}, ...} (got %s)",
+			rb_describe(L, -1, found));
+		lua_settop(L, top);
+		return;
+	}
+	struct rb_particle *const particles = lua_newuserdatauv(L, count * sizeof *particles, 0);
+	if (read_list(call, particles, count) && rb_body_is_free(def)) {
+		const struct rb_particles all = rb_particles_measure(particles, count);
+
+		def->mass = all.mass;
+		def->has_inertia = true;
+		def->inertia = all.inertia;
+		def->particle_count = count;
+		/* at the shape's own centroid where only the rounding of sums says otherwise */
+		if (rb_vec3_max_abs(rb_vec3_sub(all.center, def->center_of_mass)) >
+		    all.center_error)
+			def->center_of_mass = all.center;
+	}
+	lua_settop(L, top);
+}
+
+/* ---- groups ---- */
+
+/* The number of the group named by the value on top of the stack, which is taken off; -1: a mistake
+ * was noted. */
+static int group_of(struct rb_call *call, const char *key)
+{
+	struct rb_error err;
+	char found[80];
+	int group = -1;
+
+	if (lua_type(call->L, -1) != LUA_TSTRING || lua_rawlen(call->L, -1) == 0) {
+		rb_call_mistake(call, "'%s' must be the name of a group (got %s)", key,
+		                rb_describe(call->L, -1, found));
+	} else {
+		const enum rb_status status = rb_scene_group(
+			call->script->scene, lua_tostring(call->L, -1), &group, &err);
+		if (status == RB_ERR_MEMORY)
+			rb_script_need(call->L, status, &err);
+		if (status != RB_OK) {
+			rb_call_mistake(call, "'%s': %s", key, err.text);
+			group = -1;
+		}
+	}
+	lua_pop(call->L, 1);
+	return group;
+}
+
+static void read_groups(struct rb_call *call, struct rb_body_def *def)
+{
+	lua_State *L = call->L;
+	char found[80];
+
+	if (rb_call_push(call, "group") != LUA_TNIL)
+		def->group = group_of(call, "group");
+	else
+		lua_pop(L, 1);
+
+	const int type = rb_call_push(call, "collides_with");
+	if (type == LUA_TNIL) {
+		lua_pop(L, 1);
+		return;
+	}
+	def->filters = true;
+	if (type == LUA_TSTRING) {
+		const int group = group_of(call, "collides_with");
+		if (group >= 0)
+			def->collides_with = (uint64_t)1 << group;
+		return;
+	}
+	if (type != LUA_TTABLE) {
+		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got %s)",
+		                rb_describe(L, -1, found));
+		lua_pop(L, 1);
+		return;
+	}
+	const lua_Integer count = (lua_Integer)lua_rawlen(L, -1);
+	lua_Integer keys = 0;
+	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
+		keys++;
+	if (keys != count)
+		rb_call_mistake(
+			call,
+			"'collides_with' must be a list of names of groups (got a table with keys)");
+	for (lua_Integer i = 1; i <= count; i++) {
+		lua_rawgeti(L, -1, i);
+		const int group = group_of(call, "collides_with");
+		if (group >= 0)
+			def->collides_with |= (uint64_t)1 << group;
+	}
+	lua_pop(L, 1);
+}
+
+/* ---- bodies ---- */
+
+/* Keys that say what pushes would do, of a body that is not pushed. */
+static void check_driven(const struct rb_call *call, const struct rb_body_def *def)
+{
+	static const char *const pushed[] = {"mass",    "density",   "center_of_mass",
+	                                     "inertia", "particles", "forces"};
+	static const char *const moved[] = {"velocity", "angular_velocity"};
+
+	if (def->is_static)
+		rb_call_mistake(call, "'motion' of a static body: it never moves");
+	for (size_t i = 0; i < sizeof pushed / sizeof *pushed; i++)
+		if (rb_call_tried(call, pushed[i]))
+			rb_call_mistake(call, "'%s' of a driven body: nothing pushes it",
+			                pushed[i]);
+	for (size_t i = 0; i < sizeof moved / sizeof *moved; i++)
+		if (rb_call_tried(call, moved[i]))
+			rb_call_mistake(call, "'%s' of a driven body: 'motion' says how it moves",
+			                moved[i]);
+}
+
+/* What no single key can tell. */
+static void check_body(const struct rb_call *call, const struct rb_body_def *def)
+{
+	if (rb_call_tried(call, "mass") && rb_call_tried(call, "density"))
+		rb_call_mistake(call, "'mass' and 'density' exclude each other");
+	if (rb_body_is_driven(def))
+		check_driven(call, def);
+	if (!def->is_static)
+		return;
+	if (rb_vec3_max_abs(def->velocity) > 0)
+		rb_call_mistake(call, "'velocity' of a static body: it never moves");
+	if (rb_vec3_max_abs(def->angular_velocity) > 0)
+		rb_call_mistake(call, "'angular_velocity' of a static body: it never moves");
+}
+
+static int finish_body(struct rb_call *call, struct rb_body_def *def)
+{
+	struct rb_error err;
+	int id;
+
+	def->line = call->line;
+	def->has_inertia = rb_call_given(call, "inertia");
+	read_particles(call, def);
+	check_body(call, def);
+	read_groups(call, def);
+	rb_name_take(call, "body", def->name);
+	rb_sandbox_charge_body(call->L, sizeof *def + (def->name ? strlen(def->name) : 0));
+	rb_script_need(call->L, rb_scene_add_body(call->script->scene, def, &id, &err), &err);
+	add_forces(call, def->is_static || rb_body_is_driven(def));
+	if (rb_body_is_driven(def))
+		rb_functions_placed(call->L, id,
+		                    rb_call_given(call, "position") || rb_call_given(call, "point"),
+		                    rb_call_given(call, "orientation") ||
+		                            rb_call_given(call, "normal") ||
+		                            rb_call_given(call, "axis"));
+	rb_handle_push(call->L, id);
+	return 1;
+}
+
+/* Adds a body that stands for one that cannot be had, so that loading goes on; pushes its handle. */
+static int stand_in(lua_State *L, const struct rb_call *call)
+{
+	struct rb_body_def def = rb_body_def_default();
+	struct rb_error err;
+	int id;
+
+	def.shape.radius = 1;
+	def.line = call->line;
+	rb_sandbox_charge_bytes(L, sizeof def);
+	rb_script_need(L, rb_scene_add_body(call->script->scene, &def, &id, &err), &err);
+	rb_handle_push(L, id);
+	return 1;
+}
+
+static int l_sphere(lua_State *L)
+{
+	struct rb_call call = rb_call_begin(L, "sphere", &rb_rows_sphere, 1);
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "sphere";
+	def.shape = (struct rb_shape){.kind = RB_SHAPE_SPHERE, .radius = 1};
+	rb_call_read(&call, &def);
+	if (!def.texture && !call.script->scene->materials[def.material].texture)
+		def.texture = "beachball"; /* so that rotation shows */
+	/* where a key is misspelt it may be this one: one message is enough */
+	if (call.index && !call.unknown && !rb_call_tried(&call, "radius"))
+		rb_call_mistake(&call, "'radius' is missing");
+	return finish_body(&call, &def);
+}
+
+/* Reads a key that is a row of planes and has no place in the definition; false: not given, or
+ * wrong. */
+static bool read_vector(struct rb_call *call, const char *key, rb_vec3 *value)
+{
+	const bool given = rb_call_push(call, key) != LUA_TNIL;
+	const bool right = given &&
+	                   rb_call_value(call, rb_row_find(&rb_rows_plane, key, NULL), -1, value);
+
+	lua_pop(call->L, 1);
+	return right;
+}
+
+static void place_plane(struct rb_call *call, struct rb_body_def *def)
+{
+	rb_vec3 normal = {0, 0, 1};
+	rb_vec3 axis = {(double)NAN, (double)NAN, (double)NAN};
+	const bool has_normal = read_vector(call, "normal", &normal);
+	const bool has_axis = read_vector(call, "axis", &axis);
+
+	if (rb_call_tried(call, "normal") && rb_call_tried(call, "orientation"))
+		rb_call_mistake(call, "'normal' and 'orientation' exclude each other");
+	if (rb_call_tried(call, "point") && rb_call_tried(call, "position"))
+		rb_call_mistake(call, "'point' and 'position' exclude each other");
+	if (rb_call_tried(call, "axis") && !rb_call_tried(call, "size"))
+		rb_call_mistake(call, "'axis' goes with 'size': an infinite plane has no sides");
+	if (rb_call_tried(call, "axis") && rb_call_tried(call, "orientation"))
+		rb_call_mistake(call, "'axis' and 'orientation' exclude each other");
+	read_vector(call, "point", &def->position);
+	if (rb_call_tried(call, "orientation"))
+		return;
+	if (has_axis) {
+		const rb_vec3 across = rb_vec3_cross(rb_vec3_unit(normal, normal),
+		                                     rb_vec3_unit(axis, axis));
+		if (rb_vec3_length(across) < 1e-9) {
+			rb_call_mistake(
+				call,
+				"'axis' must not be along the normal (got {%.12g, %.12g, %.12g})",
+				axis.x, axis.y, axis.z);
+			return;
+		}
+	}
+	if (has_normal || has_axis)
+		def->orientation = rb_plane_orientation(normal, axis);
+}
+
+static int l_plane(lua_State *L)
+{
+	struct rb_call call = rb_call_begin(L, "plane", &rb_rows_plane, 1);
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "plane";
+	def.shape = (struct rb_shape){.kind = RB_SHAPE_PLANE};
+	def.is_static = true;
+	rb_call_read(&call, &def);
+	if (rb_call_given(&call, "size"))
+		def.shape.kind = RB_SHAPE_RECTANGLE;
+	const bool driven = rb_call_tried(&call, "motion");
+	if (driven && !rb_call_tried(&call, "static"))
+		def.is_static = false;
+	if (!driven && !def.is_static) {
+		rb_call_mistake(
+			&call,
+			"'static' = false: %s has no mass, so that nothing can push it ('motion' says how it moves)",
+			def.shape.kind == RB_SHAPE_RECTANGLE ? "a plane without thickness"
+							     : "an infinite plane");
+		def.is_static = true;
+	}
+	place_plane(&call, &def);
+	return finish_body(&call, &def);
+}
+
+static int add_sized(lua_State *L, const char *word, const struct rb_row_table *table,
+                     enum rb_shape_kind kind)
+{
+	struct rb_call call = rb_call_begin(L, word, table, 1);
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = word;
+	def.shape = (struct rb_shape){.kind = kind, .solid = -1};
+	rb_call_read(&call, &def);
+	if (kind == RB_SHAPE_HULL)
+		rb_shapes_hull(&call, &def);
+	else if (kind == RB_SHAPE_UNION)
+		rb_shapes_union(&call, &def);
+	else
+		rb_shapes_need(&call, &def);
+	return finish_body(&call, &def);
+}
+
+static int l_box(lua_State *L)
+{
+	return add_sized(L, "box", &rb_rows_box, RB_SHAPE_BOX);
+}
+
+static int l_capsule(lua_State *L)
+{
+	return add_sized(L, "capsule", &rb_rows_capsule, RB_SHAPE_CAPSULE);
+}
+
+static int l_cylinder(lua_State *L)
+{
+	return add_sized(L, "cylinder", &rb_rows_cylinder, RB_SHAPE_CYLINDER);
+}
+
+static int l_hull(lua_State *L)
+{
+	return add_sized(L, "hull", &rb_rows_hull, RB_SHAPE_HULL);
+}
+
+/* body "NAME" is a body that there is, at any time; body { ... } makes a union. */
+static int l_body(lua_State *L)
+{
+	const bool named = lua_type(L, 1) == LUA_TSTRING;
+	const char *name = named ? lua_tostring(L, 1) : NULL;
+	char hint[96] = "", found[80];
+	const int id = named ? rb_body_named(L, name, hint) : -1;
+
+	if (id >= 0) {
+		rb_handle_push(L, id);
+		return 1;
+	}
+	if (lua_type(L, 1) == LUA_TTABLE)
+		return add_sized(L, "body", &rb_rows_union, RB_SHAPE_UNION);
+	if (named && rb_script_of(L)->phase != RB_PHASE_LOAD)
+		return luaL_error(L, "body: no body is named '%s'%s", name, hint);
+	struct rb_call call = rb_call_begin(L, "body", NULL, 0);
+	if (named)
+		rb_call_mistake(&call, "no body is named '%.60s' so far%s", name, hint);
+	else
+		rb_call_mistake(&call, "wants the name of a body or a table of keys (got %s)",
+		                rb_describe(L, 1, found));
+	return stand_in(L, &call);
+}
+
+void rb_bodies_open(lua_State *L)
+{
+	lua_register(L, "body", l_body);
+	lua_register(L, "sphere", l_sphere);
+	lua_register(L, "plane", l_plane);
+	lua_register(L, "box", l_box);
+	lua_register(L, "capsule", l_capsule);
+	lua_register(L, "cylinder", l_cylinder);
+	lua_register(L, "hull", l_hull);
+}

@@ -1,0 +1,404 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/candidates.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "model/parts.h"
+
+enum {
+	STEPS_PER_BOX = 8, /* that a box is meant to last */
+	BOXES_MAX = 8,     /* times as many, within a size, where nearly nothing moves */
+	BODIES_PER_BLOCK = 512
+};
+
+/* Points of a body that turns by an angle t move by 2 sin(t / 2) of their distance at most; quaternions by 2 sin(t / 4). */
+static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
+{
+	const rb_vec3 from = near->at[i], way = rb_vec3_sub(to, from);
+	const rb_quat q = near->turn[i];
+	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
+	const double square = w * w + x * x + y * y + z * z;
+
+	near->turn[i] = turn;
+	if (square > 0)
+		near->path[i] += 2 * near->size[i] * sqrt(square) * (1 + 1e-9);
+	if (way.x != 0 || way.y != 0 || way.z != 0)
+		near->path[i] += rb_vec3_length(way) * (1 + 1e-9) +
+		                 4 * DBL_EPSILON * (fabs(to.x) + fabs(to.y) + fabs(to.z));
+}
+
+static void place(struct rb_candidates *near, const struct rb_model *model, int i, rb_vec3 origin,
+                  rb_quat orientation)
+{
+	const struct rb_body_parts *parts = rb_model_parts(model, i);
+	rb_placed *placed = near->placed + near->first_part[i];
+
+	if (i < model->body_count)
+		go_on(near, i, origin, orientation);
+	near->at[i] = origin;
+	for (int k = 0; k < parts->count; k++)
+		placed[k] = rb_body_part_place(&parts->part[k], origin, orientation);
+}
+
+static bool take_parts(struct rb_candidates *near, const struct rb_model *model)
+{
+	const int count = model->body_count + model->static_count;
+	int parts = 0;
+
+	if (!model->parts)
+		return true;
+	near->first_part = rb_memory_take((size_t)count + 1, sizeof *near->first_part);
+	if (!near->first_part)
+		return false;
+	for (int i = 0; i < count; i++) {
+		near->first_part[i] = parts;
+		parts += rb_model_parts(model, i)->count;
+	}
+	near->first_part[count] = parts;
+	near->placed = rb_memory_take((size_t)parts, sizeof *near->placed);
+	near->ahead = rb_memory_take((size_t)model->body_count, sizeof *near->ahead);
+	near->turn = rb_memory_take((size_t)model->body_count, sizeof *near->turn);
+	near->path = rb_memory_take((size_t)model->body_count, sizeof *near->path);
+	near->at = rb_memory_take((size_t)count, sizeof *near->at);
+	near->size = rb_memory_take((size_t)count, sizeof *near->size);
+	if (!near->placed || !near->ahead || !near->turn || !near->path || !near->at || !near->size)
+		return false;
+	for (int i = 0; i < count; i++)
+		near->size[i] = model->shape[i].kind == RB_SHAPE_PLANE
+		                        ? (double)INFINITY
+		                        : rb_candidates_size(model, i);
+	for (int i = model->body_count; i < count; i++)
+		place(near, model, i, model->position[i], model->orientation[i]);
+	return true;
+}
+
+enum rb_status rb_candidates_create(struct rb_candidates *near, const struct rb_model *model,
+                                    struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count;
+
+	*near = (struct rb_candidates){.share = 1};
+	near->built_at = rb_memory_take(n, sizeof *near->built_at);
+	near->margin = rb_memory_take(n, sizeof *near->margin);
+	near->reach = rb_memory_take(n, sizeof *near->reach);
+	near->box = rb_memory_take(n, sizeof *near->box);
+	if (near->built_at && near->margin && near->reach && near->box && take_parts(near, model))
+		return RB_OK;
+	rb_candidates_release(near);
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
+}
+
+void rb_candidates_release(struct rb_candidates *near)
+{
+	rb_memory_free(near->built_at);
+	rb_memory_free(near->margin);
+	rb_memory_free(near->reach);
+	rb_memory_free(near->box);
+	rb_memory_free(near->own_depth);
+	rb_memory_free(near->own_clearance);
+	rb_memory_free(near->clue);
+	rb_memory_free(near->own_first_clue);
+	rb_memory_free(near->first_part);
+	rb_memory_free(near->placed);
+	rb_memory_free(near->turn);
+	rb_memory_free(near->path);
+	rb_memory_free(near->at);
+	rb_memory_free(near->size);
+	rb_memory_free(near->ahead);
+	rb_memory_free(near->own);
+	*near = (struct rb_candidates){0};
+}
+
+double rb_candidates_way(const struct rb_world *world, const struct rb_state *state, int i,
+                         double h)
+{
+	const struct rb_model *model = world->model;
+	double distance = rb_vec3_length(rb_world_row3(state->velocity, i)) * h;
+
+	if (model->center_of_mass && state->spin)
+		distance += rb_vec3_length(model->center_of_mass[i]) *
+		            fmin(2, rb_vec3_length(rb_world_row3(state->spin, i)) * h);
+	return distance;
+}
+
+static double from_built(const struct rb_candidates *near, const struct rb_world *world, int i)
+{
+	return rb_vec3_length(
+		rb_vec3_sub(rb_world_origin_at(world, &world->state, i), near->built_at[i]));
+}
+
+double rb_candidates_size(const struct rb_model *model, int i)
+{
+	const struct rb_shape *shape = &model->shape[i];
+
+	return shape->kind == RB_SHAPE_RECTANGLE ? 0.5 * hypot(shape->size[0], shape->size[1])
+	                                         : rb_model_reach(model, i);
+}
+
+/* ---- driven bodies ---- */
+
+static bool is_plane(const struct rb_model *model, int i)
+{
+	return i < model->body_count && model->shape[i].kind == RB_SHAPE_PLANE;
+}
+
+static bool may_touch(const struct rb_model *model, int a, int b)
+{
+	return !model->group_bit || ((model->collides[a] & model->group_bit[b]) != 0 &&
+	                             (model->collides[b] & model->group_bit[a]) != 0);
+}
+
+/* A pair with the body that yields first; false: none does, or a driven plane is in it, which boxes know nothing of. */
+static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
+{
+	if (is_plane(model, pair->a) || is_plane(model, pair->b))
+		return false;
+	if (model->driven[pair->a])
+		*pair = (struct rb_pair){pair->b, pair->a};
+	return pair->a < model->body_count && !model->driven[pair->a];
+}
+
+/* Pairs of the boxes, and of driven planes with all that yields, in order of the first. */
+static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_world *world,
+                                  struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const int n = model->body_count;
+	struct rb_arena *arena = &world->arena[0];
+	size_t *first = rb_arena_take(arena, (size_t)n + 1, sizeof *first), count = 0;
+	int *plane = rb_arena_take(arena, (size_t)n, sizeof *plane), planes = 0;
+
+	if (!first || !plane)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the pairs of %d bodies", n);
+	memset(first, 0, ((size_t)n + 1) * sizeof *first);
+	for (int i = 0; i < n; i++)
+		if (is_plane(model, i))
+			plane[planes++] = i;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		struct rb_pair pair = near->pair[k];
+
+		if (turn_round(model, &pair))
+			first[pair.a + 1]++;
+	}
+	for (int i = 0; i < n; i++) {
+		for (int k = 0; k < planes && !model->driven[i]; k++)
+			first[i + 1] += may_touch(model, i, plane[k]);
+		first[i + 1] += first[i];
+	}
+	count = first[n];
+	if (!rb_memory_reserve(&near->own, &near->own_capacity, count + 1, sizeof *near->own))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		struct rb_pair pair = near->pair[k];
+
+		if (turn_round(model, &pair))
+			near->own[first[pair.a]++] = pair;
+	}
+	for (int i = 0; i < n; i++)
+		for (int k = 0; k < planes && !model->driven[i]; k++)
+			if (may_touch(model, i, plane[k]))
+				near->own[first[i]++] = (struct rb_pair){i, plane[k]};
+	near->pair = near->own;
+	near->pair_count = count;
+	return RB_OK;
+}
+
+/* ---- all ---- */
+
+enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error *err)
+{
+	size_t count = 0;
+
+	near->live = NULL;
+	near->still_depth = (double)NAN;
+	if (!rb_memory_reserve(&near->own_depth, &near->depth_capacity, near->pair_count + 1,
+	                       sizeof *near->own_depth))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++)
+		near->own_depth[k] = (double)NAN;
+	near->depth = near->own_depth;
+	if (!near->placed)
+		return RB_OK;
+	if (!rb_memory_reserve(&near->own_clearance, &near->room_capacity, near->pair_count + 1,
+	                       sizeof *near->own_clearance))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++)
+		near->own_clearance[k] = -(double)INFINITY;
+	near->room = near->own_clearance;
+	if (!rb_memory_reserve(&near->own_first_clue, &near->first_clue_capacity,
+	                       near->pair_count + 1, sizeof *near->own_first_clue))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
+		               near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		near->own_first_clue[k] = count;
+		count += (size_t)rb_candidates_part_count(near, near->pair[k].a) *
+		         (size_t)rb_candidates_part_count(near, near->pair[k].b);
+	}
+	if (!rb_memory_reserve(&near->clue, &near->clue_capacity, count + 1, sizeof *near->clue))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near parts", count);
+	memset(near->clue, 0, count * sizeof *near->clue);
+	near->first_clue = near->own_first_clue;
+	return RB_OK;
+}
+
+static enum rb_status search(struct rb_candidates *near, struct rb_world *world,
+                             struct rb_error *err)
+{
+	enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
+	                                           &near->pair_count, err);
+
+	if (status == RB_OK && world->model->driven)
+		status = order_pairs(near, world, err);
+	return status == RB_OK ? rb_candidates_forget(near, err) : status;
+}
+
+enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *world,
+                                   const rb_aabb *room, struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_vec3 low = room[i].low, high = room[i].high;
+		/* room for the rounding of coordinates, too */
+		const double half = (rb_candidates_size(model, i) + model->tolerance_m) *
+		                            (1 + 1e-12) +
+		                    4 * DBL_EPSILON *
+		                            fmax(rb_vec3_max_abs(low), rb_vec3_max_abs(high));
+
+		near->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
+		                         {high.x + half, high.y + half, high.z + half}};
+	}
+	return search(near, world, err);
+}
+
+static enum rb_status build(struct rb_candidates *near, struct rb_world *world,
+                            struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const double lasting = STEPS_PER_BOX * fmin(BOXES_MAX, 1 / near->share);
+	double mean = 0;
+
+	near->valid = false;
+	for (int i = 0; i < model->body_count; i++)
+		mean += near->reach[i] / model->body_count;
+	for (int i = 0; i < model->body_count; i++) {
+		const rb_vec3 c = rb_world_origin_at(world, &world->state, i);
+		const double size = rb_candidates_size(model, i);
+
+		near->built_at[i] = c;
+		/* forces add their share again in every step */
+		const double margin = STEPS_PER_BOX * fmax(near->reach[i], mean);
+		near->margin[i] = fmax(margin, fmin(lasting * near->reach[i], size)) + size / 64;
+		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
+		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
+		                         {c.x + half, c.y + half, c.z + half}};
+	}
+	const enum rb_status status = search(near, world, err);
+	near->valid = status == RB_OK;
+	return status;
+}
+
+bool rb_candidates_keep(struct rb_candidates *near)
+{
+	if (near->pair == near->own || near->pair_count == 0)
+		return true;
+	if (!rb_memory_reserve(&near->own, &near->own_capacity, near->pair_count,
+	                       sizeof *near->own))
+		return false;
+	memcpy(near->own, near->pair, near->pair_count * sizeof *near->own);
+	near->pair = near->own;
+	return true;
+}
+
+void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *world, double h,
+                         const int *member, int count)
+{
+	near->h_s = h;
+	for (int k = 0; k < count; k++) {
+		const int i = member[k];
+		const double reach = fmax(rb_candidates_way(world, &world->state, i, h),
+		                          rb_candidates_way(world, &world->mark, i, h));
+
+		/* a body that is not finite is lost, and must not take the boxes of others with it */
+		near->reach[i] = isfinite(reach) ? reach : 0;
+	}
+}
+
+enum rb_status rb_candidates_find(struct rb_candidates *near, struct rb_world *world,
+                                  const int *body, int count, struct rb_error *err)
+{
+	for (int k = 0; k < count && near->valid; k++) {
+		const int i = body[k];
+
+		/* written so that NaN asks for new boxes */
+		if (!(from_built(near, world, i) + near->reach[i] <= near->margin[i]))
+			near->valid = false;
+	}
+	return near->valid ? RB_OK : build(near, world, err);
+}
+
+bool rb_candidates_holds(const struct rb_candidates *near, const struct rb_world *world,
+                         const int *body, int count)
+{
+	for (int k = 0; k < count; k++)
+		if (!(from_built(near, world, body[k]) <= near->margin[body[k]]))
+			return false;
+	return true;
+}
+
+/* ---- parts ---- */
+
+struct places {
+	struct rb_candidates *near;
+	struct rb_world *world;
+	const int *body;
+	int count;
+};
+
+static double turn_reach(const struct rb_world *world, int i, double h)
+{
+	if (!world->state.spin)
+		return 0;
+	const double spin = fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                         rb_vec3_length(rb_world_row3(world->mark.spin, i)));
+	return fmin(2, h * spin) * rb_model_reach(world->model, i);
+}
+
+void rb_candidates_turn(struct rb_candidates *near, const struct rb_world *world, int i)
+{
+	if (near->ahead)
+		near->ahead[i] = near->reach[i] + turn_reach(world, i, near->h_s);
+}
+
+static void place_block(void *user, int block, int worker)
+{
+	const struct places *places = user;
+	const struct rb_world *world = places->world;
+	const int first = block * BODIES_PER_BLOCK;
+	const int end = first + BODIES_PER_BLOCK < places->count ? first + BODIES_PER_BLOCK
+	                                                         : places->count;
+
+	(void)worker;
+	for (int k = first; k < end; k++) {
+		struct rb_candidates *near = places->near;
+		const int i = places->body[k];
+
+		place(near, world->model, i, rb_world_origin_at(world, &world->state, i),
+		      rb_world_orientation_at(world, &world->state, i));
+		rb_candidates_turn(near, world, i);
+	}
+}
+
+void rb_candidates_place(struct rb_candidates *near, struct rb_world *world, const int *body,
+                         int count)
+{
+	struct places places = {near, world, body, count};
+
+	if (near->placed)
+		rb_team_run(world->team, (count + BODIES_PER_BLOCK - 1) / BODIES_PER_BLOCK,
+		            place_block, &places);
+}

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Pairs that could touch, from boxes fat enough for several steps.
+ *
+ * Owned by the method's state. The candidates hold until a body could leave its box; their boxes decide cost only, but for
+ * the order in which ties are met, which is by pair. The first of a pair yields; a driven one is always the second.
+ */
+#ifndef RB_STEPPED_CANDIDATES_H
+#define RB_STEPPED_CANDIDATES_H
+
+#include "geom/core.h"
+#include "step/broadphase.h"
+#include "world/world.h"
+
+/* What is known of two parts from the look before; decides cost only. */
+struct rb_clue {
+	rb_vec3 axis;  /* the direction in which it was told apart, or touches; zero: none */
+	bool is_close; /* it was not told apart */
+};
+
+struct rb_candidates {
+	bool valid;
+	rb_vec3 *built_at; /* [bodies] m: the objects' origins when the boxes were made */
+	double *margin;    /* [bodies] m: how far each may get from there */
+	double *reach; /* [bodies] m: how far each gets in the step under way, if nothing touches it */
+	rb_aabb *box;
+	double h_s;   /* of that step */
+	double share; /* of bodies that move: where these are few, their boxes are made to last */
+	const struct rb_pair *pair; /* borrowed from the broadphase, or `own` */
+	size_t pair_count;
+	/* borrowed: of these pairs, ascending, those to be looked at; NULL: all */
+	const size_t *live;
+	size_t live_count;
+	/*
+	 * m: overlap of each pair when it was last measured, as `pair`; negative: it is no more than that; NAN: not measured
+	 * yet, or not as it stands now
+	 */
+	double *depth, *own_depth;
+	/* Of pairs with parts, m: as long as their bodies' `path` together is shorter, they are apart by the difference. */
+	double *room, *own_clearance;
+	size_t depth_capacity, room_capacity;
+	double still_depth; /* m: the largest of pairs that are not live; NAN: not known */
+	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clues. */
+	struct rb_clue *clue; /* of each two parts of each pair */
+	size_t *first_clue;   /* [pair_count], as `pair` */
+	size_t *own_first_clue;
+	size_t clue_capacity, first_clue_capacity;
+	int *first_part;   /* [bodies and statics + 1] into `placed` */
+	rb_placed *placed; /* where parts stand: rb_candidates_place */
+	rb_vec3 *at;       /* [bodies and statics] m: their origins, as the parts stand */
+	rb_quat *turn;     /* [bodies] so are they turned */
+	double *path; /* [bodies] m: how far points of each have got at most, through all placings */
+	double *size; /* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */
+	double *ahead; /* [bodies] m: how far points of each may get in the step, turning too */
+	struct rb_pair *
+		own; /* owned: rb_candidates_keep; where bodies are driven: pairs in which the first yields */
+	size_t own_capacity;
+};
+
+static inline size_t rb_candidates_live_count(const struct rb_candidates *near)
+{
+	return near->live ? near->live_count : near->pair_count;
+}
+
+/* The pair that is the k-th of those to be looked at. */
+static inline size_t rb_candidates_live(const struct rb_candidates *near, size_t k)
+{
+	return near->live ? near->live[k] : k;
+}
+
+RB_CHECKED enum rb_status rb_candidates_create(struct rb_candidates *near,
+                                               const struct rb_model *model, struct rb_error *err);
+void rb_candidates_release(struct rb_candidates *near);
+
+/* Reaches of these bodies: the world's velocities have the forces of the step in them, those of the mark do not. */
+void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *world, double h_s,
+                         const int *member, int count);
+
+/*
+ * Candidates of the whole world, whose reaches are known, if those of before do not hold for these bodies; all others have
+ * not moved since. New ones are all live.
+ */
+RB_CHECKED enum rb_status rb_candidates_find(struct rb_candidates *near, struct rb_world *world,
+                                             const int *body, int count, struct rb_error *err);
+
+/* Whether each of these is still within its margin; NaN is not. */
+bool rb_candidates_holds(const struct rb_candidates *near, const struct rb_world *world,
+                         const int *body, int count);
+
+/* Nothing is known of the pairs as they stand, in this order. */
+RB_CHECKED enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error *err);
+
+static inline int rb_candidates_part_count(const struct rb_candidates *near, int i)
+{
+	return near->first_part[i + 1] - near->first_part[i];
+}
+
+/* Parts of these bodies as they stand now, and what their turning may add: before touch is asked about them. */
+void rb_candidates_place(struct rb_candidates *near, struct rb_world *world, const int *body,
+                         int count);
+
+/* m: how far the object's origin gets at most in a step of h_s, at the speeds of that state. */
+double rb_candidates_way(const struct rb_world *world, const struct rb_state *state, int i,
+                         double h_s);
+/* What `ahead` of a body becomes, if there are parts. */
+void rb_candidates_turn(struct rb_candidates *near, const struct rb_world *world, int i);
+
+/* Pairs that could touch while every body's origin stays within its room. */
+RB_CHECKED enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *world,
+                                              const rb_aabb *room, struct rb_error *err);
+
+/* The candidates stay although the broadphase is asked for others; false: no memory. */
+bool rb_candidates_keep(struct rb_candidates *near);
+
+/* m: no point of a body that moves is farther from its origin; infinite planes: 0. */
+double rb_candidates_size(const struct rb_model *model, int i);
+
+#endif

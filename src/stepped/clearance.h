@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Which candidates must be looked at: of each pair it is known how far apart it was and how far its bodies have got since.
+ * Parts, in pairs of blocks of fixed size, whatever the threads.
+ */
+#ifndef RB_STEPPED_CLEARANCE_H
+#define RB_STEPPED_CLEARANCE_H
+
+#include "geom/separation.h"
+#include "stepped/candidates.h"
+
+#include <float.h>
+
+enum { RB_PAIRS_PER_BLOCK = 512 };
+
+static inline size_t rb_pairs_end(size_t count, size_t first)
+{
+	return first + RB_PAIRS_PER_BLOCK < count ? first + RB_PAIRS_PER_BLOCK : count;
+}
+
+static inline int rb_pairs_blocks(size_t count)
+{
+	return (int)((count + RB_PAIRS_PER_BLOCK - 1) / RB_PAIRS_PER_BLOCK);
+}
+
+/* A sphere on a sphere or plane: a closed form. */
+static inline bool rb_pair_is_plain(const struct rb_model *model, int a, int b)
+{
+	return model->shape[a].kind == RB_SHAPE_SPHERE && model->shape[b].kind < RB_SHAPE_BOX;
+}
+
+/* Directions to look along for pairs that were apart, and for those that were not. */
+enum { RB_ROUNDS_APART = 12, RB_ROUNDS_CLOSE = 1 };
+
+/* Two parts, seen from the origin of the first. */
+struct rb_part_pair {
+	rb_placed a, b;
+	double radii; /* m, of both together */
+};
+
+/* m: how far both have got. */
+static inline double rb_clearance_path(const struct rb_candidates *near, struct rb_pair pair, int n)
+{
+	return near->path[pair.a] + (pair.b < n ? near->path[pair.b] : 0);
+}
+
+/*
+ * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than they have moved since; or by
+ * spheres about them.
+ */
+static inline bool rb_clearance_is_more(const struct rb_candidates *near, size_t k, double path,
+                                        double max)
+{
+	if (near->room[k] - path > max + 4 * DBL_EPSILON * path)
+		return true;
+	const struct rb_pair pair = near->pair[k];
+	const rb_vec3 d = rb_vec3_sub(near->at[pair.b], near->at[pair.a]);
+	const double sizes = (near->size[pair.a] + near->size[pair.b]) * (1 + 1e-12);
+	const double square = rb_vec3_dot(d, d), whole = (sizes + max) * (1 + 1e-12);
+
+	if (!(whole > 0 && square > whole * whole))
+		return false;
+	near->room[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
+	return true;
+}
+
+/* The same of two of their parts: how far, at least, or -INFINITY. */
+static inline double rb_clearance_of_spheres(const rb_placed *a, const rb_placed *b, double max)
+{
+	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
+	const double sizes = a->core->reach + b->core->reach + a->core->radius + b->core->radius;
+	const double square = rb_vec3_dot(d, d), whole = (sizes + max) * (1 + 1e-12);
+
+	/* a half space has no reach */
+	return a->core->kind != RB_CORE_HALF_SPACE && b->core->kind != RB_CORE_HALF_SPACE &&
+	                       whole > 0 && square > whole * whole
+	               ? sqrt(square) * (1 - 1e-12) - sizes
+	               : -(double)INFINITY;
+}
+
+static inline struct rb_part_pair rb_part_pair_of(const rb_placed *a, const rb_placed *b)
+{
+	return (struct rb_part_pair){{a->core, {0, 0, 0}, a->turn},
+	                             {b->core, rb_vec3_sub(b->at, a->at), b->turn},
+	                             a->core->radius + b->core->radius};
+}
+
+/* How far they are apart at least, if that is seen to be more than `most`, m; else -INFINITY. */
+static inline double rb_clearance_of_parts(const struct rb_part_pair *parts, double max,
+                                           struct rb_clue *clue)
+{
+	const int rounds = clue->is_close ? RB_ROUNDS_CLOSE : RB_ROUNDS_APART;
+
+	return rb_separation_beyond(&parts->a, &parts->b, max + parts->radii, rounds, &clue->axis) -
+	       parts->radii;
+}
+
+#endif

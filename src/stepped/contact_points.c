@@ -1,0 +1,639 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/contact_points.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "base/sort.h"
+#include "geom/distance.h"
+#include "geom/manifold.h"
+#include "model/parts.h"
+#include "step/gap.h"
+#include "stepped/pivot.h"
+#include "stepped/clearance.h"
+
+enum rb_status rb_step_points_create(struct rb_step_points *points, const struct rb_model *model,
+                                     struct rb_error *err)
+{
+	*points = (struct rb_step_points){0};
+	points->first_last = rb_memory_take((size_t)model->body_count + 1,
+	                                    sizeof *points->first_last);
+	if (!points->first_last)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of %d bodies",
+		               model->body_count);
+	return RB_OK;
+}
+
+void rb_step_points_release(struct rb_step_points *points)
+{
+	rb_memory_free(points->row);
+	rb_memory_free(points->last);
+	rb_memory_free(points->spare);
+	rb_memory_free(points->first_last);
+	*points = (struct rb_step_points){0};
+}
+
+/* ---- one pair ---- */
+
+/* What the workers share, read only, and the pair that one of them looks at. */
+struct look {
+	struct rb_world *world;
+	const struct rb_step_points *points;
+	const struct rb_candidates *near;
+	double h, max; /* most: m, of what can be closed */
+	size_t pair;   /* the one that is looked at */
+	/* of the block */
+	struct rb_step_point *out;
+	size_t count, capacity;
+	struct rb_arena *arena;
+	bool in_place; /* `out` is where the points are to be */
+	bool failed;
+};
+
+/* Its arm lies along the normal and its inertia is a number, or nothing moves it. */
+static bool is_central(const struct rb_world *world, int i)
+{
+	const struct rb_model *model = world->model;
+
+	if (i >= model->body_count)
+		return true;
+	if (model->shape[i].kind != RB_SHAPE_SPHERE || (model->driven && model->driven[i]))
+		return false;
+	if (world->state.spin && isnan(model->inverse_inertia_scalar[i]))
+		return false;
+	return !model->center_of_mass || rb_vec3_max_abs(model->center_of_mass[i]) == 0;
+}
+
+/* Way of the object's origin within the step at the present velocity, m. */
+static rb_vec3 way_of(const struct look *look, int i)
+{
+	const struct rb_world *world = look->world;
+
+	if (i >= world->model->body_count)
+		return (rb_vec3){0, 0, 0};
+	return rb_vec3_scale(look->h, rb_world_row3(world->state.velocity, i));
+}
+
+static rb_vec3 center_of(const struct rb_world *world, int i)
+{
+	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
+	                                    : world->model->position[i];
+}
+
+static struct rb_step_point *add_point(struct look *look)
+{
+	if (look->count == look->capacity) {
+		const size_t capacity = look->capacity ? 2 * look->capacity : RB_PAIRS_PER_BLOCK;
+		struct rb_step_point *out = rb_arena_take(look->arena, capacity, sizeof *out);
+
+		if (!out) {
+			look->failed = true;
+			return NULL;
+		}
+		if (look->count > 0)
+			memcpy(out, look->out, look->count * sizeof *out);
+		look->out = out;
+		look->capacity = capacity;
+		look->in_place = false;
+	}
+	return &look->out[look->count++];
+}
+
+static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
+{
+	const struct rb_state *before = &world->mark;
+
+	if (i >= world->model->body_count)
+		return (rb_vec3){0, 0, 0};
+	const rb_vec3 v = rb_world_row3(before->velocity, i);
+	return before->spin ? rb_vec3_add(v, rb_vec3_cross(rb_world_row3(before->spin, i), arm))
+	                    : v;
+}
+
+/* Material, approach and the impulse of the step before, for a point whose place is known. */
+static void fill_point(const struct look *look, struct rb_step_point *point)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_model *model = world->model;
+	const struct rb_step_points *points = look->points;
+	const struct rb_pair_material *pair =
+		&model->pair_materials[model->material[point->a] * model->material_count +
+	                               model->material[point->b]];
+	const bool central = point->central;
+	const rb_vec3 arm_a = central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
+	const rb_vec3 arm_b = central ? rb_vec3_scale(point->arm_b.x, point->normal) : point->arm_b;
+
+	point->friction = pair->friction;
+	point->restitution = pair->restitution;
+	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_before(world, point->a, arm_a),
+	                                          velocity_before(world, point->b, arm_b)),
+	                              point->normal);
+	point->pair = look->pair;
+	point->from = 0;
+	point->push = 0;
+	point->friction_impulse = (rb_vec3){0, 0, 0};
+	/* friction goes round with what turns together */
+	const double pivot = central ? 0
+	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
+	                                              look->h);
+	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
+	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
+		const struct rb_named_push *last = &points->last[k];
+
+		if (last->b != point->b || (last->key != point->key && last->key != RB_ANY_POINT))
+			continue;
+		point->from = k + 1;
+		point->push = look->h * last->force;
+		if (point->friction > 0)
+			point->friction_impulse = rb_vec3_scale(
+				look->h,
+				rb_pivot_turn(rb_vec3_reject(last->friction_impulse, point->normal),
+			                      point->normal, pivot, 1));
+		break;
+	}
+}
+
+/* A way longer than this share of a radius is looked along for the normal of the touch. */
+static const double far_share = 0.1;
+
+/*
+ * Of a sphere on another shape. One that comes from far is met where its path at present velocities touches or comes
+ * closest: the plane through the start's nearest point would hold it up where it only passes.
+ */
+static struct rb_gap approaching(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_state *state = &world->state;
+	struct rb_gap g = rb_gap_of(world, state, pair.a, pair.b);
+	const rb_vec3 d = rb_vec3_sub(way_of(look, pair.b), way_of(look, pair.a));
+	const double size = world->model->shape[pair.a].radius;
+	double t = 0;
+
+	if (!(rb_vec3_dot(d, d) > far_share * far_share * size * size) || g.gap <= 0)
+		return g;
+	/* the distance is convex along a straight path: Newton's steps come from one side and never go too far */
+	const rb_vec3 origin = rb_world_origin_at(world, state, pair.a);
+	for (int round = 0; round < 32; round++) {
+		const double closing = -rb_vec3_dot(g.normal, d);
+		const double more = closing > 0 ? g.gap / closing : 1;
+
+		if (t + more >= 1 || g.gap <= 1e-12 * size) {
+			g.gap += t * closing;
+			break;
+		}
+		t += more;
+		g = rb_gap_at(world, state, pair.a, rb_vec3_add_scaled(origin, -t, d), pair.b);
+	}
+	return g;
+}
+
+static void inspect_plain(struct look *look, struct rb_pair pair, double slack)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_model *model = world->model;
+
+	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) { /* without a square root */
+		const rb_vec3 d = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.b),
+		                              rb_world_origin_at(world, &world->state, pair.a));
+		const double max = model->shape[pair.a].radius + model->shape[pair.b].radius +
+		                   slack;
+
+		if (rb_vec3_dot(d, d) > max * max)
+			return;
+	}
+	const struct rb_gap g = approaching(look, pair);
+	if (!(g.gap <= slack))
+		return;
+	struct rb_step_point *point = add_point(look);
+	if (!point)
+		return;
+	*point = (struct rb_step_point){
+		.a = pair.a,
+		.b = pair.b,
+		.central = is_central(world, pair.a) && is_central(world, pair.b),
+		.normal = g.normal,
+		.gap = g.gap,
+	};
+	const double radius_b = model->shape[pair.b].kind == RB_SHAPE_SPHERE
+	                                ? model->shape[pair.b].radius
+	                                : 0;
+	if (point->central) {
+		point->arm_a.x = model->shape[pair.a].radius;
+		point->arm_b.x = -radius_b;
+	} else {
+		const rb_vec3 on_a = rb_vec3_add_scaled(
+			rb_world_origin_at(world, &world->state, pair.a),
+			model->shape[pair.a].radius, g.normal);
+
+		point->arm_a = rb_vec3_sub(on_a, center_of(world, pair.a));
+		if (pair.b < model->body_count)
+			point->arm_b = rb_vec3_sub(
+				radius_b > 0
+					? rb_vec3_add_scaled(
+						  rb_world_origin_at(world, &world->state, pair.b),
+						  -radius_b, g.normal)
+					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
+				center_of(world, pair.b));
+	}
+	fill_point(look, point);
+}
+
+static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifold *manifold,
+                         double slack, uint64_t part)
+{
+	const rb_vec3 at_a = center_of(look->world, pair.a), at_b = center_of(look->world, pair.b);
+
+	for (int k = 0; k < manifold->count; k++) {
+		const rb_manifold_point *at = &manifold->point[k];
+
+		if (!(at->gap <= slack))
+			continue;
+		struct rb_step_point *point = add_point(look);
+		if (!point)
+			return;
+		*point = (struct rb_step_point){
+			.a = pair.a,
+			.b = pair.b,
+			.key = at->key ^ part * 0x9e3779b97f4a7c15u,
+			.normal = manifold->normal,
+			.arm_a = rb_vec3_sub(at->on_a, at_a),
+			/* opposite: else the impulse would turn both */
+			.arm_b = rb_vec3_sub(
+				rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal), at_b),
+			.gap = at->gap,
+		};
+		fill_point(look, point);
+	}
+}
+
+/*
+ * Which points count, m: all that can close within `slack`; but of what rides on a driven body that turns only those that come
+ * near as that body sees it. Its corners may go round by more than their height, and corners one above the other would all
+ * count.
+ */
+static double band_of(const struct look *look, struct rb_pair pair, double slack)
+{
+	const struct rb_world *world = look->world;
+	const struct rb_state *state = &world->state;
+	const struct rb_model *model = world->model;
+
+	if (pair.b >= model->body_count || !model->driven || !model->driven[pair.b] ||
+	    !state->spin || rb_vec3_max_abs(rb_world_row3(state->spin, pair.b)) == 0)
+		return slack;
+	const double h = look->h, reach = rb_model_reach(model, pair.a);
+	const rb_vec3 w = rb_world_row3(state->spin, pair.b);
+	const rb_vec3 d = rb_vec3_sub(rb_world_row3(state->position, pair.a),
+	                              rb_world_row3(state->position, pair.b));
+	const rb_vec3 v = rb_vec3_sub(rb_world_row3(state->velocity, pair.a),
+	                              rb_world_row3(state->velocity, pair.b));
+	const rb_vec3 slide = rb_vec3_sub(v, rb_vec3_cross(w, d));
+	const rb_vec3 turn = rb_vec3_sub(rb_world_row3(state->spin, pair.a), w);
+	/* of both in a turning frame, and what is beyond the first order */
+	const double angle = h * (rb_vec3_length(w) + rb_vec3_length(turn));
+	const double way = h * (rb_vec3_length(slide) + rb_vec3_length(turn) * reach) +
+	                   0.5 * angle * angle * (rb_vec3_length(d) + reach);
+
+	return fmin(slack, way + model->tolerance_m);
+}
+
+/* Of the tolerance, by which points may stand too high. */
+static const double fine_share = 0.125;
+/* How far all of them are apart at least; -INFINITY: nothing is known. */
+static double inspect_parts(struct look *look, struct rb_pair pair, double slack,
+                            struct rb_clue *clues)
+{
+	const struct rb_candidates *near = look->near;
+	const double fine = fine_share * look->world->model->tolerance_m;
+	const double band = band_of(look, pair, slack);
+	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
+	const int count_a = rb_candidates_part_count(near, pair.a);
+	const int count_b = rb_candidates_part_count(near, pair.b);
+	rb_manifold manifold;
+	double room = (double)INFINITY;
+
+	for (int i = 0; i < count_a; i++) {
+		for (int j = 0; j < count_b; j++) {
+			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
+			struct rb_clue *clue = &clues[i * count_b + j];
+
+			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
+			double apart = rb_clearance_of_spheres(pa, pb, slack);
+
+			if (!(apart > slack))
+				apart = rb_clearance_of_parts(&parts, slack, clue);
+			room = fmin(room, apart);
+			if (apart > slack) {
+				clue->is_close = false;
+				continue;
+			}
+			rb_manifold_with_nearest(&manifold, pa, pb, band, fine);
+			clue->axis = manifold.normal;
+			clue->is_close = manifold.gap <= slack;
+			/* as if it had been seen at once: what is known decides cost only */
+			if (!clue->is_close)
+				continue;
+			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
+		}
+	}
+	return room;
+}
+
+/*
+ * A driven plane may turn: the farther away, the more of a way. About its own normal that closes nothing.
+ */
+static double plane_turn(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_world *world = look->world;
+	const enum rb_shape_kind kind = world->model->shape[pair.b].kind;
+	const size_t at = (size_t)pair.b;
+
+	if (pair.b >= world->model->body_count || !world->state.spin ||
+	    (kind != RB_SHAPE_PLANE && kind != RB_SHAPE_RECTANGLE))
+		return 0;
+	const rb_vec3 normal = rb_plane_normal(rb_quat_from(world->state.orientation + 4 * at));
+	const rb_vec3 now = rb_world_row3(world->state.spin, pair.b);
+	const rb_vec3 before = rb_world_row3(world->mark.spin, pair.b);
+	const double tilt = fmax(rb_vec3_length(rb_vec3_cross(now, normal)),
+	                         rb_vec3_length(rb_vec3_cross(before, normal)));
+	const rb_vec3 between = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
+	                                    rb_world_origin_at(world, &world->state, pair.b));
+
+	return fmin(2, look->near->h_s * tilt) * rb_vec3_length(between);
+}
+
+/* m: what two bodies can close in the step, by how far either gets. */
+static inline double slack_of(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_model *model = look->world->model;
+	const double *reach = look->near->reach;
+	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
+	                     model->tolerance_m;
+
+	return model->driven ? slack + plane_turn(look, pair) : slack;
+}
+
+/*
+ * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies that move together do not
+ * close both of their ways.
+ */
+static double closing_of(const struct look *look, struct rb_pair pair)
+{
+	const struct rb_candidates *near = look->near;
+	const struct rb_model *model = look->world->model;
+	const rb_vec3 d = rb_vec3_sub(way_of(look, pair.b), way_of(look, pair.a));
+	const double a = near->reach[pair.a];
+	double b = 0, turning = near->ahead[pair.a] - a;
+
+	if (pair.b < model->body_count) {
+		b = near->reach[pair.b];
+		turning += near->ahead[pair.b] - b;
+	}
+	const double way = fmin(fmax(fmax(a, b), rb_vec3_length(d)), a + b);
+	const double closing = way + turning + model->tolerance_m;
+	return model->driven ? closing + plane_turn(look, pair) : closing;
+}
+
+/* Whether that could be enough, seen at a glance. */
+static bool may_close(const struct look *look, struct rb_pair pair, double path)
+{
+	const struct rb_candidates *near = look->near;
+	const struct rb_model *model = look->world->model;
+	double closing = near->ahead[pair.a] + model->tolerance_m;
+
+	if (pair.b < model->body_count) {
+		closing += near->ahead[pair.b];
+		/* a plate may turn */
+		if (model->driven && model->driven[pair.b])
+			return true;
+	}
+	return !rb_clearance_is_more(near, look->pair, path,
+	                             closing < look->max ? closing : look->max);
+}
+
+/* ---- all pairs, by blocks ---- */
+
+struct looks {
+	struct look look; /* to begin each block with */
+	struct rb_world *world;
+	struct look *block; /* what came of it */
+};
+
+static void inspect_block(void *user, int block, int worker)
+{
+	const struct looks *looks = user;
+	struct look look = looks->look;
+	const struct rb_candidates *near = look.near;
+	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK,
+		     end = rb_pairs_end(rb_candidates_live_count(near), first);
+
+	const double max = look.max;
+	const int n = look.world->model->body_count;
+	look.arena = &look.world->arena[worker];
+	/* the first block's need no copy, where there is room */
+	if (block == 0 && look.points->capacity > look.points->count) {
+		look.out = look.points->row + look.points->count;
+		look.capacity = look.points->capacity - look.points->count;
+		look.in_place = true;
+	}
+	for (size_t at = first; at < end && !look.failed; at++) {
+		const size_t k = rb_candidates_live(near, at);
+		const struct rb_pair pair = near->pair[k];
+
+		look.pair = k;
+		if (rb_pair_is_plain(look.world->model, pair.a, pair.b)) {
+			inspect_plain(&look, pair, fmin(slack_of(&look, pair), max));
+			continue;
+		}
+		const double path = rb_clearance_path(near, pair, n);
+		if (may_close(&look, pair, path))
+			near->room[k] = path + inspect_parts(&look, pair,
+			                                     fmin(closing_of(&look, pair), max),
+			                                     &near->clue[near->first_clue[k]]);
+	}
+	looks->block[block] = look;
+}
+
+enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
+                                  struct rb_candidates *near, double h, double max,
+                                  struct rb_error *err)
+{
+	const int blocks = rb_pairs_blocks(rb_candidates_live_count(near));
+	struct looks looks = {
+		.look = {.world = world, .points = points, .near = near, .h = h, .max = max}};
+	bool good = true;
+
+	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *looks.block);
+	if (!looks.block)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
+	rb_team_run(world->team, blocks, inspect_block, &looks);
+	size_t count = points->count;
+	for (int b = 0; b < blocks; b++) {
+		count += looks.block[b].count;
+		good = good && !looks.block[b].failed;
+	}
+	if (!good ||
+	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
+	for (int b = 0; b < blocks; b++) {
+		const struct look *look = &looks.block[b];
+
+		if (look->count > 0 && !look->in_place)
+			memcpy(points->row + points->count, look->out,
+			       look->count * sizeof *points->row);
+		points->count += look->count;
+	}
+	return RB_OK;
+}
+
+enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,
+                                   struct rb_error *err)
+{
+	const size_t n = points->count;
+	struct rb_sort_item *item = rb_arena_take(arena, 2 * n + 1, sizeof *item);
+	struct rb_step_point *row = rb_arena_take(arena, n + 1, sizeof *row);
+
+	if (!item || !row)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", n);
+	for (size_t k = 0; k < n; k++)
+		item[k] = (struct rb_sort_item){points->row[k].pair, k};
+	rb_sort_by_key(item, item + n, n);
+	for (size_t k = 0; k < n; k++)
+		row[k] = points->row[item[k].value];
+	if (n > 0)
+		memcpy(points->row, row, n * sizeof *row);
+	return RB_OK;
+}
+
+void rb_step_points_index(struct rb_step_points *points, const struct rb_model *model)
+{
+	int a = 0;
+
+	for (size_t k = 0; k < points->last_count; k++)
+		for (; a <= points->last[k].a; a++)
+			points->first_last[a] = k;
+	for (; a <= model->body_count; a++)
+		points->first_last[a] = points->last_count;
+}
+
+static int by_first(const void *left, const void *right)
+{
+	const struct rb_named_push *x = left, *y = right;
+
+	if (x->a != y->a)
+		return x->a < y->a ? -1 : 1;
+	return (x->b > y->b) - (x->b < y->b);
+}
+
+enum rb_status rb_step_points_take_over(struct rb_step_points *points, const struct rb_world *world,
+                                        struct rb_error *err)
+{
+	const struct rb_contacts *contacts = &world->contacts;
+	size_t length;
+
+	points->last_count = 0;
+	if (!rb_step_points_reserve(points, contacts->count))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", contacts->count);
+	for (size_t k = 0; k < contacts->count; k += length) {
+		const struct rb_contact *first = &contacts->row[k];
+		const bool swapped = world->model->inverse_mass[first->a] == 0; /* driven */
+		struct rb_named_push push = {.a = swapped ? first->b : first->a,
+		                             .b = swapped ? first->a : first->b,
+		                             .key = RB_ANY_POINT};
+
+		for (length = 0; k + length < contacts->count && first[length].a == first->a &&
+		                 first[length].b == first->b;
+		     length++) {
+			push.force += first[length].normal_force;
+			push.friction_impulse = rb_vec3_add(push.friction_impulse,
+			                                    first[length].tangent_force);
+		}
+		push.force /= (double)length;
+		push.friction_impulse = rb_vec3_scale((swapped ? -1 : 1) / (double)length,
+		                                      push.friction_impulse);
+		if (push.force > 0)
+			points->last[points->last_count++] = push;
+	}
+	if (points->last_count > 1)
+		qsort(points->last, points->last_count, sizeof *points->last, by_first);
+	rb_step_points_index(points, world->model);
+	return RB_OK;
+}
+
+void rb_step_points_take_last(struct rb_step_points *points, const struct rb_step_points *from,
+                              const int *member, int count)
+{
+	points->last_count = 0;
+	for (int k = 0; k < count; k++) {
+		const int a = member[k];
+		const size_t end = from->last_count > 0 ? from->first_last[a + 1] : 0;
+
+		for (size_t at = from->last_count > 0 ? from->first_last[a] : 0; at < end; at++)
+			points->last[points->last_count++] = from->last[at];
+	}
+	rb_step_points_index_members(points, member, count);
+}
+
+void rb_step_points_index_members(struct rb_step_points *points, const int *member, int count)
+{
+	size_t at = 0;
+
+	for (int k = 0; k < count; k++) {
+		points->first_last[member[k]] = at;
+		while (at < points->last_count && points->last[at].a == member[k])
+			at++;
+		points->first_last[member[k] + 1] = at;
+	}
+}
+
+bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
+{
+	return rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
+	                         sizeof *points->last);
+}
+
+static struct rb_named_push push_of(const struct rb_step_points *points,
+                                    const struct rb_step_point *point, double h,
+                                    const unsigned char *stays)
+{
+	if (point->from > 0 && stays[point->a]) {
+		struct rb_named_push push = points->last[point->from - 1];
+
+		push.key = point->key;
+		return push;
+	}
+	return (struct rb_named_push){point->a, point->b, point->key, point->push / h,
+	                              rb_vec3_scale(1 / h, point->friction_impulse)};
+}
+
+enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
+                                   const unsigned char *stays, const unsigned char *sleeps,
+                                   struct rb_error *err)
+{
+	const size_t max = points->count + (sleeps ? points->last_count : 0);
+	size_t old = sleeps ? 0 : points->last_count, count = 0;
+
+	if (!rb_memory_reserve(&points->spare, &points->spare_capacity, max + 1,
+	                       sizeof *points->spare))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
+	struct rb_named_push *const to = points->spare;
+	for (size_t k = 0; k <= points->count; k++) {
+		const struct rb_step_point *point = k < points->count ? &points->row[k] : NULL;
+
+		if (point && !(point->push > 0))
+			continue;
+		for (; old < points->last_count && (!point || points->last[old].a < point->a);
+		     old++)
+			if (sleeps[points->last[old].a])
+				to[count++] = points->last[old];
+		if (point)
+			to[count++] = push_of(points, point, h, stays);
+	}
+	points->spare = points->last;
+	points->last = to;
+	const size_t capacity = points->spare_capacity;
+	points->spare_capacity = points->last_capacity;
+	points->last_capacity = capacity;
+	points->last_count = count;
+	return RB_OK;
+}

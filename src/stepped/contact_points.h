@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Points at which bodies could touch within a step: of spheres among themselves and on planes by closed forms, of all else
+ * through geom/manifold, part by part.
+ *
+ * A point has a name (pair, parts, features) by which the impulse of the step before is found again. Points come in order of
+ * pairs, whatever the threads.
+ */
+#ifndef RB_STEPPED_CONTACT_POINTS_H
+#define RB_STEPPED_CONTACT_POINTS_H
+
+#include "stepped/candidates.h"
+
+struct rb_step_point {
+	int a, b; /* indices of the model, a < b: a moves */
+	uint64_t key;
+	bool central;
+	bool struck;    /* what the step's solution has applied has been told as an impact */
+	rb_vec3 normal; /* unit, from a to b */
+	rb_vec3 arm_a,
+		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
+	double gap;    /* m, at the beginning of the step */
+	double bend; /* m: more of a gap by the end than straight ways make it; 0 unless it was looked for */
+	double friction, restitution;
+	double approach; /* m/s: towards each other at the beginning of the step, before its forces */
+	double push;     /* N s */
+	rb_vec3 friction_impulse; /* N s, on b */
+	rb_vec3 lever; /* m, from a's centre of mass: where the solution has applied these; central: not set */
+	size_t pair; /* among the candidates */
+	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
+};
+
+/* Of any point of a pair: another method has told its forces. */
+#define RB_ANY_POINT UINT64_MAX
+
+/* What of a point the next step starts from. */
+struct rb_named_push {
+	int a, b;
+	uint64_t key;
+	double force;             /* N */
+	rb_vec3 friction_impulse; /* N */
+};
+
+struct rb_step_points {
+	struct rb_step_point *row; /* owned */
+	size_t count, capacity;
+	struct rb_named_push *last; /* owned, in the order of points */
+	size_t last_count, last_capacity;
+	struct rb_named_push *spare; /* owned: the other buffer for them */
+	size_t spare_capacity;
+	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
+};
+
+RB_CHECKED enum rb_status rb_step_points_create(struct rb_step_points *points,
+                                                const struct rb_model *model, struct rb_error *err);
+void rb_step_points_release(struct rb_step_points *points);
+
+/*
+ * Adds those of the candidates that are live; velocities as for rb_candidates_find. Warm impulses are for a step of h_s.
+ * What is farther apart than `most`, m, is left out.
+ */
+RB_CHECKED enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
+                                             struct rb_candidates *near, double h_s, double max,
+                                             struct rb_error *err);
+
+/* In order of pairs, after several have been added; the points of one were added at once. */
+RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_arena *arena,
+                                              struct rb_error *err);
+
+/*
+ * Keeps the impulses of a step that has been accepted; to be indexed then. Bodies, by mark: of those that stay, forces are the
+ * ones they started from; those that stand (NULL: none do) have no points, and keep what they have.
+ */
+RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points, double h_s,
+                                              const unsigned char *stays,
+                                              const unsigned char *sleeps, struct rb_error *err);
+
+/*
+ * What the next step starts from is what another method has found: each point of a pair that touches has the mean force of the
+ * pair's contacts.
+ */
+RB_CHECKED enum rb_status rb_step_points_take_over(struct rb_step_points *points,
+                                                   const struct rb_world *world,
+                                                   struct rb_error *err);
+
+/* After `last` has changed. */
+void rb_step_points_index(struct rb_step_points *points, const struct rb_model *model);
+/* The same for what only these bodies, ascending, are asked about. */
+void rb_step_points_index_members(struct rb_step_points *points, const int *member, int count);
+/* Room for so many in `last`; false: no memory. */
+bool rb_step_points_reserve(struct rb_step_points *points, size_t count);
+/* Impulses of the step before of these bodies, ascending, for whose number there is room. */
+void rb_step_points_take_last(struct rb_step_points *points, const struct rb_step_points *from,
+                              const int *member, int count);
+
+#endif

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/contact_records.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/memory.h"
+
+static rb_vec3 lever_of(const struct rb_step_point *point)
+{
+	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
+}
+
+/* A driven body comes second, wherever it is in the scene. */
+static struct rb_contact in_order(struct rb_contact contact)
+{
+	const int a = contact.a;
+
+	if (a < contact.b)
+		return contact;
+	contact.a = contact.b;
+	contact.b = a;
+	contact.normal = rb_vec3_neg(contact.normal);
+	contact.tangent_force = rb_vec3_neg(contact.tangent_force);
+	return contact;
+}
+
+/*
+ * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as a force and as an impact.
+ * It acts where the step's solution has had it. Of what still rests it is what it was: the rounding of the step's length is
+ * not in it.
+ */
+static struct rb_contact contact_of(const struct rb_world *world, const struct rb_cohort *cohort,
+                                    size_t at, double h)
+{
+	const struct rb_step_points *points = &cohort->points;
+	const struct rb_step_point *point = &points->row[at];
+	const bool stays = world->stepped->solver.stays[point->a] && point->from > 0;
+	struct rb_contact contact = {
+		.a = point->a,
+		.b = point->b,
+		.point = rb_vec3_add(rb_world_row3(world->state.position, point->a),
+	                             lever_of(point)),
+		.normal = point->normal,
+		.gap = point->gap,
+		.key = point->key,
+	};
+
+	if (stays) {
+		contact.normal_force = points->last[point->from - 1].force;
+		contact.tangent_force = points->last[point->from - 1].friction_impulse;
+	} else if (!point->struck) {
+		const rb_vec3 rebound = cohort->rebound[at];
+		const double more = rb_vec3_dot(rebound, point->normal);
+
+		contact.normal_force = (point->push + more) / h;
+		contact.tangent_force = rb_vec3_scale(
+			1 / h, rb_vec3_add(point->friction_impulse,
+		                           rb_vec3_add_scaled(rebound, -more, point->normal)));
+	}
+	return in_order(contact);
+}
+
+static size_t pair_length(const struct rb_step_points *points, size_t first)
+{
+	size_t end = first + 1;
+
+	while (end < points->count && points->row[end].a == points->row[first].a &&
+	       points->row[end].b == points->row[first].b)
+		end++;
+	return end - first;
+}
+
+/* Those of what stands, from there on, up to a pair, are as before; returns where it has come to. */
+static size_t add_standing(const struct rb_world *world, size_t from, const unsigned char *skip,
+                           const struct rb_contact *before, struct rb_contacts *to)
+{
+	const struct rb_contacts *last = &world->contacts;
+	const unsigned char *sleeps = world->stepped->sleep.sleeps;
+
+	for (; from < last->count; from++) {
+		const struct rb_contact *contact = &last->row[from];
+		const int i = rb_stepped_is_dynamic(world, contact->a) ? contact->a : contact->b;
+
+		if (before &&
+		    (contact->a > before->a || (contact->a == before->a && contact->b > before->b)))
+			break;
+		if (sleeps[i] && !(skip && skip[i]))
+			to->row[to->count++] = *contact;
+	}
+	return from;
+}
+
+enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort, double h,
+                                  const unsigned char *skip, struct rb_contacts *to,
+                                  struct rb_error *err)
+{
+	const struct rb_step_points *points = &cohort->points;
+	const bool all = cohort == &world->stepped->all && world->stepped->sleep.count > 0;
+	size_t old = 0;
+	const enum rb_status status = rb_contacts_reserve(
+		to, to->count + points->count + (all ? world->contacts.count : 0) + 1, err);
+
+	if (status != RB_OK)
+		return status;
+	for (size_t k = 0; k < points->count; k++) {
+		if (!(points->row[k].push > 0) || (skip && skip[points->row[k].a]))
+			continue;
+		const struct rb_contact contact = contact_of(world, cohort, k, h);
+		if (all)
+			old = add_standing(world, old, skip, &contact, to);
+		to->row[to->count++] = contact;
+	}
+	if (all)
+		(void)add_standing(world, old, skip, NULL, to);
+	return RB_OK;
+}
+
+enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h, const unsigned char *skip,
+                                struct rb_contacts *to, struct rb_error *err)
+{
+	const struct rb_contacts *passed = &cohort->passed;
+	const enum rb_status status = rb_contacts_reserve(to, to->count + passed->count, err);
+
+	for (size_t k = 0; status == RB_OK && k < passed->count; k++) {
+		struct rb_contact contact = passed->row[k];
+
+		if (skip && skip[contact.a])
+			continue;
+		contact.normal_force /= h;
+		contact.tangent_force = rb_vec3_scale(1 / h, contact.tangent_force);
+		to->row[to->count++] = in_order(contact);
+	}
+	return status;
+}
+
+enum rb_status rb_record_part(const struct rb_cohort *cohort, const struct rb_contacts *contacts,
+                              double h, struct rb_contacts *scratch, struct rb_means *means,
+                              struct rb_error *err)
+{
+	scratch->count = 0;
+	enum rb_status status = rb_contacts_join(scratch, contacts, err);
+	if (status == RB_OK)
+		status = rb_record_passed(cohort, h, NULL, scratch, err);
+	return status == RB_OK ? rb_means_add(means, scratch, h, err) : status;
+}
+
+/*
+ * An impact is told where a pair that did not touch in the step before has come together, by more than the residual. The
+ * whole impulse of the step counts.
+ */
+static bool is_impact(const struct rb_world *world, const struct rb_cohort *cohort, size_t first,
+                      size_t length, struct rb_event *event)
+{
+	const struct rb_step_point *point = &cohort->points.row[first];
+	double push = 0, approach = 0;
+
+	*event = (struct rb_event){
+		.kind = RB_EVENT_COLLISION, .a = point->a, .b = point->b, .normal = point->normal};
+	for (size_t k = 0; k < length; k++) {
+		const rb_vec3 rebound = cohort->rebound[first + k];
+
+		if (!(point[k].push > 0))
+			continue;
+		const double along = point[k].push + rb_vec3_dot(rebound, point[k].normal);
+		event->impulse = rb_vec3_add(
+			event->impulse,
+			rb_vec3_add(rb_vec3_add_scaled(point[k].friction_impulse, point[k].push,
+		                                       point[k].normal),
+		                    rebound));
+		push += along;
+		approach = fmax(approach, point[k].approach);
+		event->point = rb_vec3_add_scaled(event->point, along, lever_of(&point[k]));
+	}
+	event->approach_speed = approach;
+	if (!(push > 0 && approach > world->stepped->solver.tolerance))
+		return false;
+	event->point = rb_vec3_add_scaled(rb_world_row3(world->state.position, point->a), 1 / push,
+	                                  event->point);
+	return true;
+}
+
+/* With ids, the smaller one first. */
+static enum rb_status add_recorded(struct rb_world *world, struct rb_event event,
+                                   struct rb_error *err)
+{
+	struct rb_events *reported = &world->stepped->reported;
+	const int a = world->model->id_of[event.a], b = world->model->id_of[event.b];
+
+	if (!rb_memory_reserve(&reported->row, &reported->capacity, reported->count + 1,
+	                       sizeof *reported->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	if (a > b) {
+		event.normal = rb_vec3_neg(event.normal);
+		event.impulse = rb_vec3_neg(event.impulse);
+	}
+	event.a = a < b ? a : b;
+	event.b = a < b ? b : a;
+	reported->row[reported->count++] = event;
+	return RB_OK;
+}
+
+/* Impacts that were resolved within the step; those that were left to its end are only counted. */
+static enum rb_status record_hits(struct rb_world *world, const struct rb_cohort *cohort,
+                                  double time, const unsigned char *skip, struct rb_error *err)
+{
+	struct rb_counts *counts = &world->frame_counts;
+	enum rb_status status = RB_OK;
+
+	for (size_t k = 0; k < cohort->hit_count && status == RB_OK; k++) {
+		const struct rb_hit *hit = &cohort->hit[k];
+
+		if (skip && skip[hit->a])
+			continue;
+		counts->plastic_ends += hit->plastic;
+		counts->crowded_impacts += hit->crowded;
+		counts->crowded_energy_j += hit->energy;
+		if (hit->crowded)
+			continue;
+		const struct rb_event event = {.kind = RB_EVENT_COLLISION,
+		                               .time_s = fmin(hit->time_s, time),
+		                               .a = hit->a,
+		                               .b = hit->b,
+		                               .point = hit->point,
+		                               .normal = hit->normal,
+		                               .impulse = hit->impulse,
+		                               .approach_speed = hit->approach};
+		status = add_recorded(world, event, err);
+	}
+	return status;
+}
+
+enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohort, double time,
+                                 const struct rb_contacts *before, const unsigned char *skip,
+                                 struct rb_error *err)
+{
+	struct rb_step_points *points = &cohort->points;
+	enum rb_status status = record_hits(world, cohort, time, skip, err);
+	size_t length;
+
+	for (size_t k = 0; k < points->count && status == RB_OK; k += length) {
+		const int i = points->row[k].a, j = points->row[k].b;
+		struct rb_event event;
+
+		length = pair_length(points, k);
+		if ((skip && skip[i]) || rb_contacts_find(before, i < j ? i : j, i < j ? j : i) ||
+		    !is_impact(world, cohort, k, length, &event))
+			continue;
+		for (size_t p = k; p < k + length; p++)
+			points->row[p].struck = true;
+		event.time_s = time;
+		status = add_recorded(world, event, err);
+	}
+	return status;
+}
+
+static int by_time(const void *left, const void *right)
+{
+	const struct rb_event *x = left, *y = right;
+
+	if (x->time_s != y->time_s)
+		return x->time_s < y->time_s ? -1 : 1;
+	if (x->a != y->a)
+		return x->a < y->a ? -1 : 1;
+	return (x->b > y->b) - (x->b < y->b);
+}
+
+bool rb_record_reserve(struct rb_world *world, size_t count)
+{
+	struct rb_events *events = &world->events;
+
+	return rb_memory_reserve(&events->row, &events->capacity, events->count + count + 1,
+	                         sizeof *events->row);
+}
+
+enum rb_status rb_record_all(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_events *reported = &world->stepped->reported, *events = &world->events;
+	const size_t first = events->count, count = reported->count;
+	enum rb_status status = RB_OK;
+
+	reported->count = 0;
+	world->frame_counts.collisions += count;
+	if (count == 0 || (!world->hooks.collision && !world->options.keep_events))
+		return RB_OK;
+	qsort(reported->row, count, sizeof *reported->row, by_time);
+	memcpy(events->row + first, reported->row, count * sizeof *reported->row);
+	events->count += count;
+	for (size_t k = first; k < events->count && world->hooks.collision && status == RB_OK;
+	     k++, world->moment++)
+		status = world->hooks.collision(world->hooks.user, world, &events->row[k], err);
+	if (!world->options.keep_events)
+		events->count = 0;
+	return status;
+}

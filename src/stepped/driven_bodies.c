@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/driven_bodies.h"
+
+#include "step/motion.h"
+
+static const double full_turn = 6.28318530717958647692;
+/* Share of the way by which velocities and places may differ: what constants of seven digits are worth, and no step sees. */
+static const double agreement = 1e-6;
+
+/* The turn, as a vector, that leads from one orientation to another: of whole turns more as many as `expected` has. */
+static rb_vec3 turn_between(rb_quat from, rb_quat to, rb_vec3 expected)
+{
+	rb_quat d = rb_quat_multiply(to, (rb_quat){from.w, -from.x, -from.y, -from.z});
+
+	if (d.w < 0)
+		d = (rb_quat){-d.w, -d.x, -d.y, -d.z};
+	const rb_vec3 axis = {d.x, d.y, d.z};
+	const double sine = rb_vec3_length(axis), angle = 2 * atan2(sine, d.w);
+
+	/* below that the angle is twice the sine to rounding */
+	if (!(sine > 1e-9))
+		return rb_vec3_scale(2, axis);
+	const double along = rb_vec3_dot(expected, axis) / sine;
+	const double whole = nearbyint((along - angle) / full_turn);
+
+	return rb_vec3_scale((angle + full_turn * whole) / sine, axis);
+}
+
+/* What the function says of the step's end, looked at on the way there. */
+static enum rb_status ask(const struct rb_world *world, int i, double start, double h,
+                          struct rb_driven_pose *pose, struct rb_error *err)
+{
+	const struct rb_state *state = &world->state;
+	const struct rb_model *model = world->model;
+	const struct rb_body_def *def = &model->scene->bodies[model->id_of[i]];
+	struct rb_motion motion = {.world = world,
+	                           .i = i,
+	                           .from_s = start,
+	                           .to_s = start + h,
+	                           .begin = {.position = rb_world_row3(state->position, i),
+	                                     .orientation = model->orientation[i],
+	                                     .has_velocity = def->motion_gives_velocity,
+	                                     .velocity = rb_world_row3(state->velocity, i)},
+	                           .coarse = model->tolerance_m / model->size_min_m,
+	                           .agreement = agreement};
+
+	if (state->spin) {
+		motion.begin.orientation = rb_quat_from(state->orientation + 4 * (size_t)i);
+		motion.begin.has_angular_velocity = def->motion_gives_angular_velocity;
+		motion.begin.angular_velocity = rb_world_row3(state->spin, i);
+	}
+	enum rb_status status = rb_motion_ask(world, i, motion.to_s, motion.begin.orientation,
+	                                      &motion.end, err);
+	if (status == RB_OK)
+		status = rb_motion_watch(&motion, err);
+	*pose = motion.end;
+	return status;
+}
+
+enum rb_status rb_drive_begin(struct rb_world *world, double start, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_state *state = &world->state;
+
+	for (int k = 0; k < s->driven_count; k++) {
+		const int i = s->body[s->member_count + k];
+		const size_t row = 3 * (size_t)i;
+		struct rb_driven_pose pose;
+		const enum rb_status status = ask(world, i, start, h, &pose, err);
+
+		if (status != RB_OK)
+			return status;
+		const rb_vec3 v = rb_vec3_scale(
+			1 / h, rb_vec3_sub(pose.position, rb_world_row3(state->position, i)));
+		s->ride[k] = (struct rb_ride){.position = pose.position,
+		                              .velocity = pose.has_velocity ? pose.velocity : v,
+		                              .orientation = pose.orientation};
+		const rb_vec3 expected = rb_vec3_scale(pose.has_angular_velocity ? h : 0,
+		                                       pose.angular_velocity);
+		rb_vec3_to(state->velocity + row, v);
+		rb_vec3_to(world->mark.velocity + row, v);
+		if (!state->spin)
+			continue;
+		const rb_vec3 w = rb_vec3_scale(
+			1 / h, turn_between(rb_quat_from(state->orientation + 4 * (size_t)i),
+		                            pose.orientation, expected));
+		s->ride[k].spin = pose.has_angular_velocity ? pose.angular_velocity : w;
+		rb_vec3_to(state->spin + row, w);
+		rb_vec3_to(world->mark.spin + row, w);
+	}
+	return RB_OK;
+}
+
+void rb_drive_end(struct rb_world *world)
+{
+	const struct rb_stepped *s = world->stepped;
+	struct rb_state *state = &world->state;
+
+	for (int k = 0; k < s->driven_count; k++) {
+		const size_t i = (size_t)s->body[s->member_count + k];
+
+		rb_vec3_to(state->position + 3 * i, s->ride[k].position);
+		rb_vec3_to(state->velocity + 3 * i, s->ride[k].velocity);
+		if (!state->spin)
+			continue;
+		rb_quat_to(state->orientation + 4 * i, s->ride[k].orientation);
+		rb_vec3_to(state->spin + 3 * i, s->ride[k].spin);
+	}
+}

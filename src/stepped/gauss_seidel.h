@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Rows by iteration: sweeps of projected Gauss-Seidel, each row set right on its own, accelerated by Anderson's mixture
+ * of the last ones (D. G. Anderson, J. ACM 12 (1965) 547), which also copes with how friction and normals meddle.
+ *
+ * For groups of few rows: these settle soon which of them act, and a mixture then comes close very fast.
+ */
+#ifndef RB_STEPPED_GAUSS_SEIDEL_H
+#define RB_STEPPED_GAUSS_SEIDEL_H
+
+#include "base/arena.h"
+#include "stepped/row.h"
+
+/* Sweeps that the mixture knows. */
+enum { RB_SWEEP_MEMORY = 4 };
+
+struct rb_sweep_trace;
+
+struct rb_sweep {
+	const struct rb_row_system *dense;
+	double tolerance;             /* m/s: stops when no row's velocity changes by more */
+	int max;                      /* sweeps */
+	struct rb_sweep_trace *trace; /* [rows]: scratch, rb_sweep_take */
+};
+
+struct rb_sweep_result {
+	int sweeps;
+	double residual; /* m/s: largest change of a row's velocity in the last sweep */
+};
+
+/* Applies the impulses that rows begin with to the bodies. */
+void rb_sweep_warm(const struct rb_row_system *dense);
+struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep);
+/*
+ * Whether mixtures have led to impulses far beyond what it came to: velocities have the rounding of these. `push` [members] is
+ * scratch, `local` a body's place in it.
+ */
+bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*push)[2],
+                       int member_count);
+
+/* Scratch, once dense is known; false: no memory. */
+bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena);
+
+#endif

@@ -1,0 +1,793 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/impact_pass.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "base/memory.h"
+#include "constraint/simultaneous.h"
+#include "stepped/flight.h"
+#include "stepped/tally.h"
+
+/* Impacts in a step, and for each of its points, after which what is left rebounds at the end. */
+enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4 };
+/*
+ * Products with the matrix of a group's contacts, times these, that one impact may cost: several times what those took that
+ * were seen to end (a break of 136 contacts 1.4e4); where nothing is given back, the step's own solution is the other way.
+ */
+static const long work_max = 200000, work_max_plastic = 20000;
+/* Of the approach of an impact: speeds to which what follows from it is resolved. */
+static const double fine_share = 1e-9;
+/* Over the largest speed in a group: what rebounds leave of an approach by rounding. */
+static const double noise_ulp = 32;
+
+struct rb_due {
+	double t_s;
+	size_t point;
+};
+
+/* One try's search; arrays in the arena but for the queue. */
+struct impacts {
+	struct rb_world *world;
+	struct rb_stepped *s;
+	struct rb_cohort *cohort;
+	struct rb_step_points *points;
+	struct rb_flight flight;
+	unsigned char *held;
+	size_t *first, *of;     /* points of each body that yields */
+	double *due_s;          /* [points] when it is an impact next; INFINITY */
+	unsigned char *touched; /* [points] it was part of an impact */
+	unsigned char *seen;    /* [points] its gap is looked at when all is done, or in the set */
+	int *place;             /* [bodies] in the set, or -1 */
+	unsigned char *crowded; /* [bodies] of a group that is too large */
+	size_t due_count;
+
+	/* what touches at one moment */
+	int *body;
+	int body_count, bodies_max;
+	size_t *contact;
+	int contact_count;
+	double t_s, start_s;
+	double noise; /* m/s: of approaches among these */
+};
+
+enum rb_status rb_impacts_create(struct rb_stepped *s, const struct rb_model *model,
+                                 struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count + 1;
+
+	if (!s->solver.bounces)
+		return RB_OK;
+	s->kick = rb_memory_take(n, sizeof *s->kick);
+	s->kicked = rb_memory_take(n, sizeof *s->kicked);
+	return s->kick && s->kicked
+	               ? RB_OK
+	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for impacts of %zu bodies", n - 1);
+}
+
+void rb_impacts_release(struct rb_stepped *s)
+{
+	rb_memory_free(s->kick);
+	rb_memory_free(s->kicked);
+	rb_memory_free(s->due);
+}
+
+/* ---- the queue: a heap by time, then by point ---- */
+
+static bool is_sooner(const struct rb_due *x, const struct rb_due *y)
+{
+	return x->t_s < y->t_s || (x->t_s == y->t_s && x->point < y->point);
+}
+
+static enum rb_status enqueue(struct impacts *all, size_t point, struct rb_error *err)
+{
+	struct rb_stepped *s = all->s;
+	size_t at = all->due_count;
+
+	if (!rb_memory_reserve(&s->due, &s->due_capacity, at + 1, sizeof *s->due))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	const struct rb_due due = {all->due_s[point], point};
+	for (; at > 0 && is_sooner(&due, &s->due[(at - 1) / 2]); at = (at - 1) / 2)
+		s->due[at] = s->due[(at - 1) / 2];
+	s->due[at] = due;
+	all->due_count++;
+	return RB_OK;
+}
+
+static struct rb_due dequeue(struct impacts *all)
+{
+	struct rb_due *const due = all->s->due;
+	const struct rb_due first = due[0], last = due[--all->due_count];
+	size_t at = 0;
+
+	for (;;) {
+		size_t next = 2 * at + 1;
+
+		if (next >= all->due_count)
+			break;
+		if (next + 1 < all->due_count && is_sooner(&due[next + 1], &due[next]))
+			next++;
+		if (!is_sooner(&due[next], &last))
+			break;
+		due[at] = due[next];
+		at = next;
+	}
+	due[at] = last;
+	return first;
+}
+
+static enum rb_status predict(struct impacts *all, size_t point, double now, struct rb_error *err)
+{
+	all->due_s[point] = rb_flight_meets(&all->flight, &all->points->row[point], now);
+	return all->due_s[point] <= all->flight.h_s ? enqueue(all, point, err) : RB_OK;
+}
+
+/* ---- which points could be one ---- */
+
+/* Cheap, and true of each that is an impact unless others come first. */
+static bool could_touch(const struct rb_flight *flight, const struct rb_step_point *point)
+{
+	const struct rb_world *world = flight->world;
+	const double h = flight->h_s;
+
+	if (!(rb_flight_rebound(flight, point, point->approach) > 0))
+		return false;
+	if (point->gap <= h * point->approach)
+		return true;
+	rb_vec3 u = rb_vec3_neg(rb_world_row3(world->state.velocity, point->a));
+	if (point->b < world->model->body_count)
+		u = rb_vec3_add(u, rb_world_row3(world->state.velocity, point->b));
+	return !point->central || point->gap <= -h * rb_vec3_dot(u, point->normal);
+}
+
+static bool any_could_touch(const struct rb_flight *flight, const struct rb_step_points *points)
+{
+	for (size_t k = 0; k < points->count; k++)
+		if (could_touch(flight, &points->row[k]))
+			return true;
+	return false;
+}
+
+/* ---- the search ---- */
+
+static void index_points(struct impacts *all)
+{
+	const struct rb_step_points *points = all->points;
+	const struct rb_world *world = all->world;
+	const size_t n = (size_t)world->model->body_count;
+	size_t *const first = all->first;
+
+	memset(first, 0, (n + 2) * sizeof *first);
+	memset(all->held, 0, n + 1);
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_step_point *p = &points->row[k];
+
+		first[p->a + 2]++;
+		if (rb_stepped_is_dynamic(world, p->b))
+			first[p->b + 2]++;
+		if (p->from == 0)
+			continue;
+		all->held[p->a] = 1;
+		if (p->b < world->model->body_count)
+			all->held[p->b] = 1;
+	}
+	for (size_t i = 2; i < n + 2; i++)
+		first[i] += first[i - 1];
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_step_point *p = &points->row[k];
+
+		all->of[first[p->a + 1]++] = k;
+		if (rb_stepped_is_dynamic(world, p->b))
+			all->of[first[p->b + 1]++] = k;
+	}
+}
+
+static enum rb_status begin(struct impacts *all, struct rb_error *err)
+{
+	struct rb_arena *arena = &all->world->arena[0];
+	const size_t n = (size_t)all->world->model->body_count + 2, count = all->points->count;
+
+	all->bodies_max = RB_IMPACT_CONTACTS + 1;
+	all->held = rb_arena_take(arena, n, 1);
+	all->first = rb_arena_take(arena, n + 1, sizeof *all->first);
+	all->of = rb_arena_take(arena, 2 * count, sizeof *all->of);
+	all->due_s = rb_arena_take(arena, count, sizeof *all->due_s);
+	all->touched = rb_arena_take(arena, count, 1);
+	all->seen = rb_arena_take(arena, count, 1);
+	all->place = rb_arena_take(arena, n, sizeof *all->place);
+	all->crowded = rb_arena_take(arena, n, 1);
+	all->body = rb_arena_take(arena, (size_t)all->bodies_max + 1, sizeof *all->body);
+	all->contact = rb_arena_take(arena, RB_IMPACT_CONTACTS + 1, sizeof *all->contact);
+	if (!all->held || !all->first || !all->of || !all->due_s || !all->touched || !all->seen ||
+	    !all->place || !all->crowded || !all->body || !all->contact)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	all->flight.held = all->held;
+	memset(all->touched, 0, count);
+	memset(all->seen, 0, count);
+	memset(all->crowded, 0, n);
+	for (size_t i = 0; i < n; i++)
+		all->place[i] = -1;
+	index_points(all);
+	enum rb_status status = RB_OK;
+	for (size_t k = 0; k < count && status == RB_OK; k++) {
+		all->due_s[k] = (double)INFINITY;
+		if (could_touch(&all->flight, &all->points->row[k])) {
+			all->seen[k] = 1;
+			status = predict(all, k, 0, err);
+		}
+	}
+	return status;
+}
+
+/* ---- what touches at one moment ---- */
+
+static bool take_body(struct impacts *all, int i)
+{
+	if (!rb_stepped_is_dynamic(all->world, i) || all->place[i] >= 0)
+		return true;
+	if (all->body_count == all->bodies_max || all->crowded[i])
+		return false;
+	all->place[i] = all->body_count;
+	all->body[all->body_count++] = i;
+	return true;
+}
+
+/* False: too many, or one of those that were. */
+static bool gather(struct impacts *all, size_t due)
+{
+	const struct rb_step_point *row = all->points->row;
+	const double touching = all->world->model->tolerance_m;
+	bool fits;
+
+	all->body_count = all->contact_count = 0;
+	fits = take_body(all, row[due].a) && take_body(all, row[due].b);
+	for (int k = 0; k < all->body_count && fits; k++) {
+		const int i = all->body[k];
+
+		for (size_t at = all->first[i]; at < all->first[i + 1] && fits; at++) {
+			const size_t p = all->of[at];
+			rb_vec3 normal;
+
+			/* of two bodies in the set, the first to come brings it */
+			const int other = row[p].a == i ? row[p].b : row[p].a;
+			if (rb_stepped_is_dynamic(all->world, other) && all->place[other] >= 0 &&
+			    all->place[other] < k)
+				continue;
+			if (p != due &&
+			    !(rb_flight_gap(&all->flight, &row[p], all->t_s, &normal) <= touching))
+				continue;
+			fits = all->contact_count < RB_IMPACT_CONTACTS && take_body(all, other);
+			if (fits)
+				all->contact[all->contact_count++] = p;
+		}
+	}
+	return fits;
+}
+
+static void forget_set(struct impacts *all)
+{
+	for (int k = 0; k < all->body_count; k++)
+		all->place[all->body[k]] = -1;
+}
+
+/* ---- the law ---- */
+
+static struct rb_solver_body joint_body(const struct impacts *all, int i)
+{
+	const struct rb_world *world = all->world;
+	const rb_vec3 none = {0, 0, 0};
+	const struct rb_flight_motion motion = rb_flight_of(&all->flight, i, none);
+	struct rb_solver_body body = {.linear = rb_flight_velocity(&motion, all->t_s)};
+
+	if (i >= world->model->body_count)
+		return body;
+	if (world->state.spin) {
+		const rb_vec3 spin = rb_world_row3(world->mark.spin, i);
+
+		body.angular = rb_vec3_add(spin, all->s->kick[i].angular);
+		if (!all->held[i])
+			body.angular = rb_vec3_add_scaled(
+				body.angular, all->t_s / all->flight.h_s,
+				rb_vec3_sub(rb_world_row3(world->state.spin, i), spin));
+	}
+	if (!rb_stepped_is_dynamic(world, i))
+		return body;
+	body.inverse_mass = world->model->inverse_mass[i];
+	if (!world->state.spin)
+		return body;
+	body.inverse_inertia = world->model->inverse_inertia_scalar[i];
+	if (isnan(body.inverse_inertia))
+		body.inverse_root = rb_top_inverse_root(
+			&all->s->top[i], &world->model->inertia[i],
+			rb_quat_from(world->mark.orientation + 4 * (size_t)i));
+	return body;
+}
+
+/* A body of the problem; of what does not yield each contact has its own. */
+static int joint_place(const struct impacts *all, struct rb_simultaneous *joint, int i)
+{
+	if (rb_stepped_is_dynamic(all->world, i))
+		return all->place[i];
+	joint->body[joint->body_count] = joint_body(all, i);
+	return joint->body_count++;
+}
+
+static void fill_contact(const struct impacts *all, struct rb_simultaneous *joint, int k)
+{
+	struct rb_step_point *point = &all->points->row[all->contact[k]];
+	struct rb_solver_contact *c = &joint->contact[k];
+	rb_vec3 normal;
+
+	(void)rb_flight_gap(&all->flight, point, all->t_s, &normal);
+	point->normal = normal;
+	const double least = rb_flight_least(&all->flight, point, normal);
+	*c = (struct rb_solver_contact){
+		.a = joint_place(all, joint, point->a),
+		.b = joint_place(all, joint, point->b),
+		.normal = normal,
+		.arm_a = point->central ? rb_vec3_scale(point->arm_a.x, normal) : point->arm_a,
+		.arm_b = point->central ? rb_vec3_scale(point->arm_b.x, normal) : point->arm_b,
+		.friction = all->world->state.spin ? point->friction : 0,
+		.restitution = point->restitution,
+	};
+	/* what lasts has an approach within what was left of it: no impact */
+	c->noise = point->from > 0 ? fmax(least, all->noise) : all->noise;
+}
+
+/* m/s: rounding of the speeds that come in, and of what the steps before have made of that of places. */
+static double noise_of(const struct impacts *all, const struct rb_simultaneous *joint)
+{
+	double max = 0;
+
+	for (int k = 0; k < all->body_count; k++) {
+		const int i = all->body[k];
+		const double turning = rb_vec3_length(joint->body[k].angular) *
+		                       all->s->solver.reach[i];
+
+		max = fmax(max, DBL_EPSILON * (rb_vec3_length(joint->body[k].linear) + turning) +
+		                        rb_flight_rounding(&all->flight, i));
+	}
+	for (int k = 0; k < all->contact_count; k++) {
+		const struct rb_step_point *point = &all->points->row[all->contact[k]];
+
+		if (!rb_stepped_is_dynamic(all->world, point->b))
+			max = fmax(max,
+			           DBL_EPSILON * rb_vec3_length(rb_flight_of(&all->flight, point->b,
+			                                                     point->arm_b)
+			                                                .velocity));
+	}
+	return noise_ulp * max;
+}
+
+/* What approaches gives nothing back. */
+static bool is_plastic(const struct impacts *all)
+{
+	for (int k = 0; k < all->contact_count; k++) {
+		const struct rb_step_point *point = &all->points->row[all->contact[k]];
+
+		if (point->restitution > 0 &&
+		    rb_flight_approach(&all->flight, point, point->normal) > 0)
+			return false;
+	}
+	return true;
+}
+
+static long work_max_of(const struct impacts *all)
+{
+	return is_plastic(all) ? work_max_plastic : work_max;
+}
+
+static bool build(struct impacts *all, double approach, struct rb_simultaneous *joint)
+{
+	struct rb_arena *arena = &all->world->arena[0];
+	const size_t contacts = (size_t)all->contact_count;
+
+	*joint = (struct rb_simultaneous){.body_count = all->body_count,
+	                                  .contact_count = all->contact_count,
+	                                  .arena = arena,
+	                                  .tolerance = fine_share * approach,
+	                                  .products_max = work_max_of(all) / (long)contacts};
+	joint->body = rb_arena_take(arena, (size_t)all->body_count + 2 * contacts,
+	                            sizeof *joint->body);
+	joint->contact = rb_arena_take(arena, contacts, sizeof *joint->contact);
+	if (!joint->body || !joint->contact)
+		return false;
+	for (int k = 0; k < all->body_count; k++)
+		joint->body[k] = joint_body(all, all->body[k]);
+	all->noise = fmax(noise_of(all, joint), joint->tolerance);
+	for (int k = 0; k < all->contact_count; k++)
+		fill_contact(all, joint, k);
+	return true;
+}
+
+static void kick(struct impacts *all, int i, const struct rb_solver_body *after)
+{
+	struct rb_stepped *s = all->s;
+	struct rb_kick *const to = &s->kick[i];
+	const struct rb_solver_body before = joint_body(all, i);
+	const rb_vec3 more = rb_vec3_sub(after->linear, before.linear);
+
+	if (!to->is_set)
+		s->kicked[s->kicked_count++] = i;
+	to->is_set = true;
+	to->linear = rb_vec3_add(to->linear, more);
+	to->angular = rb_vec3_add(to->angular, rb_vec3_sub(after->angular, before.angular));
+	to->shift = rb_vec3_add_scaled(to->shift, -all->t_s, more);
+}
+
+/* ---- what is told ---- */
+
+/* After all that has happened at the end of the step before. */
+static double time_of(const struct impacts *all)
+{
+	return fmax(all->start_s + all->t_s, nextafter(all->start_s, (double)INFINITY));
+}
+
+/* Where a point is at the moment. */
+static rb_vec3 place_of(const struct impacts *all, const struct rb_step_point *point)
+{
+	const rb_vec3 arm = point->central ? rb_vec3_scale(point->arm_a.x, point->normal)
+	                                   : point->arm_a;
+	const struct rb_flight_motion motion = rb_flight_of(&all->flight, point->a, arm);
+	rb_vec3 at = rb_vec3_add(rb_world_row3(all->world->state.position, point->a), motion.shift);
+
+	at = rb_vec3_add_scaled(at, all->t_s, rb_flight_velocity(&motion, all->t_s));
+	return rb_vec3_add(at, arm);
+}
+
+/* One for all points and impacts of a pair at one moment. */
+static struct rb_hit *find_hit(const struct impacts *all, const struct rb_step_point *point)
+{
+	struct rb_cohort *cohort = all->cohort;
+	const double time = time_of(all);
+
+	for (size_t k = cohort->hit_count; k-- > 0 && cohort->hit[k].time_s == time;)
+		if (cohort->hit[k].a == point->a && cohort->hit[k].b == point->b &&
+		    !cohort->hit[k].crowded)
+			return &cohort->hit[k];
+	return NULL;
+}
+
+static struct rb_hit *add_hit(struct impacts *all, const struct rb_step_point *point)
+{
+	struct rb_cohort *cohort = all->cohort;
+
+	if (!rb_memory_reserve(&cohort->hit, &cohort->hit_capacity, cohort->hit_count + 1,
+	                       sizeof *cohort->hit))
+		return NULL;
+	struct rb_hit *hit = &cohort->hit[cohort->hit_count++];
+	*hit = (struct rb_hit){.a = point->a,
+	                       .b = point->b,
+	                       .time_s = time_of(all),
+	                       .point = place_of(all, point),
+	                       .normal = point->normal};
+	return hit;
+}
+
+/* The pair's impulse acts in the middle of its points, each with the weight of its own. */
+static void add_impulse(const struct impacts *all, struct rb_hit *hit,
+                        const struct rb_step_point *point, const struct rb_solver_contact *c)
+{
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+
+	hit->impulse = rb_vec3_add(hit->impulse, c->impulse);
+	if (!(push > 0))
+		return;
+	hit->push += push;
+	hit->point = rb_vec3_add_scaled(hit->point, push / hit->push,
+	                                rb_vec3_sub(place_of(all, point), hit->point));
+}
+
+/* A contact that touched and has passed an impact on is none of its own: its impulse is in the mean force of the step. */
+static bool pass(struct impacts *all, const struct rb_step_point *point,
+                 const struct rb_solver_contact *c)
+{
+	struct rb_contacts *passed = &all->cohort->passed;
+	const double push = rb_vec3_dot(c->impulse, c->normal);
+
+	if (!all->world->keeps_means || rb_vec3_max_abs(c->impulse) == 0)
+		return true;
+	if (rb_contacts_reserve(passed, passed->count + 1, NULL) != RB_OK)
+		return false;
+	passed->row[passed->count++] = (struct rb_contact){
+		.a = point->a,
+		.b = point->b,
+		.point = place_of(all, point),
+		.normal = c->normal,
+		.gap = point->gap,
+		.normal_force = push,
+		.tangent_force = rb_vec3_add_scaled(c->impulse, -push, c->normal),
+		.key = point->key,
+	};
+	return true;
+}
+
+static bool tell(struct impacts *all, const struct rb_simultaneous *joint, bool settled)
+{
+	bool first = true;
+
+	for (int k = 0; k < all->contact_count; k++) {
+		const struct rb_solver_contact *c = &joint->contact[k];
+
+		const struct rb_step_point *point = &all->points->row[all->contact[k]];
+
+		if (!(c->approach > 0) && !pass(all, point, c))
+			return false;
+		if (!(c->approach > 0))
+			continue;
+		struct rb_hit *hit = find_hit(all, point);
+		if (!hit)
+			hit = add_hit(all, point);
+		if (!hit)
+			return false;
+		if (c->approach > hit->approach) { /* the fastest of its points stands for it */
+			hit->approach = c->approach;
+			hit->normal = c->normal;
+		}
+		add_impulse(all, hit, point, c);
+		hit->plastic = hit->plastic || (first && !settled);
+		first = false;
+	}
+	return true;
+}
+
+/* 1/kg: what a body yields along the normal. */
+static double inverse_effective_mass_of(const struct impacts *all, int i, rb_vec3 arm,
+                                        rb_vec3 normal)
+{
+	const struct rb_solver_body body = joint_body(all, i);
+	const rb_vec3 lever = rb_vec3_cross(arm, normal);
+
+	if (!isnan(body.inverse_inertia))
+		return body.inverse_mass + body.inverse_inertia * rb_vec3_dot(lever, lever);
+	const rb_vec3 half = rb_mat3_apply(&body.inverse_root, lever);
+	return body.inverse_mass + rb_vec3_dot(half, half);
+}
+
+/* The whole group is left to the end of the step. */
+static bool target_velocity(struct impacts *all, size_t due)
+{
+	const struct rb_step_point *point = &all->points->row[due];
+	struct rb_hit *hit = add_hit(all, point);
+	const rb_vec3 none = {0, 0, 0};
+
+	for (int k = 0; k < all->body_count; k++)
+		all->crowded[all->body[k]] = 1;
+	if (!hit)
+		return false;
+	hit->crowded = true;
+	hit->approach = rb_flight_approach(&all->flight, point, point->normal);
+	const double inverse_effective_mass =
+		inverse_effective_mass_of(all, point->a, point->central ? none : point->arm_a,
+	                                  point->normal) +
+		inverse_effective_mass_of(all, point->b, point->central ? none : point->arm_b,
+	                                  point->normal);
+	hit->energy = 0.5 * hit->approach * hit->approach / inverse_effective_mass;
+	return true;
+}
+
+/* ---- for the ledger ---- */
+
+static rb_vec3 velocity_at(const struct rb_solver_body *body, rb_vec3 arm)
+{
+	return rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm));
+}
+
+/* What each contact has done, while bodies have not been kicked yet; false: no memory. */
+static bool note_blows(struct impacts *all, const struct rb_simultaneous *joint)
+{
+	struct rb_cohort *cohort = all->cohort;
+
+	if (!rb_memory_reserve(&cohort->blow, &cohort->blow_capacity,
+	                       cohort->blow_count + (size_t)joint->contact_count,
+	                       sizeof *cohort->blow))
+		return false;
+	for (int k = 0; k < joint->contact_count; k++) {
+		const struct rb_solver_contact *c = &joint->contact[k];
+		const struct rb_step_point *point = &all->points->row[all->contact[k]];
+		const struct rb_solver_body a = joint_body(all, point->a);
+		const struct rb_solver_body b = joint_body(all, point->b);
+		const rb_vec3 on_b = velocity_at(&b, c->arm_b);
+		const rb_vec3 before = rb_vec3_sub(on_b, velocity_at(&a, c->arm_a));
+		const rb_vec3 after = rb_vec3_sub(velocity_at(&joint->body[c->b], c->arm_b),
+		                                  velocity_at(&joint->body[c->a], c->arm_a));
+		const rb_vec3 mean = rb_vec3_scale(0.5, rb_vec3_add(before, after));
+		const double work = rb_vec3_dot(c->impulse, mean);
+		const double along = rb_vec3_dot(c->impulse, c->normal) *
+		                     rb_vec3_dot(mean, c->normal);
+
+		if (rb_vec3_max_abs(c->impulse) == 0)
+			continue;
+		cohort->blow[cohort->blow_count++] = (struct rb_blow){
+			.a = point->a,
+			.b = point->b,
+			.t_s = all->t_s,
+			.impulse = c->impulse,
+			.arm_a = c->arm_a,
+			.along = -along,
+			.across = along - work,
+			.driven = -rb_vec3_dot(c->impulse, on_b)};
+	}
+	return true;
+}
+
+/* ---- one moment ---- */
+
+/* False: no memory. */
+static bool collide(struct impacts *all, size_t due, bool *done)
+{
+	struct rb_simultaneous joint;
+	const rb_arena_mark here = rb_arena_here(&all->world->arena[0]);
+	const struct rb_step_point *point = &all->points->row[due];
+	rb_vec3 normal;
+
+	(void)rb_flight_gap(&all->flight, point, all->t_s, &normal);
+	bool fine = build(all, rb_flight_approach(&all->flight, point, normal), &joint);
+
+	*done = false;
+	if (fine) {
+		const bool settled = rb_simultaneous_impact(&joint, NULL);
+
+		*done = !rb_simultaneous_is_over(&joint);
+		fine = *done ? tell(all, &joint, settled) : target_velocity(all, due);
+	}
+	if (fine && *done && all->s->tally)
+		fine = note_blows(all, &joint);
+	for (int k = 0; k < all->body_count && fine && *done; k++)
+		kick(all, all->body[k], &joint.body[k]);
+	rb_arena_back(&all->world->arena[0], here);
+	return fine;
+}
+
+/* What touches has just been dealt with: it is due again if it approaches. */
+static enum rb_status predict_again(struct impacts *all, size_t point, struct rb_error *err)
+{
+	const struct rb_step_point *of = &all->points->row[point];
+
+	all->seen[point] = 1;
+	if (all->touched[point] && rb_flight_approach(&all->flight, of, of->normal) <= all->noise) {
+		all->due_s[point] = (double)INFINITY;
+		return RB_OK;
+	}
+	return predict(all, point, all->t_s, err);
+}
+
+static enum rb_status run_event(struct impacts *all, struct rb_due due, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+	bool done = false, fine;
+
+	all->t_s = due.t_s;
+	all->due_s[due.point] = (double)INFINITY;
+	fine = gather(all, due.point) ? collide(all, due.point, &done)
+	                              : target_velocity(all, due.point);
+	for (int k = 0; k < all->contact_count && done; k++)
+		all->touched[all->contact[k]] = 1;
+	for (int k = 0; k < all->body_count && done && status == RB_OK; k++) {
+		const int i = all->body[k];
+
+		for (size_t at = all->first[i]; at < all->first[i + 1] && status == RB_OK; at++)
+			status = predict_again(all, all->of[at], err);
+	}
+	forget_set(all);
+	return fine ? status : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+}
+
+/*
+ * What impacts add to a velocity by the step's end. Drag takes of it for the rest of the step: what it has taken of the velocity
+ * before would else push a body that has turned round.
+ */
+static rb_vec3 left_of_kick(const struct impacts *all, int i, const struct rb_kick *of)
+{
+	struct rb_stepped *s = all->s;
+
+	if (!s->undragged)
+		return of->linear;
+	const rb_vec3 taken = rb_vec3_scale(
+		s->undragged[i] - 1,
+		rb_vec3_add_scaled(of->linear, 1 / all->flight.h_s, of->shift));
+	if (s->tally)
+		s->tally->body[i].drag = rb_vec3_add_scaled(s->tally->body[i].drag,
+		                                            all->world->model->mass[i], taken);
+	return rb_vec3_add(of->linear, taken);
+}
+
+/* The step is solved from velocities after the impacts, for the ways that are left. */
+static void end(struct impacts *all)
+{
+	struct rb_stepped *s = all->s;
+	struct rb_state *state = &all->world->state;
+
+	for (size_t k = 0; k < all->points->count; k++) {
+		struct rb_step_point *point = &all->points->row[k];
+
+		if (!all->seen[k])
+			continue;
+		rb_flight_see(&all->flight, point, all->touched[k]);
+		point->approach = rb_flight_approach(&all->flight, point, point->normal);
+	}
+	for (int k = 0; k < s->kicked_count; k++) {
+		const struct rb_kick *of = &s->kick[s->kicked[k]];
+		double *const v = state->velocity + 3 * (size_t)s->kicked[k];
+
+		rb_vec3_to(v, rb_vec3_add(rb_vec3_from(v), left_of_kick(all, s->kicked[k], of)));
+		if (!state->spin)
+			continue;
+		double *const w = state->spin + 3 * (size_t)s->kicked[k];
+		rb_vec3_to(w, rb_vec3_add(rb_vec3_from(w), of->angular));
+	}
+}
+
+enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *cohort, double start,
+                                  double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct impacts all = {.world = world,
+	                      .s = s,
+	                      .cohort = cohort,
+	                      .points = &cohort->points,
+	                      .start_s = start,
+	                      .flight = {.world = world,
+	                                 .h_s = h,
+	                                 .tolerance = rb_solver_tolerance(world->model, h),
+	                                 .mixed = s->solver.mixed}};
+	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
+
+	cohort->hit_count = cohort->blow_count = cohort->passed.count = 0;
+	for (int k = 0; k < s->kicked_count; k++)
+		s->kick[s->kicked[k]] = (struct rb_kick){.is_set = false};
+	s->kicked_count = 0;
+	if (!s->kick || !any_could_touch(&all.flight, all.points))
+		return RB_OK;
+	enum rb_status status = begin(&all, err);
+	size_t left = EVENTS_MAX + EVENTS_PER_POINT * all.points->count;
+	while (status == RB_OK && all.due_count > 0 && left-- > 0) {
+		const struct rb_due due = dequeue(&all);
+
+		if (due.t_s == all.due_s[due.point]) /* else it has been foreseen anew */
+			status = run_event(&all, due, err);
+	}
+	if (status == RB_OK)
+		end(&all);
+	rb_arena_back(&world->arena[0], here);
+	return status;
+}
+
+void rb_impacts_seen(const struct rb_stepped *s, struct rb_step_point *point)
+{
+	const int ends[2] = {point->a, point->b};
+
+	for (int e = 0; e < 2 && s->kicked_count > 0; e++) {
+		if (ends[e] >= s->solver.body_count || !s->kick[ends[e]].is_set)
+			continue;
+		const struct rb_kick *kick = &s->kick[ends[e]];
+		const rb_vec3 none = {0, 0, 0}, arm = point->central ? none
+		                                      : e == 0       ? point->arm_a
+		                                                     : point->arm_b;
+		const double more = rb_vec3_dot(
+			point->normal,
+			rb_vec3_add(kick->linear, rb_vec3_cross(kick->angular, arm)));
+
+		point->approach += e == 0 ? more : -more;
+	}
+}
+
+void rb_impacts_blame(struct rb_stepped *s, const struct rb_world *world,
+                      const struct rb_cohort *cohort)
+{
+	bool more = s->bad_count > 0;
+
+	while (more) {
+		more = false;
+		for (size_t k = 0; k < cohort->hit_count; k++) {
+			const int a = cohort->hit[k].a, b = cohort->hit[k].b;
+
+			if (cohort->hit[k].crowded || !rb_stepped_is_dynamic(world, b) ||
+			    s->bad[a] == s->bad[b])
+				continue;
+			rb_stepped_blame(s, a);
+			rb_stepped_blame(s, b);
+			more = true;
+		}
+	}
+}

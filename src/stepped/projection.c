@@ -1,0 +1,463 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/projection.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/forest.h"
+#include "base/memory.h"
+#include "stepped/lift.h"
+
+/* Rounds; and by how many of the deepest overlaps a body may be moved, as one pushes the next. */
+enum { CLOSINGS_MAX = 12, CHAIN_MAX = 16 };
+
+/*
+ * Overlap after a step that moving positions is for, over the smallest size, and of what turns, over its bend: what is
+ * deeper is looked at again, and taken back where twice as much is left.
+ */
+static const double closable_share = 0.02, closable_bends = 2, lost_ratio = 2;
+/* What spin does not pay for is looked at in shorter steps, down to this part of the whole one. */
+static const double paying_parts = 8;
+/* A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a thirty-second. */
+static const double bend_turn_max = 0.25;
+
+/* ---- how much ---- */
+
+/* m: how far points of a body that turns are off the straight ways that contacts were solved for, r (w h)^2 / 2. */
+static double bend_of(const struct rb_world *world, int i, double h)
+{
+	if (!world->state.spin || i >= world->model->body_count)
+		return 0;
+	const double turn = fmin(bend_turn_max,
+	                         h * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                                  rb_vec3_length(rb_world_row3(world->mark.spin, i))));
+	return 0.5 * turn * turn * rb_candidates_size(world->model, i);
+}
+
+double rb_projection_max(const struct rb_world *world, const struct rb_deep *deep, double h)
+{
+	return closable_share * world->model->size_min_m +
+	       closable_bends * (bend_of(world, deep->a, h) + bend_of(world, deep->b, h));
+}
+
+/* What is looked for from what overlaps, from body to body. All in the arena. */
+struct search {
+	struct rb_world *world;
+	struct rb_cohort *cohort;
+	const int *body; /* that could be moved: those of the cohort, and what stands */
+	int count;
+	uint32_t *first, *of; /* by body, its candidates: `of` from first[i] up to the next one's */
+	int *place;           /* by body: in `body` */
+	unsigned char *seen;  /* by body: its candidates have been looked at */
+	unsigned char *moved; /* by body: in the round before */
+	int *parent;          /* by body: groups as far as they are known */
+	unsigned char *lost;  /* by group: somebody in it is bad */
+	unsigned char *looked; /* by pair */
+	int *wave, *active,
+		*stilled;     /* bodies: to look from; seen ones; without their velocities */
+	unsigned char *still; /* by body: it is without its velocity */
+	size_t *pair;         /* to be looked at */
+	int wave_count, active_count, still_count;
+	struct rb_lift lift;
+	bool again; /* not the first round */
+};
+
+/* ---- candidates by body ---- */
+
+static enum rb_status begin_search(struct search *search, struct rb_error *err)
+{
+	struct rb_arena *arena = &search->world->arena[0];
+	const size_t n = (size_t)search->world->model->body_count;
+	const size_t pairs = search->cohort->near->pair_count, count = (size_t)search->count;
+
+	RB_ASSERT(pairs < UINT32_MAX / 2);
+	search->place = rb_arena_take(arena, n, sizeof *search->place);
+	search->first = rb_arena_take(arena, count + 2, sizeof *search->first);
+	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
+	search->seen = rb_arena_take(arena, n, 1);
+	search->moved = rb_arena_take(arena, n, 1);
+	search->still = rb_arena_take(arena, n, 1);
+	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
+	search->lost = rb_arena_take(arena, n, 1);
+	search->looked = rb_arena_take(arena, pairs + 1, 1);
+	search->wave = rb_arena_take(arena, n, sizeof *search->wave);
+	search->active = rb_arena_take(arena, n, sizeof *search->active);
+	search->stilled = rb_arena_take(arena, n, sizeof *search->stilled);
+	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
+	if (search->place && search->first && search->of && search->seen && search->moved &&
+	    search->still && search->parent && search->lost && search->looked && search->wave &&
+	    search->active && search->stilled && search->pair) {
+		memset(search->moved, 0, n);
+		memset(search->still, 0, n);
+		return RB_OK;
+	}
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
+}
+
+static void index_pairs(struct search *search)
+{
+	const struct rb_candidates *near = search->cohort->near;
+	const struct rb_world *world = search->world;
+	uint32_t *const first = search->first;
+
+	memset(first, 0, ((size_t)search->count + 2) * sizeof *first);
+	for (int k = 0; k < search->count; k++)
+		search->place[search->body[k]] = k;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		first[search->place[near->pair[k].a] + 2]++;
+		if (rb_stepped_is_dynamic(world, near->pair[k].b))
+			first[search->place[near->pair[k].b] + 2]++;
+	}
+	for (int k = 0; k < search->count; k++)
+		first[k + 2] += first[k + 1];
+	for (size_t k = 0; k < near->pair_count; k++) {
+		search->of[first[search->place[near->pair[k].a] + 1]++] = (uint32_t)k;
+		if (rb_stepped_is_dynamic(world, near->pair[k].b))
+			search->of[first[search->place[near->pair[k].b] + 1]++] = (uint32_t)k;
+	}
+}
+
+/* ---- velocities, which are ways while positions are moved ---- */
+
+static void clear_velocity(struct rb_world *world, int i)
+{
+	memset(world->state.velocity + 3 * (size_t)i, 0, 3 * sizeof(double));
+	if (world->state.spin)
+		memset(world->state.spin + 3 * (size_t)i, 0, 3 * sizeof(double));
+}
+
+static void take_velocity(struct search *search, int i)
+{
+	struct rb_world *world = search->world;
+	double *const aside = world->stepped->aside;
+
+	if (i >= world->model->body_count || search->still[i])
+		return;
+	search->still[i] = 1;
+	search->stilled[search->still_count++] = i;
+	rb_vec3_to(aside + 6 * (size_t)i, rb_world_row3(world->state.velocity, i));
+	if (world->state.spin)
+		rb_vec3_to(aside + 6 * (size_t)i + 3, rb_world_row3(world->state.spin, i));
+	clear_velocity(world, i);
+	/* whoever has been found before is seen as without its turn since then */
+	if (search->again)
+		rb_candidates_turn(search->cohort->near, world, i);
+}
+
+static void give_velocities(const struct search *search)
+{
+	struct rb_world *world = search->world;
+	const double *aside = world->stepped->aside;
+
+	for (int k = 0; k < search->still_count; k++) {
+		const int i = search->stilled[k];
+
+		rb_vec3_to(world->state.velocity + 3 * (size_t)i,
+		           rb_vec3_from(aside + 6 * (size_t)i));
+		if (world->state.spin)
+			rb_vec3_to(world->state.spin + 3 * (size_t)i,
+			           rb_vec3_from(aside + 6 * (size_t)i + 3));
+	}
+}
+
+/* ---- which groups ---- */
+
+static void inspect_from(struct search *search, int i)
+{
+	if (!rb_stepped_is_dynamic(search->world, i) || search->seen[i])
+		return;
+	search->seen[i] = 1;
+	search->wave[search->wave_count++] = i;
+}
+
+static void join(struct search *search, const struct rb_step_point *point)
+{
+	if (rb_stepped_is_dynamic(search->world, point->b)) {
+		const int a = rb_forest_root(search->parent, point->a);
+		const int b = rb_forest_root(search->parent, point->b);
+		const bool lost = search->lost[a] || search->lost[b];
+
+		search->parent[a > b ? a : b] = a > b ? b : a;
+		search->lost[a > b ? b : a] = lost;
+	}
+	inspect_from(search, point->a);
+	inspect_from(search, point->b);
+}
+
+/* Groups with somebody who is bad are not moved: what overlaps with one need not be looked from. */
+static void begin_round(struct search *search, const struct rb_depths *found)
+{
+	const unsigned char *bad = search->world->stepped->bad;
+
+	for (int k = 0; k < search->count; k++) {
+		const int i = search->body[k];
+
+		search->seen[i] = 0;
+		search->parent[i] = i;
+		search->lost[i] = bad[i];
+	}
+	memset(search->looked, 0, search->cohort->near->pair_count);
+	search->wave_count = 0;
+	for (size_t k = 0; k < found->deep_count; k++) {
+		const int a = found->deep[k].a, b = found->deep[k].b;
+		const bool is_dynamic = rb_stepped_is_dynamic(search->world, b);
+
+		if (!bad[a] && !(is_dynamic && bad[b]))
+			continue;
+		search->lost[a] = 1;
+		if (is_dynamic)
+			search->lost[b] = 1;
+	}
+	for (size_t k = 0; k < found->deep_count; k++) {
+		inspect_from(search, found->deep[k].a);
+		inspect_from(search, found->deep[k].b);
+	}
+}
+
+/* Candidates of the bodies of the wave that have not been looked at, but for groups that are lost. */
+static size_t next_pairs(struct search *search)
+{
+	const struct rb_candidates *near = search->cohort->near;
+	size_t count = 0;
+
+	for (int k = 0; k < search->wave_count; k++) {
+		const int place = search->place[search->wave[k]];
+
+		if (search->lost[rb_forest_root(search->parent, search->wave[k])])
+			continue;
+		for (uint32_t at = search->first[place]; at < search->first[place + 1]; at++) {
+			const uint32_t pair = search->of[at];
+
+			if (search->looked[pair])
+				continue;
+			search->looked[pair] = 1;
+			search->pair[count++] = pair;
+			take_velocity(search, near->pair[pair].a);
+			take_velocity(search, near->pair[pair].b);
+		}
+	}
+	search->wave_count = 0;
+	return count;
+}
+
+/* Points of all groups in which something overlaps, in order of pairs, and their bodies: from those, wave by wave. */
+static enum rb_status find_points(struct search *search, const struct rb_depths *found, double max,
+                                  struct rb_error *err)
+{
+	struct rb_world *world = search->world;
+	struct rb_candidates *near = search->cohort->near;
+	struct rb_step_points *points = &world->stepped->closing;
+	const size_t *const live = near->live;
+	const size_t live_count = near->live_count;
+	enum rb_status status = RB_OK;
+
+	points->count = 0;
+	begin_round(search, found);
+	near->live = search->pair;
+	while (status == RB_OK && (near->live_count = next_pairs(search)) > 0) {
+		size_t at = points->count;
+
+		status = rb_step_points_add(points, world, near, 1, max, err);
+		for (; at < points->count; at++)
+			join(search, &points->row[at]);
+	}
+	near->live = live;
+	near->live_count = live_count;
+	search->active_count = 0;
+	for (int k = 0; k < search->count; k++)
+		if (search->seen[search->body[k]])
+			search->active[search->active_count++] = search->body[k];
+	return status == RB_OK ? rb_step_points_sort(points, &world->arena[0], err) : status;
+}
+
+/* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
+static void keep_points(const struct search *search, const struct rb_depths *found)
+{
+	struct rb_step_points *points = &search->world->stepped->closing;
+	size_t kept = 0;
+
+	memset(search->moved, 0, (size_t)search->world->model->body_count);
+	for (size_t k = 0; k < found->deep_count; k++)
+		search->moved[rb_forest_root(search->parent, found->deep[k].a)] = 1;
+	for (size_t k = 0; k < points->count; k++) {
+		const int root = rb_forest_root(search->parent, points->row[k].a);
+
+		if (search->moved[root] && !search->lost[root])
+			points->row[kept++] = points->row[k];
+	}
+	points->count = kept;
+	memset(search->moved, 0, (size_t)search->world->model->body_count);
+}
+
+/* ---- moving ---- */
+
+/* Moves positions by what the solver's velocities have become. */
+static void shift(struct search *search)
+{
+	struct rb_world *world = search->world;
+	const struct rb_solver *solver = &world->stepped->solver;
+
+	for (int k = 0; k < search->active_count; k++) {
+		const int i = search->active[k];
+
+		if (solver->island_of[i] < 0)
+			continue;
+		search->moved[i] = 1;
+		const struct rb_system_body *body = &solver->dense.body[i];
+		double *const at = world->state.position + 3 * (size_t)i;
+
+		rb_lift_add(&search->lift, world, i);
+		rb_vec3_to(at, rb_vec3_add(rb_vec3_from(at), body->linear));
+		if (!world->state.spin)
+			continue;
+		double *const q = world->state.orientation + 4 * (size_t)i;
+		rb_quat_to(q, rb_quat_unit(rb_quat_multiply(rb_quat_from_turn(body->angular),
+		                                            rb_quat_from(q))));
+	}
+}
+
+static double deepest(const struct rb_depths *found)
+{
+	double max = 0;
+
+	for (size_t k = 0; k < found->deep_count; k++)
+		max = fmax(max, found->deep[k].depth);
+	return max;
+}
+
+/* Groups are solved on their own: nobody else is asked about. */
+static enum rb_status close_once(struct search *search, const struct rb_depths *found,
+                                 struct rb_error *err)
+{
+	struct rb_world *world = search->world;
+	struct rb_stepped *s = world->stepped;
+
+	for (int k = 0; k < search->still_count; k++)
+		clear_velocity(world, search->stilled[k]);
+	/* parts stand where their overlaps were found */
+	const double max = CHAIN_MAX * deepest(found) + world->model->tolerance_m;
+	enum rb_status status = find_points(search, found, max, err);
+	if (status == RB_OK)
+		keep_points(search, found);
+	for (size_t k = 0; status == RB_OK && k < s->closing.count; k++) {
+		s->closing.row[k].friction = 0;
+		rb_lift_join(&search->lift, world, s->closing.row[k].a, s->closing.row[k].b);
+	}
+	/* driven bodies have no velocity either */
+	for (int k = 0; k < s->driven_count; k++) {
+		take_velocity(search, s->body[s->member_count + k]);
+		search->active[search->active_count + k] = s->body[s->member_count + k];
+	}
+	s->solver.active = search->active;
+	s->solver.active_count = search->active_count + s->driven_count;
+	if (status == RB_OK)
+		status = rb_solver_step(&s->solver, world, NULL, &s->closing, 1, err);
+	if (status == RB_OK) {
+		rb_lift_turn(&search->lift, world, &s->closing);
+		shift(search);
+	}
+	s->solver.active = search->cohort->body;
+	s->solver.active_count = search->cohort->body_count;
+	return status;
+}
+
+/* Of those that have been moved; parts of the others stand where they did. */
+static enum rb_status find_depths_again(struct search *search, struct rb_depths *found,
+                                        struct rb_error *err)
+{
+	struct rb_world *world = search->world;
+	const struct rb_stepped *s = world->stepped;
+
+	rb_candidates_place(search->cohort->near, world, search->stilled, search->still_count);
+	const enum rb_status status = rb_depths_find(world, search->cohort->near,
+	                                             s->bad_count > 0 ? s->bad : NULL,
+	                                             search->moved, found, err);
+	for (int k = 0; k < search->active_count; k++)
+		search->moved[search->active[k]] = 0;
+	return status;
+}
+
+static void blame(struct rb_world *world, const struct rb_deep *deep)
+{
+	rb_stepped_blame(world->stepped, deep->a);
+	if (rb_stepped_is_dynamic(world, deep->b))
+		rb_stepped_blame(world->stepped, deep->b);
+}
+
+/* Nothing but shorter steps will do. */
+static void blame_unclosable(struct rb_world *world, const struct rb_cohort *cohort,
+                             const struct rb_depths *found)
+{
+	for (size_t k = 0; k < found->deep_count; k++) {
+		const struct rb_deep *deep = &found->deep[k];
+
+		if (!(deep->depth <=
+		      lost_ratio * rb_projection_max(world, deep, cohort->near->h_s)))
+			blame(world, deep);
+	}
+}
+
+static bool all_is_lost(const struct rb_stepped *s, const struct rb_cohort *cohort)
+{
+	return s->bad_count > 0 && !cohort->divides;
+}
+
+static enum rb_status find_depths(struct rb_world *world, struct rb_cohort *cohort,
+                                  struct rb_depths *found, struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	rb_candidates_place(cohort->near, world, cohort->body, cohort->body_count);
+	return rb_depths_find(world, cohort->near, s->bad_count > 0 ? s->bad : NULL, NULL, found,
+	                      err);
+}
+
+enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *cohort,
+                                   struct rb_depths *found, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	const bool all = cohort == &s->all;
+	struct search search = {.world = world,
+	                        .cohort = cohort,
+	                        .body = all ? s->body : cohort->body,
+	                        .count = all ? s->member_count : cohort->member_count};
+	enum rb_status status = RB_OK;
+
+	if (cohort->is_measured && s->bad_count == 0)
+		*found = cohort->depths;
+	else
+		status = find_depths(world, cohort, found, err);
+	struct rb_depths last = *found;
+	if (status != RB_OK || found->deep_count == 0)
+		return status;
+	blame_unclosable(world, cohort, found);
+	if (all_is_lost(s, cohort))
+		return RB_OK;
+	status = begin_search(&search, err);
+	if (status != RB_OK)
+		return status;
+	index_pairs(&search);
+	status = rb_lift_begin(&search.lift, world, &cohort->points, cohort->near->h_s, err);
+	for (int round = 0; round < CLOSINGS_MAX && status == RB_OK && last.deep_count > 0;
+	     round++) {
+		status = close_once(&search, &last, err);
+		search.again = true;
+		/* nothing moves: all that overlap are with somebody who is bad */
+		if (status == RB_OK && s->closing.count == 0)
+			break;
+		world->frame_counts.closings++;
+		if (status == RB_OK)
+			status = find_depths_again(&search, &last, err);
+	}
+	give_velocities(&search);
+	if (status == RB_OK)
+		rb_lift_pay(&search.lift, world,
+		            paying_parts * cohort->near->h_s <= s->solver.whole_s);
+	for (size_t k = 0; k < last.deep_count; k++)
+		blame(world, &last.deep[k]);
+	if (last.deep_count > 0 || s->bad_count == 0)
+		*found = last;
+	else
+		found->max = fmax(found->max, last.max);
+	return status;
+}

@@ -1,0 +1,472 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/sleep.h"
+
+#include <string.h>
+
+#include "base/memory.h"
+
+enum { POSE = 7 };
+
+/* Of the smallest size: a way in which the touch of spheres is met where they stand, whatever the rounding of the step. */
+static const double small_share = 0.05;
+
+enum rb_status rb_sleep_create(struct rb_sleep *sleep, const struct rb_model *model,
+                               struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count;
+
+	*sleep = (struct rb_sleep){.changed = true};
+	sleep->sleeps = rb_memory_take(n, 1);
+	sleep->mark = rb_memory_take(n, 1);
+	sleep->next = rb_memory_take(n, sizeof *sleep->next);
+	sleep->group = rb_memory_take(n, sizeof *sleep->group);
+	sleep->points = rb_memory_take(n, sizeof *sleep->points);
+	sleep->body = rb_memory_take(n, sizeof *sleep->body);
+	sleep->pose = rb_memory_take(POSE * n, sizeof *sleep->pose);
+	if (sleep->sleeps && sleep->mark && sleep->next && sleep->group && sleep->points &&
+	    sleep->body && sleep->pose)
+		return RB_OK;
+	rb_sleep_release(sleep);
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for what stands of %zu bodies", n);
+}
+
+void rb_sleep_release(struct rb_sleep *sleep)
+{
+	rb_memory_free(sleep->sleeps);
+	rb_memory_free(sleep->mark);
+	rb_memory_free(sleep->next);
+	rb_memory_free(sleep->group);
+	rb_memory_free(sleep->points);
+	rb_memory_free(sleep->body);
+	rb_memory_free(sleep->pose);
+	rb_memory_free(sleep->live);
+	*sleep = (struct rb_sleep){0};
+}
+
+/* ---- who ---- */
+
+static bool is_none(const double *column, int i)
+{
+	const double *v = column ? column + 3 * (size_t)i : NULL;
+
+	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
+}
+
+static inline uint64_t bits(const double *number)
+{
+	uint64_t all;
+
+	memcpy(&all, number, sizeof all);
+	return all;
+}
+
+/* Bits in which two vectors differ. */
+static inline uint64_t differ(const double *a, const double *b)
+{
+	return (bits(a) ^ bits(b)) | (bits(a + 1) ^ bits(b + 1)) | (bits(a + 2) ^ bits(b + 2));
+}
+
+static inline bool has_pose(const struct rb_state *state, int i, const double *pose)
+{
+	uint64_t sum = differ(state->position + 3 * (size_t)i, pose);
+
+	if (state->orientation) {
+		const double *q = state->orientation + 4 * (size_t)i;
+
+		sum |= differ(q, pose + 3) | (bits(q + 3) ^ bits(pose + 6));
+	}
+	return sum == 0;
+}
+
+static void take_pose(const struct rb_state *state, int i, double *pose)
+{
+	memcpy(pose, state->position + 3 * (size_t)i, 3 * sizeof *pose);
+	if (state->orientation)
+		memcpy(pose + 3, state->orientation + 4 * (size_t)i, 4 * sizeof *pose);
+}
+
+static bool is_unmoved(const struct rb_world *world, int i)
+{
+	double pose[POSE];
+
+	take_pose(&world->mark, i, pose);
+	return has_pose(&world->state, i, pose);
+}
+
+/* The group of a body, or a driven one on its own. */
+static void rouse(struct rb_sleep *sleep, int i)
+{
+	int k = i;
+
+	do {
+		sleep->sleeps[k] = 0;
+		sleep->count--;
+		sleep->point_count -= (size_t)sleep->points[k];
+		k = sleep->next[k];
+	} while (k != i);
+	sleep->changed = true;
+	sleep->quiet = false;
+}
+
+static bool still_stands(const struct rb_world *world, int i, double h)
+{
+	const struct rb_stepped *s = world->stepped;
+	const struct rb_state *state = &world->state, *before = &world->mark;
+	static const double none[3] = {0, 0, 0};
+	const size_t row = 3 * (size_t)i;
+	/* before the step a driven body has the velocity that takes it to its next pose */
+	uint64_t moves = differ(before->velocity + row, none);
+
+	if (state->spin)
+		moves |= differ(before->spin + row, none);
+	return moves == 0 && has_pose(state, i, s->sleep.pose + POSE * (size_t)i) &&
+	       (!rb_stepped_is_dynamic(world, i) ||
+	        rb_rest_holds(&s->solver, i, state->velocity + row,
+	                      state->spin ? state->spin + row : NULL, h));
+}
+
+struct pass {
+	struct rb_world *world;
+	double h_s;
+};
+
+/* Reaches too, which hang on the rounding of the step's length. */
+static void check_block(void *user, int block, int worker)
+{
+	const struct pass *pass = user;
+	struct rb_world *world = pass->world;
+	struct rb_stepped *s = world->stepped;
+	const int n = world->model->body_count, first = block * RB_BODIES_PER_BLOCK;
+
+	(void)worker;
+	for (int k = first; k < n && k < first + RB_BODIES_PER_BLOCK; k++) {
+		const int i = s->body[k];
+
+		s->sleep.mark[i] = s->sleep.sleeps[i] && !still_stands(world, i, pass->h_s);
+		if (!s->sleep.sleeps[i])
+			continue;
+		s->near.reach[i] = rb_candidates_way(world, &world->state, i, pass->h_s);
+		if (s->near.ahead && is_none(world->state.spin, i))
+			s->near.ahead[i] = s->near.reach[i];
+		else if (s->near.ahead)
+			rb_candidates_turn(&s->near, world, i);
+	}
+}
+
+void rb_sleep_wake(struct rb_world *world, const unsigned char *mark)
+{
+	struct rb_sleep *sleep = &world->stepped->sleep;
+
+	for (int i = 0; i < world->model->body_count; i++)
+		if (mark[i] && sleep->sleeps[i])
+			rouse(sleep, i);
+}
+
+static void check(struct rb_world *world, double start, double h)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	const int n = world->model->body_count;
+	struct pass pass = {world, h};
+
+	/* other methods may have had the world since, or a callback has changed what stands */
+	if (!(fabs(start - sleep->end_s) <= 1e-3 * h) ||
+	    world->contacts.count != sleep->contact_count)
+		rb_sleep_forget(s);
+	if (sleep->count == 0)
+		return;
+	s->near.h_s = h;
+	rb_team_run(world->team, (n + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK, check_block,
+	            &pass);
+	if (!memchr(sleep->mark, 1, (size_t)n))
+		return;
+	rb_sleep_wake(world, sleep->mark);
+	memset(sleep->mark, 0, (size_t)n);
+}
+
+/* ---- what does not stand ---- */
+
+void rb_sleep_gather(struct rb_stepped *s)
+{
+	s->all.body = s->body;
+	s->all.member_count = s->member_count;
+	s->all.body_count = s->member_count + s->driven_count;
+}
+
+/* Driven bodies are always among the cohort. */
+static void shrink(struct rb_stepped *s)
+{
+	struct rb_sleep *sleep = &s->sleep;
+	int count = 0;
+
+	rb_sleep_gather(s);
+	for (int k = 0; k < s->member_count; k++)
+		if (!sleep->sleeps[s->body[k]])
+			sleep->body[count++] = s->body[k];
+	memcpy(sleep->body + count, s->body + s->member_count,
+	       (size_t)s->driven_count * sizeof *sleep->body);
+	sleep->live_bodies = count;
+}
+
+static void show(struct rb_stepped *s)
+{
+	s->all.body = s->sleep.body;
+	s->all.member_count = s->sleep.live_bodies;
+	s->all.body_count = s->sleep.live_bodies + s->driven_count;
+}
+
+static bool sleeps_or_is_static(const struct rb_sleep *sleep, int n, int i)
+{
+	return i >= n || sleep->sleeps[i];
+}
+
+/* Those of which one does not stand. Of the others it is known how deep they overlap, while all of them stand. */
+static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	struct rb_candidates *near = &s->near;
+	const int n = world->model->body_count;
+	size_t count = 0;
+
+	near->live = NULL;
+	if (sleep->changed)
+		sleep->still_depth = (double)NAN;
+	near->still_depth = sleep->still_depth;
+	sleep->changed = false;
+	if (sleep->count == 0)
+		return RB_OK;
+	if (!rb_memory_reserve(&sleep->live, &sleep->live_capacity, near->pair_count + 1,
+	                       sizeof *sleep->live))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		const struct rb_pair pair = near->pair[k];
+
+		sleep->live[count] = k;
+		count += !(sleep->sleeps[pair.a] && sleeps_or_is_static(sleep, n, pair.b));
+	}
+	near->live = sleep->live;
+	near->live_count = count;
+	return RB_OK;
+}
+
+enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	return !s->near.live && s->sleep.count > 0 ? list_pairs(world, err) : RB_OK;
+}
+
+/* Groups that the points from there on touch, whose bodies get a mark. */
+static bool rouse_touched(struct rb_world *world, size_t first)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	bool any = false;
+
+	for (size_t k = first; k < s->all.points.count; k++) {
+		const int ends[2] = {s->all.points.row[k].a, s->all.points.row[k].b};
+
+		for (int e = 0; e < 2; e++) {
+			if (!rb_stepped_is_dynamic(world, ends[e]) || !sleep->sleeps[ends[e]])
+				continue;
+			any = true;
+			rouse(sleep, ends[e]);
+			for (int i = ends[e]; !sleep->mark[i]; i = sleep->next[i])
+				sleep->mark[i] = 1;
+		}
+	}
+	return any;
+}
+
+/* Pairs of those with a mark among themselves and with what stands: the others have been looked at. */
+static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	struct rb_candidates *near = &s->near;
+	const int n = world->model->body_count;
+	const size_t all_count = near->live_count;
+	const size_t *all = near->live;
+	size_t *fresh = rb_arena_take(&world->arena[0], near->pair_count + 1, sizeof *fresh);
+	size_t count = 0;
+
+	if (!fresh)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++) {
+		const int a = near->pair[k].a, b = near->pair[k].b;
+		const bool of_a = sleep->mark[a], of_b = b < n && sleep->mark[b];
+
+		fresh[count] = k;
+		count += (of_a || of_b) && (of_a || sleep->sleeps[a]) &&
+		         (of_b || sleeps_or_is_static(sleep, n, b));
+	}
+	near->live = fresh;
+	near->live_count = count;
+	const enum rb_status status = rb_step_points_add(&s->all.points, world, near, h, HUGE_VAL,
+	                                                 err);
+	near->live = all;
+	near->live_count = all_count;
+	return status;
+}
+
+/* What stands has felt the forces of the step, and nothing of them is left. */
+static void stop(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_state *state = &world->state;
+
+	for (int k = 0; k < s->member_count && s->sleep.count > 0; k++) {
+		const int i = s->body[k];
+
+		if (!s->sleep.sleeps[i])
+			continue;
+		memset(state->velocity + 3 * (size_t)i, 0, 3 * sizeof(double));
+		if (state->spin)
+			memset(state->spin + 3 * (size_t)i, 0, 3 * sizeof(double));
+		if (s->near.ahead)
+			s->near.ahead[i] = s->near.reach[i];
+	}
+}
+
+enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, struct rb_error *err)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	struct rb_candidates *near = &s->near;
+	struct rb_step_points *points = &s->all.points;
+	size_t first = 0;
+
+	check(world, start, h);
+	if (sleep->changed)
+		shrink(s);
+	show(s);
+	rb_candidates_reach(near, world, h, s->all.body, s->all.body_count);
+	near->share = (double)s->all.body_count / world->model->body_count;
+	enum rb_status status = rb_candidates_find(near, world, s->all.body, s->all.body_count,
+	                                           err);
+	if (status == RB_OK && sleep->changed)
+		status = list_pairs(world, err);
+	if (status == RB_OK)
+		status = rb_sleep_list(world, err);
+	rb_candidates_place(near, world, s->all.body, s->all.body_count);
+	points->count = 0;
+	if (status == RB_OK)
+		status = rb_step_points_add(points, world, near, h, HUGE_VAL, err);
+	while (status == RB_OK && sleep->count > 0 && rouse_touched(world, first)) {
+		first = points->count;
+		shrink(s);
+		show(s);
+		status = list_pairs(world, err);
+		if (status == RB_OK)
+			status = inspect_woken(world, h, err);
+		memset(sleep->mark, 0, (size_t)world->model->body_count);
+	}
+	if (status == RB_OK && first > 0)
+		status = rb_step_points_sort(points, &world->arena[0], err);
+	stop(world);
+	return status;
+}
+
+/* ---- who may from now on ---- */
+
+void rb_sleep_note(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	const struct rb_solver *solver = &s->solver;
+
+	for (int k = 0; k < s->all.body_count; k++)
+		sleep->group[s->all.body[k]] = -1;
+	for (size_t g = 0; g < solver->island_count; g++) {
+		const struct rb_island *island = &solver->island[g];
+		const int *member = solver->member + island->first_member;
+
+		for (int k = 0; k < island->member_count && island->rests; k++) {
+			sleep->group[member[k]] = member[0];
+			sleep->next[member[k]] = member[k + 1 < island->member_count ? k + 1 : 0];
+			sleep->points[member[k]] = k == 0 ? island->row_count : 0;
+		}
+	}
+}
+
+static bool may_sleep(const struct rb_world *world, int i, const unsigned char *failed)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	return !(failed && failed[i]) && !s->bad[i] && is_unmoved(world, i) &&
+	       s->near.reach[i] <= small_share * world->model->size_min_m;
+}
+
+static void fall_asleep(struct rb_world *world, int i)
+{
+	struct rb_sleep *sleep = &world->stepped->sleep;
+
+	sleep->sleeps[i] = 1;
+	sleep->count++;
+	sleep->point_count += (size_t)sleep->points[i];
+	take_pose(&world->state, i, sleep->pose + POSE * (size_t)i);
+	sleep->changed = true;
+}
+
+static void end_driven(struct rb_world *world)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+
+	for (int k = 0; k < s->driven_count; k++) {
+		const int i = s->body[s->member_count + k];
+		const bool stays = is_none(world->mark.velocity, i) &&
+		                   is_none(world->mark.spin, i) && is_unmoved(world, i);
+
+		sleep->next[i] = i;
+		sleep->points[i] = 0;
+		if (stays && !sleep->sleeps[i])
+			fall_asleep(world, i);
+		else if (!stays && sleep->sleeps[i])
+			rouse(sleep, i);
+	}
+}
+
+void rb_sleep_end(struct rb_world *world, double end, const unsigned char *failed)
+{
+	struct rb_stepped *s = world->stepped;
+	struct rb_sleep *sleep = &s->sleep;
+	const struct rb_cohort *all = &s->all;
+
+	sleep->quiet = all->points.count == 0;
+	sleep->end_s = end;
+	sleep->contact_count = world->contacts.count;
+	sleep->still_depth = s->near.still_depth;
+	if (sleep->off)
+		return;
+	end_driven(world);
+	for (int k = 0; k < all->member_count; k++) {
+		const int i = all->body[k], group = sleep->group[i];
+
+		if (group >= 0 && !may_sleep(world, i, failed))
+			sleep->mark[group] = 1;
+	}
+	for (int k = 0; k < all->member_count; k++) {
+		const int i = all->body[k];
+
+		if (sleep->group[i] >= 0 && !sleep->mark[sleep->group[i]])
+			fall_asleep(world, i);
+	}
+	for (int k = 0; k < all->member_count; k++)
+		sleep->mark[all->body[k]] = 0;
+	sleep->quiet = sleep->quiet && !sleep->changed;
+}
+
+void rb_sleep_forget(struct rb_stepped *s)
+{
+	struct rb_sleep *sleep = &s->sleep;
+
+	sleep->quiet = false;
+	if (sleep->count == 0)
+		return;
+	memset(sleep->sleeps, 0, (size_t)(s->member_count + s->driven_count));
+	sleep->count = 0;
+	sleep->point_count = 0;
+	sleep->changed = true;
+}

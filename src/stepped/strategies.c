@@ -1,0 +1,604 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/strategies.h"
+
+#include <float.h>
+#include <string.h>
+
+#include "stepped/direct.h"
+#include "stepped/energy.h"
+#include "stepped/even.h"
+#include "stepped/sweeper.h"
+
+/* Sweeps before factors are tried, and at most. */
+enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_QUIET = 64 };
+/* The same where rows are in packs, and may be held; of spheres, most that stall are held sooner. */
+enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
+/* Turns of pushes and friction before a group is given up; sweeps of both in each. */
+enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
+/* Times that open pushes are made even, with sweeps after each. */
+enum { EVEN_MAX = 4 };
+/* Why factors are tried, and how many at most. */
+enum purpose { STIFF, STANDING, STALLED, QUIET };
+enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
+
+/*
+ * Multiplications that one factorization may take, for each row and at most: some twenty sweeps. All of those of a large
+ * group that has stalled, of which few come to an end, some two hundred.
+ */
+static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
+
+/* Of the tolerance, what sweeps may leave of a gap's closing in one step. */
+static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2, close_share = 1e-7;
+/* Of the tolerance, gaps and overlaps that count as closed where bodies stand. */
+static const double let_share = 1.0 / 32;
+static const double stiff_ratio = 30, hold_slack = 16;
+/*
+ * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much more than this, stacks
+ * that ought to come to stand are kept swaying.
+ */
+static const double external_share = 1e-3;
+
+static struct rb_row_system rows_of(const struct rb_solver *solver, const struct rb_island *island)
+{
+	struct rb_row_system dense = solver->dense;
+
+	dense.row += island->first_row;
+	dense.row_count = island->row_count;
+	return dense;
+}
+
+/* Velocities are what the impulses make of them. */
+static void apply_again(const struct rb_solver *solver, const struct rb_island *island,
+                        const struct rb_row_system *dense)
+{
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		dense->body[i] = solver->free[i];
+	}
+	rb_sweep_warm(dense);
+}
+
+/* Factors; false where they are too many or do not come to an end: where sweeps stalled, the impulses are then as they were. */
+static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
+                        const struct rb_row_system *dense, enum purpose purpose,
+                        struct rb_arena *arena)
+{
+	static const int steps_max[] = {[STIFF] = FACTORS_STIFF,
+	                                [STANDING] = FACTORS_STANDING,
+	                                [STALLED] = FACTORS_STALLED,
+	                                [QUIET] = FACTORS_QUIET};
+	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
+	                                                                            : factor_share;
+	const struct rb_direct direct = {.dense = dense,
+	                                 .free = solver->free,
+	                                 .member = solver->member + island->first_member,
+	                                 .member_count = island->member_count,
+	                                 .local = solver->local,
+	                                 .tolerance = (purpose == QUIET || purpose == STANDING
+	                                                       ? close_share
+	                                                       : direct_share) *
+	                                              solver->tolerance,
+	                                 .holds = purpose == STANDING,
+	                                 .steps_max = steps_max[purpose],
+	                                 .slip_tolerance = solver->tolerance,
+	                                 .max = fmin(share * (double)dense->row_count, factors_max),
+	                                 .arena = arena};
+	struct rb_system_row *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
+
+	if (!kept)
+		return false;
+	memcpy(kept, dense->row, (size_t)dense->row_count * sizeof *kept);
+	const struct rb_direct_result result = rb_direct_solve(&direct);
+	island->factors += result.steps;
+	if (result.tried && result.residual <= solver->tolerance) {
+		island->residual = result.residual;
+		return true;
+	}
+	/* of stiff groups, what factors have come to is better than what there was */
+	if (!result.tried || (purpose != STALLED && purpose != STANDING))
+		return false;
+	memcpy(dense->row, kept, (size_t)dense->row_count * sizeof *kept);
+	apply_again(solver, island, dense);
+	return false;
+}
+
+static struct rb_sweeper sweeper_of(const struct rb_solver *solver, const struct rb_island *island,
+                                    const struct rb_row_system *dense, struct rb_team *team)
+{
+	return (struct rb_sweeper){.dense = dense,
+	                           .still = solver->body_count,
+	                           .member = solver->member + island->first_member,
+	                           .member_count = island->member_count,
+	                           .local = solver->local,
+	                           .team = team};
+}
+
+static int max_of(const struct rb_sweeper *sweeper)
+{
+	if (!sweeper->wide)
+		return SWEEPS_MAX;
+	return sweeper->many.central ? CENTRAL_MAX : WIDE_MAX;
+}
+
+static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                       struct rb_island *island, double tolerance, int max)
+{
+	const struct rb_sweep_result result = rb_sweeper_run(sweeper, tolerance, max);
+
+	island->sweeps += result.sweeps;
+	island->residual = result.residual;
+	if (rb_sweeper_went_far(sweeper))
+		apply_again(solver, island, sweeper->dense);
+	return result.residual <= tolerance;
+}
+
+/*
+ * Friction in a jammed heap may not come to an end: pushes of many contacts creep on together until one of them slips or
+ * opens, which may take thousands of sweeps. What acts across the normals is then left as it is, if it is nearly right, and
+ * pushes alone see to it that no gap closes.
+ */
+static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double tolerance, int max)
+{
+	if (!sweeper->wide || !(island->residual <= hold_slack * tolerance))
+		return false;
+	const struct rb_sweep_result result = rb_sweeper_hold(sweeper, tolerance, max);
+
+	island->sweeps += result.sweeps;
+	if (!(result.residual <= tolerance))
+		return false;
+	island->slip = island->residual / RB_SLIP_SHARE;
+	island->residual = result.residual;
+	return true;
+}
+
+/*
+ * Where friction is not nearly right either, pushes are put right for it and it goes on from there, in turns: pushes and
+ * friction that are far from each other's make sweeps of both swing. For large groups, of which a lost step costs most:
+ * small ones are sooner done with shorter steps.
+ */
+static bool take_turns(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                       struct rb_island *island, double tolerance)
+{
+	for (int turn = 0; turn < TURNS_MAX; turn++) {
+		if (island->residual <= hold_slack * tolerance)
+			return false;
+		island->sweeps += rb_sweeper_hold(sweeper, tolerance, WIDE_HOLD).sweeps;
+		if (sweep_more(solver, sweeper, island, tolerance, TURN_SWEEPS))
+			return true;
+	}
+	return false;
+}
+
+static double larger(double a, double b)
+{
+	return a > b ? a : b;
+}
+
+/* m^2/s^2: the fastest of a group as the step began, or after it, squared; one beyond `most` may be told instead. */
+static double fastest(const struct rb_solver *solver, const struct rb_island *island, bool before,
+                      double max)
+{
+	const struct rb_state *state = solver->before;
+	double square = 0;
+
+	for (int k = 0; k < island->member_count && square <= max; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_system_body *body = &solver->dense.body[i];
+		const size_t at = 3 * (size_t)i;
+		rb_vec3 v = body->linear, w = body->angular;
+
+		if (before) {
+			v = rb_vec3_from(state->velocity + at);
+			w = state->spin ? rb_vec3_from(state->spin + at) : (rb_vec3){0, 0, 0};
+		}
+		square = larger(square, rb_vec3_dot(v, v));
+		square = larger(square, rb_vec3_dot(w, w) * solver->reach[i] * solver->reach[i]);
+	}
+	return square;
+}
+
+double rb_strategies_external(const struct rb_solver *solver, const int *member, int count,
+                              double tolerance)
+{
+	double external = 0;
+
+	for (int k = 0; k < count && external < tolerance; k++) {
+		const rb_vec3 v = rb_vec3_from(solver->before->velocity + 3 * (size_t)member[k]);
+		const rb_vec3 more = rb_vec3_sub(solver->free[member[k]].linear, v);
+
+		external = larger(external, rb_vec3_dot(more, more));
+	}
+	return external;
+}
+
+/* Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in one: it is quiet. */
+static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island, bool before)
+{
+	const double few = 4 * solver->tolerance / sweep_share;
+	const double max = fmin(few * few, solver->external);
+	const double square = fastest(solver, island, before, max);
+
+	return square <= max &&
+	       square <= rb_strategies_external(solver, solver->member + island->first_member,
+	                                        island->member_count, square);
+}
+
+/*
+ * Whether the group is carried and nowhere slips by more than sweeps leave: it stands on what moves, and what is left would
+ * add up to a way.
+ */
+static bool goes_along(const struct rb_solver *solver, const struct rb_island *island,
+                       const struct rb_row_system *dense)
+{
+	const double max = solver->tolerance / (sweep_share * RB_SLIP_SHARE);
+	bool sticks = island->carried;
+
+	for (int k = 0; k < dense->row_count && sticks; k++) {
+		const struct rb_system_row *row = &dense->row[k];
+		const rb_vec3 u = rb_system_velocity(dense, row);
+
+		sticks = row->push == 0 || rb_vec3_length(rb_vec3_reject(u, row->normal)) <= max;
+	}
+	return sticks;
+}
+
+/* m/s: what the first sweeps may leave. Spheres do not sway. */
+static double aim_of(const struct rb_solver *solver, const struct rb_island *island,
+                     const struct rb_sweeper *sweeper)
+{
+	const int *member = solver->member + island->first_member;
+	double external = 0;
+
+	if (solver->before && !sweeper->wide && !sweeper->central)
+		external = sqrt(rb_strategies_external(solver, member, island->member_count,
+		                                       (double)INFINITY));
+	return external > 0 ? fmin(fmax(external_share * external, close_share * solver->tolerance),
+	                           solver->tolerance)
+	                    : solver->tolerance;
+}
+
+/* Whether the group was quiet when the step began, and nothing moves under it. */
+static bool stood(const struct rb_solver *solver, const struct rb_island *island)
+{
+	return solver->before && !island->carried && is_quiet(solver, island, true);
+}
+
+/*
+ * Gaps far below the tolerance count as closed where bodies stand: then standing still is among what is possible, however they
+ * are wedged. So do all overlaps: what stands has nothing to push apart with.
+ */
+static void leave_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
+{
+	const double max = let_share * solver->tolerance / sweep_share;
+
+	for (int k = 0; k < dense->row_count; k++)
+		if (dense->row[k].target_velocity >= -max)
+			dense->row[k].target_velocity = 0;
+}
+
+/* ---- coming to rest ---- */
+
+static void stop(const struct rb_solver *solver, const struct rb_island *island)
+{
+	for (int k = 0; k < island->member_count; k++) {
+		struct rb_system_body *body =
+			&solver->dense.body[solver->member[island->first_member + k]];
+
+		body->linear = body->angular = (rb_vec3){0, 0, 0};
+	}
+}
+
+/*
+ * Solved closely, before the step and after it no faster than what solving closely leaves: it stands still. At that speed
+ * a body would take two million steps for the tolerance.
+ */
+static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
+{
+	const double close = close_share * solver->tolerance, still = 16 * close;
+	bool rests = solver->before && island->residual <= close && !island->carried;
+
+	for (int k = 0; rests && k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+		const struct rb_system_body *body = &solver->dense.body[i];
+		const double reach = solver->reach[i];
+		const size_t at = 3 * (size_t)i;
+
+		rests = rb_vec3_max_abs(body->linear) <= still &&
+		        rb_vec3_max_abs(body->angular) * reach <= still &&
+		        rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) <= still &&
+		        (!solver->before->spin ||
+		         rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * reach <= still);
+	}
+	for (int k = 0; k < island->member_count; k++) {
+		const int i = solver->member[island->first_member + k];
+
+		solver->rests[i] = rests;
+		rb_vec3_to(solver->rest_external + 6 * (size_t)i,
+		           rb_vec3_scale(1 / solver->h_s, solver->free[i].linear));
+		rb_vec3_to(solver->rest_external + 6 * (size_t)i + 3,
+		           rb_vec3_scale(1 / solver->h_s, solver->free[i].angular));
+	}
+	if (rests)
+		stop(solver, island);
+}
+
+/* ---- choosing ---- */
+
+/* Masses so unequal that sweeps would take very many, and spoil the impulses to begin with. */
+static bool is_stiff(const struct rb_solver *solver, const struct rb_island *island)
+{
+	double least = (double)INFINITY, max = 0;
+
+	for (int k = 0; k < island->member_count; k++) {
+		const struct rb_system_body *body =
+			&solver->dense.body[solver->member[island->first_member + k]];
+
+		least = fmin(least, body->inverse_mass);
+		max = fmax(max, body->inverse_mass);
+	}
+	return max > stiff_ratio * least;
+}
+
+/* ---- energy ---- */
+
+/*
+ * Without pushing apart, closely; then back to it, if it was a solution, as far as that gains nothing. What is between two
+ * solutions is in the cones, and closes no gap that neither closes.
+ */
+static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
+                                  const struct rb_row_system *dense, struct rb_arena *arena)
+{
+	const struct rb_energy none = {0};
+	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
+	struct rb_kept kept;
+	const bool good = rb_energy_keep(solver, island, arena, &kept);
+	const bool solved = island->residual <= solver->tolerance;
+
+	for (int k = 0; good && k < dense->row_count; k++)
+		dense->row[k].target_velocity = fmin(dense->row[k].target_velocity, 0);
+	if (!good || !rb_sweeper_take(&sweeper, arena)) {
+		island->residual = (double)INFINITY; /* no memory: taken back */
+		return none;
+	}
+	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_QUIET) &&
+	    !(island->residual <= solver->tolerance))
+		(void)try_factors(solver, island, dense, STALLED, arena);
+	const struct rb_energy least = rb_energy_of(solver, island);
+	const bool gains = rb_energy_gain(&least) > least.noise;
+	const double share = gains || !solved ? 0
+	                                      : rb_energy_between(solver, island, &least, &kept);
+	rb_energy_mix(solver, island, &kept, share);
+	return gains ? least : none;
+}
+
+/*
+ * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what is still left is taken from
+ * all impulses. Where that lets gaps close by more than is good, the step is halved: without impulses nothing is gained, and
+ * halves of it close less. Nor is in halves of a step a group pushed apart that cannot be: what is squeezed overlaps on both
+ * sides, within the tolerance, and the shorter the step, the faster it would have to part.
+ */
+static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
+                        const struct rb_row_system *dense, struct rb_arena *arena)
+{
+	island->room = 0;
+	if (!rb_energy_pushes(dense, -(double)INFINITY))
+		return;
+	const bool squeezed = solver->h_s < solver->whole_s &&
+	                      !(island->residual <= solver->tolerance);
+	struct rb_energy energy = rb_energy_of(solver, island);
+	if ((squeezed || rb_energy_gain(&energy) > energy.noise) && rb_energy_pushes(dense, 0))
+		energy = push_less(solver, island, dense, arena);
+	if (rb_energy_gain(&energy) > energy.noise)
+		rb_energy_take(solver, island, rb_energy_share(&energy));
+	else
+		island->room = fmax(0, -2 * rb_energy_gain(&energy));
+}
+
+/*
+ * Of small groups: sweeps leave open pushes as they come upon them, by the order of points; friction that follows them would turn
+ * what lies evenly.
+ */
+static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
+                     struct rb_island *island, struct rb_arena *arena)
+{
+	const double close = fmax(island->residual, close_share * solver->tolerance);
+	const double aim = fmin(aim_of(solver, island, sweeper), close);
+	bool good = true;
+
+	for (int k = 0; k < EVEN_MAX && good; k++) {
+		const rb_arena_mark here = rb_arena_here(arena);
+		const bool changed = rb_even(sweeper->dense, close_share * solver->tolerance,
+		                             factor_share * (double)island->row_count, arena);
+
+		rb_arena_back(arena, here);
+		if (!changed)
+			break;
+		good = sweep_more(solver, sweeper, island, aim, SWEEPS_QUIET) ||
+		       sweep_more(solver, sweeper, island, solver->tolerance / sweep_share,
+		                  SWEEPS_MAX);
+	}
+	return good;
+}
+
+/*
+ * Where friction wedges what is to be pushed apart no impulses may do it: those of sweeps grow without end. Nothing is pushed
+ * apart then; what is wedged all the same is looked at in shorter steps.
+ */
+static bool start_over(const struct rb_solver *solver, struct rb_island *island,
+                       const struct rb_row_system *dense, struct rb_arena *arena)
+{
+	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
+
+	for (int k = 0; k < dense->row_count; k++) {
+		struct rb_system_row *row = &dense->row[k];
+
+		rb_system_clear(row);
+		row->target_velocity = fmin(row->target_velocity, 0);
+	}
+	apply_again(solver, island, dense);
+	const bool good = rb_sweeper_take(&sweeper, arena) &&
+	                  sweep_more(solver, &sweeper, island, solver->tolerance / sweep_share,
+	                             max_of(&sweeper));
+	if (rb_energy_bounds(solver, island, dense, true))
+		return good;
+	island->residual = (double)INFINITY;
+	return false;
+}
+
+/* ---- strategies ---- */
+
+/* One group under way. */
+struct trial {
+	const struct rb_solver *solver;
+	struct rb_island *island;
+	const struct rb_row_system *rows;
+	struct rb_sweeper *sweeper;
+	struct rb_arena *arena;
+	bool standing, stiff;
+};
+
+static bool is_standing(const struct trial *trial)
+{
+	return trial->standing;
+}
+
+static bool has_unequal_masses(const struct trial *trial)
+{
+	return trial->stiff;
+}
+
+static bool is_large(const struct trial *trial)
+{
+	return trial->solver->before && trial->island->row_count >= RB_STRATEGY_LARGE_ROWS;
+}
+
+static bool is_narrow(const struct trial *trial)
+{
+	return !trial->sweeper->wide;
+}
+
+static bool factors_at_rest(const struct trial *trial)
+{
+	return try_factors(trial->solver, trial->island, trial->rows, STANDING, trial->arena);
+}
+
+static bool factors_of_unequal_masses(const struct trial *trial)
+{
+	return try_factors(trial->solver, trial->island, trial->rows, STIFF, trial->arena);
+}
+
+static bool sweeps_to_the_aim(const struct trial *trial)
+{
+	return sweep_more(trial->solver, trial->sweeper, trial->island,
+	                  aim_of(trial->solver, trial->island, trial->sweeper),
+	                  trial->sweeper->wide ? WIDE_FIRST : SWEEPS_FIRST);
+}
+
+/* The last digit costs as much as all before: the whole tolerance will do, as the verdict will see. */
+static bool sweeps_to_the_tolerance(const struct trial *trial)
+{
+	return sweep_more(trial->solver, trial->sweeper, trial->island,
+	                  trial->solver->tolerance / sweep_share, max_of(trial->sweeper));
+}
+
+static bool factors_after_stalling(const struct trial *trial)
+{
+	return try_factors(trial->solver, trial->island, trial->rows, STALLED, trial->arena);
+}
+
+static bool normals_and_friction_in_turns(const struct trial *trial)
+{
+	return take_turns(trial->solver, trial->sweeper, trial->island,
+	                  trial->solver->tolerance / sweep_share);
+}
+
+static bool held_friction(const struct trial *trial)
+{
+	return hold(trial->sweeper, trial->island, trial->solver->tolerance / sweep_share,
+	            WIDE_HOLD);
+}
+
+static bool sweeps_to_the_limit(const struct trial *trial)
+{
+	return sweep_more(trial->solver, trial->sweeper, trial->island,
+	                  trial->solver->tolerance / sweep_share, SWEEPS_MAX);
+}
+
+/* In this order until one succeeds. Each starts from the impulses that the one before has come to. */
+static const struct strategy {
+	bool (*applies)(const struct trial *trial); /* NULL: always */
+	bool (*solve)(const struct trial *trial);
+} strategies[] = {
+	{is_standing, factors_at_rest}, {has_unequal_masses, factors_of_unequal_masses},
+	{NULL, sweeps_to_the_aim},      {NULL, sweeps_to_the_tolerance},
+	{NULL, factors_after_stalling}, {is_large, normals_and_friction_in_turns},
+	{NULL, held_friction},          {is_narrow, sweeps_to_the_limit},
+};
+enum { STRATEGIES = sizeof strategies / sizeof *strategies };
+
+/* Returns the number of the strategy that has succeeded; STRATEGIES: none has. */
+static int choose(const struct trial *trial)
+{
+	int k = 0;
+
+	while (k < STRATEGIES && !((!strategies[k].applies || strategies[k].applies(trial)) &&
+	                           strategies[k].solve(trial)))
+		k++;
+	return k;
+}
+
+/* Solves what hardly moves far closer than the tolerance, a little in each step, so that it comes to rest. */
+static void solve_closely(const struct trial *trial)
+{
+	const struct rb_solver *const solver = trial->solver;
+	struct rb_island *const island = trial->island;
+	const double close = close_share * solver->tolerance;
+
+	if (island->residual > close &&
+	    (is_quiet(solver, island, false) ||
+	     (!trial->sweeper->wide && goes_along(solver, island, trial->rows))) &&
+	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_QUIET)))
+		(void)try_factors(solver, island, trial->rows, QUIET, trial->arena);
+}
+
+void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
+                         struct rb_team *team, struct rb_arena *arena)
+{
+	const struct rb_row_system rows = rows_of(solver, island);
+	struct rb_sweeper sweeper = sweeper_of(solver, island, &rows, team);
+
+	island->sweeps = island->factors = 0;
+	island->residual = island->slip = 0;
+	if (island->rests) {
+		stop(solver, island);
+		return;
+	}
+	if (!rb_sweeper_take(&sweeper, arena)) {
+		island->residual = (double)INFINITY; /* no memory: taken back */
+		return;
+	}
+	rb_sweep_warm(&rows);
+	const struct trial trial = {.solver = solver,
+	                            .island = island,
+	                            .rows = &rows,
+	                            .sweeper = &sweeper,
+	                            .arena = arena,
+	                            .stiff = is_stiff(solver, island),
+	                            .standing = stood(solver, island)};
+	if (trial.standing)
+		leave_alone(solver, &rows);
+	const int strategy = choose(&trial);
+	const bool is_close = strategy == 0;
+	bool good = strategy < STRATEGIES;
+	if (!rb_energy_bounds(solver, island, &rows, false))
+		good = start_over(solver, island, &rows, arena);
+	if (good && !is_close && solver->before) {
+		solve_closely(&trial);
+		if (!sweeper.wide)
+			good = even_out(solver, &sweeper, island, arena);
+	}
+	if (solver->before)
+		keep_energy(solver, island, &rows, arena);
+	find_rest(solver, island);
+}

@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/swept_bounds.h"
+
+#include "base/forest.h"
+#include "base/memory.h"
+
+/* Of a body's size, what its territory has beyond its way. */
+static const double clearance_share = 0.125;
+
+enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept, const struct rb_model *model,
+                                      struct rb_error *err)
+{
+	const size_t n = (size_t)model->body_count;
+
+	*swept = (struct rb_swept_bounds){0};
+	swept->room = rb_memory_take(n, sizeof *swept->room);
+	swept->group_of = rb_memory_take(n, sizeof *swept->group_of);
+	swept->was_group = rb_memory_take(n, sizeof *swept->was_group);
+	swept->parent = rb_memory_take(n, sizeof *swept->parent);
+	swept->member = rb_memory_take(n, sizeof *swept->member);
+	swept->failed = rb_memory_take(n, 1);
+	swept->settled = rb_memory_take(n, 1);
+	if (!swept->room || !swept->group_of || !swept->was_group || !swept->parent ||
+	    !swept->member || !swept->failed || !swept->settled)
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the territories of %zu bodies",
+		               n);
+	return rb_candidates_create(&swept->near, model, err);
+}
+
+void rb_swept_bounds_release(struct rb_swept_bounds *swept)
+{
+	rb_candidates_release(&swept->near);
+	rb_memory_free(swept->room);
+	rb_memory_free(swept->group_of);
+	rb_memory_free(swept->was_group);
+	rb_memory_free(swept->parent);
+	rb_memory_free(swept->member);
+	rb_memory_free(swept->failed);
+	rb_memory_free(swept->settled);
+	rb_memory_free(swept->group);
+	rb_memory_free(swept->pair);
+	*swept = (struct rb_swept_bounds){0};
+}
+
+/* ---- territories ---- */
+
+static rb_vec3 lower(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
+
+static rb_vec3 upper(rb_vec3 a, rb_vec3 b)
+{
+	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+/* The box of a straight way, with so much to all sides. */
+static rb_aabb box_of_way(rb_vec3 from, rb_vec3 to, double pad)
+{
+	const rb_vec3 all = {pad, pad, pad};
+
+	return (rb_aabb){rb_vec3_sub(lower(from, to), all), rb_vec3_add(upper(from, to), all)};
+}
+
+static bool is_inside(const rb_aabb *box, rb_vec3 p)
+{
+	return p.x >= box->low.x && p.y >= box->low.y && p.z >= box->low.z && p.x <= box->high.x &&
+	       p.y <= box->high.y && p.z <= box->high.z;
+}
+
+/* An impact on the way: it has come from where its velocity before was taking it. */
+static void turn_round(rb_aabb *room, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
+                       double pad)
+{
+	const double pads = pad + rb_vec3_length(kick->shift);
+	const rb_aabb more = box_of_way(from, rb_vec3_add(from, way), pads);
+
+	*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
+}
+
+void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *world,
+                         const struct rb_state *begin, double dt)
+{
+	const struct rb_stepped *s = world->stepped;
+
+	for (int i = 0; i < world->model->body_count; i++) {
+		const rb_vec3 from = rb_world_origin_at(world, begin, i);
+		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(begin->velocity, i));
+		const double reach = world->broadphase ? s->near.reach[i] : 0;
+		const double room = clearance_share * rb_candidates_size(world->model, i);
+
+		swept->near.built_at[i] = from;
+		/* what forces add within the step is in the reach */
+		swept->room[i] = s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
+		                                        room + fmax(0, reach - rb_vec3_length(way)))
+		                           : box_of_way(from,
+		                                        rb_world_origin_at(world, &world->state, i),
+		                                        room);
+		if (s->kicked_count > 0 && s->kick[i].is_set)
+			turn_round(&swept->room[i], from, &s->kick[i], way, room);
+	}
+}
+
+/* ---- groups ---- */
+
+static void join(const struct rb_world *world, int *parent, int a, int b)
+{
+	if (!rb_stepped_is_dynamic(world, a) || !rb_stepped_is_dynamic(world, b))
+		return;
+	a = rb_forest_root(parent, a);
+	b = rb_forest_root(parent, b);
+	parent[a > b ? a : b] = a > b ? b : a;
+}
+
+static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct rb_world *world,
+                                    struct rb_error *err)
+{
+	const struct rb_stepped *s = world->stepped;
+	int at = 0;
+
+	swept->group_count = 0;
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k], root = rb_forest_root(swept->parent, i);
+
+		if (root == i) {
+			if (!rb_memory_reserve(&swept->group, &swept->group_capacity,
+			                       swept->group_count + 1, sizeof *swept->group))
+				return RB_FAIL(err, RB_ERR_MEMORY, "no memory for groups");
+			swept->group_of[i] = (int)swept->group_count;
+			swept->group[swept->group_count++] = (struct rb_swept_group){
+				.settled = true};
+		}
+		swept->group_of[i] = swept->group_of[root];
+		swept->group[swept->group_of[i]].count++;
+	}
+	for (size_t g = 0; g < swept->group_count; g++) {
+		swept->group[g].first = at;
+		at += swept->group[g].count;
+		swept->group[g].count = 0;
+	}
+	for (int k = 0; k < s->member_count; k++) {
+		const int i = s->body[k];
+		struct rb_swept_group *group = &swept->group[swept->group_of[i]];
+
+		swept->member[group->first + group->count++] = i;
+		group->failed = group->failed || swept->failed[i];
+		group->settled = group->settled && swept->settled[i] &&
+		                 swept->was_group[i] ==
+		                         swept->was_group[swept->member[group->first]];
+	}
+	return RB_OK;
+}
+
+/* Pairs by group: those of a group's candidates stay in their order. */
+static enum rb_status sort_pairs(struct rb_swept_bounds *swept, struct rb_error *err)
+{
+	struct rb_candidates *near = &swept->near;
+	size_t at = 0;
+
+	if (!rb_memory_reserve(&swept->pair, &swept->pair_capacity, near->pair_count + 1,
+	                       sizeof *swept->pair))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", near->pair_count);
+	for (size_t k = 0; k < near->pair_count; k++)
+		swept->group[swept->group_of[near->pair[k].a]].pair_count++;
+	for (size_t g = 0; g < swept->group_count; g++) {
+		swept->group[g].pair = at;
+		at += swept->group[g].pair_count;
+		swept->group[g].pair_count = 0;
+	}
+	swept->pair_count = near->pair_count;
+	for (size_t k = 0; k < near->pair_count; k++) {
+		struct rb_swept_group *group = &swept->group[swept->group_of[near->pair[k].a]];
+
+		swept->pair[group->pair + group->pair_count++] = near->pair[k];
+	}
+	near->pair = swept->pair;
+	return rb_candidates_forget(near, err);
+}
+
+void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t count)
+{
+	struct rb_candidates *near = &swept->near;
+
+	near->pair = swept->pair + first;
+	near->pair_count = count;
+	near->depth = near->own_depth + first;
+	if (near->own_clearance)
+		near->room = near->own_clearance + first;
+	if (near->own_first_clue)
+		near->first_clue = near->own_first_clue + first;
+}
+
+enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_world *world,
+                                    struct rb_error *err)
+{
+	const struct rb_model *model = world->model;
+	const struct rb_step_points *points = &world->stepped->all.points;
+	enum rb_status status = RB_OK;
+
+	swept->near.pair_count = 0;
+	if (world->broadphase)
+		status = rb_candidates_pairs(&swept->near, world, swept->room, err);
+	if (status != RB_OK)
+		return status;
+	for (int i = 0; i < model->body_count; i++)
+		swept->parent[i] = i;
+	for (size_t k = 0; k < swept->near.pair_count; k++)
+		join(world, swept->parent, swept->near.pair[k].a, swept->near.pair[k].b);
+	/* who has pushed another in the try goes back with it, or its impulse would be half lost */
+	for (size_t k = 0; k < points->count; k++)
+		if (points->row[k].push > 0)
+			join(world, swept->parent, points->row[k].a, points->row[k].b);
+	for (int k = 0; k < model->scene->spring_count; k++)
+		join(world, swept->parent, model->index_of[model->scene->springs[k].a],
+		     model->index_of[model->scene->springs[k].b]);
+	status = number_groups(swept, world, err);
+	return status == RB_OK ? sort_pairs(swept, err) : status;
+}
+
+bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *world,
+                          const struct rb_cohort *part, double rest_s)
+{
+	bool left = false;
+
+	for (int k = 0; k < part->body_count; k++) {
+		const int i = part->body[k];
+		const rb_vec3 at = rb_world_origin_at(world, &world->state, i);
+		rb_aabb *const room = &swept->room[i];
+
+		if (is_inside(room, at))
+			continue;
+		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
+		                                  rb_world_row3(world->state.velocity, i));
+		const rb_vec3 from = swept->near.built_at[i];
+		const rb_aabb more = box_of_way(at, rb_vec3_add(at, way),
+		                                clearance_share *
+		                                        (rb_candidates_size(world->model, i) +
+		                                         rb_vec3_length(rb_vec3_sub(at, from)) +
+		                                         rb_vec3_length(way)));
+		*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
+		left = true;
+	}
+	return left;
+}
