@@ -35,6 +35,12 @@ struct desk {
 	int listen;        /* -1: nothing */
 	char heard[HEARD_SIZE];
 	size_t heard_size; /* of a line that has only begun */
+	enum {
+		UP,
+		TURNS,
+		ELSEWHERE
+	} button;           /* held since over the picture: the camera turns with it */
+	int drag_x, drag_y; /* where the pointer was last */
 };
 
 /* ---- drawing ---- */
@@ -350,14 +356,40 @@ static bool leave_help(struct desk *desk, uint32_t key)
 	return key == RB_KEY_ESCAPE || key == RB_KEY_ENTER || key == '?' || key == 'q';
 }
 
+/* What the camera looks at turns with the pointer, half round over the width of the picture. A cell is twice as high as wide. */
+static void drag(struct desk *desk, const struct rb_input_key *key)
+{
+	const double degrees = 180.0 / fmax(desk->layout.picture.width, 1);
+	const int right = key->x - desk->drag_x, down = key->y - desk->drag_y;
+
+	if (right != 0 || down != 0)
+		order(desk, "camera orbit %.17g %.17g", -degrees * right, 2 * degrees * down);
+}
+
 static void click(struct desk *desk, const struct rb_input_key *key)
 {
-	const rb_area line = desk->layout.timeline;
+	const rb_area line = desk->layout.timeline, picture = desk->layout.picture;
+	const bool in_picture = !desk->helps && key->x >= picture.x && key->y >= picture.y &&
+	                        key->x < picture.x + picture.width &&
+	                        key->y < picture.y + picture.height;
 
-	if (key->wheel != 0)
+	if (key->wheel != 0 && in_picture)
+		run_key(desk, rb_key_find(key->wheel < 0 ? '+' : '-'));
+	else if (key->wheel != 0)
 		seek_by(desk, key->wheel * WHEEL_PERCENT);
-	else if (key->y == line.y)
+	else if (key->mouse == RB_MOUSE_PRESSED && key->y == line.y)
 		order(desk, "seek %.17g%%", 100 * rb_chart_timeline_at(line.width, key->x));
+	else if (key->mouse != RB_MOUSE_PRESSED && desk->button == TURNS)
+		drag(desk, key);
+	if (key->wheel != 0)
+		return;
+	/* of what comes at once curses drops the press: the first place that is told counts for it */
+	if (key->mouse == RB_MOUSE_RELEASED)
+		desk->button = UP;
+	else if (key->mouse == RB_MOUSE_PRESSED || desk->button == UP)
+		desk->button = in_picture ? TURNS : ELSEWHERE;
+	desk->drag_x = key->x;
+	desk->drag_y = key->y;
 }
 
 static void take_key(struct desk *desk, const struct rb_input_key *key)

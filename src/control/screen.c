@@ -49,9 +49,12 @@ static struct {
 	bool has_modes;
 	int errors;      /* where standard error goes meanwhile, -1: where it always does */
 	int errors_real; /* where it went */
-	volatile sig_atomic_t asked, stops;
+	volatile sig_atomic_t asked, stops, resized;
 	struct rb_guard guard;
 } rescue = {.errors = -1, .errors_real = -1};
+
+/* What prepares for the mouse, turned back. */
+static const char mouse_off[] = "\033[?1006;1002;1000l";
 
 static const int polite[] = {SIGINT, SIGTERM, SIGHUP};
 static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, SIGALRM};
@@ -101,6 +104,16 @@ static void ask_for_stop(int signal_number)
 	rescue.stops = 1;
 }
 
+/*
+ * Curses does nothing where the size is what it was, though others may have been in between, and the terminal cut or moved
+ * what stood on it.
+ */
+static void ask_for_redraw(int signal_number)
+{
+	(void)signal_number;
+	rescue.resized = 1;
+}
+
 static void add_reset(const char *text)
 {
 	const size_t size = text && text != (const char *)-1 ? strlen(text) : 0;
@@ -136,7 +149,7 @@ static void prepare_rescue(void)
 
 	rescue.reset_size = 0;
 	if (tigetstr("kmous") && tigetstr("kmous") != (char *)-1)
-		add_reset("\033[?1006;1000l");
+		add_reset(mouse_off);
 	for (size_t i = 0; i < sizeof names / sizeof *names; i++)
 		add_capability(names[i]);
 	rescue.asked = 0;
@@ -154,6 +167,8 @@ static void set_handlers(bool ours)
 	action.sa_flags = 0;
 	action.sa_handler = ours ? ask_for_stop : SIG_DFL;
 	sigaction(SIGTSTP, &action, NULL);
+	action.sa_handler = ours ? ask_for_redraw : SIG_DFL;
+	sigaction(SIGWINCH, &action, NULL);
 	for (size_t i = 0; i < sizeof polite / sizeof *polite; i++) {
 		action.sa_handler = ours ? ask_for_end : SIG_DFL;
 		sigaction(polite[i], &action, NULL);
@@ -214,6 +229,15 @@ static enum rb_palette choose_palette(void)
 	return COLORS >= 256 ? RB_PALETTE_256 : COLORS >= 16 ? RB_PALETTE_16 : RB_PALETTE_8;
 }
 
+/* Curses asks for presses and releases only. */
+static void report_drags(bool on)
+{
+	if (!tigetstr("kmous") || tigetstr("kmous") == (char *)-1)
+		return;
+	putp(on ? "\033[?1002h" : "\033[?1002l");
+	fflush(stdout);
+}
+
 /* What terminals send for these keys, whatever terminfo says: inside of others the entry is often that of another one. */
 static void add_keys(void)
 {
@@ -246,7 +270,8 @@ static void set_modes(struct rb_screen *screen)
 	nodelay(stdscr, TRUE);
 	leaveok(stdscr, TRUE);
 	set_escdelay(25);
-	mousemask(ALL_MOUSE_EVENTS, NULL);
+	mousemask(ALL_MOUSE_EVENTS | REPORT_MOUSE_POSITION, NULL);
+	report_drags(true);
 	mouseinterval(0);
 	curs_set(0);
 	if (has_colors()) {
@@ -433,24 +458,34 @@ void rb_screen_flush(struct rb_screen *screen, int x, int y)
 
 /* ---- stopping ---- */
 
+/* Takes the terminal's size as it is now; all of it is sent anew with the next flush. */
+static void take_size(void)
+{
+	struct winsize size;
+
+	rescue.resized = 0;
+	if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 && size.ws_col > 0 &&
+	    is_term_resized(size.ws_row, size.ws_col))
+		resizeterm(size.ws_row, size.ws_col);
+	clearok(curscr, TRUE);
+}
+
 /* Stands still as the shell wishes; what the terminal is afterwards is looked at anew. */
 static void stop(void)
 {
 	struct sigaction action = {.sa_handler = SIG_DFL};
-	struct winsize size;
 
 	rescue.stops = 0;
+	report_drags(false);
 	endwin();
 	sigemptyset(&action.sa_mask);
 	sigaction(SIGTSTP, &action, NULL);
 	raise(SIGTSTP);
 	action.sa_handler = ask_for_stop;
 	sigaction(SIGTSTP, &action, NULL);
-	if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_row > 0 && size.ws_col > 0 &&
-	    is_term_resized(size.ws_row, size.ws_col))
-		resizeterm(size.ws_row, size.ws_col);
-	clearok(curscr, TRUE);
+	take_size();
 	send_changes();
+	report_drags(true);
 }
 
 /* ---- keys ---- */
@@ -512,7 +547,11 @@ static void take_mouse(struct rb_input_key *key)
 	key->x = event.x;
 	key->y = event.y;
 	key->wheel = event.bstate & BUTTON4_PRESSED ? -1 : event.bstate & BUTTON5_PRESSED ? 1 : 0;
-	if (key->wheel != 0 || event.bstate & (BUTTON1_PRESSED | BUTTON1_CLICKED))
+	key->mouse = event.bstate & REPORT_MOUSE_POSITION                 ? RB_MOUSE_MOVED
+	             : event.bstate & BUTTON1_RELEASED                    ? RB_MOUSE_RELEASED
+	             : event.bstate & (BUTTON1_PRESSED | BUTTON1_CLICKED) ? RB_MOUSE_PRESSED
+	                                                                  : RB_MOUSE_OTHER;
+	if (key->wheel != 0 || key->mouse != RB_MOUSE_OTHER)
 		key->key = RB_KEY_MOUSE;
 }
 
@@ -524,6 +563,11 @@ bool rb_screen_key(struct rb_screen *screen, struct rb_input_key *key)
 	*key = (struct rb_input_key){0};
 	if (rescue.stops) {
 		stop();
+		key->key = RB_KEY_RESIZE;
+		return true;
+	}
+	if (rescue.resized) {
+		take_size();
 		key->key = RB_KEY_RESIZE;
 		return true;
 	}
@@ -544,7 +588,7 @@ void rb_screen_wait(struct rb_screen *screen, uint64_t until_ns)
 	                         {.fd = screen->timer, .events = POLLIN}};
 	uint64_t times;
 
-	if (until_ns <= rb_clock_now_ns() || rescue.asked || rescue.stops)
+	if (until_ns <= rb_clock_now_ns() || rescue.asked || rescue.stops || rescue.resized)
 		return;
 	timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &at, NULL);
 	poll(wait, 2, 1000);

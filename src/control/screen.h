@@ -44,11 +44,15 @@ void rb_screen_redraw(struct rb_screen *screen);
 /* Sends what has changed. The cursor is at x, y; x < 0: nowhere. */
 void rb_screen_flush(struct rb_screen *screen, int x, int y);
 
+/* What the left button does; moved: while it is held. */
+enum rb_mouse { RB_MOUSE_OTHER, RB_MOUSE_PRESSED, RB_MOUSE_MOVED, RB_MOUSE_RELEASED };
+
 /* A key (control/keys.h) or a character. */
 struct rb_input_key {
 	uint32_t key;
 	int x, y;  /* of RB_KEY_MOUSE */
-	int wheel; /* -1 up, 1 down, 0: a click */
+	int wheel; /* -1 up, 1 down, 0: the left button */
+	enum rb_mouse mouse;
 };
 /* False: none has come. */
 bool rb_screen_key(struct rb_screen *screen, struct rb_input_key *key);

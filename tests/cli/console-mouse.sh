@@ -13,18 +13,31 @@ END
 exits 0 s.lua
 terminal 100 30
 
-# mouse BUTTON COLUMN ROW: pressed and let go at a cell, counted from 1; buttons 64 and 65 are the wheel
-mouse()
+# event BUTTON COLUMN ROW [up]: one that the terminal tells of, at a cell, counted from 1; buttons 64 and 65 are the wheel, 32 is
+# the left one as the pointer moves
+event()
 {
 	if [ "$encoding" = digits ]; then
-		types -l "$(printf '\033[<%d;%d;%dM' "$1" "$2" "$3")"
-		[ "$1" -ge 64 ] || types -l "$(printf '\033[<%d;%d;%dm' "$1" "$2" "$3")"
+		types -l "$(printf '\033[<%d;%d;%d%s' "$1" "$2" "$3" "$([ "${4:-}" = up ] && echo m || echo M)")"
 	else
+		[ "${4:-}" = up ] && set -- 3 "$2" "$3"
 		# shellcheck disable=SC2046 # words
 		types -H $(printf '1b 5b 4d %x %x %x' $(($1 + 32)) $(($2 + 32)) $(($3 + 32)))
-		# shellcheck disable=SC2046
-		[ "$1" -ge 64 ] || types -H $(printf '1b 5b 4d 23 %x %x' $(($2 + 32)) $(($3 + 32)))
 	fi
+}
+# mouse BUTTON COLUMN ROW: pressed and let go
+mouse()
+{
+	event "$1" "$2" "$3"
+	[ "$1" -ge 64 ] || event "$1" "$2" "$3" up
+}
+# drags COLUMN ROW COLUMN ROW: from one cell to the other with the left button held
+drags()
+{
+	event 0 "$1" "$2"
+	event 32 "$1" "$2"
+	event 32 "$3" "$4"
+	event 0 "$3" "$4" up
 }
 row_of_timeline()
 {
@@ -43,13 +56,36 @@ for encoding in digits bytes; do
 	sees 'frame 0 of 200'
 	row=$(row_of_timeline)
 	[ -n "$row" ] || fail "there is no time line: $(screen)"
-	mouse 65 10 5
+	mouse 65 10 "$row"
 	sees 'frame 2 of 200'
-	mouse 65 10 5
-	mouse 65 10 5
+	mouse 65 10 "$row"
+	mouse 65 10 "$row"
 	sees 'frame 6 of 200'
-	mouse 64 10 5
+	mouse 64 10 "$row"
 	sees 'frame 4 of 200'
+	# over the picture it is the camera that goes nearer and farther away; the ball fills it in the end
+	screen | sed -n 3,20p >far
+	for _ in 1 2 3 4 5 6; do mouse 64 10 5; done
+	nearer() { screen | sed -n 3,20p >near; ! cmp -s far near; }
+	until_true nearer
+	for _ in 1 2 3 4 5 6; do mouse 65 10 5; done
+	as_before() { screen | sed -n 3,20p | cmp -s - far; }
+	until_true as_before
+	# a drag turns it, and back; with the button up nothing turns
+	drags 20 6 31 10
+	until_true nearer
+	drags 31 10 20 6
+	until_true as_before
+	# from the time line it does not begin
+	event 0 4 "$row"
+	sees_not 'frame 4 of 200'
+	event 32 20 6
+	event 32 31 10
+	event 0 31 10 up
+	types Home . . . .
+	sees 'frame 4 of 200'
+	until_true as_before
+	shows 'frame 4 of 200' || fail "the wheel over the picture has moved the time: $(screen)"
 	mouse 0 100 "$row"
 	sees 'frame 200 of 200'
 	mouse 0 1 "$row"
