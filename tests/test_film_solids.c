@@ -546,8 +546,9 @@ static void clip(struct rb_camera_def *camera, int kind, bool frustum)
 	if (!frustum)
 		return;
 	camera->has_frustum = true;
-	const double edges[6] = {-slope * near, slope * near, -slope * near,
-	                         slope * near,  near,         far};
+	/* of an orthographic picture as large as the other one is where the shapes are */
+	const double half = slope * (camera->orthographic ? 30 : near);
+	const double edges[6] = {-half, half, -half, half, near, far};
 	memcpy(camera->frustum, edges, sizeof edges);
 }
 
@@ -557,11 +558,13 @@ static void every_style_projection_clip_and_number_of_samples_draws_every_shape(
 	static const int samples[WAYS] = {1, 2, 4, 16};
 
 	(void)state;
-	for (int way = 0; way < 2 * CLIPS * WAYS; way++) {
+	for (int way = 0; way < 4 * CLIPS * WAYS; way++) {
 		struct studio studio;
 		studio_open(&studio);
 		studio.camera.wireframe = way % 2 == 1;
-		studio.camera.samples = samples[way / (2 * CLIPS)];
+		studio.camera.samples = samples[way / (2 * CLIPS) % WAYS];
+		studio.camera.orthographic = way >= 2 * CLIPS * WAYS;
+		studio.camera.height = 20;
 		clip(&studio.camera, way / 2 % CLIPS, way / 2 % CLIPS == CLIPS - 1);
 		memcpy(studio.camera.background, paper, sizeof paper);
 		studio.camera.position.value = (rb_vec3){0, -30, 1};

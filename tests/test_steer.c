@@ -73,6 +73,12 @@ static void moving_keeps_the_direction_and_zoom_the_target(void **state)
 	rb_steer_zoom(&camera, &stand, 2);
 	assert_vector(camera.position.value, ((rb_vec3){1, -2, 2}), 1e-12);
 	assert_vector(camera.look_at.value, ((rb_vec3){1, 3, 2}), 1e-12);
+	/* going nearer would not make anything larger */
+	camera.orthographic = true;
+	camera.height = 6;
+	rb_steer_zoom(&camera, &stand, 2);
+	assert_vector(camera.position.value, ((rb_vec3){1, -2, 2}), 1e-12);
+	assert_near(camera.height, 3, 1e-15);
 	rb_frame_release(&frame);
 	lab_close(&lab);
 }
@@ -226,6 +232,16 @@ static void a_sketch_has_discs_where_spheres_are(void **state)
 	assert_ok(rb_sketch_draw(&picture, lab.model, &camera, &stand, &frame, &err));
 	for (int i = 0; i < 60 * 40; i++)
 		assert_false(is_disc(&picture, i % 60, i / 60));
+	/* along parallel lines of sight all have their size: 40 pixels for 8 m */
+	camera.orthographic = true;
+	camera.height = 8;
+	for (int k = 0; k < 3; k++) {
+		rb_vec3_to(frame.position, (rb_vec3){2, 40.0 * (k - 1), 1});
+		assert_ok(rb_sketch_draw(&picture, lab.model, &camera, &stand, &frame, &err));
+		assert_true(is_disc(&picture, 40, 15) && is_disc(&picture, 37, 15));
+		assert_false(is_disc(&picture, 33, 15) || is_disc(&picture, 47, 15));
+		assert_false(is_disc(&picture, 40, 8) || is_disc(&picture, 40, 22));
+	}
 	rb_frame_release(&frame);
 	lab_close(&lab);
 }

@@ -213,6 +213,8 @@ struct rb_camera_def {
 	rb_vec3 offset;
 	bool level;
 	double fov; /* rad, vertical */
+	bool orthographic;
+	double height; /* m, of an orthographic picture; NAN: as much as `framed` asks for */
 	bool has_frustum;
 	double frustum[6]; /* left, right, bottom, top, near, far */
 	double near, far;  /* m; NAN: chosen from the scene */

@@ -437,6 +437,7 @@ enum rb_status rb_films_frame(struct rb_films *films, const struct rb_hdf5_modul
 		status = rb_films_frame_camera(&seen, films->loaded->model, module, reader,
 		                               film->label, err);
 		film->camera.position = seen.position;
+		film->camera.height = seen.height;
 		film->camera.look_at = seen.look_at;
 	}
 	return status;

@@ -20,7 +20,8 @@ struct drawing {
 	const struct rb_model *model;
 	const struct rb_stand *stand;
 	const struct rb_frame *frame;
-	double scale; /* pixels for a slope of 1 */
+	bool parallel;
+	double scale; /* pixels for a slope of 1; of an orthographic camera, for 1 m */
 };
 
 /* A sphere on its way to the picture. */
@@ -35,6 +36,12 @@ static rb_vec3 seen(const struct drawing *d, rb_vec3 world)
 
 	return (rb_vec3){rb_vec3_dot(away, d->stand->right), rb_vec3_dot(away, d->stand->up),
 	                 -rb_vec3_dot(away, d->stand->back)};
+}
+
+/* What a point that lies so far along the line of sight is divided by. */
+static double away(const struct drawing *d, double z)
+{
+	return d->parallel ? 1 : z;
 }
 
 static void dot(const struct drawing *d, double x, double y, const uint8_t rgb[3])
@@ -60,16 +67,17 @@ static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
 	const double nearest = 1e-3 * rb_vec3_length(rb_vec3_sub(d->stand->eye, d->stand->target));
 	rb_vec3 p = seen(d, a), q = seen(d, b);
 
-	if (p.z < nearest && q.z < nearest)
+	if (!d->parallel && p.z < nearest && q.z < nearest)
 		return;
-	if (p.z < nearest)
+	if (!d->parallel && p.z < nearest)
 		p = rb_vec3_add_scaled(p, (nearest - p.z) / (q.z - p.z), rb_vec3_sub(q, p));
-	if (q.z < nearest)
+	if (!d->parallel && q.z < nearest)
 		q = rb_vec3_add_scaled(q, (nearest - q.z) / (p.z - q.z), rb_vec3_sub(p, q));
-	const double x = 0.5 * d->picture->width + d->scale * p.x / p.z;
-	const double y = 0.5 * d->picture->height - d->scale * p.y / p.z;
-	const double dx = d->scale * (q.x / q.z - p.x / p.z);
-	const double dy = -d->scale * (q.y / q.z - p.y / p.z);
+	const double by_p = away(d, p.z), by_q = away(d, q.z);
+	const double x = 0.5 * d->picture->width + d->scale * p.x / by_p;
+	const double y = 0.5 * d->picture->height - d->scale * p.y / by_p;
+	const double dx = d->scale * (q.x / by_q - p.x / by_p);
+	const double dy = -d->scale * (q.y / by_q - p.y / by_p);
 	double part[2] = {0, 1};
 	cut(x, dx, d->picture->width, part);
 	cut(y, dy, d->picture->height, part);
@@ -168,12 +176,14 @@ static int find_discs(const struct drawing *d, struct disc *discs)
 		const rb_vec3 at = seen(d, rb_steer_body(d->model, d->frame, id));
 		/* of what is neither flat nor round, the sphere around it */
 		const double radius = rb_model_reach(d->model, index);
-		if (is_flat(shape) || !d->model->scene->bodies[id].visible || at.z <= radius)
+		if (is_flat(shape) || !d->model->scene->bodies[id].visible ||
+		    (!d->parallel && at.z <= radius))
 			continue;
+		const double by = away(d, at.z);
 		discs[count++] = (struct disc){
-			.x = 0.5 * d->picture->width + d->scale * at.x / at.z,
-			.y = 0.5 * d->picture->height - d->scale * at.y / at.z,
-			.radius = d->scale * radius / at.z,
+			.x = 0.5 * d->picture->width + d->scale * at.x / by,
+			.y = 0.5 * d->picture->height - d->scale * at.y / by,
+			.radius = d->scale * radius / by,
 			.distance = at.z,
 			.id = id,
 		};
@@ -185,12 +195,16 @@ enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_m
                               const struct rb_camera_def *camera, const struct rb_stand *stand,
                               const struct rb_frame *frame, struct rb_error *err)
 {
+	const double height = camera->has_frustum ? camera->frustum[3] - camera->frustum[2]
+	                                          : camera->height;
 	const struct drawing d = {
 		.picture = picture,
 		.model = model,
 		.stand = stand,
 		.frame = frame,
-		.scale = 0.5 * picture->height / tan(0.5 * camera->fov),
+		.parallel = camera->orthographic,
+		.scale = camera->orthographic ? picture->height / height
+	                                      : 0.5 * picture->height / tan(0.5 * camera->fov),
 	};
 	const int total = model->body_count + model->static_count;
 	struct disc *const discs = rb_memory_take((size_t)total + 1, sizeof *discs);

@@ -136,6 +136,13 @@ void rb_steer_zoom(struct rb_camera_def *camera, const struct rb_stand *stand, d
 {
 	const rb_vec3 arm = rb_vec3_sub(stand->eye, stand->target);
 
+	/* Going nearer would not make anything larger. */
+	if (camera->orthographic) {
+		camera->height /= factor;
+		for (int k = 0; k < 4; k++)
+			camera->frustum[k] /= factor;
+		return;
+	}
 	put_eye(camera, stand, rb_vec3_add_scaled(stand->target, 1 / factor, arm));
 }
 

@@ -61,9 +61,11 @@ static void frame_all(struct rb_viewer *viewer)
 	char left_out[160];
 
 	square.size_px[0] = square.size_px[1];
+	square.height = (double)NAN;
 	(void)rb_framing_aim(&viewer->framing, &square, left_out, sizeof left_out);
 	camera->position = square.position;
 	camera->look_at = square.look_at;
+	camera->height = square.height;
 }
 
 void rb_viewer_take_camera(struct rb_viewer *viewer, int number)

@@ -302,8 +302,6 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
                    const struct rb_view *view)
 {
 	const struct rb_model *model = bodies->setup.model;
-	const double least = LEAST_PX * rb_view_pixel_size(view);
-
 	for (int k = 0; k < bodies->sphere_count; k++) {
 		const int index = bodies->sphere[k].index;
 		const struct rb_solid_part *part = bodies->sphere[k].part;
@@ -311,9 +309,9 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
 		if (part)
 			pose = rb_view_part(pose, part);
 		const rb_vec3 centre = rb_view_point(view, pose.position);
-		const double distance = rb_vec3_length(centre);
+		const double distance = rb_view_distance(view, centre);
 		const double whole = part ? part->shape.radius : model->shape[index].radius;
-		const double radius = fmax(whole, least * distance);
+		const double radius = fmax(whole, LEAST_PX * rb_view_pixel_at(view, distance));
 		bodies->ball[k] = ball_of(&bodies->setup.looks->of[index], centre, radius,
 		                          pose.orientation);
 		bodies->order[k] = (struct rb_sort_item){bits_of(distance), (uint64_t)k};
@@ -386,7 +384,6 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
                                   const struct rb_view *view, struct rb_error *err)
 {
 	const struct rb_view_edges edges = rb_view_edges(view);
-	const double pixel = rb_view_pixel_size(view);
 	int seen = 0;
 
 	gather(bodies, frame, view);
@@ -398,7 +395,7 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 		*one = (struct rb_apart_ball){.centre = point_of(ball->centre),
 		                              .radius = (double)ball->radius,
 		                              .cuts = bodies->exact};
-		const double px = pixel * rb_vec3_length(one->centre);
+		const double px = rb_view_pixel_at(view, rb_vec3_length(one->centre));
 		const bool out = rb_view_misses(&edges, one->centre, one->radius + 2 * px) ||
 		                 is_behind_surface(bodies, one) ||
 		                 (!bodies->cut &&
@@ -422,7 +419,8 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 			const int index = bodies->sphere[item->value].index;
 			number = (uint64_t)group_of(
 				&bodies->setup.looks->of[index],
-				one->radius / (pixel * rb_vec3_length(one->centre)), one->cuts);
+				one->radius / rb_view_pixel_at(view, rb_vec3_length(one->centre)),
+				one->cuts);
 		}
 		item->key = number << 32 | (uint32_t)item->key;
 	}

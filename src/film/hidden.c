@@ -82,11 +82,20 @@ static void cover(struct rb_hidden *hidden, const double at[2], double radius, f
 bool rb_hidden_add(struct rb_hidden *hidden, const struct rb_view *view, rb_vec3 centre,
                    double radius)
 {
-	const double distance = rb_vec3_length(centre), lean = radius / distance;
+	const double distance = rb_view_distance(view, centre);
+	const double lean = rb_view_lean(view, centre, radius);
 	const double pixel_x = (view->right_slope - view->left_slope) / view->width;
 	const double pixel_y = rb_view_pixel_size(view);
 	double at[2];
 
+	if (view->parallel) {
+		rb_view_pixel(view, centre, at);
+		if (is_behind(hidden, at, radius / fmin(pixel_x, pixel_y) + EDGE_PX,
+		              (float)(distance - radius)))
+			return true;
+		cover(hidden, at, radius / fmax(pixel_x, pixel_y) - EDGE_PX, (float)distance);
+		return false;
+	}
 	/* The outline is an ellipse: at an angle t from the axis it reaches sin(a) / (cos(t) cos(t + a)) outwards, a its
 	 * angular radius, and nowhere less than sin(a) from the centre's place. */
 	const double cosine = -centre.z / distance;

@@ -93,7 +93,7 @@ void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
 	                               ? rb_vec3_unit(camera->up.value, z)
 	                               : z;
 
-	*lights = (struct rb_lights){0};
+	*lights = (struct rb_lights){.parallel = camera->orthographic};
 	lights->up = rb_vec3_unit(rb_vec3_neg(model->scene->world.gravity), wanted);
 	lights->plain = !isnan(camera->background[0]);
 	set(lights->zenith, 0.36, 0.56, 0.80);
@@ -280,6 +280,7 @@ void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, s
 
 	while (first < count && carried(&lights->of[first]) <= budget)
 		budget -= carried(&lights->of[first++]);
+	say(&text, "%s", lights->parallel ? "#define PARALLEL\n" : "");
 	say_colour(&text, "ZENITH", lights->zenith);
 	say_colour(&text, "HORIZON", lights->horizon);
 	say_colour(&text, "NADIR", lights->nadir);
@@ -341,32 +342,33 @@ static void grow_corners(struct box *box, const float (*corner)[4], int count,
 		grow(box, along(axes, rb_vec3_sub(corner_of(corner[k]), origin)), 0);
 }
 
-/* Is a box smaller than a slope? */
-static bool is_dot(const float (*corner)[4], double slope)
+/* Is a box smaller than so many pixels? */
+static bool is_dot(const struct rb_view *view, const float (*corner)[4], double pixels)
 {
 	const rb_vec3 one = corner_of(corner[0]), other = corner_of(corner[7]);
 
+	const double distance = rb_vec3_length(rb_vec3_scale(0.5, rb_vec3_add(one, other)));
 	return 0.5 * rb_vec3_length(rb_vec3_sub(other, one)) <
-	       slope * rb_vec3_length(rb_vec3_scale(0.5, rb_vec3_add(one, other)));
+	       pixels * rb_view_pixel_at(view, distance);
 }
 
 /* What throws shadows worth seeing: at least as large as a fraction of a pixel. Distances count from `origin`. */
 static struct box bounds(const struct rb_view *view, const struct rb_casters *casters,
                          const struct axes *axes, rb_vec3 origin)
 {
-	const double least = 0.3 * rb_view_pixel_size(view);
+	const double least = 0.3;
 	struct box box = {.any = false};
 
 	for (int k = 0; k < casters->ball_count; k++) {
 		const float *ball = casters->balls + (size_t)k * (size_t)casters->stride;
 		const rb_vec3 c = {(double)ball[0], (double)ball[1], (double)ball[2]};
 		const double r = (double)ball[3];
-		if (r * r < least * least * rb_vec3_dot(c, c))
+		if (r < least * rb_view_pixel_at(view, rb_vec3_length(c)))
 			continue;
 		grow(&box, along(axes, rb_vec3_sub(c, origin)), r);
 	}
 	for (int k = 0; k + 8 <= casters->solid_corner_count; k += 8)
-		if (!is_dot(casters->solids + k, least))
+		if (!is_dot(view, casters->solids + k, least))
 			grow_corners(&box, casters->solids + k, 8, axes, origin);
 	/* Large rectangles and boxes that stand still may reach far out of what is seen. */
 	const struct box moving = box;
@@ -403,7 +405,7 @@ static int side_for(const struct rb_view *view, const struct rb_casters *casters
 		nearest = fmin(nearest, fabs((double)casters->corners[k][2]));
 	for (int k = 0; k < casters->still_count && !moving; k++)
 		nearest = fmin(nearest, fabs((double)casters->still[k][2]));
-	const double texels = size / (rb_view_pixel_size(view) * fmax(nearest, 0.05 * size));
+	const double texels = size / rb_view_pixel_at(view, fmax(nearest, 0.05 * size));
 	const double most = whole - 2 * MARGIN;
 	return (int)fmax(SIDE_MIN, fmin(most, ceil(0.55 * texels)));
 }

@@ -29,7 +29,8 @@ struct rb_lights {
 	rb_vec3 up; /* unit, world: against gravity */
 	double ambient_up[3], ambient_down[3];
 	double zenith[3], horizon[3], nadir[3];
-	bool plain; /* `horizon` is all there is of the sky */
+	bool parallel; /* are the camera's lines of sight */
+	bool plain;    /* `horizon` is all there is of the sky */
 };
 
 /* Those of the camera, else a sun with shadows and a weak light from the other side. */

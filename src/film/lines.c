@@ -46,10 +46,19 @@ static const double contact_colour[3] = {0.93, 0.16, 0.30};
 
 static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_error *err)
 {
+	const struct rb_camera_def *camera = lines->setup.camera;
+	const bool parallel = camera->orthographic && !camera->has_frustum;
+	char defines[200];
+
+	/* A parallel view has ends of its own, about the bodies: what reaches beyond is kept, unless the camera has them. */
+	snprintf(defines, sizeof defines,
+	         "#define RIM %s\n#define JOINT %s\n#define KEPT(far) clamp(far, %s, %s)\n",
+	         kind == ARROW ? "1.3" : "0.0", kind == ARROW ? "0.0" : "0.3",
+	         parallel && isnan(camera->far) ? "-mix(depth.z, depth.w, 0.999)" : "-3e38",
+	         parallel && isnan(camera->near) ? "-mix(depth.z, depth.w, 0.001)" : "3e38");
 	const struct rb_glsl_parts parts = {
 		.name = "line",
-		.defines = kind == ARROW ? "#define RIM 1.3\n#define JOINT 0.0\n"
-	                                 : "#define RIM 0.0\n#define JOINT 0.3\n",
+		.defines = defines,
 		.vertex = {rb_shader_scene, rb_shader_line_vertex},
 		.fragment = {rb_shader_scene, rb_shader_line_fragment},
 	};
@@ -254,7 +263,9 @@ static void add_contacts(struct rb_lines *lines, struct pen *pen, const struct r
 
 struct wire {
 	struct pen *pen;
+	const struct rb_view *view;
 	rb_vec3 centre; /* view coordinates */
+	bool in_front;  /* no part of it is faint */
 };
 
 /* Of a circle: strokes, and from where to where, in turns. */
@@ -274,8 +285,9 @@ static void arc(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, struct span
 		const rb_vec3 here = rb_vec3_add_scaled(rb_vec3_add_scaled(at, cos(angle), x),
 		                                        sin(angle), y);
 		const rb_vec3 half = rb_vec3_scale(0.5, rb_vec3_add(before, here));
-		const bool behind = rb_vec3_dot(rb_vec3_sub(half, wire->centre), half) >
-		                    1e-6 * rb_vec3_dot(x, x);
+		const bool behind = !wire->in_front && rb_vec3_dot(rb_vec3_sub(half, wire->centre),
+		                                                   rb_view_way(wire->view, half)) >
+		                                               1e-6 * rb_vec3_dot(x, x);
 		if (k > 0)
 			stroke(wire->pen, before, here, behind ? 0.28 : 1, behind ? 0.28 : 1);
 		before = here;
@@ -290,32 +302,30 @@ static void circle(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, int coun
 /* Strokes for a circle of that size. */
 static int strokes_for(const struct rb_view *view, rb_vec3 centre, double radius)
 {
-	const double px = radius / (rb_vec3_length(centre) * rb_view_pixel_size(view));
+	const double px = radius / rb_view_pixel_at(view, rb_vec3_length(centre));
 
 	return (int)fmin(64, fmax(8, 6 * sqrt(px)));
 }
 
 static void add_sphere(struct pen *pen, const struct rb_view *view, rb_pose pose, double radius)
 {
-	struct wire wire = {pen, rb_view_point(view, pose.position)};
-	const double distance = rb_vec3_length(wire.centre), lean = radius / distance;
+	struct wire wire = {pen, view, rb_view_point(view, pose.position), false};
+	const double lean = rb_view_lean(view, wire.centre, radius);
 	const int count = strokes_for(view, wire.centre, radius);
 	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
 	rb_vec3 axis[3];
 
-	if (wire.centre.z > radius)
-		return;
 	for (int k = 0; k < 3; k++)
 		axis[k] = rb_vec3_scale(radius,
 		                        (rb_vec3){turn.m[0][k], turn.m[1][k], turn.m[2][k]});
 	for (int k = 0; k < 3; k++)
 		circle(&wire, wire.centre, axis[k], axis[(k + 1) % 3], count);
-	/* Its outline: where the cone from the eye touches it. */
-	const rb_vec3 way = rb_vec3_scale(1 / distance, wire.centre);
+	/* Its outline: where lines of sight touch it. */
+	const rb_vec3 to = rb_view_way(view, wire.centre), way = rb_vec3_unit(to, to);
 	const rb_vec3 across = rb_vec3_across(way);
 	const double reach = radius * sqrt(fmax(0, 1 - lean * lean));
 	const rb_vec3 ring = rb_vec3_add_scaled(wire.centre, -radius * lean, way);
-	wire.centre = rb_vec3_scale(2, wire.centre);
+	wire.in_front = true;
 	circle(&wire, ring, rb_vec3_scale(reach, across),
 	       rb_vec3_scale(reach, rb_vec3_cross(way, across)), count);
 }
@@ -357,26 +367,29 @@ static void add_edges(struct pen *pen, const struct rb_view *view, rb_pose pose,
 		const int *loop = solid->loops + solid->face_first[f];
 		const int count = solid->face_first[f + 1] - solid->face_first[f];
 		const rb_vec3 n = rb_mat3_apply(&turn, rb_part_normal(solid, f));
-		for (int k = 0; k < count && rb_vec3_dot(n, CORNER(loop[0])) < 0; k++)
+		for (int k = 0; k < count && rb_vec3_dot(n, rb_view_way(view, CORNER(loop[0]))) < 0;
+		     k++)
 			stroke(pen, CORNER(loop[k]), CORNER(loop[(k + 1) % count]), 1, 1);
 	}
 #undef CORNER
 }
 
-/* What closes an end of a capsule: two half circles, and where the cone from the eye touches it. */
+/* What closes an end of a capsule: two half circles, and where lines of sight touch it. */
 static void add_end(struct wire *wire, const rb_vec3 axis[3], rb_vec3 at, double radius, int count)
 {
-	const double distance = rb_vec3_length(at), lean = radius / distance;
-	const rb_vec3 way = rb_vec3_scale(1 / distance, at), side = rb_vec3_across(way);
+	const double lean = rb_view_lean(wire->view, at, radius);
+	const rb_vec3 to = rb_view_way(wire->view, at), way = rb_vec3_unit(to, to);
+	const rb_vec3 side = rb_vec3_across(way);
 	const rb_vec3 up = rb_vec3_cross(way, side);
 	const rb_vec3 ring = rb_vec3_add_scaled(at, -radius * lean, way);
 	const double reach = radius * sqrt(fmax(0, 1 - lean * lean));
 
 	wire->centre = at;
+	wire->in_front = false;
 	for (int k = 0; k < 2; k++)
 		arc(wire, at, rb_vec3_scale(radius, axis[k]), rb_vec3_scale(radius, axis[2]),
 		    (struct span){count, 0, 0.5});
-	wire->centre = rb_vec3_scale(2, at);
+	wire->in_front = true;
 	/* The part of the ring that lies beyond the end of the straight part. */
 	const double a = rb_vec3_dot(side, axis[2]), b = rb_vec3_dot(up, axis[2]);
 	const double off = -radius * lean * rb_vec3_dot(way, axis[2]), most = reach * hypot(a, b);
@@ -396,7 +409,7 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
 	const double r = shape->radius;
 	const int count = strokes_for(view, middle, r);
-	struct wire wire = {pen, middle};
+	struct wire wire = {pen, view, middle, false};
 	rb_vec3 axis[3], end[2];
 
 	for (int k = 0; k < 3; k++)
@@ -404,19 +417,20 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 	for (int k = 0; k < 2; k++) {
 		end[k] = rb_vec3_add_scaled(middle, 0.5 * shape->size[2], axis[2]);
 		/* An end that is seen has its whole circle in front. */
-		const bool shown = shape->kind == RB_SHAPE_CYLINDER &&
-		                   rb_vec3_dot(end[k], axis[2]) < 0;
-		wire.centre = shown ? rb_vec3_scale(2, end[k]) : end[k];
+		wire.in_front = shape->kind == RB_SHAPE_CYLINDER &&
+		                rb_vec3_dot(rb_view_way(view, end[k]), axis[2]) < 0;
+		wire.centre = end[k];
 		circle(&wire, end[k], rb_vec3_scale(r, axis[0]), rb_vec3_scale(r, axis[1]), count);
 		if (shape->kind == RB_SHAPE_CAPSULE)
 			add_end(&wire, axis, end[k], r, count);
 		axis[1] = rb_vec3_neg(axis[1]);
 		axis[2] = rb_vec3_neg(axis[2]);
 	}
-	/* Where planes through the eye touch the side. */
-	const rb_vec3 away = rb_vec3_neg(rb_vec3_reject(middle, axis[2]));
-	const double distance = rb_vec3_length(away), lean = r / distance;
-	if (!(lean < 1))
+	/* Where planes of lines of sight touch the side. */
+	const rb_vec3 away = rb_vec3_neg(rb_vec3_reject(rb_view_way(view, middle), axis[2]));
+	const double distance = rb_vec3_length(away);
+	const double lean = view->parallel ? 0 : r / distance;
+	if (!(lean < 1) || !(distance > 0))
 		return;
 	const rb_vec3 x = rb_vec3_scale(1 / distance, away), y = rb_vec3_cross(axis[2], x);
 	for (int k = -1; k <= 1; k += 2) {
@@ -433,7 +447,8 @@ static void add_part(struct pen *pen, const struct rb_scene *scene, const struct
 	const struct rb_solid *solid = rb_part_faces(scene, &part->shape);
 
 	/* Strokes would be turned round behind the eye. */
-	if (rb_view_point(view, pose.position).z > rb_part_size(scene, &part->shape).reach)
+	if (!view->parallel &&
+	    rb_view_point(view, pose.position).z > rb_part_size(scene, &part->shape).reach)
 		return;
 	if (part->shape.kind == RB_SHAPE_SPHERE)
 		add_sphere(pen, view, pose, part->shape.radius);

@@ -22,10 +22,30 @@ const char rb_shader_scene[] =
 	"	return p.x * axes[0].xyz + p.y * axes[1].xyz + p.z * axes[2].xyz;\n"
 	"}\n"
 	"#define PI 3.14159265358979\n"
-	/* The line of sight through a fragment, 1 along the camera's axis. */
-	"#define SEND_WAY way_ = vec4(turned(vec3(window.xy, -1.0)), 0.0); \\\n"
+	/*
+	 * The line of sight through a fragment, START + t WAY, 1 along the camera's axis; through a point, SIGHT. All
+	 * begin at the eye, which is the origin, or they are PARALLEL. DEPTH of what is so far along the axis.
+	 */
+	"#define SEND_WAY_AT(at) way_ = vec4(turned(vec3(window.xy, at)), 0.0); \\\n"
 	"	way_x_ = vec4(window.z * axes[0].xyz, 0.0); way_y_ = vec4(window.w * axes[1].xyz, 0.0)\n"
-	"#define WAY (way_.xyz + gl_FragCoord.x * way_x_.xyz + gl_FragCoord.y * way_y_.xyz)\n";
+	"#define THROUGH (way_.xyz + gl_FragCoord.x * way_x_.xyz + gl_FragCoord.y * way_y_.xyz)\n"
+	"#ifdef PARALLEL\n"
+	"#define AXIS(way) flat way vec4 axis_;\n"
+	"#define SEND_AXIS axis_ = -axes[2];\n"
+	"#define SEND_WAY SEND_AXIS SEND_WAY_AT(0.0)\n"
+	"#define START THROUGH\n"
+	"#define WAY axis_.xyz\n"
+	"#define SIGHT(p) axis_.xyz\n"
+	"#define DEPTH(ab, far) (ab.x + ab.y * far)\n"
+	"#else\n"
+	"#define AXIS(way)\n"
+	"#define SEND_AXIS\n"
+	"#define SEND_WAY SEND_WAY_AT(-1.0)\n"
+	"#define START vec3(0.0)\n"
+	"#define WAY THROUGH\n"
+	"#define SIGHT(p) normalize(p)\n"
+	"#define DEPTH(ab, far) (ab.x + ab.y / far)\n"
+	"#endif\n";
 
 /* ---- light ---- */
 
@@ -136,7 +156,7 @@ const char rb_shader_pattern[] =
 /* ---- spheres ---- */
 
 /*
- * A sphere is a polygon around the circle in which the cone from the eye touches it; each fragment casts its own ray.
+ * A sphere is a polygon around the circle in which lines of sight touch it; each fragment casts its own ray.
  * All lengths are in radii and from its centre, where single precision has digits enough at any distance.
  *
  * The disc in that circle lies within the sphere and meets every ray that does. So where two bodies share no point, it
@@ -156,15 +176,22 @@ const char rb_shader_sphere_vertex[] =
 	"flat out vec4 body;\n"   /* colour, radius */
 	"flat out vec4 spin;\n"   /* world to object coordinates */
 	"CARRY(out)\n"
+	"AXIS(out)\n"
 	"#ifdef DEEP\n"
 	"flat out vec4 sent_depth, sent_back;\n"
 	"#endif\n"
 	"void main()\n"
 	"{\n"
-	"	float d = length(ball.xyz), lean = ball.w / d;\n"
+	"#ifdef PARALLEL\n"
+	"	const float lean = 0.0;\n"
+	"	const vec3 n = vec3(0.0, 0.0, -1.0);\n"
+	"	float margin = pixel.x / ball.w;\n" /* of a pixel */
+	"#else\n"
+	"	float d = length(ball.xyz), lean = ball.w / d, margin = pixel.x / lean;\n"
 	"	vec3 n = ball.xyz / d;\n"
+	"#endif\n"
 	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), b = cross(n, a);\n"
-	"	float reach = sqrt(max(1.0 - lean * lean, 0.0)), margin = pixel.x / lean;\n" /* of a pixel */
+	"	float reach = sqrt(max(1.0 - lean * lean, 0.0));\n"
 	"#ifdef RIM\n"
 	"	float angle = float(gl_VertexID / 2) * (2.0 * PI / float(CORNERS));\n"
 	"	float inner = max(reach - 0.9 * margin, 0.0), outer = (reach + 0.9 * margin) / cos(PI / float(CORNERS));\n"
@@ -186,12 +213,14 @@ const char rb_shader_sphere_vertex[] =
 	"	sent_depth = depth;\n"
 	"	sent_back = axes[2];\n"
 	"#endif\n"
+	"	SEND_AXIS\n"
 	"	SEND\n"
 	"}\n";
 
 const char rb_shader_sphere_fragment[] =
 	"in vec3 ray;\n"
 	"flat in vec4 centre, body, spin;\n"
+	"AXIS(in)\n"
 	"#ifdef DEEP\n"
 	"flat in vec4 sent_depth, sent_back;\n"
 	"#endif\n"
@@ -218,7 +247,7 @@ const char rb_shader_sphere_fragment[] =
 	"}\n"
 	"void main()\n"
 	"{\n"
-	"	vec3 u = normalize(centre.xyz + ray);\n"
+	"	vec3 u = SIGHT(centre.xyz + ray);\n"
 	"	float b = dot(ray, u);\n"
 	"	vec3 e = ray - b * u;\n" /* from the centre to the nearest point of the ray */
 	"	float h2 = dot(e, e);\n"
@@ -248,7 +277,7 @@ const char rb_shader_sphere_fragment[] =
 	"	float far = -dot(P, sent_back.xyz);\n"
 	"#endif\n"
 	"#ifdef EXACT\n"
-	"	gl_FragDepth = sent_depth.x + sent_depth.y / far;\n"
+	"	gl_FragDepth = DEPTH(sent_depth, far);\n"
 	"#endif\n"
 	"#ifdef CLIP\n"
 	"	if (far < sent_depth.z || far > sent_depth.w) discard;\n"
@@ -261,7 +290,8 @@ const char rb_shader_sphere_fragment[] =
 
 /* Corners may lie at infinity (w = 0): then the plane reaches its horizon. */
 #define PLANE_VARYINGS(way) \
-	"flat " way " vec4 normal_, axis_u_, axis_v_, paint_, other_, way_, way_x_, way_y_;\n"
+	"flat " way         \
+	" vec4 normal_, axis_u_, axis_v_, paint_, other_, way_, way_x_, way_y_; AXIS(" way ")\n"
 
 const char rb_shader_plane_vertex[] =
 	"uniform vec4 corner[12];\n"
@@ -287,8 +317,9 @@ const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 	      "{\n"
 	      "	vec3 way = WAY;\n"
 	      "	float fall = max(-dot(normal_.xyz, way), 1e-7);\n"
-	      "	float t = normal_.w / fall;\n"
-	      "	vec3 P = t * way;\n"
+	      "	vec3 start = START;\n"
+	      "	float t = (normal_.w + dot(normal_.xyz, start)) / fall;\n"
+	      "	vec3 P = start + t * way;\n"
 	      "	float scale = inversesqrt(dot(way, way));\n"
 	      "	vec3 V = -scale * way;\n"
 	      "	vec2 uv = vec2(axis_u_.w + dot(axis_u_.xyz, P), axis_v_.w + dot(axis_v_.xyz, P));\n"
@@ -310,7 +341,7 @@ const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 	      "	result = vec4(paint_.rgb, 0.6 * line);\n"
 	      "#else\n"
 	      "	vec3 c = tone(lit(P, normal_.xyz, V, albedo, paint_.w));\n"
-	      "#ifdef HAZE\n"
+	      "#if defined(HAZE) && !defined(PARALLEL)\n" /* parallel lines of sight meet no horizon */
 	      "	c = mix(c, sky(-V), exp2(-70.0 * fall * scale));\n"
 	      "#endif\n"
 	      "	result = vec4(c, 1.0);\n"
@@ -347,6 +378,7 @@ const char rb_shader_solid_vertex[] =
 	"#endif\n"
 	"flat out vec4 colour;\n"
 	"CARRY(out)\n"
+	"AXIS(out)\n"
 	"float along(float k)\n"
 	"{\n"
 	"	return k < 0.5 ? count.x : k < 1.5 ? count.y : count.z;\n"
@@ -363,6 +395,7 @@ const char rb_shader_solid_vertex[] =
 	"#endif\n"
 	"	colour = vec4(paint.rgb, size.w);\n"
 	"	gl_Position = projection * vec4(q, 1.0);\n"
+	"	SEND_AXIS\n"
 	"	SEND\n"
 	"}\n";
 
@@ -374,6 +407,7 @@ const char rb_shader_solid_fragment[] =
 	"in vec2 skin;\n"
 	"#endif\n"
 	"flat in vec4 colour;\n"
+	"AXIS(in)\n"
 	"uniform sampler2D image;\n"
 	"out vec4 result;\n"
 	"void main()\n"
@@ -391,7 +425,7 @@ const char rb_shader_solid_fragment[] =
 	"#else\n"
 	"	vec3 albedo = colour.rgb;\n"
 	"#endif\n"
-	"	result = vec4(tone(lit(point, normalize(across), -normalize(point), albedo, colour.w)), 1.0);\n"
+	"	result = vec4(tone(lit(point, normalize(across), -SIGHT(point), albedo, colour.w)), 1.0);\n"
 	"}\n";
 
 /* ---- sky ---- */
@@ -399,6 +433,7 @@ const char rb_shader_solid_fragment[] =
 const char rb_shader_sky_vertex[] =
 	"CARRY(out)\n"
 	"flat out vec4 way_, way_x_, way_y_;\n"
+	"AXIS(out)\n"
 	"void main()\n"
 	"{\n"
 	"	vec2 p = vec2(gl_VertexID == 1 ? 3.0 : -1.0, gl_VertexID == 2 ? 3.0 : -1.0);\n"
@@ -408,6 +443,7 @@ const char rb_shader_sky_vertex[] =
 	"}\n";
 
 const char rb_shader_sky_fragment[] = "flat in vec4 way_, way_x_, way_y_;\n"
+				      "AXIS(in)\n"
 				      "out vec4 result;\n"
 				      "void main()\n"
 				      "{\n"
@@ -471,7 +507,7 @@ const char rb_shader_line_vertex[] =
 	"flat out vec3 measure;\n" /* half width, head, length */
 	"void main()\n"
 	"{\n"
-	"	vec4 a = vec4(from.xyz, 1.0), b = vec4(to.xyz, 1.0);\n"
+	"	vec4 a = vec4(from.x, from.y, KEPT(from.z), 1.0), b = vec4(to.x, to.y, KEPT(to.z), 1.0);\n"
 	"	float near = depth.z;\n"
 	"	if (-a.z < near && -b.z > near) a = mix(b, a, (-b.z - near) / (a.z - b.z));\n"
 	"	else if (-b.z < near && -a.z > near) b = mix(a, b, (-a.z - near) / (b.z - a.z));\n"

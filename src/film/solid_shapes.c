@@ -344,14 +344,14 @@ static int bucket_of(const struct item *item, const struct rb_view *view,
                      const struct rb_view_edges *edges, rb_vec3 centre, double least)
 {
 	const double distance = rb_vec3_length(centre);
-	const double pixel = rb_view_pixel_size(view);
 	int fineness = 0;
 
-	if (rb_view_misses(edges, centre, fmax(item->size.reach, least) + 2 * pixel * distance))
+	if (rb_view_misses(edges, centre,
+	                   fmax(item->size.reach, least) + 2 * rb_view_pixel_at(view, distance)))
 		return OUT_OF_VIEW;
 	/* From where it is nearest: one may stand beside the end of a long cylinder. */
 	const double nearest = fmax(distance - item->size.reach, view->near);
-	while (item->part.shape.radius > most_px[fineness] * pixel * nearest)
+	while (item->part.shape.radius > most_px[fineness] * rb_view_pixel_at(view, nearest))
 		fineness++;
 	return fineness;
 }
@@ -380,8 +380,8 @@ static void gather(struct rb_solids *solids, const struct rb_frame *frame,
 			rb_view_pose(model, frame, model->id_of[item->index]), &item->part);
 		const rb_vec3 middle = rb_quat_rotate(pose.orientation, item->size.middle);
 		const rb_vec3 centre = rb_view_point(view, rb_vec3_add(pose.position, middle));
-		const double distance = rb_vec3_length(centre);
-		const double least = 0.5 * LEAST_PX * rb_view_pixel_size(view) * distance;
+		const double distance = rb_view_distance(view, centre);
+		const double least = 0.5 * LEAST_PX * rb_view_pixel_at(view, distance);
 		const rb_mat3 turn = rb_view_turn(view, pose.orientation);
 		const rb_quat q = rb_quat_unit(rb_quat_multiply(to_view, pose.orientation));
 		struct instance *to = &solids->instance[k];

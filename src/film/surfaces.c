@@ -44,6 +44,23 @@ static void lay(struct rb_surface *surface, const struct rb_looks *looks,
 }
 
 /* A fan about the eye's foot, with corners at infinity. */
+/* The same, as far as a parallel view sees it: about the line of sight through the eye. */
+static void reach_edges(struct rb_surface *surface, const struct rb_view *view)
+{
+	const rb_vec3 n = {(double)surface->normal[0], (double)surface->normal[1],
+	                   (double)surface->normal[2]};
+	rb_vec3 middle = {0, 0, 0};
+
+	for (int k = 0; k < 5; k++) {
+		const rb_vec3 at = rb_view_on_plane(view, n, (double)surface->normal[3], k % 4);
+		put(surface->corner[0][k + 1], at, 1);
+		if (k < 4)
+			middle = rb_vec3_add_scaled(middle, 0.25, at);
+	}
+	put(surface->corner[0][0], middle, 1);
+	surface->corner_count[0] = 6;
+}
+
 static void reach_infinity(struct rb_surface *surface, const rb_mat3 *turn, double height)
 {
 	const rb_vec3 u = {turn->m[0][0], turn->m[1][0], turn->m[2][0]};
@@ -71,13 +88,18 @@ void rb_surface_see(struct rb_surface *surface, const struct rb_model *model,
 	const rb_vec3 n = {turn.m[0][2], turn.m[1][2], turn.m[2][2]};
 
 	/* Edge-on there is nothing to see; from behind, an infinite plane is a wall that one looks through into its room. */
-	surface->shown = surface->infinite ? eye.z > 0 : eye.z != 0;
-	surface->backed = surface->infinite && !surface->shown;
-	put(surface->normal, eye.z < 0 ? rb_vec3_neg(n) : n, fabs(eye.z));
+	const bool along = view->parallel ? rb_view_along(n) : eye.z == 0;
+	const bool behind = view->parallel ? n.z < 0 && !along : eye.z < 0;
+	surface->shown = !along && !(surface->infinite && behind);
+	surface->backed = surface->infinite && !surface->shown && !(view->parallel && along);
+	put(surface->normal, behind ? rb_vec3_neg(n) : n, behind ? -eye.z : eye.z);
 	lay(surface, looks, shape, &turn, eye);
 	surface->part_count = 1;
 	if (surface->infinite) {
-		reach_infinity(surface, &turn, eye.z);
+		if (view->parallel && surface->shown)
+			reach_edges(surface, view);
+		else
+			reach_infinity(surface, &turn, eye.z);
 		return;
 	}
 	const rb_vec3 u = {turn.m[0][0], turn.m[1][0], turn.m[2][0]};

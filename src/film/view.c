@@ -8,6 +8,11 @@
 
 /* Directions nearer to each other than this are one: doubles have no more digits for what is across. */
 static const double DEGENERATE_SINE = 1e-9;
+/*
+ * Depths of a parallel view are evenly spaced, in single precision. How many times as deep as all else a plane may
+ * be that is seen at a small angle: half of the digits are left for the bodies.
+ */
+static const double PLANE_DEPTHS = 4096;
 
 rb_pose rb_view_pose(const struct rb_model *model, const struct rb_frame *frame, int id)
 {
@@ -147,8 +152,6 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 
 static void open(struct rb_view *view, const struct rb_camera_def *camera, double least)
 {
-	view->width = camera->size_px[0];
-	view->height = camera->size_px[1];
 	if (camera->has_frustum) {
 		const double *f = camera->frustum;
 		view->left_slope = f[0] / f[4];
@@ -177,14 +180,96 @@ static void open(struct rb_view *view, const struct rb_camera_def *camera, doubl
 		view->far = (double)INFINITY;
 }
 
+/* From where to where, along the lines of sight. */
+struct span {
+	double low, high;
+};
+
+static void reach(struct span *span, double low, double high)
+{
+	span->low = fmin(span->low, low);
+	span->high = fmax(span->high, high);
+}
+
+/* All that is in the picture: bodies first, then as much of the planes as there are digits for. */
+static struct span depths(const struct rb_view *view, const struct rb_model *model,
+                          const struct rb_frame *frame)
+{
+	const struct rb_view_edges edges = rb_view_edges(view);
+	const double upright = view->top_slope - view->bottom_slope;
+	struct span bodies = {(double)INFINITY, -(double)INFINITY};
+
+	for (int i = 0; i < model->body_count + model->static_count; i++) {
+		const int id = model->id_of[i];
+		const rb_pose pose = rb_view_pose(model, frame, id);
+		const rb_vec3 centre = rb_view_point(view, pose.position);
+		const double radius = rb_model_reach(model, i);
+		if (model->scene->bodies[id].visible && isfinite(radius) &&
+		    rb_vec3_finite(centre) && !rb_view_misses(&edges, centre, radius))
+			reach(&bodies, -centre.z - radius, -centre.z + radius);
+	}
+	if (!(bodies.low <= bodies.high))
+		bodies = (struct span){0, 0};
+	reach(&bodies, bodies.low - 0.02 * upright, bodies.high + 0.02 * upright);
+	struct span all = bodies;
+	const double room = PLANE_DEPTHS * (bodies.high - bodies.low + upright);
+	for (int i = 0; i < model->body_count + model->static_count; i++) {
+		if (model->shape[i].kind != RB_SHAPE_PLANE)
+			continue;
+		const rb_pose pose = rb_view_pose(model, frame, model->id_of[i]);
+		const rb_vec3 up = rb_quat_rotate(pose.orientation, (rb_vec3){0, 0, 1});
+		const rb_vec3 normal = rb_view_direction(view, up);
+		const double height = rb_vec3_dot(up, rb_vec3_sub(view->eye, pose.position));
+		for (int k = 0; k < 4 && normal.z > 0 && !rb_view_along(normal); k++) {
+			const double depth = -rb_view_on_plane(view, normal, height, k).z;
+			reach(&all, fmax(depth, bodies.low - room),
+			      fmin(depth, bodies.high + room));
+		}
+	}
+	reach(&all, all.low - 0.02 * (all.high - all.low), all.high + 0.02 * (all.high - all.low));
+	return all;
+}
+
+static void open_parallel(struct rb_view *view, const struct rb_model *model,
+                          const struct rb_camera_def *camera, const struct rb_frame *frame)
+{
+	const double *f = camera->frustum;
+
+	view->top_slope = camera->has_frustum ? f[3] : 0.5 * camera->height;
+	view->bottom_slope = camera->has_frustum ? f[2] : -view->top_slope;
+	view->right_slope = camera->has_frustum ? f[1]
+	                                        : view->top_slope * view->width / view->height;
+	view->left_slope = camera->has_frustum ? f[0] : -view->right_slope;
+	const struct span seen = depths(view, model, frame);
+	const double near = camera->has_frustum ? f[4] : camera->near;
+	const double far = camera->has_frustum ? f[5] : camera->far;
+	view->near = isnan(near) ? seen.low : near;
+	view->far = isnan(far) ? seen.high : far;
+	if (view->near >= view->far && isnan(near))
+		view->near = view->far - (view->top_slope - view->bottom_slope);
+	if (view->near >= view->far)
+		view->far = view->near + (view->top_slope - view->bottom_slope);
+	/* Single precision lasts longest about the eye: it goes where the bodies are. */
+	const double middle = 0.5 * (view->near + view->far);
+	view->eye = rb_vec3_add_scaled(view->eye, -middle, view->back);
+	view->near -= middle;
+	view->far -= middle;
+}
+
 enum rb_status rb_view_make(struct rb_view *view, const struct rb_model *model,
                             const struct rb_camera_def *camera, const struct rb_frame *frame,
                             const struct rb_frame_shot *shot, struct rb_error *err)
 {
 	double least = 0;
 
-	*view = (struct rb_view){0};
+	*view = (struct rb_view){.parallel = camera->orthographic,
+	                         .width = camera->size_px[0],
+	                         .height = camera->size_px[1]};
 	enum rb_status status = aim(view, model, camera, frame, shot, err);
+	if (status == RB_OK && view->parallel) {
+		open_parallel(view, model, camera, frame);
+		return RB_OK;
+	}
 	if (status == RB_OK)
 		status = nearest(&least, view, model, camera, frame, err);
 	if (status == RB_OK)
@@ -226,27 +311,64 @@ struct rb_view_edges rb_view_edges(const struct rb_view *view)
 {
 	const rb_vec3 zero = {0, 0, 0};
 
-	return (struct rb_view_edges){{
-		rb_vec3_unit((rb_vec3){1, 0, view->left_slope}, zero),
-		rb_vec3_unit((rb_vec3){-1, 0, -view->right_slope}, zero),
-		rb_vec3_unit((rb_vec3){0, 1, view->bottom_slope}, zero),
-		rb_vec3_unit((rb_vec3){0, -1, -view->top_slope}, zero),
-	}};
+	if (view->parallel)
+		return (struct rb_view_edges){
+			.normal = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}},
+			.offset = {-view->left_slope, view->right_slope, -view->bottom_slope,
+		                   view->top_slope},
+			.front = (double)INFINITY,
+		};
+	return (struct rb_view_edges){
+		.normal = {
+			rb_vec3_unit((rb_vec3){1, 0, view->left_slope}, zero),
+			rb_vec3_unit((rb_vec3){-1, 0, -view->right_slope}, zero),
+			rb_vec3_unit((rb_vec3){0, 1, view->bottom_slope}, zero),
+			rb_vec3_unit((rb_vec3){0, -1, -view->top_slope}, zero),
+		}};
+}
+
+rb_vec3 rb_view_way(const struct rb_view *view, rb_vec3 point)
+{
+	return view->parallel ? (rb_vec3){0, 0, -1} : point;
+}
+
+double rb_view_distance(const struct rb_view *view, rb_vec3 point)
+{
+	return view->parallel ? fmax(0, -point.z - view->near) : rb_vec3_length(point);
+}
+
+double rb_view_lean(const struct rb_view *view, rb_vec3 centre, double radius)
+{
+	return view->parallel ? 0 : radius / rb_vec3_length(centre);
+}
+
+rb_vec3 rb_view_on_plane(const struct rb_view *view, rb_vec3 normal, double height, int k)
+{
+	const double more = 2 * rb_view_pixel_size(view);
+	const double x = k == 0 || k == 3 ? view->left_slope - more : view->right_slope + more;
+	const double y = k < 2 ? view->bottom_slope - more : view->top_slope + more;
+
+	return (rb_vec3){x, y, -(normal.x * x + normal.y * y + height) / normal.z};
+}
+
+bool rb_view_along(rb_vec3 normal)
+{
+	return fabs(normal.z) < DEGENERATE_SINE;
 }
 
 bool rb_view_misses(const struct rb_view_edges *edges, rb_vec3 centre, double radius)
 {
-	if (centre.z - radius > 0)
+	if (centre.z - radius > edges->front)
 		return true;
 	for (int k = 0; k < 4; k++)
-		if (rb_vec3_dot(edges->normal[k], centre) < -radius)
+		if (rb_vec3_dot(edges->normal[k], centre) + edges->offset[k] < -radius)
 			return true;
 	return false;
 }
 
 void rb_view_pixel(const struct rb_view *view, rb_vec3 point, double pixel[2])
 {
-	const double x = point.x / -point.z, y = point.y / -point.z;
+	const double by = view->parallel ? 1 : -point.z, x = point.x / by, y = point.y / by;
 
 	pixel[0] = view->width * (x - view->left_slope) / (view->right_slope - view->left_slope);
 	pixel[1] = view->height * (view->top_slope - y) / (view->top_slope - view->bottom_slope);
@@ -257,8 +379,18 @@ double rb_view_pixel_size(const struct rb_view *view)
 	return (view->top_slope - view->bottom_slope) / view->height;
 }
 
+double rb_view_pixel_at(const struct rb_view *view, double distance)
+{
+	return rb_view_pixel_size(view) * (view->parallel ? 1 : distance);
+}
+
 void rb_view_depth(const struct rb_view *view, double *a, double *b)
 {
+	if (view->parallel) {
+		*a = view->far / (view->far - view->near);
+		*b = -1 / (view->far - view->near);
+		return;
+	}
 	if (isinf(view->far)) {
 		*a = 0;
 		*b = view->near;
@@ -283,6 +415,14 @@ void rb_view_projection(const struct rb_view *view, bool from_zero, float matrix
 		matrix[k] = 0;
 	matrix[0] = (float)(2 / across);
 	matrix[5] = (float)(-2 / upright);
+	if (view->parallel) {
+		matrix[10] = (float)-b;
+		matrix[12] = (float)(-(view->right_slope + view->left_slope) / across);
+		matrix[13] = (float)((view->top_slope + view->bottom_slope) / upright);
+		matrix[14] = (float)a;
+		matrix[15] = 1;
+		return;
+	}
 	matrix[8] = (float)((view->right_slope + view->left_slope) / across);
 	matrix[9] = (float)(-(view->top_slope + view->bottom_slope) / upright);
 	matrix[10] = (float)-a;

@@ -103,8 +103,12 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 	return more;
 }
 
-/* A camera's axes and how much of a metre at a metre's distance is in its picture. */
+/*
+ * A camera's axes and how much of a metre at a metre's distance is in its picture; of an orthographic one, of each
+ * metre from the middle of the picture to its upper edge.
+ */
 struct sight {
+	bool parallel;
 	rb_vec3 right, up, back;
 	double across, upright;
 	double wide; /* 1, or how much larger all is taken to be where the sight turns */
@@ -116,12 +120,15 @@ static struct sight sight_of(const struct rb_camera_def *camera)
 	                   camera->up.source == RB_CAMERA_FIXED;
 	const rb_vec3 vertical = camera->up.source == RB_CAMERA_FIXED ? camera->up.value
 	                                                              : (rb_vec3){0, 0, 1};
-	struct sight sight = {.wide = fixed ? 1 : 2};
+	struct sight sight = {.parallel = camera->orthographic, .wide = fixed ? 1 : 2};
 
 	sight.back = rb_vec3_unit(rb_camera_def_default().position.value, (rb_vec3){0, -1, 0});
 	sight.right = rb_vec3_unit(rb_vec3_cross(vertical, sight.back), rb_vec3_across(sight.back));
 	sight.up = rb_vec3_cross(sight.back, sight.right);
-	if (camera->has_frustum) {
+	if (camera->orthographic) {
+		sight.upright = 1;
+		sight.across = (double)camera->size_px[0] / camera->size_px[1];
+	} else if (camera->has_frustum) {
 		const double *const f = camera->frustum;
 		/* beside its axis nothing can be placed for it */
 		sight.across = (f[0] < 0 && f[1] > 0 ? fmin(-f[0], f[1]) : f[1] - f[0]) / f[4];
@@ -135,7 +142,7 @@ static struct sight sight_of(const struct rb_camera_def *camera)
 	return sight;
 }
 
-/* How far from `target` the eye must be to see the corners of a box. */
+/* How far from `target` the eye must be, or the edge of an orthographic picture, to see the corners of a box. */
 static double distance_of(const struct sight *sight, rb_vec3 low, rb_vec3 high, rb_vec3 target)
 {
 	double distance = 0;
@@ -146,7 +153,9 @@ static double distance_of(const struct sight *sight, rb_vec3 low, rb_vec3 high, 
 		const rb_vec3 arm = rb_vec3_scale(sight->wide, rb_vec3_sub(corner, target));
 		const double sideways = fmax(fabs(rb_vec3_dot(arm, sight->right)) / sight->across,
 		                             fabs(rb_vec3_dot(arm, sight->up)) / sight->upright);
-		distance = fmax(distance, rb_vec3_dot(arm, sight->back) + sideways);
+		distance = fmax(distance, sight->parallel
+		                                  ? sideways
+		                                  : rb_vec3_dot(arm, sight->back) + sideways);
 	}
 	return distance;
 }
@@ -221,6 +230,8 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 	rb_memory_free(order);
 	if (camera->look_at.source == RB_CAMERA_FIXED)
 		camera->look_at.value = target;
+	if (camera->orthographic && isnan(camera->height))
+		camera->height = distance > 0 ? 2 * distance : 2;
 	camera->position.source = RB_CAMERA_FIXED;
 	camera->position.value = rb_vec3_add_scaled(target, distance > 0 ? distance : 1,
 	                                            sight.back);

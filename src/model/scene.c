@@ -237,6 +237,7 @@ struct rb_camera_def rb_camera_def_default(void)
 		.up = {.value = {0, 0, 1}, .body = -1, .function = -1},
 		.mount = -1,
 		.fov = 0.78539816339744828, /* 45 degrees */
+		.height = (double)NAN,
 		.near = (double)NAN,
 		.far = (double)NAN,
 		.size_px = {1280, 720},

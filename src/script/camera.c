@@ -150,6 +150,20 @@ static void check_outputs(const struct rb_call *call, const struct rb_camera_def
 		                def->video);
 }
 
+static void check_projection(const struct rb_call *call, const struct rb_camera_def *def)
+{
+	if (!def->orthographic && rb_call_tried(call, "height") &&
+	    rb_call_given(call, "projection") == rb_call_tried(call, "projection"))
+		rb_call_mistake(
+			call,
+			"'height' goes with projection = \"orthographic\" (a perspective has 'fov')");
+	if (def->orthographic && rb_call_tried(call, "fov"))
+		rb_call_mistake(call, "an orthographic projection has no 'fov' (use 'height', m)");
+	if (def->orthographic && !def->framed && !rb_call_tried(call, "height") &&
+	    !rb_call_tried(call, "frustum"))
+		rb_call_mistake(call, "an orthographic projection wants 'height', m");
+}
+
 static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 {
 	const bool mounted = rb_call_tried(call, "mount");
@@ -165,15 +179,17 @@ static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 	def->has_frustum = rb_call_given(call, "frustum");
 	if (def->has_frustum) {
 		const double *f = def->frustum;
-		if (rb_call_tried(call, "fov") || rb_call_tried(call, "near") ||
-		    rb_call_tried(call, "far"))
-			rb_call_mistake(call, "'frustum' excludes 'fov', 'near' and 'far'");
+		if (rb_call_tried(call, "fov") || rb_call_tried(call, "height") ||
+		    rb_call_tried(call, "near") || rb_call_tried(call, "far"))
+			rb_call_mistake(call,
+			                "'frustum' excludes 'fov', 'height', 'near' and 'far'");
 		if (!(f[0] < f[1] && f[2] < f[3] && f[4] > 0 && f[4] < f[5]))
 			rb_call_mistake(
 				call,
 				"'frustum' must be {left, right, bottom, top, near, far} with left < right, "
 				"bottom < top and 0 < near < far");
 	}
+	check_projection(call, def);
 	if (def->near >= def->far)
 		rb_call_mistake(call, "'near' must be less than 'far' (got %.12g and %.12g)",
 		                def->near, def->far);

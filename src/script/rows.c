@@ -248,8 +248,16 @@ static const struct rb_row camera_rows[] = {
          "offset and up do not turn with the mount"},
 	{"fov", RB_ROW_NUMBER, RB_RANGE_FOV, 0, AT(rb_camera_def, fov), NULL, NULL, "deg(45)",
          "rad", "angle from the lower to the upper edge of the picture"},
+	{"projection", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, orthographic),
+         "perspective, orthographic", NULL, "perspective", "",
+         "orthographic: lines of sight are parallel, so sizes do not depend on the distance; without near they "
+         "also come from behind the camera"},
+	{"height", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, height), NULL, NULL,
+         "without position, what shows all that moves", "m",
+         "of an orthographic picture, from the lower to the upper edge, in place of fov"},
 	{"frustum", RB_ROW_NUMBERS, 0, 6, AT(rb_camera_def, frustum), NULL, NULL, "none", "m",
-         "{left, right, bottom, top, near, far}; excludes fov, near and far"},
+         "{left, right, bottom, top, near, far}: edges of the picture at the distance near, of an orthographic one anywhere; "
+         "excludes fov, height, near and far"},
 	{"near", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, near), NULL, NULL,
          "chosen for each picture", "m", "nothing nearer is drawn"},
 	{"far", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, far), NULL, NULL,

@@ -57,6 +57,8 @@ static const struct cell camera_cells[] = {
 	{"offset", CELL_NUMBER, 3, CAMERA(offset), "m"},
 	{"level", CELL_BOOL, 1, CAMERA(level), NULL},
 	{"fov", CELL_NUMBER, 1, CAMERA(fov), "rad"},
+	{"orthographic", CELL_BOOL, 1, CAMERA(orthographic), NULL},
+	{"height", CELL_NUMBER, 1, CAMERA(height), "m"},
 	{"has_frustum", CELL_BOOL, 1, CAMERA(has_frustum), NULL},
 	{"frustum", CELL_NUMBER, 6, CAMERA(frustum), "m"},
 	{"near", CELL_NUMBER, 1, CAMERA(near), "m"},

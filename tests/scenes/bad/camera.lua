@@ -10,6 +10,11 @@ camera { overlay = {"time", "tittle"}, vectors = "contacts", style = "wire", tra
 camera { png = "frames/pic.png", video = "film.avi" }
 camera { png = "/tmp/%d.png", video = "../film.mp4", speed = 0 }
 camera { lights = {{}, {position = {1, 1, 1}, intensity = -1}, {direction = {0, 0, 0}}}, postion = {1, 1, 1} }
+camera { position = {0, -1, 0}, projection = "orthographic" }
+camera { projection = "orthographic", fov = 1 }
+camera { height = 2, projection = "perspective" }
+camera { projection = "orthographic", frustum = {-1, 1, -1, 1, 1, 2}, height = 2 }
+camera { projection = "parallel", height = 0 }
 -- expect: :3: camera: 'position' must be a vector {x, y, z}, a body or a function (got 3)
 -- expect: :3: camera: 'look_at' must be a vector {x, y, z}, a body or a function (got the text 'ball')
 -- expect: :3: camera: 'up' must be a vector with a length (got {0, 0, 0})
@@ -23,7 +28,7 @@ camera { lights = {{}, {position = {1, 1, 1}, intensity = -1}, {direction = {0, 
 -- expect: :7: camera: 'mount' and 'position' exclude each other (use 'offset')
 -- expect: :7: camera: 'near' must be less than 'far' (got 2 and 1)
 -- expect: :7: camera: 'from' must not be after 'to' (got 3 and 2)
--- expect: :8: camera: 'frustum' excludes 'fov', 'near' and 'far'
+-- expect: :8: camera: 'frustum' excludes 'fov', 'height', 'near' and 'far'
 -- expect: :8: camera: 'frustum' must be {left, right, bottom, top, near, far} with left < right, bottom < top and 0 < near < far
 -- expect: :9: camera: 'background' must be a color with parts in [0, 1] (got {2, 0, 0})
 -- expect: :9: camera: 'overlay' must be one of time, title, energy (got 'tittle') (did you mean 'title'?)
@@ -39,3 +44,9 @@ camera { lights = {{}, {position = {1, 1, 1}, intensity = -1}, {direction = {0, 
 -- expect: :12: camera: lights[1]: wants a 'kind', or one of 'position' and 'direction'
 -- expect: :12: camera: lights[2]: 'intensity' must be 0 or more (got -1)
 -- expect: :12: camera: lights[3]: 'direction' must be a vector with a length (got {0, 0, 0})
+-- expect: :13: camera: an orthographic projection wants 'height', m
+-- expect: :14: camera: an orthographic projection has no 'fov' (use 'height', m)
+-- expect: :15: camera: 'height' goes with projection = "orthographic" (a perspective has 'fov')
+-- expect: :16: camera: 'frustum' excludes 'fov', 'height', 'near' and 'far'
+-- expect: :17: camera: 'projection' must be one of perspective, orthographic (got 'parallel')
+-- expect: :17: camera: 'height' must be positive (got 0)
