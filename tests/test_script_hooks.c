@@ -176,6 +176,28 @@ static void handles_change_bodies_in_callbacks(void **state)
 	end(&run);
 }
 
+static void vectors_of_handles_are_copies(void **state)
+{
+	struct run run;
+
+	(void)state;
+	must_run(
+		&run,
+		"world { duration = 1 }\n"
+		"local a = sphere { radius = 0.1, velocity = {1, 2, 0} }\n"
+		"local b = sphere { radius = 0.1, position = {5, 0, 0}, velocity = {1, 2, 0} }\n"
+		"on_step(function() a.velocity.x = 3 a.position.y = 9 a.angular_velocity.z = 1\n"
+		"  local v, old = b.velocity, b.velocity v.x = 3 b:set_velocity(v) v.x = 4\n"
+		"  state.old = state.old or old.x end)\n"
+		"expect('unchanged', function() return a.velocity == vec3(1, 2, 0) and a.angular_velocity == vec3(0, 0, 0) end)\n"
+		"expect('set', function() return b.velocity == vec3(3, 2, 0) end)\n"
+		"expect('does not follow', function() return state.old == 1 end)\n");
+	for (int i = 0; i < run.scene.expect_count; i++)
+		if (!run.results[i].ok)
+			fail_msg("%s: %s", run.results[i].text, run.results[i].message);
+	end(&run);
+}
+
 static void an_error_in_a_callback_has_its_place_and_a_traceback(void **state)
 {
 	struct run run;
@@ -331,6 +353,7 @@ int main(void)
 		cmocka_unit_test(on_step_and_on_frame_come_on_their_grids),
 		cmocka_unit_test(a_collision_is_told_once_with_its_numbers),
 		cmocka_unit_test(handles_change_bodies_in_callbacks),
+		cmocka_unit_test(vectors_of_handles_are_copies),
 		cmocka_unit_test(an_error_in_a_callback_has_its_place_and_a_traceback),
 		cmocka_unit_test(mistakes_in_callbacks_are_told),
 		cmocka_unit_test(expectations_are_measured_against_their_bounds),
