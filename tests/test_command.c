@@ -88,7 +88,14 @@ static void fixed_words_stand_where_they_must(void **state)
 	assert_int_equal(right("previous").kind, RB_COMMAND_PREVIOUS);
 	assert_wrong("next frame", "'frame'");
 	assert_true(right("film on").is_on);
-	assert_wrong("film", "'on' or 'off'");
+	assert_wrong("film", "'on', 'off', or move, orbit or zoom after a camera's name");
+	assert_wrong("film main", "'on', 'off', or move");
+	assert_wrong("film main turn", "move, orbit or zoom");
+	assert_wrong("film zoom -1", "a number above 0");
+	assert_string_equal(right("film main move 1 2 3").text, "main");
+	assert_string_equal(right("film orbit 90 0").text, "");
+	assert_true(right("film orbit 90 0").moves);
+	assert_false(right("film off").moves);
 	assert_false(right("view pause").is_on);
 	assert_true(right("view play").is_on);
 }

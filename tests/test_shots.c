@@ -88,7 +88,7 @@ static void only_what_is_a_function_is_asked_for(void **state)
 	assert_false(rb_shot_wanted(&it.scene.cameras[1]));
 	assert_true(rb_shot_wanted(&it.scene.cameras[2]));
 	it.frame.time_s = 0.25;
-	it.shot = (struct rb_frame_shot){7, 8, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}};
+	it.shot = (struct rb_frame_shot){7, 8, {1, 1, 1}, {2, 2, 2}, {3, 3, 3}, false, 1};
 	must_shoot(&it, 0);
 	assert_at(it.shot.position, 0.25, 2, 3);
 	assert_at(it.shot.look_at, 2, 2, 2);

@@ -72,14 +72,16 @@ struct rb_frame_numbers {
 };
 
 /*
- * Where a camera that moves by functions of time stands at one of its pictures. Made by whoever fills the frame,
- * because only that thread may run the scene's Lua; the picture's time lies after that of the frame before and not
- * after that of this one.
+ * Where a camera that moves by functions of time, or that commands have moved, stands at one of its pictures. Made by
+ * whoever fills the frame, because only that thread may run the scene's Lua; the picture's time lies after that of the
+ * frame before and not after that of this one.
  */
 struct rb_frame_shot {
 	int camera;                    /* its place in the list of cameras that are filmed */
 	uint64_t picture;              /* the number of the picture, from 0 */
 	rb_vec3 position, look_at, up; /* m, m, any length; world */
+	bool steered; /* by commands: all three hold, whatever the camera is on; else those of functions */
+	double enlarged; /* by commands: an orthographic picture shows so many times less; 1: as much as ever */
 };
 
 struct rb_frame {

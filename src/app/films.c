@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "app/recorded.h"
+#include "app/steering.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/place.h"
@@ -48,6 +49,7 @@ struct rb_films {
 	bool has_last; /* then: `last` is the frame before */
 	struct rb_frame last;
 	struct rb_between between;
+	struct rb_steering steering;
 	double *switched_s; /* when pictures were left out, drawn again, ...: as the films have it */
 	size_t switch_count, switch_capacity;
 	atomic_int cut; /* the signal; set by anybody, after every film's own; 0: not */
@@ -466,6 +468,7 @@ void rb_films_destroy(struct rb_films *films)
 	rb_frame_release(&films->last);
 	rb_between_release(&films->between);
 	rb_memory_free(films->switched_s);
+	rb_steering_release(&films->steering);
 	rb_memory_free(films->film);
 	rb_memory_free(films);
 }
@@ -551,17 +554,9 @@ enum rb_status rb_films_start(struct rb_films *films, struct rb_ring *ring,
 	return status;
 }
 
-static enum rb_status add_shot(struct rb_frame *frame, const struct rb_frame_shot *shot,
-                               struct rb_error *err)
+static struct rb_steering_film steered(const struct rb_films *films, int number)
 {
-	size_t capacity = (size_t)frame->shot_capacity;
-
-	if (!rb_memory_reserve(&frame->shots, &capacity, (size_t)frame->shot_count + 1,
-	                       sizeof *frame->shots))
-		return RB_FAIL(err, RB_ERR_MEMORY, "cannot hold a frame: out of memory");
-	frame->shot_capacity = (int)capacity;
-	frame->shots[frame->shot_count++] = *shot;
-	return RB_OK;
+	return (struct rb_steering_film){films->loaded, &films->film[number].camera, number};
 }
 
 /* The shots of one camera that fall after the frame before and not after this one. */
@@ -571,6 +566,7 @@ static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame 
 	struct film *const film = &films->film[number];
 	const uint64_t count = rb_schedule_count(&film->schedule);
 	struct rb_frame plain = *frame; /* without shots, which would be copied for each of them */
+	const struct rb_steering_film of = steered(films, number);
 	enum rb_status status = RB_OK;
 
 	plain.shot_count = 0;
@@ -581,17 +577,16 @@ static enum rb_status shoot(struct rb_films *films, int number, struct rb_frame 
 		if (time_s > frame->time_s)
 			break;
 		if (time_s < frame->time_s) {
-			if (!films->has_last)
-				continue; /* before the first frame: there is no such picture */
+			if (!films->has_last || time_s < films->last.time_s)
+				continue; /* before the first frame, or before it was moved */
 			status = rb_frame_between(&films->between, films->loaded->model,
 			                          &films->last, &plain, time_s, err);
 			moment = &films->between.frame;
 		}
 		if (!status)
-			status = rb_script_shot(films->loaded->script, films->loaded->model,
-			                        &film->camera, moment, &shot, err);
+			status = rb_steering_shot(&films->steering, &of, moment, &shot, err);
 		if (!status)
-			status = add_shot(frame, &shot, err);
+			status = rb_frame_add_shot(frame, &shot, err);
 	}
 	return status;
 }
@@ -601,11 +596,16 @@ enum rb_status rb_films_shoot(struct rb_films *films, struct rb_frame *frame, st
 	enum rb_status status = RB_OK;
 
 	frame->shot_count = 0;
-	if (!films || !films->shoots)
+	if (!films || (!films->shoots && films->steering.count == 0))
 		return RB_OK;
-	for (int i = 0; i < films->count && !status; i++)
-		if (rb_shot_wanted(&films->film[i].camera) && works(films, &films->film[i]))
+	for (int i = 0; i < films->count && !status; i++) {
+		const struct rb_steering_film of = steered(films, i);
+		if (!works(films, &films->film[i]))
+			continue;
+		status = rb_steering_advance(&films->steering, &of, frame, err);
+		if (!status && rb_steering_is_wanted(&films->steering, &of))
 			status = shoot(films, i, frame, err);
+	}
 	struct rb_frame plain = *frame;
 	plain.shot_count = 0;
 	if (!status)
@@ -640,6 +640,21 @@ enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on, s
 	return status;
 }
 
+enum rb_status rb_films_steer(struct rb_films *films, double time_s,
+                              const struct rb_player_aim *aim, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	for (int i = 0; i < rb_films_count(films) && !status; i++) {
+		const char *const name = films->film[i].camera.name;
+		if (!works(films, &films->film[i]) ||
+		    (aim->camera[0] && (!name || strcmp(name, aim->camera) != 0)))
+			continue;
+		status = rb_steering_add(&films->steering, i, time_s, aim, err);
+	}
+	return status;
+}
+
 bool rb_films_are_on(const struct rb_films *films)
 {
 	return !films || films->switch_count % 2 == 0;
@@ -657,6 +672,7 @@ void rb_films_pack(struct rb_films *films, struct rb_pack *pack)
 		if (pack->loading && rb_films_switch(films, time_s, k % 2 == 1, NULL) != RB_OK)
 			pack->failed = pack->no_memory = true;
 	}
+	rb_steering_pack(films ? &films->steering : NULL, rb_films_count(films), pack);
 }
 
 static bool is_cut_short(const struct rb_film_tally *tally)

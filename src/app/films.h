@@ -14,6 +14,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "base/pack.h"
+#include "control/player.h"
 #include "flow/ring.h"
 #include "sink/module.h"
 
@@ -98,7 +99,10 @@ void rb_films_cut(struct rb_films *films, int signal);
 RB_CHECKED enum rb_status rb_films_switch(struct rb_films *films, double time_s, bool on,
                                           struct rb_error *err);
 bool rb_films_are_on(const struct rb_films *films);
-/* When they were switched, to bytes and back (base/pack): loading, before rb_films_start. */
+/* Likewise: a camera is moved, from where it stands at the second of these frames. Nothing where it makes no film now. */
+RB_CHECKED enum rb_status rb_films_steer(struct rb_films *films, double time_s,
+                                         const struct rb_player_aim *aim, struct rb_error *err);
+/* When they were switched and moved, to bytes and back (base/pack): loading, before rb_films_start. */
 void rb_films_pack(struct rb_films *films, struct rb_pack *pack);
 /* After the ring was closed: waits for all films to be whole. The first failure is told, with the camera, or that they were cut. */
 RB_CHECKED enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err);

@@ -232,6 +232,11 @@ void rb_listen_film(struct rb_listen *listen, bool on)
 		rb_player_film(listen->player, on);
 }
 
+bool rb_listen_take_aim(struct rb_listen *listen, struct rb_player_aim *aim)
+{
+	return listen && rb_player_take_aim(listen->player, aim);
+}
+
 bool rb_listen_filming(const struct rb_listen *listen)
 {
 	return !listen || rb_player_filming(listen->player);

@@ -49,6 +49,8 @@ enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_
 void rb_listen_has_films(struct rb_listen *listen, bool has);
 bool rb_listen_filming(const struct rb_listen *listen);
 void rb_listen_film(struct rb_listen *listen, bool on);
+/* A movement of a film's camera that commands ask for; false: none is left, or NULL. */
+bool rb_listen_take_aim(struct rb_listen *listen, struct rb_player_aim *aim);
 /* Wall time of the run that it stood still. */
 double rb_listen_paused_s(const struct rb_listen *listen);
 /* Takes the socket's name away, where the process is about to end at once. Any thread. */

@@ -498,6 +498,19 @@ static bool waits_no_more(void *user)
 	return must_stop(run) || rb_progress_signal(run->progress) != 0;
 }
 
+/* What commands have said of films since the frame before. */
+static enum rb_status heed_films(const struct run *run, struct rb_error *err)
+{
+	const double time_s = rb_world_time(run->world);
+	struct rb_player_aim aim;
+	enum rb_status status = rb_films_switch(run->films, time_s, rb_listen_filming(run->listen),
+	                                        err);
+
+	while (!status && rb_listen_take_aim(run->listen, &aim))
+		status = rb_films_steer(run->films, time_s, &aim, err);
+	return status;
+}
+
 /* A command asks for a checkpoint. */
 static void keep_asked(void *user)
 {
@@ -505,9 +518,7 @@ static void keep_asked(void *user)
 	struct rb_error err;
 
 	/* what commands have said of films before holds for what is kept */
-	if (rb_films_switch(run->films, rb_world_time(run->world), rb_listen_filming(run->listen),
-	                    &err) != RB_OK ||
-	    rb_saving_ask(run->saving, &err) != RB_OK)
+	if (heed_films(run, &err) != RB_OK || rb_saving_ask(run->saving, &err) != RB_OK)
 		rb_log(RB_LOG_WARNING, "%s", err.text);
 	rb_saving_frame(run->saving, rb_world_frame(run->world));
 }
@@ -529,7 +540,7 @@ static enum rb_status pass(struct run *run, bool *on, struct rb_error *err)
 	run->verdict = rb_listen_gate(run->listen, &frame, &calls);
 	rb_progress_paused(run->progress, rb_listen_paused_s(run->listen));
 	*on = run->verdict == RB_PLAYER_GO && !must_stop(run) && !ends_here(run);
-	return rb_films_switch(run->films, frame.time_s, rb_listen_filming(run->listen), err);
+	return heed_films(run, err);
 }
 
 static enum rb_status run_frames(struct run *run, struct rb_error *err)

@@ -37,7 +37,9 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 		"take a camera of the scene; move it to the right, up and forward (m); turn it around what it looks at and "
 		"over it; bring it nearer; put it on a body; put it where it sees all that moves"},
 	[RB_COMMAND_SNAPSHOT] = {"snapshot", "[FILE]", RB_NEEDS_VIEW, "write a picture of this frame"},
-	[RB_COMMAND_FILM] = {"film", "on|off", RB_NEEDS_RUN, "draw the pictures of the run's films, or leave them out"},
+	[RB_COMMAND_FILM] = {"film", "on|off|[CAMERA] move X Y Z|orbit DEGREES DEGREES|zoom FACTOR", RB_NEEDS_RUN,
+		"draw the pictures of the run's films, or leave them out; move the camera of one from the next frame on, as 'camera' "
+		"moves one's own"},
 	[RB_COMMAND_CHECKPOINT] = {"checkpoint", "", RB_NEEDS_RUN, "write a checkpoint beside the recording, from which --resume goes on"},
 	[RB_COMMAND_BODY] = {"body", "NAME", 0, "numbers of a body, by its name or its number as #3"},
 	[RB_COMMAND_SET] = {"set", "PARAMETER VALUE", RB_NEEDS_RUN,
@@ -278,34 +280,64 @@ static enum rb_status take_text(struct parse *parse, int n, bool needed, const c
 	return at_most(parse, n);
 }
 
-static enum rb_status take_vector(struct parse *parse, int count, double unit)
+/* From word n on. */
+static enum rb_status take_vector(struct parse *parse, int n, int count, double unit)
 {
 	for (int i = 0; i < count; i++) {
-		if (!number(argument(parse, 2 + i), &parse->command->vector[i]))
-			return wrong(parse, 2 + i,
+		if (!number(argument(parse, n + i), &parse->command->vector[i]))
+			return wrong(parse, n + i,
 			             count == 3 ? "three numbers in metres"
 			                        : "two numbers in degrees");
 		parse->command->vector[i] *= unit;
 	}
-	return at_most(parse, 1 + count);
+	return at_most(parse, n + count - 1);
+}
+
+/* How a camera is moved, if word n says that it is. */
+static enum rb_status take_movement(struct parse *parse, int n, bool *is_one)
+{
+	enum rb_camera_action *const action = &parse->command->action;
+
+	*is_one = true;
+	if (is_word(parse, n, "move")) {
+		*action = RB_CAMERA_MOVE;
+		return take_vector(parse, n + 1, 3, 1);
+	}
+	if (is_word(parse, n, "orbit")) {
+		*action = RB_CAMERA_ORBIT;
+		return take_vector(parse, n + 1, 2, degree);
+	}
+	if (is_word(parse, n, "zoom")) {
+		*action = RB_CAMERA_ZOOM;
+		return take_factor(parse, n + 1);
+	}
+	*is_one = false;
+	return RB_OK;
+}
+
+/* A camera's name may be left out where there is but one. */
+static enum rb_status take_film(struct parse *parse)
+{
+	if (is_word(parse, 1, "on") || is_word(parse, 1, "off"))
+		return take_choice(parse, 1, "on", "off");
+	enum rb_status status = take_movement(parse, 1, &parse->command->moves);
+	if (status || parse->command->moves)
+		return status;
+	if (!argument(parse, 1) || !argument(parse, 2))
+		return wrong(parse, 1, "'on', 'off', or move, orbit or zoom after a camera's name");
+	snprintf(parse->command->text, sizeof parse->command->text, "%s", argument(parse, 1));
+	status = take_movement(parse, 2, &parse->command->moves);
+	return status || parse->command->moves ? status : wrong(parse, 2, "move, orbit or zoom");
 }
 
 static enum rb_status take_camera(struct parse *parse)
 {
 	enum rb_camera_action *const action = &parse->command->action;
+	bool is_movement;
 
-	if (is_word(parse, 1, "move")) {
-		*action = RB_CAMERA_MOVE;
-		return take_vector(parse, 3, 1);
-	}
-	if (is_word(parse, 1, "orbit")) {
-		*action = RB_CAMERA_ORBIT;
-		return take_vector(parse, 2, degree);
-	}
-	if (is_word(parse, 1, "zoom")) {
-		*action = RB_CAMERA_ZOOM;
-		return take_factor(parse, 2);
-	}
+	const enum rb_status status = take_movement(parse, 1, &is_movement);
+	if (status || is_movement)
+		return status;
 	if (is_word(parse, 1, "mount")) {
 		*action = RB_CAMERA_MOUNT;
 		return take_text(parse, 2, false, "the name of a body");
@@ -356,7 +388,7 @@ static enum rb_status take_arguments(struct parse *parse)
 	case RB_COMMAND_SNAPSHOT:
 		return take_text(parse, 1, false, "a file's name");
 	case RB_COMMAND_FILM:
-		return take_choice(parse, 1, "on", "off");
+		return take_film(parse);
 	case RB_COMMAND_BODY:
 		return take_text(parse, 1, true, "the name of a body");
 	case RB_COMMAND_SET:
@@ -435,6 +467,8 @@ static const char *const *fixed_words(enum rb_command_kind kind, int place)
 {
 	static const char *const at[] = {"at", NULL}, *const collision[] = {"collision", NULL},
 				 *const on_off[] = {"on", "off", NULL},
+				 *const film[] = {"on", "off", "move", "orbit", "zoom", NULL},
+				 *const movement[] = {"move", "orbit", "zoom", NULL},
 				 *const view[] = {"pause", "play", NULL},
 				 *const camera[] = {"move", "orbit", "zoom", "mount", "all", NULL};
 
@@ -445,7 +479,7 @@ static const char *const *fixed_words(enum rb_command_kind kind, int place)
 	case RB_COMMAND_PREVIOUS:
 		return place == 1 ? collision : NULL;
 	case RB_COMMAND_FILM:
-		return place == 1 ? on_off : NULL;
+		return place == 1 ? film : place == 2 ? movement : NULL;
 	case RB_COMMAND_VIEW:
 		return place == 1 ? view : NULL;
 	case RB_COMMAND_CAMERA:

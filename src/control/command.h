@@ -73,6 +73,7 @@ struct rb_command {
 	double vector
 		[3]; /* camera move: m, right, up, forward; orbit: rad (degrees in the line), around, over */
 	enum rb_camera_action action;
+	bool moves; /* film: moves its camera, as `action` says */
 	char text
 		[RB_COMMAND_TEXT_SIZE]; /* name of a body, camera, file, parameter, command; "" where left out */
 	char value[RB_COMMAND_TEXT_SIZE]; /* of set */

@@ -3,6 +3,7 @@
 
 #include <math.h>
 #include <pthread.h>
+#include <string.h>
 #include <time.h>
 
 #include "base/clock.h"
@@ -23,6 +24,8 @@ struct rb_player {
 	bool pausing;                 /* wait at the next frame */
 	uint64_t steps;               /* frames to go on by before pausing, 0: not stepping */
 	bool restarting, quitting, keeping, attended;
+	struct rb_player_aim aim[RB_PLAYER_AIMS_MAX]; /* that wait for the simulator's thread */
+	int aim_count;
 };
 
 enum rb_status rb_player_create(struct rb_player **player, uint64_t frame_count, double duration_s,
@@ -67,6 +70,7 @@ void rb_player_begin_again(struct rb_player *player, uint64_t frame_count, doubl
 	};
 	player->start_ns = rb_clock_now_ns();
 	player->paused_ns = player->paused_since_ns = 0;
+	player->aim_count = 0;
 	player->restarting = false;
 	/* steps under way are of the run that is gone: what they would have ended in is a pause */
 	player->pausing |= player->steps > 0;
@@ -228,6 +232,28 @@ void rb_player_film(struct rb_player *player, bool on)
 	pthread_mutex_lock(&player->lock);
 	player->status.filming = on;
 	pthread_mutex_unlock(&player->lock);
+}
+
+bool rb_player_aim(struct rb_player *player, const struct rb_player_aim *aim)
+{
+	pthread_mutex_lock(&player->lock);
+	const bool fits = player->aim_count < RB_PLAYER_AIMS_MAX;
+	if (fits)
+		player->aim[player->aim_count++] = *aim;
+	pthread_mutex_unlock(&player->lock);
+	return fits;
+}
+
+bool rb_player_take_aim(struct rb_player *player, struct rb_player_aim *aim)
+{
+	pthread_mutex_lock(&player->lock);
+	const bool waits = player->aim_count > 0;
+	if (waits) {
+		*aim = player->aim[0];
+		memmove(player->aim, player->aim + 1, (size_t)--player->aim_count * sizeof *aim);
+	}
+	pthread_mutex_unlock(&player->lock);
+	return waits;
 }
 
 void rb_player_has_films(struct rb_player *player, bool has)

@@ -13,6 +13,8 @@
 
 #include <rbsim/frame.h>
 
+#include "control/command.h"
+
 struct rb_player;
 
 /* KEEP: a checkpoint is asked for; the gate is to be passed once more after it. */
@@ -79,6 +81,17 @@ void rb_player_has_films(struct rb_player *player, bool has);
 bool rb_player_filming(struct rb_player *player);
 /* Nobody is left who could say play, or somebody is: without anybody the gate never waits. True at first. */
 void rb_player_attend(struct rb_player *player, bool attended);
+/* A film's camera is to be moved, from the frame at which the simulator's thread takes this. */
+struct rb_player_aim {
+	char camera[RB_COMMAND_TEXT_SIZE]; /* "": the only one */
+	enum rb_camera_action action;      /* move, orbit or zoom */
+	double vector[3], factor;          /* as of struct rb_command */
+};
+enum { RB_PLAYER_AIMS_MAX = 64 };
+/* False: as many wait as may. */
+bool rb_player_aim(struct rb_player *player, const struct rb_player_aim *aim);
+bool rb_player_take_aim(struct rb_player *player,
+                        struct rb_player_aim *aim); /* False: none waits. */
 struct rb_player_status rb_player_status(struct rb_player *player);
 
 #endif

@@ -411,6 +411,46 @@ static enum rb_status no_body(struct line *line, const char *name)
 	               rb_nearest_hint(&nearest, hint));
 }
 
+/* The camera of a film is moved. */
+static enum rb_status move_film(const struct line *line, const struct rb_command *command)
+{
+	const struct rb_scene *const scene = line->session->info->scene;
+	struct rb_nearest nearest = rb_nearest_to(command->text);
+	struct rb_player_aim aim = {.action = command->action, .factor = command->number};
+	const struct rb_camera_def *found = NULL;
+	char hint[96];
+	int count = 0;
+
+	for (int i = 0; i < scene->camera_count; i++) {
+		const struct rb_camera_def *const camera = &scene->cameras[i];
+		if (!camera->png && !camera->video)
+			continue;
+		count++;
+		if (camera->name)
+			rb_nearest_offer(&nearest, camera->name, strlen(camera->name));
+		if (!command->text[0] || (camera->name && strcmp(camera->name, command->text) == 0))
+			found = camera;
+	}
+	if (!command->text[0] && count != 1)
+		return RB_FAIL(line->err, RB_ERR_USAGE,
+		               "'film': %d cameras make films; name the one to move", count);
+	if (!found)
+		return RB_FAIL(line->err, RB_ERR_USAGE, "'film': no camera '%.60s' makes one%s",
+		               command->text, rb_nearest_hint(&nearest, hint));
+	if (found->framed)
+		return RB_FAIL(
+			line->err, RB_ERR_USAGE,
+			"'film': camera '%.60s' has no 'position': its film is drawn when the run has ended",
+			found->name ? found->name : "");
+	snprintf(aim.camera, sizeof aim.camera, "%s", command->text);
+	memcpy(aim.vector, command->vector, sizeof aim.vector);
+	if (!rb_player_aim(line->session->player, &aim))
+		return RB_FAIL(line->err, RB_ERR_USAGE,
+		               "'film': %d movements wait for the next frame already",
+		               RB_PLAYER_AIMS_MAX);
+	return RB_OK;
+}
+
 static void put_vector(struct rb_answer *answer, const char *key, const double *v, int count)
 {
 	if (count == 4)
@@ -609,6 +649,8 @@ static enum rb_status execute(struct line *line, const struct rb_command *comman
 		if (!rb_player_status(player).has_films)
 			return RB_FAIL(line->err, RB_ERR_USAGE,
 			               "'film': no camera of this run makes a film");
+		if (command->moves)
+			return move_film(line, command);
 		rb_player_film(player, command->is_on);
 		break;
 	case RB_COMMAND_RESTART:

@@ -155,9 +155,6 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 	int low = 0, high = frame->shot_count;
 
 	*shot = NULL;
-	if (camera->position.source != RB_CAMERA_FUNCTION &&
-	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
-		return RB_OK;
 	while (low < high) {
 		const int middle = low + (high - low) / 2;
 		if (is_before(&frame->shots[middle], number, film->next))
@@ -170,6 +167,10 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 		*shot = &frame->shots[low];
 		return RB_OK;
 	}
+	/* others have one only where commands have moved them */
+	if (camera->position.source != RB_CAMERA_FUNCTION &&
+	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
+		return RB_OK;
 	return RB_FAIL(err, RB_ERR_BUG, "%s: nobody says where it stands at %.12g s", film->label,
 	               rb_schedule_time(&film->schedule, film->next));
 }

@@ -71,12 +71,12 @@ static double distance(const struct rb_scene *scene, const struct rb_shape *shap
 	}
 }
 
-/* Distance to the nearest surface that is drawn, 0 without any. */
-static enum rb_status nearest(double *least, const struct rb_view *view,
-                              const struct rb_model *model, const struct rb_camera_def *camera,
-                              const struct rb_frame *frame, struct rb_error *err)
+/* Distance to the nearest surface that is drawn, 0 without any, in `near`. Commands may move a camera into a body, and out again. */
+static enum rb_status nearest(struct rb_view *view, const struct rb_model *model,
+                              const struct rb_camera_def *camera, const struct rb_frame *frame,
+                              bool may_enter, struct rb_error *err)
 {
-	*least = 0;
+	view->near = 0;
 	for (int id = 0; id < model->scene->body_count; id++) {
 		if (!model->scene->bodies[id].visible)
 			continue;
@@ -84,12 +84,12 @@ static enum rb_status nearest(double *least, const struct rb_view *view,
 		const rb_vec3 away = rb_vec3_sub(view->eye, pose.position);
 		const struct rb_shape *shape = &model->shape[model->index_of[id]];
 		double d = rb_vec3_length(away) - rb_model_reach(model, model->index_of[id]);
-		if (shape->kind >= RB_SHAPE_BOX && d > 0 && *least > 0 && d > *least)
+		if (shape->kind >= RB_SHAPE_BOX && d > 0 && view->near > 0 && d > view->near)
 			continue;
 		if (shape->kind != RB_SHAPE_SPHERE)
 			d = distance(model->scene, shape,
 			             rb_quat_rotate_back(pose.orientation, away));
-		if (d < 0 && shape->kind == RB_SHAPE_PLANE)
+		if (d < 0 && (shape->kind == RB_SHAPE_PLANE || may_enter))
 			continue; /* seen from behind, it is not drawn */
 		if (d < 0) {
 			char text[64];
@@ -98,8 +98,8 @@ static enum rb_status nearest(double *least, const struct rb_view *view,
 			               file_of(model, camera), camera->line, label(camera),
 			               rb_scene_body_label(model->scene, id, text), frame->time_s);
 		}
-		if (d > 0 && isfinite(d) && (*least == 0 || d < *least))
-			*least = d;
+		if (d > 0 && isfinite(d) && (view->near == 0 || d < view->near))
+			view->near = d;
 	}
 	return RB_OK;
 }
@@ -108,10 +108,15 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
                           const struct rb_camera_def *camera, const struct rb_frame *frame,
                           const struct rb_frame_shot *shot, struct rb_error *err)
 {
-	const rb_vec3 target = vector(&camera->look_at, model, frame, shot ? &shot->look_at : NULL);
+	const bool steered = shot && shot->steered;
+	rb_vec3 target = vector(&camera->look_at, model, frame, shot ? &shot->look_at : NULL);
 	rb_vec3 up = vector(&camera->up, model, frame, shot ? &shot->up : NULL);
 
-	if (camera->mount >= 0) {
+	if (steered) {
+		view->eye = shot->position;
+		target = shot->look_at;
+		up = shot->up;
+	} else if (camera->mount >= 0) {
 		const rb_pose pose = rb_view_pose(model, frame, camera->mount);
 		const rb_vec3 offset = camera->level
 		                               ? camera->offset
@@ -123,7 +128,7 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 		view->eye = vector(&camera->position, model, frame, shot ? &shot->position : NULL);
 	}
 	/* A body as `up`: upwards is where it is. */
-	if (camera->up.source == RB_CAMERA_BODY)
+	if (camera->up.source == RB_CAMERA_BODY && !steered)
 		up = rb_vec3_sub(up, view->eye);
 	const rb_vec3 zero = {0, 0, 0};
 	const rb_vec3 back = rb_vec3_unit(rb_vec3_sub(view->eye, target), zero);
@@ -231,15 +236,16 @@ static struct span depths(const struct rb_view *view, const struct rb_model *mod
 }
 
 static void open_parallel(struct rb_view *view, const struct rb_model *model,
-                          const struct rb_camera_def *camera, const struct rb_frame *frame)
+                          const struct rb_camera_def *camera, const struct rb_frame *frame,
+                          double enlarged)
 {
 	const double *f = camera->frustum;
 
-	view->top_slope = camera->has_frustum ? f[3] : 0.5 * camera->height;
-	view->bottom_slope = camera->has_frustum ? f[2] : -view->top_slope;
-	view->right_slope = camera->has_frustum ? f[1]
+	view->top_slope = (camera->has_frustum ? f[3] : 0.5 * camera->height) / enlarged;
+	view->bottom_slope = camera->has_frustum ? f[2] / enlarged : -view->top_slope;
+	view->right_slope = camera->has_frustum ? f[1] / enlarged
 	                                        : view->top_slope * view->width / view->height;
-	view->left_slope = camera->has_frustum ? f[0] : -view->right_slope;
+	view->left_slope = camera->has_frustum ? f[0] / enlarged : -view->right_slope;
 	const struct span seen = depths(view, model, frame);
 	const double near = camera->has_frustum ? f[4] : camera->near;
 	const double far = camera->has_frustum ? f[5] : camera->far;
@@ -260,20 +266,20 @@ enum rb_status rb_view_make(struct rb_view *view, const struct rb_model *model,
                             const struct rb_camera_def *camera, const struct rb_frame *frame,
                             const struct rb_frame_shot *shot, struct rb_error *err)
 {
-	double least = 0;
+	const bool steered = shot && shot->steered;
 
 	*view = (struct rb_view){.parallel = camera->orthographic,
 	                         .width = camera->size_px[0],
 	                         .height = camera->size_px[1]};
 	enum rb_status status = aim(view, model, camera, frame, shot, err);
 	if (status == RB_OK && view->parallel) {
-		open_parallel(view, model, camera, frame);
+		open_parallel(view, model, camera, frame, steered ? shot->enlarged : 1);
 		return RB_OK;
 	}
 	if (status == RB_OK)
-		status = nearest(&least, view, model, camera, frame, err);
+		status = nearest(view, model, camera, frame, steered, err);
 	if (status == RB_OK)
-		open(view, camera, least);
+		open(view, camera, view->near);
 	return status;
 }
 

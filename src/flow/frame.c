@@ -91,3 +91,16 @@ void rb_frame_release(struct rb_frame *frame)
 	rb_memory_free(frame->shots);
 	*frame = (struct rb_frame){0};
 }
+
+enum rb_status rb_frame_add_shot(struct rb_frame *frame, const struct rb_frame_shot *shot,
+                                 struct rb_error *err)
+{
+	size_t capacity = (size_t)frame->shot_capacity;
+
+	if (!rb_memory_reserve(&frame->shots, &capacity, (size_t)frame->shot_count + 1,
+	                       sizeof *frame->shots))
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot hold a frame: out of memory");
+	frame->shot_capacity = (int)capacity;
+	frame->shots[frame->shot_count++] = *shot;
+	return RB_OK;
+}

@@ -194,7 +194,7 @@ struct rb_film_module {
 	void (*libraries)(char *out, size_t size);
 };
 
-enum { RB_FILM_MODULE_VERSION = 4 };
+enum { RB_FILM_MODULE_VERSION = 5 };
 
 RB_CHECKED enum rb_status rb_module_film(const struct rb_film_module **module,
                                          struct rb_error *err);

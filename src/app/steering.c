@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/steering.h"
+
+#include <math.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "control/steer.h"
+#include "math/vec3.h"
+#include "script/shots.h"
+
+struct rb_steering_row {
+	double time_s; /* of the frame before it */
+	int film;
+	struct rb_player_aim aim;
+	bool is_made;                /* the next frame has come: */
+	double made_s;               /* its time; */
+	struct rb_camera_def camera; /* as it stands since then */
+};
+
+void rb_steering_release(struct rb_steering *steering)
+{
+	rb_memory_free(steering->row);
+	*steering = (struct rb_steering){0};
+}
+
+enum rb_status rb_steering_add(struct rb_steering *steering, int film, double time_s,
+                               const struct rb_player_aim *aim, struct rb_error *err)
+{
+	if (!rb_memory_reserve(&steering->row, &steering->capacity, steering->count + 1,
+	                       sizeof *steering->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot move a camera: out of memory");
+	steering->row[steering->count++] = (struct rb_steering_row){
+		.time_s = time_s, .film = film, .aim = *aim};
+	return RB_OK;
+}
+
+/* The camera as it stands at a moment, without what its functions say. */
+static const struct rb_camera_def *camera_at(const struct rb_steering *steering,
+                                             const struct rb_steering_film *film, double time_s)
+{
+	const struct rb_camera_def *camera = film->camera;
+
+	for (size_t k = 0; k < steering->count; k++)
+		if (steering->row[k].film == film->number && steering->row[k].is_made &&
+		    steering->row[k].made_s <= time_s)
+			camera = &steering->row[k].camera;
+	return camera;
+}
+
+static enum rb_status ask_functions(const struct rb_steering_film *film,
+                                    const struct rb_camera_def *camera,
+                                    const struct rb_frame *moment, struct rb_frame_shot *shot,
+                                    struct rb_error *err)
+{
+	return rb_shot_wanted(camera) ? rb_script_shot(film->loaded->script, film->loaded->model,
+	                                               camera, moment, shot, err)
+	                              : RB_OK;
+}
+
+/* What it looks at is away from it by more than rounding. */
+static bool can_look(const struct rb_steering_film *film, const struct rb_camera_def *camera,
+                     const struct rb_frame *frame, const struct rb_frame_shot *shot)
+{
+	const struct rb_stand stand = rb_steer_stand(film->loaded->model, camera, frame, shot);
+	const double size = rb_vec3_length(stand.eye) + rb_vec3_length(stand.target);
+	const double away = rb_vec3_length(rb_vec3_sub(stand.eye, stand.target));
+
+	return isfinite(size) && away > 1e-9 * size &&
+	       (!camera->orthographic || camera->has_frustum ||
+	        (camera->height > 0 && isfinite(camera->height)));
+}
+
+enum rb_status rb_steering_advance(struct rb_steering *steering,
+                                   const struct rb_steering_film *film,
+                                   const struct rb_frame *frame, struct rb_error *err)
+{
+	for (size_t k = 0; k < steering->count; k++) {
+		struct rb_steering_row *const row = &steering->row[k];
+		const struct rb_player_aim *const aim = &row->aim;
+		struct rb_frame_shot shot = {.camera = film->number};
+
+		if (row->film != film->number || row->is_made || !(row->time_s < frame->time_s))
+			continue;
+		const struct rb_camera_def *const before = camera_at(steering, film, frame->time_s);
+		row->camera = *before;
+		const enum rb_status status = ask_functions(film, &row->camera, frame, &shot, err);
+		if (status)
+			return status;
+		const struct rb_stand stand = rb_steer_stand(film->loaded->model, &row->camera,
+		                                             frame, &shot);
+		if (aim->action == RB_CAMERA_MOVE)
+			rb_steer_move(&row->camera, &stand, rb_vec3_from(aim->vector));
+		else if (aim->action == RB_CAMERA_ORBIT)
+			rb_steer_orbit(&row->camera, &stand, aim->vector[0], aim->vector[1]);
+		else
+			rb_steer_zoom(&row->camera, &stand, aim->factor);
+		if (!can_look(film, &row->camera, frame, &shot)) {
+			rb_log(RB_LOG_WARNING,
+			       "a camera stays where it is: it would come to what it looks at");
+			row->camera = *before;
+		}
+		row->is_made = true;
+		row->made_s = frame->time_s;
+	}
+	return RB_OK;
+}
+
+bool rb_steering_is_wanted(const struct rb_steering *steering, const struct rb_steering_film *film)
+{
+	return rb_shot_wanted(film->camera) ||
+	       camera_at(steering, film, (double)INFINITY) != film->camera;
+}
+
+enum rb_status rb_steering_shot(const struct rb_steering *steering,
+                                const struct rb_steering_film *film, const struct rb_frame *moment,
+                                struct rb_frame_shot *shot, struct rb_error *err)
+{
+	const struct rb_camera_def *const camera = camera_at(steering, film, moment->time_s);
+	const enum rb_status status = ask_functions(film, camera, moment, shot, err);
+
+	shot->enlarged = 1;
+	if (status || camera == film->camera)
+		return status;
+	const struct rb_stand stand = rb_steer_stand(film->loaded->model, camera, moment, shot);
+	shot->steered = true;
+	shot->position = stand.eye;
+	shot->look_at = stand.target;
+	shot->up = stand.up;
+	if (camera->orthographic)
+		shot->enlarged = camera->has_frustum ? film->camera->frustum[3] / camera->frustum[3]
+		                                     : film->camera->height / camera->height;
+	return RB_OK;
+}
+
+void rb_steering_pack(struct rb_steering *steering, int film_count, struct rb_pack *pack)
+{
+	size_t count = steering ? steering->count : 0;
+
+	rb_pack_count(pack, &count, INT32_MAX, 5 * sizeof(double));
+	for (size_t k = 0; k < count && !pack->failed; k++) {
+		struct rb_steering_row row = {.aim = {.action = RB_CAMERA_MOVE, .factor = 1}};
+		if (!pack->loading)
+			row = steering->row[k];
+		int action = (int)row.aim.action;
+
+		rb_pack_finite(pack, &row.time_s, 1);
+		rb_pack_int(pack, &row.film, 0, film_count - 1);
+		rb_pack_int(pack, &action, RB_CAMERA_MOVE, RB_CAMERA_ZOOM);
+		rb_pack_finite(pack, row.aim.vector, 3);
+		rb_pack_finite(pack, &row.aim.factor, 1);
+		row.aim.action = (enum rb_camera_action)action;
+		if (pack->loading && !pack->failed &&
+		    rb_steering_add(steering, row.film, row.time_s, &row.aim, NULL) != RB_OK)
+			pack->failed = pack->no_memory = true;
+	}
+}
