@@ -2,9 +2,9 @@
 /*
  * Status codes and the error record.
  *
- * Every function that can fail for the user's or the world's sake returns `enum rb_status` and fills
- * a `struct rb_error` that the caller owns; there is no error state anywhere else. A function that
- * fails leaves its outputs zeroed and releasable. `err` may be NULL everywhere.
+ * Every function that can fail for the user's or the world's sake returns `enum rb_status` and
+ * fills a `struct rb_error` that the caller owns; there is no error state anywhere else. A function
+ * that fails leaves its outputs zeroed and releasable. `err` may be NULL everywhere.
  */
 #ifndef RBSIM_ERROR_H
 #define RBSIM_ERROR_H

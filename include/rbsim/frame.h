@@ -21,10 +21,10 @@ extern "C" {
 #endif
 
 /*
- * collision: touching and approaching bodies, once each. The others are transitions of a lasting contact of the
- * located method: to rest (neither slides nor rolls), to sliding, to rolling (or spinning) without slip, lift: it ends;
- * edge: it goes on at a rim or corner; merge: infinitely many impacts have ended in it. Their impulse and approach
- * speed are 0.
+ * collision: touching and approaching bodies, once each. The others are transitions of a lasting
+ * contact of the located method: to rest (neither slides nor rolls), to sliding, to rolling (or
+ * spinning) without slip, lift: it ends; edge: it goes on at a rim or corner; merge: infinitely
+ * many impacts have ended in it. Their impulse and approach speed are 0.
  */
 enum rb_event_kind {
 	RB_EVENT_COLLISION,
@@ -72,9 +72,9 @@ struct rb_frame_numbers {
 };
 
 /*
- * Where a camera that moves by functions of time, or that commands have moved, stands at one of its pictures. Made by
- * whoever fills the frame, because only that thread may run the scene's Lua; the picture's time lies after that of the
- * frame before and not after that of this one.
+ * Where a camera that moves by functions of time, or that commands have moved, stands at one of its
+ * pictures. Made by whoever fills the frame, because only that thread may run the scene's Lua; the
+ * picture's time lies after that of the frame before and not after that of this one.
  */
 struct rb_frame_shot {
 	int camera;                    /* its place in the list of cameras that are filmed */

@@ -5,9 +5,9 @@
  *   total(t) - total(0) = applied + driven + callbacks
  *                         - (impacts + impact_friction + sliding + rolling + joint_friction + drag + damping) + unexplained
  *
- * where total is kinetic plus potential energy. The causes of the second line are energies taken, so positive when they
- * dissipate. `unexplained` is measured, not entered: what the method itself made or lost. Linear and angular momentum
- * (about the origin) have causes of their own.
+ * where total is kinetic plus potential energy. The causes of the second line are energies taken,
+ * so positive when they dissipate. `unexplained` is measured, not entered: what the method itself
+ * made or lost. Linear and angular momentum (about the origin) have causes of their own.
  */
 #ifndef RBSIM_LEDGER_H
 #define RBSIM_LEDGER_H
@@ -43,7 +43,10 @@ enum rb_ledger_momentum {
 	RB_MOMENTUM_CAUSES
 };
 
-/* "applied", "driven", ... as in recordings; for RB_ENERGY_CAUSES and RB_MOMENTUM_CAUSES: "unexplained". */
+/*
+ * "applied", "driven", ... as in recordings; for RB_ENERGY_CAUSES and RB_MOMENTUM_CAUSES:
+ * "unexplained".
+ */
 const char *rb_ledger_energy_name(int cause);
 const char *rb_ledger_momentum_name(int cause);
 

@@ -3,8 +3,9 @@
  * The sealed constants of a run, made once from a scene and then read only by every thread.
  *
  * Bodies have two numbers: the *id*, their place in the scene, and the *index*: moving bodies first
- * (0 .. body_count-1, in the order of the scene), then statics (body_count .. body_count+static_count-1).
- * Columns are by index. A column that an absent feature would use is NULL.
+ * (0 .. body_count-1, in the order of the scene), then statics (body_count ..
+ * body_count+static_count-1). Columns are by index. A column that an absent feature would use is
+ * NULL.
  */
 #ifndef RBSIM_MODEL_H
 #define RBSIM_MODEL_H

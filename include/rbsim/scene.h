@@ -2,10 +2,10 @@
 /*
  * What the author of a scene asked for: plain data, no Lua in it and no derived number.
  *
- * Owner: whoever made it (`script/load`, or a test by hand). Single thread until sealed into a model;
- * after that it is read only and may be read by every thread. All arrays and texts live in memory
- * that the scene owns and frees in rb_scene_release. "Not given" is NAN for a number, NULL for a
- * text, -1 for an index.
+ * Owner: whoever made it (`script/load`, or a test by hand). Single thread until sealed into a
+ * model; after that it is read only and may be read by every thread. All arrays and texts live in
+ * memory that the scene owns and frees in rb_scene_release. "Not given" is NAN for a number, NULL
+ * for a text, -1 for an index.
  */
 #ifndef RBSIM_SCENE_H
 #define RBSIM_SCENE_H
@@ -34,8 +34,8 @@ enum rb_shape_kind {
 };
 
 /*
- * A shape in object coordinates. The centroid is the origin of the object, except of hulls and unions, whose points
- * and parts are where the author put them.
+ * A shape in object coordinates. The centroid is the origin of the object, except of hulls and
+ * unions, whose points and parts are where the author put them.
  *   sphere     radius
  *   plane      infinite half-space, solid where local z < 0
  *   rectangle  finite plane in local z = 0, two-sided, without thickness: |x| <= size[0]/2, |y| <= size[1]/2
@@ -52,7 +52,10 @@ struct rb_shape {
 	double size[3]; /* m */
 };
 
-/* A part of a union: a shape that is no union itself, and where it is in the union's object coordinates. */
+/*
+ * A part of a union: a shape that is no union itself, and where it is in the union's object
+ * coordinates.
+ */
 struct rb_solid_part {
 	struct rb_shape shape;
 	rb_vec3 position; /* m */
@@ -61,9 +64,10 @@ struct rb_solid_part {
 };
 
 /*
- * What a hull or a union is made of, in object coordinates, and what follows from it alone. Of a hull: corners in the
- * order of the points that the author gave, faces as loops of corners, counter-clockwise seen from outside, each from
- * its smallest number on, edges as pairs of corners. Of a union: parts. Immutable; several bodies may share one.
+ * What a hull or a union is made of, in object coordinates, and what follows from it alone. Of a
+ * hull: corners in the order of the points that the author gave, faces as loops of corners,
+ * counter-clockwise seen from outside, each from its smallest number on, edges as pairs of corners.
+ * Of a union: parts. Immutable; several bodies may share one.
  */
 struct rb_solid {
 	const rb_vec3 *vertices; /* m, [vertex_count] */
@@ -133,7 +137,10 @@ struct rb_drag_def {
 	int line;
 };
 
-/* A force from a function of time, position and velocity of the centre of mass, on every moving body. */
+/*
+ * A force from a function of time, position and velocity of the centre of mass, on every moving
+ * body.
+ */
 struct rb_field_def {
 	int function; /* the script's number of it */
 	int line;
@@ -147,8 +154,10 @@ struct rb_body_def {
 	struct rb_shape shape;
 	int material;
 	double mass, density; /* kg, kg/m^3; NAN: from the material */
-	/* m, object coordinates; default: the origin, which is the centroid but of hulls and unions: whoever makes
-	 * one of those puts the centroid of the solid here */
+	/*
+	 * m, object coordinates; default: the origin, which is the centroid but of hulls and
+	 * unions: whoever makes one of those puts the centroid of the solid here
+	 */
 	rb_vec3 center_of_mass;
 	bool has_inertia;
 	rb_mat3 inertia; /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
@@ -159,8 +168,11 @@ struct rb_body_def {
 	rb_vec3 velocity;         /* m/s, of the centre of mass */
 	rb_vec3 angular_velocity; /* rad/s, world axes */
 	bool is_static;
-	/* A driven body is not static, and has none of what pushes would need: mass, inertia, forces. Its pose
-	 * and velocities here are those at time 0; `orientation` holds for good where it does not turn. */
+	/*
+	 * A driven body is not static, and has none of what pushes would need: mass, inertia,
+	 * forces. Its pose and velocities here are those at time 0; `orientation` holds for good
+	 * where it does not turn.
+	 */
 	int motion;        /* the script's number of the function that drives it, -1: none */
 	bool motion_turns; /* it returns an orientation */
 	bool motion_gives_velocity; /* it returned one at time 0; else they are differenced */
@@ -368,7 +380,10 @@ struct rb_force_def rb_force_def_default(void);
 struct rb_spring_def rb_spring_def_default(void);
 struct rb_camera_def rb_camera_def_default(void);
 
-/* Append a copy; texts are copied too. `*index` (may be NULL) receives its place. Fail on memory only. */
+/*
+ * Append a copy; texts are copied too. `*index` (may be NULL) receives its place. Fail on memory
+ * only.
+ */
 RB_CHECKED enum rb_status rb_scene_add_material(struct rb_scene *scene,
                                                 const struct rb_material_def *def, int *index,
                                                 struct rb_error *err);
@@ -378,9 +393,10 @@ RB_CHECKED enum rb_status rb_scene_add_contact_pair(struct rb_scene *scene,
 RB_CHECKED enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_def *def,
                                             int *index, struct rb_error *err);
 /*
- * The convex hull of points, measured; points that were given before get the solid of then. RB_ERR_SCENE where they
- * have no hull: fewer than 4, more than RB_HULL_POINTS_MAX, not finite, or all in a plane to the rounding of their
- * coordinates. Corners that are coplanar to that rounding share a face.
+ * The convex hull of points, measured; points that were given before get the solid of then.
+ * RB_ERR_SCENE where they have no hull: fewer than 4, more than RB_HULL_POINTS_MAX, not finite, or
+ * all in a plane to the rounding of their coordinates. Corners that are coplanar to that rounding
+ * share a face.
  */
 enum { RB_HULL_POINTS_MAX = 65536, RB_UNION_PARTS_MAX = 65536 };
 RB_CHECKED enum rb_status rb_scene_add_hull(struct rb_scene *scene, const rb_vec3 *points,

@@ -4,8 +4,8 @@
  *
  * Each sink runs on a thread of its own (flow/pump); all three calls come from that thread and in
  * this order. A lossless sink sees every frame and holds the simulator back when it must; another
- * one sees the newest. A sink that fails is closed; the run goes on for the others and ends with the
- * sink's status, or stops if the sink is `essential`.
+ * one sees the newest. A sink that fails is closed; the run goes on for the others and ends with
+ * the sink's status, or stops if the sink is `essential`.
  */
 #ifndef RBSIM_SINK_H
 #define RBSIM_SINK_H

@@ -31,9 +31,9 @@ struct rb_driven_pose {
 };
 
 /*
- * Called by the step, on the thread that runs it, where a scene asks for it: optional, NULL is free.
- * A status other than RB_OK ends the run with it. They may read the world and change it through the
- * rb_world_* calls below.
+ * Called by the step, on the thread that runs it, where a scene asks for it: optional, NULL is
+ * free. A status other than RB_OK ends the run with it. They may read the world and change it
+ * through the rb_world_* calls below.
  */
 struct rb_world_hooks {
 	void *user;
@@ -44,10 +44,16 @@ struct rb_world_hooks {
 	/* a transition of a lasting contact (located method) */
 	enum rb_status (*transition)(void *user, struct rb_world *world,
 	                             const struct rb_event *event, struct rb_error *err);
-	/* Sum of the scene's fields, N; NULL where it has none. Depends on nothing but its arguments. */
+	/*
+	 * Sum of the scene's fields, N; NULL where it has none. Depends on nothing but its
+	 * arguments.
+	 */
 	enum rb_status (*field)(void *user, double time_s, rb_vec3 position, rb_vec3 velocity,
 	                        rb_vec3 *force, struct rb_error *err);
-	/* Pose of a driven body, by id, at a time; NULL where the scene has none. Depends on nothing but these. */
+	/*
+	 * Pose of a driven body, by id, at a time; NULL where the scene has none. Depends on
+	 * nothing but these.
+	 */
 	enum rb_status (*motion)(void *user, int id, double time_s, struct rb_driven_pose *pose,
 	                         struct rb_error *err);
 };
@@ -70,7 +76,8 @@ void rb_world_destroy(struct rb_world *world); /* NULL is fine */
 
 /*
  * Advances to the next frame: k becomes k + 1. RB_ERR_PHYSICS when no step resolves an overlap or a
- * state is not finite; the world is then at the last good step. RB_OK with rb_world_stopped when `stop` said so.
+ * state is not finite; the world is then at the last good step. RB_OK with rb_world_stopped when
+ * `stop` said so.
  */
 RB_CHECKED enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err);
 bool rb_world_stopped(const struct rb_world *world);
@@ -82,8 +89,8 @@ double rb_world_time(const struct rb_world *world);   /* s */
 uint64_t rb_world_hash(const struct rb_world *world); /* of all that decides the future */
 
 /*
- * Fills the columns that `frame` has, its numbers, events and contacts, and begins to count anew for the next
- * frame. Fails on memory only (events).
+ * Fills the columns that `frame` has, its numbers, events and contacts, and begins to count anew
+ * for the next frame. Fails on memory only (events).
  */
 RB_CHECKED enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_frame *frame,
                                               struct rb_error *err);
@@ -91,15 +98,24 @@ RB_CHECKED enum rb_status rb_world_fill_frame(struct rb_world *world, struct rb_
 struct rb_frame_numbers rb_world_totals(struct rb_world *world);
 /* Stepped: contacts of a group at most whose impacts are passed on one by one. */
 enum { RB_IMPACT_CONTACTS = 200 };
-/* Accepted and discarded (rolled back) body substeps of the whole run, and pair tests of the broadphase. */
+/*
+ * Accepted and discarded (rolled back) body substeps of the whole run, and pair tests of the
+ * broadphase.
+ */
 struct rb_world_work {
 	uint64_t body_steps, discarded_body_steps, pair_tests;
 	uint64_t
 		plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
-	/* stepped: impacts of groups that are too large to be passed on one by one, and the energy of their approach, J */
+	/*
+	 * stepped: impacts of groups that are too large to be passed on one by one, and the energy
+	 * of their approach, J
+	 */
 	uint64_t crowded_impacts;
 	double crowded_energy_j;
-	/* stepped: contact points of all steps, times that one was swept, factorizations, moves of positions only */
+	/*
+	 * stepped: contact points of all steps, times that one was swept, factorizations, moves of
+	 * positions only
+	 */
 	uint64_t rows, row_sweeps, factors, closings;
 	double residual_m; /* stepped: the largest that a solution left of a gap's closing */
 	double slip_m; /* stepped: the largest slip that was left where friction was held; 0: nowhere */
@@ -114,9 +130,10 @@ struct rb_load {
 	rb_vec3 angular_acceleration; /* rad/s^2, world axes */
 };
 /*
- * Of a body, by id; changes nothing. Located motion has them from its arcs on; of steps contacts have the mean force of the
- * step that has ended. Forces of callbacks are those of the step under way or, between steps, of the one that has ended.
- * Of a driven or static body force and torque are what contacts and springs do to it.
+ * Of a body, by id; changes nothing. Located motion has them from its arcs on; of steps contacts
+ * have the mean force of the step that has ended. Forces of callbacks are those of the step under
+ * way or, between steps, of the one that has ended. Of a driven or static body force and torque are
+ * what contacts and springs do to it.
  */
 RB_CHECKED enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *load,
                                         struct rb_error *err);

@@ -52,7 +52,10 @@ static void release(struct told *told)
 	rb_memory_free(told->params);
 }
 
-/* A word of base64 as bytes with a zero behind them; NULL: it is none, or memory is out. "-" stands for nothing. */
+/*
+ * A word of base64 as bytes with a zero behind them; NULL: it is none, or memory is out. "-" stands
+ * for nothing.
+ */
 static char *decode(const char *word, size_t size, size_t *bytes)
 {
 	*bytes = 0;

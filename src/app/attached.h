@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A run that is looked at from outside: its scene, loaded again from what its socket tells, and a run in a process of
- * one's own. Main thread.
+ * A run that is looked at from outside: its scene, loaded again from what its socket tells, and a
+ * run in a process of one's own. Main thread.
  */
 #ifndef RB_APP_ATTACHED_H
 #define RB_APP_ATTACHED_H
@@ -12,8 +12,9 @@
 #include "control/client.h"
 
 /*
- * The scene of the run behind `client`, and where its recording is (owned by the caller, NULL: it makes none). Waits while the run
- * starts anew. `loaded` is released with rb_loaded_release in any case.
+ * The scene of the run behind `client`, and where its recording is (owned by the caller, NULL: it
+ * makes none). Waits while the run starts anew. `loaded` is released with rb_loaded_release in any
+ * case.
  */
 RB_CHECKED enum rb_status rb_attached_load(struct rb_loaded *loaded, char **recording,
                                            struct rb_client *client, bool trust,
@@ -28,8 +29,8 @@ struct rb_process {
 };
 
 /*
- * Starts `rbsim run` with this command line but for the verb and what only the console takes. `again`: it may replace its
- * own recording. `stays`: it goes on when this process ends.
+ * Starts `rbsim run` with this command line but for the verb and what only the console takes.
+ * `again`: it may replace its own recording. `stays`: it goes on when this process ends.
  */
 RB_CHECKED enum rb_status rb_process_start(struct rb_process *child,
                                            const struct rb_options *options, bool again, bool stays,

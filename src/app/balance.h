@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The ledger over a whole run: where the energy went, and the most that was unexplained at any frame. */
+/*
+ * The ledger over a whole run: where the energy went, and the most that was unexplained at any
+ * frame.
+ */
 #ifndef RB_APP_BALANCE_H
 #define RB_APP_BALANCE_H
 

@@ -351,7 +351,10 @@ static enum rb_status read_params(struct plan *plan)
 	return one->left_out && one->title ? RB_OK : no_memory(plan->err);
 }
 
-/* A scene that does not load has the runs that its parameters ask for as far as they were read: they tell why. */
+/*
+ * A scene that does not load has the runs that its parameters ask for as far as they were read:
+ * they tell why.
+ */
 static enum rb_status plan_runs(struct rb_case *one, const struct rb_options *options,
                                 struct rb_error *err)
 {

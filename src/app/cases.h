@@ -2,10 +2,10 @@
 /*
  * The cases of `rbsim verify`: scenes in a folder, and the runs that each asks for.
  *
- * A case says so by its parameters (lua/rbsim/verify.lua declares them): of a variation (time_step, frame_rate, turn,
- * shift, harmless, zero_field) every value but the default is a run of its own; of any other parameter with choices
- * every value is a base that all variations start from. A variation with one choice is left out, and its help says
- * why.
+ * A case says so by its parameters (lua/rbsim/verify.lua declares them): of a variation (time_step,
+ * frame_rate, turn, shift, harmless, zero_field) every value but the default is a run of its own;
+ * of any other parameter with choices every value is a base that all variations start from. A
+ * variation with one choice is left out, and its help says why.
  *
  * Main thread; the caller releases.
  */
@@ -38,8 +38,8 @@ struct rb_cases {
 };
 
 /*
- * Those that the words of the command line mean, all without any. RB_ERR_USAGE for a word that no case begins with,
- * RB_ERR_INPUT without a folder or a case in it.
+ * Those that the words of the command line mean, all without any. RB_ERR_USAGE for a word that no
+ * case begins with, RB_ERR_INPUT without a folder or a case in it.
  */
 RB_CHECKED enum rb_status rb_cases_init(struct rb_cases *cases, const struct rb_options *options,
                                         struct rb_error *err);

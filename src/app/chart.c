@@ -82,8 +82,8 @@ static void drawing_release(struct drawing *drawing)
 }
 
 /*
- * Of what failed no error is known: its cross stands at the top edge, counted from the right one, so that none hides
- * another.
+ * Of what failed no error is known: its cross stands at the top edge, counted from the right one,
+ * so that none hides another.
  */
 static void place_cross(const struct frame_of_axes *axes, int number, double *x, double *y)
 {

@@ -66,8 +66,9 @@ static bool time_is_up(void *user)
 }
 
 /*
- * Memory of the simulator: a world is made and goes as far as one second of its processor allows, without callbacks
- * and without a sink, so that its scratch grows as it will. How the trial ends is not looked at.
+ * Memory of the simulator: a world is made and goes as far as one second of its processor allows,
+ * without callbacks and without a sink, so that its scratch grows as it will. How the trial ends is
+ * not looked at.
  */
 static enum rb_status try_world(const struct rb_loaded *loaded, int threads, struct needs *needs,
                                 struct rb_error *err)
@@ -224,7 +225,10 @@ static void print_bodies(const struct rb_model *model)
 		rb_print(stdout, "  forces      %s\n", forces);
 }
 
-/* Parts of the located method, or stages of the stepped one; classic/stage_list prints those of the classic method. */
+/*
+ * Parts of the located method, or stages of the stepped one; classic/stage_list prints those of the
+ * classic method.
+ */
 static void print_parts(const struct rb_model *model)
 {
 	const bool stepped = model->method == RB_METHOD_STEPPED;

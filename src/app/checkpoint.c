@@ -189,8 +189,8 @@ static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_er
 }
 
 /*
- * Pages that nobody has written to are found one by one, at the first write: here, and not while the run stands still.
- * With the lock, which it gives back meanwhile.
+ * Pages that nobody has written to are found one by one, at the first write: here, and not while
+ * the run stands still. With the lock, which it gives back meanwhile.
  */
 static void make_ready(struct rb_checkpoints *checkpoints)
 {
@@ -428,7 +428,9 @@ static enum rb_status refuse(struct rb_error *err, const char *name, const char 
 	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no checkpoint to go on from: %s", name, why);
 }
 
-/* The section that begins at `*at`, which moves behind it. NULL: it is whole; else what is wrong. */
+/*
+ * The section that begins at `*at`, which moves behind it. NULL: it is whole; else what is wrong.
+ */
 static const char *take_section(const struct rb_checkpoint *checkpoint, int which, size_t *at,
                                 struct rb_pack *pack)
 {

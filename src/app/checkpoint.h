@@ -8,9 +8,10 @@
  *   sections   name of 8 bytes, size, hash, bytes: "about" (whose run, which frame), "world" (method/save), "script"
  *              (script/keep), "run" (what the summary tells); each once, in this order
  *
- * The simulator's thread copies what is to be kept (rb_checkpoint_take); a thread beside it waits until the recording
- * holds every frame up to there, syncs it, writes the file under a new name, syncs that, and renames. So the file that
- * is there is whole, and never ahead of its recording. A file that is not whole all the same is told by its hashes.
+ * The simulator's thread copies what is to be kept (rb_checkpoint_take); a thread beside it waits
+ * until the recording holds every frame up to there, syncs it, writes the file under a new name,
+ * syncs that, and renames. So the file that is there is whole, and never ahead of its recording. A
+ * file that is not whole all the same is told by its hashes.
  */
 #ifndef RB_APP_CHECKPOINT_H
 #define RB_APP_CHECKPOINT_H
@@ -44,7 +45,10 @@ struct rb_checkpoint_parts {
 struct rb_checkpoints_options {
 	const char *recording; /* borrowed */
 	unsigned how;          /* of base/place */
-	/* Waits until the recording holds all frames up to this one; false: it never will. In the writing thread. */
+	/*
+	 * Waits until the recording holds all frames up to this one; false: it never will. In the
+	 * writing thread.
+	 */
 	bool (*recorded)(void *user, uint64_t frame);
 	void *user;
 	size_t size_guess; /* bytes that one will take: room that need not be found while the run waits */
@@ -59,8 +63,8 @@ RB_CHECKED enum rb_status rb_checkpoints_start(struct rb_checkpoints **made,
 /* One is still being written: the next one would have to wait. */
 bool rb_checkpoints_busy(struct rb_checkpoints *checkpoints);
 /*
- * Copies all parts and leaves the rest to the thread; `about` lacks nothing but state_hash. RB_ERR_SCENE: the script
- * has something that can't be kept.
+ * Copies all parts and leaves the rest to the thread; `about` lacks nothing but state_hash.
+ * RB_ERR_SCENE: the script has something that can't be kept.
  */
 RB_CHECKED enum rb_status rb_checkpoints_take(struct rb_checkpoints *checkpoints,
                                               const struct rb_checkpoint_about *about,
@@ -93,8 +97,9 @@ struct rb_checkpoint {
 };
 
 /*
- * The checkpoint of a recording, or the one before where that is not whole, of which a warning tells. RB_ERR_INPUT
- * where there is one but none is whole; `*found` false where there is none. Released in any case.
+ * The checkpoint of a recording, or the one before where that is not whole, of which a warning
+ * tells. RB_ERR_INPUT where there is one but none is whole; `*found` false where there is none.
+ * Released in any case.
  */
 RB_CHECKED enum rb_status rb_checkpoint_read(struct rb_checkpoint *checkpoint, bool *found,
                                              const char *recording, unsigned how,

@@ -23,7 +23,10 @@ static bool execute(struct rb_session *session, const char *line, const char *wh
 	const bool right = rb_session_execute(session, line, who, &answer);
 
 	flockfile(out);
-	/* where memory was out for all of it there is no text; rb_app_finish looks whether it was written */
+	/*
+	 * where memory was out for all of it there is no text; rb_app_finish looks whether it was
+	 * written
+	 */
 	if (answer.size > 0)
 		(void)!fwrite(answer.text, 1, answer.size, out);
 	fflush(out);

@@ -34,7 +34,10 @@ struct rb_loaded {
  */
 RB_CHECKED enum rb_status rb_loaded_init(struct rb_loaded *loaded, const struct rb_options *options,
                                          struct rb_error *err);
-/* The same scene once more, from the files as they were read then, with the parameters of these options. */
+/*
+ * The same scene once more, from the files as they were read then, with the parameters of these
+ * options.
+ */
 RB_CHECKED enum rb_status rb_loaded_again(struct rb_loaded *loaded, const struct rb_loaded *from,
                                           const struct rb_options *options, struct rb_error *err);
 void rb_loaded_release(struct rb_loaded *loaded); /* safe on a zeroed one */
@@ -94,7 +97,10 @@ const char *rb_text_bytes(uint64_t bytes, char out[32]);
 
 const char *rb_text_plural(uint64_t count, const char *one, const char *many);
 
-/* Forces of a scene that are neither gravity nor a body's own: "2 springs, 1 field", "" without any. */
+/*
+ * Forces of a scene that are neither gravity nor a body's own: "2 springs, 1 field", "" without
+ * any.
+ */
 const char *rb_text_forces(int springs, int drags, int fields, char out[96]);
 /* "2 spheres, 1 box"; "" where there are only spheres and planes, which needs no words. */
 const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160]);

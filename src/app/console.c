@@ -110,7 +110,10 @@ static enum rb_status load_run(struct console *c, struct rb_error *err)
 	return rb_attached_load(&c->loaded, &c->recording, c->client, c->options->trust, err);
 }
 
-/* A run of one's own: what it says before it can be watched is told as if it had been started alone. */
+/*
+ * A run of one's own: what it says before it can be watched is told as if it had been started
+ * alone.
+ */
 static enum rb_status start_run(struct console *c, bool again, struct rb_error *err)
 {
 	rb_client_close(c->client);
@@ -191,7 +194,10 @@ static enum rb_status check_options(const struct rb_options *options, struct rb_
 	return RB_OK;
 }
 
-/* Mistakes of the scene and of the command line come out here, before there is a screen or a process. */
+/*
+ * Mistakes of the scene and of the command line come out here, before there is a screen or a
+ * process.
+ */
 static enum rb_status open_scene(struct console *c, struct rb_error *err)
 {
 	enum rb_status status = rb_loaded_init(&c->loaded, c->options, err);

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The verbs `console` and `attach`: a terminal over a recording, over a run of its own or over one that goes on elsewhere. */
+/*
+ * The verbs `console` and `attach`: a terminal over a recording, over a run of its own or over one
+ * that goes on elsewhere.
+ */
 #ifndef RB_APP_CONSOLE_H
 #define RB_APP_CONSOLE_H
 

@@ -363,7 +363,10 @@ static struct rb_rung_order order_of(const struct converge *converge,
 	};
 }
 
-/* What would go beyond its method's part of the budget is not begun, nor is what is finer; NAN: not for its time. */
+/*
+ * What would go beyond its method's part of the budget is not begun, nor is what is finer; NAN: not
+ * for its time.
+ */
 static void leave_out(struct converge *converge, int method, int rung, double expected_s)
 {
 	struct rb_report_method *const of = &converge->report.methods[method];
@@ -426,7 +429,10 @@ static enum rb_status run_method(struct converge *converge, int method, double b
 	return RB_OK;
 }
 
-/* A reference that says something else than the scene at its very start is a mistake more often than not. */
+/*
+ * A reference that says something else than the scene at its very start is a mistake more often
+ * than not.
+ */
 static void check_start(struct rb_report *report)
 {
 	for (int i = 0; i < report->row_count; i++) {

@@ -13,7 +13,9 @@
 
 static const double connect_s = 5, answer_s = 30;
 
-/* The words as one line. A single word is a line already; of several those with spaces are quoted. */
+/*
+ * The words as one line. A single word is a line already; of several those with spaces are quoted.
+ */
 static enum rb_status join(char line[RB_COMMAND_LINE_SIZE + 1], const struct rb_options *options,
                            struct rb_error *err)
 {

@@ -145,7 +145,8 @@ static double spin_energy(const rb_mat3 *inertia, rb_quat orientation, rb_vec3 s
 }
 
 /*
- * Kinetic energy and that of gravity, less what the reference has of them; false where it does not say enough.
+ * Kinetic energy and that of gravity, less what the reference has of them; false where it does not
+ * say enough.
  */
 static bool energy_difference(const struct rb_watch *watch, const struct rb_frame *frame, int i,
                               const struct rb_reference_pose *pose, double *difference)

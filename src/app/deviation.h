@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How far a run is from what it should be: from the scene's own reference, or from a path that another run has left.
+ * How far a run is from what it should be: from the scene's own reference, or from a path that
+ * another run has left.
  *
- * A path lies in memory that child processes share (mmap, since blocks of base/memory are private): one process
- * writes it while no other looks. A watch belongs to the process that simulates.
+ * A path lies in memory that child processes share (mmap, since blocks of base/memory are private):
+ * one process writes it while no other looks. A watch belongs to the process that simulates.
  */
 #ifndef RB_APP_DEVIATION_H
 #define RB_APP_DEVIATION_H
@@ -72,7 +73,10 @@ struct rb_watch {
 /* `watch` has the borrowed parts and bounds set, all else zeroed. Fails on memory only. */
 RB_CHECKED enum rb_status rb_watch_start(struct rb_watch *watch, const struct rb_model *model,
                                          struct rb_error *err);
-/* A frame with all columns that the model has; the world is at that frame. RB_ERR_SCENE from the reference. */
+/*
+ * A frame with all columns that the model has; the world is at that frame. RB_ERR_SCENE from the
+ * reference.
+ */
 RB_CHECKED enum rb_status rb_watch_frame(struct rb_watch *watch, struct rb_world *world,
                                          const struct rb_frame *frame, struct rb_error *err);
 /* Roots and ratios; after that the deviations can be read. */

@@ -235,7 +235,7 @@ static enum rb_status choose(struct rb_films *films, const struct rb_films_wish 
 	return RB_OK;
 }
 
-/* A name without what says nothing: "./", double slashes, and "%1d", which is "%d". False: too long. */
+/* A name without what says nothing: "./", double slashes, "%1d" for "%d". False: too long. */
 static bool plain_name(const char *name, char out[NAME_SIZE])
 {
 	size_t used = 0;
@@ -326,8 +326,8 @@ static struct rb_film_options options_of(const struct rb_films *films, int numbe
 }
 
 /*
- * Each film has a thread that draws; Mesa's own threads help it where there are more processors than films. Mesa reads
- * this once, when the first context is made; what the user has set holds.
+ * Each film has a thread that draws; Mesa's own threads help it where there are more processors
+ * than films. Mesa reads this once, when the first context is made; what the user has set holds.
  */
 static void share_processors(const struct rb_films *films)
 {

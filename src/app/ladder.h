@@ -2,8 +2,8 @@
 /*
  * One setting of a method, simulated in a child process: how far off it is, and what it costs.
  *
- * A setting that fails, crashes or takes too long is a result like any other. The calling process must have no
- * threads besides its own.
+ * A setting that fails, crashes or takes too long is a result like any other. The calling process
+ * must have no threads besides its own.
  */
 #ifndef RB_APP_LADDER_H
 #define RB_APP_LADDER_H

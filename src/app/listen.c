@@ -151,7 +151,10 @@ void rb_listen_forget(void *listen)
 		rb_server_forget(l->server);
 }
 
-/* The parameters of the command line, then those that were set: of two with one name the last holds. */
+/*
+ * The parameters of the command line, then those that were set: of two with one name the last
+ * holds.
+ */
 static enum rb_status gather_params(struct rb_listen *listen, struct rb_error *err)
 {
 	const struct rb_options *const options = listen->options;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What commands a run from outside: the socket of --listen, the lines of --commands, and what they need of the run: its
- * player, the last frames, and starting it anew.
+ * What commands a run from outside: the socket of --listen, the lines of --commands, and what they
+ * need of the run: its player, the last frames, and starting it anew.
  *
- * Owned by whoever owns the run, over all its restarts. The simulator's thread is the one that creates it. NULL stands
- * for a run that nobody commands: it pays nothing.
+ * Owned by whoever owns the run, over all its restarts. The simulator's thread is the one that
+ * creates it. NULL stands for a run that nobody commands: it pays nothing.
  */
 #ifndef RB_APP_LISTEN_H
 #define RB_APP_LISTEN_H
@@ -16,9 +16,10 @@
 struct rb_listen;
 
 /*
- * `*listen` is NULL where the options ask for none. From here to rb_listen_destroy SIGINT, SIGTERM and SIGUSR1 are
- * blocked, so that none is lost between a run and the next. Borrows the options, and `info` with its scene until
- * rb_listen_run_ends. RB_ERR_INPUT (the file of commands), RB_ERR_CREATE (the socket).
+ * `*listen` is NULL where the options ask for none. From here to rb_listen_destroy SIGINT, SIGTERM
+ * and SIGUSR1 are blocked, so that none is lost between a run and the next. Borrows the options,
+ * and `info` with its scene until rb_listen_run_ends. RB_ERR_INPUT (the file of commands),
+ * RB_ERR_CREATE (the socket).
  */
 RB_CHECKED enum rb_status rb_listen_create(struct rb_listen **listen,
                                            const struct rb_options *options,
@@ -40,8 +41,9 @@ struct rb_listen_calls {
 	void *user;
 };
 /*
- * After it was published: executes commands that are due, waits while the run is paused. RB_PLAYER_RESTART: the scene
- * was loaded anew and waits in rb_listen_next; where it could not be, the run stays paused as it is and that is told.
+ * After it was published: executes commands that are due, waits while the run is paused.
+ * RB_PLAYER_RESTART: the scene was loaded anew and waits in rb_listen_next; where it could not be,
+ * the run stays paused as it is and that is told.
  */
 enum rb_player_verdict rb_listen_gate(struct rb_listen *listen, const struct rb_player_frame *frame,
                                       const struct rb_listen_calls *calls);
@@ -62,7 +64,10 @@ void rb_listen_forget(void *listen);
 void rb_listen_run_ends(struct rb_listen *listen);
 /* The scene for the next run, once; the caller's, to be released and freed (rb_memory_free). */
 struct rb_loaded *rb_listen_next(struct rb_listen *listen);
-/* The options for the next run: with the parameters that were set, and replacing this run's own outputs. */
+/*
+ * The options for the next run: with the parameters that were set, and replacing this run's own
+ * outputs.
+ */
 const struct rb_options *rb_listen_options(const struct rb_listen *listen);
 /* The next run begins. Borrows `info` as rb_listen_create does. */
 RB_CHECKED enum rb_status rb_listen_begin_again(struct rb_listen *listen, struct rb_loaded *loaded,

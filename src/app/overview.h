@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a sweep on this machine says while it runs: one line that is redrawn on a terminal, now and then a line elsewhere,
- * and a line for each of the first points that fail. On standard error. Main thread.
+ * What a sweep on this machine says while it runs: one line that is redrawn on a terminal, now and
+ * then a line elsewhere, and a line for each of the first points that fail. On standard error. Main
+ * thread.
  */
 #ifndef RB_APP_OVERVIEW_H
 #define RB_APP_OVERVIEW_H
@@ -25,7 +26,9 @@ void rb_overview_told(void *overview, uint64_t index, const struct rb_point *poi
 /* The last lines. */
 void rb_overview_end(struct rb_overview *overview, const struct rb_jobs_tally *tally, int jobs);
 
-/* "312 of 1000 done, 2 running, 3 failed, 4:10 min left" behind a bar, of at most `width` columns. */
+/*
+ * "312 of 1000 done, 2 running, 3 failed, 4:10 min left" behind a bar, of at most `width` columns.
+ */
 void rb_overview_line(char *line, size_t size, int width, const struct rb_jobs_tally *tally);
 
 #endif

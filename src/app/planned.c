@@ -26,7 +26,10 @@ static const void *field_of(const struct rb_options *options, const struct rb_op
 	return (const char *)options + row->offset;
 }
 
-/* Whether a row is one that the plan hands on: not what says how to talk, nor what leaves no trace in a recording. */
+/*
+ * Whether a row is one that the plan hands on: not what says how to talk, nor what leaves no trace
+ * in a recording.
+ */
 static bool is_handed_on(const struct rb_option_row *row)
 {
 	static const char *const own[] = {"quiet",   "json",         "debug",           "help",
@@ -156,8 +159,8 @@ static enum rb_param_type type_of(const struct rb_scene *scene, const char *name
 }
 
 /*
- * What a scene requires may depend on what it is to be: on its parameters that are texts or booleans. Values with which the
- * scene does not load are for its runs to tell.
+ * What a scene requires may depend on what it is to be: on its parameters that are texts or
+ * booleans. Values with which the scene does not load are for its runs to tell.
  */
 static enum rb_status load_variants(struct rb_planned *sweep, const struct rb_plan *draft,
                                     struct rb_error *err)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A sweep as a command line asks for it: of a scene, planned and written into its folder unless it is there already, or of a
- * folder that has one. Main thread.
+ * A sweep as a command line asks for it: of a scene, planned and written into its folder unless it
+ * is there already, or of a folder that has one. Main thread.
  */
 #ifndef RB_APP_PLANNED_H
 #define RB_APP_PLANNED_H
@@ -31,7 +31,10 @@ struct rb_planned {
 	bool films;
 };
 
-/* Everything up to the first run. `*scene_failed`: the mistakes are those of the scene in `loaded`. Released in any case. */
+/*
+ * Everything up to the first run. `*scene_failed`: the mistakes are those of the scene in `loaded`.
+ * Released in any case.
+ */
 RB_CHECKED enum rb_status rb_planned_init(struct rb_planned *sweep,
                                           const struct rb_options *options, bool *scene_failed,
                                           struct rb_error *err);

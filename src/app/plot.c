@@ -197,7 +197,10 @@ static void read_complaint(FILE *complaints, char *out, size_t size)
 	}
 }
 
-/* What gnuplot writes goes to files, so neither waits for the other while the script goes down the pipe. */
+/*
+ * What gnuplot writes goes to files, so neither waits for the other while the script goes down the
+ * pipe.
+ */
 static enum rb_status feed(const struct rb_plot *plot, enum rb_plot_kind kind,
                            struct rb_plot_size size, FILE *drawing, FILE *complaints,
                            struct rb_error *err)

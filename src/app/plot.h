@@ -31,10 +31,16 @@ struct rb_plot {
 
 enum rb_plot_kind { RB_PLOT_TEXT, RB_PLOT_SVG, RB_PLOT_PNG };
 
-/* RB_ERR_MISSING where no gnuplot is in PATH; the message ends in what the caller can do instead, "": nothing. */
+/*
+ * RB_ERR_MISSING where no gnuplot is in PATH; the message ends in what the caller can do instead,
+ * "": nothing.
+ */
 RB_CHECKED enum rb_status rb_plot_available(const char *instead, struct rb_error *err);
 
-/* Characters of a text, pixels of a picture; `color` of a text. RB_ERR_MISSING with gnuplot's words when it fails. */
+/*
+ * Characters of a text, pixels of a picture; `color` of a text. RB_ERR_MISSING with gnuplot's words
+ * when it fails.
+ */
 struct rb_plot_size {
 	int width, height;
 	bool color;

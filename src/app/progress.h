@@ -20,7 +20,10 @@ struct rb_progress;
 struct rb_progress_options {
 	bool quiet;
 	double duration_s; /* of the whole run, simulated */
-	/* called with the first signal, in the thread beside the simulation; NULL: nothing is to be done */
+	/*
+	 * called with the first signal, in the thread beside the simulation; NULL: nothing is to be
+	 * done
+	 */
 	void (*heed)(void *user, int signal);
 	void *heed_user;
 	/* called before the second SIGINT ends the process; NULL: nothing is to be done */
@@ -32,8 +35,8 @@ RB_CHECKED enum rb_status rb_progress_start(struct rb_progress **progress,
                                             const struct rb_progress_options *options,
                                             struct rb_error *err);
 /*
- * Takes the bar off the screen and ends the thread; signals are as before. Gives the signal that asked for an end, also one
- * that came last; 0: none. NULL is fine.
+ * Takes the bar off the screen and ends the thread; signals are as before. Gives the signal that
+ * asked for an end, also one that came last; 0: none. NULL is fine.
  */
 int rb_progress_stop(struct rb_progress *progress);
 

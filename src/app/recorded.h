@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The scene that a recording was made from, loaded again: from the files, the parameters and the numbers that the
- * recording holds. Nothing beside the recording is read.
+ * The scene that a recording was made from, loaded again: from the files, the parameters and the
+ * numbers that the recording holds. Nothing beside the recording is read.
  */
 #ifndef RB_APP_RECORDED_H
 #define RB_APP_RECORDED_H
@@ -10,16 +10,16 @@
 #include "sink/module.h"
 
 /*
- * `loaded` is released with rb_loaded_release in any case. RB_ERR_INPUT when the stored scene does not load or gives other
- * bodies than those that were recorded.
+ * `loaded` is released with rb_loaded_release in any case. RB_ERR_INPUT when the stored scene does
+ * not load or gives other bodies than those that were recorded.
  */
 RB_CHECKED enum rb_status rb_recorded_load(struct rb_loaded *loaded,
                                            const struct rb_reading *reading, const char *path,
                                            bool trust, struct rb_error *err);
 
 /*
- * The last row of a recording whose frame is not after a time (or a number, for the other), row 0 when all are. The
- * recording has at least one row.
+ * The last row of a recording whose frame is not after a time (or a number, for the other), row 0
+ * when all are. The recording has at least one row.
  */
 RB_CHECKED enum rb_status rb_recorded_row_at(const struct rb_hdf5_module *module,
                                              struct rb_reader *reader, double time_s, uint64_t *row,

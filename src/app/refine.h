@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A reference for scenes that state none: one method, finer and finer, until two successive runs agree.
+ * A reference for scenes that state none: one method, finer and finer, until two successive runs
+ * agree.
  *
- * The difference of two runs says how far the coarser one is off. A last run whose speeds and gravity differ by
- * rounding says what rounding grows to: a method that lands its events to rounding would otherwise agree with itself
- * whatever the scene does to small errors.
+ * The difference of two runs says how far the coarser one is off. A last run whose speeds and
+ * gravity differ by rounding says what rounding grows to: a method that lands its events to
+ * rounding would otherwise agree with itself whatever the scene does to small errors.
  */
 #ifndef RB_APP_REFINE_H
 #define RB_APP_REFINE_H

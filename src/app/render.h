@@ -10,7 +10,10 @@
 /* The verb's exit status. */
 int rb_render_main(const struct rb_options *options);
 
-/* The films of a run that are made from its recording when it has ended (rb_films_begin_late); none is no error. */
+/*
+ * The films of a run that are made from its recording when it has ended (rb_films_begin_late); none
+ * is no error.
+ */
 RB_CHECKED enum rb_status rb_render_late(struct rb_films *films, struct rb_loaded *loaded,
                                          const struct rb_options *options, struct rb_error *err);
 

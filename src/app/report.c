@@ -25,7 +25,9 @@ double rb_report_error(const struct rb_report *report, const struct rb_report_ro
 double rb_report_least_error(const struct rb_report *report, const struct rb_report_row *row)
 {
 	const double error = rb_report_error(report, row);
-	/* up to the horizon, runs agree within the wanted error: that is all that is known of them */
+	/*
+	 * up to the horizon, runs agree within the wanted error: that is all that is known of them
+	 */
 	const double known = isfinite(report->horizon_s) ? report->error : report->reference_error;
 	const bool judged = !report->diverges || isfinite(report->horizon_s);
 
@@ -151,7 +153,10 @@ static const char *setting(const struct rb_report *report, const struct rb_repor
 /* Walls that differ by less are equal: machines are not that quiet. */
 static const double wall_noise = 1.1;
 
-/* The least wall time of those that reach the wanted error; of equal ones the most accurate, then the coarsest. */
+/*
+ * The least wall time of those that reach the wanted error; of equal ones the most accurate, then
+ * the coarsest.
+ */
 static int find_cheapest(const struct rb_report *report)
 {
 	double least_s = (double)INFINITY;
@@ -444,7 +449,10 @@ static void print_row(FILE *file, const struct rb_report *report, const struct t
 	putc('\n', file);
 }
 
-/* Of the runs' wall time to their processor time: what else goes on in the machine. 0 where threads hide it. */
+/*
+ * Of the runs' wall time to their processor time: what else goes on in the machine. 0 where threads
+ * hide it.
+ */
 static double busy(const struct rb_report *report)
 {
 	double most = 0;

@@ -63,7 +63,9 @@ double rb_report_discarded(const struct rb_rung_result *result);
 /* The error that counts: the largest of the report's quantity; NAN where it is not known. */
 double rb_report_error(const struct rb_report *report, const struct rb_report_row *row);
 
-/* The same, but not below what the reference itself is known to: a run has no error against itself. */
+/*
+ * The same, but not below what the reference itself is known to: a run has no error against itself.
+ */
 double rb_report_least_error(const struct rb_report *report, const struct rb_report_row *row);
 
 /* Fits orders and finds the advice, from the rows. */

@@ -2,8 +2,8 @@
 /*
  * `--resume`: what of a run is there already, and whether it is of the same run.
  *
- * The same are: the version, every file of the scene, parameters, seed, method, rollback, time step, tolerance, frame rate
- * and duration. Threads and outputs may differ.
+ * The same are: the version, every file of the scene, parameters, seed, method, rollback, time
+ * step, tolerance, frame rate and duration. Threads and outputs may differ.
  */
 #ifndef RB_APP_RESUME_H
 #define RB_APP_RESUME_H
@@ -30,18 +30,18 @@ struct rb_resume {
 uint64_t rb_resume_run_hash(const struct rb_loaded *loaded);
 
 /*
- * Looks, and changes nothing but a checkpoint that is not whole, which goes where there is a good one before it.
- * RB_ERR_USAGE: the recording is of another run, and how they differ. RB_ERR_INPUT: it or its checkpoint can't be read.
- * Released in any case.
+ * Looks, and changes nothing but a checkpoint that is not whole, which goes where there is a good
+ * one before it. RB_ERR_USAGE: the recording is of another run, and how they differ. RB_ERR_INPUT:
+ * it or its checkpoint can't be read. Released in any case.
  */
 RB_CHECKED enum rb_status rb_resume_look(struct rb_resume *resume, const struct rb_loaded *loaded,
                                          const struct rb_options *options, struct rb_error *err);
 void rb_resume_release(struct rb_resume *resume); /* safe on a zeroed one */
 
 /*
- * The frames up to the checkpoint once more, out of the recording, for films, which begin again. The ring's frames get the
- * columns that the recording has. `stop` says that nobody wants them any more. RB_ERR_USAGE where the recording lacks what
- * the films show.
+ * The frames up to the checkpoint once more, out of the recording, for films, which begin again.
+ * The ring's frames get the columns that the recording has. `stop` says that nobody wants them any
+ * more. RB_ERR_USAGE where the recording lacks what the films show.
  */
 struct rb_resume_films {
 	struct rb_films *films;

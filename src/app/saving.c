@@ -12,7 +12,10 @@
 
 /* Lost at most, when a process is killed. */
 static const double default_every_s = 60;
-/* What a signal leaves to the frame under way: batch systems kill half a minute after they have said so. */
+/*
+ * What a signal leaves to the frame under way: batch systems kill half a minute after they have
+ * said so.
+ */
 static const double patience_s = 15;
 
 struct rb_saving {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A contact sheet: pictures of one camera at even steps through a recording, with their times, in one PNG. */
+/*
+ * A contact sheet: pictures of one camera at even steps through a recording, with their times, in
+ * one PNG.
+ */
 #ifndef RB_APP_SHEET_H
 #define RB_APP_SHEET_H
 

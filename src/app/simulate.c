@@ -172,7 +172,10 @@ static bool must_stop(const struct run *run)
 	return run->pump && rb_pump_must_stop(run->pump);
 }
 
-/* Polled by the world between attempts: within a frame a signal waits for its end, where it can be kept. */
+/*
+ * Polled by the world between attempts: within a frame a signal waits for its end, where it can be
+ * kept.
+ */
 static bool stop_wanted(void *user)
 {
 	const struct run *const run = user;
@@ -240,7 +243,10 @@ static enum rb_status feed_films(struct run *run, struct rb_error *err)
 	return rb_resume_feed(run->resume, run->loaded, &to, err);
 }
 
-/* ---- the recording is complete only after the films: a run that is killed in between makes them again ---- */
+/*
+ * ---- the recording is complete only after the films: a run that is killed in between makes them
+ * again ----
+ */
 
 static enum rb_status open_recording(void *self, struct rb_error *err)
 {
@@ -268,7 +274,10 @@ static enum rb_status close_recording(void *self, const struct rb_outcome *outco
 {
 	struct run *const run = self;
 
-	/* films may take long: what has come so far is safe meanwhile, and what fails now fails once more below */
+	/*
+	 * films may take long: what has come so far is safe meanwhile, and what fails now fails
+	 * once more below
+	 */
 	if (outcome == &run->outcome)
 		(void)!flush_recording(self, NULL);
 	pthread_mutex_lock(&run->films_lock);
@@ -305,8 +314,8 @@ static enum rb_status join_consumers(struct run *run, struct rb_error *err)
 }
 
 /*
- * Films before the recording: a film that can't begin leaves no file behind, and what it has missed is read from a
- * recording that nobody writes to.
+ * Films before the recording: a film that can't begin leaves no file behind, and what it has missed
+ * is read from a recording that nobody writes to.
  */
 static enum rb_status start_consumers(struct run *run, struct rb_error *err)
 {

@@ -3,8 +3,8 @@
  * One run from frame 0 to its end: world, ring, recorder, films and progress thread.
  *
  * The calling thread becomes the simulator's: it owns world and script until rb_simulate returns.
- * The threads of recorder and films (flow/pump) and the thread of signals and progress (app/progress) live
- * inside the call.
+ * The threads of recorder and films (flow/pump) and the thread of signals and progress
+ * (app/progress) live inside the call.
  */
 #ifndef RB_APP_SIMULATE_H
 #define RB_APP_SIMULATE_H
@@ -76,7 +76,9 @@ void rb_build_text(char *out, size_t size);
 /* Threads that the options ask for. */
 int rb_simulate_threads(const struct rb_options *options);
 
-/* An existing file that may not be replaced, nor gone on with, is refused before anything starts. */
+/*
+ * An existing file that may not be replaced, nor gone on with, is refused before anything starts.
+ */
 RB_CHECKED enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
                                                    const struct rb_options *options,
                                                    struct rb_error *err);

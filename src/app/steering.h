@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Cameras of films that commands move while the run goes on. A movement counts from the frame after it on, from where the
- * camera stands there; until then it is kept as it was asked for, so that a run that goes on from a checkpoint comes to the
- * same pictures.
+ * Cameras of films that commands move while the run goes on. A movement counts from the frame after
+ * it on, from where the camera stands there; until then it is kept as it was asked for, so that a
+ * run that goes on from a checkpoint comes to the same pictures.
  *
  * Owned by the films; the simulator's thread.
  */

@@ -54,7 +54,10 @@ static void json_point(struct rb_json *json, const struct rb_plan *plan, uint64_
 	rb_json_close(json, '}');
 }
 
-/* A failed point, while the status is taken: into the array of the JSON object, or a line below the first one. */
+/*
+ * A failed point, while the status is taken: into the array of the JSON object, or a line below the
+ * first one.
+ */
 struct failures {
 	const struct rb_planned *sweep;
 	struct rb_json *json; /* NULL: lines */

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One run of a scene in a process of its own, so that a run that hangs or crashes is a result and not the end.
+ * One run of a scene in a process of its own, so that a run that hangs or crashes is a result and
+ * not the end.
  *
- * Main thread, which must be the only one of the process when a trial starts. The caller owns struct rb_trial from
- * rb_trial_start to rb_trial_end, and waits on `fd` in between.
+ * Main thread, which must be the only one of the process when a trial starts. The caller owns
+ * struct rb_trial from rb_trial_start to rb_trial_end, and waits on `fd` in between.
  */
 #ifndef RB_APP_TRIAL_H
 #define RB_APP_TRIAL_H
@@ -55,7 +56,10 @@ RB_CHECKED enum rb_status rb_trial_start(struct rb_trial *trial, const struct rb
                                          struct rb_error *err);
 /* Takes what is there without waiting; `*ended`: nothing more will come. */
 RB_CHECKED enum rb_status rb_trial_read(struct rb_trial *trial, bool *ended, struct rb_error *err);
-/* Ends it, by force where it has not ended by itself; RB_ERR_MEMORY is all that can go wrong with the result. */
+/*
+ * Ends it, by force where it has not ended by itself; RB_ERR_MEMORY is all that can go wrong with
+ * the result.
+ */
 RB_CHECKED enum rb_status rb_trial_end(struct rb_trial *trial, const struct rb_trial_job *job,
                                        struct rb_trial_result *result, struct rb_error *err);
 void rb_trial_result_release(struct rb_trial_result *result);

@@ -8,7 +8,10 @@
 
 enum { ALIGNMENT = 64, SMALLEST_BLOCK = 16384 };
 
-/* A block taken when the first was full; the newest stands first and is the only one that is filled. */
+/*
+ * A block taken when the first was full; the newest stands first and is the only one that is
+ * filled.
+ */
 struct rb_arena_overflow {
 	struct rb_arena_overflow *older;
 	unsigned char *block; /* owned */
@@ -113,7 +116,10 @@ void rb_arena_reset(struct rb_arena *arena)
 	if (arena->high_water <= arena->size)
 		return;
 
-	/* Somewhat more than was needed: the next steps resemble the last ones, but are not equal to them. */
+	/*
+	 * Somewhat more than was needed: the next steps resemble the last ones, but are not equal
+	 * to them.
+	 */
 	const size_t wanted = (arena->high_water + arena->high_water / 4 + ALIGNMENT - 1) /
 	                      ALIGNMENT * ALIGNMENT;
 	unsigned char *block = rb_memory_take(wanted, 1);

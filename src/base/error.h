@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The status and the error record are public (<rbsim/error.h>); here is what only our sources use. */
+/*
+ * The status and the error record are public (<rbsim/error.h>); here is what only our sources use.
+ */
 #ifndef RB_BASE_ERROR_H
 #define RB_BASE_ERROR_H
 

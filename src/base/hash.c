@@ -3,7 +3,10 @@
 
 #include <string.h>
 
-/* Bytes are put together one by one: the same hash on every machine, and a compiler makes one load of it. */
+/*
+ * Bytes are put together one by one: the same hash on every machine, and a compiler makes one load
+ * of it.
+ */
 static uint32_t little32(const unsigned char *p)
 {
 	return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;

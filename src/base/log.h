@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Talk that is neither result nor error: levels and one sink function. Thread-safe. The only state is the
- * level and the sink, both set by `app/` before any thread starts.
+ * Talk that is neither result nor error: levels and one sink function. Thread-safe. The only state
+ * is the level and the sink, both set by `app/` before any thread starts.
  */
 #ifndef RB_BASE_LOG_H
 #define RB_BASE_LOG_H

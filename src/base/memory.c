@@ -11,8 +11,10 @@
 
 enum { ALIGNMENT = 64 };
 
-/* Stands behind each block: who writes beyond the end is found when the block is freed. A sanitizer that finds it at
- * once wants the end of the block to be the end of what the system gave. */
+/*
+ * Stands behind each block: who writes beyond the end is found when the block is freed. A sanitizer
+ * that finds it at once wants the end of the block to be the end of what the system gave.
+ */
 #if defined(__SANITIZE_ADDRESS__)
 enum { FENCE = 0 };
 #else
@@ -124,7 +126,10 @@ _Bool rb_memory_reserve(void *block_address, size_t *capacity, size_t needed, si
 			return false;
 		wanted *= 2;
 	}
-	/* The caller's pointer may be of any type: its bytes are moved, it is not read as a void pointer. */
+	/*
+	 * The caller's pointer may be of any type: its bytes are moved, it is not read as a void
+	 * pointer.
+	 */
 	void *block;
 	memcpy(&block, block_address, sizeof block);
 	void *grown = rb_memory_grow(block, *capacity, wanted, size);

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Values to a block of bytes and back: one function for both ways, so that what is written and what is read can't
- * come apart.
+ * Values to a block of bytes and back: one function for both ways, so that what is written and what
+ * is read can't come apart.
  *
  *   struct rb_pack pack = {0};                          struct rb_pack pack = {.loading = true, .bytes = .., .size = ..};
  *   keep(&pack, &thing);   bytes = what `thing` is      keep(&pack, &thing);   `thing` = what the bytes say
  *
- * Saving, the block is owned and grows. Loading, it is borrowed and nobody vouches for it: what is out of its range,
- * and what would lie beyond the end, fails; the first failure sticks, and all that follows reads zeros. Numbers stand in
- * the machine's own order of bytes. One thread at a time.
+ * Saving, the block is owned and grows. Loading, it is borrowed and nobody vouches for it: what is
+ * out of its range, and what would lie beyond the end, fails; the first failure sticks, and all
+ * that follows reads zeros. Numbers stand in the machine's own order of bytes. One thread at a
+ * time.
  */
 #ifndef RB_BASE_PACK_H
 #define RB_BASE_PACK_H
@@ -49,7 +50,10 @@ static inline bool rb_pack_check(struct rb_pack *pack, bool holds, const char *w
 	return !pack->failed;
 }
 
-/* What follows stands here so that saving is a copy where there is room: millions of values make a checkpoint. */
+/*
+ * What follows stands here so that saving is a copy where there is room: millions of values make a
+ * checkpoint.
+ */
 void rb_pack_bytes_slowly(struct rb_pack *pack, void *bytes, size_t size);
 static inline void rb_pack_bytes(struct rb_pack *pack, void *bytes, size_t size)
 {

@@ -48,7 +48,9 @@ static enum rb_status leads_up(const char *path, struct rb_error *err)
 		path);
 }
 
-/* What may be done in a folder does not depend on who may list it, so it is opened for names only. */
+/*
+ * What may be done in a folder does not depend on who may list it, so it is opened for names only.
+ */
 static int open_folder(int from, const char *name, bool follow)
 {
 	return openat(from, name, O_PATH | O_DIRECTORY | O_CLOEXEC | (follow ? 0 : O_NOFOLLOW));
@@ -241,7 +243,10 @@ const char *rb_place_beside(const struct rb_place *place, const char *ending,
 	return out;
 }
 
-/* Not to be foretold: the clock alone where the system has no such numbers, and then O_EXCL is what holds. */
+/*
+ * Not to be foretold: the clock alone where the system has no such numbers, and then O_EXCL is what
+ * holds.
+ */
 static uint64_t unforeseen(void)
 {
 	uint64_t number;

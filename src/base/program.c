@@ -6,7 +6,9 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Anything may be mounted in the place of /proc: what does not begin with '/' is no program's path. */
+/*
+ * Anything may be mounted in the place of /proc: what does not begin with '/' is no program's path.
+ */
 enum rb_status rb_program_path(char path[PATH_MAX], struct rb_error *err)
 {
 	const ssize_t size = readlink(RB_PROGRAM_AGAIN, path, PATH_MAX - 1);

@@ -20,7 +20,10 @@ struct member {
 	pthread_t thread;
 };
 
-/* Looks for what is awaited before a thread sleeps; and before it lets others run, of whom one may be what is awaited. */
+/*
+ * Looks for what is awaited before a thread sleeps; and before it lets others run, of whom one may
+ * be what is awaited.
+ */
 enum { SPINS_MOST = 4000, SPINS_POLITE = 2000 };
 
 struct job {
@@ -31,7 +34,9 @@ struct job {
 	int phase_count;
 };
 
-/* Blocks handed out to whoever asks, and blocks done; set to 0 under lock while nobody is active. */
+/*
+ * Blocks handed out to whoever asks, and blocks done; set to 0 under lock while nobody is active.
+ */
 struct counters {
 	atomic_int next, done;
 	char apart[64 - 2 * sizeof(atomic_int)]; /* in lines of their own */
@@ -263,7 +268,10 @@ static int quota_in(const char *folder)
 	char path[4200];
 	long long quota = -1, period = -1;
 
-	/* version 2: "max 100000" or "150000 100000" in one file; version 1: two files, -1 for no quota */
+	/*
+	 * version 2: "max 100000" or "150000 100000" in one file; version 1: two files, -1 for no
+	 * quota
+	 */
 	snprintf(path, sizeof path, "%s/cpu.max", folder);
 	FILE *file = fopen(path, "re");
 	if (file) {

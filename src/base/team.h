@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A team of worker threads: run f(user, block, worker) over n blocks and wait for all. Work is split by data, never
- * by the number of workers; each block's result must not depend on which worker ran it or when. With
- * one worker everything runs in the caller and no thread exists.
+ * A team of worker threads: run f(user, block, worker) over n blocks and wait for all. Work is
+ * split by data, never by the number of workers; each block's result must not depend on which
+ * worker ran it or when. With one worker everything runs in the caller and no thread exists.
  */
 #ifndef RB_BASE_TEAM_H
 #define RB_BASE_TEAM_H
@@ -20,15 +20,23 @@ RB_CHECKED enum rb_status rb_team_create(struct rb_team **team, int worker_count
                                          struct rb_error *err);
 void rb_team_destroy(struct rb_team *team); /* NULL is fine */
 int rb_team_workers(const struct rb_team *team);
-/* Blocks are handed out by an atomic counter; worker is in [0, workers), the caller is one of them. */
+/*
+ * Blocks are handed out by an atomic counter; worker is in [0, workers), the caller is one of them.
+ */
 void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user);
-/* Several phases, at most RB_TEAM_PHASES: no block of one begins before all of those before have ended. */
+/*
+ * Several phases, at most RB_TEAM_PHASES: no block of one begins before all of those before have
+ * ended.
+ */
 void rb_team_run_phases(struct rb_team *team, const int *block_count, int phase_count,
                         rb_team_phase_work *work, void *user);
 
 /* Processors that this process may use (affinity, and a cgroup's quota rounded up), at least 1. */
 int rb_team_processors(void);
-/* That quota alone, 0: there is none. `root` stands before /proc and /sys, which is "" but for tests. */
+/*
+ * That quota alone, 0: there is none. `root` stands before /proc and /sys, which is "" but for
+ * tests.
+ */
 int rb_team_quota(const char *root);
 
 #endif

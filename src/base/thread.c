@@ -28,7 +28,10 @@ void rb_thread_name(const char *what)
 	char name[NAME_SIZE] = "rb-";
 	size_t size = strlen(name);
 
-	/* What others print unseen, and cut: names of a scene's cameras are among them. All but letters and digits parts words. */
+	/*
+	 * What others print unseen, and cut: names of a scene's cameras are among them. All but
+	 * letters and digits parts words.
+	 */
 	for (; *what && size + 1 < sizeof name; what++)
 		if (is_plain(*what))
 			name[size++] = *what;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Threads of ours: no signal ever interrupts one, and debuggers, `top -H` and `ps -L` tell them apart by their names. */
+/*
+ * Threads of ours: no signal ever interrupts one, and debuggers, `top -H` and `ps -L` tell them
+ * apart by their names.
+ */
 #ifndef RB_BASE_THREAD_H
 #define RB_BASE_THREAD_H
 
@@ -8,7 +11,10 @@
 /* Starts a thread on which every signal is blocked; 0 or an error number, as pthread_create. */
 int rb_thread_start(pthread_t *thread, void *(*work)(void *), void *argument);
 
-/* For the thread to call first: it is "rb-WHAT" from now on, cut at the 15 bytes that the system keeps. */
+/*
+ * For the thread to call first: it is "rb-WHAT" from now on, cut at the 15 bytes that the system
+ * keeps.
+ */
 void rb_thread_name(const char *what);
 
 #endif

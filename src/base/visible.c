@@ -200,8 +200,10 @@ static void put_value(struct out *out, const struct conversion *c, va_list *argu
 }
 #pragma GCC diagnostic pop
 
-/* Behind the '%'. Sizes of 64 bits are asked for as such: long, long long and size_t are the same to va_arg on all
- * systems that this runs on, which the assertion holds. */
+/*
+ * Behind the '%'. Sizes of 64 bits are asked for as such: long, long long and size_t are the same
+ * to va_arg on all systems that this runs on, which the assertion holds.
+ */
 static const char *read_conversion(const char *at, struct conversion *c, va_list *arguments)
 {
 	_Static_assert(sizeof(long) == sizeof(long long) && sizeof(size_t) == sizeof(long long),

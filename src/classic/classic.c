@@ -14,7 +14,10 @@
 /* Work is cut into blocks of this size, whatever the number of workers. */
 enum { ALONE_PER_BLOCK = 256, GROUPS_PER_BLOCK = 8 };
 
-/* What the workers of a step share; set before they start, then only read, but for each block's own row. */
+/*
+ * What the workers of a step share; set before they start, then only read, but for each block's own
+ * row.
+ */
 struct step_work {
 	struct rb_world *world;
 	double start_s, dt_s;
@@ -186,7 +189,9 @@ static struct rb_event with_ids(const struct rb_model *model, struct rb_event ev
 	return event;
 }
 
-/* Appends the events of all groups in order of time and then of pair; `*first` is where they begin. */
+/*
+ * Appends the events of all groups in order of time and then of pair; `*first` is where they begin.
+ */
 static bool keep_events(struct rb_world *world, size_t *first)
 {
 	struct rb_groups *groups = world->groups;
@@ -213,7 +218,9 @@ static bool keep_events(struct rb_world *world, size_t *first)
 			n++;
 		}
 	}
-	/* stable sorts, the last key first; times are not negative, so their bits sort like they do */
+	/*
+	 * stable sorts, the last key first; times are not negative, so their bits sort like they do
+	 */
 	rb_sort_by_key(item, item + count, count);
 	for (size_t k = 0; k < count; k++)
 		memcpy(&item[k].key, &event[item[k].value].time_s, sizeof item[k].key);

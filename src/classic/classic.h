@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One step of the classic method: groups, every group on its own through classic/rollback (in parallel, split by groups,
- * never by workers), merges until no path was missed, commit: contacts and events in order of time and pair.
+ * One step of the classic method: groups, every group on its own through classic/rollback (in
+ * parallel, split by groups, never by workers), merges until no path was missed, commit: contacts
+ * and events in order of time and pair.
  */
 #ifndef RB_CLASSIC_CLASSIC_H
 #define RB_CLASSIC_CLASSIC_H

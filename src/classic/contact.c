@@ -30,7 +30,9 @@ void rb_contact_begin(struct rb_pass *pass)
 	}
 }
 
-/* How far the gap opens within the substep at normal velocities `before` and `after` the forces, m. */
+/*
+ * How far the gap opens within the substep at normal velocities `before` and `after` the forces, m.
+ */
 static double opening(double before, double after, double h)
 {
 	if (before <= 0)
@@ -45,10 +47,15 @@ static double given_back(const struct rb_pass *pass, double gap)
 {
 	const double tolerance = pass->world->model->tolerance_m;
 
-	/* arcs can deepen a contact within a step; of straight motion rb_contact_resolve takes care */
+	/*
+	 * arcs can deepen a contact within a step; of straight motion rb_contact_resolve takes care
+	 */
 	if (!pass->world->model->center_of_mass)
 		return 0;
-	/* more than the tolerance there is only where no rollback keeps it: that must not become speed */
+	/*
+	 * more than the tolerance there is only where no rollback keeps it: that must not become
+	 * speed
+	 */
 	return fmin(fmax(0, -gap - 0.5 * tolerance), tolerance) / pass->dt_s;
 }
 
@@ -92,7 +99,9 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 		    (touch->lasting || before >= -rb_link_noise(world, link)))
 			return true;
 	}
-	/* soft landing: the forces bring them together, and no faster than they can within a step */
+	/*
+	 * soft landing: the forces bring them together, and no faster than they can within a step
+	 */
 	if (!rb_contact_crowded(pass, touch))
 		return false;
 	const double forced = rb_contact_forced(pass, link);
@@ -112,7 +121,9 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 	       gap->gap < pass->h_s * (fmax(0, -before) + forced * pass->h_s / pass->dt_s);
 }
 
-/* How far the centre of a shape off its centre of mass leaves the straight line in this substep, m. */
+/*
+ * How far the centre of a shape off its centre of mass leaves the straight line in this substep, m.
+ */
 static rb_vec3 arc(const struct rb_pass *pass, int i)
 {
 	const struct rb_world *world = pass->world;
@@ -125,7 +136,9 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 	const rb_vec3 turn = rb_vec3_scale(pass->h_s, rb_world_row3(world->state.spin, i));
 	const double angle = rb_vec3_length(turn);
 
-	/* (1 - cos) k x (k x r) + (sin - angle) k x r, without the cancellation of either bracket */
+	/*
+	 * (1 - cos) k x (k x r) + (sin - angle) k x r, without the cancellation of either bracket
+	 */
 	const double half_sine = sin(0.5 * angle), square = angle * angle;
 	const double bend = angle > 0 ? 2 * half_sine * half_sine / square : 0;
 	const double lag = angle < 1e-2 ? -1.0 / 6 + square / 120
@@ -137,8 +150,9 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 }
 
 /*
- * The normal velocity at least wanted: a gap may close but not more, counting what the arcs of eccentric bodies add to
- * straight motion; of an overlap in the second half of the tolerance, its excess is given back within a step.
+ * The normal velocity at least wanted: a gap may close but not more, counting what the arcs of
+ * eccentric bodies add to straight motion; of an overlap in the second half of the tolerance, its
+ * excess is given back within a step.
  */
 static double target_speed(const struct rb_pass *pass, const struct rb_link *link, double gap)
 {
@@ -217,7 +231,10 @@ static void reactions(struct rb_pass *pass)
 	for (int n = 0; n < count; n++) {
 		struct rb_touch *touch = &pass->touch[of[n]];
 
-		/* what the forces would have closed but did not need to push stays as it was: not in contact */
+		/*
+		 * what the forces would have closed but did not need to push stays as it was: not
+		 * in contact
+		 */
 		touch->lasting = row[n].normal > 0 || pass->now[of[n]].gap <= touch->band;
 		touch->normal_force = row[n].normal / pass->h_s;
 		touch->tangent_force = rb_vec3_scale(1 / pass->h_s, row[n].tangent);
@@ -244,7 +261,10 @@ static bool mark_held(const struct rb_pass *pass)
 	return any;
 }
 
-/* Velocity that a body will about have at the end of the substep: of one that rests on others, that of before. */
+/*
+ * Velocity that a body will about have at the end of the substep: of one that rests on others, that
+ * of before.
+ */
 static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
 {
 	if (i >= world->model->body_count)
@@ -254,8 +274,9 @@ static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
 }
 
 /*
- * A try that is lost anyway need not be worked out: when two bodies that are not in contact would overlap by far if
- * they went on straight, at a speed that is an impact's. `worst` is then set, and the plan ends there.
+ * A try that is lost anyway need not be worked out: when two bodies that are not in contact would
+ * overlap by far if they went on straight, at a speed that is an impact's. `worst` is then set, and
+ * the plan ends there.
  */
 static void look_ahead(struct rb_pass *pass)
 {

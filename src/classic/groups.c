@@ -161,7 +161,9 @@ static double pair_reach(const struct rb_groups *groups, const double *column, s
 	return column[pair.a] + (pair.b < groups->body_count ? column[pair.b] : 0);
 }
 
-/* The smaller body stays the root, so that a group's place does not depend on the order of joining. */
+/*
+ * The smaller body stays the root, so that a group's place does not depend on the order of joining.
+ */
 static void join(int *parent, int a, int b)
 {
 	a = rb_forest_root(parent, a);
@@ -181,8 +183,8 @@ static bool append_pair(struct rb_pair **list, size_t *count, size_t *capacity, 
 }
 
 /*
- * Two passes over the candidates: within reach of their own motion; then with the reach of the furthest in the group,
- * since an impact may hand on its speed.
+ * Two passes over the candidates: within reach of their own motion; then with the reach of the
+ * furthest in the group, since an impact may hand on its speed.
  */
 static bool find_active(struct rb_world *world)
 {
@@ -346,7 +348,10 @@ static bool was_missed(const struct rb_world *world, struct rb_pair pair)
 	return in_reach(world, &world->start, pair, reach) && !has_active(groups, pair);
 }
 
-/* Bodies that have left their fat box are looked at against everybody: the candidates do not hold for them. */
+/*
+ * Bodies that have left their fat box are looked at against everybody: the candidates do not hold
+ * for them.
+ */
 static bool find_missed_far(struct rb_world *world, int i)
 {
 	struct rb_groups *groups = world->groups;
@@ -424,7 +429,10 @@ static bool sort_active(struct rb_world *world)
 	return true;
 }
 
-/* The bodies that the missed pairs touch, with all of their groups, become new groups and start the step again. */
+/*
+ * The bodies that the missed pairs touch, with all of their groups, become new groups and start the
+ * step again.
+ */
 static bool regroup(struct rb_world *world)
 {
 	struct rb_groups *groups = world->groups;

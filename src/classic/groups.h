@@ -2,11 +2,12 @@
 /*
  * Candidate pairs -> independent groups of bodies: the unit of rollback and of parallel work.
  *
- * Two levels. Boxes fat enough for several steps give candidate pairs, which hold until a body could leave its box. In
- * each step, the candidates within reach of each other (how far each body can get in this step) connect bodies
- * to groups. A body of a group may come out of an impact faster than its reach foresaw; it is then looked at
- * again with the path it really took, and where that meets a body of another group the two groups become one
- * and are run again from the beginning of the step. Nobody else is.
+ * Two levels. Boxes fat enough for several steps give candidate pairs, which hold until a body
+ * could leave its box. In each step, the candidates within reach of each other (how far each body
+ * can get in this step) connect bodies to groups. A body of a group may come out of an impact
+ * faster than its reach foresaw; it is then looked at again with the path it really took, and where
+ * that meets a body of another group the two groups become one and are run again from the beginning
+ * of the step. Nobody else is.
  */
 #ifndef RB_CLASSIC_GROUPS_H
 #define RB_CLASSIC_GROUPS_H
@@ -56,12 +57,16 @@ RB_CHECKED enum rb_status rb_groups_create(struct rb_groups **groups, const stru
                                            struct rb_error *err);
 void rb_groups_destroy(struct rb_groups *groups); /* NULL is fine */
 
-/* Groups of this step, of length dt_s; none has run yet. With global rollback all bodies are one group. */
+/*
+ * Groups of this step, of length dt_s; none has run yet. With global rollback all bodies are one
+ * group.
+ */
 RB_CHECKED enum rb_status rb_groups_form(struct rb_world *world, double dt_s, struct rb_error *err);
 
 /*
- * After the groups from `first` on have run: merges those that met in truth. New groups stand at the end of the
- * list and must run, the rows of their members are back at the beginning of the step; `*again` says how many.
+ * After the groups from `first` on have run: merges those that met in truth. New groups stand at
+ * the end of the list and must run, the rows of their members are back at the beginning of the
+ * step; `*again` says how many.
  */
 RB_CHECKED enum rb_status rb_groups_merge(struct rb_world *world, size_t *again,
                                           struct rb_error *err);

@@ -122,7 +122,10 @@ static rb_vec3 row_impulse(const struct rb_impulse_row *row)
 	return rb_vec3_add_scaled(row->tangent, row->normal, row->link.normal);
 }
 
-/* Together: true if kinetic energy did not rise. Its change is the sum of J.(u + u')/2 over the contacts. */
+/*
+ * Together: true if kinetic energy did not rise. Its change is the sum of J.(u + u')/2 over the
+ * contacts.
+ */
 static bool solve_together(struct meetings *all)
 {
 	struct rb_world *world = all->pass->world;
@@ -202,7 +205,10 @@ static void run_round(struct meetings *all)
 	}
 }
 
-/* What still approaches is stopped, all touching pairs at once, without restitution; from there its contact lasts. */
+/*
+ * What still approaches is stopped, all touching pairs at once, without restitution; from there its
+ * contact lasts.
+ */
 static bool stop_the_rest(struct meetings *all)
 {
 	struct rb_world *world = all->pass->world;
@@ -214,7 +220,9 @@ static bool stop_the_rest(struct meetings *all)
 		                                  link->normal);
 		const bool approaches = normal < -rb_link_noise(world, link);
 
-		/* of a lasting contact that nothing has hit, the next substep's reaction takes care */
+		/*
+		 * of a lasting contact that nothing has hit, the next substep's reaction takes care
+		 */
 		any = any || (approaches && !(all->pass->touch[all->row[k].touch].lasting &&
 		                              normal >= all->row[k].unforced));
 		all->solver[k] = (struct rb_impulse_row){.link = *link};

@@ -30,7 +30,10 @@ static double next_attempt(const struct rb_pass *pass, struct search *search, do
 		return fmin(2 * h, rest);
 	const double to_fail = search->fail_s - pass->done_s;
 	if (!(to_fail > 0) || search->accepted >= 2) {
-		/* twice accepted: the smaller steps have moved the contact; try the failed end itself, then beyond */
+		/*
+		 * twice accepted: the smaller steps have moved the contact; try the failed end
+		 * itself, then beyond
+		 */
 		search->accepted = 0;
 		if (!(to_fail > 0)) {
 			search->fail_s = HUGE_VAL;

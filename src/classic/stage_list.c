@@ -7,7 +7,9 @@
 #include "step/force_stages.h"
 #include "step/gap.h"
 
-/* The order of a substep: forces, reactions last of them, then motion, then the look at the gaps. */
+/*
+ * The order of a substep: forces, reactions last of them, then motion, then the look at the gaps.
+ */
 static const struct rb_stage *const all_stages[] = {
 	&rb_stage_gravity,   &rb_stage_gravity_force,     &rb_stage_applied,
 	&rb_stage_pushes,    &rb_stage_look_ahead,        &rb_stage_reactions,
@@ -45,7 +47,10 @@ void rb_stage_list_run(const struct rb_stage_list *plan, struct rb_pass *pass)
 		plan->stage[k]->run(pass);
 }
 
-/* Bytes of the state's columns, three copies of which a world keeps (two of located and classic ones without contact). */
+/*
+ * Bytes of the state's columns, three copies of which a world keeps (two of located and classic
+ * ones without contact).
+ */
 static size_t state_bytes(const struct rb_model *model)
 {
 	int count = 0;

@@ -30,7 +30,10 @@ bool rb_stage_list_has(const struct rb_stage *stage, rb_features features);
 /* Prints the scene's features: which are there, why others are not. */
 void rb_stage_list_print_features(const struct rb_model *model, FILE *to);
 
-/* Prints what runs of the classic method, what is left out and why, and the columns with their bytes. */
+/*
+ * Prints what runs of the classic method, what is left out and why, and the columns with their
+ * bytes.
+ */
 void rb_stage_list_print(const struct rb_model *model, FILE *to);
 
 #endif

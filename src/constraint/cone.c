@@ -41,9 +41,10 @@ static double largest_turn(const struct rb_solver_body *body)
 }
 
 /*
- * What one body adds to the bounds of a row. A body with d rows counts d fold: then the rows' yields together are an
- * upper bound of the whole matrix, and steps of all rows at once converge ("mass splitting", Tonge, Benevolenski,
- * Voroshilov, ACM TOG 31(4):105 (2012)). Eccentric rows, whose normal and tangent meddle, count twice.
+ * What one body adds to the bounds of a row. A body with d rows counts d fold: then the rows'
+ * yields together are an upper bound of the whole matrix, and steps of all rows at once converge
+ * ("mass splitting", Tonge, Benevolenski, Voroshilov, ACM TOG 31(4):105 (2012)). Eccentric rows,
+ * whose normal and tangent meddle, count twice.
  */
 static void add_dynamic(const struct rb_solver_body *body, rb_vec3 arm, int rows,
                         struct rb_cone_row *row)
@@ -234,7 +235,10 @@ double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pa
 	return rb_exact_sum(cone->term, cone->row_count);
 }
 
-/* The same in the metric in which a row's step is as large as what it does: rows of heavy and light bodies compare. */
+/*
+ * The same in the metric in which a row's step is as large as what it does: rows of heavy and light
+ * bodies compare.
+ */
 double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
 {
 	for (int k = 0; k < cone->row_count; k++)

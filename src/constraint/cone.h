@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contacts between bodies as one complementarity problem: velocities (or accelerations) and impulses (or forces).
+ * Contacts between bodies as one complementarity problem: velocities (or accelerations) and
+ * impulses (or forces).
  *
- * For every row, with u the relative velocity of its points plus its bias: u_n >= 0, push >= 0, one of them zero;
- * across the normal no velocity, or friction at the cone against it (`slide`: against `slip`, whatever it is;
- * `given`: the push is what it is, and friction is bounded by it). Solved on the bodies' velocities themselves, which
- * only ever get increments, so that they are right also where impulses nearly cancel (a light body between heavy ones).
- * Arithmetic is free of order and of handedness (constraint/exact_sum; nothing is used before all of it is found).
+ * For every row, with u the relative velocity of its points plus its bias: u_n >= 0, push >= 0, one
+ * of them zero; across the normal no velocity, or friction at the cone against it (`slide`: against
+ * `slip`, whatever it is; `given`: the push is what it is, and friction is bounded by it). Solved
+ * on the bodies' velocities themselves, which only ever get increments, so that they are right also
+ * where impulses nearly cancel (a light body between heavy ones). Arithmetic is free of order and
+ * of handedness (constraint/exact_sum; nothing is used before all of it is found).
  *
- * All arrays are the caller's or from its arena; rb_cone_open fills the scratch, which ends with the arena's mark.
+ * All arrays are the caller's or from its arena; rb_cone_open fills the scratch, which ends with
+ * the arena's mark.
  */
 #ifndef RB_CONSTRAINT_CONE_H
 #define RB_CONSTRAINT_CONE_H
@@ -23,8 +26,10 @@
 struct rb_solver_body {
 	double inverse_mass; /* 1/kg; 0: does not yield (static or driven: it may move all the same) */
 	double inverse_inertia; /* 1/(kg m^2) where it is a multiple of one; NAN: the tensor; 0: does not turn */
-	/* H where H^T H is the inverse tensor, world axes; read only when inverse_inertia is NAN. Of needles the tensor
-	 * itself would have lost what is not about their axis. */
+	/*
+	 * H where H^T H is the inverse tensor, world axes; read only when inverse_inertia is NAN.
+	 * Of needles the tensor itself would have lost what is not about their axis.
+	 */
 	rb_mat3 inverse_root;
 	rb_vec3 linear,
 		angular; /* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
@@ -36,7 +41,10 @@ typedef struct {
 	rb_vec3 t;
 } rb_cone_pair;
 
-/* What is asked of a row across its normal: the impulse is known; no slip; at the cone; push times `slip`. */
+/*
+ * What is asked of a row across its normal: the impulse is known; no slip; at the cone; push times
+ * `slip`.
+ */
 enum rb_cone_apply_friction { RB_CONE_KNOWN, RB_CONE_STICK, RB_CONE_SLIP, RB_CONE_FOLLOW };
 
 struct rb_cone_row {
@@ -86,7 +94,10 @@ static inline bool rb_cone_is_over(const struct rb_cone *cone)
 	return cone->max > 0 && cone->iterations > cone->max;
 }
 
-/* False when memory is out. Bodies and rows are filled; may be called again after rows have changed their number. */
+/*
+ * False when memory is out. Bodies and rows are filled; may be called again after rows have changed
+ * their number.
+ */
 bool rb_cone_open(struct rb_cone *cone);
 
 /* Relative velocity of the points of a row, plus its bias. */
@@ -98,10 +109,16 @@ void rb_cone_apply_normal(struct rb_cone *cone, const rb_cone_pair *impulse);
 /* sum of a.b over the rows */
 double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
 
-/* The same in the metric in which a row's step is as large as what it does: rows of heavy and light bodies compare. */
+/*
+ * The same in the metric in which a row's step is as large as what it does: rows of heavy and light
+ * bodies compare.
+ */
 double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
 
-/* Increments of all bodies by impulses on all rows, into cone->linear and angular; and what those do to a row. */
+/*
+ * Increments of all bodies by impulses on all rows, into cone->linear and angular; and what those
+ * do to a row.
+ */
 void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse);
 rb_cone_pair rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row);
 

@@ -56,9 +56,9 @@ static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *
 }
 
 /*
- * Where the row stands and the step that would solve it alone: the negative of the function whose zeros are the
- * solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353). Increments are not taken as differences
- * where they need not be.
+ * Where the row stands and the step that would solve it alone: the negative of the function whose
+ * zeros are the solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353).
+ * Increments are not taken as differences where they need not be.
  */
 static rb_cone_pair step_of(const struct rb_cone *cone, struct rb_cone_row *row)
 {
@@ -99,7 +99,10 @@ static double look(struct rb_cone *cone, rb_cone_pair *step)
 	return largest;
 }
 
-/* What the linearized function does to a change x of the impulses; what follows in x from its unknowns is completed. */
+/*
+ * What the linearized function does to a change x of the impulses; what follows in x from its
+ * unknowns is completed.
+ */
 static void image_of(struct rb_cone *cone, rb_cone_pair *x, rb_cone_pair *y)
 {
 	for (int k = 0; k < cone->row_count; k++) {
@@ -143,9 +146,10 @@ static void add_scaled(int count, rb_cone_pair *a, double s, const rb_cone_pair 
 }
 
 /*
- * Solves the linearized problem on the present faces for `x`, given the steps in cone->residual (used up): generalized
- * conjugate residuals with a window (Eisenstat, Elman, Schultz, SIAM J. Numer. Anal. 20 (1983) 345), which are
- * conjugate residuals where no contact slips, because the matrix is then symmetric in the weighted product.
+ * Solves the linearized problem on the present faces for `x`, given the steps in cone->residual
+ * (used up): generalized conjugate residuals with a window (Eisenstat, Elman, Schultz, SIAM J.
+ * Numer. Anal. 20 (1983) 345), which are conjugate residuals where no contact slips, because the
+ * matrix is then symmetric in the weighted product.
  */
 static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 {
@@ -182,7 +186,10 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 		rb_cone_pair *const p = cone->direction + (size_t)(round % window) * (size_t)n;
 		rb_cone_pair *const q = cone->image + (size_t)(round % window) * (size_t)n;
 
-		/* where the residual alone leads nowhere (the matrix need not be definite), the last image does */
+		/*
+		 * where the residual alone leads nowhere (the matrix need not be definite), the
+		 * last image does
+		 */
 		memcpy(p, poor ? cone->image + (size_t)((round - 1) % window) * (size_t)n : r,
 		       (size_t)n * sizeof *p);
 		image_of(cone, p, q);
@@ -210,12 +217,17 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 		poor = next > 0.8 * square;
 		square = next;
 	}
-	/* directions in which next to nothing changes are long, and so is what rounding adds to them */
+	/*
+	 * directions in which next to nothing changes are long, and so is what rounding adds to
+	 * them
+	 */
 	for (int k = 0; k < n; k++)
 		x[k].t = rb_vec3_reject(x[k].t, cone->row[k].normal);
 }
 
-/* The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it. */
+/*
+ * The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it.
+ */
 static void keep_cone(struct rb_cone *cone, double s, const rb_cone_pair *x, rb_cone_pair *kept)
 {
 	for (int k = 0; k < cone->row_count; k++) {
@@ -289,7 +301,10 @@ static void steps_on_faces(struct rb_cone *cone, rb_cone_pair *step)
 	}
 }
 
-/* Twice the change of energy since `before` (velocities) and cone->kept, which must be what `keep` has kept. */
+/*
+ * Twice the change of energy since `before` (velocities) and cone->kept, which must be what `keep`
+ * has kept.
+ */
 static double energy_change(struct rb_cone *cone, const rb_cone_pair *before)
 {
 	for (int k = 0; k < cone->row_count; k++) {
@@ -304,8 +319,9 @@ static double energy_change(struct rb_cone *cone, const rb_cone_pair *before)
 }
 
 /*
- * One Newton step from where `look` has just been, along it as far as it helps; false, and all as it was, where it does
- * not. What it must lower: the energy where the problem is convex, else the residual.
+ * One Newton step from where `look` has just been, along it as far as it helps; false, and all as
+ * it was, where it does not. What it must lower: the energy where the problem is convex, else the
+ * residual.
  */
 static bool newton(struct rb_cone *cone, bool convex)
 {
@@ -339,8 +355,9 @@ static bool newton(struct rb_cone *cone, bool convex)
 }
 
 /*
- * Steps of all rows at once, with the momentum of Nesterov's method, which begins anew where it leads uphill (O'Donoghue,
- * Candes, Found. Comput. Math. 15 (2015) 715). Begins and ends where `look` has just been.
+ * Steps of all rows at once, with the momentum of Nesterov's method, which begins anew where it
+ * leads uphill (O'Donoghue, Candes, Found. Comput. Math. 15 (2015) 715). Begins and ends where
+ * `look` has just been.
  */
 static double walk(struct rb_cone *cone, int steps, double left, double tolerance)
 {
@@ -402,7 +419,10 @@ static double relax(struct rb_cone *cone, bool convex, double tolerance, int rou
 	return left;
 }
 
-/* Bounds of friction from the pushes as they are; `never_more` lets them only shrink. True if one had to change. */
+/*
+ * Bounds of friction from the pushes as they are; `never_more` lets them only shrink. True if one
+ * had to change.
+ */
 static bool hold(struct rb_cone *cone, bool never_more)
 {
 	bool changed = false;
@@ -422,8 +442,9 @@ static bool hold(struct rb_cone *cone, bool never_more)
 }
 
 /*
- * Where the law finds no solution (a body that friction jams between others, Painleve): the bounds of friction shrink
- * until it is within the cones; what slips may then have less of it than the law says, at worst none.
+ * Where the law finds no solution (a body that friction jams between others, Painleve): the bounds
+ * of friction shrink until it is within the cones; what slips may then have less of it than the law
+ * says, at worst none.
  */
 static double give_way(struct rb_cone *cone, double tolerance, double scale)
 {

@@ -4,14 +4,18 @@
 #include <float.h>
 
 /*
- * Across the normal u = (speed) (c, s), and with dp = speed dt the end of slip, where the direction may turn ever faster,
- * is infinitely far away in t: everything is analytic in t, and the direction follows an equation of its own. Steps are
- * Taylor series, whose coefficients are products of series; directions that keep themselves need none.
+ * Across the normal u = (speed) (c, s), and with dp = speed dt the end of slip, where the direction
+ * may turn ever faster, is infinitely far away in t: everything is analytic in t, and the direction
+ * follows an equation of its own. Steps are Taylor series, whose coefficients are products of
+ * series; directions that keep themselves need none.
  */
 enum {
 	ORDER = 24,
 	TERMS = ORDER + 1,
-	/* a slip loses at most all of its digits twice, in steps of about one e-fold; turning takes a few more */
+	/*
+	 * a slip loses at most all of its digits twice, in steps of about one e-fold; turning takes
+	 * a few more
+	 */
 	STEPS = 1024,
 	EVENTS =
 		64, /* compression begins at most twice again: normal acceleration changes its sign twice a turn */
@@ -19,7 +23,10 @@ enum {
 };
 /* Friction beyond this many times what goes in is as good as boundless. */
 static const double friction_max = 0x1p100;
-/* A slip below this share of the speeds has ended: below the rounding even of what depends on its root. */
+/*
+ * A slip below this share of the speeds has ended: below the rounding even of what depends on its
+ * root.
+ */
 static const double ended = DBL_EPSILON * DBL_EPSILON;
 /* Directions that turn less than this share of the rates keep themselves: K is not known better. */
 static const double turning = 4 * DBL_EPSILON;
@@ -29,7 +36,10 @@ struct pair {
 	double x, y;
 };
 
-/* K in units of its largest number, friction included: what it does to slip and normal velocity per normal impulse. */
+/*
+ * K in units of its largest number, friction included: what it does to slip and normal velocity per
+ * normal impulse.
+ */
 struct law {
 	double nn;         /* normal by normal */
 	struct pair n;     /* slip by normal */
@@ -83,7 +93,8 @@ static double owed(const struct course *c)
 /* ---- directions that keep themselves ---- */
 
 /*
- * With constant rates over at most `most` of normal impulse: `rate` of the normal velocity, `rub` of friction's impulse.
+ * With constant rates over at most `most` of normal impulse: `rate` of the normal velocity, `rub`
+ * of friction's impulse.
  */
 static void go_straight(struct course *c, double max, double rate, struct pair friction_impulse)
 {
@@ -143,9 +154,10 @@ static struct pair against(const struct law *law, double g, struct pair n)
 }
 
 /*
- * From no slip. With v = A^-1 n, friction -v (of its limit) keeps it from slipping; if that is longer than 1, slip sets in
- * along the one d with slip_rate = g d, g > 0: |(A + g)^-1 n| = 1, whose left side falls with g, so that Newton's method
- * for its inverse comes to the root from one side (More, Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
+ * From no slip. With v = A^-1 n, friction -v (of its limit) keeps it from slipping; if that is
+ * longer than 1, slip sets in along the one d with slip_rate = g d, g > 0: |(A + g)^-1 n| = 1,
+ * whose left side falls with g, so that Newton's method for its inverse comes to the root from one
+ * side (More, Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
  */
 static void leave_rest(struct course *c)
 {
@@ -247,7 +259,8 @@ static void expand(const struct course *c, struct series *t)
 }
 
 /*
- * Up to where the last terms are below rounding. Work, a product of two that fall with slip, is the first to ask for it.
+ * Up to where the last terms are below rounding. Work, a product of two that fall with slip, is the
+ * first to ask for it.
  */
 static double reach_of(const struct series *t)
 {
@@ -283,7 +296,10 @@ static double slope(const double *a, double t)
 	return sum;
 }
 
-/* Where a - level changes its sign in [low, high], between which it is monotone: Newton's method, or halves. */
+/*
+ * Where a - level changes its sign in [low, high], between which it is monotone: Newton's method,
+ * or halves.
+ */
 static double crossing(const double *a, double level, double low, double high)
 {
 	const bool rises = value(a, high) > level;
@@ -325,7 +341,8 @@ static void come_to(struct course *c, const struct series *s, double t)
 }
 
 /*
- * On [low, high] w is monotone. Does compression or restitution end there? Then the course is there, and it is true.
+ * On [low, high] w is monotone. Does compression or restitution end there? Then the course is
+ * there, and it is true.
  */
 static bool ends_within(struct course *c, const struct series *s, double low, double high)
 {
@@ -431,7 +448,10 @@ static struct law law_of(const struct rb_eccentric *contact, rb_vec3 t, rb_vec3 
 	return law;
 }
 
-/* What an impulse changes of the kinetic energy is J.(u + K J / 2): is it above rounding of its parts? */
+/*
+ * What an impulse changes of the kinetic energy is J.(u + K J / 2): is it above rounding of its
+ * parts?
+ */
 static bool gains(const struct rb_eccentric *contact, rb_vec3 u, rb_vec3 impulse)
 {
 	const rb_vec3 change = rb_mat3_apply(&contact->inverse_effective_mass, impulse);

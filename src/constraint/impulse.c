@@ -30,7 +30,10 @@ static void add_inverse_mass(const struct rb_world *world, const struct rb_state
 	}
 }
 
-/* Yield of the body along the normal and across it, if its contact is central and its inertia isotropic. */
+/*
+ * Yield of the body along the normal and across it, if its contact is central and its inertia
+ * isotropic.
+ */
 static bool central_inverse_mass(const struct rb_world *world, const struct rb_state *state, int i,
                                  double *along, double *across)
 {
@@ -96,7 +99,10 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
 	               central_inverse_mass(world, state, link.b, &link.normal_inverse_mass,
 	                                    &link.tangent_inverse_mass);
 	if (link.central) {
-		/* a sphere's arm is its radius along the normal, whatever the gap within the tolerance */
+		/*
+		 * a sphere's arm is its radius along the normal, whatever the gap within the
+		 * tolerance
+		 */
 		link.arm_a = rb_vec3_scale(model->shape[link.a].radius, link.normal);
 		if (is_moving(world, link.b))
 			link.arm_b = rb_vec3_scale(-model->shape[link.b].radius, link.normal);
@@ -213,7 +219,10 @@ rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double targ
 static rb_vec3 central_impulse(const struct rb_impulse_row *row, rb_vec3 u)
 {
 	const struct rb_link *link = &row->link;
-	/* the sum is clamped, not the increment: a later sweep may take back what this one gives too much */
+	/*
+	 * the sum is clamped, not the increment: a later sweep may take back what this one gives
+	 * too much
+	 */
 	const double normal = fmax(
 		0, row->normal + (row->target_velocity - rb_vec3_dot(u, link->normal)) /
 					 link->normal_inverse_mass);
@@ -227,10 +236,10 @@ static rb_vec3 central_impulse(const struct rb_impulse_row *row, rb_vec3 u)
 }
 
 /*
- * Of an eccentric contact: the impulse that alone takes the relative velocity `free` to the wanted one, sticking if the
- * cone allows that, else sliding against the slip that it leaves (damped fixed point of its direction). Where
- * friction would pull the bodies together faster than the impulse parts them (Painleve), the sticking impulse, cut
- * to the cone.
+ * Of an eccentric contact: the impulse that alone takes the relative velocity `free` to the wanted
+ * one, sticking if the cone allows that, else sliding against the slip that it leaves (damped fixed
+ * point of its direction). Where friction would pull the bodies together faster than the impulse
+ * parts them (Painleve), the sticking impulse, cut to the cone.
  */
 static rb_vec3 eccentric_impulse(const struct rb_link *link, rb_vec3 free, double target_velocity)
 {
@@ -295,7 +304,10 @@ static double solve_row(struct rb_world *world, struct rb_impulse_row *row)
 	       fmax(link->normal_inverse_mass, link->tangent_inverse_mass);
 }
 
-/* Adds `share` of each row's direction to its impulse; the sweep that follows projects it back to the cone. */
+/*
+ * Adds `share` of each row's direction to its impulse; the sweep that follows projects it back to
+ * the cone.
+ */
 static void follow(struct rb_world *world, struct rb_impulse_row *row, int count, double share)
 {
 	for (int k = 0; k < count; k++) {
@@ -331,7 +343,10 @@ static double iterate(struct rb_world *world, struct rb_impulse_row *row, int co
 		            (sweep + 1 == sweeps && change > 0.5 * largest);
 		if (*diverged)
 			break;
-		/* one row is exact after a sweep, and the last sweep must stand; where it got worse begin anew */
+		/*
+		 * one row is exact after a sweep, and the last sweep must stand; where it got worse
+		 * begin anew
+		 */
 		const double share = sweep > 0 && size <= size_before ? size / size_before : 0;
 		if (count > 1 && share > 0 && sweep + 1 < sweeps)
 			follow(world, row, count, share);
@@ -354,7 +369,10 @@ double rb_impulse_rows_solve(struct rb_world *world, struct rb_impulse_row *row,
 		change = iterate(world, row, count, sweeps, tolerance, &diverged);
 		if (!diverged)
 			break;
-		/* a body jammed by friction between others (Painleve): give way with half the friction, at last without */
+		/*
+		 * a body jammed by friction between others (Painleve): give way with half the
+		 * friction, at last without
+		 */
 		for (int k = 0; k < count; k++) {
 			rb_link_push(world, &row[k].link,
 			             rb_vec3_neg(rb_vec3_add_scaled(row[k].tangent, row[k].normal,

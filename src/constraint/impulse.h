@@ -2,10 +2,11 @@
 /*
  * What an impulse at a contact does, and how large it has to be.
  *
- * A link is the mechanics of one contact at one moment: arms, effective masses, materials. Velocities are those
- * of b relative to a at the contact point; an impulse acts on b, its opposite on a. Restitution is Newton's law on
- * the normal velocity, v_n' = -e v_n, where the impact is central or frictionless; for eccentric impacts with
- * friction it is the energetic law (Stronge, Proc. R. Soc. A 431 (1990) 169), which cannot gain energy there.
+ * A link is the mechanics of one contact at one moment: arms, effective masses, materials.
+ * Velocities are those of b relative to a at the contact point; an impulse acts on b, its opposite
+ * on a. Restitution is Newton's law on the normal velocity, v_n' = -e v_n, where the impact is
+ * central or frictionless; for eccentric impacts with friction it is the energetic law (Stronge,
+ * Proc. R. Soc. A 431 (1990) 169), which cannot gain energy there.
  */
 #ifndef RB_CONSTRAINT_IMPULSE_H
 #define RB_CONSTRAINT_IMPULSE_H
@@ -40,8 +41,9 @@ void rb_link_push(struct rb_world *world, const struct rb_link *link, rb_vec3 im
 double rb_link_noise(const struct rb_world *world, const struct rb_link *link);
 
 /*
- * The impulse on b of one impact on its own: `velocity` relative, approaching; `leave` >= 0 the normal velocity
- * wanted afterwards, `restitution` the share of it in the approach (for the energetic law).
+ * The impulse on b of one impact on its own: `velocity` relative, approaching; `leave` >= 0 the
+ * normal velocity wanted afterwards, `restitution` the share of it in the approach (for the
+ * energetic law).
  */
 rb_vec3 rb_link_impact(const struct rb_link *link, rb_vec3 velocity, double target_velocity);
 
@@ -57,12 +59,14 @@ struct rb_impulse_row {
 };
 
 /*
- * Block Gauss-Seidel with projection: normal velocity at least `leave` where the normal impulse is zero, just that
- * where it is positive; tangential velocity zero inside the friction cone, opposite to the impulse on it. Sweeps are
- * accelerated as nonlinear conjugate gradients (Silcowitz, Niebe, Erleben, "A nonsmooth nonlinear conjugate gradient
- * method for interactive contact force problems", Vis. Comput. 26 (2010) 893), each followed by a plain sweep, so
- * that the result keeps the cone. Rows are in order of pairs; stops when no velocity changes by more than `enough`, or
- * after `sweeps`. Accumulated impulses in the rows must have been applied already. Returns the last change, m/s.
+ * Block Gauss-Seidel with projection: normal velocity at least `leave` where the normal impulse is
+ * zero, just that where it is positive; tangential velocity zero inside the friction cone, opposite
+ * to the impulse on it. Sweeps are accelerated as nonlinear conjugate gradients (Silcowitz, Niebe,
+ * Erleben, "A nonsmooth nonlinear conjugate gradient method for interactive contact force
+ * problems", Vis. Comput. 26 (2010) 893), each followed by a plain sweep, so that the result keeps
+ * the cone. Rows are in order of pairs; stops when no velocity changes by more than `enough`, or
+ * after `sweeps`. Accumulated impulses in the rows must have been applied already. Returns the last
+ * change, m/s.
  */
 double rb_impulse_rows_solve(struct rb_world *world, struct rb_impulse_row *row, int count,
                              int sweeps, double tolerance);

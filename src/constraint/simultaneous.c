@@ -13,7 +13,10 @@ enum {
 	ROUNDS_PER_CONTACT = 16
 };
 
-/* Approaches below this share of the first round's end without restitution: what is left of an infinite series. */
+/*
+ * Approaches below this share of the first round's end without restitution: what is left of an
+ * infinite series.
+ */
 static const double tail_share = 1e-13;
 /* Violation, as a share of the speeds, above which a solution is not taken for one. */
 static const double failed_share = 1e-9;
@@ -64,7 +67,10 @@ static void push(struct rb_solver_body *body, rb_vec3 arm, rb_vec3 impulse)
 		                            turned(body, rb_vec3_cross(arm, impulse)));
 }
 
-/* Adds the body's part of K; false where it is eccentric: normal and tangent meddle, or tangents differ. */
+/*
+ * Adds the body's part of K; false where it is eccentric: normal and tangent meddle, or tangents
+ * differ.
+ */
 static bool add_inverse_mass(const struct rb_solver_body *body, rb_vec3 arm, struct rb_link *link)
 {
 	const rb_vec3 lever = rb_vec3_cross(arm, link->normal);
@@ -189,7 +195,10 @@ static void undo(struct rounds *all, const struct rb_solver_body *before)
 		all->cone.row[k].impulse = (rb_cone_pair){0, {0, 0, 0}};
 }
 
-/* Stops what approaches, with friction; without it where that does not settle (a body jammed between others). */
+/*
+ * Stops what approaches, with friction; without it where that does not settle (a body jammed
+ * between others).
+ */
 static void compress(struct rounds *all, const struct rb_solver_body *before)
 {
 	struct rb_cone *const cone = &all->cone;
@@ -203,9 +212,9 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 }
 
 /*
- * Gives back restitution times what compression took, along the normals, then lets friction stop what it can within the
- * cones of the whole. `spare` is twice the energy that compression took: the normal impulses are made smaller together
- * where they would give back more.
+ * Gives back restitution times what compression took, along the normals, then lets friction stop
+ * what it can within the cones of the whole. `spare` is twice the energy that compression took: the
+ * normal impulses are made smaller together where they would give back more.
  */
 static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_cone_pair *after)
 {
@@ -291,13 +300,18 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 	return true;
 }
 
-/* Below it a contact does not approach: the caller's figure, and what this arithmetic can resolve. */
+/*
+ * Below it a contact does not approach: the caller's figure, and what this arithmetic can resolve.
+ */
 static double noise_of(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
 {
 	return fmax(fmax(c->noise, joint->tolerance), 4 * DBL_EPSILON * speeds_of(joint, c));
 }
 
-/* What takes part in a round: all that approaches, and with it the touching contacts that give nothing back. */
+/*
+ * What takes part in a round: all that approaches, and with it the touching contacts that give
+ * nothing back.
+ */
 static int find_active(struct rounds *all, bool *only_tail)
 {
 	struct rb_simultaneous *const joint = all->joint;
@@ -333,7 +347,10 @@ static int find_active(struct rounds *all, bool *only_tail)
 	return count;
 }
 
-/* Those that share no body with another are done at once, the others together. False when memory is out. */
+/*
+ * Those that share no body with another are done at once, the others together. False when memory is
+ * out.
+ */
 static bool run_round(struct rounds *all, bool with_restitution)
 {
 	struct rb_simultaneous *const joint = all->joint;

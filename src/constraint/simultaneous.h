@@ -2,10 +2,11 @@
 /*
  * Several contacts at one moment, solved together: impacts, and the forces of lasting contacts.
  *
- * A small problem in plain data: `bodies` that yield, `contacts` between them. What comes out does not depend on the
- * order of bodies or of contacts, nor on which body of a contact is called a, and mirror images in the coordinate
- * planes come out to the bit: sums over the contacts of a body and over all contacts are exact before they are rounded
- * once, iterations are simultaneous (no sweep uses what it has just found).
+ * A small problem in plain data: `bodies` that yield, `contacts` between them. What comes out does
+ * not depend on the order of bodies or of contacts, nor on which body of a contact is called a, and
+ * mirror images in the coordinate planes come out to the bit: sums over the contacts of a body and
+ * over all contacts are exact before they are rounded once, iterations are simultaneous (no sweep
+ * uses what it has just found).
  */
 #ifndef RB_CONSTRAINT_SIMULTANEOUS_H
 #define RB_CONSTRAINT_SIMULTANEOUS_H
@@ -54,9 +55,10 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
 }
 
 /*
- * Impacts. Generalized reflections (Smith, Kaufman, Vouga, Tamstorf, Grinspun, "Reflections on simultaneous impact",
- * ACM TOG 31(4):106 (2012)) blended with the perfectly inelastic solution for e < 1, in rounds until nothing
- * approaches, with one rule for contacts of different e and for friction. Of each round:
+ * Impacts. Generalized reflections (Smith, Kaufman, Vouga, Tamstorf, Grinspun, "Reflections on
+ * simultaneous impact", ACM TOG 31(4):106 (2012)) blended with the perfectly inelastic solution for
+ * e < 1, in rounds until nothing approaches, with one rule for contacts of different e and for
+ * friction. Of each round:
  *
  *   1. It has the contacts that approach, and with them the touching ones of e = 0. Others are not felt: what a shock
  *      does to them is seen in the next round, as if there were a gap.
@@ -67,26 +69,31 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
  *      it could give back more energy than compression took; then all these additions shrink by one factor.
  *   4. Friction is solved again, within the cones of the grown impulses; that takes energy or leaves it.
  *
- * So a touching cradle does what one with vanishing gaps does, for every e, and e = 0 everywhere is one round. Series
- * of rounds that do not end (0 < e < 1: inelastic collapse) are followed to 1e-13 of the first approach, then e = 0.
- * A contact that shares no yielding body with another of its round is solved alone. Where friction jams a body
- * between others so that no solution with the whole of it is found, it gets less: see constraint/cone.
+ * So a touching cradle does what one with vanishing gaps does, for every e, and e = 0 everywhere is
+ * one round. Series of rounds that do not end (0 < e < 1: inelastic collapse) are followed to 1e-13
+ * of the first approach, then e = 0. A contact that shares no yielding body with another of its
+ * round is solved alone. Where friction jams a body between others so that no solution with the
+ * whole of it is found, it gets less: see constraint/cone.
  *
- * Afterwards: kinetic energy of what yields is not above before (in the frame of bodies that do not yield; a driven
- * body may add to it), friction impulses are within their cones, no contact approaches by more than its noise, linear
- * and angular momentum are what they were to rounding. One contact alone is Newton's law with Coulomb friction (for
- * eccentric contacts with friction the energetic law of constraint/impulse). Returns false when the rounds (512 and 16 per
- * contact) ended without settling and the rest was done with e = 0, or when memory is out; `*rounds` may be NULL.
+ * Afterwards: kinetic energy of what yields is not above before (in the frame of bodies that do not
+ * yield; a driven body may add to it), friction impulses are within their cones, no contact
+ * approaches by more than its noise, linear and angular momentum are what they were to rounding.
+ * One contact alone is Newton's law with Coulomb friction (for eccentric contacts with friction the
+ * energetic law of constraint/impulse). Returns false when the rounds (512 and 16 per contact)
+ * ended without settling and the rest was done with e = 0, or when memory is out; `*rounds` may be
+ * NULL.
  */
 bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds);
 
 /*
- * Forces of lasting contacts: relative normal acceleration >= 0, force >= 0, one of them zero; a sticking contact
- * has no relative tangential acceleration unless its friction is at the cone (then against that acceleration); a
- * sliding one has friction * force against its slip. Bodies' accelerations become those with the contact forces. Unique
- * accelerations come out to about 1e-13 of the largest acceleration in the problem, also where forces are not unique
- * (touching lattices). Returns the largest violation that is left, m/s^2; INFINITY when memory is out. Where no
- * solution with the whole friction is found (jammed bodies, mostly friction near 1 and above), what slips gets less.
+ * Forces of lasting contacts: relative normal acceleration >= 0, force >= 0, one of them zero; a
+ * sticking contact has no relative tangential acceleration unless its friction is at the cone (then
+ * against that acceleration); a sliding one has friction * force against its slip. Bodies'
+ * accelerations become those with the contact forces. Unique accelerations come out to about 1e-13
+ * of the largest acceleration in the problem, also where forces are not unique (touching lattices).
+ * Returns the largest violation that is left, m/s^2; INFINITY when memory is out. Where no solution
+ * with the whole friction is found (jammed bodies, mostly friction near 1 and above), what slips
+ * gets less.
  */
 double rb_simultaneous_forces(struct rb_simultaneous *joint);
 

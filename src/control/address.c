@@ -31,8 +31,8 @@ enum rb_status rb_address_of(struct sockaddr_un *address, const char *path, enum
 /* ---- taking a name ---- */
 
 /*
- * Two runs that find the same stale socket must not both replace it: the second would take away what the first has just
- * made. So one of them at a time looks and binds, by a lock on the folder.
+ * Two runs that find the same stale socket must not both replace it: the second would take away
+ * what the first has just made. So one of them at a time looks and binds, by a lock on the folder.
  */
 static enum rb_status lock_folder(int *folder, const char *path, struct rb_error *err)
 {
@@ -102,7 +102,10 @@ static enum rb_status bind_private(int *fd, const char *path, const struct socka
 	if (made < 0)
 		return RB_FAIL(err, RB_ERR_CREATE, "cannot make socket '%s': %s", path,
 		               strerror(errno));
-	/* the file takes its mode from the socket and the mask: neither may let others in, not even for a moment */
+	/*
+	 * the file takes its mode from the socket and the mask: neither may let others in, not even
+	 * for a moment
+	 */
 	(void)fchmod(made, S_IRUSR | S_IWUSR);
 	const mode_t mask = umask(S_IRWXG | S_IRWXO | S_IXUSR);
 	const bool bound = bind(made, (const struct sockaddr *)address, sizeof *address) == 0;

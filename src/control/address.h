@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Names of sockets in the file system: taking one for a run, without ever taking it from another, and giving it back.
+ * Names of sockets in the file system: taking one for a run, without ever taking it from another,
+ * and giving it back.
  *
  * Values; nothing is owned but the descriptor that rb_address_listen gives to the caller.
  */
@@ -23,8 +24,8 @@ RB_CHECKED enum rb_status rb_address_of(struct sockaddr_un *address, const char 
                                         enum rb_status failure, struct rb_error *err);
 
 /*
- * Binds and listens, mode 0600 from the first moment. A socket on which nobody listens any more is replaced.
- * RB_ERR_CREATE where another process listens, or the path is no socket.
+ * Binds and listens, mode 0600 from the first moment. A socket on which nobody listens any more is
+ * replaced. RB_ERR_CREATE where another process listens, or the path is no socket.
  */
 RB_CHECKED enum rb_status rb_address_listen(int *fd, struct rb_address_file *file, const char *path,
                                             struct rb_error *err);

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An answer to a command as text of the protocol: lines that begin with a space, then "ok" or "error TEXT".
+ * An answer to a command as text of the protocol: lines that begin with a space, then "ok" or
+ * "error TEXT".
  *
- * Owned by the caller, one thread at a time; zeroed is a good start. What memory had no room for is told once by rb_answer_end.
+ * Owned by the caller, one thread at a time; zeroed is a good start. What memory had no room for is
+ * told once by rb_answer_end.
  */
 #ifndef RB_CONTROL_ANSWER_H
 #define RB_CONTROL_ANSWER_H

@@ -9,8 +9,8 @@
 #include <stdint.h>
 
 /*
- * A column a value, low values low: eighths of blocks with `blocks`, else characters that are more or less dark. NAN leaves a
- * gap. Where `low` and `high` are the same, all is low.
+ * A column a value, low values low: eighths of blocks with `blocks`, else characters that are more
+ * or less dark. NAN leaves a gap. Where `low` and `high` are the same, all is low.
  */
 void rb_chart_spark(uint32_t *glyphs, const double *values, int count, double low, double high,
                     bool blocks);
@@ -19,8 +19,9 @@ void rb_chart_spark(uint32_t *glyphs, const double *values, int count, double lo
 void rb_chart_range(const double *values, int count, double *low, double *high);
 
 /*
- * `width` columns for the times from 0 to the end of a run: where the view stands (0 to 1), how far there are frames (0 to 1),
- * and `mark_count` parts of the whole in which there were collisions or not.
+ * `width` columns for the times from 0 to the end of a run: where the view stands (0 to 1), how far
+ * there are frames (0 to 1), and `mark_count` parts of the whole in which there were collisions or
+ * not.
  */
 struct rb_timeline {
 	double position, available;

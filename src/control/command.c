@@ -489,7 +489,10 @@ static const char *const *fixed_words(enum rb_command_kind kind, int place)
 	}
 }
 
-/* Whether names of bodies, cameras or parameters may stand at a place; `*kind` becomes that to ask for. */
+/*
+ * Whether names of bodies, cameras or parameters may stand at a place; `*kind` becomes that to ask
+ * for.
+ */
 static bool takes_names(enum rb_command_kind *kind, int place, const char *first)
 {
 	if (*kind == RB_COMMAND_CAMERA && place == 2 && strcmp(first, "mount") == 0) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Every playback command, one table row each: what keys, the ':' line, standard input, --commands and the socket all
- * end in. The parser, `help`, completion and the manual page read the same rows.
+ * Every playback command, one table row each: what keys, the ':' line, standard input, --commands
+ * and the socket all end in. The parser, `help`, completion and the manual page read the same rows.
  *
  * Values; nothing here knows a run, a screen or a socket. Any thread.
  */
@@ -79,19 +79,25 @@ struct rb_command {
 	char value[RB_COMMAND_TEXT_SIZE]; /* of set */
 };
 
-/* Bytes of the printable UTF-8 character at `at` (a tab counts as one), 0 where there is none. Looks at no byte behind
- * a zero. RFC 3629: no surrogates, no overlong forms. */
+/*
+ * Bytes of the printable UTF-8 character at `at` (a tab counts as one), 0 where there is none.
+ * Looks at no byte behind a zero. RFC 3629: no surrogates, no overlong forms.
+ */
 size_t rb_command_character(const char *at);
 
 /*
- * Words are parted by spaces; one in double quotes may hold spaces. An empty line or one that begins with '#' is RB_OK
- * with *given false. RB_ERR_USAGE in one line: what was found, what was wanted, the nearest name. No byte of the line is trusted.
+ * Words are parted by spaces; one in double quotes may hold spaces. An empty line or one that
+ * begins with '#' is RB_OK with *given false. RB_ERR_USAGE in one line: what was found, what was
+ * wanted, the nearest name. No byte of the line is trusted.
  */
 RB_CHECKED enum rb_status rb_command_parse(struct rb_command *command, bool *given,
                                            const char *line, struct rb_error *err);
 
-/* Continuations of a line that is being typed: of commands, their fixed words, and what `names` offers for bodies, cameras and
- * parameters. Number of candidates put into `out` (at most `most`), each a whole word. */
+/*
+ * Continuations of a line that is being typed: of commands, their fixed words, and what `names`
+ * offers for bodies, cameras and parameters. Number of candidates put into `out` (at most `most`),
+ * each a whole word.
+ */
 struct rb_command_names {
 	const char *(*name)(void *user, enum rb_command_kind kind, int index); /* NULL: no more */
 	void *user;

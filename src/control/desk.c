@@ -209,7 +209,10 @@ static void seek_end(struct desk *desk)
 	viewer->playing |= status->grows;
 }
 
-/* The one behind the one that is taken; behind the last one the first, or the default where there is none. */
+/*
+ * The one behind the one that is taken; behind the last one the first, or the default where there
+ * is none.
+ */
 static void next_camera(struct desk *desk)
 {
 	const struct rb_scene *const scene = desk->viewer->options.model->scene;
@@ -346,7 +349,10 @@ static bool scroll_help(struct desk *desk, uint32_t key)
 	return true;
 }
 
-/* What closes the help does nothing else; what is another key's business is also done. True: the key has been used. */
+/*
+ * What closes the help does nothing else; what is another key's business is also done. True: the
+ * key has been used.
+ */
 static bool leave_help(struct desk *desk, uint32_t key)
 {
 	desk->stale = true;
@@ -356,7 +362,10 @@ static bool leave_help(struct desk *desk, uint32_t key)
 	return key == RB_KEY_ESCAPE || key == RB_KEY_ENTER || key == '?' || key == 'q';
 }
 
-/* What the camera looks at turns with the pointer, half round over the width of the picture. A cell is twice as high as wide. */
+/*
+ * What the camera looks at turns with the pointer, half round over the width of the picture. A cell
+ * is twice as high as wide.
+ */
 static void drag(struct desk *desk, const struct rb_input_key *key)
 {
 	const double degrees = 180.0 / fmax(desk->layout.picture.width, 1);
@@ -383,7 +392,9 @@ static void click(struct desk *desk, const struct rb_input_key *key)
 		drag(desk, key);
 	if (key->wheel != 0)
 		return;
-	/* of what comes at once curses drops the press: the first place that is told counts for it */
+	/*
+	 * of what comes at once curses drops the press: the first place that is told counts for it
+	 */
 	if (key->mouse == RB_MOUSE_RELEASED)
 		desk->button = UP;
 	else if (key->mouse == RB_MOUSE_PRESSED || desk->button == UP)
@@ -408,7 +419,10 @@ static void take_key(struct desk *desk, const struct rb_input_key *key)
 
 /* ---- the loop ---- */
 
-/* Lines of the run's standard error; what redraws itself there, such as a progress bar, comes line by line. */
+/*
+ * Lines of the run's standard error; what redraws itself there, such as a progress bar, comes line
+ * by line.
+ */
 static void hear(struct desk *desk)
 {
 	char bytes[256];

@@ -11,14 +11,20 @@
 /* The process of the guard, after fork: only what is safe in a handler. */
 static void watch(int heard, const char *reset, size_t size, const struct termios *modes)
 {
-	/* meant for the owner, who may need a moment; SIGTTOU: the shell may have the terminal already */
+	/*
+	 * meant for the owner, who may need a moment; SIGTTOU: the shell may have the terminal
+	 * already
+	 */
 	static const int ignored[] = {SIGINT,  SIGQUIT, SIGTERM, SIGTTOU,
 	                              SIGTTIN, SIGPIPE, SIGUSR1, SIGUSR2};
 	sigset_t none;
 	char word;
 	ssize_t got;
 
-	/* handlers of the owner's, such as the one of curses for SIGTSTP, would do their work a second time here */
+	/*
+	 * handlers of the owner's, such as the one of curses for SIGTSTP, would do their work a
+	 * second time here
+	 */
 	for (int number = 1; number < NSIG; number++)
 		signal(number, SIG_DFL);
 	for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)

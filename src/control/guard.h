@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Gives the terminal back where its owner can't any more: a small process beside it, which sees when the owner has ended without
- * saying so (SIGKILL, the out-of-memory killer).
+ * Gives the terminal back where its owner can't any more: a small process beside it, which sees
+ * when the owner has ended without saying so (SIGKILL, the out-of-memory killer).
  *
- * Owned by whoever has the terminal; one thread, before it has started others. It stops and goes on with its owner's job and dies with the
- * terminal's session.
+ * Owned by whoever has the terminal; one thread, before it has started others. It stops and goes on
+ * with its owner's job and dies with the terminal's session.
  */
 #ifndef RB_CONTROL_GUARD_H
 #define RB_CONTROL_GUARD_H
@@ -18,7 +18,10 @@ struct rb_guard {
 	int tell;      /* a pipe to it */
 };
 
-/* What is to be written to standard output, and the modes of standard input, NULL: none. Where there can't be a guard there is none. */
+/*
+ * What is to be written to standard output, and the modes of standard input, NULL: none. Where
+ * there can't be a guard there is none.
+ */
 void rb_guard_start(struct rb_guard *guard, const char *reset, size_t size,
                     const struct termios *modes);
 /* The owner gives the terminal back itself. Safe in a signal's handler. */

@@ -57,7 +57,9 @@ void rb_keys_print_manual(FILE *file)
 	fputs(".\\\" table keys\n.Bl -tag -width shift-right -compact\n", file);
 	for (int i = 0; i < rb_key_row_count; i++) {
 		const struct rb_key_row *const row = &rb_key_rows[i];
-		/* a full stop, a comma or a bracket would be taken for punctuation of the sentence */
+		/*
+		 * a full stop, a comma or a bracket would be taken for punctuation of the sentence
+		 */
 		fprintf(file, ".It Li \\&%s\n", row->name);
 		fputc(row->help[0] >= 'a' && row->help[0] <= 'z' ? row->help[0] - 'a' + 'A'
 		                                                 : row->help[0],

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The keys of the console, one table row each: a key stands for a command of control/command, for the beginning of one that is
- * then typed on, or for something of the console itself. Help and manual page read the same rows. Knows no terminal.
+ * The keys of the console, one table row each: a key stands for a command of control/command, for
+ * the beginning of one that is then typed on, or for something of the console itself. Help and
+ * manual page read the same rows. Knows no terminal.
  */
 #ifndef RB_CONTROL_KEYS_H
 #define RB_CONTROL_KEYS_H

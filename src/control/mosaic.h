@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture as cells of a terminal: two pixels a cell, one above the other, in the colours that there are.
+ * A picture as cells of a terminal: two pixels a cell, one above the other, in the colours that
+ * there are.
  *
  * Values; knows no terminal. Any thread.
  */
@@ -28,8 +29,8 @@ typedef struct {
 int32_t rb_palette_nearest(enum rb_palette palette, const uint8_t rgb[3]);
 
 /*
- * The cell of two pixels in sRGB; `x`, `y` say where the cell is, for the patterns that stand for colours between those of
- * a small palette. Without `blocks` (no UTF-8) a cell has one colour.
+ * The cell of two pixels in sRGB; `x`, `y` say where the cell is, for the patterns that stand for
+ * colours between those of a small palette. Without `blocks` (no UTF-8) a cell has one colour.
  */
 rb_cell rb_mosaic_cell(enum rb_palette palette, bool blocks, const uint8_t above[3],
                        const uint8_t below[3], int x, int y);

@@ -121,7 +121,10 @@ static enum rb_status execute_back(const struct order *order)
 	return RB_OK;
 }
 
-/* The last row that is not after a time but for rounding: a sum of steps would miss the row that it means by an ulp. */
+/*
+ * The last row that is not after a time but for rounding: a sum of steps would miss the row that it
+ * means by an ulp.
+ */
 static uint64_t row_for(const struct rb_source *source, double time_s)
 {
 	static const double rounding = 1e-6; /* of the time from row to row */

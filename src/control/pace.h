@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * When a frame is to be shown: simulated time against the monotonic clock, and how well that was kept.
+ * When a frame is to be shown: simulated time against the monotonic clock, and how well that was
+ * kept.
  *
  * Values; nothing here waits or looks at a clock. Any thread.
  */
@@ -18,7 +19,10 @@ typedef struct {
 rb_pace rb_pace_start(double time_s, double speed, uint64_t now_ns);
 /* The simulated time that belongs on the screen now. */
 double rb_pace_time(const rb_pace *pace, uint64_t now_ns);
-/* When a frame of this time is due; start_ns for all before start_s, UINT64_MAX for what takes centuries. */
+/*
+ * When a frame of this time is due; start_ns for all before start_s, UINT64_MAX for what takes
+ * centuries.
+ */
 uint64_t rb_pace_due(const rb_pace *pace, double time_s);
 
 enum { RB_LATENESS_BINS = 2000 };
@@ -33,7 +37,10 @@ struct rb_lateness {
 };
 
 void rb_lateness_add(struct rb_lateness *lateness, uint64_t due_ns, uint64_t shown_ns);
-/* By how much lateness grows, s per s: the slope of a straight line through all frames. 0 for less than two. */
+/*
+ * By how much lateness grows, s per s: the slope of a straight line through all frames. 0 for less
+ * than two.
+ */
 double rb_lateness_drift(const struct rb_lateness *lateness);
 double rb_lateness_mean(const struct rb_lateness *lateness); /* s */
 /* What a share of all frames keeps within, s, rounded up to 0.1 ms. */

@@ -112,7 +112,10 @@ void rb_panel_numbers(struct rb_screen *screen, rb_area area, const struct rb_vi
 		               i < rows ? line[i] : "");
 }
 
-/* The bins of a chart's columns: the last one that is known of those that fall together, or the largest. */
+/*
+ * The bins of a chart's columns: the last one that is known of those that fall together, or the
+ * largest.
+ */
 static void gather(double *out, int width, const double *bins, const double *more, bool largest)
 {
 	for (int x = 0; x < width; x++) {
@@ -210,7 +213,10 @@ static const char *behind(const char *text, int count)
 	return text;
 }
 
-/* The newest lines, from the bottom up; long ones go on in the next row, where there is more than one. */
+/*
+ * The newest lines, from the bottom up; long ones go on in the next row, where there is more than
+ * one.
+ */
 void rb_panel_log(struct rb_screen *screen, rb_area area, const struct rb_viewer *viewer)
 {
 	int bottom = area.height;
@@ -250,7 +256,10 @@ static void help_row(struct help *help, enum rb_style style, const char *text)
 		rb_screen_text(help->screen, help->area, row, style, text);
 }
 
-/* `text` in lines that fit, behind `indent` columns of which the first hold `lead`, or below it where it is longer. */
+/*
+ * `text` in lines that fit, behind `indent` columns of which the first hold `lead`, or below it
+ * where it is longer.
+ */
 static void help_entry(struct help *help, const char *lead, int indent, const char *text)
 {
 	const int room = help->area.width - indent > 10 ? help->area.width - indent : 10;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What stands around the picture of a console: transport, time line, numbers, charts, body, log, help. Part of
- * rbsim-console.so; one thread.
+ * What stands around the picture of a console: transport, time line, numbers, charts, body, log,
+ * help. Part of rbsim-console.so; one thread.
  */
 #ifndef RB_CONTROL_PANELS_H
 #define RB_CONTROL_PANELS_H

@@ -29,7 +29,9 @@ static void look(struct rb_picture *picture)
 	struct rb_error err;
 
 	picture->looked = true;
-	/* Mesa's own threads would take from the simulation what so small a picture does not need */
+	/*
+	 * Mesa's own threads would take from the simulation what so small a picture does not need
+	 */
 	setenv("LP_NUM_THREADS", "0", 0);
 	if (rb_module_film(&picture->film, &err))
 		snprintf(picture->failure, sizeof picture->failure, "%s", err.text);

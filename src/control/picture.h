@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The picture of a console: the renderer's at the size of some cells, or a sketch where that can't be loaded. One thread, which
- * creates, draws and destroys.
+ * The picture of a console: the renderer's at the size of some cells, or a sketch where that can't
+ * be loaded. One thread, which creates, draws and destroys.
  */
 #ifndef RB_CONTROL_PICTURE_H
 #define RB_CONTROL_PICTURE_H

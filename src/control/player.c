@@ -90,7 +90,9 @@ void rb_player_arrive(struct rb_player *player, const struct rb_player_frame *fr
 	s->time_s = frame->time_s;
 	s->collisions += n->collisions;
 	s->rollbacks += n->rollbacks;
-	/* the collisions of a frame were before it: those of the last frame belong to the last part */
+	/*
+	 * the collisions of a frame were before it: those of the last frame belong to the last part
+	 */
 	s->part[part < RB_PLAYER_PARTS ? (int)fmax(part, 0) : RB_PLAYER_PARTS - 1] += n->collisions;
 	if (n->smallest_step > 0 &&
 	    (s->smallest_step_s <= 0 || n->smallest_step < s->smallest_step_s))

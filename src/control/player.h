@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Play, pause, step and stop of one run, shared by all who watch it: the gate through which the simulator passes after
- * each frame, and the numbers that `status` tells.
+ * Play, pause, step and stop of one run, shared by all who watch it: the gate through which the
+ * simulator passes after each frame, and the numbers that `status` tells.
  *
- * Owned by whoever started the run. The gate belongs to the simulator's thread, everything else may be called from any.
+ * Owned by whoever started the run. The gate belongs to the simulator's thread, everything else may
+ * be called from any.
  */
 #ifndef RB_CONTROL_PLAYER_H
 #define RB_CONTROL_PLAYER_H
@@ -57,11 +58,15 @@ struct rb_player_frame {
 	int ring_used, ring_slots;
 };
 
-/* The simulator's thread, after each frame was published: it is the one that the run stands at from now on. */
+/*
+ * The simulator's thread, after each frame was published: it is the one that the run stands at from
+ * now on.
+ */
 void rb_player_arrive(struct rb_player *player, const struct rb_player_frame *frame);
 /*
- * Then: waits while the run is paused (or until `stop` says that a signal ended it) and says what is to be done next.
- * Costs a lock that nobody holds for long. `stop` is asked while the gate waits, some times a second.
+ * Then: waits while the run is paused (or until `stop` says that a signal ended it) and says what
+ * is to be done next. Costs a lock that nobody holds for long. `stop` is asked while the gate
+ * waits, some times a second.
  */
 enum rb_player_verdict rb_player_gate(struct rb_player *player, bool (*stop)(void *user),
                                       void *user);
@@ -79,7 +84,10 @@ void rb_player_film(struct rb_player *player, bool on);
 /* The run that begins makes films, which are on at first. */
 void rb_player_has_films(struct rb_player *player, bool has);
 bool rb_player_filming(struct rb_player *player);
-/* Nobody is left who could say play, or somebody is: without anybody the gate never waits. True at first. */
+/*
+ * Nobody is left who could say play, or somebody is: without anybody the gate never waits. True at
+ * first.
+ */
 void rb_player_attend(struct rb_player *player, bool attended);
 /* A film's camera is to be moved, from the frame at which the simulator's thread takes this. */
 struct rb_player_aim {

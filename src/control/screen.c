@@ -39,8 +39,8 @@ struct rb_screen {
 };
 
 /*
- * What a signal's handler needs: there is one terminal and one process, and a handler is given nothing. Written before the
- * handlers are set, only read by them, but for `asked`.
+ * What a signal's handler needs: there is one terminal and one process, and a handler is given
+ * nothing. Written before the handlers are set, only read by them, but for `asked`.
  */
 static struct {
 	char reset[RESET_SIZE]; /* what makes the terminal as it was */
@@ -82,7 +82,10 @@ static void give_back(int signal_number)
 	if (rescue.has_modes)
 		tcsetattr(STDIN_FILENO, TCSANOW, &rescue.modes);
 	tell_errors();
-	/* SA_RESETHAND has made it the default again; an alarm means that an end was asked for and did not come */
+	/*
+	 * SA_RESETHAND has made it the default again; an alarm means that an end was asked for and
+	 * did not come
+	 */
 	raise(signal_number == SIGALRM && rescue.asked ? rescue.asked : signal_number);
 }
 
@@ -97,7 +100,10 @@ static void ask_for_end(int signal_number)
 	alarm(3);
 }
 
-/* The handler that curses has for this does what is not safe in one: it may change sizes, and so memory. */
+/*
+ * The handler that curses has for this does what is not safe in one: it may change sizes, and so
+ * memory.
+ */
 static void ask_for_stop(int signal_number)
 {
 	(void)signal_number;
@@ -105,8 +111,8 @@ static void ask_for_stop(int signal_number)
 }
 
 /*
- * Curses does nothing where the size is what it was, though others may have been in between, and the terminal cut or moved
- * what stood on it.
+ * Curses does nothing where the size is what it was, though others may have been in between, and
+ * the terminal cut or moved what stood on it.
  */
 static void ask_for_redraw(int signal_number)
 {
@@ -238,7 +244,10 @@ static void report_drags(bool on)
 	fflush(stdout);
 }
 
-/* What terminals send for these keys, whatever terminfo says: inside of others the entry is often that of another one. */
+/*
+ * What terminals send for these keys, whatever terminfo says: inside of others the entry is often
+ * that of another one.
+ */
 static void add_keys(void)
 {
 	static const struct {
@@ -432,8 +441,8 @@ void rb_screen_redraw(struct rb_screen *screen)
 }
 
 /*
- * Curses ignores SIGTSTP while it sends, and what is ignored is lost; on a slow line that is most of the time. What is
- * blocked besides is kept until curses listens again.
+ * Curses ignores SIGTSTP while it sends, and what is ignored is lost; on a slow line that is most
+ * of the time. What is blocked besides is kept until curses listens again.
  */
 static void send_changes(void)
 {

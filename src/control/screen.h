@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The terminal: curses, its colours, its keys, and giving it back whatever happens. Part of rbsim-console.so.
+ * The terminal: curses, its colours, its keys, and giving it back whatever happens. Part of
+ * rbsim-console.so.
  *
- * One at a time in a process, one thread. While it is open standard error goes to memory, if it was the terminal, and is told
- * when the screen is closed; a signal that ends the process gives the terminal back first.
+ * One at a time in a process, one thread. While it is open standard error goes to memory, if it was
+ * the terminal, and is told when the screen is closed; a signal that ends the process gives the
+ * terminal back first.
  */
 #ifndef RB_CONTROL_SCREEN_H
 #define RB_CONTROL_SCREEN_H

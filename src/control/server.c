@@ -164,7 +164,10 @@ static bool is_stalled(const struct client *client, uint64_t now_ns)
 
 /* ---- who comes ---- */
 
-/* The file's mode keeps others out, but not one who got in before it was changed, or a folder's owner with another mask. */
+/*
+ * The file's mode keeps others out, but not one who got in before it was changed, or a folder's
+ * owner with another mask.
+ */
 static bool is_welcome(int fd)
 {
 	struct ucred peer;
@@ -281,7 +284,10 @@ static bool any_pending(const struct rb_server *server)
 	return false;
 }
 
-/* The last answers and "bye", for as long as those who read need for it, but not longer than a moment. */
+/*
+ * The last answers and "bye", for as long as those who read need for it, but not longer than a
+ * moment.
+ */
 static void say_goodbye(struct rb_server *server)
 {
 	const uint64_t deadline_ns = rb_clock_now_ns() + GOODBYE_MS * UINT64_C(1000000);

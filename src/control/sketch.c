@@ -61,7 +61,10 @@ static void cut(double at, double by, double most, double s[2])
 	s[1] = fmin(s[1], fmax(-at / by, (most - at) / by));
 }
 
-/* Of what lies before the eye. A line that passes by the eye is many pictures long: dots go to what is in this one. */
+/*
+ * Of what lies before the eye. A line that passes by the eye is many pictures long: dots go to what
+ * is in this one.
+ */
 static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
 {
 	const double nearest = 1e-3 * rb_vec3_length(rb_vec3_sub(d->stand->eye, d->stand->target));

@@ -232,7 +232,10 @@ static enum rb_status look(struct rb_source *source, bool *changed, struct rb_er
 	return status;
 }
 
-/* The recording of a run comes into being with its first frame, and takes up its first rows when they are flushed. */
+/*
+ * The recording of a run comes into being with its first frame, and takes up its first rows when
+ * they are flushed.
+ */
 static void open_late(struct rb_source *source)
 {
 	struct rb_error err;
@@ -566,7 +569,10 @@ enum rb_status rb_source_frame(struct rb_source *source, uint64_t row,
 		if (frame_of_run(source, wanted, frame, found, err) == RB_OK)
 			return RB_OK;
 	}
-	/* also where it lies between what was flushed and what is kept: then the last one that was flushed */
+	/*
+	 * also where it lies between what was flushed and what is kept: then the last one that was
+	 * flushed
+	 */
 	if (source->rows.count > 0)
 		return frame_of_file(source, row, frame, found, err);
 	if (kept)

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Frames to be viewed: of a recording, also one that still grows, or of a run that is reached through its socket, whose
- * older frames come from its recording.
+ * Frames to be viewed: of a recording, also one that still grows, or of a run that is reached
+ * through its socket, whose older frames come from its recording.
  *
- * A frame is named by its row. Rows of a recording are its own; those of a run are the numbers of its frames. One
- * thread; nothing here waits longer than the socket's time-out.
+ * A frame is named by its row. Rows of a recording are its own; those of a run are the numbers of
+ * its frames. One thread; nothing here waits longer than the socket's time-out.
  */
 #ifndef RB_CONTROL_SOURCE_H
 #define RB_CONTROL_SOURCE_H
@@ -55,14 +55,18 @@ RB_CHECKED enum rb_status rb_source_of_run(struct rb_source **source, struct rb_
 void rb_source_destroy(struct rb_source *source); /* NULL is fine */
 
 /*
- * Looks what there is; asks the run and the file only as often as makes sense, unless it must be `now`. A run that is gone is no
- * error: it then is a recording, or nothing that grows. `*changed` tells whether there is anything new.
+ * Looks what there is; asks the run and the file only as often as makes sense, unless it must be
+ * `now`. A run that is gone is no error: it then is a recording, or nothing that grows. `*changed`
+ * tells whether there is anything new.
  */
 RB_CHECKED enum rb_status rb_source_refresh(struct rb_source *source, uint64_t now_ns, bool now,
                                             bool *changed, struct rb_error *err);
 /* How a run is at this moment: the status may be older than the newest frame. */
 void rb_source_ask(struct rb_source *source);
-/* Asks a run at once whether it has made frames behind `row`; then the status tells its newest, which is fetched without asking again. */
+/*
+ * Asks a run at once whether it has made frames behind `row`; then the status tells its newest,
+ * which is fetched without asking again.
+ */
 bool rb_source_newer(struct rb_source *source, uint64_t row);
 const struct rb_source_status *rb_source_status(const struct rb_source *source);
 const struct rb_source_bins *rb_source_bins(const struct rb_source *source);
@@ -72,13 +76,16 @@ double rb_source_time(const struct rb_source *source, uint64_t row);
 uint64_t rb_source_row_at(const struct rb_source *source, double time_s);
 
 /*
- * The frame of a row, or the nearest one before it that can be had, with the row that it is of. It belongs to the source and
- * holds until the next call.
+ * The frame of a row, or the nearest one before it that can be had, with the row that it is of. It
+ * belongs to the source and holds until the next call.
  */
 RB_CHECKED enum rb_status rb_source_frame(struct rb_source *source, uint64_t row,
                                           const struct rb_frame **frame, uint64_t *found,
                                           struct rb_error *err);
-/* The next row behind `row` with a collision, or the last one before it. False: there is none that is known. */
+/*
+ * The next row behind `row` with a collision, or the last one before it. False: there is none that
+ * is known.
+ */
 bool rb_source_collision(struct rb_source *source, uint64_t row, bool forward, uint64_t *found);
 
 /* A line for the run and its answer, as rb_client_request. RB_ERR_USAGE where there is no run. */

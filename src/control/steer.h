@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A camera that is moved by hand: where it stands at a frame, and what commands make of it. Values, any thread.
+ * A camera that is moved by hand: where it stands at a frame, and what commands make of it. Values,
+ * any thread.
  */
 #ifndef RB_CONTROL_STEER_H
 #define RB_CONTROL_STEER_H
@@ -23,8 +24,9 @@ struct rb_stand rb_steer_stand(const struct rb_model *model, const struct rb_cam
                                const struct rb_frame *frame, const struct rb_frame_shot *shot);
 
 /*
- * What moves by a function or with a body stands still afterwards where it has to; a mounted camera stays mounted.
- * `by`: m to the right, up, forward. Angles: rad around the vertical through the target, and over it, short of the pole.
+ * What moves by a function or with a body stands still afterwards where it has to; a mounted camera
+ * stays mounted. `by`: m to the right, up, forward. Angles: rad around the vertical through the
+ * target, and over it, short of the pole.
  */
 void rb_steer_move(struct rb_camera_def *camera, const struct rb_stand *stand, rb_vec3 by);
 void rb_steer_orbit(struct rb_camera_def *camera, const struct rb_stand *stand, double around,

@@ -12,7 +12,9 @@
 #include "script/shots.h"
 
 static const uint64_t rest_ns = 250000000; /* between two looks when nothing goes on */
-/* A frame that is due this part of a picture's time before the next picture may be is that picture. */
+/*
+ * A frame that is due this part of a picture's time before the next picture may be is that picture.
+ */
 static const double early = 0.98;
 /* How far the view may fall behind before that is told: a file is flushed once a second. */
 static const uint64_t run_patience_ns = 250000000, file_patience_ns = 1500000000;
@@ -53,7 +55,9 @@ void rb_viewer_aim(struct rb_viewer *viewer)
 	rb_viewer_take_camera(viewer, -1);
 }
 
-/* Whatever the shape of the screen's picture, which is known to others and seldom higher than wide. */
+/*
+ * Whatever the shape of the screen's picture, which is known to others and seldom higher than wide.
+ */
 static void frame_all(struct rb_viewer *viewer)
 {
 	struct rb_camera_def *const camera = &viewer->camera;
@@ -333,7 +337,10 @@ static void look(struct rb_viewer *viewer, uint64_t now_ns)
 		rb_viewer_say(viewer, "the run has ended");
 	if (status->is_run && status->restarts != viewer->restarts)
 		viewer->wish = RB_VIEWER_RELOADS;
-	/* the rest of the status may be some pictures old, the frames that the view waits for may not */
+	/*
+	 * the rest of the status may be some pictures old, the frames that the view waits for may
+	 * not
+	 */
 	const bool waits = viewer->has_goal || (viewer->playing && !status->paused);
 	if (viewer->has_frame && status->is_run && status->grows && waits &&
 	    rb_viewer_at_end(viewer))
@@ -381,7 +388,9 @@ uint64_t rb_viewer_next(const struct rb_viewer *viewer, uint64_t now_ns)
 	}
 	if (!viewer->playing)
 		return rest;
-	/* from the time of this frame, not from when it came: what is late once must not stay late */
+	/*
+	 * from the time of this frame, not from when it came: what is late once must not stay late
+	 */
 	const double time_s = viewer->frame.time_s + viewer->speed * picture_s * early;
 	uint64_t row = rb_source_row_at(source, time_s);
 	row += rb_source_time(source, row) < time_s;

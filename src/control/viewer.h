@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a console shows: which frame, when, from where; and what it has to say. Knows no terminal: whoever has one calls
- * rb_viewer_tick, draws, tells when that was done, and waits until rb_viewer_next.
+ * What a console shows: which frame, when, from where; and what it has to say. Knows no terminal:
+ * whoever has one calls rb_viewer_tick, draws, tells when that was done, and waits until
+ * rb_viewer_next.
  *
  * One thread. Times are those of base/clock, handed in.
  */
@@ -105,7 +106,10 @@ void rb_viewer_go(struct rb_viewer *viewer, uint64_t row, uint64_t now_ns);
 void rb_viewer_pace(struct rb_viewer *viewer, uint64_t now_ns);
 /* The number-th camera of the scene, -1: one that shows the start. */
 void rb_viewer_take_camera(struct rb_viewer *viewer, int number);
-/* The camera goes where it sees all that moves: in the whole recording, or in what was seen of a run. */
+/*
+ * The camera goes where it sees all that moves: in the whole recording, or in what was seen of a
+ * run.
+ */
 void rb_viewer_show_all(struct rb_viewer *viewer);
 struct rb_stand rb_viewer_stand(const struct rb_viewer *viewer);
 /* Where the frame's camera stands, for one with functions; and something is to be drawn. */

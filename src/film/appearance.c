@@ -9,7 +9,10 @@
 #include "base/memory.h"
 #include "film/png.h"
 
-/* Eight colours that the colour-blind can tell apart (Okabe and Ito 2008), without black, warm ones first. */
+/*
+ * Eight colours that the colour-blind can tell apart (Okabe and Ito 2008), without black, warm ones
+ * first.
+ */
 static const double palette[][3] = {
 	{0.835, 0.369, 0.000}, {0.000, 0.447, 0.698}, {0.000, 0.620, 0.451}, {0.902, 0.624, 0.000},
 	{0.800, 0.475, 0.655}, {0.337, 0.706, 0.914}, {0.941, 0.894, 0.259},

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What bodies look like: colour, and what decorates it. Made once from a scene; no OpenGL. Any thread may read it.
+ * What bodies look like: colour, and what decorates it. Made once from a scene; no OpenGL. Any
+ * thread may read it.
  */
 #ifndef RB_FILM_APPEARANCE_H
 #define RB_FILM_APPEARANCE_H

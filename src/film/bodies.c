@@ -505,7 +505,10 @@ static void point_at(const struct rb_bodies *bodies, int from)
 	}
 }
 
-/* Discs of all spheres with as many corners as the largest needs: shadows of groups of like size are the rule. */
+/*
+ * Discs of all spheres with as many corners as the largest needs: shadows of groups of like size
+ * are the rule.
+ */
 static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 {
 	const int *first = bodies->group_first;
@@ -539,7 +542,9 @@ void rb_bodies_throw(struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 	glUseProgram(bodies->programs.flat);
 	glUniformMatrix4fv(rb_glsl_place(bodies->programs.flat, "to_map"), 1, GL_FALSE,
 	                   fit->to_map);
-	/* A rectangle lies in its own shadow: pushed back by what its slope is across the filter. */
+	/*
+	 * A rectangle lies in its own shadow: pushed back by what its slope is across the filter.
+	 */
 	glEnable(GL_POLYGON_OFFSET_FILL);
 	glPolygonOffset(3, 4);
 	for (int k = 0; k < bodies->caster_rectangles; k++) {

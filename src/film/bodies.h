@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bodies on a canvas: spheres as ray-cast impostors, planes as polygons that may reach infinity; other solids by
- * film/solid_shapes.
+ * Bodies on a canvas: spheres as ray-cast impostors, planes as polygons that may reach infinity;
+ * other solids by film/solid_shapes.
  *
  * One thread, its canvas current in every call. What `see` has gathered holds until the next one.
  */

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An off-screen OpenGL context with a picture to draw on: the only room that knows where contexts come from.
+ * An off-screen OpenGL context with a picture to draw on: the only room that knows where contexts
+ * come from.
  *
- * The picture is sRGB, what is drawn and blended is linear light; depth is 32-bit float and reversed (1 near, 0
- * infinitely far). Row 0 of the window is the top row of the picture: projections point downwards.
- * Belongs to one thread; several canvases may take turns there, each made current before it is used.
+ * The picture is sRGB, what is drawn and blended is linear light; depth is 32-bit float and
+ * reversed (1 near, 0 infinitely far). Row 0 of the window is the top row of the picture:
+ * projections point downwards. Belongs to one thread; several canvases may take turns there, each
+ * made current before it is used.
  */
 #ifndef RB_FILM_CANVAS_H
 #define RB_FILM_CANVAS_H
@@ -23,8 +25,9 @@ struct rb_canvas;
 enum { RB_CANVAS_SAMPLES_MAX = 16 };
 
 /*
- * `samples`: wanted per pixel, fewer where the library can't do that many; 0 or 1: none. RB_ERR_MISSING without a
- * context of OpenGL 3.3 core or where drawing it would take minutes (softpipe); RB_ERR_MEMORY.
+ * `samples`: wanted per pixel, fewer where the library can't do that many; 0 or 1: none.
+ * RB_ERR_MISSING without a context of OpenGL 3.3 core or where drawing it would take minutes
+ * (softpipe); RB_ERR_MEMORY.
  */
 RB_CHECKED enum rb_status rb_canvas_create(struct rb_canvas **canvas, int width, int height,
                                            int samples, struct rb_error *err);

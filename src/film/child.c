@@ -15,7 +15,10 @@
 #include "base/clock.h"
 #include "base/hash.h"
 
-/* Of a pipe to its input; of one from it, which is the system's, and so the most that can wait there. */
+/*
+ * Of a pipe to its input; of one from it, which is the system's, and so the most that can wait
+ * there.
+ */
 enum { PIPE_SIZE = 1 << 20, CHUNK_SIZE = 4096, CHUNKS_MAX = 16, PAUSE_MS = 50 };
 
 /* Of processor time: less is what waking up takes. */

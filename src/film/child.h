@@ -2,13 +2,14 @@
 /*
  * A program beside ours: bytes down its input, its last words, its end. No shell in between.
  *
- * One thread at a time. The thread that starts a program must live as long: the program dies with it, so that it never
- * outlives ours. It gets a process group of its own, default signals, and no descriptor but the standard three and those it is given. SIGPIPE must be
- * blocked or ignored in ours.
+ * One thread at a time. The thread that starts a program must live as long: the program dies with
+ * it, so that it never outlives ours. It gets a process group of its own, default signals, and no
+ * descriptor but the standard three and those it is given. SIGPIPE must be blocked or ignored in
+ * ours.
  *
- * No wait is without bound: a program that shows no sign of life for `patience_s` is ended, where `cut` is set after
- * RB_CHILD_CUT_S at most. Signs are bytes taken, files that grow, words, and processor time; the last two alone are
- * believed RB_CHILD_BUSY_TIMES as long.
+ * No wait is without bound: a program that shows no sign of life for `patience_s` is ended, where
+ * `cut` is set after RB_CHILD_CUT_S at most. Signs are bytes taken, files that grow, words, and
+ * processor time; the last two alone are believed RB_CHILD_BUSY_TIMES as long.
  */
 #ifndef RB_FILM_CHILD_H
 #define RB_FILM_CHILD_H
@@ -66,8 +67,9 @@ struct rb_child {
 void rb_child_init(struct rb_child *child);
 
 /*
- * `arguments` end with NULL. With a pipe to its input, or one from its output. It inherits the descriptors `kept`, which
- * end with -1, are above the standard three and in rising order; NULL: none. RB_ERR_MISSING.
+ * `arguments` end with NULL. With a pipe to its input, or one from its output. It inherits the
+ * descriptors `kept`, which end with -1, are above the standard three and in rising order; NULL:
+ * none. RB_ERR_MISSING.
  */
 RB_CHECKED enum rb_status rb_child_start(struct rb_child *child, const char *const *arguments,
                                          bool feeds, bool listens, const int *kept,

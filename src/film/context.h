@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * An OpenGL context without a window, on Mesa's software rasteriser: the same pictures wherever they are drawn.
+ * An OpenGL context without a window, on Mesa's software rasteriser: the same pictures wherever
+ * they are drawn.
  *
- * Two ways lead there, each a source file of its own, and a build has one of them (GL=osmesa or GL=egl): the OSMesa library,
- * and EGL, which Mesa has kept. Belongs to one thread; several may take turns there.
+ * Two ways lead there, each a source file of its own, and a build has one of them (GL=osmesa or
+ * GL=egl): the OSMesa library, and EGL, which Mesa has kept. Belongs to one thread; several may
+ * take turns there.
  */
 #ifndef RB_FILM_CONTEXT_H
 #define RB_FILM_CONTEXT_H

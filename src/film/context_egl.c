@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The way through EGL. The device is Mesa's software rasteriser even where there is a graphics card: cards differ in the last
- * bits of a picture. It is asked for as a device, since the environment (LIBGL_ALWAYS_SOFTWARE) belongs to all threads.
+ * The way through EGL. The device is Mesa's software rasteriser even where there is a graphics
+ * card: cards differ in the last bits of a picture. It is asked for as a device, since the
+ * environment (LIBGL_ALWAYS_SOFTWARE) belongs to all threads.
  */
 #include "film/context.h"
 

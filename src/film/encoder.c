@@ -28,7 +28,10 @@ enum {
 	GIF_FPS_MAX = 50 /* delays are hundredths of a second, and of 1 most programs make 10 */
 };
 
-/* A disk that has to start, or other work on all processors, takes seconds; longer than that is for who asks for it. */
+/*
+ * A disk that has to start, or other work on all processors, takes seconds; longer than that is for
+ * who asks for it.
+ */
 static const double patience_s = 60;
 
 enum format { FORMAT_MP4, FORMAT_WEBM, FORMAT_GIF, FORMAT_COUNT };
@@ -38,7 +41,9 @@ struct coder {
 	const char *arguments[20]; /* of ffmpeg, for the output */
 };
 
-/* The colours of a picture are sRGB; what a player is told is BT.709, which has the same primaries. */
+/*
+ * The colours of a picture are sRGB; what a player is told is BT.709, which has the same primaries.
+ */
 #define BT709                                                                       \
 	"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", \
 		"-color_range", "tv"
@@ -47,8 +52,9 @@ struct coder {
 static const struct {
 	const char *ending, *muxer, *filter;
 	/*
-	 * Pictures per second. Their times are milliseconds in a webm, and in a player's hands. A gif's delays have 16
-	 * bits of hundredths of a second; a quarter of an hour for a picture is more than anybody looks at a film.
+	 * Pictures per second. Their times are milliseconds in a webm, and in a player's hands. A
+	 * gif's delays have 16 bits of hundredths of a second; a quarter of an hour for a picture
+	 * is more than anybody looks at a film.
 	 */
 	double fps_min, fps_max;
 	struct coder coders[2]; /* the better one first */
@@ -93,7 +99,10 @@ struct rb_encoder {
 
 	char *path;            /* owned */
 	struct rb_outfile out; /* ffmpeg writes it */
-	/* of a gif: pictures without loss and the palette, both of which its second pass reads; -1: none */
+	/*
+	 * of a gif: pictures without loss and the palette, both of which its second pass reads; -1:
+	 * none
+	 */
 	int lossless, palette;
 	/* what ffmpeg calls them: it inherits the descriptors */
 	char output[RB_PLACE_LINK_SIZE], lossless_path[RB_PLACE_LINK_SIZE],
@@ -132,7 +141,10 @@ static bool is_full(int file)
 	       (uint64_t)room.f_bavail * room.f_frsize < WRITE_SIZE;
 }
 
-/* It has ended otherwise than it should, or `end` is none. The disk is to blame where there is a sign of it. */
+/*
+ * It has ended otherwise than it should, or `end` is none. The disk is to blame where there is a
+ * sign of it.
+ */
 static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, int file,
                                struct rb_error *err)
 {
@@ -385,8 +397,8 @@ static enum rb_status start_film(struct rb_encoder *encoder, const struct coder 
 }
 
 /*
- * A palette for the whole film is known only at its end. Pictures are kept until then without loss, in a file and not
- * in ffmpeg's memory, which would take as much as all of them.
+ * A palette for the whole film is known only at its end. Pictures are kept until then without loss,
+ * in a file and not in ffmpeg's memory, which would take as much as all of them.
  */
 static enum rb_status start_gif(struct rb_encoder *encoder, struct rb_error *err)
 {

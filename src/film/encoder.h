@@ -2,9 +2,10 @@
 /*
  * Video through an ffmpeg child: raw pictures down a pipe, no shell in between.
  *
- * One thread at a time; that which creates it must live until it is finished or destroyed, since the child dies with
- * it. The film is written under another name in the same folder and renamed when ffmpeg has ended well and made
- * something. What is needed of the program, and how long a child that hangs is waited for: film/child.h.
+ * One thread at a time; that which creates it must live until it is finished or destroyed, since
+ * the child dies with it. The film is written under another name in the same folder and renamed
+ * when ffmpeg has ended well and made something. What is needed of the program, and how long a
+ * child that hangs is waited for: film/child.h.
  */
 #ifndef RB_FILM_ENCODER_H
 #define RB_FILM_ENCODER_H
@@ -30,9 +31,10 @@ struct rb_encoder_options {
 };
 
 /*
- * Is there a program ffmpeg (RBSIM_FFMPEG, else in PATH) that runs and has the encoder for that format?
- * RB_ERR_MISSING with what to do, RB_ERR_CREATE where the film exists and must not be replaced, or its folder can't be
- * written to, and RB_ERR_SCENE where the format has no such rate. Leaves nothing behind.
+ * Is there a program ffmpeg (RBSIM_FFMPEG, else in PATH) that runs and has the encoder for that
+ * format? RB_ERR_MISSING with what to do, RB_ERR_CREATE where the film exists and must not be
+ * replaced, or its folder can't be written to, and RB_ERR_SCENE where the format has no such rate.
+ * Leaves nothing behind.
  */
 RB_CHECKED enum rb_status rb_encoder_check(const struct rb_encoder_options *options,
                                            struct rb_error *err);
@@ -41,14 +43,14 @@ RB_CHECKED enum rb_status rb_encoder_create(struct rb_encoder **encoder,
                                             const struct rb_encoder_options *options,
                                             struct rb_error *err);
 /*
- * RB_ERR_MISSING when ffmpeg has failed: exit status or signal, and the last line of what it said. RB_ERR_IO when the
- * disk is full.
+ * RB_ERR_MISSING when ffmpeg has failed: exit status or signal, and the last line of what it said.
+ * RB_ERR_IO when the disk is full.
  */
 RB_CHECKED enum rb_status rb_encoder_picture(struct rb_encoder *encoder,
                                              const struct rb_pixmap *pixmap, struct rb_error *err);
 /*
- * Waits for ffmpeg and renames the film; without a picture, or with `discard`, nothing is left. `*bytes` (may be
- * NULL): size of the file.
+ * Waits for ffmpeg and renames the film; without a picture, or with `discard`, nothing is left.
+ * `*bytes` (may be NULL): size of the file.
  */
 RB_CHECKED enum rb_status rb_encoder_finish(struct rb_encoder *encoder, bool discard,
                                             uint64_t *bytes, struct rb_error *err);

@@ -93,7 +93,10 @@ rb_vec3 rb_part_normal(const struct rb_solid *solid, int face)
 	                    rb_vec3_unit(rb_vec3_sub(first, solid->centroid), (rb_vec3){0, 0, 1}));
 }
 
-/* How far beyond its sides, along each: the distance to the corner between them outside, to the nearest inside. */
+/*
+ * How far beyond its sides, along each: the distance to the corner between them outside, to the
+ * nearest inside.
+ */
 static double beyond(rb_vec3 d)
 {
 	const double most = fmax(d.x, fmax(d.y, d.z));

@@ -20,7 +20,10 @@
 /* More than any projector has; textures and targets of OpenGL have such limits too. */
 enum { SIDE_MAX_PX = 16384 };
 
-/* More than four days of film, and more files than a folder is good for: somebody has got a number wrong. */
+/*
+ * More than four days of film, and more files than a folder is good for: somebody has got a number
+ * wrong.
+ */
 static const uint64_t picture_count_max = 10000000;
 
 struct rb_film {
@@ -255,7 +258,10 @@ static enum rb_status make_earlier(struct rb_film *film, const struct rb_frame *
 	return status;
 }
 
-/* Keeps a copy where a picture will fall between this frame and the next one, as far as one can tell when that is. */
+/*
+ * Keeps a copy where a picture will fall between this frame and the next one, as far as one can
+ * tell when that is.
+ */
 static enum rb_status remember(struct rb_film *film, const struct rb_frame *frame,
                                struct rb_error *err)
 {

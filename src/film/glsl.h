@@ -1,13 +1,17 @@
 /* SPDX-License-Identifier: MIT */
-/* Shader programs. What does not compile is a mistake of ours or of the driver: RB_ERR_BUG with its log. */
+/*
+ * Shader programs. What does not compile is a mistake of ours or of the driver: RB_ERR_BUG with its
+ * log.
+ */
 #ifndef RB_FILM_GLSL_H
 #define RB_FILM_GLSL_H
 
 #include "film/canvas.h"
 
 /*
- * A program of a vertex and a fragment shader. Each text is put together from parts; `defines` comes first in both,
- * after the version ("#define SHADOWS 1\n" or ""). NULL ends a list of parts. `name` is for messages.
+ * A program of a vertex and a fragment shader. Each text is put together from parts; `defines`
+ * comes first in both, after the version ("#define SHADOWS 1\n" or ""). NULL ends a list of parts.
+ * `name` is for messages.
  */
 struct rb_glsl_parts {
 	const char *name, *defines;

@@ -96,8 +96,11 @@ bool rb_hidden_add(struct rb_hidden *hidden, const struct rb_view *view, rb_vec3
 		cover(hidden, at, radius / fmax(pixel_x, pixel_y) - EDGE_PX, (float)distance);
 		return false;
 	}
-	/* The outline is an ellipse: at an angle t from the axis it reaches sin(a) / (cos(t) cos(t + a)) outwards, a its
-	 * angular radius, and nowhere less than sin(a) from the centre's place. */
+	/*
+	 * The outline is an ellipse: at an angle t from the axis it reaches sin(a) / (cos(t) cos(t
+	 * + a)) outwards, a its angular radius, and nowhere less than sin(a) from the centre's
+	 * place.
+	 */
 	const double cosine = -centre.z / distance;
 	const double sine = sqrt(fmax(0, 1 - cosine * cosine));
 	const double outwards = cosine * sqrt(fmax(0, 1 - lean * lean)) - sine * lean;

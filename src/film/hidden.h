@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which spheres are hidden behind nearer ones: for each pixel of the picture the distance behind which nothing is
- * seen any more. Never wrong, though not always right: what it calls hidden has no pixel in the picture.
+ * Which spheres are hidden behind nearer ones: for each pixel of the picture the distance behind
+ * which nothing is seen any more. Never wrong, though not always right: what it calls hidden has no
+ * pixel in the picture.
  *
  * One thread. Spheres are shown to it from the nearest to the farthest.
  */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which spheres share no point with another one: their order in depth is that of anything inside them.
+ * Which spheres share no point with another one: their order in depth is that of anything inside
+ * them.
  *
  * One thread. Arrays are kept from call to call.
  */

@@ -13,7 +13,9 @@
 
 /* Texels around a map that stay empty: what lies outside is lit. */
 enum { MARGIN = 4, SIDE_MIN = 64 };
-/* OpenGL 3.3 has 15 vec4 for sure, libraries have 32; what bodies need themselves is less than 10. */
+/*
+ * OpenGL 3.3 has 15 vec4 for sure, libraries have 32; what bodies need themselves is less than 10.
+ */
 enum { CARRIED_MAX = 20 };
 
 static void set(double to[3], double r, double g, double b)
@@ -234,7 +236,10 @@ static void say_carry(struct text *text, const struct rb_lights *lights, int cou
 	say(text, "\n");
 }
 
-/* Across a sun, in world axes: they do not turn with the camera, so that texels stay where they are. */
+/*
+ * Across a sun, in world axes: they do not turn with the camera, so that texels stay where they
+ * are.
+ */
 static void across(const struct rb_light *sun, rb_vec3 axis[2])
 {
 	axis[0] = rb_vec3_across(sun->place);
@@ -352,7 +357,10 @@ static bool is_dot(const struct rb_view *view, const float (*corner)[4], double 
 	       pixels * rb_view_pixel_at(view, distance);
 }
 
-/* What throws shadows worth seeing: at least as large as a fraction of a pixel. Distances count from `origin`. */
+/*
+ * What throws shadows worth seeing: at least as large as a fraction of a pixel. Distances count
+ * from `origin`.
+ */
 static struct box bounds(const struct rb_view *view, const struct rb_casters *casters,
                          const struct axes *axes, rb_vec3 origin)
 {
@@ -383,7 +391,9 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 	return box;
 }
 
-/* Texels for a size as seen from the eye: about two pixels wide, which is as soft as it is cheap. */
+/*
+ * Texels for a size as seen from the eye: about two pixels wide, which is as soft as it is cheap.
+ */
 static int side_for(const struct rb_view *view, const struct rb_casters *casters, double size,
                     int whole)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Lights of a camera, the sky, and where depth maps for shadows look. Pure mathematics, values, any thread.
+ * Lights of a camera, the sky, and where depth maps for shadows look. Pure mathematics, values, any
+ * thread.
  */
 #ifndef RB_FILM_LIGHT_H
 #define RB_FILM_LIGHT_H
@@ -38,8 +39,8 @@ void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
                     const struct rb_camera_def *camera);
 
 /*
- * Definitions for the texts of shaders: colours, how numbers of the block come to fragments, and the sum of the lights
- * (`all`; else there are none).
+ * Definitions for the texts of shaders: colours, how numbers of the block come to fragments, and
+ * the sum of the lights (`all`; else there are none).
  */
 enum { RB_LIGHTS_DEFINES_SIZE = 6000 };
 void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, size_t room);
@@ -48,8 +49,10 @@ void rb_lights_define(const struct rb_lights *lights, bool all, char *defines, s
 void rb_lights_tell(const struct rb_lights *lights, const struct rb_view *view, bool from_zero,
                     struct rb_shader_block *block);
 
-/* What throws shadows, in view coordinates: spheres (x, y, z, radius) with `stride` floats each, corners of rectangles,
- * and corners of boxes about solids that move and about others. */
+/*
+ * What throws shadows, in view coordinates: spheres (x, y, z, radius) with `stride` floats each,
+ * corners of rectangles, and corners of boxes about solids that move and about others.
+ */
 struct rb_casters {
 	const float *balls;
 	int ball_count, stride;

@@ -27,7 +27,9 @@ enum { LINE, ARROW, PROGRAM_COUNT };
 
 struct rb_lines {
 	struct rb_bodies_setup setup;
-	/* Arrows: metres per m/s and per N. The same in all pictures, at any `speed` of the film. */
+	/*
+	 * Arrows: metres per m/s and per N. The same in all pictures, at any `speed` of the film.
+	 */
 	double per_speed, per_force;
 	struct list list[PROGRAM_COUNT];
 	GLuint program[PROGRAM_COUNT], array, buffer;
@@ -50,7 +52,10 @@ static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_e
 	const bool parallel = camera->orthographic && !camera->has_frustum;
 	char defines[200];
 
-	/* A parallel view has ends of its own, about the bodies: what reaches beyond is kept, unless the camera has them. */
+	/*
+	 * A parallel view has ends of its own, about the bodies: what reaches beyond is kept,
+	 * unless the camera has them.
+	 */
 	snprintf(defines, sizeof defines,
 	         "#define RIM %s\n#define JOINT %s\n#define KEPT(far) clamp(far, %s, %s)\n",
 	         kind == ARROW ? "1.3" : "0.0", kind == ARROW ? "0.0" : "0.3",
@@ -73,7 +78,10 @@ static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_e
 	return RB_OK;
 }
 
-/* The fastest at the start, or a fall over two diameters; where nothing moves or falls, the way of the whole run. */
+/*
+ * The fastest at the start, or a fall over two diameters; where nothing moves or falls, the way of
+ * the whole run.
+ */
 static double usual_speed(const struct rb_model *model, double size)
 {
 	const struct rb_scene *scene = model->scene;
@@ -84,7 +92,10 @@ static double usual_speed(const struct rb_model *model, double size)
 	return fastest > 0 ? fastest : 40 * size / model->duration_s;
 }
 
-/* A weight; else the strongest force that is applied; else what turns a usual speed back within a diameter. */
+/*
+ * A weight; else the strongest force that is applied; else what turns a usual speed back within a
+ * diameter.
+ */
 static double usual_force(const struct rb_model *model, double size, double speed)
 {
 	const struct rb_scene *scene = model->scene;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Strokes over a picture: trails, arrows of velocities and contact forces, wire models of bodies. They are ribbons of
- * constant width in pixels. One thread, its canvas current in every call.
+ * Strokes over a picture: trails, arrows of velocities and contact forces, wire models of bodies.
+ * They are ribbons of constant width in pixels. One thread, its canvas current in every call.
  */
 #ifndef RB_FILM_LINES_H
 #define RB_FILM_LINES_H

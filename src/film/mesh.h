@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Shapes as triangles, in units of the shape, so that all boxes share one mesh, and all round ones of a fineness too.
+ * Shapes as triangles, in units of the shape, so that all boxes share one mesh, and all round ones
+ * of a fineness too.
  *
- * The caller owns the mesh; what is added gets a range in it. One thread, no OpenGL. Corners are counter-clockwise seen
- * from outside. With the numbers of rb_mesh_fit a vertex stands, from the shape's middle, at
+ * The caller owns the mesh; what is added gets a range in it. One thread, no OpenGL. Corners are
+ * counter-clockwise seen from outside. With the numbers of rb_mesh_fit a vertex stands, from the
+ * shape's middle, at
  *     scale * unit.xyz + (0, 0, shift unit.w),
- * and its texture at (count[axis[0]] tex[0], count[axis[1]] tex[1] + count[3] unit.w), counted from the middle.
+ * and its texture at (count[axis[0]] tex[0], count[axis[1]] tex[1] + count[3] unit.w), counted from
+ * the middle.
  */
 #ifndef RB_FILM_MESH_H
 #define RB_FILM_MESH_H
@@ -44,8 +47,9 @@ struct rb_mesh_fit {
 };
 
 /*
- * `least`: a half-width that nothing falls below. `picture`: one covers a face, the side of a cylinder, a capsule or
- * the disc around a hull; else squares of a pattern that end at edges, an even number of them from edge to edge.
+ * `least`: a half-width that nothing falls below. `picture`: one covers a face, the side of a
+ * cylinder, a capsule or the disc around a hull; else squares of a pattern that end at edges, an
+ * even number of them from edge to edge.
  */
 struct rb_mesh_fit rb_mesh_fit(const struct rb_shape *shape, const struct rb_part_size *size,
                                double least, bool picture);

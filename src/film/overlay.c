@@ -184,7 +184,9 @@ void rb_overlay_destroy(struct rb_overlay *overlay)
 
 /* ---- letters ---- */
 
-/* Wholly covered, as all four beside it: whatever such a pixel darkens, one of these is nearer to. */
+/*
+ * Wholly covered, as all four beside it: whatever such a pixel darkens, one of these is nearer to.
+ */
 static bool is_inside(const struct glyph *glyph, int x, int y)
 {
 	const uint8_t *const at = glyph->letter + y * glyph->width + x;
@@ -208,7 +210,9 @@ static void darken(const struct rb_overlay *overlay, const struct glyph *glyph, 
 		}
 }
 
-/* Each pixel of the rim is as dark as the letter's pixels around it, the less the further they are. */
+/*
+ * Each pixel of the rim is as dark as the letter's pixels around it, the less the further they are.
+ */
 static void draw_rim(const struct rb_overlay *overlay, const struct glyph *glyph)
 {
 	const int reach = overlay->rim, width = glyph->width + 2 * reach;
@@ -270,7 +274,9 @@ static const struct glyph *glyph_of(struct rb_overlay *overlay, uint32_t code)
 	return glyph;
 }
 
-/* The next character of UTF-8 text, which moves on; bytes that are none become U+FFFD, one by one. */
+/*
+ * The next character of UTF-8 text, which moves on; bytes that are none become U+FFFD, one by one.
+ */
 static uint32_t next_code(const char **text)
 {
 	static const uint32_t smallest[] = {0, 0x80, 0x800, 0x10000};
@@ -318,8 +324,8 @@ static int kerning(struct rb_overlay *overlay, const struct glyph *a, const stru
 }
 
 /*
- * Letters of the text as far as they fit into `room` pixels, with an ellipsis where they don't; how many, and the
- * line's width.
+ * Letters of the text as far as they fit into `room` pixels, with an ellipsis where they don't; how
+ * many, and the line's width.
  */
 static int set_line(struct rb_overlay *overlay, struct letter letters[LETTERS_MAX],
                     const char *text, int room, int *width)

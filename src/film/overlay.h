@@ -2,8 +2,8 @@
 /*
  * Text over a finished picture: title, time, energy, drawn with FreeType.
  *
- * An overlay belongs to one thread. The font is the first of RBSIM_FONT (a file) and the usual places of DejaVu Sans;
- * RB_ERR_MISSING names what was looked for when there is none.
+ * An overlay belongs to one thread. The font is the first of RBSIM_FONT (a file) and the usual
+ * places of DejaVu Sans; RB_ERR_MISSING names what was looked for when there is none.
  */
 #ifndef RB_FILM_OVERLAY_H
 #define RB_FILM_OVERLAY_H
@@ -14,7 +14,10 @@
 
 struct rb_overlay;
 
-/* For pictures of that size: letters are a fixed part of the height, or of that of 16:9 where they are narrower. */
+/*
+ * For pictures of that size: letters are a fixed part of the height, or of that of 16:9 where they
+ * are narrower.
+ */
 RB_CHECKED enum rb_status rb_overlay_create(struct rb_overlay **overlay, int width_px,
                                             int height_px, struct rb_error *err);
 void rb_overlay_destroy(struct rb_overlay *overlay); /* NULL is fine */
@@ -27,9 +30,10 @@ enum rb_overlay_corner {
 };
 
 /*
- * One line of UTF-8, readable on any background (light letters with a soft dark rim, blended in linear light), at
- * a corner of the picture; a line that is too long for it is cut with an ellipsis. Digits keep their places from
- * picture to picture (tabular figures). `line` counts from the corner inwards.
+ * One line of UTF-8, readable on any background (light letters with a soft dark rim, blended in
+ * linear light), at a corner of the picture; a line that is too long for it is cut with an
+ * ellipsis. Digits keep their places from picture to picture (tabular figures). `line` counts from
+ * the corner inwards.
  */
 void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
                       enum rb_overlay_corner corner, int line, const char *text);

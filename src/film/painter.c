@@ -53,8 +53,8 @@ static enum rb_status make_sky(struct rb_painter *painter, struct rb_error *err)
 }
 
 /*
- * Samples cost more than all else together, and only edges of planes and polyhedra need them: those of spheres have a
- * formula, a horizon is in haze, lines have their own.
+ * Samples cost more than all else together, and only edges of planes and polyhedra need them: those
+ * of spheres have a formula, a horizon is in haze, lines have their own.
  */
 static bool needs_samples(const struct rb_model *model, const struct rb_looks *looks)
 {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Draws what one camera sees of a frame, off-screen. The only rooms below that know OpenGL are film/canvas, film/glsl
- * and the painter's own.
+ * Draws what one camera sees of a frame, off-screen. The only rooms below that know OpenGL are
+ * film/canvas, film/glsl and the painter's own.
  *
- * Created, used and destroyed by one thread; several painters work in several threads at once. The same frame gives the same
- * pixels, whatever was drawn before and whatever the number of threads.
+ * Created, used and destroyed by one thread; several painters work in several threads at once. The
+ * same frame gives the same pixels, whatever was drawn before and whatever the number of threads.
  */
 #ifndef RB_FILM_PAINTER_H
 #define RB_FILM_PAINTER_H
@@ -18,9 +18,10 @@
 struct rb_painter;
 
 /*
- * Model (with its scene: shapes, colours, textures, statics) and camera (size, lights, samples, style, vectors) are
- * borrowed until the painter is destroyed. RB_ERR_MISSING: no OSMesa context of the version that is needed; RB_ERR_SCENE: a texture that is no picture (scene
- * file and line, body, what was found); RB_ERR_MEMORY.
+ * Model (with its scene: shapes, colours, textures, statics) and camera (size, lights, samples,
+ * style, vectors) are borrowed until the painter is destroyed. RB_ERR_MISSING: no OSMesa context of
+ * the version that is needed; RB_ERR_SCENE: a texture that is no picture (scene file and line,
+ * body, what was found); RB_ERR_MEMORY.
  */
 RB_CHECKED enum rb_status rb_painter_create(struct rb_painter **painter,
                                             const struct rb_model *model,
@@ -29,9 +30,11 @@ RB_CHECKED enum rb_status rb_painter_create(struct rb_painter **painter,
 void rb_painter_destroy(struct rb_painter *painter); /* NULL is fine; same thread */
 
 /*
- * The picture at a frame: poses, contacts and velocities are the frame's. `shot` is where a camera with functions stands (NULL: the camera has none).
- * `trails` may be NULL. `picture` borrows the painter's memory and holds until the next call; its alpha is 255; what the overlay says is not in it.
- * RB_ERR_SCENE: the camera stands inside a body, or looks along its `up`, or its look_at is its position at this moment (told with camera, time and body).
+ * The picture at a frame: poses, contacts and velocities are the frame's. `shot` is where a camera
+ * with functions stands (NULL: the camera has none). `trails` may be NULL. `picture` borrows the
+ * painter's memory and holds until the next call; its alpha is 255; what the overlay says is not in
+ * it. RB_ERR_SCENE: the camera stands inside a body, or looks along its `up`, or its look_at is its
+ * position at this moment (told with camera, time and body).
  */
 RB_CHECKED enum rb_status rb_painter_draw(struct rb_painter *painter, const struct rb_frame *frame,
                                           const struct rb_frame_shot *shot,

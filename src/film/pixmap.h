@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A picture in memory: 8 bits each of red, green, blue (sRGB, not premultiplied) and alpha, top row first.
+ * A picture in memory: 8 bits each of red, green, blue (sRGB, not premultiplied) and alpha, top row
+ * first.
  *
  * Owned by whoever made it. One thread at a time.
  */

@@ -15,12 +15,15 @@
 
 enum { SIGNATURE_SIZE = 8, CHUNK_BYTES_MAX = 1 << 16, CHUNKS_MAX = 64, WRITE_BUFFER = 1 << 16 };
 
-/* deflate makes no byte of input into more than this many (zlib's documentation, "maximum expansion factor") */
+/*
+ * deflate makes no byte of input into more than this many (zlib's documentation, "maximum expansion
+ * factor")
+ */
 static const uint64_t expansion_max = 1032;
 
 /*
- * One use of libpng. It leaves by longjmp to the function that made it; what that one needs afterwards is in here and
- * not in locals, so that nothing is clobbered.
+ * One use of libpng. It leaves by longjmp to the function that made it; what that one needs
+ * afterwards is in here and not in locals, so that nothing is clobbered.
  */
 struct job {
 	png_structp png;
@@ -228,8 +231,11 @@ static void write_picture(struct job *job, const struct rb_pixmap *pixmap,
 	const size_t row_size = 4 * (size_t)pixmap->width;
 
 	png_set_write_fn(png, job, write_bytes, flush_nothing);
-	/* A fifth of the time of libpng's own choice: differences along a row, repetitions of one byte only. Pictures
-	 * of a thousand balls are 4 % smaller than with the row above and level 1, which takes a quarter longer. */
+	/*
+	 * A fifth of the time of libpng's own choice: differences along a row, repetitions of one
+	 * byte only. Pictures of a thousand balls are 4 % smaller than with the row above and level
+	 * 1, which takes a quarter longer.
+	 */
 	png_set_compression_level(png, 1);
 	png_set_compression_strategy(png, Z_RLE);
 	png_set_filter(png, PNG_FILTER_TYPE_BASE, PNG_FILTER_SUB);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Finished pictures on their way to files, while the next one is drawn: threads that make PNG files, one that feeds the
- * video.
+ * Finished pictures on their way to files, while the next one is drawn: threads that make PNG
+ * files, one that feeds the video.
  *
- * Created, filled and closed by one thread; a small ring of pictures lies between it and the press's own. PNG files are
- * made in any order, the video in that of its pictures. The first failure stops all: the next call tells it.
+ * Created, filled and closed by one thread; a small ring of pictures lies between it and the
+ * press's own. PNG files are made in any order, the video in that of its pictures. The first
+ * failure stops all: the next call tells it.
  */
 #ifndef RB_FILM_PRESS_H
 #define RB_FILM_PRESS_H
@@ -44,10 +45,16 @@ struct rb_press_tally {
 	uint64_t png_ns, pipe_ns, wait_ns;
 };
 
-/* The name of a picture, like 'frames/00012.png'. False: `pattern` has not one %d, or the name is too long. */
+/*
+ * The name of a picture, like 'frames/00012.png'. False: `pattern` has not one %d, or the name is
+ * too long.
+ */
 bool rb_press_name(char *out, size_t size, const char *pattern, uint64_t picture);
 
-/* Can it be done? Leaves nothing behind. RB_ERR_CREATE, RB_ERR_MISSING; RB_ERR_SCENE: a name that can't be one. */
+/*
+ * Can it be done? Leaves nothing behind. RB_ERR_CREATE, RB_ERR_MISSING; RB_ERR_SCENE: a name that
+ * can't be one.
+ */
 RB_CHECKED enum rb_status rb_press_check(const struct rb_press_options *options,
                                          struct rb_error *err);
 
@@ -59,8 +66,8 @@ RB_CHECKED enum rb_status rb_press_create(struct rb_press **press,
 RB_CHECKED enum rb_status rb_press_print(struct rb_press *press, const struct rb_pixmap *pixmap,
                                          uint64_t picture, double time_s, struct rb_error *err);
 /*
- * Waits for all pictures and finishes the video with those that were printed, even after a failure, which is told
- * here too. Once.
+ * Waits for all pictures and finishes the video with those that were printed, even after a failure,
+ * which is told here too. Once.
  */
 RB_CHECKED enum rb_status rb_press_close(struct rb_press *press, struct rb_error *err);
 void rb_press_destroy(struct rb_press *press); /* NULL is fine */

@@ -7,8 +7,8 @@
 enum { DEFINES_SIZE = RB_LIGHTS_DEFINES_SIZE + 1800 };
 
 /*
- * Up to a radius in pixels: how many corners the polygons have, and how closely shadows are looked at. A corner
- * costs as much as some 16 pixels.
+ * Up to a radius in pixels: how many corners the polygons have, and how closely shadows are looked
+ * at. A corner costs as much as some 16 pixels.
  */
 static const struct {
 	double most_px;

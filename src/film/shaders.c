@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * On a rasteriser in software, branches are masks: both sides are always computed. So there are none; what a body does
- * not need is left out of its program by the preprocessor.
+ * On a rasteriser in software, branches are masks: both sides are always computed. So there are
+ * none; what a body does not need is left out of its program by the preprocessor.
  *
- * A uniform costs it more than anything but a texture (a vec4 1.4 ns a fragment, six times a flat varying and eight
- * times a sum). So fragments read none: what stays the same for a film is written into the texts as numbers (defines
- * of film/bodies and film/painter: ZENITH, AMBIENT_UP, LIGHTS, ...), and what changes is handed on by the vertex
- * shader, CARRY and SEND. Few polygons then, since each carries all that.
+ * A uniform costs it more than anything but a texture (a vec4 1.4 ns a fragment, six times a flat
+ * varying and eight times a sum). So fragments read none: what stays the same for a film is written
+ * into the texts as numbers (defines of film/bodies and film/painter: ZENITH, AMBIENT_UP, LIGHTS,
+ * ...), and what changes is handed on by the vertex shader, CARRY and SEND. Few polygons then,
+ * since each carries all that.
  */
 #include "film/shaders.h"
 
@@ -23,8 +24,9 @@ const char rb_shader_scene[] =
 	"}\n"
 	"#define PI 3.14159265358979\n"
 	/*
-	 * The line of sight through a fragment, START + t WAY, 1 along the camera's axis; through a point, SIGHT. All
-	 * begin at the eye, which is the origin, or they are PARALLEL. DEPTH of what is so far along the axis.
+	 * The line of sight through a fragment, START + t WAY, 1 along the camera's axis; through a
+	 * point, SIGHT. All begin at the eye, which is the origin, or they are PARALLEL. DEPTH of
+	 * what is so far along the axis.
 	 */
 	"#define SEND_WAY_AT(at) way_ = vec4(turned(vec3(window.xy, at)), 0.0); \\\n"
 	"	way_x_ = vec4(window.z * axes[0].xyz, 0.0); way_y_ = vec4(window.w * axes[1].xyz, 0.0)\n"
@@ -50,8 +52,8 @@ const char rb_shader_scene[] =
 /* ---- light ---- */
 
 /*
- * Blinn's half vector (1977), normalised for its exponent as in Akenine-Moller et al., Real-Time Rendering, and 4 %
- * of reflection: that of plastics.
+ * Blinn's half vector (1977), normalised for its exponent as in Akenine-Moller et al., Real-Time
+ * Rendering, and 4 % of reflection: that of plastics.
  */
 const char rb_shader_light[] =
 	"CARRY(in)\n"
@@ -81,7 +83,10 @@ const char rb_shader_light[] =
 	"	return albedo;\n"
 	"#endif\n"
 	"}\n"
-	/* The map is filtered by the library, 2 x 2 texels; four of these make a soft edge, two one without teeth. */
+	/*
+	 * The map is filtered by the library, 2 x 2 texels; four of these make a soft edge, two one
+	 * without teeth.
+	 */
 	"float filtered(sampler2DShadow map, vec3 q)\n"
 	"{\n"
 	"	q.z = min(q.z, 1.0);\n"
@@ -136,7 +141,10 @@ const char rb_shader_pattern[] =
 	"{\n"
 	"	return clamp(0.5 + f / (fwidth(f) + 1e-9), 0.0, 1.0);\n"
 	"}\n"
-	/* Squares of side 1 averaged over a box w (the integral of a square wave, as I. Quilez does it). */
+	/*
+	 * Squares of side 1 averaged over a box w (the integral of a square wave, as I. Quilez does
+	 * it).
+	 */
 	"vec2 wave(vec2 p, vec2 w)\n"
 	"{\n"
 	"	return 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / w;\n"
@@ -156,16 +164,19 @@ const char rb_shader_pattern[] =
 /* ---- spheres ---- */
 
 /*
- * A sphere is a polygon around the circle in which lines of sight touch it; each fragment casts its own ray.
- * All lengths are in radii and from its centre, where single precision has digits enough at any distance.
+ * A sphere is a polygon around the circle in which lines of sight touch it; each fragment casts its
+ * own ray. All lengths are in radii and from its centre, where single precision has digits enough
+ * at any distance.
  *
- * The disc in that circle lies within the sphere and meets every ray that does. So where two bodies share no point, it
- * is in front of the other one or behind it just as the sphere's surface is, and its depth will do: then what is hidden
- * is thrown away before it is computed. EXACT spheres, which cut something, have depths of their own.
+ * The disc in that circle lies within the sphere and meets every ray that does. So where two bodies
+ * share no point, it is in front of the other one or behind it just as the sphere's surface is, and
+ * its depth will do: then what is hidden is thrown away before it is computed. EXACT spheres, which
+ * cut something, have depths of their own.
  *
- * An edge is smooth in one of two ways: SAMPLES says which samples of a pixel the ray's neighbours hit; with SOFT only
- * whole pixels are drawn at first, and when all else is there a ring (RIM) in the plane of the disc mixes in the others
- * by how much of them is covered; EXACT spheres need no other one, since their edge is that of the disc.
+ * An edge is smooth in one of two ways: SAMPLES says which samples of a pixel the ray's neighbours
+ * hit; with SOFT only whole pixels are drawn at first, and when all else is there a ring (RIM) in
+ * the plane of the disc mixes in the others by how much of them is covered; EXACT spheres need no
+ * other one, since their edge is that of the disc.
  */
 const char rb_shader_sphere_vertex[] =
 	"layout(location = 0) in vec4 ball;\n"  /* centre, radius */
@@ -453,8 +464,8 @@ const char rb_shader_sky_fragment[] = "flat in vec4 way_, way_x_, way_y_;\n"
 /* ---- shadows ---- */
 
 /*
- * What a sphere hides is what its disc across the light hides, and no point of its lit side lies behind that disc: so
- * there is neither a bias nor a shadow on itself.
+ * What a sphere hides is what its disc across the light hides, and no point of its lit side lies
+ * behind that disc: so there is neither a bias nor a shadow on itself.
  */
 const char rb_shader_disc_vertex[] =
 	"layout(location = 0) in vec4 ball;\n"
@@ -495,7 +506,10 @@ const char rb_shader_nothing[] = "void main()\n"
 
 /* ---- lines and arrows ---- */
 
-/* A stroke from a to b, drawn as a ribbon of constant width in the picture; with a head it is an arrow. */
+/*
+ * A stroke from a to b, drawn as a ribbon of constant width in the picture; with a head it is an
+ * arrow.
+ */
 const char rb_shader_line_vertex[] =
 	"layout(location = 0) in vec4 from;\n" /* view coordinates, width in pixels */
 	"layout(location = 1) in vec4 to;\n"   /* view coordinates, length of the head in pixels */

@@ -13,7 +13,10 @@ struct rb_shadows {
 
 RB_CHECKED enum rb_status rb_shadows_make(struct rb_shadows *shadows,
                                           const struct rb_lights *lights, struct rb_error *err);
-/* Draws the maps for what `bodies` has gathered, binds them to the texture units from 0, and fills the block's part. */
+/*
+ * Draws the maps for what `bodies` has gathered, binds them to the texture units from 0, and fills
+ * the block's part.
+ */
 void rb_shadows_draw(struct rb_shadows *shadows, const struct rb_lights *lights,
                      const struct rb_view *view, struct rb_bodies *bodies,
                      struct rb_shader_block *block);

@@ -473,8 +473,9 @@ static double texel_of(const struct rb_solids *solids, const struct rb_shadow_fi
 }
 
 /*
- * Sides that are turned away from the light throw the shadow: what is lit lies before them, by the body's width, and
- * what lies in its own shadow gets no light anyhow. Foils have no such width; they are pushed back like rectangles.
+ * Sides that are turned away from the light throw the shadow: what is lit lies before them, by the
+ * body's width, and what lies in its own shadow gets no light anyhow. Foils have no such width;
+ * they are pushed back like rectangles.
  */
 void rb_solids_throw(const struct rb_solids *solids, const struct rb_shadow_fit *fit)
 {

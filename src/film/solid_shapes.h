@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Boxes, capsules, cylinders, hulls and such parts of unions on a canvas: triangles, many bodies in one call.
+ * Boxes, capsules, cylinders, hulls and such parts of unions on a canvas: triangles, many bodies in
+ * one call.
  *
- * One thread, its canvas current in every call. What `see` has gathered holds until the next one. Spheres in unions
- * are drawn by film/bodies.
+ * One thread, its canvas current in every call. What `see` has gathered holds until the next one.
+ * Spheres in unions are drawn by film/bodies.
  */
 #ifndef RB_FILM_SOLID_SHAPES_H
 #define RB_FILM_SOLID_SHAPES_H

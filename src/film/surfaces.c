@@ -35,7 +35,9 @@ static void lay(struct rb_surface *surface, const struct rb_looks *looks,
 	}
 	at[0] += eye.x / side[0];
 	at[1] += eye.y / side[1];
-	/* Patterns repeat after two squares; far from their origin there would be no digits left. */
+	/*
+	 * Patterns repeat after two squares; far from their origin there would be no digits left.
+	 */
 	if (surface->infinite)
 		for (int k = 0; k < 2; k++)
 			at[k] -= 2 * floor(0.5 * at[k]);
@@ -87,7 +89,10 @@ void rb_surface_see(struct rb_surface *surface, const struct rb_model *model,
 	                                        rb_vec3_sub(view->eye, pose.position));
 	const rb_vec3 n = {turn.m[0][2], turn.m[1][2], turn.m[2][2]};
 
-	/* Edge-on there is nothing to see; from behind, an infinite plane is a wall that one looks through into its room. */
+	/*
+	 * Edge-on there is nothing to see; from behind, an infinite plane is a wall that one looks
+	 * through into its room.
+	 */
 	const bool along = view->parallel ? rb_view_along(n) : eye.z == 0;
 	const bool behind = view->parallel ? n.z < 0 && !along : eye.z < 0;
 	surface->shown = !along && !(surface->infinite && behind);
@@ -116,7 +121,10 @@ void rb_surface_see(struct rb_surface *surface, const struct rb_model *model,
 
 /* ---- rooms ---- */
 
-/* Not negative on the side of a wall where its room is; a plane that lies in the wall is in the room. */
+/*
+ * Not negative on the side of a wall where its room is; a plane that lies in the wall is in the
+ * room.
+ */
 static double height_in(const struct rb_surface *wall, const float p[4])
 {
 	double height = 0, size = 0;
@@ -128,7 +136,10 @@ static double height_in(const struct rb_surface *wall, const float p[4])
 	return 1e-5 * size + (wall->backed ? -height : height);
 }
 
-/* What of a convex polygon lies in the room; corners may be at infinity (Sutherland and Hodgman 1974). */
+/*
+ * What of a convex polygon lies in the room; corners may be at infinity (Sutherland and Hodgman
+ * 1974).
+ */
 static int cut_fan(float (*corner)[4], int count, const struct rb_surface *wall)
 {
 	float kept[RB_SURFACE_CORNERS][4];

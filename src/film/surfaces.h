@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Planes as a view shows them: polygons in view coordinates, which may reach infinity, and how textures lie on them. No
- * OpenGL; plain values of one thread.
+ * Planes as a view shows them: polygons in view coordinates, which may reach infinity, and how
+ * textures lie on them. No OpenGL; plain values of one thread.
  */
 #ifndef RB_FILM_SURFACES_H
 #define RB_FILM_SURFACES_H
@@ -30,8 +30,9 @@ void rb_surface_see(struct rb_surface *surface, const struct rb_model *model,
                     const struct rb_looks *looks, const struct rb_frame *frame,
                     const struct rb_view *view);
 /*
- * When all are seen: who looks into a room from behind a wall sees nothing of the other walls that is not in the room.
- * (From within, each wall hides what is behind it.) True: something may have been cut off.
+ * When all are seen: who looks into a room from behind a wall sees nothing of the other walls that
+ * is not in the room. (From within, each wall hides what is behind it.) True: something may have
+ * been cut off.
  */
 bool rb_surfaces_cut(struct rb_surface *surfaces, int count);
 

@@ -115,7 +115,10 @@ void rb_take_see(struct rb_take *take, const struct rb_frame *frame)
 
 /* ---- what is written ---- */
 
-/* Behind its label, with room for that many places before the point, so that what follows stands still. */
+/*
+ * Behind its label, with room for that many places before the point, so that what follows stands
+ * still.
+ */
 static void pad_number(char out[64], const char *label, double value, int decimals, int places)
 {
 	char number[48];
@@ -159,7 +162,10 @@ static void print_energy(const struct rb_take *take, double total, double kineti
 	snprintf(out, TEXT_SIZE, "%s %s %s)", e, units[u].name, k);
 }
 
-/* Beside the time, or above it where there is no room for the longest one: it does not jump with a sign. */
+/*
+ * Beside the time, or above it where there is no room for the longest one: it does not jump with a
+ * sign.
+ */
 static void write_energy(struct rb_take *take, const struct rb_frame *frame, const char *time,
                          struct rb_pixmap *picture)
 {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Pictures of one camera with all that belongs in them: what the painter draws, trails, overlay. One thread.
+ * Pictures of one camera with all that belongs in them: what the painter draws, trails, overlay.
+ * One thread.
  */
 #ifndef RB_FILM_TAKE_H
 #define RB_FILM_TAKE_H

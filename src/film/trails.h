@@ -2,9 +2,10 @@
 /*
  * Where bodies have been: the paths of their centres of mass that a camera draws.
  *
- * Belongs to the thread of its camera. Every frame is added, drawn or not, so that a path does not depend on which
- * pictures are taken. When a path has RB_TRAIL_POINTS_MAX points, every second one is dropped and from then on every
- * second frame is kept (and so on): memory is bounded, and the path stays whole.
+ * Belongs to the thread of its camera. Every frame is added, drawn or not, so that a path does not
+ * depend on which pictures are taken. When a path has RB_TRAIL_POINTS_MAX points, every second one
+ * is dropped and from then on every second frame is kept (and so on): memory is bounded, and the
+ * path stays whole.
  */
 #ifndef RB_FILM_TRAILS_H
 #define RB_FILM_TRAILS_H

@@ -6,11 +6,14 @@
 #include "base/error.h"
 #include "math/quat.h"
 
-/* Directions nearer to each other than this are one: doubles have no more digits for what is across. */
+/*
+ * Directions nearer to each other than this are one: doubles have no more digits for what is
+ * across.
+ */
 static const double DEGENERATE_SINE = 1e-9;
 /*
- * Depths of a parallel view are evenly spaced, in single precision. How many times as deep as all else a plane may
- * be that is seen at a small angle: half of the digits are left for the bodies.
+ * Depths of a parallel view are evenly spaced, in single precision. How many times as deep as all
+ * else a plane may be that is seen at a small angle: half of the digits are left for the bodies.
  */
 static const double PLANE_DEPTHS = 4096;
 
@@ -71,7 +74,10 @@ static double distance(const struct rb_scene *scene, const struct rb_shape *shap
 	}
 }
 
-/* Distance to the nearest surface that is drawn, 0 without any, in `near`. Commands may move a camera into a body, and out again. */
+/*
+ * Distance to the nearest surface that is drawn, 0 without any, in `near`. Commands may move a
+ * camera into a body, and out again.
+ */
 static enum rb_status nearest(struct rb_view *view, const struct rb_model *model,
                               const struct rb_camera_def *camera, const struct rb_frame *frame,
                               bool may_enter, struct rb_error *err)
@@ -171,7 +177,10 @@ static void open(struct rb_view *view, const struct rb_camera_def *camera, doubl
 	view->right_slope = view->top_slope * view->width / view->height;
 	view->bottom_slope = -view->top_slope;
 	view->left_slope = -view->right_slope;
-	/* The nearest thing in a corner of the picture is nearer along the line of sight than as the crow flies. */
+	/*
+	 * The nearest thing in a corner of the picture is nearer along the line of sight than as
+	 * the crow flies.
+	 */
 	const double corner = sqrt(1 + view->top_slope * view->top_slope +
 	                           view->right_slope * view->right_slope);
 	view->far = isnan(camera->far) ? (double)INFINITY : camera->far;

@@ -105,7 +105,10 @@ struct interval {
 	double length_s, t;
 };
 
-/* Bodies that an impact changes have a list of theirs, in order of time; links are 1 + 2 event + side, 0: the end. */
+/*
+ * Bodies that an impact changes have a list of theirs, in order of time; links are 1 + 2 event +
+ * side, 0: the end.
+ */
 static bool link_events(struct rb_between *between, const struct rb_model *model,
                         const struct rb_frame *b)
 {
@@ -177,8 +180,9 @@ static rb_vec3 smooth_velocity(const struct smooth *m, double t)
 }
 
 /*
- * Less the jumps of velocity that impulses are, the motion is smooth, and its cubic with the positions and velocities of
- * both frames is exact where the acceleration is constant, however many impacts there are.
+ * Less the jumps of velocity that impulses are, the motion is smooth, and its cubic with the
+ * positions and velocities of both frames is exact where the acceleration is constant, however many
+ * impacts there are.
  */
 static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, rb_vec3 to)
 {
@@ -237,7 +241,10 @@ static rb_vec3 turn_of(rb_quat q)
 	return rb_vec3_scale(sine > 0 ? 2 * atan2(sine, q.w) / sine : 2, axis);
 }
 
-/* A body that turns as its angular momentum says: that jumps by impacts and changes at an even rate between. */
+/*
+ * A body that turns as its angular momentum says: that jumps by impacts and changes at an even rate
+ * between.
+ */
 struct turning {
 	const rb_mat3 *inertia, *inverse;
 	rb_quat q;
@@ -260,8 +267,8 @@ static rb_quat turned_by(rb_quat q, double s, rb_vec3 spin)
 }
 
 /*
- * Steps of the midpoint rule, each about a fixed axis: right at any length about a principal axis, else to the third order
- * of a small angle. What the next frame knows better is corrected there.
+ * Steps of the midpoint rule, each about a fixed axis: right at any length about a principal axis,
+ * else to the third order of a small angle. What the next frame knows better is corrected there.
  */
 static void turn_on(struct turning *turning, double s)
 {
@@ -310,8 +317,8 @@ static void follow(const struct interval *in, int i, const struct smooth *smooth
 }
 
 /*
- * What spins tell of the interval, whole turns and all; what is then left to the later frame is the shortest way, and gone
- * in proportion. Without spins or moments of inertia: the great circle.
+ * What spins tell of the interval, whole turns and all; what is then left to the later frame is the
+ * shortest way, and gone in proportion. Without spins or moments of inertia: the great circle.
  */
 static rb_quat orientation_at(const struct interval *in, int i, const struct smooth *smooth,
                               rb_vec3 *spin)
@@ -405,7 +412,9 @@ enum rb_status rb_frame_between(struct rb_between *between, const struct rb_mode
 
 	RB_ASSERT(a->body_count == b->body_count);
 	RB_ASSERT(a->time_s <= time_s && time_s <= b->time_s);
-	/* Columns of a run are the same in all its frames; b's lists and counts are already right. */
+	/*
+	 * Columns of a run are the same in all its frames; b's lists and counts are already right.
+	 */
 	const enum rb_status status = rb_frame_copy(out, time_s == a->time_s ? a : b, err);
 	if (status || time_s == a->time_s || time_s == b->time_s)
 		return status;

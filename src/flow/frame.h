@@ -28,7 +28,9 @@ void rb_frame_release(struct rb_frame *frame); /* safe on a zeroed frame */
 /* Bytes that the columns of such a frame take, without events and contacts. */
 size_t rb_frame_bytes(const struct rb_model *model, unsigned fields);
 
-/* Adds where a camera stands at a picture; those of a frame are sorted by camera, then by picture. */
+/*
+ * Adds where a camera stands at a picture; those of a frame are sorted by camera, then by picture.
+ */
 RB_CHECKED enum rb_status rb_frame_add_shot(struct rb_frame *frame,
                                             const struct rb_frame_shot *shot, struct rb_error *err);
 

@@ -104,8 +104,8 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 }
 
 /*
- * A camera's axes and how much of a metre at a metre's distance is in its picture; of an orthographic one, of each
- * metre from the middle of the picture to its upper edge.
+ * A camera's axes and how much of a metre at a metre's distance is in its picture; of an
+ * orthographic one, of each metre from the middle of the picture to its upper edge.
  */
 struct sight {
 	bool parallel;
@@ -142,7 +142,10 @@ static struct sight sight_of(const struct rb_camera_def *camera)
 	return sight;
 }
 
-/* How far from `target` the eye must be, or the edge of an orthographic picture, to see the corners of a box. */
+/*
+ * How far from `target` the eye must be, or the edge of an orthographic picture, to see the corners
+ * of a box.
+ */
 static double distance_of(const struct sight *sight, rb_vec3 low, rb_vec3 high, rb_vec3 target)
 {
 	double distance = 0;

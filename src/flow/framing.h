@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where a camera without a place of its own stands: so that it sees all that moves over the time it shows.
+ * Where a camera without a place of its own stands: so that it sees all that moves over the time it
+ * shows.
  *
- * What moves away from everything to the end, and would make all else smaller than two pixels, flies off for ever and is
- * left out. Owned by whoever initialized it; one thread.
+ * What moves away from everything to the end, and would make all else smaller than two pixels,
+ * flies off for ever and is left out. Owned by whoever initialized it; one thread.
  */
 #ifndef RB_FLOW_FRAMING_H
 #define RB_FLOW_FRAMING_H
@@ -29,8 +30,8 @@ void rb_framing_release(struct rb_framing *framing); /* safe on a zeroed one */
 bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame);
 
 /*
- * Puts `camera` where it sees what was seen so far, along its own line of sight. Whom it leaves out is told in `text`, as
- * "'ball', #3 and 2 more"; how many: the result.
+ * Puts `camera` where it sees what was seen so far, along its own line of sight. Whom it leaves out
+ * is told in `text`, as "'ball', #3 and 2 more"; how many: the result.
  */
 int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camera, char *text,
                    size_t size);

@@ -250,8 +250,8 @@ enum rb_ring_news rb_ring_wait(struct rb_ring *ring, int consumer, double timeou
 	pthread_mutex_lock(&ring->lock);
 	RB_ASSERT(cursor->attached && !cursor->held);
 	/*
-	 * A lossless consumer that has run dry sleeps until a quarter of the ring is full, or the time
-	 * is out: waking it for every frame costs more than the frame.
+	 * A lossless consumer that has run dry sleeps until a quarter of the ring is full, or the
+	 * time is out: waking it for every frame costs more than the frame.
 	 */
 	const uint64_t batch = cursor->lossless ? ((uint64_t)ring->slot_count + 3) / 4 : 1;
 	const uint64_t enough = cursor->next + (cursor->next == ring->head ? batch : 1);

@@ -12,8 +12,9 @@
  * exchanged for a spare one.
  *
  * Owned by whoever created it, who adds the consumers before the first frame is acquired (a
- * lossless one between frames too: it sees those that follow) and destroys it after all of them have ended. acquire, publish and close belong to the producer's
- * thread; wait, give_back and detach to the thread of that consumer; abort to anybody.
+ * lossless one between frames too: it sees those that follow) and destroys it after all of them
+ * have ended. acquire, publish and close belong to the producer's thread; wait, give_back and
+ * detach to the thread of that consumer; abort to anybody.
  */
 #ifndef RB_FLOW_RING_H
 #define RB_FLOW_RING_H
@@ -52,7 +53,10 @@ struct rb_frame *rb_ring_acquire(struct rb_ring *ring);
 void rb_ring_publish(struct rb_ring *ring);
 /* Frames that were published and that some lossless consumer still needs. Any thread. */
 int rb_ring_used(struct rb_ring *ring, int *slot_count);
-/* Who a consumer is; borrowed while there is the ring. And who the producer would wait for now; NULL: nobody. Any thread. */
+/*
+ * Who a consumer is; borrowed while there is the ring. And who the producer would wait for now;
+ * NULL: nobody. Any thread.
+ */
 void rb_ring_name(struct rb_ring *ring, int consumer, const char *name);
 const char *rb_ring_awaited(struct rb_ring *ring);
 /* No frame will follow: consumers read what is there and are then told so. */

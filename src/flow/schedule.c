@@ -26,7 +26,10 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule)
 	const double steps = (to - from) * per_second;
 	if (!(steps < count_max))
 		return (uint64_t)count_max;
-	/* what rounding of both times, of their difference and of the quotient can make of a whole number */
+	/*
+	 * what rounding of both times, of their difference and of the quotient can make of a whole
+	 * number
+	 */
 	const double noise = 8 * DBL_EPSILON * (fmax(fabs(from), fabs(to)) * per_second + steps);
 	const double nearest = nearbyint(steps);
 	const double whole = fabs(steps - nearest) <= noise ? nearest : floor(steps);

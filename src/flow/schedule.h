@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * At which simulated times a camera takes its pictures: film second f shows simulated second from + speed f, and
- * picture n is at f = n / fps. Values; any thread.
+ * At which simulated times a camera takes its pictures: film second f shows simulated second from +
+ * speed f, and picture n is at f = n / fps. Values; any thread.
  */
 #ifndef RB_FLOW_SCHEDULE_H
 #define RB_FLOW_SCHEDULE_H
@@ -19,13 +19,20 @@ struct rb_schedule {
 /* Of a camera over a run of `frame_rate` that ends at `end_s`. */
 struct rb_schedule rb_schedule_of(const struct rb_camera_def *camera, double frame_rate,
                                   double end_s);
-/* How many pictures there are; a quotient within a few ulp of a whole number counts as that number. 0 where the camera
- * starts after its end. */
+/*
+ * How many pictures there are; a quotient within a few ulp of a whole number counts as that number.
+ * 0 where the camera starts after its end.
+ */
 uint64_t rb_schedule_count(const struct rb_schedule *schedule);
-/* Simulated time of a picture, s: from + n speed / fps, in this order of rounding, so that with speed 1 and the fps of
- * the recording pictures fall on frames to the bit; never later than to_s. */
+/*
+ * Simulated time of a picture, s: from + n speed / fps, in this order of rounding, so that with
+ * speed 1 and the fps of the recording pictures fall on frames to the bit; never later than to_s.
+ */
 double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture);
-/* RB_FIELD_* that pictures need; between frames also velocities, spins and impacts, which tell how bodies go there. */
+/*
+ * RB_FIELD_* that pictures need; between frames also velocities, spins and impacts, which tell how
+ * bodies go there.
+ */
 unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_model *model,
                             double end_s);
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The signed gap of two convex cores is the largest that any direction proves: n.(b's nearest) - n.(a's farthest), over
- * all unit n. Apart that is their distance, overlapping the least that would part them, so nothing jumps between. Here is
- * one direction being tried; geom/facets and geom/rims know which ones can be best.
+ * The signed gap of two convex cores is the largest that any direction proves: n.(b's nearest) -
+ * n.(a's farthest), over all unit n. Apart that is their distance, overlapping the least that would
+ * part them, so nothing jumps between. Here is one direction being tried; geom/facets and geom/rims
+ * know which ones can be best.
  */
 #ifndef RB_GEOM_AXIS_TEST_H
 #define RB_GEOM_AXIS_TEST_H
@@ -19,8 +20,9 @@ typedef struct {
 } rb_axis;
 
 /*
- * Features farther than `depth` behind the outermost along `normal` (a's) or against it (b's) are left out. `distance`: m, the
- * bodies are no farther apart; a better direction then makes a thinner slab. INFINITY: not known.
+ * Features farther than `depth` behind the outermost along `normal` (a's) or against it (b's) are
+ * left out. `distance`: m, the bodies are no farther apart; a better direction then makes a thinner
+ * slab. INFINITY: not known.
  */
 typedef struct {
 	rb_vec3 normal;
@@ -33,7 +35,10 @@ static inline double rb_axis_gap(const rb_axis *axis, rb_vec3 n)
 	       rb_placed_height(axis->a, n) - rb_placed_height(axis->b, rb_vec3_neg(n));
 }
 
-/* Whoever comes first stays unless it is beaten by more than rounding: so the choice does not flicker. */
+/*
+ * Whoever comes first stays unless it is beaten by more than rounding: so the choice does not
+ * flicker.
+ */
 static inline void rb_axis_try(rb_axis *axis, rb_vec3 n)
 {
 	const double gap = rb_axis_gap(axis, n);

@@ -3,7 +3,10 @@
 
 #include <float.h>
 
-/* The points of a shared patch in the middle, so that what is symmetric has its touch on the plane of symmetry. */
+/*
+ * The points of a shared patch in the middle, so that what is symmetric has its touch on the plane
+ * of symmetry.
+ */
 static void middle(const rb_overlay_point *point, int count, rb_vec3 *on_a, rb_vec3 *on_b)
 {
 	rb_vec3 a = {0, 0, 0}, b = {0, 0, 0};
@@ -95,7 +98,9 @@ rb_aabb rb_convex_bounds(const rb_placed *p)
 	return (rb_aabb){rb_vec3_sub(p->at, down), rb_vec3_add(p->at, up)};
 }
 
-/* Extent along one axis: as far as it is now and can come by turning, but never beyond the reach. */
+/*
+ * Extent along one axis: as far as it is now and can come by turning, but never beyond the reach.
+ */
 static double grown(double now, double by, double reach)
 {
 	return fmin(now + by, fmax(reach, now));

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A convex core with a radius: all points no farther than `radius` from the core. Cores are polytopes (solid, flat,
- * segment, point), cylinders, which are round and no polygons, and half spaces.
+ * A convex core with a radius: all points no farther than `radius` from the core. Cores are
+ * polytopes (solid, flat, segment, point), cylinders, which are round and no polygons, and half
+ * spaces.
  *
  * Values; the polytope a core refers to belongs to whoever made it. Pure functions.
  */
@@ -48,8 +49,8 @@ static inline rb_vec3 rb_placed_axis(const rb_placed *p)
 }
 
 /*
- * How far the core, without its radius, reaches from its own origin along a unit vector of the world, m; INFINITY for
- * a half space unless it is its normal.
+ * How far the core, without its radius, reaches from its own origin along a unit vector of the
+ * world, m; INFINITY for a half space unless it is its normal.
  */
 double rb_placed_height(const rb_placed *p, rb_vec3 direction);
 

@@ -37,8 +37,8 @@ static inline rb_rectangle rb_rectangle_of(rb_vec3 position, rb_quat orientation
 }
 
 /*
- * The normal of an infinite plane: its local z. What a quaternion cannot tell from zero is zero, so that a plane along
- * the axes has a normal along them to the bit.
+ * The normal of an infinite plane: its local z. What a quaternion cannot tell from zero is zero, so
+ * that a plane along the axes has a normal along them to the bit.
  */
 static inline rb_vec3 rb_plane_normal(rb_quat orientation)
 {

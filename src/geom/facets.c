@@ -5,9 +5,15 @@
 
 enum { BLOCK = 32 };
 
-/* Directions within about a thousandth are tried although a distance already points elsewhere; costs time only. */
+/*
+ * Directions within about a thousandth are tried although a distance already points elsewhere;
+ * costs time only.
+ */
 static const double nearly_along = 1 - 1e-6;
-/* An arc ends where the next begins, so a direction outside by this little is still tried; costs time only. */
+/*
+ * An arc ends where the next begins, so a direction outside by this little is still tried; costs
+ * time only.
+ */
 static const double arc_slack = 1e-9;
 
 typedef struct {
@@ -148,8 +154,9 @@ static bool in_arc(const arc *e, rb_vec3 n, double slack)
 }
 
 /*
- * Two edges make a face of the difference of the bodies where a direction across both is outermost for both (Gregorius
- * 2013 tests the crossing of arcs with triple products; with the direction at hand it is two products a body).
+ * Two edges make a face of the difference of the bodies where a direction across both is outermost
+ * for both (Gregorius 2013 tests the crossing of arcs with triple products; with the direction at
+ * hand it is two products a body).
  */
 static void cross(rb_axis *axis, const arc *e, const arc *f)
 {
@@ -220,12 +227,18 @@ static void to_edges(shortest *best, rb_vec3 v, const struct rb_polytope *p,
 		                                   : rb_vec3_add_scaled(
 							     d, fmin(t - whole, 0) / whole, cd);
 		rb_vec3 way = rb_vec3_sub(foot, v);
-		/* Near a touch the foot's rounding along the edge would tilt a short way: across, to its own digits. */
+		/*
+		 * Near a touch the foot's rounding along the edge would tilt a short way: across,
+		 * to its own digits.
+		 */
 		const bool within = t > 0 && t < whole;
 		if (within)
 			way = rb_vec3_add_scaled(way, -rb_vec3_dot(way, cd) / whole, cd);
 		const double square = rb_vec3_dot(way, way);
-		/* Hard by a vertex the way to it is as short, but not quite across: the edge wins a draw. */
+		/*
+		 * Hard by a vertex the way to it is as short, but not quite across: the edge wins a
+		 * draw.
+		 */
 		if ((within ? square * (1 - 8 * DBL_EPSILON) : square) < best->square)
 			*best = (shortest){square, way};
 	}
@@ -258,7 +271,10 @@ void rb_facets_corners(rb_axis *axis, const rb_slab *slab)
 	                                   slab->depth);
 	const rb_vec3 forth = from_a.way, back = rb_vec3_neg(from_b.way);
 
-	/* Both: where one ends on a vertex close to the foot of the other they are as long, but only one proves its length. */
+	/*
+	 * Both: where one ends on a vertex close to the foot of the other they are as long, but
+	 * only one proves its length.
+	 */
 	if (rb_vec3_dot(forth, forth) > 0)
 		rb_axis_try(axis, rb_vec3_unit(forth, forth));
 	if (rb_vec3_dot(back, back) > 0)

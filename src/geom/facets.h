@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Directions that can prove the gap of two polytopes: normals of faces, across two edges, from vertex to vertex or
- * edge. Pure functions.
+ * Directions that can prove the gap of two polytopes: normals of faces, across two edges, from
+ * vertex to vertex or edge. Pure functions.
  */
 #ifndef RB_GEOM_FACETS_H
 #define RB_GEOM_FACETS_H

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The simplex is looked at whole: every vertex, edge, triangle that has the newest point, and the nearest to the origin
- * wins. That costs a few products more than to follow signs, and has no sign that rounding could turn.
+ * The simplex is looked at whole: every vertex, edge, triangle that has the newest point, and the
+ * nearest to the origin wins. That costs a few products more than to follow signs, and has no sign
+ * that rounding could turn.
  */
 #include "geom/gjk.h"
 
@@ -77,7 +78,10 @@ static bool holds_origin(const simplex *s)
 	return whole != 0;
 }
 
-/* The point of the simplex nearest to the origin, which lies on a part that has the newest point w[count - 1]. */
+/*
+ * The point of the simplex nearest to the origin, which lies on a part that has the newest point
+ * w[count - 1].
+ */
 static nearest look(const simplex *s)
 {
 	const int last = s->count - 1;

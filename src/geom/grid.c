@@ -255,8 +255,10 @@ static void fill_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes, 
 		place->bucket = bucket_of(place->key, mask, x);
 		start[place->bucket]++;
 	}
-	/* sums to the end of each bucket, then back to its start while items are put down from the last:
-	 * within a bucket they keep the order of their indices */
+	/*
+	 * sums to the end of each bucket, then back to its start while items are put down from the
+	 * last: within a bucket they keep the order of their indices
+	 */
 	uint32_t sum = 0;
 	for (size_t b = 0; b <= buckets; b++) {
 		sum += start[b];

@@ -44,7 +44,10 @@ static void extent(const double *at, int count, double low[3], double high[3])
 	}
 }
 
-/* Centres the cloud, and stretches each axis to 1; false: it has no extent along one beyond its rounding. */
+/*
+ * Centres the cloud, and stretches each axis to 1; false: it has no extent along one beyond its
+ * rounding.
+ */
 static bool stretch(struct cloud *cloud, double noise[3])
 {
 	double low[3], high[3];
@@ -123,7 +126,9 @@ static enum rb_status to_cube(struct cloud *cloud, struct rb_error *err)
 
 /* ---- faces ---- */
 
-/* Seen from outside counter-clockwise? By Newell's normal, which no three corners in a line upset. */
+/*
+ * Seen from outside counter-clockwise? By Newell's normal, which no three corners in a line upset.
+ */
 static bool is_clockwise(const double *at, const int *loop, int count, const double *outward)
 {
 	rb_vec3 normal = {0, 0, 0};
@@ -174,7 +179,10 @@ static bool take_faces(struct rb_hull *hull, qhT *qh)
 	return hull->loops && hull->face_first;
 }
 
-/* Loops of numbers of points. Qhull leaves by longjmp when it gives up: what is changed here is the hull's. */
+/*
+ * Loops of numbers of points. Qhull leaves by longjmp when it gives up: what is changed here is the
+ * hull's.
+ */
 static enum rb_status take_loops(struct rb_hull *hull, const struct cloud *cloud, qhT *qh)
 {
 	facetT *facet;
@@ -306,7 +314,10 @@ static int compare_loops(const void *a, const void *b)
 	return (p->count > q->count) - (p->count < q->count);
 }
 
-/* Loops start at their smallest corner and stand in the order of their corners, whatever Qhull's order was. */
+/*
+ * Loops start at their smallest corner and stand in the order of their corners, whatever Qhull's
+ * order was.
+ */
 static enum rb_status sort_loops(struct rb_hull *hull)
 {
 	const int total = hull->face_first[hull->face_count];

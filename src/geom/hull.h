@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The convex hull of points, by Qhull (Barber, Dobkin, Huhdanpaa 1996), with its coplanar facets as one face each.
+ * The convex hull of points, by Qhull (Barber, Dobkin, Huhdanpaa 1996), with its coplanar facets as
+ * one face each.
  *
- * A pure function of the points; what it makes is owned by the caller until rb_hull_release. Points are brought to
- * a cube by a linear map before Qhull sees them, so that needles and foils are no harder than cubes, and "coplanar"
- * is what the rounding of the coordinates cannot tell from it. Corners keep their coordinates to the bit.
+ * A pure function of the points; what it makes is owned by the caller until rb_hull_release. Points
+ * are brought to a cube by a linear map before Qhull sees them, so that needles and foils are no
+ * harder than cubes, and "coplanar" is what the rounding of the coordinates cannot tell from it.
+ * Corners keep their coordinates to the bit.
  */
 #ifndef RB_GEOM_HULL_H
 #define RB_GEOM_HULL_H

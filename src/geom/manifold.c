@@ -2,14 +2,18 @@
 #include "geom/manifold.h"
 
 /*
- * Of its reach, by which a face may tilt and still be taken whole: of bodies that are nearly flush, the outermost edge of one
- * may lie past the border of the other, and the corners next to it on their borders count.
+ * Of its reach, by which a face may tilt and still be taken whole: of bodies that are nearly flush,
+ * the outermost edge of one may lie past the border of the other, and the corners next to it on
+ * their borders count.
  */
 static const double tilt_share = 0x1p-10;
 /* Room for the nearest points. */
 enum { NEAREST_MOST = 4 };
 
-/* Of many points, the farthest in each of so many directions of the plane across n; the first of several. */
+/*
+ * Of many points, the farthest in each of so many directions of the plane across n; the first of
+ * several.
+ */
 static int thin_out(rb_overlay_point *point, int count, int most, rb_vec3 n)
 {
 	const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
@@ -64,8 +68,9 @@ static void start(find *f, const rb_placed *a, const rb_placed *b)
 }
 
 /*
- * Points lie over each other that are no farther apart across the normal than the band; or, `round`, than what is round may
- * be past a border without the gap's being larger by more than that.
+ * Points lie over each other that are no farther apart across the normal than the band; or,
+ * `round`, than what is round may be past a border without the gap's being larger by more than
+ * that.
  */
 static int corners_within(const find *f, double depth, double band, bool round,
                           rb_overlay_point point[RB_OVERLAY_MAX])
@@ -75,7 +80,10 @@ static int corners_within(const find *f, double depth, double band, bool round,
 
 	rb_patch_of(&pa, &f->a, f->s.normal, depth, tilt_a);
 	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth, tilt_b);
-	/* two lines a distance d of their centres of curvature apart are farther by x^2 / 2d where they are off by x */
+	/*
+	 * two lines a distance d of their centres of curvature apart are farther by x^2 / 2d where
+	 * they are off by x
+	 */
 	const double curve = fmax(f->s.gap, 0) + pa.curve + pb.curve;
 	const double along = sqrt(band * band + 2 * curve * band);
 	/* what is sharp ends where it ends */
@@ -86,8 +94,8 @@ static int corners_within(const find *f, double depth, double band, bool round,
 }
 
 /*
- * Directions that prove as much to rounding may be off from the one along which the bodies lie over each other; then what
- * they share lies deeper.
+ * Directions that prove as much to rounding may be off from the one along which the bodies lie over
+ * each other; then what they share lies deeper.
  */
 static int corners(const find *f, double band, rb_overlay_point point[RB_OVERLAY_MAX])
 {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All points of a touch of two convex bodies: the corners of what their surfaces share, seen along the normal. Pure.
+ * All points of a touch of two convex bodies: the corners of what their surfaces share, seen along
+ * the normal. Pure.
  *
- * Points come in an order that follows from the features, each with a key that says which features meet there; both stay
- * while the bodies move less than the band. Mirrored bodies have mirrored points.
+ * Points come in an order that follows from the features, each with a key that says which features
+ * meet there; both stay while the bodies move less than the band. Mirrored bodies have mirrored
+ * points.
  */
 #ifndef RB_GEOM_MANIFOLD_H
 #define RB_GEOM_MANIFOLD_H
@@ -27,14 +29,15 @@ typedef struct {
 } rb_manifold;
 
 /*
- * Points whose gap along the normal exceeds the smallest by no more than `band`, m. Of more than RB_MANIFOLD_MAX, those
- * farthest out in as many directions.
+ * Points whose gap along the normal exceeds the smallest by no more than `band`, m. Of more than
+ * RB_MANIFOLD_MAX, those farthest out in as many directions.
  */
 void rb_manifold_of(rb_manifold *manifold, const rb_placed *a, const rb_placed *b, double band);
 
 /*
- * For wide bands. Corners of what lies within a band need not be lowest: a disc that tilts, or lines that cross at a small
- * angle, come lower between them. Where they do by more than `fine`, m, their nearest points are there too.
+ * For wide bands. Corners of what lies within a band need not be lowest: a disc that tilts, or
+ * lines that cross at a small angle, come lower between them. Where they do by more than `fine`, m,
+ * their nearest points are there too.
  */
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
                               double band, double fine);

@@ -39,7 +39,10 @@ rb_vec3 rb_shape_centroid(const struct rb_solid *solids, const struct rb_shape *
 	return (rb_vec3){0, 0, 0};
 }
 
-/* Of the parts of a capsule, a cylinder and two half balls whose centroids are 3/8 r beyond its ends. */
+/*
+ * Of the parts of a capsule, a cylinder and two half balls whose centroids are 3/8 r beyond its
+ * ends.
+ */
 static rb_mat3 capsule_inertia(double r, double length, double mass)
 {
 	const double caps = 4.0 / 3.0 * r / (length + 4.0 / 3.0 * r) * mass, middle = mass - caps;
@@ -127,7 +130,10 @@ double rb_shape_half_width(const struct rb_solid *solids, const struct rb_shape 
 
 /* ---- polyhedra ---- */
 
-/* What a body of density 1 has about a point: volume, first and second moments (xx, yy, zz, xy, xz, yz). */
+/*
+ * What a body of density 1 has about a point: volume, first and second moments (xx, yy, zz, xy, xz,
+ * yz).
+ */
 struct moments {
 	double volume;
 	rb_vec3 first;
@@ -135,9 +141,10 @@ struct moments {
 };
 
 /*
- * Adds the tetrahedron from the origin to a, b, c. Over a simplex the mean of x_i x_j is (sum of products of corners +
- * product of sums) / 20: from the mean of products of barycentric coordinates, 1/10 and 1/20 (Zienkiewicz and
- * Taylor, The Finite Element Method, volume coordinates).
+ * Adds the tetrahedron from the origin to a, b, c. Over a simplex the mean of x_i x_j is (sum of
+ * products of corners + product of sums) / 20: from the mean of products of barycentric
+ * coordinates, 1/10 and 1/20 (Zienkiewicz and Taylor, The Finite Element Method, volume
+ * coordinates).
  */
 static void add_tetrahedron(struct moments *m, rb_vec3 a, rb_vec3 b, rb_vec3 c)
 {
@@ -203,7 +210,10 @@ static void measure_hull(struct rb_solid *solid)
 
 	solid->volume = solid->weight = first.volume;
 	solid->centroid = rb_vec3_add_scaled(within, 1 / first.volume, first.first);
-	/* again, about where it is wanted: no theorem of parallel axes, no difference of large numbers */
+	/*
+	 * again, about where it is wanted: no theorem of parallel axes, no difference of large
+	 * numbers
+	 */
 	const struct moments m = moments_about(solid, solid->centroid);
 	const double *const s = m.second, v = m.volume;
 	solid->inertia = (rb_mat3){{{(s[1] + s[2]) / v, -s[3] / v, -s[4] / v},
@@ -222,7 +232,9 @@ static rb_vec3 part_centroid(const struct rb_solid *solids, const struct rb_soli
 	                                                  rb_shape_centroid(solids, &part->shape)));
 }
 
-/* The part's tensor in the union's axes, about the union's centroid (the theorem of parallel axes). */
+/*
+ * The part's tensor in the union's axes, about the union's centroid (the theorem of parallel axes).
+ */
 static void add_part(rb_mat3 *sum, const struct rb_solid *solids, const struct rb_solid_part *part,
                      double mass, rb_vec3 arm)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Volume and inertia of a shape, and what makes an inertia tensor possible. Pure functions; `solids` are those of the
- * scene, which shapes refer to (NULL where it has none).
+ * Volume and inertia of a shape, and what makes an inertia tensor possible. Pure functions;
+ * `solids` are those of the scene, which shapes refer to (NULL where it has none).
  *
  * A body whose centre of mass is given off the centroid keeps its shape where it is. Without an
  * inertia of its own it takes the tensor of the uniform shape (2/5 m r^2 for a sphere) as the one
@@ -15,7 +15,10 @@
 
 #include <rbsim/scene.h>
 
-/* m^3, that weighs: of a union each part times its share; 0 for planes and rectangles, which have none. */
+/*
+ * m^3, that weighs: of a union each part times its share; 0 for planes and rectangles, which have
+ * none.
+ */
 double rb_shape_volume(const struct rb_solid *solids, const struct rb_shape *shape);
 
 /* m, object coordinates. */
@@ -27,12 +30,16 @@ rb_mat3 rb_shape_inertia(const struct rb_solid *solids, const struct rb_shape *s
 /* m: no point is farther from the object's origin; 0 for planes and rectangles. */
 double rb_shape_reach(const struct rb_solid *solids, const struct rb_shape *shape);
 
-/* m: radius, half-edge, half of a hull's smallest extent, whichever is least; INFINITY for planes and rectangles. */
+/*
+ * m: radius, half-edge, half of a hull's smallest extent, whichever is least; INFINITY for planes
+ * and rectangles.
+ */
 double rb_shape_half_width(const struct rb_solid *solids, const struct rb_shape *shape);
 
 /*
- * Fills in what follows from corners and faces, or from parts: volume, weight, centroid, inertia, reach, half width.
- * Of a polyhedron to rounding, whatever its aspect ratio and its place: sums of tetrahedra without a negative one.
+ * Fills in what follows from corners and faces, or from parts: volume, weight, centroid, inertia,
+ * reach, half width. Of a polyhedron to rounding, whatever its aspect ratio and its place: sums of
+ * tetrahedra without a negative one.
  */
 void rb_solid_measure(struct rb_solid *solid, const struct rb_solid *solids);
 
@@ -51,7 +58,10 @@ struct rb_particles {
 /* What `count` > 0 rigidly joined points weigh together. */
 struct rb_particles rb_particles_measure(const struct rb_particle *particles, size_t count);
 
-/* Whether the tensor of `count` particles says, to rounding, that they lie on one line or at one point. */
+/*
+ * Whether the tensor of `count` particles says, to rounding, that they lie on one line or at one
+ * point.
+ */
 bool rb_particles_in_line(const rb_mat3 *inertia, size_t count);
 
 /* Ascending eigenvalues of a symmetric tensor (its lower half is not read). */

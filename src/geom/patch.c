@@ -3,7 +3,10 @@
 
 #include <string.h>
 
-/* How much higher, over its radius and the sine of its tilt, a rim is an eighth of a turn from its lowest point. */
+/*
+ * How much higher, over its radius and the sine of its tilt, a rim is an eighth of a turn from its
+ * lowest point.
+ */
 static const double eighth_rise = 0.29289321881345254;
 
 static rb_part edge_between(const struct rb_polytope *p, int v, int w)
@@ -13,7 +16,10 @@ static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 	return edge >= 0 ? rb_part_of(RB_PART_EDGE, edge) : rb_part_of(RB_PART_DIAGONAL, v);
 }
 
-/* The vertices above `low` along n; `*all` is how many there are, of which the first RB_PATCH_MAX are taken. */
+/*
+ * The vertices above `low` along n; `*all` is how many there are, of which the first RB_PATCH_MAX
+ * are taken.
+ */
 static int outermost(const struct rb_polytope *p, rb_vec3 n, double low, int vertex[RB_PATCH_MAX],
                      int *all)
 {
@@ -45,7 +51,10 @@ static int best_face(const struct rb_polytope *p, rb_vec3 n)
 	return best;
 }
 
-/* The vertices of one face that lie above `low` along n, in its order; `*met` is how many, too many or not. */
+/*
+ * The vertices of one face that lie above `low` along n, in its order; `*met` is how many, too many
+ * or not.
+ */
 static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double low,
                      int vertex[RB_PATCH_MAX], int *met)
 {
@@ -65,9 +74,9 @@ static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double lo
 }
 
 /*
- * Without those that lie higher than another by more than they lie beside it, which leaves at least one: before they touch, the
- * body has turned by an eighth. Seen along n they may hide what lies below them. Returns how many; `*low` is the height of the
- * innermost.
+ * Without those that lie higher than another by more than they lie beside it, which leaves at least
+ * one: before they touch, the body has turned by an eighth. Seen along n they may hide what lies
+ * below them. Returns how many; `*low` is the height of the innermost.
  */
 static int without_steep(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_MAX],
                          int count, double *low)
@@ -255,7 +264,10 @@ void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, doub
 	patch->curve = patch->round = 0;
 	patch->low = (rb_vec3){0, 0, 0};
 	patch->feature = patch->id[0] = rb_part_of(RB_PART_SURFACE, 0);
-	/* x, or y where x is much along the normal: far from the change over, neither is ever doubtful */
+	/*
+	 * x, or y where x is much along the normal: far from the change over, neither is ever
+	 * doubtful
+	 */
 	const rb_mat3 *turn = &placed->turn;
 	patch->axis = (rb_vec3){turn->m[0][0], turn->m[1][0], turn->m[2][0]};
 	if (fabs(rb_vec3_dot(patch->axis, outward)) > 0.8)

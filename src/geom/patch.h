@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What of a core lies outermost along a direction, to within a depth: a point, a segment, a polygon, a disc, a plane. And
- * where two such patches lie over each other. Pure functions of values; no allocation.
+ * What of a core lies outermost along a direction, to within a depth: a point, a segment, a
+ * polygon, a disc, a plane. And where two such patches lie over each other. Pure functions of
+ * values; no allocation.
  */
 #ifndef RB_GEOM_PATCH_H
 #define RB_GEOM_PATCH_H
@@ -57,9 +58,10 @@ typedef struct {
 } rb_patch;
 
 /*
- * `outward`: unit. What lies no deeper than `depth` below the outermost belongs to it; and the whole of a polytope's face of
- * which some does, if all of the face lies no deeper than `tilt`: its own plane says how deep. With a `tilt`, the whole of a
- * cylinder's end if an eighth of its rim lies within the depth; it has a lowest point where it tilts by more.
+ * `outward`: unit. What lies no deeper than `depth` below the outermost belongs to it; and the
+ * whole of a polytope's face of which some does, if all of the face lies no deeper than `tilt`: its
+ * own plane says how deep. With a `tilt`, the whole of a cylinder's end if an eighth of its rim
+ * lies within the depth; it has a lowest point where it tilts by more.
  */
 void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth,
                  double tilt);

@@ -43,8 +43,8 @@ static double above(const rb_patch *patch, rb_vec3 p, rb_vec3 n)
 }
 
 /*
- * Of two beside each other the first stays, or the lower one: what lies deep may have corners one above the other. Two of one
- * part are two, however near: a body may be narrower than `aside`.
+ * Of two beside each other the first stays, or the lower one: what lies deep may have corners one
+ * above the other. Two of one part are two, however near: a body may be narrower than `aside`.
  */
 static void put(table *t, rb_overlay_point p)
 {
@@ -141,7 +141,10 @@ static bool inside(const outline *o, double x, double y, double aside)
 	return true;
 }
 
-/* Where side i of one crosses side j of the other, as shares of their lengths; false where they are parallel. */
+/*
+ * Where side i of one crosses side j of the other, as shares of their lengths; false where they are
+ * parallel.
+ */
 static bool crossing_of_lines(const outline *a, int i, const outline *b, int j, double at[2])
 {
 	const int i1 = i + 1 < a->count ? i + 1 : 0, j1 = j + 1 < b->count ? j + 1 : 0;
@@ -157,7 +160,10 @@ static bool crossing_of_lines(const outline *a, int i, const outline *b, int j, 
 	return true;
 }
 
-/* Both ends of a's side no farther than `aside` from the line of b's: they are one line, and their ends are all there is. */
+/*
+ * Both ends of a's side no farther than `aside` from the line of b's: they are one line, and their
+ * ends are all there is.
+ */
 static bool along_line(const outline *a, int i, const outline *b, int j, double aside)
 {
 	const int i1 = i + 1 < a->count ? i + 1 : 0, j1 = j + 1 < b->count ? j + 1 : 0;
@@ -238,8 +244,8 @@ static double clamped(double s)
 }
 
 /*
- * Two segments: where they cross, or the ends of what they share where that is no farther apart than `along`. All in the
- * plane across n, with lengths along a's direction.
+ * Two segments: where they cross, or the ends of what they share where that is no farther apart
+ * than `along`. All in the plane across n, with lengths along a's direction.
  */
 static void segments(table *t)
 {
@@ -266,7 +272,9 @@ static void segments(table *t)
 	const bool together = span > 0 && to > from && fabs(off_from) <= t->def->along &&
 	                      fabs(off_to) <= t->def->along;
 	if (!together) {
-		/* End to end, or side by side by less than rounding: the middle of what is between. */
+		/*
+		 * End to end, or side by side by less than rounding: the middle of what is between.
+		 */
 		if (!crossing_of_lines(&a, 0, &b, 0, at)) {
 			const double middle = 0.5 * (from + to);
 			at[0] = middle / length;
@@ -309,8 +317,8 @@ static void put_rim(table *t, bool of_a, rb_vec3 way, int place, const outline *
 }
 
 /*
- * The quarters of a disc, counted from a direction of the other body, so that they stay when the disc spins; of one that
- * tilts, the eighths from its lowest point on.
+ * The quarters of a disc, counted from a direction of the other body, so that they stay when the
+ * disc spins; of one that tilts, the eighths from its lowest point on.
  */
 static void rim(table *t, bool of_a, const outline *within)
 {
@@ -351,7 +359,10 @@ static void disc_and_sides(table *t, bool disc_is_a)
 		const double dx = cx - o.x[i], dy = cy - o.y[i];
 		const double foot = (dx * sx + dy * sy) / length;
 		const double off = (dx * sy - dy * sx) / length;
-		/* Grazing is not crossing: its two points would jump apart by the root of what moves. */
+		/*
+		 * Grazing is not crossing: its two points would jump apart by the root of what
+		 * moves.
+		 */
 		if (!(length > 0 && fabs(off) < r - t->def->aside))
 			continue;
 		const double half = sqrt((r - off) * (r + off));

@@ -57,7 +57,9 @@ static void add_arc(struct rb_polytope *p, const int vertex[2], rb_vec3 n0, rb_v
 	                               (rb_vec3){0, 0, 1});
 	const double sense = rb_vec3_dot(rb_vec3_cross(n0, n1), d) < 0 ? -1 : 1;
 
-	/* Across `along` from both ends; what the faces' normals have along the edge is rounding. */
+	/*
+	 * Across `along` from both ends; what the faces' normals have along the edge is rounding.
+	 */
 	p->arcs[p->arc_count++] = (rb_polytope_arc){
 		.vertex = {vertex[0], vertex[1]},
 		.along = d,
@@ -76,7 +78,10 @@ static void measure(struct rb_polytope *p)
 	}
 }
 
-/* Newell's sum over the loop, about its first vertex and in units of its size, so that nothing overflows. */
+/*
+ * Newell's sum over the loop, about its first vertex and in units of its size, so that nothing
+ * overflows.
+ */
 static bool face_normal(struct rb_polytope *p, rb_polytope_face *f)
 {
 	const int *loop = p->loop + f->first;

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Convex polytopes as geometry needs them: vertices, faces, edges, and what is worth working out only once.
+ * Convex polytopes as geometry needs them: vertices, faces, edges, and what is worth working out
+ * only once.
  *
- * One is made when a scene is sealed, is constant from then on, may be read by any thread, and belongs to whoever made
- * it. It may be flat (one face with two sides), a segment or a point; coordinates are those of its body.
+ * One is made when a scene is sealed, is constant from then on, may be read by any thread, and
+ * belongs to whoever made it. It may be flat (one face with two sides), a segment or a point;
+ * coordinates are those of its body.
  */
 #ifndef RB_GEOM_POLYTOPE_H
 #define RB_GEOM_POLYTOPE_H
@@ -21,9 +23,9 @@ typedef struct {
 } rb_polytope_face;
 
 /*
- * An edge with some of the directions in which it is outermost: those across `along` between two normals less than half
- * a turn apart. n is one of them where n.inner[0] >= 0 and n.inner[1] >= 0. The edge of a solid is one arc, that of
- * a flat two, a segment alone three, all round.
+ * An edge with some of the directions in which it is outermost: those across `along` between two
+ * normals less than half a turn apart. n is one of them where n.inner[0] >= 0 and n.inner[1] >= 0.
+ * The edge of a solid is one arc, that of a flat two, a segment alone three, all round.
  */
 typedef struct {
 	int vertex[2];
@@ -47,7 +49,10 @@ struct rb_polytope {
 
 enum { RB_POLYTOPE_VERTICES_MAX = 1 << 20 };
 
-/* Faces as loops of vertices, anticlockwise seen from outside; `counts` has the number of vertices of each. */
+/*
+ * Faces as loops of vertices, anticlockwise seen from outside; `counts` has the number of vertices
+ * of each.
+ */
 typedef struct {
 	int vertex_count, face_count;
 	const rb_vec3 *vertices;
@@ -56,8 +61,9 @@ typedef struct {
 } rb_polytope_def;
 
 /*
- * Everything is copied. The vertices of a face must lie in a plane, and each edge belong to two faces; whether the whole
- * is convex is not checked. RB_ERR_SCENE for what is not closed or has a face or edge without extent.
+ * Everything is copied. The vertices of a face must lie in a plane, and each edge belong to two
+ * faces; whether the whole is convex is not checked. RB_ERR_SCENE for what is not closed or has a
+ * face or edge without extent.
  */
 enum rb_status rb_polytope_create(struct rb_polytope **polytope, const rb_polytope_def *def,
                                   struct rb_error *err);

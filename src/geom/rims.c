@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A rim of centre c, axis u and radius r is farthest along a unit n at n.c + r sqrt(1 - (n.u)^2). Against a line with
- * direction e the best n is one across e, so there is an angle to be found; against another rim it is anywhere on the
- * sphere, near where it is looked for from. Derivatives follow from that one formula.
+ * A rim of centre c, axis u and radius r is farthest along a unit n at n.c + r sqrt(1 - (n.u)^2).
+ * Against a line with direction e the best n is one across e, so there is an angle to be found;
+ * against another rim it is anywhere on the sphere, near where it is looked for from. Derivatives
+ * follow from that one formula.
  */
 #include "geom/rims.h"
 
@@ -17,7 +18,10 @@ enum {
 		3 /* steps that gain less than can be seen: each has twice the digits of the one before */
 };
 
-/* A turn, in radians, after which Newton's next is below rounding, unless bends change a million times faster than turns. */
+/*
+ * A turn, in radians, after which Newton's next is below rounding, unless bends change a million
+ * times faster than turns.
+ */
 static const double small_step = 0x1p-36;
 
 /* A cylinder and the sense (1 or -1) that turns directions from a to b into those away from it. */
@@ -38,8 +42,9 @@ static void try_away(rb_axis *axis, const drum *d, rb_vec3 away)
 }
 
 /*
- * What directions n = c x + s y, with x, y and e across each other and c^2 + s^2 = 1, prove: n.w - r |n x u|. The rim's axis
- * has across n what it has along t, which is n a quarter turn on, and along e.
+ * What directions n = c x + s y, with x, y and e across each other and c^2 + s^2 = 1, prove: n.w -
+ * r |n x u|. The rim's axis has across n what it has along t, which is n a quarter turn on, and
+ * along e.
  */
 typedef struct {
 	rb_vec3 x, y;
@@ -128,7 +133,10 @@ static bool summit(const family *f, turn *out)
 		const bool is_within = fabs(step) < 1 && between(low, next) >= 0 &&
 		                       between(next, high) >= 0;
 		at = is_within ? next : half_way(low, high);
-		/* the next would be as small as its square; before the bracket, which rounding may have shut */
+		/*
+		 * the next would be as small as its square; before the bracket, which rounding may
+		 * have shut
+		 */
 		if (fabs(step) <= small_step || !(between(low, high) > 0))
 			break;
 		/* rounding: there Newton's steps no longer shrink */
@@ -145,7 +153,10 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 	const rb_vec3 away = rb_vec3_scale(d->sense, guide);
 	const rb_vec3 way = rb_vec3_sub(point, d->placed->at);
 	const rb_vec3 side = rb_vec3_cross(d->axis, e);
-	/* a guide along the line says nothing, and what rounding leaves of it across need not be across */
+	/*
+	 * a guide along the line says nothing, and what rounding leaves of it across need not be
+	 * across
+	 */
 	const rb_vec3 left = rb_vec3_reject(away, e);
 	const bool guided = rb_vec3_dot(left, left) > 0x1p-20;
 	const rb_vec3 x = guided ? rb_vec3_unit(rb_vec3_reject(left, e), left) : rb_vec3_across(e);
@@ -169,7 +180,10 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		                  d->round};
 		if (!summit(&f, &top))
 			continue;
-		/* where the other rim is farther out this one's summit is nearly one, hence worse than none */
+		/*
+		 * where the other rim is farther out this one's summit is nearly one, hence worse
+		 * than none
+		 */
 		const rb_vec3 n = direction(&f, top);
 		if (end * rb_vec3_dot(n, d->axis) >= 0)
 			try_away(axis, d, n);
@@ -181,7 +195,10 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		try_away(axis, d, rb_vec3_unit(straight, straight));
 }
 
-/* A vertex: outside, the way to it from the nearest point; inside and near the mantle, out through the mantle. */
+/*
+ * A vertex: outside, the way to it from the nearest point; inside and near the mantle, out through
+ * the mantle.
+ */
 static void vertex(rb_axis *axis, const drum *d, rb_vec3 point)
 {
 	const rb_vec3 between = rb_vec3_sub(point, d->placed->at);
@@ -220,7 +237,9 @@ static rb_slab_local end_of(const drum *d, const rb_placed *other, const rb_slab
 	return rb_slab_of(other, rb_vec3_scale(-d->sense, slab->normal), slab->depth);
 }
 
-/* First the edges where the guide points, mostly the right ones, after which few others can matter. */
+/*
+ * First the edges where the guide points, mostly the right ones, after which few others can matter.
+ */
 static void against_polytope(rb_axis *axis, const drum *d, const rb_placed *other,
                              const rb_slab *given, rb_vec3 guide)
 {
@@ -252,7 +271,10 @@ static void against_polytope(rb_axis *axis, const drum *d, const rb_placed *othe
 			vertex(axis, d, rb_placed_point(other, p->vertices[i]));
 }
 
-/* What n proves of two rims, its gradient, and the second derivatives in the plane of x and y across n. */
+/*
+ * What n proves of two rims, its gradient, and the second derivatives in the plane of x and y
+ * across n.
+ */
 typedef struct {
 	double value, gx, gy, xx, xy, yy;
 } climb;
@@ -281,7 +303,10 @@ static climb climb_at(rb_vec3 between, const drum *const d[2], rb_vec3 n, rb_vec
 	return c;
 }
 
-/* Rim against rim: uphill from n by Newton's steps, shortened until they gain; where they do not, by the gradient. */
+/*
+ * Rim against rim: uphill from n by Newton's steps, shortened until they gain; where they do not,
+ * by the gradient.
+ */
 static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 {
 	int trusted_steps = 0, changes = -1;
@@ -291,7 +316,9 @@ static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 		const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
 		const double end_a = copysign(d[0]->half, rb_vec3_dot(n, d[0]->axis));
 		const double end_b = copysign(d[1]->half, -rb_vec3_dot(n, d[1]->axis));
-		/* to and fro between ends: the best lies across an axis, where a mantle takes over */
+		/*
+		 * to and fro between ends: the best lies across an axis, where a mantle takes over
+		 */
 		changes += end_a != last_a || end_b != last_b;
 		if (changes > CHANGES_MAX)
 			break;
@@ -315,7 +342,10 @@ static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 		/* a gain below rounding cannot be seen: the last steps are taken on trust */
 		const bool trusted = determinant > 0 && c.xx < 0 &&
 		                     c.gx * sx + c.gy * sy <= axis->noise;
-		/* gains that should be seen, and are not: a peak, where an end or a mantle takes over */
+		/*
+		 * gains that should be seen, and are not: a peak, where an end or a mantle takes
+		 * over
+		 */
 		if (!trusted && c.value <= last_value + axis->noise)
 			break;
 		last_value = c.value;
@@ -345,7 +375,10 @@ static void against_cylinder(rb_axis *axis, const drum *const d[2], rb_vec3 guid
 	const rb_vec3 u = d[0]->axis, v = d[1]->axis;
 	const double along_u = rb_vec3_dot(between, u), along_v = -rb_vec3_dot(between, v);
 
-	/* mantle against rim: the axis as a line; its radius is the same for all directions across it */
+	/*
+	 * mantle against rim: the axis as a line; its radius is the same for all directions across
+	 * it
+	 */
 	line(axis, d[0], rb_vec3_add_scaled(d[1]->placed->at, along_v, v), v, guide);
 	line(axis, d[1], rb_vec3_add_scaled(d[0]->placed->at, along_u, u), u, guide);
 	rim_to_rim(axis, d, guide);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Directions that can prove the gap of a cylinder and another core, besides the ends of cylinders and faces (these are
- * in geom/facets). Where a rim is concerned the best of a family of directions is found by Newton's method on what each
- * proves, which goes smoothly from apart to overlapping. Pure functions.
+ * Directions that can prove the gap of a cylinder and another core, besides the ends of cylinders
+ * and faces (these are in geom/facets). Where a rim is concerned the best of a family of directions
+ * is found by Newton's method on what each proves, which goes smoothly from apart to overlapping.
+ * Pure functions.
  */
 #ifndef RB_GEOM_RIMS_H
 #define RB_GEOM_RIMS_H

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * How the best direction is found. All faces first: mostly the best of them is seen to be the best of all. Else GJK's
- * distance, where there is one, says which features can matter: those in a thin slab across its direction. Their closed
- * forms then give the answer, which has their digits and no trace of the way that led to them.
+ * How the best direction is found. All faces first: mostly the best of them is seen to be the best
+ * of all. Else GJK's distance, where there is one, says which features can matter: those in a thin
+ * slab across its direction. Their closed forms then give the answer, which has their digits and no
+ * trace of the way that led to them.
  *
- * Near a touch the direction of a distance loses its digits (an ulp of the size over the gap). There the best of the faces
- * bounds where else to look: with n its normal, s its gap, and U a bound on the size of the true gap g (U >= |g|,
- * g >= s), the touching points p and p + g m have n.p + g n.m >= h + s, h the height of a's outermost point, hence
- * n.p >= h + s - U; likewise for b. Edges and corners below that are left out.
+ * Near a touch the direction of a distance loses its digits (an ulp of the size over the gap).
+ * There the best of the faces bounds where else to look: with n its normal, s its gap, and U a
+ * bound on the size of the true gap g (U >= |g|, g >= s), the touching points p and p + g m have
+ * n.p + g n.m >= h + s, h the height of a's outermost point, hence n.p >= h + s - U; likewise for
+ * b. Edges and corners below that are left out.
  */
 #include "geom/separation.h"
 
@@ -18,10 +20,16 @@
 #include "geom/patch_overlap.h"
 #include "geom/rims.h"
 
-/* Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to tell features. */
+/*
+ * Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to
+ * tell features.
+ */
 static const double far_share = 1e-4;
 enum { NOISE_ULP = 16, TIES_MAX = 6 };
-/* Of more, only those along the direction of a distance are tried, where there is one; decides cost only. */
+/*
+ * Of more, only those along the direction of a distance are tried, where there is one; decides cost
+ * only.
+ */
 enum { FEW_FACES = 32 };
 
 static rb_separation of_half_space(const rb_placed *a, const rb_placed *b, double noise)
@@ -80,8 +88,8 @@ static rb_vec3 middle_of(const rb_patch *patch)
 }
 
 /*
- * How deep a point that both patches share along n lies within the border of one of them, m: the middle of either, or of what
- * they share. Negative: none is seen.
+ * How deep a point that both patches share along n lies within the border of one of them, m: the
+ * middle of either, or of what they share. Negative: none is seen.
  */
 static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_patch *b)
 {
@@ -110,11 +118,13 @@ static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_pat
 typedef enum { NOTHING_SHARED, SHARED, BEST } proof;
 
 /*
- * Whether no direction proves more than the best face so far. Apart, by points that lie over each other along it. Overlapping
- * by d: the differences of points of b and a have, across the normal n, a disc of radius r at depth d, where r is how far a
- * point of one lies within the border of the other's face; and a point higher by D, the extent of both bodies along n, and
- * aside by at most S. Along cos(t) n + sin(t) w the disc proves no more than -d cos(t) - r sin(t), which is no more than -d
- * as long as d tan(t / 2) <= r; for what is left, within 2 d / r of -n, the other point proves no more than
+ * Whether no direction proves more than the best face so far. Apart, by points that lie over each
+ * other along it. Overlapping by d: the differences of points of b and a have, across the normal n,
+ * a disc of radius r at depth d, where r is how far a point of one lies within the border of the
+ * other's face; and a point higher by D, the extent of both bodies along n, and aside by at most S.
+ * Along cos(t) n + sin(t) w the disc proves no more than -d cos(t) - r sin(t), which is no more
+ * than -d as long as d tan(t / 2) <= r; for what is left, within 2 d / r of -n, the other point
+ * proves no more than
  * -(D - d) cos(2 d / r) + S 2 d / r.
  */
 static proof settled(const rb_axis *axis)
@@ -139,8 +149,9 @@ static proof settled(const rb_axis *axis)
 }
 
 /*
- * Faces that prove as much to rounding are as good, but only along one of them may the bodies lie over each other: of two
- * that are nearly flush and parallel, a corner of one may be past the face of the other.
+ * Faces that prove as much to rounding are as good, but only along one of them may the bodies lie
+ * over each other: of two that are nearly flush and parallel, a corner of one may be past the face
+ * of the other.
  */
 static bool best_face_settles(rb_axis *axis)
 {
@@ -174,7 +185,10 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 	rb_slab slab = {gjk->normal, (double)INFINITY, (double)INFINITY};
 
 	if (axis->found) {
-		/* What lies far apart has been proved to; else a long distance is one from before they overlapped. */
+		/*
+		 * What lies far apart has been proved to; else a long distance is one from before
+		 * they overlapped.
+		 */
 		const double doubt = fabs(gjk->most - gjk->least);
 		const double distance = gjk->most <= far_share * scale
 		                                ? fmax(gjk->most, gjk->least) + doubt
@@ -201,7 +215,10 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 
 static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 {
-	/* of thin simplices on round cores the distance has lost digits: it may even lie below what is proved */
+	/*
+	 * of thin simplices on round cores the distance has lost digits: it may even lie below what
+	 * is proved
+	 */
 	const rb_slab slab = {gjk->normal, fabs(gjk->most - gjk->least) + 8 * axis->noise,
 	                      (double)INFINITY};
 

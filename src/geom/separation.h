@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The normal and signed gap of two convex cores, wherever they are: the best of the directions that geom/facets and
- * geom/rims know. Pure.
+ * The normal and signed gap of two convex cores, wherever they are: the best of the directions that
+ * geom/facets and geom/rims know. Pure.
  */
 #ifndef RB_GEOM_SEPARATION_H
 #define RB_GEOM_SEPARATION_H
@@ -18,7 +18,8 @@ typedef struct {
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
 
 /*
- * A gap, m, that rb_separation_of would find no less than, with room for rounding, if one above `limit` is seen; else
+ * A gap, m, that rb_separation_of would find no less than, with room for rounding, if one above
+ * `limit` is seen; else
  * -INFINITY, which says nothing. Cheap where `*axis` still tells them apart, which it did when this last did; zero: no idea.
  * `rounds`: how many directions may be tried.
  */

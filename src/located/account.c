@@ -36,7 +36,10 @@ static void add_force(struct rb_entries *e, enum rb_ledger_momentum cause, rb_ve
 	                    rb_vec3_cross(span->place, force));
 }
 
-/* Forces that a parabola is left with act at the centre of mass and do not turn (located/external_force). */
+/*
+ * Forces that a parabola is left with act at the centre of mass and do not turn
+ * (located/external_force).
+ */
 static void add_stated(const struct rb_located *l, int i, const struct span *span,
                        struct rb_entries *e)
 {
@@ -111,7 +114,9 @@ void rb_account_arc(struct rb_located *l, int i, double t)
 
 /* ---- clusters ---- */
 
-/* Integrals of the rates of contacts between parabolas, from the cluster's beginning to `s` later. */
+/*
+ * Integrals of the rates of contacts between parabolas, from the cluster's beginning to `s` later.
+ */
 static void contacts_until(const struct rb_account_rates *r, double s, struct rb_entries *e)
 {
 	e->row[RB_ENERGY_SLIDING] = s * (r->sliding[0] + 0.5 * s * r->sliding[1]);

@@ -1,18 +1,25 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The ledger of the located method between events: what acts on bodies in flight and on clusters, from the moment up to
- * which it has been entered. All of it is integrals in closed form, or polynomials that came with the cluster's piece, so
- * nothing is evaluated for it. Where the ledger is not kept, each call returns at once.
+ * The ledger of the located method between events: what acts on bodies in flight and on clusters,
+ * from the moment up to which it has been entered. All of it is integrals in closed form, or
+ * polynomials that came with the cluster's piece, so nothing is evaluated for it. Where the ledger
+ * is not kept, each call returns at once.
  */
 #ifndef RB_LOCATED_ACCOUNT_H
 #define RB_LOCATED_ACCOUNT_H
 
 #include "located/located.h"
 
-/* Enters what has acted on a body on a parabola up to `t`. Before its arc, or a force on it, changes. */
+/*
+ * Enters what has acted on a body on a parabola up to `t`. Before its arc, or a force on it,
+ * changes.
+ */
 void rb_account_arc(struct rb_located *l, int i, double t);
 
-/* The same of a cluster: forces of its contacts, and, where it is integrated, all forces on its members. */
+/*
+ * The same of a cluster: forces of its contacts, and, where it is integrated, all forces on its
+ * members.
+ */
 void rb_account_cluster(struct rb_located *l, int cluster, double t);
 
 /* All bodies and clusters. */

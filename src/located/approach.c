@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For every direction n, what lies between the two bodies along n is no more than their gap. So n may go along with a face,
- * with two edges, or stay: heights of corners along it have a value, a rate, and bounded second derivatives, and the gap
- * stays above the lowest of parabolas. Where these follow the true gap to first order the steps converge like
- * Newton's. Where they do not (round rims, outlines that n knows nothing of), tiny steps go on, across which a gap
- * that is missed is smaller than what rounding leaves of sizes.
+ * For every direction n, what lies between the two bodies along n is no more than their gap. So n
+ * may go along with a face, with two edges, or stay: heights of corners along it have a value, a
+ * rate, and bounded second derivatives, and the gap stays above the lowest of parabolas. Where
+ * these follow the true gap to first order the steps converge like Newton's. Where they do not
+ * (round rims, outlines that n knows nothing of), tiny steps go on, across which a gap that is
+ * missed is smaller than what rounding leaves of sizes.
  */
 #include "located/approach.h"
 
@@ -23,8 +24,8 @@ static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
 static const double moment_share = 0x1p-20;
 
 /*
- * m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane, INFINITY. What turning moves
- * is the core only: a ball about a point of it stays what it is.
+ * m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane,
+ * INFINITY. What turning moves is the core only: a ball about a point of it stays what it is.
  */
 struct extent {
 	double ball, core, along, across;
@@ -116,7 +117,10 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	}
 }
 
-/* m: what of the body is that far from its centre of mass; of a turning plane, as far as the other is. */
+/*
+ * m: what of the body is that far from its centre of mass; of a turning plane, as far as the other
+ * is.
+ */
 static double arm_of(const struct course *c, double ball, double other)
 {
 	if (isfinite(ball))
@@ -160,7 +164,10 @@ static void place(struct course *c, double t, double until)
 	c->pair.pose_b = rb_arc_pose(l, c->pair.b, t);
 	c->turning_a = c->of_a.turning;
 	c->turning_b = c->of_b.turning;
-	/* a spin that grows is bounded for no longer than it takes to double, or to turn by a radian from rest */
+	/*
+	 * a spin that grows is bounded for no longer than it takes to double, or to turn by a
+	 * radian from rest
+	 */
 	const double growing = fmax(c->of_a.growing, c->of_b.growing);
 	const double fastest = fmax(rb_vec3_length(c->pair.pose_a.spin),
 	                            rb_vec3_length(c->pair.pose_b.spin));
@@ -269,7 +276,8 @@ static struct height rim_height(const struct rb_feature_side *s, const struct ax
 }
 
 /*
- * What |u x n| of a cylinder's axis u adds: m/s^2, while s <= *most, which may become less. Its second derivative is at most
+ * What |u x n| of a cylinder's axis u adds: m/s^2, while s <= *most, which may become less. Its
+ * second derivative is at most
  * |w''| + |w'|^2 / |w| with w = u x n; off the pole, |w| stays above half of what it is.
  */
 static double rim_bend(const struct rb_feature_side *side, const struct rb_bounds *bounds,
@@ -331,7 +339,10 @@ static struct axis reversed(const struct axis *axis)
 	                     axis->bend_max, axis->polar};
 }
 
-/* Seconds until the gap of two points can be gone; what touches must leave by more than rounding to have any. */
+/*
+ * Seconds until the gap of two points can be gone; what touches must leave by more than rounding to
+ * have any.
+ */
 static double gone_after(const struct course *c, struct height a, struct height b, double radii,
                          double bend)
 {
@@ -402,8 +413,8 @@ static bool is_face(rb_part part)
 }
 
 /*
- * The normal of a plane, as it turns. A plane has no end: along any other direction it reaches as far as one likes, so that
- * the bounds are those of its own turning.
+ * The normal of a plane, as it turns. A plane has no end: along any other direction it reaches as
+ * far as one likes, so that the bounds are those of its own turning.
  */
 static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
                                  const struct rb_feature_side *plane)
@@ -417,8 +428,9 @@ static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
 }
 
 /*
- * The direction that proves the gap of two parts, going on as it does now: with the face that it belongs to, else as a
- * difference says. n + n' s made a unit vector turns by no more than |n'|, and bends by no more than 1.2 |n'|^2.
+ * The direction that proves the gap of two parts, going on as it does now: with the face that it
+ * belongs to, else as a difference says. n + n' s made a unit vector turns by no more than |n'|,
+ * and bends by no more than 1.2 |n'|^2.
  */
 static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
                            const struct rb_feature_side *a, const struct rb_feature_side *b)
@@ -449,7 +461,10 @@ static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
 	return axis;
 }
 
-/* Seconds in which two parts surely do not touch; *gap is their gap, or less than it where they are far apart. */
+/*
+ * Seconds in which two parts surely do not touch; *gap is their gap, or less than it where they are
+ * far apart.
+ */
 static double safe_parts(const struct course *c, const struct rb_feature_side *a,
                          const struct rb_feature_side *b, double *gap, double tolerance)
 {
@@ -567,7 +582,10 @@ static double gap_at(const struct course *c, double t)
 	return rb_touch_gap(c->l, &pair, &parts);
 }
 
-/* Where a gap falls through zero between two moments, the ends above and below: bracketed, halved down to rounding. */
+/*
+ * Where a gap falls through zero between two moments, the ends above and below: bracketed, halved
+ * down to rounding.
+ */
 static double crossing(const struct course *c, double low, double high)
 {
 	double above = gap_at(c, low), below = gap_at(c, high);
@@ -591,7 +609,10 @@ static double crossing(const struct course *c, double low, double high)
 	return high;
 }
 
-/* A touch found just before or after it to within the band: moved to where the gap is zero, as far as that is time. */
+/*
+ * A touch found just before or after it to within the band: moved to where the gap is zero, as far
+ * as that is time.
+ */
 static double settled(const struct course *c, double from, double until)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
@@ -640,7 +661,10 @@ static void search(struct course *c, double from, double until, struct rb_approa
 	const struct rb_model *model = c->l->model;
 	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count *
 	                       (uint64_t)rb_model_parts(model, c->pair.b)->count;
-	/* no farther than turning is followed soon: what spins a million times is asked again on the way */
+	/*
+	 * no farther than turning is followed soon: what spins a million times is asked again on
+	 * the way
+	 */
 	const double far = from + SERIES_MAX * fmin(series_step(c->l, c->pair.a),
 	                                            series_step(c->l, c->pair.b));
 	double t = from, leap = leap_first, gap;
@@ -657,7 +681,9 @@ static void search(struct course *c, double from, double until, struct rb_approa
 				const enum what now = touching(c->l, &c->pair);
 
 				found->touching = found->touching || t == from;
-				/* what has begun to rest on each other may share a load: asked once */
+				/*
+				 * what has begun to rest on each other may share a load: asked once
+				 */
 				rests = rests || (t == from && now == RESTING);
 				if (now == CLOSING || (now == STAYING && t > from) ||
 				    (now == RESTING && !rests)) {
@@ -667,7 +693,10 @@ static void search(struct course *c, double from, double until, struct rb_approa
 			}
 			const double least = fmin(leap * c->size / c->speed, dip_time(c));
 			if (s < least && c->speed > 0) {
-				/* what parts has its gap half way to where it may be back; what overlaps has none */
+				/*
+				 * what parts has its gap half way to where it may be back; what
+				 * overlaps has none
+				 */
 				const double low = gap > c->band ? t : t + 0.5 * s;
 				const double high = fmin(t + least, until);
 				if (t + s < high && gap_at(c, high) < 0 &&

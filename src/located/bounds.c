@@ -3,7 +3,10 @@
 
 #include <float.h>
 
-/* Of three rows of a piece: the sums of bounds on their rates, and on the rates of these: |P_k'| <= k (k + 1). */
+/*
+ * Of three rows of a piece: the sums of bounds on their rates, and on the rates of these: |P_k'| <=
+ * k (k + 1).
+ */
 static double rates_max(const struct rb_gauss_piece *p, int first)
 {
 	return rb_gauss_rate_bound(p, first) + rb_gauss_rate_bound(p, first + 1) +
@@ -45,10 +48,11 @@ static struct spinning spinning_of(const struct rb_top_body *body, const struct 
 }
 
 /*
- * The spin of a free top. With energy T and momentum L, the squares x_k of its components have sum I_k x_k = 2 T and
- * sum I_k^2 x_k = L^2, so that the largest sum x_k has one of them at zero. Where two moments are too near each other to
- * tell, the energy alone bounds it. Its rate: |I_j - I_k| <= I_i in Euler's equations, and of three products of two
- * components the root of the sum of squares is at most the square of the length over the root of three.
+ * The spin of a free top. With energy T and momentum L, the squares x_k of its components have sum
+ * I_k x_k = 2 T and sum I_k^2 x_k = L^2, so that the largest sum x_k has one of them at zero. Where
+ * two moments are too near each other to tell, the energy alone bounds it. Its rate: |I_j - I_k| <=
+ * I_i in Euler's equations, and of three products of two components the root of the sum of squares
+ * is at most the square of the length over the root of three.
  */
 static void free_spin(const struct spinning *s, struct rb_bounds *max)
 {
@@ -69,8 +73,9 @@ static void free_spin(const struct spinning *s, struct rb_bounds *max)
 }
 
 /*
- * The axis of the smallest moment, or of a symmetric top its own. With a, b the components of the spin across it and c
- * along it, Euler's equations give e'' = (a L_3 / I_2 + a c (1 - I_1 / I_2)) e_1 + (b L_3 / I_1 + b c (1 - I_2 / I_1)) e_2
+ * The axis of the smallest moment, or of a symmetric top its own. With a, b the components of the
+ * spin across it and c along it, Euler's equations give e'' = (a L_3 / I_2 + a c (1 - I_1 / I_2))
+ * e_1 + (b L_3 / I_1 + b c (1 - I_2 / I_1)) e_2
  * - (a^2 + b^2) e for the axis e; momentum bounds a and b.
  */
 static void axis_rates(const struct rb_top_body *body, const struct spinning *s,

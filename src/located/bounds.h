@@ -8,7 +8,10 @@
 struct rb_bounds {
 	double turn, turning; /* rad/s, rad/s^2 */
 	double growing;       /* rad/s^2: by which the spin grows; else `turn` bounds it for good */
-	/* of an axis of the body, object coordinates, unit, its direction's rates: of what spins fast about it, slow ones */
+	/*
+	 * of an axis of the body, object coordinates, unit, its direction's rates: of what spins
+	 * fast about it, slow ones
+	 */
 	rb_vec3 axis;
 	double axis_turn, axis_bend; /* 1/s, 1/s^2 */
 	double external, jerk;       /* m/s^2, m/s^3: of the centre of its shape */

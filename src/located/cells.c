@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Each level has one or two grids: of the bodies whose level it is (natives) and of smaller ones (guests), since a
- * guest's partners on a level are its natives only. A body's place on a level, an entry, is three whole numbers that
- * change when it crosses a wall and at no other time: they are never worked out again from a position, so rounding
- * can't lose a body.
+ * Each level has one or two grids: of the bodies whose level it is (natives) and of smaller ones
+ * (guests), since a guest's partners on a level are its natives only. A body's place on a level, an
+ * entry, is three whole numbers that change when it crosses a wall and at no other time: they are
+ * never worked out again from a position, so rounding can't lose a body.
  *
- * Walls give way: a body leaves its cell `yielding` x edge behind the wall. It must come back twice that far before it
- * returns, so one that stops or turns at a wall does not cross it for ever. The edge is that much larger: bodies
- * that touch are in neighbouring cells as long as each is in its own or within `yielding` of it,
+ * Walls give way: a body leaves its cell `yielding` x edge behind the wall. It must come back twice
+ * that far before it returns, so one that stops or turns at a wall does not cross it for ever. The
+ * edge is that much larger: bodies that touch are in neighbouring cells as long as each is in its
+ * own or within `yielding` of it,
  *     r_a + r_b <= 2 r_max < edge (1 - 2 yielding),
  * and what is left of the difference covers the rounding of coordinates up to 1e12 edges.
  *
- * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory without pointers to
- * follow, and, because a block is copied as a whole, however many are in it, without branches to guess. What does not
- * fit goes to further blocks; all blocks of a cell are full except its last-made one. So c > SLOTS bodies need fewer
- * than c / SLOTS further blocks, and all that can ever be needed are taken beforehand. Measured in a gas against
- * lists through the bodies (a fifth slower) and copying slot by slot (a walk takes twice as long).
+ * A cell is a block of three bodies and a tail: a walk of 27 is nine short stretches of memory
+ * without pointers to follow, and, because a block is copied as a whole, however many are in it,
+ * without branches to guess. What does not fit goes to further blocks; all blocks of a cell are
+ * full except its last-made one. So c > SLOTS bodies need fewer than c / SLOTS further blocks, and
+ * all that can ever be needed are taken beforehand. Measured in a gas against lists through the
+ * bodies (a fifth slower) and copying slot by slot (a walk takes twice as long).
  */
 #include "located/cells.h"
 
@@ -35,8 +37,10 @@ enum {
 
 static const double yielding = 0x1p-8;
 static const double slack = 0x1p-6; /* edge / (2 r_max) - 1 at least */
-/* Bodies to a cell, where they are spread evenly and small. In a gas 0.25 to 0.7 are equally good: smaller cells are
- * crossed more often, larger ones hold more candidates. */
+/*
+ * Bodies to a cell, where they are spread evenly and small. In a gas 0.25 to 0.7 are equally good:
+ * smaller cells are crossed more often, larger ones hold more candidates.
+ */
 static const double load = 0.5;
 static const double crowded =
 	6; /* bodies in a body's own cell, on average, that ask for smaller cells */
@@ -213,12 +217,13 @@ int rb_cells_level_count(const struct rb_cells *cells)
 /* ---- moving ---- */
 
 /*
- * Along one axis: x is the distance from the cell's middle, and the body leaves where |x| = reach. With u the speed, b
- * the acceleration in the direction of motion and d > 0 the way ahead, u t + b t^2 / 2 = d has the first root
- * 2 d / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns round and comes to the wall behind it, at -c, at
- * the second root of u t + b t^2 / 2 = -c, which is (u + sqrt(u^2 - 2 b c)) / -b. All sums are of numbers of one
- * sign, except under the first root: there rounding decides whether a body that all but turns at the wall leaves, and
- * either will do.
+ * Along one axis: x is the distance from the cell's middle, and the body leaves where |x| = reach.
+ * With u the speed, b the acceleration in the direction of motion and d > 0 the way ahead, u t + b
+ * t^2 / 2 = d has the first root 2 d / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns
+ * round and comes to the wall behind it, at -c, at the second root of u t + b t^2 / 2 = -c, which
+ * is (u + sqrt(u^2 - 2 b c)) / -b. All sums are of numbers of one sign, except under the first
+ * root: there rounding decides whether a body that all but turns at the wall leaves, and either
+ * will do.
  */
 static double leaves_along(double reach, double x, double v, double a, int *high)
 {
@@ -269,7 +274,9 @@ static inline double flies_along(const struct level *level, int64_t at, double x
 	return (ahead > 0 ? ahead : 0) / fabs(v); /* 0 / 0 is never */
 }
 
-/* Without acceleration, which is most of a gas, and without branches: which way is anybody's guess. */
+/*
+ * Without acceleration, which is most of a gas, and without branches: which way is anybody's guess.
+ */
 static inline void fly_out(struct exit *exit, const struct level *level, const struct entry *entry,
                            const double x[3], const double v[3], int number)
 {
@@ -405,8 +412,10 @@ static struct extent find_extent(const struct rb_cells *cells, int l, const doub
 	return extent;
 }
 
-/* Empty cells cost nothing but their addresses, a torus that is wound up twice over costs candidates: sides are powers
- * of two, so a box may need eight times its cells. */
+/*
+ * Empty cells cost nothing but their addresses, a torus that is wound up twice over costs
+ * candidates: sides are powers of two, so a box may need eight times its cells.
+ */
 static size_t cells_max(const struct extent *extent)
 {
 	return 16 * (size_t)extent->count + 64;
@@ -440,7 +449,9 @@ static void set_edge(struct level *level, const struct extent *extent, double ed
 	level->cell_count = side[0] * side[1] * side[2];
 }
 
-/* How many a body finds in its own cell, with itself, on average. `counts` has room for all cells. */
+/*
+ * How many a body finds in its own cell, with itself, on average. `counts` has room for all cells.
+ */
 static double measure_crowd(const struct rb_cells *cells, int l, const double *position,
                             int32_t *counts)
 {
@@ -460,7 +471,10 @@ static double measure_crowd(const struct rb_cells *cells, int l, const double *p
 	return sum / listed;
 }
 
-/* Begins with what would suit bodies spread evenly over their box, and goes finer while that finds crowds. */
+/*
+ * Begins with what would suit bodies spread evenly over their box, and goes finer while that finds
+ * crowds.
+ */
 static bool choose_edge(struct rb_cells *cells, int l, const double *position)
 {
 	struct level *level = &cells->levels[l];

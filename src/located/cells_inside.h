@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What cells are made of: for located/cells, which says how they work, and located/cells_pack, which saves them. */
+/*
+ * What cells are made of: for located/cells, which says how they work, and located/cells_pack,
+ * which saves them.
+ */
 #ifndef RB_LOCATED_CELLS_INSIDE_H
 #define RB_LOCATED_CELLS_INSIDE_H
 
@@ -13,8 +16,10 @@ enum { SLOTS = 3 };
 static const int64_t farthest =
 	1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
 
-/* Members come first; what is behind them means nothing. A cell's own block and all further ones are full, but for the
- * last of them that was made, which the own block points to. */
+/*
+ * Members come first; what is behind them means nothing. A cell's own block and all further ones
+ * are full, but for the last of them that was made, which the own block points to.
+ */
 struct block {
 	int32_t member[SLOTS];
 	uint32_t tail; /* how many, and 4 x (1 + index of a further block), 0 for none */

@@ -7,7 +7,10 @@
 
 #include <string.h>
 
-/* Members of a cell in an order in which, added one by one to an empty cell, they stand as they do now. */
+/*
+ * Members of a cell in an order in which, added one by one to an empty cell, they stand as they do
+ * now.
+ */
 static int in_order(const struct rb_cells *cells, const struct block *cell, int32_t *out)
 {
 	int count = (int)members_in(cell);

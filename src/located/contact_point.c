@@ -26,7 +26,10 @@ bool rb_contact_name_is(const struct rb_contact_name *x, const struct rb_contact
 	       !(rb_vec3_dot(x->half, y->half) < 0);
 }
 
-/* Infinite planes have no size, and of a pair the others' counts; rectangles have one only for what is no sphere. */
+/*
+ * Infinite planes have no size, and of a pair the others' counts; rectangles have one only for what
+ * is no sphere.
+ */
 static double size_of(const struct rb_located *l, int i)
 {
 	const struct rb_shape *shape = &l->model->shape[i];
@@ -122,7 +125,10 @@ rb_vec3 rb_contact_point_acceleration(const struct rb_located *l, int i, const s
 	return rb_vec3_add(a, rb_vec3_cross(pose->spin, rb_vec3_cross(pose->spin, arm)));
 }
 
-/* d/dt of the velocity of b's point seen from a's, along the normal, the points moving along with the features. */
+/*
+ * d/dt of the velocity of b's point seen from a's, along the normal, the points moving along with
+ * the features.
+ */
 static double bend_of_features(const struct rb_located *l, const struct rb_contact_point *m,
                                double t)
 {
@@ -158,7 +164,9 @@ double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact
 	const rb_vec3 a = rb_vec3_sub(rb_contact_point_acceleration(l, j, other, at, t),
 	                              rb_contact_point_acceleration(l, i, ball, ball->origin, t));
 
-	/* |d| - r where the normal follows d; (p - x) . n - r of a face, whose normal turns with it */
+	/*
+	 * |d| - r where the normal follows d; (p - x) . n - r of a face, whose normal turns with it
+	 */
 	if (!face)
 		return rb_vec3_dot(a, n) + rb_vec3_dot(w, rate);
 	const rb_vec3 turn = rb_vec3_add(rb_vec3_cross(turning_of(l, j, other, t), n),

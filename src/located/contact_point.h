@@ -29,8 +29,10 @@ struct rb_contact_point {
 	rb_vec3 normal_rate; /* 1/s: its derivative */
 	rb_vec3 point;       /* m, world: of the contact, on a surface */
 	bool on_rim;         /* of a sphere: at an edge or corner of a rectangle */
-	/* how far the point is from leaving its features, where others take over (< 0: it has left them, INFINITY:
-	 * it cannot), and the derivative */
+	/*
+	 * how far the point is from leaving its features, where others take over (< 0: it has left
+	 * them, INFINITY: it cannot), and the derivative
+	 */
 	double inside, inside_rate; /* m, m/s */
 	uint64_t beyond;            /* the key of these others, 0: they are to be searched for */
 	struct rb_pose pose_a, pose_b;
@@ -60,23 +62,36 @@ static inline bool rb_pair_has_features(const struct rb_located *l, int a, int b
 	       shape[a].kind >= RB_SHAPE_BOX || shape[b].kind >= RB_SHAPE_BOX;
 }
 
-/* m: how large the larger body of the two is (of those that move, where one does); a plane has no size. */
+/*
+ * m: how large the larger body of the two is (of those that move, where one does); a plane has no
+ * size.
+ */
 double rb_contact_point_size(const struct rb_located *l, const struct rb_contact_point *m);
 /* m: the larger of the two whether it moves or not, whose corners say where its faces are. */
 double rb_contact_point_largest(const struct rb_located *l, const struct rb_contact_point *m);
-/* m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and moment. */
+/*
+ * m: gaps up to here count as touching (rbsim-scene(5), TOUCHING AND AT REST), at this approach and
+ * moment.
+ */
 double rb_contact_point_band(const struct rb_located *l, const struct rb_contact_point *m,
                              double t);
-/* m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its own size. */
+/*
+ * m/s: rounding of the normal velocity, of speeds and of what weight makes of them in a fall by its
+ * own size.
+ */
 double rb_contact_point_noise(const struct rb_located *l, const struct rb_contact_point *m);
 
-/* m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the meeting. */
+/*
+ * m/s^2: second derivative of the gap, on the arcs as they are at `t`, with the poses of the
+ * meeting.
+ */
 double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact_point *m,
                              double t);
 
 /*
- * Do they only pass each other: does what they close with now turn back by itself before they are deeper in each other than
- * they touch by rounding? A gap that falls to nothing as x^2 / 2r has a speed that is the root of its rounding.
+ * Do they only pass each other: does what they close with now turn back by itself before they are
+ * deeper in each other than they touch by rounding? A gap that falls to nothing as x^2 / 2r has a
+ * speed that is the root of its rounding.
  */
 bool rb_contact_point_passes(const struct rb_located *l, const struct rb_contact_point *m,
                              double t);

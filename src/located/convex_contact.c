@@ -7,11 +7,17 @@
 #include "located/feature.h"
 #include "model/parts.h"
 
-/* What is nearer to the end of its features than this many bands, and goes there, is about to leave them. */
+/*
+ * What is nearer to the end of its features than this many bands, and goes there, is about to leave
+ * them.
+ */
 enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
 /* From a face to its edge and corner, to another edge and its face; each on both sides. */
 enum { FEATURES_PASSED = 8 };
-/* Across which rates are differences, in sizes of way: a third of the digits for each, and a third for the rest. */
+/*
+ * Across which rates are differences, in sizes of way: a third of the digits for each, and a third
+ * for the rest.
+ */
 static const double moment_share = 0x1p-17;
 
 static uint32_t part_of_a(uint32_t parts)
@@ -59,7 +65,10 @@ static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pa
 	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, &pair->pose_a, &c->b);
 }
 
-/* What a search finds of a name, seen from the first side; false: nothing of that name, but what is lowest. */
+/*
+ * What a search finds of a name, seen from the first side; false: nothing of that name, but what is
+ * lowest.
+ */
 static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_point *out)
 {
 	const rb_placed a = rb_feature_placed(&c->a), b = rb_feature_placed(&c->b);
@@ -185,8 +194,8 @@ bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m,
 }
 
 /*
- * By the features in whose bounds the point lies. A search tells features that share a normal apart to the root of rounding
- * only, and a face has points below what is beyond its border.
+ * By the features in whose bounds the point lies. A search tells features that share a normal apart
+ * to the root of rounding only, and a face has points below what is beyond its border.
  */
 static struct rb_contact_point contact_within(const struct rb_touch_pair *pair,
                                               const struct couple *c, uint32_t parts, uint64_t key)
@@ -296,8 +305,8 @@ static void add_name(struct search *s, const struct rb_contact_name *name)
 }
 
 /*
- * A rim that lies flat touches all round, and any four quarters of it say how it stands; but when it comes to lie so, or is
- * tilted from there, those that count begin with the first of them.
+ * A rim that lies flat touches all round, and any four quarters of it say how it stands; but when
+ * it comes to lie so, or is tilted from there, those that count begin with the first of them.
  */
 static void add_rim(struct search *s, const struct couple *c, const struct rb_contact_name *name)
 {
@@ -378,8 +387,9 @@ static bool is_leaving(const struct rb_contact_point *m, double band, double noi
 }
 
 /*
- * Meetings of the names that touch; returns their number, and the fastest at which one leaves its features. Those that are
- * known to take over, or have done so, are looked at as well: a search tells them apart to the root of rounding only.
+ * Meetings of the names that touch; returns their number, and the fastest at which one leaves its
+ * features. Those that are known to take over, or have done so, are looked at as well: a search
+ * tells them apart to the root of rounding only.
  */
 static int collect(struct search *s, const struct rb_touch_pair *pair, double slack,
                    struct rb_contact_point *all, double *leaving)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contact points of pairs in which a convex body is that is no sphere, or two such: box, capsule, cylinder, hull, union. By
- * geom/manifold, which finds them, and located/feature, which says how they move.
+ * Contact points of pairs in which a convex body is that is no sphere, or two such: box, capsule,
+ * cylinder, hull, union. By geom/manifold, which finds them, and located/feature, which says how
+ * they move.
  */
 #ifndef RB_LOCATED_CONVEX_CONTACT_H
 #define RB_LOCATED_CONVEX_CONTACT_H
@@ -10,7 +11,10 @@
 
 enum { RB_CONTACT_POINTS_MAX = 64 };
 
-/* See rb_contact_point_of, rb_contact_point_poses, rb_pair_contact_points in located/pair_contacts.h. */
+/*
+ * See rb_contact_point_of, rb_contact_point_poses, rb_pair_contact_points in
+ * located/pair_contacts.h.
+ */
 struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_contact_name *name,
                                     const struct rb_pose *pose_a, const struct rb_pose *pose_b);
 /* See rb_feature_half. */

@@ -201,8 +201,9 @@ static double dots(const rb_vec3 *a, const rb_vec3 *b, int n)
 }
 
 /*
- * The smallest motion that ends the errors in `left`, by conjugate residuals (Stiefel, Comment. Math. Helv. 29 (1955) 157):
- * they go on falling where more contacts than freedoms contradict each other. Leaves it in e->linear and e->angular.
+ * The smallest motion that ends the errors in `left`, by conjugate residuals (Stiefel, Comment.
+ * Math. Helv. 29 (1955) 157): they go on falling where more contacts than freedoms contradict each
+ * other. Leaves it in e->linear and e->angular.
  */
 static void solve(struct errors *e)
 {

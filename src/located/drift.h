@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What rounding and integration have let drift in lasting contacts, put right: gaps closed by moving, normal velocities,
- * and the slip of what does not slip, stopped.
+ * What rounding and integration have let drift in lasting contacts, put right: gaps closed by
+ * moving, normal velocities, and the slip of what does not slip, stopped.
  *
- * Spheres are moved one contact after the other. Bodies with several points a pair are moved and turned together, by the
- * smallest motion in the metric of kinetic energy that serves all points at once: one by one each would undo the others.
- * Velocities change by impulses at the contacts, which the ledger is told like any others.
+ * Spheres are moved one contact after the other. Bodies with several points a pair are moved and
+ * turned together, by the smallest motion in the metric of kinetic energy that serves all points at
+ * once: one by one each would undo the others. Velocities change by impulses at the contacts, which
+ * the ledger is told like any others.
  */
 #ifndef RB_LOCATED_DRIFT_H
 #define RB_LOCATED_DRIFT_H
@@ -29,7 +30,10 @@ struct rb_drift {
 static const double rb_drift_correct = 1e-9;
 
 void rb_drift(struct rb_drift *drift);
-/* Of bodies with several points a pair only: places alone, and normal velocities alone, whatever they are. */
+/*
+ * Of bodies with several points a pair only: places alone, and normal velocities alone, whatever
+ * they are.
+ */
 void rb_drift_places(struct rb_drift *drift);
 void rb_drift_stop(struct rb_drift *drift);
 

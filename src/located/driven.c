@@ -10,7 +10,10 @@
 
 enum { NODES = RB_GAUSS_NODES, CHECKS = 3, CALM_PIECES = 8, SLIVER_ULP = 16 };
 
-/* Where velocities are asked for: the nodes of Lobatto's quadrature, so that both ends are among them. */
+/*
+ * Where velocities are asked for: the nodes of Lobatto's quadrature, so that both ends are among
+ * them.
+ */
 static const double velocity_node[NODES] = {
 	0,
 	0.064129925745196692331,
@@ -22,10 +25,11 @@ static const double velocity_node[NODES] = {
 	1,
 };
 /*
- * Where poses are asked for when nothing else is known: the zeros of the Jacobi polynomial P_6^(1,2), and the end. With
- * pose and velocity at the beginning they determine a polynomial of degree eight. An error of that velocity, which the
- * last piece has ended with, comes out at the other end as a share prod (1 - s)/s = 1/4 of it: it dies away. The last
- * one takes the place of that velocity where there is none.
+ * Where poses are asked for when nothing else is known: the zeros of the Jacobi polynomial
+ * P_6^(1,2), and the end. With pose and velocity at the beginning they determine a polynomial of
+ * degree eight. An error of that velocity, which the last piece has ended with, comes out at the
+ * other end as a share prod (1 - s)/s = 1/4 of it: it dies away. The last one takes the place of
+ * that velocity where there is none.
  */
 static const double pose_node[NODES] = {
 	0.10030907272538186727,
@@ -42,13 +46,22 @@ static const double check_at[CHECKS] = {0.15, 0.55, 0.88};
 
 /* Ulp by which a piece may miss the function, if that is no rougher. */
 static const double near_ulp = 16;
-/* Where halving does not help: up to so many ulp it is the function's rounding, up to this share of sizes a kink in it. */
+/*
+ * Where halving does not help: up to so many ulp it is the function's rounding, up to this share of
+ * sizes a kink in it.
+ */
 static const double noise_ulp = 1e5, kink_share = 1e-9;
 /* Of the longest piece: where only kinks lead, whose ends may look smooth. */
 static const double kink_length = 0x1p-24;
-/* Shares by which the velocities may lead elsewhere than the places say: more than what a kink may leave of either. */
+/*
+ * Shares by which the velocities may lead elsewhere than the places say: more than what a kink may
+ * leave of either.
+ */
 static const double contradiction = 1e-8;
-/* Share of a piece that is left to none of its own: one in the last of the digits that lengths have. */
+/*
+ * Share of a piece that is left to none of its own: one in the last of the digits that lengths
+ * have.
+ */
 static const double sliver = 0x1p-8;
 
 struct rb_driven {
@@ -197,7 +210,10 @@ static void fit_values(struct drive *d, int first, int count)
 	solve(&f, &d->own->piece, first, count);
 }
 
-/* Rows `to` become the rates of rows `from`: P_k' = 2 sum (2 j + 1) P_j over j = k - 1, k - 3, ... on [0, 1]. */
+/*
+ * Rows `to` become the rates of rows `from`: P_k' = 2 sum (2 j + 1) P_j over j = k - 1, k - 3, ...
+ * on [0, 1].
+ */
 static void derive(struct drive *d, int from, int to)
 {
 	const struct rb_gauss_piece *piece = &d->own->piece;
@@ -300,7 +316,9 @@ static void compare_turning(const struct drive *d, double part, const struct rb_
 	max->share = fmax(max->share, off / unit->share);
 }
 
-/* Units of what changes by so much over the piece: the rounding of the time makes that of its rate. */
+/*
+ * Units of what changes by so much over the piece: the rounding of the time makes that of its rate.
+ */
 static struct units units_of(const struct drive *d, double change, double value, double share)
 {
 	return (struct units){change * (1 + 0.125 * d->origin_s / d->length_s) + 0.125 * value,
@@ -399,8 +417,8 @@ static double rounded(double length)
 }
 
 /*
- * The error goes with the ninth power of the length; but what is the function's rounding does not, as after a kink: twice as
- * long is tried now and then.
+ * The error goes with the ninth power of the length; but what is the function's rounding does not,
+ * as after a kink: twice as long is tried now and then.
  */
 static double next_length(const struct drive *d, double missed)
 {
@@ -512,7 +530,10 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	/* not so long that what happens in between could be overlooked */
 	const double longest = fmax(1 / l->model->frame_rate, l->end_s / 256);
 	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
-	/* what is left of the run is no piece, nor is what a piece would leave of it: such short ones have no second derivative */
+	/*
+	 * what is left of the run is no piece, nor is what a piece would leave of it: such short
+	 * ones have no second derivative
+	 */
 	const double left = l->end_s - t;
 	const bool ends = left > SLIVER_ULP * DBL_EPSILON * t;
 	struct drive d = {.l = l,

@@ -17,7 +17,9 @@
 #include "located/transition.h"
 #include "geom/distance.h"
 
-/* Below this many bodies all are candidates of each other: cells would cost more than they spare. */
+/*
+ * Below this many bodies all are candidates of each other: cells would cost more than they spare.
+ */
 enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
 /* So many events of every body at one moment: it does not get on. */
 enum { STUCK_EVENTS = 10000 };
@@ -182,8 +184,9 @@ static void predict_set(struct rb_located *l, double t)
 }
 
 /*
- * Bodies that an impact or a change of contacts concerns together: so many of them get nowhere. Two spheres are no crowd,
- * as they are none where nothing but gravity acts on them; two solids may rattle on and on.
+ * Bodies that an impact or a change of contacts concerns together: so many of them get nowhere. Two
+ * spheres are no crowd, as they are none where nothing but gravity acts on them; two solids may
+ * rattle on and on.
  */
 static void count_crowd(struct rb_located *l)
 {
@@ -393,7 +396,10 @@ static void restore_everything(struct rb_located *l, double t)
 
 /* ---- callbacks ---- */
 
-/* Events that have been told since `first`, in their order; what the callbacks change starts new arcs. */
+/*
+ * Events that have been told since `first`, in their order; what the callbacks change starts new
+ * arcs.
+ */
 static void call_hooks(struct rb_located *l, size_t first, double t)
 {
 	struct rb_world *world = l->world;
@@ -428,8 +434,8 @@ static bool differs(const double *a, const double *b, int i, int columns)
 }
 
 /*
- * What callbacks have thrown into something that it touches already: that is an impact, and nobody looks for one between those
- * that are held. By more than a held contact may drift.
+ * What callbacks have thrown into something that it touches already: that is an impact, and nobody
+ * looks for one between those that are held. By more than a held contact may drift.
  */
 static void predict_thrown(struct rb_located *l, double t)
 {
@@ -583,7 +589,10 @@ bool rb_engine_wants_steps(const struct rb_located *l)
 	return (l->model->features & RB_FEATURE_PUSHES) || can_be_stepped(l);
 }
 
-/* Arcs and clusters are of no use from here: some were given up halfway, and a checkpoint would keep them. */
+/*
+ * Arcs and clusters are of no use from here: some were given up halfway, and a checkpoint would
+ * keep them.
+ */
 static void forget_arcs(struct rb_located *l)
 {
 	for (int k = 0; k < l->cluster_count; k++)
@@ -605,7 +614,10 @@ void rb_engine_go_back(struct rb_located *l)
 	forget_arcs(l);
 }
 
-/* Leaves the rest to steps, at the moment reached, where events come too densely or cannot be resolved. */
+/*
+ * Leaves the rest to steps, at the moment reached, where events come too densely or cannot be
+ * resolved.
+ */
 static bool gives_way(struct rb_located *l)
 {
 	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Impacts and transitions on their way to frames and callbacks: kept in the world's events, in order of time. */
+/*
+ * Impacts and transitions on their way to frames and callbacks: kept in the world's events, in
+ * order of time.
+ */
 #ifndef RB_LOCATED_EVENT_RECORDS_H
 #define RB_LOCATED_EVENT_RECORDS_H
 

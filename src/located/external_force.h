@@ -2,15 +2,18 @@
 /*
  * What accelerates a body apart from contact: one row a force in pull.c.
  *
- * A force has a closed form when its acceleration is constant from now to the next switch of forces; all others call
- * for the integrator (located/integrate).
+ * A force has a closed form when its acceleration is constant from now to the next switch of
+ * forces; all others call for the integrator (located/integrate).
  */
 #ifndef RB_LOCATED_EXTERNAL_FORCE_H
 #define RB_LOCATED_EXTERNAL_FORCE_H
 
 #include "located/arc.h"
 
-/* Forces of a body by what the ledger enters them under; those of springs are entered spring by spring. */
+/*
+ * Forces of a body by what the ledger enters them under; those of springs are entered spring by
+ * spring.
+ */
 enum rb_external_cause {
 	RB_EXTERNAL_UNIFORM, /* gravity, gravity_force: they have a potential */
 	RB_EXTERNAL_STATED,  /* `forces`, fields */
@@ -46,8 +49,8 @@ bool rb_spring_force_at(const struct rb_located *l, int spring, const struct rb_
                         struct rb_spring_force *out);
 
 /*
- * Acceleration of the centre of mass and of the turning, gyroscopic term included, m/s^2 and rad/s^2. Sets l->status
- * where a field's function fails.
+ * Acceleration of the centre of mass and of the turning, gyroscopic term included, m/s^2 and
+ * rad/s^2. Sets l->status where a field's function fails.
  */
 void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pose,
                           const struct rb_force_query *view, rb_vec3 *linear, rb_vec3 *angular);

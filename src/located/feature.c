@@ -152,8 +152,9 @@ static void over_surface(struct rb_feature_point *out, vec x, double radius, con
 }
 
 /*
- * A direction of the world, seen by the body, without what goes along its axis: taken off in the world, the rounding of the
- * rest would be a share of a small tilt, by which the lowest point of a rim would come off the end's plane.
+ * A direction of the world, seen by the body, without what goes along its axis: taken off in the
+ * world, the rounding of the rest would be a share of a small tilt, by which the lowest point of a
+ * rim would come off the end's plane.
  */
 static vec across_axis(const side *s, vec way)
 {
@@ -187,7 +188,10 @@ static vec on_half(const side *s, vec way)
 	return out;
 }
 
-/* The point of a rim that lies lowest over a surface, or a quarter of it counted from the other body's axes. */
+/*
+ * The point of a rim that lies lowest over a surface, or a quarter of it counted from the other
+ * body's axes.
+ */
 static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, vec *x)
 {
 	const bool mantle = kind_of(part) == RB_PART_MANTLE;
@@ -215,7 +219,10 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 			return false;
 		out = carried_by(s, out);
 	} else {
-		/* as geom/patch_overlap counts them: from an axis of the other body, turning about the normal from a to b */
+		/*
+		 * as geom/patch_overlap counts them: from an axis of the other body, turning about
+		 * the normal from a to b
+		 */
 		const vec n = (low ? 1 : 0) == (is_a ? 1 : 0) ? negative(u) : u;
 		vec axis = way_of(f->of, (rb_vec3){1, 0, 0});
 		if (fabs(rb_vec3_dot(axis.at, f->normal.at)) > 0.8)
@@ -249,7 +256,10 @@ static bool on_surface(struct rb_feature_point *out, const side *s, rb_part part
 	return false;
 }
 
-/* Sine of the angle between two edges from which on rounding leaves enough of the normal across both. */
+/*
+ * Sine of the angle between two edges from which on rounding leaves enough of the normal across
+ * both.
+ */
 static const double oblique_sine = 1e-3;
 
 static bool across_lines(struct rb_feature_point *out, const line *a, const line *b,
@@ -267,7 +277,9 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	if (given && !oblique) {
 		n = *given;
 	} else if (given) {
-		/* where both lie in the face this is its normal; where one leaves it, still theirs */
+		/*
+		 * where both lie in the face this is its normal; where one leaves it, still theirs
+		 */
 		if (rb_vec3_dot(n.at, given->at) < 0)
 			n = negative(n);
 	} else {
@@ -363,7 +375,10 @@ static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const s
 	return between_points(out, c->at, c->radius, foot, core->radius, &end);
 }
 
-/* The first of the two is the one that has the corner or the rim; the normal points from it. It is a, or not. */
+/*
+ * The first of the two is the one that has the corner or the rim; the normal points from it. It is
+ * a, or not.
+ */
 static bool contact_in_order(struct rb_feature_point *out, const side *a, rb_part part_a,
                              const side *b, rb_part part_b, bool is_a)
 {
@@ -506,7 +521,10 @@ static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part 
 	    !surface_of(flat, other, &f))
 		return false;
 	const double half = index_of(part) & 1 ? -rim->core->half_height : rim->core->half_height;
-	/* what the lowest point is, with its rate, is where the normal of the surface goes in the rim's own axes */
+	/*
+	 * what the lowest point is, with its rate, is where the normal of the surface goes in the
+	 * rim's own axes
+	 */
 	const rb_vec3 rate = across_axis(rim, negative(f.normal)).rate;
 	const vec centre = seen_from(flat, point_of(rim, (rb_vec3){0, 0, half}));
 	const rb_vec3 comes = rb_mat3_apply(&flat->turn, centre.rate);

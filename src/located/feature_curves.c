@@ -61,7 +61,10 @@ static vec carried(vec p, double rate, vec by)
 	return p;
 }
 
-/* r.a' = 0 and r.b' = 0 for r from a's point to b's: what is left of both, and what changes of parameters make of it. */
+/*
+ * r.a' = 0 and r.b' = 0 for r from a's point to b's: what is left of both, and what changes of
+ * parameters make of it.
+ */
 typedef struct {
 	double left[2], rate[2], m[2][2], whole;
 } foot_point;
@@ -95,8 +98,9 @@ static rb_vec3 outward_of(const curve *c)
 }
 
 /*
- * Of a line, the way to its ends, and to where its faces take over, which is as far as the other's surface goes until its
- * normal is there; at a rim, what the outward normal has along the end's and along the mantle's.
+ * Of a line, the way to its ends, and to where its faces take over, which is as far as the other's
+ * surface goes until its normal is there; at a rim, what the outward normal has along the end's and
+ * along the mantle's.
  */
 static void within_curve(ending *end, const curve *c, const curve *other, num s, vec n, whose who)
 {
@@ -121,8 +125,8 @@ static void within_curve(ending *end, const curve *c, const curve *other, num s,
 }
 
 /*
- * Where a line crosses a circle, nearly: a point of both has the circle's radius from its centre. With a mantle's radius
- * taken off the line's distance. The parameter along the line.
+ * Where a line crosses a circle, nearly: a point of both has the circle's radius from its centre.
+ * With a mantle's radius taken off the line's distance. The parameter along the line.
  */
 static double crossing_of(const curve *circle, rb_part rim, const line *other)
 {

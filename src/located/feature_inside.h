@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Inside located/feature: values that go with their derivatives in time, so that each formula is written once; points,
- * directions and lines of a part in motion.
+ * Inside located/feature: values that go with their derivatives in time, so that each formula is
+ * written once; points, directions and lines of a part in motion.
  */
 #ifndef RB_LOCATED_FEATURE_INSIDE_H
 #define RB_LOCATED_FEATURE_INSIDE_H
@@ -159,7 +159,10 @@ static inline bool line_of(const side *s, rb_part part, line *out)
 /* Which of the two bodies' features ends. */
 typedef enum { FIRST, SECOND } whose;
 
-/* How far a point is from the nearest end of its features, and what takes over there for one of them; 0: not known. */
+/*
+ * How far a point is from the nearest end of its features, and what takes over there for one of
+ * them; 0: not known.
+ */
 typedef struct {
 	num left;
 	whose who;
@@ -186,8 +189,9 @@ static inline void within_line(ending *end, const line *e, num along, whose who)
 }
 
 /*
- * Where an edge is outermost: in the directions that have nothing along these, in its body's axes, below zero; how many.
- * Along each a face begins there that is nearer to what lies beyond. A segment alone has none.
+ * Where an edge is outermost: in the directions that have nothing along these, in its body's axes,
+ * below zero; how many. Along each a face begins there that is nearer to what lies beyond. A
+ * segment alone has none.
  */
 static inline int borders_of(const line *e, rb_vec3 border[2])
 {

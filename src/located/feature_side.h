@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A part of a body in motion, and a contact point that moves: what located/feature takes and gives. Values. */
+/*
+ * A part of a body in motion, and a contact point that moves: what located/feature takes and gives.
+ * Values.
+ */
 #ifndef RB_LOCATED_FEATURE_SIDE_H
 #define RB_LOCATED_FEATURE_SIDE_H
 

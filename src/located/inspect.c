@@ -20,7 +20,10 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal)};
 }
 
-/* `force`: room for those of a cluster at this moment, which change along its piece; NULL: those of its beginning do. */
+/*
+ * `force`: room for those of a cluster at this moment, which change along its piece; NULL: those of
+ * its beginning do.
+ */
 static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int cluster, double t,
                         rb_vec3 *force)
 {
@@ -84,7 +87,10 @@ static double gap_at(const struct rb_located *l, int i, int j, double t)
 	return rb_touch_gap(l, &pair, &parts);
 }
 
-/* Below the deepest so far, between i and j? Spheres that are apart, also from planes, are seen without looking closer. */
+/*
+ * Below the deepest so far, between i and j? Spheres that are apart, also from planes, are seen
+ * without looking closer.
+ */
 static void deeper(const struct rb_located *l, double t, int i, int j, double *deepest, int pair[2])
 {
 	const struct rb_model *model = l->model;

@@ -156,9 +156,10 @@ static bool are_others(const struct rb_modes *w)
 }
 
 /*
- * Forces and accelerations at the beginning. Slips of which no direction is found that forces balance across do not creep:
- * they turn, however fast that is. And where these are not the forces that settling has found, points are one too many but
- * for next to nothing, which would leave the forces to rounding: they keep those, if the modes are as good with them.
+ * Forces and accelerations at the beginning. Slips of which no direction is found that forces
+ * balance across do not creep: they turn, however fast that is. And where these are not the forces
+ * that settling has found, points are one too many but for next to nothing, which would leave the
+ * forces to rounding: they keep those, if the modes are as good with them.
  */
 static bool begin_modes(struct rb_modes *w)
 {
@@ -206,7 +207,10 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		.scale = scale,
 		.tolerance = tolerance,
 		.visited = w->parts ? rb_rates_enter_node : NULL,
-		/* a spring that is passed through pulls the other way at once; a field is the user's */
+		/*
+		 * a spring that is passed through pulls the other way at once; a field is the
+		 * user's
+		 */
 		.jumps = (l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)) != 0,
 		.scratch = scratch,
 		.calls = &calls};
@@ -230,8 +234,8 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		w->force_max = fmax(w->force_max, rb_vec3_length(w->force[k]));
 	}
 	/*
-	 * What has just been said to stick sticks: by so much the solver has not seen it slip. The next look is where that has
-	 * grown.
+	 * What has just been said to stick sticks: by so much the solver has not seen it slip. The
+	 * next look is where that has grown.
 	 */
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt, 4 * fmin(rb_check_excess(w, k), doubtful * w->force_max));
@@ -265,7 +269,9 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 			c->account.n = RB_ENTRIES;
 			rb_gauss_integrate(&c->account, c->piece.length_s, w->seen);
 		}
-		/* room that was short says nothing of the motion, unless the step was shorter still */
+		/*
+		 * room that was short says nothing of the motion, unless the step was shorter still
+		 */
 		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
 		length = c->held_count > 0 ? rb_check_change_within(w, value) : c->piece.length_s;
 		c->is_cut = length < c->piece.length_s;
@@ -278,7 +284,10 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	put_on_piece(w, fmax(w->origin_s + length, nextafter(w->origin_s, HUGE_VAL)));
 }
 
-/* What has been given up halfway has left the piece before: its members are where this one was to begin. */
+/*
+ * What has been given up halfway has left the piece before: its members are where this one was to
+ * begin.
+ */
 static void stay(struct rb_modes *w)
 {
 	struct rb_gauss_piece *piece = &w->c->piece;

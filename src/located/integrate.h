@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Motion without a closed form: a cluster's bodies through one piece of the high-order integrator (math/gauss), its
- * contacts held in the modes that they have at its beginning; the piece is cut at the first change of a mode.
+ * Motion without a closed form: a cluster's bodies through one piece of the high-order integrator
+ * (math/gauss), its contacts held in the modes that they have at its beginning; the piece is cut at
+ * the first change of a mode.
  */
 #ifndef RB_LOCATED_INTEGRATE_H
 #define RB_LOCATED_INTEGRATE_H
@@ -12,14 +13,14 @@
 void rb_integrate_piece(struct rb_located *l, int cluster, double t);
 
 /*
- * Forces of a cluster's contacts, N on b, at a moment of its piece; [held_count]. False: they are not to be had. Changes
- * nothing.
+ * Forces of a cluster's contacts, N on b, at a moment of its piece; [held_count]. False: they are
+ * not to be had. Changes nothing.
  */
 bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force);
 
 /*
- * Values that a cluster's block holds while it is integrated, for n rows. Arcs point into it, so it must not grow between
- * one piece and the next.
+ * Values that a cluster's block holds while it is integrated, for n rows. Arcs point into it, so it
+ * must not grow between one piece and the next.
  */
 size_t rb_integrate_scratch_size(int n);
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * State of the located method: every body's motion since its own last event, and what is going to happen to it.
+ * State of the located method: every body's motion since its own last event, and what is going to
+ * happen to it.
  *
- * An *arc* is the motion of a body from its anchor on: a parabola of the centre of mass, and a turning (math/top); or,
- * while forces without a closed form act on it, a polynomial piece of its cluster's integrator. Anchors change only by
- * events of that body, so nothing depends on when frames or steps look at it. Bodies joined by lasting contacts or
- * springs form a *cluster* with one clock. Owned by the world; simulator's thread only.
+ * An *arc* is the motion of a body from its anchor on: a parabola of the centre of mass, and a
+ * turning (math/top); or, while forces without a closed form act on it, a polynomial piece of its
+ * cluster's integrator. Anchors change only by events of that body, so nothing depends on when
+ * frames or steps look at it. Bodies joined by lasting contacts or springs form a *cluster* with
+ * one clock. Owned by the world; simulator's thread only.
  */
 #ifndef RB_LOCATED_LOCATED_H
 #define RB_LOCATED_LOCATED_H
@@ -19,8 +21,8 @@
 #include <math.h>
 
 /*
- * Centre of mass from the anchor on: x + v s + a s^2 / 2. What a neighbour in the same field of gravity asks for is one
- * line of memory: of many bodies that is most of what is read.
+ * Centre of mass from the anchor on: x + v s + a s^2 / 2. What a neighbour in the same field of
+ * gravity asks for is one line of memory: of many bodies that is most of what is read.
  */
 struct rb_arc {
 	_Alignas(64) double anchor_s;
@@ -30,8 +32,9 @@ struct rb_arc {
 };
 
 /*
- * Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and holds to until_s. Where its
- * orientation is not felt, that stays as it began: what it is follows from the spin (math/turn).
+ * Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and
+ * holds to until_s. Where its orientation is not felt, that stays as it began: what it is follows
+ * from the spin (math/turn).
  */
 struct rb_piece_of {
 	struct rb_gauss_piece
@@ -76,7 +79,10 @@ struct rb_held {
 	bool merged;       /* ... and announced as a merge first */
 };
 
-/* W and N of contacts at rest or sliding between parabolas, about the origin: polynomials in the time since then. */
+/*
+ * W and N of contacts at rest or sliding between parabolas, about the origin: polynomials in the
+ * time since then.
+ */
 struct rb_account_rates {
 	double sliding[2];
 	rb_vec3 force[2], torque[2][3]; /* by static bodies, by driven ones (that do not move) */
@@ -173,10 +179,12 @@ static inline int rb_located_row(const struct rb_located *l)
 }
 
 /*
- * So many products count as dealing with a body once. That is a choice, with which some fifty boxes that move together are
- * left to steps; and arithmetic, not a clock: the same on every machine. A row of a contact's in a product of a vector with
- * the matrix, a look at a contact on a piece, and at what pulls a body in flight, a call of a field's function, and a search for
- * points where two convex bodies touch, count as so many. A simulated second allows so many bodies, which take about one.
+ * So many products count as dealing with a body once. That is a choice, with which some fifty boxes
+ * that move together are left to steps; and arithmetic, not a clock: the same on every machine. A
+ * row of a contact's in a product of a vector with the matrix, a look at a contact on a piece, and
+ * at what pulls a body in flight, a call of a field's function, and a search for points where two
+ * convex bodies touch, count as so many. A simulated second allows so many bodies, which take about
+ * one.
  */
 enum {
 	RB_LOCATED_PRODUCTS = 100000,

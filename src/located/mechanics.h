@@ -10,13 +10,16 @@
 struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
                                               const struct rb_contact_point *m);
 
-/* A body that yields, in this pose: its velocities are those of an impact, or accelerations apart from contacts. */
+/*
+ * A body that yields, in this pose: its velocities are those of an impact, or accelerations apart
+ * from contacts.
+ */
 struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
                                         const struct rb_pose *pose, rb_vec3 linear,
                                         rb_vec3 angular);
 /*
- * One that does not, with its accelerations at `t`: static, or driven. Each contact gets a copy of its own, since what
- * shares a body is solved together.
+ * One that does not, with its accelerations at `t`: static, or driven. Each contact gets a copy of
+ * its own, since what shares a body is solved together.
  */
 struct rb_solver_body rb_mechanics_fixed(const struct rb_located *l, int i, double t);
 

@@ -7,7 +7,10 @@
 #include "located/rates.h"
 #include "located/set.h"
 
-/* Shares of forces by which a mode is seen to have ended, so that what follows does not see it go on. */
+/*
+ * Shares of forces by which a mode is seen to have ended, so that what follows does not see it go
+ * on.
+ */
 static const double clear = 1e-11;
 /* A piece that is cut at less than this part of it was cut at once. */
 enum { AT_ONCE = 1024 };
@@ -87,8 +90,8 @@ static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 }
 
 /*
- * Asked of the first of a pair's points: is another, which is not held, below them? The bodies have come to touch there.
- * What is held may be off by what integration lets drift.
+ * Asked of the first of a pair's points: is another, which is not held, below them? The bodies have
+ * come to touch there. What is held may be off by what integration lets drift.
  */
 static bool is_hit(const struct rb_modes *w, int k)
 {
@@ -151,7 +154,10 @@ static int broken_at(struct rb_modes *w, double s, double *value)
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }
 
-/* Points of one body come to the end of their slip together: whose slip is nothing there has ended as well. */
+/*
+ * Points of one body come to the end of their slip together: whose slip is nothing there has ended
+ * as well.
+ */
 static void end_slips(struct rb_modes *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
@@ -169,8 +175,9 @@ static void end_slips(struct rb_modes *w, double s, double *value)
 }
 
 /*
- * Does a contact that sticks need more than its friction as soon as the piece has begun? Where forces are open, there may be
- * some for which it holds, at every moment anew, and none that go on: so it slips.
+ * Does a contact that sticks need more than its friction as soon as the piece has begun? Where
+ * forces are open, there may be some for which it holds, at every moment anew, and none that go on:
+ * so it slips.
  */
 static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
 {

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Checks of the modes of a cluster's contacts on its piece: does one end, where does it first, is another solution possible? */
+/*
+ * Checks of the modes of a cluster's contacts on its piece: does one end, where does it first, is
+ * another solution possible?
+ */
 #ifndef RB_LOCATED_MODE_CHECKS_H
 #define RB_LOCATED_MODE_CHECKS_H
 
@@ -9,15 +12,19 @@
 #define RB_CHECK_OTHERWISE 1e-10
 
 /*
- * Where modes leave forces open, those that were found may be outside the cones while others are within: are there forces
- * by the law that move all bodies as the modes do? They are then the forces.
+ * Where modes leave forces open, those that were found may be outside the cones while others are
+ * within: are there forces by the law that move all bodies as the modes do? They are then the
+ * forces.
  */
 bool rb_check_holds_otherwise(struct rb_modes *w, double t);
 
 /* Excess of a contact's force over what its mode allows, N; below zero: it is allowed. */
 double rb_check_excess(const struct rb_modes *w, int k);
 
-/* Where in the piece a mode ends first, seconds from its beginning; the whole length where none does. `value`: scratch. */
+/*
+ * Where in the piece a mode ends first, seconds from its beginning; the whole length where none
+ * does. `value`: scratch.
+ */
 double rb_check_change_within(struct rb_modes *w, double *value);
 
 /* Does a slip that was taken for straight turn aside within [0, s]? */

@@ -10,7 +10,10 @@
 enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
 /* Of a slip's speed: what is beside its direction, where it has turned. */
 static const double aside_share = 1e-9;
-/* Share of friction that may be left across a slip that creeps: by the square of it there is too much of it. */
+/*
+ * Share of friction that may be left across a slip that creeps: by the square of it there is too
+ * much of it.
+ */
 static const double balanced_share = 1e-7;
 /* What the rounding of places may cost at most, of the tolerance's sizes. */
 static const double coarse = 1e-6;
@@ -46,8 +49,8 @@ static inline double asked_of(const struct rb_modes *w, int contact, int k, rb_v
 }
 
 /*
- * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an axis; of a slip that
- * creeps, across it.
+ * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an
+ * axis; of a slip that creeps, across it.
  */
 static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 {
@@ -118,7 +121,10 @@ static inline double guess_of(const struct rb_modes *w, int contact, int k)
 	return k == 0 ? rb_vec3_dot(held->force, w->contact_point[contact].normal) : 0;
 }
 
-/* What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the guess to the right. */
+/*
+ * What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the
+ * guess to the right.
+ */
 static void fill_row(struct rb_modes *w, int i, int row, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -161,9 +167,10 @@ static void take_off(double *v, const double *way, size_t n)
 }
 
 /*
- * Where the modes leave forces open (more contacts than freedoms), of all that do the same to the bodies: `least` [n], by
- * unknowns, becomes the one of the smallest squares and `change` [n] the smallest change. Neither knows which contacts come
- * first. What they may differ by is made orthogonal, one after the other (Gram and Schmidt, modified). False: no memory.
+ * Where the modes leave forces open (more contacts than freedoms), of all that do the same to the
+ * bodies: `least` [n], by unknowns, becomes the one of the smallest squares and `change` [n] the
+ * smallest change. Neither knows which contacts come first. What they may differ by is made
+ * orthogonal, one after the other (Gram and Schmidt, modified). False: no memory.
  */
 static bool close_open(struct rb_modes *w, double *least, double *change)
 {
@@ -220,8 +227,8 @@ bool rb_modes_are_lawful(const struct rb_modes *w)
 }
 
 /*
- * Forces where some are open: the smallest, which have the symmetry that the bodies have; where these are against the law, those
- * that are nearest to what they were when the cluster was settled.
+ * Forces where some are open: the smallest, which have the symmetry that the bodies have; where
+ * these are against the law, those that are nearest to what they were when the cluster was settled.
  */
 static bool choose_forces(struct rb_modes *w)
 {
@@ -317,7 +324,10 @@ void rb_modes_part_slips(struct rb_modes *w)
 	}
 }
 
-/* Slips that creep go where nothing is left across them, joined ones together. True: one has turned. */
+/*
+ * Slips that creep go where nothing is left across them, joined ones together. True: one has
+ * turned.
+ */
 static bool turn_creeping(struct rb_modes *w)
 {
 	const struct rb_held *const held = w->c->held;
@@ -376,7 +386,10 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	struct rb_located *l = w->l;
 	const struct rb_cluster *c = w->c;
 	const rb_arena_mark here = rb_arena_here(l->arena);
-	/* what balances is summed first: turned to the body's axes and back it would leave its rounding each time */
+	/*
+	 * what balances is summed first: turned to the body's axes and back it would leave its
+	 * rounding each time
+	 */
 	rb_vec3 *const sum = rb_arena_take(l->arena, 2 * (size_t)c->member_count, sizeof *sum);
 
 	if (!sum)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Forces of a cluster's contacts, each in its mode: they stick, slip along a direction, or creep (rb_set_creep). An
- * elimination for the forces that the modes ask for; where it is too large, the solver of constraint/simultaneous.
+ * Forces of a cluster's contacts, each in its mode: they stick, slip along a direction, or creep
+ * (rb_set_creep). An elimination for the forces that the modes ask for; where it is too large, the
+ * solver of constraint/simultaneous.
  */
 #ifndef RB_LOCATED_MODES_H
 #define RB_LOCATED_MODES_H
@@ -56,12 +57,16 @@ bool rb_modes_move(const struct rb_modes *w);
 /* How many a contact has in its mode. */
 int rb_modes_unknowns(const struct rb_held *held);
 
-/* Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many unknowns. */
+/*
+ * Fills w->force from poses, meetings, contacts and accelerations apart from them; false: too many
+ * unknowns.
+ */
 bool rb_modes_solve(struct rb_modes *w, double t);
 
 /*
- * Where all points of a pair creep they are to go one way, which is turned for all of them together: each on its own would be
- * one too many. True: there is such a pair. And back: those that are straight then do not creep.
+ * Where all points of a pair creep they are to go one way, which is turned for all of them
+ * together: each on its own would be one too many. True: there is such a pair. And back: those that
+ * are straight then do not creep.
  */
 bool rb_modes_join_slips(struct rb_modes *w);
 void rb_modes_part_slips(struct rb_modes *w);
@@ -73,29 +78,38 @@ bool rb_modes_are_lawful(const struct rb_modes *w);
 bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force);
 
 /*
- * After rb_modes_solve and rb_modes_press: accelerations that are of the modes to the rounding of accelerations. Forces round
- * by the heaviest body that they carry, which to a light one below it is no small thing. Nothing to do where nothing is left. False: no memory.
+ * After rb_modes_solve and rb_modes_press: accelerations that are of the modes to the rounding of
+ * accelerations. Forces round by the heaviest body that they carry, which to a light one below it
+ * is no small thing. Nothing to do where nothing is left. False: no memory.
  */
 bool rb_modes_refine(struct rb_modes *w, double t);
 
 /* What the accelerations leave of the modes, the largest, m/s^2. */
 double rb_modes_left(struct rb_modes *w, double t);
 
-/* After rb_modes_press: does a slip creep (rb_set_creep), and change its speed by little of what friction could do? */
+/*
+ * After rb_modes_press: does a slip creep (rb_set_creep), and change its speed by little of what
+ * friction could do?
+ */
 bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t);
 
 /*
- * Has a slip that was taken for straight turned aside, beyond rounding? Those at several points of a pair also turn within what
- * rounding makes of a slow slip: of their speed it has to be more, and what begins slowly goes straight.
+ * Has a slip that was taken for straight turned aside, beyond rounding? Those at several points of
+ * a pair also turn within what rounding makes of a slow slip: of their speed it has to be more, and
+ * what begins slowly goes straight.
  */
 bool rb_modes_turns_aside(const struct rb_modes *w, int contact);
 
-/* Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies then move. */
+/*
+ * Where modes do not determine the forces: any that are lawful. `found`, if not NULL: how bodies
+ * then move.
+ */
 bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **found);
 
 /*
- * A field is asked at coordinates that are rounded, and answers with steps: what it changes along the way of a member, for
- * a rounding of the place. Far from the origin that is more than the tolerance.
+ * A field is asked at coordinates that are rounded, and answers with steps: what it changes along
+ * the way of a member, for a rounding of the place. Far from the origin that is more than the
+ * tolerance.
  */
 double rb_modes_noise(void *user, const double *coefficient);
 

@@ -65,8 +65,8 @@ static double sum_of_dots(const rb_vec3 *a, const rb_vec3 *b, int count)
 }
 
 /*
- * Impulses that stop all contacts' points, by conjugate gradients from along the present forces: where more contacts than
- * freedoms leave them open, those that the growing forces lead to.
+ * Impulses that stop all contacts' points, by conjugate gradients from along the present forces:
+ * where more contacts than freedoms leave them open, those that the growing forces lead to.
  */
 static void stop_points(struct rb_painleve *painleve)
 {

@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where friction presses a slipping contact harder together than it yields, its force grows beyond all bounds before the
- * slip ends (Painleve): what follows is an impact without an approach, which ends with the slip (Genot, Brogliato, Eur. J.
- * Mech. A 18 (1999) 653).
+ * Where friction presses a slipping contact harder together than it yields, its force grows beyond
+ * all bounds before the slip ends (Painleve): what follows is an impact without an approach, which
+ * ends with the slip (Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653).
  */
 #ifndef RB_LOCATED_PAINLEVE_H
 #define RB_LOCATED_PAINLEVE_H
 
 #include "located/pair_contacts.h"
 
-/* The contacts of bodies whose places are 0 .. body_count - 1 (l->place); all arrays are the caller's. */
+/*
+ * The contacts of bodies whose places are 0 .. body_count - 1 (l->place); all arrays are the
+ * caller's.
+ */
 struct rb_painleve {
 	struct rb_located *l;
 	const struct rb_contact_point *contact_point;

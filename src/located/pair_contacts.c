@@ -22,10 +22,16 @@ bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
 
 /* ---- geometry of a moment ---- */
 
-/* What a shape of kind b makes of a sphere: gap, normal from the sphere, its rate, whether at a rim. */
+/*
+ * What a shape of kind b makes of a sphere: gap, normal from the sphere, its rate, whether at a
+ * rim.
+ */
 typedef void contact_function(const struct rb_located *l, struct rb_contact_point *m);
 
-/* From a body's centre of mass to its origin: by the orientation, so that far away it is as exact as near. */
+/*
+ * From a body's centre of mass to its origin: by the orientation, so that far away it is as exact
+ * as near.
+ */
 static rb_vec3 origin_arm(const struct rb_located *l, int i, const struct rb_pose *pose)
 {
 	if (i >= l->n || !l->model->center_of_mass)
@@ -132,7 +138,9 @@ static contact_function *const point_of_pair[RB_SHAPE_KIND_COUNT] = {
 	[RB_SHAPE_RECTANGLE] = contact_with_rectangle,
 };
 
-/* Arms, their rates and the velocity at the point, from gap, normal and its rate; a is the sphere. */
+/*
+ * Arms, their rates and the velocity at the point, from gap, normal and its rate; a is the sphere.
+ */
 static void finish(const struct rb_located *l, struct rb_contact_point *m)
 {
 	const double radius = l->model->shape[m->a].radius;
@@ -268,7 +276,10 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(d));
 }
 
-/* A ball that the body's origin of motion stays in up to `until`: about where its arc or piece began. */
+/*
+ * A ball that the body's origin of motion stays in up to `until`: about where its arc or piece
+ * began.
+ */
 static rb_vec3 beginning(const struct rb_located *l, int i, double until, double *way)
 {
 	double speed, external, age;
@@ -295,7 +306,10 @@ static rb_vec3 beginning(const struct rb_located *l, int i, double until, double
 	return center;
 }
 
-/* Seen without a look at where pieces have come to, which is what a pair costs where many bodies are on them. */
+/*
+ * Seen without a look at where pieces have come to, which is what a pair costs where many bodies
+ * are on them.
+ */
 static bool began_far(const struct rb_located *l, int a, int b, double until, double sum)
 {
 	double way_a, way_b;
@@ -389,8 +403,9 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 }
 
 /*
- * Seconds until two spheres touch that fly under different accelerations: |d + w s + a s^2/2|^2 - sum^2 is a quartic.
- * What is touching and neither closes nor opens beyond rounding starts from zero, so that only what follows counts.
+ * Seconds until two spheres touch that fly under different accelerations: |d + w s + a s^2/2|^2 -
+ * sum^2 is a quartic. What is touching and neither closes nor opens beyond rounding starts from
+ * zero, so that only what follows counts.
  */
 static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, double noise,
                               double max)
@@ -424,7 +439,10 @@ struct course {
 		radius; /* of the centres; at least how far the normal's centre of turning is */
 };
 
-/* Would the gap stay above `least` for h? Below it are gap + rate s + bend s^2 / 2 - K s^3 / 6, s <= h. */
+/*
+ * Would the gap stay above `least` for h? Below it are gap + rate s + bend s^2 / 2 - K s^3 / 6, s
+ * <= h.
+ */
 static bool stays_above(const struct course *c, double h, double least)
 {
 	/* the rate of a.n: the jerk, and the turning of the normal */
@@ -531,7 +549,9 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			const double gap = touches ? 0 : m.gap;
 			const double root = sqrt(rate * rate + 2 * max * gap);
 
-			/* the root of gap + rate h - most h^2 / 2, in the form that does not cancel */
+			/*
+			 * the root of gap + rate h - most h^2 / 2, in the form that does not cancel
+			 */
 			if (rate > 0)
 				h = max > 0 ? (rate + root) / max : HUGE_VAL;
 			else

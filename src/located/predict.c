@@ -141,8 +141,9 @@ static inline two dot(struct two_vec a, struct two_vec b)
 }
 
 /*
- * Leaves of `near` those that see_sphere has to look at: the few that are near or come close, and what is no plain
- * sphere. Without branches that depend on where bodies are, which nobody can guess: most of a gas's time is spent here.
+ * Leaves of `near` those that see_sphere has to look at: the few that are near or come close, and
+ * what is no plain sphere. Without branches that depend on where bodies are, which nobody can
+ * guess: most of a gas's time is spent here.
  */
 static inline int sift(const struct seer *s, int *near, int count, bool falls)
 {
@@ -168,7 +169,10 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls)
 		const struct two_vec w = minus(v, mine);
 		const two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
 		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
-		/* false where the radius is not a number; 1e-290: squares of what is smaller underflow */
+		/*
+		 * false where the radius is not a number; 1e-290: squares of what is smaller
+		 * underflow
+		 */
 		const __typeof__(b < c) apart =
 			(c >= both(1e-3) * square) &
 			((b >= both(0)) | (b * b * both(1 + 1e-6) + both(1e-290) < dot(w, w) * c));
@@ -207,7 +211,10 @@ static int sift_near(const struct seer *s, int *near, int count)
 	return odd + (s->falls ? sift(s, near, count, true) : sift(s, near, count, false));
 }
 
-/* A plane at rest, seen from a sphere in flight that is not near it. False: not such a pair, or near. */
+/*
+ * A plane at rest, seen from a sphere in flight that is not near it. False: not such a pair, or
+ * near.
+ */
 static bool see_plane(struct seer *s, int j)
 {
 	const struct rb_located *l = s->l;
@@ -372,8 +379,9 @@ static void keep(struct seer *s)
 }
 
 /*
- * Of many bodies, most of what an event reads lies in slow memory: it is asked for while the events before it are dealt
- * with, in two stages, the second of which needs what the first has brought. Hints only.
+ * Of many bodies, most of what an event reads lies in slow memory: it is asked for while the events
+ * before it are dealt with, in two stages, the second of which needs what the first has brought.
+ * Hints only.
  */
 static void ask_for(const struct rb_located *l, int i)
 {

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A calendar with a heap for the present. Days are equally long and hold lists without order; a body whose event is
- * today, or was to be earlier, is in the heap; what lies beyond the last day is in one more list. When the heap runs
- * out, the next day that holds anything is poured into it; when the days run out, new ones are laid out over what is
- * left, as long as the median of the times left asks for. So a body set to a later time costs the same however many
- * there are (Brown, "Calendar queues", CACM 31:1220 (1988); the heap for the present is from Paul, "A complexity O(1)
- * priority queue for event driven molecular dynamics simulations", J. Comput. Phys. 221:615 (2007)), and lengths of
- * days that do not fit cost a heap's logarithm at most. Measured with the hold model at 4,000 and at 100,000 bodies:
- * two thirds of the time of a winner tree, a third of that of a heap of two or four children.
+ * A calendar with a heap for the present. Days are equally long and hold lists without order; a
+ * body whose event is today, or was to be earlier, is in the heap; what lies beyond the last day is
+ * in one more list. When the heap runs out, the next day that holds anything is poured into it;
+ * when the days run out, new ones are laid out over what is left, as long as the median of the
+ * times left asks for. So a body set to a later time costs the same however many there are (Brown,
+ * "Calendar queues", CACM 31:1220 (1988); the heap for the present is from Paul, "A complexity O(1)
+ * priority queue for event driven molecular dynamics simulations", J. Comput. Phys. 221:615
+ * (2007)), and lengths of days that do not fit cost a heap's logarithm at most. Measured with the
+ * hold model at 4,000 and at 100,000 bodies: two thirds of the time of a winner tree, a third of
+ * that of a heap of two or four children.
  *
- * The order is right whatever the days are: which day a time falls on never decreases with time, whatever the
- * rounding, and equal times fall on one day.
+ * The order is right whatever the days are: which day a time falls on never decreases with time,
+ * whatever the rounding, and equal times fall on one day.
  */
 #include "located/queue.h"
 
@@ -170,7 +172,10 @@ static int32_t gather_list(struct rb_queue *queue, int32_t day, int32_t count)
 	return count;
 }
 
-/* The median of some of the times, counted from `start`; their mean where more than half are at the start. */
+/*
+ * The median of some of the times, counted from `start`; their mean where more than half are at the
+ * start.
+ */
 static double typical_wait(const struct rb_queue *queue, int32_t count, double start)
 {
 	double wait[SAMPLES], sum = 0;
@@ -189,7 +194,10 @@ static double typical_wait(const struct rb_queue *queue, int32_t count, double s
 	return wait[max / 2] > 0 ? wait[max / 2] : sum / max;
 }
 
-/* New days over all events. Costs as much as there are events and days, so it must be rare: see its callers. */
+/*
+ * New days over all events. Costs as much as there are events and days, so it must be rare: see its
+ * callers.
+ */
 static void lay_out(struct rb_queue *queue)
 {
 	int32_t count = 0, days = 1;
@@ -210,7 +218,10 @@ static void lay_out(struct rb_queue *queue)
 	queue->start = start;
 	queue->per_s = 0;
 	if (count > HEAP_MAX) {
-		/* of n waits that are exponential with mean T, the first come at intervals T / n, T = median / ln 2 */
+		/*
+		 * of n waits that are exponential with mean T, the first come at intervals T / n, T
+		 * = median / ln 2
+		 */
 		queue->per_s = count * M_LN2 / (typical_wait(queue, count, start) * day_load);
 		while (days < count)
 			days *= 2;
@@ -222,8 +233,11 @@ static void lay_out(struct rb_queue *queue)
 		add(queue, queue->gathered[i]);
 }
 
-/* The heap is empty: on to the next day that is not. Days are laid out anew after half of the events or more have been
- * set to other times (those that the median had put on some day), which pays for it. */
+/*
+ * The heap is empty: on to the next day that is not. Days are laid out anew after half of the
+ * events or more have been set to other times (those that the median had put on some day), which
+ * pays for it.
+ */
 static void next_day(struct rb_queue *queue)
 {
 	while (queue->today + 1 < queue->day_count) {
@@ -306,7 +320,10 @@ int rb_queue_later(struct rb_queue *queue)
 			return -1;
 		queue->later = queue->head[++queue->later_day];
 	} else {
-		/* may have gone elsewhere meanwhile: then it leads to somebody else, or to a place in the heap */
+		/*
+		 * may have gone elsewhere meanwhile: then it leads to somebody else, or to a place
+		 * in the heap
+		 */
 		queue->later = queue->slots[body].next;
 	}
 	if (queue->later >= 0)

@@ -2,7 +2,8 @@
 /*
  * Which of n bodies has the earliest event: an indexed priority queue with one time per body.
  *
- * Ties are broken by the body's number, so that the order does not depend on history. Owned by one thread.
+ * Ties are broken by the body's number, so that the order does not depend on history. Owned by one
+ * thread.
  */
 #ifndef RB_LOCATED_QUEUE_H
 #define RB_LOCATED_QUEUE_H
@@ -24,9 +25,10 @@ double rb_queue_time(const struct rb_queue *queue, int body);
 int rb_queue_first(const struct rb_queue *queue, double *time_s);
 
 /*
- * Hints that change nothing, for those who fetch what they will need. Whose event may come soon: k = 1, 2, .., the
- * sooner the smaller k, roughly; -1: nobody. Whose may come after those: another one with every call, until there is
- * none for the time being: -1. And: this body's time will be set soon.
+ * Hints that change nothing, for those who fetch what they will need. Whose event may come soon: k
+ * = 1, 2, .., the sooner the smaller k, roughly; -1: nobody. Whose may come after those: another
+ * one with every call, until there is none for the time being: -1. And: this body's time will be
+ * set soon.
  */
 int rb_queue_soon(const struct rb_queue *queue, int k);
 int rb_queue_later(struct rb_queue *queue);

@@ -9,7 +9,10 @@
 #include "located/set.h"
 #include "located/work.h"
 
-/* Accelerations below this share of the external ones are residue of the solver: of what is at rest, and of what slides on. */
+/*
+ * Accelerations below this share of the external ones are residue of the solver: of what is at
+ * rest, and of what slides on.
+ */
 static const double rest_share = 1e-12, rounding_share = 16 * DBL_EPSILON;
 
 static void read_pose(struct rb_modes *w, int k, const double *value)
@@ -37,8 +40,9 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 }
 
 /*
- * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means static, also under
- * forces that are looked at again and again. Of one that slides on, so is what is no more than rounding; it would grow.
+ * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means
+ * static, also under forces that are looked at again and again. Of one that slides on, so is what
+ * is no more than rounding; it would grow.
  */
 static void stand_still(struct rb_modes *w, double external)
 {
@@ -88,7 +92,10 @@ static double largest_acceleration(const struct rb_modes *w)
 	return max;
 }
 
-/* What a look has cost; what stands is looked at a few times, and then not for long. False: it is too much. */
+/*
+ * What a look has cost; what stands is looked at a few times, and then not for long. False: it is
+ * too much.
+ */
 static bool count_inspection(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
@@ -148,7 +155,10 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 			                                    w->contact_point[k].normal);
 			const double speed = rb_vec3_length(slip);
 
-			/* one that is just setting in goes where it sets in: its velocity is rounding */
+			/*
+			 * one that is just setting in goes where it sets in: its velocity is
+			 * rounding
+			 */
 			if (speed > 4 * w->contact[k].noise)
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);
 		}

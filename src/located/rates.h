@@ -1,24 +1,33 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The right-hand side of a cluster's piece, as math/gauss asks for it: accelerations by external forces and by the contacts in
- * their modes.
+ * The right-hand side of a cluster's piece, as math/gauss asks for it: accelerations by external
+ * forces and by the contacts in their modes.
  */
 #ifndef RB_LOCATED_RATES_H
 #define RB_LOCATED_RATES_H
 
 #include "located/modes.h"
 
-/* Accelerations by all but contacts, w->linear and w->angular, and the largest of them, m/s^2. False: no memory, or l->status. */
+/*
+ * Accelerations by all but contacts, w->linear and w->angular, and the largest of them, m/s^2.
+ * False: no memory, or l->status.
+ */
 bool rb_rates_external(struct rb_modes *w, double t, double *max);
 
-/* Poses from the values of the piece; forces of contacts, w->force, and accelerations at `t`. False: as above. */
+/*
+ * Poses from the values of the piece; forces of contacts, w->force, and accelerations at `t`.
+ * False: as above.
+ */
 bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value);
 
 /* rb_gauss_rates of a struct rb_modes. */
 enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
                         struct rb_error *err);
 
-/* Keeps what acts at a node of the integrator for the ledger: `visited` of a struct rb_gauss_problem. */
+/*
+ * Keeps what acts at a node of the integrator for the ledger: `visited` of a struct
+ * rb_gauss_problem.
+ */
 void rb_rates_enter_node(void *user, int node);
 
 #endif

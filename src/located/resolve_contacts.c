@@ -17,7 +17,10 @@
 #include "located/work.h"
 
 enum { STILL_ULP = 64, LOAD_ULP = 64 };
-/* Share of the friction that is missing where the solver has not found it, which is more than its residue. */
+/*
+ * Share of the friction that is missing where the solver has not found it, which is more than its
+ * residue.
+ */
 static const double gave_way = 1e-9;
 
 /* Share of the pulls below which accelerations are what the solver leaves. */
@@ -79,7 +82,10 @@ static bool begin(struct rb_settling *s)
 	return true;
 }
 
-/* m/s: normal velocity that a lasting contact may have by rounding; and by what integration lets drift. */
+/*
+ * m/s: normal velocity that a lasting contact may have by rounding; and by what integration lets
+ * drift.
+ */
 static double rounds(const struct rb_settling *s, const struct rb_contact_point *m)
 {
 	return rb_contact_point_noise(s->l, m) + s->slack + s->drift;
@@ -107,7 +113,10 @@ static bool parts(const struct rb_settling *s, const struct rb_contact_point *m)
 	                     rb_contact_point_band(s->l, m, s->t));
 }
 
-/* A contact that ends: either others of its pair go on, with what has been told of the pair, or the bodies part. */
+/*
+ * A contact that ends: either others of its pair go on, with what has been told of the pair, or the
+ * bodies part.
+ */
 static void end_contact(struct rb_settling *s, int k, const bool *kept)
 {
 	int first;
@@ -132,8 +141,8 @@ static void end_contact(struct rb_settling *s, int k, const bool *kept)
 }
 
 /*
- * A point that has just been passed on to other features opens by as much as it has come too far. Whether it lasts, its force
- * will say; brought back, a body that leaves would be pulled.
+ * A point that has just been passed on to other features opens by as much as it has come too far.
+ * Whether it lasts, its force will say; brought back, a body that leaves would be pulled.
  */
 static bool opens_anew(const struct rb_settling *s, int k)
 {
@@ -143,7 +152,10 @@ static bool opens_anew(const struct rb_settling *s, int k)
 	       rb_vec3_dot(m->velocity, m->normal) > rb_contact_point_noise(s->l, m);
 }
 
-/* One that has come to slip by more than drift, as where it rolls on to another feature, does not stick. */
+/*
+ * One that has come to slip by more than drift, as where it rolls on to another feature, does not
+ * stick.
+ */
 static void let_slip(const struct rb_settling *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -263,7 +275,10 @@ static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
 
 /* ---- writing ---- */
 
-/* The solution has less friction than the law where the law has none (constraint/simultaneous); what follows keeps to it. */
+/*
+ * The solution has less friction than the law where the law has none (constraint/simultaneous);
+ * what follows keeps to it.
+ */
 static double friction_of(const struct rb_solver_contact *c)
 {
 	const double push = rb_vec3_dot(c->impulse, c->normal);
@@ -313,8 +328,8 @@ static struct rb_held held_of(struct rb_settling *s, int k)
 }
 
 /*
- * Tells what the points of a pair do together, unless it was told already or an accumulation is still to end: they slide
- * if one of them does, rest if all do, and else they roll, rock or topple.
+ * Tells what the points of a pair do together, unless it was told already or an accumulation is
+ * still to end: they slide if one of them does, rest if all do, and else they roll, rock or topple.
  */
 static void record_mode(struct rb_settling *s, struct rb_held *held, const int *contact_point,
                         int count)
@@ -352,7 +367,10 @@ static void record_mode(struct rb_settling *s, struct rb_held *held, const int *
 		rb_record_transition(s->l, s->t, kinds[mode], &s->contact_point[contact_point[0]]);
 }
 
-/* Speeds and accelerations that are nothing to a member: rounding of a fall by its own size, and of what presses it. */
+/*
+ * Speeds and accelerations that are nothing to a member: rounding of a fall by its own size, and of
+ * what presses it.
+ */
 static bool is_nothing(const struct rb_settling *s, int k, double external, rb_vec3 speed,
                        rb_vec3 rate)
 {
@@ -422,8 +440,8 @@ static bool will_move(const struct rb_settling *s, int body, double external)
 }
 
 /*
- * All of a cluster stands still and nothing moves it: static means static. Still is a speed within rounding of that of a
- * fall by its own size.
+ * All of a cluster stands still and nothing moves it: static means static. Still is a speed within
+ * rounding of that of a fall by its own size.
  */
 static bool stands_still(const struct rb_settling *s, int part)
 {
@@ -453,7 +471,10 @@ static bool stands_still(const struct rb_settling *s, int part)
 	return true;
 }
 
-/* What contacts with fixed bodies do while all of the cluster is on parabolas; others leave its momentum. */
+/*
+ * What contacts with fixed bodies do while all of the cluster is on parabolas; others leave its
+ * momentum.
+ */
 static void rate_contact(const struct rb_settling *s, int k, bool still,
                          struct rb_account_rates *rates)
 {
@@ -621,8 +642,8 @@ static void record_lifts(struct rb_settling *s)
 }
 
 /*
- * What stands is solved once, whatever that costs, and costs nothing from then on; what moves is solved again soon, and so is
- * what is found after steps, which may have to take over again.
+ * What stands is solved once, whatever that costs, and costs nothing from then on; what moves is
+ * solved again soon, and so is what is found after steps, which may have to take over again.
  */
 static bool is_moving(const struct rb_settling *s)
 {
@@ -643,8 +664,8 @@ static bool is_moving(const struct rb_settling *s)
 }
 
 /*
- * Is it another point of bodies that touch already? An impact has dealt with all of them, but of a flat rim with some: where it
- * has begun to turn, another point of it may be the lowest.
+ * Is it another point of bodies that touch already? An impact has dealt with all of them, but of a
+ * flat rim with some: where it has begun to turn, another point of it may be the lowest.
  */
 static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_point *m)
 {
@@ -653,8 +674,8 @@ static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_
 }
 
 /*
- * The first contact that has lasted and approaches, or comes to where its bodies touch already, -1: none. What steps have left
- * is not that of an impact.
+ * The first contact that has lasted and approaches, or comes to where its bodies touch already, -1:
+ * none. What steps have left is not that of an impact.
  */
 static int find_hit(const struct rb_settling *s)
 {

@@ -14,7 +14,10 @@
 #include "located/work.h"
 #include "geom/distance.h"
 
-/* By how many times a rebound may change speeds when it is stopped: more is not what stopping it takes. */
+/*
+ * By how many times a rebound may change speeds when it is stopped: more is not what stopping it
+ * takes.
+ */
 static const double dear = 1e3;
 
 enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64, ROUNDS_MAX = 16 };
@@ -64,7 +67,10 @@ static double closing_of(const struct rb_located *l, const struct rb_contact_poi
 	return -rb_contact_point_bend(l, m, t);
 }
 
-/* Would it open the gap no further than the rounding of the body's size? Where it is does not matter. */
+/*
+ * Would it open the gap no further than the rounding of the body's size? Where it is does not
+ * matter.
+ */
 static bool ends_here(const struct rb_located *l, const struct rb_contact_point *m,
                       double target_velocity, double t)
 {
@@ -96,8 +102,9 @@ static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_v
 }
 
 /*
- * What rb_resolve_impact_of_pair does, to the bit, where all that it looks at is known to be nothing: spins, friction, differences
- * of acceleration, somebody who is told. False: it is not, or the rebound is so slow that it has to be looked at.
+ * What rb_resolve_impact_of_pair does, to the bit, where all that it looks at is known to be
+ * nothing: spins, friction, differences of acceleration, somebody who is told. False: it is not, or
+ * the rebound is so slow that it has to be looked at.
  */
 static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 {
@@ -246,8 +253,8 @@ static struct rb_drift drift_of(struct striking *s, const bool *kept)
 }
 
 /*
- * What bodies with several points that have been held, and come to touch at another, have drifted: it would feed a series
- * of impacts that comes to its end.
+ * What bodies with several points that have been held, and come to touch at another, have drifted:
+ * it would feed a series of impacts that comes to its end.
  */
 static bool put_right(struct striking *s)
 {
@@ -308,7 +315,10 @@ static rb_vec3 velocity_after(const struct striking *s, int k)
 	                   rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
 }
 
-/* Across which a normal impulse turns the body, m; nothing but rounding where it passes through its centre. */
+/*
+ * Across which a normal impulse turns the body, m; nothing but rounding where it passes through its
+ * centre.
+ */
 static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
 {
 	const rb_vec3 lever = rb_vec3_cross(arm, normal);
@@ -360,7 +370,10 @@ static bool is_taken_over(const struct striking *s, int k)
 	return false;
 }
 
-/* Seconds that infinitely many rebounds take which begin with this one; < 0: it is not of that kind. */
+/*
+ * Seconds that infinitely many rebounds take which begin with this one; < 0: it is not of that
+ * kind.
+ */
 static double accumulation(const struct striking *s, int k)
 {
 	const struct rb_located *l = s->l;
@@ -426,7 +439,10 @@ static void stop_one_by_one(struct striking *s, const bool *ends)
 	}
 }
 
-/* Of the contacts that are not `kept`, those are that approach now, or leave where they stood; true: there were such. */
+/*
+ * Of the contacts that are not `kept`, those are that approach now, or leave where they stood;
+ * true: there were such.
+ */
 static bool keep_what_moves(const struct striking *s, const bool *stood, bool *kept)
 {
 	bool any = false;
@@ -487,9 +503,10 @@ static void stop_from(struct striking *s, struct rb_drift *drift,
 }
 
 /*
- * The same where points of bodies hang together: the smallest change that leaves no rebound, which takes energy. What it
- * would have approach, or lift where it stood, is stopped as well: that would be the next impact. Not at any price: where a
- * body rolls over an edge that stands out by rounding, only standing still would serve both sides of it.
+ * The same where points of bodies hang together: the smallest change that leaves no rebound, which
+ * takes energy. What it would have approach, or lift where it stood, is stopped as well: that would
+ * be the next impact. Not at any price: where a body rolls over an edge that stands out by
+ * rounding, only standing still would serve both sides of it.
  */
 static void stop_together(struct striking *s, bool *ends)
 {
@@ -523,8 +540,9 @@ static void stop_together(struct striking *s, bool *ends)
 }
 
 /*
- * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the contact lasts from
- * here, and is told when the last of them would be over, after 2 u / (a (1 - e)).
+ * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the
+ * contact lasts from here, and is told when the last of them would be over, after 2 u / (a (1 -
+ * e)).
  */
 static void end_accumulations(struct striking *s)
 {

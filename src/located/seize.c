@@ -10,7 +10,10 @@
 #include "located/work.h"
 #include "constraint/eccentric.h"
 
-/* Friction that the solver leaves out where it has found no solution with all of it; its residue is less. */
+/*
+ * Friction that the solver leaves out where it has found no solution with all of it; its residue is
+ * less.
+ */
 static const double left_out = 1e-9;
 
 static bool is_yielding(const struct rb_settling *s, int body)
@@ -113,8 +116,8 @@ static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
 }
 
 /*
- * Its normal velocity is rounding: an approach of that size instead. Where the contact yields after all, so is the impulse,
- * and none.
+ * Its normal velocity is rounding: an approach of that size instead. Where the contact yields after
+ * all, so is the impulse, and none.
  */
 static rb_vec3 impulse_at(const struct rb_settling *s, const struct rb_contact_point *m,
                           const struct rb_solver_contact *c, rb_vec3 *change)
@@ -222,7 +225,10 @@ bool rb_seize(struct rb_settling *s)
 		const struct rb_contact_point middle = middle_of(s, k);
 		int first;
 
-		/* points of a pair that come to stand together are all stopped: that is more than their middle is */
+		/*
+		 * points of a pair that come to stand together are all stopped: that is more than
+		 * their middle is
+		 */
 		any = (!alone ||
 		       (rb_slips_pair(s, k, &first) > first + 1 && c->restitution == 0)) &&
 		      seize_part(s, part_of(s, k));

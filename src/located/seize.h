@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For located/resolve_contacts: slips that no force allows. Where friction at its limit presses harder together than the contact yields,
- * and the other forces press, too, no finite force keeps the bodies apart (Painleve; Genot, Brogliato, Eur. J. Mech. A 18
- * (1999) 653): slip ends at that moment by an impulse, that of an impact that begins without an approach.
+ * For located/resolve_contacts: slips that no force allows. Where friction at its limit presses
+ * harder together than the contact yields, and the other forces press, too, no finite force keeps
+ * the bodies apart (Painleve; Genot, Brogliato, Eur. J. Mech. A 18 (1999) 653): slip ends at that
+ * moment by an impulse, that of an impact that begins without an approach.
  */
 #ifndef RB_LOCATED_SEIZE_H
 #define RB_LOCATED_SEIZE_H
@@ -10,9 +11,10 @@
 #include "located/slips.h"
 
 /*
- * `s` is solved, and its roots are joined. True: there was one, bodies have other velocities, and are to be settled anew,
- * as after an impact. One pair alone follows the law of constraint/eccentric, with its restitution, several points of it as one
- * in their middle; of several pairs all points are stopped, where that is within their cones, and give nothing back.
+ * `s` is solved, and its roots are joined. True: there was one, bodies have other velocities, and
+ * are to be settled anew, as after an impact. One pair alone follows the law of
+ * constraint/eccentric, with its restitution, several points of it as one in their middle; of
+ * several pairs all points are stopped, where that is within their cones, and give nothing back.
  */
 bool rb_seize(struct rb_settling *s);
 

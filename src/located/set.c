@@ -80,13 +80,19 @@ struct rb_contact_point rb_set_contact_point(const struct rb_located *l, const s
 	return rb_contact_point_of(l, &name, &pose_a, &pose_b);
 }
 
-/* Points of a pair closer than this share of its size are one; rounding of places by their features is far below. */
+/*
+ * Points of a pair closer than this share of its size are one; rounding of places by their features
+ * is far below.
+ */
 static const double one_place = 1e-9;
 /* Share of the speeds below which a slip creeps. */
 /* Share of what friction does to speeds by which a slip that creeps may change its own. */
 static const double slowly = 0.05;
 static const double creeping = 1e-5;
-/* Share of the size by which rounding and integration let a point be beyond the end of its features. */
+/*
+ * Share of the size by which rounding and integration let a point be beyond the end of its
+ * features.
+ */
 static const double beyond_end = 1e-11;
 
 bool rb_set_is_same_place(const struct rb_located *l, const struct rb_contact_point *x,
@@ -230,14 +236,20 @@ static double drift_of(const struct rb_located *l, const struct rb_held *first,
 	return drift;
 }
 
-/* Has the point come over the end of its features, as far as this one has or others that go with it? */
+/*
+ * Has the point come over the end of its features, as far as this one has or others that go with
+ * it?
+ */
 static bool passes_on(const struct rb_located *l, const struct rb_contact_point *m, bool others)
 {
 	return m->beyond != 0 &&
 	       (rb_set_has_left(l, m) || (others && m->inside < 0 && m->inside_rate < 0));
 }
 
-/* Another point that touches at this place and does not part: of another part of the body, which begins where one ends. */
+/*
+ * Another point that touches at this place and does not part: of another part of the body, which
+ * begins where one ends.
+ */
 static const struct rb_contact_point *instead_of(const struct rb_located *l,
                                                  const struct rb_contact_point *m,
                                                  const struct rb_contact_point *all, int count)
@@ -251,9 +263,9 @@ static const struct rb_contact_point *instead_of(const struct rb_located *l,
 }
 
 /*
- * A point that is held and rolls from one feature to the next is the same contact: neither does it end, nor is the next one
- * new, though its normal is off by as much as the point has gone too far. Those of a pair that roll there together do so
- * together.
+ * A point that is held and rolls from one feature to the next is the same contact: neither does it
+ * end, nor is the next one new, though its normal is off by as much as the point has gone too far.
+ * Those of a pair that roll there together do so together.
  */
 static void pass_on(const struct rb_located *l, struct rb_contact_point *m, int count,
                     const struct rb_contact_point *all, int all_count)
@@ -285,7 +297,10 @@ static bool is_known(const struct rb_located *l, const struct rb_contact_point *
 	return false;
 }
 
-/* Of a rim that has come to lie flat, the points that it lands on instead of that on which it rolled there. */
+/*
+ * Of a rim that has come to lie flat, the points that it lands on instead of that on which it
+ * rolled there.
+ */
 static void land_on(struct rb_contact_point *m, const struct rb_contact_point *all, int count)
 {
 	const struct rb_contact_name name = rb_contact_name_of(m);
@@ -328,7 +343,10 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	for (int h = 0; h < held_count; h++) {
 		int left = 0;
 
-		/* one that has left its features stays only if nothing else is there that could end it */
+		/*
+		 * one that has left its features stays only if nothing else is there that could end
+		 * it
+		 */
 		if (rb_set_has_left(l, &held[h]) && (count > 0 || held_count > 1))
 			continue;
 		if (is_known(l, &held[h], held, h))

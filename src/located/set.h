@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The bodies that one event deals with together: l->set, and l->place for each of them. One set at a time.
+ * The bodies that one event deals with together: l->set, and l->place for each of them. One set at
+ * a time.
  */
 #ifndef RB_LOCATED_SET_H
 #define RB_LOCATED_SET_H
@@ -11,7 +12,10 @@
 void rb_set_add(struct rb_located *l, int i);
 void rb_set_clear(struct rb_located *l);
 
-/* Every moving body that could touch this one: all, or those in the cells around it. Writes to l->near. */
+/*
+ * Every moving body that could touch this one: all, or those in the cells around it. Writes to
+ * l->near.
+ */
 int rb_set_near(const struct rb_located *l, int i);
 
 /* Is this pair held in a lasting contact? The first of its points; the others follow it. */
@@ -19,8 +23,8 @@ const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b);
 /* One past the last point of the pair that `first` is of. */
 const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct rb_held *first);
 /*
- * The held contact that this meeting goes on with, NULL: none. By its features; of those that have come to an end there,
- * by its place.
+ * The held contact that this meeting goes on with, NULL: none. By its features; of those that have
+ * come to an end there, by its place.
  */
 const struct rb_held *rb_set_held_like(const struct rb_located *l,
                                        const struct rb_contact_point *m);
@@ -44,24 +48,31 @@ struct rb_contact_point rb_set_contact_point(const struct rb_located *l, const s
 /* Has the point left the features that it is named by, beyond rounding? */
 bool rb_set_has_left(const struct rb_located *l, const struct rb_contact_point *m);
 /*
- * m/s: slip below which its direction is that in which forces across it balance. It turns there at a rate of friction
- * over speed, so that it is this to within speed / (friction g) of how fast that turns; followed as it turns it would take
- * steps of that length.
+ * m/s: slip below which its direction is that in which forces across it balance. It turns there at
+ * a rate of friction over speed, so that it is this to within speed / (friction g) of how fast that
+ * turns; followed as it turns it would take steps of that length.
  */
 double rb_set_creep(const struct rb_located *l, const struct rb_contact_point *m);
-/* Is a slip below it, and does it change its speed, at `rate` m/s^2, by little of what friction, of `force` N, could do? */
+/*
+ * Is a slip below it, and does it change its speed, at `rate` m/s^2, by little of what friction, of
+ * `force` N, could do?
+ */
 bool rb_set_is_slow(const struct rb_located *l, const struct rb_contact_point *m, double rate,
                     rb_vec3 force);
 /*
- * m: by how much the other side of a rim that rolls on this point is off touching, while it closes and that is no more than
- * what integration leaves of where things are; 0: it is none, or not so near.
+ * m: by how much the other side of a rim that rolls on this point is off touching, while it closes
+ * and that is no more than what integration leaves of where things are; 0: it is none, or not so
+ * near.
  */
 double rb_set_lands(const struct rb_located *l, const struct rb_contact_point *m);
 /* Are these the same point of the pair, though by other features? */
 bool rb_set_is_same_place(const struct rb_located *l, const struct rb_contact_point *x,
                           const struct rb_contact_point *y);
 
-/* ... or of two pairs with a body in common? Rounding parts features that follow each other by no more. */
+/*
+ * ... or of two pairs with a body in common? Rounding parts features that follow each other by no
+ * more.
+ */
 bool rb_set_is_shared_place(const struct rb_located *l, const struct rb_contact_point *x,
                             const struct rb_contact_point *y);
 
@@ -70,9 +81,9 @@ typedef bool rb_set_joins(const struct rb_located *l, const struct rb_contact_po
                           double slack);
 
 /*
- * Grows the set to all that is joined to it by clusters, springs and touching pairs that `joins` accepts, and writes the
- * contacts between its bodies, and between them and fixed bodies, to the arena: *found, sorted by (a, b, parts, key).
- * Returns how many; -1 when memory is out.
+ * Grows the set to all that is joined to it by clusters, springs and touching pairs that `joins`
+ * accepts, and writes the contacts between its bodies, and between them and fixed bodies, to the
+ * arena: *found, sorted by (a, b, parts, key). Returns how many; -1 when memory is out.
  */
 int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *joins,
                 struct rb_contact_point **found);

@@ -1,7 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/sizes.h"
 
-/* m/s^2: what the force alone would do to the point of the body that it acts on, by moving and by turning it. */
+/*
+ * m/s^2: what the force alone would do to the point of the body that it acts on, by moving and by
+ * turning it.
+ */
 static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
 {
 	const int place = rb_modes_place(w, body);
@@ -14,7 +17,10 @@ static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 f
 	return fmax(moves, rb_vec3_length(whole));
 }
 
-/* The largest of a member. What is solved together rounds together: the last of a column is not better known than the first. */
+/*
+ * The largest of a member. What is solved together rounds together: the last of a column is not
+ * better known than the first.
+ */
 static double largest_load(const struct rb_modes *w)
 {
 	double max = 0;
@@ -29,8 +35,8 @@ static double largest_load(const struct rb_modes *w)
 }
 
 /*
- * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the forces, not of what is
- * left of them: over a piece, and not more than a fall by its own size.
+ * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the
+ * forces, not of what is left of them: over a piece, and not more than a fall by its own size.
  */
 static double balanced(const struct rb_modes *w, double load, double radius)
 {

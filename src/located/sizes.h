@@ -6,8 +6,8 @@
 #include "located/modes.h"
 
 /*
- * Fills `scale`, a size > 0 for each value of the piece, after the forces at its beginning have been found; returns the
- * length to try without knowing better, s.
+ * Fills `scale`, a size > 0 for each value of the piece, after the forces at its beginning have
+ * been found; returns the length to try without knowing better, s.
  */
 double rb_sizes_of(struct rb_modes *w, double *scale);
 

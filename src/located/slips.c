@@ -95,8 +95,9 @@ bool rb_slips_press(const struct rb_settling *s, int k)
 }
 
 /*
- * A contact that begins where another one holds the body already, on a surface that goes on in the same plane, takes half of
- * that load: neither of the two is the first. Forces of either kind move the body alike.
+ * A contact that begins where another one holds the body already, on a surface that goes on in the
+ * same plane, takes half of that load: neither of the two is the first. Forces of either kind move
+ * the body alike.
  */
 static void share_loads(struct rb_settling *s)
 {
@@ -209,8 +210,9 @@ bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *he
 }
 
 /*
- * A slip that would end within the rounding of sizes has ended: of bodies that touch at several points it may turn at the
- * end as fast as it slows down. Returns whether there was one; then the forces are to be found again.
+ * A slip that would end within the rounding of sizes has ended: of bodies that touch at several
+ * points it may turn at the end as fast as it slows down. Returns whether there was one; then the
+ * forces are to be found again.
  */
 static bool stop_slow_slips(struct rb_settling *s)
 {
@@ -247,9 +249,10 @@ static bool stop_slow_slips(struct rb_settling *s)
 }
 
 /*
- * The velocity of a slow slip says its direction to rounding over speed only, and against friction in a direction that is
- * wrong by that it would turn back within speed / (friction g), all the way. So where slips are straight in the directions
- * that they had, within rounding, these are kept. True: there are such.
+ * The velocity of a slow slip says its direction to rounding over speed only, and against friction
+ * in a direction that is wrong by that it would turn back within speed / (friction g), all the way.
+ * So where slips are straight in the directions that they had, within rounding, these are kept.
+ * True: there are such.
  */
 static bool keep_directions(struct rb_settling *s)
 {
@@ -277,8 +280,9 @@ static bool keep_directions(struct rb_settling *s)
 }
 
 /*
- * Where slip sets in at all points of a pair, each against its own friction, whose direction is known to the root of
- * rounding only: the cones leave it so much room. Do they go one way, against all of it? True: there are such pairs.
+ * Where slip sets in at all points of a pair, each against its own friction, whose direction is
+ * known to the root of rounding only: the cones leave it so much room. Do they go one way, against
+ * all of it? True: there are such pairs.
  */
 static bool begin_together(struct rb_settling *s)
 {
@@ -315,7 +319,10 @@ static bool begin_together(struct rb_settling *s)
 	return any;
 }
 
-/* Contacts whose rest has come to its end slip against the friction that it would have taken. True: there are such. */
+/*
+ * Contacts whose rest has come to its end slip against the friction that it would have taken. True:
+ * there are such.
+ */
 static bool end_rest(struct rb_settling *s)
 {
 	bool any = false;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * For located/resolve_contacts: which forces hold and rub in the contacts of a set of bodies, and which way those slip that do.
+ * For located/resolve_contacts: which forces hold and rub in the contacts of a set of bodies, and
+ * which way those slip that do.
  *
- * What a settling works on is in the world's arena until it ends; l->set and l->place are those of its bodies.
+ * What a settling works on is in the world's arena until it ends; l->set and l->place are those of
+ * its bodies.
  */
 #ifndef RB_LOCATED_SLIPS_H
 #define RB_LOCATED_SLIPS_H
@@ -36,8 +38,8 @@ struct rb_settling {
 void *rb_slips_take(struct rb_settling *s, int count, size_t size);
 
 /*
- * Fills `joint` and `load`. Slips that end within rounding are ended, which changes poses' velocities. False: l->status
- * says why, for one that these are too many contacts.
+ * Fills `joint` and `load`. Slips that end within rounding are ended, which changes poses'
+ * velocities. False: l->status says why, for one that these are too many contacts.
  */
 bool rb_slips_solve(struct rb_settling *s);
 void rb_slips_too_many(const struct rb_settling *s);
@@ -45,11 +47,15 @@ void rb_slips_too_many(const struct rb_settling *s);
 /* Those of the same pair as contact k: from *first to before the number returned. */
 int rb_slips_pair(const struct rb_settling *s, int k, int *first);
 
-/* Of contact k, once solved: does it press? Does a slip that goes this way keep its direction until it ends, to rounding? */
+/*
+ * Of contact k, once solved: does it press? Does a slip that goes this way keep its direction until
+ * it ends, to rounding?
+ */
 bool rb_slips_press(const struct rb_settling *s, int k);
 bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip);
 /*
- * Is the direction of its slip what balances the forces across it? Where the slip is slow and changes its speed by much less than friction could: else it has no time to turn there.
+ * Is the direction of its slip what balances the forces across it? Where the slip is slow and
+ * changes its speed by much less than friction could: else it has no time to turn there.
  */
 bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *held);
 

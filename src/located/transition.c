@@ -14,7 +14,9 @@ static double leaves(double x, double v, double a, double half)
 		const double speed = side * v, external = side * a;
 		const double root = speed * speed + 2 * external * room;
 
-		/* outward through the wall: room = speed s + pull s^2 / 2 with speed + pull s > 0 */
+		/*
+		 * outward through the wall: room = speed s + pull s^2 / 2 with speed + pull s > 0
+		 */
 		if (room <= 0 && (speed > 0 || (speed == 0 && external > 0)))
 			return 0;
 		if (root < 0 || (speed <= 0 && external <= 0))

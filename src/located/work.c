@@ -105,7 +105,9 @@ static void add_springs(const struct rb_modes *w, double t, struct rb_entries *r
 		const int b = l->model->index_of[scene->springs[k].b];
 		struct rb_spring_force spring;
 
-		/* one end may be fixed; places are also those of what is settled with this cluster */
+		/*
+		 * one end may be fixed; places are also those of what is settled with this cluster
+		 */
 		if ((!is_member(w, a) && !is_member(w, b)) ||
 		    !rb_spring_force_at(l, k, &view, &spring))
 			continue;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What impacts and forces of contacts do, for the ledger. An impulse P between two points does the work P . u, where u is the
- * mean of their relative velocities before and after it, exactly, however many others act with it: the kinetic energy is
- * quadratic in the velocities and the impulses are linear in them.
+ * What impacts and forces of contacts do, for the ledger. An impulse P between two points does the
+ * work P . u, where u is the mean of their relative velocities before and after it, exactly,
+ * however many others act with it: the kinetic energy is quadratic in the velocities and the
+ * impulses are linear in them.
  */
 #ifndef RB_LOCATED_WORK_H
 #define RB_LOCATED_WORK_H
@@ -14,7 +15,10 @@
 void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_vec3 impulse,
                     rb_vec3 before, rb_vec3 after);
 
-/* Power and force by cause of all that acts on a cluster at a moment of its piece, from its last evaluation. */
+/*
+ * Power and force by cause of all that acts on a cluster at a moment of its piece, from its last
+ * evaluation.
+ */
 void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *parts, double t,
                    struct rb_entries *rate);
 

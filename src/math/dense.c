@@ -5,13 +5,17 @@
 #include <math.h>
 
 /*
- * Share of a column that has to be left for a pivot while other columns are still to come. What is left by little of a column
- * is what others do nearly as well: as the first of them its unknown would take up what the open ones leave, many times over
- * (four corners that slide and turn on what sticks: 1e6 times).
+ * Share of a column that has to be left for a pivot while other columns are still to come. What is
+ * left by little of a column is what others do nearly as well: as the first of them its unknown
+ * would take up what the open ones leave, many times over (four corners that slide and turn on what
+ * sticks: 1e6 times).
  */
 static const double early = 0x1p-5;
 
-/* Columns that are not yet used: those in order from k on, and the late ones, which the end of `order` lists. */
+/*
+ * Columns that are not yet used: those in order from k on, and the late ones, which the end of
+ * `order` lists.
+ */
 struct left {
 	int from; /* n: of those in order none are left */
 	const int *late;
@@ -42,8 +46,8 @@ static void swap_rows(struct rb_dense *d, int p, int q, const struct left *left)
 }
 
 /*
- * Where rows end, how large columns are, and down to which row there is anything in a column or one before it: below, the
- * elimination leaves zeros, also where rows are swapped.
+ * Where rows end, how large columns are, and down to which row there is anything in a column or one
+ * before it: below, the elimination leaves zeros, also where rows are swapped.
  */
 static void survey(struct rb_dense *d)
 {
@@ -124,7 +128,10 @@ static void close_all(struct rb_dense *d)
 		d->found[k] = 0;
 }
 
-/* Of the rows that are not used yet, from `row` on, the one with most of column k; -1: none has more than `least` of it. */
+/*
+ * Of the rows that are not used yet, from `row` on, the one with most of column k; -1: none has
+ * more than `least` of it.
+ */
 static int best_row(const struct rb_dense *d, int row, int k, double least)
 {
 	int best = row;

@@ -18,22 +18,25 @@ struct rb_dense {
 };
 
 /*
- * Gaussian elimination with row pivots; of a column of which next to nothing is left it waits for all others, since that may
- * be another one's, by rounding. A column of which only rounding is left, as a share of what it was, is open; what is then
- * over-determined is left as it is. Zeros are passed over, so that a band costs what its width is, and a look at
- * each entry.
+ * Gaussian elimination with row pivots; of a column of which next to nothing is left it waits for
+ * all others, since that may be another one's, by rounding. A column of which only rounding is
+ * left, as a share of what it was, is open; what is then over-determined is left as it is. Zeros
+ * are passed over, so that a band costs what its width is, and a look at each entry.
  */
 void rb_dense_solve(struct rb_dense *dense);
 
-/* For another right side, of the matrix that rb_dense_solve has just used up: what is open stays open. */
+/*
+ * For another right side, of the matrix that rb_dense_solve has just used up: what is open stays
+ * open.
+ */
 void rb_dense_again(struct rb_dense *dense);
 
 /* After rb_dense_solve: is unknown k one that nothing determines? */
 bool rb_dense_is_open(const struct rb_dense *dense, int k);
 
 /*
- * To the right: what leaves all right sides as they are, with one for that open unknown and zero for the others. All of these
- * are what solutions may differ by.
+ * To the right: what leaves all right sides as they are, with one for that open unknown and zero
+ * for the others. All of these are what solutions may differ by.
  */
 void rb_dense_opened(struct rb_dense *dense, int k);
 

@@ -2,9 +2,10 @@
 /*
  * Gauss-Legendre collocation, 8 nodes on [0, 1].
  *
- * The tables were worked out with 70 digits: nodes as roots of the shifted Legendre polynomial P_8 by Newton's method
- * from cos(pi (i - 1/4) / (8 + 1/2)), the rest by exact integration of Lagrange polynomials over them. Nothing here
- * depends on the sign of a component: mirrored problems give mirrored bits.
+ * The tables were worked out with 70 digits: nodes as roots of the shifted Legendre polynomial P_8
+ * by Newton's method from cos(pi (i - 1/4) / (8 + 1/2)), the rest by exact integration of Lagrange
+ * polynomials over them. Nothing here depends on the sign of a component: mirrored problems give
+ * mirrored bits.
  */
 #include "math/gauss.h"
 
@@ -51,7 +52,10 @@ static const double matrix[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
          0.12029646053265731029, 0.02530713407259406479},
 };
 
-/* legendre[k][i]: (2k+1) times weight i times P_k at node i: values at the nodes to Legendre coefficients. */
+/*
+ * legendre[k][i]: (2k+1) times weight i times P_k at node i: values at the nodes to Legendre
+ * coefficients.
+ */
 static const double legendre[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
 	{0.05061426814518812958, 0.11119051722668723527, 0.15685332293894364367,
          0.18134189168918099148, 0.18134189168918099148, 0.15685332293894364367,
@@ -80,8 +84,8 @@ static const double legendre[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
 };
 
 /*
- * ahead[i]: integrals from 0 to node i of the Lagrange polynomials of 0 and the nodes before i: the first guess of
- * a node from what is known when its turn comes.
+ * ahead[i]: integrals from 0 to node i of the Lagrange polynomials of 0 and the nodes before i: the
+ * first guess of a node from what is known when its turn comes.
  */
 static const double ahead[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
 	{0.01985507175123188416},
@@ -101,7 +105,10 @@ static const double ahead[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
          -0.02399176417992316996, 0.20895499300456834922},
 };
 
-/* What an attempt works on; `g` are rates times the step's length, g[0] at its start, g[1 + i] at node i. */
+/*
+ * What an attempt works on; `g` are rates times the step's length, g[0] at its start, g[1 + i] at
+ * node i.
+ */
 struct attempt {
 	const struct rb_gauss_problem *problem;
 	double time_s, h_s;
@@ -118,8 +125,9 @@ size_t rb_gauss_room(int n)
 }
 
 /*
- * Calls the rates at `value` and puts them into `row`; `*change` is the largest change of a row's entry. What a try that is
- * too long has thrown to infinity is asked nothing: its rates might be taken for a mistake in them.
+ * Calls the rates at `value` and puts them into `row`; `*change` is the largest change of a row's
+ * entry. What a try that is too long has thrown to infinity is asked nothing: its rates might be
+ * taken for a mistake in them.
  */
 static enum rb_status rates_at(const struct attempt *a, double part, double *row, double *rate,
                                double *change)
@@ -187,9 +195,10 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 }
 
 /*
- * Visits until the changes are below rounding or no longer fall: `*left` is what they then are. `*sweeps` is 0 when
- * something is not finite or they go on without end. A change may grow now and then (a chain x' = v, v' = f(x) shows it in every other visit), so that two
- * visits without halving the smallest change so far are wanted before giving up.
+ * Visits until the changes are below rounding or no longer fall: `*left` is what they then are.
+ * `*sweeps` is 0 when something is not finite or they go on without end. A change may grow now and
+ * then (a chain x' = v, v' = f(x) shows it in every other visit), so that two visits without
+ * halving the smallest change so far are wanted before giving up.
  */
 static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, double *left)
 {
@@ -229,9 +238,10 @@ static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, doubl
 }
 
 /*
- * The largest part of the rates that the polynomial does not hold, integrated, relative to scale. The missing
- * coefficients are estimated from those that are there, in pairs (of functions that are even or odd about the
- * middle every other one is zero): the last pair falls on as the earlier ones did, whichever fell less.
+ * The largest part of the rates that the polynomial does not hold, integrated, relative to scale.
+ * The missing coefficients are estimated from those that are there, in pairs (of functions that are
+ * even or odd about the middle every other one is zero): the last pair falls on as the earlier ones
+ * did, whichever fell less.
  */
 static double tail(const struct rb_gauss_problem *problem, const double *coefficient)
 {
@@ -255,8 +265,8 @@ static double tail(const struct rb_gauss_problem *problem, const double *coeffic
 }
 
 /*
- * What the polynomial misses between an end and the node next to it, where a jump is seen by no node, integrated, relative to
- * scale; of rates without one it is of the size of the tail.
+ * What the polynomial misses between an end and the node next to it, where a jump is seen by no
+ * node, integrated, relative to scale; of rates without one it is of the size of the tail.
  */
 static double missed_at_ends(struct attempt *a, const double *coefficient, double *rate,
                              enum rb_status *status)
@@ -282,7 +292,10 @@ static double missed_at_ends(struct attempt *a, const double *coefficient, doubl
 	return node[0] * worst;
 }
 
-/* Where the last visit of the nodes was not foreseen, once more, and not counted; the values are as accepted. */
+/*
+ * Where the last visit of the nodes was not foreseen, once more, and not counted; the values are as
+ * accepted.
+ */
 static enum rb_status show(const struct attempt *a, double *rate)
 {
 	const struct rb_gauss_problem *p = a->problem;
@@ -335,8 +348,8 @@ void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const dou
 }
 
 /*
- * What to try next; the eighth root by square roots, which round the same everywhere. Rounded down to 8 binary digits,
- * so that the lengths of steps add up without error.
+ * What to try next; the eighth root by square roots, which round the same everywhere. Rounded down
+ * to 8 binary digits, so that the lengths of steps add up without error.
  */
 static double next_length(double h_s, double tolerance, double error, int sweeps, bool halved)
 {
@@ -414,9 +427,9 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 }
 
 /*
- * Integrals over [0, x] of P_k on [0, 1], x in [0, 1]: x for k = 0, else -2 x (1 - x) P'_k(2x - 1) / (k (k + 1)),
- * whose factors keep all digits near both ends. The P'_k are Gegenbauer's polynomials for 3/2:
- * n C_n = (2n + 1) u C_(n-1) - (n + 1) C_(n-2).
+ * Integrals over [0, x] of P_k on [0, 1], x in [0, 1]: x for k = 0, else -2 x (1 - x) P'_k(2x - 1)
+ * / (k (k + 1)), whose factors keep all digits near both ends. The P'_k are Gegenbauer's
+ * polynomials for 3/2: n C_n = (2n + 1) u C_(n-1) - (n + 1) C_(n-2).
  */
 static void integrals(double x, double weight[NODES])
 {

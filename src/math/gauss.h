@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Initial value problems y' = f(t, y) by Gauss-Legendre collocation with 8 nodes and error control; the solution of
- * a step is a polynomial (dense output), so that events can be located on it to rounding.
+ * Initial value problems y' = f(t, y) by Gauss-Legendre collocation with 8 nodes and error control;
+ * the solution of a step is a polynomial (dense output), so that events can be located on it to
+ * rounding.
  *
- * Order 16 at the end of a step (Butcher, Math. Comp. 18 (1964) 50; Hairer, Lubich, Wanner, Geometric Numerical
- * Integration, II.1.3). The nodes are found by fixed-point iteration to rounding. The step size follows from the
- * decay of the polynomial's own Legendre coefficients, so that the error *within* the step is below the tolerance too.
+ * Order 16 at the end of a step (Butcher, Math. Comp. 18 (1964) 50; Hairer, Lubich, Wanner,
+ * Geometric Numerical Integration, II.1.3). The nodes are found by fixed-point iteration to
+ * rounding. The step size follows from the decay of the polynomial's own Legendre coefficients, so
+ * that the error *within* the step is below the tolerance too.
  */
 #ifndef RB_MATH_GAUSS_H
 #define RB_MATH_GAUSS_H
@@ -18,19 +20,23 @@
 
 enum { RB_GAUSS_NODES = 8 };
 
-/* Derivatives at `time_s` (from the piece's origin) of `n` values; a status other than RB_OK ends the step. */
+/*
+ * Derivatives at `time_s` (from the piece's origin) of `n` values; a status other than RB_OK ends
+ * the step.
+ */
 typedef enum rb_status rb_gauss_rates(void *user, double time_s, const double *value, double *rate,
                                       struct rb_error *err);
 
 /*
- * What the rates' own rounding is over a step with these coefficients, as a share of scale: a step is not asked for less.
- * Of a step that is not accepted they may be anything.
+ * What the rates' own rounding is over a step with these coefficients, as a share of scale: a step
+ * is not asked for less. Of a step that is not accepted they may be anything.
  */
 typedef double rb_gauss_noise(void *user, const double *coefficient);
 
 /*
- * One accepted step: values over [0, length_s] from its own origin in time. All arrays are the caller's:
- * start [n], and coefficient [RB_GAUSS_NODES][n]: Legendre coefficients, on [0, 1], of the rates times length_s.
+ * One accepted step: values over [0, length_s] from its own origin in time. All arrays are the
+ * caller's: start [n], and coefficient [RB_GAUSS_NODES][n]: Legendre coefficients, on [0, 1], of
+ * the rates times length_s.
  */
 struct rb_gauss_piece {
 	int n;
@@ -48,11 +54,15 @@ struct rb_gauss_problem {
 	double *scratch;     /* [rb_gauss_room(n)] */
 	uint64_t *calls;     /* grows by the calls of rates */
 	/*
-	 * Called after the rates at node 0 .. RB_GAUSS_NODES - 1, in visits that may be the last; after those of an accepted
-	 * step nothing is called before rb_gauss_step returns. May be NULL.
+	 * Called after the rates at node 0 .. RB_GAUSS_NODES - 1, in visits that may be the last;
+	 * after those of an accepted step nothing is called before rb_gauss_step returns. May be
+	 * NULL.
 	 */
 	void (*visited)(void *user, int node);
-	/* Rates may jump: also where that is between an end of the step and the node next to it, for one more call. */
+	/*
+	 * Rates may jump: also where that is between an end of the step and the node next to it,
+	 * for one more call.
+	 */
 	bool jumps;
 };
 
@@ -60,19 +70,20 @@ struct rb_gauss_problem {
 size_t rb_gauss_room(int n);
 
 /*
- * One step from piece->start at time `time_s` (added to the piece's own times in calls of `rates`), trying length
- * `*try_s` and halving it until the tolerance is met; fills piece->coefficient and length_s and leaves in `*try_s` what
- * to try next: not longer than 4 times this step, and of 8 binary digits, so that times of steps add up exactly.
- * RB_ERR_PHYSICS when no step of at least `least_s` will do or something is not
- * finite.
+ * One step from piece->start at time `time_s` (added to the piece's own times in calls of `rates`),
+ * trying length `*try_s` and halving it until the tolerance is met; fills piece->coefficient and
+ * length_s and leaves in `*try_s` what to try next: not longer than 4 times this step, and of 8
+ * binary digits, so that times of steps add up exactly. RB_ERR_PHYSICS when no step of at least
+ * `least_s` will do or something is not finite.
  */
 RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time_s,
                                         double *try_s, double least_s, struct rb_gauss_piece *piece,
                                         struct rb_error *err);
 
 /*
- * A piece of what else was seen at the nodes of an accepted step: its values are integrals from the step's beginning on.
- * `rate`: [RB_GAUSS_NODES][piece->n]; start and coefficients of the piece are filled.
+ * A piece of what else was seen at the nodes of an accepted step: its values are integrals from the
+ * step's beginning on. `rate`: [RB_GAUSS_NODES][piece->n]; start and coefficients of the piece are
+ * filled.
  */
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
 
@@ -86,7 +97,10 @@ void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int coun
                          double *rate);
 /* All n at once. */
 void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value);
-/* What each Legendre coefficient adds to a value, and to its rate times length_s, at a part x of the piece, 0 to 1. */
+/*
+ * What each Legendre coefficient adds to a value, and to its rate times length_s, at a part x of
+ * the piece, 0 to 1.
+ */
 void rb_gauss_basis(double x, double value[RB_GAUSS_NODES], double rate[RB_GAUSS_NODES]);
 /* A bound on |rate| of component i over the whole piece: the sum of its |coefficients| / length. */
 double rb_gauss_rate_bound(const struct rb_gauss_piece *piece, int i);

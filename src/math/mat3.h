@@ -46,7 +46,10 @@ static inline rb_mat3 rb_mat3_transposed(const rb_mat3 *a)
 	return t;
 }
 
-/* By cofactors, after scaling to unit size; false (and `inverse` zero) where it is singular or not finite. */
+/*
+ * By cofactors, after scaling to unit size; false (and `inverse` zero) where it is singular or not
+ * finite.
+ */
 static inline bool rb_mat3_inverse(const rb_mat3 *a, rb_mat3 *inverse)
 {
 	double largest = 0;

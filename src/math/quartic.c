@@ -21,7 +21,9 @@ static double bisect(const double *c, int degree, double low, double high)
 	const bool rises = value(c, degree, high) > 0;
 
 	for (int round = 0; round < HALVINGS; round++) {
-		/* far from zero by ratio, since the smallest root may be many decades below `high` */
+		/*
+		 * far from zero by ratio, since the smallest root may be many decades below `high`
+		 */
 		const double middle = low > 0 && high > 4 * low ? sqrt(low) * sqrt(high)
 		                                                : low + 0.5 * (high - low);
 

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Counter-based generator: number = f(seed, stream, index), no state to save and no order to keep. */
+/*
+ * Counter-based generator: number = f(seed, stream, index), no state to save and no order to keep.
+ */
 #ifndef RB_MATH_RANDOM_H
 #define RB_MATH_RANDOM_H
 

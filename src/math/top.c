@@ -2,10 +2,11 @@
 /*
  * Closed forms where there are any; else series about the points of a grid.
  *
- * Every result is a function of the anchor and of t alone: the grid point comes from t, and the state there from
- * walking the grid from the anchor (or from the cached point, which was found in the same way). Flipping the signs that
- * a mirror in a coordinate plane flips, flips signs in the results and changes no bit: sums only ever mix terms of one
- * sign pattern, and decisions look at sizes.
+ * Every result is a function of the anchor and of t alone: the grid point comes from t, and the
+ * state there from walking the grid from the anchor (or from the cached point, which was found in
+ * the same way). Flipping the signs that a mirror in a coordinate plane flips, flips signs in the
+ * results and changes no bit: sums only ever mix terms of one sign pattern, and decisions look at
+ * sizes.
  */
 #include "math/top.h"
 
@@ -33,8 +34,8 @@ static bool is_zero(rb_vec3 a)
 }
 
 /*
- * The turn for `t` seconds at the constant rate `spin`, right to rounding for any number of turns: the length of the
- * spin and its product with t are carried with their rounding errors.
+ * The turn for `t` seconds at the constant rate `spin`, right to rounding for any number of turns:
+ * the length of the spin and its product with t are carried with their rounding errors.
  */
 static rb_quat turn(rb_vec3 spin, double t)
 {
@@ -66,11 +67,15 @@ static bool same(double a, double b)
 	return fabs(a - b) <= 16 * DBL_EPSILON * fmax(fabs(a), fabs(b));
 }
 
-/* One Jacobi rotation (Jacobi 1846) that makes a[p][q] zero; `frame` has the axes in its columns. */
+/*
+ * One Jacobi rotation (Jacobi 1846) that makes a[p][q] zero; `frame` has the axes in its columns.
+ */
 static void jacobi(rb_mat3 *a, rb_mat3 *frame, int p, int q)
 {
 	const double off = a->m[p][q], theta = (a->m[q][q] - a->m[p][p]) / (2 * off);
-	/* the smaller turn; equal moments turn by the sign of `off`, which a mirror flips with it */
+	/*
+	 * the smaller turn; equal moments turn by the sign of `off`, which a mirror flips with it
+	 */
 	const double sign = theta == 0 ? copysign(1, off) : copysign(1, theta);
 	const double t = sign / (fabs(theta) + hypot(theta, 1));
 	const double c = 1 / hypot(t, 1), s = t * c;
@@ -111,7 +116,9 @@ static void principal_axes(rb_mat3 *a, rb_mat3 *frame)
 	}
 }
 
-/* A rotation that takes z to the axis: a permutation of axes, without rounding, where that does it. */
+/*
+ * A rotation that takes z to the axis: a permutation of axes, without rounding, where that does it.
+ */
 static rb_quat z_to(rb_vec3 axis)
 {
 	if (axis.y == 0 && axis.z == 0)
@@ -198,12 +205,14 @@ static bool is_identity(rb_quat q)
 }
 
 /*
- * The length of a free body's grid: a power of two, so that scaling by it and its multiples do not round.
+ * The length of a free body's grid: a power of two, so that scaling by it and its multiples do not
+ * round.
  *
- * With k = the largest of |I_i - I_j| / I_l, |w'| <= k |w|^2 / sqrt(3) bounds the series of w by that of
- * w0 / (1 - k w0 t / sqrt(3)), and that of the orientation by a power of the same. So steps of w_max t <= 1/2 make
- * the 32nd term smaller than 0.29^32 = 6e-18. Each component stays below what energy and angular momentum allow:
- * for moments a, b of the others, I_i (I_i - I_b) w_i^2 + I_a (I_a - I_b) w_a^2 is constant.
+ * With k = the largest of |I_i - I_j| / I_l, |w'| <= k |w|^2 / sqrt(3) bounds the series of w by
+ * that of w0 / (1 - k w0 t / sqrt(3)), and that of the orientation by a power of the same. So steps
+ * of w_max t <= 1/2 make the 32nd term smaller than 0.29^32 = 6e-18. Each component stays below
+ * what energy and angular momentum allow: for moments a, b of the others, I_i (I_i - I_b) w_i^2 +
+ * I_a (I_a - I_b) w_a^2 is constant.
  */
 static double grid_of(rb_vec3 moments, rb_vec3 spin)
 {
@@ -276,8 +285,9 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 /* ---- steady: q' = (w + a t) q / 2, w and a in world axes ---- */
 
 /*
- * Grid point k is where |w| t + |a| t^2 / 2, which the turned angle does not exceed, is k: a radian a step. Where the
- * acceleration does all of it, terms fall like (t^2 / 2)^m / (2^m m!), and the 32nd is below 1e-18.
+ * Grid point k is where |w| t + |a| t^2 / 2, which the turned angle does not exceed, is k: a radian
+ * a step. Where the acceleration does all of it, terms fall like (t^2 / 2)^m / (2^m m!), and the
+ * 32nd is below 1e-18.
  */
 static double steady_point(const struct rb_top *top, double k)
 {
@@ -507,9 +517,9 @@ static double agm(double a, double b)
 }
 
 /*
- * The time after which the spin is the same in the body's axes, s: 4 K(m) / p (Landau, Lifshitz, Mechanics, section 37), about
- * the axis of the largest moment or of the smallest, with differences of L^2 and 2 E I written so that they do not cancel.
- * INFINITY on the border between the two.
+ * The time after which the spin is the same in the body's axes, s: 4 K(m) / p (Landau, Lifshitz,
+ * Mechanics, section 37), about the axis of the largest moment or of the smallest, with differences
+ * of L^2 and 2 E I written so that they do not cancel. INFINITY on the border between the two.
  */
 static double free_period(rb_vec3 moments, rb_vec3 spin)
 {
@@ -585,8 +595,8 @@ static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 
 /* ---- symmetric ---- */
 
 /*
- * About the angular momentum at the rate L / I1, after a turn about the own axis at the rate w_axis (I1 - I3) / I1
- * (Landau, Lifshitz, Mechanics, section 35).
+ * About the angular momentum at the rate L / I1, after a turn about the own axis at the rate w_axis
+ * (I1 - I3) / I1 (Landau, Lifshitz, Mechanics, section 35).
  */
 static void symmetric_at(const struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
 {
@@ -637,12 +647,15 @@ void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin
 
 /* ---- a step ---- */
 
-/* A turn within a step, times the largest ratio of moments, for which Newton's steps converge from the spin before. */
+/*
+ * A turn within a step, times the largest ratio of moments, for which Newton's steps converge from
+ * the spin before.
+ */
 static const double step_turn_most = 0.25;
 
 /*
- * The mean m of the spins before and after, in principal axes, of the implicit midpoint rule: m = w + s k (m x m), with s half
- * the step. Newton's steps square their error, which begins below 1/16.
+ * The mean m of the spins before and after, in principal axes, of the implicit midpoint rule: m = w
+ * + s k (m x m), with s half the step. Newton's steps square their error, which begins below 1/16.
  */
 static rb_vec3 mean_spin(rb_vec3 k, rb_vec3 w, double s)
 {
@@ -669,8 +682,9 @@ static rb_vec3 mean_spin(rb_vec3 k, rb_vec3 w, double s)
 }
 
 /*
- * The midpoint rule keeps what is quadratic: kinetic energy and |L|; the turn by Cayley's map of the same mean spin keeps L
- * itself (Simo, Wong 1991). For both any step will do: one for which a constant spin turns by w h.
+ * The midpoint rule keeps what is quadratic: kinetic energy and |L|; the turn by Cayley's map of
+ * the same mean spin keeps L itself (Simo, Wong 1991). For both any step will do: one for which a
+ * constant spin turns by w h.
  */
 static void step_free(const struct rb_top_body *body, double h, rb_vec3 k, rb_quat *orientation,
                       rb_vec3 *spin)

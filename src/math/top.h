@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Turning without torque, and with one that is constant in world axes, from an anchor: orientation and angular
- * velocity at any later moment, to rounding, whatever the moments that were asked for before.
+ * Turning without torque, and with one that is constant in world axes, from an anchor: orientation
+ * and angular velocity at any later moment, to rounding, whatever the moments that were asked for
+ * before.
  *
  *   constant   equal moments: the spin stays
  *   steady     equal moments and a constant angular acceleration; closed form when parallel to the spin, else a series
@@ -10,8 +11,8 @@
  *              equations and the quaternion's, carried to rounding over steps of a grid that starts at the anchor; far
  *              from it by whole periods, each of which turns the body about its angular momentum by the same angle
  *
- * The grid's last point is kept, so that going forward costs one step per grid interval; what comes out does not
- * depend on what was asked before.
+ * The grid's last point is kept, so that going forward costs one step per grid interval; what comes
+ * out does not depend on what was asked before.
  */
 #ifndef RB_MATH_TOP_H
 #define RB_MATH_TOP_H
@@ -48,14 +49,16 @@ struct rb_top_body {
 struct rb_top_body rb_top_body_of(const rb_mat3 *inertia);
 
 /*
- * H of a body's inverse tensor H^T H, world axes. Rows: principal axes in world coordinates over the roots of their moments.
+ * H of a body's inverse tensor H^T H, world axes. Rows: principal axes in world coordinates over
+ * the roots of their moments.
  */
 rb_mat3 rb_top_inverse_root(const struct rb_top_body *body, const rb_mat3 *inertia,
                             rb_quat orientation);
 
 /*
- * Angular acceleration without torque, rad/s^2, world axes: Euler's equations in the differences of moments, none of which
- * is larger than the moment that it is divided by. From w x I w the small moment of a needle would magnify rounding.
+ * Angular acceleration without torque, rad/s^2, world axes: Euler's equations in the differences of
+ * moments, none of which is larger than the moment that it is divided by. From w x I w the small
+ * moment of a needle would magnify rounding.
  */
 rb_vec3 rb_top_turning(const struct rb_top_body *body, const rb_mat3 *inertia, rb_quat orientation,
                        rb_vec3 spin);
@@ -68,8 +71,9 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin);
 
 /*
- * Walks on to `t`, by at most so many steps of a series: false where more are left. With it a caller can hear what comes
- * in while rb_top_at would not come back; only what is steady can take that long.
+ * Walks on to `t`, by at most so many steps of a series: false where more are left. With it a
+ * caller can hear what comes in while rb_top_at would not come back; only what is steady can take
+ * that long.
  */
 bool rb_top_follow(struct rb_top *top, double t, uint64_t steps);
 
@@ -77,9 +81,9 @@ bool rb_top_follow(struct rb_top *top, double t, uint64_t steps);
 double rb_top_step_s(const struct rb_top *top);
 
 /*
- * Turns a body for `h` seconds without torque, for steps whose error is of their second order anyhow: kinetic energy and
- * angular momentum stay to rounding, and turning about a principal axis is right for any step, but a free body's orientation
- * is off by up to (w h)^3 / 12.
+ * Turns a body for `h` seconds without torque, for steps whose error is of their second order
+ * anyhow: kinetic energy and angular momentum stay to rounding, and turning about a principal axis
+ * is right for any step, but a free body's orientation is off by up to (w h)^3 / 12.
  */
 void rb_top_step(const struct rb_top_body *body, double h, rb_quat *orientation, rb_vec3 *spin);
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * q' = w q / 2 with a polynomial w: a Taylor series over parts of the way, in each of which the body turns by no more than
- * a radian. That costs a small part of what collocation of q' = f(q) does, which knows nothing of its being linear. About one
- * axis it is the angle: a ball that rolls on and on may turn thousands of times within a piece.
+ * q' = w q / 2 with a polynomial w: a Taylor series over parts of the way, in each of which the
+ * body turns by no more than a radian. That costs a small part of what collocation of q' = f(q)
+ * does, which knows nothing of its being linear. About one axis it is the angle: a ball that rolls
+ * on and on may turn thousands of times within a piece.
  */
 #include "math/turn.h"
 
@@ -31,8 +32,8 @@ static void legendre(double p[POWERS][POWERS])
 }
 
 /*
- * By powers of u = 2 t / length - 1: a coefficient of a rate belongs to an integral of P_k on [0, 1] from 0 on, which is
- * (P_(k+1) - P_(k-1)) / (2 (2 k + 1)).
+ * By powers of u = 2 t / length - 1: a coefficient of a rate belongs to an integral of P_k on [0,
+ * 1] from 0 on, which is (P_(k+1) - P_(k-1)) / (2 (2 k + 1)).
  */
 static struct spin spin_of(const struct rb_gauss_piece *piece, int first)
 {
@@ -97,7 +98,10 @@ static rb_quat turned(const struct spin *w, rb_quat begin)
 	return rb_quat_unit(sum);
 }
 
-/* Is the spin along one axis, to its rounding? Then what it turns through is the angle, however large. */
+/*
+ * Is the spin along one axis, to its rounding? Then what it turns through is the angle, however
+ * large.
+ */
 static bool is_about_one_axis(const struct spin *w)
 {
 	rb_vec3 largest = {0, 0, 0};

@@ -35,7 +35,10 @@ static inline rb_vec3 rb_vec3_sub(rb_vec3 a, rb_vec3 b)
 	return (rb_vec3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-/* What rounding has left out of sum = a + b (Knuth, The Art of Computer Programming 2, 4.2.2, theorem B). */
+/*
+ * What rounding has left out of sum = a + b (Knuth, The Art of Computer Programming 2, 4.2.2,
+ * theorem B).
+ */
 static inline rb_vec3 rb_vec3_lost(rb_vec3 a, rb_vec3 b, rb_vec3 sum)
 {
 	const rb_vec3 part = rb_vec3_sub(sum, a);
@@ -75,7 +78,10 @@ static inline double rb_vec3_max_abs(rb_vec3 a)
 	return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
 
-/* Without overflow or underflow for any finite vector: scaled only when the plain sum leaves the safe range. */
+/*
+ * Without overflow or underflow for any finite vector: scaled only when the plain sum leaves the
+ * safe range.
+ */
 static inline double rb_vec3_length(rb_vec3 a)
 {
 	const double square = rb_vec3_dot(a, a);
@@ -97,7 +103,10 @@ static inline rb_vec3 rb_vec3_unit(rb_vec3 a, rb_vec3 fallback)
 	const double square = rb_vec3_dot(a, a);
 
 	if (!(square > 1e-280 && square < 1e280)) {
-		/* The length of a tiny vector has too few digits to divide by, that of a huge one may overflow. */
+		/*
+		 * The length of a tiny vector has too few digits to divide by, that of a huge one
+		 * may overflow.
+		 */
 		const double largest = rb_vec3_max_abs(a);
 		if (!(largest > 0))
 			return fallback;

@@ -142,8 +142,8 @@ static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 }
 
 /*
- * Nobody has looked at contacts before the first step. Another world does, of the same state and without callbacks; where it
- * comes to nothing there are none.
+ * Nobody has looked at contacts before the first step. Another world does, of the same state and
+ * without callbacks; where it comes to nothing there are none.
  */
 static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err)
 {
@@ -232,8 +232,8 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 /* ---- all else ---- */
 
 /*
- * The engine that located/external_force looks through: of located motion its own, whose arcs tell where all are; else one that never
- * runs, with the poses of the state.
+ * The engine that located/external_force looks through: of located motion its own, whose arcs tell
+ * where all are; else one that never runs, with the poses of the state.
  */
 static struct rb_located *begin_inspection(struct rb_world *world, int i,
                                            struct rb_force_query *view)

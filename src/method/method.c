@@ -81,7 +81,10 @@ static void forget_pushes(struct rb_world *world)
 	world->pushed = false;
 }
 
-/* Room for pushes that have been; whether somebody may ask for forces of contacts: any function of the scene's can. */
+/*
+ * Room for pushes that have been; whether somebody may ask for forces of contacts: any function of
+ * the scene's can.
+ */
 static bool prepare_loads(struct rb_world *world)
 {
 	const struct rb_scene *scene = world->model->scene;
@@ -173,7 +176,10 @@ void rb_world_destroy(struct rb_world *world)
 	rb_memory_free(world);
 }
 
-/* Where locating stalls, so many steps are taken before locating is tried again, then twice as many. */
+/*
+ * Where locating stalls, so many steps are taken before locating is tried again, then twice as
+ * many.
+ */
 enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MAX = 4096 };
 
 static void more_dense_steps(struct rb_world *world)
@@ -183,7 +189,10 @@ static void more_dense_steps(struct rb_world *world)
 		                                            : DENSE_STEPS_FIRST;
 }
 
-/* m/s^2: the largest that gravity, gravity_force and fields make of a body at `t`, which the state is of. */
+/*
+ * m/s^2: the largest that gravity, gravity_force and fields make of a body at `t`, which the state
+ * is of.
+ */
 static enum rb_status largest_external(const struct rb_world *world, double t, double *max,
                                        struct rb_error *err)
 {
@@ -210,8 +219,9 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 }
 
 /*
- * What auto steps where it would locate must not hang on a time_step that was chosen for locating: no step is longer than an
- * eighth of the time in which a body of the mean size falls by its size: the smallest of many would make all of them wait.
+ * What auto steps where it would locate must not hang on a time_step that was chosen for locating:
+ * no step is longer than an eighth of the time in which a body of the mean size falls by its size:
+ * the smallest of many would make all of them wait.
  */
 static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
                                    struct rb_error *err)
@@ -366,8 +376,8 @@ static enum rb_status try_located(struct rb_world *world, double start, double s
 }
 
 /*
- * A frame with callbacks cannot be done anew, a step within can: what on_step has given it is kept, and no other callback has
- * been called. So every such step is looked at.
+ * A frame with callbacks cannot be done anew, a step within can: what on_step has given it is kept,
+ * and no other callback has been called. So every such step is looked at.
  */
 static enum rb_status located(struct rb_world *world, double start, double stop,
                               struct rb_error *err)

@@ -2,16 +2,19 @@
 /*
  * Runs the plan for one frame; makes and unmakes worlds (<rbsim/world.h>).
  *
- * A frame interval takes equal steps of at most time_step. One step: hooks, groups, every group on its own through
- * classic/rollback (in parallel, split by groups, never by workers), merges until no path was missed, commit: contacts
- * and events in order of time and pair.
+ * A frame interval takes equal steps of at most time_step. One step: hooks, groups, every group on
+ * its own through classic/rollback (in parallel, split by groups, never by workers), merges until
+ * no path was missed, commit: contacts and events in order of time and pair.
  */
 #ifndef RB_METHOD_METHOD_H
 #define RB_METHOD_METHOD_H
 
 #include "world/world.h"
 
-/* Steps that an interval takes: ceil(interval / time_step), a quotient within a few ulp of a whole number being it. */
+/*
+ * Steps that an interval takes: ceil(interval / time_step), a quotient within a few ulp of a whole
+ * number being it.
+ */
 int64_t rb_step_count(double interval_s, double time_step_s);
 
 #endif

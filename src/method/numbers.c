@@ -27,8 +27,8 @@ static void measure_sizes(const struct rb_world *world, struct rb_ledger_values 
 }
 
 /*
- * With potential energies from where each body began, not from the origin: of what is heavy and stands nothing is left to
- * round, beside what little the others do.
+ * With potential energies from where each body began, not from the origin: of what is heavy and
+ * stands nothing is left to round, beside what little the others do.
  */
 static struct rb_frame_numbers since_start(const struct rb_world *world,
                                            const struct rb_frame_numbers *numbers)
@@ -76,8 +76,8 @@ static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers
 }
 
 /*
- * Straight over the columns: this runs for every frame that is recorded. Sums run over bodies in their
- * order.
+ * Straight over the columns: this runs for every frame that is recorded. Sums run over bodies in
+ * their order.
  */
 void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {

@@ -11,7 +11,10 @@
 
 #include <math.h>
 
-/* Bytes that a contact and an event take; what a body takes beside its state, with its boxes, and on its arc. */
+/*
+ * Bytes that a contact and an event take; what a body takes beside its state, with its boxes, and
+ * on its arc.
+ */
 enum { CONTACT_SIZE = 96, EVENT_SIZE = 100, BOX_SIZE = 80, ARC_SIZE = 400 };
 
 static void pack_vector(struct rb_pack *pack, rb_vec3 *v)
@@ -59,7 +62,10 @@ static void pack_contacts(struct rb_world *world, struct rb_contacts *contacts,
 	}
 }
 
-/* What callbacks are told of the step before: contacts over the whole of it, and what they pushed with. */
+/*
+ * What callbacks are told of the step before: contacts over the whole of it, and what they pushed
+ * with.
+ */
 static void pack_loads(struct rb_world *world, struct rb_pack *pack)
 {
 	bool shown = world->keeps_means && world->has_shown;
@@ -129,8 +135,8 @@ static void pack_counts(struct rb_counts *counts, struct rb_pack *pack)
 }
 
 /*
- * The boxes and what they allow: which pairs are looked at, and so which bodies step together, follows from when they
- * were made. The candidates follow from the boxes.
+ * The boxes and what they allow: which pairs are looked at, and so which bodies step together,
+ * follows from when they were made. The candidates follow from the boxes.
  */
 static void pack_groups(struct rb_world *world, struct rb_pack *pack)
 {
@@ -189,8 +195,9 @@ static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
 }
 
 /*
- * What methods keep beside the state, one after the other; pack_sizes says which there are. Another one that starts from
- * what it has found before (impulses, rest) has its place at the end, and its bytes in the guess below.
+ * What methods keep beside the state, one after the other; pack_sizes says which there are. Another
+ * one that starts from what it has found before (impulses, rest) has its place at the end, and its
+ * bytes in the guess below.
  */
 static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 {

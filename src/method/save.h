@@ -2,8 +2,8 @@
 /*
  * All of a world that decides its future, to bytes and back (base/pack).
  *
- * Between frames, after the frame was filled. Loading: into a world that was just made for the same model with the
- * same options, threads apart. A world that failed to load is only to be destroyed.
+ * Between frames, after the frame was filled. Loading: into a world that was just made for the same
+ * model with the same options, threads apart. A world that failed to load is only to be destroyed.
  */
 #ifndef RB_METHOD_SAVE_H
 #define RB_METHOD_SAVE_H

@@ -203,7 +203,10 @@ static void fill_body(struct rb_model *model, int index)
 		fill_inertia(model, index, body);
 }
 
-/* With more bodies the ledger is for who asks: it costs some two hundredths of the time of a located crowd, five of that of steps. */
+/*
+ * With more bodies the ledger is for who asks: it costs some two hundredths of the time of a
+ * located crowd, five of that of steps.
+ */
 enum { LEDGER_BODIES_MOST = 64 };
 
 static void fill_numbers(struct rb_model *model)

@@ -149,7 +149,10 @@ static bool find_firsts(const struct rb_scene *scene, int *first)
 		const int id = (int)items[i].value;
 
 		first[id] = id;
-		/* equal keys stand together, and equal shapes have equal ones; different shapes hardly ever */
+		/*
+		 * equal keys stand together, and equal shapes have equal ones; different shapes
+		 * hardly ever
+		 */
 		for (size_t j = i; j-- > 0 && items[j].key == items[i].key;) {
 			const int other = (int)items[j].value;
 

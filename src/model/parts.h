@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The convex parts of every body of a scene, as geometry wants them: a core with a radius and where it is in the body's
- * own axes. A sphere is a point with a radius, a capsule a segment, a finite plane a flat polytope, an infinite one a half
- * space; all but unions have one part.
+ * The convex parts of every body of a scene, as geometry wants them: a core with a radius and where
+ * it is in the body's own axes. A sphere is a point with a radius, a capsule a segment, a finite
+ * plane a flat polytope, an infinite one a half space; all but unions have one part.
  *
- * Made once from a scene whose shapes have been checked, then constant and read by any thread; equal shapes share what
- * they are made of. Owner: the model (or whoever made it), with all polytopes.
+ * Made once from a scene whose shapes have been checked, then constant and read by any thread;
+ * equal shapes share what they are made of. Owner: the model (or whoever made it), with all
+ * polytopes.
  */
 #ifndef RB_MODEL_PARTS_H
 #define RB_MODEL_PARTS_H
@@ -51,11 +52,16 @@ static inline const struct rb_body_parts *rb_model_parts(const struct rb_model *
 	return rb_parts_of(model->parts, model->id_of[index]);
 }
 
-/* m: signed gap of two bodies of the scene where they are at the start, of which one is no plane, nor rectangle. */
+/*
+ * m: signed gap of two bodies of the scene where they are at the start, of which one is no plane,
+ * nor rectangle.
+ */
 double rb_parts_gap_at_start(const struct rb_parts_table *table, const struct rb_scene *scene,
                              int a, int b);
 
-/* A part of a body whose object stands there. What the result refers to lives as long as the table. */
+/*
+ * A part of a body whose object stands there. What the result refers to lives as long as the table.
+ */
 rb_placed rb_body_part_place(const struct rb_body_part *part, rb_vec3 origin, rb_quat orientation);
 
 #endif

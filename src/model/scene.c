@@ -55,7 +55,10 @@ static char *take_bytes(struct rb_scene *scene, size_t size)
 		if (!block)
 			return NULL;
 		block->size = room;
-		/* behind the block in use when full at once, so that the rest of that one is not lost */
+		/*
+		 * behind the block in use when full at once, so that the rest of that one is not
+		 * lost
+		 */
 		if (room == size && memory->texts) {
 			block->next = memory->texts->next;
 			memory->texts->next = block;

@@ -104,7 +104,9 @@ static void add_forces(struct rb_call *call, bool is_fixed)
 
 /* ---- particles ---- */
 
-/* A key that a particle must have. Where one is misspelt it may be this one: one message is enough. */
+/*
+ * A key that a particle must have. Where one is misspelt it may be this one: one message is enough.
+ */
 static bool has_key(struct rb_call *part, const char *key)
 {
 	if (part->index > 0 && !part->unknown && !rb_call_tried(part, key))
@@ -300,7 +302,9 @@ static int finish_body(struct rb_call *call, struct rb_body_def *def)
 	return 1;
 }
 
-/* Adds a body that stands for one that cannot be had, so that loading goes on; pushes its handle. */
+/*
+ * Adds a body that stands for one that cannot be had, so that loading goes on; pushes its handle.
+ */
 static int stand_in(lua_State *L, const struct rb_call *call)
 {
 	struct rb_body_def def = rb_body_def_default();

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* sphere, plane, box, capsule, cylinder, hull and body: a call's table to a body of the scene, and its handle back. */
+/*
+ * sphere, plane, box, capsule, cylinder, hull and body: a call's table to a body of the scene, and
+ * its handle back.
+ */
 #ifndef RB_SCRIPT_BODY_CALLS_H
 #define RB_SCRIPT_BODY_CALLS_H
 

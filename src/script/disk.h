@@ -14,7 +14,10 @@ struct rb_disk_limit {
 };
 extern const struct rb_disk_limit rb_disk_scene, rb_disk_module, rb_disk_texture;
 
-/* A whole file into script->reading, with a zero behind it; RB_ERR_INPUT where it can't be read or is too large. */
+/*
+ * A whole file into script->reading, with a zero behind it; RB_ERR_INPUT where it can't be read or
+ * is too large.
+ */
 RB_CHECKED enum rb_status rb_disk_read(struct rb_script *script, const char *path,
                                        const struct rb_disk_limit *limit, struct rb_error *err);
 void rb_disk_forget(struct rb_script *script); /* frees script->reading */
@@ -22,8 +25,10 @@ void rb_disk_forget(struct rb_script *script); /* frees script->reading */
 /* A path that can't leave the folder it is in: relative, without "..". */
 bool rb_disk_path_stays(const char *path);
 
-/* Where a file that a scene names is: in its folder. Not found where it can't be read, or is behind a link that leads
- * out of the folder (trusted scripts may lead out, and name any place). */
+/*
+ * Where a file that a scene names is: in its folder. Not found where it can't be read, or is behind
+ * a link that leads out of the folder (trusted scripts may lead out, and name any place).
+ */
 bool rb_disk_find(const struct rb_script *script, const char *name, char path[RB_DISK_PATH_SIZE]);
 
 #endif

@@ -35,8 +35,10 @@ const char *rb_files_body(const char *text, size_t *size)
 
 /* ---- require ---- */
 
-/* Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a folder. Not as textures
- * are called: both are files of the scene, by name. */
+/*
+ * Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a
+ * folder. Not as textures are called: both are files of the scene, by name.
+ */
 static bool is_module_name(const char *name, size_t size)
 {
 	if (size == 0 || size > 100 || name[0] == '.' || name[size - 1] == '.')
@@ -185,8 +187,11 @@ static int require_elsewhere(lua_State *L, const char *name)
 	return luaL_error(L, "require '%s': there is no such file in the scene's folder", name);
 }
 
-/* Pushes the table of modules that the source has, then what it has under the name at index 1. What a scene has found
- * beside it is not what a file of cameras finds beside itself; functions of both may ask for theirs later. */
+/*
+ * Pushes the table of modules that the source has, then what it has under the name at index 1. What
+ * a scene has found beside it is not what a file of cameras finds beside itself; functions of both
+ * may ask for theirs later.
+ */
 static int push_known(lua_State *L)
 {
 	static const char *const tables[] = {"rbsim.modules", "rbsim.modules.added"};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Functions of a scene that a run asks for values, thousands of times in a simulated second: `field`
- * and `motion`. They depend on nothing but their arguments: what they see of the world is the start.
+ * Functions of a scene that a run asks for values, thousands of times in a simulated second:
+ * `field` and `motion`. They depend on nothing but their arguments: what they see of the world is
+ * the start.
  *
  * Same thread, errors and budget as the callbacks (script/hooks), of which they may be called from
  * within. An error is RB_ERR_SCENE with the place of the function, the body and the time.
@@ -14,8 +15,10 @@
 struct rb_script;
 struct lua_State;
 
-/* Raises "scene.lua:12: 'motion' must return a position ... (got nothing)": what the function of that number gave is at
- * `index`. */
+/*
+ * Raises "scene.lua:12: 'motion' must return a position ... (got nothing)": what the function of
+ * that number gave is at `index`.
+ */
 int rb_function_refuse(struct lua_State *L, int function, const char *word, const char *wanted,
                        int index);
 

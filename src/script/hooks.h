@@ -18,8 +18,10 @@ struct lua_State;
 /* on_step, on_frame, on_collision, on_transition as globals. */
 void rb_hooks_open(struct lua_State *L);
 
-/* To hand to rb_world_create; members are NULL where the scene has no such callback or function. Borrows the
- * script. */
+/*
+ * To hand to rb_world_create; members are NULL where the scene has no such callback or function.
+ * Borrows the script.
+ */
 struct rb_world_hooks rb_script_hooks(struct rb_script *script);
 
 /* on_frame, then every expect_always; call it for each recorded frame, frame 0 included. Costs

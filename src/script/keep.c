@@ -236,7 +236,10 @@ static void load_plain(lua_State *L, struct walk *walk, int tag)
 	need(L, walk);
 }
 
-/* What the scene had there, at `old`, is filled anew where it is a plain table that nobody has taken yet. */
+/*
+ * What the scene had there, at `old`, is filled anew where it is a plain table that nobody has
+ * taken yet.
+ */
 static bool can_take(lua_State *L, int known, int old)
 {
 	if (lua_type(L, old) != LUA_TTABLE)

@@ -646,7 +646,9 @@ static int l_resume(lua_State *L)
 	return status == LUA_OK ? lua_gettop(L) : lua_error(L);
 }
 
-/* Each level may hold Lua's own 200 nested calls, some kilobytes each: far below a stack of 8 MB. */
+/*
+ * Each level may hold Lua's own 200 nested calls, some kilobytes each: far below a stack of 8 MB.
+ */
 enum { CLOSING_MAX = 8 };
 
 /* Upvalue: the original, which closes what is suspended, or dead of itself. */
@@ -659,7 +661,10 @@ static int l_close(lua_State *L)
 		lua_pushliteral(L, "died of an error");
 		return 2;
 	}
-	/* Lua counts nested calls anew where one coroutine closes another: C's stack would end first */
+	/*
+	 * Lua counts nested calls anew where one coroutine closes another: C's stack would end
+	 * first
+	 */
 	struct rb_sandbox *const sandbox = rb_sandbox_of(L);
 	if (sandbox->closing >= CLOSING_MAX)
 		return luaL_error(L, "coroutines are closed in each other more than %d deep",

@@ -138,7 +138,10 @@ static int check_originals(lua_State *L)
 	return 0;
 }
 
-/* What was assigned to the name of a key of world { } that the call does not have: nobody reads that. */
+/*
+ * What was assigned to the name of a key of world { } that the call does not have: nobody reads
+ * that.
+ */
 static int warn_of_world(lua_State *L)
 {
 	const struct rb_script *script = rb_script_of(L);
@@ -199,7 +202,10 @@ struct misspelt {
 	char hint[160];
 };
 
-/* "attempt to call a nil value (global 'shpere')": advice, or the nearest of the globals that could be meant. */
+/*
+ * "attempt to call a nil value (global 'shpere')": advice, or the nearest of the globals that could
+ * be meant.
+ */
 static int find_misspelt(lua_State *L)
 {
 	static const char mark[] = "(global '";
@@ -380,7 +386,10 @@ static enum rb_status conclude(const struct rb_script *script, struct rb_error *
 	return RB_FAIL(err, usage ? RB_ERR_USAGE : RB_ERR_SCENE, "%s", script->first_mistake);
 }
 
-/* What bodies may take, bytes: more than a million of them, or a quarter of a smaller machine's memory. */
+/*
+ * What bodies may take, bytes: more than a million of them, or a quarter of a smaller machine's
+ * memory.
+ */
 static size_t most_for_bodies(void)
 {
 	const size_t most = (size_t)2 << 30;

@@ -29,17 +29,19 @@ RB_CHECKED enum rb_status rb_script_load(struct rb_script **script, struct rb_sc
                                          const struct rb_script_options *options,
                                          struct rb_error *err);
 /*
- * Runs another file after the scene, in the same Lua state, that may only add cameras (`render --with`): the scene's
- * globals are there, and body "NAME" gives a handle. Its cameras come after those of the scene. Errors as for
- * rb_script_load, with the name of this file; the scene is as before where there are any.
+ * Runs another file after the scene, in the same Lua state, that may only add cameras (`render
+ * --with`): the scene's globals are there, and body "NAME" gives a handle. Its cameras come after
+ * those of the scene. Errors as for rb_script_load, with the name of this file; the scene is as
+ * before where there are any.
  */
 RB_CHECKED enum rb_status rb_script_add_cameras(struct rb_script *script, const char *path,
                                                 struct rb_mistakes *mistakes, struct rb_error *err);
 void rb_script_destroy(struct rb_script *script); /* NULL is fine */
 
 /*
- * Whether a text may be the value of a parameter of this scene, by the rules for values of the command line: type, range,
- * choices. RB_ERR_USAGE says what was wanted. Needs no script; any thread.
+ * Whether a text may be the value of a parameter of this scene, by the rules for values of the
+ * command line: type, range, choices. RB_ERR_USAGE says what was wanted. Needs no script; any
+ * thread.
  */
 RB_CHECKED enum rb_status rb_script_check_param(const struct rb_scene *scene, const char *name,
                                                 const char *text, struct rb_error *err);

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Bodies and numbers at the moment that a scene sees: the start while nothing runs, the world in callbacks, the frame
- * that is drawn in functions of cameras. A frame goes before a world.
+ * Bodies and numbers at the moment that a scene sees: the start while nothing runs, the world in
+ * callbacks, the frame that is drawn in functions of cameras. A frame goes before a world.
  *
- * Called from functions that Lua calls; they raise a Lua error where the moment does not know what is asked for.
+ * Called from functions that Lua calls; they raise a Lua error where the moment does not know what
+ * is asked for.
  */
 #ifndef RB_SCRIPT_MOMENT_H
 #define RB_SCRIPT_MOMENT_H
@@ -27,7 +28,10 @@ rb_vec3 rb_moment_momentum(lua_State *L, int id);
 rb_vec3 rb_moment_angular_momentum(lua_State *L, int id); /* about the world's origin */
 
 double rb_moment_time(lua_State *L);
-/* `call` names who asks; `of_run`: for a number that counts since the start, which frames do not have. */
+/*
+ * `call` names who asks; `of_run`: for a number that counts since the start, which frames do not
+ * have.
+ */
 struct rb_frame_numbers rb_moment_numbers(lua_State *L, const char *call, bool of_run);
 
 #endif

@@ -2,13 +2,15 @@
 /*
  * The processor time of calls into Lua, and the way out of one that nothing else ends.
  *
- * Lua's count hook sees no time that Lua spends in its own C code, and a line of a script can keep that busy for hours:
- * a table that is its own __call, compared with by table.sort. So a timer of the thread's own processor time ticks,
- * seldom enough that an ordinary run meets none or a few. When a call has had its seconds, each further instruction of the
- * script asks the hook, and functions of ours that take long ask for themselves; a call that neither ends is left by a jump to `way_out`, but only while the processor is in Lua's library itself: neither
- * the allocator nor code of ours is cut in two. The state of Lua is then lost: it must not be touched any more, not
- * even to close it. Where that does not come about either, the process ends with status 65, and what a recording holds
- * by then is there for `rbsim repair`.
+ * Lua's count hook sees no time that Lua spends in its own C code, and a line of a script can keep
+ * that busy for hours: a table that is its own __call, compared with by table.sort. So a timer of
+ * the thread's own processor time ticks, seldom enough that an ordinary run meets none or a few.
+ * When a call has had its seconds, each further instruction of the script asks the hook, and
+ * functions of ours that take long ask for themselves; a call that neither ends is left by a jump
+ * to `way_out`, but only while the processor is in Lua's library itself: neither the allocator nor
+ * code of ours is cut in two. The state of Lua is then lost: it must not be touched any more, not
+ * even to close it. Where that does not come about either, the process ends with status 65, and
+ * what a recording holds by then is there for `rbsim repair`.
  *
  * Time only ends calls: nothing that a script could see depends on it.
  */
@@ -43,7 +45,10 @@ RB_CHECKED enum rb_status rb_overtime_prepare(struct rb_error *err);
 void rb_overtime_begin(struct rb_overtime *call);
 void rb_overtime_end(void);
 
-/* The call has had its seconds: the first tick can come at any time, so that one more is waited for. */
+/*
+ * The call has had its seconds: the first tick can come at any time, so that one more is waited
+ * for.
+ */
 static inline bool rb_overtime_is_up(const struct rb_overtime *call)
 {
 	return call->ticks > RB_OVERTIME_TICKS;

@@ -385,7 +385,10 @@ static bool listed(const char *choices, const char *value)
 	return false;
 }
 
-/* A Lua state of its own reads the text: what a number is, Lua says. Nothing here can raise an error. */
+/*
+ * A Lua state of its own reads the text: what a number is, Lua says. Nothing here can raise an
+ * error.
+ */
 static enum rb_status check_value(lua_State *L, const struct rb_param_def *def, const char *text,
                                   struct rb_error *err)
 {

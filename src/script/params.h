@@ -9,8 +9,8 @@
 void rb_params_open(lua_State *L);
 
 /*
- * After the script ran: notes the parameters given on the command line that are malformed, and those that it never declared
- * although it came to its end (`whole`).
+ * After the script ran: notes the parameters given on the command line that are malformed, and
+ * those that it never declared although it came to its end (`whole`).
  */
 void rb_params_check(struct rb_script *script, bool whole);
 

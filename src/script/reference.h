@@ -23,8 +23,8 @@ struct rb_reference_pose {
 bool rb_script_has_reference(const struct rb_script *script);
 
 /*
- * Fills `poses`, one row per body of the scene, by id. RB_ERR_SCENE where there is no reference, it raises an error,
- * returns something else than a table of bodies, or numbers that are not finite.
+ * Fills `poses`, one row per body of the scene, by id. RB_ERR_SCENE where there is no reference, it
+ * raises an error, returns something else than a table of bodies, or numbers that are not finite.
  */
 RB_CHECKED enum rb_status rb_script_reference(struct rb_script *script, struct rb_world *world,
                                               double time_s, struct rb_reference_pose *poses,

@@ -25,7 +25,10 @@ struct rb_sandbox_chunk {
 	_Alignas(16) unsigned char bytes[CHUNK_BYTES];
 };
 
-/* Stands before each block that is no part of a chunk: a state that was lost can't give its blocks back itself. */
+/*
+ * Stands before each block that is no part of a chunk: a state that was lost can't give its blocks
+ * back itself.
+ */
 struct rb_sandbox_large {
 	struct rb_sandbox_large *next, *before;
 };
@@ -279,7 +282,9 @@ enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, boo
 	return RB_OK;
 }
 
-/* Finalizers (files of trusted scripts) may run here, without end if they wish: not ours to stop. */
+/*
+ * Finalizers (files of trusted scripts) may run here, without end if they wish: not ours to stop.
+ */
 static void close_state(lua_State *L)
 {
 	if (!L)

@@ -5,8 +5,8 @@
  * Budgets: every byte the state takes is counted, and what C functions work through is charged as
  * if it had been instructions (rb_sandbox_charge), because the count hook of Lua does not run
  * inside of them. A budget that is used up raises errors until the call from outside returns: a
- * script that catches one gets the next. What no error can end is left where it is, and the state with it: further
- * calls are then refused.
+ * script that catches one gets the next. What no error can end is left where it is, and the state
+ * with it: further calls are then refused.
  *
  * Owned by one thread at a time. C functions called from Lua may be left by a jump at any call into
  * Lua: they own nothing; what must be released belongs to the state, to this struct or to the
@@ -48,8 +48,10 @@ enum { RB_SANDBOX_CLASSES = 32 }; /* blocks of 16, 32, ... 512 bytes come from c
 
 struct rb_sandbox {
 	lua_State *L; /* owned */
-	/* owned: an empty one, which takes the place of one that was lost (script/overtime), so that
-	 * whoever only pushes what a next call would want needs not ask */
+	/*
+	 * owned: an empty one, which takes the place of one that was lost (script/overtime), so
+	 * that whoever only pushes what a next call would want needs not ask
+	 */
 	lua_State *spare;
 	bool lost;
 	void *user; /* what rb_sandbox_user gives inside of C functions */
@@ -112,7 +114,9 @@ uint64_t rb_sandbox_left(lua_State *L);
 /* Counts memory that a script makes us take outside of its state, for good; raises a Lua error
  * beyond the budget. */
 void rb_sandbox_charge_bytes(lua_State *L, size_t bytes);
-/* The same for a body: the budget grows by what it takes, here and in the state, up to bytes_most. */
+/*
+ * The same for a body: the budget grows by what it takes, here and in the state, up to bytes_most.
+ */
 void rb_sandbox_charge_body(lua_State *L, size_t bytes);
 
 #endif

@@ -34,7 +34,9 @@ struct rb_script {
 	enum rb_script_phase phase;
 	struct rb_scene *scene; /* borrowed: the caller's, which must stay where it is */
 	struct rb_world *world; /* borrowed, while a call from outside goes on */
-	/* borrowed, while a camera's function is called: what handles show; goes before the world */
+	/*
+	 * borrowed, while a camera's function is called: what handles show; goes before the world
+	 */
 	const struct rb_frame *frame;
 	const struct rb_model *frame_model;
 	uint64_t callback_instructions;

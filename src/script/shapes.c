@@ -12,7 +12,10 @@
 #include "script/values.h"
 #include "script/vector.h"
 
-/* What Qhull does with a point, as instructions of Lua: 65,536 on a ball take it about half a second. */
+/*
+ * What Qhull does with a point, as instructions of Lua: 65,536 on a ball take it about half a
+ * second.
+ */
 enum { WORK_A_POINT = 500 };
 
 /* The keys that give a shape its size, by kind. */
@@ -64,7 +67,10 @@ void rb_shapes_need(struct rb_call *call, struct rb_body_def *def)
 
 /* ---- hulls ---- */
 
-/* Points of the list at `list` into memory that Lua owns, which is left on the stack; false: a mistake was noted. */
+/*
+ * Points of the list at `list` into memory that Lua owns, which is left on the stack; false: a
+ * mistake was noted.
+ */
 static bool read_points(struct rb_call *call, int list, rb_vec3 **points, size_t *count)
 {
 	lua_State *L = call->L;
@@ -183,7 +189,10 @@ static void check_part(struct rb_call *call, int place)
 	}
 }
 
-/* One entry of `shapes`; its keys go to the places that a body's would. `density` is that of the body. */
+/*
+ * One entry of `shapes`; its keys go to the places that a body's would. `density` is that of the
+ * body.
+ */
 static bool read_part(struct rb_call *call, double density, struct rb_solid_part *part)
 {
 	struct rb_body_def def = rb_body_def_default();
@@ -214,7 +223,10 @@ static bool read_part(struct rb_call *call, double density, struct rb_solid_part
 	return true;
 }
 
-/* The list on top of the stack into memory that Lua owns, which is left there; NULL: a mistake was noted. */
+/*
+ * The list on top of the stack into memory that Lua owns, which is left there; NULL: a mistake was
+ * noted.
+ */
 static struct rb_solid_part *read_parts(struct rb_call *call, double density, size_t *count)
 {
 	lua_State *L = call->L;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The shapes of bodies that have a volume: box, capsule, cylinder, hull { points }, body { shapes }. What their keys
- * say goes into the definition; where that is a mistake the shape becomes a sphere, so that loading can go on.
+ * The shapes of bodies that have a volume: box, capsule, cylinder, hull { points }, body { shapes
+ * }. What their keys say goes into the definition; where that is a mistake the shape becomes a
+ * sphere, so that loading can go on.
  */
 #ifndef RB_SCRIPT_SHAPES_H
 #define RB_SCRIPT_SHAPES_H

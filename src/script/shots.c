@@ -41,8 +41,8 @@ static int serve(lua_State *L)
 }
 
 /*
- * One protected call. Random numbers follow from the time alone: those of the run are not touched, so that it is the
- * same with pictures and without.
+ * One protected call. Random numbers follow from the time alone: those of the run are not touched,
+ * so that it is the same with pictures and without.
  */
 static enum rb_status ask(struct rb_script *script, struct request *request, struct rb_error *err)
 {

@@ -2,8 +2,9 @@
 /*
  * Cameras that move by functions of time: where they stand at one of their pictures.
  *
- * Same thread, errors and budget as the callbacks (script/hooks). The functions depend on nothing but t and on handles,
- * which show the frame that is being drawn, in a live run as in one that is read from a recording.
+ * Same thread, errors and budget as the callbacks (script/hooks). The functions depend on nothing
+ * but t and on handles, which show the frame that is being drawn, in a live run as in one that is
+ * read from a recording.
  */
 #ifndef RB_SCRIPT_SHOTS_H
 #define RB_SCRIPT_SHOTS_H
@@ -19,8 +20,9 @@ struct rb_script;
 bool rb_shot_wanted(const struct rb_camera_def *camera);
 
 /*
- * Calls the camera's functions for the time of `frame`; handles show that frame. Fills position, look_at and up of
- * `shot` as far as they come from functions; the others stay. RB_ERR_SCENE with the camera, the key, the time and what was wrong.
+ * Calls the camera's functions for the time of `frame`; handles show that frame. Fills position,
+ * look_at and up of `shot` as far as they come from functions; the others stay. RB_ERR_SCENE with
+ * the camera, the key, the time and what was wrong.
  */
 RB_CHECKED enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *model,
                                          const struct rb_camera_def *camera,

@@ -10,7 +10,10 @@
 /* With that, names in a recording stay shorter than its readers take. */
 enum { NAME_MAX_BYTES = 120 };
 
-/* Beginning of a PNG file: signature, length and name of the first chunk, width, height (PNG specification, 5.2, 11.2.2). */
+/*
+ * Beginning of a PNG file: signature, length and name of the first chunk, width, height (PNG
+ * specification, 5.2, 11.2.2).
+ */
 enum { SIGNATURE_SIZE = 8, WIDTH_AT = 16, HEIGHT_AT = 20, HEAD_SIZE = 33 };
 
 static uint32_t big_endian(const char *bytes)

@@ -25,8 +25,10 @@ struct rb_script_options {
 	const char *const *lua_folders;
 	int lua_folder_count;
 
-	/* Stored files instead of those on disk: [0] is the scene, the others what it required and the
-	 * pictures that its bodies wear. No file is then opened. NULL: files on disk. */
+	/*
+	 * Stored files instead of those on disk: [0] is the scene, the others what it required and
+	 * the pictures that its bodies wear. No file is then opened. NULL: files on disk.
+	 */
 	const struct rb_source_file *files;
 	int file_count;
 

@@ -9,7 +9,9 @@
  * is as it was. Texts are borrowed from the value. */
 bool rb_call_value(struct rb_call *call, const struct rb_row *row, int index, void *place);
 
-/* Whether the value at `index` is a list of flags that begins with "+": it adds to what is there. */
+/*
+ * Whether the value at `index` is a list of flags that begins with "+": it adds to what is there.
+ */
 bool rb_flags_add(lua_State *L, int index);
 
 /* The material that the value at `index` is or names; -1: none, a mistake was noted that begins

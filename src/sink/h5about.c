@@ -341,7 +341,10 @@ static void put_driven(struct rb_h5 *h5, const struct rb_model *model)
 	rb_memory_free(driven);
 }
 
-/* Who meets whom, by id: those that have each other's bit of `group` in `collides_with`. Absent without such filters. */
+/*
+ * Who meets whom, by id: those that have each other's bit of `group` in `collides_with`. Absent
+ * without such filters.
+ */
 static void put_filters(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const size_t count = (size_t)model->scene->body_count;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * All of a recording that does not change from frame to frame: who, how, the bodies, the scene (rbsim-recording(5)).
+ * All of a recording that does not change from frame to frame: who, how, the bodies, the scene
+ * (rbsim-recording(5)).
  */
 #ifndef RB_SINK_H5ABOUT_H
 #define RB_SINK_H5ABOUT_H

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * One HDF5 file over many recordings: tables, and virtual datasets with a row for each recording, which hold no data of their
- * own. Recordings that are missing, shorter or of fewer bodies leave NAN.
+ * One HDF5 file over many recordings: tables, and virtual datasets with a row for each recording,
+ * which hold no data of their own. Recordings that are missing, shorter or of fewer bodies leave
+ * NAN.
  */
 #ifndef RB_SINK_H5COLLECT_H
 #define RB_SINK_H5COLLECT_H

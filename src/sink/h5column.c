@@ -40,7 +40,9 @@ static void set_creation(const struct rb_h5_layout *layout, hid_t creation)
 		H5Pset_shuffle(creation);
 		H5Pset_deflate(creation, (unsigned)layout->compression);
 	} else {
-		/* never filled and too large for a cache of nothing: written straight to the file */
+		/*
+		 * never filled and too large for a cache of nothing: written straight to the file
+		 */
 		H5Pset_fill_time(creation, H5D_FILL_TIME_NEVER);
 	}
 }
@@ -196,7 +198,10 @@ static uint64_t chunk_count(const struct rb_h5_column *column, hsize_t rows)
 
 uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
 {
-	/* A chunk with a filter is written anew when rows are added to it, and the old one's space is not used again. */
+	/*
+	 * A chunk with a filter is written anew when rows are added to it, and the old one's space
+	 * is not used again.
+	 */
 	const hsize_t before = column->layout.compression > 0
 	                               ? column->rows / column->layout.chunk_rows *
 	                                         pieces(&column->layout)
@@ -209,7 +214,10 @@ uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
 		chunks = after > there ? (after - there < chunks ? after - there : chunks) : 0;
 	}
 
-	/* The index: 8 or 16 bytes a chunk, given out in blocks that grow with the root of their number. */
+	/*
+	 * The index: 8 or 16 bytes a chunk, given out in blocks that grow with the root of their
+	 * number.
+	 */
 	uint64_t block = 512;
 	while (block * block / 256 < chunk_count(column, column->rows + count))
 		block *= 2;
@@ -221,6 +229,9 @@ uint64_t rb_h5_column_bytes(const struct rb_h5_column *column, hsize_t rows)
 {
 	const uint64_t chunks = chunk_count(column, rows);
 
-	/* the index: a header and blocks of addresses, each with room after it (rb_frames_alignment) */
+	/*
+	 * the index: a header and blocks of addresses, each with room after it
+	 * (rb_frames_alignment)
+	 */
 	return chunks * chunk_bytes(&column->layout) + 10 * chunks + 1360;
 }

@@ -2,8 +2,9 @@
 /*
  * A dataset that grows by rows, [rows][...], and where its chunks go.
  *
- * Owned by the thread that owns the file. Chunks without a filter are kept out of the library's cache: rows go to the
- * file when they are appended, part of a chunk as well as a whole one, and nothing but the index waits for a flush.
+ * Owned by the thread that owns the file. Chunks without a filter are kept out of the library's
+ * cache: rows go to the file when they are appended, part of a chunk as well as a whole one, and
+ * nothing but the index waits for a flush.
  */
 #ifndef RB_SINK_H5COLUMN_H
 #define RB_SINK_H5COLUMN_H

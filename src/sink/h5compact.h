@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A finished recording without the room that its growing took: columns that are as long as they will ever be, headers and
- * indices where there is space for them. One thread.
+ * A finished recording without the room that its growing took: columns that are as long as they
+ * will ever be, headers and indices where there is space for them. One thread.
  */
 #ifndef RB_SINK_H5COMPACT_H
 #define RB_SINK_H5COMPACT_H
@@ -13,8 +13,9 @@
 #include <rbsim/error.h>
 
 /*
- * The image of a file with all that is in the open `file`: groups and links in their order, attributes, data to the bit. To be
- * freed by rb_memory_free. RB_ERR_MEMORY, RB_ERR_IO: it could not be read.
+ * The image of a file with all that is in the open `file`: groups and links in their order,
+ * attributes, data to the bit. To be freed by rb_memory_free. RB_ERR_MEMORY, RB_ERR_IO: it could
+ * not be read.
  */
 RB_CHECKED enum rb_status rb_compact_image(hid_t file, const char *name, unsigned char **image,
                                            size_t *size, struct rb_error *err);

@@ -2,8 +2,9 @@
 /*
  * Making objects in an HDF5 file, with checked errors.
  *
- * A `struct rb_h5` is a file that is being made, owned by one thread. The first failure sticks: what follows does
- * nothing, so that a list of calls needs one check at its end. Paths are absolute; groups on the way are made.
+ * A `struct rb_h5` is a file that is being made, owned by one thread. The first failure sticks:
+ * what follows does nothing, so that a list of calls needs one check at its end. Paths are
+ * absolute; groups on the way are made.
  */
 #ifndef RB_SINK_H5FILE_H
 #define RB_SINK_H5FILE_H
@@ -46,21 +47,24 @@ typedef struct {
 } rb_h5_shape;
 
 /*
- * To be called first on every thread that uses HDF5: no messages of the library's own, no clean-up of its own at exit
- * (after a failed write it could hang), no plugins.
+ * To be called first on every thread that uses HDF5: no messages of the library's own, no clean-up
+ * of its own at exit (after a failed write it could hang), no plugins.
  */
 void rb_h5_quiet(void);
 /*
- * How files are opened and made; every one is. What other HDF5 from 1.10 on can read, and `attempts` at bytes that are
- * damaged: 1 where nobody else writes them. Left to itself the library tries a hundred times where it writes by the rules of
- * SWMR, after pauses twice as long each time: for ever.
+ * How files are opened and made; every one is. What other HDF5 from 1.10 on can read, and
+ * `attempts` at bytes that are damaged: 1 where nobody else writes them. Left to itself the library
+ * tries a hundred times where it writes by the rules of SWMR, after pauses twice as long each time:
+ * for ever.
  */
 hid_t rb_h5_access(unsigned attempts);
 
 /* Closes any kind of id; nothing for a negative one. */
 void rb_h5_done(hid_t id);
 
-/* What the library says of its last failure on this thread: the system's text where there is one. */
+/*
+ * What the library says of its last failure on this thread: the system's text where there is one.
+ */
 const char *rb_h5_reason(char out[160]);
 /* The system's number of that failure, 0: none. */
 int rb_h5_errno(void);
@@ -81,7 +85,10 @@ void rb_h5_text_sized(struct rb_h5 *h5, const char *path, const char *text, size
 /* `count` texts of one fixed length, that of the longest. */
 void rb_h5_texts(struct rb_h5 *h5, const char *path, const char *const *texts, size_t count);
 enum { RB_H5_RETEXT_MAX = 512 };
-/* Overwrites a text made with room (RB_H5_RETEXT_MAX at most); longer ones are cut between characters. Works while others read. */
+/*
+ * Overwrites a text made with room (RB_H5_RETEXT_MAX at most); longer ones are cut between
+ * characters. Works while others read.
+ */
 void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text);
 
 /* Attributes of the object at `path`. */
@@ -90,11 +97,17 @@ void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum 
 void rb_h5_attribute_text(struct rb_h5 *h5, const char *path, const char *name, const char *text);
 void rb_h5_units(struct rb_h5 *h5, const char *path, const char *units);
 
-/* Another name for an object: a hard link, counted in its header, and a soft one, which names its path. */
+/*
+ * Another name for an object: a hard link, counted in its header, and a soft one, which names its
+ * path.
+ */
 void rb_h5_link(struct rb_h5 *h5, const char *path, const char *new_path);
 void rb_h5_link_soft(struct rb_h5 *h5, const char *path, const char *new_path);
 
-/* `name` as the last part of a path: what a link's name cannot hold becomes %2F, %2E, %25. Cut at `size`. */
+/*
+ * `name` as the last part of a path: what a link's name cannot hold becomes %2F, %2E, %25. Cut at
+ * `size`.
+ */
 char *rb_h5_escape(const char *name, char *out, size_t size);
 void rb_h5_unescape(char *name);
 

@@ -9,13 +9,14 @@
 #include <string.h>
 
 /*
- * Chunks hold so much of a column of three numbers a body; buffers hold so much of a whole frame, in whole chunks where
- * these are not longer. With few bodies a chunk spans many frames, or the calls for each would cost more than the
- * bytes.
+ * Chunks hold so much of a column of three numbers a body; buffers hold so much of a whole frame,
+ * in whole chunks where these are not longer. With few bodies a chunk spans many frames, or the
+ * calls for each would cost more than the bytes.
  *
- * A column has at most CHUNKS_MAX chunks where that can be: its index is then made of blocks of 64 addresses at most
- * (HDF5's extensible array: 4 + 1*16 + 1*32 + 2*32 + 2*64 + 4*64 = 500), which are shorter than the alignment and
- * are never torn by a kill (recorder.c). An address takes 8 bytes, with a filter 16.
+ * A column has at most CHUNKS_MAX chunks where that can be: its index is then made of blocks of 64
+ * addresses at most (HDF5's extensible array: 4 + 1*16 + 1*32 + 2*32 + 2*64 + 4*64 = 500), which
+ * are shorter than the alignment and are never torn by a kill (recorder.c). An address takes 8
+ * bytes, with a filter 16.
  */
 static const double chunk_bytes = 256 * 1024, chunk_bytes_max = 1 << 30, buffer_bytes = 2 << 20;
 enum { CHUNKS_MAX = 500, ALIGNMENT = 1024, ALIGNMENT_FILTER = 2048 };
@@ -26,7 +27,10 @@ enum {
 	TABLE_ROWS_MAX = 65536,
 	CHUNK_BODIES = 1 << 20
 };
-/* With compression: frames that a chunk spans at least, for what changes little in time, if the buffers allow it. */
+/*
+ * With compression: frames that a chunk spans at least, for what changes little in time, if the
+ * buffers allow it.
+ */
 enum { COMPRESSED_FRAMES = 16 };
 static const double compressed_buffer_bytes = 64 << 20;
 
@@ -43,8 +47,9 @@ static const double compressed_buffer_bytes = 64 << 20;
 			NUMBER(ledger.momentum) + (cause)*2 * sizeof(rb_vec3), 2, true     \
 	}
 /*
- * Observables are there for every frame in every recording, also where a scene cannot change them: H5MD would have them
- * as plain datasets then, but MDAnalysis takes every member of /observables for a group.
+ * Observables are there for every frame in every recording, also where a scene cannot change them:
+ * H5MD would have them as plain datasets then, but MDAnalysis takes every member of /observables
+ * for a group.
  */
 static const struct rb_frames_source sources[RB_FRAMES_SOURCE_COUNT] = {
 	{"/particles/bodies/position", "m", RB_FIELD_POSITION, RB_H5_F64, 3, COLUMN(position), 0,
@@ -502,7 +507,10 @@ static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_fram
 	return RB_OK;
 }
 
-/* Counts of the frames left out are added to those of the next one recorded; moments are that frame's own. */
+/*
+ * Counts of the frames left out are added to those of the next one recorded; moments are that
+ * frame's own.
+ */
 static void join_numbers(struct rb_frames *frames, const struct rb_frame_numbers *numbers)
 {
 	const struct rb_frame_numbers before = frames->since;

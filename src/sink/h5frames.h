@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What of a recording grows with its frames: the columns of elements and observables, the tables of events and
- * contacts, and the buffers before them.
+ * What of a recording grows with its frames: the columns of elements and observables, the tables of
+ * events and contacts, and the buffers before them.
  *
- * A frame is copied into the next row of every buffer; it counts once it is committed. One that `every` leaves out
- * stays there uncommitted, to be overwritten by the next one or, when it was the last, committed after all. Owned by
- * one thread. Buffers are taken once; those of events and contacts grow.
+ * A frame is copied into the next row of every buffer; it counts once it is committed. One that
+ * `every` leaves out stays there uncommitted, to be overwritten by the next one or, when it was the
+ * last, committed after all. Owned by one thread. Buffers are taken once; those of events and
+ * contacts grow.
  */
 #ifndef RB_SINK_H5FRAMES_H
 #define RB_SINK_H5FRAMES_H
@@ -15,7 +16,10 @@
 #include "flow/run_info.h"
 #include "sink/h5column.h"
 
-/* Where a column of a frame comes from, and where it stands in the file: one table for recorder and reader. */
+/*
+ * Where a column of a frame comes from, and where it stands in the file: one table for recorder and
+ * reader.
+ */
 struct rb_frames_source {
 	const char *path;  /* of the element: .../value, .../step, .../time stand below */
 	const char *units; /* NULL: a pure number */
@@ -96,15 +100,22 @@ struct rb_frames {
 /* Frames that a whole run records. */
 uint64_t rb_frames_expected(const struct rb_run_info *info);
 
-/* Where headers and indices of the datasets are to stand so that none of them crosses a page, in bytes. */
+/*
+ * Where headers and indices of the datasets are to stand so that none of them crosses a page, in
+ * bytes.
+ */
 unsigned rb_frames_alignment(const struct rb_run_info *info);
 
-/* Makes the datasets. `buffers` false: for estimates, nothing can be taken. Release it whatever the outcome. */
+/*
+ * Makes the datasets. `buffers` false: for estimates, nothing can be taken. Release it whatever the
+ * outcome.
+ */
 void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct rb_run_info *info,
                       bool buffers);
 /*
- * In a file where all of it stands (h5->there): goes on after `rows` of its frames. What stands behind them stays until it
- * is written over. RB_ERR_INPUT where there are fewer, or row `rows` - 1 is not `frame`.
+ * In a file where all of it stands (h5->there): goes on after `rows` of its frames. What stands
+ * behind them stays until it is written over. RB_ERR_INPUT where there are fewer, or row `rows` - 1
+ * is not `frame`.
  */
 void rb_frames_go_on(struct rb_h5 *h5, struct rb_frames *frames, hsize_t rows, uint64_t frame);
 void rb_frames_release(struct rb_frames *frames); /* safe on a zeroed one */
@@ -114,7 +125,10 @@ void rb_frames_detach(struct rb_frames *frames);
 void rb_frames_forget(struct rb_frames *frames);
 void rb_frames_attach(struct rb_h5 *h5, struct rb_frames *frames);
 
-/* Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing; RB_ERR_MEMORY. */
+/*
+ * Copies a frame; there must be room (rb_frames_full says no). RB_ERR_BUG: a column is missing;
+ * RB_ERR_MEMORY.
+ */
 RB_CHECKED enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
                                          struct rb_error *err);
 void rb_frames_commit(struct rb_frames *frames); /* the pending frame too */

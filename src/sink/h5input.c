@@ -36,8 +36,8 @@ void rb_input_look(struct rb_input *input)
 }
 
 /*
- * What HDF5 itself does not check, or not clearly: that this is a file of its kind and all there. In SWMR mode it reads
- * zeros beyond the end of a file that was cut off.
+ * What HDF5 itself does not check, or not clearly: that this is a file of its kind and all there.
+ * In SWMR mode it reads zeros beyond the end of a file that was cut off.
  */
 static enum rb_status check_file(struct rb_input *input, struct rb_error *err)
 {
@@ -107,10 +107,16 @@ enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb
 	if (status)
 		return status;
 
-	/* A file that was closed is read as it is; one that grows, or whose writer was killed, by the rules of SWMR. */
+	/*
+	 * A file that was closed is read as it is; one that grows, or whose writer was killed, by
+	 * the rules of SWMR.
+	 */
 	open_with(input, name, H5F_ACC_RDONLY, 1);
 	if (input->file < 0 && marked_shared(input)) {
-		/* What is just being changed is read again, after a pause twice as long each time: not for ever. */
+		/*
+		 * What is just being changed is read again, after a pause twice as long each time:
+		 * not for ever.
+		 */
 		open_with(input, name, H5F_ACC_RDONLY | H5F_ACC_SWMR_READ, READ_ATTEMPTS);
 		input->shared = true;
 	}

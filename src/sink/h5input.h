@@ -2,8 +2,9 @@
 /*
  * Reading from an HDF5 file that nobody vouches for.
  *
- * Every call checks first and reads then: links within the file only, data in the file only, filters that every HDF5
- * has, fixed-length types of the class asked for, and no more bytes than the file can hold. One thread each.
+ * Every call checks first and reads then: links within the file only, data in the file only,
+ * filters that every HDF5 has, fixed-length types of the class asked for, and no more bytes than
+ * the file can hold. One thread each.
  */
 #ifndef RB_SINK_H5INPUT_H
 #define RB_SINK_H5INPUT_H
@@ -29,8 +30,8 @@ void rb_input_look(struct rb_input *input); /* at the size, again */
 bool rb_input_has(const struct rb_input *input, const char *path);
 
 /*
- * A dataset of numbers, [rows][row.size...] (`grows`) or of the shape `row`; -1 if it is anything else. `rows` receives
- * the first dimension. Sizes of 0 in `row` are filled in.
+ * A dataset of numbers, [rows][row.size...] (`grows`) or of the shape `row`; -1 if it is anything
+ * else. `rows` receives the first dimension. Sizes of 0 in `row` are filled in.
  */
 hid_t rb_input_dataset(const struct rb_input *input, const char *path, bool grows, rb_h5_shape *row,
                        hsize_t *rows);
@@ -43,15 +44,24 @@ bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const h
 bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5_kind kind,
                       rb_h5_shape shape, void *out);
 
-/* A fixed-length text, zero-terminated, in `arena`; NULL: there is none. `room` (may be NULL): its length on disk. */
+/*
+ * A fixed-length text, zero-terminated, in `arena`; NULL: there is none. `room` (may be NULL): its
+ * length on disk.
+ */
 char *rb_input_text(const struct rb_input *input, const char *path, struct rb_arena *arena,
                     size_t *room);
-/* Why rb_input_text gave NULL for a text that the recording `name` must have: it has none there, or memory was out. */
+/*
+ * Why rb_input_text gave NULL for a text that the recording `name` must have: it has none there, or
+ * memory was out.
+ */
 enum rb_status rb_input_no_text(const struct rb_input *input, const char *path, const char *name,
                                 struct rb_error *err);
 /* The same into memory that has room + 1 bytes. */
 bool rb_input_text_again(const struct rb_input *input, const char *path, char *text, size_t room);
-/* A list of bytes (unsigned 8-bit integers), in `arena` with a zero behind them; NULL: there is none. */
+/*
+ * A list of bytes (unsigned 8-bit integers), in `arena` with a zero behind them; NULL: there is
+ * none.
+ */
 char *rb_input_bytes(const struct rb_input *input, const char *path, struct rb_arena *arena,
                      size_t *size);
 /* `count` texts. */

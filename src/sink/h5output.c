@@ -27,8 +27,9 @@ enum rb_status rb_output_open(struct rb_output *output, const char *name, unsign
 			                 strerror(errno));
 		} else {
 			/*
-			 * It can be made, and the system has said so or why not; the library makes it itself. Were it
-			 * to truncate this one, ext4 would write all of it to disk when it is closed (auto_da_alloc).
+			 * It can be made, and the system has said so or why not; the library makes
+			 * it itself. Were it to truncate this one, ext4 would write all of it to
+			 * disk when it is closed (auto_da_alloc).
 			 */
 			close(fd);
 			rb_place_remove(&output->place, output->partial);
@@ -111,7 +112,10 @@ int rb_output_reserve(struct rb_output *output, uint64_t end, uint64_t need)
 	const uint64_t wanted = end + need;
 	struct rlimit limit;
 
-	/* Where the kernel does not ask (KEEP_SIZE), the limit is ours to keep: a write over it would come too late. */
+	/*
+	 * Where the kernel does not ask (KEEP_SIZE), the limit is ours to keep: a write over it
+	 * would come too late.
+	 */
 	if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY &&
 	    wanted > limit.rlim_cur)
 		return EFBIG;

@@ -16,8 +16,8 @@ void rb_solids_kinds(char out[160])
 }
 
 /*
- * A column that is laid end to end from all solids, or all of their parts. Each takes `width` numbers from `at`, an
- * offset in what is listed, or what `from` points to.
+ * A column that is laid end to end from all solids, or all of their parts. Each takes `width`
+ * numbers from `at`, an offset in what is listed, or what `from` points to.
  */
 struct list {
 	const char *path, *units;

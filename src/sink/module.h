@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What is heavy and not always needed lives in modules of their own, loaded when a run or a verb needs them: the HDF5
- * side in rbsim-hdf5.so (recording, reading recordings), pictures and video in rbsim-film.so (OSMesa or EGL, libpng, FreeType), the
- * console's screen in rbsim-console.so (ncurses).
- * Linking them would cost every start some milliseconds and tens of megabytes.
+ * What is heavy and not always needed lives in modules of their own, loaded when a run or a verb
+ * needs them: the HDF5 side in rbsim-hdf5.so (recording, reading recordings), pictures and video in
+ * rbsim-film.so (OSMesa or EGL, libpng, FreeType), the console's screen in rbsim-console.so
+ * (ncurses). Linking them would cost every start some milliseconds and tens of megabytes.
  *
- * Each is loaded once (later calls return the same table); RB_ERR_MISSING says which file was looked for and why it
- * could not be loaded.
+ * Each is loaded once (later calls return the same table); RB_ERR_MISSING says which file was
+ * looked for and why it could not be loaded.
  */
 #ifndef RB_SINK_MODULE_H
 #define RB_SINK_MODULE_H
@@ -23,7 +23,10 @@ struct rb_recorder_options {
 	unsigned
 		how; /* of base/place: whether an existing file may be replaced, and whose word the name is */
 	double flush_s; /* longest wall time between flushes; 0: one second */
-	/* a recording that is there goes on after `row_count` of its frames, the last of them `frame` */
+	/*
+	 * a recording that is there goes on after `row_count` of its frames, the last of them
+	 * `frame`
+	 */
 	bool resume;
 	uint64_t row_count, frame;
 	bool repair; /* with `resume`: nothing is known of how the run ended but what the file says */
@@ -75,7 +78,10 @@ struct rb_collection {
 	bool replace;
 	const char *version, *scene;
 	const struct rb_table *table;
-	/* Name of a row's recording, as it is found from here and from the folder of `path`; hold until the next call. */
+	/*
+	 * Name of a row's recording, as it is found from here and from the folder of `path`; hold
+	 * until the next call.
+	 */
 	const char *(*file)(void *user, uint64_t row);
 	const char *(*link)(void *user, uint64_t row);
 	void *user;
@@ -85,22 +91,28 @@ struct rb_collection {
 struct rb_hdf5_module {
 	int version; /* RB_HDF5_MODULE_VERSION of the build */
 
-	/* The recorder is a sink; the row in `sink` borrows the recorder, which the sink's owner destroys after closing. */
+	/*
+	 * The recorder is a sink; the row in `sink` borrows the recorder, which the sink's owner
+	 * destroys after closing.
+	 */
 	enum rb_status (*recorder_create)(struct rb_recorder **recorder, struct rb_sink *sink,
 	                                  const struct rb_run_info *info,
 	                                  const struct rb_recorder_options *options,
 	                                  struct rb_error *err);
 	void (*recorder_destroy)(struct rb_recorder *recorder);
 	/*
-	 * Any thread: the file is to hold every frame up to this one soon; and waits until it does, false when it never
-	 * will. Between the recorder's making and its end.
+	 * Any thread: the file is to hold every frame up to this one soon; and waits until it does,
+	 * false when it never will. Between the recorder's making and its end.
 	 */
 	void (*recorder_ask)(struct rb_recorder *recorder, uint64_t frame);
 	bool (*recorder_wait)(struct rb_recorder *recorder, uint64_t frame);
 	/* Bytes that a whole run's recording will take (for `rbsim check`). */
 	uint64_t (*recorder_estimate)(const struct rb_run_info *info);
 
-	/* RB_ERR_INPUT when it can't be opened or is no recording of ours. Works on one that is still growing or was cut off. */
+	/*
+	 * RB_ERR_INPUT when it can't be opened or is no recording of ours. Works on one that is
+	 * still growing or was cut off.
+	 */
 	enum rb_status (*reader_open)(struct rb_reader **reader, const char *path,
 	                              struct rb_error *err);
 	void (*reader_close)(struct rb_reader *reader);
@@ -110,7 +122,10 @@ struct rb_hdf5_module {
 	/* The frame's columns belong to the reader and hold until the next call. */
 	enum rb_status (*reader_frame)(struct rb_reader *reader, uint64_t row,
 	                               struct rb_frame *frame, struct rb_error *err);
-	/* A per-frame observable "kinetic_energy", ...: `values` has room for frame_count * width doubles. */
+	/*
+	 * A per-frame observable "kinetic_energy", ...: `values` has room for frame_count * width
+	 * doubles.
+	 */
 	enum rb_status (*reader_observable)(struct rb_reader *reader, const char *name, int width,
 	                                    double *values, struct rb_error *err);
 	/* One file of virtual datasets over them; `*linked` receives how many. */
@@ -171,14 +186,20 @@ struct rb_film_module {
 	enum rb_status (*film_create)(struct rb_film **film, struct rb_sink *sink,
 	                              const struct rb_film_options *options, struct rb_error *err);
 	void (*film_destroy)(struct rb_film *film);
-	/* From any thread: no picture after the one that is being drawn; what was printed becomes the film. */
+	/*
+	 * From any thread: no picture after the one that is being drawn; what was printed becomes
+	 * the film.
+	 */
 	void (*film_cut)(struct rb_film *film);
 	/* film/film.h: pictures of moments after `time_s` are left out, or drawn again. */
 	enum rb_status (*film_switch)(struct rb_film *film, double time_s, bool on,
 	                              struct rb_error *err);
 	struct rb_film_tally (*film_tally)(const struct rb_film *film);
 
-	/* Single pictures: film/take.h, film/png.h. `picture` borrows the take's memory until the next call. */
+	/*
+	 * Single pictures: film/take.h, film/png.h. `picture` borrows the take's memory until the
+	 * next call.
+	 */
 	enum rb_status (*take_create)(struct rb_take **take, const struct rb_model *model,
 	                              const struct rb_camera_def *camera, struct rb_error *err);
 	void (*take_destroy)(struct rb_take *take);

@@ -145,7 +145,7 @@ static enum rb_status read_params(struct rb_reader *reader, struct rb_error *err
 	return RB_OK;
 }
 
-/* A file of the scene: a text, or bytes where it holds zeros, which must then be those that were recorded. */
+/* A file of the scene: a text, or bytes where it holds zeros, then those that were recorded. */
 static enum rb_status read_file(struct rb_reader *reader, const char *path, const char **text,
                                 size_t *size, struct rb_error *err)
 {
@@ -397,7 +397,7 @@ static bool read_end(const struct column *column, hsize_t row, uint64_t *end)
 	                     end);
 }
 
-/* Frames whose rows of the table are all there: ends only grow, so half of them can be left out at a time. */
+/* Frames whose rows of the table are all there: ends only grow, so halving finds them. */
 static hsize_t covered(const struct column *ends, const struct table *table, hsize_t frames)
 {
 	hsize_t low = 0, high = frames;
@@ -415,7 +415,7 @@ static hsize_t covered(const struct column *ends, const struct table *table, hsi
 	return low;
 }
 
-/* A writer that was killed may have left columns of different length: what all of them have counts. */
+/* A killed writer may leave columns of different length: what all of them have counts. */
 static void count_frames(struct rb_reader *reader)
 {
 	struct column *list[RB_FRAMES_COLUMNS_MAX];

@@ -2,8 +2,9 @@
 /*
  * HDF5 -> the same frames, from a recording that is complete, still grows, or was cut off.
  *
- * A reader belongs to one thread. The file is not trusted: rank, type, layout and size of everything are checked before
- * it is read, links out of the file are not followed, and nothing is allocated that the file's size does not cover.
+ * A reader belongs to one thread. The file is not trusted: rank, type, layout and size of
+ * everything are checked before it is read, links out of the file are not followed, and nothing is
+ * allocated that the file's size does not cover.
  */
 #ifndef RB_SINK_READER_H
 #define RB_SINK_READER_H

@@ -10,15 +10,16 @@
  *           after the first flush the file gets its name
  *   close   the same, the texts that change, H5Fclose: a plain file now; then /VTKHDF is added (add_vtk)
  *
- * A kill can tear a write, between the pages that it touches: the kernel looks for deadly signals there. So nothing
- * that is overwritten in mid-run may lie across a page boundary: headers and indices of what grows, and the texts that
- * change, stand at multiples of ALIGNMENT and are no longer than that (h5frames keeps the indices short). All the rest
- * is made before, without that waste, and the file closed and opened again in between.
+ * A kill can tear a write, between the pages that it touches: the kernel looks for deadly signals
+ * there. So nothing that is overwritten in mid-run may lie across a page boundary: headers and
+ * indices of what grows, and the texts that change, stand at multiples of ALIGNMENT and are no
+ * longer than that (h5frames keeps the indices short). All the rest is made before, without that
+ * waste, and the file closed and opened again in between.
  *
- * H5Fflush, never H5Dflush alone: only the former moves the end-of-file mark, beyond which tools cut a file off.
- * After a failure of the library itself (an I/O error, not a full disk) nothing more is asked of it than to note the
- * failure; if that fails too the file is left as it is, open for readers in SWMR mode: H5Fclose with changes that it
- * cannot write may hang or abort.
+ * H5Fflush, never H5Dflush alone: only the former moves the end-of-file mark, beyond which tools
+ * cut a file off. After a failure of the library itself (an I/O error, not a full disk) nothing
+ * more is asked of it than to note the failure; if that fails too the file is left as it is, open
+ * for readers in SWMR mode: H5Fclose with changes that it cannot write may hang or abort.
  */
 #include "sink/recorder.h"
 
@@ -87,7 +88,10 @@ static hid_t file_creation(void)
 {
 	const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
 
-	/* Room in the root's header for all its links: /VTKHDF is added without moving anything (add_vtk). */
+	/*
+	 * Room in the root's header for all its links: /VTKHDF is added without moving anything
+	 * (add_vtk).
+	 */
 	H5Pset_est_link_info(creation, 8, 12);
 	H5Pset_obj_track_times(creation, 0);
 	return creation;
@@ -298,10 +302,11 @@ static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *e
 }
 
 /*
- * The file is opened to change objects, which no reader may see half made. Should the process be killed meanwhile, the
- * file must not be left marked as open for writing: that mark, and the end-of-file mark beside it, are put back as they
- * were as soon as the library has made its own. (SWMR, so that the mark that the library makes for the moment of its
- * close is one that readers get past.)
+ * The file is opened to change objects, which no reader may see half made. Should the process be
+ * killed meanwhile, the file must not be left marked as open for writing: that mark, and the
+ * end-of-file mark beside it, are put back as they were as soon as the library has made its own.
+ * (SWMR, so that the mark that the library makes for the moment of its close is one that readers
+ * get past.)
  */
 static bool open_again(struct rb_recorder *recorder)
 {
@@ -325,7 +330,10 @@ static bool open_again(struct rb_recorder *recorder)
 	return true;
 }
 
-/* What a close has added is of the frames that were there then. Its room is lost: nothing must take it before the link is gone. */
+/*
+ * What a close has added is of the frames that were there then. Its room is lost: nothing must take
+ * it before the link is gone.
+ */
 static void drop_vtk(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
@@ -395,7 +403,10 @@ static enum rb_status open_file(void *self, struct rb_error *err)
 		status = make_file(recorder, err);
 	}
 	if (status) {
-		/* The library's file is left alone where its changes cannot be written: it has no name any more. */
+		/*
+		 * The library's file is left alone where its changes cannot be written: it has no
+		 * name any more.
+		 */
 		if (recorder->file_open &&
 		    (recorder->options.resume || recorder->h5.status == RB_ERR_MEMORY)) {
 			rb_frames_detach(&recorder->frames);
@@ -498,12 +509,17 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames, hsize_t rows)
 	}
 }
 
-/* What is added goes behind the old end; the only old bytes that change are the root's header, in one small write. */
+/*
+ * What is added goes behind the old end; the only old bytes that change are the root's header, in
+ * one small write.
+ */
 static void add_vtk(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
 	const struct rb_frames *const frames = &recorder->frames;
-	/* frames that an earlier process has flushed stay, also where this one did not come as far */
+	/*
+	 * frames that an earlier process has flushed stay, also where this one did not come as far
+	 */
 	const hsize_t rows = frames->written > frames->there ? frames->written : frames->there;
 
 	if (rows == 0 || recorder->info->model->body_count == 0 ||
@@ -533,8 +549,9 @@ static void add_vtk(struct rb_recorder *recorder)
 }
 
 /*
- * What stands at multiples of ALIGNMENT, and the indices of what grows, are of no use to a run that is over: a small file is
- * mostly that. It is written anew without; where that cannot be, the one that is there stays.
+ * What stands at multiples of ALIGNMENT, and the indices of what grows, are of no use to a run that
+ * is over: a small file is mostly that. It is written anew without; where that cannot be, the one
+ * that is there stays.
  */
 static void compact(struct rb_recorder *recorder)
 {
@@ -598,7 +615,10 @@ static enum rb_status close_file(void *self, const struct rb_outcome *outcome, s
 		                recorder->path),
 			&error);
 	}
-	/* Once the library has failed it is only closed when all it knew has reached the file after all. */
+	/*
+	 * Once the library has failed it is only closed when all it knew has reached the file after
+	 * all.
+	 */
 	if (!h5->status) {
 		rb_frames_detach(&recorder->frames);
 		if (H5Fclose(h5->file) < 0) {
@@ -711,7 +731,10 @@ static uint64_t compact_size(hid_t file)
 	return size;
 }
 
-/* Both parts of the file are made in memory as they will be, but for the rows: these take what their chunks take. */
+/*
+ * Both parts of the file are made in memory as they will be, but for the rows: these take what
+ * their chunks take.
+ */
 uint64_t rb_recorder_estimate(const struct rb_run_info *info)
 {
 	struct rb_h5 about = {.name = "estimate"}, growing = about;

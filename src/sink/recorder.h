@@ -2,8 +2,9 @@
 /*
  * Frames -> HDF5, the file of rbsim-recording(5).
  *
- * The recorder is made on the main thread and then belongs to the pump's thread from `open` to `close`; whoever made
- * it destroys it after the thread has ended. `info` and what it points to must outlive it.
+ * The recorder is made on the main thread and then belongs to the pump's thread from `open` to
+ * `close`; whoever made it destroys it after the thread has ended. `info` and what it points to
+ * must outlive it.
  */
 #ifndef RB_SINK_RECORDER_H
 #define RB_SINK_RECORDER_H

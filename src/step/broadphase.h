@@ -2,9 +2,10 @@
 /*
  * Boxes -> sorted candidate pairs.
  *
- * Owned by the world; simulator thread only. A hierarchical grid: each box is kept in one cell of the level whose
- * cells are just as large as it, so that a pair is looked for in a few cells of each level in use, whatever the
- * mix of sizes. Infinite planes are tested against every body, rectangles live in the grid like bodies.
+ * Owned by the world; simulator thread only. A hierarchical grid: each box is kept in one cell of
+ * the level whose cells are just as large as it, so that a pair is looked for in a few cells of
+ * each level in use, whatever the mix of sizes. Infinite planes are tested against every body,
+ * rectangles live in the grid like bodies.
  */
 #ifndef RB_STEP_BROADPHASE_H
 #define RB_STEP_BROADPHASE_H
@@ -24,9 +25,10 @@ RB_CHECKED enum rb_status rb_broadphase_create(struct rb_broadphase **broadphase
 void rb_broadphase_destroy(struct rb_broadphase *broadphase); /* NULL is fine */
 
 /*
- * All pairs of which the boxes overlap (closed intervals), that the filters allow and of which at least one
- * moves, sorted by (a, b). `box` is [body_count], of the moving bodies, m; boxes must be finite with low <= high.
- * `*pairs` belongs to the broadphase until the next call. After the first calls nothing is allocated.
+ * All pairs of which the boxes overlap (closed intervals), that the filters allow and of which at
+ * least one moves, sorted by (a, b). `box` is [body_count], of the moving bodies, m; boxes must be
+ * finite with low <= high. `*pairs` belongs to the broadphase until the next call. After the first
+ * calls nothing is allocated.
  */
 RB_CHECKED enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aabb *box,
                                              const struct rb_pair **pairs, size_t *pair_count,

@@ -46,7 +46,10 @@ static void push(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 angular
 	           rb_vec3_add(w, rb_world_turn(world, state, i, angular_impulse)));
 }
 
-/* Seconds of [from, from + h] in which the force acts: its start and end fall where they fall, not on a step. */
+/*
+ * Seconds of [from, from + h] in which the force acts: its start and end fall where they fall, not
+ * on a step.
+ */
 static double acting_s(const struct rb_force_def *force, double from, double h)
 {
 	const double begin = fmax(from, force->start_s);

@@ -8,7 +8,10 @@
 /* Centre of the sphere `a` against the body `b`, which stands there. */
 typedef struct rb_gap gap_function(const struct rb_model *model, int a, rb_vec3 center, int b,
                                    rb_vec3 origin_b, rb_quat turn_b);
-/* Smallest gap while the sphere's centre moves from `from` to `to` in a straight line, relative to b at origin_b. */
+/*
+ * Smallest gap while the sphere's centre moves from `from` to `to` in a straight line, relative to
+ * b at origin_b.
+ */
 typedef double swept_function(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                               rb_vec3 origin_b);
 
@@ -82,8 +85,9 @@ static double swept_plane(const struct rb_model *model, int a, rb_vec3 from, rb_
 }
 
 /*
- * Distance of the path to the sheet. Distance to a convex set is a convex function along a straight line, so a
- * golden section search finds its minimum; a path through the sheet is found by the change of side.
+ * Distance of the path to the sheet. Distance to a convex set is a convex function along a straight
+ * line, so a golden section search finds its minimum; a path through the sheet is found by the
+ * change of side.
  */
 static double swept_rectangle(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                               rb_vec3 origin_b)
@@ -172,7 +176,10 @@ static double allowed(const struct rb_pass *pass, const struct rb_touch *touch, 
 	return fmax(-tolerance, fmin(-0.5 * tolerance, gap_now - touch->band));
 }
 
-/* An eccentric body that turns further than this in a substep leaves the straight path too far to be swept, rad. */
+/*
+ * An eccentric body that turns further than this in a substep leaves the straight path too far to
+ * be swept, rad.
+ */
 static const double turn_max = 1;
 
 /* Could the arcs of these two have met what the straight path does not show? */

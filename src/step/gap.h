@@ -2,7 +2,8 @@
 /*
  * Signed gaps of pairs, by a table of shape kinds.
  *
- * A new shape adds its row to the tables in gap.c. `a` is the lower body index, hence a moving body.
+ * A new shape adds its row to the tables in gap.c. `a` is the lower body index, hence a moving
+ * body.
  */
 #ifndef RB_STEP_GAP_H
 #define RB_STEP_GAP_H
@@ -16,21 +17,23 @@ struct rb_gap rb_gap_at(const struct rb_world *world, const struct rb_state *sta
                         rb_vec3 center, int b);
 
 /*
- * The touching band of a pair: 8 ulp of the larger of coordinate and size (the model's only rest rule; see
- * rbsim-scene(5), "Touching and at rest"), m.
+ * The touching band of a pair: 8 ulp of the larger of coordinate and size (the model's only rest
+ * rule; see rbsim-scene(5), "Touching and at rest"), m.
  */
 double rb_gap_band(const struct rb_world *world, const struct rb_state *state, int a, int b);
 enum { RB_TOUCHING_ULP = 8 };
 
-/* Sizes along the normal for curvature: sum of the radii in contact, INFINITY where one is flat, m. */
+/*
+ * Sizes along the normal for curvature: sum of the radii in contact, INFINITY where one is flat, m.
+ */
 double rb_gap_radius(const struct rb_model *model, int a, int b);
 
 /*
- * Fills pass->next and finds the pair that breaks the tolerance most, at the end of the substep or, where bodies
- * would have passed through each other, within it: pass->worst and worst_gap.
+ * Fills pass->next and finds the pair that breaks the tolerance most, at the end of the substep or,
+ * where bodies would have passed through each other, within it: pass->worst and worst_gap.
  *
- * Lasting contacts may use the tolerance whole; new ones half of it, so that a contact starts with room for what
- * iteration leaves. A pair that is deeper for that reason and moves apart is let go.
+ * Lasting contacts may use the tolerance whole; new ones half of it, so that a contact starts with
+ * room for what iteration leaves. A pair that is deeper for that reason and moves apart is let go.
  */
 extern const struct rb_stage rb_stage_gap;
 

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* A part of a method, and whether a scene needs it: what `rbsim check` says of a method, one row each. */
+/*
+ * A part of a method, and whether a scene needs it: what `rbsim check` says of a method, one row
+ * each.
+ */
 #ifndef RB_STEP_METHOD_PART_H
 #define RB_STEP_METHOD_PART_H
 

@@ -7,11 +7,17 @@
 #include "math/quat.h"
 #include "math/vec3.h"
 
-/* Looks that some kinks and jumps within one interval never need: velocities that contradict the places everywhere do. */
+/*
+ * Looks that some kinks and jumps within one interval never need: velocities that contradict the
+ * places everywhere do.
+ */
 enum { INSPECTIONS_MAX = 1024 };
 /* Share of the size by which velocities and places differ at a kink without being seen. */
 static const double kink_share = 1e-9;
-/* Of the change over an interval, what its middle may be off the mean: a kink or a jump near an end has it at 1/2. */
+/*
+ * Of the change over an interval, what its middle may be off the mean: a kink or a jump near an end
+ * has it at 1/2.
+ */
 static const double bent = 0.4;
 
 static rb_quat on_side_of(rb_quat near, rb_quat q)
@@ -72,8 +78,9 @@ static int values_of(const struct moment *m, bool turns, double value[4], double
 }
 
 /*
- * By how much [a, b] is more than smooth, seen from its middle: the change against Simpson's rule over the velocities, or
- * the middle against the mean. What is not seen, and rounding of the time, is taken off: 0 is smooth.
+ * By how much [a, b] is more than smooth, seen from its middle: the change against Simpson's rule
+ * over the velocities, or the middle against the mean. What is not seen, and rounding of the time,
+ * is taken off: 0 is smooth.
  */
 static double roughness(const struct watch *w, const struct moment *a, const struct moment *m,
                         const struct moment *b, bool turns)

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What the function of a driven body says, and whether a body can move like that: without jumps, and as the velocities
- * say that it returns. Steps and pieces only look at some moments of it.
+ * What the function of a driven body says, and whether a body can move like that: without jumps,
+ * and as the velocities say that it returns. Steps and pieces only look at some moments of it.
  */
 #ifndef RB_STEP_MOTION_H
 #define RB_STEP_MOTION_H
@@ -23,8 +23,9 @@ struct rb_motion {
 };
 
 /*
- * Looks within it, closer where it is not smooth. RB_ERR_SCENE, with the moment and by how much: it jumps, or velocities
- * contradict the places. Kinks are none of these. Velocities count where begin and end have them.
+ * Looks within it, closer where it is not smooth. RB_ERR_SCENE, with the moment and by how much: it
+ * jumps, or velocities contradict the places. Kinks are none of these. Velocities count where begin
+ * and end have them.
  */
 RB_CHECKED enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *err);
 

@@ -2,9 +2,10 @@
 /*
  * What a pass over the bodies of a group is, and what it works on.
  *
- * A substep is a list of stages, put together once from the scene's features (classic/stage_list). Each stage runs over a
- * `struct rb_pass`: the bodies and touches of one group, on one worker. Bodies that can meet nobody within
- * the step run through the same stages in blocks, without touches.
+ * A substep is a list of stages, put together once from the scene's features (classic/stage_list).
+ * Each stage runs over a `struct rb_pass`: the bodies and touches of one group, on one worker.
+ * Bodies that can meet nobody within the step run through the same stages in blocks, without
+ * touches.
  */
 #ifndef RB_STEP_STAGE_H
 #define RB_STEP_STAGE_H

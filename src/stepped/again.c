@@ -145,7 +145,10 @@ static size_t length_of(const struct rb_step_point *row, size_t count, struct rb
 	return length;
 }
 
-/* Somebody has come out on the other side: its way there is not to be trusted, and what it has left stays deep. */
+/*
+ * Somebody has come out on the other side: its way there is not to be trusted, and what it has left
+ * stays deep.
+ */
 static bool is_through(const struct rb_step_point *old, size_t old_count,
                        const struct rb_step_point *fresh, size_t fresh_count)
 {

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A step looked at again from where a try of it ends: what turning has made of gaps there that straight ways did not tell.
+ * A step looked at again from where a try of it ends: what turning has made of gaps there that
+ * straight ways did not tell.
  *
- * Groups with an overlap get the points of their poses at the end instead, their gaps taken as linear from there, and are
- * solved once more, from the impulses that they have: a Newton step on where bodies are at the end.
+ * Groups with an overlap get the points of their poses at the end instead, their gaps taken as
+ * linear from there, and are solved once more, from the impulses that they have: a Newton step on
+ * where bodies are at the end.
  */
 #ifndef RB_STEPPED_AGAIN_H
 #define RB_STEPPED_AGAIN_H
@@ -11,8 +13,9 @@
 #include "stepped/inside.h"
 
 /*
- * After bodies have moved by what was solved for, before they rebound. `*again`: points and velocities are new, positions
- * those of the beginning again, with their velocities solved; else nothing has changed.
+ * After bodies have moved by what was solved for, before they rebound. `*again`: points and
+ * velocities are new, positions those of the beginning again, with their velocities solved; else
+ * nothing has changed.
  */
 RB_CHECKED enum rb_status rb_again(struct rb_world *world, struct rb_cohort *cohort, bool *again,
                                    struct rb_error *err);

@@ -22,8 +22,8 @@ struct flow {
 };
 
 /*
- * A body with unequal moments: in closed form or by a series to rounding where nothing touches or turns it, else so that
- * energy and angular momentum stay.
+ * A body with unequal moments: in closed form or by a series to rounding where nothing touches or
+ * turns it, else so that energy and angular momentum stay.
  */
 static bool turn_freely(struct rb_world *world, int i, double h)
 {
@@ -50,8 +50,9 @@ static bool turn_freely(struct rb_world *world, int i, double h)
 }
 
 /*
- * The velocity that moves a body: where it has points, what was solved for; else the mean of before and after, a parabola,
- * but for forces that vary: of those all, since half of them would feed oscillations.
+ * The velocity that moves a body: where it has points, what was solved for; else the mean of before
+ * and after, a parabola, but for forces that vary: of those all, since half of them would feed
+ * oscillations.
  */
 static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 {

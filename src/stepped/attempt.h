@@ -5,7 +5,10 @@
 
 #include "stepped/inside.h"
 
-/* The rows of its bodies in the mark are those of the beginning. Residuals stand with the solver's groups. */
+/*
+ * The rows of its bodies in the mark are those of the beginning. Residuals stand with the solver's
+ * groups.
+ */
 RB_CHECKED enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort,
                                      double start_s, double h_s, struct rb_error *err);
 

@@ -70,7 +70,10 @@ static int least_degree(const struct graph *graph)
 	return best;
 }
 
-/* Orders all; the rows of eliminated bodies keep what was left of their neighbours then. Returns blocks, 0: too much. */
+/*
+ * Orders all; the rows of eliminated bodies keep what was left of their neighbours then. Returns
+ * blocks, 0: too much.
+ */
 static int order_all(struct graph *graph, struct rb_blocks *blocks, double max)
 {
 	const double cube = RB_BLOCK * RB_BLOCK * RB_BLOCK;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sparse symmetric positive definite systems of 6x6 blocks, one row of blocks a body, by Cholesky's factors in an order of
- * least degree. Memory comes from the caller's arena and lives as long as its mark.
+ * Sparse symmetric positive definite systems of 6x6 blocks, one row of blocks a body, by Cholesky's
+ * factors in an order of least degree. Memory comes from the caller's arena and lives as long as
+ * its mark.
  */
 #ifndef RB_STEPPED_BLOCKS_H
 #define RB_STEPPED_BLOCKS_H
@@ -26,8 +27,8 @@ struct rb_blocks {
 };
 
 /*
- * The order and the places of blocks for `pair_count` pairs of bodies that share a block. False: no memory, or it would take
- * more than `most` multiplications a factorization.
+ * The order and the places of blocks for `pair_count` pairs of bodies that share a block. False: no
+ * memory, or it would take more than `most` multiplications a factorization.
  */
 bool rb_blocks_plan(struct rb_blocks *blocks, int count, const int (*pair)[2], int pair_count,
                     double max, struct rb_arena *arena);

@@ -13,7 +13,10 @@ enum {
 	BODIES_PER_BLOCK = 512
 };
 
-/* Points of a body that turns by an angle t move by 2 sin(t / 2) of their distance at most; quaternions by 2 sin(t / 4). */
+/*
+ * Points of a body that turns by an angle t move by 2 sin(t / 2) of their distance at most;
+ * quaternions by 2 sin(t / 4).
+ */
 static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
 {
 	const rb_vec3 from = near->at[i], way = rb_vec3_sub(to, from);
@@ -150,7 +153,10 @@ static bool may_touch(const struct rb_model *model, int a, int b)
 	                             (model->collides[b] & model->group_bit[a]) != 0);
 }
 
-/* A pair with the body that yields first; false: none does, or a driven plane is in it, which boxes know nothing of. */
+/*
+ * A pair with the body that yields first; false: none does, or a driven plane is in it, which boxes
+ * know nothing of.
+ */
 static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
 {
 	if (is_plane(model, pair->a) || is_plane(model, pair->b))
@@ -323,7 +329,9 @@ void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *worl
 		const double reach = fmax(rb_candidates_way(world, &world->state, i, h),
 		                          rb_candidates_way(world, &world->mark, i, h));
 
-		/* a body that is not finite is lost, and must not take the boxes of others with it */
+		/*
+		 * a body that is not finite is lost, and must not take the boxes of others with it
+		 */
 		near->reach[i] = isfinite(reach) ? reach : 0;
 	}
 }

@@ -2,8 +2,9 @@
 /*
  * Pairs that could touch, from boxes fat enough for several steps.
  *
- * Owned by the method's state. The candidates hold until a body could leave its box; their boxes decide cost only, but for
- * the order in which ties are met, which is by pair. The first of a pair yields; a driven one is always the second.
+ * Owned by the method's state. The candidates hold until a body could leave its box; their boxes
+ * decide cost only, but for the order in which ties are met, which is by pair. The first of a pair
+ * yields; a driven one is always the second.
  */
 #ifndef RB_STEPPED_CANDIDATES_H
 #define RB_STEPPED_CANDIDATES_H
@@ -32,15 +33,21 @@ struct rb_candidates {
 	const size_t *live;
 	size_t live_count;
 	/*
-	 * m: overlap of each pair when it was last measured, as `pair`; negative: it is no more than that; NAN: not measured
-	 * yet, or not as it stands now
+	 * m: overlap of each pair when it was last measured, as `pair`; negative: it is no more
+	 * than that; NAN: not measured yet, or not as it stands now
 	 */
 	double *depth, *own_depth;
-	/* Of pairs with parts, m: as long as their bodies' `path` together is shorter, they are apart by the difference. */
+	/*
+	 * Of pairs with parts, m: as long as their bodies' `path` together is shorter, they are
+	 * apart by the difference.
+	 */
 	double *room, *own_clearance;
 	size_t depth_capacity, room_capacity;
 	double still_depth; /* m: the largest of pairs that are not live; NAN: not known */
-	/* Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its clues. */
+	/*
+	 * Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its
+	 * clues.
+	 */
 	struct rb_clue *clue; /* of each two parts of each pair */
 	size_t *first_clue;   /* [pair_count], as `pair` */
 	size_t *own_first_clue;
@@ -72,13 +79,16 @@ RB_CHECKED enum rb_status rb_candidates_create(struct rb_candidates *near,
                                                const struct rb_model *model, struct rb_error *err);
 void rb_candidates_release(struct rb_candidates *near);
 
-/* Reaches of these bodies: the world's velocities have the forces of the step in them, those of the mark do not. */
+/*
+ * Reaches of these bodies: the world's velocities have the forces of the step in them, those of the
+ * mark do not.
+ */
 void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *world, double h_s,
                          const int *member, int count);
 
 /*
- * Candidates of the whole world, whose reaches are known, if those of before do not hold for these bodies; all others have
- * not moved since. New ones are all live.
+ * Candidates of the whole world, whose reaches are known, if those of before do not hold for these
+ * bodies; all others have not moved since. New ones are all live.
  */
 RB_CHECKED enum rb_status rb_candidates_find(struct rb_candidates *near, struct rb_world *world,
                                              const int *body, int count, struct rb_error *err);
@@ -95,7 +105,10 @@ static inline int rb_candidates_part_count(const struct rb_candidates *near, int
 	return near->first_part[i + 1] - near->first_part[i];
 }
 
-/* Parts of these bodies as they stand now, and what their turning may add: before touch is asked about them. */
+/*
+ * Parts of these bodies as they stand now, and what their turning may add: before touch is asked
+ * about them.
+ */
 void rb_candidates_place(struct rb_candidates *near, struct rb_world *world, const int *body,
                          int count);
 

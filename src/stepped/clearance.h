@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Which candidates must be looked at: of each pair it is known how far apart it was and how far its bodies have got since.
- * Parts, in pairs of blocks of fixed size, whatever the threads.
+ * Which candidates must be looked at: of each pair it is known how far apart it was and how far its
+ * bodies have got since. Parts, in pairs of blocks of fixed size, whatever the threads.
  */
 #ifndef RB_STEPPED_CLEARANCE_H
 #define RB_STEPPED_CLEARANCE_H
@@ -45,8 +45,8 @@ static inline double rb_clearance_path(const struct rb_candidates *near, struct 
 }
 
 /*
- * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than they have moved since; or by
- * spheres about them.
+ * Whether the bodies of a pair are certainly farther apart than `most`, m: they were, by more than
+ * they have moved since; or by spheres about them.
  */
 static inline bool rb_clearance_is_more(const struct rb_candidates *near, size_t k, double path,
                                         double max)

@@ -158,8 +158,9 @@ static void fill_point(const struct look *look, struct rb_step_point *point)
 static const double far_share = 0.1;
 
 /*
- * Of a sphere on another shape. One that comes from far is met where its path at present velocities touches or comes
- * closest: the plane through the start's nearest point would hold it up where it only passes.
+ * Of a sphere on another shape. One that comes from far is met where its path at present velocities
+ * touches or comes closest: the plane through the start's nearest point would hold it up where it
+ * only passes.
  */
 static struct rb_gap approaching(const struct look *look, struct rb_pair pair)
 {
@@ -172,7 +173,10 @@ static struct rb_gap approaching(const struct look *look, struct rb_pair pair)
 
 	if (!(rb_vec3_dot(d, d) > far_share * far_share * size * size) || g.gap <= 0)
 		return g;
-	/* the distance is convex along a straight path: Newton's steps come from one side and never go too far */
+	/*
+	 * the distance is convex along a straight path: Newton's steps come from one side and never
+	 * go too far
+	 */
 	const rb_vec3 origin = rb_world_origin_at(world, state, pair.a);
 	for (int round = 0; round < 32; round++) {
 		const double closing = -rb_vec3_dot(g.normal, d);
@@ -268,9 +272,9 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
 }
 
 /*
- * Which points count, m: all that can close within `slack`; but of what rides on a driven body that turns only those that come
- * near as that body sees it. Its corners may go round by more than their height, and corners one above the other would all
- * count.
+ * Which points count, m: all that can close within `slack`; but of what rides on a driven body that
+ * turns only those that come near as that body sees it. Its corners may go round by more than their
+ * height, and corners one above the other would all count.
  */
 static double band_of(const struct look *look, struct rb_pair pair, double slack)
 {
@@ -340,7 +344,8 @@ static double inspect_parts(struct look *look, struct rb_pair pair, double slack
 }
 
 /*
- * A driven plane may turn: the farther away, the more of a way. About its own normal that closes nothing.
+ * A driven plane may turn: the farther away, the more of a way. About its own normal that closes
+ * nothing.
  */
 static double plane_turn(const struct look *look, struct rb_pair pair)
 {
@@ -374,8 +379,8 @@ static inline double slack_of(const struct look *look, struct rb_pair pair)
 }
 
 /*
- * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies that move together do not
- * close both of their ways.
+ * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies
+ * that move together do not close both of their ways.
  */
 static double closing_of(const struct look *look, struct rb_pair pair)
 {

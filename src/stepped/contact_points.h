@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Points at which bodies could touch within a step: of spheres among themselves and on planes by closed forms, of all else
- * through geom/manifold, part by part.
+ * Points at which bodies could touch within a step: of spheres among themselves and on planes by
+ * closed forms, of all else through geom/manifold, part by part.
  *
- * A point has a name (pair, parts, features) by which the impulse of the step before is found again. Points come in order of
- * pairs, whatever the threads.
+ * A point has a name (pair, parts, features) by which the impulse of the step before is found
+ * again. Points come in order of pairs, whatever the threads.
  */
 #ifndef RB_STEPPED_CONTACT_POINTS_H
 #define RB_STEPPED_CONTACT_POINTS_H
@@ -56,8 +56,8 @@ RB_CHECKED enum rb_status rb_step_points_create(struct rb_step_points *points,
 void rb_step_points_release(struct rb_step_points *points);
 
 /*
- * Adds those of the candidates that are live; velocities as for rb_candidates_find. Warm impulses are for a step of h_s.
- * What is farther apart than `most`, m, is left out.
+ * Adds those of the candidates that are live; velocities as for rb_candidates_find. Warm impulses
+ * are for a step of h_s. What is farther apart than `most`, m, is left out.
  */
 RB_CHECKED enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
                                              struct rb_candidates *near, double h_s, double max,
@@ -68,16 +68,17 @@ RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, str
                                               struct rb_error *err);
 
 /*
- * Keeps the impulses of a step that has been accepted; to be indexed then. Bodies, by mark: of those that stay, forces are the
- * ones they started from; those that stand (NULL: none do) have no points, and keep what they have.
+ * Keeps the impulses of a step that has been accepted; to be indexed then. Bodies, by mark: of
+ * those that stay, forces are the ones they started from; those that stand (NULL: none do) have no
+ * points, and keep what they have.
  */
 RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points, double h_s,
                                               const unsigned char *stays,
                                               const unsigned char *sleeps, struct rb_error *err);
 
 /*
- * What the next step starts from is what another method has found: each point of a pair that touches has the mean force of the
- * pair's contacts.
+ * What the next step starts from is what another method has found: each point of a pair that
+ * touches has the mean force of the pair's contacts.
  */
 RB_CHECKED enum rb_status rb_step_points_take_over(struct rb_step_points *points,
                                                    const struct rb_world *world,

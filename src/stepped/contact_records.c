@@ -26,9 +26,9 @@ static struct rb_contact in_order(struct rb_contact contact)
 }
 
 /*
- * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as a force and as an impact.
- * It acts where the step's solution has had it. Of what still rests it is what it was: the rounding of the step's length is
- * not in it.
+ * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as
+ * a force and as an impact. It acts where the step's solution has had it. Of what still rests it is
+ * what it was: the rounding of the step's length is not in it.
  */
 static struct rb_contact contact_of(const struct rb_world *world, const struct rb_cohort *cohort,
                                     size_t at, double h)
@@ -71,7 +71,9 @@ static size_t pair_length(const struct rb_step_points *points, size_t first)
 	return end - first;
 }
 
-/* Those of what stands, from there on, up to a pair, are as before; returns where it has come to. */
+/*
+ * Those of what stands, from there on, up to a pair, are as before; returns where it has come to.
+ */
 static size_t add_standing(const struct rb_world *world, size_t from, const unsigned char *skip,
                            const struct rb_contact *before, struct rb_contacts *to)
 {
@@ -146,8 +148,8 @@ enum rb_status rb_record_part(const struct rb_cohort *cohort, const struct rb_co
 }
 
 /*
- * An impact is told where a pair that did not touch in the step before has come together, by more than the residual. The
- * whole impulse of the step counts.
+ * An impact is told where a pair that did not touch in the step before has come together, by more
+ * than the residual. The whole impulse of the step counts.
  */
 static bool is_impact(const struct rb_world *world, const struct rb_cohort *cohort, size_t first,
                       size_t length, struct rb_event *event)

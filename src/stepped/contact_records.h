@@ -1,20 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* What a step that is kept leaves: contacts with their forces, and impacts in order of time and ids. */
+/*
+ * What a step that is kept leaves: contacts with their forces, and impacts in order of time and
+ * ids.
+ */
 #ifndef RB_STEPPED_CONTACT_RECORDS_H
 #define RB_STEPPED_CONTACT_RECORDS_H
 
 #include "stepped/inside.h"
 
 /*
- * Adds the impacts of a cohort's step that ended at `time` to those told: pairs that were not among the contacts before.
- * Bodies with a mark in `skip` (may be NULL) are left out.
+ * Adds the impacts of a cohort's step that ended at `time` to those told: pairs that were not among
+ * the contacts before. Bodies with a mark in `skip` (may be NULL) are left out.
  */
 RB_CHECKED enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohort,
                                             double time_s, const struct rb_contacts *before,
                                             const unsigned char *skip, struct rb_error *err);
 /*
- * Adds the contacts of a cohort's step to `to`, which is then no longer in order: of each point what has not been told as an
- * impact. To the cohort of all belongs what stands: its contacts are those of the world.
+ * Adds the contacts of a cohort's step to `to`, which is then no longer in order: of each point
+ * what has not been told as an impact. To the cohort of all belongs what stands: its contacts are
+ * those of the world.
  */
 RB_CHECKED enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort *cohort,
                                              double h_s, const unsigned char *skip,
@@ -23,7 +27,10 @@ RB_CHECKED enum rb_status rb_record_contacts(struct rb_world *world, const struc
 RB_CHECKED enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h_s,
                                            const unsigned char *skip, struct rb_contacts *to,
                                            struct rb_error *err);
-/* Adds a part of a step to its means: the contacts that it has left, and what has been passed on in it. */
+/*
+ * Adds a part of a step to its means: the contacts that it has left, and what has been passed on in
+ * it.
+ */
 RB_CHECKED enum rb_status rb_record_part(const struct rb_cohort *cohort,
                                          const struct rb_contacts *contacts, double h_s,
                                          struct rb_contacts *scratch, struct rb_means *means,

@@ -18,10 +18,15 @@ struct depths {
 	struct rb_depths *block;
 };
 
-/* Farther apart by this, and the square root is seen to be no less than the smallest that matters. */
+/*
+ * Farther apart by this, and the square root is seen to be no less than the smallest that matters.
+ */
 static const double rounding = 1 + 16 * DBL_EPSILON;
 
-/* How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see that costs little. */
+/*
+ * How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see
+ * that costs little.
+ */
 static double depth_of_parts(const struct rb_candidates *near, size_t k, double path, double least)
 {
 	const struct rb_pair pair = near->pair[k];

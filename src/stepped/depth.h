@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* How deep candidates overlap, pair by pair, by blocks; what they come to stands with the candidates. */
+/*
+ * How deep candidates overlap, pair by pair, by blocks; what they come to stands with the
+ * candidates.
+ */
 #ifndef RB_STEPPED_DEPTH_H
 #define RB_STEPPED_DEPTH_H
 
@@ -20,8 +23,9 @@ struct rb_depths {
 };
 
 /*
- * Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are left out. Measured are the
- * live ones; with `moved`, those of bodies with a mark there: all others are as they were measured before.
+ * Overlaps of the candidates in the present state; bodies with a mark in `skip` (may be NULL) are
+ * left out. Measured are the live ones; with `moved`, those of bodies with a mark there: all others
+ * are as they were measured before.
  */
 RB_CHECKED enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near,
                                          const unsigned char *skip, const unsigned char *moved,

@@ -8,7 +8,10 @@
 
 enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
 
-/* First weight of a row, over its own yield; how much it grows where impulses follow slowly, and how far. */
+/*
+ * First weight of a row, over its own yield; how much it grows where impulses follow slowly, and
+ * how far.
+ */
 static const double weight_first = 1, weight_first_still = 30, weight_growth = 10, weight_max = 1e5;
 static const double relax_least = 0.3;
 
@@ -164,7 +167,10 @@ static rb_mat3 cross_matrix(rb_vec3 r)
 	return (rb_mat3){{{0, -r.z, r.y}, {r.z, 0, -r.x}, {-r.y, r.x, 0}}};
 }
 
-/* sign [[K, -K X], [-Y^T K, Y^T K X]] with X, Y the cross matrices of the column's and the row's arm. */
+/*
+ * sign [[K, -K X], [-Y^T K, Y^T K X]] with X, Y the cross matrices of the column's and the row's
+ * arm.
+ */
 static void add_block(rb_block *block, double sign, const rb_mat3 *k, rb_vec3 row_arm,
                       rb_vec3 column_arm)
 {
@@ -370,7 +376,10 @@ static void fill(struct newton *s)
 	}
 }
 
-/* What rounding of the impulses makes of velocities, m/s: closer than that there is nothing to be had. */
+/*
+ * What rounding of the impulses makes of velocities, m/s: closer than that there is nothing to be
+ * had.
+ */
 static double noise_of(const struct newton *s)
 {
 	double max = 0;

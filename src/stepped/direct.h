@@ -2,10 +2,11 @@
 /*
  * Rows by Newton's method, for groups that are small, stiff, or of very unequal masses.
  *
- * Augmented Lagrangian: with the impulses of the outer iteration fixed, velocities minimize a convex function that is
- * quadratic on faces of the cones, by semi-smooth Newton steps with sparse factors (stepped/blocks) and a line search;
- * then impulses follow. Coulomb's law is De Saxce's bipotential form: the cone's shift by friction times slip is taken from
- * the outer iteration before (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011) 155). Redundant points do no harm.
+ * Augmented Lagrangian: with the impulses of the outer iteration fixed, velocities minimize a
+ * convex function that is quadratic on faces of the cones, by semi-smooth Newton steps with sparse
+ * factors (stepped/blocks) and a line search; then impulses follow. Coulomb's law is De Saxce's
+ * bipotential form: the cone's shift by friction times slip is taken from the outer iteration
+ * before (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011) 155). Redundant points do no harm.
  */
 #ifndef RB_STEPPED_DIRECT_H
 #define RB_STEPPED_DIRECT_H

@@ -4,10 +4,16 @@
 #include "step/motion.h"
 
 static const double full_turn = 6.28318530717958647692;
-/* Share of the way by which velocities and places may differ: what constants of seven digits are worth, and no step sees. */
+/*
+ * Share of the way by which velocities and places may differ: what constants of seven digits are
+ * worth, and no step sees.
+ */
 static const double agreement = 1e-6;
 
-/* The turn, as a vector, that leads from one orientation to another: of whole turns more as many as `expected` has. */
+/*
+ * The turn, as a vector, that leads from one orientation to another: of whole turns more as many as
+ * `expected` has.
+ */
 static rb_vec3 turn_between(rb_quat from, rb_quat to, rb_vec3 expected)
 {
 	rb_quat d = rb_quat_multiply(to, (rb_quat){from.w, -from.x, -from.y, -from.z});

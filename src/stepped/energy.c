@@ -7,8 +7,9 @@
 enum { NOISE_ULP = 16 };
 
 /*
- * Of impulses over momentum: what levers and wedges ask for, so that twelve digits are left for them; more is not believed
- * before it has come out without pushing apart, and then not beyond what leaves ten.
+ * Of impulses over momentum: what levers and wedges ask for, so that twelve digits are left for
+ * them; more is not believed before it has come out without pushing apart, and then not beyond what
+ * leaves ten.
  */
 static const double impulse_max = 1e4, impulse_max_held = 1e6;
 

@@ -2,8 +2,9 @@
 /*
  * What a group's impulses do to its energy: contact takes, and never gives.
  *
- * In one step forces change velocities by f, impulses by d, positions move with what that comes to, v0 + f + d. What the
- * group gains in kinetic energy, beyond the work of forces on that way and of driven bodies at its contacts, is the half of
+ * In one step forces change velocities by f, impulses by d, positions move with what that comes to,
+ * v0 + f + d. What the group gains in kinetic energy, beyond the work of forces on that way and of
+ * driven bodies at its contacts, is the half of
  * |d|^2 + 2 <v0, d> - |f|^2, with masses and inertias for weights. Impulses that close no gap, push no overlap apart and
  * hold against slip make it negative; what solutions leave and pushing apart may not.
  */
@@ -12,7 +13,10 @@
 
 #include "stepped/islands.h"
 
-/* Sums over a group, J: of impulses that are s times those found, the gain is (s^2 square + 2 s mixed - lost) / 2. */
+/*
+ * Sums over a group, J: of impulses that are s times those found, the gain is (s^2 square + 2 s
+ * mixed - lost) / 2.
+ */
 struct rb_energy {
 	double lost;   /* |f|^2 */
 	double mixed;  /* <v0, d>, less the work of driven bodies */
@@ -31,10 +35,16 @@ static inline double rb_energy_gain(const struct rb_energy *energy)
 /* The largest share of the impulses, up to 1, that gains nothing. */
 double rb_energy_share(const struct rb_energy *energy);
 
-/* Whether a row with an impulse is left to open faster than that, m/s; 0: contacts that overlap, or would, are pushed apart. */
+/*
+ * Whether a row with an impulse is left to open faster than that, m/s; 0: contacts that overlap, or
+ * would, are pushed apart.
+ */
 bool rb_energy_pushes(const struct rb_row_system *dense, double speed);
 
-/* Whether impulses are of a size that the group's momentum, and what it is asked for, can explain; held: nothing is pushed apart. */
+/*
+ * Whether impulses are of a size that the group's momentum, and what it is asked for, can explain;
+ * held: nothing is pushed apart.
+ */
 bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *island,
                       const struct rb_row_system *dense, bool held);
 
@@ -48,11 +58,17 @@ struct rb_kept {
 bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *island,
                     struct rb_arena *arena, struct rb_kept *kept);
 
-/* The share, up to 1, of the way back from what is solved now, of that energy, up to which nothing is gained. */
+/*
+ * The share, up to 1, of the way back from what is solved now, of that energy, up to which nothing
+ * is gained.
+ */
 double rb_energy_between(const struct rb_solver *solver, const struct rb_island *island,
                          const struct rb_energy *now, const struct rb_kept *kept);
 
-/* Goes so far back; what is between two solutions is in the cones, and closes no gap that neither closes. */
+/*
+ * Goes so far back; what is between two solutions is in the cones, and closes no gap that neither
+ * closes.
+ */
 void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *island,
                    const struct rb_kept *kept, double share);
 
@@ -60,15 +76,15 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share);
 
 /*
- * What a rebound adds to a body's motion: turning bodies have gone on meanwhile, and keep the angular momentum that it has
- * given them.
+ * What a rebound adds to a body's motion: turning bodies have gone on meanwhile, and keep the
+ * angular momentum that it has given them.
  */
 struct rb_system_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
                                       int body);
 
 /*
- * Of a group's rebound, the share that does not take more than its contacts have taken: friction at an arm could. The room
- * becomes what is left of it.
+ * Of a group's rebound, the share that does not take more than its contacts have taken: friction at
+ * an arm could. The room becomes what is left of it.
  */
 double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *world,
                          struct rb_island *island);

@@ -69,7 +69,10 @@ static void enter_fixed(struct entering *n, int i, rb_vec3 impulse, rb_vec3 at)
 
 /* ---- forces ---- */
 
-/* What a body's forces have come to, but for its weight: so much has to hold it, if it stands still. */
+/*
+ * What a body's forces have come to, but for its weight: so much has to hold it, if it stands
+ * still.
+ */
 struct held {
 	rb_vec3 linear, angular; /* N s; N m s about the origin */
 };
@@ -132,7 +135,9 @@ static void enter_even(struct entering *n, int i, const struct rb_force_impulse 
 	held->angular = rb_vec3_add(held->angular, force->turn);
 }
 
-/* Where forces act that are the same throughout the step: of a free body on the way that they bend. */
+/*
+ * Where forces act that are the same throughout the step: of a free body on the way that they bend.
+ */
 static rb_vec3 even_place(const struct entering *n, int i)
 {
 	const struct rb_tally_body *body = &n->tally->body[i];
@@ -289,7 +294,10 @@ static void enter_end(struct entering *n, int i, rb_vec3 arm, int other, rb_vec3
 		                  rb_vec3_dot(impulse, end_velocity(n, i, arm)));
 }
 
-/* A damper takes what its rate along the spring is worth, and no more than bodies and spring have lost. */
+/*
+ * A damper takes what its rate along the spring is worth, and no more than bodies and spring have
+ * lost.
+ */
 static void enter_spring(struct entering *n, int number)
 {
 	const struct rb_model *model = n->world->model;
@@ -335,7 +343,10 @@ static enum rb_ledger_energy friction_of(const struct rb_step_point *point)
 	return point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
 }
 
-/* The impulse of a contact on b, at the mean of relative velocities, takes that along and across the normal. */
+/*
+ * The impulse of a contact on b, at the mean of relative velocities, takes that along and across
+ * the normal.
+ */
 static void enter_work(struct entering *n, const struct rb_step_point *point, rb_vec3 impulse,
                        rb_vec3 u)
 {
@@ -438,8 +449,8 @@ static void enter_points(struct entering *n)
 }
 
 /*
- * Impacts within the step. A body goes on from there with the velocity of the step's end, as if it had come with it: that is
- * where the impulse acts on it.
+ * Impacts within the step. A body goes on from there with the velocity of the step's end, as if it
+ * had come with it: that is where the impulse acts on it.
  */
 static void enter_blow(struct entering *n, const struct rb_blow *blow)
 {
@@ -500,7 +511,10 @@ static void keep_to(struct entering *n)
 	double taken = 0;
 
 	double *const row = n->e.row;
-	/* friction within an impact can make the normal impulse give energy: only both together take */
+	/*
+	 * friction within an impact can make the normal impulse give energy: only both together
+	 * take
+	 */
 	if (row[RB_ENERGY_IMPACTS] + row[RB_ENERGY_IMPACT_FRICTION] < 0)
 		row[RB_ENERGY_IMPACTS] = row[RB_ENERGY_IMPACT_FRICTION] = 0;
 	row[RB_ENERGY_SLIDING] = fmax(0, row[RB_ENERGY_SLIDING]);

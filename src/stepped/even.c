@@ -35,7 +35,10 @@ static int take_rows(const struct rb_row_system *rows, struct rb_system_row **ta
 	return count;
 }
 
-/* For each triple of rows: loads are one and a half as many as rows, where bodies touch with faces; two passes of two products. */
+/*
+ * For each triple of rows: loads are one and a half as many as rows, where bodies touch with faces;
+ * two passes of two products.
+ */
 static const double multiplications = 6;
 
 /* Share of a component that has to be left for it to be one of its own. */
@@ -120,7 +123,10 @@ static void span_loads(const struct rb_row_system *rows, struct rb_system_row *c
 	}
 }
 
-/* Goes to the push; friction at the cone's edge stays there. Returns how much it changes a velocity, m/s. */
+/*
+ * Goes to the push; friction at the cone's edge stays there. Returns how much it changes a
+ * velocity, m/s.
+ */
 static double put(const struct rb_row_system *rows, struct rb_system_row *row, double push)
 {
 	const double share = push / row->push, max = row->friction * push;

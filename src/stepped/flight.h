@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Where bodies are within a step, and when they touch: from the velocities that the step before has left, with the forces of
- * this one for what nothing has held, and with what impacts have done meanwhile.
+ * Where bodies are within a step, and when they touch: from the velocities that the step before has
+ * left, with the forces of this one for what nothing has held, and with what impacts have done
+ * meanwhile.
  *
  * Spheres meet where they are; all else is seen along the normals of its points. Scratch of a try.
  */
@@ -46,7 +47,10 @@ double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_p
 /* m/s: what a step makes of the rounding of where a body is and of how large it is. */
 double rb_flight_rounding(const struct rb_flight *flight, int i);
 
-/* m/s: slower approaches are no impacts: what the solution before may have left, and what forces make in a step. */
+/*
+ * m/s: slower approaches are no impacts: what the solution before may have left, and what forces
+ * make in a step.
+ */
 double rb_flight_least(const struct rb_flight *flight, const struct rb_step_point *point,
                        rb_vec3 normal);
 
@@ -61,7 +65,10 @@ static inline double rb_flight_rebound(const struct rb_flight *flight,
 double rb_flight_meets(const struct rb_flight *flight, const struct rb_step_point *point,
                        double now);
 
-/* Gap and normal become those under which nothing that flies past is in the way; `touched`: the normal is right already. */
+/*
+ * Gap and normal become those under which nothing that flies past is in the way; `touched`: the
+ * normal is right already.
+ */
 void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, bool touched);
 
 #endif

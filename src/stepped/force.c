@@ -67,8 +67,8 @@ static struct end end_of(const struct rb_world *world, int id, rb_vec3 point)
 }
 
 /*
- * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is shared out among them, so
- * that all of them together are as stable as each is alone.
+ * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is
+ * shared out among them, so that all of them together are as stable as each is alone.
  */
 static void add_inverse_mass(const struct rb_world *world, const struct end *end,
                              rb_mat3 *inverse_effective_mass)
@@ -104,10 +104,10 @@ static double size_of(const rb_mat3 *a)
 }
 
 /*
- * The impulse of a spring on its end b. With f the force now, K = -df/dx (what would push sideways left out), C = -df/dv, Y
- * the yield and A = h (h K + C): the force at the step's end has the impulse p of (1 + A Y) p = h f - h^2 K v. A spring
- * with h^2 k + h c below 1/Y is resolved, and acts as it is now: semi-implicit steps keep its oscillation, up to four
- * times as stiff.
+ * The impulse of a spring on its end b. With f the force now, K = -df/dx (what would push sideways
+ * left out), C = -df/dv, Y the yield and A = h (h K + C): the force at the step's end has the
+ * impulse p of (1 + A Y) p = h f - h^2 K v. A spring with h^2 k + h c below 1/Y is resolved, and
+ * acts as it is now: semi-implicit steps keep its oscillation, up to four times as stiff.
  */
 static rb_vec3 impulse_of(const struct rb_world *world, int number, double h, const struct end *a,
                           const struct end *b)
@@ -234,9 +234,10 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 }
 
 /*
- * m (v - u) = -h (l + q |v|) v has v along u, and |v| is the root of a quadratic, written without cancellation. Of what drag
- * leaves of the velocity, s = |v| / |u|, the way is s times that of a parabola and 1 - s times that of the velocity at the end:
- * with h (v - s (v - v0) / 2) gravity and drag together never give energy, however stiff drag is.
+ * m (v - u) = -h (l + q |v|) v has v along u, and |v| is the root of a quadratic, written without
+ * cancellation. Of what drag leaves of the velocity, s = |v| / |u|, the way is s times that of a
+ * parabola and 1 - s times that of the velocity at the end: with h (v - s (v - v0) / 2) gravity and
+ * drag together never give energy, however stiff drag is.
  */
 static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
@@ -302,7 +303,10 @@ static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, 
 	}
 }
 
-/* Where forces that do not vary act on what flies: half way along what those that do have left of its velocity. */
+/*
+ * Where forces that do not vary act on what flies: half way along what those that do have left of
+ * its velocity.
+ */
 static void note_carry(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
 	for (int k = 0; k < cohort->member_count; k++) {

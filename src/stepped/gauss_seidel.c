@@ -3,7 +3,10 @@
 
 #include <string.h>
 
-/* Bodies that mixtures have pushed so many times as hard as it came to have some rounding of their own: ten bits. */
+/*
+ * Bodies that mixtures have pushed so many times as hard as it came to have some rounding of their
+ * own: ten bits.
+ */
 static const double far_ratio = 1024;
 
 /* What a sweep has come to. */
@@ -12,13 +15,19 @@ struct share {
 	double size;   /* J: of all changes of impulses */
 };
 
-/* One row on its own. Normal first, then friction within the cone that the new normal impulse allows. */
+/*
+ * One row on its own. Normal first, then friction within the cone that the new normal impulse
+ * allows.
+ */
 static inline double solve_row(const struct rb_row_system *dense, struct rb_system_row *row)
 {
 	const rb_vec3 n = row->normal;
 	const rb_vec3 u = rb_system_velocity(dense, row);
 	const double u_n = rb_vec3_dot(u, n);
-	/* the sum is clamped, not the change: a later sweep may take back what this one gives too much */
+	/*
+	 * the sum is clamped, not the change: a later sweep may take back what this one gives too
+	 * much
+	 */
 	const double push = fmax(0, row->push + (row->target_velocity - u_n) / row->inverse_mass_n);
 
 	/* what a mixture has left across the normal goes as well */
@@ -181,7 +190,10 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 	}
 }
 
-/* Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets all before. */
+/*
+ * Takes the last sweep in and goes to the mixture that would have changed least; `afresh`: forgets
+ * all before.
+ */
 static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afresh)
 {
 	double mix[RB_SWEEP_MEMORY];

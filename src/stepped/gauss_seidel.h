@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows by iteration: sweeps of projected Gauss-Seidel, each row set right on its own, accelerated by Anderson's mixture
- * of the last ones (D. G. Anderson, J. ACM 12 (1965) 547), which also copes with how friction and normals meddle.
+ * Rows by iteration: sweeps of projected Gauss-Seidel, each row set right on its own, accelerated
+ * by Anderson's mixture of the last ones (D. G. Anderson, J. ACM 12 (1965) 547), which also copes
+ * with how friction and normals meddle.
  *
- * For groups of few rows: these settle soon which of them act, and a mixture then comes close very fast.
+ * For groups of few rows: these settle soon which of them act, and a mixture then comes close very
+ * fast.
  */
 #ifndef RB_STEPPED_GAUSS_SEIDEL_H
 #define RB_STEPPED_GAUSS_SEIDEL_H
@@ -32,8 +34,8 @@ struct rb_sweep_result {
 void rb_sweep_warm(const struct rb_row_system *dense);
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep);
 /*
- * Whether mixtures have led to impulses far beyond what it came to: velocities have the rounding of these. `push` [members] is
- * scratch, `local` a body's place in it.
+ * Whether mixtures have led to impulses far beyond what it came to: velocities have the rounding of
+ * these. `push` [members] is scratch, `local` a body's place in it.
  */
 bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*push)[2],
                        int member_count);

@@ -12,8 +12,9 @@
 /* Impacts in a step, and for each of its points, after which what is left rebounds at the end. */
 enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4 };
 /*
- * Products with the matrix of a group's contacts, times these, that one impact may cost: several times what those took that
- * were seen to end (a break of 136 contacts 1.4e4); where nothing is given back, the step's own solution is the other way.
+ * Products with the matrix of a group's contacts, times these, that one impact may cost: several
+ * times what those took that were seen to end (a break of 136 contacts 1.4e4); where nothing is
+ * given back, the step's own solution is the other way.
  */
 static const long work_max = 200000, work_max_plastic = 20000;
 /* Of the approach of an impact: speeds to which what follows from it is resolved. */
@@ -334,7 +335,10 @@ static void fill_contact(const struct impacts *all, struct rb_simultaneous *join
 	c->noise = point->from > 0 ? fmax(least, all->noise) : all->noise;
 }
 
-/* m/s: rounding of the speeds that come in, and of what the steps before have made of that of places. */
+/*
+ * m/s: rounding of the speeds that come in, and of what the steps before have made of that of
+ * places.
+ */
 static double noise_of(const struct impacts *all, const struct rb_simultaneous *joint)
 {
 	double max = 0;
@@ -478,7 +482,10 @@ static void add_impulse(const struct impacts *all, struct rb_hit *hit,
 	                                rb_vec3_sub(place_of(all, point), hit->point));
 }
 
-/* A contact that touched and has passed an impact on is none of its own: its impulse is in the mean force of the step. */
+/*
+ * A contact that touched and has passed an impact on is none of its own: its impulse is in the mean
+ * force of the step.
+ */
 static bool pass(struct impacts *all, const struct rb_step_point *point,
                  const struct rb_solver_contact *c)
 {
@@ -674,8 +681,8 @@ static enum rb_status run_event(struct impacts *all, struct rb_due due, struct r
 }
 
 /*
- * What impacts add to a velocity by the step's end. Drag takes of it for the rest of the step: what it has taken of the velocity
- * before would else push a body that has turned round.
+ * What impacts add to a velocity by the step's end. Drag takes of it for the rest of the step: what
+ * it has taken of the velocity before would else push a body that has turned round.
  */
 static rb_vec3 left_of_kick(const struct impacts *all, int i, const struct rb_kick *of)
 {

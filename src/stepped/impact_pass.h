@@ -2,9 +2,10 @@
 /*
  * Impacts within a step, by the law of constraint/simultaneous.
  *
- * An impact is an approach that does not come from the forces of the step. In order of time, each is resolved together with
- * all that touches then, as long as these are no more than RB_IMPACT_CONTACTS; bodies go on from there. What lasts is solved
- * afterwards for the whole step. Larger groups rebound when the step is over, at once (rb_solver_rebound), and are counted.
+ * An impact is an approach that does not come from the forces of the step. In order of time, each
+ * is resolved together with all that touches then, as long as these are no more than
+ * RB_IMPACT_CONTACTS; bodies go on from there. What lasts is solved afterwards for the whole step.
+ * Larger groups rebound when the step is over, at once (rb_solver_rebound), and are counted.
  */
 #ifndef RB_STEPPED_IMPACT_PASS_H
 #define RB_STEPPED_IMPACT_PASS_H
@@ -16,8 +17,9 @@ RB_CHECKED enum rb_status rb_impacts_create(struct rb_stepped *stepped,
 void rb_impacts_release(struct rb_stepped *stepped);
 
 /*
- * The points are known, bodies stand at the beginning of the step and have the velocities that its forces make. Impacts are
- * added to these and to the cohort's hits; points get the gaps that are left to the step's solution.
+ * The points are known, bodies stand at the beginning of the step and have the velocities that its
+ * forces make. Impacts are added to these and to the cohort's hits; points get the gaps that are
+ * left to the step's solution.
  */
 RB_CHECKED enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *cohort,
                                              double start_s, double h_s, struct rb_error *err);

@@ -14,7 +14,9 @@
 
 enum { RB_BODIES_PER_BLOCK = 512 };
 
-/* An impact that was resolved within the step; crowded: one of a group that is too large for that. */
+/*
+ * An impact that was resolved within the step; crowded: one of a group that is too large for that.
+ */
 struct rb_hit {
 	int a, b;
 	bool crowded;
@@ -35,7 +37,9 @@ struct rb_blow {
 	double driven;          /* J: given by b, if that is driven */
 };
 
-/* Bodies that step together: all of them, or a group that the others cannot meet within the step. */
+/*
+ * Bodies that step together: all of them, or a group that the others cannot meet within the step.
+ */
 struct rb_cohort {
 	const int *body; /* borrowed: those that yield, ascending, then all driven ones */
 	int member_count, body_count;

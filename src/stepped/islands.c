@@ -150,12 +150,17 @@ static void join_all(struct rb_solver *solver, const struct rb_step_points *poin
 			continue;
 		const int a = rb_forest_root(solver->parent, point->a);
 		const int b = rb_forest_root(solver->parent, point->b);
-		/* the smaller body stays the root: a group's place does not depend on the order of joining */
+		/*
+		 * the smaller body stays the root: a group's place does not depend on the order of
+		 * joining
+		 */
 		solver->parent[a > b ? a : b] = a > b ? b : a;
 	}
 }
 
-/* Numbers the groups that have points, in order of their smallest body, and counts their members. */
+/*
+ * Numbers the groups that have points, in order of their smallest body, and counts their members.
+ */
 static enum rb_status number_groups(struct rb_solver *solver, const struct rb_step_points *points,
                                     const int *place, struct rb_error *err)
 {
@@ -298,8 +303,9 @@ static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
 }
 
 /*
- * Arms of a face end in one plane, which no normal velocity sees and no torque of a push. Where gaps differ, turning would
- * else ask for different slips of points on one line, and friction would creep on against itself.
+ * Arms of a face end in one plane, which no normal velocity sees and no torque of a push. Where
+ * gaps differ, turning would else ask for different slips of points on one line, and friction would
+ * creep on against itself.
  */
 static void level_arms(const struct rb_step_point *nearest, struct rb_system_row *row)
 {

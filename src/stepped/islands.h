@@ -2,9 +2,9 @@
 /*
  * Points of a step -> groups of bodies that they join, and their rows; and back.
  *
- * Bodies, points and rows are gone through in blocks by all workers; groups are numbered by their smallest bodies, their
- * rows stand in the order of points. What still stands as it was found gets no rows.
- * Owned by the method's state; arrays are kept from step to step.
+ * Bodies, points and rows are gone through in blocks by all workers; groups are numbered by their
+ * smallest bodies, their rows stand in the order of points. What still stands as it was found gets
+ * no rows. Owned by the method's state; arrays are kept from step to step.
  */
 #ifndef RB_STEPPED_ISLANDS_H
 #define RB_STEPPED_ISLANDS_H
@@ -74,8 +74,8 @@ static inline bool rb_rest_same(const double *now, const double *then, double h)
 }
 
 /*
- * Whether forces that make such velocities from none in a step of h_s are those under which the body was found at rest, but for
- * the rounding of the step's length. No spin: NULL.
+ * Whether forces that make such velocities from none in a step of h_s are those under which the
+ * body was found at rest, but for the rounding of the step's length. No spin: NULL.
  */
 static inline bool rb_rest_holds(const struct rb_solver *solver, int i, const double *linear,
                                  const double *angular, double h_s)

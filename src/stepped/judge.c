@@ -44,8 +44,8 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 }
 
 /*
- * A body that impacts have thrown farther than it would have flown, by more than half its size, may have passed others
- * that it was not foreseen to meet.
+ * A body that impacts have thrown farther than it would have flown, by more than half its size, may
+ * have passed others that it was not foreseen to meet.
  */
 static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 {

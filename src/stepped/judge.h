@@ -6,8 +6,9 @@
 #include "stepped/inside.h"
 
 /*
- * Marks `bad` bodies of the cohort: not finite, of a group whose residual is too large, thrown too far, or in an overlap
- * that moving positions does not close. In a cohort that divides, rows of bad bodies may have been restored.
+ * Marks `bad` bodies of the cohort: not finite, of a group whose residual is too large, thrown too
+ * far, or in an overlap that moving positions does not close. In a cohort that divides, rows of bad
+ * bodies may have been restored.
  */
 RB_CHECKED enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double h_s,
                                    struct rb_attempt_outcome *outcome, struct rb_error *err);

@@ -169,7 +169,10 @@ static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 	add_turn(world, i, lift->turn + 3 * (size_t)i, &sum[TURN_MIXED], &sum[TURN_SQUARE]);
 }
 
-/* How velocities change: v (1 - slowed) - pace way, spins by -twist turn as well. NAN: there is not as much. */
+/*
+ * How velocities change: v (1 - slowed) - pace way, spins by -twist turn as well. NAN: there is not
+ * as much.
+ */
 struct payment {
 	double twist, pace, slowed;
 };
@@ -221,7 +224,10 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 		rb_vec3_to(w, rb_vec3_scale(kept, spin));
 }
 
-/* Whom the ledger names for what closing has done to a body: the fixed one that its group has been closed against. */
+/*
+ * Whom the ledger names for what closing has done to a body: the fixed one that its group has been
+ * closed against.
+ */
 static void record_closed(const struct rb_lift *lift, struct rb_world *world, int i)
 {
 	const struct rb_world_def *of = &world->model->scene->world;

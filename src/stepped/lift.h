@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What closing overlaps by moving positions raises, and what pays for it: what contacts of the group have taken in the step,
- * then the spin of bodies that have turned into each other.
+ * What closing overlaps by moving positions raises, and what pays for it: what contacts of the
+ * group have taken in the step, then the spin of bodies that have turned into each other.
  *
- * A point of a body that turns is off its straight way by w x (w x r) h^2 / 2, and closing lifts the body by as much. In truth
- * the point, which goes along by w x r h, takes the contact's push with it: the push acts at another arm, and the torque slows
- * the turning by just what the lift is worth. Payment is that torque. It leaves momentum alone, so the forces of contacts
- * are what has changed it.
+ * A point of a body that turns is off its straight way by w x (w x r) h^2 / 2, and closing lifts
+ * the body by as much. In truth the point, which goes along by w x r h, takes the contact's push
+ * with it: the push acts at another arm, and the torque slows the turning by just what the lift is
+ * worth. Payment is that torque. It leaves momentum alone, so the forces of contacts are what has
+ * changed it.
  *
  * Made for one step in its arena; simulator thread.
  */
@@ -43,10 +44,11 @@ void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i);
 
 /*
- * Velocities, given back, pay; groups that cannot are blamed: in shorter steps turning leaves less to close, with its square.
- * `anyhow`: where spin does not suffice, motion along the ways of closing pays, else, with what stands still below, all
- * motion; no contact's force says so. What stands still has nothing to pay with: it may rise by as much as it has sunk into
- * the overlap that the step has found, which gave that energy when it was made.
+ * Velocities, given back, pay; groups that cannot are blamed: in shorter steps turning leaves less
+ * to close, with its square. `anyhow`: where spin does not suffice, motion along the ways of
+ * closing pays, else, with what stands still below, all motion; no contact's force says so. What
+ * stands still has nothing to pay with: it may rise by as much as it has sunk into the overlap that
+ * the step has found, which gave that energy when it was made.
  */
 void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow);
 

@@ -300,7 +300,10 @@ static void reset_arenas(struct rb_world *world)
 		rb_arena_reset(&world->arena[k]);
 }
 
-/* With the territories as they are now: whether the group is still apart from all others. Its candidates are new. */
+/*
+ * With the territories as they are now: whether the group is still apart from all others. Its
+ * candidates are new.
+ */
 static bool is_apart(struct rb_world *world, struct rb_swept_group *group, enum rb_status *status,
                      struct rb_error *err)
 {
@@ -310,7 +313,9 @@ static bool is_apart(struct rb_world *world, struct rb_swept_group *group, enum 
 	*status = rb_swept_bounds_form(&apart->swept, world, err);
 	if (*status != RB_OK)
 		return false;
-	/* nobody else's territory has changed: if it has met none, all groups are those of before */
+	/*
+	 * nobody else's territory has changed: if it has met none, all groups are those of before
+	 */
 	if (apart->swept.group[apart->swept.group_of[first]].count != count)
 		return false;
 	cohort_of(world, &apart->swept.group[apart->swept.group_of[first]]);
@@ -327,8 +332,8 @@ static void take_back(struct rb_world *world)
 }
 
 /*
- * The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the territory and could meet others;
- * there it stops.
+ * The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the
+ * territory and could meet others; there it stops.
  */
 static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *group, double start,
                                 double dt, bool *left, struct rb_error *err)
@@ -461,7 +466,10 @@ static void enter_all(struct rb_world *world, double start, double dt)
 		rb_ledger_enter(&world->ledger, &apart->book[k].entries);
 }
 
-/* Impulses for the next step: of what was kept of the whole one, then of groups that took shorter ones; by body. */
+/*
+ * Impulses for the next step: of what was kept of the whole one, then of groups that took shorter
+ * ones; by body.
+ */
 static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;

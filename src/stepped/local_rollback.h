@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * A step that has failed for some bodies: these are taken back and go on in shorter steps, the others keep theirs.
+ * A step that has failed for some bodies: these are taken back and go on in shorter steps, the
+ * others keep theirs.
  *
- * Each body has a territory for the step: the box of the way that it would fly, or has flown if all was well with it, and an
- * eighth of its size to all sides. Bodies of which the territories meet, or that a spring joins, are a group; groups cannot touch each other. A group
- * in which something has failed goes back as a whole. Should somebody leave the territory, it grows, groups are formed
- * anew, and those that have changed begin the step again. What becomes of a group depends on nothing but the group.
+ * Each body has a territory for the step: the box of the way that it would fly, or has flown if all
+ * was well with it, and an eighth of its size to all sides. Bodies of which the territories meet,
+ * or that a spring joins, are a group; groups cannot touch each other. A group in which something
+ * has failed goes back as a whole. Should somebody leave the territory, it grows, groups are formed
+ * anew, and those that have changed begin the step again. What becomes of a group depends on
+ * nothing but the group.
  */
 #ifndef RB_STEPPED_LOCAL_ROLLBACK_H
 #define RB_STEPPED_LOCAL_ROLLBACK_H
@@ -13,9 +16,9 @@
 #include "stepped/inside.h"
 
 /*
- * From a try over the whole of dt_s that was good for some (rb_stepped's `bad`; reaches of `all.near` are the try's) to the
- * end of the step, with contacts, impulses and counts; impacts are told, not handed on. After RB_ERR_PHYSICS the state is
- * that of the beginning.
+ * From a try over the whole of dt_s that was good for some (rb_stepped's `bad`; reaches of
+ * `all.near` are the try's) to the end of the step, with contacts, impulses and counts; impacts are
+ * told, not handed on. After RB_ERR_PHYSICS the state is that of the beginning.
  */
 RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double start_s,
                                                  double dt_s,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contacts over a step that was taken in parts: each point's force is the mean over the step, and acts where, and along which
- * normal, the impulses of the parts have acted in the mean.
+ * Contacts over a step that was taken in parts: each point's force is the mean over the step, and
+ * acts where, and along which normal, the impulses of the parts have acted in the mean.
  *
  * Simulator thread.
  */
@@ -33,7 +33,10 @@ void rb_means_release(struct rb_means *means);
 RB_CHECKED enum rb_status rb_means_add(struct rb_means *means, struct rb_contacts *part, double h_s,
                                        struct rb_error *err);
 
-/* Adds to `to`, which is then no longer in order, the contacts over a step of h_s: those that carried force in it, or last. */
+/*
+ * Adds to `to`, which is then no longer in order, the contacts over a step of h_s: those that
+ * carried force in it, or last.
+ */
 RB_CHECKED enum rb_status rb_means_record(const struct rb_means *means, double h_s,
                                           struct rb_contacts *to, struct rb_error *err);
 

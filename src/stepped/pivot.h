@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Two bodies that turn together about the normal of their contact, as what sticks to a turntable does: within a step their
- * points go along chords, not along tangents. An arm on the way, the mean over the step, makes its velocity that of the
- * chord, so that what sticks at its velocity stays in its place.
+ * Two bodies that turn together about the normal of their contact, as what sticks to a turntable
+ * does: within a step their points go along chords, not along tangents. An arm on the way, the mean
+ * over the step, makes its velocity that of the chord, so that what sticks at its velocity stays in
+ * its place.
  */
 #ifndef RB_STEPPED_PIVOT_H
 #define RB_STEPPED_PIVOT_H

@@ -12,18 +12,24 @@
 enum { CLOSINGS_MAX = 12, CHAIN_MAX = 16 };
 
 /*
- * Overlap after a step that moving positions is for, over the smallest size, and of what turns, over its bend: what is
- * deeper is looked at again, and taken back where twice as much is left.
+ * Overlap after a step that moving positions is for, over the smallest size, and of what turns,
+ * over its bend: what is deeper is looked at again, and taken back where twice as much is left.
  */
 static const double closable_share = 0.02, closable_bends = 2, lost_ratio = 2;
 /* What spin does not pay for is looked at in shorter steps, down to this part of the whole one. */
 static const double paying_parts = 8;
-/* A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a thirty-second. */
+/*
+ * A turn within a step whose bend is closed at most: a quarter of a radian, of which the bend is a
+ * thirty-second.
+ */
 static const double bend_turn_max = 0.25;
 
 /* ---- how much ---- */
 
-/* m: how far points of a body that turns are off the straight ways that contacts were solved for, r (w h)^2 / 2. */
+/*
+ * m: how far points of a body that turns are off the straight ways that contacts were solved for, r
+ * (w h)^2 / 2.
+ */
 static double bend_of(const struct rb_world *world, int i, double h)
 {
 	if (!world->state.spin || i >= world->model->body_count)
@@ -214,7 +220,9 @@ static void begin_round(struct search *search, const struct rb_depths *found)
 	}
 }
 
-/* Candidates of the bodies of the wave that have not been looked at, but for groups that are lost. */
+/*
+ * Candidates of the bodies of the wave that have not been looked at, but for groups that are lost.
+ */
 static size_t next_pairs(struct search *search)
 {
 	const struct rb_candidates *near = search->cohort->near;
@@ -240,7 +248,10 @@ static size_t next_pairs(struct search *search)
 	return count;
 }
 
-/* Points of all groups in which something overlaps, in order of pairs, and their bodies: from those, wave by wave. */
+/*
+ * Points of all groups in which something overlaps, in order of pairs, and their bodies: from
+ * those, wave by wave.
+ */
 static enum rb_status find_points(struct search *search, const struct rb_depths *found, double max,
                                   struct rb_error *err)
 {
@@ -270,7 +281,10 @@ static enum rb_status find_points(struct search *search, const struct rb_depths 
 	return status == RB_OK ? rb_step_points_sort(points, &world->arena[0], err) : status;
 }
 
-/* Of all points those of groups that overlap and in which nobody is bad: the others are as they should be, or lost. */
+/*
+ * Of all points those of groups that overlap and in which nobody is bad: the others are as they
+ * should be, or lost.
+ */
 static void keep_points(const struct search *search, const struct rb_depths *found)
 {
 	struct rb_step_points *points = &search->world->stepped->closing;

@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Overlap that linearization has left, closed by moving positions only: groups that overlap, each until it does not. */
+/*
+ * Overlap that linearization has left, closed by moving positions only: groups that overlap, each
+ * until it does not.
+ */
 #ifndef RB_STEPPED_PROJECTION_H
 #define RB_STEPPED_PROJECTION_H
 
@@ -7,8 +10,9 @@
 #include "stepped/inside.h"
 
 /*
- * Overlaps of the cohort's candidates among bodies that are not bad; those that do not close are blamed. What is left
- * stands in `found`. Once one is blamed in a cohort that does not divide, nothing more is moved.
+ * Overlaps of the cohort's candidates among bodies that are not bad; those that do not close are
+ * blamed. What is left stands in `found`. Once one is blamed in a cohort that does not divide,
+ * nothing more is moved.
  */
 RB_CHECKED enum rb_status rb_projection_close(struct rb_world *world, struct rb_cohort *cohort,
                                               struct rb_depths *found, struct rb_error *err);

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contacts of a step as rows of one complementarity problem between impulses and velocities at the step's end.
+ * Contacts of a step as rows of one complementarity problem between impulses and velocities at the
+ * step's end.
  *
- * For every row, with u the velocity of b relative to a at its point: u_n >= leave, push >= 0, one of them at its bound;
- * across the normal no slip, or friction against it at the cone. Impulses act on b, their opposites on a.
- * Arrays belong to the step that made them.
+ * For every row, with u the velocity of b relative to a at its point: u_n >= leave, push >= 0, one
+ * of them at its bound; across the normal no slip, or friction against it at the cone. Impulses act
+ * on b, their opposites on a. Arrays belong to the step that made them.
  */
 #ifndef RB_STEPPED_ROW_H
 #define RB_STEPPED_ROW_H
@@ -131,7 +132,10 @@ static inline rb_vec3 rb_system_impulse(const struct rb_system_row *row)
 	return rb_vec3_add_scaled(row->friction_impulse, row->push, row->normal);
 }
 
-/* What the impulses take from bodies that move and do not yield, J; such a body is the second of its rows. */
+/*
+ * What the impulses take from bodies that move and do not yield, J; such a body is the second of
+ * its rows.
+ */
 static inline double rb_system_work(const struct rb_row_system *dense)
 {
 	double sum = 0;

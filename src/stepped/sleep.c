@@ -7,7 +7,10 @@
 
 enum { POSE = 7 };
 
-/* Of the smallest size: a way in which the touch of spheres is met where they stand, whatever the rounding of the step. */
+/*
+ * Of the smallest size: a way in which the touch of spheres is met where they stand, whatever the
+ * rounding of the step.
+ */
 static const double small_share = 0.05;
 
 enum rb_status rb_sleep_create(struct rb_sleep *sleep, const struct rb_model *model,
@@ -220,7 +223,10 @@ static bool sleeps_or_is_static(const struct rb_sleep *sleep, int n, int i)
 	return i >= n || sleep->sleeps[i];
 }
 
-/* Those of which one does not stand. Of the others it is known how deep they overlap, while all of them stand. */
+/*
+ * Those of which one does not stand. Of the others it is known how deep they overlap, while all of
+ * them stand.
+ */
 static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -279,7 +285,9 @@ static bool rouse_touched(struct rb_world *world, size_t first)
 	return any;
 }
 
-/* Pairs of those with a mark among themselves and with what stands: the others have been looked at. */
+/*
+ * Pairs of those with a mark among themselves and with what stands: the others have been looked at.
+ */
 static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Groups that stand still: what was found of them in the step before is still so, and nobody looks at them.
+ * Groups that stand still: what was found of them in the step before is still so, and nobody looks
+ * at them.
  *
- * A group stands once it has rested for a whole step under the same forces and has not moved by a bit. It stands until its
- * forces change, somebody puts it elsewhere, or something that does not stand could touch it; then its points are found
- * anew, which are those of before. So a run has the same bits as one in which nothing ever stands. Contacts and impulses of
- * what stands stay in the world's lists. Owned by the method's state; simulator thread.
+ * A group stands once it has rested for a whole step under the same forces and has not moved by a
+ * bit. It stands until its forces change, somebody puts it elsewhere, or something that does not
+ * stand could touch it; then its points are found anew, which are those of before. So a run has the
+ * same bits as one in which nothing ever stands. Contacts and impulses of what stands stay in the
+ * world's lists. Owned by the method's state; simulator thread.
  */
 #ifndef RB_STEPPED_SLEEP_H
 #define RB_STEPPED_SLEEP_H
@@ -20,8 +22,8 @@ void rb_sleep_release(struct rb_sleep *sleep);
 void rb_sleep_gather(struct rb_stepped *s);
 
 /*
- * Points of the cohort of all in a step of h_s, whose forces are in the velocities: it shrinks to what does not stand, and
- * what does gets back the velocity that it had, none.
+ * Points of the cohort of all in a step of h_s, whose forces are in the velocities: it shrinks to
+ * what does not stand, and what does gets back the velocity that it had, none.
  */
 RB_CHECKED enum rb_status rb_sleep_points(struct rb_world *world, double start_s, double h_s,
                                           struct rb_error *err);
@@ -31,7 +33,10 @@ RB_CHECKED enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error 
 
 /* After that step has been solved: which groups may stand from now on. */
 void rb_sleep_note(struct rb_world *world);
-/* The step is kept, and its contacts are the world's: those stand that have not moved, nor have a mark in `failed` (or NULL). */
+/*
+ * The step is kept, and its contacts are the world's: those stand that have not moved, nor have a
+ * mark in `failed` (or NULL).
+ */
 void rb_sleep_end(struct rb_world *world, double end_s, const unsigned char *failed);
 /* Those with a mark stand no longer. */
 void rb_sleep_wake(struct rb_world *world, const unsigned char *mark);

@@ -159,7 +159,10 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	return RB_OK;
 }
 
-/* What was found of groups without a mark: bodies and results are put back when groups have been made anew. */
+/*
+ * What was found of groups without a mark: bodies and results are put back when groups have been
+ * made anew.
+ */
 struct earlier {
 	struct rb_system_body *body; /* by body */
 	struct rb_island *island;
@@ -285,7 +288,10 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 		const double now = rb_vec3_dot(rb_system_velocity(&solver->dense, row),
 		                               row->normal);
 
-		/* what has not touched stays apart; what has, does not close faster than it was left to */
+		/*
+		 * what has not touched stays apart; what has, does not close faster than it was
+		 * left to
+		 */
 		row->target_velocity = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
 		if (rebounds(solver, point))
 			row->target_velocity = fmax(0, point->restitution * point->approach);

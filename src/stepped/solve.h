@@ -2,9 +2,9 @@
 /*
  * Points of a step -> groups of bodies that they join -> impulses.
  *
- * Groups of few rows are solved at the same time, one worker each; large ones one after the other, by all. Sweeps first;
- * where these do not come to an end soon, factors, if the group's are not too large; else more sweeps.
- * Owned by the method's state; arrays are kept from step to step.
+ * Groups of few rows are solved at the same time, one worker each; large ones one after the other,
+ * by all. Sweeps first; where these do not come to an end soon, factors, if the group's are not too
+ * large; else more sweeps. Owned by the method's state; arrays are kept from step to step.
  */
 #ifndef RB_STEPPED_SOLVE_H
 #define RB_STEPPED_SOLVE_H
@@ -19,8 +19,8 @@ void rb_solver_release(struct rb_solver *solver);
 double rb_solver_tolerance(const struct rb_model *model, double h_s);
 
 /*
- * Takes velocities with the step's forces from the world, those before it from `before`; solves; impulses go to the points.
- * A group that stood still under the same forces is not solved again.
+ * Takes velocities with the step's forces from the world, those before it from `before`; solves;
+ * impulses go to the points. A group that stood still under the same forces is not solved again.
  */
 RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
                                          const struct rb_state *before,
@@ -28,16 +28,16 @@ RB_CHECKED enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_wor
                                          struct rb_error *err);
 
 /*
- * The same step with other points for groups whose bodies have a mark in `again`; the others keep what was found. The world's
- * velocities are those without impulses again.
+ * The same step with other points for groups whose bodies have a mark in `again`; the others keep
+ * what was found. The world's velocities are those without impulses again.
  */
 RB_CHECKED enum rb_status rb_solver_again(struct rb_solver *solver, struct rb_world *world,
                                           struct rb_step_points *points, const unsigned char *again,
                                           struct rb_error *err);
 
 /*
- * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points] receives the impulses on b,
- * where there are any.
+ * Impacts of that step rebound: velocities only, after positions have moved. `rebound` [points]
+ * receives the impulses on b, where there are any.
  */
 RB_CHECKED enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *world,
                                             const struct rb_step_points *points, rb_vec3 *rebound,

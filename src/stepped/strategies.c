@@ -11,7 +11,9 @@
 
 /* Sweeps before factors are tried, and at most. */
 enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_QUIET = 64 };
-/* The same where rows are in packs, and may be held; of spheres, most that stall are held sooner. */
+/*
+ * The same where rows are in packs, and may be held; of spheres, most that stall are held sooner.
+ */
 enum { WIDE_FIRST = 60, WIDE_MAX = 400, CENTRAL_MAX = 140, WIDE_HOLD = 100 };
 /* Turns of pushes and friction before a group is given up; sweeps of both in each. */
 enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
@@ -22,8 +24,8 @@ enum purpose { STIFF, STANDING, STALLED, QUIET };
 enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
 
 /*
- * Multiplications that one factorization may take, for each row and at most: some twenty sweeps. All of those of a large
- * group that has stalled, of which few come to an end, some two hundred.
+ * Multiplications that one factorization may take, for each row and at most: some twenty sweeps.
+ * All of those of a large group that has stalled, of which few come to an end, some two hundred.
  */
 static const double factor_share = 4e3, factors_max = 1e8, stalled_share = 4e2;
 
@@ -33,8 +35,8 @@ static const double sweep_share = RB_STRATEGY_SWEEP_SHARE, direct_share = 1e-2, 
 static const double let_share = 1.0 / 32;
 static const double stiff_ratio = 30, hold_slack = 16;
 /*
- * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much more than this, stacks
- * that ought to come to stand are kept swaying.
+ * Of what forces change a velocity by in a step, what sweeps may leave in a small group: by much
+ * more than this, stacks that ought to come to stand are kept swaying.
  */
 static const double external_share = 1e-3;
 
@@ -59,7 +61,10 @@ static void apply_again(const struct rb_solver *solver, const struct rb_island *
 	rb_sweep_warm(dense);
 }
 
-/* Factors; false where they are too many or do not come to an end: where sweeps stalled, the impulses are then as they were. */
+/*
+ * Factors; false where they are too many or do not come to an end: where sweeps stalled, the
+ * impulses are then as they were.
+ */
 static bool try_factors(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_row_system *dense, enum purpose purpose,
                         struct rb_arena *arena)
@@ -134,9 +139,9 @@ static bool sweep_more(const struct rb_solver *solver, struct rb_sweeper *sweepe
 }
 
 /*
- * Friction in a jammed heap may not come to an end: pushes of many contacts creep on together until one of them slips or
- * opens, which may take thousands of sweeps. What acts across the normals is then left as it is, if it is nearly right, and
- * pushes alone see to it that no gap closes.
+ * Friction in a jammed heap may not come to an end: pushes of many contacts creep on together until
+ * one of them slips or opens, which may take thousands of sweeps. What acts across the normals is
+ * then left as it is, if it is nearly right, and pushes alone see to it that no gap closes.
  */
 static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double tolerance, int max)
 {
@@ -153,9 +158,9 @@ static bool hold(struct rb_sweeper *sweeper, struct rb_island *island, double to
 }
 
 /*
- * Where friction is not nearly right either, pushes are put right for it and it goes on from there, in turns: pushes and
- * friction that are far from each other's make sweeps of both swing. For large groups, of which a lost step costs most:
- * small ones are sooner done with shorter steps.
+ * Where friction is not nearly right either, pushes are put right for it and it goes on from there,
+ * in turns: pushes and friction that are far from each other's make sweeps of both swing. For large
+ * groups, of which a lost step costs most: small ones are sooner done with shorter steps.
  */
 static bool take_turns(const struct rb_solver *solver, struct rb_sweeper *sweeper,
                        struct rb_island *island, double tolerance)
@@ -175,7 +180,10 @@ static double larger(double a, double b)
 	return a > b ? a : b;
 }
 
-/* m^2/s^2: the fastest of a group as the step began, or after it, squared; one beyond `most` may be told instead. */
+/*
+ * m^2/s^2: the fastest of a group as the step began, or after it, squared; one beyond `most` may be
+ * told instead.
+ */
 static double fastest(const struct rb_solver *solver, const struct rb_island *island, bool before,
                       double max)
 {
@@ -212,7 +220,10 @@ double rb_strategies_external(const struct rb_solver *solver, const int *member,
 	return external;
 }
 
-/* Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in one: it is quiet. */
+/*
+ * Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in
+ * one: it is quiet.
+ */
 static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island, bool before)
 {
 	const double few = 4 * solver->tolerance / sweep_share;
@@ -225,8 +236,8 @@ static bool is_quiet(const struct rb_solver *solver, const struct rb_island *isl
 }
 
 /*
- * Whether the group is carried and nowhere slips by more than sweeps leave: it stands on what moves, and what is left would
- * add up to a way.
+ * Whether the group is carried and nowhere slips by more than sweeps leave: it stands on what
+ * moves, and what is left would add up to a way.
  */
 static bool goes_along(const struct rb_solver *solver, const struct rb_island *island,
                        const struct rb_row_system *dense)
@@ -265,8 +276,9 @@ static bool stood(const struct rb_solver *solver, const struct rb_island *island
 }
 
 /*
- * Gaps far below the tolerance count as closed where bodies stand: then standing still is among what is possible, however they
- * are wedged. So do all overlaps: what stands has nothing to push apart with.
+ * Gaps far below the tolerance count as closed where bodies stand: then standing still is among
+ * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
+ * apart with.
  */
 static void leave_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
 {
@@ -290,8 +302,8 @@ static void stop(const struct rb_solver *solver, const struct rb_island *island)
 }
 
 /*
- * Solved closely, before the step and after it no faster than what solving closely leaves: it stands still. At that speed
- * a body would take two million steps for the tolerance.
+ * Solved closely, before the step and after it no faster than what solving closely leaves: it
+ * stands still. At that speed a body would take two million steps for the tolerance.
  */
 static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
@@ -343,8 +355,8 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 /* ---- energy ---- */
 
 /*
- * Without pushing apart, closely; then back to it, if it was a solution, as far as that gains nothing. What is between two
- * solutions is in the cones, and closes no gap that neither closes.
+ * Without pushing apart, closely; then back to it, if it was a solution, as far as that gains
+ * nothing. What is between two solutions is in the cones, and closes no gap that neither closes.
  */
 static struct rb_energy push_less(const struct rb_solver *solver, struct rb_island *island,
                                   const struct rb_row_system *dense, struct rb_arena *arena)
@@ -373,10 +385,11 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 }
 
 /*
- * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what is still left is taken from
- * all impulses. Where that lets gaps close by more than is good, the step is halved: without impulses nothing is gained, and
- * halves of it close less. Nor is in halves of a step a group pushed apart that cannot be: what is squeezed overlaps on both
- * sides, within the tolerance, and the shorter the step, the faster it would have to part.
+ * A group does not gain. What it would gain by pushing apart what overlaps is left for later; what
+ * is still left is taken from all impulses. Where that lets gaps close by more than is good, the
+ * step is halved: without impulses nothing is gained, and halves of it close less. Nor is in halves
+ * of a step a group pushed apart that cannot be: what is squeezed overlaps on both sides, within
+ * the tolerance, and the shorter the step, the faster it would have to part.
  */
 static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_row_system *dense, struct rb_arena *arena)
@@ -396,8 +409,8 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 }
 
 /*
- * Of small groups: sweeps leave open pushes as they come upon them, by the order of points; friction that follows them would turn
- * what lies evenly.
+ * Of small groups: sweeps leave open pushes as they come upon them, by the order of points;
+ * friction that follows them would turn what lies evenly.
  */
 static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
                      struct rb_island *island, struct rb_arena *arena)
@@ -422,8 +435,9 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 }
 
 /*
- * Where friction wedges what is to be pushed apart no impulses may do it: those of sweeps grow without end. Nothing is pushed
- * apart then; what is wedged all the same is looked at in shorter steps.
+ * Where friction wedges what is to be pushed apart no impulses may do it: those of sweeps grow
+ * without end. Nothing is pushed apart then; what is wedged all the same is looked at in shorter
+ * steps.
  */
 static bool start_over(const struct rb_solver *solver, struct rb_island *island,
                        const struct rb_row_system *dense, struct rb_arena *arena)
@@ -495,7 +509,9 @@ static bool sweeps_to_the_aim(const struct trial *trial)
 	                  trial->sweeper->wide ? WIDE_FIRST : SWEEPS_FIRST);
 }
 
-/* The last digit costs as much as all before: the whole tolerance will do, as the verdict will see. */
+/*
+ * The last digit costs as much as all before: the whole tolerance will do, as the verdict will see.
+ */
 static bool sweeps_to_the_tolerance(const struct trial *trial)
 {
 	return sweep_more(trial->solver, trial->sweeper, trial->island,
@@ -525,7 +541,9 @@ static bool sweeps_to_the_limit(const struct trial *trial)
 	                  trial->solver->tolerance / sweep_share, SWEEPS_MAX);
 }
 
-/* In this order until one succeeds. Each starts from the impulses that the one before has come to. */
+/*
+ * In this order until one succeeds. Each starts from the impulses that the one before has come to.
+ */
 static const struct strategy {
 	bool (*applies)(const struct trial *trial); /* NULL: always */
 	bool (*solve)(const struct trial *trial);
@@ -548,7 +566,10 @@ static int choose(const struct trial *trial)
 	return k;
 }
 
-/* Solves what hardly moves far closer than the tolerance, a little in each step, so that it comes to rest. */
+/*
+ * Solves what hardly moves far closer than the tolerance, a little in each step, so that it comes
+ * to rest.
+ */
 static void solve_closely(const struct trial *trial)
 {
 	const struct rb_solver *const solver = trial->solver;

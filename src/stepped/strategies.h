@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Impulses of one group of contacts: strategies from a table, one after the other until one leaves no gap closing by more than
- * the tolerance; then what keeps it from gaining energy, and lets it come to rest.
+ * Impulses of one group of contacts: strategies from a table, one after the other until one leaves
+ * no gap closing by more than the tolerance; then what keeps it from gaining energy, and lets it
+ * come to rest.
  *
  *   at rest as the step began?  -> factors, nothing slips -+
  *   masses very unequal?        -> factors ----------------+-> more energy than before? -> start over without pushing apart
@@ -24,13 +25,17 @@ enum { RB_STRATEGY_LARGE_ROWS = 2048 };
 #define RB_STRATEGY_SWEEP_SHARE 0.25
 
 /*
- * Impulses of the group's rows and velocities of its bodies, from warm impulses; `residual`, `slip`, `sweeps`, `factors` of the
- * island say how. `residual` is INFINITY where the arena has no room. `team` NULL: on this thread.
+ * Impulses of the group's rows and velocities of its bodies, from warm impulses; `residual`,
+ * `slip`, `sweeps`, `factors` of the island say how. `residual` is INFINITY where the arena has no
+ * room. `team` NULL: on this thread.
  */
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
                          struct rb_team *team, struct rb_arena *arena);
 
-/* Largest change of velocity that forces make of these bodies in the step, squared, m^2/s^2; the search ends at `tolerance`. */
+/*
+ * Largest change of velocity that forces make of these bodies in the step, squared, m^2/s^2; the
+ * search ends at `tolerance`.
+ */
 double rb_strategies_external(const struct rb_solver *solver, const int *member, int count,
                               double tolerance);
 

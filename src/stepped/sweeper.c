@@ -7,7 +7,10 @@ enum { COLOURS_MAX = 64 };
 
 /* ---- colours ---- */
 
-/* Rows in order of colours: none has two rows on one body that yields, unless the last is a tail of what is left over. */
+/*
+ * Rows in order of colours: none has two rows on one body that yields, unless the last is a tail of
+ * what is left over.
+ */
 struct colours {
 	int *first; /* [count + 1]: where each begins in `order` */
 	int *order; /* [rows] */

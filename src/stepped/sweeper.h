@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Sweeps over the rows of one group: packs of rows (stepped/wide) in an order of colours where there are enough, else one
- * row at a time (stepped/gauss_seidel).
- * Made for one solution; memory is the arena's.
+ * Sweeps over the rows of one group: packs of rows (stepped/wide) in an order of colours where
+ * there are enough, else one row at a time (stepped/gauss_seidel). Made for one solution; memory is
+ * the arena's.
  */
 #ifndef RB_STEPPED_SWEEPER_H
 #define RB_STEPPED_SWEEPER_H
@@ -10,8 +10,8 @@
 #include "stepped/wide.h"
 
 /*
- * Rows from which on a group is solved in packs: of spheres, and of bodies of other shapes, of which stacks of a few come to
- * an end far sooner by a mixture of sweeps.
+ * Rows from which on a group is solved in packs: of spheres, and of bodies of other shapes, of
+ * which stacks of a few come to an end far sooner by a mixture of sweeps.
  */
 enum { RB_WIDE_CENTRAL_ROWS = 32, RB_WIDE_ROWS = 128 };
 
@@ -33,7 +33,10 @@ struct rb_sweeper {
 bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena);
 
 struct rb_sweep_result rb_sweeper_run(struct rb_sweeper *sweeper, double tolerance, int max);
-/* Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide ones. */
+/*
+ * Velocities have rounding beyond that of the impulses: to be made of these anew. Never of wide
+ * ones.
+ */
 bool rb_sweeper_went_far(const struct rb_sweeper *sweeper);
 /* Wide ones only: with what acts across the normals as it is. */
 struct rb_sweep_result rb_sweeper_hold(struct rb_sweeper *sweeper, double tolerance, int max);

@@ -2,7 +2,8 @@
 /*
  * Territories of bodies for a step, and groups of bodies of which the territories meet.
  *
- * Owned by stepped/local_rollback. While every body stays within its territory, bodies of different groups cannot touch.
+ * Owned by stepped/local_rollback. While every body stays within its territory, bodies of different
+ * groups cannot touch.
  */
 #ifndef RB_STEPPED_SWEPT_BOUNDS_H
 #define RB_STEPPED_SWEPT_BOUNDS_H
@@ -36,8 +37,8 @@ RB_CHECKED enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept,
 void rb_swept_bounds_release(struct rb_swept_bounds *swept);
 
 /*
- * Territories after a try of the whole step of dt_s from `begin`: the box of the way that a body has flown, or would fly
- * where the try was bad for it, and an eighth of its size to all sides.
+ * Territories after a try of the whole step of dt_s from `begin`: the box of the way that a body
+ * has flown, or would fly where the try was bad for it, and an eighth of its size to all sides.
  */
 void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *world,
                          const struct rb_state *begin, double dt_s);
@@ -47,8 +48,8 @@ RB_CHECKED enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept,
 /* Lends `near` so many of the pairs by group, from that one on. */
 void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t count);
 /*
- * Whether some of these bodies, driven ones too, have left theirs in the present state. They get more of it: for the way
- * ahead in the rest of the step, and more the farther it is.
+ * Whether some of these bodies, driven ones too, have left theirs in the present state. They get
+ * more of it: for the way ahead in the rest of the step, and more the farther it is.
  */
 bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *world,
                           const struct rb_cohort *cohort, double rest_s);

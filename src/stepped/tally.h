@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a try has done to each body, noted while it is known, for the ledger: stepped/enter makes entries of it if the step is
- * kept. There only where the ledger is kept (rb_stepped's `tally`), and nothing that is solved reads it.
+ * What a try has done to each body, noted while it is known, for the ledger: stepped/enter makes
+ * entries of it if the step is kept. There only where the ledger is kept (rb_stepped's `tally`),
+ * and nothing that is solved reads it.
  *
  * Owned by the method's state; simulator thread.
  */
@@ -16,7 +17,10 @@ enum rb_tally_kind {
 	RB_TALLY_RESTS   /* it stands still: what holds it gives what forces take */
 };
 
-/* Of a body, in the last try that it was part of. Velocities of a free one only where forces do work that are not its weight. */
+/*
+ * Of a body, in the last try that it was part of. Velocities of a free one only where forces do
+ * work that are not its weight.
+ */
 struct rb_tally_body {
 	enum rb_tally_kind kind;
 	rb_vec3 begin[2]; /* m/s, rad/s: as the step began, with the impacts in it */
@@ -59,8 +63,8 @@ void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort);
 void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort);
 
 /*
- * Closing moves a body, or what pays for it slows it down: before that, with the velocity and spin that it has, and after it.
- * Again before the same try has ended: nothing.
+ * Closing moves a body, or what pays for it slows it down: before that, with the velocity and spin
+ * that it has, and after it. Again before the same try has ended: nothing.
  */
 void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2]);
 void rb_tally_closed(struct rb_world *world, int i, enum rb_ledger_momentum by, double lifted_j);

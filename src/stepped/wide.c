@@ -8,19 +8,23 @@
 
 enum { WIDTH = 4, BLOCK_PACKS = 32 };
 
-/* Share of its last way that a row is led on by, at most, to begin with: more swings where rows slide. */
+/*
+ * Share of its last way that a row is led on by, at most, to begin with: more swings where rows
+ * slide.
+ */
 static const double lead_first = 0.98;
 
 /*
- * Sweeps after which rows are led on by less, unless the largest change has fallen to this share meanwhile. Where it stays the
- * same so many times in succession, impulses creep on for no end.
+ * Sweeps after which rows are led on by less, unless the largest change has fallen to this share
+ * meanwhile. Where it stays the same so many times in succession, impulses creep on for no end.
  */
 enum { SWEEPS_WATCHED = 24, SAME_MAX = 4 };
 static const double fall_share = 0.9, lead_growth = 1.5, same_share = 0.01;
 
 /*
- * Four numbers, one of each row: vectors of GCC and Clang, in halves where registers are no wider, to the same bits. They
- * are passed by address, since how they are passed by value depends on the registers.
+ * Four numbers, one of each row: vectors of GCC and Clang, in halves where registers are no wider,
+ * to the same bits. They are passed by address, since how they are passed by value depends on the
+ * registers.
  */
 typedef double lanes __attribute__((vector_size(WIDTH * sizeof(double)), aligned(8)));
 typedef int64_t mask __attribute__((vector_size(WIDTH * sizeof(int64_t)), aligned(8)));
@@ -30,7 +34,10 @@ struct lanes3 {
 	lanes x, y, z;
 };
 
-/* What rows are, and what they have come to. Lanes without a row have inverses, friction and impulses of zero. */
+/*
+ * What rows are, and what they have come to. Lanes without a row have inverses, friction and
+ * impulses of zero.
+ */
 struct rb_wide_pack {
 	int a[WIDTH], b[WIDTH];
 	bool writes_a[WIDTH],
@@ -46,7 +53,10 @@ struct rb_wide_pack {
 	lanes count;         /* of sweeps that went one way */
 };
 
-/* What else rows have that are not central: arms, m, and inverse tensors, 1/(kg m^2), xx xy xz yy yz zz. */
+/*
+ * What else rows have that are not central: arms, m, and inverse tensors, 1/(kg m^2), xx xy xz yy
+ * yz zz.
+ */
 struct rb_wide_turn {
 	struct lanes3 arm_a, arm_b;
 	lanes tensor_a[6], tensor_b[6];
@@ -154,7 +164,10 @@ ALWAYS void turn_any(const struct rb_wide_turn *turn, struct four *a, struct fou
 	b->angular.z += w.z;
 }
 
-/* Adds an impulse along the normal and one across it. `turn` is NULL where rows are central, here as below. */
+/*
+ * Adds an impulse along the normal and one across it. `turn` is NULL where rows are central, here
+ * as below.
+ */
 ALWAYS void push(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn, struct four *a,
                  struct four *b, const lanes *along, const struct lanes3 *across)
 {
@@ -203,7 +216,10 @@ ALWAYS void look(const struct rb_wide_pack *pack, const struct rb_wide_turn *tur
 	*across = (struct lanes3){u.x - *along * n.x, u.y - *along * n.y, u.z - *along * n.z};
 }
 
-/* Each row on its own, as in stepped/gauss_seidel. Returns the largest square of what a row's velocity changed by. */
+/*
+ * Each row on its own, as in stepped/gauss_seidel. Returns the largest square of what a row's
+ * velocity changed by.
+ */
 ALWAYS double solve_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
                          const struct rb_wide_turn *turn)
 {
@@ -516,7 +532,9 @@ static void run_all(const struct rb_wide *wide, enum task task, double lead)
 				run_block(&work, p, b, 0);
 }
 
-/* Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s. */
+/*
+ * Leads on, if asked to, and solves all rows; returns the largest change of a row's velocity, m/s.
+ */
 static double sweep_all(const struct rb_wide *wide, double lead)
 {
 	double max = 0;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows by iteration, four at a time: sweeps as in stepped/gauss_seidel over packs of rows that share no body,
- * each impulse then led on along the way it goes (Nesterov's momentum, Soviet Math. Doklady 27 (1983) 372, for each row
- * on its own: a row that turns round loses half of what it has gathered, B. O'Donoghue and E. Candes, Found. Comput. Math.
- * 15 (2015) 715).
+ * Rows by iteration, four at a time: sweeps as in stepped/gauss_seidel over packs of rows that
+ * share no body, each impulse then led on along the way it goes (Nesterov's momentum, Soviet Math.
+ * Doklady 27 (1983) 372, for each row on its own: a row that turns round loses half of what it has
+ * gathered, B. O'Donoghue and E. Candes, Found. Comput. Math. 15 (2015) 715).
  *
- * Jammed heaps have rows enough that change their face in every sweep; a mixture of earlier sweeps has then to be
- * forgotten as often, momentum has not. Blocks are of packs, so what comes out does not depend on the workers.
+ * Jammed heaps have rows enough that change their face in every sweep; a mixture of earlier sweeps
+ * has then to be forgotten as often, momentum has not. Blocks are of packs, so what comes out does
+ * not depend on the workers.
  */
 #ifndef RB_STEPPED_WIDE_H
 #define RB_STEPPED_WIDE_H
@@ -39,8 +40,8 @@ struct rb_wide {
 bool rb_wide_take(struct rb_wide *wide, struct rb_arena *arena);
 
 /*
- * From the impulses that the rows have, which the bodies feel already. `holds`: what acts across the normals stays as it is,
- * and no push falls below what holds it within the cone.
+ * From the impulses that the rows have, which the bodies feel already. `holds`: what acts across
+ * the normals stays as it is, and no push falls below what holds it within the cone.
  */
 struct rb_sweep_result rb_wide_solve(const struct rb_wide *wide, double tolerance, int max,
                                      bool holds);

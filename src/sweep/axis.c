@@ -129,7 +129,9 @@ static bool is_number(const char *text)
 	return end != text && *end == '\0' && isfinite(value);
 }
 
-/* Cuts "a:b:c" at its colons where all parts are numbers; gives how many, 0 where it is no range. */
+/*
+ * Cuts "a:b:c" at its colons where all parts are numbers; gives how many, 0 where it is no range.
+ */
 static int cut_range(char *text, const char *part[3])
 {
 	char *colon[3] = {NULL};

@@ -2,9 +2,10 @@
 /*
  * The values that a sweep gives to one parameter, from "NAME=VALUES".
  *
- * VALUES are texts parted by commas; three numbers parted by colons, low:high:step, stand for all of them from low to
- * high. Such numbers are counted in decimals, exactly: 0:1:0.1 has eleven values, the fourth is 0.3. Two numbers,
- * low:high, are all between them, which only a sample can draw from.
+ * VALUES are texts parted by commas; three numbers parted by colons, low:high:step, stand for all
+ * of them from low to high. Such numbers are counted in decimals, exactly: 0:1:0.1 has eleven
+ * values, the fourth is 0.3. Two numbers, low:high, are all between them, which only a sample can
+ * draw from.
  *
  * An axis owns what it holds; const after rb_axis_init.
  */
@@ -45,7 +46,9 @@ void rb_axis_release(struct rb_axis *axis); /* safe on a zeroed one */
 
 /* The k-th value: a text of the axis, or one made in `out`. */
 const char *rb_axis_value(const struct rb_axis *axis, uint64_t k, char out[RB_AXIS_NUMBER_SIZE]);
-/* The value at `unit` in [0, 1): the interval is cut into as many equal parts as there are values. */
+/*
+ * The value at `unit` in [0, 1): the interval is cut into as many equal parts as there are values.
+ */
 const char *rb_axis_at(const struct rb_axis *axis, double unit, char out[RB_AXIS_NUMBER_SIZE]);
 
 #endif

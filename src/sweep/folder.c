@@ -47,7 +47,10 @@ static bool is_texture(const char *name)
 	return size > 4 && strcasecmp(name + size - 4, ".png") == 0;
 }
 
-/* Where the copy of a file of the scene is; false: it has none, since its name leads out of the scene's folder. */
+/*
+ * Where the copy of a file of the scene is; false: it has none, since its name leads out of the
+ * scene's folder.
+ */
 static bool copy_name(const char *name, bool is_scene, char out[RB_FOLDER_PATH_SIZE])
 {
 	const bool shipped = strncmp(name, "rbsim.", 6) == 0;
@@ -350,7 +353,10 @@ enum rb_status rb_folder_check(const char *folder, const struct rb_plan *plan, b
 
 /* ---- writing ---- */
 
-/* A folder in which nothing stands but what a sweep that was stopped at its very beginning may have left. */
+/*
+ * A folder in which nothing stands but what a sweep that was stopped at its very beginning may have
+ * left.
+ */
 static enum rb_status check_empty(const char *folder, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;

@@ -22,16 +22,22 @@ enum { RB_FOLDER_PATH_SIZE = 4096 };
 /* Whether there is a plan in the folder. */
 bool rb_folder_has_plan(const char *folder);
 /*
- * Makes the folder, the copies of the files, and the plan. RB_ERR_CREATE where the folder holds other things; `*there`:
- * somebody else has written a plan meanwhile, which is to be checked.
+ * Makes the folder, the copies of the files, and the plan. RB_ERR_CREATE where the folder holds
+ * other things; `*there`: somebody else has written a plan meanwhile, which is to be checked.
  */
 RB_CHECKED enum rb_status rb_folder_write(const char *folder, const struct rb_plan *plan,
                                           const struct rb_source_file *files, bool *there,
                                           struct rb_error *err);
-/* The plan of a folder. RB_ERR_INPUT where it is none of ours, of another version, or a copy of a file has changed. */
+/*
+ * The plan of a folder. RB_ERR_INPUT where it is none of ours, of another version, or a copy of a
+ * file has changed.
+ */
 RB_CHECKED enum rb_status rb_folder_load(const char *folder, struct rb_plan *plan,
                                          const char *version, struct rb_error *err);
-/* Whether the plan in the folder is this one: the head alone, or all rows. RB_ERR_INPUT says what differs. */
+/*
+ * Whether the plan in the folder is this one: the head alone, or all rows. RB_ERR_INPUT says what
+ * differs.
+ */
 RB_CHECKED enum rb_status rb_folder_check(const char *folder, const struct rb_plan *plan, bool rows,
                                           struct rb_error *err);
 
@@ -42,7 +48,10 @@ const char *rb_folder_path(const struct rb_plan *plan, const char *folder, uint6
 RB_CHECKED enum rb_status rb_folder_name(const char *folder, const char *name,
                                          char out[RB_FOLDER_PATH_SIZE], struct rb_error *err);
 
-/* A whole file, with a zero behind it, to be freed; RB_ERR_INPUT where it cannot be read or has more than `most` bytes. */
+/*
+ * A whole file, with a zero behind it, to be freed; RB_ERR_INPUT where it cannot be read or has
+ * more than `most` bytes.
+ */
 RB_CHECKED enum rb_status rb_folder_read(const char *path, size_t most, char **text, size_t *size,
                                          struct rb_error *err);
 

@@ -233,7 +233,10 @@ static enum rb_status start_run(struct jobs *jobs, struct place *place, struct r
 	return RB_OK;
 }
 
-/* From its checkpoint, unless that is what the run before has refused: then all would go on refusing it. */
+/*
+ * From its checkpoint, unless that is what the run before has refused: then all would go on
+ * refusing it.
+ */
 static bool goes_on(const struct rb_point *point)
 {
 	const int code = point->state == RB_POINT_FAILED ? point->exit_code : 0;
@@ -271,7 +274,9 @@ static enum rb_status look_elsewhere(struct jobs *jobs, struct rb_error *err)
 	return status;
 }
 
-/* Takes a point that is due into a free place, unless somebody else has taken or done it meanwhile. */
+/*
+ * Takes a point that is due into a free place, unless somebody else has taken or done it meanwhile.
+ */
 static enum rb_status take_point(struct jobs *jobs, struct place *place, struct rb_error *err)
 {
 	const struct rb_jobs_order *const order = jobs->order;
@@ -378,7 +383,10 @@ static void heed(struct jobs *jobs, int signal)
 {
 	if (jobs->tally->signal == 0) {
 		jobs->tally->signal = signal;
-		/* SIGINT once more is what stops a run at once, so the first one is told in other words */
+		/*
+		 * SIGINT once more is what stops a run at once, so the first one is told in other
+		 * words
+		 */
 		pass_on(jobs, signal == SIGINT ? SIGTERM : signal);
 	} else if (signal == SIGINT) {
 		pass_on(jobs, SIGINT);

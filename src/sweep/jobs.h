@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Runs the points of a sweep that are due, several at a time, each in a process of its own: this program again, without a
- * shell in between, in a process group of its own, so that what a terminal sends reaches it through us alone.
+ * Runs the points of a sweep that are due, several at a time, each in a process of its own: this
+ * program again, without a shell in between, in a process group of its own, so that what a terminal
+ * sends reaches it through us alone.
  *
- * Main thread, which must be the only one. Inside the call SIGINT, SIGTERM and SIGUSR1 are taken: the first one goes on to
- * the runs as what it asks for, to stop properly, and no other run is started; a SIGINT after that stops them at once. Should
- * this process die, its runs are stopped properly by the system. Processes that are not ours are never waited for.
+ * Main thread, which must be the only one. Inside the call SIGINT, SIGTERM and SIGUSR1 are taken:
+ * the first one goes on to the runs as what it asks for, to stop properly, and no other run is
+ * started; a SIGINT after that stops them at once. Should this process die, its runs are stopped
+ * properly by the system. Processes that are not ours are never waited for.
  */
 #ifndef RB_SWEEP_JOBS_H
 #define RB_SWEEP_JOBS_H
@@ -44,8 +46,8 @@ struct rb_jobs_order {
 };
 
 /*
- * SIGINT, SIGTERM and SIGUSR1 wait for rb_jobs_run from here on: before anything is there that a later call goes on with.
- * `mask_before`: as it was.
+ * SIGINT, SIGTERM and SIGUSR1 wait for rb_jobs_run from here on: before anything is there that a
+ * later call goes on with. `mask_before`: as it was.
  */
 void rb_jobs_hold_signals(sigset_t *mask_before);
 

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What a sweep runs: one point for every combination of values (or every point of a sample) and every seed.
+ * What a sweep runs: one point for every combination of values (or every point of a sample) and
+ * every seed.
  *
- * Points are functions of their index, so a plan takes no memory for them, but for a sample. Written down (sweep/folder), it
- * is `lines`, which begin with '#', and a row of comma-separated values for every point.
+ * Points are functions of their index, so a plan takes no memory for them, but for a sample.
+ * Written down (sweep/folder), it is `lines`, which begin with '#', and a row of comma-separated
+ * values for every point.
  *
  * A plan owns what it holds; const after rb_plan_init. One thread.
  */
@@ -59,7 +61,9 @@ struct rb_plan {
 	size_t row_size; /* room for a row of plan.csv */
 };
 
-/* RB_ERR_USAGE where the wish has no sense. `files` are those of the scene. Released in any case. */
+/*
+ * RB_ERR_USAGE where the wish has no sense. `files` are those of the scene. Released in any case.
+ */
 RB_CHECKED enum rb_status rb_plan_init(struct rb_plan *plan, const struct rb_plan_wish *wish,
                                        const struct rb_source_file *files, int file_count,
                                        struct rb_error *err);

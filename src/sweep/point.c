@@ -124,7 +124,10 @@ static bool recording_is_right(const struct rb_plan *plan, uint64_t index, const
 
 /* ---- locks ---- */
 
-/* A lock of the open file, not of the process: children share it, and it goes with the last of them. */
+/*
+ * A lock of the open file, not of the process: children share it, and it goes with the last of
+ * them.
+ */
 static struct flock whole_file(void)
 {
 	return (struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET};

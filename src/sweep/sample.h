@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Latin hypercube samples: of N points, each of N equal parts of every axis holds exactly one (McKay, Beckman and
- * Conover, Technometrics 21, 1979). The same seed gives the same sample.
+ * Latin hypercube samples: of N points, each of N equal parts of every axis holds exactly one
+ * (McKay, Beckman and Conover, Technometrics 21, 1979). The same seed gives the same sample.
  */
 #ifndef RB_SWEEP_SAMPLE_H
 #define RB_SWEEP_SAMPLE_H

@@ -24,7 +24,10 @@ static const char tasks_line[] = "tasks=";
 
 /* ---- other programs ---- */
 
-/* Runs a program in a folder (NULL: the current one) and takes what it says on both outputs, as far as there is room. */
+/*
+ * Runs a program in a folder (NULL: the current one) and takes what it says on both outputs, as far
+ * as there is room.
+ */
 static bool run_program(const char *const *words, const char *folder, char *said, size_t size,
                         int *outcome)
 {

@@ -11,7 +11,10 @@ extern const char *const rb_point_state_names[RB_POINT_STATE_COUNT];
 struct rb_sweep_status {
 	uint64_t points[RB_POINT_STATE_COUNT];
 	uint64_t due; /* what another call of the sweep would run */
-	/* owned: the tasks with points that are due, as job arrays want them: "3,7-9"; "" without any */
+	/*
+	 * owned: the tasks with points that are due, as job arrays want them: "3,7-9"; "" without
+	 * any
+	 */
 	char *array;
 	uint64_t tasks; /* how many are in it */
 };

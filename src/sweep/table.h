@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What all runs of a sweep have come to: a row for each point, a column for each parameter, number and expectation. Points
- * that are not done have NAN where they have no number. The struct itself stands in sink/module.h, for the HDF5 part.
+ * What all runs of a sweep have come to: a row for each point, a column for each parameter, number
+ * and expectation. Points that are not done have NAN where they have no number. The struct itself
+ * stands in sink/module.h, for the HDF5 part.
  */
 #ifndef RB_SWEEP_TABLE_H
 #define RB_SWEEP_TABLE_H

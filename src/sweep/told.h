@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Reads single values from the JSON object that a run of this program has written. Inside of texts quotes are escaped, so a
- * key is never found in one; keys of the top level come before those of objects within.
+ * Reads single values from the JSON object that a run of this program has written. Inside of texts
+ * quotes are escaped, so a key is never found in one; keys of the top level come before those of
+ * objects within.
  */
 #ifndef RB_SWEEP_TOLD_H
 #define RB_SWEEP_TOLD_H

@@ -10,7 +10,10 @@
 /* Of folders in each other: a run makes no more than a scene names. */
 enum { DEPTH_MOST = 32 };
 
-/* Of the files in an open folder, which is closed, whose names begin so, and of all in folders whose names do. */
+/*
+ * Of the files in an open folder, which is closed, whose names begin so, and of all in folders
+ * whose names do.
+ */
 static double bytes_in(int folder, const char *start, int depth)
 {
 	DIR *const list = fdopendir(folder);

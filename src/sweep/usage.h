@@ -5,7 +5,10 @@
 
 #include "sweep/folder.h"
 
-/* Bytes of all files of a point, films and those that are being written included; what cannot be looked at counts nothing. */
+/*
+ * Bytes of all files of a point, films and those that are being written included; what cannot be
+ * looked at counts nothing.
+ */
 double rb_usage_bytes(const char *folder, const struct rb_plan *plan, uint64_t index);
 
 #endif

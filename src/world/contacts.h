@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The lasting contacts between two steps, sorted by pair. Their forces are state: the next step starts its
- * iteration from them, so a restored run needs them to come out in the same bits.
+ * The lasting contacts between two steps, sorted by pair. Their forces are state: the next step
+ * starts its iteration from them, so a restored run needs them to come out in the same bits.
  */
 #ifndef RB_WORLD_CONTACTS_H
 #define RB_WORLD_CONTACTS_H

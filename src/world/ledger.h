@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Entries of the ledger (<rbsim/ledger.h>) as methods make them: sums by cause since the start of the run.
+ * Entries of the ledger (<rbsim/ledger.h>) as methods make them: sums by cause since the start of
+ * the run.
  *
- * Owned by the world. While groups run, each worker enters into entries of its own (struct rb_entries), which the
- * commit adds in the order of groups. Nothing that decides the future reads it.
+ * Owned by the world. While groups run, each worker enters into entries of its own (struct
+ * rb_entries), which the commit adds in the order of groups. Nothing that decides the future reads
+ * it.
  */
 #ifndef RB_WORLD_LEDGER_H
 #define RB_WORLD_LEDGER_H
@@ -41,7 +43,10 @@ static inline void rb_entries_vector(double *row, rb_vec3 v)
 	row[2] += v.z;
 }
 
-/* A linear impulse, N s, and an angular one about the origin, N m s. Of rates, N and N m, they come out as rates. */
+/*
+ * A linear impulse, N s, and an angular one about the origin, N m s. Of rates, N and N m, they come
+ * out as rates.
+ */
 static inline void rb_entries_momentum(struct rb_entries *e, enum rb_ledger_momentum cause,
                                        rb_vec3 linear, rb_vec3 angular)
 {
@@ -80,7 +85,10 @@ void rb_ledger_enter(struct rb_ledger *ledger, const struct rb_entries *entries)
 /* The moment that all is counted from. */
 void rb_ledger_start(struct rb_ledger *ledger, const struct rb_frame_numbers *numbers);
 
-/* What is entered, and what that leaves unexplained of these numbers. Scales are without what moves. */
+/*
+ * What is entered, and what that leaves unexplained of these numbers. Scales are without what
+ * moves.
+ */
 struct rb_ledger_values rb_ledger_values(const struct rb_ledger *ledger,
                                          const struct rb_frame_numbers *numbers);
 

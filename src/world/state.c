@@ -110,8 +110,8 @@ void rb_state_load_rows(struct rb_state *state, const int *member, int count, co
 }
 
 /*
- * What is at rest in the columns of pushes, which come last, says nothing: a scene whose callbacks push nothing has the
- * hash of one without callbacks.
+ * What is at rest in the columns of pushes, which come last, says nothing: a scene whose callbacks
+ * push nothing has the hash of one without callbacks.
  */
 static size_t telling_bytes(const struct rb_state *state)
 {

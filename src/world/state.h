@@ -2,9 +2,10 @@
 /*
  * All that a step changes and the future depends on, in one block.
  *
- * The columns are listed once, here; allocation, copy, hash and rollback follow the list. A column that the
- * scene's features do not need is NULL and takes no room. Owned by the world; rows are by body index, moving
- * bodies only. During a step a row belongs to the worker that runs the body's group.
+ * The columns are listed once, here; allocation, copy, hash and rollback follow the list. A column
+ * that the scene's features do not need is NULL and takes no room. Owned by the world; rows are by
+ * body index, moving bodies only. During a step a row belongs to the worker that runs the body's
+ * group.
  */
 #ifndef RB_WORLD_STATE_H
 #define RB_WORLD_STATE_H

@@ -2,8 +2,9 @@
 /*
  * The inside of a running world: model + state + scratch, and who may touch it when.
  *
- * Between steps everything belongs to the simulator thread. While groups run, a worker touches only the state
- * rows of its group's bodies and its own arena; all else is read only until the team has come back.
+ * Between steps everything belongs to the simulator thread. While groups run, a worker touches only
+ * the state rows of its group's bodies and its own arena; all else is read only until the team has
+ * come back.
  */
 #ifndef RB_WORLD_WORLD_H
 #define RB_WORLD_WORLD_H
@@ -132,7 +133,10 @@ static inline rb_vec3 rb_world_row3(const double *column, int index)
 	return rb_vec3_from(column + 3 * (size_t)index);
 }
 
-/* What callbacks push with: in a step what the state has, else what they have pushed with in the one before. */
+/*
+ * What callbacks push with: in a step what the state has, else what they have pushed with in the
+ * one before.
+ */
 static inline void rb_world_choose_pushes(struct rb_world *world)
 {
 	const size_t half = 3 * (size_t)world->model->body_count;
