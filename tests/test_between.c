@@ -357,11 +357,13 @@ static void add_bouncers(struct lab *lab)
 	lab_add(lab, &def);
 }
 
-static void seal_bouncers(struct lab *lab, double frame_rate)
+static void seal_bouncers(struct lab *lab, double frame_rate, const struct rb_world_hooks *hooks)
 {
+	const struct rb_world_options options = {.threads = 1, .keep_events = true};
+
 	lab_open_located(lab, 1, frame_rate);
 	add_bouncers(lab);
-	lab_seal(lab, 1);
+	lab_seal_with(lab, &options, hooks);
 }
 
 static void fill(struct lab *lab, struct rb_frame *frame)
@@ -369,31 +371,31 @@ static void fill(struct lab *lab, struct rb_frame *frame)
 	assert_int_equal(rb_world_fill_frame(lab->world, frame, &lab->error), RB_OK);
 }
 
-/* Accelerations between impacts are constant, so nothing is off but by rounding; spins of unequal moments by their steps. */
-static void bodies_that_bounce_and_spin_are_between_frames_where_the_run_has_them(void **state)
+/*
+ * A run at a low frame rate, looked at between its frames, against the same at a high one; returns
+ * how many events of each kind there were. Accelerations are constant between them, so nothing is
+ * off but by rounding; the spin of the body of unequal moments by the steps of its turn.
+ */
+static void compare_runs(struct lab *coarse, struct lab *fine, int events[RB_EVENT_KIND_COUNT])
 {
 	const unsigned fields = RB_FIELD_DEFAULT | RB_FIELD_EVENTS;
-	struct lab coarse, fine;
 	struct rb_frame a, b, truth;
 	struct rb_between out = {0};
 	struct rb_error err;
-	int bounces = 0;
 
-	(void)state;
-	seal_bouncers(&coarse, COARSE);
-	seal_bouncers(&fine, FINE);
-	const int n = coarse.model->body_count;
-	assert_ok(rb_frame_init(&a, coarse.model, fields, &err));
-	assert_ok(rb_frame_init(&b, coarse.model, fields, &err));
-	assert_ok(rb_frame_init(&truth, fine.model, fields, &err));
-	fill(&coarse, &a);
+	const int n = coarse->model->body_count;
+	assert_ok(rb_frame_init(&a, coarse->model, fields, &err));
+	assert_ok(rb_frame_init(&b, coarse->model, fields, &err));
+	assert_ok(rb_frame_init(&truth, fine->model, fields, &err));
+	fill(coarse, &a);
 	for (int k = 1; k <= COARSE; k++) {
-		assert_ok(rb_world_step_frame(coarse.world, &err));
-		fill(&coarse, &b);
+		assert_ok(rb_world_step_frame(coarse->world, &err));
+		fill(coarse, &b);
 		for (int j = 1; j < FINE / COARSE; j++) {
-			assert_ok(rb_world_step_frame(fine.world, &err));
-			fill(&fine, &truth);
-			assert_ok(rb_frame_between(&out, coarse.model, &a, &b, truth.time_s, &err));
+			assert_ok(rb_world_step_frame(fine->world, &err));
+			fill(fine, &truth);
+			assert_ok(
+				rb_frame_between(&out, coarse->model, &a, &b, truth.time_s, &err));
 			for (int i = 0; i < 3 * n; i++) {
 				assert_near(out.frame.position[i], truth.position[i], 1e-12);
 				assert_near(out.frame.velocity[i], truth.velocity[i], 1e-10);
@@ -403,17 +405,189 @@ static void bodies_that_bounce_and_spin_are_between_frames_where_the_run_has_the
 				                  rb_quat_from(truth.orientation + 4 * i)),
 				            0, i == 3 ? 2e-3 : 1e-10);
 		}
-		assert_ok(rb_world_step_frame(fine.world, &err));
-		bounces += b.event_count;
+		assert_ok(rb_world_step_frame(fine->world, &err));
+		for (int i = 0; i < b.event_count; i++)
+			events[b.events[i].kind]++;
 		assert_ok(rb_frame_copy(&a, &b, &err));
 	}
-	assert_true(bounces > 6);
+	rb_frame_release(&a);
+	rb_frame_release(&b);
+	rb_frame_release(&truth);
+	rb_between_release(&out);
+}
+
+static void bodies_that_bounce_and_spin_are_between_frames_where_the_run_has_them(void **state)
+{
+	struct lab coarse, fine;
+	int events[RB_EVENT_KIND_COUNT] = {0};
+
+	(void)state;
+	seal_bouncers(&coarse, COARSE, NULL);
+	seal_bouncers(&fine, FINE, NULL);
+	compare_runs(&coarse, &fine, events);
+	assert_true(events[RB_EVENT_COLLISION] > 6);
+	lab_close(&coarse);
+	lab_close(&fine);
+}
+
+/* Another change at each impact with the ground; times of impacts are the same at any frame rate. */
+static enum rb_status change_something(void *user, struct rb_world *world,
+                                       const struct rb_event *event, struct rb_error *err)
+{
+	int *const count = user;
+	const int id = event->b;
+	const rb_vec3 at = rb_world_position(world, id);
+	const rb_vec3 edge = rb_vec3_add(at, (rb_vec3){0.03, -0.05, 0.02});
+	const rb_vec3 aside = rb_vec3_add(at, (rb_vec3){0.5, 0.25, 0.125});
+
+	(void)err;
+	if (!rb_world_is_static(world, event->a))
+		return RB_OK;
+	switch ((*count)++ % 4) {
+	case 0:
+		rb_world_set_velocity(world, id, (rb_vec3){0.5, -0.25, 1.5});
+		break;
+	case 1:
+		rb_world_set_position(world, id, aside);
+		rb_world_set_velocity(world, id, (rb_vec3){0, 0, 1});
+		break;
+	case 2:
+		rb_world_set_angular_velocity(world, id, (rb_vec3){10, 20, -30});
+		break;
+	default:
+		rb_world_apply_impulse(world, id, (rb_vec3){1, 2, 3}, edge);
+		rb_world_apply_impulse(world, id, (rb_vec3){-1, 0.5, 2}, at);
+	}
+	return RB_OK;
+}
+
+static void what_callbacks_change_is_between_frames_where_the_run_has_it(void **state)
+{
+	struct lab coarse, fine;
+	int events[RB_EVENT_KIND_COUNT] = {0}, changes[2] = {0};
+
+	(void)state;
+	seal_bouncers(&coarse, COARSE,
+	              &(struct rb_world_hooks){.user = &changes[0], .collision = change_something});
+	seal_bouncers(&fine, FINE,
+	              &(struct rb_world_hooks){.user = &changes[1], .collision = change_something});
+	compare_runs(&coarse, &fine, events);
+	assert_true(changes[0] >= 8 && changes[0] == changes[1]);
+	/* two impulses of one moment are one event */
+	assert_in_range(events[RB_EVENT_IMPULSE], changes[0] / 2, changes[0]);
+	assert_in_range(events[RB_EVENT_ANGULAR_IMPULSE], changes[0] / 4, changes[0] / 2 + 1);
+	assert_in_range(events[RB_EVENT_DISPLACEMENT], changes[0] / 4, changes[0] / 4 + 1);
+	lab_close(&coarse);
+	lab_close(&fine);
+}
+
+static void begin_steps(struct lab *lab, double frame_rate)
+{
+	lab_open(lab, 0.6, frame_rate);
+	lab->scene.world.method = RB_METHOD_STEPPED;
+	lab->scene.world.time_step_s = 1.0 / FINE;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_surface(lab, 0.4, 0.5);
+	lab_plane(lab, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 1});
+}
+
+static void add_box(struct lab *lab, double x, double y, double z)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.shape.kind = RB_SHAPE_BOX;
+	def.shape.size[0] = def.shape.size[1] = def.shape.size[2] = 0.2;
+	def.shape.radius = 0.1 * sqrt(3);
+	def.mass = 6.4;
+	def.position = (rb_vec3){x, y, z};
+	lab_add(lab, &def);
+}
+
+static void drop_ball(struct lab *lab, double x, double y)
+{
+	const struct rb_world_options options = {.threads = 1, .keep_events = true};
+	struct rb_body_def def = lab_sphere_def(0.15, 11, (rb_vec3){x, y, 1.6},
+	                                        (rb_vec3){0, 0, -2});
+
+	lab_add(lab, &def);
+	lab_seal_with(lab, &options, NULL);
+}
+
+/* A ball falls on a stack of boxes at rest, by steps. */
+static void seal_stack(struct lab *lab, double frame_rate)
+{
+	begin_steps(lab, frame_rate);
+	for (int k = 0; k < 5; k++)
+		add_box(lab, 0, 0, 0.1 + 0.2 * k);
+	drop_ball(lab, 0.02, 0.01);
+}
+
+/* On a pyramid, whose boxes stand on four each: one group of more than 200 contacts. */
+static void seal_pyramid(struct lab *lab, double frame_rate)
+{
+	begin_steps(lab, frame_rate);
+	for (int k = 0; k < 5; k++)
+		for (int i = 0; i < (6 - k) * (6 - k); i++)
+			add_box(lab, 0.21 * (i % (6 - k)) + 0.105 * k,
+			        0.21 * (i / (6 - k)) + 0.105 * k, 0.1 + 0.2 * k);
+	drop_ball(lab, 0.52, 0.53);
+}
+
+/* The same run of steps, a frame at each and at each twentieth: m, the worst of all bodies. */
+static double worst_of_steps(void (*seal)(struct lab *lab, double frame_rate))
+{
+	const unsigned fields = RB_FIELD_DEFAULT | RB_FIELD_EVENTS;
+	struct lab coarse, fine;
+	struct rb_frame a, b, truth;
+	struct rb_between out = {0};
+	struct rb_error err;
+	double worst = 0;
+	int events = 0;
+
+	seal(&coarse, COARSE);
+	seal(&fine, FINE);
+	assert_ok(rb_frame_init(&a, coarse.model, fields, &err));
+	assert_ok(rb_frame_init(&b, coarse.model, fields, &err));
+	assert_ok(rb_frame_init(&truth, fine.model, fields, &err));
+	fill(&coarse, &a);
+	for (int k = 0; k < 12 * FINE / COARSE; k++) {
+		if (k % (FINE / COARSE) == 0) {
+			if (k > 0)
+				assert_ok(rb_frame_copy(&a, &b, &err));
+			assert_ok(rb_world_step_frame(coarse.world, &err));
+			fill(&coarse, &b);
+			events += b.event_count;
+		}
+		assert_ok(rb_world_step_frame(fine.world, &err));
+		fill(&fine, &truth);
+		assert_ok(rb_frame_between(&out, coarse.model, &a, &b, fmin(truth.time_s, b.time_s),
+		                           &err));
+		for (int i = 0; i < 3 * coarse.model->body_count; i++)
+			worst = fmax(worst, fabs(out.frame.position[i] - truth.position[i]));
+	}
+	print_message("at most %.2g m away, %d impacts, %d of large groups\n", worst, events,
+	              (int)rb_world_work(coarse.world).crowded_impacts);
+	assert_true(events >= 2 && rb_world_work(coarse.world).crowded_impacts >= 2);
 	rb_frame_release(&a);
 	rb_frame_release(&b);
 	rb_frame_release(&truth);
 	rb_between_release(&out);
 	lab_close(&coarse);
 	lab_close(&fine);
+	return worst;
+}
+
+static void what_a_pile_presses_back_does_not_throw_bodies_about_between_frames(void **state)
+{
+	(void)state;
+	assert_true(worst_of_steps(seal_stack) < 5e-4);
+}
+
+/* A step at 3.5 m/s is 9 mm, and its impact is told at its end. */
+static void impacts_of_large_groups_are_between_frames_where_the_steps_have_them(void **state)
+{
+	(void)state;
+	assert_true(worst_of_steps(seal_pyramid) < 5e-4);
 }
 
 int main(void)
@@ -430,6 +604,11 @@ int main(void)
 		cmocka_unit_test(a_wrong_spin_still_arrives_where_the_frames_are),
 		cmocka_unit_test(
 			bodies_that_bounce_and_spin_are_between_frames_where_the_run_has_them),
+		cmocka_unit_test(what_callbacks_change_is_between_frames_where_the_run_has_it),
+		cmocka_unit_test(
+			what_a_pile_presses_back_does_not_throw_bodies_about_between_frames),
+		cmocka_unit_test(
+			impacts_of_large_groups_are_between_frames_where_the_steps_have_them),
 		cmocka_unit_test(a_copy_follows_frames_of_any_shape_and_keeps_its_lists),
 		cmocka_unit_test(every_failed_allocation_leaves_a_copy_that_can_be_released),
 	};

@@ -69,7 +69,8 @@ static void converge(const char *scene, const char *budget)
 static void settings_are_run_as_far_as_their_time_fits(void **state)
 {
 	static const char text[] =
-		"world { duration = 1, frame_rate = 10 } sphere { radius = 1, mass = 1, name = 'a' }\n"
+		"world { duration = 1, frame_rate = 10 } sphere { radius = 1, mass = 1, name = 'a' "
+		"}\n"
 		"reference(function(t) return {a = {position = {0, 0, 0}}} end)\n";
 	char folder[256], scene[300], budget[32];
 

@@ -306,7 +306,8 @@ static void an_ffmpeg_that_fails_is_told_with_what_it_said_last(void **state)
 		{"head -c 614400 >/dev/null; kill -9 $$", {"signal 9", "it said nothing"}, 1000},
 		{"exit 0", {"has ended before the film", ""}, 1000},
 		/* talks more than a pipe holds before it reads */
-		{"i=0; while [ $i -lt 4000 ]; do echo \"line $i of what nobody wants to know\" >&2; "
+		{"i=0; while [ $i -lt 4000 ]; do echo \"line $i of what nobody wants to know\" "
+	         ">&2; "
 	         "i=$((i+1)); done; cat >/dev/null; echo end >&2; exit 5",
 	         {"exit status 5: end", ""},
 	         20},
@@ -339,7 +340,8 @@ static void ffmpeg_gets_a_clean_start(void **state)
 	snprintf(path, sizeof path, "%s/a.mp4", support_folder(folder));
 	be_ffmpeg(
 		folder,
-		"cd \"${0%/*}\"; cat >/dev/null; for last; do :; done; echo film >\"${last#file:}\"\n"
+		"cd \"${0%/*}\"; cat >/dev/null; for last; do :; done; echo film "
+		">\"${last#file:}\"\n"
 		"sed -nE 's/^Sig(Blk|Ign):.*(.{7})$/\\2/p' /proc/self/status | tr -d '\\n' >said\n"
 		"n=0; for f in 3 4 5 6 7 8 9 40; do [ -e /proc/$$/fd/$f ] && n=$((n+1)); done\n"
 		"printf %d $n >>said\n"
@@ -451,7 +453,8 @@ static void a_film_that_is_empty_or_whose_end_nobody_knows_is_a_failure(void **s
 static void a_full_disk_is_told_as_such(void **state)
 {
 	static const char *const scripts[] = {
-		"cat >/dev/null; echo 'write: No space left on device' >&2; echo Failed. >&2; exit 1",
+		"cat >/dev/null; echo 'write: No space left on device' >&2; echo Failed. >&2; exit "
+		"1",
 		"head -c 500000 >/dev/null; echo 'write: No space left on device' >&2; exit 1",
 		("cat >/dev/null; for last; do :; done; echo x >${last#file:}\n"
 	         "echo 'Error writing trailer: No space left on device' >&2; exit 0"),

@@ -100,9 +100,9 @@ static void there_is_a_point_and_all_lie_on_both_boxes(void **slot)
 			const double b = outside(&c.b, &c.at_b, m.point[i].on_b);
 			const double most = 2 * c.band + noise;
 			if (fabs(a) > most || fabs(b) > most)
-				fail_msg(
-					"sample %d, point %d of %d: %.3g and %.3g off the boxes, band %.3g, gap %.3g",
-					k, i, m.count, a, b, c.band, m.gap);
+				fail_msg("sample %d, point %d of %d: %.3g and %.3g off the boxes, "
+				         "band %.3g, gap %.3g",
+				         k, i, m.count, a, b, c.band, m.gap);
 		}
 		part(&c);
 	}
@@ -151,10 +151,10 @@ static void the_order_of_the_boxes_does_not_matter(void **slot)
 		const double near = 3 * c.band + (4e-16 + fabs(m.gap) * angle) / c.band;
 		for (int i = 0; i < m.count; i++)
 			if (!has_mirrored(&n, &m.point[i], near))
-				fail_msg(
-					"sample %d: point %d of %d is not among %d, band %.3g gap %.3g normals %.3g",
-					k, i, m.count, n.count, c.band, m.gap,
-					rb_vec3_length(rb_vec3_add(m.normal, n.normal)));
+				fail_msg("sample %d: point %d of %d is not among %d, band %.3g gap "
+				         "%.3g normals %.3g",
+				         k, i, m.count, n.count, c.band, m.gap,
+				         rb_vec3_length(rb_vec3_add(m.normal, n.normal)));
 		part(&c);
 	}
 }

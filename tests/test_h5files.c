@@ -189,13 +189,15 @@ static const char scene_text[] =
 	"local part = require 'part'\n"
 	"local r = math.random()\n"
 	"world { duration = 1, gravity = {0, 0, -10}, title = word }\n"
-	"local m = material { name = 'm', restitution = e, texture = 'worn.png', color = '#102030' }\n"
+	"local m = material { name = 'm', restitution = e, texture = 'worn.png', color = '#102030' "
+	"}\n"
 	"for i = 1, n do\n"
 	"  sphere { name = i > 1 and 'ball' .. i or nil, radius = part.radius, material = m,\n"
 	"           position = {i * 3 + math.random(), r, deep and -5 or 5}, static = i == 2,\n"
 	"           texture = i == 3 and 'worn.png' or nil, visible = #word > 250 }\n"
 	"end\n"
-	"camera { name = 'main', position = function(t) return {t, e, n} end, look_at = body 'ball3' }\n";
+	"camera { name = 'main', position = function(t) return {t, e, n} end, look_at = body "
+	"'ball3' }\n";
 
 struct loaded {
 	struct rb_script *script;

@@ -54,9 +54,9 @@ static void assert_column(const double *column, uint64_t k, int bodies, int numb
 			const double wanted = fake_value(k, i, number, axis);
 			const double is = column[i * (size_t)width + (size_t)axis];
 			if (is != (single ? (double)(float)wanted : wanted))
-				fail_msg(
-					"frame %llu, body %zu, column %d, axis %d: %.17g, wanted %.17g",
-					(unsigned long long)k, i, number, axis, is, wanted);
+				fail_msg("frame %llu, body %zu, column %d, axis %d: %.17g, wanted "
+				         "%.17g",
+				         (unsigned long long)k, i, number, axis, is, wanted);
 		}
 }
 

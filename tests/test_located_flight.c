@@ -2,6 +2,9 @@
 /* src/event: motion between impacts against closed forms. */
 #include "worlds.h"
 
+#include "force/drag.h"
+#include "force/spring.h"
+
 #include "runge.h"
 
 #include <float.h>
@@ -100,12 +103,12 @@ static void frames_do_not_change_a_bit_of_the_motion(void **slot)
 			for (int id = 0; id < MOVERS; id++)
 				for (int k = 0; k < 13; k++)
 					if (found[second][id][k] != wanted[second][id][k])
-						fail_msg(
-							"%g frames/s, t = %d s, body %d, column %d: "
-							"%.17g, not %.17g",
-							rates[r], second + 1, id, k,
-							found[second][id][k],
-							wanted[second][id][k]);
+						fail_msg("%g frames/s, t = %d s, body %d, column "
+						         "%d: "
+						         "%.17g, not %.17g",
+						         rates[r], second + 1, id, k,
+						         found[second][id][k],
+						         wanted[second][id][k]);
 	}
 }
 
@@ -312,7 +315,7 @@ static int add_spring(struct lab *lab, int a, int b, double stiffness, double da
 	spring.damping = damping;
 	spring.rest_length_m = rest;
 	assert_int_equal(rb_scene_add_spring(&lab->scene, &spring, &lab->error), RB_OK);
-	return lab->scene.spring_count - 1;
+	return rb_scene_element_count(&lab->scene, &rb_force_spring) - 1;
 }
 
 /* A quarter after 100 periods the place says how late it is. */

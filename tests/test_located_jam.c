@@ -205,11 +205,11 @@ static int check(const struct rod *rod, double time)
 	if (error < 0)
 		return 0;
 	if (error > kept)
-		print_error(
-			"%s %g x %g, %g kg, mu %g, e %g, %g degrees, %g m/s, falls %g, spins %g, turned %g, slope %g\n",
-			rb_shape_name(rod->kind), rod->length, rod->thick, rod->mass, rod->friction,
-			rod->restitution, rod->degrees, rod->speed, rod->fall, rod->spin,
-			rod->azimuth, rod->slope);
+		print_error("%s %g x %g, %g kg, mu %g, e %g, %g degrees, %g m/s, falls %g, spins "
+		            "%g, turned %g, slope %g\n",
+		            rb_shape_name(rod->kind), rod->length, rod->thick, rod->mass,
+		            rod->friction, rod->restitution, rod->degrees, rod->speed, rod->fall,
+		            rod->spin, rod->azimuth, rod->slope);
 	assert_near(error, 0, kept);
 	return 1;
 }

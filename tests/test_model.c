@@ -2,6 +2,9 @@
 /* src/model/model.c, src/model/validate.c, src/model/features.c */
 #include "support.h"
 
+#include "force/drag.h"
+#include "force/spring.h"
+
 #include <float.h>
 
 #include <rbsim/model.h>
@@ -410,13 +413,22 @@ static void forces_between_and_on_bodies_are_features(void **slot)
 	                           RB_FEATURE_SPRINGS;
 	assert_int_equal(features(&b), forces);
 	/* an end beside the centre of mass turns the body, unless nothing can */
-	b.scene.springs[0].at_b = (rb_vec3){0, 1, 0};
+	rb_scene_spring(&b.scene, 0)->at_b = (rb_vec3){0, 1, 0};
 	assert_int_equal(features(&b), forces | RB_FEATURE_ROTATION);
 	b.scene.bodies[1].is_static = true;
 	assert_int_equal(features(&b), forces);
-	b.scene.springs[0].at_a = b.scene.bodies[0].center_of_mass;
+	rb_scene_spring(&b.scene, 0)->at_a = b.scene.bodies[0].center_of_mass;
 	assert_int_equal(features(&b), forces);
 	close_bench(&b);
+}
+
+/* Of the model's first spring. */
+static double rest_of(const struct rb_model *model)
+{
+	const struct rb_elements *springs = rb_model_elements(model, &rb_force_spring);
+	const struct rb_spring_def *spring = rb_elements_row(springs, 0);
+
+	return spring->rest_length_m;
 }
 
 static void springs_that_make_no_sense_are_refused(void **slot)
@@ -430,7 +442,7 @@ static void springs_that_make_no_sense_are_refused(void **slot)
 	add(&b, ball(1, 4, 0, 0));
 	spring.a = spring.b = 1;
 	join(&b, spring);
-	struct rb_spring_def *it = b.scene.springs;
+	struct rb_spring_def *it = rb_scene_spring(&b.scene, 0);
 	assert_refused(&b, "test.lua:7: spring: both ends are on the same body");
 	it->a = 0;
 	b.scene.bodies[0].is_static = b.scene.bodies[1].is_static = true;
@@ -441,10 +453,10 @@ static void springs_that_make_no_sense_are_refused(void **slot)
 	it->damping = 0;
 	it->at_a = (rb_vec3){4, 0, 0};
 	seal(&b); /* of no length, and at rest so */
-	assert_near(b.model->rest_length_m[0], 0, 0);
+	assert_near(rest_of(b.model), 0, 0);
 	it->at_b = (rb_vec3){0, 3, 0};
 	seal(&b);
-	assert_near(b.model->rest_length_m[0], 3, 1e-15);
+	assert_near(rest_of(b.model), 3, 1e-15);
 	it->at_b = (rb_vec3){(double)NAN, 0, 0};
 	it->rest_length_m = 0.5;
 	assert_refused(&b,
@@ -478,10 +490,10 @@ static void what_the_classic_method_lacks_is_refused_by_name(void **slot)
 	spring.b = 1;
 	join(&b, spring);
 	assert_refused(&b, "world: method 'classic' has no springs: use 'located' or 'auto'");
-	b.scene.spring_count = 0;
+	b.scene.elements[rb_element_place(&rb_force_spring)].count = 0;
 	assert_ok(rb_scene_add_drag(&b.scene, &drag, &err));
 	assert_refused(&b, "method 'classic' has no drag:");
-	b.scene.drag_count = 0;
+	b.scene.elements[rb_element_place(&rb_force_drag)].count = 0;
 	assert_ok(rb_scene_add_field(&b.scene, &field, &err));
 	assert_refused(&b, "method 'classic' has no fields:");
 	b.scene.world.method = RB_METHOD_LOCATED;
@@ -680,7 +692,7 @@ static void every_feature_has_one_row_with_texts(void **slot)
 		            rows[i].present);
 		seen |= rows[i].bit;
 	}
-	assert_int_equal(seen, 2 * RB_FEATURE_HOOK_TRANSITION - 1);
+	assert_int_equal(seen, 2 * RB_FEATURE_ELEMENTS - 1);
 }
 
 static void running_out_of_memory_is_an_error_at_every_allocation(void **slot)

@@ -65,8 +65,8 @@ static void a_scene_alone_is_run(void **state)
 
 static void options_may_stand_anywhere_and_in_every_form(void **state)
 {
-	struct rb_options options = right(
-		"-qo a.h5 --param e=0.5 run --duration=2.5e1 scene.lua -p name= --seed 7 --threads=3 --rollback global");
+	struct rb_options options = right("-qo a.h5 --param e=0.5 run --duration=2.5e1 scene.lua "
+	                                  "-p name= --seed 7 --threads=3 --rollback global");
 
 	(void)state;
 	assert_true(options.verb_given);
@@ -276,25 +276,46 @@ static void a_progress_line_fits_its_terminal(void **state)
 	(void)state;
 	for (int width = 1; width < 200; width++) {
 		char line[256];
-		rb_progress_line(line, sizeof line, width, 123.456, 1000, 7200);
+		rb_progress_line(line, sizeof line, width,
+		                 &(struct rb_progress_now){123.456, 1000, 7200, 51120});
 		assert_true((int)strlen(line) <= width);
 	}
 	char line[256];
-	rb_progress_line(line, sizeof line, 100, 5, 10, 2);
+	rb_progress_line(line, sizeof line, 100, &(struct rb_progress_now){5, 10, 2, 2});
 	assert_non_null(strstr(line, " 50 % [========"));
 	assert_non_null(strstr(line, "5 of 10 s"));
 	assert_non_null(strstr(line, "2.5 x real time"));
 	assert_non_null(strstr(line, "2.0 s left"));
-	rb_progress_line(line, sizeof line, 30, 5, 10, 2);
+	rb_progress_line(line, sizeof line, 30, &(struct rb_progress_now){5, 10, 2, 2});
 	assert_non_null(strstr(line, " 50 %"));
-	rb_progress_line(line, sizeof line, 100, 9.9999, 10, 2);
+	rb_progress_line(line, sizeof line, 100,
+	                 &(struct rb_progress_now){9.9999, 10, 2, (double)NAN});
+	assert_null(strstr(line, "left"));
 	assert_non_null(strstr(line, " 99 %"));
+}
+
+/* A run that takes a second for each tenth, and from the middle on ten. */
+static void what_is_left_follows_the_latest_pace(void **state)
+{
+	struct rb_pace_window window = {0};
+	double left_s = 0;
+
+	(void)state;
+	assert_true(isnan(rb_progress_left(&window, 0, 1, 0)));
+	for (int k = 1; k <= 50; k++)
+		left_s = rb_progress_left(&window, 0.01 * k, 1, 0.1 * k);
+	assert_near(left_s, 5, 1e-9);
+	for (int k = 1; k <= 25; k++)
+		left_s = rb_progress_left(&window, 0.5 + 0.01 * k, 1, 5 + k);
+	/* by the mean of the run it would be 10 */
+	assert_near(left_s, 25, 1e-9);
 }
 
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(a_scene_alone_is_run),
+		cmocka_unit_test(what_is_left_follows_the_latest_pace),
 		cmocka_unit_test(options_may_stand_anywhere_and_in_every_form),
 		cmocka_unit_test(two_dashes_end_options_and_verbs),
 		cmocka_unit_test(help_and_version_excuse_missing_operands),

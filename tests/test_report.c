@@ -149,7 +149,8 @@ static void the_advice_is_the_cheapest_that_is_good_enough(void **state)
 	rb_report_conclude(&made->report);
 	assert_int_equal(made->report.advised, 2);
 	says(made->report.advice,
-	     "for an error of 1e-06 m the cheapest is method located, rollback selective, time step 0.1 s: 100 ms a run, error 1e-09 m");
+	     "for an error of 1e-06 m the cheapest is method located, rollback selective, time "
+	     "step 0.1 s: 100 ms a run, error 1e-09 m");
 }
 
 static void a_missed_error_is_told_with_its_factor(void **state)

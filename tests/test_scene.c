@@ -2,6 +2,9 @@
 /* src/model/scene.c */
 #include "support.h"
 
+#include "force/drag.h"
+#include "force/spring.h"
+
 #include <rbsim/scene.h>
 
 #include "base/memory.h"
@@ -75,12 +78,14 @@ static void springs_drags_and_fields_are_kept_in_order(void **slot)
 		assert_ok(rb_scene_add_drag(&scene, &drag, &err));
 		assert_ok(rb_scene_add_field(&scene, &field, &err));
 	}
-	assert_int_equal(scene.spring_count, 300);
-	assert_int_equal(scene.drag_count, 300);
+	assert_int_equal(rb_scene_element_count(&scene, &rb_force_spring), 300);
+	assert_int_equal(rb_scene_element_count(&scene, &rb_force_drag), 300);
 	assert_int_equal(scene.field_count, 300);
 	for (int i = 0; i < 300; i++) {
-		assert_near(scene.springs[i].stiffness, i, 0);
-		assert_near(scene.drags[i].linear, i, 0);
+		assert_near(rb_scene_spring(&scene, i)->stiffness, i, 0);
+		assert_near(
+			((struct rb_drag_def *)rb_scene_element(&scene, &rb_force_drag, i))->linear,
+			i, 0);
 		assert_int_equal(scene.fields[i].function, i);
 	}
 	assert_int_equal(rb_body_def_default().motion, -1);

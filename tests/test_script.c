@@ -71,15 +71,17 @@ static void the_example_of_the_manual_becomes_a_scene(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(
-		&it,
-		"local e = param('e', 0.8, 'restitution of the ball', {min = 0, max = 1})\n"
-		"world { title = 'A bouncing ball', duration = 10, frame_rate = 60, gravity = {0, 0, -9.81} }\n"
-		"local rubber = material { name = 'rubber', density = 1100, friction = 0.6, restitution = e }\n"
-		"plane { normal = {0, 0, 1}, material = rubber, texture = 'checker' }\n"
-		"local ball = sphere { name = 'ball', radius = 0.1, position = {0, 0, 2}, material = rubber }\n"
-		"camera { name = 'main', position = {3, -4, 2}, look_at = ball, size = {1280, 720}, video = 'b.mp4' }\n"
-		"expect('above', function() return ball.position.z >= 0.1 end)\n");
+	must_load(&it, "local e = param('e', 0.8, 'restitution of the ball', {min = 0, max = 1})\n"
+	               "world { title = 'A bouncing ball', duration = 10, frame_rate = 60, gravity "
+	               "= {0, 0, -9.81} }\n"
+	               "local rubber = material { name = 'rubber', density = 1100, friction = 0.6, "
+	               "restitution = e }\n"
+	               "plane { normal = {0, 0, 1}, material = rubber, texture = 'checker' }\n"
+	               "local ball = sphere { name = 'ball', radius = 0.1, position = {0, 0, 2}, "
+	               "material = rubber }\n"
+	               "camera { name = 'main', position = {3, -4, 2}, look_at = ball, size = "
+	               "{1280, 720}, video = 'b.mp4' }\n"
+	               "expect('above', function() return ball.position.z >= 0.1 end)\n");
 	assert_string_equal(it.scene.world.title, "A bouncing ball");
 	assert_near(it.scene.world.duration_s, 10, 0);
 	assert_near(it.scene.world.gravity.z, -9.81, 0);
@@ -112,12 +114,17 @@ static void every_key_of_a_body_arrives(void **state)
 	(void)state;
 	must_load(
 		&it,
-		"world { duration = 1, rollback = 'global', method = 'classic', seed = 42, tolerance = 1e-5, time_step = 1e-3 }\n"
+		"world { duration = 1, rollback = 'global', method = 'classic', seed = 42, "
+		"tolerance = 1e-5, time_step = 1e-3 }\n"
 		"material { name = 'm' } contact_pair('m', 'm', { friction = 0.25 })\n"
-		"sphere { radius = 2, mass = 3, center_of_mass = {0.1, 0, 0}, inertia = {{2, 0.1, 0}, {0.1, 3, 0}, {0, 0, 4}},\n"
-		"  orientation = {axis = {0, 0, 2}, angle = deg(90)}, velocity = vec3(1, 2, 3), angular_velocity = {4, 5, 6},\n"
-		"  group = 'a', collides_with = {'b', 'c'}, color = '#ff0080', visible = false, material = 'm',\n"
-		"  forces = {{vector = {1, 0, 0}, point = {0, 1, 0}, start = 1, duration = 2, frame = 'body'},\n"
+		"sphere { radius = 2, mass = 3, center_of_mass = {0.1, 0, 0}, inertia = {{2, 0.1, "
+		"0}, {0.1, 3, 0}, {0, 0, 4}},\n"
+		"  orientation = {axis = {0, 0, 2}, angle = deg(90)}, velocity = vec3(1, 2, 3), "
+		"angular_velocity = {4, 5, 6},\n"
+		"  group = 'a', collides_with = {'b', 'c'}, color = '#ff0080', visible = false, "
+		"material = 'm',\n"
+		"  forces = {{vector = {1, 0, 0}, point = {0, 1, 0}, start = 1, duration = 2, "
+		"frame = 'body'},\n"
 		"            {direction = {0, 0, 2}, magnitude = 5}} }\n"
 		"plane { normal = {1, 0, 0}, point = {5, 0, 0}, size = {2, 3}, axis = {0, 0, 1} }\n"
 		"sphere { radius = 1, static = true, orientation = {1.0005, 0, 0, 0} }\n");
@@ -212,11 +219,12 @@ static void every_mistake_gets_its_message_and_all_of_one_pass_come_together(voi
 
 static void parameters_take_the_type_of_their_default(void **state)
 {
-	static const char text[] =
-		"world { duration = 1 }\n"
-		"a = param('a', 0.5, 'h', {min = 0, max = 1}) n = param('n', 5, 'h') b = param('b', true, 'h')\n"
-		"s = param('s', 'x', 'h', {choices = {'x', 'y'}})\n"
-		"assert(a == 0.75 and math.type(n) == 'integer' and n == 10 and b == false and s == 'y')\n";
+	static const char text[] = "world { duration = 1 }\n"
+				   "a = param('a', 0.5, 'h', {min = 0, max = 1}) n = param('n', 5, "
+				   "'h') b = param('b', true, 'h')\n"
+				   "s = param('s', 'x', 'h', {choices = {'x', 'y'}})\n"
+				   "assert(a == 0.75 and math.type(n) == 'integer' and n == 10 and "
+				   "b == false and s == 'y')\n";
 	static const char *const right[] = {"a=0.1", "n=1e1", "b=false", "s=y", "a=0.75"};
 	static const char *const wrong[] = {"a=2", "n=1.5", "b=no", "s=z", "aa=3", "q", "a=nan"};
 	struct loaded it;
@@ -230,23 +238,23 @@ static void parameters_take_the_type_of_their_default(void **state)
 	assert_string_equal(it.scene.params[3].choices, "x, y");
 	unload(&it);
 
-	load_params(
-		&it,
-		"local a = param('a', 0.5, 'h', {min = 0, max = 1}) param('n', 5, 'h') param('b', true, 'h')\n"
-		"param('s', 'x', 'h', {choices = {'x', 'y'}})\n",
-		wrong, 7);
+	load_params(&it,
+	            "local a = param('a', 0.5, 'h', {min = 0, max = 1}) param('n', 5, 'h') "
+	            "param('b', true, 'h')\n"
+	            "param('s', 'x', 'h', {choices = {'x', 'y'}})\n",
+	            wrong, 7);
 	assert_int_equal(it.status, RB_ERR_USAGE);
 	assert_int_equal(it.mistakes.count, 6);
 	assert_string_equal(it.mistakes.line[0], "t.lua: --param a: must be a number (got 'nan')");
-	assert_string_equal(
-		it.mistakes.line[1],
-		"t.lua: --param n: must be a whole number, as its default 5 is one (write 5.0 in the scene for any number) (got '1.5')");
+	assert_string_equal(it.mistakes.line[1],
+	                    "t.lua: --param n: must be a whole number, as its default 5 is one "
+	                    "(write 5.0 in the scene for any number) (got '1.5')");
 	assert_string_equal(it.mistakes.line[2],
 	                    "t.lua: --param b: must be true or false (got 'no')");
 	assert_string_equal(it.mistakes.line[3], "t.lua: --param s: must be one of x, y (got 'z')");
-	assert_string_equal(
-		it.mistakes.line[4],
-		"t.lua: --param aa: the scene has no such parameter (did you mean 'a'?); it has a, n, b, s");
+	assert_string_equal(it.mistakes.line[4],
+	                    "t.lua: --param aa: the scene has no such parameter (did you mean "
+	                    "'a'?); it has a, n, b, s");
 	assert_string_equal(it.mistakes.line[5], "t.lua: --param 'q': wants NAME=VALUE");
 	unload(&it);
 }
@@ -484,8 +492,10 @@ static void a_call_that_is_assigned_to_is_a_mistake(void **state)
 		const char *text, *message;
 	} cases[] = {
 		{"world { duration = 1 }\nfunction on_step(t, dt) end",
-	         "t.lua:2: 'on_step' is a call of the scene language: write on_step(function(t, dt) ... end)"},
-		{"world { duration = 1 }\n  sphere { radius = 1 }\nlocal f = sphere\nfunction  sphere() end",
+	         "t.lua:2: 'on_step' is a call of the scene language: write on_step(function(t, "
+	         "dt) ... end)"},
+		{"world { duration = 1 }\n  sphere { radius = 1 }\nlocal f = sphere\nfunction  "
+	         "sphere() end",
 	         "t.lua:4: 'sphere' is a call of the scene language: write sphere { ... }"},
 		{"-- world = nothing\n\nworld = { duration = 1 }",
 	         "t.lua:3: 'world' is a call of the scene language: write world { ... }"},
@@ -514,9 +524,8 @@ static void a_mistake_in_a_helper_shows_the_line_of_the_scene(void **state)
 	struct loaded it;
 
 	(void)state;
-	load_text(
-		&it,
-		"local chain = require 'rbsim.chain'\n\nchain.row { count = 2, keys = { radius = 1, raduis = 3 } }");
+	load_text(&it, "local chain = require 'rbsim.chain'\n\nchain.row { count = 2, keys = { "
+	               "radius = 1, raduis = 3 } }");
 	/* stored files have no shipped helpers: only what is stored */
 	assert_int_equal(it.status, RB_ERR_SCENE);
 	assert_string_equal(it.error.text,
@@ -527,16 +536,16 @@ static void a_mistake_in_a_helper_shows_the_line_of_the_scene(void **state)
 	struct rb_script_options options = {.path = path};
 	support_folder(folder);
 	snprintf(path, sizeof path, "%s/scene.lua", folder);
-	put_file(
-		folder, "scene.lua",
-		"local chain = require 'rbsim.chain'\n\nchain.row { count = 2, keys = { radius = 1, raduis = 3 } }\n"
-		"chain.row { count = 0, keys = {} }");
+	put_file(folder, "scene.lua",
+	         "local chain = require 'rbsim.chain'\n\nchain.row { count = 2, keys = { radius = "
+	         "1, raduis = 3 } }\n"
+	         "chain.row { count = 0, keys = {} }");
 	load_with(&it, &options);
 	assert_int_equal(it.status, RB_ERR_SCENE);
 	assert_int_equal(it.mistakes.count, 2); /* the same one of two spheres is told once */
-	assert_true(rb_pattern_found(
-		it.mistakes.line[0],
-		"scene%.lua:3: sphere %(in rbsim%.chain:%d+%): unknown key 'raduis' %(did you mean"));
+	assert_true(rb_pattern_found(it.mistakes.line[0],
+	                             "scene%.lua:3: sphere %(in rbsim%.chain:%d+%): unknown key "
+	                             "'raduis' %(did you mean"));
 	assert_non_null(strstr(
 		it.mistakes.line[1],
 		"scene.lua:4: chain.row: 'count' must be a whole number, 1 or more (got 0)"));
@@ -550,16 +559,20 @@ static void handles_show_the_initial_values(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(
-		&it,
-		"local b = sphere { name = 'b', radius = 1, density = 3 / (4 * math.pi), position = {1, 2, 3}, velocity = {2, 0, 0},\n"
-		"  orientation = {axis = {0, 0, 1}, angle = deg(90)}, angular_velocity = {0, 0, 1} }\n"
-		"local function near(a, b) return math.abs(a - b) < 1e-12 end\n"
-		"assert(b.name == 'b' and b.position == vec3(1, 2, 3) and b.velocity.x == 2)\n"
-		"assert(near(b.mass, 1) and near(b.inertia[1][1], 0.4) and near(b.kinetic_energy, 2 + 0.2))\n"
-		"assert(b.momentum.x > 1.99 and near(b.angular_momentum.z, 0.4 - 4))\n"
-		"assert(near(b.point({1, 0, 0}).y, 3) and b.point({1, 0, 0}) == b:point({1, 0, 0}))\n"
-		"assert(plane { }.mass == math.huge and time() == 0 and b == b and tostring(b) == 'body b')\n");
+	must_load(&it,
+	          "local b = sphere { name = 'b', radius = 1, density = 3 / (4 * math.pi), "
+	          "position = {1, 2, 3}, velocity = {2, 0, 0},\n"
+	          "  orientation = {axis = {0, 0, 1}, angle = deg(90)}, angular_velocity = {0, 0, "
+	          "1} }\n"
+	          "local function near(a, b) return math.abs(a - b) < 1e-12 end\n"
+	          "assert(b.name == 'b' and b.position == vec3(1, 2, 3) and b.velocity.x == 2)\n"
+	          "assert(near(b.mass, 1) and near(b.inertia[1][1], 0.4) and "
+	          "near(b.kinetic_energy, 2 + 0.2))\n"
+	          "assert(b.momentum.x > 1.99 and near(b.angular_momentum.z, 0.4 - 4))\n"
+	          "assert(near(b.point({1, 0, 0}).y, 3) and b.point({1, 0, 0}) == b:point({1, 0, "
+	          "0}))\n"
+	          "assert(plane { }.mass == math.huge and time() == 0 and b == b and tostring(b) "
+	          "== 'body b')\n");
 	unload(&it);
 }
 
@@ -568,17 +581,22 @@ static void vectors_have_operators(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(
-		&it,
-		"local a, b = vec3(1, 2, 3), vec3(3, 4, 12)\n"
-		"assert(a + b == vec3(4, 6, 15) and b - a == vec3(2, 2, 9) and -a == vec3(-1, -2, -3))\n"
-		"assert(2 * a == a * 2 and b / 2 == vec3(1.5, 2, 6) and a + {1, 1, 1} == vec3(2, 3, 4))\n"
-		"assert(b:length() == 13 and a:dot(b) == 47 and a:cross(b) == vec3(12, -3, -2))\n"
-		"assert(a.x == a[1] and a.z == a[3] and tostring(vec3(1, 2, 3.5)) == '{1.0, 2.0, 3.5}')\n"
-		"assert(math.abs(vec3(0, 3, 4):unit():length() - 1) < 1e-15 and math.abs(deg(180) - math.pi) < 1e-15)\n"
-		"a.y = 7 assert(a[2] == 7)\n"
-		"assert(not pcall(function() return a * b end) and not pcall(function() return a.w end))\n"
-		"assert(not pcall(function() a.w = 1 end) and not pcall(vec3, 1, 2) and not pcall(vec3, '1', 2, 3))\n");
+	must_load(&it,
+	          "local a, b = vec3(1, 2, 3), vec3(3, 4, 12)\n"
+	          "assert(a + b == vec3(4, 6, 15) and b - a == vec3(2, 2, 9) and -a == vec3(-1, "
+	          "-2, -3))\n"
+	          "assert(2 * a == a * 2 and b / 2 == vec3(1.5, 2, 6) and a + {1, 1, 1} == vec3(2, "
+	          "3, 4))\n"
+	          "assert(b:length() == 13 and a:dot(b) == 47 and a:cross(b) == vec3(12, -3, -2))\n"
+	          "assert(a.x == a[1] and a.z == a[3] and tostring(vec3(1, 2, 3.5)) == '{1.0, 2.0, "
+	          "3.5}')\n"
+	          "assert(math.abs(vec3(0, 3, 4):unit():length() - 1) < 1e-15 and "
+	          "math.abs(deg(180) - math.pi) < 1e-15)\n"
+	          "a.y = 7 assert(a[2] == 7)\n"
+	          "assert(not pcall(function() return a * b end) and not pcall(function() return "
+	          "a.w end))\n"
+	          "assert(not pcall(function() a.w = 1 end) and not pcall(vec3, 1, 2) and not "
+	          "pcall(vec3, '1', 2, 3))\n");
 	unload(&it);
 }
 
@@ -648,24 +666,32 @@ static void pairs_has_an_order(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(
-		&it,
-		"local function keys(t) local s = {} for k in pairs(t) do s[#s + 1] = tostring(k) end return table.concat(s, ' ') end\n"
-		"assert(keys { c = 1, a = 2, [3] = 1, [-1] = 2, [1.5] = 1, b = 3, [true] = 1 } == '-1 3 1.5 a b c true')\n"
-		"assert(keys { 1, 2, 3 } == '1 2 3' and keys {} == '' and next({}) == nil and next { 5 } == 1)\n"
-		"local b, a = sphere { radius = 1, name = 'b' }, sphere { radius = 1, name = 'a', position = {9, 0, 0} }\n"
-		"assert(keys { [a] = 1, [b] = 2 } == 'body b body a')\n"
-		"local some, text = {}, '' for i = 1, 9 do some[i] = sphere { radius = 1, position = {9 * i, 9, 0} } end\n"
-		"local order = {} for _, i in ipairs { 5, 1, 9, 3, 8, 2, 7, 6, 4 } do order[some[i]] = i end\n"
-		"for _, i in pairs(order) do text = text .. i end assert(text == '123456789', text)\n"
-		"local t = { a = 1, b = 2, c = 3 } local seen = 0\n"
-		"for k in pairs(t) do t[k] = nil if k == 'a' then t.b = nil end seen = seen + 1 end\n"
-		"assert(seen == 2 and next(t) == nil)\n"
-		"local k, n = nil, 0 local u = { x = 1, y = 2, 7, 8 }\n"
-		"repeat k = next(u, k) n = n + 1 until k == nil assert(n == 5)\n"
-		"assert(not pcall(pairs, { [{}] = 1, [{}] = 2 }) and keys { [{}] = 1 } == 'table: 1')\n"
-		"local p = setmetatable({}, { __pairs = function() return function(_, k) if not k then return 1 end end, nil, nil end })\n"
-		"assert(keys(p) == '1')\n");
+	must_load(&it, "local function keys(t) local s = {} for k in pairs(t) do s[#s + 1] = "
+	               "tostring(k) end return table.concat(s, ' ') end\n"
+	               "assert(keys { c = 1, a = 2, [3] = 1, [-1] = 2, [1.5] = 1, b = 3, [true] = "
+	               "1 } == '-1 3 1.5 a b c true')\n"
+	               "assert(keys { 1, 2, 3 } == '1 2 3' and keys {} == '' and next({}) == nil "
+	               "and next { 5 } == 1)\n"
+	               "local b, a = sphere { radius = 1, name = 'b' }, sphere { radius = 1, name "
+	               "= 'a', position = {9, 0, 0} }\n"
+	               "assert(keys { [a] = 1, [b] = 2 } == 'body b body a')\n"
+	               "local some, text = {}, '' for i = 1, 9 do some[i] = sphere { radius = 1, "
+	               "position = {9 * i, 9, 0} } end\n"
+	               "local order = {} for _, i in ipairs { 5, 1, 9, 3, 8, 2, 7, 6, 4 } do "
+	               "order[some[i]] = i end\n"
+	               "for _, i in pairs(order) do text = text .. i end assert(text == "
+	               "'123456789', text)\n"
+	               "local t = { a = 1, b = 2, c = 3 } local seen = 0\n"
+	               "for k in pairs(t) do t[k] = nil if k == 'a' then t.b = nil end seen = seen "
+	               "+ 1 end\n"
+	               "assert(seen == 2 and next(t) == nil)\n"
+	               "local k, n = nil, 0 local u = { x = 1, y = 2, 7, 8 }\n"
+	               "repeat k = next(u, k) n = n + 1 until k == nil assert(n == 5)\n"
+	               "assert(not pcall(pairs, { [{}] = 1, [{}] = 2 }) and keys { [{}] = 1 } == "
+	               "'table: 1')\n"
+	               "local p = setmetatable({}, { __pairs = function() return function(_, k) if "
+	               "not k then return 1 end end, nil, nil end })\n"
+	               "assert(keys(p) == '1')\n");
 	unload(&it);
 }
 
@@ -676,17 +702,27 @@ static void patterns_mean_what_they_mean_in_lua(void **state)
 	(void)state;
 	must_load(
 		&it,
-		"assert(('key = val'):match('^(%w+)%s*=%s*(%w+)$') == 'key' and ('x'):find('') == 1 and ('a.b'):find('.', 1, true) == 2)\n"
-		"assert(('hello'):gsub('l+', {ll = 'LL'}) == 'heLLo' and ('abc'):gsub('', '-') == '-a-b-c-')\n"
-		"assert(('f(a(b)c)d'):match('%b()') == '(a(b)c)' and ('THE (quick) fox'):find('%((%a+)%)') == 5)\n"
+		"assert(('key = val'):match('^(%w+)%s*=%s*(%w+)$') == 'key' and ('x'):find('') == "
+		"1 and ('a.b'):find('.', 1, true) == 2)\n"
+		"assert(('hello'):gsub('l+', {ll = 'LL'}) == 'heLLo' and ('abc'):gsub('', '-') == "
+		"'-a-b-c-')\n"
+		"assert(('f(a(b)c)d'):match('%b()') == '(a(b)c)' and ('THE (quick) "
+		"fox'):find('%((%a+)%)') == 5)\n"
 		"assert(('THE (quick) fox'):gsub('%f[%a]%a+', string.lower) == 'the (quick) fox')\n"
-		"assert(('abab'):match('^(ab)%1$') == 'ab' and ('abc'):match('()b()') == 2 and ('x]y'):match('[]]') == ']')\n"
-		"assert(('a-z'):match('[a%-]+') == 'a-' and ('1.5e3'):match('[^%a]+') == '1.5' and ('aaa'):match('a-$') == 'aaa')\n"
-		"assert(('abc'):gsub('%w', '%0%0') == 'aabbcc' and select(2, ('abc'):gsub('%w', '', 2)) == 2)\n"
-		"assert(('hello world'):gsub('(o)(.)', '%2%1') == 'hell owrold' and ('abc'):match('.', -1) == 'c')\n"
-		"local n = 0 for k, v in ('a=1, b=2'):gmatch('(%w+)=(%w+)') do n = n + tonumber(v) end assert(n == 3)\n"
-		"for _, p in ipairs { '[a', '%', '(', '%b', '%f', '%1', ('('):rep(40) } do assert(not pcall(string.find, 'aaa', p), p) end\n"
-		"assert(not pcall(string.gsub, 'a', 'a', '%2') and not pcall(string.gsub, 'a', 'a', '%x') and not pcall(string.rep))\n");
+		"assert(('abab'):match('^(ab)%1$') == 'ab' and ('abc'):match('()b()') == 2 and "
+		"('x]y'):match('[]]') == ']')\n"
+		"assert(('a-z'):match('[a%-]+') == 'a-' and ('1.5e3'):match('[^%a]+') == '1.5' and "
+		"('aaa'):match('a-$') == 'aaa')\n"
+		"assert(('abc'):gsub('%w', '%0%0') == 'aabbcc' and select(2, ('abc'):gsub('%w', "
+		"'', 2)) == 2)\n"
+		"assert(('hello world'):gsub('(o)(.)', '%2%1') == 'hell owrold' and "
+		"('abc'):match('.', -1) == 'c')\n"
+		"local n = 0 for k, v in ('a=1, b=2'):gmatch('(%w+)=(%w+)') do n = n + tonumber(v) "
+		"end assert(n == 3)\n"
+		"for _, p in ipairs { '[a', '%', '(', '%b', '%f', '%1', ('('):rep(40) } do "
+		"assert(not pcall(string.find, 'aaa', p), p) end\n"
+		"assert(not pcall(string.gsub, 'a', 'a', '%2') and not pcall(string.gsub, 'a', "
+		"'a', '%x') and not pcall(string.rep))\n");
 	unload(&it);
 }
 
@@ -704,10 +740,12 @@ static void expect_refused_is_known_even_of_a_scene_that_fails(void **state)
 
 static void every_allocation_that_fails_is_an_error_and_no_leak(void **state)
 {
-	static const char text[] =
-		"world { title = 'x', duration = 1 } local m = material { name = 'm' } param('p', 1, 'h')\n"
-		"for i = 1, 30 do sphere { name = 'b' .. i, radius = 1, material = m, forces = {{vector = {1, 0, 0}}} } end\n"
-		"camera {} expect('e', function() return true end) on_step(function() end) print(('x'):rep(5000))\n";
+	static const char text[] = "world { title = 'x', duration = 1 } local m = material { name "
+				   "= 'm' } param('p', 1, 'h')\n"
+				   "for i = 1, 30 do sphere { name = 'b' .. i, radius = 1, "
+				   "material = m, forces = {{vector = {1, 0, 0}}} } end\n"
+				   "camera {} expect('e', function() return true end) "
+				   "on_step(function() end) print(('x'):rep(5000))\n";
 	const uint64_t before = rb_memory_counts().taken - rb_memory_counts().freed;
 	bool loaded = false;
 

@@ -2,6 +2,9 @@
 /* src/script/force_calls, functions, hooks: springs, drag, fields, driven bodies and transitions as a scene states them */
 #include "support.h"
 
+#include "force/drag.h"
+#include "force/spring.h"
+
 #include <rbsim/model.h>
 #include <rbsim/world.h>
 
@@ -69,15 +72,15 @@ static void every_key_of_springs_drags_and_fields_arrives(void **state)
 	struct loaded it;
 
 	(void)state;
-	must_load(
-		&it,
-		"local a = sphere { name = 'a', radius = 1 } sphere { name = 'b', radius = 1, position = {5, 0, 0} }\n"
-		"spring { a = a, b = 'b', stiffness = 3, damping = 0.5, rest_length = 4, at_a = {0, 1, 0}, at_b = {0, 0, 1} }\n"
-		"spring { a = 'b', b = 'a', stiffness = 0 }\n"
-		"drag { linear = 2 } drag { quadratic = 7, linear = 0 }\n"
-		"field(function(t, x, v) return {0, 0, 0} end)");
-	const struct rb_spring_def *spring = it.scene.springs;
-	assert_int_equal(it.scene.spring_count, 2);
+	must_load(&it, "local a = sphere { name = 'a', radius = 1 } sphere { name = 'b', radius = "
+	               "1, position = {5, 0, 0} }\n"
+	               "spring { a = a, b = 'b', stiffness = 3, damping = 0.5, rest_length = 4, "
+	               "at_a = {0, 1, 0}, at_b = {0, 0, 1} }\n"
+	               "spring { a = 'b', b = 'a', stiffness = 0 }\n"
+	               "drag { linear = 2 } drag { quadratic = 7, linear = 0 }\n"
+	               "field(function(t, x, v) return {0, 0, 0} end)");
+	const struct rb_spring_def *spring = rb_scene_spring(&it.scene, 0);
+	assert_int_equal(rb_scene_element_count(&it.scene, &rb_force_spring), 2);
 	assert_int_equal(spring[0].a, 0);
 	assert_int_equal(spring[0].b, 1);
 	assert_near(spring[0].stiffness, 3, 0);
@@ -89,10 +92,11 @@ static void every_key_of_springs_drags_and_fields_arrives(void **state)
 	assert_int_equal(spring[1].a, 1);
 	assert_true(isnan(spring[1].rest_length_m) && isnan(spring[1].at_a.x) &&
 	            isnan(spring[1].at_b.x));
-	assert_int_equal(it.scene.drag_count, 2);
-	assert_near(it.scene.drags[0].linear, 2, 0);
-	assert_near(it.scene.drags[0].quadratic, 0, 0);
-	assert_near(it.scene.drags[1].quadratic, 7, 0);
+	const struct rb_drag_def *drags = rb_scene_element(&it.scene, &rb_force_drag, 0);
+	assert_int_equal(rb_scene_element_count(&it.scene, &rb_force_drag), 2);
+	assert_near(drags[0].linear, 2, 0);
+	assert_near(drags[0].quadratic, 0, 0);
+	assert_near(drags[1].quadratic, 7, 0);
 	assert_int_equal(it.scene.field_count, 1);
 	assert_int_equal(it.scene.fields[0].line, 5);
 	assert_non_null(it.hooks.field);
@@ -189,10 +193,12 @@ static void motion_says_where_a_body_is_at_any_time(void **state)
 	(void)state;
 	must_load(
 		&it,
-		"sphere { name = 'all', radius = 1, motion = function(t) local c, s = math.cos(t / 2), math.sin(t / 2)\n"
+		"sphere { name = 'all', radius = 1, motion = function(t) local c, s = math.cos(t / "
+		"2), math.sin(t / 2)\n"
 		"  return {t + 5, 0, 0}, {c, 0, 0, s}, {1, 0, 0}, {0, 0, 1} end }\n"
 		"plane { normal = {1, 0, 0}, motion = function(t) return vec3(t * t, 0, 0) end }\n"
-		"sphere { radius = 1, position = {0, 7, 0}, motion = function(t) return {0, 7, 0}, {axis = {0, 0, 1}, angle = t} end }\n"
+		"sphere { radius = 1, position = {0, 7, 0}, motion = function(t) return {0, 7, 0}, "
+		"{axis = {0, 0, 1}, angle = t} end }\n"
 		"sphere { radius = 1, position = {0, 20, 0} }");
 	const struct rb_body_def *all = &it.scene.bodies[0], *wall = &it.scene.bodies[1],
 				 *axis = &it.scene.bodies[2];
@@ -228,7 +234,8 @@ static void mistakes_of_a_motion_are_told_with_the_body(void **state)
 		const char *body, *message;
 	} cases[] = {
 		{"if t > 0 then return {0, 0, 0}, {1, 0, 0, 0} end return {0, 0, 0} end",
-	         "t.lua:2: 'motion' must return an orientation always or never: it gave none at time 0 (got {1, 0, 0, 0})"},
+	         "t.lua:2: 'motion' must return an orientation always or never: it gave none at "
+	         "time 0 (got {1, 0, 0, 0})"},
 		{"if t > 0 then return {0, 0, 0} end return {0, 0, 0}, {1, 0, 0, 0} end",
 	         "t.lua:2: 'motion' must return an orientation always or never (got nothing)"},
 		{"if t > 0 then return end return {0, 0, 0} end",
@@ -274,17 +281,19 @@ static void transitions_are_told_with_their_kind(void **state)
 	char wanted[300] = "";
 
 	(void)state;
-	must_load(
-		&it,
-		"local f = plane { name = 'f' } local s = sphere { radius = 1, position = {0, 0, 1} }\n"
-		"local kinds = {}\n"
-		"on_transition(function(c) assert(c.a == f and c.b == s and c.time == 2) end)\n"
-		"on_transition(function(c) assert(c.point.y == 2 and c.normal.z == 1 and c.impulse == nil)\n"
-		"  kinds[#kinds + 1] = c.kind end)\n"
-		"on_collision(function(c) assert(c.kind == 'collision' and c.approach_speed == 4) end)\n"
-		"on_step(function() error(table.concat(kinds, ' ')) end)");
+	must_load(&it,
+	          "local f = plane { name = 'f' } local s = sphere { radius = 1, position = {0, 0, "
+	          "1} }\n"
+	          "local kinds = {}\n"
+	          "on_transition(function(c) assert(c.a == f and c.b == s and c.time == 2) end)\n"
+	          "on_transition(function(c) assert(c.point.y == 2 and c.normal.z == 1 and "
+	          "c.impulse == nil)\n"
+	          "  kinds[#kinds + 1] = c.kind end)\n"
+	          "on_collision(function(c) assert(c.kind == 'collision' and c.approach_speed == "
+	          "4) end)\n"
+	          "on_step(function() error(table.concat(kinds, ' ')) end)");
 	assert_true((it.scene.hooks & RB_HOOK_TRANSITION) != 0);
-	for (int kind = RB_EVENT_REST; kind < RB_EVENT_KIND_COUNT; kind++) {
+	for (int kind = RB_EVENT_REST; kind < RB_EVENT_IMPULSE; kind++) {
 		event.kind = (enum rb_event_kind)kind;
 		assert_ok(it.hooks.transition(it.hooks.user, NULL, &event, &err));
 		strcat(wanted, kind > RB_EVENT_REST ? " " : "t.lua:7: ");
@@ -302,10 +311,13 @@ static void a_driven_body_is_heavy_and_cannot_be_changed(void **state)
 {
 	static const char *const text =
 		"world { duration = 1 }\n"
-		"local fan = sphere { name = 'fan', radius = 1, motion = function(t) return {t, 0, 0}, nil, {1, 0, 0} end }\n"
-		"assert(fan.mass == math.huge and fan.kinetic_energy == 0 and fan.momentum.x == 0)\n"
+		"local fan = sphere { name = 'fan', radius = 1, motion = function(t) return {t, 0, "
+		"0}, nil, {1, 0, 0} end }\n"
+		"assert(fan.mass == math.huge and fan.kinetic_energy == 0 and fan.momentum.x == "
+		"0)\n"
 		"sphere { radius = 1, position = {0, 5, 0} }\n"
-		"on_frame(function() assert(fan.mass == math.huge and fan.kinetic_energy == 0 and not fan.static)\n"
+		"on_frame(function() assert(fan.mass == math.huge and fan.kinetic_energy == 0 and "
+		"not fan.static)\n"
 		"  assert(fan.velocity.x == 1) fan:set_velocity {0, 0, 0} end)";
 	struct loaded it;
 	struct rb_model *model;
@@ -329,7 +341,8 @@ static void every_allocation_that_fails_is_an_error(void **state)
 	static const char *const text =
 		"local a = sphere { radius = 1, motion = function(t) return {t, 0, 0} end }\n"
 		"local b = sphere { radius = 1, position = {0, 5, 0} }\n"
-		"spring { a = a, b = b, stiffness = 1 } drag { linear = 1 } field(function(t, x) return x end)";
+		"spring { a = a, b = b, stiffness = 1 } drag { linear = 1 } field(function(t, x) "
+		"return x end)";
 	struct loaded it;
 	bool whole = false;
 

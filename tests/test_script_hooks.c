@@ -89,9 +89,8 @@ static void a_scene_without_callbacks_has_no_hooks(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(
-		&run,
-		"world { duration = 0.1 } sphere { radius = 1 } on_frame(function() end) expect('e', function() return true end)");
+	must_run(&run, "world { duration = 0.1 } sphere { radius = 1 } on_frame(function() end) "
+	               "expect('e', function() return true end)");
 	const struct rb_world_hooks hooks = rb_script_hooks(run.script);
 	assert_null(hooks.step);
 	assert_null(hooks.collision);
@@ -104,18 +103,20 @@ static void on_step_and_on_frame_come_on_their_grids(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(
-		&run,
-		"world { duration = 1, frame_rate = 10, time_step = 0.05 } sphere { radius = 1 }\n"
-		"state.steps, state.frames, state.last, state.span = 0, {}, -1, 0\n"
-		"on_step(function(t, dt) state.steps = state.steps + 1 assert(t > state.last and t == time()) state.last = t\n"
-		"  state.span = state.span + dt end)\n"
-		"on_frame(function(t, k) state.frames[#state.frames + 1] = {t, k} end)\n"
-		"on_frame(function(t, k) state.second = k end)\n"
-		"expect('20 steps', function() return math.abs(state.steps - 20), 0 end)\n"
-		"expect('they make a second', function() return math.abs(state.span - 1), 1e-12 end)\n"
-		"expect('11 frames', function() return #state.frames == 11 and state.frames[1][1] == 0 and state.frames[11][2] == 10\n"
-		"  and state.frames[4][1] == 3 / 10 and state.second == 10 end)\n");
+	must_run(&run,
+	         "world { duration = 1, frame_rate = 10, time_step = 0.05 } sphere { radius = 1 }\n"
+	         "state.steps, state.frames, state.last, state.span = 0, {}, -1, 0\n"
+	         "on_step(function(t, dt) state.steps = state.steps + 1 assert(t > state.last and "
+	         "t == time()) state.last = t\n"
+	         "  state.span = state.span + dt end)\n"
+	         "on_frame(function(t, k) state.frames[#state.frames + 1] = {t, k} end)\n"
+	         "on_frame(function(t, k) state.second = k end)\n"
+	         "expect('20 steps', function() return math.abs(state.steps - 20), 0 end)\n"
+	         "expect('they make a second', function() return math.abs(state.span - 1), 1e-12 "
+	         "end)\n"
+	         "expect('11 frames', function() return #state.frames == 11 and state.frames[1][1] "
+	         "== 0 and state.frames[11][2] == 10\n"
+	         "  and state.frames[4][1] == 3 / 10 and state.second == 10 end)\n");
 	for (int i = 0; i < run.scene.expect_count; i++)
 		if (!run.results[i].ok)
 			fail_msg("%s: %s", run.results[i].text, run.results[i].message);
@@ -127,19 +128,23 @@ static void a_collision_is_told_once_with_its_numbers(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(
-		&run,
-		"world { duration = 1, frame_rate = 100 }\n"
-		"local m = material { restitution = 1, friction = 0 }\n"
-		"local a = sphere { name = 'a', radius = 0.5, mass = 1, velocity = {2, 0, 0}, material = m }\n"
-		"local b = sphere { name = 'b', radius = 0.5, mass = 1, position = {2, 0, 0}, material = m }\n"
-		"local seen = {}\n"
-		"on_collision(function(c) seen[#seen + 1] = c end)\n"
-		"expect('one', function() return #seen == 1 and collisions() == 1 end)\n"
-		"expect('of these', function() local c = seen[1] return c.a == a and c.b == b and c.a.name == 'a' end)\n"
-		"expect('numbers', function() local c = seen[1] return math.abs(c.approach_speed - 2) < 1e-9 and c.normal.x > 0.999\n"
-		"  and math.abs(c.impulse.x - 2) < 1e-9 and math.abs(c.point.x - 1.5) < 0.05 and math.abs(c.time - 0.5) < 0.02 end)\n"
-		"expect('velocities change hands', function() return b.velocity.x, 2 + 1e-9 end)\n");
+	must_run(&run, "world { duration = 1, frame_rate = 100 }\n"
+	               "local m = material { restitution = 1, friction = 0 }\n"
+	               "local a = sphere { name = 'a', radius = 0.5, mass = 1, velocity = {2, 0, "
+	               "0}, material = m }\n"
+	               "local b = sphere { name = 'b', radius = 0.5, mass = 1, position = {2, 0, "
+	               "0}, material = m }\n"
+	               "local seen = {}\n"
+	               "on_collision(function(c) seen[#seen + 1] = c end)\n"
+	               "expect('one', function() return #seen == 1 and collisions() == 1 end)\n"
+	               "expect('of these', function() local c = seen[1] return c.a == a and c.b == "
+	               "b and c.a.name == 'a' end)\n"
+	               "expect('numbers', function() local c = seen[1] return "
+	               "math.abs(c.approach_speed - 2) < 1e-9 and c.normal.x > 0.999\n"
+	               "  and math.abs(c.impulse.x - 2) < 1e-9 and math.abs(c.point.x - 1.5) < "
+	               "0.05 and math.abs(c.time - 0.5) < 0.02 end)\n"
+	               "expect('velocities change hands', function() return b.velocity.x, 2 + 1e-9 "
+	               "end)\n");
 	assert_int_equal(run.scene.expect_count, 4);
 	for (int i = 0; i < 4; i++)
 		if (!run.results[i].ok)
@@ -152,22 +157,28 @@ static void handles_change_bodies_in_callbacks(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(
-		&run,
-		"world { duration = 1, frame_rate = 10 }\n"
-		"local a = sphere { radius = 0.1, mass = 2 } local b = sphere { radius = 0.1, position = {5, 0, 0} }\n"
-		"local c = sphere { radius = 0.1, position = {0, 5, 0}, mass = 2 } local f = plane { point = {0, 0, -50} }\n"
-		"local first = true\n"
-		"on_step(function(t) if first then a:apply_impulse({4, 0, 0}) b:set_velocity {0, 1, 0} b:set_angular_velocity {0, 0, 3}\n"
-		"  b:set_position(vec3(7, 0, 0)) first = false c:set_velocity {0, 0, 5} c:set_angular_velocity {2, 0, 0} end\n"
-		"  c:apply_force({2, 0, 0}) end)\n"
-		"expect('impulse', function() return math.abs(a.velocity.x - 2), 1e-12 end)\n"
-		"expect('velocity', function() return b.velocity == vec3(0, 1, 0) and b.position.x == 7 and b.angular_velocity.z == 3 end)\n"
-		"expect('its own', function() return c.velocity.z == 5 and c.angular_velocity.x == 2 and a.velocity.z == 0 end)\n"
-		"expect('force', function() return math.abs(c.velocity.x - 1), 1e-9 end)\n"
-		"expect('mass', function() return a.mass == 2 and a.momentum.x == 4 and f.mass == math.huge end)\n"
-		"expect('energy', function() return math.abs(a.kinetic_energy - 4), 1e-9 end)\n"
-		"expect('whole', function() return math.abs(momentum().x - 6), 1e-9 end)\n");
+	must_run(&run,
+	         "world { duration = 1, frame_rate = 10 }\n"
+	         "local a = sphere { radius = 0.1, mass = 2 } local b = sphere { radius = 0.1, "
+	         "position = {5, 0, 0} }\n"
+	         "local c = sphere { radius = 0.1, position = {0, 5, 0}, mass = 2 } local f = "
+	         "plane { point = {0, 0, -50} }\n"
+	         "local first = true\n"
+	         "on_step(function(t) if first then a:apply_impulse({4, 0, 0}) b:set_velocity {0, "
+	         "1, 0} b:set_angular_velocity {0, 0, 3}\n"
+	         "  b:set_position(vec3(7, 0, 0)) first = false c:set_velocity {0, 0, 5} "
+	         "c:set_angular_velocity {2, 0, 0} end\n"
+	         "  c:apply_force({2, 0, 0}) end)\n"
+	         "expect('impulse', function() return math.abs(a.velocity.x - 2), 1e-12 end)\n"
+	         "expect('velocity', function() return b.velocity == vec3(0, 1, 0) and "
+	         "b.position.x == 7 and b.angular_velocity.z == 3 end)\n"
+	         "expect('its own', function() return c.velocity.z == 5 and c.angular_velocity.x "
+	         "== 2 and a.velocity.z == 0 end)\n"
+	         "expect('force', function() return math.abs(c.velocity.x - 1), 1e-9 end)\n"
+	         "expect('mass', function() return a.mass == 2 and a.momentum.x == 4 and f.mass == "
+	         "math.huge end)\n"
+	         "expect('energy', function() return math.abs(a.kinetic_energy - 4), 1e-9 end)\n"
+	         "expect('whole', function() return math.abs(momentum().x - 6), 1e-9 end)\n");
 	for (int i = 0; i < run.scene.expect_count; i++)
 		if (!run.results[i].ok)
 			fail_msg("%s: %s (%.17g, %.17g)", run.results[i].text,
@@ -181,17 +192,17 @@ static void vectors_of_handles_are_copies(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(
-		&run,
-		"world { duration = 1 }\n"
-		"local a = sphere { radius = 0.1, velocity = {1, 2, 0} }\n"
-		"local b = sphere { radius = 0.1, position = {5, 0, 0}, velocity = {1, 2, 0} }\n"
-		"on_step(function() a.velocity.x = 3 a.position.y = 9 a.angular_velocity.z = 1\n"
-		"  local v, old = b.velocity, b.velocity v.x = 3 b:set_velocity(v) v.x = 4\n"
-		"  state.old = state.old or old.x end)\n"
-		"expect('unchanged', function() return a.velocity == vec3(1, 2, 0) and a.angular_velocity == vec3(0, 0, 0) end)\n"
-		"expect('set', function() return b.velocity == vec3(3, 2, 0) end)\n"
-		"expect('does not follow', function() return state.old == 1 end)\n");
+	must_run(&run,
+	         "world { duration = 1 }\n"
+	         "local a = sphere { radius = 0.1, velocity = {1, 2, 0} }\n"
+	         "local b = sphere { radius = 0.1, position = {5, 0, 0}, velocity = {1, 2, 0} }\n"
+	         "on_step(function() a.velocity.x = 3 a.position.y = 9 a.angular_velocity.z = 1\n"
+	         "  local v, old = b.velocity, b.velocity v.x = 3 b:set_velocity(v) v.x = 4\n"
+	         "  state.old = state.old or old.x end)\n"
+	         "expect('unchanged', function() return a.velocity == vec3(1, 2, 0) and "
+	         "a.angular_velocity == vec3(0, 0, 0) end)\n"
+	         "expect('set', function() return b.velocity == vec3(3, 2, 0) end)\n"
+	         "expect('does not follow', function() return state.old == 1 end)\n");
 	for (int i = 0; i < run.scene.expect_count; i++)
 		if (!run.results[i].ok)
 			fail_msg("%s: %s", run.results[i].text, run.results[i].message);
@@ -216,8 +227,8 @@ static void an_error_in_a_callback_has_its_place_and_a_traceback(void **state)
 
 static void mistakes_in_callbacks_are_told(void **state)
 {
-	static const char *const head =
-		"world { duration = 1 } local f = plane { name = 'f', point = {0, 0, -9} } local b = sphere { radius = 1 } ";
+	static const char *const head = "world { duration = 1 } local f = plane { name = 'f', "
+					"point = {0, 0, -9} } local b = sphere { radius = 1 } ";
 	static const struct {
 		const char *text, *message;
 	} cases[] = {
@@ -242,13 +253,17 @@ static void mistakes_in_callbacks_are_told(void **state)
 		{"on_frame(function() while true do end end)",
 	         "t.lua:1: the script ran longer than 100000 instructions (--trust lifts this)"},
 		{"expect('e', function() b:set_velocity {1, 1, 1} end)",
-	         "t.lua:1: set_velocity: only in on_step, on_frame, on_collision and on_transition"},
+	         "t.lua:1: set_velocity: only in on_step, on_frame, on_collision and "
+	         "on_transition"},
 		{"expect('e', function() return 1 end)",
-	         "t.lua:1: expect 'e': the function must return a boolean, or measured and bound (got number and nil)"},
+	         "t.lua:1: expect 'e': the function must return a boolean, or measured and bound "
+	         "(got number and nil)"},
 		{"expect_always('e', function() return 'x' end)",
-	         "t.lua:1: expect_always 'e': the function must return a boolean, or measured and bound (got string and nil)"},
+	         "t.lua:1: expect_always 'e': the function must return a boolean, or measured and "
+	         "bound (got string and nil)"},
 		{"on_step(function() b.position = {0, 0, 0} end)",
-	         "t.lua:1: a body's 'position' can't be assigned: call body:set_position(p) in a callback"},
+	         "t.lua:1: a body's 'position' can't be assigned: call body:set_position(p) in a "
+	         "callback"},
 		{"on_frame(function() error(b) end)", "body #1"},
 	};
 	char text[400];
@@ -322,11 +337,12 @@ static void a_reference_can_be_used_by_expects(void **state)
 	struct run run;
 
 	(void)state;
-	must_run(
-		&run,
-		"world { duration = 1 } local b = sphere { radius = 1, velocity = {2, 0, 0} }\n"
-		"local exact = reference(function(t) return { b = { position = vec3(2 * t, 0, 0) } } end)\n"
-		"expect('where it should be', function() return (b.position - exact(time()).b.position):length(), 1e-12 end)\n");
+	must_run(&run,
+	         "world { duration = 1 } local b = sphere { radius = 1, velocity = {2, 0, 0} }\n"
+	         "local exact = reference(function(t) return { b = { position = vec3(2 * t, 0, 0) "
+	         "} } end)\n"
+	         "expect('where it should be', function() return (b.position - "
+	         "exact(time()).b.position):length(), 1e-12 end)\n");
 	assert_true(run.results[0].ok);
 	end(&run);
 }
@@ -335,7 +351,8 @@ static void random_numbers_in_callbacks_repeat_from_run_to_run(void **state)
 {
 	static const char text[] =
 		"world { duration = 0.5, seed = 5 } local b = sphere { radius = 1, mass = 1 }\n"
-		"on_step(function() b:apply_impulse({math.random() - 0.5, math.random(), 0}) end)\n";
+		"on_step(function() b:apply_impulse({math.random() - 0.5, math.random(), 0}) "
+		"end)\n";
 	struct run first, second;
 
 	(void)state;

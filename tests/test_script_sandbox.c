@@ -120,16 +120,16 @@ static void require_does_not_leave_its_folders(void **state)
 static void metatables_lead_nowhere(void **state)
 {
 	(void)state;
-	must_run(
-		"assert(getmetatable('') == 'string' and getmetatable(sphere { radius = 1 }) == 'body')");
-	must_run(
-		"assert(getmetatable(vec3(1, 2, 3)) == 'vec3' and getmetatable(material {}) == 'material')");
+	must_run("assert(getmetatable('') == 'string' and getmetatable(sphere { radius = 1 }) == "
+	         "'body')");
+	must_run("assert(getmetatable(vec3(1, 2, 3)) == 'vec3' and getmetatable(material {}) == "
+	         "'material')");
 	must_fail("setmetatable(vec3(1, 2, 3), {})", "protected");
 	must_fail("setmetatable({}, { __gc = function() end })", "no '__gc'");
 	/* what is put in later is not a finalizer either */
-	must_run(
-		"local m = {} local t = setmetatable({}, m) m.__gc = function() error('ran') end t = nil\n"
-		"for i = 1, 1000 do local garbage = {} end");
+	must_run("local m = {} local t = setmetatable({}, m) m.__gc = function() error('ran') end "
+	         "t = nil\n"
+	         "for i = 1, 1000 do local garbage = {} end");
 	must_fail("local b = sphere { radius = 1 } local i = rawget(b, 'x')", "table expected");
 	/* a metamethod called with what it does not expect */
 	must_fail("local v = vec3(1, 2, 3) return v + 5", "two vectors");
@@ -153,10 +153,10 @@ static void bodies_of_handles_cannot_be_forged(void **state)
 static void addresses_do_not_show(void **state)
 {
 	(void)state;
-	must_run(
-		"local t, u = {}, {} assert(tostring(t) == 'table: 1' and tostring(u) == 'table: 2' and tostring(t) == 'table: 1')");
-	must_run(
-		"assert(tostring(print) == 'function: 1' and string.format('%s', print) == 'function: 1')");
+	must_run("local t, u = {}, {} assert(tostring(t) == 'table: 1' and tostring(u) == 'table: "
+	         "2' and tostring(t) == 'table: 1')");
+	must_run("assert(tostring(print) == 'function: 1' and string.format('%s', print) == "
+	         "'function: 1')");
 	must_fail("string.format('%p', {})", "%p");
 	must_fail("string.format('%-20p', 'x')", "%p");
 	must_run("assert(string.format('%5.2f %d %q %%p', 1, 2, 'x') == ' 1.00 2 \"x\" %p')");
@@ -172,40 +172,40 @@ static void endless_loops_are_stopped_and_named(void **state)
 	must_fail("\nwhile true do pcall(function() while true do end end) end", message);
 	must_fail("\nlocal function f() pcall(f) while true do end end f()", message);
 	must_fail("\ncoroutine.wrap(function() while true do end end)()", message);
-	must_fail(
-		"\nwhile true do coroutine.resume(coroutine.create(function() while true do end end)) end",
-		message);
-	must_fail(
-		"\nwhile true do coroutine.resume(coroutine.create(function() for i = 1, 900 do end end)) end",
-		message);
+	must_fail("\nwhile true do coroutine.resume(coroutine.create(function() while true do end "
+	          "end)) end",
+	          message);
+	must_fail("\nwhile true do coroutine.resume(coroutine.create(function() for i = 1, 900 do "
+	          "end end)) end",
+	          message);
 	must_fail("\nwhile true do xpcall(error, function() while true do end end) end", message);
-	must_fail(
-		"\nlocal t <close> = setmetatable({}, { __close = function() while true do end end })",
-		message);
+	must_fail("\nlocal t <close> = setmetatable({}, { __close = function() while true do end "
+	          "end })",
+	          message);
 	must_fail("\nfor _ in function() return 1 end do end", message);
-	must_fail(
-		"\nlocal t = setmetatable({}, { __index = function(t, k) return t[k + 1] end }) while true do pcall(function() return t[1] end) end",
-		"million instructions");
+	must_fail("\nlocal t = setmetatable({}, { __index = function(t, k) return t[k + 1] end }) "
+	          "while true do pcall(function() return t[1] end) end",
+	          "million instructions");
 	/* where Lua itself would run on with its hooks off */
 	must_fail("\nlocal loop = function() while true do end end\nxpcall(loop, loop)",
 	          "t.lua:2: the script ran longer");
-	must_fail(
-		"\nlocal m = { __close = function() while true do end end }\n"
-		"local co = coroutine.wrap(function() local x <close> = setmetatable({}, m) while true do end end) co()",
-		"the script ran longer");
-	must_fail(
-		"\nlocal m = { __close = function() while true do end end }\n"
-		"local co = coroutine.create(function() local x <close> = setmetatable({}, m) while true do end end)\n"
-		"coroutine.resume(co) coroutine.close(co)",
-		"the script ran longer");
-	must_fail(
-		"\nlocal m = { __close = function() while true do end end }\n"
-		"local co = coroutine.wrap(function() local x <close> = setmetatable({}, m) table.sort({1, 2, 3}, function() while true do end end) end)\n"
-		"pcall(co) pcall(co)",
-		"the script ran longer");
-	must_fail(
-		"\nlocal m = { __tostring = function() while true do end end }\nerror(setmetatable({}, m))",
-		"the script ran longer");
+	must_fail("\nlocal m = { __close = function() while true do end end }\n"
+	          "local co = coroutine.wrap(function() local x <close> = setmetatable({}, m) "
+	          "while true do end end) co()",
+	          "the script ran longer");
+	must_fail("\nlocal m = { __close = function() while true do end end }\n"
+	          "local co = coroutine.create(function() local x <close> = setmetatable({}, m) "
+	          "while true do end end)\n"
+	          "coroutine.resume(co) coroutine.close(co)",
+	          "the script ran longer");
+	must_fail("\nlocal m = { __close = function() while true do end end }\n"
+	          "local co = coroutine.wrap(function() local x <close> = setmetatable({}, m) "
+	          "table.sort({1, 2, 3}, function() while true do end end) end)\n"
+	          "pcall(co) pcall(co)",
+	          "the script ran longer");
+	must_fail("\nlocal m = { __tostring = function() while true do end end "
+	          "}\nerror(setmetatable({}, m))",
+	          "the script ran longer");
 	must_fail("\nwhile true do print('x') end", message);
 	must_fail("\n::a:: goto a", message);
 }
@@ -227,14 +227,14 @@ static void what_works_in_c_is_stopped_too(void **state)
 	          "__len");
 	must_fail("table.insert(setmetatable({}, { __len = function() return 1e15 end }), 1, 1)",
 	          "__len");
-	must_fail(
-		"local t = {} for i = 1, 2e5 do t[i] = i end while true do table.insert(t, 1, 0) table.remove(t, 1) end",
-		"million instructions");
+	must_fail("local t = {} for i = 1, 2e5 do t[i] = i end while true do table.insert(t, 1, 0) "
+	          "table.remove(t, 1) end",
+	          "million instructions");
 	must_fail("local t = {} for i = 1, 1e5 do t[i] = i end while true do table.sort(t) end",
 	          "million instructions");
-	must_fail(
-		"local t = {} for i = 1, 1e5 do t[i] = i end while true do for _ in pairs(t) do break end end",
-		"million instructions");
+	must_fail("local t = {} for i = 1, 1e5 do t[i] = i end while true do for _ in pairs(t) do "
+	          "break end end",
+	          "million instructions");
 	must_fail("local t = {} for i = 1, 1e5 do t[i] = i end while true do next(t) end",
 	          "million instructions");
 	must_fail("while true do ('x'):rep(1e6) end", "million instructions");
@@ -263,14 +263,14 @@ static double least_for_hulls(int count, double *held)
 	struct rb_error err;
 	char text[400];
 
-	snprintf(
-		text, sizeof text,
-		"local p = {} for i = 1, 200 do p[i] = {0, 0, 0} end\n"
-		"for k = 1, %d do\n"
-		"  for i = 1, 200 do local z, a = i / 101 - 1, 2.4 * i + k local r = math.sqrt(1 - z * z)\n"
-		"    p[i][1], p[i][2], p[i][3] = r * math.cos(a), r * math.sin(a), z end\n"
-		"  hull { points = p, mass = 1, position = {3 * k, 0, 0} } end",
-		count);
+	snprintf(text, sizeof text,
+	         "local p = {} for i = 1, 200 do p[i] = {0, 0, 0} end\n"
+	         "for k = 1, %d do\n"
+	         "  for i = 1, 200 do local z, a = i / 101 - 1, 2.4 * i + k local r = math.sqrt(1 "
+	         "- z * z)\n"
+	         "    p[i][1], p[i][2], p[i][3] = r * math.cos(a), r * math.sin(a), z end\n"
+	         "  hull { points = p, mass = 1, position = {3 * k, 0, 0} } end",
+	         count);
 	while (high > low * (1 + 1.0 / 64)) {
 		memory_bytes = (size_t)sqrt(low * high);
 		if (load(text, false, &err) == RB_OK) {
@@ -309,16 +309,16 @@ static void memory_is_bounded(void **state)
 	must_fail("local t = {} for i = 1, 1e9 do t[i] = i end", message);
 	must_fail("local t = {} for i = 1, 1e9 do t[i] = {} end", "wants more than 8 MiB");
 	must_fail("local s = 'x' while true do s = s .. s end", message);
-	must_fail(
-		"while true do local ok = pcall(function() local s = 'x' while true do s = s .. s end end) end",
-		"million instructions");
+	must_fail("while true do local ok = pcall(function() local s = 'x' while true do s = s .. "
+	          "s end end) end",
+	          "million instructions");
 	must_fail("string.rep('x', 1e10)", "a text of more than 16 MiB");
 	must_fail("string.rep('x', 1e7)", "8 MiB");
 	must_fail("local function f() return f() + 1 end f()", "");
 	must_fail("for i = 1, 1e9 do sphere { radius = 1 } end", "8 MiB");
-	must_fail(
-		"local name = ('x'):rep(1000) for i = 1, 1e9 do sphere { radius = 1, name = name .. i } end",
-		"8 MiB");
+	must_fail("local name = ('x'):rep(1000) for i = 1, 1e9 do sphere { radius = 1, name = name "
+	          ".. i } end",
+	          "8 MiB");
 	must_fail("for i = 1, 1e9 do camera {} end", "8 MiB");
 	must_fail("for i = 1, 1e9 do param('p' .. i, 1, 'help') end", "");
 	must_fail("string.format('%s', ('x'):rep(5e6)):upper():lower()", "8 MiB");
@@ -330,42 +330,51 @@ static void trust_lifts_the_sandbox(void **state)
 	struct rb_error err;
 
 	(void)state;
-	assert_int_equal(
-		load("assert(io and os and debug and load and collectgarbage and string.dump and package)\n"
-	             "for i = 1, 5e6 do end local t = {} for i = 1, 1e6 do t[i] = i end\n"
-	             "assert(load('return 1')() == 1)\n"
-	             "local a = math.random(1000000) math.randomseed(1) local b = math.random(1000000)\n"
-	             "math.randomseed(1) assert(b == math.random(1000000)) record { file = '/tmp/x.h5' }",
-	             true, &err),
-		RB_OK);
+	assert_int_equal(load("assert(io and os and debug and load and collectgarbage and "
+	                      "string.dump and package)\n"
+	                      "for i = 1, 5e6 do end local t = {} for i = 1, 1e6 do t[i] = i end\n"
+	                      "assert(load('return 1')() == 1)\n"
+	                      "local a = math.random(1000000) math.randomseed(1) local b = "
+	                      "math.random(1000000)\n"
+	                      "math.randomseed(1) assert(b == math.random(1000000)) record { file "
+	                      "= '/tmp/x.h5' }",
+	                      true, &err),
+	                 RB_OK);
 }
 
 static void coroutines_and_xpcall_work_as_in_lua(void **state)
 {
 	(void)state;
-	must_run(
-		"local f = coroutine.wrap(function(a) local b = coroutine.yield(a + 1) return b * 2 end)\n"
-		"assert(f(1) == 2 and f(5) == 10 and not pcall(f))\n"
-		"local co = coroutine.create(function() coroutine.yield(1) error('x', 0) end)\n"
-		"assert(select(2, coroutine.resume(co)) == 1 and select(2, coroutine.resume(co)) == 'x')\n"
-		"assert(coroutine.status(co) == 'dead' and not coroutine.close(co))\n"
-		"local closed local s = coroutine.create(function() local x <close> = setmetatable({}, { __close = function() closed = true end })\n"
-		"  coroutine.yield() end) coroutine.resume(s) assert(coroutine.close(s) and closed)\n"
-		"local g g = coroutine.wrap(function() return pcall(g) end) local ok, why = g() assert(not ok and why:find('non%-suspended'))\n"
-		"assert(select(2, xpcall(function(a, b) return a + b end, print, 2, 3)) == 5)\n"
-		"local ok, m = xpcall(error, function(e) return e .. '!' end, 'no', 0) assert(not ok and m == 'no!')\n"
-		"local y = coroutine.wrap(function() return xpcall(function() return coroutine.yield(1) end, print) end)\n"
-		"assert(y() == 1) local a, b = y('back') assert(a == true and b == 'back')\n"
-		"for i in coroutine.wrap(function() for i = 1, 3 do coroutine.yield(i) end end) do state.last = i end assert(state.last == 3)");
+	must_run("local f = coroutine.wrap(function(a) local b = coroutine.yield(a + 1) return b * "
+	         "2 end)\n"
+	         "assert(f(1) == 2 and f(5) == 10 and not pcall(f))\n"
+	         "local co = coroutine.create(function() coroutine.yield(1) error('x', 0) end)\n"
+	         "assert(select(2, coroutine.resume(co)) == 1 and select(2, coroutine.resume(co)) "
+	         "== 'x')\n"
+	         "assert(coroutine.status(co) == 'dead' and not coroutine.close(co))\n"
+	         "local closed local s = coroutine.create(function() local x <close> = "
+	         "setmetatable({}, { __close = function() closed = true end })\n"
+	         "  coroutine.yield() end) coroutine.resume(s) assert(coroutine.close(s) and "
+	         "closed)\n"
+	         "local g g = coroutine.wrap(function() return pcall(g) end) local ok, why = g() "
+	         "assert(not ok and why:find('non%-suspended'))\n"
+	         "assert(select(2, xpcall(function(a, b) return a + b end, print, 2, 3)) == 5)\n"
+	         "local ok, m = xpcall(error, function(e) return e .. '!' end, 'no', 0) assert(not "
+	         "ok and m == 'no!')\n"
+	         "local y = coroutine.wrap(function() return xpcall(function() return "
+	         "coroutine.yield(1) end, print) end)\n"
+	         "assert(y() == 1) local a, b = y('back') assert(a == true and b == 'back')\n"
+	         "for i in coroutine.wrap(function() for i = 1, 3 do coroutine.yield(i) end end) "
+	         "do state.last = i end assert(state.last == 3)");
 }
 
 static void a_harmless_pattern_is_no_bomb(void **state)
 {
 	(void)state;
-	must_run(
-		"local s = ('word '):rep(2000) local n = 0 for w in s:gmatch('%a+') do n = n + 1 end assert(n == 2000)");
-	must_run(
-		"local s = ('x = 1\\n'):rep(200) assert(select(2, s:gsub('(%w+)%s*=%s*(%w+)', '%2')) == 200)");
+	must_run("local s = ('word '):rep(2000) local n = 0 for w in s:gmatch('%a+') do n = n + 1 "
+	         "end assert(n == 2000)");
+	must_run("local s = ('x = 1\\n'):rep(200) assert(select(2, s:gsub('(%w+)%s*=%s*(%w+)', "
+	         "'%2')) == 200)");
 }
 
 static void a_pattern_can_be_looked_for_without_lua(void **state)

@@ -126,9 +126,11 @@ static void handles_show_the_frame_that_is_drawn(void **state)
 	       "         look_at = function() return b.momentum end,\n"
 	       "         up = function() return b.angular_momentum end }\n"
 	       "camera { position = function() return {b.kinetic_energy, b.mass, time()} end,\n"
-	       "         look_at = function() local q = b.orientation return {q[1], q[4], energy()} end,\n"
+	       "         look_at = function() local q = b.orientation return {q[1], q[4], "
+	       "energy()} end,\n"
 	       "         up = function() return momentum() + angular_momentum() end }\n"
-	       "camera { look_at = function() return body 'floor'.position + body 'floor'.velocity end }");
+	       "camera { look_at = function() return body 'floor'.position + body 'floor'.velocity "
+	       "end }");
 	it.frame.time_s = 0.5;
 	memcpy(it.position, (double[]){1, 2, 3}, sizeof(double[3]));
 	memcpy(it.velocity, (double[]){0, 4, 0}, sizeof(double[3]));
@@ -161,11 +163,11 @@ static void what_cannot_turn_shows_its_orientation_of_the_start(void **state)
 	struct stage it;
 
 	(void)state;
-	set_up(&it,
-	       "world { duration = 1 }\n"
-	       "local b = sphere { radius = 1, orientation = {axis = {0, 0, 1}, angle = deg(90)} }\n"
-	       "camera { position = function() return b.point({1, 0, 0}) end,\n"
-	       "         look_at = function() return b.angular_velocity end }");
+	set_up(&it, "world { duration = 1 }\n"
+	            "local b = sphere { radius = 1, orientation = {axis = {0, 0, 1}, angle = "
+	            "deg(90)} }\n"
+	            "camera { position = function() return b.point({1, 0, 0}) end,\n"
+	            "         look_at = function() return b.angular_velocity end }");
 	assert_false(it.model->features & RB_FEATURE_ROTATION);
 	it.frame.orientation = it.frame.angular_velocity = NULL;
 	it.position[0] = 3;
@@ -187,15 +189,13 @@ static void a_column_that_a_frame_lacks_is_told_by_name(void **state)
 	            "camera { up = function() return b.angular_velocity end }\n");
 	it.frame.velocity = it.frame.angular_velocity = NULL;
 	assert_int_equal(shoot(&it, 0), RB_ERR_SCENE);
-	assert_string_equal(
-		it.error.text,
-		"t.lua:4: a body's 'velocity' is not in the frames that are drawn (see 'fields' of record) "
-		"(camera 'main', look_at at t = 0 s)");
+	assert_string_equal(it.error.text, "t.lua:4: a body's 'velocity' is not in the frames that "
+	                                   "are drawn (see 'fields' of record) "
+	                                   "(camera 'main', look_at at t = 0 s)");
 	assert_int_equal(shoot(&it, 1), RB_ERR_SCENE);
-	assert_string_equal(
-		it.error.text,
-		"t.lua:5: a body's 'angular_velocity' is not in the frames that are drawn (see 'fields' of "
-		"record) (camera of line 5, up at t = 0 s)");
+	assert_string_equal(it.error.text, "t.lua:5: a body's 'angular_velocity' is not in the "
+	                                   "frames that are drawn (see 'fields' of "
+	                                   "record) (camera of line 5, up at t = 0 s)");
 	lower(&it);
 }
 
@@ -207,11 +207,11 @@ static void a_frame_goes_before_the_world_that_runs(void **state)
 	struct rb_error err;
 
 	(void)state;
-	set_up(&it,
-	       "world { duration = 0.1, frame_rate = 10 }\n"
-	       "local b = sphere { radius = 1, velocity = {10, 0, 0} }\n"
-	       "camera { position = function() return b.position end }\n"
-	       "expect('it is where it came to', function() return math.abs(b.position.x - 1), 1e-9 end)\n");
+	set_up(&it, "world { duration = 0.1, frame_rate = 10 }\n"
+	            "local b = sphere { radius = 1, velocity = {10, 0, 0} }\n"
+	            "camera { position = function() return b.position end }\n"
+	            "expect('it is where it came to', function() return math.abs(b.position.x - "
+	            "1), 1e-9 end)\n");
 	const struct rb_world_hooks hooks = rb_script_hooks(it.script);
 	const struct rb_world_options options = {0};
 	assert_ok(rb_world_create(&world, it.model, &options, &hooks, &err));
@@ -251,12 +251,12 @@ static void a_camera_can_look_and_change_nothing(void **state)
 
 	(void)state;
 	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-		snprintf(
-			text, sizeof text,
-			"world { duration = 1 } local b = sphere { name = 'ball', radius = 1 }\n"
-			"plane { name = 'else', point = {0, 0, -9} }\n"
-			"camera { position = function(t) if t > 1 then %s end return {t, 0, 0} end }\n",
-			cases[i].code);
+		snprintf(text, sizeof text,
+		         "world { duration = 1 } local b = sphere { name = 'ball', radius = 1 }\n"
+		         "plane { name = 'else', point = {0, 0, -9} }\n"
+		         "camera { position = function(t) if t > 1 then %s end return {t, 0, 0} "
+		         "end }\n",
+		         cases[i].code);
 		set_up(&it, text);
 		must_shoot(&it, 0);
 		it.frame.time_s = 2;
@@ -321,11 +321,11 @@ static void a_body_is_found_by_its_name_while_loading_and_later(void **state)
 	struct stage it;
 
 	(void)state;
-	set_up(&it,
-	       "world { duration = 1 }\n"
-	       "local b = sphere { name = 'ball', radius = 1, position = {1, 2, 3} }\n"
-	       "assert(body 'ball' == b and body 'ball'.position.y == 2)\n"
-	       "camera { position = function() return body 'ball'.position end, trails = {body 'ball'} }\n");
+	set_up(&it, "world { duration = 1 }\n"
+	            "local b = sphere { name = 'ball', radius = 1, position = {1, 2, 3} }\n"
+	            "assert(body 'ball' == b and body 'ball'.position.y == 2)\n"
+	            "camera { position = function() return body 'ball'.position end, trails = "
+	            "{body 'ball'} }\n");
 	it.position[2] = 8;
 	must_shoot(&it, 0);
 	assert_at(it.shot.position, 0, 0, 8);

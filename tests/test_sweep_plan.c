@@ -322,9 +322,11 @@ static void damaged_plans_are_refused(void **state)
 		"# sweep of rbsim 1\n# scene s\n# seeds 99999999999999999999\n# file x\n",
 		"# sweep of rbsim 1\n# scene s\n# seeds 0\n",
 		"# sweep of rbsim 1\n# scene s\n# file "
-		"0000000000000000000000000000000000000000000000000000000000000000 s\n# seeds 1\n# param a=1:2\n",
+		"0000000000000000000000000000000000000000000000000000000000000000 s\n# seeds 1\n# "
+		"param a=1:2\n",
 		"# sweep of rbsim 1\n# scene s\n# file "
-		"0000000000000000000000000000000000000000000000000000000000000000 s\n# seeds 1\n# points 7\n"};
+		"0000000000000000000000000000000000000000000000000000000000000000 s\n# seeds 1\n# "
+		"points 7\n"};
 	struct rb_plan plan;
 	struct rb_error err;
 	char folder[256];
@@ -438,7 +440,8 @@ static void a_locked_point_is_running_and_is_not_locked_twice(void **state)
 static void what_a_run_has_told_is_read_as_it_was_meant(void **state)
 {
 	static const char json[] =
-		"{\"error\":\"line 1\\nsays \\\"no\\\" to C:\\\\n\",\"empty\":\"\",\"n\":2.5,\"yes\":true,\"none\":null}\n";
+		"{\"error\":\"line 1\\nsays \\\"no\\\" to "
+		"C:\\\\n\",\"empty\":\"\",\"n\":2.5,\"yes\":true,\"none\":null}\n";
 	char text[64], little[7];
 
 	(void)state;
@@ -471,9 +474,8 @@ static void the_overview_fits_and_tells_what_is_left(void **state)
 
 	(void)state;
 	rb_overview_line(line, sizeof line, 100, &tally);
-	assert_string_equal(
-		line,
-		"[=======                       ] 250 of 1000 done, 2 running, 2 failed, 75 s left");
+	assert_string_equal(line, "[=======                       ] 250 of 1000 done, 2 running, 2 "
+	                          "failed, 75 s left");
 	for (int width = 20; width < 120; width++) {
 		rb_overview_line(line, sizeof line, width, &tally);
 		assert_true((int)strlen(line) <= width);

@@ -119,7 +119,7 @@ static void unmake(struct heap *heap)
 static struct rb_sweeper take(struct heap *heap, struct rb_team *team)
 {
 	struct rb_sweeper sweeper = {.dense = &heap->dense,
-	                             .still = BODIES,
+	                             .fixed = BODIES,
 	                             .member = heap->member,
 	                             .member_count = BODIES,
 	                             .local = heap->local,

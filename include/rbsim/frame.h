@@ -25,6 +25,10 @@ extern "C" {
  * contact of the located method: to rest (neither slides nor rolls), to sliding, to rolling (or
  * spinning) without slip, lift: it ends; edge: it goes on at a rim or corner; merge: infinitely
  * many impacts have ended in it. Their impulse and approach speed are 0.
+ *
+ * The last three are changes that a callback has made to one body, a == b, which is then at `point`
+ * with its centre of mass; their normal and approach speed are 0, and `impulse` holds the change:
+ * of momentum, N s; of angular momentum about the centre of mass, N m s; of position, m.
  */
 enum rb_event_kind {
 	RB_EVENT_COLLISION,
@@ -34,6 +38,9 @@ enum rb_event_kind {
 	RB_EVENT_LIFT,
 	RB_EVENT_EDGE,
 	RB_EVENT_MERGE,
+	RB_EVENT_IMPULSE,
+	RB_EVENT_ANGULAR_IMPULSE,
+	RB_EVENT_DISPLACEMENT,
 	RB_EVENT_KIND_COUNT
 };
 
@@ -43,7 +50,7 @@ const char *rb_event_kind_name(enum rb_event_kind kind);
 struct rb_event {
 	double time_s;
 	enum rb_event_kind kind;
-	int a, b;              /* ids, a < b */
+	int a, b;              /* ids, a < b, or a == b: of one body */
 	rb_vec3 point;         /* m, world */
 	rb_vec3 normal;        /* unit, from a to b */
 	rb_vec3 impulse;       /* N s, on b */
@@ -80,8 +87,10 @@ struct rb_frame_shot {
 	int camera;                    /* its place in the list of cameras that are filmed */
 	uint64_t picture;              /* the number of the picture, from 0 */
 	rb_vec3 position, look_at, up; /* m, m, any length; world */
-	bool steered; /* by commands: all three hold, whatever the camera is on; else those of functions */
-	double enlarged; /* by commands: an orthographic picture shows so many times less; 1: as much as ever */
+	/* by commands: all three hold, whatever the camera is on; else those of functions */
+	bool steered;
+	/* by commands: an orthographic picture shows so many times less; 1: as much as ever */
+	double enlarged;
 };
 
 struct rb_frame {
@@ -89,11 +98,12 @@ struct rb_frame {
 	double time_s;
 	int body_count; /* moving bodies, in the order of the scene */
 
-	double *position;         /* [body_count][3] m, of the object's origin */
-	double *orientation;      /* [body_count][4] w, x, y, z; NULL when nothing can turn */
-	double *velocity;         /* [body_count][3] m/s, of the centre of mass */
-	double *angular_velocity; /* [body_count][3] rad/s, world axes; NULL when nothing can turn */
-	double *acceleration;     /* [body_count][3] m/s^2, of the centre of mass */
+	double *position;    /* [body_count][3] m, of the object's origin */
+	double *orientation; /* [body_count][4] w, x, y, z; NULL when nothing can turn */
+	double *velocity;    /* [body_count][3] m/s, of the centre of mass */
+	/* [body_count][3] rad/s, world axes; NULL when nothing can turn */
+	double *angular_velocity;
+	double *acceleration;         /* [body_count][3] m/s^2, of the centre of mass */
 	double *angular_acceleration; /* [body_count][3] rad/s^2; NULL when nothing can turn */
 	double *force;                /* [body_count][3] N, of all that acts: struct rb_load */
 	double *torque;               /* [body_count][3] N m; NULL when nothing can turn */

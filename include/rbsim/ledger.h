@@ -3,7 +3,8 @@
  * The ledger: where energy and momentum went since the start of a run, by cause.
  *
  *   total(t) - total(0) = applied + driven + callbacks
- *                         - (impacts + impact_friction + sliding + rolling + joint_friction + drag + damping) + unexplained
+ *                         - (impacts + impact_friction + sliding + rolling + joint_friction + drag
+ *                         + damping) + unexplained
  *
  * where total is kinetic plus potential energy. The causes of the second line are energies taken,
  * so positive when they dissipate. `unexplained` is measured, not entered: what the method itself

@@ -39,10 +39,14 @@ enum {
 	RB_FEATURE_FIELD = 1u << 16,
 	RB_FEATURE_DRIVEN = 1u << 17, /* a body with `motion` */
 	RB_FEATURE_HOOK_TRANSITION = 1u << 18,
+	RB_FEATURE_ELEMENTS = 1u << 19, /* force elements that are neither springs nor drag */
+
+	/* forces that vary with where bodies are and how they move */
+	RB_FEATURES_VARIED = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
+	                     RB_FEATURE_ELEMENTS,
 
 	/* what the classic method does not have */
-	RB_FEATURES_NOT_CLASSIC = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
-	                          RB_FEATURE_DRIVEN,
+	RB_FEATURES_NOT_CLASSIC = RB_FEATURES_VARIED | RB_FEATURE_DRIVEN,
 };
 
 /* Entry of the dense materials table. */
@@ -51,6 +55,7 @@ struct rb_pair_material {
 };
 
 struct rb_parts_table;
+struct rb_elements;
 
 struct rb_model {
 	const struct rb_scene *scene; /* borrowed: must outlive the model */
@@ -69,13 +74,15 @@ struct rb_model {
 	unsigned char *driven; /* [body_count]: 1 where `motion` drives it; NULL without any */
 	rb_mat3 *inertia,
 		*inverse_inertia; /* object axes, about the centre of mass; NULL without rotation */
-	double *inverse_inertia_scalar; /* where the tensor is a multiple of 1, else NAN; NULL without rotation */
+	/* where the tensor is a multiple of 1, else NAN; NULL without rotation */
+	double *inverse_inertia_scalar;
 	rb_vec3 *center_of_mass;        /* object coordinates; NULL: all at the origin */
 	uint64_t *group_bit, *collides; /* NULL without filters */
 	rb_vec3 *position;              /* initial: of the object's origin; for good: statics */
 	rb_quat *orientation;
 
-	double *rest_length_m; /* [scene->spring_count]: that of each spring; NULL without any */
+	struct rb_elements *elements; /* owned, model/element: by kind, those that the scene has */
+	int element_list_count;
 
 	int material_count;
 	struct rb_pair_material *pair_materials; /* [material_count][material_count] */

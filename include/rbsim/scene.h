@@ -38,7 +38,8 @@ enum rb_shape_kind {
  * unions, whose points and parts are where the author put them.
  *   sphere     radius
  *   plane      infinite half-space, solid where local z < 0
- *   rectangle  finite plane in local z = 0, two-sided, without thickness: |x| <= size[0]/2, |y| <= size[1]/2
+ *   rectangle  finite plane in local z = 0, two-sided, without thickness: |x| <= size[0]/2, |y| <=
+ *              size[1]/2
  *   box        size: whole lengths of its edges along local x, y, z
  *   capsule    radius about a segment of length size[2] along local z
  *   cylinder   radius, and size[2] its height along local z
@@ -72,19 +73,22 @@ struct rb_solid_part {
 struct rb_solid {
 	const rb_vec3 *vertices; /* m, [vertex_count] */
 	const int *
-		loops; /* corners of face k: loops[face_first[k]] to before loops[face_first[k + 1]] */
+		/* corners of face k: loops[face_first[k]] to before loops[face_first[k + 1]] */
+		loops;
 	const int *face_first; /* [face_count + 1] */
 	const int (*edges)[2]; /* [edge_count], the smaller corner first, ascending */
 	int vertex_count, face_count, edge_count;
 	const struct rb_solid_part *parts;
 	int part_count;
 
-	double volume; /* m^3; of a union the sum of its parts: where they overlap it counts twice */
+	/* m^3; of a union the sum of its parts: where they overlap it counts twice */
+	double volume;
 	double weight;    /* m^3: the same, each part times its share */
 	rb_vec3 centroid; /* m, of the mass */
 	rb_mat3 inertia;  /* m^2: kg m^2 for each kg, about the centroid, object axes */
 	double reach;     /* m: no point is farther from the object's origin */
-	double half_width; /* m: half of its smallest extent along a principal axis; of a union, of a part */
+	/* m: half of its smallest extent along a principal axis; of a union, of a part */
+	double half_width;
 	char sha256[65]; /* of the points that a hull was made of */
 };
 
@@ -161,7 +165,8 @@ struct rb_body_def {
 	rb_vec3 center_of_mass;
 	bool has_inertia;
 	rb_mat3 inertia; /* kg m^2, object axes, about the centre of mass; valid if has_inertia */
-	size_t particle_count; /* mass, centre and inertia came of so many particles; 0: none were given */
+	/* mass, centre and inertia came of so many particles; 0: none were given */
+	size_t particle_count;
 
 	rb_vec3 position;         /* m, of the object's origin */
 	rb_quat orientation;      /* a unit quaternion */
@@ -188,6 +193,17 @@ struct rb_body_def {
 	const char *texture;
 	bool visible;
 };
+
+static inline bool rb_body_is_driven(const struct rb_body_def *body)
+{
+	return body->motion >= 0;
+}
+
+/* Impacts and forces move it. */
+static inline bool rb_body_is_free(const struct rb_body_def *body)
+{
+	return !body->is_static && !rb_body_is_driven(body);
+}
 
 /* Where a camera's vector comes from. Functions are kept by the script under `function`. */
 enum rb_camera_source { RB_CAMERA_FIXED, RB_CAMERA_BODY, RB_CAMERA_FUNCTION };
@@ -219,7 +235,8 @@ struct rb_camera_def {
 	const char *file; /* where its line is; NULL: in the scene's own file */
 	int line;
 	struct rb_camera_vector position, look_at, up;
-	bool framed; /* no position is given: it stands where it sees all that moves (flow/framing) */
+	/* no position is given: it stands where it sees all that moves (flow/framing) */
+	bool framed;
 	bool aimed; /* look_at is given */
 	int mount;  /* id of a body, -1: none */
 	rb_vec3 offset;
@@ -329,6 +346,17 @@ enum {
 	RB_HOOK_TRANSITION = 1u << 4
 };
 
+/*
+ * Force elements of one kind, in the order of the scene: `count` rows of the kind's own type
+ * (model/element).
+ */
+enum { RB_ELEMENT_KINDS_MAX = 16 };
+struct rb_element_list {
+	void *rows;
+	int count;
+	size_t capacity;
+};
+
 struct rb_scene {
 	const char *file; /* as named on the command line, for messages; "" when made by hand */
 	struct rb_world_def world;
@@ -343,10 +371,7 @@ struct rb_scene {
 	int solid_count;
 	struct rb_force_def *forces;
 	int force_count;
-	struct rb_spring_def *springs;
-	int spring_count;
-	struct rb_drag_def *drags;
-	int drag_count;
+	struct rb_element_list elements[RB_ELEMENT_KINDS_MAX]; /* springs, drag, ...: by kind */
 	struct rb_field_def *fields;
 	int field_count;
 	const char **groups; /* names of collision groups, 63 at most */

@@ -22,7 +22,8 @@ extern "C" {
 /* How a run ended, handed to every sink when it is closed. */
 struct rb_outcome {
 	enum rb_status
-		status; /* RB_OK: complete; RB_ERR_INTERRUPT, RB_ERR_TERMINATE: interrupted; else failed */
+		/* RB_OK: complete; RB_ERR_INTERRUPT, RB_ERR_TERMINATE: interrupted; else failed */
+		status;
 	const char *reason;  /* never NULL, "" when complete */
 	uint64_t state_hash; /* of the last state */
 };

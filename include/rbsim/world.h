@@ -105,7 +105,8 @@ enum { RB_IMPACT_CONTACTS = 200 };
 struct rb_world_work {
 	uint64_t body_steps, discarded_body_steps, pair_tests;
 	uint64_t
-		plastic_ends; /* clusters of impacts that were ended without restitution after all rounds */
+		/* clusters of impacts that were ended without restitution after all rounds */
+		plastic_ends;
 	/*
 	 * stepped: impacts of groups that are too large to be passed on one by one, and the energy
 	 * of their approach, J
@@ -118,7 +119,8 @@ struct rb_world_work {
 	 */
 	uint64_t rows, row_sweeps, factors, closings;
 	double residual_m; /* stepped: the largest that a solution left of a gap's closing */
-	double slip_m; /* stepped: the largest slip that was left where friction was held; 0: nowhere */
+	/* stepped: the largest slip that was left where friction was held; 0: nowhere */
+	double slip_m;
 };
 struct rb_world_work rb_world_work(const struct rb_world *world);
 

@@ -70,13 +70,13 @@ void rb_balance_print(FILE *file, const struct rb_balance *balance,
 	if (!balance->kept)
 		return;
 	print_causes(file, last);
-	rb_print(
-		file,
-		"  unexplained   %s, %.2g of what moved; of momentum %.2g, of angular momentum %.2g\n",
-		rb_text_measure("", balance->unexplained, 3, "J at most", text),
-		share(balance->unexplained, balance->energy_scale),
-		share(balance->momentum_unexplained[0], balance->momentum_scale[0]),
-		share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
+	rb_print(file,
+	         "  unexplained   %s, %.2g of what moved; of momentum %.2g, of angular momentum "
+	         "%.2g\n",
+	         rb_text_measure("", balance->unexplained, 3, "J at most", text),
+	         share(balance->unexplained, balance->energy_scale),
+	         share(balance->momentum_unexplained[0], balance->momentum_scale[0]),
+	         share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
 }
 
 void rb_balance_print_json(struct rb_json *json, const struct rb_balance *balance,

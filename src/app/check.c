@@ -5,16 +5,17 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "app/estimate.h"
 #include "app/json.h"
+#include "app/progress.h"
 #include "app/simulate.h"
-#include "base/clock.h"
 #include "base/visible.h"
 #include "located/needed_parts.h"
 #include "flow/frame.h"
 #include "flow/ring.h"
+#include "model/element.h"
 #include "model/validate.h"
 #include "model/features.h"
-#include "script/hooks.h"
 #include "sink/module.h"
 #include "classic/stage_list.h"
 #include "method/method.h"
@@ -22,8 +23,7 @@
 
 /* What a run will take. */
 struct needs {
-	uint64_t memory_bytes; /* largest resident set */
-	uint64_t tried_frames; /* that the memory is known from */
+	struct rb_estimate run; /* its memory with recorder and reel of frames */
 	uint64_t disk_bytes;
 	uint64_t steps; /* of the longest kind, rollbacks apart */
 };
@@ -57,52 +57,6 @@ static uint64_t recorder_bytes(const struct rb_model *model, const struct rb_rec
 	return tables + smaller(waiting, whole_run) + cache;
 }
 
-/* The trial is for its memory only: it may not take long. */
-static bool time_is_up(void *user)
-{
-	const uint64_t *const deadline_ns = user;
-
-	return rb_clock_cpu_ns() > *deadline_ns;
-}
-
-/*
- * Memory of the simulator: a world is made and goes as far as one second of its processor allows,
- * without callbacks and without a sink, so that its scratch grows as it will. How the trial ends is
- * not looked at.
- */
-static enum rb_status try_world(const struct rb_loaded *loaded, int threads, struct needs *needs,
-                                struct rb_error *err)
-{
-	uint64_t deadline_ns = rb_clock_cpu_ns() + 1000000000;
-	const struct rb_world_options options = {
-		.threads = threads,
-		.keep_events = loaded->output && loaded->scene.record.fields & RB_FIELD_EVENTS,
-		.keep_contacts = loaded->output && loaded->scene.record.fields & RB_FIELD_CONTACTS,
-		.stop = time_is_up,
-		.stop_user = &deadline_ns,
-	};
-	struct rb_world *world;
-	struct rb_frame frame;
-	/* functions of the scene that motion depends on are no callbacks */
-	const struct rb_world_hooks all = rb_script_hooks(loaded->script);
-	const struct rb_world_hooks hooks = {
-		.user = all.user, .field = all.field, .motion = all.motion};
-	enum rb_status status = rb_world_create(&world, loaded->model, &options, &hooks, err);
-
-	if (status)
-		return status;
-	status = rb_frame_init(&frame, loaded->model, 0, err);
-	while (!status && rb_world_frame(world) + 1 < rb_world_frame_count(world))
-		if (rb_world_step_frame(world, NULL) || rb_world_stopped(world) ||
-		    rb_world_fill_frame(world, &frame, NULL))
-			break;
-	needs->tried_frames = rb_world_frame(world) + 1;
-	needs->memory_bytes = rb_process_bytes("VmHWM");
-	rb_frame_release(&frame);
-	rb_world_destroy(world);
-	return status;
-}
-
 static uint64_t ring_bytes(const struct rb_model *model, unsigned fields)
 {
 	const uint64_t slots = (uint64_t)rb_ring_slots_for(model, fields);
@@ -129,7 +83,7 @@ static enum rb_status estimate(const struct rb_loaded *loaded, const struct rb_r
                                struct needs *needs, struct rb_error *err)
 {
 	const struct rb_hdf5_module *module;
-	enum rb_status status = try_world(loaded, info->threads, needs, err);
+	enum rb_status status = rb_estimate_run(loaded, info->threads, &needs->run, err);
 
 	needs->steps = step_count(loaded->model);
 	if (status || !loaded->output)
@@ -140,9 +94,9 @@ static enum rb_status estimate(const struct rb_loaded *loaded, const struct rb_r
 		return status;
 	needs->disk_bytes = module->recorder_estimate(info);
 	const uint64_t after = rb_process_bytes("VmRSS");
-	needs->memory_bytes += (after > before ? after - before : 0) +
-	                       recorder_bytes(loaded->model, &loaded->scene.record);
-	needs->memory_bytes += ring_bytes(loaded->model, loaded->scene.record.fields);
+	needs->run.memory_bytes += (after > before ? after - before : 0) +
+	                           recorder_bytes(loaded->model, &loaded->scene.record);
+	needs->run.memory_bytes += ring_bytes(loaded->model, loaded->scene.record.fields);
 	return RB_OK;
 }
 
@@ -209,7 +163,8 @@ static void print_bodies(const struct rb_model *model)
 	const struct rb_scene *const scene = model->scene;
 	const int driven = driven_count(model);
 	int counts[RB_SHAPE_KIND_COUNT] = {0};
-	char forces[96], shapes[160];
+	int elements[RB_ELEMENT_KINDS_MAX];
+	char forces[RB_FORCES_TEXT_SIZE], shapes[160];
 
 	rb_print(stdout, "  bodies      %d moving", model->body_count);
 	if (driven > 0)
@@ -220,7 +175,8 @@ static void print_bodies(const struct rb_model *model)
 	if (*rb_text_shapes(counts, shapes))
 		rb_print(stdout, "  shapes      %s\n", shapes);
 	print_driven(model);
-	rb_text_forces(scene->spring_count, scene->drag_count, scene->field_count, forces);
+	rb_scene_count_elements(scene, elements);
+	rb_text_forces(elements, scene->field_count, forces);
 	if (*forces)
 		rb_print(stdout, "  forces      %s\n", forces);
 }
@@ -261,6 +217,20 @@ static void print_films(struct rb_loaded *loaded, const struct rb_options *optio
 	rb_films_destroy(films);
 }
 
+static void print_time(const struct rb_estimate *run)
+{
+	char text[32];
+
+	if (isnan(run->run_s))
+		return;
+	rb_progress_duration(text, sizeof text, run->run_s);
+	if (run->at_least)
+		rb_print(stdout, "  time        at least %s: tried as far as %.3g s of the run\n",
+		         text, run->reached_s);
+	else
+		rb_print(stdout, "  time        about %s\n", text);
+}
+
 static void print_text(struct rb_loaded *loaded, const struct rb_options *options,
                        const struct rb_run_info *info, const struct needs *needs)
 {
@@ -277,18 +247,21 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	         " steps of at most %g s, seed %" PRIu64 "\n",
 	         model->duration_s, model->frame_count, model->frame_rate, needs->steps,
 	         model->time_step_s, loaded->scene.world.seed);
+	print_time(&needs->run);
 	rb_print(stdout, "  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
 	         info->rollback, model->tolerance_m, info->threads,
 	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
 	if (model->method == RB_METHOD_AUTO && (model->features & RB_FEATURE_CONTACT))
 		puts("  crowds      too dense to locate are left to steps (rbsim-scene(5))");
-	rb_print(
-		stdout,
-		"  touching    gaps within 8 ulp of the larger of coordinate and size count as touching (here up to %.3g m);\n"
-		"              a touching pair that no force parts beyond that is in lasting contact (rbsim-scene(5))\n",
-		8 * rb_ulp(model->coordinate_max_m));
+	rb_print(stdout,
+	         "  touching    gaps within 8 ulp of the larger of coordinate and size count as "
+	         "touching (here up to %.3g m);\n"
+	         "              a touching pair that no force parts beyond that is in lasting "
+	         "contact (rbsim-scene(5))\n",
+	         8 * rb_ulp(model->coordinate_max_m));
 	rb_print(stdout, "  memory      %s (tried as far as frame %" PRIu64 " of %" PRIu64 "%s)\n",
-	         rb_text_bytes(needs->memory_bytes, size), needs->tried_frames, model->frame_count,
+	         rb_text_bytes(needs->run.memory_bytes, size), needs->run.tried_frames,
+	         model->frame_count,
 	         loaded->scene.camera_count > 0 && !options->no_render ? ", without the films"
 	                                                               : "");
 	if (loaded->output)
@@ -363,6 +336,7 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 {
 	const struct rb_model *const model = loaded->model;
 	struct rb_json json = {.file = stdout};
+	int elements[RB_ELEMENT_KINDS_MAX];
 
 	rb_json_open(&json, NULL, '{');
 	rb_json_text(&json, "scene", loaded->scene.file);
@@ -372,9 +346,8 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_count(&json, "bodies", (uint64_t)model->body_count);
 	rb_json_count(&json, "statics", (uint64_t)model->static_count);
 	rb_json_count(&json, "driven_count", (uint64_t)driven_count(model));
-	rb_json_count(&json, "spring_count", (uint64_t)model->scene->spring_count);
-	rb_json_count(&json, "drag_count", (uint64_t)model->scene->drag_count);
-	rb_json_count(&json, "field_count", (uint64_t)model->scene->field_count);
+	rb_scene_count_elements(model->scene, elements);
+	rb_json_forces(&json, elements, model->scene->field_count);
 	rb_json_count(&json, "frames", model->frame_count);
 	rb_json_number(&json, "duration", model->duration_s);
 	rb_json_number(&json, "frame_rate", model->frame_rate);
@@ -387,8 +360,10 @@ static void print_json(const struct rb_loaded *loaded, const struct rb_run_info 
 	rb_json_count(&json, "seed", loaded->scene.world.seed);
 	rb_json_count(&json, "threads", (uint64_t)info->threads);
 	rb_json_text(&json, "recording", loaded->output);
-	rb_json_count(&json, "memory_bytes", needs->memory_bytes);
-	rb_json_count(&json, "tried_frames", needs->tried_frames);
+	rb_json_count(&json, "memory_bytes", needs->run.memory_bytes);
+	rb_json_count(&json, "tried_frames", needs->run.tried_frames);
+	rb_json_number(&json, "run_seconds", needs->run.run_s);
+	rb_json_bool(&json, "run_at_least", needs->run.at_least);
 	rb_json_count(&json, "disk_bytes", needs->disk_bytes);
 	json_plan(&json, model);
 	json_materials(&json, loaded);

@@ -5,7 +5,8 @@
  * RUN.h5.checkpoint, and the one before as RUN.h5.checkpoint~:
  *
  *   head       "rbsim-cp", order of bytes, format, size and hash (base/hash) of all that follows
- *   sections   name of 8 bytes, size, hash, bytes: "about" (whose run, which frame), "world" (method/save), "script"
+ *   sections  name of 8 bytes, size, hash, bytes: "about" (whose run, which frame), "world"
+ *              (method/save), "script"
  *              (script/keep), "run" (what the summary tells); each once, in this order
  *
  * The simulator's thread copies what is to be kept (rb_checkpoint_take); a thread beside it waits
@@ -51,9 +52,11 @@ struct rb_checkpoints_options {
 	 */
 	bool (*recorded)(void *user, uint64_t frame);
 	void *user;
-	size_t size_guess; /* bytes that one will take: room that need not be found while the run waits */
+	/* bytes that one will take: room that need not be found while the run waits */
+	size_t size_guess;
 	uint64_t
-		ready_ns; /* when (base/clock) that room is to be ready in memory, too; 0: not beforehand */
+		/* when (base/clock) that room is to be ready in memory, too; 0: not beforehand */
+		ready_ns;
 };
 
 /* Starts the thread that writes; nothing is written yet. */

@@ -17,7 +17,8 @@ struct collect {
 	struct rb_planned sweep;
 	struct rb_table table;
 	char output[RB_FOLDER_PATH_SIZE]; /* "": standard output */
-	char way[RB_FOLDER_PATH_SIZE]; /* from the folder of the output to that of the sweep, with a '/' at its end */
+	/* from the folder of the output to that of the sweep, with a '/' at its end */
+	char way[RB_FOLDER_PATH_SIZE];
 	char name[RB_FOLDER_PATH_SIZE + 80];
 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <sys/statvfs.h>
 
+#include "model/element.h"
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/place.h"
@@ -261,11 +262,12 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 		         frames * frame_s / wait_s);
 	rb_text_bytes((uint64_t)fmin(bytes, 1e19), needed);
 	rb_text_bytes((uint64_t)disk, there);
-	return RB_FAIL(
-		err, RB_ERR_SCENE,
-		"%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which would take at least %s of disk%s%s%s%s",
-		loaded->scene.file, model->duration_s, model->frame_rate, frames, needed, years,
-		disk > 0 ? " (all of this disk: " : "", disk > 0 ? there : "", disk > 0 ? ")" : "");
+	return RB_FAIL(err, RB_ERR_SCENE,
+	               "%s: world: 'duration' %g s times 'frame_rate' %g makes %g frames, which "
+	               "would take at least %s of disk%s%s%s%s",
+	               loaded->scene.file, model->duration_s, model->frame_rate, frames, needed,
+	               years, disk > 0 ? " (all of this disk: " : "", disk > 0 ? there : "",
+	               disk > 0 ? ")" : "");
 }
 
 /* `from` NULL: the files on disk. */
@@ -405,22 +407,34 @@ const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160])
 	return out;
 }
 
-const char *rb_text_forces(int springs, int drags, int fields, char out[96])
+static size_t add_count(char *out, size_t used, int count, const char *name)
 {
-	const struct {
-		int count;
-		const char *one, *many;
-	} kinds[] = {{springs, "spring", "springs"},
-	             {drags, "drag", "drags"},
-	             {fields, "field", "fields"}};
+	if (count == 0 || used >= RB_FORCES_TEXT_SIZE)
+		return used;
+	return used + (size_t)snprintf(out + used, RB_FORCES_TEXT_SIZE - used, "%s%d %s%s",
+	                               used > 0 ? ", " : "", count, name, count == 1 ? "" : "s");
+}
+
+const char *rb_text_forces(const int element_counts[RB_ELEMENT_KINDS_MAX], int fields,
+                           char out[RB_FORCES_TEXT_SIZE])
+{
 	size_t used = 0;
 
 	out[0] = '\0';
-	for (int i = 0; i < 3; i++)
-		if (kinds[i].count > 0)
-			used += (size_t)snprintf(out + used, 96 - used, "%s%d %s",
-			                         used > 0 ? ", " : "", kinds[i].count,
-			                         rb_text_plural((uint64_t)kinds[i].count,
-			                                        kinds[i].one, kinds[i].many));
+	for (int place = 0; place < rb_element_kind_count; place++)
+		used = add_count(out, used, element_counts[place], rb_element_kinds[place]->name);
+	add_count(out, used, fields, "field");
 	return out;
+}
+
+void rb_json_forces(struct rb_json *json, const int element_counts[RB_ELEMENT_KINDS_MAX],
+                    int fields)
+{
+	char key[80];
+
+	for (int place = 0; place < rb_element_kind_count; place++) {
+		snprintf(key, sizeof key, "%s_count", rb_element_kinds[place]->name);
+		rb_json_count(json, key, (uint64_t)element_counts[place]);
+	}
+	rb_json_count(json, "field_count", (uint64_t)fields);
 }

@@ -101,7 +101,13 @@ const char *rb_text_plural(uint64_t count, const char *one, const char *many);
  * Forces of a scene that are neither gravity nor a body's own: "2 springs, 1 field", "" without
  * any.
  */
-const char *rb_text_forces(int springs, int drags, int fields, char out[96]);
+enum { RB_FORCES_TEXT_SIZE = 512 };
+const char *rb_text_forces(const int element_counts[RB_ELEMENT_KINDS_MAX], int fields,
+                           char out[RB_FORCES_TEXT_SIZE]);
+struct rb_json;
+/* The same: "spring_count", ..., "field_count". */
+void rb_json_forces(struct rb_json *json, const int element_counts[RB_ELEMENT_KINDS_MAX],
+                    int fields);
 /* "2 spheres, 1 box"; "" where there are only spheres and planes, which needs no words. */
 const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160]);
 

@@ -57,10 +57,10 @@ static enum rb_status take_list(const char *name, const char *text, double *valu
 			               name, LIST_MOST);
 		if (length >= sizeof word || !rb_text_number(word, &values[*count]) ||
 		    values[*count] <= 0)
-			return RB_FAIL(
-				err, RB_ERR_USAGE,
-				"option '--%s': '%s' is not a finite number above 0 (wanted: a list like 0.01,0.001)",
-				name, word);
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "option '--%s': '%s' is not a finite number above 0 "
+			               "(wanted: a list like 0.01,0.001)",
+			               name, word);
 		(*count)++;
 		text = text[length] ? text + length + 1 : NULL;
 	}
@@ -172,9 +172,9 @@ static enum rb_status take_options(struct converge *converge, struct rb_error *e
 		status = take_list("tolerance", options->tolerances, converge->tolerances_m,
 		                   &converge->tolerance_count, err);
 	if (!status && converge->tolerance_count > 0 && converge->step_count > 1)
-		status = RB_FAIL(
-			err, RB_ERR_USAGE,
-			"options '--dt' and '--tolerance' cannot both be lists: one of them is the ladder");
+		status = RB_FAIL(err, RB_ERR_USAGE,
+		                 "options '--dt' and '--tolerance' cannot both be lists: one of "
+		                 "them is the ladder");
 	if (!status)
 		status = take_methods(converge, err);
 	if (!status)
@@ -285,31 +285,31 @@ static void describe_reference(struct converge *converge, const struct rb_ladder
 		         refined->text);
 		return;
 	}
-	snprintf(
-		report->reference, sizeof report->reference,
-		"a run of %s, time step %.3g s; a finer one and rounding make a difference of %.2g%s%s",
-		method->name, refined->time_step_s, refined->estimate, space, unit);
+	snprintf(report->reference, sizeof report->reference,
+	         "a run of %s, time step %.3g s; a finer one and rounding make a difference of "
+	         "%.2g%s%s",
+	         method->name, refined->time_step_s, refined->estimate, space, unit);
 	if (isnan(refined->estimate))
-		snprintf(
-			report->reference, sizeof report->reference,
-			"a run of %s, time step %.3g s, of unknown error: there was no time for a finer one",
-			method->name, refined->time_step_s);
+		snprintf(report->reference, sizeof report->reference,
+		         "a run of %s, time step %.3g s, of unknown error: there was no time for a "
+		         "finer one",
+		         method->name, refined->time_step_s);
 	if (refined->diverges && refined->horizon_s > 0) {
 		report->horizon_s = refined->horizon_s;
-		snprintf(
-			report->warning, sizeof report->warning,
-			"finer steps or rounding do not lead to one answer: runs agree within %.3g%s%s up to %.4g s only, and errors are taken up to there",
-			report->error, space, unit, refined->horizon_s);
+		snprintf(report->warning, sizeof report->warning,
+		         "finer steps or rounding do not lead to one answer: runs agree within "
+		         "%.3g%s%s up to %.4g s only, and errors are taken up to there",
+		         report->error, space, unit, refined->horizon_s);
 	} else if (refined->diverges) {
-		snprintf(
-			report->warning, sizeof report->warning,
-			"finer steps or rounding do not lead to one answer: no two runs agree within %.3g%s%s",
-			report->error, space, unit);
+		snprintf(report->warning, sizeof report->warning,
+		         "finer steps or rounding do not lead to one answer: no two runs agree "
+		         "within %.3g%s%s",
+		         report->error, space, unit);
 	} else if (!refined->agrees) {
-		snprintf(
-			report->warning, sizeof report->warning,
-			"the reference is not settled to a tenth of %.3g%s%s; a larger --budget allows a finer one",
-			report->error, space, unit);
+		snprintf(report->warning, sizeof report->warning,
+		         "the reference is not settled to a tenth of %.3g%s%s; a larger --budget "
+		         "allows a finer one",
+		         report->error, space, unit);
 	}
 }
 

@@ -178,10 +178,10 @@ static void print_fields(const struct side *side, const struct difference *found
 	for (int i = 0; i < 2; i++)
 		for (int c = 0; c < COLUMN_COUNT; c++)
 			if (found->only[i] & columns[c].field)
-				rb_print(
-					stdout,
-					"only '%s' has the column '%s'; what both have is the same\n",
-					side[i].path, columns[c].name);
+				rb_print(stdout,
+				         "only '%s' has the column '%s'; what both have is the "
+				         "same\n",
+				         side[i].path, columns[c].name);
 	if ((found->only[0] | found->only[1]) & (RB_FIELD_CONTACTS | RB_FIELD_EVENTS))
 		rb_print(stdout,
 		         "only one of them has contacts or events; the bodies are the same\n");
@@ -212,13 +212,12 @@ static void print_text(const struct side *side, const struct difference *found)
 		         found->row, found->time[0], side[0].path, found->time[1], side[1].path);
 		break;
 	case VALUES:
-		rb_print(
-			stdout,
-			"frame %" PRIu64
-			" (%.9g s): body %s: %s differs by %.3g (the largest difference of any body: %.3g)\n",
-			found->row, found->time[0], label_of(&side[0], found->body, label),
-			columns[found->column].name, plain_nan(found->largest),
-			plain_nan(found->largest_in_frame));
+		rb_print(stdout,
+		         "frame %" PRIu64 " (%.9g s): body %s: %s differs by %.3g (the largest "
+		         "difference of any body: %.3g)\n",
+		         found->row, found->time[0], label_of(&side[0], found->body, label),
+		         columns[found->column].name, plain_nan(found->largest),
+		         plain_nan(found->largest_in_frame));
 		print_vector(side, found, 0);
 		print_vector(side, found, 1);
 		break;

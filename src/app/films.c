@@ -50,7 +50,7 @@ struct rb_films {
 	struct rb_frame last;
 	struct rb_between between;
 	struct rb_steering steering;
-	double *switched_s; /* when pictures were left out, drawn again, ...: as the films have it */
+	double *switched_s; /* when pictures were left out, drawn again, ... */
 	size_t switch_count, switch_capacity;
 	atomic_int cut; /* the signal; set by anybody, after every film's own; 0: not */
 };
@@ -190,7 +190,8 @@ static void add(struct rb_films *films, const struct rb_camera_def *camera, int 
 			(void)rb_framing_aim(&start, &film->camera, left_out, sizeof left_out);
 		rb_framing_release(&start);
 		rb_log(RB_LOG_WARNING,
-		       "%s has no 'position', and no recording tells what moves where: it shows the start",
+		       "%s has no 'position', and no recording tells what moves where: it shows "
+		       "the start",
 		       film->label);
 	}
 	films->shoots |= rb_shot_wanted(&film->camera);
@@ -222,10 +223,10 @@ static enum rb_status choose(struct rb_films *films, const struct rb_films_wish 
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--camera' chooses no camera");
 	if (wish->output && films->count > 1) {
 		list_names(scene, known, sizeof known);
-		return RB_FAIL(
-			err, RB_ERR_USAGE,
-			"option '--output' names one film, and there are %d cameras: choose one with --camera (%s)",
-			films->count, known);
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "option '--output' names one film, and there are %d cameras: choose "
+		               "one with --camera (%s)",
+		               films->count, known);
 	}
 	if (films->count > FILMS_MAX)
 		return RB_FAIL(
@@ -347,8 +348,8 @@ static enum rb_status prepare(struct rb_films *films, const struct rb_films_wish
 	if (status || films->count == 0)
 		return status;
 	if (wish->runs && !wish->names && !rb_module_has_film()) {
-		rb_log(RB_LOG_WARNING,
-		       "this program was built without films (WITH_FILM=0): the scene's cameras make none");
+		rb_log(RB_LOG_WARNING, "this program was built without films (WITH_FILM=0): the "
+		                       "scene's cameras make none");
 		films->count = 0;
 		return RB_OK;
 	}
@@ -757,11 +758,10 @@ void rb_films_print(FILE *file, const struct rb_films *films)
 		         rb_text_plural(t->pictures, "picture", "pictures"),
 		         rb_text_bytes(t->bytes, size));
 		if (t->pictures > 0)
-			rb_print(
-				file,
-				"; drawing %.0f %%, reading back %.0f %%, PNG %.0f %%, pipe %.0f %%",
-				percent * (double)t->draw_ns, percent * (double)t->read_ns,
-				percent * (double)t->png_ns, percent * (double)t->pipe_ns);
+			rb_print(file,
+			         "; drawing %.0f %%, reading %.0f %%, PNG %.0f %%, pipe %.0f %%",
+			         percent * (double)t->draw_ns, percent * (double)t->read_ns,
+			         percent * (double)t->png_ns, percent * (double)t->pipe_ns);
 		if (t->left_out > 0)
 			rb_print(file, "; %" PRIu64 " left out by command", t->left_out);
 		rb_print(file, "%s\n",

@@ -136,7 +136,10 @@ static enum rb_status read_observable(struct graph *graph, const char *name, dou
 		if (status)
 			status = RB_FAIL(
 				err, RB_ERR_USAGE,
-				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, momentum, max_penetration, ..., or BODY.x, .vx, .wx, .ax, .fx, .tx and so for y and z, .speed, .spin, .acceleration, .force, .torque; BODY: a name, or #ID of one without)",
+				"'%s' has no quantity '%s' (wanted: energy, kinetic_energy, "
+				"momentum, max_penetration, ..., or BODY.x, .vx, .wx, .ax, .fx, "
+				".tx and so for y and z, .speed, .spin, .acceleration, .force, "
+				".torque; BODY: a name, or #ID of one without)",
 				graph->file, name);
 	}
 	rb_memory_free(more);

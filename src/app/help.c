@@ -59,8 +59,8 @@ void rb_help_print(FILE *file, const struct rb_options *options)
 		fprintf(file, "usage: rbsim %s%s%s [OPTION]...\n", verb->name,
 		        *verb->operands ? " " : "", verb->operands);
 	else
-		fprintf(file,
-		        "usage: rbsim [run] SCENE.lua [OPTION]...\n       rbsim VERB [OPERAND]... [OPTION]...\n");
+		fprintf(file, "usage: rbsim [run] SCENE.lua [OPTION]...\n       rbsim VERB "
+		              "[OPERAND]... [OPTION]...\n");
 	fprintf(file, "%c%s.\n\nExamples:\n", verb->help[0] - 'a' + 'A', verb->help + 1);
 	print_examples(file, verb->examples);
 	if (!options->verb_given) {
@@ -182,7 +182,8 @@ static void print_bash(FILE *file)
 	fputs("# SPDX-License-Identifier: MIT\n"
 	      "# Completion of rbsim for bash; made by `rbsim --print-tables bash`.\n"
 	      "_rbsim()\n{\n"
-	      "\tlocal word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=run w\n"
+	      "\tlocal word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} verb=run "
+	      "w\n"
 	      "\t[ \"$before\" = = ] && before=${COMP_WORDS[COMP_CWORD-2]}\n"
 	      "\t[ \"$word\" = = ] && word=\n"
 	      "\tfor w in \"${COMP_WORDS[@]:1:COMP_CWORD-1}\"; do\n"
@@ -204,7 +205,8 @@ static void print_bash(FILE *file)
 			print_words(file, row->choices);
 			fputs("' -- \"$word\")); return ;;\n", file);
 		} else if (strcmp(row->argument, "FILE") == 0) {
-			fputs("compopt -o filenames; COMPREPLY=($(compgen -f -- \"$word\")); return ;;\n",
+			fputs("compopt -o filenames; COMPREPLY=($(compgen -f -- \"$word\")); "
+			      "return ;;\n",
 			      file);
 		} else {
 			fputs("return ;;\n", file);
@@ -221,7 +223,8 @@ static void print_bash(FILE *file)
 			}
 		fputs("' -- \"$word\")) ;;\n", file);
 	}
-	fputs("\t\tesac\n\t\treturn\n\tfi\n\tcompopt -o filenames\n\tCOMPREPLY=($(compgen -f -- \"$word\"))\n"
+	fputs("\t\tesac\n\t\treturn\n\tfi\n\tcompopt -o filenames\n\tCOMPREPLY=($(compgen -f -- "
+	      "\"$word\"))\n"
 	      "\t[ \"$COMP_CWORD\" -eq 1 ] && COMPREPLY+=($(compgen -W '",
 	      file);
 	print_verb_names(file);
@@ -244,7 +247,8 @@ static void print_zsh_text(FILE *file, const char *text)
 static void print_zsh(FILE *file)
 {
 	fputs("#compdef rbsim\n# SPDX-License-Identifier: MIT\n"
-	      "# Completion of rbsim for zsh; made by `rbsim --print-tables zsh`.\n_arguments -S \\\n",
+	      "# Completion of rbsim for zsh; made by `rbsim --print-tables zsh`.\n_arguments -S "
+	      "\\\n",
 	      file);
 	for (int i = 0; i < rb_option_row_count; i++) {
 		const struct rb_option_row *const row = &rb_option_rows[i];

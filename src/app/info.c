@@ -162,9 +162,7 @@ static void print_json(const char *path, const struct rb_reading *reading,
 		              (uint64_t)reading->shape_counts[k]);
 	rb_json_close(&json, '}');
 	rb_json_count(&json, "driven_count", (uint64_t)reading->driven_count);
-	rb_json_count(&json, "spring_count", (uint64_t)reading->spring_count);
-	rb_json_count(&json, "drag_count", (uint64_t)reading->drag_count);
-	rb_json_count(&json, "field_count", (uint64_t)reading->field_count);
+	rb_json_forces(&json, reading->element_counts, reading->field_count);
 	rb_json_count(&json, "events", reading->event_count);
 	rb_json_open(&json, "fields", '[');
 	for (int i = 0; i < FIELD_COUNT; i++)
@@ -239,7 +237,7 @@ static void print_changes(const struct course *course)
 static void print_text(const char *path, const struct rb_reading *reading,
                        const struct course *course)
 {
-	char forces[96], shapes[160], size[32];
+	char forces[RB_FORCES_TEXT_SIZE], shapes[160], size[32];
 
 	rb_print(stdout, "%s: %" PRIu64 " %s of %d moving %s", path, reading->frame_count,
 	         rb_text_plural(reading->frame_count, "frame", "frames"), reading->body_count,
@@ -256,7 +254,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
 		rb_print(stdout, "  shapes      %s\n", shapes);
 	if (reading->driven_count > 0)
 		rb_print(stdout, "  driven      %d of the moving bodies\n", reading->driven_count);
-	rb_text_forces(reading->spring_count, reading->drag_count, reading->field_count, forces);
+	rb_text_forces(reading->element_counts, reading->field_count, forces);
 	if (*forces)
 		rb_print(stdout, "  forces      %s\n", forces);
 	rb_print(stdout, "  status      %s%s%s\n", reading->status, *reading->reason ? ": " : "",

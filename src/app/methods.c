@@ -9,18 +9,22 @@ static const struct {
 	const char *name, *what, *good_for, *mind;
 } methods[] = {
 	{"located",
-         "every body flies on its own clock from event to event; impacts are located to rounding and lasting contacts "
+         "every body flies on its own clock from event to event; impacts are located to rounding "
+         "and lasting contacts "
          "end where they end",
          "impacts that must be right, gases, long runs; springs, drag, fields and driven bodies",
          "touching bodies are solved together, which costs much where they are many; one thread"},
 	{"classic", "one step for all; a step that ends in an overlap is taken back and halved",
          "lectures; a baseline for every other method",
-         "errors fall with the first power of time_step; heaps cost much; no springs, drag, fields or driven bodies"},
+         "errors fall with the first power of time_step; heaps cost much; no springs, drag, fields "
+         "or driven bodies"},
 	{"stepped",
-         "equal steps; what touches within one is solved together, to a residual, so that no gap closes beyond the "
+         "equal steps; what touches within one is solved together, to a residual, so that no gap "
+         "closes beyond the "
          "tolerance; a step that fails is taken back and halved",
          "heaps, stacks, towers of any shapes and masses",
-         "impacts are at ends of steps: errors fall with the first power of time_step; springs that a step does not "
+         "impacts are at ends of steps: errors fall with the first power of time_step; springs "
+         "that a step does not "
          "resolve lose their oscillation"},
 	{"auto",
          "located, but stepped while events come too densely, or motion is too fast, to locate",
@@ -30,11 +34,11 @@ static const struct {
 static const struct {
 	const char *name, *what;
 } rollbacks[] = {
-	{"selective",
-         "only the bodies concerned are restored and go on in shorter steps (the default); stepped, with those they "
-         "could meet; located, none have to be"},
-	{"global",
-         "the whole scene is restored, as first described; located, at every event, for the same bits"},
+	{"selective", "only the bodies concerned are restored and go on in shorter steps (the "
+                      "default); stepped, with those they "
+                      "could meet; located, none have to be"},
+	{"global", "the whole scene is restored, as first described; located, at every event, for "
+                   "the same bits"},
 	{"none", "nothing is restored: with classic steps the tolerance is reported, not promised"},
 };
 

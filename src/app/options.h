@@ -63,7 +63,8 @@ struct rb_options {
 	const char **words; /* owned: operands of a verb that takes any number */
 	int word_count;
 
-	bool keep_ledger; /* of no option: whatever the number of bodies, unless the scene says no */
+	/* of no option: whatever the number of bodies, unless the scene says no */
+	bool keep_ledger;
 	bool help, version, quiet, json, debug, force, trust, no_record, scene_text, has_seed;
 	bool no_render, resume;                /* run */
 	double checkpoint_every_s;             /* run; NAN: not given */

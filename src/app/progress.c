@@ -39,6 +39,7 @@ struct rb_progress {
 
 	/* the thread's */
 	bool bar_shown;
+	struct rb_pace_window window;
 };
 
 bool rb_terminal_is_capable(int descriptor)
@@ -63,9 +64,27 @@ void rb_progress_duration(char *text, size_t size, double seconds)
 		snprintf(text, size, "ages");
 }
 
-void rb_progress_line(char *line, int size, int width, double time_s, double duration_s,
-                      double wall_s)
+double rb_progress_left(struct rb_pace_window *window, double time_s, double duration_s,
+                        double wall_s)
 {
+	const double rest_s = fmax(0, duration_s - time_s);
+
+	/* the middle becomes the beginning when it is a quarter of the time ago */
+	if (wall_s - window->middle_wall_s > wall_s / 4) {
+		window->begin_wall_s = window->middle_wall_s;
+		window->begin_s = window->middle_s;
+		window->middle_wall_s = wall_s;
+		window->middle_s = time_s;
+	}
+	const double way_s = time_s - window->begin_s, took_s = wall_s - window->begin_wall_s;
+
+	return way_s > 0 ? rest_s * took_s / way_s : (double)NAN;
+}
+
+void rb_progress_line(char *line, int size, int width, const struct rb_progress_now *now)
+{
+	const double time_s = now->time_s, duration_s = now->duration_s;
+	const double wall_s = now->wall_s, left_s = now->left_s;
 	const double fraction = duration_s > 0 ? fmin(fmax(time_s / duration_s, 0), 1) : 1;
 	char part[4][64] = {"", "", "", ""}, left[32];
 	enum { BAR_MOST = 40, BAR_LEAST = 10 };
@@ -75,8 +94,8 @@ void rb_progress_line(char *line, int size, int width, double time_s, double dur
 	snprintf(part[1], sizeof part[1], "  %.4g of %.4g s", time_s, duration_s);
 	if (wall_s > 0)
 		snprintf(part[3], sizeof part[3], "  %.3g x real time", time_s / wall_s);
-	if (fraction > 0) {
-		rb_progress_duration(left, sizeof left, wall_s * (1 - fraction) / fraction);
+	if (left_s >= 0) {
+		rb_progress_duration(left, sizeof left, left_s);
 		snprintf(part[2], sizeof part[2], "  %s left", left);
 	}
 
@@ -138,8 +157,11 @@ static void show(struct rb_progress *progress)
 	if (progress->redraw && (int)strlen(waits) > width)
 		waits[0] = '\0';
 	width -= (int)strlen(waits);
-	rb_progress_line(line, sizeof line, progress->redraw ? width : 1000, time_reached(progress),
-	                 progress->duration_s, wall_s);
+	const double time_s = time_reached(progress);
+	const double left_s = rb_progress_left(&progress->window, time_s, progress->duration_s,
+	                                       wall_s);
+	rb_progress_line(line, sizeof line, progress->redraw ? width : 1000,
+	                 &(struct rb_progress_now){time_s, progress->duration_s, wall_s, left_s});
 	if (progress->redraw)
 		snprintf(text, sizeof text, "\r\033[K%s%s", line, waits);
 	else
@@ -167,7 +189,8 @@ static void take_signal(struct rb_progress *progress, int signal)
 			progress->heed(progress->heed_user, signal);
 		hide(progress);
 		if (!progress->quiet)
-			say("rbsim: finishing: outputs are being closed (interrupt again to stop at once)\n");
+			say("rbsim: finishing: outputs are being closed (interrupt again to stop "
+			    "at once)\n");
 	} else if (signal == SIGINT) {
 		/* What is flushed is readable; nothing else can be promised from here. */
 		hide(progress);

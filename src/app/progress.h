@@ -49,9 +49,23 @@ void rb_progress_paused(struct rb_progress *progress, double paused_s);
 /* The signal that asked for an end, 0: none. From any thread. */
 int rb_progress_signal(const struct rb_progress *progress);
 
+/*
+ * How long the rest will take, by what the latest part of the run took: `begin` and `middle` of a
+ * window that is a quarter of the wall time so far, or somewhat more; zeros to begin with. NAN:
+ * nobody knows yet.
+ */
+struct rb_pace_window {
+	double begin_wall_s, begin_s, middle_wall_s, middle_s;
+};
+double rb_progress_left(struct rb_pace_window *window, double time_s, double duration_s,
+                        double wall_s);
+
+struct rb_progress_now {
+	double time_s, duration_s; /* simulated */
+	double wall_s, left_s;     /* left_s: may be NAN */
+};
 /* A progress line of at most `width` columns, for tests too. `line` has room for `size` bytes. */
-void rb_progress_line(char *line, int size, int width, double time_s, double duration_s,
-                      double wall_s);
+void rb_progress_line(char *line, int size, int width, const struct rb_progress_now *now);
 
 /* A duration for people: 0.4 s, 12 s, 3:07 min, 2:15:30 h. */
 void rb_progress_duration(char *text, size_t size, double seconds);

@@ -56,11 +56,11 @@ static enum rb_status compare(const struct rb_model *model, const struct rb_read
 		same = model->id_of[i] == reading->id[i];
 	if (same)
 		return RB_OK;
-	return RB_FAIL(
-		err, RB_ERR_INPUT,
-		"the scene stored in '%s' gives %d moving and %d resting bodies, recorded are %d and %d: they are not the same",
-		path, model->body_count, model->static_count, reading->body_count,
-		reading->static_count);
+	return RB_FAIL(err, RB_ERR_INPUT,
+	               "the scene stored in '%s' gives %d moving and %d resting bodies, recorded "
+	               "are %d and %d: they are not the same",
+	               path, model->body_count, model->static_count, reading->body_count,
+	               reading->static_count);
 }
 
 static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *reading,

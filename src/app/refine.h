@@ -22,7 +22,8 @@ struct rb_refine_order {
 	enum rb_quantity quantity;
 	double error; /* of it, that is to be told from 0 */
 	double budget_s;
-	double growth; /* how much longer a step of half a decade less is expected to take, before that is known */
+	/* how much longer a step of half a decade less is expected to take, before that is known */
+	double growth;
 	void (*tell)(double time_step_s, void *user); /* before each run */
 	void *user;
 };

@@ -72,7 +72,8 @@ static enum rb_status check_output(const struct rb_options *options, struct rb_e
 		if (!rb_camera_is_numbered(output))
 			return RB_FAIL(
 				err, RB_ERR_USAGE,
-				"option '--output': '%s' must hold one %%d for the number of the picture, like frames/%%05d.png (one picture: --frame N)",
+				"option '--output': '%s' must hold one %%d for the number of the "
+				"picture, like frames/%%05d.png (one picture: --frame N)",
 				output);
 	} else if (!ends_with(output, ".mp4") && !ends_with(output, ".webm") &&
 	           !ends_with(output, ".gif")) {
@@ -142,10 +143,10 @@ static enum rb_status open_recording(struct render *render, struct rb_error *err
 	if (render->reading->frame_count == 0)
 		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no frame", path);
 	if (render->reading->body_count > 0 && !(render->reading->fields & RB_FIELD_POSITION))
-		return RB_FAIL(
-			err, RB_ERR_INPUT,
-			"'%s' holds no positions ('fields' of record is without \"position\"): there is nothing to film",
-			path);
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "'%s' holds no positions ('fields' of record is without "
+		               "\"position\"): there is nothing to film",
+		               path);
 	status = render->module->reader_frame(render->reader, render->reading->frame_count - 1,
 	                                      &frame, err);
 	if (status)

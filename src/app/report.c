@@ -209,19 +209,19 @@ static void advise(struct rb_report *report)
 	if (isfinite(report->horizon_s))
 		snprintf(until, sizeof until, "up to %.4g s: ", report->horizon_s);
 	if (cheapest < 0)
-		snprintf(
-			report->advice, sizeof report->advice,
-			"%sno setting reaches an error of %s: %s comes closest, with %s, which is %.3g times too much, in %s a run",
-			until, wanted, text, error, e / report->error, wall);
+		snprintf(report->advice, sizeof report->advice,
+		         "%sno setting reaches an error of %s: %s comes closest, with %s, which is "
+		         "%.3g times too much, in %s a run",
+		         until, wanted, text, error, e / report->error, wall);
 	else if (!report->own_reference && !*until && !(report->reference_error <= report->error))
-		snprintf(
-			report->advice, sizeof report->advice,
-			"an error of %s cannot be judged, since that of the reference is %s; the cheapest that agrees with it so far is %s: %s a run",
-			wanted,
-			isnan(report->reference_error)
-				? "not known"
-				: measure(report, report->reference_error, error),
-			text, wall);
+		snprintf(report->advice, sizeof report->advice,
+		         "an error of %s cannot be judged, since that of the reference is %s; the "
+		         "cheapest that agrees with it so far is %s: %s a run",
+		         wanted,
+		         isnan(report->reference_error)
+		                 ? "not known"
+		                 : measure(report, report->reference_error, error),
+		         text, wall);
 	else
 		snprintf(report->advice, sizeof report->advice,
 		         "%sfor an error of %s the cheapest is %s: %s a run, error %s%s", until,
@@ -478,10 +478,10 @@ static void print_facts(FILE *file, const struct rb_report *report)
 	if (*report->warning)
 		rb_print(file, "  mind       %s\n", report->warning);
 	if (busy(report) > busy_most)
-		rb_print(
-			file,
-			"  mind       the machine was busy: wall times are up to %.2g times the processor's\n",
-			busy(report));
+		rb_print(file,
+		         "  mind       the machine was busy: wall times are up to %.2g times the "
+		         "processor's\n",
+		         busy(report));
 	rb_print(file,
 	         "  energy     %s, relative to the largest kinetic energy\n"
 	         "  wall, cpu  the least of all runs of a setting, without recording, %d %s\n"

@@ -50,10 +50,10 @@ uint64_t rb_resume_run_hash(const struct rb_loaded *loaded)
 static enum rb_status differs(struct rb_error *err, const char *name, const char *what,
                               const char *then, const char *now)
 {
-	return RB_FAIL(
-		err, RB_ERR_USAGE,
-		"option '--resume': '%s' is of another run: %s was %.60s, is %.60s (--force instead begins anew)",
-		name, what, then, now);
+	return RB_FAIL(err, RB_ERR_USAGE,
+	               "option '--resume': '%s' is of another run: %s was %.60s, is %.60s (--force "
+	               "instead begins anew)",
+	               name, what, then, now);
 }
 
 static enum rb_status compare_texts(const char *name, const char *what, const char *then,
@@ -83,10 +83,10 @@ static enum rb_status compare_files(const char *name, const struct rb_scene *sce
 		if (strcmp(file->name, reading->file_names[i]) != 0 ||
 		    file->size_bytes != reading->file_sizes[i] ||
 		    memcmp(file->text, reading->file_texts[i], file->size_bytes) != 0)
-			return RB_FAIL(
-				err, RB_ERR_USAGE,
-				"option '--resume': '%s' was made before '%s' was changed (--force instead begins anew)",
-				name, file->name);
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "option '--resume': '%s' was made before '%s' was changed "
+			               "(--force instead begins anew)",
+			               name, file->name);
 	}
 	if (scene->file_count == reading->file_count)
 		return RB_OK;
@@ -177,11 +177,11 @@ static enum rb_status judge(struct rb_resume *resume, const struct rb_loaded *lo
 		               "(--force instead begins anew)",
 		               loaded->output);
 	if (about->row_count == 0 || about->row_count > reading->frame_count)
-		return RB_FAIL(
-			err, RB_ERR_INPUT,
-			"'%s' holds %llu frames, and its checkpoint comes after %llu: it was cut off",
-			loaded->output, (unsigned long long)reading->frame_count,
-			(unsigned long long)about->row_count);
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "'%s' holds %llu frames, and its checkpoint comes after %llu: it "
+		               "was cut off",
+		               loaded->output, (unsigned long long)reading->frame_count,
+		               (unsigned long long)about->row_count);
 	resume->kind = RB_RESUME_GO_ON;
 	return RB_OK;
 }
@@ -327,7 +327,8 @@ static enum rb_status check_fields(const struct rb_loaded *loaded, const struct 
 	if (wanted & ~reading->fields)
 		return RB_FAIL(
 			err, RB_ERR_USAGE,
-			"option '--resume': '%s' does not hold what its films show, so they can't be made again up to the checkpoint (--no-render goes on without them)",
+			"option '--resume': '%s' does not hold what its films show, so they can't "
+			"be made again up to the checkpoint (--no-render goes on without them)",
 			loaded->output);
 	rb_films_tell_missing(loaded->model, loaded->output, all, reading->fields);
 	if (record->every > 1 || record->single_precision)

@@ -29,7 +29,8 @@ struct rb_saving {
 	bool broken; /* it does not work, and that was told */
 	struct rb_error why;
 	struct rb_error
-		told; /* what was wrong with the last one; a full disk is told once, not each minute */
+		/* what was wrong with the last one; a full disk is told once, not each minute */
+		told;
 };
 
 /* In the thread that writes. */

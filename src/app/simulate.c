@@ -149,10 +149,10 @@ enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
 	struct stat output, scene;
 
 	if (loaded->output && is_film_name(loaded->output))
-		return RB_FAIL(
-			err, RB_ERR_USAGE,
-			"'%s' would be the recording, an HDF5 file: films are named by cameras ('video', 'png') or by rbsim render",
-			loaded->output);
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "'%s' would be the recording, an HDF5 file: films are named by "
+		               "cameras ('video', 'png') or by rbsim render",
+		               loaded->output);
 	if (!loaded->output || stat(loaded->output, &output) != 0)
 		return RB_OK; /* what else is wrong with the name shows when it is created */
 	if (stat(options->operand[0], &scene) == 0 && scene.st_dev == output.st_dev &&
@@ -160,10 +160,10 @@ enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
 		return RB_FAIL(err, RB_ERR_CREATE, "cannot record to '%s': it is the scene",
 		               loaded->output);
 	if (!options->force && !options->resume && S_ISREG(output.st_mode))
-		return RB_FAIL(
-			err, RB_ERR_CREATE,
-			"cannot create '%s': it exists (--force replaces it, --resume goes on with it, -o takes another name)",
-			loaded->output);
+		return RB_FAIL(err, RB_ERR_CREATE,
+		               "cannot create '%s': it exists (--force replaces it, --resume goes "
+		               "on with it, -o takes another name)",
+		               loaded->output);
 	return RB_OK;
 }
 

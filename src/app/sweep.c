@@ -2,13 +2,16 @@
 #include "app/sweep.h"
 
 #include <inttypes.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "app/common.h"
+#include "app/estimate.h"
 #include "app/json.h"
 #include "app/overview.h"
 #include "app/planned.h"
+#include "app/progress.h"
 #include "base/team.h"
 #include "base/visible.h"
 #include "sweep/slurm.h"
@@ -16,16 +19,31 @@
 
 /* ---- what becomes of it ---- */
 
+/* Of a run with the defaults of the scene's parameters; run_s NAN: nobody knows. */
+static struct rb_estimate estimate_run(const struct rb_planned *sweep)
+{
+	struct rb_estimate run = {.run_s = (double)NAN};
+
+	if (sweep->loaded.model && rb_estimate_run(&sweep->loaded, 1, &run, NULL))
+		run.run_s = (double)NAN;
+	return run;
+}
+
 static int tell_plan(const struct rb_planned *sweep)
 {
 	const struct rb_plan *const plan = &sweep->plan;
+	const struct rb_estimate run = estimate_run(sweep);
 	struct rb_json json = {.file = stdout};
+	char time[32], bytes[32];
 
 	if (sweep->options->json) {
 		rb_json_open(&json, NULL, '{');
 		rb_json_text(&json, "sweep", sweep->shown);
 		rb_json_text(&json, "scene", plan->scene);
 		rb_json_count(&json, "points", plan->count);
+		rb_json_number(&json, "run_seconds", run.run_s);
+		rb_json_bool(&json, "run_at_least", run.at_least);
+		rb_json_count(&json, "memory_bytes", run.memory_bytes);
 		rb_json_count(&json, "exit_status", 0);
 		rb_json_close(&json, '}');
 		putchar('\n');
@@ -33,6 +51,15 @@ static int tell_plan(const struct rb_planned *sweep)
 		rb_print(stdout, "%s: %" PRIu64 " %s of %s, listed in %s/" RB_FOLDER_PLAN "\n",
 		         sweep->shown, plan->count, rb_text_plural(plan->count, "point", "points"),
 		         plan->scene, sweep->shown);
+		if (isnan(run.run_s))
+			return 0;
+		rb_progress_duration(time, sizeof time, run.run_s);
+		rb_print(
+			stdout,
+			"a run with the scene's defaults takes %s %s and %s, without recording and "
+			"films\n",
+			run.at_least ? "at least" : "about", time,
+			rb_text_bytes(run.memory_bytes, bytes));
 	}
 	return 0;
 }
@@ -293,9 +320,9 @@ static enum rb_status check_options(const struct rb_options *options, struct rb_
 	                                                            : NULL;
 
 	if (options->sweep_status + options->sweep_plan + options->slurm + (options->task >= 0) > 1)
-		return RB_FAIL(
-			err, RB_ERR_USAGE,
-			"only one of '--status', '--plan', '--slurm' and '--task' can be asked for");
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "only one of '--status', '--plan', '--slurm' and '--task' can be "
+		               "asked for");
 	if (options->task >= 0 && options->tasks == 0)
 		return RB_FAIL(err, RB_ERR_USAGE,
 		               "option '--task' needs '--tasks', the number of shares");
@@ -304,9 +331,9 @@ static enum rb_status check_options(const struct rb_options *options, struct rb_
 		               "option '--task': %d is not one of %d shares, which count from 0",
 		               options->task, options->tasks);
 	if (options->tasks > 0 && options->task < 0 && !options->slurm && !options->sweep_status)
-		return RB_FAIL(
-			err, RB_ERR_USAGE,
-			"option '--tasks' needs '--task', the share to run, '--slurm' or '--status'");
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "option '--tasks' needs '--task', the share to run, '--slurm' or "
+		               "'--status'");
 	if (slurm && !options->slurm)
 		return RB_FAIL(err, RB_ERR_USAGE, "option '--%s' needs '--slurm'", slurm);
 	return RB_OK;

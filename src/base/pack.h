@@ -3,8 +3,11 @@
  * Values to a block of bytes and back: one function for both ways, so that what is written and what
  * is read can't come apart.
  *
- *   struct rb_pack pack = {0};                          struct rb_pack pack = {.loading = true, .bytes = .., .size = ..};
- *   keep(&pack, &thing);   bytes = what `thing` is      keep(&pack, &thing);   `thing` = what the bytes say
+ *   struct rb_pack pack = {0};
+ *   keep(&pack, &thing);           the bytes become what `thing` is
+ *
+ *   struct rb_pack pack = {.loading = true, .bytes = .., .size = ..};
+ *   keep(&pack, &thing);           `thing` becomes what the bytes say
  *
  * Saving, the block is owned and grows. Loading, it is borrowed and nobody vouches for it: what is
  * out of its range, and what would lie beyond the end, fails; the first failure sticks, and all

@@ -88,11 +88,12 @@ static enum rb_status step(struct walk *walk, const char *part, bool beneath, bo
 	if (next < 0) {
 		const int number = errno;
 		if (beneath && is_link(walk->folder, part))
-			return RB_FAIL(
-				err, RB_ERR_CREATE,
-				"cannot create '%s': '%.80s' is a symbolic link, which is not followed here%s",
-				walk->path, part,
-				walk->how >> RB_PLACE_OWN_SHIFT ? "" : " (--trust lifts this)");
+			return RB_FAIL(err, RB_ERR_CREATE,
+			               "cannot create '%s': '%.80s' is a symbolic link, which is "
+			               "not followed here%s",
+			               walk->path, part,
+			               walk->how >> RB_PLACE_OWN_SHIFT ? ""
+			                                               : " (--trust lifts this)");
 		return refused(walk->path, number, err);
 	}
 	close(walk->folder);
@@ -372,10 +373,10 @@ enum rb_status rb_place_link(int descriptor, const char *name, char out[RB_PLACE
 	struct statfs about;
 
 	if (statfs(links, &about) != 0 || about.f_type != PROC_SUPER_MAGIC)
-		return RB_FAIL(
-			err, RB_ERR_CREATE,
-			"cannot create recordings or videos here: '%s' is missing or not the system's own (mount /proc)",
-			links);
+		return RB_FAIL(err, RB_ERR_CREATE,
+		               "cannot create recordings or videos here: '%s' is missing or not "
+		               "the system's own (mount /proc)",
+		               links);
 	snprintf(out, RB_PLACE_LINK_SIZE, "%s/%d%s%s", links, descriptor, name ? "/" : "",
 	         name ? name : "");
 	return RB_OK;

@@ -180,7 +180,8 @@ static struct rb_event with_ids(const struct rb_model *model, struct rb_event ev
 	event.a = a;
 	event.b = b;
 	if (a >
-	    b) { /* ids and indices need not be in the same order: statics come last among indices */
+	    /* ids and indices need not be in the same order: statics come last among indices */
+	    b) {
 		event.a = b;
 		event.b = a;
 		event.normal = rb_vec3_neg(event.normal);
@@ -250,21 +251,7 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 	}
 	if (!keep_contacts(world) || !keep_events(world, &first))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
-	if (!world->hooks.collision) {
-		if (!world->options.keep_events)
-			world->events.count = 0;
-		return RB_OK;
-	}
-	for (size_t k = first; k < world->events.count; k++, world->moment++) {
-		const enum rb_status status = world->hooks.collision(world->hooks.user, world,
-		                                                     &world->events.row[k], err);
-
-		if (status != RB_OK)
-			return status;
-	}
-	if (!world->options.keep_events)
-		world->events.count = 0;
-	return RB_OK;
+	return rb_world_report_collisions(world, first, err);
 }
 
 /* In the order of blocks and groups, once the step has been resolved. */

@@ -33,7 +33,8 @@ struct rb_groups {
 	rb_vec3 *built_at; /* centre of the shape when the boxes were made, m */
 	double *margin;    /* how far it may get from there, m */
 	double *reach;     /* how far it can get in this step, m */
-	double *travelled; /* how far it has been from its start at the end of a substep, m; of group members */
+	/* how far it has been from its start at the end of a substep, m; of group members */
+	double *travelled;
 	unsigned char *held; /* scratch of classic/contact: has a lasting contact */
 	int *parent;         /* union-find; the root is the smallest member */
 	int *group_of;       /* -1: alone */

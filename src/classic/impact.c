@@ -10,9 +10,11 @@
 /* A touching pair during the rounds. */
 struct approaching {
 	struct rb_link link;
-	int touch;       /* index into pass->touch */
-	double unforced; /* m/s, <= 0: normal velocity that is not approach but this substep's forces */
-	double forced; /* m/s, >= 0: an approach that the forces could have made within one whole step */
+	int touch; /* index into pass->touch */
+	/* m/s, <= 0: normal velocity that is not approach but this substep's forces */
+	double unforced;
+	/* m/s, >= 0: an approach that the forces could have made within one whole step */
+	double forced;
 	bool impact;     /* it is one, in this round */
 	rb_vec3 before;  /* relative velocity at the beginning of the round */
 	double approach; /* m/s at its first impact of this moment; 0: none yet */
@@ -21,7 +23,8 @@ struct approaching {
 
 struct meetings {
 	struct rb_pass *pass;
-	double residue; /* m/s: what iteration may leave, a share of the largest approach of the first round */
+	/* m/s: what iteration may leave, a share of the largest approach of the first round */
+	double residue;
 	struct approaching *row;
 	int count;
 	struct rb_impulse_row *solver; /* [count] */

@@ -24,15 +24,18 @@
 
 /* A body of the problem. Velocities for impacts; accelerations for forces. */
 struct rb_solver_body {
-	double inverse_mass; /* 1/kg; 0: does not yield (static or driven: it may move all the same) */
-	double inverse_inertia; /* 1/(kg m^2) where it is a multiple of one; NAN: the tensor; 0: does not turn */
+	/* 1/kg; 0: does not yield (static or driven: it may move all the same) */
+	double inverse_mass;
+	/* 1/(kg m^2) where it is a multiple of one; NAN: the tensor; 0: does not turn */
+	double inverse_inertia;
 	/*
 	 * H where H^T H is the inverse tensor, world axes; read only when inverse_inertia is NAN.
 	 * Of needles the tensor itself would have lost what is not about their axis.
 	 */
 	rb_mat3 inverse_root;
 	rb_vec3 linear,
-		angular; /* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
+		/* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
+		angular;
 };
 
 /* Along the normal and across it. */

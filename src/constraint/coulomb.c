@@ -84,7 +84,7 @@ static rb_cone_pair step_of(const struct rb_cone *cone, struct rb_cone_row *row)
 }
 
 /* All rows' velocities, faces and steps; the largest violation in units of u. */
-static double look(struct rb_cone *cone, rb_cone_pair *step)
+static double residual_of(struct rb_cone *cone, rb_cone_pair *step)
 {
 	double largest = 0;
 
@@ -345,7 +345,7 @@ static bool newton(struct rb_cone *cone, bool convex)
 		}
 		keep_cone(cone, share, cone->change, cone->residual);
 		rb_cone_apply_normal(cone, cone->residual);
-		look(cone, cone->residual);
+		residual_of(cone, cone->residual);
 		const double after = rb_cone_weighted(cone, cone->residual, cone->residual);
 		better = after < 0.99 * before || (convex && energy_change(cone, cone->before) < 0);
 	}
@@ -373,7 +373,7 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 				moved[k] = (rb_cone_pair){momentum * moved[k].n,
 				                          rb_vec3_scale(momentum, moved[k].t)};
 			rb_cone_apply_normal(cone, moved);
-			look(cone, cone->residual);
+			residual_of(cone, cone->residual);
 			if (rb_cone_weighted(cone, moved, cone->residual) < 0)
 				since = 0;
 		}
@@ -387,7 +387,7 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 					rb_vec3_add(moved[k].t, cone->residual[k].t)};
 		}
 		since++;
-		left = look(cone, cone->residual);
+		left = residual_of(cone, cone->residual);
 	}
 	return left;
 }
@@ -395,7 +395,7 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 /* Until the problem as it stands is solved or nothing helps any more. */
 static double relax(struct rb_cone *cone, bool convex, double tolerance, int rounds)
 {
-	double left = look(cone, cone->residual), least = left;
+	double left = residual_of(cone, cone->residual), least = left;
 	int steps = FIRST_STEPS, stalled = 0;
 
 	for (int round = 0; round < rounds && left > tolerance && stalled < 4; round++) {
@@ -405,7 +405,7 @@ static double relax(struct rb_cone *cone, bool convex, double tolerance, int rou
 		if (!(left > tolerance))
 			break;
 		const bool better = newton(cone, convex);
-		left = look(cone, cone->residual);
+		left = residual_of(cone, cone->residual);
 		if (better)
 			steps = steps > FIRST_STEPS ? steps / 2 : FIRST_STEPS;
 		else

@@ -18,7 +18,11 @@ enum {
 	 */
 	STEPS = 1024,
 	EVENTS =
-		64, /* compression begins at most twice again: normal acceleration changes its sign twice a turn */
+		/*
+		 * compression begins at most twice again: normal acceleration changes its sign
+		 * twice a turn
+		 */
+	64,
 	ROUNDS = 128 /* of bisection, of Newton's method for a direction */
 };
 /* Friction beyond this many times what goes in is as good as boundless. */
@@ -201,7 +205,10 @@ struct series {
 		rate[TERMS]; /* of slip; of the direction; of w per impulse */
 	double p[TERMS], w[TERMS], qx[TERMS], qy[TERMS], work[TERMS];
 	double aside
-		[TERMS]; /* of the direction from that of law.n: where it is zero the rate is least or most */
+		/*
+		 * of the direction from that of law.n: where it is zero the rate is least or most
+		 */
+		[TERMS];
 };
 
 /* Two series at once: what their products cost is most of what an impact does. */

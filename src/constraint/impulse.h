@@ -18,7 +18,8 @@ struct rb_link {
 	rb_vec3 normal;       /* from a to b */
 	rb_vec3 arm_a, arm_b; /* m, from the centres of mass to the contact point */
 	double friction, restitution;
-	double normal_inverse_mass; /* 1/kg: n.K n, change of normal velocity by a unit normal impulse */
+	/* 1/kg: n.K n, change of normal velocity by a unit normal impulse */
+	double normal_inverse_mass;
 	double tangent_inverse_mass; /* 1/kg: the largest of t.K t */
 	bool central; /* K is diagonal in normal and tangent, and the same for every tangent */
 	double inverse_mass_a, inverse_mass_b; /* 1/kg; 0: does not move */

@@ -2,11 +2,30 @@
 /*
  * Several contacts at one moment, solved together: impacts, and the forces of lasting contacts.
  *
+ * Equations. With bodies' masses M, rows J of the contacts and impulses p on body b:
+ *
+ *     v' = v + M^-1 J^T p,  u = J v'
+ *     inelastic:     0 <= p_n  perpendicular to  u_n >= 0,  |p_t| <= mu p_n against u_t
+ *     restitution:   p_n grows by e p_n, friction is solved again within the grown cones
+ *     forces:        the same with accelerations for velocities, forces for impulses
+ *
+ * Which solver:
+ *
+ *     one contact ---- central or frictionless? --yes--> closed form
+ *         |                   |no
+ *         |               impulse space by energy (constraint/eccentric; Stronge 1990)
+ *     several -----> the cone problem on bodies' velocities (constraint/cone),
+ *                    by Newton steps on the faces of cones (constraint/coulomb),
+ *                    rounds of compression and restitution until nothing approaches
+ *
+ * Counts of rounds (512 and 16 for each contact) are where series of impacts with 0 < e < 1 that do
+ * not end have fallen to 1e-13 of the first approach.
+ *
  * A small problem in plain data: `bodies` that yield, `contacts` between them. What comes out does
  * not depend on the order of bodies or of contacts, nor on which body of a contact is called a, and
  * mirror images in the coordinate planes come out to the bit: sums over the contacts of a body and
- * over all contacts are exact before they are rounded once, iterations are simultaneous (no sweep
- * uses what it has just found).
+ * over all contacts are exact before they are rounded once (constraint/exact_sum), iterations are
+ * simultaneous (no sweep uses what it has just found).
  */
 #ifndef RB_CONSTRAINT_SIMULTANEOUS_H
 #define RB_CONSTRAINT_SIMULTANEOUS_H
@@ -28,12 +47,15 @@ struct rb_solver_contact {
 
 	/* forces only */
 	enum rb_solver_mode
-		mode; /* stick: may stay without slip or begin to slip; slide: friction against `slip` */
+		/* stick: may stay without slip or begin to slip; slide: friction against `slip` */
+		mode;
 	rb_vec3 slip; /* unit, across the normal: direction of the velocity of b relative to a */
-	rb_vec3 bias; /* m/s^2: relative acceleration of the contact points that is not linear + angular x arm */
+	/* m/s^2: relative acceleration of the contact points that is not linear + angular x arm */
+	rb_vec3 bias;
 
 	/* out */
-	rb_vec3 impulse; /* on b: N s (impacts: summed over the rounds) or N (forces; in: a guess, or zero) */
+	/* on b: N s (impacts: summed over the rounds) or N (forces; in: a guess, or zero) */
+	rb_vec3 impulse;
 	double approach; /* impacts: m/s at the first impact of this contact, 0: it had none */
 	bool slipping;   /* forces: friction at its limit, and the contact slips or begins to */
 };
@@ -44,7 +66,8 @@ struct rb_simultaneous {
 	struct rb_solver_contact *contact;
 	int contact_count;
 	struct rb_arena *arena; /* scratch, given back */
-	long products; /* out: of vectors with the problem's matrix, each once through all contacts */
+	/* out: of vectors with the problem's matrix, each once through all contacts */
+	long products;
 	double tolerance;  /* m/s: impacts: what is not to be resolved; 0: only rounding is not */
 	long products_max; /* of them, beyond which what is found is of no use; 0: no limit */
 };
@@ -60,14 +83,17 @@ static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
  * e < 1, in rounds until nothing approaches, with one rule for contacts of different e and for
  * friction. Of each round:
  *
- *   1. It has the contacts that approach, and with them the touching ones of e = 0. Others are not felt: what a shock
- *      does to them is seen in the next round, as if there were a gap.
- *   2. Compression: the impulses that end all approach, at once, with Coulomb friction: the perfectly inelastic
- *      solution (the smallest change of velocity in the metric of kinetic energy, where there is no friction).
- *   3. Restitution: every normal impulse grows by e times what it is, each contact by its own e. With one e for all
- *      and no friction that is (1 - e) times the inelastic solution and e times the reflection. With different e
- *      it could give back more energy than compression took; then all these additions shrink by one factor.
- *   4. Friction is solved again, within the cones of the grown impulses; that takes energy or leaves it.
+ *   1. It has the contacts that approach, and with them the touching ones of e = 0. Others are not
+ *      felt: what a shock does to them is seen in the next round, as if there were a gap.
+ *   2. Compression: the impulses that end all approach, at once, with Coulomb friction: the
+ *      perfectly inelastic solution (the smallest change of velocity in the metric of kinetic
+ *      energy, where there is no friction).
+ *   3. Restitution: every normal impulse grows by e times what it is, each contact by its own e.
+ *      With one e for all and no friction that is (1 - e) times the inelastic solution and e times
+ *      the reflection. With different e it could give back more energy than compression took; then
+ *      all these additions shrink by one factor.
+ *   4. Friction is solved again, within the cones of the grown impulses; that takes energy or
+ *      leaves it.
  *
  * So a touching cradle does what one with vanishing gaps does, for every e, and e = 0 everywhere is
  * one round. Series of rounds that do not end (0 < e < 1: inelastic collapse) are followed to 1e-13

@@ -71,11 +71,15 @@ struct rb_command {
 	bool is_percent; /* of seek */
 	bool is_on;      /* stop, film; view: play */
 	double vector
-		[3]; /* camera move: m, right, up, forward; orbit: rad (degrees in the line), around, over */
+		/*
+		 * camera move: m, right, up, forward; orbit: rad (degrees in the line), around,
+		 * over
+		 */
+		[3];
 	enum rb_camera_action action;
 	bool moves; /* film: moves its camera, as `action` says */
-	char text
-		[RB_COMMAND_TEXT_SIZE]; /* name of a body, camera, file, parameter, command; "" where left out */
+	/* name of a body, camera, file, parameter, command; "" where left out */
+	char text[RB_COMMAND_TEXT_SIZE];
 	char value[RB_COMMAND_TEXT_SIZE]; /* of set */
 };
 

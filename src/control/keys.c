@@ -3,7 +3,6 @@
 
 #include <stddef.h>
 
-/* clang-format off */
 const struct rb_key_row rb_key_rows[] = {
 	{' ', "space", RB_KEY_RUNS, "toggle", "play what is paused, pause what plays"},
 	{RB_KEY_LEFT, "left", RB_KEY_SEEKS, "-1", "back by a hundredth of the run"},
@@ -11,7 +10,8 @@ const struct rb_key_row rb_key_rows[] = {
 	{RB_KEY_SHIFT_LEFT, "shift-left", RB_KEY_SEEKS, "-10", "back by a tenth of the run"},
 	{RB_KEY_SHIFT_RIGHT, "shift-right", RB_KEY_SEEKS, "10", "on by a tenth of the run"},
 	{RB_KEY_HOME, "Home", RB_KEY_RUNS, "seek 0", "the first frame"},
-	{RB_KEY_END, "End", RB_KEY_ENDS, "", "the last frame; of a run that goes on: always its newest one"},
+	{RB_KEY_END, "End", RB_KEY_ENDS, "",
+         "the last frame; of a run that goes on: always its newest one"},
 	{'.', ".", RB_KEY_RUNS, "step", "one frame on"},
 	{',', ",", RB_KEY_RUNS, "back", "one frame back"},
 	{'n', "n", RB_KEY_RUNS, "next collision", "the next frame with a collision"},
@@ -31,17 +31,18 @@ const struct rb_key_row rb_key_rows[] = {
 	{'a', "a", RB_KEY_RUNS, "camera all", "show all that moves, over the whole time"},
 	{'+', "+", RB_KEY_RUNS, "camera zoom 1.25", "nearer"},
 	{'-', "-", RB_KEY_RUNS, "camera zoom 0.8", "farther away"},
-	{'h', "h", RB_KEY_RUNS, "camera orbit -10 0", "around what the camera looks at, to the left"},
+	{'h', "h", RB_KEY_RUNS, "camera orbit -10 0",
+         "around what the camera looks at, to the left"},
 	{'l', "l", RB_KEY_RUNS, "camera orbit 10 0", "to the right"},
 	{'k', "k", RB_KEY_RUNS, "camera orbit 0 10", "over it"},
 	{'j', "j", RB_KEY_RUNS, "camera orbit 0 -10", "under it"},
 	{'s', "s", RB_KEY_RUNS, "snapshot", "write a picture of this frame"},
-	{':', ":", RB_KEY_TYPES, "", "type a command; Tab completes it, up and down fetch earlier ones"},
+	{':', ":", RB_KEY_TYPES, "",
+         "type a command; Tab completes it, up and down fetch earlier ones"},
 	{'?', "?", RB_KEY_HELPS, "", "all keys and commands; any key goes back"},
 	{12, "ctrl-L", RB_KEY_REDRAWS, "", "draw the screen anew"},
 	{'q', "q", RB_KEY_RUNS, "quit", "leave the console"},
 };
-/* clang-format on */
 const int rb_key_row_count = sizeof rb_key_rows / sizeof *rb_key_rows;
 
 const struct rb_key_row *rb_key_find(uint32_t key)

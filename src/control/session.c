@@ -438,10 +438,10 @@ static enum rb_status move_film(const struct line *line, const struct rb_command
 		return RB_FAIL(line->err, RB_ERR_USAGE, "'film': no camera '%.60s' makes one%s",
 		               command->text, rb_nearest_hint(&nearest, hint));
 	if (found->framed)
-		return RB_FAIL(
-			line->err, RB_ERR_USAGE,
-			"'film': camera '%.60s' has no 'position': its film is drawn when the run has ended",
-			found->name ? found->name : "");
+		return RB_FAIL(line->err, RB_ERR_USAGE,
+		               "'film': camera '%.60s' has no 'position': its film is drawn when "
+		               "the run has ended",
+		               found->name ? found->name : "");
 	snprintf(aim.camera, sizeof aim.camera, "%s", command->text);
 	memcpy(aim.vector, command->vector, sizeof aim.vector);
 	if (!rb_player_aim(line->session->player, &aim))

@@ -32,11 +32,11 @@ struct rb_source_status {
 	bool grows;  /* more frames can come */
 	bool paused; /* the run stands still, or is about to */
 	bool stops_at_collision;
-	char state
-		[RB_SOURCE_STATE_SIZE]; /* as the run or the recording says: "playing", "complete" */
-	uint64_t row_count;             /* 0: nothing can be shown yet */
-	uint64_t frame_count;           /* of the whole run */
-	double end_s, duration_s;       /* the last row's time; of the whole run */
+	/* as the run or the recording says: "playing", "complete" */
+	char state[RB_SOURCE_STATE_SIZE];
+	uint64_t row_count;       /* 0: nothing can be shown yet */
+	uint64_t frame_count;     /* of the whole run */
+	double end_s, duration_s; /* the last row's time; of the whole run */
 	uint64_t restarts;
 	double real_time_factor; /* NAN: not known, for all that follow */
 	double smallest_step_s, max_penetration_m;

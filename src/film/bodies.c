@@ -36,7 +36,8 @@ struct rb_bodies {
 	struct rb_sort_item *order, *scratch; /* [sphere_count], owned */
 	struct rb_ball *ball;                 /* [sphere_count]: as gathered, owned */
 	struct rb_ball *
-		sorted; /* [2 sphere_count]: by group, near ones first; then far ones first; owned */
+		/* [2 sphere_count]: by group, near ones first; then far ones first; owned */
+		sorted;
 	struct rb_apart_ball *seen;   /* [sphere_count]: those in the picture; then solids; owned */
 	int *group_first;             /* [group_count + 2], owned; the last group is out of view */
 	float (*rectangle_corner)[4]; /* [4 * rectangle_count], owned */

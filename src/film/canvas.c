@@ -54,9 +54,9 @@ static enum rb_status learn(struct rb_canvas *canvas, int samples, struct rb_err
 	         : version ? version
 	                   : "unknown version");
 	if (strstr(canvas->renderer, "softpipe"))
-		return RB_FAIL(
-			err, RB_ERR_MISSING,
-			"cannot draw with 'softpipe': it takes minutes for a picture; wanted 'llvmpipe' (unset GALLIUM_DRIVER)");
+		return RB_FAIL(err, RB_ERR_MISSING,
+		               "cannot draw with 'softpipe': it takes minutes for a picture; "
+		               "wanted 'llvmpipe' (unset GALLIUM_DRIVER)");
 	glGetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &side);
 	if (canvas->width > side || canvas->height > side)
 		return RB_FAIL(err, RB_ERR_SCENE,

@@ -180,10 +180,10 @@ enum rb_status rb_child_start(struct rb_child *child, const char *const *argumen
 		close_end(&out[0]);
 		close_end(&complaints[0]);
 		rb_child_init(child);
-		return RB_FAIL(
-			err, RB_ERR_MISSING,
-			"cannot run '%s': %s (video needs ffmpeg: install it, or name it in RBSIM_FFMPEG; PNG does not need it)",
-			arguments[0], strerror(failed));
+		return RB_FAIL(err, RB_ERR_MISSING,
+		               "cannot run '%s': %s (video needs ffmpeg: install it, or name it in "
+		               "RBSIM_FFMPEG; PNG does not need it)",
+		               arguments[0], strerror(failed));
 	}
 	child->in = in[1];
 	child->out = out[0];

@@ -19,10 +19,18 @@ struct rb_encoder;
 
 struct rb_encoder_options {
 	const char *
-		path; /* final name; its ending says the format: .mp4 (H.264, yuv420p, faststart), .webm, .gif */
+		/*
+		 * final name; its ending says the format: .mp4 (H.264, yuv420p, faststart), .webm,
+		 * .gif
+		 */
+		path;
 	unsigned how; /* of base/place */
 	int width,
-		height; /* of all pictures; odd ones are padded by a row or column where the format wants even ones */
+		/*
+		 * of all pictures; odd ones are padded by a row or column where the format wants
+		 * even ones
+		 */
+		height;
 	double fps;
 	const char *title; /* metadata; "" for none */
 	const atomic_bool

@@ -109,10 +109,11 @@ static enum rb_status check_head(const char *name, const uint8_t *bytes, size_t 
 	const uint32_t width = big_endian(bytes + 16), height = big_endian(bytes + 20);
 	if (width == 0 || height == 0 || width > RB_TEXTURE_SIDE_MAX ||
 	    height > RB_TEXTURE_SIDE_MAX)
-		return RB_FAIL(
-			err, RB_ERR_SCENE,
-			"cannot read '%s': the picture has %lu x %lu pixels (1 to %d a side are possible)",
-			name, (unsigned long)width, (unsigned long)height, RB_TEXTURE_SIDE_MAX);
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "cannot read '%s': the picture has %lu x %lu pixels (1 to %d a side "
+		               "are possible)",
+		               name, (unsigned long)width, (unsigned long)height,
+		               RB_TEXTURE_SIDE_MAX);
 	return RB_OK;
 }
 

@@ -29,7 +29,8 @@ const char rb_shader_scene[] =
 	 * what is so far along the axis.
 	 */
 	"#define SEND_WAY_AT(at) way_ = vec4(turned(vec3(window.xy, at)), 0.0); \\\n"
-	"	way_x_ = vec4(window.z * axes[0].xyz, 0.0); way_y_ = vec4(window.w * axes[1].xyz, 0.0)\n"
+	"	way_x_ = vec4(window.z * axes[0].xyz, 0.0); way_y_ = vec4(window.w * axes[1].xyz, "
+	"0.0)\n"
 	"#define THROUGH (way_.xyz + gl_FragCoord.x * way_x_.xyz + gl_FragCoord.y * way_y_.xyz)\n"
 	"#ifdef PARALLEL\n"
 	"#define AXIS(way) flat way vec4 axis_;\n"
@@ -92,8 +93,10 @@ const char rb_shader_light[] =
 	"	q.z = min(q.z, 1.0);\n"
 	"#ifdef FINE\n"
 	"	const float d = TEXEL;\n"
-	"	return 0.25 * (texture(map, q + vec3(-0.35 * d, -d, 0)) + texture(map, q + vec3(d, -0.35 * d, 0))\n"
-	"		+ texture(map, q + vec3(0.35 * d, d, 0)) + texture(map, q + vec3(-d, 0.35 * d, 0)));\n"
+	"	return 0.25 * (texture(map, q + vec3(-0.35 * d, -d, 0)) + texture(map, q + vec3(d, "
+	"-0.35 * d, 0))\n"
+	"		+ texture(map, q + vec3(0.35 * d, d, 0)) + texture(map, q + vec3(-d, 0.35 "
+	"* d, 0)));\n"
 	"#elif defined(FAIR)\n"
 	"	const vec3 d = vec3(0.6, 0.3, 0.0) * TEXEL;\n"
 	"	return 0.5 * (texture(map, q - d) + texture(map, q + d));\n"
@@ -120,12 +123,16 @@ const char rb_shader_light[] =
 	"	sum += colour * (f * (part)) * shine(N, V, L, albedo, gloss); }\n"
 	"#define SUN(colour, at) ADD(colour, at, 1.0)\n"
 	"#define SUN_SHADOW(colour, at, side, top, map, a, b) ADD(colour, at, \\\n"
-	"	filtered(map, vec3(dot(P, side), dot(P, top), dot(P, at)) * a.xxw + vec3(a.yz, b.x)))\n"
-	"#define LAMP_IN(colour, at, part) { vec3 D = at.xyz - P; float d2 = dot(D, D); vec3 W = D * inversesqrt(d2); \\\n"
+	"	filtered(map, vec3(dot(P, side), dot(P, top), dot(P, at)) * a.xxw + vec3(a.yz, "
+	"b.x)))\n"
+	"#define LAMP_IN(colour, at, part) { vec3 D = at.xyz - P; float d2 = dot(D, D); vec3 W = D "
+	"* inversesqrt(d2); \\\n"
 	"	ADD(colour, W, (part) * 2.0 / (1.0 + d2 * at.w)) }\n"
 	"#define LAMP(colour, at) LAMP_IN(colour, at, 1.0)\n"
-	"#define LAMP_SHADOW(colour, at, map, x, y, z, w) LAMP_IN(colour, at, seen(map, x, y, z, w, P))\n"
-	"#define SPOT_IN(colour, at, axis, edge, rise, part) LAMP_IN(colour, at, cone(W, axis, edge, rise) * (part))\n"
+	"#define LAMP_SHADOW(colour, at, map, x, y, z, w) LAMP_IN(colour, at, seen(map, x, y, z, "
+	"w, P))\n"
+	"#define SPOT_IN(colour, at, axis, edge, rise, part) LAMP_IN(colour, at, cone(W, axis, "
+	"edge, rise) * (part))\n"
 	"#define SPOT(colour, at, axis, edge, rise) SPOT_IN(colour, at, axis, edge, rise, 1.0)\n"
 	"#define SPOT_SHADOW(colour, at, axis, edge, rise, map, x, y, z, w) \\\n"
 	"	SPOT_IN(colour, at, axis, edge, rise, seen(map, x, y, z, w, P))\n"
@@ -147,7 +154,8 @@ const char rb_shader_pattern[] =
 	 */
 	"vec2 wave(vec2 p, vec2 w)\n"
 	"{\n"
-	"	return 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * 0.5) - 0.5)) / w;\n"
+	"	return 2.0 * (abs(fract((p - 0.5 * w) * 0.5) - 0.5) - abs(fract((p + 0.5 * w) * "
+	"0.5) - 0.5)) / w;\n"
 	"}\n"
 	"vec2 footprint(vec2 p)\n"
 	"{\n"
@@ -201,11 +209,13 @@ const char rb_shader_sphere_vertex[] =
 	"	float d = length(ball.xyz), lean = ball.w / d, margin = pixel.x / lean;\n"
 	"	vec3 n = ball.xyz / d;\n"
 	"#endif\n"
-	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), b = cross(n, a);\n"
+	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), "
+	"b = cross(n, a);\n"
 	"	float reach = sqrt(max(1.0 - lean * lean, 0.0));\n"
 	"#ifdef RIM\n"
 	"	float angle = float(gl_VertexID / 2) * (2.0 * PI / float(CORNERS));\n"
-	"	float inner = max(reach - 0.9 * margin, 0.0), outer = (reach + 0.9 * margin) / cos(PI / float(CORNERS));\n"
+	"	float inner = max(reach - 0.9 * margin, 0.0), outer = (reach + 0.9 * margin) / "
+	"cos(PI / float(CORNERS));\n"
 	"	reach = (gl_VertexID & 1) == 0 ? outer : inner;\n"
 	"#else\n"
 	"	float angle = (float(gl_VertexID) + 0.5) * (2.0 * PI / float(CORNERS));\n"
@@ -218,7 +228,8 @@ const char rb_shader_sphere_vertex[] =
 	"	spin = turn;\n"
 	"	gl_Position = projection * vec4(ball.xyz + ball.w * q, 1.0);\n"
 	"#ifdef EXACT\n"
-	"	gl_Position.z = 0.5 * gl_Position.w;\n" /* never cut off: fragments have their own depth */
+	/* never cut off: fragments have their own depth */
+	"	gl_Position.z = 0.5 * gl_Position.w;\n"
 	"#endif\n"
 	"#ifdef DEEP\n"
 	"	sent_depth = depth;\n"
@@ -251,7 +262,8 @@ const char rb_shader_sphere_fragment[] =
 	"	float u = atan(n.y, n.x) * (0.5 / PI), v = acos(clamp(n.z, -1.0, 1.0)) / PI;\n"
 	"	float other = fract(u);\n" /* its seam is elsewhere: one of both is smooth */
 	"	float du = min(fwidth(u), fwidth(other)), dv = fwidth(v);\n"
-	"	return body.rgb * textureGrad(image, vec2(u + 0.5, v), vec2(du, 0.0), vec2(0.0, dv)).rgb;\n"
+	"	return body.rgb * textureGrad(image, vec2(u + 0.5, v), vec2(du, 0.0), vec2(0.0, "
+	"dv)).rgb;\n"
 	"#else\n"
 	"	return body.rgb;\n"
 	"#endif\n"
@@ -310,16 +322,17 @@ const char rb_shader_plane_vertex[] =
 	"uniform vec4 axis_u, axis_v;\n" /* in textures per metre; textures at the eye's foot */
 	"uniform vec4 paint;\n"          /* colour, exponent of the highlight */
 	"uniform vec4 other;\n"          /* the second colour of a pattern */
-	PLANE_VARYINGS(
-		"out") "CARRY(out)\n"
-		       "void main()\n"
-		       "{\n"
-		       "	gl_Position = projection * corner[gl_VertexID];\n"
-		       "	normal_ = vec4(turned(normal.xyz), normal.w); paint_ = paint; other_ = other;\n"
-		       "	axis_u_ = vec4(turned(axis_u.xyz), axis_u.w); axis_v_ = vec4(turned(axis_v.xyz), axis_v.w);\n"
-		       "	SEND_WAY;\n"
-		       "	SEND\n"
-		       "}\n";
+	PLANE_VARYINGS("out") "CARRY(out)\n"
+			      "void main()\n"
+			      "{\n"
+			      "	gl_Position = projection * corner[gl_VertexID];\n"
+			      "	normal_ = vec4(turned(normal.xyz), normal.w); paint_ = paint; "
+			      "other_ = other;\n"
+			      "	axis_u_ = vec4(turned(axis_u.xyz), axis_u.w); axis_v_ = "
+			      "vec4(turned(axis_v.xyz), axis_v.w);\n"
+			      "	SEND_WAY;\n"
+			      "	SEND\n"
+			      "}\n";
 
 const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 	"in") "uniform sampler2D image;\n"
@@ -352,7 +365,8 @@ const char rb_shader_plane_fragment[] = PLANE_VARYINGS(
 	      "	result = vec4(paint_.rgb, 0.6 * line);\n"
 	      "#else\n"
 	      "	vec3 c = tone(lit(P, normal_.xyz, V, albedo, paint_.w));\n"
-	      "#if defined(HAZE) && !defined(PARALLEL)\n" /* parallel lines of sight meet no horizon */
+	      /* parallel lines of sight meet no horizon */
+	      "#if defined(HAZE) && !defined(PARALLEL)\n"
 	      "	c = mix(c, sky(-V), exp2(-70.0 * fall * scale));\n"
 	      "#endif\n"
 	      "	result = vec4(c, 1.0);\n"
@@ -436,7 +450,8 @@ const char rb_shader_solid_fragment[] =
 	"#else\n"
 	"	vec3 albedo = colour.rgb;\n"
 	"#endif\n"
-	"	result = vec4(tone(lit(point, normalize(across), -SIGHT(point), albedo, colour.w)), 1.0);\n"
+	"	result = vec4(tone(lit(point, normalize(across), -SIGHT(point), albedo, "
+	"colour.w)), 1.0);\n"
 	"}\n";
 
 /* ---- sky ---- */
@@ -476,7 +491,8 @@ const char rb_shader_disc_vertex[] =
 	"	vec3 way = source.w > 0.0 ? ball.xyz - source.xyz : -source.xyz;\n"
 	"	float d = length(way), lean = source.w > 0.0 ? min(ball.w / d, 0.99) : 0.0;\n"
 	"	vec3 n = way / d;\n"
-	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), b = cross(n, a);\n"
+	"	vec3 a = normalize(abs(n.y) < 0.9 ? vec3(-n.z, 0.0, n.x) : vec3(0.0, n.z, -n.y)), "
+	"b = cross(n, a);\n"
 	"	float angle = float(gl_VertexID) * (2.0 * PI / float(CORNERS));\n"
 	"	float reach = sqrt(1.0 - lean * lean) * ROUND;\n"
 	"	vec3 q = -lean * n + reach * (cos(angle) * a + sin(angle) * b);\n"
@@ -521,14 +537,16 @@ const char rb_shader_line_vertex[] =
 	"flat out vec3 measure;\n" /* half width, head, length */
 	"void main()\n"
 	"{\n"
-	"	vec4 a = vec4(from.x, from.y, KEPT(from.z), 1.0), b = vec4(to.x, to.y, KEPT(to.z), 1.0);\n"
+	"	vec4 a = vec4(from.x, from.y, KEPT(from.z), 1.0), b = vec4(to.x, to.y, KEPT(to.z), "
+	"1.0);\n"
 	"	float near = depth.z;\n"
 	"	if (-a.z < near && -b.z > near) a = mix(b, a, (-b.z - near) / (a.z - b.z));\n"
 	"	else if (-b.z < near && -a.z > near) b = mix(a, b, (-a.z - near) / (b.z - a.z));\n"
 	"	vec4 ca = projection * a, cb = projection * b;\n"
 	"	vec2 pa = ca.xy / ca.w * size * 0.5, pb = cb.xy / cb.w * size * 0.5;\n"
 	"	float length_px = length(pb - pa);\n"
-	"	vec2 along = length_px > 1e-3 ? (pb - pa) / length_px : vec2(1.0, 0.0), across = vec2(-along.y, along.x);\n"
+	"	vec2 along = length_px > 1e-3 ? (pb - pa) / length_px : vec2(1.0, 0.0), across = "
+	"vec2(-along.y, along.x);\n"
 	"	float head = min(to.w, 0.6 * length_px), half_width = 0.5 * from.w;\n"
 	"	float reach = max(half_width, 0.45 * head) + 2.0 + RIM;\n"
 	"	bool end = (gl_VertexID & 1) != 0, left = (gl_VertexID & 2) != 0;\n"
@@ -539,7 +557,8 @@ const char rb_shader_line_vertex[] =
 	"	vec4 c = end ? cb : ca;\n"
 	"	vec2 p = (end ? pb + margin * along : pa - margin * along) + at.y * across;\n"
 	"	gl_Position = vec4(p * 2.0 / size * c.w, c.zw);\n"
-	"	if ((-a.z < near && -b.z < near) || (to.w > 0.0 && length_px < 2.0)) gl_Position = vec4(0.0, 0.0, 0.0, -1.0);\n"
+	"	if ((-a.z < near && -b.z < near) || (to.w > 0.0 && length_px < 2.0)) gl_Position = "
+	"vec4(0.0, 0.0, 0.0, -1.0);\n"
 	"}\n";
 
 const char rb_shader_line_fragment[] =
@@ -550,7 +569,8 @@ const char rb_shader_line_fragment[] =
 	"void main()\n"
 	"{\n"
 	"	float start = measure.z - measure.y;\n"
-	"	float shaft = max(abs(at.y) - measure.x, max(-at.x, at.x - measure.z + 0.5 * measure.y) - JOINT);\n"
+	"	float shaft = max(abs(at.y) - measure.x, max(-at.x, at.x - measure.z + 0.5 * "
+	"measure.y) - JOINT);\n"
 	"	float head = max((abs(at.y) - 0.42 * (measure.z - at.x)) * 0.92, start - at.x);\n"
 	"	float d = measure.y > 0.0 ? min(shaft, head) : shaft;\n"
 	"	float cover = clamp(0.5 - d, 0.0, 1.0), rim = clamp(0.5 + RIM - d, 0.0, 1.0);\n"

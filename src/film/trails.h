@@ -18,7 +18,8 @@ enum { RB_TRAIL_POINTS_MAX = 4096 };
 struct rb_trails {
 	int path_count, point_count; /* the same number of points in each path */
 	int index
-		[RB_CAMERA_TRAILS_MAX]; /* of the bodies in frames; those that never move have no path */
+		/* of the bodies in frames; those that never move have no path */
+		[RB_CAMERA_TRAILS_MAX];
 	double (*points)[RB_TRAIL_POINTS_MAX][3]; /* [path_count], owned; m */
 	double *time_s;                           /* [RB_TRAIL_POINTS_MAX], owned: of each point */
 	uint64_t stride, seen;

@@ -144,17 +144,17 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 		               "%s:%d: camera '%s': its place at t = %.6g s is not finite",
 		               file_of(model, camera), camera->line, label(camera), frame->time_s);
 	if (!(rb_vec3_length(back) > 0.5))
-		return RB_FAIL(
-			err, RB_ERR_SCENE,
-			"%s:%d: camera '%s': 'look_at' is where it stands at t = %.6g s (%.6g, %.6g, %.6g)",
-			file_of(model, camera), camera->line, label(camera), frame->time_s,
-			target.x, target.y, target.z);
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "%s:%d: camera '%s': 'look_at' is where it stands at t = %.6g s "
+		               "(%.6g, %.6g, %.6g)",
+		               file_of(model, camera), camera->line, label(camera), frame->time_s,
+		               target.x, target.y, target.z);
 	if (!(rb_vec3_length(across) > DEGENERATE_SINE))
-		return RB_FAIL(
-			err, RB_ERR_SCENE,
-			"%s:%d: camera '%s': 'up' is along its line of sight at t = %.6g s (%.6g, %.6g, %.6g)",
-			file_of(model, camera), camera->line, label(camera), frame->time_s, up.x,
-			up.y, up.z);
+		return RB_FAIL(err, RB_ERR_SCENE,
+		               "%s:%d: camera '%s': 'up' is along its line of sight at t = %.6g s "
+		               "(%.6g, %.6g, %.6g)",
+		               file_of(model, camera), camera->line, label(camera), frame->time_s,
+		               up.x, up.y, up.z);
 	view->back = back;
 	view->right = rb_vec3_unit(across, across);
 	view->up = rb_vec3_cross(view->back, view->right);

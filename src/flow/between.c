@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "flow/between.h"
 
+#include <float.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -10,6 +11,7 @@
 #include "math/mat3.h"
 #include "math/quat.h"
 #include "math/vec3.h"
+#include "method/method.h"
 
 /* A column of `to` as it is in `from`: absent there, absent here. */
 static bool copy_column(double **to, const double *from, int old_count, int count, int width)
@@ -101,8 +103,10 @@ enum { SIDES = 2 };
 struct interval {
 	const struct rb_model *model;
 	const struct rb_frame *a, *b;
-	const struct rb_between *links;
+	struct rb_between *links;
 	double length_s, t;
+	double step_count; /* 0: it was not stepped */
+	double early_s;    /* of the body that is looked at: early_of */
 };
 
 /*
@@ -131,7 +135,9 @@ static bool link_events(struct rb_between *between, const struct rb_model *model
 	for (size_t link = links; link-- > 0;) {
 		const struct rb_event *const event = &b->events[link / SIDES];
 		const int i = model->index_of[link % SIDES ? event->b : event->a];
-		if (event->kind != RB_EVENT_COLLISION || i >= model->body_count ||
+		const bool is_change = event->kind >= RB_EVENT_IMPULSE; /* of one body */
+		if ((event->kind != RB_EVENT_COLLISION && !is_change) ||
+		    (is_change && link % SIDES) || i >= model->body_count ||
 		    !(model->inverse_mass[i] > 0))
 			continue;
 		between->next[link] = between->first[i];
@@ -140,9 +146,14 @@ static bool link_events(struct rb_between *between, const struct rb_model *model
 	return true;
 }
 
+static bool has_links(const struct interval *in)
+{
+	return in->b->has_events && in->b->event_count > 0;
+}
+
 static int first_link(const struct interval *in, int i)
 {
-	return in->b->has_events && in->b->event_count > 0 ? in->links->first[i] : 0;
+	return has_links(in) ? in->links->first[i] : 0;
 }
 
 static int next_link(const struct interval *in, int link)
@@ -150,15 +161,77 @@ static int next_link(const struct interval *in, int link)
 	return in->links->next[link - 1];
 }
 
-/* The impulse of a link on its body, N s, and when. */
-static const struct rb_event *impulse_of(const struct interval *in, int link, double *when_s,
-                                         rb_vec3 *impulse)
+/* What an event has made of its body's centre of mass, at once: velocity, m/s, and position, m. */
+struct jump {
+	const struct rb_event *event;
+	double when_s;
+	rb_vec3 velocity, position;
+};
+
+static struct jump jump_of(const struct interval *in, int i, int link)
 {
 	const struct rb_event *const event = &in->b->events[(link - 1) / SIDES];
+	const rb_vec3 none = {0, 0, 0};
+	const bool pushes = event->kind == RB_EVENT_COLLISION || event->kind == RB_EVENT_IMPULSE;
+	const bool is_impact = event->kind == RB_EVENT_COLLISION;
+	const double sign = is_impact && !((link - 1) % SIDES) ? -1 : 1;
+	const double when_s = event->time_s - in->a->time_s - (is_impact ? in->early_s : 0);
 
-	*when_s = fmin(fmax(event->time_s - in->a->time_s, 0), in->length_s);
-	*impulse = rb_vec3_scale((link - 1) % SIDES ? 1 : -1, event->impulse);
-	return event;
+	return (struct jump){.event = event,
+	                     .when_s = fmin(fmax(when_s, 0), in->length_s),
+	                     .velocity = pushes ? rb_vec3_scale(sign * in->model->inverse_mass[i],
+	                                                        event->impulse)
+	                                        : none,
+	                     .position = event->kind == RB_EVENT_DISPLACEMENT ? event->impulse
+	                                                                      : none};
+}
+
+/* m/s: what impacts have added to a velocity, and what callbacks have. */
+static void sum_jumps(const struct interval *in, int i, rb_vec3 *impacts, rb_vec3 *changes)
+{
+	*impacts = *changes = (rb_vec3){0, 0, 0};
+	for (int link = first_link(in, i); link; link = next_link(in, link)) {
+		const struct jump jump = jump_of(in, i, link);
+		rb_vec3 *const sum = jump.event->kind == RB_EVENT_COLLISION ? impacts : changes;
+
+		*sum = rb_vec3_add(*sum, jump.velocity);
+	}
+}
+
+static void drop_impacts(const struct interval *in, int i)
+{
+	int *last = &in->links->first[i];
+
+	for (int link = *last; link; link = *last)
+		if (jump_of(in, i, link).event->kind == RB_EVENT_COLLISION)
+			*last = in->links->next[link - 1];
+		else
+			last = &in->links->next[link - 1];
+}
+
+/*
+ * A step resolves an impact on a pile together with what the pile presses back, and only the impact
+ * is an event. So of what steps have moved, the impacts of a body count where the velocities of
+ * both frames are nearer to a fall with them than to one without.
+ */
+static void choose_impacts(const struct interval *in, int i)
+{
+	const struct rb_world_def *world = &in->model->scene->world;
+	const rb_vec3 weight = rb_vec3_add_scaled(world->gravity, in->model->inverse_mass[i],
+	                                          world->gravity_force);
+	rb_vec3 impacts, changes;
+
+	if (!first_link(in, i))
+		return;
+	sum_jumps(in, i, &impacts, &changes);
+	const rb_vec3 more = rb_vec3_sub(rb_vec3_from(in->b->velocity + 3 * i),
+	                                 rb_vec3_from(in->a->velocity + 3 * i));
+	const rb_vec3 without = rb_vec3_sub(rb_vec3_add_scaled(more, -in->length_s, weight),
+	                                    changes);
+	const rb_vec3 with = rb_vec3_sub(without, impacts);
+
+	if (rb_vec3_dot(with, with) > rb_vec3_dot(without, without))
+		drop_impacts(in, i);
 }
 
 /* ---- where it is ---- */
@@ -180,7 +253,7 @@ static rb_vec3 smooth_velocity(const struct smooth *m, double t)
 }
 
 /*
- * Less the jumps of velocity that impulses are, the motion is smooth, and its cubic with the
+ * Less the jumps that events are, the motion is smooth, and its cubic with the
  * positions and velocities of both frames is exact where the acceleration is constant, however many
  * impacts there are.
  */
@@ -188,14 +261,13 @@ static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, r
 {
 	const double h = in->length_s;
 	const rb_vec3 v0 = rb_vec3_from(in->a->velocity + 3 * i);
-	rb_vec3 v1 = rb_vec3_from(in->b->velocity + 3 * i), impulse;
-	double when_s;
+	rb_vec3 v1 = rb_vec3_from(in->b->velocity + 3 * i);
 
 	for (int link = first_link(in, i); link; link = next_link(in, link)) {
-		impulse_of(in, link, &when_s, &impulse);
-		const rb_vec3 jump = rb_vec3_scale(in->model->inverse_mass[i], impulse);
-		v1 = rb_vec3_sub(v1, jump);
-		to = rb_vec3_add_scaled(to, when_s - h, jump);
+		const struct jump jump = jump_of(in, i, link);
+		v1 = rb_vec3_sub(v1, jump.velocity);
+		to = rb_vec3_sub(rb_vec3_add_scaled(to, jump.when_s - h, jump.velocity),
+		                 jump.position);
 	}
 	const rb_vec3 mean = rb_vec3_scale(1 / h, rb_vec3_sub(to, from));
 	const rb_vec3 sum = rb_vec3_add(v0, v1);
@@ -208,21 +280,57 @@ static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, r
 	};
 }
 
-/* With the impacts up to `t`, from the link of the first on. */
-static rb_vec3 center_at(const struct interval *in, int i, const struct smooth *smooth, double t,
-                         rb_vec3 *velocity)
+static bool ends_step(const struct interval *in, const struct rb_event *event)
 {
-	rb_vec3 at = smooth_at(smooth, t), impulse;
-	double when_s;
+	const double step_s = in->length_s / in->step_count;
+	const double steps = (event->time_s - in->a->time_s) / step_s;
+
+	return fabs(steps - nearbyint(steps)) * step_s <= 8 * DBL_EPSILON * in->b->time_s;
+}
+
+/*
+ * s: impacts of groups that are too large are resolved as a whole and told at the end of the step.
+ * What stops a body then has acted from the step's beginning on, what throws it back at its end;
+ * one jump of both is where the step has the body if it acts earlier, by what leaves the least of
+ * the motion that a constant acceleration does not explain. Never before the step; impacts of
+ * single moments (then all) and changes are where they are told.
+ */
+static double early_of(const struct interval *in, int i, const struct smooth *smooth)
+{
+	rb_vec3 sum = {0, 0, 0};
+
+	for (int link = first_link(in, i); link; link = next_link(in, link)) {
+		const struct jump jump = jump_of(in, i, link);
+
+		if (jump.event->kind != RB_EVENT_COLLISION || !ends_step(in, jump.event))
+			return 0;
+		sum = rb_vec3_add(sum, jump.velocity);
+	}
+	const double square = rb_vec3_dot(sum, sum), h = in->length_s;
+	if (!(square > 0))
+		return 0;
+	/* m: to where the cubic ends from the parabola with the velocities of both ends */
+	const rb_vec3 rest = rb_vec3_scale(-0.5 * h * h * h, smooth->c);
+	return fmin(fmax(rb_vec3_dot(rest, sum) / square, 0), h / in->step_count);
+}
+
+/*
+ * At `t`, with the events up to then; before the event of the link `until`, if that is at `t` (0:
+ * after all of that time).
+ */
+static rb_vec3 center_at(const struct interval *in, int i, const struct smooth *smooth, double t,
+                         int until, rb_vec3 *velocity)
+{
+	rb_vec3 at = smooth_at(smooth, t);
 
 	*velocity = smooth_velocity(smooth, t);
-	for (int link = first_link(in, i); link; link = next_link(in, link)) {
-		impulse_of(in, link, &when_s, &impulse);
-		if (when_s > t)
+	for (int link = first_link(in, i); link != until; link = next_link(in, link)) {
+		const struct jump jump = jump_of(in, i, link);
+		if (jump.when_s > t)
 			break;
-		const rb_vec3 jump = rb_vec3_scale(in->model->inverse_mass[i], impulse);
-		*velocity = rb_vec3_add(*velocity, jump);
-		at = rb_vec3_add_scaled(at, t - when_s, jump);
+		*velocity = rb_vec3_add(*velocity, jump.velocity);
+		at = rb_vec3_add(rb_vec3_add_scaled(at, t - jump.when_s, jump.velocity),
+		                 jump.position);
 	}
 	return at;
 }
@@ -272,10 +380,10 @@ static rb_quat turned_by(rb_quat q, double s, rb_vec3 spin)
  */
 static void turn_on(struct turning *turning, double s)
 {
-	enum { STEPS_MOST = 4096 };
+	enum { STEPS_MAX = 4096 };
 	const double angle = 1.0 / 16;
 	const double steps = ceil(rb_vec3_length(spin_of(turning)) * s / angle);
-	const int count = steps < STEPS_MOST ? (int)fmax(steps, 1) : STEPS_MOST;
+	const int count = steps < STEPS_MAX ? (int)fmax(steps, 1) : STEPS_MAX;
 	const double step = s / count;
 
 	for (int k = 0; k < count; k++) {
@@ -288,14 +396,21 @@ static void turn_on(struct turning *turning, double s)
 	turning->q = rb_quat_unit(turning->q);
 }
 
-/* By an impact's impulse, about where the centre of mass is then. */
+/* Change of angular momentum about where the centre of mass is then. */
 static rb_vec3 twist_of(const struct interval *in, int i, const struct smooth *smooth, int link,
                         double *when_s)
 {
-	rb_vec3 impulse, velocity;
-	const struct rb_event *const event = impulse_of(in, link, when_s, &impulse);
-	const rb_vec3 center = center_at(in, i, smooth, *when_s, &velocity);
+	const struct jump jump = jump_of(in, i, link);
+	const struct rb_event *const event = jump.event;
+	rb_vec3 velocity;
 
+	*when_s = jump.when_s;
+	if (event->kind == RB_EVENT_ANGULAR_IMPULSE)
+		return event->impulse;
+	if (event->kind != RB_EVENT_COLLISION)
+		return (rb_vec3){0, 0, 0};
+	const rb_vec3 center = center_at(in, i, smooth, *when_s, link, &velocity);
+	const rb_vec3 impulse = rb_vec3_scale((link - 1) % SIDES ? 1 : -1, event->impulse);
 	return rb_vec3_cross(rb_vec3_sub(event->point, center), impulse);
 }
 
@@ -361,7 +476,7 @@ static rb_vec3 center_arm(const struct rb_model *model, int i, rb_quat q)
 	                             : (rb_vec3){0, 0, 0};
 }
 
-static void move_body(const struct interval *in, int i, struct rb_frame *out)
+static void move_body(struct interval *in, int i, struct rb_frame *out)
 {
 	const struct rb_frame *const a = in->a, *const b = in->b;
 	const bool arcs = b->has_events && out->position && a->position && out->velocity &&
@@ -369,6 +484,9 @@ static void move_body(const struct interval *in, int i, struct rb_frame *out)
 	const bool turns = out->orientation && a->orientation;
 	struct smooth smooth;
 
+	in->early_s = 0;
+	if (arcs && in->step_count > 0)
+		choose_impacts(in, i);
 	if (arcs) {
 		rb_vec3 from = rb_vec3_from(a->position + 3 * i);
 		rb_vec3 to = rb_vec3_from(b->position + 3 * i), velocity;
@@ -379,7 +497,11 @@ static void move_body(const struct interval *in, int i, struct rb_frame *out)
 				to, center_arm(in->model, i, rb_quat_from(b->orientation + 4 * i)));
 		}
 		smooth = smooth_of(in, i, from, to);
-		rb_vec3_to(out->position + 3 * i, center_at(in, i, &smooth, in->t, &velocity));
+		if (in->step_count > 0 && first_link(in, i)) {
+			in->early_s = early_of(in, i, &smooth);
+			smooth = smooth_of(in, i, from, to);
+		}
+		rb_vec3_to(out->position + 3 * i, center_at(in, i, &smooth, in->t, 0, &velocity));
 		rb_vec3_to(out->velocity + 3 * i, velocity);
 	}
 	if (!turns)
@@ -423,13 +545,15 @@ enum rb_status rb_frame_between(struct rb_between *between, const struct rb_mode
 		               "cannot look between two frames of %d bodies: out of memory",
 		               b->body_count);
 
-	const struct interval in = {.model = model,
-	                            .a = a,
-	                            .b = b,
-	                            .links = between,
-	                            .length_s = b->time_s - a->time_s,
-	                            .t = time_s - a->time_s};
+	struct interval in = {.model = model,
+	                      .a = a,
+	                      .b = b,
+	                      .links = between,
+	                      .length_s = b->time_s - a->time_s,
+	                      .t = time_s - a->time_s};
 	const double part = in.t / in.length_s;
+	if (b->numbers.stepped > 0)
+		in.step_count = (double)rb_frame_step_count(model, a->time_s, b->time_s);
 	out->time_s = time_s;
 	/* what is not known better goes straight */
 	if (out->position && a->position)

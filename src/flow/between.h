@@ -4,8 +4,9 @@
  *
  * Where both frames have velocities and the later one has the impacts of the interval (has_events),
  * centres of mass go from impact to impact on the cubic that has the positions and velocities of
- * both: exact for a constant acceleration, and velocities jump at the impacts. Else positions and
- * velocities go straight. Orientations follow the angular momentum that the spins of both frames
+ * both: exact for a constant acceleration, and velocities jump at the impacts, or, where a step has
+ * resolved them as a whole, within that step. Else positions and velocities go straight.
+ * Orientations follow the angular momentum that the spins of both frames
  * and the impacts tell, whole turns and all; without spins the great circle. Energies are
  * interpolated, counts, contacts, events and shots are those of the later frame.
  */

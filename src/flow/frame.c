@@ -21,10 +21,16 @@ enum { EVENTS_AT_START = 16, CONTACTS_AT_START = 16 };
 const char *rb_event_kind_name(enum rb_event_kind kind)
 {
 	static const char *const names[RB_EVENT_KIND_COUNT] = {
-		[RB_EVENT_COLLISION] = "collision", [RB_EVENT_REST] = "rest",
-		[RB_EVENT_SLIDE] = "slide",         [RB_EVENT_ROLL] = "roll",
-		[RB_EVENT_LIFT] = "lift",           [RB_EVENT_EDGE] = "edge",
+		[RB_EVENT_COLLISION] = "collision",
+		[RB_EVENT_REST] = "rest",
+		[RB_EVENT_SLIDE] = "slide",
+		[RB_EVENT_ROLL] = "roll",
+		[RB_EVENT_LIFT] = "lift",
+		[RB_EVENT_EDGE] = "edge",
 		[RB_EVENT_MERGE] = "merge",
+		[RB_EVENT_IMPULSE] = "impulse",
+		[RB_EVENT_ANGULAR_IMPULSE] = "angular_impulse",
+		[RB_EVENT_DISPLACEMENT] = "displacement",
 	};
 
 	RB_ASSERT(kind < RB_EVENT_KIND_COUNT);

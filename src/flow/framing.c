@@ -28,7 +28,7 @@ static rb_vec3 least(rb_vec3 a, rb_vec3 b)
 	return (rb_vec3){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
 }
 
-static rb_vec3 most(rb_vec3 a, rb_vec3 b)
+static rb_vec3 max(rb_vec3 a, rb_vec3 b)
 {
 	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
 }
@@ -38,7 +38,7 @@ static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 {
 	const rb_vec3 r = {radius, radius, radius};
 	const rb_vec3 low = least(reach->low, rb_vec3_sub(at, r));
-	const rb_vec3 high = most(reach->high, rb_vec3_add(at, r));
+	const rb_vec3 high = max(reach->high, rb_vec3_add(at, r));
 	const bool more = low.x < reach->low.x || low.y < reach->low.y || low.z < reach->low.z ||
 	                  high.x > reach->high.x || high.y > reach->high.y ||
 	                  high.z > reach->high.z;
@@ -71,7 +71,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 		(void)grow(reach, model->position[i], rb_model_reach(model, i));
 		if (reach->visible) {
 			low = least(low, reach->low);
-			high = most(high, reach->high);
+			high = max(high, reach->high);
 		}
 	}
 	if (low.x <= high.x)
@@ -212,7 +212,7 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 	const bool some_stay = count > 0 && !order[0]->leaves;
 	for (; taken < count; taken++) {
 		const rb_vec3 wider_low = least(low, order[taken]->low);
-		const rb_vec3 wider_high = most(high, order[taken]->high);
+		const rb_vec3 wider_high = max(high, order[taken]->high);
 		const rb_vec3 middle = looks ? target
 		                             : rb_vec3_scale(0.5,
 		                                             rb_vec3_add(wider_low, wider_high));

@@ -56,8 +56,8 @@ static inline void rb_axis_try(rb_axis *axis, rb_vec3 n)
 /* The slab of the best direction so far, where it is thinner: see geom/separation. */
 static inline void rb_slab_tighten(rb_slab *slab, const rb_axis *axis)
 {
-	const double most = fmax(slab->distance, fabs(axis->gap));
-	const double depth = most - axis->gap + 8 * axis->noise;
+	const double max = fmax(slab->distance, fabs(axis->gap));
+	const double depth = max - axis->gap + 8 * axis->noise;
 
 	if (!axis->found || !(depth < slab->depth))
 		return;

@@ -54,18 +54,18 @@ rb_convex_touch rb_convex_gap(const rb_placed *a, const rb_placed *b)
 
 double rb_convex_safe_time(double gap, double closing, double turning, double bend)
 {
-	const double speed = closing + fmax(turning, 0), pull = fmax(bend, 0);
+	const double speed = closing + fmax(turning, 0), tension = fmax(bend, 0);
 
 	if (!(gap > 0))
 		return 0;
 	/* gap = speed t + pull t^2 / 2, the root written without cancellation */
 	if (speed >= 0) {
-		const double whole = speed + sqrt(speed * speed + 2 * pull * gap);
+		const double whole = speed + sqrt(speed * speed + 2 * tension * gap);
 		return whole > 0 ? 2 * gap / whole : (double)INFINITY;
 	}
-	if (!(pull > 0))
+	if (!(tension > 0))
 		return isnan(speed) ? 0 : (double)INFINITY;
-	return (sqrt(speed * speed + 2 * pull * gap) - speed) / pull;
+	return (sqrt(speed * speed + 2 * tension * gap) - speed) / tension;
 }
 
 double rb_convex_reach(const rb_core *core)

@@ -42,7 +42,7 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 	}
 }
 
-int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int most)
+int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int max)
 {
 	int count = 0;
 
@@ -51,7 +51,7 @@ int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int most)
 		const bool round = p->core->kind == RB_CORE_CYLINDER;
 		const int faces = round ? 2 : p->core->polytope->face_count;
 
-		for (int f = 0; f < faces && count < most; f++) {
+		for (int f = 0; f < faces && count < max; f++) {
 			const rb_vec3 local = round ? (rb_vec3){0, 0, f ? -1 : 1}
 			                            : p->core->polytope->faces[f].normal;
 			const rb_vec3 n = rb_vec3_scale(k ? -1 : 1, rb_mat3_apply(&p->turn, local));
@@ -92,24 +92,24 @@ static void faces_of_boxes(rb_axis *axis)
 {
 	const rb_placed *box[2] = {axis->a, axis->b};
 	const rb_vec3 d = rb_vec3_sub(axis->b->at, axis->a->at);
-	const double room = 16 * axis->noise;
-	double proof[2][3], most = -(double)INFINITY;
+	const double noise_slack = 16 * axis->noise;
+	double proof[2][3], max = -(double)INFINITY;
 
 	proofs(box[0], box[1], d, proof[0]);
 	proofs(box[1], box[0], d, proof[1]);
 	for (int k = 0; k < 6; k++)
-		most = fmax(most, proof[k / 3][k % 3]);
+		max = fmax(max, proof[k / 3][k % 3]);
 	for (int k = 0; k < 6; k++) {
 		const rb_mat3 *turn = &box[k / 3]->turn;
 		const rb_vec3 n = {turn->m[0][k % 3], turn->m[1][k % 3], turn->m[2][k % 3]};
 		const double along = rb_vec3_dot(n, d);
 
-		if (!(proof[k / 3][k % 3] >= most - room))
+		if (!(proof[k / 3][k % 3] >= max - noise_slack))
 			continue;
 		/* b's faces look the other way */
 		for (int s = 0; s < 2; s++) {
 			const double sense = (s == 0) == (k < 3) ? 1 : -1;
-			if (sense * along >= -room)
+			if (sense * along >= -noise_slack)
 				rb_axis_try(axis, rb_vec3_scale(sense, n));
 		}
 	}

@@ -11,7 +11,7 @@
 /* Faces of polytopes, ends of cylinders. With a `guide`, only those that are nearly along it. */
 void rb_facets_faces(rb_axis *axis, const rb_vec3 *guide);
 /* Of faces and ends, those that prove no less than `least`, m: at most `most`. */
-int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int most);
+int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int max);
 /* Edge against edge, of two polytopes. */
 void rb_facets_edges(rb_axis *axis, const rb_slab *slab);
 /* From a vertex to the nearest point of an edge or vertex, of two polytopes that are apart. */

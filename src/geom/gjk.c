@@ -10,7 +10,7 @@
 
 enum {
 	ROUNDS_MAX = 200, /* polytopes take some ten, round cores some tens */
-	STILL_MAX = 3     /* rounds in which neither bound moves */
+	UNCHANGED_MAX = 3 /* rounds in which neither bound moves */
 };
 
 typedef struct {
@@ -82,7 +82,7 @@ static bool holds_origin(const simplex *s)
  * The point of the simplex nearest to the origin, which lies on a part that has the newest point
  * w[count - 1].
  */
-static nearest look(const simplex *s)
+static nearest inspect(const simplex *s)
 {
 	const int last = s->count - 1;
 	offers best = {s->w[last], rb_vec3_dot(s->w[last], s->w[last]), 1u << last};
@@ -130,7 +130,7 @@ double rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int r
 		now.part.w[now.part.count++] = w;
 		if (now.part.count == 4 && holds_origin(&now.part))
 			break;
-		const nearest next = look(&now.part);
+		const nearest next = inspect(&now.part);
 		if (!(next.square < now.square) || next.square <= close)
 			break;
 		now = next;
@@ -143,9 +143,9 @@ rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
 {
 	const double noise = 4 * DBL_EPSILON * scale;
 	rb_vec3 d = rb_vec3_sub(b->at, a->at);
-	rb_gjk out = {.least = -(double)INFINITY, .most = (double)INFINITY};
+	rb_gjk out = {.least = -(double)INFINITY, .upper = (double)INFINITY};
 	nearest now = {.square = (double)INFINITY};
-	int still = 0;
+	int unchanged = 0;
 
 	if (!(rb_vec3_dot(d, d) > 0))
 		d = (rb_vec3){0, 0, 1};
@@ -154,29 +154,30 @@ rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
 		const rb_vec3 w = rb_vec3_sub(rb_placed_support(b, rb_vec3_neg(n)),
 		                              rb_placed_support(a, n));
 		const double least = rb_vec3_dot(w, n);
-		still++;
+		unchanged++;
 		if (least > out.least) {
-			still = least > out.least + noise ? 0 : still;
+			unchanged = least > out.least + noise ? 0 : unchanged;
 			out.least = least;
 			out.normal = n;
 		}
-		if (out.most - out.least <= noise || has(&now.part, w) || still > STILL_MAX)
+		if (out.upper - out.least <= noise || has(&now.part, w) ||
+		    unchanged > UNCHANGED_MAX)
 			break;
 		now.part.w[now.part.count++] = w;
 		if (now.part.count == 4 && holds_origin(&now.part))
 			return out;
-		const nearest next = look(&now.part);
+		const nearest next = inspect(&now.part);
 		if (!(next.square < now.square))
 			break;
 		now = next;
-		if (sqrt(now.square) < out.most - noise)
-			still = 0;
-		out.most = sqrt(now.square);
+		if (sqrt(now.square) < out.upper - noise)
+			unchanged = 0;
+		out.upper = sqrt(now.square);
 		/* So near that the direction is rounding. */
-		if (out.most <= 4 * noise)
+		if (out.upper <= 4 * noise)
 			return out;
 		d = now.v;
 	}
-	out.apart = out.least > 0;
+	out.is_separate = out.least > 0;
 	return out;
 }

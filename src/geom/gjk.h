@@ -13,10 +13,10 @@
 #include "geom/core.h"
 
 typedef struct {
-	bool apart;     /* proved; else they overlap, or nearly, and `most` is no bound */
-	double most;    /* m: they are no farther apart */
-	double least;   /* m: nor nearer */
-	rb_vec3 normal; /* unit, from a to b */
+	bool is_separate; /* proved; else they overlap, or nearly, and `upper` is no bound */
+	double upper;     /* m: they are no farther apart */
+	double least;     /* m: nor nearer */
+	rb_vec3 normal;   /* unit, from a to b */
 	int rounds;
 } rb_gjk;
 

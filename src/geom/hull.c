@@ -96,10 +96,10 @@ static void turn(struct cloud *cloud, double noise[3])
 
 static enum rb_status refuse(struct rb_error *err, size_t count)
 {
-	return RB_FAIL(
-		err, RB_ERR_SCENE,
-		"%zu points that lie in a plane, to the rounding of their coordinates (wanted a body with a volume)",
-		count);
+	return RB_FAIL(err, RB_ERR_SCENE,
+	               "%zu points that lie in a plane, to the rounding of their coordinates "
+	               "(wanted a body with a volume)",
+	               count);
 }
 
 static enum rb_status to_cube(struct cloud *cloud, struct rb_error *err)
@@ -407,10 +407,10 @@ enum rb_status rb_hull_make(struct rb_hull *hull, const rb_vec3 *points, size_t 
 	rb_hull_release(hull);
 	if (status == RB_ERR_MEMORY)
 		return RB_FAIL(err, status, "out of memory for a hull of %zu points", count);
-	return RB_FAIL(
-		err, RB_ERR_SCENE,
-		"no closed hull of %zu points was found (are they nearly in a plane, or nearly the same?)",
-		count);
+	return RB_FAIL(err, RB_ERR_SCENE,
+	               "no closed hull of %zu points was found (are they nearly in a plane, or "
+	               "nearly the same?)",
+	               count);
 }
 
 void rb_hull_library(char *out, size_t size)

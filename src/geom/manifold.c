@@ -8,20 +8,20 @@
  */
 static const double tilt_share = 0x1p-10;
 /* Room for the nearest points. */
-enum { NEAREST_MOST = 4 };
+enum { NEAREST_MAX = 4 };
 
 /*
  * Of many points, the farthest in each of so many directions of the plane across n; the first of
  * several.
  */
-static int thin_out(rb_overlay_point *point, int count, int most, rb_vec3 n)
+static int thin_out(rb_overlay_point *point, int count, int max, rb_vec3 n)
 {
 	const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
 	bool keep[RB_OVERLAY_MAX] = {false};
 	int kept = 0;
 
-	for (int k = 0; k < most; k++) {
-		const double angle = 6.283185307179586 * k / most;
+	for (int k = 0; k < max; k++) {
+		const double angle = 6.283185307179586 * k / max;
 		const rb_vec3 way = rb_vec3_add_scaled(rb_vec3_scale(cos(angle), x), sin(angle), y);
 		int best = 0;
 		for (int i = 1; i < count; i++)
@@ -99,12 +99,12 @@ static int corners_within(const find *f, double depth, double band, bool round,
  */
 static int corners(const find *f, double band, rb_overlay_point point[RB_OVERLAY_MAX])
 {
-	const double most = f->a.core->reach + f->b.core->reach;
+	const double max = f->a.core->reach + f->b.core->reach;
 	int count = corners_within(f, band, band, false, point);
 
 	if (count == 0)
 		count = corners_within(f, band, band, true, point);
-	for (double depth = 16 * band; count == 0 && depth < most; depth *= 16)
+	for (double depth = 16 * band; count == 0 && depth < max; depth *= 16)
 		count = corners_within(f, depth, band, false, point);
 	return lowest(point, count, band);
 }
@@ -131,12 +131,12 @@ static double least_gap(const find *f)
 static void search(find *f, double depth, double fine)
 {
 	const bool only_corners = isinf(fine);
-	const int most = RB_MANIFOLD_MAX - (only_corners ? 0 : NEAREST_MOST);
+	const int max = RB_MANIFOLD_MAX - (only_corners ? 0 : NEAREST_MAX);
 
 	f->tilt = only_corners ? 0 : tilt_share;
 	f->count = corners(f, depth, f->point);
-	if (f->count > most)
-		f->count = thin_out(f->point, f->count, most, f->s.normal);
+	if (f->count > max)
+		f->count = thin_out(f->point, f->count, max, f->s.normal);
 	if (!only_corners && least_gap(f) > f->s.gap + fmax(fine, f->s.noise))
 		add_nearest(f);
 }
@@ -144,7 +144,10 @@ static void search(find *f, double depth, double fine)
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
                               double band, double fine)
 {
-	find f; /* its points as far as `count` says: the rest would cost more to clear than all else here */
+	/*
+	 * its points as far as `count` says: the rest would cost more to clear than all else here
+	 */
+	find f;
 	const double ra = a->core->radius, rb = b->core->radius;
 
 	start(&f, a, b);

@@ -16,7 +16,8 @@ enum { RB_MANIFOLD_MAX = 16 };
 
 typedef struct {
 	rb_vec3 on_a,
-		on_b; /* m, world: on the surfaces, over each other along the normal up to the band */
+		/* m, world: on the surfaces, over each other along the normal up to the band */
+		on_b;
 	double gap;   /* m, along the normal */
 	uint64_t key; /* features: a's in the upper half, b's in the lower */
 } rb_manifold_point;

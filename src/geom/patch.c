@@ -39,12 +39,12 @@ static int outermost(const struct rb_polytope *p, rb_vec3 n, double low, int ver
 static int best_face(const struct rb_polytope *p, rb_vec3 n)
 {
 	int best = 0;
-	double most = -2;
+	double max = -2;
 
 	for (int f = 0; f < p->face_count; f++) {
 		const double along = rb_vec3_dot(n, p->faces[f].normal);
-		if (along > most) {
-			most = along;
+		if (along > max) {
+			max = along;
 			best = f;
 		}
 	}

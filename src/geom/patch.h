@@ -19,8 +19,10 @@ typedef enum {
 	RB_PART_FACE,
 	RB_PART_DIAGONAL, /* between vertices of several faces that are nearly one */
 	RB_PART_SEVERAL,  /* such faces */
-	/* of a cylinder: bit 0 says which; above it where: 0 anywhere, 1 to 4 a quarter, 5, 6 a crossing, 8 to 15 eighths from
-	   the outermost */
+	/*
+	 * of a cylinder: bit 0 says which; above it where: 0 anywhere, 1 to 4 a quarter, 5, 6 a
+	 * crossing, 8 to 15 eighths from the outermost
+	 */
 	RB_PART_RIM,
 	RB_PART_END,    /* of a cylinder: 0 at +z, 1 at -z */
 	RB_PART_MANTLE, /* of a cylinder: 0 whole, 1 + the end at which a point is */
@@ -50,7 +52,8 @@ typedef struct {
 	rb_vec3 normal;  /* unit, outward: of the plane it lies in */
 	double curve;    /* m: radius of what a segment is the outermost line of */
 	double round;    /* m: a disc's radius */
-	rb_vec3 low; /* unit: of a disc that tilts, from its centre to the outermost of its rim; else zero */
+	/* unit: of a disc that tilts, from its centre to the outermost of its rim; else zero */
+	rb_vec3 low;
 	rb_vec3 axis; /* unit, of the body: where the quarters of a disc on it are counted from */
 	rb_vec3 point[RB_PATCH_MAX]; /* m; a polygon's in order round it */
 	rb_part id[RB_PATCH_MAX];    /* of the point */

@@ -102,7 +102,8 @@ static rb_part side_of(const rb_patch *patch, int i)
 
 static outline outline_of(const table *t, const rb_patch *patch)
 {
-	outline o; /* as far as `count` says: the rest would cost more to clear than all else here */
+	/* as far as `count` says: the rest would cost more to clear than all else here */
+	outline o;
 	double area = 0;
 
 	o.count = patch->count;
@@ -170,9 +171,9 @@ static bool along_line(const outline *a, int i, const outline *b, int j, double 
 	const double sx = b->x[j1] - b->x[j], sy = b->y[j1] - b->y[j];
 	const double off0 = (a->x[i] - b->x[j]) * sy - (a->y[i] - b->y[j]) * sx;
 	const double off1 = (a->x[i1] - b->x[j]) * sy - (a->y[i1] - b->y[j]) * sx;
-	const double most = aside * sqrt(sx * sx + sy * sy);
+	const double max = aside * sqrt(sx * sx + sy * sy);
 
-	return fabs(off0) <= most && fabs(off1) <= most;
+	return fabs(off0) <= max && fabs(off1) <= max;
 }
 
 /* Within both sides, where they are not one line. */
@@ -407,7 +408,7 @@ static bool has_sides(const rb_patch *patch)
 double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n)
 {
 	const double none = (double)INFINITY;
-	double least = none, most = -none;
+	double least = none, max = -none;
 
 	if (patch->kind == RB_PATCH_PLANE)
 		return none;
@@ -424,10 +425,10 @@ double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n)
 		const double off = rb_vec3_dot(in, rb_vec3_sub(point, here)) / rb_vec3_length(in);
 
 		least = fmin(least, off);
-		most = fmax(most, off);
+		max = fmax(max, off);
 	}
 	/* clockwise about n all signs are turned round */
-	return fmax(least, -most);
+	return fmax(least, -max);
 }
 
 /* A point past the border of a face. */

@@ -301,11 +301,11 @@ int rb_polytope_support(const struct rb_polytope *polytope, rb_vec3 direction)
 	if (polytope->box)
 		return (direction.x < 0) | (direction.y < 0) << 1 | (direction.z < 0) << 2;
 	int best = 0;
-	double most = rb_vec3_dot(direction, polytope->vertices[0]);
+	double max = rb_vec3_dot(direction, polytope->vertices[0]);
 	for (int i = 1; i < polytope->vertex_count; i++) {
 		const double height = rb_vec3_dot(direction, polytope->vertices[i]);
-		if (height > most) {
-			most = height;
+		if (height > max) {
+			max = height;
 			best = i;
 		}
 	}

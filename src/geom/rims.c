@@ -12,10 +12,14 @@
 enum {
 	NEWTON_MAX = 60,
 	WIDEN_MAX = 4,
-	STILL_MAX = 4,   /* steps that are no smaller than the ones before */
-	CHANGES_MAX = 3, /* of the ends of two cylinders */
+	UNCHANGED_MAX = 4, /* steps that are no smaller than the ones before */
+	CHANGES_MAX = 3,   /* of the ends of two cylinders */
 	TRUSTED_MAX =
-		3 /* steps that gain less than can be seen: each has twice the digits of the one before */
+		/*
+		 * steps that gain less than can be seen: each has twice the digits of the one
+		 * before
+		 */
+	3
 };
 
 /*
@@ -108,7 +112,7 @@ static bool summit(const family *f, turn *out)
 	double bend, last = 4;
 	turn low = none, high = none, at = none;
 	const double sense = slope(f, none, &bend) >= 0 ? 1 : -1;
-	int still = 0;
+	int unchanged = 0;
 
 	/* uphill, up to a quarter turn */
 	for (int i = 0;; i++) {
@@ -122,7 +126,7 @@ static bool summit(const family *f, turn *out)
 		*(sense > 0 ? &low : &high) = there;
 		at = there;
 	}
-	for (int i = 0; i < NEWTON_MAX && still < STILL_MAX; i++) {
+	for (int i = 0; i < NEWTON_MAX && unchanged < UNCHANGED_MAX; i++) {
 		const double value = slope(f, at, &bend);
 		if (value > 0)
 			low = at;
@@ -140,7 +144,7 @@ static bool summit(const family *f, turn *out)
 		if (fabs(step) <= small_step || !(between(low, high) > 0))
 			break;
 		/* rounding: there Newton's steps no longer shrink */
-		still = is_within && fabs(step) >= 0.5 * last ? still + 1 : 0;
+		unchanged = is_within && fabs(step) >= 0.5 * last ? unchanged + 1 : 0;
 		last = is_within ? fabs(step) : 4;
 	}
 	*out = at;

@@ -160,9 +160,9 @@ static bool best_face_settles(rb_axis *axis)
 	rb_facets_faces(axis, NULL);
 	if (!axis->found)
 		return false;
-	proof most = settled(axis);
-	if (most == BEST || axis->second < axis->gap - 4 * axis->noise)
-		return most == BEST;
+	proof max = settled(axis);
+	if (max == BEST || axis->second < axis->gap - 4 * axis->noise)
+		return max == BEST;
 	rb_axis best = *axis;
 	const int ties = rb_facets_ties(axis, best.gap - 4 * axis->noise, tie, TIES_MAX);
 	for (int k = 0; k < ties && ties > 1; k++) {
@@ -171,9 +171,9 @@ static bool best_face_settles(rb_axis *axis)
 		const proof this = settled(axis);
 		if (this == BEST)
 			return true;
-		if (this > most) {
+		if (this > max) {
 			best = *axis;
-			most = this;
+			max = this;
 		}
 	}
 	*axis = best;
@@ -189,25 +189,25 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 		 * What lies far apart has been proved to; else a long distance is one from before
 		 * they overlapped.
 		 */
-		const double doubt = fabs(gjk->most - gjk->least);
-		const double distance = gjk->most <= far_share * scale
-		                                ? fmax(gjk->most, gjk->least) + doubt
+		const double doubt = fabs(gjk->upper - gjk->least);
+		const double distance = gjk->upper <= far_share * scale
+		                                ? fmax(gjk->upper, gjk->least) + doubt
 		                                : 0;
 		slab.distance = distance;
 		rb_slab_tighten(&slab, axis);
 	}
 	if (round) {
 		rb_rims(axis, &slab, gjk->normal);
-		if (!gjk->apart)
+		if (!gjk->is_separate)
 			rb_rims(axis, &slab, axis->normal);
 		if (axis->gap < -far_share * scale)
 			search_deep(axis, &slab);
 		return;
 	}
 	rb_facets_edges(axis, &slab);
-	if (gjk->apart || axis->gap > 0)
+	if (gjk->is_separate || axis->gap > 0)
 		rb_facets_corners(axis, &slab);
-	if (!has_faces(axis->a) && !has_faces(axis->b) && !gjk->apart) {
+	if (!has_faces(axis->a) && !has_faces(axis->b) && !gjk->is_separate) {
 		try_across(axis, axis->a);
 		try_across(axis, axis->b);
 	}
@@ -219,7 +219,7 @@ static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 	 * of thin simplices on round cores the distance has lost digits: it may even lie below what
 	 * is proved
 	 */
-	const rb_slab slab = {gjk->normal, fabs(gjk->most - gjk->least) + 8 * axis->noise,
+	const rb_slab slab = {gjk->normal, fabs(gjk->upper - gjk->least) + 8 * axis->noise,
 	                      (double)INFINITY};
 
 	if (round) {
@@ -255,7 +255,7 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 	if (few && best_face_settles(&axis))
 		return (rb_separation){axis.normal, axis.gap, noise};
 	const rb_gjk gjk = rb_gjk_run(a, b, scale);
-	const bool far = gjk.apart && gjk.most > far_share * scale;
+	const bool far = gjk.is_separate && gjk.upper > far_share * scale;
 	if (!few && far)
 		rb_facets_faces(&axis, &gjk.normal);
 	else if (!few && best_face_settles(&axis))

@@ -20,7 +20,8 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b);
 /*
  * A gap, m, that rb_separation_of would find no less than, with room for rounding, if one above
  * `limit` is seen; else
- * -INFINITY, which says nothing. Cheap where `*axis` still tells them apart, which it did when this last did; zero: no idea.
+ * -INFINITY, which says nothing. Cheap where `*axis` still tells them apart, which it did when this
+ * last did; zero: no idea.
  * `rounds`: how many directions may be tried.
  */
 double rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit, int rounds,

@@ -125,7 +125,7 @@ static double arm_of(const struct course *c, double ball, double other)
 {
 	if (isfinite(ball))
 		return ball;
-	return other + rb_vec3_length(rb_arc_between(&c->pair.pose_a, &c->pair.pose_b));
+	return other + rb_vec3_length(rb_pose_between(&c->pair.pose_a, &c->pair.pose_b));
 }
 
 /* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */
@@ -186,9 +186,9 @@ static void place(struct course *c, double t, double until)
 	           (rb_vec3_max_abs(c->pair.pose_a.velocity) +
 	            rb_vec3_max_abs(c->pair.pose_b.velocity) + surface +
 	            sqrt(2 * l->weight * c->size));
-	struct rb_contact_point still = {
+	struct rb_contact_point resting = {
 		.a = c->pair.a, .b = c->pair.b, .pose_a = c->pair.pose_a, .pose_b = c->pair.pose_b};
-	c->band = rb_contact_point_band(l, &still, t);
+	c->band = rb_contact_point_band(l, &resting, t);
 }
 
 /* ---- from afar ---- */
@@ -210,9 +210,9 @@ static double from_afar(const struct course *c)
 {
 	const struct rb_located *l = c->l;
 	const bool a_is = !isfinite(c->a.ball);
-	const rb_vec3 d = rb_arc_between(&c->pair.pose_a, &c->pair.pose_b);
+	const rb_vec3 d = rb_pose_between(&c->pair.pose_a, &c->pair.pose_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
-	double apart;
+	double span;
 	rb_vec3 n;
 
 	if (a_is || !isfinite(c->b.ball)) {
@@ -221,21 +221,21 @@ static double from_afar(const struct course *c)
 			return -1;
 		n = a_is ? l->plane_normal[plane - l->n]
 		         : rb_vec3_neg(l->plane_normal[plane - l->n]);
-		apart = rb_vec3_dot(n, d) - (a_is ? c->b.ball : c->a.ball);
+		span = rb_vec3_dot(n, d) - (a_is ? c->b.ball : c->a.ball);
 	} else {
 		const double length = rb_vec3_length(d);
-		apart = length - (c->a.ball + c->b.ball);
+		span = length - (c->a.ball + c->b.ball);
 		n = rb_vec3_scale(1 / length, d);
 		const double b = rb_vec3_dot(d, w), square = rb_vec3_dot(w, w);
 		const double sum = 1.001 * (c->a.ball + c->b.ball);
 		/* straight past each other */
-		if (apart > 0.01 * c->size && c->flies && c->external_max == 0 &&
+		if (span > 0.01 * c->size && c->flies && c->external_max == 0 &&
 		    (b >= 0 || b * b < square * (length - sum) * (length + sum)))
 			return HUGE_VAL;
 	}
-	if (!(apart > 0.1 * c->size))
+	if (!(span > 0.1 * c->size))
 		return -1;
-	return falls_after(apart, rb_vec3_dot(n, w),
+	return falls_after(span, rb_vec3_dot(n, w),
 	                   c->flies ? rb_vec3_dot(n, c->external) : -c->external_max);
 }
 
@@ -245,7 +245,8 @@ static double from_afar(const struct course *c)
 struct axis {
 	rb_vec3 n, rate;
 	double rate_max, bend_max; /* 1/s, 1/s^2 */
-	bool polar; /* rims are taken to lie across it, or nearly: else to be off it, and to stay so */
+	/* rims are taken to lie across it, or nearly: else to be off it, and to stay so */
+	bool polar;
 };
 
 struct height {
@@ -368,7 +369,7 @@ static double bend_max(const struct course *c, const struct axis *axis,
 	if (axis->rate_max > 0) {
 		const double arms = arm_of(c, c->a.ball, c->b.ball) +
 		                    arm_of(c, c->b.ball, c->a.ball);
-		const rb_vec3 d = rb_arc_between(&c->pair.pose_a, &c->pair.pose_b);
+		const rb_vec3 d = rb_pose_between(&c->pair.pose_a, &c->pair.pose_b);
 		const double far = rb_vec3_length(d) + arms + c->speed * *s;
 
 		bend += 2 * axis->rate_max * (c->speed + c->external_max * *s) +
@@ -471,18 +472,18 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	const rb_placed at_a = rb_feature_placed(a), at_b = rb_feature_placed(b);
 
 	if (a->core->kind != RB_CORE_HALF_SPACE && b->core->kind != RB_CORE_HALF_SPACE) {
-		const double apart = rb_vec3_length(rb_vec3_sub(b->at, a->at)) -
-		                     rb_convex_reach(a->core) - rb_convex_reach(b->core);
-		const double s = falls_after(apart, -c->speed, -c->external_max);
-		if (s > tolerance && apart > 0) {
-			*gap = apart;
+		const double span = rb_vec3_length(rb_vec3_sub(b->at, a->at)) -
+		                    rb_convex_reach(a->core) - rb_convex_reach(b->core);
+		const double s = falls_after(span, -c->speed, -c->external_max);
+		if (s > tolerance && span > 0) {
+			*gap = span;
 			return s;
 		}
 	}
 	const rb_convex_touch touch = rb_convex_gap(&at_a, &at_b);
 	const rb_vec3 w = rb_vec3_sub(c->pair.pose_b.velocity, c->pair.pose_a.velocity);
 	const double closing = -rb_vec3_dot(touch.normal, w);
-	const struct axis stays = {.n = touch.normal};
+	const struct axis keeps = {.n = touch.normal};
 	struct axis goes = axis_of(c, &touch, a, b);
 	const bool plane = a->core->kind == RB_CORE_HALF_SPACE ||
 	                   b->core->kind == RB_CORE_HALF_SPACE;
@@ -494,7 +495,7 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 		                           c->external_max);
 		if (safe >= c->horizon_s)
 			return safe;
-		safe = fmax(safe, proved_along(c, &stays, a, b));
+		safe = fmax(safe, proved_along(c, &keeps, a, b));
 	}
 	if (goes.rate_max > 0)
 		safe = fmax(safe, proved_along(c, &goes, a, b));

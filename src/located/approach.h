@@ -10,7 +10,10 @@
 #include "located/convex_contact.h"
 
 struct rb_approach {
-	double touch_s; /* INFINITY: none; else from the moment asked for on, or, with `again`, where to look again */
+	/*
+	 * INFINITY: none; else from the moment asked for on, or, with `again`, where to look again
+	 */
+	double touch_s;
 	bool again;
 	bool touching;     /* they touch at the beginning */
 	uint64_t products; /* what it has cost: see RB_LOCATED_PRODUCTS */

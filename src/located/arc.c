@@ -26,7 +26,7 @@ rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t)
 
 rb_vec3 rb_arc_piece_position(const struct rb_piece_of *p, double t)
 {
-	return rb_vec3_add(p->base, rb_arc_piece_vector(p, RB_ROW_POSITION, t));
+	return rb_vec3_add(p->base, rb_arc_piece_vector(p, RB_PIECE_POSITION, t));
 }
 
 rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
@@ -35,23 +35,23 @@ rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 		return (rb_vec3){0, 0, 0};
 	if (!rb_located_on_piece(l, i))
 		return l->arc[i].acceleration;
-	return rb_arc_piece_rate(&l->piece[i], RB_ROW_VELOCITY, t);
+	return rb_arc_piece_rate(&l->piece[i], RB_PIECE_VELOCITY, t);
 }
 
 static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
 {
 	if (rb_located_on_piece(l, i)) {
 		const struct rb_piece_of *p = &l->piece[i];
-		const double *const begin = p->piece.start + p->first + RB_ROW_ORIENTATION;
+		const double *const begin = p->piece.start + p->first + RB_PIECE_ORIENTATION;
 		double q[4];
 
-		pose->spin = rb_arc_piece_vector(p, RB_ROW_SPIN, t);
+		pose->spin = rb_arc_piece_vector(p, RB_PIECE_SPIN, t);
 		if (l->unfelt[i]) {
-			pose->orientation = rb_turn_through(&p->piece, p->first + RB_ROW_SPIN,
+			pose->orientation = rb_turn_through(&p->piece, p->first + RB_PIECE_SPIN,
 			                                    rb_quat_from(begin), t - p->origin_s);
 			return;
 		}
-		rb_gauss_some(&p->piece, p->first + RB_ROW_ORIENTATION, 4, t - p->origin_s, q);
+		rb_gauss_some(&p->piece, p->first + RB_PIECE_ORIENTATION, 4, t - p->origin_s, q);
 		pose->orientation = rb_quat_unit(rb_quat_from(q));
 		return;
 	}
@@ -62,7 +62,7 @@ static rb_vec3 rest_of(const struct rb_piece_of *p, rb_vec3 position, double t)
 {
 	if (p->piece.n == 0)
 		return p->rest;
-	return rb_vec3_lost(p->base, rb_arc_piece_vector(p, RB_ROW_POSITION, t), position);
+	return rb_vec3_lost(p->base, rb_arc_piece_vector(p, RB_PIECE_POSITION, t), position);
 }
 
 struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)

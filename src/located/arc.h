@@ -4,21 +4,7 @@
 #define RB_LOCATED_ARC_H
 
 #include "located/located.h"
-
-/* All of a body at one moment. */
-struct rb_pose {
-	rb_vec3 position; /* centre of mass */
-	rb_vec3 rest; /* m: what rounding leaves out of `position`, of what is or was on a piece */
-	rb_vec3 origin; /* of the object, centre of its shape */
-	rb_quat orientation;
-	rb_vec3 velocity, spin;
-};
-
-/* From a's centre of mass to b's: as exact near as far from the world's origin. */
-static inline rb_vec3 rb_arc_between(const struct rb_pose *a, const struct rb_pose *b)
-{
-	return rb_vec3_add(rb_vec3_sub(b->position, a->position), rb_vec3_sub(b->rest, a->rest));
-}
+#include "model/pose.h"
 
 /* Moves it; what rounding leaves out of that goes to its rest. */
 static inline void rb_arc_move(struct rb_pose *pose, rb_vec3 way)
@@ -52,7 +38,7 @@ static inline rb_vec3 rb_arc_velocity(const struct rb_located *l, int i, double 
 	if (i >= l->n)
 		return (rb_vec3){0, 0, 0};
 	if (rb_located_on_piece(l, i))
-		return rb_arc_piece_vector(&l->piece[i], RB_ROW_VELOCITY, t);
+		return rb_arc_piece_vector(&l->piece[i], RB_PIECE_VELOCITY, t);
 	const struct rb_arc *arc = &l->arc[i];
 
 	return rb_vec3_add_scaled(arc->velocity, t - arc->anchor_s, arc->acceleration);

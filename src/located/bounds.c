@@ -128,14 +128,14 @@ struct rb_bounds rb_bounds_of(const struct rb_located *l, int i)
 		const struct rb_piece_of *p = &l->piece[i];
 
 		max.external = p->acceleration_max;
-		max.jerk = second_rates_max(&p->piece, p->first + RB_ROW_VELOCITY);
+		max.jerk = second_rates_max(&p->piece, p->first + RB_PIECE_VELOCITY);
 		if (l->top) {
-			const double *spin = p->piece.start + p->first + RB_ROW_SPIN;
+			const double *spin = p->piece.start + p->first + RB_PIECE_SPIN;
 
-			max.turning = rates_max(&p->piece, p->first + RB_ROW_SPIN);
+			max.turning = rates_max(&p->piece, p->first + RB_PIECE_SPIN);
 			max.turn = rb_vec3_length(rb_vec3_from(spin)) +
 			           p->piece.length_s * max.turning;
-			turning_rate = second_rates_max(&p->piece, p->first + RB_ROW_SPIN);
+			turning_rate = second_rates_max(&p->piece, p->first + RB_PIECE_SPIN);
 		}
 	} else {
 		max.external = rb_vec3_length(l->arc[i].acceleration);

@@ -30,7 +30,11 @@
 #include <string.h>
 
 enum {
-	FEW = 16, /* up to here all are always near each other: no more than the 27 cells would hold, and no walls */
+	/*
+	 * up to here all are always near each other: no more than the 27 cells would hold, and no
+	 * walls
+	 */
+	FEW = 16,
 	SMALLEST_SIDE = 4,
 	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
 };

@@ -54,7 +54,8 @@ void rb_cells_prefetch_near(const struct rb_cells *cells, int body);
  * When, from now on, a body at `position` with `velocity` and constant `acceleration` first leaves
  * one of its cells (own level and coarser ones): seconds from now, >= 0, INFINITY: never. `*wall`
  * says which wall, for rb_cells_cross;
- * -1: none. Walls are crossed a little late and must be crossed back as much further, so 0, for a body that is behind a
+ * -1: none. Walls are crossed a little late and must be crossed back as much further, so 0, for a
+ * body that is behind a
  * wall already, can't come again and again at one moment: each crossing goes on in the direction of
  * the motion. Beyond 1e12 edges from the origin contacts may be missed for lack of digits; beyond
  * 1e15 a body does not change its cell.

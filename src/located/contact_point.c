@@ -102,7 +102,7 @@ static rb_vec3 turning_of(const struct rb_located *l, int i, const struct rb_pos
 	if (i >= l->n || !l->top)
 		return (rb_vec3){0, 0, 0};
 	if (rb_located_on_piece(l, i))
-		return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
+		return rb_arc_piece_rate(&l->piece[i], RB_PIECE_SPIN, t);
 	if (l->top_body[i].kind == RB_TOP_CONSTANT)
 		return l->top[i].acceleration;
 	return rb_top_turning(&l->top_body[i], &l->model->inertia[i], pose->orientation,

@@ -13,9 +13,14 @@
 struct rb_contact_name {
 	int a, b;
 	uint32_t
-		parts; /* part of a in the upper half, of b in the lower; 0 of bodies with one part */
+		/* part of a in the upper half, of b in the lower; 0 of bodies with one part */
+		parts;
 	uint64_t
-		key; /* the features that meet there, see geom/manifold; 0 of spheres on spheres and planes */
+		/*
+		 * the features that meet there, see geom/manifold; 0 of spheres on spheres and
+		 * planes
+		 */
+		key;
 	rb_vec3 half; /* of a rim, see rb_feature_half */
 };
 

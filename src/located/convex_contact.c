@@ -45,7 +45,7 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 	/* from the centre of mass, so that far from the world's origin no digits are lost */
 	*side = (struct rb_feature_side){
 		.core = placed.core,
-		.at = reference ? rb_vec3_add(rb_arc_between(reference, pose), arm) : arm,
+		.at = reference ? rb_vec3_add(rb_pose_between(reference, pose), arm) : arm,
 		.turn = placed.turn,
 		.velocity = rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)),
 		.spin = pose->spin,
@@ -163,7 +163,7 @@ static struct rb_contact_point point_of_pair(const struct rb_touch_pair *pair,
 	                             .pose_a = pair->pose_a,
 	                             .pose_b = pair->pose_b,
 	                             .arm_a = p.point};
-	m.arm_b = rb_vec3_sub(p.point, rb_arc_between(&pair->pose_a, &pair->pose_b));
+	m.arm_b = rb_vec3_sub(p.point, rb_pose_between(&pair->pose_a, &pair->pose_b));
 	m.rate_a = rb_vec3_sub(p.point_rate, pair->pose_a.velocity);
 	m.rate_b = rb_vec3_sub(p.point_rate, pair->pose_b.velocity);
 	m.velocity = rb_vec3_sub(
@@ -435,11 +435,11 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
                  struct rb_contact_point all[RB_CONTACT_POINTS_MAX])
 {
 	const rb_vec3 w = rb_vec3_sub(pair->pose_b.velocity, pair->pose_a.velocity);
-	struct rb_contact_point still = {.a = pair->a,
-	                                 .b = pair->b,
-	                                 .pose_a = pair->pose_a,
-	                                 .pose_b = pair->pose_b,
-	                                 .normal = {1, 0, 0}};
+	struct rb_contact_point resting = {.a = pair->a,
+	                                   .b = pair->b,
+	                                   .pose_a = pair->pose_a,
+	                                   .pose_b = pair->pose_b,
+	                                   .normal = {1, 0, 0}};
 	struct search s = {.l = l, .least = HUGE_VAL};
 	double leaving;
 
@@ -448,8 +448,8 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 	                               rb_model_reach(l->model, pair->a) +
 	                       rb_vec3_length(pair->pose_b.spin) *
 	                               rb_model_reach(l->model, pair->b);
-	still.velocity.x = rb_vec3_length(w) + 2 * turning;
-	const double band = rb_contact_point_band(l, &still, pair->t);
+	resting.velocity.x = rb_vec3_length(w) + 2 * turning;
+	const double band = rb_contact_point_band(l, &resting, pair->t);
 	s.depth = band + fmax(slack, 0);
 	add_names(&s, pair);
 	int count = collect(&s, pair, slack, all, &leaving);
@@ -460,7 +460,7 @@ int rb_touch_all(const struct rb_located *l, const struct rb_touch_pair *pair, d
 
 		go_on(&later.pose_a, ahead);
 		go_on(&later.pose_b, ahead);
-		s.depth += 2 * ahead * still.velocity.x;
+		s.depth += 2 * ahead * resting.velocity.x;
 		add_names(&s, &later);
 		count = collect(&s, pair, slack, all, &leaving);
 	}

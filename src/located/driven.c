@@ -167,9 +167,9 @@ static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int co
 /* A row of values of a pose, or of their rates: `first` says which. */
 static void values_of(const struct rb_driven_pose *pose, int first, bool rates, double *to)
 {
-	if (first == RB_ROW_POSITION)
+	if (first == RB_PIECE_POSITION)
 		rb_vec3_to(to, rates ? pose->velocity : pose->position);
-	else if (first == RB_ROW_ORIENTATION)
+	else if (first == RB_PIECE_ORIENTATION)
 		rb_quat_to(to, rates ? turning_of(pose) : pose->orientation);
 	else
 		rb_vec3_to(to, pose->angular_velocity);
@@ -242,8 +242,8 @@ static rb_vec3 spin_of(const struct rb_gauss_piece *piece, double s)
 	double q[4], r[4], square = 0;
 
 	for (int k = 0; k < 4; k++) {
-		q[k] = rb_gauss_value(piece, RB_ROW_ORIENTATION + k, s);
-		r[k] = rb_gauss_rate(piece, RB_ROW_ORIENTATION + k, s);
+		q[k] = rb_gauss_value(piece, RB_PIECE_ORIENTATION + k, s);
+		r[k] = rb_gauss_rate(piece, RB_PIECE_ORIENTATION + k, s);
 		square += q[k] * q[k];
 	}
 	const rb_quat w = rb_quat_multiply(rb_quat_from(r), (rb_quat){q[0], -q[1], -q[2], -q[3]});
@@ -255,23 +255,23 @@ static void fit(struct drive *d)
 	struct rb_gauss_piece *piece = &d->own->piece;
 
 	piece->length_s = d->length_s;
-	rb_vec3_to(piece->start + RB_ROW_POSITION, d->begin.position);
+	rb_vec3_to(piece->start + RB_PIECE_POSITION, d->begin.position);
 	if (d->given[0])
-		fit_rates(d, RB_ROW_POSITION, 3);
+		fit_rates(d, RB_PIECE_POSITION, 3);
 	else
-		fit_values(d, RB_ROW_POSITION, 3);
-	derive(d, RB_ROW_POSITION, RB_ROW_VELOCITY);
+		fit_values(d, RB_PIECE_POSITION, 3);
+	derive(d, RB_PIECE_POSITION, RB_PIECE_VELOCITY);
 	if (!d->l->top)
 		return;
-	rb_quat_to(piece->start + RB_ROW_ORIENTATION, d->begin.orientation);
+	rb_quat_to(piece->start + RB_PIECE_ORIENTATION, d->begin.orientation);
 	if (d->given[1])
-		fit_rates(d, RB_ROW_ORIENTATION, 4);
+		fit_rates(d, RB_PIECE_ORIENTATION, 4);
 	else
-		fit_values(d, RB_ROW_ORIENTATION, 4);
+		fit_values(d, RB_PIECE_ORIENTATION, 4);
 	for (int k = 0; k < NODES && !d->given[1]; k++)
 		d->moving[k].angular_velocity = spin_of(piece, velocity_node[k] * d->length_s);
-	fit_rates(d, RB_ROW_SPIN, 3);
-	derive(d, RB_ROW_SPIN, RB_ROW_SPIN);
+	fit_rates(d, RB_PIECE_SPIN, 3);
+	derive(d, RB_PIECE_SPIN, RB_PIECE_SPIN);
 }
 
 /* ---- how good it is ---- */
@@ -308,7 +308,8 @@ static void compare_turning(const struct drive *d, double part, const struct rb_
 	double rate[4], off = 0;
 
 	for (int k = 0; k < 4; k++)
-		rate[k] = rb_gauss_rate(&d->own->piece, RB_ROW_ORIENTATION + k, part * d->length_s);
+		rate[k] = rb_gauss_rate(&d->own->piece, RB_PIECE_ORIENTATION + k,
+		                        part * d->length_s);
 	off = fmax(fmax(fabs(rate[0] - wanted.w), fabs(rate[1] - wanted.x)),
 	           fmax(fabs(rate[2] - wanted.y), fabs(rate[3] - wanted.z)));
 	off *= d->length_s;
@@ -331,7 +332,7 @@ static double change_of(rb_vec3 a, rb_vec3 b)
 }
 
 /* False: the function has failed. `apart`: of the places to which velocities lead. */
-static bool look(struct drive *d, struct misses *max, struct misses *apart)
+static bool inspect(struct drive *d, struct misses *max, struct misses *difference)
 {
 	const double size = d->l->model->size_min_m, length = d->length_s;
 	const struct rb_driven_pose *const first = &d->moving[0], *const last =
@@ -347,7 +348,7 @@ static bool look(struct drive *d, struct misses *max, struct misses *apart)
 	const struct units turns = units_of(
 		d, change_of(last->angular_velocity, first->angular_velocity), spin, 1 / length);
 
-	*max = *apart = (struct misses){0};
+	*max = *difference = (struct misses){0};
 	for (int k = 0; k <= CHECKS; k++) {
 		const double part = k < CHECKS ? check_at[k] : 1;
 		struct rb_driven_pose pose = *last;
@@ -357,20 +358,20 @@ static bool look(struct drive *d, struct misses *max, struct misses *apart)
 		if (k < CHECKS && !ask(d, part, &pose))
 			return false;
 		if (d->given[0])
-			compare(d, part, RB_ROW_VELOCITY, pose.velocity, &moves, max);
+			compare(d, part, RB_PIECE_VELOCITY, pose.velocity, &moves, max);
 		if (d->given[0] || k < CHECKS)
-			compare(d, part, RB_ROW_POSITION, pose.position, &at,
-			        d->given[0] ? apart : max);
+			compare(d, part, RB_PIECE_POSITION, pose.position, &at,
+			        d->given[0] ? difference : max);
 		if (!d->l->top)
 			continue;
 		const rb_quat q = pose.orientation;
 		if (d->given[1]) {
-			compare(d, part, RB_ROW_SPIN, pose.angular_velocity, &turns, max);
+			compare(d, part, RB_PIECE_SPIN, pose.angular_velocity, &turns, max);
 			compare_turning(d, part, &pose, &turned, max);
 		}
 		if (d->given[1] || k < CHECKS)
-			compare(d, part, RB_ROW_ORIENTATION + 1, (rb_vec3){q.x, q.y, q.z}, &turned,
-			        d->given[1] ? apart : max);
+			compare(d, part, RB_PIECE_ORIENTATION + 1, (rb_vec3){q.x, q.y, q.z},
+			        &turned, d->given[1] ? difference : max);
 	}
 	return true;
 }
@@ -434,14 +435,14 @@ static bool find_length(struct drive *d)
 	struct rb_driven *const own = d->own;
 	const double least = 4 * DBL_EPSILON * fmax(d->origin_s, d->length_s);
 	double before = HUGE_VAL;
-	struct misses missed, apart;
+	struct misses missed, difference;
 
 	own->near_ulp = fmax(0.5 * own->near_ulp, near_ulp);
 	for (;; d->length_s *= 0.5) {
 		if (!sample(d))
 			return false;
 		fit(d);
-		if (!look(d, &missed, &apart))
+		if (!inspect(d, &missed, &difference))
 			return false;
 		const bool helps = missed.ulp <= 0.125 * before;
 		if (!helps && before <= noise_ulp) {
@@ -457,7 +458,7 @@ static bool find_length(struct drive *d)
 		before = missed.ulp;
 	}
 	if ((missed.ulp > own->near_ulp && !(missed.share <= kink_share)) ||
-	    (apart.share > contradiction && apart.ulp > noise_ulp))
+	    (difference.share > contradiction && difference.ulp > noise_ulp))
 		return refuse(d);
 	/* what is near only as kinks and rounding allow may be a jump */
 	if ((d->length_s < d->first_s || own->near_ulp > near_ulp) && !watch(d, 1))
@@ -508,7 +509,7 @@ static bool begin(struct drive *d)
 	d->begin.orientation = d->l->model->orientation[d->i];
 	if (!d->fresh && d->l->top) {
 		for (int k = 0; k < 4; k++)
-			q[k] = rb_gauss_value(piece, RB_ROW_ORIENTATION + k, piece->length_s);
+			q[k] = rb_gauss_value(piece, RB_PIECE_ORIENTATION + k, piece->length_s);
 		d->begin.orientation = rb_quat_from(q);
 	}
 	if (!ask(d, 0, &d->begin))
@@ -547,7 +548,7 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	if (!begin(&d) || !find_length(&d))
 		return;
 	for (int m = 0; m < 3; m++) {
-		const double max = rb_gauss_rate_bound(&own->piece, RB_ROW_VELOCITY + m);
+		const double max = rb_gauss_rate_bound(&own->piece, RB_PIECE_VELOCITY + m);
 		square += max * max;
 	}
 	l->piece[i] = (struct rb_piece_of){.piece = own->piece,

@@ -58,16 +58,6 @@ static void gravity_force(struct load *load)
 	add_force(load, load->l->model->scene->world.gravity_force);
 }
 
-/* From the centre of mass to a point given in object coordinates, world axes. */
-static rb_vec3 arm_of(const struct rb_located *l, int i, rb_quat orientation, rb_vec3 point)
-{
-	if (isnan(point.x))
-		return (rb_vec3){0, 0, 0};
-	if (i < l->n && l->model->center_of_mass)
-		point = rb_vec3_sub(point, l->model->center_of_mass[i]);
-	return rb_quat_rotate(orientation, point);
-}
-
 static void applied(struct load *load)
 {
 	const struct rb_model *model = load->l->model;
@@ -81,7 +71,7 @@ static void applied(struct load *load)
 			continue;
 		const bool turns = force->frame == RB_FORCE_BODY;
 		add(load, turns ? rb_quat_rotate(q, force->vector) : force->vector,
-		    arm_of(load->l, load->i, q, force->point));
+		    rb_element_arm(load->l->model, load->i, q, force->point));
 		add_torque(load, turns ? rb_quat_rotate(q, force->torque) : force->torque);
 	}
 }
@@ -94,7 +84,8 @@ static bool applied_constant(const struct rb_located *l, int i, double t)
 
 	for (int f = 0; f < body->force_count; f++) {
 		const struct rb_force_def *force = &scene->forces[body->force_first + f];
-		const rb_vec3 arm = arm_of(l, i, (rb_quat){1, 0, 0, 0}, force->point);
+		const rb_vec3 arm = rb_element_arm(l->model, i, (rb_quat){1, 0, 0, 0},
+		                                   force->point);
 
 		if (rb_force_acts(force, t) && l->top &&
 		    (force->frame == RB_FORCE_BODY || rb_vec3_max_abs(arm) > 0 ||
@@ -122,88 +113,80 @@ static bool pushed_constant(const struct rb_located *l, int i, double t)
 	       rb_vec3_max_abs(rb_world_row3(l->world->state.twist, i)) == 0;
 }
 
-static struct rb_pose pose_of(const struct rb_located *l, const struct rb_force_query *view, int j)
+/* ---- force elements ---- */
+
+static struct rb_pose pose_of(const struct rb_element_query *query, int j)
 {
-	if (view->pose && j < l->n && l->place[j] >= 0)
-		return view->pose[l->place[j]];
-	return rb_arc_pose(l, j, view->time_s);
+	const struct rb_element_view *at = query->user;
+	const struct rb_located *l = at->l;
+
+	if (at->view->pose && j < l->n && l->place[j] >= 0)
+		return at->view->pose[l->place[j]];
+	return rb_arc_pose(l, j, at->view->time_s);
 }
 
-/* Pulls a towards b when longer than at rest, and damps its change of length. */
-bool rb_spring_force_at(const struct rb_located *l, int spring, const struct rb_force_query *view,
-                        struct rb_spring_force *out)
+struct rb_element_query rb_external_query(const struct rb_element_view *at)
 {
-	const struct rb_spring_def *def = &l->model->scene->springs[spring];
-	const int i = l->model->index_of[def->a], j = l->model->index_of[def->b];
-	const struct rb_pose a = pose_of(l, view, i), b = pose_of(l, view, j);
-	const rb_vec3 arm_a = arm_of(l, i, a.orientation, def->at_a);
-	const rb_vec3 arm_b = arm_of(l, j, b.orientation, def->at_b);
-	const rb_vec3 d = rb_vec3_add(rb_arc_between(&a, &b), rb_vec3_sub(arm_b, arm_a));
-	const double length = rb_vec3_length(d);
-
-	out->speed_a = rb_vec3_add(a.velocity, rb_vec3_cross(a.spin, arm_a));
-	out->speed_b = rb_vec3_add(b.velocity, rb_vec3_cross(b.spin, arm_b));
-	out->end_a = rb_vec3_add(a.position, arm_a);
-	out->end_b = rb_vec3_add(b.position, arm_b);
-	if (!(length > 0))
-		return false;
-	const rb_vec3 along = rb_vec3_scale(1 / length, d);
-	const double rate = rb_vec3_dot(rb_vec3_sub(out->speed_b, out->speed_a), along);
-	const double tension = def->stiffness * (length - l->model->rest_length_m[spring]) +
-	                       def->damping * rate;
-
-	out->force = rb_vec3_scale(tension, along);
-	out->damping = def->damping * rate * rate;
-	return true;
+	return (struct rb_element_query){
+		.model = at->l->model, .time_s = at->view->time_s, .pose = pose_of, .user = at};
 }
 
-static void spring_force(struct load *load, int spring, bool first)
+/* Of those between bodies the ledger enters what is at their ends; so it does with potentials. */
+static enum rb_external_cause cause_of(const struct rb_element_kind *kind)
 {
-	const struct rb_located *l = load->l;
-	const struct rb_spring_def *def = &l->model->scene->springs[spring];
-	struct rb_spring_force external;
+	if (kind->ends)
+		return RB_EXTERNAL_SPRINGS;
+	if (kind->energy)
+		return RB_EXTERNAL_UNIFORM;
+	return kind->is_drag ? RB_EXTERNAL_DRAG : RB_EXTERNAL_STATED;
+}
 
-	if (!rb_spring_force_at(l, spring, load->view, &external))
+static void add_element(struct load *load, const struct rb_elements *elements, int k,
+                        const struct rb_element_query *query)
+{
+	struct rb_wrench wrench;
+
+	if (!elements->kind->act(query, rb_elements_row(elements, k), load->i, load->pose, &wrench))
 		return;
-	add(load, first ? external.force : rb_vec3_neg(external.force),
-	    arm_of(l, load->i, load->pose->orientation, first ? def->at_a : def->at_b));
+	add_force(load, wrench.force);
+	add_torque(load, wrench.torque);
 }
 
-static void springs(struct load *load)
+static void add_elements(struct load *load)
 {
-	const struct rb_scene *scene = load->l->model->scene;
-	const int id = load->l->model->id_of[load->i];
+	const struct rb_model *model = load->l->model;
+	const struct rb_element_view at = {load->l, load->view};
+	const struct rb_element_query query = rb_external_query(&at);
 
-	for (int k = 0; k < scene->spring_count; k++) {
-		if (scene->springs[k].a == id)
-			spring_force(load, k, true);
-		if (scene->springs[k].b == id)
-			spring_force(load, k, false);
+	for (int k = 0; k < model->element_list_count; k++) {
+		const struct rb_elements *elements = &model->elements[k];
+
+		load->cause = cause_of(elements->kind);
+		if (!elements->end)
+			for (int m = 0; m < elements->count; m++)
+				add_element(load, elements, m, &query);
+		else
+			for (int m = elements->first[load->i]; m < elements->first[load->i + 1];
+			     m++)
+				add_element(load, elements, elements->of[m], &query);
 	}
 }
 
-static bool springs_constant(const struct rb_located *l, int i, double t)
+/* None acts on the body, or only those at whose ends it is not. */
+static bool elements_constant(const struct rb_located *l, int i, double t)
 {
-	const struct rb_scene *scene = l->model->scene;
-	const int id = l->model->id_of[i];
-
 	(void)t;
-	for (int k = 0; k < scene->spring_count; k++)
-		if (scene->springs[k].a == id || scene->springs[k].b == id)
+	for (int k = 0; k < l->model->element_list_count; k++) {
+		const struct rb_elements *elements = &l->model->elements[k];
+
+		if ((l->model->features & elements->kind->feature) &&
+		    (!elements->end || elements->first[i] < elements->first[i + 1]))
 			return false;
+	}
 	return true;
 }
 
-static void drag(struct load *load)
-{
-	const struct rb_scene *scene = load->l->model->scene;
-	const rb_vec3 v = load->pose->velocity;
-	double share = 0;
-
-	for (int k = 0; k < scene->drag_count; k++)
-		share += scene->drags[k].linear + scene->drags[k].quadratic * rb_vec3_length(v);
-	add_force(load, rb_vec3_scale(-share, v));
-}
+/* ---- all ---- */
 
 static void field(struct load *load)
 {
@@ -228,8 +211,8 @@ static const struct {
 	{RB_FEATURE_GRAVITY_FORCE, RB_EXTERNAL_UNIFORM, gravity_force, always},
 	{RB_FEATURE_FORCES, RB_EXTERNAL_STATED, applied, applied_constant},
 	{RB_FEATURE_PUSHES, RB_EXTERNAL_CALLBACKS, pushed, pushed_constant},
-	{RB_FEATURE_SPRINGS, RB_EXTERNAL_SPRINGS, springs, springs_constant},
-	{RB_FEATURE_DRAG, RB_EXTERNAL_DRAG, drag, never},
+	{RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS, RB_EXTERNAL_SPRINGS,
+         add_elements, elements_constant},
 	{RB_FEATURE_FIELD, RB_EXTERNAL_STATED, field, never},
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
@@ -286,6 +269,20 @@ static bool has_arm(rb_vec3 point)
 	return !isnan(point.x) && rb_vec3_max_abs(point) > 0;
 }
 
+static bool element_turns(const struct rb_located *l, const struct rb_elements *elements, int i)
+{
+	const struct rb_element_kind *kind = elements->kind;
+	const int first = elements->end ? elements->first[i] : 0;
+	const int end = elements->end ? elements->first[i + 1] : elements->count;
+
+	for (int m = first; kind->turns && m < end; m++)
+		if (kind->turns(l->model->scene,
+		                rb_elements_row(elements, elements->end ? elements->of[m] : m),
+		                l->model->id_of[i]))
+			return true;
+	return false;
+}
+
 bool rb_external_turns_with(const struct rb_located *l, int i)
 {
 	const struct rb_scene *scene = l->model->scene;
@@ -298,13 +295,9 @@ bool rb_external_turns_with(const struct rb_located *l, int i)
 		if (force->frame == RB_FORCE_BODY || has_arm(force->point))
 			return true;
 	}
-	for (int k = 0; k < scene->spring_count; k++) {
-		const struct rb_spring_def *spring = &scene->springs[k];
-
-		if ((spring->a == id && has_arm(spring->at_a)) ||
-		    (spring->b == id && has_arm(spring->at_b)))
+	for (int k = 0; k < l->model->element_list_count; k++)
+		if (element_turns(l, &l->model->elements[k], i))
 			return true;
-	}
 	return false;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * What accelerates a body apart from contact: one row a force in pull.c.
+ * What accelerates a body apart from contact: weights, stated forces, force elements, fields.
  *
  * A force has a closed form when its acceleration is constant from now to the next switch of
  * forces; all others call for the integrator (located/integrate).
@@ -11,12 +11,12 @@
 #include "located/arc.h"
 
 /*
- * Forces of a body by what the ledger enters them under; those of springs are entered spring by
- * spring.
+ * Forces of a body by what the ledger enters them under; those between bodies are entered one by
+ * one.
  */
 enum rb_external_cause {
-	RB_EXTERNAL_UNIFORM, /* gravity, gravity_force: they have a potential */
-	RB_EXTERNAL_STATED,  /* `forces`, fields */
+	RB_EXTERNAL_UNIFORM, /* gravity, gravity_force, elements: what has a potential */
+	RB_EXTERNAL_STATED,  /* `forces`, fields, elements without a potential */
 	RB_EXTERNAL_CALLBACKS,
 	RB_EXTERNAL_DRAG,
 	RB_EXTERNAL_SPRINGS,
@@ -36,17 +36,12 @@ struct rb_force_query {
 	struct rb_external_parts *parts; /* [..], by l->place: out; NULL: nobody asks */
 };
 
-/* A spring at one moment; the force on its other end is the opposite. */
-struct rb_spring_force {
-	rb_vec3 force;            /* N, on a */
-	rb_vec3 end_a, end_b;     /* m, world */
-	rb_vec3 speed_a, speed_b; /* m/s, of the ends */
-	double damping;           /* W, >= 0: what its damper takes */
+/* How force elements see bodies that are located: what their query's `user` is. */
+struct rb_element_view {
+	const struct rb_located *l;
+	const struct rb_force_query *view;
 };
-
-/* False: it has no direction to pull in. */
-bool rb_spring_force_at(const struct rb_located *l, int spring, const struct rb_force_query *view,
-                        struct rb_spring_force *out);
+struct rb_element_query rb_external_query(const struct rb_element_view *at);
 
 /*
  * Acceleration of the centre of mass and of the turning, gyroscopic term included, m/s^2 and
@@ -60,7 +55,10 @@ bool rb_external_is_constant(const struct rb_located *l, int i, double t);
 /* The turning by torques only, where rb_external_is_constant: what rb_arc_anchor wants. */
 rb_vec3 rb_external_turning(const struct rb_located *l, int i);
 
-/* Does a stated force or a spring act at a point that turns with the body, or along its axes? */
+/*
+ * Does a stated force or a force element act at a point that turns with the body, or along its
+ * axes?
+ */
 bool rb_external_turns_with(const struct rb_located *l, int i);
 
 /* I^-1 applied to an angular impulse, world axes. */

@@ -298,14 +298,14 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	/* a given normal is across one of them only */
 	const vec from_a = given && !oblique ? plus(a->from, s, a->along) : a->from;
 	const vec from_b = given && !oblique ? plus(b->from, t, b->along) : b->from;
-	const num apart = dot(n, minus(from_b, from_a));
+	const num separation = dot(n, minus(from_b, from_a));
 	const vec on_a = plus_constant(plus(a->from, s, a->along), a->radius, n);
 	const vec on_b = plus_constant(plus(b->from, t, b->along), -b->radius, n);
 	ending end = endless;
 
 	within_line(&end, a, s, FIRST);
 	within_line(&end, b, t, SECOND);
-	put(out, (num){apart.at - a->radius - b->radius, apart.rate}, n,
+	put(out, (num){separation.at - a->radius - b->radius, separation.rate}, n,
 	    plus_constant(on_a, 0.5, minus(on_b, on_a)), &end);
 	return true;
 }
@@ -315,13 +315,13 @@ static bool between_points(struct rb_feature_point *out, vec from, double radius
                            double radius_b, const ending *end)
 {
 	vec n;
-	num apart;
+	num separation;
 
-	if (!(radius_a + radius_b > 0) || !direction(minus(to, from), &n, &apart))
+	if (!(radius_a + radius_b > 0) || !direction(minus(to, from), &n, &separation))
 		return false;
 	const vec on_a = plus_constant(from, radius_a, n), on_b = plus_constant(to, -radius_b, n);
 
-	put(out, (num){apart.at - radius_a - radius_b, apart.rate}, n,
+	put(out, (num){separation.at - radius_a - radius_b, separation.rate}, n,
 	    plus_constant(on_a, 0.5, minus(on_b, on_a)), end);
 	return true;
 }

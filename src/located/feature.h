@@ -5,9 +5,11 @@
  * of values.
  *
  *   corner, end of a segment, rim  on a face, an end, a plane   the normal is the face's
- *   edge, mantle                   across an edge, a mantle     the normal is across both, or that of the face in which
+ *   edge, mantle  across an edge, a mantle     the normal is across both, or that
+ *                                  of the face in which
  *                                                               they lie (rb_feature_name)
- *   round corner                   on an edge, mantle, rim, or another corner: the normal follows from one to the other
+ *   round corner  on an edge, mantle, rim, or another corner: the normal follows
+ *                                  from one to the other
  *
  * Rims on edges, mantles and rims have none: Newton's method, from a place near them. Sharp corners
  * on corners and edges are not known here.

@@ -204,12 +204,12 @@ bool rb_feature_curves(struct rb_feature_point *out, const struct rb_feature_sid
 		n = negative(n);
 	const double radius_a = on_a->round ? 0 : on_a->straight.radius;
 	const double radius_b = on_b->round ? 0 : on_b->straight.radius;
-	const num apart = dot(n, minus(at_b, at_a));
+	const num separation = dot(n, minus(at_b, at_a));
 	const vec surface_a = plus_constant(at_a, radius_a, n);
 	const vec surface_b = plus_constant(at_b, -radius_b, n);
 	within_curve(&end, on_a, on_b, (num){s[0], rate[0]}, n, FIRST);
 	within_curve(&end, on_b, on_a, (num){s[1], rate[1]}, negative(n), SECOND);
-	put(out, (num){apart.at - radius_a - radius_b, apart.rate}, n,
+	put(out, (num){separation.at - radius_a - radius_b, separation.rate}, n,
 	    plus_constant(surface_a, 0.5, minus(surface_b, surface_a)), &end);
 	return true;
 }

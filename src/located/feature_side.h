@@ -18,7 +18,8 @@ struct rb_feature_side {
 	rb_mat3 turn;
 	rb_vec3 velocity; /* m/s, of that origin */
 	rb_vec3 spin;     /* rad/s */
-	rb_vec3 half; /* which half of its rims is meant, see rb_feature_half; 0: whichever is lower */
+	/* which half of its rims is meant, see rb_feature_half; 0: whichever is lower */
+	rb_vec3 half;
 };
 
 struct rb_feature_point {
@@ -26,7 +27,8 @@ struct rb_feature_point {
 	rb_vec3 normal, normal_rate; /* from a to b; 1/s */
 	rb_vec3 point, point_rate; /* m, m/s, from the reference; of an edge on an edge, half way */
 	double inside,
-		inside_rate; /* m, m/s: how far from the end of the features; INFINITY, 0: they have none */
+		/* m, m/s: how far from the end of the features; INFINITY, 0: they have none */
+		inside_rate;
 	uint32_t next;  /* a rb_part: what takes over beyond that end; 0: not known */
 	bool next_is_b; /* ... of b's features, else of a's */
 };

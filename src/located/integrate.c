@@ -104,7 +104,8 @@ static void put_on_piece(struct rb_modes *w, double until_s)
 		double square = 0;
 
 		for (int m = 0; m < 3; m++) {
-			const double max = rb_gauss_rate_bound(piece, first + RB_ROW_VELOCITY + m);
+			const double max = rb_gauss_rate_bound(piece,
+			                                       first + RB_PIECE_VELOCITY + m);
 			square += max * max;
 		}
 		l->piece[w->c->member[k]] = (struct rb_piece_of){.piece = *piece,
@@ -211,7 +212,8 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		 * a spring that is passed through pulls the other way at once; a field is the
 		 * user's
 		 */
-		.jumps = (l->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)) != 0,
+		.jumps = (l->model->features &
+	                  (RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_DRAG)) != 0,
 		.scratch = scratch,
 		.calls = &calls};
 
@@ -220,12 +222,12 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		double *const v = c->piece.start + (size_t)k * (size_t)w->row;
 
 		w->base[k] = pose.position;
-		rb_vec3_to(v + RB_ROW_POSITION, pose.rest);
-		rb_vec3_to(v + RB_ROW_VELOCITY, pose.velocity);
+		rb_vec3_to(v + RB_PIECE_POSITION, pose.rest);
+		rb_vec3_to(v + RB_PIECE_VELOCITY, pose.velocity);
 		if (!l->top)
 			continue;
-		rb_quat_to(v + RB_ROW_ORIENTATION, pose.orientation);
-		rb_vec3_to(v + RB_ROW_SPIN, pose.spin);
+		rb_quat_to(v + RB_PIECE_ORIENTATION, pose.orientation);
+		rb_vec3_to(v + RB_PIECE_SPIN, pose.spin);
 	}
 	if (rb_landing_begin(w) || !begin_modes(w))
 		return;
@@ -245,14 +247,14 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */
-	const double room_s = fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
+	const double left_s = fmin(fmin(next_switch(l, w->origin_s), partners_end(w)),
 	                           fmax(l->end_s * (1 + 1e-9), w->origin_s + guess)) -
 	                      w->origin_s;
 	double length = 0;
 
 	/* what is straight at the beginning may turn: on what turns itself, say */
 	do {
-		double try_s = fmin(c->try_s, room_s);
+		double try_s = fmin(c->try_s, left_s);
 		const double tried = try_s;
 		const bool cut = tried < c->try_s;
 		const enum rb_status status = rb_gauss_step(&problem, w->origin_s, &try_s,

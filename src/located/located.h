@@ -1,13 +1,50 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * State of the located method: every body's motion since its own last event, and what is going to
- * happen to it.
+ * The located method: events found at their own times, to rounding; and its state.
+ *
+ * Equations. In flight m a = F, I dw/dt + w x I w = T, in closed form where F is constant and T is
+ * zero (parabola, math/top). Lasting contacts add forces f with, for each of them in the mode that
+ * it has, relative acceleration
+ *
+ *     stick, roll   J a + b = 0                 three equations for three forces
+ *     slide         n.(J a + b) = 0, f_t = -mu f_n u_t / |u_t|
+ *     open          f = 0
+ *
+ * integrated by Gauss collocation with error control (math/gauss); impacts have the law of
+ * constraint/simultaneous.
  *
  * An *arc* is the motion of a body from its anchor on: a parabola of the centre of mass, and a
  * turning (math/top); or, while forces without a closed form act on it, a polynomial piece of its
  * cluster's integrator. Anchors change only by events of that body, so nothing depends on when
  * frames or steps look at it. Bodies joined by lasting contacts or springs form a *cluster* with
- * one clock. Owned by the world; simulator's thread only.
+ * one clock.
+ *
+ * What happens at an event:
+ *
+ *     queue: the earliest event of any body                           (queue)
+ *        |
+ *        +-- wall of a cell, end of a piece ---------------------+
+ *        +-- touch whose partner has moved on: predict anew -----+    (predict)
+ *        +-- touch                                               |
+ *              |  the bodies concerned, and all that they touch  |    (set)
+ *            approach beyond rounding? --yes--> resolve impact   |    (resolve_impact)
+ *              |no                                |              |
+ *            which contacts last, with what forces? <-+          |    (resolve_contacts)
+ *              |                                                 |
+ *            constant forces? --yes--> parabola, next transition by formula
+ *              |no                                               |
+ *            one piece by collocation, cut where a mode ends <---+    (integrate, mode_checks)
+ *              |    slip stops, cone left, pull, rim passed, another point touches
+ *            new arcs, then the next event of each body               (predict, approach)
+ *
+ * Too many events or too much arithmetic in a time step: the state goes to steps (method/method).
+ *
+ * Constants stand at the top of the file that uses them: error bounds in integrate.c (closed forms
+ * of `rbsim verify`), counts of ulp for touching in contact_point.c and pair_contacts.c, rounds of
+ * impacts in resolve_impact.c, the crowd from which steps are taken in engine.c (gas and heap of
+ * `tests/bench`).
+ *
+ * Owned by the world; simulator's thread only.
  */
 #ifndef RB_LOCATED_LOCATED_H
 #define RB_LOCATED_LOCATED_H
@@ -27,7 +64,8 @@
 struct rb_arc {
 	_Alignas(64) double anchor_s;
 	rb_vec3 position, velocity;
-	double plain_radius; /* of a sphere about its centre that only the world's gravity pulls, else NAN */
+	/* of a sphere about its centre that only the world's gravity pulls, else NAN */
+	double plain_radius;
 	rb_vec3 acceleration;
 };
 
@@ -68,15 +106,17 @@ struct rb_held {
 	bool slipping, on_rim;
 	bool ending;   /* its slip has come to its end at this moment; or its rest, by `force` */
 	bool straight; /* its slip keeps its direction to the end, to rounding */
-	bool creeps; /* its slip is so slow that forces across it balance: they say which way it goes */
+	/* its slip is so slow that forces across it balance: they say which way it goes */
+	bool creeps;
 	rb_vec3 slip;    /* unit: velocity of b's point relative to a's */
 	rb_vec3 common;  /* unit: where all points of a pair creep one way, that way; else 0 */
 	double friction; /* while it slips: the law's, or what is left of it where a body jams */
 	rb_vec3 force;   /* N, on b, at the cluster's anchor */
 	enum rb_held_mode reported; /* what the last transition said */
 	bool is_reported;
-	double recorded_s; /* when the contact is to be announced: after the last of its summed impacts */
-	bool merged;       /* ... and announced as a merge first */
+	/* when the contact is to be announced: after the last of its summed impacts */
+	double recorded_s;
+	bool merged; /* ... and announced as a merge first */
 };
 
 /*
@@ -93,7 +133,8 @@ struct rb_cluster {
 	int next_free;   /* 1 + the next unused cluster, 0: none */
 	bool integrated; /* else every member is on a parabola */
 	bool at_rest;
-	bool has_jammed; /* velocities have just jumped, or are to: it is to be settled, or struck, at once */
+	/* velocities have just jumped, or are to: it is to be settled, or struck, at once */
+	bool has_jammed;
 	bool is_cut; /* its piece ends where a contact changes its mode */
 	bool hits; /* ... or where two bodies that touch already come to touch at another point: */
 	int hit_a, hit_b;
@@ -131,7 +172,8 @@ struct rb_located {
 		*piece; /* NULL until a force without a closed form or a driven body needs it */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: located/driven */
 	uint32_t *generation;
-	double *account_s; /* [n]: up to when the ledger has what acts on bodies in flight; NULL: it is not kept */
+	/* [n]: up to when the ledger has what acts on bodies in flight; NULL: it is not kept */
+	double *account_s;
 	struct rb_next *next;
 	int *cluster_of; /* -1: none */
 	struct rb_cluster *cluster;
@@ -172,7 +214,7 @@ struct rb_located {
 };
 
 /* Values of a body in a piece: x, v and, where bodies turn, q, w. */
-enum { RB_ROW_POSITION = 0, RB_ROW_VELOCITY = 3, RB_ROW_ORIENTATION = 6, RB_ROW_SPIN = 10 };
+enum { RB_PIECE_POSITION = 0, RB_PIECE_VELOCITY = 3, RB_PIECE_ORIENTATION = 6, RB_PIECE_SPIN = 10 };
 static inline int rb_located_row(const struct rb_located *l)
 {
 	return l->top ? 13 : 6;

@@ -42,7 +42,7 @@ rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
 {
 	if (!l->top || !rb_located_on_piece(l, i))
 		return (rb_vec3){0, 0, 0};
-	return rb_arc_piece_rate(&l->piece[i], RB_ROW_SPIN, t);
+	return rb_arc_piece_rate(&l->piece[i], RB_PIECE_SPIN, t);
 }
 
 struct rb_solver_body rb_mechanics_fixed(const struct rb_located *l, int i, double t)

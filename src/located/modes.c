@@ -548,7 +548,7 @@ double rb_modes_noise(void *user, const double *coefficient)
 		double way = step, change = 0;
 
 		for (int m = 0; m < 3; m++) {
-			const int x = k * w->row + RB_ROW_POSITION + m, v = x + RB_ROW_VELOCITY;
+			const int x = k * w->row + RB_PIECE_POSITION + m, v = x + RB_PIECE_VELOCITY;
 			double along = fabs(coefficient[x]), more = 0;
 
 			for (int p = 1; p < RB_GAUSS_NODES; p++) {

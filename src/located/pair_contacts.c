@@ -49,7 +49,7 @@ static rb_vec3 origin_velocity(const struct rb_located *l, int i, const struct r
 /* From a's origin to b's. */
 static rb_vec3 between_origins(const struct rb_located *l, const struct rb_contact_point *m)
 {
-	const rb_vec3 d = rb_arc_between(&m->pose_a, &m->pose_b);
+	const rb_vec3 d = rb_pose_between(&m->pose_a, &m->pose_b);
 
 	if (!l->model->center_of_mass)
 		return d;
@@ -159,7 +159,7 @@ static void finish(const struct rb_located *l, struct rb_contact_point *m)
 		m->arm_b = rb_vec3_scale(-l->model->shape[m->b].radius, m->normal);
 		m->rate_b = rb_vec3_scale(-l->model->shape[m->b].radius, m->normal_rate);
 	} else {
-		m->arm_b = rb_vec3_sub(m->arm_a, rb_arc_between(&m->pose_a, &m->pose_b));
+		m->arm_b = rb_vec3_sub(m->arm_a, rb_pose_between(&m->pose_a, &m->pose_b));
 		m->rate_b = rb_vec3_sub(point_rate, m->pose_b.velocity);
 	}
 	m->velocity = rb_vec3_sub(
@@ -292,8 +292,8 @@ static rb_vec3 beginning(const struct rb_located *l, int i, double until, double
 		const struct rb_piece_of *p = &l->piece[i];
 		const double *start = p->piece.start + p->first;
 
-		center = rb_vec3_add(p->base, rb_vec3_from(start + RB_ROW_POSITION));
-		speed = rb_vec3_length(rb_vec3_from(start + RB_ROW_VELOCITY));
+		center = rb_vec3_add(p->base, rb_vec3_from(start + RB_PIECE_POSITION));
+		speed = rb_vec3_length(rb_vec3_from(start + RB_PIECE_VELOCITY));
 		external = p->acceleration_max;
 		age = until - p->origin_s;
 	} else {
@@ -443,7 +443,7 @@ struct course {
  * Would the gap stay above `least` for h? Below it are gap + rate s + bend s^2 / 2 - K s^3 / 6, s
  * <= h.
  */
-static bool stays_above(const struct course *c, double h, double least)
+static bool keeps_above(const struct course *c, double h, double least)
 {
 	/* the rate of a.n: the jerk, and the turning of the normal */
 	const double k = c->jerk + c->external * (c->speed + c->external * h) / c->radius;
@@ -463,7 +463,7 @@ static double longer(const struct course *c, double h, double max, double least)
 {
 	if (!isfinite(c->jerk))
 		return h;
-	while (h < max && stays_above(c, fmin(2 * h, max), least))
+	while (h < max && keeps_above(c, fmin(2 * h, max), least))
 		h *= 2;
 	return h;
 }
@@ -473,7 +473,7 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 {
 	const bool flat_a = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;
 	const bool flat_b = l->model->shape[m->b].kind != RB_SHAPE_SPHERE;
-	const double apart = rb_vec3_length(between_origins(l, m));
+	const double span = rb_vec3_length(between_origins(l, m));
 	const rb_vec3 w = rb_vec3_sub(rb_contact_point_velocity(&m->pose_b, m->pose_b.origin),
 	                              rb_contact_point_velocity(&m->pose_a, m->pose_a.origin));
 	const rb_vec3 external = rb_vec3_sub(
@@ -485,7 +485,7 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 	                   .external = a->external + b->external,
 	                   .jerk = a->jerk + b->jerk,
 	                   .speed = rb_vec3_length(w),
-	                   .radius = apart};
+	                   .radius = span};
 	const struct rb_bounds *const flat = flat_a ? a : b;
 
 	if (!flat_a && !flat_b)
@@ -495,7 +495,7 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 	                   ? (double)INFINITY
 	                   : rb_contact_point_size(l, m);
 	if (flat->turn > 0) { /* a face that turns sweeps with the distance */
-		c.external += 2 * flat->turn * flat->turn * apart + 2 * flat->turn * flat->external;
+		c.external += 2 * flat->turn * flat->turn * span + 2 * flat->turn * flat->external;
 		c.jerk = (double)INFINITY;
 	}
 	return c;

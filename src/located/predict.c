@@ -173,15 +173,15 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls)
 		 * false where the radius is not a number; 1e-290: squares of what is smaller
 		 * underflow
 		 */
-		const __typeof__(b < c) apart =
+		const __typeof__(b < c) is_far =
 			(c >= both(1e-3) * square) &
 			((b >= both(0)) | (b * b * both(1 + 1e-6) + both(1e-290) < dot(w, w) * c));
 
 		/* true is -1 */
 		near[kept] = i;
-		kept += 1 + (int)apart[0];
+		kept += 1 + (int)is_far[0];
 		near[kept] = j;
-		kept += 1 + (int)apart[1];
+		kept += 1 + (int)is_far[1];
 	}
 	/* the last one of an odd number has been looked at twice */
 	if (count % 2 == 1 && kept > 0 && near[kept - 1] == last)

@@ -24,13 +24,13 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 
 	pose->position = w->base[k];
 	pose->rest = (rb_vec3){0, 0, 0};
-	rb_arc_move(pose, rb_vec3_from(v + RB_ROW_POSITION));
-	pose->velocity = rb_vec3_from(v + RB_ROW_VELOCITY);
+	rb_arc_move(pose, rb_vec3_from(v + RB_PIECE_POSITION));
+	pose->velocity = rb_vec3_from(v + RB_PIECE_VELOCITY);
 	pose->spin = (rb_vec3){0, 0, 0};
 	pose->orientation = l->model->orientation[i];
 	if (l->top) {
-		pose->orientation = rb_quat_unit(rb_quat_from(v + RB_ROW_ORIENTATION));
-		pose->spin = rb_vec3_from(v + RB_ROW_SPIN);
+		pose->orientation = rb_quat_unit(rb_quat_from(v + RB_PIECE_ORIENTATION));
+		pose->spin = rb_vec3_from(v + RB_PIECE_SPIN);
 	}
 	pose->origin = pose->position;
 	if (l->model->center_of_mass)
@@ -44,7 +44,7 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
  * static, also under forces that are looked at again and again. Of one that slides on, so is what
  * is no more than rounding; it would grow.
  */
-static void stand_still(struct rb_modes *w, double external)
+static void are_at_rest(struct rb_modes *w, double external)
 {
 	bool sleeps = true;
 
@@ -171,7 +171,7 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 		return false;
 	if (!rb_modes_press(w, w->force) || (solved && !rb_modes_refine(w, t)))
 		return false;
-	stand_still(w, external);
+	are_at_rest(w, external);
 	return count_inspection(w);
 }
 
@@ -193,19 +193,19 @@ enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
 		const double *v = value + (size_t)k * (size_t)w->row;
 		double *r = rate + (size_t)k * (size_t)w->row;
 
-		rb_vec3_to(r + RB_ROW_POSITION, w->pose[k].velocity);
-		rb_vec3_to(r + RB_ROW_VELOCITY, w->linear[k]);
+		rb_vec3_to(r + RB_PIECE_POSITION, w->pose[k].velocity);
+		rb_vec3_to(r + RB_PIECE_VELOCITY, w->linear[k]);
 		if (!w->l->top)
 			continue;
-		rb_vec3_to(r + RB_ROW_SPIN, w->angular[k]);
+		rb_vec3_to(r + RB_PIECE_SPIN, w->angular[k]);
 		if (w->l->unfelt[w->c->member[k]]) {
-			rb_quat_to(r + RB_ROW_ORIENTATION, (rb_quat){0, 0, 0, 0});
+			rb_quat_to(r + RB_PIECE_ORIENTATION, (rb_quat){0, 0, 0, 0});
 			continue;
 		}
 		const rb_quat turn = {0, 0.5 * w->pose[k].spin.x, 0.5 * w->pose[k].spin.y,
 		                      0.5 * w->pose[k].spin.z};
-		rb_quat_to(r + RB_ROW_ORIENTATION,
-		           rb_quat_multiply(turn, rb_quat_from(v + RB_ROW_ORIENTATION)));
+		rb_quat_to(r + RB_PIECE_ORIENTATION,
+		           rb_quat_multiply(turn, rb_quat_from(v + RB_PIECE_ORIENTATION)));
 	}
 	return RB_OK;
 }

@@ -16,7 +16,7 @@
 #include "located/transition.h"
 #include "located/work.h"
 
-enum { STILL_ULP = 64, LOAD_ULP = 64 };
+enum { REST_ULP = 64, LOAD_ULP = 64 };
 /*
  * Share of the friction that is missing where the solver has not found it, which is more than its
  * residue.
@@ -24,7 +24,7 @@ enum { STILL_ULP = 64, LOAD_ULP = 64 };
 static const double gave_way = 1e-9;
 
 /* Share of the pulls below which accelerations are what the solver leaves. */
-static const double still_share = 1e-12;
+static const double rest_share = 1e-12;
 
 /* ---- gathering ---- */
 
@@ -247,14 +247,14 @@ static void join(struct rb_settling *s, int a, int b)
 
 static void join_all(struct rb_settling *s)
 {
-	const struct rb_scene *scene = s->l->model->scene;
+	const struct rb_model *model = s->l->model;
 
 	for (int k = 0; k < s->contact_point_count; k++)
 		if (rb_slips_press(s, k))
 			join(s, s->contact_point[k].a, s->contact_point[k].b);
-	for (int k = 0; k < scene->spring_count; k++)
-		join(s, s->l->model->index_of[scene->springs[k].a],
-		     s->l->model->index_of[scene->springs[k].b]);
+	for (int k = 0; k < model->element_list_count; k++)
+		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
+			join(s, model->elements[k].end[m][0], model->elements[k].end[m][1]);
 }
 
 static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
@@ -375,11 +375,11 @@ static bool is_nothing(const struct rb_settling *s, int k, double external, rb_v
                        rb_vec3 rate)
 {
 	const double radius = rb_model_reach(s->l->model, s->l->set[k]);
-	const double still = s->slack + STILL_ULP * DBL_EPSILON * sqrt(2 * external * radius);
+	const double rest_speed = s->slack + REST_ULP * DBL_EPSILON * sqrt(2 * external * radius);
 
-	return rb_vec3_max_abs(speed) <= still &&
+	return rb_vec3_max_abs(speed) <= rest_speed &&
 	       rb_vec3_max_abs(rate) <=
-	               fmax(still_share * external, LOAD_ULP * DBL_EPSILON * s->load[k]);
+	               fmax(rest_share * external, LOAD_ULP * DBL_EPSILON * s->load[k]);
 }
 
 /* Neither a closed form nor without turning. */
@@ -434,16 +434,17 @@ static bool will_move(const struct rb_settling *s, int body, double external)
 	double turning = 0;
 
 	for (int m = 0; l->top && m < 3; m++)
-		turning = fmax(turning, rb_gauss_rate_bound(&p->piece, p->first + RB_ROW_SPIN + m));
+		turning = fmax(turning,
+		               rb_gauss_rate_bound(&p->piece, p->first + RB_PIECE_SPIN + m));
 	return fmax(p->acceleration_max, turning * rb_model_reach(l->model, body)) >
-	       still_share * external;
+	       rest_share * external;
 }
 
 /*
  * All of a cluster stands still and nothing moves it: static means static. Still is a speed within
  * rounding of that of a fall by its own size.
  */
-static bool stands_still(const struct rb_settling *s, int part)
+static bool is_at_rest(const struct rb_settling *s, int part)
 {
 	const struct rb_located *l = s->l;
 	double external = 0;
@@ -475,7 +476,7 @@ static bool stands_still(const struct rb_settling *s, int part)
  * What contacts with fixed bodies do while all of the cluster is on parabolas; others leave its
  * momentum.
  */
-static void rate_contact(const struct rb_settling *s, int k, bool still,
+static void rate_contact(const struct rb_settling *s, int k, bool rest_speed,
                          struct rb_account_rates *rates)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -494,7 +495,7 @@ static void rate_contact(const struct rb_settling *s, int k, bool still,
 
 	rates->force[by] = rb_vec3_add(rates->force[by], force);
 	torque[0] = rb_vec3_add(torque[0], rb_vec3_cross(rb_vec3_add(pose->position, arm), force));
-	if (still)
+	if (rest_speed)
 		return;
 	rates->sliding[0] -= rb_vec3_dot(
 		force, rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm)));
@@ -509,28 +510,28 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 {
 	struct rb_located *l = s->l;
 	const rb_vec3 none = {0, 0, 0};
-	const bool still = stands_still(s, part);
-	const bool closed = still || in_closed_form(s, part, c);
+	const bool rest_speed = is_at_rest(s, part);
+	const bool closed = rest_speed || in_closed_form(s, part, c);
 
 	c->anchor_s = c->account_s = s->t;
-	c->at_rest = still;
+	c->at_rest = rest_speed;
 	c->integrated = !closed;
 	for (int k = 0; k < l->set_count; k++) {
 		if (root_of(s->root, k) != part)
 			continue;
-		if (still)
+		if (rest_speed)
 			s->pose[k].velocity = s->pose[k].spin = none;
 		if (closed)
 			s->pose[k].rest = none; /* closed forms go from one number */
-		if (!still && closed && l->top &&
+		if (!rest_speed && closed && l->top &&
 		    l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
 			s->pose[k].spin = s->joint.body[k].angular = none;
 		rb_arc_anchor(l, l->set[k], s->t, &s->pose[k],
-		              still ? none : s->joint.body[k].linear,
-		              still || !closed ? none : s->joint.body[k].angular);
+		              rest_speed ? none : s->joint.body[k].linear,
+		              rest_speed || !closed ? none : s->joint.body[k].angular);
 	}
 	for (int k = 0; closed && l->account_s && k < c->held_count; k++)
-		rate_contact(s, contact_point[k], still, &c->rates);
+		rate_contact(s, contact_point[k], rest_speed, &c->rates);
 	if (!closed)
 		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
 }
@@ -653,11 +654,11 @@ static bool is_moving(const struct rb_settling *s)
 		return true;
 	for (int k = 0; k < l->set_count; k++) {
 		const double size = rb_model_reach(l->model, l->set[k]);
-		const double still = s->slack +
-		                     STILL_ULP * DBL_EPSILON * sqrt(2 * l->weight * size);
+		const double rest_speed = s->slack +
+		                          REST_ULP * DBL_EPSILON * sqrt(2 * l->weight * size);
 
-		if (rb_vec3_max_abs(s->pose[k].velocity) > still ||
-		    rb_vec3_max_abs(s->pose[k].spin) * size > still)
+		if (rb_vec3_max_abs(s->pose[k].velocity) > rest_speed ||
+		    rb_vec3_max_abs(s->pose[k].spin) * size > rest_speed)
 			return true;
 	}
 	return false;

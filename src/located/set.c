@@ -185,11 +185,11 @@ bool rb_set_lasting(const struct rb_located *l, const struct rb_contact_point *m
                     double slack)
 {
 	const double rate = rb_vec3_dot(m->velocity, m->normal);
-	const double still = rb_contact_point_noise(l, m) + slack;
+	const double rest_speed = rb_contact_point_noise(l, m) + slack;
 
 	/* impacts have been dealt with; but not those that another method has left to come */
-	return m->gap <= rb_contact_point_band(l, m, t) && rate <= still &&
-	       (!l->starting || rate >= -still);
+	return m->gap <= rb_contact_point_band(l, m, t) && rate <= rest_speed &&
+	       (!l->starting || rate >= -rest_speed);
 }
 
 /* Share of the size that a held point may be off touching. */
@@ -301,7 +301,8 @@ static bool is_known(const struct rb_located *l, const struct rb_contact_point *
  * Of a rim that has come to lie flat, the points that it lands on instead of that on which it
  * rolled there.
  */
-static void land_on(struct rb_contact_point *m, const struct rb_contact_point *all, int count)
+static void come_to_lie_on(struct rb_contact_point *m, const struct rb_contact_point *all,
+                           int count)
 {
 	const struct rb_contact_name name = rb_contact_name_of(m);
 
@@ -338,7 +339,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	for (const struct rb_held *h = first; h < end && held_count < RB_CONTACT_POINTS_MAX; h++)
 		held[held_count++] = rb_set_contact_point(l, h, pairs->t);
 	for (int h = 0; h < held_count; h++)
-		land_on(&held[h], all, count);
+		come_to_lie_on(&held[h], all, count);
 	pass_on(l, held, held_count, all, count);
 	for (int h = 0; h < held_count; h++) {
 		int left = 0;
@@ -372,7 +373,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 }
 
 /* A pair whose far side is not yet dealt with. */
-static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
+static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j)
 {
 	if (!rb_pair_can_touch(l, i, j))
 		return;
@@ -394,16 +395,20 @@ static void look(struct rb_located *l, struct pairs *pairs, int i, int j)
 	rb_set_add(l, j);
 }
 
-static void add_springs(struct rb_located *l, int i)
+/* Who is at the other end of a force element. */
+static void add_partners(struct rb_located *l, int i)
 {
-	const struct rb_scene *scene = l->model->scene;
-	const int id = l->model->id_of[i];
+	const struct rb_model *model = l->model;
 
-	for (int k = 0; k < scene->spring_count; k++) {
-		if (scene->springs[k].a == id)
-			rb_set_add(l, l->model->index_of[scene->springs[k].b]);
-		if (scene->springs[k].b == id)
-			rb_set_add(l, l->model->index_of[scene->springs[k].a]);
+	for (int k = 0; k < model->element_list_count; k++) {
+		const struct rb_elements *elements = &model->elements[k];
+
+		for (int m = elements->end ? elements->first[i] : 0;
+		     elements->end && m < elements->first[i + 1]; m++) {
+			const int *const end = elements->end[elements->of[m]];
+
+			rb_set_add(l, end[0] == i ? end[1] : end[0]);
+		}
 	}
 }
 
@@ -428,7 +433,7 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 			for (int m = 0; m < c->member_count; m++)
 				rb_set_add(l, c->member[m]);
 		}
-		add_springs(l, i);
+		add_partners(l, i);
 		if (!(l->model->features & RB_FEATURE_CONTACT))
 			continue;
 		const int near = rb_set_near(l, i);
@@ -437,10 +442,10 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 
 			/* each pair once: from the one that came into the set first */
 			if (rb_located_driven(l, j) || l->place[j] < 0 || l->place[j] > k)
-				look(l, &pairs, i, j);
+				inspect_pair(l, &pairs, i, j);
 		}
 		for (int j = l->n; j < l->n + l->model->static_count; j++)
-			look(l, &pairs, i, j);
+			inspect_pair(l, &pairs, i, j);
 	}
 	if (pairs.failed)
 		return -1;

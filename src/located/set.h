@@ -81,7 +81,8 @@ typedef bool rb_set_joins(const struct rb_located *l, const struct rb_contact_po
                           double slack);
 
 /*
- * Grows the set to all that is joined to it by clusters, springs and touching pairs that `joins`
+ * Grows the set to all that is joined to it by clusters, force elements and touching pairs that
+ * `joins`
  * accepts, and writes the contacts between its bodies, and between them and fixed bodies, to the
  * arena: *found, sorted by (a, b, parts, key). Returns how many; -1 when memory is out.
  */

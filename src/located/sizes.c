@@ -62,13 +62,13 @@ double rb_sizes_of(struct rb_modes *w, double *scale)
 
 		for (int m = 0; m < 3; m++) {
 			/* of a long way, its rounding */
-			s[RB_ROW_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
-			s[RB_ROW_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
+			s[RB_PIECE_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
+			s[RB_PIECE_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
 		}
-		for (int m = RB_ROW_ORIENTATION; l->top && m < RB_ROW_SPIN; m++)
+		for (int m = RB_PIECE_ORIENTATION; l->top && m < RB_PIECE_SPIN; m++)
 			s[m] = 1;
 		for (int m = 0; l->top && m < 3; m++)
-			s[RB_ROW_SPIN + m] = spin > 0 ? spin : 1 / l->end_s;
+			s[RB_PIECE_SPIN + m] = spin > 0 ? spin : 1 / l->end_s;
 		if (own > 0)
 			try_s = fmin(try_s, radius / own);
 	}

@@ -69,7 +69,7 @@ static void joint_contact(struct rb_settling *s, int k)
 	struct rb_solver_contact *c = &s->joint.contact[k];
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
-	const double still = 4 * rb_contact_point_noise(l, m) + s->slack;
+	const double rest_speed = 4 * rb_contact_point_noise(l, m) + s->slack;
 	const bool stuck = before->a >= 0 && !s->struck && (!before->slipping || before->ending);
 
 	*c = rb_mechanics_contact(l, m);
@@ -78,9 +78,10 @@ static void joint_contact(struct rb_settling *s, int k)
 	if (before->a >= 0)
 		c->impulse = before->force;
 	c->slip = s->slip[k];
-	if (speed > (stuck ? fmax(still, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
-	                                                     rb_vec3_length(m->pose_b.velocity)))
-	                   : still)) {
+	if (speed >
+	    (stuck ? fmax(rest_speed, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
+	                                                  rb_vec3_length(m->pose_b.velocity)))
+	           : rest_speed)) {
 		c->mode = RB_SOLVER_SLIDE;
 		if (!is_given(c->slip))
 			c->slip = rb_vec3_scale(1 / speed, slip);
@@ -263,7 +264,7 @@ static bool keep_directions(struct rb_settling *s)
 		const struct rb_contact_point *m = &s->contact_point[k];
 		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 		const double speed = rb_vec3_length(slip);
-		const double still = 4 * rb_contact_point_noise(s->l, m) + s->slack + s->drift;
+		const double rest_speed = 4 * rb_contact_point_noise(s->l, m) + s->slack + s->drift;
 
 		s->slip[k] = (rb_vec3){0, 0, 0};
 		if (before->a < 0 || !before->slipping || before->ending || s->struck ||
@@ -271,7 +272,7 @@ static bool keep_directions(struct rb_settling *s)
 			continue;
 		const rb_vec3 now = rb_vec3_scale(1 / speed, slip);
 		const rb_vec3 old = rb_vec3_unit(rb_vec3_reject(before->slip, m->normal), now);
-		if (rb_vec3_length(rb_vec3_sub(now, old)) * speed > still)
+		if (rb_vec3_length(rb_vec3_sub(now, old)) * speed > rest_speed)
 			continue;
 		s->slip[k] = old;
 		any = true;

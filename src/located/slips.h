@@ -29,9 +29,11 @@ struct rb_settling {
 	bool *constant;               /* [set_count]: its other forces are constant */
 	int *root;                    /* [set_count]: union-find over what stays together */
 	double external_max;          /* m/s^2: largest acceleration that went in */
-	double *load; /* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
+	/* [set_count], m/s^2: what contacts' forces on a body would do to it one by one */
+	double *load;
 	rb_vec3 *
-		slip; /* [meet_count]: unit, slips are to go this way; 0: as velocities or forces say */
+		/* [meet_count]: unit, slips are to go this way; 0: as velocities or forces say */
+		slip;
 };
 
 /* Room in the arena; NULL, and l->status says so: there is none. */

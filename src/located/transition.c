@@ -10,18 +10,18 @@ static double leaves(double x, double v, double a, double half)
 	double first = HUGE_VAL;
 
 	for (int side = -1; side <= 1; side += 2) {
-		const double room = half - side * x; /* >= 0 inside */
+		const double clearance = half - side * x; /* >= 0 inside */
 		const double speed = side * v, external = side * a;
-		const double root = speed * speed + 2 * external * room;
+		const double root = speed * speed + 2 * external * clearance;
 
 		/*
 		 * outward through the wall: room = speed s + pull s^2 / 2 with speed + pull s > 0
 		 */
-		if (room <= 0 && (speed > 0 || (speed == 0 && external > 0)))
+		if (clearance <= 0 && (speed > 0 || (speed == 0 && external > 0)))
 			return 0;
 		if (root < 0 || (speed <= 0 && external <= 0))
 			continue;
-		const double s = speed >= 0 ? 2 * room / (speed + sqrt(root))
+		const double s = speed >= 0 ? 2 * clearance / (speed + sqrt(root))
 		                            : (sqrt(root) - speed) / external;
 		first = fmin(first, s);
 	}
@@ -43,7 +43,7 @@ static double leaves_face(const struct rb_located *l, const struct rb_held *held
 }
 
 /* Seconds in which rounding may take a body out of the touching band of a plane. */
-static double stays_in_band(const struct rb_located *l, const struct rb_held *held, double t)
+static double keeps_in_band(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
 	const rb_vec3 a = l->arc[held->a].acceleration, v = l->arc[held->a].velocity;
@@ -83,7 +83,7 @@ double rb_transition_next(const struct rb_located *l, int cluster)
 		return fmin(next, l->piece[c->member[0]].until_s);
 	for (int k = 0; k < c->held_count && !c->at_rest; k++) {
 		const struct rb_held *held = &c->held[k];
-		double s = stays_in_band(l, held, c->anchor_s);
+		double s = keeps_in_band(l, held, c->anchor_s);
 
 		if (held->slipping)
 			s = fmin(s, slip_ends(l, held, c->anchor_s));

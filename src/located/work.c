@@ -62,10 +62,11 @@ static void add_member(const struct rb_external_parts *parts, const struct rb_po
 		enum rb_ledger_momentum momentum;
 		int energy; /* -1: it has a potential */
 	} cause[] = {
-		{RB_EXTERNAL_UNIFORM, RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE,
+		{RB_EXTERNAL_UNIFORM,
+	         RB_FEATURE_GRAVITY | RB_FEATURE_GRAVITY_FORCE | RB_FEATURE_ELEMENTS,
 	         RB_MOMENTUM_APPLIED, -1},
-		{RB_EXTERNAL_STATED, RB_FEATURE_FORCES | RB_FEATURE_FIELD, RB_MOMENTUM_APPLIED,
-	         RB_ENERGY_APPLIED},
+		{RB_EXTERNAL_STATED, RB_FEATURE_FORCES | RB_FEATURE_FIELD | RB_FEATURE_ELEMENTS,
+	         RB_MOMENTUM_APPLIED, RB_ENERGY_APPLIED},
 		{RB_EXTERNAL_CALLBACKS, RB_FEATURE_PUSHES, RB_MOMENTUM_CALLBACKS,
 	         RB_ENERGY_CALLBACKS},
 		{RB_EXTERNAL_DRAG, RB_FEATURE_DRAG, RB_MOMENTUM_DRAG, RB_ENERGY_DRAG},
@@ -94,27 +95,47 @@ static bool is_member(const struct rb_modes *w, int body)
 	return body < w->l->n && w->l->cluster_of[body] == (int)(w->c - w->l->cluster);
 }
 
-static void add_springs(const struct rb_modes *w, double t, struct rb_entries *rate)
+/* A body that contacts do not move holds its end of a force element. */
+static void add_fixed_end(const struct rb_modes *w, const struct rb_elements *elements, int k,
+                          int body, const struct rb_element_query *query, struct rb_entries *rate)
 {
 	const struct rb_located *l = w->l;
-	const struct rb_scene *scene = l->model->scene;
+	struct rb_wrench on;
+
+	if (!rb_located_fixed(l, body))
+		return;
+	const struct rb_pose pose = query->pose(query, body);
+	if (!elements->kind->act(query, rb_elements_row(elements, k), body, &pose, &on))
+		return;
+	rb_entries_momentum(
+		rate, cause_of(l, body), rb_vec3_neg(on.force),
+		rb_vec3_neg(rb_vec3_add(on.torque, rb_vec3_cross(pose.position, on.force))));
+	if (rb_located_driven(l, body))
+		rb_entries_energy(rate, RB_ENERGY_DRIVEN,
+		                  -(rb_vec3_dot(on.force, pose.velocity) +
+		                    rb_vec3_dot(on.torque, pose.spin)));
+}
+
+/* Those between bodies; one end may be fixed. */
+static void add_elements(const struct rb_modes *w, const struct rb_elements *elements, double t,
+                         struct rb_entries *rate)
+{
 	const struct rb_force_query view = {.pose = w->pose, .time_s = t, .active_s = w->origin_s};
+	const struct rb_element_view at = {w->l, &view};
+	const struct rb_element_query query = rb_external_query(&at);
 
-	for (int k = 0; k < scene->spring_count; k++) {
-		const int a = l->model->index_of[scene->springs[k].a];
-		const int b = l->model->index_of[scene->springs[k].b];
-		struct rb_spring_force spring;
+	for (int k = 0; k < elements->count; k++) {
+		const int *const end = elements->end[k];
 
-		/*
-		 * one end may be fixed; places are also those of what is settled with this cluster
-		 */
-		if ((!is_member(w, a) && !is_member(w, b)) ||
-		    !rb_spring_force_at(l, k, &view, &spring))
+		/* places are also those of what is settled with this cluster */
+		if (!is_member(w, end[0]) && !is_member(w, end[1]))
 			continue;
-		rb_entries_energy(rate, RB_ENERGY_DAMPING, spring.damping);
-		/* what is fixed pulls at the spring's end */
-		add_fixed(l, a, rb_vec3_neg(spring.force), spring.end_a, spring.speed_a, rate);
-		add_fixed(l, b, spring.force, spring.end_b, spring.speed_b, rate);
+		if (elements->kind->dissipation)
+			rb_entries_energy(
+				rate, RB_ENERGY_DAMPING,
+				elements->kind->dissipation(&query, rb_elements_row(elements, k)));
+		for (int e = 0; e < 2; e++)
+			add_fixed_end(w, elements, k, end[e], &query, rate);
 	}
 }
 
@@ -124,8 +145,9 @@ void rb_work_rates(const struct rb_modes *w, const struct rb_external_parts *par
 	*rate = (struct rb_entries){0};
 	for (int k = 0; k < w->c->member_count; k++)
 		add_member(&parts[k], &w->pose[k], w->l->model->features, rate);
-	if (w->l->model->features & RB_FEATURE_SPRINGS)
-		add_springs(w, t, rate);
+	for (int k = 0; k < w->l->model->element_list_count; k++)
+		if (w->l->model->elements[k].end)
+			add_elements(w, &w->l->model->elements[k], t, rate);
 	for (int k = 0; k < w->c->held_count; k++) {
 		const struct rb_contact_point *m = &w->contact_point[k];
 

@@ -13,7 +13,8 @@ struct rb_dense {
 	int *last, *down, *pivot, *from, *order; /* [n] scratch */
 	int n, late;                             /* late: columns that were left for the end */
 	long products; /* out: of rb_dense_solve, and its look at each entry */
-	double least; /* in: what is left of a column, as a share, is nothing up to here; 0: rounding */
+	/* in: what is left of a column, as a share, is nothing up to here; 0: rounding */
+	double least;
 	bool open; /* out: the solution is one of many; unknowns that nothing determines are zero */
 };
 

@@ -16,7 +16,7 @@
 
 #include "base/error.h"
 
-enum { NODES = RB_GAUSS_NODES, SWEEPS_MOST = 40, SWEEPS_MANY = 14, MISSED_TAILS = 8 };
+enum { NODES = RB_GAUSS_NODES, SWEEPS_MAX = 40, SWEEPS_MANY = 14, MISSED_TAILS = 8 };
 
 static const double node[RB_GAUSS_NODES] = {
 	0.01985507175123188416, 0.10166676129318663020, 0.23723379504183550709,
@@ -212,7 +212,7 @@ static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, doubl
 		return status;
 	least = before = (double)INFINITY;
 	a->shows = false;
-	for (int count = 1; count <= SWEEPS_MOST; count++) {
+	for (int count = 1; count <= SWEEPS_MAX; count++) {
 		status = sweep(a, false, rate, &change);
 		if (status != RB_OK || !isfinite(change))
 			return status;
@@ -353,12 +353,12 @@ void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const dou
  */
 static double next_length(double h_s, double tolerance, double error, int sweeps, bool halved)
 {
-	const double most = halved || sweeps > SWEEPS_MANY ? 1 : 4;
-	double factor = most;
+	const double max = halved || sweeps > SWEEPS_MANY ? 1 : 4;
+	double factor = max;
 	int exponent;
 
 	if (error > 0)
-		factor = fmax(fmin(0.8 * sqrt(sqrt(sqrt(tolerance / error))), most), 0.25);
+		factor = fmax(fmin(0.8 * sqrt(sqrt(sqrt(tolerance / error))), max), 0.25);
 	const double digits = frexp(h_s * factor, &exponent);
 	return ldexp(floor(digits * 0x1p8), exponent - 8);
 }
@@ -419,10 +419,10 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 			}
 		}
 		if (!(0.5 * a.h_s >= least_s) || !(0.5 * a.h_s > 0))
-			return RB_FAIL(
-				err, RB_ERR_PHYSICS,
-				"'step' at %g s would have to be shorter than %g s for an error of %g",
-				time_s, least_s, problem->tolerance);
+			return RB_FAIL(err, RB_ERR_PHYSICS,
+			               "'step' at %g s would have to be shorter than %g s for an "
+			               "error of %g",
+			               time_s, least_s, problem->tolerance);
 	}
 }
 

@@ -38,7 +38,7 @@ static double bisect(const double *c, int degree, double low, double high)
 }
 
 /* Roots in (0, most] where the sign changes, ascending; returns how many. */
-static int roots(const double *c, int degree, double most, double *root)
+static int roots(const double *c, int degree, double max, double *root)
 {
 	double slope[DEGREE], turn[DEGREE + 1];
 	int turns = 0, count = 0;
@@ -47,8 +47,8 @@ static int roots(const double *c, int degree, double most, double *root)
 		return 0;
 	for (int k = 1; k <= degree; k++)
 		slope[k - 1] = k * c[k];
-	turns = roots(slope, degree - 1, most, turn);
-	turn[turns++] = most;
+	turns = roots(slope, degree - 1, max, turn);
+	turn[turns++] = max;
 	double low = 0;
 	for (int k = 0; k < turns; k++) {
 		/* just after 0 the first coefficient that is not zero decides */
@@ -64,11 +64,11 @@ static int roots(const double *c, int degree, double most, double *root)
 	return count;
 }
 
-double rb_quartic_falls(const double c[5], double most)
+double rb_quartic_falls(const double c[5], double max)
 {
 	double root[DEGREE + 1];
 	const double from_above[DEGREE + 1] = {c[0] > 0 ? c[0] : 0, c[1], c[2], c[3], c[4]};
-	const int count = roots(from_above, DEGREE, most, root);
+	const int count = roots(from_above, DEGREE, max, root);
 
 	for (int k = 0; k < count; k++) {
 		double slope = 0;

@@ -12,6 +12,6 @@
  * rounding makes of c[0]. `most` is finite. Roots are bracketed by those of the derivative, so none
  * is missed.
  */
-double rb_quartic_falls(const double c[5], double most);
+double rb_quartic_falls(const double c[5], double max);
 
 #endif

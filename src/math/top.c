@@ -222,7 +222,7 @@ static double grid_of(rb_vec3 moments, rb_vec3 spin)
 
 	for (int n = 0; n < 3; n++) {
 		const int a = (n + 1) % 3, b = (n + 2) % 3;
-		double most = (double)INFINITY;
+		double max = (double)INFINITY;
 
 		k = fmax(k, fabs(i[a] - i[b]) / i[n]);
 		for (int s = 0; s < 2; s++) {
@@ -230,10 +230,10 @@ static double grid_of(rb_vec3 moments, rb_vec3 spin)
 			const double ratio = (i[other] - i[third]) / (i[n] - i[third]);
 
 			if (ratio > 0)
-				most = fmin(most, w[n] * w[n] + i[other] / i[n] * ratio *
-				                                        (w[other] * w[other]));
+				max = fmin(max, w[n] * w[n] + i[other] / i[n] * ratio *
+				                                      (w[other] * w[other]));
 		}
-		square += most;
+		square += max;
 	}
 	const double rate = k * sqrt(square);
 	if (!(rate > 0) || !isfinite(rate))
@@ -524,25 +524,23 @@ static double agm(double a, double b)
 static double free_period(rb_vec3 moments, rb_vec3 spin)
 {
 	const double i[3] = {moments.x, moments.y, moments.z}, w[3] = {spin.x, spin.y, spin.z};
-	int least = 0, most = 0;
+	int least = 0, max = 0;
 
 	for (int n = 1; n < 3; n++) {
 		least = i[n] < i[least] ? n : least;
-		most = i[n] >= i[most] ? n : most;
+		max = i[n] >= i[max] ? n : max;
 	}
-	const int middle = 3 - least - most;
-	const double low = i[middle] - i[least], high = i[most] - i[middle],
-		     all = i[most] - i[least];
+	const int middle = 3 - least - max;
+	const double low = i[middle] - i[least], high = i[max] - i[middle], all = i[max] - i[least];
 	/* L^2 - 2 E I of the least and of the middle, 2 E I - L^2 of the largest */
 	const double over = i[middle] * low * w[middle] * w[middle] +
-	                    i[most] * all * w[most] * w[most];
+	                    i[max] * all * w[max] * w[max];
 	const double under = i[least] * all * w[least] * w[least] +
 	                     i[middle] * high * w[middle] * w[middle];
-	const double side = i[most] * high * w[most] * w[most] -
-	                    i[least] * low * w[least] * w[least];
+	const double side = i[max] * high * w[max] * w[max] - i[least] * low * w[least] * w[least];
 	const double rate = (side > 0 ? high * over : low * under);
 	const double rest = all * fabs(side) / rate; /* 1 - m */
-	const double product = i[least] * i[middle] * i[most];
+	const double product = i[least] * i[middle] * i[max];
 
 	return rest > 0 ? 2 * pi / agm(1, sqrt(rest)) * sqrt(product / rate) : HUGE_VAL;
 }
@@ -651,7 +649,7 @@ void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin
  * A turn within a step, times the largest ratio of moments, for which Newton's steps converge from
  * the spin before.
  */
-static const double step_turn_most = 0.25;
+static const double step_turn_max = 0.25;
 
 /*
  * The mean m of the spins before and after, in principal axes, of the implicit midpoint rule: m = w
@@ -709,7 +707,7 @@ void rb_top_step(const struct rb_top_body *body, double h, rb_quat *orientation,
 	const rb_vec3 k = {(i.y - i.z) / i.x, (i.z - i.x) / i.y, (i.x - i.y) / i.z};
 	const double turn_angle = h * rb_vec3_length(*spin) * fmax(1, rb_vec3_max_abs(k));
 
-	if (body->kind == RB_TOP_FREE && turn_angle <= step_turn_most) {
+	if (body->kind == RB_TOP_FREE && turn_angle <= step_turn_max) {
 		step_free(body, h, k, orientation, spin);
 		return;
 	}

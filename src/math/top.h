@@ -5,11 +5,13 @@
  * before.
  *
  *   constant   equal moments: the spin stays
- *   steady     equal moments and a constant angular acceleration; closed form when parallel to the spin, else a series
+ *   steady     equal moments and a constant angular acceleration; closed form when parallel to the
+ *              spin, else a series
  *   symmetric  two equal moments: closed form (precession about L, spin about the own axis)
- *   free       three unequal moments, or a frame of the tensor that is not diagonal: a Taylor series of Euler's
- *              equations and the quaternion's, carried to rounding over steps of a grid that starts at the anchor; far
- *              from it by whole periods, each of which turns the body about its angular momentum by the same angle
+ *   free       three unequal moments, or a frame of the tensor that is not diagonal: a Taylor
+ *              series of Euler's equations and the quaternion's, carried to rounding over steps of
+ *              a grid that starts at the anchor; far from it by whole periods, each of which turns
+ *              the body about its angular momentum by the same angle
  *
  * The grid's last point is kept, so that going forward costs one step per grid interval; what comes
  * out does not depend on what was asked before.
@@ -32,7 +34,8 @@ struct rb_top {
 	rb_vec3 acceleration; /* rad/s^2, world axes, for `steady` */
 	rb_quat principal;    /* principal axes to object coordinates, for symmetric and free */
 	rb_vec3 moments;      /* kg m^2, principal; for symmetric the distinct one is z */
-	double grid_s; /* free: length of a step of the series; steady: 0; INFINITY where there is no series */
+	/* free: length of a step of the series; steady: 0; INFINITY where there is no series */
+	double grid_s;
 	uint64_t at;         /* grid point that the cache holds */
 	rb_quat cached;      /* principal axes to world */
 	rb_vec3 cached_spin; /* principal axes for `free`, world axes for `steady` */

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { POWERS = RB_GAUSS_NODES + 1, TERMS_MOST = 64 };
+enum { POWERS = RB_GAUSS_NODES + 1, TERMS_MAX = 64 };
 
 /* Pure quaternions, by powers of a variable. */
 struct spin {
@@ -73,10 +73,10 @@ static struct spin part_of(const struct spin *spin, double u, double length)
 /* The angles are those of half the way: w is in radians over the part, times 1/2. */
 static rb_quat turned(const struct spin *w, rb_quat begin)
 {
-	rb_quat term[TERMS_MOST] = {begin}, sum = begin;
+	rb_quat term[TERMS_MAX] = {begin}, sum = begin;
 	int small = 0;
 
-	for (int k = 0; k + 1 < TERMS_MOST && small < POWERS; k++) {
+	for (int k = 0; k + 1 < TERMS_MAX && small < POWERS; k++) {
 		rb_quat next = {0, 0, 0, 0};
 
 		for (int j = 0; j < POWERS && j <= k; j++) {
@@ -130,18 +130,18 @@ static rb_quat turned_evenly(const struct spin *w, rb_quat begin)
 
 rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat orientation, double t)
 {
-	rb_vec3 most = {0, 0, 0};
+	rb_vec3 max = {0, 0, 0};
 
 	if (!(t > 0))
 		return orientation;
 	struct spin w = spin_of(piece, spin);
 	for (int i = 0; i < POWERS; i++) {
-		most = rb_vec3_add(most, (rb_vec3){fabs(w.power[i].x), fabs(w.power[i].y),
-		                                   fabs(w.power[i].z)});
+		max = rb_vec3_add(
+			max, (rb_vec3){fabs(w.power[i].x), fabs(w.power[i].y), fabs(w.power[i].z)});
 		w.power[i] = rb_vec3_scale(0.25 * piece->length_s, w.power[i]);
 	}
 	const bool even = is_about_one_axis(&w);
-	const double parts = even ? 1 : ceil(rb_vec3_length(most) * t) + 1;
+	const double parts = even ? 1 : ceil(rb_vec3_length(max) * t) + 1;
 	const double length = 2 * (t / piece->length_s) / parts;
 
 	for (double k = 0; k < parts; k++) {

@@ -19,7 +19,11 @@ struct rb_loads {
 	rb_vec3 *force, *torque;     /* of contacts, by index, static bodies too */
 	struct rb_contacts contacts; /* scratch */
 	struct rb_located *
-		looker; /* owned: what located/external_force asks of where nothing is located; NULL: so far it is */
+		/*
+		 * owned: what located/external_force asks of where nothing is located; NULL: so far
+		 * it is
+		 */
+		looker;
 	struct rb_pose *pose;            /* [bodies], of all where nothing is located */
 	struct rb_external_parts *parts; /* [bodies] of which one row is used */
 };
@@ -107,7 +111,7 @@ static void gather(struct rb_loads *loads, const struct rb_world *world)
 }
 
 /* Of located contacts, at the state's moment; event/ keeps its own error and counts. */
-static enum rb_status look(struct rb_located *l, struct rb_contacts *to, struct rb_error *err)
+static enum rb_status polls(struct rb_located *l, struct rb_contacts *to, struct rb_error *err)
 {
 	struct rb_error *const before = l->err;
 	const enum rb_status was = l->status;
@@ -162,7 +166,7 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 	if (other->located)
 		status = rb_engine_advance(other->located, other->state.time_s, err);
 	if (status == RB_OK && is_located(other)) {
-		status = look(other->located, to, err);
+		status = polls(other->located, to, err);
 	} else if (status == RB_OK) {
 		status = first_step(other, err);
 		if (status == RB_OK)
@@ -171,18 +175,6 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 	gather(world->loads, other);
 	rb_world_destroy(other);
 	return status == RB_ERR_PHYSICS ? RB_OK : status;
-}
-
-static struct rb_pose pose_of(const struct rb_world *world, int i)
-{
-	struct rb_pose pose = {.position = rb_world_row3(world->state.position, i),
-	                       .origin = rb_world_origin_at(world, &world->state, i),
-	                       .orientation = rb_world_orientation_at(world, &world->state, i),
-	                       .velocity = rb_world_row3(world->state.velocity, i)};
-
-	if (world->state.spin)
-		pose.spin = rb_world_row3(world->state.spin, i);
-	return pose;
 }
 
 /* Where nothing is located the poses of all are told. */
@@ -199,11 +191,14 @@ static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 			loads->looker->place[i] = i;
 	}
 	for (int i = 0; i < world->model->body_count; i++)
-		loads->pose[i] = pose_of(world, i);
+		loads->pose[i] = rb_world_pose(world, &world->state, i);
 	return RB_OK;
 }
 
-/* The rows of contacts, and the poses that springs are between, are of this moment from here. */
+/*
+ * The rows of contacts, and the poses that force elements are between, are of this moment from
+ * here.
+ */
 static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_loads *loads = world->loads;
@@ -213,7 +208,7 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 		return RB_OK;
 	const bool begins = !world->begun && (world->model->features & RB_FEATURE_CONTACT);
 	if (is_located(world))
-		status = look(world->located, &loads->contacts, err);
+		status = polls(world->located, &loads->contacts, err);
 	else if (begins)
 		status = try_beginning(world, err);
 	else
@@ -245,7 +240,7 @@ static struct rb_located *begin_inspection(struct rb_world *world, int i,
 	                                .active_s = world->state.time_s,
 	                                .pose = is_located(world) ? NULL : loads->pose,
 	                                .parts = loads->parts};
-	loads->pose[i] = pose_of(world, i);
+	loads->pose[i] = rb_world_pose(world, &world->state, i);
 	l->place[i] = i;
 	rb_world_choose_pushes(world);
 	return l;
@@ -293,26 +288,28 @@ static enum rb_status external(struct rb_world *world, int i, struct rb_load *lo
 /* What presses and pulls on one that does not yield. */
 static void press(struct rb_world *world, int i, struct rb_load *load)
 {
-	const struct rb_scene *scene = world->model->scene;
-	const int id = world->model->id_of[i];
+	const struct rb_model *model = world->model;
 	struct rb_located *l = is_located(world) ? world->located : world->loads->looker;
 	const struct rb_force_query view = {.time_s = world->state.time_s,
 	                                    .pose = is_located(world) ? NULL : world->loads->pose};
+	const struct rb_element_view at = {l, &view};
+	const struct rb_element_query query = rb_external_query(&at);
+	const struct rb_pose pose = query.pose(&query, i);
 
 	load->force = world->loads->force[i];
 	load->torque = world->loads->torque[i];
-	for (int k = 0; k < scene->spring_count; k++) {
-		const struct rb_spring_def *spring = &scene->springs[k];
-		struct rb_spring_force at;
+	for (int k = 0; k < model->element_list_count; k++) {
+		const struct rb_elements *elements = &model->elements[k];
+		struct rb_wrench on;
 
-		if ((spring->a != id && spring->b != id) || !rb_spring_force_at(l, k, &view, &at))
-			continue;
-		const double sign = spring->a == id ? 1 : -1;
-		const rb_vec3 end = spring->a == id ? at.end_a : at.end_b;
-
-		add(&load->force, sign, at.force);
-		add(&load->torque, sign,
-		    rb_vec3_cross(rb_vec3_sub(end, center_of(world, i)), at.force));
+		for (int m = elements->end ? elements->first[i] : 0;
+		     elements->end && m < elements->first[i + 1]; m++) {
+			if (!elements->kind->act(&query, rb_elements_row(elements, elements->of[m]),
+			                         i, &pose, &on))
+				continue;
+			add(&load->force, 1, on.force);
+			add(&load->torque, 1, on.torque);
+		}
 	}
 }
 

@@ -443,6 +443,15 @@ int64_t rb_step_count(double interval, double time_step)
 	return count >= 1 ? (int64_t)fmin(count, 0x1p62) : 1;
 }
 
+int64_t rb_frame_step_count(const struct rb_model *model, double begin, double end)
+{
+	/* the difference of two times has their rounding: a whole interval is known better */
+	const double interval = 1 / model->frame_rate;
+	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
+
+	return rb_step_count(whole ? interval : end - begin, model->time_step_s);
+}
+
 /* From `begin` to `end`, in so many steps. */
 static enum rb_status run_frame(struct rb_world *world, double begin, double end, int64_t steps,
                                 struct rb_error *err)
@@ -456,8 +465,8 @@ static enum rb_status run_frame(struct rb_world *world, double begin, double end
 
 		if (status != RB_OK && status != RB_ERR_INTERRUPT)
 			return status;
-		const bool look = k % STEPS_PER_POLL == STEPS_PER_POLL - 1 && k + 1 < steps;
-		if (status == RB_ERR_INTERRUPT || (look && rb_world_is_stopped(world))) {
+		const bool polls = k % STEPS_PER_POLL == STEPS_PER_POLL - 1 && k + 1 < steps;
+		if (status == RB_ERR_INTERRUPT || (polls && rb_world_is_stopped(world))) {
 			world->stopped = true;
 			return RB_OK;
 		}
@@ -471,13 +480,8 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 	const struct rb_model *model = world->model;
 	const double begin = rb_model_frame_time(model, world->state.frame);
 	const double end = rb_model_frame_time(model, world->state.frame + 1);
-	/* the difference of two times has their rounding: a whole interval is known better */
-	const double interval = 1 / model->frame_rate;
-	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
 	const bool by_steps = !world->located || rb_engine_wants_steps(world->located);
-	const int64_t steps = by_steps ? rb_step_count(whole ? interval : end - begin,
-	                                               model->time_step_s)
-	                               : 1;
+	const int64_t steps = by_steps ? rb_frame_step_count(model, begin, end) : 1;
 	struct restart before;
 	world->stopped = false;
 	enum rb_status status = remember(world, can_change_method(world) && !has_callbacks(world),

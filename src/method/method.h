@@ -16,5 +16,7 @@
  * number being it.
  */
 int64_t rb_step_count(double interval_s, double time_step_s);
+/* Of the interval between two frames of the model, or what there is of one at the run's end. */
+int64_t rb_frame_step_count(const struct rb_model *model, double begin_s, double end_s);
 
 #endif

@@ -38,7 +38,7 @@ static struct rb_frame_numbers since_start(const struct rb_world *world,
 	const rb_vec3 force = model->scene->world.gravity_force;
 	struct rb_frame_numbers since = *numbers;
 
-	since.potential_energy = rb_world_spring_energy(world);
+	since.potential_energy = rb_world_element_energy(world);
 	for (int i = 0; i < model->body_count; i++) {
 		if (model->driven && model->driven[i])
 			continue;
@@ -110,7 +110,7 @@ void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *n
 	}
 	*numbers = (struct rb_frame_numbers){.kinetic_energy = 0.5 * twice_kinetic,
 	                                     .potential_energy = potential +
-	                                                         rb_world_spring_energy(world),
+	                                                         rb_world_element_energy(world),
 	                                     .momentum = momentum,
 	                                     .angular_momentum = angular};
 	if (world->ledger.kept)
@@ -183,8 +183,8 @@ static bool fill_events(struct rb_world *world, struct rb_frame *frame)
 {
 	size_t capacity = (size_t)frame->event_capacity;
 
-	if (!rb_memory_reserve(&frame->events, &capacity, world->events.count,
-	                       sizeof *frame->events))
+	if (world->events.lost || !rb_memory_reserve(&frame->events, &capacity, world->events.count,
+	                                             sizeof *frame->events))
 		return false;
 	frame->event_capacity = (int)capacity;
 	frame->event_count = (int)world->events.count;

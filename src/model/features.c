@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "geom/mass.h"
+#include "model/element.h"
 #include "model/validate.h"
 
 /* Bodies that are alike for the question who can meet whom, and with what material. */
@@ -13,7 +14,7 @@ struct kind {
 };
 
 /* With more kinds than this the answer is a plain yes: it costs columns, not correctness. */
-enum { KINDS_MOST = 256 };
+enum { KINDS_MAX = 256 };
 
 static bool callbacks(const struct rb_feature_facts *facts)
 {
@@ -47,7 +48,7 @@ static bool has_rotation(const struct rb_feature_facts *facts)
 	return facts->driven_turns ||
 	       (facts->moves &&
 	        (facts->spins || facts->friction || facts->torque || callbacks(facts) ||
-	         ((facts->off_center || facts->angular) && facts->meet)));
+	         ((facts->off_center || facts->angular) && facts->can_touch)));
 }
 
 static bool has_gyroscopic(const struct rb_feature_facts *facts)
@@ -62,7 +63,7 @@ static bool has_off_center(const struct rb_feature_facts *facts)
 
 static bool has_contact(const struct rb_feature_facts *facts)
 {
-	return facts->meet;
+	return facts->can_touch;
 }
 
 static bool has_friction(const struct rb_feature_facts *facts)
@@ -101,19 +102,34 @@ static bool has_events(const struct rb_feature_facts *facts)
 	       has_hook_transition(facts);
 }
 
+/* Elements of the kinds that the bit stands for, if one of them does anything. */
+static bool has_elements(const struct rb_feature_facts *facts, rb_features bit)
+{
+	for (int place = 0; place < rb_element_kind_count; place++) {
+		const struct rb_element_kind *kind = rb_element_kinds[place];
+
+		for (int k = 0; kind->feature == bit && k < facts->scene->elements[place].count;
+		     k++)
+			if (!kind->matters ||
+			    kind->matters(rb_scene_element(facts->scene, kind, k)))
+				return facts->moves;
+	}
+	return false;
+}
+
 static bool has_springs(const struct rb_feature_facts *facts)
 {
-	return facts->moves && facts->scene->spring_count > 0;
+	return has_elements(facts, RB_FEATURE_SPRINGS);
 }
 
 static bool has_drag(const struct rb_feature_facts *facts)
 {
-	bool some = false;
+	return has_elements(facts, RB_FEATURE_DRAG);
+}
 
-	for (int i = 0; i < facts->scene->drag_count; i++)
-		some = some || facts->scene->drags[i].linear > 0 ||
-		       facts->scene->drags[i].quadratic > 0;
-	return facts->moves && some;
+static bool has_other_elements(const struct rb_feature_facts *facts)
+{
+	return has_elements(facts, RB_FEATURE_ELEMENTS);
 }
 
 static bool has_field(const struct rb_feature_facts *facts)
@@ -169,6 +185,8 @@ static const struct rb_feature_row rows[] = {
          "no body has 'motion'"},
 	{RB_FEATURE_HOOK_TRANSITION, "on_transition", has_hook_transition,
          "the scene's callback of every transition", "the scene has no 'on_transition'"},
+	{RB_FEATURE_ELEMENTS, "elements", has_other_elements, "other forces by calls of their own",
+         "the scene has none"},
 };
 
 const struct rb_feature_row *rb_feature_rows(int *count)
@@ -185,7 +203,7 @@ static bool alike(const struct rb_body_def *a, const struct rb_body_def *b)
 	       rb_body_group_bit(a) == rb_body_group_bit(b);
 }
 
-static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MOST])
+static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MAX])
 {
 	int count = 0;
 
@@ -194,7 +212,7 @@ static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MOST
 
 		while (k < count && !alike(kinds[k].body, &scene->bodies[i]))
 			k++;
-		if (k == KINDS_MOST)
+		if (k == KINDS_MAX)
 			return -1;
 		if (k == count)
 			kinds[count++] = (struct kind){.body = &scene->bodies[i]};
@@ -207,11 +225,11 @@ static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MOST
 static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_material *pair)
 {
 	const struct rb_scene *scene = facts->scene;
-	struct kind kinds[KINDS_MOST];
+	struct kind kinds[KINDS_MAX];
 	const int count = find_kinds(scene, kinds);
 
 	if (count < 0) {
-		facts->meet = facts->friction = facts->restitution = true;
+		facts->can_touch = facts->friction = facts->restitution = true;
 		return;
 	}
 	for (int a = 0; a < count; a++) {
@@ -222,7 +240,7 @@ static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_mater
 			const struct rb_pair_material *p =
 				&pair[kinds[a].body->material * scene->material_count +
 			              kinds[b].body->material];
-			facts->meet = true;
+			facts->can_touch = true;
 			facts->friction = facts->friction || p->friction > 0;
 			facts->restitution = facts->restitution || p->restitution > 0;
 		}
@@ -238,23 +256,31 @@ static bool twists(const struct rb_force_def *force, rb_vec3 center_of_mass)
 	       rb_vec3_max_abs(rb_vec3_sub(force->point, center_of_mass)) > 0;
 }
 
-static void see_springs(struct rb_feature_facts *facts)
+static bool is_turned_by(const struct rb_scene *scene, const struct rb_element_kind *kind,
+                         const void *row)
 {
-	const struct rb_scene *scene = facts->scene;
+	int id[2];
 
-	for (int i = 0; i < scene->spring_count; i++) {
-		const struct rb_spring_def *spring = &scene->springs[i];
-		const int id[2] = {spring->a, spring->b};
-		const rb_vec3 at[2] = {spring->at_a, spring->at_b};
-
-		for (int k = 0; k < 2; k++) {
-			const struct rb_body_def *body = &scene->bodies[id[k]];
-			facts->torque = facts->torque ||
-			                (rb_body_is_free(body) && !isnan(at[k].x) &&
-			                 rb_vec3_max_abs(rb_vec3_sub(at[k], body->center_of_mass)) >
-			                         0);
-		}
+	if (!kind->turns)
+		return false;
+	if (kind->ends) {
+		kind->ends(row, id);
+		return (rb_body_is_free(&scene->bodies[id[0]]) && kind->turns(scene, row, id[0])) ||
+		       (rb_body_is_free(&scene->bodies[id[1]]) && kind->turns(scene, row, id[1]));
 	}
+	for (int i = 0; i < scene->body_count; i++)
+		if (rb_body_is_free(&scene->bodies[i]) && kind->turns(scene, row, i))
+			return true;
+	return false;
+}
+
+static void see_elements(struct rb_feature_facts *facts)
+{
+	for (int place = 0; place < rb_element_kind_count; place++)
+		for (int k = 0; k < facts->scene->elements[place].count && !facts->torque; k++)
+			facts->torque = is_turned_by(
+				facts->scene, rb_element_kinds[place],
+				rb_scene_element(facts->scene, rb_element_kinds[place], k));
 }
 
 static bool has_unequal_moments(const struct rb_scene *scene, const struct rb_body_def *body)
@@ -290,7 +316,7 @@ struct rb_feature_facts rb_feature_facts_of(const struct rb_scene *scene,
 			facts.torque = facts.torque || twists(&scene->forces[body->force_first + f],
 			                                      body->center_of_mass);
 	}
-	see_springs(&facts);
+	see_elements(&facts);
 	if (facts.moves)
 		see_pairs(&facts, pair);
 	return facts;

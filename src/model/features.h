@@ -12,7 +12,7 @@
 struct rb_feature_facts {
 	const struct rb_scene *scene;
 	bool moves;        /* forces and impacts move some body */
-	bool meet;         /* some pair of bodies could touch */
+	bool can_touch;    /* some pair of bodies could touch */
 	bool friction;     /* ... of which the materials have friction */
 	bool restitution;  /* ... restitution */
 	bool spins;        /* an angular velocity to begin with */
@@ -20,7 +20,7 @@ struct rb_feature_facts {
 	bool angular;      /* a moving body that is no sphere: contacts pass beside its centre */
 	bool unequal;      /* a moving body with unequal principal moments */
 	bool forces;       /* a list of forces that is not empty */
-	bool torque;       /* one of them, or a spring, acts off the centre of mass */
+	bool torque;       /* one of them, or a force element, acts off the centre of mass */
 	bool driven;       /* a body with `motion` */
 	bool driven_turns; /* ... that returns an orientation */
 	bool filters;

@@ -8,6 +8,7 @@
 #include "geom/mass.h"
 #include "math/quat.h"
 #include "model/validate.h"
+#include "model/element.h"
 #include "model/features.h"
 #include "model/parts.h"
 
@@ -136,9 +137,6 @@ static void take_columns(struct rb_model *model, bool *failed)
 	                                       sizeof *model->inverse_inertia_scalar, failed);
 	model->center_of_mass = column(model, off_center, all, sizeof *model->center_of_mass,
 	                               failed);
-	model->rest_length_m = column(model, model->scene->spring_count > 0,
-	                              (size_t)model->scene->spring_count,
-	                              sizeof *model->rest_length_m, failed);
 	model->group_bit = column(model, filters, all, sizeof *model->group_bit, failed);
 	model->collides = column(model, filters, all, sizeof *model->collides, failed);
 	model->position = column(model, true, all, sizeof *model->position, failed);
@@ -207,7 +205,7 @@ static void fill_body(struct rb_model *model, int index)
  * With more bodies the ledger is for who asks: it costs some two hundredths of the time of a
  * located crowd, five of that of steps.
  */
-enum { LEDGER_BODIES_MOST = 64 };
+enum { LEDGER_BODIES_MAX = 64 };
 
 static void fill_numbers(struct rb_model *model)
 {
@@ -225,7 +223,7 @@ static void fill_numbers(struct rb_model *model)
 	model->size_mean_m = sizes.size_mean_m;
 	model->coordinate_max_m = sizes.coordinate_max_m;
 	model->keeps_ledger = record->ledger_given ? record->ledger
-	                                           : model->body_count <= LEDGER_BODIES_MOST;
+	                                           : model->body_count <= LEDGER_BODIES_MAX;
 	model->rollback = world->rollback;
 	model->method = world->method;
 	model->frame_count = (uint64_t)rb_frame_intervals(model->duration_s, model->frame_rate,
@@ -275,10 +273,8 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	number_bodies(model);
 	for (int i = 0; i < scene->body_count; i++)
 		fill_body(model, i);
-	for (int i = 0; i < scene->spring_count; i++)
-		model->rest_length_m[i] = rb_spring_rest_length(scene, &scene->springs[i]);
 	fill_numbers(model);
-	return RB_OK;
+	return rb_elements_create(model, err);
 }
 
 enum rb_status rb_model_create(struct rb_model **model, const struct rb_scene *scene,
@@ -312,7 +308,7 @@ void rb_model_destroy(struct rb_model *model)
 	rb_memory_free(model->mass);
 	rb_memory_free(model->inverse_mass);
 	rb_memory_free(model->driven);
-	rb_memory_free(model->rest_length_m);
+	rb_elements_destroy(model);
 	rb_memory_free(model->inertia);
 	rb_memory_free(model->inverse_inertia);
 	rb_memory_free(model->inverse_inertia_scalar);

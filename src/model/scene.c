@@ -25,8 +25,6 @@ enum {
 	ARRAY_BODIES,
 	ARRAY_SOLIDS,
 	ARRAY_FORCES,
-	ARRAY_SPRINGS,
-	ARRAY_DRAGS,
 	ARRAY_FIELDS,
 	ARRAY_GROUPS,
 	ARRAY_CAMERAS,
@@ -174,8 +172,8 @@ void rb_scene_release(struct rb_scene *scene)
 	rb_memory_free(scene->bodies);
 	rb_memory_free(scene->solids);
 	rb_memory_free(scene->forces);
-	rb_memory_free(scene->springs);
-	rb_memory_free(scene->drags);
+	for (int k = 0; k < RB_ELEMENT_KINDS_MAX; k++)
+		rb_memory_free(scene->elements[k].rows);
 	rb_memory_free(scene->fields);
 	rb_memory_free(scene->groups);
 	rb_memory_free(scene->cameras);
@@ -218,17 +216,6 @@ struct rb_force_def rb_force_def_default(void)
 		.point = {(double)NAN, 0, 0},
 		.duration_s = (double)INFINITY,
 		.frame = RB_FORCE_WORLD,
-	};
-}
-
-struct rb_spring_def rb_spring_def_default(void)
-{
-	return (struct rb_spring_def){
-		.a = -1,
-		.b = -1,
-		.at_a = {(double)NAN, 0, 0},
-		.at_b = {(double)NAN, 0, 0},
-		.rest_length_m = (double)NAN,
 	};
 }
 
@@ -333,24 +320,6 @@ enum rb_status rb_scene_add_force(struct rb_scene *scene, const struct rb_force_
 		return out_of_memory("forces", err);
 	scene->forces[scene->force_count++] = *def;
 	scene->bodies[scene->body_count - 1].force_count++;
-	return RB_OK;
-}
-
-enum rb_status rb_scene_add_spring(struct rb_scene *scene, const struct rb_spring_def *def,
-                                   struct rb_error *err)
-{
-	if (!room(scene, &scene->springs, ARRAY_SPRINGS, scene->spring_count, sizeof *def))
-		return out_of_memory("springs", err);
-	scene->springs[scene->spring_count++] = *def;
-	return RB_OK;
-}
-
-enum rb_status rb_scene_add_drag(struct rb_scene *scene, const struct rb_drag_def *def,
-                                 struct rb_error *err)
-{
-	if (!room(scene, &scene->drags, ARRAY_DRAGS, scene->drag_count, sizeof *def))
-		return out_of_memory("drags", err);
-	scene->drags[scene->drag_count++] = *def;
 	return RB_OK;
 }
 

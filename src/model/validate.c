@@ -14,15 +14,16 @@
 #include "geom/grid.h"
 #include "geom/mass.h"
 #include "math/quat.h"
+#include "model/element.h"
 #include "model/parts.h"
 
 enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 };
 
 /* Beyond these, frames are no longer told apart by a double, or a frame would never end. */
-static const double frames_most = 0x1p53;
-static const double steps_per_frame_most = 1e9;
+static const double frames_max = 0x1p53;
+static const double steps_per_frame_max = 1e9;
 /* m and m/s: beyond it, sums and squares of coordinates leave the doubles. */
-static const double coordinate_most = 1e300;
+static const double coordinate_max = 1e300;
 
 struct check {
 	const struct rb_scene *scene;
@@ -200,18 +201,17 @@ static void check_world(struct check *check)
 
 	/* where steps tell it, a mistake of the frame rate or the time step is told below */
 	if (isnan(world->duration_s) && world->steps == 0)
-		world_mistake(
-			check,
-			"world: 'duration' is missing (wanted seconds, here or by --duration, or 'steps')");
+		world_mistake(check, "world: 'duration' is missing (wanted seconds, here or by "
+		                     "--duration, or 'steps')");
 	else if (!positive(duration_s) && (!isnan(world->duration_s) || (has_rate && has_step)))
 		world_mistake(check, "world: 'duration' must be positive and finite (got %g s)",
 		              duration_s);
-	else if (has_rate && has_step && !(duration_s * world->frame_rate < frames_most))
-		world_mistake(
-			check,
-			"world: 'duration' %g s times 'frame_rate' %g makes %g frames (wanted less than "
-			"2^53)",
-			duration_s, world->frame_rate, duration_s * world->frame_rate);
+	else if (has_rate && has_step && !(duration_s * world->frame_rate < frames_max))
+		world_mistake(check,
+		              "world: 'duration' %g s times 'frame_rate' %g makes %g frames "
+		              "(wanted less than "
+		              "2^53)",
+		              duration_s, world->frame_rate, duration_s * world->frame_rate);
 	if (!has_rate)
 		world_mistake(check, "world: 'frame_rate' must be positive and finite (got %g)",
 		              world->frame_rate);
@@ -223,9 +223,9 @@ static void check_world(struct check *check)
 		              world->time_step_s);
 	else if (!isnan(world->time_step_s) && has_rate &&
 	         !(fmin(1 / world->frame_rate, duration_s) / world->time_step_s <=
-	           steps_per_frame_most))
+	           steps_per_frame_max))
 		world_mistake(check, "world: 'time_step' %g s cuts a frame into more than %g steps",
-		              world->time_step_s, steps_per_frame_most);
+		              world->time_step_s, steps_per_frame_max);
 	if (!rb_vec3_finite(world->gravity) || !rb_vec3_finite(world->gravity_force))
 		world_mistake(check, "world: 'gravity' must be finite");
 }
@@ -241,11 +241,11 @@ static void check_tolerance(struct check *check)
 		world_mistake(check, "world: 'tolerance' must be positive and finite (got %g m)",
 		              given);
 	else if (given < least)
-		world_mistake(
-			check,
-			"world: 'tolerance' %g m is below what coordinates resolve (wanted at least %g m, "
-			"8 ulp of the largest coordinate or size %g m)",
-			given, least, check->sizes.coordinate_max_m);
+		world_mistake(check,
+		              "world: 'tolerance' %g m is below what coordinates resolve (wanted "
+		              "at least %g m, "
+		              "8 ulp of the largest coordinate or size %g m)",
+		              given, least, check->sizes.coordinate_max_m);
 }
 
 static void check_mass(struct check *check, int id)
@@ -259,17 +259,17 @@ static void check_mass(struct check *check, int id)
 	}
 	if (!positive(mass) || !isfinite(1 / mass)) {
 		if (isnan(body->mass))
-			body_mistake(
-				check, id,
-				"its mass comes out as %g kg (density %g kg/m^3, volume %g m^3; wanted a "
-				"positive mass that a double holds)",
-				mass, density_of(check->scene, body),
-				rb_shape_volume(check->scene->solids, &body->shape));
+			body_mistake(check, id,
+			             "its mass comes out as %g kg (density %g kg/m^3, volume %g "
+			             "m^3; wanted a "
+			             "positive mass that a double holds)",
+			             mass, density_of(check->scene, body),
+			             rb_shape_volume(check->scene->solids, &body->shape));
 		else
-			body_mistake(
-				check, id,
-				"'mass' must be positive and finite, and so its inverse (got %g kg)",
-				mass);
+			body_mistake(check, id,
+			             "'mass' must be positive and finite, and so its inverse (got "
+			             "%g kg)",
+			             mass);
 		return;
 	}
 	/* particles without a turn to resist may lie anywhere */
@@ -277,10 +277,10 @@ static void check_mass(struct check *check, int id)
 		return;
 	if (body->particle_count > 0 &&
 	    rb_particles_in_line(&body->inertia, body->particle_count)) {
-		body_mistake(
-			check, id,
-			"'particles' lie on one line or at one point, so that nothing resists turning about it (wanted "
-			"some off the line, or 'mass' and 'inertia' instead)");
+		body_mistake(check, id,
+		             "'particles' lie on one line or at one point, so that nothing resists "
+		             "turning about it (wanted "
+		             "some off the line, or 'mass' and 'inertia' instead)");
 		return;
 	}
 	const char *fault = body->has_inertia ? rb_inertia_fault(&body->inertia) : NULL;
@@ -300,11 +300,11 @@ static void check_mass(struct check *check, int id)
 	for (int i = 0; held && i < 9; i++)
 		held = isfinite(inverse.m[i / 3][i % 3]);
 	if (!held)
-		body_mistake(
-			check, id,
-			"its inertia comes out as %g kg m^2 (wanted one that a double holds, and so its "
-			"inverse)",
-			inertia.m[0][0]);
+		body_mistake(check, id,
+		             "its inertia comes out as %g kg m^2 (wanted one that a double holds, "
+		             "and so its "
+		             "inverse)",
+		             inertia.m[0][0]);
 }
 
 static bool check_sizes(struct check *check, int id)
@@ -351,16 +351,16 @@ static bool check_shape(struct check *check, int id)
 	const struct rb_body_def *body = &check->scene->bodies[id];
 	bool good = check_sizes(check, id);
 
-	if (!(rb_vec3_max_abs(body->position) <= coordinate_most) ||
+	if (!(rb_vec3_max_abs(body->position) <= coordinate_max) ||
 	    !rb_vec3_finite(body->position)) {
 		body_mistake(check, id, "'position' must lie within %g m (got %g, %g, %g)",
-		             coordinate_most, body->position.x, body->position.y, body->position.z);
+		             coordinate_max, body->position.x, body->position.y, body->position.z);
 		good = false;
 	}
 	if (good &&
-	    !(rb_shape_reach(check->scene->solids, &body->shape) <= coordinate_most &&
-	      body->shape.size[0] <= coordinate_most && body->shape.size[1] <= coordinate_most)) {
-		body_mistake(check, id, "its size must be at most %g m", coordinate_most);
+	    !(rb_shape_reach(check->scene->solids, &body->shape) <= coordinate_max &&
+	      body->shape.size[0] <= coordinate_max && body->shape.size[1] <= coordinate_max)) {
+		body_mistake(check, id, "its size must be at most %g m", coordinate_max);
 		good = false;
 	}
 	if (!(fabs(rb_quat_length(body->orientation) - 1) <= 1e-3)) {
@@ -385,10 +385,10 @@ static void check_forces(struct check *check, int id)
 		if (!rb_vec3_finite(force->vector) || !rb_vec3_finite(force->torque) ||
 		    !isfinite(force->start_s) || isnan(force->duration_s) ||
 		    (!isnan(force->point.x) && !rb_vec3_finite(force->point)))
-			body_mistake(
-				check, id,
-				"'forces' entry %d must have a finite vector, torque, point and start",
-				i + 1);
+			body_mistake(check, id,
+			             "'forces' entry %d must have a finite vector, torque, point "
+			             "and start",
+			             i + 1);
 	}
 }
 
@@ -450,74 +450,9 @@ static bool check_bodies(struct check *check)
 	return good;
 }
 
-const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring_def *spring)
+static void lacks(struct check *check, const char *what)
 {
-	RB_ASSERT(spring->a >= 0 && spring->a < scene->body_count);
-	RB_ASSERT(spring->b >= 0 && spring->b < scene->body_count);
-	if (spring->a == spring->b)
-		return "both ends are on the same body";
-	if (!rb_body_is_free(&scene->bodies[spring->a]) &&
-	    !rb_body_is_free(&scene->bodies[spring->b]))
-		return "nothing can move either end: one must be on a body that is neither static nor driven";
-	return NULL;
-}
-
-/* World coordinates of one end at the start. */
-static rb_vec3 spring_end(const struct rb_body_def *body, rb_vec3 at)
-{
-	const rb_vec3 local = isnan(at.x) ? body->center_of_mass : at;
-
-	return rb_vec3_add(body->position, rb_quat_rotate(rb_quat_unit(body->orientation), local));
-}
-
-static rb_vec3 spring_span(const struct rb_scene *scene, const struct rb_spring_def *spring)
-{
-	return rb_vec3_sub(spring_end(&scene->bodies[spring->b], spring->at_b),
-	                   spring_end(&scene->bodies[spring->a], spring->at_a));
-}
-
-double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_spring_def *spring)
-{
-	return isnan(spring->rest_length_m) ? rb_vec3_length(spring_span(scene, spring))
-	                                    : spring->rest_length_m;
-}
-
-static void check_spring(struct check *check, const struct rb_spring_def *spring)
-{
-	const char *fault = rb_spring_fault(check->scene, spring);
-	const double rest = spring->rest_length_m;
-
-	if (fault) {
-		line_mistake(check, spring->line, "spring: %s", fault);
-		return;
-	}
-	if (!(spring->stiffness >= 0 && isfinite(spring->stiffness)) ||
-	    !(spring->damping >= 0 && isfinite(spring->damping)) ||
-	    !(isnan(rest) || (rest >= 0 && isfinite(rest)))) {
-		line_mistake(
-			check, spring->line,
-			"spring: 'stiffness', 'damping' and 'rest_length' must be finite and 0 or more "
-			"(got %g, %g and %g)",
-			spring->stiffness, spring->damping, rest);
-		return;
-	}
-	const rb_vec3 span = spring_span(check->scene, spring);
-	if (rest > 0 && !(rb_vec3_max_abs(span) > 0))
-		line_mistake(
-			check, spring->line,
-			"spring: its ends are at one point at the start, so that its 'rest_length' %g m has "
-			"no direction (wanted 0, or ends apart)",
-			rest);
-}
-
-static void check_drag(struct check *check, const struct rb_drag_def *drag)
-{
-	if (!(drag->linear >= 0 && isfinite(drag->linear)) ||
-	    !(drag->quadratic >= 0 && isfinite(drag->quadratic)))
-		line_mistake(
-			check, drag->line,
-			"drag: 'linear' and 'quadratic' must be finite and 0 or more (got %g and %g)",
-			drag->linear, drag->quadratic);
+	world_mistake(check, "world: method 'classic' has no %s: use 'located' or 'auto'", what);
 }
 
 /* Classic steps have no stages for these: they would leave them out without a word. */
@@ -530,26 +465,34 @@ static void check_method(struct check *check)
 		return;
 	for (int i = 0; i < scene->body_count; i++)
 		driven = driven || rb_body_is_driven(&scene->bodies[i]);
-	const struct {
-		bool present;
-		const char *what;
-	} lacks[] = {{scene->spring_count > 0, "springs"},
-	             {scene->drag_count > 0, "drag"},
-	             {scene->field_count > 0, "fields"},
-	             {driven, "driven bodies ('motion')"}};
-	for (size_t i = 0; i < sizeof lacks / sizeof lacks[0]; i++)
-		if (lacks[i].present)
-			world_mistake(check,
-			              "world: method 'classic' has no %s: use 'located' or 'auto'",
-			              lacks[i].what);
+	for (int place = 0; place < rb_element_kind_count; place++)
+		if (scene->elements[place].count > 0)
+			lacks(check, rb_element_kinds[place]->plural);
+	if (scene->field_count > 0)
+		lacks(check, "fields");
+	if (driven)
+		lacks(check, "driven bodies ('motion')");
 }
 
-static void check_links(struct check *check)
+static void check_element(struct check *check, const struct rb_element_kind *kind, const void *row)
 {
-	for (int i = 0; i < check->scene->spring_count; i++)
-		check_spring(check, &check->scene->springs[i]);
-	for (int i = 0; i < check->scene->drag_count; i++)
-		check_drag(check, &check->scene->drags[i]);
+	const char *const ends = rb_element_ends_fault(check->scene, kind, row);
+	char text[RB_ELEMENT_FAULT_SIZE];
+	int line;
+
+	memcpy(&line, (const char *)row + kind->line_at, sizeof line);
+	if (ends)
+		line_mistake(check, line, "%s: %s", kind->name, ends);
+	else if (kind->fault && kind->fault(check->scene, row, text))
+		line_mistake(check, line, "%s: %s", kind->name, text);
+}
+
+static void check_elements(struct check *check)
+{
+	for (int place = 0; place < rb_element_kind_count; place++)
+		for (int k = 0; k < check->scene->elements[place].count; k++)
+			check_element(check, rb_element_kinds[place],
+			              rb_scene_element(check->scene, rb_element_kinds[place], k));
 }
 
 /* The place of the last earlier body of that name among items[0 .. i), or -1. */
@@ -566,9 +509,9 @@ static int same_name(const struct rb_scene *scene, const struct rb_sort_item *it
 static enum rb_status check_names(struct check *check, struct rb_error *err)
 {
 	const struct rb_scene *scene = check->scene;
-	const size_t most = (size_t)scene->body_count;
-	struct rb_sort_item *items = rb_memory_take(2 * most, sizeof *items);
-	int *taken = rb_memory_take(most, sizeof *taken); /* id of the other + 1, by id */
+	const size_t max = (size_t)scene->body_count;
+	struct rb_sort_item *items = rb_memory_take(2 * max, sizeof *items);
+	int *taken = rb_memory_take(max, sizeof *taken); /* id of the other + 1, by id */
 	size_t count = 0;
 
 	for (int i = 0; items && taken && i < scene->body_count; i++) {
@@ -579,7 +522,7 @@ static enum rb_status check_names(struct check *check, struct rb_error *err)
 			                                       (uint64_t)i};
 	}
 	if (count > 0)
-		rb_sort_by_key(items, items + most, count);
+		rb_sort_by_key(items, items + max, count);
 	/* equal names have equal keys and stand together, the earlier body first */
 	for (size_t i = 1; i < count; i++)
 		taken[items[i].value] = same_name(scene, items, i) + 1;
@@ -760,12 +703,11 @@ enum rb_status rb_scene_check(const struct rb_scene *scene, bool turns,
 	const int before = check.mistakes->count;
 	check_world(&check);
 	if (scene->body_count == 0)
-		world_mistake(
-			&check,
-			"the scene has no body (wanted at least one, such as sphere { radius = 1 })");
+		world_mistake(&check, "the scene has no body (wanted at least one, such as sphere "
+		                      "{ radius = 1 })");
 	const bool good = check_bodies(&check);
 	check_method(&check);
-	check_links(&check);
+	check_elements(&check);
 	status = check_names(&check, err);
 	if (good)
 		check_tolerance(&check);

@@ -25,17 +25,6 @@ static inline uint64_t rb_body_collides(const struct rb_body_def *body)
 	return body->filters ? body->collides_with : UINT64_MAX;
 }
 
-static inline bool rb_body_is_driven(const struct rb_body_def *body)
-{
-	return body->motion >= 0;
-}
-
-/* Impacts and forces move it. */
-static inline bool rb_body_is_free(const struct rb_body_def *body)
-{
-	return !body->is_static && !rb_body_is_driven(body);
-}
-
 /* Without a volume: nothing can push it. */
 static inline bool rb_shape_is_flat(const struct rb_shape *shape)
 {
@@ -57,12 +46,6 @@ rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *
 
 /* Distance to the next double, of |x|. */
 double rb_ulp(double x);
-
-/* What is wrong with the bodies of a spring, NULL: nothing. */
-const char *rb_spring_fault(const struct rb_scene *scene, const struct rb_spring_def *spring);
-
-/* m: as given, or its length at the start. */
-double rb_spring_rest_length(const struct rb_scene *scene, const struct rb_spring_def *spring);
 
 struct rb_sizes {
 	double size_min_m;       /* smallest radius or half-edge of a moving body, 0: none moves */

@@ -147,10 +147,10 @@ static void read_particles(struct rb_call *call, struct rb_body_def *def)
 			rb_call_mistake(call, "'particles' and '%s' exclude each other", others[i]);
 	const size_t count = lua_type(L, -1) == LUA_TTABLE ? lua_rawlen(L, -1) : 0;
 	if (count == 0) {
-		rb_call_mistake(
-			call,
-			"'particles' must be a list of tables {{mass = ..., position = {...}}, ...} (got %s)",
-			rb_describe(L, -1, found));
+		rb_call_mistake(call,
+		                "'particles' must be a list of tables {{mass = ..., position = "
+		                "{...}}, ...} (got %s)",
+		                rb_describe(L, -1, found));
 		lua_settop(L, top);
 		return;
 	}
@@ -230,9 +230,8 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 	for (lua_pushnil(L); lua_next(L, -2); lua_pop(L, 1))
 		keys++;
 	if (keys != count)
-		rb_call_mistake(
-			call,
-			"'collides_with' must be a list of names of groups (got a table with keys)");
+		rb_call_mistake(call, "'collides_with' must be a list of names of groups (got a "
+		                      "table with keys)");
 	for (lua_Integer i = 1; i <= count; i++) {
 		lua_rawgeti(L, -1, i);
 		const int group = group_of(call, "collides_with");
@@ -395,11 +394,11 @@ static int l_plane(lua_State *L)
 	if (driven && !rb_call_tried(&call, "static"))
 		def.is_static = false;
 	if (!driven && !def.is_static) {
-		rb_call_mistake(
-			&call,
-			"'static' = false: %s has no mass, so that nothing can push it ('motion' says how it moves)",
-			def.shape.kind == RB_SHAPE_RECTANGLE ? "a plane without thickness"
-							     : "an infinite plane");
+		rb_call_mistake(&call,
+		                "'static' = false: %s has no mass, so that nothing can push it "
+		                "('motion' says how it moves)",
+		                def.shape.kind == RB_SHAPE_RECTANGLE ? "a plane without thickness"
+		                                                     : "an infinite plane");
 		def.is_static = true;
 	}
 	place_plane(&call, &def);

@@ -137,10 +137,10 @@ bool rb_camera_is_numbered(const char *pattern)
 static void check_outputs(const struct rb_call *call, const struct rb_camera_def *def)
 {
 	if (def->png && !rb_camera_is_numbered(def->png))
-		rb_call_mistake(
-			call,
-			"'png' must hold one %%d for the number of the picture, like 'frames/%%05d.png' (got '%.60s')",
-			def->png);
+		rb_call_mistake(call,
+		                "'png' must hold one %%d for the number of the picture, like "
+		                "'frames/%%05d.png' (got '%.60s')",
+		                def->png);
 	if (!def->video)
 		return;
 	const char *dot = strrchr(def->video, '.');
@@ -154,9 +154,8 @@ static void check_projection(const struct rb_call *call, const struct rb_camera_
 {
 	if (!def->orthographic && rb_call_tried(call, "height") &&
 	    rb_call_given(call, "projection") == rb_call_tried(call, "projection"))
-		rb_call_mistake(
-			call,
-			"'height' goes with projection = \"orthographic\" (a perspective has 'fov')");
+		rb_call_mistake(call, "'height' goes with projection = \"orthographic\" (a "
+		                      "perspective has 'fov')");
 	if (def->orthographic && rb_call_tried(call, "fov"))
 		rb_call_mistake(call, "an orthographic projection has no 'fov' (use 'height', m)");
 	if (def->orthographic && !def->framed && !rb_call_tried(call, "height") &&
@@ -184,10 +183,9 @@ static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 			rb_call_mistake(call,
 			                "'frustum' excludes 'fov', 'height', 'near' and 'far'");
 		if (!(f[0] < f[1] && f[2] < f[3] && f[4] > 0 && f[4] < f[5]))
-			rb_call_mistake(
-				call,
-				"'frustum' must be {left, right, bottom, top, near, far} with left < right, "
-				"bottom < top and 0 < near < far");
+			rb_call_mistake(call, "'frustum' must be {left, right, bottom, top, near, "
+			                      "far} with left < right, "
+			                      "bottom < top and 0 < near < far");
 	}
 	check_projection(call, def);
 	if (def->near >= def->far)

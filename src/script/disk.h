@@ -10,7 +10,8 @@ enum { RB_DISK_PATH_SIZE = 4096 };
 /* What a file may be. */
 struct rb_disk_limit {
 	size_t bytes_max; /* a whole number of MiB */
-	bool pipes; /* also a pipe or a device: what waits for the other end, without end if it must */
+	/* also a pipe or a device: what waits for the other end, without end if it must */
+	bool pipes;
 };
 extern const struct rb_disk_limit rb_disk_scene, rb_disk_module, rb_disk_texture;
 

@@ -132,11 +132,11 @@ void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_ex
 			snprintf(result->message, sizeof result->message,
 			         "measured %.9g, bound %.9g", result->measured, result->bound);
 	} else {
-		luaL_error(
-			L,
-			"%s:%d: %s '%s': the function must return a boolean, or measured and bound (got %s and %s)",
-			file, def->line, def->always ? "expect_always" : "expect", def->text,
-			lua_typename(L, first), lua_typename(L, second));
+		luaL_error(L,
+		           "%s:%d: %s '%s': the function must return a boolean, or measured and "
+		           "bound (got %s and %s)",
+		           file, def->line, def->always ? "expect_always" : "expect", def->text,
+		           lua_typename(L, first), lua_typename(L, second));
 	}
 }
 

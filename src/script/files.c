@@ -228,10 +228,10 @@ static int l_require(lua_State *L)
 	if (!is_module_name(name, name_size)) {
 		if (rb_sandbox_of(L)->trust)
 			return require_elsewhere(L, name);
-		return luaL_error(
-			L,
-			"require '%s': a name is a file beside the scene, without '.lua', or rbsim.NAME",
-			name);
+		return luaL_error(L,
+		                  "require '%s': a name is a file beside the scene, without "
+		                  "'.lua', or rbsim.NAME",
+		                  name);
 	}
 	rb_script_while_loading(L, "require");
 	if (!get_module(L, name, &text, &size, chunk))

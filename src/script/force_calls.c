@@ -1,57 +1,64 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/force_calls.h"
 
+#include <stddef.h>
+#include <string.h>
+
 #include <lauxlib.h>
 
-#include "model/validate.h"
+#include "model/element.h"
 #include "script/call.h"
 #include "script/fields.h"
 
 /* A key that must be there. Where one is misspelt it may be this one: one message is enough. */
-static void want(struct rb_call *call, const char *key)
+static bool has_required(struct rb_call *call, const struct rb_element_kind *kind)
 {
-	if (!call->unknown && !rb_call_tried(call, key))
-		rb_call_mistake(call, "'%s' is missing", key);
+	bool all = true;
+
+	for (int k = 0; k < kind->keys.count; k++) {
+		const struct rb_row *key = &kind->keys.rows[k];
+
+		if (strcmp(key->fallback, "required") != 0)
+			continue;
+		if (!call->unknown && !rb_call_tried(call, key->key))
+			rb_call_mistake(call, "'%s' is missing", key->key);
+		/* without its bodies there is nothing to check or to keep */
+		all = all && (key->type != RB_ROW_BODY || rb_call_given(call, key->key));
+	}
+	return all;
 }
 
-static int l_spring(lua_State *L)
+static bool has_one(const struct rb_call *call, const struct rb_element_kind *kind)
 {
-	struct rb_call call = rb_call_begin(L, "spring", &rb_rows_spring, 1);
-	struct rb_spring_def def = rb_spring_def_default();
+	for (int k = 0; k < kind->keys.count; k++)
+		if (rb_call_tried(call, kind->keys.rows[k].key))
+			return true;
+	return false;
+}
+
+/* The call of a kind of force element, which is the function's upvalue. */
+static int l_element(lua_State *L)
+{
+	const struct rb_element_kind *kind = lua_touserdata(L, lua_upvalueindex(1));
+	struct rb_call call = rb_call_begin(L, kind->name, &kind->keys, 1);
 	struct rb_scene *scene = call.script->scene;
+	_Alignas(max_align_t) unsigned char row[RB_ELEMENT_ROW_MAX];
 	struct rb_error err;
 
 	if (call.index == 0)
 		return 0;
-	def.line = call.line;
-	rb_call_read(&call, &def);
-	want(&call, "a");
-	want(&call, "b");
-	want(&call, "stiffness");
-	if (!rb_call_given(&call, "a") || !rb_call_given(&call, "b"))
+	memcpy(row, kind->defaults, kind->row_size);
+	memcpy(row + kind->line_at, &call.line, sizeof call.line);
+	rb_call_read(&call, row);
+	if (!has_required(&call, kind))
 		return 0;
-	const char *fault = rb_spring_fault(scene, &def);
+	if (kind->wants_one && !call.unknown && !has_one(&call, kind))
+		rb_call_mistake(&call, "wants %s", kind->wants_one);
+	const char *fault = rb_element_ends_fault(scene, kind, row);
 	if (fault)
 		rb_call_mistake(&call, "%s", fault);
-	rb_sandbox_charge_bytes(L, sizeof def);
-	rb_script_need(L, rb_scene_add_spring(scene, &def, &err), &err);
-	return 0;
-}
-
-static int l_drag(lua_State *L)
-{
-	struct rb_call call = rb_call_begin(L, "drag", &rb_rows_drag, 1);
-	struct rb_drag_def def = {0};
-	struct rb_error err;
-
-	if (call.index == 0)
-		return 0;
-	def.line = call.line;
-	rb_call_read(&call, &def);
-	if (!call.unknown && !rb_call_tried(&call, "linear") && !rb_call_tried(&call, "quadratic"))
-		rb_call_mistake(&call, "wants 'linear', 'quadratic' or both");
-	rb_sandbox_charge_bytes(L, sizeof def);
-	rb_script_need(L, rb_scene_add_drag(call.script->scene, &def, &err), &err);
+	rb_sandbox_charge_bytes(L, kind->row_size);
+	rb_script_need(L, rb_scene_add_element(scene, kind, row, &err), &err);
 	return 0;
 }
 
@@ -75,7 +82,10 @@ static int l_field(lua_State *L)
 
 void rb_forces_open(lua_State *L)
 {
-	lua_register(L, "spring", l_spring);
-	lua_register(L, "drag", l_drag);
+	for (int place = 0; place < rb_element_kind_count; place++) {
+		lua_pushlightuserdata(L, (void *)(uintptr_t)rb_element_kinds[place]);
+		lua_pushcclosure(L, l_element, 1);
+		lua_setglobal(L, rb_element_kinds[place]->name);
+	}
 	lua_register(L, "field", l_field);
 }

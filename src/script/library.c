@@ -211,10 +211,9 @@ static void push_key(lua_State *L, const struct key *key, int list)
 
 static int no_order(lua_State *L)
 {
-	return luaL_error(
-		L,
-		"pairs: a table with two keys or more that are tables or functions has no order that holds "
-		"from run to run: keep a list beside it");
+	return luaL_error(L, "pairs: a table with two keys or more that are tables or functions "
+	                     "has no order that holds "
+	                     "from run to run: keep a list beside it");
 }
 
 /* Iterator of pairs: upvalues the sorted keys, how many, where it is, and the one key without an
@@ -420,9 +419,8 @@ static int l_setmetatable(lua_State *L)
 	if (type == LUA_TTABLE && !rb_sandbox_of(L)->trust) {
 		lua_pushliteral(L, "__gc");
 		if (lua_rawget(L, 2) != LUA_TNIL)
-			return luaL_error(
-				L,
-				"setmetatable: no '__gc' in a scene: when it would run is nobody's choice");
+			return luaL_error(L, "setmetatable: no '__gc' in a scene: when it would "
+			                     "run is nobody's choice");
 	}
 	if (luaL_getmetafield(L, 1, "__metatable") != LUA_TNIL)
 		return luaL_error(L, "cannot change a protected metatable");
@@ -515,9 +513,8 @@ static int l_format(lua_State *L)
 		for (p++; p < end && strchr("-+ #0.123456789", *p) && *p != '\0'; p++)
 			;
 		if (p < end && *p == 'p')
-			return luaL_error(
-				L,
-				"string.format: no '%%p' in a scene: addresses differ from run to run");
+			return luaL_error(L, "string.format: no '%%p' in a scene: addresses differ "
+			                     "from run to run");
 	}
 	for (int i = 2; i <= count; i++) {
 		const int type = lua_type(L, i);

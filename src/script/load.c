@@ -13,6 +13,7 @@
 #include "base/log.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "model/element.h"
 #include "model/validate.h"
 #include "script/bind.h"
 #include "script/call.h"
@@ -43,8 +44,6 @@ static const struct {
 	{"on_frame", "on_frame(function(t, k) ... end)"},
 	{"on_collision", "on_collision(function(c) ... end)"},
 	{"on_transition", "on_transition(function(c) ... end)"},
-	{"spring", "spring { ... }"},
-	{"drag", "drag { ... }"},
 	{"field", "field(function(t, x, v) ... end)"},
 	{"expect", "expect(text, function() ... end)"},
 	{"expect_always", "expect_always(text, function() ... end)"},
@@ -59,13 +58,24 @@ static const struct {
 };
 enum { CALL_COUNT = sizeof calls / sizeof *calls };
 
+/* Calls of force elements come after those of the table. */
+static int call_count(void)
+{
+	return CALL_COUNT + rb_element_kind_count;
+}
+
+static const char *call_name(int i)
+{
+	return i < CALL_COUNT ? calls[i].name : rb_element_kinds[i - CALL_COUNT]->name;
+}
+
 static const char originals_key[] = "rbsim.calls";
 
 static void keep_originals(lua_State *L)
 {
 	lua_newtable(L);
-	for (int i = 0; i < CALL_COUNT; i++) {
-		lua_getglobal(L, calls[i].name);
+	for (int i = 0; i < call_count(); i++) {
+		lua_getglobal(L, call_name(i));
 		lua_rawseti(L, -2, i + 1);
 	}
 	lua_setfield(L, LUA_REGISTRYINDEX, originals_key);
@@ -123,16 +133,19 @@ static int check_originals(lua_State *L)
 	if (lua_getfield(L, LUA_REGISTRYINDEX, originals_key) != LUA_TTABLE)
 		return 0;
 	lua_pushglobaltable(L);
-	for (int i = 0; i < CALL_COUNT; i++) {
+	for (int i = 0; i < call_count(); i++) {
+		const char *const name = call_name(i);
+
 		lua_rawgeti(L, 1, i + 1);
-		lua_pushstring(L, calls[i].name);
+		lua_pushstring(L, name);
 		lua_rawget(L, 2);
 		if (!lua_rawequal(L, -1, -2))
-			rb_script_mistake(script,
-			                  assigned_line(&script->scene->files[script->source_file],
-			                                calls[i].name),
-			                  "'%s' is a call of the scene language: write %s",
-			                  calls[i].name, calls[i].written);
+			rb_script_mistake(
+				script,
+				assigned_line(&script->scene->files[script->source_file], name),
+				"'%s' is a call of the scene language: write %s%s", name,
+				i < CALL_COUNT ? calls[i].written : name,
+				i < CALL_COUNT ? "" : " { ... }");
 		lua_pop(L, 2);
 	}
 	return 0;
@@ -153,7 +166,8 @@ static int warn_of_world(lua_State *L)
 		lua_pushstring(L, key);
 		if (lua_rawget(L, 1) != LUA_TNIL && !(script->world_given & UINT64_C(1) << i))
 			rb_log(RB_LOG_WARNING,
-			       "%s: nothing reads the global '%s'; it is a key of world { }: world { %s = ... }",
+			       "%s: nothing reads the global '%s'; it is a key of world { }: world "
+			       "{ %s = ... }",
 			       script->source, key, key);
 		lua_pop(L, 1);
 	}
@@ -317,10 +331,10 @@ static enum rb_status take_source(struct rb_script *script, const char *what, st
 		size = script->reading_size;
 		if (looks_binary(text, size)) {
 			rb_disk_forget(script);
-			return RB_FAIL(
-				err, RB_ERR_INPUT,
-				"'%s' is no %s: it begins with bytes that are no text (a recording? see rbsim info)",
-				options->path, what);
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "'%s' is no %s: it begins with bytes that are no text (a "
+			               "recording? see rbsim info)",
+			               options->path, what);
 		}
 	}
 	rb_hash_sha256(text, size, hex);

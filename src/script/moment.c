@@ -122,10 +122,10 @@ static const double *row_of(lua_State *L, int id, const double *column, int widt
 	if (index >= script->frame_model->body_count)
 		return NULL;
 	if (!column)
-		luaL_error(
-			L,
-			"a body's '%s' is not in the frames that are drawn (see 'fields' of record)",
-			name);
+		luaL_error(L,
+		           "a body's '%s' is not in the frames that are drawn (see 'fields' of "
+		           "record)",
+		           name);
 	return column + (size_t)width * (size_t)index;
 }
 

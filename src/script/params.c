@@ -252,10 +252,10 @@ static void type_text(lua_State *L, enum rb_param_type type, const char *default
 		return;
 	}
 	lua_pop(L, 1);
-	snprintf(
-		out, TEXT_MAX,
-		"a whole number, as its default %.40s is one (write %.40s.0 in the scene for any number)",
-		default_text, default_text);
+	snprintf(out, TEXT_MAX,
+	         "a whole number, as its default %.40s is one (write %.40s.0 in the scene for any "
+	         "number)",
+	         default_text, default_text);
 }
 
 static int l_param(lua_State *L)

@@ -71,10 +71,10 @@ static void take_pose(lua_State *L, const char *place, const char *body,
 			pose->orientation = check_orientation(L, place, body);
 			pose->known |= RB_FIELD_ORIENTATION;
 		} else {
-			luaL_error(
-				L,
-				"%s: '%s': unknown key '%s' (position, orientation, velocity or angular_velocity)",
-				place, body, key);
+			luaL_error(L,
+			           "%s: '%s': unknown key '%s' (position, orientation, velocity or "
+			           "angular_velocity)",
+			           place, body, key);
 		}
 		lua_pop(L, 1);
 	}

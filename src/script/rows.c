@@ -6,6 +6,7 @@
 #include <rbsim/scene.h>
 
 #include "geom/mass.h"
+#include "model/element.h"
 
 #define AT(type, member) offsetof(struct type, member)
 #define HAND RB_ROW_BY_HAND
@@ -34,11 +35,13 @@ static const struct rb_row world_rows[] = {
          "mutual gravitation of all bodies"},
 	{"rollback", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, rollback), "selective, global, none",
          NULL, "selective", "",
-         "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing (the tolerance is "
+         "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing "
+         "(the tolerance is "
          "then reported and not promised)"},
 	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic, located, stepped",
          NULL, "auto", "",
-         "how time is advanced; auto is located, and stepped where locating costs too much (see rbsim methods)"},
+         "how time is advanced; auto is located, and stepped where locating costs too much (see "
+         "rbsim methods)"},
 	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",
          "of math.random and all helpers; comes before the first random number is drawn"},
 	{"pause_on_collision", RB_ROW_BOOLEAN, 0, 0, AT(rb_world_def, pause_on_collision), NULL,
@@ -86,7 +89,8 @@ static const struct rb_row body_rows[] = {
          "from shape and mass", "kg m^2",
          "about the centre of mass, object axes: {Ix, Iy, Iz} or three rows"},
 	{"particles", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
-         "a list of points that mass, centre of mass and inertia follow from, see below; excludes these and density"},
+         "a list of points that mass, centre of mass and inertia follow from, see below; excludes "
+         "these and density"},
 	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, position), NULL, NULL, "{0, 0, 0}", "m",
          "of the object's origin"},
 	{"orientation", RB_ROW_ORIENTATION, 0, 0, AT(rb_body_def, orientation), NULL, NULL,
@@ -204,30 +208,6 @@ static const struct rb_row particle_rows[] = {
          "in object coordinates, within the shape or not"},
 };
 
-static const struct rb_row spring_rows[] = {
-	{"a", RB_ROW_BODY, 0, 0, AT(rb_spring_def, a), NULL, NULL, "required", "",
-         "the body at one end, or its name"},
-	{"b", RB_ROW_BODY, 0, 0, AT(rb_spring_def, b), NULL, NULL, "required", "",
-         "the body at the other end, or its name"},
-	{"stiffness", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_spring_def, stiffness), NULL,
-         NULL, "required", "N/m", "pulls by what it is longer than at rest, pushes when shorter"},
-	{"damping", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_spring_def, damping), NULL, NULL,
-         "0", "N s/m", "against the speed at which it grows longer or shorter"},
-	{"rest_length", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_spring_def, rest_length_m),
-         NULL, NULL, "its length at the start", "m", "length without a force"},
-	{"at_a", RB_ROW_VECTOR, 0, 0, AT(rb_spring_def, at_a), NULL, NULL, "the centre of mass",
-         "m", "where it is fixed to a, in object coordinates"},
-	{"at_b", RB_ROW_VECTOR, 0, 0, AT(rb_spring_def, at_b), NULL, NULL, "the centre of mass",
-         "m", "where it is fixed to b, in object coordinates"},
-};
-
-static const struct rb_row drag_rows[] = {
-	{"linear", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_drag_def, linear), NULL, NULL,
-         "0", "N s/m", "times the velocity"},
-	{"quadratic", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_drag_def, quadratic), NULL,
-         NULL, "0", "N s^2/m^2", "times the speed, times the velocity"},
-};
-
 static const struct rb_row camera_rows[] = {
 	{"name", RB_ROW_TEXT, 0, 0, AT(rb_camera_def, name), NULL, NULL, "none", "",
          "unique; what --camera and messages call it"},
@@ -239,7 +219,8 @@ static const struct rb_row camera_rows[] = {
          "what is in the middle of the picture: a point, the origin of a body or a function of t"},
 	{"up", RB_ROW_SOURCE, RB_RANGE_NOT_ZERO, 0, AT(rb_camera_def, up), NULL, NULL, "{0, 0, 1}",
          "",
-         "the direction that is upwards in the picture: a vector, the one towards a body, or a function of t"},
+         "the direction that is upwards in the picture: a vector, the one towards a body, or a "
+         "function of t"},
 	{"mount", RB_ROW_BODY, 0, 0, AT(rb_camera_def, mount), NULL, NULL, "none", "",
          "a body that it rides on, in place of position; its up turns with the body"},
 	{"offset", RB_ROW_VECTOR, 0, 0, AT(rb_camera_def, offset), NULL, NULL, "{0, 0, 0}", "m",
@@ -250,13 +231,15 @@ static const struct rb_row camera_rows[] = {
          "rad", "angle from the lower to the upper edge of the picture"},
 	{"projection", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, orthographic),
          "perspective, orthographic", NULL, "perspective", "",
-         "orthographic: lines of sight are parallel, so sizes do not depend on the distance; without near they "
+         "orthographic: lines of sight are parallel, so sizes do not depend on the distance; "
+         "without near they "
          "also come from behind the camera"},
 	{"height", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, height), NULL, NULL,
          "without position, what shows all that moves", "m",
          "of an orthographic picture, from the lower to the upper edge, in place of fov"},
 	{"frustum", RB_ROW_NUMBERS, 0, 6, AT(rb_camera_def, frustum), NULL, NULL, "none", "m",
-         "{left, right, bottom, top, near, far}: edges of the picture at the distance near, of an orthographic one anywhere; "
+         "{left, right, bottom, top, near, far}: edges of the picture at the distance near, of an "
+         "orthographic one anywhere; "
          "excludes fov, height, near and far"},
 	{"near", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, near), NULL, NULL,
          "chosen for each picture", "m", "nothing nearer is drawn"},
@@ -282,14 +265,18 @@ static const struct rb_row camera_rows[] = {
          "4", "", "per pixel, against jagged edges"},
 	{"overlay", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, overlay), "time, title, energy", NULL,
          "none", "",
-         "written over the picture: simulated time with the speed, title of the world, energies; one or a list"},
+         "written over the picture: simulated time with the speed, title of the world, energies; "
+         "one or a list"},
 	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
          "a list of bodies whose paths since the start are drawn, at most 64"},
 	{"vectors", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, vectors), "velocity, contact", NULL,
          "none", "",
-         "arrows over the picture: of velocities, and of the forces in lasting contacts; one or a list; on the same scale in "
-         "all pictures, at any speed: three diameters of a typical body are the fastest at the start, or a fall over two "
-         "diameters if that is faster; one diameter is a weight, else the strongest force that is applied"},
+         "arrows over the picture: of velocities, and of the forces in lasting contacts; one or a "
+         "list; on the same scale in "
+         "all pictures, at any speed: three diameters of a typical body are the fastest at the "
+         "start, or a fall over two "
+         "diameters if that is faster; one diameter is a weight, else the strongest force that is "
+         "applied"},
 	{"style", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, wireframe), "shaded, wireframe", NULL,
          "shaded", "", "wireframe: lines that turn with the bodies"},
 	{"png", RB_ROW_FILE, 0, 0, AT(rb_camera_def, png), NULL, NULL, "none", "",
@@ -301,7 +288,8 @@ static const struct rb_row camera_rows[] = {
 static const struct rb_row light_rows[] = {
 	{"kind", RB_ROW_CHOICE, 0, 0, AT(rb_light_def, kind), "lamp, sun, spot, ambient", NULL,
          "lamp with position, sun with direction", "",
-         "lamp: shines to all sides; sun: is far away; spot: a lamp that lights a cone; ambient: comes from all sides, "
+         "lamp: shines to all sides; sun: is far away; spot: a lamp that lights a cone; ambient: "
+         "comes from all sides, "
          "throws no shadow and takes the place of the sky's own light"},
 	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_light_def, position), NULL, NULL, "required", "m",
          "of a lamp or a spot"},
@@ -314,12 +302,14 @@ static const struct rb_row light_rows[] = {
          "of a spot: from the axis of its cone to the edge, outside of which it lights nothing"},
 	{"softness", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_light_def, softness), NULL, NULL, "0.2",
          "",
-         "of a spot: the share of the angle over which its light fades out towards the edge; 0: a sharp edge"},
+         "of a spot: the share of the angle over which its light fades out towards the edge; 0: a "
+         "sharp edge"},
 	{"color", RB_ROW_COLOR, 0, 0, AT(rb_light_def, color), NULL, NULL, "{1, 1, 1}", "",
          "of the light"},
 	{"intensity", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_light_def, intensity), NULL,
          NULL, "1", "",
-         "of a lamp or a spot: at the middle of the bodies, as they are at the start; it falls with the square of the "
+         "of a lamp or a spot: at the middle of the bodies, as they are at the start; it falls "
+         "with the square of the "
          "distance"},
 };
 
@@ -329,9 +319,11 @@ static const struct rb_row record_rows[] = {
 	{"every", RB_ROW_INTEGER, RB_RANGE_COUNT, 0, AT(rb_record_def, every), NULL, NULL, "1",
          "frames", "record every n-th frame"},
 	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
-         "position, orientation, velocity, angular_velocity, contacts, events, acceleration, angular_acceleration, force, torque",
+         "position, orientation, velocity, angular_velocity, contacts, events, acceleration, "
+         "angular_acceleration, force, torque",
          NULL, "the first four, and events where there is a camera", "",
-         "what is kept of each frame: one or a list, which replaces the default; with \"+\" as its first entry it adds to it"},
+         "what is kept of each frame: one or a list, which replaces the default; with \"+\" as its "
+         "first entry it adds to it"},
 	{"ledger", RB_ROW_BOOLEAN, 0, 0, AT(rb_record_def, ledger), NULL, NULL, "see LEDGER", "",
          "whether energy and momentum are accounted for by cause"},
 	{"precision", RB_ROW_SWITCH, 0, 0, AT(rb_record_def, single_precision), "double, single",
@@ -363,8 +355,6 @@ const struct rb_row_table rb_rows_union = {"union", ROWS(union_rows), &rb_rows_b
 const struct rb_row_table rb_rows_part = {"shapes", ROWS(part_rows), NULL};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
 const struct rb_row_table rb_rows_particle = {"particles", ROWS(particle_rows), NULL};
-const struct rb_row_table rb_rows_spring = {"spring", ROWS(spring_rows), NULL};
-const struct rb_row_table rb_rows_drag = {"drag", ROWS(drag_rows), NULL};
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
 const struct rb_row_table rb_rows_light = {"lights", ROWS(light_rows), NULL};
 const struct rb_row_table rb_rows_record = {"record", ROWS(record_rows), NULL};
@@ -464,19 +454,25 @@ static void print_row(FILE *file, const struct rb_row *row)
 	fprintf(file, ".\nDefault: %s.\n", row->fallback);
 }
 
+static void print_table(FILE *file, const struct rb_row_table *table)
+{
+	fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", table->name);
+	for (int i = 0; i < table->count; i++)
+		print_row(file, &table->rows[i]);
+	fprintf(file, ".El\n.\\\" end\n");
+}
+
 void rb_fields_print(FILE *file)
 {
 	static const struct rb_row_table *const tables[] = {
 		&rb_rows_world,  &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere,
 		&rb_rows_plane,  &rb_rows_box,      &rb_rows_capsule,      &rb_rows_cylinder,
 		&rb_rows_hull,   &rb_rows_union,    &rb_rows_part,         &rb_rows_body,
-		&rb_rows_force,  &rb_rows_particle, &rb_rows_spring,       &rb_rows_drag,
-		&rb_rows_camera, &rb_rows_light,    &rb_rows_record,       &rb_rows_param};
+		&rb_rows_force,  &rb_rows_particle, &rb_rows_camera,       &rb_rows_light,
+		&rb_rows_record, &rb_rows_param};
 
-	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++) {
-		fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", tables[t]->name);
-		for (int i = 0; i < tables[t]->count; i++)
-			print_row(file, &tables[t]->rows[i]);
-		fprintf(file, ".El\n.\\\" end\n");
-	}
+	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
+		print_table(file, tables[t]);
+	for (int place = 0; place < rb_element_kind_count; place++)
+		print_table(file, &rb_element_kinds[place]->keys);
 }

@@ -44,7 +44,8 @@ struct rb_script {
 
 	/* while loading */
 	const char *
-		source; /* borrowed: the file whose lines mistakes name, as it is told to the user */
+		/* borrowed: the file whose lines mistakes name, as it is told to the user */
+		source;
 	int source_file;                         /* its place in scene->files */
 	struct rb_mistakes *mistakes;            /* borrowed */
 	const struct rb_script_options *options; /* borrowed */

@@ -236,10 +236,10 @@ static struct rb_solid_part *read_parts(struct rb_call *call, double density, si
 
 	*count = lua_type(L, list) == LUA_TTABLE ? (size_t)lua_rawlen(L, list) : 0;
 	if (*count == 0 || *count > RB_UNION_PARTS_MAX) {
-		rb_call_mistake(
-			call,
-			"'shapes' must be a list of 1 to %d tables {{shape = 'box', size = {...}}, ...} (got %s)",
-			RB_UNION_PARTS_MAX, rb_describe(L, list, found));
+		rb_call_mistake(call,
+		                "'shapes' must be a list of 1 to %d tables {{shape = 'box', size = "
+		                "{...}}, ...} (got %s)",
+		                RB_UNION_PARTS_MAX, rb_describe(L, list, found));
 		return NULL;
 	}
 	struct rb_solid_part *parts = lua_newuserdatauv(L, *count * sizeof *parts, 0);

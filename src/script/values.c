@@ -251,10 +251,10 @@ static bool read_orientation(struct rb_call *call, const struct rb_row *row, int
 	case RB_TURN_NOT_FINITE:
 		if (!found.by_axis)
 			return is_wrong(call, row, index, "finite");
-		rb_call_mistake(
-			call,
-			"'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, %.12g} and %.12g)",
-			row->key, n[0], n[1], n[2], n[3]);
+		rb_call_mistake(call,
+		                "'%s': 'axis' and 'angle' must be finite (got {%.12g, %.12g, "
+		                "%.12g} and %.12g)",
+		                row->key, n[0], n[1], n[2], n[3]);
 		return false;
 	case RB_TURN_NOT_UNIT:
 		rb_call_mistake(

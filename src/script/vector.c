@@ -176,9 +176,8 @@ static int l_mul(lua_State *L)
 	rb_vec3 v;
 
 	if (lua_type(L, number) != LUA_TNUMBER || !get(L, 3 - number, &v))
-		return luaL_error(
-			L,
-			"vec3: '*' wants a number and a vector (a:dot(b) and a:cross(b) multiply vectors)");
+		return luaL_error(L, "vec3: '*' wants a number and a vector (a:dot(b) and "
+		                     "a:cross(b) multiply vectors)");
 	rb_vector_push(L, rb_vec3_scale(lua_tonumber(L, number), v));
 	return 1;
 }

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "sink/h5about.h"
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "model/element.h"
 #include "sink/h5solids.h"
 
 #include <math.h>
@@ -79,20 +81,6 @@ static const struct cell camera_cells[] = {
 	{"wireframe", CELL_BOOL, 1, CAMERA(wireframe), NULL},
 	{"png", CELL_TEXT, 1, CAMERA(png), NULL},
 	{"video", CELL_TEXT, 1, CAMERA(video), NULL},
-};
-
-static const struct cell spring_cells[] = {
-	{"a", CELL_INT, 1, offsetof(struct rb_spring_def, a), NULL},
-	{"b", CELL_INT, 1, offsetof(struct rb_spring_def, b), NULL},
-	{"at_a", CELL_NUMBER, 3, offsetof(struct rb_spring_def, at_a), "m"},
-	{"at_b", CELL_NUMBER, 3, offsetof(struct rb_spring_def, at_b), "m"},
-	{"stiffness", CELL_NUMBER, 1, offsetof(struct rb_spring_def, stiffness), "N/m"},
-	{"damping", CELL_NUMBER, 1, offsetof(struct rb_spring_def, damping), "N s/m"},
-};
-
-static const struct cell drag_cells[] = {
-	{"linear", CELL_NUMBER, 1, offsetof(struct rb_drag_def, linear), "N s/m"},
-	{"quadratic", CELL_NUMBER, 1, offsetof(struct rb_drag_def, quadratic), "N s^2/m^2"},
 };
 
 _Static_assert(sizeof(enum rb_shape_kind) == 4 && sizeof(enum rb_camera_source) == 4 &&
@@ -388,27 +376,41 @@ static void put_own_forces(struct rb_h5 *h5, const struct rb_scene *scene)
 	rb_memory_free(body);
 }
 
+/* A dataset for each key of the kind. */
+static void put_elements(struct rb_h5 *h5, const struct rb_elements *elements)
+{
+	static const struct {
+		enum cell_kind kind;
+		int width;
+	} of[RB_ROW_TYPE_COUNT] = {[RB_ROW_NUMBER] = {CELL_NUMBER, 1},
+	                           [RB_ROW_INTEGER] = {CELL_INT, 1},
+	                           [RB_ROW_BODY] = {CELL_INT, 1},
+	                           [RB_ROW_VECTOR] = {CELL_NUMBER, 3}};
+	const struct rb_element_kind *kind = elements->kind;
+	char group[80];
+
+	snprintf(group, sizeof group, "/rbsim/%ss", kind->name);
+	rb_h5_group(h5, group);
+	for (int k = 0; k < kind->keys.count; k++) {
+		const struct rb_row *key = &kind->keys.rows[k];
+		const struct cell cell = {key->key, of[key->type].kind, of[key->type].width,
+		                          key->at, *key->unit ? key->unit : NULL};
+
+		RB_ASSERT(cell.width > 0);
+		put_cells(h5,
+		          &(struct rows){group, elements->rows, (size_t)elements->count,
+		                         kind->row_size},
+		          &cell);
+	}
+}
+
 /* Forces between and on bodies; a scene without them has none of these groups. */
 static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const struct rb_scene *scene = model->scene;
-	const rb_h5_shape springs = {1, {(hsize_t)scene->spring_count}};
 
-	if (scene->spring_count > 0)
-		put_table(h5,
-		          &(struct rows){"/rbsim/springs", scene->springs,
-		                         (size_t)scene->spring_count, sizeof *scene->springs},
-		          spring_cells, COUNT(spring_cells));
-	if (model->rest_length_m) {
-		rb_h5_put(h5, "/rbsim/springs/rest_length", RB_H5_F64, springs,
-		          model->rest_length_m);
-		rb_h5_units(h5, "/rbsim/springs/rest_length", "m");
-	}
-	if (scene->drag_count > 0)
-		put_table(h5,
-		          &(struct rows){"/rbsim/drags", scene->drags, (size_t)scene->drag_count,
-		                         sizeof *scene->drags},
-		          drag_cells, COUNT(drag_cells));
+	for (int k = 0; k < model->element_list_count; k++)
+		put_elements(h5, &model->elements[k]);
 	put_own_forces(h5, scene);
 	if (scene->field_count > 0)
 		rb_h5_put_i64(h5, "/rbsim/fields", scene->field_count);

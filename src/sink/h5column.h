@@ -24,7 +24,8 @@ struct rb_h5_column {
 	hid_t dataset, type;
 	struct rb_h5_layout layout;
 	hsize_t rows; /* on disk, as far as they are ours */
-	hsize_t there; /* of a file that was there: rows that it has, which are written over, never cut off */
+	/* of a file that was there: rows that it has, which are written over, never cut off */
+	hsize_t there;
 	size_t row_bytes;
 	const char *path; /* borrowed, for messages */
 };

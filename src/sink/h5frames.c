@@ -281,7 +281,7 @@ static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
 /* "0 collision, 1 rest, ..." at the column of kinds. */
 static void name_kinds(struct rb_h5 *h5)
 {
-	char text[160];
+	char text[256];
 	size_t used = 0;
 
 	for (int kind = 0; kind < RB_EVENT_KIND_COUNT; kind++)

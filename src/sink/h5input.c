@@ -122,12 +122,11 @@ enum rb_status rb_input_open(struct rb_input *input, const char *name, struct rb
 	}
 	if (input->file < 0) {
 		const int number = rb_h5_errno();
-		return RB_FAIL(
-			err, RB_ERR_INPUT, "cannot read '%s': %s", name,
-			number == EAGAIN ? "another program has locked it"
-			: number != 0
-				? strerror(number)
-				: "it is damaged, or no recording that can be read while it is written");
+		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': %s", name,
+		               number == EAGAIN ? "another program has locked it"
+		               : number != 0    ? strerror(number)
+		                                : "it is damaged, or no recording that can be read "
+		                                  "while it is written");
 	}
 	return RB_OK;
 }
@@ -486,4 +485,16 @@ int rb_input_members(const struct rb_input *input, const char *path, int most, c
 	}
 	rb_h5_done(group);
 	return count;
+}
+
+int rb_input_row_count(const struct rb_input *input, const char *path)
+{
+	rb_h5_shape shape = {1, {0}};
+	hsize_t rows = 0;
+
+	if (!rb_input_has(input, path))
+		return 0;
+	const hid_t dataset = rb_input_dataset(input, path, false, &shape, &rows);
+	rb_h5_done(dataset);
+	return dataset < 0 || rows > INT32_MAX ? 0 : (int)rows;
 }

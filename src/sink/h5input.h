@@ -75,4 +75,7 @@ char *rb_input_attribute(const struct rb_input *input, const char *path, const c
 int rb_input_members(const struct rb_input *input, const char *path, int most, const char ***names,
                      struct rb_arena *arena);
 
+/* Rows of a dataset of numbers that may be missing: 0 then. */
+int rb_input_row_count(const struct rb_input *input, const char *path);
+
 #endif

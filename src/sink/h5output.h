@@ -22,9 +22,10 @@ struct rb_output {
 	struct rb_place place;
 	char partial[RB_PLACE_NAME_SIZE]; /* the name in there until it is published; "": none */
 	char library
-		[RB_PLACE_LINK_SIZE]; /* what the library is to open, or to make before rb_output_attach */
-	bool published;               /* stands under its final name */
-	int fd;                       /* owned; -1: none */
+		/* what the library is to open, or to make before rb_output_attach */
+		[RB_PLACE_LINK_SIZE];
+	bool published;          /* stands under its final name */
+	int fd;                  /* owned; -1: none */
 	uint64_t reserved_bytes; /* the disk has room up to here */
 	bool cannot_reserve;     /* the file system has no such call */
 };

@@ -103,7 +103,8 @@ static void load(struct module *module)
 	}
 	*strrchr(path, '/') = '\0';
 	RB_FAIL(&module->failure, RB_ERR_MISSING,
-	        "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names another)",
+	        "cannot find '%s' in '%.80s' or '%.80s/../lib/rbsim' (RBSIM_MODULE_DIR names "
+	        "another)",
 	        module->file_name, path, path);
 	/* as built, then as installed */
 	static const char *const places[] = {"", "../lib/rbsim/"};

@@ -21,7 +21,11 @@
 struct rb_recorder_options {
 	const char *path; /* final name */
 	unsigned
-		how; /* of base/place: whether an existing file may be replaced, and whose word the name is */
+		/*
+		 * of base/place: whether an existing file may be replaced, and whose word the name
+		 * is
+		 */
+		how;
 	double flush_s; /* longest wall time between flushes; 0: one second */
 	/*
 	 * a recording that is there goes on after `row_count` of its frames, the last of them
@@ -29,7 +33,8 @@ struct rb_recorder_options {
 	 */
 	bool resume;
 	uint64_t row_count, frame;
-	bool repair; /* with `resume`: nothing is known of how the run ended but what the file says */
+	/* with `resume`: nothing is known of how the run ended but what the file says */
+	bool repair;
 };
 
 struct rb_recorder;
@@ -38,9 +43,10 @@ struct rb_reader;
 /* What a recording says of itself; texts are owned by the reader. */
 struct rb_reading {
 	int body_count, static_count;
-	int driven_count;                          /* of the bodies */
-	int spring_count, drag_count, field_count; /* of the scene */
-	int shape_counts[RB_SHAPE_KIND_COUNT];     /* bodies of each kind of shape */
+	int driven_count;                         /* of the bodies */
+	int element_counts[RB_ELEMENT_KINDS_MAX]; /* of the scene: springs, drag, ... */
+	int field_count;
+	int shape_counts[RB_SHAPE_KIND_COUNT]; /* bodies of each kind of shape */
 	uint64_t frame_count;
 	const char *status, *reason, *state_hash, *started, *ended;
 	const char *version, *build, *command, *host, *method, *rollback, *title;

@@ -4,6 +4,7 @@
 #include "base/arena.h"
 #include "base/hash.h"
 #include "base/memory.h"
+#include "model/element.h"
 #include "sink/h5frames.h"
 #include "sink/h5input.h"
 #include "sink/h5solids.h"
@@ -239,17 +240,16 @@ static enum rb_status read_bodies(struct rb_reader *reader, struct rb_error *err
 	return RB_OK;
 }
 
-/* Rows of a dataset that a recording has only where its scene has such things. */
-static int optional_rows(const struct rb_reader *reader, const char *path)
+/* Elements of a kind: rows of the first of its keys that is one number. */
+static int element_rows(const struct rb_reader *reader, const struct rb_element_kind *kind)
 {
-	rb_h5_shape shape = {1, {0}};
-	hsize_t rows = 0;
+	const struct rb_row *key = kind->keys.rows;
+	char path[160];
 
-	if (!rb_input_has(&reader->input, path))
-		return 0;
-	const hid_t dataset = rb_input_dataset(&reader->input, path, false, &shape, &rows);
-	rb_h5_done(dataset);
-	return dataset < 0 || rows > INT32_MAX ? 0 : (int)rows;
+	while (key->type == RB_ROW_VECTOR && key + 1 < kind->keys.rows + kind->keys.count)
+		key++;
+	snprintf(path, sizeof path, "/rbsim/%ss/%s", kind->name, key->key);
+	return rb_input_row_count(&reader->input, path);
 }
 
 static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err)
@@ -264,8 +264,8 @@ static enum rb_status read_forces(struct rb_reader *reader, struct rb_error *err
 		return no_memory(reader, err);
 	if (!rb_solids_tally(&reader->input, count, kind, reading->shape_counts))
 		return RB_FAIL(err, RB_ERR_INPUT, "cannot read the shapes in '%s'", reader->path);
-	reading->spring_count = optional_rows(reader, "/rbsim/springs/a");
-	reading->drag_count = optional_rows(reader, "/rbsim/drags/linear");
+	for (int place = 0; place < rb_element_kind_count; place++)
+		reading->element_counts[place] = element_rows(reader, rb_element_kinds[place]);
 	if (rb_input_has(&reader->input, fields) &&
 	    rb_input_numbers(&reader->input, fields, RB_H5_I64, (rb_h5_shape){0}, &field_count) &&
 	    field_count > 0 && field_count < INT32_MAX)
@@ -701,10 +701,11 @@ static enum rb_status fill_rows(struct rb_reader *reader, uint64_t row, struct r
 		const struct rb_event *const e = &frame->events[i];
 		if ((unsigned)e->kind >= RB_EVENT_KIND_COUNT || e->a < 0 || e->a >= bodies ||
 		    e->b < 0 || e->b >= bodies)
-			return RB_FAIL(
-				err, RB_ERR_INPUT,
-				"'/rbsim/events' in '%s' is damaged: frame %llu has kind %d of bodies %d and %d",
-				reader->path, (unsigned long long)row, (int)e->kind, e->a, e->b);
+			return RB_FAIL(err, RB_ERR_INPUT,
+			               "'/rbsim/events' in '%s' is damaged: frame %llu has kind %d "
+			               "of bodies %d and %d",
+			               reader->path, (unsigned long long)row, (int)e->kind, e->a,
+			               e->b);
 	}
 	frame->event_capacity = frame->event_count;
 	if (frame->contact_count > 0) {

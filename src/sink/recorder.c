@@ -4,11 +4,13 @@
  *
  *   open    the partial file is made; all objects and attributes are made; H5Fstart_swmr_write
  *   frame   into the buffers; when they are full or the oldest frame is getting old:
- *             1. room on disk is reserved for all that the buffers can need: where there is none, the run fails
+ *             1. room on disk is reserved for all that the buffers can need: where there is none,
+ *             the run fails
  *                here, with a file and a library that nothing has happened to
  *             2. rows are appended, `step` last      3. H5Fflush: index, lengths, end-of-file mark
  *           after the first flush the file gets its name
- *   close   the same, the texts that change, H5Fclose: a plain file now; then /VTKHDF is added (add_vtk)
+ *   close  the same, the texts that change, H5Fclose: a plain file now; then /VTKHDF is added
+ *           (add_vtk)
  *
  * A kill can tear a write, between the pages that it touches: the kernel looks for deadly signals
  * there. So nothing that is overwritten in mid-run may lie across a page boundary: headers and
@@ -454,7 +456,8 @@ static const char *status_text(enum rb_status status)
 {
 	switch (status) {
 	case RB_OK:
-	case RB_ERR_EXPECT: /* the run went to its end; what the scene expected is not the recording's matter */
+	/* the run went to its end; what the scene expected is not the recording's matter */
+	case RB_ERR_EXPECT:
 		return "complete";
 	case RB_ERR_AGAIN:
 	case RB_ERR_INTERRUPT:

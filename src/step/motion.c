@@ -116,8 +116,8 @@ struct part {
 	bool rough[2]; /* places, orientations */
 };
 
-static bool look(struct watch *w, const struct moment *begin, const struct moment *end,
-                 struct part *part)
+static bool sample(struct watch *w, const struct moment *begin, const struct moment *end,
+                   struct part *part)
 {
 	*part = (struct part){.begin = *begin, .end = *end};
 	struct moment *const m = &part->middle;
@@ -147,11 +147,11 @@ static void refuse_jump(struct watch *w, const struct moment *a, const struct mo
 	const bool turns = angle > way / w->size;
 	char label[64];
 
-	w->status = RB_FAIL(
-		w->err, RB_ERR_SCENE,
-		"'motion' of '%s' jumps by %.3g %s at t = %.9g s: a driven body moves without jumps",
-		rb_scene_body_label(model->scene, model->id_of[w->motion->i], label),
-		turns ? angle : way, turns ? "rad" : "m", b->t);
+	w->status = RB_FAIL(w->err, RB_ERR_SCENE,
+	                    "'motion' of '%s' jumps by %.3g %s at t = %.9g s: a driven body moves "
+	                    "without jumps",
+	                    rb_scene_body_label(model->scene, model->id_of[w->motion->i], label),
+	                    turns ? angle : way, turns ? "rad" : "m", b->t);
 }
 
 static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
@@ -161,12 +161,13 @@ static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
 	                   (p->end.t - p->begin.t);
 	char label[64];
 
-	w->status = RB_FAIL(
-		w->err, RB_ERR_SCENE,
-		"'motion' of '%s' at t = %.9g s: its %s is %.3g %s off what leads from one %s to the next (it may be left out)",
-		rb_scene_body_label(model->scene, model->id_of[w->motion->i], label), p->begin.t,
-		turns ? "angular velocity" : "velocity", turns ? 2 * off : off,
-		turns ? "rad/s" : "m/s", turns ? "orientation" : "position");
+	w->status = RB_FAIL(w->err, RB_ERR_SCENE,
+	                    "'motion' of '%s' at t = %.9g s: its %s is %.3g %s off what leads from "
+	                    "one %s to the next (it may be left out)",
+	                    rb_scene_body_label(model->scene, model->id_of[w->motion->i], label),
+	                    p->begin.t, turns ? "angular velocity" : "velocity",
+	                    turns ? 2 * off : off, turns ? "rad/s" : "m/s",
+	                    turns ? "orientation" : "position");
 }
 
 /* It is rough; goes on where it still is. */
@@ -178,7 +179,7 @@ static void inspect_closer(struct watch *w, const struct part *p)
 		refuse_jump(w, &p->begin, &p->end);
 		return;
 	}
-	if (!look(w, &p->begin, &p->middle, &low) || !look(w, &p->middle, &p->end, &high))
+	if (!sample(w, &p->begin, &p->middle, &low) || !sample(w, &p->middle, &p->end, &high))
 		return;
 	w->looks += 2;
 	/* of what jumps everywhere, the first is told */
@@ -202,7 +203,7 @@ enum rb_status rb_motion_watch(const struct rb_motion *motion, struct rb_error *
 	                  .instant = 4 * DBL_EPSILON * fmax(end.t, end.t - begin.t)};
 	struct part all;
 
-	if (look(&w, &begin, &end, &all) && (all.rough[0] || all.rough[1]))
+	if (sample(&w, &begin, &end, &all) && (all.rough[0] || all.rough[1]))
 		inspect_closer(&w, &all);
 	for (int turns = 0; turns < 2; turns++)
 		if (w.status == RB_OK && w.looks >= INSPECTIONS_MAX && all.rough[turns] &&

@@ -18,7 +18,8 @@ struct rb_motion {
 	int i;
 	double from_s, to_s;
 	struct rb_driven_pose begin, end;
-	double coarse; /* share of the smallest body's size, of a radian: less than that is not seen */
+	/* share of the smallest body's size, of a radian: less than that is not seen */
+	double coarse;
 	double agreement; /* share of the way by which velocities and places may differ */
 };
 

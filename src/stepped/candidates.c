@@ -218,7 +218,7 @@ enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error 
 	size_t count = 0;
 
 	near->live = NULL;
-	near->still_depth = (double)NAN;
+	near->resting_depth = (double)NAN;
 	if (!rb_memory_reserve(&near->own_depth, &near->depth_capacity, near->pair_count + 1,
 	                       sizeof *near->own_depth))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
@@ -228,13 +228,13 @@ enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error 
 	near->depth = near->own_depth;
 	if (!near->placed)
 		return RB_OK;
-	if (!rb_memory_reserve(&near->own_clearance, &near->room_capacity, near->pair_count + 1,
+	if (!rb_memory_reserve(&near->own_clearance, &near->bounds_capacity, near->pair_count + 1,
 	                       sizeof *near->own_clearance))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
 		               near->pair_count);
 	for (size_t k = 0; k < near->pair_count; k++)
 		near->own_clearance[k] = -(double)INFINITY;
-	near->room = near->own_clearance;
+	near->clearance = near->own_clearance;
 	if (!rb_memory_reserve(&near->own_first_clue, &near->first_clue_capacity,
 	                       near->pair_count + 1, sizeof *near->own_first_clue))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu near pairs",
@@ -263,12 +263,12 @@ static enum rb_status search(struct rb_candidates *near, struct rb_world *world,
 }
 
 enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *world,
-                                   const rb_aabb *room, struct rb_error *err)
+                                   const rb_aabb *bounds, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
 
 	for (int i = 0; i < model->body_count; i++) {
-		const rb_vec3 low = room[i].low, high = room[i].high;
+		const rb_vec3 low = bounds[i].low, high = bounds[i].high;
 		/* room for the rounding of coordinates, too */
 		const double half = (rb_candidates_size(model, i) + model->tolerance_m) *
 		                            (1 + 1e-12) +

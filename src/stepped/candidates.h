@@ -23,7 +23,8 @@ struct rb_candidates {
 	bool valid;
 	rb_vec3 *built_at; /* [bodies] m: the objects' origins when the boxes were made */
 	double *margin;    /* [bodies] m: how far each may get from there */
-	double *reach; /* [bodies] m: how far each gets in the step under way, if nothing touches it */
+	/* [bodies] m: how far each gets in the step under way, if nothing touches it */
+	double *reach;
 	rb_aabb *box;
 	double h_s;   /* of that step */
 	double share; /* of bodies that move: where these are few, their boxes are made to last */
@@ -41,9 +42,9 @@ struct rb_candidates {
 	 * Of pairs with parts, m: as long as their bodies' `path` together is shorter, they are
 	 * apart by the difference.
 	 */
-	double *room, *own_clearance;
-	size_t depth_capacity, room_capacity;
-	double still_depth; /* m: the largest of pairs that are not live; NAN: not known */
+	double *clearance, *own_clearance;
+	size_t depth_capacity, bounds_capacity;
+	double resting_depth; /* m: the largest of pairs that are not live; NAN: not known */
 	/*
 	 * Of scenes with parts: what geometry is asked about. Whoever looks at a pair may write its
 	 * clues.
@@ -56,11 +57,17 @@ struct rb_candidates {
 	rb_placed *placed; /* where parts stand: rb_candidates_place */
 	rb_vec3 *at;       /* [bodies and statics] m: their origins, as the parts stand */
 	rb_quat *turn;     /* [bodies] so are they turned */
-	double *path; /* [bodies] m: how far points of each have got at most, through all placings */
-	double *size; /* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */
+	/* [bodies] m: how far points of each have got at most, through all placings */
+	double *path;
+	/* [bodies and statics] m: no point is farther from there; infinite planes: INFINITY */
+	double *size;
 	double *ahead; /* [bodies] m: how far points of each may get in the step, turning too */
 	struct rb_pair *
-		own; /* owned: rb_candidates_keep; where bodies are driven: pairs in which the first yields */
+		/*
+		 * owned: rb_candidates_keep; where bodies are driven: pairs in which the first
+		 * yields
+		 */
+		own;
 	size_t own_capacity;
 };
 
@@ -120,7 +127,7 @@ void rb_candidates_turn(struct rb_candidates *near, const struct rb_world *world
 
 /* Pairs that could touch while every body's origin stays within its room. */
 RB_CHECKED enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *world,
-                                              const rb_aabb *room, struct rb_error *err);
+                                              const rb_aabb *bounds, struct rb_error *err);
 
 /* The candidates stay although the broadphase is asked for others; false: no memory. */
 bool rb_candidates_keep(struct rb_candidates *near);

@@ -30,7 +30,7 @@ static inline bool rb_pair_is_plain(const struct rb_model *model, int a, int b)
 }
 
 /* Directions to look along for pairs that were apart, and for those that were not. */
-enum { RB_ROUNDS_APART = 12, RB_ROUNDS_CLOSE = 1 };
+enum { RB_ROUNDS_SEPARATE = 12, RB_ROUNDS_CLOSE = 1 };
 
 /* Two parts, seen from the origin of the first. */
 struct rb_part_pair {
@@ -51,7 +51,7 @@ static inline double rb_clearance_path(const struct rb_candidates *near, struct 
 static inline bool rb_clearance_is_more(const struct rb_candidates *near, size_t k, double path,
                                         double max)
 {
-	if (near->room[k] - path > max + 4 * DBL_EPSILON * path)
+	if (near->clearance[k] - path > max + 4 * DBL_EPSILON * path)
 		return true;
 	const struct rb_pair pair = near->pair[k];
 	const rb_vec3 d = rb_vec3_sub(near->at[pair.b], near->at[pair.a]);
@@ -60,7 +60,7 @@ static inline bool rb_clearance_is_more(const struct rb_candidates *near, size_t
 
 	if (!(whole > 0 && square > whole * whole))
 		return false;
-	near->room[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
+	near->clearance[k] = path + sqrt(square) * (1 - 1e-12) - sizes;
 	return true;
 }
 
@@ -89,7 +89,7 @@ static inline struct rb_part_pair rb_part_pair_of(const rb_placed *a, const rb_p
 static inline double rb_clearance_of_parts(const struct rb_part_pair *parts, double max,
                                            struct rb_clue *clue)
 {
-	const int rounds = clue->is_close ? RB_ROUNDS_CLOSE : RB_ROUNDS_APART;
+	const int rounds = clue->is_close ? RB_ROUNDS_CLOSE : RB_ROUNDS_SEPARATE;
 
 	return rb_separation_beyond(&parts->a, &parts->b, max + parts->radii, rounds, &clue->axis) -
 	       parts->radii;

@@ -37,7 +37,7 @@ void rb_step_points_release(struct rb_step_points *points)
 /* ---- one pair ---- */
 
 /* What the workers share, read only, and the pair that one of them looks at. */
-struct look {
+struct inspection {
 	struct rb_world *world;
 	const struct rb_step_points *points;
 	const struct rb_candidates *near;
@@ -66,13 +66,13 @@ static bool is_central(const struct rb_world *world, int i)
 }
 
 /* Way of the object's origin within the step at the present velocity, m. */
-static rb_vec3 way_of(const struct look *look, int i)
+static rb_vec3 way_of(const struct inspection *inspection, int i)
 {
-	const struct rb_world *world = look->world;
+	const struct rb_world *world = inspection->world;
 
 	if (i >= world->model->body_count)
 		return (rb_vec3){0, 0, 0};
-	return rb_vec3_scale(look->h, rb_world_row3(world->state.velocity, i));
+	return rb_vec3_scale(inspection->h, rb_world_row3(world->state.velocity, i));
 }
 
 static rb_vec3 center_of(const struct rb_world *world, int i)
@@ -81,23 +81,24 @@ static rb_vec3 center_of(const struct rb_world *world, int i)
 	                                    : world->model->position[i];
 }
 
-static struct rb_step_point *add_point(struct look *look)
+static struct rb_step_point *add_point(struct inspection *inspection)
 {
-	if (look->count == look->capacity) {
-		const size_t capacity = look->capacity ? 2 * look->capacity : RB_PAIRS_PER_BLOCK;
-		struct rb_step_point *out = rb_arena_take(look->arena, capacity, sizeof *out);
+	if (inspection->count == inspection->capacity) {
+		const size_t capacity = inspection->capacity ? 2 * inspection->capacity
+		                                             : RB_PAIRS_PER_BLOCK;
+		struct rb_step_point *out = rb_arena_take(inspection->arena, capacity, sizeof *out);
 
 		if (!out) {
-			look->failed = true;
+			inspection->failed = true;
 			return NULL;
 		}
-		if (look->count > 0)
-			memcpy(out, look->out, look->count * sizeof *out);
-		look->out = out;
-		look->capacity = capacity;
-		look->in_place = false;
+		if (inspection->count > 0)
+			memcpy(out, inspection->out, inspection->count * sizeof *out);
+		inspection->out = out;
+		inspection->capacity = capacity;
+		inspection->in_place = false;
 	}
-	return &look->out[look->count++];
+	return &inspection->out[inspection->count++];
 }
 
 static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
@@ -112,11 +113,11 @@ static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
 }
 
 /* Material, approach and the impulse of the step before, for a point whose place is known. */
-static void fill_point(const struct look *look, struct rb_step_point *point)
+static void fill_point(const struct inspection *inspection, struct rb_step_point *point)
 {
-	const struct rb_world *world = look->world;
+	const struct rb_world *world = inspection->world;
 	const struct rb_model *model = world->model;
-	const struct rb_step_points *points = look->points;
+	const struct rb_step_points *points = inspection->points;
 	const struct rb_pair_material *pair =
 		&model->pair_materials[model->material[point->a] * model->material_count +
 	                               model->material[point->b]];
@@ -129,14 +130,14 @@ static void fill_point(const struct look *look, struct rb_step_point *point)
 	point->approach = rb_vec3_dot(rb_vec3_sub(velocity_before(world, point->a, arm_a),
 	                                          velocity_before(world, point->b, arm_b)),
 	                              point->normal);
-	point->pair = look->pair;
+	point->pair = inspection->pair;
 	point->from = 0;
 	point->push = 0;
 	point->friction_impulse = (rb_vec3){0, 0, 0};
 	/* friction goes round with what turns together */
 	const double pivot = central ? 0
 	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
-	                                              look->h);
+	                                              inspection->h);
 	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
 	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
 		const struct rb_named_push *last = &points->last[k];
@@ -144,10 +145,10 @@ static void fill_point(const struct look *look, struct rb_step_point *point)
 		if (last->b != point->b || (last->key != point->key && last->key != RB_ANY_POINT))
 			continue;
 		point->from = k + 1;
-		point->push = look->h * last->force;
+		point->push = inspection->h * last->force;
 		if (point->friction > 0)
 			point->friction_impulse = rb_vec3_scale(
-				look->h,
+				inspection->h,
 				rb_pivot_turn(rb_vec3_reject(last->friction_impulse, point->normal),
 			                      point->normal, pivot, 1));
 		break;
@@ -162,12 +163,12 @@ static const double far_share = 0.1;
  * touches or comes closest: the plane through the start's nearest point would hold it up where it
  * only passes.
  */
-static struct rb_gap approaching(const struct look *look, struct rb_pair pair)
+static struct rb_gap approaching(const struct inspection *inspection, struct rb_pair pair)
 {
-	const struct rb_world *world = look->world;
+	const struct rb_world *world = inspection->world;
 	const struct rb_state *state = &world->state;
 	struct rb_gap g = rb_gap_of(world, state, pair.a, pair.b);
-	const rb_vec3 d = rb_vec3_sub(way_of(look, pair.b), way_of(look, pair.a));
+	const rb_vec3 d = rb_vec3_sub(way_of(inspection, pair.b), way_of(inspection, pair.a));
 	const double size = world->model->shape[pair.a].radius;
 	double t = 0;
 
@@ -192,9 +193,9 @@ static struct rb_gap approaching(const struct look *look, struct rb_pair pair)
 	return g;
 }
 
-static void inspect_plain(struct look *look, struct rb_pair pair, double slack)
+static void inspect_plain(struct inspection *inspection, struct rb_pair pair, double slack)
 {
-	const struct rb_world *world = look->world;
+	const struct rb_world *world = inspection->world;
 	const struct rb_model *model = world->model;
 
 	if (model->shape[pair.b].kind == RB_SHAPE_SPHERE) { /* without a square root */
@@ -206,10 +207,10 @@ static void inspect_plain(struct look *look, struct rb_pair pair, double slack)
 		if (rb_vec3_dot(d, d) > max * max)
 			return;
 	}
-	const struct rb_gap g = approaching(look, pair);
+	const struct rb_gap g = approaching(inspection, pair);
 	if (!(g.gap <= slack))
 		return;
-	struct rb_step_point *point = add_point(look);
+	struct rb_step_point *point = add_point(inspection);
 	if (!point)
 		return;
 	*point = (struct rb_step_point){
@@ -240,20 +241,21 @@ static void inspect_plain(struct look *look, struct rb_pair pair, double slack)
 					: rb_vec3_add_scaled(on_a, g.gap, g.normal),
 				center_of(world, pair.b));
 	}
-	fill_point(look, point);
+	fill_point(inspection, point);
 }
 
-static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifold *manifold,
-                         double slack, uint64_t part)
+static void add_manifold(struct inspection *inspection, struct rb_pair pair,
+                         const rb_manifold *manifold, double slack, uint64_t part)
 {
-	const rb_vec3 at_a = center_of(look->world, pair.a), at_b = center_of(look->world, pair.b);
+	const rb_vec3 at_a = center_of(inspection->world, pair.a),
+		      at_b = center_of(inspection->world, pair.b);
 
 	for (int k = 0; k < manifold->count; k++) {
 		const rb_manifold_point *at = &manifold->point[k];
 
 		if (!(at->gap <= slack))
 			continue;
-		struct rb_step_point *point = add_point(look);
+		struct rb_step_point *point = add_point(inspection);
 		if (!point)
 			return;
 		*point = (struct rb_step_point){
@@ -267,7 +269,7 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
 				rb_vec3_add_scaled(at->on_a, at->gap, manifold->normal), at_b),
 			.gap = at->gap,
 		};
-		fill_point(look, point);
+		fill_point(inspection, point);
 	}
 }
 
@@ -276,16 +278,16 @@ static void add_manifold(struct look *look, struct rb_pair pair, const rb_manifo
  * turns only those that come near as that body sees it. Its corners may go round by more than their
  * height, and corners one above the other would all count.
  */
-static double band_of(const struct look *look, struct rb_pair pair, double slack)
+static double band_of(const struct inspection *inspection, struct rb_pair pair, double slack)
 {
-	const struct rb_world *world = look->world;
+	const struct rb_world *world = inspection->world;
 	const struct rb_state *state = &world->state;
 	const struct rb_model *model = world->model;
 
 	if (pair.b >= model->body_count || !model->driven || !model->driven[pair.b] ||
 	    !state->spin || rb_vec3_max_abs(rb_world_row3(state->spin, pair.b)) == 0)
 		return slack;
-	const double h = look->h, reach = rb_model_reach(model, pair.a);
+	const double h = inspection->h, reach = rb_model_reach(model, pair.a);
 	const rb_vec3 w = rb_world_row3(state->spin, pair.b);
 	const rb_vec3 d = rb_vec3_sub(rb_world_row3(state->position, pair.a),
 	                              rb_world_row3(state->position, pair.b));
@@ -304,17 +306,17 @@ static double band_of(const struct look *look, struct rb_pair pair, double slack
 /* Of the tolerance, by which points may stand too high. */
 static const double fine_share = 0.125;
 /* How far all of them are apart at least; -INFINITY: nothing is known. */
-static double inspect_parts(struct look *look, struct rb_pair pair, double slack,
+static double inspect_parts(struct inspection *inspection, struct rb_pair pair, double slack,
                             struct rb_clue *clues)
 {
-	const struct rb_candidates *near = look->near;
-	const double fine = fine_share * look->world->model->tolerance_m;
-	const double band = band_of(look, pair, slack);
+	const struct rb_candidates *near = inspection->near;
+	const double fine = fine_share * inspection->world->model->tolerance_m;
+	const double band = band_of(inspection, pair, slack);
 	const int a = near->first_part[pair.a], b = near->first_part[pair.b];
 	const int count_a = rb_candidates_part_count(near, pair.a);
 	const int count_b = rb_candidates_part_count(near, pair.b);
 	rb_manifold manifold;
-	double room = (double)INFINITY;
+	double least_clearance = (double)INFINITY;
 
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
@@ -322,12 +324,12 @@ static double inspect_parts(struct look *look, struct rb_pair pair, double slack
 			struct rb_clue *clue = &clues[i * count_b + j];
 
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
-			double apart = rb_clearance_of_spheres(pa, pb, slack);
+			double clearance = rb_clearance_of_spheres(pa, pb, slack);
 
-			if (!(apart > slack))
-				apart = rb_clearance_of_parts(&parts, slack, clue);
-			room = fmin(room, apart);
-			if (apart > slack) {
+			if (!(clearance > slack))
+				clearance = rb_clearance_of_parts(&parts, slack, clue);
+			least_clearance = fmin(least_clearance, clearance);
+			if (clearance > slack) {
 				clue->is_close = false;
 				continue;
 			}
@@ -337,19 +339,20 @@ static double inspect_parts(struct look *look, struct rb_pair pair, double slack
 			/* as if it had been seen at once: what is known decides cost only */
 			if (!clue->is_close)
 				continue;
-			add_manifold(look, pair, &manifold, slack, (uint64_t)i << 32 | (uint64_t)j);
+			add_manifold(inspection, pair, &manifold, slack,
+			             (uint64_t)i << 32 | (uint64_t)j);
 		}
 	}
-	return room;
+	return least_clearance;
 }
 
 /*
  * A driven plane may turn: the farther away, the more of a way. About its own normal that closes
  * nothing.
  */
-static double plane_turn(const struct look *look, struct rb_pair pair)
+static double plane_turn(const struct inspection *inspection, struct rb_pair pair)
 {
-	const struct rb_world *world = look->world;
+	const struct rb_world *world = inspection->world;
 	const enum rb_shape_kind kind = world->model->shape[pair.b].kind;
 	const size_t at = (size_t)pair.b;
 
@@ -364,29 +367,29 @@ static double plane_turn(const struct look *look, struct rb_pair pair)
 	const rb_vec3 between = rb_vec3_sub(rb_world_origin_at(world, &world->state, pair.a),
 	                                    rb_world_origin_at(world, &world->state, pair.b));
 
-	return fmin(2, look->near->h_s * tilt) * rb_vec3_length(between);
+	return fmin(2, inspection->near->h_s * tilt) * rb_vec3_length(between);
 }
 
 /* m: what two bodies can close in the step, by how far either gets. */
-static inline double slack_of(const struct look *look, struct rb_pair pair)
+static inline double slack_of(const struct inspection *inspection, struct rb_pair pair)
 {
-	const struct rb_model *model = look->world->model;
-	const double *reach = look->near->reach;
+	const struct rb_model *model = inspection->world->model;
+	const double *reach = inspection->near->reach;
 	const double slack = reach[pair.a] + (pair.b < model->body_count ? reach[pair.b] : 0) +
 	                     model->tolerance_m;
 
-	return model->driven ? slack + plane_turn(look, pair) : slack;
+	return model->driven ? slack + plane_turn(inspection, pair) : slack;
 }
 
 /*
  * The same of bodies that turn. One may be stopped on its way, while the other goes on, but bodies
  * that move together do not close both of their ways.
  */
-static double closing_of(const struct look *look, struct rb_pair pair)
+static double closing_of(const struct inspection *inspection, struct rb_pair pair)
 {
-	const struct rb_candidates *near = look->near;
-	const struct rb_model *model = look->world->model;
-	const rb_vec3 d = rb_vec3_sub(way_of(look, pair.b), way_of(look, pair.a));
+	const struct rb_candidates *near = inspection->near;
+	const struct rb_model *model = inspection->world->model;
+	const rb_vec3 d = rb_vec3_sub(way_of(inspection, pair.b), way_of(inspection, pair.a));
 	const double a = near->reach[pair.a];
 	double b = 0, turning = near->ahead[pair.a] - a;
 
@@ -396,14 +399,14 @@ static double closing_of(const struct look *look, struct rb_pair pair)
 	}
 	const double way = fmin(fmax(fmax(a, b), rb_vec3_length(d)), a + b);
 	const double closing = way + turning + model->tolerance_m;
-	return model->driven ? closing + plane_turn(look, pair) : closing;
+	return model->driven ? closing + plane_turn(inspection, pair) : closing;
 }
 
 /* Whether that could be enough, seen at a glance. */
-static bool may_close(const struct look *look, struct rb_pair pair, double path)
+static bool may_close(const struct inspection *inspection, struct rb_pair pair, double path)
 {
-	const struct rb_candidates *near = look->near;
-	const struct rb_model *model = look->world->model;
+	const struct rb_candidates *near = inspection->near;
+	const struct rb_model *model = inspection->world->model;
 	double closing = near->ahead[pair.a] + model->tolerance_m;
 
 	if (pair.b < model->body_count) {
@@ -412,51 +415,52 @@ static bool may_close(const struct look *look, struct rb_pair pair, double path)
 		if (model->driven && model->driven[pair.b])
 			return true;
 	}
-	return !rb_clearance_is_more(near, look->pair, path,
-	                             closing < look->max ? closing : look->max);
+	return !rb_clearance_is_more(near, inspection->pair, path,
+	                             closing < inspection->max ? closing : inspection->max);
 }
 
 /* ---- all pairs, by blocks ---- */
 
-struct looks {
-	struct look look; /* to begin each block with */
+struct inspections {
+	struct inspection inspection; /* to begin each block with */
 	struct rb_world *world;
-	struct look *block; /* what came of it */
+	struct inspection *block; /* what came of it */
 };
 
 static void inspect_block(void *user, int block, int worker)
 {
-	const struct looks *looks = user;
-	struct look look = looks->look;
-	const struct rb_candidates *near = look.near;
+	const struct inspections *inspections = user;
+	struct inspection inspection = inspections->inspection;
+	const struct rb_candidates *near = inspection.near;
 	const size_t first = (size_t)block * RB_PAIRS_PER_BLOCK,
 		     end = rb_pairs_end(rb_candidates_live_count(near), first);
 
-	const double max = look.max;
-	const int n = look.world->model->body_count;
-	look.arena = &look.world->arena[worker];
+	const double max = inspection.max;
+	const int n = inspection.world->model->body_count;
+	inspection.arena = &inspection.world->arena[worker];
 	/* the first block's need no copy, where there is room */
-	if (block == 0 && look.points->capacity > look.points->count) {
-		look.out = look.points->row + look.points->count;
-		look.capacity = look.points->capacity - look.points->count;
-		look.in_place = true;
+	if (block == 0 && inspection.points->capacity > inspection.points->count) {
+		inspection.out = inspection.points->row + inspection.points->count;
+		inspection.capacity = inspection.points->capacity - inspection.points->count;
+		inspection.in_place = true;
 	}
-	for (size_t at = first; at < end && !look.failed; at++) {
+	for (size_t at = first; at < end && !inspection.failed; at++) {
 		const size_t k = rb_candidates_live(near, at);
 		const struct rb_pair pair = near->pair[k];
 
-		look.pair = k;
-		if (rb_pair_is_plain(look.world->model, pair.a, pair.b)) {
-			inspect_plain(&look, pair, fmin(slack_of(&look, pair), max));
+		inspection.pair = k;
+		if (rb_pair_is_plain(inspection.world->model, pair.a, pair.b)) {
+			inspect_plain(&inspection, pair, fmin(slack_of(&inspection, pair), max));
 			continue;
 		}
 		const double path = rb_clearance_path(near, pair, n);
-		if (may_close(&look, pair, path))
-			near->room[k] = path + inspect_parts(&look, pair,
-			                                     fmin(closing_of(&look, pair), max),
-			                                     &near->clue[near->first_clue[k]]);
+		if (may_close(&inspection, pair, path))
+			near->clearance[k] = path +
+			                     inspect_parts(&inspection, pair,
+			                                   fmin(closing_of(&inspection, pair), max),
+			                                   &near->clue[near->first_clue[k]]);
 	}
-	looks->block[block] = look;
+	inspections->block[block] = inspection;
 }
 
 enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world *world,
@@ -464,29 +468,30 @@ enum rb_status rb_step_points_add(struct rb_step_points *points, struct rb_world
                                   struct rb_error *err)
 {
 	const int blocks = rb_pairs_blocks(rb_candidates_live_count(near));
-	struct looks looks = {
-		.look = {.world = world, .points = points, .near = near, .h = h, .max = max}};
+	struct inspections inspections = {
+		.inspection = {.world = world, .points = points, .near = near, .h = h, .max = max}};
 	bool good = true;
 
-	looks.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1, sizeof *looks.block);
-	if (!looks.block)
+	inspections.block = rb_arena_take(&world->arena[0], (size_t)blocks + 1,
+	                                  sizeof *inspections.block);
+	if (!inspections.block)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
-	rb_team_run(world->team, blocks, inspect_block, &looks);
+	rb_team_run(world->team, blocks, inspect_block, &inspections);
 	size_t count = points->count;
 	for (int b = 0; b < blocks; b++) {
-		count += looks.block[b].count;
-		good = good && !looks.block[b].failed;
+		count += inspections.block[b].count;
+		good = good && !inspections.block[b].failed;
 	}
 	if (!good ||
 	    !rb_memory_reserve(&points->row, &points->capacity, count, sizeof *points->row))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	for (int b = 0; b < blocks; b++) {
-		const struct look *look = &looks.block[b];
+		const struct inspection *inspection = &inspections.block[b];
 
-		if (look->count > 0 && !look->in_place)
-			memcpy(points->row + points->count, look->out,
-			       look->count * sizeof *points->row);
-		points->count += look->count;
+		if (inspection->count > 0 && !inspection->in_place)
+			memcpy(points->row + points->count, inspection->out,
+			       inspection->count * sizeof *points->row);
+		points->count += inspection->count;
 	}
 	return RB_OK;
 }
@@ -599,9 +604,9 @@ bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
 
 static struct rb_named_push push_of(const struct rb_step_points *points,
                                     const struct rb_step_point *point, double h,
-                                    const unsigned char *stays)
+                                    const unsigned char *asleep)
 {
-	if (point->from > 0 && stays[point->a]) {
+	if (point->from > 0 && asleep[point->a]) {
 		struct rb_named_push push = points->last[point->from - 1];
 
 		push.key = point->key;
@@ -612,7 +617,7 @@ static struct rb_named_push push_of(const struct rb_step_points *points,
 }
 
 enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
-                                   const unsigned char *stays, const unsigned char *sleeps,
+                                   const unsigned char *asleep, const unsigned char *sleeps,
                                    struct rb_error *err)
 {
 	const size_t max = points->count + (sleeps ? points->last_count : 0);
@@ -632,7 +637,7 @@ enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
 			if (sleeps[points->last[old].a])
 				to[count++] = points->last[old];
 		if (point)
-			to[count++] = push_of(points, point, h, stays);
+			to[count++] = push_of(points, point, h, asleep);
 	}
 	points->spare = points->last;
 	points->last = to;

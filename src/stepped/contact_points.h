@@ -20,12 +20,15 @@ struct rb_step_point {
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */
 	double gap;    /* m, at the beginning of the step */
-	double bend; /* m: more of a gap by the end than straight ways make it; 0 unless it was looked for */
+	/* m: more of a gap by the end than straight ways make it; 0 unless it was looked for */
+	double bend;
 	double friction, restitution;
-	double approach; /* m/s: towards each other at the beginning of the step, before its forces */
-	double push;     /* N s */
+	/* m/s: towards each other at the beginning of the step, before its forces */
+	double approach;
+	double push;              /* N s */
 	rb_vec3 friction_impulse; /* N s, on b */
-	rb_vec3 lever; /* m, from a's centre of mass: where the solution has applied these; central: not set */
+	/* m, from a's centre of mass: where the solution has applied these; central: not set */
+	rb_vec3 lever;
 	size_t pair; /* among the candidates */
 	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
 };
@@ -73,7 +76,7 @@ RB_CHECKED enum rb_status rb_step_points_sort(struct rb_step_points *points, str
  * points, and keep what they have.
  */
 RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points, double h_s,
-                                              const unsigned char *stays,
+                                              const unsigned char *asleep,
                                               const unsigned char *sleeps, struct rb_error *err);
 
 /*

@@ -35,7 +35,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 {
 	const struct rb_step_points *points = &cohort->points;
 	const struct rb_step_point *point = &points->row[at];
-	const bool stays = world->stepped->solver.stays[point->a] && point->from > 0;
+	const bool asleep = world->stepped->solver.asleep[point->a] && point->from > 0;
 	struct rb_contact contact = {
 		.a = point->a,
 		.b = point->b,
@@ -46,7 +46,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 		.key = point->key,
 	};
 
-	if (stays) {
+	if (asleep) {
 		contact.normal_force = points->last[point->from - 1].force;
 		contact.tangent_force = points->last[point->from - 1].friction_impulse;
 	} else if (!point->struck) {
@@ -279,7 +279,6 @@ enum rb_status rb_record_all(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_events *reported = &world->stepped->reported, *events = &world->events;
 	const size_t first = events->count, count = reported->count;
-	enum rb_status status = RB_OK;
 
 	reported->count = 0;
 	world->frame_counts.collisions += count;
@@ -288,10 +287,5 @@ enum rb_status rb_record_all(struct rb_world *world, struct rb_error *err)
 	qsort(reported->row, count, sizeof *reported->row, by_time);
 	memcpy(events->row + first, reported->row, count * sizeof *reported->row);
 	events->count += count;
-	for (size_t k = first; k < events->count && world->hooks.collision && status == RB_OK;
-	     k++, world->moment++)
-		status = world->hooks.collision(world->hooks.user, world, &events->row[k], err);
-	if (!world->options.keep_events)
-		events->count = 0;
-	return status;
+	return rb_world_report_collisions(world, first, err);
 }

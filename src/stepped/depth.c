@@ -35,7 +35,7 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 	const int count_a = rb_candidates_part_count(near, pair.a);
 	const int count_b = rb_candidates_part_count(near, pair.b);
 	double depth = 0;
-	double room = (double)INFINITY;
+	double least_clearance = (double)INFINITY;
 	bool bounded = false;
 
 	for (int i = 0; i < count_a; i++) {
@@ -43,14 +43,15 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
 			struct rb_clue *clue = &clues[i * count_b + j];
 
-			double apart = rb_clearance_of_spheres(pa, pb, 0);
+			double clearance = rb_clearance_of_spheres(pa, pb, 0);
 			const struct rb_part_pair parts = rb_part_pair_of(pa, pb);
 
-			if (!(apart > 0))
-				apart = rb_clearance_of_parts(&parts, -fmax(depth, least), clue);
-			room = fmin(room, apart);
-			if (apart > -fmax(depth, least)) {
-				bounded = bounded || (apart < 0 && least > depth);
+			if (!(clearance > 0))
+				clearance = rb_clearance_of_parts(&parts, -fmax(depth, least),
+				                                  clue);
+			least_clearance = fmin(least_clearance, clearance);
+			if (clearance > -fmax(depth, least)) {
+				bounded = bounded || (clearance < 0 && least > depth);
 				continue;
 			}
 			const rb_separation s = rb_separation_of(&parts.a, &parts.b);
@@ -58,7 +59,7 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 			depth = fmax(depth, parts.radii - s.gap);
 		}
 	}
-	near->room[k] = path + room;
+	near->clearance[k] = path + least_clearance;
 	return bounded && depth < least ? -least : depth;
 }
 
@@ -151,7 +152,7 @@ static void depth_block(void *user, int block, int worker)
 			continue;
 		}
 		/* nobody asks how deep those are that are less deep than others */
-		const double least = is_live ? depths.max : depths.still;
+		const double least = is_live ? depths.max : depths.resting;
 		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
 
 		/* written so that NaN is measured */
@@ -165,7 +166,7 @@ static void depth_block(void *user, int block, int worker)
 		else if (depth > depths.max)
 			depths.max = depth;
 		if (!is_live)
-			depths.still = fmax(depths.still, depth);
+			depths.resting = fmax(depths.resting, depth);
 	}
 	work->block[block] = depths;
 }
@@ -178,7 +179,7 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near
 	                      .near = near,
 	                      .skip = skip,
 	                      .moved = moved,
-	                      .all = moved || isnan(near->still_depth),
+	                      .all = moved || isnan(near->resting_depth),
 	                      .limit = world->model->tolerance_m};
 	const int blocks = rb_pairs_blocks(work.all ? near->pair_count
 	                                            : rb_candidates_live_count(near));
@@ -191,13 +192,13 @@ enum rb_status rb_depths_find(struct rb_world *world, struct rb_candidates *near
 	for (int b = 0; b < blocks; b++) {
 		found->failed = found->failed || work.block[b].failed;
 		found->max = fmax(found->max, work.block[b].max);
-		found->still = fmax(found->still, work.block[b].still);
+		found->resting = fmax(found->resting, work.block[b].resting);
 		for (size_t k = 0; k < work.block[b].deep_count; k++)
 			add_deep(found, &world->arena[0], work.block[b].deep[k]);
 	}
 	if (work.all)
-		near->still_depth = found->still;
-	found->max = fmax(found->max, near->still_depth);
+		near->resting_depth = found->resting;
+	found->max = fmax(found->max, near->resting_depth);
 	return found->failed ? RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step")
 	                     : RB_OK;
 }

@@ -16,7 +16,7 @@ struct rb_deep {
 
 struct rb_depths {
 	double max;           /* m: the largest overlap of all other pairs */
-	double still;         /* m: of pairs that are not live */
+	double resting;       /* m: of pairs that are not live */
 	struct rb_deep *deep; /* in the arena, in order of pairs */
 	size_t deep_count, deep_capacity;
 	bool failed; /* no memory */

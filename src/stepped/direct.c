@@ -12,7 +12,8 @@ enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
  * First weight of a row, over its own yield; how much it grows where impulses follow slowly, and
  * how far.
  */
-static const double weight_first = 1, weight_first_still = 30, weight_growth = 10, weight_max = 1e5;
+static const double weight_first = 1, weight_first_resting = 30, weight_growth = 10,
+		    weight_max = 1e5;
 static const double relax_least = 0.3;
 
 /* A row while it is solved. */
@@ -365,7 +366,7 @@ static void fill(struct newton *s)
 			s->inertia[k] = rb_mat3_diagonal(turn, turn, turn);
 	}
 	s->ratio = heaviest / lightest;
-	double first = s->direct->holds ? weight_first_still : weight_first;
+	double first = s->direct->holds ? weight_first_resting : weight_first;
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_system_row *row = &dense->row[k];
 		const double slip = rb_vec3_length(slip_of(row, rb_system_velocity(dense, row)));

@@ -266,7 +266,7 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
                          struct rb_island *island)
 {
 	const struct rb_row_system rows = rows_of(solver, island);
-	struct rb_energy energy = {.lost = island->room, .mixed = -rb_system_work(&rows)};
+	struct rb_energy energy = {.lost = island->energy_budget, .mixed = -rb_system_work(&rows)};
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -285,6 +285,7 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
 		energy.square += rb_energy_product(&momentum, &now);
 	}
 	const double share = rb_energy_share(&energy);
-	island->room = fmax(0, island->room - share * (2 * energy.mixed + share * energy.square));
+	island->energy_budget = fmax(0, island->energy_budget -
+	                                        share * (2 * energy.mixed + share * energy.square));
 	return share;
 }

@@ -5,7 +5,8 @@
  * In one step forces change velocities by f, impulses by d, positions move with what that comes to,
  * v0 + f + d. What the group gains in kinetic energy, beyond the work of forces on that way and of
  * driven bodies at its contacts, is the half of
- * |d|^2 + 2 <v0, d> - |f|^2, with masses and inertias for weights. Impulses that close no gap, push no overlap apart and
+ * |d|^2 + 2 <v0, d> - |f|^2, with masses and inertias for weights. Impulses that close no gap, push
+ * no overlap apart and
  * hold against slip make it negative; what solutions leave and pushing apart may not.
  */
 #ifndef RB_STEPPED_ENERGY_H

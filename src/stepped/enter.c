@@ -17,8 +17,8 @@ struct entering {
 	const unsigned char *skip;
 	const int *member; /* of the cohort, and of all those that stand */
 	int member_count;
-	struct rb_pass pass;       /* what stated forces are asked with */
-	struct weights all, still; /* of those that stand still */
+	struct rb_pass pass;         /* what stated forces are asked with */
+	struct weights all, resting; /* of those that stand still */
 	struct rb_entries e;
 };
 
@@ -168,14 +168,22 @@ static void enter_even_forces(struct entering *n, int i, rb_vec3 at, struct held
 	}
 }
 
-static void enter_varied(struct entering *n, int i, enum rb_ledger_momentum cause, rb_vec3 impulse,
-                         struct held *held)
+static void enter_impulse(struct entering *n, int i, enum rb_ledger_momentum cause,
+                          const struct rb_wrench *impulse, struct held *held)
 {
 	const rb_vec3 at = rb_world_row3(n->before->position, i);
 
-	enter_force(n, &n->tally->body[i], cause, impulse, none);
-	rb_entries_impulse(&n->e, cause, impulse, at);
-	hold(held, impulse, at);
+	rb_entries_impulse(&n->e, cause, impulse->force, at);
+	rb_entries_twist(&n->e, cause, impulse->torque);
+	hold(held, impulse->force, at);
+	held->angular = rb_vec3_add(held->angular, impulse->torque);
+}
+
+static void enter_varied(struct entering *n, int i, enum rb_ledger_momentum cause,
+                         const struct rb_wrench *impulse, struct held *held)
+{
+	enter_force(n, &n->tally->body[i], cause, impulse->force, impulse->torque);
+	enter_impulse(n, i, cause, impulse, held);
 }
 
 /* What holds a body that stands still gives what its forces take, and what motion it had left. */
@@ -203,7 +211,7 @@ static void enter_closing(struct entering *n, int i)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, body->lifted);
 }
 
-static bool is_still(const struct rb_tally_body *body)
+static bool is_resting(const struct rb_tally_body *body)
 {
 	return rb_vec3_max_abs(body->begin[0]) == 0 && rb_vec3_max_abs(body->begin[1]) == 0 &&
 	       rb_vec3_max_abs(body->end[0]) == 0 && rb_vec3_max_abs(body->end[1]) == 0;
@@ -212,7 +220,7 @@ static bool is_still(const struct rb_tally_body *body)
 static void enter_body(struct entering *n, int i)
 {
 	static const rb_features others = RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURE_FIELD |
-	                                  RB_FEATURE_DRAG;
+	                                  RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS;
 	const rb_features features = n->world->model->features;
 	const struct rb_tally_body *body = &n->tally->body[i];
 	const rb_vec3 at = even_place(n, i);
@@ -221,118 +229,117 @@ static void enter_body(struct entering *n, int i)
 
 	add_weight(&n->all, n->world->model->mass[i], at);
 	if (rests)
-		add_weight(&n->still, n->world->model->mass[i], at);
+		add_weight(&n->resting, n->world->model->mass[i], at);
 	if (features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES))
 		enter_even_forces(n, i, at, &held);
-	if (features & RB_FEATURE_FIELD)
-		enter_varied(n, i, RB_MOMENTUM_APPLIED, body->field, &held);
-	if (features & RB_FEATURE_DRAG)
-		enter_varied(n, i, RB_MOMENTUM_DRAG, body->drag, &held);
-	if (rests && ((features & others) || !is_still(body)))
+	if (features & (RB_FEATURE_FIELD | RB_FEATURE_ELEMENTS))
+		enter_varied(n, i, RB_MOMENTUM_APPLIED, &body->varied, &held);
+	if (features & RB_FEATURE_ELEMENTS)
+		enter_impulse(n, i, RB_MOMENTUM_APPLIED, &body->stored, &held);
+	if (features & (RB_FEATURE_DRAG | RB_FEATURE_ELEMENTS))
+		enter_varied(n, i, RB_MOMENTUM_DRAG, &(struct rb_wrench){.force = body->drag},
+		             &held);
+	if (rests && ((features & others) || !is_resting(body)))
 		enter_held(n, i, &held);
 	if (body->is_closed)
 		enter_closing(n, i);
 }
 
-/* ---- springs ---- */
+/* ---- force elements between bodies ---- */
 
-static rb_vec3 end_at(const struct entering *n, const struct rb_state *state, int i, rb_vec3 point)
+/* As the step began, with the mean of velocities in it. */
+static struct rb_pose mean_pose(const struct rb_element_query *query, int i)
 {
-	const struct rb_model *model = n->world->model;
-	const bool moves = i < model->body_count;
-	const rb_vec3 center = moves ? rb_world_row3(state->position, i) : model->position[i];
+	const struct entering *n = query->user;
+	struct rb_pose pose = rb_world_pose(n->world, n->before, i);
 
-	if (isnan(point.x))
-		return center;
-	if (moves && model->center_of_mass)
-		point = rb_vec3_sub(point, model->center_of_mass[i]);
-	return rb_vec3_add(center,
-	                   rb_quat_rotate(rb_world_orientation_at(n->world, state, i), point));
-}
-
-static double spring_energy(const struct entering *n, const struct rb_state *state, int number)
-{
-	const struct rb_model *model = n->world->model;
-	const struct rb_spring_def *spring = &model->scene->springs[number];
-	const rb_vec3 a = end_at(n, state, model->index_of[spring->a], spring->at_a);
-	const rb_vec3 b = end_at(n, state, model->index_of[spring->b], spring->at_b);
-	const double stretch = rb_vec3_length(rb_vec3_sub(b, a)) - model->rest_length_m[number];
-
-	return 0.5 * spring->stiffness * stretch * stretch;
-}
-
-/* The velocity of a spring's end in the mean of the step. */
-static rb_vec3 end_velocity(const struct entering *n, int i, rb_vec3 arm)
-{
-	if (!rb_stepped_is_dynamic(n->world, i))
-		return i < n->world->model->body_count
-		               ? fixed_velocity(
-					 n, i,
-					 rb_vec3_add(rb_world_row3(n->before->position, i), arm))
-		               : none;
-	return velocity_at(n->tally->body[i].mean, arm);
-}
-
-/* An end that is fixed, or stands still, gives the impulse to what moves. */
-static void enter_end(struct entering *n, int i, rb_vec3 arm, int other, rb_vec3 other_arm,
-                      rb_vec3 impulse)
-{
-	const bool is_dynamic = rb_stepped_is_dynamic(n->world, i);
-
-	if (is_dynamic && n->tally->body[i].kind == RB_TALLY_RESTS) {
-		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, i), arm);
-
-		rb_entries_impulse(&n->e, holder(n), impulse, at);
+	if (rb_stepped_is_dynamic(n->world, i)) {
+		pose.velocity = n->tally->body[i].mean[0];
+		pose.spin = n->tally->body[i].mean[1];
 	}
-	if (is_dynamic)
-		return;
-	/* at the end that moves */
-	const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, other), other_arm);
-	rb_entries_impulse(&n->e, cause_of(n, i), impulse, at);
-	if (i < n->world->model->body_count)
-		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN,
-		                  rb_vec3_dot(impulse, end_velocity(n, i, arm)));
+	return pose;
+}
+
+static struct rb_pose end_pose(const struct rb_element_query *query, int i)
+{
+	const struct entering *n = query->user;
+
+	return rb_world_pose(n->world, &n->world->state, i);
 }
 
 /*
- * A damper takes what its rate along the spring is worth, and no more than bodies and spring have
- * lost.
+ * An end that is fixed, or stands still, gives what moves the opposite of what the element does to
+ * it.
  */
-static void enter_spring(struct entering *n, int number)
+static void enter_end(struct entering *n, int i, const struct rb_wrench *on,
+                      const struct rb_pose *pose)
 {
-	const struct rb_model *model = n->world->model;
-	const struct rb_spring_def *spring = &model->scene->springs[number];
-	const struct rb_tally_external *external = &n->tally->external[number];
-	const int a = model->index_of[spring->a], b = model->index_of[spring->b];
-	const rb_vec3 p = external->impulse;
+	const bool is_dynamic = rb_stepped_is_dynamic(n->world, i);
+	const rb_vec3 turn = rb_vec3_add(on->torque, rb_vec3_cross(pose->position, on->force));
 
-	enter_end(n, a, external->arm_a, b, external->arm_b, p);
-	enter_end(n, b, external->arm_b, a, external->arm_a, rb_vec3_neg(p));
-	if (!(spring->damping > 0))
+	if (is_dynamic && n->tally->body[i].kind != RB_TALLY_RESTS)
 		return;
-	const rb_vec3 u = rb_vec3_sub(end_velocity(n, b, external->arm_b),
-	                              end_velocity(n, a, external->arm_a));
-	const double rate = rb_vec3_dot(u, external->along);
-	const double taken = n->pass.h_s * spring->damping * rate * rate;
-	const double lost = spring_energy(n, n->before, number) -
-	                    spring_energy(n, &n->world->state, number) - rb_vec3_dot(p, u);
+	rb_entries_momentum(&n->e, is_dynamic ? holder(n) : cause_of(n, i), rb_vec3_neg(on->force),
+	                    rb_vec3_neg(turn));
+	if (!is_dynamic && i < n->world->model->body_count)
+		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN,
+		                  -(rb_vec3_dot(on->force, pose->velocity) +
+		                    rb_vec3_dot(on->torque, pose->spin)));
+}
+
+/*
+ * A damper takes what its rate is worth, and no more than bodies and element have lost; an element
+ * without an energy gives its work.
+ */
+static void enter_element(struct entering *n, const struct rb_elements *elements, int k,
+                          const struct rb_tally_element *tally)
+{
+	const struct rb_element_kind *kind = elements->kind;
+	const void *row = rb_elements_row(elements, k);
+	const struct rb_element_query begin = {n->world->model, n->pass.start_s, mean_pose, n};
+	const struct rb_element_query end = {n->world->model, n->pass.start_s + n->pass.h_s,
+	                                     end_pose, n};
+	double work = 0;
+
+	for (int e = 0; e < 2; e++) {
+		const struct rb_pose pose = mean_pose(&begin, elements->end[k][e]);
+
+		enter_end(n, elements->end[k][e], &tally->on[e], &pose);
+		work += rb_vec3_dot(tally->on[e].force, pose.velocity) +
+		        rb_vec3_dot(tally->on[e].torque, pose.spin);
+	}
+	if (!kind->energy)
+		rb_entries_energy(&n->e, RB_ENERGY_APPLIED, work);
+	const double power = kind->dissipation ? kind->dissipation(&begin, row) : 0;
+	if (!(power > 0))
+		return;
+	const double taken = n->pass.h_s * power;
+	const double lost = kind->energy
+	                            ? kind->energy(&begin, row) - kind->energy(&end, row) - work
+	                            : taken;
 
 	rb_entries_energy(&n->e, RB_ENERGY_DAMPING, fmax(0, fmin(taken, lost)));
 }
 
-/* A spring is of a step that one of its bodies was part of. */
-static void enter_springs(struct entering *n)
+/* An element is of a step that one of its bodies was part of. */
+static void enter_elements(struct entering *n)
 {
-	const struct rb_scene *scene = n->world->model->scene;
-	const int *index_of = n->world->model->index_of;
+	const struct rb_model *model = n->world->model;
 	unsigned char *const here = n->tally->here;
+	const struct rb_tally_element *tally = n->tally->element;
 
-	for (int k = 0; k < n->member_count && scene->spring_count > 0; k++)
+	if (rb_elements_between(model) == 0)
+		return;
+	for (int k = 0; k < n->member_count; k++)
 		here[n->member[k]] = is_in(n, n->member[k]);
-	for (int k = 0; k < scene->spring_count; k++)
-		if (here[index_of[scene->springs[k].a]] || here[index_of[scene->springs[k].b]])
-			enter_spring(n, k);
-	for (int k = 0; k < n->member_count && scene->spring_count > 0; k++)
+	for (int list = 0; list < model->element_list_count; list++) {
+		const struct rb_elements *elements = &model->elements[list];
+
+		for (int k = 0; elements->end && k < elements->count; k++, tally++)
+			if (here[elements->end[k][0]] || here[elements->end[k][1]])
+				enter_element(n, elements, k, tally);
+	}
+	for (int k = 0; k < n->member_count; k++)
 		here[n->member[k]] = 0;
 }
 
@@ -521,7 +528,8 @@ static void keep_to(struct entering *n)
 	row[RB_ENERGY_DRAG] = fmax(0, row[RB_ENERGY_DRAG]);
 	for (size_t k = 0; k < sizeof taker / sizeof taker[0]; k++)
 		taken += row[taker[k]];
-	if (!(taken > 0) || (n->world->model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_FIELD)))
+	if (!(taken > 0) ||
+	    (n->world->model->features & (RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_DRAG)))
 		return;
 	for (int k = 0; k < n->member_count; k++)
 		if (is_in(n, n->member[k]) && may_lose(n, &n->tally->body[n->member[k]]))
@@ -549,13 +557,13 @@ struct rb_entries rb_enter_step(struct rb_world *world, const struct rb_cohort *
 		if (is_in(&n, n.member[k]))
 			enter_body(&n, n.member[k]);
 	enter_weights(&n, RB_MOMENTUM_APPLIED, h, &n.all);
-	if (n.still.count > 0)
-		enter_weights(&n, holder(&n), -h, &n.still);
+	if (n.resting.count > 0)
+		enter_weights(&n, holder(&n), -h, &n.resting);
 	enter_points(&n);
 	for (size_t k = 0; k < cohort->blow_count; k++)
 		if (is_in(&n, cohort->blow[k].a))
 			enter_blow(&n, &cohort->blow[k]);
-	enter_springs(&n);
+	enter_elements(&n);
 	keep_to(&n);
 	return n.e;
 }

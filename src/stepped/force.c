@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "force/drag.h"
+#include "force/spring.h"
 #include "step/force_stages.h"
 #include "stepped/tally.h"
 
@@ -35,7 +37,7 @@ static void run_stages(void *user, int block, int worker)
 			stages[k]->run(&pass);
 }
 
-/* ---- springs ---- */
+/* ---- force elements between bodies ---- */
 
 /* A body at one end of a spring; what does not yield has no mass. */
 struct end {
@@ -43,26 +45,15 @@ struct end {
 	rb_vec3 arm, at, velocity;
 };
 
-static struct end end_of(const struct rb_world *world, int id, rb_vec3 point)
+static struct end end_of(const struct rb_world *world, int i, rb_vec3 point)
 {
-	const struct rb_model *model = world->model;
-	const int i = model->index_of[id];
-	const bool moves = i < model->body_count;
-	struct end end = {.i = i};
+	const struct rb_pose pose = rb_world_pose(world, &world->state, i);
+	struct end end = {.i = i, .velocity = pose.velocity};
 
-	end.at = moves ? rb_world_row3(world->state.position, i) : model->position[i];
-	if (!isnan(point.x)) {
-		if (moves && model->center_of_mass)
-			point = rb_vec3_sub(point, model->center_of_mass[i]);
-		end.arm = rb_quat_rotate(rb_world_orientation_at(world, &world->state, i), point);
-	}
-	end.at = rb_vec3_add(end.at, end.arm);
-	if (!moves)
-		return end;
-	end.velocity = rb_world_row3(world->state.velocity, i);
-	if (world->state.spin)
-		end.velocity = rb_vec3_add(
-			end.velocity, rb_vec3_cross(rb_world_row3(world->state.spin, i), end.arm));
+	end.arm = rb_element_arm(world->model, i, pose.orientation, point);
+	end.at = rb_vec3_add(pose.position, end.arm);
+	if (i < world->model->body_count && world->state.spin)
+		end.velocity = rb_vec3_add(end.velocity, rb_vec3_cross(pose.spin, end.arm));
 	return end;
 }
 
@@ -70,12 +61,12 @@ static struct end end_of(const struct rb_world *world, int id, rb_vec3 point)
  * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is
  * shared out among them, so that all of them together are as stable as each is alone.
  */
-static void add_inverse_mass(const struct rb_world *world, const struct end *end,
-                             rb_mat3 *inverse_effective_mass)
+static void add_inverse_mass(const struct rb_world *world, const struct rb_elements *springs,
+                             const struct end *end, rb_mat3 *inverse_effective_mass)
 {
 	if (!rb_stepped_is_dynamic(world, end->i))
 		return;
-	const double springs = world->stepped->springs_of[end->i];
+	const double count = springs->first[end->i + 1] - springs->first[end->i];
 
 	for (int c = 0; c < 3; c++) {
 		const rb_vec3 unit = {c == 0, c == 1, c == 2};
@@ -86,9 +77,9 @@ static void add_inverse_mass(const struct rb_world *world, const struct end *end
 			                rb_vec3_cross(rb_world_turn(world, &world->state, end->i,
 			                                            rb_vec3_cross(end->arm, unit)),
 			                              end->arm));
-		inverse_effective_mass->m[0][c] += springs * v.x;
-		inverse_effective_mass->m[1][c] += springs * v.y;
-		inverse_effective_mass->m[2][c] += springs * v.z;
+		inverse_effective_mass->m[0][c] += count * v.x;
+		inverse_effective_mass->m[1][c] += count * v.y;
+		inverse_effective_mass->m[2][c] += count * v.z;
 	}
 }
 
@@ -105,25 +96,27 @@ static double size_of(const rb_mat3 *a)
 
 /*
  * The impulse of a spring on its end b. With f the force now, K = -df/dx (what would push sideways
- * left out), C = -df/dv, Y the yield and A = h (h K + C): the force at the step's end has the
- * impulse p of (1 + A Y) p = h f - h^2 K v. A spring with h^2 k + h c below 1/Y is resolved, and
- * acts as it is now: semi-implicit steps keep its oscillation, up to four times as stiff.
+ * left out), C = -df/dv, Y the inverse effective mass and A = h (h K + C): the force at the step's
+ * end has the impulse p of (1 + A Y) p = h f - h^2 K v. A spring with h^2 k + h c below 1/Y is
+ * resolved, and acts as it is now: semi-implicit steps keep its oscillation, up to four times as
+ * stiff.
  */
-static rb_vec3 impulse_of(const struct rb_world *world, int number, double h, const struct end *a,
-                          const struct end *b)
+static rb_vec3 impulse_of(const struct rb_world *world, const struct rb_elements *springs,
+                          int number, double h, const struct end end[2])
 {
-	const struct rb_spring_def *spring = &world->model->scene->springs[number];
-	const rb_vec3 d = rb_vec3_sub(b->at, a->at), v = rb_vec3_sub(b->velocity, a->velocity);
+	const struct rb_spring_def *spring = rb_elements_row(springs, number);
+	const rb_vec3 d = rb_vec3_sub(end[1].at, end[0].at);
+	const rb_vec3 v = rb_vec3_sub(end[1].velocity, end[0].velocity);
 	const double length = rb_vec3_length(d), k = spring->stiffness, c = spring->damping;
 	rb_mat3 inverse_effective_mass = {{{0}}}, stiff, system, inverse;
 
 	if (!(length > 0)) /* no direction to pull in */
 		return (rb_vec3){0, 0, 0};
 	const rb_vec3 n = rb_vec3_scale(1 / length, d);
-	const double stretch = length - world->model->rest_length_m[number];
+	const double stretch = length - spring->rest_length_m;
 	const double external = h * (k * stretch + c * rb_vec3_dot(v, n));
-	add_inverse_mass(world, a, &inverse_effective_mass);
-	add_inverse_mass(world, b, &inverse_effective_mass);
+	add_inverse_mass(world, springs, &end[0], &inverse_effective_mass);
+	add_inverse_mass(world, springs, &end[1], &inverse_effective_mass);
 	if ((h * h * k + h * c) * size_of(&inverse_effective_mass) <= 1)
 		return rb_vec3_scale(-external, n);
 	const double across = h * h * k * fmax(0, stretch / length);
@@ -141,75 +134,155 @@ static rb_vec3 impulse_of(const struct rb_world *world, int number, double h, co
 	return rb_vec3_neg(rb_mat3_apply(&inverse, right));
 }
 
+/* What an element does in the step to the bodies at its ends, N s, N m s. */
 struct external {
-	rb_vec3 impulse; /* N s, on b */
-	struct end a, b;
+	struct rb_wrench on[2];
 	bool acts;
 };
 
-static void apply(struct rb_world *world, const struct end *end, double sign, rb_vec3 impulse)
+static void spring_impulses(const struct rb_world *world, const struct rb_elements *springs, int k,
+                            double h, struct rb_wrench on[2])
 {
-	if (!rb_stepped_is_dynamic(world, end->i))
+	const struct rb_spring_def *spring = rb_elements_row(springs, k);
+	const struct end end[2] = {end_of(world, springs->end[k][0], spring->at_a),
+	                           end_of(world, springs->end[k][1], spring->at_b)};
+	const rb_vec3 p = impulse_of(world, springs, k, h, end);
+
+	on[0].force = rb_vec3_neg(p);
+	on[1].force = p;
+	for (int e = 0; e < 2; e++)
+		on[e].torque = rb_vec3_cross(end[e].arm, on[e].force);
+}
+
+static struct rb_pose begin_pose(const struct rb_element_query *query, int index)
+{
+	const struct rb_world *world = query->user;
+
+	return rb_world_pose(world, &world->mark, index);
+}
+
+/* The force on a body as the step begins, for all of it. */
+static struct rb_wrench even_impulse(const struct rb_world *world,
+                                     const struct rb_elements *elements, int k, int index,
+                                     const struct flow *flow)
+{
+	const struct rb_element_query query = {
+		.model = world->model, .time_s = flow->start_s, .pose = begin_pose, .user = world};
+	const struct rb_pose pose = begin_pose(&query, index);
+	struct rb_wrench on;
+
+	if (!elements->kind->act(&query, rb_elements_row(elements, k), index, &pose, &on))
+		return (struct rb_wrench){0};
+	return (struct rb_wrench){rb_vec3_scale(flow->h_s, on.force),
+	                          rb_vec3_scale(flow->h_s, on.torque)};
+}
+
+static struct external impulses_of(const struct flow *flow, const struct rb_elements *elements,
+                                   int k)
+{
+	const struct rb_world *world = flow->world;
+	const int *const end = elements->end[k];
+	struct external external = {.acts = true};
+
+	if (elements->kind == &rb_force_spring)
+		spring_impulses(world, elements, k, flow->h_s, external.on);
+	else
+		for (int e = 0; e < 2; e++)
+			external.on[e] = even_impulse(world, elements, k, end[e], flow);
+	return external;
+}
+
+static void apply(struct rb_world *world, int i, const struct rb_wrench *impulse)
+{
+	if (!rb_stepped_is_dynamic(world, i))
 		return;
-	const size_t row = 3 * (size_t)end->i;
-	const rb_vec3 p = rb_vec3_scale(sign, impulse);
+	const size_t row = 3 * (size_t)i;
 
 	rb_vec3_to(world->state.velocity + row,
 	           rb_vec3_add_scaled(rb_vec3_from(world->state.velocity + row),
-	                              world->model->inverse_mass[end->i], p));
+	                              world->model->inverse_mass[i], impulse->force));
 	if (world->state.spin)
 		rb_vec3_to(world->state.spin + row,
 		           rb_vec3_add(rb_vec3_from(world->state.spin + row),
-		                       rb_world_turn(world, &world->state, end->i,
-		                                     rb_vec3_cross(end->arm, p))));
+		                       rb_world_turn(world, &world->state, i, impulse->torque)));
 }
 
-static void note_external(struct rb_tally_external *to, const struct external *external)
+static bool is_here(const struct rb_world *world, const unsigned char *here, int i)
 {
-	const rb_vec3 d = rb_vec3_sub(external->b.at, external->a.at);
-	const double length = rb_vec3_length(d);
-
-	*to = (struct rb_tally_external){
-		.impulse = external->impulse, .arm_a = external->a.arm, .arm_b = external->b.arm};
-	if (length > 0)
-		to->along = rb_vec3_scale(1 / length, d);
+	return rb_stepped_is_dynamic(world, i) && here[i];
 }
 
 /* All see the same velocities: their order is not in the result but for the rounding of sums. */
-static enum rb_status add_springs(struct rb_world *world, double h, const unsigned char *here,
+static enum rb_status add_between(const struct flow *flow, const unsigned char *here,
                                   struct rb_error *err)
 {
-	const struct rb_scene *scene = world->model->scene;
-	struct external *external = rb_arena_take(&world->arena[0], (size_t)scene->spring_count,
+	struct rb_world *world = flow->world;
+	const struct rb_model *model = world->model;
+	const int count = rb_elements_between(model);
+	struct external *external = rb_arena_take(&world->arena[0], (size_t)count,
 	                                          sizeof *external);
+	struct rb_tally_element *tally = world->stepped->tally ? world->stepped->tally->element
+	                                                       : NULL;
+	int n = 0;
 
 	if (!external)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", scene->spring_count);
-	for (int k = 0; k < scene->spring_count; k++) {
-		const struct rb_spring_def *spring = &scene->springs[k];
-		const int a = world->model->index_of[spring->a],
-			  b = world->model->index_of[spring->b];
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %d springs", count);
+	for (int list = 0; list < model->element_list_count; list++) {
+		const struct rb_elements *elements = &model->elements[list];
 
-		external[k].acts = (rb_stepped_is_dynamic(world, a) && here[a]) ||
-		                   (rb_stepped_is_dynamic(world, b) && here[b]);
-		if (!external[k].acts)
-			continue;
-		external[k].a = end_of(world, spring->a, spring->at_a);
-		external[k].b = end_of(world, spring->b, spring->at_b);
-		external[k].impulse = impulse_of(world, k, h, &external[k].a, &external[k].b);
+		for (int k = 0; elements->end && k < elements->count; k++, n++) {
+			const int *const end = elements->end[k];
+
+			external[n] = (struct external){0};
+			if (is_here(world, here, end[0]) || is_here(world, here, end[1]))
+				external[n] = impulses_of(flow, elements, k);
+		}
 	}
-	for (int k = 0; k < scene->spring_count; k++) {
-		if (!external[k].acts)
-			continue;
-		if (world->stepped->tally)
-			note_external(&world->stepped->tally->external[k], &external[k]);
-		apply(world, &external[k].a, -1, external[k].impulse);
-		apply(world, &external[k].b, 1, external[k].impulse);
+	n = 0;
+	for (int list = 0; list < model->element_list_count; list++) {
+		const struct rb_elements *elements = &model->elements[list];
+
+		for (int k = 0; elements->end && k < elements->count; k++, n++) {
+			if (!external[n].acts)
+				continue;
+			for (int e = 0; e < 2; e++) {
+				apply(world, elements->end[k][e], &external[n].on[e]);
+				if (tally)
+					tally[n].on[e] = external[n].on[e];
+			}
+		}
 	}
 	return RB_OK;
 }
 
-/* ---- fields and drag ---- */
+/* ---- force elements on every body, fields and drag ---- */
+
+/* Those that act as they are when the step begins. */
+static void add_even(const struct flow *flow, const struct rb_elements *elements)
+{
+	struct rb_world *world = flow->world;
+
+	for (int m = 0; m < flow->cohort->member_count; m++) {
+		const int i = flow->cohort->body[m];
+
+		for (int k = 0; k < elements->count; k++) {
+			const struct rb_wrench on = even_impulse(world, elements, k, i, flow);
+
+			apply(world, i, &on);
+			if (!world->stepped->tally)
+				continue;
+			struct rb_tally_body *body = &world->stepped->tally->body[i];
+			struct rb_wrench *sum = elements->kind->energy ? &body->stored
+			                                               : &body->varied;
+			if (elements->kind->is_drag) {
+				body->drag = rb_vec3_add(body->drag, on.force);
+				continue;
+			}
+			sum->force = rb_vec3_add(sum->force, on.force);
+			sum->torque = rb_vec3_add(sum->torque, on.torque);
+		}
+	}
+}
 
 /* Functions of the scene: one after the other, in the simulator's thread. */
 static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort *cohort,
@@ -228,7 +301,9 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), h * world->model->inverse_mass[i],
 		                                 force));
 		if (world->stepped->tally)
-			world->stepped->tally->body[i].field = rb_vec3_scale(h, force);
+			world->stepped->tally->body[i].varied.force = rb_vec3_add(
+				world->stepped->tally->body[i].varied.force,
+				rb_vec3_scale(h, force));
 	}
 	return status;
 }
@@ -241,12 +316,14 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
  */
 static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
-	const struct rb_scene *scene = world->model->scene;
+	const struct rb_elements *drags = rb_model_elements(world->model, &rb_force_drag);
 	double linear = 0, quadratic = 0;
 
-	for (int k = 0; k < scene->drag_count; k++) {
-		linear += scene->drags[k].linear;
-		quadratic += scene->drags[k].quadratic;
+	for (int k = 0; k < drags->count; k++) {
+		const struct rb_drag_def *drag = rb_elements_row(drags, k);
+
+		linear += drag->linear;
+		quadratic += drag->quadratic;
 	}
 	for (int k = 0; k < cohort->member_count; k++) {
 		const int i = cohort->body[k];
@@ -264,8 +341,8 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 		if (world->stepped->tally) {
 			struct rb_tally_body *body = &world->stepped->tally->body[i];
 
-			body->drag = rb_vec3_scale((left - 1) * world->model->mass[i],
-			                           rb_vec3_from(v));
+			body->drag = rb_vec3_add_scaled(
+				body->drag, (left - 1) * world->model->mass[i], rb_vec3_from(v));
 			body->carry = rb_vec3_scale(0.5 * h * left * left, others);
 		}
 		rb_vec3_to(v, rb_vec3_scale(left, rb_vec3_from(v)));
@@ -333,11 +410,17 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	if (world->stepped->tally)
 		rb_tally_begin(world, cohort);
 	note_varied(world, cohort, -1);
-	if (features & RB_FEATURE_SPRINGS) {
+	if (rb_elements_between(world->model) > 0) {
 		const unsigned char *here = marks_of(world, cohort);
 
-		status = here ? add_springs(world, h, here, err)
+		status = here ? add_between(&flow, here, err)
 		              : RB_FAIL(err, RB_ERR_MEMORY, "no memory for springs");
+	}
+	for (int list = 0; list < world->model->element_list_count; list++) {
+		const struct rb_elements *elements = &world->model->elements[list];
+
+		if (!elements->end && elements->kind != &rb_force_drag)
+			add_even(&flow, elements);
 	}
 	if (status == RB_OK && (features & RB_FEATURE_FIELD))
 		status = add_fields(world, cohort, start, h, err);

@@ -509,7 +509,7 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
 	return true;
 }
 
-static bool tell(struct impacts *all, const struct rb_simultaneous *joint, bool settled)
+static bool report(struct impacts *all, const struct rb_simultaneous *joint, bool settled)
 {
 	bool first = true;
 
@@ -636,7 +636,7 @@ static bool collide(struct impacts *all, size_t due, bool *done)
 		const bool settled = rb_simultaneous_impact(&joint, NULL);
 
 		*done = !rb_simultaneous_is_over(&joint);
-		fine = *done ? tell(all, &joint, settled) : target_velocity(all, due);
+		fine = *done ? report(all, &joint, settled) : target_velocity(all, due);
 	}
 	if (fine && *done && all->s->tally)
 		fine = note_blows(all, &joint);

@@ -64,8 +64,9 @@ struct rb_attempt_outcome {
 	int pair[2];    /* that overlaps, -1: none */
 	int body;       /* that is not finite, -1: none */
 	double overlap; /* m */
-	double residual; /* m: the largest that a solution which is good has left of a gap's closing */
-	double slip;     /* m: the largest that such a one left by holding friction */
+	/* m: the largest that a solution which is good has left of a gap's closing */
+	double residual;
+	double slip; /* m: the largest that such a one left by holding friction */
 };
 
 /* A driven body at the end of the step. */
@@ -77,10 +78,12 @@ struct rb_ride {
 /* What stands still: stepped/sleep. */
 struct rb_sleep {
 	unsigned char *
-		sleeps; /* owned: [bodies] 1: nobody looks at it; of a driven one: it stays where it is */
+		/* owned: [bodies] 1: nobody looks at it; of a driven one: it stays where it is */
+		sleeps;
 	unsigned char *mark; /* owned: [bodies] scratch, 0 */
 	int *next;           /* owned: [bodies] the next one of its group, in a ring */
-	int *group; /* owned: [bodies] of the step under way: the first of a group that rests, or -1 */
+	/* owned: [bodies] of the step under way: the first of a group that rests, or -1 */
+	int *group;
 	int *points;     /* owned: [bodies] of its group, for the first of it */
 	double *pose;    /* owned: [7 bodies] where it stands: position, orientation */
 	int *body;       /* owned: those that yield and do not stand, ascending, then driven ones */
@@ -89,11 +92,12 @@ struct rb_sleep {
 	size_t live_capacity;
 	int count;          /* of bodies that stand */
 	size_t point_count; /* of theirs */
-	double still_depth; /* m: the largest overlap among them at the end of the step before; NAN: not known */
+	/* m: the largest overlap among them at the end of the step before; NAN: not known */
+	double resting_depth;
 	size_t contact_count; /* of the world's when the step before ended */
 	double end_s;         /* of the step before */
 	bool changed;         /* since the lists were made */
-	bool quiet;           /* in the step before nobody else had points, and nobody changed */
+	bool settled;         /* in the step before nobody else had points, and nobody changed */
 	bool off;             /* for tests: nothing stands */
 };
 
@@ -109,8 +113,8 @@ struct rb_stepped {
 	struct rb_ride *ride; /* owned, by driven body */
 	double *aside;        /* owned: [6 bodies] velocities while positions are moved */
 	double *varied; /* owned: [3 bodies] m/s by forces that vary within a step; NULL: none do */
-	double *undragged; /* owned: [bodies] what drag leaves of a velocity in the step; NULL: there is none */
-	int *springs_of; /* owned: [bodies] ends of springs on each; NULL: none */
+	/* owned: [bodies] what drag leaves of a velocity in the step; NULL: there is none */
+	double *undragged;
 	struct rb_kick
 		*kick; /* owned: [bodies] zero but for those in `kicked`; NULL: nothing rebounds */
 	int *kicked;   /* owned */
@@ -121,7 +125,7 @@ struct rb_stepped {
 	int bad_count;
 	struct rb_events reported;       /* impacts of the step under way, not in order yet */
 	struct rb_tally *tally;          /* owned; NULL: the ledger is not kept */
-	struct rb_local_rollback *apart; /* owned; NULL until a step has first failed for some */
+	struct rb_local_rollback *local; /* owned; NULL until a step has first failed for some */
 	struct rb_means means; /* of a step that is halved for all, where frames keep contacts */
 	struct rb_contacts part_contacts; /* scratch of rb_record_part */
 };

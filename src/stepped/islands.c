@@ -100,7 +100,7 @@ static bool is_zero(const double *column, int i)
 }
 
 /* Nothing has changed since the group was found to stand still: it would be found so again. */
-static bool still_rests(const struct rb_solver *solver, const struct rb_island *island)
+static bool goes_on_resting(const struct rb_solver *solver, const struct rb_island *island)
 {
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -216,7 +216,7 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
-		island->rests = still_rests(solver, island);
+		island->rests = goes_on_resting(solver, island);
 		island->first_row = row;
 		row += island->rests ? 0 : island->row_count;
 		island->row_count = 0;
@@ -224,7 +224,7 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 	for (int k = 0; solver->before && k < solver->active_count; k++) {
 		const int i = solver->active[k], g = solver->island_of[i];
 
-		solver->stays[i] = g >= 0 && solver->island[g].rests;
+		solver->asleep[i] = g >= 0 && solver->island[g].rests;
 	}
 	for (size_t k = 0; k < points->count; k++) {
 		struct rb_island *island = &solver->island[solver->island_of[place[k]]];
@@ -362,7 +362,7 @@ static void fill_rows_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		struct rb_system_row still, *row = &still;
+		struct rb_system_row fixed_row, *row = &fixed_row;
 
 		if (pass->place[k] >= 0) {
 			row = &pass->solver->dense.row[pass->place[k]];

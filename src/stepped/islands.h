@@ -21,24 +21,31 @@ struct rb_island {
 	bool carried; /* what does not yield moves under or against it */
 	bool rests;   /* still: it has no rows */
 	bool kept;    /* as an earlier look at the step has solved it */
-	double room; /* J, twice: what its contacts have taken in the step; more than it no rebound gives back */
+	/* J, twice: what its contacts have taken in the step; more than it no rebound gives back */
+	double energy_budget;
 	double share;        /* of the rebound, that keeps to it */
 	int sweeps, factors; /* of the last solution */
 	double residual;     /* m/s */
-	double slip; /* m/s: about what was left across the normals where friction was held; 0: it was not */
+	/* m/s: about what was left across the normals where friction was held; 0: it was not */
+	double slip;
 };
 
 /* What impacts within the step have done to a body. */
 struct rb_kick {
 	rb_vec3 linear, angular; /* m/s, rad/s */
-	rb_vec3 shift; /* m: where it is besides what its velocity at the end comes to; turns go on as from the beginning */
+	/*
+	 * m: where it is besides what its velocity at the end comes to; turns go on as from the
+	 * beginning
+	 */
+	rb_vec3 shift;
 	bool is_set;
 };
 
 struct rb_solver {
 	int body_count;
 	const int *
-		active; /* borrowed: bodies of the step, those that yield ascending, then driven ones */
+		/* borrowed: bodies of the step, those that yield ascending, then driven ones */
+		active;
 	int active_count;
 	struct rb_row_system
 		dense;   /* owned: body [bodies + 1], the last one for all that stands still */
@@ -48,9 +55,11 @@ struct rb_solver {
 	double *reach;                            /* owned, m: as of the model */
 	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */
 	unsigned char *rests;  /* owned: 1 where the body stands still */
-	unsigned char *stays;  /* owned: 1 where it still stands, since nothing has changed */
-	double *left; /* owned, m/s: what the last solution has left of the contacts of the body's group */
-	double *rest_external; /* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
+	unsigned char *asleep; /* owned: 1 where it still stands, since nothing has changed */
+	/* owned, m/s: what the last solution has left of the contacts of the body's group */
+	double *left;
+	/* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
+	double *rest_external;
 	struct rb_island *island; /* owned */
 	size_t island_count, island_capacity, row_capacity;
 	const struct rb_state
@@ -61,7 +70,8 @@ struct rb_solver {
 	double external; /* m^2/s^2: the most that its forces change a velocity by, squared */
 	bool bounces;    /* materials of the scene have restitution */
 	bool mixed;      /* some pairs of them have, others have none */
-	bool hands_over; /* the last step before locating goes on: what touches is left without approach */
+	/* the last step before locating goes on: what touches is left without approach */
+	bool hands_over;
 };
 
 static inline bool rb_rest_same(const double *now, const double *then, double h)

@@ -30,16 +30,17 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
 	struct rb_arena *arena = &world->arena[0];
 	const size_t n = (size_t)world->model->body_count;
 
-	*lift = (struct rb_lift){.parent = rb_arena_take(arena, n, sizeof *lift->parent),
-	                         .room = rb_arena_take(arena, n, sizeof *lift->room),
-	                         .sunk = rb_arena_take(arena, n, sizeof *lift->sunk),
-	                         .way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
-	                         .turn = rb_arena_take(arena, 3 * n, sizeof *lift->turn),
-	                         .moved = rb_arena_take(arena, n, 1),
-	                         .given = rb_arena_take(arena, n, 1),
-	                         .held = rb_arena_take(arena, n, 1),
-	                         .sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
-	if (!lift->parent || !lift->room || !lift->sunk || !lift->way || !lift->turn ||
+	*lift = (struct rb_lift){
+		.parent = rb_arena_take(arena, n, sizeof *lift->parent),
+		.energy_budget = rb_arena_take(arena, n, sizeof *lift->energy_budget),
+		.sunk = rb_arena_take(arena, n, sizeof *lift->sunk),
+		.way = rb_arena_take(arena, 6 * n, sizeof *lift->way),
+		.turn = rb_arena_take(arena, 3 * n, sizeof *lift->turn),
+		.moved = rb_arena_take(arena, n, 1),
+		.given = rb_arena_take(arena, n, 1),
+		.held = rb_arena_take(arena, n, 1),
+		.sum = rb_arena_take(arena, SUMS * n, sizeof *lift->sum)};
+	if (!lift->parent || !lift->energy_budget || !lift->sunk || !lift->way || !lift->turn ||
 	    !lift->moved || !lift->given || !lift->held || !lift->sum)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
 	memset(lift->turn, 0, 3 * n * sizeof *lift->turn);
@@ -48,13 +49,13 @@ enum rb_status rb_lift_begin(struct rb_lift *lift, struct rb_world *world,
 	memset(lift->held, 0, n);
 	for (size_t i = 0; i < n; i++) {
 		lift->parent[i] = (int)i;
-		lift->room[i] = lift->sunk[i] = 0;
+		lift->energy_budget[i] = lift->sunk[i] = 0;
 	}
 	for (size_t g = 0; g < solver->island_count; g++) {
 		const struct rb_island *island = &solver->island[g];
 		const int *member = solver->member + island->first_member;
 
-		lift->room[member[0]] = island->rests ? 0 : island->room;
+		lift->energy_budget[member[0]] = island->rests ? 0 : island->energy_budget;
 		for (int k = 1; k < island->member_count; k++)
 			lift->parent[member[k]] = member[0];
 	}
@@ -78,7 +79,7 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 		return;
 	const int first = root < other ? root : other, second = root < other ? other : root;
 	lift->parent[second] = first;
-	lift->room[first] += lift->room[second];
+	lift->energy_budget[first] += lift->energy_budget[second];
 	lift->sunk[first] += lift->sunk[second];
 	lift->given[first] = lift->given[first] || lift->given[second];
 	lift->held[first] = lift->held[first] || lift->held[second];
@@ -257,7 +258,8 @@ void rb_lift_pay(struct rb_lift *lift, struct rb_world *world, bool anyhow)
 		const int i = s->body[k];
 		const int root = rb_forest_root(lift->parent, i);
 		const double *sum = lift->sum + SUMS * (size_t)root;
-		const double need = lift->given[root] ? 0 : sum[RISE] - 0.5 * lift->room[root];
+		const double need = lift->given[root] ? 0
+		                                      : sum[RISE] - 0.5 * lift->energy_budget[root];
 		struct payment payment = payment_of(sum, need, lift->held[root], anyhow);
 
 		if (anyhow && isnan(payment.twist) && need <= lift->sunk[root])

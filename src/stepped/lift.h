@@ -17,8 +17,8 @@
 #include "stepped/inside.h"
 
 struct rb_lift {
-	int *parent;  /* [bodies]: groups: of the solution, joined by those that are closed */
-	double *room; /* [bodies], J, twice: what contacts took, by the first of a group */
+	int *parent; /* [bodies]: groups: of the solution, joined by those that are closed */
+	double *energy_budget; /* [bodies], J, twice: what contacts took, by the first of a group */
 	double *sunk; /* [bodies], J: that steps before have given, by the first of a group */
 	double *way;  /* [6 bodies]: m; kg m^2 rad, as momentum */
 	double *turn; /* [3 bodies]: of the torque, by the closing's pushes, kg m^2/s */

@@ -65,34 +65,34 @@ static enum rb_status create(struct rb_world *world, struct rb_error *err)
 		rb_local_rollback_destroy(made);
 		return status;
 	}
-	world->stepped->apart = made;
+	world->stepped->local = made;
 	return RB_OK;
 }
 
-void rb_local_rollback_destroy(struct rb_local_rollback *apart)
+void rb_local_rollback_destroy(struct rb_local_rollback *local)
 {
-	if (!apart)
+	if (!local)
 		return;
-	rb_swept_bounds_release(&apart->swept);
-	rb_state_release(&apart->begin);
-	rb_memory_free(apart->steps);
-	rb_memory_free(apart->body);
-	rb_contacts_release(&apart->last);
-	rb_contacts_release(&apart->before);
-	rb_contacts_release(&apart->kept);
-	rb_means_release(&apart->means);
-	rb_contacts_release(&apart->shown);
-	rb_memory_free(apart->push);
-	rb_memory_free(apart->event);
-	rb_memory_free(apart->book);
-	rb_memory_free(apart);
+	rb_swept_bounds_release(&local->swept);
+	rb_state_release(&local->begin);
+	rb_memory_free(local->steps);
+	rb_memory_free(local->body);
+	rb_contacts_release(&local->last);
+	rb_contacts_release(&local->before);
+	rb_contacts_release(&local->kept);
+	rb_means_release(&local->means);
+	rb_contacts_release(&local->shown);
+	rb_memory_free(local->push);
+	rb_memory_free(local->event);
+	rb_memory_free(local->book);
+	rb_memory_free(local);
 }
 
 /* ---- what has been found, and is to be found again ---- */
 
 static void forget_contacts(const struct rb_world *world, struct rb_contacts *contacts)
 {
-	const unsigned char *settled = world->stepped->apart->swept.settled;
+	const unsigned char *settled = world->stepped->local->swept.settled;
 	size_t kept = 0;
 
 	for (size_t k = 0; k < contacts->count; k++) {
@@ -107,50 +107,50 @@ static void forget_contacts(const struct rb_world *world, struct rb_contacts *co
 /* Of groups that were settled and have changed nothing is left. */
 static void forget_unsettled(struct rb_world *world)
 {
-	struct rb_local_rollback *apart = world->stepped->apart;
+	struct rb_local_rollback *local = world->stepped->local;
 	size_t pushes = 0, events = 0, books = 0;
 
-	forget_contacts(world, &apart->kept);
-	forget_contacts(world, &apart->shown);
-	for (size_t k = 0; k < apart->push_count; k++)
-		if (apart->swept.settled[apart->push[k].a])
-			apart->push[pushes++] = apart->push[k];
-	for (size_t k = 0; k < apart->event_count; k++)
-		if (apart->swept.settled[apart->event[k].body])
-			apart->event[events++] = apart->event[k];
-	for (size_t k = 0; k < apart->book_count; k++)
-		if (apart->swept.settled[apart->book[k].body])
-			apart->book[books++] = apart->book[k];
-	apart->book_count = books;
-	apart->push_count = pushes;
-	apart->event_count = events;
+	forget_contacts(world, &local->kept);
+	forget_contacts(world, &local->shown);
+	for (size_t k = 0; k < local->push_count; k++)
+		if (local->swept.settled[local->push[k].a])
+			local->push[pushes++] = local->push[k];
+	for (size_t k = 0; k < local->event_count; k++)
+		if (local->swept.settled[local->event[k].body])
+			local->event[events++] = local->event[k];
+	for (size_t k = 0; k < local->book_count; k++)
+		if (local->swept.settled[local->book[k].body])
+			local->book[books++] = local->book[k];
+	local->book_count = books;
+	local->push_count = pushes;
+	local->event_count = events;
 }
 
 /* Marks by body as groups have them now; counts what is taken back. */
 static void mark_bodies(struct rb_world *world)
 {
-	struct rb_local_rollback *apart = world->stepped->apart;
+	struct rb_local_rollback *local = world->stepped->local;
 	struct rb_counts *counts = &world->frame_counts;
 
-	for (size_t g = 0; g < apart->swept.group_count; g++) {
-		struct rb_swept_group *group = &apart->swept.group[g];
+	for (size_t g = 0; g < local->swept.group_count; g++) {
+		struct rb_swept_group *group = &local->swept.group[g];
 
 		group->settled = group->settled && group->failed;
 		if (!group->failed || group->settled)
 			continue;
 		counts->rollbacks++;
 		for (int k = 0; k < group->count; k++) {
-			const int i = apart->swept.member[group->first + k];
+			const int i = local->swept.member[group->first + k];
 
-			counts->discarded_body_steps += (uint64_t)apart->steps[i];
-			apart->swept.failed[i] = 1;
-			apart->swept.settled[i] = 0;
-			apart->steps[i] = 0;
+			counts->discarded_body_steps += (uint64_t)local->steps[i];
+			local->swept.failed[i] = 1;
+			local->swept.settled[i] = 0;
+			local->steps[i] = 0;
 		}
 	}
 	for (int k = 0; k < world->stepped->member_count; k++)
-		apart->swept.was_group[world->stepped->body[k]] =
-			apart->swept.group_of[world->stepped->body[k]];
+		local->swept.was_group[world->stepped->body[k]] =
+			local->swept.group_of[world->stepped->body[k]];
 }
 
 /* ---- one group ---- */
@@ -158,65 +158,65 @@ static void mark_bodies(struct rb_world *world)
 static void cohort_of(struct rb_world *world, const struct rb_swept_group *group)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 
-	memcpy(apart->body, apart->swept.member + group->first, (size_t)group->count * sizeof(int));
-	memcpy(apart->body + group->count, s->body + s->member_count,
+	memcpy(local->body, local->swept.member + group->first, (size_t)group->count * sizeof(int));
+	memcpy(local->body + group->count, s->body + s->member_count,
 	       (size_t)s->driven_count * sizeof(int));
-	rb_swept_bounds_show(&apart->swept, group->pair, group->pair_count);
-	s->part.body = apart->body;
+	rb_swept_bounds_show(&local->swept, group->pair, group->pair_count);
+	s->part.body = local->body;
 	s->part.member_count = group->count;
 	s->part.body_count = group->count + s->driven_count;
-	s->part.near = &apart->swept.near;
+	s->part.near = &local->swept.near;
 }
 
 static enum rb_status keep_step(struct rb_world *world, double time, double h,
                                 const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 	struct rb_cohort *part = &s->part;
 	struct rb_counts *counts = &world->frame_counts;
-	const struct rb_contacts swapped = apart->before;
+	const struct rb_contacts swapped = local->before;
 	/* before the group's first step those of all: it has none of its own */
-	const struct rb_contacts *before = apart->fresh ? &world->contacts : &apart->last;
+	const struct rb_contacts *before = local->fresh ? &world->contacts : &local->last;
 
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	for (int k = 0; k < part->member_count; k++)
-		apart->steps[part->body[k]]++;
+		local->steps[part->body[k]]++;
 	s->reported.count = 0;
 	enum rb_status status = rb_record_impacts(world, part, time, before, NULL, err);
 	if (status == RB_OK &&
-	    !rb_memory_reserve(&apart->event, &apart->event_capacity,
-	                       apart->event_count + s->reported.count + 1, sizeof *apart->event))
+	    !rb_memory_reserve(&local->event, &local->event_capacity,
+	                       local->event_count + s->reported.count + 1, sizeof *local->event))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	for (size_t k = 0; status == RB_OK && k < s->reported.count; k++) {
 		const int a = world->model->index_of[s->reported.row[k].a];
 		const int b = world->model->index_of[s->reported.row[k].b];
 
-		apart->event[apart->event_count++] = (struct rb_event_of){
+		local->event[local->event_count++] = (struct rb_event_of){
 			s->reported.row[k], rb_stepped_is_dynamic(world, a) ? a : b};
 	}
 	if (status == RB_OK && s->tally) {
 		const struct rb_entries e = rb_enter_step(world, part, &world->mark, time - h, h,
 		                                          NULL);
-		rb_entries_add(&apart->entries, 1, &e);
+		rb_entries_add(&local->entries, 1, &e);
 	}
-	apart->fresh = false;
-	apart->before = apart->last;
-	apart->last = swapped;
-	apart->last.count = 0;
+	local->fresh = false;
+	local->before = local->last;
+	local->last = swapped;
+	local->last.count = 0;
 	if (status == RB_OK)
-		status = rb_record_contacts(world, part, h, NULL, &apart->last, err);
+		status = rb_record_contacts(world, part, h, NULL, &local->last, err);
 	if (status == RB_OK && world->keeps_means)
-		status = rb_record_part(part, &apart->last, h, &s->part_contacts, &apart->means,
+		status = rb_record_part(part, &local->last, h, &s->part_contacts, &local->means,
 		                        err);
-	rb_contacts_sort(&apart->last);
+	rb_contacts_sort(&local->last);
 	if (status == RB_OK)
-		status = rb_step_points_keep(&part->points, h, s->solver.stays, NULL, err);
+		status = rb_step_points_keep(&part->points, h, s->solver.asleep, NULL, err);
 	rb_step_points_index_members(&part->points, part->body, part->member_count);
 	return status;
 }
@@ -225,17 +225,17 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 
-	rb_state_copy_rows(&world->state, &apart->begin, s->part.body, s->part.body_count);
+	rb_state_copy_rows(&world->state, &local->begin, s->part.body, s->part.body_count);
 	if (!rb_step_points_reserve(&s->part.points, s->all.points.last_count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
 		               s->all.points.last_count);
 	rb_step_points_take_last(&s->part.points, &s->all.points, s->part.body,
 	                         s->part.member_count);
-	apart->fresh = true;
-	apart->entries = (struct rb_entries){0};
-	apart->last.count = apart->means.count = 0;
+	local->fresh = true;
+	local->entries = (struct rb_entries){0};
+	local->last.count = local->means.count = 0;
 	return RB_OK;
 }
 
@@ -243,31 +243,31 @@ static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *gro
                               struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 	const struct rb_step_points *points = &s->part.points;
 
-	if (!rb_memory_reserve(&apart->push, &apart->push_capacity,
-	                       apart->push_count + points->last_count + 1, sizeof *apart->push))
+	if (!rb_memory_reserve(&local->push, &local->push_capacity,
+	                       local->push_count + points->last_count + 1, sizeof *local->push))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the contacts of a step");
 	if (points->last_count > 0)
-		memcpy(apart->push + apart->push_count, points->last,
+		memcpy(local->push + local->push_count, points->last,
 		       points->last_count * sizeof *points->last);
-	apart->push_count += points->last_count;
-	enum rb_status status = rb_contacts_join(&apart->kept, &apart->last, err);
+	local->push_count += points->last_count;
+	enum rb_status status = rb_contacts_join(&local->kept, &local->last, err);
 	if (status == RB_OK)
-		status = rb_means_record(&apart->means, dt, &apart->shown, err);
+		status = rb_means_record(&local->means, dt, &local->shown, err);
 	if (status != RB_OK)
 		return status;
 	if (s->tally) {
-		if (!rb_memory_reserve(&apart->book, &apart->book_capacity, apart->book_count + 1,
-		                       sizeof *apart->book))
+		if (!rb_memory_reserve(&local->book, &local->book_capacity, local->book_count + 1,
+		                       sizeof *local->book))
 			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of a step");
-		apart->book[apart->book_count++] = (struct rb_entries_of){
-			apart->entries, apart->swept.member[group->first]};
+		local->book[local->book_count++] = (struct rb_entries_of){
+			local->entries, local->swept.member[group->first]};
 	}
 	group->settled = true;
 	for (int k = 0; k < group->count; k++)
-		apart->swept.settled[apart->swept.member[group->first + k]] = 1;
+		local->swept.settled[local->swept.member[group->first + k]] = 1;
 	return RB_OK;
 }
 
@@ -304,21 +304,21 @@ static void reset_arenas(struct rb_world *world)
  * With the territories as they are now: whether the group is still apart from all others. Its
  * candidates are new.
  */
-static bool is_apart(struct rb_world *world, struct rb_swept_group *group, enum rb_status *status,
-                     struct rb_error *err)
+static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
+                        enum rb_status *status, struct rb_error *err)
 {
-	struct rb_local_rollback *apart = world->stepped->apart;
-	const int first = apart->swept.member[group->first], count = group->count;
+	struct rb_local_rollback *local = world->stepped->local;
+	const int first = local->swept.member[group->first], count = group->count;
 
-	*status = rb_swept_bounds_form(&apart->swept, world, err);
+	*status = rb_swept_bounds_form(&local->swept, world, err);
 	if (*status != RB_OK)
 		return false;
 	/*
 	 * nobody else's territory has changed: if it has met none, all groups are those of before
 	 */
-	if (apart->swept.group[apart->swept.group_of[first]].count != count)
+	if (local->swept.group[local->swept.group_of[first]].count != count)
 		return false;
-	cohort_of(world, &apart->swept.group[apart->swept.group_of[first]]);
+	cohort_of(world, &local->swept.group[local->swept.group_of[first]]);
 	return true;
 }
 
@@ -366,9 +366,9 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 			h *= 0.5;
 			continue;
 		}
-		if (rb_swept_bounds_left(&s->apart->swept, world, part, dt - done - h)) {
+		if (rb_swept_bounds_left(&s->local->swept, world, part, dt - done - h)) {
 			take_back(world);
-			*left = !is_apart(world, group, &status, err);
+			*left = !is_separate(world, group, &status, err);
 			if (*left)
 				return status;
 			continue;
@@ -387,27 +387,27 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 static enum rb_status run_groups(struct rb_world *world, double start, double dt,
                                  struct rb_error *err)
 {
-	struct rb_local_rollback *apart = world->stepped->apart;
+	struct rb_local_rollback *local = world->stepped->local;
 	enum rb_status status = RB_OK;
 	bool again = true;
 
 	while (again && status == RB_OK) {
 		again = false;
 		reset_arenas(world);
-		status = rb_swept_bounds_form(&apart->swept, world, err);
+		status = rb_swept_bounds_form(&local->swept, world, err);
 		if (status != RB_OK)
 			break;
 		mark_bodies(world);
 		forget_unsettled(world);
-		for (size_t g = 0; g < apart->swept.group_count && status == RB_OK; g++) {
-			const size_t events = apart->event_count;
+		for (size_t g = 0; g < local->swept.group_count && status == RB_OK; g++) {
+			const size_t events = local->event_count;
 			bool left = false;
 
-			if (!apart->swept.group[g].failed || apart->swept.group[g].settled)
+			if (!local->swept.group[g].failed || local->swept.group[g].settled)
 				continue;
-			status = run_group(world, &apart->swept.group[g], start, dt, &left, err);
+			status = run_group(world, &local->swept.group[g], start, dt, &left, err);
 			if (left)
-				apart->event_count = events;
+				local->event_count = events;
 			again = again || left;
 		}
 	}
@@ -423,9 +423,9 @@ static enum rb_status show_contacts(struct rb_world *world, double dt,
 	world->shown.count = 0;
 	enum rb_status status = rb_contacts_join(&world->shown, whole, err);
 	if (status == RB_OK)
-		status = rb_record_passed(&s->all, dt, s->apart->swept.failed, &world->shown, err);
+		status = rb_record_passed(&s->all, dt, s->local->swept.failed, &world->shown, err);
 	if (status == RB_OK)
-		status = rb_contacts_join(&world->shown, &s->apart->shown, err);
+		status = rb_contacts_join(&world->shown, &s->local->shown, err);
 	rb_contacts_sort(&world->shown);
 	world->has_shown = status == RB_OK;
 	return status;
@@ -435,17 +435,17 @@ static enum rb_status show_contacts(struct rb_world *world, double dt,
 static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 	const struct rb_contacts before = world->contacts;
 	struct rb_contacts *to = &world->next_contacts;
 
 	to->count = 0;
-	enum rb_status status = rb_record_contacts(world, &s->all, dt, apart->swept.failed, to,
+	enum rb_status status = rb_record_contacts(world, &s->all, dt, local->swept.failed, to,
 	                                           err);
 	if (status == RB_OK && world->keeps_means)
 		status = show_contacts(world, dt, to, err);
 	if (status == RB_OK)
-		status = rb_contacts_join(to, &apart->kept, err);
+		status = rb_contacts_join(to, &local->kept, err);
 	if (status != RB_OK)
 		return status;
 	rb_contacts_sort(to);
@@ -457,13 +457,13 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 /* Of those that keep the whole step, then of groups that took shorter ones. */
 static void enter_all(struct rb_world *world, double start, double dt)
 {
-	const struct rb_local_rollback *apart = world->stepped->apart;
-	const struct rb_entries whole = rb_enter_step(world, &world->stepped->all, &apart->begin,
-	                                              start, dt, apart->swept.failed);
+	const struct rb_local_rollback *local = world->stepped->local;
+	const struct rb_entries whole = rb_enter_step(world, &world->stepped->all, &local->begin,
+	                                              start, dt, local->swept.failed);
 
 	rb_ledger_enter(&world->ledger, &whole);
-	for (size_t k = 0; k < apart->book_count; k++)
-		rb_ledger_enter(&world->ledger, &apart->book[k].entries);
+	for (size_t k = 0; k < local->book_count; k++)
+		rb_ledger_enter(&world->ledger, &local->book[k].entries);
 }
 
 /*
@@ -473,19 +473,19 @@ static void enter_all(struct rb_world *world, double start, double dt)
 static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 	struct rb_step_points *points = &s->all.points;
 	size_t kept = 0;
 
 	for (size_t k = 0; k < points->count; k++)
-		if (!apart->swept.failed[points->row[k].a])
+		if (!local->swept.failed[points->row[k].a])
 			points->row[kept++] = points->row[k];
 	points->count = kept;
-	const enum rb_status status = rb_step_points_keep(points, dt, s->solver.stays,
+	const enum rb_status status = rb_step_points_keep(points, dt, s->solver.asleep,
 	                                                  s->sleep.sleeps, err);
 	if (status != RB_OK)
 		return status;
-	const size_t count = points->last_count + apart->push_count;
+	const size_t count = points->last_count + local->push_count;
 	struct rb_sort_item *item = rb_arena_take(&world->arena[0], count + 1, sizeof *item);
 	struct rb_sort_item *scratch = rb_arena_take(&world->arena[0], count + 1, sizeof *scratch);
 	struct rb_named_push *all = rb_arena_take(&world->arena[0], count + 1, sizeof *all);
@@ -493,8 +493,8 @@ static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_e
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", count);
 	if (points->last_count > 0)
 		memcpy(all, points->last, points->last_count * sizeof *all);
-	if (apart->push_count > 0)
-		memcpy(all + points->last_count, apart->push, apart->push_count * sizeof *all);
+	if (local->push_count > 0)
+		memcpy(all + points->last_count, local->push, local->push_count * sizeof *all);
 	for (size_t k = 0; k < count; k++)
 		item[k] = (struct rb_sort_item){(uint64_t)all[k].a, k};
 	rb_sort_by_key(item, scratch, count);
@@ -508,20 +508,20 @@ static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_e
 static enum rb_status join_impacts(struct rb_world *world, double end, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	const struct rb_local_rollback *apart = s->apart;
+	const struct rb_local_rollback *local = s->local;
 
 	s->reported.count = 0;
 	const enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts,
-	                                                apart->swept.failed, err);
+	                                                local->swept.failed, err);
 	if (status != RB_OK)
 		return status;
 	if (!rb_memory_reserve(&s->reported.row, &s->reported.capacity,
-	                       s->reported.count + apart->event_count + 1,
+	                       s->reported.count + local->event_count + 1,
 	                       sizeof *s->reported.row) ||
-	    !rb_record_reserve(world, s->reported.count + apart->event_count))
+	    !rb_record_reserve(world, s->reported.count + local->event_count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
-	for (size_t k = 0; k < apart->event_count; k++)
-		s->reported.row[s->reported.count++] = apart->event[k].event;
+	for (size_t k = 0; k < local->event_count; k++)
+		s->reported.row[s->reported.count++] = local->event[k].event;
 	return RB_OK;
 }
 
@@ -530,21 +530,21 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
                                   const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	struct rb_local_rollback *apart = s->apart;
+	struct rb_local_rollback *local = s->local;
 	struct rb_counts *counts = &world->frame_counts;
 	struct rb_depths found = {0};
 	enum rb_status status = RB_OK;
 	bool some = false;
 
 	for (int k = 0; k < s->member_count; k++)
-		counts->body_steps += (uint64_t)apart->steps[s->body[k]];
-	for (size_t g = 0; g < apart->swept.group_count; g++) {
-		const struct rb_swept_group *group = &apart->swept.group[g];
+		counts->body_steps += (uint64_t)local->steps[s->body[k]];
+	for (size_t g = 0; g < local->swept.group_count; g++) {
+		const struct rb_swept_group *group = &local->swept.group[g];
 
 		some = some || !group->failed;
 		if (group->failed)
 			counts->substeps += (uint64_t)
-			                            apart->steps[apart->swept.member[group->first]];
+			                            local->steps[local->swept.member[group->first]];
 	}
 	if (!some)
 		return RB_OK;
@@ -552,10 +552,10 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	counts->smallest_step_s = fmin(counts->smallest_step_s, dt);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
-	rb_swept_bounds_show(&apart->swept, 0, apart->swept.pair_count);
-	rb_candidates_place(&apart->swept.near, world, s->body, world->model->body_count);
+	rb_swept_bounds_show(&local->swept, 0, local->swept.pair_count);
+	rb_candidates_place(&local->swept.near, world, s->body, world->model->body_count);
 	if (world->broadphase)
-		status = rb_depths_find(world, &apart->swept.near, apart->swept.failed, NULL,
+		status = rb_depths_find(world, &local->swept.near, local->swept.failed, NULL,
 		                        &found, err);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, found.max);
 	return status;
@@ -567,7 +567,7 @@ static enum rb_status end_drive(struct rb_world *world, double start, double dt,
 {
 	const struct rb_stepped *s = world->stepped;
 
-	rb_state_copy_rows(&world->state, &s->apart->begin, s->body + s->member_count,
+	rb_state_copy_rows(&world->state, &s->local->begin, s->body + s->member_count,
 	                   s->driven_count);
 	const enum rb_status status = rb_drive_begin(world, start, dt, err);
 	if (status == RB_OK)
@@ -580,23 +580,23 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
                                       struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
-	enum rb_status status = s->apart ? RB_OK : create(world, err);
+	enum rb_status status = s->local ? RB_OK : create(world, err);
 
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
 		return status;
 	}
-	struct rb_local_rollback *apart = s->apart;
-	rb_state_copy(&apart->begin, &world->mark);
-	rb_swept_bounds_set(&apart->swept, world, &apart->begin, dt);
+	struct rb_local_rollback *local = s->local;
+	rb_state_copy(&local->begin, &world->mark);
+	rb_swept_bounds_set(&local->swept, world, &local->begin, dt);
 	for (int i = 0; i < world->model->body_count; i++) {
-		apart->swept.failed[i] = s->bad[i];
-		apart->swept.settled[i] = 0;
-		apart->swept.was_group[i] = -1;
-		apart->steps[i] = 1;
+		local->swept.failed[i] = s->bad[i];
+		local->swept.settled[i] = 0;
+		local->swept.was_group[i] = -1;
+		local->steps[i] = 1;
 	}
-	apart->kept.count = apart->shown.count = apart->push_count = apart->event_count =
-		apart->book_count = 0;
+	local->kept.count = local->shown.count = local->push_count = local->event_count =
+		local->book_count = 0;
 	if (!rb_candidates_keep(&s->near))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu pairs", s->near.pair_count);
 	if (status == RB_OK)
@@ -604,7 +604,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	if (status == RB_OK)
 		status = end_drive(world, start, dt, err);
 	reset_arenas(world);
-	rb_sleep_wake(world, apart->swept.failed);
+	rb_sleep_wake(world, local->swept.failed);
 	if (status == RB_OK)
 		status = count_steps(world, dt, outcome, err);
 	if (status == RB_OK)
@@ -616,10 +616,10 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	if (status == RB_OK)
 		status = join_pushes(world, dt, err);
 	if (status == RB_OK) {
-		rb_sleep_end(world, start + dt, apart->swept.failed);
+		rb_sleep_end(world, start + dt, local->swept.failed);
 		return RB_OK;
 	}
-	rb_state_copy(&world->state, &apart->begin);
+	rb_state_copy(&world->state, &local->begin);
 	rb_sleep_forget(s);
 	return status;
 }

@@ -24,7 +24,7 @@ RB_CHECKED enum rb_status rb_local_rollback_step(struct rb_world *world, double 
                                                  double dt_s,
                                                  const struct rb_attempt_outcome *outcome,
                                                  struct rb_error *err);
-void rb_local_rollback_destroy(struct rb_local_rollback *apart); /* NULL is fine */
+void rb_local_rollback_destroy(struct rb_local_rollback *local); /* NULL is fine */
 
 /* Why no step is short enough. */
 enum rb_status rb_local_rollback_give_up(const struct rb_world *world, double start_s,

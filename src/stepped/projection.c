@@ -60,10 +60,10 @@ struct search {
 	unsigned char *lost;  /* by group: somebody in it is bad */
 	unsigned char *looked; /* by pair */
 	int *wave, *active,
-		*stilled;     /* bodies: to look from; seen ones; without their velocities */
-	unsigned char *still; /* by body: it is without its velocity */
-	size_t *pair;         /* to be looked at */
-	int wave_count, active_count, still_count;
+		*stilled;       /* bodies: to look from; seen ones; without their velocities */
+	unsigned char *stopped; /* by body: it is without its velocity */
+	size_t *pair;           /* to be looked at */
+	int wave_count, active_count, resting_count;
 	struct rb_lift lift;
 	bool again; /* not the first round */
 };
@@ -82,7 +82,7 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->of = rb_arena_take(arena, 2 * pairs + 1, sizeof *search->of);
 	search->seen = rb_arena_take(arena, n, 1);
 	search->moved = rb_arena_take(arena, n, 1);
-	search->still = rb_arena_take(arena, n, 1);
+	search->stopped = rb_arena_take(arena, n, 1);
 	search->parent = rb_arena_take(arena, n, sizeof *search->parent);
 	search->lost = rb_arena_take(arena, n, 1);
 	search->looked = rb_arena_take(arena, pairs + 1, 1);
@@ -91,10 +91,10 @@ static enum rb_status begin_search(struct search *search, struct rb_error *err)
 	search->stilled = rb_arena_take(arena, n, sizeof *search->stilled);
 	search->pair = rb_arena_take(arena, pairs + 1, sizeof *search->pair);
 	if (search->place && search->first && search->of && search->seen && search->moved &&
-	    search->still && search->parent && search->lost && search->looked && search->wave &&
+	    search->stopped && search->parent && search->lost && search->looked && search->wave &&
 	    search->active && search->stilled && search->pair) {
 		memset(search->moved, 0, n);
-		memset(search->still, 0, n);
+		memset(search->stopped, 0, n);
 		return RB_OK;
 	}
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the overlaps of a step");
@@ -137,10 +137,10 @@ static void take_velocity(struct search *search, int i)
 	struct rb_world *world = search->world;
 	double *const aside = world->stepped->aside;
 
-	if (i >= world->model->body_count || search->still[i])
+	if (i >= world->model->body_count || search->stopped[i])
 		return;
-	search->still[i] = 1;
-	search->stilled[search->still_count++] = i;
+	search->stopped[i] = 1;
+	search->stilled[search->resting_count++] = i;
 	rb_vec3_to(aside + 6 * (size_t)i, rb_world_row3(world->state.velocity, i));
 	if (world->state.spin)
 		rb_vec3_to(aside + 6 * (size_t)i + 3, rb_world_row3(world->state.spin, i));
@@ -155,7 +155,7 @@ static void give_velocities(const struct search *search)
 	struct rb_world *world = search->world;
 	const double *aside = world->stepped->aside;
 
-	for (int k = 0; k < search->still_count; k++) {
+	for (int k = 0; k < search->resting_count; k++) {
 		const int i = search->stilled[k];
 
 		rb_vec3_to(world->state.velocity + 3 * (size_t)i,
@@ -346,7 +346,7 @@ static enum rb_status close_once(struct search *search, const struct rb_depths *
 	struct rb_world *world = search->world;
 	struct rb_stepped *s = world->stepped;
 
-	for (int k = 0; k < search->still_count; k++)
+	for (int k = 0; k < search->resting_count; k++)
 		clear_velocity(world, search->stilled[k]);
 	/* parts stand where their overlaps were found */
 	const double max = CHAIN_MAX * deepest(found) + world->model->tolerance_m;
@@ -382,7 +382,7 @@ static enum rb_status find_depths_again(struct search *search, struct rb_depths 
 	struct rb_world *world = search->world;
 	const struct rb_stepped *s = world->stepped;
 
-	rb_candidates_place(search->cohort->near, world, search->stilled, search->still_count);
+	rb_candidates_place(search->cohort->near, world, search->stilled, search->resting_count);
 	const enum rb_status status = rb_depths_find(world, search->cohort->near,
 	                                             s->bad_count > 0 ? s->bad : NULL,
 	                                             search->moved, found, err);

@@ -29,7 +29,8 @@ struct rb_system_body {
 struct rb_system_row {
 	int a, b;  /* bodies of the problem */
 	int point; /* its place among the points of the step */
-	bool central; /* between spheres, or a sphere and what does not yield: the arms are along the normal */
+	/* between spheres, or a sphere and what does not yield: the arms are along the normal */
+	bool central;
 	rb_vec3 normal; /* unit, from a to b */
 	rb_vec3 arm_a,
 		arm_b; /* m, from the centres of mass; central: x is the length along the normal */

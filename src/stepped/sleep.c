@@ -108,10 +108,10 @@ static void rouse(struct rb_sleep *sleep, int i)
 		k = sleep->next[k];
 	} while (k != i);
 	sleep->changed = true;
-	sleep->quiet = false;
+	sleep->settled = false;
 }
 
-static bool still_stands(const struct rb_world *world, int i, double h)
+static bool goes_on_standing(const struct rb_world *world, int i, double h)
 {
 	const struct rb_stepped *s = world->stepped;
 	const struct rb_state *state = &world->state, *before = &world->mark;
@@ -145,7 +145,7 @@ static void check_block(void *user, int block, int worker)
 	for (int k = first; k < n && k < first + RB_BODIES_PER_BLOCK; k++) {
 		const int i = s->body[k];
 
-		s->sleep.mark[i] = s->sleep.sleeps[i] && !still_stands(world, i, pass->h_s);
+		s->sleep.mark[i] = s->sleep.sleeps[i] && !goes_on_standing(world, i, pass->h_s);
 		if (!s->sleep.sleeps[i])
 			continue;
 		s->near.reach[i] = rb_candidates_way(world, &world->state, i, pass->h_s);
@@ -237,8 +237,8 @@ static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 
 	near->live = NULL;
 	if (sleep->changed)
-		sleep->still_depth = (double)NAN;
-	near->still_depth = sleep->still_depth;
+		sleep->resting_depth = (double)NAN;
+	near->resting_depth = sleep->resting_depth;
 	sleep->changed = false;
 	if (sleep->count == 0)
 		return RB_OK;
@@ -424,14 +424,14 @@ static void end_driven(struct rb_world *world)
 
 	for (int k = 0; k < s->driven_count; k++) {
 		const int i = s->body[s->member_count + k];
-		const bool stays = is_none(world->mark.velocity, i) &&
-		                   is_none(world->mark.spin, i) && is_unmoved(world, i);
+		const bool asleep = is_none(world->mark.velocity, i) &&
+		                    is_none(world->mark.spin, i) && is_unmoved(world, i);
 
 		sleep->next[i] = i;
 		sleep->points[i] = 0;
-		if (stays && !sleep->sleeps[i])
+		if (asleep && !sleep->sleeps[i])
 			fall_asleep(world, i);
-		else if (!stays && sleep->sleeps[i])
+		else if (!asleep && sleep->sleeps[i])
 			rouse(sleep, i);
 	}
 }
@@ -442,10 +442,10 @@ void rb_sleep_end(struct rb_world *world, double end, const unsigned char *faile
 	struct rb_sleep *sleep = &s->sleep;
 	const struct rb_cohort *all = &s->all;
 
-	sleep->quiet = all->points.count == 0;
+	sleep->settled = all->points.count == 0;
 	sleep->end_s = end;
 	sleep->contact_count = world->contacts.count;
-	sleep->still_depth = s->near.still_depth;
+	sleep->resting_depth = s->near.resting_depth;
 	if (sleep->off)
 		return;
 	end_driven(world);
@@ -463,14 +463,14 @@ void rb_sleep_end(struct rb_world *world, double end, const unsigned char *faile
 	}
 	for (int k = 0; k < all->member_count; k++)
 		sleep->mark[all->body[k]] = 0;
-	sleep->quiet = sleep->quiet && !sleep->changed;
+	sleep->settled = sleep->settled && !sleep->changed;
 }
 
 void rb_sleep_forget(struct rb_stepped *s)
 {
 	struct rb_sleep *sleep = &s->sleep;
 
-	sleep->quiet = false;
+	sleep->settled = false;
 	if (sleep->count == 0)
 		return;
 	memset(sleep->sleeps, 0, (size_t)(s->member_count + s->driven_count));

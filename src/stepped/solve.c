@@ -26,7 +26,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->reach = rb_memory_take(n, sizeof *solver->reach);
 	solver->pushed = rb_memory_take(n, 1);
 	solver->rests = rb_memory_take(n, 1);
-	solver->stays = rb_memory_take(n, 1);
+	solver->asleep = rb_memory_take(n, 1);
 	solver->left = rb_memory_take(n, sizeof *solver->left);
 	solver->rest_external = rb_memory_take(6 * n, sizeof *solver->rest_external);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
@@ -34,7 +34,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->dense.tensor = solver->tensor;
 	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
 	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
-	    solver->stays && solver->left && solver->rest_external &&
+	    solver->asleep && solver->left && solver->rest_external &&
 	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
 		for (int i = 0; i < model->body_count; i++)
 			solver->reach[i] = rb_model_reach(model, i);
@@ -63,7 +63,7 @@ void rb_solver_release(struct rb_solver *solver)
 	rb_memory_free(solver->reach);
 	rb_memory_free(solver->pushed);
 	rb_memory_free(solver->rests);
-	rb_memory_free(solver->stays);
+	rb_memory_free(solver->asleep);
 	rb_memory_free(solver->left);
 	rb_memory_free(solver->rest_external);
 	rb_memory_free(solver->island);
@@ -202,7 +202,7 @@ static void put_back(struct rb_solver *solver, const struct earlier *earlier,
 		island->factors = was->factors;
 		island->residual = was->residual;
 		island->slip = was->slip;
-		island->room = was->room;
+		island->energy_budget = was->energy_budget;
 		for (int k = 0; k < island->member_count; k++)
 			solver->dense.body[member[k]] = earlier->body[member[k]];
 	}

@@ -47,7 +47,7 @@ static enum rb_status take_forces(struct rb_stepped *s, const struct rb_model *m
 {
 	const size_t n = (size_t)model->body_count;
 
-	if (model->features & (RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD)) {
+	if (model->features & RB_FEATURES_VARIED) {
 		s->varied = rb_memory_take(3 * n, sizeof *s->varied);
 		if (!s->varied)
 			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
@@ -56,19 +56,6 @@ static enum rb_status take_forces(struct rb_stepped *s, const struct rb_model *m
 		s->undragged = rb_memory_take(n, sizeof *s->undragged);
 		if (!s->undragged)
 			return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
-	}
-	if (!(model->features & RB_FEATURE_SPRINGS))
-		return RB_OK;
-	s->springs_of = rb_memory_take(n, sizeof *s->springs_of);
-	if (!s->springs_of)
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the stepped method");
-	for (int k = 0; k < model->scene->spring_count; k++) {
-		const int ends[2] = {model->index_of[model->scene->springs[k].a],
-		                     model->index_of[model->scene->springs[k].b]};
-
-		for (int e = 0; e < 2; e++)
-			if (ends[e] < model->body_count)
-				s->springs_of[ends[e]]++;
 	}
 	return RB_OK;
 }
@@ -135,7 +122,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_step_points_release(&stepped->part.points);
 	rb_step_points_release(&stepped->closing);
 	rb_solver_release(&stepped->solver);
-	rb_local_rollback_destroy(stepped->apart);
+	rb_local_rollback_destroy(stepped->local);
 	rb_impacts_release(stepped);
 	rb_tally_release(stepped);
 	rb_memory_free(stepped->all.rebound);
@@ -154,7 +141,6 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 	rb_memory_free(stepped->aside);
 	rb_memory_free(stepped->varied);
 	rb_memory_free(stepped->undragged);
-	rb_memory_free(stepped->springs_of);
 	rb_memory_free(stepped->bad);
 	rb_memory_free(stepped->reported.row);
 	rb_memory_free(stepped);
@@ -171,7 +157,7 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	enum rb_status status = rb_record_contacts(world, &s->all, h, NULL, &world->next_contacts,
 	                                           err);
 	if (status == RB_OK)
-		status = rb_step_points_keep(&s->all.points, h, s->solver.stays, s->sleep.sleeps,
+		status = rb_step_points_keep(&s->all.points, h, s->solver.asleep, s->sleep.sleeps,
 		                             err);
 	if (status != RB_OK)
 		return status;
@@ -206,7 +192,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	s->reported.count = 0;
 	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
 	/* else the lists are those of before */
-	if (status == RB_OK && !(s->sleep.quiet && s->all.points.count == 0))
+	if (status == RB_OK && !(s->sleep.settled && s->all.points.count == 0))
 		status = keep_contacts(world, h, err);
 	if (status == RB_OK && !rb_record_reserve(world, s->reported.count))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
@@ -256,8 +242,8 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 }
 
 /* Bodies for which the whole step has failed go on in shorter ones, the others keep it. */
-static enum rb_status step_apart(struct rb_world *world, double start, double dt,
-                                 struct rb_error *err)
+static enum rb_status step_locally(struct rb_world *world, double start, double dt,
+                                   struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_attempt_outcome outcome;
@@ -337,7 +323,7 @@ enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
 	}
 	world->moved_by_hand = world->has_shown = false;
 	return world->model->rollback == RB_ROLLBACK_SELECTIVE
-	               ? step_apart(world, start, dt, err)
+	               ? step_locally(world, start, dt, err)
 	               : step_together(world, start, dt, err);
 }
 

@@ -10,7 +10,7 @@
 #include "stepped/sweeper.h"
 
 /* Sweeps before factors are tried, and at most. */
-enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_QUIET = 64 };
+enum { SWEEPS_FIRST = 200, SWEEPS_MAX = 1000, SWEEPS_SETTLED = 64 };
 /*
  * The same where rows are in packs, and may be held; of spheres, most that stall are held sooner.
  */
@@ -20,8 +20,8 @@ enum { TURNS_MAX = 6, TURN_SWEEPS = 100 };
 /* Times that open pushes are made even, with sweeps after each. */
 enum { EVEN_MAX = 4 };
 /* Why factors are tried, and how many at most. */
-enum purpose { STIFF, STANDING, STALLED, QUIET };
-enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_QUIET = 12 };
+enum purpose { STIFF, STANDING, STALLED, SETTLED };
+enum { FACTORS_STIFF = 400, FACTORS_STANDING = 120, FACTORS_STALLED = 30, FACTORS_SETTLED = 12 };
 
 /*
  * Multiplications that one factorization may take, for each row and at most: some twenty sweeps.
@@ -72,7 +72,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	static const int steps_max[] = {[STIFF] = FACTORS_STIFF,
 	                                [STANDING] = FACTORS_STANDING,
 	                                [STALLED] = FACTORS_STALLED,
-	                                [QUIET] = FACTORS_QUIET};
+	                                [SETTLED] = FACTORS_SETTLED};
 	const double share = purpose == STALLED && dense->row_count >= RB_WIDE_ROWS ? stalled_share
 	                                                                            : factor_share;
 	const struct rb_direct direct = {.dense = dense,
@@ -80,7 +80,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	                                 .member = solver->member + island->first_member,
 	                                 .member_count = island->member_count,
 	                                 .local = solver->local,
-	                                 .tolerance = (purpose == QUIET || purpose == STANDING
+	                                 .tolerance = (purpose == SETTLED || purpose == STANDING
 	                                                       ? close_share
 	                                                       : direct_share) *
 	                                              solver->tolerance,
@@ -112,7 +112,7 @@ static struct rb_sweeper sweeper_of(const struct rb_solver *solver, const struct
                                     const struct rb_row_system *dense, struct rb_team *team)
 {
 	return (struct rb_sweeper){.dense = dense,
-	                           .still = solver->body_count,
+	                           .fixed = solver->body_count,
 	                           .member = solver->member + island->first_member,
 	                           .member_count = island->member_count,
 	                           .local = solver->local,
@@ -224,7 +224,7 @@ double rb_strategies_external(const struct rb_solver *solver, const int *member,
  * Whether nothing moves much faster than the tolerance in a step, nor than its forces make it in
  * one: it is quiet.
  */
-static bool is_quiet(const struct rb_solver *solver, const struct rb_island *island, bool before)
+static bool is_settled(const struct rb_solver *solver, const struct rb_island *island, bool before)
 {
 	const double few = 4 * solver->tolerance / sweep_share;
 	const double max = fmin(few * few, solver->external);
@@ -272,7 +272,7 @@ static double aim_of(const struct rb_solver *solver, const struct rb_island *isl
 /* Whether the group was quiet when the step began, and nothing moves under it. */
 static bool stood(const struct rb_solver *solver, const struct rb_island *island)
 {
-	return solver->before && !island->carried && is_quiet(solver, island, true);
+	return solver->before && !island->carried && is_settled(solver, island, true);
 }
 
 /*
@@ -280,7 +280,7 @@ static bool stood(const struct rb_solver *solver, const struct rb_island *island
  * what is possible, however they are wedged. So do all overlaps: what stands has nothing to push
  * apart with.
  */
-static void leave_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
+static void skip_alone(const struct rb_solver *solver, const struct rb_row_system *dense)
 {
 	const double max = let_share * solver->tolerance / sweep_share;
 
@@ -307,7 +307,7 @@ static void stop(const struct rb_solver *solver, const struct rb_island *island)
  */
 static void find_rest(const struct rb_solver *solver, const struct rb_island *island)
 {
-	const double close = close_share * solver->tolerance, still = 16 * close;
+	const double close = close_share * solver->tolerance, rest_speed = 16 * close;
 	bool rests = solver->before && island->residual <= close && !island->carried;
 
 	for (int k = 0; rests && k < island->member_count; k++) {
@@ -316,11 +316,13 @@ static void find_rest(const struct rb_solver *solver, const struct rb_island *is
 		const double reach = solver->reach[i];
 		const size_t at = 3 * (size_t)i;
 
-		rests = rb_vec3_max_abs(body->linear) <= still &&
-		        rb_vec3_max_abs(body->angular) * reach <= still &&
-		        rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) <= still &&
+		rests = rb_vec3_max_abs(body->linear) <= rest_speed &&
+		        rb_vec3_max_abs(body->angular) * reach <= rest_speed &&
+		        rb_vec3_max_abs(rb_vec3_from(solver->before->velocity + at)) <=
+		                rest_speed &&
 		        (!solver->before->spin ||
-		         rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * reach <= still);
+		         rb_vec3_max_abs(rb_vec3_from(solver->before->spin + at)) * reach <=
+		                 rest_speed);
 	}
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
@@ -373,7 +375,8 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
 	}
-	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper), SWEEPS_QUIET) &&
+	if (!sweep_more(solver, &sweeper, island, aim_of(solver, island, &sweeper),
+	                SWEEPS_SETTLED) &&
 	    !(island->residual <= solver->tolerance))
 		(void)try_factors(solver, island, dense, STALLED, arena);
 	const struct rb_energy least = rb_energy_of(solver, island);
@@ -394,7 +397,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 static void keep_energy(const struct rb_solver *solver, struct rb_island *island,
                         const struct rb_row_system *dense, struct rb_arena *arena)
 {
-	island->room = 0;
+	island->energy_budget = 0;
 	if (!rb_energy_pushes(dense, -(double)INFINITY))
 		return;
 	const bool squeezed = solver->h_s < solver->whole_s &&
@@ -405,7 +408,7 @@ static void keep_energy(const struct rb_solver *solver, struct rb_island *island
 	if (rb_energy_gain(&energy) > energy.noise)
 		rb_energy_take(solver, island, rb_energy_share(&energy));
 	else
-		island->room = fmax(0, -2 * rb_energy_gain(&energy));
+		island->energy_budget = fmax(0, -2 * rb_energy_gain(&energy));
 }
 
 /*
@@ -427,7 +430,7 @@ static bool even_out(const struct rb_solver *solver, struct rb_sweeper *sweeper,
 		rb_arena_back(arena, here);
 		if (!changed)
 			break;
-		good = sweep_more(solver, sweeper, island, aim, SWEEPS_QUIET) ||
+		good = sweep_more(solver, sweeper, island, aim, SWEEPS_SETTLED) ||
 		       sweep_more(solver, sweeper, island, solver->tolerance / sweep_share,
 		                  SWEEPS_MAX);
 	}
@@ -577,10 +580,10 @@ static void solve_closely(const struct trial *trial)
 	const double close = close_share * solver->tolerance;
 
 	if (island->residual > close &&
-	    (is_quiet(solver, island, false) ||
+	    (is_settled(solver, island, false) ||
 	     (!trial->sweeper->wide && goes_along(solver, island, trial->rows))) &&
-	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_QUIET)))
-		(void)try_factors(solver, island, trial->rows, QUIET, trial->arena);
+	    (trial->stiff || !sweep_more(solver, trial->sweeper, island, close, SWEEPS_SETTLED)))
+		(void)try_factors(solver, island, trial->rows, SETTLED, trial->arena);
 }
 
 void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *island,
@@ -608,7 +611,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	                            .stiff = is_stiff(solver, island),
 	                            .standing = stood(solver, island)};
 	if (trial.standing)
-		leave_alone(solver, &rows);
+		skip_alone(solver, &rows);
 	const int strategy = choose(&trial);
 	const bool is_close = strategy == 0;
 	bool good = strategy < STRATEGIES;

@@ -4,12 +4,17 @@
  * no gap closing by more than the tolerance; then what keeps it from gaining energy, and lets it
  * come to rest.
  *
- *   at rest as the step began?  -> factors, nothing slips -+
- *   masses very unequal?        -> factors ----------------+-> more energy than before? -> start over without pushing apart
- *   sweeps to a close aim, sweeps to the tolerance --------+-> hardly moves? -> solved closely, by sweeps or factors
- *   stalled: factors; in turns (large); friction held -----+-> small? -> open impulses made even
- *   sweeps to their limit (small) -------------------------+-> gains energy? -> less pushing apart, then less of all
- *                                                              nothing moves? -> at rest
+ *   at rest as the step began?     -> factors, nothing slips
+ *   masses very unequal?           -> factors
+ *   else                           -> sweeps to a close aim, then to the tolerance
+ *   stalled?                       -> factors; in turns (large); friction held
+ *   still not (small)              -> sweeps to their limit
+ *                                          |
+ *   more energy than before?       -> start over without pushing apart
+ *   hardly moves?                  -> solved closely, by sweeps or factors
+ *   small?                         -> open impulses made even
+ *   gains energy?                  -> less pushing apart, then less of all
+ *   nothing moves?                 -> at rest
  *
  * What is at rest is solved by factors as if nothing slipped: sweeps would let towers creep.
  */

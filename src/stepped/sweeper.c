@@ -103,7 +103,7 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 	sweeper->many = (struct rb_wide){.dense = sweeper->dense,
 	                                 .central = sweeper->central,
 	                                 .order = colours.order,
-	                                 .still = sweeper->still,
+	                                 .fixed = sweeper->fixed,
 	                                 .team = sweeper->team,
 	                                 .colour = colours.first,
 	                                 .colour_count = colours.count,

@@ -17,7 +17,7 @@ enum { RB_WIDE_CENTRAL_ROWS = 32, RB_WIDE_ROWS = 128 };
 
 struct rb_sweeper {
 	const struct rb_row_system *dense;
-	int still;         /* a body that does not yield */
+	int fixed;         /* a body that does not yield */
 	const int *member; /* bodies that yield */
 	int member_count;
 	int *local;           /* by body: scratch, -1 for what does not yield */

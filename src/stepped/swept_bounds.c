@@ -13,14 +13,14 @@ enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept, const struc
 	const size_t n = (size_t)model->body_count;
 
 	*swept = (struct rb_swept_bounds){0};
-	swept->room = rb_memory_take(n, sizeof *swept->room);
+	swept->bounds = rb_memory_take(n, sizeof *swept->bounds);
 	swept->group_of = rb_memory_take(n, sizeof *swept->group_of);
 	swept->was_group = rb_memory_take(n, sizeof *swept->was_group);
 	swept->parent = rb_memory_take(n, sizeof *swept->parent);
 	swept->member = rb_memory_take(n, sizeof *swept->member);
 	swept->failed = rb_memory_take(n, 1);
 	swept->settled = rb_memory_take(n, 1);
-	if (!swept->room || !swept->group_of || !swept->was_group || !swept->parent ||
+	if (!swept->bounds || !swept->group_of || !swept->was_group || !swept->parent ||
 	    !swept->member || !swept->failed || !swept->settled)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the territories of %zu bodies",
 		               n);
@@ -30,7 +30,7 @@ enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept, const struc
 void rb_swept_bounds_release(struct rb_swept_bounds *swept)
 {
 	rb_candidates_release(&swept->near);
-	rb_memory_free(swept->room);
+	rb_memory_free(swept->bounds);
 	rb_memory_free(swept->group_of);
 	rb_memory_free(swept->was_group);
 	rb_memory_free(swept->parent);
@@ -69,13 +69,13 @@ static bool is_inside(const rb_aabb *box, rb_vec3 p)
 }
 
 /* An impact on the way: it has come from where its velocity before was taking it. */
-static void turn_round(rb_aabb *room, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
+static void turn_round(rb_aabb *bounds, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
                        double pad)
 {
 	const double pads = pad + rb_vec3_length(kick->shift);
 	const rb_aabb more = box_of_way(from, rb_vec3_add(from, way), pads);
 
-	*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
+	*bounds = (rb_aabb){lower(bounds->low, more.low), upper(bounds->high, more.high)};
 }
 
 void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *world,
@@ -87,17 +87,17 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 		const rb_vec3 from = rb_world_origin_at(world, begin, i);
 		const rb_vec3 way = rb_vec3_scale(dt, rb_world_row3(begin->velocity, i));
 		const double reach = world->broadphase ? s->near.reach[i] : 0;
-		const double room = clearance_share * rb_candidates_size(world->model, i);
+		const double slack = clearance_share * rb_candidates_size(world->model, i);
 
 		swept->near.built_at[i] = from;
 		/* what forces add within the step is in the reach */
-		swept->room[i] = s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
-		                                        room + fmax(0, reach - rb_vec3_length(way)))
-		                           : box_of_way(from,
-		                                        rb_world_origin_at(world, &world->state, i),
-		                                        room);
+		swept->bounds[i] =
+			s->bad[i] ? box_of_way(from, rb_vec3_add(from, way),
+		                               slack + fmax(0, reach - rb_vec3_length(way)))
+				  : box_of_way(from, rb_world_origin_at(world, &world->state, i),
+		                               slack);
 		if (s->kicked_count > 0 && s->kick[i].is_set)
-			turn_round(&swept->room[i], from, &s->kick[i], way, room);
+			turn_round(&swept->bounds[i], from, &s->kick[i], way, slack);
 	}
 }
 
@@ -185,7 +185,7 @@ void rb_swept_bounds_show(struct rb_swept_bounds *swept, size_t first, size_t co
 	near->pair_count = count;
 	near->depth = near->own_depth + first;
 	if (near->own_clearance)
-		near->room = near->own_clearance + first;
+		near->clearance = near->own_clearance + first;
 	if (near->own_first_clue)
 		near->first_clue = near->own_first_clue + first;
 }
@@ -199,7 +199,7 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 
 	swept->near.pair_count = 0;
 	if (world->broadphase)
-		status = rb_candidates_pairs(&swept->near, world, swept->room, err);
+		status = rb_candidates_pairs(&swept->near, world, swept->bounds, err);
 	if (status != RB_OK)
 		return status;
 	for (int i = 0; i < model->body_count; i++)
@@ -210,9 +210,10 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 	for (size_t k = 0; k < points->count; k++)
 		if (points->row[k].push > 0)
 			join(world, swept->parent, points->row[k].a, points->row[k].b);
-	for (int k = 0; k < model->scene->spring_count; k++)
-		join(world, swept->parent, model->index_of[model->scene->springs[k].a],
-		     model->index_of[model->scene->springs[k].b]);
+	for (int k = 0; k < model->element_list_count; k++)
+		for (int m = 0; model->elements[k].end && m < model->elements[k].count; m++)
+			join(world, swept->parent, model->elements[k].end[m][0],
+			     model->elements[k].end[m][1]);
 	status = number_groups(swept, world, err);
 	return status == RB_OK ? sort_pairs(swept, err) : status;
 }
@@ -225,9 +226,9 @@ bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *
 	for (int k = 0; k < part->body_count; k++) {
 		const int i = part->body[k];
 		const rb_vec3 at = rb_world_origin_at(world, &world->state, i);
-		rb_aabb *const room = &swept->room[i];
+		rb_aabb *const bounds = &swept->bounds[i];
 
-		if (is_inside(room, at))
+		if (is_inside(bounds, at))
 			continue;
 		const rb_vec3 way = rb_vec3_scale(fmax(0, rest_s),
 		                                  rb_world_row3(world->state.velocity, i));
@@ -237,7 +238,7 @@ bool rb_swept_bounds_left(struct rb_swept_bounds *swept, const struct rb_world *
 		                                        (rb_candidates_size(world->model, i) +
 		                                         rb_vec3_length(rb_vec3_sub(at, from)) +
 		                                         rb_vec3_length(way)));
-		*room = (rb_aabb){lower(room->low, more.low), upper(room->high, more.high)};
+		*bounds = (rb_aabb){lower(bounds->low, more.low), upper(bounds->high, more.high)};
 		left = true;
 	}
 	return left;

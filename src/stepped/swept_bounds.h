@@ -19,8 +19,8 @@ struct rb_swept_group {
 
 struct rb_swept_bounds {
 	struct rb_candidates
-		near;  /* its pairs could meet; built_at: origins at the beginning of the step */
-	rb_aabb *room; /* owned, by body: where its origin may be */
+		near;    /* its pairs could meet; built_at: origins at the beginning of the step */
+	rb_aabb *bounds; /* owned, by body: where its origin may be */
 	int *group_of, *was_group, *parent; /* owned, by body; was_group: set by the owner */
 	unsigned char *failed, *settled;    /* owned, by body: set by the owner */
 	int *member;                        /* owned: by group, ascending */

@@ -13,11 +13,11 @@ enum rb_status rb_tally_create(struct rb_stepped *s, const struct rb_model *mode
 	made = s->tally = rb_memory_take(1, sizeof *made);
 	if (made) {
 		made->body = rb_memory_take((size_t)model->body_count, sizeof *made->body);
-		made->external = rb_memory_take((size_t)model->scene->spring_count,
-		                                sizeof *made->external);
+		made->element = rb_memory_take((size_t)rb_elements_between(model),
+		                               sizeof *made->element);
 		made->here = rb_memory_take((size_t)(model->body_count + model->static_count), 1);
 	}
-	return made && made->body && made->external && made->here
+	return made && made->body && made->element && made->here
 	               ? RB_OK
 	               : RB_FAIL(err, RB_ERR_MEMORY, "no memory for the ledger of %d bodies",
 	                         model->body_count);
@@ -28,7 +28,7 @@ void rb_tally_release(struct rb_stepped *s)
 	if (!s->tally)
 		return;
 	rb_memory_free(s->tally->body);
-	rb_memory_free(s->tally->external);
+	rb_memory_free(s->tally->element);
 	rb_memory_free(s->tally->here);
 	rb_memory_free(s->tally);
 }
@@ -38,14 +38,14 @@ void rb_tally_begin(struct rb_world *world, const struct rb_cohort *cohort)
 	for (int k = 0; k < cohort->member_count; k++) {
 		struct rb_tally_body *body = &world->stepped->tally->body[cohort->body[k]];
 
-		body->field = body->drag = (rb_vec3){0, 0, 0};
+		body->drag = (rb_vec3){0, 0, 0};
+		body->varied = body->stored = (struct rb_wrench){0};
 	}
 }
 
 bool rb_tally_works(const struct rb_model *model)
 {
-	return model->features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURE_FIELD |
-	                          RB_FEATURE_DRAG | RB_FEATURE_SPRINGS);
+	return model->features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURES_VARIED);
 }
 
 static rb_vec3 spin_of(const struct rb_state *state, int i)

@@ -28,7 +28,9 @@ struct rb_tally_body {
 	rb_vec3 mean[2];  /* of both */
 	rb_vec3 place;    /* m: where the step has moved it */
 	rb_vec3 carry; /* m: where forces vary, free: from where it was to where the others act */
-	rb_vec3 field, drag; /* N s */
+	/* N s, N m s: of forces that vary, without a potential and with one; of drag */
+	struct rb_wrench varied, stored;
+	rb_vec3 drag;
 	/* closing of overlaps, and what pays for it */
 	rb_vec3 closed[2]; /* kg m/s, kg m^2/s about the origin */
 	double lifted;     /* J: by driven bodies */
@@ -36,17 +38,15 @@ struct rb_tally_body {
 	enum rb_ledger_momentum closed_by; /* RB_MOMENTUM_CAUSES: by other bodies that yield */
 };
 
-/* A spring in its last step. */
-struct rb_tally_external {
-	rb_vec3 impulse;      /* N s, on b */
-	rb_vec3 arm_a, arm_b; /* m, from centres of mass as the step began */
-	rb_vec3 along;        /* unit, from a to b; zero: they were at one place */
+/* What a force element has done in its last step to the bodies at its ends, N s, N m s. */
+struct rb_tally_element {
+	struct rb_wrench on[2];
 };
 
 struct rb_tally {
-	struct rb_tally_body *body;         /* owned, [bodies] */
-	struct rb_tally_external *external; /* owned, [springs] */
-	unsigned char *here;                /* owned, [bodies and statics]: scratch, 0 */
+	struct rb_tally_body *body;       /* owned, [bodies] */
+	struct rb_tally_element *element; /* owned, those with ends, kind by kind */
+	unsigned char *here;              /* owned, [bodies and statics]: scratch, 0 */
 };
 
 /* Where the ledger is kept; else it stays NULL. */

@@ -190,8 +190,8 @@ ALWAYS void push(const struct rb_wide_pack *pack, const struct rb_wide_turn *tur
 /* ---- a pack ---- */
 
 /* Velocity of b relative to a: along the normal, and across it. */
-ALWAYS void look(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn,
-                 const struct four *a, const struct four *b, lanes *along, struct lanes3 *across)
+ALWAYS void inspect(const struct rb_wide_pack *pack, const struct rb_wide_turn *turn,
+                    const struct four *a, const struct four *b, lanes *along, struct lanes3 *across)
 {
 	const struct lanes3 n = pack->normal;
 	struct lanes3 u;
@@ -230,7 +230,7 @@ ALWAYS double solve_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
 
 	take(&a, body, pack->a);
 	take(&b, body, pack->b);
-	look(pack, turn, &a, &b, &along, &slip);
+	inspect(pack, turn, &a, &b, &along, &slip);
 	along = pack->push + (pack->target_velocity - along) * pack->inverse_n;
 	along = CHOOSE(along > pack->least, along, pack->least);
 	const mask acts = (along > none) | (pack->push != none);
@@ -426,7 +426,7 @@ static void carry_pack(const struct rb_wide *wide, int k, enum task task, int at
 	if (task == FILL) {
 		*pack = (struct rb_wide_pack){.count = {0}};
 		for (int i = 0; i < WIDTH; i++)
-			pack->a[i] = pack->b[i] = wide->still;
+			pack->a[i] = pack->b[i] = wide->fixed;
 	}
 	for (int i = 0; i < count; i++) {
 		struct rb_system_row *row = &wide->dense->row[wide->order[at + i]];

@@ -22,7 +22,7 @@ struct rb_wide {
 	const struct rb_row_system *dense;
 	bool central;         /* all rows are: packs are smaller */
 	const int *order;     /* [rows]: these by colour */
-	int still;            /* a body that does not yield */
+	int fixed;            /* a body that does not yield */
 	struct rb_team *team; /* NULL: in one thread */
 	const int *colour;    /* [colour_count + 1]: where each begins in `order` */
 	int colour_count;

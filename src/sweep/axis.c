@@ -175,10 +175,10 @@ static enum rb_status take_piece(struct rb_axis *axis, char *text, bool alone, s
 	axis->low = strtod(part[0], NULL);
 	axis->high = strtod(part[1], NULL);
 	if (!alone)
-		return RB_FAIL(
-			err, RB_ERR_USAGE,
-			"option '--param': '%s' has a range without a step in a list (wanted: low:high:step)",
-			axis->text);
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "option '--param': '%s' has a range without a step in a list "
+		               "(wanted: low:high:step)",
+		               axis->text);
 	if (!(axis->low < axis->high) || !isfinite(axis->high - axis->low))
 		return RB_FAIL(err, RB_ERR_USAGE,
 		               "option '--param': '%s': the range must rise (got %s and %s)",
@@ -220,10 +220,10 @@ enum rb_status rb_axis_init(struct rb_axis *axis, const char *text, uint64_t mos
 		               "option '--param': '%s' is not of the form NAME=VALUES", text);
 	for (const char *c = text; *c; c++) {
 		if ((unsigned char)*c < ' ')
-			return RB_FAIL(
-				err, RB_ERR_USAGE,
-				"option '--param': a value of '%.*s' holds a line break or another control character",
-				(int)name, text);
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "option '--param': a value of '%.*s' holds a line break or "
+			               "another control character",
+			               (int)name, text);
 		commas += *c == ',';
 	}
 	axis->text = rb_memory_copy_text(text);

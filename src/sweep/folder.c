@@ -286,14 +286,14 @@ static enum rb_status differs(const char *path, const char *found, const char *w
 
 	if (file && found && value_of(found, "file") &&
 	    strcmp(file + 64, value_of(found, "file") + 64) == 0)
-		return RB_FAIL(
-			err, RB_ERR_INPUT,
-			"'%s' is of another sweep: '%.80s' has changed since (-o takes another folder)",
-			path, file + 65);
-	return RB_FAIL(
-		err, RB_ERR_INPUT,
-		"'%s' is of another sweep: it has '%.60s' where this one has '%.60s' (-o takes another folder)",
-		path, found ? found : "", wanted ? wanted : "");
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "'%s' is of another sweep: '%.80s' has changed since (-o takes "
+		               "another folder)",
+		               path, file + 65);
+	return RB_FAIL(err, RB_ERR_INPUT,
+	               "'%s' is of another sweep: it has '%.60s' where this one has '%.60s' (-o "
+	               "takes another folder)",
+	               path, found ? found : "", wanted ? wanted : "");
 }
 
 /* A line of the file is this text; `room` for the longest that may come, and a line break. */

@@ -3,9 +3,11 @@
  * The folder of a sweep. It is whole in itself:
  *
  *   plan.csv           the plan, written once and last
- *   scene/ lua/        all files that the scene is made of: its own, and the helpers that come with rbsim
+ *   scene/ lua/  all files that the scene is made of: its own, and the helpers that come with
+ *                      rbsim
  *   point-00017.h5     the recording of a point, with .checkpoint beside it while there is one
- *   point-00017.json   what its run said at its end; not there, or not whole, while it has not ended
+ *   point-00017.json  what its run said at its end; not there, or not whole, while it has not
+ *                      ended
  *   point-00017.log    what it said besides; locked while it runs
  *   point-00017/       the films of a run, where scenes have cameras
  *

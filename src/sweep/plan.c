@@ -46,16 +46,16 @@ static enum rb_status take_axes(struct rb_plan *plan, const struct rb_plan_wish 
 		if (status)
 			return status;
 		if (axis->count == 0 && plan->sample_count == 0)
-			return RB_FAIL(
-				err, RB_ERR_USAGE,
-				"option '--param': '%s' is a range without a step (wanted: low:high:step, or --sample latin:N)",
-				wish->params[i]);
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "option '--param': '%s' is a range without a step (wanted: "
+			               "low:high:step, or --sample latin:N)",
+			               wish->params[i]);
 		for (int k = 0; k < i; k++)
 			if (strcmp(plan->axes[k].name, axis->name) == 0)
-				return RB_FAIL(
-					err, RB_ERR_USAGE,
-					"option '--param': '%s' is given twice (wanted: %s=A,B,...)",
-					axis->name, axis->name);
+				return RB_FAIL(err, RB_ERR_USAGE,
+				               "option '--param': '%s' is given twice (wanted: "
+				               "%s=A,B,...)",
+				               axis->name, axis->name);
 	}
 	return RB_OK;
 }
@@ -88,10 +88,10 @@ static enum rb_status take_texts(struct rb_plan *plan, const struct rb_plan_wish
 	for (int i = 0; right && i < wish->word_count; i++) {
 		for (const char *c = wish->words[i]; *c; c++)
 			if ((unsigned char)*c < ' ')
-				return RB_FAIL(
-					err, RB_ERR_USAGE,
-					"option '%.*s' holds a line break or another control character",
-					(int)strcspn(wish->words[i], "="), wish->words[i]);
+				return RB_FAIL(err, RB_ERR_USAGE,
+				               "option '%.*s' holds a line break or another "
+				               "control character",
+				               (int)strcspn(wish->words[i], "="), wish->words[i]);
 		right = (plan->words[plan->word_count++] = rb_memory_copy_text(wish->words[i])) !=
 		        NULL;
 	}

@@ -126,10 +126,10 @@ static enum rb_status check_texts(const struct rb_slurm_order *order, struct rb_
 	for (int i = 0; i < order->option_count && !status; i++) {
 		status = check_text("slurm-option", order->options[i], err);
 		if (!status && order->options[i][0] != '-')
-			status = RB_FAIL(
-				err, RB_ERR_USAGE,
-				"option '--slurm-option': '%s' does not begin with '-' (wanted: like --account=x)",
-				order->options[i]);
+			status = RB_FAIL(err, RB_ERR_USAGE,
+			                 "option '--slurm-option': '%s' does not begin with '-' "
+			                 "(wanted: like --account=x)",
+			                 order->options[i]);
 	}
 	return status;
 }
@@ -137,7 +137,8 @@ static enum rb_status check_texts(const struct rb_slurm_order *order, struct rb_
 static void put_script(FILE *file, const struct rb_slurm_order *order, const char *program)
 {
 	fputs("#!/bin/sh\n"
-	      "# The points of this folder as a job array, made by rbsim sweep --slurm. To submit it by hand, here:\n"
+	      "# The points of this folder as a job array, made by rbsim sweep --slurm. To submit "
+	      "it by hand, here:\n"
 	      "#   sbatch " RB_SLURM_SCRIPT "\n",
 	      file);
 	put_directive(file, "--job-name=", order->name);
@@ -158,7 +159,8 @@ static void put_script(FILE *file, const struct rb_slurm_order *order, const cha
 	fprintf(file, "\n%s%" PRIu64 "\nrbsim=", tasks_line, order->tasks);
 	put_quoted(file, program);
 	fprintf(file,
-	        "\n\n\"$rbsim\" sweep . --task \"$SLURM_ARRAY_TASK_ID\" --tasks \"$tasks\" --jobs %d --threads %d",
+	        "\n\n\"$rbsim\" sweep . --task \"$SLURM_ARRAY_TASK_ID\" --tasks \"$tasks\" --jobs "
+	        "%d --threads %d",
 	        order->jobs, order->threads);
 	if (!isnan(order->checkpoint_every_s))
 		fprintf(file, " --checkpoint-every %.17g", order->checkpoint_every_s);
@@ -245,11 +247,10 @@ enum rb_status rb_slurm_submit(const char *folder, const char *array, char id[RB
 	if (!ran)
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot start 'sbatch': %s", strerror(errno));
 	if (WIFEXITED(outcome) && WEXITSTATUS(outcome) == 127 && !*said)
-		return RB_FAIL(
-			err, RB_ERR_MISSING,
-			"cannot submit: there is no 'sbatch' in PATH (the script is '%s/" RB_SLURM_SCRIPT
-			"')",
-			folder);
+		return RB_FAIL(err, RB_ERR_MISSING,
+		               "cannot submit: there is no 'sbatch' in PATH (the script is "
+		               "'%s/" RB_SLURM_SCRIPT "')",
+		               folder);
 	if (outcome == 0)
 		take_id(said, id);
 	if (*id)

@@ -26,7 +26,8 @@ enum {
 struct rb_entries {
 	double row[RB_ENTRIES];
 	unsigned
-		causes; /* which are not zero: bit k an energy, bit RB_ENERGY_CAUSES + k a momentum */
+		/* which are not zero: bit k an energy, bit RB_ENERGY_CAUSES + k a momentum */
+		causes;
 };
 
 static inline void rb_entries_energy(struct rb_entries *e, enum rb_ledger_energy cause,

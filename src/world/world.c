@@ -2,6 +2,8 @@
 /* What callers may read of a world and what callbacks may change in it. */
 #include "world/world.h"
 
+#include "base/memory.h"
+
 static bool moves(const struct rb_world *world, int id)
 {
 	return world->model->index_of[id] < world->model->body_count;
@@ -147,35 +149,61 @@ rb_vec3 rb_world_point(const struct rb_world *world, int id, rb_vec3 point_local
 	                   rb_quat_rotate(rb_world_orientation(world, id), point_local));
 }
 
-/* Of a spring's end, world. */
-static rb_vec3 end_of(const struct rb_world *world, int id, rb_vec3 at)
+struct rb_pose rb_world_pose(const struct rb_world *world, const struct rb_state *state, int index)
 {
-	return isnan(at.x) ? rb_world_center_of_mass(world, id) : rb_world_point(world, id, at);
+	const struct rb_model *model = world->model;
+	const bool moves_too = index < model->body_count;
+	struct rb_pose pose = {.origin = rb_world_origin_at(world, state, index),
+	                       .orientation = rb_world_orientation_at(world, state, index)};
+
+	pose.position = moves_too ? rb_world_row3(state->position, index) : model->position[index];
+	if (!moves_too)
+		return pose;
+	pose.velocity = rb_world_row3(state->velocity, index);
+	if (state->spin)
+		pose.spin = rb_world_row3(state->spin, index);
+	return pose;
 }
 
-double rb_world_spring_energy(const struct rb_world *world)
+static struct rb_pose pose_of(const struct rb_element_query *query, int index)
 {
-	const struct rb_scene *scene = world->model->scene;
-	double sum = 0;
+	const struct rb_world *world = query->user;
 
-	for (int k = 0; k < scene->spring_count; k++) {
-		const struct rb_spring_def *spring = &scene->springs[k];
-		const double stretch = rb_vec3_length(rb_vec3_sub(
-					       end_of(world, spring->b, spring->at_b),
-					       end_of(world, spring->a, spring->at_a))) -
-		                       world->model->rest_length_m[k];
+	return rb_world_pose(world, &world->state, index);
+}
 
-		sum += 0.5 * spring->stiffness * stretch * stretch;
-	}
-	return sum;
+double rb_world_element_energy(const struct rb_world *world)
+{
+	return rb_elements_energy(&(struct rb_element_query){.model = world->model,
+	                                                     .time_s = world->state.time_s,
+	                                                     .pose = pose_of,
+	                                                     .user = world});
 }
 
 /* ---- changes by callbacks ---- */
 
-/* What a callback can change of a body, for the ledger. */
+enum rb_status rb_world_report_collisions(struct rb_world *world, size_t first,
+                                          struct rb_error *err)
+{
+	const size_t count = world->events.count;
+	enum rb_status status = RB_OK;
+
+	for (size_t k = first; k < count && world->hooks.collision && status == RB_OK; k++) {
+		const struct rb_event event = world->events.row[k]; /* the rows may move */
+
+		status = world->hooks.collision(world->hooks.user, world, &event, err);
+		world->moment++;
+	}
+	if (!world->options.keep_events)
+		world->events.count = 0;
+	return status;
+}
+
+/* What a callback can change of a body. */
 struct account {
-	double energy; /* J */
-	rb_vec3 linear, angular;
+	rb_vec3 position, momentum, spin_momentum; /* of its centre of mass, and about it */
+	double energy;                             /* J; this and the next for the ledger alone */
+	rb_vec3 angular;                           /* kg m^2/s, about the origin */
 };
 
 static struct account account_of(const struct rb_world *world, int id)
@@ -183,28 +211,69 @@ static struct account account_of(const struct rb_world *world, int id)
 	const struct rb_world_def *def = &world->model->scene->world;
 	struct account account = {0};
 
-	if (!world->ledger.kept || !yields(world, id))
+	if (!yields(world, id))
+		return account;
+	account.position = rb_world_center_of_mass(world, id);
+	account.momentum = rb_world_momentum(world, id);
+	account.spin_momentum = spin_momentum(world, id);
+	if (!world->ledger.kept)
 		return account;
 	const rb_vec3 weight = rb_vec3_add_scaled(def->gravity_force, rb_world_mass(world, id),
 	                                          def->gravity);
 
 	account.energy = rb_world_kinetic_energy(world, id) -
-	                 rb_vec3_dot(weight, rb_world_center_of_mass(world, id)) +
-	                 rb_world_spring_energy(world);
-	account.linear = rb_world_momentum(world, id);
+	                 rb_vec3_dot(weight, account.position) + rb_world_element_energy(world);
 	account.angular = rb_world_angular_momentum(world, id);
 	return account;
 }
 
+/* Changes of one kind to a body at one time are one event. */
+static void report_change(struct rb_world *world, enum rb_event_kind kind, int id, rb_vec3 change)
+{
+	struct rb_events *const events = &world->events;
+	struct rb_event event = {.time_s = world->state.time_s,
+	                         .kind = kind,
+	                         .a = id,
+	                         .b = id,
+	                         .point = rb_world_center_of_mass(world, id),
+	                         .impulse = change};
+
+	if (rb_vec3_dot(change, change) == 0)
+		return;
+	for (size_t k = events->count; k-- > 0 && events->row[k].a == id &&
+	                               events->row[k].b == id &&
+	                               events->row[k].time_s == event.time_s;) {
+		if (events->row[k].kind != kind)
+			continue;
+		event.impulse = rb_vec3_add(events->row[k].impulse, change);
+		events->row[k] = event;
+		return;
+	}
+	if (rb_memory_reserve(&events->row, &events->capacity, events->count + 1,
+	                      sizeof *events->row))
+		events->row[events->count++] = event;
+	else
+		events->lost = true;
+}
+
+/* Into the ledger and the events, where they are kept. */
 static void enter_change(struct rb_world *world, int id, const struct account *before)
 {
 	const struct account now = account_of(world, id);
+	const rb_vec3 impulse = rb_vec3_sub(now.momentum, before->momentum);
 	struct rb_entries e = {0};
 
+	if (world->options.keep_events) {
+		report_change(world, RB_EVENT_IMPULSE, id, impulse);
+		report_change(world, RB_EVENT_ANGULAR_IMPULSE, id,
+		              rb_vec3_sub(now.spin_momentum, before->spin_momentum));
+		report_change(world, RB_EVENT_DISPLACEMENT, id,
+		              rb_vec3_sub(now.position, before->position));
+	}
 	if (!world->ledger.kept)
 		return;
 	rb_entries_energy(&e, RB_ENERGY_CALLBACKS, now.energy - before->energy);
-	rb_entries_momentum(&e, RB_MOMENTUM_CALLBACKS, rb_vec3_sub(now.linear, before->linear),
+	rb_entries_momentum(&e, RB_MOMENTUM_CALLBACKS, impulse,
 	                    rb_vec3_sub(now.angular, before->angular));
 	rb_ledger_enter(&world->ledger, &e);
 }

@@ -14,6 +14,7 @@
 #include "base/arena.h"
 #include "base/team.h"
 #include "math/quat.h"
+#include "model/element.h"
 #include "world/contacts.h"
 #include "world/ledger.h"
 #include "world/state.h"
@@ -32,7 +33,8 @@ struct rb_counts {
 	uint64_t collisions, rollbacks, substeps;
 	uint64_t body_steps, discarded_body_steps;
 	uint64_t
-		plastic_ends; /* clusters of impacts that had not settled after all rounds: ended with e = 0 */
+		/* clusters of impacts that had not settled after all rounds: ended with e = 0 */
+		plastic_ends;
 	uint64_t
 		crowded_impacts; /* stepped: impacts of groups too large for the law of lone ones */
 	double crowded_energy_j; /* of their approach */
@@ -72,6 +74,7 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 struct rb_events {
 	struct rb_event *row; /* owned; `a`, `b` are ids */
 	size_t count, capacity;
+	bool lost; /* there was no memory for one of them: the frame cannot be filled */
 };
 
 struct rb_world {
@@ -109,9 +112,11 @@ struct rb_world {
 		open; /* what is not yet entered, as of the state's time (located/account) */
 	struct rb_loads *loads; /* owned; NULL until somebody asks what acts */
 	uint64_t
-		moment; /* counts what may change that: steps, events, callbacks that set something */
-	bool keeps_means; /* somebody may ask for contact forces: those of steps are of whole ones */
-	bool begun;       /* a step has been taken, or is */
+		/* counts what may change that: steps, events, callbacks that set something */
+		moment;
+	/* somebody may ask for contact forces: those of steps are of whole ones */
+	bool keeps_means;
+	bool begun; /* a step has been taken, or is */
 	bool in_step;
 	bool pushed;   /* callbacks may have pushed since the step before */
 	bool has_held; /* they pushed in the step before ... */
@@ -132,6 +137,13 @@ static inline rb_vec3 rb_world_row3(const double *column, int index)
 {
 	return rb_vec3_from(column + 3 * (size_t)index);
 }
+
+/*
+ * Calls on_collision for each event from `first` on that there is by now (callbacks may append
+ * changes of their own), in order. Nothing is left of the events where none are kept.
+ */
+RB_CHECKED enum rb_status rb_world_report_collisions(struct rb_world *world, size_t first,
+                                                     struct rb_error *err);
 
 /*
  * What callbacks push with: in a step what the state has, else what they have pushed with in the
@@ -187,8 +199,11 @@ static inline rb_vec3 rb_world_turn(const struct rb_world *world, const struct r
 	                                       rb_quat_rotate_back(q, angular_impulse)));
 }
 
-/* J, of all springs, zero at rest length. */
-double rb_world_spring_energy(const struct rb_world *world);
+/* Of any body, by index. */
+struct rb_pose rb_world_pose(const struct rb_world *world, const struct rb_state *state, int index);
+
+/* J, of all force elements that have one; of springs zero at rest length. */
+double rb_world_element_energy(const struct rb_world *world);
 
 /* Angular momentum about its own centre of mass of a moving body that can turn, by index. */
 static inline rb_vec3 rb_world_spin_momentum(const struct rb_world *world, int index)

@@ -124,7 +124,8 @@ int main(int count, char **arguments)
 			}
 		}
 		const double bytes = 104.0 * cases[i].bodies * (double)cases[i].frames;
-		printf("{\"bench\": \"recorder\", \"bodies\": %d, \"frames\": %llu, \"compression\": %d, \"MB_s\": %.0f, "
+		printf("{\"bench\": \"recorder\", \"bodies\": %d, \"frames\": %llu, "
+		       "\"compression\": %d, \"MB_s\": %.0f, "
 		       "\"us_frame\": %.2f, \"file_of_data\": %.3f",
 		       cases[i].bodies, (unsigned long long)cases[i].frames, cases[i].compression,
 		       bytes / best * 1e-6, best / (double)cases[i].frames * 1e6, size / bytes);

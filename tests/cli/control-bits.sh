@@ -49,6 +49,8 @@ try:
             while line.startswith(" "):
                 line = f.readline()
                 frames += line.startswith(" frame ") and len(line) > 200
+            if line in ("", "bye\n"):  # the run has ended
+                raise BrokenPipeError
             assert line.startswith("ok") or "no frame yet" in line, line
         noisy = connect()
         noisy.send(random.randbytes(3000))

@@ -24,8 +24,10 @@ static const char source[] =
 	"world { duration = 2, gravity = {0, 0, -9.81}, frame_rate = 10 }\n"
 	"local m = material { name = 'm', density = 1000, friction = 0.4, restitution = 0.3 }\n"
 	"plane { normal = {0, 0, 1}, size = {3, 3}, material = m }\n"
-	"for i = 0, 2 do sphere { radius = 0.1, position = {0.001 * i, 0, 0.1 + 0.2 * i}, material = m } end\n"
-	"for i = 0, 49 do sphere { radius = 0.01, position = {-1 + 0.04 * i, 1, 1 + 0.01 * i}, material = m } end\n"
+	"for i = 0, 2 do sphere { radius = 0.1, position = {0.001 * i, 0, 0.1 + 0.2 * i}, material "
+	"= m } end\n"
+	"for i = 0, 49 do sphere { radius = 0.01, position = {-1 + 0.04 * i, 1, 1 + 0.01 * i}, "
+	"material = m } end\n"
 	"state.a = {1, 2.5, 'x', {true, vec3(1, 2, 3)}}\n"
 	"state.b = state.a\n"
 	"expect_always('yes', function() return true end)\n";

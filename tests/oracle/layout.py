@@ -64,7 +64,8 @@ LEDGER, BOOKS = "/observables/ledger/", "/observables/ledger/momentum/"
 # what is the scene's own, or a camera's, or says itself what it is
 LEFT_OUT = ("/rbsim/parameters/", "/rbsim/files/", "/rbsim/cameras/", "/results/", "/observables/probes/", "/VTKHDF/")
 KINDS = ["sphere", "plane", "rectangle", "box", "capsule", "cylinder", "hull", "union"]
-EVENTS = ["collision", "rest", "slide", "roll", "lift", "edge", "merge"]
+EVENTS = ["collision", "rest", "slide", "roll", "lift", "edge", "merge", "impulse",
+          "angular_impulse", "displacement"]
 
 
 def datasets(group, path=""):

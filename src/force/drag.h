@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: MIT */
+/* -(linear + quadratic |v|) v on every free body, at its centre of mass. */
+#ifndef RB_FORCE_DRAG_H
+#define RB_FORCE_DRAG_H
+
+#include "model/element.h"
+
+extern const struct rb_element_kind rb_force_drag; /* rows: struct rb_drag_def */
+
+#endif
