@@ -58,7 +58,7 @@ hard_compile = $(eval hard_compile := -U_FORTIFY_SOURCE $(or $(call chosen,-D_FO
 hard_link = $(eval hard_link := $(call chosen,-Wl$(comma)-z$(comma)relro -Wl$(comma)-z$(comma)now))$(hard_link)
 # Layers of numbers hand vectors about by value: a guard in every function that does costs 3 % of all instructions, one in those that
 # have bytes on the stack nothing.
-$(foreach l,math geom force world step constraint located stepped classic method,$(BUILD)/src/$(l)/%.o): hard_part = $(if $(filter \
+$(foreach l,math geom shape force world step constraint located stepped classic method,$(BUILD)/src/$(l)/%.o): hard_part = $(if $(filter \
 	-fstack-protector-strong,$(hard_compile)),-fstack-protector)
 hard_program = $(eval hard_program := $(call chosen,-pie))$(hard_program)
 endif

@@ -8,6 +8,7 @@
 #include "constraint/simultaneous.h"
 #include "geom/hull.h"
 #include "geom/mass.h"
+#include "model/shape.h"
 #include "keller.h"
 #include "math/random.h"
 
@@ -122,7 +123,7 @@ static inline struct keller_body impacts_body(struct impacts_series *r, enum rb_
 		                         .vertex_count = hull.vertex_count,
 		                         .face_count = hull.face_count,
 		                         .edge_count = hull.edge_count};
-		rb_solid_measure(&solid, NULL);
+		rb_solid_measure(&solid);
 		inertia = rb_shape_inertia(&solid, &shape, mass);
 		arm = hull.vertices[0];
 		for (int k = 1; k < hull.vertex_count; k++)

@@ -497,10 +497,10 @@ static void meshes_are_closed_and_look_outwards(void **state)
 	assert_near(volume_of(&mesh, range, 0), 4.0 / 3, 1e-6);
 	for (int sides = 12; sides <= 64; sides += 52) {
 		const double off = 60.0 / (sides * sides);
-		assert_int_equal(rb_mesh_add_round(&mesh, RB_SHAPE_CYLINDER, sides, &range, NULL),
+		assert_int_equal(rb_mesh_add_round(&mesh, RB_FORM_CYLINDER, sides, &range, NULL),
 		                 RB_OK);
 		assert_near(volume_of(&mesh, range, 0), 2 * pi, 1e-5);
-		assert_int_equal(rb_mesh_add_round(&mesh, RB_SHAPE_CAPSULE, sides, &range, NULL),
+		assert_int_equal(rb_mesh_add_round(&mesh, RB_FORM_CAPSULE, sides, &range, NULL),
 		                 RB_OK);
 		assert_near(volume_of(&mesh, range, 2), 4 * pi / 3 + 4 * pi, off);
 	}

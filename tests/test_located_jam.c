@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "geom/mass.h"
+#include "model/shape.h"
 #include "keller.h"
 #include "runge.h"
 #include "worlds.h"

@@ -3,6 +3,7 @@
 #include "support.h"
 
 #include "geom/mass.h"
+#include "model/shape.h"
 #include "math/quat.h"
 #include "solids.h"
 

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "geom/convex.h"
 #include "geom/mass.h"
+#include "model/shape.h"
 #include "model/parts.h"
 #include "solids.h"
 

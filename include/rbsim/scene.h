@@ -34,6 +34,15 @@ enum rb_shape_kind {
 };
 
 /*
+ * Whether bodies of that kind touch others by their convex parts, as all do but spheres, planes and
+ * rectangles: contacts of these with each other have closed forms.
+ */
+static inline bool rb_shape_has_parts(enum rb_shape_kind kind)
+{
+	return kind > RB_SHAPE_RECTANGLE;
+}
+
+/*
  * A shape in object coordinates. The centroid is the origin of the object, except of hulls and
  * unions, whose points and parts are where the author put them.
  *   sphere     radius

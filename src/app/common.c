@@ -7,13 +7,14 @@
 #include <string.h>
 #include <sys/statvfs.h>
 
-#include "model/element.h"
 #include "app/json.h"
 #include "base/memory.h"
 #include "base/place.h"
 #include "base/visible.h"
 #include "flow/frame.h"
 #include "math/vec3.h"
+#include "model/element.h"
+#include "model/shape.h"
 #include "script/pattern.h"
 
 int rb_app_fail(const struct rb_options *options, const struct rb_error *err)
@@ -394,16 +395,14 @@ const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160])
 	int others = 0;
 
 	out[0] = '\0';
-	for (int k = RB_SHAPE_BOX; k < RB_SHAPE_KIND_COUNT; k++)
-		others += counts[k];
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
+		others += rb_shape_has_parts((enum rb_shape_kind)k) ? counts[k] : 0;
 	for (int k = 0; others > 0 && k < RB_SHAPE_KIND_COUNT; k++)
 		if (counts[k] > 0)
-			used += (size_t)snprintf(out + used, 160 - used, "%s%d %s%s",
+			used += (size_t)snprintf(out + used, 160 - used, "%s%d %s",
 			                         used > 0 ? ", " : "", counts[k],
-			                         rb_shape_name((enum rb_shape_kind)k),
-			                         counts[k] == 1      ? ""
-			                         : k == RB_SHAPE_BOX ? "es"
-			                                             : "s");
+			                         counts[k] == 1 ? rb_shape_types[k]->name
+			                                        : rb_shape_types[k]->plural);
 	return out;
 }
 

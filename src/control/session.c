@@ -15,6 +15,7 @@
 #include "control/history.h"
 #include "control/wire.h"
 #include "flow/frame.h"
+#include "model/shape.h"
 #include "script/load.h"
 #include "script/nearest.h"
 
@@ -462,35 +463,10 @@ static void put_vector(struct rb_answer *answer, const char *key, const double *
 static void put_shape(struct rb_answer *answer, const struct rb_solid *solids,
                       const struct rb_shape *shape)
 {
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-		rb_answer_line(answer, "shape sphere %.17g", shape->radius);
-		break;
-	case RB_SHAPE_RECTANGLE:
-		rb_answer_line(answer, "shape rectangle %.17g %.17g", shape->size[0],
-		               shape->size[1]);
-		break;
-	case RB_SHAPE_BOX:
-		rb_answer_line(answer, "shape box %.17g %.17g %.17g", shape->size[0],
-		               shape->size[1], shape->size[2]);
-		break;
-	case RB_SHAPE_CAPSULE:
-		rb_answer_line(answer, "shape capsule %.17g %.17g", shape->radius, shape->size[2]);
-		break;
-	case RB_SHAPE_CYLINDER:
-		rb_answer_line(answer, "shape cylinder %.17g %.17g", shape->radius, shape->size[2]);
-		break;
-	case RB_SHAPE_HULL:
-		rb_answer_line(answer, "shape hull %d", solids[shape->solid].vertex_count);
-		break;
-	case RB_SHAPE_UNION:
-		rb_answer_line(answer, "shape union %d", solids[shape->solid].part_count);
-		break;
-	case RB_SHAPE_PLANE:
-	case RB_SHAPE_KIND_COUNT:
-		rb_answer_line(answer, "shape plane");
-		break;
-	}
+	char text[160];
+
+	rb_shape_text(solids, shape, text);
+	rb_answer_line(answer, "shape %s", text);
 }
 
 static void put_moving(struct line *line, int index)

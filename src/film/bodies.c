@@ -16,6 +16,7 @@
 #include "film/solid_shapes.h"
 #include "film/surfaces.h"
 #include "math/quat.h"
+#include "model/shape.h"
 
 /* A group has one pattern or picture, one size, and is exact or not. */
 enum { GROUPS_PER_LOOK = 2 * RB_BALL_SIZES };
@@ -104,7 +105,7 @@ static int list_spheres(const struct rb_model *model, const struct rb_looks *loo
 		const struct rb_solid_part *parts = rb_parts_of(model->scene, shape, &own,
 		                                                &part_count);
 		for (int p = 0; p < part_count && looks->of[i].visible; p++) {
-			if (parts[p].shape.kind != RB_SHAPE_SPHERE)
+			if (rb_shape_type(&parts[p].shape)->form != RB_FORM_BALL)
 				continue;
 			if (sphere)
 				sphere[count] = (struct orb){i, parts == &own ? NULL : &parts[p]};
@@ -120,7 +121,7 @@ static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 	int others = 0;
 
 	for (int i = 0; i < total; i++)
-		others += model->shape[i].kind < RB_SHAPE_BOX;
+		others += rb_shape_type(&model->shape[i])->form == RB_FORM_SURFACE;
 	const int solids = rb_solids_number(model, bodies->setup.looks);
 	const size_t n = (size_t)list_spheres(model, bodies->setup.looks, NULL);
 	bodies->group_count = GROUPS_PER_LOOK *

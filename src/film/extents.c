@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "math/quat.h"
+#include "model/shape.h"
 
 static const rb_vec3 box_corners[8] = {{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1},
                                        {-1, -1, 1},  {1, -1, 1},  {-1, 1, 1},  {1, 1, 1}};
@@ -25,7 +26,7 @@ static const struct rb_solid box = {
 const struct rb_solid_part *rb_parts_of(const struct rb_scene *scene, const struct rb_shape *shape,
                                         struct rb_solid_part *own, int *count)
 {
-	if (shape->kind == RB_SHAPE_UNION) {
+	if (rb_shape_type(shape)->form == RB_FORM_UNION) {
 		*count = scene->solids[shape->solid].part_count;
 		return scene->solids[shape->solid].parts;
 	}
@@ -36,9 +37,11 @@ const struct rb_solid_part *rb_parts_of(const struct rb_scene *scene, const stru
 
 const struct rb_solid *rb_part_faces(const struct rb_scene *scene, const struct rb_shape *shape)
 {
-	if (shape->kind == RB_SHAPE_BOX)
+	const enum rb_shape_form form = rb_shape_type(shape)->form;
+
+	if (form == RB_FORM_BOX)
 		return &box;
-	return shape->kind == RB_SHAPE_HULL ? &scene->solids[shape->solid] : NULL;
+	return form == RB_FORM_POLYHEDRON ? &scene->solids[shape->solid] : NULL;
 }
 
 static struct rb_part_size hull_size(const struct rb_solid *solid)
@@ -59,23 +62,15 @@ static struct rb_part_size hull_size(const struct rb_solid *solid)
 
 struct rb_part_size rb_part_size(const struct rb_scene *scene, const struct rb_shape *shape)
 {
-	const double r = shape->radius, half = 0.5 * shape->size[2];
-	rb_vec3 high = {r, r, r};
-	double reach = r;
+	const struct rb_shape_type *const type = rb_shape_type(shape);
 
-	if (shape->kind == RB_SHAPE_HULL)
+	if (type->form == RB_FORM_POLYHEDRON)
 		return hull_size(&scene->solids[shape->solid]);
-	if (shape->kind == RB_SHAPE_BOX) {
-		high = (rb_vec3){0.5 * shape->size[0], 0.5 * shape->size[1], half};
-		reach = rb_vec3_length(high);
-	} else if (shape->kind == RB_SHAPE_CAPSULE) {
-		high.z = reach = r + half;
-	} else if (shape->kind == RB_SHAPE_CYLINDER) {
-		high.z = half;
-		reach = hypot(r, half);
-	}
-	return (struct rb_part_size){
-		.low = rb_vec3_neg(high), .high = high, .middle = {0, 0, 0}, .reach = reach};
+	const rb_vec3 high = type->half(shape);
+	return (struct rb_part_size){.low = rb_vec3_neg(high),
+	                             .high = high,
+	                             .middle = {0, 0, 0},
+	                             .reach = rb_shape_reach(scene->solids, shape)};
 }
 
 rb_vec3 rb_part_normal(const struct rb_solid *solid, int face)
@@ -91,19 +86,6 @@ rb_vec3 rb_part_normal(const struct rb_solid *solid, int face)
 		                                rb_vec3_sub(solid->vertices[loop[k + 1]], first)));
 	return rb_vec3_unit(sum,
 	                    rb_vec3_unit(rb_vec3_sub(first, solid->centroid), (rb_vec3){0, 0, 1}));
-}
-
-/*
- * How far beyond its sides, along each: the distance to the corner between them outside, to the
- * nearest inside.
- */
-static double beyond(rb_vec3 d)
-{
-	const double most = fmax(d.x, fmax(d.y, d.z));
-
-	if (!(most > 0))
-		return most;
-	return rb_vec3_length((rb_vec3){fmax(d.x, 0), fmax(d.y, 0), fmax(d.z, 0)});
 }
 
 static double hull_distance(const struct rb_solid *solid, rb_vec3 p)
@@ -122,25 +104,12 @@ static double hull_distance(const struct rb_solid *solid, rb_vec3 p)
 
 static double part_distance(const struct rb_scene *scene, const struct rb_shape *shape, rb_vec3 p)
 {
-	const double half = 0.5 * shape->size[2];
+	const struct rb_shape_type *const type = rb_shape_type(shape);
 
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-		return rb_vec3_length(p) - shape->radius;
-	case RB_SHAPE_BOX:
-		return beyond((rb_vec3){fabs(p.x) - 0.5 * shape->size[0],
-		                        fabs(p.y) - 0.5 * shape->size[1], fabs(p.z) - half});
-	case RB_SHAPE_CAPSULE:
-		p.z -= fmin(fmax(p.z, -half), half);
-		return rb_vec3_length(p) - shape->radius;
-	case RB_SHAPE_CYLINDER:
-		return beyond((rb_vec3){hypot(p.x, p.y) - shape->radius, fabs(p.z) - half,
-		                        -(double)INFINITY});
-	case RB_SHAPE_HULL:
-		return hull_distance(&scene->solids[shape->solid], p);
-	default: /* has no volume */
+	if (type->form == RB_FORM_SURFACE) /* has no volume */
 		return (double)INFINITY;
-	}
+	return type->distance ? type->distance(shape, p)
+	                      : hull_distance(&scene->solids[shape->solid], p);
 }
 
 double rb_parts_distance(const struct rb_scene *scene, const struct rb_shape *shape, rb_vec3 point)

@@ -10,6 +10,7 @@
 #include "base/memory.h"
 #include "film/glsl.h"
 #include "math/quat.h"
+#include "model/shape.h"
 
 /* One ribbon, as the vertex shader reads it. */
 struct stroke {
@@ -362,7 +363,7 @@ static void add_edges(struct pen *pen, const struct rb_view *view, rb_pose pose,
                       const struct rb_solid_part *part, const struct rb_solid *solid)
 {
 	const double *s = part->shape.size;
-	const bool is_box = part->shape.kind == RB_SHAPE_BOX;
+	const bool is_box = rb_shape_type(&part->shape)->form == RB_FORM_BOX;
 	const rb_vec3 scale = is_box ? (rb_vec3){0.5 * s[0], 0.5 * s[1], 0.5 * s[2]}
 	                             : (rb_vec3){1, 1, 1};
 	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
@@ -418,6 +419,7 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 {
 	const rb_vec3 middle = rb_view_point(view, pose.position);
 	const rb_mat3 turn = rb_view_turn(view, pose.orientation);
+	const enum rb_shape_form form = rb_shape_type(shape)->form;
 	const double r = shape->radius;
 	const int count = strokes_for(view, middle, r);
 	struct wire wire = {pen, view, middle, false};
@@ -428,11 +430,11 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 	for (int k = 0; k < 2; k++) {
 		end[k] = rb_vec3_add_scaled(middle, 0.5 * shape->size[2], axis[2]);
 		/* An end that is seen has its whole circle in front. */
-		wire.in_front = shape->kind == RB_SHAPE_CYLINDER &&
+		wire.in_front = form == RB_FORM_CYLINDER &&
 		                rb_vec3_dot(rb_view_way(view, end[k]), axis[2]) < 0;
 		wire.centre = end[k];
 		circle(&wire, end[k], rb_vec3_scale(r, axis[0]), rb_vec3_scale(r, axis[1]), count);
-		if (shape->kind == RB_SHAPE_CAPSULE)
+		if (form == RB_FORM_CAPSULE)
 			add_end(&wire, axis, end[k], r, count);
 		axis[1] = rb_vec3_neg(axis[1]);
 		axis[2] = rb_vec3_neg(axis[2]);
@@ -461,7 +463,7 @@ static void add_part(struct pen *pen, const struct rb_scene *scene, const struct
 	if (!view->parallel &&
 	    rb_view_point(view, pose.position).z > rb_part_size(scene, &part->shape).reach)
 		return;
-	if (part->shape.kind == RB_SHAPE_SPHERE)
+	if (rb_shape_type(&part->shape)->form == RB_FORM_BALL)
 		add_sphere(pen, view, pose, part->shape.radius);
 	else if (solid)
 		add_edges(pen, view, pose, part, solid);

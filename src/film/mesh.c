@@ -104,7 +104,7 @@ enum rb_status rb_mesh_add_faces(struct rb_mesh *mesh, const struct rb_scene *sc
 	if (status != RB_OK)
 		return status;
 	for (int f = 0; f < solid->face_count; f++)
-		add_face(mesh, solid, f, &size, shape->kind == RB_SHAPE_BOX);
+		add_face(mesh, solid, f, &size, rb_shape_type(shape)->form == RB_FORM_BOX);
 	range->count = (int)(mesh->index_count - range->first);
 	return RB_OK;
 }
@@ -191,19 +191,19 @@ static void add_cylinder(struct rb_mesh *mesh, const struct turn *turn)
 	add_cap(mesh, turn, -1);
 }
 
-enum rb_status rb_mesh_add_round(struct rb_mesh *mesh, enum rb_shape_kind kind, int sides,
+enum rb_status rb_mesh_add_round(struct rb_mesh *mesh, enum rb_shape_form form, int sides,
                                  struct rb_mesh_range *range, struct rb_error *err)
 {
 	const double angle = 2 * acos(-1) / sides;
 	const struct turn turn = {sides, sqrt(angle / sin(angle))};
-	const size_t rows = kind == RB_SHAPE_CAPSULE ? (size_t)sides / 2 + 2 : 4;
+	const size_t rows = form == RB_FORM_CAPSULE ? (size_t)sides / 2 + 2 : 4;
 	const size_t corners = rows * ((size_t)sides + 1);
 
 	range->first = mesh->index_count;
 	const enum rb_status status = reserve(mesh, corners, 6 * corners, err);
 	if (status != RB_OK)
 		return status;
-	if (kind == RB_SHAPE_CAPSULE)
+	if (form == RB_FORM_CAPSULE)
 		add_capsule(mesh, &turn);
 	else
 		add_cylinder(mesh, &turn);
@@ -236,12 +236,12 @@ static void count_squares(float count[4], const struct rb_shape *shape)
 	const double length = shape->radius > 0 ? shape->size[2] / shape->radius : 0;
 
 	count[0] = AROUND;
-	if (shape->kind == RB_SHAPE_BOX) {
+	if (rb_shape_type(shape)->form == RB_FORM_BOX) {
 		count_box(count, shape);
-	} else if (shape->kind == RB_SHAPE_CYLINDER) {
+	} else if (rb_shape_type(shape)->form == RB_FORM_CYLINDER) {
 		count[1] = (float)even(length / cell);
 		count[2] = ACROSS_CAP;
-	} else if (shape->kind == RB_SHAPE_CAPSULE) {
+	} else if (rb_shape_type(shape)->form == RB_FORM_CAPSULE) {
 		const double arc = pi + length, squares = even(arc / cell);
 		count[1] = (float)(squares / arc);
 		count[3] = (float)(0.5 * length * squares / arc);
@@ -253,7 +253,7 @@ static void count_squares(float count[4], const struct rb_shape *shape)
 static void count_pictures(float count[4], const struct rb_shape *shape)
 {
 	count[0] = count[1] = count[2] = 1;
-	if (shape->kind == RB_SHAPE_CAPSULE) {
+	if (rb_shape_type(shape)->form == RB_FORM_CAPSULE) {
 		const double arc = acos(-1) * shape->radius + shape->size[2];
 		count[1] = (float)(shape->radius / arc);
 		count[3] = (float)(0.5 * shape->size[2] / arc);
@@ -266,9 +266,9 @@ struct rb_mesh_fit rb_mesh_fit(const struct rb_shape *shape, const struct rb_par
 	struct rb_mesh_fit fit = {.shift = 0};
 	rb_vec3 scale = size->high;
 
-	if (shape->kind == RB_SHAPE_HULL)
+	if (rb_shape_type(shape)->form == RB_FORM_POLYHEDRON)
 		scale = (rb_vec3){size->reach, size->reach, size->reach};
-	if (shape->kind == RB_SHAPE_CAPSULE) {
+	if (rb_shape_type(shape)->form == RB_FORM_CAPSULE) {
 		fit.shift = (float)(0.5 * shape->size[2]);
 		scale.z = shape->radius;
 	}

@@ -14,6 +14,7 @@
 #define RB_FILM_MESH_H
 
 #include "film/extents.h"
+#include "model/shape.h"
 
 struct rb_mesh_vertex {
 	float unit[4], normal[3], axis[2], tex[2];
@@ -37,7 +38,7 @@ RB_CHECKED enum rb_status rb_mesh_add_faces(struct rb_mesh *mesh, const struct r
                                             const struct rb_shape *shape,
                                             struct rb_mesh_range *range, struct rb_error *err);
 /* Capsules and cylinders with so many sides, a multiple of four, of the area of their circles. */
-RB_CHECKED enum rb_status rb_mesh_add_round(struct rb_mesh *mesh, enum rb_shape_kind kind,
+RB_CHECKED enum rb_status rb_mesh_add_round(struct rb_mesh *mesh, enum rb_shape_form form,
                                             int sides, struct rb_mesh_range *range,
                                             struct rb_error *err);
 

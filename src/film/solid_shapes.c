@@ -71,7 +71,9 @@ struct rb_solids {
 
 static bool is_drawn(const struct rb_solid_part *part)
 {
-	return part->shape.kind >= RB_SHAPE_BOX && part->shape.kind < RB_SHAPE_UNION;
+	const enum rb_shape_form form = rb_shape_type(&part->shape)->form;
+
+	return form != RB_FORM_SURFACE && form != RB_FORM_BALL;
 }
 
 /* All parts that are drawn here; `item` NULL: only counts. */
@@ -82,7 +84,7 @@ static int list_items(const struct rb_model *model, const struct rb_looks *looks
 	for (int i = 0; i < model->body_count + model->static_count; i++) {
 		struct rb_solid_part own;
 		int part_count;
-		if (!looks->of[i].visible || model->shape[i].kind < RB_SHAPE_BOX)
+		if (!looks->of[i].visible || !rb_shape_has_parts(model->shape[i].kind))
 			continue;
 		const struct rb_solid_part *parts = rb_parts_of(model->scene, &model->shape[i],
 		                                                &own, &part_count);
@@ -104,7 +106,7 @@ static double half_width(const struct rb_scene *scene, const struct item *item)
 {
 	const rb_vec3 high = item->size.high;
 
-	if (item->part.shape.kind == RB_SHAPE_HULL)
+	if (rb_shape_type(&item->part.shape)->form == RB_FORM_POLYHEDRON)
 		return scene->solids[item->part.shape.solid].half_width;
 	return fmin(high.x, fmin(high.y, high.z));
 }
@@ -112,6 +114,7 @@ static double half_width(const struct rb_scene *scene, const struct item *item)
 static enum rb_status add_mesh(struct rb_solids *solids, const struct rb_shape *shape,
                                struct batch *batch, struct rb_error *err)
 {
+	const enum rb_shape_form form = rb_shape_type(shape)->form;
 	enum rb_status status = RB_OK;
 
 	if (rb_part_faces(solids->setup.model->scene, shape)) {
@@ -122,18 +125,18 @@ static enum rb_status add_mesh(struct rb_solids *solids, const struct rb_shape *
 		return status;
 	}
 	for (int k = 0; k < FINENESSES && status == RB_OK; k++)
-		status = rb_mesh_add_round(&solids->mesh, shape->kind, sides_of[k], &batch->mesh[k],
-		                           err);
+		status = rb_mesh_add_round(&solids->mesh, form, sides_of[k], &batch->mesh[k], err);
 	return status;
 }
 
-/* The same mesh: of a kind, and of a hull. */
+/* The same mesh: of a form, and of a solid. */
 static uint64_t mesh_of(const struct item *item)
 {
 	const struct rb_shape *shape = &item->part.shape;
 
-	return (uint64_t)shape->kind << 32 |
-	       (shape->kind == RB_SHAPE_HULL ? (uint32_t)shape->solid : 0);
+	const enum rb_shape_form form = rb_shape_type(shape)->form;
+
+	return (uint64_t)form << 32 | (form == RB_FORM_POLYHEDRON ? (uint32_t)shape->solid : 0);
 }
 
 static enum rb_status next_batch(struct rb_solids *solids, const struct item *item,

@@ -90,7 +90,7 @@ static enum rb_status nearest(struct rb_view *view, const struct rb_model *model
 		const rb_vec3 away = rb_vec3_sub(view->eye, pose.position);
 		const struct rb_shape *shape = &model->shape[model->index_of[id]];
 		double d = rb_vec3_length(away) - rb_model_reach(model, model->index_of[id]);
-		if (shape->kind >= RB_SHAPE_BOX && d > 0 && view->near > 0 && d > view->near)
+		if (rb_shape_has_parts(shape->kind) && d > 0 && view->near > 0 && d > view->near)
 			continue;
 		if (shape->kind != RB_SHAPE_SPHERE)
 			d = distance(model->scene, shape,

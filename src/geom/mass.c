@@ -9,125 +9,6 @@
 /* Relative; what a tensor that was computed elsewhere and written down may be off by. */
 static const double rounding = 1e-12;
 
-static const double pi = 3.14159265358979323846;
-
-double rb_shape_volume(const struct rb_solid *solids, const struct rb_shape *shape)
-{
-	const double r = shape->radius, *const s = shape->size;
-
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-		return 4.0 / 3.0 * pi * r * r * r;
-	case RB_SHAPE_BOX:
-		return s[0] * s[1] * s[2];
-	case RB_SHAPE_CAPSULE:
-		return pi * r * r * (s[2] + 4.0 / 3.0 * r);
-	case RB_SHAPE_CYLINDER:
-		return pi * r * r * s[2];
-	case RB_SHAPE_HULL:
-	case RB_SHAPE_UNION:
-		return solids[shape->solid].weight;
-	default:
-		return 0;
-	}
-}
-
-rb_vec3 rb_shape_centroid(const struct rb_solid *solids, const struct rb_shape *shape)
-{
-	if (shape->kind == RB_SHAPE_HULL || shape->kind == RB_SHAPE_UNION)
-		return solids[shape->solid].centroid;
-	return (rb_vec3){0, 0, 0};
-}
-
-/*
- * Of the parts of a capsule, a cylinder and two half balls whose centroids are 3/8 r beyond its
- * ends.
- */
-static rb_mat3 capsule_inertia(double r, double length, double mass)
-{
-	const double caps = 4.0 / 3.0 * r / (length + 4.0 / 3.0 * r) * mass, middle = mass - caps;
-	const double across = middle * (length * length / 12 + 0.25 * r * r) +
-	                      caps * (0.4 * r * r + 0.25 * length * length + 0.375 * length * r);
-
-	return rb_mat3_diagonal(across, across, (0.5 * middle + 0.4 * caps) * r * r);
-}
-
-static rb_mat3 scaled(double s, const rb_mat3 *a)
-{
-	rb_mat3 b;
-
-	for (int i = 0; i < 9; i++)
-		b.m[i / 3][i % 3] = s * a->m[i / 3][i % 3];
-	return b;
-}
-
-rb_mat3 rb_shape_inertia(const struct rb_solid *solids, const struct rb_shape *shape, double mass)
-{
-	const double r = shape->radius, *const s = shape->size;
-
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-		return rb_mat3_diagonal(0.4 * mass * r * r, 0.4 * mass * r * r, 0.4 * mass * r * r);
-	case RB_SHAPE_BOX:
-		return rb_mat3_diagonal(mass / 12 * (s[1] * s[1] + s[2] * s[2]),
-		                        mass / 12 * (s[0] * s[0] + s[2] * s[2]),
-		                        mass / 12 * (s[0] * s[0] + s[1] * s[1]));
-	case RB_SHAPE_CAPSULE:
-		return capsule_inertia(r, s[2], mass);
-	case RB_SHAPE_CYLINDER: {
-		const double across = mass * (r * r / 4 + s[2] * s[2] / 12);
-
-		return rb_mat3_diagonal(across, across, 0.5 * mass * r * r);
-	}
-	case RB_SHAPE_HULL:
-	case RB_SHAPE_UNION:
-		return scaled(mass, &solids[shape->solid].inertia);
-	default:
-		return rb_mat3_diagonal(0, 0, 0);
-	}
-}
-
-double rb_shape_reach(const struct rb_solid *solids, const struct rb_shape *shape)
-{
-	const double *const s = shape->size;
-
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-		return shape->radius;
-	case RB_SHAPE_BOX:
-		return 0.5 * hypot(hypot(s[0], s[1]), s[2]);
-	case RB_SHAPE_CAPSULE:
-		return shape->radius + 0.5 * s[2];
-	case RB_SHAPE_CYLINDER:
-		return hypot(shape->radius, 0.5 * s[2]);
-	case RB_SHAPE_HULL:
-	case RB_SHAPE_UNION:
-		return solids[shape->solid].reach;
-	default:
-		return 0;
-	}
-}
-
-double rb_shape_half_width(const struct rb_solid *solids, const struct rb_shape *shape)
-{
-	const double *const s = shape->size;
-
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-	case RB_SHAPE_CAPSULE:
-		return shape->radius;
-	case RB_SHAPE_BOX:
-		return 0.5 * fmin(s[0], fmin(s[1], s[2]));
-	case RB_SHAPE_CYLINDER:
-		return fmin(shape->radius, 0.5 * s[2]);
-	case RB_SHAPE_HULL:
-	case RB_SHAPE_UNION:
-		return solids[shape->solid].half_width;
-	default:
-		return (double)INFINITY;
-	}
-}
-
 /* ---- polyhedra ---- */
 
 /*
@@ -203,11 +84,12 @@ static double half_width_of(const struct rb_solid *solid)
 	return 0.5 * fmin(high.x - low.x, fmin(high.y - low.y, high.z - low.z));
 }
 
-static void measure_hull(struct rb_solid *solid)
+void rb_solid_measure(struct rb_solid *solid)
 {
 	const rb_vec3 within = mean_of(solid->vertices, solid->vertex_count);
 	const struct moments first = moments_about(solid, within);
 
+	solid->reach = 0;
 	solid->volume = solid->weight = first.volume;
 	solid->centroid = rb_vec3_add_scaled(within, 1 / first.volume, first.first);
 	/*
@@ -222,75 +104,6 @@ static void measure_hull(struct rb_solid *solid)
 	for (int i = 0; i < solid->vertex_count; i++)
 		solid->reach = fmax(solid->reach, rb_vec3_length(solid->vertices[i]));
 	solid->half_width = half_width_of(solid);
-}
-
-/* ---- unions ---- */
-
-static rb_vec3 part_centroid(const struct rb_solid *solids, const struct rb_solid_part *part)
-{
-	return rb_vec3_add(part->position, rb_quat_rotate(part->orientation,
-	                                                  rb_shape_centroid(solids, &part->shape)));
-}
-
-/*
- * The part's tensor in the union's axes, about the union's centroid (the theorem of parallel axes).
- */
-static void add_part(rb_mat3 *sum, const struct rb_solid *solids, const struct rb_solid_part *part,
-                     double mass, rb_vec3 arm)
-{
-	const rb_mat3 own = rb_shape_inertia(solids, &part->shape, mass);
-	const rb_mat3 turn = rb_quat_to_mat3(part->orientation), back = rb_mat3_transposed(&turn);
-	const rb_mat3 half = rb_mat3_multiply(&turn, &own), about = rb_mat3_multiply(&half, &back);
-	const double d[3] = {arm.x, arm.y, arm.z};
-
-	for (int i = 0; i < 3; i++)
-		for (int j = i; j < 3; j++) {
-			const int k = (i + 1) % 3, l = (i + 2) % 3;
-			const double far = i == j ? d[k] * d[k] + d[l] * d[l] : -d[i] * d[j];
-
-			sum->m[i][j] += 0.5 * (about.m[i][j] + about.m[j][i]) + mass * far;
-			sum->m[j][i] = sum->m[i][j];
-		}
-}
-
-static void measure_union(struct rb_solid *solid, const struct rb_solid *solids)
-{
-	const rb_vec3 base = solid->parts[0].position;
-	rb_vec3 sum = {0, 0, 0};
-
-	solid->half_width = HUGE_VAL;
-	for (int k = 0; k < solid->part_count; k++) {
-		const struct rb_solid_part *part = &solid->parts[k];
-		const double volume = rb_shape_volume(solids, &part->shape);
-
-		solid->volume += volume;
-		solid->weight += part->share * volume;
-		sum = rb_vec3_add_scaled(sum, part->share * volume,
-		                         rb_vec3_sub(part_centroid(solids, part), base));
-		solid->reach = fmax(solid->reach, rb_vec3_length(part->position) +
-		                                          rb_shape_reach(solids, &part->shape));
-		solid->half_width = fmin(solid->half_width,
-		                         rb_shape_half_width(solids, &part->shape));
-	}
-	solid->centroid = rb_vec3_add_scaled(base, 1 / solid->weight, sum);
-	for (int k = 0; k < solid->part_count; k++) {
-		const struct rb_solid_part *part = &solid->parts[k];
-		const double mass = part->share * rb_shape_volume(solids, &part->shape) /
-		                    solid->weight;
-
-		add_part(&solid->inertia, solids, part, mass,
-		         rb_vec3_sub(part_centroid(solids, part), solid->centroid));
-	}
-}
-
-void rb_solid_measure(struct rb_solid *solid, const struct rb_solid *solids)
-{
-	solid->volume = solid->weight = solid->reach = 0;
-	solid->inertia = rb_mat3_diagonal(0, 0, 0);
-	if (solid->part_count > 0)
-		measure_union(solid, solids);
-	else
-		measure_hull(solid);
 }
 
 /* ---- tensors ---- */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Volume and inertia of a shape, and what makes an inertia tensor possible. Pure functions;
- * `solids` are those of the scene, which shapes refer to (NULL where it has none).
+ * Volume and inertia of polyhedra and particles, and what makes an inertia tensor possible. Pure
+ * functions.
  *
  * A body whose centre of mass is given off the centroid keeps its shape where it is. Without an
  * inertia of its own it takes the tensor of the uniform shape (2/5 m r^2 for a sphere) as the one
@@ -16,32 +16,11 @@
 #include <rbsim/scene.h>
 
 /*
- * m^3, that weighs: of a union each part times its share; 0 for planes and rectangles, which have
- * none.
+ * Fills in what follows from corners and faces: volume, weight, centroid, inertia, reach, half
+ * width. Right to rounding, whatever the aspect ratio and the place: sums of tetrahedra without a
+ * negative one.
  */
-double rb_shape_volume(const struct rb_solid *solids, const struct rb_shape *shape);
-
-/* m, object coordinates. */
-rb_vec3 rb_shape_centroid(const struct rb_solid *solids, const struct rb_shape *shape);
-
-/* kg m^2 about the centroid, object axes, uniform density; zero for planes and rectangles. */
-rb_mat3 rb_shape_inertia(const struct rb_solid *solids, const struct rb_shape *shape, double mass);
-
-/* m: no point is farther from the object's origin; 0 for planes and rectangles. */
-double rb_shape_reach(const struct rb_solid *solids, const struct rb_shape *shape);
-
-/*
- * m: radius, half-edge, half of a hull's smallest extent, whichever is least; INFINITY for planes
- * and rectangles.
- */
-double rb_shape_half_width(const struct rb_solid *solids, const struct rb_shape *shape);
-
-/*
- * Fills in what follows from corners and faces, or from parts: volume, weight, centroid, inertia,
- * reach, half width. Of a polyhedron to rounding, whatever its aspect ratio and its place: sums of
- * tetrahedra without a negative one.
- */
-void rb_solid_measure(struct rb_solid *solid, const struct rb_solid *solids);
+void rb_solid_measure(struct rb_solid *solid);
 
 struct rb_particle {
 	double mass;      /* kg */

@@ -64,7 +64,7 @@ static inline bool rb_pair_has_features(const struct rb_located *l, int a, int b
 	if (!l->model->parts)
 		return false;
 	return (shape[a].kind != RB_SHAPE_SPHERE && shape[b].kind != RB_SHAPE_SPHERE) ||
-	       shape[a].kind >= RB_SHAPE_BOX || shape[b].kind >= RB_SHAPE_BOX;
+	       rb_shape_has_parts(shape[a].kind) || rb_shape_has_parts(shape[b].kind);
 }
 
 /*

@@ -245,7 +245,7 @@ static double extent(const struct rb_located *l, int i)
 
 	if (shape->kind == RB_SHAPE_SPHERE)
 		return aside + shape->radius;
-	if (shape->kind >= RB_SHAPE_BOX)
+	if (rb_shape_has_parts(shape->kind))
 		return aside + rb_model_reach(l->model, i);
 	return shape->kind == RB_SHAPE_RECTANGLE ? aside + shape->size[0] + shape->size[1]
 	                                         : (double)INFINITY;

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "geom/mass.h"
+#include "model/shape.h"
 #include "math/quat.h"
 #include "model/validate.h"
 #include "model/element.h"
@@ -109,7 +110,7 @@ static void fill_pair_materials(struct rb_model *model)
 static bool has_other_shapes(const struct rb_scene *scene)
 {
 	for (int i = 0; i < scene->body_count; i++)
-		if (scene->bodies[i].shape.kind >= RB_SHAPE_BOX)
+		if (rb_shape_has_parts(scene->bodies[i].shape.kind))
 			return true;
 	return false;
 }

@@ -7,27 +7,21 @@
 #include "base/memory.h"
 #include "base/sort.h"
 #include "geom/distance.h"
+#include "model/shape.h"
 
 /* What makes shapes equal, without what is not read of their kind. */
 static struct rb_shape plain(const struct rb_shape *shape)
 {
 	struct rb_shape key;
-	const bool has_solid = shape->kind == RB_SHAPE_HULL || shape->kind == RB_SHAPE_UNION;
-	const bool has_radius = shape->kind == RB_SHAPE_SPHERE || shape->kind == RB_SHAPE_CAPSULE ||
-	                        shape->kind == RB_SHAPE_CYLINDER;
 
 	memset(&key, 0, sizeof key);
 	key.kind = shape->kind;
-	key.solid = has_solid ? shape->solid : 0;
-	key.radius = has_radius ? shape->radius : 0;
-	for (int m = 0; m < 3; m++) {
-		const bool has_size = shape->kind == RB_SHAPE_BOX ||
-		                      (shape->kind == RB_SHAPE_RECTANGLE && m < 2) ||
-		                      ((shape->kind == RB_SHAPE_CAPSULE ||
-		                        shape->kind == RB_SHAPE_CYLINDER) &&
-		                       m == 2);
-		key.size[m] = has_size ? shape->size[m] : 0;
-	}
+	key.solid = rb_shape_reads(shape, RB_SHAPE_READS_SOLID) ? shape->solid : 0;
+	key.radius = rb_shape_reads(shape, RB_SHAPE_READS_RADIUS) ? shape->radius : 0;
+	for (int m = 0; m < 3; m++)
+		key.size[m] = rb_shape_reads(shape, (unsigned)RB_SHAPE_READS_SIZE_X << m)
+		                      ? shape->size[m]
+		                      : 0;
 	return key;
 }
 
@@ -38,68 +32,10 @@ static bool is_same(const struct rb_shape *a, const struct rb_shape *b)
 	return memcmp(&x, &y, sizeof x) == 0;
 }
 
-static enum rb_status of_hull(struct rb_polytope **polytope, const struct rb_solid *solid,
-                              struct rb_error *err)
-{
-	int *counts = rb_memory_take((size_t)solid->face_count, sizeof *counts);
-
-	if (!counts)
-		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for a hull of %d faces",
-		               solid->face_count);
-	for (int k = 0; k < solid->face_count; k++)
-		counts[k] = solid->face_first[k + 1] - solid->face_first[k];
-	const rb_polytope_def def = {.vertex_count = solid->vertex_count,
-	                             .face_count = solid->face_count,
-	                             .vertices = solid->vertices,
-	                             .counts = counts,
-	                             .loop = solid->loops};
-	const enum rb_status status = rb_polytope_create(polytope, &def, err);
-	rb_memory_free(counts);
-	return status;
-}
-
-static enum rb_status make_core(rb_core *core, const struct rb_scene *scene,
-                                const struct rb_shape *shape, struct rb_error *err)
-{
-	const double *size = shape->size;
-	struct rb_polytope *polytope = NULL;
-	enum rb_status status = RB_OK;
-	double radius = 0;
-
-	switch (shape->kind) {
-	case RB_SHAPE_PLANE:
-		*core = rb_core_of_half_space();
-		return RB_OK;
-	case RB_SHAPE_CYLINDER:
-		*core = rb_core_of_cylinder(shape->radius, 0.5 * size[2]);
-		return RB_OK;
-	case RB_SHAPE_SPHERE:
-		radius = shape->radius;
-		status = rb_polytope_create_segment(&polytope, 0, err);
-		break;
-	case RB_SHAPE_CAPSULE:
-		radius = shape->radius;
-		status = rb_polytope_create_segment(&polytope, 0.5 * size[2], err);
-		break;
-	case RB_SHAPE_RECTANGLE:
-		status = rb_polytope_create_rectangle(&polytope, 0.5 * size[0], 0.5 * size[1], err);
-		break;
-	case RB_SHAPE_BOX:
-		status = rb_polytope_create_box(
-			&polytope, (rb_vec3){0.5 * size[0], 0.5 * size[1], 0.5 * size[2]}, err);
-		break;
-	default:
-		status = of_hull(&polytope, &scene->solids[shape->solid], err);
-		break;
-	}
-	if (status == RB_OK)
-		*core = rb_core_of_polytope(polytope, radius);
-	return status;
-}
-
 static int count_of(const struct rb_scene *scene, const struct rb_shape *shape)
 {
-	return shape->kind == RB_SHAPE_UNION ? scene->solids[shape->solid].part_count : 1;
+	return rb_shape_type(shape)->form == RB_FORM_UNION ? scene->solids[shape->solid].part_count
+	                                                   : 1;
 }
 
 static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_scene *scene,
@@ -113,7 +49,7 @@ static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_s
 		const struct rb_shape *own = shape;
 
 		part->turn = rb_mat3_diagonal(1, 1, 1);
-		if (shape->kind == RB_SHAPE_UNION) {
+		if (rb_shape_type(shape)->form == RB_FORM_UNION) {
 			const struct rb_solid_part *from = &scene->solids[shape->solid].parts[k];
 
 			own = &from->shape;
@@ -122,7 +58,7 @@ static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_s
 			part->is_placed = true;
 		}
 		part->kind = own->kind;
-		const enum rb_status status = make_core(&part->core, scene, own, err);
+		const enum rb_status status = rb_shape_core(scene->solids, own, &part->core, err);
 		if (status != RB_OK)
 			return status;
 		table->part_count++;
@@ -169,7 +105,7 @@ static bool find_firsts(const struct rb_scene *scene, int *first)
 static bool needs_parts(const struct rb_scene *scene)
 {
 	for (int i = 0; i < scene->body_count; i++)
-		if (scene->bodies[i].shape.kind >= RB_SHAPE_BOX)
+		if (rb_shape_has_parts(scene->bodies[i].shape.kind))
 			return true;
 	return false;
 }

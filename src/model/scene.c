@@ -8,6 +8,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 #include "math/quat.h"
+#include "model/shape.h"
 
 /* Texts never move and are freed together; a long one gets a block of its own size. */
 enum { TEXT_BLOCK_SIZE = 4096 };
@@ -273,7 +274,7 @@ enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_de
 	struct rb_body_def body = *def;
 
 	/* whoever makes a body of them has added its solid before */
-	RB_ASSERT((body.shape.kind != RB_SHAPE_HULL && body.shape.kind != RB_SHAPE_UNION) ||
+	RB_ASSERT(!rb_shape_reads(&body.shape, RB_SHAPE_READS_SOLID) ||
 	          (body.shape.solid >= 0 && body.shape.solid < scene->solid_count));
 	body.force_first = scene->force_count;
 	body.force_count = 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include <rbsim/scene.h>
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/error.h"
@@ -8,18 +9,7 @@
 #include "geom/hull.h"
 #include "geom/mass.h"
 #include "math/quat.h"
-
-const char *rb_shape_name(enum rb_shape_kind kind)
-{
-	static const char *const names[RB_SHAPE_KIND_COUNT] = {
-		[RB_SHAPE_SPHERE] = "sphere",       [RB_SHAPE_PLANE] = "plane",
-		[RB_SHAPE_RECTANGLE] = "rectangle", [RB_SHAPE_BOX] = "box",
-		[RB_SHAPE_CAPSULE] = "capsule",     [RB_SHAPE_CYLINDER] = "cylinder",
-		[RB_SHAPE_HULL] = "hull",           [RB_SHAPE_UNION] = "union",
-	};
-
-	return kind >= 0 && kind < RB_SHAPE_KIND_COUNT ? names[kind] : "unknown";
-}
+#include "model/shape.h"
 
 /* The solid of a hull of the same points, -1: there is none. */
 static int same_points(const struct rb_scene *scene, const char sha256[65])
@@ -52,7 +42,7 @@ enum rb_status rb_scene_add_hull(struct rb_scene *scene, const rb_vec3 *points, 
 	made.vertex_count = hull.vertex_count;
 	made.face_count = hull.face_count;
 	made.edge_count = hull.edge_count;
-	rb_solid_measure(&made, scene->solids);
+	rb_solid_measure(&made);
 	if (!(made.volume > 0 && isfinite(made.volume) && made.half_width > 0))
 		status = RB_FAIL(
 			err, RB_ERR_SCENE,
@@ -66,17 +56,29 @@ enum rb_status rb_scene_add_hull(struct rb_scene *scene, const rb_vec3 *points, 
 
 static bool is_part(const struct rb_scene *scene, const struct rb_solid_part *part)
 {
-	switch (part->shape.kind) {
-	case RB_SHAPE_SPHERE:
-	case RB_SHAPE_BOX:
-	case RB_SHAPE_CAPSULE:
-	case RB_SHAPE_CYLINDER:
-		return true;
-	case RB_SHAPE_HULL:
-		return part->shape.solid >= 0 && part->shape.solid < scene->solid_count;
-	default:
+	const enum rb_shape_kind kind = part->shape.kind;
+
+	if (kind < 0 || kind >= RB_SHAPE_KIND_COUNT || !rb_shape_types[kind]->is_part)
 		return false;
-	}
+	return !rb_shape_reads(&part->shape, RB_SHAPE_READS_SOLID) ||
+	       (part->shape.solid >= 0 && part->shape.solid < scene->solid_count);
+}
+
+/* "sphere, box or hull": the types that may be parts. */
+static void name_parts(char out[160])
+{
+	int left = 0;
+	size_t used = 0;
+
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
+		left += rb_shape_types[k]->is_part;
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT && used < 160; k++)
+		if (rb_shape_types[k]->is_part)
+			used += (size_t)snprintf(out + used, 160 - used, "a %s%s",
+			                         rb_shape_types[k]->name,
+			                         --left == 0 ? ""
+			                         : left == 1 ? " or "
+			                                     : ", ");
 }
 
 enum rb_status rb_scene_add_union(struct rb_scene *scene, const struct rb_solid_part *parts,
@@ -89,12 +91,14 @@ enum rb_status rb_scene_add_union(struct rb_scene *scene, const struct rb_solid_
 		return RB_FAIL(err, RB_ERR_SCENE, "a union of %zu shapes (wanted 1 to %d)", count,
 		               RB_UNION_PARTS_MAX);
 	for (size_t k = 0; k < count; k++) {
-		if (!is_part(scene, &parts[k]))
-			return RB_FAIL(
-				err, RB_ERR_SCENE,
-				"shape %zu cannot be part of a union (wanted a sphere, a box, "
-				"a capsule, a cylinder or a hull)",
-				k + 1);
+		if (!is_part(scene, &parts[k])) {
+			char wanted[160] = "";
+
+			name_parts(wanted);
+			return RB_FAIL(err, RB_ERR_SCENE,
+			               "shape %zu cannot be part of a union (wanted %s)", k + 1,
+			               wanted);
+		}
 		if (!(parts[k].share > 0 && isfinite(parts[k].share)) ||
 		    !rb_vec3_finite(parts[k].position) ||
 		    !(fabs(rb_quat_length(parts[k].orientation) - 1) <= 1e-3))
@@ -104,7 +108,7 @@ enum rb_status rb_scene_add_union(struct rb_scene *scene, const struct rb_solid_
 				"an orientation of unit length",
 				k + 1);
 	}
-	rb_solid_measure(&made, scene->solids);
+	rb_shape_measure_union(&made, scene->solids);
 	if (!(made.weight > 0 && isfinite(made.weight)))
 		return RB_FAIL(err, RB_ERR_SCENE,
 		               "its volume comes out as %g m^3 (wanted one that a double holds)",

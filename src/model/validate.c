@@ -13,6 +13,7 @@
 #include "geom/distance.h"
 #include "geom/grid.h"
 #include "geom/mass.h"
+#include "model/shape.h"
 #include "math/quat.h"
 #include "model/element.h"
 #include "model/parts.h"
@@ -310,39 +311,13 @@ static void check_mass(struct check *check, int id)
 static bool check_sizes(struct check *check, int id)
 {
 	const struct rb_shape *shape = &check->scene->bodies[id].shape;
-	const double *const s = shape->size;
+	const struct rb_shape_type *const type = rb_shape_type(shape);
+	char text[RB_SHAPE_FAULT_SIZE];
 
-	switch (shape->kind) {
-	case RB_SHAPE_SPHERE:
-		if (positive(shape->radius))
-			return true;
-		body_mistake(check, id, "'radius' must be positive and finite (got %g m)",
-		             shape->radius);
-		return false;
-	case RB_SHAPE_RECTANGLE:
-		if (positive(s[0]) && positive(s[1]))
-			return true;
-		body_mistake(check, id, "'size' must be two positive finite lengths (got %g, %g m)",
-		             s[0], s[1]);
-		return false;
-	case RB_SHAPE_BOX:
-		if (positive(s[0]) && positive(s[1]) && positive(s[2]))
-			return true;
-		body_mistake(check, id,
-		             "'size' must be three positive finite lengths (got %g, %g, %g m)",
-		             s[0], s[1], s[2]);
-		return false;
-	case RB_SHAPE_CAPSULE:
-	case RB_SHAPE_CYLINDER:
-		if (positive(shape->radius) && positive(s[2]))
-			return true;
-		body_mistake(check, id,
-		             "'radius' and 'length' must be positive and finite (got %g and %g m)",
-		             shape->radius, s[2]);
-		return false;
-	default:
+	if (!type->fault || !type->fault(shape, text))
 		return true;
-	}
+	body_mistake(check, id, "%s", text);
+	return false;
 }
 
 /* false: the shape or pose is no use for further checks */
@@ -400,11 +375,6 @@ static bool has_contacts(const struct rb_shape *shape)
 /* The classic method knows contacts of spheres only; false: a mistake was noted. */
 static bool check_contacts(struct check *check, int id)
 {
-	static const char *const plural[RB_SHAPE_KIND_COUNT] = {
-		[RB_SHAPE_BOX] = "boxes",          [RB_SHAPE_CAPSULE] = "capsules",
-		[RB_SHAPE_CYLINDER] = "cylinders", [RB_SHAPE_HULL] = "hulls",
-		[RB_SHAPE_UNION] = "unions",
-	};
 	const struct rb_scene *scene = check->scene;
 	const struct rb_body_def *body = &scene->bodies[id];
 
@@ -418,7 +388,7 @@ static bool check_contacts(struct check *check, int id)
 			check, id,
 			"the classic method has no contacts of %s (use 'located' or 'auto', or let "
 			"it collide with nothing: collides_with = {})",
-			plural[body->shape.kind]);
+			rb_shape_type(&body->shape)->plural);
 		return false;
 	}
 	return true;

@@ -318,22 +318,6 @@ static int stand_in(lua_State *L, const struct rb_call *call)
 	return 1;
 }
 
-static int l_sphere(lua_State *L)
-{
-	struct rb_call call = rb_call_begin(L, "sphere", &rb_rows_sphere, 1);
-	struct rb_body_def def = rb_body_def_default();
-
-	def.call = "sphere";
-	def.shape = (struct rb_shape){.kind = RB_SHAPE_SPHERE, .radius = 1};
-	rb_call_read(&call, &def);
-	if (!def.texture && !call.script->scene->materials[def.material].texture)
-		def.texture = "beachball"; /* so that rotation shows */
-	/* where a key is misspelt it may be this one: one message is enough */
-	if (call.index && !call.unknown && !rb_call_tried(&call, "radius"))
-		rb_call_mistake(&call, "'radius' is missing");
-	return finish_body(&call, &def);
-}
-
 /* Reads a key that is a row of planes and has no place in the definition; false: not given, or
  * wrong. */
 static bool read_vector(struct rb_call *call, const char *key, rb_vec3 *value)
@@ -405,42 +389,31 @@ static int l_plane(lua_State *L)
 	return finish_body(&call, &def);
 }
 
-static int add_sized(lua_State *L, const char *word, const struct rb_row_table *table,
-                     enum rb_shape_kind kind)
+static int add_shape(lua_State *L, const char *word, enum rb_shape_kind kind)
 {
-	struct rb_call call = rb_call_begin(L, word, table, 1);
+	const struct rb_shape_type *const type = rb_shape_types[kind];
+	const struct rb_row_table table = rb_rows_shape(type);
+	struct rb_call call = rb_call_begin(L, word, &table, 1);
 	struct rb_body_def def = rb_body_def_default();
 
 	def.call = word;
 	def.shape = (struct rb_shape){.kind = kind, .solid = -1};
 	rb_call_read(&call, &def);
-	if (kind == RB_SHAPE_HULL)
-		rb_shapes_hull(&call, &def);
-	else if (kind == RB_SHAPE_UNION)
+	if (!def.texture && !call.script->scene->materials[def.material].texture)
+		def.texture = type->texture;
+	if (kind == RB_SHAPE_UNION)
 		rb_shapes_union(&call, &def);
 	else
-		rb_shapes_need(&call, &def);
+		rb_shapes_sized(&call, &def);
 	return finish_body(&call, &def);
 }
 
-static int l_box(lua_State *L)
+/* The call of every type that has its keys in its row; the kind is an upvalue. */
+static int l_shape(lua_State *L)
 {
-	return add_sized(L, "box", &rb_rows_box, RB_SHAPE_BOX);
-}
+	const enum rb_shape_kind kind = (enum rb_shape_kind)lua_tointeger(L, lua_upvalueindex(1));
 
-static int l_capsule(lua_State *L)
-{
-	return add_sized(L, "capsule", &rb_rows_capsule, RB_SHAPE_CAPSULE);
-}
-
-static int l_cylinder(lua_State *L)
-{
-	return add_sized(L, "cylinder", &rb_rows_cylinder, RB_SHAPE_CYLINDER);
-}
-
-static int l_hull(lua_State *L)
-{
-	return add_sized(L, "hull", &rb_rows_hull, RB_SHAPE_HULL);
+	return add_shape(L, rb_shape_types[kind]->name, kind);
 }
 
 /* body "NAME" is a body that there is, at any time; body { ... } makes a union. */
@@ -456,7 +429,7 @@ static int l_body(lua_State *L)
 		return 1;
 	}
 	if (lua_type(L, 1) == LUA_TTABLE)
-		return add_sized(L, "body", &rb_rows_union, RB_SHAPE_UNION);
+		return add_shape(L, "body", RB_SHAPE_UNION);
 	if (named && rb_script_of(L)->phase != RB_PHASE_LOAD)
 		return luaL_error(L, "body: no body is named '%s'%s", name, hint);
 	struct rb_call call = rb_call_begin(L, "body", NULL, 0);
@@ -471,10 +444,12 @@ static int l_body(lua_State *L)
 void rb_bodies_open(lua_State *L)
 {
 	lua_register(L, "body", l_body);
-	lua_register(L, "sphere", l_sphere);
 	lua_register(L, "plane", l_plane);
-	lua_register(L, "box", l_box);
-	lua_register(L, "capsule", l_capsule);
-	lua_register(L, "cylinder", l_cylinder);
-	lua_register(L, "hull", l_hull);
+	for (int kind = 0; kind < RB_SHAPE_KIND_COUNT; kind++) {
+		if (rb_shape_types[kind]->key_count == 0 || kind == RB_SHAPE_UNION)
+			continue;
+		lua_pushinteger(L, kind);
+		lua_pushcclosure(L, l_shape, 1);
+		lua_setglobal(L, rb_shape_types[kind]->name);
+	}
 }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 #include "script/rows.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include <rbsim/scene.h>
 
+#include "base/error.h"
 #include "geom/mass.h"
 #include "model/element.h"
 
@@ -117,11 +119,6 @@ static const struct rb_row body_rows[] = {
          "drawn by cameras"},
 };
 
-static const struct rb_row sphere_rows[] = {
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
-         "required", "m", ""},
-};
-
 static const struct rb_row plane_rows[] = {
 	{"normal", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, HAND, NULL, NULL, "{0, 0, 1}", "",
          "of any length; excludes orientation"},
@@ -134,46 +131,8 @@ static const struct rb_row plane_rows[] = {
          "the direction of w, projected on the plane"},
 };
 
-static const struct rb_row box_rows[] = {
-	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 3, AT(rb_body_def, shape.size), NULL, NULL,
-         "required", "m", "{x, y, z}: lengths of its edges"},
-};
-
-static const struct rb_row capsule_rows[] = {
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
-         "required", "m", ""},
-	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.size[2]), NULL, NULL,
-         "required", "m", "of the straight part, without the round ends"},
-};
-
-static const struct rb_row cylinder_rows[] = {
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
-         "required", "m", ""},
-	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.size[2]), NULL, NULL,
-         "required", "m", "from one flat end to the other"},
-};
-
-static const struct rb_row hull_rows[] = {
-	{"points", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "required", "m",
-         "{{x, y, z}, ...}, 4 to 65536, in object coordinates"},
-};
-
-static const struct rb_row union_rows[] = {
-	{"shapes", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "required", "",
-         "a list of tables with the keys below"},
-};
-
-/* One of `shapes`: read as the body that it would be alone. */
+/* One of `shapes`: read as the body that it would be alone; keys of shapes stand before these. */
 static const struct rb_row part_rows[] = {
-	{"shape", RB_ROW_CHOICE, 0, 0, HAND, "sphere, box, capsule, cylinder, hull", NULL,
-         "required", "", "what it is; with the keys that such a body has:"},
-	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.radius), NULL, NULL,
-         "required", "m", "of a sphere, a capsule, a cylinder"},
-	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, shape.size[2]), NULL, NULL,
-         "required", "m", "of a capsule, a cylinder"},
-	{"size", RB_ROW_NUMBERS, RB_RANGE_POSITIVE, 3, AT(rb_body_def, shape.size), NULL, NULL,
-         "required", "m", "of a box"},
-	{"points", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "required", "m", "of a hull"},
 	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, position), NULL, NULL, "{0, 0, 0}", "m",
          "of its origin, in object coordinates of the body"},
 	{"orientation", RB_ROW_ORIENTATION, 0, 0, AT(rb_body_def, orientation), NULL, NULL,
@@ -345,14 +304,8 @@ const struct rb_row_table rb_rows_world = {"world", ROWS(world_rows), NULL};
 const struct rb_row_table rb_rows_material = {"material", ROWS(material_rows), NULL};
 const struct rb_row_table rb_rows_contact_pair = {"contact_pair", ROWS(contact_pair_rows), NULL};
 const struct rb_row_table rb_rows_body = {"body", ROWS(body_rows), NULL};
-const struct rb_row_table rb_rows_sphere = {"sphere", ROWS(sphere_rows), &rb_rows_body};
 const struct rb_row_table rb_rows_plane = {"plane", ROWS(plane_rows), &rb_rows_body};
-const struct rb_row_table rb_rows_box = {"box", ROWS(box_rows), &rb_rows_body};
-const struct rb_row_table rb_rows_capsule = {"capsule", ROWS(capsule_rows), &rb_rows_body};
-const struct rb_row_table rb_rows_cylinder = {"cylinder", ROWS(cylinder_rows), &rb_rows_body};
-const struct rb_row_table rb_rows_hull = {"hull", ROWS(hull_rows), &rb_rows_body};
-const struct rb_row_table rb_rows_union = {"union", ROWS(union_rows), &rb_rows_body};
-const struct rb_row_table rb_rows_part = {"shapes", ROWS(part_rows), NULL};
+static const struct rb_row_table rows_part = {"shapes", ROWS(part_rows), NULL};
 const struct rb_row_table rb_rows_force = {"forces", ROWS(force_rows), NULL};
 const struct rb_row_table rb_rows_particle = {"particles", ROWS(particle_rows), NULL};
 const struct rb_row_table rb_rows_camera = {"camera", ROWS(camera_rows), NULL};
@@ -462,17 +415,94 @@ static void print_table(FILE *file, const struct rb_row_table *table)
 	fprintf(file, ".El\n.\\\" end\n");
 }
 
+/* ---- of shapes ---- */
+
+struct rb_row_table rb_rows_shape(const struct rb_shape_type *type)
+{
+	return (struct rb_row_table){type->name, type->key, type->key_count, &rb_rows_body};
+}
+
+static int find_row(const struct rb_part_rows *rows, const char *key)
+{
+	int at = 0;
+
+	while (at < rows->count && strcmp(rows->row[at].key, key) != 0)
+		at++;
+	return at;
+}
+
+/* Adds the keys of one type, or its name to the help of a key that others have too. */
+static void add_shape(struct rb_part_rows *rows, const struct rb_shape_type *type)
+{
+	const size_t used = strlen(rows->choices);
+
+	snprintf(rows->choices + used, sizeof rows->choices - used, "%s%s", used > 0 ? ", " : "",
+	         type->name);
+	for (int k = 0; k < type->key_count; k++) {
+		const int at = find_row(rows, type->key[k].key);
+
+		RB_ASSERT(at < RB_PART_KEYS_MAX);
+		char *const help = rows->help[at];
+		const size_t told = at < rows->count ? strlen(help) : 0;
+		snprintf(help + told, sizeof rows->help[at] - told, "%s a %s",
+		         told > 0 ? "," : "of", type->name);
+		if (at < rows->count)
+			continue;
+		rows->row[at] = type->key[k];
+		rows->row[at].help = help;
+		rows->count++;
+	}
+}
+
+void rb_rows_part(struct rb_part_rows *rows)
+{
+	rows->choices[0] = '\0';
+	rows->row[0] = (struct rb_row){"shape", RB_ROW_CHOICE,
+	                               0,       0,
+	                               HAND,    rows->choices,
+	                               NULL,    "required",
+	                               "",      "what it is; with the keys that such a body has:"};
+	rows->count = 1;
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
+		if (rb_shape_types[k]->is_part)
+			add_shape(rows, rb_shape_types[k]);
+	rows->table = (struct rb_row_table){rows_part.name, rows->row, rows->count, &rows_part};
+}
+
+static void print_shapes(FILE *file)
+{
+	struct rb_part_rows part;
+
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++) {
+		const struct rb_row_table table = rb_rows_shape(rb_shape_types[k]);
+
+		if (k == RB_SHAPE_PLANE)
+			print_table(file, &rb_rows_plane);
+		else if (table.count > 0)
+			print_table(file, &table);
+	}
+	rb_rows_part(&part);
+	fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", part.table.name);
+	for (int i = 0; i < part.table.count; i++)
+		print_row(file, &part.row[i]);
+	for (int i = 0; i < rows_part.count; i++)
+		print_row(file, &rows_part.rows[i]);
+	fprintf(file, ".El\n.\\\" end\n");
+}
+
 void rb_fields_print(FILE *file)
 {
-	static const struct rb_row_table *const tables[] = {
-		&rb_rows_world,  &rb_rows_material, &rb_rows_contact_pair, &rb_rows_sphere,
-		&rb_rows_plane,  &rb_rows_box,      &rb_rows_capsule,      &rb_rows_cylinder,
-		&rb_rows_hull,   &rb_rows_union,    &rb_rows_part,         &rb_rows_body,
-		&rb_rows_force,  &rb_rows_particle, &rb_rows_camera,       &rb_rows_light,
-		&rb_rows_record, &rb_rows_param};
+	static const struct rb_row_table *const before[] = {&rb_rows_world, &rb_rows_material,
+	                                                    &rb_rows_contact_pair};
+	static const struct rb_row_table *const after[] = {
+		&rb_rows_body,  &rb_rows_force,  &rb_rows_particle, &rb_rows_camera,
+		&rb_rows_light, &rb_rows_record, &rb_rows_param};
 
-	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
-		print_table(file, tables[t]);
+	for (size_t t = 0; t < sizeof before / sizeof *before; t++)
+		print_table(file, before[t]);
+	print_shapes(file);
+	for (size_t t = 0; t < sizeof after / sizeof *after; t++)
+		print_table(file, after[t]);
 	for (int place = 0; place < rb_element_kind_count; place++)
 		print_table(file, &rb_element_kinds[place]->keys);
 }

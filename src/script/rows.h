@@ -4,21 +4,33 @@
  * value goes.
  *
  * Checks (script/fields), messages and the tables of rbsim-scene(5) all come from these rows; those
- * of force elements stand with their kinds (force/).
+ * of shapes and of force elements stand with their types (shape/, force/).
  */
 #ifndef RB_SCRIPT_ROWS_H
 #define RB_SCRIPT_ROWS_H
 
 #include <stdio.h>
 
-#include "model/scene_keys.h"
+#include "model/shape.h"
 
 enum { RB_ROWS_MAX = 64 }; /* of a table and what it shares */
 
 extern const struct rb_row_table rb_rows_world, rb_rows_material, rb_rows_contact_pair,
-	rb_rows_body, rb_rows_sphere, rb_rows_plane, rb_rows_box, rb_rows_capsule, rb_rows_cylinder,
-	rb_rows_hull, rb_rows_union, rb_rows_part, rb_rows_force, rb_rows_particle, rb_rows_camera,
-	rb_rows_light, rb_rows_record, rb_rows_param;
+	rb_rows_body, rb_rows_plane, rb_rows_force, rb_rows_particle, rb_rows_camera, rb_rows_light,
+	rb_rows_record, rb_rows_param;
+
+/* Keys of the call that makes bodies of one type: its own and those of all bodies. */
+struct rb_row_table rb_rows_shape(const struct rb_shape_type *type);
+
+/* Keys of an entry of a union's `shapes`: those of all types that may be parts, once each. */
+enum { RB_PART_KEYS_MAX = 24 };
+struct rb_part_rows {
+	struct rb_row row[RB_PART_KEYS_MAX];
+	int count;
+	char choices[160], help[RB_PART_KEYS_MAX][160];
+	struct rb_row_table table; /* of `row`, and of the keys that all parts have */
+};
+void rb_rows_part(struct rb_part_rows *rows); /* refers to itself: not to be copied */
 
 /* NULL when there is no such key; *index (may be NULL) counts through `more`. */
 const struct rb_row *rb_row_find(const struct rb_row_table *table, const char *key, int *index);

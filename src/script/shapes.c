@@ -18,38 +18,15 @@
  */
 enum { WORK_A_POINT = 500 };
 
-/* The keys that give a shape its size, by kind. */
-static const struct {
-	const char *word;
-	enum rb_shape_kind kind;
-	const char *keys[2];
-} sized[] = {
-	{"sphere", RB_SHAPE_SPHERE, {"radius", NULL}},
-	{"box", RB_SHAPE_BOX, {"size", NULL}},
-	{"capsule", RB_SHAPE_CAPSULE, {"radius", "length"}},
-	{"cylinder", RB_SHAPE_CYLINDER, {"radius", "length"}},
-	{"hull", RB_SHAPE_HULL, {"points", NULL}},
-};
-enum { SIZED_COUNT = sizeof sized / sizeof *sized };
-
 static const struct rb_shape stand_in = {.kind = RB_SHAPE_SPHERE, .solid = -1, .radius = 1};
 
-/* The place of a kind in the table, which is the place of its word among the choices of `shape`. */
-static int place_of(enum rb_shape_kind kind)
-{
-	for (int i = 0; i < SIZED_COUNT; i++)
-		if (sized[i].kind == kind)
-			return i;
-	return -1;
-}
-
-/* Of a kind's keys, which may be missing; false: a mistake was noted, or one was before. */
-static bool has_keys(struct rb_call *call, int place)
+/* Of a type's keys, which may be missing; false: a mistake was noted, or one was before. */
+static bool has_keys(struct rb_call *call, const struct rb_shape_type *type)
 {
 	bool all = true;
 
-	for (int k = 0; k < 2 && sized[place].keys[k]; k++) {
-		const char *key = sized[place].keys[k];
+	for (int k = 0; k < type->key_count; k++) {
+		const char *key = type->key[k].key;
 
 		all = all && (rb_call_given(call, key) || call->index == 0);
 		/* where a key is misspelt it may be this one: one message is enough */
@@ -57,12 +34,6 @@ static bool has_keys(struct rb_call *call, int place)
 			rb_call_mistake(call, "'%s' is missing", key);
 	}
 	return all && call->index;
-}
-
-void rb_shapes_need(struct rb_call *call, struct rb_body_def *def)
-{
-	if (!has_keys(call, place_of(def->shape.kind)))
-		def->shape = stand_in;
 }
 
 /* ---- hulls ---- */
@@ -160,33 +131,68 @@ static void center(const struct rb_call *call, struct rb_body_def *def)
 		def->center_of_mass = call->script->scene->solids[def->shape.solid].centroid;
 }
 
-void rb_shapes_hull(struct rb_call *call, struct rb_body_def *def)
-{
-	const bool given = has_keys(call, place_of(RB_SHAPE_HULL));
+/* ---- solids ---- */
 
-	def->shape = (struct rb_shape){.kind = RB_SHAPE_HULL, .solid = -1};
-	if (given && read_hull(call, &def->shape))
-		center(call, def);
-	else
+/* What the shape is made of, into the scene; false: a mistake was noted. */
+static bool make_solid(struct rb_call *call, struct rb_shape *shape)
+{
+	struct rb_scene *scene = call->script->scene;
+	const struct rb_shape_type *const type = rb_shape_type(shape);
+	const int before = scene->solid_count;
+	char text[RB_SHAPE_FAULT_SIZE];
+	struct rb_error err;
+
+	if (shape->kind == RB_SHAPE_HULL)
+		return read_hull(call, shape);
+	if (!type->make)
+		return true;
+	if (type->fault && type->fault(shape, text)) {
+		rb_call_mistake(call, "%s", text);
+		return false;
+	}
+	const enum rb_status status = type->make(scene, shape, &err);
+	if (status == RB_ERR_SCENE) {
+		rb_call_mistake(call, "%s", err.text);
+		return false;
+	}
+	rb_script_need(call->L, status, &err);
+	if (scene->solid_count > before)
+		rb_sandbox_charge_bytes(call->L, bytes_of(&scene->solids[before]));
+	return true;
+}
+
+void rb_shapes_sized(struct rb_call *call, struct rb_body_def *def)
+{
+	if (!has_keys(call, rb_shape_type(&def->shape)) || !make_solid(call, &def->shape))
 		def->shape = stand_in;
+	else if (rb_shape_solid(&def->shape) >= 0)
+		center(call, def);
 }
 
 /* ---- unions ---- */
 
-/* Sizes that the part's kind does not have. */
-static void check_part(struct rb_call *call, int place)
+/* Sizes that the part's type does not have. */
+static void check_part(struct rb_call *call, const struct rb_shape_type *type)
 {
-	static const char *const all[] = {"radius", "length", "size", "points"};
-
-	for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+	for (int i = 1; i < call->table->count; i++) { /* 0 is `shape` */
+		const char *const key = call->table->rows[i].key;
 		bool own = false;
 
-		for (int k = 0; k < 2 && sized[place].keys[k]; k++)
-			own = own || strcmp(sized[place].keys[k], all[i]) == 0;
-		if (!own && rb_call_tried(call, all[i]))
-			rb_call_mistake(call, "'%s' of a %s: it has none", all[i],
-			                sized[place].word);
+		for (int k = 0; k < type->key_count; k++)
+			own = own || strcmp(type->key[k].key, key) == 0;
+		if (!own && rb_call_tried(call, key))
+			rb_call_mistake(call, "'%s' of a %s: it has none", key, type->name);
 	}
+}
+
+/* The k-th type of those that may be parts, as their names are counted in `shape`. */
+static enum rb_shape_kind part_kind(int k)
+{
+	int kind = 0;
+
+	for (;; kind++)
+		if (rb_shape_types[kind]->is_part && k-- == 0)
+			return (enum rb_shape_kind)kind;
 }
 
 /*
@@ -210,10 +216,9 @@ static bool read_part(struct rb_call *call, double density, struct rb_solid_part
 	lua_pop(call->L, 1);
 	if (place < 0)
 		return false;
-	check_part(call, place);
-	def.shape.kind = sized[place].kind;
-	if (!has_keys(call, place) ||
-	    (def.shape.kind == RB_SHAPE_HULL && !read_hull(call, &def.shape)))
+	def.shape.kind = part_kind(place);
+	check_part(call, rb_shape_type(&def.shape));
+	if (!has_keys(call, rb_shape_type(&def.shape)) || !make_solid(call, &def.shape))
 		return false;
 	part->shape = def.shape;
 	part->position = def.position;
@@ -231,6 +236,7 @@ static struct rb_solid_part *read_parts(struct rb_call *call, double density, si
 {
 	lua_State *L = call->L;
 	const int list = lua_gettop(L);
+	struct rb_part_rows rows;
 	char found[80];
 	bool right = true;
 
@@ -242,10 +248,11 @@ static struct rb_solid_part *read_parts(struct rb_call *call, double density, si
 		                RB_UNION_PARTS_MAX, rb_describe(L, list, found));
 		return NULL;
 	}
+	rb_rows_part(&rows);
 	struct rb_solid_part *parts = lua_newuserdatauv(L, *count * sizeof *parts, 0);
 	for (size_t i = 0; i < *count; i++) {
 		lua_rawgeti(L, list, (lua_Integer)i + 1);
-		struct rb_call part = rb_call_part(call, &rb_rows_part, -1, (int)i + 1);
+		struct rb_call part = rb_call_part(call, &rows.table, -1, (int)i + 1);
 		right = read_part(&part, density, &parts[i]) && right;
 		lua_pop(L, 1);
 	}

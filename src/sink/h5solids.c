@@ -5,12 +5,13 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "model/shape.h"
 
 void rb_solids_kinds(char out[160])
 {
 	size_t used = 0;
 
-	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT && used < 160; k++)
 		used += (size_t)snprintf(out + used, 160 - used, "%s%d %s", k > 0 ? ", " : "", k,
 		                         rb_shape_name((enum rb_shape_kind)k));
 }
@@ -133,11 +134,6 @@ static void put_list(struct rb_h5 *h5, const struct rb_scene *scene, const struc
 	rb_memory_free(column);
 }
 
-static int solid_of(const struct rb_shape *shape)
-{
-	return shape->kind == RB_SHAPE_HULL || shape->kind == RB_SHAPE_UNION ? shape->solid : -1;
-}
-
 static void put_numbers(struct rb_h5 *h5, const char *path, const int *number, size_t count)
 {
 	rb_h5_put(h5, path, RB_H5_I32, (rb_h5_shape){1, {count}}, number);
@@ -156,10 +152,10 @@ static void put_references(struct rb_h5 *h5, const struct rb_scene *scene)
 		return;
 	}
 	for (size_t i = 0; i < bodies; i++)
-		number[used++] = solid_of(&scene->bodies[i].shape);
+		number[used++] = rb_shape_solid(&scene->bodies[i].shape);
 	for (int i = 0; i < scene->solid_count; i++)
 		for (int k = 0; k < scene->solids[i].part_count; k++)
-			number[used++] = solid_of(&scene->solids[i].parts[k].shape);
+			number[used++] = rb_shape_solid(&scene->solids[i].parts[k].shape);
 	put_numbers(h5, "/rbsim/shapes/solid", number, bodies);
 	put_numbers(h5, "/rbsim/solids/parts/solid", number + bodies, all);
 	rb_memory_free(number);

@@ -26,7 +26,7 @@ static inline int rb_pairs_blocks(size_t count)
 /* A sphere on a sphere or plane: a closed form. */
 static inline bool rb_pair_is_plain(const struct rb_model *model, int a, int b)
 {
-	return model->shape[a].kind == RB_SHAPE_SPHERE && model->shape[b].kind < RB_SHAPE_BOX;
+	return model->shape[a].kind == RB_SHAPE_SPHERE && !rb_shape_has_parts(model->shape[b].kind);
 }
 
 /* Directions to look along for pairs that were apart, and for those that were not. */

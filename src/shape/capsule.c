@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* A cylinder about local z with a half ball at each end: all points no farther than `radius` from a
+ * segment of `length`. */
+#include <math.h>
+#include <stdio.h>
+
+#include "shape/shape_types.h"
+
+#define AT(member) offsetof(struct rb_body_def, shape.member)
+
+static const struct rb_row keys[] = {
+	{"radius", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(radius), NULL, NULL, "required", "m",
+         ""},
+	{"length", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(size[2]), NULL, NULL, "required", "m",
+         "of the straight part, without the round ends"},
+};
+
+static bool fault(const struct rb_shape *shape, char text[RB_SHAPE_FAULT_SIZE])
+{
+	if (rb_is_positive(shape->radius) && rb_is_positive(shape->size[2]))
+		return false;
+	snprintf(text, RB_SHAPE_FAULT_SIZE,
+	         "'radius' and 'length' must be positive and finite (got %g and %g m)",
+	         shape->radius, shape->size[2]);
+	return true;
+}
+
+static double volume(const struct rb_shape *shape)
+{
+	const double r = shape->radius;
+
+	return RB_PI * r * r * (shape->size[2] + 4.0 / 3.0 * r);
+}
+
+/* A cylinder and two half balls whose centroids are 3/8 r beyond its ends. */
+static rb_mat3 inertia(const struct rb_shape *shape, double mass)
+{
+	const double r = shape->radius, length = shape->size[2];
+	const double caps = 4.0 / 3.0 * r / (length + 4.0 / 3.0 * r) * mass, middle = mass - caps;
+	const double across = middle * (length * length / 12 + 0.25 * r * r) +
+	                      caps * (0.4 * r * r + 0.25 * length * length + 0.375 * length * r);
+
+	return rb_mat3_diagonal(across, across, (0.5 * middle + 0.4 * caps) * r * r);
+}
+
+static double reach(const struct rb_shape *shape)
+{
+	return shape->radius + 0.5 * shape->size[2];
+}
+
+static double half_width(const struct rb_shape *shape)
+{
+	return shape->radius;
+}
+
+static enum rb_status core(const struct rb_shape *shape, rb_core *core, struct rb_error *err)
+{
+	return rb_shape_core_of_segment(core, 0.5 * shape->size[2], shape->radius, err);
+}
+
+static rb_vec3 half(const struct rb_shape *shape)
+{
+	return (rb_vec3){shape->radius, shape->radius, reach(shape)};
+}
+
+static double distance(const struct rb_shape *shape, rb_vec3 point)
+{
+	const double end = 0.5 * shape->size[2];
+
+	point.z -= fmin(fmax(point.z, -end), end);
+	return rb_vec3_length(point) - shape->radius;
+}
+
+const struct rb_shape_type rb_shape_capsule = {
+	.name = "capsule",
+	.plural = "capsules",
+	.form = RB_FORM_CAPSULE,
+	.reads = RB_SHAPE_READS_RADIUS | RB_SHAPE_READS_SIZE_Z,
+	.key = keys,
+	.key_count = sizeof keys / sizeof keys[0],
+	.is_part = true,
+	.fault = fault,
+	.volume = volume,
+	.inertia = inertia,
+	.reach = reach,
+	.half_width = half_width,
+	.core = core,
+	.half = half,
+	.distance = distance,
+};

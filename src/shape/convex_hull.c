@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* The convex hull of points: a solid that the call makes of them (script/shapes). */
+#include "shape/shape_types.h"
+
+static const struct rb_row keys[] = {
+	{"points", RB_ROW_LIST, 0, 0, RB_ROW_BY_HAND, NULL, NULL, "required", "m",
+         "{{x, y, z}, ...}, 4 to 65536, in object coordinates"},
+};
+
+const struct rb_shape_type rb_shape_hull = {
+	.name = "hull",
+	.plural = "hulls",
+	.form = RB_FORM_POLYHEDRON,
+	.reads = RB_SHAPE_READS_SOLID,
+	.key = keys,
+	.key_count = sizeof keys / sizeof keys[0],
+	.is_part = true,
+};

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+#include "shape/shape_types.h"
+
+#define ROW(kind, name) [RB_SHAPE_##kind] = &rb_shape_##name,
+const struct rb_shape_type *const rb_shape_types[RB_SHAPE_KIND_COUNT] = {RB_SHAPE_TYPES(ROW)};
+
+enum rb_status rb_shape_core_of_segment(rb_core *core, double half_length, double radius,
+                                        struct rb_error *err)
+{
+	struct rb_polytope *polytope = NULL;
+	const enum rb_status status = rb_polytope_create_segment(&polytope, half_length, err);
+
+	if (status == RB_OK)
+		*core = rb_core_of_polytope(polytope, radius);
+	return status;
+}
+
+double rb_shape_beyond(rb_vec3 d)
+{
+	const double largest = fmax(d.x, fmax(d.y, d.z));
+
+	if (!(largest > 0))
+		return largest;
+	return rb_vec3_length((rb_vec3){fmax(d.x, 0), fmax(d.y, 0), fmax(d.z, 0)});
+}
