@@ -10,6 +10,16 @@
 /* For our own bugs: says where and aborts, in release too. Not inside inner loops. */
 #define RB_ASSERT(cond) ((cond) ? (void)0 : rb_bug(__FILE__, __LINE__, #cond))
 
+/*
+ * The same where it would cost too much: in inner loops, or over all of an array. Tried in debug,
+ * sanitizer and fuzzer builds, which define RB_CHECKED_BUILD; elsewhere it is only compiled.
+ */
+#ifdef RB_CHECKED_BUILD
+#define RB_ASSERT_COSTLY(cond) RB_ASSERT(cond)
+#else
+#define RB_ASSERT_COSTLY(cond) ((void)sizeof((cond) ? 1 : 0))
+#endif
+
 _Noreturn void rb_bug(const char *file, int line, const char *what);
 
 #endif
