@@ -15,8 +15,10 @@
  * sanitizer and fuzzer builds, which define RB_CHECKED_BUILD; elsewhere it is only compiled.
  */
 #ifdef RB_CHECKED_BUILD
+enum { RB_IS_CHECKED_BUILD = 1 };
 #define RB_ASSERT_COSTLY(cond) RB_ASSERT(cond)
 #else
+enum { RB_IS_CHECKED_BUILD = 0 };
 #define RB_ASSERT_COSTLY(cond) ((void)sizeof((cond) ? 1 : 0))
 #endif
 

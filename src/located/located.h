@@ -139,7 +139,7 @@ struct rb_cluster {
 	bool hits; /* ... or where two bodies that touch already come to touch at another point: */
 	int hit_a, hit_b;
 	double anchor_s;
-	int *member; /* [member_count], ascending */
+	int *member; /* [member_count], in the order in which they were found to belong together */
 	int member_count;
 	size_t member_capacity;
 	struct rb_held *held; /* [held_count], by (a, b, parts, key) */
@@ -181,8 +181,7 @@ struct rb_located {
 	size_t cluster_capacity;
 	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
 
-	struct rb_queue
-		*queue; /* [n] bodies, [n] clusters (by their lowest member), 1 switch of forces */
+	struct rb_queue *queue; /* [n] bodies, [n] clusters, 1 switch of forces */
 	struct rb_cells *cells; /* NULL: few bodies, all are candidates */
 	int *near;              /* [n] scratch */
 	int *set;               /* [n] scratch: bodies that are dealt with together */

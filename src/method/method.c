@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 #include "method/method.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "located/engine.h"
+#include "located/located_invariants.h"
 #include "classic/classic.h"
 #include "classic/groups.h"
 #include "method/loads.h"
 #include "method/numbers.h"
 #include "classic/stage_list.h"
 #include "stepped/stepped.h"
+#include "stepped/stepped_invariants.h"
+#include "world/invariants.h"
 
 #include <float.h>
 #include <string.h>
@@ -475,6 +479,23 @@ static enum rb_status run_frame(struct rb_world *world, double begin, double end
 	                                                : RB_OK;
 }
 
+enum rb_status rb_world_validate(const struct rb_world *world, struct rb_error *err)
+{
+	enum rb_status status = rb_validate_state(world, err);
+
+	if (status == RB_OK)
+		status = rb_validate_contacts(world, &world->contacts, err);
+	if (status == RB_OK && world->has_shown)
+		status = rb_validate_contacts(world, &world->shown, err);
+	if (status == RB_OK)
+		status = rb_validate_records(world, err);
+	if (status == RB_OK && world->located && world->dense_left == 0)
+		status = rb_validate_located(world->located, err);
+	if (status == RB_OK && world->stepped)
+		status = rb_validate_stepped(world, err);
+	return status;
+}
+
 enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -498,5 +519,5 @@ enum rb_status rb_world_step_frame(struct rb_world *world, struct rb_error *err)
 		return status;
 	world->state.frame++;
 	world->stopped = rb_world_is_stopped(world);
-	return RB_OK;
+	return RB_IS_CHECKED_BUILD ? rb_world_validate(world, err) : RB_OK;
 }

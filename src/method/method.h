@@ -16,6 +16,12 @@
  * number being it.
  */
 int64_t rb_step_count(double interval_s, double time_step_s);
+/*
+ * What must hold of a world between frames, all of it: rows, contacts, records, and the state of
+ * the methods that it has. RB_ERR_BUG says what does not. After every frame of debug and sanitizer
+ * builds.
+ */
+RB_CHECKED enum rb_status rb_world_validate(const struct rb_world *world, struct rb_error *err);
 /* Of the interval between two frames of the model, or what there is of one at the run's end. */
 int64_t rb_frame_step_count(const struct rb_model *model, double begin_s, double end_s);
 

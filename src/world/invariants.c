@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT */
+#include "world/invariants.h"
+
+#include "base/error.h"
+
+/*
+ * Of unit vectors and quaternions: each step normalizes those that it makes; what is left are some
+ * roundings, and of the located method the error of a piece.
+ */
+static const double unit_error = 1e-9;
+
+static bool is_finite_row(const double *row, int count)
+{
+	for (int k = 0; k < count; k++)
+		if (!isfinite(row[k]))
+			return false;
+	return true;
+}
+
+static bool is_unit(rb_vec3 v)
+{
+	return fabs(rb_vec3_length(v) - 1) <= unit_error;
+}
+
+enum rb_status rb_validate_state(const struct rb_world *world, struct rb_error *err)
+{
+	const struct rb_state *const state = &world->state;
+
+	if (!(state->time_s >= 0 && isfinite(state->time_s)))
+		return RB_FAIL(err, RB_ERR_BUG, "the state's time is %g s", state->time_s);
+	if (state->body_count != world->model->body_count)
+		return RB_FAIL(err, RB_ERR_BUG, "a state of %d bodies of %d", state->body_count,
+		               world->model->body_count);
+	for (int i = 0; i < state->body_count; i++) {
+		const size_t at = (size_t)i;
+
+		if (!is_finite_row(state->position + 3 * at, 3) ||
+		    !is_finite_row(state->velocity + 3 * at, 3))
+			return RB_FAIL(err, RB_ERR_BUG,
+			               "position or velocity of body %d is not finite", i);
+		if (state->spin && !is_finite_row(state->spin + 3 * at, 3))
+			return RB_FAIL(err, RB_ERR_BUG, "the spin of body %d is not finite", i);
+		if (!state->orientation)
+			continue;
+		const double length = rb_quat_length(rb_quat_from(state->orientation + 4 * at));
+		if (!(fabs(length - 1) <= unit_error))
+			return RB_FAIL(err, RB_ERR_BUG,
+			               "the orientation of body %d has the length %.17g", i,
+			               length);
+	}
+	return RB_OK;
+}
+
+static enum rb_status validate_contact(const struct rb_world *world, const struct rb_contact *c,
+                                       struct rb_error *err)
+{
+	const int bodies = world->model->body_count;
+
+	if (c->a < 0 || c->a >= bodies || c->b <= c->a ||
+	    c->b >= bodies + world->model->static_count)
+		return RB_FAIL(err, RB_ERR_BUG, "a contact of bodies %d and %d, of %d", c->a, c->b,
+		               bodies);
+	if (!is_unit(c->normal) || !rb_vec3_finite(c->point) || !isfinite(c->gap))
+		return RB_FAIL(err, RB_ERR_BUG, "the contact of bodies %d and %d has no place",
+		               c->a, c->b);
+	if (!(c->normal_force >= 0) || !isfinite(c->normal_force) ||
+	    !rb_vec3_finite(c->tangent_force))
+		return RB_FAIL(err, RB_ERR_BUG, "bodies %d and %d pull at each other, with %g N",
+		               c->a, c->b, c->normal_force);
+	const double across = fabs(rb_vec3_dot(c->tangent_force, c->normal));
+	if (!(across <= unit_error * (c->normal_force + rb_vec3_length(c->tangent_force))))
+		return RB_FAIL(err, RB_ERR_BUG,
+		               "friction of bodies %d and %d has %g N along the normal", c->a, c->b,
+		               across);
+	return RB_OK;
+}
+
+enum rb_status rb_validate_contacts(const struct rb_world *world,
+                                    const struct rb_contacts *contacts, struct rb_error *err)
+{
+	enum rb_status status = RB_OK;
+
+	if (contacts->count > contacts->capacity)
+		return RB_FAIL(err, RB_ERR_BUG, "%zu contacts in room for %zu", contacts->count,
+		               contacts->capacity);
+	for (size_t k = 0; k < contacts->count && status == RB_OK; k++) {
+		const struct rb_contact *const c = &contacts->row[k];
+
+		status = validate_contact(world, c, err);
+		if (status == RB_OK && k > 0 &&
+		    (c[-1].a > c->a || (c[-1].a == c->a && c[-1].b > c->b)))
+			status = RB_FAIL(err, RB_ERR_BUG,
+			                 "contacts are not sorted: %d and %d after %d and %d", c->a,
+			                 c->b, c[-1].a, c[-1].b);
+	}
+	return status;
+}
+
+enum rb_status rb_validate_records(const struct rb_world *world, struct rb_error *err)
+{
+	const int bodies = world->model->scene->body_count;
+	const struct rb_ledger *const ledger = &world->ledger;
+
+	for (size_t k = 0; k < world->events.count; k++) {
+		const struct rb_event *const e = &world->events.row[k];
+
+		if (e->a < -1 || e->a >= bodies || e->b < -1 || e->b >= bodies)
+			return RB_FAIL(err, RB_ERR_BUG, "event %zu is of bodies %d and %d", k, e->a,
+			               e->b);
+		if (!isfinite(e->time_s) || (k > 0 && e->time_s < e[-1].time_s))
+			return RB_FAIL(err, RB_ERR_BUG, "event %zu is at %.17g s, out of order", k,
+			               e->time_s);
+	}
+	if (ledger->kept && (!is_finite_row(ledger->sum.row, RB_ENTRIES) ||
+	                     !is_finite_row(ledger->rest.row, RB_ENTRIES)))
+		return RB_FAIL(err, RB_ERR_BUG, "a sum of the ledger is not finite");
+	return RB_OK;
+}
