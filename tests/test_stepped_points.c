@@ -176,8 +176,8 @@ static void steps_take_over_what_was_located(void **state)
 	lab_step(&lab);
 	struct rb_world *world = lab.world;
 	assert_true(world->contacts.count >= 2);
-	assert_int_equal(rb_stepped_prepare(world, &lab.error), RB_OK);
-	assert_int_equal(rb_stepped_take_over(world, &lab.error), RB_OK);
+	assert_int_equal(rb_stepper_stepped.prepare(world, &lab.error), RB_OK);
+	assert_int_equal(rb_stepper_stepped.take_over(world, &lab.error), RB_OK);
 	const struct rb_step_points *points = &world->stepped->all.points;
 	const int *at = world->model->index_of;
 
@@ -195,7 +195,8 @@ static void steps_take_over_what_was_located(void **state)
 			        world->contacts.row[c].b == push->b;
 		assert_true(fabs(push->force * (double)rows - (below ? 20 : 10)) < 1e-9);
 	}
-	assert_int_equal(rb_stepped_step(world, world->state.time_s, 1.0 / 240, &lab.error), RB_OK);
+	assert_int_equal(rb_stepper_stepped.step(world, world->state.time_s, 1.0 / 240, &lab.error),
+	                 RB_OK);
 	assert_true(rb_vec3_max_abs(rb_world_velocity(world, high)) < 1e-9);
 	lab_close(&lab);
 }

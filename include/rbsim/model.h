@@ -44,9 +44,6 @@ enum {
 	/* forces that vary with where bodies are and how they move */
 	RB_FEATURES_VARIED = RB_FEATURE_SPRINGS | RB_FEATURE_DRAG | RB_FEATURE_FIELD |
 	                     RB_FEATURE_ELEMENTS,
-
-	/* what the classic method does not have */
-	RB_FEATURES_NOT_CLASSIC = RB_FEATURES_VARIED | RB_FEATURE_DRIVEN,
 };
 
 /* Entry of the dense materials table. */

@@ -11,6 +11,7 @@
 #include "app/simulate.h"
 #include "base/visible.h"
 #include "located/needed_parts.h"
+#include "model/descriptor.h"
 #include "flow/frame.h"
 #include "flow/ring.h"
 #include "model/element.h"
@@ -181,18 +182,15 @@ static void print_bodies(const struct rb_model *model)
 		rb_print(stdout, "  forces      %s\n", forces);
 }
 
-/*
- * Parts of the located method, or stages of the stepped one; classic/stage_list prints those of the
- * classic method.
- */
+/* Parts of a method; classic/stage_list prints those of the classic one. */
 static void print_parts(const struct rb_model *model)
 {
-	const bool stepped = model->method == RB_METHOD_STEPPED;
-	int count;
-	const struct rb_method_part *const part = stepped ? rb_stepped_parts(&count)
-	                                                  : rb_located_parts(&count);
+	const struct rb_method *const method = rb_model_method_row(model);
+	int count = 0;
+	const struct rb_method_part *const part = method->parts ? method->parts(&count) : NULL;
 
-	puts(stepped ? "stages of a step" : "parts of the located method");
+	if (part)
+		puts(method->parts_title);
 	for (int k = 0; k < count; k++) {
 		const bool on = rb_method_part_is_used(&part[k], model);
 
@@ -251,7 +249,7 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	rb_print(stdout, "  method      %s, rollback %s, tolerance %g m, %d %s\n", info->method,
 	         info->rollback, model->tolerance_m, info->threads,
 	         rb_text_plural((uint64_t)info->threads, "thread", "threads"));
-	if (model->method == RB_METHOD_AUTO && (model->features & RB_FEATURE_CONTACT))
+	if (rb_model_method_row(model)->changes && (model->features & RB_FEATURE_CONTACT))
 		puts("  crowds      too dense to locate are left to steps (rbsim-scene(5))");
 	rb_print(stdout,
 	         "  touching    gaps within 8 ulp of the larger of coordinate and size count as "
@@ -274,8 +272,7 @@ static void print_text(struct rb_loaded *loaded, const struct rb_options *option
 	print_films(loaded, options);
 	print_materials(loaded);
 	rb_stage_list_print_features(model, stdout);
-	if (model->method != RB_METHOD_CLASSIC)
-		print_parts(model);
+	print_parts(model);
 	rb_stage_list_print(model, stdout);
 }
 
@@ -288,17 +285,16 @@ static void json_plan(struct rb_json *json, const struct rb_model *model)
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, feature[k].name, model->features & feature[k].bit);
 	rb_json_close(json, '}');
+	const struct rb_method *const method = rb_model_method_row(model);
 	const struct rb_method_part *const part = rb_located_parts(&count);
 	rb_json_open(json, "parts", '{');
 	for (int k = 0; k < count; k++)
-		rb_json_bool(
-			json, part[k].name,
-			(model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED) &&
-				rb_method_part_is_used(&part[k], model));
+		rb_json_bool(json, part[k].name,
+		             method->locates && rb_method_part_is_used(&part[k], model));
 	rb_json_close(json, '}');
 	rb_json_open(json, "stages", '{');
-	if (model->method == RB_METHOD_STEPPED) {
-		const struct rb_method_part *const row = rb_stepped_parts(&count);
+	if (method->parts && !method->locates) {
+		const struct rb_method_part *const row = method->parts(&count);
 
 		for (int k = 0; k < count; k++)
 			rb_json_bool(json, row[k].name, rb_method_part_is_used(&row[k], model));
@@ -308,8 +304,7 @@ static void json_plan(struct rb_json *json, const struct rb_model *model)
 	const struct rb_stage *const *const stage = rb_stage_list_all(&count);
 	for (int k = 0; k < count; k++)
 		rb_json_bool(json, stage[k]->name,
-		             model->method == RB_METHOD_CLASSIC &&
-		                     rb_stage_list_has(stage[k], model->features));
+		             !method->locates && rb_stage_list_has(stage[k], model->features));
 	rb_json_close(json, '}');
 }
 

@@ -15,6 +15,7 @@
 #include "math/vec3.h"
 #include "model/element.h"
 #include "model/shape.h"
+#include "model/descriptor.h"
 #include "script/pattern.h"
 
 int rb_app_fail(const struct rb_options *options, const struct rb_error *err)
@@ -196,9 +197,8 @@ static void override(struct rb_world_def *world, const struct rb_options *option
 		world->time_step_s = options->time_step_s;
 	if (!isnan(options->tolerance_m))
 		world->tolerance_m = options->tolerance_m;
-	for (int i = RB_METHOD_AUTO; options->method && i <= RB_METHOD_STEPPED; i++)
-		if (strcmp(options->method, rb_method_name((enum rb_method_kind)i)) == 0)
-			world->method = (enum rb_method_kind)i;
+	if (options->method && rb_method_find(options->method) >= 0)
+		world->method = (enum rb_method_kind)rb_method_find(options->method);
 	for (int i = 0; options->rollback && i < 3; i++)
 		if (strcmp(options->rollback, rollback_names[i]) == 0)
 			world->rollback = (enum rb_rollback_kind)i;

@@ -12,6 +12,7 @@
 #include "base/error.h"
 #include "flow/frame.h"
 #include "method/method.h"
+#include "model/descriptor.h"
 #include "script/hooks.h"
 #include "world/world.h"
 
@@ -236,7 +237,8 @@ static void try_coarse(struct trial *trial, int to)
 
 	coarse.tolerance_m = fmax(coarse.tolerance_m, coarse_overlap * coarse.size_min_m);
 	coarse.time_step_s = fmax(coarse.time_step_s, 1 / coarse.frame_rate);
-	coarse.method = coarse.method == RB_METHOD_CLASSIC ? coarse.method : RB_METHOD_STEPPED;
+	if (rb_model_method_row(&coarse)->locates)
+		coarse.method = RB_METHOD_STEPPED;
 	coarse.keeps_ledger = false;
 	/* one thread: a process that is forked has no others */
 	allow(trial, 0, coarse_s);

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "model/descriptor.h"
 
 /* What script/load takes, borrowed from a reading but for the arrays. */
 struct stored {
@@ -86,9 +87,8 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *re
 	world->frame_rate = reading->frame_rate;
 	world->time_step_s = reading->time_step_s;
 	world->tolerance_m = reading->tolerance_m;
-	for (int kind = RB_METHOD_AUTO; kind <= RB_METHOD_STEPPED; kind++)
-		if (strcmp(rb_method_name((enum rb_method_kind)kind), reading->method) == 0)
-			world->method = (enum rb_method_kind)kind;
+	if (rb_method_find(reading->method) >= 0)
+		world->method = (enum rb_method_kind)rb_method_find(reading->method);
 	for (int kind = RB_ROLLBACK_SELECTIVE; kind <= RB_ROLLBACK_NONE; kind++)
 		if (strcmp(rb_rollback_name((enum rb_rollback_kind)kind), reading->rollback) == 0)
 			world->rollback = (enum rb_rollback_kind)kind;

@@ -7,6 +7,7 @@
 
 #include "app/json.h"
 #include "base/visible.h"
+#include "model/descriptor.h"
 
 static double per_second(uint64_t count, double seconds)
 {
@@ -106,10 +107,11 @@ static void print_method(FILE *file, const struct rb_run_result *result,
 	const double stepped = result->totals.stepped;
 
 	rb_print(file, "  method        %s", info->method);
-	if (loaded->model->method == RB_METHOD_AUTO && stepped > 0)
+	const bool changes = rb_model_method_row(loaded->model)->changes;
+	if (changes && stepped > 0)
 		rb_print(file, ": located %.6g s, stepped %.6g s (too dense to locate)",
 		         fmax(0, result->time_s - stepped), stepped);
-	else if (loaded->model->method == RB_METHOD_AUTO)
+	else if (changes)
 		fputs(": located", file);
 	rb_print(file, ", rollback %s, time step %g s\n", info->rollback,
 	         loaded->model->time_step_s);

@@ -288,7 +288,7 @@ static enum rb_status solve_step(struct rb_world *world, double start, double dt
 	return status;
 }
 
-enum rb_status rb_classic_prepare(struct rb_world *world, struct rb_error *err)
+static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
 	enum rb_status status = RB_OK;
@@ -304,8 +304,7 @@ enum rb_status rb_classic_prepare(struct rb_world *world, struct rb_error *err)
 	return status;
 }
 
-enum rb_status rb_classic_step(struct rb_world *world, double start, double dt,
-                               struct rb_error *err)
+static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
 
@@ -325,3 +324,72 @@ enum rb_status rb_classic_step(struct rb_world *world, double start, double dt,
 	world->state.time_s = start + dt;
 	return commit(world, err);
 }
+
+/* ---- checkpoints ---- */
+
+static void pack_vector(struct rb_pack *pack, rb_vec3 *v)
+{
+	double numbers[3] = {v->x, v->y, v->z};
+
+	rb_pack_finite(pack, numbers, 3);
+	*v = rb_vec3_from(numbers);
+}
+
+/*
+ * The boxes and what they allow: which pairs are looked at, and so which bodies step together,
+ * follows from when they were made. The candidates follow from the boxes.
+ */
+static void pack_groups(struct rb_world *world, struct rb_pack *pack)
+{
+	struct rb_groups *const groups = world->groups;
+	const size_t n = (size_t)groups->body_count;
+
+	rb_pack_bool(pack, &groups->valid);
+	if (!groups->valid)
+		return;
+	if (!rb_pack_check(pack, world->broadphase != NULL, "boxes of bodies that never meet"))
+		return;
+	for (size_t i = 0; i < n; i++) {
+		pack_vector(pack, &groups->built_at[i]);
+		pack_vector(pack, &groups->box[i].low);
+		pack_vector(pack, &groups->box[i].high);
+		(void)rb_pack_check(pack,
+		                    groups->box[i].low.x <= groups->box[i].high.x &&
+		                            groups->box[i].low.y <= groups->box[i].high.y &&
+		                            groups->box[i].low.z <= groups->box[i].high.z,
+		                    "a box that is inside out");
+	}
+	rb_pack_finite(pack, groups->margin, n);
+	if (pack->loading && !pack->failed &&
+	    rb_broadphase_find(world->broadphase, groups->box, &groups->candidate,
+	                       &groups->candidate_count, NULL) != RB_OK)
+		pack->failed = pack->no_memory = true;
+}
+
+static void pack_steps(struct rb_world *world, struct rb_pack *pack)
+{
+	bool prepared = world->groups != NULL;
+
+	rb_pack_bool(pack, &prepared);
+	(void)rb_pack_check(pack, prepared || !world->groups, "a world that was never stepped");
+	if (!prepared || pack->failed)
+		return;
+	if (pack->loading && prepare(world, NULL) != RB_OK) {
+		pack->failed = pack->no_memory = true;
+		return;
+	}
+	pack_groups(world, pack);
+}
+
+static const struct rb_stepper steps = {.prepare = prepare, .step = step, .pack = pack_steps};
+
+const struct rb_method rb_method_classic = {
+	.name = "classic",
+	.what = "one step for all; a step that ends in an overlap is taken back and halved",
+	.good_for = "lectures; a baseline for every other method",
+	.mind = "errors fall with the first power of time_step; heaps cost much; no springs, drag, "
+		"fields or driven bodies",
+	.steps = &steps,
+	.lacks = RB_FEATURES_VARIED | RB_FEATURE_DRIVEN,
+	.round_only = true,
+};

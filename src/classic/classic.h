@@ -27,13 +27,9 @@
 #ifndef RB_CLASSIC_CLASSIC_H
 #define RB_CLASSIC_CLASSIC_H
 
+#include "model/descriptor.h"
 #include "world/world.h"
 
-/* What the method needs beside the state; made when it is first used. */
-RB_CHECKED enum rb_status rb_classic_prepare(struct rb_world *world, struct rb_error *err);
-
-/* On failure the state is that of the beginning of the step. */
-RB_CHECKED enum rb_status rb_classic_step(struct rb_world *world, double start_s, double dt_s,
-                                          struct rb_error *err);
+extern const struct rb_method rb_method_classic;
 
 #endif

@@ -16,6 +16,7 @@
 #include "located/drift.h"
 #include "located/transition.h"
 #include "geom/distance.h"
+#include "model/descriptor.h"
 
 /*
  * Below this many bodies all are candidates of each other: cells would cost more than they spare.
@@ -28,7 +29,7 @@ enum { CROWD_MAX = 1024, CROWD_MAX_PER_BODY = 8 };
 
 static bool can_be_stepped(const struct rb_located *l)
 {
-	return l->model->method == RB_METHOD_AUTO && (l->model->features & RB_FEATURE_CONTACT);
+	return rb_model_method_row(l->model)->changes && (l->model->features & RB_FEATURE_CONTACT);
 }
 
 /* ---- making ---- */
@@ -108,7 +109,7 @@ static bool wants_cells(const struct rb_located *l)
 	    l->model->center_of_mass)
 		return false;
 	/* bodies on pieces leave their cells at moments that have no closed form */
-	return !(l->model->features & RB_FEATURES_NOT_CLASSIC);
+	return !(l->model->features & (RB_FEATURES_VARIED | RB_FEATURE_DRIVEN));
 }
 
 enum rb_status rb_engine_create(struct rb_located **made, struct rb_world *world,

@@ -11,7 +11,8 @@ static const struct rb_method_part rows[] = {
 	{"clusters", "lasting contacts: rest, slide, roll, and their transitions",
          RB_FEATURE_CONTACT},
 	{"integrator", "Gauss collocation of order 16, where a force has no closed form",
-         RB_FEATURES_NOT_CLASSIC | RB_FEATURE_CONTACT | RB_FEATURE_FORCES | RB_FEATURE_PUSHES},
+         RB_FEATURES_VARIED | RB_FEATURE_DRIVEN | RB_FEATURE_CONTACT | RB_FEATURE_FORCES |
+                 RB_FEATURE_PUSHES},
 	{"switches", "moments at which forces begin and end", RB_FEATURE_FORCES},
 	{"callbacks", "every body as of the moment of each impact and transition",
          RB_FEATURE_HOOK_COLLISION | RB_FEATURE_HOOK_TRANSITION},

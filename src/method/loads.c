@@ -12,6 +12,7 @@
 #include "classic/classic.h"
 #include "method/numbers.h"
 #include "stepped/stepped.h"
+#include "model/descriptor.h"
 
 struct rb_loads {
 	bool known; /* the rows below are of `moment` */
@@ -136,13 +137,10 @@ static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 	const struct rb_model *model = other->model;
 	const double from = other->state.time_s;
 	const double dt = fmin(model->time_step_s, rb_model_frame_time(model, 1) - from);
-	enum rb_status status = RB_OK;
+	const struct rb_stepper *const steps = rb_model_method_row(model)->steps;
+	const enum rb_status status = steps->prepare(other, err);
 
-	if (model->method == RB_METHOD_CLASSIC)
-		return rb_classic_step(other, from, dt, err);
-	if (other->located)
-		status = rb_stepped_prepare(other, err);
-	return status == RB_OK ? rb_stepped_step(other, from, dt, err) : status;
+	return status == RB_OK ? steps->step(other, from, dt, err) : status;
 }
 
 /*

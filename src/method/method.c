@@ -5,13 +5,12 @@
 #include "base/memory.h"
 #include "located/engine.h"
 #include "located/located_invariants.h"
-#include "classic/classic.h"
 #include "classic/groups.h"
 #include "method/loads.h"
 #include "method/numbers.h"
+#include "model/descriptor.h"
 #include "classic/stage_list.h"
 #include "stepped/stepped.h"
-#include "stepped/stepped_invariants.h"
 #include "world/invariants.h"
 
 #include <float.h>
@@ -43,29 +42,23 @@ static void start_state(struct rb_world *world)
 	}
 }
 
-static bool is_located(const struct rb_model *model)
+static const struct rb_method *method_of(const struct rb_world *world)
 {
-	return model->method == RB_METHOD_AUTO || model->method == RB_METHOD_LOCATED;
-}
-
-/* Steps of `auto` and of `stepped`; lectures and comparisons ask for those of `classic`. */
-static bool is_stepped(const struct rb_model *model)
-{
-	return model->method != RB_METHOD_CLASSIC;
+	return rb_model_method_row(world->model);
 }
 
 static enum rb_status prepare_steps(struct rb_world *world, struct rb_error *err)
 {
-	return is_stepped(world->model) ? rb_stepped_prepare(world, err)
-	                                : rb_classic_prepare(world, err);
+	return method_of(world)->steps->prepare(world, err);
 }
 
 /* From locating. */
 static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *err)
 {
-	const enum rb_status status = prepare_steps(world, err);
+	const struct rb_stepper *const steps = method_of(world)->steps;
+	const enum rb_status status = steps->prepare(world, err);
 
-	return status == RB_OK && world->stepped ? rb_stepped_take_over(world, err) : status;
+	return status == RB_OK && steps->take_over ? steps->take_over(world, err) : status;
 }
 
 /* What callbacks push with holds for one step. Who asks after it what acts is told of these. */
@@ -130,13 +123,13 @@ enum rb_status rb_world_create(struct rb_world **made, const struct rb_model *mo
 		status = RB_FAIL(err, RB_ERR_MEMORY, "no memory for a world");
 	if (status == RB_OK)
 		status = rb_team_create(&world->team, world->worker_count, err);
-	if (status == RB_OK && !is_located(model))
+	if (status == RB_OK && !method_of(world)->locates)
 		status = prepare_steps(world, err);
 	if (status == RB_OK) {
 		rb_stage_list_build(world->plan, model->features);
 		start_state(world);
 	}
-	if (status == RB_OK && is_located(model))
+	if (status == RB_OK && method_of(world)->locates)
 		status = rb_engine_create(&world->located, world, err);
 	if (status == RB_OK && model->driven)
 		status = rb_loads_start_driven(world, err);
@@ -233,7 +226,7 @@ static enum rb_status longest_step(const struct rb_world *world, double t, doubl
 	double external;
 
 	*step = HUGE_VAL;
-	if (world->model->method != RB_METHOD_AUTO)
+	if (!method_of(world)->changes)
 		return RB_OK;
 	const enum rb_status status = largest_external(world, t, &external, err);
 
@@ -258,8 +251,7 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 		                                                  ((double)(k + 1) / (double)count)
 		                                : stop;
 
-		status = is_stepped(world->model) ? rb_stepped_step(world, from, to - from, err)
-		                                  : rb_classic_step(world, from, to - from, err);
+		status = method_of(world)->steps->step(world, from, to - from, err);
 		if (status != RB_OK)
 			break;
 		world->state.time_s = to;
@@ -284,8 +276,7 @@ struct restart {
 
 static bool can_change_method(const struct rb_world *world)
 {
-	return world->model->method == RB_METHOD_AUTO && world->located &&
-	       rb_engine_wants_steps(world->located);
+	return method_of(world)->changes && world->located && rb_engine_wants_steps(world->located);
 }
 
 /* Callbacks cannot be taken back: with some it is a step that is done anew, not a frame. */
@@ -491,8 +482,9 @@ enum rb_status rb_world_validate(const struct rb_world *world, struct rb_error *
 		status = rb_validate_records(world, err);
 	if (status == RB_OK && world->located && world->dense_left == 0)
 		status = rb_validate_located(world->located, err);
-	if (status == RB_OK && world->stepped)
-		status = rb_validate_stepped(world, err);
+	const struct rb_stepper *const steps = method_of(world)->steps;
+	if (status == RB_OK && world->stepped && steps->validate)
+		status = steps->validate(world, err);
 	return status;
 }
 

@@ -4,9 +4,8 @@
 #include "base/memory.h"
 #include "located/freeze.h"
 #include "step/broadphase.h"
-#include "classic/classic.h"
 #include "classic/groups.h"
-#include "stepped/stepped.h"
+#include "model/descriptor.h"
 #include "world/world.h"
 
 #include <math.h>
@@ -134,52 +133,6 @@ static void pack_counts(struct rb_counts *counts, struct rb_pack *pack)
 	rb_pack_finite(pack, &counts->max_penetration_m, 1);
 }
 
-/*
- * The boxes and what they allow: which pairs are looked at, and so which bodies step together,
- * follows from when they were made. The candidates follow from the boxes.
- */
-static void pack_groups(struct rb_world *world, struct rb_pack *pack)
-{
-	struct rb_groups *const groups = world->groups;
-	const size_t n = (size_t)groups->body_count;
-
-	rb_pack_bool(pack, &groups->valid);
-	if (!groups->valid)
-		return;
-	if (!rb_pack_check(pack, world->broadphase != NULL, "boxes of bodies that never meet"))
-		return;
-	for (size_t i = 0; i < n; i++) {
-		pack_vector(pack, &groups->built_at[i]);
-		pack_vector(pack, &groups->box[i].low);
-		pack_vector(pack, &groups->box[i].high);
-		(void)rb_pack_check(pack,
-		                    groups->box[i].low.x <= groups->box[i].high.x &&
-		                            groups->box[i].low.y <= groups->box[i].high.y &&
-		                            groups->box[i].low.z <= groups->box[i].high.z,
-		                    "a box that is inside out");
-	}
-	rb_pack_finite(pack, groups->margin, n);
-	if (pack->loading && !pack->failed &&
-	    rb_broadphase_find(world->broadphase, groups->box, &groups->candidate,
-	                       &groups->candidate_count, NULL) != RB_OK)
-		pack->failed = pack->no_memory = true;
-}
-
-static void pack_classic(struct rb_world *world, struct rb_pack *pack)
-{
-	bool prepared = world->groups != NULL;
-
-	rb_pack_bool(pack, &prepared);
-	(void)rb_pack_check(pack, prepared || !world->groups, "a world that was never stepped");
-	if (!prepared || pack->failed)
-		return;
-	if (pack->loading && rb_classic_prepare(world, NULL) != RB_OK) {
-		pack->failed = pack->no_memory = true;
-		return;
-	}
-	pack_groups(world, pack);
-}
-
 /* Sizes of what follows: bytes of another scene end here. */
 static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
 {
@@ -201,10 +154,10 @@ static void pack_sizes(struct rb_world *world, struct rb_pack *pack)
  */
 static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 {
-	if (!pack->failed)
-		pack_classic(world, pack);
-	if (!pack->failed)
-		rb_stepped_pack(world, pack);
+	/* of each stepper once, in the order of the table */
+	for (int k = 0; k < RB_METHOD_KIND_COUNT && !pack->failed; k++)
+		if (!rb_methods[k]->locates)
+			rb_methods[k]->steps->pack(world, pack);
 	(void)rb_pack_check(
 		pack, world->groups || world->stepped || (world->located && world->dense_left == 0),
 		"steps of a world that was never stepped");

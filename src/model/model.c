@@ -13,26 +13,6 @@
 #include "model/features.h"
 #include "model/parts.h"
 
-const char *rb_model_method(const struct rb_model *model)
-{
-	return rb_method_name(model->method);
-}
-
-const char *rb_method_name(enum rb_method_kind kind)
-{
-	switch (kind) {
-	case RB_METHOD_AUTO:
-		return "auto";
-	case RB_METHOD_CLASSIC:
-		return "classic";
-	case RB_METHOD_LOCATED:
-		return "located";
-	case RB_METHOD_STEPPED:
-		return "stepped";
-	}
-	return "unknown";
-}
-
 const char *rb_rollback_name(enum rb_rollback_kind kind)
 {
 	switch (kind) {

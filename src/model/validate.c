@@ -13,6 +13,7 @@
 #include "geom/distance.h"
 #include "geom/grid.h"
 #include "geom/mass.h"
+#include "model/descriptor.h"
 #include "model/shape.h"
 #include "math/quat.h"
 #include "model/element.h"
@@ -372,13 +373,13 @@ static bool has_contacts(const struct rb_shape *shape)
 	return shape->kind == RB_SHAPE_SPHERE || rb_shape_is_flat(shape);
 }
 
-/* The classic method knows contacts of spheres only; false: a mistake was noted. */
+/* Some methods know contacts of spheres only; false: a mistake was noted. */
 static bool check_contacts(struct check *check, int id)
 {
 	const struct rb_scene *scene = check->scene;
 	const struct rb_body_def *body = &scene->bodies[id];
 
-	if (scene->world.method != RB_METHOD_CLASSIC || has_contacts(&body->shape) ||
+	if (!rb_methods[scene->world.method]->round_only || has_contacts(&body->shape) ||
 	    rb_body_collides(body) == 0)
 		return true;
 	for (int i = 0; i < scene->body_count; i++) {
@@ -386,9 +387,9 @@ static bool check_contacts(struct check *check, int id)
 			continue;
 		body_mistake(
 			check, id,
-			"the classic method has no contacts of %s (use 'located' or 'auto', or let "
-			"it collide with nothing: collides_with = {})",
-			rb_shape_type(&body->shape)->plural);
+			"the %s method has no contacts of %s (use 'located' or 'auto', or let it "
+			"collide with nothing: collides_with = {})",
+			rb_methods[scene->world.method]->name, rb_shape_type(&body->shape)->plural);
 		return false;
 	}
 	return true;
@@ -422,25 +423,26 @@ static bool check_bodies(struct check *check)
 
 static void lacks(struct check *check, const char *what)
 {
-	world_mistake(check, "world: method 'classic' has no %s: use 'located' or 'auto'", what);
+	world_mistake(check, "world: method '%s' has no %s: use 'located' or 'auto'",
+	              rb_methods[check->scene->world.method]->name, what);
 }
 
-/* Classic steps have no stages for these: they would leave them out without a word. */
+/* What the method has nothing for, and would leave out without a word. */
 static void check_method(struct check *check)
 {
 	const struct rb_scene *scene = check->scene;
+	const rb_features missing = rb_methods[scene->world.method]->lacks;
 	bool driven = false;
 
-	if (scene->world.method != RB_METHOD_CLASSIC)
-		return;
 	for (int i = 0; i < scene->body_count; i++)
 		driven = driven || rb_body_is_driven(&scene->bodies[i]);
 	for (int place = 0; place < rb_element_kind_count; place++)
-		if (scene->elements[place].count > 0)
+		if (scene->elements[place].count > 0 &&
+		    (missing & rb_element_kinds[place]->feature))
 			lacks(check, rb_element_kinds[place]->plural);
-	if (scene->field_count > 0)
+	if (scene->field_count > 0 && (missing & RB_FEATURE_FIELD))
 		lacks(check, "fields");
-	if (driven)
+	if (driven && (missing & RB_FEATURE_DRIVEN))
 		lacks(check, "driven bodies ('motion')");
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/stages.h"
 
+#include "stepped/stepped.h"
+
 static const struct rb_method_part rows[] = {
 	{"drive", "driven bodies get the velocity to their next pose", RB_FEATURE_DRIVEN},
 	{"gravity", "the acceleration of the world", RB_FEATURE_GRAVITY},
@@ -24,8 +26,20 @@ static const struct rb_method_part rows[] = {
 	{"tell", "contacts with their forces, impacts by time and ids", RB_FEATURE_CONTACT},
 };
 
-const struct rb_method_part *rb_stepped_parts(int *count)
+static const struct rb_method_part *parts(int *count)
 {
 	*count = (int)(sizeof rows / sizeof rows[0]);
 	return rows;
 }
+
+const struct rb_method rb_method_stepped = {
+	.name = "stepped",
+	.what = "equal steps; what touches within one is solved together, to a residual, so that "
+		"no gap closes beyond the tolerance; a step that fails is taken back and halved",
+	.good_for = "heaps, stacks, towers of any shapes and masses",
+	.mind = "impacts are at ends of steps: errors fall with the first power of time_step; "
+		"springs that a step does not resolve lose their oscillation",
+	.steps = &rb_stepper_stepped,
+	.parts = parts,
+	.parts_title = "stages of a step",
+};

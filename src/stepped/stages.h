@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* What a step of the stepped method does, in order, for `rbsim check`: one row each. */
+/* The stepped method, and what a step of it does, in order: one row each. */
 #ifndef RB_STEPPED_STAGES_H
 #define RB_STEPPED_STAGES_H
 
+#include "model/descriptor.h"
 #include "step/method_part.h"
 
-const struct rb_method_part *rb_stepped_parts(int *count);
+extern const struct rb_method rb_method_stepped;
 
 #endif

@@ -10,6 +10,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/judge.h"
 #include "stepped/sleep.h"
+#include "stepped/stepped_invariants.h"
 #include "stepped/contact_records.h"
 
 /* ---- what it needs ---- */
@@ -74,7 +75,7 @@ static enum rb_status take_tops(struct rb_stepped *s, const struct rb_model *mod
 	return RB_OK;
 }
 
-enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err)
+static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
 	struct rb_stepped *made;
@@ -313,8 +314,7 @@ static enum rb_status step_together(struct rb_world *world, double start, double
 	return parts > 1 && world->keeps_means ? show_means(world, dt, err) : RB_OK;
 }
 
-enum rb_status rb_stepped_step(struct rb_world *world, double start, double dt,
-                               struct rb_error *err)
+static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)
 {
 	if (world->moved_by_hand) {
 		world->stepped->near.valid = false;
@@ -381,13 +381,13 @@ static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 	}
 }
 
-enum rb_status rb_stepped_take_over(struct rb_world *world, struct rb_error *err)
+static enum rb_status take_over(struct rb_world *world, struct rb_error *err)
 {
 	rb_sleep_forget(world->stepped);
 	return rb_step_points_take_over(&world->stepped->all.points, world, err);
 }
 
-void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
+static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 {
 	bool prepared = world->stepped != NULL;
 
@@ -395,7 +395,7 @@ void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 	(void)rb_pack_check(pack, prepared || !world->stepped, "a world that was never stepped");
 	if (!prepared || pack->failed)
 		return;
-	if (pack->loading && rb_stepped_prepare(world, NULL) != RB_OK) {
+	if (pack->loading && prepare(world, NULL) != RB_OK) {
 		pack->failed = pack->no_memory = true;
 		return;
 	}
@@ -404,3 +404,11 @@ void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack)
 	pack_pushes(world, pack);
 	pack_rests(world, pack);
 }
+
+const struct rb_stepper rb_stepper_stepped = {
+	.prepare = prepare,
+	.take_over = take_over,
+	.step = step,
+	.pack = pack_steps,
+	.validate = rb_validate_stepped,
+};

@@ -45,26 +45,16 @@
 #ifndef RB_STEPPED_STEPPED_H
 #define RB_STEPPED_STEPPED_H
 
-#include "base/pack.h"
+#include "model/descriptor.h"
 #include "world/world.h"
 
 struct rb_stepped;
 
-/* What the method needs beside the state; made when it is first used. */
-RB_CHECKED enum rb_status rb_stepped_prepare(struct rb_world *world, struct rb_error *err);
 void rb_stepped_destroy(struct rb_stepped *stepped); /* NULL is fine */
 
 /*
- * Before the first step after another method: it starts from the forces of the contacts that this
- * has left.
+ * Taking over after another method starts from the forces of the contacts that this has left.
  */
-RB_CHECKED enum rb_status rb_stepped_take_over(struct rb_world *world, struct rb_error *err);
-
-/* On failure the state is that of the beginning of the step. */
-RB_CHECKED enum rb_status rb_stepped_step(struct rb_world *world, double start_s, double dt_s,
-                                          struct rb_error *err);
-
-/* What the next step starts from, to bytes and back; made when it is loaded. */
-void rb_stepped_pack(struct rb_world *world, struct rb_pack *pack);
+extern const struct rb_stepper rb_stepper_stepped;
 
 #endif
