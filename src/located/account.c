@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/account.h"
 
+#include "base/error.h"
+
 #include <string.h>
 
 #include "base/memory.h"
@@ -104,6 +106,8 @@ void rb_account_arc(struct rb_located *l, int i, double t)
 {
 	struct rb_entries e = {0};
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	RB_ASSERT_COSTLY(t >= l->arc[i].anchor_s || !l->account_s);
 	if (!l->account_s)
 		return;
 	fly(l, i, l->account_s[i], t, &e);
@@ -156,6 +160,7 @@ void rb_account_cluster(struct rb_located *l, int cluster, double t)
 {
 	struct rb_entries e = {0};
 
+	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count);
 	if (!l->account_s)
 		return;
 	cluster_entries(&l->cluster[cluster], t, &e);

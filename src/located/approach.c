@@ -9,6 +9,8 @@
  */
 #include "located/approach.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <stddef.h>
 
@@ -571,6 +573,8 @@ bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
 	                                   rb_arc_pose(l, a < b ? a : b, t),
 	                                   rb_arc_pose(l, a < b ? b : a, t)};
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
 	return touching(l, &pair) == CLOSING;
 }
 
@@ -730,6 +734,9 @@ struct rb_approach rb_approach_find(const struct rb_located *l, int a, int b, do
 	struct rb_approach found = {.touch_s = HUGE_VAL};
 	struct course c;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
+	RB_ASSERT_COSTLY(until >= from);
 	start(&c, l, a < b ? a : b, a < b ? b : a);
 	search(&c, from, until, &found);
 	found.products += a < l->n ? turning_cost(l, a, c.pair.t) : 0;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/arc.h"
 
+#include "base/error.h"
 #include "located/account.h"
 #include "math/turn.h"
 
@@ -12,6 +13,8 @@ rb_vec3 rb_arc_piece_vector(const struct rb_piece_of *p, int row, double t)
 {
 	double v[3];
 
+	RB_ASSERT_COSTLY(p->piece.n > 0);
+	RB_ASSERT_COSTLY(row >= 0 && row + 3 <= p->piece.n - p->first);
 	rb_gauss_some(&p->piece, p->first + row, 3, t - p->origin_s, v);
 	return rb_vec3_from(v);
 }
@@ -20,6 +23,8 @@ rb_vec3 rb_arc_piece_rate(const struct rb_piece_of *p, int row, double t)
 {
 	double v[3];
 
+	RB_ASSERT_COSTLY(p->piece.n > 0);
+	RB_ASSERT_COSTLY(row >= 0 && row + 3 <= p->piece.n - p->first);
 	rb_gauss_some_rates(&p->piece, p->first + row, 3, t - p->origin_s, v);
 	return rb_vec3_from(v);
 }
@@ -69,6 +74,8 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 {
 	struct rb_pose pose = {.position = rb_arc_position(l, i, t)};
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
+	RB_ASSERT_COSTLY(!isnan(t));
 	if (l->piece && i < l->n)
 		pose.rest = rest_of(&l->piece[i], pose.position, t);
 	if (i < l->n)
@@ -87,6 +94,7 @@ struct rb_pose rb_arc_pose(const struct rb_located *l, int i, double t)
 
 rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	return rb_arc_pose(l, i, t).origin;
 }
 
@@ -128,6 +136,7 @@ void rb_arc_store(const struct rb_located *l, int i, double t)
 {
 	struct rb_state *state = &l->world->state;
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	rb_vec3_to(state->position + 3 * (size_t)i, rb_arc_position(l, i, t));
 	rb_vec3_to(state->velocity + 3 * (size_t)i, rb_arc_velocity(l, i, t));
 	if (l->top)

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/bounds.h"
 
+#include "base/error.h"
+
 #include <float.h>
 
 /*
@@ -122,6 +124,7 @@ struct rb_bounds rb_bounds_of(const struct rb_located *l, int i)
 	double turning_rate = 0;
 	bool is_free = false;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (i >= l->n)
 		return max;
 	if (rb_located_on_piece(l, i)) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/cluster.h"
 
+#include "base/error.h"
+
 #include <string.h>
 
 #include "base/memory.h"
@@ -9,6 +11,8 @@ int rb_cluster_take(struct rb_located *l, const int *member, int member_count, i
 {
 	int k = l->cluster_free - 1;
 
+	RB_ASSERT(member_count > 0 && held_count >= 0);
+	RB_ASSERT(!l->cluster_free || l->cluster_free <= l->cluster_count);
 	if (k >= 0) {
 		l->cluster_free = l->cluster[k].next_free;
 	} else {
@@ -40,6 +44,7 @@ void rb_cluster_drop(struct rb_located *l, int cluster)
 {
 	struct rb_cluster *c = &l->cluster[cluster];
 
+	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
 	for (int m = 0; m < c->member_count; m++)
 		l->cluster_of[c->member[m]] = -1;
 	rb_queue_set(l->queue, l->n + cluster, (double)INFINITY);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/contact_point.h"
 
+#include "base/error.h"
+
 #include <float.h>
 
 enum { TOUCHING_ULP = 8 };
@@ -46,6 +48,7 @@ static double plain_size_of(const struct rb_located *l, int i)
 
 double rb_contact_point_size(const struct rb_located *l, const struct rb_contact_point *m)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	if (!rb_pair_has_features(l, m->a, m->b))
 		return fmax(plain_size_of(l, m->a), plain_size_of(l, m->b));
 	const double a = rb_located_fixed(l, m->a) ? 0 : size_of(l, m->a);
@@ -55,6 +58,7 @@ double rb_contact_point_size(const struct rb_located *l, const struct rb_contact
 
 double rb_contact_point_largest(const struct rb_located *l, const struct rb_contact_point *m)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	return rb_pair_has_features(l, m->a, m->b) ? fmax(size_of(l, m->a), size_of(l, m->b))
 	                                           : rb_contact_point_size(l, m);
 }
@@ -80,6 +84,7 @@ double rb_contact_point_noise(const struct rb_located *l, const struct rb_contac
 {
 	const double size = rb_contact_point_size(l, m);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	return 8 * DBL_EPSILON *
 	       (rb_vec3_max_abs(m->pose_a.velocity) + rb_vec3_max_abs(m->pose_b.velocity) +
 	        rb_vec3_max_abs(m->pose_a.spin) * rb_vec3_max_abs(m->arm_a) +
@@ -92,6 +97,7 @@ bool rb_contact_point_passes(const struct rb_located *l, const struct rb_contact
 	const double rate = rb_vec3_dot(m->velocity, m->normal),
 		     bend = rb_contact_point_bend(l, m, t);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	return rate < -rb_contact_point_noise(l, m) && bend > 0 &&
 	       rate * rate <= 2 * bend * (fmax(m->gap, 0) + rb_contact_point_band(l, m, t));
 }
@@ -146,6 +152,7 @@ static double bend_of_features(const struct rb_located *l, const struct rb_conta
 
 double rb_contact_point_bend(const struct rb_located *l, const struct rb_contact_point *m, double t)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	if (rb_pair_has_features(l, m->a, m->b))
 		return bend_of_features(l, m, t);
 	const bool flipped = l->model->shape[m->a].kind != RB_SHAPE_SPHERE;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/convex_contact.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <stdlib.h>
 
@@ -38,6 +40,8 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 	rb_vec3 origin = {0, 0, 0};
 	const rb_placed placed = rb_body_part_place(own, origin, pose->orientation);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
+	RB_ASSERT_COSTLY(part >= 0);
 	if (i < l->n && model->center_of_mass)
 		origin = rb_vec3_neg(rb_quat_rotate(pose->orientation, model->center_of_mass[i]));
 	const rb_vec3 arm = rb_vec3_add(origin, placed.at);
@@ -178,6 +182,8 @@ struct rb_contact_point rb_touch_of(const struct rb_located *l, const struct rb_
 	const struct rb_touch_pair pair = {name->a, name->b, 0, *pose_a, *pose_b};
 	struct couple c;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, name->a) && rb_located_is_body(l, name->b));
+	RB_ASSERT_COSTLY(l->model->parts != NULL);
 	couple_of(l, &pair, name->parts, &c);
 	c.a.half = c.b.half = name->half;
 	return point_of_pair(&pair, &c, name->parts, name->key);
@@ -188,6 +194,7 @@ bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m,
 	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
 	struct couple c;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	couple_of(l, &pair, m->parts, &c);
 	c.a.half = c.b.half = m->half;
 	return rb_feature_half(&c.a, &c.b, m->key, half);
@@ -218,6 +225,7 @@ struct rb_contact_point rb_touch_passed_on(const struct rb_located *l,
 	const struct rb_touch_pair pair = {m->a, m->b, 0, m->pose_a, m->pose_b};
 	struct couple c;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	couple_of(l, &pair, m->parts, &c);
 	return contact_within(&pair, &c, m->parts, m->key);
 }
@@ -269,6 +277,8 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 	uint32_t parts = 0;
 	int best = 0;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
 	if (rb_model_parts(l->model, a)->count * rb_model_parts(l->model, b)->count > 1)
 		rb_touch_gap(l, &pair, &parts);
 	couple_of(l, &pair, parts, &c);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/driven.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "step/motion.h"
 
@@ -524,6 +525,8 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 	struct rb_driven *own = driven_of(l, i, rb_located_row(l));
 	double square = 0;
 
+	RB_ASSERT(rb_located_driven(l, i));
+	RB_ASSERT_COSTLY(l->piece != NULL);
 	if (!own) {
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a driven body");
 		return;
@@ -573,6 +576,7 @@ void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack)
 	const int n = rb_located_row(l);
 	bool has = l->driven && l->driven[i];
 
+	RB_ASSERT(rb_located_driven(l, i));
 	rb_pack_bool(pack, &has);
 	if (!has)
 		return;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/engine.h"
 
+#include "base/error.h"
+
 #include <string.h>
 
 #include "base/memory.h"
@@ -466,6 +468,8 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 {
 	const struct rb_state *now = &l->world->state, *before = &l->world->start;
 
+	RB_ASSERT(l->status == RB_OK);
+	RB_ASSERT(l->set_count == 0);
 	l->err = err;
 	for (int i = 0; i < l->n && l->started; i++) {
 		const bool moved = differs(now->position, before->position, i, 3);
@@ -659,6 +663,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	const size_t reported = l->world->events.count;
 	double t;
 
+	RB_ASSERT(until >= l->world->state.time_s);
 	l->err = err;
 	if (l->started) {
 		allow(l, until - l->now_s);

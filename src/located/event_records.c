@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/event_records.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 
 static void keep(struct rb_located *l, struct rb_event event)
@@ -26,6 +27,9 @@ static void keep(struct rb_located *l, struct rb_event event)
 void rb_record_impact(struct rb_located *l, double t, const struct rb_contact_point *m,
                       rb_vec3 impulse, double approach)
 {
+	RB_ASSERT(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
+	RB_ASSERT_COSTLY(rb_vec3_finite(impulse));
+	RB_ASSERT_COSTLY(approach >= 0);
 	l->world->frame_counts.collisions++;
 	if (!l->world->options.keep_events && !l->world->hooks.collision)
 		return;
@@ -42,6 +46,7 @@ void rb_record_impact(struct rb_located *l, double t, const struct rb_contact_po
 void rb_record_transition(struct rb_located *l, double t, enum rb_event_kind kind,
                           const struct rb_contact_point *m)
 {
+	RB_ASSERT(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	if (!l->world->options.keep_events && !l->world->hooks.transition)
 		return;
 	keep(l, (struct rb_event){.time_s = t,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/external_force.h"
 
+#include "base/error.h"
+
 #include <stdlib.h>
 
 #include "base/memory.h"
@@ -222,6 +224,8 @@ rb_vec3 rb_effective_mass_inverse(const struct rb_located *l, int i, rb_quat ori
 {
 	const double scalar = l->model->inverse_inertia_scalar[i];
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	RB_ASSERT_COSTLY(l->top != NULL);
 	if (!isnan(scalar))
 		return rb_vec3_scale(scalar, torque);
 	return rb_quat_rotate(orientation, rb_mat3_apply(&l->model->inverse_inertia[i],
@@ -233,6 +237,7 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 {
 	struct load load = {.l = l, .i = i, .pose = pose, .view = view};
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	if (view->parts) {
 		load.parts = &view->parts[l->place[i]];
 		*load.parts = (struct rb_external_parts){0};
@@ -258,6 +263,7 @@ void rb_external_force_at(struct rb_located *l, int i, const struct rb_pose *pos
 
 bool rb_external_is_constant(const struct rb_located *l, int i, double t)
 {
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	for (int k = 0; k < ROWS; k++)
 		if ((l->model->features & rows[k].need) && !rows[k].is_constant(l, i, t))
 			return false;
@@ -289,6 +295,7 @@ bool rb_external_turns_with(const struct rb_located *l, int i)
 	const int id = l->model->id_of[i];
 	const struct rb_body_def *body = &scene->bodies[id];
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	for (int f = 0; f < body->force_count; f++) {
 		const struct rb_force_def *force = &scene->forces[body->force_first + f];
 
@@ -303,6 +310,7 @@ bool rb_external_turns_with(const struct rb_located *l, int i)
 
 rb_vec3 rb_external_turning(const struct rb_located *l, int i)
 {
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
 	if (!l->top || !l->world->state.twist || l->top_body[i].kind != RB_TOP_CONSTANT)
 		return (rb_vec3){0, 0, 0};
 	return rb_vec3_scale(l->model->inverse_inertia_scalar[i],

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/inspect.h"
 
+#include "base/error.h"
 #include "located/integrate.h"
 #include "located/convex_contact.h"
 
@@ -62,6 +63,7 @@ static enum rb_status list(struct rb_located *l, double t, bool at_moment,
 
 enum rb_status rb_inspect_contacts(struct rb_located *l, double t)
 {
+	RB_ASSERT(t >= l->now_s);
 	return list(l, t, false, &l->world->contacts);
 }
 
@@ -126,6 +128,7 @@ double rb_inspect_overlap(struct rb_located *l, double t, int *a, int *b)
 	double deepest = 0;
 	int pair[2] = {-1, -1};
 
+	RB_ASSERT(t >= l->now_s);
 	for (int i = 0; i < l->n; i++) {
 		const int near = rb_set_near(l, i);
 

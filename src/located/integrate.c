@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/integrate.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -307,6 +309,7 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 	const int count = w.c->member_count;
 	double *value, *scale, *scratch;
 
+	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
 	rb_account_cluster(l, cluster, t);
 	w.c->anchor_s = w.c->account_s = t;
 	if (!l->piece)
@@ -328,6 +331,8 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 
 bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force)
 {
+	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
+	RB_ASSERT(l->cluster[cluster].integrated);
 	struct rb_cluster *const c = &l->cluster[cluster];
 	struct rb_modes w = {.l = l,
 	                     .c = c,

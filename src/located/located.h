@@ -273,6 +273,16 @@ static inline void rb_located_count(struct rb_located *l, long products, int con
 	l->products += (uint64_t)products * (uint64_t)contacts * RB_LOCATED_ROW;
 }
 
+/* A body that moves; one that may be static, too. */
+static inline bool rb_located_moves(const struct rb_located *l, int i)
+{
+	return i >= 0 && i < l->n;
+}
+static inline bool rb_located_is_body(const struct rb_located *l, int i)
+{
+	return i >= 0 && i < l->n + l->model->static_count;
+}
+
 static inline bool rb_located_driven(const struct rb_located *l, int i)
 {
 	return i < l->n && l->model->driven && l->model->driven[i];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/mechanics.h"
 
+#include "base/error.h"
 #include "located/external_force.h"
 
 struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
@@ -16,6 +17,8 @@ struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
 	                              .friction = l->top ? pair->friction : 0,
 	                              .restitution = pair->restitution};
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
+	RB_ASSERT_COSTLY(fabs(rb_vec3_length(m->normal) - 1) < 1e-6);
 	/* d/dt of the points' relative velocity, and of the normal that it is seen along */
 	c.bias = rb_vec3_sub(rb_vec3_cross(m->pose_b.spin, m->rate_b),
 	                     rb_vec3_cross(m->pose_a.spin, m->rate_a));
@@ -29,6 +32,7 @@ struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
 	struct rb_solver_body body = {
 		.inverse_mass = l->model->inverse_mass[i], .linear = linear, .angular = angular};
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (!l->top)
 		return body;
 	body.inverse_inertia = l->model->inverse_inertia_scalar[i];
@@ -40,6 +44,7 @@ struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
 
 rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (!l->top || !rb_located_on_piece(l, i))
 		return (rb_vec3){0, 0, 0};
 	return rb_arc_piece_rate(&l->piece[i], RB_PIECE_SPIN, t);
@@ -56,6 +61,7 @@ rb_vec3 rb_mechanics_answer(const struct rb_located *l, int i, const struct rb_p
 {
 	const rb_vec3 linear = rb_vec3_scale(l->model->inverse_mass[i], impulse);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (!l->top)
 		return linear;
 	const rb_vec3 angular = rb_effective_mass_inverse(l, i, pose->orientation,

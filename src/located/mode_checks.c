@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/mode_checks.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -52,6 +54,7 @@ double rb_check_excess(const struct rb_modes *w, int k)
 	const rb_vec3 n = w->contact_point[k].normal;
 	const double push = rb_vec3_dot(w->force[k], n);
 
+	RB_ASSERT_COSTLY(k >= 0);
 	if (w->c->held[k].slipping)
 		return -push;
 	return fmax(-push,

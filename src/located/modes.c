@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/modes.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -425,6 +427,7 @@ static rb_vec3 relative_acceleration(const struct rb_modes *w, int i, double t)
 
 bool rb_modes_is_slow(const struct rb_modes *w, int contact, double t)
 {
+	RB_ASSERT_COSTLY(contact >= 0);
 	return rb_set_is_slow(
 		w->l, &w->contact_point[contact],
 		rb_vec3_dot(relative_acceleration(w, contact, t), w->contact[contact].slip),

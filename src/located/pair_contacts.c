@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/pair_contacts.h"
 
+#include "base/error.h"
 #include "located/approach.h"
 #include "located/bounds.h"
 #include "geom/distance.h"
@@ -14,6 +15,8 @@ bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
 {
 	const struct rb_model *model = l->model;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
 	if (a == b || (rb_located_fixed(l, a) && rb_located_fixed(l, b)))
 		return false;
 	return !model->group_bit || ((model->group_bit[a] & model->collides[b]) != 0 &&
@@ -188,6 +191,8 @@ struct rb_contact_point rb_contact_point_at(const struct rb_located *l, int a, i
 {
 	const struct rb_pose pose_a = rb_arc_pose(l, a, t), pose_b = rb_arc_pose(l, b, t);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
 	return rb_contact_point_poses(l, a, b, &pose_a, &pose_b);
 }
 
@@ -215,6 +220,9 @@ struct rb_contact_point rb_contact_point_poses(const struct rb_located *l, int a
 int rb_pair_contact_points(const struct rb_located *l, int a, int b, double t, double slack,
                            struct rb_contact_point all[RB_CONTACT_POINTS_MAX])
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
+	RB_ASSERT_COSTLY(slack >= 0);
 	if (rb_pair_has_features(l, a, b)) {
 		const struct rb_touch_pair pair = {a, b, t, rb_arc_pose(l, a, t),
 		                                   rb_arc_pose(l, b, t)};
@@ -230,6 +238,7 @@ struct rb_contact_point rb_contact_point_of(const struct rb_located *l,
                                             const struct rb_pose *pose_a,
                                             const struct rb_pose *pose_b)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, name->a) && rb_located_is_body(l, name->b));
 	if (rb_pair_has_features(l, name->a, name->b))
 		return rb_touch_of(l, name, pose_a, pose_b);
 	return rb_contact_point_poses(l, name->a, name->b, pose_a, pose_b);
@@ -323,6 +332,9 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 {
 	const double sum = extent(l, a) + extent(l, b), h = until - from;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
+	RB_ASSERT_COSTLY(until >= from);
 	if (!isfinite(sum))
 		return is_above(l, a, b, from, until) || is_above(l, b, a, from, until);
 	if ((rb_located_on_piece(l, a) || rb_located_on_piece(l, b)) &&
@@ -341,6 +353,8 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 
 bool rb_contact_point_approaches(const struct rb_located *l, int a, int b, double t)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
 	if (rb_pair_has_features(l, a, b))
 		return rb_approach_now(l, a, b, t);
 	const struct rb_contact_point m = rb_contact_point_at(l, a < b ? a : b, a < b ? b : a, t);
@@ -585,6 +599,9 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 	const struct rb_model *model = l->model;
 	double s;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
+	RB_ASSERT_COSTLY(until >= from);
 	*again = false;
 	if (rb_pair_has_features(l, a, b)) {
 		const struct rb_approach found = rb_approach_find(l, a, b, from, until);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/predict.h"
 
+#include "base/error.h"
+
 #include <float.h>
 
 #include "located/approach.h"
@@ -422,6 +424,8 @@ int rb_predict(struct rb_located *l, int i, double now, int except)
 {
 	struct seer s;
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	RB_ASSERT_COSTLY(now >= l->arc[i].anchor_s);
 	if (l->n >= MANY)
 		look_ahead(l);
 	open(&s, l, i, now, except);
@@ -447,6 +451,8 @@ void rb_predict_wall(struct rb_located *l, int i, double now)
 {
 	struct seer s;
 
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+	RB_ASSERT_COSTLY(l->cells != NULL);
 	if (l->n >= MANY)
 		look_ahead(l);
 	open(&s, l, i, now, -1);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/resolve_contacts.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -723,6 +725,8 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool struck, double sla
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	bool again = true;
 
+	RB_ASSERT(t >= l->now_s);
+	RB_ASSERT(slack >= 0);
 	/* each impulse ends a slip, and what it makes approach is an impact */
 	for (int round = 0; again; round++) {
 		struct rb_settling s = {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/resolve_impact.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -172,6 +174,7 @@ static rb_vec3 velocity_of(const struct rb_contact_point *m)
 
 bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 {
+	RB_ASSERT(rb_located_is_body(l, a) && rb_located_is_body(l, b) && a != b);
 	if (collide_in_flight(l, a, b, t))
 		return true;
 	if (!is_plain(l, a) || !is_plain(l, b))

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/set.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
 void rb_set_add(struct rb_located *l, int i)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (rb_located_fixed(l, i) || l->place[i] >= 0)
 		return;
 	l->place[i] = l->set_count;
@@ -36,6 +39,8 @@ const struct rb_held *rb_set_held(const struct rb_located *l, int a, int b)
 {
 	const int mover = a < l->n && l->cluster_of[a] >= 0 ? a : b;
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, a) && rb_located_is_body(l, b));
+	RB_ASSERT_COSTLY(a != b);
 	if (mover >= l->n || l->cluster_of[mover] < 0)
 		return NULL;
 	const struct rb_cluster *c = &l->cluster[l->cluster_of[mover]];
@@ -62,6 +67,7 @@ const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct r
 	const struct rb_cluster *c = &l->cluster[l->cluster_of[mover]];
 	const struct rb_held *h = first;
 
+	RB_ASSERT_COSTLY(first != NULL);
 	while (h < c->held + c->held_count && h->a == first->a && h->b == first->b)
 		h++;
 	return h;
@@ -72,6 +78,7 @@ struct rb_contact_point rb_set_contact_point(const struct rb_located *l, const s
 {
 	const struct rb_contact_name name = rb_set_name(held);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, held->a) && rb_located_is_body(l, held->b));
 	if (rb_set_is_single(l, held->a, held->b))
 		return rb_contact_point_at(l, held->a, held->b, t);
 	const struct rb_pose pose_a = rb_arc_pose(l, held->a, t);
@@ -111,6 +118,7 @@ bool rb_set_is_shared_place(const struct rb_located *l, const struct rb_contact_
 
 bool rb_set_has_left(const struct rb_located *l, const struct rb_contact_point *m)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	return m->inside < 0 && m->inside < -beyond_end * rb_contact_point_size(l, m);
 }
 
@@ -134,6 +142,7 @@ double rb_set_lands(const struct rb_located *l, const struct rb_contact_point *m
 
 double rb_set_creep(const struct rb_located *l, const struct rb_contact_point *m)
 {
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	return creeping / (8 * DBL_EPSILON) * rb_contact_point_noise(l, m);
 }
 
@@ -152,6 +161,7 @@ const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct 
 {
 	const struct rb_held *const first = rb_set_held(l, m->a, m->b);
 
+	RB_ASSERT_COSTLY(rb_located_is_body(l, m->a) && rb_located_is_body(l, m->b));
 	if (!first || rb_set_is_single(l, m->a, m->b))
 		return first;
 	const struct rb_held *const end = rb_set_held_end(l, first);
@@ -424,6 +434,8 @@ int rb_set_grow(struct rb_located *l, double t, double slack, rb_set_joins *join
 {
 	struct pairs pairs = {.t = t, .slack = slack, .joins = joins};
 
+	RB_ASSERT(slack >= 0);
+	RB_ASSERT(l->set_count > 0);
 	for (int k = 0; k < l->set_count && !pairs.failed; k++) {
 		const int i = l->set[k];
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/slips.h"
 
+#include "base/error.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -26,6 +28,7 @@ int rb_slips_pair(const struct rb_settling *s, int k, int *first)
 	const struct rb_contact_point *m = s->contact_point;
 	int end = k + 1;
 
+	RB_ASSERT_COSTLY(k >= 0 && k < s->contact_point_count);
 	*first = k;
 	while (*first > 0 && m[*first - 1].a == m[k].a && m[*first - 1].b == m[k].b)
 		--*first;
@@ -92,6 +95,7 @@ static void joint_contact(struct rb_settling *s, int k)
 
 bool rb_slips_press(const struct rb_settling *s, int k)
 {
+	RB_ASSERT_COSTLY(k >= 0 && k < s->contact_point_count);
 	return rb_vec3_dot(s->joint.contact[k].impulse, s->contact_point[k].normal) > 0;
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "located/transition.h"
 
+#include "base/error.h"
 #include "located/set.h"
 #include "geom/distance.h"
 
@@ -74,6 +75,7 @@ double rb_transition_next(const struct rb_located *l, int cluster)
 	const struct rb_cluster *c = &l->cluster[cluster];
 	double next = HUGE_VAL;
 
+	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
 	if (c->has_jammed)
 		return c->anchor_s;
 	for (int k = 0; k < c->held_count; k++)
