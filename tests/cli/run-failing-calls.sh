@@ -191,13 +191,13 @@ done
 rm -f r.h5*
 
 # a file system of its own that is full before the end: what was kept until then is gone on from when there is room again
-sed 's/duration = 1/duration = 14/; s/6e4/3e3/; s/== 101/== 1401/' s.lua >large.lua
+sed 's/duration = 1/duration = 14/; s/6e4/1e4/; s/== 101/== 1401/' s.lua >large.lua
 echo 'record { ledger = false }' >>large.lua
 exits 0 large.lua -q -o large.h5
 cat >full.sh <<'END'
 mount -t tmpfs -o size=3m none disk || exit 77
 head -c 1000000 /dev/zero >disk/filler
-"$RBSIM" large.lua -o disk/r.h5 --checkpoint-every 0.02 >out 2>err
+"$RBSIM" large.lua -o disk/r.h5 --checkpoint-every 0.005 >out 2>err
 [ $? -eq 74 ] || { echo "the disk was not full: $(cat err)"; exit 1; }
 grep -q "cannot .*'disk/r.h5.*No space left on device" err || { cat err; exit 1; }
 [ -s disk/r.h5.checkpoint ] || { echo "no checkpoint"; exit 1; }

@@ -188,7 +188,7 @@ exits 0 gas.lua --resume -o none.h5 --json
 [ "$(cksum <none.h5)" = "$before" ] || fail "a complete recording was touched"
 
 # Killed before there is a checkpoint, and again sooner: what could be read is not lost, though it is made again.
-sed 's/duration = 2,/duration = 60,/; $a on_frame(function() local x = 0 for i = 1, 3e4 do x = x + i end end)' script.lua |
+sed 's/duration = 2,/duration = 60,/; $a on_frame(function() local x = 0 for i = 1, 1.5e5 do x = x + i end end)' script.lua |
 	grep -v '^expect("every' >early.lua
 exits 0 early.lua -q -o early.whole.h5
 trap 'kill -9 $pid 2>/dev/null' EXIT
