@@ -3,6 +3,7 @@
 #include "stepped/stepped_invariants.h"
 
 #include "invariants.h"
+#include "math/random.h"
 
 static struct lab lab;
 
@@ -67,12 +68,39 @@ static void a_body_in_the_wrong_list_is_found(void **state)
 	s->member_count++;
 }
 
+/* A heap that is shaken: impacts turn normals of contacts whose friction is known from the step before. */
+static void friction_stays_across_the_normal(void **state)
+{
+	(void)state;
+	lab_open(&lab, 0.5, 100);
+	lab.scene.world.method = RB_METHOD_STEPPED;
+	lab.scene.world.gravity = (rb_vec3){0, 0, -10};
+	lab.scene.world.time_step_s = 0.002;
+	lab_surface(&lab, 2, 0.4);
+	for (unsigned i = 0; i < 24; i++)
+		lab_sphere(&lab, 0.1 + 0.05 * rb_random_unit(7, 0, i),
+		           1 + 9 * rb_random_unit(7, 1, i),
+		           (rb_vec3){0.3 * (i % 3) - 0.3, 0.3 * (i / 3 % 3) - 0.3,
+		                     0.3 + 0.4 * (i / 9)},
+		           (rb_vec3){0, 0, -2});
+	lab_plane(&lab, (rb_vec3){0, 0, 0}, (rb_vec3){0.3, 0, 1});
+	lab_plane(&lab, (rb_vec3){1, 0, 0}, (rb_vec3){-1, 0.2, 0.2});
+	lab_seal(&lab, 1);
+	while (rb_world_frame(lab.world) + 1 < rb_world_frame_count(lab.world)) {
+		lab_step(&lab);
+		if (rb_world_validate(lab.world, &lab.error) != RB_OK)
+			fail_msg("%s", lab.error.text);
+	}
+	lab_close(&lab);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(a_group_that_sleeps_in_part_is_found, setup,
 	                                        teardown),
 		cmocka_unit_test_setup_teardown(candidates_of_nobody_are_found, setup, teardown),
+		cmocka_unit_test(friction_stays_across_the_normal),
 		cmocka_unit_test_setup_teardown(a_body_in_the_wrong_list_is_found, setup, teardown),
 	};
 

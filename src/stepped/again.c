@@ -110,8 +110,7 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 			if (!is_same(&fresh[k], &old[o]))
 				continue;
 			fresh[k].push = old[o].push;
-			fresh[k].friction_impulse = rb_vec3_reject(old[o].friction_impulse,
-			                                           fresh[k].normal);
+			fresh[k].friction_impulse = old[o].friction_impulse;
 			break;
 		}
 }

@@ -149,8 +149,7 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 		if (point->friction > 0)
 			point->friction_impulse = rb_vec3_scale(
 				inspection->h,
-				rb_pivot_turn(rb_vec3_reject(last->friction_impulse, point->normal),
-			                      point->normal, pivot, 1));
+				rb_pivot_turn(last->friction_impulse, point->normal, pivot, 1));
 		break;
 	}
 }

@@ -346,7 +346,8 @@ static void fill_row(const struct pass *pass, struct rb_system_row *row, int num
 		.target_velocity = -(point->gap + point->bend) / solver->h_s,
 		.friction = point->friction,
 		.push = point->push,
-		.friction_impulse = point->friction_impulse,
+		/* an impact or a later look may have turned the normal since it was found */
+		.friction_impulse = rb_vec3_reject(point->friction_impulse, point->normal),
 	};
 	const double max = row->friction * row->push;
 	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
