@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "stepped/blocks.h"
 
 enum { OUTER_MAX = 30, INNER_MAX = 20, HALVINGS_MAX = 20, NOISE_ULP = 16 };
@@ -61,6 +62,7 @@ static void project(const struct rb_system_row *row, struct face *face, rb_vec3 
 	const rb_vec3 t = rb_vec3_add_scaled(z, -along, n);
 	const double across = rb_vec3_length(t);
 
+	RB_ASSERT_COSTLY(mu >= 0);
 	face->now = (rb_vec3){0, 0, 0};
 	face->slope = (rb_mat3){{{0}}};
 	if (!(mu > 0)) {
@@ -144,6 +146,8 @@ static double evaluate(struct newton *s, double *rounding)
 		                                     face->shift - row->target_velocity,
 		                                     row->normal);
 
+		RB_ASSERT_COSTLY(face->weight > 0);
+		RB_ASSERT_COSTLY(a < s->direct->member_count && b < s->direct->member_count);
 		if (isinf(row->target_velocity)) { /* open whatever happens */
 			face->now = (rb_vec3){0, 0, 0};
 			continue;
@@ -180,6 +184,7 @@ static void add_block(rb_block *block, double sign, const rb_mat3 *k, rb_vec3 ro
 	const rb_mat3 kx = rb_mat3_multiply(k, &x), yk = rb_mat3_multiply(&yt, k);
 	const rb_mat3 ykx = rb_mat3_multiply(&yt, &kx);
 
+	RB_ASSERT_COSTLY(block != NULL);
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++) {
 			block->m[i][j] += sign * k->m[i][j];
@@ -357,6 +362,7 @@ static void fill(struct newton *s)
 		const double turn = b->inverse_inertia != 0 ? 1 / b->inverse_inertia
 		                                            : 1 / b->inverse_mass;
 
+		RB_ASSERT_COSTLY(b->inverse_mass > 0);
 		s->mass[k] = 1 / b->inverse_mass;
 		lightest = fmin(lightest, s->mass[k]);
 		heaviest = fmax(heaviest, s->mass[k]);
@@ -366,6 +372,7 @@ static void fill(struct newton *s)
 			s->inertia[k] = rb_mat3_diagonal(turn, turn, turn);
 	}
 	s->ratio = heaviest / lightest;
+	RB_ASSERT(s->ratio >= 1);
 	double first = s->direct->holds ? weight_first_resting : weight_first;
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_system_row *row = &dense->row[k];
@@ -440,6 +447,7 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 	struct newton s = {.direct = direct, .dense = direct->dense};
 	const rb_arena_mark here = rb_arena_here(direct->arena);
 
+	RB_ASSERT(direct->steps_max > 0 && direct->tolerance > 0 && direct->slip_tolerance > 0);
 	if (direct->member_count > 0 && prepare(&s)) {
 		fill(&s);
 		result = solve(&s);
@@ -447,8 +455,12 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 			struct rb_system_row *row = &direct->dense->row[k];
 
 			row->push = fmax(0, rb_vec3_dot(s.face[k].impulse, row->normal));
-			row->friction_impulse = rb_vec3_reject(s.face[k].impulse, row->normal);
+			row->friction_impulse = row->friction > 0
+			                                ? rb_vec3_reject(s.face[k].impulse,
+			                                                 row->normal)
+			                                : (rb_vec3){0, 0, 0};
 		}
+		RB_ASSERT(result.steps <= direct->steps_max);
 		/* velocities are what the impulses make of them */
 		for (int k = 0; k < direct->member_count; k++)
 			direct->dense->body[direct->member[k]] = direct->free[direct->member[k]];

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "base/error.h"
+
 /* Units in the last place by which sums over a group may be off. */
 enum { NOISE_ULP = 16 };
 
@@ -70,6 +72,7 @@ static inline void add_body(struct rb_energy *energy, const struct rb_solver *so
 {
 	const struct rb_system_body *now = &solver->dense.body[i], *free = &solver->free[i];
 	const struct rb_system_body before = motion_before(solver, i);
+	RB_ASSERT_COSTLY(now->inverse_mass > 0);
 	const double mass = 1 / now->inverse_mass;
 	const rb_vec3 force = rb_vec3_sub(free->linear, before.linear);
 	const rb_vec3 more = rb_vec3_sub(now->linear, free->linear);
@@ -108,6 +111,7 @@ struct rb_energy rb_energy_of(const struct rb_solver *solver, const struct rb_is
 /* The root, up to 1, of c s^2 + 2 b s - a, which is not positive at 0, without cancellation. */
 static double root_of(double c, double b, double a)
 {
+	RB_ASSERT(!(a < 0));
 	if (!(c + 2 * b > a))
 		return 1;
 	const double root = sqrt(b * b + c * a);
@@ -214,10 +218,12 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 {
 	const struct rb_row_system dense = rows_of(solver, island);
 
+	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < dense.row_count; k++) {
 		struct rb_system_row *row = &dense.row[k];
 		const struct rb_system_row *was = &kept->row[k];
 
+		RB_ASSERT_COSTLY(row->a == was->a && row->b == was->b && row->point == was->point);
 		row->target_velocity = was->target_velocity;
 		row->push += share * (was->push - row->push);
 		row->friction_impulse = rb_vec3_add_scaled(
@@ -232,6 +238,7 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 {
 	const struct rb_row_system dense = rows_of(solver, island);
 
+	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
@@ -285,6 +292,7 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
 		energy.square += rb_energy_product(&momentum, &now);
 	}
 	const double share = rb_energy_share(&energy);
+	RB_ASSERT(share >= 0 && share <= 1);
 	island->energy_budget = fmax(0, island->energy_budget -
 	                                        share * (2 * energy.mixed + share * energy.square));
 	return share;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/even.h"
 
+#include "base/error.h"
+
 /* Share of a cone's edge at which friction slides. */
 static const double at_edge = 1 - 1e-9;
 
@@ -72,6 +74,7 @@ static void extend(struct span *span, double *v)
 			for (int i = 0; i < span->n; i++)
 				v[i] -= along * unit[i];
 		}
+	RB_ASSERT_COSTLY(span->count <= span->n);
 	const double left = dot(v, v, span->n);
 	if (span->count == span->n || !(left > own_share * own_share * size))
 		return;
@@ -129,6 +132,7 @@ static void span_loads(const struct rb_row_system *rows, struct rb_system_row *c
  */
 static double put(const struct rb_row_system *rows, struct rb_system_row *row, double push)
 {
+	RB_ASSERT_COSTLY(row->push > 0 && push >= 0);
 	const double share = push / row->push, max = row->friction * push;
 	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
 	rb_vec3 friction_impulse = row->friction_impulse;
@@ -186,5 +190,6 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	for (int i = 0; i < n; i++)
 		changed = fmax(changed,
 		               put(rows, taken[i], fmax(0, push[i] + share * (even[i] - push[i]))));
+	RB_ASSERT(share >= 0 && share <= 1);
 	return changed > tolerance;
 }

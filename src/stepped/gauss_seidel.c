@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "base/error.h"
+
 /*
  * Bodies that mixtures have pushed so many times as hard as it came to have some rounding of their
  * own: ten bits.
@@ -21,6 +23,7 @@ struct share {
  */
 static inline double solve_row(const struct rb_row_system *dense, struct rb_system_row *row)
 {
+	RB_ASSERT_COSTLY(row->inverse_mass_n > 0 && row->inverse_mass_t > 0);
 	const rb_vec3 n = row->normal;
 	const rb_vec3 u = rb_system_velocity(dense, row);
 	const double u_n = rb_vec3_dot(u, n);
@@ -54,6 +57,7 @@ static inline double solve_row(const struct rb_row_system *dense, struct rb_syst
 		change = rb_vec3_add(change, d);
 		moved = fmax(moved, RB_SLIP_SHARE * row->inverse_mass_t * sqrt(rb_vec3_dot(d, d)));
 	}
+	RB_ASSERT_COSTLY(row->push >= 0);
 	row->step = change;
 	rb_system_apply(dense, row, change);
 	return moved;
@@ -158,6 +162,7 @@ static void solve_gram(const struct mixture *m, int filled, const double *right,
 	double l[RB_SWEEP_MEMORY][RB_SWEEP_MEMORY] = {{0}};
 	double y[RB_SWEEP_MEMORY] = {0};
 
+	RB_ASSERT_COSTLY(filled > 0 && filled <= RB_SWEEP_MEMORY);
 	for (int j = 0; j < filled; j++) {
 		double pivot = m->gram[j][j];
 
@@ -203,6 +208,7 @@ static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afr
 		(void)remember_rows(sweep, 0, 0);
 		return;
 	}
+	RB_ASSERT_COSTLY(m->at >= 0 && m->at < RB_SWEEP_MEMORY);
 	const int filled = m->count < RB_SWEEP_MEMORY ? m->count + 1 : RB_SWEEP_MEMORY;
 	const struct sums sums = remember_rows(sweep, m->at, filled);
 	for (int j = 0; j < filled; j++)
@@ -226,6 +232,7 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	struct mixture mixture = {0};
 	double before = 0;
 
+	RB_ASSERT(sweep->trace && sweep->max > 0 && sweep->tolerance >= 0);
 	for (int k = 0; k < sweep->dense->row_count; k++)
 		sweep->trace[k].max = 0;
 	while (result.sweeps < sweep->max) {
@@ -239,6 +246,7 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 		accelerate(sweep, &mixture, result.sweeps == 1 || now.size > before);
 		before = now.size;
 	}
+	RB_ASSERT(result.sweeps <= sweep->max);
 	return result;
 }
 
@@ -260,6 +268,7 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 
 			if (body->inverse_mass == 0)
 				continue;
+			RB_ASSERT_COSTLY(at >= 0 && at < member_count);
 			if (push[at][1] == 0) /* once a body */
 				push[at][1] = rb_vec3_max_abs(body->linear) / body->inverse_mass;
 			push[at][0] += sweep->trace[k].max;

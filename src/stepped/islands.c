@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/islands.h"
 
+#include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
 #include "stepped/pivot.h"
@@ -119,6 +120,7 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_step_point 
 {
 	const int ends[2] = {point->a, point->b};
 
+	RB_ASSERT_COSTLY(point->a >= 0 && point->b >= 0 && point->a != point->b);
 	for (int e = 0; e < 2; e++) {
 		if (ends[e] >= solver->body_count || is_dynamic(solver, ends[e]))
 			continue;
@@ -146,6 +148,7 @@ static void join_all(struct rb_solver *solver, const struct rb_step_points *poin
 		const struct rb_step_point *point = &points->row[k];
 
 		place[k] = owner_of(solver, point);
+		RB_ASSERT_COSTLY(is_dynamic(solver, place[k]));
 		if (!is_dynamic(solver, point->a) || !is_dynamic(solver, point->b))
 			continue;
 		const int a = rb_forest_root(solver->parent, point->a);
@@ -213,6 +216,7 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 		solver->member[island->first_member + island->member_count++] = i;
 	}
 	solver->local[solver->body_count] = -1;
+	RB_ASSERT(member <= solver->active_count);
 	for (size_t g = 0; g < solver->island_count; g++) {
 		struct rb_island *island = &solver->island[g];
 
@@ -232,6 +236,7 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 		const int at = island->first_row + island->row_count++;
 		place[k] = island->rests ? -1 : at;
 	}
+	RB_ASSERT(row >= 0 && (size_t)row <= points->count);
 	solver->dense.row_count = row;
 }
 
@@ -271,6 +276,7 @@ static void fill_dynamic(const struct rb_row_system *dense, struct rb_system_row
 
 	add_inverse_mass(dense, row->a, row->arm_a, axis, inverse_effective_mass);
 	add_inverse_mass(dense, row->b, row->arm_b, axis, inverse_effective_mass);
+	RB_ASSERT_COSTLY(inverse_effective_mass[0][0] > 0);
 	row->inverse_mass_n = inverse_effective_mass[0][0];
 	row->inverse_mass_t = 0.5 * (inverse_effective_mass[1][1] + inverse_effective_mass[2][2]) +
 	                      hypot(0.5 * (inverse_effective_mass[1][1] -
@@ -349,6 +355,7 @@ static void fill_row(const struct pass *pass, struct rb_system_row *row, int num
 		/* an impact or a later look may have turned the normal since it was found */
 		.friction_impulse = rb_vec3_reject(point->friction_impulse, point->normal),
 	};
+	RB_ASSERT_COSTLY(point->push >= 0 && point->friction >= 0 && solver->h_s > 0);
 	const double max = row->friction * row->push;
 	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
 	if (square > max * max)
@@ -405,6 +412,7 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	lay_out(solver, points, place);
 	pass->place = place;
 	run_pass(pass, points->count, fill_rows_block);
+	RB_ASSERT_COSTLY(rb_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
 }
 
@@ -415,6 +423,7 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 	struct rb_arena *arena = &world->arena[0];
 	const rb_arena_mark here = rb_arena_here(arena);
 
+	RB_ASSERT(solver->active_count >= 0 && solver->active_count <= solver->body_count);
 	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
 	solver->dense.body[solver->body_count] = (struct rb_system_body){.inverse_mass = 0};
 	const enum rb_status status = prepare(solver, &pass, err);
@@ -466,6 +475,7 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 
+	RB_ASSERT_COSTLY(rb_system_is_sound(&solver->dense, solver->body_count + 1));
 	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
 	note_left(solver);
 	if (solver->tensor) { /* else nobody asks */

@@ -10,6 +10,7 @@
 #ifndef RB_STEPPED_ROW_H
 #define RB_STEPPED_ROW_H
 
+#include <float.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -50,6 +51,12 @@ struct rb_row_system {
 	struct rb_system_row *row;
 	int row_count;
 };
+
+/*
+ * Whether each row is of two of so many bodies, has a unit normal and positive effective masses,
+ * and an impulse in its cone: what every solver takes and leaves. For assertions.
+ */
+bool rb_system_is_sound(const struct rb_row_system *system, int bodies);
 
 static inline rb_vec3 rb_system_turn(const struct rb_row_system *dense, int body, rb_vec3 torque)
 {
@@ -121,13 +128,13 @@ static inline void rb_system_apply(const struct rb_row_system *dense,
 			rb_system_turn(dense, row->b, rb_vec3_cross(row->arm_b, impulse)));
 }
 
-/* The impulse as a vector. */
 static inline void rb_system_clear(struct rb_system_row *row)
 {
 	row->push = 0;
 	row->friction_impulse = (rb_vec3){0, 0, 0};
 }
 
+/* The impulse as a vector, N s on b. */
 static inline rb_vec3 rb_system_impulse(const struct rb_system_row *row)
 {
 	return rb_vec3_add_scaled(row->friction_impulse, row->push, row->normal);

@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "stepped/energy.h"
 #include "stepped/strategies.h"
@@ -124,6 +125,7 @@ static bool solve_all(struct work *work)
 		rows = 0;
 		first[++blocks] = (int)g + 1;
 	}
+	RB_ASSERT(first[blocks] == (int)solver->island_count || blocks == 0);
 	work->first = first;
 	rb_team_run(work->world->team, blocks, solve_block, work);
 	for (size_t g = 0; g < solver->island_count; g++) {
@@ -144,6 +146,7 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
 	struct work work = {.solver = solver, .world = world};
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(h > 0 && isfinite(h));
 	solver->h_s = h;
 	solver->before = before;
 	solver->tolerance = rb_solver_tolerance(world->model, h);
@@ -194,8 +197,10 @@ static void put_back(struct rb_solver *solver, const struct earlier *earlier,
 		struct rb_island *island = &solver->island[g];
 		const int *member = solver->member + island->first_member;
 
+		RB_ASSERT(island->member_count > 0);
 		if (again[member[0]])
 			continue;
+		RB_ASSERT(earlier->island_of[member[0]] >= 0);
 		const struct rb_island *was = &earlier->island[earlier->island_of[member[0]]];
 		island->kept = true;
 		island->sweeps = was->sweeps;
@@ -279,6 +284,7 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	}
 	if (!any)
 		return RB_OK;
+	RB_ASSERT(rebound != NULL);
 	solver->before = NULL; /* who rebounds does not rest */
 	for (int k = 0; k < solver->active_count; k++)
 		solver->free[solver->active[k]] = solver->dense.body[solver->active[k]];

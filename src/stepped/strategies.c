@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "stepped/direct.h"
 #include "stepped/energy.h"
 #include "stepped/even.h"
@@ -592,6 +593,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	const struct rb_row_system rows = rows_of(solver, island);
 	struct rb_sweeper sweeper = sweeper_of(solver, island, &rows, team);
 
+	RB_ASSERT(island->member_count > 0 && (island->rests || island->row_count > 0));
 	island->sweeps = island->factors = 0;
 	island->residual = island->slip = 0;
 	if (island->rests) {
@@ -612,6 +614,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	                            .standing = stood(solver, island)};
 	if (trial.standing)
 		skip_alone(solver, &rows);
+	RB_ASSERT_COSTLY(rb_system_is_sound(&rows, solver->body_count + 1));
 	const int strategy = choose(&trial);
 	const bool is_close = strategy == 0;
 	bool good = strategy < STRATEGIES;
@@ -624,5 +627,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	}
 	if (solver->before)
 		keep_energy(solver, island, &rows, arena);
+	RB_ASSERT_COSTLY(rb_system_is_sound(&rows, solver->body_count + 1));
+	RB_ASSERT(!(island->residual < 0) && island->energy_budget >= 0);
 	find_rest(solver, island);
 }
