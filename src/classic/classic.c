@@ -157,7 +157,9 @@ static bool keep_contacts(struct rb_world *world)
 			row[count++] = (struct rb_contact){.a = touch->a,
 			                                   .b = touch->b,
 			                                   .point = pass->now[k].point,
-			                                   .normal = pass->now[k].normal,
+			                                   .normal = touch->normal_force > 0
+			                                                     ? touch->force_normal
+			                                                     : pass->now[k].normal,
 			                                   .gap = pass->now[k].gap,
 			                                   .normal_force = touch->normal_force,
 			                                   .tangent_force = touch->tangent_force};

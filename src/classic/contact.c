@@ -25,6 +25,7 @@ void rb_contact_begin(struct rb_pass *pass)
 		                                          : NULL;
 
 		touch->lasting = before != NULL;
+		touch->force_normal = before ? before->normal : (rb_vec3){0, 0, 0};
 		touch->normal_force = before ? before->normal_force : 0;
 		touch->tangent_force = before ? before->tangent_force : (rb_vec3){0, 0, 0};
 	}
@@ -236,6 +237,7 @@ static void reactions(struct rb_pass *pass)
 		 * in contact
 		 */
 		touch->lasting = row[n].normal > 0 || pass->now[of[n]].gap <= touch->band;
+		touch->force_normal = row[n].link.normal;
 		touch->normal_force = row[n].normal / pass->h_s;
 		touch->tangent_force = rb_vec3_scale(1 / pass->h_s, row[n].tangent);
 	}

@@ -17,7 +17,8 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 		.point = m.point,
 		.normal = m.normal,
 		.gap = m.gap,
-		.normal_force = normal,
+		/* a contact about to end pulls by rounding */
+		.normal_force = fmax(0, normal),
 		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal)};
 }
 

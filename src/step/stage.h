@@ -25,6 +25,7 @@ struct rb_touch {
 	int a, b;
 	bool lasting;
 	double band;           /* m: gaps up to here count as touching */
+	rb_vec3 force_normal;  /* that of the forces, which the bodies have left since */
 	double normal_force;   /* N, of the last substep; 0 unless lasting */
 	rb_vec3 tangent_force; /* N, on b */
 };

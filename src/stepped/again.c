@@ -3,9 +3,10 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "stepped/projection.h"
 #include "stepped/impact_pass.h"
+#include "stepped/projection.h"
 
 /* The candidates between bodies of groups that are looked at again. */
 struct view {
@@ -128,6 +129,7 @@ static void bend(const struct rb_solver *solver, struct rb_step_point *point)
 	};
 	const double here = point->gap;
 
+	RB_ASSERT_COSTLY(solver->h_s > 0);
 	/* what has closed stood open, as far as anybody is told */
 	point->gap = fmax(0, here);
 	point->bend = here - point->gap -

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "step/flow.h"
 #include "stepped/again.h"
@@ -165,6 +166,7 @@ enum rb_status rb_attempt(struct rb_world *world, struct rb_cohort *cohort, doub
 	struct rb_stepped *s = world->stepped;
 	enum rb_status status = rb_drive_begin(world, start, h, err);
 
+	RB_ASSERT(h > 0 && cohort->member_count <= cohort->body_count);
 	if (status == RB_OK)
 		status = rb_force_add(world, cohort, start, h, err);
 	if (status == RB_OK)

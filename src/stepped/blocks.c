@@ -5,6 +5,8 @@
 #include <stdint.h>
 #include <string.h>
 
+#include "base/error.h"
+
 enum { WORD = 64 };
 
 /* ---- order of elimination ---- */
@@ -32,6 +34,7 @@ static int count_bits(const uint64_t *row, int words)
 
 static void set_bit(uint64_t *row, int i)
 {
+	RB_ASSERT_COSTLY(i >= 0);
 	row[i / WORD] |= (uint64_t)1 << (i % WORD);
 }
 
@@ -45,6 +48,7 @@ static void eliminate(struct graph *graph, int k)
 {
 	const uint64_t *mine = row_of(graph, k);
 
+	RB_ASSERT_COSTLY(k >= 0 && k < graph->count);
 	for (int w = 0; w < graph->words; w++)
 		for (uint64_t left = mine[w]; left; left &= left - 1) {
 			const int i = w * WORD + __builtin_ctzll(left);
@@ -130,6 +134,7 @@ bool rb_blocks_plan(struct rb_blocks *blocks, int count, const int (*pair)[2], i
 	struct graph graph = {.count = count, .words = (count + WORD - 1) / WORD};
 	const size_t n = (size_t)count, words = n * (size_t)graph.words;
 
+	RB_ASSERT(count > 0 && pair_count >= 0 && max > 0);
 	*blocks = (struct rb_blocks){.count = count};
 	blocks->place = rb_arena_take(arena, n, sizeof *blocks->place);
 	blocks->first = rb_arena_take(arena, n + 1, sizeof *blocks->first);

@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "model/parts.h"
 
@@ -24,6 +25,7 @@ static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
 	const double w = turn.w - q.w, x = turn.x - q.x, y = turn.y - q.y, z = turn.z - q.z;
 	const double square = w * w + x * x + y * y + z * z;
 
+	RB_ASSERT_COSTLY(i >= 0 && near->path[i] >= 0);
 	near->turn[i] = turn;
 	if (square > 0)
 		near->path[i] += 2 * near->size[i] * sqrt(square) * (1 + 1e-9);
@@ -120,6 +122,7 @@ double rb_candidates_way(const struct rb_world *world, const struct rb_state *st
 	const struct rb_model *model = world->model;
 	double distance = rb_vec3_length(rb_world_row3(state->velocity, i)) * h;
 
+	RB_ASSERT_COSTLY(h >= 0);
 	if (model->center_of_mass && state->spin)
 		distance += rb_vec3_length(model->center_of_mass[i]) *
 		            fmin(2, rb_vec3_length(rb_world_row3(state->spin, i)) * h);
@@ -149,6 +152,7 @@ static bool is_plane(const struct rb_model *model, int i)
 
 static bool may_touch(const struct rb_model *model, int a, int b)
 {
+	RB_ASSERT_COSTLY(a >= 0 && b >= 0);
 	return !model->group_bit || ((model->collides[a] & model->group_bit[b]) != 0 &&
 	                             (model->collides[b] & model->group_bit[a]) != 0);
 }
@@ -159,6 +163,7 @@ static bool may_touch(const struct rb_model *model, int a, int b)
  */
 static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
 {
+	RB_ASSERT_COSTLY(pair->a >= 0 && pair->a < pair->b);
 	if (is_plane(model, pair->a) || is_plane(model, pair->b))
 		return false;
 	if (model->driven[pair->a])
@@ -323,6 +328,7 @@ bool rb_candidates_keep(struct rb_candidates *near)
 void rb_candidates_reach(struct rb_candidates *near, const struct rb_world *world, double h,
                          const int *member, int count)
 {
+	RB_ASSERT(h > 0 && count >= 0);
 	near->h_s = h;
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];

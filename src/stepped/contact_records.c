@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
 static rb_vec3 lever_of(const struct rb_step_point *point)
@@ -16,6 +17,7 @@ static struct rb_contact in_order(struct rb_contact contact)
 {
 	const int a = contact.a;
 
+	RB_ASSERT_COSTLY(contact.a != contact.b);
 	if (a < contact.b)
 		return contact;
 	contact.a = contact.b;
@@ -46,6 +48,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 		.key = point->key,
 	};
 
+	RB_ASSERT_COSTLY(h > 0 && at < points->count);
 	if (asleep) {
 		contact.normal_force = points->last[point->from - 1].force;
 		contact.tangent_force = points->last[point->from - 1].friction_impulse;
@@ -103,6 +106,7 @@ enum rb_status rb_record_contacts(struct rb_world *world, const struct rb_cohort
 	const enum rb_status status = rb_contacts_reserve(
 		to, to->count + points->count + (all ? world->contacts.count : 0) + 1, err);
 
+	RB_ASSERT(h > 0);
 	if (status != RB_OK)
 		return status;
 	for (size_t k = 0; k < points->count; k++) {
@@ -124,6 +128,7 @@ enum rb_status rb_record_passed(const struct rb_cohort *cohort, double h, const 
 	const struct rb_contacts *passed = &cohort->passed;
 	const enum rb_status status = rb_contacts_reserve(to, to->count + passed->count, err);
 
+	RB_ASSERT(h > 0);
 	for (size_t k = 0; status == RB_OK && k < passed->count; k++) {
 		struct rb_contact contact = passed->row[k];
 

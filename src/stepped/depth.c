@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "step/gap.h"
 #include "stepped/clearance.h"
@@ -38,6 +39,7 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 	double least_clearance = (double)INFINITY;
 	bool bounded = false;
 
+	RB_ASSERT_COSTLY(path >= 0 && pair.a != pair.b);
 	for (int i = 0; i < count_a; i++) {
 		for (int j = 0; j < count_b; j++) {
 			const rb_placed *pa = &near->placed[a + i], *pb = &near->placed[b + j];
@@ -93,6 +95,7 @@ static double depth_of(const struct rb_world *world, const struct rb_candidates 
 
 static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb_deep deep)
 {
+	RB_ASSERT_COSTLY(deep.a >= 0 && deep.b >= 0 && deep.depth > 0);
 	if (depths->deep_count == depths->deep_capacity) {
 		const size_t capacity = depths->deep_capacity ? 2 * depths->deep_capacity : 16;
 		struct rb_deep *more = rb_arena_take(arena, capacity, sizeof *more);

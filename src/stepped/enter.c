@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/enter.h"
 
+#include "base/error.h"
 #include "step/force_stages.h"
 
 /* Bodies that weigh, summed up. */
@@ -399,6 +400,7 @@ static void enter_point(struct entering *n, const struct rb_step_point *point)
 	const bool is_dynamic = rb_stepped_is_dynamic(n->world, point->b);
 	rb_vec3 on_fixed = none;
 
+	RB_ASSERT_COSTLY(point->push > 0);
 	if (!is_dynamic) {
 		const rb_vec3 at = rb_vec3_add(rb_world_row3(n->before->position, point->a),
 		                               arm_of_a(point));

@@ -3,6 +3,8 @@
 
 #include <float.h>
 
+#include "base/error.h"
+
 /* Newton's steps to a touch; rounding of a gap, over the sizes; of an approach, over the speeds. */
 enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
 /* Over what a solution has left of a body's contacts: approaches by which these may differ. */
@@ -161,6 +163,7 @@ static double spheres_touch(const struct rb_flight *flight, const struct rb_step
 	const double none = GAP_ULP * DBL_EPSILON * radii_of(point);
 	double t = now;
 
+	RB_ASSERT_COSTLY(radii_of(point) > 0);
 	for (int step = 0; step < STEPS_MAX; step++) {
 		rb_vec3 normal;
 		const double gap = gap_of(flight, point, motion, t, &normal);
@@ -209,6 +212,7 @@ double rb_flight_meets(const struct rb_flight *flight, const struct rb_step_poin
 	                       : face_meets(flight, point, &motion, now);
 	rb_vec3 normal;
 
+	RB_ASSERT_COSTLY(now >= 0 && flight->h_s > 0);
 	if (!(t <= flight->h_s))
 		return (double)INFINITY;
 	(void)gap_of(flight, point, &motion, t, &normal);
@@ -222,6 +226,7 @@ void rb_flight_see(const struct rb_flight *flight, struct rb_step_point *point, 
 {
 	const struct rb_flight_motion motion = relative(flight, point);
 
+	RB_ASSERT_COSTLY(flight->h_s > 0);
 	if (!rb_flight_is_plain(flight, point)) {
 		point->bend += rb_vec3_dot(point->normal, motion.shift);
 		return;

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "force/drag.h"
 #include "force/spring.h"
 #include "step/force_stages.h"
@@ -64,6 +65,7 @@ static struct end end_of(const struct rb_world *world, int i, rb_vec3 point)
 static void add_inverse_mass(const struct rb_world *world, const struct rb_elements *springs,
                              const struct end *end, rb_mat3 *inverse_effective_mass)
 {
+	RB_ASSERT_COSTLY(springs->first[end->i + 1] > springs->first[end->i]);
 	if (!rb_stepped_is_dynamic(world, end->i))
 		return;
 	const double count = springs->first[end->i + 1] - springs->first[end->i];
@@ -402,6 +404,7 @@ enum rb_status rb_force_add(struct rb_world *world, const struct rb_cohort *coho
 	struct flow flow = {world, cohort, start, h};
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(h > 0);
 	rb_team_run(world->team,
 	            (cohort->member_count + RB_BODIES_PER_BLOCK - 1) / RB_BODIES_PER_BLOCK,
 	            run_stages, &flow);

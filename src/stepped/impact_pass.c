@@ -4,6 +4,7 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "constraint/simultaneous.h"
 #include "stepped/flight.h"
@@ -22,11 +23,6 @@ static const double fine_share = 1e-9;
 /* Over the largest speed in a group: what rebounds leave of an approach by rounding. */
 static const double noise_ulp = 32;
 
-struct rb_due {
-	double t_s;
-	size_t point;
-};
-
 /* One try's search; arrays in the arena but for the queue. */
 struct impacts {
 	struct rb_world *world;
@@ -41,7 +37,6 @@ struct impacts {
 	unsigned char *seen;    /* [points] its gap is looked at when all is done, or in the set */
 	int *place;             /* [bodies] in the set, or -1 */
 	unsigned char *crowded; /* [bodies] of a group that is too large */
-	size_t due_count;
 
 	/* what touches at one moment */
 	int *body;
@@ -70,57 +65,17 @@ void rb_impacts_release(struct rb_stepped *s)
 {
 	rb_memory_free(s->kick);
 	rb_memory_free(s->kicked);
-	rb_memory_free(s->due);
+	rb_memory_free(s->due.row);
 }
 
-/* ---- the queue: a heap by time, then by point ---- */
-
-static bool is_sooner(const struct rb_due *x, const struct rb_due *y)
-{
-	return x->t_s < y->t_s || (x->t_s == y->t_s && x->point < y->point);
-}
-
-static enum rb_status enqueue(struct impacts *all, size_t point, struct rb_error *err)
-{
-	struct rb_stepped *s = all->s;
-	size_t at = all->due_count;
-
-	if (!rb_memory_reserve(&s->due, &s->due_capacity, at + 1, sizeof *s->due))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
-	const struct rb_due due = {all->due_s[point], point};
-	for (; at > 0 && is_sooner(&due, &s->due[(at - 1) / 2]); at = (at - 1) / 2)
-		s->due[at] = s->due[(at - 1) / 2];
-	s->due[at] = due;
-	all->due_count++;
-	return RB_OK;
-}
-
-static struct rb_due dequeue(struct impacts *all)
-{
-	struct rb_due *const due = all->s->due;
-	const struct rb_due first = due[0], last = due[--all->due_count];
-	size_t at = 0;
-
-	for (;;) {
-		size_t next = 2 * at + 1;
-
-		if (next >= all->due_count)
-			break;
-		if (next + 1 < all->due_count && is_sooner(&due[next + 1], &due[next]))
-			next++;
-		if (!is_sooner(&due[next], &last))
-			break;
-		due[at] = due[next];
-		at = next;
-	}
-	due[at] = last;
-	return first;
-}
+/* ---- the queue ---- */
 
 static enum rb_status predict(struct impacts *all, size_t point, double now, struct rb_error *err)
 {
+	RB_ASSERT_COSTLY(point < all->points->count && now >= 0 && now <= all->flight.h_s);
 	all->due_s[point] = rb_flight_meets(&all->flight, &all->points->row[point], now);
-	return all->due_s[point] <= all->flight.h_s ? enqueue(all, point, err) : RB_OK;
+	const struct rb_due due = {all->due_s[point], point};
+	return due.t_s <= all->flight.h_s ? rb_due_queue_add(&all->s->due, due, err) : RB_OK;
 }
 
 /* ---- which points could be one ---- */
@@ -224,6 +179,7 @@ static enum rb_status begin(struct impacts *all, struct rb_error *err)
 
 static bool take_body(struct impacts *all, int i)
 {
+	RB_ASSERT_COSTLY(i >= 0 && all->body_count <= all->bodies_max);
 	if (!rb_stepped_is_dynamic(all->world, i) || all->place[i] >= 0)
 		return true;
 	if (all->body_count == all->bodies_max || all->crowded[i])
@@ -411,6 +367,7 @@ static void kick(struct impacts *all, int i, const struct rb_solver_body *after)
 	const struct rb_solver_body before = joint_body(all, i);
 	const rb_vec3 more = rb_vec3_sub(after->linear, before.linear);
 
+	RB_ASSERT_COSTLY(rb_stepped_is_dynamic(all->world, i));
 	if (!to->is_set)
 		s->kicked[s->kicked_count++] = i;
 	to->is_set = true;
@@ -474,6 +431,7 @@ static void add_impulse(const struct impacts *all, struct rb_hit *hit,
 {
 	const double push = rb_vec3_dot(c->impulse, c->normal);
 
+	RB_ASSERT_COSTLY(!(push < 0));
 	hit->impulse = rb_vec3_add(hit->impulse, c->impulse);
 	if (!(push > 0))
 		return;
@@ -664,6 +622,7 @@ static enum rb_status run_event(struct impacts *all, struct rb_due due, struct r
 	enum rb_status status = RB_OK;
 	bool done = false, fine;
 
+	RB_ASSERT(due.t_s >= 0 && due.t_s <= all->flight.h_s);
 	all->t_s = due.t_s;
 	all->due_s[due.point] = (double)INFINITY;
 	fine = gather(all, due.point) ? collide(all, due.point, &done)
@@ -740,16 +699,18 @@ enum rb_status rb_impacts_resolve(struct rb_world *world, struct rb_cohort *coho
 	                                 .mixed = s->solver.mixed}};
 	const rb_arena_mark here = rb_arena_here(&world->arena[0]);
 
+	RB_ASSERT(h > 0 && cohort->body_count <= world->model->body_count);
 	cohort->hit_count = cohort->blow_count = cohort->passed.count = 0;
 	for (int k = 0; k < s->kicked_count; k++)
 		s->kick[s->kicked[k]] = (struct rb_kick){.is_set = false};
 	s->kicked_count = 0;
 	if (!s->kick || !any_could_touch(&all.flight, all.points))
 		return RB_OK;
+	s->due.count = 0;
 	enum rb_status status = begin(&all, err);
 	size_t left = EVENTS_MAX + EVENTS_PER_POINT * all.points->count;
-	while (status == RB_OK && all.due_count > 0 && left-- > 0) {
-		const struct rb_due due = dequeue(&all);
+	while (status == RB_OK && s->due.count > 0 && left-- > 0) {
+		const struct rb_due due = rb_due_queue_next(&s->due);
 
 		if (due.t_s == all.due_s[due.point]) /* else it has been foreseen anew */
 			status = run_event(&all, due, err);

@@ -9,6 +9,7 @@
 
 #include "math/top.h"
 #include "stepped/depth.h"
+#include "stepped/due_queue.h"
 #include "stepped/means.h"
 #include "stepped/solve.h"
 
@@ -119,9 +120,8 @@ struct rb_stepped {
 		*kick; /* owned: [bodies] zero but for those in `kicked`; NULL: nothing rebounds */
 	int *kicked;   /* owned */
 	int kicked_count;
-	struct rb_due *due; /* owned: scratch of stepped/impact_pass */
-	size_t due_capacity;
-	unsigned char *bad; /* owned: [bodies] 1: the try has failed for it */
+	struct rb_due_queue due; /* scratch of stepped/impact_pass */
+	unsigned char *bad;      /* owned: [bodies] 1: the try has failed for it */
 	int bad_count;
 	struct rb_events reported;       /* impacts of the step under way, not in order yet */
 	struct rb_tally *tally;          /* owned; NULL: the ledger is not kept */

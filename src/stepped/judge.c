@@ -3,9 +3,10 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "step/verdict.h"
-#include "stepped/projection.h"
 #include "stepped/impact_pass.h"
+#include "stepped/projection.h"
 #include "stepped/sleep.h"
 
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
@@ -75,6 +76,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 	struct rb_depths found;
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(h > 0);
 	*outcome = (struct rb_attempt_outcome){.pair = {-1, -1}, .body = -1};
 	for (int k = 0; k < cohort->body_count; k++)
 		s->bad[cohort->body[k]] = 0;

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
 #include "stepped/energy.h"
@@ -14,6 +15,7 @@ enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
 /* What points that had overlap at the beginning of the step have held up by so much less. */
 static void add_sunk(struct rb_lift *lift, const struct rb_step_points *points, double h)
 {
+	RB_ASSERT(h > 0);
 	for (size_t k = 0; k < points->count; k++) {
 		const struct rb_step_point *point = &points->row[k];
 
@@ -67,6 +69,7 @@ void rb_lift_join(struct rb_lift *lift, const struct rb_world *world, int a, int
 {
 	const int root = rb_forest_root(lift->parent, a);
 
+	RB_ASSERT_COSTLY(rb_stepped_is_dynamic(world, a));
 	if (!rb_stepped_is_dynamic(world, b)) {
 		const bool is_static = b >= world->model->body_count;
 
@@ -117,6 +120,7 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 	double *const way = lift->way + 6 * (size_t)i;
 	double *const aside = world->stepped->aside + 6 * (size_t)i;
 
+	RB_ASSERT_COSTLY(rb_stepped_is_dynamic(world, i));
 	if (world->stepped->tally) {
 		const rb_vec3 motion[2] = {rb_vec3_from(aside), world->state.spin
 		                                                        ? rb_vec3_from(aside + 3)

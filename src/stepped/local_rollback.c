@@ -3,16 +3,17 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "stepped/attempt.h"
+#include "stepped/contact_records.h"
 #include "stepped/depth.h"
 #include "stepped/driven_bodies.h"
 #include "stepped/enter.h"
 #include "stepped/judge.h"
-#include "stepped/swept_bounds.h"
 #include "stepped/sleep.h"
-#include "stepped/contact_records.h"
+#include "stepped/swept_bounds.h"
 
 struct rb_local_rollback {
 	struct rb_swept_bounds swept;
@@ -181,6 +182,7 @@ static enum rb_status keep_step(struct rb_world *world, double time, double h,
 	/* before the group's first step those of all: it has none of its own */
 	const struct rb_contacts *before = local->fresh ? &world->contacts : &local->last;
 
+	RB_ASSERT(h > 0 && outcome->residual >= 0);
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);
 	counts->max_penetration_m = fmax(counts->max_penetration_m, outcome->overlap);
 	counts->residual_m = fmax(counts->residual_m, outcome->residual);
@@ -227,6 +229,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	struct rb_stepped *s = world->stepped;
 	struct rb_local_rollback *local = s->local;
 
+	RB_ASSERT(s->part.body_count > 0 && s->part.member_count > 0);
 	rb_state_copy_rows(&world->state, &local->begin, s->part.body, s->part.body_count);
 	if (!rb_step_points_reserve(&s->part.points, s->all.points.last_count))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts",
@@ -343,6 +346,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 	double done = 0, h = 0.5 * dt;
 	int halvings = 1;
 
+	RB_ASSERT(dt > 0 && group->count > 0);
 	cohort_of(world, group);
 	enum rb_status status = begin_group(world, err);
 	while (status == RB_OK && done < dt) {
@@ -439,6 +443,7 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 	const struct rb_contacts before = world->contacts;
 	struct rb_contacts *to = &world->next_contacts;
 
+	RB_ASSERT(dt > 0);
 	to->count = 0;
 	enum rb_status status = rb_record_contacts(world, &s->all, dt, local->swept.failed, to,
 	                                           err);
@@ -582,6 +587,7 @@ enum rb_status rb_local_rollback_step(struct rb_world *world, double start, doub
 	struct rb_stepped *s = world->stepped;
 	enum rb_status status = s->local ? RB_OK : create(world, err);
 
+	RB_ASSERT(dt > 0 && s->bad_count > 0);
 	if (status != RB_OK) {
 		rb_state_copy(&world->state, &world->mark);
 		return status;

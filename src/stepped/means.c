@@ -3,6 +3,7 @@
 
 #include <stdlib.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "math/vec3.h"
 
@@ -28,6 +29,7 @@ static void add(struct rb_mean *mean, const struct rb_contact *contact, double h
 {
 	const double push = contact->normal_force * h;
 
+	RB_ASSERT_COSTLY(h > 0 && contact->normal_force >= 0);
 	mean->contact = *contact;
 	mean->push = rb_vec3_add_scaled(mean->push, push, contact->normal);
 	mean->friction_impulse = rb_vec3_add_scaled(mean->friction_impulse, h,
@@ -78,6 +80,7 @@ enum rb_status rb_means_record(const struct rb_means *means, double h, struct rb
 {
 	const enum rb_status status = rb_contacts_reserve(to, to->count + means->count + 1, err);
 
+	RB_ASSERT(h > 0);
 	if (status != RB_OK)
 		return status;
 	for (size_t k = 0; k < means->count; k++) {

@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
 enum { POSE = 7 };
@@ -83,6 +84,7 @@ static inline bool has_pose(const struct rb_state *state, int i, const double *p
 
 static void take_pose(const struct rb_state *state, int i, double *pose)
 {
+	RB_ASSERT_COSTLY(i >= 0);
 	memcpy(pose, state->position + 3 * (size_t)i, 3 * sizeof *pose);
 	if (state->orientation)
 		memcpy(pose + 3, state->orientation + 4 * (size_t)i, 4 * sizeof *pose);
@@ -101,6 +103,7 @@ static void rouse(struct rb_sleep *sleep, int i)
 {
 	int k = i;
 
+	RB_ASSERT(sleep->sleeps[i] && sleep->count > 0);
 	do {
 		sleep->sleeps[k] = 0;
 		sleep->count--;
@@ -202,6 +205,7 @@ static void shrink(struct rb_stepped *s)
 	struct rb_sleep *sleep = &s->sleep;
 	int count = 0;
 
+	RB_ASSERT(sleep->count >= 0 && sleep->count <= s->member_count + s->driven_count);
 	rb_sleep_gather(s);
 	for (int k = 0; k < s->member_count; k++)
 		if (!sleep->sleeps[s->body[k]])
@@ -345,6 +349,7 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 	struct rb_step_points *points = &s->all.points;
 	size_t first = 0;
 
+	RB_ASSERT(h > 0);
 	check(world, start, h);
 	if (sleep->changed)
 		shrink(s);

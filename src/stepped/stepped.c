@@ -3,15 +3,16 @@
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
-#include "stepped/local_rollback.h"
 #include "stepped/attempt.h"
+#include "stepped/contact_records.h"
 #include "stepped/enter.h"
 #include "stepped/impact_pass.h"
 #include "stepped/judge.h"
+#include "stepped/local_rollback.h"
 #include "stepped/sleep.h"
 #include "stepped/stepped_invariants.h"
-#include "stepped/contact_records.h"
 
 /* ---- what it needs ---- */
 
@@ -154,6 +155,7 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	struct rb_stepped *s = world->stepped;
 	const struct rb_contacts before = world->contacts;
 
+	RB_ASSERT(h > 0);
 	world->next_contacts.count = 0;
 	enum rb_status status = rb_record_contacts(world, &s->all, h, NULL, &world->next_contacts,
 	                                           err);
@@ -184,6 +186,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	struct rb_stepped *s = world->stepped;
 	struct rb_counts *counts = &world->frame_counts;
 
+	RB_ASSERT(h > 0);
 	counts->substeps++;
 	counts->body_steps += (uint64_t)s->member_count;
 	counts->smallest_step_s = fmin(counts->smallest_step_s, h);

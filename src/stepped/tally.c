@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/tally.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 
 enum rb_status rb_tally_create(struct rb_stepped *s, const struct rb_model *model,
@@ -83,6 +84,7 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 	const int *member = all ? s->body : cohort->body;
 	const int count = all ? s->member_count : cohort->member_count;
 
+	RB_ASSERT(count >= 0);
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
 		struct rb_tally_body *body = &s->tally->body[i];
@@ -128,6 +130,7 @@ void rb_tally_close(struct rb_world *world, int i, const rb_vec3 motion[2])
 {
 	struct rb_tally_body *body = &world->stepped->tally->body[i];
 
+	RB_ASSERT_COSTLY(i >= 0 && i < world->model->body_count);
 	if (body->is_closed)
 		return;
 	body->is_closed = true;
@@ -141,6 +144,7 @@ void rb_tally_closed(struct rb_world *world, int i, enum rb_ledger_momentum by, 
 	const rb_vec3 motion[2] = {rb_world_row3(world->state.velocity, i),
 	                           spin_of(&world->state, i)};
 
+	RB_ASSERT_COSTLY(i >= 0 && i < world->model->body_count);
 	add_momentum(world, i, motion, 1, body->closed);
 	body->closed_by = by;
 	body->lifted = lifted;

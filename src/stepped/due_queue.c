@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: MIT */
+#include "stepped/due_queue.h"
+
+#include <stdbool.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+static bool is_sooner(const struct rb_due *x, const struct rb_due *y)
+{
+	return x->t_s < y->t_s || (x->t_s == y->t_s && x->point < y->point);
+}
+
+enum rb_status rb_due_queue_add(struct rb_due_queue *queue, struct rb_due due, struct rb_error *err)
+{
+	size_t at = queue->count;
+
+	RB_ASSERT_COSTLY(due.t_s >= 0);
+	if (!rb_memory_reserve(&queue->row, &queue->capacity, at + 1, sizeof *queue->row))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
+	for (; at > 0 && is_sooner(&due, &queue->row[(at - 1) / 2]); at = (at - 1) / 2)
+		queue->row[at] = queue->row[(at - 1) / 2];
+	queue->row[at] = due;
+	queue->count++;
+	return RB_OK;
+}
+
+struct rb_due rb_due_queue_next(struct rb_due_queue *queue)
+{
+	struct rb_due *const row = queue->row;
+
+	RB_ASSERT(queue->count > 0);
+	const struct rb_due first = row[0], last = row[--queue->count];
+	size_t at = 0;
+	for (;;) {
+		size_t next = 2 * at + 1;
+
+		if (next >= queue->count)
+			break;
+		if (next + 1 < queue->count && is_sooner(&row[next + 1], &row[next]))
+			next++;
+		if (!is_sooner(&row[next], &last))
+			break;
+		row[at] = row[next];
+		at = next;
+	}
+	row[at] = last;
+	return first;
+}

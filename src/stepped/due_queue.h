@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * Points of a step by the time at which each is an impact next: a binary heap, ties by point.
+ *
+ * Owned by the method's state; a point that is foreseen anew is added once more, and what it was
+ * due at before is for the caller to skip.
+ */
+#ifndef RB_STEPPED_DUE_QUEUE_H
+#define RB_STEPPED_DUE_QUEUE_H
+
+#include <stddef.h>
+
+#include <rbsim/error.h>
+
+struct rb_due {
+	double t_s; /* after the beginning of the step */
+	size_t point;
+};
+
+struct rb_due_queue {
+	struct rb_due *row; /* owned */
+	size_t count, capacity;
+};
+
+RB_CHECKED enum rb_status rb_due_queue_add(struct rb_due_queue *queue, struct rb_due due,
+                                           struct rb_error *err);
+
+/* Removes and returns the first; there is one. */
+struct rb_due rb_due_queue_next(struct rb_due_queue *queue);
+
+#endif
