@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+/* src/script/advice.c: words of other programs, and that what is advised instead is there */
+#include "support.h"
+
+#include "model/shape.h"
+#include "script/advice.h"
+#include "script/rows.h"
+
+static bool is_key(const struct rb_row_table *table, const char *word)
+{
+	return rb_row_find(table, word, NULL) != NULL;
+}
+
+/* Some call of the language has a key of that name. */
+static bool is_known_key(const char *word)
+{
+	static const struct rb_row_table *const tables[] = {
+		&rb_rows_world, &rb_rows_contact_pair, &rb_rows_plane,  &rb_rows_force,
+		&rb_rows_light, &rb_rows_particle,     &rb_rows_record, &rb_rows_param};
+
+	for (size_t t = 0; t < sizeof tables / sizeof *tables; t++)
+		if (is_key(tables[t], word))
+			return true;
+	return false;
+}
+
+static bool is_shape(const char *word, size_t size)
+{
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++) {
+		const char *name = rb_shape_types[k]->name;
+
+		if (strlen(name) == size && memcmp(name, word, size) == 0)
+			return true;
+	}
+	return false;
+}
+
+static void words_for_bodies_lead_to_shapes_that_there_are(void **state)
+{
+	static const char *const words[][2] = {{"ball", "sphere"},
+	                                       {"cube", "box"},
+	                                       {"cuboid", "box"},
+	                                       {"ground", "plane"},
+	                                       {"floor", "plane"}};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+		const char *text = rb_advice_for_global(words[i][0]);
+
+		assert_non_null(text);
+		const size_t size = strcspn(text, " ");
+		assert_true(is_shape(text, size));
+		assert_memory_equal(text, words[i][1], size);
+		/* the word itself is no call, else nobody would be advised */
+		assert_false(is_shape(words[i][0], strlen(words[i][0])));
+	}
+}
+
+static void keys_that_are_advised_are_keys_of_the_call_that_is_named(void **state)
+{
+	(void)state;
+	for (int i = 0; i < 3; i++) {
+		static const char *const words[] = {"dt", "timestep", "fps"};
+		static const char *const keys[] = {"time_step", "time_step", "frame_rate"};
+		const char *text = rb_advice_for_key(words[i]);
+
+		assert_non_null(text);
+		assert_true(is_key(&rb_rows_world, keys[i]));
+		assert_ptr_equal(strstr(text, keys[i]), text);
+		assert_non_null(strstr(text, "of world"));
+	}
+	for (int i = 0; i < 4; i++) {
+		static const char *const words[] = {"bounciness", "elasticity", "restitution",
+		                                    "friction"};
+		const char *text = rb_advice_for_key(words[i]);
+
+		assert_non_null(text);
+		assert_non_null(strstr(text, "material"));
+	}
+	assert_true(is_key(&rb_rows_material, "restitution"));
+	assert_true(is_key(&rb_rows_material, "friction"));
+	assert_false(is_key(&rb_rows_body, "restitution"));
+	assert_false(is_key(&rb_rows_body, "friction"));
+	assert_non_null(strstr(rb_advice_for_key("omega"), "'angular_velocity'"));
+	assert_non_null(strstr(rb_advice_for_key("spin"), "'angular_velocity'"));
+	assert_true(is_key(&rb_rows_body, "angular_velocity"));
+	assert_ptr_equal(strstr(rb_advice_for_key("fixed"), "static = true"),
+	                 rb_advice_for_key("fixed"));
+	assert_int_equal(rb_row_find(&rb_rows_body, "static", NULL)->type, RB_ROW_BOOLEAN);
+}
+
+/* A scene that writes these means them: advice would come where nothing is wrong. */
+static void words_of_the_language_are_not_advised_against(void **state)
+{
+	static const char *const calls[] = {
+		"world", "material", "contact_pair", "camera", "record",  "param", "spring", "drag",
+		"field", "expect",   "vec3",         "deg",    "require", "math",  "string"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof calls / sizeof *calls; i++)
+		assert_null(rb_advice_for_global(calls[i]));
+	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
+		assert_null(rb_advice_for_global(rb_shape_types[k]->name));
+	for (int i = 0; i < rb_rows_body.count; i++)
+		assert_null(rb_advice_for_key(rb_rows_body.rows[i].key));
+	for (int i = 0; i < rb_rows_world.count; i++)
+		assert_null(rb_advice_for_key(rb_rows_world.rows[i].key));
+	/* gravity is a key, and only a key */
+	assert_true(is_known_key("gravity"));
+	assert_non_null(strstr(rb_advice_for_global("gravity"), "world {"));
+}
+
+static void only_the_whole_word_counts(void **state)
+{
+	(void)state;
+	assert_null(rb_advice_for_global(""));
+	assert_null(rb_advice_for_key(""));
+	assert_null(rb_advice_for_global("bal"));
+	assert_null(rb_advice_for_global("balls"));
+	assert_null(rb_advice_for_global("Ball"));
+	assert_null(rb_advice_for_key("d"));
+	assert_null(rb_advice_for_key("dt_s"));
+	assert_null(rb_advice_for_key("Omega"));
+	/* a global is no key and a key is no global */
+	assert_null(rb_advice_for_key("ball"));
+	assert_null(rb_advice_for_global("fps"));
+}
+
+static void what_is_left_out_is_said_to_be(void **state)
+{
+	static const char *const joints[] = {"joint", "rod", "rope", "hinge", "motor"};
+	static const char *const meshes[] = {"mesh", "terrain"};
+	static const char *const ways_out[] = {"os", "io"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof joints / sizeof *joints; i++)
+		assert_string_equal(rb_advice_for_global(joints[i]),
+		                    "joints are not in this version");
+	for (size_t i = 0; i < sizeof meshes / sizeof *meshes; i++) {
+		const char *text = rb_advice_for_global(meshes[i]);
+
+		assert_non_null(strstr(text, "not in this version"));
+		assert_non_null(strstr(text, rb_shape_types[RB_SHAPE_HULL]->name));
+	}
+	for (size_t i = 0; i < sizeof ways_out / sizeof *ways_out; i++)
+		assert_non_null(strstr(rb_advice_for_global(ways_out[i]), "no files"));
+	assert_non_null(strstr(rb_advice_for_global("debug"), "'debug'"));
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(words_for_bodies_lead_to_shapes_that_there_are),
+		cmocka_unit_test(keys_that_are_advised_are_keys_of_the_call_that_is_named),
+		cmocka_unit_test(words_of_the_language_are_not_advised_against),
+		cmocka_unit_test(only_the_whole_word_counts),
+		cmocka_unit_test(what_is_left_out_is_said_to_be),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
