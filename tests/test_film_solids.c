@@ -424,7 +424,7 @@ static void a_camera_may_be_next_to_a_solid_but_not_within(void **state)
 				                                 NULL, NULL, &studio.picture,
 				                                 &studio.err),
 				                 RB_ERR_SCENE);
-				assert_non_null(strstr(studio.err.text, "stands inside body '#0'"));
+				assert_non_null(strstr(studio.err.text, "is inside body '#0'"));
 			}
 			studio_close(&studio);
 		}

@@ -347,7 +347,7 @@ static void lines_come_in_pieces_and_together(void **state)
 	const int fd = plain_socket(host.path);
 	for (size_t i = 0; i < strlen(all); i++)
 		assert_int_equal(send(fd, all + i, 1, 0), 1);
-	hear(fd, text, sizeof text, " play: go on\nok\n");
+	hear(fd, text, sizeof text, " play: continue the run\nok\n");
 	assert_non_null(strstr(text, "rbsim 1 Three\n step [N]: "));
 	/* one who says all and then only listens gets all answers */
 	assert_int_equal(send(fd, "help stop\nhelp set\nqui", 22, 0), 22);

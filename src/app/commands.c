@@ -116,7 +116,7 @@ static enum rb_status take_time(const struct rb_commands *commands, struct row *
 		return wrong(commands, row,
 		             "wanted 'at TIME command', with a time in seconds from 0", err);
 	if (row->time_s > duration_s) {
-		snprintf(message, sizeof message, "%g s lie behind the end of the run, %g s",
+		snprintf(message, sizeof message, "%g s is after the end of the run, %g s",
 		         row->time_s, duration_s);
 		return wrong(commands, row, message, err);
 	}
@@ -154,7 +154,7 @@ static enum rb_status check_row(const struct rb_commands *commands, struct row *
 		return wrong(commands, row, own.text, err);
 	if (pauses(&command) && !check->attended) {
 		snprintf(message, sizeof message,
-		         "'%s' needs --listen: nobody else could say play to a run that is paused",
+		         "'%s' needs --listen: otherwise a paused run cannot be continued",
 		         rb_commands[command.kind].name);
 		return wrong(commands, row, message, err);
 	}

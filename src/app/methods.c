@@ -9,7 +9,7 @@
 static const struct {
 	const char *name, *what;
 } rollbacks[] = {
-	{"selective", "only the bodies concerned are restored and go on in shorter steps (the "
+	{"selective", "only the bodies concerned are restored and continue in shorter steps (the "
                       "default); stepped, with those they "
                       "could meet; located, none have to be"},
 	{"global", "the whole scene is restored, as first described; located, at every event, for "

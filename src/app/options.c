@@ -236,8 +236,8 @@ const struct rb_option_row rb_option_rows[] = {
          VERB(RUN) | EACH, 0, (double)INFINITY, false, NULL,
          "wall time between checkpoints, 0: only on a signal or command (default: 60)"},
 	{"resume", 0, NULL, RB_OPTION_FLAG, AT(resume), VERB(RUN), 0, 0, false, NULL,
-         "go on from the recording's checkpoint, from the beginning without one; a complete run is "
-         "left as it is"},
+         "continue from the recording's checkpoint, or from the start without one; a complete "
+         "run is not changed"},
 	{"listen", 0, "SOCKET", RB_OPTION_TEXT, AT(listen), VERB(RUN), 0, 0, false, NULL,
          "take commands at a Unix socket, see rbsim-control(7)"},
 	{"commands", 0, "FILE", RB_OPTION_TEXT, AT(commands), VERB(RUN), 0, 0, false, NULL,
@@ -257,7 +257,7 @@ const struct rb_option_row rb_option_rows[] = {
 	{"scene", 0, NULL, RB_OPTION_FLAG, AT(scene_text), VERB(INFO), 0, 0, false, NULL,
          "print the text of the recorded scene and nothing else"},
 	{"quiet", 'q', NULL, RB_OPTION_FLAG, AT(quiet), ALL, 0, 0, false, NULL,
-         "no progress and no summary; mistakes are still told"},
+         "no progress and no summary; errors are still reported"},
 	{"json", 0, NULL, RB_OPTION_FLAG, AT(json), ALL, 0, 0, false, NULL,
          "one JSON object on standard output"},
 	{"debug", 0, NULL, RB_OPTION_FLAG, AT(debug), EVERY, 0, 0, false, NULL,

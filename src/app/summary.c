@@ -141,8 +141,7 @@ void rb_summary_print(FILE *file, const struct rb_run_result *result,
 		         result->expect_count - result->expect_failures, result->expect_count);
 		rb_summary_print_expects(file, result, false, color);
 	} else if (loaded->scene.expect_count > 0) {
-		rb_print(file,
-		         "  expectations  %d, not looked at: the run did not come to its end\n",
+		rb_print(file, "  expectations  %d, not evaluated: the run did not finish\n",
 		         loaded->scene.expect_count);
 	}
 	rb_print(file, "  memory        %s at most\n", rb_text_bytes(result->memory_bytes, size));

@@ -135,8 +135,8 @@ static enum rb_status check_greeting(struct rb_client *client, uint64_t deadline
 	client->in[size] = '\0';
 	const char *const line = client->in;
 	if (strncmp(line, "error ", 6) == 0)
-		return RB_FAIL(err, RB_ERR_MISSING, "'%s' turns us away: %.120s", client->path,
-		               line + 6);
+		return RB_FAIL(err, RB_ERR_MISSING, "'%s' rejects the connection: %.120s",
+		               client->path, line + 6);
 	if (strncmp(line, name, strlen(name)) != 0)
 		return RB_FAIL(err, RB_ERR_MISSING, "what answers at '%s' is no run of rbsim",
 		               client->path);

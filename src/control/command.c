@@ -11,10 +11,10 @@
 #include "script/nearest.h"
 
 const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
-	[RB_COMMAND_PLAY] = {"play", "", 0, "go on"},
-	[RB_COMMAND_PAUSE] = {"pause", "", 0, "stand still at the next frame, for all who watch"},
+	[RB_COMMAND_PLAY] = {"play", "", 0, "continue the run"},
+	[RB_COMMAND_PAUSE] = {"pause", "", 0, "pause at the next frame, for all clients"},
 	[RB_COMMAND_TOGGLE] = {"toggle", "", 0, "play what is paused, pause what plays"},
-	[RB_COMMAND_STEP] = {"step", "[N]", 0, "go on by N frames (default: 1), then pause"},
+	[RB_COMMAND_STEP] = {"step", "[N]", 0, "advance N frames (default: 1), then pause"},
 	[RB_COMMAND_BACK] = {"back", "[N]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
                              "show the frame N before this one (default: 1)"},
 	[RB_COMMAND_SEEK] =
@@ -23,8 +23,8 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_SPEED] = {"speed", "FACTOR", RB_NEEDS_VIEW,
                               "show simulated seconds at FACTOR times their pace"},
 	[RB_COMMAND_RESTART] = {"restart", "", RB_NEEDS_RUN,
-                                "start the simulation anew, with the same scene and parameters but "
-                                "for those that were set"},
+                                "restart the simulation with the same scene and parameters, except "
+                                "those changed by 'set'"},
 	[RB_COMMAND_STOP] = {"stop", "at collision [on|off]", 0,
                              "pause at each frame that follows a collision (default: on)"},
 	[RB_COMMAND_NEXT] = {"next", "[collision]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
@@ -32,30 +32,31 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_PREVIOUS] = {"previous", "[collision]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
                                  "show the frame with a collision before this one"},
 	[RB_COMMAND_FOLLOW] = {"follow", "[BODY]", RB_NEEDS_VIEW,
-                               "keep a body in the middle of the picture; without a name, none"},
+                               "keep a body in the centre of the picture; without a name, none"},
 	[RB_COMMAND_CAMERA] =
 		{"camera", "NAME|move X Y Z|orbit DEGREES DEGREES|zoom FACTOR|mount [BODY]|all",
                  RB_NEEDS_VIEW,
-                 "take a camera of the scene; move it to the right, up and forward (m); turn it "
-                 "around what it looks at and "
-                 "over it; bring it nearer; put it on a body; put it where it sees all that moves"},
+                 "use a camera of the scene; move it to the right, up and forward (m); orbit what "
+                 "it "
+                 "looks at; zoom in; mount it on a body; place it so that all moving bodies are "
+                 "visible"},
 	[RB_COMMAND_SNAPSHOT] = {"snapshot", "[FILE]", RB_NEEDS_VIEW,
                                  "write a picture of this frame"},
-	[RB_COMMAND_FILM] = {"film", "on|off|[CAMERA] move X Y Z|orbit DEGREES DEGREES|zoom FACTOR",
-                             RB_NEEDS_RUN,
-                             "draw the pictures of the run's films, or leave them out; move the "
-                             "camera of one from the next frame on, as 'camera' "
-                             "moves one's own"},
+	[RB_COMMAND_FILM] =
+		{"film", "on|off|[CAMERA] move X Y Z|orbit DEGREES DEGREES|zoom FACTOR",
+                 RB_NEEDS_RUN,
+                 "draw the pictures of the run's films, or skip them; move the camera of one "
+                 "from the next frame on, as 'camera' moves that of a view"},
 	[RB_COMMAND_CHECKPOINT] =
 		{"checkpoint", "", RB_NEEDS_RUN,
-                 "write a checkpoint beside the recording, from which --resume goes on"},
+                 "write a checkpoint beside the recording, from which --resume continues"},
 	[RB_COMMAND_BODY] = {"body", "NAME", 0,
                              "numbers of a body, by its name or its number as #3"},
 	[RB_COMMAND_SET] = {"set", "PARAMETER VALUE", RB_NEEDS_RUN,
-                            "another value for a parameter of the scene, from the next restart on"},
+                            "set a parameter of the scene, effective from the next restart"},
 	[RB_COMMAND_VIEW] = {"view", "pause|play", RB_NEEDS_VIEW,
-                             "stop one's own view and not the run; go on with it"},
-	[RB_COMMAND_STATUS] = {"status", "", 0, "where the run is, and its numbers"},
+                             "pause or resume this view without affecting the run"},
+	[RB_COMMAND_STATUS] = {"status", "", 0, "progress and statistics of the run"},
 	[RB_COMMAND_HELP] = {"help", "[COMMAND]", 0, "all commands, or one"},
 	[RB_COMMAND_QUIT] = {"quit", "", 0,
                              "leave the console; given to a run: end it as if interrupted"},
@@ -138,7 +139,7 @@ static enum rb_status take_word(struct words *words, const char **at, struct rb_
 		return RB_FAIL(err, RB_ERR_USAGE, "'%s' has no quote at its end",
 		               shown(*at, beginning));
 	if (quoted && begin[size + 1] && !is_space(begin[size + 1]))
-		return RB_FAIL(err, RB_ERR_USAGE, "'%s': wanted a space behind the quote",
+		return RB_FAIL(err, RB_ERR_USAGE, "'%s': wanted a space after the closing quote",
 		               shown(begin + size, beginning));
 	if (size >= RB_COMMAND_TEXT_SIZE)
 		return RB_FAIL(err, RB_ERR_USAGE, "'%s' is a word of more than %d bytes",

@@ -23,7 +23,7 @@ const struct rb_key_row rb_key_rows[] = {
 	{'g', "g", RB_KEY_TYPES, "seek ", "go to a time or a percentage"},
 	{'c', "c", RB_KEY_TOGGLES_STOP, "", "stop at collisions, or not"},
 	{'V', "V", RB_KEY_TOGGLES_VIEW, "", "pause or play one's own view only"},
-	{'R', "R", RB_KEY_RUNS, "restart", "start the simulation anew"},
+	{'R', "R", RB_KEY_RUNS, "restart", "restart the simulation"},
 	{'/', "/", RB_KEY_SEARCHES, "", "look for a body by a part of its name"},
 	{'b', "b", RB_KEY_TYPES, "body ", "look at a body by its name"},
 	{'f', "f", RB_KEY_FOLLOWS, "", "keep the body that is looked at in the middle, or none"},

@@ -170,7 +170,7 @@ static enum rb_status need_run(const struct line *line)
 {
 	if (line->session->info)
 		return RB_OK;
-	return RB_FAIL(line->err, RB_ERR_USAGE, "the run is starting anew or has ended: ask again");
+	return RB_FAIL(line->err, RB_ERR_USAGE, "the run is restarting or has ended: try again");
 }
 
 void rb_session_title(struct rb_session *session, char out[128])

@@ -169,7 +169,7 @@ static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, in
 		               "'%s' got no further for %g s and was ended: %.120s", program(),
 		               child->patience_s, rb_child_last_words(child));
 	if (end == RB_CHILD_LOST)
-		return RB_FAIL(err, RB_ERR_MISSING, "nobody knows how '%s' has ended: %.140s",
+		return RB_FAIL(err, RB_ERR_MISSING, "cannot determine how '%s' has ended: %.140s",
 		               program(), rb_child_last_words(child));
 	if (signaled)
 		return RB_FAIL(err, RB_ERR_MISSING, "'%s' was ended by signal %d (%s): %.120s",

@@ -100,7 +100,7 @@ static enum rb_status nearest(struct rb_view *view, const struct rb_model *model
 		if (d < 0) {
 			char text[64];
 			return RB_FAIL(err, RB_ERR_SCENE,
-			               "%s:%d: camera '%s': stands inside body '%s' at t = %.6g s",
+			               "%s:%d: camera '%s': is inside body '%s' at t = %.6g s",
 			               file_of(model, camera), camera->line, label(camera),
 			               rb_scene_body_label(model->scene, id, text), frame->time_s);
 		}

@@ -31,7 +31,7 @@ static const struct rb_method automatic = {
 	.what = "located, but stepped while events come too densely, or motion is too fast, to "
 		"locate",
 	.good_for = "whoever does not want to choose (the default)",
-	.mind = "how long was stepped stands in the summary and in the recording",
+	.mind = "the summary and the recording report how much time was stepped",
 	.locates = true,
 	.changes = true,
 	.steps = &rb_stepper_stepped,

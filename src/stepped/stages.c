@@ -20,7 +20,7 @@ static const struct rb_method_part rows[] = {
 	{"move", "positions: solved velocities, parabolas", 0},
 	{"turn", "orientations", RB_FEATURE_ROTATION},
 	{"rebound", "impacts of groups too large for that, at once", RB_FEATURE_RESTITUTION},
-	{"judge", "finite, residual, nobody thrown past others", 0},
+	{"judge", "finite values, residual, no body past another", 0},
 	{"close", "overlap that linearization has left, by positions only", RB_FEATURE_CONTACT},
 	{"apart", "groups for which the step has failed go back and halve it", RB_FEATURE_CONTACT},
 	{"tell", "contacts with their forces, impacts by time and ids", RB_FEATURE_CONTACT},

@@ -17,7 +17,7 @@ refused '\n# a remark\n\nat 0.1 paus' "commands:4: unknown command 'paus' \(did 
 refused 'at soon status\n' "commands:1: wanted 'at TIME command'"
 refused 'at -1 status\n' "commands:1: wanted 'at TIME command'"
 refused 'at' "commands:1: unknown command 'at'"
-refused 'at 3 status\n' 'commands:1: 3 s lie behind the end of the run, 0.5 s'
+refused 'at 3 status\n' 'commands:1: 3 s is after the end of the run, 0.5 s'
 refused 'seek 1\n' "commands:1: 'seek' needs a console"
 refused 'set mu 1\n' "commands:1: the scene has no parameter 'mu'"
 for line in pause toggle step 'stop at collision on'; do

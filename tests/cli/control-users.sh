@@ -35,7 +35,7 @@ as 65534 66 ctl run/s status
 says err 'Permission denied'
 chmod 666 run/s
 as 65534 69 ctl run/s quit
-says err "turns us away: .*another user"
+says err "rejects the connection: .*another user"
 says_nothing out
 as 0 0 ctl run/s status
 says out 'state playing'
@@ -49,7 +49,7 @@ pid=$!
 until_true [ -S run/s ]
 chmod 666 run/s
 as 65533 69 ctl run/s pause
-says err "turns us away"
+says err "rejects the connection"
 as 65534 0 ctl run/s status
 says out 'state playing'
 as 0 0 ctl run/s status
