@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/row.h"
 
-/* Rounding of a unit normal; of impulses, over the largest of the system, besides velocities' own. */
+/* Rounding of a unit normal; of impulses, over the largest, besides that of velocities. */
 static const double unit_error = 1e-9, impulse_error = 1e-9;
 
 static bool is_sound(const struct rb_system_row *row, int bodies, double rounding)
