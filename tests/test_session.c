@@ -196,11 +196,11 @@ static void between_two_runs_questions_are_refused_and_nothing_else(void **state
 	open_session(&host);
 	keep_frame(&host, 0);
 	rb_session_detach(host.session);
-	assert_answer(&host, "frame", "error the run is starting anew");
-	assert_answer(&host, "body #0", "error the run is starting anew");
-	assert_answer(&host, "scene", "error the run is starting anew");
-	assert_answer(&host, "hello", "error the run is starting anew");
-	assert_answer(&host, "set e 0.25", "error the run is starting anew");
+	assert_answer(&host, "frame", "error the run is restarting");
+	assert_answer(&host, "body #0", "error the run is restarting");
+	assert_answer(&host, "scene", "error the run is restarting");
+	assert_answer(&host, "hello", "error the run is restarting");
+	assert_answer(&host, "set e 0.25", "error the run is restarting");
 	assert_answer(&host, "status", "ok\n");
 	assert_answer(&host, "pause", "ok\n");
 	assert_good(host.err, rb_session_attach(host.session, &host.info, NULL, &host.err));
