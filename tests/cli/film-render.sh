@@ -73,7 +73,7 @@ cp s.h5 s.mp4
 exits 64 render s.mp4 --camera main -o ./s.mp4 --force
 printf '\ncamera { name = "in", position = {0, 0, 2}, png = "in/%%d.png", look_at = {5, 0, 0} }\n' >with.lua
 exits 65 render s.h5 --with with.lua
-grep -q "with.lua:2: camera 'in': stands inside" err || fail "$(cat err)"
+grep -q "with.lua:2: camera 'in': is inside" err || fail "$(cat err)"
 
 # wrong inputs
 exits 64 render s.h5 --camera main --frame 1 -o x.png --speed 2

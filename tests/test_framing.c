@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: MIT */
+/* src/flow/framing.c: a camera without a place of its own sees all that moves */
+#include "worlds.h"
+
+#include "flow/frame.h"
+#include "flow/framing.h"
+#include "math/random.h"
+
+static double uniform(uint64_t series, uint64_t k, double low, double high)
+{
+	return low + (high - low) * rb_random_unit(series, 0, k);
+}
+
+static void seal(struct lab *lab)
+{
+	if (rb_model_create(&lab->model, &lab->scene, NULL, &lab->error) != RB_OK)
+		fail_msg("model: %s", lab->error.text);
+}
+
+/* A frame in which the bodies stand where the model has them at the start. */
+static void open_frame(const struct lab *lab, struct rb_frame *frame)
+{
+	struct rb_error err;
+
+	assert_ok(rb_frame_init(frame, lab->model, RB_FIELD_POSITION, &err));
+	for (int i = 0; i < lab->model->body_count; i++)
+		rb_vec3_to(frame->position + 3 * i, lab->model->position[i]);
+}
+
+/*
+ * How far from the middle of the picture, in halves of it, the corner is that lies farthest out: of
+ * boxes with half edge r about the points.
+ */
+static double farthest(const struct rb_camera_def *camera, const rb_vec3 *points, const double *r,
+                       int count)
+{
+	const rb_vec3 target = camera->look_at.value;
+	const rb_vec3 line = rb_vec3_sub(target, camera->position.value);
+	const rb_vec3 ahead = rb_vec3_scale(1 / rb_vec3_length(line), line);
+	rb_vec3 right = rb_vec3_cross(ahead, camera->up.value);
+	right = rb_vec3_scale(1 / rb_vec3_length(right), right);
+	const rb_vec3 up = rb_vec3_cross(right, ahead);
+	const double aspect = (double)camera->size_px[0] / camera->size_px[1];
+	double most = 0;
+
+	for (int i = 0; i < count; i++)
+		for (int k = 0; k < 8; k++) {
+			const rb_vec3 corner = {points[i].x + (k & 1 ? r[i] : -r[i]),
+			                        points[i].y + (k & 2 ? r[i] : -r[i]),
+			                        points[i].z + (k & 4 ? r[i] : -r[i])};
+			const rb_vec3 arm = rb_vec3_sub(corner, camera->position.value);
+			const double depth = rb_vec3_dot(arm, ahead);
+			const double half = camera->orthographic ? 0.5 * camera->height
+			                                         : depth * tan(0.5 * camera->fov);
+
+			if (!camera->orthographic && depth <= 0)
+				return (double)INFINITY;
+			most = fmax(most, fabs(rb_vec3_dot(arm, up)) / half);
+			most = fmax(most, fabs(rb_vec3_dot(arm, right)) / (half * aspect));
+		}
+	return most;
+}
+
+/* All of it is in the picture with a tenth to spare, and at that tenth something stands. */
+static void every_body_is_in_the_picture_and_fills_it(void **state)
+{
+	enum { COUNT = 6 };
+
+	(void)state;
+	for (uint64_t k = 0; k < 60; k++) {
+		struct rb_camera_def camera = rb_camera_def_default();
+		struct rb_framing framing;
+		struct rb_error err;
+		rb_vec3 points[COUNT];
+		double r[COUNT];
+		char text[80];
+		struct lab lab;
+
+		lab_open(&lab, 1, 10);
+		rb_vec3 low = {1e9, 1e9, 1e9}, high = {-1e9, -1e9, -1e9};
+		for (int i = 0; i < COUNT; i++) {
+			const uint64_t at = 10 * k + (uint64_t)i;
+
+			points[i] = (rb_vec3){uniform(1, at, -20, 20), uniform(2, at, -5, 30),
+			                      uniform(3, at, 0, 9)};
+			r[i] = uniform(4, at, 0.1, 2);
+			lab_sphere(&lab, r[i], 1, points[i], (rb_vec3){0, 0, 0});
+			low = (rb_vec3){fmin(low.x, points[i].x - r[i]),
+			                fmin(low.y, points[i].y - r[i]),
+			                fmin(low.z, points[i].z - r[i])};
+			high = (rb_vec3){fmax(high.x, points[i].x + r[i]),
+			                 fmax(high.y, points[i].y + r[i]),
+			                 fmax(high.z, points[i].z + r[i])};
+		}
+		seal(&lab);
+		camera.framed = true;
+		camera.orthographic = k % 2;
+		camera.fov = uniform(5, k, 0.2, 2);
+		camera.size_px[0] = k % 3 ? 1280 : 300;
+		camera.size_px[1] = 720;
+		assert_ok(rb_framing_init(&framing, lab.model, &err));
+		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+		assert_string_equal(text, "");
+		assert_int_equal(camera.position.source, RB_CAMERA_FIXED);
+		/* what it looks at is the middle of all boxes */
+		assert_vector(camera.look_at.value, rb_vec3_scale(0.5, rb_vec3_add(low, high)),
+		              1e-13);
+		const double most = farthest(&camera, points, r, COUNT);
+		assert_true(most <= 0.9 + 1e-12);
+		/* the corners of the box round all of them reach that far, not a hair less */
+		rb_vec3 corners[8];
+		const double none[8] = {0};
+		for (int c = 0; c < 8; c++)
+			corners[c] = (rb_vec3){c & 1 ? high.x : low.x, c & 2 ? high.y : low.y,
+			                       c & 4 ? high.z : low.z};
+		assert_near(farthest(&camera, corners, none, 8), 0.9, 1e-12);
+		rb_framing_release(&framing);
+		rb_framing_release(&framing);
+		lab_close(&lab);
+	}
+}
+
+/* Wherever they get over the time that is shown. */
+static void what_moves_is_seen_wherever_it_gets(void **state)
+{
+	struct rb_camera_def camera = rb_camera_def_default();
+	struct rb_framing framing;
+	struct rb_frame frame;
+	struct rb_error err;
+	rb_vec3 points[4];
+	const double r[4] = {0.5, 0.5, 0.5, 0.5};
+	char text[80];
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 10);
+	lab_sphere(&lab, 0.5, 1, (rb_vec3){0, 0, 0}, (rb_vec3){0, 0, 0});
+	lab_sphere(&lab, 0.5, 1, (rb_vec3){3, 0, 0}, (rb_vec3){0, 0, 0});
+	seal(&lab);
+	open_frame(&lab, &frame);
+	assert_ok(rb_framing_init(&framing, lab.model, &err));
+	assert_false(rb_framing_see(&framing, &frame)); /* where it began */
+	points[0] = (rb_vec3){0, 0, 0};
+	points[1] = (rb_vec3){3, 0, 0};
+	points[2] = (rb_vec3){-4, 7, 1};
+	points[3] = (rb_vec3){0, 0, 25};
+	for (int k = 2; k < 4; k++) {
+		rb_vec3_to(frame.position, points[k]);
+		assert_true(rb_framing_see(&framing, &frame));
+		assert_false(rb_framing_see(&framing, &frame));
+	}
+	/* a place that is none is not looked for */
+	frame.position[0] = (double)NAN;
+	frame.position[3] = (double)INFINITY;
+	assert_false(rb_framing_see(&framing, &frame));
+	rb_vec3_to(frame.position, points[0]);
+	rb_vec3_to(frame.position + 3, points[1]);
+	assert_false(rb_framing_see(&framing, &frame)); /* it is back */
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+	assert_true(farthest(&camera, points, r, 4) <= 0.9 + 1e-12);
+	rb_framing_release(&framing);
+	rb_frame_release(&frame);
+	lab_close(&lab);
+}
+
+/* What has gone for kilometres would make all others dots; three are named, others counted. */
+static void who_flies_off_for_ever_is_left_out_and_told(void **state)
+{
+	struct rb_camera_def camera = rb_camera_def_default();
+	struct rb_framing framing;
+	struct rb_frame frame;
+	struct rb_error err;
+	char text[80], small[12];
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 10);
+	for (int i = 0; i < 8; i++) {
+		struct rb_body_def def = lab_sphere_def(0.5, 1, (rb_vec3){2.0 * i, 0, 0},
+		                                        (rb_vec3){0, 0, 0});
+		def.name = i == 3 ? "runaway" : NULL;
+		lab_add(&lab, &def);
+	}
+	seal(&lab);
+	open_frame(&lab, &frame);
+	assert_ok(rb_framing_init(&framing, lab.model, &err));
+	for (int far = 1; far < 1000; far *= 3) {
+		for (int i = 3; i < 8; i++)
+			frame.position[3 * i + 2] = 20.0 * far * (i - 2);
+		assert_true(rb_framing_see(&framing, &frame));
+	}
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 5);
+	assert_string_equal(text, "'runaway', #4, #5 and 2 more");
+	/* those that stay fill the picture: from x = 0 to x = 4 */
+	assert_true(rb_vec3_length(rb_vec3_sub(camera.position.value, camera.look_at.value)) < 20);
+	assert_int_equal(rb_framing_aim(&framing, &camera, small, sizeof small), 5);
+	assert_string_equal(small, "'runaway', ");
+	/* one that turns back has not left */
+	for (int i = 3; i < 8; i++)
+		frame.position[3 * i + 2] -= 1;
+	(void)rb_framing_see(&framing, &frame);
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+	assert_true(rb_vec3_length(rb_vec3_sub(camera.position.value, camera.look_at.value)) >
+	            1000);
+	rb_framing_release(&framing);
+	rb_frame_release(&frame);
+	lab_close(&lab);
+}
+
+static void a_point_that_is_looked_at_stays_in_the_middle(void **state)
+{
+	struct rb_camera_def camera = rb_camera_def_default();
+	struct rb_framing framing;
+	struct rb_error err;
+	const rb_vec3 points[2] = {{0, 0, 0}, {10, 0, 0}};
+	const double r[2] = {1, 1};
+	char text[80];
+	struct lab lab;
+
+	(void)state;
+	lab_open(&lab, 1, 10);
+	for (int i = 0; i < 2; i++)
+		lab_sphere(&lab, 1, 1, points[i], (rb_vec3){0, 0, 0});
+	seal(&lab);
+	assert_ok(rb_framing_init(&framing, lab.model, &err));
+	camera.aimed = true;
+	camera.look_at.value = (rb_vec3){0, 0, 3};
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+	assert_vector(camera.look_at.value, ((rb_vec3){0, 0, 3}), 0);
+	assert_true(farthest(&camera, points, r, 2) <= 0.9 + 1e-12);
+	/* a height that is given is kept */
+	camera.orthographic = true;
+	camera.height = 3;
+	(void)rb_framing_aim(&framing, &camera, text, sizeof text);
+	assert_true(camera.height == 3);
+	rb_framing_release(&framing);
+	lab_close(&lab);
+}
+
+static void there_is_a_picture_of_next_to_nothing(void **state)
+{
+	struct rb_camera_def camera = rb_camera_def_default();
+	struct rb_framing framing;
+	struct rb_error err;
+	struct lab lab;
+	char text[80];
+
+	(void)state;
+	/* one body, which nobody sees */
+	lab_open(&lab, 1, 10);
+	struct rb_body_def def = lab_sphere_def(0.5, 1, (rb_vec3){7, 0, 0}, (rb_vec3){0, 0, 0});
+	def.visible = false;
+	lab_add(&lab, &def);
+	seal(&lab);
+	assert_ok(rb_framing_init(&framing, lab.model, &err));
+	camera.orthographic = true;
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+	assert_true(isfinite(camera.position.value.x) && camera.height > 0);
+	assert_true(rb_vec3_length(rb_vec3_sub(camera.position.value, camera.look_at.value)) > 0);
+	rb_memory_fail_at(1);
+	camera.height = (double)NAN;
+	assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+	rb_memory_fail_at(0);
+	assert_true(camera.height > 0);
+	rb_framing_release(&framing);
+	rb_memory_fail_at(1);
+	const enum rb_status status = rb_framing_init(&framing, lab.model, &err);
+	rb_memory_fail_at(0);
+	assert_int_equal(status, RB_ERR_MEMORY);
+	rb_framing_release(&framing);
+	lab_close(&lab);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_body_is_in_the_picture_and_fills_it),
+		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),
+		cmocka_unit_test(who_flies_off_for_ever_is_left_out_and_told),
+		cmocka_unit_test(a_point_that_is_looked_at_stays_in_the_middle),
+		cmocka_unit_test(there_is_a_picture_of_next_to_nothing),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
