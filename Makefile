@@ -84,11 +84,13 @@ FILM_LIBS = $(eval FILM_LIBS := $(call film_packages,--libs))$(FILM_LIBS)
 CONSOLE_CFLAGS = $(eval CONSOLE_CFLAGS := $(call package,--cflags,ncursesw))$(CONSOLE_CFLAGS)
 CONSOLE_LIBS = $(eval CONSOLE_LIBS := $(call package,--libs,ncursesw))$(CONSOLE_LIBS)
 HDF5_LIBS = $(eval HDF5_LIBS := $(call package,--libs,hdf5-serial hdf5))$(HDF5_LIBS)
+HASH_CFLAGS = $(eval HASH_CFLAGS := $(call package,--cflags,libxxhash) $(call package,--cflags,libmd))$(HASH_CFLAGS)
+HASH_LIBS = $(eval HASH_LIBS := $(call package,--libs,libmd))$(HASH_LIBS)
 HULL_CFLAGS = $(eval HULL_CFLAGS := $(call package,--cflags,qhullstatic_r qhull_r))$(HULL_CFLAGS)
 HULL_LIBS = $(eval HULL_LIBS := $(call package,--libs,qhullstatic_r qhull_r))$(HULL_LIBS)
 CMOCKA_CFLAGS = $(eval CMOCKA_CFLAGS := $(call package,--cflags,cmocka))$(CMOCKA_CFLAGS)
 CMOCKA_LIBS = $(eval CMOCKA_LIBS := $(call package,--libs,cmocka))$(CMOCKA_LIBS)
-libs = $(LUA_LIBS) $(HULL_LIBS) -lm -ldl $(LDLIBS)
+libs = $(LUA_LIBS) $(HULL_LIBS) $(HASH_LIBS) -lm -ldl $(LDLIBS)
 
 # src/ORDER is the only list of modules; what needs HDF5, what makes pictures and what needs curses become modules that are loaded at run time.
 listed := $(shell sh tools/modules src/ORDER)
@@ -158,6 +160,7 @@ $(BUILD)/tests/test_converge: wrap = -Wl,--wrap=rb_rung_run,--wrap=rb_clock_now_
 extra =
 $(BUILD)/src/script/%.o $(BUILD)/src/app/%.o: extra = $(LUA_CFLAGS)
 $(BUILD)/src/geom/hull.o: extra = $(HULL_CFLAGS)
+$(BUILD)/src/base/hash.o: extra = $(HASH_CFLAGS)
 $(h5_objects): extra = -fPIC $(HDF5_CFLAGS)
 $(film_objects): extra = -fPIC $(FILM_CFLAGS)
 $(console_objects): extra = -fPIC $(CONSOLE_CFLAGS)
@@ -185,7 +188,7 @@ entry = {"directory": $(call json,$(CURDIR))$(comma) "file": "$1"$(comma) "comma
 	json,$(compile) $2 $(compile_user) -c $1)}$(if $(filter-out $(lastword $(sources)),$1),$(comma))
 flags_of = $(if $(filter $1,$(h5_sources)),-fPIC $(HDF5_CFLAGS),$(if $(filter $1,$(film_sources)),-fPIC \
 	$(FILM_CFLAGS),$(if $(filter $1,$(console_sources)),-fPIC $(CONSOLE_CFLAGS),$(if $(filter src/script/% \
-	src/app/%,$1),$(LUA_CFLAGS),$(if $(filter src/geom/hull.c,$1),$(HULL_CFLAGS))))))
+	src/app/%,$1),$(LUA_CFLAGS),$(if $(filter src/geom/hull.c,$1),$(HULL_CFLAGS))$(if $(filter src/base/hash.c,$1),$(HASH_CFLAGS))))))
 # by make itself: all of it is too long for a word of a shell's command
 compile_commands.json: $(BUILD)/flags $(BUILD)/modules Makefile
 	$(file >$@,[)$(foreach s,$(sources),$(file >>$@,$(call entry,$(s),$(call flags_of,$(s)))))$(file >>$@,])@:
