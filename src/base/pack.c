@@ -19,7 +19,7 @@ void rb_pack_restart(struct rb_pack *pack)
 	RB_ASSERT(!pack->loading);
 	pack->size = 0;
 	pack->failed = pack->no_memory = false;
-	pack->why = NULL;
+	pack->why = pack->where = NULL;
 }
 
 enum rb_status rb_pack_status(const struct rb_pack *pack, const char *what, struct rb_error *err)
@@ -28,6 +28,9 @@ enum rb_status rb_pack_status(const struct rb_pack *pack, const char *what, stru
 		return RB_OK;
 	if (pack->no_memory)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %s", what);
+	if (pack->where)
+		return RB_FAIL(err, RB_ERR_INPUT, "%s can't be right: '%s' is %s", what,
+		               pack->where, pack->why);
 	return RB_FAIL(err, RB_ERR_INPUT, "%s can't be right: %s", what, pack->why);
 }
 
@@ -39,31 +42,53 @@ void rb_pack_fail(struct rb_pack *pack, const char *why)
 	pack->why = why;
 }
 
+void rb_pack_fail_at(struct rb_pack *pack, const char *where, const char *why)
+{
+	if (!pack->failed)
+		pack->where = where;
+	rb_pack_fail(pack, why);
+}
+
+void rb_pack_fail_memory(struct rb_pack *pack)
+{
+	if (!pack->failed)
+		pack->failed = pack->no_memory = true;
+}
+
+unsigned char *rb_pack_room(struct rb_pack *pack, size_t size)
+{
+	unsigned char *room;
+
+	if (pack->loading && !pack->failed && pack->size - pack->at < size)
+		rb_pack_fail(pack, "it ends too early");
+	if (!pack->loading && !pack->failed && pack->capacity - pack->size < size &&
+	    !rb_memory_reserve(&pack->bytes, &pack->capacity, pack->size + size, 1))
+		rb_pack_fail_memory(pack);
+	if (pack->failed)
+		return NULL;
+	room = pack->bytes + (pack->loading ? pack->at : pack->size);
+	*(pack->loading ? &pack->at : &pack->size) += size;
+	return room;
+}
+
 static void save(struct rb_pack *pack, const void *bytes, size_t size)
 {
-	if (pack->failed || size == 0)
-		return;
-	if (pack->capacity - pack->size < size &&
-	    !rb_memory_reserve(&pack->bytes, &pack->capacity, pack->size + size, 1)) {
-		pack->failed = pack->no_memory = true;
-		return;
-	}
-	memcpy(pack->bytes + pack->size, bytes, size);
-	pack->size += size;
+	unsigned char *const to = size > 0 ? rb_pack_room(pack, size) : NULL;
+
+	if (to)
+		memcpy(to, bytes, size);
 }
 
 static void load(struct rb_pack *pack, void *bytes, size_t size)
 {
-	if (!pack->failed && pack->size - pack->at < size)
-		rb_pack_fail(pack, "it ends too early");
+	const unsigned char *const from = size > 0 ? rb_pack_room(pack, size) : NULL;
+
 	if (size == 0)
 		return;
-	if (pack->failed) {
+	if (from)
+		memcpy(bytes, from, size);
+	else
 		memset(bytes, 0, size);
-		return;
-	}
-	memcpy(bytes, pack->bytes + pack->at, size);
-	pack->at += size;
 }
 
 void rb_pack_bytes_slowly(struct rb_pack *pack, void *bytes, size_t size)

@@ -31,8 +31,9 @@ struct rb_pack {
 	size_t capacity;      /* saving */
 	size_t at;            /* loading */
 	bool failed;
-	bool no_memory;  /* ... for that reason */
-	const char *why; /* ... else for this: static text */
+	bool no_memory;    /* ... for that reason */
+	const char *why;   /* ... else for this: static text */
+	const char *where; /* ... in this field; NULL: in none that has a name */
 };
 
 /* Saving: gives the block back. */
@@ -45,6 +46,10 @@ RB_CHECKED enum rb_status rb_pack_status(const struct rb_pack *pack, const char 
 
 /* Fails for a reason, unless one stands already. */
 void rb_pack_fail(struct rb_pack *pack, const char *why);
+/* The same of a field of that name, static text. */
+void rb_pack_fail_at(struct rb_pack *pack, const char *where, const char *why);
+/* Fails for want of memory. */
+void rb_pack_fail_memory(struct rb_pack *pack);
 /* Loading: fails unless it holds. Gives false once anything has failed. */
 static inline bool rb_pack_check(struct rb_pack *pack, bool holds, const char *why)
 {
@@ -57,6 +62,12 @@ static inline bool rb_pack_check(struct rb_pack *pack, bool holds, const char *w
  * What follows stands here so that saving is a copy where there is room: millions of values make a
  * checkpoint.
  */
+/*
+ * Saving: room for so many bytes, to be filled before anything else is packed; loading: the next so
+ * many bytes, which they are to be taken from. NULL: it has failed.
+ */
+unsigned char *rb_pack_room(struct rb_pack *pack, size_t size);
+
 void rb_pack_bytes_slowly(struct rb_pack *pack, void *bytes, size_t size);
 static inline void rb_pack_bytes(struct rb_pack *pack, void *bytes, size_t size)
 {
