@@ -39,6 +39,19 @@ static void parts_have_names_of_their_own(void **state)
 	}
 }
 
+/* Scenes and the command line choose from that text. */
+static void the_text_of_choices_names_every_method_in_order(void **state)
+{
+	char text[256] = "";
+
+	(void)state;
+	for (int kind = 0; kind < RB_METHOD_KIND_COUNT; kind++) {
+		strcat(text, kind > 0 ? ", " : "");
+		strcat(text, rb_methods[kind]->name);
+	}
+	assert_string_equal(RB_METHOD_NAMES, text);
+}
+
 /* What a method lacks is refused by name: a row alone decides. */
 static void a_method_refuses_what_its_row_says_that_it_lacks(void **state)
 {
@@ -66,6 +79,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_kind_has_a_row_and_a_name_of_its_own),
+		cmocka_unit_test(the_text_of_choices_names_every_method_in_order),
 		cmocka_unit_test(parts_have_names_of_their_own),
 		cmocka_unit_test(a_method_refuses_what_its_row_says_that_it_lacks),
 	};

@@ -297,7 +297,15 @@ struct rb_record_def {
 };
 
 enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };
-enum rb_method_kind { RB_METHOD_AUTO, RB_METHOD_CLASSIC, RB_METHOD_LOCATED, RB_METHOD_STEPPED };
+/* In the order of their names, which scenes and the command line choose by; rows: model/descriptor. */
+enum rb_method_kind {
+	RB_METHOD_AUTO,
+	RB_METHOD_CLASSIC,
+	RB_METHOD_LOCATED,
+	RB_METHOD_STEPPED,
+	RB_METHOD_KIND_COUNT
+};
+#define RB_METHOD_NAMES "auto, classic, located, stepped"
 
 struct rb_world_def {
 	const char *title, *description; /* "" when not given */

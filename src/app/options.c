@@ -9,6 +9,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include <rbsim/scene.h>
+
 #include "base/memory.h"
 #include "script/nearest.h"
 
@@ -182,7 +184,7 @@ const struct rb_option_row rb_option_rows[] = {
          (double)INFINITY, true, NULL,
          "wall time for the whole ladder, what would take longer is left out (default: 60)"},
 	{"method", 0, "NAME", RB_OPTION_CHOICE, AT(method), SCENE | EACH | VERB(VERIFY), 0, 0,
-         false, "auto, classic, located, stepped", "method of the solver (see rbsim methods)"},
+         false, RB_METHOD_NAMES, "method of the solver (see rbsim methods)"},
 	{"rollback", 0, "KIND", RB_OPTION_CHOICE, AT(rollback), SCENE | EACH | VERB(VERIFY), 0, 0,
          false, "selective, global, none",
          "what is restored when an overlap shows (the bodies concerned, the whole scene, nothing)"},

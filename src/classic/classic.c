@@ -383,7 +383,14 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 	pack_groups(world, pack);
 }
 
-static const struct rb_stepper steps = {.prepare = prepare, .step = step, .pack = pack_steps};
+static void release(struct rb_world *world)
+{
+	rb_groups_destroy(world->groups);
+	world->groups = NULL;
+}
+
+static const struct rb_stepper steps = {
+	.prepare = prepare, .step = step, .pack = pack_steps, .release = release};
 
 const struct rb_method rb_method_classic = {
 	.name = "classic",

@@ -5,12 +5,10 @@
 #include "base/memory.h"
 #include "located/engine.h"
 #include "located/located_invariants.h"
-#include "classic/groups.h"
 #include "method/loads.h"
 #include "method/numbers.h"
 #include "model/descriptor.h"
 #include "classic/stage_list.h"
-#include "stepped/stepped.h"
 #include "world/invariants.h"
 
 #include <float.h>
@@ -167,8 +165,9 @@ void rb_world_destroy(struct rb_world *world)
 	rb_contacts_release(&world->next_contacts);
 	rb_contacts_release(&world->shown);
 	rb_memory_free(world->events.row);
-	rb_groups_destroy(world->groups);
-	rb_stepped_destroy(world->stepped);
+	for (int k = 0; k < RB_METHOD_KIND_COUNT; k++)
+		if (!rb_methods[k]->locates && rb_methods[k]->steps->release)
+			rb_methods[k]->steps->release(world);
 	rb_broadphase_destroy(world->broadphase);
 	rb_memory_free(world);
 }
@@ -483,7 +482,7 @@ enum rb_status rb_world_validate(const struct rb_world *world, struct rb_error *
 	if (status == RB_OK && world->located && world->dense_left == 0)
 		status = rb_validate_located(world->located, err);
 	const struct rb_stepper *const steps = method_of(world)->steps;
-	if (status == RB_OK && world->stepped && steps->validate)
+	if (status == RB_OK && steps->validate)
 		status = steps->validate(world, err);
 	return status;
 }

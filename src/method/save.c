@@ -4,7 +4,6 @@
 #include "base/memory.h"
 #include "located/freeze.h"
 #include "step/broadphase.h"
-#include "classic/groups.h"
 #include "model/descriptor.h"
 #include "world/world.h"
 
@@ -158,9 +157,8 @@ static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 	for (int k = 0; k < RB_METHOD_KIND_COUNT && !pack->failed; k++)
 		if (!rb_methods[k]->locates)
 			rb_methods[k]->steps->pack(world, pack);
-	(void)rb_pack_check(
-		pack, world->groups || world->stepped || (world->located && world->dense_left == 0),
-		"steps of a world that was never stepped");
+	(void)rb_pack_check(pack, !world->located || world->dense_left == 0 || world->stepped,
+	                    "steps of a world that was never stepped");
 	if (world->located && !pack->failed)
 		rb_freeze_pack(world->located, pack);
 }

@@ -28,6 +28,8 @@ struct rb_stepper {
 	void (*pack)(struct rb_world *world, struct rb_pack *pack);
 	/* RB_ERR_BUG says what does not hold of it between steps. NULL: it keeps nothing. */
 	enum rb_status (*validate)(const struct rb_world *world, struct rb_error *err);
+	/* Frees what prepare has made, if it has. NULL: it makes nothing. */
+	void (*release)(struct rb_world *world);
 };
 
 struct rb_method {
@@ -44,7 +46,6 @@ struct rb_method {
 };
 
 /* All methods (method/method_table), by kind. */
-enum { RB_METHOD_KIND_COUNT = RB_METHOD_STEPPED + 1 };
 extern const struct rb_method *const rb_methods[RB_METHOD_KIND_COUNT];
 
 static inline const struct rb_method *rb_model_method_row(const struct rb_model *model)

@@ -6,6 +6,7 @@
 
 #include "base/memory.h"
 #include "geom/mass.h"
+#include "model/descriptor.h"
 #include "model/shape.h"
 #include "math/quat.h"
 #include "model/validate.h"
@@ -215,6 +216,22 @@ static void fill_numbers(struct rb_model *model)
 		model->frame_count++;
 }
 
+/* What rb_scene_check does not refuse by the name of a call: the first feature that the method lacks. */
+static enum rb_status check_method(const struct rb_model *model, struct rb_error *err)
+{
+	const struct rb_method *const method = rb_methods[model->scene->world.method];
+	int count;
+	const struct rb_feature_row *const row = rb_feature_rows(&count);
+
+	for (int k = 0; k < count; k++)
+		if (row[k].bit & model->features & method->lacks)
+			return RB_FAIL(err, RB_ERR_SCENE,
+			               "world: method '%s' has no feature '%s' (%s): use 'located' "
+			               "or 'auto'",
+			               method->name, row[k].name, row[k].help);
+	return RB_OK;
+}
+
 static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
                            struct rb_error *err)
 {
@@ -240,7 +257,9 @@ static enum rb_status fill(struct rb_model *model, struct rb_mistakes *mistakes,
 	fill_pair_materials(model);
 	model->features = rb_features_of(scene, model->pair_materials);
 	const bool turns = (model->features & RB_FEATURE_ROTATION) != 0;
-	const enum rb_status status = rb_scene_check(scene, turns, mistakes, err);
+	enum rb_status status = rb_scene_check(scene, turns, mistakes, err);
+	if (status == RB_OK)
+		status = check_method(model, err);
 	if (status != RB_OK)
 		return status;
 

@@ -40,8 +40,7 @@ static const struct rb_row world_rows[] = {
          "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing "
          "(the tolerance is "
          "then reported and not promised)"},
-	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), "auto, classic, located, stepped",
-         NULL, "auto", "",
+	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), RB_METHOD_NAMES, NULL, "auto", "",
          "how time is advanced; auto is located, and stepped where locating costs too much (see "
          "rbsim methods)"},
 	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",

@@ -408,10 +408,17 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 	pack_rests(world, pack);
 }
 
+static void release(struct rb_world *world)
+{
+	rb_stepped_destroy(world->stepped);
+	world->stepped = NULL;
+}
+
 const struct rb_stepper rb_stepper_stepped = {
 	.prepare = prepare,
 	.take_over = take_over,
 	.step = step,
 	.pack = pack_steps,
 	.validate = rb_validate_stepped,
+	.release = release,
 };

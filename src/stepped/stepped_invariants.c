@@ -72,6 +72,8 @@ static enum rb_status validate_bodies(const struct rb_world *world, struct rb_er
 enum rb_status rb_validate_stepped(const struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_stepped *const s = world->stepped;
+	if (!s)
+		return RB_OK;
 	enum rb_status status = validate_bodies(world, err);
 
 	if (status == RB_OK)

@@ -1,19 +1,10 @@
-#!/bin/sh
 # SPDX-License-Identifier: MIT
-# What a new force takes: tools/sample-force BUILD [FOLDER] adds one to a copy of the tree, builds it from the objects in BUILD,
-# runs a scene by each method against the closed form, and counts the files that were touched (at most four).
-set -eu
-build=$(realpath "$1")
-work=${2:-$(mktemp -d)}
-[ $# -gt 1 ] || trap 'rm -rf "$work"' EXIT
-top=$(realpath "$(dirname "$0")/..")
+# A force of tools/sample: a pull to a point, by each method against the closed form.
+most=4
 
-mkdir -p "$work/tree"
-(cd "$top" && tar cf - Makefile src include tools lua ARCHITECTURE.md 2>/dev/null) | tar xf - -C "$work/tree"
-cp -a "$work/tree" "$work/before"
-cd "$work/tree"
-
-cat >src/force/tether.c <<'END'
+add()
+{
+	cat >src/force/tether.c <<'END'
 /* SPDX-License-Identifier: MIT */
 /* Pulls every free body's centre of mass to a point, -stiffness times the way from there. */
 #include "model/element.h"
@@ -75,20 +66,13 @@ const struct rb_element_kind rb_force_tether = {
 	.energy = energy,
 };
 END
-sed -i -e 's|^const struct rb_element_kind \*const rb_element_kinds\[\] = {|extern const struct rb_element_kind rb_force_tether;\n&\&rb_force_tether, |' src/force/kinds.c
-sed -i 's|^force/kinds  |force/tether  a pull to a point\n&|' src/ORDER
+	edit src/force/kinds.c 's|^const struct rb_element_kind \*const rb_element_kinds\[\] = {|extern const struct rb_element_kind rb_force_tether;\n&\&rb_force_tether, |'
+	place force/tether force/kinds "a pull to a point"
+}
 
-touched=$(diff -rq "$work/before" "$work/tree" | grep -c . || true)
-into=$work/build
-mkdir -p "$into"
-# with times to the nanosecond, and with what depends on a header under its new path
-cp -a "$build/src" "$build/flags" "$build/modules" "$into"
-find "$into/src" -name '*.d' -exec sed -i "s|^[^ ]*/src/\([^ ]*[.]o:\)|$into/src/\1|" {} +
-make MODE="${RBSIM_MODE:-release}" BUILD="$into" WITH_FILM=0 WITH_CONSOLE=0 "$into/rbsim" "$into/rbsim-hdf5.so" >"$work/make.log" 2>&1 ||
-	{ tail -n 20 "$work/make.log"; exit 1; }
-rbsim=$into/rbsim
-
-cat >"$work/swing.lua" <<'END'
+try()
+{
+	cat >swing.lua <<'END'
 -- A ball in two tethers: about {0.5, 0, 1} with an angular frequency of 2.
 world { duration = 2, frame_rate = 50, time_step = 1e-4, method = param("method", "auto", "of the run") }
 record { ledger = true }
@@ -99,15 +83,14 @@ local bound = param("bound", 1e-9, "m")
 expect("the ball swings", function() return math.abs(ball.position.x - 0.5 - math.cos(4)), bound end)
 expect("energy stays", function() return math.abs(energy() - 2.5), 5 * bound end)
 END
-for method in auto located stepped; do
-	bound=1e-9
-	[ $method != stepped ] || bound=1e-3
-	"$rbsim" "$work/swing.lua" --method $method --param bound=$bound -o "$work/swing.h5" --force --quiet ||
-		{ echo "the sample force is wrong by $method"; exit 1; }
-done
-"$rbsim" info "$work/swing.h5" --json | grep -q '"tether_count":2' || { echo "the recording has no tethers"; exit 1; }
-"$rbsim" check "$work/swing.lua" | grep -q '2 tethers' || { echo "check says nothing of tethers"; exit 1; }
-"$rbsim" --print-tables scene | grep -q 'table tether' || { echo "the tables of keys have no tether"; exit 1; }
-"$rbsim" check "$work/swing.lua" --method classic 2>&1 | grep -q "has no tethers" || { echo "classic steps leave tethers out"; exit 1; }
-echo "a force: $touched files"
-[ "$touched" -le 4 ]
+	for method in auto located stepped; do
+		bound=1e-9
+		[ $method != stepped ] || bound=1e-3
+		"$rbsim" swing.lua --method $method --param bound=$bound -o swing.h5 --force --quiet ||
+			fail "the sample force is wrong by $method"
+	done
+	"$rbsim" info swing.h5 --json | grep -q '"tether_count":2' || fail "the recording has no tethers"
+	"$rbsim" check swing.lua | grep -q '2 tethers' || fail "check says nothing of tethers"
+	"$rbsim" --print-tables scene | grep -q 'table tether' || fail "the tables of keys have no tether"
+	"$rbsim" check swing.lua --method classic 2>&1 | grep -q "has no tethers" || fail "classic steps leave tethers out"
+}

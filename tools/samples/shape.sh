@@ -1,19 +1,10 @@
-#!/bin/sh
 # SPDX-License-Identifier: MIT
-# What a new shape takes: tools/sample-shape BUILD [FOLDER] adds a regular prism to a copy of the tree, builds it from the objects in
-# BUILD, runs scenes with it by each method, and counts the files that were touched (at most four). WITH_FILM=1 draws it, too.
-set -eu
-build=$(realpath "$1")
-work=${2:-$(mktemp -d)}
-[ $# -gt 1 ] || trap 'rm -rf "$work"' EXIT
-top=$(realpath "$(dirname "$0")/..")
+# A shape of tools/sample: a regular prism, which falls, stands and is part of a union by each method.
+most=4
 
-mkdir -p "$work/tree"
-(cd "$top" && tar cf - Makefile src include tools lua ARCHITECTURE.md 2>/dev/null) | tar xf - -C "$work/tree"
-cp -a "$work/tree" "$work/before"
-cd "$work/tree"
-
-cat >src/shape/prism.c <<'END'
+add()
+{
+	cat >src/shape/prism.c <<'END'
 /* SPDX-License-Identifier: MIT */
 /* A regular prism about local z: `sides` corners at `radius`, the first along x. size[0] has the number of sides. */
 #include <math.h>
@@ -66,23 +57,14 @@ const struct rb_shape_type rb_shape_prism = {
 	.make = make,
 };
 END
-sed -i 's|^	TYPE(UNION, union)|& TYPE(PRISM, prism)|' src/shape/shape_types.h
-sed -i 's|^	RB_SHAPE_UNION,|&\n	RB_SHAPE_PRISM,|' include/rbsim/scene.h
-sed -i 's|^shape/convex_hull |shape/prism  corners on a circle, twice\n&|' src/ORDER
+	edit src/shape/shape_types.h 's|^	TYPE(UNION, union)|& TYPE(PRISM, prism)|'
+	edit include/rbsim/scene.h 's|^	RB_SHAPE_UNION,|&\n	RB_SHAPE_PRISM,|'
+	place shape/prism shape/convex_hull "corners on a circle, twice"
+}
 
-touched=$(diff -rq "$work/before" "$work/tree" | grep -c . || true)
-into=$work/build
-mkdir -p "$into"
-# with times to the nanosecond, and with what depends on a header under its new path
-cp -a "$build/src" "$build/flags" "$build/modules" "$into"
-find "$into/src" -name '*.d' -exec sed -i "s|^[^ ]*/src/\([^ ]*[.]o:\)|$into/src/\1|" {} +
-film=""
-[ "${WITH_FILM:-0}" != 1 ] || film=$into/rbsim-film.so
-make MODE="${RBSIM_MODE:-release}" BUILD="$into" WITH_FILM="${WITH_FILM:-0}" WITH_CONSOLE=0 "$into/rbsim" "$into/rbsim-hdf5.so" $film \
-	>"$work/make.log" 2>&1 || { tail -n 20 "$work/make.log"; exit 1; }
-rbsim=$into/rbsim
-
-cat >"$work/fall.lua" <<'END'
+try()
+{
+	cat >fall.lua <<'END'
 -- A hexagonal prism falls flat, bounces to e^2 of its height; one stands, one is part of a hammer; a triangular one spins freely.
 world { duration = 0.8, frame_rate = 50, time_step = 1e-4, gravity = {0, 0, -9.81},
     method = param("method", "auto", "of the run") }
@@ -108,24 +90,23 @@ local t = 0.8 - t1
 expect("it bounces", function() return math.abs(falls.position.z - (0.2 + 0.5 * g * t1 * t - g / 2 * t * t)), bound end)
 expect("it stands", function() return math.abs(stands.position.z - 0.2), bound end)
 END
-for method in auto located stepped; do
-	bound=1e-11
-	[ $method != stepped ] || bound=2e-3
-	"$rbsim" "$work/fall.lua" --no-render --method $method --param bound=$bound -o "$work/fall.h5" --force --quiet ||
-		{ echo "the sample shape is wrong by $method"; exit 1; }
-done
-"$rbsim" info "$work/fall.h5" --json | grep -q '"prism":2' || { echo "the recording has no prisms"; exit 1; }
-"$rbsim" check "$work/fall.lua" | grep -q '2 prisms' || { echo "check says nothing of prisms"; exit 1; }
-"$rbsim" --print-tables scene >"$work/tables"
-grep -q 'table prism' "$work/tables" && grep -q 'of a capsule, a cylinder, a prism' "$work/tables" ||
-	{ echo "the tables of keys have no prism"; exit 1; }
-"$rbsim" check "$work/fall.lua" --method classic 2>&1 | grep -q "has no contacts of prisms" || { echo "classic steps take prisms"; exit 1; }
-echo 'prism { sides = 2.5, radius = 1, length = 1 }' >"$work/bad.lua"
-"$rbsim" check "$work/bad.lua" 2>&1 | grep -q "bad.lua:1: prism: 'sides' must be a whole number from 3 to 99 (got 2.5)" ||
-	{ echo "a wrong prism is not refused"; exit 1; }
-if [ "${WITH_FILM:-0}" = 1 ]; then
-	echo 'camera { position = {-1, -5, 3}, look_at = {0, 0, 0.8}, from = 0.79, fov = deg(45), png = "prisms-%d.png" }' >>"$work/fall.lua"
-	(cd "$work" && "$rbsim" fall.lua --quiet -o fall.h5 --force) || { echo "a prism cannot be drawn"; exit 1; }
-fi
-echo "a shape: $touched files"
-[ "$touched" -le 4 ]
+	for method in auto located stepped; do
+		bound=1e-11
+		[ $method != stepped ] || bound=2e-3
+		"$rbsim" fall.lua --no-render --method $method --param bound=$bound -o fall.h5 --force --quiet ||
+			fail "the sample shape is wrong by $method"
+	done
+	"$rbsim" info fall.h5 --json | grep -q '"prism":2' || fail "the recording has no prisms"
+	"$rbsim" check fall.lua | grep -q '2 prisms' || fail "check says nothing of prisms"
+	"$rbsim" --print-tables scene >tables
+	grep -q 'table prism' tables && grep -q 'of a capsule, a cylinder, a prism' tables ||
+		fail "the tables of keys have no prism"
+	"$rbsim" check fall.lua --method classic 2>&1 | grep -q "has no contacts of prisms" || fail "classic steps take prisms"
+	echo 'prism { sides = 2.5, radius = 1, length = 1 }' >bad.lua
+	"$rbsim" check bad.lua 2>&1 | grep -q "bad.lua:1: prism: 'sides' must be a whole number from 3 to 99 (got 2.5)" ||
+		fail "a wrong prism is not refused"
+	if [ "$film" = 1 ]; then
+		echo 'camera { position = {-1, -5, 3}, look_at = {0, 0, 0.8}, from = 0.79, fov = deg(45), png = "prisms-%d.png" }' >>fall.lua
+		"$rbsim" fall.lua --quiet -o fall.h5 --force || fail "a prism cannot be drawn"
+	fi
+}
