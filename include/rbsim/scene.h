@@ -297,7 +297,7 @@ struct rb_record_def {
 };
 
 enum rb_rollback_kind { RB_ROLLBACK_SELECTIVE, RB_ROLLBACK_GLOBAL, RB_ROLLBACK_NONE };
-/* In the order of their names, which scenes and the command line choose by; rows: model/descriptor. */
+/* In the order of their names, by which scenes and --method choose; rows: model/descriptor. */
 enum rb_method_kind {
 	RB_METHOD_AUTO,
 	RB_METHOD_CLASSIC,

@@ -216,7 +216,7 @@ static void fill_numbers(struct rb_model *model)
 		model->frame_count++;
 }
 
-/* What rb_scene_check does not refuse by the name of a call: the first feature that the method lacks. */
+/* Refuses the first feature that the method lacks, where rb_scene_check has not by its call. */
 static enum rb_status check_method(const struct rb_model *model, struct rb_error *err)
 {
 	const struct rb_method *const method = rb_methods[model->scene->world.method];
