@@ -176,7 +176,8 @@ $(BUILD)/%.o: %.c $(BUILD)/flags
 
 shell_word = '$(subst ','\'',$1)'
 # Stamps, rewritten only when their text changes. `deps` goes first when it is asked for too, even under -j.
-$(BUILD)/flags: text = $(compile) $(compile_user) $(link) $(LDLIBS)
+# Whether warnings are errors changes no object.
+$(BUILD)/flags: text = $(filter-out -Werror,$(compile)) $(compile_user) $(link) $(LDLIBS)
 $(BUILD)/modules: text = $(modules) $(GL) $(link) $(LDLIBS)
 $(BUILD)/flags $(BUILD)/modules: FORCE | $(BUILD)/ $(filter deps,$(MAKECMDGOALS))
 	@printf '%s\n' $(call shell_word,$(text)) >$@.new; cmp -s $@.new $@ && rm $@.new || mv $@.new $@

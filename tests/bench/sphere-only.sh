@@ -7,41 +7,10 @@
 . "$(dirname "$0")/functions"
 BASE=${BASE:-b668c1c}
 PILE_BASE=${PILE_BASE:-06a89e0}
+# shellcheck disable=SC2034 # read by counting
 MOST=1.02
+. "$TOP/tests/bench/counting"
 
-# build REVISION FOLDER
-build()
-{
-	[ -d "$2" ] && return 0
-	git -C "$TOP" cat-file -e "$1^{commit}" 2>/dev/null || return 1
-	mkdir "$2"
-	git -C "$TOP" archive "$1" | tar -x -C "$2"
-	make -C "$2" -j2 >"$2.log" 2>&1
-}
-
-# cost PROGRAM LUA ARGUMENTS...: instructions per body-step
-cost()
-{
-	program=$1 lua=$2
-	shift 2
-	RBSIM_LUA_PATH=$lua valgrind --tool=callgrind --callgrind-out-file=counted "$program" run "$@" --threads 1 --no-record \
-		--no-render --trust --json >out 2>err </dev/null || [ $? -eq 1 ] || return 1
-	calc "$(sed -n 's/^\(summary\|totals\): //p' counted | head -n 1) / $(value body_steps)"
-}
-
-# compare REVISION CASE ARGUMENTS...
-compare()
-{
-	revision=$1 case=$2 folder=$WORK/base-$1
-	shift 2
-	now=$(cost "$RBSIM" "$TOP/lua" "$@") || { result "$case" instructions failed "a body-step"; return; }
-	result "$case" instructions "$now" "a body-step"
-	build "$revision" "$folder" || { result "$case" "share of those at $revision" "not built" ""; return; }
-	was=$(cost "$folder/build/release/rbsim" "$folder/lua" "$@") || was=
-	[ -z "$was" ] || result "$case" "share of those at $revision" "$(calc "$now / $was")" "" $MOST
-}
-
-valgrind --tool=none --log-file=/dev/null true >/dev/null 2>&1 || { echo "$BENCH: needs valgrind" >&2; exit 0; }
 compare "$BASE" "gas, located" "$BENCH_SCENES/gas.lua" -p n=1000 -p phi=0.1 -p T=0.2 --method located
 compare "$BASE" "gas, classic" "$BENCH_SCENES/gas.lua" -p n=1000 -p phi=0.1 -p T=0.05 --method classic
 compare "$BASE" "heap, classic" "$SCENES/heap.lua" --method classic --duration 0.3
