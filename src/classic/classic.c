@@ -329,14 +329,6 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 
 /* ---- checkpoints ---- */
 
-static void pack_vector(struct rb_pack *pack, rb_vec3 *v)
-{
-	double numbers[3] = {v->x, v->y, v->z};
-
-	rb_pack_finite(pack, numbers, 3);
-	*v = rb_vec3_from(numbers);
-}
-
 /*
  * The boxes and what they allow: which pairs are looked at, and so which bodies step together,
  * follows from when they were made. The candidates follow from the boxes.
@@ -351,21 +343,19 @@ static void pack_groups(struct rb_world *world, struct rb_pack *pack)
 		return;
 	if (!rb_pack_check(pack, world->broadphase != NULL, "boxes of bodies that never meet"))
 		return;
-	for (size_t i = 0; i < n; i++) {
-		pack_vector(pack, &groups->built_at[i]);
-		pack_vector(pack, &groups->box[i].low);
-		pack_vector(pack, &groups->box[i].high);
+	rb_pack_finite(pack, &groups->built_at[0].x, 3 * n);
+	rb_pack_finite(pack, &groups->box[0].low.x, 6 * n);
+	for (size_t i = 0; pack->loading && i < n; i++)
 		(void)rb_pack_check(pack,
 		                    groups->box[i].low.x <= groups->box[i].high.x &&
 		                            groups->box[i].low.y <= groups->box[i].high.y &&
 		                            groups->box[i].low.z <= groups->box[i].high.z,
 		                    "a box that is inside out");
-	}
 	rb_pack_finite(pack, groups->margin, n);
 	if (pack->loading && !pack->failed &&
 	    rb_broadphase_find(world->broadphase, groups->box, &groups->candidate,
 	                       &groups->candidate_count, NULL) != RB_OK)
-		pack->failed = pack->no_memory = true;
+		rb_pack_fail_memory(pack);
 }
 
 static void pack_steps(struct rb_world *world, struct rb_pack *pack)
@@ -377,7 +367,7 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 	if (!prepared || pack->failed)
 		return;
 	if (pack->loading && prepare(world, NULL) != RB_OK) {
-		pack->failed = pack->no_memory = true;
+		rb_pack_fail_memory(pack);
 		return;
 	}
 	pack_groups(world, pack);

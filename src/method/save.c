@@ -9,19 +9,8 @@
 
 #include <math.h>
 
-/*
- * Bytes that a contact and an event take; what a body takes beside its state, with its boxes, and
- * on its arc.
- */
-enum { CONTACT_SIZE = 96, EVENT_SIZE = 100, BOX_SIZE = 80, ARC_SIZE = 400 };
-
-static void pack_vector(struct rb_pack *pack, rb_vec3 *v)
-{
-	double numbers[3] = {v->x, v->y, v->z};
-
-	rb_pack_finite(pack, numbers, 3);
-	*v = rb_vec3_from(numbers);
-}
+/* Bytes that a body takes beside its state, with its boxes, and on its arc. */
+enum { BOX_SIZE = 80, ARC_SIZE = 400 };
 
 static void pack_state(struct rb_state *state, struct rb_pack *pack)
 {
@@ -30,29 +19,23 @@ static void pack_state(struct rb_state *state, struct rb_pack *pack)
 	rb_pack_finite(pack, state->block, state->size_bytes / sizeof(double));
 }
 
+/* Its bodies are checked to come in pairs, in order: faces and edges touch at several points. */
 static void pack_contacts(struct rb_world *world, struct rb_contacts *contacts,
                           struct rb_pack *pack)
 {
-	const int last = world->model->body_count + world->model->static_count - 1;
+	const struct rb_limits limits = rb_limits_of(world->model);
 	size_t count = contacts->count;
 
-	rb_pack_count(pack, &count, INT32_MAX, CONTACT_SIZE);
-	if (pack->loading && rb_contacts_reserve(contacts, count, NULL) != RB_OK) {
-		pack->failed = pack->no_memory = true;
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(rb_contact_fields()));
+	if (pack->loading && rb_contacts_reserve(contacts, count, NULL) != RB_OK)
+		rb_pack_fail_memory(pack);
+	if (pack->failed)
 		return;
-	}
 	contacts->count = count;
-	for (size_t k = 0; k < count && !pack->failed; k++) {
-		struct rb_contact *const c = &contacts->row[k];
+	rb_fields_pack(rb_contact_fields(), contacts->row, count, limits.high, pack);
+	for (size_t k = 0; pack->loading && k < count && !pack->failed; k++) {
+		const struct rb_contact *const c = &contacts->row[k];
 
-		rb_pack_int(pack, &c->a, 0, world->model->body_count - 1);
-		rb_pack_int(pack, &c->b, 0, last);
-		pack_vector(pack, &c->point);
-		pack_vector(pack, &c->normal);
-		rb_pack_finite(pack, &c->gap, 1);
-		rb_pack_finite(pack, &c->normal_force, 1);
-		pack_vector(pack, &c->tangent_force);
-		/* faces and edges touch at several points */
 		(void)rb_pack_check(pack,
 		                    c->a < c->b && (k == 0 || c[-1].a < c->a ||
 		                                    (c[-1].a == c->a && c[-1].b <= c->b)),
@@ -66,15 +49,11 @@ static void pack_contacts(struct rb_world *world, struct rb_contacts *contacts,
  */
 static void pack_loads(struct rb_world *world, struct rb_pack *pack)
 {
-	bool shown = world->keeps_means && world->has_shown;
-
-	rb_pack_bool(pack, &shown);
-	world->has_shown = shown;
-	if (shown && !pack->failed)
+	(void)rb_pack_check(pack, world->held || !world->has_held, "pushes of nobody");
+	if (world->has_shown && !pack->failed)
 		pack_contacts(world, &world->shown, pack);
 	if (!world->held || pack->failed)
 		return;
-	rb_pack_bool(pack, &world->has_held);
 	if (world->has_held)
 		rb_pack_finite(pack, world->held, 6 * (size_t)world->model->body_count);
 	if (pack->loading) {
@@ -85,51 +64,18 @@ static void pack_loads(struct rb_world *world, struct rb_pack *pack)
 
 static void pack_events(struct rb_world *world, struct rb_pack *pack)
 {
+	const struct rb_limits limits = rb_limits_of(world->model);
 	struct rb_events *const events = &world->events;
 	size_t count = events->count;
 
-	rb_pack_count(pack, &count, INT32_MAX, EVENT_SIZE);
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(rb_event_fields()));
 	if (pack->loading &&
-	    !rb_memory_reserve(&events->row, &events->capacity, count, sizeof *events->row)) {
-		pack->failed = pack->no_memory = true;
+	    !rb_memory_reserve(&events->row, &events->capacity, count, sizeof *events->row))
+		rb_pack_fail_memory(pack);
+	if (pack->failed)
 		return;
-	}
 	events->count = count;
-	for (size_t k = 0; k < count && !pack->failed; k++) {
-		struct rb_event *const event = &events->row[k];
-		int kind = (int)event->kind;
-
-		rb_pack_finite(pack, &event->time_s, 1);
-		rb_pack_int(pack, &kind, 0, RB_EVENT_KIND_COUNT - 1);
-		event->kind = (enum rb_event_kind)kind;
-		rb_pack_int(pack, &event->a, 0, rb_world_id_count(world) - 1);
-		rb_pack_int(pack, &event->b, 0, rb_world_id_count(world) - 1);
-		pack_vector(pack, &event->point);
-		pack_vector(pack, &event->normal);
-		pack_vector(pack, &event->impulse);
-		rb_pack_finite(pack, &event->approach_speed, 1);
-	}
-}
-
-static void pack_counts(struct rb_counts *counts, struct rb_pack *pack)
-{
-	rb_pack_u64(pack, &counts->collisions);
-	rb_pack_u64(pack, &counts->rollbacks);
-	rb_pack_u64(pack, &counts->substeps);
-	rb_pack_u64(pack, &counts->body_steps);
-	rb_pack_u64(pack, &counts->discarded_body_steps);
-	rb_pack_u64(pack, &counts->plastic_ends);
-	rb_pack_u64(pack, &counts->crowded_impacts);
-	rb_pack_finite(pack, &counts->crowded_energy_j, 1);
-	rb_pack_u64(pack, &counts->rows);
-	rb_pack_u64(pack, &counts->row_sweeps);
-	rb_pack_u64(pack, &counts->factors);
-	rb_pack_u64(pack, &counts->closings);
-	rb_pack_finite(pack, &counts->residual_m, 1);
-	rb_pack_finite(pack, &counts->slip_m, 1);
-	rb_pack_times(pack, &counts->smallest_step_s, 1);
-	rb_pack_finite(pack, &counts->stepped_s, 1);
-	rb_pack_finite(pack, &counts->max_penetration_m, 1);
+	rb_fields_pack(rb_event_fields(), events->row, count, limits.high, pack);
 }
 
 /* Sizes of what follows: bytes of another scene end here. */
@@ -166,7 +112,8 @@ static void pack_methods(struct rb_world *world, struct rb_pack *pack)
 size_t rb_world_pack_guess(const struct rb_world *world)
 {
 	const size_t state = world->state.size_bytes * (world->state.push ? 2 : 1);
-	const size_t each = CONTACT_SIZE + BOX_SIZE + (world->located ? ARC_SIZE : 0);
+	const size_t each = rb_fields_bytes(rb_contact_fields()) + BOX_SIZE +
+	                    (world->located ? ARC_SIZE : 0);
 
 	return state + (size_t)world->model->body_count * each;
 }
@@ -183,22 +130,17 @@ enum rb_status rb_world_pack(struct rb_world *world, struct rb_pack *pack, struc
 	/* what changes that a callback makes are told from */
 	if (world->state.push && !pack->failed)
 		pack_state(&world->start, pack);
+	rb_fields_pack(rb_world_fields(), world, 1, NULL, pack);
 	if (!pack->failed)
 		pack_contacts(world, &world->contacts, pack);
 	if (!pack->failed)
 		pack_loads(world, pack);
-	rb_ledger_pack(&world->ledger, pack);
-	rb_pack_finite(pack, world->open.row, RB_ENTRIES);
-	rb_pack_u32(pack, &world->open.causes);
-	pack_counts(&world->frame_counts, pack);
-	pack_counts(&world->total_counts, pack);
+	rb_fields_pack(rb_ledger_fields(), &world->ledger, 1, NULL, pack);
+	rb_fields_pack(rb_entries_fields(), &world->open, 1, NULL, pack);
+	rb_fields_pack(rb_counts_fields(), &world->frame_counts, 1, NULL, pack);
+	rb_fields_pack(rb_counts_fields(), &world->total_counts, 1, NULL, pack);
 	if (!pack->failed)
 		pack_events(world, pack);
-	rb_pack_i64(pack, &world->dense_steps);
-	rb_pack_i64(pack, &world->dense_left);
-	(void)rb_pack_check(pack, world->dense_steps >= 0 && world->dense_left >= 0,
-	                    "a count below zero");
-	rb_pack_bool(pack, &world->moved_by_hand);
 	pack_methods(world, pack);
 	return rb_pack_status(pack, "the state of the world in the checkpoint", err);
 }

@@ -13,6 +13,8 @@
 #include "stepped/pivot.h"
 #include "stepped/clearance.h"
 
+RB_FIELDS_DEFINE(rb_named_push_fields, struct rb_named_push, RB_NAMED_PUSH_FIELDS);
+
 enum rb_status rb_step_points_create(struct rb_step_points *points, const struct rb_model *model,
                                      struct rb_error *err)
 {

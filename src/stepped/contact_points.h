@@ -37,12 +37,16 @@ struct rb_step_point {
 #define RB_ANY_POINT UINT64_MAX
 
 /* What of a point the next step starts from. */
+#define RB_NAMED_PUSH_FIELDS(X)                                                      \
+	X(int, a, , "", "index of a body that moves", RB_UP_TO(RB_LIMIT_BODY))       \
+	X(int, b, , "", "body index", RB_UP_TO(RB_LIMIT_ANY_BODY))                   \
+	X(uint64_t, key, , "", "its name among the points of the pair", RB_ANY_BITS) \
+	X(double, force, , "N", "along the normal", RB_FINITE)                       \
+	X(rb_vec3, friction_impulse, , "N", "on b", RB_FINITE)
 struct rb_named_push {
-	int a, b;
-	uint64_t key;
-	double force;             /* N */
-	rb_vec3 friction_impulse; /* N */
+	RB_NAMED_PUSH_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_named_push_fields);
 
 struct rb_step_points {
 	struct rb_step_point *row; /* owned */

@@ -332,52 +332,35 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 
 /* ---- to bytes and back ---- */
 
-enum { PUSH_SIZE = 48 };
-
-static void pack_push(const struct rb_world *world, struct rb_named_push *push,
-                      struct rb_pack *pack)
-{
-	double numbers[4] = {push->force, push->friction_impulse.x, push->friction_impulse.y,
-	                     push->friction_impulse.z};
-
-	rb_pack_int(pack, &push->a, 0, world->model->body_count - 1);
-	rb_pack_int(pack, &push->b, 0, world->model->body_count + world->model->static_count - 1);
-	rb_pack_u64(pack, &push->key);
-	rb_pack_finite(pack, numbers, 4);
-	push->force = numbers[0];
-	push->friction_impulse = rb_vec3_from(numbers + 1);
-}
-
 static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 {
+	const struct rb_limits limits = rb_limits_of(world->model);
 	struct rb_step_points *points = &world->stepped->all.points;
 	size_t count = points->last_count;
 
-	rb_pack_count(pack, &count, INT32_MAX, PUSH_SIZE);
-	if (pack->loading && !pack->failed &&
-	    !rb_memory_reserve(&points->last, &points->last_capacity, count,
-	                       sizeof *points->last)) {
-		pack->failed = pack->no_memory = true;
-		return;
-	}
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(rb_named_push_fields()));
+	if (pack->loading &&
+	    !rb_memory_reserve(&points->last, &points->last_capacity, count, sizeof *points->last))
+		rb_pack_fail_memory(pack);
 	points->last_count = pack->failed ? 0 : count;
-	for (size_t k = 0; k < points->last_count && !pack->failed; k++) {
-		pack_push(world, &points->last[k], pack);
-		(void)rb_pack_check(pack, k == 0 || points->last[k - 1].a <= points->last[k].a,
+	rb_fields_pack(rb_named_push_fields(), points->last, points->last_count, limits.high, pack);
+	for (size_t k = 1; pack->loading && k < points->last_count; k++)
+		(void)rb_pack_check(pack, points->last[k - 1].a <= points->last[k].a,
 		                    "impulses that are not in order");
-	}
-	rb_step_points_index(points, world->model);
+	if (pack->loading)
+		rb_step_points_index(points, world->model);
 }
 
+/* Columns by body; the forces only of those that rest. */
 static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 {
 	struct rb_solver *solver = &world->stepped->solver;
 
+	rb_pack_finite(pack, solver->left, (size_t)world->model->body_count);
 	for (int i = 0; i < world->model->body_count && !pack->failed; i++) {
 		bool rests = solver->rests[i];
 
 		rb_pack_bool(pack, &rests);
-		rb_pack_finite(pack, &solver->left[i], 1);
 		solver->rests[i] = rests;
 		if (rests)
 			rb_pack_finite(pack, solver->rest_external + 6 * (size_t)i, 6);
@@ -399,7 +382,7 @@ static void pack_steps(struct rb_world *world, struct rb_pack *pack)
 	if (!prepared || pack->failed)
 		return;
 	if (pack->loading && prepare(world, NULL) != RB_OK) {
-		pack->failed = pack->no_memory = true;
+		rb_pack_fail_memory(pack);
 		return;
 	}
 	if (pack->loading)

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+RB_FIELDS_DEFINE(rb_contact_fields, struct rb_contact, RB_CONTACT_FIELDS);
+
 enum rb_status rb_contacts_reserve(struct rb_contacts *contacts, size_t count, struct rb_error *err)
 {
 	if (!rb_memory_reserve(&contacts->row, &contacts->capacity, count, sizeof contacts->row[0]))

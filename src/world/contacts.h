@@ -12,14 +12,22 @@
 #include <rbsim/error.h>
 #include <rbsim/math.h>
 
+#include "world/limits.h"
+
+/* As of the end of the step, world axes. */
+#define RB_CONTACT_FIELDS(X)                                                   \
+	X(int, a, , "", "body index", RB_UP_TO(RB_LIMIT_BODY))                 \
+	X(int, b, , "", "body index, > a", RB_UP_TO(RB_LIMIT_ANY_BODY))        \
+	X(rb_vec3, point, , "m", "where they touch", RB_FINITE)                \
+	X(rb_vec3, normal, , "1", "unit, from a to b", RB_FINITE)              \
+	X(double, gap, , "m", "negative: overlap", RB_FINITE)                  \
+	X(double, normal_force, , "N", ">= 0", RB_FINITE)                      \
+	X(rb_vec3, tangent_force, , "N", "on b, across the normal", RB_FINITE) \
+	X(uint64_t, key, , "", "stepped: its name among the pair's points, found anew", RB_DERIVED)
 struct rb_contact {
-	int a, b;              /* body indices, a < b */
-	rb_vec3 point, normal; /* m; unit, from a to b: as of the end of the step, world */
-	double gap;            /* m, negative: overlap */
-	double normal_force;   /* N, >= 0 */
-	rb_vec3 tangent_force; /* N, on b, across the normal */
-	uint64_t key;          /* stepped: its name among the points of the pair; no state */
+	RB_CONTACT_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_contact_fields);
 
 struct rb_contacts {
 	struct rb_contact *row; /* owned */

@@ -124,8 +124,7 @@ enum rb_status rb_validate_records(const struct rb_world *world, struct rb_error
 			               e->time_s);
 	}
 	if (ledger->kept && has_energies(world) &&
-	    (!is_finite_row(ledger->sum.row, RB_ENTRIES) ||
-	     !is_finite_row(ledger->rest.row, RB_ENTRIES)))
+	    (!is_finite_row(ledger->sum, RB_ENTRIES) || !is_finite_row(ledger->rest, RB_ENTRIES)))
 		return RB_FAIL(err, RB_ERR_BUG, "a sum of the ledger is not finite");
 	return RB_OK;
 }

@@ -3,6 +3,9 @@
 
 #include <math.h>
 
+RB_FIELDS_DEFINE(rb_entries_fields, struct rb_entries, RB_ENTRIES_FIELDS);
+RB_FIELDS_DEFINE(rb_ledger_fields, struct rb_ledger, RB_LEDGER_FIELDS);
+
 const char *rb_ledger_energy_name(int cause)
 {
 	static const char *const name[RB_ENERGY_CAUSES + 1] = {
@@ -43,10 +46,10 @@ void rb_entries_add(struct rb_entries *to, double share, const struct rb_entries
 static void add(struct rb_ledger *ledger, int first, int count, const double *row)
 {
 	for (int k = first; k < first + count; k++) {
-		const double x = row[k], old = ledger->sum.row[k], sum = old + x;
+		const double x = row[k], old = ledger->sum[k], sum = old + x;
 
-		ledger->rest.row[k] += fabs(old) >= fabs(x) ? (old - sum) + x : (x - sum) + old;
-		ledger->sum.row[k] = sum;
+		ledger->rest[k] += fabs(old) >= fabs(x) ? (old - sum) + x : (x - sum) + old;
+		ledger->sum[k] = sum;
 	}
 }
 
@@ -72,8 +75,7 @@ void rb_ledger_start(struct rb_ledger *ledger, const struct rb_frame_numbers *nu
 
 static rb_vec3 vector_of(const struct rb_ledger *ledger, int first)
 {
-	return rb_vec3_add(rb_vec3_from(ledger->sum.row + first),
-	                   rb_vec3_from(ledger->rest.row + first));
+	return rb_vec3_add(rb_vec3_from(ledger->sum + first), rb_vec3_from(ledger->rest + first));
 }
 
 struct rb_ledger_values rb_ledger_values(const struct rb_ledger *ledger,
@@ -87,7 +89,7 @@ struct rb_ledger_values rb_ledger_values(const struct rb_ledger *ledger,
 	struct rb_ledger_values v = {.energy_scale = numbers->kinetic_energy + fabs(potential)};
 
 	for (int k = 0; k < RB_ENERGY_CAUSES; k++) {
-		v.energy[k] = ledger->sum.row[k] + ledger->rest.row[k];
+		v.energy[k] = ledger->sum[k] + ledger->rest[k];
 		left += rb_ledger_takes(k) ? v.energy[k] : -v.energy[k];
 		v.energy_scale += fabs(v.energy[k]);
 	}
@@ -103,15 +105,4 @@ struct rb_ledger_values rb_ledger_values(const struct rb_ledger *ledger,
 	v.momentum[RB_MOMENTUM_CAUSES][0] = linear;
 	v.momentum[RB_MOMENTUM_CAUSES][1] = angular;
 	return v;
-}
-
-void rb_ledger_pack(struct rb_ledger *ledger, struct rb_pack *pack)
-{
-	rb_pack_bool(pack, &ledger->kept);
-	rb_pack_finite(pack, ledger->sum.row, RB_ENTRIES);
-	rb_pack_finite(pack, ledger->rest.row, RB_ENTRIES);
-	rb_pack_finite(pack, &ledger->start_kinetic, 1);
-	rb_pack_finite(pack, &ledger->start_potential, 1);
-	rb_pack_finite(pack, &ledger->start_linear.x, 3);
-	rb_pack_finite(pack, &ledger->start_angular.x, 3);
 }

@@ -13,7 +13,7 @@
 #include <rbsim/frame.h>
 #include <rbsim/ledger.h>
 
-#include "base/pack.h"
+#include "base/field_list.h"
 #include "math/vec3.h"
 
 /* Energies by cause, then the linear and the angular momentum of each cause: one flat row. */
@@ -23,12 +23,14 @@ enum {
 	RB_ENTRIES = RB_ENTRY_ANGULAR + 3 * RB_MOMENTUM_CAUSES
 };
 
+#define RB_ENTRIES_FIELDS(X)                                                                    \
+	X(double, row, [RB_ENTRIES], "J, N s, N m s", "energies, momenta by cause", RB_FINITE)  \
+	X(unsigned, causes, , "", "not zero: bit k an energy, RB_ENERGY_CAUSES + k a momentum", \
+	  RB_ANY_BITS)
 struct rb_entries {
-	double row[RB_ENTRIES];
-	unsigned
-		/* which are not zero: bit k an energy, bit RB_ENERGY_CAUSES + k a momentum */
-		causes;
+	RB_ENTRIES_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_entries_fields);
 
 static inline void rb_entries_energy(struct rb_entries *e, enum rb_ledger_energy cause,
                                      double joules)
@@ -73,12 +75,18 @@ static inline void rb_entries_twist(struct rb_entries *e, enum rb_ledger_momentu
 /* Adds `share` times the other's entries. */
 void rb_entries_add(struct rb_entries *to, double share, const struct rb_entries *from);
 
+#define RB_LEDGER_FIELDS(X)                                                                     \
+	X(double, sum, [RB_ENTRIES], "J, N s, N m s", "as struct rb_entries", RB_FINITE)        \
+	X(double, rest, [RB_ENTRIES], "J, N s, N m s", "what rounding has left out", RB_FINITE) \
+	X(double, start_kinetic, , "J", "all is counted from there", RB_FINITE)                 \
+	X(double, start_potential, , "J", "the same", RB_FINITE)                                \
+	X(rb_vec3, start_linear, , "kg m/s", "the same", RB_FINITE)                             \
+	X(rb_vec3, start_angular, , "kg m^2/s", "the same", RB_FINITE)                          \
+	X(bool, kept, , "", "false: nobody enters anything", RB_FLAG)
 struct rb_ledger {
-	bool kept;                   /* false: nobody enters anything */
-	struct rb_entries sum, rest; /* rest: what rounding has left out of the sums */
-	double start_kinetic, start_potential;
-	rb_vec3 start_linear, start_angular;
+	RB_LEDGER_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_ledger_fields);
 
 /* Sums are compensated (Neumaier, ZAMM 54 (1974) 39): millions of impacts add up to rounding. */
 void rb_ledger_enter(struct rb_ledger *ledger, const struct rb_entries *entries);
@@ -92,7 +100,5 @@ void rb_ledger_start(struct rb_ledger *ledger, const struct rb_frame_numbers *nu
  */
 struct rb_ledger_values rb_ledger_values(const struct rb_ledger *ledger,
                                          const struct rb_frame_numbers *numbers);
-
-void rb_ledger_pack(struct rb_ledger *ledger, struct rb_pack *pack);
 
 #endif

@@ -4,6 +4,10 @@
 
 #include "base/memory.h"
 
+RB_FIELDS_DEFINE(rb_counts_fields, struct rb_counts, RB_COUNTS_FIELDS);
+RB_FIELDS_DEFINE(rb_event_fields, struct rb_event, RB_EVENT_FIELDS);
+RB_FIELDS_DEFINE_PART(rb_world_fields, struct rb_world, RB_WORLD_FIELDS);
+
 static bool moves(const struct rb_world *world, int id)
 {
 	return world->model->index_of[id] < world->model->body_count;

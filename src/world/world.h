@@ -29,24 +29,33 @@ struct rb_stepped;
 struct rb_loads;
 
 /* Counts since some moment; all are sums or extremes, so the order of adding does not matter. */
+#define RB_COUNTS_FIELDS(X)                                                                      \
+	X(uint64_t, collisions, , "", "impacts", RB_ANY_BITS)                                    \
+	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                            \
+	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                         \
+	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                            \
+	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)              \
+	X(uint64_t, plastic_ends, , "",                                                          \
+	  "clusters of impacts that had not settled after all rounds: ended with e = 0",         \
+	  RB_ANY_BITS)                                                                           \
+	X(uint64_t, crowded_impacts, , "",                                                       \
+	  "stepped: impacts of groups too large for the law of lone ones", RB_ANY_BITS)          \
+	X(uint64_t, rows, , "", "stepped: contact points of steps", RB_ANY_BITS)                 \
+	X(uint64_t, row_sweeps, , "", "stepped: times that one was swept", RB_ANY_BITS)          \
+	X(uint64_t, factors, , "", "stepped: factorizations", RB_ANY_BITS)                       \
+	X(uint64_t, closings, , "", "stepped: moves of positions only", RB_ANY_BITS)             \
+	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_FINITE)      \
+	X(double, smallest_step_s, , "s", "HUGE_VAL: no step yet", RB_TIME)                      \
+	X(double, stepped_s, , "s", "simulated by steps: classic or stepped", RB_FINITE)         \
+	X(double, residual_m, , "m", "stepped: largest that a solution left of a gap's closing", \
+	  RB_FINITE)                                                                             \
+	X(double, slip_m, , "m", "stepped: largest left of friction's where that was held",      \
+	  RB_FINITE)                                                                             \
+	X(double, max_penetration_m, , "m", "largest overlap", RB_FINITE)
 struct rb_counts {
-	uint64_t collisions, rollbacks, substeps;
-	uint64_t body_steps, discarded_body_steps;
-	uint64_t
-		/* clusters of impacts that had not settled after all rounds: ended with e = 0 */
-		plastic_ends;
-	uint64_t
-		crowded_impacts; /* stepped: impacts of groups too large for the law of lone ones */
-	double crowded_energy_j; /* of their approach */
-	double smallest_step_s;  /* HUGE_VAL: no step yet */
-	double stepped_s;        /* simulated by steps: the classic or the stepped method */
-	uint64_t rows,
-		row_sweeps; /* stepped: contact points of steps, and times that one was swept */
-	uint64_t factors, closings; /* stepped: factorizations; moves of positions only */
-	double residual_m;          /* stepped: largest that a solution left of a gap's closing */
-	double slip_m; /* stepped: largest that was left of friction's where that was held */
-	double max_penetration_m;
+	RB_COUNTS_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_counts_fields);
 
 static const struct rb_counts rb_counts_none = {.smallest_step_s = HUGE_VAL};
 
@@ -71,11 +80,33 @@ static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *f
 	to->max_penetration_m = fmax(to->max_penetration_m, from->max_penetration_m);
 }
 
+/* The list of struct rb_event (<rbsim/frame.h>). */
+#define RB_EVENT_FIELDS(X)                                                               \
+	X(double, time_s, , "s", "when", RB_FINITE)                                      \
+	X(enum rb_event_kind, kind, , "", "what", RB_WITHIN(0, RB_EVENT_KIND_COUNT - 1)) \
+	X(int, a, , "", "id", RB_UP_TO(RB_LIMIT_ID))                                     \
+	X(int, b, , "", "id, >= a", RB_UP_TO(RB_LIMIT_ID))                               \
+	X(rb_vec3, point, , "m", "where", RB_FINITE)                                     \
+	X(rb_vec3, normal, , "1", "unit, from a to b", RB_FINITE)                        \
+	X(rb_vec3, impulse, , "N s", "on b", RB_FINITE)                                  \
+	X(double, approach_speed, , "m/s", "> 0, along the normal", RB_FINITE)
+RB_FIELDS_DECLARE(rb_event_fields);
+
 struct rb_events {
 	struct rb_event *row; /* owned; `a`, `b` are ids */
 	size_t count, capacity;
 	bool lost; /* there was no memory for one of them: the frame cannot be filled */
 };
+
+/* Of a world, beside its state, its contacts and the states of methods. */
+#define RB_WORLD_FIELDS(X)                                                                   \
+	X(int64_t, dense_steps, , "", "auto: steps that another method takes",               \
+	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
+	X(int64_t, dense_left, , "", "auto: of these, still to take",                        \
+	  RB_LONG_WITHIN(0, INT64_MAX))                                                      \
+	X(bool, has_shown, , "", "`shown` is of this frame", RB_FLAG)                        \
+	X(bool, has_held, , "", "callbacks pushed in the step before, with `held`", RB_FLAG) \
+	X(bool, moved_by_hand, , "", "a callback has set a position", RB_FLAG)
 
 struct rb_world {
 	/* set when it is made, then only read */
@@ -84,14 +115,15 @@ struct rb_world {
 	struct rb_world_hooks hooks;
 	struct rb_stage_list *plan; /* owned */
 
-	/* simulator thread; rows of `state` are lent to workers while groups run */
+	/* simulator thread: what decides the future, listed; then all else */
+	RB_WORLD_FIELDS(RB_FIELD_MEMBER)
+	/* rows of `state` are lent to workers while groups run */
 	struct rb_state state;
 	struct rb_state start; /* as it was at the beginning of the step */
 	struct rb_state mark;  /* rows as they were at the beginning of the group's substep */
 	struct rb_contacts contacts, next_contacts;
 	struct rb_contacts
-		shown;  /* located: contacts with their forces at a frame, where frames keep them */
-	bool has_shown; /* ... at this one */
+		shown; /* located: contacts with their forces at a frame, where frames keep them */
 	struct rb_state frame_state;       /* auto: as the frame began */
 	struct rb_contacts frame_contacts; /* its contacts */
 	struct rb_broadphase *broadphase;  /* owned; NULL without contact */
@@ -99,9 +131,7 @@ struct rb_world {
 	struct rb_located *located;        /* owned; NULL: all is stepped */
 	struct rb_stepped *stepped;        /* owned; NULL until it is first used */
 	struct rb_team *team;              /* owned */
-	int64_t dense_steps,
-		dense_left;     /* auto: steps that the classic method takes, still to take */
-	struct rb_arena *arena; /* owned; [workers]: scratch of a pass */
+	struct rb_arena *arena;            /* owned; [workers]: scratch of a pass */
 	struct rb_arena *kept; /* owned; [workers]: what a pass leaves for the commit of the step */
 	int worker_count;
 	struct rb_counts frame_counts; /* since the frame before */
@@ -118,11 +148,9 @@ struct rb_world {
 	bool keeps_means;
 	bool begun; /* a step has been taken, or is */
 	bool in_step;
-	bool pushed;   /* callbacks may have pushed since the step before */
-	bool has_held; /* they pushed in the step before ... */
-	double *held;  /* ... with these, N, N m; owned, [2][bodies][3]; NULL: no callback can */
+	bool pushed;  /* callbacks may have pushed since the step before */
+	double *held; /* what they pushed with, N, N m; owned, [2][bodies][3]; NULL: none can */
 	const double *push, *twist; /* those that hold now; NULL: none */
-	bool moved_by_hand;         /* a callback has set a position */
 	uint64_t called; /* how often callbacks have been told of events by the located method */
 	bool stopped;
 };
@@ -137,6 +165,8 @@ static inline rb_vec3 rb_world_row3(const double *column, int index)
 {
 	return rb_vec3_from(column + 3 * (size_t)index);
 }
+
+RB_FIELDS_DECLARE(rb_world_fields);
 
 /*
  * Calls on_collision for each event from `first` on that there is by now (callbacks may append
