@@ -561,6 +561,13 @@ static void what_cannot_be_filmed_is_known_before(void **state)
 	assert_check_fails(path, RB_ERR_MISSING, "no encoder 'libvpx-vp9'");
 	snprintf(path, sizeof path, "%s/a.avi", folder);
 	assert_check_fails(path, RB_ERR_SCENE, ".mp4, .webm or .gif");
+	/* libavutil's bound is (width + 128) (height + 128) < 2^28 */
+	const struct rb_encoder_options huge = options_of("a.mp4", 16384, 16256, 30);
+	const struct rb_encoder_options large = options_of("a.mp4", 16256, 16255, 30);
+	struct rb_error err = {0};
+	assert_int_equal(rb_encoder_check(&huge, &err), RB_ERR_SCENE);
+	assert_non_null(strstr(err.text, "16384 x 16256"));
+	assert_int_equal(rb_encoder_check(&large, NULL), RB_OK);
 	snprintf(path, sizeof path, "%s/fake-ffmpeg/a.mp4", folder);
 	assert_check_fails(path, RB_ERR_CREATE, "Not a directory");
 	snprintf(path, sizeof path, "%s/a.mp4", folder);

@@ -163,6 +163,41 @@ static void what_moves_is_seen_wherever_it_gets(void **state)
 	lab_close(&lab);
 }
 
+/* Corners too, but of ground on which everything stands. */
+static void planes_that_move_are_seen_unless_they_are_the_ground(void **state)
+{
+	static const double sizes[3] = {1, 3, 100}; /* of the plane: m */
+	char text[80];
+
+	(void)state;
+	for (int k = 0; k < 6; k++) {
+		const bool alone = k < 3;
+		const double size = sizes[k % 3];
+		struct rb_camera_def camera = rb_camera_def_default();
+		const rb_vec3 points[2] = {{0, 0, 0}, {0, 0, 3}};
+		const double half[2] = {0.5 * size, 0.5}; /* its edges lie along the world's axes */
+		struct rb_framing framing;
+		struct rb_error err;
+		struct lab lab;
+
+		lab_open(&lab, 1, 10);
+		const int plane = lab_rectangle(&lab, points[0], (rb_vec3){0, 0, 1}, size, size);
+		if (!alone)
+			lab_sphere(&lab, 0.5, 1, points[1], (rb_vec3){0, 0, 0});
+		lab.scene.bodies[plane].is_static = false;
+		lab.scene.bodies[plane].motion = 0;
+		seal(&lab);
+		assert_ok(rb_framing_init(&framing, lab.model, &err));
+		assert_int_equal(rb_framing_aim(&framing, &camera, text, sizeof text), 0);
+		assert_true(farthest(&camera, points, half, alone ? 1 : 2) <= 0.9 + 1e-12 ||
+		            (!alone && size > 50));
+		if (!alone && size > 50)
+			assert_true(rb_vec3_length(camera.position.value) < 20);
+		rb_framing_release(&framing);
+		lab_close(&lab);
+	}
+}
+
 /* What has gone for kilometres would make all others dots; three are named, others counted. */
 static void who_flies_off_for_ever_is_left_out_and_told(void **state)
 {
@@ -276,6 +311,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_body_is_in_the_picture_and_fills_it),
 		cmocka_unit_test(what_moves_is_seen_wherever_it_gets),
+		cmocka_unit_test(planes_that_move_are_seen_unless_they_are_the_ground),
 		cmocka_unit_test(who_flies_off_for_ever_is_left_out_and_told),
 		cmocka_unit_test(a_point_that_is_looked_at_stays_in_the_middle),
 		cmocka_unit_test(there_is_a_picture_of_next_to_nothing),

@@ -119,6 +119,7 @@ static void a_number_is_read_whole_finite_and_in_range(void **state)
 {
 	(void)state;
 	assert_wrong("s.lua --duration 1x", "'1x' is not a finite number above 0");
+	assert_wrong("render r.h5 --fps 1e15", "'1e15' is not a number above 0, at most 1000000");
 	assert_wrong("s.lua --duration 0", "above 0");
 	assert_wrong("s.lua --duration -1", "above 0");
 	assert_wrong("s.lua --duration nan", "finite");

@@ -7,6 +7,17 @@
 
 #include "base/visible.h"
 
+/* A character as JSON's escapes, of which one beyond 16 bits takes two. */
+static void put_code(FILE *file, uint32_t code)
+{
+	if (code > 0xffff) {
+		fprintf(file, "\\u%04x", (unsigned)(0xd7c0 + (code >> 10)));
+		code = 0xdc00 | (code & 0x3ff);
+	}
+	fprintf(file, "\\u%04x", (unsigned)code);
+}
+
+/* What would steer a terminal or turn the order of letters is escaped: JSON is read there too. */
 static void put_text(FILE *file, const char *text)
 {
 	const unsigned char *s = (const unsigned char *)text;
@@ -23,8 +34,8 @@ static void put_text(FILE *file, const char *text)
 			fprintf(file, "\\%c", *s);
 		else if (*s == '\n')
 			fputs("\\n", file);
-		else if (*s < 0x20 || *s == 0x7f)
-			fprintf(file, "\\u%04x", *s);
+		else if (rb_visible_size((const char *)s) == 0)
+			put_code(file, rb_utf8_code((const char *)s, length));
 		else
 			fwrite(s, 1, length, file);
 		s += length;

@@ -332,6 +332,10 @@ static enum rb_status bad_number(struct parse *parse, const struct rb_option_row
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--%s': '%s' is not a whole number from 0 to %lld",
 		               row->name, text, LLONG_MAX);
+	if (row->above_low && isfinite(row->high))
+		return RB_FAIL(parse->err, RB_ERR_USAGE,
+		               "option '--%s': '%s' is not a %s above %g, at most %.19g", row->name,
+		               text, kind, row->low, row->high);
 	if (row->above_low)
 		return RB_FAIL(parse->err, RB_ERR_USAGE,
 		               "option '--%s': '%s' is not a finite %s above %g", row->name, text,

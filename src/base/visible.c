@@ -34,7 +34,7 @@ size_t rb_utf8_size(const char *text)
 	return 0;
 }
 
-static uint32_t code_at(const char *at, size_t size)
+uint32_t rb_utf8_code(const char *at, size_t size)
 {
 	uint32_t code = size == 1 ? (unsigned char)*at : (unsigned char)*at & (0x7fu >> size);
 
@@ -53,7 +53,7 @@ size_t rb_visible_size(const char *at)
 		{0xfeff, 0xfeff}, {0xfff9, 0xfffb}, {0xe0000, 0xe007f},
 	};
 	const size_t size = rb_utf8_size(at);
-	const uint32_t code = code_at(at, size > 0 ? size : 1);
+	const uint32_t code = rb_utf8_code(at, size > 0 ? size : 1);
 
 	for (size_t i = 0; i < sizeof hidden / sizeof *hidden; i++)
 		if (code >= hidden[i].low && code <= hidden[i].high)
@@ -68,7 +68,7 @@ size_t rb_visible_escape(const char *at, char out[16])
 	if (*at == '\n')
 		strcpy(out, "\\n");
 	else if (size > 1)
-		snprintf(out, 16, "\\u{%x}", (unsigned)code_at(at, size));
+		snprintf(out, 16, "\\u{%x}", (unsigned)rb_utf8_code(at, size));
 	else
 		snprintf(out, 16, "\\x%02x", (unsigned)(unsigned char)*at);
 	return size > 0 ? size : 1;

@@ -8,6 +8,7 @@
 #define RB_BASE_VISIBLE_H
 
 #include <stddef.h>
+#include <stdint.h>
 #include <stdio.h>
 
 #include <rbsim/error.h>
@@ -17,6 +18,8 @@
  * forms) or the text ends. Looks at no byte behind a zero.
  */
 size_t rb_utf8_size(const char *at);
+/* Number of the character at `at`, which rb_utf8_size() says has `size` bytes. */
+uint32_t rb_utf8_code(const char *at, size_t size);
 /*
  * The same, but 0 too where the character is a control, C0 or C1, or turns or hides text: marks,
  * embeddings, overrides and isolates of direction, separators of lines and paragraphs, the byte

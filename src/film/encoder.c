@@ -291,6 +291,22 @@ static enum rb_status check_rate(const struct rb_encoder_options *options, enum 
 	               options->path, options->fps, formats[format].ending, least, most);
 }
 
+/*
+ * ffmpeg takes pictures of less than 2^28 pixels with 128 more at each edge (av_image_check_size2
+ * of libavutil, which counts 8 bytes a pixel in an int).
+ */
+static enum rb_status check_size(const struct rb_encoder_options *options, struct rb_error *err)
+{
+	const double most = (double)(1 << 28), edge = 128;
+
+	if ((options->width + edge) * (options->height + edge) < most)
+		return RB_OK;
+	return RB_FAIL(err, RB_ERR_SCENE,
+	               "video '%s': pictures of %d x %d pixels are too large for ffmpeg (wanted "
+	               "less than 2^28 pixels; 'png' takes them)",
+	               options->path, options->width, options->height);
+}
+
 enum rb_status rb_encoder_check(const struct rb_encoder_options *options, struct rb_error *err)
 {
 	const struct coder *coder;
@@ -299,6 +315,8 @@ enum rb_status rb_encoder_check(const struct rb_encoder_options *options, struct
 
 	if (!status)
 		status = check_rate(options, format, err);
+	if (!status)
+		status = check_size(options, err);
 	if (!status)
 		status = rb_outfile_probe(options->path, options->how, err);
 	if (!status)

@@ -33,7 +33,21 @@ static rb_vec3 max(rb_vec3 a, rb_vec3 b)
 	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
 }
 
-/* Bodies without end, planes, reach nowhere. */
+/*
+ * How far a body reaches from its origin, whichever way it is turned; NaN: nowhere, so that it
+ * widens no picture. Planes without end reach nowhere, and so do finite ones that are larger than
+ * the place where the others begin: they are the ground, beside which nothing else would be seen.
+ */
+static double reach_of(const struct rb_framing *framing, int i)
+{
+	const struct rb_shape *const shape = &framing->model->shape[i];
+	const double plate_m = 0.5 * hypot(shape->size[0], shape->size[1]);
+
+	if (shape->kind != RB_SHAPE_RECTANGLE)
+		return rb_model_reach(framing->model, i);
+	return plate_m <= framing->plate_most_m ? plate_m : (double)NAN;
+}
+
 static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 {
 	const rb_vec3 r = {radius, radius, radius};
@@ -46,6 +60,24 @@ static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 	reach->low = low;
 	reach->high = high;
 	return more;
+}
+
+/* Half the diagonal of the largest finite plane that is no ground. */
+static double plate_most(const struct rb_framing *framing)
+{
+	const struct rb_model *const model = framing->model;
+	const rb_vec3 end = {(double)INFINITY, (double)INFINITY, (double)INFINITY};
+	struct rb_reach all = {.low = end, .high = rb_vec3_neg(end)};
+	bool plates_only = true;
+
+	for (int i = 0; i < framing->count; i++) {
+		if (!model->scene->bodies[model->id_of[i]].visible)
+			continue;
+		const bool plate = model->shape[i].kind == RB_SHAPE_RECTANGLE;
+		plates_only &= plate;
+		(void)grow(&all, model->position[i], plate ? 0 : rb_model_reach(model, i));
+	}
+	return plates_only ? (double)INFINITY : rb_vec3_length(rb_vec3_sub(all.high, all.low));
 }
 
 enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model *model,
@@ -61,6 +93,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 	if (!framing->reach)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot look for %d bodies: out of memory",
 		               framing->count);
+	framing->plate_most_m = plate_most(framing);
 	for (int i = 0; i < framing->count; i++) {
 		struct rb_reach *const reach = &framing->reach[i];
 		*reach = (struct rb_reach){
@@ -68,7 +101,7 @@ enum rb_status rb_framing_init(struct rb_framing *framing, const struct rb_model
 			.high = rb_vec3_neg(end),
 			.last = model->position[i],
 			.visible = model->scene->bodies[model->id_of[i]].visible};
-		(void)grow(reach, model->position[i], rb_model_reach(model, i));
+		(void)grow(reach, model->position[i], reach_of(framing, i));
 		if (reach->visible) {
 			low = least(low, reach->low);
 			high = max(high, reach->high);
@@ -94,7 +127,7 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 		const rb_vec3 at = rb_vec3_from(frame->position + 3 * (size_t)i);
 		if (!rb_vec3_finite(at))
 			continue;
-		more |= grow(reach, at, rb_model_reach(framing->model, i));
+		more |= grow(reach, at, reach_of(framing, i));
 		reach->before_m = fmax(reach->before_m, reach->away_m);
 		reach->away_m = rb_vec3_length(rb_vec3_sub(at, framing->middle));
 		reach->leaves = reach->away_m > reach->before_m;

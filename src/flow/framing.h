@@ -20,6 +20,7 @@ struct rb_framing {
 	struct rb_reach *reach; /* owned: of each body that is looked at */
 	int first, count;       /* bodies by index: those that move, or all where nothing does */
 	rb_vec3 middle;         /* m: of where they begin */
+	double plate_most_m; /* half the diagonal of the largest finite plane that is no ground */
 };
 
 /* Knows where the model's bodies begin. Fails on memory only. */

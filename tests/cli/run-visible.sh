@@ -67,8 +67,8 @@ way 65 name.lua
 way 65 hook.lua --no-record
 way 65 hook.lua --no-record --debug
 
-# for machines all of it stays, as valid JSON
-exits 0 s.lua --no-record --json
+# for machines all of it stays, as valid JSON, which escapes what a terminal would obey
+way 0 s.lua --no-record --json
 if command -v python3 >/dev/null; then
 	python3 - <<'END' || fail "--json has lost what the texts hold"
 import json
