@@ -37,14 +37,13 @@ static const struct rb_row world_rows[] = {
          "mutual gravitation of all bodies"},
 	{"rollback", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, rollback), "selective, global, none",
          NULL, "selective", "",
-         "what goes back when an overlap is found: the bodies concerned, the whole scene, nothing "
-         "(the tolerance is "
-         "then reported and not promised)"},
+         "what is undone when an overlap is found: the bodies concerned, the whole scene, nothing "
+         "(the tolerance is then reported but not guaranteed)"},
 	{"method", RB_ROW_CHOICE, 0, 0, AT(rb_world_def, method), RB_METHOD_NAMES, NULL, "auto", "",
-         "how time is advanced; auto is located, and stepped where locating costs too much (see "
+         "how time is advanced; auto is located, or stepped if locating costs too much (see "
          "rbsim methods)"},
 	{"seed", RB_ROW_SEED, 0, 0, AT(rb_world_def, seed), NULL, NULL, "1", "",
-         "of math.random and all helpers; comes before the first random number is drawn"},
+         "of math.random and all helpers; must be set before the first random number is drawn"},
 	{"pause_on_collision", RB_ROW_BOOLEAN, 0, 0, AT(rb_world_def, pause_on_collision), NULL,
          NULL, "false", "", "playback in a console stops at each new collision"},
 };
@@ -53,16 +52,16 @@ static const struct rb_row material_rows[] = {
 	{"name", RB_ROW_TEXT, 0, 0, AT(rb_material_def, name), NULL, NULL, "none", "",
          "unique; bodies may refer to it"},
 	{"density", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_material_def, density), NULL, NULL,
-         "1000", "kg/m^3", "mass of a body that states none"},
+         "1000", "kg/m^3", "density of a body that has neither mass nor density of its own"},
 	{"friction", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_material_def, friction), NULL,
          NULL, "0.5", "1", "Coulomb's coefficient"},
 	{"restitution", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_material_def, restitution), NULL,
-         NULL, "0", "1", "part of the approach speed that an impact gives back"},
-	{"color", RB_ROW_COLOR, 0, 0, AT(rb_material_def, color), NULL, NULL, "one of a palette",
-         "", "of the bodies made of it"},
+         NULL, "0", "1", "ratio of separation to approach speed in an impact"},
+	{"color", RB_ROW_COLOR, 0, 0, AT(rb_material_def, color), NULL, NULL, "from a palette", "",
+         "of the bodies made of it"},
 	{"texture", RB_ROW_TEXTURE, 0, 0, AT(rb_material_def, texture),
          "checker, stripes, beachball, none", NULL, "none", "",
-         "of the bodies made of it; see the key of bodies"},
+         "of the bodies made of it; see the key of the same name for bodies"},
 	{"shininess", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_material_def, shininess), NULL,
          NULL, "spheres: 55, planes: 0", "",
          "how sharp highlights are (the exponent of Blinn and Phong); 0: none"},
@@ -90,8 +89,8 @@ static const struct rb_row body_rows[] = {
          "from shape and mass", "kg m^2",
          "about the centre of mass, object axes: {Ix, Iy, Iz} or three rows"},
 	{"particles", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
-         "a list of points that mass, centre of mass and inertia follow from, see below; excludes "
-         "these and density"},
+         "a list of point masses that determine mass, centre of mass and inertia, see below; "
+         "excludes these and density"},
 	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_body_def, position), NULL, NULL, "{0, 0, 0}", "m",
          "of the object's origin"},
 	{"orientation", RB_ROW_ORIENTATION, 0, 0, AT(rb_body_def, orientation), NULL, NULL,
@@ -103,14 +102,14 @@ static const struct rb_row body_rows[] = {
 	{"static", RB_ROW_BOOLEAN, 0, 0, AT(rb_body_def, is_static), NULL, NULL,
          "false; planes without motion: true", "", "never moves"},
 	{"motion", RB_ROW_FUNCTION, 0, 0, AT(rb_body_def, motion), NULL, NULL, "none", "",
-         "of t: where a driven body is, see MOTION; it pushes and is not pushed"},
+         "of t: the position of a driven body, see MOTION; it pushes but is not pushed"},
 	{"forces", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "", "a list of forces, see below"},
 	{"group", RB_ROW_TEXT, 0, 0, HAND, NULL, NULL, "none", "",
          "collision group that it belongs to"},
 	{"collides_with", RB_ROW_NAMES, 0, 0, HAND, NULL, NULL, "all", "",
-         "groups that it can touch, and no others"},
+         "the only groups that it can touch"},
 	{"color", RB_ROW_COLOR, 0, 0, AT(rb_body_def, color), NULL, NULL, "of the material", "",
-         "what it looks like"},
+         "of its surface"},
 	{"texture", RB_ROW_TEXTURE, 0, 0, AT(rb_body_def, texture),
          "checker, stripes, beachball, none", NULL, "of the material; spheres: beachball", "",
          "a pattern of its colour, or a PNG file in the scene's folder, see CAMERAS"},
@@ -138,7 +137,7 @@ static const struct rb_row part_rows[] = {
          "{1, 0, 0, 0}", "", "in object coordinates of the body"},
 	{"density", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_body_def, density), NULL, NULL,
          "that of the body", "kg/m^3",
-         "of this part; where the body states a mass, only its ratio to the others counts"},
+         "of this part; if the body has a mass, only the ratio to the other parts counts"},
 };
 
 static const struct rb_row force_rows[] = {
@@ -170,17 +169,17 @@ static const struct rb_row camera_rows[] = {
 	{"name", RB_ROW_TEXT, 0, 0, AT(rb_camera_def, name), NULL, NULL, "none", "",
          "unique; what --camera and messages call it"},
 	{"position", RB_ROW_SOURCE, 0, 0, AT(rb_camera_def, position), NULL, NULL,
-         "where it sees all that moves over the time it shows", "m",
-         "where it stands: a point, the origin of a body or a function of t"},
+         "a place from which all moving bodies are visible over the whole film", "m",
+         "a point, the origin of a body or a function of t"},
 	{"look_at", RB_ROW_SOURCE, 0, 0, AT(rb_camera_def, look_at), NULL, NULL,
-         "{0, 0, 0}; without position the middle of what moves", "m",
-         "what is in the middle of the picture: a point, the origin of a body or a function of t"},
+         "{0, 0, 0}; without position the middle of all moving bodies", "m",
+         "the middle of the picture: a point, the origin of a body or a function of t"},
 	{"up", RB_ROW_SOURCE, RB_RANGE_NOT_ZERO, 0, AT(rb_camera_def, up), NULL, NULL, "{0, 0, 1}",
          "",
-         "the direction that is upwards in the picture: a vector, the one towards a body, or a "
+         "the upward direction in the picture: a vector, the direction towards a body, or a "
          "function of t"},
 	{"mount", RB_ROW_BODY, 0, 0, AT(rb_camera_def, mount), NULL, NULL, "none", "",
-         "a body that it rides on, in place of position; its up turns with the body"},
+         "a body that carries the camera, instead of position; up turns with the body"},
 	{"offset", RB_ROW_VECTOR, 0, 0, AT(rb_camera_def, offset), NULL, NULL, "{0, 0, 0}", "m",
          "from the mount, in its object coordinates"},
 	{"level", RB_ROW_BOOLEAN, 0, 0, AT(rb_camera_def, level), NULL, NULL, "false", "",
@@ -190,19 +189,19 @@ static const struct rb_row camera_rows[] = {
 	{"projection", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, orthographic),
          "perspective, orthographic", NULL, "perspective", "",
          "orthographic: lines of sight are parallel, so sizes do not depend on the distance; "
-         "without near they "
-         "also come from behind the camera"},
+         "without near, bodies "
+         "behind the camera are drawn too"},
 	{"height", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, height), NULL, NULL,
-         "without position, what shows all that moves", "m",
-         "of an orthographic picture, from the lower to the upper edge, in place of fov"},
+         "without position, as needed to show all moving bodies", "m",
+         "of an orthographic picture, from the lower to the upper edge, instead of fov"},
 	{"frustum", RB_ROW_NUMBERS, 0, 6, AT(rb_camera_def, frustum), NULL, NULL, "none", "m",
          "{left, right, bottom, top, near, far}: edges of the picture at the distance near, of an "
-         "orthographic one anywhere; "
+         "orthographic one at any distance; "
          "excludes fov, height, near and far"},
 	{"near", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, near), NULL, NULL,
          "chosen for each picture", "m", "nothing nearer is drawn"},
 	{"far", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, far), NULL, NULL,
-         "as far as one can see", "m", "nothing farther is drawn"},
+         "unlimited", "m", "nothing farther is drawn"},
 	{"size", RB_ROW_INTEGERS, RB_RANGE_PIXELS, 2, AT(rb_camera_def, size_px), NULL, NULL,
          "{1280, 720}", "pixels", "{w, h}"},
 	{"fps", RB_ROW_NUMBER, RB_RANGE_POSITIVE, 0, AT(rb_camera_def, fps), NULL, NULL,
@@ -214,16 +213,17 @@ static const struct rb_row camera_rows[] = {
 	{"to", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_camera_def, to_s), NULL, NULL,
          "the end", "s", "simulated time after which there is no picture"},
 	{"background", RB_ROW_COLOR, 0, 0, AT(rb_camera_def, background), NULL, NULL, "a sky", "",
-         "one colour behind everything"},
-	{"lights", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "a sun and a weak light across from it", "",
+         "one colour behind all bodies"},
+	{"lights", RB_ROW_LIST, 0, 0, HAND, NULL, NULL,
+         "a sun and a weak light from the opposite side", "",
          "a list of lights, see below, at most 8"},
 	{"shadows", RB_ROW_BOOLEAN, 0, 0, AT(rb_camera_def, shadows), NULL, NULL, "true", "",
-         "of its lights; of the default ones only the sun has one"},
+         "whether lights cast shadows; of the default lights only the sun does"},
 	{"samples", RB_ROW_INTEGER, RB_RANGE_SAMPLES, 0, AT(rb_camera_def, samples), NULL, NULL,
          "4", "", "per pixel, against jagged edges"},
 	{"overlay", RB_ROW_FLAGS, 0, 0, AT(rb_camera_def, overlay), "time, title, energy", NULL,
          "none", "",
-         "written over the picture: simulated time with the speed, title of the world, energies; "
+         "text over the picture: simulated time with the speed, title of the world, energies; "
          "one or a list"},
 	{"trails", RB_ROW_LIST, 0, 0, HAND, NULL, NULL, "none", "",
          "a list of bodies whose paths since the start are drawn, at most 64"},
@@ -231,10 +231,11 @@ static const struct rb_row camera_rows[] = {
          "none", "",
          "arrows over the picture: of velocities, and of the forces in lasting contacts; one or a "
          "list; on the same scale in "
-         "all pictures, at any speed: three diameters of a typical body are the fastest at the "
-         "start, or a fall over two "
-         "diameters if that is faster; one diameter is a weight, else the strongest force that is "
-         "applied"},
+         "all pictures, at any speed: a length of three diameters of a typical body stands for the "
+         "fastest body at the start, or for a fall over two diameters if that is faster; one "
+         "diameter stands for the weight of a typical body, or without gravity for the strongest "
+         "applied "
+         "force"},
 	{"style", RB_ROW_SWITCH, 0, 0, AT(rb_camera_def, wireframe), "shaded, wireframe", NULL,
          "shaded", "", "wireframe: lines that turn with the bodies"},
 	{"png", RB_ROW_FILE, 0, 0, AT(rb_camera_def, png), NULL, NULL, "none", "",
@@ -246,18 +247,16 @@ static const struct rb_row camera_rows[] = {
 static const struct rb_row light_rows[] = {
 	{"kind", RB_ROW_CHOICE, 0, 0, AT(rb_light_def, kind), "lamp, sun, spot, ambient", NULL,
          "lamp with position, sun with direction", "",
-         "lamp: shines to all sides; sun: is far away; spot: a lamp that lights a cone; ambient: "
-         "comes from all sides, "
-         "throws no shadow and takes the place of the sky's own light"},
+         "lamp: shines in all directions; sun: far away; spot: a lamp that lights a cone; ambient: "
+         "from all directions, without shadows, instead of the light of the sky"},
 	{"position", RB_ROW_VECTOR, 0, 0, AT(rb_light_def, position), NULL, NULL, "required", "m",
          "of a lamp or a spot"},
 	{"direction", RB_ROW_VECTOR, RB_RANGE_NOT_ZERO, 0, AT(rb_light_def, position), NULL, NULL,
-         "required", "", "of a sun: towards it"},
+         "required", "", "towards a sun"},
 	{"look_at", RB_ROW_VECTOR, 0, 0, AT(rb_light_def, look_at), NULL, NULL, "required", "m",
          "of a spot: a point on the axis of its cone"},
 	{"angle", RB_ROW_NUMBER, RB_RANGE_FOV, 0, AT(rb_light_def, angle), NULL, NULL, "deg(30)",
-         "rad",
-         "of a spot: from the axis of its cone to the edge, outside of which it lights nothing"},
+         "rad", "of a spot: from the axis of its cone to the edge, beyond which it lights nothing"},
 	{"softness", RB_ROW_NUMBER, RB_RANGE_UNIT, 0, AT(rb_light_def, softness), NULL, NULL, "0.2",
          "",
          "of a spot: the share of the angle over which its light fades out towards the edge; 0: a "
@@ -266,9 +265,8 @@ static const struct rb_row light_rows[] = {
          "of the light"},
 	{"intensity", RB_ROW_NUMBER, RB_RANGE_NOT_NEGATIVE, 0, AT(rb_light_def, intensity), NULL,
          NULL, "1", "",
-         "of a lamp or a spot: at the middle of the bodies, as they are at the start; it falls "
-         "with the square of the "
-         "distance"},
+         "of a lamp or a spot: at the centre of the bodies at the start; it falls with the square "
+         "of the distance"},
 };
 
 static const struct rb_row record_rows[] = {
@@ -279,11 +277,11 @@ static const struct rb_row record_rows[] = {
 	{"fields", RB_ROW_FLAGS, 0, 0, AT(rb_record_def, fields),
          "position, orientation, velocity, angular_velocity, contacts, events, acceleration, "
          "angular_acceleration, force, torque",
-         NULL, "the first four, and events where there is a camera", "",
-         "what is kept of each frame: one or a list, which replaces the default; with \"+\" as its "
-         "first entry it adds to it"},
+         NULL, "the first four, and events if there is a camera", "",
+         "what is recorded of each frame: one or a list, which replaces the default, or adds to it "
+         "if its first entry is \"+\""},
 	{"ledger", RB_ROW_BOOLEAN, 0, 0, AT(rb_record_def, ledger), NULL, NULL, "see LEDGER", "",
-         "whether energy and momentum are accounted for by cause"},
+         "whether changes of energy and momentum are recorded by cause"},
 	{"precision", RB_ROW_SWITCH, 0, 0, AT(rb_record_def, single_precision), "double, single",
          NULL, "double", "", ""},
 	{"compression", RB_ROW_INTEGER, RB_RANGE_DIGIT, 0, AT(rb_record_def, compression), NULL,
