@@ -397,7 +397,7 @@ static void an_ffmpeg_that_hangs_is_ended_and_told(void **state)
 		const double took_s = seconds_since(begin);
 		if (!(took_s >= cases[k].least_s && took_s < cases[k].most_s))
 			fail_msg("'%s': %g s", cases[k].script, took_s);
-		if (!strstr(err.text, "got no further for 0.4 s"))
+		if (!strstr(err.text, "made no progress for 0.4 s"))
 			fail_msg("'%s': '%s'", cases[k].script, err.text);
 		assert_int_equal(count_files(folder), 1);
 		assert_int_equal(waitpid(-1, NULL, WNOHANG), -1);

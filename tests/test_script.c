@@ -367,7 +367,7 @@ static void textures_that_are_no_pictures_are_mistakes(void **state)
 		{5, 5, PNG_HEAD_SIZE - 1,
 	         "must be a whole PNG file ('x.png' is damaged or cut off)"},
 		{5, 5, 8, "must be a whole PNG file"},
-		{5, 5, 7, "must be a PNG file ('x.png' is none: it begins with other bytes)"},
+		{5, 5, 7, "must be a PNG file ('x.png' is not one: it begins with other bytes)"},
 		{5, 5, 0, "must be a PNG file"},
 		{8192, 1, PNG_HEAD_SIZE, NULL},
 	};

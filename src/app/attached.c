@@ -157,7 +157,7 @@ static enum rb_status take_scene(struct told *told, const char *lines, struct rb
 		lines += size + (lines[size] == '\n');
 	}
 	if (told->file_count == 0)
-		return RB_FAIL(err, RB_ERR_MISSING, "the run does not tell its scene");
+		return RB_FAIL(err, RB_ERR_MISSING, "the run does not send its scene");
 	return RB_OK;
 }
 

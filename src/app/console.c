@@ -41,7 +41,7 @@ static enum rb_status need_terminal(struct rb_error *err)
 	if (isatty(STDIN_FILENO) && isatty(STDOUT_FILENO))
 		return RB_OK;
 	return RB_FAIL(err, RB_ERR_USAGE,
-	               "a console needs a terminal, and standard %s is none (rbsim ctl sends "
+	               "a console needs a terminal, but standard %s is not one (rbsim ctl sends "
 	               "single commands to a run)",
 	               isatty(STDIN_FILENO) ? "output" : "input");
 }

@@ -445,7 +445,7 @@ static void check_start(struct rb_report *report)
 			         result->start);
 		if (result->of[report->quantity].count == 0)
 			snprintf(report->warning, sizeof report->warning,
-			         "the reference says nothing of '%s'",
+			         "the reference does not contain '%s'",
 			         rb_quantities[report->quantity].name);
 		return;
 	}

@@ -190,8 +190,8 @@ static void add(struct rb_films *films, const struct rb_camera_def *camera, int 
 			(void)rb_framing_aim(&start, &film->camera, left_out, sizeof left_out);
 		rb_framing_release(&start);
 		rb_log(RB_LOG_WARNING,
-		       "%s has no 'position', and no recording tells what moves where: it shows "
-		       "the start",
+		       "%s has no 'position', and without a recording it cannot know where "
+		       "bodies move: it shows the start",
 		       film->label);
 	}
 	films->shoots |= rb_shot_wanted(&film->camera);

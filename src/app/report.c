@@ -195,7 +195,7 @@ static void advise(struct rb_report *report)
 	measure(report, report->error, wanted);
 	if (closest < 0) {
 		snprintf(report->advice, sizeof report->advice,
-		         "there is no error of %s to judge by",
+		         "no error of %s is available for a recommendation",
 		         rb_quantities[report->quantity].name);
 		return;
 	}

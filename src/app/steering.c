@@ -97,7 +97,7 @@ enum rb_status rb_steering_advance(struct rb_steering *steering,
 			rb_steer_zoom(&row->camera, &stand, aim->factor);
 		if (!can_look(film, &row->camera, frame, &shot)) {
 			rb_log(RB_LOG_WARNING,
-			       "a camera stays where it is: it would come to what it looks at");
+			       "a camera does not move: it would reach the point that it looks at");
 			row->camera = *before;
 		}
 		row->is_made = true;

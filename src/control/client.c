@@ -138,7 +138,8 @@ static enum rb_status check_greeting(struct rb_client *client, uint64_t deadline
 		return RB_FAIL(err, RB_ERR_MISSING, "'%s' rejects the connection: %.120s",
 		               client->path, line + 6);
 	if (strncmp(line, name, strlen(name)) != 0)
-		return RB_FAIL(err, RB_ERR_MISSING, "what answers at '%s' is no run of rbsim",
+		return RB_FAIL(err, RB_ERR_MISSING,
+		               "the program that answers at '%s' is not a run of rbsim",
 		               client->path);
 	const long protocol = strtol(line + strlen(name), NULL, 10);
 	if (protocol != RB_SESSION_PROTOCOL)
@@ -247,7 +248,7 @@ static enum rb_status take_answer(struct rb_client *client, uint64_t deadline_ns
 		}
 		if (size == 3 && memcmp(line, "bye", 3) == 0)
 			return no_answer(client, "the run has ended", err);
-		return no_answer(client, "what it says is no answer", err);
+		return no_answer(client, "its answer cannot be understood", err);
 	}
 	consume(client, at);
 	return status;

@@ -641,7 +641,7 @@ enum rb_status rb_source_tell(struct rb_source *source, const char *line, const 
 
 	*answer = "";
 	if (!source->client)
-		return RB_FAIL(err, RB_ERR_USAGE, "there is no run that goes on");
+		return RB_FAIL(err, RB_ERR_USAGE, "no run is in progress");
 	const enum rb_status status = rb_client_request(source->client, line, answer_s, answer,
 	                                                &size, err);
 	source->next_ask_ns = 0;

@@ -346,7 +346,7 @@ enum rb_status rb_wire_read_frame(struct rb_frame *frame, int body_count, const 
 	frame->event_count = frame->contact_count = frame->shot_count = 0;
 	if (!take_numbers(&reader, &frame->numbers) || !take_values(&reader, frame))
 		return RB_FAIL(err, RB_ERR_INPUT,
-		               "frame %" PRIu64 " holds what are no numbers of %d bodies", index,
+		               "frame %" PRIu64 " does not contain numbers of %d bodies", index,
 		               body_count);
 	return RB_OK;
 }

@@ -166,7 +166,7 @@ static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, in
 		return RB_OK;
 	if (end == RB_CHILD_HUNG)
 		return RB_FAIL(err, RB_ERR_MISSING,
-		               "'%s' got no further for %g s and was ended: %.120s", program(),
+		               "'%s' made no progress for %g s and was stopped: %.120s", program(),
 		               child->patience_s, rb_child_last_words(child));
 	if (end == RB_CHILD_LOST)
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot determine how '%s' has ended: %.140s",
@@ -205,7 +205,7 @@ static enum rb_status read_list(struct rb_child *child, char *list, struct rb_er
 		if ((double)(rb_clock_now_ns() - begin) * 1e-9 > child->patience_s) {
 			rb_child_stop(child);
 			return RB_FAIL(err, RB_ERR_MISSING,
-			               "'%s' does not say within %g s what it can do", program(),
+			               "'%s' did not list its encoders within %g s", program(),
 			               child->patience_s);
 		}
 		if (poll(&wish, 1, PAUSE_MS) <= 0)

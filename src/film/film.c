@@ -174,7 +174,7 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 	if (camera->position.source != RB_CAMERA_FUNCTION &&
 	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
 		return RB_OK;
-	return RB_FAIL(err, RB_ERR_BUG, "%s: nobody says where it stands at %.12g s", film->label,
+	return RB_FAIL(err, RB_ERR_BUG, "%s: its place at %.12g s is unknown", film->label,
 	               rb_schedule_time(&film->schedule, film->next));
 }
 

@@ -376,7 +376,7 @@ static bool is_stuck(struct rb_located *l, int which, double t)
 	if (++l->stuck_count < (uint64_t)STUCK_EVENTS + 64 * (uint64_t)l->n)
 		return false;
 	l->status = RB_FAIL(l->err, RB_ERR_PHYSICS,
-	                    "%llu events at t = %.17g s and no end, the last of '%s'",
+	                    "no progress after %llu events at t = %.17g s, the last of '%s'",
 	                    (unsigned long long)l->stuck_count, t,
 	                    rb_scene_body_label(l->model->scene, l->model->id_of[body], label));
 	return true;

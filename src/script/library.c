@@ -444,7 +444,7 @@ static int metered(lua_State *L)
 		else if (type == LUA_TTABLE)
 			work += 4 * lua_rawlen(L, i);
 		if (type == LUA_TTABLE && luaL_getmetafield(L, i, "__len") != LUA_TNIL)
-			return luaL_error(L, "%s: not with a table that has '__len'",
+			return luaL_error(L, "%s: a table with '__len' is not accepted",
 			                  lua_tostring(L, lua_upvalueindex(2)));
 	}
 	rb_sandbox_charge(L, work);

@@ -169,7 +169,9 @@ static rb_vec3 frame_angular_velocity(lua_State *L, int id)
 static struct rb_load frame_load(lua_State *L, int id, const char *name)
 {
 	(void)id;
-	luaL_error(L, "a body's '%s': not in the function of a camera: a frame does not tell it",
+	luaL_error(L,
+	           "a body's '%s' is not available in the function of a camera: frames do not "
+	           "contain it",
 	           name);
 	return (struct rb_load){.force = {0, 0, 0}};
 }
@@ -182,8 +184,10 @@ static double frame_time(lua_State *L)
 static struct rb_frame_numbers frame_numbers(lua_State *L, const char *call, bool of_run)
 {
 	if (of_run)
-		luaL_error(L, "%s: not in the function of a camera: a frame does not tell it",
-		           call);
+		luaL_error(
+			L,
+			"%s is not available in the function of a camera: frames do not contain it",
+			call);
 	return rb_script_of(L)->frame->numbers;
 }
 

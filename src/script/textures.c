@@ -38,7 +38,8 @@ static bool check(const struct rb_call *call, const char *key, const char *name,
 
 	if (!is_png(bytes, size)) {
 		rb_call_mistake(
-			call, "'%s' must be a PNG file ('%s' is none: it begins with other bytes)",
+			call,
+			"'%s' must be a PNG file ('%s' is not one: it begins with other bytes)",
 			key, name);
 		return false;
 	}

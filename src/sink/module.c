@@ -69,7 +69,7 @@ static void load_from(struct module *module, const char *path)
 	const int *const version = dlsym(library, module->symbol);
 	if (!version || *version != module->version) {
 		char why[80];
-		snprintf(why, sizeof why, "it is of version %d, this program wants %d",
+		snprintf(why, sizeof why, "its version is %d, this program needs %d",
 		         version ? *version : 0, module->version);
 		refuse(module, path, why);
 		dlclose(library);

@@ -63,7 +63,7 @@ script -qec "env TERM=xterm RBSIM_FFMPEG=$PWD/hanging timeout 300 $RBSIM film.lu
 	</dev/null >out 2>err
 tr '\r' '\n' <out >lines
 says lines "waits for camera 'main'"
-says lines "camera 'main': .*hanging' got no further for 20 s"
+says lines "camera 'main': .*hanging' made no progress for 20 s"
 says lines '^status 69'
 exits 0 info film.h5
 says out 'status *complete'
