@@ -212,15 +212,12 @@ static void pack_cluster(struct rb_located *l, struct rb_cluster *c, struct rb_p
 {
 	bool integrals = c->account.n > 0;
 
-	rb_pack_finite(pack, &c->account_s, 1);
-	rb_pack_finite(pack, c->rates.sliding, 2);
-	rb_pack_finite(pack, &c->rates.force[0].x, 6);
-	rb_pack_finite(pack, &c->rates.torque[0][0].x, 18);
+	rb_fields_pack(rb_account_rates_fields(), &c->rates, 1, NULL, pack);
 	rb_pack_bool(pack, &integrals);
 	if (!integrals || pack->failed)
 		return;
 	if (pack->loading && !rb_account_reserve(l, c)) {
-		pack->failed = pack->no_memory = true;
+		rb_pack_fail_memory(pack);
 		return;
 	}
 	c->account.n = RB_ENTRIES;

@@ -7,14 +7,16 @@
 #define RB_LOCATED_CELLS_INSIDE_H
 
 #include "base/error.h"
+#include "base/field_list.h"
 
 #include <stddef.h>
 #include <stdint.h>
 
 enum { SLOTS = 3 };
 
-static const int64_t farthest =
-	1ll << 50; /* the last cells: beyond them doubles can't tell cells apart */
+/* The last cells: beyond them doubles can't tell cells apart. */
+#define FARTHEST_CELL (1ll << 50)
+static const int64_t farthest = FARTHEST_CELL;
 
 /*
  * Members come first; what is behind them means nothing. A cell's own block and all further ones
@@ -40,8 +42,11 @@ struct level {
 	struct grid natives, guests;
 };
 
+#define ENTRY_FIELDS(X)                              \
+	X(int64_t, at, [3], "", "cell, not wrapped", \
+	  RB_LONG_WITHIN(-FARTHEST_CELL - 1, FARTHEST_CELL + 1))
 struct entry {
-	int64_t at[3]; /* not wrapped */
+	ENTRY_FIELDS(RB_FIELD_MEMBER)
 };
 
 struct rb_cells {

@@ -7,6 +7,9 @@
 
 #include <string.h>
 
+static RB_FIELDS_DECLARE(entry_fields);
+static RB_FIELDS_DEFINE(entry_fields, struct entry, ENTRY_FIELDS);
+
 /*
  * Members of a cell in an order in which, added one by one to an empty cell, they stand as they do
  * now.
@@ -96,17 +99,10 @@ void rb_cells_pack(struct rb_cells *cells, struct rb_pack *pack)
 	int32_t *const order = rb_memory_take((size_t)cells->count, sizeof *order);
 
 	if (!order) {
-		pack->failed = pack->no_memory = true;
+		rb_pack_fail_memory(pack);
 		return;
 	}
-	for (size_t i = 0; i < entries; i++)
-		for (int k = 0; k < 3; k++) {
-			int64_t *const at = &cells->entries[i].at[k];
-
-			rb_pack_i64(pack, at);
-			(void)rb_pack_check(pack, *at >= -farthest - 1 && *at <= farthest + 1,
-			                    "a cell beyond the last one");
-		}
+	rb_fields_pack(entry_fields(), cells->entries, entries, NULL, pack);
 	if (pack->loading && cells->level_count > 0) {
 		for (int l = 0; l < cells->level_count; l++) {
 			clear_grid(&cells->levels[l], &cells->levels[l].natives);

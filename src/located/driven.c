@@ -65,15 +65,20 @@ static const double contradiction = 1e-8;
  */
 static const double sliver = 0x1p-8;
 
+#define DRIVEN_FIELDS(X)                                                                     \
+	X(struct rb_gauss_piece, piece, , "", "of its function", RB_BY_HAND)                 \
+	X(double *, block, , "", "owned", RB_DERIVED)                                        \
+	X(double *, end_rate, , "1/s", "[n] of the piece's values at its end", RB_BY_HAND)   \
+	X(double, end_s, , "s", "where the piece has ended; NAN: none has, or not smoothly", \
+	  RB_NUMBER)                                                                         \
+	X(double, try_s, , "s", "length of the next piece", RB_FINITE)                       \
+	X(double, near_ulp, , "1", "of the function, as far as is known", RB_FINITE)         \
+	X(int, calm, , "", "pieces in a row that were as long as tried", RB_WITHIN(0, INT_MAX))
 struct rb_driven {
-	struct rb_gauss_piece piece;
-	double *block;    /* owned */
-	double *end_rate; /* [n] of the piece's values at its end, 1/s */
-	double end_s;     /* where the piece has ended; NAN: none has, or not smoothly */
-	double try_s;
-	double near_ulp; /* of the function, as far as is known */
-	int calm;        /* pieces in a row that were as long as tried */
+	DRIVEN_FIELDS(RB_FIELD_MEMBER)
 };
+static RB_FIELDS_DECLARE(driven_fields);
+static RB_FIELDS_DEFINE(driven_fields, struct rb_driven, DRIVEN_FIELDS);
 
 /* A body's function over one piece. */
 struct drive {
@@ -583,17 +588,14 @@ void rb_driven_pack(struct rb_located *l, int i, struct rb_pack *pack)
 	struct rb_driven *const own = pack->loading ? driven_of(l, i, n) : l->driven[i];
 
 	if (!own) {
-		pack->failed = pack->no_memory = true;
+		rb_pack_fail_memory(pack);
 		return;
 	}
 	rb_pack_finite(pack, &own->piece.length_s, 1);
 	rb_pack_finite(pack, own->piece.start, (size_t)n);
 	rb_pack_finite(pack, own->piece.coefficient, (size_t)n * NODES);
 	rb_pack_finite(pack, own->end_rate, (size_t)n);
-	rb_pack_doubles(pack, &own->end_s, 1);
-	rb_pack_finite(pack, &own->try_s, 1);
-	rb_pack_finite(pack, &own->near_ulp, 1);
-	rb_pack_int(pack, &own->calm, 0, INT_MAX);
+	rb_fields_pack(driven_fields(), own, 1, NULL, pack);
 	(void)rb_pack_check(pack, own->piece.length_s > 0, "a piece without length");
 	if (pack->loading && !pack->failed)
 		l->piece[i].piece = own->piece;

@@ -9,69 +9,61 @@
 
 #include <math.h>
 
-/* Bytes that a contact, and a cluster that is not used, take at least. */
-enum { HELD_LEAST = 105, CLUSTER_LEAST = 13 };
+RB_FIELDS_DEFINE(rb_arc_fields, struct rb_arc, RB_ARC_FIELDS);
+RB_FIELDS_DEFINE(rb_piece_fields, struct rb_piece_of, RB_PIECE_FIELDS);
+RB_FIELDS_DEFINE(rb_next_fields, struct rb_next, RB_NEXT_FIELDS);
+RB_FIELDS_DEFINE(rb_held_fields, struct rb_held, RB_HELD_FIELDS);
+RB_FIELDS_DEFINE(rb_account_rates_fields, struct rb_account_rates, RB_ACCOUNT_RATES_FIELDS);
+RB_FIELDS_DEFINE(rb_cluster_fields, struct rb_cluster, RB_CLUSTER_FIELDS);
+RB_FIELDS_DEFINE(rb_merge_fields, struct rb_merge, RB_MERGE_FIELDS);
+RB_FIELDS_DEFINE_PART(rb_located_fields, struct rb_located, RB_LOCATED_FIELDS);
 
-static void out_of_memory(struct rb_pack *pack)
+static struct rb_limits limits_of(const struct rb_located *l)
 {
-	pack->failed = pack->no_memory = true;
-}
+	struct rb_limits limits = rb_limits_of(l->model);
 
-static void pack_vector(struct rb_pack *pack, rb_vec3 *v)
-{
-	double numbers[3] = {v->x, v->y, v->z};
-
-	rb_pack_finite(pack, numbers, 3);
-	*v = rb_vec3_from(numbers);
+	/* never more clusters than bodies */
+	limits.high[RB_LIMIT_NEXT_FREE] = l->n;
+	limits.high[RB_LIMIT_SWITCH] = l->switch_count;
+	return limits;
 }
 
 /* ---- bodies ---- */
 
-static void pack_arc(struct rb_located *l, int i, struct rb_pack *pack)
+static bool fits(const struct rb_located *l, int i)
 {
-	struct rb_arc *const arc = &l->arc[i];
-	bool plain = arc->plain_radius > 0;
-
-	rb_pack_finite(pack, &arc->anchor_s, 1);
-	pack_vector(pack, &arc->position);
-	pack_vector(pack, &arc->velocity);
-	pack_vector(pack, &arc->acceleration);
-	rb_pack_bool(pack, &plain);
-	if (pack->loading)
-		arc->plain_radius = plain ? l->model->shape[i].radius : (double)NAN;
-}
-
-/* The rest of it follows from these; what the cache holds is the same whenever it is asked for. */
-static void pack_top(struct rb_located *l, int i, struct rb_pack *pack)
-{
-	struct rb_top *const top = &l->top[i];
-	double q[4];
-
-	rb_quat_to(q, top->orientation);
-	rb_pack_finite(pack, q, 4);
-	pack_vector(pack, &top->spin);
-	pack_vector(pack, &top->acceleration);
-	if (pack->loading && !pack->failed && l->started)
-		*top = rb_top_start(&l->top_body[i], rb_quat_from(q), top->spin, top->acceleration);
-}
-
-static void pack_next(struct rb_located *l, int i, struct rb_pack *pack)
-{
-	struct rb_next *const next = &l->next[i];
+	const struct rb_next *const next = &l->next[i];
+	const double radius = l->arc[i].plain_radius;
 	const int walls = l->cells ? rb_cells_wall_count(l->cells, i) : 0;
 
-	rb_pack_times(pack, &next->touch_s, 1);
-	rb_pack_int(pack, &next->partner, -1, l->n + l->model->static_count - 1);
-	rb_pack_u32(pack, &next->generation);
-	rb_pack_bool(pack, &next->again);
-	rb_pack_int(pack, &next->wall, -1, walls > 0 ? walls - 1 : 0);
-	rb_pack_times(pack, &next->wall_s, 1);
-	if (l->cells && l->started)
-		(void)rb_pack_check(pack, isinf(next->wall_s) || next->wall >= 0,
-		                    "a wall without number");
-	(void)rb_pack_check(pack,
-	                    isinf(next->touch_s) || (next->partner >= 0 && next->partner != i),
-	                    "a body that meets itself");
+	if (!isnan(radius) && !(radius == (l->started ? l->model->shape[i].radius : 0)))
+		return false;
+	if (isfinite(next->touch_s) && (next->partner < 0 || next->partner == i))
+		return false;
+	if (l->cells && l->started && isfinite(next->wall_s) && next->wall < 0)
+		return false;
+	return next->wall < (walls > 0 ? walls : 1);
+}
+
+/* The rest of a top follows from what is listed. */
+static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
+{
+	const struct rb_limits limits = limits_of(l);
+	const size_t n = (size_t)l->n;
+
+	rb_fields_pack(rb_arc_fields(), l->arc, n, NULL, pack);
+	rb_pack_bytes(pack, l->generation, n * sizeof *l->generation);
+	rb_fields_pack(rb_next_fields(), l->next, n, limits.high, pack);
+	if (l->top)
+		rb_fields_pack(rb_top_fields(), l->top, n, NULL, pack);
+	for (int i = 0; pack->loading && i < l->n && !pack->failed; i++) {
+		struct rb_top *const top = l->top && l->started ? &l->top[i] : NULL;
+
+		(void)rb_pack_check(pack, fits(l, i), "a body that meets itself, or no wall");
+		if (top)
+			*top = rb_top_start(&l->top_body[i], top->orientation, top->spin,
+			                    top->acceleration);
+	}
 }
 
 /* Their cluster's piece, or their own where they are driven, must have been loaded. */
@@ -81,13 +73,10 @@ static void pack_piece(struct rb_located *l, int i, struct rb_pack *pack)
 	bool on = own->piece.n > 0;
 
 	rb_pack_bool(pack, &on);
-	if (!on) {
-		if (pack->loading)
-			own->piece.n = 0;
-		pack_vector(pack, &own->rest);
+	rb_fields_pack(rb_piece_fields(), own, 1, NULL, pack);
+	if (!pack->loading || pack->failed)
 		return;
-	}
-	if (!rb_located_driven(l, i) && pack->loading) {
+	if (on && !rb_located_driven(l, i)) {
 		const int cluster = l->cluster_of[i];
 
 		if (!rb_pack_check(pack, cluster >= 0 && l->cluster[cluster].integrated,
@@ -101,22 +90,9 @@ static void pack_piece(struct rb_located *l, int i, struct rb_pack *pack)
 			own->first++;
 		own->first *= rb_located_row(l);
 	}
-	(void)rb_pack_check(pack, own->piece.n > 0, "a driven body without a piece");
-	pack_vector(pack, &own->base);
-	rb_pack_finite(pack, &own->origin_s, 1);
-	rb_pack_times(pack, &own->until_s, 1);
-	rb_pack_finite(pack, &own->acceleration_max, 1);
-}
-
-static void pack_bodies(struct rb_located *l, struct rb_pack *pack)
-{
-	for (int i = 0; i < l->n && !pack->failed; i++) {
-		pack_arc(l, i, pack);
-		rb_pack_u32(pack, &l->generation[i]);
-		pack_next(l, i, pack);
-	}
-	for (int i = 0; l->top && i < l->n && !pack->failed; i++)
-		pack_top(l, i, pack);
+	if (!on)
+		own->piece.n = 0;
+	(void)rb_pack_check(pack, !on || own->piece.n > 0, "a driven body without a piece");
 }
 
 /* After the clusters. */
@@ -130,7 +106,7 @@ static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 	if (!l->piece)
 		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
 	if (!l->piece) {
-		out_of_memory(pack);
+		rb_pack_fail_memory(pack);
 		return;
 	}
 	for (int i = 0; i < l->n && !pack->failed; i++) {
@@ -142,52 +118,22 @@ static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 
 /* ---- clusters ---- */
 
-static void pack_held(struct rb_located *l, struct rb_held *held, struct rb_pack *pack)
-{
-	int reported = (int)held->reported;
-
-	rb_pack_int(pack, &held->a, 0, l->n - 1);
-	rb_pack_int(pack, &held->b, 0, l->n + l->model->static_count - 1);
-	(void)rb_pack_check(pack, held->a < held->b, "a contact of a body with itself");
-	rb_pack_u32(pack, &held->parts);
-	rb_pack_u64(pack, &held->key);
-	pack_vector(pack, &held->half);
-	rb_pack_bool(pack, &held->slipping);
-	rb_pack_bool(pack, &held->on_rim);
-	rb_pack_bool(pack, &held->ending);
-	rb_pack_bool(pack, &held->straight);
-	rb_pack_bool(pack, &held->creeps);
-	pack_vector(pack, &held->slip);
-	pack_vector(pack, &held->common);
-	rb_pack_finite(pack, &held->friction, 1);
-	pack_vector(pack, &held->force);
-	rb_pack_int(pack, &reported, RB_HELD_REST, RB_HELD_ROLL);
-	held->reported = (enum rb_held_mode)reported;
-	rb_pack_bool(pack, &held->is_reported);
-	rb_pack_times(pack, &held->recorded_s, 1);
-	rb_pack_bool(pack, &held->merged);
-}
-
 /* Its start and coefficients, which stand first in its block. */
 static void pack_cluster_piece(struct rb_located *l, struct rb_cluster *c, struct rb_pack *pack)
 {
 	const int n = c->member_count * rb_located_row(l);
-	const size_t size = (size_t)n * (1 + RB_GAUSS_NODES);
 
-	rb_pack_finite(pack, &c->least, 1);
 	rb_pack_finite(pack, &c->piece.length_s, 1);
 	(void)rb_pack_check(pack, c->piece.length_s > 0, "a piece without length");
-	if (pack->loading) {
-		if (!rb_memory_reserve(&c->block, &c->block_capacity, rb_integrate_scratch_size(n),
-		                       sizeof *c->block)) {
-			out_of_memory(pack);
-			return;
-		}
-		c->piece.n = n;
-		c->piece.start = c->block;
-		c->piece.coefficient = c->block + n;
-	}
-	rb_pack_finite(pack, c->block, size);
+	if (pack->loading && !rb_memory_reserve(&c->block, &c->block_capacity,
+	                                        rb_integrate_scratch_size(n), sizeof *c->block))
+		rb_pack_fail_memory(pack);
+	if (pack->failed)
+		return;
+	c->piece.n = n;
+	c->piece.start = c->block;
+	c->piece.coefficient = c->block + n;
+	rb_pack_finite(pack, c->block, (size_t)n * (1 + RB_GAUSS_NODES));
 }
 
 static void pack_members(struct rb_located *l, int cluster, struct rb_pack *pack)
@@ -203,43 +149,35 @@ static void pack_members(struct rb_located *l, int cluster, struct rb_pack *pack
 	}
 }
 
+static void pack_held(struct rb_located *l, struct rb_cluster *c, struct rb_pack *pack)
+{
+	const struct rb_limits limits = limits_of(l);
+
+	rb_fields_pack(rb_held_fields(), c->held, (size_t)c->held_count, limits.high, pack);
+	for (int k = 0; pack->loading && k < c->held_count; k++)
+		(void)rb_pack_check(pack, c->held[k].a < c->held[k].b,
+		                    "a contact of a body with itself");
+}
+
+/* What has a length of its own, of one that is used. */
 static void pack_cluster(struct rb_located *l, int cluster, struct rb_pack *pack)
 {
 	struct rb_cluster *const c = &l->cluster[cluster];
 	size_t members = (size_t)c->member_count, held = (size_t)c->held_count;
 
-	rb_pack_bool(pack, &c->used);
-	rb_pack_int(pack, &c->next_free, 0, l->cluster_count);
-	rb_pack_times(pack, &c->try_s, 1);
-	if (!c->used)
-		return;
-	rb_pack_bool(pack, &c->integrated);
-	rb_pack_bool(pack, &c->at_rest);
-	rb_pack_bool(pack, &c->is_cut);
-	rb_pack_bool(pack, &c->has_jammed);
-	rb_pack_bool(pack, &c->hits);
-	if (c->hits) {
-		rb_pack_int(pack, &c->hit_a, 0, l->n - 1);
-		rb_pack_int(pack, &c->hit_b, 0, l->n + l->model->static_count - 1);
-	}
-	rb_pack_finite(pack, &c->anchor_s, 1);
 	rb_pack_count(pack, &members, (size_t)l->n, sizeof(int32_t));
-	rb_pack_count(pack, &held, INT32_MAX, HELD_LEAST);
-	if (!rb_pack_check(pack, members > 0, "a cluster of nobody"))
+	rb_pack_count(pack, &held, INT32_MAX, rb_fields_bytes(rb_held_fields()));
+	(void)rb_pack_check(pack, members > 0, "a cluster of nobody");
+	if (pack->loading &&
+	    (!rb_memory_reserve(&c->member, &c->member_capacity, members, sizeof *c->member) ||
+	     !rb_memory_reserve(&c->held, &c->held_capacity, held, sizeof *c->held)))
+		rb_pack_fail_memory(pack);
+	if (pack->failed)
 		return;
-	if (pack->loading) {
-		if (!rb_memory_reserve(&c->member, &c->member_capacity, members,
-		                       sizeof *c->member) ||
-		    !rb_memory_reserve(&c->held, &c->held_capacity, held, sizeof *c->held)) {
-			out_of_memory(pack);
-			return;
-		}
-		c->member_count = (int)members;
-		c->held_count = (int)held;
-	}
+	c->member_count = (int)members;
+	c->held_count = (int)held;
 	pack_members(l, cluster, pack);
-	for (size_t k = 0; k < held && !pack->failed; k++)
-		pack_held(l, &c->held[k], pack);
+	pack_held(l, c, pack);
 	if (c->integrated && !pack->failed)
 		pack_cluster_piece(l, c, pack);
 }
@@ -250,7 +188,8 @@ static void check_free(struct rb_located *l, struct rb_pack *pack)
 	int left = l->cluster_count, k = l->cluster_free;
 
 	for (; k > 0 && left > 0; left--) {
-		if (!rb_pack_check(pack, !l->cluster[k - 1].used, "a used cluster among the free"))
+		if (!rb_pack_check(pack, k <= l->cluster_count && !l->cluster[k - 1].used,
+		                   "a used cluster among the free"))
 			return;
 		k = l->cluster[k - 1].next_free;
 	}
@@ -259,23 +198,24 @@ static void check_free(struct rb_located *l, struct rb_pack *pack)
 
 static void pack_clusters(struct rb_located *l, struct rb_pack *pack)
 {
+	const struct rb_limits limits = limits_of(l);
 	size_t count = (size_t)l->cluster_count;
 
-	/* never more than bodies */
-	rb_pack_count(pack, &count, (size_t)l->n, CLUSTER_LEAST);
+	rb_pack_count(pack, &count, (size_t)l->n, rb_fields_bytes(rb_cluster_fields()));
 	if (pack->loading) {
 		if (!rb_memory_reserve(&l->cluster, &l->cluster_capacity, count,
 		                       sizeof *l->cluster)) {
-			out_of_memory(pack);
+			rb_pack_fail_memory(pack);
 			return;
 		}
 		for (size_t k = 0; k < count; k++)
 			l->cluster[k] = (struct rb_cluster){0};
 		l->cluster_count = (int)count;
 	}
+	rb_fields_pack(rb_cluster_fields(), l->cluster, count, limits.high, pack);
 	for (size_t k = 0; k < count && !pack->failed; k++)
-		pack_cluster(l, (int)k, pack);
-	rb_pack_int(pack, &l->cluster_free, 0, l->cluster_count);
+		if (l->cluster[k].used)
+			pack_cluster(l, (int)k, pack);
 	if (pack->loading && !pack->failed)
 		check_free(l, pack);
 }
@@ -301,37 +241,34 @@ static void pack_queue(struct rb_located *l, struct rb_pack *pack)
 
 static void pack_merges(struct rb_located *l, struct rb_pack *pack)
 {
+	const struct rb_limits limits = limits_of(l);
 	size_t count = (size_t)l->merge_count;
 
-	rb_pack_count(pack, &count, INT32_MAX, 16);
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(rb_merge_fields()));
 	if (pack->loading &&
-	    !rb_memory_reserve(&l->merge, &l->merge_capacity, count, sizeof *l->merge)) {
-		out_of_memory(pack);
+	    !rb_memory_reserve(&l->merge, &l->merge_capacity, count, sizeof *l->merge))
+		rb_pack_fail_memory(pack);
+	if (pack->failed)
 		return;
-	}
 	l->merge_count = (int)count;
-	for (size_t k = 0; k < count && !pack->failed; k++) {
-		const int last = l->n + l->model->static_count - 1;
-
-		rb_pack_int(pack, &l->merge[k].a, 0, last);
-		rb_pack_int(pack, &l->merge[k].b, 0, last);
-		rb_pack_times(pack, &l->merge[k].recorded_s, 1);
-	}
+	rb_fields_pack(rb_merge_fields(), l->merge, count, limits.high, pack);
 }
 
+/*
+ * By hand is what has a length of its own, what several objects share (pieces), and what follows
+ * from the rest: the queue's order, members of cells.
+ */
 void rb_freeze_pack(struct rb_located *l, struct rb_pack *pack)
 {
+	const struct rb_limits limits = limits_of(l);
+
 	RB_ASSERT(l->set_count == 0);
-	rb_pack_bool(pack, &l->started);
-	rb_pack_finite(pack, &l->now_s, 1);
-	rb_pack_times(pack, &l->stuck_s, 1);
-	rb_pack_u64(pack, &l->stuck_count);
-	rb_pack_u64(pack, &l->events);
-	rb_pack_u64(pack, &l->crowd);
-	rb_pack_int(pack, &l->switch_next, 0, l->switch_count);
+	rb_fields_pack(rb_located_fields(), l, 1, limits.high, pack);
 	pack_bodies(l, pack);
-	pack_clusters(l, pack);
-	pack_pieces(l, pack);
+	if (!pack->failed)
+		pack_clusters(l, pack);
+	if (!pack->failed)
+		pack_pieces(l, pack);
 	if (!pack->failed)
 		rb_account_pack(l, pack);
 	pack_merges(l, pack);

@@ -61,109 +61,166 @@
  * Centre of mass from the anchor on: x + v s + a s^2 / 2. What a neighbour in the same field of
  * gravity asks for is one line of memory: of many bodies that is most of what is read.
  */
+#define RB_ARC_FIELDS(X)                                                                         \
+	X(_Alignas(64) double, anchor_s, , "s", "its beginning", RB_FINITE)                      \
+	X(rb_vec3, position, , "m", "at the anchor", RB_FINITE)                                  \
+	X(rb_vec3, velocity, , "m/s", "at the anchor", RB_FINITE)                                \
+	X(double, plain_radius, , "m",                                                           \
+	  "of a sphere about its centre that only the world's gravity pulls, or NAN", RB_NUMBER) \
+	X(rb_vec3, acceleration, , "m/s^2", "constant", RB_FINITE)
 struct rb_arc {
-	_Alignas(64) double anchor_s;
-	rb_vec3 position, velocity;
-	/* of a sphere about its centre that only the world's gravity pulls, else NAN */
-	double plain_radius;
-	rb_vec3 acceleration;
+	RB_ARC_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_arc_fields);
 
 /*
  * Where a body's motion is a polynomial: rows `first` .. of a piece that began at origin_s and
  * holds to until_s. Where its orientation is not felt, that stays as it began: what it is follows
  * from the spin (math/turn).
  */
+#define RB_PIECE_FIELDS(X)                                                                     \
+	X(struct rb_gauss_piece, piece, , "",                                                  \
+	  "n = 0: the arc is a parabola; the cluster's arrays", RB_BY_HAND)                    \
+	X(int, first, , "", "row of the piece", RB_DERIVED)                                    \
+	X(rb_vec3, base, , "m", "the position's rows are from here: far away costs no digits", \
+	  RB_FINITE)                                                                           \
+	X(rb_vec3, rest, , "m", "of the anchor, where the arc is a parabola: struct rb_pose",  \
+	  RB_FINITE)                                                                           \
+	X(double, origin_s, , "s", "its beginning", RB_FINITE)                                 \
+	X(double, acceleration_max, , "m/s^2", "bound over the piece", RB_FINITE)              \
+	X(double, until_s, , "s", "its end", RB_TIME)
 struct rb_piece_of {
-	struct rb_gauss_piece
-		piece; /* n = 0: the arc is a parabola; its arrays are the cluster's */
-	int first;
-	rb_vec3 base; /* m: the position's rows are from here, so that far away costs no digits */
-	rb_vec3 rest; /* m: of the anchor, where the arc is a parabola again: struct rb_pose */
-	double origin_s, until_s;
-	double acceleration_max; /* m/s^2: bound over the piece */
+	RB_PIECE_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_piece_fields);
 
 /* What a body foresees first; the earliest of its times is in the queue. */
+#define RB_NEXT_FIELDS(X)                                                                \
+	X(double, touch_s, , "s", "INFINITY: none", RB_TIME)                             \
+	X(double, wall_s, , "s", "INFINITY: none", RB_TIME)                              \
+	X(int, partner, , "", "body index, of the touch; -1: none",                      \
+	  RB_NONE_UP_TO(RB_LIMIT_ANY_BODY))                                              \
+	X(uint32_t, generation, , "", "the partner's when it was foreseen", RB_ANY_BITS) \
+	X(int, wall, , "", "for rb_cells_cross; -1: none", RB_WITHIN(-1, INT_MAX))       \
+	X(bool, again, , "", "not yet a touch: look again then", RB_FLAG)
 struct rb_next {
-	double touch_s;      /* INFINITY: none */
-	int partner;         /* of the touch, body index */
-	uint32_t generation; /* the partner's when it was foreseen */
-	bool again;          /* not yet a touch: look again then */
-	int wall;            /* for rb_cells_cross */
-	double wall_s;       /* INFINITY: none */
+	RB_NEXT_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_next_fields);
 
 /* What a lasting contact does; the order is that of rb_event_kind from REST on. */
 enum rb_held_mode { RB_HELD_REST, RB_HELD_SLIDE, RB_HELD_ROLL };
 
-/* A lasting contact: one point of a pair, which may have several. */
+/*
+ * A lasting contact: one point of a pair, which may have several. Its name is (a, b, parts, key,
+ * half): struct rb_contact_name. `half`: of a rim in a piece, the half that it began with.
+ */
+#define RB_HELD_FIELDS(X)                                                                        \
+	X(uint64_t, key, , "", "in its name", RB_ANY_BITS)                                       \
+	X(rb_vec3, half, , "1", "in its name", RB_FINITE)                                        \
+	X(rb_vec3, slip, , "1", "unit: velocity of b's point relative to a's", RB_FINITE)        \
+	X(rb_vec3, common, , "1",                                                                \
+	  "unit: where all points of a pair creep one way, that way; else 0", RB_FINITE)         \
+	X(rb_vec3, force, , "N", "on b, at the cluster's anchor", RB_FINITE)                     \
+	X(double, friction, , "1",                                                               \
+	  "while it slips: the law's, or what is left of it where a body jams", RB_FINITE)       \
+	X(double, recorded_s, , "s",                                                             \
+	  "when it is to be announced: after the last of its summed impacts", RB_TIME)           \
+	X(int, a, , "", "body index", RB_UP_TO(RB_LIMIT_BODY))                                   \
+	X(int, b, , "", "body index, > a", RB_UP_TO(RB_LIMIT_ANY_BODY))                          \
+	X(uint32_t, parts, , "", "which features of them meet", RB_ANY_BITS)                     \
+	X(enum rb_held_mode, reported, , "", "what the last transition said",                    \
+	  RB_WITHIN(RB_HELD_REST, RB_HELD_ROLL))                                                 \
+	X(bool, is_reported, , "", "it has been announced", RB_FLAG)                             \
+	X(bool, merged, , "", "it is to be announced as a merge first", RB_FLAG)                 \
+	X(bool, slipping, , "", "along `slip`", RB_FLAG)                                         \
+	X(bool, on_rim, , "", "of a flat shape", RB_FLAG)                                        \
+	X(bool, ending, , "", "its slip ends at this moment; or its rest, by `force`", RB_FLAG)  \
+	X(bool, straight, , "", "its slip keeps its direction to the end, to rounding", RB_FLAG) \
+	X(bool, creeps, , "", "forces across so slow a slip balance, and say which way", RB_FLAG)
 struct rb_held {
-	int a, b;       /* body indices, a < b */
-	uint32_t parts; /* which features of them meet: struct rb_contact_name */
-	uint64_t key;
-	rb_vec3 half; /* the same: of a rim in a piece, the half that it began with */
-	bool slipping, on_rim;
-	bool ending;   /* its slip has come to its end at this moment; or its rest, by `force` */
-	bool straight; /* its slip keeps its direction to the end, to rounding */
-	/* its slip is so slow that forces across it balance: they say which way it goes */
-	bool creeps;
-	rb_vec3 slip;    /* unit: velocity of b's point relative to a's */
-	rb_vec3 common;  /* unit: where all points of a pair creep one way, that way; else 0 */
-	double friction; /* while it slips: the law's, or what is left of it where a body jams */
-	rb_vec3 force;   /* N, on b, at the cluster's anchor */
-	enum rb_held_mode reported; /* what the last transition said */
-	bool is_reported;
-	/* when the contact is to be announced: after the last of its summed impacts */
-	double recorded_s;
-	bool merged; /* ... and announced as a merge first */
+	RB_HELD_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_held_fields);
 
 /*
  * W and N of contacts at rest or sliding between parabolas, about the origin: polynomials in the
- * time since then.
+ * time since then; by static bodies, by driven ones (that do not move).
  */
+#define RB_ACCOUNT_RATES_FIELDS(X)                                  \
+	X(double, sliding, [2], "W, W/s", "of friction", RB_FINITE) \
+	X(rb_vec3, force, [2], "N", "by whom", RB_FINITE)           \
+	X(rb_vec3, torque, [2][3], "N m, N m/s, N m/s^2", "by whom", RB_FINITE)
 struct rb_account_rates {
-	double sliding[2];
-	rb_vec3 force[2], torque[2][3]; /* by static bodies, by driven ones (that do not move) */
+	RB_ACCOUNT_RATES_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_account_rates_fields);
 
+#define RB_CLUSTER_FIELDS(X)                                                                     \
+	X(double, anchor_s, , "s", "its beginning", RB_FINITE)                                   \
+	X(double, account_s, , "s", "until then the ledger has it (located/account)", RB_FINITE) \
+	X(double, least, , "1", "of struct rb_dense, at the beginning of the piece", RB_FINITE)  \
+	X(double, try_s, , "s", "length of the next piece", RB_TIME)                             \
+	X(int, next_free, , "", "1 + the next unused cluster, 0: none",                          \
+	  RB_UP_TO(RB_LIMIT_NEXT_FREE))                                                          \
+	X(int, hit_a, , "", "of `hits`", RB_UP_TO(RB_LIMIT_BODY))                                \
+	X(int, hit_b, , "", "of `hits`", RB_UP_TO(RB_LIMIT_ANY_BODY))                            \
+	X(bool, used, , "", "else one of the free ones", RB_FLAG)                                \
+	X(bool, integrated, , "", "else every member is on a parabola", RB_FLAG)                 \
+	X(bool, at_rest, , "", "nobody in it moves", RB_FLAG)                                    \
+	X(bool, has_jammed, , "",                                                                \
+	  "velocities have just jumped, or are to: it is to be settled, or struck, at once",     \
+	  RB_FLAG)                                                                               \
+	X(bool, is_cut, , "", "its piece ends where a contact changes its mode", RB_FLAG)        \
+	X(bool, hits, , "",                                                                      \
+	  "or where two bodies that touch already come to touch at another point", RB_FLAG)      \
+	X(int, member_count, , "", "", RB_BY_HAND)                                               \
+	X(int, held_count, , "", "", RB_BY_HAND)                                                 \
+	X(int *, member, , "", "in the order in which they were found to belong together",       \
+	  RB_BY_HAND)                                                                            \
+	X(size_t, member_capacity, , "", "", RB_DERIVED)                                         \
+	X(struct rb_held *, held, , "", "by (a, b, parts, key)", RB_BY_HAND)                     \
+	X(size_t, held_capacity, , "", "", RB_DERIVED)                                           \
+	X(struct rb_account_rates, rates, , "", "on parabolas: of its contacts", RB_BY_HAND)     \
+	X(struct rb_gauss_piece, account, , "", "integrated: RB_ENTRIES values; n = 0: none",    \
+	  RB_BY_HAND)                                                                            \
+	X(double *, account_block, , "", "owned: start, coefficients", RB_BY_HAND)               \
+	X(struct rb_gauss_piece, piece, , "",                                                    \
+	  "integrated: rows of rb_located_row values a member", RB_BY_HAND)                      \
+	X(double *, block, , "", "owned: start, coefficients; scale, scratch", RB_BY_HAND)       \
+	X(size_t, block_capacity, , "", "", RB_DERIVED)
 struct rb_cluster {
-	bool used;
-	int next_free;   /* 1 + the next unused cluster, 0: none */
-	bool integrated; /* else every member is on a parabola */
-	bool at_rest;
-	/* velocities have just jumped, or are to: it is to be settled, or struck, at once */
-	bool has_jammed;
-	bool is_cut; /* its piece ends where a contact changes its mode */
-	bool hits; /* ... or where two bodies that touch already come to touch at another point: */
-	int hit_a, hit_b;
-	double anchor_s;
-	int *member; /* [member_count], in the order in which they were found to belong together */
-	int member_count;
-	size_t member_capacity;
-	struct rb_held *held; /* [held_count], by (a, b, parts, key) */
-	int held_count;
-	size_t held_capacity;
-
-	/* the ledger (located/account): what has acted since, if it is kept */
-	double account_s;
-	struct rb_account_rates rates; /* on parabolas: of its contacts */
-	struct rb_gauss_piece account; /* integrated: RB_ENTRIES values; n = 0: none */
-	double *account_block;         /* owned: start, coefficients */
-
-	/* integrated: rows of 13 (6 without rotation) values a member */
-	double least; /* of struct rb_dense, at the beginning of the piece */
-	struct rb_gauss_piece piece;
-	double *block; /* owned: start, coefficients, scale, scratch */
-	size_t block_capacity;
-	double try_s;
+	RB_CLUSTER_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_cluster_fields);
+
+/* A contact that an accumulation of impacts has just ended in. */
+#define RB_MERGE_FIELDS(X)                                         \
+	X(double, recorded_s, , "s", "its last impact", RB_TIME)   \
+	X(int, a, , "", "body index", RB_UP_TO(RB_LIMIT_ANY_BODY)) \
+	X(int, b, , "", "body index", RB_UP_TO(RB_LIMIT_ANY_BODY))
+struct rb_merge {
+	RB_MERGE_FIELDS(RB_FIELD_MEMBER)
+};
+RB_FIELDS_DECLARE(rb_merge_fields);
+
+/* Of the located method, beside what it knows of bodies, clusters and cells. */
+#define RB_LOCATED_FIELDS(X)                                                                   \
+	X(double, now_s, , "s", "the event under way", RB_FINITE)                              \
+	X(double, stuck_s, , "s", "events at one moment are counted", RB_TIME)                 \
+	X(uint64_t, stuck_count, , "", "of these", RB_ANY_BITS)                                \
+	X(uint64_t, events, , "", "all", RB_ANY_BITS)                                          \
+	X(uint64_t, crowd, , "", "bodies of crowds dealt with, less what time has allowed",    \
+	  RB_ANY_BITS)                                                                         \
+	X(int, switch_next, , "", "the next of `switch_s`", RB_UP_TO(RB_LIMIT_SWITCH))         \
+	X(int, cluster_free, , "", "1 + an unused one, 0: none", RB_UP_TO(RB_LIMIT_NEXT_FREE)) \
+	X(bool, started, , "", "there are arcs", RB_FLAG)
 
 struct rb_located {
 	struct rb_world *world;
 	const struct rb_model *model;
 	int n; /* moving bodies, driven ones too */
+	RB_LOCATED_FIELDS(RB_FIELD_MEMBER)
 	struct rb_arc *arc;
 	struct rb_top *top;           /* NULL where nothing turns */
 	struct rb_top_body *top_body; /* NULL where nothing turns */
@@ -177,7 +234,7 @@ struct rb_located {
 	struct rb_next *next;
 	int *cluster_of; /* -1: none */
 	struct rb_cluster *cluster;
-	int cluster_count, cluster_free; /* 1 + an unused one, 0: none */
+	int cluster_count;
 	size_t cluster_capacity;
 	rb_vec3 *plane_normal; /* [statics]: of planes and rectangles */
 
@@ -188,29 +245,24 @@ struct rb_located {
 	int *place;             /* [n] a body's place in `set`, -1 between uses */
 	int set_count;
 	int come_a, come_b; /* the pair whose touch is dealt with, -1: none */
-	struct rb_merge {
-		int a, b;
-		double recorded_s;
-	} * merge; /* contacts that an accumulation of impacts has just ended in */
+	struct rb_merge *merge;
 	int merge_count;
 	size_t merge_capacity;
 	double *switch_s; /* [switch_count] moments at which forces begin or end, ascending */
-	int switch_count, switch_next;
+	int switch_count;
 
-	double weight;       /* m/s^2: |gravity| */
-	double now_s, end_s; /* the event under way; the end of the run */
-	double stuck_s;      /* events at one moment are counted */
-	uint64_t stuck_count;
-	uint64_t events, polled;
-	uint64_t crowd;     /* bodies of crowds dealt with, less what time has allowed */
+	double weight; /* m/s^2: |gravity| */
+	double end_s;  /* of the run */
+	uint64_t polled;
 	uint64_t products;  /* arithmetic for what moves, since the step began */
 	uint64_t crowd_max; /* more than these are left to steps; UINT64_MAX: whatever it costs */
 	struct rb_arena *arena; /* borrowed: the world's first */
 	struct rb_error *err;   /* of the advance under way */
 	enum rb_status status;  /* of it: set once, then nothing goes on */
-	bool started;
 	bool starting; /* contacts that are found now have been there before: nothing to tell */
 };
+
+RB_FIELDS_DECLARE(rb_located_fields);
 
 /* Values of a body in a piece: x, v and, where bodies turn, q, w. */
 enum { RB_PIECE_POSITION = 0, RB_PIECE_VELOCITY = 3, RB_PIECE_ORIENTATION = 6, RB_PIECE_SPIN = 10 };

@@ -569,8 +569,9 @@ static void end_accumulations(struct striking *s)
 		any = true;
 		single = single &&
 		         rb_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b);
-		l->merge[l->merge_count++] = (struct rb_merge){
-			s->contact_point[k].a, s->contact_point[k].b, s->t + rest_s};
+		l->merge[l->merge_count++] = (struct rb_merge){.recorded_s = s->t + rest_s,
+		                                               .a = s->contact_point[k].a,
+		                                               .b = s->contact_point[k].b};
 	}
 	if (any && single)
 		stop_one_by_one(s, ends);

@@ -14,6 +14,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+RB_FIELDS_DEFINE(rb_top_fields, struct rb_top, RB_TOP_FIELDS);
+
 static const double pi = 3.14159265358979323846;
 
 enum { ORDER = 32 }; /* of a series, at most */

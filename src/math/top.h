@@ -22,26 +22,37 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "base/field_list.h"
 #include "math/mat3.h"
 #include "math/quat.h"
 
 enum rb_top_kind { RB_TOP_CONSTANT, RB_TOP_STEADY, RB_TOP_SYMMETRIC, RB_TOP_FREE };
 
+/* From the anchor all else follows; what the cache holds is the same whenever it is asked for. */
+#define RB_TOP_FIELDS(X)                                                                         \
+	X(enum rb_top_kind, kind, , "", "", RB_DERIVED)                                          \
+	X(rb_quat, orientation, , "1", "at the anchor; object to world", RB_FINITE)              \
+	X(rb_vec3, spin, , "rad/s", "world axes, at the anchor", RB_FINITE)                      \
+	X(rb_vec3, acceleration, , "rad/s^2", "world axes, for `steady`", RB_FINITE)             \
+	X(rb_quat, principal, , "1",                                                             \
+	  "principal axes to object coordinates, for symmetric and free", RB_DERIVED)            \
+	X(rb_vec3, moments, , "kg m^2", "principal; for symmetric the distinct one is z",        \
+	  RB_DERIVED)                                                                            \
+	X(double, grid_s, , "s",                                                                 \
+	  "free: length of a step of the series; steady: 0; INFINITY where there is no series",  \
+	  RB_DERIVED)                                                                            \
+	X(uint64_t, at, , "", "grid point that the cache holds", RB_DERIVED)                     \
+	X(rb_quat, cached, , "1", "principal axes to world", RB_DERIVED)                         \
+	X(rb_vec3, cached_spin, , "rad/s", "principal axes for `free`, world axes for `steady`", \
+	  RB_DERIVED)                                                                            \
+	X(double, period_s, , "s", "free: of the spin in principal axes; 0: not known yet",      \
+	  RB_DERIVED)                                                                            \
+	X(rb_vec3, precession, , "rad", "free: by which a period turns the body, world axes",    \
+	  RB_DERIVED)
 struct rb_top {
-	enum rb_top_kind kind;
-	rb_quat orientation;  /* at the anchor; object to world */
-	rb_vec3 spin;         /* rad/s, world axes, at the anchor */
-	rb_vec3 acceleration; /* rad/s^2, world axes, for `steady` */
-	rb_quat principal;    /* principal axes to object coordinates, for symmetric and free */
-	rb_vec3 moments;      /* kg m^2, principal; for symmetric the distinct one is z */
-	/* free: length of a step of the series; steady: 0; INFINITY where there is no series */
-	double grid_s;
-	uint64_t at;         /* grid point that the cache holds */
-	rb_quat cached;      /* principal axes to world */
-	rb_vec3 cached_spin; /* principal axes for `free`, world axes for `steady` */
-	double period_s;     /* free: of the spin in principal axes; 0: not known yet */
-	rb_vec3 precession;  /* free: by which a period turns the body, rad, world axes */
+	RB_TOP_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_top_fields);
 
 /* What does not change with the state: principal axes of a tensor (object coordinates), kg m^2. */
 struct rb_top_body {
