@@ -265,7 +265,8 @@ static inline struct keller_impact impacts_perturbed(const struct keller_impact 
 	return p;
 }
 
-static inline struct rb_solver_body impacts_joint_body(const struct keller_body *body)
+static inline struct rb_solver_body impacts_joint_body(const struct keller_body *body,
+                                                       rb_mat3 *root)
 {
 	struct rb_solver_body out = {.inverse_mass = body->inverse_mass,
 	                             .linear = body->linear,
@@ -277,7 +278,7 @@ static inline struct rb_solver_body impacts_joint_body(const struct keller_body 
 	out.inverse_inertia = (double)NAN;
 	for (int k = 0; k < 3; k++)
 		for (int x = 0; x < 3; x++)
-			out.inverse_root.m[k][x] = axes.m[x][k] / sqrt(body->moment[k]);
+			root->m[k][x] = axes.m[x][k] / sqrt(body->moment[k]);
 	return out;
 }
 
@@ -286,8 +287,9 @@ static inline rb_vec3 impacts_program(const struct keller_impact *impact,
                                       struct rb_solver_body *after)
 {
 	struct rb_arena arena = {0};
-	struct rb_solver_body body[2] = {impacts_joint_body(&impact->body[0]),
-	                                 impacts_joint_body(&impact->body[1])};
+	rb_mat3 root[2];
+	struct rb_solver_body body[2] = {impacts_joint_body(&impact->body[0], &root[0]),
+	                                 impacts_joint_body(&impact->body[1], &root[1])};
 	struct rb_solver_contact contact = {.a = 0,
 	                                    .b = 1,
 	                                    .normal = impact->normal,
@@ -296,6 +298,7 @@ static inline rb_vec3 impacts_program(const struct keller_impact *impact,
 	                                    .friction = impact->friction,
 	                                    .restitution = impact->restitution};
 	struct rb_simultaneous joint = {.body = body,
+	                                .root = root,
 	                                .body_count = 2,
 	                                .contact = &contact,
 	                                .contact_count = 1,

@@ -13,6 +13,7 @@ struct pile {
 	struct rb_arena arena;
 	rb_vec3 *place;
 	double *radius;
+	rb_mat3 *root; /* of inverse inertias */
 	int body_room, contact_room;
 };
 
@@ -23,7 +24,8 @@ static inline void pile_open(struct pile *p, int bodies, int contacts)
 	p->joint.contact = calloc((size_t)contacts + 1, sizeof *p->joint.contact);
 	p->place = calloc((size_t)bodies + 1, sizeof *p->place);
 	p->radius = calloc((size_t)bodies + 1, sizeof *p->radius);
-	assert_true(p->joint.body && p->joint.contact && p->place && p->radius);
+	p->joint.root = p->root = calloc((size_t)bodies + 1, sizeof *p->root);
+	assert_true(p->joint.body && p->joint.contact && p->place && p->radius && p->root);
 	p->joint.body_count = 1;
 }
 
@@ -33,6 +35,7 @@ static inline void pile_close(struct pile *p)
 	free(p->joint.contact);
 	free(p->place);
 	free(p->radius);
+	free(p->root);
 	rb_arena_release(&p->arena);
 }
 

@@ -9,7 +9,7 @@ enum { CORNERS = 4 };
 
 /* A box of 2 kg on what does not yield, at four corners: pushes at random, friction within the cones, at one of them at its edge. */
 struct sleep {
-	struct rb_system_body body[2];
+	struct rb_solver_body body[2];
 	struct rb_system_row row[CORNERS];
 	struct rb_row_system dense;
 };

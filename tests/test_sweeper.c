@@ -13,7 +13,7 @@ static const double friction = 0.5, step_s = 1.0 / 240;
 /* Balls in a lattice on a floor, which touch and move at random: made anew by `make`. */
 struct heap {
 	struct rb_row_system dense;
-	struct rb_system_body body[BODIES + 1], free[BODIES + 1];
+	struct rb_solver_body body[BODIES + 1], free[BODIES + 1];
 	struct rb_system_row row[ROWS_MOST];
 	rb_mat3 tensor[BODIES + 1]; /* of bodies that are no balls */
 	int member[BODIES], local[BODIES + 1];
@@ -23,7 +23,7 @@ struct heap {
 static void add_row(struct heap *heap, int a, int b, rb_vec3 normal)
 {
 	struct rb_system_row *row = &heap->row[heap->dense.row_count];
-	const struct rb_system_body *p = &heap->body[a], *q = &heap->body[b];
+	const struct rb_solver_body *p = &heap->body[a], *q = &heap->body[b];
 
 	*row = (struct rb_system_row){.a = a,
 	                              .b = b,
@@ -87,7 +87,7 @@ static struct heap *make(double speed)
 
 		for (int k = 0; k < 3; k++)
 			v[k] = speed * (2 * rb_random_unit(7, (uint64_t)k, (uint64_t)i) - 1);
-		heap->body[i] = (struct rb_system_body){
+		heap->body[i] = (struct rb_solver_body){
 			.linear = {v[0], v[1], v[2] - 9.81 * step_s},
 			.inverse_mass = 1.0 / 500,
 			.inverse_inertia = 1.0 / 50};

@@ -12,31 +12,18 @@ enum {
 	MANY = 400
 };
 
-static bool is_dynamic(const struct rb_solver_body *body)
-{
-	return body->inverse_mass > 0 || body->inverse_inertia != 0;
-}
-
-static rb_vec3 turn(const struct rb_solver_body *body, rb_vec3 torque)
-{
-	if (isnan(body->inverse_inertia))
-		return rb_mat3_apply_transposed(&body->inverse_root,
-		                                rb_mat3_apply(&body->inverse_root, torque));
-	return rb_vec3_scale(body->inverse_inertia, torque);
-}
-
 /* A bound on the largest eigenvalue of the inverse inertia. */
-static double largest_turn(const struct rb_solver_body *body)
+static double largest_turn(const struct rb_solver_bodies *bodies, int i)
 {
 	double largest = 0;
 
-	if (!isnan(body->inverse_inertia))
-		return body->inverse_inertia;
-	const rb_mat3 back = rb_mat3_transposed(&body->inverse_root);
-	const rb_mat3 tensor = rb_mat3_multiply(&back, &body->inverse_root);
-	for (int i = 0; i < 3; i++)
+	if (!isnan(bodies->body[i].inverse_inertia))
+		return bodies->body[i].inverse_inertia;
+	const rb_mat3 back = rb_mat3_transposed(&bodies->root[i]);
+	const rb_mat3 tensor = rb_mat3_multiply(&back, &bodies->root[i]);
+	for (int r = 0; r < 3; r++)
 		largest = fmax(largest,
-		               fabs(tensor.m[i][0]) + fabs(tensor.m[i][1]) + fabs(tensor.m[i][2]));
+		               fabs(tensor.m[r][0]) + fabs(tensor.m[r][1]) + fabs(tensor.m[r][2]));
 	return largest;
 }
 
@@ -46,15 +33,17 @@ static double largest_turn(const struct rb_solver_body *body)
  * ("mass splitting", Tonge, Benevolenski, Voroshilov, ACM TOG 31(4):105 (2012)). Eccentric rows,
  * whose normal and tangent meddle, count twice.
  */
-static void add_dynamic(const struct rb_solver_body *body, rb_vec3 arm, int rows,
+static void add_dynamic(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm, int rows,
                         struct rb_cone_row *row)
 {
-	const double spin = largest_turn(body);
+	const struct rb_solver_body *const body = &bodies->body[i];
+	const double spin = largest_turn(bodies, i);
 	const rb_vec3 lever = rb_vec3_cross(arm, row->normal);
 	const double along = rb_vec3_dot(lever, lever), whole = rb_vec3_dot(arm, arm);
 	const double count = rows * (isnan(body->inverse_inertia) || along > 1e-12 * whole ? 2 : 1);
 
-	row->inverse_mass_n += count * (body->inverse_mass + rb_vec3_dot(lever, turn(body, lever)));
+	row->inverse_mass_n += count * (body->inverse_mass +
+	                                rb_vec3_dot(lever, rb_solver_turn(bodies, i, lever)));
 	row->inverse_mass_t += count * (body->inverse_mass + spin * whole);
 }
 
@@ -98,8 +87,8 @@ bool rb_cone_open(struct rb_cone *cone)
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
-		first[row->a + 2] += is_dynamic(&cone->body[row->a]);
-		first[row->b + 2] += is_dynamic(&cone->body[row->b]);
+		first[row->a + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->a]);
+		first[row->b + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->b]);
 	}
 	for (int i = 2; i <= cone->body_count + 1; i++) {
 		largest = first[i] > largest ? first[i] : largest;
@@ -108,20 +97,20 @@ bool rb_cone_open(struct rb_cone *cone)
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
-		if (is_dynamic(&cone->body[row->a]))
+		if (rb_solver_is_dynamic(&cone->bodies.body[row->a]))
 			cone->entry[first[row->a + 1]++] = 2 * k;
-		if (is_dynamic(&cone->body[row->b]))
+		if (rb_solver_is_dynamic(&cone->bodies.body[row->b]))
 			cone->entry[first[row->b + 1]++] = 2 * k + 1;
 	}
 	for (int k = 0; k < cone->row_count; k++) {
 		struct rb_cone_row *row = &cone->row[k];
 
 		row->inverse_mass_n = row->inverse_mass_t = 0;
-		add_dynamic(&cone->body[row->a], row->arm_a, first[row->a + 1] - first[row->a],
+		add_dynamic(&cone->bodies, row->a, row->arm_a, first[row->a + 1] - first[row->a],
 		            row);
 		double n = row->inverse_mass_n, t = row->inverse_mass_t;
 		row->inverse_mass_n = row->inverse_mass_t = 0;
-		add_dynamic(&cone->body[row->b], row->arm_b, first[row->b + 1] - first[row->b],
+		add_dynamic(&cone->bodies, row->b, row->arm_b, first[row->b + 1] - first[row->b],
 		            row);
 		row->inverse_mass_n += n;
 		row->inverse_mass_t += t;
@@ -143,9 +132,10 @@ static rb_vec3 joined(const struct rb_cone_row *row, rb_cone_pair p)
 
 rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row)
 {
-	const struct rb_solver_body *a = &cone->body[row->a], *b = &cone->body[row->b];
-	const rb_vec3 of_a = rb_vec3_add(a->linear, rb_vec3_cross(a->angular, row->arm_a));
-	const rb_vec3 of_b = rb_vec3_add(b->linear, rb_vec3_cross(b->angular, row->arm_b));
+	const struct rb_solver_body *a = &cone->bodies.body[row->a],
+				    *b = &cone->bodies.body[row->b];
+	const rb_vec3 of_a = rb_solver_point_velocity(a, row->arm_a);
+	const rb_vec3 of_b = rb_solver_point_velocity(b, row->arm_b);
 
 	return split(row, rb_vec3_add(rb_vec3_sub(of_b, of_a), row->bias));
 }
@@ -155,7 +145,7 @@ void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse)
 {
 	cone->iterations++;
 	for (int i = 0; i < cone->body_count; i++) {
-		const struct rb_solver_body *body = &cone->body[i];
+		const struct rb_solver_body *body = &cone->bodies.body[i];
 		const int count = cone->first[i + 1] - cone->first[i];
 		double *const term = cone->term;
 
@@ -183,17 +173,18 @@ void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse)
 		                                          rb_exact_sum(term + 2 * count, count)});
 		cone->angular[i] = (rb_vec3){0, 0, 0};
 		if (body->inverse_inertia != 0)
-			cone->angular[i] = turn(body,
-			                        (rb_vec3){rb_exact_sum(term + 3 * count, count),
-			                                  rb_exact_sum(term + 4 * count, count),
-			                                  rb_exact_sum(term + 5 * count, count)});
+			cone->angular[i] = rb_solver_turn(
+				&cone->bodies, i,
+				(rb_vec3){rb_exact_sum(term + 3 * count, count),
+			                  rb_exact_sum(term + 4 * count, count),
+			                  rb_exact_sum(term + 5 * count, count)});
 	}
 }
 
 static void commit(struct rb_cone *cone)
 {
 	for (int i = 0; i < cone->body_count; i++) {
-		struct rb_solver_body *body = &cone->body[i];
+		struct rb_solver_body *body = &cone->bodies.body[i];
 
 		if (cone->first[i + 1] == cone->first[i])
 			continue;

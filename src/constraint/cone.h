@@ -19,24 +19,7 @@
 #include <stdbool.h>
 
 #include "base/arena.h"
-#include "math/mat3.h"
-#include "math/vec3.h"
-
-/* A body of the problem. Velocities for impacts; accelerations for forces. */
-struct rb_solver_body {
-	/* 1/kg; 0: does not yield (static or driven: it may move all the same) */
-	double inverse_mass;
-	/* 1/(kg m^2) where it is a multiple of one; NAN: the tensor; 0: does not turn */
-	double inverse_inertia;
-	/*
-	 * H where H^T H is the inverse tensor, world axes; read only when inverse_inertia is NAN.
-	 * Of needles the tensor itself would have lost what is not about their axis.
-	 */
-	rb_mat3 inverse_root;
-	rb_vec3 linear,
-		/* m/s, rad/s (impacts) or m/s^2, rad/s^2 (forces, without contacts): in and out */
-		angular;
-};
+#include "constraint/body.h"
 
 /* Along the normal and across it. */
 typedef struct {
@@ -70,7 +53,7 @@ struct rb_cone_row {
 };
 
 struct rb_cone {
-	struct rb_solver_body *body;
+	struct rb_solver_bodies bodies; /* inverse inertias as roots */
 	int body_count;
 	struct rb_cone_row *row;
 	int row_count;

@@ -255,14 +255,14 @@ static void keep_cone(struct rb_cone *cone, double s, const rb_cone_pair *x, rb_
 
 static void keep(struct rb_cone *cone)
 {
-	memcpy(cone->kept, cone->body, (size_t)cone->body_count * sizeof *cone->kept);
+	memcpy(cone->kept, cone->bodies.body, (size_t)cone->body_count * sizeof *cone->kept);
 	for (int k = 0; k < cone->row_count; k++)
 		cone->best[k] = cone->row[k].impulse;
 }
 
 static void restore(struct rb_cone *cone)
 {
-	memcpy(cone->body, cone->kept, (size_t)cone->body_count * sizeof *cone->kept);
+	memcpy(cone->bodies.body, cone->kept, (size_t)cone->body_count * sizeof *cone->kept);
 	for (int k = 0; k < cone->row_count; k++)
 		cone->row[k].impulse = cone->best[k];
 }
@@ -335,13 +335,14 @@ static bool newton(struct rb_cone *cone, bool convex)
 	steps_on_faces(cone, cone->residual);
 	solve_faces(cone, cone->change);
 	memcpy(cone->faces, cone->row, (size_t)cone->row_count * sizeof *cone->row);
-	memcpy(cone->snapped, cone->body, (size_t)cone->body_count * sizeof *cone->body);
+	memcpy(cone->snapped, cone->bodies.body,
+	       (size_t)cone->body_count * sizeof *cone->bodies.body);
 	double share = 1;
 	for (int attempt = 0; attempt < (convex ? 10 : 5) && !better; attempt++, share *= 0.3) {
 		if (attempt > 0) {
 			memcpy(cone->row, cone->faces, (size_t)cone->row_count * sizeof *cone->row);
-			memcpy(cone->body, cone->snapped,
-			       (size_t)cone->body_count * sizeof *cone->body);
+			memcpy(cone->bodies.body, cone->snapped,
+			       (size_t)cone->body_count * sizeof *cone->bodies.body);
 		}
 		keep_cone(cone, share, cone->change, cone->residual);
 		rb_cone_apply_normal(cone, cone->residual);

@@ -21,15 +21,10 @@ static const double tail_share = 1e-13;
 /* Violation, as a share of the speeds, above which a solution is not taken for one. */
 static const double failed_share = 1e-9;
 
-static rb_vec3 velocity_at(const struct rb_solver_body *body, rb_vec3 arm)
-{
-	return rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm));
-}
-
 static rb_vec3 relative(const struct rb_simultaneous *joint, const struct rb_solver_contact *c)
 {
-	return rb_vec3_sub(velocity_at(&joint->body[c->b], c->arm_b),
-	                   velocity_at(&joint->body[c->a], c->arm_a));
+	return rb_vec3_sub(rb_solver_point_velocity(&joint->body[c->b], c->arm_b),
+	                   rb_solver_point_velocity(&joint->body[c->a], c->arm_a));
 }
 
 static double speed_bound(const struct rb_solver_body *body, rb_vec3 arm)
@@ -44,35 +39,16 @@ static double speeds_of(const struct rb_simultaneous *joint, const struct rb_sol
 	            speed_bound(&joint->body[c->b], c->arm_b));
 }
 
-static bool is_dynamic(const struct rb_solver_body *body)
-{
-	return body->inverse_mass > 0 || body->inverse_inertia != 0;
-}
-
 /* --- one contact on its own --- */
-
-static rb_vec3 turned(const struct rb_solver_body *body, rb_vec3 torque)
-{
-	if (isnan(body->inverse_inertia))
-		return rb_mat3_apply_transposed(&body->inverse_root,
-		                                rb_mat3_apply(&body->inverse_root, torque));
-	return rb_vec3_scale(body->inverse_inertia, torque);
-}
-
-static void push(struct rb_solver_body *body, rb_vec3 arm, rb_vec3 impulse)
-{
-	body->linear = rb_vec3_add_scaled(body->linear, body->inverse_mass, impulse);
-	if (body->inverse_inertia != 0)
-		body->angular = rb_vec3_add(body->angular,
-		                            turned(body, rb_vec3_cross(arm, impulse)));
-}
 
 /*
  * Adds the body's part of K; false where it is eccentric: normal and tangent meddle, or tangents
  * differ.
  */
-static bool add_inverse_mass(const struct rb_solver_body *body, rb_vec3 arm, struct rb_link *link)
+static bool add_inverse_mass(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
+                             struct rb_link *link)
 {
+	const struct rb_solver_body *const body = &bodies->body[i];
 	const rb_vec3 lever = rb_vec3_cross(arm, link->normal);
 
 	for (int column = 0; column < 3; column++) {
@@ -80,13 +56,15 @@ static bool add_inverse_mass(const struct rb_solver_body *body, rb_vec3 arm, str
 		rb_vec3 dv = rb_vec3_scale(body->inverse_mass, unit);
 
 		if (body->inverse_inertia != 0)
-			dv = rb_vec3_add(
-				dv, rb_vec3_cross(turned(body, rb_vec3_cross(arm, unit)), arm));
+			dv = rb_vec3_add(dv, rb_vec3_cross(rb_solver_turn(bodies, i,
+			                                                  rb_vec3_cross(arm, unit)),
+			                                   arm));
 		link->inverse_effective_mass.m[0][column] += dv.x;
 		link->inverse_effective_mass.m[1][column] += dv.y;
 		link->inverse_effective_mass.m[2][column] += dv.z;
 	}
-	link->normal_inverse_mass += body->inverse_mass + rb_vec3_dot(lever, turned(body, lever));
+	link->normal_inverse_mass += body->inverse_mass +
+	                             rb_vec3_dot(lever, rb_solver_turn(bodies, i, lever));
 	if (body->inverse_inertia == 0) {
 		link->tangent_inverse_mass += body->inverse_mass;
 		return true;
@@ -100,6 +78,7 @@ static bool add_inverse_mass(const struct rb_solver_body *body, rb_vec3 arm, str
 static struct rb_link link_of(const struct rb_simultaneous *joint,
                               const struct rb_solver_contact *c)
 {
+	const struct rb_solver_bodies bodies = rb_simultaneous_bodies(joint);
 	const struct rb_solver_body *const a = &joint->body[c->a], *const b = &joint->body[c->b];
 	struct rb_link link = {.a = c->a,
 	                       .b = c->b,
@@ -114,8 +93,8 @@ static struct rb_link link_of(const struct rb_simultaneous *joint,
 	                       .inverse_inertia_b = b->inverse_inertia};
 	/* each on its own and then together: which is called a must not matter */
 	struct rb_link other = link;
-	const bool central_a = add_inverse_mass(a, c->arm_a, &link);
-	const bool central_b = add_inverse_mass(b, c->arm_b, &other);
+	const bool central_a = add_inverse_mass(&bodies, c->a, c->arm_a, &link);
+	const bool central_b = add_inverse_mass(&bodies, c->b, c->arm_b, &other);
 
 	link.central = central_a && central_b;
 	link.normal_inverse_mass += other.normal_inverse_mass;
@@ -137,6 +116,7 @@ static struct rb_link link_of(const struct rb_simultaneous *joint,
 
 static void hit_alone(struct rb_simultaneous *joint, struct rb_solver_contact *c)
 {
+	const struct rb_solver_bodies bodies = rb_simultaneous_bodies(joint);
 	const struct rb_link link = link_of(joint, c);
 	const rb_vec3 u = relative(joint, c);
 	const double approach = -rb_vec3_dot(u, c->normal);
@@ -144,8 +124,8 @@ static void hit_alone(struct rb_simultaneous *joint, struct rb_solver_contact *c
 	if (!(link.normal_inverse_mass > 0))
 		return;
 	const rb_vec3 impulse = rb_link_impact(&link, u, c->restitution * approach);
-	push(&joint->body[c->a], c->arm_a, rb_vec3_neg(impulse));
-	push(&joint->body[c->b], c->arm_b, impulse);
+	rb_solver_push(&bodies, c->a, c->arm_a, rb_vec3_neg(impulse));
+	rb_solver_push(&bodies, c->b, c->arm_b, impulse);
 	c->impulse = rb_vec3_add(c->impulse, impulse);
 	if (c->approach == 0)
 		c->approach = approach;
@@ -190,7 +170,7 @@ static double largest_speed(const struct rb_simultaneous *joint)
 /* Impulses of all rows back to nothing, and the bodies with them. */
 static void undo(struct rounds *all, const struct rb_solver_body *before)
 {
-	memcpy(all->cone.body, before, (size_t)all->cone.body_count * sizeof *before);
+	memcpy(all->cone.bodies.body, before, (size_t)all->cone.body_count * sizeof *before);
 	for (int k = 0; k < all->cone.row_count; k++)
 		all->cone.row[k].impulse = (rb_cone_pair){0, {0, 0, 0}};
 }
@@ -228,7 +208,7 @@ static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_con
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
 	struct rb_solver_body *const kept = cone->kept;
-	memcpy(kept, cone->body, (size_t)cone->body_count * sizeof *kept);
+	memcpy(kept, cone->bodies.body, (size_t)cone->body_count * sizeof *kept);
 	rb_cone_apply_normal(cone, back);
 	for (int k = 0; k < cone->row_count; k++) {
 		const rb_cone_pair u = rb_cone_velocity(cone, &cone->row[k]);
@@ -239,7 +219,7 @@ static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_con
 	if (needed > spare * (1 + 64 * DBL_EPSILON)) {
 		const double share = spare > 0 ? sqrt(spare / needed) : 0;
 
-		memcpy(cone->body, kept, (size_t)cone->body_count * sizeof *kept);
+		memcpy(cone->bodies.body, kept, (size_t)cone->body_count * sizeof *kept);
 		for (int k = 0; k < cone->row_count; k++) {
 			cone->row[k].impulse.n -= back[k].n;
 			back[k].n *= share;
@@ -323,7 +303,8 @@ static int find_active(struct rounds *all, bool *only_tail)
 		const double approach = -rb_vec3_dot(relative(joint, c), c->normal);
 
 		all->active[k] = approach > noise_of(joint, c) &&
-		                 (is_dynamic(&joint->body[c->a]) || is_dynamic(&joint->body[c->b]));
+		                 (rb_solver_is_dynamic(&joint->body[c->a]) ||
+		                  rb_solver_is_dynamic(&joint->body[c->b]));
 		if (!all->active[k])
 			continue;
 		count++;
@@ -339,7 +320,8 @@ static int find_active(struct rounds *all, bool *only_tail)
 		const struct rb_solver_contact *c = &joint->contact[k];
 
 		if (!all->active[k] && c->restitution == 0 &&
-		    (is_dynamic(&joint->body[c->a]) || is_dynamic(&joint->body[c->b]))) {
+		    (rb_solver_is_dynamic(&joint->body[c->a]) ||
+		     rb_solver_is_dynamic(&joint->body[c->b]))) {
 			all->active[k] = true;
 			count++;
 		}
@@ -363,8 +345,8 @@ static bool run_round(struct rounds *all, bool with_restitution)
 
 		if (!all->active[k])
 			continue;
-		all->crowd[c->a] += is_dynamic(&joint->body[c->a]);
-		all->crowd[c->b] += is_dynamic(&joint->body[c->b]);
+		all->crowd[c->a] += rb_solver_is_dynamic(&joint->body[c->a]);
+		all->crowd[c->b] += rb_solver_is_dynamic(&joint->body[c->b]);
 	}
 	for (int k = 0; k < joint->contact_count; k++) {
 		struct rb_solver_contact *const c = &joint->contact[k];
@@ -389,7 +371,7 @@ static bool take_rounds(struct rounds *all)
 	struct rb_simultaneous *const joint = all->joint;
 	const size_t contacts = (size_t)joint->contact_count;
 
-	all->cone = (struct rb_cone){.body = joint->body,
+	all->cone = (struct rb_cone){.bodies = rb_simultaneous_bodies(joint),
 	                             .body_count = joint->body_count,
 	                             .arena = joint->arena,
 	                             .tolerance = joint->tolerance,
@@ -462,7 +444,7 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 {
 	const rb_arena_mark here = rb_arena_here(joint->arena);
 	const size_t contacts = (size_t)joint->contact_count;
-	struct rb_cone cone = {.body = joint->body,
+	struct rb_cone cone = {.bodies = rb_simultaneous_bodies(joint),
 	                       .body_count = joint->body_count,
 	                       .row_count = joint->contact_count,
 	                       .arena = joint->arena,

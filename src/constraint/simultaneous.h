@@ -62,6 +62,7 @@ struct rb_solver_contact {
 
 struct rb_simultaneous {
 	struct rb_solver_body *body;
+	const rb_mat3 *root; /* by body: of inverse inertias; NULL: no body needs one */
 	int body_count;
 	struct rb_solver_contact *contact;
 	int contact_count;
@@ -71,6 +72,11 @@ struct rb_simultaneous {
 	double tolerance;  /* m/s: impacts: what is not to be resolved; 0: only rounding is not */
 	long products_max; /* of them, beyond which what is found is of no use; 0: no limit */
 };
+
+static inline struct rb_solver_bodies rb_simultaneous_bodies(const struct rb_simultaneous *joint)
+{
+	return (struct rb_solver_bodies){.body = joint->body, .root = joint->root};
+}
 
 static inline bool rb_simultaneous_is_over(const struct rb_simultaneous *joint)
 {

@@ -26,20 +26,24 @@ struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
 	return c;
 }
 
-struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
-                                        const struct rb_pose *pose, rb_vec3 linear, rb_vec3 angular)
+struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i, rb_vec3 linear,
+                                        rb_vec3 angular)
 {
 	struct rb_solver_body body = {
 		.inverse_mass = l->model->inverse_mass[i], .linear = linear, .angular = angular};
 
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
-	if (!l->top)
-		return body;
-	body.inverse_inertia = l->model->inverse_inertia_scalar[i];
-	if (isnan(body.inverse_inertia))
-		body.inverse_root = rb_top_inverse_root(&l->top_body[i], &l->model->inertia[i],
-		                                        pose->orientation);
+	if (l->top)
+		body.inverse_inertia = l->model->inverse_inertia_scalar[i];
 	return body;
+}
+
+rb_mat3 rb_mechanics_root(const struct rb_located *l, int i, const struct rb_pose *pose)
+{
+	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
+	if (!l->top || !isnan(l->model->inverse_inertia_scalar[i]))
+		return (rb_mat3){{{0}}};
+	return rb_top_inverse_root(&l->top_body[i], &l->model->inertia[i], pose->orientation);
 }
 
 rb_vec3 rb_mechanics_turning(const struct rb_located *l, int i, double t)

@@ -11,12 +11,12 @@ struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
                                               const struct rb_contact_point *m);
 
 /*
- * A body that yields, in this pose: its velocities are those of an impact, or accelerations apart
- * from contacts.
+ * A dynamic body: its velocities are those of an impact, or accelerations apart from contacts. And
+ * the root of its inverse inertia in a pose: zero where that is a multiple of one.
  */
-struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i,
-                                        const struct rb_pose *pose, rb_vec3 linear,
+struct rb_solver_body rb_mechanics_body(const struct rb_located *l, int i, rb_vec3 linear,
                                         rb_vec3 angular);
+rb_mat3 rb_mechanics_root(const struct rb_located *l, int i, const struct rb_pose *pose);
 /*
  * One that does not, with its accelerations at `t`: static, or driven. Each contact gets a copy of
  * its own, since what shares a body is solved together.

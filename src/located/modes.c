@@ -515,13 +515,16 @@ bool rb_modes_solve_any(struct rb_modes *w, double t, struct rb_solver_body **fo
 	joint.body = rb_arena_take(l->arena, (size_t)(c->member_count + 2 * c->held_count),
 	                           sizeof *joint.body);
 	joint.contact = rb_arena_take(l->arena, (size_t)c->held_count, sizeof *joint.contact);
-	if (!joint.body || !joint.contact)
+	rb_mat3 *const root = rb_arena_take(l->arena, (size_t)c->member_count, sizeof *root);
+	if (!joint.body || !joint.contact || !root)
 		return false;
+	joint.root = root;
 	joint.body_count = c->member_count;
 	joint.products_max = rb_modes_move(w) ? rb_located_products(l, c->held_count) : 0;
-	for (int k = 0; k < c->member_count; k++)
-		joint.body[k] = rb_mechanics_body(l, c->member[k], &w->pose[k], w->linear[k],
-		                                  w->angular[k]);
+	for (int k = 0; k < c->member_count; k++) {
+		joint.body[k] = rb_mechanics_body(l, c->member[k], w->linear[k], w->angular[k]);
+		root[k] = rb_mechanics_root(l, c->member[k], &w->pose[k]);
+	}
 	for (int k = 0; k < c->held_count; k++) {
 		joint.contact[k] = w->contact[k];
 		joint.contact[k].mode = c->held[k].slipping ? RB_SOLVER_SLIDE : RB_SOLVER_STICK;

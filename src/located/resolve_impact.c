@@ -284,8 +284,10 @@ static bool build(struct striking *s)
 	                              sizeof *s->joint.body);
 	s->joint.contact = rb_arena_take(l->arena, (size_t)s->contact_point_count + 1,
 	                                 sizeof *s->joint.contact);
-	if (!s->pose || !s->joint.body || !s->joint.contact)
+	rb_mat3 *const root = rb_arena_take(l->arena, (size_t)l->set_count + 1, sizeof *root);
+	if (!s->pose || !s->joint.body || !s->joint.contact || !root)
 		return false;
+	s->joint.root = root;
 	s->joint.arena = l->arena;
 	s->joint.body_count = l->set_count;
 	s->joint.contact_count = s->contact_point_count;
@@ -294,8 +296,9 @@ static bool build(struct striking *s)
 	if (!put_right(s))
 		return false;
 	for (int k = 0; k < l->set_count; k++) {
-		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->pose[k].velocity,
+		s->joint.body[k] = rb_mechanics_body(l, l->set[k], s->pose[k].velocity,
 		                                     s->pose[k].spin);
+		root[k] = rb_mechanics_root(l, l->set[k], &s->pose[k]);
 	}
 	for (int k = 0; k < s->contact_point_count; k++) {
 		struct rb_contact_point *m = &s->contact_point[k];
@@ -314,8 +317,8 @@ static rb_vec3 velocity_after(const struct striking *s, int k)
 	const struct rb_solver_contact *c = &s->joint.contact[k];
 	const struct rb_solver_body *a = &s->joint.body[c->a], *b = &s->joint.body[c->b];
 
-	return rb_vec3_sub(rb_vec3_add(b->linear, rb_vec3_cross(b->angular, c->arm_b)),
-	                   rb_vec3_add(a->linear, rb_vec3_cross(a->angular, c->arm_a)));
+	return rb_vec3_sub(rb_solver_point_velocity(b, c->arm_b),
+	                   rb_solver_point_velocity(a, c->arm_a));
 }
 
 /*

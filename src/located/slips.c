@@ -49,13 +49,15 @@ static int joint_body(struct rb_settling *s, int body)
 	return s->joint.body_count++;
 }
 
-static void joint_set(struct rb_settling *s)
+static void joint_set(struct rb_settling *s, rb_mat3 *root)
 {
 	const struct rb_located *l = s->l;
 
-	for (int k = 0; k < l->set_count; k++)
-		s->joint.body[k] = rb_mechanics_body(l, l->set[k], &s->pose[k], s->linear[k],
-		                                     s->angular[k]);
+	for (int k = 0; k < l->set_count; k++) {
+		s->joint.body[k] = rb_mechanics_body(l, l->set[k], s->linear[k], s->angular[k]);
+		root[k] = rb_mechanics_root(l, l->set[k], &s->pose[k]);
+	}
+	s->joint.root = root;
 	s->joint.body_count = l->set_count;
 }
 
@@ -155,9 +157,10 @@ static bool solve(struct rb_settling *s)
 	s->joint.body = rb_slips_take(s, s->l->set_count + 2 * s->contact_point_count,
 	                              sizeof *s->joint.body);
 	s->joint.contact = rb_slips_take(s, s->contact_point_count, sizeof *s->joint.contact);
+	rb_mat3 *const root = rb_slips_take(s, s->l->set_count, sizeof *root);
 	if (s->l->status != RB_OK)
 		return false;
-	joint_set(s);
+	joint_set(s, root);
 	for (int k = 0; k < s->contact_point_count; k++)
 		joint_contact(s, k);
 	share_loads(s);

@@ -32,7 +32,7 @@ struct newton {
 	struct face *face;
 	struct rb_blocks blocks;
 	double *gradient, *move, *scratch; /* [6 members] */
-	struct rb_system_body *kept;       /* [members]: where a line search begins */
+	struct rb_solver_body *kept;       /* [members]: where a line search begins */
 	rb_mat3 *inertia;                  /* [members] */
 	double *mass;                      /* [members] */
 	double ratio;                      /* of the masses */
@@ -99,7 +99,7 @@ static double inertial(const struct newton *s)
 
 	for (int k = 0; k < s->direct->member_count; k++) {
 		const int i = s->direct->member[k];
-		const struct rb_system_body *b = &s->dense->body[i], *f = &s->direct->free[i];
+		const struct rb_solver_body *b = &s->dense->body[i], *f = &s->direct->free[i];
 		const rb_vec3 v = rb_vec3_sub(b->linear, f->linear);
 		const rb_vec3 w = rb_vec3_sub(b->angular, f->angular);
 		const rb_vec3 p = rb_vec3_scale(s->mass[k], v);
@@ -236,7 +236,7 @@ static void assemble(struct newton *s)
 static void go(struct newton *s, double share)
 {
 	for (int k = 0; k < s->direct->member_count; k++) {
-		struct rb_system_body *body = &s->dense->body[s->direct->member[k]];
+		struct rb_solver_body *body = &s->dense->body[s->direct->member[k]];
 		const double *move = s->move + RB_BLOCK * k;
 
 		body->linear = rb_vec3_add_scaled(s->kept[k].linear, share, rb_vec3_from(move));
@@ -358,7 +358,7 @@ static void fill(struct newton *s)
 
 	for (int k = 0; k < s->direct->member_count; k++) {
 		const int i = s->direct->member[k];
-		const struct rb_system_body *b = &dense->body[i];
+		const struct rb_solver_body *b = &dense->body[i];
 		const double turn = b->inverse_inertia != 0 ? 1 / b->inverse_inertia
 		                                            : 1 / b->inverse_mass;
 

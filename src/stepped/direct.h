@@ -16,7 +16,7 @@
 
 struct rb_direct {
 	const struct rb_row_system *dense;
-	const struct rb_system_body *free; /* by body: velocities without any impulse of the rows */
+	const struct rb_solver_body *free; /* by body: velocities without any impulse of the rows */
 	const int *member;                 /* bodies that yield */
 	int member_count;
 	int *local;            /* by body: scratch, -1 for what does not yield */

@@ -26,26 +26,26 @@ static inline rb_vec3 weigh_turn(const struct rb_solver *solver, int i, rb_vec3 
 	return rb_mat3_apply(&inertia, turn);
 }
 
-struct rb_system_body rb_energy_weigh(const struct rb_solver *solver, int i,
-                                      const struct rb_system_body *motion)
+struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int i,
+                                      const struct rb_solver_body *motion)
 {
-	return (struct rb_system_body){
+	return (struct rb_solver_body){
 		.linear = rb_vec3_scale(1 / solver->dense.body[i].inverse_mass, motion->linear),
 		.angular = weigh_turn(solver, i, motion->angular)};
 }
 
-static struct rb_system_body difference(const struct rb_system_body *x,
-                                        const struct rb_system_body *y)
+static struct rb_solver_body difference(const struct rb_solver_body *x,
+                                        const struct rb_solver_body *y)
 {
-	return (struct rb_system_body){.linear = rb_vec3_sub(x->linear, y->linear),
+	return (struct rb_solver_body){.linear = rb_vec3_sub(x->linear, y->linear),
 	                               .angular = rb_vec3_sub(x->angular, y->angular)};
 }
 
 /* Of the step, after the impacts in it. */
-static struct rb_system_body motion_before(const struct rb_solver *solver, int i)
+static struct rb_solver_body motion_before(const struct rb_solver *solver, int i)
 {
 	const struct rb_state *before = solver->before;
-	struct rb_system_body motion = {.linear = rb_vec3_from(before->velocity + 3 * (size_t)i)};
+	struct rb_solver_body motion = {.linear = rb_vec3_from(before->velocity + 3 * (size_t)i)};
 
 	if (before->spin)
 		motion.angular = rb_vec3_from(before->spin + 3 * (size_t)i);
@@ -70,8 +70,8 @@ static double driven_work(const struct rb_solver *solver, const struct rb_island
 /* A body's share of the sums: what forces, and then impulses, have changed its motion by. */
 static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
 {
-	const struct rb_system_body *now = &solver->dense.body[i], *free = &solver->free[i];
-	const struct rb_system_body before = motion_before(solver, i);
+	const struct rb_solver_body *now = &solver->dense.body[i], *free = &solver->free[i];
+	const struct rb_solver_body before = motion_before(solver, i);
 	RB_ASSERT_COSTLY(now->inverse_mass > 0);
 	const double mass = 1 / now->inverse_mass;
 	const rb_vec3 force = rb_vec3_sub(free->linear, before.linear);
@@ -132,11 +132,11 @@ double rb_energy_between(const struct rb_solver *solver, const struct rb_island 
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_system_body before = motion_before(solver, i);
-		const struct rb_system_body more = difference(&kept->body[k],
+		const struct rb_solver_body before = motion_before(solver, i);
+		const struct rb_solver_body more = difference(&kept->body[k],
 		                                              &solver->dense.body[i]);
-		const struct rb_system_body momentum = rb_energy_weigh(solver, i, &more);
-		const struct rb_system_body impulse = difference(&solver->dense.body[i],
+		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_solver_body impulse = difference(&solver->dense.body[i],
 		                                                 &solver->free[i]);
 
 		square += rb_energy_product(&momentum, &more);
@@ -160,10 +160,10 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 	}
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_system_body *motion[2] = {&solver->free[i], &dense->body[i]};
+		const struct rb_solver_body *motion[2] = {&solver->free[i], &dense->body[i]};
 
 		for (int m = 0; m < 2; m++) {
-			const struct rb_system_body weight = rb_energy_weigh(solver, i, motion[m]);
+			const struct rb_solver_body weight = rb_energy_weigh(solver, i, motion[m]);
 
 			momentum += sqrt(rb_energy_product(&weight, motion[m]) /
 			                 motion[m]->inverse_mass);
@@ -205,7 +205,7 @@ bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *isla
 }
 
 /* Of the way from one motion to another. */
-static void go(struct rb_system_body *body, double share, const struct rb_system_body *to)
+static void go(struct rb_solver_body *body, double share, const struct rb_solver_body *to)
 {
 	body->linear = rb_vec3_add_scaled(body->linear, share,
 	                                  rb_vec3_sub(to->linear, body->linear));
@@ -256,11 +256,11 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 
 /* ---- rebound ---- */
 
-struct rb_system_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
+struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
                                       int i)
 {
-	const struct rb_system_body *body = &solver->dense.body[i], *was = &solver->free[i];
-	struct rb_system_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
+	const struct rb_solver_body *body = &solver->dense.body[i], *was = &solver->free[i];
+	struct rb_solver_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
 	                              .angular = rb_vec3_sub(body->angular, was->angular)};
 
 	if (isnan(body->inverse_inertia))
@@ -277,13 +277,13 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_system_body more = {
+		const struct rb_solver_body more = {
 			.linear = rb_vec3_sub(solver->dense.body[i].linear, solver->free[i].linear),
 			.angular = rb_vec3_sub(solver->dense.body[i].angular,
 		                               solver->free[i].angular)};
-		const struct rb_system_body momentum = rb_energy_weigh(solver, i, &more);
-		const struct rb_system_body now = rb_energy_added(solver, world, i);
-		const struct rb_system_body state = {
+		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &more);
+		const struct rb_solver_body now = rb_energy_added(solver, world, i);
+		const struct rb_solver_body state = {
 			.linear = rb_world_row3(world->state.velocity, i),
 			.angular = world->state.spin ? rb_world_row3(world->state.spin, i)
 		                                     : (rb_vec3){0, 0, 0}};

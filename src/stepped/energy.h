@@ -52,7 +52,7 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 /* Rows and velocities that a group was solved to; the arena's. */
 struct rb_kept {
 	struct rb_system_row *row;
-	struct rb_system_body *body; /* by member */
+	struct rb_solver_body *body; /* by member */
 };
 
 /* False: no memory. */
@@ -80,7 +80,7 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
  * What a rebound adds to a body's motion: turning bodies have gone on meanwhile, and keep the
  * angular momentum that it has given them.
  */
-struct rb_system_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
+struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
                                       int body);
 
 /*
@@ -91,12 +91,12 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
                          struct rb_island *island);
 
 /* Momentum and angular momentum of a body at these velocities, as it stood when the step began. */
-struct rb_system_body rb_energy_weigh(const struct rb_solver *solver, int body,
-                                      const struct rb_system_body *motion);
+struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int body,
+                                      const struct rb_solver_body *motion);
 
 /* Twice the kinetic energy of a momentum and a motion taken together, J. */
-static inline double rb_energy_product(const struct rb_system_body *momentum,
-                                       const struct rb_system_body *motion)
+static inline double rb_energy_product(const struct rb_solver_body *momentum,
+                                       const struct rb_solver_body *motion)
 {
 	return rb_vec3_dot(momentum->linear, motion->linear) +
 	       rb_vec3_dot(momentum->angular, motion->angular);

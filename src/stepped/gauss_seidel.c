@@ -263,7 +263,7 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 		const int ends[2] = {row->a, row->b};
 
 		for (int e = 0; e < 2; e++) {
-			const struct rb_system_body *body = &dense->body[ends[e]];
+			const struct rb_solver_body *body = &dense->body[ends[e]];
 			const int at = local[ends[e]];
 
 			if (body->inverse_mass == 0)

@@ -250,14 +250,20 @@ static struct rb_solver_body joint_body(const struct impacts *all, int i)
 	if (!rb_stepped_is_dynamic(world, i))
 		return body;
 	body.inverse_mass = world->model->inverse_mass[i];
-	if (!world->state.spin)
-		return body;
-	body.inverse_inertia = world->model->inverse_inertia_scalar[i];
-	if (isnan(body.inverse_inertia))
-		body.inverse_root = rb_top_inverse_root(
-			&all->s->top[i], &world->model->inertia[i],
-			rb_quat_from(world->mark.orientation + 4 * (size_t)i));
+	if (world->state.spin)
+		body.inverse_inertia = world->model->inverse_inertia_scalar[i];
 	return body;
+}
+
+/* Of its inverse inertia; zero where that is a multiple of one. */
+static rb_mat3 root_of(const struct impacts *all, int i)
+{
+	const struct rb_world *world = all->world;
+
+	if (!world->state.spin || !isnan(world->model->inverse_inertia_scalar[i]))
+		return (rb_mat3){{{0}}};
+	return rb_top_inverse_root(&all->s->top[i], &world->model->inertia[i],
+	                           rb_quat_from(world->mark.orientation + 4 * (size_t)i));
 }
 
 /* A body of the problem; of what does not yield each contact has its own. */
@@ -350,10 +356,14 @@ static bool build(struct impacts *all, double approach, struct rb_simultaneous *
 	joint->body = rb_arena_take(arena, (size_t)all->body_count + 2 * contacts,
 	                            sizeof *joint->body);
 	joint->contact = rb_arena_take(arena, contacts, sizeof *joint->contact);
-	if (!joint->body || !joint->contact)
+	rb_mat3 *const root = rb_arena_take(arena, (size_t)all->body_count + 1, sizeof *root);
+	if (!joint->body || !joint->contact || !root)
 		return false;
-	for (int k = 0; k < all->body_count; k++)
+	joint->root = root;
+	for (int k = 0; k < all->body_count; k++) {
 		joint->body[k] = joint_body(all, all->body[k]);
+		root[k] = root_of(all, all->body[k]);
+	}
 	all->noise = fmax(noise_of(all, joint), joint->tolerance);
 	for (int k = 0; k < all->contact_count; k++)
 		fill_contact(all, joint, k);
@@ -505,7 +515,8 @@ static double inverse_effective_mass_of(const struct impacts *all, int i, rb_vec
 
 	if (!isnan(body.inverse_inertia))
 		return body.inverse_mass + body.inverse_inertia * rb_vec3_dot(lever, lever);
-	const rb_vec3 half = rb_mat3_apply(&body.inverse_root, lever);
+	const rb_mat3 root = root_of(all, i);
+	const rb_vec3 half = rb_mat3_apply(&root, lever);
 	return body.inverse_mass + rb_vec3_dot(half, half);
 }
 
@@ -533,11 +544,6 @@ static bool target_velocity(struct impacts *all, size_t due)
 
 /* ---- for the ledger ---- */
 
-static rb_vec3 velocity_at(const struct rb_solver_body *body, rb_vec3 arm)
-{
-	return rb_vec3_add(body->linear, rb_vec3_cross(body->angular, arm));
-}
-
 /* What each contact has done, while bodies have not been kicked yet; false: no memory. */
 static bool note_blows(struct impacts *all, const struct rb_simultaneous *joint)
 {
@@ -552,10 +558,11 @@ static bool note_blows(struct impacts *all, const struct rb_simultaneous *joint)
 		const struct rb_step_point *point = &all->points->row[all->contact[k]];
 		const struct rb_solver_body a = joint_body(all, point->a);
 		const struct rb_solver_body b = joint_body(all, point->b);
-		const rb_vec3 on_b = velocity_at(&b, c->arm_b);
-		const rb_vec3 before = rb_vec3_sub(on_b, velocity_at(&a, c->arm_a));
-		const rb_vec3 after = rb_vec3_sub(velocity_at(&joint->body[c->b], c->arm_b),
-		                                  velocity_at(&joint->body[c->a], c->arm_a));
+		const rb_vec3 on_b = rb_solver_point_velocity(&b, c->arm_b);
+		const rb_vec3 before = rb_vec3_sub(on_b, rb_solver_point_velocity(&a, c->arm_a));
+		const rb_vec3 after = rb_vec3_sub(
+			rb_solver_point_velocity(&joint->body[c->b], c->arm_b),
+			rb_solver_point_velocity(&joint->body[c->a], c->arm_a));
 		const rb_vec3 mean = rb_vec3_scale(0.5, rb_vec3_add(before, after));
 		const double work = rb_vec3_dot(c->impulse, mean);
 		const double along = rb_vec3_dot(c->impulse, c->normal) *

@@ -21,9 +21,9 @@ static void fill_body(struct rb_solver *solver, const struct rb_world *world, in
 {
 	const struct rb_model *model = world->model;
 	const struct rb_state *state = &world->state;
-	struct rb_system_body *body = &solver->dense.body[i];
+	struct rb_solver_body *body = &solver->dense.body[i];
 
-	*body = (struct rb_system_body){.linear = rb_world_row3(state->velocity, i),
+	*body = (struct rb_solver_body){.linear = rb_world_row3(state->velocity, i),
 	                                .inverse_mass = model->inverse_mass[i]};
 	if (state->spin) {
 		body->angular = rb_world_row3(state->spin, i);
@@ -124,7 +124,7 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_step_point 
 	for (int e = 0; e < 2; e++) {
 		if (ends[e] >= solver->body_count || is_dynamic(solver, ends[e]))
 			continue;
-		const struct rb_system_body *body = &solver->dense.body[ends[e]];
+		const struct rb_solver_body *body = &solver->dense.body[ends[e]];
 		if (rb_vec3_max_abs(body->linear) > 0 || rb_vec3_max_abs(body->angular) > 0)
 			return true;
 	}
@@ -261,7 +261,7 @@ static void add_inverse_mass(const struct rb_row_system *dense, int body, rb_vec
 
 static void fill_dynamic(const struct rb_row_system *dense, struct rb_system_row *row)
 {
-	const struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	const struct rb_solver_body *a = &dense->body[row->a], *b = &dense->body[row->b];
 
 	if (row->central) {
 		row->inverse_mass_n = a->inverse_mass + b->inverse_mass;
@@ -425,7 +425,7 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 
 	RB_ASSERT(solver->active_count >= 0 && solver->active_count <= solver->body_count);
 	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
-	solver->dense.body[solver->body_count] = (struct rb_system_body){.inverse_mass = 0};
+	solver->dense.body[solver->body_count] = (struct rb_solver_body){.inverse_mass = 0};
 	const enum rb_status status = prepare(solver, &pass, err);
 	rb_arena_back(arena, here); /* a step may have many tries */
 	return status;

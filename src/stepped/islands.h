@@ -50,7 +50,7 @@ struct rb_solver {
 	struct rb_row_system
 		dense;   /* owned: body [bodies + 1], the last one for all that stands still */
 	rb_mat3 *tensor; /* owned; NULL: no body needs one */
-	struct rb_system_body *free;              /* owned */
+	struct rb_solver_body *free;              /* owned */
 	int *parent, *island_of, *member, *local; /* owned, [bodies + 1] */
 	double *reach;                            /* owned, m: as of the model */
 	unsigned char *pushed; /* owned: a point of the last step's has an impulse on it */

@@ -22,7 +22,7 @@ static bool is_sound(const struct rb_system_row *row, int bodies, double roundin
 /* m/s: the largest speed that the velocity of a row is a difference of. */
 static double speed_of(const struct rb_row_system *system, const struct rb_system_row *row)
 {
-	const struct rb_system_body *a = &system->body[row->a], *b = &system->body[row->b];
+	const struct rb_solver_body *a = &system->body[row->a], *b = &system->body[row->b];
 
 	return rb_vec3_length(a->linear) + rb_vec3_length(b->linear) +
 	       rb_vec3_length(a->angular) * rb_vec3_length(rb_system_arm_a(row)) +

@@ -14,18 +14,10 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "math/mat3.h"
-#include "math/vec3.h"
+#include "constraint/body.h"
 
 /* Slip that is left opens no gap and closes none: of a residual it counts by this share. */
 #define RB_SLIP_SHARE 0.3
-
-/* A body of the problem; what does not yield has no inverses, but may move. */
-struct rb_system_body {
-	rb_vec3 linear, angular; /* m/s, rad/s: in and out */
-	double inverse_mass;     /* 1/kg; 0: does not yield */
-	double inverse_inertia;  /* 1/(kg m^2); 0: does not turn; NAN: its tensor */
-};
 
 struct rb_system_row {
 	int a, b;  /* bodies of the problem */
@@ -46,7 +38,7 @@ struct rb_system_row {
 
 /* Rows solved together. */
 struct rb_row_system {
-	struct rb_system_body *body;
+	struct rb_solver_body *body;
 	const rb_mat3 *tensor; /* world axes, by body; NULL: none is needed */
 	struct rb_system_row *row;
 	int row_count;
@@ -80,7 +72,7 @@ static inline rb_vec3 rb_system_arm_b(const struct rb_system_row *row)
 static inline rb_vec3 rb_system_velocity(const struct rb_row_system *dense,
                                          const struct rb_system_row *row)
 {
-	const struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	const struct rb_solver_body *a = &dense->body[row->a], *b = &dense->body[row->b];
 	const rb_vec3 u = rb_vec3_sub(b->linear, a->linear);
 
 	if (row->central) {
@@ -98,7 +90,7 @@ static inline rb_vec3 rb_system_velocity(const struct rb_row_system *dense,
 static inline void rb_system_apply(const struct rb_row_system *dense,
                                    const struct rb_system_row *row, rb_vec3 impulse)
 {
-	struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+	struct rb_solver_body *a = &dense->body[row->a], *b = &dense->body[row->b];
 
 	/* what does not yield may be shared: not written to */
 	if (a->inverse_mass != 0)
@@ -150,7 +142,7 @@ static inline double rb_system_work(const struct rb_row_system *dense)
 
 	for (int k = 0; k < dense->row_count; k++) {
 		const struct rb_system_row *row = &dense->row[k];
-		const struct rb_system_body *b = &dense->body[row->b];
+		const struct rb_solver_body *b = &dense->body[row->b];
 
 		if (b->inverse_mass == 0)
 			sum -= rb_vec3_dot(

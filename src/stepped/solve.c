@@ -167,7 +167,7 @@ enum rb_status rb_solver_step(struct rb_solver *solver, struct rb_world *world,
  * made anew.
  */
 struct earlier {
-	struct rb_system_body *body; /* by body */
+	struct rb_solver_body *body; /* by body */
 	struct rb_island *island;
 	int *island_of;
 };
@@ -252,7 +252,7 @@ static void add_rebound(struct rb_solver *solver, struct rb_world *world)
 		if (solver->island_of[i] < 0 || !solver->island[solver->island_of[i]].rebounds)
 			continue;
 		const double share = solver->island[solver->island_of[i]].share;
-		const struct rb_system_body more = rb_energy_added(solver, world, i);
+		const struct rb_solver_body more = rb_energy_added(solver, world, i);
 		rb_vec3_to(v, rb_vec3_add_scaled(rb_vec3_from(v), share, more.linear));
 		if (!world->state.spin)
 			continue;

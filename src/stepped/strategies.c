@@ -193,7 +193,7 @@ static double fastest(const struct rb_solver *solver, const struct rb_island *is
 
 	for (int k = 0; k < island->member_count && square <= max; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_system_body *body = &solver->dense.body[i];
+		const struct rb_solver_body *body = &solver->dense.body[i];
 		const size_t at = 3 * (size_t)i;
 		rb_vec3 v = body->linear, w = body->angular;
 
@@ -295,7 +295,7 @@ static void skip_alone(const struct rb_solver *solver, const struct rb_row_syste
 static void stop(const struct rb_solver *solver, const struct rb_island *island)
 {
 	for (int k = 0; k < island->member_count; k++) {
-		struct rb_system_body *body =
+		struct rb_solver_body *body =
 			&solver->dense.body[solver->member[island->first_member + k]];
 
 		body->linear = body->angular = (rb_vec3){0, 0, 0};
@@ -313,7 +313,7 @@ static void find_rest(const struct rb_solver *solver, const struct rb_island *is
 
 	for (int k = 0; rests && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_system_body *body = &solver->dense.body[i];
+		const struct rb_solver_body *body = &solver->dense.body[i];
 		const double reach = solver->reach[i];
 		const size_t at = 3 * (size_t)i;
 
@@ -346,7 +346,7 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 	double least = (double)INFINITY, max = 0;
 
 	for (int k = 0; k < island->member_count; k++) {
-		const struct rb_system_body *body =
+		const struct rb_solver_body *body =
 			&solver->dense.body[solver->member[island->first_member + k]];
 
 		least = fmin(least, body->inverse_mass);

@@ -73,10 +73,10 @@ struct four {
 
 #define CHOOSE(where, yes, no) ((lanes)(((where) & (mask)(yes)) | (~(where) & (mask)(no))))
 #define DOT(p, q) ((p).x * (q).x + (p).y * (q).y + (p).z * (q).z)
-ALWAYS void take(struct four *four, const struct rb_system_body *body, const int *which)
+ALWAYS void take(struct four *four, const struct rb_solver_body *body, const int *which)
 {
-	const struct rb_system_body *p = &body[which[0]], *q = &body[which[1]];
-	const struct rb_system_body *r = &body[which[2]], *s = &body[which[3]];
+	const struct rb_solver_body *p = &body[which[0]], *q = &body[which[1]];
+	const struct rb_solver_body *r = &body[which[2]], *s = &body[which[3]];
 
 	four->linear.x = (lanes){p->linear.x, q->linear.x, r->linear.x, s->linear.x};
 	four->linear.y = (lanes){p->linear.y, q->linear.y, r->linear.y, s->linear.y};
@@ -90,7 +90,7 @@ ALWAYS void take(struct four *four, const struct rb_system_body *body, const int
 	                                s->inverse_inertia};
 }
 
-ALWAYS void give(const struct four *four, struct rb_system_body *body, const int *which,
+ALWAYS void give(const struct four *four, struct rb_solver_body *body, const int *which,
                  const bool *writes)
 {
 	for (int i = 0; i < WIDTH; i++) {
@@ -220,7 +220,7 @@ ALWAYS void inspect(const struct rb_wide_pack *pack, const struct rb_wide_turn *
  * Each row on its own, as in stepped/gauss_seidel. Returns the largest square of what a row's
  * velocity changed by.
  */
-ALWAYS double solve_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
+ALWAYS double solve_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
                          const struct rb_wide_turn *turn)
 {
 	const lanes none = {0, 0, 0, 0}, one = {1, 1, 1, 1};
@@ -278,7 +278,7 @@ ALWAYS double solve_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
 }
 
 /* Leads the impulses on; the sweep that comes next projects back onto the cone. */
-ALWAYS void lead_pack(struct rb_system_body *body, struct rb_wide_pack *pack,
+ALWAYS void lead_pack(struct rb_solver_body *body, struct rb_wide_pack *pack,
                       const struct rb_wide_turn *turn, double lead_max)
 {
 	const lanes max = {lead_max, lead_max, lead_max, lead_max};
@@ -332,7 +332,7 @@ struct work {
 static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
                       const struct rb_system_row *row)
 {
-	const struct rb_system_body *body = wide->dense->body;
+	const struct rb_solver_body *body = wide->dense->body;
 
 	pack->a[i] = row->a;
 	pack->b[i] = row->b;
@@ -456,7 +456,7 @@ static void carry_packs(const struct rb_wide *wide, enum task task, int colour, 
 
 ALWAYS double run_kind(const struct rb_wide *wide, bool turns, double lead, int first, int end)
 {
-	struct rb_system_body *body = wide->dense->body;
+	struct rb_solver_body *body = wide->dense->body;
 	double max = 0;
 
 	for (int k = first; k < end; k++) {
