@@ -10,7 +10,7 @@ enum { CORNERS = 4 };
 /* A box of 2 kg on what does not yield, at four corners: pushes at random, friction within the cones, at one of them at its edge. */
 struct sleep {
 	struct rb_solver_body body[2];
-	struct rb_system_row row[CORNERS];
+	struct rb_constraint row[CORNERS];
 	struct rb_row_system dense;
 };
 
@@ -20,25 +20,24 @@ static void lay(struct sleep *sleep, uint64_t series)
 		.body = {{.inverse_mass = 0}, {.inverse_mass = 0.5, .inverse_inertia = 0.8}}};
 	for (int k = 0; k < CORNERS; k++) {
 		const uint64_t of = 100 + 4 * (uint64_t)k;
-		struct rb_system_row *const row = &sleep->row[k];
+		struct rb_constraint *const row = &sleep->row[k];
 		const double push = solids_random(series, of, 0.1, 1);
 		const double share = k == 0 ? 1 : solids_random(series, of + 1, 0, 1);
 		const double way = solids_random(series, of + 2, -3, 3);
 
-		*row = (struct rb_system_row){.a = 0,
+		*row = (struct rb_constraint){.a = 0,
 		                              .b = 1,
-		                              .point = k,
 		                              .normal = {0, 0, 1},
 		                              .arm_b = {k % 2 ? 1 : -1, k / 2 ? 0.7 : -0.7, -0.5},
 		                              .inverse_mass_n = 1,
 		                              .inverse_mass_t = 1,
 		                              .friction = 0.4,
-		                              .push = push};
-		row->friction_impulse = rb_vec3_scale(share * 0.4 * push,
-		                                      (rb_vec3){cos(way), sin(way), 0});
+		                              .impulse.n = push};
+		row->impulse.t = rb_vec3_scale(share * 0.4 * push,
+		                               (rb_vec3){cos(way), sin(way), 0});
 	}
 	sleep->dense = (struct rb_row_system){
-		.body = sleep->body, .row = sleep->row, .row_count = CORNERS};
+		.bodies.body = sleep->body, .row = sleep->row, .row_count = CORNERS};
 }
 
 /* What the impulses are to the box: force, and torque about its centre. */
@@ -46,9 +45,9 @@ static void load_of(const struct sleep *sleep, bool whole, rb_vec3 *force, rb_ve
 {
 	*force = *torque = (rb_vec3){0, 0, 0};
 	for (int k = 0; k < CORNERS; k++) {
-		const struct rb_system_row *const row = &sleep->row[k];
-		const rb_vec3 impulse = whole ? rb_system_impulse(row)
-		                              : rb_vec3_scale(row->push, row->normal);
+		const struct rb_constraint *const row = &sleep->row[k];
+		const rb_vec3 impulse = whole ? rb_constraint_impulse(row)
+		                              : rb_vec3_scale(row->impulse.n, row->normal);
 
 		*force = rb_vec3_add(*force, impulse);
 		*torque = rb_vec3_add(*torque, rb_vec3_cross(row->arm_b, impulse));
@@ -82,24 +81,22 @@ static void pushes_become_even_and_do_the_same(void **state)
 		assert_same(torque[0], torque[1]);
 		double least = 1;
 		for (int k = 0; k < CORNERS; k++)
-			least = fmin(least, sleep.row[k].push);
+			least = fmin(least, sleep.row[k].impulse.n);
 		assert_true(least >= 0);
 		if (least > 0)
-			assert_near(sleep.row[0].push - sleep.row[1].push - sleep.row[2].push +
-			                    sleep.row[3].push,
+			assert_near(sleep.row[0].impulse.n - sleep.row[1].impulse.n -
+			                    sleep.row[2].impulse.n + sleep.row[3].impulse.n,
 			            0, 1e-14);
 		for (int k = 0; k < CORNERS; k++) {
-			const struct rb_system_row *const row = &sleep.row[k];
-			const double friction_impulse = rb_vec3_length(row->friction_impulse);
-			const rb_vec3 off = rb_vec3_cross(row->friction_impulse,
-			                                  before.row[k].friction_impulse);
+			const struct rb_constraint *const row = &sleep.row[k];
+			const double friction_impulse = rb_vec3_length(row->impulse.t);
+			const rb_vec3 off = rb_vec3_cross(row->impulse.t, before.row[k].impulse.t);
 
-			assert_true(friction_impulse <= row->friction * row->push + 1e-15);
+			assert_true(friction_impulse <= row->friction * row->impulse.n + 1e-15);
 			assert_near(rb_vec3_length(off), 0, 1e-15);
-			cut += k > 0 &&
-			       friction_impulse < rb_vec3_length(before.row[k].friction_impulse);
+			cut += k > 0 && friction_impulse < rb_vec3_length(before.row[k].impulse.t);
 		}
-		assert_near(rb_vec3_length(sleep.row[0].friction_impulse), 0.4 * sleep.row[0].push,
+		assert_near(rb_vec3_length(sleep.row[0].impulse.t), 0.4 * sleep.row[0].impulse.n,
 		            1e-15);
 		/* the bodies have what the impulses have changed by */
 		load_of(&before, true, &whole[0], &turn[0]);
@@ -124,7 +121,7 @@ static void what_does_not_slide_or_would_take_too_long_is_left(void **state)
 	before = sleep;
 	assert_false(rb_even(&sleep.dense, 1e-9, 10, &arena));
 	assert_memory_equal(sleep.row, before.row, sizeof sleep.row);
-	sleep.row[0].friction_impulse = (rb_vec3){0, 0, 0};
+	sleep.row[0].impulse.t = (rb_vec3){0, 0, 0};
 	before = sleep;
 	assert_false(rb_even(&sleep.dense, 1e-9, 1e9, &arena));
 	assert_memory_equal(sleep.row, before.row, sizeof sleep.row);

@@ -14,7 +14,7 @@ static const double friction = 0.5, step_s = 1.0 / 240;
 struct heap {
 	struct rb_row_system dense;
 	struct rb_solver_body body[BODIES + 1], free[BODIES + 1];
-	struct rb_system_row row[ROWS_MOST];
+	struct rb_constraint row[ROWS_MOST];
 	rb_mat3 tensor[BODIES + 1]; /* of bodies that are no balls */
 	int member[BODIES], local[BODIES + 1];
 	struct rb_arena arena;
@@ -22,12 +22,11 @@ struct heap {
 
 static void add_row(struct heap *heap, int a, int b, rb_vec3 normal)
 {
-	struct rb_system_row *row = &heap->row[heap->dense.row_count];
+	struct rb_constraint *row = &heap->row[heap->dense.row_count];
 	const struct rb_solver_body *p = &heap->body[a], *q = &heap->body[b];
 
-	*row = (struct rb_system_row){.a = a,
+	*row = (struct rb_constraint){.a = a,
 	                              .b = b,
-	                              .point = heap->dense.row_count,
 	                              .central = true,
 	                              .normal = normal,
 	                              .arm_a = {0.5, 0, 0},
@@ -42,7 +41,7 @@ static void add_row(struct heap *heap, int a, int b, rb_vec3 normal)
 /* What a body gives way by to a unit impulse along n. */
 static double yield_of(const struct heap *heap, int body, rb_vec3 arm, rb_vec3 n)
 {
-	const rb_vec3 turn = rb_system_turn(&heap->dense, body, rb_vec3_cross(arm, n));
+	const rb_vec3 turn = rb_solver_turn(&heap->dense.bodies, body, rb_vec3_cross(arm, n));
 
 	return heap->body[body].inverse_mass + rb_vec3_dot(rb_vec3_cross(turn, arm), n);
 }
@@ -53,13 +52,13 @@ static void spoil(struct heap *heap)
 	static const rb_mat3 inverse = {
 		{{0.02, 0.003, 0}, {0.003, 0.03, -0.002}, {0, -0.002, 0.025}}};
 
-	heap->dense.tensor = heap->tensor;
+	heap->dense.bodies.tensor = heap->tensor;
 	for (int i = 0; i < BODIES; i++) {
 		heap->tensor[i] = inverse;
 		heap->body[i].inverse_inertia = heap->free[i].inverse_inertia = (double)NAN;
 	}
 	for (int k = 0; k < heap->dense.row_count; k++) {
-		struct rb_system_row *row = &heap->row[k];
+		struct rb_constraint *row = &heap->row[k];
 		const rb_vec3 x = rb_vec3_across(row->normal), y = rb_vec3_cross(row->normal, x);
 		const rb_vec3 aside = rb_vec3_add(rb_vec3_scale(0.2 * (k % 3 - 1), x),
 		                                  rb_vec3_scale(0.1 * (k % 4), y));
@@ -81,7 +80,7 @@ static struct heap *make(double speed)
 	struct heap *heap = calloc(1, sizeof *heap);
 
 	assert_non_null(heap);
-	heap->dense = (struct rb_row_system){.body = heap->body, .row = heap->row};
+	heap->dense = (struct rb_row_system){.bodies.body = heap->body, .row = heap->row};
 	for (int i = 0; i < BODIES; i++) {
 		double v[3];
 
@@ -136,31 +135,29 @@ static void look_at(const struct heap *heap, double *closing, double *any)
 
 	again = *heap;
 	again.dense = heap->dense;
-	again.dense.body = again.body;
+	again.dense.bodies.body = again.body;
 	again.dense.row = again.row;
 	memcpy(again.body, heap->free, sizeof again.body);
 	rb_sweep_warm(&again.dense);
 	*closing = *any = 0;
 	for (int k = 0; k < heap->dense.row_count; k++) {
-		const struct rb_system_row *row = &again.row[k];
-		const rb_vec3 u = rb_system_velocity(&again.dense, row);
+		const struct rb_constraint *row = &again.row[k];
+		const rb_vec3 u = rb_constraint_velocity(&again.dense.bodies, row);
 		const double u_n = rb_vec3_dot(u, row->normal);
-		const double push = fmax(0, row->push - u_n / row->inverse_mass_n);
-		rb_vec3 friction_impulse = rb_vec3_add_scaled(row->friction_impulse,
-		                                              -1 / row->inverse_mass_t,
-		                                              rb_vec3_reject(u, row->normal));
+		const double push = fmax(0, row->impulse.n - u_n / row->inverse_mass_n);
+		rb_vec3 friction_impulse = rb_vec3_add_scaled(
+			row->impulse.t, -1 / row->inverse_mass_t, rb_vec3_reject(u, row->normal));
 		const double size = rb_vec3_length(friction_impulse);
 
-		assert_true(row->push >= 0);
-		assert_true(rb_vec3_length(row->friction_impulse) <=
-		            friction * row->push * (1 + 1e-12));
+		assert_true(row->impulse.n >= 0);
+		assert_true(rb_vec3_length(row->impulse.t) <=
+		            friction * row->impulse.n * (1 + 1e-12));
 		if (size > friction * push)
 			friction_impulse = rb_vec3_scale(friction * push / size, friction_impulse);
 		*closing = fmax(*closing, -u_n);
-		*any = fmax(*any, fabs(push - row->push) * row->inverse_mass_n);
-		*any = fmax(*any,
-		            rb_vec3_length(rb_vec3_sub(friction_impulse, row->friction_impulse)) *
-		                    row->inverse_mass_t);
+		*any = fmax(*any, fabs(push - row->impulse.n) * row->inverse_mass_n);
+		*any = fmax(*any, rb_vec3_length(rb_vec3_sub(friction_impulse, row->impulse.t)) *
+		                          row->inverse_mass_t);
 	}
 	/* bodies are what the impulses make of them, to rounding */
 	for (int i = 0; i < BODIES; i++)
@@ -245,7 +242,7 @@ static void packs_carry_a_heap_at_rest_as_single_rows_do(void **slot)
 	}
 	for (int k = 0; k < packs->dense.row_count; k++)
 		if (packs->row[k].b == BODIES)
-			weight += packs->row[k].push;
+			weight += packs->row[k].impulse.n;
 	assert_near(weight / (BODIES * 500 * 9.81 * step_s), 1, 1e-6);
 	unmake(packs);
 	unmake(rows);
@@ -284,16 +281,16 @@ static void holding_closes_no_gap_and_leaves_friction(void **slot)
 	rb_vec3 *friction_impulse = calloc(ROWS_MOST, sizeof *friction_impulse);
 	assert_non_null(friction_impulse);
 	for (int k = 0; k < heap->dense.row_count; k++)
-		friction_impulse[k] = heap->row[k].friction_impulse;
+		friction_impulse[k] = heap->row[k].impulse.t;
 	look_at(heap, &closing, &any);
 	assert_true(closing > 1e-3);
 	assert_true(rb_sweeper_hold(&sweeper, 1e-6, 1000).residual <= 1e-6);
 	look_at(heap, &closing, &any);
 	assert_true(closing < 1e-5);
 	for (int k = 0; k < heap->dense.row_count; k++)
-		assert_near(rb_vec3_length(rb_vec3_sub(friction_impulse[k],
-		                                       heap->row[k].friction_impulse)),
-		            0, 1e-9);
+		assert_near(
+			rb_vec3_length(rb_vec3_sub(friction_impulse[k], heap->row[k].impulse.t)), 0,
+			1e-9);
 	free(friction_impulse);
 	unmake(heap);
 }

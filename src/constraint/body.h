@@ -7,7 +7,7 @@
  *
  *     tensor   I^-1, world axes: one product                          (sweeps, factors)
  *     root     H with H^T H = I^-1: of needles the tensor itself would have lost what is not about
- *              their axis                                 (constraint/cone, constraint/simultaneous)
+ *              their axis                                       (constraint/cone, simultaneous)
  *
  * Plain data of whoever poses the problem.
  */
@@ -43,6 +43,9 @@ static inline bool rb_solver_is_dynamic(const struct rb_solver_body *body)
 	return body->inverse_mass > 0 || body->inverse_inertia != 0;
 }
 
+/* H^T (H torque): apart, so that what reads tensors stays short. */
+rb_vec3 rb_solver_turn_by_root(const rb_mat3 *root, rb_vec3 torque);
+
 /* What a torque, or an impulse of one, changes the spin of body i by. */
 static inline rb_vec3 rb_solver_turn(const struct rb_solver_bodies *bodies, int i, rb_vec3 torque)
 {
@@ -52,7 +55,7 @@ static inline rb_vec3 rb_solver_turn(const struct rb_solver_bodies *bodies, int 
 		return rb_vec3_scale(inverse, torque);
 	if (bodies->tensor)
 		return rb_mat3_apply(&bodies->tensor[i], torque);
-	return rb_mat3_apply_transposed(&bodies->root[i], rb_mat3_apply(&bodies->root[i], torque));
+	return rb_solver_turn_by_root(&bodies->root[i], torque);
 }
 
 /* Velocity of the point at `arm` from the centre of mass. */

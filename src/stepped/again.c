@@ -119,7 +119,7 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 /* The gap as it would be from the beginning on straight ways to here. */
 static void bend(const struct rb_solver *solver, struct rb_step_point *point)
 {
-	const struct rb_system_row row = {
+	const struct rb_constraint row = {
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
 		.central = point->central,
@@ -133,8 +133,8 @@ static void bend(const struct rb_solver *solver, struct rb_step_point *point)
 	/* what has closed stood open, as far as anybody is told */
 	point->gap = fmax(0, here);
 	point->bend = here - point->gap -
-	              solver->h_s *
-	                      rb_vec3_dot(rb_system_velocity(&solver->dense, &row), row.normal);
+	              solver->h_s * rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, &row),
+	                                        row.normal);
 }
 
 static size_t length_of(const struct rb_step_point *row, size_t count, struct rb_pair pair)

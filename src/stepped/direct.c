@@ -36,9 +36,10 @@ struct newton {
 	rb_mat3 *inertia;                  /* [members] */
 	double *mass;                      /* [members] */
 	double ratio;                      /* of the masses */
+	double lever;                      /* m: the largest of a couple; 0: there is none */
 };
 
-static rb_vec3 slip_of(const struct rb_system_row *row, rb_vec3 u)
+static rb_vec3 slip_of(const struct rb_constraint *row, rb_vec3 u)
 {
 	return rb_vec3_reject(u, row->normal);
 }
@@ -54,7 +55,7 @@ static void add_outer(rb_mat3 *m, double s, rb_vec3 a, rb_vec3 b)
 }
 
 /* Nearest point of the friction cone, and how it follows. */
-static void project(const struct rb_system_row *row, struct face *face, rb_vec3 z)
+static void project_cone(const struct rb_constraint *row, struct face *face, rb_vec3 z)
 {
 	const rb_vec3 n = row->normal;
 	const double mu = row->friction;
@@ -91,6 +92,31 @@ static void project(const struct rb_system_row *row, struct face *face, rb_vec3 
 	add_outer(&face->slope, 1 / (1 + mu * mu), edge, edge);
 }
 
+/* Nearest point of the row's set; returns what it adds to the function, times the weight. */
+static inline double project(const struct rb_constraint *row, struct face *face, rb_vec3 z)
+{
+	const double along = rb_vec3_dot(z, row->normal);
+
+	switch (row->set) {
+	case RB_CONSTRAINT_CONE:
+		project_cone(row, face, z);
+		return 0.5 * rb_vec3_dot(face->now, face->now); /* z.now is now.now, of a cone */
+	case RB_CONSTRAINT_FREE:
+		face->now = z;
+		face->slope = rb_mat3_diagonal(1, 1, 1);
+		return 0.5 * rb_vec3_dot(z, z);
+	case RB_CONSTRAINT_INTERVAL:
+		break;
+	}
+	const double n = fmin(fmax(along, row->low), row->high);
+
+	face->now = rb_vec3_scale(n, row->normal);
+	face->slope = (rb_mat3){{{0}}};
+	if (along > row->low && along < row->high)
+		add_outer(&face->slope, 1, row->normal, row->normal);
+	return n * along - 0.5 * n * n;
+}
+
 /* ---- the function that is minimized, and its gradient ---- */
 
 static double inertial(const struct newton *s)
@@ -99,7 +125,8 @@ static double inertial(const struct newton *s)
 
 	for (int k = 0; k < s->direct->member_count; k++) {
 		const int i = s->direct->member[k];
-		const struct rb_solver_body *b = &s->dense->body[i], *f = &s->direct->free[i];
+		const struct rb_solver_body *b = &s->dense->bodies.body[i],
+					    *f = &s->direct->free[i];
 		const rb_vec3 v = rb_vec3_sub(b->linear, f->linear);
 		const rb_vec3 w = rb_vec3_sub(b->angular, f->angular);
 		const rb_vec3 p = rb_vec3_scale(s->mass[k], v);
@@ -123,13 +150,30 @@ static void add_to(double *g, double sign, rb_vec3 force, rb_vec3 torque)
 	g[5] += sign * torque.z;
 }
 
-static rb_vec3 arm_of(const struct newton *s, const struct rb_system_row *row, bool of_a)
+static rb_vec3 arm_of(const struct newton *s, const struct rb_constraint *row, bool of_a)
 {
 	const rb_vec3 none = {0, 0, 0};
 
-	if (s->dense->body[of_a ? row->a : row->b].inverse_inertia == 0)
+	if (s->dense->bodies.body[of_a ? row->a : row->b].inverse_inertia == 0)
 		return none;
-	return of_a ? rb_system_arm_a(row) : rb_system_arm_b(row);
+	return of_a ? rb_constraint_arm_a(row) : rb_constraint_arm_b(row);
+}
+
+/* Adds what an impulse on a member by a row does to the gradient. */
+static inline __attribute__((always_inline)) void add_load(struct newton *s,
+                                                           const struct rb_constraint *row,
+                                                           bool of_a, rb_vec3 impulse)
+{
+	const int body = of_a ? row->a : row->b, member = s->direct->local[body];
+	const rb_vec3 none = {0, 0, 0};
+	double *const g = s->gradient + RB_BLOCK * member;
+
+	if (member < 0)
+		return;
+	if (!row->couple)
+		add_to(g, of_a ? 1 : -1, impulse, rb_vec3_cross(arm_of(s, row, of_a), impulse));
+	else if (s->dense->bodies.body[body].inverse_inertia != 0)
+		add_to(g, of_a ? 1 : -1, none, rb_vec3_scale(row->arm_a.x, impulse));
 }
 
 /* At the bodies' present velocities: faces, gradient, value, and its rounding. */
@@ -139,27 +183,24 @@ static double evaluate(struct newton *s, double *rounding)
 	double sum = inertial(s);
 
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_system_row *row = &dense->row[k];
+		const struct rb_constraint *row = &dense->row[k];
 		struct face *face = &s->face[k];
-		const int a = s->direct->local[row->a], b = s->direct->local[row->b];
-		const rb_vec3 u = rb_vec3_add_scaled(rb_system_velocity(dense, row),
-		                                     face->shift - row->target_velocity,
-		                                     row->normal);
+		rb_vec3 u = rb_vec3_add_scaled(rb_constraint_velocity(&dense->bodies, row),
+		                               face->shift - row->target.n, row->normal);
 
 		RB_ASSERT_COSTLY(face->weight > 0);
-		RB_ASSERT_COSTLY(a < s->direct->member_count && b < s->direct->member_count);
-		if (isinf(row->target_velocity)) { /* open whatever happens */
+		RB_ASSERT_COSTLY(s->direct->local[row->a] < s->direct->member_count &&
+		                 s->direct->local[row->b] < s->direct->member_count);
+		if (row->set == RB_CONSTRAINT_FREE)
+			u = rb_vec3_sub(u, row->target.t);
+		if (isinf(row->target.n)) { /* open whatever happens */
 			face->now = (rb_vec3){0, 0, 0};
 			continue;
 		}
-		project(row, face, rb_vec3_add_scaled(face->impulse, -face->weight, u));
-		sum += 0.5 * rb_vec3_dot(face->now, face->now) / face->weight;
-		if (a >= 0)
-			add_to(s->gradient + RB_BLOCK * a, 1, face->now,
-			       rb_vec3_cross(arm_of(s, row, true), face->now));
-		if (b >= 0)
-			add_to(s->gradient + RB_BLOCK * b, -1, face->now,
-			       rb_vec3_cross(arm_of(s, row, false), face->now));
+		sum += project(row, face, rb_vec3_add_scaled(face->impulse, -face->weight, u)) /
+		       face->weight;
+		add_load(s, row, true, face->now);
+		add_load(s, row, false, face->now);
 	}
 	*rounding = 64 * DBL_EPSILON * fabs(sum);
 	return sum;
@@ -194,6 +235,48 @@ static void add_block(rb_block *block, double sign, const rb_mat3 *k, rb_vec3 ro
 		}
 }
 
+/* The same of a couple, which only turns. */
+static void add_couple(rb_block *block, double sign, const rb_mat3 *k, double lever)
+{
+	RB_ASSERT_COSTLY(block != NULL);
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			block->m[i + 3][j + 3] += sign * lever * lever * k->m[i][j];
+}
+
+/* Places of two members in a row; -1: none that a couple turns. */
+static int place_of(const struct newton *s, const struct rb_constraint *row, int body)
+{
+	return row->couple && s->dense->bodies.body[body].inverse_inertia == 0
+	               ? -1
+	               : s->direct->local[body];
+}
+
+static void assemble_row(struct newton *s, const struct rb_constraint *row, const rb_mat3 *weighted)
+{
+	const int a = place_of(s, row, row->a), b = place_of(s, row, row->b);
+	const rb_vec3 arm_a = arm_of(s, row, true), arm_b = arm_of(s, row, false);
+	const double lever = row->arm_a.x;
+	bool turned;
+
+	for (int e = 0; e < 2; e++) {
+		const int i = e ? b : a;
+		const rb_vec3 arm = e ? arm_b : arm_a;
+
+		if (i >= 0 && row->couple)
+			add_couple(rb_blocks_at(&s->blocks, i, i, &turned), 1, weighted, lever);
+		else if (i >= 0)
+			add_block(rb_blocks_at(&s->blocks, i, i, &turned), 1, weighted, arm, arm);
+	}
+	if (a < 0 || b < 0)
+		return;
+	rb_block *both = rb_blocks_at(&s->blocks, a, b, &turned);
+	if (row->couple)
+		add_couple(both, -1, weighted, lever);
+	else
+		add_block(both, -1, weighted, turned ? arm_b : arm_a, turned ? arm_a : arm_b);
+}
+
 static void assemble(struct newton *s)
 {
 	bool turned;
@@ -209,26 +292,15 @@ static void assemble(struct newton *s)
 		}
 	}
 	for (int k = 0; k < s->dense->row_count; k++) {
-		const struct rb_system_row *row = &s->dense->row[k];
+		const struct rb_constraint *row = &s->dense->row[k];
 		const struct face *face = &s->face[k];
-		const int a = s->direct->local[row->a], b = s->direct->local[row->b];
 		rb_mat3 weighted = face->slope;
 
-		if (rb_vec3_dot(face->now, face->now) == 0)
+		if (row->set == RB_CONSTRAINT_CONE && rb_vec3_dot(face->now, face->now) == 0)
 			continue;
 		for (int i = 0; i < 9; i++)
 			weighted.m[i / 3][i % 3] *= face->weight;
-		const rb_vec3 arm_a = arm_of(s, row, true), arm_b = arm_of(s, row, false);
-		if (a >= 0)
-			add_block(rb_blocks_at(&s->blocks, a, a, &turned), 1, &weighted, arm_a,
-			          arm_a);
-		if (b >= 0)
-			add_block(rb_blocks_at(&s->blocks, b, b, &turned), 1, &weighted, arm_b,
-			          arm_b);
-		if (a < 0 || b < 0)
-			continue;
-		rb_block *both = rb_blocks_at(&s->blocks, a, b, &turned);
-		add_block(both, -1, &weighted, turned ? arm_b : arm_a, turned ? arm_a : arm_b);
+		assemble_row(s, row, &weighted);
 	}
 }
 
@@ -236,7 +308,7 @@ static void assemble(struct newton *s)
 static void go(struct newton *s, double share)
 {
 	for (int k = 0; k < s->direct->member_count; k++) {
-		struct rb_solver_body *body = &s->dense->body[s->direct->member[k]];
+		struct rb_solver_body *body = &s->dense->bodies.body[s->direct->member[k]];
 		const double *move = s->move + RB_BLOCK * k;
 
 		body->linear = rb_vec3_add_scaled(s->kept[k].linear, share, rb_vec3_from(move));
@@ -251,9 +323,15 @@ static double imbalance(const struct newton *s)
 {
 	double max = 0;
 
-	for (int k = 0; k < s->direct->member_count; k++)
-		max = fmax(max,
-		           rb_vec3_max_abs(rb_vec3_from(s->gradient + RB_BLOCK * k)) / s->mass[k]);
+	for (int k = 0; k < s->direct->member_count; k++) {
+		const double *const g = s->gradient + RB_BLOCK * k;
+
+		max = fmax(max, rb_vec3_max_abs(rb_vec3_from(g)) / s->mass[k]);
+		if (s->lever > 0)
+			max = fmax(max, s->lever * rb_vec3_max_abs(rb_solver_turn(
+							   &s->dense->bodies, s->direct->member[k],
+							   rb_vec3_from(g + 3))));
+	}
 	return max;
 }
 
@@ -272,7 +350,7 @@ static bool improve(struct newton *s, double *value, double *rounding)
 	for (int i = 0; i < n; i++)
 		slope += s->move[i] * s->gradient[i];
 	for (int k = 0; k < s->direct->member_count; k++)
-		s->kept[k] = s->dense->body[s->direct->member[k]];
+		s->kept[k] = s->dense->bodies.body[s->direct->member[k]];
 	for (int halving = 0; halving < HALVINGS_MAX; halving++, share *= 0.5) {
 		go(s, share);
 		const double there = evaluate(s, rounding);
@@ -298,7 +376,7 @@ static struct off follow(struct newton *s, double relax)
 	struct off off = {0, 0};
 
 	for (int k = 0; k < s->dense->row_count; k++) {
-		const struct rb_system_row *row = &s->dense->row[k];
+		const struct rb_constraint *row = &s->dense->row[k];
 		struct face *face = &s->face[k];
 		const rb_vec3 d = rb_vec3_sub(face->now, face->impulse);
 
@@ -306,8 +384,9 @@ static struct off follow(struct newton *s, double relax)
 		face->impulse = face->now;
 		if (row->friction > 0) {
 			const double shift = row->friction *
-			                     rb_vec3_length(slip_of(
-						     row, rb_system_velocity(s->dense, row)));
+			                     rb_vec3_length(
+						     slip_of(row, rb_constraint_velocity(
+									  &s->dense->bodies, row)));
 
 			if (rb_vec3_dot(face->now, face->now) > 0)
 				off.shifted = fmax(off.shifted, fabs(shift - face->shift));
@@ -358,7 +437,7 @@ static void fill(struct newton *s)
 
 	for (int k = 0; k < s->direct->member_count; k++) {
 		const int i = s->direct->member[k];
-		const struct rb_solver_body *b = &dense->body[i];
+		const struct rb_solver_body *b = &dense->bodies.body[i];
 		const double turn = b->inverse_inertia != 0 ? 1 / b->inverse_inertia
 		                                            : 1 / b->inverse_mass;
 
@@ -367,7 +446,7 @@ static void fill(struct newton *s)
 		lightest = fmin(lightest, s->mass[k]);
 		heaviest = fmax(heaviest, s->mass[k]);
 		if (isnan(b->inverse_inertia))
-			(void)rb_mat3_inverse(&dense->tensor[i], &s->inertia[k]);
+			(void)rb_mat3_inverse(&dense->bodies.tensor[i], &s->inertia[k]);
 		else
 			s->inertia[k] = rb_mat3_diagonal(turn, turn, turn);
 	}
@@ -375,10 +454,13 @@ static void fill(struct newton *s)
 	RB_ASSERT(s->ratio >= 1);
 	double first = s->direct->holds ? weight_first_resting : weight_first;
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_system_row *row = &dense->row[k];
-		const double slip = rb_vec3_length(slip_of(row, rb_system_velocity(dense, row)));
+		const struct rb_constraint *row = &dense->row[k];
+		const double slip = rb_vec3_length(
+			slip_of(row, rb_constraint_velocity(&dense->bodies, row)));
 
-		s->face[k] = (struct face){.impulse = rb_system_impulse(row),
+		if (row->couple)
+			s->lever = fmax(s->lever, row->arm_a.x);
+		s->face[k] = (struct face){.impulse = rb_constraint_impulse(row),
 		                           .weight = first / row->inverse_mass_n,
 		                           .shift = s->direct->holds ? 0 : row->friction * slip};
 	}
@@ -441,6 +523,20 @@ static struct rb_direct_result solve(struct newton *s)
 	return result;
 }
 
+/* What the outer iteration has come to, within the row's set. */
+static rb_along_across found(const struct rb_constraint *row, rb_vec3 impulse)
+{
+	const double n = rb_vec3_dot(impulse, row->normal);
+	const rb_vec3 none = {0, 0, 0};
+
+	if (row->set == RB_CONSTRAINT_FREE)
+		return rb_constraint_split(row, impulse);
+	if (row->set == RB_CONSTRAINT_INTERVAL)
+		return (rb_along_across){fmin(fmax(n, row->low), row->high), none};
+	return (rb_along_across){fmax(0, n),
+	                         row->friction > 0 ? rb_vec3_reject(impulse, row->normal) : none};
+}
+
 struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 {
 	struct rb_direct_result result = {.tried = false};
@@ -452,21 +548,18 @@ struct rb_direct_result rb_direct_solve(const struct rb_direct *direct)
 		fill(&s);
 		result = solve(&s);
 		for (int k = 0; k < direct->dense->row_count; k++) {
-			struct rb_system_row *row = &direct->dense->row[k];
+			struct rb_constraint *row = &direct->dense->row[k];
 
-			row->push = fmax(0, rb_vec3_dot(s.face[k].impulse, row->normal));
-			row->friction_impulse = row->friction > 0
-			                                ? rb_vec3_reject(s.face[k].impulse,
-			                                                 row->normal)
-			                                : (rb_vec3){0, 0, 0};
+			row->impulse = found(row, s.face[k].impulse);
 		}
 		RB_ASSERT(result.steps <= direct->steps_max);
 		/* velocities are what the impulses make of them */
 		for (int k = 0; k < direct->member_count; k++)
-			direct->dense->body[direct->member[k]] = direct->free[direct->member[k]];
+			direct->dense->bodies.body[direct->member[k]] =
+				direct->free[direct->member[k]];
 		for (int k = 0; k < direct->dense->row_count; k++)
-			rb_system_apply(direct->dense, &direct->dense->row[k],
-			                rb_system_impulse(&direct->dense->row[k]));
+			rb_constraint_apply(&direct->dense->bodies, &direct->dense->row[k],
+			                    rb_constraint_impulse(&direct->dense->row[k]));
 	}
 	rb_arena_back(direct->arena, here);
 	return result;

@@ -6,13 +6,15 @@
  * convex function that is quadratic on faces of the cones, by semi-smooth Newton steps with sparse
  * factors (stepped/blocks) and a line search; then impulses follow. Coulomb's law is De Saxce's
  * bipotential form: the cone's shift by friction times slip is taken from the outer iteration
- * before (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011) 155). Redundant points do no harm.
+ * before (Acary, Cadoux, Lemarechal, Malick, ZAMM 91 (2011) 155). Of other sets the projection is
+ * the identity (FREE) or a clamp (INTERVAL), and the function its Moreau envelope all the same.
+ * Redundant rows do no harm.
  */
 #ifndef RB_STEPPED_DIRECT_H
 #define RB_STEPPED_DIRECT_H
 
 #include "base/arena.h"
-#include "stepped/row.h"
+#include "constraint/row.h"
 
 struct rb_direct {
 	const struct rb_row_system *dense;

@@ -17,7 +17,7 @@ static const double impulse_max = 1e4, impulse_max_held = 1e6;
 
 static inline rb_vec3 weigh_turn(const struct rb_solver *solver, int i, rb_vec3 turn)
 {
-	const double inverse = solver->dense.body[i].inverse_inertia;
+	const double inverse = solver->dense.bodies.body[i].inverse_inertia;
 	rb_mat3 inertia;
 
 	if (!isnan(inverse))
@@ -30,7 +30,8 @@ struct rb_solver_body rb_energy_weigh(const struct rb_solver *solver, int i,
                                       const struct rb_solver_body *motion)
 {
 	return (struct rb_solver_body){
-		.linear = rb_vec3_scale(1 / solver->dense.body[i].inverse_mass, motion->linear),
+		.linear = rb_vec3_scale(1 / solver->dense.bodies.body[i].inverse_mass,
+	                                motion->linear),
 		.angular = weigh_turn(solver, i, motion->angular)};
 }
 
@@ -58,19 +59,19 @@ static struct rb_solver_body motion_before(const struct rb_solver *solver, int i
 
 /* What driven bodies give a group by these impulses, J. */
 static double driven_work(const struct rb_solver *solver, const struct rb_island *island,
-                          struct rb_system_row *row)
+                          struct rb_constraint *row)
 {
 	struct rb_row_system rows = solver->dense;
 
 	rows.row = row;
 	rows.row_count = island->row_count;
-	return island->carried ? rb_system_work(&rows) : 0;
+	return island->carried ? rb_row_system_work(&rows) : 0;
 }
 
 /* A body's share of the sums: what forces, and then impulses, have changed its motion by. */
 static inline void add_body(struct rb_energy *energy, const struct rb_solver *solver, int i)
 {
-	const struct rb_solver_body *now = &solver->dense.body[i], *free = &solver->free[i];
+	const struct rb_solver_body *now = &solver->dense.bodies.body[i], *free = &solver->free[i];
 	const struct rb_solver_body before = motion_before(solver, i);
 	RB_ASSERT_COSTLY(now->inverse_mass > 0);
 	const double mass = 1 / now->inverse_mass;
@@ -134,9 +135,9 @@ double rb_energy_between(const struct rb_solver *solver, const struct rb_island 
 		const int i = solver->member[island->first_member + k];
 		const struct rb_solver_body before = motion_before(solver, i);
 		const struct rb_solver_body more = difference(&kept->body[k],
-		                                              &solver->dense.body[i]);
+		                                              &solver->dense.bodies.body[i]);
 		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &more);
-		const struct rb_solver_body impulse = difference(&solver->dense.body[i],
+		const struct rb_solver_body impulse = difference(&solver->dense.bodies.body[i],
 		                                                 &solver->free[i]);
 
 		square += rb_energy_product(&momentum, &more);
@@ -152,15 +153,15 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 	double momentum = 0, max = 0;
 
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_system_row *row = &dense->row[k];
+		const struct rb_constraint *row = &dense->row[k];
 
-		max = fmax(max, row->push);
-		if (isfinite(row->target_velocity))
-			momentum += fabs(row->target_velocity) / row->inverse_mass_n;
+		max = fmax(max, fabs(row->impulse.n));
+		if (isfinite(row->target.n))
+			momentum += fabs(row->target.n) / row->inverse_mass_n;
 	}
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_solver_body *motion[2] = {&solver->free[i], &dense->body[i]};
+		const struct rb_solver_body *motion[2] = {&solver->free[i], &dense->bodies.body[i]};
 
 		for (int m = 0; m < 2; m++) {
 			const struct rb_solver_body weight = rb_energy_weigh(solver, i, motion[m]);
@@ -175,7 +176,7 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 bool rb_energy_pushes(const struct rb_row_system *dense, double speed)
 {
 	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].push > 0 && dense->row[k].target_velocity > speed)
+		if (dense->row[k].impulse.n > 0 && dense->row[k].target.n > speed)
 			return true;
 	return false;
 }
@@ -200,7 +201,7 @@ bool rb_energy_keep(const struct rb_solver *solver, const struct rb_island *isla
 		return false;
 	memcpy(kept->row, dense.row, (size_t)dense.row_count * sizeof *kept->row);
 	for (int k = 0; k < island->member_count; k++)
-		kept->body[k] = dense.body[solver->member[island->first_member + k]];
+		kept->body[k] = dense.bodies.body[solver->member[island->first_member + k]];
 	return true;
 }
 
@@ -220,18 +221,18 @@ void rb_energy_mix(const struct rb_solver *solver, const struct rb_island *islan
 
 	RB_ASSERT(share >= 0 && share <= 1);
 	for (int k = 0; k < dense.row_count; k++) {
-		struct rb_system_row *row = &dense.row[k];
-		const struct rb_system_row *was = &kept->row[k];
+		struct rb_constraint *row = &dense.row[k];
+		const struct rb_constraint *was = &kept->row[k];
 
-		RB_ASSERT_COSTLY(row->a == was->a && row->b == was->b && row->point == was->point);
-		row->target_velocity = was->target_velocity;
-		row->push += share * (was->push - row->push);
-		row->friction_impulse = rb_vec3_add_scaled(
-			row->friction_impulse, share,
-			rb_vec3_sub(was->friction_impulse, row->friction_impulse));
+		RB_ASSERT_COSTLY(row->a == was->a && row->b == was->b && row->set == was->set);
+		row->target.n = was->target.n;
+		row->impulse.n += share * (was->impulse.n - row->impulse.n);
+		row->impulse.t = rb_vec3_add_scaled(row->impulse.t, share,
+		                                    rb_vec3_sub(was->impulse.t, row->impulse.t));
 	}
 	for (int k = 0; k < island->member_count; k++)
-		go(&dense.body[solver->member[island->first_member + k]], share, &kept->body[k]);
+		go(&dense.bodies.body[solver->member[island->first_member + k]], share,
+		   &kept->body[k]);
 }
 
 void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, double share)
@@ -242,15 +243,16 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		go(&dense.body[i], 1 - share, &solver->free[i]);
+		go(&dense.bodies.body[i], 1 - share, &solver->free[i]);
 	}
 	for (int k = 0; k < dense.row_count; k++) {
-		struct rb_system_row *row = &dense.row[k];
-		const double now = rb_vec3_dot(rb_system_velocity(&dense, row), row->normal);
+		struct rb_constraint *row = &dense.row[k];
+		const double now = rb_vec3_dot(rb_constraint_velocity(&dense.bodies, row),
+		                               row->normal);
 
-		row->push *= share;
-		row->friction_impulse = rb_vec3_scale(share, row->friction_impulse);
-		island->residual = fmax(island->residual, fmin(row->target_velocity, 0) - now);
+		row->impulse.n *= share;
+		row->impulse.t = rb_vec3_scale(share, row->impulse.t);
+		island->residual = fmax(island->residual, fmin(row->target.n, 0) - now);
 	}
 }
 
@@ -259,7 +261,7 @@ void rb_energy_take(const struct rb_solver *solver, struct rb_island *island, do
 struct rb_solver_body rb_energy_added(const struct rb_solver *solver, const struct rb_world *world,
                                       int i)
 {
-	const struct rb_solver_body *body = &solver->dense.body[i], *was = &solver->free[i];
+	const struct rb_solver_body *body = &solver->dense.bodies.body[i], *was = &solver->free[i];
 	struct rb_solver_body more = {.linear = rb_vec3_sub(body->linear, was->linear),
 	                              .angular = rb_vec3_sub(body->angular, was->angular)};
 
@@ -273,13 +275,15 @@ double rb_energy_rebound(const struct rb_solver *solver, const struct rb_world *
                          struct rb_island *island)
 {
 	const struct rb_row_system rows = rows_of(solver, island);
-	struct rb_energy energy = {.lost = island->energy_budget, .mixed = -rb_system_work(&rows)};
+	struct rb_energy energy = {.lost = island->energy_budget,
+	                           .mixed = -rb_row_system_work(&rows)};
 
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 		const struct rb_solver_body more = {
-			.linear = rb_vec3_sub(solver->dense.body[i].linear, solver->free[i].linear),
-			.angular = rb_vec3_sub(solver->dense.body[i].angular,
+			.linear = rb_vec3_sub(solver->dense.bodies.body[i].linear,
+		                              solver->free[i].linear),
+			.angular = rb_vec3_sub(solver->dense.bodies.body[i].angular,
 		                               solver->free[i].angular)};
 		const struct rb_solver_body momentum = rb_energy_weigh(solver, i, &more);
 		const struct rb_solver_body now = rb_energy_added(solver, world, i);

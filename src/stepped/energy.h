@@ -51,7 +51,7 @@ bool rb_energy_bounds(const struct rb_solver *solver, const struct rb_island *is
 
 /* Rows and velocities that a group was solved to; the arena's. */
 struct rb_kept {
-	struct rb_system_row *row;
+	struct rb_constraint *row;
 	struct rb_solver_body *body; /* by member */
 };
 

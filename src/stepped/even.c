@@ -6,32 +6,32 @@
 /* Share of a cone's edge at which friction slides. */
 static const double at_edge = 1 - 1e-9;
 
-static bool slides(const struct rb_system_row *row)
+static bool slides(const struct rb_constraint *row)
 {
-	const double max = at_edge * row->friction * row->push;
+	const double max = at_edge * row->friction * row->impulse.n;
 
-	return row->push > 0 && row->friction > 0 &&
-	       rb_vec3_dot(row->friction_impulse, row->friction_impulse) >= max * max;
+	return row->impulse.n > 0 && row->friction > 0 &&
+	       rb_vec3_dot(row->impulse.t, row->impulse.t) >= max * max;
 }
 
-static bool is_pair(const struct rb_system_row *x, const struct rb_system_row *y)
+static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y)
 {
 	return x->a == y->a && x->b == y->b;
 }
 
 /* Rows that bear, of pairs of which one slides and that touch at several; returns how many. */
-static int take_rows(const struct rb_row_system *rows, struct rb_system_row **taken)
+static int take_rows(const struct rb_row_system *rows, struct rb_constraint **taken)
 {
 	int count = 0;
 
 	for (int k = 0, end; k < rows->row_count; k = end) {
-		struct rb_system_row *const row = &rows->row[k];
+		struct rb_constraint *const row = &rows->row[k];
 		bool slide = false;
 
 		for (end = k; end < rows->row_count && is_pair(row, &rows->row[end]); end++)
 			slide = slide || slides(&rows->row[end]);
 		for (int i = k; i < end && slide && end - k > 1; i++)
-			if (rows->row[i].push > 0)
+			if (rows->row[i].impulse.n > 0)
 				taken[count++] = &rows->row[i];
 	}
 	return count;
@@ -89,10 +89,10 @@ static double component(rb_vec3 v, int k)
 }
 
 /* One component of the force and torque that units of the pushes are on a body; [n]. */
-static void load(struct rb_system_row *const *taken, int n, int body, int which, double *v)
+static void load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
 {
 	for (int i = 0; i < n; i++) {
-		const struct rb_system_row *row = taken[i];
+		const struct rb_constraint *row = taken[i];
 		const bool is_a = row->a == body;
 		const rb_vec3 arm = is_a ? row->arm_a : row->arm_b;
 
@@ -107,14 +107,14 @@ static void load(struct rb_system_row *const *taken, int n, int body, int which,
 }
 
 /* All of what the pushes do to bodies. */
-static void span_loads(const struct rb_row_system *rows, struct rb_system_row *const *taken,
+static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                        struct span *span, double *scratch)
 {
 	for (int k = 0; k < span->n; k++) {
 		const int ends[2] = {taken[k]->a, taken[k]->b};
 
 		for (int e = 0; e < 2; e++) {
-			bool seen = rows->body[ends[e]].inverse_mass == 0;
+			bool seen = rows->bodies.body[ends[e]].inverse_mass == 0;
 
 			for (int i = 0; i < k && !seen; i++)
 				seen = taken[i]->a == ends[e] || taken[i]->b == ends[e];
@@ -130,31 +130,30 @@ static void span_loads(const struct rb_row_system *rows, struct rb_system_row *c
  * Goes to the push; friction at the cone's edge stays there. Returns how much it changes a
  * velocity, m/s.
  */
-static double put(const struct rb_row_system *rows, struct rb_system_row *row, double push)
+static double put(const struct rb_row_system *rows, struct rb_constraint *row, double push)
 {
-	RB_ASSERT_COSTLY(row->push > 0 && push >= 0);
-	const double share = push / row->push, max = row->friction * push;
-	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
-	rb_vec3 friction_impulse = row->friction_impulse;
+	RB_ASSERT_COSTLY(row->impulse.n > 0 && push >= 0);
+	const double share = push / row->impulse.n, max = row->friction * push;
+	const double square = rb_vec3_dot(row->impulse.t, row->impulse.t);
+	rb_vec3 friction_impulse = row->impulse.t;
 
 	if (slides(row))
 		friction_impulse = rb_vec3_scale(share, friction_impulse);
 	else if (square > max * max)
 		friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
-	const rb_vec3 change = rb_vec3_add_scaled(
-		rb_vec3_sub(friction_impulse, row->friction_impulse), push - row->push,
-		row->normal);
-	row->push = push;
-	row->friction_impulse = friction_impulse;
-	rb_system_apply(rows, row, change);
+	const rb_vec3 change = rb_vec3_add_scaled(rb_vec3_sub(friction_impulse, row->impulse.t),
+	                                          push - row->impulse.n, row->normal);
+	row->impulse.n = push;
+	row->impulse.t = friction_impulse;
+	rb_constraint_apply(&rows->bodies, row, change);
 	return row->inverse_mass_n * rb_vec3_length(change);
 }
 
 bool rb_even(const struct rb_row_system *rows, double tolerance, double max, struct rb_arena *arena)
 {
 	const size_t all = (size_t)rows->row_count;
-	struct rb_system_row **const taken = rb_arena_take(arena, all,
-	                                                   sizeof(struct rb_system_row *));
+	struct rb_constraint **const taken = rb_arena_take(arena, all,
+	                                                   sizeof(struct rb_constraint *));
 	double share = 1, changed = 0;
 
 	if (!taken)
@@ -174,7 +173,7 @@ bool rb_even(const struct rb_row_system *rows, double tolerance, double max, str
 	if (span.count == n)
 		return false;
 	for (int i = 0; i < n; i++) {
-		push[i] = taken[i]->push;
+		push[i] = taken[i]->impulse.n;
 		even[i] = 0;
 	}
 	for (int k = 0; k < span.count; k++) {

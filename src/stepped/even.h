@@ -8,7 +8,7 @@
 #define RB_STEPPED_EVEN_H
 
 #include "base/arena.h"
-#include "stepped/row.h"
+#include "constraint/row.h"
 
 /*
  * Pushes of pairs that slide somewhere become those of the smallest squares, as far as none becomes

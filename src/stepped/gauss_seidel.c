@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/error.h"
+#include "constraint/effective_mass.h"
 
 /*
  * Bodies that mixtures have pushed so many times as hard as it came to have some rounding of their
@@ -17,73 +18,120 @@ struct share {
 	double size;   /* J: of all changes of impulses */
 };
 
-/*
- * One row on its own. Normal first, then friction within the cone that the new normal impulse
- * allows.
- */
-static inline double solve_row(const struct rb_row_system *dense, struct rb_system_row *row)
+/* ---- acceleration ---- */
+
+/* Differences between sweeps, of one row: of what each changed, and of what each led to. */
+struct rb_sweep_trace {
+	rb_vec3 step;            /* N s: change by the sweep under way */
+	rb_vec3 change, impulse; /* of the last sweep */
+	double max;              /* N s: the largest impulse that it was led to */
+	rb_vec3 more_change[RB_SWEEP_MEMORY], more_impulse[RB_SWEEP_MEMORY];
+};
+
+/* A contact: normal first, then friction within the cone that the new normal impulse allows. */
+static inline double solve_cone(const struct rb_row_system *dense, struct rb_constraint *row,
+                                rb_vec3 *step)
 {
-	RB_ASSERT_COSTLY(row->inverse_mass_n > 0 && row->inverse_mass_t > 0);
 	const rb_vec3 n = row->normal;
-	const rb_vec3 u = rb_system_velocity(dense, row);
+	const rb_vec3 u = rb_constraint_velocity(&dense->bodies, row);
 	const double u_n = rb_vec3_dot(u, n);
 	/*
 	 * the sum is clamped, not the change: a later sweep may take back what this one gives too
 	 * much
 	 */
-	const double push = fmax(0, row->push + (row->target_velocity - u_n) / row->inverse_mass_n);
+	const double push = fmax(0, row->impulse.n + (row->target.n - u_n) / row->inverse_mass_n);
 
 	/* what a mixture has left across the normal goes as well */
-	if (push == 0 && row->push == 0 && rb_vec3_max_abs(row->friction_impulse) == 0) {
-		row->step = (rb_vec3){0, 0, 0};
+	if (push == 0 && row->impulse.n == 0 && rb_vec3_max_abs(row->impulse.t) == 0) {
+		*step = (rb_vec3){0, 0, 0};
 		return 0;
 	}
-	const double more = push - row->push;
+	const double more = push - row->impulse.n;
 	rb_vec3 change = rb_vec3_scale(more, n);
 	double moved = fabs(more) * row->inverse_mass_n;
 
-	row->push = push;
+	row->impulse.n = push;
 	if (row->friction > 0) {
 		const rb_vec3 slip = rb_vec3_add_scaled(u, -u_n, n);
-		rb_vec3 friction_impulse = rb_vec3_add_scaled(row->friction_impulse,
+		rb_vec3 friction_impulse = rb_vec3_add_scaled(row->impulse.t,
 		                                              -1 / row->inverse_mass_t, slip);
 		const double square = rb_vec3_dot(friction_impulse, friction_impulse),
 			     max = row->friction * push;
 
 		if (square > max * max)
 			friction_impulse = rb_vec3_scale(max / sqrt(square), friction_impulse);
-		const rb_vec3 d = rb_vec3_sub(friction_impulse, row->friction_impulse);
-		row->friction_impulse = friction_impulse;
+		const rb_vec3 d = rb_vec3_sub(friction_impulse, row->impulse.t);
+		row->impulse.t = friction_impulse;
 		change = rb_vec3_add(change, d);
 		moved = fmax(moved, RB_SLIP_SHARE * row->inverse_mass_t * sqrt(rb_vec3_dot(d, d)));
 	}
-	RB_ASSERT_COSTLY(row->push >= 0);
-	row->step = change;
-	rb_system_apply(dense, row, change);
+	RB_ASSERT_COSTLY(row->impulse.n >= 0);
+	*step = change;
+	rb_constraint_apply(&dense->bodies, row, change);
 	return moved;
 }
 
-static struct share solve_rows(const struct rb_row_system *dense)
+/* Three directions at once, exactly: `inverse` is that of K. */
+static rb_along_across free_step(const struct rb_constraint *row, const rb_mat3 *inverse, rb_vec3 u)
 {
+	const rb_vec3 off = rb_vec3_sub(rb_constraint_joined(row, row->target), u);
+
+	return rb_constraint_split(row, rb_mat3_apply(inverse, off));
+}
+
+static rb_along_across interval_step(const struct rb_constraint *row, rb_vec3 u)
+{
+	const double short_of = row->target.n - rb_vec3_dot(u, row->normal);
+	const double wanted = row->impulse.n + short_of / row->inverse_mass_n;
+
+	return (rb_along_across){fmin(fmax(wanted, row->low), row->high) - row->impulse.n,
+	                         {0, 0, 0}};
+}
+
+/* What is no contact; apart, so that contacts have their code inline. */
+static __attribute__((noinline)) double solve_other(const struct rb_sweep *sweep, int k,
+                                                    rb_vec3 *step)
+{
+	const struct rb_solver_bodies *const bodies = &sweep->dense->bodies;
+	struct rb_constraint *const row = &sweep->dense->row[k];
+	const rb_vec3 u = rb_constraint_velocity(bodies, row);
+	const rb_along_across more = row->set == RB_CONSTRAINT_FREE
+	                                     ? free_step(row, &sweep->inverse[k], u)
+	                                     : interval_step(row, u);
+
+	*step = rb_constraint_joined(row, more);
+	row->impulse.n += more.n;
+	row->impulse.t = rb_vec3_add(row->impulse.t, more.t);
+	rb_constraint_apply(bodies, row, *step);
+	return fmax(fabs(more.n) * row->inverse_mass_n,
+	            rb_vec3_length(more.t) * row->inverse_mass_t);
+}
+
+/* One row on its own; returns what it changed its velocity by, m/s. */
+static inline double solve_row(const struct rb_sweep *sweep, int k, rb_vec3 *step)
+{
+	struct rb_constraint *const row = &sweep->dense->row[k];
+
+	RB_ASSERT_COSTLY(row->inverse_mass_n > 0 && row->inverse_mass_t > 0);
+	if (row->set == RB_CONSTRAINT_CONE)
+		return solve_cone(sweep->dense, row, step);
+	return solve_other(sweep, k, step);
+}
+
+static struct share solve_rows(const struct rb_sweep *sweep)
+{
+	const struct rb_row_system *const dense = sweep->dense;
 	struct share share = {0, 0};
 
 	for (int k = 0; k < dense->row_count; k++) {
-		struct rb_system_row *row = &dense->row[k];
+		struct rb_constraint *row = &dense->row[k];
+		rb_vec3 *const step = &sweep->trace[k].step;
 
-		share.change = fmax(share.change, solve_row(dense, row));
-		share.size += row->inverse_mass_n * rb_vec3_dot(row->step, row->step);
+		share.change = fmax(share.change, solve_row(sweep, k, step));
+		share.size += row->inverse_mass_n * rb_vec3_dot(*step, *step);
 	}
 	return share;
 }
-
-/* ---- acceleration ---- */
-
-/* Differences between sweeps, of one row: of what each changed, and of what each led to. */
-struct rb_sweep_trace {
-	rb_vec3 change, impulse; /* of the last sweep */
-	double max;              /* N s: the largest impulse that it was led to */
-	rb_vec3 more_change[RB_SWEEP_MEMORY], more_impulse[RB_SWEEP_MEMORY];
-};
 
 /* Sums over rows, weighted by their yields. */
 struct sums {
@@ -97,20 +145,20 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 	struct sums sums = {{0}, {0}};
 
 	for (int k = 0; k < sweep->dense->row_count; k++) {
-		const struct rb_system_row *row = &sweep->dense->row[k];
+		const struct rb_constraint *row = &sweep->dense->row[k];
 		struct rb_sweep_trace *trace = &sweep->trace[k];
-		const rb_vec3 impulse = rb_system_impulse(row);
+		const rb_vec3 impulse = rb_constraint_impulse(row);
 		const double weight = row->inverse_mass_n;
 
-		trace->more_change[at] = rb_vec3_sub(row->step, trace->change);
+		trace->more_change[at] = rb_vec3_sub(trace->step, trace->change);
 		trace->more_impulse[at] = rb_vec3_sub(impulse, trace->impulse);
-		trace->change = row->step;
+		trace->change = trace->step;
 		trace->impulse = impulse;
 		for (int j = 0; j < filled; j++) {
 			const rb_vec3 d = rb_vec3_scale(weight, trace->more_change[j]);
 
 			sums.newest[j] += rb_vec3_dot(d, trace->more_change[at]);
-			sums.now[j] += rb_vec3_dot(d, row->step);
+			sums.now[j] += rb_vec3_dot(d, trace->step);
 		}
 	}
 	return sums;
@@ -120,7 +168,7 @@ static struct sums remember_rows(const struct rb_sweep *sweep, int at, int fille
 static void follow_rows(const struct rb_sweep *sweep, const double *mix, int filled)
 {
 	for (int k = 0; k < sweep->dense->row_count; k++) {
-		struct rb_system_row *row = &sweep->dense->row[k];
+		struct rb_constraint *row = &sweep->dense->row[k];
 		const struct rb_sweep_trace *trace = &sweep->trace[k];
 		rb_vec3 extra = {0, 0, 0};
 
@@ -129,23 +177,40 @@ static void follow_rows(const struct rb_sweep *sweep, const double *mix, int fil
 		if (extra.x == 0 && extra.y == 0 && extra.z == 0)
 			continue;
 		const double normal = rb_vec3_dot(extra, row->normal);
+		const bool across = row->friction > 0 || row->set == RB_CONSTRAINT_FREE;
 		/* large mixtures make much of what rounding is across the normal */
-		if (row->friction == 0)
+		if (!across)
 			extra = rb_vec3_scale(normal, row->normal);
-		row->push += normal;
-		if (row->friction > 0)
-			row->friction_impulse = rb_vec3_add(
-				row->friction_impulse,
-				rb_vec3_add_scaled(extra, -normal, row->normal));
-		rb_system_apply(sweep->dense, row, extra);
-		const rb_vec3 led = rb_system_impulse(row);
+		row->impulse.n += normal;
+		if (across)
+			row->impulse.t = rb_vec3_add(
+				row->impulse.t, rb_vec3_add_scaled(extra, -normal, row->normal));
+		rb_constraint_apply(&sweep->dense->bodies, row, extra);
+		const rb_vec3 led = rb_constraint_impulse(row);
 		sweep->trace[k].max = fmax(sweep->trace[k].max, rb_vec3_max_abs(led));
 	}
 }
 
 bool rb_sweep_take(struct rb_sweep *sweep, struct rb_arena *arena)
 {
-	sweep->trace = rb_arena_take(arena, (size_t)sweep->dense->row_count, sizeof *sweep->trace);
+	const struct rb_row_system *const dense = sweep->dense;
+	const size_t rows = (size_t)dense->row_count;
+
+	sweep->trace = rb_arena_take(arena, rows, sizeof *sweep->trace);
+	sweep->inverse = NULL;
+	for (int k = 0; k < dense->row_count && sweep->trace; k++) {
+		if (dense->row[k].set != RB_CONSTRAINT_FREE)
+			continue;
+		if (!sweep->inverse)
+			sweep->inverse = rb_arena_take(arena, rows, sizeof *sweep->inverse);
+		if (!sweep->inverse)
+			return false;
+		const rb_mat3 mass = rb_effective_mass_of(&dense->bodies, &dense->row[k],
+		                                          rb_effective_mass_world);
+		const bool regular = rb_mat3_inverse(&mass, &sweep->inverse[k]);
+
+		RB_ASSERT(regular); /* K of a body that moves, or turns, in all directions */
+	}
 	return sweep->trace != NULL;
 }
 
@@ -222,8 +287,9 @@ static void accelerate(const struct rb_sweep *sweep, struct mixture *m, bool afr
 void rb_sweep_warm(const struct rb_row_system *dense)
 {
 	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].push > 0)
-			rb_system_apply(dense, &dense->row[k], rb_system_impulse(&dense->row[k]));
+		if (dense->row[k].impulse.n > 0 || dense->row[k].set != RB_CONSTRAINT_CONE)
+			rb_constraint_apply(&dense->bodies, &dense->row[k],
+			                    rb_constraint_impulse(&dense->row[k]));
 }
 
 struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
@@ -236,7 +302,7 @@ struct rb_sweep_result rb_sweep_solve(const struct rb_sweep *sweep)
 	for (int k = 0; k < sweep->dense->row_count; k++)
 		sweep->trace[k].max = 0;
 	while (result.sweeps < sweep->max) {
-		const struct share now = solve_rows(sweep->dense);
+		const struct share now = solve_rows(sweep);
 
 		result.sweeps++;
 		result.residual = now.change;
@@ -259,11 +325,11 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 	for (int k = 0; k < member_count; k++)
 		push[k][0] = push[k][1] = 0;
 	for (int k = 0; k < dense->row_count; k++) {
-		const struct rb_system_row *row = &dense->row[k];
+		const struct rb_constraint *row = &dense->row[k];
 		const int ends[2] = {row->a, row->b};
 
 		for (int e = 0; e < 2; e++) {
-			const struct rb_solver_body *body = &dense->body[ends[e]];
+			const struct rb_solver_body *body = &dense->bodies.body[ends[e]];
 			const int at = local[ends[e]];
 
 			if (body->inverse_mass == 0)
@@ -272,7 +338,7 @@ bool rb_sweep_went_far(const struct rb_sweep *sweep, const int *local, double (*
 			if (push[at][1] == 0) /* once a body */
 				push[at][1] = rb_vec3_max_abs(body->linear) / body->inverse_mass;
 			push[at][0] += sweep->trace[k].max;
-			push[at][1] += rb_vec3_max_abs(rb_system_impulse(row));
+			push[at][1] += rb_vec3_max_abs(rb_constraint_impulse(row));
 		}
 	}
 	for (int k = 0; k < member_count; k++)

@@ -2,7 +2,7 @@
 /*
  * Rows by iteration: sweeps of projected Gauss-Seidel, each row set right on its own, accelerated
  * by Anderson's mixture of the last ones (D. G. Anderson, J. ACM 12 (1965) 547), which also copes
- * with how friction and normals meddle.
+ * with how friction and normals meddle. FREE rows are set right in three directions at once.
  *
  * For groups of few rows: these settle soon which of them act, and a mixture then comes close very
  * fast.
@@ -11,7 +11,10 @@
 #define RB_STEPPED_GAUSS_SEIDEL_H
 
 #include "base/arena.h"
-#include "stepped/row.h"
+#include "constraint/row.h"
+
+/* Slip that is left opens no gap and closes none: of a residual it counts by this share. */
+#define RB_SLIP_SHARE 0.3
 
 /* Sweeps that the mixture knows. */
 enum { RB_SWEEP_MEMORY = 4 };
@@ -20,9 +23,11 @@ struct rb_sweep_trace;
 
 struct rb_sweep {
 	const struct rb_row_system *dense;
-	double tolerance;             /* m/s: stops when no row's velocity changes by more */
-	int max;                      /* sweeps */
-	struct rb_sweep_trace *trace; /* [rows]: scratch, rb_sweep_take */
+	double tolerance; /* m/s: stops when no row's velocity changes by more */
+	int max;          /* sweeps */
+	/* [rows]: scratch, rb_sweep_take; inverse: of K of FREE rows, NULL: there are none */
+	struct rb_sweep_trace *trace;
+	rb_mat3 *inverse;
 };
 
 struct rb_sweep_result {

@@ -4,6 +4,7 @@
 #include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
+#include "constraint/effective_mass.h"
 #include "stepped/pivot.h"
 
 /* ---- bodies ---- */
@@ -21,7 +22,7 @@ static void fill_body(struct rb_solver *solver, const struct rb_world *world, in
 {
 	const struct rb_model *model = world->model;
 	const struct rb_state *state = &world->state;
-	struct rb_solver_body *body = &solver->dense.body[i];
+	struct rb_solver_body *body = &solver->dense.bodies.body[i];
 
 	*body = (struct rb_solver_body){.linear = rb_world_row3(state->velocity, i),
 	                                .inverse_mass = model->inverse_mass[i]};
@@ -39,9 +40,9 @@ static void fill_body(struct rb_solver *solver, const struct rb_world *world, in
 
 static void store_body(const struct rb_solver *solver, struct rb_world *world, int i)
 {
-	rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.body[i].linear);
+	rb_vec3_to(world->state.velocity + 3 * (size_t)i, solver->dense.bodies.body[i].linear);
 	if (world->state.spin)
-		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.body[i].angular);
+		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
 }
 
 /* What is done to every body, point or row on its own, in blocks. */
@@ -88,7 +89,7 @@ static void run_pass(struct pass *pass, size_t count, rb_team_work *work)
 
 static bool is_dynamic(const struct rb_solver *solver, int i)
 {
-	return i < solver->body_count && solver->dense.body[i].inverse_mass > 0;
+	return i < solver->body_count && solver->dense.bodies.body[i].inverse_mass > 0;
 }
 
 /* ---- standing still ---- */
@@ -124,7 +125,7 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_step_point 
 	for (int e = 0; e < 2; e++) {
 		if (ends[e] >= solver->body_count || is_dynamic(solver, ends[e]))
 			continue;
-		const struct rb_solver_body *body = &solver->dense.body[ends[e]];
+		const struct rb_solver_body *body = &solver->dense.bodies.body[ends[e]];
 		if (rb_vec3_max_abs(body->linear) > 0 || rb_vec3_max_abs(body->angular) > 0)
 			return true;
 	}
@@ -240,50 +241,6 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 	solver->dense.row_count = row;
 }
 
-/* Adds what a body at that arm yields along unit vectors n, x, y. */
-static void add_inverse_mass(const struct rb_row_system *dense, int body, rb_vec3 arm,
-                             const rb_vec3 axis[3], double inverse_effective_mass[3][3])
-{
-	rb_vec3 turn[3];
-
-	for (int i = 0; i < 3; i++)
-		turn[i] = dense->body[body].inverse_inertia != 0
-		                  ? rb_vec3_cross(rb_system_turn(dense, body,
-		                                                 rb_vec3_cross(arm, axis[i])),
-		                                  arm)
-		                  : (rb_vec3){0, 0, 0};
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			inverse_effective_mass[i][j] += rb_vec3_dot(axis[i], turn[j]) +
-			                                (i == j ? dense->body[body].inverse_mass
-			                                        : 0);
-}
-
-static void fill_dynamic(const struct rb_row_system *dense, struct rb_system_row *row)
-{
-	const struct rb_solver_body *a = &dense->body[row->a], *b = &dense->body[row->b];
-
-	if (row->central) {
-		row->inverse_mass_n = a->inverse_mass + b->inverse_mass;
-		row->inverse_mass_t = row->inverse_mass_n +
-		                      a->inverse_inertia * row->arm_a.x * row->arm_a.x +
-		                      b->inverse_inertia * row->arm_b.x * row->arm_b.x;
-		return;
-	}
-	const rb_vec3 x = rb_vec3_across(row->normal);
-	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
-	double inverse_effective_mass[3][3] = {{0}};
-
-	add_inverse_mass(dense, row->a, row->arm_a, axis, inverse_effective_mass);
-	add_inverse_mass(dense, row->b, row->arm_b, axis, inverse_effective_mass);
-	RB_ASSERT_COSTLY(inverse_effective_mass[0][0] > 0);
-	row->inverse_mass_n = inverse_effective_mass[0][0];
-	row->inverse_mass_t = 0.5 * (inverse_effective_mass[1][1] + inverse_effective_mass[2][2]) +
-	                      hypot(0.5 * (inverse_effective_mass[1][1] -
-	                                   inverse_effective_mass[2][2]),
-	                            inverse_effective_mass[1][2]);
-}
-
 static bool share_face(const struct rb_step_point *p, const struct rb_step_point *q)
 {
 	return p->a == q->a && p->b == q->b && p->normal.x == q->normal.x &&
@@ -313,14 +270,14 @@ static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
  * gaps differ, turning would else ask for different slips of points on one line, and friction would
  * creep on against itself.
  */
-static void level_arms(const struct rb_step_point *nearest, struct rb_system_row *row)
+static void level_arms(const struct rb_step_point *nearest, struct rb_constraint *row)
 {
 	row->arm_a = level(row->arm_a, nearest->arm_a, row->normal);
 	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
 }
 
 /* Those at which impulses act. */
-static void set_arms(const struct pass *pass, struct rb_system_row *row, int number)
+static void set_arms(const struct pass *pass, struct rb_constraint *row, int number)
 {
 	const struct rb_step_point *const point = &pass->points->row[number];
 
@@ -339,29 +296,26 @@ static void set_arms(const struct pass *pass, struct rb_system_row *row, int num
 	}
 }
 
-static void fill_row(const struct pass *pass, struct rb_system_row *row, int number)
+static void fill_row(const struct pass *pass, struct rb_constraint *row, int number)
 {
 	const struct rb_solver *const solver = pass->solver;
 	const struct rb_step_points *const points = pass->points;
 	const struct rb_step_point *const point = &points->row[number];
 
-	*row = (struct rb_system_row){
+	*row = (struct rb_constraint){
 		.a = point->a,
 		.b = point->b < solver->body_count ? point->b : solver->body_count,
-		.point = number,
-		.target_velocity = -(point->gap + point->bend) / solver->h_s,
+		.set = RB_CONSTRAINT_CONE,
 		.friction = point->friction,
-		.push = point->push,
-		/* an impact or a later look may have turned the normal since it was found */
-		.friction_impulse = rb_vec3_reject(point->friction_impulse, point->normal),
+		.target.n = -(point->gap + point->bend) / solver->h_s,
+		.impulse = {point->push,
+	                    /* an impact or a later look may have turned the normal since then */
+	                    rb_vec3_reject(point->friction_impulse, point->normal)},
 	};
 	RB_ASSERT_COSTLY(point->push >= 0 && point->friction >= 0 && solver->h_s > 0);
-	const double max = row->friction * row->push;
-	const double square = rb_vec3_dot(row->friction_impulse, row->friction_impulse);
-	if (square > max * max)
-		row->friction_impulse = rb_vec3_scale(max / sqrt(square), row->friction_impulse);
+	row->impulse.t = rb_constraint_within(row->impulse.t, row->friction * row->impulse.n);
 	set_arms(pass, row, number);
-	fill_dynamic(&solver->dense, row);
+	rb_effective_mass_fill(&solver->dense.bodies, row);
 }
 
 static void fill_rows_block(void *user, int block, int worker)
@@ -370,10 +324,11 @@ static void fill_rows_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		struct rb_system_row fixed_row, *row = &fixed_row;
+		struct rb_constraint fixed_row, *row = &fixed_row;
 
 		if (pass->place[k] >= 0) {
 			row = &pass->solver->dense.row[pass->place[k]];
+			pass->solver->point[pass->place[k]] = k;
 			fill_row(pass, row, k);
 		} else {
 			set_arms(pass, row, k);
@@ -389,11 +344,11 @@ static void store_rows_block(void *user, int block, int worker)
 
 	(void)worker;
 	for (int k = block * PER_BLOCK; k < end_of(pass, block); k++) {
-		const struct rb_system_row *row = &pass->solver->dense.row[k];
-		struct rb_step_point *point = &pass->points->row[row->point];
+		const struct rb_constraint *row = &pass->solver->dense.row[k];
+		struct rb_step_point *point = &pass->points->row[pass->solver->point[k]];
 
-		point->push = row->push;
-		point->friction_impulse = row->friction_impulse;
+		point->push = row->impulse.n;
+		point->friction_impulse = row->impulse.t;
 	}
 }
 
@@ -402,8 +357,11 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	const struct rb_step_points *points = pass->points;
 	int *place = rb_arena_take(&pass->world->arena[0], points->count, sizeof *place);
 
-	if (!place || !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
-	                                 sizeof *solver->dense.row))
+	if (!place ||
+	    !rb_memory_reserve(&solver->dense.row, &solver->row_capacity, points->count,
+	                       sizeof *solver->dense.row) ||
+	    !rb_memory_reserve(&solver->point, &solver->point_capacity, points->count,
+	                       sizeof *solver->point))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", points->count);
 	join_all(solver, points, place);
 	const enum rb_status status = number_groups(solver, points, place, err);
@@ -412,7 +370,7 @@ static enum rb_status prepare(struct rb_solver *solver, struct pass *pass, struc
 	lay_out(solver, points, place);
 	pass->place = place;
 	run_pass(pass, points->count, fill_rows_block);
-	RB_ASSERT_COSTLY(rb_system_is_sound(&solver->dense, solver->body_count + 1));
+	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	return RB_OK;
 }
 
@@ -425,7 +383,7 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 
 	RB_ASSERT(solver->active_count >= 0 && solver->active_count <= solver->body_count);
 	run_pass(&pass, (size_t)solver->active_count, fill_bodies_block);
-	solver->dense.body[solver->body_count] = (struct rb_solver_body){.inverse_mass = 0};
+	solver->dense.bodies.body[solver->body_count] = (struct rb_solver_body){.inverse_mass = 0};
 	const enum rb_status status = prepare(solver, &pass, err);
 	rb_arena_back(arena, here); /* a step may have many tries */
 	return status;
@@ -453,7 +411,7 @@ static void free_unpushed(struct rb_solver *solver)
 		const int i = solver->active[k];
 
 		if (solver->island_of[i] >= 0 && !solver->pushed[i])
-			solver->dense.body[i] = solver->free[i];
+			solver->dense.bodies.body[i] = solver->free[i];
 	}
 }
 
@@ -475,7 +433,7 @@ void rb_islands_end(struct rb_solver *solver, struct rb_world *world, struct rb_
 {
 	struct pass pass = {.solver = solver, .world = world, .points = points};
 
-	RB_ASSERT_COSTLY(rb_system_is_sound(&solver->dense, solver->body_count + 1));
+	RB_ASSERT_COSTLY(rb_row_system_is_sound(&solver->dense, solver->body_count + 1));
 	run_pass(&pass, (size_t)solver->dense.row_count, store_rows_block);
 	note_left(solver);
 	if (solver->tensor) { /* else nobody asks */

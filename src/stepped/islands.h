@@ -9,7 +9,7 @@
 #ifndef RB_STEPPED_ISLANDS_H
 #define RB_STEPPED_ISLANDS_H
 
-#include "stepped/row.h"
+#include "constraint/row.h"
 #include "stepped/contact_points.h"
 
 #include <float.h>
@@ -60,8 +60,9 @@ struct rb_solver {
 	double *left;
 	/* owned, [6 bodies] m/s^2, rad/s^2: forces of the step that found it so */
 	double *rest_external;
+	int *point;               /* owned, [rows]: its place among the points of the step */
 	struct rb_island *island; /* owned */
-	size_t island_count, island_capacity, row_capacity;
+	size_t island_count, island_capacity, row_capacity, point_capacity;
 	const struct rb_state
 		*before; /* borrowed: at the beginning of the step; NULL: positions are closed */
 	const struct rb_kick *kick; /* borrowed: by body; NULL: there have been no impacts */

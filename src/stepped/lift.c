@@ -115,7 +115,7 @@ void rb_lift_turn(struct rb_lift *lift, const struct rb_world *world,
 void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
-	const struct rb_solver_body *body = &solver->dense.body[i];
+	const struct rb_solver_body *body = &solver->dense.bodies.body[i];
 	const struct rb_solver_body momentum = rb_energy_weigh(solver, i, body);
 	double *const way = lift->way + 6 * (size_t)i;
 	double *const aside = world->stepped->aside + 6 * (size_t)i;

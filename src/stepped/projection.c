@@ -317,7 +317,7 @@ static void shift(struct search *search)
 		if (solver->island_of[i] < 0)
 			continue;
 		search->moved[i] = 1;
-		const struct rb_solver_body *body = &solver->dense.body[i];
+		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
 		double *const at = world->state.position + 3 * (size_t)i;
 
 		rb_lift_add(&search->lift, world, i);

@@ -18,7 +18,7 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	const size_t n = (size_t)model->body_count + 1;
 
 	*solver = (struct rb_solver){.body_count = model->body_count};
-	solver->dense.body = rb_memory_take(n, sizeof *solver->dense.body);
+	solver->dense.bodies.body = rb_memory_take(n, sizeof *solver->dense.bodies.body);
 	solver->free = rb_memory_take(n, sizeof *solver->free);
 	solver->parent = rb_memory_take(n, sizeof *solver->parent);
 	solver->island_of = rb_memory_take(n, sizeof *solver->island_of);
@@ -32,8 +32,8 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 	solver->rest_external = rb_memory_take(6 * n, sizeof *solver->rest_external);
 	if (model->features & RB_FEATURE_GYROSCOPIC)
 		solver->tensor = rb_memory_take(n, sizeof *solver->tensor);
-	solver->dense.tensor = solver->tensor;
-	if (solver->dense.body && solver->free && solver->parent && solver->island_of &&
+	solver->dense.bodies.tensor = solver->tensor;
+	if (solver->dense.bodies.body && solver->free && solver->parent && solver->island_of &&
 	    solver->member && solver->local && solver->reach && solver->pushed && solver->rests &&
 	    solver->asleep && solver->left && solver->rest_external &&
 	    (solver->tensor || !(model->features & RB_FEATURE_GYROSCOPIC))) {
@@ -53,8 +53,9 @@ enum rb_status rb_solver_create(struct rb_solver *solver, const struct rb_model 
 
 void rb_solver_release(struct rb_solver *solver)
 {
-	rb_memory_free(solver->dense.body);
+	rb_memory_free(solver->dense.bodies.body);
 	rb_memory_free(solver->dense.row);
+	rb_memory_free(solver->point);
 	rb_memory_free(solver->tensor);
 	rb_memory_free(solver->free);
 	rb_memory_free(solver->parent);
@@ -182,7 +183,7 @@ static bool take_earlier(const struct rb_solver *solver, struct rb_arena *arena,
 	earlier->island = rb_arena_take(arena, solver->island_count + 1, sizeof *earlier->island);
 	if (!earlier->body || !earlier->island_of || !earlier->island)
 		return false;
-	memcpy(earlier->body, solver->dense.body, n * sizeof *earlier->body);
+	memcpy(earlier->body, solver->dense.bodies.body, n * sizeof *earlier->body);
 	memcpy(earlier->island_of, solver->island_of, n * sizeof *earlier->island_of);
 	if (solver->island_count > 0)
 		memcpy(earlier->island, solver->island,
@@ -209,7 +210,7 @@ static void put_back(struct rb_solver *solver, const struct earlier *earlier,
 		island->slip = was->slip;
 		island->energy_budget = was->energy_budget;
 		for (int k = 0; k < island->member_count; k++)
-			solver->dense.body[member[k]] = earlier->body[member[k]];
+			solver->dense.bodies.body[member[k]] = earlier->body[member[k]];
 	}
 }
 
@@ -275,10 +276,10 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 
 		island->rebounds = false;
 		for (int k = 0; k < island->row_count && !island->rests; k++) {
-			const struct rb_system_row *row = &solver->dense.row[island->first_row + k];
+			const int number = solver->point[island->first_row + k];
 
 			island->rebounds = island->rebounds ||
-			                   rebounds(solver, &points->row[row->point]);
+			                   rebounds(solver, &points->row[number]);
 		}
 		any = any || island->rebounds;
 	}
@@ -287,31 +288,32 @@ enum rb_status rb_solver_rebound(struct rb_solver *solver, struct rb_world *worl
 	RB_ASSERT(rebound != NULL);
 	solver->before = NULL; /* who rebounds does not rest */
 	for (int k = 0; k < solver->active_count; k++)
-		solver->free[solver->active[k]] = solver->dense.body[solver->active[k]];
+		solver->free[solver->active[k]] = solver->dense.bodies.body[solver->active[k]];
 	for (int k = 0; k < solver->dense.row_count; k++) {
-		struct rb_system_row *row = &solver->dense.row[k];
-		const struct rb_step_point *point = &points->row[row->point];
-		const double now = rb_vec3_dot(rb_system_velocity(&solver->dense, row),
+		struct rb_constraint *row = &solver->dense.row[k];
+		const struct rb_step_point *point = &points->row[solver->point[k]];
+		const double now = rb_vec3_dot(rb_constraint_velocity(&solver->dense.bodies, row),
 		                               row->normal);
 
 		/*
 		 * what has not touched stays apart; what has, does not close faster than it was
 		 * left to
 		 */
-		row->target_velocity = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
+		row->target.n = point->push > 0 ? fmin(now, 0) : -(double)INFINITY;
 		if (rebounds(solver, point))
-			row->target_velocity = fmax(0, point->restitution * point->approach);
-		rb_system_clear(row);
+			row->target.n = fmax(0, point->restitution * point->approach);
+		rb_constraint_clear(row);
 	}
 	if (!solve_all(&work))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the impacts of a step");
 	add_rebound(solver, world);
 	for (int k = 0; k < solver->dense.row_count; k++) {
-		const struct rb_system_row *row = &solver->dense.row[k];
+		const struct rb_constraint *row = &solver->dense.row[k];
 		const struct rb_island *island = &solver->island[solver->island_of[row->a]];
 
 		if (island->rebounds)
-			rebound[row->point] = rb_vec3_scale(island->share, rb_system_impulse(row));
+			rebound[solver->point[k]] = rb_vec3_scale(island->share,
+			                                          rb_constraint_impulse(row));
 	}
 	return RB_OK;
 }

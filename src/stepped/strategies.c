@@ -57,7 +57,7 @@ static void apply_again(const struct rb_solver *solver, const struct rb_island *
 	for (int k = 0; k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
 
-		dense->body[i] = solver->free[i];
+		dense->bodies.body[i] = solver->free[i];
 	}
 	rb_sweep_warm(dense);
 }
@@ -90,7 +90,7 @@ static bool try_factors(const struct rb_solver *solver, struct rb_island *island
 	                                 .slip_tolerance = solver->tolerance,
 	                                 .max = fmin(share * (double)dense->row_count, factors_max),
 	                                 .arena = arena};
-	struct rb_system_row *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
+	struct rb_constraint *kept = rb_arena_take(arena, (size_t)dense->row_count, sizeof *kept);
 
 	if (!kept)
 		return false;
@@ -193,7 +193,7 @@ static double fastest(const struct rb_solver *solver, const struct rb_island *is
 
 	for (int k = 0; k < island->member_count && square <= max; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_solver_body *body = &solver->dense.body[i];
+		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
 		const size_t at = 3 * (size_t)i;
 		rb_vec3 v = body->linear, w = body->angular;
 
@@ -247,10 +247,11 @@ static bool goes_along(const struct rb_solver *solver, const struct rb_island *i
 	bool sticks = island->carried;
 
 	for (int k = 0; k < dense->row_count && sticks; k++) {
-		const struct rb_system_row *row = &dense->row[k];
-		const rb_vec3 u = rb_system_velocity(dense, row);
+		const struct rb_constraint *row = &dense->row[k];
+		const rb_vec3 u = rb_constraint_velocity(&dense->bodies, row);
 
-		sticks = row->push == 0 || rb_vec3_length(rb_vec3_reject(u, row->normal)) <= max;
+		sticks = row->impulse.n == 0 ||
+		         rb_vec3_length(rb_vec3_reject(u, row->normal)) <= max;
 	}
 	return sticks;
 }
@@ -286,8 +287,8 @@ static void skip_alone(const struct rb_solver *solver, const struct rb_row_syste
 	const double max = let_share * solver->tolerance / sweep_share;
 
 	for (int k = 0; k < dense->row_count; k++)
-		if (dense->row[k].target_velocity >= -max)
-			dense->row[k].target_velocity = 0;
+		if (dense->row[k].target.n >= -max)
+			dense->row[k].target.n = 0;
 }
 
 /* ---- coming to rest ---- */
@@ -296,7 +297,7 @@ static void stop(const struct rb_solver *solver, const struct rb_island *island)
 {
 	for (int k = 0; k < island->member_count; k++) {
 		struct rb_solver_body *body =
-			&solver->dense.body[solver->member[island->first_member + k]];
+			&solver->dense.bodies.body[solver->member[island->first_member + k]];
 
 		body->linear = body->angular = (rb_vec3){0, 0, 0};
 	}
@@ -313,7 +314,7 @@ static void find_rest(const struct rb_solver *solver, const struct rb_island *is
 
 	for (int k = 0; rests && k < island->member_count; k++) {
 		const int i = solver->member[island->first_member + k];
-		const struct rb_solver_body *body = &solver->dense.body[i];
+		const struct rb_solver_body *body = &solver->dense.bodies.body[i];
 		const double reach = solver->reach[i];
 		const size_t at = 3 * (size_t)i;
 
@@ -347,7 +348,7 @@ static bool is_stiff(const struct rb_solver *solver, const struct rb_island *isl
 
 	for (int k = 0; k < island->member_count; k++) {
 		const struct rb_solver_body *body =
-			&solver->dense.body[solver->member[island->first_member + k]];
+			&solver->dense.bodies.body[solver->member[island->first_member + k]];
 
 		least = fmin(least, body->inverse_mass);
 		max = fmax(max, body->inverse_mass);
@@ -371,7 +372,7 @@ static struct rb_energy push_less(const struct rb_solver *solver, struct rb_isla
 	const bool solved = island->residual <= solver->tolerance;
 
 	for (int k = 0; good && k < dense->row_count; k++)
-		dense->row[k].target_velocity = fmin(dense->row[k].target_velocity, 0);
+		dense->row[k].target.n = fmin(dense->row[k].target.n, 0);
 	if (!good || !rb_sweeper_take(&sweeper, arena)) {
 		island->residual = (double)INFINITY; /* no memory: taken back */
 		return none;
@@ -449,10 +450,10 @@ static bool start_over(const struct rb_solver *solver, struct rb_island *island,
 	struct rb_sweeper sweeper = sweeper_of(solver, island, dense, NULL);
 
 	for (int k = 0; k < dense->row_count; k++) {
-		struct rb_system_row *row = &dense->row[k];
+		struct rb_constraint *row = &dense->row[k];
 
-		rb_system_clear(row);
-		row->target_velocity = fmin(row->target_velocity, 0);
+		rb_constraint_clear(row);
+		row->target.n = fmin(row->target.n, 0);
 	}
 	apply_again(solver, island, dense);
 	const bool good = rb_sweeper_take(&sweeper, arena) &&
@@ -614,7 +615,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	                            .standing = stood(solver, island)};
 	if (trial.standing)
 		skip_alone(solver, &rows);
-	RB_ASSERT_COSTLY(rb_system_is_sound(&rows, solver->body_count + 1));
+	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
 	const int strategy = choose(&trial);
 	const bool is_close = strategy == 0;
 	bool good = strategy < STRATEGIES;
@@ -627,7 +628,7 @@ void rb_strategies_solve(const struct rb_solver *solver, struct rb_island *islan
 	}
 	if (solver->before)
 		keep_energy(solver, island, &rows, arena);
-	RB_ASSERT_COSTLY(rb_system_is_sound(&rows, solver->body_count + 1));
+	RB_ASSERT_COSTLY(rb_row_system_is_sound(&rows, solver->body_count + 1));
 	RB_ASSERT(!(island->residual < 0) && island->energy_budget >= 0);
 	find_rest(solver, island);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/sweeper.h"
 
+#include <stdint.h>
 #include <string.h>
 
 enum { COLOURS_MAX = 64 };
@@ -21,14 +22,15 @@ struct colours {
 /* Where a body that yields keeps its colours, as bits; NULL: it does not yield. */
 static uint64_t *taken_of(const struct rb_sweeper *sweeper, uint64_t *taken, int body)
 {
-	return sweeper->dense->body[body].inverse_mass > 0 ? &taken[sweeper->local[body]] : NULL;
+	return sweeper->dense->bodies.body[body].inverse_mass > 0 ? &taken[sweeper->local[body]]
+	                                                          : NULL;
 }
 
 static void choose(const struct rb_sweeper *sweeper, struct colours *colours, uint64_t *taken,
                    unsigned char *colour)
 {
 	for (int k = 0; k < sweeper->dense->row_count; k++) {
-		const struct rb_system_row *row = &sweeper->dense->row[k];
+		const struct rb_constraint *row = &sweeper->dense->row[k];
 		uint64_t *const of_a = taken_of(sweeper, taken, row->a);
 		uint64_t *const of_b = taken_of(sweeper, taken, row->b);
 		const uint64_t left = ~((of_a ? *of_a : 0) | (of_b ? *of_b : 0));
@@ -91,7 +93,8 @@ bool rb_sweeper_take(struct rb_sweeper *sweeper, struct rb_arena *arena)
 
 	sweeper->central = is_central(sweeper->dense);
 	sweeper->wide = sweeper->dense->row_count >=
-	                (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS);
+	                        (sweeper->central ? RB_WIDE_CENTRAL_ROWS : RB_WIDE_ROWS) &&
+	                rb_row_system_is_of_contacts(sweeper->dense);
 	if (!sweeper->wide) {
 		sweeper->one = (struct rb_sweep){.dense = sweeper->dense};
 		sweeper->push = rb_arena_take(arena, (size_t)sweeper->member_count + 1,

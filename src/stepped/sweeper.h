@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /*
  * Sweeps over the rows of one group: packs of rows (stepped/wide) in an order of colours where
- * there are enough, else one row at a time (stepped/gauss_seidel). Made for one solution; memory is
- * the arena's.
+ * there are enough and all are contacts, else one row at a time (stepped/gauss_seidel). Made for
+ * one solution; memory is the arena's.
  */
 #ifndef RB_STEPPED_SWEEPER_H
 #define RB_STEPPED_SWEEPER_H

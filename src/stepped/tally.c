@@ -68,8 +68,8 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 	/* the state's spin has turned with the body since; what stands has not been looked at */
 	body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
 	if (!sleeps) {
-		body->end[0] = s->solver.dense.body[i].linear;
-		body->end[1] = s->solver.dense.body[i].angular;
+		body->end[0] = s->solver.dense.bodies.body[i].linear;
+		body->end[1] = s->solver.dense.bodies.body[i].angular;
 	}
 	for (int m = 0; m < 2; m++)
 		body->mean[m] = rb_vec3_scale(0.5, rb_vec3_add(body->begin[m], body->end[m]));

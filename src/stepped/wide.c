@@ -330,9 +330,9 @@ struct work {
 };
 
 static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int i,
-                      const struct rb_system_row *row)
+                      const struct rb_constraint *row)
 {
-	const struct rb_solver_body *body = wide->dense->body;
+	const struct rb_solver_body *body = wide->dense->bodies.body;
 
 	pack->a[i] = row->a;
 	pack->b[i] = row->b;
@@ -346,14 +346,14 @@ static void fill_lane(const struct rb_wide *wide, struct rb_wide_pack *pack, int
 	pack->inverse_mass_n[i] = row->inverse_mass_n;
 	pack->inverse_mass_t[i] = row->inverse_mass_t;
 	pack->inverse_n[i] = 1 / row->inverse_mass_n;
-	pack->target_velocity[i] = row->target_velocity;
+	pack->target_velocity[i] = row->target.n;
 	pack->friction[i] = row->friction;
 }
 
 static void fill_tensor(const struct rb_row_system *dense, int body, lanes *tensor, int i)
 {
-	const double inverse = dense->body[body].inverse_inertia;
-	const rb_mat3 own = isnan(inverse) ? dense->tensor[body]
+	const double inverse = dense->bodies.body[body].inverse_inertia;
+	const rb_mat3 own = isnan(inverse) ? dense->bodies.tensor[body]
 	                                   : rb_mat3_diagonal(inverse, inverse, inverse);
 
 	tensor[0][i] = own.m[0][0];
@@ -367,15 +367,15 @@ static void fill_tensor(const struct rb_row_system *dense, int body, lanes *tens
 /* Velocity at the point by turning that a unit impulse along the normal makes. */
 static rb_vec3 skew_of(const struct rb_row_system *dense, int body, rb_vec3 arm, rb_vec3 normal)
 {
-	if (dense->body[body].inverse_inertia == 0)
+	if (dense->bodies.body[body].inverse_inertia == 0)
 		return (rb_vec3){0, 0, 0};
-	return rb_vec3_cross(rb_system_turn(dense, body, rb_vec3_cross(arm, normal)), arm);
+	return rb_vec3_cross(rb_solver_turn(&dense->bodies, body, rb_vec3_cross(arm, normal)), arm);
 }
 
 static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int i,
-                      const struct rb_system_row *row)
+                      const struct rb_constraint *row)
 {
-	const rb_vec3 arm_a = rb_system_arm_a(row), arm_b = rb_system_arm_b(row);
+	const rb_vec3 arm_a = rb_constraint_arm_a(row), arm_b = rb_constraint_arm_b(row);
 
 	turn->arm_a.x[i] = arm_a.x;
 	turn->arm_a.y[i] = arm_a.y;
@@ -394,25 +394,25 @@ static void fill_turn(const struct rb_wide *wide, struct rb_wide_turn *turn, int
 	fill_tensor(wide->dense, row->b, turn->tensor_b, i);
 }
 
-static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_system_row *row, bool holds)
+static void load_lane(struct rb_wide_pack *pack, int i, const struct rb_constraint *row, bool holds)
 {
 	const bool rubs = row->friction > 0;
 
-	pack->push[i] = row->push;
-	pack->friction_impulse.x[i] = row->friction_impulse.x;
-	pack->friction_impulse.y[i] = row->friction_impulse.y;
-	pack->friction_impulse.z[i] = row->friction_impulse.z;
+	pack->push[i] = row->impulse.n;
+	pack->friction_impulse.x[i] = row->impulse.t.x;
+	pack->friction_impulse.y[i] = row->impulse.t.y;
+	pack->friction_impulse.z[i] = row->impulse.t.z;
 	pack->extra.x[i] = pack->extra.y[i] = pack->extra.z[i] = 0;
 	pack->count[i] = 0;
 	pack->inverse_t[i] = rubs && !holds ? 1 / row->inverse_mass_t : 0;
-	pack->least[i] = rubs && holds ? rb_vec3_length(row->friction_impulse) / row->friction : 0;
+	pack->least[i] = rubs && holds ? rb_vec3_length(row->impulse.t) / row->friction : 0;
 }
 
-static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_system_row *row)
+static void store_lane(const struct rb_wide_pack *pack, int i, struct rb_constraint *row)
 {
-	row->push = pack->push[i];
-	row->friction_impulse = (rb_vec3){pack->friction_impulse.x[i], pack->friction_impulse.y[i],
-	                                  pack->friction_impulse.z[i]};
+	row->impulse.n = pack->push[i];
+	row->impulse.t = (rb_vec3){pack->friction_impulse.x[i], pack->friction_impulse.y[i],
+	                           pack->friction_impulse.z[i]};
 }
 
 /* The rows of a pack are those of its colour from `at` on, as far as there are. */
@@ -429,7 +429,7 @@ static void carry_pack(const struct rb_wide *wide, int k, enum task task, int at
 			pack->a[i] = pack->b[i] = wide->fixed;
 	}
 	for (int i = 0; i < count; i++) {
-		struct rb_system_row *row = &wide->dense->row[wide->order[at + i]];
+		struct rb_constraint *row = &wide->dense->row[wide->order[at + i]];
 
 		if (task == FILL)
 			fill_lane(wide, pack, i, row);
@@ -456,7 +456,7 @@ static void carry_packs(const struct rb_wide *wide, enum task task, int colour, 
 
 ALWAYS double run_kind(const struct rb_wide *wide, bool turns, double lead, int first, int end)
 {
-	struct rb_solver_body *body = wide->dense->body;
+	struct rb_solver_body *body = wide->dense->bodies.body;
 	double max = 0;
 
 	for (int k = first; k < end; k++) {

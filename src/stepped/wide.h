@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Rows by iteration, four at a time: sweeps as in stepped/gauss_seidel over packs of rows that
- * share no body, each impulse then led on along the way it goes (Nesterov's momentum, Soviet Math.
- * Doklady 27 (1983) 372, for each row on its own: a row that turns round loses half of what it has
- * gathered, B. O'Donoghue and E. Candes, Found. Comput. Math. 15 (2015) 715).
+ * Contacts (CONE rows) by iteration, four at a time: sweeps as in stepped/gauss_seidel over packs
+ * of rows that share no body, each impulse then led on along the way it goes (Nesterov's momentum,
+ * Soviet Math. Doklady 27 (1983) 372, for each row on its own: a row that turns round loses half of
+ * what it has gathered, B. O'Donoghue and E. Candes, Found. Comput. Math. 15 (2015) 715).
  *
  * Jammed heaps have rows enough that change their face in every sweep; a mixture of earlier sweeps
  * has then to be forgotten as often, momentum has not. Blocks are of packs, so what comes out does

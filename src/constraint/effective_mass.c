@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+#include "constraint/effective_mass.h"
+
+#include "base/error.h"
+
+const rb_vec3 rb_effective_mass_world[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+
+void rb_effective_mass_add(const struct rb_solver_bodies *bodies, int i, rb_vec3 arm,
+                           const rb_vec3 axis[3], rb_mat3 *k)
+{
+	const struct rb_solver_body *const body = &bodies->body[i];
+	rb_vec3 turn[3];
+
+	for (int c = 0; c < 3; c++)
+		turn[c] = body->inverse_inertia != 0
+		                  ? rb_vec3_cross(
+					    rb_solver_turn(bodies, i, rb_vec3_cross(arm, axis[c])),
+					    arm)
+		                  : (rb_vec3){0, 0, 0};
+	for (int r = 0; r < 3; r++)
+		for (int c = 0; c < 3; c++)
+			k->m[r][c] += rb_vec3_dot(axis[r], turn[c]) +
+			              (r == c ? body->inverse_mass : 0);
+}
+
+/* Adds what a body gives way to a couple by. */
+static void add_couple(const struct rb_solver_bodies *bodies, int i, double lever,
+                       const rb_vec3 axis[3], rb_mat3 *k)
+{
+	if (bodies->body[i].inverse_inertia == 0)
+		return;
+	for (int c = 0; c < 3; c++) {
+		const rb_vec3 turn = rb_solver_turn(bodies, i, axis[c]);
+
+		for (int r = 0; r < 3; r++)
+			k->m[r][c] += lever * lever * rb_vec3_dot(axis[r], turn);
+	}
+}
+
+rb_mat3 rb_effective_mass_of(const struct rb_solver_bodies *bodies, const struct rb_constraint *row,
+                             const rb_vec3 axis[3])
+{
+	rb_mat3 k = {{{0}}};
+
+	if (row->couple) {
+		add_couple(bodies, row->a, row->arm_a.x, axis, &k);
+		add_couple(bodies, row->b, row->arm_a.x, axis, &k);
+		return k;
+	}
+	rb_effective_mass_add(bodies, row->a, rb_constraint_arm_a(row), axis, &k);
+	rb_effective_mass_add(bodies, row->b, rb_constraint_arm_b(row), axis, &k);
+	return k;
+}
+
+void rb_effective_mass_fill(const struct rb_solver_bodies *bodies, struct rb_constraint *row)
+{
+	const struct rb_solver_body *a = &bodies->body[row->a], *b = &bodies->body[row->b];
+
+	if (row->central) {
+		row->inverse_mass_n = a->inverse_mass + b->inverse_mass;
+		row->inverse_mass_t = row->inverse_mass_n +
+		                      a->inverse_inertia * row->arm_a.x * row->arm_a.x +
+		                      b->inverse_inertia * row->arm_b.x * row->arm_b.x;
+		return;
+	}
+	const rb_vec3 x = rb_vec3_across(row->normal);
+	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
+	const rb_mat3 k = rb_effective_mass_of(bodies, row, axis);
+
+	RB_ASSERT_COSTLY(k.m[0][0] > 0);
+	row->inverse_mass_n = k.m[0][0];
+	row->inverse_mass_t = rb_effective_mass_across(&k);
+}
