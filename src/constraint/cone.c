@@ -4,6 +4,8 @@
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
+#include "constraint/effective_mass.h"
 #include "constraint/exact_sum.h"
 
 enum {
@@ -38,13 +40,22 @@ static void add_dynamic(const struct rb_solver_bodies *bodies, int i, rb_vec3 ar
 {
 	const struct rb_solver_body *const body = &bodies->body[i];
 	const double spin = largest_turn(bodies, i);
-	const rb_vec3 lever = rb_vec3_cross(arm, row->normal);
+
+	if (row->base.couple) {
+		const double square = row->base.arm_a.x * row->base.arm_a.x;
+		const rb_vec3 turn = rb_solver_turn(bodies, i, row->base.normal);
+
+		row->bound_n += 2 * rows * square * rb_vec3_dot(row->base.normal, turn);
+		row->bound_t += 2 * rows * square * spin;
+		return;
+	}
+	const rb_vec3 lever = rb_vec3_cross(arm, row->base.normal);
 	const double along = rb_vec3_dot(lever, lever), whole = rb_vec3_dot(arm, arm);
 	const double count = rows * (isnan(body->inverse_inertia) || along > 1e-12 * whole ? 2 : 1);
 
-	row->inverse_mass_n += count * (body->inverse_mass +
-	                                rb_vec3_dot(lever, rb_solver_turn(bodies, i, lever)));
-	row->inverse_mass_t += count * (body->inverse_mass + spin * whole);
+	row->bound_n += count *
+	                (body->inverse_mass + rb_vec3_dot(lever, rb_solver_turn(bodies, i, lever)));
+	row->bound_t += count * (body->inverse_mass + spin * whole);
 }
 
 static bool take_scratch(struct rb_cone *cone, int largest)
@@ -87,8 +98,11 @@ bool rb_cone_open(struct rb_cone *cone)
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
-		first[row->a + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->a]);
-		first[row->b + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->b]);
+		RB_ASSERT_COSTLY(!row->base.central);
+		RB_ASSERT_COSTLY(row->base.set == RB_CONSTRAINT_CONE ||
+		                 (row->base.friction == 0 && !row->slide && !row->given));
+		first[row->base.a + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->base.a]);
+		first[row->base.b + 2] += rb_solver_is_dynamic(&cone->bodies.body[row->base.b]);
 	}
 	for (int i = 2; i <= cone->body_count + 1; i++) {
 		largest = first[i] > largest ? first[i] : largest;
@@ -97,51 +111,46 @@ bool rb_cone_open(struct rb_cone *cone)
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
-		if (rb_solver_is_dynamic(&cone->bodies.body[row->a]))
-			cone->entry[first[row->a + 1]++] = 2 * k;
-		if (rb_solver_is_dynamic(&cone->bodies.body[row->b]))
-			cone->entry[first[row->b + 1]++] = 2 * k + 1;
+		if (rb_solver_is_dynamic(&cone->bodies.body[row->base.a]))
+			cone->entry[first[row->base.a + 1]++] = 2 * k;
+		if (rb_solver_is_dynamic(&cone->bodies.body[row->base.b]))
+			cone->entry[first[row->base.b + 1]++] = 2 * k + 1;
 	}
 	for (int k = 0; k < cone->row_count; k++) {
 		struct rb_cone_row *row = &cone->row[k];
 
-		row->inverse_mass_n = row->inverse_mass_t = 0;
-		add_dynamic(&cone->bodies, row->a, row->arm_a, first[row->a + 1] - first[row->a],
-		            row);
-		double n = row->inverse_mass_n, t = row->inverse_mass_t;
-		row->inverse_mass_n = row->inverse_mass_t = 0;
-		add_dynamic(&cone->bodies, row->b, row->arm_b, first[row->b + 1] - first[row->b],
-		            row);
-		row->inverse_mass_n += n;
-		row->inverse_mass_t += t;
+		row->bound_n = row->bound_t = 0;
+		add_dynamic(&cone->bodies, row->base.a, row->base.arm_a,
+		            first[row->base.a + 1] - first[row->base.a], row);
+		double n = row->bound_n, t = row->bound_t;
+		row->bound_n = row->bound_t = 0;
+		add_dynamic(&cone->bodies, row->base.b, row->base.arm_b,
+		            first[row->base.b + 1] - first[row->base.b], row);
+		row->bound_n += n;
+		row->bound_t += t;
 	}
 	return take_scratch(cone, largest);
 }
 
-static rb_cone_pair split(const struct rb_cone_row *row, rb_vec3 v)
+rb_along_across rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row)
 {
-	const double n = rb_vec3_dot(v, row->normal);
+	const struct rb_solver_body *a = &cone->bodies.body[row->base.a],
+				    *b = &cone->bodies.body[row->base.b];
+	const rb_vec3 of_a = rb_solver_point_velocity(a, row->base.arm_a);
+	const rb_vec3 of_b = rb_solver_point_velocity(b, row->base.arm_b);
 
-	return (rb_cone_pair){n, rb_vec3_add_scaled(v, -n, row->normal)};
-}
+	const rb_vec3 v = row->base.couple ? rb_constraint_velocity(&cone->bodies, &row->base)
+	                                   : rb_vec3_sub(of_b, of_a);
+	rb_along_across u = rb_constraint_split(&row->base, rb_vec3_add(v, row->bias));
 
-static rb_vec3 joined(const struct rb_cone_row *row, rb_cone_pair p)
-{
-	return rb_vec3_add_scaled(p.t, p.n, row->normal);
-}
-
-rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row)
-{
-	const struct rb_solver_body *a = &cone->bodies.body[row->a],
-				    *b = &cone->bodies.body[row->b];
-	const rb_vec3 of_a = rb_solver_point_velocity(a, row->arm_a);
-	const rb_vec3 of_b = rb_solver_point_velocity(b, row->arm_b);
-
-	return split(row, rb_vec3_add(rb_vec3_sub(of_b, of_a), row->bias));
+	u.n -= row->base.target.n;
+	if (row->base.set == RB_CONSTRAINT_FREE)
+		u.t = rb_vec3_sub(u.t, row->base.target.t);
+	return u;
 }
 
 /* Increments of all bodies by impulses on all rows. */
-void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse)
+void rb_cone_respond(struct rb_cone *cone, const rb_along_across *impulse)
 {
 	cone->iterations++;
 	for (int i = 0; i < cone->body_count; i++) {
@@ -154,12 +163,16 @@ void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse)
 		for (int e = 0; e < count; e++) {
 			const int code = cone->entry[cone->first[i] + e];
 			const struct rb_cone_row *row = &cone->row[code / 2];
-			rb_vec3 j = joined(row, impulse[code / 2]);
+			rb_vec3 j = rb_constraint_joined(&row->base, impulse[code / 2]);
 
 			if (code % 2 == 0)
 				j = rb_vec3_neg(j);
-			const rb_vec3 torque = rb_vec3_cross(
-				code % 2 == 0 ? row->arm_a : row->arm_b, j);
+			const rb_vec3 arm = code % 2 == 0 ? row->base.arm_a : row->base.arm_b;
+			const rb_vec3 torque = row->base.couple
+			                               ? rb_vec3_scale(row->base.arm_a.x, j)
+			                               : rb_vec3_cross(arm, j);
+			if (row->base.couple)
+				j = (rb_vec3){0, 0, 0};
 			term[e] = j.x;
 			term[e + count] = j.y;
 			term[e + 2 * count] = j.z;
@@ -193,33 +206,38 @@ static void commit(struct rb_cone *cone)
 	}
 }
 
-void rb_cone_apply_normal(struct rb_cone *cone, const rb_cone_pair *impulse)
+void rb_cone_apply_normal(struct rb_cone *cone, const rb_along_across *impulse)
 {
 	rb_cone_respond(cone, impulse);
 	commit(cone);
 	for (int k = 0; k < cone->row_count; k++) {
-		rb_cone_pair *const p = &cone->row[k].impulse;
+		rb_along_across *const p = &cone->row[k].base.impulse;
 
 		p->n += impulse[k].n;
 		p->t = rb_vec3_add(p->t, impulse[k].t);
 	}
 }
 
-/* What the increments do to a row. */
-rb_cone_pair rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row)
+/* What the increments do to the point of body i at that arm, or to its turning by a lever. */
+static rb_vec3 felt_by(const struct rb_cone *cone, const struct rb_constraint *row, int i,
+                       rb_vec3 arm)
 {
-	rb_vec3 of_a = {0, 0, 0}, of_b = {0, 0, 0};
-
-	if (cone->first[row->a + 1] > cone->first[row->a])
-		of_a = rb_vec3_add(cone->linear[row->a],
-		                   rb_vec3_cross(cone->angular[row->a], row->arm_a));
-	if (cone->first[row->b + 1] > cone->first[row->b])
-		of_b = rb_vec3_add(cone->linear[row->b],
-		                   rb_vec3_cross(cone->angular[row->b], row->arm_b));
-	return split(row, rb_vec3_sub(of_b, of_a));
+	if (!(cone->first[i + 1] > cone->first[i]))
+		return (rb_vec3){0, 0, 0};
+	if (row->couple)
+		return rb_vec3_scale(row->arm_a.x, cone->angular[i]);
+	return rb_vec3_add(cone->linear[i], rb_vec3_cross(cone->angular[i], arm));
 }
 
-double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
+rb_along_across rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row)
+{
+	const struct rb_constraint *const own = &row->base;
+
+	return rb_constraint_split(own, rb_vec3_sub(felt_by(cone, own, own->b, own->arm_b),
+	                                            felt_by(cone, own, own->a, own->arm_a)));
+}
+
+double rb_cone_dot(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b)
 {
 	for (int k = 0; k < cone->row_count; k++)
 		cone->term[k] = a[k].n * b[k].n + rb_vec3_dot(a[k].t, b[k].t);
@@ -230,10 +248,10 @@ double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pa
  * The same in the metric in which a row's step is as large as what it does: rows of heavy and light
  * bodies compare.
  */
-double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b)
+double rb_cone_weighted(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b)
 {
 	for (int k = 0; k < cone->row_count; k++)
-		cone->term[k] = cone->row[k].inverse_mass_n * (a[k].n * b[k].n) +
-		                cone->row[k].inverse_mass_t * rb_vec3_dot(a[k].t, b[k].t);
+		cone->term[k] = cone->row[k].bound_n * (a[k].n * b[k].n) +
+		                cone->row[k].bound_t * rb_vec3_dot(a[k].t, b[k].t);
 	return rb_exact_sum(cone->term, cone->row_count);
 }

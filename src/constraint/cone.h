@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Contacts between bodies as one complementarity problem: velocities (or accelerations) and
- * impulses (or forces).
+ * Contacts and other constraints between bodies as one complementarity problem: velocities (or
+ * accelerations) and impulses (or forces).
  *
- * For every row, with u the relative velocity of its points plus its bias: u_n >= 0, push >= 0, one
- * of them zero; across the normal no velocity, or friction at the cone against it (`slide`: against
- * `slip`, whatever it is; `given`: the push is what it is, and friction is bounded by it). Solved
- * on the bodies' velocities themselves, which only ever get increments, so that they are right also
- * where impulses nearly cancel (a light body between heavy ones). Arithmetic is free of order and
- * of handedness (constraint/exact_sum; nothing is used before all of it is found).
+ * For every row, with u the relative velocity of its points plus its bias less its target, what
+ * constraint/row says of its set. CONE: u_n >= 0, push >= 0, one of them zero; across the normal no
+ * velocity, or friction at the cone against it (`slide`: against `slip`, whatever it is; `given`:
+ * the push is what it is, and friction is bounded by it). FREE: u = 0, always closed and sticking.
+ * INTERVAL: u_n = 0 while its impulse is between its bounds. The two leave the problem convex.
+ *
+ * Solved on the bodies' velocities themselves, which only ever get increments, so that they are
+ * right also where impulses nearly cancel (a light body between heavy ones). Arithmetic is free of
+ * order and of handedness (constraint/exact_sum; nothing is used before all of it is found).
  *
  * All arrays are the caller's or from its arena; rb_cone_open fills the scratch, which ends with
  * the arena's mark.
@@ -19,13 +22,7 @@
 #include <stdbool.h>
 
 #include "base/arena.h"
-#include "constraint/body.h"
-
-/* Along the normal and across it. */
-typedef struct {
-	double n;
-	rb_vec3 t;
-} rb_cone_pair;
+#include "constraint/row.h"
 
 /*
  * What is asked of a row across its normal: the impulse is known; no slip; at the cone; push times
@@ -34,19 +31,18 @@ typedef struct {
 enum rb_cone_apply_friction { RB_CONE_KNOWN, RB_CONE_STICK, RB_CONE_SLIP, RB_CONE_FOLLOW };
 
 struct rb_cone_row {
-	int a, b;
-	rb_vec3 normal; /* unit, from a to b */
-	rb_vec3 arm_a, arm_b;
-	rb_vec3 bias, slip;
-	double friction;
-	bool slide, given;
-	rb_cone_pair impulse; /* on b; in: already in the bodies' velocities */
+	/* not central; impulse in: already in the bodies' velocities; its masses are not read */
+	struct rb_constraint base;
+	/* m/s^2, forces: of u what is not the bodies' accelerations at their points */
+	rb_vec3 bias;
+	rb_vec3 slip;      /* slide: a unit vector */
+	bool slide, given; /* CONE */
 
 	/* scratch */
-	rb_cone_pair u;
-	double inverse_mass_n, inverse_mass_t; /* 1/kg: bounds that make simultaneous steps safe */
-	double limit;                          /* N s: of friction, while it is held fixed */
-	bool closed;                           /* push is an unknown, u_n = 0 asked for */
+	rb_along_across u;       /* less the target */
+	double bound_n, bound_t; /* 1/kg: bounds that make simultaneous steps safe */
+	double limit;            /* N s: of friction, while it is held fixed */
+	bool closed;             /* the normal impulse is an unknown, u_n = 0 asked for */
 	enum rb_cone_apply_friction friction_impulse;
 	rb_vec3 along; /* slip: direction of the friction that is at its limit */
 	double share;  /* slip: of the friction that was asked for, what the cone allows */
@@ -63,10 +59,10 @@ struct rb_cone {
 	int *first, *entry; /* [body_count + 1], [2 row_count]: rows of a body, 2 row + side */
 	rb_vec3 *linear, *angular; /* [body_count]: increments */
 	double *term;              /* [6 x largest number of rows of a body, or 4 row_count] */
-	rb_cone_pair *change, *residual, *best, *before; /* [row_count] */
-	struct rb_cone_row *faces;                       /* [row_count] */
-	struct rb_solver_body *kept, *snapped;           /* [body_count] */
-	rb_cone_pair *direction, *image;                 /* [window][row_count] */
+	rb_along_across *change, *residual, *best, *before; /* [row_count] */
+	struct rb_cone_row *faces;                          /* [row_count] */
+	struct rb_solver_body *kept, *snapped;              /* [body_count] */
+	rb_along_across *direction, *image;                 /* [window][row_count] */
 	int window;
 	bool held; /* friction is bounded by `limit`, not by the cone: then the problem is convex */
 	bool gave_way; /* friction was less than the law says, because the law found no solution */
@@ -86,26 +82,26 @@ static inline bool rb_cone_is_over(const struct rb_cone *cone)
  */
 bool rb_cone_open(struct rb_cone *cone);
 
-/* Relative velocity of the points of a row, plus its bias. */
-rb_cone_pair rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row);
+/* Relative velocity of the points of a row, plus its bias, less its target. */
+rb_along_across rb_cone_velocity(const struct rb_cone *cone, const struct rb_cone_row *row);
 
 /* Adds impulses to the bodies' velocities and to the rows; `u` of the rows is then out of date. */
-void rb_cone_apply_normal(struct rb_cone *cone, const rb_cone_pair *impulse);
+void rb_cone_apply_normal(struct rb_cone *cone, const rb_along_across *impulse);
 
 /* sum of a.b over the rows */
-double rb_cone_dot(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
+double rb_cone_dot(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b);
 
 /*
  * The same in the metric in which a row's step is as large as what it does: rows of heavy and light
  * bodies compare.
  */
-double rb_cone_weighted(struct rb_cone *cone, const rb_cone_pair *a, const rb_cone_pair *b);
+double rb_cone_weighted(struct rb_cone *cone, const rb_along_across *a, const rb_along_across *b);
 
 /*
  * Increments of all bodies by impulses on all rows, into cone->linear and angular; and what those
  * do to a row.
  */
-void rb_cone_respond(struct rb_cone *cone, const rb_cone_pair *impulse);
-rb_cone_pair rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row);
+void rb_cone_respond(struct rb_cone *cone, const rb_along_across *impulse);
+rb_along_across rb_cone_felt(const struct rb_cone *cone, const struct rb_cone_row *row);
 
 #endif

@@ -22,16 +22,16 @@ static const double failed_share = 1e-9;
 
 /* Across the normal, at a push that the step leads to. */
 static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *row, double push,
-                                rb_cone_pair *step)
+                                rb_along_across *step)
 {
-	const rb_cone_pair *const j = &row->impulse;
-	const double limit = cone->held ? row->limit : row->friction * push;
+	const rb_along_across *const j = &row->base.impulse;
+	const double limit = cone->held ? row->limit : row->base.friction * push;
 
 	row->friction_impulse = RB_CONE_KNOWN;
 	step->t = rb_vec3_neg(j->t);
 	if (row->slide) {
-		const double before = cone->held ? limit : row->friction * j->n;
-		const double more = cone->held ? 0 : row->friction * step->n;
+		const double before = cone->held ? limit : row->base.friction * j->n;
+		const double more = cone->held ? 0 : row->base.friction * step->n;
 
 		/* not as a difference of large forces */
 		step->t = rb_vec3_neg(rb_vec3_add_scaled(
@@ -40,9 +40,9 @@ static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *
 			row->friction_impulse = RB_CONE_FOLLOW;
 		return;
 	}
-	if (!(row->friction > 0) || (!cone->held && !row->given && !row->closed))
+	if (!(row->base.friction > 0) || (!cone->held && !row->given && !row->closed))
 		return;
-	const rb_vec3 back = rb_vec3_scale(-1 / row->inverse_mass_t, row->u.t);
+	const rb_vec3 back = rb_vec3_scale(-1 / row->bound_t, row->u.t);
 	const rb_vec3 wanted = rb_vec3_add(j->t, back);
 	const double length = rb_vec3_length(wanted);
 	row->friction_impulse = RB_CONE_STICK;
@@ -55,23 +55,46 @@ static void friction_impulse_of(const struct rb_cone *cone, struct rb_cone_row *
 	step->t = rb_vec3_sub(rb_vec3_scale(limit, row->along), j->t);
 }
 
+/* Of the normal impulses that the row's set allows. */
+static double nearest(const struct rb_cone_row *row, double n)
+{
+	if (row->base.set == RB_CONSTRAINT_FREE)
+		return n;
+	if (row->base.set == RB_CONSTRAINT_INTERVAL)
+		return fmin(fmax(n, row->base.low), row->base.high);
+	return n > 0 ? n : 0;
+}
+
 /*
  * Where the row stands and the step that would solve it alone: the negative of the function whose
  * zeros are the solutions (Alart, Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353).
  * Increments are not taken as differences where they need not be.
  */
-static rb_cone_pair step_of(const struct rb_cone *cone, struct rb_cone_row *row)
+static rb_along_across step_of(const struct rb_cone *cone, struct rb_cone_row *row)
 {
-	const rb_cone_pair *const j = &row->impulse;
-	rb_cone_pair step = {0, {0, 0, 0}};
+	const rb_along_across *const j = &row->base.impulse;
+	rb_along_across step = {0, {0, 0, 0}};
 	double push = j->n;
 
 	row->closed = false;
 	row->friction_impulse = RB_CONE_KNOWN;
-	if (!(row->inverse_mass_n > 0)) /* between bodies that do not yield */
+	if (!(row->bound_n > 0)) /* between bodies that do not yield */
 		return step;
+	if (row->base.set == RB_CONSTRAINT_FREE) {
+		row->closed = true;
+		row->friction_impulse = RB_CONE_STICK;
+		return (rb_along_across){-row->u.n / row->bound_n,
+		                         rb_vec3_scale(-1 / row->bound_t, row->u.t)};
+	}
+	if (row->base.set == RB_CONSTRAINT_INTERVAL) {
+		const double wanted = j->n - row->u.n / row->bound_n;
+
+		row->closed = wanted >= row->base.low && wanted <= row->base.high;
+		step.n = row->closed ? -row->u.n / row->bound_n : nearest(row, wanted) - j->n;
+		return step;
+	}
 	if (!row->given) {
-		step.n = -row->u.n / row->inverse_mass_n;
+		step.n = -row->u.n / row->bound_n;
 		push = j->n + step.n;
 		row->closed = push >= 0;
 		if (!row->closed) {
@@ -84,7 +107,7 @@ static rb_cone_pair step_of(const struct rb_cone *cone, struct rb_cone_row *row)
 }
 
 /* All rows' velocities, faces and steps; the largest violation in units of u. */
-static double residual_of(struct rb_cone *cone, rb_cone_pair *step)
+static double residual_of(struct rb_cone *cone, rb_along_across *step)
 {
 	double largest = 0;
 
@@ -93,8 +116,8 @@ static double residual_of(struct rb_cone *cone, rb_cone_pair *step)
 
 		row->u = rb_cone_velocity(cone, row);
 		step[k] = step_of(cone, row);
-		largest = fmax(largest, row->inverse_mass_n * fabs(step[k].n));
-		largest = fmax(largest, row->inverse_mass_t * rb_vec3_length(step[k].t));
+		largest = fmax(largest, row->bound_n * fabs(step[k].n));
+		largest = fmax(largest, row->bound_t * rb_vec3_length(step[k].t));
 	}
 	return largest;
 }
@@ -103,41 +126,41 @@ static double residual_of(struct rb_cone *cone, rb_cone_pair *step)
  * What the linearized function does to a change x of the impulses; what follows in x from its
  * unknowns is completed.
  */
-static void image_of(struct rb_cone *cone, rb_cone_pair *x, rb_cone_pair *y)
+static void image_of(struct rb_cone *cone, rb_along_across *x, rb_along_across *y)
 {
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
 		if (row->friction_impulse == RB_CONE_FOLLOW)
-			x[k].t = rb_vec3_scale(-row->friction * x[k].n, row->slip);
+			x[k].t = rb_vec3_scale(-row->base.friction * x[k].n, row->slip);
 		else /* rounding that grows when small directions are made unit ones */
-			x[k].t = rb_vec3_add_scaled(x[k].t, -rb_vec3_dot(x[k].t, row->normal),
-			                            row->normal);
+			x[k].t = rb_vec3_add_scaled(x[k].t, -rb_vec3_dot(x[k].t, row->base.normal),
+			                            row->base.normal);
 	}
 	rb_cone_respond(cone, x);
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
 
-		y[k] = (rb_cone_pair){0, {0, 0, 0}};
+		y[k] = (rb_along_across){0, {0, 0, 0}};
 		if (!row->closed && row->friction_impulse == RB_CONE_KNOWN)
 			continue;
-		const rb_cone_pair du = rb_cone_felt(cone, row);
+		const rb_along_across du = rb_cone_felt(cone, row);
 		if (row->closed)
-			y[k].n = du.n / row->inverse_mass_n;
+			y[k].n = du.n / row->bound_n;
 		if (row->friction_impulse == RB_CONE_STICK)
-			y[k].t = rb_vec3_scale(1 / row->inverse_mass_t, du.t);
+			y[k].t = rb_vec3_scale(1 / row->bound_t, du.t);
 		if (row->friction_impulse != RB_CONE_SLIP)
 			continue;
 		const double push = row->closed && !cone->held ? x[k].n - y[k].n : 0;
-		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->inverse_mass_t, du.t);
+		const rb_vec3 wanted = rb_vec3_add_scaled(x[k].t, -1 / row->bound_t, du.t);
 		const rb_vec3 across = rb_vec3_add_scaled(wanted, -rb_vec3_dot(wanted, row->along),
 		                                          row->along);
-		y[k].t = rb_vec3_add_scaled(x[k].t, -row->friction * push, row->along);
+		y[k].t = rb_vec3_add_scaled(x[k].t, -row->base.friction * push, row->along);
 		y[k].t = rb_vec3_add_scaled(y[k].t, -row->share, across);
 	}
 }
 
-static void add_scaled(int count, rb_cone_pair *a, double s, const rb_cone_pair *b)
+static void add_scaled(int count, rb_along_across *a, double s, const rb_along_across *b)
 {
 	for (int k = 0; k < count; k++) {
 		a[k].n += s * b[k].n;
@@ -151,10 +174,10 @@ static void add_scaled(int count, rb_cone_pair *a, double s, const rb_cone_pair 
  * Numer. Anal. 20 (1983) 345), which are conjugate residuals where no contact slips, because the
  * matrix is then symmetric in the weighted product.
  */
-static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
+static void solve_faces(struct rb_cone *cone, rb_along_across *x)
 {
 	const int n = cone->row_count;
-	rb_cone_pair *const r = cone->residual;
+	rb_along_across *const r = cone->residual;
 	int dimension = 0, window = WINDOW_SYMMETRIC;
 
 	for (int k = 0; k < n; k++) {
@@ -162,7 +185,7 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 		const bool across = row->friction_impulse == RB_CONE_STICK ||
 		                    row->friction_impulse == RB_CONE_SLIP;
 
-		x[k] = (rb_cone_pair){0, {0, 0, 0}};
+		x[k] = (rb_along_across){0, {0, 0, 0}};
 		if (!row->closed)
 			r[k].n = 0;
 		if (!across)
@@ -183,8 +206,8 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 	                                            : 1000;
 	const double tolerance = window > WINDOW_SYMMETRIC && !direct ? 1e-16 : 1e-33;
 	for (int round = 0; round < max && square > tolerance * start; round++) {
-		rb_cone_pair *const p = cone->direction + (size_t)(round % window) * (size_t)n;
-		rb_cone_pair *const q = cone->image + (size_t)(round % window) * (size_t)n;
+		rb_along_across *const p = cone->direction + (size_t)(round % window) * (size_t)n;
+		rb_along_across *const q = cone->image + (size_t)(round % window) * (size_t)n;
 
 		/*
 		 * where the residual alone leads nowhere (the matrix need not be definite), the
@@ -207,8 +230,8 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 		    !isfinite(size))
 			break;
 		for (int k = 0; k < n; k++) {
-			q[k] = (rb_cone_pair){q[k].n / size, rb_vec3_scale(1 / size, q[k].t)};
-			p[k] = (rb_cone_pair){p[k].n / size, rb_vec3_scale(1 / size, p[k].t)};
+			q[k] = (rb_along_across){q[k].n / size, rb_vec3_scale(1 / size, q[k].t)};
+			p[k] = (rb_along_across){p[k].n / size, rb_vec3_scale(1 / size, p[k].t)};
 		}
 		const double share = rb_cone_weighted(cone, r, q);
 		add_scaled(n, x, share, p);
@@ -222,27 +245,33 @@ static void solve_faces(struct rb_cone *cone, rb_cone_pair *x)
 	 * them
 	 */
 	for (int k = 0; k < n; k++)
-		x[k].t = rb_vec3_reject(x[k].t, cone->row[k].normal);
+		x[k].t = rb_vec3_reject(x[k].t, cone->row[k].base.normal);
 }
 
 /*
  * The share `s` of x, changed such that impulse + x is within the cone and, where it slips, on it.
  */
-static void keep_cone(struct rb_cone *cone, double s, const rb_cone_pair *x, rb_cone_pair *kept)
+static void keep_cone(struct rb_cone *cone, double s, const rb_along_across *x,
+                      rb_along_across *kept)
 {
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
-		const rb_cone_pair *const j = &row->impulse;
+		const rb_along_across *const j = &row->base.impulse;
 		double push = j->n + s * x[k].n;
 
-		kept[k] = (rb_cone_pair){s * x[k].n, rb_vec3_scale(s, x[k].t)};
-		if (row->closed && !(push > 0)) {
-			push = 0;
-			kept[k].n = -j->n;
+		kept[k] = (rb_along_across){s * x[k].n, rb_vec3_scale(s, x[k].t)};
+		const bool leaves = row->base.set == RB_CONSTRAINT_CONE
+		                            ? !(push > 0)
+		                            : nearest(row, push) != push;
+		if (row->closed && leaves) {
+			push = nearest(row, push);
+			kept[k].n = push - j->n;
 		}
-		const double limit = cone->held ? row->limit : row->friction * push;
+		if (row->base.set != RB_CONSTRAINT_CONE)
+			continue;
+		const double limit = cone->held ? row->limit : row->base.friction * push;
 		if (row->friction_impulse == RB_CONE_FOLLOW)
-			kept[k].t = rb_vec3_scale(-row->friction * kept[k].n, row->slip);
+			kept[k].t = rb_vec3_scale(-row->base.friction * kept[k].n, row->slip);
 		if (row->friction_impulse != RB_CONE_STICK && row->friction_impulse != RB_CONE_SLIP)
 			continue;
 		const rb_vec3 wanted = rb_vec3_add(j->t, kept[k].t);
@@ -257,18 +286,18 @@ static void keep(struct rb_cone *cone)
 {
 	memcpy(cone->kept, cone->bodies.body, (size_t)cone->body_count * sizeof *cone->kept);
 	for (int k = 0; k < cone->row_count; k++)
-		cone->best[k] = cone->row[k].impulse;
+		cone->best[k] = cone->row[k].base.impulse;
 }
 
 static void restore(struct rb_cone *cone)
 {
 	memcpy(cone->bodies.body, cone->kept, (size_t)cone->body_count * sizeof *cone->kept);
 	for (int k = 0; k < cone->row_count; k++)
-		cone->row[k].impulse = cone->best[k];
+		cone->row[k].base.impulse = cone->best[k];
 }
 
 /* Off what the faces exclude, so that the linear problem starts on them. */
-static void snap(struct rb_cone *cone, rb_cone_pair *step)
+static void snap(struct rb_cone *cone, rb_along_across *step)
 {
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
@@ -277,7 +306,8 @@ static void snap(struct rb_cone *cone, rb_cone_pair *step)
 			step[k].n = 0;
 		if (row->friction_impulse == RB_CONE_FOLLOW)
 			step[k].t = rb_vec3_neg(rb_vec3_add_scaled(
-				row->impulse.t, row->friction * row->impulse.n, row->slip));
+				row->base.impulse.t, row->base.friction * row->base.impulse.n,
+				row->slip));
 		else if (row->friction_impulse != RB_CONE_KNOWN)
 			step[k].t = (rb_vec3){0, 0, 0};
 	}
@@ -285,19 +315,19 @@ static void snap(struct rb_cone *cone, rb_cone_pair *step)
 }
 
 /* Steps on the faces as they are. */
-static void steps_on_faces(struct rb_cone *cone, rb_cone_pair *step)
+static void steps_on_faces(struct rb_cone *cone, rb_along_across *step)
 {
 	for (int k = 0; k < cone->row_count; k++) {
 		struct rb_cone_row *row = &cone->row[k];
 
 		row->u = rb_cone_velocity(cone, row);
-		step[k] = (rb_cone_pair){-row->u.n / row->inverse_mass_n,
-		                         rb_vec3_scale(-1 / row->inverse_mass_t, row->u.t)};
+		step[k] = (rb_along_across){-row->u.n / row->bound_n,
+		                            rb_vec3_scale(-1 / row->bound_t, row->u.t)};
 		if (row->friction_impulse != RB_CONE_SLIP)
 			continue;
-		const double push = row->impulse.n + (row->closed ? step[k].n : 0);
-		const double limit = cone->held ? row->limit : row->friction * push;
-		step[k].t = rb_vec3_sub(rb_vec3_scale(limit, row->along), row->impulse.t);
+		const double push = row->base.impulse.n + (row->closed ? step[k].n : 0);
+		const double limit = cone->held ? row->limit : row->base.friction * push;
+		step[k].t = rb_vec3_sub(rb_vec3_scale(limit, row->along), row->base.impulse.t);
 	}
 }
 
@@ -305,11 +335,11 @@ static void steps_on_faces(struct rb_cone *cone, rb_cone_pair *step)
  * Twice the change of energy since `before` (velocities) and cone->kept, which must be what `keep`
  * has kept.
  */
-static double energy_change(struct rb_cone *cone, const rb_cone_pair *before)
+static double energy_change(struct rb_cone *cone, const rb_along_across *before)
 {
 	for (int k = 0; k < cone->row_count; k++) {
 		const struct rb_cone_row *row = &cone->row[k];
-		const rb_cone_pair *const j = &row->impulse, *const i = &cone->best[k];
+		const rb_along_across *const j = &row->base.impulse, *const i = &cone->best[k];
 
 		cone->term[k] = (j->n - i->n) * (row->u.n + before[k].n) +
 		                rb_vec3_dot(rb_vec3_sub(j->t, i->t),
@@ -363,7 +393,7 @@ static bool newton(struct rb_cone *cone, bool convex)
 static double walk(struct rb_cone *cone, int steps, double left, double tolerance)
 {
 	const int n = cone->row_count;
-	rb_cone_pair *const moved = cone->change;
+	rb_along_across *const moved = cone->change;
 	int since = 0;
 
 	for (int round = 0; round < steps && left > tolerance; round++) {
@@ -371,8 +401,8 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 			const double momentum = since / (since + 3.0);
 
 			for (int k = 0; k < n; k++)
-				moved[k] = (rb_cone_pair){momentum * moved[k].n,
-				                          rb_vec3_scale(momentum, moved[k].t)};
+				moved[k] = (rb_along_across){momentum * moved[k].n,
+				                             rb_vec3_scale(momentum, moved[k].t)};
 			rb_cone_apply_normal(cone, moved);
 			residual_of(cone, cone->residual);
 			if (rb_cone_weighted(cone, moved, cone->residual) < 0)
@@ -383,7 +413,7 @@ static double walk(struct rb_cone *cone, int steps, double left, double toleranc
 			if (since == 0)
 				moved[k] = cone->residual[k];
 			else
-				moved[k] = (rb_cone_pair){
+				moved[k] = (rb_along_across){
 					moved[k].n + cone->residual[k].n,
 					rb_vec3_add(moved[k].t, cone->residual[k].t)};
 		}
@@ -430,11 +460,13 @@ static bool hold(struct rb_cone *cone, bool never_more)
 
 	for (int k = 0; k < cone->row_count; k++) {
 		struct rb_cone_row *row = &cone->row[k];
-		const double limit = row->friction * fmax(0, row->impulse.n);
+		const double limit = row->base.friction * fmax(0, row->base.impulse.n);
 
+		if (row->base.set != RB_CONSTRAINT_CONE)
+			continue;
 		if (!never_more) {
 			row->limit = limit;
-		} else if (rb_vec3_length(row->impulse.t) > limit * (1 + 4 * DBL_EPSILON)) {
+		} else if (rb_vec3_length(row->base.impulse.t) > limit * (1 + 4 * DBL_EPSILON)) {
 			row->limit = fmin(0.9 * row->limit, limit);
 			changed = true;
 		}
@@ -473,7 +505,7 @@ double rb_cone_resolve(struct rb_cone *cone, double scale)
 	bool convex = true;
 
 	for (int k = 0; k < cone->row_count; k++)
-		convex = convex && (cone->row[k].given || !(cone->row[k].friction > 0));
+		convex = convex && (cone->row[k].given || !(cone->row[k].base.friction > 0));
 	cone->held = false;
 	double left = relax(cone, convex, tolerance, convex ? ROUNDS_LIMIT : 16);
 	for (int outer = 0; outer < 20 && !convex && left > 1e3 * tolerance; outer++) {

@@ -23,6 +23,15 @@ void rb_effective_mass_add(const struct rb_solver_bodies *bodies, int i, rb_vec3
 			              (r == c ? body->inverse_mass : 0);
 }
 
+double rb_effective_mass_tangent(const rb_mat3 *k, rb_vec3 normal)
+{
+	const rb_vec3 t = rb_vec3_across(normal), s = rb_vec3_cross(normal, t);
+	const rb_vec3 kt = rb_mat3_apply(k, t), ks = rb_mat3_apply(k, s);
+	const double tt = rb_vec3_dot(t, kt), ss = rb_vec3_dot(s, ks), ts = rb_vec3_dot(s, kt);
+
+	return 0.5 * (tt + ss) + hypot(0.5 * (tt - ss), ts);
+}
+
 /* Adds what a body gives way to a couple by. */
 static void add_couple(const struct rb_solver_bodies *bodies, int i, double lever,
                        const rb_vec3 axis[3], rb_mat3 *k)

@@ -29,6 +29,9 @@ static inline double rb_effective_mass_across(const rb_mat3 *k)
 	return 0.5 * (k->m[1][1] + k->m[2][2]) + hypot(0.5 * (k->m[1][1] - k->m[2][2]), k->m[1][2]);
 }
 
+/* The same of K in world axes, across a unit normal. */
+double rb_effective_mass_tangent(const rb_mat3 *k, rb_vec3 normal);
+
 /* 1/kg: n.K n of one body alone, by its lever, the arm x n. */
 static inline double rb_effective_mass_along(const struct rb_solver_bodies *bodies, int i,
                                              rb_vec3 lever)

@@ -4,6 +4,7 @@
 #include <float.h>
 
 #include "constraint/eccentric.h"
+#include "constraint/effective_mass.h"
 
 static bool is_moving(const struct rb_world *world, int index)
 {
@@ -58,17 +59,6 @@ static bool central_inverse_mass(const struct rb_world *world, const struct rb_s
 	return true;
 }
 
-static double largest_tangent_inverse_mass(const struct rb_link *link)
-{
-	/* two tangents and their 2x2 block; its larger eigenvalue */
-	const rb_vec3 t = rb_vec3_across(link->normal), s = rb_vec3_cross(link->normal, t);
-	const rb_vec3 kt = rb_mat3_apply(&link->inverse_effective_mass, t),
-		      ks = rb_mat3_apply(&link->inverse_effective_mass, s);
-	const double tt = rb_vec3_dot(t, kt), ss = rb_vec3_dot(s, ks), ts = rb_vec3_dot(s, kt);
-
-	return 0.5 * (tt + ss) + hypot(0.5 * (tt - ss), ts);
-}
-
 struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *state,
                           const struct rb_touch *touch, const struct rb_gap *gap)
 {
@@ -113,7 +103,8 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
 		add_inverse_mass(world, state, link.b, link.arm_b, &link.inverse_effective_mass);
 	link.normal_inverse_mass = rb_vec3_dot(
 		link.normal, rb_mat3_apply(&link.inverse_effective_mass, link.normal));
-	link.tangent_inverse_mass = largest_tangent_inverse_mass(&link);
+	link.tangent_inverse_mass = rb_effective_mass_tangent(&link.inverse_effective_mass,
+	                                                      link.normal);
 	return link;
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "constraint/coulomb.h"
+#include "constraint/effective_mass.h"
 #include "constraint/impulse.h"
 
 enum {
@@ -51,20 +52,9 @@ static bool add_inverse_mass(const struct rb_solver_bodies *bodies, int i, rb_ve
 	const struct rb_solver_body *const body = &bodies->body[i];
 	const rb_vec3 lever = rb_vec3_cross(arm, link->normal);
 
-	for (int column = 0; column < 3; column++) {
-		const rb_vec3 unit = {column == 0, column == 1, column == 2};
-		rb_vec3 dv = rb_vec3_scale(body->inverse_mass, unit);
-
-		if (body->inverse_inertia != 0)
-			dv = rb_vec3_add(dv, rb_vec3_cross(rb_solver_turn(bodies, i,
-			                                                  rb_vec3_cross(arm, unit)),
-			                                   arm));
-		link->inverse_effective_mass.m[0][column] += dv.x;
-		link->inverse_effective_mass.m[1][column] += dv.y;
-		link->inverse_effective_mass.m[2][column] += dv.z;
-	}
-	link->normal_inverse_mass += body->inverse_mass +
-	                             rb_vec3_dot(lever, rb_solver_turn(bodies, i, lever));
+	rb_effective_mass_add(bodies, i, arm, rb_effective_mass_world,
+	                      &link->inverse_effective_mass);
+	link->normal_inverse_mass += rb_effective_mass_along(bodies, i, lever);
 	if (body->inverse_inertia == 0) {
 		link->tangent_inverse_mass += body->inverse_mass;
 		return true;
@@ -102,15 +92,9 @@ static struct rb_link link_of(const struct rb_simultaneous *joint,
 	for (int i = 0; i < 9; i++)
 		link.inverse_effective_mass.m[i / 3][i % 3] +=
 			other.inverse_effective_mass.m[i / 3][i % 3];
-	if (!link.central) {
-		const rb_vec3 t = rb_vec3_across(link.normal), s = rb_vec3_cross(link.normal, t);
-		const rb_vec3 kt = rb_mat3_apply(&link.inverse_effective_mass, t);
-		const rb_vec3 ks = rb_mat3_apply(&link.inverse_effective_mass, s);
-		const double tt = rb_vec3_dot(t, kt), ss = rb_vec3_dot(s, ks);
-
-		link.tangent_inverse_mass = 0.5 * (tt + ss) +
-		                            hypot(0.5 * (tt - ss), rb_vec3_dot(s, kt));
-	}
+	if (!link.central)
+		link.tangent_inverse_mass = rb_effective_mass_tangent(&link.inverse_effective_mass,
+		                                                      link.normal);
 	return link;
 }
 
@@ -145,17 +129,13 @@ struct rounds {
 
 static struct rb_cone_row row_of(const struct rb_solver_contact *c)
 {
-	return (struct rb_cone_row){.a = c->a,
-	                            .b = c->b,
-	                            .normal = c->normal,
-	                            .arm_a = c->arm_a,
-	                            .arm_b = c->arm_b,
-	                            .friction = c->friction};
-}
-
-static rb_vec3 impulse_of(const struct rb_cone_row *row)
-{
-	return rb_vec3_add_scaled(row->impulse.t, row->impulse.n, row->normal);
+	return (struct rb_cone_row){.base = {.a = c->a,
+	                                     .b = c->b,
+	                                     .set = RB_CONSTRAINT_CONE,
+	                                     .normal = c->normal,
+	                                     .arm_a = c->arm_a,
+	                                     .arm_b = c->arm_b,
+	                                     .friction = c->friction}};
 }
 
 static double largest_speed(const struct rb_simultaneous *joint)
@@ -172,7 +152,7 @@ static void undo(struct rounds *all, const struct rb_solver_body *before)
 {
 	memcpy(all->cone.bodies.body, before, (size_t)all->cone.body_count * sizeof *before);
 	for (int k = 0; k < all->cone.row_count; k++)
-		all->cone.row[k].impulse = (rb_cone_pair){0, {0, 0, 0}};
+		all->cone.row[k].base.impulse = (rb_along_across){0, {0, 0, 0}};
 }
 
 /*
@@ -187,7 +167,7 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
 		return;
 	undo(all, before);
 	for (int k = 0; k < cone->row_count; k++)
-		cone->row[k].friction = 0;
+		cone->row[k].base.friction = 0;
 	rb_cone_resolve(cone, all->scale);
 }
 
@@ -196,24 +176,24 @@ static void compress(struct rounds *all, const struct rb_solver_body *before)
  * what it can within the cones of the whole. `spare` is twice the energy that compression took: the
  * normal impulses are made smaller together where they would give back more.
  */
-static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_cone_pair *after)
+static void restore(struct rounds *all, double spare, rb_along_across *back, rb_along_across *after)
 {
 	struct rb_cone *const cone = &all->cone;
 	bool rubs = false;
 
 	for (int k = 0; k < cone->row_count; k++) {
-		back[k] = (rb_cone_pair){all->joint->contact[all->contact[k]].restitution *
-		                                 cone->row[k].impulse.n,
-		                         {0, 0, 0}};
+		back[k] = (rb_along_across){all->joint->contact[all->contact[k]].restitution *
+		                                    cone->row[k].base.impulse.n,
+		                            {0, 0, 0}};
 		after[k] = rb_cone_velocity(cone, &cone->row[k]);
 	}
 	struct rb_solver_body *const kept = cone->kept;
 	memcpy(kept, cone->bodies.body, (size_t)cone->body_count * sizeof *kept);
 	rb_cone_apply_normal(cone, back);
 	for (int k = 0; k < cone->row_count; k++) {
-		const rb_cone_pair u = rb_cone_velocity(cone, &cone->row[k]);
+		const rb_along_across u = rb_cone_velocity(cone, &cone->row[k]);
 
-		after[k] = (rb_cone_pair){u.n - after[k].n, {0, 0, 0}};
+		after[k] = (rb_along_across){u.n - after[k].n, {0, 0, 0}};
 	}
 	const double needed = rb_cone_dot(cone, back, after);
 	if (needed > spare * (1 + 64 * DBL_EPSILON)) {
@@ -221,14 +201,14 @@ static void restore(struct rounds *all, double spare, rb_cone_pair *back, rb_con
 
 		memcpy(cone->bodies.body, kept, (size_t)cone->body_count * sizeof *kept);
 		for (int k = 0; k < cone->row_count; k++) {
-			cone->row[k].impulse.n -= back[k].n;
+			cone->row[k].base.impulse.n -= back[k].n;
 			back[k].n *= share;
 		}
 		rb_cone_apply_normal(cone, back);
 	}
 	for (int k = 0; k < cone->row_count; k++) {
 		cone->row[k].given = true;
-		rubs = rubs || cone->row[k].friction > 0;
+		rubs = rubs || cone->row[k].base.friction > 0;
 	}
 	if (rubs)
 		rb_cone_resolve(cone, all->scale);
@@ -241,9 +221,9 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 	struct rb_cone *const cone = &all->cone;
 	const size_t rows = (size_t)cone->row_count;
 	const rb_arena_mark here = rb_arena_here(joint->arena);
-	rb_cone_pair *const before = rb_arena_take(joint->arena, rows, sizeof *before);
-	rb_cone_pair *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
-	rb_cone_pair *const sum = rb_arena_take(joint->arena, rows, sizeof *sum);
+	rb_along_across *const before = rb_arena_take(joint->arena, rows, sizeof *before);
+	rb_along_across *const impulse = rb_arena_take(joint->arena, rows, sizeof *impulse);
+	rb_along_across *const sum = rb_arena_take(joint->arena, rows, sizeof *sum);
 	struct rb_solver_body *const kept = rb_arena_take(joint->arena, (size_t)joint->body_count,
 	                                                  sizeof *kept);
 	bool restitution = false;
@@ -257,10 +237,10 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 		before[k] = rb_cone_velocity(cone, &cone->row[k]);
 	compress(all, kept);
 	for (size_t k = 0; k < rows; k++) {
-		const rb_cone_pair u = rb_cone_velocity(cone, &cone->row[k]);
+		const rb_along_across u = rb_cone_velocity(cone, &cone->row[k]);
 
-		impulse[k] = cone->row[k].impulse;
-		sum[k] = (rb_cone_pair){u.n + before[k].n, rb_vec3_add(u.t, before[k].t)};
+		impulse[k] = cone->row[k].base.impulse;
+		sum[k] = (rb_along_across){u.n + before[k].n, rb_vec3_add(u.t, before[k].t)};
 		restitution = restitution ||
 		              (impulse[k].n > 0 && joint->contact[all->contact[k]].restitution > 0);
 	}
@@ -272,8 +252,8 @@ static bool hit_together(struct rounds *all, bool with_restitution)
 		struct rb_solver_contact *const c = &joint->contact[all->contact[k]];
 		const struct rb_cone_row *const row = &cone->row[k];
 
-		c->impulse = rb_vec3_add(c->impulse, impulse_of(row));
-		if (row->impulse.n > 0 && c->approach == 0 && before[k].n < -c->noise)
+		c->impulse = rb_vec3_add(c->impulse, rb_constraint_impulse(&row->base));
+		if (row->base.impulse.n > 0 && c->approach == 0 && before[k].n < -c->noise)
 			c->approach = -before[k].n;
 	}
 	rb_arena_back(joint->arena, here);
@@ -418,7 +398,8 @@ bool rb_simultaneous_impact(struct rb_simultaneous *joint, int *rounds)
 /* --- forces --- */
 
 /* Accelerations and forces as they are; the guess is brought into the cone and applied. */
-static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone, rb_cone_pair *guess)
+static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone,
+                         rb_along_across *guess)
 {
 	for (int k = 0; k < joint->contact_count; k++) {
 		const struct rb_solver_contact *const c = &joint->contact[k];
@@ -436,7 +417,7 @@ static void begin_forces(struct rb_simultaneous *joint, struct rb_cone *cone, rb
 			t = rb_vec3_scale(-c->friction * n, c->slip);
 		else if (length > c->friction * n)
 			t = rb_vec3_scale(c->friction * n / length, t);
-		guess[k] = (rb_cone_pair){n, t};
+		guess[k] = (rb_along_across){n, t};
 	}
 }
 
@@ -449,7 +430,7 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 	                       .row_count = joint->contact_count,
 	                       .arena = joint->arena,
 	                       .max = joint->products_max};
-	rb_cone_pair *const guess = rb_arena_take(joint->arena, contacts, sizeof *guess);
+	rb_along_across *const guess = rb_arena_take(joint->arena, contacts, sizeof *guess);
 	double scale = 0;
 
 	cone.row = rb_arena_take(joint->arena, contacts, sizeof *cone.row);
@@ -469,8 +450,8 @@ double rb_simultaneous_forces(struct rb_simultaneous *joint)
 		struct rb_solver_contact *const c = &joint->contact[k];
 		const struct rb_cone_row *const row = &cone.row[k];
 
-		c->impulse = impulse_of(row);
-		c->slipping = row->impulse.n > 0 && row->friction_impulse != RB_CONE_STICK &&
+		c->impulse = rb_constraint_impulse(&row->base);
+		c->slipping = row->base.impulse.n > 0 && row->friction_impulse != RB_CONE_STICK &&
 		              rb_vec3_length(row->u.t) > 1e-12 * scale;
 	}
 	rb_arena_back(joint->arena, here);

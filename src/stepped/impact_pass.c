@@ -6,6 +6,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "constraint/effective_mass.h"
 #include "constraint/simultaneous.h"
 #include "stepped/flight.h"
 #include "stepped/tally.h"
@@ -510,14 +511,11 @@ static bool report(struct impacts *all, const struct rb_simultaneous *joint, boo
 static double inverse_effective_mass_of(const struct impacts *all, int i, rb_vec3 arm,
                                         rb_vec3 normal)
 {
-	const struct rb_solver_body body = joint_body(all, i);
-	const rb_vec3 lever = rb_vec3_cross(arm, normal);
-
-	if (!isnan(body.inverse_inertia))
-		return body.inverse_mass + body.inverse_inertia * rb_vec3_dot(lever, lever);
+	struct rb_solver_body body = joint_body(all, i);
 	const rb_mat3 root = root_of(all, i);
-	const rb_vec3 half = rb_mat3_apply(&root, lever);
-	return body.inverse_mass + rb_vec3_dot(half, half);
+	const struct rb_solver_bodies alone = {.body = &body, .root = &root};
+
+	return rb_effective_mass_along(&alone, 0, rb_vec3_cross(arm, normal));
 }
 
 /* The whole group is left to the end of the step. */
