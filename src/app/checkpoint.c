@@ -20,7 +20,7 @@
 #include "script/keep.h"
 #include "method/save.h"
 
-enum { FORMAT = 3, SECTION_COUNT = 4, NAME_SIZE = 8 };
+enum { FORMAT = 4, SECTION_COUNT = 4, NAME_SIZE = 8 };
 static const uint32_t order_mark = 0x04030201;
 static const char magic[8] = {'r', 'b', 's', 'i', 'm', '-', 'c', 'p'};
 static const char section_names[SECTION_COUNT][NAME_SIZE + 1] = {"about", "world", "script", "run"};

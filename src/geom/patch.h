@@ -21,7 +21,7 @@ typedef enum {
 	RB_PART_SEVERAL,  /* such faces */
 	/*
 	 * of a cylinder: bit 0 says which; above it where: 0 anywhere, 1 to 4 a quarter, 5, 6 a
-	 * crossing, 8 to 15 eighths from the outermost
+	 * crossing, 7 all round (constraint/contact_name), 8 to 15 eighths from the outermost
 	 */
 	RB_PART_RIM,
 	RB_PART_END,    /* of a cylinder: 0 at +z, 1 at -z */

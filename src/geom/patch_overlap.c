@@ -340,7 +340,20 @@ static void rim(table *t, bool of_a, const outline *within)
 	}
 }
 
-/* A polygon or segment over a disc. */
+/*
+ * Is a side given against its own direction? That of an edge is from its lower vertex, that of a
+ * mantle's line from the end at -z.
+ */
+static bool is_reversed(const rb_patch *patch, int i)
+{
+	const rb_part from = patch->id[i], to = patch->id[i + 1 < patch->count ? i + 1 : 0];
+
+	return from >> 24 == RB_PART_MANTLE ? from < to : from > to;
+}
+
+/*
+ * A polygon or segment over a disc. Of two crossings the first is that which a side comes to first.
+ */
 static void disc_and_sides(table *t, bool disc_is_a)
 {
 	const rb_patch *disc = disc_is_a ? t->a : t->b, *flat = disc_is_a ? t->b : t->a;
@@ -369,9 +382,10 @@ static void disc_and_sides(table *t, bool disc_is_a)
 		const double half = sqrt((r - off) * (r + off));
 		for (int end = 0; end < 2; end++) {
 			const double s = (end ? foot + half : foot - half) / length;
+			const int place = is_reversed(flat, i) ? 6 - end : 5 + end;
 			if (s > 0 && s < 1)
 				put_over(t, !disc_is_a, lerp(flat, i, s), side_of(flat, i),
-				         disc->id[0] | (rb_part)(5 + end) << 1);
+				         disc->id[0] | (rb_part)place << 1);
 		}
 	}
 	rim(t, disc_is_a, &o);

@@ -7,27 +7,6 @@
 
 enum { TOUCHING_ULP = 8 };
 
-int rb_contact_name_compare(const struct rb_contact_name *x, const struct rb_contact_name *y)
-{
-	if (x->a != y->a)
-		return x->a < y->a ? -1 : 1;
-	if (x->b != y->b)
-		return x->b < y->b ? -1 : 1;
-	if (x->parts != y->parts)
-		return x->parts < y->parts ? -1 : 1;
-	if (x->key != y->key)
-		return x->key < y->key ? -1 : 1;
-	if (x->half.x != y->half.x)
-		return x->half.x < y->half.x ? -1 : 1;
-	return (x->half.y > y->half.y) - (x->half.y < y->half.y);
-}
-
-bool rb_contact_name_is(const struct rb_contact_name *x, const struct rb_contact_name *y)
-{
-	return x->a == y->a && x->b == y->b && x->parts == y->parts && x->key == y->key &&
-	       !(rb_vec3_dot(x->half, y->half) < 0);
-}
-
 /*
  * Infinite planes have no size, and of a pair the others' counts; rectangles have one only for what
  * is no sphere.

@@ -7,22 +7,8 @@
 #ifndef RB_LOCATED_CONTACT_POINT_H
 #define RB_LOCATED_CONTACT_POINT_H
 
+#include "constraint/contact_name.h"
 #include "located/arc.h"
-
-/* Which contact point of which bodies: what stays while they move, and what names are sorted by. */
-struct rb_contact_name {
-	int a, b;
-	uint32_t
-		/* part of a in the upper half, of b in the lower; 0 of bodies with one part */
-		parts;
-	uint64_t
-		/*
-		 * the features that meet there, see geom/manifold; 0 of spheres on spheres and
-		 * planes
-		 */
-		key;
-	rb_vec3 half; /* of a rim, see rb_feature_half */
-};
 
 struct rb_contact_point {
 	int a, b;
@@ -50,11 +36,6 @@ static inline struct rb_contact_name rb_contact_name_of(const struct rb_contact_
 {
 	return (struct rb_contact_name){m->a, m->b, m->parts, m->key, m->half};
 }
-
-/* Order of names: by (a, b, parts, key, half). < 0, 0, > 0 as for qsort. */
-int rb_contact_name_compare(const struct rb_contact_name *x, const struct rb_contact_name *y);
-/* Do they name the same point? Points on opposite halves of a rim are two. */
-bool rb_contact_name_is(const struct rb_contact_name *x, const struct rb_contact_name *y);
 
 /* No: a sphere with a sphere, plane or rectangle, which have one point and no key. */
 static inline bool rb_pair_has_features(const struct rb_located *l, int a, int b)

@@ -171,6 +171,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->plane_normal);
 	rb_memory_free(l->switch_s);
 	rb_memory_free(l->merge);
+	rb_contacts_release(&l->left);
 	rb_memory_free(l);
 }
 
@@ -519,6 +520,14 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 
 /* ---- advancing ---- */
 
+/* What steps have found is where forces start from. */
+static void take_left(struct rb_located *l)
+{
+	l->left.count = 0;
+	if (rb_contacts_join(&l->left, &l->world->contacts, l->err) != RB_OK)
+		l->status = RB_ERR_MEMORY;
+}
+
 /* Arcs of the beginning; what touches or has no closed form is settled. */
 static void start(struct rb_located *l, double t)
 {
@@ -526,6 +535,7 @@ static void start(struct rb_located *l, double t)
 
 	l->started = l->starting = true;
 	l->now_s = t;
+	take_left(l);
 	rb_account_begin(l, t);
 	for (int i = 0; i < l->n && l->status == RB_OK; i++) {
 		struct rb_pose pose = {.position = rb_world_row3(l->world->state.position, i),
@@ -608,6 +618,7 @@ static void forget_arcs(struct rb_located *l)
 			l->piece[i].piece.n = 0;
 	l->merge_count = 0;
 	l->switch_next = 0;
+	l->left.count = 0;
 	l->started = false;
 	l->world->open = (struct rb_entries){0};
 }
@@ -690,6 +701,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	if (!follow_turns(l, until))
 		return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	l->now_s = fmax(l->now_s, until);
+	l->left.count = 0;
 	l->crowd = rb_located_crowd(l);
 	l->products = 0;
 	store_all(l, until);

@@ -399,7 +399,7 @@ static bool contact_in_order(struct rb_feature_point *out, const side *a, rb_par
 
 /* ---- edges within faces ---- */
 
-enum { IN_FACE_OF_A = 1, IN_FACE_OF_B = 2, SECOND_FACE = 4, MARK_SHIFT = 60 };
+enum { IN_FACE_OF_A = 1, IN_FACE_OF_B = 2, SECOND_FACE = 4 };
 
 static int faces_at_edges(const struct rb_polytope *p)
 {
@@ -437,7 +437,7 @@ static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
 /* The normal, from a to b, that the key's mark names. */
 static bool marked_normal(const side *a, const side *b, uint64_t key, vec *n)
 {
-	const unsigned mark = (unsigned)(key >> MARK_SHIFT);
+	const unsigned mark = (unsigned)(key >> RB_CONTACT_KEY_MARK);
 	const bool of_a = (mark & IN_FACE_OF_A) != 0;
 	const side *s = of_a ? a : b;
 	const rb_part part = of_a ? (rb_part)(key >> 32) : (rb_part)key;
@@ -456,7 +456,7 @@ bool rb_feature_contact(struct rb_feature_point *out, const struct rb_feature_si
                         const struct rb_feature_side *b, uint64_t key)
 {
 	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
-	const bool marked = key >> MARK_SHIFT != 0;
+	const bool marked = key >> RB_CONTACT_KEY_MARK != 0;
 	line edge_a, edge_b;
 	vec n;
 
@@ -580,7 +580,7 @@ static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, d
 	}
 	if (face < 0)
 		return key;
-	return key | (mark | (face == 1 ? SECOND_FACE : 0)) << MARK_SHIFT;
+	return key | (mark | (face == 1 ? SECOND_FACE : 0)) << RB_CONTACT_KEY_MARK;
 }
 
 /* ... with a place on the surface of either, from the reference. */
@@ -628,7 +628,7 @@ static bool is_flat(rb_part part)
 uint64_t rb_feature_beyond(const struct rb_feature_side *sa, const struct rb_feature_side *sb,
                            uint64_t key, const struct rb_feature_point *p)
 {
-	const unsigned mark = (unsigned)(key >> MARK_SHIFT);
+	const unsigned mark = (unsigned)(key >> RB_CONTACT_KEY_MARK);
 	rb_part a = (rb_part)(key >> 32), b = (rb_part)key;
 
 	/* points within faces end where others are that have been found with them */

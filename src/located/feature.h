@@ -17,6 +17,7 @@
 #ifndef RB_LOCATED_FEATURE_H
 #define RB_LOCATED_FEATURE_H
 
+#include "constraint/contact_name.h"
 #include "located/feature_side.h"
 #include "geom/manifold.h"
 

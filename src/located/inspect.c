@@ -10,6 +10,7 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 {
 	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
 	const double normal = rb_vec3_dot(force, m.normal);
+	const struct rb_contact_name own = rb_set_name(held), name = rb_contact_name_shared(&own);
 
 	contacts->row[contacts->count++] = (struct rb_contact){
 		.a = held->a,
@@ -19,7 +20,9 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 		.gap = m.gap,
 		/* a contact about to end pulls by rounding */
 		.normal_force = fmax(0, normal),
-		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal)};
+		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal),
+		.parts = name.parts,
+		.key = name.key};
 }
 
 /*

@@ -245,6 +245,11 @@ struct rb_located {
 	int *place;             /* [n] a body's place in `set`, -1 between uses */
 	int set_count;
 	int come_a, come_b; /* the pair whose touch is dealt with, -1: none */
+	/*
+	 * owned, by pair: contacts that steps have left, from which forces start by name where
+	 * nothing is held yet; empty after the advance that has begun with them
+	 */
+	struct rb_contacts left;
 	struct rb_merge *merge;
 	int merge_count;
 	size_t merge_capacity;

@@ -183,6 +183,69 @@ const struct rb_held *rb_set_held_like(const struct rb_located *l, const struct 
 	return NULL;
 }
 
+/*
+ * Friction below this share of its limit sticks: by steps, what slips is on the cone to rounding,
+ * and what has begun to slip within a step is far below in the mean.
+ */
+static const double within_cone = 1 - 1e-9;
+
+static double friction_of(const struct rb_located *l, int a, int b)
+{
+	const struct rb_model *model = l->model;
+	const int row = model->material[a] * model->material_count;
+
+	return l->top ? model->pair_materials[row + model->material[b]].friction : 0;
+}
+
+/*
+ * Sums of the pair's contacts from there on that have this name; how many. `all_round`: on the rim
+ * of it.
+ */
+static int add_left(const struct rb_located *l, const struct rb_contact *first,
+                    const struct rb_contact_name *name, bool all_round, struct rb_contact *sum)
+{
+	const uint64_t rim = all_round ? rb_contact_key_all_round(name->key) : 0;
+	int count = 0;
+
+	for (const struct rb_contact *c = first; c < l->left.row + l->left.count; c++) {
+		if (c->a != name->a || c->b != name->b)
+			break;
+		if (c->parts != name->parts || (all_round && rim == 0) ||
+		    (all_round ? rb_contact_key_all_round(c->key) != rim : c->key != name->key))
+			continue;
+		sum->normal_force += c->normal_force;
+		sum->tangent_force = rb_vec3_add(sum->tangent_force, c->tangent_force);
+		count++;
+	}
+	return count;
+}
+
+bool rb_set_left_of(const struct rb_located *l, const struct rb_contact_point *m,
+                    struct rb_set_left *left)
+{
+	const struct rb_contact_name own = rb_contact_name_of(m),
+				     name = rb_contact_name_shared(&own);
+	const struct rb_contact *const first = rb_contacts_first(&l->left, m->a, m->b);
+	struct rb_contact sum = {.a = m->a};
+
+	if (!first)
+		return false;
+	RB_ASSERT_COSTLY(m->a < m->b);
+	int count = add_left(l, first, &name, false, &sum);
+	if (count == 0)
+		count = add_left(l, first, &name, true, &sum);
+	if (!(sum.normal_force > 0))
+		return false;
+	const double normal = sum.normal_force / count;
+	const rb_vec3 tangent = rb_vec3_scale(1.0 / count,
+	                                      rb_vec3_reject(sum.tangent_force, m->normal));
+	left->force = rb_vec3_add_scaled(tangent, normal, m->normal);
+	left->sticks = rb_vec3_length(tangent) < within_cone * friction_of(l, m->a, m->b) * normal;
+	left->slip = left->sticks ? (rb_vec3){0, 0, 0}
+	                          : rb_vec3_unit(rb_vec3_neg(tangent), (rb_vec3){0, 0, 0});
+	return true;
+}
+
 bool rb_set_touching(const struct rb_located *l, const struct rb_contact_point *m, double t,
                      double slack)
 {

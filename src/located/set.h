@@ -29,6 +29,19 @@ const struct rb_held *rb_set_held_end(const struct rb_located *l, const struct r
 const struct rb_held *rb_set_held_like(const struct rb_located *l,
                                        const struct rb_contact_point *m);
 
+/* What steps have found of a contact that is not held yet. */
+struct rb_set_left {
+	rb_vec3 force; /* N, on b: a guess */
+	bool sticks;   /* its friction was within the cone */
+	rb_vec3 slip;  /* unit: else the way it slipped, against its friction; 0: it had none */
+};
+/*
+ * False: nothing, *left is not set. Of a flat rim's point that steps count from elsewhere: the
+ * mean.
+ */
+bool rb_set_left_of(const struct rb_located *l, const struct rb_contact_point *m,
+                    struct rb_set_left *left);
+
 /* Only ever one point: a sphere with a sphere or a plane. */
 static inline bool rb_set_is_single(const struct rb_located *l, int a, int b)
 {

@@ -75,13 +75,18 @@ static void joint_contact(struct rb_settling *s, int k)
 	const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 	const double speed = rb_vec3_length(slip);
 	const double rest_speed = 4 * rb_contact_point_noise(l, m) + s->slack;
-	const bool stuck = before->a >= 0 && !s->struck && (!before->slipping || before->ending);
+	struct rb_set_left left = {.sticks = false};
+	const bool has_left = before->a < 0 && rb_set_left_of(l, m, &left);
+	const bool sticks = before->a >= 0 ? !before->slipping || before->ending : left.sticks;
+	const bool stuck = sticks && !s->struck;
 
 	*c = rb_mechanics_contact(l, m);
 	c->a = joint_body(s, m->a);
 	c->b = joint_body(s, m->b);
 	if (before->a >= 0)
 		c->impulse = before->force;
+	else if (has_left)
+		c->impulse = left.force;
 	c->slip = s->slip[k];
 	if (speed >
 	    (stuck ? fmax(rest_speed, rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
@@ -256,6 +261,24 @@ static bool stop_slow_slips(struct rb_settling *s)
 	return any;
 }
 
+/* The way that it is known to have slipped until now; false: none is. */
+static bool slipped(const struct rb_settling *s, int k, rb_vec3 *way)
+{
+	const struct rb_held *before = &s->before[k];
+	struct rb_set_left left;
+
+	if (s->struck)
+		return false;
+	if (before->a < 0) {
+		if (!rb_set_left_of(s->l, &s->contact_point[k], &left))
+			return false;
+		*way = left.slip;
+		return is_given(left.slip);
+	}
+	*way = before->slip;
+	return before->slipping && !before->ending;
+}
+
 /*
  * The velocity of a slow slip says its direction to rounding over speed only, and against friction
  * in a direction that is wrong by that it would turn back within speed / (friction g), all the way.
@@ -267,18 +290,18 @@ static bool keep_directions(struct rb_settling *s)
 	bool any = false;
 
 	for (int k = 0; k < s->contact_point_count; k++) {
-		const struct rb_held *before = &s->before[k];
 		const struct rb_contact_point *m = &s->contact_point[k];
 		const rb_vec3 slip = rb_vec3_reject(m->velocity, m->normal);
 		const double speed = rb_vec3_length(slip);
 		const double rest_speed = 4 * rb_contact_point_noise(s->l, m) + s->slack + s->drift;
+		rb_vec3 way;
 
 		s->slip[k] = (rb_vec3){0, 0, 0};
-		if (before->a < 0 || !before->slipping || before->ending || s->struck ||
+		if (!slipped(s, k, &way) ||
 		    !(speed > 4 * rb_contact_point_noise(s->l, m) + s->slack))
 			continue;
 		const rb_vec3 now = rb_vec3_scale(1 / speed, slip);
-		const rb_vec3 old = rb_vec3_unit(rb_vec3_reject(before->slip, m->normal), now);
+		const rb_vec3 old = rb_vec3_unit(rb_vec3_reject(way, m->normal), now);
 		if (rb_vec3_length(rb_vec3_sub(now, old)) * speed > rest_speed)
 			continue;
 		s->slip[k] = old;

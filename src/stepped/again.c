@@ -99,7 +99,7 @@ static void clear_velocities(struct rb_world *world, const struct view *view)
 
 static bool is_same(const struct rb_step_point *x, const struct rb_step_point *y)
 {
-	return x->a == y->a && x->b == y->b && x->key == y->key;
+	return x->a == y->a && x->b == y->b && x->parts == y->parts && x->key == y->key;
 }
 
 /* Impulses of a pair's points go on where these have kept their names. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "stepped/contact_points.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/memory.h"
@@ -114,6 +113,30 @@ static rb_vec3 velocity_before(const struct rb_world *world, int i, rb_vec3 arm)
 	                    : v;
 }
 
+/* 1 + the place in `last` of this key at the point's parts; 0: it is not there. */
+static size_t find_key(const struct rb_step_points *points, const struct rb_step_point *point,
+                       uint64_t key)
+{
+	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
+
+	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
+		const struct rb_named_push *last = &points->last[k];
+
+		if (last->b == point->b && last->key == key && last->parts == point->parts)
+			return k + 1;
+	}
+	return 0;
+}
+
+/* What it starts from, by its name; of a flat rim also what stands for any of its points. */
+static size_t find_last(const struct rb_step_points *points, const struct rb_step_point *point)
+{
+	const size_t found = find_key(points, point, point->key);
+	const uint64_t rim = found > 0 ? 0 : rb_contact_key_all_round(point->key);
+
+	return rim == 0 ? found : find_key(points, point, rim);
+}
+
 /* Material, approach and the impulse of the step before, for a point whose place is known. */
 static void fill_point(const struct inspection *inspection, struct rb_step_point *point)
 {
@@ -140,20 +163,15 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	const double pivot = central ? 0
 	                             : rb_pivot_angle(world, point->a, point->b, point->normal,
 	                                              inspection->h);
-	const size_t end = points->last_count > 0 ? points->first_last[point->a + 1] : 0;
-	for (size_t k = points->last_count > 0 ? points->first_last[point->a] : 0; k < end; k++) {
-		const struct rb_named_push *last = &points->last[k];
-
-		if (last->b != point->b || (last->key != point->key && last->key != RB_ANY_POINT))
-			continue;
-		point->from = k + 1;
-		point->push = inspection->h * last->force;
-		if (point->friction > 0)
-			point->friction_impulse = rb_vec3_scale(
-				inspection->h,
-				rb_pivot_turn(last->friction_impulse, point->normal, pivot, 1));
-		break;
-	}
+	point->from = find_last(points, point);
+	if (point->from == 0)
+		return;
+	const struct rb_named_push *last = &points->last[point->from - 1];
+	point->push = inspection->h * last->force;
+	if (point->friction > 0)
+		point->friction_impulse = rb_vec3_scale(
+			inspection->h,
+			rb_pivot_turn(last->friction_impulse, point->normal, pivot, 1));
 }
 
 /* A way longer than this share of a radius is looked along for the normal of the touch. */
@@ -245,8 +263,16 @@ static void inspect_plain(struct inspection *inspection, struct rb_pair pair, do
 	fill_point(inspection, point);
 }
 
+/* With the lower index first, which may be that of a driven body. */
+static struct rb_contact_name name_of(struct rb_pair pair, uint32_t parts, uint64_t key)
+{
+	const struct rb_contact_name name = {.a = pair.a, .b = pair.b, .parts = parts, .key = key};
+
+	return pair.a < pair.b ? name : rb_contact_name_swapped(&name);
+}
+
 static void add_manifold(struct inspection *inspection, struct rb_pair pair,
-                         const rb_manifold *manifold, double slack, uint64_t part)
+                         const rb_manifold *manifold, double slack, uint32_t parts)
 {
 	const rb_vec3 at_a = center_of(inspection->world, pair.a),
 		      at_b = center_of(inspection->world, pair.b);
@@ -259,10 +285,12 @@ static void add_manifold(struct inspection *inspection, struct rb_pair pair,
 		struct rb_step_point *point = add_point(inspection);
 		if (!point)
 			return;
+		const struct rb_contact_name name = name_of(pair, parts, at->key);
 		*point = (struct rb_step_point){
 			.a = pair.a,
 			.b = pair.b,
-			.key = at->key ^ part * 0x9e3779b97f4a7c15u,
+			.parts = name.parts,
+			.key = name.key,
 			.normal = manifold->normal,
 			.arm_a = rb_vec3_sub(at->on_a, at_a),
 			/* opposite: else the impulse would turn both */
@@ -341,7 +369,7 @@ static double inspect_parts(struct inspection *inspection, struct rb_pair pair, 
 			if (!clue->is_close)
 				continue;
 			add_manifold(inspection, pair, &manifold, slack,
-			             (uint64_t)i << 32 | (uint64_t)j);
+			             (uint32_t)i << 16 | (uint32_t)j);
 		}
 	}
 	return least_clearance;
@@ -513,138 +541,5 @@ enum rb_status rb_step_points_sort(struct rb_step_points *points, struct rb_aren
 		row[k] = points->row[item[k].value];
 	if (n > 0)
 		memcpy(points->row, row, n * sizeof *row);
-	return RB_OK;
-}
-
-void rb_step_points_index(struct rb_step_points *points, const struct rb_model *model)
-{
-	int a = 0;
-
-	for (size_t k = 0; k < points->last_count; k++)
-		for (; a <= points->last[k].a; a++)
-			points->first_last[a] = k;
-	for (; a <= model->body_count; a++)
-		points->first_last[a] = points->last_count;
-}
-
-static int by_first(const void *left, const void *right)
-{
-	const struct rb_named_push *x = left, *y = right;
-
-	if (x->a != y->a)
-		return x->a < y->a ? -1 : 1;
-	return (x->b > y->b) - (x->b < y->b);
-}
-
-enum rb_status rb_step_points_take_over(struct rb_step_points *points, const struct rb_world *world,
-                                        struct rb_error *err)
-{
-	const struct rb_contacts *contacts = &world->contacts;
-	size_t length;
-
-	points->last_count = 0;
-	if (!rb_step_points_reserve(points, contacts->count))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", contacts->count);
-	for (size_t k = 0; k < contacts->count; k += length) {
-		const struct rb_contact *first = &contacts->row[k];
-		const bool swapped = world->model->inverse_mass[first->a] == 0; /* driven */
-		struct rb_named_push push = {.a = swapped ? first->b : first->a,
-		                             .b = swapped ? first->a : first->b,
-		                             .key = RB_ANY_POINT};
-
-		for (length = 0; k + length < contacts->count && first[length].a == first->a &&
-		                 first[length].b == first->b;
-		     length++) {
-			push.force += first[length].normal_force;
-			push.friction_impulse = rb_vec3_add(push.friction_impulse,
-			                                    first[length].tangent_force);
-		}
-		push.force /= (double)length;
-		push.friction_impulse = rb_vec3_scale((swapped ? -1 : 1) / (double)length,
-		                                      push.friction_impulse);
-		if (push.force > 0)
-			points->last[points->last_count++] = push;
-	}
-	if (points->last_count > 1)
-		qsort(points->last, points->last_count, sizeof *points->last, by_first);
-	rb_step_points_index(points, world->model);
-	return RB_OK;
-}
-
-void rb_step_points_take_last(struct rb_step_points *points, const struct rb_step_points *from,
-                              const int *member, int count)
-{
-	points->last_count = 0;
-	for (int k = 0; k < count; k++) {
-		const int a = member[k];
-		const size_t end = from->last_count > 0 ? from->first_last[a + 1] : 0;
-
-		for (size_t at = from->last_count > 0 ? from->first_last[a] : 0; at < end; at++)
-			points->last[points->last_count++] = from->last[at];
-	}
-	rb_step_points_index_members(points, member, count);
-}
-
-void rb_step_points_index_members(struct rb_step_points *points, const int *member, int count)
-{
-	size_t at = 0;
-
-	for (int k = 0; k < count; k++) {
-		points->first_last[member[k]] = at;
-		while (at < points->last_count && points->last[at].a == member[k])
-			at++;
-		points->first_last[member[k] + 1] = at;
-	}
-}
-
-bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
-{
-	return rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
-	                         sizeof *points->last);
-}
-
-static struct rb_named_push push_of(const struct rb_step_points *points,
-                                    const struct rb_step_point *point, double h,
-                                    const unsigned char *asleep)
-{
-	if (point->from > 0 && asleep[point->a]) {
-		struct rb_named_push push = points->last[point->from - 1];
-
-		push.key = point->key;
-		return push;
-	}
-	return (struct rb_named_push){point->a, point->b, point->key, point->push / h,
-	                              rb_vec3_scale(1 / h, point->friction_impulse)};
-}
-
-enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
-                                   const unsigned char *asleep, const unsigned char *sleeps,
-                                   struct rb_error *err)
-{
-	const size_t max = points->count + (sleeps ? points->last_count : 0);
-	size_t old = sleeps ? 0 : points->last_count, count = 0;
-
-	if (!rb_memory_reserve(&points->spare, &points->spare_capacity, max + 1,
-	                       sizeof *points->spare))
-		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
-	struct rb_named_push *const to = points->spare;
-	for (size_t k = 0; k <= points->count; k++) {
-		const struct rb_step_point *point = k < points->count ? &points->row[k] : NULL;
-
-		if (point && !(point->push > 0))
-			continue;
-		for (; old < points->last_count && (!point || points->last[old].a < point->a);
-		     old++)
-			if (sleeps[points->last[old].a])
-				to[count++] = points->last[old];
-		if (point)
-			to[count++] = push_of(points, point, h, asleep);
-	}
-	points->spare = points->last;
-	points->last = to;
-	const size_t capacity = points->spare_capacity;
-	points->spare_capacity = points->last_capacity;
-	points->last_capacity = capacity;
-	points->last_count = count;
 	return RB_OK;
 }

@@ -3,17 +3,20 @@
  * Points at which bodies could touch within a step: of spheres among themselves and on planes by
  * closed forms, of all else through geom/manifold, part by part.
  *
- * A point has a name (pair, parts, features) by which the impulse of the step before is found
- * again. Points come in order of pairs, whatever the threads.
+ * A point has a name (constraint/contact_name) by which the impulse of the step before, or the
+ * force that another method has found, is found again. Points come in order of pairs, whatever the
+ * threads.
  */
 #ifndef RB_STEPPED_CONTACT_POINTS_H
 #define RB_STEPPED_CONTACT_POINTS_H
 
+#include "constraint/contact_name.h"
 #include "stepped/candidates.h"
 
 struct rb_step_point {
-	int a, b; /* indices of the model, a < b: a moves */
-	uint64_t key;
+	int a, b;       /* indices of the model, a < b, but a driven body is b: a moves */
+	uint32_t parts; /* as in its name, the body of the lower index first */
+	uint64_t key;   /* the same */
 	bool central;
 	bool struck;    /* what the step's solution has applied has been told as an impact */
 	rb_vec3 normal; /* unit, from a to b */
@@ -33,15 +36,13 @@ struct rb_step_point {
 	size_t from; /* 1 + the place in `last` of what it started from; 0: of nothing */
 };
 
-/* Of any point of a pair: another method has told its forces. */
-#define RB_ANY_POINT UINT64_MAX
-
-/* What of a point the next step starts from. */
-#define RB_NAMED_PUSH_FIELDS(X)                                                      \
-	X(int, a, , "", "index of a body that moves", RB_UP_TO(RB_LIMIT_BODY))       \
-	X(int, b, , "", "body index", RB_UP_TO(RB_LIMIT_ANY_BODY))                   \
-	X(uint64_t, key, , "", "its name among the points of the pair", RB_ANY_BITS) \
-	X(double, force, , "N", "along the normal", RB_FINITE)                       \
+/* What of a point the next step starts from; its name as of struct rb_step_point. */
+#define RB_NAMED_PUSH_FIELDS(X)                                                \
+	X(int, a, , "", "index of a body that moves", RB_UP_TO(RB_LIMIT_BODY)) \
+	X(int, b, , "", "body index", RB_UP_TO(RB_LIMIT_ANY_BODY))             \
+	X(uint32_t, parts, , "", "of its name", RB_ANY_BITS)                   \
+	X(uint64_t, key, , "", "of its name", RB_ANY_BITS)                     \
+	X(double, force, , "N", "along the normal", RB_FINITE)                 \
 	X(rb_vec3, friction_impulse, , "N", "on b", RB_FINITE)
 struct rb_named_push {
 	RB_NAMED_PUSH_FIELDS(RB_FIELD_MEMBER)
@@ -57,6 +58,17 @@ struct rb_step_points {
 	size_t spare_capacity;
 	size_t *first_last; /* owned, [bodies + 1]: of each a in `last` */
 };
+
+/* Its name, without half. */
+static inline struct rb_contact_name rb_step_point_name(const struct rb_step_point *point)
+{
+	const bool in_order = point->a < point->b;
+
+	return (struct rb_contact_name){.a = in_order ? point->a : point->b,
+	                                .b = in_order ? point->b : point->a,
+	                                .parts = point->parts,
+	                                .key = point->key};
+}
 
 RB_CHECKED enum rb_status rb_step_points_create(struct rb_step_points *points,
                                                 const struct rb_model *model, struct rb_error *err);
@@ -84,12 +96,12 @@ RB_CHECKED enum rb_status rb_step_points_keep(struct rb_step_points *points, dou
                                               const unsigned char *sleeps, struct rb_error *err);
 
 /*
- * What the next step starts from is what another method has found: each point of a pair that
- * touches has the mean force of the pair's contacts.
+ * What the next step starts from is what another method has found: each point has the force of its
+ * own name. Points of a rim that lies flat may be counted from elsewhere: each that has no name
+ * there has the mean force of the rim's points.
  */
 RB_CHECKED enum rb_status rb_step_points_take_over(struct rb_step_points *points,
-                                                   const struct rb_world *world,
-                                                   struct rb_error *err);
+                                                   struct rb_world *world, struct rb_error *err);
 
 /* After `last` has changed. */
 void rb_step_points_index(struct rb_step_points *points, const struct rb_model *model);

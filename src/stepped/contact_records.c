@@ -45,6 +45,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 	                             lever_of(point)),
 		.normal = point->normal,
 		.gap = point->gap,
+		.parts = point->parts,
 		.key = point->key,
 	};
 

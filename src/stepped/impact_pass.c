@@ -473,6 +473,7 @@ static bool pass(struct impacts *all, const struct rb_step_point *point,
 		.gap = point->gap,
 		.normal_force = push,
 		.tangent_force = rb_vec3_add_scaled(c->impulse, -push, c->normal),
+		.parts = point->parts,
 		.key = point->key,
 	};
 	return true;

@@ -16,13 +16,9 @@ void rb_means_release(struct rb_means *means)
 
 static int by_name(const void *left, const void *right)
 {
-	const struct rb_contact *x = left, *y = right;
+	const struct rb_contact_name x = rb_contact_name_in(left), y = rb_contact_name_in(right);
 
-	if (x->a != y->a)
-		return x->a < y->a ? -1 : 1;
-	if (x->b != y->b)
-		return x->b < y->b ? -1 : 1;
-	return (x->key > y->key) - (x->key < y->key);
+	return rb_contact_name_compare(&x, &y);
 }
 
 static void add(struct rb_mean *mean, const struct rb_contact *contact, double h)

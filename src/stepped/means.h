@@ -21,7 +21,7 @@ struct rb_mean {
 };
 
 struct rb_means {
-	struct rb_mean *row; /* owned; by pair and key */
+	struct rb_mean *row; /* owned; by name */
 	size_t count, capacity;
 	struct rb_mean *spare; /* owned: the other buffer for them */
 	size_t spare_capacity;
@@ -29,7 +29,7 @@ struct rb_means {
 
 void rb_means_release(struct rb_means *means);
 
-/* Adds the contacts of a part of h_s, which are left by pair and key. */
+/* Adds the contacts of a part of h_s, which are left in the order of names. */
 RB_CHECKED enum rb_status rb_means_add(struct rb_means *means, struct rb_contacts *part, double h_s,
                                        struct rb_error *err);
 

@@ -73,6 +73,15 @@ const struct rb_contact *rb_contacts_find(const struct rb_contacts *contacts, in
 	return NULL;
 }
 
+const struct rb_contact *rb_contacts_first(const struct rb_contacts *contacts, int a, int b)
+{
+	const struct rb_contact *found = rb_contacts_find(contacts, a, b);
+
+	while (found && found > contacts->row && found[-1].a == a && found[-1].b == b)
+		found--;
+	return found;
+}
+
 void rb_contacts_drop(struct rb_contacts *contacts, int index)
 {
 	size_t kept = 0;

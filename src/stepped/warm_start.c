@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * What the next step starts from (stepped/contact_points): impulses of the step before, or forces
+ * that another method has found, by name.
+ */
+#include "stepped/contact_points.h"
+
+#include <stdlib.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+void rb_step_points_index(struct rb_step_points *points, const struct rb_model *model)
+{
+	int a = 0;
+
+	for (size_t k = 0; k < points->last_count; k++)
+		for (; a <= points->last[k].a; a++)
+			points->first_last[a] = k;
+	for (; a <= model->body_count; a++)
+		points->first_last[a] = points->last_count;
+}
+
+static int by_name(const void *left, const void *right)
+{
+	const struct rb_named_push *x = left, *y = right;
+
+	if (x->a != y->a)
+		return x->a < y->a ? -1 : 1;
+	if (x->b != y->b)
+		return x->b < y->b ? -1 : 1;
+	if (x->parts != y->parts)
+		return x->parts < y->parts ? -1 : 1;
+	return (x->key > y->key) - (x->key < y->key);
+}
+
+static struct rb_named_push taken_over(const struct rb_world *world,
+                                       const struct rb_contact *contact)
+{
+	const bool swapped = world->model->inverse_mass[contact->a] == 0; /* driven */
+
+	return (struct rb_named_push){
+		.a = swapped ? contact->b : contact->a,
+		.b = swapped ? contact->a : contact->b,
+		.parts = contact->parts,
+		.key = contact->key,
+		.force = contact->normal_force,
+		.friction_impulse = swapped ? rb_vec3_neg(contact->tangent_force)
+	                                    : contact->tangent_force,
+	};
+}
+
+/* The mean of points of one rim, out of those of a pair. */
+static struct rb_named_push mean_of_rim(const struct rb_named_push *pair, size_t length,
+                                        uint32_t parts, uint64_t rim)
+{
+	struct rb_named_push mean = {.a = pair->a, .b = pair->b, .parts = parts, .key = rim};
+	double count = 0;
+
+	for (size_t k = 0; k < length; k++) {
+		if (pair[k].parts != parts || rb_contact_key_all_round(pair[k].key) != rim)
+			continue;
+		count++;
+		mean.force += pair[k].force;
+		mean.friction_impulse = rb_vec3_add(mean.friction_impulse,
+		                                    pair[k].friction_impulse);
+	}
+	RB_ASSERT_COSTLY(count > 0);
+	mean.force /= count;
+	mean.friction_impulse = rb_vec3_scale(1 / count, mean.friction_impulse);
+	return mean;
+}
+
+/* Those of a pair as they are, then each rim's mean for points that have no name there. */
+static size_t take_pair(const struct rb_named_push *pair, size_t length, struct rb_named_push *to)
+{
+	size_t count = 0;
+
+	for (size_t k = 0; k < length; k++)
+		if (rb_contact_key_all_round(pair[k].key) != pair[k].key)
+			to[count++] = pair[k];
+	for (size_t k = 0; k < length; k++) {
+		const uint64_t rim = rb_contact_key_all_round(pair[k].key);
+		bool is_first = rim != 0;
+
+		for (size_t i = 0; i < k && is_first; i++)
+			is_first = pair[i].parts != pair[k].parts ||
+			           rb_contact_key_all_round(pair[i].key) != rim;
+		if (is_first)
+			to[count++] = mean_of_rim(pair, length, pair[k].parts, rim);
+	}
+	return count;
+}
+
+enum rb_status rb_step_points_take_over(struct rb_step_points *points, struct rb_world *world,
+                                        struct rb_error *err)
+{
+	const struct rb_contacts *contacts = &world->contacts;
+	struct rb_named_push *push = rb_arena_take(&world->arena[0], contacts->count + 1,
+	                                           sizeof *push);
+	size_t count = 0, length;
+
+	points->last_count = 0;
+	if (!push || !rb_step_points_reserve(points, 2 * contacts->count))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", contacts->count);
+	for (size_t k = 0; k < contacts->count; k++)
+		if (contacts->row[k].normal_force > 0)
+			push[count++] = taken_over(world, &contacts->row[k]);
+	if (count > 1)
+		qsort(push, count, sizeof *push, by_name);
+	for (size_t k = 0; k < count; k += length) {
+		for (length = 1; k + length < count && push[k + length].a == push[k].a &&
+		                 push[k + length].b == push[k].b;)
+			length++;
+		points->last_count += take_pair(push + k, length,
+		                                points->last + points->last_count);
+	}
+	rb_step_points_index(points, world->model);
+	return RB_OK;
+}
+
+void rb_step_points_take_last(struct rb_step_points *points, const struct rb_step_points *from,
+                              const int *member, int count)
+{
+	points->last_count = 0;
+	for (int k = 0; k < count; k++) {
+		const int a = member[k];
+		const size_t end = from->last_count > 0 ? from->first_last[a + 1] : 0;
+
+		for (size_t at = from->last_count > 0 ? from->first_last[a] : 0; at < end; at++)
+			points->last[points->last_count++] = from->last[at];
+	}
+	rb_step_points_index_members(points, member, count);
+}
+
+void rb_step_points_index_members(struct rb_step_points *points, const int *member, int count)
+{
+	size_t at = 0;
+
+	for (int k = 0; k < count; k++) {
+		points->first_last[member[k]] = at;
+		while (at < points->last_count && points->last[at].a == member[k])
+			at++;
+		points->first_last[member[k] + 1] = at;
+	}
+}
+
+bool rb_step_points_reserve(struct rb_step_points *points, size_t count)
+{
+	return rb_memory_reserve(&points->last, &points->last_capacity, count + 1,
+	                         sizeof *points->last);
+}
+
+static struct rb_named_push push_of(const struct rb_step_points *points,
+                                    const struct rb_step_point *point, double h,
+                                    const unsigned char *asleep)
+{
+	if (point->from > 0 && asleep[point->a]) {
+		struct rb_named_push push = points->last[point->from - 1];
+
+		push.key = point->key; /* it may stand for all of a rim */
+		return push;
+	}
+	return (struct rb_named_push){
+		.a = point->a,
+		.b = point->b,
+		.parts = point->parts,
+		.key = point->key,
+		.force = point->push / h,
+		.friction_impulse = rb_vec3_scale(1 / h, point->friction_impulse)};
+}
+
+enum rb_status rb_step_points_keep(struct rb_step_points *points, double h,
+                                   const unsigned char *asleep, const unsigned char *sleeps,
+                                   struct rb_error *err)
+{
+	const size_t max = points->count + (sleeps ? points->last_count : 0);
+	size_t old = sleeps ? 0 : points->last_count, count = 0;
+
+	if (!rb_memory_reserve(&points->spare, &points->spare_capacity, max + 1,
+	                       sizeof *points->spare))
+		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for %zu contacts", max);
+	struct rb_named_push *const to = points->spare;
+	for (size_t k = 0; k <= points->count; k++) {
+		const struct rb_step_point *point = k < points->count ? &points->row[k] : NULL;
+
+		if (point && !(point->push > 0))
+			continue;
+		for (; old < points->last_count && (!point || points->last[old].a < point->a);
+		     old++)
+			if (sleeps[points->last[old].a])
+				to[count++] = points->last[old];
+		if (point)
+			to[count++] = push_of(points, point, h, asleep);
+	}
+	points->spare = points->last;
+	points->last = to;
+	const size_t capacity = points->spare_capacity;
+	points->spare_capacity = points->last_capacity;
+	points->last_capacity = capacity;
+	points->last_count = count;
+	return RB_OK;
+}

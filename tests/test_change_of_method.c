@@ -1,0 +1,446 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * src/constraint/contact_name, src/method/method: what a method knows of a contact point survives a
+ * change of method.
+ */
+#include "worlds.h"
+
+#include <float.h>
+
+#include "located/engine.h"
+#include "located/located.h"
+#include "model/descriptor.h"
+#include "stepped/inside.h"
+#include "world/world.h"
+
+static const rb_vec3 none = {0, 0, 0};
+static const double earth = 9.81, step_s = 1.0 / 400, frame_rate = 100;
+
+static struct rb_body_def body_of(enum rb_shape_kind kind, rb_vec3 at, rb_quat turn)
+{
+	struct rb_body_def def = rb_body_def_default();
+
+	def.call = "body";
+	def.shape.kind = kind;
+	def.mass = 1;
+	def.position = at;
+	def.orientation = turn;
+	return def;
+}
+
+static int add_box(struct lab *lab, rb_vec3 size, rb_vec3 at, rb_quat turn)
+{
+	struct rb_body_def def = body_of(RB_SHAPE_BOX, at, turn);
+
+	rb_vec3_to(def.shape.size, size);
+	return lab_add(lab, &def);
+}
+
+static int add_round(struct lab *lab, enum rb_shape_kind kind, rb_vec3 at, rb_quat turn)
+{
+	struct rb_body_def def = body_of(kind, at, turn);
+
+	def.shape.radius = 0.25;
+	def.shape.size[2] = 0.6;
+	return lab_add(lab, &def);
+}
+
+static int add_solid(struct lab *lab, enum rb_shape_kind kind, int solid, rb_vec3 at, rb_quat turn)
+{
+	struct rb_body_def def = body_of(kind, at, turn);
+
+	def.shape.solid = solid;
+	return lab_add(lab, &def);
+}
+
+static rb_quat about(rb_vec3 turn)
+{
+	return rb_quat_from_turn(turn);
+}
+
+static void open_auto(struct lab *lab, double friction, rb_vec3 gravity)
+{
+	lab_open(lab, 2, frame_rate);
+	lab->scene.world.method = RB_METHOD_AUTO;
+	lab->scene.world.time_step_s = step_s;
+	lab->scene.world.gravity = gravity;
+	lab_surface(lab, friction, 0);
+}
+
+/* From the frame that has been located, `steps` steps; then locating begins anew. */
+static void change_to_steps(struct lab *lab, int steps)
+{
+	struct rb_world *world = lab->world;
+	const struct rb_stepper *stepper = rb_model_method_row(world->model)->steps;
+
+	assert_int_equal(world->dense_left, 0);
+	assert_int_equal(stepper->prepare(world, &lab->error), RB_OK);
+	assert_int_equal(stepper->take_over(world, &lab->error), RB_OK);
+	rb_engine_go_back(world->located);
+	world->dense_left = world->dense_steps = steps;
+}
+
+/* ---- names ---- */
+
+static int add_prism(struct lab *lab)
+{
+	rb_vec3 points[16];
+	int solid = -1;
+
+	for (int k = 0; k < 16; k++)
+		points[k] = (rb_vec3){0.5 * cos(0.78539816339744831 * k),
+		                      0.5 * sin(0.78539816339744831 * k), k < 8 ? -0.2 : 0.2};
+	assert_int_equal(rb_scene_add_hull(&lab->scene, points, 16, &solid, &lab->error), RB_OK);
+	return solid;
+}
+
+static int add_table(struct lab *lab)
+{
+	struct rb_solid_part part[3];
+	int solid = -1;
+
+	for (int k = 0; k < 3; k++) {
+		part[k] = (struct rb_solid_part){.orientation = rb_quat_identity, .share = 1};
+		part[k].shape.kind = RB_SHAPE_BOX;
+		part[k].position = k == 0 ? (rb_vec3){0, 0, 0.25}
+		                          : (rb_vec3){k == 1 ? -0.4 : 0.4, 0, -0.05};
+		rb_vec3_to(part[k].shape.size,
+		           k == 0 ? (rb_vec3){1, 0.5, 0.1} : (rb_vec3){0.1, 0.5, 0.5});
+	}
+	assert_int_equal(rb_scene_add_union(&lab->scene, part, 3, &solid, &lab->error), RB_OK);
+	return solid;
+}
+
+enum { BOX, BOXES, CYLINDER, LYING, CAPSULE, HULLS, UNION, ACROSS, CASES };
+
+static void put_up(struct lab *lab, int which)
+{
+	const rb_quat skew = about((rb_vec3){0, 0, 0.3}),
+		      lies = about((rb_vec3){0, 1.5707963267948966, 0});
+	const rb_vec3 size = {1, 0.8, 0.4};
+	int solid;
+
+	if (which != CYLINDER && which != LYING && which != HULLS && which != UNION)
+		add_box(lab, size, (rb_vec3){0, 0, 0.2}, rb_quat_identity);
+	switch (which) {
+	case BOXES:
+		add_box(lab, size, (rb_vec3){0.1, 0.05, 0.6}, skew);
+		break;
+	case CYLINDER:
+		add_round(lab, RB_SHAPE_CYLINDER, (rb_vec3){0, 0, 0.3}, skew);
+		break;
+	case LYING:
+		add_round(lab, RB_SHAPE_CYLINDER, (rb_vec3){0, 0, 0.25}, lies);
+		break;
+	case CAPSULE:
+		add_round(lab, RB_SHAPE_CAPSULE, (rb_vec3){0.3, 0, 0.65}, lies);
+		break;
+	case HULLS:
+		solid = add_prism(lab);
+		add_solid(lab, RB_SHAPE_HULL, solid, (rb_vec3){0, 0, 0.2}, rb_quat_identity);
+		add_solid(lab, RB_SHAPE_HULL, solid, (rb_vec3){0.1, 0.07, 0.6}, skew);
+		break;
+	case UNION:
+		solid = add_table(lab);
+		add_solid(lab, RB_SHAPE_UNION, solid, (rb_vec3){0, 0, 0.3}, skew);
+		break;
+	case ACROSS:
+		add_round(lab, RB_SHAPE_CYLINDER, (rb_vec3){0.35, 0.02, 0.7}, rb_quat_identity);
+		break;
+	default:
+		break;
+	}
+	lab_plane(lab, none, (rb_vec3){0, 0, 1});
+}
+
+static const struct rb_step_point *point_of(const struct rb_world *world,
+                                            const struct rb_contact_name *name)
+{
+	const struct rb_step_points *points = &world->stepped->all.points;
+	const struct rb_step_point *found = NULL;
+
+	for (size_t k = 0; k < points->count; k++) {
+		const struct rb_contact_name own = rb_step_point_name(&points->row[k]);
+
+		if (!rb_contact_name_is(&own, name))
+			continue;
+		assert_null(found);
+		found = &points->row[k];
+	}
+	return found;
+}
+
+/*
+ * Places are those of one surface or the other, and what steps allow of a gap is below the
+ * tolerance.
+ */
+static void the_same_point_has_the_same_name_in_both_methods(void **state)
+{
+	(void)state;
+	for (int which = 0; which < CASES; which++) {
+		struct rb_contact located[64];
+		struct lab lab;
+
+		open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+		put_up(&lab, which);
+		lab_seal(&lab, 1);
+		lab_step(&lab);
+		struct rb_world *world = lab.world;
+		const size_t count = world->contacts.count;
+		assert_in_range(count, 2, 64);
+		memcpy(located, world->contacts.row, count * sizeof *located);
+		change_to_steps(&lab, 1);
+		world->stepped->solver.h_s = step_s;
+		assert_int_equal(
+			rb_model_method_row(world->model)
+				->steps->step(world, world->state.time_s, step_s, &lab.error),
+			RB_OK);
+		for (size_t k = 0; k < count; k++) {
+			const struct rb_contact_name name = rb_contact_name_in(&located[k]);
+			const struct rb_step_point *point = point_of(world, &name);
+
+			if (!point)
+				fail_msg("case %d: parts %x key %llx", which, name.parts,
+				         (unsigned long long)name.key);
+			assert_true(point->from > 0);
+			const rb_vec3 at = rb_vec3_add(
+				rb_world_row3(world->state.position, point->a), point->arm_a);
+			assert_vector(at, located[k].point, 2 * world->model->tolerance_m);
+		}
+		lab_close(&lab);
+	}
+}
+
+/* ---- forces ---- */
+
+/*
+ * Largest of what is known of a point in one list and differs in the other, N; HUGE_VAL: other
+ * names.
+ */
+static double difference(const struct rb_contacts *contacts, const struct rb_contact *other,
+                         size_t other_count)
+{
+	double max = contacts->count == other_count ? 0 : HUGE_VAL;
+
+	for (size_t k = 0; k < contacts->count; k++) {
+		const struct rb_contact *c = &contacts->row[k];
+		const struct rb_contact_name name = rb_contact_name_in(c);
+		double least = HUGE_VAL;
+
+		for (size_t i = 0; i < other_count; i++) {
+			const struct rb_contact_name of = rb_contact_name_in(&other[i]);
+
+			if (rb_contact_name_is(&name, &of))
+				least = fmax(fabs(c->normal_force - other[i].normal_force),
+				             rb_vec3_max_abs(rb_vec3_sub(c->tangent_force,
+				                                         other[i].tangent_force)));
+		}
+		max = fmax(max, least);
+	}
+	return max;
+}
+
+static size_t copy(struct rb_contact *to, const struct rb_contacts *contacts)
+{
+	assert_in_range(contacts->count, 1, 64);
+	memcpy(to, contacts->row, contacts->count * sizeof *to);
+	return contacts->count;
+}
+
+/*
+ * A plank against a wall, with a part of it past where friction on the floor alone would hold it.
+ */
+static void lean(struct lab *lab)
+{
+	const double length = 2, high = 0.1, turn = 1.2;
+	const double off = 0.5 * (length * cos(turn) + high * sin(turn)),
+		     lift = 0.5 * (length * sin(turn) + high * cos(turn));
+
+	open_auto(lab, 0.5, (rb_vec3){0, 0, -earth});
+	add_box(lab, (rb_vec3){length, 0.5, high}, (rb_vec3){off, 0, lift},
+	        about((rb_vec3){0, turn, 0}));
+	lab_plane(lab, none, (rb_vec3){0, 0, 1});
+	lab_plane(lab, none, (rb_vec3){1, 0, 0});
+}
+
+/* On an incline of 0.35 rad (tan 0.365), seen from it. */
+static void incline(struct lab *lab, double friction)
+{
+	open_auto(lab, friction, (rb_vec3){earth * sin(0.35), 0, -earth * cos(0.35)});
+	add_box(lab, (rb_vec3){1, 0.8, 0.6}, (rb_vec3){0, 0, 0.3}, about((rb_vec3){0, 0, 0.3}));
+	lab_plane(lab, none, (rb_vec3){0, 0, 1});
+}
+
+/*
+ * One body of 1 kg, whose located forces are constant and solve the equations of a step, too: gaps
+ * are straight, velocities change evenly. So what a step does to them is rounding: in each of 16
+ * sweeps, or of as many products of an elimination, four points add up forces of no more than the
+ * weight, each sum with half an ulp of it. Located forces are found to 1e-13 of the largest
+ * acceleration, by four points.
+ */
+static void the_force_of_every_point_is_continuous_over_a_change_of_method(void **state)
+{
+	(void)state;
+	for (int which = 0; which < 3; which++) {
+		struct rb_contact located[64], stepped[64];
+		struct lab lab;
+
+		if (which == 0)
+			lean(&lab);
+		else
+			incline(&lab, which == 1 ? 0.5 : 0.2);
+		lab_seal(&lab, 1);
+		for (int k = 0; k < 10; k++)
+			lab_step(&lab);
+		struct rb_world *world = lab.world;
+		const size_t count = copy(located, &world->contacts);
+		double least = HUGE_VAL, most = 0;
+		for (size_t k = 0; k < count; k++) {
+			least = fmin(least, located[k].normal_force);
+			most = fmax(most, located[k].normal_force);
+		}
+		/* the mean of a pair, or of the body, would not do */
+		assert_true(which == 0 || most > 1.1 * least);
+		change_to_steps(&lab, 8);
+		lab_step(&lab);
+		assert_true(difference(&world->contacts, located, count) <=
+		            16 * 4 * 0.5 * DBL_EPSILON * earth);
+		lab_step(&lab);
+		assert_int_equal(world->dense_left, 0);
+		copy(stepped, &world->contacts);
+		lab_step(&lab);
+		assert_true(world->located->started);
+		assert_true(difference(&world->contacts, stepped, count) <= 1e-13 * 4 * earth);
+		lab_close(&lab);
+	}
+}
+
+/*
+ * Of a rim that has come to lie flat locating counts points from where it landed, steps from the
+ * floor's axes: what has no name there has the mean.
+ */
+static void a_rim_that_steps_count_from_elsewhere_starts_from_its_mean(void **state)
+{
+	struct lab lab;
+
+	(void)state;
+	open_auto(&lab, 0.5, (rb_vec3){0, 0, -earth});
+	put_up(&lab, CYLINDER);
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	struct rb_world *world = lab.world;
+	assert_int_equal(world->contacts.count, 4);
+	for (size_t k = 0; k < 4; k++) {
+		struct rb_contact *c = &world->contacts.row[k];
+		struct rb_contact_name name = rb_contact_name_in(c);
+
+		name.half = (rb_vec3){k % 2 == 0 ? 1 : -1, 0, 0};
+		c->key = rb_contact_name_shared(&name).key;
+		assert_true(c->key == world->contacts.row[0].key);
+		c->normal_force = 1 + (double)k;
+	}
+	change_to_steps(&lab, 1);
+	assert_int_equal(world->stepped->all.points.last_count, 1);
+	assert_near(world->stepped->all.points.last[0].force, 2.5, 1e-15);
+	assert_int_equal(rb_model_method_row(world->model)
+	                         ->steps->step(world, world->state.time_s, step_s, &lab.error),
+	                 RB_OK);
+	assert_int_equal(world->stepped->all.points.count, 4);
+	for (size_t k = 0; k < 4; k++)
+		assert_int_equal(world->stepped->all.points.row[k].from, 1);
+	lab_close(&lab);
+}
+
+/* ---- cost ---- */
+
+/*
+ * Boxes off each other that stick to each other, on an incline where they stick or slide together.
+ */
+static void tower(struct lab *lab, double floor_friction)
+{
+	struct rb_material_def floor = rb_material_def_default();
+	int material = -1;
+
+	open_auto(lab, 0.8, (rb_vec3){earth * sin(0.35), 0, -earth * cos(0.35)});
+	assert_int_equal(rb_scene_add_material(&lab->scene, &floor, &material, &lab->error), RB_OK);
+	const struct rb_contact_pair_def pair = {0, material, floor_friction, 0};
+	assert_int_equal(rb_scene_add_contact_pair(&lab->scene, &pair, &lab->error), RB_OK);
+	for (int k = 0; k < 3; k++)
+		add_box(lab, (rb_vec3){1, 1, 0.2},
+		        (rb_vec3){0.03 * (k % 2), 0.02 * k, 0.1 + 0.2 * k},
+		        about((rb_vec3){0, 0, 0.1 * k}));
+	struct rb_body_def plane = rb_body_def_default();
+	plane.call = "plane";
+	plane.shape.kind = RB_SHAPE_PLANE;
+	plane.orientation = rb_plane_orientation((rb_vec3){0, 0, 1}, (rb_vec3){(double)NAN, 0, 0});
+	plane.is_static = true;
+	plane.material = material;
+	lab_add(lab, &plane);
+}
+
+/*
+ * What a change of method and back costs: sweeps and factors of one step, products at the start of
+ * arcs.
+ */
+struct cost {
+	uint64_t sweeps, factors, crowd;
+};
+
+static struct cost cost_of(double floor_friction, bool steps_know, bool located_knows)
+{
+	struct cost cost;
+	struct lab lab;
+
+	tower(&lab, floor_friction);
+	lab_seal(&lab, 1);
+	lab_step(&lab);
+	struct rb_world *world = lab.world;
+	if (!steps_know)
+		world->contacts.count = 0;
+	change_to_steps(&lab, 1);
+	world->frame_counts = rb_counts_none;
+	assert_int_equal(rb_model_method_row(world->model)
+	                         ->steps->step(world, world->state.time_s, step_s, &lab.error),
+	                 RB_OK);
+	cost.sweeps = world->frame_counts.row_sweeps;
+	cost.factors = world->frame_counts.factors;
+	if (!located_knows)
+		world->contacts.count = 0;
+	world->dense_left = 0;
+	assert_int_equal(rb_engine_advance(world->located, world->state.time_s, &lab.error), RB_OK);
+	cost.crowd = world->located->crowd;
+	lab_close(&lab);
+	return cost;
+}
+
+static void what_is_known_makes_the_beginning_cheaper(void **state)
+{
+	(void)state;
+	for (int k = 0; k < 2; k++) {
+		const double friction = k == 0 ? 0.5 : 0.2;
+		const struct cost known = cost_of(friction, true, true);
+		const struct cost forgotten = cost_of(friction, false, true);
+		const struct cost begun = cost_of(friction, true, false);
+
+		assert_true(known.sweeps <= forgotten.sweeps);
+		assert_true(known.factors <= forgotten.factors);
+		assert_true(known.sweeps < forgotten.sweeps || known.factors < forgotten.factors);
+		/*
+		 * of what slides steps leave some points off touching: the forces of the others are
+		 * not right alone
+		 */
+		assert_true(k == 1 || known.crowd < begun.crowd);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_same_point_has_the_same_name_in_both_methods),
+		cmocka_unit_test(the_force_of_every_point_is_continuous_over_a_change_of_method),
+		cmocka_unit_test(a_rim_that_steps_count_from_elsewhere_starts_from_its_mean),
+		cmocka_unit_test(what_is_known_makes_the_beginning_cheaper),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}
