@@ -3,6 +3,7 @@
 
 #include <float.h>
 
+#include "constraint/contact_row.h"
 #include "constraint/eccentric.h"
 #include "constraint/effective_mass.h"
 
@@ -63,9 +64,7 @@ struct rb_link rb_link_of(const struct rb_world *world, const struct rb_state *s
                           const struct rb_touch *touch, const struct rb_gap *gap)
 {
 	const struct rb_model *model = world->model;
-	const struct rb_pair_material *pair =
-		&model->pair_materials[model->material[touch->a] * model->material_count +
-	                               model->material[touch->b]];
+	const struct rb_pair_material *pair = rb_contact_material(model, touch->a, touch->b);
 	struct rb_link link = {.a = touch->a,
 	                       .b = touch->b,
 	                       .normal = gap->normal,

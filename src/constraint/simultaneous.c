@@ -5,6 +5,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "constraint/contact_row.h"
 #include "constraint/coulomb.h"
 #include "constraint/effective_mass.h"
 #include "constraint/impulse.h"
@@ -129,13 +130,8 @@ struct rounds {
 
 static struct rb_cone_row row_of(const struct rb_solver_contact *c)
 {
-	return (struct rb_cone_row){.base = {.a = c->a,
-	                                     .b = c->b,
-	                                     .set = RB_CONSTRAINT_CONE,
-	                                     .normal = c->normal,
-	                                     .arm_a = c->arm_a,
-	                                     .arm_b = c->arm_b,
-	                                     .friction = c->friction}};
+	return (struct rb_cone_row){
+		.base = rb_contact_row(c->a, c->b, c->normal, c->arm_a, c->arm_b, c->friction)};
 }
 
 static double largest_speed(const struct rb_simultaneous *joint)

@@ -2,15 +2,14 @@
 #include "located/mechanics.h"
 
 #include "base/error.h"
+#include "constraint/contact_row.h"
 #include "located/external_force.h"
 
 struct rb_solver_contact rb_mechanics_contact(const struct rb_located *l,
                                               const struct rb_contact_point *m)
 {
 	const struct rb_model *model = l->model;
-	const struct rb_pair_material *pair =
-		&model->pair_materials[model->material[m->a] * model->material_count +
-	                               model->material[m->b]];
+	const struct rb_pair_material *pair = rb_contact_material(model, m->a, m->b);
 	struct rb_solver_contact c = {.normal = m->normal,
 	                              .arm_a = m->arm_a,
 	                              .arm_b = m->arm_b,

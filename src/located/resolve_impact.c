@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "constraint/contact_row.h"
 #include "located/account.h"
 #include "located/mechanics.h"
 #include "located/external_force.h"
@@ -130,10 +131,7 @@ static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 		rb_distance_sphere_sphere(position_a, 0, position_b, 0, &normal);
 	}
 	const rb_vec3 w = rb_vec3_sub(other, velocity);
-	const double restitution =
-		model->pair_materials[model->material[a] * model->material_count +
-	                              model->material[b]]
-			.restitution;
+	const double restitution = rb_contact_material(model, a, b)->restitution;
 	const double approach = -rb_vec3_dot(w, normal), target_velocity = restitution * approach;
 	const double noise = 8 * DBL_EPSILON * (rb_vec3_max_abs(velocity) + rb_vec3_max_abs(other));
 

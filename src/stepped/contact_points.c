@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "base/sort.h"
+#include "constraint/contact_row.h"
 #include "geom/distance.h"
 #include "geom/manifold.h"
 #include "model/parts.h"
@@ -143,9 +144,7 @@ static void fill_point(const struct inspection *inspection, struct rb_step_point
 	const struct rb_world *world = inspection->world;
 	const struct rb_model *model = world->model;
 	const struct rb_step_points *points = inspection->points;
-	const struct rb_pair_material *pair =
-		&model->pair_materials[model->material[point->a] * model->material_count +
-	                               model->material[point->b]];
+	const struct rb_pair_material *pair = rb_contact_material(model, point->a, point->b);
 	const bool central = point->central;
 	const rb_vec3 arm_a = central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->arm_a;
 	const rb_vec3 arm_b = central ? rb_vec3_scale(point->arm_b.x, point->normal) : point->arm_b;

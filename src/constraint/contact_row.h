@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/*
+ * A contact as a constraint, the first kind of row: what two bodies do where they touch follows
+ * from their materials and the geometry of the point. Pure functions.
+ */
+#ifndef RB_CONSTRAINT_CONTACT_ROW_H
+#define RB_CONSTRAINT_CONTACT_ROW_H
+
+#include <rbsim/model.h>
+
+#include "constraint/row.h"
+
+/* Friction and restitution between two bodies, by index. */
+static inline const struct rb_pair_material *rb_contact_material(const struct rb_model *model,
+                                                                 int a, int b)
+{
+	return &model->pair_materials[model->material[a] * model->material_count +
+	                              model->material[b]];
+}
+
+/* Arms as vectors; what solvers want besides is for them to fill. */
+static inline struct rb_constraint rb_contact_row(int a, int b, rb_vec3 normal, rb_vec3 arm_a,
+                                                  rb_vec3 arm_b, double friction)
+{
+	return (struct rb_constraint){.a = a,
+	                              .b = b,
+	                              .set = RB_CONSTRAINT_CONE,
+	                              .normal = normal,
+	                              .arm_a = arm_a,
+	                              .arm_b = arm_b,
+	                              .friction = friction};
+}
+
+#endif
