@@ -282,7 +282,7 @@ static void integrate(struct reference *r, double *y, double end)
 	                                         .tolerance = 1e-14,
 	                                         .scratch = scratch,
 	                                         .calls = &calls};
-	struct rb_gauss_piece piece = {7, 0, y, coefficient};
+	struct rb_gauss_piece piece = {7, 0, y, coefficient, NULL};
 	struct rb_error err;
 
 	assert_true(rb_gauss_room(7) <= 256);

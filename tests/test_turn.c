@@ -107,7 +107,7 @@ static void a_spin_that_wanders_is_followed(void **state)
 	                                         .tolerance = 1e-15,
 	                                         .scratch = scratch,
 	                                         .calls = &calls};
-	struct rb_gauss_piece piece = {4, 0, value, coefficient};
+	struct rb_gauss_piece piece = {4, 0, value, coefficient, NULL};
 	assert_true(rb_gauss_room(4) <= sizeof scratch / sizeof *scratch);
 	rb_quat_to(value, rb_quat_identity);
 	while (time_s < 1.5) {

@@ -3,6 +3,7 @@
 
 #include "base/error.h"
 #include "located/account.h"
+#include "located/past.h"
 #include "math/turn.h"
 
 #include <stddef.h>
@@ -114,6 +115,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 	                            .plain_radius = plain ? shape->radius : (double)NAN,
 	                            .acceleration = acceleration};
 	if (l->piece) {
+		rb_past_keep(l, i, t);
 		l->piece[i].piece.n = 0;
 		l->piece[i].rest = pose->rest;
 	}

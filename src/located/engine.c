@@ -161,6 +161,7 @@ void rb_engine_destroy(struct rb_located *l)
 	rb_memory_free(l->top_body);
 	rb_memory_free(l->unfelt);
 	rb_memory_free(l->piece);
+	rb_memory_free(l->past);
 	rb_memory_free(l->generation);
 	rb_memory_free(l->account_s);
 	rb_memory_free(l->next);
@@ -472,6 +473,7 @@ enum rb_status rb_engine_take_changes(struct rb_located *l, double t, struct rb_
 	RB_ASSERT(l->status == RB_OK);
 	RB_ASSERT(l->set_count == 0);
 	l->err = err;
+	l->moment++;
 	for (int i = 0; i < l->n && l->started; i++) {
 		const bool moved = differs(now->position, before->position, i, 3);
 		const bool kicked = moved || differs(now->velocity, before->velocity, i, 3) ||
@@ -582,6 +584,7 @@ static void one_event(struct rb_located *l, int which, double t)
 	const size_t reported = l->world->events.count;
 
 	l->now_s = t;
+	l->moment++;
 	if (is_stuck(l, which, t))
 		return;
 	if (l->model->rollback == RB_ROLLBACK_GLOBAL)

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "located/driven.h"
 #include "located/integrate.h"
+#include "located/past.h"
 
 #include <math.h>
 
@@ -103,9 +104,7 @@ static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 	rb_pack_bool(pack, &any);
 	if (!any)
 		return;
-	if (!l->piece)
-		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
-	if (!l->piece) {
+	if (!rb_past_reserve(l)) {
 		rb_pack_fail_memory(pack);
 		return;
 	}
@@ -118,7 +117,7 @@ static void pack_pieces(struct rb_located *l, struct rb_pack *pack)
 
 /* ---- clusters ---- */
 
-/* Its start and coefficients, which stand first in its block. */
+/* What stands first in its block. */
 static void pack_cluster_piece(struct rb_located *l, struct rb_cluster *c, struct rb_pack *pack)
 {
 	const int n = c->member_count * rb_located_row(l);
@@ -130,10 +129,8 @@ static void pack_cluster_piece(struct rb_located *l, struct rb_cluster *c, struc
 		rb_pack_fail_memory(pack);
 	if (pack->failed)
 		return;
-	c->piece.n = n;
-	c->piece.start = c->block;
-	c->piece.coefficient = c->block + n;
-	rb_pack_finite(pack, c->block, (size_t)n * (1 + RB_GAUSS_NODES));
+	rb_integrate_lay_out(c, n);
+	rb_pack_finite(pack, c->block, rb_integrate_kept_size(n));
 }
 
 static void pack_members(struct rb_located *l, int cluster, struct rb_pack *pack)

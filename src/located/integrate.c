@@ -11,6 +11,7 @@
 #include "located/event_records.h"
 #include "located/landing.h"
 #include "located/mode_checks.h"
+#include "located/past.h"
 #include "located/painleve.h"
 #include "located/rates.h"
 #include "located/set.h"
@@ -24,25 +25,101 @@ static const double doubtful = 1e-8;
 /* Share of a column by which it is told from others, where that leads to forces that pull. */
 static const double nearly_open = 1e-6;
 
-size_t rb_integrate_scratch_size(int n)
+/* What a piece to come needs. */
+struct room {
+	double *value, *scale, *guess, *scratch; /* in the cluster's block; guess: [NODES][n] */
+	int *rate_row;                           /* [n] */
+};
+
+size_t rb_integrate_kept_size(int n)
 {
-	return (size_t)n * (3 + RB_GAUSS_NODES) + rb_gauss_room(n);
+	return (size_t)n * (2 + RB_GAUSS_NODES);
 }
 
-/* In the cluster's block, for a piece to come. */
-static bool room(struct rb_modes *w, int n, double **value, double **scale, double **scratch)
+size_t rb_integrate_scratch_size(int n)
+{
+	return rb_integrate_kept_size(n) + (size_t)n * (2 + RB_GAUSS_NODES) + rb_gauss_room(n);
+}
+
+void rb_integrate_lay_out(struct rb_cluster *c, int n)
+{
+	c->piece.n = n;
+	c->piece.start = c->block;
+	c->piece.coefficient = c->block + n;
+	c->piece.rest = c->piece.coefficient + (size_t)n * RB_GAUSS_NODES;
+}
+
+static bool take_room(struct rb_modes *w, struct room *room)
 {
 	struct rb_cluster *c = w->c;
+	const int n = c->member_count * w->row;
 	const size_t size = rb_integrate_scratch_size(n);
 
-	if (!rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block) ||
-	    !rb_account_reserve(w->l, c))
+	if (!rb_past_reserve(w->l) ||
+	    !rb_memory_reserve(&c->block, &c->block_capacity, size, sizeof *c->block) ||
+	    !rb_account_reserve(w->l, c) || !rb_modes_reserve(w))
 		return false;
-	c->piece = (struct rb_gauss_piece){.n = n, .start = c->block, .coefficient = c->block + n};
-	*scale = c->block + (size_t)n * (1 + RB_GAUSS_NODES);
-	*value = *scale + n;
-	*scratch = *value + n;
-	return true;
+	room->rate_row = rb_arena_take(w->l->arena, (size_t)n, sizeof *room->rate_row);
+	room->scale = c->block + rb_integrate_kept_size(n);
+	room->value = room->scale + n;
+	room->guess = room->value + n;
+	room->scratch = room->guess + (size_t)n * RB_GAUSS_NODES;
+	return room->rate_row != NULL;
+}
+
+static void start_rows(const struct rb_modes *w, int k, int *rate_row)
+{
+	struct rb_located *l = w->l;
+	const int first = k * w->row;
+	const struct rb_pose pose = rb_arc_pose(l, w->c->member[k], w->origin_s);
+	const struct rb_past *past = rb_past_at(l, w->c->member[k], w->origin_s);
+	double *const v = w->c->piece.start + first, *const rest = w->c->piece.rest + first;
+
+	w->base[k] = pose.position;
+	for (int m = 0; m < w->row; m++) {
+		rest[m] = 0;
+		rate_row[first + m] = m < RB_PIECE_VELOCITY ? first + RB_PIECE_VELOCITY + m : -1;
+	}
+	rb_vec3_to(v + RB_PIECE_POSITION, pose.rest);
+	rb_vec3_to(v + RB_PIECE_VELOCITY, pose.velocity);
+	if (l->top) {
+		rb_quat_to(v + RB_PIECE_ORIENTATION, pose.orientation);
+		rb_vec3_to(v + RB_PIECE_SPIN, pose.spin);
+	}
+	if (!past)
+		return;
+	if (rb_vec3_max_abs(rb_vec3_sub(past->position, pose.position)) == 0 &&
+	    rb_vec3_max_abs(rb_vec3_sub(past->left_out, pose.rest)) == 0)
+		memcpy(rest, past->rest, 3 * sizeof *rest);
+	for (int m = RB_PIECE_VELOCITY; m < w->row; m++)
+		if (v[m] == past->value[m])
+			rest[m] = past->rest[m];
+}
+
+/*
+ * The rates of a piece that all members come from, at this moment. Where it has ended with a mode,
+ * or by an impact, what they jump by is seen at the beginning (math/gauss).
+ */
+static struct rb_gauss_guess guess_of(const struct rb_modes *w, double *to)
+{
+	const struct rb_gauss_guess none = {0};
+	const struct rb_past *const first = rb_past_at(w->l, w->c->member[0], w->origin_s);
+	const size_t n = (size_t)(w->c->member_count * w->row), row = (size_t)w->row;
+
+	if (!first)
+		return none;
+	for (int k = 0; k < w->c->member_count; k++) {
+		const struct rb_past *past = rb_past_at(w->l, w->c->member[k], w->origin_s);
+
+		if (!past || past->origin_s != first->origin_s || past->length_s != first->length_s)
+			return none;
+		for (size_t p = 0; p < RB_GAUSS_NODES; p++)
+			memcpy(to + p * n + (size_t)k * row, past->coefficient[p],
+			       row * sizeof *to);
+	}
+	return (struct rb_gauss_guess){.coefficient = to,
+	                               .length_s = first->length_s,
+	                               .from_s = first->left_s - first->origin_s};
 }
 
 /* All contacts stick after it, and the cluster is to be settled anew. False: it is no such case. */
@@ -197,7 +274,7 @@ static bool begin_modes(struct rb_modes *w)
 	return true;
 }
 
-static void run(struct rb_modes *w, double *value, double *scale, double *scratch)
+static void run(struct rb_modes *w, const struct room *room)
 {
 	struct rb_located *l = w->l;
 	struct rb_cluster *c = w->c;
@@ -207,7 +284,9 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		.rates = rb_rates,
 		.noise = l->model->features & RB_FEATURE_FIELD ? rb_modes_noise : NULL,
 		.user = w,
-		.scale = scale,
+		.rate_row = room->rate_row,
+		.guess = guess_of(w, room->guess),
+		.scale = room->scale,
 		.tolerance = tolerance,
 		.visited = w->parts ? rb_rates_enter_node : NULL,
 		/*
@@ -216,21 +295,11 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		 */
 		.jumps = (l->model->features &
 	                  (RB_FEATURES_VARIED & ~(rb_features)RB_FEATURE_DRAG)) != 0,
-		.scratch = scratch,
+		.scratch = room->scratch,
 		.calls = &calls};
 
-	for (int k = 0; k < c->member_count; k++) {
-		const struct rb_pose pose = rb_arc_pose(l, c->member[k], w->origin_s);
-		double *const v = c->piece.start + (size_t)k * (size_t)w->row;
-
-		w->base[k] = pose.position;
-		rb_vec3_to(v + RB_PIECE_POSITION, pose.rest);
-		rb_vec3_to(v + RB_PIECE_VELOCITY, pose.velocity);
-		if (!l->top)
-			continue;
-		rb_quat_to(v + RB_PIECE_ORIENTATION, pose.orientation);
-		rb_vec3_to(v + RB_PIECE_SPIN, pose.spin);
-	}
+	for (int k = 0; k < c->member_count; k++)
+		start_rows(w, k, room->rate_row);
 	if (rb_landing_begin(w) || !begin_modes(w))
 		return;
 	for (int k = 0; k < c->held_count; k++) {
@@ -243,9 +312,9 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 	 */
 	for (int k = 0; k < c->held_count; k++)
 		w->doubt = fmax(w->doubt, 4 * fmin(rb_check_excess(w, k), doubtful * w->force_max));
-	const double guess = rb_sizes_of(w, scale);
+	const double guess = rb_sizes_of(w, room->scale);
 	w->calls = &calls;
-	w->scale = scale;
+	w->scale = room->scale;
 	if (!(c->try_s > 0))
 		c->try_s = guess;
 	/* never past the end of the run by more than it needs, nor over a switch of forces */
@@ -277,10 +346,11 @@ static void run(struct rb_modes *w, double *value, double *scale, double *scratc
 		 * room that was short says nothing of the motion, unless the step was shorter still
 		 */
 		c->try_s = cut && c->piece.length_s >= tried ? fmax(c->try_s, try_s) : try_s;
-		length = c->held_count > 0 ? rb_check_change_within(w, value) : c->piece.length_s;
+		length = c->held_count > 0 ? rb_check_change_within(w, room->value)
+		                           : c->piece.length_s;
 		c->is_cut = length < c->piece.length_s;
-	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, value) ||
-	                                rb_check_turns_aside(w, 0.5 * length, value)));
+	} while (l->status == RB_OK && (rb_check_turns_aside(w, length, room->value) ||
+	                                rb_check_turns_aside(w, 0.5 * length, room->value)));
 	l->world->frame_counts.body_steps += calls * (uint64_t)c->member_count;
 	if (l->status != RB_OK || c->has_jammed)
 		return;
@@ -306,23 +376,24 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t)
 	struct rb_modes w = {
 		.l = l, .c = &l->cluster[cluster], .origin_s = t, .row = rb_located_row(l)};
 	const rb_arena_mark here = rb_arena_here(l->arena);
-	const int count = w.c->member_count;
-	double *value, *scale, *scratch;
+	struct room room;
 
 	RB_ASSERT(cluster >= 0 && cluster < l->cluster_count && l->cluster[cluster].used);
 	rb_account_cluster(l, cluster, t);
 	w.c->anchor_s = w.c->account_s = t;
-	if (!l->piece)
-		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
 	int *kept = NULL;
-	if (l->piece && room(&w, count * w.row, &value, &scale, &scratch) && rb_modes_reserve(&w))
+	if (take_room(&w, &room))
 		kept = rb_modes_take_places(l, w.c);
 	if (!kept) {
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory to integrate %d bodies",
-		                    count);
+		                    w.c->member_count);
 		return;
 	}
-	run(&w, value, scale, scratch);
+	/* rows of the piece that they are on, which is in the same room */
+	for (int k = 0; k < w.c->member_count; k++)
+		rb_past_keep(l, w.c->member[k], t);
+	rb_integrate_lay_out(w.c, w.c->member_count * w.row);
+	run(&w, &room);
 	if (l->status != RB_OK)
 		stay(&w);
 	rb_modes_give_back_places(l, w.c, kept);

@@ -19,9 +19,12 @@ void rb_integrate_piece(struct rb_located *l, int cluster, double t);
 bool rb_integrate_forces(struct rb_located *l, int cluster, double t, rb_vec3 *force);
 
 /*
- * Values that a cluster's block holds while it is integrated, for n rows. Arcs point into it, so it
- * must not grow between one piece and the next.
+ * Values that a cluster's block holds while it is integrated, for n rows, and those of its piece,
+ * which stand first. Arcs point into it, so it must not grow between one piece and the next.
  */
 size_t rb_integrate_scratch_size(int n);
+size_t rb_integrate_kept_size(int n);
+/* The piece's arrays, in the block; its length is as it was. */
+void rb_integrate_lay_out(struct rb_cluster *c, int n);
 
 #endif

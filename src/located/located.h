@@ -187,7 +187,7 @@ RB_FIELDS_DECLARE(rb_account_rates_fields);
 	X(double *, account_block, , "", "owned: start, coefficients", RB_BY_HAND)               \
 	X(struct rb_gauss_piece, piece, , "",                                                    \
 	  "integrated: rows of rb_located_row values a member", RB_BY_HAND)                      \
-	X(double *, block, , "", "owned: start, coefficients; scale, scratch", RB_BY_HAND)       \
+	X(double *, block, , "", "owned: the piece; scale, guess, scratch", RB_BY_HAND)          \
 	X(size_t, block_capacity, , "", "", RB_DERIVED)
 struct rb_cluster {
 	RB_CLUSTER_FIELDS(RB_FIELD_MEMBER)
@@ -227,6 +227,8 @@ struct rb_located {
 	bool *unfelt; /* [n]: how it is turned acts on nothing; NULL where nothing turns */
 	struct rb_piece_of
 		*piece; /* NULL until a force without a closed form or a driven body needs it */
+	struct rb_past *past;      /* [n]: located/past; NULL until a piece is integrated */
+	uint64_t moment;           /* of the event under way: they are counted; 0: none */
 	struct rb_driven **driven; /* [n], NULL without driven bodies: located/driven */
 	uint32_t *generation;
 	/* [n]: up to when the ledger has what acts on bodies in flight; NULL: it is not kept */

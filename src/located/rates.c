@@ -193,7 +193,7 @@ enum rb_status rb_rates(void *user, double t, const double *value, double *rate,
 		const double *v = value + (size_t)k * (size_t)w->row;
 		double *r = rate + (size_t)k * (size_t)w->row;
 
-		rb_vec3_to(r + RB_PIECE_POSITION, w->pose[k].velocity);
+		/* those of positions are rows */
 		rb_vec3_to(r + RB_PIECE_VELOCITY, w->linear[k]);
 		if (!w->l->top)
 			continue;

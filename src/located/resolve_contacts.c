@@ -10,6 +10,7 @@
 #include "located/cluster.h"
 #include "located/integrate.h"
 #include "located/mechanics.h"
+#include "located/past.h"
 #include "located/external_force.h"
 #include "located/seize.h"
 #include "located/slips.h"
@@ -617,6 +618,8 @@ static void forget_before(struct rb_settling *s, double *try_s)
 	for (int k = 0; k < l->set_count; k++) {
 		const int cluster = l->cluster_of[l->set[k]];
 
+		/* what clusters are given up for may take their room */
+		rb_past_keep(l, l->set[k], s->t);
 		if (cluster < 0)
 			continue;
 		if (l->cluster[cluster].integrated)

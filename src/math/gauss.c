@@ -18,10 +18,37 @@
 
 enum { NODES = RB_GAUSS_NODES, SWEEPS_MAX = 40, SWEEPS_MANY = 14, MISSED_TAILS = 8 };
 
+/*
+ * A guess reaches so many lengths of its polynomial, beyond which that grows by more than it falls
+ * off; and is of the same motion when it misses the rates at the beginning by less than this share
+ * of scale.
+ */
+static const double guess_reach = 3, guess_misses = 0x1p-10;
+/* What a smooth guess misses there, in tolerances. */
+static const double guess_smooth = 2048;
+/* Of the coefficients of a row, together. */
+static const double rounding = DBL_EPSILON / 8;
+/* The second visit after a guess that was as near as this may be the last. */
+static const double guess_near = 0x1p-20;
+
 static const double node[RB_GAUSS_NODES] = {
 	0.01985507175123188416, 0.10166676129318663020, 0.23723379504183550709,
 	0.40828267875217509753, 0.59171732124782490247, 0.76276620495816449291,
 	0.89833323870681336980, 0.98014492824876811584,
+};
+
+/*
+ * What these, and the first half of the first two rows of `legendre`, have beyond a double. It
+ * would be the same error in every step: energy would drift by it (Hairer, McLachlan,
+ * Razakarivony).
+ */
+static const double node_low[RB_GAUSS_NODES] = {
+	-1.1322e-20, -5.8129e-18, 2.5e-18,    -1.2429e-17,
+	-4.3082e-17, -2.5e-18,    5.8129e-18, 2.7767e-17,
+};
+static const double legendre_low[2][RB_GAUSS_NODES / 2] = {
+	{2.4319e-19, -5.7537e-18, 9.1343e-18, -3.6238e-18},
+	{3.3678e-18, -1.1243e-17, 2.9236e-18, 6.8644e-18},
 };
 
 /* Integrals of the nodes' Lagrange polynomials from 0 to each node (the Runge-Kutta matrix). */
@@ -50,6 +77,34 @@ static const double matrix[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
 	{0.05089177647230504880, 0.11021775956262797175, 0.15877099819358059601,
          0.17826340032085421159, 0.18582490730223574292, 0.15057249179191316969,
          0.12029646053265731029, 0.02530713407259406479},
+};
+
+/* The square of the matrix: what rates of rates add to values. */
+static const double square[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
+	{0.00030407574807789559061, -0.00023137963629454562354, 0.00026696329803531272225,
+         -0.00028659435392144243595, 0.00026744838170096890360, -0.00020762005743542337415,
+         0.00012180587341443528434, -0.000037587316453917887554},
+	{0.0040355140641421860494, 0.0014270411084584506093, -0.00053664497942147429971,
+         0.00046518913119369142065, -0.00040823337817640206305, 0.00031006274410689690480,
+         -0.00018030992557114903502, 0.000055446411190696017935},
+	{0.011088610132798172097, 0.014693350566825109562, 0.0028274050239356857791,
+         -0.00078019899383794739893, 0.00054508125592471604598, -0.00038711321905971434122,
+         0.00021979793761456936130, -0.000066995949224782491238},
+	{0.019579987811889784559, 0.034378015056888750592, 0.026154745560326392100,
+         0.0037748114528613013543, -0.00083599746573104498496, 0.00047147300310546691341,
+         -0.00025030995345759958207, 0.000074647418642854475649},
+	{0.029019036656773888971, 0.054238665275126333039, 0.056073392015629013592,
+         0.032428387605758718704, 0.0037748114528613013543, -0.00067484023463732052537,
+         0.00028523260468858199415, -0.000079991243849709231533},
+	{0.037534907354956481898, 0.073727787016998637833, 0.082044391588427544962,
+         0.064827794470770196585, 0.030238129149517769451, 0.0028274050239356857791,
+         -0.00038041803457492318520, 0.000086145143108908199852},
+	{0.044518975913173843362, 0.088401447755212952184, 0.10400570727604565019,
+         0.088458462187340107237, 0.056067499625220437031, 0.020727494745030019681,
+         0.0014270411084584506093, -0.00010532472774519489288},
+	{0.048566780977416610399, 0.097800247629557643622, 0.11632045983440815607,
+         0.10397003049104353700, 0.070151602683931361973, 0.034363538382391632867,
+         0.0088653044390645614951, 0.00030407574807789559061},
 };
 
 /*
@@ -107,13 +162,14 @@ static const double ahead[RB_GAUSS_NODES][RB_GAUSS_NODES] = {
 
 /*
  * What an attempt works on; `g` are rates times the step's length, g[0] at its start, g[1 + i] at
- * node i.
+ * node i. Of rows whose rate is a row they are kept for the first guess only.
  */
 struct attempt {
 	const struct rb_gauss_problem *problem;
+	struct rb_gauss_guess guess;
 	double time_s, h_s;
-	const double *start;
-	double *first, *value, *g[1 + NODES];
+	const double *start, *rest;
+	double *first, *value, *size, *g[1 + NODES];
 	uint64_t *calls;
 	bool shows; /* problem->visited is called */
 	struct rb_error *err;
@@ -121,7 +177,26 @@ struct attempt {
 
 size_t rb_gauss_room(int n)
 {
-	return (size_t)(NODES + 4) * (size_t)n;
+	return (size_t)(NODES + 6) * (size_t)n;
+}
+
+static int rate_row(const struct rb_gauss_problem *problem, size_t i)
+{
+	return problem->rate_row ? problem->rate_row[i] : -1;
+}
+
+/* Changes of rates count by what they do to values; also to those whose rates' rates they are. */
+static void find_sizes(const struct attempt *a)
+{
+	const struct rb_gauss_problem *p = a->problem;
+
+	memcpy(a->size, p->scale, (size_t)p->n * sizeof(double));
+	for (size_t i = 0; i < (size_t)p->n; i++) {
+		const int v = rate_row(p, i);
+
+		if (v >= 0)
+			a->size[v] = fmin(a->size[v], p->scale[i] / a->h_s);
+	}
 }
 
 /*
@@ -145,8 +220,14 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 	if (status != RB_OK)
 		return status;
 	for (int i = 0; i < p->n; i++) {
+		const int v = rate_row(p, (size_t)i);
+
+		if (v >= 0) {
+			row[i] = a->h_s * a->value[v];
+			continue;
+		}
 		const double now = a->h_s * rate[i];
-		double off = fabs(now - row[i]) / p->scale[i];
+		double off = fabs(now - row[i]) / a->size[i];
 
 		/* against a tiny scale it may overflow all the same */
 		if (off > DBL_MAX && isfinite(now))
@@ -158,15 +239,36 @@ static enum rb_status rates_at(const struct attempt *a, double part, double *row
 	return RB_OK;
 }
 
-/* value = start + sum of weight[j] g[from + j] */
-static void value_of(const struct attempt *a, const double *weight, int from, int count)
+/* The first guess of a node from the rates at the beginning and at the nodes before. */
+static void value_ahead(const struct attempt *a, int at)
 {
 	for (int i = 0; i < a->problem->n; i++) {
 		double sum = 0;
 
-		for (int j = 0; j < count; j++)
-			sum += weight[j] * a->g[from + j][i];
-		a->value[i] = a->start[i] + sum;
+		for (int j = 0; j <= at; j++)
+			sum += ahead[at][j] * a->g[j][i];
+		a->value[i] = a->start[i] + (a->rest[i] + sum);
+	}
+}
+
+/* The small ones first. */
+static void value_at(const struct attempt *a, int at)
+{
+	for (int i = 0; i < a->problem->n; i++) {
+		const int v = rate_row(a->problem, (size_t)i);
+		const double *const weight = v < 0 ? matrix[at] : square[at];
+		const int from = v < 0 ? i : v;
+		double sum = 0;
+
+		for (int j = 0; j < NODES; j++)
+			sum += weight[j] * a->g[1 + j][from];
+		if (v >= 0) {
+			const double way = a->h_s * a->start[v];
+
+			sum = node[at] * way +
+			      (node_low[at] * way + a->h_s * (node[at] * a->rest[v] + sum));
+		}
+		a->value[i] = a->start[i] + (a->rest[i] + sum);
 	}
 }
 
@@ -178,10 +280,10 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 	*change = 0;
 	for (int i = 0; i < NODES; i++) {
 		if (first) {
-			value_of(a, ahead[i], 0, i + 1);
+			value_ahead(a, i);
 			memset(a->g[1 + i], 0, (size_t)a->problem->n * sizeof(double));
 		} else {
-			value_of(a, matrix[i], 1, NODES);
+			value_at(a, i);
 		}
 		const enum rb_status status = rates_at(a, node[i], a->g[1 + i], rate, change);
 		if (status != RB_OK)
@@ -194,11 +296,61 @@ static enum rb_status sweep(const struct attempt *a, bool first, double *rate, d
 	return RB_OK;
 }
 
+static void polynomials(int count, double x, double *weight);
+
+/* Component i of the rates that a guess has where its polynomials are `weight`, x the length. */
+static double guessed(const struct attempt *a, const double *weight, size_t i)
+{
+	const size_t n = (size_t)a->problem->n;
+	double sum = 0;
+
+	for (size_t k = NODES; k-- > 0;)
+		sum += weight[k] * a->guess.coefficient[k * n + i];
+	return a->h_s / a->guess.length_s * sum;
+}
+
+/*
+ * Rates at all nodes as guessed, with what the guess misses at the beginning; false: it is none.
+ * Where motion goes on that is what the polynomial does not have, P_8 above all, which at nodes
+ * ahead is much; or else the size of a jump where one force joins those that go on.
+ */
+static bool guess(const struct attempt *a)
+{
+	const struct rb_gauss_problem *p = a->problem;
+	const struct rb_gauss_guess *from = &a->guess;
+	double weight[NODES + 1];
+
+	if (!from->coefficient || !(from->from_s + a->h_s <= guess_reach * from->length_s))
+		return false;
+	polynomials(NODES + 1, from->from_s / from->length_s, weight);
+	const double last = weight[NODES];
+	for (size_t i = 0; i < (size_t)p->n; i++) {
+		if (rate_row(p, i) >= 0)
+			continue;
+		a->value[i] = a->g[0][i] - guessed(a, weight, i);
+		if (!(fabs(a->value[i]) <= guess_misses * a->size[i]))
+			return false;
+	}
+	for (int j = 0; j < NODES; j++) {
+		polynomials(NODES + 1, (from->from_s + node[j] * a->h_s) / from->length_s, weight);
+		for (size_t i = 0; i < (size_t)p->n; i++) {
+			if (rate_row(p, i) >= 0)
+				continue;
+			const bool jumps = !(fabs(a->value[i]) <=
+			                     guess_smooth * p->tolerance * a->size[i]) ||
+			                   !(from->from_s >= from->length_s);
+			a->g[1 + j][i] = guessed(a, weight, i) +
+			                 (jumps ? 1 : weight[NODES] / last) * a->value[i];
+		}
+	}
+	return true;
+}
+
 /*
  * Visits until the changes are below rounding or no longer fall: `*left` is what they then are.
  * `*sweeps` is 0 when something is not finite or they go on without end. A change may grow now and
- * then (a chain x' = v, v' = f(x) shows it in every other visit), so that two visits without
- * halving the smallest change so far are wanted before giving up.
+ * then (a chain q' = w, w' = f(q) that is none of rows shows it in every other visit), so that two
+ * visits without halving the smallest change so far are wanted before giving up.
  */
 static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, double *left)
 {
@@ -207,9 +359,13 @@ static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, doubl
 
 	*sweeps = 0;
 	*left = 0;
-	enum rb_status status = sweep(a, true, rate, &before);
-	if (status != RB_OK || !isfinite(before))
-		return status;
+	enum rb_status status = RB_OK;
+	const bool near = guess(a);
+	if (!near) {
+		status = sweep(a, true, rate, &before);
+		if (status != RB_OK || !isfinite(before))
+			return status;
+	}
 	least = before = (double)INFINITY;
 	a->shows = false;
 	for (int count = 1; count <= SWEEPS_MAX; count++) {
@@ -218,14 +374,15 @@ static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, doubl
 			return status;
 		const double ratio = change / before;
 		if (change == 0 ||
-		    (count > 1 && ratio < 0.5 && change * ratio < 0x1p-4 * DBL_EPSILON)) {
+		    (count > 1 && (change < 0x1p-2 * DBL_EPSILON ||
+		                   (ratio < 0.5 && change * ratio < 0x1p-4 * DBL_EPSILON)))) {
 			*sweeps = count;
 			return RB_OK;
 		}
 		stalled = change < 0.5 * least ? 0 : stalled + 1;
 		/* as the changes fall, the next one may be small enough */
-		a->shows = stalled > 0 ||
-		           (count > 1 && change * ratio * ratio < 0x1p10 * DBL_EPSILON);
+		a->shows = stalled > 0 || (count > 1 ? change * ratio * ratio < 0x1p10 * DBL_EPSILON
+		                                     : near && change < guess_near);
 		least = fmin(least, change);
 		before = change;
 		if (stalled == 2) {
@@ -265,6 +422,27 @@ static double tail(const struct rb_gauss_problem *problem, const double *coeffic
 }
 
 /*
+ * What the rounding of coefficients makes, relative to scale or value: in a step so long that
+ * nearly all of its motion comes from the acceleration little is left of that at its beginning,
+ * where an event may cut it. The next one is not to be longer.
+ */
+static double rounded(const struct rb_gauss_problem *problem, const struct rb_gauss_piece *piece)
+{
+	const size_t n = (size_t)problem->n;
+	double worst = 0;
+
+	for (size_t i = 0; i < n; i++) {
+		double sum = 0;
+
+		for (size_t k = 0; k < NODES; k++)
+			sum += fabs(piece->coefficient[k * n + i]);
+		worst = fmax(worst,
+		             rounding * sum / fmax(problem->scale[i], fabs(piece->start[i])));
+	}
+	return worst;
+}
+
+/*
  * What the polynomial misses between an end and the node next to it, where a jump is seen by no
  * node, integrated, relative to scale; of rates without one it is of the size of the tail.
  */
@@ -276,7 +454,9 @@ static double missed_at_ends(struct attempt *a, const double *coefficient, doubl
 	double worst = 0;
 
 	for (size_t i = 0; i < n; i++) {
-		a->value[i] = a->start[i] + coefficient[i];
+		a->value[i] = a->start[i] + (a->rest[i] + coefficient[i]);
+		if (rate_row(p, i) >= 0)
+			continue;
 		double odd = 0, even = 0;
 
 		for (size_t k = NODES; k-- > 0;)
@@ -288,7 +468,8 @@ static double missed_at_ends(struct attempt *a, const double *coefficient, doubl
 	(*a->calls)++;
 	*status = p->rates(p->user, a->time_s + a->h_s, a->value, rate, a->err);
 	for (size_t i = 0; i < n && *status == RB_OK; i++)
-		worst = fmax(worst, fabs(a->g[0][i] - a->h_s * rate[i]) / p->scale[i]);
+		if (rate_row(p, i) < 0)
+			worst = fmax(worst, fabs(a->g[0][i] - a->h_s * rate[i]) / p->scale[i]);
 	return node[0] * worst;
 }
 
@@ -301,7 +482,7 @@ static enum rb_status show(const struct attempt *a, double *rate)
 	const struct rb_gauss_problem *p = a->problem;
 
 	for (int i = 0; i < NODES && p->visited && !a->shows; i++) {
-		value_of(a, matrix[i], 1, NODES);
+		value_at(a, i);
 		const enum rb_status status = p->rates(p->user, a->time_s + node[i] * a->h_s,
 		                                       a->value, rate, a->err);
 
@@ -312,21 +493,45 @@ static enum rb_status show(const struct attempt *a, double *rate)
 	return RB_OK;
 }
 
+/*
+ * Of x' = v they follow from those of v' = f: the integral of P_k, k > 0, is (P_(k+1) - P_(k-1)) /
+ * (2 (2k + 1)) on [0, 1], and what P_8 has of v is nothing at the nodes.
+ */
+static void integrated(const struct attempt *a, size_t i, size_t v, double *coefficient)
+{
+	const size_t n = (size_t)a->problem->n;
+	const double *const d = coefficient + v;
+
+	coefficient[i] = a->h_s * a->start[v] + a->h_s * (a->rest[v] + (0.5 * d[0] - d[n] / 6));
+	for (size_t k = 1; k < NODES; k++) {
+		const double below = d[(k - 1) * n] / (double)(2 * (2 * k - 1));
+		const double above = k + 1 < NODES ? d[(k + 1) * n] / (double)(2 * (2 * k + 3)) : 0;
+
+		coefficient[k * n + i] = a->h_s * (below - above);
+	}
+}
+
 static void coefficients(const struct attempt *a, double *coefficient)
 {
 	const size_t n = (size_t)a->problem->n;
 
 	for (size_t k = 0; k < NODES; k++)
 		for (size_t i = 0; i < n; i++) {
-			double sum = 0;
+			double sum = 0, low = 0;
 
 			/* from the ends to the middle, so that even and odd parts are not mixed */
-			for (int j = 0; j < NODES / 2; j++)
-				sum += legendre[k][j] *
-				       (k % 2 ? a->g[1 + j][i] - a->g[NODES - j][i]
-				              : a->g[1 + j][i] + a->g[NODES - j][i]);
-			coefficient[k * n + i] = sum;
+			for (int j = 0; j < NODES / 2; j++) {
+				const double both = k % 2 ? a->g[1 + j][i] - a->g[NODES - j][i]
+				                          : a->g[1 + j][i] + a->g[NODES - j][i];
+
+				sum += legendre[k][j] * both;
+				low += k < 2 ? legendre_low[k][j] * both : 0;
+			}
+			coefficient[k * n + i] = sum + low;
 		}
+	for (size_t i = 0; i < n; i++)
+		if (rate_row(a->problem, i) >= 0)
+			integrated(a, i, (size_t)rate_row(a->problem, i), coefficient);
 }
 
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate)
@@ -367,26 +572,32 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
                              double least_s, struct rb_gauss_piece *piece, struct rb_error *err)
 {
 	const size_t n = (size_t)problem->n;
+	double *const rate = problem->scratch, *const none = rate + n;
 	struct attempt a = {.problem = problem,
+	                    .guess = problem->guess,
 	                    .time_s = time_s,
 	                    .start = piece->start,
-	                    .first = problem->scratch,
-	                    .value = problem->scratch + n,
+	                    .rest = piece->rest ? piece->rest : none,
+	                    .first = rate + 2 * n,
+	                    .value = rate + 3 * n,
+	                    .size = rate + 4 * n,
 	                    .calls = problem->calls,
 	                    .err = err};
-	double *const rate = problem->scratch + 2 * n;
 	double change = 0, left;
 	int sweeps;
 
 	for (size_t j = 0; j <= NODES; j++)
-		a.g[j] = problem->scratch + (3 + j) * n;
+		a.g[j] = rate + (5 + j) * n;
 	if (!(*try_s > 0) || !isfinite(*try_s))
 		return RB_FAIL(err, RB_ERR_PHYSICS, "'step' is %g s, not a positive number",
 		               *try_s);
-	memcpy(a.value, a.start, n * sizeof(double));
-	memset(a.g[0], 0, n * sizeof(double));
+	memset(none, 0, n * sizeof(double));
+	memset(a.first, 0, n * sizeof(double));
+	for (size_t i = 0; i < n; i++)
+		a.value[i] = a.start[i] + a.rest[i];
 	a.h_s = 1;
-	enum rb_status status = rates_at(&a, 0, a.g[0], a.first, &change);
+	find_sizes(&a);
+	enum rb_status status = rates_at(&a, 0, a.first, rate, &change);
 	if (status != RB_OK)
 		return status;
 	if (!isfinite(change))
@@ -394,6 +605,7 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 	for (a.h_s = *try_s;; a.h_s *= 0.5) {
 		for (size_t i = 0; i < n; i++)
 			a.g[0][i] = a.h_s * a.first[i];
+		find_sizes(&a);
 		status = settle(&a, rate, &sweeps, &left);
 		if (status != RB_OK)
 			return status;
@@ -414,10 +626,15 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 			if (fits && missed <= MISSED_TAILS * asked) {
 				status = show(&a, rate);
 				piece->length_s = a.h_s;
-				*try_s = next_length(a.h_s, asked, error, sweeps, a.h_s < *try_s);
+				*try_s = next_length(a.h_s, asked,
+				                     fmax(error, rounded(problem, piece)), sweeps,
+				                     a.h_s < *try_s);
 				return status;
 			}
 		}
+		/* what was too long is the best guess of its half */
+		a.guess = (struct rb_gauss_guess){
+			.coefficient = sweeps > 0 ? piece->coefficient : NULL, .length_s = a.h_s};
 		if (!(0.5 * a.h_s >= least_s) || !(0.5 * a.h_s > 0))
 			return RB_FAIL(err, RB_ERR_PHYSICS,
 			               "'step' at %g s would have to be shorter than %g s for an "
@@ -461,12 +678,19 @@ static double sum_of(const struct rb_gauss_piece *piece, size_t i, const double 
 	return sum;
 }
 
+static double value_of(const struct rb_gauss_piece *piece, size_t i, const double weight[NODES])
+{
+	const double sum = sum_of(piece, i, weight);
+
+	return piece->start[i] + (piece->rest ? piece->rest[i] + sum : sum);
+}
+
 double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t)
 {
 	double weight[NODES];
 
 	integrals(part_of(piece, t), weight);
-	return piece->start[i] + sum_of(piece, (size_t)i, weight);
+	return value_of(piece, (size_t)i, weight);
 }
 
 void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, double t,
@@ -476,40 +700,79 @@ void rb_gauss_some(const struct rb_gauss_piece *piece, int first, int count, dou
 
 	integrals(part_of(piece, t), weight);
 	for (int i = 0; i < count; i++)
-		value[i] = piece->start[first + i] + sum_of(piece, (size_t)(first + i), weight);
+		value[i] = value_of(piece, (size_t)(first + i), weight);
 }
 
 void rb_gauss_values(const struct rb_gauss_piece *piece, double t, double *value)
 {
+	rb_gauss_some(piece, 0, piece->n, t, value);
+}
+
+/* A sum and what its rounding has left out (Dekker, Numer. Math. 18 (1971) 224). */
+struct sum {
+	double high, low;
+};
+
+static void add(struct sum *s, double x)
+{
+	const double sum = s->high + x, part = sum - s->high;
+
+	s->low += (s->high - (sum - part)) + (x - part);
+	s->high = sum;
+}
+
+static void add_product(struct sum *s, double a, double b)
+{
+	const double product = a * b;
+
+	add(s, product);
+	s->low += fma(a, b, -product);
+}
+
+double rb_gauss_rest(const struct rb_gauss_piece *piece, int i, int rate_row, double t)
+{
+	const size_t n = (size_t)piece->n, at = (size_t)i;
+	const double *const c = piece->coefficient, h = piece->length_s;
+	struct sum s = {piece->start[at], piece->rest ? piece->rest[at] : 0};
 	double weight[NODES];
 
 	integrals(part_of(piece, t), weight);
-	for (size_t i = 0; i < (size_t)piece->n; i++)
-		value[i] = piece->start[i] + sum_of(piece, i, weight);
+	for (size_t k = 0; k < NODES; k++)
+		add_product(&s, weight[k], c[k * n + at]);
+	if (rate_row >= 0) {
+		const double *const v = c + rate_row;
+		const double rest = piece->rest ? piece->rest[rate_row] : 0;
+		struct sum lost = {-c[at], 0};
+
+		add_product(&lost, h, piece->start[rate_row]);
+		add_product(&lost, h, rest + (0.5 * v[0] - v[n] / 6));
+		s.low += weight[0] * (lost.high + lost.low);
+	}
+	return (s.high - value_of(piece, at, weight)) + s.low;
 }
 
-/* P_k on [0, 1] */
-static void polynomials(double x, double weight[NODES])
+/* P_0 .. P_(count - 1) on [0, 1] */
+static void polynomials(int count, double x, double *weight)
 {
 	const double u = 2 * x - 1;
 
 	weight[0] = 1;
 	weight[1] = u;
-	for (int k = 1; k + 1 < NODES; k++)
+	for (int k = 1; k + 1 < count; k++)
 		weight[k + 1] = ((2 * k + 1) * u * weight[k] - k * weight[k - 1]) / (k + 1);
 }
 
 void rb_gauss_basis(double x, double value[NODES], double rate[NODES])
 {
 	integrals(x, value);
-	polynomials(x, rate);
+	polynomials(NODES, x, rate);
 }
 
 double rb_gauss_rate(const struct rb_gauss_piece *piece, int i, double t)
 {
 	double weight[NODES];
 
-	polynomials(part_of(piece, t), weight);
+	polynomials(NODES, part_of(piece, t), weight);
 	return sum_of(piece, (size_t)i, weight) / piece->length_s;
 }
 
@@ -518,7 +781,7 @@ void rb_gauss_some_rates(const struct rb_gauss_piece *piece, int first, int coun
 {
 	double weight[NODES];
 
-	polynomials(part_of(piece, t), weight);
+	polynomials(NODES, part_of(piece, t), weight);
 	for (int i = 0; i < count; i++)
 		rate[i] = sum_of(piece, (size_t)(first + i), weight) / piece->length_s;
 }

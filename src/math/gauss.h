@@ -1,13 +1,24 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * Initial value problems y' = f(t, y) by Gauss-Legendre collocation with 8 nodes and error control;
- * the solution of a step is a polynomial (dense output), so that events can be located on it to
- * rounding.
+ * Initial value problems y' = f(t, y), of which rows may be x' = v, v' = f(t, x, v), by
+ * Gauss-Legendre collocation with 8 nodes and error control; the solution of a step is a polynomial
+ * (dense output), so that events can be located on it to rounding.
+ *
+ *     y_i = y_0 + h sum_j A_ij f_j                      at the nodes c_i, 0 < c_i < 1
+ *     x_i = x_0 + c_i h v_0 + h^2 sum_j (A^2)_ij f_j    where x' = v is a row: f alone is iterated
+ *     h f(t) = sum_k d_k P_k(t/h)                       Legendre coefficients d_k, on [0, 1]
+ *     y(h) = y_0 + d_0                                  x' is the v_i interpolated: of degree 7
  *
  * Order 16 at the end of a step (Butcher, Math. Comp. 18 (1964) 50; Hairer, Lubich, Wanner,
  * Geometric Numerical Integration, II.1.3). The nodes are found by fixed-point iteration to
- * rounding. The step size follows from the decay of the polynomial's own Legendre coefficients, so
- * that the error *within* the step is below the tolerance too.
+ * rounding, Gauss-Seidel's way; it begins with the rates of the step before, continued, which saves
+ * all but two visits of the nodes where motion is smooth. The step size follows from the decay of
+ * the polynomial's own Legendre coefficients, so that the error *within* the step is below the
+ * tolerance too. What rounding leaves of the values goes on from step to step, so that its error
+ * grows as that of a random walk does (Hairer, McLachlan, Razakarivony, BIT 48 (2008) 231).
+ *
+ * Where constants come from: tables in gauss.c from 70 digits; limits of iteration beside it, and
+ * from `tests/bench/integrator.sh`.
  */
 #ifndef RB_MATH_GAUSS_H
 #define RB_MATH_GAUSS_H
@@ -42,6 +53,17 @@ struct rb_gauss_piece {
 	int n;
 	double length_s;
 	double *start, *coefficient;
+	double *rest; /* [n]: what rounding has left out of start; NULL: nothing */
+};
+
+/*
+ * A guess of a step's rates: at t from its beginning those of a polynomial at from_s + t.
+ * coefficient[RB_GAUSS_NODES][n] as in a piece of that length; what it says of rows whose rate is a
+ * row is not used. NULL: none.
+ */
+struct rb_gauss_guess {
+	const double *coefficient;
+	double length_s, from_s;
 };
 
 struct rb_gauss_problem {
@@ -49,6 +71,12 @@ struct rb_gauss_problem {
 	rb_gauss_rates *rates;
 	rb_gauss_noise *noise; /* NULL: below the tolerance */
 	void *user;
+	/*
+	 * [n]: the row whose value is the rate of this one, and whose own rate is no row's value;
+	 * below 0: `rates` says. Of the former, what `rates` says is not used. NULL: all below 0.
+	 */
+	const int *rate_row;
+	struct rb_gauss_guess guess;
 	const double *scale; /* [n]: sizes that the errors are relative to, > 0 */
 	double tolerance;    /* of scale, per step, >= a few ulp */
 	double *scratch;     /* [rb_gauss_room(n)] */
@@ -86,6 +114,12 @@ RB_CHECKED enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, 
  * filled.
  */
 void rb_gauss_integrate(struct rb_gauss_piece *piece, double length_s, const double *rate);
+
+/*
+ * What rounding leaves out of component i at `t`, as rb_gauss_value has it: of the start and its
+ * rest, the polynomial, and the product h v_0 where the rate is row `rate_row` (else below 0).
+ */
+double rb_gauss_rest(const struct rb_gauss_piece *piece, int i, int rate_row, double t);
 
 /* Value and rate of component i at `t` from the piece's origin, 0 <= t <= length_s. */
 double rb_gauss_value(const struct rb_gauss_piece *piece, int i, double t);

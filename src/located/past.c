@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+#include "located/past.h"
+
+#include <string.h>
+
+#include "base/error.h"
+#include "base/memory.h"
+
+_Static_assert(RB_PIECE_SPIN + 3 == RB_PAST_ROWS, "all rows of a body");
+
+bool rb_past_reserve(struct rb_located *l)
+{
+	if (!l->piece)
+		l->piece = rb_memory_take((size_t)l->n, sizeof *l->piece);
+	if (!l->past)
+		l->past = rb_memory_take((size_t)l->n, sizeof *l->past);
+	return l->piece && l->past;
+}
+
+void rb_past_keep(const struct rb_located *l, int i, double t)
+{
+	const int rows = rb_located_row(l);
+
+	if (!l->past || !rb_located_on_piece(l, i) || rb_located_driven(l, i) ||
+	    rb_past_at(l, i, t))
+		return;
+	const struct rb_piece_of *p = &l->piece[i];
+	struct rb_past *const past = &l->past[i];
+	const double s = t - p->origin_s;
+
+	RB_ASSERT_COSTLY(rows <= RB_PAST_ROWS);
+	past->moment = l->moment;
+	past->origin_s = p->origin_s;
+	past->length_s = p->piece.length_s;
+	past->left_s = t;
+	rb_gauss_some(&p->piece, p->first, rows, s, past->value);
+	for (int m = 0; m < rows; m++) {
+		const bool moves = m < RB_PIECE_VELOCITY;
+
+		past->rest[m] = rb_gauss_rest(&p->piece, p->first + m,
+		                              moves ? p->first + RB_PIECE_VELOCITY + m : -1, s);
+	}
+	const rb_vec3 way = rb_vec3_from(past->value + RB_PIECE_POSITION);
+	past->position = rb_vec3_add(p->base, way);
+	past->left_out = rb_vec3_lost(p->base, way, past->position);
+	for (int k = 0; k < RB_GAUSS_NODES; k++)
+		memcpy(past->coefficient[k],
+		       p->piece.coefficient + (size_t)k * (size_t)p->piece.n + p->first,
+		       (size_t)rows * sizeof(double));
+}
+
+const struct rb_past *rb_past_at(const struct rb_located *l, int i, double t)
+{
+	const struct rb_past *const past = l->past ? &l->past[i] : NULL;
+
+	return past && l->moment > 0 && past->moment == l->moment && past->left_s == t ? past
+	                                                                               : NULL;
+}
