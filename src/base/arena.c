@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A bump allocator in one block with a chain of overflow blocks. An overflow block is as large as
+ * all blocks before it, hence their number grows with the logarithm of what a step takes, and the
+ * reset replaces all of them by one block that holds the largest total seen. Growing in place was
+ * rejected: pointers into the arena would move. A mark is the fill level of the newest block and of
+ * the first.
+ */
 #include "base/arena.h"
 
 #include <stdint.h>
@@ -6,6 +13,7 @@
 #include "base/error.h"
 #include "base/memory.h"
 
+/* A cache line, also enough for any vector register; four pages, below which malloc is cheap. */
 enum { ALIGNMENT = 64, SMALLEST_BLOCK = 16384 };
 
 /*
@@ -18,6 +26,7 @@ struct rb_arena_overflow {
 	size_t size, used;
 };
 
+/* Bytes in use of all blocks; overflows are few, so the sum is not kept. */
 static size_t total_used(const struct rb_arena *arena)
 {
 	size_t total = arena->used;
@@ -27,6 +36,7 @@ static size_t total_used(const struct rb_arena *arena)
 	return total;
 }
 
+/* Prepends a block with room for `bytes`; NULL when memory is out, and the arena is as it was. */
 static struct rb_arena_overflow *add_overflow(struct rb_arena *arena, size_t bytes)
 {
 	/* As much again as there is, so that few blocks are taken until the next reset. */
@@ -72,6 +82,8 @@ void *rb_arena_take(struct rb_arena *arena, size_t count, size_t size)
 		taken = overflow->block + overflow->used;
 		overflow->used += bytes;
 	}
+	RB_ASSERT_COSTLY((uintptr_t)taken % ALIGNMENT == 0);
+	RB_ASSERT_COSTLY(arena->used <= arena->size);
 	const size_t total = total_used(arena);
 	if (total > arena->high_water)
 		arena->high_water = total;
@@ -87,8 +99,11 @@ rb_arena_mark rb_arena_here(const struct rb_arena *arena)
 	};
 }
 
+/* Frees the newest overflow block, which there must be. */
 static void drop_newest(struct rb_arena *arena)
 {
+	RB_ASSERT(arena->overflow && arena->overflow->used <= arena->overflow->size);
+
 	struct rb_arena_overflow *overflow = arena->overflow;
 
 	arena->overflow = overflow->older;
@@ -104,6 +119,7 @@ void rb_arena_back(struct rb_arena *arena, rb_arena_mark mark)
 	}
 	if (arena->overflow)
 		arena->overflow->used = mark.overflow_used;
+	RB_ASSERT(!arena->overflow || mark.overflow_used <= arena->overflow->size);
 	RB_ASSERT(mark.used <= arena->used);
 	arena->used = mark.used;
 }

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Both clocks are those of clock_gettime: CLOCK_MONOTONIC for durations, since it neither jumps
+ * with the wall clock nor runs backwards, and CLOCK_THREAD_CPUTIME_ID for the work of one thread.
+ * The date is UTC with 'Z', so that recordings of two time zones compare as text.
+ */
 #include "base/clock.h"
 
 #include <time.h>

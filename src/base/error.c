@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The table maps a status to the exit code of sysexits.h(3) where it has a fitting one (64 to 76)
+ * and to 128 + signal for an interruption, as shells report it; scripts of a sweep decide by it
+ * whether to retry. Messages are formatted into the record itself, of fixed size, because an error
+ * of memory must be reported without memory.
+ */
 #include "base/error.h"
 
 #include <stdarg.h>

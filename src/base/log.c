@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One sink and one level in static storage: messages come from every layer, and a handle passed
+ * through all of them would serve nothing but them. Text is formatted on the stack before the lock
+ * is taken, so that a slow sink delays only others that have something to report. Longer text is
+ * cut.
+ */
 #include "base/log.h"
 
 #include <pthread.h>

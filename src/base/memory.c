@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Each block lies between a head of 64 bytes (origin and size) and a fence of 8 bytes, which free
+ * checks. The head makes the counts of bytes exact without malloc_usable_size, and the alignment of
+ * 64 lets arrays of columns be read with aligned vector loads. realloc is not used: it cannot keep
+ * that alignment, and a failing growth must leave the old block as it was.
+ */
 #include "base/memory.h"
 
 #include <pthread.h>
@@ -9,11 +15,11 @@
 
 #include "base/error.h"
 
-enum { ALIGNMENT = 64 };
+enum { ALIGNMENT = 64 }; /* a cache line */
 
 /*
- * Stands behind each block: who writes beyond the end is found when the block is freed. A sanitizer
- * that finds it at once wants the end of the block to be the end of what the system gave.
+ * Bytes behind each block by which free detects a write beyond the end. None under
+ * AddressSanitizer, which detects it at the write if the block ends where the system's block ends.
  */
 #if defined(__SANITIZE_ADDRESS__)
 enum { FENCE = 0 };
@@ -22,11 +28,14 @@ enum { FENCE = 8 };
 #endif
 static const unsigned char fence[8] = {0xb5, 0x1e, 0xa7, 0x5c, 0xf3, 0x6d, 0x92, 0xc9};
 
-/* From here on calloc hands out pages that the kernel zeroes when they are first touched; below, an
- * exact block, so that a sanitizer sees the first byte beyond the end. */
+/*
+ * From 16 pages on calloc returns pages that the kernel zeroes on first touch. Below,
+ * posix_memalign gives a block of exact size, so that a sanitizer sees the first byte beyond the
+ * end.
+ */
 static const size_t large_bytes = 65536;
 
-/* Stands in the ALIGNMENT bytes before each block. */
+/* Lies in the ALIGNMENT bytes before each block. */
 struct head {
 	void *origin; /* what the system gave */
 	size_t size;  /* bytes asked for */
@@ -52,6 +61,7 @@ void rb_memory_fail_at(uint64_t k)
 	atomic_store(&fail_from, k == 0 ? 0 : atomic_load(&attempts) + k);
 }
 
+/* Counts this attempt; true where rb_memory_fail_at asked for its failure. */
 static bool must_fail(void)
 {
 	pthread_once(&environment_read, read_environment);
@@ -65,6 +75,7 @@ static struct head *head_of(void *block)
 	return (struct head *)(void *)((unsigned char *)block - ALIGNMENT);
 }
 
+/* The peak is raised by compare-and-swap: another thread may have raised it meanwhile. */
 static void count_taken(size_t size)
 {
 	const uint64_t now = atomic_fetch_add(&bytes_now, size) + size;
@@ -97,6 +108,7 @@ void *rb_memory_take(size_t count, size_t size)
 		block = (unsigned char *)origin + ALIGNMENT;
 		memset(block, 0, bytes);
 	}
+	RB_ASSERT_COSTLY((uintptr_t)block % ALIGNMENT == 0);
 	memcpy(block + bytes, fence, FENCE);
 	*head_of(block) = (struct head){.origin = origin, .size = bytes};
 	count_taken(bytes);
@@ -105,6 +117,8 @@ void *rb_memory_take(size_t count, size_t size)
 
 void *rb_memory_grow(void *block, size_t old_count, size_t new_count, size_t size)
 {
+	RB_ASSERT(block || old_count == 0);
+
 	unsigned char *grown = rb_memory_take(new_count, size);
 
 	if (!grown)
@@ -148,6 +162,7 @@ void rb_memory_free(void *block)
 	RB_ASSERT(memcmp((unsigned char *)block + head.size, fence, FENCE) == 0);
 	atomic_fetch_sub(&bytes_now, head.size);
 	atomic_fetch_add(&freed, 1);
+	RB_ASSERT(head.origin && (unsigned char *)head.origin < (unsigned char *)block);
 	free(head.origin);
 }
 

@@ -1,9 +1,18 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A file is written under a temporary name in the folder of its final one and renamed when
+ * complete, so that a reader, a crash or a full disk never leaves half a file under the name. Write
+ * errors are sticky in the stream, hence only publishing checks ferror and fclose. The modification
+ * is atomic but not durable: nothing is synced here, since a recording that a power cut takes is
+ * made again.
+ */
 #include "base/outfile.h"
 
 #include <errno.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "base/error.h"
 
 enum rb_status rb_outfile_check(const char *name, unsigned how, struct rb_error *err)
 {
@@ -66,6 +75,8 @@ enum rb_status rb_outfile_open(struct rb_outfile *out, const char *name, unsigne
 
 enum rb_status rb_outfile_publish(struct rb_outfile *out, struct rb_error *err)
 {
+	RB_ASSERT(out->file && out->partial[0]);
+
 	enum rb_status status = RB_OK;
 	const bool broken = ferror(out->file) != 0;
 

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A walk opens each folder of the path relative to the one before (openat with O_NOFOLLOW for paths
+ * of scenes), so that no check can be invalidated between its time and that of the use. openat2
+ * with RESOLVE_BENEATH would do the same in one call, but it needs Linux 5.6 and fails in sandboxes
+ * that do not know it.
+ *
+ * A new file gets a random name and O_EXCL and is renamed over the final name. Without permission
+ * to replace, renameat2 with RENAME_NOREPLACE makes check and rename one operation; file systems
+ * without it (NFS, some FUSE) get a hard link instead.
+ */
 #include "base/place.h"
 
 #include <dirent.h>
@@ -14,9 +24,11 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 
+/* Random names tried: each collides only by design of somebody. Descriptors 0, 1, 2. */
 enum { TRIES_MAX = 100, STANDARD = 3 };
 
 static const char partial_mark[] = ".partial-";
@@ -63,7 +75,7 @@ static bool is_link(int folder, const char *name)
 	return fstatat(folder, name, &found, AT_SYMLINK_NOFOLLOW) == 0 && S_ISLNK(found.st_mode);
 }
 
-/* Nobody has made `part`: could it be? */
+/* Checks by making and removing it whether the missing folder `part` could be made. */
 static enum rb_status try_folder(struct walk *walk, const char *part, struct rb_error *err)
 {
 	if (mkdirat(walk->folder, part, 0777) != 0 && errno != EEXIST)
@@ -73,9 +85,12 @@ static enum rb_status try_folder(struct walk *walk, const char *part, struct rb_
 	return RB_OK;
 }
 
+/* Enters `part`; makes it where RB_PLACE_MAKE asks for it and `probe` does not forbid it. */
 static enum rb_status step(struct walk *walk, const char *part, bool beneath, bool probe,
                            struct rb_error *err)
 {
+	RB_ASSERT(walk->folder >= 0 && *part);
+
 	if (beneath && strcmp(part, "..") == 0)
 		return leads_up(walk->path, err);
 	int next = open_folder(walk->folder, part, !beneath);
@@ -101,7 +116,10 @@ static enum rb_status step(struct walk *walk, const char *part, bool beneath, bo
 	return RB_OK;
 }
 
-/* Down the folders of `path`, which is changed; its last part is left alone. */
+/*
+ * Walks down the folders of `path`, which is cut into parts in place; its last part is not touched.
+ * The first `own` bytes of the path are the user's, for which rules for scenes do not hold.
+ */
 static enum rb_status go(struct walk *walk, char *path, bool probe, struct rb_error *err)
 {
 	char *const last = strrchr(path, '/');
@@ -129,6 +147,7 @@ static enum rb_status go(struct walk *walk, char *path, bool probe, struct rb_er
 	return status;
 }
 
+/* On success walk->folder is open and the caller's; on failure it is -1. */
 static enum rb_status walk_to(struct walk *walk, const char *path, unsigned how, bool probe,
                               struct rb_error *err)
 {
@@ -195,6 +214,8 @@ void rb_place_release(struct rb_place *place)
 
 enum rb_status rb_place_check(const struct rb_place *place, struct rb_error *err)
 {
+	RB_ASSERT(place->folder >= 0 && place->name);
+
 	struct stat found;
 
 	if (fstatat(place->folder, place->name, &found, AT_SYMLINK_NOFOLLOW) != 0)
@@ -211,6 +232,7 @@ enum rb_status rb_place_check(const struct rb_place *place, struct rb_error *err
 
 /* ---- names ---- */
 
+/* Longest name in the place's file system, bytes: NAME_MAX is 255, but eCryptfs has 143. */
 static size_t name_most(const struct rb_place *place)
 {
 	struct statfs about;
@@ -221,7 +243,10 @@ static size_t name_most(const struct rb_place *place)
 	               : NAME_MAX;
 }
 
-/* At most `size` bytes of the place's name, never a part of a character of UTF-8. */
+/*
+ * Length of the longest prefix of the place's name within `size` bytes that ends with a whole UTF-8
+ * character. `size` is less than the name's length.
+ */
 static int cut(const struct rb_place *place, size_t size)
 {
 	while (size > 0 && ((unsigned char)place->name[size] & 0xc0) == 0x80)
@@ -245,8 +270,8 @@ const char *rb_place_beside(const struct rb_place *place, const char *ending,
 }
 
 /*
- * Not to be foretold: the clock alone where the system has no such numbers, and then O_EXCL is what
- * holds.
+ * Unpredictable number for a temporary name. Early in boot, getrandom may have none; the clock then
+ * gives one that is guessable, and O_EXCL alone protects.
  */
 static uint64_t unforeseen(void)
 {
@@ -260,10 +285,13 @@ static uint64_t unforeseen(void)
 
 int rb_place_create(const struct rb_place *place, const char *ending, char name[RB_PLACE_NAME_SIZE])
 {
+	RB_ASSERT(place->folder >= 0);
+
 	char whole[64];
 	int descriptor = -1;
 
 	for (int k = 0; k < TRIES_MAX && descriptor < 0; k++) {
+		RB_ASSERT_COSTLY(strlen(ending) + sizeof partial_mark + 16 <= sizeof whole);
 		snprintf(whole, sizeof whole, "%s%s%016" PRIx64, ending, partial_mark,
 		         unforeseen());
 		rb_place_beside(place, whole, name);
@@ -328,7 +356,10 @@ void rb_place_sync(const struct rb_place *place)
 	close(folder);
 }
 
-/* For file systems that cannot rename without replacing: a second name, then the first one goes. */
+/*
+ * Renames without replacing on file systems that lack RENAME_NOREPLACE: adds a hard link under the
+ * final name, which fails if that is taken, and removes the temporary one.
+ */
 static int link_over(const struct rb_place *place, const char *from)
 {
 	const int folder = place->folder;
@@ -351,6 +382,8 @@ static int link_over(const struct rb_place *place, const char *from)
 enum rb_status rb_place_publish(const struct rb_place *place, const char *name,
                                 struct rb_error *err)
 {
+	RB_ASSERT(place->folder >= 0 && *name);
+
 	int failed;
 
 	if (place->how & RB_PLACE_REPLACE) {

@@ -6,8 +6,11 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "base/error.h"
+
 /*
- * Anything may be mounted in the place of /proc: what does not begin with '/' is no program's path.
+ * Whatever does not begin with '/' is no program's path: /proc may be missing or be another file
+ * system, and the kernel writes "(unreachable)..." for a file outside of the process's root.
  */
 enum rb_status rb_program_path(char path[PATH_MAX], struct rb_error *err)
 {
@@ -34,6 +37,7 @@ bool rb_program_beside(const char *name, char *path, size_t size)
 
 	if (rb_program_path(program, &unused))
 		return false;
+	RB_ASSERT(strrchr(program, '/'));
 	const size_t folder = (size_t)(strrchr(program, '/') - program) + 1;
 	if (folder + strlen(name) >= size)
 		return false;

@@ -1,10 +1,22 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Least-significant-digit radix sort with digits of one byte (Knuth, The Art of Computer
+ * Programming 3, 5.2.5, algorithm R): stable, no comparisons, and its time depends on the number of
+ * items and of digits that differ, not on their order. qsort is not used: it is not stable, and
+ * the order of equal keys would depend on the C library. All histograms come from one pass over the
+ * keys.
+ */
 #include "base/sort.h"
 
 #include <string.h>
 
+/*
+ * Bytes of a key, values of a byte. Up to INSERTION_COUNT items the n^2 / 4 moves of an insertion
+ * sort are fewer than clearing and summing the 8 x 256 counters.
+ */
 enum { COLUMNS = 8, BUCKETS = 256, INSERTION_COUNT = 48 };
 
+/* Stable, because equal keys are not exchanged. */
 static void sort_by_insertion(struct rb_sort_item *items, size_t count)
 {
 	for (size_t i = 1; i < count; i++) {

@@ -1,4 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Blocks are handed out by one atomic counter for each phase, and a second counter tells when all
+ * are done; a phase begins when the counter of the one before has reached its count. Static
+ * partitions are not used, because blocks differ in cost (islands), and work stealing, because one
+ * counter costs less than a deque for the few hundred blocks of a step. Which worker runs a block
+ * is arbitrary, so blocks must not depend on it.
+ *
+ * Jobs follow each other within microseconds while a sleeping thread needs tens of them to wake, so
+ * threads poll first and sleep on a condition variable afterwards. A worker that wakes too late for
+ * a job is not waited for: only those that joined (`active`) are.
+ */
 #include "base/team.h"
 
 #include <pthread.h>
@@ -21,8 +32,9 @@ struct member {
 };
 
 /*
- * Looks for what is awaited before a thread sleeps; and before it lets others run, of whom one may
- * be what is awaited.
+ * Polls before a thread sleeps, about 0.1 ms of pauses, longer than the sequential part between two
+ * jobs of a step; and polls between two calls of sched_yield, for when there are more threads than
+ * processors and the one waited for is not running.
  */
 enum { SPINS_MOST = 4000, SPINS_POLITE = 2000 };
 
@@ -34,9 +46,7 @@ struct job {
 	int phase_count;
 };
 
-/*
- * Blocks handed out to whoever asks, and blocks done; set to 0 under lock while nobody is active.
- */
+/* Next block to hand out and blocks done; reset to 0 under the lock while no member is active. */
 struct counters {
 	atomic_int next, done;
 	char apart[64 - 2 * sizeof(atomic_int)]; /* in lines of their own */
@@ -65,6 +75,7 @@ struct rb_team {
 	int started;
 };
 
+/* One poll; the pause instruction frees the other hardware thread of the core. */
 static void look_again(int *spins)
 {
 #if defined(__x86_64__)
@@ -73,8 +84,14 @@ static void look_again(int *spins)
 	++*spins;
 }
 
+/*
+ * Takes blocks until none is left, phase by phase. The release on `done` and the acquire on reading
+ * it make the results of a phase visible to the next one.
+ */
 static void do_blocks(struct rb_team *team, const struct job *job, int worker)
 {
+	RB_ASSERT(worker >= 0 && worker < team->worker_count);
+
 	for (int phase = 0; phase < job->phase_count; phase++) {
 		struct counters *counters = &team->counters[phase];
 		const int count = job->block_count[phase];
@@ -101,7 +118,7 @@ static void do_blocks(struct rb_team *team, const struct job *job, int worker)
 	}
 }
 
-/* Work often comes in jobs that follow each other faster than a sleeping thread wakes. */
+/* Polls for a job later than `seen`, or for the end, before the caller sleeps. */
 static void await_job(struct rb_team *team, uint64_t seen)
 {
 	for (int spins = 0; spins < SPINS_MOST;) {
@@ -112,6 +129,7 @@ static void await_job(struct rb_team *team, uint64_t seen)
 	}
 }
 
+/* Body of a worker's thread. */
 static void *live(void *argument)
 {
 	const struct member *me = argument;
@@ -196,7 +214,7 @@ int rb_team_workers(const struct rb_team *team)
 	return team->worker_count;
 }
 
-/* Without another thread, or for one block. */
+/* Runs the job in the caller where there is no other thread or just one block; false otherwise. */
 static bool run_alone(const struct rb_team *team, const struct job *job)
 {
 	if (team->worker_count > 1 && (job->phase_count > 1 || job->block_count[0] > 1))
@@ -210,12 +228,16 @@ static bool run_alone(const struct rb_team *team, const struct job *job)
 	return true;
 }
 
+/*
+ * Publishes the job under the lock, works at it, closes it, and waits for the members that joined.
+ */
 static void run_job(struct rb_team *team, const struct job *job)
 {
 	if (run_alone(team, job))
 		return;
 	pthread_mutex_lock(&team->lock);
-	RB_ASSERT(!team->open); /* else called from a block */
+	RB_ASSERT(!team->open);                     /* else called from a block */
+	RB_ASSERT(atomic_load(&team->active) == 0); /* else counters are reset under a worker */
 	team->job = *job;
 	team->job_number++;
 	team->open = true;
@@ -243,6 +265,8 @@ static void run_job(struct rb_team *team, const struct job *job)
 
 void rb_team_run(struct rb_team *team, int block_count, rb_team_work *work, void *user)
 {
+	RB_ASSERT(block_count >= 0 && work);
+
 	const struct job job = {
 		.work = work, .user = user, .block_count = &block_count, .phase_count = 1};
 
@@ -257,7 +281,9 @@ void rb_team_run_phases(struct rb_team *team, const int *block_count, int phase_
 	                        .block_count = block_count,
 	                        .phase_count = phase_count};
 
-	RB_ASSERT(phase_count <= RB_TEAM_PHASES);
+	RB_ASSERT(phase_count >= 0 && phase_count <= RB_TEAM_PHASES && work);
+	for (int phase = 0; phase < phase_count; phase++)
+		RB_ASSERT_COSTLY(block_count[phase] >= 0);
 	if (phase_count > 0)
 		run_job(team, &job);
 }

@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Signals are blocked around pthread_create, not in the new thread, because a signal could arrive
+ * between its start and its first statement; a thread inherits the mask of its creator. So only the
+ * main thread is ever interrupted, and no system call of a worker ends with EINTR.
+ */
 #include "base/thread.h"
 
 #include <signal.h>
 #include <stdbool.h>
 #include <string.h>
 
-enum { NAME_SIZE = 16 }; /* of Linux, with the zero byte */
+#include "base/error.h"
+
+enum { NAME_SIZE = 16 }; /* TASK_COMM_LEN of Linux, with the zero byte */
 
 int rb_thread_start(pthread_t *thread, void *(*work)(void *), void *argument)
 {
+	RB_ASSERT(thread && work);
+
 	sigset_t all, before;
 
 	sigfillset(&all);
@@ -29,8 +38,9 @@ void rb_thread_name(const char *what)
 	size_t size = strlen(name);
 
 	/*
-	 * What others print unseen, and cut: names of a scene's cameras are among them. All but
-	 * letters and digits parts words.
+	 * Debuggers and ps(1) print the name without escapes, and it may stem from a scene (a
+	 * camera's name): only ASCII letters and digits pass, runs of other bytes become one '-',
+	 * the rest is cut.
 	 */
 	for (; *what && size + 1 < sizeof name; what++)
 		if (is_plain(*what))

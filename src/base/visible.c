@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Escapes by code point rather than by the terminal's own tables (iswprint), whose answer depends
+ * on the locale and the C library: the same text is written the same way everywhere. The printf
+ * subset reads the format itself, because only the conversion %s may be escaped while the format's
+ * own newlines pass; numbers are formatted by snprintf. Output is collected in 2 KiB so that a
+ * message is one write and lines of several threads do not mix.
+ */
 #include "base/visible.h"
 
 #include <stdarg.h>
@@ -10,6 +17,7 @@
 
 size_t rb_utf8_size(const char *text)
 {
+	/* RFC 3629, section 4: first byte, second byte, size; further bytes are 80..bf */
 	static const struct {
 		unsigned char first_low, first_high, second_low, second_high, size;
 	} forms[] = {
@@ -36,6 +44,8 @@ size_t rb_utf8_size(const char *text)
 
 uint32_t rb_utf8_code(const char *at, size_t size)
 {
+	RB_ASSERT_COSTLY(size >= 1 && size <= 4);
+
 	uint32_t code = size == 1 ? (unsigned char)*at : (unsigned char)*at & (0x7fu >> size);
 
 	for (size_t i = 1; i < size; i++)
@@ -45,6 +55,11 @@ uint32_t rb_utf8_code(const char *at, size_t size)
 
 size_t rb_visible_size(const char *at)
 {
+	/*
+	 * C0, DEL and C1, soft hyphen, Arabic letter mark, zero width space, direction marks,
+	 * separators and embeddings, word joiner to deprecated formats, byte order mark,
+	 * annotations, tags (Unicode, general categories Cc, Cf, Zl, Zp)
+	 */
 	static const struct {
 		uint32_t low, high;
 	} hidden[] = {
@@ -82,9 +97,9 @@ struct out {
 	char bytes[2048];
 };
 
+/* A failed write shows in ferror, which the program checks before it exits. */
 static void flush(struct out *out)
 {
-	/* whether all of it was written is asked of the stream, at the end */
 	(void)!fwrite(out->bytes, 1, out->used, out->file);
 	out->used = 0;
 }
@@ -103,7 +118,10 @@ static void put(struct out *out, const char *bytes, size_t size)
 	}
 }
 
-/* At most `most` bytes of the text; `out` NULL: only counts what they become. */
+/*
+ * Writes up to `most` bytes of the text, escaped, and returns the number of bytes written; with
+ * `out` NULL only counts them. A character that `most` would cut is left out.
+ */
 static size_t put_visible(struct out *out, const char *text, size_t most)
 {
 	size_t at = 0, put_size = 0;
@@ -143,6 +161,7 @@ struct conversion {
 	char kind;
 };
 
+/* %s: width and precision count bytes of the shown text and of the source text, respectively. */
 static void put_text(struct out *out, const struct conversion *c, const char *text)
 {
 	const size_t most = c->precision < 0 ? SIZE_MAX : (size_t)c->precision;
@@ -157,6 +176,10 @@ static void put_text(struct out *out, const struct conversion *c, const char *te
 		pad(out, gap);
 }
 
+/*
+ * Reads a decimal number of the format; digits beyond 99999 are skipped, not summed, against
+ * overflow.
+ */
 static int digits(const char **at)
 {
 	int value = 0;
@@ -201,8 +224,8 @@ static void put_value(struct out *out, const struct conversion *c, va_list *argu
 #pragma GCC diagnostic pop
 
 /*
- * Behind the '%'. Sizes of 64 bits are asked for as such: long, long long and size_t are the same
- * to va_arg on all systems that this runs on, which the assertion holds.
+ * Parses one conversion after the '%' and returns the position behind it. All long arguments are
+ * fetched as 64 bits: long, long long and size_t have one size here, as the assertion checks.
  */
 static const char *read_conversion(const char *at, struct conversion *c, va_list *arguments)
 {
