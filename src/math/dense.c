@@ -1,20 +1,33 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * LU decomposition with row pivots in place, whose columns are taken in order of index except for
+ * those of which little is left (below the share `early` of their first size): these wait for the
+ * end. Full pivoting would find the rank as well, but it destroys the band that chains of contacts
+ * have and depends on the order of unknowns only by ties. A singular value decomposition was
+ * rejected for its cost: the rank is needed only where the system is redundant (a table on four
+ * legs), and there the kernel comes from one back substitution for each open column
+ * (rb_dense_opened).
+ *
+ * `down`, `last` and `size` hold the envelope of the matrix, by which rows and columns of zeros are
+ * skipped. The multipliers stay in the eliminated entries for further right sides.
+ */
 #include "math/dense.h"
 
 #include <float.h>
 #include <math.h>
 
+#include "base/error.h"
 /*
- * Share of a column that has to be left for a pivot while other columns are still to come. What is
- * left by little of a column is what others do nearly as well: as the first of them its unknown
- * would take up what the open ones leave, many times over (four corners that slide and turn on what
- * sticks: 1e6 times).
+ * Share of a column that must be left for it to be used as a pivot while others remain. A column of
+ * which less is left is nearly a combination of those before it; used first, its unknown would take
+ * the components of the open ones many times over (1e6 times for four corners that slide and turn
+ * on sticking contacts).
  */
 static const double early = 0x1p-5;
 
 /*
- * Columns that are not yet used: those in order from k on, and the late ones, which the end of
- * `order` lists.
+ * Columns not used yet: those of index from `from` on, n for none, and the late ones at the end of
+ * `order`.
  */
 struct left {
 	int from; /* n: of those in order none are left */
@@ -30,7 +43,10 @@ static void swap(double *x, double *y)
 	*y = kept;
 }
 
-/* What stands in columns that are used are shares, which stay where they are. */
+/*
+ * Swaps rows p and q in the columns left. Used columns hold multipliers, which stay where they are:
+ * rb_dense_again applies the swaps in the same order.
+ */
 static void swap_rows(struct rb_dense *d, int p, int q, const struct left *left)
 {
 	double *const x = d->matrix + p * d->n, *const y = d->matrix + q * d->n;
@@ -46,8 +62,8 @@ static void swap_rows(struct rb_dense *d, int p, int q, const struct left *left)
 }
 
 /*
- * Where rows end, how large columns are, and down to which row there is anything in a column or one
- * before it: below, the elimination leaves zeros, also where rows are swapped.
+ * Fills last (end of each row), size (largest entry of each column) and down (last row with an
+ * entry in this column or one before it): elimination and row swaps leave zeros below.
  */
 static void survey(struct rb_dense *d)
 {
@@ -76,8 +92,11 @@ static void survey(struct rb_dense *d)
 			d->down[c] = d->down[c - 1];
 }
 
+/* Subtracts multiples of the pivot row from the rows below, as far as column k reaches. */
 static void eliminate(struct rb_dense *d, int row, int k, const struct left *left)
 {
+	RB_ASSERT_COSTLY(d->matrix[row * d->n + k] != 0);
+
 	const int n = d->n;
 	const double *const top = d->matrix + row * n;
 
@@ -98,7 +117,7 @@ static void eliminate(struct rb_dense *d, int row, int k, const struct left *lef
 	}
 }
 
-/* What is open is as `found` has it. */
+/* Solves the upper triangle into `right`; open unknowns keep their values of `found`. */
 static void substitute_back(struct rb_dense *d)
 {
 	const int n = d->n, ordered = n - d->late;
@@ -122,6 +141,7 @@ static void substitute_back(struct rb_dense *d)
 		d->right[k] = d->found[k];
 }
 
+/* Sets every unknown to zero, hence the open ones of the solution. */
 static void close_all(struct rb_dense *d)
 {
 	for (int k = 0; k < d->n; k++)
@@ -129,8 +149,8 @@ static void close_all(struct rb_dense *d)
 }
 
 /*
- * Of the rows that are not used yet, from `row` on, the one with most of column k; -1: none has
- * more than `least` of it.
+ * The row from `row` on with the largest entry of column k; -1 if none exceeds `least` of the
+ * column's first size. A column of NaN has no pivot either and becomes open.
  */
 static int best_row(const struct rb_dense *d, int row, int k, double least)
 {
@@ -142,8 +162,11 @@ static int best_row(const struct rb_dense *d, int row, int k, double least)
 	return row < d->n && fabs(d->matrix[best * d->n + k]) > least * d->size[k] ? best : -1;
 }
 
+/* Makes row `best` the pivot row of column k at position `row` and eliminates below it. */
 static void use(struct rb_dense *d, int row, int best, int k, const struct left *left)
 {
+	RB_ASSERT(best >= row && best < d->n);
+
 	if (best != row) {
 		swap(&d->matrix[row * d->n + k], &d->matrix[best * d->n + k]);
 		swap_rows(d, row, best, left);
@@ -155,7 +178,10 @@ static void use(struct rb_dense *d, int row, int best, int k, const struct left 
 
 void rb_dense_solve(struct rb_dense *d)
 {
+	RB_ASSERT(d->n >= 0 && d->matrix && d->right);
+
 	const int n = d->n;
+	/* rounding of n eliminations of entries of the column's size, with a margin of 16 */
 	const double least = fmax(d->least, 16 * n * DBL_EPSILON);
 	int row = 0, count = 0;
 
@@ -187,6 +213,8 @@ void rb_dense_solve(struct rb_dense *d)
 		if (best >= 0)
 			use(d, row++, best, k, &left);
 	}
+	RB_ASSERT(count + d->late == n && row <= n);
+	RB_ASSERT(d->open == (row < n));
 	close_all(d);
 	substitute_back(d);
 }
@@ -208,11 +236,15 @@ void rb_dense_again(struct rb_dense *d)
 
 bool rb_dense_is_open(const struct rb_dense *d, int k)
 {
+	RB_ASSERT(k >= 0 && k < d->n);
+
 	return d->pivot[k] < 0;
 }
 
 void rb_dense_opened(struct rb_dense *d, int k)
 {
+	RB_ASSERT(rb_dense_is_open(d, k));
+
 	for (int i = 0; i < d->n; i++)
 		d->right[i] = 0;
 	close_all(d);

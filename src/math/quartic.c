@@ -1,11 +1,25 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Roots of a polynomial between the roots of its derivative, recursively down to degree 1: between
+ * neighbouring extrema there is at most one sign change, so bisection cannot miss a root and
+ * converges to the last bit. Ferrari's closed form is not used: it cancels where coefficients
+ * differ by many decades, as those of a fast and a slow contact do, and it does not tell the first
+ * root by itself.
+ */
 #include "math/quartic.h"
 
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/error.h"
+
+/*
+ * HALVINGS only bounds the loop, which ends when no double lies between the bounds: 64 steps if
+ * each halved the number of doubles between them; one by arithmetic mean may do much less.
+ */
 enum { DEGREE = 4, HALVINGS = 1100 };
 
+/* Horner's rule. */
 static double value(const double *c, int degree, double t)
 {
 	double sum = c[degree];
@@ -15,14 +29,16 @@ static double value(const double *c, int degree, double t)
 	return sum;
 }
 
-/* The sign changes once between low and high: where, to the last bit. */
+/* The first double after the sign change between low and high, of which there is one. */
 static double bisect(const double *c, int degree, double low, double high)
 {
+	RB_ASSERT_COSTLY(low < high);
+
 	const bool rises = value(c, degree, high) > 0;
 
 	for (int round = 0; round < HALVINGS; round++) {
 		/*
-		 * far from zero by ratio, since the smallest root may be many decades below `high`
+		 * Geometric mean far from zero: the smallest root may be many decades below `high`.
 		 */
 		const double middle = low > 0 && high > 4 * low ? sqrt(low) * sqrt(high)
 		                                                : low + 0.5 * (high - low);
@@ -59,6 +75,7 @@ static int roots(const double *c, int degree, double max, double *root)
 					above = c[m] > 0;
 		if (above != (value(c, degree, turn[k]) > 0))
 			root[count++] = bisect(c, degree, low, turn[k]);
+		RB_ASSERT_COSTLY(count <= degree);
 		low = turn[k];
 	}
 	return count;
@@ -66,7 +83,13 @@ static int roots(const double *c, int degree, double max, double *root)
 
 double rb_quartic_falls(const double c[5], double max)
 {
+	RB_ASSERT(max < (double)INFINITY);
+
 	double root[DEGREE + 1];
+	/*
+	 * A contact that has just been resolved has a distance of rounding, of either sign: taken
+	 * as zero, it counts as touching from above.
+	 */
 	const double from_above[DEGREE + 1] = {c[0] > 0 ? c[0] : 0, c[1], c[2], c[3], c[4]};
 	const int count = roots(from_above, DEGREE, max, root);
 

@@ -14,15 +14,22 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/error.h"
+
 RB_FIELDS_DEFINE(rb_top_fields, struct rb_top, RB_TOP_FIELDS);
 
 static const double pi = 3.14159265358979323846;
 
-enum { ORDER = 32 }; /* of a series, at most */
+enum { ORDER = 32 }; /* of a series at most; grid_of and steady_point choose steps for it */
 
-static const double negligible = 0x1p-60; /* a term of a series, against what it is added to */
-static const double far = 0x1p53;         /* grid points beyond this can't be told apart */
-/* Grid points from which on whole periods are leapt, which costs the same however many they are. */
+/* Term of a series relative to its sum: 1/128 of an ulp, so that some hundred of them do not show. */
+static const double negligible = 0x1p-60;
+static const double far = 0x1p53; /* grid points from which on doubles skip whole numbers */
+/*
+ * Grid points beyond which whole periods are skipped by one precession: 2^16 series of a few
+ * microseconds are a tenth of a second, and near the anchor the walk is exact while a period is
+ * rounded.
+ */
 static const double leap_from = 0x1p16;
 
 static rb_quat conjugate(rb_quat q)
@@ -63,7 +70,7 @@ static rb_quat turn(rb_vec3 spin, double t)
 
 /* ---- the body ---- */
 
-/* Equal but for rounding. */
+/* Equal but for rounding: a moment of inertia comes from some ten operations, 16 ulp cover them. */
 static bool same(double a, double b)
 {
 	return fabs(a - b) <= 16 * DBL_EPSILON * fmax(fabs(a), fabs(b));
@@ -97,7 +104,11 @@ static void jacobi(rb_mat3 *a, rb_mat3 *frame, int p, int q)
 	}
 }
 
-/* Principal moments and axes; nothing is touched where the tensor is diagonal to rounding. */
+/*
+ * Principal moments on the diagonal of `a`, axes in the columns of `frame`, by cyclic Jacobi
+ * sweeps, which converge quadratically (30 are never needed). Entries of rounding are not rotated,
+ * so that a diagonal tensor keeps its axes bit for bit.
+ */
 static void principal_axes(rb_mat3 *a, rb_mat3 *frame)
 {
 	static const int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
@@ -119,7 +130,8 @@ static void principal_axes(rb_mat3 *a, rb_mat3 *frame)
 }
 
 /*
- * A rotation that takes z to the axis: a permutation of axes, without rounding, where that does it.
+ * A rotation that takes z to the unit vector `axis`, or to its opposite: a permutation of axes,
+ * which does not round, where that does it.
  */
 static rb_quat z_to(rb_vec3 axis)
 {
@@ -160,6 +172,7 @@ struct rb_top_body rb_top_body_of(const rb_mat3 *inertia)
 	return body;
 }
 
+/* a - b, but zero where only rounding would be left: equal moments exert no gyroscopic torque. */
 static double difference(double a, double b)
 {
 	return same(a, b) ? 0 : a - b;
@@ -244,7 +257,7 @@ static double grid_of(rb_vec3 moments, rb_vec3 spin)
 	return ldexp(1, -exponent - 1);
 }
 
-/* Parallel to rounding: what is left over is as large as that of rounding the arguments. */
+/* Parallel to rounding: the rest is no larger than what rounding the arguments makes. */
 static bool parallel(rb_vec3 a, rb_vec3 b)
 {
 	return rb_vec3_length(rb_vec3_cross(a, b)) <=
@@ -273,12 +286,12 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 			top.cached = rb_quat_multiply(orientation, body->principal);
 		top.cached_spin = rb_quat_rotate_back(top.cached, spin);
 		const rb_vec3 w = top.cached_spin;
-		/* about a principal axis, and exactly so, the spin stays */
+		/* exactly about a principal axis the spin is constant */
 		if ((w.x == 0) + (w.y == 0) + (w.z == 0) >= 2)
 			top.kind = RB_TOP_CONSTANT;
 		else
 			top.grid_s = grid_of(body->moments, w);
-		if (isinf(top.grid_s)) /* too slow for its square to be told from zero */
+		if (isinf(top.grid_s)) /* its square underflows: no turn within any time */
 			top.kind = RB_TOP_CONSTANT;
 	}
 	return top;
@@ -287,9 +300,9 @@ struct rb_top rb_top_start(const struct rb_top_body *body, rb_quat orientation, 
 /* ---- steady: q' = (w + a t) q / 2, w and a in world axes ---- */
 
 /*
- * Grid point k is where |w| t + |a| t^2 / 2, which the turned angle does not exceed, is k: a radian
- * a step. Where the acceleration does all of it, terms fall like (t^2 / 2)^m / (2^m m!), and the
- * 32nd is below 1e-18.
+ * Seconds from the anchor to grid point k, at which |w| t + |a| t^2 / 2, a bound on the angle, is
+ * k: a radian for each step. Where the acceleration does all of it, terms fall like (t^2 / 2)^m /
+ * (2^m m!), and the 32nd is below 1e-18. The root is in the form that does not cancel.
  */
 static double steady_point(const struct rb_top *top, double k)
 {
@@ -303,7 +316,11 @@ static rb_vec3 steady_spin(const struct rb_top *top, double t)
 	return rb_vec3_add_scaled(top->spin, t, top->acceleration);
 }
 
-/* From an orientation at spin `w`, `t` seconds on. */
+/*
+ * Taylor series of the orientation `t` seconds after `start`, where the spin is w: (n + 1) q_(n+1)
+ * = (t w q_n + t^2 a q_(n-1)) / 2. Two small terms in a row end it, since each comes from the two
+ * before; terms are summed from the smallest.
+ */
 static rb_quat steady_series(rb_quat start, rb_vec3 w, rb_vec3 acceleration, double t)
 {
 	const rb_quat turn1 = {0, 0.5 * t * w.x, 0.5 * t * w.y, 0.5 * t * w.z};
@@ -333,7 +350,7 @@ static rb_quat steady_series(rb_quat start, rb_vec3 w, rb_vec3 acceleration, dou
 	return rb_quat_unit(sum);
 }
 
-/* The last grid point before `t`, a whole number, or one that is too large to be one. */
+/* The last grid point not after `t`, as a double, which may exceed any integer type. */
 static double steady_count(const struct rb_top *top, double t)
 {
 	const double w = rb_vec3_length(top->spin), a = rb_vec3_length(top->acceleration);
@@ -341,7 +358,7 @@ static double steady_count(const struct rb_top *top, double t)
 	return fmax(floor(t * (w + 0.5 * a * t)), 0);
 }
 
-/* Walks on to a grid point. */
+/* Moves the cache to a grid point; backwards it starts again from the anchor. */
 static void steady_walk(struct rb_top *top, uint64_t point)
 {
 	if (point < top->at) {
@@ -358,6 +375,7 @@ static void steady_walk(struct rb_top *top, uint64_t point)
 	}
 }
 
+/* NaN beyond 2^53 radians, where the angle has no correct digit. */
 static rb_quat steady_at(struct rb_top *top, double t)
 {
 	const double k = steady_count(top, t);
@@ -371,6 +389,8 @@ static rb_quat steady_at(struct rb_top *top, double t)
 
 bool rb_top_follow(struct rb_top *top, double t, uint64_t steps)
 {
+	RB_ASSERT_COSTLY(t >= 0 || isnan(t));
+
 	const double k = top->kind == RB_TOP_STEADY && top->grid_s == 0 ? steady_count(top, t) : 0;
 
 	if (!(k < far) || k <= (double)top->at + (double)steps)
@@ -393,9 +413,14 @@ struct motion {
 	double w[3]; /* principal axes, times the grid */
 };
 
-/* The terms of order n + 1 from those up to n, by Cauchy products. */
+/*
+ * Terms of order n + 1 from those up to n, by Cauchy products: w_x' = k_x w_y w_z and cyclic, q' =
+ * q w / 2, with k = (I_y - I_z) / I_x and cyclic.
+ */
 static void free_term(const double k[3], double w[3][ORDER + 1], double q[4][ORDER + 1], int n)
 {
+	RB_ASSERT_COSTLY(n >= 0 && n < ORDER);
+
 	double yz = 0, zx = 0, xy = 0, p[4] = {0, 0, 0, 0};
 
 	for (int i = 0; i <= n; i++) {
@@ -417,6 +442,7 @@ static void free_term(const double k[3], double w[3][ORDER + 1], double q[4][ORD
 		q[i][n + 1] = 0.5 * s * p[i];
 }
 
+/* Sum of term[0..n] x^i. */
 static double horner(const double *term, int n, double x)
 {
 	double sum = term[n];
@@ -426,7 +452,7 @@ static double horner(const double *term, int n, double x)
 	return sum;
 }
 
-/* `x` grid lengths on. */
+/* State `x` grid lengths after `from`, 0 <= x <= 1. */
 static struct motion free_series(const struct motion *from, const double k[3], double x)
 {
 	double w[3][ORDER + 1], q[4][ORDER + 1];
@@ -459,6 +485,7 @@ static struct motion free_series(const struct motion *from, const double k[3], d
 	return to;
 }
 
+/* The cached grid point, its spin times the grid length. */
 static struct motion free_cached(const struct rb_top *top)
 {
 	const double g = top->grid_s;
@@ -477,7 +504,7 @@ static void free_keep(struct rb_top *top, const struct motion *m, uint64_t at)
 	top->cached_spin = (rb_vec3){m->w[0] / g, m->w[1] / g, m->w[2] / g};
 }
 
-/* The anchor's state again. */
+/* Resets the cache to the anchor. */
 static void free_begin(struct rb_top *top)
 {
 	top->at = 0;
@@ -532,6 +559,7 @@ static double free_period(rb_vec3 moments, rb_vec3 spin)
 		least = i[n] < i[least] ? n : least;
 		max = i[n] >= i[max] ? n : max;
 	}
+	RB_ASSERT(least != max);
 	const int middle = 3 - least - max;
 	const double low = i[middle] - i[least], high = i[max] - i[middle], all = i[max] - i[least];
 	/* L^2 - 2 E I of the least and of the middle, 2 E I - L^2 of the largest */
@@ -547,7 +575,10 @@ static double free_period(rb_vec3 moments, rb_vec3 spin)
 	return rest > 0 ? 2 * pi / agm(1, sqrt(rest)) * sqrt(product / rate) : HUGE_VAL;
 }
 
-/* After a period the body is as it was, but for a turn about its angular momentum. */
+/*
+ * Finds the period and the precession over it: after a period the spin repeats in the body's axes,
+ * so the orientation differs by a turn about the angular momentum only.
+ */
 static void free_learn(struct rb_top *top)
 {
 	free_begin(top);
@@ -570,6 +601,7 @@ static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 
 	const double steps = t / top->grid_s;
 	double periods = 0;
 
+	/* as in steady_at: nothing is known of the orientation so far from the anchor */
 	if (!(steps < far)) {
 		*orientation = (rb_quat){(double)NAN, (double)NAN, (double)NAN, (double)NAN};
 		*spin = (rb_vec3){(double)NAN, (double)NAN, (double)NAN};
@@ -595,8 +627,9 @@ static void free_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 
 /* ---- symmetric ---- */
 
 /*
- * About the angular momentum at the rate L / I1, after a turn about the own axis at the rate w_axis
- * (I1 - I3) / I1 (Landau, Lifshitz, Mechanics, section 35).
+ * Precession about the angular momentum at the rate L / I1 after a turn about the symmetry axis at
+ * the rate w_axis (I1 - I3) / I1 (Landau, Lifshitz, Mechanics, section 35). In the world frame the
+ * precession vector is w - rate * axis.
  */
 static void symmetric_at(const struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin)
 {
@@ -648,8 +681,8 @@ void rb_top_at(struct rb_top *top, double t, rb_quat *orientation, rb_vec3 *spin
 /* ---- a step ---- */
 
 /*
- * A turn within a step, times the largest ratio of moments, for which Newton's steps converge from
- * the spin before.
+ * Largest angle of a step times the largest ratio of moments for which Newton's iteration converges
+ * from the spin before; beyond it the exact solution is used.
  */
 static const double step_turn_max = 0.25;
 
@@ -705,6 +738,8 @@ static void step_free(const struct rb_top_body *body, double h, rb_vec3 k, rb_qu
 
 void rb_top_step(const struct rb_top_body *body, double h, rb_quat *orientation, rb_vec3 *spin)
 {
+	RB_ASSERT_COSTLY(h >= 0);
+
 	const rb_vec3 i = body->moments, none = {0, 0, 0};
 	const rb_vec3 k = {(i.y - i.z) / i.x, (i.z - i.x) / i.y, (i.x - i.y) / i.z};
 	const double turn_angle = h * rb_vec3_length(*spin) * fmax(1, rb_vec3_max_abs(k));

@@ -11,14 +11,20 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "base/error.h"
+
+/*
+ * Over a part the spin times half the length is below 1/2, so the terms fall at least like those of
+ * exp(1/2) delayed by the degree of the spin; TERMS_MAX is never reached before they are rounding.
+ */
 enum { POWERS = RB_GAUSS_NODES + 1, TERMS_MAX = 64 };
 
-/* Pure quaternions, by powers of a variable. */
+/* Coefficients of a polynomial with values in the pure quaternions, lowest power first. */
 struct spin {
 	rb_vec3 power[POWERS];
 };
 
-/* Legendre's polynomials by powers of u, -1 to 1. */
+/* p[k][i]: coefficient of u^i in P_k(u), by Bonnet's recursion. */
 static void legendre(double p[POWERS][POWERS])
 {
 	for (int k = 0; k < POWERS; k++)
@@ -32,8 +38,8 @@ static void legendre(double p[POWERS][POWERS])
 }
 
 /*
- * By powers of u = 2 t / length - 1: a coefficient of a rate belongs to an integral of P_k on [0,
- * 1] from 0 on, which is (P_(k+1) - P_(k-1)) / (2 (2 k + 1)).
+ * The spin over the piece by powers of u = 2 t / length - 1, rad/s: a coefficient of a rate in the
+ * basis P_k on [0, 1] contributes its integral from 0, (P_(k+1) - P_(k-1)) / (2 (2 k + 1)).
  */
 static struct spin spin_of(const struct rb_gauss_piece *piece, int first)
 {
@@ -55,7 +61,10 @@ static struct spin spin_of(const struct rb_gauss_piece *piece, int first)
 	return w;
 }
 
-/* By powers of s, 0 to 1, on a part of the way from u on: Horner's division. */
+/*
+ * The same polynomial by powers of s in [0, 1] on the part that begins at u and is `length` long in
+ * u: Taylor shift by repeated synthetic division (Horner), then scaling.
+ */
 static struct spin part_of(const struct spin *spin, double u, double length)
 {
 	struct spin w = *spin;
@@ -70,7 +79,10 @@ static struct spin part_of(const struct spin *spin, double u, double length)
 	return w;
 }
 
-/* The angles are those of half the way: w is in radians over the part, times 1/2. */
+/*
+ * Taylor series of q' = w q in s at s = 1, where w is half the spin times the part's length: the
+ * Cauchy product (k + 1) q_(k+1) = sum over j of w_j q_(k-j).
+ */
 static rb_quat turned(const struct spin *w, rb_quat begin)
 {
 	rb_quat term[TERMS_MAX] = {begin}, sum = begin;
@@ -92,15 +104,18 @@ static rb_quat turned(const struct spin *w, rb_quat begin)
 		                        share * next.z};
 		sum = (rb_quat){sum.w + term[k + 1].w, sum.x + term[k + 1].x, sum.y + term[k + 1].y,
 		                sum.z + term[k + 1].z};
-		/* each comes from as many as there are powers */
+		/*
+		 * a term depends on the POWERS terms before it: only as many small ones in a row
+		 * end the series
+		 */
 		small = rb_quat_length(term[k + 1]) < 0x1p-6 * DBL_EPSILON ? small + 1 : 0;
 	}
 	return rb_quat_unit(sum);
 }
 
 /*
- * Is the spin along one axis, to its rounding? Then what it turns through is the angle, however
- * large.
+ * True if the spin has one axis to rounding: then turns commute and the orientation follows from
+ * the integral of the spin in closed form, for any number of turns.
  */
 static bool is_about_one_axis(const struct spin *w)
 {
@@ -118,7 +133,7 @@ static bool is_about_one_axis(const struct spin *w)
 	return off <= 2 * DBL_EPSILON * all;
 }
 
-/* As `turned`, about one axis. */
+/* As `turned`, for a spin about one axis: the angle is the integral of the polynomial. */
 static rb_quat turned_evenly(const struct spin *w, rb_quat begin)
 {
 	rb_vec3 half = {0, 0, 0};
@@ -130,6 +145,8 @@ static rb_quat turned_evenly(const struct spin *w, rb_quat begin)
 
 rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat orientation, double t)
 {
+	RB_ASSERT(spin >= 0 && spin + 3 <= piece->n);
+
 	rb_vec3 max = {0, 0, 0};
 
 	if (!(t > 0))
@@ -140,6 +157,7 @@ rb_quat rb_turn_through(const struct rb_gauss_piece *piece, int spin, rb_quat or
 			max, (rb_vec3){fabs(w.power[i].x), fabs(w.power[i].y), fabs(w.power[i].z)});
 		w.power[i] = rb_vec3_scale(0.25 * piece->length_s, w.power[i]);
 	}
+	/* t times the sum of |coefficients| bounds the angle: a radian at most for each part */
 	const bool even = is_about_one_axis(&w);
 	const double parts = even ? 1 : ceil(rb_vec3_length(max) * t) + 1;
 	const double length = 2 * (t / piece->length_s) / parts;
