@@ -1,8 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Support functions. Every direction is taken into the body's axes first, so that each costs one
+ * transposed product, whatever the number of vertices, and boxes and cylinders have closed forms.
+ */
 #include "geom/core.h"
+
+#include "base/error.h"
 
 rb_core rb_core_of_polytope(const struct rb_polytope *polytope, double radius)
 {
+	RB_ASSERT(polytope->vertex_count > 0 && radius >= 0);
+
 	return (rb_core){.kind = RB_CORE_POLYTOPE,
 	                 .radius = radius,
 	                 .reach = polytope->reach,
@@ -11,6 +19,8 @@ rb_core rb_core_of_polytope(const struct rb_polytope *polytope, double radius)
 
 rb_core rb_core_of_cylinder(double radius, double half_height)
 {
+	RB_ASSERT(radius > 0 && half_height > 0);
+
 	return (rb_core){.kind = RB_CORE_CYLINDER,
 	                 .reach = rb_vec3_length((rb_vec3){radius, half_height, 0}),
 	                 .round = radius,
@@ -46,7 +56,9 @@ rb_vec3 rb_placed_support(const rb_placed *p, rb_vec3 direction)
 	if (core->kind == RB_CORE_POLYTOPE)
 		return rb_placed_point(
 			p, core->polytope->vertices[rb_polytope_support(core->polytope, n)]);
+	RB_ASSERT_COSTLY(core->kind == RB_CORE_CYLINDER);
 	const double across = sqrt(n.x * n.x + n.y * n.y);
+	/* along the axis every point of the end is outermost: its centre, which is symmetric */
 	const double s = across > 0 ? core->round / across : 0;
 	return rb_placed_point(p, (rb_vec3){s * n.x, s * n.y, copysign(core->half_height, n.z)});
 }

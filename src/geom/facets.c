@@ -1,25 +1,40 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The Minkowski difference of two polytopes has three kinds of faces: a face of either against a
+ * vertex of the other, and an edge of both. For overlapping bodies the gap is attained on one of
+ * its face normals (separating axis theorem); apart, the nearest features may also be a vertex
+ * against a vertex or an edge, whose direction is the way between them.
+ *
+ * An edge pair makes a face only where the arcs that the edges have on the Gauss map cross
+ * (Gregorius, "The Separating Axis Test between Convex Polyhedra", GDC 2013); pairs that fail are
+ * skipped before any support function is evaluated. EPA is not used: its answer depends on the
+ * path of the expansion, and near-parallel faces leave it with slivers.
+ */
 #include "geom/facets.h"
 
 #include <float.h>
 
-enum { BLOCK = 32 };
+#include "base/error.h"
+
+enum { BLOCK = 32 }; /* arcs of b transformed at a time: 3 KiB of stack, reused for all of a */
 
 /*
- * Directions within about a thousandth are tried although a distance already points elsewhere;
- * costs time only.
+ * Cosine of about 1.4 mrad: a face so near to the direction of a distance is tried all the same;
+ * one tried needlessly costs time only.
  */
 static const double nearly_along = 1 - 1e-6;
 /*
- * An arc ends where the next begins, so a direction outside by this little is still tried; costs
- * time only.
+ * Arcs adjoin, so a direction outside by this sine is still tried against rounding at their ends;
+ * one tried needlessly costs time only.
  */
 static const double arc_slack = 1e-9;
 
+/* An rb_polytope_arc in the world with a point of its edge. */
 typedef struct {
 	rb_vec3 along, inner[2], point;
 } arc;
 
+/* Tries the outward normals of p's faces; `sense` is -1 for b, whose normals point towards a. */
 static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_vec3 *guide)
 {
 	rb_vec3 local = {0, 0, 0};
@@ -44,6 +59,8 @@ static void faces_of(rb_axis *axis, const rb_placed *p, double sense, const rb_v
 
 int rb_facets_ties(const rb_axis *axis, double least, rb_vec3 *normal, int max)
 {
+	RB_ASSERT_COSTLY(max >= 0 && axis->found);
+
 	int count = 0;
 
 	for (int k = 0; k < 2; k++) {
@@ -68,12 +85,16 @@ static bool is_box(const rb_placed *p)
 	return p->core->kind == RB_CORE_POLYTOPE && p->core->polytope->box;
 }
 
+/* Coordinate k of v. */
 static double at(rb_vec3 v, int k)
 {
 	return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-/* Of each face pair of box p what it proves against box q, where `d` leads from p to q. */
+/*
+ * Gap that each pair of opposite faces of box p proves against box q, m, by half extents projected
+ * (Gottschalk, Lin, Manocha, OBBTree, 1996); `d` is from p to q.
+ */
 static void proofs(const rb_placed *p, const rb_placed *q, rb_vec3 d, double proof[3])
 {
 	const rb_vec3 half = p->core->polytope->half, other = q->core->polytope->half;
@@ -87,11 +108,15 @@ static void proofs(const rb_placed *p, const rb_placed *q, rb_vec3 d, double pro
 	}
 }
 
-/* In the order of all faces, but only those that could be best. */
+/*
+ * Tries the faces of two boxes in the order of faces_of, so that ties resolve alike, but only those
+ * within rounding of the best: six projections instead of twelve pairs of support functions.
+ */
 static void faces_of_boxes(rb_axis *axis)
 {
 	const rb_placed *box[2] = {axis->a, axis->b};
 	const rb_vec3 d = rb_vec3_sub(axis->b->at, axis->a->at);
+	/* the closed form and rb_axis_gap round differently, each by a few ulp of the sizes */
 	const double noise_slack = 16 * axis->noise;
 	double proof[2][3], max = -(double)INFINITY;
 
@@ -133,7 +158,7 @@ static arc arc_of(const rb_placed *p, const rb_polytope_arc *local)
 	             rb_placed_point(p, p->core->polytope->vertices[local->vertex[0]])};
 }
 
-/* The next arcs of b that the slab has, from `*from` on. */
+/* Transforms the next arcs of b with an end in the slab, from `*from` on; returns their number. */
 static int next_arcs(const rb_placed *b, const rb_slab_local *slab, int *from, arc block[BLOCK])
 {
 	const struct rb_polytope *p = b->core->polytope;
@@ -148,15 +173,16 @@ static int next_arcs(const rb_placed *b, const rb_slab_local *slab, int *from, a
 	return count;
 }
 
+/* True if n, across the edge, lies between the normals of its faces; `slack` is in units of n. */
 static bool in_arc(const arc *e, rb_vec3 n, double slack)
 {
 	return rb_vec3_dot(n, e->inner[0]) >= -slack && rb_vec3_dot(n, e->inner[1]) >= -slack;
 }
 
 /*
- * Two edges make a face of the difference of the bodies where a direction across both is outermost
- * for both (Gregorius 2013 tests the crossing of arcs with triple products; with the direction at
- * hand it is two products a body).
+ * Two edges make a face of the Minkowski difference where the direction across both lies on both
+ * arcs, that is, their arcs on the Gauss map cross. Gregorius tests this with triple products; with
+ * the cross product at hand it takes two products for each body.
  */
 static void cross(rb_axis *axis, const arc *e, const arc *f)
 {
@@ -164,6 +190,7 @@ static void cross(rb_axis *axis, const arc *e, const arc *f)
 	const double square = rb_vec3_dot(n, n);
 	const double least = 16 * DBL_EPSILON;
 
+	/* parallel to rounding: the direction across is noise, and faces cover that case */
 	if (!(square > least * least))
 		return;
 	const double length = sqrt(square), slack = arc_slack * length;
@@ -179,6 +206,9 @@ static void cross(rb_axis *axis, const arc *e, const arc *f)
 
 void rb_facets_edges(rb_axis *axis, const rb_slab *slab)
 {
+	RB_ASSERT_COSTLY(axis->a->core->kind == RB_CORE_POLYTOPE);
+	RB_ASSERT_COSTLY(axis->b->core->kind == RB_CORE_POLYTOPE);
+
 	const rb_placed *a = axis->a, *b = axis->b;
 	const struct rb_polytope *p = a->core->polytope;
 	const rb_slab_local in_a = rb_slab_of(a, slab->normal, slab->depth);
@@ -194,18 +224,20 @@ void rb_facets_edges(rb_axis *axis, const rb_slab *slab)
 			    !rb_slab_has(&in_a, p->vertices[p->arcs[i].vertex[1]]))
 				continue;
 			const arc e = arc_of(a, &p->arcs[i]);
+			RB_ASSERT_COSTLY(count <= BLOCK);
 			for (int j = 0; j < count; j++)
 				cross(axis, &e, &block[j]);
 		}
 	}
 }
 
-/* The shortest way so far; in coordinates of the body that has the edge, then of the world. */
+/* Shortest vector so far; in the axes of the body with the edge, and at last of the world. */
 typedef struct {
 	double square;
 	rb_vec3 way;
 } shortest;
 
+/* Offers the vectors from the vertex v to all edges of p in the slab; all in p's axes. */
 static void to_edges(shortest *best, rb_vec3 v, const struct rb_polytope *p,
                      const rb_slab_local *slab)
 {
@@ -222,29 +254,29 @@ static void to_edges(shortest *best, rb_vec3 v, const struct rb_polytope *p,
 		const rb_vec3 cd = rb_vec3_sub(d, c);
 		const double whole = rb_vec3_dot(cd, cd);
 		const double t = rb_vec3_dot(rb_vec3_sub(v, c), cd);
-		/* From the nearer end, so that both ends have the same digits. */
+		/* Measured from the nearer end, so that both ends have the same digits. */
 		const rb_vec3 foot = 2 * t < whole ? rb_vec3_add_scaled(c, fmax(t, 0) / whole, cd)
 		                                   : rb_vec3_add_scaled(
 							     d, fmin(t - whole, 0) / whole, cd);
 		rb_vec3 way = rb_vec3_sub(foot, v);
 		/*
-		 * Near a touch the foot's rounding along the edge would tilt a short way: across,
-		 * to its own digits.
+		 * Near contact the rounding of the foot along the edge would tilt a short vector:
+		 * its component along the edge is removed.
 		 */
 		const bool within = t > 0 && t < whole;
 		if (within)
 			way = rb_vec3_add_scaled(way, -rb_vec3_dot(way, cd) / whole, cd);
 		const double square = rb_vec3_dot(way, way);
 		/*
-		 * Hard by a vertex the way to it is as short, but not quite across: the edge wins a
-		 * draw.
+		 * Close to a vertex the vector to it is as short but not quite perpendicular: the
+		 * edge wins a tie.
 		 */
 		if ((within ? square * (1 - 8 * DBL_EPSILON) : square) < best->square)
 			*best = (shortest){square, way};
 	}
 }
 
-/* The shortest way from vertices of p to edges of q, in the world. */
+/* Shortest vector from the vertices of p to the edges of q, in world axes. */
 static shortest corners_of(const rb_placed *p, const rb_placed *q, rb_vec3 normal, double depth)
 {
 	const rb_slab_local in_p = rb_slab_of(p, normal, depth);
@@ -272,8 +304,8 @@ void rb_facets_corners(rb_axis *axis, const rb_slab *slab)
 	const rb_vec3 forth = from_a.way, back = rb_vec3_neg(from_b.way);
 
 	/*
-	 * Both: where one ends on a vertex close to the foot of the other they are as long, but
-	 * only one proves its length.
+	 * Both are tried: where one ends on a vertex close to the foot of the other they are
+	 * equally long, but only one of the directions proves that length.
 	 */
 	if (rb_vec3_dot(forth, forth) > 0)
 		rb_axis_try(axis, rb_vec3_unit(forth, forth));

@@ -1,30 +1,39 @@
 /* SPDX-License-Identifier: MIT */
 /*
- * The simplex is looked at whole: every vertex, edge, triangle that has the newest point, and the
- * nearest to the origin wins. That costs a few products more than to follow signs, and has no sign
- * that rounding could turn.
+ * Gilbert, Johnson, Keerthi, IEEE J. Robotics and Automation 4 (1988) 193. The point nearest to the
+ * origin of a simplex within the Minkowski difference b - a is an upper bound of the distance; the
+ * support plane across it is a lower one. The simplex keeps the points that span the nearest one
+ * and takes the support point of that direction, until both bounds agree to rounding.
+ *
+ * Every vertex, edge and triangle with the newest point is evaluated and the nearest wins. That
+ * takes a few products more than Johnson's recursion or signed volumes, but no sign that rounding
+ * could flip decides anything.
  */
 #include "geom/gjk.h"
 
 #include <float.h>
 
+#include "base/error.h"
+
 enum {
 	ROUNDS_MAX = 200, /* polytopes take some ten, round cores some tens */
-	UNCHANGED_MAX = 3 /* rounds in which neither bound moves */
+	UNCHANGED_MAX = 3 /* rounds in which neither bound moves by `noise`: stalled by rounding */
 };
 
+/* Points of the Minkowski difference b - a, the newest last. */
 typedef struct {
 	rb_vec3 w[4];
 	int count;
 } simplex;
 
+/* Point of a simplex nearest to the origin, its squared length, and the points that span it. */
 typedef struct {
 	rb_vec3 v;
 	double square;
 	simplex part;
 } nearest;
 
-/* The best so far, made of the points of a simplex whose bits are set. */
+/* Nearest candidate so far; bit i of `points` is set if w[i] spans it. */
 typedef struct {
 	rb_vec3 v;
 	double square;
@@ -39,6 +48,10 @@ static void offer(offers *best, rb_vec3 v, unsigned points)
 		*best = (offers){v, square, points};
 }
 
+/*
+ * The foot of the origin on the edge i-last if it lies strictly within; the ends are offers
+ * themselves.
+ */
 static void offer_edge(offers *best, const rb_vec3 *w, int i, int last)
 {
 	const rb_vec3 a = w[i], ab = rb_vec3_sub(w[last], a);
@@ -48,6 +61,7 @@ static void offer_edge(offers *best, const rb_vec3 *w, int i, int last)
 		offer(best, rb_vec3_add_scaled(a, t / square, ab), 1u << i | 1u << last);
 }
 
+/* The foot on the triangle if it lies strictly within, by signs of the barycentric coordinates. */
 static void offer_triangle(offers *best, const rb_vec3 *w, int i, int j, int last)
 {
 	const rb_vec3 a = w[i], b = w[j], c = w[last];
@@ -60,11 +74,16 @@ static void offer_triangle(offers *best, const rb_vec3 *w, int i, int j, int las
 	offer(best, rb_vec3_scale(rb_vec3_dot(n, a) / square, n), 1u << i | 1u << j | 1u << last);
 }
 
+/* Six times the signed volume of a tetrahedron. */
 static double volume(rb_vec3 a, rb_vec3 b, rb_vec3 c, rb_vec3 d)
 {
 	return rb_vec3_dot(rb_vec3_sub(d, a), rb_vec3_cross(rb_vec3_sub(b, a), rb_vec3_sub(c, a)));
 }
 
+/*
+ * True if the origin is strictly inside of the tetrahedron: replacing a vertex by it keeps the sign
+ * of the volume. A flat tetrahedron holds nothing.
+ */
 static bool holds_origin(const simplex *s)
 {
 	const rb_vec3 o = {0, 0, 0}, *w = s->w;
@@ -79,11 +98,13 @@ static bool holds_origin(const simplex *s)
 }
 
 /*
- * The point of the simplex nearest to the origin, which lies on a part that has the newest point
- * w[count - 1].
+ * Point of the simplex nearest to the origin among the parts that contain the newest point w[count
+ * - 1]: the nearest point of the others was the last result already.
  */
 static nearest inspect(const simplex *s)
 {
+	RB_ASSERT_COSTLY(s->count >= 1 && s->count <= 4);
+
 	const int last = s->count - 1;
 	offers best = {s->w[last], rb_vec3_dot(s->w[last], s->w[last]), 1u << last};
 
@@ -102,6 +123,7 @@ static nearest inspect(const simplex *s)
 	return out;
 }
 
+/* A support point found before cannot bring the simplex nearer: the search has converged. */
 static bool has(const simplex *s, rb_vec3 w)
 {
 	for (int i = 0; i < s->count; i++)
@@ -127,6 +149,7 @@ double rb_gjk_beyond(const rb_placed *a, const rb_placed *b, double limit, int r
 			return proved;
 		if (round + 1 == rounds || has(&now.part, w))
 			break;
+		RB_ASSERT_COSTLY(now.part.count < 4);
 		now.part.w[now.part.count++] = w;
 		if (now.part.count == 4 && holds_origin(&now.part))
 			break;
@@ -163,6 +186,7 @@ rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
 		if (out.upper - out.least <= noise || has(&now.part, w) ||
 		    unchanged > UNCHANGED_MAX)
 			break;
+		RB_ASSERT_COSTLY(now.part.count < 4);
 		now.part.w[now.part.count++] = w;
 		if (now.part.count == 4 && holds_origin(&now.part))
 			return out;
@@ -173,7 +197,7 @@ rb_gjk rb_gjk_run(const rb_placed *a, const rb_placed *b, double scale)
 		if (sqrt(now.square) < out.upper - noise)
 			unchanged = 0;
 		out.upper = sqrt(now.square);
-		/* So near that the direction is rounding. */
+		/* within rounding of contact the direction to the origin has no digits left */
 		if (out.upper <= 4 * noise)
 			return out;
 		d = now.v;

@@ -16,6 +16,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 
@@ -34,7 +35,10 @@ enum {
 	CELL_BITS = 40
 };
 
-/* In cells: covers the rounding of "low corner minus the largest size". */
+/*
+ * Cells. Coordinates below 2^40 cells round to 2^-13 cells; "low corner minus the largest extent"
+ * rounds a few times that.
+ */
 static const double margin = 0x1p-10;
 
 struct rb_grid_item {
@@ -95,8 +99,11 @@ static enum rb_status out_of_memory(struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the table of boxes");
 }
 
+/* Appends a pair, lower index first; false when memory is out. */
 static bool emit(struct rb_grid *grid, int a, int b)
 {
+	RB_ASSERT_COSTLY(a >= 0 && b >= 0 && a != b);
+
 	if (grid->pair_count == grid->pair_capacity &&
 	    !rb_memory_reserve(&grid->pairs, &grid->pair_capacity, grid->pair_count + 1,
 	                       sizeof *grid->pairs))
@@ -110,6 +117,7 @@ enum rb_status rb_grid_add_pair(struct rb_grid *grid, int a, int b, struct rb_er
 	return emit(grid, a, b) ? RB_OK : out_of_memory(err);
 }
 
+/* True if at least one of the two moves and their collision filters admit each other. */
 static inline bool wanted(const struct rb_grid_boxes *boxes, int a, int b)
 {
 	if (a >= boxes->moving_count && b >= boxes->moving_count)
@@ -124,6 +132,7 @@ static inline const rb_aabb *box_of(const struct rb_grid_boxes *boxes, int index
 	                                   : &boxes->fixed[index - boxes->moving_count];
 }
 
+/* All against all, for few boxes: already in the order of (a, b). */
 static enum rb_status find_all_pairs(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
                                      struct rb_error *err)
 {
@@ -220,6 +229,10 @@ static inline int64_t cell(double x)
 	return i - (x < (double)i);
 }
 
+/*
+ * Hash of a row of cells along x, before mixing: odd constants of published hashes (wyhash,
+ * degski's mixer), none of which rb_hash_mix multiplies by.
+ */
 static inline uint64_t row_salt(const struct level *level, int64_t y, int64_t z)
 {
 	return level->salt + (uint64_t)y * 0xd6e8feb86659fd93u + (uint64_t)z * 0xa0761d6478bd642fu;
@@ -230,6 +243,10 @@ static inline uint64_t run_key(uint64_t row, int64_t x)
 	return rb_hash_mix(row + (uint64_t)(x >> RUN_BITS) * 0xe7037ed1a0b428dbu);
 }
 
+/*
+ * The high half of the key selects where a run of RUN buckets begins, the cell's number within it
+ * the bucket.
+ */
 static inline uint32_t bucket_of(uint64_t key, uint64_t mask, int64_t x)
 {
 	return (uint32_t)((key >> 32 & mask) + (uint64_t)(x & (RUN - 1)));
@@ -238,6 +255,7 @@ static inline uint32_t bucket_of(uint64_t key, uint64_t mask, int64_t x)
 /* Counting sort of the boxes by bucket: start[b] .. start[b + 1] are the items of bucket b. */
 static void fill_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes, uint64_t mask)
 {
+	RB_ASSERT(((mask + 1) & mask) == 0); /* buckets are selected by a bit mask */
 	const int count = boxes->moving_count + boxes->fixed_count;
 	const size_t buckets = (size_t)mask + RUN;
 	uint32_t *start = grid->start;
@@ -253,6 +271,7 @@ static void fill_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes, 
 
 		place->key = run_key(row_salt(level, y, z), x);
 		place->bucket = bucket_of(place->key, mask, x);
+		RB_ASSERT_COSTLY(place->bucket < buckets);
 		start[place->bucket]++;
 	}
 	/*
@@ -274,6 +293,7 @@ static void fill_table(struct rb_grid *grid, const struct rb_grid_boxes *boxes, 
 			.rank = grid->levels->rank[place->level],
 		};
 	}
+	RB_ASSERT(start[buckets] == (uint32_t)count && start[0] == 0);
 }
 
 /* Tests `item` against those of items[from .. to) that have the key. */
@@ -335,6 +355,10 @@ static void scan_own_level(struct query *query, uint32_t place)
 			scan_row(query, item, row_salt(level, iy, iz), x_low, x_high);
 }
 
+/*
+ * Partners in a level of larger cells: every cell whose boxes could reach the item. In that level
+ * the item spans at most two cells along each axis.
+ */
 static void scan_coarser_level(struct query *query, const struct rb_grid_item *item,
                                const struct level *level)
 {
@@ -351,6 +375,7 @@ static void scan_coarser_level(struct query *query, const struct rb_grid_item *i
 			scan_row(query, item, row_salt(level, y, z), x_low, x_high);
 }
 
+/* Room for `count` boxes and `table` bucket starts; false when memory is out. */
 static bool reserve(struct rb_grid *grid, size_t count, size_t table)
 {
 	if (!grid->levels) {
@@ -377,6 +402,9 @@ static bool reserve(struct rb_grid *grid, size_t count, size_t table)
 enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *boxes,
                             struct rb_error *err)
 {
+	RB_ASSERT(boxes->moving_count >= 0 && boxes->fixed_count >= 0);
+	RB_ASSERT(!boxes->group_bit == !boxes->collides);
+
 	const size_t count = (size_t)boxes->moving_count + (size_t)boxes->fixed_count;
 	size_t table = 64;
 
@@ -403,7 +431,7 @@ enum rb_status rb_grid_find(struct rb_grid *grid, const struct rb_grid_boxes *bo
 	return query.failed ? out_of_memory(err) : RB_OK;
 }
 
-/* Puts each pair down at its index's place, which moves on: stable. */
+/* One pass of a counting sort, stable: column[k] is the next place of key k. */
 static void sort_by(const struct rb_pair *from, struct rb_pair *to, size_t count, bool by_a,
                     uint32_t *column)
 {
@@ -411,7 +439,7 @@ static void sort_by(const struct rb_pair *from, struct rb_pair *to, size_t count
 		to[column[by_a ? from[i].a : from[i].b]++] = from[i];
 }
 
-/* Place of the first pair of each index. */
+/* Sets column[k] to the place of the first pair with key k. */
 static void count_by(const struct rb_pair *from, size_t count, bool by_a, uint32_t *column,
                      size_t index_count)
 {
@@ -453,6 +481,7 @@ enum rb_status rb_grid_sort(struct rb_grid *grid, int index_count, struct rb_err
 		if (grid->pairs[i].a != grid->pairs[kept - 1].a ||
 		    grid->pairs[i].b != grid->pairs[kept - 1].b)
 			grid->pairs[kept++] = grid->pairs[i];
+	RB_ASSERT(kept <= count);
 	grid->pair_count = kept;
 	return RB_OK;
 }

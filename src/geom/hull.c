@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Qhull with facets merged within a given thickness (option C-) after the cloud was brought to a
+ * unit cube in its principal axes. Merging needs a length; in the cube it is the rounding of the
+ * coordinates, whatever the body's size, place and aspect. Qhull's own joggle (QJ) is not used
+ * since it perturbs corners, and exact arithmetic (CGAL) because coordinates are rounded anyway:
+ * faces that should be planar are so to some ulp only.
+ *
+ * The result is checked to be a closed surface (each edge once in each direction, Euler's formula)
+ * and brought to an order of its own, so that a scene's bits do not depend on Qhull's version.
+ */
 #include "geom/hull.h"
 
 #include "base/error.h"
@@ -16,7 +26,10 @@
 
 #include <libqhull_r/poly_r.h>
 
-/* Roundings of coordinates that a face may be off its plane by, and extents that count as none. */
+/*
+ * Roundings of the coordinates by which a vertex may be off its face, and below which an extent
+ * counts as none; thicknesses tried, each 8 times the last, so up to 2^19 ulp.
+ */
 enum { COPLANAR_ULP = 16, FLAT_ULP = 64, TRIES = 6 };
 
 /* The points as Qhull sees them: within a cube of edge 1 about the origin. */
@@ -33,6 +46,7 @@ struct loop {
 
 /* ---- to a cube ---- */
 
+/* Smallest and largest coordinates of the cloud. */
 static void extent(const double *at, int count, double low[3], double high[3])
 {
 	for (int k = 0; k < 3; k++) {
@@ -45,8 +59,8 @@ static void extent(const double *at, int count, double low[3], double high[3])
 }
 
 /*
- * Centres the cloud, and stretches each axis to 1; false: it has no extent along one beyond its
- * rounding.
+ * Centres the cloud and scales each axis to an extent of 1; false if an extent is within rounding.
+ * `noise` is the rounding of the coordinates along each axis and is scaled likewise.
  */
 static bool stretch(struct cloud *cloud, double noise[3])
 {
@@ -66,7 +80,7 @@ static bool stretch(struct cloud *cloud, double noise[3])
 	return true;
 }
 
-/* The principal axes of the points' second moments become the axes. */
+/* Rotates the cloud to the principal axes of its second moments. */
 static void turn(struct cloud *cloud, double noise[3])
 {
 	double s[3][3] = {{0}};
@@ -75,7 +89,7 @@ static void turn(struct cloud *cloud, double noise[3])
 		for (int j = 0; j < 3; j++)
 			for (int k = 0; k < 3; k++)
 				s[j][k] += cloud->at[3 * i + j] * cloud->at[3 * i + k];
-	/* as a tensor of inertia, which has the same axes */
+	/* an inertia tensor, which has the same principal axes */
 	const rb_mat3 tensor = {{{s[1][1] + s[2][2], -s[0][1], -s[0][2]},
 	                         {-s[1][0], s[0][0] + s[2][2], -s[1][2]},
 	                         {-s[2][0], -s[2][1], s[0][0] + s[1][1]}}};
@@ -102,6 +116,7 @@ static enum rb_status refuse(struct rb_error *err, size_t count)
 	               count);
 }
 
+/* Copies the points and maps them to the cube; RB_ERR_SCENE where they lie in a plane. */
 static enum rb_status to_cube(struct cloud *cloud, struct rb_error *err)
 {
 	double noise[3] = {0, 0, 0};
@@ -116,7 +131,7 @@ static enum rb_status to_cube(struct cloud *cloud, struct rb_error *err)
 	}
 	if (!stretch(cloud, noise))
 		return refuse(err, (size_t)cloud->count);
-	/* it may be thin across the axes */
+	/* it may still be thin along a direction oblique to the axes */
 	turn(cloud, noise);
 	if (!stretch(cloud, noise))
 		return refuse(err, (size_t)cloud->count);
@@ -127,7 +142,8 @@ static enum rb_status to_cube(struct cloud *cloud, struct rb_error *err)
 /* ---- faces ---- */
 
 /*
- * Seen from outside counter-clockwise? By Newell's normal, which no three corners in a line upset.
+ * True if the loop runs clockwise seen from outside, by Newell's normal, which three collinear
+ * corners do not upset.
  */
 static bool is_clockwise(const double *at, const int *loop, int count, const double *outward)
 {
@@ -142,6 +158,7 @@ static bool is_clockwise(const double *at, const int *loop, int count, const dou
 	return rb_vec3_dot(normal, rb_vec3_from(outward)) < 0;
 }
 
+/* Appends a facet's corners as numbers of points, counter-clockwise. */
 static void put_loop(struct rb_hull *hull, const struct cloud *cloud, qhT *qh, facetT *facet,
                      setT *corners)
 {
@@ -161,7 +178,7 @@ static void put_loop(struct rb_hull *hull, const struct cloud *cloud, qhT *qh, f
 	hull->face_first[hull->face_count] = hull->face_first[hull->face_count - 1] + count;
 }
 
-/* Room for the faces that Qhull has found: each of its ridges is an edge of two. */
+/* Allocates for the facets that Qhull has found; a face has as many corners as ridges. */
 static bool take_faces(struct rb_hull *hull, qhT *qh)
 {
 	facetT *facet;
@@ -180,8 +197,8 @@ static bool take_faces(struct rb_hull *hull, qhT *qh)
 }
 
 /*
- * Loops of numbers of points. Qhull leaves by longjmp when it gives up: what is changed here is the
- * hull's.
+ * Faces as loops of point numbers. Qhull reports errors by longjmp to errexit: everything modified
+ * in between belongs to the hull or to Qhull, not to this frame.
  */
 static enum rb_status take_loops(struct rb_hull *hull, const struct cloud *cloud, qhT *qh)
 {
@@ -205,7 +222,10 @@ static enum rb_status take_loops(struct rb_hull *hull, const struct cloud *cloud
 	return RB_OK;
 }
 
-/* RB_ERR_SCENE: Qhull gave up. */
+/*
+ * Runs Qhull on the cloud with facets merged within `coplanar`; RB_ERR_SCENE if it gives up. Its
+ * messages go to a buffer that nobody reads.
+ */
 static enum rb_status run(struct rb_hull *hull, const struct cloud *cloud, double coplanar)
 {
 	char command[64], text[2048] = "";
@@ -241,7 +261,10 @@ static int compare_edges(const void *a, const void *b)
 	return p[0] != q[0] ? (p[0] > q[0]) - (p[0] < q[0]) : (p[1] > q[1]) - (p[1] < q[1]);
 }
 
-/* Every edge once in each direction, and Euler's V - E + F = 2: what a closed surface has. */
+/*
+ * Lists the edges and checks that the surface is closed: every edge once in each direction, and
+ * Euler's V - E + F = 2. RB_ERR_SCENE otherwise.
+ */
 static enum rb_status find_edges(struct rb_hull *hull)
 {
 	const int count = hull->face_first[hull->face_count];
@@ -275,7 +298,7 @@ static enum rb_status find_edges(struct rb_hull *hull)
 	return closed && hull->vertex_count - kept + hull->face_count == 2 ? RB_OK : RB_ERR_SCENE;
 }
 
-/* From numbers of points to those of the corners that are left, in the order of the points. */
+/* Renumbers the loops from points to the corners that remain, in the order of the points. */
 static enum rb_status keep_corners(struct rb_hull *hull, const struct cloud *cloud)
 {
 	int *const corner = rb_memory_take((size_t)cloud->count, sizeof *corner);
@@ -291,6 +314,7 @@ static enum rb_status keep_corners(struct rb_hull *hull, const struct cloud *clo
 	for (int i = 0; i < cloud->count; i++)
 		if (corner[i]) {
 			corner[i] = hull->vertex_count;
+			RB_ASSERT(hull->vertex_count < count);
 			hull->vertices[hull->vertex_count++] = cloud->points[i];
 		}
 	for (int k = 0; k < count; k++)
@@ -315,8 +339,8 @@ static int compare_loops(const void *a, const void *b)
 }
 
 /*
- * Loops start at their smallest corner and stand in the order of their corners, whatever Qhull's
- * order was.
+ * Rotates each loop to start at its smallest corner and sorts the loops, so that the result does
+ * not depend on Qhull's order.
  */
 static enum rb_status sort_loops(struct rb_hull *hull)
 {
@@ -351,6 +375,7 @@ static enum rb_status sort_loops(struct rb_hull *hull)
 	return RB_OK;
 }
 
+/* One try: hull, corners, order, edges. */
 static enum rb_status make(struct rb_hull *hull, const struct cloud *cloud, double coplanar)
 {
 	enum rb_status status = run(hull, cloud, coplanar);
@@ -394,7 +419,7 @@ enum rb_status rb_hull_make(struct rb_hull *hull, const rb_vec3 *points, size_t 
 		rb_memory_free(cloud.at);
 		return status;
 	}
-	/* where faces of that thickness do not close, somewhat thicker ones do */
+	/* a facet structure that does not close at this thickness mostly does at a larger one */
 	double coplanar = COPLANAR_ULP * cloud.noise;
 	status = RB_ERR_SCENE;
 	for (int k = 0; k < TRIES && status == RB_ERR_SCENE; k++, coplanar *= 8) {

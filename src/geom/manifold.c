@@ -1,18 +1,29 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The manifold is the intersection of the outermost patches of both bodies, seen along the normal:
+ * no clipping against a reference face, which would depend on which body comes first. Of too many
+ * points the extreme ones in equally spaced directions stay, since these support any wrench that
+ * all of them support, nearly.
+ *
+ * With `fine`, the nearest points are added to those of a wide band: a disc that tilts touches on
+ * its rim between the corners that the band has.
+ */
 #include "geom/manifold.h"
 
+#include "base/error.h"
+
 /*
- * Of its reach, by which a face may tilt and still be taken whole: of bodies that are nearly flush,
- * the outermost edge of one may lie past the border of the other, and the corners next to it on
- * their borders count.
+ * Share of its reach by which a face may tilt and still be taken whole (about 1 mrad): the
+ * outermost edge of a body nearly flush with another may lie past the other's border, and the
+ * corners next to it then count.
  */
 static const double tilt_share = 0x1p-10;
-/* Room for the nearest points. */
+/* Places kept for the nearest points. */
 enum { NEAREST_MAX = 4 };
 
 /*
- * Of many points, the farthest in each of so many directions of the plane across n; the first of
- * several.
+ * Keeps the farthest point in each of `max` equally spaced directions across n, the first one of
+ * ties, in their order; returns their number.
  */
 static int thin_out(rb_overlay_point *point, int count, int max, rb_vec3 n)
 {
@@ -20,6 +31,7 @@ static int thin_out(rb_overlay_point *point, int count, int max, rb_vec3 n)
 	bool keep[RB_OVERLAY_MAX] = {false};
 	int kept = 0;
 
+	RB_ASSERT(count > 0 && count <= RB_OVERLAY_MAX && max > 0);
 	for (int k = 0; k < max; k++) {
 		const double angle = 6.283185307179586 * k / max;
 		const rb_vec3 way = rb_vec3_add_scaled(rb_vec3_scale(cos(angle), x), sin(angle), y);
@@ -35,7 +47,7 @@ static int thin_out(rb_overlay_point *point, int count, int max, rb_vec3 n)
 	return kept;
 }
 
-/* Only those within the band of the lowest. */
+/* Keeps the points within `band` of the lowest, in their order. */
 static int lowest(rb_overlay_point *point, int count, double band)
 {
 	double least = (double)INFINITY;
@@ -49,7 +61,7 @@ static int lowest(rb_overlay_point *point, int count, double band)
 	return kept;
 }
 
-/* Two bodies near the origin, how they stand, and what has been found. */
+/* Working state: both bodies relative to a's origin, their separation, and the points found. */
 typedef struct {
 	rb_placed a, b;
 	rb_separation s;
@@ -68,9 +80,8 @@ static void start(find *f, const rb_placed *a, const rb_placed *b)
 }
 
 /*
- * Points lie over each other that are no farther apart across the normal than the band; or,
- * `round`, than what is round may be past a border without the gap's being larger by more than
- * that.
+ * Points that both patches share: those no farther apart across the normal than the band, or, with
+ * `round`, than a round surface may be past a border while the gap grows by no more than the band.
  */
 static int corners_within(const find *f, double depth, double band, bool round,
                           rb_overlay_point point[RB_OVERLAY_MAX])
@@ -81,12 +92,12 @@ static int corners_within(const find *f, double depth, double band, bool round,
 	rb_patch_of(&pa, &f->a, f->s.normal, depth, tilt_a);
 	rb_patch_of(&pb, &f->b, rb_vec3_neg(f->s.normal), depth, tilt_b);
 	/*
-	 * two lines a distance d of their centres of curvature apart are farther by x^2 / 2d where
-	 * they are off by x
+	 * Two parallel lines whose centres of curvature are a distance d apart are x^2 / 2d farther
+	 * apart when displaced by x.
 	 */
 	const double curve = fmax(f->s.gap, 0) + pa.curve + pb.curve;
 	const double along = sqrt(band * band + 2 * curve * band);
-	/* what is sharp ends where it ends */
+	/* sharp edges have no such tolerance: radii are those of curvature alone */
 	const double radii = pa.curve + pb.curve + f->a.core->radius + f->b.core->radius;
 	const double aside = round ? sqrt(band * band + 2 * radii * band) : band;
 	const rb_overlay_def def = {f->s.normal, aside, along};
@@ -94,8 +105,9 @@ static int corners_within(const find *f, double depth, double band, bool round,
 }
 
 /*
- * Directions that prove as much to rounding may be off from the one along which the bodies lie over
- * each other; then what they share lies deeper.
+ * Corners within the band. Several directions may prove the gap to rounding, and the one chosen
+ * need not be the one along which the bodies lie over each other; the patches then meet at larger
+ * depths, which are tried in powers of 16 up to the bodies' sizes.
  */
 static int corners(const find *f, double band, rb_overlay_point point[RB_OVERLAY_MAX])
 {
@@ -109,7 +121,7 @@ static int corners(const find *f, double band, rb_overlay_point point[RB_OVERLAY
 	return lowest(point, count, band);
 }
 
-/* Of what lies no deeper than rounding, after the others. */
+/* Appends the points of the patches at the depth of rounding. */
 static void add_nearest(find *f)
 {
 	rb_overlay_point point[RB_OVERLAY_MAX];
@@ -119,6 +131,7 @@ static void add_nearest(find *f)
 		f->point[f->count++] = point[i];
 }
 
+/* Smallest gap of the points found, between the cores, m. */
 static double least_gap(const find *f)
 {
 	double least = (double)INFINITY;
@@ -128,6 +141,10 @@ static double least_gap(const find *f)
 	return least;
 }
 
+/*
+ * Finds the points within `depth`; with a finite `fine` also the nearest ones, if none of the
+ * corners is as low as the gap.
+ */
 static void search(find *f, double depth, double fine)
 {
 	const bool only_corners = isinf(fine);
@@ -139,14 +156,15 @@ static void search(find *f, double depth, double fine)
 		f->count = thin_out(f->point, f->count, max, f->s.normal);
 	if (!only_corners && least_gap(f) > f->s.gap + fmax(fine, f->s.noise))
 		add_nearest(f);
+	RB_ASSERT(f->count <= RB_MANIFOLD_MAX);
 }
 
 void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const rb_placed *b,
                               double band, double fine)
 {
-	/*
-	 * its points as far as `count` says: the rest would cost more to clear than all else here
-	 */
+	RB_ASSERT_COSTLY(!(band < 0) && !(fine < 0));
+
+	/* not initialised: clearing the points would cost more than all else here */
 	find f;
 	const double ra = a->core->radius, rb = b->core->radius;
 
@@ -166,7 +184,7 @@ void rb_manifold_with_nearest(rb_manifold *manifold, const rb_placed *a, const r
 	}
 	if (f.count > 0)
 		return;
-	/* The patches miss each other by rounding. */
+	/* The patches miss each other by rounding: the gap's own points. */
 	const rb_convex_touch touch = rb_convex_gap(a, b);
 	manifold->count = 1;
 	manifold->point[0] = (rb_manifold_point){touch.on_a, touch.on_b, touch.gap,

@@ -1,19 +1,26 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Sums over the tetrahedra that a point within the hull spans with triangles of the faces.
+ * Mirtich's reduction to line integrals (J. Graphics Tools 1 (1996) 31) is not used: its terms
+ * have both signs and cancel where the body is far from the origin or thin, whereas here every term
+ * is positive. Moments are taken about the centroid in a second pass rather than shifted by
+ * Steiner's theorem, for the same reason.
+ */
 #include "geom/mass.h"
 
 #include <float.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "math/top.h"
 
-/* Relative; what a tensor that was computed elsewhere and written down may be off by. */
+/* Relative error granted to a tensor that was computed elsewhere and written down in a scene. */
 static const double rounding = 1e-12;
 
 /* ---- polyhedra ---- */
 
 /*
- * What a body of density 1 has about a point: volume, first and second moments (xx, yy, zz, xy, xz,
- * yz).
+ * Of a body of density 1 about a point: volume, first and second moments (xx, yy, zz, xy, xz, yz).
  */
 struct moments {
 	double volume;
@@ -22,10 +29,9 @@ struct moments {
 };
 
 /*
- * Adds the tetrahedron from the origin to a, b, c. Over a simplex the mean of x_i x_j is (sum of
- * products of corners + product of sums) / 20: from the mean of products of barycentric
- * coordinates, 1/10 and 1/20 (Zienkiewicz and Taylor, The Finite Element Method, volume
- * coordinates).
+ * Adds the tetrahedron (0, a, b, c). Over a simplex the mean of x_i x_j is (sum over corners of the
+ * products + product of the sums) / 20, from the means of products of barycentric coordinates, 1/10
+ * and 1/20 (Zienkiewicz and Taylor, The Finite Element Method, volume coordinates).
  */
 static void add_tetrahedron(struct moments *m, rb_vec3 a, rb_vec3 b, rb_vec3 c)
 {
@@ -69,6 +75,7 @@ static rb_vec3 mean_of(const rb_vec3 *points, int count)
 	return rb_vec3_add_scaled(points[0], 1.0 / count, sum);
 }
 
+/* Half of the smallest extent along the principal axes, m. */
 static double half_width_of(const struct rb_solid *solid)
 {
 	const rb_quat principal = rb_top_body_of(&solid->inertia).principal;
@@ -86,6 +93,7 @@ static double half_width_of(const struct rb_solid *solid)
 
 void rb_solid_measure(struct rb_solid *solid)
 {
+	RB_ASSERT(solid->vertex_count >= 4 && solid->face_count >= 4);
 	const rb_vec3 within = mean_of(solid->vertices, solid->vertex_count);
 	const struct moments first = moments_about(solid, within);
 
@@ -93,8 +101,7 @@ void rb_solid_measure(struct rb_solid *solid)
 	solid->volume = solid->weight = first.volume;
 	solid->centroid = rb_vec3_add_scaled(within, 1 / first.volume, first.first);
 	/*
-	 * again, about where it is wanted: no theorem of parallel axes, no difference of large
-	 * numbers
+	 * second pass about the centroid: no parallel axis theorem, no difference of large numbers
 	 */
 	const struct moments m = moments_about(solid, solid->centroid);
 	const double *const s = m.second, v = m.volume;
@@ -108,6 +115,7 @@ void rb_solid_measure(struct rb_solid *solid)
 
 /* ---- tensors ---- */
 
+/* Largest |entry|. */
 static double largest_entry(const rb_mat3 *a)
 {
 	double largest = 0;
@@ -146,16 +154,18 @@ void rb_inertia_principal(const rb_mat3 *inertia, double moments[3])
 	for (int i = 0; i < 3; i++)
 		for (int j = i; j < 3; j++)
 			a[i][j] = a[j][i] = inertia->m[i][j] / scale;
-	/* Converges quadratically: a handful of sweeps leaves nothing beside the diagonal. */
+	/* Quadratic convergence: after some five sweeps the off-diagonal entries are zero. */
 	for (int sweep = 0; sweep < 12; sweep++) {
 		rotate_away(a, 0, 1);
 		rotate_away(a, 0, 2);
 		rotate_away(a, 1, 2);
 	}
+	/* sorted; of the three x, y, z the median without branches */
 	const double x = a[0][0], y = a[1][1], z = a[2][2];
 	moments[0] = scale * fmin(x, fmin(y, z));
 	moments[2] = scale * fmax(x, fmax(y, z));
 	moments[1] = scale * fmax(fmin(x, y), fmin(fmax(x, y), z));
+	RB_ASSERT(!(moments[0] > moments[1]) && !(moments[1] > moments[2]));
 }
 
 bool rb_inertia_is_scalar(const rb_mat3 *inertia)
@@ -171,6 +181,8 @@ bool rb_inertia_is_scalar(const rb_mat3 *inertia)
 
 struct rb_particles rb_particles_measure(const struct rb_particle *particles, size_t count)
 {
+	RB_ASSERT(count > 0);
+
 	struct rb_particles all = {.mass = 0};
 	rb_vec3 first = {0, 0, 0};
 	double farthest = 0;

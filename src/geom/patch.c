@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Which vertices lie within the depth decides the kind of patch: one is a point, two a segment, all
+ * from one face a polygon in the face's own order, and vertices of several faces the hull of their
+ * projections. Faces are preferred to hulls because their plane is exact and their features keep
+ * their identity from step to step (warm start).
+ */
 #include "geom/patch.h"
 
 #include <string.h>
 
+#include "base/error.h"
+
 /*
- * How much higher, over its radius and the sine of its tilt, a rim is an eighth of a turn from its
- * lowest point.
+ * 1 - cos(pi / 4): height of a rim an eighth of a turn from its lowest point, over its radius times
+ * the sine of its tilt.
  */
 static const double eighth_rise = 0.29289321881345254;
 
+/* The edge between two vertices, or a diagonal where they have none. */
 static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 {
 	const int edge = rb_polytope_edge(p, v, w);
@@ -16,10 +25,7 @@ static rb_part edge_between(const struct rb_polytope *p, int v, int w)
 	return edge >= 0 ? rb_part_of(RB_PART_EDGE, edge) : rb_part_of(RB_PART_DIAGONAL, v);
 }
 
-/*
- * The vertices above `low` along n; `*all` is how many there are, of which the first RB_PATCH_MAX
- * are taken.
- */
+/* Vertices no lower than `low` along n, at most RB_PATCH_MAX; `*all` counts all of them. */
 static int outermost(const struct rb_polytope *p, rb_vec3 n, double low, int vertex[RB_PATCH_MAX],
                      int *all)
 {
@@ -36,6 +42,7 @@ static int outermost(const struct rb_polytope *p, rb_vec3 n, double low, int ver
 	return count;
 }
 
+/* Face whose normal is most along n. */
 static int best_face(const struct rb_polytope *p, rb_vec3 n)
 {
 	int best = 0;
@@ -52,8 +59,8 @@ static int best_face(const struct rb_polytope *p, rb_vec3 n)
 }
 
 /*
- * The vertices of one face that lie above `low` along n, in its order; `*met` is how many, too many
- * or not.
+ * Vertices of one face no lower than `low` along n, in its order, thinned to RB_PATCH_MAX by a
+ * stride; `*met` counts all of them.
  */
 static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double low,
                      int vertex[RB_PATCH_MAX], int *met)
@@ -74,9 +81,9 @@ static int from_face(const struct rb_polytope *p, int face, rb_vec3 n, double lo
 }
 
 /*
- * Without those that lie higher than another by more than they lie beside it, which leaves at least
- * one: before they touch, the body has turned by an eighth. Seen along n they may hide what lies
- * below them. Returns how many; `*low` is the height of the innermost.
+ * Removes vertices that are higher above another than they are beside it; at least one remains. The
+ * body has to turn by 45 degrees before such a vertex touches, and seen along n it may hide what
+ * lies below. Returns the number left; `*low` is the height of the innermost.
  */
 static int without_steep(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_MAX],
                          int count, double *low)
@@ -105,19 +112,26 @@ static int without_steep(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_P
 	return kept;
 }
 
+/* A vertex projected onto the plane across n. */
 typedef struct {
 	double x, y;
 	int vertex;
 } flat_point;
 
+/* Twice the signed area of the triangle a, b, c. */
 static double turn_of(const flat_point *a, const flat_point *b, const flat_point *c)
 {
 	return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
-/* The hull of points in the plane across n, anticlockwise: Andrew's monotone chain (1979). */
+/*
+ * Convex hull of the projections, anticlockwise about n: Andrew's monotone chain, Inf. Proc. Lett.
+ * 9 (1979) 216. Collinear points are dropped.
+ */
 static int round_up(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_MAX], int count)
 {
+	RB_ASSERT(count > 0 && count <= RB_PATCH_MAX);
+
 	const rb_vec3 x = rb_vec3_across(n), y = rb_vec3_cross(n, x);
 	flat_point point[RB_PATCH_MAX], hull[2 * RB_PATCH_MAX];
 	int size = 0;
@@ -148,6 +162,7 @@ static int round_up(const struct rb_polytope *p, rb_vec3 n, int vertex[RB_PATCH_
 	return size;
 }
 
+/* Patch of a polytope; see the head of this file and rb_patch_of. */
 static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth,
                         double tilt)
 {
@@ -158,7 +173,7 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	double low = top - depth;
 	int count = outermost(p, local, low, vertex, &all);
 
-	if (count == 0) /* not a number */
+	if (count == 0) /* NaN: no vertex compares; the first one keeps the patch well formed */
 		count = all = 1;
 	patch->normal = n;
 	patch->kind = RB_PATCH_POINT;
@@ -166,11 +181,13 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 		const int face = best_face(p, local);
 		int in_order[RB_PATCH_MAX], met;
 		int ordered = from_face(p, face, local, low, in_order, &met);
+		/* not all from the best face: without steep ones they may be */
 		if (met < all) {
 			all = count = without_steep(p, local, vertex, count, &low);
 			ordered = from_face(p, face, local, low, in_order, &met);
 		}
 		const bool of_face = met == all;
+		/* nearly flush: the whole face if none of it is deeper than `tilt` */
 		if (of_face && tilt > depth) {
 			int whole[RB_PATCH_MAX], whole_met;
 			const int with_all = from_face(p, face, local, top - tilt, whole,
@@ -200,6 +217,7 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 		                            : rb_part_of(RB_PART_VERTEX, vertex[0]);
 		patch->normal = n;
 	}
+	RB_ASSERT(count >= 1 && count <= RB_PATCH_MAX);
 	patch->count = count;
 	for (int i = 0; i < count; i++) {
 		patch->point[i] = rb_placed_point(placed, p->vertices[vertex[i]]);
@@ -208,12 +226,16 @@ static void of_polytope(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 	}
 }
 
+/*
+ * Patch of a cylinder: an end (disc) where the axis is along n, a line of the mantle (segment)
+ * where it is across, else the outermost point of a rim.
+ */
 static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, double depth,
                         double tilt)
 {
 	const rb_core *core = placed->core;
 	const rb_vec3 u = rb_placed_axis(placed);
-	/* in its own axes what is across is across to the last digit */
+	/* in the body's axes, where the radial part is exact to the last digit */
 	const rb_vec3 local = rb_mat3_apply_transposed(&placed->turn, n);
 	const double along = local.z;
 	const rb_vec3 radial = {local.x, local.y, 0};
@@ -225,6 +247,7 @@ static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 
 	patch->count = 1;
 	patch->id[0] = rb_part_of(RB_PART_RIM, end);
+	/* the rim's highest point is 2 r sin(tilt) above its lowest */
 	const bool stands = across <= fabs(along) && 2 * core->round * across <= depth;
 	const bool leans = tilt > 0 && across < 0.5 && eighth_rise * core->round * across <= depth;
 	if (stands || leans) {
@@ -258,15 +281,15 @@ static void of_cylinder(rb_patch *patch, const rb_placed *placed, rb_vec3 n, dou
 void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, double depth,
                  double tilt)
 {
-	/* the points are set as far as `count` says */
+	/* points beyond `count` stay unset: clearing them would cost more than all else here */
 	patch->kind = RB_PATCH_PLANE;
 	patch->count = 1;
 	patch->curve = patch->round = 0;
 	patch->low = (rb_vec3){0, 0, 0};
 	patch->feature = patch->id[0] = rb_part_of(RB_PART_SURFACE, 0);
 	/*
-	 * x, or y where x is much along the normal: far from the change over, neither is ever
-	 * doubtful
+	 * x, or y where x is mostly along the normal; 0.8 lies above 1 / sqrt(2), so at the
+	 * change-over the other axis is a good reference
 	 */
 	const rb_mat3 *turn = &placed->turn;
 	patch->axis = (rb_vec3){turn->m[0][0], turn->m[1][0], turn->m[2][0]};
@@ -280,4 +303,5 @@ void rb_patch_of(rb_patch *patch, const rb_placed *placed, rb_vec3 outward, doub
 	} else {
 		of_polytope(patch, placed, outward, depth, tilt);
 	}
+	RB_ASSERT_COSTLY(patch->count >= 1 && patch->count <= RB_PATCH_MAX);
 }

@@ -1,19 +1,28 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Both patches are projected onto the plane across the normal. Their intersection has as corners
+ * the corners of one inside of the other and the crossings of their borders; all tests are against
+ * the tolerance `aside`, so that corners on a border belong to both. Clipping (Sutherland, Hodgman
+ * 1974) is not used: it loses which features made a corner, and these keys find a contact again in
+ * the next step.
+ */
 #include "geom/patch_overlap.h"
 
 #include <float.h>
 #include <stddef.h>
 
-/* What is being laid over what, and what has come out. */
+#include "base/error.h"
+
+/* Working state: the inputs and the points so far. */
 typedef struct {
 	const rb_patch *a, *b;
 	const rb_overlay_def *def;
-	rb_vec3 x, y; /* unit, across n */
+	rb_vec3 x, y; /* unit, across n: the axes of the projection */
 	rb_overlay_point *out;
 	int count;
 } table;
 
-/* A patch in the plane across n. */
+/* Projection of a patch, relative to a's first point. */
 typedef struct {
 	int count; /* 1 of a disc */
 	double x[RB_PATCH_MAX], y[RB_PATCH_MAX];
@@ -21,7 +30,7 @@ typedef struct {
 	double sense;                /* 1 anticlockwise, -1 clockwise */
 } outline;
 
-/* p - (this) n lies on the patch. */
+/* Height of p above the patch along n, m: p minus this times n lies on the patch. */
 static double above(const rb_patch *patch, rb_vec3 p, rb_vec3 n)
 {
 	const rb_vec3 from = rb_vec3_sub(p, patch->point[0]);
@@ -35,7 +44,7 @@ static double above(const rb_patch *patch, rb_vec3 p, rb_vec3 n)
 		const double s = square > 0 ? rb_vec3_dot(from, across) / square : 0;
 		return rb_vec3_dot(rb_vec3_add_scaled(from, -fmin(fmax(s, 0), 1), r), n);
 	}
-	/* a face so small that it tilts within the depth stands for its points' height */
+	/* a face can tilt so much within the depth only if it is tiny: its first point's height */
 	const double along = rb_vec3_dot(patch->normal, n);
 	if (fabs(along) < 0.5)
 		return rb_vec3_dot(from, n);
@@ -43,8 +52,9 @@ static double above(const rb_patch *patch, rb_vec3 p, rb_vec3 n)
 }
 
 /*
- * Of two beside each other the first stays, or the lower one: what lies deep may have corners one
- * above the other. Two of one part are two, however near: a body may be narrower than `aside`.
+ * Adds a point unless one lies beside it within `aside` in projection: then the first stays, or the
+ * lower one if it is lower by more, since a deep patch may have corners above each other. Two
+ * points of one feature always count as two: a body may be narrower than `aside`.
  */
 static void put(table *t, rb_overlay_point p)
 {
@@ -63,7 +73,10 @@ static void put(table *t, rb_overlay_point p)
 		t->out[t->count++] = p;
 }
 
-/* A point of one of the two, and what of the other it is over (or under). */
+/*
+ * Adds the point p of one patch with its projection along n onto the other; `over` is the other's
+ * feature.
+ */
 static void put_over(table *t, bool from_a, rb_vec3 p, rb_part id, rb_part over)
 {
 	const rb_vec3 n = t->def->n;
@@ -74,11 +87,13 @@ static void put_over(table *t, bool from_a, rb_vec3 p, rb_part id, rb_part over)
 	              : (rb_overlay_point){there, p, height, over, id});
 }
 
+/* As put_over, onto the other patch as a whole. */
 static void put_from(table *t, bool from_a, rb_vec3 p, rb_part id)
 {
 	put_over(t, from_a, p, id, from_a ? t->b->feature : t->a->feature);
 }
 
+/* Every point of one patch, onto the other. */
 static void put_points(table *t, bool from_a)
 {
 	const rb_patch *patch = from_a ? t->a : t->b;
@@ -87,6 +102,7 @@ static void put_points(table *t, bool from_a)
 		put_from(t, from_a, patch->point[i], patch->id[i]);
 }
 
+/* Point at share s of the side from point i, from the nearer end for the digits. */
 static rb_vec3 lerp(const rb_patch *patch, int i, double s)
 {
 	const rb_vec3 p = patch->point[i], q = patch->point[i + 1 < patch->count ? i + 1 : 0];
@@ -95,14 +111,19 @@ static rb_vec3 lerp(const rb_patch *patch, int i, double s)
 	               : rb_vec3_add_scaled(q, s - 1, rb_vec3_sub(q, p));
 }
 
+/* Feature of the side from point i. */
 static rb_part side_of(const rb_patch *patch, int i)
 {
 	return patch->kind == RB_PATCH_SEGMENT ? patch->feature : patch->side[i];
 }
 
+/*
+ * Projects a patch; the orientation of a polygon may be either, since both are seen along one
+ * normal.
+ */
 static outline outline_of(const table *t, const rb_patch *patch)
 {
-	/* as far as `count` says: the rest would cost more to clear than all else here */
+	/* not initialised: clearing it would cost more than all else here */
 	outline o;
 	double area = 0;
 
@@ -126,7 +147,7 @@ static outline outline_of(const table *t, const rb_patch *patch)
 	return o;
 }
 
-/* Within a polygon, or on a segment, up to `aside`. */
+/* True within a polygon, or on a segment, with the tolerance `aside`. */
 static bool inside(const outline *o, double x, double y, double aside)
 {
 	for (int i = 0; i < o->count; i++) {
@@ -143,8 +164,8 @@ static bool inside(const outline *o, double x, double y, double aside)
 }
 
 /*
- * Where side i of one crosses side j of the other, as shares of their lengths; false where they are
- * parallel.
+ * Where the lines of side i of a and side j of b cross, as shares of their lengths; false where
+ * they are parallel to rounding.
  */
 static bool crossing_of_lines(const outline *a, int i, const outline *b, int j, double at[2])
 {
@@ -162,8 +183,8 @@ static bool crossing_of_lines(const outline *a, int i, const outline *b, int j, 
 }
 
 /*
- * Both ends of a's side no farther than `aside` from the line of b's: they are one line, and their
- * ends are all there is.
+ * True if both ends of a's side are within `aside` of the line of b's: the sides coincide, and
+ * their shared corners are ends, which are found as such.
  */
 static bool along_line(const outline *a, int i, const outline *b, int j, double aside)
 {
@@ -176,7 +197,7 @@ static bool along_line(const outline *a, int i, const outline *b, int j, double 
 	return fabs(off0) <= max && fabs(off1) <= max;
 }
 
-/* Within both sides, where they are not one line. */
+/* True if the sides cross within both of them and do not coincide. */
 static bool crossing(const table *t, const outline *a, int i, const outline *b, int j, double at[2])
 {
 	const double aside = t->def->aside;
@@ -185,7 +206,7 @@ static bool crossing(const table *t, const outline *a, int i, const outline *b, 
 	       at[1] < 1 && !along_line(a, i, b, j, aside) && !along_line(b, j, a, i, aside);
 }
 
-/* Above zero on one side of the line of side i, below on the other. */
+/* Twice the signed area spanned with side i: its sign is the side of the line. */
 static double side_of_line(const outline *o, int i, double x, double y)
 {
 	const int next = i + 1 < o->count ? i + 1 : 0;
@@ -193,6 +214,7 @@ static double side_of_line(const outline *o, int i, double x, double y)
 	return (o->x[next] - o->x[i]) * (y - o->y[i]) - (o->y[next] - o->y[i]) * (x - o->x[i]);
 }
 
+/* Adds the crossing of two sides: a point on each, the gap between them along n. */
 static void put_crossing(table *t, int i, int j, const double at[2])
 {
 	const rb_vec3 p = lerp(t->a, i, at[0]), q = lerp(t->b, j, at[1]);
@@ -201,6 +223,7 @@ static void put_crossing(table *t, int i, int j, const double at[2])
 	                          side_of(t->b, j)});
 }
 
+/* Two patches with sides, not both segments. */
 static void polygons(table *t)
 {
 	const outline a = outline_of(t, t->a), b = outline_of(t, t->b);
@@ -219,17 +242,20 @@ static void polygons(table *t)
 		for (int j = 0; j < b_sides; j++) {
 			const int next = j + 1 < b.count ? j + 1 : 0;
 			const double after = side_of_line(&a, i, b.x[next], b.y[next]);
-			/* ends on one side do not cross: the common case */
-			const bool parted = !(before > 0 && after > 0) &&
-			                    !(before < 0 && after < 0);
-			if (parted && crossing(t, &a, i, &b, j, at))
+			/* both ends on one side of the line: no crossing, the common case */
+			const bool straddles = !(before > 0 && after > 0) &&
+			                       !(before < 0 && after < 0);
+			if (straddles && crossing(t, &a, i, &b, j, at))
 				put_crossing(t, i, j, at);
 			before = after;
 		}
 	}
 }
 
-/* An end of what two segments share: of a, of b, or of both. */
+/*
+ * Adds an end of the shared stretch of two segments at shares a_at and b_at of their lengths;
+ * a_end, b_end: which end of a, b it is, -1 for a point within.
+ */
 static void put_end(table *t, const double a_at, const double b_at, int a_end, int b_end)
 {
 	const rb_vec3 p = lerp(t->a, 0, a_at), q = lerp(t->b, 0, b_at);
@@ -245,8 +271,8 @@ static double clamped(double s)
 }
 
 /*
- * Two segments: where they cross, or the ends of what they share where that is no farther apart
- * than `along`. All in the plane across n, with lengths along a's direction.
+ * Two segments: the two ends of their shared stretch where they are within `along` of each other
+ * over its length, else their crossing or nearest points. Lengths are measured along a's direction.
  */
 static void segments(table *t)
 {
@@ -273,9 +299,7 @@ static void segments(table *t)
 	const bool together = span > 0 && to > from && fabs(off_from) <= t->def->along &&
 	                      fabs(off_to) <= t->def->along;
 	if (!together) {
-		/*
-		 * End to end, or side by side by less than rounding: the middle of what is between.
-		 */
+		/* End to end, or parallel at less than rounding: the middle between the ends. */
 		if (!crossing_of_lines(&a, 0, &b, 0, at)) {
 			const double middle = 0.5 * (from + to);
 			at[0] = middle / length;
@@ -298,7 +322,7 @@ static void segments(table *t)
 	}
 }
 
-/* A point of a disc's rim, if it lies over the other patch. */
+/* Adds the rim's point in direction `way` if it lies over the other patch; `place` is its key. */
 static void put_rim(table *t, bool of_a, rb_vec3 way, int place, const outline *within)
 {
 	const rb_patch *disc = of_a ? t->a : t->b, *other = of_a ? t->b : t->a;
@@ -318,8 +342,8 @@ static void put_rim(table *t, bool of_a, rb_vec3 way, int place, const outline *
 }
 
 /*
- * The quarters of a disc, counted from a direction of the other body, so that they stay when the
- * disc spins; of one that tilts, the eighths from its lowest point on.
+ * Adds the quarter points of a rim, counted from a direction of the other body so that they stay
+ * when the disc spins; of a tilted disc its eighths, counted from its lowest point.
  */
 static void rim(table *t, bool of_a, const outline *within)
 {
@@ -327,7 +351,7 @@ static void rim(table *t, bool of_a, const outline *within)
 	const bool tilts = rb_vec3_dot(disc->low, disc->low) > 0;
 	const rb_vec3 from = tilts ? disc->low : rb_vec3_reject(other->axis, disc->normal);
 	const rb_vec3 x = rb_vec3_unit(from, rb_vec3_across(disc->normal));
-	/* turning about n, in the disc's own plane */
+	/* counted about n for both bodies, in the disc's own plane */
 	const rb_vec3 left = rb_vec3_cross(disc->normal, x);
 	const rb_vec3 y = rb_vec3_dot(disc->normal, t->def->n) < 0 ? rb_vec3_neg(left) : left;
 	const rb_vec3 way[4] = {x, y, rb_vec3_neg(x), rb_vec3_neg(y)};
@@ -374,8 +398,8 @@ static void disc_and_sides(table *t, bool disc_is_a)
 		const double foot = (dx * sx + dy * sy) / length;
 		const double off = (dx * sy - dy * sx) / length;
 		/*
-		 * Grazing is not crossing: its two points would jump apart by the root of what
-		 * moves.
+		 * A side that grazes the rim does not cross it: its two crossings would move apart
+		 * by the root of any displacement.
 		 */
 		if (!(length > 0 && fabs(off) < r - t->def->aside))
 			continue;
@@ -391,6 +415,7 @@ static void disc_and_sides(table *t, bool disc_is_a)
 	rim(t, disc_is_a, &o);
 }
 
+/* Two discs: rim points of each over the other, and the two crossings of the rims. */
 static void discs(table *t)
 {
 	const outline a = outline_of(t, t->a), b = outline_of(t, t->b);
@@ -401,7 +426,7 @@ static void discs(table *t)
 	rim(t, false, &a);
 	if (!(d < p + q - t->def->aside && d > fabs(p - q) + t->def->aside))
 		return;
-	/* from a's centre towards b's to the line through both crossings */
+	/* distance from a's centre to the radical line, (d^2 + p^2 - q^2) / 2d, factored */
 	const double foot = 0.5 * (d + (p - q) * (p + q) / d);
 	const double half = sqrt(fmax((p - foot) * (p + foot), 0));
 	for (int k = 0; k < 2; k++) {
@@ -441,11 +466,11 @@ double rb_overlay_margin(const rb_patch *patch, rb_vec3 point, rb_vec3 n)
 		least = fmin(least, off);
 		max = fmax(max, off);
 	}
-	/* clockwise about n all signs are turned round */
+	/* a polygon clockwise about n has all signs reversed */
 	return fmax(least, -max);
 }
 
-/* A point past the border of a face. */
+/* True if a point patch lies past the border of a face: they share nothing. */
 static bool misses(const rb_patch *point, const rb_patch *other, const rb_overlay_def *def)
 {
 	return point->kind == RB_PATCH_POINT &&
@@ -456,6 +481,9 @@ static bool misses(const rb_patch *point, const rb_patch *other, const rb_overla
 int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
                rb_overlay_point out[RB_OVERLAY_MAX])
 {
+	RB_ASSERT_COSTLY(a->count >= 1 && a->count <= RB_PATCH_MAX);
+	RB_ASSERT_COSTLY(b->count >= 1 && b->count <= RB_PATCH_MAX);
+	RB_ASSERT_COSTLY(!(def->aside < 0) && !(def->along < 0));
 	const rb_vec3 x = rb_vec3_across(def->n);
 	table t = {a, b, def, x, rb_vec3_cross(def->n, x), out, 0};
 
@@ -475,5 +503,6 @@ int rb_overlay(const rb_patch *a, const rb_patch *b, const rb_overlay_def *def,
 		segments(&t);
 	else
 		polygons(&t);
+	RB_ASSERT_COSTLY(t.count >= 0 && t.count <= RB_OVERLAY_MAX);
 	return t.count;
 }

@@ -1,15 +1,25 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Sides of faces are sorted by their two vertices; neighbours in that order are the two sides of
+ * one edge, which yields edges, flanking faces and the Gauss map arcs in one pass. A half-edge
+ * structure is not used: nothing walks around a vertex, all queries go through support functions
+ * and edge lists.
+ */
 #include "geom/polytope.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 
 #include <stdlib.h>
 
-/* One edge seen from one of its two faces. */
+/* A side of a face: its vertices in order of number, and the face. */
 typedef struct {
 	int low, high, face;
 } side;
 
+/*
+ * Allocates; `loop` is the number of sides of all faces, each edge has two. A segment has one edge.
+ */
 static enum rb_status take(struct rb_polytope **polytope, int vertices, int faces, int loop,
                            struct rb_error *err)
 {
@@ -50,7 +60,9 @@ void rb_polytope_destroy(struct rb_polytope *polytope)
 	rb_memory_free(polytope);
 }
 
-/* Directions from normal n0 to n1, given as the sense in which n0 x n1 points. */
+/*
+ * Adds the arc of directions between the normals n0 and n1 at an edge, less than half a turn apart.
+ */
 static void add_arc(struct rb_polytope *p, const int vertex[2], rb_vec3 n0, rb_vec3 n1)
 {
 	const rb_vec3 d = rb_vec3_unit(rb_vec3_sub(p->vertices[vertex[1]], p->vertices[vertex[0]]),
@@ -58,7 +70,8 @@ static void add_arc(struct rb_polytope *p, const int vertex[2], rb_vec3 n0, rb_v
 	const double sense = rb_vec3_dot(rb_vec3_cross(n0, n1), d) < 0 ? -1 : 1;
 
 	/*
-	 * Across `along` from both ends; what the faces' normals have along the edge is rounding.
+	 * Bounding planes of the arc, recomputed across `along`: the component of the normals along
+	 * the edge is rounding.
 	 */
 	p->arcs[p->arc_count++] = (rb_polytope_arc){
 		.vertex = {vertex[0], vertex[1]},
@@ -68,6 +81,7 @@ static void add_arc(struct rb_polytope *p, const int vertex[2], rb_vec3 n0, rb_v
 	};
 }
 
+/* Reach and mean of the vertices. */
 static void measure(struct rb_polytope *p)
 {
 	p->reach = 0;
@@ -79,8 +93,8 @@ static void measure(struct rb_polytope *p)
 }
 
 /*
- * Newell's sum over the loop, about its first vertex and in units of its size, so that nothing
- * overflows.
+ * Unit normal of a face by Newell's sum over its loop, about its first vertex and in units of its
+ * size against overflow; false where the face has no area.
  */
 static bool face_normal(struct rb_polytope *p, rb_polytope_face *f)
 {
@@ -104,7 +118,10 @@ static bool face_normal(struct rb_polytope *p, rb_polytope_face *f)
 	return rb_vec3_dot(f->normal, f->normal) > 0.5;
 }
 
-/* The outward direction in a flat's plane at an edge that runs anticlockwise about `normal`. */
+/*
+ * Arcs of an edge of a flat body, which has the two normals +-normal: through the outward direction
+ * in its plane, since the arc of half a turn has no unique pole.
+ */
 static void add_flat_arcs(struct rb_polytope *p, const int vertex[2], rb_vec3 normal)
 {
 	const rb_vec3 d = rb_vec3_sub(p->vertices[vertex[1]], p->vertices[vertex[0]]);
@@ -114,6 +131,7 @@ static void add_flat_arcs(struct rb_polytope *p, const int vertex[2], rb_vec3 no
 	add_arc(p, vertex, out, rb_vec3_neg(normal));
 }
 
+/* Order of sides: edge, then face. */
 static int by_edge(const void *x, const void *y)
 {
 	const side *a = x, *b = y;
@@ -125,6 +143,9 @@ static int by_edge(const void *x, const void *y)
 	return a->face < b->face ? -1 : a->face > b->face;
 }
 
+/*
+ * Joins the sorted sides to edges; RB_ERR_SCENE unless each edge has two sides of different faces.
+ */
 static enum rb_status pair_sides(struct rb_polytope *p, const side *sides, struct rb_error *err)
 {
 	for (int i = 0; i < p->loop_count; i += 2) {
@@ -136,6 +157,7 @@ static enum rb_status pair_sides(struct rb_polytope *p, const side *sides, struc
 			return RB_FAIL(err, RB_ERR_SCENE,
 			               "edge %d-%d of a convex shape is not that of two faces",
 			               s->low, s->high);
+		RB_ASSERT(s->low < s->high && p->arc_count + 2 <= 2 * (p->loop_count / 2) + 1);
 		p->flanks[p->edge_count][0] = s->face;
 		p->flanks[p->edge_count][1] = s[1].face;
 		p->edges[p->edge_count][0] = s->low;
@@ -157,6 +179,7 @@ static enum rb_status pair_sides(struct rb_polytope *p, const side *sides, struc
 	return RB_OK;
 }
 
+/* Copies the definition and works out normals, edges and arcs. */
 static enum rb_status fill(struct rb_polytope *p, const rb_polytope_def *def, struct rb_error *err)
 {
 	for (int i = 0; i < p->vertex_count; i++)
@@ -226,6 +249,9 @@ enum rb_status rb_polytope_create(struct rb_polytope **polytope, const rb_polyto
 enum rb_status rb_polytope_create_box(struct rb_polytope **polytope, rb_vec3 half,
                                       struct rb_error *err)
 {
+	RB_ASSERT(half.x > 0 && half.y > 0 && half.z > 0);
+
+	/* +x, -x, +y, -y, +z, -z; vertex i has its coordinates negated by the bits of i */
 	static const int counts[6] = {4, 4, 4, 4, 4, 4};
 	static const int loop[24] = {0, 2, 6, 4, 1, 5, 7, 3, 0, 4, 5, 1,
 	                             2, 3, 7, 6, 0, 1, 3, 2, 4, 6, 7, 5};
@@ -271,7 +297,7 @@ enum rb_status rb_polytope_create_segment(struct rb_polytope **polytope, double 
 	p->edge_count = 1;
 	p->edges[0][1] = 1;
 	measure(p);
-	/* sixty degrees either way of three directions round it */
+	/* Three arcs of 120 degrees around the segment: each must be less than half a turn. */
 	const double s = sqrt(0.75);
 	const rb_vec3 n[3] = {{1, 0, 0}, {-0.5, s, 0}, {-0.5, -s, 0}};
 	for (int i = 0; i < 3; i++)
@@ -281,9 +307,12 @@ enum rb_status rb_polytope_create_segment(struct rb_polytope **polytope, double 
 
 int rb_polytope_edge(const struct rb_polytope *p, int v, int w)
 {
+	RB_ASSERT_COSTLY(v >= 0 && v < p->vertex_count && w >= 0 && w < p->vertex_count);
+
 	const int low = v < w ? v : w, high = v < w ? w : v;
 	int from = 0, to = p->edge_count;
 
+	/* binary search: pair_sides leaves the edges sorted */
 	while (from < to) {
 		const int at = (from + to) / 2;
 		const int *edge = p->edges[at];
@@ -298,6 +327,9 @@ int rb_polytope_edge(const struct rb_polytope *p, int v, int w)
 
 int rb_polytope_support(const struct rb_polytope *polytope, rb_vec3 direction)
 {
+	RB_ASSERT_COSTLY(polytope->vertex_count > 0);
+
+	/* a zero component takes the positive side, as the first of several vertices does below */
 	if (polytope->box)
 		return (direction.x < 0) | (direction.y < 0) << 1 | (direction.z < 0) << 2;
 	int best = 0;

@@ -4,31 +4,35 @@
  * Against a line with direction e the best n is one across e, so there is an angle to be found;
  * against another rim it is anywhere on the sphere, near where it is looked for from. Derivatives
  * follow from that one formula.
+ *
+ * The gap is a minimum of concave-like pieces only on each family, so Newton's method is guarded: a
+ * bracket in one dimension, a line search with a gradient fallback in two. Polynomial forms (the
+ * distance of two circles is of degree 8) are not used because their coefficients lose half of the
+ * digits near contact.
  */
 #include "geom/rims.h"
 
 #include <float.h>
 
+#include "base/error.h"
+
 enum {
-	NEWTON_MAX = 60,
+	NEWTON_MAX = 60, /* as many as bisection would need; Newton takes about five */
 	WIDEN_MAX = 4,
 	UNCHANGED_MAX = 4, /* steps that are no smaller than the ones before */
 	CHANGES_MAX = 3,   /* of the ends of two cylinders */
 	TRUSTED_MAX =
-		/*
-		 * steps that gain less than can be seen: each has twice the digits of the one
-		 * before
-		 */
+		/* steps whose gain is below rounding; each doubles the correct digits */
 	3
 };
 
 /*
- * A turn, in radians, after which Newton's next is below rounding, unless bends change a million
- * times faster than turns.
+ * Step in radians after which Newton's next one, about its square, is below rounding: its square is
+ * 2^-72, a factor 2^20 below an ulp for ratios of third to second derivatives.
  */
 static const double small_step = 0x1p-36;
 
-/* A cylinder and the sense (1 or -1) that turns directions from a to b into those away from it. */
+/* A cylinder; `sense` (1 of a, -1 of b) times a direction from a to b points away from it. */
 typedef struct {
 	const rb_placed *placed;
 	rb_vec3 axis;
@@ -37,6 +41,9 @@ typedef struct {
 
 static drum drum_of(const rb_placed *p, double sense)
 {
+	RB_ASSERT_COSTLY(p->core->kind == RB_CORE_CYLINDER);
+	RB_ASSERT_COSTLY(sense == 1 || sense == -1);
+
 	return (drum){p, rb_placed_axis(p), sense, p->core->round, p->core->half_height};
 }
 
@@ -46,20 +53,22 @@ static void try_away(rb_axis *axis, const drum *d, rb_vec3 away)
 }
 
 /*
- * What directions n = c x + s y, with x, y and e across each other and c^2 + s^2 = 1, prove: n.w -
- * r |n x u|. The rim's axis has across n what it has along t, which is n a quarter turn on, and
- * along e.
+ * Gaps that directions n = c x + s y with c^2 + s^2 = 1 prove of a rim against a line along e: n.w
+ * - r
+ * n x u|, where (x, y, e) is orthonormal and w leads from the rim's centre to the line. |n x u| is
+ * formed from the components of u along t = dn/dangle and e, without cancellation.
  */
 typedef struct {
 	rb_vec3 x, y;
 	double wx, wy, ux, uy, ue, r;
 } family;
 
-/* A turn, by cosine and sine. */
+/* Cosine and sine of an angle; no trigonometric function is evaluated. */
 typedef struct {
 	double c, s;
 } turn;
 
+/* The unit vector of the family at a turn. */
 static rb_vec3 direction(const family *f, turn at)
 {
 	const rb_vec3 n = rb_vec3_add_scaled(rb_vec3_scale(at.c, f->x), at.s, f->y);
@@ -67,6 +76,7 @@ static rb_vec3 direction(const family *f, turn at)
 	return rb_vec3_unit(n, f->x);
 }
 
+/* Derivative of the proven gap by the angle; `*bend` is the second derivative. */
 static double slope(const family *f, turn at, double *bend)
 {
 	const double nw = f->wx * at.c + f->wy * at.s, tw = f->wy * at.c - f->wx * at.s;
@@ -82,7 +92,7 @@ static double slope(const family *f, turn at, double *bend)
 	return tw + f->r * nu * tu / root;
 }
 
-/* By about this angle, exactly a turn: twice the arctangent of half of it. */
+/* Turns by 2 atan(angle / 2), which is exact as a rotation and close to the angle. */
 static turn turned(turn at, double angle)
 {
 	const double half = 0.5 * angle, per = 1 / (1 + half * half);
@@ -104,7 +114,10 @@ static turn half_way(turn a, turn b)
 	return (turn){c * per, s * per};
 }
 
-/* Where the slope falls through zero, near none; false: nowhere within a quarter turn. */
+/*
+ * Maximum of the family within a quarter turn of {1, 0}: a bracket widened uphill, then Newton's
+ * method, bisecting where a step leaves the bracket. False if there is none.
+ */
 static bool summit(const family *f, turn *out)
 {
 	static const double widths[WIDEN_MAX] = {0x1p-10, 0x1p-5, 0.25, 2}; /* a quarter turn */
@@ -114,7 +127,7 @@ static bool summit(const family *f, turn *out)
 	const double sense = slope(f, none, &bend) >= 0 ? 1 : -1;
 	int unchanged = 0;
 
-	/* uphill, up to a quarter turn */
+	/* bracket: uphill, up to a quarter turn */
 	for (int i = 0;; i++) {
 		if (i == WIDEN_MAX)
 			return false;
@@ -137,13 +150,10 @@ static bool summit(const family *f, turn *out)
 		const bool is_within = fabs(step) < 1 && between(low, next) >= 0 &&
 		                       between(next, high) >= 0;
 		at = is_within ? next : half_way(low, high);
-		/*
-		 * the next would be as small as its square; before the bracket, which rounding may
-		 * have shut
-		 */
+		/* Converged; tested before the bracket, which rounding may have closed. */
 		if (fabs(step) <= small_step || !(between(low, high) > 0))
 			break;
-		/* rounding: there Newton's steps no longer shrink */
+		/* where only rounding is left, Newton's steps no longer shrink */
 		unchanged = is_within && fabs(step) >= 0.5 * last ? unchanged + 1 : 0;
 		last = is_within ? fabs(step) : 4;
 	}
@@ -151,15 +161,18 @@ static bool summit(const family *f, turn *out)
 	return true;
 }
 
-/* The line through `point` along the unit e, against both rims. */
+/*
+ * Tries the directions between the line through `point` along the unit vector e and the cylinder:
+ * each rim, the axis crossed with the line, and the mantle where the line is along it.
+ */
 static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3 guide)
 {
 	const rb_vec3 away = rb_vec3_scale(d->sense, guide);
 	const rb_vec3 way = rb_vec3_sub(point, d->placed->at);
 	const rb_vec3 side = rb_vec3_cross(d->axis, e);
 	/*
-	 * a guide along the line says nothing, and what rounding leaves of it across need not be
-	 * across
+	 * A guide along the line says nothing, and the rest that rounding leaves need not be across
+	 * it; 2^-20 is the square of 1 mrad.
 	 */
 	const rb_vec3 left = rb_vec3_reject(away, e);
 	const bool guided = rb_vec3_dot(left, left) > 0x1p-20;
@@ -185,14 +198,16 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 		if (!summit(&f, &top))
 			continue;
 		/*
-		 * where the other rim is farther out this one's summit is nearly one, hence worse
-		 * than none
+		 * where the other rim is farther out, the maximum of this one proves less than is
+		 * proven already
 		 */
 		const rb_vec3 n = direction(&f, top);
 		if (end * rb_vec3_dot(n, d->axis) >= 0)
 			try_away(axis, d, n);
 	}
-	/* a line along the mantle */
+	/*
+	 * a line parallel to the axis: straight out; not defined where it passes through the centre
+	 */
 	const rb_vec3 straight = rb_vec3_reject(way, e);
 	const double least = 0x1p-20 * rb_vec3_dot(way, way);
 	if (rb_vec3_dot(straight, straight) > least)
@@ -200,8 +215,8 @@ static void line(rb_axis *axis, const drum *d, rb_vec3 point, rb_vec3 e, rb_vec3
 }
 
 /*
- * A vertex: outside, the way to it from the nearest point; inside and near the mantle, out through
- * the mantle.
+ * Tries a vertex: outside, the vector from the nearest point of the cylinder; and the radial
+ * direction, out through the mantle.
  */
 static void vertex(rb_axis *axis, const drum *d, rb_vec3 point)
 {
@@ -222,27 +237,29 @@ static void vertex(rb_axis *axis, const drum *d, rb_vec3 point)
 	try_away(axis, d, out);
 }
 
+/* Tries edge i of the polytope. */
 static void edge(rb_axis *axis, const drum *d, const rb_placed *other, int i, rb_vec3 guide)
 {
 	const struct rb_polytope *p = other->core->polytope;
 	const rb_vec3 v = p->vertices[p->edges[i][0]], w = p->vertices[p->edges[i][1]];
 	const rb_vec3 e = rb_vec3_unit(rb_mat3_apply(&other->turn, rb_vec3_sub(w, v)),
 	                               (rb_vec3){0, 0, 1});
-	/* from a point of it that is near, for the digits */
+	/* relative to the point of the edge nearest to the cylinder, for the digits */
 	const rb_vec3 p0 = rb_placed_point(other, v);
 	const double t = rb_vec3_dot(rb_vec3_sub(d->placed->at, p0), e);
 
 	line(axis, d, rb_vec3_add_scaled(p0, t, e), e, guide);
 }
 
-/* The polytope's end of the slab. */
+/* The slab in the polytope's own axes. */
 static rb_slab_local end_of(const drum *d, const rb_placed *other, const rb_slab *slab)
 {
 	return rb_slab_of(other, rb_vec3_scale(-d->sense, slab->normal), slab->depth);
 }
 
 /*
- * First the edges where the guide points, mostly the right ones, after which few others can matter.
+ * Edges at the vertex where the guide points come first: mostly the best is among them, and the
+ * tightened slab then excludes nearly all others.
  */
 static void against_polytope(rb_axis *axis, const drum *d, const rb_placed *other,
                              const rb_slab *given, rb_vec3 guide)
@@ -275,10 +292,7 @@ static void against_polytope(rb_axis *axis, const drum *d, const rb_placed *othe
 			vertex(axis, d, rb_placed_point(other, p->vertices[i]));
 }
 
-/*
- * What n proves of two rims, its gradient, and the second derivatives in the plane of x and y
- * across n.
- */
+/* Gap that n proves of two rims with its gradient and Hessian in the tangent plane (x, y) at n. */
 typedef struct {
 	double value, gx, gy, xx, xy, yy;
 } climb;
@@ -308,8 +322,8 @@ static climb climb_at(rb_vec3 between, const drum *const d[2], rb_vec3 n, rb_vec
 }
 
 /*
- * Rim against rim: uphill from n by Newton's steps, shortened until they gain; where they do not,
- * by the gradient.
+ * Maximum over the sphere from n on, by Newton's steps shortened until the value grows; by the
+ * gradient where the Hessian is not negative definite.
  */
 static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 {
@@ -321,7 +335,8 @@ static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 		const double end_a = copysign(d[0]->half, rb_vec3_dot(n, d[0]->axis));
 		const double end_b = copysign(d[1]->half, -rb_vec3_dot(n, d[1]->axis));
 		/*
-		 * to and fro between ends: the best lies across an axis, where a mantle takes over
+		 * jumps between ends: the maximum lies across an axis, where the mantle is the
+		 * feature
 		 */
 		changes += end_a != last_a || end_b != last_b;
 		if (changes > CHANGES_MAX)
@@ -343,12 +358,12 @@ static void rim_to_rim(rb_axis *axis, const drum *const d[2], rb_vec3 n)
 			sy /= size > 0 ? size : 1;
 		}
 		const double length = sqrt(sx * sx + sy * sy);
-		/* a gain below rounding cannot be seen: the last steps are taken on trust */
+		/* gains below rounding cannot be measured: the last steps are not checked */
 		const bool trusted = determinant > 0 && c.xx < 0 &&
 		                     c.gx * sx + c.gy * sy <= axis->noise;
 		/*
-		 * gains that should be seen, and are not: a peak, where an end or a mantle takes
-		 * over
+		 * a gain that should be measurable and is not: a ridge, where an end or a mantle
+		 * takes over
 		 */
 		if (!trusted && c.value <= last_value + axis->noise)
 			break;
@@ -380,8 +395,8 @@ static void against_cylinder(rb_axis *axis, const drum *const d[2], rb_vec3 guid
 	const double along_u = rb_vec3_dot(between, u), along_v = -rb_vec3_dot(between, v);
 
 	/*
-	 * mantle against rim: the axis as a line; its radius is the same for all directions across
-	 * it
+	 * Mantle against rim: the axis as a line, since the radius is the same in all directions
+	 * across it.
 	 */
 	line(axis, d[0], rb_vec3_add_scaled(d[1]->placed->at, along_v, v), v, guide);
 	line(axis, d[1], rb_vec3_add_scaled(d[0]->placed->at, along_u, u), u, guide);

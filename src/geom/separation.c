@@ -16,22 +16,28 @@
 #include <float.h>
 #include <stddef.h>
 
+#include "base/error.h"
 #include "geom/gjk.h"
 #include "geom/patch_overlap.h"
 #include "geom/rims.h"
 
 /*
- * Apart by more than this share of the sizes, the direction of a distance has 12 digits, enough to
- * tell features.
+ * Share of the sizes beyond which the direction of a distance has 12 correct digits (an ulp over
+ * 1e-4), enough to tell which features it lies on.
  */
 static const double far_share = 1e-4;
+/*
+ * Rounding of a gap in ulp of sizes and distance: two transformed vertices, each of some five
+ * operations, and a dot product. Faces of equal gap that are examined: a box has three at a corner.
+ */
 enum { NOISE_ULP = 16, TIES_MAX = 6 };
 /*
- * Of more, only those along the direction of a distance are tried, where there is one; decides cost
+ * With more faces, only those along GJK's direction are tried if there is one; affects the cost
  * only.
  */
 enum { FEW_FACES = 32 };
 
+/* Closed form: the height of the body's lowest point above the plane. */
 static rb_separation of_half_space(const rb_placed *a, const rb_placed *b, double noise)
 {
 	const bool b_is = b->core->kind == RB_CORE_HALF_SPACE;
@@ -52,7 +58,7 @@ static bool has_faces(const rb_placed *p)
 	return face_count(p) > 0;
 }
 
-/* What crosses the body's only edge, for cores without faces that lie in each other. */
+/* Tries directions across the body's only edge, for overlapping cores without faces. */
 static void try_across(rb_axis *axis, const rb_placed *p)
 {
 	const struct rb_polytope *polytope = p->core->polytope;
@@ -64,7 +70,7 @@ static void try_across(rb_axis *axis, const rb_placed *p)
 	rb_axis_try(axis, rb_vec3_neg(z));
 }
 
-/* Deep in each other round cores have several best directions nearby; look from all sides. */
+/* Deeply overlapping round cores have several local maxima: starts from the eight octants. */
 static void search_deep(rb_axis *axis, const rb_slab *slab)
 {
 	const double third = sqrt(1.0 / 3);
@@ -88,8 +94,8 @@ static rb_vec3 middle_of(const rb_patch *patch)
 }
 
 /*
- * How deep a point that both patches share along n lies within the border of one of them, m: the
- * middle of either, or of what they share. Negative: none is seen.
+ * Depth within a border, m, of a point that both patches share along n: the middle of either patch
+ * or of their intersection. Negative where none is found.
  */
 static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_patch *b)
 {
@@ -105,27 +111,27 @@ static double shared_margin(const rb_axis *axis, const rb_patch *a, const rb_pat
 		return margin;
 	const int count = rb_overlay(a, b, &def, point);
 	const rb_vec3 way = rb_vec3_sub(point[0].on_b, point[0].on_a);
+	/* shared points must be as far apart as the gap: else the patches only pass each other */
 	if (count == 0 || rb_vec3_length(way) > fabs(axis->gap) + 12 * axis->noise)
 		return -1;
 	for (int i = 0; i < count; i++)
 		sum = rb_vec3_add(sum, point[i].on_b);
 	sum = rb_vec3_scale(1.0 / count, sum);
 	margin = fmax(rb_overlay_margin(a, sum, n), rb_overlay_margin(b, sum, n));
-	/* on a border up to rounding */
+	/* it may lie on a border to rounding */
 	return fmax(margin, 0);
 }
 
 typedef enum { NOTHING_SHARED, SHARED, BEST } proof;
 
 /*
- * Whether no direction proves more than the best face so far. Apart, by points that lie over each
- * other along it. Overlapping by d: the differences of points of b and a have, across the normal n,
- * a disc of radius r at depth d, where r is how far a point of one lies within the border of the
- * other's face; and a point higher by D, the extent of both bodies along n, and aside by at most S.
- * Along cos(t) n + sin(t) w the disc proves no more than -d cos(t) - r sin(t), which is no more
- * than -d as long as d tan(t / 2) <= r; for what is left, within 2 d / r of -n, the other point
- * proves no more than
- * -(D - d) cos(2 d / r) + S 2 d / r.
+ * Decides whether any direction can prove more than the best face so far. Apart: none can if points
+ * lie over each other along it. Overlapping by d: the Minkowski difference b - a has, across the
+ * normal n, a disc of radius r at depth d, where r is how far a point of one body lies within the
+ * border of the other's face; and a point higher by D, the extent of both bodies along n, and aside
+ * by at most S. Along cos(t) n + sin(t) w the disc proves no more than -d cos(t) - r sin(t), which
+ * is at most -d while d tan(t / 2) <= r; for the rest, within 2 d / r of -n, the other point proves
+ * no more than -(D - d) cos(2 d / r) + S 2 d / r.
  */
 static proof settled(const rb_axis *axis)
 {
@@ -140,6 +146,7 @@ static proof settled(const rb_axis *axis)
 		return NOTHING_SHARED;
 	if (d <= depth)
 		return BEST;
+	/* the bound below needs 2 d / r <= 1/2, where the cosine is above 0.87 */
 	if (!(margin >= 4 * d))
 		return SHARED;
 	const double extent = rb_placed_height(axis->a, n) + rb_placed_height(axis->a, m) +
@@ -149,9 +156,9 @@ static proof settled(const rb_axis *axis)
 }
 
 /*
- * Faces that prove as much to rounding are as good, but only along one of them may the bodies lie
- * over each other: of two that are nearly flush and parallel, a corner of one may be past the face
- * of the other.
+ * Tries all faces; true if the best of them is proven to be the best direction. Faces that prove as
+ * much to rounding are examined too, because only along one of them the bodies may lie over each
+ * other: of two that are nearly flush, a corner of one may be past the face of the other.
  */
 static bool best_face_settles(rb_axis *axis)
 {
@@ -180,14 +187,18 @@ static bool best_face_settles(rb_axis *axis)
 	return false;
 }
 
+/*
+ * Close or overlapping: GJK's direction has lost digits, so features are limited by the slab of the
+ * best face (see the head of this file).
+ */
 static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double scale)
 {
 	rb_slab slab = {gjk->normal, (double)INFINITY, (double)INFINITY};
 
 	if (axis->found) {
 		/*
-		 * What lies far apart has been proved to; else a long distance is one from before
-		 * they overlapped.
+		 * A distance above far_share would have been proven; if it was not, GJK ended in an
+		 * overlap and its `upper` is a value from before.
 		 */
 		const double doubt = fabs(gjk->upper - gjk->least);
 		const double distance = gjk->upper <= far_share * scale
@@ -213,11 +224,12 @@ static void search_near(rb_axis *axis, const rb_gjk *gjk, bool round, double sca
 	}
 }
 
+/* Well apart: features in a thin slab across GJK's direction. */
 static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 {
 	/*
-	 * of thin simplices on round cores the distance has lost digits: it may even lie below what
-	 * is proved
+	 * the upper bound of thin simplices on round cores has lost digits and may lie below the
+	 * lower one
 	 */
 	const rb_slab slab = {gjk->normal, fabs(gjk->upper - gjk->least) + 8 * axis->noise,
 	                      (double)INFINITY};
@@ -230,7 +242,7 @@ static void search_far(rb_axis *axis, const rb_gjk *gjk, bool round)
 	rb_facets_corners(axis, &slab);
 }
 
-/* Two points: their distance needs no search. */
+/* Two spheres: their distance needs no search. */
 static bool both_points(const rb_placed *a, const rb_placed *b)
 {
 	return a->core->kind == RB_CORE_POLYTOPE && b->core->kind == RB_CORE_POLYTOPE &&
@@ -239,6 +251,9 @@ static bool both_points(const rb_placed *a, const rb_placed *b)
 
 rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 {
+	RB_ASSERT_COSTLY(a->core->kind != RB_CORE_HALF_SPACE ||
+	                 b->core->kind != RB_CORE_HALF_SPACE);
+
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
 	const double distance = rb_vec3_length(d);
 	const double scale = distance + a->core->reach + b->core->reach;
@@ -266,6 +281,7 @@ rb_separation rb_separation_of(const rb_placed *a, const rb_placed *b)
 		search_near(&axis, &gjk, round, scale);
 	if (gjk.least > -(double)INFINITY)
 		rb_axis_try(&axis, gjk.normal);
+	RB_ASSERT_COSTLY(axis.found || isnan(scale));
 	return (rb_separation){axis.normal, axis.gap, noise};
 }
 
@@ -273,7 +289,7 @@ double rb_separation_beyond(const rb_placed *a, const rb_placed *b, double limit
                             rb_vec3 *axis)
 {
 	const rb_vec3 d = rb_vec3_sub(b->at, a->at);
-	/* the sum of the parts is no less than the length, and needs no root */
+	/* the 1-norm is no less than the length, and needs no root */
 	const double scale = fabs(d.x) + fabs(d.y) + fabs(d.z) + a->core->reach + b->core->reach;
 	const double noise = NOISE_ULP * DBL_EPSILON * scale;
 
