@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Lists of elements in compressed form: `of[first[i] .. first[i + 1])` are the elements at body i,
+ * in the order of the table, built by a counting sort. Sums of forces then run over a body's
+ * elements in one order, whatever the number of threads. A kind that acts on every free body has no
+ * lists.
+ */
 #include "model/element.h"
 
 #include <string.h>
@@ -25,7 +31,7 @@ enum rb_status rb_scene_add_element(struct rb_scene *scene, const struct rb_elem
 {
 	struct rb_element_list *const list = &scene->elements[rb_element_place(kind)];
 
-	RB_ASSERT(kind->row_size <= RB_ELEMENT_ROW_MAX);
+	RB_ASSERT(list->count >= 0 && kind->row_size <= RB_ELEMENT_ROW_MAX);
 	if (!rb_memory_reserve(&list->rows, &list->capacity, (size_t)list->count + 1,
 	                       kind->row_size))
 		return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for %s", kind->plural);
@@ -79,6 +85,10 @@ int rb_elements_between(const struct rb_model *model)
 }
 
 /* Which elements are at a body: places are counted, summed up and filled, by number. */
+/*
+ * Fills end, first, of by a counting sort over body indices; false when memory is out. `next[i]`
+ * runs from the start of body i's list to its end, which is why first is one element longer.
+ */
 static bool list_ends(const struct rb_model *model, struct rb_elements *elements)
 {
 	const size_t count = (size_t)elements->count;
@@ -96,6 +106,7 @@ static bool list_ends(const struct rb_model *model, struct rb_elements *elements
 		elements->kind->ends(rb_elements_row(elements, k), id);
 		for (int e = 0; e < 2; e++) {
 			elements->end[k][e] = model->index_of[id[e]];
+			RB_ASSERT(elements->end[k][e] >= 0 && (size_t)elements->end[k][e] < bodies);
 			next[elements->end[k][e] + 1]++;
 		}
 	}
@@ -104,9 +115,11 @@ static bool list_ends(const struct rb_model *model, struct rb_elements *elements
 	for (int k = 0; k < elements->count; k++)
 		for (int e = 0; e < 2; e++)
 			elements->of[next[elements->end[k][e]]++] = k;
+	RB_ASSERT(elements->first[0] == 0 && (size_t)elements->first[bodies] == 2 * count);
 	return true;
 }
 
+/* Copies and seals the scene's rows of one kind; false when memory is out. */
 static bool copy_rows(const struct rb_model *model, struct rb_elements *elements)
 {
 	const struct rb_element_kind *kind = elements->kind;
@@ -170,6 +183,8 @@ double rb_elements_energy(const struct rb_element_query *query)
 
 rb_vec3 rb_element_arm(const struct rb_model *model, int index, rb_quat orientation, rb_vec3 point)
 {
+	RB_ASSERT_COSTLY(index >= 0 && index < model->body_count + model->static_count);
+
 	if (isnan(point.x))
 		return (rb_vec3){0, 0, 0};
 	if (index < model->body_count && model->center_of_mass)

@@ -1,21 +1,29 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A feature is present only if it can change a result: gravity of a scene in which nothing moves is
+ * not, nor friction between materials that never touch. Stages, columns and checks of the rest do
+ * not exist in the run, so no loop tests a flag for each body. Pairs of bodies are judged by
+ * classes (material, mobility, filters), of which even large scenes have few.
+ */
 #include "model/features.h"
 
 #include <math.h>
 
+#include "base/error.h"
 #include "geom/mass.h"
 #include "model/element.h"
 #include "model/validate.h"
 
-/* Bodies that are alike for the question who can meet whom, and with what material. */
+/* Class of bodies with the same answer to who can touch whom, and with what material. */
 struct kind {
 	const struct rb_body_def *body;
 	bool several;
 };
 
-/* With more kinds than this the answer is a plain yes: it costs columns, not correctness. */
+/* With more classes the answer is yes without looking: that costs columns, never correctness. */
 enum { KINDS_MAX = 256 };
 
+/* True if the scene has a callback that may apply forces or impulses. */
 static bool callbacks(const struct rb_feature_facts *facts)
 {
 	return (facts->scene->hooks &
@@ -102,7 +110,7 @@ static bool has_events(const struct rb_feature_facts *facts)
 	       has_hook_transition(facts);
 }
 
-/* Elements of the kinds that the bit stands for, if one of them does anything. */
+/* True if an element of a kind with that feature bit does anything. */
 static bool has_elements(const struct rb_feature_facts *facts, rb_features bit)
 {
 	for (int place = 0; place < rb_element_kind_count; place++) {
@@ -195,6 +203,7 @@ const struct rb_feature_row *rb_feature_rows(int *count)
 	return rows;
 }
 
+/* True if both belong to one class. */
 static bool alike(const struct rb_body_def *a, const struct rb_body_def *b)
 {
 	return a->material == b->material && a->is_static == b->is_static &&
@@ -203,6 +212,7 @@ static bool alike(const struct rb_body_def *a, const struct rb_body_def *b)
 	       rb_body_group_bit(a) == rb_body_group_bit(b);
 }
 
+/* Classes of the scene's bodies; -1: more than KINDS_MAX. */
 static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MAX])
 {
 	int count = 0;
@@ -222,6 +232,10 @@ static int find_kinds(const struct rb_scene *scene, struct kind kinds[KINDS_MAX]
 	return count;
 }
 
+/*
+ * Sets can_touch, friction, restitution from pairs of classes; a class meets itself only if it has
+ * several bodies.
+ */
 static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_material *pair)
 {
 	const struct rb_scene *scene = facts->scene;
@@ -237,6 +251,8 @@ static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_mater
 			if ((a == b && !kinds[a].several) ||
 			    !rb_bodies_can_touch(kinds[a].body, kinds[b].body))
 				continue;
+			RB_ASSERT(kinds[a].body->material < scene->material_count);
+			RB_ASSERT(kinds[b].body->material < scene->material_count);
 			const struct rb_pair_material *p =
 				&pair[kinds[a].body->material * scene->material_count +
 			              kinds[b].body->material];
@@ -247,7 +263,7 @@ static void see_pairs(struct rb_feature_facts *facts, const struct rb_pair_mater
 	}
 }
 
-/* A torque, or a `point`, unless that is where the centre of mass is anyway. */
+/* True for a torque, or a force whose line of action misses the centre of mass. */
 static bool twists(const struct rb_force_def *force, rb_vec3 center_of_mass)
 {
 	if (rb_vec3_max_abs(force->torque) > 0)
@@ -256,6 +272,7 @@ static bool twists(const struct rb_force_def *force, rb_vec3 center_of_mass)
 	       rb_vec3_max_abs(rb_vec3_sub(force->point, center_of_mass)) > 0;
 }
 
+/* True if the element can exert a torque on some free body. */
 static bool is_turned_by(const struct rb_scene *scene, const struct rb_element_kind *kind,
                          const void *row)
 {
@@ -274,6 +291,7 @@ static bool is_turned_by(const struct rb_scene *scene, const struct rb_element_k
 	return false;
 }
 
+/* Sets `torque` if an element turns a body. */
 static void see_elements(struct rb_feature_facts *facts)
 {
 	for (int place = 0; place < rb_element_kind_count; place++)
@@ -283,6 +301,7 @@ static void see_elements(struct rb_feature_facts *facts)
 				rb_scene_element(facts->scene, rb_element_kinds[place], k));
 }
 
+/* True if the tensor, for unit mass, is not a multiple of 1. */
 static bool has_unequal_moments(const struct rb_scene *scene, const struct rb_body_def *body)
 {
 	if (body->shape.kind == RB_SHAPE_SPHERE && !body->has_inertia)

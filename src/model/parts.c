@@ -1,15 +1,24 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Equal shapes share one list of parts: a heap of ten thousand equal boxes has one polytope, which
+ * stays in cache. Equality is found by hashing the numbers that the shape's type reads, sorting by
+ * hash, and comparing within runs of equal hashes, in the order of ids, so that the table does not
+ * depend on anything but the scene.
+ */
 #include "model/parts.h"
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "geom/distance.h"
 #include "model/shape.h"
 
-/* What makes shapes equal, without what is not read of their kind. */
+/*
+ * Copy of a shape with zeros for what its type does not read, also in padding: comparable by bytes.
+ */
 static struct rb_shape plain(const struct rb_shape *shape)
 {
 	struct rb_shape key;
@@ -25,6 +34,7 @@ static struct rb_shape plain(const struct rb_shape *shape)
 	return key;
 }
 
+/* True if two shapes have the same geometry. */
 static bool is_same(const struct rb_shape *a, const struct rb_shape *b)
 {
 	const struct rb_shape x = plain(a), y = plain(b);
@@ -32,12 +42,14 @@ static bool is_same(const struct rb_shape *a, const struct rb_shape *b)
 	return memcmp(&x, &y, sizeof x) == 0;
 }
 
+/* Parts of the shape: those of a union, else one. */
 static int count_of(const struct rb_scene *scene, const struct rb_shape *shape)
 {
 	return rb_shape_type(shape)->form == RB_FORM_UNION ? scene->solids[shape->solid].part_count
 	                                                   : 1;
 }
 
+/* Appends a shape and its parts to the table. */
 static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_scene *scene,
                                  const struct rb_shape *shape, struct rb_error *err)
 {
@@ -67,7 +79,7 @@ static enum rb_status make_shape(struct rb_parts_table *table, const struct rb_s
 	return RB_OK;
 }
 
-/* The body of the lowest id whose shape each body has. */
+/* first[id]: the lowest id with the same shape; false when memory is out. */
 static bool find_firsts(const struct rb_scene *scene, int *first)
 {
 	const size_t count = (size_t)scene->body_count;
@@ -86,8 +98,8 @@ static bool find_firsts(const struct rb_scene *scene, int *first)
 
 		first[id] = id;
 		/*
-		 * equal keys stand together, and equal shapes have equal ones; different shapes
-		 * hardly ever
+		 * equal shapes have equal keys, adjacent after sorting; different shapes hardly
+		 * ever
 		 */
 		for (size_t j = i; j-- > 0 && items[j].key == items[i].key;) {
 			const int other = (int)items[j].value;
@@ -110,7 +122,7 @@ static bool needs_parts(const struct rb_scene *scene)
 	return false;
 }
 
-/* Room for all that differs; `shape_of` has the first body of each shape. */
+/* Allocates for the distinct shapes, which shape_of[id] == id marks. */
 static bool take_room(struct rb_parts_table *table, const struct rb_scene *scene)
 {
 	size_t shapes = 0, parts = 0;
@@ -155,6 +167,7 @@ enum rb_status rb_parts_table_create(struct rb_parts_table **table, const struct
 		rb_parts_table_destroy(made);
 		return status;
 	}
+	RB_ASSERT(made->shape_count > 0 && made->part_count >= made->shape_count);
 	*table = made;
 	return RB_OK;
 }
@@ -163,7 +176,7 @@ void rb_parts_table_destroy(struct rb_parts_table *table)
 {
 	if (!table)
 		return;
-	/* the polytopes are ours: cores only refer to them */
+	/* the table owns the polytopes, cores only refer to them */
 	for (int k = 0; k < table->part_count; k++)
 		rb_polytope_destroy((struct rb_polytope *)(uintptr_t)table->parts[k].core.polytope);
 	rb_memory_free(table->shape);
@@ -178,7 +191,7 @@ rb_placed rb_body_part_place(const struct rb_body_part *part, rb_vec3 origin, rb
 		.core = &part->core, .at = origin, .turn = rb_quat_to_mat3(orientation)};
 
 	if (part->kind == RB_SHAPE_PLANE) {
-		/* what a sphere sees of it, to the bit */
+		/* the normal that the closed forms for spheres use, to the bit */
 		const rb_vec3 n = rb_plane_normal(orientation);
 
 		placed.turn.m[0][2] = n.x;
@@ -195,11 +208,13 @@ rb_placed rb_body_part_place(const struct rb_body_part *part, rb_vec3 origin, rb
 double rb_parts_gap_at_start(const struct rb_parts_table *table, const struct rb_scene *scene,
                              int a, int b)
 {
+	RB_ASSERT(a >= 0 && a < scene->body_count && b >= 0 && b < scene->body_count && a != b);
+
 	const struct rb_body_parts *of_a = rb_parts_of(table, a), *of_b = rb_parts_of(table, b);
 	const rb_quat turn_a = rb_quat_unit(scene->bodies[a].orientation);
 	const rb_quat turn_b = rb_quat_unit(scene->bodies[b].orientation);
 	const rb_vec3 origin = {0, 0, 0};
-	/* from a's place, so that far from the world's origin no digits are lost */
+	/* relative to a: far from the world's origin no digits are lost */
 	const rb_vec3 way = rb_vec3_sub(scene->bodies[b].position, scene->bodies[a].position);
 	double least = (double)INFINITY;
 

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Construction of a scene: growing arrays of plain rows, texts and arrays of solids copied into
+ * blocks that never move, so that rows may point to them. Defaults of every row are here and
+ * nowhere else; NAN stands for "not given" where zero is a value. Nothing is checked but what would
+ * make the arrays inconsistent; whether the scene is possible is for model/validate, once it is
+ * complete.
+ */
 #include <rbsim/scene.h>
 
 #include <math.h>
@@ -10,7 +17,10 @@
 #include "math/quat.h"
 #include "model/shape.h"
 
-/* Texts never move and are freed together; a long one gets a block of its own size. */
+/*
+ * Size of a block of texts, bytes. Texts never move and are freed together; one longer than a
+ * quarter of this gets a block of its own.
+ */
 enum { TEXT_BLOCK_SIZE = 4096 };
 
 struct text_block {
@@ -19,7 +29,7 @@ struct text_block {
 	_Alignas(max_align_t) char bytes[];
 };
 
-/* The arrays of the scene that grow, by the place of their capacity. */
+/* Growing arrays, as indices of their capacities. */
 enum {
 	ARRAY_MATERIALS,
 	ARRAY_PAIRS,
@@ -40,8 +50,12 @@ struct rb_scene_memory {
 	size_t capacity[ARRAY_COUNT];
 };
 
-enum { GROUP_MAX = 63 };
+enum { GROUP_MAX = 63 }; /* bits of a filter, less the one of bodies in no group */
 
+/*
+ * `size` zeroed bytes that stay where they are until the scene is released; NULL when memory is
+ * out.
+ */
 static char *take_bytes(struct rb_scene *scene, size_t size)
 {
 	struct rb_scene_memory *memory = scene->memory;
@@ -55,8 +69,8 @@ static char *take_bytes(struct rb_scene *scene, size_t size)
 			return NULL;
 		block->size = room;
 		/*
-		 * behind the block in use when full at once, so that the rest of that one is not
-		 * lost
+		 * inserted behind the current block if it is full at once, so that the current
+		 * one's rest is used
 		 */
 		if (room == size && memory->texts) {
 			block->next = memory->texts->next;
@@ -66,12 +80,13 @@ static char *take_bytes(struct rb_scene *scene, size_t size)
 			memory->texts = block;
 		}
 	}
+	RB_ASSERT(block->used <= block->size && size <= block->size - block->used);
 	char *bytes = block->bytes + block->used;
 	block->used += size;
 	return bytes;
 }
 
-/* A copy of numbers that stays where it is; an empty one is no fault. */
+/* Aligned copy of an array; NULL and no failure where it is empty. */
 static void *take_copy(struct rb_scene *scene, const void *from, size_t count, size_t size,
                        bool *failed)
 {
@@ -80,7 +95,7 @@ static void *take_copy(struct rb_scene *scene, const void *from, size_t count, s
 
 	if (count == 0)
 		return NULL;
-	/* texts leave the block in use at any byte */
+	/* texts end at any byte */
 	if (block) {
 		const size_t used = (block->used + GRAIN - 1) / GRAIN * GRAIN;
 
@@ -101,7 +116,7 @@ const char *rb_scene_text(struct rb_scene *scene, const char *text)
 	return copy ? memcpy(copy, text, size) : NULL;
 }
 
-/* Replaces `*text` by the scene's own copy; a NULL text stays as it is. */
+/* Replaces `*text` by the scene's own copy; NULL stays NULL. False when memory is out. */
 static bool own(struct rb_scene *scene, const char **text)
 {
 	if (!*text)
@@ -115,7 +130,7 @@ static enum rb_status out_of_memory(const char *what, struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the scene's %s", what);
 }
 
-/* Makes room for one element more in `*array`. */
+/* Makes room for one more element in `*array`. */
 static bool room(struct rb_scene *scene, void *array, int which, int count, size_t size)
 {
 	return rb_memory_reserve(array, &scene->memory->capacity[which], (size_t)count + 1, size);
@@ -273,7 +288,7 @@ enum rb_status rb_scene_add_body(struct rb_scene *scene, const struct rb_body_de
 {
 	struct rb_body_def body = *def;
 
-	/* whoever makes a body of them has added its solid before */
+	/* the caller has added the solid first */
 	RB_ASSERT(!rb_shape_reads(&body.shape, RB_SHAPE_READS_SOLID) ||
 	          (body.shape.solid >= 0 && body.shape.solid < scene->solid_count));
 	body.force_first = scene->force_count;
@@ -432,7 +447,10 @@ rb_quat rb_plane_orientation(rb_vec3 normal, rb_vec3 axis)
 		const rb_vec3 along = rb_vec3_unit(axis, x);
 		x = rb_vec3_add_scaled(along, -rb_vec3_dot(along, z), z);
 	}
-	/* Too little left of it to name a direction: the default takes over. */
+	/*
+	 * less than 1e-8 of the axis is across the normal: its direction there is rounding, use the
+	 * default
+	 */
 	if (rb_vec3_length(x) < 1e-8)
 		x = rb_vec3_add_scaled((rb_vec3){1, 0, 0}, -z.x, z);
 	if (rb_vec3_length(x) < 1e-8)
@@ -440,5 +458,6 @@ rb_quat rb_plane_orientation(rb_vec3 normal, rb_vec3 axis)
 	x = rb_vec3_unit(x, rb_vec3_across(z));
 	const rb_vec3 y = rb_vec3_cross(z, x);
 	const rb_mat3 r = {{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}};
+	RB_ASSERT_COSTLY(!(fabs(rb_vec3_dot(x, z)) > 1e-12));
 	return rb_quat_from_mat3(&r);
 }

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Dispatch over shape types with a fallback to the solid: types in closed form (sphere, box,
+ * capsule, cylinder) have functions in their row, polyhedra and unions the numbers of their solid.
+ * Solids hold their inertia for unit mass.
+ */
 #include "model/shape.h"
 
 #include <math.h>
@@ -13,8 +18,11 @@ const char *rb_shape_name(enum rb_shape_kind kind)
 	return kind >= 0 && kind < RB_SHAPE_KIND_COUNT ? rb_shape_types[kind]->name : "unknown";
 }
 
+/* The shape's solid; NULL where its type has none. */
 static const struct rb_solid *solid_of(const struct rb_solid *solids, const struct rb_shape *shape)
 {
+	RB_ASSERT_COSTLY(!rb_shape_reads(shape, RB_SHAPE_READS_SOLID) || shape->solid >= 0);
+
 	return rb_shape_reads(shape, RB_SHAPE_READS_SOLID) ? &solids[shape->solid] : NULL;
 }
 
@@ -72,6 +80,7 @@ double rb_shape_half_width(const struct rb_solid *solids, const struct rb_shape 
 
 /* ---- cores ---- */
 
+/* Polytope core from the faces of a hull. */
 static enum rb_status core_of_solid(rb_core *core, const struct rb_solid *solid,
                                     struct rb_error *err)
 {
@@ -107,6 +116,7 @@ enum rb_status rb_shape_core(const struct rb_solid *solids, const struct rb_shap
 
 /* ---- unions ---- */
 
+/* The part's centroid in the union's axes, m. */
 static rb_vec3 part_centroid(const struct rb_solid *solids, const struct rb_solid_part *part)
 {
 	return rb_vec3_add(part->position, rb_quat_rotate(part->orientation,
@@ -114,7 +124,8 @@ static rb_vec3 part_centroid(const struct rb_solid *solids, const struct rb_soli
 }
 
 /*
- * The part's tensor in the union's axes, about the union's centroid (the theorem of parallel axes).
+ * Adds the part's tensor in the union's axes about the union's centroid (parallel axis theorem);
+ * the upper half is mirrored, so that the sum stays exactly symmetric.
  */
 static void add_part(rb_mat3 *sum, const struct rb_solid *solids, const struct rb_solid_part *part,
                      double mass, rb_vec3 arm)
@@ -136,6 +147,9 @@ static void add_part(rb_mat3 *sum, const struct rb_solid *solids, const struct r
 
 void rb_shape_measure_union(struct rb_solid *solid, const struct rb_solid *solids)
 {
+	RB_ASSERT(solid->part_count > 0);
+
+	/* about the first part: a union far from its origin loses nothing */
 	const rb_vec3 base = solid->parts[0].position;
 	rb_vec3 sum = {0, 0, 0};
 

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Hulls and unions enter a scene here. Points are identified by SHA-256: scenes often make the same
+ * hull thousands of times in a loop, and Qhull runs once for each set of points.
+ */
 #include <rbsim/scene.h>
 
 #include <stdio.h>
@@ -11,7 +15,10 @@
 #include "math/quat.h"
 #include "model/shape.h"
 
-/* The solid of a hull of the same points, -1: there is none. */
+/*
+ * Index of the solid made of the same points, newest first since loops repeat the last one; -1:
+ * none.
+ */
 static int same_points(const struct rb_scene *scene, const char sha256[65])
 {
 	for (int i = scene->solid_count; i-- > 0;)
@@ -54,6 +61,7 @@ enum rb_status rb_scene_add_hull(struct rb_scene *scene, const rb_vec3 *points, 
 	return status;
 }
 
+/* True for a shape of a type that may be a part, whose solid exists. */
 static bool is_part(const struct rb_scene *scene, const struct rb_solid_part *part)
 {
 	const enum rb_shape_kind kind = part->shape.kind;

@@ -1,4 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Checks that need the whole scene. All mistakes are collected before any is reported, since each
+ * run of a large script may take minutes; what depends on a number found wrong is skipped, so that
+ * one mistake is not reported twice. Conditions are written so that NaN fails them.
+ *
+ * Overlaps at the start are searched like contacts: boxes in a grid, then exact gaps. Duplicate
+ * names are found by sorting hashes, in n log n.
+ */
 #include "model/validate.h"
 
 #include <float.h>
@@ -19,14 +27,18 @@
 #include "model/element.h"
 #include "model/parts.h"
 
-enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 };
+enum { OVERLAPS_SHOWN = 10, LINE_SIZE = 512 }; /* pairs named each; bytes of a message */
 
-/* Beyond these, frames are no longer told apart by a double, or a frame would never end. */
+/*
+ * Beyond 2^53 frames a double cannot number them; beyond 1e9 steps a frame takes hours, surely a
+ * mistake of units.
+ */
 static const double frames_max = 0x1p53;
 static const double steps_per_frame_max = 1e9;
-/* m and m/s: beyond it, sums and squares of coordinates leave the doubles. */
+/* m: beyond, sums and squares of coordinates overflow */
 static const double coordinate_max = 1e300;
 
+/* State of one check. */
 struct check {
 	const struct rb_scene *scene;
 	struct rb_mistakes *mistakes; /* the caller's or `own` */
@@ -62,6 +74,7 @@ double rb_ulp(double x)
 	return nextafter(fabs(x), (double)INFINITY) - fabs(x);
 }
 
+/* kg/m^3, of the body or its material. */
 static double density_of(const struct rb_scene *scene, const struct rb_body_def *body)
 {
 	return isnan(body->density) ? scene->materials[body->material].density : body->density;
@@ -78,7 +91,9 @@ rb_mat3 rb_body_inertia(const struct rb_scene *scene, const struct rb_body_def *
 {
 	if (!body->has_inertia)
 		return rb_shape_inertia(scene->solids, &body->shape, mass);
-	/* halves that differ by rounding become one tensor */
+	/*
+	 * averages the halves, which may differ by rounding: the tensor must be exactly symmetric
+	 */
 	rb_mat3 inertia = body->inertia;
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < i; j++)
@@ -113,6 +128,10 @@ struct rb_sizes rb_scene_sizes(const struct rb_scene *scene)
 		sizes.size_min_m = 0;
 	sizes.tolerance_m = scene->world.tolerance_m;
 	if (isnan(sizes.tolerance_m))
+		/*
+		 * A ppm of the smallest body, which no picture shows; and at least the rounding of
+		 * gaps at the largest coordinate (RB_TOUCHING_ULP in step/gap).
+		 */
 		sizes.tolerance_m = fmax(1e-6 * sizes.size_min_m,
 		                         8 * rb_ulp(sizes.coordinate_max_m));
 	return sizes;
@@ -123,6 +142,7 @@ double rb_frame_intervals(double duration_s, double frame_rate, bool *whole)
 	const double q = duration_s * frame_rate;
 	const double nearest = nearbyint(q);
 
+	/* rates and durations are decimal fractions: their product is off by a few ulp */
 	*whole = nearest > 0 && fabs(q - nearest) <= 4 * rb_ulp(q);
 	return *whole ? nearest : floor(q);
 }
@@ -161,7 +181,7 @@ static void world_mistake(struct check *check, const char *format, ...)
 	rb_mistakes_add(check->mistakes, "%s%s", where, text);
 }
 
-/* At a line of the scene, about no body. */
+/* A mistake at a line of the scene, about no body. */
 static void line_mistake(struct check *check, int line, const char *format, ...) RB_PRINTF(3, 4);
 static void line_mistake(struct check *check, int line, const char *format, ...)
 {
@@ -189,11 +209,13 @@ static void body_mistake(struct check *check, int id, const char *format, ...)
 	rb_mistakes_add(check->mistakes, "%s%s: %s", where, who, text);
 }
 
+/* Positive and finite; false for NaN. */
 static bool positive(double x)
 {
 	return x > 0 && isfinite(x);
 }
 
+/* Duration, frame rate, time step, gravity. */
 static void check_world(struct check *check)
 {
 	const struct rb_world_def *world = &check->scene->world;
@@ -201,7 +223,7 @@ static void check_world(struct check *check)
 	const bool has_step = isnan(world->time_step_s) || positive(world->time_step_s);
 	const double duration_s = rb_world_duration(world);
 
-	/* where steps tell it, a mistake of the frame rate or the time step is told below */
+	/* if `steps` gives the duration, mistakes of frame rate and time step are reported below */
 	if (isnan(world->duration_s) && world->steps == 0)
 		world_mistake(check, "world: 'duration' is missing (wanted seconds, here or by "
 		                     "--duration, or 'steps')");
@@ -232,6 +254,7 @@ static void check_world(struct check *check)
 		world_mistake(check, "world: 'gravity' must be finite");
 }
 
+/* A tolerance below the rounding of coordinates could never be met. */
 static void check_tolerance(struct check *check)
 {
 	const double given = check->scene->world.tolerance_m;
@@ -250,6 +273,9 @@ static void check_tolerance(struct check *check)
 		              given, least, check->sizes.coordinate_max_m);
 }
 
+/*
+ * Mass and inertia of a free body must be positive, finite, invertible and those of a rigid body.
+ */
 static void check_mass(struct check *check, int id)
 {
 	const struct rb_body_def *body = &check->scene->bodies[id];
@@ -274,7 +300,7 @@ static void check_mass(struct check *check, int id)
 			             mass);
 		return;
 	}
-	/* particles without a turn to resist may lie anywhere */
+	/* without rotation particles may lie anywhere */
 	if (body->particle_count > 0 && !check->turns)
 		return;
 	if (body->particle_count > 0 &&
@@ -309,6 +335,7 @@ static void check_mass(struct check *check, int id)
 		             inertia.m[0][0]);
 }
 
+/* Numbers of the shape, by its type; false: a mistake was noted. */
 static bool check_sizes(struct check *check, int id)
 {
 	const struct rb_shape *shape = &check->scene->bodies[id].shape;
@@ -321,7 +348,7 @@ static bool check_sizes(struct check *check, int id)
 	return false;
 }
 
-/* false: the shape or pose is no use for further checks */
+/* Shape, pose and velocities; false: the shape or pose cannot be used in further checks. */
 static bool check_shape(struct check *check, int id)
 {
 	const struct rb_body_def *body = &check->scene->bodies[id];
@@ -351,6 +378,7 @@ static bool check_shape(struct check *check, int id)
 	return good;
 }
 
+/* Entries of the body's list of forces. */
 static void check_forces(struct check *check, int id)
 {
 	const struct rb_body_def *body = &check->scene->bodies[id];
@@ -368,6 +396,7 @@ static void check_forces(struct check *check, int id)
 	}
 }
 
+/* True for the kinds whose contacts every method has. */
 static bool has_contacts(const struct rb_shape *shape)
 {
 	return shape->kind == RB_SHAPE_SPHERE || rb_shape_is_flat(shape);
@@ -395,7 +424,7 @@ static bool check_contacts(struct check *check, int id)
 	return true;
 }
 
-/* Shapes, masses; returns whether all shapes and poses can be used. */
+/* Checks every body; returns true if all shapes and poses can be used. */
 static bool check_bodies(struct check *check)
 {
 	const struct rb_scene *scene = check->scene;
@@ -421,13 +450,14 @@ static bool check_bodies(struct check *check)
 	return good;
 }
 
+/* Reports a feature that the chosen method does not have. */
 static void lacks(struct check *check, const char *what)
 {
 	world_mistake(check, "world: method '%s' has no %s: use 'located' or 'auto'",
 	              rb_methods[check->scene->world.method]->name, what);
 }
 
-/* What the method has nothing for, and would leave out without a word. */
+/* Rejects features that the method would silently leave out. */
 static void check_method(struct check *check)
 {
 	const struct rb_scene *scene = check->scene;
@@ -446,6 +476,7 @@ static void check_method(struct check *check)
 		lacks(check, "driven bodies ('motion')");
 }
 
+/* Ends and numbers of one force element. */
 static void check_element(struct check *check, const struct rb_element_kind *kind, const void *row)
 {
 	const char *const ends = rb_element_ends_fault(check->scene, kind, row);
@@ -467,7 +498,7 @@ static void check_elements(struct check *check)
 			              rb_scene_element(check->scene, rb_element_kinds[place], k));
 }
 
-/* The place of the last earlier body of that name among items[0 .. i), or -1. */
+/* Id of the last earlier body with the name of items[i], among items of the same hash; -1: none. */
 static int same_name(const struct rb_scene *scene, const struct rb_sort_item *items, size_t i)
 {
 	const char *name = scene->bodies[items[i].value].name;
@@ -478,6 +509,7 @@ static int same_name(const struct rb_scene *scene, const struct rb_sort_item *it
 	return -1;
 }
 
+/* Names of bodies must differ, since callbacks and cameras refer to them. */
 static enum rb_status check_names(struct check *check, struct rb_error *err)
 {
 	const struct rb_scene *scene = check->scene;
@@ -495,7 +527,10 @@ static enum rb_status check_names(struct check *check, struct rb_error *err)
 	}
 	if (count > 0)
 		rb_sort_by_key(items, items + max, count);
-	/* equal names have equal keys and stand together, the earlier body first */
+	/*
+	 * equal names have equal keys and are adjacent, the earlier body first, since the sort is
+	 * stable
+	 */
 	for (size_t i = 1; i < count; i++)
 		taken[items[i].value] = same_name(scene, items, i) + 1;
 	for (int i = 0; items && taken && i < scene->body_count; i++)
@@ -509,7 +544,7 @@ static enum rb_status check_names(struct check *check, struct rb_error *err)
 	              : RB_OK;
 }
 
-/* Gap of a sphere and another body at the start, neither of them convex otherwise. */
+/* Gap, m, of a sphere and a sphere, plane or rectangle at the start, in closed form. */
 static double gap_of_sphere(const struct rb_body_def *sphere, const struct rb_body_def *other)
 {
 	const rb_quat turn = rb_quat_unit(other->orientation);
@@ -532,6 +567,7 @@ static double gap_of_sphere(const struct rb_body_def *sphere, const struct rb_bo
 	}
 }
 
+/* Gap of two bodies at the start, m, by the same functions that the methods use. */
 static double gap_at_start(const struct check *check, int a, int b)
 {
 	const struct rb_body_def *body_a = &check->scene->bodies[a];
@@ -546,6 +582,7 @@ static double gap_at_start(const struct check *check, int a, int b)
 	return rb_parts_gap_at_start(check->parts, check->scene, a, b);
 }
 
+/* Reports a pair that overlaps by more than the tolerance; the first OVERLAPS_SHOWN by name. */
 static void check_overlap(struct check *check, int a, int b, int *found)
 {
 	const struct rb_scene *scene = check->scene;
@@ -565,7 +602,7 @@ static void check_overlap(struct check *check, int a, int b, int *found)
 	}
 }
 
-/* The bodies' boxes, those that move first; id[] gives the body of a box. */
+/* Bounding boxes, moving bodies first; id[] is the body of a box. */
 struct start_boxes {
 	rb_aabb *box;
 	int *id, *planes;
@@ -574,7 +611,7 @@ struct start_boxes {
 
 static rb_aabb box_at_start(const struct rb_scene *scene, const struct rb_body_def *body)
 {
-	/* the sphere around a rectangle will do: it is only a first sieve */
+	/* the bounding sphere of a rectangle suffices: this is only the broad phase */
 	const double r = body->shape.kind == RB_SHAPE_RECTANGLE
 	                         ? 0.5 * (body->shape.size[0] + body->shape.size[1])
 	                         : rb_shape_reach(scene->solids, &body->shape);
@@ -604,9 +641,13 @@ static void fill_boxes(const struct rb_scene *scene, struct start_boxes *boxes)
 	}
 }
 
+/* Planes against all moving bodies, all others by the grid. */
 static enum rb_status check_boxes(struct check *check, const struct start_boxes *boxes,
                                   struct rb_error *err)
 {
+	RB_ASSERT(boxes->moving <= boxes->count);
+	RB_ASSERT(boxes->count + boxes->plane_count <= check->scene->body_count);
+
 	const struct rb_grid_boxes asked = {
 		.moving = boxes->box,
 		.fixed = boxes->box + boxes->moving,
@@ -639,6 +680,7 @@ static enum rb_status check_boxes(struct check *check, const struct start_boxes 
 	return status;
 }
 
+/* Searches all pairs that may touch for overlaps at the start. */
 static enum rb_status check_overlaps(struct check *check, struct rb_error *err)
 {
 	const size_t count = (size_t)check->scene->body_count;
@@ -683,7 +725,7 @@ enum rb_status rb_scene_check(const struct rb_scene *scene, bool turns,
 	status = check_names(&check, err);
 	if (good)
 		check_tolerance(&check);
-	/* with a useless tolerance the overlaps would be named against it */
+	/* an unusable tolerance would make every overlap wrong */
 	if (status == RB_OK && good && check.sizes.tolerance_m >= 0)
 		status = check_overlaps(&check, err);
 	if (status == RB_OK && check.mistakes->count > before) {
