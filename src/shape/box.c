@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A box about its origin, with edges along its axes. */
+/*
+ * A box about its origin with edges along its axes: the only polytope with a closed-form support
+ * function (geom/polytope), hence a type of its own and not a hull of eight points.
+ */
 #include <math.h>
 #include <stdio.h>
 
+#include "base/error.h"
 #include "shape/shape_types.h"
 
 #define AT(member) offsetof(struct rb_body_def, shape.member)
@@ -30,6 +34,7 @@ static double volume(const struct rb_shape *shape)
 
 static rb_mat3 inertia(const struct rb_shape *shape, double mass)
 {
+	RB_ASSERT_COSTLY(!(mass < 0));
 	const double *const s = shape->size;
 
 	return rb_mat3_diagonal(mass / 12 * (s[1] * s[1] + s[2] * s[2]),

@@ -32,7 +32,11 @@ static double volume(const struct rb_shape *shape)
 	return RB_PI * r * r * (shape->size[2] + 4.0 / 3.0 * r);
 }
 
-/* A cylinder and two half balls whose centroids are 3/8 r beyond its ends. */
+/*
+ * Tensor about the centre, kg m^2: a cylinder of mass `middle` and two half balls of together
+ * `caps`, whose centroids lie 3/8 r beyond its ends; a half ball has 2/5 - 9/64 of its m r^2 across
+ * about its centroid, and shifting it by length / 2 + 3/8 r gives the sum below.
+ */
 static rb_mat3 inertia(const struct rb_shape *shape, double mass)
 {
 	const double r = shape->radius, length = shape->size[2];
@@ -63,6 +67,7 @@ static rb_vec3 half(const struct rb_shape *shape)
 	return (rb_vec3){shape->radius, shape->radius, reach(shape)};
 }
 
+/* The segment's nearest point has the same z, clamped to its ends. */
 static double distance(const struct rb_shape *shape, rb_vec3 point)
 {
 	const double end = 0.5 * shape->size[2];

@@ -59,6 +59,7 @@ static rb_vec3 half(const struct rb_shape *shape)
 	return (rb_vec3){shape->radius, shape->radius, 0.5 * shape->size[2]};
 }
 
+/* Radial and axial excess; the third direction never limits. */
 static double distance(const struct rb_shape *shape, rb_vec3 point)
 {
 	return rb_shape_beyond((rb_vec3){hypot(point.x, point.y) - shape->radius,

@@ -1,5 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The table of shape types in the order of enum rb_shape_kind, whose numbers recordings keep, from
+ * one list of names.
+ */
 #include "shape/shape_types.h"
+
+#include "base/error.h"
 
 #define ROW(kind, name) [RB_SHAPE_##kind] = &rb_shape_##name,
 const struct rb_shape_type *const rb_shape_types[RB_SHAPE_KIND_COUNT] = {RB_SHAPE_TYPES(ROW)};
@@ -7,6 +13,8 @@ const struct rb_shape_type *const rb_shape_types[RB_SHAPE_KIND_COUNT] = {RB_SHAP
 enum rb_status rb_shape_core_of_segment(rb_core *core, double half_length, double radius,
                                         struct rb_error *err)
 {
+	RB_ASSERT(half_length >= 0 && radius >= 0);
+
 	struct rb_polytope *polytope = NULL;
 	const enum rb_status status = rb_polytope_create_segment(&polytope, half_length, err);
 
