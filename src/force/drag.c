@@ -1,8 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Drag F = -(c1 + c2 |v|) v at the centre of mass: Stokes and Newton regimes with coefficients of
+ * the scene. It exerts no torque, since neither shape nor wake is modelled. Methods solve it
+ * implicitly where it is stiff (stepped/force).
+ */
 #include "force/drag.h"
 
 #include <math.h>
 #include <stdio.h>
+
+#include "base/error.h"
 
 #define AT(member) offsetof(struct rb_drag_def, member)
 
@@ -34,6 +41,7 @@ static bool matters(const void *row)
 	return drag->linear > 0 || drag->quadratic > 0;
 }
 
+/* The force at a pose; always acts, also at rest, where it is zero. */
 static bool act(const struct rb_element_query *query, const void *row, int index,
                 const struct rb_pose *pose, struct rb_wrench *out)
 {
@@ -41,6 +49,7 @@ static bool act(const struct rb_element_query *query, const void *row, int index
 	const double share = drag->linear + drag->quadratic * rb_vec3_length(pose->velocity);
 
 	(void)query, (void)index;
+	RB_ASSERT_COSTLY(drag->linear >= 0 && drag->quadratic >= 0);
 	*out = (struct rb_wrench){.force = rb_vec3_scale(-share, pose->velocity)};
 	return true;
 }

@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A spring and damper in parallel (Kelvin-Voigt) between two points: tension T = k (l - l0) + c
+ * dl/dt along the line between them. The direction is undefined at length zero, where no force is
+ * exerted; a rest length above zero with coincident ends is rejected at the start. Energy k (l -
+ * l0)^2 / 2 and dissipation c (dl/dt)^2 enter the energies and the ledger.
+ */
 #include "force/spring.h"
 
 #include <math.h>
 #include <stdio.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 
 #define AT(member) offsetof(struct rb_spring_def, member)
@@ -41,7 +48,7 @@ static void ends(const void *row, int id[2])
 	id[1] = spring->b;
 }
 
-/* World coordinates of one end at the start. */
+/* One end at the start, world axes, m. */
 static rb_vec3 start_of(const struct rb_body_def *body, rb_vec3 at)
 {
 	const rb_vec3 local = isnan(at.x) ? body->center_of_mass : at;
@@ -87,7 +94,7 @@ static void seal(const struct rb_scene *scene, void *row)
 		spring->rest_length_m = rb_vec3_length(span_at_start(scene, spring));
 }
 
-/* An end off the centre of mass. */
+/* True if the spring is attached off the body's centre of mass. */
 static bool turns(const struct rb_scene *scene, const void *row, int id)
 {
 	const struct rb_spring_def *spring = row;
@@ -97,7 +104,7 @@ static bool turns(const struct rb_scene *scene, const void *row, int id)
 	       rb_vec3_max_abs(rb_vec3_sub(at, scene->bodies[id].center_of_mass)) > 0;
 }
 
-/* What a spring is at one moment. */
+/* State of a spring at one moment. */
 struct stretch {
 	rb_vec3 arm_a, arm_b; /* m, from centres of mass */
 	rb_vec3 along;        /* unit, from a to b */
@@ -105,9 +112,15 @@ struct stretch {
 	double rate;          /* m/s, of the length */
 };
 
+/*
+ * Length, direction and rate from the poses of the query; the difference of positions is formed by
+ * rb_pose_between, which keeps digits far from the origin.
+ */
 static struct stretch stretch_at(const struct rb_element_query *query,
                                  const struct rb_spring_def *spring)
 {
+	RB_ASSERT_COSTLY(spring->rest_length_m >= 0); /* sealed */
+
 	const struct rb_model *model = query->model;
 	const int i = model->index_of[spring->a], j = model->index_of[spring->b];
 	const struct rb_pose a = query->pose(query, i), b = query->pose(query, j);
@@ -133,6 +146,7 @@ static bool act(const struct rb_element_query *query, const void *row, int index
 	const bool is_a = query->model->index_of[spring->a] == index;
 
 	(void)pose;
+	RB_ASSERT_COSTLY(is_a || query->model->index_of[spring->b] == index);
 	if (!(s.length > 0))
 		return false;
 	const double tension = spring->stiffness * (s.length - spring->rest_length_m) +
