@@ -1,11 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Checks after a frame rather than assertions in the passes, because they walk all rows and name
+ * the body and the number that is wrong.
+ */
 #include "world/invariants.h"
 
 #include "base/error.h"
 
 /*
- * Of unit vectors and quaternions: each step normalizes those that it makes; what is left are some
- * roundings, and of the located method the error of a piece.
+ * Largest deviation of unit vectors and quaternions from length 1. A step normalizes what it makes
+ * and leaves some roundings; the located method's dense output is off by the tolerance of a piece.
  */
 static const double unit_error = 1e-9;
 
@@ -51,6 +55,10 @@ enum rb_status rb_validate_state(const struct rb_world *world, struct rb_error *
 	return RB_OK;
 }
 
+/*
+ * One contact: bodies, place, and a force within the friction cone's geometry (pushing,
+ * tangential).
+ */
 static enum rb_status validate_contact(const struct rb_world *world, const struct rb_contact *c,
                                        struct rb_error *err)
 {
@@ -96,7 +104,7 @@ enum rb_status rb_validate_contacts(const struct rb_world *world,
 	return status;
 }
 
-/* False: a square of a speed would overflow, and with it sums of energies. */
+/* False if the square of a speed overflows, and with it sums of energies. */
 static bool has_energies(const struct rb_world *world)
 {
 	const double *const v = world->state.velocity;

@@ -1,13 +1,22 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Each cause has a running sum and the rounding lost by it (Neumaier's variant of Kahan summation),
+ * so that millions of impacts add up to an ulp of the sum. What the initial values plus all entries
+ * do not explain of the present values is the residual, reported as cause "unexplained".
+ */
 #include "world/ledger.h"
 
 #include <math.h>
+
+#include "base/error.h"
 
 RB_FIELDS_DEFINE(rb_entries_fields, struct rb_entries, RB_ENTRIES_FIELDS);
 RB_FIELDS_DEFINE(rb_ledger_fields, struct rb_ledger, RB_LEDGER_FIELDS);
 
 const char *rb_ledger_energy_name(int cause)
 {
+	RB_ASSERT(cause >= 0 && cause <= RB_ENERGY_CAUSES);
+
 	static const char *const name[RB_ENERGY_CAUSES + 1] = {
 		[RB_ENERGY_APPLIED] = "applied",
 		[RB_ENERGY_DRIVEN] = "driven",
@@ -27,6 +36,8 @@ const char *rb_ledger_energy_name(int cause)
 
 const char *rb_ledger_momentum_name(int cause)
 {
+	RB_ASSERT(cause >= 0 && cause <= RB_MOMENTUM_CAUSES);
+
 	static const char *const name[RB_MOMENTUM_CAUSES + 1] = {
 		[RB_MOMENTUM_APPLIED] = "applied",     [RB_MOMENTUM_DRAG] = "drag",
 		[RB_MOMENTUM_CALLBACKS] = "callbacks", [RB_MOMENTUM_DRIVEN] = "driven",
@@ -43,8 +54,12 @@ void rb_entries_add(struct rb_entries *to, double share, const struct rb_entries
 	to->causes |= from->causes;
 }
 
+/*
+ * Neumaier's step on entries [first, first + count): the smaller of old sum and entry loses digits.
+ */
 static void add(struct rb_ledger *ledger, int first, int count, const double *row)
 {
+	RB_ASSERT_COSTLY(first >= 0 && first + count <= RB_ENTRIES);
 	for (int k = first; k < first + count; k++) {
 		const double x = row[k], old = ledger->sum[k], sum = old + x;
 
@@ -55,6 +70,8 @@ static void add(struct rb_ledger *ledger, int first, int count, const double *ro
 
 void rb_ledger_enter(struct rb_ledger *ledger, const struct rb_entries *entries)
 {
+	RB_ASSERT(ledger->kept || entries->causes == 0);
+
 	for (int k = 0; k < RB_ENERGY_CAUSES; k++)
 		if (entries->causes & 1u << k)
 			add(ledger, k, 1, entries->row);
@@ -73,6 +90,7 @@ void rb_ledger_start(struct rb_ledger *ledger, const struct rb_frame_numbers *nu
 	ledger->start_angular = numbers->angular_momentum;
 }
 
+/* Compensated sum of three entries from `first` on. */
 static rb_vec3 vector_of(const struct rb_ledger *ledger, int first)
 {
 	return rb_vec3_add(rb_vec3_from(ledger->sum + first), rb_vec3_from(ledger->rest + first));

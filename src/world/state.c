@@ -1,6 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * All columns lie in one block, so that copy, rollback and hash are one memcpy or one pass over it.
+ * Which columns exist follows from RB_STATE_FIELDS by X-macros; adding one there suffices.
+ */
 #include "world/state.h"
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 
@@ -18,7 +23,7 @@ const struct rb_state_column *rb_state_columns(int *count)
 	return column_rows;
 }
 
-/* Columns start on 64-byte lines. */
+/* Doubles that a column takes: padded to whole cache lines, so that columns are aligned. */
 static size_t column_room(int body_count, int columns)
 {
 	return ((size_t)body_count * (size_t)columns + 7) & ~(size_t)7;
@@ -49,6 +54,7 @@ enum rb_status rb_state_init(struct rb_state *state, int body_count, rb_features
 	}
 	RB_STATE_FIELDS(X)
 #undef X
+	RB_ASSERT((size_t)(next - state->block) == room);
 	return RB_OK;
 }
 
@@ -60,6 +66,8 @@ void rb_state_release(struct rb_state *state)
 
 void rb_state_copy(struct rb_state *to, const struct rb_state *from)
 {
+	RB_ASSERT(to->body_count == from->body_count && to->size_bytes == from->size_bytes);
+
 	to->frame = from->frame;
 	to->time_s = from->time_s;
 	memcpy(to->block, from->block, from->size_bytes);
@@ -68,6 +76,8 @@ void rb_state_copy(struct rb_state *to, const struct rb_state *from)
 void rb_state_copy_rows(struct rb_state *to, const struct rb_state *from, const int *member,
                         int count)
 {
+	RB_ASSERT_COSTLY(to->size_bytes == from->size_bytes && count >= 0);
+
 #define X(name, columns, feature, unit, what)                                                    \
 	if (from->name)                                                                          \
 		for (int k = 0; k < count; k++)                                                  \
@@ -89,6 +99,8 @@ int rb_state_row_size(const struct rb_state *state)
 
 void rb_state_save_rows(const struct rb_state *state, const int *member, int count, double *buffer)
 {
+	RB_ASSERT_COSTLY(count >= 0 && count <= state->body_count);
+
 #define X(name, columns, feature, unit, what)                             \
 	if (state->name)                                                  \
 		for (int k = 0; k < count; k++, buffer += (columns))      \
@@ -100,6 +112,8 @@ void rb_state_save_rows(const struct rb_state *state, const int *member, int cou
 
 void rb_state_load_rows(struct rb_state *state, const int *member, int count, const double *buffer)
 {
+	RB_ASSERT_COSTLY(count >= 0 && count <= state->body_count);
+
 #define X(name, columns, feature, unit, what)                             \
 	if (state->name)                                                  \
 		for (int k = 0; k < count; k++, buffer += (columns))      \
@@ -110,8 +124,9 @@ void rb_state_load_rows(struct rb_state *state, const int *member, int count, co
 }
 
 /*
- * What is at rest in the columns of pushes, which come last, says nothing: a scene whose callbacks
- * push nothing has the hash of one without callbacks.
+ * Bytes of the block that count for the hash: without the columns of callback forces, which come
+ * last, if these are zero. A scene whose callbacks apply nothing then has the hash of one without
+ * callbacks.
  */
 static size_t telling_bytes(const struct rb_state *state)
 {

@@ -1,19 +1,28 @@
 /* SPDX-License-Identifier: MIT */
-/* What callers may read of a world and what callbacks may change in it. */
+/*
+ * What callers may read of a world and what callbacks may change in it. Ids are those of the scene;
+ * internally everything is by index. Each change by a callback is entered in the ledger as the
+ * difference of energy and momentum before and after, which covers any kind of change, and reported
+ * as an event.
+ */
 #include "world/world.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 
 RB_FIELDS_DEFINE(rb_counts_fields, struct rb_counts, RB_COUNTS_FIELDS);
 RB_FIELDS_DEFINE(rb_event_fields, struct rb_event, RB_EVENT_FIELDS);
 RB_FIELDS_DEFINE_PART(rb_world_fields, struct rb_world, RB_WORLD_FIELDS);
 
+/* True for a body that is not static. */
 static bool moves(const struct rb_world *world, int id)
 {
+	RB_ASSERT_COSTLY(id >= 0 && id < world->model->body_count + world->model->static_count);
+
 	return world->model->index_of[id] < world->model->body_count;
 }
 
-/* Moves, and has a mass to count with. */
+/* True for a dynamic body: neither static nor driven, so that its energy and momentum count. */
 static bool yields(const struct rb_world *world, int id)
 {
 	return moves(world, id) &&
@@ -110,7 +119,10 @@ rb_vec3 rb_world_center_of_mass(const struct rb_world *world, int id)
 	                        : rb_world_position(world, id);
 }
 
-/* Spin angular momentum of a body by id; nothing for those that cannot turn. */
+/*
+ * Angular momentum about its centre of mass of a dynamic body by id; zero for those that cannot
+ * turn.
+ */
 static rb_vec3 spin_momentum(const struct rb_world *world, int id)
 {
 	const rb_vec3 none = {0, 0, 0};
@@ -155,6 +167,9 @@ rb_vec3 rb_world_point(const struct rb_world *world, int id, rb_vec3 point_local
 
 struct rb_pose rb_world_pose(const struct rb_world *world, const struct rb_state *state, int index)
 {
+	RB_ASSERT_COSTLY(index >= 0 &&
+	                 index < world->model->body_count + world->model->static_count);
+
 	const struct rb_model *model = world->model;
 	const bool moves_too = index < model->body_count;
 	struct rb_pose pose = {.origin = rb_world_origin_at(world, state, index),
@@ -169,6 +184,7 @@ struct rb_pose rb_world_pose(const struct rb_world *world, const struct rb_state
 	return pose;
 }
 
+/* The pose that a force element sees: of the present state. */
 static struct rb_pose pose_of(const struct rb_element_query *query, int index)
 {
 	const struct rb_world *world = query->user;
@@ -203,13 +219,17 @@ enum rb_status rb_world_report_collisions(struct rb_world *world, size_t first,
 	return status;
 }
 
-/* What a callback can change of a body. */
+/* What a callback can change of a body, for the difference before and after. */
 struct account {
 	rb_vec3 position, momentum, spin_momentum; /* of its centre of mass, and about it */
 	double energy;                             /* J; this and the next for the ledger alone */
 	rb_vec3 angular;                           /* kg m^2/s, about the origin */
 };
 
+/*
+ * Zeros for bodies without a mass of their own. Energy and angular momentum only if a ledger is
+ * kept: the energy of force elements costs a sum over all of them.
+ */
 static struct account account_of(const struct rb_world *world, int id)
 {
 	const struct rb_world_def *def = &world->model->scene->world;
@@ -231,7 +251,7 @@ static struct account account_of(const struct rb_world *world, int id)
 	return account;
 }
 
-/* Changes of one kind to a body at one time are one event. */
+/* Records a change; several of one kind to one body at one moment are added up in one event. */
 static void report_change(struct rb_world *world, enum rb_event_kind kind, int id, rb_vec3 change)
 {
 	struct rb_events *const events = &world->events;
@@ -260,7 +280,7 @@ static void report_change(struct rb_world *world, enum rb_event_kind kind, int i
 		events->lost = true;
 }
 
-/* Into the ledger and the events, where they are kept. */
+/* Enters the change since `before` in the ledger and the events, where these are kept. */
 static void enter_change(struct rb_world *world, int id, const struct account *before)
 {
 	const struct account now = account_of(world, id);
@@ -284,6 +304,8 @@ static void enter_change(struct rb_world *world, int id, const struct account *b
 
 void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_vec3 point)
 {
+	RB_ASSERT(moves(world, id));
+
 	const struct rb_model *model = world->model;
 	const int i = model->index_of[id];
 	const rb_vec3 arm = rb_vec3_sub(point, rb_world_row3(world->state.position, i));
@@ -306,6 +328,8 @@ void rb_world_apply_impulse(struct rb_world *world, int id, rb_vec3 impulse, rb_
 
 void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3 point)
 {
+	RB_ASSERT(moves(world, id));
+
 	const int i = world->model->index_of[id];
 	const rb_vec3 arm = rb_vec3_sub(point, rb_world_row3(world->state.position, i));
 
@@ -321,6 +345,8 @@ void rb_world_apply_force(struct rb_world *world, int id, rb_vec3 force, rb_vec3
 
 void rb_world_apply_torque(struct rb_world *world, int id, rb_vec3 torque)
 {
+	RB_ASSERT(moves(world, id));
+
 	const int i = world->model->index_of[id];
 
 	if (!world->state.twist)
@@ -333,6 +359,8 @@ void rb_world_apply_torque(struct rb_world *world, int id, rb_vec3 torque)
 
 void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity)
 {
+	RB_ASSERT(moves(world, id));
+
 	const int i = world->model->index_of[id];
 	const struct account before = account_of(world, id);
 
@@ -344,6 +372,8 @@ void rb_world_set_velocity(struct rb_world *world, int id, rb_vec3 velocity)
 
 void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angular_velocity)
 {
+	RB_ASSERT(moves(world, id));
+
 	const int i = world->model->index_of[id];
 	const struct account before = account_of(world, id);
 
@@ -357,6 +387,8 @@ void rb_world_set_angular_velocity(struct rb_world *world, int id, rb_vec3 angul
 
 void rb_world_set_position(struct rb_world *world, int id, rb_vec3 position)
 {
+	RB_ASSERT(moves(world, id));
+
 	const int i = world->model->index_of[id];
 	const rb_vec3 shift = rb_vec3_sub(position, rb_world_origin_at(world, &world->state, i));
 
