@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The grid of geom/grid with the static boxes prepared once. Infinite planes have no box: each is
+ * tested against every moving box, since scenes have a handful of them. Rectangles have tight
+ * boxes, all other static bodies that of their bounding sphere.
+ */
 #include "step/broadphase.h"
 
 #include <float.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "geom/distance.h"
 
@@ -25,6 +31,7 @@ struct rb_broadphase {
 	uint64_t plane_tests;
 };
 
+/* World box of a bounded static body, m. */
 static rb_aabb box_of_static(const struct rb_model *model, int index)
 {
 	const rb_vec3 p = model->position[index];
@@ -36,7 +43,7 @@ static rb_aabb box_of_static(const struct rb_model *model, int index)
 		const rb_rectangle r = rb_rectangle_of(p, model->orientation[index], shape->size);
 		const rb_vec3 x = rb_vec3_scale(r.half_x, r.axis_x),
 			      y = rb_vec3_scale(r.half_y, r.axis_y);
-		/* room for the rounding of the turned axes */
+		/* margin for the rounding of the rotated axes */
 		const double slack = 4 * DBL_EPSILON * (r.half_x + r.half_y);
 
 		h = (rb_vec3){fabs(x.x) + fabs(y.x) + slack, fabs(x.y) + fabs(y.y) + slack,
@@ -45,6 +52,7 @@ static rb_aabb box_of_static(const struct rb_model *model, int index)
 	return (rb_aabb){rb_vec3_sub(p, h), rb_vec3_add(p, h)};
 }
 
+/* Allocates for the static bodies and, with filters, for all. */
 static enum rb_status take_columns(struct rb_broadphase *broadphase, struct rb_error *err)
 {
 	const struct rb_model *model = broadphase->model;
@@ -65,6 +73,7 @@ static enum rb_status take_columns(struct rb_broadphase *broadphase, struct rb_e
 	return RB_OK;
 }
 
+/* Divides the static bodies into planes and boxes; filters are copied by index of the grid. */
 static void sort_statics(struct rb_broadphase *broadphase)
 {
 	const struct rb_model *model = broadphase->model;
@@ -90,6 +99,7 @@ static void sort_statics(struct rb_broadphase *broadphase)
 		broadphase->group_bit[i] = model->group_bit[index];
 		broadphase->collides[i] = model->collides[index];
 	}
+	RB_ASSERT(broadphase->fixed_count + broadphase->plane_count == model->static_count);
 }
 
 enum rb_status rb_broadphase_create(struct rb_broadphase **broadphase, const struct rb_model *model,
@@ -125,7 +135,9 @@ void rb_broadphase_destroy(struct rb_broadphase *broadphase)
 	rb_memory_free(broadphase);
 }
 
-/* The box's corner deepest behind the plane, with room for the rounding of the sum. */
+/*
+ * True if the box's deepest corner is behind the plane, with a margin of 8 ulp of the sum's terms.
+ */
 static inline bool reaches(const struct half_space *plane, const rb_aabb *box)
 {
 	const rb_vec3 n = plane->normal;
@@ -137,6 +149,7 @@ static inline bool reaches(const struct half_space *plane, const rb_aabb *box)
 	return x * n.x + y * n.y + z * n.z <= 8 * DBL_EPSILON * size;
 }
 
+/* Adds the pairs of planes and moving boxes. */
 static enum rb_status find_planes(struct rb_broadphase *broadphase, const rb_aabb *box,
                                   struct rb_error *err)
 {
@@ -180,7 +193,7 @@ enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aab
 	*pairs = NULL;
 	*pair_count = 0;
 	enum rb_status status = rb_grid_find(grid, &boxes, err);
-	/* from the grid's numbers of the statics, which leave the planes out, to the model's */
+	/* from indices of the grid, which lack the planes, to those of the model */
 	if (broadphase->plane_count > 0)
 		for (size_t i = 0; i < grid->pair_count; i++)
 			if (grid->pairs[i].b >= model->body_count)
@@ -191,6 +204,7 @@ enum rb_status rb_broadphase_find(struct rb_broadphase *broadphase, const rb_aab
 	if (status == RB_OK)
 		status = rb_grid_sort(grid, model->body_count + model->static_count, err);
 	if (status == RB_OK) {
+		RB_ASSERT(grid->pair_count == 0 || grid->pairs[0].a < grid->pairs[0].b);
 		*pairs = grid->pairs;
 		*pair_count = grid->pair_count;
 	}

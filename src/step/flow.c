@@ -1,5 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Position update of semi-implicit (symplectic) Euler: x += h v with the new v, so that energy
+ * oscillates without drift. Orientation is turned by the exact exponential of the spin; q += h w q
+ * / 2 followed by normalization would turn a constant spin by 2 atan(h |w| / 2) instead of h |w|.
+ */
 #include "step/flow.h"
+
+#include "base/error.h"
 
 static void translate(struct rb_pass *pass)
 {
@@ -10,6 +17,7 @@ static void translate(struct rb_pass *pass)
 	for (int k = 0; k < pass->member_count; k++) {
 		const size_t row = 3 * (size_t)pass->member[k];
 
+		RB_ASSERT_COSTLY(pass->member[k] < pass->world->state.body_count);
 		position[row] += h * velocity[row];
 		position[row + 1] += h * velocity[row + 1];
 		position[row + 2] += h * velocity[row + 2];
@@ -25,6 +33,10 @@ static void turn(double *orientation, rb_vec3 spin, double h)
 	rb_quat_to(orientation, rb_quat_unit(q));
 }
 
+/*
+ * For bodies whose spin is constant without torque: spheres, cubes, or a scene without unequal
+ * moments.
+ */
 static void rotate(struct rb_pass *pass)
 {
 	struct rb_state *state = &pass->world->state;
@@ -38,6 +50,7 @@ static void rotate(struct rb_pass *pass)
 	}
 }
 
+/* Keeps the angular momentum through the turn; the spin follows from it at the new orientation. */
 static void rotate_gyroscopic(struct rb_pass *pass)
 {
 	struct rb_world *world = pass->world;

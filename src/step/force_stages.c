@@ -1,5 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Velocity updates of semi-implicit Euler, one stage for each kind of external force. A stated
+ * force acts for the exact part of the substep that lies within its duration, so its impulse does
+ * not depend on the steps.
+ */
 #include "step/force_stages.h"
+
+#include "base/error.h"
 
 static void gravity(struct rb_pass *pass)
 {
@@ -31,9 +38,11 @@ static void gravity_force(struct rb_pass *pass)
 	}
 }
 
-/* An impulse and the turn of it, at an arm from the centre of mass. */
+/* Applies an impulse, N s, and an angular impulse about the centre of mass, N m s. */
 static void push(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 angular_impulse)
 {
+	RB_ASSERT_COSTLY(i >= 0 && i < world->model->body_count);
+
 	struct rb_state *state = &world->state;
 	const rb_vec3 v = rb_world_row3(state->velocity, i);
 
@@ -46,15 +55,13 @@ static void push(struct rb_world *world, int i, rb_vec3 impulse, rb_vec3 angular
 	           rb_vec3_add(w, rb_world_turn(world, state, i, angular_impulse)));
 }
 
-/*
- * Seconds of [from, from + h] in which the force acts: its start and end fall where they fall, not
- * on a step.
- */
+/* Seconds within [from, from + h] in which the force acts. */
 static double acting_s(const struct rb_force_def *force, double from, double h)
 {
 	const double begin = fmax(from, force->start_s);
 	const double end = fmin(from + h, force->start_s + force->duration_s);
 
+	/* h itself where it acts throughout: end - begin would be rounded */
 	return begin <= from && end >= from + h ? h : fmax(0, end - begin);
 }
 
@@ -64,6 +71,7 @@ struct rb_force_impulse rb_forces_stated(const struct rb_pass *pass, const struc
 	const struct rb_world *world = pass->world;
 	const struct rb_scene *scene = world->model->scene;
 	const struct rb_body_def *body = &scene->bodies[world->model->id_of[index]];
+	RB_ASSERT_COSTLY(f >= 0 && f < body->force_count);
 	const struct rb_force_def *force = &scene->forces[body->force_first + f];
 	const double span = acting_s(force, pass->start_s + pass->done_s, pass->h_s);
 	struct rb_force_impulse out = {.cause = RB_MOMENTUM_APPLIED};
@@ -87,6 +95,7 @@ struct rb_force_impulse rb_forces_stated(const struct rb_pass *pass, const struc
 	return out;
 }
 
+/* Each body's list of forces. */
 static void applied(struct rb_pass *pass)
 {
 	struct rb_world *world = pass->world;

@@ -1,17 +1,21 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Closed-form gaps of a sphere against sphere, plane and rectangle, by a table of the other's kind,
+ * and the smallest gap along the straight path of a substep (continuous collision detection), so
+ * that nothing tunnels. The worst violation of a group decides whether its substep is repeated with
+ * a shorter one.
+ */
 #include "step/gap.h"
 
+#include "base/error.h"
 #include "geom/distance.h"
 
 #include <float.h>
 
-/* Centre of the sphere `a` against the body `b`, which stands there. */
+/* Gap of the sphere `a` at `center` against body b. */
 typedef struct rb_gap gap_function(const struct rb_model *model, int a, rb_vec3 center, int b,
                                    rb_vec3 origin_b, rb_quat turn_b);
-/*
- * Smallest gap while the sphere's centre moves from `from` to `to` in a straight line, relative to
- * b at origin_b.
- */
+/* Smallest gap, m, while the sphere's centre moves straight from `from` to `to`, relative to b. */
 typedef double swept_function(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                               rb_vec3 origin_b);
 
@@ -59,7 +63,7 @@ static gap_function *const gap_of[RB_SHAPE_KIND_COUNT] = {
 	[RB_SHAPE_RECTANGLE] = sphere_rectangle,
 };
 
-/* Distance of a point to a segment. */
+/* Distance of a point to a segment, m. */
 static double point_to_segment(rb_vec3 p, rb_vec3 from, rb_vec3 to)
 {
 	const rb_vec3 along = rb_vec3_sub(to, from);
@@ -76,7 +80,7 @@ static double swept_sphere(const struct rb_model *model, int a, rb_vec3 from, rb
 	       (model->shape[a].radius + model->shape[b].radius);
 }
 
-/* A half-space is deepest at an end of a straight path, and both ends are looked at anyway. */
+/* A half space is deepest at an end of a straight path, and both ends are measured anyway. */
 static double swept_plane(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                           rb_vec3 origin_b)
 {
@@ -85,9 +89,8 @@ static double swept_plane(const struct rb_model *model, int a, rb_vec3 from, rb_
 }
 
 /*
- * Distance of the path to the sheet. Distance to a convex set is a convex function along a straight
- * line, so a golden section search finds its minimum; a path through the sheet is found by the
- * change of side.
+ * Distance of the path to the sheet. The distance to a convex set is convex along a line, so golden
+ * section search finds its minimum; a path through the sheet is detected by the change of side.
  */
 static double swept_rectangle(const struct rb_model *model, int a, rb_vec3 from, rb_vec3 to, int b,
                               rb_vec3 origin_b)
@@ -112,6 +115,7 @@ static double swept_rectangle(const struct rb_model *model, int a, rb_vec3 from,
 	} else if (fmin(fabs(side_from), fabs(side_to)) >= radius) {
 		return fmin(fabs(side_from), fabs(side_to)) - radius;
 	}
+	/* 0.618^48 = 1e-10 of the path; 0.382 = 2 - golden ratio */
 	for (int round = 0; round < 48; round++) {
 		const double s = low + 0.381966011250105 * (high - low),
 			     t = high - 0.381966011250105 * (high - low);
@@ -137,6 +141,9 @@ static swept_function *const swept_of[RB_SHAPE_KIND_COUNT] = {
 struct rb_gap rb_gap_at(const struct rb_world *world, const struct rb_state *state, int a,
                         rb_vec3 center, int b)
 {
+	RB_ASSERT_COSTLY(gap_of[world->model->shape[b].kind]);
+	RB_ASSERT_COSTLY(world->model->shape[a].kind == RB_SHAPE_SPHERE);
+
 	return gap_of[world->model->shape[b].kind](world->model, a, center, b,
 	                                           rb_world_origin_at(world, state, b),
 	                                           rb_world_orientation_at(world, state, b));
@@ -166,7 +173,7 @@ double rb_gap_radius(const struct rb_model *model, int a, int b)
 	               : HUGE_VAL;
 }
 
-/* How deep this pair may be at the end of the substep. */
+/* Smallest gap allowed for this pair at the end of the substep, m (see step/gap.h). */
 static double allowed(const struct rb_pass *pass, const struct rb_touch *touch, double gap_now)
 {
 	const double tolerance = pass->world->model->tolerance_m;
@@ -176,13 +183,13 @@ static double allowed(const struct rb_pass *pass, const struct rb_touch *touch, 
 	return fmax(-tolerance, fmin(-0.5 * tolerance, gap_now - touch->band));
 }
 
-/*
- * An eccentric body that turns further than this in a substep leaves the straight path too far to
- * be swept, rad.
- */
+/* Turn in a substep, rad, beyond which the path of an eccentric body is too far from straight. */
 static const double turn_max = 1;
 
-/* Could the arcs of these two have met what the straight path does not show? */
+/*
+ * True if the bodies may have met on their arcs where the straight path shows nothing: a large turn
+ * and a gap within reach of the arms between shape centre and centre of mass.
+ */
 static bool turns_too_far(const struct rb_pass *pass, const struct rb_touch *touch, double gap)
 {
 	const struct rb_world *world = pass->world;
@@ -206,6 +213,7 @@ static bool turns_too_far(const struct rb_pass *pass, const struct rb_touch *tou
 	return turn > turn_max && gap < 2 * arms;
 }
 
+/* Gaps at the end of the substep and along it; the pair that violates its limit most. */
 static void measure(struct rb_pass *pass)
 {
 	const struct rb_world *world = pass->world;
@@ -213,13 +221,14 @@ static void measure(struct rb_pass *pass)
 
 	for (int k = 0; k < pass->touch_count; k++) {
 		const struct rb_touch *touch = &pass->touch[k];
+		RB_ASSERT_COSTLY(touch->a >= 0 && touch->a < world->model->body_count);
 		const double floor = allowed(pass, touch, pass->now[k].gap);
 		double gap;
 
 		pass->next[k] = rb_gap_of(world, &world->state, touch->a, touch->b);
 		gap = pass->next[k].gap;
 		if (gap >= floor && !touch->lasting) {
-			/* seen from b, which stands still at its end */
+			/* relative to b at its final place */
 			const rb_vec3 b_to = rb_world_origin_at(world, &world->state, touch->b);
 			const rb_vec3 b_moved = rb_vec3_sub(
 				b_to, rb_world_origin_at(world, &world->mark, touch->b));
@@ -232,7 +241,7 @@ static void measure(struct rb_pass *pass)
 			if (turns_too_far(pass, touch, gap))
 				gap = 2 * floor; /* try again with less of a turn */
 		}
-		/* written so that NaN counts as the worst */
+		/* NaN counts as the worst */
 		if (!(floor - gap <= worst_excess)) {
 			worst_excess = isnan(gap) ? HUGE_VAL : floor - gap;
 			pass->worst = k;

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* The reason why a part is left out is that of the first absent feature that it needs. */
 #include "step/method_part.h"
 
 #include "model/features.h"

@@ -1,25 +1,34 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Verifies a driven body's function of time by adaptive bisection. An interval is smooth if the
+ * change of place matches Simpson's rule over the returned velocities, or, without velocities, if
+ * the middle lies near the mean of the ends. Rough halves are bisected further: at a kink roughness
+ * shrinks with the interval, at a jump it does not and the interval reaches the resolution of time,
+ * and velocities that contradict the places are rough everywhere.
+ */
 #include "step/motion.h"
 
 #include <float.h>
 #include <math.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "math/vec3.h"
 
 /*
- * Looks that some kinks and jumps within one interval never need: velocities that contradict the
- * places everywhere do.
+ * Samples that a few kinks and jumps of one interval never need (each takes two for each of some 50
+ * halvings); contradicting velocities, rough everywhere, exceed it.
  */
 enum { INSPECTIONS_MAX = 1024 };
-/* Share of the size by which velocities and places differ at a kink without being seen. */
+/* Share of the size by which velocities and places may differ at a kink without notice. */
 static const double kink_share = 1e-9;
 /*
- * Of the change over an interval, what its middle may be off the mean: a kink or a jump near an end
- * has it at 1/2.
+ * Share of the change over an interval by which its middle may be off the mean. A kink at the
+ * middle is off by up to 1/2, as is a jump near an end.
  */
 static const double bent = 0.4;
 
+/* q or -q, whichever is nearer to `near`: both are the same orientation. */
 static rb_quat on_side_of(rb_quat near, rb_quat q)
 {
 	if (q.w * near.w + q.x * near.x + q.y * near.y + q.z * near.z < 0)
@@ -30,6 +39,8 @@ static rb_quat on_side_of(rb_quat near, rb_quat q)
 enum rb_status rb_motion_ask(const struct rb_world *world, int i, double t, rb_quat near,
                              struct rb_driven_pose *pose, struct rb_error *err)
 {
+	RB_ASSERT(i >= 0 && i < world->model->body_count);
+
 	const struct rb_world_hooks *hooks = &world->hooks;
 	enum rb_status status = RB_OK;
 
@@ -57,6 +68,7 @@ struct watch {
 	int looks;
 };
 
+/* dq/dt = w q / 2, w in world axes. */
 static rb_quat turning_of(const struct rb_driven_pose *pose)
 {
 	const rb_vec3 w = pose->angular_velocity;
@@ -64,7 +76,7 @@ static rb_quat turning_of(const struct rb_driven_pose *pose)
 	return rb_quat_multiply((rb_quat){0, 0.5 * w.x, 0.5 * w.y, 0.5 * w.z}, pose->orientation);
 }
 
-/* Values of places (3) or orientations (4), and their rates. */
+/* Components of place (3) or orientation (4) and of their rates; returns how many. */
 static int values_of(const struct moment *m, bool turns, double value[4], double rate[4])
 {
 	if (turns) {
@@ -78,9 +90,9 @@ static int values_of(const struct moment *m, bool turns, double value[4], double
 }
 
 /*
- * By how much [a, b] is more than smooth, seen from its middle: the change against Simpson's rule
- * over the velocities, or the middle against the mean. What is not seen, and rounding of the time,
- * is taken off: 0 is smooth.
+ * Deviation of [a, b] from a smooth motion, judged at its middle m: the change against Simpson's
+ * rule over the velocities, or the middle against the mean of the ends. Zero within what is not
+ * noticeable and the rounding of time.
  */
 static double roughness(const struct watch *w, const struct moment *a, const struct moment *m,
                         const struct moment *b, bool turns)
@@ -110,15 +122,18 @@ static double roughness(const struct watch *w, const struct moment *a, const str
 	return off > unseen + known ? off : 0;
 }
 
-/* An interval with its middle; orientations on the side of the one before. */
+/* An interval with its middle; orientations continue on one side. */
 struct part {
 	struct moment begin, middle, end;
 	bool rough[2]; /* places, orientations */
 };
 
+/* Samples the middle and rates both halves' roughness; false: the function failed. */
 static bool sample(struct watch *w, const struct moment *begin, const struct moment *end,
                    struct part *part)
 {
+	RB_ASSERT(end->t >= begin->t);
+
 	*part = (struct part){.begin = *begin, .end = *end};
 	struct moment *const m = &part->middle;
 
@@ -131,7 +146,7 @@ static bool sample(struct watch *w, const struct moment *begin, const struct mom
 	return w->status == RB_OK;
 }
 
-/* rad: of the turn from one orientation to another. */
+/* Angle of the turn from one orientation to another, rad. */
 static double angle_between(rb_quat a, rb_quat b)
 {
 	const rb_quat d = rb_quat_multiply(b, (rb_quat){a.w, -a.x, -a.y, -a.z});
@@ -170,7 +185,7 @@ static void refuse_velocities(struct watch *w, const struct part *p, bool turns)
 	                    turns ? "orientation" : "position");
 }
 
-/* It is rough; goes on where it still is. */
+/* Bisects a rough interval; a jump is what remains rough down to the resolution of time. */
 static void inspect_closer(struct watch *w, const struct part *p)
 {
 	struct part low, high;
@@ -182,7 +197,7 @@ static void inspect_closer(struct watch *w, const struct part *p)
 	if (!sample(w, &p->begin, &p->middle, &low) || !sample(w, &p->middle, &p->end, &high))
 		return;
 	w->looks += 2;
-	/* of what jumps everywhere, the first is told */
+	/* only the first jump is reported */
 	if (low.rough[0] || low.rough[1])
 		inspect_closer(w, &low);
 	if (w->status == RB_OK && w->looks < INSPECTIONS_MAX && (high.rough[0] || high.rough[1]))
