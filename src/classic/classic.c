@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The step of the classic method; its equations and a drawing are in the header. Work is divided by
+ * data: blocks of bodies that fly alone, blocks of groups. Each group writes its own rows of the
+ * state, its own touches, events and counts, and the commit joins these in orders that do not
+ * depend on workers: contacts by pair, events by time and pair, ledger entries by group.
+ */
 #include "classic/classic.h"
 
+#include "base/error.h"
 #include "base/sort.h"
 #include "base/memory.h"
 #include "classic/entering.h"
@@ -11,12 +18,15 @@
 
 #include <string.h>
 
-/* Work is cut into blocks of this size, whatever the number of workers. */
+/*
+ * Bodies and groups of a block, whatever the number of workers: results of a block must not depend
+ * on how many there are, and a block must outweigh the atomic counter that hands it out.
+ */
 enum { ALONE_PER_BLOCK = 256, GROUPS_PER_BLOCK = 8 };
 
 /*
- * What the workers of a step share; set before they start, then only read, but for each block's own
- * row.
+ * Shared by the workers of a step; set before they start, then only read, except for each block's
+ * own row.
  */
 struct step_work {
 	struct rb_world *world;
@@ -27,6 +37,7 @@ struct step_work {
 	struct rb_entries *entries; /* [blocks of bodies alone] */
 };
 
+/* One block of bodies without any pair: a single substep of the whole step. */
 static void fly_block(void *user, int block, int worker)
 {
 	const struct step_work *work = user;
@@ -34,6 +45,7 @@ static void fly_block(void *user, int block, int worker)
 	const struct rb_groups *groups = world->groups;
 	const int first = block * ALONE_PER_BLOCK;
 	const int rest = groups->alone_count - first;
+	RB_ASSERT(rest > 0);
 	struct rb_pass pass = {.world = world,
 	                       .arena = &world->arena[worker],
 	                       .member = groups->alone + first,
@@ -51,6 +63,7 @@ static void fly_block(void *user, int block, int worker)
 			work->bad[block] = pass.member[k];
 }
 
+/* Runs the blocks; RB_ERR_PHYSICS names the first body in order that is not finite. */
 static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
                                 struct rb_error *err)
 {
@@ -80,6 +93,7 @@ static enum rb_status fly_alone(struct rb_world *world, struct step_work *work,
 	return RB_OK;
 }
 
+/* One block of groups, each through rb_rollback_run. */
 static void run_block(void *user, int block, int worker)
 {
 	const struct step_work *work = user;
@@ -106,13 +120,14 @@ static void run_block(void *user, int block, int worker)
 	}
 }
 
-/* The groups from `first` on; the first failure in order of groups is the step's. */
+/* Runs the groups from `first` on. The first failure in the order of groups is the step's. */
 static enum rb_status run_groups(struct rb_world *world, struct step_work *work, size_t first,
                                  struct rb_error *err)
 {
 	struct rb_groups *groups = world->groups;
 	const size_t count = groups->group_count - first;
 
+	RB_ASSERT(first <= groups->group_count);
 	work->first_group = first;
 	rb_team_run(world->team, (int)((count + GROUPS_PER_BLOCK - 1) / GROUPS_PER_BLOCK),
 	            run_block, work);
@@ -127,6 +142,7 @@ static enum rb_status run_groups(struct rb_world *world, struct step_work *work,
 
 /* ---- commit ---- */
 
+/* Lasting contacts of all live groups become the world's, sorted by pair. */
 static bool keep_contacts(struct rb_world *world)
 {
 	struct rb_groups *groups = world->groups;
@@ -137,7 +153,7 @@ static bool keep_contacts(struct rb_world *world)
 	if (rb_contacts_reserve(&world->next_contacts, max, NULL) != RB_OK)
 		return false;
 
-	/* groups are in no order of pairs: sorted by key at the end */
+	/* groups are not ordered by pair: sorted by key below */
 	struct rb_sort_item *item = rb_arena_take(&world->arena[0], 2 * max, sizeof *item);
 	struct rb_contact *row = rb_arena_take(&world->arena[0], max, sizeof *row);
 	size_t count = 0;
@@ -168,6 +184,7 @@ static bool keep_contacts(struct rb_world *world)
 	rb_sort_by_key(item, item + max, count);
 	for (size_t k = 0; k < count; k++)
 		world->next_contacts.row[k] = row[item[k].value];
+	RB_ASSERT(count <= max);
 	world->next_contacts.count = count;
 	const struct rb_contacts last = world->contacts;
 	world->contacts = world->next_contacts;
@@ -175,15 +192,15 @@ static bool keep_contacts(struct rb_world *world)
 	return true;
 }
 
+/* The event in ids of the scene, a < b; the normal points from a to b. */
 static struct rb_event with_ids(const struct rb_model *model, struct rb_event event)
 {
 	const int a = model->id_of[event.a], b = model->id_of[event.b];
 
 	event.a = a;
 	event.b = b;
-	if (a >
-	    /* ids and indices need not be in the same order: statics come last among indices */
-	    b) {
+	/* ids and indices may be in different orders: static bodies have the last indices */
+	if (a > b) {
 		event.a = b;
 		event.b = a;
 		event.normal = rb_vec3_neg(event.normal);
@@ -222,8 +239,10 @@ static bool keep_events(struct rb_world *world, size_t *first)
 		}
 	}
 	/*
-	 * stable sorts, the last key first; times are not negative, so their bits sort like they do
+	 * Stable sorts, the least significant key first. Times are not negative, so their bits as
+	 * integers have their order (IEEE 754).
 	 */
+	RB_ASSERT(n == count);
 	rb_sort_by_key(item, item + count, count);
 	for (size_t k = 0; k < count; k++)
 		memcpy(&item[k].key, &event[item[k].value].time_s, sizeof item[k].key);
@@ -233,6 +252,7 @@ static bool keep_events(struct rb_world *world, size_t *first)
 	return true;
 }
 
+/* Joins counts, contacts and events of the groups and calls on_collision. */
 static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_groups *groups = world->groups;
@@ -242,7 +262,7 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 		const struct rb_group *group = &groups->group[g];
 		struct rb_counts counts = group->pass.counts;
 
-		if (group->dead) { /* its work was in vain */
+		if (group->dead) { /* merged into another group: its work is discarded */
 			counts = (struct rb_counts){
 				.discarded_body_steps = counts.body_steps +
 			                                counts.discarded_body_steps,
@@ -256,7 +276,7 @@ static enum rb_status commit(struct rb_world *world, struct rb_error *err)
 	return rb_world_report_collisions(world, first, err);
 }
 
-/* In the order of blocks and groups, once the step has been resolved. */
+/* Enters the ledger in the order of blocks and groups. */
 static void enter_all(struct rb_world *world, const struct step_work *work)
 {
 	const struct rb_groups *groups = world->groups;
@@ -268,6 +288,7 @@ static void enter_all(struct rb_world *world, const struct step_work *work)
 			rb_ledger_enter(&world->ledger, &groups->group[g].pass.entries);
 }
 
+/* Forms groups and runs them until none meets another one's path. */
 static enum rb_status solve_step(struct rb_world *world, double start, double dt,
                                  struct rb_error *err)
 {
@@ -290,6 +311,7 @@ static enum rb_status solve_step(struct rb_world *world, double start, double dt
 	return status;
 }
 
+/* Allocates what only steps need; on the first call. */
 static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -306,8 +328,11 @@ static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 	return status;
 }
 
+/* Advances from `start` by `dt`; on failure the state is that of the beginning. */
 static enum rb_status step(struct rb_world *world, double start, double dt, struct rb_error *err)
 {
+	RB_ASSERT(dt > 0);
+
 	enum rb_status status = RB_OK;
 
 	for (int k = 0; k < world->worker_count; k++) {
@@ -330,8 +355,8 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 /* ---- checkpoints ---- */
 
 /*
- * The boxes and what they allow: which pairs are looked at, and so which bodies step together,
- * follows from when they were made. The candidates follow from the boxes.
+ * Boxes and margins: which pairs are examined, hence which bodies step together, follows from when
+ * the boxes were made. The candidates follow from them and are found again.
  */
 static void pack_groups(struct rb_world *world, struct rb_pack *pack)
 {

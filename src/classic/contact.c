@@ -1,15 +1,28 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Reactions by projected Gauss-Seidel over the lasting contacts of a group (constraint/impulse),
+ * warm started with the reaction of the substep before. The unilateral condition is on the gap at
+ * the end of the substep, gap + h v_n >= 0, rather than on v_n >= 0, so that a contact may close
+ * the gap that is left but no more. Baumgarte stabilization is not used: it turns overlap into
+ * kinetic energy; overlaps within the tolerance are removed by moving positions
+ * (rb_contact_resolve).
+ */
 #include "classic/contact.h"
 
+#include "base/error.h"
 #include "step/gap.h"
 #include "classic/groups.h"
 #include "constraint/impulse.h"
 
-/* Few rows may iterate longer, for high ratios of mass. */
+/*
+ * Sweeps over the rows; few rows may take as many more as makes ROW_SWEEPS in all, since high
+ * ratios of mass converge slowly and few rows cost little.
+ */
 enum { SWEEPS = 400, ROW_SWEEPS = 16000 };
 
 double rb_contact_tolerance(const struct rb_pass *pass)
 {
+	RB_ASSERT_COSTLY(pass->dt_s > 0);
 	return 1e-3 * pass->world->model->tolerance_m / pass->dt_s;
 }
 
@@ -32,31 +45,33 @@ void rb_contact_begin(struct rb_pass *pass)
 }
 
 /*
- * How far the gap opens within the substep at normal velocities `before` and `after` the forces, m.
+ * Largest opening of the gap within the substep, m, for the normal velocities `before` and `after`
+ * the forces.
  */
 static double opening(double before, double after, double h)
 {
 	if (before <= 0)
 		return 0;
-	/* thrown up and drawn back: v^2 / (2 a) with a = (before - after) / h */
+	/* ballistic: v^2 / (2 a) with a = (before - after) / h */
 	return after < 0 ? 0.5 * before * before * h / (before - after)
 	                 : 0.5 * (before + after) * h;
 }
 
-/* Speed to get out of the second half of the tolerance, m/s. */
+/*
+ * Normal velocity that removes the part of an overlap beyond half of the tolerance in one step,
+ * m/s.
+ */
 static double given_back(const struct rb_pass *pass, double gap)
 {
 	const double tolerance = pass->world->model->tolerance_m;
 
 	/*
-	 * arcs can deepen a contact within a step; of straight motion rb_contact_resolve takes care
+	 * Only eccentric bodies: their arcs deepen contacts within a step, while overlaps of
+	 * straight motion are removed by rb_contact_resolve.
 	 */
 	if (!pass->world->model->center_of_mass)
 		return 0;
-	/*
-	 * more than the tolerance there is only where no rollback keeps it: that must not become
-	 * speed
-	 */
+	/* without rollback an overlap may exceed the tolerance; that must not become speed */
 	return fmin(fmax(0, -gap - 0.5 * tolerance), tolerance) / pass->dt_s;
 }
 
@@ -84,6 +99,10 @@ bool rb_contact_crowded(const struct rb_pass *pass, const struct rb_touch *touch
 	       (touch->b < world->model->body_count && held[touch->b]);
 }
 
+/*
+ * The criterion of contact.h: touching and not opening beyond the band, or, in a crowd, soft
+ * landing and paths that curve away.
+ */
 static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
                        const struct rb_gap *gap, const struct rb_link *link)
 {
@@ -94,21 +113,19 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 	                                 link->normal);
 
 	if (gap->gap <= touch->band) {
-		/* what leave_speed gives back of an overlap is no opening */
+		/* the speed given back for an overlap is no opening */
 		const double given = given_back(pass, gap->gap);
 		if (opening(before - given, after - given, pass->h_s) <= touch->band &&
 		    (touch->lasting || before >= -rb_link_noise(world, link)))
 			return true;
 	}
-	/*
-	 * soft landing: the forces bring them together, and no faster than they can within a step
-	 */
+	/* soft landing: brought together by forces, no faster than these can in one step */
 	if (!rb_contact_crowded(pass, touch))
 		return false;
 	const double forced = rb_contact_forced(pass, link);
 	double max = forced;
 	if (touch->lasting) {
-		/* the centres move straight while the surfaces bend away: s^2 / (2 r) a step */
+		/* centres move straight while the surfaces curve away by s^2 / (2 r) in a step */
 		const rb_vec3 slide = rb_vec3_sub(
 			rb_world_row3(world->mark.velocity, link->a),
 			link->b < world->model->body_count
@@ -123,7 +140,8 @@ static bool is_lasting(const struct rb_pass *pass, const struct rb_touch *touch,
 }
 
 /*
- * How far the centre of a shape off its centre of mass leaves the straight line in this substep, m.
+ * Deviation of an eccentric shape's centre from the straight line within this substep, m: the
+ * rotation formula of Rodrigues less its linear term.
  */
 static rb_vec3 arc(const struct rb_pass *pass, int i)
 {
@@ -137,9 +155,7 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 	const rb_vec3 turn = rb_vec3_scale(pass->h_s, rb_world_row3(world->state.spin, i));
 	const double angle = rb_vec3_length(turn);
 
-	/*
-	 * (1 - cos) k x (k x r) + (sin - angle) k x r, without the cancellation of either bracket
-	 */
+	/* (1 - cos) k x (k x r) + (sin - angle) k x r, neither bracket formed by cancellation */
 	const double half_sine = sin(0.5 * angle), square = angle * angle;
 	const double bend = angle > 0 ? 2 * half_sine * half_sine / square : 0;
 	const double lag = angle < 1e-2 ? -1.0 / 6 + square / 120
@@ -151,9 +167,8 @@ static rb_vec3 arc(const struct rb_pass *pass, int i)
 }
 
 /*
- * The normal velocity at least wanted: a gap may close but not more, counting what the arcs of
- * eccentric bodies add to straight motion; of an overlap in the second half of the tolerance, its
- * excess is given back within a step.
+ * Smallest normal velocity allowed: the gap may close but not further, with the arcs of eccentric
+ * bodies added to straight motion; an overlap beyond half of the tolerance is given back in a step.
  */
 static double target_speed(const struct rb_pass *pass, const struct rb_link *link, double gap)
 {
@@ -163,7 +178,10 @@ static double target_speed(const struct rb_pass *pass, const struct rb_link *lin
 	return (-fmax(gap, 0) - arcs) / pass->h_s + given_back(pass, gap);
 }
 
-/* Bound on how much the gap can close in this substep, without the mechanics of the contact, m. */
+/*
+ * Bound on how much the gap can close in this substep, m, from velocities alone: a cheap test
+ * before the contact's mechanics are set up.
+ */
 static double closing(const struct rb_pass *pass, const struct rb_touch *touch)
 {
 	const struct rb_world *world = pass->world;
@@ -181,6 +199,7 @@ static double closing(const struct rb_pass *pass, const struct rb_touch *touch)
 	return speed * pass->h_s;
 }
 
+/* Finds the lasting contacts and solves their reactions. */
 static void reactions(struct rb_pass *pass)
 {
 	struct rb_world *world = pass->world;
@@ -208,7 +227,7 @@ static void reactions(struct rb_pass *pass)
 			if (pass->out_of_memory)
 				return;
 		}
-		/* starts from the reaction of the substep before; across the normal of now */
+		/* warm start; friction of the old normal is projected across the new one */
 		const rb_vec3 along = rb_vec3_scale(rb_vec3_dot(touch->tangent_force, link.normal),
 		                                    link.normal);
 		row[count] = (struct rb_impulse_row){
@@ -219,11 +238,12 @@ static void reactions(struct rb_pass *pass)
 		                                 rb_vec3_sub(touch->tangent_force, along)),
 		};
 		of[count++] = k;
+		RB_ASSERT_COSTLY(count <= pass->touch_count);
 	}
 	for (int n = 0; n < count; n++)
 		rb_link_push(world, &row[n].link,
 		             rb_vec3_add_scaled(row[n].tangent, row[n].normal, row[n].link.normal));
-	/* a short substep moves nothing far: what it leaves is taken up by the next long one */
+	/* a short substep moves nothing far: its remainder is taken up by the next long one */
 	const double tolerance = rb_contact_tolerance(pass) * fmin(pass->dt_s / pass->h_s, 100);
 	rb_impulse_rows_solve(world, row, count,
 	                      count * SWEEPS < ROW_SWEEPS ? ROW_SWEEPS / (count > 0 ? count : 1)
@@ -232,10 +252,7 @@ static void reactions(struct rb_pass *pass)
 	for (int n = 0; n < count; n++) {
 		struct rb_touch *touch = &pass->touch[of[n]];
 
-		/*
-		 * what the forces would have closed but did not need to push stays as it was: not
-		 * in contact
-		 */
+		/* a contact that needed no impulse and has a gap is none */
 		touch->lasting = row[n].normal > 0 || pass->now[of[n]].gap <= touch->band;
 		touch->force_normal = row[n].link.normal;
 		touch->normal_force = row[n].normal / pass->h_s;
@@ -244,7 +261,7 @@ static void reactions(struct rb_pass *pass)
 	rb_arena_back(pass->arena, here);
 }
 
-/* Which bodies rest on others at the beginning of the substep; false: none. */
+/* Marks bodies with a lasting contact at the beginning of the substep; false: none has one. */
 static bool mark_held(const struct rb_pass *pass)
 {
 	const struct rb_world *world = pass->world;
@@ -264,8 +281,8 @@ static bool mark_held(const struct rb_pass *pass)
 }
 
 /*
- * Velocity that a body will about have at the end of the substep: of one that rests on others, that
- * of before.
+ * Predicted velocity at the end of the substep: a body in lasting contact keeps its velocity, since
+ * reactions will cancel the forces.
  */
 static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
 {
@@ -276,13 +293,14 @@ static rb_vec3 foreseen_velocity(const struct rb_world *world, int i)
 }
 
 /*
- * A try that is lost anyway need not be worked out: when two bodies that are not in contact would
- * overlap by far if they went on straight, at a speed that is an impact's. `worst` is then set, and
- * the plan ends there.
+ * Rejects a substep before its reactions are solved: when two bodies not in contact would overlap
+ * by far going straight, at a speed that makes an impact. Sets `worst`, which ends the list of
+ * stages.
  */
 static void look_ahead(struct rb_pass *pass)
 {
 	const struct rb_world *world = pass->world;
+	/* far beyond the tolerance, so that no reaction would have saved the substep */
 	const double far = 16 * world->model->tolerance_m;
 	const bool any = mark_held(pass);
 
@@ -299,7 +317,7 @@ static void look_ahead(struct rb_pass *pass)
 		double forced = world->groups->acceleration[touch->a];
 		if (touch->b < world->model->body_count)
 			forced += world->groups->acceleration[touch->b];
-		/* straight on towards each other: the surfaces only bend away from that */
+		/* straight paths: the surfaces only curve away from each other */
 		const rb_vec3 aside = rb_vec3_add_scaled(closing, -speed, pass->now[k].normal);
 		const double bend = rb_vec3_dot(aside, aside) * pass->h_s * pass->h_s /
 		                    rb_gap_radius(world->model, touch->a, touch->b);
@@ -312,10 +330,12 @@ static void look_ahead(struct rb_pass *pass)
 	}
 }
 
-/* Moves two bodies apart along the normal, the lighter one more. */
+/* Moves two bodies apart along the normal in inverse proportion to their masses. */
 static void part(struct rb_world *world, const struct rb_touch *touch, rb_vec3 normal,
                  double distance)
 {
+	RB_ASSERT_COSTLY(world->model->inverse_mass[touch->a] > 0);
+
 	const struct rb_model *model = world->model;
 	const double share = model->inverse_mass[touch->a] /
 	                     (model->inverse_mass[touch->a] + model->inverse_mass[touch->b]);

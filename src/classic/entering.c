@@ -1,14 +1,20 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Work of an impulse J on a point is J . (v + v') / 2, exactly its share of the change of kinetic
+ * energy, whatever other impulses act at the same time. Gravity has a potential, so only its
+ * momentum is entered.
+ */
 #include "classic/entering.h"
 
 #include "step/force_stages.h"
 
+/* Mean of a body's rows before and after. */
 static rb_vec3 mean_row(const double *before, const double *after, int i)
 {
 	return rb_vec3_scale(0.5, rb_vec3_add(rb_world_row3(before, i), rb_world_row3(after, i)));
 }
 
-/* An impulse of a force at the centre of mass, and a turn, of a cause that has no potential. */
+/* Enters an impulse at the centre of mass and an angular one, of a cause without potential. */
 static void enter_force(struct rb_pass *pass, int i, const struct rb_state *before,
                         const struct rb_force_impulse *force)
 {
@@ -24,6 +30,7 @@ static void enter_force(struct rb_pass *pass, int i, const struct rb_state *befo
 	rb_entries_twist(&pass->entries, force->cause, force->turn);
 }
 
+/* All external forces on a body in the substep. */
 static void enter_forces(struct rb_pass *pass, int i, const struct rb_state *before)
 {
 	const struct rb_model *model = pass->world->model;
@@ -45,7 +52,7 @@ static void enter_forces(struct rb_pass *pass, int i, const struct rb_state *bef
 	}
 }
 
-/* Of a static partner; the other one is at its arm. */
+/* Momentum that a static partner takes, at the point of the other body's arm. */
 static void enter_static(struct rb_pass *pass, const struct rb_link *link, rb_vec3 impulse,
                          const struct rb_state *state)
 {
@@ -55,6 +62,7 @@ static void enter_static(struct rb_pass *pass, const struct rb_link *link, rb_ve
 	                   rb_vec3_add(rb_world_row3(state->position, link->a), link->arm_a));
 }
 
+/* Work and momentum of a lasting contact's reaction. */
 static void enter_contact(struct rb_pass *pass, int k, const struct rb_state *before)
 {
 	const struct rb_touch *touch = &pass->touch[k];
@@ -67,7 +75,9 @@ static void enter_contact(struct rb_pass *pass, int k, const struct rb_state *be
 	                         rb_link_velocity(pass->world, &pass->world->state, &link)));
 	const double normal = rb_vec3_dot(impulse, link.normal) * rb_vec3_dot(mean, link.normal);
 
-	/* a reaction that stops an approach is an impact without restitution */
+	/*
+	 * work along the normal: a reaction that stops an approach is an impact without restitution
+	 */
 	rb_entries_energy(&pass->entries, RB_ENERGY_IMPACTS, -normal);
 	rb_entries_energy(&pass->entries, RB_ENERGY_SLIDING, normal - rb_vec3_dot(impulse, mean));
 	enter_static(pass, &link, impulse, before);

@@ -1,13 +1,23 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Connected components of the graph of pairs within reach, by union-find with the smallest body as
+ * root, which makes groups and their order independent of the order of pairs. Candidates come from
+ * fat boxes (Verlet lists) that hold for several steps; the exact reach is tested in each step.
+ *
+ * Speculation is verified afterwards: a body that came out of an impact faster than predicted is
+ * tested against what its real path could have met, and groups that met are merged and run again. A
+ * group never sees another one's rows, so the result does not depend on which ran first.
+ */
 #include "classic/groups.h"
 
+#include "base/error.h"
 #include "base/forest.h"
 #include "base/memory.h"
 #include "base/sort.h"
 #include "step/force_stages.h"
 #include "step/gap.h"
 
-/* Steps that a fat box is meant to last; it decides cost only. */
+/* Steps that a fat box is meant to last; it affects the cost only. */
 enum { STEPS_PER_BOX = 8 };
 
 enum rb_status rb_groups_create(struct rb_groups **made, const struct rb_model *model,
@@ -69,7 +79,10 @@ void rb_groups_forget(struct rb_groups *groups)
 	groups->valid = false;
 }
 
-/* How far the centre of a shape gets in a time at most, if nothing hits the body. */
+/*
+ * Bound on the distance that a shape's centre moves in `time` without impacts, m; an eccentric
+ * shape also swings about its centre of mass, at most by the diameter 2 arm.
+ */
 static double distance_in(const struct rb_world *world, int i, double acceleration, double time)
 {
 	const struct rb_model *model = world->model;
@@ -89,6 +102,9 @@ static double distance_in(const struct rb_world *world, int i, double accelerati
 	return distance;
 }
 
+/*
+ * Reach of each body in this step; a body that could leave its fat box invalidates the candidates.
+ */
 static void find_reaches(struct rb_world *world, double dt)
 {
 	struct rb_groups *groups = world->groups;
@@ -101,13 +117,14 @@ static void find_reaches(struct rb_world *world, double dt)
 			const rb_vec3 moved = rb_vec3_sub(
 				rb_world_origin_at(world, &world->state, i), groups->built_at[i]);
 
-			/* written so that NaN asks for new boxes */
+			/* NaN asks for new boxes */
 			if (!(rb_vec3_length(moved) + groups->reach[i] <= groups->margin[i]))
 				groups->valid = false;
 		}
 	}
 }
 
+/* New fat boxes and the candidate pairs of the broadphase. */
 static enum rb_status find_candidates(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_groups *groups = world->groups;
@@ -123,10 +140,11 @@ static enum rb_status find_candidates(struct rb_world *world, double dt, struct 
 		const double size = rb_model_reach(model, i);
 
 		groups->built_at[i] = c;
+		/* at least the mean speed: a body at rest may be hit; and a share of its size */
 		groups->margin[i] = fmax(distance_in(world, i, groups->acceleration[i], span),
 		                         mean_speed * span) +
 		                    size / 64;
-		/* the boxes also hold what counts as touching */
+		/* boxes include the tolerance, within which bodies count as touching */
 		const double half = (size + groups->margin[i] + model->tolerance_m) * (1 + 1e-12);
 		groups->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                           {c.x + half, c.y + half, c.z + half}};
@@ -136,10 +154,15 @@ static enum rb_status find_candidates(struct rb_world *world, double dt, struct 
 	                          &groups->candidate_count, err);
 }
 
-/* Could these two touch if each gets that far from where it is in `state`? */
+/*
+ * True if the two could touch when their centres approach by `reach` from where they are in
+ * `state`. NaN counts as true.
+ */
 static bool in_reach(const struct rb_world *world, const struct rb_state *state,
                      struct rb_pair pair, double reach)
 {
+	RB_ASSERT_COSTLY(pair.a >= 0 && pair.a < pair.b && pair.a < world->model->body_count);
+
 	const struct rb_model *model = world->model;
 	const double slack = reach + model->tolerance_m;
 
@@ -156,13 +179,15 @@ static bool in_reach(const struct rb_world *world, const struct rb_state *state,
 	return !(rb_gap_of(world, state, pair.a, pair.b).gap > slack);
 }
 
+/* Sum of a column over the moving bodies of a pair. */
 static double pair_reach(const struct rb_groups *groups, const double *column, struct rb_pair pair)
 {
 	return column[pair.a] + (pair.b < groups->body_count ? column[pair.b] : 0);
 }
 
 /*
- * The smaller body stays the root, so that a group's place does not depend on the order of joining.
+ * Joins two components; the smaller body stays the root, so that a group's place does not depend on
+ * the order of joining.
  */
 static void join(int *parent, int a, int b)
 {
@@ -174,6 +199,7 @@ static void join(int *parent, int a, int b)
 		parent[a] = b;
 }
 
+/* Appends to a growing list; false when memory is out. */
 static bool append_pair(struct rb_pair **list, size_t *count, size_t *capacity, struct rb_pair pair)
 {
 	if (!rb_memory_reserve(list, capacity, *count + 1, sizeof **list))
@@ -183,8 +209,8 @@ static bool append_pair(struct rb_pair **list, size_t *count, size_t *capacity, 
 }
 
 /*
- * Two passes over the candidates: within reach of their own motion; then with the reach of the
- * furthest in the group, since an impact may hand on its speed.
+ * Pairs within reach and the components they make, in two passes: within reach of the bodies' own
+ * motion, then with the largest reach of each component, since an impact may hand on its speed.
  */
 static bool find_active(struct rb_world *world)
 {
@@ -222,6 +248,7 @@ static bool find_active(struct rb_world *world)
 	return true;
 }
 
+/* Appends an empty group with that root. */
 static bool add_group(struct rb_groups *groups, int root)
 {
 	if (!rb_memory_reserve(&groups->group, &groups->group_capacity, groups->group_count + 1,
@@ -232,14 +259,17 @@ static bool add_group(struct rb_groups *groups, int root)
 	return true;
 }
 
-/* Lays the members of the groups from `first` on, and their pairs, one after the other. */
+/*
+ * Counting sort of members and pairs by group, for groups from `first` on: each group's are
+ * contiguous and in order.
+ */
 static bool lay_out(struct rb_groups *groups, size_t first, const struct rb_pair *pair,
                     size_t pair_count)
 {
 	if (!rb_memory_reserve(&groups->touch, &groups->touch_capacity,
 	                       groups->touch_count + pair_count, sizeof *groups->touch))
 		return false;
-	for (size_t g = 0; g < first; g++) { /* the lists may have moved */
+	for (size_t g = 0; g < first; g++) { /* reallocation may have moved the lists */
 		groups->group[g].pass.touch = groups->touch + groups->group[g].touch_first;
 		groups->group[g].pass.member = groups->member + groups->group[g].member_first;
 	}
@@ -293,7 +323,7 @@ enum rb_status rb_groups_form(struct rb_world *world, double dt, struct rb_error
 	groups->alone_count = 0;
 	for (int i = 0; i < groups->body_count; i++)
 		groups->group_of[i] = -1;
-	/* who has a pair is in a group, under its root */
+	/* a body with a pair is in a group, which its root stands for */
 	for (size_t k = 0; good && k < groups->active_count; k++) {
 		const int root = rb_forest_root(groups->parent, groups->active[k].a);
 
@@ -309,6 +339,7 @@ enum rb_status rb_groups_form(struct rb_world *world, double dt, struct rb_error
 			groups->alone[groups->alone_count++] = i;
 			continue;
 		}
+		RB_ASSERT_COSTLY(root <= i);
 		if (i == root)
 			good = add_group(groups, root);
 		groups->group_of[i] = groups->group_of[root];
@@ -319,6 +350,7 @@ enum rb_status rb_groups_form(struct rb_world *world, double dt, struct rb_error
 	return RB_OK;
 }
 
+/* Binary search among the sorted active pairs. */
 static bool has_active(const struct rb_groups *groups, struct rb_pair pair)
 {
 	size_t low = 0, high = groups->active_count;
@@ -337,7 +369,9 @@ static bool has_active(const struct rb_groups *groups, struct rb_pair pair)
 	return false;
 }
 
-/* A pair left out of this step that the real paths bring together. */
+/*
+ * True if real paths could have brought this pair together and it was not considered in the step.
+ */
 static bool was_missed(const struct rb_world *world, struct rb_pair pair)
 {
 	const struct rb_groups *groups = world->groups;
@@ -348,10 +382,7 @@ static bool was_missed(const struct rb_world *world, struct rb_pair pair)
 	return in_reach(world, &world->start, pair, reach) && !has_active(groups, pair);
 }
 
-/*
- * Bodies that have left their fat box are looked at against everybody: the candidates do not hold
- * for them.
- */
+/* Tests a body that has left its fat box against all others: the candidates do not hold for it. */
 static bool find_missed_far(struct rb_world *world, int i)
 {
 	struct rb_groups *groups = world->groups;
@@ -371,6 +402,7 @@ static bool find_missed_far(struct rb_world *world, int i)
 	return true;
 }
 
+/* Lists the pairs to be considered after all; false when memory is out. */
 static bool find_missed(struct rb_world *world, bool *any)
 {
 	struct rb_groups *groups = world->groups;
@@ -381,7 +413,8 @@ static bool find_missed(struct rb_world *world, bool *any)
 	if (!world->broadphase)
 		return true;
 	for (int i = 0; i < groups->body_count; i++) {
-		if (!(groups->travelled[i] > 0)) /* who flies alone has kept its margin */
+		if (!(groups->travelled[i] >
+		      0)) /* travelled stays 0 for bodies alone, which have kept within their margin */
 			continue;
 		leavers = leavers || groups->travelled[i] > groups->reach[i];
 		const rb_vec3 start = rb_world_origin_at(world, &world->start, i);
@@ -406,6 +439,7 @@ static bool find_missed(struct rb_world *world, bool *any)
 	return true;
 }
 
+/* Sorts the active pairs and removes duplicates. */
 static bool sort_active(struct rb_world *world)
 {
 	struct rb_groups *groups = world->groups;
@@ -430,8 +464,8 @@ static bool sort_active(struct rb_world *world)
 }
 
 /*
- * The bodies that the missed pairs touch, with all of their groups, become new groups and start the
- * step again.
+ * The bodies of missed pairs, with all of their groups, become new groups, whose members are reset
+ * to the beginning of the step; the old groups are dead.
  */
 static bool regroup(struct rb_world *world)
 {

@@ -1,9 +1,18 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Rounds of simultaneous impacts (Newton's law of restitution at each contact, solved together by
+ * projected Gauss-Seidel), until none of the touching pairs approaches. After each simultaneous
+ * round with friction the change of kinetic energy, sum of J . (u + u') / 2, is tested; a round
+ * that gains energy is undone and its impacts are done one after the other, each of which
+ * dissipates. Clusters that do not end (an inelastic collapse) are stopped without restitution
+ * after a bounded number of rounds.
+ */
 #include "classic/impact.h"
 
 #include <float.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "classic/contact.h"
 #include "classic/entering.h"
 
@@ -11,11 +20,11 @@
 struct approaching {
 	struct rb_link link;
 	int touch; /* index into pass->touch */
-	/* m/s, <= 0: normal velocity that is not approach but this substep's forces */
+	/* m/s, <= 0: the part of the normal velocity that this substep's forces made */
 	double unforced;
 	/* m/s, >= 0: an approach that the forces could have made within one whole step */
 	double forced;
-	bool impact;     /* it is one, in this round */
+	bool impact;     /* it is an impact in this round */
 	rb_vec3 before;  /* relative velocity at the beginning of the round */
 	double approach; /* m/s at its first impact of this moment; 0: none yet */
 	rb_vec3 impulse; /* N s on b, so far */
@@ -33,14 +42,16 @@ struct meetings {
 };
 
 enum {
-	SWEEPS = 200, /* of one round's solve */
-	ROUNDS = 64,  /* and 8 per contact: then the cluster ends without restitution */
+	SWEEPS = 200, /* sweeps of one round's solve */
+	ROUNDS =
+		64, /* rounds, and 8 for each contact: an impact passes through a row of n bodies in n rounds */
 	ROUNDS_PER_CONTACT = 8
 };
 
-/* Iteration leaves this share of the largest approach; what is below is no impact. */
+/* Share of the largest approach that iteration may leave; below it there is no impact. */
 static const double residue_share = 1e-10;
 
+/* True if some pair is within its touching band. */
 static bool any_touching(const struct rb_pass *pass)
 {
 	for (int k = 0; k < pass->touch_count; k++)
@@ -49,6 +60,7 @@ static bool any_touching(const struct rb_pass *pass)
 	return false;
 }
 
+/* Collects the touching pairs and what their approach owes to forces; false if there are none. */
 static bool gather(struct rb_pass *pass, struct meetings *all, bool after_substep)
 {
 	struct rb_world *world = pass->world;
@@ -68,7 +80,10 @@ static bool gather(struct rb_pass *pass, struct meetings *all, bool after_subste
 		m.link = rb_link_of(world, &world->state, touch, &pass->now[k]);
 		const double normal = rb_vec3_dot(rb_link_velocity(world, &world->state, &m.link),
 		                                  m.link.normal);
-		/* of a lasting contact, all that its reaction left; else what the forces added */
+		/*
+		 * of a lasting contact all that its reaction left; of others what the forces have
+		 * added
+		 */
 		if (touch->lasting)
 			m.unforced = fmin(normal, 0);
 		else if (after_substep)
@@ -81,14 +96,14 @@ static bool gather(struct rb_pass *pass, struct meetings *all, bool after_subste
 			                touch->normal_force * m.link.normal_inverse_mass *
 			                        pass->dt_s);
 		if (!after_substep &&
-		    pass->start_s > 0) /* what the iteration of the step before left */
+		    pass->start_s > 0) /* what the iteration of the step before has left */
 			m.forced = rb_contact_tolerance(pass);
 		all->row[all->count++] = m;
 	}
 	return all->count > 0;
 }
 
-/* The pairs whose approach is an impact now. */
+/* Lists the pairs whose approach is an impact in this round. */
 static void find_active(struct meetings *all, int round)
 {
 	struct rb_world *world = all->pass->world;
@@ -109,9 +124,10 @@ static void find_active(struct meetings *all, int round)
 	}
 	if (round == 0)
 		all->residue = residue_share * largest;
+	RB_ASSERT_COSTLY(all->active_count <= all->count);
 }
 
-/* Normal velocity after the impact. */
+/* Normal velocity wanted after the impact, m/s. */
 static double wanted(const struct approaching *m)
 {
 	const double normal = rb_vec3_dot(m->before, m->link.normal);
@@ -120,14 +136,15 @@ static double wanted(const struct approaching *m)
 	return m->link.restitution * fmax(0, fmin(-(normal - m->unforced), -normal));
 }
 
+/* Total impulse of a row on b, N s. */
 static rb_vec3 row_impulse(const struct rb_impulse_row *row)
 {
 	return rb_vec3_add_scaled(row->tangent, row->normal, row->link.normal);
 }
 
 /*
- * Together: true if kinetic energy did not rise. Its change is the sum of J.(u + u')/2 over the
- * contacts.
+ * Solves all impacts of the round together; true if kinetic energy did not rise. False leaves the
+ * velocities as they were.
  */
 static bool solve_together(struct meetings *all)
 {
@@ -143,6 +160,7 @@ static bool solve_together(struct meetings *all)
 		scale = fmax(scale, rb_vec3_max_abs(m->before));
 		safe = safe && (m->link.central || !(m->link.friction > 0));
 	}
+	/* with friction off the centre, a simultaneous solution may gain energy (Kane 1984) */
 	if (!safe)
 		return false;
 	rb_impulse_rows_solve(world, all->solver, all->active_count, SWEEPS,
@@ -170,7 +188,7 @@ static bool solve_together(struct meetings *all)
 	return false;
 }
 
-/* One after the other, in order of pairs: each is an impact of its own and cannot raise energy. */
+/* One after the other in order of pairs: a single impact never raises kinetic energy. */
 static void solve_one_by_one(struct meetings *all)
 {
 	struct rb_world *world = all->pass->world;
@@ -192,6 +210,7 @@ static void solve_one_by_one(struct meetings *all)
 	}
 }
 
+/* One round, and what it adds to each pair's event. */
 static void run_round(struct meetings *all)
 {
 	if (all->active_count == 1 || !solve_together(all))
@@ -209,8 +228,8 @@ static void run_round(struct meetings *all)
 }
 
 /*
- * What still approaches is stopped, all touching pairs at once, without restitution; from there its
- * contact lasts.
+ * Stops what still approaches, all touching pairs at once and without restitution; those that
+ * needed an impulse become lasting contacts. True if any did.
  */
 static bool stop_the_rest(struct meetings *all)
 {
@@ -223,9 +242,7 @@ static bool stop_the_rest(struct meetings *all)
 		                                  link->normal);
 		const bool approaches = normal < -rb_link_noise(world, link);
 
-		/*
-		 * of a lasting contact that nothing has hit, the next substep's reaction takes care
-		 */
+		/* a lasting contact that was not hit is left to the next substep's reaction */
 		any = any || (approaches && !(all->pass->touch[all->row[k].touch].lasting &&
 		                              normal >= all->row[k].unforced));
 		all->solver[k] = (struct rb_impulse_row){.link = *link};
@@ -244,6 +261,7 @@ static bool stop_the_rest(struct meetings *all)
 	return true;
 }
 
+/* Appends an event to the pass; arrays grow by doubling within the arena. */
 static void keep_event(struct rb_pass *pass, const struct approaching *m)
 {
 	if (pass->event_count == pass->event_capacity) {
@@ -268,6 +286,7 @@ static void keep_event(struct rb_pass *pass, const struct approaching *m)
 		.impulse = m->impulse,
 		.approach_speed = m->approach,
 	};
+	RB_ASSERT_COSTLY(pass->event_count <= pass->event_capacity);
 }
 
 bool rb_impact_resolve(struct rb_pass *pass, bool after_substep)

@@ -1,8 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Step size control by rejection. After a failure at time f the next attempts bisect the rest up to
+ * f, which converges to the moment of contact; two attempts accepted in a row have moved the
+ * contact, and f itself is tried. An impact ends the search. The number of attempts is bounded by a
+ * smallest substep and by a least progress.
+ */
 #include "classic/rollback.h"
 
 #include <float.h>
 
+#include "base/error.h"
 #include "classic/contact.h"
 #include "classic/entering.h"
 #include "step/gap.h"
@@ -10,9 +17,12 @@
 #include "classic/impact.h"
 #include "step/verdict.h"
 
-/* Halvings of the step below which no time and no position changes any more: 2^-60. */
+/* Smallest substep as a share of the step: below it neither times nor positions change. */
 static const double smallest_share = 0x1p-60;
-/* A group that in so many tries gets no further than a millionth of its step has failed too. */
+/*
+ * Attempts between two polls for an interruption, and between two tests of progress: a group that
+ * gets no further than a millionth of its step in 4096 attempts has failed.
+ */
 enum { ATTEMPTS_PER_POLL = 1024, TRIES_PER_INSPECTION = 4096 };
 static const double least_progress = 1e-6;
 
@@ -22,6 +32,7 @@ struct search {
 	int accepted;  /* in a row since then */
 };
 
+/* Length of the next attempt after one of length h was accepted, s. */
 static double next_attempt(const struct rb_pass *pass, struct search *search, double h)
 {
 	const double rest = pass->dt_s - pass->done_s;
@@ -31,8 +42,8 @@ static double next_attempt(const struct rb_pass *pass, struct search *search, do
 	const double to_fail = search->fail_s - pass->done_s;
 	if (!(to_fail > 0) || search->accepted >= 2) {
 		/*
-		 * twice accepted: the smaller steps have moved the contact; try the failed end
-		 * itself, then beyond
+		 * two accepted: the smaller steps have moved the contact; try the failed end, then
+		 * beyond
 		 */
 		search->accepted = 0;
 		if (!(to_fail > 0)) {
@@ -44,9 +55,12 @@ static double next_attempt(const struct rb_pass *pass, struct search *search, do
 	return fmin(0.5 * to_fail, rest);
 }
 
+/* The failure with the bodies, the moment and the depth. */
 static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdict, int body,
                               struct rb_error *err)
 {
+	RB_ASSERT(verdict == RB_VERDICT_NOT_FINITE ? body >= 0 : pass->worst >= 0);
+
 	const struct rb_model *model = pass->world->model;
 	const double when = pass->start_s + pass->done_s;
 	char a[64], b[64];
@@ -65,7 +79,7 @@ static enum rb_status give_up(const struct rb_pass *pass, enum rb_verdict verdic
 	               -pass->worst_gap, pass->h_s, model->tolerance_m);
 }
 
-/* For classic/groups: who has come further than was foreseen? */
+/* Records how far each member has been from its start, for rb_groups_merge. */
 static void note_travel(struct rb_pass *pass)
 {
 	const struct rb_world *world = pass->world;
@@ -80,6 +94,7 @@ static void note_travel(struct rb_pass *pass)
 	}
 }
 
+/* Keeps a good attempt: time, gaps, counts, ledger. */
 static void accept(struct rb_pass *pass, bool last)
 {
 	struct rb_gap *const gaps = pass->now;
@@ -96,6 +111,10 @@ static void accept(struct rb_pass *pass, bool last)
 	note_travel(pass);
 }
 
+/*
+ * Gaps at the start, contacts of the step before, and impacts that callbacks or the start have
+ * made.
+ */
 static enum rb_status begin(struct rb_pass *pass, struct rb_error *err)
 {
 	const struct rb_world *world = pass->world;
@@ -173,6 +192,7 @@ enum rb_status rb_rollback_run(struct rb_pass *pass, const struct rb_stage_list 
 		if (attempt % ATTEMPTS_PER_POLL == 0 && rb_world_is_stopped(world))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
 	}
+	RB_ASSERT(!(pass->done_s > pass->dt_s));
 	rb_contact_resolve(pass);
 	return RB_OK;
 }

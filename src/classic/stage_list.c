@@ -1,15 +1,18 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The list of stages is built once for a scene, so that the substep runs through function pointers
+ * without testing features. The same table prints what `rbsim check` says.
+ */
 #include "classic/stage_list.h"
 
+#include "base/error.h"
 #include "model/features.h"
 #include "classic/contact.h"
 #include "step/flow.h"
 #include "step/force_stages.h"
 #include "step/gap.h"
 
-/*
- * The order of a substep: forces, reactions last of them, then motion, then the look at the gaps.
- */
+/* Order of a substep: forces, reactions last of them, then motion, then the gaps. */
 static const struct rb_stage *const all_stages[] = {
 	&rb_stage_gravity,   &rb_stage_gravity_force,     &rb_stage_applied,
 	&rb_stage_pushes,    &rb_stage_look_ahead,        &rb_stage_reactions,
@@ -38,6 +41,7 @@ void rb_stage_list_build(struct rb_stage_list *plan, rb_features features)
 	for (int k = 0; k < ALL_STAGES; k++)
 		if (rb_stage_list_has(all_stages[k], features))
 			plan->stage[plan->count++] = all_stages[k];
+	RB_ASSERT(plan->count <= RB_STAGE_LIST_MAX);
 }
 
 void rb_stage_list_run(const struct rb_stage_list *plan, struct rb_pass *pass)
@@ -64,6 +68,7 @@ static size_t state_bytes(const struct rb_model *model)
 	return bytes;
 }
 
+/* Copies of the state that a world keeps. */
 static int state_copies(const struct rb_model *model)
 {
 	return (model->features & RB_FEATURE_CONTACT) || model->method == RB_METHOD_STEPPED ? 3 : 2;
@@ -83,6 +88,7 @@ void rb_stage_list_print_features(const struct rb_model *model, FILE *to)
 	}
 }
 
+/* Why a stage is not in the list. */
 static const char *why_left_out(const struct rb_stage *stage, rb_features features)
 {
 	int count = 0;
