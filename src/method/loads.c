@@ -1,8 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Forces and accelerations at a moment, on demand. Where motion is located the engine itself is
+ * asked; where it is stepped, a second engine that never runs serves as the evaluator of external
+ * forces, so that both methods report by the same functions. Contact forces before the first step
+ * are found by a world of its own that takes that step.
+ */
 #include "method/loads.h"
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "located/driven.h"
 #include "located/engine.h"
@@ -21,8 +28,8 @@ struct rb_loads {
 	struct rb_contacts contacts; /* scratch */
 	struct rb_located *
 		/*
-		 * owned: what located/external_force asks of where nothing is located; NULL: so far
-		 * it is
+		 * owned: the engine that evaluates external forces where nothing is located; NULL
+		 * until needed
 		 */
 		looker;
 	struct rb_pose *pose;            /* [bodies], of all where nothing is located */
@@ -47,6 +54,7 @@ void rb_loads_destroy(struct rb_loads *loads)
 	rb_memory_free(loads);
 }
 
+/* Allocates on the first question. */
 static enum rb_status create(struct rb_world *world, struct rb_error *err)
 {
 	const size_t n = (size_t)world->model->body_count;
@@ -72,11 +80,13 @@ static enum rb_status create(struct rb_world *world, struct rb_error *err)
 
 /* ---- contacts ---- */
 
+/* True if the present motion is located. */
 static bool is_located(const struct rb_world *world)
 {
 	return world->located && world->located->started;
 }
 
+/* Centre of mass of a moving body, origin of a static one. */
 static rb_vec3 center_of(const struct rb_world *world, int i)
 {
 	return i < world->model->body_count ? rb_world_row3(world->state.position, i)
@@ -88,7 +98,7 @@ static void add(rb_vec3 *to, double sign, rb_vec3 more)
 	*to = rb_vec3_add_scaled(*to, sign, more);
 }
 
-/* Sums of the contacts over each body, which are where this world has them. */
+/* Sums the contacts' forces and torques over each body, N and N m. */
 static void gather(struct rb_loads *loads, const struct rb_world *world)
 {
 	const int all = world->model->body_count + world->model->static_count;
@@ -103,6 +113,7 @@ static void gather(struct rb_loads *loads, const struct rb_world *world)
 
 		for (int side = 0; side < 2; side++) {
 			const int i = pair[side];
+			RB_ASSERT_COSTLY(i >= 0 && i < all);
 			const rb_vec3 arm = rb_vec3_sub(c->point, center_of(world, i));
 
 			add(&loads->force[i], side ? 1 : -1, force);
@@ -111,7 +122,10 @@ static void gather(struct rb_loads *loads, const struct rb_world *world)
 	}
 }
 
-/* Of located contacts, at the state's moment; event/ keeps its own error and counts. */
+/*
+ * Forces of located contacts at the state's moment. The engine's own error and status are put back:
+ * a question must not fail the run.
+ */
 static enum rb_status polls(struct rb_located *l, struct rb_contacts *to, struct rb_error *err)
 {
 	struct rb_error *const before = l->err;
@@ -125,6 +139,7 @@ static enum rb_status polls(struct rb_located *l, struct rb_contacts *to, struct
 	return status;
 }
 
+/* Contacts as the world keeps them. */
 static enum rb_status copy(struct rb_contacts *to, const struct rb_world *world,
                            struct rb_error *err)
 {
@@ -132,6 +147,7 @@ static enum rb_status copy(struct rb_contacts *to, const struct rb_world *world,
 	return rb_contacts_join(to, world->has_shown ? &world->shown : &world->contacts, err);
 }
 
+/* The first step of another world, for the forces at the start. */
 static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 {
 	const struct rb_model *model = other->model;
@@ -144,8 +160,8 @@ static enum rb_status first_step(struct rb_world *other, struct rb_error *err)
 }
 
 /*
- * Nobody has looked at contacts before the first step. Another world does, of the same state and
- * without callbacks; where it comes to nothing there are none.
+ * Contacts before the first step: those of another world with the same state and no callbacks.
+ * Where its step fails for physical reasons there are none.
  */
 static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err)
 {
@@ -175,7 +191,7 @@ static enum rb_status try_beginning(struct rb_world *world, struct rb_error *err
 	return status == RB_ERR_PHYSICS ? RB_OK : status;
 }
 
-/* Where nothing is located the poses of all are told. */
+/* Poses of all bodies for the evaluator. */
 static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_loads *loads = world->loads;
@@ -193,10 +209,7 @@ static enum rb_status place_all(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
-/*
- * The rows of contacts, and the poses that force elements are between, are of this moment from
- * here.
- */
+/* Brings contacts and poses to this moment, once for all bodies. */
 static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 {
 	struct rb_loads *loads = world->loads;
@@ -225,8 +238,8 @@ static enum rb_status refresh(struct rb_world *world, struct rb_error *err)
 /* ---- all else ---- */
 
 /*
- * The engine that located/external_force looks through: of located motion its own, whose arcs tell
- * where all are; else one that never runs, with the poses of the state.
+ * The engine through which located/external_force sees the world: the running one, whose arcs hold
+ * all poses, or the evaluator with the poses of the state.
  */
 static struct rb_located *begin_inspection(struct rb_world *world, int i,
                                            struct rb_force_query *view)
@@ -244,13 +257,14 @@ static struct rb_located *begin_inspection(struct rb_world *world, int i,
 	return l;
 }
 
+/* Takes the body out of the running engine's places again. */
 static void end_inspection(struct rb_located *l, int i)
 {
 	if (is_located(l->world))
 		l->place[i] = -1;
 }
 
-/* Of one that yields. */
+/* Forces on and accelerations of a dynamic body: external forces, then contacts. */
 static enum rb_status external(struct rb_world *world, int i, struct rb_load *load,
                                struct rb_error *err)
 {
@@ -283,7 +297,7 @@ static enum rb_status external(struct rb_world *world, int i, struct rb_load *lo
 	return status;
 }
 
-/* What presses and pulls on one that does not yield. */
+/* Forces of contacts and elements on a static or driven body. */
 static void press(struct rb_world *world, int i, struct rb_load *load)
 {
 	const struct rb_model *model = world->model;
@@ -311,7 +325,7 @@ static void press(struct rb_world *world, int i, struct rb_load *load)
 	}
 }
 
-/* Puts a driven body on the piece that leads on from `t`, whatever it was on before. */
+/* Puts a driven body on the piece of its motion that begins at `t`. */
 static enum rb_status lead_on(struct rb_located *l, int i, double t, struct rb_error *err)
 {
 	rb_driven_release(l);
@@ -351,6 +365,8 @@ enum rb_status rb_loads_start_driven(struct rb_world *world, struct rb_error *er
 enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *load,
                              struct rb_error *err)
 {
+	RB_ASSERT(id >= 0 && id < world->model->body_count + world->model->static_count);
+
 	const struct rb_model *model = world->model;
 	const int i = model->index_of[id];
 	enum rb_status status = world->loads ? RB_OK : create(world, err);
@@ -380,6 +396,7 @@ enum rb_status rb_world_load(struct rb_world *world, int id, struct rb_load *loa
 
 /* ---- frames ---- */
 
+/* True if a frame asks for loads. */
 static bool wants(const struct rb_frame *frame)
 {
 	return frame->acceleration || frame->angular_acceleration || frame->force || frame->torque;

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A frame is run by the scene's method. `auto` locates; where events come too densely or locating
+ * fails, the world is taken back to the beginning of the frame (of the step, if there are
+ * callbacks, which cannot be undone) and stepped for a number of steps that doubles with each
+ * failure, before locating is tried again. Exponential back-off bounds the share of time lost to
+ * failed attempts.
+ */
 #include "method/method.h"
 
 #include "base/error.h"
@@ -14,11 +21,12 @@
 #include <float.h>
 #include <string.h>
 
-/* A frame of very many steps can be stopped within. */
+/* Steps between two polls for an interruption within a frame. */
 enum { STEPS_PER_POLL = 1024 };
 
 /* ---- making a world ---- */
 
+/* State at time 0: centres of mass from the shapes' origins. */
 static void start_state(struct rb_world *world)
 {
 	const struct rb_model *model = world->model;
@@ -40,6 +48,7 @@ static void start_state(struct rb_world *world)
 	}
 }
 
+/* Row of the world's method. */
 static const struct rb_method *method_of(const struct rb_world *world)
 {
 	return rb_model_method_row(world->model);
@@ -50,7 +59,7 @@ static enum rb_status prepare_steps(struct rb_world *world, struct rb_error *err
 	return method_of(world)->steps->prepare(world, err);
 }
 
-/* From locating. */
+/* Prepares the steps and hands the located motion over to them. */
 static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_stepper *const steps = method_of(world)->steps;
@@ -59,7 +68,10 @@ static enum rb_status change_to_steps(struct rb_world *world, struct rb_error *e
 	return status == RB_OK && steps->take_over ? steps->take_over(world, err) : status;
 }
 
-/* What callbacks push with holds for one step. Who asks after it what acts is told of these. */
+/*
+ * Clears the forces that callbacks applied, which hold for one step, and keeps a copy for questions
+ * after it.
+ */
 static void forget_pushes(struct rb_world *world)
 {
 	const size_t n = 3 * (size_t)world->model->body_count;
@@ -77,8 +89,8 @@ static void forget_pushes(struct rb_world *world)
 }
 
 /*
- * Room for pushes that have been; whether somebody may ask for forces of contacts: any function of
- * the scene's can.
+ * Allocates that copy, and decides whether mean contact forces are kept: any function of the scene
+ * may ask for them.
  */
 static bool prepare_loads(struct rb_world *world)
 {
@@ -172,10 +184,7 @@ void rb_world_destroy(struct rb_world *world)
 	rb_memory_free(world);
 }
 
-/*
- * Where locating stalls, so many steps are taken before locating is tried again, then twice as
- * many.
- */
+/* Steps taken before locating is tried again: 16 at first, twice as many after each failure. */
 enum { DENSE_STEPS_FIRST = 16, DENSE_STEPS_MAX = 4096 };
 
 static void more_dense_steps(struct rb_world *world)
@@ -185,10 +194,7 @@ static void more_dense_steps(struct rb_world *world)
 		                                            : DENSE_STEPS_FIRST;
 }
 
-/*
- * m/s^2: the largest that gravity, gravity_force and fields make of a body at `t`, which the state
- * is of.
- */
+/* Largest acceleration, m/s^2, by gravity, gravity_force and fields on any body at `t`. */
 static enum rb_status largest_external(const struct rb_world *world, double t, double *max,
                                        struct rb_error *err)
 {
@@ -215,9 +221,9 @@ static enum rb_status largest_external(const struct rb_world *world, double t, d
 }
 
 /*
- * What auto steps where it would locate must not hang on a time_step that was chosen for locating:
- * no step is longer than an eighth of the time in which a body of the mean size falls by its size:
- * the smallest of many would make all of them wait.
+ * Longest step, s, where `auto` steps: an eighth of the time in which a body of the mean size falls
+ * by its size. A time_step chosen for locating may be far too long for steps; the smallest body
+ * would make all others wait.
  */
 static enum rb_status longest_step(const struct rb_world *world, double t, double *step,
                                    struct rb_error *err)
@@ -234,12 +240,13 @@ static enum rb_status longest_step(const struct rb_world *world, double t, doubl
 	return status;
 }
 
-/* From `start`, which the state is of, to `stop`. */
+/* Steps from `start`, which the state is of, to `stop`. */
 static enum rb_status by_step(struct rb_world *world, double start, double stop,
                               struct rb_error *err)
 {
 	double max;
 
+	RB_ASSERT(stop > start);
 	world->has_shown = false;
 	enum rb_status status = longest_step(world, start, &max, err);
 	const int64_t count = stop - start > max ? rb_step_count(stop - start, max) : 1;
@@ -263,7 +270,7 @@ static enum rb_status by_step(struct rb_world *world, double start, double stop,
 
 /* ---- what one method does not come to the end of is done by the other ---- */
 
-/* What the world is taken back to. */
+/* Snapshot that the world can be taken back to, besides state and contacts. */
 struct restart {
 	struct rb_counts counts;
 	struct rb_ledger ledger;
@@ -273,12 +280,13 @@ struct restart {
 	bool is_known;
 };
 
+/* True for `auto` while it locates. */
 static bool can_change_method(const struct rb_world *world)
 {
 	return method_of(world)->changes && world->located && rb_engine_wants_steps(world->located);
 }
 
-/* Callbacks cannot be taken back: with some it is a step that is done anew, not a frame. */
+/* True if the scene has callbacks: they cannot be undone, so a step is repeated and not a frame. */
 static bool has_callbacks(const struct rb_world *world)
 {
 	const struct rb_world_hooks *hooks = &world->hooks;
@@ -293,6 +301,7 @@ static enum rb_status copy_contacts(struct rb_contacts *to, const struct rb_cont
 	return rb_contacts_join(to, from, err);
 }
 
+/* Takes the snapshot if `known`. */
 static enum rb_status remember(struct rb_world *world, bool known, struct restart *begin,
                                struct rb_error *err)
 {
@@ -319,17 +328,22 @@ static enum rb_status remember(struct rb_world *world, bool known, struct restar
 	return RB_OK;
 }
 
-/* What was located is stepped, for a while; what was stepped from its beginning is located. */
+/*
+ * Takes the world back to the snapshot and changes the method: what was located is stepped for a
+ * while; what was stepped from its beginning is located.
+ */
 static enum rb_status go_back(struct rb_world *world, const struct restart *begin, int64_t steps,
                               struct rb_error *err)
 {
+	RB_ASSERT(begin->is_known && world->frame_state.block);
+
 	const uint64_t bodies = (uint64_t)world->model->body_count;
 	const enum rb_status status = copy_contacts(&world->contacts, &world->frame_contacts, err);
 
 	if (status != RB_OK)
 		return status;
 	rb_state_copy(&world->state, &world->frame_state);
-	world->pushed = true; /* it may have been so */
+	world->pushed = true; /* callbacks may have pushed before the snapshot */
 	rb_engine_go_back(world->located);
 	const bool by_steps = world->dense_left > 0;
 	world->frame_counts = begin->counts;
@@ -349,7 +363,7 @@ static enum rb_status go_back(struct rb_world *world, const struct restart *begi
 	return change_to_steps(world, err);
 }
 
-/* A step of the located method; whatever it comes to, the world is as it has left it. */
+/* Locates from `start` to `stop`, or as far as it comes. */
 static enum rb_status try_located(struct rb_world *world, double start, double stop,
                                   struct rb_error *err)
 {
@@ -370,8 +384,8 @@ static enum rb_status try_located(struct rb_world *world, double start, double s
 }
 
 /*
- * A frame with callbacks cannot be done anew, a step within can: what on_step has given it is kept,
- * and no other callback has been called. So every such step is looked at.
+ * Locates a step with a snapshot if there are callbacks: a step can be repeated as long as only
+ * on_step has been called, whose effect is kept.
  */
 static enum rb_status located(struct rb_world *world, double start, double stop,
                               struct rb_error *err)
@@ -390,14 +404,14 @@ static enum rb_status located(struct rb_world *world, double start, double stop,
 	}
 	if (status != RB_OK || !(world->state.time_s < stop))
 		return status;
-	/* too dense to locate: the rest of it, and some more, is stepped */
+	/* too dense to locate: the rest, and some more, is stepped */
 	more_dense_steps(world);
 	world->dense_left = world->dense_steps;
 	status = change_to_steps(world, err);
 	return status == RB_OK ? by_step(world, world->state.time_s, stop, err) : status;
 }
 
-/* One that has begun. */
+/* A step after on_step was called, by the method of the moment. */
 static enum rb_status go(struct rb_world *world, double start, double stop, struct rb_error *err)
 {
 	enum rb_status status;
@@ -411,6 +425,7 @@ static enum rb_status go(struct rb_world *world, double start, double stop, stru
 	return located(world, start, stop, err);
 }
 
+/* One step with its callback. */
 static enum rb_status step(struct rb_world *world, double start, double stop, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -419,6 +434,7 @@ static enum rb_status step(struct rb_world *world, double start, double stop, st
 		status = world->hooks.step(world->hooks.user, world, start, stop - start, err);
 	if (status != RB_OK)
 		return status;
+	RB_ASSERT(!world->in_step);
 	world->begun = world->in_step = true;
 	rb_world_choose_pushes(world);
 	status = go(world, start, stop, err);
@@ -429,6 +445,8 @@ static enum rb_status step(struct rb_world *world, double start, double stop, st
 
 int64_t rb_step_count(double interval, double time_step)
 {
+	RB_ASSERT(!(time_step < 0));
+
 	const double quotient = interval / time_step;
 	const double whole = nearbyint(quotient);
 	const double count = fabs(quotient - whole) <= 8 * DBL_EPSILON * quotient ? whole
@@ -439,17 +457,19 @@ int64_t rb_step_count(double interval, double time_step)
 
 int64_t rb_frame_step_count(const struct rb_model *model, double begin, double end)
 {
-	/* the difference of two times has their rounding: a whole interval is known better */
+	/* the difference of two times has their rounding: a whole interval is known exactly */
 	const double interval = 1 / model->frame_rate;
 	const bool whole = fabs(end - begin - interval) <= 4 * DBL_EPSILON * end;
 
 	return rb_step_count(whole ? interval : end - begin, model->time_step_s);
 }
 
-/* From `begin` to `end`, in so many steps. */
+/* Runs a frame in `steps` equal steps. */
 static enum rb_status run_frame(struct rb_world *world, double begin, double end, int64_t steps,
                                 struct rb_error *err)
 {
+	RB_ASSERT(steps >= 1);
+
 	for (int64_t k = 0; k < steps; k++) {
 		const double start = begin + (end - begin) * ((double)k / (double)steps);
 		const double stop = k + 1 < steps ? begin + (end - begin) * ((double)(k + 1) /

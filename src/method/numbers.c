@@ -1,12 +1,21 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Sums over bodies in their order in plain double precision: a frame's numbers are for people and
+ * tests, and no decision reads them. The ledger's residual is different: it is a difference of
+ * large numbers, so potential energies are taken relative to where each body began.
+ */
 #include "method/numbers.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "step/broadphase.h"
 
 #include <string.h>
 
-/* Of the bodies one by one: what momenta are small against, kg m/s and kg m^2/s. */
+/*
+ * Adds the sizes of the bodies' own momenta to the scales that residuals are compared with, kg m/s
+ * and kg m^2/s.
+ */
 static void measure_sizes(const struct rb_world *world, struct rb_ledger_values *values)
 {
 	const struct rb_model *model = world->model;
@@ -27,8 +36,8 @@ static void measure_sizes(const struct rb_world *world, struct rb_ledger_values 
 }
 
 /*
- * With potential energies from where each body began, not from the origin: of what is heavy and
- * stands nothing is left to round, beside what little the others do.
+ * The numbers with potential energies relative to each body's start rather than to the origin:
+ * heavy bodies at rest then contribute no rounding.
  */
 static struct rb_frame_numbers since_start(const struct rb_world *world,
                                            const struct rb_frame_numbers *numbers)
@@ -61,6 +70,7 @@ void rb_numbers_start_ledger(struct rb_world *world)
 	world->ledger.kept = true;
 }
 
+/* Entries and residual at this moment, including those not yet entered (world->open). */
 static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
 	const struct rb_frame_numbers since = since_start(world, numbers);
@@ -69,16 +79,13 @@ static void measure_ledger(const struct rb_world *world, struct rb_frame_numbers
 	rb_ledger_enter(&ledger, &world->open);
 	numbers->has_ledger = true;
 	numbers->ledger = rb_ledger_values(&ledger, &since);
-	/* causes that have cancelled in angular momentum were not small */
+	/* causes that have cancelled in angular momentum about the origin were not small */
 	numbers->ledger.momentum_scale[1] += world->model->coordinate_max_m *
 	                                     numbers->ledger.momentum_scale[0];
 	measure_sizes(world, &numbers->ledger);
 }
 
-/*
- * Straight over the columns: this runs for every frame that is recorded. Sums run over bodies in
- * their order.
- */
+/* Straight over the columns, since this runs for every recorded frame. */
 void rb_numbers_measure(const struct rb_world *world, struct rb_frame_numbers *numbers)
 {
 	const struct rb_model *model = world->model;
@@ -160,6 +167,7 @@ struct rb_world_work rb_world_work(const struct rb_world *world)
 		.pair_tests = world->broadphase ? rb_broadphase_tests(world->broadphase) : 0};
 }
 
+/* Columns of a frame; positions are of the shapes' origins. */
 static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
 {
 	const struct rb_model *model = world->model;
@@ -171,6 +179,8 @@ static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
 		for (size_t i = 0; i < n; i++)
 			rb_vec3_to(frame->position + 3 * i,
 			           rb_world_origin_at(world, &world->state, (int)i));
+	RB_ASSERT(!frame->orientation || world->state.orientation);
+	RB_ASSERT(!frame->angular_velocity || world->state.spin);
 	if (frame->orientation)
 		memcpy(frame->orientation, world->state.orientation, 4 * n * sizeof(double));
 	if (frame->velocity)
@@ -179,6 +189,7 @@ static void fill_poses(const struct rb_world *world, struct rb_frame *frame)
 		memcpy(frame->angular_velocity, world->state.spin, 3 * n * sizeof(double));
 }
 
+/* Copies the events since the last frame; false when memory is or was out. */
 static bool fill_events(struct rb_world *world, struct rb_frame *frame)
 {
 	size_t capacity = (size_t)frame->event_capacity;
@@ -194,6 +205,7 @@ static bool fill_events(struct rb_world *world, struct rb_frame *frame)
 	return true;
 }
 
+/* Contacts with ids of the scene, a < b. */
 static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
 {
 	const struct rb_contacts *contacts = world->has_shown ? &world->shown : &world->contacts;
@@ -206,6 +218,7 @@ static bool fill_contacts(struct rb_world *world, struct rb_frame *frame)
 	frame->contact_count = (int)contacts->count;
 	for (size_t k = 0; k < contacts->count; k++) {
 		const struct rb_contact *c = &contacts->row[k];
+		RB_ASSERT_COSTLY(c->a >= 0 && c->a < world->model->body_count && c->b > c->a);
 		struct rb_frame_contact *out = &frame->contacts[k];
 		const int a = world->model->id_of[c->a], b = world->model->id_of[c->b];
 		const double sign = a < b ? 1 : -1;
