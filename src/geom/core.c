@@ -19,7 +19,7 @@ rb_core rb_core_of_polytope(const struct rb_polytope *polytope, double radius)
 
 rb_core rb_core_of_cylinder(double radius, double half_height)
 {
-	RB_ASSERT(radius > 0 && half_height > 0);
+	RB_ASSERT(radius >= 0 && half_height >= 0);
 
 	return (rb_core){.kind = RB_CORE_CYLINDER,
 	                 .reach = rb_vec3_length((rb_vec3){radius, half_height, 0}),

@@ -249,7 +249,7 @@ enum rb_status rb_polytope_create(struct rb_polytope **polytope, const rb_polyto
 enum rb_status rb_polytope_create_box(struct rb_polytope **polytope, rb_vec3 half,
                                       struct rb_error *err)
 {
-	RB_ASSERT(half.x > 0 && half.y > 0 && half.z > 0);
+	RB_ASSERT(half.x >= 0 && half.y >= 0 && half.z >= 0);
 
 	/* +x, -x, +y, -y, +z, -z; vertex i has its coordinates negated by the bits of i */
 	static const int counts[6] = {4, 4, 4, 4, 4, 4};
