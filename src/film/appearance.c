@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Colours are converted to linear light once, here; shaders and blending work in linear light and
+ * the framebuffer encodes sRGB again. Bodies without a colour take one of a palette by their
+ * material, so that materials can be told apart; planes are grey, so that bodies stand out.
+ */
 #include "film/appearance.h"
 
 #include <math.h>
@@ -18,15 +23,19 @@ static const double palette[][3] = {
 	{0.800, 0.475, 0.655}, {0.337, 0.706, 0.914}, {0.941, 0.894, 0.259},
 };
 static const double plane_colour[3] = {0.80, 0.80, 0.79};
-/* The second colour of a plane's pattern: so much of the first. */
+/*
+ * Second colour of a plane's pattern as a share of the first, in steps of perceived lightness
+ * (squared for linear light).
+ */
 static const double PLANE_SHADE = 0.62;
-static const double SOLID_GLOSS = 55;
+static const double SOLID_GLOSS = 55; /* exponent of Blinn and Phong: like painted plastic */
 
 double rb_look_linear(double srgb)
 {
 	return srgb <= 0.04045 ? srgb / 12.92 : pow((srgb + 0.055) / 1.055, 2.4);
 }
 
+/* Order of doubles for qsort. */
 static int compare(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
@@ -34,7 +43,11 @@ static int compare(const void *a, const void *b)
 	return (x > y) - (x < y);
 }
 
-/* The median diameter of solids that move, else of those that don't, else what planes there are. */
+/*
+ * Sets size_m, the median diameter of moving solids (else of static ones, else a fifth of a
+ * rectangle; 1 m without any), and cell_m, the cell of patterns: twice that, rounded to 1, 2 or 5
+ * times a power of ten.
+ */
 static enum rb_status measure(struct rb_looks *looks, const struct rb_model *model,
                               struct rb_error *err)
 {
@@ -65,6 +78,7 @@ static enum rb_status measure(struct rb_looks *looks, const struct rb_model *mod
 	return RB_OK;
 }
 
+/* The scene's file of that name; NULL if it has none. */
 static const struct rb_source_file *file_of(const struct rb_scene *scene, const char *name)
 {
 	for (int k = 0; k < scene->file_count; k++)
@@ -73,6 +87,7 @@ static const struct rb_source_file *file_of(const struct rb_scene *scene, const 
 	return NULL;
 }
 
+/* Finds or decodes the picture of a texture; `*image` is its index. Pictures are shared by name. */
 static enum rb_status load(struct rb_looks *looks, int *image, const char *name,
                            const struct rb_model *model, int id, struct rb_error *err)
 {
@@ -111,6 +126,10 @@ static enum rb_status load(struct rb_looks *looks, int *image, const char *name,
 	return RB_OK;
 }
 
+/*
+ * Colour of the body, else of its material, else of the palette; 0.9 of it, since nothing reflects
+ * all light.
+ */
 static void colour(struct rb_look *look, const struct rb_body_def *body,
                    const struct rb_material_def *material, int material_index)
 {
@@ -125,7 +144,7 @@ static void colour(struct rb_look *look, const struct rb_body_def *body,
 		srgb = material->color;
 	for (int k = 0; k < 3; k++) {
 		const double linear = rb_look_linear(srgb[k]);
-		/* Nothing real gives back all light; pictures are their own colour. */
+		/* no real surface reflects all light; pictures are multiplied by white below */
 		look->colour[k] = (float)(0.9 * linear);
 		look->other[k] = (float)(0.9 * linear * PLANE_SHADE * PLANE_SHADE);
 	}
@@ -133,6 +152,7 @@ static void colour(struct rb_look *look, const struct rb_body_def *body,
 	                                                 : material->shininess);
 }
 
+/* Pattern or picture of the body, else of its material. */
 static enum rb_status decorate(struct rb_looks *looks, struct rb_look *look,
                                const struct rb_model *model, int id, struct rb_error *err)
 {
@@ -156,7 +176,7 @@ static enum rb_status decorate(struct rb_looks *looks, struct rb_look *look,
 			look->pattern = patterns[k].pattern;
 			return RB_OK;
 		}
-	/* A palette colour would tint a picture that asked for none. */
+	/* a palette colour would tint the picture */
 	if (isnan(body->color[0]) && isnan(material->color[0]))
 		for (int k = 0; k < 3; k++)
 			look->colour[k] = 1;
@@ -176,6 +196,7 @@ enum rb_status rb_looks_make(struct rb_looks *looks, const struct rb_model *mode
 	enum rb_status status = measure(looks, model, err);
 	for (int id = 0; id < scene->body_count && status == RB_OK; id++) {
 		const struct rb_body_def *body = &scene->bodies[id];
+		RB_ASSERT(body->material >= 0 && body->material < scene->material_count);
 		struct rb_look *look = &looks->of[model->index_of[id]];
 		look->visible = body->visible;
 		colour(look, body, &scene->materials[body->material], body->material);

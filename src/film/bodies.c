@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Spheres are drawn as instanced discs whose fragments intersect the ray with the sphere
+ * (impostors), sorted by groups of one shader program and within a group from near to far, so that
+ * early depth tests reject what is hidden. Three exact tests thin them out beforehand: outside of
+ * the view, behind an infinite plane, behind spheres already listed (film/hidden). Only spheres
+ * that cut something need per-fragment depths (film/isolated), which switch early tests off.
+ *
+ * Soft edges are a second pass over the rims from far to near with blending: multisampling alone
+ * leaves steps on small discs.
+ */
 #include "film/bodies.h"
 
 #include <math.h>
@@ -18,10 +28,10 @@
 #include "math/quat.h"
 #include "model/shape.h"
 
-/* A group has one pattern or picture, one size, and is exact or not. */
+/* A group has one pattern or picture, one size class, and is exact or not: one program each. */
 enum { GROUPS_PER_LOOK = 2 * RB_BALL_SIZES };
 
-/* Smaller ones are drawn as large as this: what flies away stays in sight as a dot. */
+/* Smallest radius drawn, px: what flies away stays visible as a dot. */
 static const double LEAST_PX = 0.6;
 
 /* A sphere that is drawn at all. */
@@ -60,6 +70,7 @@ struct rb_bodies {
 
 /* ---- set-up ---- */
 
+/* Vertex arrays: one without attributes for surfaces, one with three per-instance attributes. */
 static void make_arrays(struct rb_bodies *bodies)
 {
 	glGenVertexArrays(1, &bodies->no_array);
@@ -72,6 +83,7 @@ static void make_arrays(struct rb_bodies *bodies)
 	}
 }
 
+/* Uploads the pictures with mipmaps, sRGB decoded by the sampler. */
 static void make_textures(struct rb_bodies *bodies)
 {
 	const struct rb_looks *looks = bodies->setup.looks;
@@ -115,6 +127,7 @@ static int list_spheres(const struct rb_model *model, const struct rb_looks *loo
 	return count;
 }
 
+/* Allocates for all bodies, so that drawing allocates nothing; false when memory is out. */
 static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 {
 	const int total = model->body_count + model->static_count;
@@ -144,7 +157,10 @@ static bool take_room(struct rb_bodies *bodies, const struct rb_model *model)
 	       bodies->rectangle_corner && bodies->texture;
 }
 
-/* Those of spheres are made when they are needed. */
+/*
+ * Compiles programs for surfaces and shadows; those of spheres are compiled when first needed,
+ * since there are many combinations.
+ */
 static enum rb_status prepare_programs(struct rb_bodies *bodies, struct rb_error *err)
 {
 	const struct rb_bodies_setup *setup = &bodies->setup;
@@ -193,6 +209,7 @@ enum rb_status rb_bodies_create(struct rb_bodies **bodies_out, const struct rb_b
 			bodies->surface[bodies->surface_count++] = (struct rb_surface){
 				.index = i, .infinite = kind == RB_SHAPE_PLANE};
 	}
+	RB_ASSERT(bodies->surface_count <= model->body_count + model->static_count);
 	bodies->sphere_count = list_spheres(model, setup->looks, bodies->sphere);
 	rb_apart_init(&bodies->apart);
 	/* Trails go through spheres. */
@@ -239,6 +256,10 @@ void rb_bodies_destroy(struct rb_bodies *bodies)
 
 /* ---- what a view shows ---- */
 
+/*
+ * Instance data of a sphere; without a pattern its orientation is zeroed, so that equal spheres
+ * have equal data.
+ */
 static struct rb_ball ball_of(const struct rb_look *look, rb_vec3 centre, double radius,
                               rb_quat orientation)
 {
@@ -281,6 +302,7 @@ static uint32_t bits_of(double distance)
 	return bits;
 }
 
+/* Group of a sphere of that radius in px. */
 static int group_of(const struct rb_look *look, double radius_px, bool exact)
 {
 	const int number = (int)look->pattern + (look->image > 0 ? look->image : 0);
@@ -288,8 +310,11 @@ static int group_of(const struct rb_look *look, double radius_px, bool exact)
 	return GROUPS_PER_LOOK * number + 2 * rb_ball_size(radius_px) + exact;
 }
 
+/* Inverse of group_of, up to which picture it is. */
 static struct rb_ball_kind kind_of(int group)
 {
+	RB_ASSERT_COSTLY(group >= 0);
+
 	const int look = group / GROUPS_PER_LOOK;
 
 	return (struct rb_ball_kind){
@@ -299,7 +324,7 @@ static struct rb_ball_kind kind_of(int group)
 	};
 }
 
-/* Balls as they come, with their distances to be sorted by. */
+/* Instance data of all spheres, and their order by distance. */
 static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
                    const struct rb_view *view)
 {
@@ -321,7 +346,10 @@ static void gather(struct rb_bodies *bodies, const struct rb_frame *frame,
 	rb_sort_by_key(bodies->order, bodies->scratch, (size_t)bodies->sphere_count);
 }
 
-/* Does it lie behind an infinite plane that is seen? Else, does it cut a surface? */
+/*
+ * True if the sphere lies behind an infinite plane that is shown; sets ball->cuts where it cuts a
+ * surface.
+ */
 static bool is_behind_surface(const struct rb_bodies *bodies, struct rb_apart_ball *ball)
 {
 	for (int k = 0; k < bodies->surface_count; k++) {
@@ -344,12 +372,13 @@ static bool is_behind_surface(const struct rb_bodies *bodies, struct rb_apart_ba
 	return false;
 }
 
+/* Distance bits of the k-th in order. */
 static uint32_t key_of(const struct rb_bodies *bodies, int k)
 {
 	return (uint32_t)bodies->order[k].key;
 }
 
-/* Two groups, exact or not, as one with far ones first. */
+/* Merges the exact and the plain group g into one with far spheres first, for blended rims. */
 static void mirror(struct rb_bodies *bodies, int g)
 {
 	const int *first = bodies->group_first;
@@ -363,7 +392,7 @@ static void mirror(struct rb_bodies *bodies, int g)
 	}
 }
 
-/* By groups, and in each of them near ones first. */
+/* Sorts by group and distance and sets group_first. */
 static void group(struct rb_bodies *bodies)
 {
 	int *first = bodies->group_first, next = 0;
@@ -377,11 +406,16 @@ static void group(struct rb_bodies *bodies)
 	}
 	while (next <= bodies->group_count + 1)
 		first[next++] = bodies->sphere_count;
+	RB_ASSERT(first[bodies->group_count + 1] == bodies->sphere_count);
 	for (int g = 0; g < bodies->group_count && bodies->setup.soft; g += 2)
 		mirror(bodies, g);
+	RB_ASSERT(next == bodies->group_count + 2);
 }
 
-/* What has no pixel in the picture goes to the last group: it throws shadows all the same. */
+/*
+ * Finds what is visible and what cuts. Spheres without a pixel in the picture go to the last group:
+ * they still throw shadows.
+ */
 static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_frame *frame,
                                   const struct rb_view *view, struct rb_error *err)
 {
@@ -430,6 +464,7 @@ static enum rb_status see_spheres(struct rb_bodies *bodies, const struct rb_fram
 	return status;
 }
 
+/* Compiles the programs of groups that have spheres. */
 static enum rb_status make_programs(struct rb_bodies *bodies, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -491,7 +526,7 @@ struct rb_casters rb_bodies_casters(const struct rb_bodies *bodies)
 
 /* ---- drawing ---- */
 
-/* Spheres from..to of the sorted ones become those of the next draw call. */
+/* Points the attributes at the sorted spheres from `from` on. */
 static void point_at(const struct rb_bodies *bodies, int from)
 {
 	static const size_t places[3] = {offsetof(struct rb_ball, centre),
@@ -508,8 +543,8 @@ static void point_at(const struct rb_bodies *bodies, int from)
 }
 
 /*
- * Discs of all spheres with as many corners as the largest needs: shadows of groups of like size
- * are the rule.
+ * Draws the spheres of each group into a shadow map as discs, with as many corners as the largest
+ * of the group needs.
  */
 static void throw_spheres(const struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 {
@@ -544,9 +579,7 @@ void rb_bodies_throw(struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 	glUseProgram(bodies->programs.flat);
 	glUniformMatrix4fv(rb_glsl_place(bodies->programs.flat, "to_map"), 1, GL_FALSE,
 	                   fit->to_map);
-	/*
-	 * A rectangle lies in its own shadow: pushed back by what its slope is across the filter.
-	 */
+	/* A rectangle would shade itself: it is pushed back by its slope across the filter. */
 	glEnable(GL_POLYGON_OFFSET_FILL);
 	glPolygonOffset(3, 4);
 	for (int k = 0; k < bodies->caster_rectangles; k++) {
@@ -557,6 +590,7 @@ void rb_bodies_throw(struct rb_bodies *bodies, const struct rb_shadow_fit *fit)
 	glDisable(GL_POLYGON_OFFSET_FILL);
 }
 
+/* Binds the picture of a group that has one. */
 static void use_picture(const struct rb_bodies *bodies, int group)
 {
 	const int image = group / GROUPS_PER_LOOK - RB_PATTERN_IMAGE;

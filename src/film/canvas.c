@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Renders into a framebuffer object with multisampling and an sRGB colour buffer; reading resolves
+ * it by a blit. Depth is float with a clip range of [0, 1] where the driver allows: with a reversed
+ * projection, precision is then nearly uniform over all distances.
+ */
 #include "film/canvas.h"
 
 #include <stdio.h>
@@ -18,6 +23,7 @@ struct rb_canvas {
 	GLuint flat, flat_colour;     /* read from; 0 without samples */
 };
 
+/* True if the context has the extension. */
 static bool has_extension(const char *name)
 {
 	GLint count = 0;
@@ -29,7 +35,10 @@ static bool has_extension(const char *name)
 	return false;
 }
 
-/* Newer than the functions that the library exports by name. */
+/*
+ * Chooses depths of [0, 1] if glClipControl exists; it is newer than what the library exports by
+ * name.
+ */
 static void choose_depths(struct rb_canvas *canvas)
 {
 	PFNGLCLIPCONTROLPROC clip_control = NULL;
@@ -42,6 +51,10 @@ static void choose_depths(struct rb_canvas *canvas)
 	canvas->depth_from_zero = glGetError() == GL_NO_ERROR;
 }
 
+/*
+ * Renderer, limits and number of samples. Mesa's softpipe is refused: it takes minutes for a
+ * picture.
+ */
 static enum rb_status learn(struct rb_canvas *canvas, int samples, struct rb_error *err)
 {
 	GLint most = 0, side = 0;
@@ -72,6 +85,7 @@ static enum rb_status learn(struct rb_canvas *canvas, int samples, struct rb_err
 	return RB_OK;
 }
 
+/* A render buffer. */
 static GLuint make_buffer(GLenum format, int samples, int width, int height)
 {
 	GLuint buffer = 0;
@@ -82,6 +96,7 @@ static GLuint make_buffer(GLenum format, int samples, int width, int height)
 	return buffer;
 }
 
+/* RB_OK if the bound framebuffer is complete. */
 static enum rb_status complete(const struct rb_canvas *canvas, struct rb_error *err)
 {
 	const enum rb_status status = rb_canvas_check("make a picture", err);
@@ -96,6 +111,7 @@ static enum rb_status complete(const struct rb_canvas *canvas, struct rb_error *
 		canvas->width, canvas->height, canvas->samples, canvas->renderer, found);
 }
 
+/* The multisampled target and, with samples, the one it is resolved to. */
 static enum rb_status make_targets(struct rb_canvas *canvas, struct rb_error *err)
 {
 	const int w = canvas->width, h = canvas->height;
@@ -211,7 +227,7 @@ enum rb_status rb_canvas_check(const char *doing, struct rb_error *err)
 
 	if (first == GL_NO_ERROR)
 		return RB_OK;
-	/* One flag a call in theory; bounded, since a lost context repeats itself for ever. */
+	/* errors come one for each call; bounded, because a lost context reports errors for ever */
 	for (int k = 0; k < 16 && glGetError() != GL_NO_ERROR; k++)
 		;
 	if (first == GL_OUT_OF_MEMORY)

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A child process with pipes, watched for signs of life: output, growing files, processor time.
+ * fork and exec rather than posix_spawn, because the child needs a group of its own, a death signal
+ * and closed descriptors. A pipe that closes on exec reports whether exec succeeded (the errno is
+ * written to it only if it failed).
+ */
 #include "film/child.h"
 
 #include <errno.h>
@@ -13,17 +19,17 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/hash.h"
 
 /*
- * Of a pipe to its input; of one from it, which is the system's, and so the most that can wait
- * there.
+ * Sizes of the pipe to its input; of one read, and reads in a row; longest pause between two looks.
  */
 enum { PIPE_SIZE = 1 << 20, CHUNK_SIZE = 4096, CHUNKS_MAX = 16, PAUSE_MS = 50 };
 
-/* Of processor time: less is what waking up takes. */
+/* Processor time, ns, that counts as a sign of life: less is used by waking up. */
 static const uint64_t busy_least_ns = 10000000;
-/* After SIGKILL: one that waits for a disk cannot be ended before it has it. */
+/* After SIGKILL, s: a process in uninterruptible sleep on a disk ends only when that answers. */
 static const double kill_timeout_s = 5;
 
 /* ---- start ---- */
@@ -40,7 +46,9 @@ void rb_child_init(struct rb_child *child)
 	*child = (struct rb_child){.in = -1, .out = -1, .complaints = -1, .files = {-1, -1}};
 }
 
-/* Above the standard three, so that setting these up in the child does not overwrite one. */
+/*
+ * A pipe with both ends above the standard descriptors, which are replaced one by one in the child.
+ */
 static bool make_pipe(int ends[2])
 {
 	if (pipe2(ends, O_CLOEXEC) != 0)
@@ -59,12 +67,13 @@ static bool make_pipe(int ends[2])
 	return false;
 }
 
-/* The child's ends of pipes; -1: none. And what else it is to have: to -1. */
+/* The child's ends of pipes, -1 for none, and further descriptors that it keeps, ended by -1. */
 struct ends {
 	int in, out, complaints, report;
 	const int *kept;
 };
 
+/* Makes `from` (or /dev/null) the descriptor `to`. */
 static void redirect(int from, int to, int flags)
 {
 	if (from < 0)
@@ -73,6 +82,7 @@ static void redirect(int from, int to, int flags)
 		(void)dup2(from, to);
 }
 
+/* Closes the descriptors from..to - 1 except one. */
 static void close_between(int from, int to, int except)
 {
 	for (int descriptor = from; descriptor < to; descriptor++)
@@ -80,16 +90,16 @@ static void close_between(int from, int to, int except)
 			close(descriptor);
 }
 
-/* In the child: only what may be called between fork and exec. */
+/* In the child, where only async-signal-safe functions may be called until exec. */
 static _Noreturn void become(char *const *arguments, const struct ends *ends, pid_t parent)
 {
 	const struct sigaction usual = {.sa_handler = SIG_DFL};
 	sigset_t none;
 
-	/* A group of its own: ctrl-C at the terminal is for us, and the film is then finished. */
+	/* its own process group: ctrl-C at the terminal is for us, and the film is then finished */
 	(void)setpgid(0, 0);
 	(void)prctl(PR_SET_PDEATHSIG, SIGKILL);
-	if (getppid() != parent) /* it was gone before that */
+	if (getppid() != parent) /* the parent ended before the death signal was set */
 		_exit(127);
 	for (int number = 1; number < NSIG; number++)
 		(void)sigaction(number, &usual, NULL);
@@ -116,14 +126,14 @@ static _Noreturn void become(char *const *arguments, const struct ends *ends, pi
 	_exit(127);
 }
 
-/* errno; 0: it is on its way. */
+/* Forks; 0, or errno of the failure. */
 static int launch(struct rb_child *child, const char *const *arguments, const struct ends *ends)
 {
 	const pid_t parent = getpid();
 	sigset_t all, before;
 	char *const *list;
 
-	/* the system's prototype lacks a const that it keeps to */
+	/* execvp's prototype lacks a const that it honours */
 	memcpy(&list, &arguments, sizeof list);
 	/* no handler of ours may run in the child */
 	sigfillset(&all);
@@ -139,7 +149,7 @@ static int launch(struct rb_child *child, const char *const *arguments, const st
 	return 0;
 }
 
-/* Why it could not become what it should; 0: it has. */
+/* errno of a failed exec; 0: it runs. */
 static int read_report(struct rb_child *child, int report)
 {
 	int number = 0;
@@ -198,6 +208,7 @@ enum rb_status rb_child_start(struct rb_child *child, const char *const *argumen
 
 /* ---- words ---- */
 
+/* Appends to the ring of last words; the oldest are dropped. */
 static void keep(struct rb_child *child, const char *text, size_t size)
 {
 	const size_t room = sizeof child->said - 1;
@@ -214,6 +225,7 @@ static void keep(struct rb_child *child, const char *text, size_t size)
 	memcpy(child->said + child->said_size, text, size);
 	child->said_size += size;
 	child->said[child->said_size] = '\0';
+	RB_ASSERT(child->said_size < sizeof child->said);
 }
 
 void rb_child_hear(struct rb_child *child)
@@ -267,6 +279,7 @@ const char *rb_child_words(const struct rb_child *child, const char *text,
 
 /* ---- signs of life ---- */
 
+/* Present signs of life: amount of output, a hash of what files and pipes show, processor time. */
 static struct rb_child_signs look(const struct rb_child *child)
 {
 	struct rb_child_signs signs = {.said = child->heard};
@@ -291,7 +304,10 @@ static struct rb_child_signs look(const struct rb_child *child)
 	return signs;
 }
 
-/* Asked again and again in a wait, each of which begins with `watched` unset. */
+/*
+ * True if there was no sign of life for patience_s, or no result for a multiple of it. A wait
+ * begins with `watched` unset.
+ */
 static bool is_hung(struct rb_child *child)
 {
 	const uint64_t now = rb_clock_now_ns();
@@ -305,7 +321,7 @@ static bool is_hung(struct rb_child *child)
 		child->signs = signs;
 	}
 	child->watched = true;
-	/* after a signal nobody waits as long */
+	/* after an interruption patience is short */
 	if (child->cut && atomic_load(child->cut) && child->patience_s > RB_CHILD_CUT_S)
 		child->patience_s = RB_CHILD_CUT_S;
 	return (double)(now - child->sign_ns) * 1e-9 > child->patience_s ||
@@ -314,9 +330,11 @@ static bool is_hung(struct rb_child *child)
 
 /* ---- its end ---- */
 
-/* True: there is nobody to wait for any more. */
+/* Collects the exit status without blocking; true if there is nothing to wait for any more. */
 static bool reap(struct rb_child *child)
 {
+	RB_ASSERT(child->pid > 0);
+
 	const pid_t ended = waitpid(child->pid, &child->outcome, WNOHANG);
 
 	if (ended == 0 || (ended < 0 && errno == EINTR))
@@ -328,6 +346,7 @@ static bool reap(struct rb_child *child)
 	return true;
 }
 
+/* Sleeps and doubles the pause up to PAUSE_MS. */
 static void pause_for(int *ms)
 {
 	const struct timespec pause = {.tv_nsec = *ms * 1000000L};
@@ -336,6 +355,7 @@ static void pause_for(int *ms)
 	*ms = 2 * *ms < PAUSE_MS ? 2 * *ms : PAUSE_MS;
 }
 
+/* Reads the last words and closes the pipes. */
 static void let_go(struct rb_child *child)
 {
 	rb_child_hear(child);
@@ -364,6 +384,7 @@ void rb_child_stop(struct rb_child *child)
 	let_go(child);
 }
 
+/* Kills a child that shows no signs of life. */
 static void end_hung(struct rb_child *child)
 {
 	rb_child_stop(child);
@@ -378,7 +399,7 @@ enum rb_child_end rb_child_wait(struct rb_child *child)
 	child->watched = false;
 	while (child->pid > 0 && !reap(child)) {
 		struct pollfd wish = {.fd = child->complaints, .events = POLLIN};
-		/* its own children may keep the pipe open for longer than it lives */
+		/* grandchildren may keep the pipe open after it has ended */
 		if (child->complaints >= 0)
 			poll(&wish, 1, PAUSE_MS);
 		else
@@ -391,7 +412,7 @@ enum rb_child_end rb_child_wait(struct rb_child *child)
 	return child->end;
 }
 
-/* Listening at the same time: who waits on neither side can't be waited for. */
+/* Writes while reading: two processes that each wait for the other to read would block for ever. */
 bool rb_child_feed(struct rb_child *child, const uint8_t *bytes, size_t size)
 {
 	child->watched = false;

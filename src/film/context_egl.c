@@ -17,12 +17,14 @@
 #include "base/memory.h"
 
 struct rb_context {
-	EGLDisplay display; /* EGL's own, the same for all contexts and never ended */
+	EGLDisplay
+		display; /* owned by EGL, shared by all contexts, never terminated: others may use it */
 	EGLContext made;
 };
 
-enum { DEVICES_MOST = 64 };
+enum { DEVICES_MOST = 64 }; /* more graphics devices than any machine has */
 
+/* True if the list of extensions, separated by blanks, has the name. */
 static bool has(const char *extensions, const char *name)
 {
 	const size_t size = strlen(name);
@@ -33,6 +35,7 @@ static bool has(const char *extensions, const char *name)
 	return false;
 }
 
+/* Display of Mesa's software device; EGL_NO_DISPLAY: there is none. */
 static EGLDisplay software_display(void)
 {
 	const PFNEGLQUERYDEVICESEXTPROC query_devices = (PFNEGLQUERYDEVICESEXTPROC)
@@ -53,6 +56,7 @@ static EGLDisplay software_display(void)
 	return EGL_NO_DISPLAY;
 }
 
+/* Highest version first: a driver gives exactly the version asked for, or none. */
 static void make(struct rb_context *context)
 {
 	static const EGLint versions[][2] = {{4, 5}, {4, 3}, {4, 1}, {4, 0}, {3, 3}};
@@ -70,6 +74,7 @@ static void make(struct rb_context *context)
 	}
 }
 
+/* Display, context, and current in this thread. */
 static enum rb_status set_up(struct rb_context *context, struct rb_error *err)
 {
 	EGLint major = 0, minor = 0;

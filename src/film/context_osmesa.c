@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The way through OSMesa. */
+/*
+ * The way through OSMesa: the rasteriser as a library, which needs no display, device or driver.
+ * Versions are tried from the highest on.
+ */
 #include "film/context.h"
 
 #ifndef RB_GL_EGL

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Films are made by an ffmpeg process that reads raw pictures from a pipe. Linking libavcodec is
+ * not done: its licence, patents and versions would become ours, and a crash in it would end the
+ * run. The output is a descriptor of a temporary file beside the final one, which ffmpeg inherits
+ * and names by /proc/self/fd, so that it can neither be redirected nor left half done under the
+ * final name.
+ *
+ * Bits of a film depend on ffmpeg; those of the pictures do not.
+ */
 #include "film/encoder.h"
 
 #include <errno.h>
@@ -29,11 +38,12 @@ enum {
 };
 
 /*
- * A disk that has to start, or other work on all processors, takes seconds; longer than that is for
- * who asks for it.
+ * Seconds without a sign of life: a disk that spins up or other work on all processors takes
+ * seconds; more is an option.
  */
 static const double patience_s = 60;
 
+/* By the ending of the name. */
 enum format { FORMAT_MP4, FORMAT_WEBM, FORMAT_GIF, FORMAT_COUNT };
 
 struct coder {
@@ -41,9 +51,7 @@ struct coder {
 	const char *arguments[20]; /* of ffmpeg, for the output */
 };
 
-/*
- * The colours of a picture are sRGB; what a player is told is BT.709, which has the same primaries.
- */
+/* Pictures are sRGB, films are tagged BT.709, which has the same primaries. */
 #define BT709                                                                       \
 	"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", \
 		"-color_range", "tv"
@@ -112,6 +120,7 @@ struct rb_encoder {
 	const atomic_bool *cut; /* borrowed; NULL: never */
 };
 
+/* The ffmpeg to run. */
 static const char *program(void)
 {
 	const char *const named = getenv("RBSIM_FFMPEG");
@@ -121,7 +130,7 @@ static const char *program(void)
 
 /* ---- children ---- */
 
-/* Words that tell of a full disk, untranslated, as ffmpeg has them. */
+/* The child's line that reports a full disk or quota, in the C locale's words; NULL: none. */
 static const char *words_of_space(const struct rb_child *child, char line[RB_CHILD_SAID_SIZE])
 {
 	static const int numbers[] = {ENOSPC, EDQUOT, EFBIG};
@@ -132,7 +141,7 @@ static const char *words_of_space(const struct rb_child *child, char line[RB_CHI
 	return words;
 }
 
-/* Less than what ffmpeg writes at once. */
+/* True if the disk has less room than ffmpeg writes at once. */
 static bool is_full(int file)
 {
 	struct statvfs room;
@@ -142,8 +151,7 @@ static bool is_full(int file)
 }
 
 /*
- * It has ended otherwise than it should, or `end` is none. The disk is to blame where there is a
- * sign of it.
+ * The error for how the child has ended. Where there is a sign of a full disk, that is the reason.
  */
 static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, int file,
                                struct rb_error *err)
@@ -178,7 +186,7 @@ static enum rb_status tell_end(struct rb_child *child, enum rb_child_end end, in
 	               program(), WEXITSTATUS(child->outcome), rb_child_last_words(child));
 }
 
-/* `file`: what it writes, -1: none. An empty one is no success either. */
+/* Waits for the end; an empty `file` (-1: none) is a failure too. */
 static enum rb_status finish_child(struct rb_child *child, int file, struct rb_error *err)
 {
 	struct stat found;
@@ -192,7 +200,7 @@ static enum rb_status finish_child(struct rb_child *child, int file, struct rb_e
 
 /* ---- what ffmpeg can do ---- */
 
-/* All that it says on its standard output, up to LIST_SIZE. */
+/* Reads its standard output, up to LIST_SIZE. */
 static enum rb_status read_list(struct rb_child *child, char *list, struct rb_error *err)
 {
 	const uint64_t begin = rb_clock_now_ns();
@@ -234,11 +242,13 @@ static bool lists(const char *list, const char *name)
 	return false;
 }
 
+/* Seconds without a sign of life that are allowed. */
 static double patience_of(const struct rb_encoder_options *options)
 {
 	return options->patience_s > 0 ? options->patience_s : patience_s;
 }
 
+/* The first coder of the format that this ffmpeg has. */
 static enum rb_status find_coder(enum format format, double patience, const struct coder **coder,
                                  struct rb_error *err)
 {
@@ -266,6 +276,7 @@ static enum rb_status find_coder(enum format format, double patience, const stru
 	return status;
 }
 
+/* Format by the name's ending. */
 static enum rb_status find_format(const char *path, enum format *format, struct rb_error *err)
 {
 	const char *const dot = strrchr(path, '.');
@@ -279,6 +290,7 @@ static enum rb_status find_format(const char *path, enum format *format, struct 
 	               path);
 }
 
+/* RB_ERR_SCENE unless the format can hold that many pictures per second. */
 static enum rb_status check_rate(const struct rb_encoder_options *options, enum format format,
                                  struct rb_error *err)
 {
@@ -338,6 +350,7 @@ static void add_pair(struct arguments *arguments, const char *option, const char
 	add(arguments, value);
 }
 
+/* Arguments of every ffmpeg that is started. */
 static void begin(struct arguments *arguments)
 {
 	*arguments = (struct arguments){0};
@@ -349,6 +362,7 @@ static void begin(struct arguments *arguments)
 	add(arguments, "-y");
 }
 
+/* Input: raw pictures from the pipe. */
 static void add_pictures(struct arguments *arguments, const struct rb_encoder *encoder)
 {
 	add_pair(arguments, "-f", "rawvideo");
@@ -358,7 +372,10 @@ static void add_pictures(struct arguments *arguments, const struct rb_encoder *e
 	add_pair(arguments, "-i", "pipe:0");
 }
 
-/* A film is made of `first` and `second`, files or -1; how far it is shows in their sizes. */
+/*
+ * Starts ffmpeg with the encoder's files; the sizes of `first` and `second` (-1: none) show
+ * progress.
+ */
 static enum rb_status start(struct rb_encoder *encoder, const struct arguments *arguments,
                             bool feeds, int first, int second, struct rb_error *err)
 {
@@ -396,6 +413,7 @@ static void print_rate(char out[ARGUMENT_SIZE], double fps)
 	snprintf(out, ARGUMENT_SIZE, "%.12f", fps);
 }
 
+/* One pass for mp4 and webm. */
 static enum rb_status start_film(struct rb_encoder *encoder, const struct coder *coder,
                                  struct rb_error *err)
 {
@@ -415,8 +433,9 @@ static enum rb_status start_film(struct rb_encoder *encoder, const struct coder 
 }
 
 /*
- * A palette for the whole film is known only at its end. Pictures are kept until then without loss,
- * in a file and not in ffmpeg's memory, which would take as much as all of them.
+ * First pass of a gif: the palette for the whole film is known only at its end, so pictures are
+ * kept losslessly until then, in a file, because in ffmpeg's memory they would take as much as all
+ * of them.
  */
 static enum rb_status start_gif(struct rb_encoder *encoder, struct rb_error *err)
 {
@@ -445,6 +464,7 @@ static enum rb_status start_gif(struct rb_encoder *encoder, struct rb_error *err
 	return start(encoder, &arguments, true, encoder->lossless, encoder->palette, err);
 }
 
+/* Second pass of a gif: pictures by the palette. */
 static enum rb_status second_pass(struct rb_encoder *encoder, struct rb_error *err)
 {
 	struct arguments arguments;
@@ -455,7 +475,7 @@ static enum rb_status second_pass(struct rb_encoder *encoder, struct rb_error *e
 	add_pair(&arguments, "-pix_fmt", "bgra");
 	add_pair(&arguments, "-s", "16x16");
 	add_pair(&arguments, "-i", encoder->palette_path);
-	/* a pattern of dots that stands still where the picture does */
+	/* ordered dither: its pattern is at rest where the picture is */
 	add_pair(&arguments, "-filter_complex",
 	         "[0:v][1:v]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle");
 	add_pair(&arguments, "-f", "gif");
@@ -470,6 +490,7 @@ static enum rb_status no_memory(const char *path, struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot encode '%s': out of memory", path);
 }
 
+/* Sizes as ffmpeg gets them; odd ones are padded where chroma is halved. */
 static enum rb_status set_sizes(struct rb_encoder *encoder,
                                 const struct rb_encoder_options *options, struct rb_error *err)
 {
@@ -490,7 +511,7 @@ static enum rb_status set_sizes(struct rb_encoder *encoder,
 	return encoder->padded ? RB_OK : no_memory(options->path, err);
 }
 
-/* A file that only the passes of a gif know: it has no name, and is gone when it is closed. */
+/* A temporary file without a name, gone when it is closed. */
 static enum rb_status make_nameless(const struct rb_place *place, int *file,
                                     char path[RB_PLACE_LINK_SIZE], struct rb_error *err)
 {
@@ -504,6 +525,7 @@ static enum rb_status make_nameless(const struct rb_place *place, int *file,
 	return rb_place_link(*file, NULL, path, err);
 }
 
+/* Names, title and open files. */
 static enum rb_status set_names(struct rb_encoder *encoder,
                                 const struct rb_encoder_options *options, struct rb_error *err)
 {
@@ -527,6 +549,7 @@ static enum rb_status set_names(struct rb_encoder *encoder,
 	              : make_nameless(place, &encoder->palette, encoder->palette_path, err);
 }
 
+/* Everything but the encoder's own memory, in order. */
 static enum rb_status set_up_encoder(struct rb_encoder *encoder,
                                      const struct rb_encoder_options *options, struct rb_error *err)
 {
@@ -565,7 +588,7 @@ enum rb_status rb_encoder_create(struct rb_encoder **encoder,
 	return status;
 }
 
-/* The last column and row once more: nobody sees a seam. */
+/* Repeats the last column and row. */
 static void pad(const struct rb_encoder *encoder, const struct rb_pixmap *pixmap)
 {
 	const size_t row = 4 * (size_t)encoder->width, padded = 4 * (size_t)encoder->padded_width;

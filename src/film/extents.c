@@ -1,8 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One view of all shapes for drawing: a shape is a list of parts, a part has faces (boxes of unit
+ * size, hulls) or is round. Boxes share one table of a cube with edge 2, scaled by the shader.
+ */
 #include "film/extents.h"
 
 #include <math.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "model/shape.h"
 
@@ -44,6 +49,7 @@ const struct rb_solid *rb_part_faces(const struct rb_scene *scene, const struct 
 	return form == RB_FORM_POLYHEDRON ? &scene->solids[shape->solid] : NULL;
 }
 
+/* Box and reach of a hull about its centroid. */
 static struct rb_part_size hull_size(const struct rb_solid *solid)
 {
 	struct rb_part_size size = {
@@ -75,6 +81,8 @@ struct rb_part_size rb_part_size(const struct rb_scene *scene, const struct rb_s
 
 rb_vec3 rb_part_normal(const struct rb_solid *solid, int face)
 {
+	RB_ASSERT_COSTLY(face >= 0 && face < solid->face_count);
+
 	const int *loop = solid->loops + solid->face_first[face];
 	const int count = solid->face_first[face + 1] - solid->face_first[face];
 	const rb_vec3 first = solid->vertices[loop[0]];
@@ -88,6 +96,10 @@ rb_vec3 rb_part_normal(const struct rb_solid *solid, int face)
 	                    rb_vec3_unit(rb_vec3_sub(first, solid->centroid), (rb_vec3){0, 0, 1}));
 }
 
+/*
+ * Lower bound of the distance of p to a hull, m: the largest height above a face plane; far away
+ * the distance to its bounding sphere, which is cheaper.
+ */
 static double hull_distance(const struct rb_solid *solid, rb_vec3 p)
 {
 	const rb_vec3 from_centre = rb_vec3_sub(p, solid->centroid);
@@ -102,6 +114,7 @@ static double hull_distance(const struct rb_solid *solid, rb_vec3 p)
 	return most;
 }
 
+/* Distance of p in the part's axes; INFINITY for parts without volume. */
 static double part_distance(const struct rb_scene *scene, const struct rb_shape *shape, rb_vec3 p)
 {
 	const struct rb_shape_type *const type = rb_shape_type(shape);

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A sink that turns frames into pictures at the camera's own rate. A picture between two frames is
+ * drawn from an interpolated state (flow/between), so the previous frame is kept where one will be
+ * needed. What the sink's thread owns needs no lock; tally and switches are shared.
+ */
 #include "film/film.h"
 
 #include <inttypes.h>
@@ -17,13 +22,10 @@
 #include "flow/frame.h"
 #include "flow/schedule.h"
 
-/* More than any projector has; textures and targets of OpenGL have such limits too. */
+/* Largest side, px: more than projectors have; OpenGL's targets have such a limit, too. */
 enum { SIDE_MAX_PX = 16384 };
 
-/*
- * More than four days of film, and more files than a folder is good for: somebody has got a number
- * wrong.
- */
+/* Largest number of pictures: four days at 30 a second; more is a mistake of units. */
 static const uint64_t picture_count_max = 10000000;
 
 struct rb_film {
@@ -53,6 +55,7 @@ struct rb_film {
 	size_t switch_count, switch_capacity;
 };
 
+/* What the printing of pictures needs, from the film's options. */
 static struct rb_press_options press_options(const struct rb_film_options *options)
 {
 	const struct rb_camera_def *const camera = options->camera;
@@ -78,6 +81,7 @@ static struct rb_press_options press_options(const struct rb_film_options *optio
 	return press;
 }
 
+/* Number of pictures; one for a still. */
 static uint64_t picture_count_of(const struct rb_film_options *options)
 {
 	const struct rb_schedule schedule = rb_schedule_of(
@@ -122,6 +126,7 @@ enum rb_status rb_film_check(const struct rb_film_options *options, struct rb_er
 
 /* ---- the sink ---- */
 
+/* Creates painter and press in the sink's thread, to which the OpenGL context belongs. */
 static enum rb_status film_open(void *self, struct rb_error *err)
 {
 	struct rb_film *const film = self;
@@ -133,7 +138,7 @@ static enum rb_status film_open(void *self, struct rb_error *err)
 	                                       film->options.camera, err);
 	if (!status)
 		status = rb_press_create(&press, &options, err);
-	if (status) { /* the sink is not closed then, and the painter belongs to this thread */
+	if (status) { /* a sink that fails to open is not closed, and the painter belongs to this thread */
 		rb_take_destroy(film->take);
 		film->take = NULL;
 	}
@@ -143,13 +148,13 @@ static enum rb_status film_open(void *self, struct rb_error *err)
 	return status;
 }
 
-/* Where a shot belongs among those of a frame, which are sorted by camera and then by picture. */
+/* Order of shots in a frame: by camera, then by picture. */
 static bool is_before(const struct rb_frame_shot *shot, int camera, uint64_t picture)
 {
 	return shot->camera < camera || (shot->camera == camera && shot->picture < picture);
 }
 
-/* Slow motion may have thousands of them in one frame. */
+/* Binary search for the next picture's shot: slow motion may have thousands in one frame. */
 static enum rb_status find_shot(const struct rb_film *film, const struct rb_frame *frame,
                                 const struct rb_frame_shot **shot, struct rb_error *err)
 {
@@ -170,7 +175,7 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 		*shot = &frame->shots[low];
 		return RB_OK;
 	}
-	/* others have one only where commands have moved them */
+	/* cameras without functions have a shot only where commands have moved them */
 	if (camera->position.source != RB_CAMERA_FUNCTION &&
 	    camera->look_at.source != RB_CAMERA_FUNCTION && camera->up.source != RB_CAMERA_FUNCTION)
 		return RB_OK;
@@ -178,6 +183,7 @@ static enum rb_status find_shot(const struct rb_film *film, const struct rb_fram
 	               rb_schedule_time(&film->schedule, film->next));
 }
 
+/* Copies the painter's times to the tally. */
 static void note_times(struct rb_film *film)
 {
 	const struct rb_painter_times times = rb_take_times(film->take);
@@ -188,7 +194,7 @@ static void note_times(struct rb_film *film)
 	pthread_mutex_unlock(&film->lock);
 }
 
-/* Whether the next picture is of a moment for which the film was switched off. */
+/* True if the film is switched off at that moment. */
 static bool is_off(struct rb_film *film, double time_s)
 {
 	pthread_mutex_lock(&film->lock);
@@ -200,7 +206,7 @@ static bool is_off(struct rb_film *film, double time_s)
 	return off;
 }
 
-/* The next picture, of a moment not after `frame`, which says where the camera stands. */
+/* Draws and prints the next picture, of a moment not after `frame`, which has the camera's shot. */
 static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *moment,
                                    const struct rb_frame *frame, struct rb_error *err)
 {
@@ -223,7 +229,7 @@ static enum rb_status make_picture(struct rb_film *film, const struct rb_frame *
 	return status;
 }
 
-/* HUGE_VAL: there is no next one. */
+/* Time of the next picture; HUGE_VAL: there is none. */
 static double next_time(struct rb_film *film)
 {
 	return film->next < film->picture_count && !atomic_load(&film->cut)
@@ -231,7 +237,7 @@ static double next_time(struct rb_film *film)
 	               : HUGE_VAL;
 }
 
-/* Pictures at moments before this frame; of those before the first one nothing is known. */
+/* Pictures between the last frame and this one; those before the first frame are skipped. */
 static enum rb_status make_earlier(struct rb_film *film, const struct rb_frame *frame,
                                    struct rb_error *err)
 {
@@ -259,8 +265,8 @@ static enum rb_status make_earlier(struct rb_film *film, const struct rb_frame *
 }
 
 /*
- * Keeps a copy where a picture will fall between this frame and the next one, as far as one can
- * tell when that is.
+ * Keeps a copy of the frame if a picture may fall before the next one, whose time is extrapolated
+ * from the last interval.
  */
 static enum rb_status remember(struct rb_film *film, const struct rb_frame *frame,
                                struct rb_error *err)
@@ -277,6 +283,7 @@ static enum rb_status remember(struct rb_film *film, const struct rb_frame *fram
 	return film->has_last ? rb_frame_copy(&film->last, &plain, err) : RB_OK;
 }
 
+/* Pictures up to and including this frame's moment. */
 static enum rb_status film_frame(void *self, const struct rb_frame *frame, struct rb_error *err)
 {
 	struct rb_film *const film = self;
@@ -284,7 +291,7 @@ static enum rb_status film_frame(void *self, const struct rb_frame *frame, struc
 
 	if (next_time(film) == HUGE_VAL)
 		return RB_OK;
-	/* before trails grow by this frame, which is later */
+	/* before the trails get this frame's points */
 	status = make_earlier(film, frame, err);
 	rb_take_see(film->take, frame);
 	while (!status && next_time(film) == frame->time_s)
@@ -292,6 +299,7 @@ static enum rb_status film_frame(void *self, const struct rb_frame *frame, struc
 	return status ? status : remember(film, frame, err);
 }
 
+/* Copies the press's tally; lock held. */
 static void take_over_tally(struct rb_film *film)
 {
 	const struct rb_press_tally press = rb_press_tally(film->press);
@@ -303,7 +311,7 @@ static void take_over_tally(struct rb_film *film)
 	film->tally.wait_ns = press.wait_ns;
 }
 
-/* However the run has ended: what was filmed is worth seeing. */
+/* Finishes the film, however the run has ended. */
 static enum rb_status film_close(void *self, const struct rb_outcome *outcome, struct rb_error *err)
 {
 	struct rb_film *const film = self;

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Programs are put together from texts: the version, the defines of this program, and shared parts.
+ * Failing to compile is a bug of ours (RB_ERR_BUG), since the texts do not depend on the scene.
+ */
 #include "film/glsl.h"
 
 #include <string.h>
@@ -10,12 +14,13 @@ enum { PARTS_MAX = 8 };
 static const char version[] = "#version 330 core\n"
 			      "#extension GL_ARB_sample_shading : enable\n";
 
-/* The first line of what a compiler said. */
+/* Keeps the first line of the compiler's log. */
 static void cut(char *log)
 {
 	log[strcspn(log, "\n")] = '\0';
 }
 
+/* Compiles the parts of one stage. */
 static enum rb_status compile(GLuint *shader, GLenum kind, const struct rb_glsl_parts *parts,
                               struct rb_error *err)
 {
@@ -29,6 +34,7 @@ static enum rb_status compile(GLuint *shader, GLenum kind, const struct rb_glsl_
 
 	for (int k = 0; k < most && part[k]; k++)
 		text[count++] = part[k];
+	RB_ASSERT(count <= PARTS_MAX);
 	*shader = glCreateShader(kind);
 	glShaderSource(*shader, count, text, NULL);
 	glCompileShader(*shader);

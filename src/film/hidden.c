@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Conservative occlusion culling of spheres by spheres, in software: for each pixel the distance up
+ * to which it is certainly covered. Spheres come from near to far; one whose pixels are all covered
+ * before its nearest point is hidden. Discs are shrunk where they cover and grown where they are
+ * tested, so that nothing visible is dropped.
+ */
 #include "film/hidden.h"
 
 #include <math.h>
@@ -7,7 +13,10 @@
 #include "base/memory.h"
 #include "math/vec3.h"
 
-/* Soft edges: the outermost pixels of a sphere do not hide, and reach out. */
+/*
+ * Width of soft edges, px: the outermost pixels of a sphere do not cover, and reach out when
+ * tested.
+ */
 static const double EDGE_PX = 0.8;
 
 enum rb_status rb_hidden_init(struct rb_hidden *hidden, int width, int height, struct rb_error *err)
@@ -32,14 +41,14 @@ void rb_hidden_clear(struct rb_hidden *hidden)
 		hidden->reach[k] = INFINITY;
 }
 
-/* Rows from..to of a circle, within the picture. */
+/* Rows (or columns) that a circle touches, within the picture. */
 static void rows_of(int range[2], double at, double radius, int count)
 {
 	range[0] = (int)fmax(0, floor(at - radius));
 	range[1] = (int)fmin(count - 1, floor(at + radius));
 }
 
-/* All pixels that the circle meets end before `nearest`. */
+/* True if all pixels that the circle touches are covered before `nearest`. */
 static bool is_behind(const struct rb_hidden *hidden, const double at[2], double radius,
                       float nearest)
 {
@@ -57,7 +66,7 @@ static bool is_behind(const struct rb_hidden *hidden, const double at[2], double
 	return true;
 }
 
-/* Pixels that lie within a circle now end at `distance`. */
+/* Pixels wholly within the circle are covered from `distance` on. */
 static void cover(struct rb_hidden *hidden, const double at[2], double radius, float distance)
 {
 	int rows[2];
@@ -104,6 +113,7 @@ bool rb_hidden_add(struct rb_hidden *hidden, const struct rb_view *view, rb_vec3
 	const double cosine = -centre.z / distance;
 	const double sine = sqrt(fmax(0, 1 - cosine * cosine));
 	const double outwards = cosine * sqrt(fmax(0, 1 - lean * lean)) - sine * lean;
+	/* towards the picture's far corners and very near, the bounds are poor: always drawn */
 	if (!(outwards > 0.2) || !(lean < 0.9))
 		return false;
 	rb_view_pixel(view, centre, at);

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Which spheres cut others. Bodies in contact overlap by the tolerance at most, so radii are taken
+ * 0.1 % smaller, about a tenth of a pixel of a sphere of 100 px: touching spheres count as apart.
+ */
 #include "film/isolated.h"
 
 #include <math.h>
@@ -50,6 +54,7 @@ enum rb_status rb_apart_find(struct rb_apart *apart, struct rb_apart_ball *balls
 	return RB_OK;
 }
 
+/* Parameter of the foot on an edge, within it. */
 static double part_of(rb_vec3 way, rb_vec3 edge)
 {
 	const double part = rb_vec3_dot(way, edge) / rb_vec3_dot(edge, edge);

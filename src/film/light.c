@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Lights become defines of the shaders, unrolled, because loops over lights in GLSL would index
+ * samplers by variables, which OpenGL 3.3 forbids. Shadow maps are fitted to the casters in each
+ * picture: for a sun an orthographic box whose size changes in steps and whose texels stay fixed in
+ * the world, so that shadow edges do not crawl when the camera moves; for a lamp one cone.
+ */
 #include "film/light.h"
 
 #include <float.h>
@@ -11,13 +17,14 @@
 #include "film/appearance.h"
 #include "math/quat.h"
 
-/* Texels around a map that stay empty: what lies outside is lit. */
+/* Empty texels around a map (what lies outside is lit), and its smallest side. */
 enum { MARGIN = 4, SIDE_MIN = 64 };
 /*
- * OpenGL 3.3 has 15 vec4 for sure, libraries have 32; what bodies need themselves is less than 10.
+ * vec4 varyings used for lights: OpenGL 3.3 guarantees 15, Mesa has 32, bodies need fewer than 10.
  */
 enum { CARRIED_MAX = 20 };
 
+/* Linear light from sRGB. */
 static void set(double to[3], double r, double g, double b)
 {
 	to[0] = rb_look_linear(r);
@@ -31,7 +38,7 @@ static void scale(double to[3], const double from[3], double by)
 		to[k] = by * from[k];
 }
 
-/* Where the bodies are at the start, roughly: the mean of what is not infinite. */
+/* Mean position of the bodies at the start, without infinite planes. */
 static rb_vec3 middle(const struct rb_model *model)
 {
 	rb_vec3 sum = {0, 0, 0};
@@ -45,6 +52,7 @@ static rb_vec3 middle(const struct rb_model *model)
 	return count > 0 ? rb_vec3_scale(1.0 / count, sum) : sum;
 }
 
+/* A warm sun and a weak blue fill, relative to up and north. */
 static void make_default(struct rb_lights *lights, bool shadows)
 {
 	const rb_vec3 up = lights->up;
@@ -53,7 +61,7 @@ static void make_default(struct rb_lights *lights, bool shadows)
 	const rb_vec3 east = rb_vec3_cross(north, up);
 	struct rb_light *sun = &lights->of[0], *fill = &lights->of[1];
 
-	/* From behind the default camera's left shoulder; the other from its right. */
+	/* sun from behind the default camera's left shoulder, fill from its right */
 	const rb_vec3 to_sun = rb_vec3_add(
 		rb_vec3_add(rb_vec3_scale(-0.32, east), rb_vec3_scale(-0.52, north)), up);
 	const rb_vec3 to_fill = rb_vec3_add(
@@ -68,7 +76,7 @@ static void make_default(struct rb_lights *lights, bool shadows)
 	lights->count = 2;
 }
 
-/* A scene's first ambient light takes the place of the sky's. */
+/* A scene's own ambient light replaces the sky's. */
 static void add_ambient(struct rb_lights *lights, const double colour[3], bool more)
 {
 	for (int c = 0; c < 3; c++) {
@@ -77,12 +85,13 @@ static void add_ambient(struct rb_lights *lights, const double colour[3], bool m
 	}
 }
 
+/* Spot: cosine of its edge, and the rise of its soft border. */
 static void make_cone(struct rb_light *light, const struct rb_light_def *def)
 {
 	light->spot = true;
 	light->axis = rb_vec3_unit(rb_vec3_sub(def->position, def->look_at), light->axis);
 	light->edge = cos(def->angle);
-	/* The steepest that fragments, in single precision, can tell from a step. */
+	/* steepest rise that single precision can tell from a step */
 	light->rise = 1 / fmax(cos(def->angle * (1 - def->softness)) - light->edge,
 	                       (double)FLT_EPSILON);
 }
@@ -137,8 +146,10 @@ void rb_lights_make(struct rb_lights *lights, const struct rb_model *model,
 		light.reach_m = rb_vec3_length(rb_vec3_sub(def->position, centre));
 		lights->of[lights->count++] = light;
 	}
+	RB_ASSERT(lights->count <= (int)(sizeof lights->of / sizeof lights->of[0]));
 }
 
+/* A vec4 of floats. */
 static void put(float to[4], rb_vec3 from, double last)
 {
 	to[0] = (float)from.x;
@@ -196,6 +207,7 @@ static void say(struct text *text, const char *format, ...)
 	text->used += (size_t)length;
 }
 
+/* A colour as a define. */
 static void say_colour(struct text *text, const char *name, const double colour[3])
 {
 	say(text, "#define %s vec3(%.7g, %.7g, %.7g)\n", name, colour[0], colour[1], colour[2]);
@@ -206,7 +218,7 @@ static void say_vector(struct text *text, rb_vec3 v)
 	say(text, "vec3(%.9g, %.9g, %.9g)", v.x, v.y, v.z);
 }
 
-/* vec4 that a light is carried in: a lamp's place, and rows for its shadow. */
+/* vec4 varyings of a light: rows of its shadow matrix, and a lamp's position. */
 static int rows_of(const struct rb_light *light)
 {
 	return !light->shadow ? 0 : light->lamp ? 4 : 2;
@@ -217,6 +229,7 @@ static int carried(const struct rb_light *light)
 	return rows_of(light) + light->lamp;
 }
 
+/* Varyings of the first `count` lights, as macros for both stages. */
 static void say_carry(struct text *text, const struct rb_lights *lights, int count)
 {
 	say(text, "#define CARRY(way) ");
@@ -237,8 +250,8 @@ static void say_carry(struct text *text, const struct rb_lights *lights, int cou
 }
 
 /*
- * Across a sun, in world axes: they do not turn with the camera, so that texels stay where they
- * are.
+ * Axes across a sun in world coordinates: they do not turn with the camera, so texels stay in
+ * place.
  */
 static void across(const struct rb_light *sun, rb_vec3 axis[2])
 {
@@ -246,6 +259,7 @@ static void across(const struct rb_light *sun, rb_vec3 axis[2])
 	axis[1] = rb_vec3_cross(sun->place, axis[0]);
 }
 
+/* A call of the light's macro. */
 static void say_light(struct text *text, const struct rb_light *light, int k, bool is_carried)
 {
 	const double *c = light->colour;
@@ -308,6 +322,7 @@ struct box {
 	bool any;
 };
 
+/* Extends the box by a sphere. */
 static void grow(struct box *box, rb_vec3 p, double r)
 {
 	const double c[3] = {p.x, p.y, p.z};
@@ -323,11 +338,13 @@ struct axes {
 	rb_vec3 x, y, z; /* view coordinates; z towards the light */
 };
 
+/* Components along the axes. */
 static rb_vec3 along(const struct axes *axes, rb_vec3 p)
 {
 	return (rb_vec3){rb_vec3_dot(axes->x, p), rb_vec3_dot(axes->y, p), rb_vec3_dot(axes->z, p)};
 }
 
+/* Right-handed axes with that z. */
 static struct axes axes_of(rb_vec3 z)
 {
 	const rb_vec3 x = rb_vec3_across(z);
@@ -347,7 +364,7 @@ static void grow_corners(struct box *box, const float (*corner)[4], int count,
 		grow(box, along(axes, rb_vec3_sub(corner_of(corner[k]), origin)), 0);
 }
 
-/* Is a box smaller than so many pixels? */
+/* True if a box is smaller than so many pixels. */
 static bool is_dot(const struct rb_view *view, const float (*corner)[4], double pixels)
 {
 	const rb_vec3 one = corner_of(corner[0]), other = corner_of(corner[7]);
@@ -357,10 +374,7 @@ static bool is_dot(const struct rb_view *view, const float (*corner)[4], double 
 	       pixels * rb_view_pixel_at(view, distance);
 }
 
-/*
- * What throws shadows worth seeing: at least as large as a fraction of a pixel. Distances count
- * from `origin`.
- */
+/* Box of the casters that are at least a fraction of a pixel large, relative to `origin`. */
 static struct box bounds(const struct rb_view *view, const struct rb_casters *casters,
                          const struct axes *axes, rb_vec3 origin)
 {
@@ -378,7 +392,7 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 	for (int k = 0; k + 8 <= casters->solid_corner_count; k += 8)
 		if (!is_dot(view, casters->solids + k, least))
 			grow_corners(&box, casters->solids + k, 8, axes, origin);
-	/* Large rectangles and boxes that stand still may reach far out of what is seen. */
+	/* Static ones may reach far out of view: at most as far as the moving ones are large. */
 	const struct box moving = box;
 	grow_corners(&box, casters->corners, casters->corner_count, axes, origin);
 	grow_corners(&box, casters->still, casters->still_count, axes, origin);
@@ -391,9 +405,7 @@ static struct box bounds(const struct rb_view *view, const struct rb_casters *ca
 	return box;
 }
 
-/*
- * Texels for a size as seen from the eye: about two pixels wide, which is as soft as it is cheap.
- */
+/* Side of the map: texels about two pixels wide at the nearest caster, which is soft and cheap. */
 static int side_for(const struct rb_view *view, const struct rb_casters *casters, double size,
                     int whole)
 {
@@ -401,7 +413,7 @@ static int side_for(const struct rb_view *view, const struct rb_casters *casters
 
 	for (int k = 0; k < casters->ball_count; k++) {
 		const float *ball = casters->balls + (size_t)k * (size_t)casters->stride;
-		/* What is behind the eye is not looked at closely. */
+		/* casters behind the eye are not seen closely */
 		if (ball[2] - ball[3] < 0)
 			nearest = fmin(nearest,
 			               sqrt((double)(ball[0] * ball[0] + ball[1] * ball[1] +
@@ -420,7 +432,7 @@ static int side_for(const struct rb_view *view, const struct rb_casters *casters
 	return (int)fmax(SIDE_MIN, fmin(most, ceil(0.55 * texels)));
 }
 
-/* Rows of a matrix, as they apply to (x, y, z, 1), to columns. */
+/* Column-major floats from rows. */
 static void transpose(float to[16], double rows[4][4])
 {
 	for (int r = 0; r < 4; r++)
@@ -428,7 +440,7 @@ static void transpose(float to[16], double rows[4][4])
 			to[4 * c + r] = (float)rows[r][c];
 }
 
-/* From clip coordinates to those of the corner of the texture that holds the map. */
+/* Matrix from view coordinates to the corner of the texture that holds the map. */
 static void make_lookup(struct rb_shadow_fit *fit, double rows[4][4], int whole)
 {
 	const double part = 0.5 * fit->side / whole;
@@ -452,6 +464,7 @@ static void row(double to[4], rb_vec3 axis, double by, double offset)
 	to[3] = offset;
 }
 
+/* Orthographic map along the sun, snapped to texels in the world. */
 static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
                     const struct rb_view *view, const struct rb_casters *casters, int whole)
 {
@@ -466,7 +479,7 @@ static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
 	double size = fmax(box.high[0] - box.low[0], box.high[1] - box.low[1]);
 	if (!(size > 0))
 		return;
-	/* In steps, for the same reason. */
+	/* in steps of an eighth of an octave, so that texels keep their size */
 	size = exp2(ceil(8 * log2(size * 1.02)) / 8);
 	fit->side = side_for(view, casters, size, whole);
 	const double texel = size / fit->side;
@@ -486,6 +499,7 @@ static void fit_sun(struct rb_shadow_fit *fit, const struct rb_light *light,
 	make_lookup(fit, rows, whole);
 }
 
+/* Perspective map of a cone from the lamp that holds all casters. */
 static void fit_lamp(struct rb_shadow_fit *fit, const struct rb_light *light,
                      const struct rb_view *view, const struct rb_casters *casters, int whole)
 {
@@ -504,7 +518,7 @@ static void fit_lamp(struct rb_shadow_fit *fit, const struct rb_light *light,
 	const double distance = rb_vec3_length(away);
 	if (!(radius > 0))
 		return;
-	/* A lamp among the bodies sees no more than this cone. */
+	/* a lamp among the bodies gets a cone of 72 degrees either way */
 	const double sine = fmin(distance > 0 ? radius / distance : 1, 0.95);
 	const double slope = sine / sqrt(1 - sine * sine) * 1.02;
 	const double far = distance + radius;

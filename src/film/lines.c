@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Lines are instanced ribbons that the vertex shader widens across the line of sight, antialiased
+ * by alpha; OpenGL's own wide lines are not in the core profile. Wire models draw the outline,
+ * where lines of sight are tangent, and hidden edges fainter. Arrows have one scale for all
+ * pictures of a film, so that lengths compare.
+ */
 #include "film/lines.h"
 
 #include <math.h>
@@ -36,10 +42,10 @@ struct rb_lines {
 	GLuint program[PROGRAM_COUNT], array, buffer;
 };
 
-/* How long arrows are, in diameters of a typical body: of a speed that is usual, of its weight. */
+/* Lengths of arrows in diameters of a typical body: of a usual speed, of its weight. */
 static const double SPEED_SIZES = 1.5, WEIGHT_SIZES = 1;
 static const double TRAIL_PX = 2.2, WIRE_PX = 1.8, ARROW_PX = 3.2, HEAD_PX = 13;
-/* Of a picture this high; others in proportion. */
+/* Widths are for this height of the picture; others scale with it. */
 static const double USUAL_HEIGHT_PX = 720;
 
 static const double velocity_colour[3] = {1.00, 0.80, 0.10};
@@ -47,6 +53,7 @@ static const double contact_colour[3] = {0.93, 0.16, 0.30};
 
 /* ---- set-up ---- */
 
+/* Program for lines or arrows. */
 static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_error *err)
 {
 	const struct rb_camera_def *camera = lines->setup.camera;
@@ -54,8 +61,8 @@ static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_e
 	char defines[200];
 
 	/*
-	 * A parallel view has ends of its own, about the bodies: what reaches beyond is kept,
-	 * unless the camera has them.
+	 * A parallel view's near and far are ours: lines beyond them are clamped unless the camera
+	 * set them.
 	 */
 	snprintf(defines, sizeof defines,
 	         "#define RIM %s\n#define JOINT %s\n#define KEPT(far) clamp(far, %s, %s)\n",
@@ -80,7 +87,7 @@ static enum rb_status make_program(struct rb_lines *lines, int kind, struct rb_e
 }
 
 /*
- * The fastest at the start, or a fall over two diameters; where nothing moves or falls, the way of
+ * Typical speed, m/s: the fastest at the start, or a fall over two diameters; else 40 diameters in
  * the whole run.
  */
 static double usual_speed(const struct rb_model *model, double size)
@@ -94,8 +101,8 @@ static double usual_speed(const struct rb_model *model, double size)
 }
 
 /*
- * A weight; else the strongest force that is applied; else what turns a usual speed back within a
- * diameter.
+ * Typical force, N: mean weight; else the strongest applied force; else what reverses the typical
+ * speed within a diameter.
  */
 static double usual_force(const struct rb_model *model, double size, double speed)
 {
@@ -169,6 +176,7 @@ static void put(float to[3], rb_vec3 from)
 	to[2] = (float)from.z;
 }
 
+/* Appends a ribbon in view coordinates; after a failure of memory nothing is appended. */
 static void stroke(struct pen *pen, rb_vec3 from, rb_vec3 to, double from_alpha, double to_alpha)
 {
 	struct list *list = pen->list;
@@ -189,11 +197,13 @@ static void stroke(struct pen *pen, rb_vec3 from, rb_vec3 to, double from_alpha,
 	row->to_paint[3] = (float)to_alpha;
 }
 
+/* Width in px for this picture. */
 static double thickness(const struct rb_lines *lines, double px)
 {
 	return px * fmax(0.75, lines->setup.camera->size_px[1] / USUAL_HEIGHT_PX);
 }
 
+/* Trails fade from old to new and end at the body. */
 static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                        const struct rb_view *view, const struct rb_trails *trails)
 {
@@ -204,7 +214,7 @@ static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_
 		const int index = trails->index[p];
 		const double(*point)[3] = (const double(*)[3])trails->points[p];
 		int count = trails->point_count;
-		/* A picture between two frames comes after the later one was added. */
+		/* a picture between two frames: the later frame's point is there already */
 		while (count > 0 && trails->time_s[count - 1] > frame->time_s)
 			count--;
 		if (count == 0)
@@ -238,6 +248,7 @@ static void add_trails(struct rb_lines *lines, struct pen *pen, const struct rb_
 	}
 }
 
+/* Arrows from centres of mass. */
 static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                            const struct rb_view *view)
 {
@@ -260,6 +271,7 @@ static void add_velocities(struct rb_lines *lines, struct pen *pen, const struct
 	}
 }
 
+/* Arrows of contact forces from the contact points. */
 static void add_contacts(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                          const struct rb_view *view)
 {
@@ -280,13 +292,13 @@ struct wire {
 	bool in_front;  /* no part of it is faint */
 };
 
-/* Of a circle: strokes, and from where to where, in turns. */
+/* Part of a circle: number of strokes, begin and end in turns. */
 struct span {
 	int count;
 	double from, to;
 };
 
-/* About `at`, through at + x and at + y; what lies behind the body's centre is faint. */
+/* Arc about `at` through at + x and at + y; strokes behind the body's centre are faint. */
 static void arc(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, struct span span)
 {
 	rb_vec3 before = at;
@@ -306,12 +318,13 @@ static void arc(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, struct span
 	}
 }
 
+/* A whole circle. */
 static void circle(struct wire *wire, rb_vec3 at, rb_vec3 x, rb_vec3 y, int count)
 {
 	arc(wire, at, x, y, (struct span){count, 0, 1});
 }
 
-/* Strokes for a circle of that size. */
+/* Strokes for a circle of that size: their sagitta is below a pixel. */
 static int strokes_for(const struct rb_view *view, rb_vec3 centre, double radius)
 {
 	const double px = radius / rb_view_pixel_at(view, rb_vec3_length(centre));
@@ -319,6 +332,7 @@ static int strokes_for(const struct rb_view *view, rb_vec3 centre, double radius
 	return (int)fmin(64, fmax(8, 6 * sqrt(px)));
 }
 
+/* Three great circles and the outline. */
 static void add_sphere(struct pen *pen, const struct rb_view *view, rb_pose pose, double radius)
 {
 	struct wire wire = {pen, view, rb_view_point(view, pose.position), false};
@@ -332,7 +346,7 @@ static void add_sphere(struct pen *pen, const struct rb_view *view, rb_pose pose
 		                        (rb_vec3){turn.m[0][k], turn.m[1][k], turn.m[2][k]});
 	for (int k = 0; k < 3; k++)
 		circle(&wire, wire.centre, axis[k], axis[(k + 1) % 3], count);
-	/* Its outline: where lines of sight touch it. */
+	/* outline: the circle where lines of sight are tangent */
 	const rb_vec3 to = rb_view_way(view, wire.centre), way = rb_vec3_unit(to, to);
 	const rb_vec3 across = rb_vec3_across(way);
 	const double reach = radius * sqrt(fmax(0, 1 - lean * lean));
@@ -342,6 +356,7 @@ static void add_sphere(struct pen *pen, const struct rb_view *view, rb_pose pose
 	       rb_vec3_scale(reach, rb_vec3_cross(way, across)), count);
 }
 
+/* Border of a rectangle. */
 static void add_rectangle(struct pen *pen, const struct rb_view *view, rb_pose pose,
                           const double size[2])
 {
@@ -358,7 +373,7 @@ static void add_rectangle(struct pen *pen, const struct rb_view *view, rb_pose p
 		stroke(pen, at[k], at[k + 1], 1, 1);
 }
 
-/* Edges of a face that is seen, over those of all faces. */
+/* All edges faintly, those of visible faces over them. */
 static void add_edges(struct pen *pen, const struct rb_view *view, rb_pose pose,
                       const struct rb_solid_part *part, const struct rb_solid *solid)
 {
@@ -386,7 +401,7 @@ static void add_edges(struct pen *pen, const struct rb_view *view, rb_pose pose,
 #undef CORNER
 }
 
-/* What closes an end of a capsule: two half circles, and where lines of sight touch it. */
+/* End of a capsule: two half circles and the visible part of its outline. */
 static void add_end(struct wire *wire, const rb_vec3 axis[3], rb_vec3 at, double radius, int count)
 {
 	const double lean = rb_view_lean(wire->view, at, radius);
@@ -402,7 +417,7 @@ static void add_end(struct wire *wire, const rb_vec3 axis[3], rb_vec3 at, double
 		arc(wire, at, rb_vec3_scale(radius, axis[k]), rb_vec3_scale(radius, axis[2]),
 		    (struct span){count, 0, 0.5});
 	wire->in_front = true;
-	/* The part of the ring that lies beyond the end of the straight part. */
+	/* the part of the tangent circle beyond the end of the straight part */
 	const double a = rb_vec3_dot(side, axis[2]), b = rb_vec3_dot(up, axis[2]);
 	const double off = -radius * lean * rb_vec3_dot(way, axis[2]), most = reach * hypot(a, b);
 	if (off <= -most)
@@ -429,7 +444,7 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 		axis[k] = (rb_vec3){turn.m[0][k], turn.m[1][k], turn.m[2][k]};
 	for (int k = 0; k < 2; k++) {
 		end[k] = rb_vec3_add_scaled(middle, 0.5 * shape->size[2], axis[2]);
-		/* An end that is seen has its whole circle in front. */
+		/* the circle of a visible flat end is in front */
 		wire.in_front = form == RB_FORM_CYLINDER &&
 		                rb_vec3_dot(rb_view_way(view, end[k]), axis[2]) < 0;
 		wire.centre = end[k];
@@ -439,7 +454,7 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 		axis[1] = rb_vec3_neg(axis[1]);
 		axis[2] = rb_vec3_neg(axis[2]);
 	}
-	/* Where planes of lines of sight touch the side. */
+	/* silhouette lines, where planes through the eye are tangent to the mantle */
 	const rb_vec3 away = rb_vec3_neg(rb_vec3_reject(rb_view_way(view, middle), axis[2]));
 	const double distance = rb_vec3_length(away);
 	const double lean = view->parallel ? 0 : r / distance;
@@ -453,13 +468,14 @@ static void add_round(struct pen *pen, const struct rb_view *view, rb_pose pose,
 	}
 }
 
+/* Wire model of one part. */
 static void add_part(struct pen *pen, const struct rb_scene *scene, const struct rb_view *view,
                      rb_pose body, const struct rb_solid_part *part)
 {
 	const rb_pose pose = rb_view_part(body, part);
 	const struct rb_solid *solid = rb_part_faces(scene, &part->shape);
 
-	/* Strokes would be turned round behind the eye. */
+	/* strokes that cross the eye's plane would be inverted: bodies there are left out */
 	if (!view->parallel &&
 	    rb_view_point(view, pose.position).z > rb_part_size(scene, &part->shape).reach)
 		return;
@@ -471,6 +487,7 @@ static void add_part(struct pen *pen, const struct rb_scene *scene, const struct
 		add_round(pen, view, pose, &part->shape);
 }
 
+/* Wire models of all visible bodies. */
 static void add_wires(struct rb_lines *lines, struct pen *pen, const struct rb_frame *frame,
                       const struct rb_view *view)
 {
@@ -497,6 +514,7 @@ static void add_wires(struct rb_lines *lines, struct pen *pen, const struct rb_f
 
 /* ---- drawing ---- */
 
+/* Uploads and draws one list. */
 static void draw_list(const struct rb_lines *lines, int kind)
 {
 	static const size_t places[4] = {offsetof(struct stroke, from), offsetof(struct stroke, to),
@@ -549,7 +567,7 @@ enum rb_status rb_lines_draw(struct rb_lines *lines, const struct rb_frame *fram
 	if (pen.failed || arrow.failed)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw lines: out of memory");
 	draw_list(lines, LINE);
-	/* Arrows begin inside of bodies: they are drawn over everything. */
+	/* arrows begin inside of bodies: drawn over everything */
 	glDisable(GL_DEPTH_TEST);
 	draw_list(lines, ARROW);
 	glEnable(GL_DEPTH_TEST);

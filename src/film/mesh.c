@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Meshes in unit size, shared by all bodies of a kind and scaled in the shader, with texture
+ * coordinates. Round ones are polygons of the same area as the circle, so that shading and shadows
+ * have the right size at any number of sides.
+ */
 #include "film/mesh.h"
 
 #include <math.h>
@@ -14,6 +19,7 @@ void rb_mesh_release(struct rb_mesh *mesh)
 	*mesh = (struct rb_mesh){0};
 }
 
+/* Room for so many more. */
 static enum rb_status reserve(struct rb_mesh *mesh, size_t vertices, size_t indices,
                               struct rb_error *err)
 {
@@ -25,11 +31,13 @@ static enum rb_status reserve(struct rb_mesh *mesh, size_t vertices, size_t indi
 	return RB_OK;
 }
 
+/* Index of the next vertex. */
 static uint32_t next_vertex(const struct rb_mesh *mesh)
 {
 	return (uint32_t)mesh->vertex_count;
 }
 
+/* Appends a vertex; `shift` is how far it moves with a capsule's half length. */
 static void corner(struct rb_mesh *mesh, rb_vec3 unit, double shift, rb_vec3 normal)
 {
 	mesh->vertices[mesh->vertex_count++] = (struct rb_mesh_vertex){
@@ -37,9 +45,11 @@ static void corner(struct rb_mesh *mesh, rb_vec3 unit, double shift, rb_vec3 nor
 		.normal = {(float)normal.x, (float)normal.y, (float)normal.z}};
 }
 
-/* Of the corner added last. */
+/* Texture coordinates of the last corner, and the axes whose cell counts they are multiplied by. */
 static void wear(struct rb_mesh *mesh, int axis_u, int axis_v, double u, double v)
 {
+	RB_ASSERT_COSTLY(mesh->vertex_count > 0);
+
 	struct rb_mesh_vertex *last = &mesh->vertices[mesh->vertex_count - 1];
 
 	last->axis[0] = (float)axis_u;
@@ -60,6 +70,7 @@ static void triangle(struct rb_mesh *mesh, uint32_t a, uint32_t b, uint32_t c)
 
 /* ---- flat faces ---- */
 
+/* Index of the largest component. */
 static int main_axis(rb_vec3 a)
 {
 	const double x = fabs(a.x), y = fabs(a.y), z = fabs(a.z);
@@ -67,7 +78,7 @@ static int main_axis(rb_vec3 a)
 	return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-/* Textures stand upright on sides; of upper and lower faces up is along y. */
+/* A face as a fan. Pictures are upright on sides; on upper and lower faces their top is along y. */
 static void add_face(struct rb_mesh *mesh, const struct rb_solid *solid, int face,
                      const struct rb_part_size *size, bool is_box)
 {
@@ -87,6 +98,7 @@ static void add_face(struct rb_mesh *mesh, const struct rb_solid *solid, int fac
 		wear(mesh, is_box ? main_axis(u) : 0, is_box ? main_axis(v) : 0,
 		     0.5 * rb_vec3_dot(u, at), 0.5 * rb_vec3_dot(v, at));
 	}
+	RB_ASSERT_COSTLY(mesh->vertex_count <= mesh->vertex_room);
 	for (int k = 1; k + 1 < count; k++)
 		triangle(mesh, first, first + (uint32_t)k, first + (uint32_t)k + 1);
 }
@@ -116,6 +128,7 @@ struct turn {
 	double swell; /* of a polygon that has the area of its circle */
 };
 
+/* Unit vector at u turns of longitude and a latitude in radians. */
 static rb_vec3 direction(double u, double latitude)
 {
 	const double angle = 2 * acos(-1) * u;
@@ -123,12 +136,13 @@ static rb_vec3 direction(double u, double latitude)
 	return (rb_vec3){cos(latitude) * cos(angle), cos(latitude) * sin(angle), sin(latitude)};
 }
 
+/* Corner of the polygon with the circle's area. */
 static rb_vec3 swollen(const struct turn *turn, rb_vec3 n)
 {
 	return (rb_vec3){turn->swell * n.x, turn->swell * n.y, n.z};
 }
 
-/* Between two rows of corners, the upper one first. */
+/* Triangles between two rows of corners, the upper first. */
 static void add_band(struct rb_mesh *mesh, uint32_t upper, uint32_t lower, int sides)
 {
 	for (uint32_t i = 0; i < (uint32_t)sides; i++) {
@@ -137,6 +151,7 @@ static void add_band(struct rb_mesh *mesh, uint32_t upper, uint32_t lower, int s
 	}
 }
 
+/* Two half spheres of latitude rows; the middle band is the straight part. */
 static void add_capsule(struct rb_mesh *mesh, const struct turn *turn)
 {
 	const int steps = turn->sides / 4, rows = 2 * (steps + 1);
@@ -161,6 +176,7 @@ static void add_capsule(struct rb_mesh *mesh, const struct turn *turn)
 	}
 }
 
+/* Flat end as a fan. */
 static void add_cap(struct rb_mesh *mesh, const struct turn *turn, double z)
 {
 	const rb_vec3 n = {0, 0, z};
@@ -175,6 +191,7 @@ static void add_cap(struct rb_mesh *mesh, const struct turn *turn, double z)
 		triangle(mesh, first, first + i, first + i + 1);
 }
 
+/* Mantle and two ends. */
 static void add_cylinder(struct rb_mesh *mesh, const struct turn *turn)
 {
 	const uint32_t first = next_vertex(mesh);
@@ -194,6 +211,7 @@ static void add_cylinder(struct rb_mesh *mesh, const struct turn *turn)
 enum rb_status rb_mesh_add_round(struct rb_mesh *mesh, enum rb_shape_form form, int sides,
                                  struct rb_mesh_range *range, struct rb_error *err)
 {
+	RB_ASSERT(sides >= 3);
 	const double angle = 2 * acos(-1) / sides;
 	const struct turn turn = {sides, sqrt(angle / sin(angle))};
 	const size_t rows = form == RB_FORM_CAPSULE ? (size_t)sides / 2 + 2 : 4;
@@ -213,13 +231,16 @@ enum rb_status rb_mesh_add_round(struct rb_mesh *mesh, enum rb_shape_form form, 
 
 /* ---- sizes ---- */
 
+/* Cells of a pattern around a circle, across an end and a hull, and at most along a body. */
 enum { AROUND = 8, ACROSS_CAP = 4, ACROSS_HULL = 8, ALONG_MAX = 16 };
 
+/* Nearest even number of cells, so that a checkerboard closes. */
 static double even(double count)
 {
 	return fmin(fmax(2 * rint(0.5 * count), 2), ALONG_MAX);
 }
 
+/* Cells along each axis, about squares. */
 static void count_box(float count[4], const struct rb_shape *shape)
 {
 	const double *s = shape->size;
@@ -230,6 +251,7 @@ static void count_box(float count[4], const struct rb_shape *shape)
 		count[k] = (float)even(s[k] / cell);
 }
 
+/* Cells of patterns. */
 static void count_squares(float count[4], const struct rb_shape *shape)
 {
 	const double pi = acos(-1), cell = 2 * pi / AROUND; /* in radii */
@@ -250,6 +272,7 @@ static void count_squares(float count[4], const struct rb_shape *shape)
 	}
 }
 
+/* Repeats of pictures. */
 static void count_pictures(float count[4], const struct rb_shape *shape)
 {
 	count[0] = count[1] = count[2] = 1;

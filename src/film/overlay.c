@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Texts are drawn by FreeType into the finished picture rather than by OpenGL, since it is one line
+ * a picture and needs exact blending in linear light. A dark rim keeps letters readable on any
+ * background. Digits have one width, so that running numbers do not jitter.
+ */
 #include "film/overlay.h"
 
 #include <math.h>
@@ -8,6 +13,7 @@
 #include <ft2build.h>
 #include FT_FREETYPE_H
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/visible.h"
 
@@ -18,11 +24,14 @@ enum {
 	LINEAR_STEPS = 4096 /* of linear light, fine enough for every sRGB value to come back */
 };
 
-/* Of the picture's height; below the smallest letters cannot be read, so they are not made. */
+/*
+ * Size of letters as a share of the picture's height, at least so many px, which can still be read;
+ * of wide pictures only 9/16 of the width counts as height.
+ */
 static const double size_part = 1.0 / 24, size_min_px = 9, height_most = 9.0 / 16;
-/* Of the letters' size: the soft rim around them, and the distance from the picture's edge. */
+/* Shares of the letters' size: rim, distance from the edge, line spacing. */
 static const double rim_part = 0.14, margin_part = 0.6, line_part = 1.35;
-static const double rim_strength = 0.92;
+static const double rim_strength = 0.92; /* share of the background that the rim takes */
 /* The letters, in linear light. */
 static const float ink = 0.96f;
 
@@ -69,6 +78,7 @@ struct rb_overlay {
 
 /* ---- font ---- */
 
+/* RBSIM_FONT, else DejaVu Sans where distributions put it. */
 static enum rb_status open_font(struct rb_overlay *overlay, struct rb_error *err)
 {
 	const char *const wanted = getenv("RBSIM_FONT");
@@ -89,6 +99,7 @@ static enum rb_status open_font(struct rb_overlay *overlay, struct rb_error *err
 		font_files[0]);
 }
 
+/* Advance of a character, 1/64 px. */
 static int advance_of(struct rb_overlay *overlay, uint32_t code)
 {
 	if (FT_Load_Char(overlay->face, code, FT_LOAD_TARGET_LIGHT) != 0)
@@ -111,6 +122,7 @@ static void make_curves(struct rb_overlay *overlay)
 	}
 }
 
+/* Radius of the rim, and its darkness by distance: a parabola. */
 static void make_rim(struct rb_overlay *overlay)
 {
 	overlay->rim = (int)fmin(ceil(overlay->size_px * rim_part), RIM_MAX);
@@ -162,6 +174,7 @@ enum rb_status rb_overlay_create(struct rb_overlay **overlay, int width_px, int 
 	return status;
 }
 
+/* Empties the cache. */
 static void forget_glyphs(struct rb_overlay *overlay)
 {
 	for (int i = 0; i < overlay->glyph_count; i++)
@@ -185,7 +198,8 @@ void rb_overlay_destroy(struct rb_overlay *overlay)
 /* ---- letters ---- */
 
 /*
- * Wholly covered, as all four beside it: whatever such a pixel darkens, one of these is nearer to.
+ * True if a pixel and its four neighbours are fully covered: whatever it darkens is nearer to one
+ * of these.
  */
 static bool is_inside(const struct glyph *glyph, int x, int y)
 {
@@ -195,7 +209,7 @@ static bool is_inside(const struct glyph *glyph, int x, int y)
 	       at[-1] == 255 && at[1] == 255 && at[-glyph->width] == 255 && at[glyph->width] == 255;
 }
 
-/* What a pixel of the letter, so far covered, darkens. */
+/* Darkens around a pixel of the letter. */
 static void darken(const struct rb_overlay *overlay, const struct glyph *glyph, int x, int y,
                    int cover)
 {
@@ -210,9 +224,7 @@ static void darken(const struct rb_overlay *overlay, const struct glyph *glyph, 
 		}
 }
 
-/*
- * Each pixel of the rim is as dark as the letter's pixels around it, the less the further they are.
- */
+/* Each rim pixel is as dark as the letter's pixels near it, less with distance. */
 static void draw_rim(const struct rb_overlay *overlay, const struct glyph *glyph)
 {
 	const int reach = overlay->rim, width = glyph->width + 2 * reach;
@@ -227,6 +239,7 @@ static void draw_rim(const struct rb_overlay *overlay, const struct glyph *glyph
 		}
 }
 
+/* Renders a letter and its rim; false: not possible. */
 static bool draw_glyph(struct rb_overlay *overlay, struct glyph *glyph)
 {
 	glyph->index = FT_Get_Char_Index(overlay->face, glyph->code);
@@ -258,7 +271,7 @@ static bool draw_glyph(struct rb_overlay *overlay, struct glyph *glyph)
 	return true;
 }
 
-/* NULL: it can't be drawn. */
+/* Cached glyph; NULL: it cannot be drawn or the cache is full. */
 static const struct glyph *glyph_of(struct rb_overlay *overlay, uint32_t code)
 {
 	for (int i = 0; i < overlay->glyph_count; i++)
@@ -311,7 +324,7 @@ static bool is_digit(const struct glyph *glyph)
 	return (glyph->code >= '0' && glyph->code <= '9') || glyph->code == figure_space;
 }
 
-/* Between two letters; digits keep their places whatever stands beside them. */
+/* Kerning, 1/64 px; none beside digits, which keep their places. */
 static int kerning(struct rb_overlay *overlay, const struct glyph *a, const struct glyph *b)
 {
 	FT_Vector kern = {0};
@@ -324,8 +337,8 @@ static int kerning(struct rb_overlay *overlay, const struct glyph *a, const stru
 }
 
 /*
- * Letters of the text as far as they fit into `room` pixels, with an ellipsis where they don't; how
- * many, and the line's width.
+ * Lays out as much of the text as fits into `room` px, with an ellipsis if it is cut; returns the
+ * number of letters and sets the width, px.
  */
 static int set_line(struct rb_overlay *overlay, struct letter letters[LETTERS_MAX],
                     const char *text, int room, int *width)
@@ -363,7 +376,7 @@ static int set_line(struct rb_overlay *overlay, struct letter letters[LETTERS_MA
 	return count;
 }
 
-/* The larger of what is there and what is drawn: neighbours do not darken each other. */
+/* Maximum of what is there and what is drawn: neighbours do not add up. */
 static void stamp(uint8_t *mask, int width, int height, const uint8_t *from, const int box[4])
 {
 	for (int y = 0; y < box[3]; y++)
@@ -378,6 +391,7 @@ static void stamp(uint8_t *mask, int width, int height, const uint8_t *from, con
 		}
 }
 
+/* Rim, then letter, in linear light. */
 static void blend(const struct rb_overlay *overlay, uint8_t *pixel, uint8_t letter, uint8_t rim)
 {
 	const float cover = (float)letter / 255, keep = 1 - (float)(rim_strength * rim / 255);
@@ -389,6 +403,7 @@ static void blend(const struct rb_overlay *overlay, uint8_t *pixel, uint8_t lett
 	}
 }
 
+/* Draws the letters into masks, then blends these into the picture. */
 static void put_line(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
                      const struct letter *letters, int count, const int box[4])
 {
@@ -397,6 +412,7 @@ static void put_line(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 	const size_t plane = (size_t)width * (size_t)height;
 	uint8_t *const inks = overlay->mask, *const rims = overlay->mask + plane;
 
+	RB_ASSERT(2 * plane <= overlay->mask_size);
 	memset(overlay->mask, 0, 2 * plane);
 	for (int i = 0; i < count; i++) {
 		const struct glyph *const glyph = letters[i].glyph;
@@ -434,7 +450,7 @@ void rb_overlay_write(struct rb_overlay *overlay, struct rb_pixmap *pixmap,
 	int text_width;
 
 	if (overlay->glyph_count > GLYPHS_MAX / 2)
-		forget_glyphs(overlay); /* there is room for all of this line */
+		forget_glyphs(overlay); /* now all of this line fits into the cache */
 	const int count = set_line(overlay, letters, text, pixmap->width - 2 * margin, &text_width);
 	if (count == 0)
 		return;

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Order of a picture: shadow maps, then from near to far everything opaque, the sky where nothing
+ * else is, then blended rims and lines. Depths are reversed (GL_GREATER, cleared to 0), which
+ * spreads the precision of floats evenly over distances.
+ */
 #include "film/painter.h"
 
 #include <math.h>
@@ -29,6 +34,7 @@ struct rb_painter {
 	struct rb_painter_times times;
 };
 
+/* The sky's program: a triangle over the whole picture at the far depth. */
 static enum rb_status make_sky(struct rb_painter *painter, struct rb_error *err)
 {
 	char defines[RB_LIGHTS_DEFINES_SIZE + 120], lights[RB_LIGHTS_DEFINES_SIZE];
@@ -53,8 +59,9 @@ static enum rb_status make_sky(struct rb_painter *painter, struct rb_error *err)
 }
 
 /*
- * Samples cost more than all else together, and only edges of planes and polyhedra need them: those
- * of spheres have a formula, a horizon is in haze, lines have their own.
+ * True if multisampling is needed, which costs more than all else together: only for edges of
+ * planes and polyhedra. Edges of spheres have a formula, a horizon lies in haze, lines have their
+ * own.
  */
 static bool needs_samples(const struct rb_model *model, const struct rb_looks *looks)
 {
@@ -72,6 +79,9 @@ static bool needs_samples(const struct rb_model *model, const struct rb_looks *l
 	return infinite > 1;
 }
 
+/*
+ * Everything that the camera needs; the order matters, since the canvas makes the context current.
+ */
 static enum rb_status make(struct rb_painter *painter, struct rb_error *err)
 {
 	const struct rb_camera_def *camera = painter->camera;
@@ -139,6 +149,7 @@ void rb_painter_destroy(struct rb_painter *painter)
 	rb_memory_free(painter);
 }
 
+/* Clears to the horizon's colour and depth 0, the farthest. */
 static void clear(const struct rb_painter *painter)
 {
 	const double *c = painter->lights.horizon;
@@ -150,7 +161,7 @@ static void clear(const struct rb_painter *painter)
 	glDepthFunc(GL_GREATER);
 }
 
-/* Where nothing else is. */
+/* Draws the sky where the depth is still the farthest. */
 static void draw_sky(const struct rb_painter *painter)
 {
 	glDepthFunc(GL_GEQUAL);
@@ -160,6 +171,7 @@ static void draw_sky(const struct rb_painter *painter)
 	glDepthFunc(GL_GREATER);
 }
 
+/* Uploads the uniform block. */
 static void tell(const struct rb_painter *painter, const struct rb_shader_block *block)
 {
 	glBindBuffer(GL_UNIFORM_BUFFER, painter->block);
@@ -167,6 +179,7 @@ static void tell(const struct rb_painter *painter, const struct rb_shader_block 
 	glBindBufferBase(GL_UNIFORM_BUFFER, 0, painter->block);
 }
 
+/* One picture into the canvas. */
 static enum rb_status draw(struct rb_painter *painter, const struct rb_frame *frame,
                            const struct rb_view *view, const struct rb_trails *trails,
                            struct rb_error *err)

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * libpng with its own error, memory and read functions. Files are outside input: width and height
+ * are checked by hand first, memory is bounded by what deflate can expand the file to, and every
+ * chunk but the picture's own is skipped undecoded.
+ */
 #include "film/png.h"
 
 #include <errno.h>
@@ -10,20 +15,22 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
 
+/* CHUNKS and their bytes: limits for libpng, far above what a texture has. */
 enum { SIGNATURE_SIZE = 8, CHUNK_BYTES_MAX = 1 << 16, CHUNKS_MAX = 64, WRITE_BUFFER = 1 << 16 };
 
 /*
- * deflate makes no byte of input into more than this many (zlib's documentation, "maximum expansion
- * factor")
+ * Largest expansion by deflate (zlib's documentation, "maximum expansion factor"): a file that
+ * claims more pixels is cut off or hostile.
  */
 static const uint64_t expansion_max = 1032;
 
 /*
- * One use of libpng. It leaves by longjmp to the function that made it; what that one needs
- * afterwards is in here and not in locals, so that nothing is clobbered.
+ * One use of libpng, which reports errors by longjmp to its user. What that one needs afterwards is
+ * in here and not in locals, whose values would be indeterminate.
  */
 struct job {
 	png_structp png;
@@ -38,6 +45,7 @@ struct job {
 	struct rb_pixmap pixmap;
 };
 
+/* libpng's error function: keeps the text and jumps. */
 static void complain(png_structp png, png_const_charp text)
 {
 	struct job *const job = png_get_error_ptr(png);
@@ -46,7 +54,7 @@ static void complain(png_structp png, png_const_charp text)
 	longjmp(job->failed, 1);
 }
 
-/* What libpng can live with is no concern of whoever wants a picture. */
+/* Warnings are dropped. */
 static void overlook(png_structp png, png_const_charp text)
 {
 	(void)png, (void)text;
@@ -69,17 +77,19 @@ static void give_memory(png_structp png, png_voidp block)
 
 /* ---- reading ---- */
 
+/* libpng's read function, from memory. */
 static void read_bytes(png_structp png, png_bytep to, size_t count)
 {
 	struct job *const job = png_get_io_ptr(png);
 
 	if (count > job->size - job->at)
 		png_error(png, "cut off");
+	RB_ASSERT(job->at + count <= job->size);
 	memcpy(to, job->bytes + job->at, count);
 	job->at += count;
 }
 
-/* Nothing but the picture is wanted: texts and profiles are not even unpacked. */
+/* Skips texts and profiles undecoded and limits what libpng allocates. */
 static void leave_out_rest(png_structp png)
 {
 	static const png_byte names[] = "bKGD\0cHRM\0eXIf\0hIST\0iCCP\0iTXt\0oFFs\0pCAL\0pHYs\0"
@@ -97,7 +107,7 @@ static uint32_t big_endian(const uint8_t *p)
 	return (uint32_t)p[0] << 24 | (uint32_t)p[1] << 16 | (uint32_t)p[2] << 8 | p[3];
 }
 
-/* Looked at by hand first, so that the message tells the numbers. */
+/* Checks the header by hand, so that the message has the numbers. */
 static enum rb_status check_head(const char *name, const uint8_t *bytes, size_t size,
                                  struct rb_error *err)
 {
@@ -117,7 +127,7 @@ static enum rb_status check_head(const char *name, const uint8_t *bytes, size_t 
 	return RB_OK;
 }
 
-/* Whatever the file has becomes red, green, blue and alpha of 8 bits, sRGB. */
+/* Converts every kind of PNG to 8-bit sRGB with alpha. */
 static void want_rgba(struct job *job)
 {
 	png_structp png = job->png;
@@ -129,6 +139,7 @@ static void want_rgba(struct job *job)
 	png_set_add_alpha(png, 255, PNG_FILLER_AFTER);
 }
 
+/* Decodes; leaves by longjmp on errors. */
 static void read_picture(struct job *job)
 {
 	png_structp png = job->png;
@@ -214,6 +225,7 @@ static bool is_ascii(const char *text)
 	return true;
 }
 
+/* A text chunk: tEXt for ASCII, else iTXt (UTF-8). */
 static void write_text(struct job *job, const struct rb_png_text *text)
 {
 	/* libpng takes pointers that it does not write through */
@@ -225,6 +237,7 @@ static void write_text(struct job *job, const struct rb_png_text *text)
 	png_set_text(job->png, job->info, &one, 1);
 }
 
+/* Encodes as RGB; leaves by longjmp on errors. */
 static void write_picture(struct job *job, const struct rb_pixmap *pixmap,
                           const struct rb_png_text *texts)
 {
@@ -254,6 +267,7 @@ static void write_picture(struct job *job, const struct rb_pixmap *pixmap,
 	png_write_end(png, NULL);
 }
 
+/* Runs libpng's writer. */
 static enum rb_status encode(struct job *job, const char *path, const struct rb_pixmap *pixmap,
                              const struct rb_png_text *texts, struct rb_error *err)
 {

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A ring of pictures between one producer and several consumers: PNG threads, which take turns, and
+ * one video thread, which takes every picture in order. A slot is free when all its outputs are
+ * made; the producer waits for it, which limits memory. The first failure stops everything.
+ */
 #include "film/press.h"
 
 #include <pthread.h>
@@ -12,7 +17,7 @@
 #include "base/thread.h"
 #include "film/encoder.h"
 
-/* Beside those in the threads' hands: the next one for each kind of output. */
+/* Slots besides those that threads are working at: the next one for each kind of output. */
 enum { SLOTS_SPARE = 2, NAME_SIZE = 4096 };
 
 struct slot {
@@ -48,7 +53,7 @@ struct rb_press {
 
 /* ---- names ---- */
 
-/* `pattern` came from a user: it is read here and never by printf. */
+/* The pattern comes from a user: it is parsed here and never given to printf. */
 bool rb_press_name(char *out, size_t size, const char *pattern, uint64_t picture)
 {
 	size_t used = 0;
@@ -81,6 +86,7 @@ bool rb_press_name(char *out, size_t size, const char *pattern, uint64_t picture
 	return numbers == 1;
 }
 
+/* File name of a picture. */
 static enum rb_status name_of(const struct rb_press_options *options, uint64_t picture,
                               char name[NAME_SIZE], struct rb_error *err)
 {
@@ -96,6 +102,7 @@ static enum rb_status name_of(const struct rb_press_options *options, uint64_t p
 	               options->png);
 }
 
+/* What the encoder needs. */
 static struct rb_encoder_options encoder_options(const struct rb_press_options *options)
 {
 	return (struct rb_encoder_options){.path = options->video,
@@ -126,6 +133,7 @@ enum rb_status rb_press_check(const struct rb_press_options *options, struct rb_
 
 /* ---- threads ---- */
 
+/* Keeps the first failure. */
 static void fail_locked(struct rb_press *press, enum rb_status status, const struct rb_error *error)
 {
 	if (press->status)
@@ -134,23 +142,28 @@ static void fail_locked(struct rb_press *press, enum rb_status status, const str
 	press->error = *error;
 }
 
+/* Counts an output as made and wakes whoever waits for the slot. */
 static void output_done_locked(struct rb_press *press, struct slot *slot)
 {
+	RB_ASSERT(slot->outputs > 0);
+
 	if (--slot->outputs == 0 && !press->status)
 		press->tally.pictures++;
 	pthread_cond_broadcast(&press->changed);
 }
 
-/* The next picture of a kind of output; NULL: there will be none. */
+/* Waits for the next picture of a kind of output; NULL: there will be none. */
 static struct slot *next_locked(struct rb_press *press, uint64_t *next)
 {
 	while (*next == press->pushed && !press->ending && !press->status)
 		pthread_cond_wait(&press->changed, &press->lock);
 	if (*next == press->pushed)
 		return NULL;
+	RB_ASSERT(*next < press->pushed && press->pushed - *next <= (uint64_t)press->slot_count);
 	return &press->slot[(*next)++ % (uint64_t)press->slot_count];
 }
 
+/* Writes a slot's picture with texts about it. */
 static enum rb_status make_png(const struct rb_press *press, const struct slot *slot, size_t *bytes,
                                struct rb_error *err)
 {
@@ -171,6 +184,7 @@ static enum rb_status make_png(const struct rb_press *press, const struct slot *
 	return rb_png_write(name, options->how, &slot->pixmap, texts, bytes, err);
 }
 
+/* Body of a PNG thread; after a failure slots are only released. */
 static void *print_png(void *argument)
 {
 	struct rb_press *const press = argument;
@@ -200,7 +214,9 @@ static void *print_png(void *argument)
 	return NULL;
 }
 
-/* Pictures that were printed before something else failed still belong into the film. */
+/*
+ * Body of the video thread. Pictures printed before something else failed still belong to the film.
+ */
 static void *print_video(void *argument)
 {
 	struct rb_press *const press = argument;
@@ -230,6 +246,7 @@ static void *print_video(void *argument)
 	return NULL;
 }
 
+/* Starts one thread. */
 static enum rb_status start_thread(struct rb_press *press, void *(*run)(void *),
                                    struct rb_error *err)
 {
@@ -244,6 +261,7 @@ static enum rb_status start_thread(struct rb_press *press, void *(*run)(void *),
 
 /* ---- the owner's side ---- */
 
+/* Slots, folders, encoder, threads. */
 static enum rb_status set_up(struct rb_press *press, int png_threads, struct rb_error *err)
 {
 	const struct rb_press_options *const options = &press->options;
@@ -328,6 +346,7 @@ enum rb_status rb_press_print(struct rb_press *press, const struct rb_pixmap *pi
 	return RB_OK;
 }
 
+/* Tells the threads to end after what was pushed, and waits. */
 static void join(struct rb_press *press)
 {
 	pthread_mutex_lock(&press->lock);

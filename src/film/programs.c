@@ -1,14 +1,21 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Programs are compiled for each combination of pattern, size, precision and light: a rasteriser in
+ * software pays for every instruction, so a program has only what its bodies need. Compiled on
+ * first use.
+ */
 #include "film/programs.h"
 
 #include <math.h>
 #include <stdio.h>
 
+#include "base/error.h"
+
 enum { DEFINES_SIZE = RB_LIGHTS_DEFINES_SIZE + 1800 };
 
 /*
- * Up to a radius in pixels: how many corners the polygons have, and how closely shadows are looked
- * at. A corner costs as much as some 16 pixels.
+ * By radius in pixels: corners of the polygon around a disc, of the ring around it, and the filter
+ * of shadows. A corner costs as much as some 16 pixels.
  */
 static const struct {
 	double most_px;
@@ -17,7 +24,10 @@ static const struct {
 } sizes[RB_BALL_SIZES] = {
 	{4, 4, 4, ""}, {24, 6, 8, "#define FAIR\n"}, {(double)INFINITY, 8, 24, "#define FINE\n"}};
 
-/* Polygons instead of circles in a shadow map are off by less than half a texel. */
+/*
+ * Corners of discs in shadow maps by radius in texels: the polygon is off by less than half a
+ * texel.
+ */
 static const int disc_corners[RB_DISC_SIZES] = {8, 12, 28, 64};
 static const double disc_most_px[RB_DISC_SIZES] = {9, 20, 111, (double)INFINITY};
 
@@ -32,11 +42,15 @@ int rb_ball_size(double radius_px)
 
 int rb_ball_corners(int size)
 {
+	RB_ASSERT_COSTLY(size >= 0 && size < RB_BALL_SIZES);
+
 	return sizes[size].corners;
 }
 
 int rb_ring_corners(int size)
 {
+	RB_ASSERT_COSTLY(size >= 0 && size < RB_BALL_SIZES);
+
 	return sizes[size].ring_corners;
 }
 
@@ -51,9 +65,12 @@ int rb_disc_size(double radius_texels)
 
 int rb_disc_corners(int size)
 {
+	RB_ASSERT_COSTLY(size >= 0 && size < RB_DISC_SIZES);
+
 	return disc_corners[size];
 }
 
+/* Positions of the samples within a pixel, as a macro. */
 static void say_samples(char *text, size_t room, const struct rb_canvas *canvas)
 {
 	const float(*at)[2] = rb_canvas_sample_positions(canvas);
@@ -65,7 +82,7 @@ static void say_samples(char *text, size_t room, const struct rb_canvas *canvas)
 	snprintf(text + used, room - used, "\n");
 }
 
-/* Units of samplers never change. */
+/* Binds samplers and the uniform block, which never change. */
 static void wire(GLuint program)
 {
 	char name[8] = "map0";
@@ -81,6 +98,7 @@ static void wire(GLuint program)
 		glUniformBlockBinding(program, block, 0);
 }
 
+/* Compiles one of the programs for spheres. */
 static enum rb_status make_ball(const struct rb_programs *programs, struct rb_ball_kind kind,
                                 GLuint *program, struct rb_error *err)
 {

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One depth texture for each light that throws shadows, compared by the sampler (sampler2DShadow).
+ * Of the texture only the corner that the fit asks for is drawn and read.
+ */
 #include "film/shadow.h"
 
 #include "base/error.h"
 
 enum { WHOLE = RB_SHADOW_SIDE, MARGIN = 4 };
 
+/* Texture and framebuffer of light k. */
 static void make_map(struct rb_shadows *shadows, int k)
 {
 	glGenTextures(1, &shadows->map[k]);
@@ -32,6 +37,7 @@ enum rb_status rb_shadows_make(struct rb_shadows *shadows, const struct rb_light
 	return rb_canvas_check("make shadow maps", err);
 }
 
+/* Draws the casters into the map. */
 static void draw_map(struct rb_shadows *shadows, int k, const struct rb_shadow_fit *fit,
                      struct rb_bodies *bodies)
 {

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * All solids but spheres: meshes shared by shape, drawn instanced in batches of one mesh and
+ * program, sorted from near to far. What is out of view is drawn into shadow maps only.
+ */
 #include "film/solid_shapes.h"
 
 #include <math.h>
@@ -11,18 +15,18 @@
 #include "film/mesh.h"
 #include "math/quat.h"
 
-/* Up to a radius in pixels: how many sides round ones have, so that none is off by half a pixel. */
+/* Sides of round solids by radius in pixels: none is off by half a pixel. */
 enum { FINENESSES = 4, OUT_OF_VIEW = FINENESSES, BUCKETS = FINENESSES + 1 };
 static const int sides_of[FINENESSES] = {12, 24, 64, 192};
 static const double most_px[FINENESSES] = {10, 50, 350, (double)INFINITY};
-/* A body out of view throws a shadow that is less well seen. */
+/* Fineness of bodies out of view, of which only the shadow is seen. */
 static const int FINENESS_OUT = 1;
-/* Smaller ones are drawn as large as this: what flies away stays in sight, as a dot or a line. */
+/* Smallest half width drawn, px: what flies away stays visible. */
 static const double LEAST_PX = 0.6;
-/* Thinner than so many texels, a side that is lit may lie in the shadow of the other one. */
+/* Thickness in texels below which a lit side may be shaded by the other side. */
 static const double THIN_TEXELS = 4;
 
-/* What never changes of one thing that is drawn. */
+/* Constant data of one part that is drawn. */
 struct item {
 	int index; /* of its body */
 	int batch;
@@ -31,7 +35,7 @@ struct item {
 	double half_width; /* m */
 };
 
-/* Those that share a mesh and a program. */
+/* Items that share a mesh and a program. */
 struct batch {
 	struct rb_mesh_range mesh[FINENESSES];
 	enum rb_pattern pattern;
@@ -76,7 +80,7 @@ static bool is_drawn(const struct rb_solid_part *part)
 	return form != RB_FORM_SURFACE && form != RB_FORM_BALL;
 }
 
-/* All parts that are drawn here; `item` NULL: only counts. */
+/* Lists the parts drawn here; with `item` NULL only counts them. */
 static int list_items(const struct rb_model *model, const struct rb_looks *looks, struct item *item)
 {
 	int count = 0;
@@ -111,6 +115,7 @@ static double half_width(const struct rb_scene *scene, const struct item *item)
 	return fmin(high.x, fmin(high.y, high.z));
 }
 
+/* Adds the mesh of a shape in all finenesses. */
 static enum rb_status add_mesh(struct rb_solids *solids, const struct rb_shape *shape,
                                struct batch *batch, struct rb_error *err)
 {
@@ -129,7 +134,7 @@ static enum rb_status add_mesh(struct rb_solids *solids, const struct rb_shape *
 	return status;
 }
 
-/* The same mesh: of a form, and of a solid. */
+/* Key of the mesh: form and solid. */
 static uint64_t mesh_of(const struct item *item)
 {
 	const struct rb_shape *shape = &item->part.shape;
@@ -153,7 +158,7 @@ static enum rb_status next_batch(struct rb_solids *solids, const struct item *it
 	return RB_OK;
 }
 
-/* Items in the order of meshes; in each of them of patterns and pictures, which are fewer. */
+/* Sorts items by mesh, then pattern and picture, and makes a batch of each run. */
 static enum rb_status make_batches(struct rb_solids *solids, struct rb_error *err)
 {
 	const struct rb_looks *looks = solids->setup.looks;
@@ -193,6 +198,7 @@ static enum rb_status make_batches(struct rb_solids *solids, struct rb_error *er
 	return RB_OK;
 }
 
+/* Uploads all meshes. */
 static void give_mesh(struct rb_solids *solids)
 {
 	static const struct {
@@ -321,7 +327,7 @@ static void fill(struct instance *to, const struct item *item, const struct rb_l
 	memcpy(to->count, fit.count, sizeof to->count);
 }
 
-/* Corners of the box about an item, for shadow maps. */
+/* Corners of the box around an item, for fitting shadow maps. */
 static void surround(struct rb_solids *solids, const struct item *item, rb_vec3 centre,
                      const rb_mat3 *turn)
 {
@@ -440,6 +446,7 @@ void rb_solids_casters(const struct rb_solids *solids, struct rb_casters *caster
 
 /* ---- drawing ---- */
 
+/* One instanced draw call. */
 static void draw_some(const struct rb_solids *solids, const struct rb_mesh_range *mesh, int from,
                       int to)
 {
@@ -460,7 +467,7 @@ static void draw_some(const struct rb_solids *solids, const struct rb_mesh_range
 	                        (const void *)(mesh->first * sizeof(uint32_t)), to - from);
 }
 
-/* Of a map, at the farthest from a lamp; m. */
+/* Size of a texel of a map, m; of a lamp's at its farthest. */
 static double texel_of(const struct rb_solids *solids, const struct rb_shadow_fit *fit)
 {
 	const float *m = fit->to_map;

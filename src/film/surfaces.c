@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Planes and rectangles as fans of homogeneous corners. An infinite plane is a fan about the foot
+ * of the eye with corners at infinity (w = 0), so that it reaches the horizon exactly. Planes seen
+ * from behind cut the others: the inside of a room.
+ */
 #include "film/surfaces.h"
 
 #include <math.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 
 static void put(float to[4], rb_vec3 from, double last)
@@ -14,7 +20,7 @@ static void put(float to[4], rb_vec3 from, double last)
 	to[3] = (float)last;
 }
 
-/* How textures lie on a surface: `side` is that of one of them. */
+/* Texture axes of a surface; `side` is the size of one texture, m. */
 static void lay(struct rb_surface *surface, const struct rb_looks *looks,
                 const struct rb_shape *shape, const rb_mat3 *turn, rb_vec3 eye)
 {
@@ -122,8 +128,8 @@ void rb_surface_see(struct rb_surface *surface, const struct rb_model *model,
 /* ---- rooms ---- */
 
 /*
- * Not negative on the side of a wall where its room is; a plane that lies in the wall is in the
- * room.
+ * Height above a wall of a homogeneous point, with a margin so that a plane within the wall counts
+ * as inside; not negative in the room.
  */
 static double height_in(const struct rb_surface *wall, const float p[4])
 {
@@ -137,8 +143,8 @@ static double height_in(const struct rb_surface *wall, const float p[4])
 }
 
 /*
- * What of a convex polygon lies in the room; corners may be at infinity (Sutherland and Hodgman
- * 1974).
+ * Clips a convex polygon by a wall in homogeneous coordinates (Sutherland, Hodgman, Comm. ACM 17
+ * (1974) 32); returns the number of corners.
  */
 static int cut_fan(float (*corner)[4], int count, const struct rb_surface *wall)
 {
@@ -158,11 +164,12 @@ static int cut_fan(float (*corner)[4], int count, const struct rb_surface *wall)
 			                              part * (double)b[c]);
 		kept_count++;
 	}
+	RB_ASSERT(kept_count <= RB_SURFACE_CORNERS);
 	memcpy(corner, kept, (size_t)kept_count * sizeof *kept);
 	return kept_count;
 }
 
-/* Parted into triangles, which are convex; the foot is no corner of the whole. */
+/* Splits the fan into triangles: it is not convex about a foot out of view, each triangle is. */
 static void part(struct rb_surface *surface)
 {
 	float all[6][4];
@@ -176,6 +183,7 @@ static void part(struct rb_surface *surface)
 	surface->part_count = RB_SURFACE_PARTS;
 }
 
+/* Clips all parts by a wall. */
 static void cut(struct rb_surface *surface, const struct rb_surface *wall)
 {
 	/* each wall adds a corner at most */

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One camera's picture: painter, trails and texts. Formats of numbers are chosen once for the whole
+ * film, so that nothing jumps from picture to picture.
+ */
 #include "film/take.h"
 
 #include <math.h>
@@ -9,9 +13,10 @@
 #include "film/overlay.h"
 #include "flow/schedule.h"
 
+/* Bytes of a text; decimals of a time; significant digits of the largest energy. */
 enum { TEXT_SIZE = 256, DECIMALS_MAX = 9, ENERGY_DIGITS = 4 };
 
-/* As wide as a digit: numbers stand still while they grow. */
+/* U+2007, as wide as a digit: numbers keep their place while they grow. */
 static const char figure_space[] = "\xe2\x80\x87";
 
 struct unit {
@@ -33,7 +38,7 @@ struct rb_take {
 	double largest_energy;          /* J, of those seen so far */
 };
 
-/* Digits that tell one picture from the next, in a unit that suits the whole film. */
+/* Unit and decimals of the time: enough to distinguish two pictures. */
 static void choose_time_format(struct rb_take *take)
 {
 	static const struct unit units[] = {
@@ -53,6 +58,7 @@ static void choose_time_format(struct rb_take *take)
 	take->time_digits = whole < 10 ? 1 : 1 + (int)fmin(floor(log10(whole)), 15);
 }
 
+/* Text for slow and fast motion; none at true speed. */
 static void choose_speed_text(struct rb_take *take)
 {
 	const double speed = take->camera->speed, slower = 1 / speed;
@@ -99,6 +105,7 @@ void rb_take_destroy(struct rb_take *take)
 	rb_memory_free(take);
 }
 
+/* Raises the largest energy. */
 static void see_energy(struct rb_take *take, const struct rb_frame *frame)
 {
 	const double kinetic = frame->numbers.kinetic_energy;
@@ -116,8 +123,8 @@ void rb_take_see(struct rb_take *take, const struct rb_frame *frame)
 /* ---- what is written ---- */
 
 /*
- * Behind its label, with room for that many places before the point, so that what follows stands
- * still.
+ * Label and number, padded to `places` digits before the point, so that the text behind keeps its
+ * place.
  */
 static void pad_number(char out[64], const char *label, double value, int decimals, int places)
 {
@@ -130,6 +137,7 @@ static void pad_number(char out[64], const char *label, double value, int decima
 	strcat(strcat(out, label), number);
 }
 
+/* The time and the film's speed. */
 static void print_time(const struct rb_take *take, double time_s, char out[TEXT_SIZE])
 {
 	char number[64];
@@ -140,7 +148,7 @@ static void print_time(const struct rb_take *take, double time_s, char out[TEXT_
 	         take->speed[0] ? "    " : "", take->speed);
 }
 
-/* With digits that suit the largest energy so far: the small ones are then seen to be small. */
+/* Energies with digits that suit the largest so far: small ones then look small. */
 static void print_energy(const struct rb_take *take, double total, double kinetic,
                          char out[TEXT_SIZE])
 {
@@ -162,10 +170,7 @@ static void print_energy(const struct rb_take *take, double total, double kineti
 	snprintf(out, TEXT_SIZE, "%s %s %s)", e, units[u].name, k);
 }
 
-/*
- * Beside the time, or above it where there is no room for the longest one: it does not jump with a
- * sign.
- */
+/* Writes the energy beside the time, or above it if the longest one would not fit. */
 static void write_energy(struct rb_take *take, const struct rb_frame *frame, const char *time,
                          struct rb_pixmap *picture)
 {
@@ -180,6 +185,7 @@ static void write_energy(struct rb_take *take, const struct rb_frame *frame, con
 	rb_overlay_write(take->overlay, picture, RB_OVERLAY_BOTTOM_RIGHT, fits ? 0 : 1, text);
 }
 
+/* The texts that the camera asks for. */
 static void write_texts(struct rb_take *take, const struct rb_frame *frame,
                         struct rb_pixmap *picture)
 {

@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Points of the bodies' centres of mass at frames, at most RB_TRAIL_POINTS_MAX: when full, every
+ * second one is dropped and the stride doubles, so that a trail covers any length of run in bounded
+ * memory.
+ */
 #include "film/trails.h"
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "math/quat.h"
 #include "math/vec3.h"
@@ -35,7 +41,7 @@ void rb_trails_release(struct rb_trails *trails)
 	*trails = (struct rb_trails){0};
 }
 
-/* Every second point goes, the first one stays. */
+/* Drops every second point and doubles the stride; the first point stays. */
 static void thin_out(struct rb_trails *trails)
 {
 	const int left = (trails->point_count + 1) / 2;
@@ -46,10 +52,12 @@ static void thin_out(struct rb_trails *trails)
 			       sizeof trails->points[p][i]);
 	for (int i = 1; i < left; i++)
 		trails->time_s[i] = trails->time_s[2 * i];
+	RB_ASSERT(left <= RB_TRAIL_POINTS_MAX);
 	trails->point_count = left;
 	trails->stride *= 2;
 }
 
+/* Centre of mass of a moving body, world axes. */
 static rb_vec3 center_of(const struct rb_model *model, const struct rb_frame *frame, int index)
 {
 	const rb_vec3 origin = rb_vec3_from(frame->position + 3 * index);

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The camera's frame (right, up, back) with the eye at the origin, in doubles: bodies are
+ * transformed to it before anything is rounded to single precision, so that scenes far from the
+ * world's origin do not shake. Near and far planes follow from the scene; the depth is reversed.
+ */
 #include "film/view.h"
 
 #include <math.h>
@@ -6,14 +11,11 @@
 #include "base/error.h"
 #include "math/quat.h"
 
-/*
- * Directions nearer to each other than this are one: doubles have no more digits for what is
- * across.
- */
+/* Sine below which two directions count as one: their cross product has no digits left. */
 static const double DEGENERATE_SINE = 1e-9;
 /*
- * Depths of a parallel view are evenly spaced, in single precision. How many times as deep as all
- * else a plane may be that is seen at a small angle: half of the digits are left for the bodies.
+ * Depth of a plane seen at a small angle in a parallel view, as a multiple of all else: depths are
+ * evenly spaced there, in single precision, and half of the digits are kept for the bodies.
  */
 static const double PLANE_DEPTHS = 4096;
 
@@ -38,6 +40,7 @@ rb_pose rb_view_part(rb_pose body, const struct rb_solid_part *part)
 		rb_quat_multiply(body.orientation, part->orientation)};
 }
 
+/* A vector of the camera: fixed, of a body, or of a function. */
 static rb_vec3 vector(const struct rb_camera_vector *from, const struct rb_model *model,
                       const struct rb_frame *frame, const rb_vec3 *shot)
 {
@@ -58,7 +61,7 @@ static const char *label(const struct rb_camera_def *camera)
 	return camera->name ? camera->name : "unnamed";
 }
 
-/* Distance from a point in object coordinates to the surface, negative inside. */
+/* Distance of a point in object coordinates from the surface, m, negative inside. */
 static double distance(const struct rb_scene *scene, const struct rb_shape *shape, rb_vec3 p)
 {
 	switch (shape->kind) {
@@ -75,8 +78,8 @@ static double distance(const struct rb_scene *scene, const struct rb_shape *shap
 }
 
 /*
- * Distance to the nearest surface that is drawn, 0 without any, in `near`. Commands may move a
- * camera into a body, and out again.
+ * Sets `near` to the distance of the nearest visible surface, 0 without any. An eye inside of a
+ * body is an error unless commands have moved it there.
  */
 static enum rb_status nearest(struct rb_view *view, const struct rb_model *model,
                               const struct rb_camera_def *camera, const struct rb_frame *frame,
@@ -110,6 +113,7 @@ static enum rb_status nearest(struct rb_view *view, const struct rb_model *model
 	return RB_OK;
 }
 
+/* Eye and axes; RB_ERR_SCENE where they are degenerate. */
 static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
                           const struct rb_camera_def *camera, const struct rb_frame *frame,
                           const struct rb_frame_shot *shot, struct rb_error *err)
@@ -133,7 +137,7 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 	} else {
 		view->eye = vector(&camera->position, model, frame, shot ? &shot->position : NULL);
 	}
-	/* A body as `up`: upwards is where it is. */
+	/* with a body as `up`, up is towards it */
 	if (camera->up.source == RB_CAMERA_BODY && !steered)
 		up = rb_vec3_sub(up, view->eye);
 	const rb_vec3 zero = {0, 0, 0};
@@ -161,6 +165,7 @@ static enum rb_status aim(struct rb_view *view, const struct rb_model *model,
 	return RB_OK;
 }
 
+/* Perspective: slopes of the picture's edges, near and far. */
 static void open(struct rb_view *view, const struct rb_camera_def *camera, double least)
 {
 	if (camera->has_frustum) {
@@ -177,10 +182,7 @@ static void open(struct rb_view *view, const struct rb_camera_def *camera, doubl
 	view->right_slope = view->top_slope * view->width / view->height;
 	view->bottom_slope = -view->top_slope;
 	view->left_slope = -view->right_slope;
-	/*
-	 * The nearest thing in a corner of the picture is nearer along the line of sight than as
-	 * the crow flies.
-	 */
+	/* In a corner the distance along the axis is smaller than the distance itself. */
 	const double corner = sqrt(1 + view->top_slope * view->top_slope +
 	                           view->right_slope * view->right_slope);
 	view->far = isnan(camera->far) ? (double)INFINITY : camera->far;
@@ -194,18 +196,19 @@ static void open(struct rb_view *view, const struct rb_camera_def *camera, doubl
 		view->far = (double)INFINITY;
 }
 
-/* From where to where, along the lines of sight. */
+/* Range of depths along the line of sight, m. */
 struct span {
 	double low, high;
 };
 
+/* Extends the range. */
 static void reach(struct span *span, double low, double high)
 {
 	span->low = fmin(span->low, low);
 	span->high = fmax(span->high, high);
 }
 
-/* All that is in the picture: bodies first, then as much of the planes as there are digits for. */
+/* Range of what is in the picture: bodies first, then as much of the planes as precision allows. */
 static struct span depths(const struct rb_view *view, const struct rb_model *model,
                           const struct rb_frame *frame)
 {
@@ -244,6 +247,7 @@ static struct span depths(const struct rb_view *view, const struct rb_model *mod
 	return all;
 }
 
+/* Parallel projection: edges in metres, near and far around what is seen. */
 static void open_parallel(struct rb_view *view, const struct rb_model *model,
                           const struct rb_camera_def *camera, const struct rb_frame *frame,
                           double enlarged)
@@ -264,7 +268,7 @@ static void open_parallel(struct rb_view *view, const struct rb_model *model,
 		view->near = view->far - (view->top_slope - view->bottom_slope);
 	if (view->near >= view->far)
 		view->far = view->near + (view->top_slope - view->bottom_slope);
-	/* Single precision lasts longest about the eye: it goes where the bodies are. */
+	/* single precision is best about the eye: it is moved to where the bodies are */
 	const double middle = 0.5 * (view->near + view->far);
 	view->eye = rb_vec3_add_scaled(view->eye, -middle, view->back);
 	view->near -= middle;
