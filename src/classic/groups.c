@@ -413,8 +413,7 @@ static bool find_missed(struct rb_world *world, bool *any)
 	if (!world->broadphase)
 		return true;
 	for (int i = 0; i < groups->body_count; i++) {
-		if (!(groups->travelled[i] >
-		      0)) /* travelled stays 0 for bodies alone, which have kept within their margin */
+		if (!(groups->travelled[i] > 0)) /* a body alone has kept its margin */
 			continue;
 		leavers = leavers || groups->travelled[i] > groups->reach[i];
 		const rb_vec3 start = rb_world_origin_at(world, &world->start, i);

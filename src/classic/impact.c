@@ -43,8 +43,8 @@ struct meetings {
 
 enum {
 	SWEEPS = 200, /* sweeps of one round's solve */
-	ROUNDS =
-		64, /* rounds, and 8 for each contact: an impact passes through a row of n bodies in n rounds */
+	/* an impact passes through a row of n bodies in n rounds */
+	ROUNDS = 64,
 	ROUNDS_PER_CONTACT = 8
 };
 

@@ -17,8 +17,7 @@
 #include "base/memory.h"
 
 struct rb_context {
-	EGLDisplay
-		display; /* owned by EGL, shared by all contexts, never terminated: others may use it */
+	EGLDisplay display; /* EGL's own: shared, never terminated */
 	EGLContext made;
 };
 

@@ -138,7 +138,8 @@ static enum rb_status film_open(void *self, struct rb_error *err)
 	                                       film->options.camera, err);
 	if (!status)
 		status = rb_press_create(&press, &options, err);
-	if (status) { /* a sink that fails to open is not closed, and the painter belongs to this thread */
+	/* a sink that fails to open is not closed, and the painter belongs to this thread */
+	if (status) {
 		rb_take_destroy(film->take);
 		film->take = NULL;
 	}

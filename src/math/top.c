@@ -22,7 +22,7 @@ static const double pi = 3.14159265358979323846;
 
 enum { ORDER = 32 }; /* of a series at most; grid_of and steady_point choose steps for it */
 
-/* Term of a series relative to its sum: 1/128 of an ulp, so that some hundred of them do not show. */
+/* Smallest term of a series, as a share of its sum: 1/128 of an ulp. */
 static const double negligible = 0x1p-60;
 static const double far = 0x1p53; /* grid points from which on doubles skip whole numbers */
 /*
