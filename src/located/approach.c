@@ -18,21 +18,31 @@
 #include "located/feature.h"
 #include "model/parts.h"
 
+/*
+ * Steps before the search is continued in another event; rounds for the lowest parabola; halvings
+ * of a bracket, more than a double has bits; ulp of a dip that is not sought; steps of a rotation's
+ * series that a search looks ahead.
+ */
 enum { STEPS_MAX = 64, CORNERS_ROUNDS = 32, HALVINGS = 200, DIP_ULP = 4, SERIES_MAX = 4096 };
 
-/* Tiny steps, in sizes of way: a dip between their ends is at most the square of it deep. */
+/*
+ * Smallest steps, as a share of the size travelled: a dip between their ends is at most the square
+ * of it deep (2^-40 to 2^-26 of the size). They double up to the last while nothing is found.
+ */
 static const double leap_first = 0x1p-20, leap_last = 0x1p-13;
-/* Across which the rate of a direction is a difference, in sizes of way. */
+/* Step of the difference quotient for a direction's rate, as a share of the size travelled. */
 static const double moment_share = 0x1p-20;
 
 /*
- * m, from the centre of mass: in all; along the axis of the bounds, and across it. Of a plane,
- * INFINITY. What turning moves is the core only: a ball about a point of it stays what it is.
+ * Distances of a body's points from its centre of mass, m: of all, of the core, and of the core
+ * along and across the axis of the bounds. INFINITY for a plane. Rotation moves only the core: a
+ * ball around one of its points is the same after any rotation.
  */
 struct extent {
 	double ball, core, along, across;
 };
 
+/* A pair on its way: what holds for the search, and of the present moment. */
 struct course {
 	const struct rb_located *l;
 	struct rb_touch_pair pair; /* at pair.t */
@@ -51,6 +61,7 @@ struct course {
 	double bend_a, bend_b; /* m/s^2: of a point, by turning */
 };
 
+/* Extends e by the point p, from the centre of mass. */
 static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis)
 {
 	e->core = fmax(e->core, rb_vec3_length(p));
@@ -58,7 +69,7 @@ static void reach_out(struct extent *e, rb_vec3 p, rb_vec3 axis)
 	e->across = fmax(e->across, rb_vec3_length(rb_vec3_reject(p, axis)));
 }
 
-/* `axis`: unit, object coordinates. */
+/* Extents of a body about its centre of mass; `axis` is a unit vector in object coordinates. */
 static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 {
 	const struct rb_shape *shape = &l->model->shape[i];
@@ -80,7 +91,10 @@ static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 		const rb_vec3 at = rb_vec3_sub(part->at, centre);
 
 		if (core->kind == RB_CORE_CYLINDER) {
-			/* a ring about its axis: round by what is across */
+			/*
+			 * a ring about its axis: its extent by that of its centre line, plus its
+			 * radius
+			 */
 			const rb_vec3 u = rb_mat3_apply(&part->turn, (rb_vec3){0, 0, 1});
 			const rb_vec3 half = rb_vec3_scale(core->half_height, u);
 			const double off = rb_vec3_length(rb_vec3_cross(u, axis));
@@ -102,6 +116,7 @@ static struct extent extent_of(const struct rb_located *l, int i, rb_vec3 axis)
 	return e;
 }
 
+/* Bounds and extents, which hold for the whole search. */
 static void start(struct course *c, const struct rb_located *l, int a, int b)
 {
 	*c = (struct course){.l = l, .pair = {.a = a, .b = b}};
@@ -119,10 +134,7 @@ static void start(struct course *c, const struct rb_located *l, int a, int b)
 	}
 }
 
-/*
- * m: what of the body is that far from its centre of mass; of a turning plane, as far as the other
- * is.
- */
+/* Arm, m, of the body's points; of a rotating plane, as far out as the other body is. */
 static double arm_of(const struct course *c, double ball, double other)
 {
 	if (isfinite(ball))
@@ -130,7 +142,10 @@ static double arm_of(const struct course *c, double ball, double other)
 	return other + rb_vec3_length(rb_pose_between(&c->pair.pose_a, &c->pair.pose_b));
 }
 
-/* Bounds on the turning of one of the two from now on: m/s of any point; the rest is written. */
+/*
+ * Bounds of one body's rotation from now on: the largest angular speed, the acceleration of any of
+ * its points; returns their largest speed, m/s.
+ */
 static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
 {
 	struct rb_bounds *max = is_a ? &c->of_a : &c->of_b;
@@ -157,8 +172,11 @@ static double turn_on(struct course *c, bool is_a, double *turn, double *bend)
 	return fmin(max->axis_turn * own->along + *turn * own->across, *turn * own->core);
 }
 
+/* Moves the pair to time t and updates what depends on it. */
 static void place(struct course *c, double t, double until)
 {
+	RB_ASSERT_COSTLY(t <= until);
+
 	const struct rb_located *l = c->l;
 
 	c->pair.t = t;
@@ -167,8 +185,8 @@ static void place(struct course *c, double t, double until)
 	c->turning_a = c->of_a.turning;
 	c->turning_b = c->of_b.turning;
 	/*
-	 * a spin that grows is bounded for no longer than it takes to double, or to turn by a
-	 * radian from rest
+	 * a growing spin is bounded for the time in which it doubles, or turns by a radian from
+	 * rest
 	 */
 	const double growing = fmax(c->of_a.growing, c->of_b.growing);
 	const double fastest = fmax(rb_vec3_length(c->pair.pose_a.spin),
@@ -195,7 +213,7 @@ static void place(struct course *c, double t, double until)
 
 /* ---- from afar ---- */
 
-/* Seconds from which on gap + rate s + bend s^2 / 2 is below zero; INFINITY: never. */
+/* First time at which gap + rate s + bend s^2 / 2 falls below zero, s; INFINITY: never. */
 static double falls_after(double gap, double rate, double bend)
 {
 	const double square = rate * rate - 2 * bend * gap;
@@ -207,7 +225,7 @@ static double falls_after(double gap, double rate, double bend)
 	return rate < 0 ? 2 * gap / (sqrt(square) - rate) : (rate + sqrt(square)) / -bend;
 }
 
-/* Seconds until the balls around both can touch; < 0: they are too near for that question. */
+/* Seconds until the bounding balls can touch; < 0: they are too near for this bound. */
 static double from_afar(const struct course *c)
 {
 	const struct rb_located *l = c->l;
@@ -219,7 +237,7 @@ static double from_afar(const struct course *c)
 
 	if (a_is || !isfinite(c->b.ball)) {
 		const int plane = a_is ? c->pair.a : c->pair.b;
-		if (plane < l->n) /* a driven one may turn */
+		if (plane < l->n) /* a driven plane may turn */
 			return -1;
 		n = a_is ? l->plane_normal[plane - l->n]
 		         : rb_vec3_neg(l->plane_normal[plane - l->n]);
@@ -243,11 +261,14 @@ static double from_afar(const struct course *c)
 
 /* ---- along one direction ---- */
 
-/* A direction from a to b that moves, and bounds on how: along which heights are looked at. */
+/* A moving direction from a to b along which heights are measured, with bounds on its rates. */
 struct axis {
 	rb_vec3 n, rate;
 	double rate_max, bend_max; /* 1/s, 1/s^2 */
-	/* rims are taken to lie across it, or nearly: else to be off it, and to stay so */
+	/*
+	 * rims are nearly across it: |u x n| is bounded by its rate; else it must stay away from
+	 * zero
+	 */
 	bool polar;
 };
 
@@ -255,7 +276,7 @@ struct height {
 	double value, rate; /* m, m/s */
 };
 
-/* The outermost of a rim along the axis. */
+/* Height of a rim's outermost point along the axis, and its rate. */
 static struct height rim_height(const struct rb_feature_side *s, const struct axis *axis,
                                 double sign)
 {
@@ -279,16 +300,16 @@ static struct height rim_height(const struct rb_feature_side *s, const struct ax
 }
 
 /*
- * What |u x n| of a cylinder's axis u adds: m/s^2, while s <= *most, which may become less. Its
- * second derivative is at most
- * |w''| + |w'|^2 / |w| with w = u x n; off the pole, |w| stays above half of what it is.
+ * Bound, m/s^2, on what the term r |u x n| of a rim adds to the second derivative while s <= *max,
+ * which may be lowered. That derivative is at most |w''| + |w'|^2 / |w| with w = u x n; away from
+ * the pole, |w| stays above half of its present value.
  */
 static double rim_bend(const struct rb_feature_side *side, const struct rb_bounds *bounds,
                        const struct axis *axis, double *max)
 {
 	const rb_vec3 u = {side->turn.m[0][2], side->turn.m[1][2], side->turn.m[2][2]};
 	const double sine = rb_vec3_length(rb_vec3_cross(u, axis->n));
-	/* its axis is its body's z, as a rule that of the bounds */
+	/* its axis is the body's z, as that of the bounds usually is */
 	const bool own = fabs(bounds->axis.z) > 1 - 1e-12;
 	const double turn = own ? bounds->axis_turn : bounds->turn;
 	const double bend = own ? bounds->axis_bend : turn * turn + bounds->turning;
@@ -304,7 +325,7 @@ static double rim_bend(const struct rb_feature_side *side, const struct rb_bound
 	return side->core->round * more;
 }
 
-/* The highest point along the axis at a time s from now, if all went straight. */
+/* Highest point along the axis at a time s from now, if all points moved straight. */
 static struct height highest(const struct rb_feature_side *side, const struct axis *axis, double s)
 {
 	const rb_core *core = side->core;
@@ -343,8 +364,8 @@ static struct axis reversed(const struct axis *axis)
 }
 
 /*
- * Seconds until the gap of two points can be gone; what touches must leave by more than rounding to
- * have any.
+ * Seconds until the gap of two points may be gone. A pair that touches must separate faster than
+ * rounding to have any time.
  */
 static double gone_after(const struct course *c, struct height a, struct height b, double radii,
                          double bend)
@@ -360,7 +381,7 @@ static double gone_after(const struct course *c, struct height a, struct height 
 	return bend > 0 ? 2 * rate / bend : HUGE_VAL;
 }
 
-/* Bounds on the second derivative of what lies between any two points along the axis, m/s^2. */
+/* Bound on the second derivative of the distance of any two points along the axis, m/s^2. */
 static double bend_max(const struct course *c, const struct axis *axis,
                        const struct rb_feature_side *a, const struct rb_feature_side *b, double *s)
 {
@@ -380,7 +401,7 @@ static double bend_max(const struct course *c, const struct axis *axis,
 	return bend;
 }
 
-/* For how long the axis proves that two parts do not touch, s. */
+/* Seconds for which the axis proves that two parts do not touch. */
 static double proved_along(const struct course *c, const struct axis *axis,
                            const struct rb_feature_side *a, const struct rb_feature_side *b)
 {
@@ -407,6 +428,7 @@ static double proved_along(const struct course *c, const struct axis *axis,
 
 /* ---- a step ---- */
 
+/* True for features with a normal of their own. */
 static bool is_face(rb_part part)
 {
 	const rb_part_kind kind = (rb_part_kind)(part >> 24 & 15);
@@ -416,8 +438,8 @@ static bool is_face(rb_part part)
 }
 
 /*
- * The normal of a plane, as it turns. A plane has no end: along any other direction it reaches as
- * far as one likes, so that the bounds are those of its own turning.
+ * The normal of a plane as it turns. A plane extends without end, so only its own normal proves
+ * anything, and the bounds are those of its rotation.
  */
 static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
                                  const struct rb_feature_side *plane)
@@ -431,9 +453,9 @@ static struct axis axis_of_plane(const struct course *c, bool is_a, rb_vec3 n,
 }
 
 /*
- * The direction that proves the gap of two parts, going on as it does now: with the face that it
- * belongs to, else as a difference says. n + n' s made a unit vector turns by no more than |n'|,
- * and bends by no more than 1.2 |n'|^2.
+ * The direction that proves the gap now, continued: with the face that it belongs to, else by a
+ * difference quotient. n + n' s normalized turns by at most |n'| and bends by at most 1.2 |n'|^2
+ * per second squared.
  */
 static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
                            const struct rb_feature_side *a, const struct rb_feature_side *b)
@@ -465,8 +487,8 @@ static struct axis axis_of(const struct course *c, const rb_convex_touch *touch,
 }
 
 /*
- * Seconds in which two parts surely do not touch; *gap is their gap, or less than it where they are
- * far apart.
+ * Seconds in which two parts surely do not touch; *gap is their gap, or a lower bound of it where
+ * they are far apart.
  */
 static double safe_parts(const struct course *c, const struct rb_feature_side *a,
                          const struct rb_feature_side *b, double *gap, double tolerance)
@@ -508,7 +530,7 @@ static double safe_parts(const struct course *c, const struct rb_feature_side *a
 	return safe;
 }
 
-/* The same of two bodies. */
+/* The same for two bodies: the earliest of all parts. */
 static double safe_bodies(const struct course *c, double *gap)
 {
 	const struct rb_model *model = c->l->model;
@@ -534,9 +556,10 @@ static double safe_bodies(const struct course *c, double *gap)
 
 /* ---- touching ---- */
 
+/* Relative motion of a touching pair, in order of urgency. */
 enum what { PARTING, RESTING, STAYING, CLOSING };
 
-/* What those points do that touch. */
+/* Relative motion of the points that touch. */
 static enum what touching(const struct rb_located *l, const struct rb_touch_pair *pair)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
@@ -551,7 +574,9 @@ static enum what touching(const struct rb_located *l, const struct rb_touch_pair
 			continue;
 		if (rate < -noise)
 			return CLOSING;
-		/* neither closes nor opens: what accelerates decides, beyond its rounding */
+		/*
+		 * neither closes nor opens: the relative acceleration decides, beyond its rounding
+		 */
 		const double max = rb_vec3_length(rb_arc_acceleration(l, pair->a, pair->t)) +
 		                   rb_vec3_length(rb_arc_acceleration(l, pair->b, pair->t)) +
 		                   rb_vec3_dot(pair->pose_a.spin, pair->pose_a.spin) *
@@ -578,6 +603,7 @@ bool rb_approach_now(const struct rb_located *l, int a, int b, double t)
 	return touching(l, &pair) == CLOSING;
 }
 
+/* Gap of the pair at another time, m. */
 static double gap_at(const struct course *c, double t)
 {
 	const struct rb_touch_pair pair = {c->pair.a, c->pair.b, t, rb_arc_pose(c->l, c->pair.a, t),
@@ -588,15 +614,15 @@ static double gap_at(const struct course *c, double t)
 }
 
 /*
- * Where a gap falls through zero between two moments, the ends above and below: bracketed, halved
- * down to rounding.
+ * Root of the gap between two times with gaps above and below zero, to rounding: secants, with a
+ * bisection every third round.
  */
 static double crossing(const struct course *c, double low, double high)
 {
 	double above = gap_at(c, low), below = gap_at(c, high);
 
 	for (int k = 0; k < HALVINGS && high - low > 2 * DBL_EPSILON * high; k++) {
-		/* a secant where it helps, a half every third time */
+		/* secant, and every third time the middle */
 		double t = low + (high - low) * (k % 3 == 2 ? 0.5 : above / (above - below));
 		t = fmin(fmax(t, low + DBL_EPSILON * high), high - DBL_EPSILON * high);
 		const double gap = gap_at(c, t);
@@ -614,10 +640,7 @@ static double crossing(const struct course *c, double low, double high)
 	return high;
 }
 
-/*
- * A touch found just before or after it to within the band: moved to where the gap is zero, as far
- * as that is time.
- */
+/* Moves a touch found within the band to where the gap is zero, to the resolution of time. */
 static double settled(const struct course *c, double from, double until)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX];
@@ -628,7 +651,7 @@ static double settled(const struct course *c, double from, double until)
 	for (int k = 0; k < count; k++) {
 		const double rate = rb_vec3_dot(all[k].velocity, all[k].normal);
 
-		/* one that hardly closes falls by what accelerates it */
+		/* a point that hardly closes falls by acceleration */
 		if (rate < -c->noise && all[k].gap > 0)
 			sooner = fmin(sooner,
 			              falls_after(all[k].gap, rate,
@@ -636,24 +659,24 @@ static double settled(const struct course *c, double from, double until)
 		else if (rate < -c->noise)
 			sooner = fmin(sooner, all[k].gap / -rate);
 	}
-	/* not back to where it has just rebounded */
+	/* not back to the rebound it comes from */
 	return isfinite(sooner) && t + sooner > from ? fmin(t + sooner, until) : t;
 }
 
-/* Seconds in which what falls and comes up again gets no deeper than some roundings of the size. */
+/* Seconds in which a dip gets no deeper than DIP_ULP roundings of the size. */
 static double dip_time(const struct course *c)
 {
 	return sqrt(DIP_ULP * DBL_EPSILON * c->size / (c->external_max + c->bend_a + c->bend_b));
 }
 
-/* s: a step of the series by which a body's turning is followed; INFINITY: it needs none. */
+/* Step of the series that follows the body's rotation, s; INFINITY: none is needed. */
 static double series_step(const struct rb_located *l, int i)
 {
 	return l->top && i < l->n && !rb_located_on_piece(l, i) ? rb_top_step_s(&l->top[i])
 	                                                        : HUGE_VAL;
 }
 
-/* Products that a body's turning takes from its anchor to this moment. */
+/* Multiplications needed to follow a body's rotation from its anchor to t. */
 static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 {
 	const double steps = (t - l->arc[i].anchor_s) / series_step(l, i);
@@ -661,14 +684,15 @@ static uint64_t turning_cost(const struct rb_located *l, int i, double t)
 	return (uint64_t)(RB_LOCATED_SERIES * fmin(fmax(steps, 0), 1e12));
 }
 
+/* Advances until a touch is found, nothing can touch before `until`, or steps run out. */
 static void search(struct course *c, double from, double until, struct rb_approach *found)
 {
 	const struct rb_model *model = c->l->model;
 	const uint64_t parts = (uint64_t)rb_model_parts(model, c->pair.a)->count *
 	                       (uint64_t)rb_model_parts(model, c->pair.b)->count;
 	/*
-	 * no farther than turning is followed soon: what spins a million times is asked again on
-	 * the way
+	 * no farther ahead than rotation is followed soon: what spins a million times is asked
+	 * again
 	 */
 	const double far = from + SERIES_MAX * fmin(series_step(c->l, c->pair.a),
 	                                            series_step(c->l, c->pair.b));
@@ -687,7 +711,8 @@ static void search(struct course *c, double from, double until, struct rb_approa
 
 				found->touching = found->touching || t == from;
 				/*
-				 * what has begun to rest on each other may share a load: asked once
+				 * bodies that begin to rest on each other may share a load:
+				 * reported once
 				 */
 				rests = rests || (t == from && now == RESTING);
 				if (now == CLOSING || (now == STAYING && t > from) ||
@@ -699,8 +724,8 @@ static void search(struct course *c, double from, double until, struct rb_approa
 			const double least = fmin(leap * c->size / c->speed, dip_time(c));
 			if (s < least && c->speed > 0) {
 				/*
-				 * what parts has its gap half way to where it may be back; what
-				 * overlaps has none
+				 * a parting pair has its gap half way to where it may be back; an
+				 * overlapping pair has none
 				 */
 				const double low = gap > c->band ? t : t + 0.5 * s;
 				const double high = fmin(t + least, until);

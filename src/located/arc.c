@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Where a body is at any time. An arc is a parabola from an anchor with a closed-form or series
+ * rotation (math/top); a body on a piece is read from the dense output of the integrator instead
+ * (math/gauss), three rows at a time. Positions on pieces are relative to a base, and `rest`
+ * carries what the sum rounds away, so that a chain of pieces loses no digits.
+ */
 #include "located/arc.h"
 
 #include "base/error.h"
@@ -44,6 +50,10 @@ rb_vec3 rb_arc_acceleration(const struct rb_located *l, int i, double t)
 	return rb_arc_piece_rate(&l->piece[i], RB_PIECE_VELOCITY, t);
 }
 
+/*
+ * Orientation and spin at t: by the piece's polynomial, integrated exactly for bodies whose
+ * orientation acts on nothing (math/turn), or by the top.
+ */
 static void turned(const struct rb_located *l, int i, double t, struct rb_pose *pose)
 {
 	if (rb_located_on_piece(l, i)) {
@@ -64,6 +74,7 @@ static void turned(const struct rb_located *l, int i, double t, struct rb_pose *
 	rb_top_at(&l->top[i], t - l->arc[i].anchor_s, &pose->orientation, &pose->spin);
 }
 
+/* Rounding of base + piece that the position does not hold, m. */
 static rb_vec3 rest_of(const struct rb_piece_of *p, rb_vec3 position, double t)
 {
 	if (p->piece.n == 0)
@@ -102,8 +113,11 @@ rb_vec3 rb_arc_off_center(const struct rb_located *l, int i, double t)
 void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *pose,
                    rb_vec3 acceleration, rb_vec3 turning)
 {
+	RB_ASSERT_COSTLY(rb_located_moves(l, i));
+
 	const rb_vec3 gravity = l->model->scene->world.gravity;
 	const struct rb_shape *shape = &l->model->shape[i];
+	/* spheres under gravity alone: what the fast paths of located/predict may assume */
 	const bool plain = shape->kind == RB_SHAPE_SPHERE && !l->model->center_of_mass &&
 	                   acceleration.x == gravity.x && acceleration.y == gravity.y &&
 	                   acceleration.z == gravity.z;
@@ -123,7 +137,7 @@ void rb_arc_anchor(struct rb_located *l, int i, double t, const struct rb_pose *
 		l->top[i] = rb_top_start(&l->top_body[i], pose->orientation, pose->spin, turning);
 }
 
-/* Apart, so that what does not turn needs no pose on the stack. */
+/* Not inlined, so that bodies without rotation need no pose on the stack. */
 __attribute__((noinline)) static void store_turned(const struct rb_located *l, int i, double t)
 {
 	struct rb_state *state = &l->world->state;

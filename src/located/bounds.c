@@ -1,20 +1,26 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Bounds on speed and acceleration of rotation over the life of an arc or piece, for conservative
+ * advancement. Free tops are bounded by what energy and angular momentum conserve, pieces by the
+ * sum of their Legendre coefficients (|P_k| <= 1 on [0, 1]).
+ */
 #include "located/bounds.h"
 
 #include "base/error.h"
 
 #include <float.h>
 
-/*
- * Of three rows of a piece: the sums of bounds on their rates, and on the rates of these: |P_k'| <=
- * k (k + 1).
- */
+/* Bound on the rate of three rows of a piece, the sum of the rows' bounds. */
 static double rates_max(const struct rb_gauss_piece *p, int first)
 {
 	return rb_gauss_rate_bound(p, first) + rb_gauss_rate_bound(p, first + 1) +
 	       rb_gauss_rate_bound(p, first + 2);
 }
 
+/*
+ * Bound on their second rate, by |P_k'| <= k (k + 1) on [0, 1] (Markov), with a margin for
+ * rounding.
+ */
 static double second_rates_max(const struct rb_gauss_piece *p, int first)
 {
 	double sum = 0;
@@ -25,7 +31,7 @@ static double second_rates_max(const struct rb_gauss_piece *p, int first)
 	return sum * (1 + 64 * DBL_EPSILON) / (p->length_s * p->length_s);
 }
 
-/* What is known of a top: of its principal axes, and sums over them. */
+/* Components, moments and invariants of a top in principal axes. */
 struct spinning {
 	double w[3], moment[3];
 	double energy, momentum, square; /* twice the energy; squares of momentum and spin */
@@ -50,11 +56,11 @@ static struct spinning spinning_of(const struct rb_top_body *body, const struct 
 }
 
 /*
- * The spin of a free top. With energy T and momentum L, the squares x_k of its components have sum
- * I_k x_k = 2 T and sum I_k^2 x_k = L^2, so that the largest sum x_k has one of them at zero. Where
- * two moments are too near each other to tell, the energy alone bounds it. Its rate: |I_j - I_k| <=
- * I_i in Euler's equations, and of three products of two components the root of the sum of squares
- * is at most the square of the length over the root of three.
+ * Bound on the spin of a free top. With energy T and momentum L, the squares x_k of its components
+ * have sum I_k x_k = 2 T and sum I_k^2 x_k = L^2, so the largest sum x_k has one of them at zero.
+ * Where two moments are nearly equal, the energy alone bounds it. Its rate: |I_j - I_k| <= I_i in
+ * Euler's equations, and the root of the sum of squares of the three products of two components is
+ * at most the square of the length over the root of three.
  */
 static void free_spin(const struct spinning *s, struct rb_bounds *max)
 {
@@ -70,15 +76,16 @@ static void free_spin(const struct spinning *s, struct rb_bounds *max)
 		else if (x >= 0 && y >= 0)
 			square = fmax(square, x + y);
 	}
+	/* 1.001 here and below: a margin above rounding, which costs a thousandth of a step */
 	max->turn = 1.001 * sqrt(square);
 	max->turning = square / sqrt(3.0);
 }
 
 /*
- * The axis of the smallest moment, or of a symmetric top its own. With a, b the components of the
- * spin across it and c along it, Euler's equations give e'' = (a L_3 / I_2 + a c (1 - I_1 / I_2))
- * e_1 + (b L_3 / I_1 + b c (1 - I_2 / I_1)) e_2
- * - (a^2 + b^2) e for the axis e; momentum bounds a and b.
+ * Bounds for the axis of the smallest moment, or a symmetric top's own, which moves less than other
+ * points. With a, b the components of the spin across it and c along it, Euler's equations give e''
+ * = (a L_3 / I_2 + a c (1 - I_1 / I_2)) e_1 + (b L_3 / I_1 + b c (1 - I_2 / I_1)) e_2 - (a^2 + b^2)
+ * e for the axis e; momentum bounds a and b.
  */
 static void axis_rates(const struct rb_top_body *body, const struct spinning *s,
                        struct rb_bounds *max)
@@ -102,12 +109,13 @@ static void axis_rates(const struct rb_top_body *body, const struct spinning *s,
 	max->axis_bend = 1.001 * across * (across + (along + max->turn * fabs(p - q)) / least);
 }
 
+/* Bounds for a body without torque whose moments differ. */
 static void free_top(const struct rb_top_body *body, const struct rb_top *top,
                      struct rb_bounds *max)
 {
 	const struct spinning s = spinning_of(body, top);
 
-	if (body->kind == RB_TOP_SYMMETRIC) { /* its spin keeps its length */
+	if (body->kind == RB_TOP_SYMMETRIC) { /* the spin of a symmetric top keeps its length */
 		const double across = sqrt(s.w[0] * s.w[0] + s.w[1] * s.w[1]);
 
 		max->turning = across * fabs(s.w[2]) * fabs(s.moment[2] - s.moment[0]) /

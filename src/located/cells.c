@@ -30,28 +30,25 @@
 #include <string.h>
 
 enum {
-	/*
-	 * up to here all are always near each other: no more than the 27 cells would hold, and no
-	 * walls
-	 */
+	/* up to this number all are neighbours: no more than 27 cells would hold, and no walls */
 	FEW = 16,
 	SMALLEST_SIDE = 4,
 	WALLS = 6, /* of a cell: 2 x axis + (1: the one at the higher end) */
 };
 
-static const double yielding = 0x1p-8;
-static const double slack = 0x1p-6; /* edge / (2 r_max) - 1 at least */
+static const double yielding = 0x1p-8; /* hysteresis of walls, edges; see above */
+static const double slack = 0x1p-6;    /* edge / (2 r_max) - 1 at least; above 2 x yielding */
 /*
- * Bodies to a cell, where they are spread evenly and small. In a gas 0.25 to 0.7 are equally good:
- * smaller cells are crossed more often, larger ones hold more candidates.
+ * Bodies per cell for small bodies spread evenly. In a gas 0.25 to 0.7 are equally good: smaller
+ * cells are crossed more often, larger ones hold more candidates.
  */
 static const double load = 0.5;
 static const double crowded =
-	6; /* bodies in a body's own cell, on average, that ask for smaller cells */
+	6; /* mean number of bodies in a body's own cell above which cells are halved */
 
 /* ---- members of a cell ---- */
 
-/* The last of the open block takes the place that becomes free. */
+/* Removes a member; the last one of the open block fills the gap. */
 static void remove_member(struct rb_cells *cells, struct block *cell, int32_t body)
 {
 	struct block *open = open_block(cells, cell);
@@ -80,12 +77,13 @@ static void remove_member(struct rb_cells *cells, struct block *cell, int32_t bo
 
 /* ---- walks ---- */
 
-/* Which cells: along each axis up to three places, in cells from the first. */
+/* A walk over neighbouring cells: up to three offsets along each axis. */
 struct walk {
 	size_t place[3][3];
 	int count[3];
 };
 
+/* The 27 cells around `at`, with torus wrap by masks. */
 static void walk_around(const struct level *level, const int64_t at[3], struct walk *walk)
 {
 	for (int k = 0; k < 3; k++) {
@@ -96,7 +94,9 @@ static void walk_around(const struct level *level, const int64_t at[3], struct w
 	}
 }
 
-/* Room for `most` in all: the last few are copied one by one. */
+/*
+ * Copies a chain of blocks member by member: where it has further blocks, or little room is left.
+ */
 __attribute__((noinline, cold)) static int copy_cell(const struct rb_cells *cells,
                                                      const struct block *block, int *out, int count)
 {
@@ -109,7 +109,7 @@ __attribute__((noinline, cold)) static int copy_cell(const struct rb_cells *cell
 	return count;
 }
 
-/* One that has no further blocks is copied as a whole where there is room: most by far. */
+/* Copies a cell of one block as a whole where there is room, which is nearly always. */
 static inline int copy_block(const struct rb_cells *cells, const struct block *block, int *out,
                              int count, int roomy)
 {
@@ -119,7 +119,7 @@ static inline int copy_block(const struct rb_cells *cells, const struct block *b
 	return count + (int)block->tail;
 }
 
-/* Appends the members of these cells. */
+/* Appends the members of the walk's cells to `out`; returns the new count. */
 static int copy_members(const struct rb_cells *cells, const struct grid *grid,
                         const struct walk *walk, int *out, int count)
 {
@@ -143,6 +143,7 @@ static int copy_members(const struct rb_cells *cells, const struct grid *grid,
 	return count;
 }
 
+/* Removes `body`, which must be in the list. */
 static int remove_from(int *out, int count, int body)
 {
 	int i = 0;
@@ -221,13 +222,13 @@ int rb_cells_level_count(const struct rb_cells *cells)
 /* ---- moving ---- */
 
 /*
- * Along one axis: x is the distance from the cell's middle, and the body leaves where |x| = reach.
- * With u the speed, b the acceleration in the direction of motion and d > 0 the way ahead, u t + b
- * t^2 / 2 = d has the first root 2 d / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns
- * round and comes to the wall behind it, at -c, at the second root of u t + b t^2 / 2 = -c, which
- * is (u + sqrt(u^2 - 2 b c)) / -b. All sums are of numbers of one sign, except under the first
- * root: there rounding decides whether a body that all but turns at the wall leaves, and either
- * will do.
+ * Time of leaving a cell along one axis, s; `*high` is 1 at the upper wall. x is the distance from
+ * the cell's middle, and the body leaves where |x| = reach. With u the speed, b the acceleration in
+ * the direction of motion and d > 0 the distance ahead, u t + b t^2 / 2 = d has the first root 2 d
+ * / (u + sqrt(u^2 + 2 b d)); where there is none, the body turns round and reaches the wall behind
+ * it, at -c, at the second root of u t + b t^2 / 2 = -c, which is (u + sqrt(u^2 - 2 b c)) / -b. All
+ * sums are of numbers of one sign, except under the first root: there rounding decides whether a
+ * body that all but turns at the wall leaves, and either is right.
  */
 static double leaves_along(double reach, double x, double v, double a, int *high)
 {
@@ -247,18 +248,19 @@ static double leaves_along(double reach, double x, double v, double a, int *high
 	return (u + sqrt(fmax(0, u * u - 2 * b * (reach + sign * x)))) / -b;
 }
 
-/* The first wall so far: when, s, and its number. */
+/* The earliest wall so far: in how many seconds, and its number; -1 for none. */
 struct exit {
 	double s;
 	int wall;
 };
 
-/* Beyond the last cells nobody leaves any more. */
+/* True in the outermost cells, which nobody leaves. */
 static bool is_last(int64_t at)
 {
 	return (at <= -farthest) | (at >= farthest);
 }
 
+/* Offers the walls of one axis under an acceleration. */
 static void fall_out(struct exit *exit, const struct level *level, int64_t at, const double xva[3],
                      int wall)
 {
@@ -270,6 +272,7 @@ static void fall_out(struct exit *exit, const struct level *level, int64_t at, c
 		*exit = (struct exit){s, wall + high};
 }
 
+/* Time to the wall ahead without acceleration, s. */
 static inline double flies_along(const struct level *level, int64_t at, double x, double v)
 {
 	const double off = x - ((double)at + 0.5) * level->edge;
@@ -279,7 +282,8 @@ static inline double flies_along(const struct level *level, int64_t at, double x
 }
 
 /*
- * Without acceleration, which is most of a gas, and without branches: which way is anybody's guess.
+ * Offers all walls without acceleration, most of a gas, without branches: directions are random,
+ * and a mispredicted branch costs more than all of this.
  */
 static inline void fly_out(struct exit *exit, const struct level *level, const struct entry *entry,
                            const double x[3], const double v[3], int number)
@@ -354,6 +358,7 @@ int rb_cells_cross(struct rb_cells *cells, int body, int wall, int *out)
 	return count;
 }
 
+/* Cell of a position, clamped to the outermost. */
 static struct entry find_entry(const struct level *level, const double position[3])
 {
 	struct entry entry;
@@ -395,6 +400,7 @@ struct extent {
 	int count;
 };
 
+/* Box of the centres listed on a level. */
 static struct extent find_extent(const struct rb_cells *cells, int l, const double *position)
 {
 	double low[3], high[3];
@@ -417,15 +423,18 @@ static struct extent find_extent(const struct rb_cells *cells, int l, const doub
 }
 
 /*
- * Empty cells cost nothing but their addresses, a torus that is wound up twice over costs
- * candidates: sides are powers of two, so a box may need eight times its cells.
+ * Most cells of a level. Empty cells cost nothing but address space, wrapping the torus costs
+ * candidates; sides are powers of two, so a box may need eight times its cells.
  */
 static size_t cells_max(const struct extent *extent)
 {
 	return 16 * (size_t)extent->count + 64;
 }
 
-/* The torus holds the box if that takes no more than a few cells a body; else it is wound up. */
+/*
+ * Sets the edge of a level's cells and the sides of its torus: it covers the box if that takes no
+ * more than cells_max, else it wraps.
+ */
 static void set_edge(struct level *level, const struct extent *extent, double edge)
 {
 	const size_t max = cells_max(extent);
@@ -453,9 +462,7 @@ static void set_edge(struct level *level, const struct extent *extent, double ed
 	level->cell_count = side[0] * side[1] * side[2];
 }
 
-/*
- * How many a body finds in its own cell, with itself, on average. `counts` has room for all cells.
- */
+/* Mean number of bodies in a body's own cell, itself included. `counts` has room for all cells. */
 static double measure_crowd(const struct rb_cells *cells, int l, const double *position,
                             int32_t *counts)
 {
@@ -476,8 +483,8 @@ static double measure_crowd(const struct rb_cells *cells, int l, const double *p
 }
 
 /*
- * Begins with what would suit bodies spread evenly over their box, and goes finer while that finds
- * crowds.
+ * Chooses the edge: for bodies spread evenly over their box at first, halved while cells are
+ * crowded. False when memory is out.
  */
 static bool choose_edge(struct rb_cells *cells, int l, const double *position)
 {
@@ -505,13 +512,17 @@ static bool choose_edge(struct rb_cells *cells, int l, const double *position)
 	return true;
 }
 
+/* Allocates zeroed cells. */
 static bool take_grid(struct grid *grid, size_t cell_count)
 {
 	grid->cells = rb_memory_take(cell_count, sizeof *grid->cells);
 	return grid->cells != NULL;
 }
 
-/* Fills level_count, levels and own: a level for each octave of radii that occurs. */
+/*
+ * Fills level_count, levels and own: a level for each octave of radii that occurs, counted from the
+ * smallest.
+ */
 static bool find_levels(struct rb_cells *cells, const double *radius)
 {
 	enum { OCTAVES = 1025 };
@@ -528,6 +539,7 @@ static bool find_levels(struct rb_cells *cells, const double *radius)
 	for (int body = 0; body < cells->count; body++) {
 		const int octave = ilogb(fmin(radius[body] / smallest, 0x1p1023));
 
+		RB_ASSERT(octave >= 0 && octave < OCTAVES);
 		cells->own[body] = octave;
 		largest[octave] = fmax(largest[octave], radius[body]);
 	}
@@ -551,7 +563,7 @@ static bool find_levels(struct rb_cells *cells, const double *radius)
 	return true;
 }
 
-/* Room for the places of all bodies and for all blocks that they can ever need. */
+/* Allocates places and every block that can ever be needed, as a free list. */
 static bool take_entries(struct rb_cells *cells)
 {
 	size_t entry_count = (size_t)cells->count, block_count;
@@ -578,6 +590,7 @@ static bool take_entries(struct rb_cells *cells)
 	return true;
 }
 
+/* Levels, grids, and each body in its cells. */
 static bool fill(struct rb_cells *cells, const double *radius, const double *position)
 {
 	if (!find_levels(cells, radius) || !take_entries(cells))

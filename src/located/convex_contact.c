@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Contact points of convex parts by the names of their features: once found by a search (manifold),
+ * a point is followed in closed form (located/feature) until it leaves its features, which makes
+ * gaps and their rates smooth functions of time. Where features have no closed form, the search is
+ * repeated and rates are central differences.
+ */
 #include "located/convex_contact.h"
 
 #include "base/error.h"
@@ -10,18 +16,19 @@
 #include "model/parts.h"
 
 /*
- * What is nearer to the end of its features than this many bands, and goes there, is about to leave
- * them.
+ * A point this many bands from the end of its features and moving there is about to leave them;
+ * what takes over is sought this many bands ahead.
  */
 enum { LEAVING_BANDS = 4, AHEAD_BANDS = 64 };
-/* From a face to its edge and corner, to another edge and its face; each on both sides. */
+/* Features passed in a row: face, edge, corner, edge, face, on both sides. */
 enum { FEATURES_PASSED = 8 };
 /*
- * Across which rates are differences, in sizes of way: a third of the digits for each, and a third
- * for the rest.
+ * Step of difference quotients, as a share of the size travelled: the cube root of the precision, a
+ * third of the digits for the step and two for the rest.
  */
 static const double moment_share = 0x1p-17;
 
+/* Index of a's part in a pair of parts. */
 static uint32_t part_of_a(uint32_t parts)
 {
 	return parts >> 16;
@@ -46,7 +53,7 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 		origin = rb_vec3_neg(rb_quat_rotate(pose->orientation, model->center_of_mass[i]));
 	const rb_vec3 arm = rb_vec3_add(origin, placed.at);
 
-	/* from the centre of mass, so that far from the world's origin no digits are lost */
+	/* relative to the centre of mass: far from the world's origin no digits are lost */
 	*side = (struct rb_feature_side){
 		.core = placed.core,
 		.at = reference ? rb_vec3_add(rb_pose_between(reference, pose), arm) : arm,
@@ -58,20 +65,25 @@ void rb_touch_side(const struct rb_located *l, int i, int part, const struct rb_
 
 /* ---- one point ---- */
 
+/* Two parts as feature functions see them, both relative to a's centre of mass. */
 struct couple {
 	struct rb_feature_side a, b;
 };
 
+/* Both parts of a pair at its poses. */
 static void couple_of(const struct rb_located *l, const struct rb_touch_pair *pair, uint32_t parts,
                       struct couple *c)
 {
+	RB_ASSERT_COSTLY((int)part_of_a(parts) < rb_model_parts(l->model, pair->a)->count);
+	RB_ASSERT_COSTLY((int)part_of_b(parts) < rb_model_parts(l->model, pair->b)->count);
+
 	rb_touch_side(l, pair->a, (int)part_of_a(parts), &pair->pose_a, NULL, &c->a);
 	rb_touch_side(l, pair->b, (int)part_of_b(parts), &pair->pose_b, &pair->pose_a, &c->b);
 }
 
 /*
- * What a search finds of a name, seen from the first side; false: nothing of that name, but what is
- * lowest.
+ * The point of that name as a search finds it, relative to the first side; false: there is none of
+ * that name, and the result is another point.
  */
 static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_point *out)
 {
@@ -94,7 +106,7 @@ static bool search_name(const struct couple *c, uint64_t key, struct rb_feature_
 	return which >= 0;
 }
 
-/* m/s: of the parts against each other. */
+/* Largest relative speed of any two of their points, m/s. */
 static double speed_of(const struct couple *c)
 {
 	return rb_vec3_length(rb_vec3_sub(c->b.velocity, c->a.velocity)) +
@@ -102,6 +114,7 @@ static double speed_of(const struct couple *c)
 	       rb_vec3_length(c->b.spin) * (c->b.core->reach + c->b.core->radius);
 }
 
+/* Size of the smaller part, m; a half space has none. */
 static double size_of(const struct couple *c)
 {
 	const double a = c->a.core->reach + c->a.core->radius;
@@ -110,7 +123,7 @@ static double size_of(const struct couple *c)
 	return a > 0 && b > 0 ? fmin(a, b) : fmax(a, b);
 }
 
-/* By a search, for what has no closed form; its rates are differences. */
+/* By a search where there is no closed form; rates by differences. */
 static void find(const struct couple *c, uint64_t key, struct rb_feature_point *out)
 {
 	const double speed = speed_of(c), s = speed > 0 ? moment_share * size_of(c) / speed : 0;
@@ -145,6 +158,7 @@ static void find(const struct couple *c, uint64_t key, struct rb_feature_point *
 	out->point_rate = rb_vec3_scale(per, rb_vec3_sub(p[1].point, p[0].point));
 }
 
+/* Contact point of that name, with arms and rates about the centres of mass. */
 static struct rb_contact_point point_of_pair(const struct rb_touch_pair *pair,
                                              const struct couple *c, uint32_t parts, uint64_t key)
 {
@@ -201,8 +215,8 @@ bool rb_touch_half(const struct rb_located *l, const struct rb_contact_point *m,
 }
 
 /*
- * By the features in whose bounds the point lies. A search tells features that share a normal apart
- * to the root of rounding only, and a face has points below what is beyond its border.
+ * The point at the features within whose bounds it lies. A search tells features that share a
+ * normal apart only to the root of rounding, and a face has points below those beyond its border.
  */
 static struct rb_contact_point contact_within(const struct rb_touch_pair *pair,
                                               const struct couple *c, uint32_t parts, uint64_t key)
@@ -232,7 +246,7 @@ struct rb_contact_point rb_touch_passed_on(const struct rb_located *l,
 
 /* ---- the nearest ---- */
 
-/* m: no less than this lies between two parts, by the balls around them; -INFINITY of a plane. */
+/* Lower bound of the distance of two parts by their bounding balls, m; -INFINITY for a plane. */
 static double least_between(const struct couple *c)
 {
 	const rb_core *a = c->a.core, *b = c->b.core;
@@ -293,7 +307,7 @@ struct rb_contact_point rb_touch_nearest(const struct rb_located *l, int a, int 
 
 /* ---- all ---- */
 
-/* Share of the size by which a point's gap may be below that of its pair. */
+/* Share of the size by which a point's gap may be below its pair's by rounding. */
 static const double astray = 1e-9;
 
 struct search {
@@ -305,6 +319,7 @@ struct search {
 	double least; /* m: gap of the pair */
 };
 
+/* Adds a name once. */
 static void add_name(struct search *s, const struct rb_contact_name *name)
 {
 	for (int k = 0; k < s->count; k++)
@@ -312,11 +327,12 @@ static void add_name(struct search *s, const struct rb_contact_name *name)
 			return;
 	if (s->count < RB_CONTACT_POINTS_MAX)
 		s->name[s->count++] = *name;
+	RB_ASSERT(s->count <= RB_CONTACT_POINTS_MAX);
 }
 
 /*
- * A rim that lies flat touches all round, and any four quarters of it say how it stands; but when
- * it comes to lie so, or is tilted from there, those that count begin with the first of them.
+ * A rim that lies flat touches all round, and four quarters of it determine how it lies. When it
+ * comes to lie flat, or tilts from there, the quarters are counted from the point of first contact.
  */
 static void add_rim(struct search *s, const struct couple *c, const struct rb_contact_name *name)
 {
@@ -334,14 +350,14 @@ static void add_rim(struct search *s, const struct couple *c, const struct rb_co
 
 		landing.key = rb_feature_of_rim(&rim, name->key, k >= 2);
 		landing.half = k % 2 == 0 ? rim.way : rb_vec3_neg(rim.way);
-		/* not past the border of the face that it lands on */
+		/* unless past the border of the face that it lands on */
 		if (!(rb_touch_of(s->l, &landing, &s->pair->pose_a, &s->pair->pose_b).inside <
 		      -s->depth))
 			add_name(s, &landing);
 	}
 }
 
-/* The names of all points of all parts that touch. */
+/* Names of all points of all parts within the depth. */
 static void add_names(struct search *s, const struct rb_touch_pair *pair)
 {
 	const int of_a = rb_model_parts(s->l->model, pair->a)->count;
@@ -359,7 +375,7 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 				continue;
 			const rb_placed a = rb_feature_placed(&c.a), b = rb_feature_placed(&c.b);
 			rb_manifold_of(&manifold, &a, &b, s->depth);
-			/* one that overlaps must not hide those that touch */
+			/* an overlap must not hide the points that touch */
 			if (manifold.gap < 0)
 				rb_manifold_of(&manifold, &a, &b, s->depth - manifold.gap);
 			s->least = fmin(s->least, manifold.gap);
@@ -375,7 +391,7 @@ static void add_names(struct search *s, const struct rb_touch_pair *pair)
 		}
 }
 
-/* Where the pair will be in a moment, if it goes straight on. */
+/* Moves a pose on by s seconds at constant velocities. */
 static void go_on(struct rb_pose *pose, double s)
 {
 	const rb_quat turn = rb_quat_from_turn(rb_vec3_scale(s, pose->spin));
@@ -391,15 +407,16 @@ static int by_name(const void *left, const void *right)
 	return rb_contact_name_compare(&x, &y);
 }
 
+/* True if the point is close to the end of its features and moving there. */
 static bool is_leaving(const struct rb_contact_point *m, double band, double noise)
 {
 	return m->inside <= LEAVING_BANDS * band && m->inside_rate < -noise;
 }
 
 /*
- * Meetings of the names that touch; returns their number, and the fastest at which one leaves its
- * features. Those that are known to take over, or have done so, are looked at as well: a search
- * tells them apart to the root of rounding only.
+ * Contact points of the names that touch; returns their number and the highest speed at which one
+ * leaves its features. Names known to take over are examined as well, since a search tells them
+ * apart only to the root of rounding.
  */
 static int collect(struct search *s, const struct rb_touch_pair *pair, double slack,
                    struct rb_contact_point *all, double *leaving)
@@ -422,13 +439,13 @@ static int collect(struct search *s, const struct rb_touch_pair *pair, double sl
 			const struct rb_contact_point n = rb_touch_of(s->l, &next, &pair->pose_a,
 			                                              &pair->pose_b);
 
-			/* rounding of lines that are parallel leads nowhere */
+			/* parallel lines: rounding leads nowhere */
 			if (n.inside > fmin(m.inside, -LEAVING_BANDS * band)) {
 				add_name(s, &next);
 				continue;
 			}
 		}
-		/* features that are in touch at their ends only may be anywhere */
+		/* features that touch only at their ends may be anywhere */
 		if (!(m.gap <= band + slack) ||
 		    m.gap < s->least - s->depth - astray * rb_contact_point_size(s->l, &m))
 			continue;

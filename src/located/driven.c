@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A driven body's function of time becomes pieces, polynomials of degree 8 through values or
+ * velocities at nodes, so that it moves on the same dense output as integrated bodies. The length
+ * of a piece follows from its error at test points; functions with kinks end in tiny pieces, jumps
+ * and contradicting velocities are refused (step/motion).
+ */
 #include "located/driven.h"
 
 #include "base/error.h"
@@ -9,12 +15,13 @@
 #include <limits.h>
 #include <string.h>
 
+/*
+ * Nodes; test points; pieces of the tried length in a row before twice the length is tried; ulp of
+ * time below which the end of the run needs no piece.
+ */
 enum { NODES = RB_GAUSS_NODES, CHECKS = 3, CALM_PIECES = 8, SLIVER_ULP = 16 };
 
-/*
- * Where velocities are asked for: the nodes of Lobatto's quadrature, so that both ends are among
- * them.
- */
+/* Nodes for velocities: those of Lobatto's quadrature, which include both ends. */
 static const double velocity_node[NODES] = {
 	0,
 	0.064129925745196692331,
@@ -26,11 +33,10 @@ static const double velocity_node[NODES] = {
 	1,
 };
 /*
- * Where poses are asked for when nothing else is known: the zeros of the Jacobi polynomial
- * P_6^(1,2), and the end. With pose and velocity at the beginning they determine a polynomial of
- * degree eight. An error of that velocity, which the last piece has ended with, comes out at the
- * other end as a share prod (1 - s)/s = 1/4 of it: it dies away. The last one takes the place of
- * that velocity where there is none.
+ * Nodes for poses where no velocities are given: the zeros of the Jacobi polynomial P_6^(1,2), and
+ * the end. With pose and velocity at the beginning they determine a polynomial of degree eight. An
+ * error of that velocity, which the last piece ended with, reappears at the other end times prod (1
+ * - s)/s = 1/4: it decays. The last node replaces that velocity where there is none.
  */
 static const double pose_node[NODES] = {
 	0.10030907272538186727,
@@ -42,27 +48,23 @@ static const double pose_node[NODES] = {
 	1,
 	0.03,
 };
-/* Between nodes of both kinds, where polynomials through them are worst. */
+/* Test points between nodes of both kinds, where interpolation is worst. */
 static const double check_at[CHECKS] = {0.15, 0.55, 0.88};
 
-/* Ulp by which a piece may miss the function, if that is no rougher. */
+/* Error of a piece, ulp, that is accepted for a smooth function. */
 static const double near_ulp = 16;
 /*
- * Where halving does not help: up to so many ulp it is the function's rounding, up to this share of
- * sizes a kink in it.
+ * Where halving does not help, an error up to noise_ulp is the function's rounding, and one up to
+ * this share of sizes a kink in it.
  */
 static const double noise_ulp = 1e5, kink_share = 1e-9;
-/* Of the longest piece: where only kinks lead, whose ends may look smooth. */
+/* Shortest piece as a share of the longest that only kinks lead to; its ends may look smooth. */
 static const double kink_length = 0x1p-24;
 /*
- * Shares by which the velocities may lead elsewhere than the places say: more than what a kink may
- * leave of either.
+ * Shares by which velocities may lead elsewhere than positions: more than a kink leaves of either.
  */
 static const double contradiction = 1e-8;
-/*
- * Share of a piece that is left to none of its own: one in the last of the digits that lengths
- * have.
- */
+/* Share of a piece below which a remainder joins it: lengths have 8 binary digits. */
 static const double sliver = 0x1p-8;
 
 #define DRIVEN_FIELDS(X)                                                                     \
@@ -74,6 +76,7 @@ static const double sliver = 0x1p-8;
 	X(double, try_s, , "s", "length of the next piece", RB_FINITE)                       \
 	X(double, near_ulp, , "1", "of the function, as far as is known", RB_FINITE)         \
 	X(int, calm, , "", "pieces in a row that were as long as tried", RB_WITHIN(0, INT_MAX))
+/* What is kept of a driven body from piece to piece. */
 struct rb_driven {
 	DRIVEN_FIELDS(RB_FIELD_MEMBER)
 };
@@ -92,6 +95,7 @@ struct drive {
 	struct rb_driven_pose begin, moving[NODES], placed[NODES];
 };
 
+/* The function at a part of the piece; false: it failed. */
 static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
 {
 	struct rb_located *l = d->l;
@@ -102,6 +106,7 @@ static bool ask(const struct drive *d, double part, struct rb_driven_pose *pose)
 	return l->status == RB_OK;
 }
 
+/* Samples velocities or poses at their nodes, as the function gives them. */
 static bool sample(struct drive *d)
 {
 	const bool turns = d->l->top != NULL;
@@ -115,6 +120,7 @@ static bool sample(struct drive *d)
 	return true;
 }
 
+/* dq/dt = w q / 2, w in world axes. */
 static rb_quat turning_of(const struct rb_driven_pose *pose)
 {
 	const rb_vec3 w = pose->angular_velocity;
@@ -124,7 +130,7 @@ static rb_quat turning_of(const struct rb_driven_pose *pose)
 
 /* ---- polynomials from conditions ---- */
 
-/* Eight conditions on the rates' Legendre coefficients, for up to four columns. */
+/* Eight linear conditions on the Legendre coefficients of the rates, for up to four columns. */
 struct fit {
 	double matrix[NODES][NODES], right[NODES][4];
 };
@@ -137,7 +143,7 @@ static void swap(double *a, double *b)
 	*b = kept;
 }
 
-/* Gaussian elimination with row pivots; the coefficients go to columns first .. of the piece. */
+/* Gaussian elimination with row pivots; solutions go to the piece's columns from `first` on. */
 static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int count)
 {
 	for (int k = 0; k < NODES; k++) {
@@ -161,6 +167,7 @@ static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int co
 	}
 	for (int k = NODES - 1; k >= 0; k--)
 		for (int c = 0; c < count; c++) {
+			RB_ASSERT_COSTLY(f->matrix[k][k] != 0);
 			double *const column = piece->coefficient + first + c;
 			double sum = f->right[k][c];
 
@@ -170,7 +177,7 @@ static void solve(struct fit *f, struct rb_gauss_piece *piece, int first, int co
 		}
 }
 
-/* A row of values of a pose, or of their rates: `first` says which. */
+/* Values of a pose, or of their rates, by the row that `first` names. */
 static void values_of(const struct rb_driven_pose *pose, int first, bool rates, double *to)
 {
 	if (first == RB_PIECE_POSITION)
@@ -181,7 +188,7 @@ static void values_of(const struct rb_driven_pose *pose, int first, bool rates, 
 		rb_vec3_to(to, pose->angular_velocity);
 }
 
-/* Through rates at the nodes of velocities. */
+/* Fits rates at the velocity nodes. */
 static void fit_rates(struct drive *d, int first, int count)
 {
 	struct fit f;
@@ -196,7 +203,7 @@ static void fit_rates(struct drive *d, int first, int count)
 	solve(&f, &d->own->piece, first, count);
 }
 
-/* Through values, and the rate with which the last piece has ended. */
+/* Fits values, and the rate with which the last piece ended. */
 static void fit_values(struct drive *d, int first, int count)
 {
 	const double *start = d->own->piece.start + first;
@@ -217,8 +224,8 @@ static void fit_values(struct drive *d, int first, int count)
 }
 
 /*
- * Rows `to` become the rates of rows `from`: P_k' = 2 sum (2 j + 1) P_j over j = k - 1, k - 3, ...
- * on [0, 1].
+ * Rows `to` become the derivatives of rows `from`: P_k' = 2 sum (2 j + 1) P_j over j = k - 1, k -
+ * 3, ... on [0, 1].
  */
 static void derive(struct drive *d, int from, int to)
 {
@@ -256,6 +263,7 @@ static rb_vec3 spin_of(const struct rb_gauss_piece *piece, double s)
 	return rb_vec3_scale(2 / square, (rb_vec3){w.x, w.y, w.z});
 }
 
+/* Fills the piece: positions, velocities as their derivatives, and likewise rotation. */
 static void fit(struct drive *d)
 {
 	struct rb_gauss_piece *piece = &d->own->piece;
@@ -282,17 +290,18 @@ static void fit(struct drive *d)
 
 /* ---- how good it is ---- */
 
-/* How far a piece is from the function. */
+/* Error of a piece. */
 struct misses {
 	double ulp; /* of the change over the piece, and of the rounding of coordinates and time */
 	double share; /* of the size of the smallest body, of a radian */
 };
 
-/* What rows of a piece may be off by, per ulp, and what makes a share of it. */
+/* Size of an ulp and of a share for rows of a piece. */
 struct units {
 	double ulp, share;
 };
 
+/* Raises the error by rows first .. first + 2 at a part of the piece. */
 static void compare(const struct drive *d, double part, int first, rb_vec3 wanted,
                     const struct units *unit, struct misses *max)
 {
@@ -306,7 +315,7 @@ static void compare(const struct drive *d, double part, int first, rb_vec3 wante
 	max->share = fmax(max->share, off / unit->share);
 }
 
-/* Where the orientation's rates lead within the piece. */
+/* The same for the rates of the orientation. */
 static void compare_turning(const struct drive *d, double part, const struct rb_driven_pose *pose,
                             const struct units *unit, struct misses *max)
 {
@@ -324,7 +333,8 @@ static void compare_turning(const struct drive *d, double part, const struct rb_
 }
 
 /*
- * Units of what changes by so much over the piece: the rounding of the time makes that of its rate.
+ * Units of a quantity that changes by `change` over the piece; rounding of the time adds that of
+ * its rate.
  */
 static struct units units_of(const struct drive *d, double change, double value, double share)
 {
@@ -337,7 +347,10 @@ static double change_of(rb_vec3 a, rb_vec3 b)
 	return rb_vec3_max_abs(rb_vec3_sub(a, b));
 }
 
-/* False: the function has failed. `apart`: of the places to which velocities lead. */
+/*
+ * Error of the piece at the test points; `difference` is that of the positions to which given
+ * velocities lead. False: the function failed.
+ */
 static bool inspect(struct drive *d, struct misses *max, struct misses *difference)
 {
 	const double size = d->l->model->size_min_m, length = d->length_s;
@@ -382,7 +395,7 @@ static bool inspect(struct drive *d, struct misses *max, struct misses *differen
 	return true;
 }
 
-/* Looks for jumps and contradictions from the piece's beginning to `part` of it. */
+/* Searches the first `part` of the piece for jumps and contradictions; false: there are. */
 static bool watch(struct drive *d, double part)
 {
 	struct rb_located *l = d->l;
@@ -399,7 +412,7 @@ static bool watch(struct drive *d, double part)
 	return l->status == RB_OK;
 }
 
-/* A function that cannot be followed: what is wrong with it? */
+/* Fails with what is wrong with a function that no piece follows. */
 static bool refuse(struct drive *d)
 {
 	struct rb_located *l = d->l;
@@ -414,7 +427,7 @@ static bool refuse(struct drive *d)
 	return false;
 }
 
-/* Of 8 binary digits, so that times of pieces add up exactly. */
+/* Rounds down to 8 binary digits, so that times of pieces add up exactly. */
 static double rounded(double length)
 {
 	int exponent;
@@ -424,8 +437,8 @@ static double rounded(double length)
 }
 
 /*
- * The error goes with the ninth power of the length; but what is the function's rounding does not,
- * as after a kink: twice as long is tried now and then.
+ * Next length: the error grows with the ninth power. Rounding of the function does not, nor does a
+ * kink that is past, so twice the length is tried now and then.
  */
 static double next_length(const struct drive *d, double missed)
 {
@@ -435,7 +448,7 @@ static double next_length(const struct drive *d, double missed)
 	return rounded(d->length_s * fmin(fmax(0.9 * grow, least), 4));
 }
 
-/* The longest piece that is near enough. */
+/* Halves the length until the piece is close enough. */
 static bool find_length(struct drive *d)
 {
 	struct rb_driven *const own = d->own;
@@ -466,13 +479,13 @@ static bool find_length(struct drive *d)
 	if ((missed.ulp > own->near_ulp && !(missed.share <= kink_share)) ||
 	    (difference.share > contradiction && difference.ulp > noise_ulp))
 		return refuse(d);
-	/* what is near only as kinks and rounding allow may be a jump */
+	/* what is close only because kinks and rounding are allowed may be a jump */
 	if ((d->length_s < d->first_s || own->near_ulp > near_ulp) && !watch(d, 1))
 		return false;
 	const bool smooth = missed.ulp <= own->near_ulp;
 	own->calm = smooth && d->length_s == d->first_s ? own->calm + 1 : 0;
 	own->try_s = smooth ? next_length(d, missed.ulp) : 2 * d->length_s;
-	/* what comes after a kink owes nothing to what was before it */
+	/* a piece after a kink does not continue its rates */
 	own->end_s = smooth ? d->origin_s + d->length_s : (double)NAN;
 	for (int k = 0; k < own->piece.n; k++)
 		own->end_rate[k] = rb_gauss_rate(&own->piece, k, d->length_s);
@@ -481,6 +494,7 @@ static bool find_length(struct drive *d)
 
 /* ---- a piece ---- */
 
+/* State of body i, allocated when first needed; NULL when memory is out. */
 static struct rb_driven *driven_of(struct rb_located *l, int i, int n)
 {
 	if (!l->piece)
@@ -506,7 +520,7 @@ static struct rb_driven *driven_of(struct rb_located *l, int i, int n)
 	return l->driven[i];
 }
 
-/* The orientation goes on on the side where the last piece has ended. */
+/* Start of a piece; q or -q, whichever continues the last piece. */
 static bool begin(struct drive *d)
 {
 	const struct rb_gauss_piece *piece = &d->own->piece;
@@ -536,12 +550,11 @@ void rb_driven_piece(struct rb_located *l, int i, double t)
 		l->status = RB_FAIL(l->err, RB_ERR_MEMORY, "no memory for a driven body");
 		return;
 	}
-	/* not so long that what happens in between could be overlooked */
+	/* not so long that events in between could be missed */
 	const double longest = fmax(1 / l->model->frame_rate, l->end_s / 256);
 	const double length = fmin(own->try_s > 0 ? own->try_s : longest, longest);
 	/*
-	 * what is left of the run is no piece, nor is what a piece would leave of it: such short
-	 * ones have no second derivative
+	 * a remainder of the run shorter than this is no piece: it would have no second derivative
 	 */
 	const double left = l->end_s - t;
 	const bool ends = left > SLIVER_ULP * DBL_EPSILON * t;

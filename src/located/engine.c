@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The event loop. Every body has one next event in the queue (touch, cell wall, end of its piece),
+ * every cluster one (transition, end of its piece, reported event), and forces that begin or end
+ * one. An event moves only the bodies that it concerns; everything else stays on its arc. A sphere
+ * pair is resolved directly; whatever may concern more bodies goes through the set: grown to all
+ * that touch, impacts resolved, contacts resolved, and its members predicted anew.
+ *
+ * Work is bounded by counts (`crowd`, `products`) that time pays for; where they exceed the limit,
+ * `auto` takes steps instead.
+ */
 #include "located/engine.h"
 
 #include "base/error.h"
@@ -21,14 +31,18 @@
 #include "model/descriptor.h"
 
 /*
- * Below this many bodies all are candidates of each other: cells would cost more than they spare.
+ * Bodies from which on cells pay; events and steps of a series between two polls for an
+ * interruption.
  */
 enum { CELLS_FROM = 48, EVENTS_PER_POLL = 64, TURNS_PER_POLL = 1 << 20 };
-/* So many events of every body at one moment: it does not get on. */
+/*
+ * Events at one moment, plus 64 for each body, after which the run has failed: time stands still.
+ */
 enum { STUCK_EVENTS = 10000 };
-/* What is counted within a step, in bodies: more is too dense to locate. */
+/* Limit of the crowd count, in bodies: beyond it locating is too dense. */
 enum { CROWD_MAX = 1024, CROWD_MAX_PER_BODY = 8 };
 
+/* True if the scene's method may change to steps. */
 static bool can_be_stepped(const struct rb_located *l)
 {
 	return rb_model_method_row(l->model)->changes && (l->model->features & RB_FEATURE_CONTACT);
@@ -36,6 +50,7 @@ static bool can_be_stepped(const struct rb_located *l)
 
 /* ---- making ---- */
 
+/* A zeroed row, at least one element; sets *failed when memory is out. */
 static void *row(size_t count, size_t size, bool *failed)
 {
 	void *const block = rb_memory_take(count > 0 ? count : 1, size);
@@ -44,7 +59,7 @@ static void *row(size_t count, size_t size, bool *failed)
 	return block;
 }
 
-/* A fast spin asks for short pieces only where the orientation acts on something. */
+/* True if the orientation acts on nothing: then a fast spin needs no short pieces. */
 static bool is_unfelt(const struct rb_located *l, int i)
 {
 	const struct rb_model *model = l->model;
@@ -54,6 +69,7 @@ static bool is_unfelt(const struct rb_located *l, int i)
 	       !rb_external_turns_with(l, i);
 }
 
+/* Allocates and initialises everything by body. */
 static bool make_rows(struct rb_located *l)
 {
 	const size_t n = (size_t)l->n;
@@ -89,6 +105,7 @@ static bool make_rows(struct rb_located *l)
 	return true;
 }
 
+/* Cells of the bodies' bounding spheres. */
 static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
 {
 	const size_t n = (size_t)l->n;
@@ -104,7 +121,7 @@ static enum rb_status make_cells(struct rb_located *l, struct rb_error *err)
 	return status;
 }
 
-/* Cells are of spheres about their centres. */
+/* True if cells pay and are possible: they are of spheres about their centres on parabolas. */
 static bool wants_cells(const struct rb_located *l)
 {
 	if (l->n < CELLS_FROM || !(l->model->features & RB_FEATURE_CONTACT) || l->model->driven ||
@@ -178,7 +195,7 @@ void rb_engine_destroy(struct rb_located *l)
 
 /* ---- events ---- */
 
-/* All of the set are on new arcs. */
+/* The set is on new arcs: invalidates events with its members and predicts theirs. */
 static void predict_set(struct rb_located *l, double t)
 {
 	for (int k = 0; k < l->set_count; k++)
@@ -189,9 +206,8 @@ static void predict_set(struct rb_located *l, double t)
 }
 
 /*
- * Bodies that an impact or a change of contacts concerns together: so many of them get nowhere. Two
- * spheres are no crowd, as they are none where nothing but gravity acts on them; two solids may
- * rattle on and on.
+ * Counts bodies that an impact or a change of contacts concerns together. Two spheres are no crowd:
+ * under gravity alone they cannot collide densely; two solids may rattle without end.
  */
 static void count_crowd(struct rb_located *l)
 {
@@ -199,6 +215,7 @@ static void count_crowd(struct rb_located *l)
 		l->crowd += (uint64_t)l->set_count;
 }
 
+/* Contacts of the set, and impacts that they lead to; then predictions. */
 static void resolve_set(struct rb_located *l, double t)
 {
 	int hit[2];
@@ -209,7 +226,7 @@ static void resolve_set(struct rb_located *l, double t)
 		predict_set(l, t);
 }
 
-/* What an impact of a pair changes. */
+/* Snapshot of what an impact of a pair changes. */
 struct before {
 	struct rb_arc arc[2];
 	struct rb_top top[2];
@@ -238,6 +255,7 @@ static void remember(const struct rb_located *l, int i, int j, struct before *be
 	before->account_s[1] = j < l->n ? l->account_s[j] : 0;
 }
 
+/* Restores the snapshot. */
 static void take_back(struct rb_located *l, int i, int j, const struct before *before)
 {
 	l->arc[i] = before->arc[0];
@@ -257,7 +275,7 @@ static void take_back(struct rb_located *l, int i, int j, const struct before *b
 		l->account_s[j] = before->account_s[1];
 }
 
-/* The common case first; taken back when somebody else turns out to touch as well. */
+/* A touch of two bodies: as a pair first, undone if somebody else turns out to touch as well. */
 static void touch(struct rb_located *l, int i, double t)
 {
 	const int j = l->next[i].partner;
@@ -281,6 +299,10 @@ static void touch(struct rb_located *l, int i, double t)
 		predict_set(l, t);
 }
 
+/*
+ * A wall, a search to continue, or a touch; a prediction from before the partner's last event is
+ * made anew.
+ */
 static void body_event(struct rb_located *l, int i, double t)
 {
 	const struct rb_next *next = &l->next[i];
@@ -289,7 +311,7 @@ static void body_event(struct rb_located *l, int i, double t)
 		rb_predict_wall(l, i, t);
 		return;
 	}
-	/* a look that found nothing: so many of them get nowhere either */
+	/* searches that find nothing count as well */
 	l->crowd += next->again && l->model->parts;
 	if (next->again ||
 	    (next->partner < l->n && next->generation != l->generation[next->partner])) {
@@ -301,6 +323,7 @@ static void body_event(struct rb_located *l, int i, double t)
 	touch(l, i, t);
 }
 
+/* Next piece, transition or impact of a cluster. */
 static void cluster_event(struct rb_located *l, int cluster, double t)
 {
 	const struct rb_cluster *c = &l->cluster[cluster];
@@ -309,16 +332,16 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	l->world->frame_counts.substeps++;
 	for (int k = 0; k < c->member_count; k++)
 		rb_set_add(l, c->member[k]);
-	if (c->integrated && c->held_count == 0) { /* nothing but the next piece */
+	if (c->integrated && c->held_count == 0) { /* only external forces: the next piece */
 		rb_integrate_piece(l, cluster, t);
 		rb_queue_set(l->queue, l->n + cluster, rb_transition_next(l, cluster));
 		predict_set(l, t);
 		return;
 	}
-	/* the mere next piece is no event, however many a motion takes; its arithmetic counts */
+	/* a next piece is no crowd, however many there are; its arithmetic is counted */
 	if (!c->integrated || c->is_cut || c->hits || c->has_jammed)
 		count_crowd(l);
-	if (c->hits) { /* bodies that touch come to touch at another point */
+	if (c->hits) { /* bodies in contact touch at another point */
 		rb_resolve_impacts(l, c->hit_a, c->hit_b, t);
 		if (l->status == RB_OK)
 			predict_set(l, t);
@@ -327,7 +350,7 @@ static void cluster_event(struct rb_located *l, int cluster, double t)
 	resolve_set(l, t);
 }
 
-/* Forces begin or end: every body that has some starts anew. */
+/* Forces begin or end: bodies with forces get new arcs. */
 static void switch_event(struct rb_located *l, double t)
 {
 	const struct rb_scene *scene = l->model->scene;
@@ -344,6 +367,7 @@ static void switch_event(struct rb_located *l, double t)
 	resolve_set(l, t);
 }
 
+/* The next piece of a driven body, and all that rests on it. */
 static void driven_event(struct rb_located *l, int i, double t)
 {
 	rb_driven_piece(l, i, t);
@@ -363,6 +387,7 @@ static void driven_event(struct rb_located *l, int i, double t)
 		resolve_set(l, t);
 }
 
+/* Fails when time does not advance. */
 static bool is_stuck(struct rb_located *l, int which, double t)
 {
 	char label[64];
@@ -384,6 +409,7 @@ static bool is_stuck(struct rb_located *l, int which, double t)
 	return true;
 }
 
+/* Writes every body's state at t. */
 static void store_all(const struct rb_located *l, double t)
 {
 	for (int i = 0; i < l->n; i++)
@@ -391,7 +417,7 @@ static void store_all(const struct rb_located *l, double t)
 	l->world->state.time_s = t;
 }
 
-/* As first described: an event takes the whole scene back to its moment. */
+/* Global rollback: an event takes the whole scene to its moment. */
 static void restore_everything(struct rb_located *l, double t)
 {
 	store_all(l, t);
@@ -401,10 +427,7 @@ static void restore_everything(struct rb_located *l, double t)
 
 /* ---- callbacks ---- */
 
-/*
- * Events that have been told since `first`, in their order; what the callbacks change starts new
- * arcs.
- */
+/* Calls the hooks for events since `first`; bodies that they change get new arcs. */
 static void call_hooks(struct rb_located *l, size_t first, double t)
 {
 	struct rb_world *world = l->world;
@@ -413,7 +436,7 @@ static void call_hooks(struct rb_located *l, size_t first, double t)
 
 	if (count > first && (hooks->collision || hooks->transition)) {
 		store_all(l, t);
-		rb_account_all(l, t); /* what has been pushed so far */
+		rb_account_all(l, t); /* work of callback forces so far */
 		rb_state_copy(&world->start, &world->state);
 		for (size_t k = first; k < count && l->status == RB_OK; k++) {
 			const struct rb_event event = world->events.row[k];
@@ -432,6 +455,7 @@ static void call_hooks(struct rb_located *l, size_t first, double t)
 		world->events.count = first;
 }
 
+/* True if a body's row differs. */
 static bool differs(const double *a, const double *b, int i, int columns)
 {
 	return a && memcmp(a + (size_t)columns * (size_t)i, b + (size_t)columns * (size_t)i,
@@ -439,8 +463,8 @@ static bool differs(const double *a, const double *b, int i, int columns)
 }
 
 /*
- * What callbacks have thrown into something that it touches already: that is an impact, and nobody
- * looks for one between those that are held. By more than a held contact may drift.
+ * A callback may set bodies in contact moving towards each other: schedules an impact, which is not
+ * sought between bodies in contact.
  */
 static void predict_thrown(struct rb_located *l, double t)
 {
@@ -562,7 +586,7 @@ static void start(struct rb_located *l, double t)
 			rb_external_force_at(l, i, &pose, &view, &linear, &angular);
 		rb_arc_anchor(l, i, t, &pose, linear, rb_external_turning(l, i));
 	}
-	/* what is too dense to begin with is left to steps at once */
+	/* too dense at the start: left to steps at once */
 	for (int i = 0; i < l->n && l->status == RB_OK && !rb_located_is_dense(l); i++) {
 		const int touching = rb_predict(l, i, t, -1);
 
@@ -579,8 +603,11 @@ static void start(struct rb_located *l, double t)
 		rb_queue_set(l->queue, 2 * l->n, l->switch_s[l->switch_next]);
 }
 
+/* Handles one event and its callbacks. */
 static void one_event(struct rb_located *l, int which, double t)
 {
+	RB_ASSERT_COSTLY(which >= 0 && which <= 2 * l->n && t >= l->now_s);
+
 	const size_t reported = l->world->events.count;
 
 	l->now_s = t;
@@ -601,16 +628,13 @@ static void one_event(struct rb_located *l, int which, double t)
 		call_hooks(l, reported, t);
 }
 
-/* Steps have rollback for what events cannot resolve, but not every force. */
+/* Steps can roll back what events cannot resolve, but do not have every force. */
 bool rb_engine_wants_steps(const struct rb_located *l)
 {
 	return (l->model->features & RB_FEATURE_PUSHES) || can_be_stepped(l);
 }
 
-/*
- * Arcs and clusters are of no use from here: some were given up halfway, and a checkpoint would
- * keep them.
- */
+/* Discards arcs and clusters, some of which may be half done: a checkpoint would keep them. */
 static void forget_arcs(struct rb_located *l)
 {
 	for (int k = 0; k < l->cluster_count; k++)
@@ -633,10 +657,7 @@ void rb_engine_go_back(struct rb_located *l)
 	forget_arcs(l);
 }
 
-/*
- * Leaves the rest to steps, at the moment reached, where events come too densely or cannot be
- * resolved.
- */
+/* Gives up locating at the moment reached, where events are too dense or cannot be resolved. */
 static bool gives_way(struct rb_located *l)
 {
 	if (!can_be_stepped(l) || (l->status != RB_OK && l->status != RB_ERR_PHYSICS))
@@ -652,7 +673,7 @@ static bool gives_way(struct rb_located *l)
 	return true;
 }
 
-/* What has been counted lasts until time has allowed for it. */
+/* Time pays off the counts. */
 static void allow(struct rb_located *l, double dt)
 {
 	const double left = (double)rb_located_crowd(l) - RB_LOCATED_SECOND * dt;
@@ -661,7 +682,7 @@ static void allow(struct rb_located *l, double dt)
 	l->products = 0;
 }
 
-/* Brings what turns fast and evenly faster to this moment bit by bit; false: the run is to end. */
+/* Advances the series of fast rotations in parts; false: the run is to end. */
 static bool follow_turns(struct rb_located *l, double t)
 {
 	for (int i = 0; l->top && i < l->n; i++)
@@ -684,7 +705,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	} else {
 		l->crowd = l->products = 0;
 		start(l, l->world->state.time_s);
-		if (l->status == RB_OK) /* slips that no force allows have ended at once */
+		if (l->status == RB_OK) /* slips that no force sustains have ended at once */
 			call_hooks(l, reported, l->now_s);
 	}
 	if (gives_way(l))
@@ -692,7 +713,7 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	for (int which = rb_queue_first(l->queue, &t);
 	     l->status == RB_OK && which >= 0 && t <= until; which = rb_queue_first(l->queue, &t)) {
 		rb_arena_reset(l->arena);
-		/* what was late by rounding happens now */
+		/* an event that rounding has made late happens now */
 		one_event(l, which, fmax(t, l->now_s));
 		if (++l->polled % EVENTS_PER_POLL == 0 && rb_world_is_stopped(l->world))
 			return RB_FAIL(err, RB_ERR_INTERRUPT, "interrupted");
@@ -709,14 +730,14 @@ enum rb_status rb_engine_advance(struct rb_located *l, double until, struct rb_e
 	l->products = 0;
 	store_all(l, until);
 	l->world->frame_counts.body_steps += (uint64_t)l->n;
-	if (l->model->features & RB_FEATURE_PUSHES) /* they end with the step */
+	if (l->model->features & RB_FEATURE_PUSHES) /* callback forces end with the step */
 		rb_account_all(l, until);
 	else if (l->account_s)
 		l->world->open = rb_account_open(l, until);
 	return l->status;
 }
 
-/* Fails with the deepest overlap that is beyond the tolerance; 0 where nothing can touch. */
+/* RB_ERR_PHYSICS with the deepest overlap beyond the tolerance. */
 static enum rb_status check(struct rb_located *l, double *depth, struct rb_error *err)
 {
 	const double t = l->world->state.time_s;
@@ -741,7 +762,7 @@ enum rb_status rb_engine_check(struct rb_located *l, struct rb_error *err)
 {
 	double depth;
 
-	/* what is in cells are spheres whose touches have closed forms */
+	/* cells hold spheres, whose touches have closed forms */
 	return l->cells ? RB_OK : check(l, &depth, err);
 }
 
@@ -751,7 +772,7 @@ enum rb_status rb_engine_inspect(struct rb_located *l, struct rb_error *err)
 	double depth;
 
 	l->err = err;
-	if (!l->started) /* the classic method has just come to this frame */
+	if (!l->started) /* steps have just come to this frame */
 		return RB_OK;
 	l->status = rb_inspect_contacts(l, t);
 	if (l->status == RB_OK && l->world->options.keep_contacts)

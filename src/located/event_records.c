@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Events are kept with ids of the scene, a < b, only where a recording or a callback wants them;
+ * the count of collisions is kept always.
+ */
 #include "located/event_records.h"
 
 #include "base/error.h"
 #include "base/memory.h"
 
+/* Appends an event with ids in order; the normal points from a to b. */
 static void keep(struct rb_located *l, struct rb_event event)
 {
 	struct rb_events *events = &l->world->events;

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * External forces by a table of features: each row adds a force and a torque, and says whether it
+ * is constant for a body, so that it flies on a parabola; otherwise it needs the integrator. With
+ * `parts` the contributions are also kept by cause, for the ledger and questions.
+ */
 #include "located/external_force.h"
 
 #include "base/error.h"
@@ -37,6 +42,7 @@ static void add_force(struct load *load, rb_vec3 force)
 		                                              force);
 }
 
+/* A force at an arm from the centre of mass. */
 static void add(struct load *load, rb_vec3 force, rb_vec3 arm)
 {
 	add_force(load, force);
@@ -60,6 +66,7 @@ static void gravity_force(struct load *load)
 	add_force(load, load->l->model->scene->world.gravity_force);
 }
 
+/* Stated forces that act at the moment. */
 static void applied(struct load *load)
 {
 	const struct rb_model *model = load->l->model;
@@ -78,7 +85,7 @@ static void applied(struct load *load)
 	}
 }
 
-/* In world axes at the centre of mass; anything else turns with the body. */
+/* Constant if in world axes at the centre of mass; anything else depends on the orientation. */
 static bool applied_constant(const struct rb_located *l, int i, double t)
 {
 	const struct rb_scene *scene = l->model->scene;
@@ -107,7 +114,7 @@ static void pushed(struct load *load)
 	add_torque(load, rb_world_row3(world->twist, load->i));
 }
 
-/* A torque on unequal moments does not turn it evenly. */
+/* Constant unless there is a torque on a body with unequal moments. */
 static bool pushed_constant(const struct rb_located *l, int i, double t)
 {
 	(void)t;
@@ -117,6 +124,7 @@ static bool pushed_constant(const struct rb_located *l, int i, double t)
 
 /* ---- force elements ---- */
 
+/* Pose of the end of an element: of the query where it has one, else of the arc. */
 static struct rb_pose pose_of(const struct rb_element_query *query, int j)
 {
 	const struct rb_element_view *at = query->user;
@@ -133,7 +141,7 @@ struct rb_element_query rb_external_query(const struct rb_element_view *at)
 		.model = at->l->model, .time_s = at->view->time_s, .pose = pose_of, .user = at};
 }
 
-/* Of those between bodies the ledger enters what is at their ends; so it does with potentials. */
+/* Cause of an element's force. The ledger enters elements with ends or a potential elsewhere. */
 static enum rb_external_cause cause_of(const struct rb_element_kind *kind)
 {
 	if (kind->ends)
@@ -143,6 +151,7 @@ static enum rb_external_cause cause_of(const struct rb_element_kind *kind)
 	return kind->is_drag ? RB_EXTERNAL_DRAG : RB_EXTERNAL_STATED;
 }
 
+/* One element on one body. */
 static void add_element(struct load *load, const struct rb_elements *elements, int k,
                         const struct rb_element_query *query)
 {
@@ -174,7 +183,7 @@ static void add_elements(struct load *load)
 	}
 }
 
-/* None acts on the body, or only those at whose ends it is not. */
+/* Constant if no element acts on the body. */
 static bool elements_constant(const struct rb_located *l, int i, double t)
 {
 	(void)t;
@@ -190,6 +199,7 @@ static bool elements_constant(const struct rb_located *l, int i, double t)
 
 /* ---- all ---- */
 
+/* The scene's field function; a failure sets l->status. */
 static void field(struct load *load)
 {
 	struct rb_located *l = load->l;
@@ -270,11 +280,13 @@ bool rb_external_is_constant(const struct rb_located *l, int i, double t)
 	return true;
 }
 
+/* True for a point of application off the origin. */
 static bool has_arm(rb_vec3 point)
 {
 	return !isnan(point.x) && rb_vec3_max_abs(point) > 0;
 }
 
+/* True if one of the elements exerts a torque on the body. */
 static bool element_turns(const struct rb_located *l, const struct rb_elements *elements, int i)
 {
 	const struct rb_element_kind *kind = elements->kind;

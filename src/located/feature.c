@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Contact points of named features in closed form, with first derivatives carried along (`num`,
+ * `vec`: value and rate). A pair of features determines normal, gap and point: a corner or rim over
+ * a surface by the surface's normal; corners and lines by the vector between nearest points; two
+ * lines by the direction across both, or by the normal of the face that they lie in. `ending`
+ * measures how far the point is from the end of its features and which feature comes next.
+ */
 #include "located/feature.h"
 
 #include <float.h>
@@ -6,6 +13,7 @@
 
 #include "located/feature_inside.h"
 
+/* A flat feature: face, end of a cylinder, half space; offset by the core's radius. */
 typedef struct {
 	const side *of;
 	vec normal, point;
@@ -13,6 +21,7 @@ typedef struct {
 	double radius;
 } surface;
 
+/* The surface of a part; false: it is none of this core. */
 static bool surface_of(const side *s, rb_part part, surface *out)
 {
 	const rb_core *core = s->core;
@@ -47,7 +56,7 @@ static bool surface_of(const side *s, rb_part part, surface *out)
 	return true;
 }
 
-/* A point with a ball about it: a corner, or an end of a mantle's axis. */
+/* A round point: a corner, or an end of a mantle's axis. */
 typedef struct {
 	const side *of;
 	rb_part part;
@@ -55,6 +64,7 @@ typedef struct {
 	double radius;
 } corner;
 
+/* The corner of a part; false: it is none of this core. */
 static bool corner_of(const side *s, rb_part part, corner *out)
 {
 	const rb_core *core = s->core;
@@ -78,6 +88,7 @@ static bool corner_of(const side *s, rb_part part, corner *out)
 
 /* ---- how far from the end of a feature ---- */
 
+/* Distance of p from the nearest border of the surface, and what lies beyond it. */
 static ending within_surface(const surface *f, vec p)
 {
 	const vec seen = seen_from(f->of, p);
@@ -114,7 +125,10 @@ static ending within_surface(const surface *f, vec p)
 	return end;
 }
 
-/* What is nearest to the corner must not lie farther along one of the edges that end there. */
+/*
+ * The vector `to` must not have a component along an edge from the corner: else that edge is
+ * nearer.
+ */
 static void within_corner(ending *end, const corner *c, vec to, whose who)
 {
 	const struct rb_polytope *p = c->of->core->polytope;
@@ -141,7 +155,7 @@ static void within_corner(ending *end, const corner *c, vec to, whose who)
 
 /* ---- what meets what ---- */
 
-/* A point of one core over a surface of the other: `x` on the core, `radius` round it. */
+/* A point x of one core, with a radius, over a surface of the other. */
 static void over_surface(struct rb_feature_point *out, vec x, double radius, const surface *f)
 {
 	const num height = dot(f->normal, minus(x, f->point));
@@ -152,9 +166,9 @@ static void over_surface(struct rb_feature_point *out, vec x, double radius, con
 }
 
 /*
- * A direction of the world, seen by the body, without what goes along its axis: taken off in the
- * world, the rounding of the rest would be a share of a small tilt, by which the lowest point of a
- * rim would come off the end's plane.
+ * A direction in the body's axes without its component along the cylinder's axis. Projected in the
+ * world, rounding of that component would be a share of a small tilt and lift the rim's lowest
+ * point off the end's plane.
  */
 static vec across_axis(const side *s, vec way)
 {
@@ -165,7 +179,7 @@ static vec across_axis(const side *s, vec way)
 	return (vec){{at.x, at.y, 0}, {rate.x, rate.y, 0}};
 }
 
-/* A direction that changes in the body's own axes, in the world. */
+/* A direction that moves in the body's axes, in world axes with its full rate. */
 static vec carried_by(const side *s, vec local)
 {
 	const vec way = way_of(s, local.at);
@@ -173,10 +187,10 @@ static vec carried_by(const side *s, vec local)
 	return (vec){way.at, rb_vec3_add(way.rate, rb_mat3_apply(&s->turn, local.rate))};
 }
 
-/* Sine of a tilt that is rounding, whose direction says nothing. */
+/* Sine below which a tilt is rounding and has no direction. */
 static const double flat_sine = 16 * DBL_EPSILON;
 
-/* The direction of the way, of those up and down it, that is on the side's half. */
+/* The direction of `way` or its opposite, whichever is on the side's half. */
 static vec on_half(const side *s, vec way)
 {
 	vec out = {s->half, {0, 0, 0}};
@@ -189,8 +203,8 @@ static vec on_half(const side *s, vec way)
 }
 
 /*
- * The point of a rim that lies lowest over a surface, or a quarter of it counted from the other
- * body's axes.
+ * The rim's lowest point over a surface, or a quarter of the rim counted from the other body's
+ * axes.
  */
 static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, vec *x)
 {
@@ -220,8 +234,8 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 		out = carried_by(s, out);
 	} else {
 		/*
-		 * as geom/patch_overlap counts them: from an axis of the other body, turning about
-		 * the normal from a to b
+		 * counted as in geom/patch_overlap: from an axis of the other body, about the
+		 * normal from a to b
 		 */
 		const vec n = (low ? 1 : 0) == (is_a ? 1 : 0) ? negative(u) : u;
 		vec axis = way_of(f->of, (rb_vec3){1, 0, 0});
@@ -238,6 +252,7 @@ static bool rim_point(const side *s, rb_part part, const surface *f, bool is_a, 
 	return true;
 }
 
+/* A corner or rim over a surface. */
 static bool on_surface(struct rb_feature_point *out, const side *s, rb_part part, const surface *f,
                        bool is_a)
 {
@@ -256,12 +271,10 @@ static bool on_surface(struct rb_feature_point *out, const side *s, rb_part part
 	return false;
 }
 
-/*
- * Sine of the angle between two edges from which on rounding leaves enough of the normal across
- * both.
- */
+/* Sine of the angle between two edges above which the normal across both has digits enough. */
 static const double oblique_sine = 1e-3;
 
+/* Two lines: nearest points along the normal across both, or along the given normal of a face. */
 static bool across_lines(struct rb_feature_point *out, const line *a, const line *b,
                          const vec *given)
 {
@@ -278,7 +291,8 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 		n = *given;
 	} else if (given) {
 		/*
-		 * where both lie in the face this is its normal; where one leaves it, still theirs
+		 * both in the face: this is its normal; where one leaves it, the cross product
+		 * still is theirs
 		 */
 		if (rb_vec3_dot(n.at, given->at) < 0)
 			n = negative(n);
@@ -286,7 +300,7 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 		if (sine.at < 1e-7)
 			return false;
 		double sense = rb_vec3_dot(n.at, outward(a)) - rb_vec3_dot(n.at, outward(b));
-		/* a segment has no inside */
+		/* a segment has no outward side */
 		if (fabs(sense) <= 1e-9 * (a->length + b->length))
 			sense = rb_vec3_dot(n.at, r.at);
 		if (sense < 0)
@@ -295,7 +309,7 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	const num square = dot(m, m);
 	const num s = quotient(dot(cross(r, b->along), m), square);
 	const num t = quotient(dot(cross(r, a->along), m), square);
-	/* a given normal is across one of them only */
+	/* a given normal is across one of them only: feet on both lines */
 	const vec from_a = given && !oblique ? plus(a->from, s, a->along) : a->from;
 	const vec from_b = given && !oblique ? plus(b->from, t, b->along) : b->from;
 	const num separation = dot(n, minus(from_b, from_a));
@@ -310,7 +324,7 @@ static bool across_lines(struct rb_feature_point *out, const line *a, const line
 	return true;
 }
 
-/* From a round thing at `from` to another at `to`. */
+/* Two round points, the normal along the vector between them; false: both are sharp. */
 static bool between_points(struct rb_feature_point *out, vec from, double radius_a, vec to,
                            double radius_b, const ending *end)
 {
@@ -336,7 +350,7 @@ static bool corner_to_corner(struct rb_feature_point *out, const corner *a, cons
 	return between_points(out, a->at, a->radius, b->at, b->radius, &end);
 }
 
-/* The normal points from the corner. */
+/* A corner and a line; the normal points from the corner. */
 static bool corner_to_line(struct rb_feature_point *out, const corner *c, const line *e)
 {
 	const num along = dot(minus(c->at, e->from), e->along);
@@ -349,6 +363,7 @@ static bool corner_to_line(struct rb_feature_point *out, const corner *c, const 
 	return between_points(out, c->at, c->radius, foot, e->radius, &end);
 }
 
+/* A corner and the nearest point of a rim. */
 static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const side *s,
                           rb_part part)
 {
@@ -376,8 +391,8 @@ static bool corner_to_rim(struct rb_feature_point *out, const corner *c, const s
 }
 
 /*
- * The first of the two is the one that has the corner or the rim; the normal points from it. It is
- * a, or not.
+ * Contact of two features, the first with the corner or rim; the normal points from it. `is_a`: it
+ * is a's.
  */
 static bool contact_in_order(struct rb_feature_point *out, const side *a, rb_part part_a,
                              const side *b, rb_part part_b, bool is_a)
@@ -406,7 +421,7 @@ static int faces_at_edges(const struct rb_polytope *p)
 	return p->face_count > 0 ? 2 : 0;
 }
 
-/* Which of the faces at an edge lies across n, to within the depth: 0, 1; -1: none. */
+/* Which face at an edge is perpendicular to n within the depth: 0, 1; -1: none. */
 static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
 {
 	const rb_core *core = s->core;
@@ -434,7 +449,7 @@ static int face_across(const side *s, rb_part part, rb_vec3 n, double depth)
 	return -1;
 }
 
-/* The normal, from a to b, that the key's mark names. */
+/* The normal, from a to b, of the face that the key's mark names. */
 static bool marked_normal(const side *a, const side *b, uint64_t key, vec *n)
 {
 	const unsigned mark = (unsigned)(key >> RB_CONTACT_KEY_MARK);
@@ -475,6 +490,7 @@ bool rb_feature_contact(struct rb_feature_point *out, const struct rb_feature_si
 	return across_lines(out, &edge_a, &edge_b, marked ? &n : NULL);
 }
 
+/* Direction in the rim's plane that its lowest point is in, or will be in a moment. */
 static bool half_of(const side *rim, rb_part part, const side *flat, rb_part other, rb_vec3 *half)
 {
 	const rb_vec3 none = {0, 0, 0};
@@ -504,6 +520,7 @@ bool rb_feature_half(const struct rb_feature_side *a, const struct rb_feature_si
 
 enum { LOWEST = 0, AHEAD = 1, ASIDE = 2, QUARTERS = 4 };
 
+/* True for a quarter of a rim. */
 static bool is_quarter(rb_part part)
 {
 	const int place = index_of(part) >> 1;
@@ -511,6 +528,10 @@ static bool is_quarter(rb_part part)
 	return kind_of(part) == RB_PART_RIM && place >= 1 && place <= QUARTERS;
 }
 
+/*
+ * True if the rim comes to lie flat on the surface or tilts from there; sets the first contact
+ * point.
+ */
 static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part other, double least,
                        struct rb_feature_rim *out)
 {
@@ -522,8 +543,7 @@ static bool landing_of(const side *rim, rb_part part, const side *flat, rb_part 
 		return false;
 	const double half = index_of(part) & 1 ? -rim->core->half_height : rim->core->half_height;
 	/*
-	 * what the lowest point is, with its rate, is where the normal of the surface goes in the
-	 * rim's own axes
+	 * the lowest point, with its rate, is where the surface's normal goes in the rim's own axes
 	 */
 	const rb_vec3 rate = across_axis(rim, negative(f.normal)).rate;
 	const vec centre = seen_from(flat, point_of(rim, (rb_vec3){0, 0, half}));
@@ -545,6 +565,7 @@ bool rb_feature_landing(const struct rb_feature_side *a, const struct rb_feature
 	       landing_of(b, part_b, a, part_a, least, out);
 }
 
+/* The key with another place on the rim. */
 static uint64_t with_place(uint64_t key, int place)
 {
 	rb_part part[2] = {(rb_part)(key >> 32), (rb_part)key};
@@ -564,6 +585,7 @@ uint64_t rb_feature_of_rim(const struct rb_feature_rim *rim, uint64_t quarter, b
 
 /* ---- names ---- */
 
+/* Marks a key of two lines with the face that they lie in, if there is one. */
 static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, double depth)
 {
 	const rb_part part_a = (rb_part)(key >> 32), part_b = (rb_part)key;
@@ -583,7 +605,7 @@ static uint64_t in_face(const side *a, const side *b, uint64_t key, rb_vec3 n, d
 	return key | (mark | (face == 1 ? SECOND_FACE : 0)) << RB_CONTACT_KEY_MARK;
 }
 
-/* ... with a place on the surface of either, from the reference. */
+/* Which of the two crossings of a rim with a line is at `place`. */
 static rb_part which_of_two(const side *disc, rb_part rim, const line *other, rb_vec3 place)
 {
 	const double half = index_of(rim) & 1 ? -disc->core->half_height : disc->core->half_height;
@@ -594,7 +616,7 @@ static rb_part which_of_two(const side *disc, rb_part rim, const line *other, rb
 	                  (index_of(rim) & 1) | (beyond ? SECOND_CROSSING : FIRST_CROSSING) << 1);
 }
 
-/* A rim goes on by its nearest point; one of several that have been counted out does not. */
+/* A rim continues by its nearest point; a counted quarter does not. False for the latter. */
 static bool roll_on(rb_part *part)
 {
 	const int place = index_of(*part) >> 1;
@@ -605,7 +627,7 @@ static bool roll_on(rb_part *part)
 	return place == 0 || place == FIRST_CROSSING || place == SECOND_CROSSING;
 }
 
-/* m: of the ball that goes round a corner or line; 0: it is sharp, or none of these. */
+/* Radius of a corner or line, m; 0 for sharp ones and others. */
 static double roundness(const side *s, rb_part part)
 {
 	if (kind_of(part) == RB_PART_MANTLE)
@@ -631,13 +653,13 @@ uint64_t rb_feature_beyond(const struct rb_feature_side *sa, const struct rb_fea
 	const unsigned mark = (unsigned)(key >> RB_CONTACT_KEY_MARK);
 	rb_part a = (rb_part)(key >> 32), b = (rb_part)key;
 
-	/* points within faces end where others are that have been found with them */
+	/* points within faces end where other points of the same search begin */
 	if (p->next == 0 || mark != 0)
 		return 0;
 	*(p->next_is_b ? &b : &a) = p->next;
 	if (!roll_on(&a) || !roll_on(&b))
 		return 0;
-	/* what is sharp on both sides has no closed form */
+	/* two sharp features have no closed form */
 	if ((is_corner(a) || is_corner(b)) && !is_flat(a) && !is_flat(b) &&
 	    !(roundness(sa, a) + roundness(sb, b) > 0))
 		return 0;

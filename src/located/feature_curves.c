@@ -1,5 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Rims on edges, mantles and rims: two curves, and where they are nearest to each other. */
+/*
+ * Rims against edges, mantles and rims: the nearest points of two curves, by Newton's method on the
+ * two conditions that the vector between them is perpendicular to both. Rates follow from
+ * differentiating the conditions (implicit function theorem).
+ */
 #include "located/feature.h"
 #include "located/feature_inside.h"
 
@@ -11,6 +15,7 @@ typedef struct {
 	vec at, first, second;
 } curve;
 
+/* The curve of a part; false: it has none. */
 static bool curve_of(const side *s, rb_part part, curve *out)
 {
 	const rb_core *core = s->core;
@@ -28,7 +33,7 @@ static bool curve_of(const side *s, rb_part part, curve *out)
 	return true;
 }
 
-/* The parameter at which it is nearest to a place. */
+/* Parameter of the point nearest to a place. */
 static double nearest_on(const curve *c, rb_vec3 near)
 {
 	if (!c->round)
@@ -37,6 +42,7 @@ static double nearest_on(const curve *c, rb_vec3 near)
 	return atan2(rb_vec3_dot(d, c->y.at), rb_vec3_dot(d, c->x.at));
 }
 
+/* Evaluates the curve at parameter s. */
 static void go_to(curve *c, double s)
 {
 	const vec none = {{0, 0, 0}, {0, 0, 0}};
@@ -54,7 +60,7 @@ static void go_to(curve *c, double s)
 	c->second = negative(out);
 }
 
-/* Along a curve whose parameter changes at this rate as well. */
+/* Rate of a point of a moving curve whose parameter changes too. */
 static vec carried(vec p, double rate, vec by)
 {
 	p.rate = rb_vec3_add_scaled(p.rate, rate, by.at);
@@ -62,8 +68,8 @@ static vec carried(vec p, double rate, vec by)
 }
 
 /*
- * r.a' = 0 and r.b' = 0 for r from a's point to b's: what is left of both, and what changes of
- * parameters make of it.
+ * Residuals of r.a' = 0 and r.b' = 0 for r from a's point to b's, their rates, and their Jacobian
+ * by the parameters.
  */
 typedef struct {
 	double left[2], rate[2], m[2][2], whole;
@@ -83,13 +89,14 @@ static foot_point foot_of(const curve *a, const curve *b)
 	return f;
 }
 
+/* Solves the 2 x 2 system by Cramer's rule. */
 static void solve(const foot_point *f, const double right[2], double out[2])
 {
 	out[0] = (right[0] * f->m[1][1] - right[1] * f->m[0][1]) / f->whole;
 	out[1] = (right[1] * f->m[0][0] - right[0] * f->m[1][0]) / f->whole;
 }
 
-/* Which way is out of a body where a curve is. */
+/* Outward direction at the curve. */
 static rb_vec3 outward_of(const curve *c)
 {
 	if (!c->round)
@@ -98,9 +105,8 @@ static rb_vec3 outward_of(const curve *c)
 }
 
 /*
- * Of a line, the way to its ends, and to where its faces take over, which is as far as the other's
- * surface goes until its normal is there; at a rim, what the outward normal has along the end's and
- * along the mantle's.
+ * Ends of validity: of a line, its ends and where its faces take over, as far out as the other's
+ * surface; of a rim, the components of the outward normal along the end's and the mantle's.
  */
 static void within_curve(ending *end, const curve *c, const curve *other, num s, vec n, whose who)
 {
@@ -125,8 +131,8 @@ static void within_curve(ending *end, const curve *c, const curve *other, num s,
 }
 
 /*
- * Where a line crosses a circle, nearly: a point of both has the circle's radius from its centre.
- * With a mantle's radius taken off the line's distance. The parameter along the line.
+ * Parameter on the line near which it crosses a circle: points of both have the circle's radius
+ * from its centre; a mantle's radius is taken off the distance.
  */
 static double crossing_of(const curve *circle, rb_part rim, const line *other)
 {
@@ -140,7 +146,7 @@ static double crossing_of(const curve *circle, rb_part rim, const line *other)
 	return index_of(rim) >> 1 == SECOND_CROSSING ? along + half : along - half;
 }
 
-/* Parameters to start from: by the crossing that the names say, else from the place. */
+/* Start of Newton's method: the crossing that the names say, else the place. */
 static void start_near(const curve c[2], const rb_part part[2], rb_vec3 near, double s[2])
 {
 	for (int k = 0; k < 2; k++) {

@@ -1,10 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Contacts and overlaps at a moment, for frames, questions and checkpoints; nothing of the run
+ * changes.
+ */
 #include "located/inspect.h"
 
 #include "base/error.h"
 #include "located/integrate.h"
 #include "located/convex_contact.h"
 
+/* Appends a held contact with that force. */
 static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
                         const struct rb_held *held, double t, rb_vec3 force)
 {
@@ -18,7 +23,7 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 		.point = m.point,
 		.normal = m.normal,
 		.gap = m.gap,
-		/* a contact about to end pulls by rounding */
+		/* a contact about to end may pull by rounding */
 		.normal_force = fmax(0, normal),
 		.tangent_force = rb_vec3_add_scaled(force, -normal, m.normal),
 		.parts = name.parts,
@@ -26,8 +31,8 @@ static void add_contact(struct rb_located *l, struct rb_contacts *contacts,
 }
 
 /*
- * `force`: room for those of a cluster at this moment, which change along its piece; NULL: those of
- * its beginning do.
+ * Contacts of a cluster. With `force` they are evaluated at this moment, since they change along
+ * the piece; else those of its beginning are reported.
  */
 static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int cluster, double t,
                         rb_vec3 *force)
@@ -40,6 +45,7 @@ static void add_cluster(struct rb_located *l, struct rb_contacts *contacts, int 
 		add_contact(l, contacts, &c->held[h], t, now ? force[h] : c->held[h].force);
 }
 
+/* All held contacts at t, sorted. */
 static enum rb_status list(struct rb_located *l, double t, bool at_moment,
                            struct rb_contacts *contacts)
 {
@@ -82,7 +88,7 @@ enum rb_status rb_inspect_forces(struct rb_located *l, double t, struct rb_conta
 	return status;
 }
 
-/* m: of all points that the two have; a named one of several may be less deep than the next. */
+/* Gap of a pair, m; of several points the deepest. */
 static double gap_at(const struct rb_located *l, int i, int j, double t)
 {
 	if (!rb_pair_has_features(l, i, j))
@@ -94,8 +100,8 @@ static double gap_at(const struct rb_located *l, int i, int j, double t)
 }
 
 /*
- * Below the deepest so far, between i and j? Spheres that are apart, also from planes, are seen
- * without looking closer.
+ * Updates the deepest overlap by the pair i, j. Spheres apart from spheres and planes are dismissed
+ * first.
  */
 static void deeper(const struct rb_located *l, double t, int i, int j, double *deepest, int pair[2])
 {

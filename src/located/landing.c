@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A flat end that comes down on a surface touches at a point of its rim, then along all of it. The
+ * rolling rim is followed by the half that its lowest point is in; where the opposite half closes
+ * the last roundings, the contact becomes an impact of the whole rim.
+ */
 #include "located/landing.h"
 
 #include "located/set.h"
 
+/* Sets the half of held rims that have begun to roll. */
 static void set_halves(struct rb_modes *w)
 {
 	const struct rb_located *l = w->l;
@@ -16,7 +22,7 @@ static void set_halves(struct rb_modes *w)
 		struct rb_held now = *held;
 		now.half = none;
 		const struct rb_contact_point m = rb_set_contact_point(l, &now, w->origin_s);
-		/* what is counted from a half keeps to it */
+		/* a point counted from a half keeps it */
 		if (rb_touch_half(l, &m, &now.half))
 			held->half = now.half;
 	}

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Ends of contact modes within a piece: stick that needs more than its friction, slip that stops, a
+ * contact that pulls, a point that leaves its features. Laws are tested at samples of the piece and
+ * the first failure is bisected on the dense output.
+ */
 #include "located/mode_checks.h"
 
 #include "base/error.h"
@@ -10,11 +15,11 @@
 #include "located/set.h"
 
 /*
- * Shares of forces by which a mode is seen to have ended, so that what follows does not see it go
- * on.
+ * Share of the forces by which a law must be violated to count, so that the next mode does not see
+ * it hold again.
  */
 static const double clear = 1e-11;
-/* A piece that is cut at less than this part of it was cut at once. */
+/* A piece cut within 1/1024 of its length was cut at once. */
 enum { AT_ONCE = 1024 };
 enum { SAMPLES = 8, BISECTIONS = 80, HIT_ULP = 8 };
 
@@ -61,6 +66,7 @@ double rb_check_excess(const struct rb_modes *w, int k)
 	            rb_vec3_length(rb_vec3_reject(w->force[k], n)) - w->contact[k].friction * push);
 }
 
+/* True if contact k keeps its mode's law within the uncertainty of the forces. */
 static bool is_lawful(const struct rb_modes *w, int k)
 {
 	const struct rb_held *held = &w->c->held[k];
@@ -70,7 +76,7 @@ static bool is_lawful(const struct rb_modes *w, int k)
 	return rb_check_excess(w, k) <= fmax(clear * fmax(w->force_max, weight), w->doubt);
 }
 
-/* Does a pair approach at a point that is not one of its held ones, [first, end)? */
+/* True if the pair approaches at a point that is not among its held ones [first, end). */
 static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 {
 	const struct rb_held *held = &w->c->held[first];
@@ -93,8 +99,8 @@ static bool approaches_elsewhere(const struct rb_modes *w, int first, int end)
 }
 
 /*
- * Asked of the first of a pair's points: is another, which is not held, below them? The bodies have
- * come to touch there. What is held may be off by what integration lets drift.
+ * True if another point of the pair, which is not held, lies below the held ones: the bodies touch
+ * there. Asked once for each pair; held points may have drifted by integration.
  */
 static bool is_hit(const struct rb_modes *w, int k)
 {
@@ -121,7 +127,7 @@ static bool is_hit(const struct rb_modes *w, int k)
 	       approaches_elsewhere(w, k, end);
 }
 
-/* The first contact that does not keep its mode at this state, -1: all do. */
+/* The first contact that violates its mode at this state; -1: none. */
 static int broken(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -151,16 +157,14 @@ static int broken(struct rb_modes *w, double t)
 	return -1;
 }
 
+/* `broken` at s seconds into the piece. */
 static int broken_at(struct rb_modes *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
 	return rb_rates_evaluate(w, w->origin_s + s, value) ? broken(w, w->origin_s + s) : -1;
 }
 
-/*
- * Points of one body come to the end of their slip together: whose slip is nothing there has ended
- * as well.
- */
+/* Points of one body stop slipping together: marks all whose slip is zero at s. */
 static void end_slips(struct rb_modes *w, double s, double *value)
 {
 	rb_gauss_values(&w->c->piece, s, value);
@@ -178,9 +182,8 @@ static void end_slips(struct rb_modes *w, double s, double *value)
 }
 
 /*
- * Does a contact that sticks need more than its friction as soon as the piece has begun? Where
- * forces are open, there may be some for which it holds, at every moment anew, and none that go on:
- * so it slips.
+ * True if a sticking contact needs more than its friction as soon as the piece begins. Where forces
+ * are open, some distribution may hold at every moment while none holds on: then it slips.
  */
 static bool rest_ends(struct rb_modes *w, double s, int which, double *value)
 {

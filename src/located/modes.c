@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Equations of a cluster in its modes: accelerations at each contact are linear in the forces; a
+ * sticking contact has three unknowns (relative acceleration zero), a slipping one its normal force
+ * with friction along the slip, one that creeps a second one across. One dense solve gives the
+ * forces; redundant systems leave some open, which are chosen by least squares. Forces are refined
+ * by the residual accelerations, so that what is at rest stays at rest to rounding.
+ */
 #include "located/modes.h"
 
 #include "base/error.h"
@@ -9,15 +16,15 @@
 #include "located/external_force.h"
 #include "located/set.h"
 
+/* Rounds for creeping slips and for refinement; noises that a slip may have aside. */
 enum { TURNS = 6, REFINEMENTS = 4, STRAIGHT_NOISES = 8 };
-/* Of a slip's speed: what is beside its direction, where it has turned. */
+/* Share of a slip's speed beside its direction at which it counts as turned. */
 static const double aside_share = 1e-9;
 /*
- * Share of friction that may be left across a slip that creeps: by the square of it there is too
- * much of it.
+ * Share of friction that may be left across a creeping slip: friction is too large by its square.
  */
 static const double balanced_share = 1e-7;
-/* What the rounding of places may cost at most, of the tolerance's sizes. */
+/* Largest relative error granted to the rounding of positions. */
 static const double coarse = 1e-6;
 
 bool rb_modes_move(const struct rb_modes *w)
@@ -36,13 +43,13 @@ int rb_modes_unknowns(const struct rb_held *held)
 	return held->creeps ? 2 : 1;
 }
 
-/* Across normal and slip. */
+/* Unit vector across normal and slip. */
 static inline rb_vec3 aside(const struct rb_modes *w, int contact)
 {
 	return rb_vec3_cross(w->contact_point[contact].normal, w->contact[contact].slip);
 }
 
-/* Of the relative acceleration, what the k-th unknown of a contact is to make zero. */
+/* Component of a relative acceleration that the k-th unknown of a contact is to make zero. */
 static inline double asked_of(const struct rb_modes *w, int contact, int k, rb_vec3 a)
 {
 	if (!w->c->held[contact].slipping)
@@ -51,8 +58,8 @@ static inline double asked_of(const struct rb_modes *w, int contact, int k, rb_v
 }
 
 /*
- * Direction of the k-th unknown of a contact: a unit of the normal force with its friction, or an
- * axis; of a slip that creeps, across it.
+ * Force per unit of the k-th unknown of a contact: an axis; the normal with its friction; for a
+ * creeping slip also across it.
  */
 static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 {
@@ -67,6 +74,7 @@ static inline rb_vec3 unit_of(const struct rb_modes *w, int contact, int k)
 	                          w->contact[contact].slip);
 }
 
+/* Acceleration at an arm of a member by a force at another arm. */
 static rb_vec3 answer(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 at, rb_vec3 f)
 {
 	return rb_mechanics_answer(w->l, body, &w->pose[rb_modes_place(w, body)], arm, at, f);
@@ -93,11 +101,13 @@ static rb_vec3 coupling(const struct rb_modes *w, int i, int j, rb_vec3 f)
 	return sum;
 }
 
+/* True if two contacts have a body in common. */
 static inline bool share_a_body(const struct rb_contact_point *x, const struct rb_contact_point *y)
 {
 	return x->a == y->a || x->a == y->b || x->b == y->a || x->b == y->b;
 }
 
+/* Acceleration of a body's point, by linear and angular acceleration only. */
 static rb_vec3 point_acceleration(const struct rb_modes *w, int body, rb_vec3 arm, double t)
 {
 	const int place = rb_modes_place(w, body);
@@ -113,7 +123,7 @@ static double axis(rb_vec3 v, int k)
 	return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-/* The unknowns as the contact's last known force has them: its pressure, or all of it. */
+/* Initial value of an unknown: the contact's last known force. */
 static inline double guess_of(const struct rb_modes *w, int contact, int k)
 {
 	const struct rb_held *held = &w->c->held[contact];
@@ -123,10 +133,7 @@ static inline double guess_of(const struct rb_modes *w, int contact, int k)
 	return k == 0 ? rb_vec3_dot(held->force, w->contact_point[contact].normal) : 0;
 }
 
-/*
- * What the forces as guessed and the row's unknown do to it: fills a row of the matrix, takes the
- * guess to the right.
- */
+/* Fills a contact's rows of the matrix and, with the guessed forces, the right side. */
 static void fill_row(struct rb_modes *w, int i, int row, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -155,7 +162,7 @@ static void fill_row(struct rb_modes *w, int i, int row, double t)
 		w->dense.right[row + r] = -asked_of(w, i, r, free);
 }
 
-/* From `v` what it has along `way`. */
+/* Removes the component of v along `way`. */
 static void take_off(double *v, const double *way, size_t n)
 {
 	double along = 0, square = 0;
@@ -169,10 +176,10 @@ static void take_off(double *v, const double *way, size_t n)
 }
 
 /*
- * Where the modes leave forces open (more contacts than freedoms), of all that do the same to the
- * bodies: `least` [n], by unknowns, becomes the one of the smallest squares and `change` [n] the
- * smallest change. Neither knows which contacts come first. What they may differ by is made
- * orthogonal, one after the other (Gram and Schmidt, modified). False: no memory.
+ * Where forces are open (more contacts than freedoms): of all that act the same on the bodies,
+ * `least` [n] becomes the one of least squares and `change` [n] the smallest change. Neither
+ * depends on the order of contacts. The kernel is orthogonalized by modified Gram-Schmidt. False:
+ * no memory.
  */
 static bool close_open(struct rb_modes *w, double *least, double *change)
 {
@@ -202,6 +209,7 @@ static bool close_open(struct rb_modes *w, double *least, double *change)
 	return true;
 }
 
+/* Forces from unknowns. */
 static void set_forces(struct rb_modes *w, const double *unknown)
 {
 	int row = 0;
@@ -229,8 +237,8 @@ bool rb_modes_are_lawful(const struct rb_modes *w)
 }
 
 /*
- * Forces where some are open: the smallest, which have the symmetry that the bodies have; where
- * these are against the law, those that are nearest to what they were when the cluster was settled.
+ * Chooses open forces: the smallest, which have the bodies' symmetry; where these violate a law,
+ * those nearest to the forces when the cluster was resolved.
  */
 static bool choose_forces(struct rb_modes *w)
 {
@@ -261,7 +269,7 @@ static bool choose_forces(struct rb_modes *w)
 	return good;
 }
 
-/* Fills w->force; false: too many. */
+/* Solves the modes' equations into w->force; false: too many unknowns. */
 static bool solve_modes(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -278,11 +286,13 @@ static bool solve_modes(struct rb_modes *w, double t)
 	return choose_forces(w);
 }
 
+/* True if the contact's slip has one direction with others of its pair. */
 static inline bool is_joined(const struct rb_held *held)
 {
 	return rb_vec3_max_abs(held->common) > 0;
 }
 
+/* End of the run of contacts of one pair. */
 static int pair_end(const struct rb_cluster *c, int first)
 {
 	int end = first + 1;
@@ -327,7 +337,7 @@ void rb_modes_part_slips(struct rb_modes *w)
 }
 
 /*
- * Slips that creep go where nothing is left across them, joined ones together. True: one has
+ * Turns creeping slips so that no friction is left across them, joined ones together; true: one
  * turned.
  */
 static bool turn_creeping(struct rb_modes *w)
@@ -372,7 +382,7 @@ bool rb_modes_solve(struct rb_modes *w, double t)
 	return true;
 }
 
-/* Adds a force on a contact of a body to those on it. */
+/* Adds a contact's force and torque to those on a member. */
 static void press(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force, rb_vec3 *sum)
 {
 	const int place = rb_modes_place(w, body);
@@ -389,8 +399,8 @@ bool rb_modes_press(struct rb_modes *w, const rb_vec3 *force)
 	const struct rb_cluster *c = w->c;
 	const rb_arena_mark here = rb_arena_here(l->arena);
 	/*
-	 * what balances is summed first: turned to the body's axes and back it would leave its
-	 * rounding each time
+	 * balancing forces are summed before they are rotated to the body's axes: each rotation
+	 * would round
 	 */
 	rb_vec3 *const sum = rb_arena_take(l->arena, 2 * (size_t)c->member_count, sizeof *sum);
 
@@ -448,7 +458,7 @@ bool rb_modes_turns_aside(const struct rb_modes *w, int contact)
 	       rb_vec3_length(off) > fmax(least, STRAIGHT_NOISES * rb_contact_point_noise(w->l, m));
 }
 
-/* To the right side, too. */
+/* Largest residual acceleration of a mode, m/s^2; the residuals become the right side. */
 double rb_modes_left(struct rb_modes *w, double t)
 {
 	const struct rb_cluster *c = w->c;
@@ -475,7 +485,7 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 		const double left = rb_modes_left(w, t);
 		int row = 0;
 
-		/* where more contacts than freedoms contradict each other, something stays */
+		/* redundant contacts may contradict each other: then a residual remains */
 		if (!(left > 4 * DBL_EPSILON * w->max) || !(left < 0.5 * before))
 			return true;
 		before = left;
@@ -493,6 +503,7 @@ bool rb_modes_refine(struct rb_modes *w, double t)
 	return true;
 }
 
+/* The member's place, or a copy of a fixed body's accelerations. */
 static int joint_body(const struct rb_modes *w, struct rb_simultaneous *joint, int body, double t)
 {
 	const int place = rb_modes_place(w, body);

@@ -1,16 +1,26 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Painleve impacts: where friction makes the equations of rigid contact inconsistent, forces grow
+ * without bound and stop the slip at once. The impulses solve the linear system "all contact points
+ * stop" by conjugate gradients (Hestenes, Stiefel 1952), started along the present forces so that
+ * of many solutions the one that these lead to is found.
+ */
 #include "located/painleve.h"
 
 #include "located/external_force.h"
 
-/* Impulses along forces that have not quite grown beyond bounds are off the cones by so much. */
+/*
+ * Share by which impulses may be outside of the friction cone: the forces have not quite diverged.
+ */
 static const double beyond_cone = 0.01;
 
+/* Place of a body in the set; -1: fixed. */
 static int place_of(const struct rb_painleve *painleve, int body)
 {
 	return body < painleve->l->n ? painleve->l->place[body] : -1;
 }
 
+/* Adds an impulse to a body's change of velocity. */
 static void push(struct rb_painleve *painleve, int body, rb_vec3 arm, rb_vec3 impulse)
 {
 	const struct rb_located *l = painleve->l;
@@ -27,6 +37,7 @@ static void push(struct rb_painleve *painleve, int body, rb_vec3 arm, rb_vec3 im
 		                                  rb_vec3_cross(arm, impulse)));
 }
 
+/* Change of velocity at an arm. */
 static rb_vec3 moved(const struct rb_painleve *painleve, int body, rb_vec3 arm)
 {
 	const int place = place_of(painleve, body);
@@ -36,7 +47,7 @@ static rb_vec3 moved(const struct rb_painleve *painleve, int body, rb_vec3 arm)
 	return rb_vec3_add(painleve->linear[place], rb_vec3_cross(painleve->angular[place], arm));
 }
 
-/* What impulses add to the relative velocities of the contacts' points, into `u`. */
+/* Changes of the relative velocities of the contact points by impulses. */
 static void respond(struct rb_painleve *painleve, const rb_vec3 *impulse, rb_vec3 *u)
 {
 	for (int k = 0; k < painleve->body_count; k++)
@@ -64,10 +75,7 @@ static double sum_of_dots(const rb_vec3 *a, const rb_vec3 *b, int count)
 	return sum;
 }
 
-/*
- * Impulses that stop all contacts' points, by conjugate gradients from along the present forces:
- * where more contacts than freedoms leave them open, those that the growing forces lead to.
- */
+/* Impulses that stop all contact points, by conjugate gradients. */
 static void stop_points(struct rb_painleve *painleve)
 {
 	const int n = painleve->count;
@@ -93,7 +101,7 @@ static void stop_points(struct rb_painleve *painleve)
 			left[k] = rb_vec3_add_scaled(left[k], -share, image[k]);
 		}
 		const double now = sum_of_dots(left, left, n);
-		/* the first direction is not the residual's */
+		/* the first direction is that of the forces, not the residual's */
 		const double keep = round == 0 ? 0 : now / square;
 		for (int k = 0; k < n; k++)
 			along[k] = rb_vec3_add_scaled(left[k], keep, along[k]);

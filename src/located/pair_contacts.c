@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Contact points of spheres with spheres, planes and rectangles in closed form, and times of touch:
+ * linear, quadratic or quartic equations on parabolas, else conservative advancement with bounds on
+ * acceleration and jerk (Mirtich 1996), which cannot miss a touch.
+ */
 #include "located/pair_contacts.h"
 
 #include "base/error.h"
@@ -25,16 +30,10 @@ bool rb_pair_can_touch(const struct rb_located *l, int a, int b)
 
 /* ---- geometry of a moment ---- */
 
-/*
- * What a shape of kind b makes of a sphere: gap, normal from the sphere, its rate, whether at a
- * rim.
- */
+/* Fills gap, normal from the sphere, its rate, and whether the contact is on a rim. */
 typedef void contact_function(const struct rb_located *l, struct rb_contact_point *m);
 
-/*
- * From a body's centre of mass to its origin: by the orientation, so that far away it is as exact
- * as near.
- */
+/* From the centre of mass to the origin, m: by the orientation, as exact far away as near. */
 static rb_vec3 origin_arm(const struct rb_located *l, int i, const struct rb_pose *pose)
 {
 	if (i >= l->n || !l->model->center_of_mass)
@@ -42,6 +41,7 @@ static rb_vec3 origin_arm(const struct rb_located *l, int i, const struct rb_pos
 	return rb_vec3_neg(rb_quat_rotate(pose->orientation, l->model->center_of_mass[i]));
 }
 
+/* Velocity of the body's origin. */
 static rb_vec3 origin_velocity(const struct rb_located *l, int i, const struct rb_pose *pose)
 {
 	if (i >= l->n || !l->model->center_of_mass)
@@ -60,7 +60,7 @@ static rb_vec3 between_origins(const struct rb_located *l, const struct rb_conta
 		d, rb_vec3_sub(origin_arm(l, m->b, &m->pose_b), origin_arm(l, m->a, &m->pose_a)));
 }
 
-/* A sphere is seen from its own centre. */
+/* gaps are computed relative to the sphere's centre */
 static const rb_vec3 here = {0, 0, 0};
 
 static void contact_of_spheres(const struct rb_located *l, struct rb_contact_point *m)
@@ -75,6 +75,7 @@ static void contact_of_spheres(const struct rb_located *l, struct rb_contact_poi
 	m->normal_rate = rb_vec3_scale(1 / (m->gap + sum), rb_vec3_reject(w, m->normal));
 }
 
+/* Normal of a plane or rectangle, at rest or driven. */
 static rb_vec3 normal_of(const struct rb_located *l, int b, rb_quat orientation)
 {
 	return b >= l->n ? l->plane_normal[b - l->n] : rb_plane_normal(orientation);
@@ -87,7 +88,10 @@ static void contact_with_plane(const struct rb_located *l, struct rb_contact_poi
 	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
 }
 
-/* On a boundary to rounding, the way it moves decides: outwards it is at the rim already. */
+/*
+ * Signed distance beyond an edge; on the edge to rounding the motion decides: outward counts as
+ * beyond.
+ */
 static double beyond(double x, double half, double rate, double band)
 {
 	const double sign = x < 0 ? -1 : 1;
@@ -126,7 +130,7 @@ static void contact_with_rectangle(const struct rb_located *l, struct rb_contact
 	m->normal_rate = rb_vec3_cross(m->pose_b.spin, m->normal);
 	if (!m->on_rim)
 		return;
-	/* along an edge the normal does not turn; at a corner it follows every way across */
+	/* on an edge the normal turns about it only; at a corner it follows any motion across */
 	rb_vec3 turn = rb_vec3_reject(w, m->normal);
 	if (out_x == 0)
 		turn = rb_vec3_add_scaled(turn, -rb_vec3_dot(turn, sheet.axis_x), sheet.axis_x);
@@ -142,7 +146,7 @@ static contact_function *const point_of_pair[RB_SHAPE_KIND_COUNT] = {
 };
 
 /*
- * Arms, their rates and the velocity at the point, from gap, normal and its rate; a is the sphere.
+ * Fills arms, their rates and the relative velocity from gap, normal and its rate; a is the sphere.
  */
 static void finish(const struct rb_located *l, struct rb_contact_point *m)
 {
@@ -170,6 +174,7 @@ static void finish(const struct rb_located *l, struct rb_contact_point *m)
 		rb_vec3_add(m->pose_a.velocity, rb_vec3_cross(m->pose_a.spin, m->arm_a)));
 }
 
+/* Exchanges the bodies: a becomes b. */
 static void swap(struct rb_contact_point *m)
 {
 	const struct rb_contact_point o = *m;
@@ -244,7 +249,7 @@ struct rb_contact_point rb_contact_point_of(const struct rb_located *l,
 	return rb_contact_point_poses(l, name->a, name->b, pose_a, pose_b);
 }
 
-/* m: how far from its centre of mass anything of a body is. */
+/* Farthest point of the body from its centre of mass, m. */
 static double extent(const struct rb_located *l, int i)
 {
 	const struct rb_shape *shape = &l->model->shape[i];
@@ -260,6 +265,7 @@ static double extent(const struct rb_located *l, int i)
 	                                         : (double)INFINITY;
 }
 
+/* Bound on the acceleration of the centre of mass, m/s^2. */
 static double external_max(const struct rb_located *l, int i)
 {
 	if (i >= l->n)
@@ -268,7 +274,7 @@ static double external_max(const struct rb_located *l, int i)
 	                                 : rb_vec3_length(l->arc[i].acceleration);
 }
 
-/* Is this body above a plane at rest all the time? */
+/* True if the body stays above a plane at rest over the interval. */
 static bool is_above(const struct rb_located *l, int i, int plane, double from, double until)
 {
 	const double h = until - from, ball = extent(l, i);
@@ -286,8 +292,8 @@ static bool is_above(const struct rb_located *l, int i, int plane, double from, 
 }
 
 /*
- * A ball that the body's origin of motion stays in up to `until`: about where its arc or piece
- * began.
+ * Ball that the centre of mass stays in up to `until`: centre where its arc or piece began, `*way`
+ * its radius.
  */
 static rb_vec3 beginning(const struct rb_located *l, int i, double until, double *way)
 {
@@ -316,8 +322,8 @@ static rb_vec3 beginning(const struct rb_located *l, int i, double until, double
 }
 
 /*
- * Seen without a look at where pieces have come to, which is what a pair costs where many bodies
- * are on them.
+ * True if the balls of the beginnings are apart: without evaluating pieces, which is the cost of a
+ * pair where many bodies are on them.
  */
 static bool began_far(const struct rb_located *l, int a, int b, double until, double sum)
 {
@@ -346,7 +352,7 @@ bool rb_contact_point_is_far(const struct rb_located *l, int a, int b, double fr
 		reach += h * (rb_vec3_length(rb_vec3_sub(rb_arc_velocity(l, b, from),
 		                                         rb_arc_velocity(l, a, from))) +
 		              0.5 * h * (external_max(l, a) + external_max(l, b)));
-	/* by much more than rounding, of places, of speeds and of the time */
+	/* 1e-12 is far above the rounding of positions, speeds and time */
 	return rb_vec3_length(rb_vec3_sub(y, x)) >
 	       1.001 * reach + 1e-12 * (rb_vec3_max_abs(x) + rb_vec3_max_abs(y));
 }
@@ -369,7 +375,9 @@ static bool same_vector(rb_vec3 a, rb_vec3 b)
 	return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-/* Seconds until |d + w s| = sum while closing; INFINITY: never. */
+/*
+ * Seconds until |d + w s| = sum while closing (quadratic); INFINITY: never.
+ */
 static double linear_touch(rb_vec3 d, rb_vec3 w, double sum, double noise)
 {
 	const double b = rb_vec3_dot(d, w);
@@ -391,7 +399,7 @@ static double linear_touch(rb_vec3 d, rb_vec3 w, double sum, double noise)
 	if (discriminant < 0)
 		return HUGE_VAL;
 	const double s = c / (sqrt(discriminant) - b);
-	/* what only rounding closes is no approach */
+	/* an approach by rounding is none */
 	return s * square < noise * sum && -b <= noise * sum ? HUGE_VAL : s;
 }
 
@@ -403,10 +411,11 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 
 	if (touching && rate < -noise)
 		return 0;
-	if (touching && rate <= noise) { /* only the acceleration can bring them together */
+	if (touching &&
+	    rate <= noise) { /* at rest to rounding: only acceleration can bring them together */
 		return acceleration < 0 ? 0 : HUGE_VAL;
 	}
-	if (touching) /* what rounding has left of its gap is no height to fall from */
+	if (touching) /* the gap within the band is no height to fall from */
 		return acceleration < 0 ? -2 * rate / acceleration : HUGE_VAL;
 	const double discriminant = rate * rate - 2 * acceleration * gap;
 	if (rate < 0)
@@ -417,9 +426,9 @@ static double quadratic_touch(double gap, double rate, double acceleration, doub
 }
 
 /*
- * Seconds until two spheres touch that fly under different accelerations: |d + w s + a s^2/2|^2 -
- * sum^2 is a quartic. What is touching and neither closes nor opens beyond rounding starts from
- * zero, so that only what follows counts.
+ * Seconds until two spheres under different accelerations touch: |d + w s + a s^2/2|^2 - sum^2 is a
+ * quartic. A pair that touches and neither closes nor opens beyond rounding starts from exact
+ * zeros, so that only higher terms count.
  */
 static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, double noise,
                               double max)
@@ -445,34 +454,34 @@ static double parabolic_touch(const rb_vec3 motion[3], double sum, double band, 
 	return rb_quartic_falls(c, max);
 }
 
-/* What is known of a pair's approach from a moment on. */
+/* Relative motion of a pair with bounds. */
 struct course {
-	double gap, rate, bend; /* without what curvature adds, which only parts them */
+	double gap, rate, bend; /* without the curvature of the surfaces, which only separates */
 	double external, jerk;  /* bounds: of the relative acceleration, and of its rate */
 	double speed,
 		radius; /* of the centres; at least how far the normal's centre of turning is */
 };
 
 /*
- * Would the gap stay above `least` for h? Below it are gap + rate s + bend s^2 / 2 - K s^3 / 6, s
- * <= h.
+ * True if the gap stays above `least` for h seconds. Its lower bound is gap + rate s + bend s^2 / 2
+ * - K s^3 / 6 for s <= h.
  */
 static bool keeps_above(const struct course *c, double h, double least)
 {
-	/* the rate of a.n: the jerk, and the turning of the normal */
+	/* K bounds the rate of a.n: jerk and the turning of the normal */
 	const double k = c->jerk + c->external * (c->speed + c->external * h) / c->radius;
 	const double end = c->gap + h * (c->rate + h * (0.5 * c->bend - k * h / 6));
 
 	if (!(end >= least))
 		return false;
 	if (!(c->rate < 0) || !(c->bend > 0))
-		return true; /* it rises, or falls all the way from where it starts to fall */
+		return true; /* it rises, or is concave: the minimum is at an end */
 	const double low = -2 * c->rate /
 	                   (c->bend + sqrt(fmax(c->bend * c->bend + 2 * k * c->rate, 0)));
 	return low >= h || c->gap + low * (c->rate + low * (0.5 * c->bend - k * low / 6)) >= least;
 }
 
-/* How long nothing can happen: at least h, and longer where the accelerations change little. */
+/* Safe time: at least h, doubled while the cubic bound allows. */
 static double longer(const struct course *c, double h, double max, double least)
 {
 	if (!isfinite(c->jerk))
@@ -482,6 +491,7 @@ static double longer(const struct course *c, double h, double max, double least)
 	return h;
 }
 
+/* Relative motion at t. */
 static struct course course_of(const struct rb_located *l, const struct rb_contact_point *m,
                                const struct rb_bounds *a, const struct rb_bounds *b, double t)
 {
@@ -504,17 +514,20 @@ static struct course course_of(const struct rb_located *l, const struct rb_conta
 
 	if (!flat_a && !flat_b)
 		return c;
-	/* the normal of a face stays, that of an edge turns about it */
+	/* a face's normal is constant, an edge's turns about it */
 	c.radius = l->model->shape[flat_a ? m->a : m->b].kind == RB_SHAPE_PLANE
 	                   ? (double)INFINITY
 	                   : rb_contact_point_size(l, m);
-	if (flat->turn > 0) { /* a face that turns sweeps with the distance */
+	if (flat->turn > 0) { /* a rotating face sweeps with the distance */
 		c.external += 2 * flat->turn * flat->turn * span + 2 * flat->turn * flat->external;
 		c.jerk = (double)INFINITY;
 	}
 	return c;
 }
 
+/*
+ * Conservative advancement from `from` to `until`; INFINITY: no touch. `*again`: not decided yet.
+ */
 static double advance(const struct rb_located *l, int a, int b, double from, double until,
                       bool *again)
 {
@@ -537,7 +550,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 		double h, least = 0;
 
 		if (touches && rate < -noise) {
-			/* what has come here by steps goes on from the band to the root */
+			/* reached by steps: continue from the band to the root */
 			const double more = 2 * m.gap /
 			                    (sqrt(rate * rate + 2 * max * m.gap) - rate);
 
@@ -555,7 +568,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 			if (!(max > 0))
 				return HUGE_VAL;
 			h = sqrt(band / max);
-			/* half of the band is free, and what is rounding is nothing */
+			/* within half of the band, rates that are rounding count as zero */
 			c.gap = c.rate = 0;
 			c.bend = fabs(c.bend) <= 64 * DBL_EPSILON * max ? 0 : c.bend;
 			least = -0.5 * band;
@@ -572,7 +585,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 				h = root > rate ? 2 * gap / (root - rate) : HUGE_VAL;
 			c.gap = gap;
 		}
-		/* leaving a touch, until it turns back: not by the bound but by what pulls now */
+		/* separating from a touch: not by the bound but by the present acceleration */
 		if (touches && rate > noise && max > 0) {
 			const double turns = rate / fmax(-rb_contact_point_bend(l, &m, t), DBL_MIN);
 
@@ -587,7 +600,7 @@ static double advance(const struct rb_located *l, int a, int b, double from, dou
 	return t;
 }
 
-/* Of bodies in flight, in closed form. */
+/* True if the body is on a parabola about its own centre. */
 static bool in_flight(const struct rb_located *l, int i)
 {
 	return !rb_located_on_piece(l, i) && !l->model->center_of_mass;
@@ -609,7 +622,7 @@ double rb_pair_contact_time(const struct rb_located *l, int a, int b, double fro
 		*again = found.again;
 		return found.touch_s;
 	}
-	/* of spheres always the same one first: an impact rounds as its foresight does */
+	/* the lower sphere comes first, so that the impact rounds as the prediction did */
 	if (model->shape[a].kind != RB_SHAPE_SPHERE ||
 	    (a > b && model->shape[b].kind == RB_SHAPE_SPHERE)) {
 		const int other = a;

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The next event of one body. Most of the time of a gas is spent here, so spheres on parabolas of
+ * equal acceleration have a path of their own: the relative motion is straight, two pairs at a time
+ * are sieved by a branch-free test (SIMD), and only the few that may collide are solved. Everything
+ * else goes through pair_contacts or approach.
+ */
 #include "located/predict.h"
 
 #include "base/error.h"
@@ -7,18 +13,18 @@
 
 #include "located/approach.h"
 
-/* From here on bodies may not fit into fast memory. */
+/* Bodies from which on arrays exceed the caches and prefetching pays. */
 enum { MANY = 4096 };
 
-/* The body whose future is looked for; read once. */
+/* The body whose next event is sought; read once. */
 struct seer {
 	struct rb_located *l;
 	int i, except;
 	double now, until;
 	double radius;
 	bool plain;   /* a sphere about its centre on a parabola */
-	bool general; /* filters or driven bodies: pairs are looked at one by one */
-	bool quick;   /* what is more, under gravity alone, and pairs are not */
+	bool general; /* filters or driven bodies: pairs are tested one by one */
+	bool quick;   /* also under gravity alone, without filters */
 	bool falls;   /* it has an acceleration */
 	rb_vec3 position, velocity, acceleration; /* now */
 	double reach, speed; /* largest coordinate or radius; largest component */
@@ -26,7 +32,7 @@ struct seer {
 	struct rb_next next;
 };
 
-/* fmax is a call into the library, which shows here. */
+/* fmax is a library call without -ffinite-math-only, which shows here. */
 static inline double larger(double a, double b)
 {
 	return a > b ? a : b;
@@ -37,6 +43,7 @@ static inline double largest(rb_vec3 a)
 	return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
+/* Keeps the earliest touch. */
 static inline void see(struct seer *s, int j, double t, bool again)
 {
 	if (t >= s->next.touch_s)
@@ -46,7 +53,7 @@ static inline void see(struct seer *s, int j, double t, bool again)
 	s->next.again = again;
 }
 
-/* Another sphere at the same moment, under the same acceleration. */
+/* A sphere at x moving with v at the same moment and acceleration: touching, or the first root. */
 static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, double radius)
 {
 	const struct rb_located *l = s->l;
@@ -69,7 +76,7 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 			return;
 		}
 	}
-	/* not before c / (-2 b), which may be later than what is known already */
+	/* no touch before c / (-2 b), which may be later than one already known */
 	if (!(b < 0) || c * (1 - 1e-9) > -2 * b * (s->next.touch_s - s->now))
 		return;
 	const double square = rb_vec3_dot(w, w);
@@ -86,7 +93,7 @@ static inline void see_flight(struct seer *s, int j, rb_vec3 x, rb_vec3 v, doubl
 	see(s, j, s->now + c / (sqrt(discriminant) - b), false);
 }
 
-/* Two spheres in flight under the same acceleration. False: not such a pair. */
+/* A pair of spheres under the same acceleration; false: it is none. */
 static bool see_sphere(struct seer *s, int j)
 {
 	const struct rb_located *l = s->l;
@@ -97,7 +104,7 @@ static bool see_sphere(struct seer *s, int j)
 	const bool quick = s->quick && arc->plain_radius > 0;
 	if (!quick && l->model->shape[j].kind != RB_SHAPE_SPHERE)
 		return false;
-	/* what is plain falls as this body does: the rest of its arc is not looked at */
+	/* a plain sphere falls as this one does: the rest of its arc is not read */
 	const rb_vec3 a = quick ? s->acceleration : arc->acceleration;
 	if (a.x != s->acceleration.x || a.y != s->acceleration.y || a.z != s->acceleration.z)
 		return false;
@@ -110,7 +117,7 @@ static bool see_sphere(struct seer *s, int j)
 	return true;
 }
 
-/* Two numbers that are worked on at once, as every processor of today can. */
+/* Two doubles in one vector register (SSE2 or NEON). */
 typedef double two __attribute__((vector_size(16)));
 
 struct two_vec {
@@ -143,9 +150,8 @@ static inline two dot(struct two_vec a, struct two_vec b)
 }
 
 /*
- * Leaves of `near` those that see_sphere has to look at: the few that are near or come close, and
- * what is no plain sphere. Without branches that depend on where bodies are, which nobody can
- * guess: most of a gas's time is spent here.
+ * Keeps the candidates that see_sphere must examine: those that are near or will come close, and
+ * all that are no plain spheres. Branch-free, since the outcome is random.
  */
 static inline int sift(const struct seer *s, int *near, int count, bool falls)
 {
@@ -171,10 +177,7 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls)
 		const struct two_vec w = minus(v, mine);
 		const two sum = both(s->radius) + (two){first->plain_radius, second->plain_radius};
 		const two square = sum * sum, b = dot(d, w), c = dot(d, d) - square;
-		/*
-		 * false where the radius is not a number; 1e-290: squares of what is smaller
-		 * underflow
-		 */
+		/* false for NaN radii; 1e-290: squares of smaller numbers underflow */
 		const __typeof__(b < c) is_far =
 			(c >= both(1e-3) * square) &
 			((b >= both(0)) | (b * b * both(1 + 1e-6) + both(1e-290) < dot(w, w) * c));
@@ -185,19 +188,20 @@ static inline int sift(const struct seer *s, int *near, int count, bool falls)
 		near[kept] = j;
 		kept += 1 + (int)is_far[1];
 	}
-	/* the last one of an odd number has been looked at twice */
+	/* an odd last one was tested twice */
 	if (count % 2 == 1 && kept > 0 && near[kept - 1] == last)
 		kept--;
 	return kept;
 }
 
+/* Sieves the candidates; those on pieces are kept in front. */
 static int sift_near(const struct seer *s, int *near, int count)
 {
 	const struct rb_located *l = s->l;
 
 	int odd = 0;
 
-	/* the arcs of bodies on pieces mean nothing */
+	/* arcs of bodies on pieces are void */
 	for (int k = 0; l->piece && k < count; k++) {
 		const int j = near[k];
 
@@ -213,10 +217,7 @@ static int sift_near(const struct seer *s, int *near, int count)
 	return odd + (s->falls ? sift(s, near, count, true) : sift(s, near, count, false));
 }
 
-/*
- * A plane at rest, seen from a sphere in flight that is not near it. False: not such a pair, or
- * near.
- */
+/* A plane at rest against a sphere in flight that is not near it; false: not such a pair. */
 static bool see_plane(struct seer *s, int j)
 {
 	const struct rb_located *l = s->l;
@@ -240,9 +241,9 @@ static bool see_plane(struct seer *s, int j)
 
 static void see_body(struct seer *s, int j);
 
-/* What see_plane does for one of those that do not move, without gravity and branches. */
+/* Earliest of the fixed planes without gravity, found without branches. */
 struct first_fixed {
-	double near; /* m: at least see_plane's, |v . n| being below twice the largest component */
+	double near; /* m: at least see_plane's band, since |v . n| < 2 x the largest component */
 	double t;
 	int which;
 };
@@ -260,6 +261,7 @@ static inline void see_one_fixed(struct seer *s, struct first_fixed *first, int 
 	first->t = t < first->t ? t : first->t;
 }
 
+/* All fixed bodies, two at a time, for a sphere without acceleration. */
 static void see_fixed(struct seer *s)
 {
 	const struct rb_located *l = s->l;
@@ -285,6 +287,7 @@ static void see_fixed(struct seer *s)
 		see(s, first.which, first.t, false);
 }
 
+/* One candidate, by the cheapest test that applies. */
 static void see_body(struct seer *s, int j)
 {
 	const struct rb_located *l = s->l;
@@ -318,7 +321,7 @@ static void see_body(struct seer *s, int j)
 	see(s, j, t, again);
 }
 
-/* Where the body is now, and what pulls it. */
+/* Position, velocity and acceleration of the body now. */
 static inline void find_self(struct seer *s, const struct rb_located *l, int i, double now)
 {
 	const struct rb_arc *arc = &l->arc[i];
@@ -340,6 +343,7 @@ static inline void find_self(struct seer *s, const struct rb_located *l, int i, 
 		rb_vec3_add_scaled(arc->velocity, 0.5 * age, arc->acceleration));
 }
 
+/* Prepares the search for body i. */
 static inline void open(struct seer *s, struct rb_located *l, int i, double now, int except)
 {
 	s->l = l;
@@ -358,6 +362,7 @@ static inline void open(struct seer *s, struct rb_located *l, int i, double now,
 	s->speed = largest(s->velocity);
 }
 
+/* The time at which the body leaves its cell. */
 static void next_wall(struct seer *s)
 {
 	struct rb_located *l = s->l;
@@ -368,8 +373,11 @@ static void next_wall(struct seer *s)
 	                                          s->acceleration, &s->next.wall);
 }
 
+/* Stores the event and puts it into the queue. */
 static void keep(struct seer *s)
 {
+	RB_ASSERT_COSTLY(!(s->next.touch_s < s->now) && !(s->next.wall_s < s->now));
+
 	struct rb_located *l = s->l;
 
 	if (s->next.partner >= 0 && s->next.partner < l->n)
@@ -381,9 +389,9 @@ static void keep(struct seer *s)
 }
 
 /*
- * Of many bodies, most of what an event reads lies in slow memory: it is asked for while the events
- * before it are dealt with, in two stages, the second of which needs what the first has brought.
- * Hints only.
+ * Prefetches what the events of body i will read. Of many bodies most of that lies in slow memory;
+ * it is requested while earlier events are handled, in two stages, the second of which needs what
+ * the first has brought. Hints only.
  */
 static void ask_for(const struct rb_located *l, int i)
 {
@@ -469,7 +477,7 @@ void rb_predict_wall(struct rb_located *l, int i, double now)
 			s.next.generation = l->generation[s.next.partner];
 	}
 	next_wall(&s);
-	/* the partner's generation is of the moment when it was foreseen */
+	/* the partner's generation is that of the time of prediction */
 	l->next[i] = s.next;
 	rb_queue_set(l->queue, i, fmin(s.next.touch_s, s.next.wall_s));
 }

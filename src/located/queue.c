@@ -35,6 +35,7 @@ static const double never = (double)INFINITY;
 /* Events that a day is made to hold: fewer, and empty days cost; more, and the heap does. */
 static const double day_load = 8.0;
 
+/* A body's event and where it is kept. */
 struct slot {
 	double time;
 	int32_t next, prev; /* in the list of a day, -1: none */
@@ -60,17 +61,20 @@ struct rb_queue {
 	double start, per_s; /* days per second; 0: every day is today */
 };
 
+/* Order of events: time, then body. */
 static bool before(struct entry a, struct entry b)
 {
 	return a.time < b.time || (a.time == b.time && a.body < b.body);
 }
 
+/* Writes an entry and its body's place in the heap. */
 static void heap_put(struct rb_queue *queue, int32_t at, struct entry entry)
 {
 	queue->heap[at] = entry;
 	queue->slots[entry.body].next = at;
 }
 
+/* Moves an entry up from `at`. */
 static void heap_up(struct rb_queue *queue, int32_t at, struct entry entry)
 {
 	while (at > 0) {
@@ -84,7 +88,7 @@ static void heap_up(struct rb_queue *queue, int32_t at, struct entry entry)
 	heap_put(queue, at, entry);
 }
 
-/* `entry` belongs at `at` or below or above it. */
+/* Places an entry at `at`, or below or above it. */
 static void heap_restore(struct rb_queue *queue, int32_t at, struct entry entry)
 {
 	for (;;) {
@@ -119,8 +123,11 @@ static void heap_remove(struct rb_queue *queue, int32_t at)
 		heap_restore(queue, at, last);
 }
 
+/* Puts a body at the head of a day's list. */
 static void list_add(struct rb_queue *queue, int32_t body, int32_t day)
 {
+	RB_ASSERT_COSTLY(day >= 0 && day <= queue->day_count);
+
 	struct slot *slot = &queue->slots[body];
 	const int32_t second = queue->head[day];
 
@@ -144,7 +151,7 @@ static void list_remove(struct rb_queue *queue, int32_t body)
 		queue->slots[slot->next].prev = slot->prev;
 }
 
-/* Today for all that is not later; not-a-number, from days of no length, is today too. */
+/* Day of a time: TODAY for what is not later; NaN, from days of no length, is TODAY too. */
 static int32_t day_of(const struct rb_queue *queue, double time)
 {
 	const double day = (time - queue->start) * queue->per_s;
@@ -154,6 +161,7 @@ static int32_t day_of(const struct rb_queue *queue, double time)
 	return day < (double)queue->day_count ? (int32_t)day : queue->day_count;
 }
 
+/* Puts a body where its time belongs. */
 static void add(struct rb_queue *queue, int32_t body)
 {
 	const int32_t day = day_of(queue, queue->slots[body].time);
@@ -164,6 +172,7 @@ static void add(struct rb_queue *queue, int32_t body)
 		list_add(queue, body, day);
 }
 
+/* Empties a day's list into `gathered`. */
 static int32_t gather_list(struct rb_queue *queue, int32_t day, int32_t count)
 {
 	for (int32_t body = queue->head[day]; body >= 0; body = queue->slots[body].next)
@@ -172,10 +181,7 @@ static int32_t gather_list(struct rb_queue *queue, int32_t day, int32_t count)
 	return count;
 }
 
-/*
- * The median of some of the times, counted from `start`; their mean where more than half are at the
- * start.
- */
+/* Median of a sample of waiting times from `start`; their mean where more than half are zero. */
 static double typical_wait(const struct rb_queue *queue, int32_t count, double start)
 {
 	double wait[SAMPLES], sum = 0;
@@ -195,8 +201,8 @@ static double typical_wait(const struct rb_queue *queue, int32_t count, double s
 }
 
 /*
- * New days over all events. Costs as much as there are events and days, so it must be rare: see its
- * callers.
+ * Lays out new days over all events. Costs as much as there are events and days, so it is rare: see
+ * its callers.
  */
 static void lay_out(struct rb_queue *queue)
 {
@@ -234,9 +240,8 @@ static void lay_out(struct rb_queue *queue)
 }
 
 /*
- * The heap is empty: on to the next day that is not. Days are laid out anew after half of the
- * events or more have been set to other times (those that the median had put on some day), which
- * pays for it.
+ * Pours the next day that holds anything into the empty heap. New days are laid out after half of
+ * the events or more were set to other times, which pays for it.
  */
 static void next_day(struct rb_queue *queue)
 {

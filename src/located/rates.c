@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Right-hand side of a cluster's differential equation for math/gauss: poses from values, external
+ * accelerations, contact points, forces by the modes, accelerations. Every evaluation counts its
+ * multiplications, so that clusters too large to locate are given to steps.
+ */
 #include "located/rates.h"
 
 #include <float.h>
@@ -10,11 +15,12 @@
 #include "located/work.h"
 
 /*
- * Accelerations below this share of the external ones are residue of the solver: of what is at
- * rest, and of what slides on.
+ * Share of the external accelerations below which accelerations are residue of the solver: of a
+ * cluster at rest, and of one that slides.
  */
 static const double rest_share = 1e-12, rounding_share = 16 * DBL_EPSILON;
 
+/* Pose of member k from the integrator's values. */
 static void read_pose(struct rb_modes *w, int k, const double *value)
 {
 	const struct rb_located *l = w->l;
@@ -40,9 +46,8 @@ static void read_pose(struct rb_modes *w, int k, const double *value)
 }
 
 /*
- * Of a cluster that stands, what the forces of its contacts leave is their rounding: static means
- * static, also under forces that are looked at again and again. Of one that slides on, so is what
- * is no more than rounding; it would grow.
+ * Zeroes accelerations that are rounding. In a cluster at rest the sum of forces leaves rounding,
+ * which must not accumulate over many evaluations; in one that slides it would grow.
  */
 static void are_at_rest(struct rb_modes *w, double external)
 {
@@ -62,7 +67,7 @@ static void are_at_rest(struct rb_modes *w, double external)
 		w->linear[k] = w->angular[k] = (rb_vec3){0, 0, 0};
 }
 
-/* Accelerations apart from contacts, and the largest. */
+/* External accelerations of the members, and the largest. */
 bool rb_rates_external(struct rb_modes *w, double t, double *max)
 {
 	struct rb_located *l = w->l;
@@ -78,7 +83,10 @@ bool rb_rates_external(struct rb_modes *w, double t, double *max)
 	return l->status == RB_OK;
 }
 
-/* Of members without contacts, at their surfaces, and of what contacts' normals and arms make. */
+/*
+ * Scale of accelerations, m/s^2: of members' surfaces by external forces, and of the contacts'
+ * bias.
+ */
 static double largest_acceleration(const struct rb_modes *w)
 {
 	double max = 0;
@@ -92,10 +100,7 @@ static double largest_acceleration(const struct rb_modes *w)
 	return max;
 }
 
-/*
- * What a look has cost; what stands is looked at a few times, and then not for long. False: it is
- * too much.
- */
+/* Counts the cost of an evaluation of moving members; false: it is too much. */
 static bool count_inspection(struct rb_modes *w)
 {
 	struct rb_located *l = w->l;
@@ -146,7 +151,7 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 		w->contact[k] = rb_mechanics_contact(l, &w->contact_point[k]);
 		if (held->slipping)
 			w->contact[k].friction = held->friction;
-		/* a direction that is kept turns with the normal all the same */
+		/* a kept direction turns with the normal */
 		const rb_vec3 way = rb_vec3_max_abs(held->common) > 0 ? held->common : held->slip;
 		w->contact[k].slip = rb_vec3_unit(rb_vec3_reject(way, w->contact_point[k].normal),
 		                                  way);
@@ -156,8 +161,8 @@ bool rb_rates_evaluate(struct rb_modes *w, double t, const double *value)
 			const double speed = rb_vec3_length(slip);
 
 			/*
-			 * one that is just setting in goes where it sets in: its velocity is
-			 * rounding
+			 * a slip that is just beginning goes in its initial direction: its velocity
+			 * is rounding
 			 */
 			if (speed > 4 * w->contact[k].noise)
 				w->contact[k].slip = rb_vec3_scale(1 / speed, slip);

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Resolves the contacts of a set at a moment: collects the points that touch, removes the drift of
+ * those that lasted, finds forces and modes together (constraint/simultaneous), and writes
+ * clusters, one for each connected part, or free arcs. The result depends on the set and the moment
+ * only.
+ */
 #include "located/resolve_contacts.h"
 
 #include "base/error.h"
@@ -19,19 +25,19 @@
 #include "located/transition.h"
 #include "located/work.h"
 
+/* Rounding, in ulp, of a speed (of a fall by the own size) and of an acceleration (of the load). */
 enum { REST_ULP = 64, LOAD_ULP = 64 };
 /*
- * Share of the friction that is missing where the solver has not found it, which is more than its
- * residue.
+ * Share of friction missing where the solver found no solution with all of it; above its residue.
  */
 static const double gave_way = 1e-9;
 
-/* Share of the pulls below which accelerations are what the solver leaves. */
+/* Share of the external accelerations below which an acceleration is residue of the solver. */
 static const double rest_share = 1e-12;
 
 /* ---- gathering ---- */
 
-/* What the rounding of a held contact's force has made of its velocity since then, m/s. */
+/* Velocity, m/s, by rounding of a held contact's force since its cluster began. */
 static double drift_of(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const int is_dynamic = rb_located_fixed(l, held->a) ? held->b : held->a;
@@ -41,7 +47,10 @@ static double drift_of(const struct rb_located *l, const struct rb_held *held, d
 	       (l->model->inverse_mass[held->a] + l->model->inverse_mass[held->b]);
 }
 
-/* A slip is known beforehand to end with its piece, which something else may cut short. */
+/*
+ * True if the piece at whose end the slip stops has reached its end; something else may have cut
+ * it.
+ */
 static bool has_ended(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const int is_dynamic = rb_located_fixed(l, held->a) ? held->b : held->a;
@@ -50,6 +59,7 @@ static bool has_ended(const struct rb_located *l, const struct rb_held *held, do
 	       t >= l->piece[is_dynamic].until_s;
 }
 
+/* Collects the set's contact points, poses and what was held before. */
 static bool begin(struct rb_settling *s)
 {
 	struct rb_located *l = s->l;
@@ -85,41 +95,37 @@ static bool begin(struct rb_settling *s)
 	return true;
 }
 
-/*
- * m/s: normal velocity that a lasting contact may have by rounding; and by what integration lets
- * drift.
- */
+/* Normal velocity, m/s, that a lasting contact may have by rounding. */
 static double rounds(const struct rb_settling *s, const struct rb_contact_point *m)
 {
 	return rb_contact_point_noise(s->l, m) + s->slack + s->drift;
 }
 
+/* The same including the drift of integration. */
 static double integrates(const struct rb_settling *s, const struct rb_contact_point *m)
 {
 	return rounds(s, m) + rb_drift_correct * (rb_vec3_length(m->pose_a.velocity) +
 	                                          rb_vec3_length(m->pose_b.velocity));
 }
 
+/* ... after an impact, whose velocities are exact, only rounding. */
 static double drifts(const struct rb_settling *s, const struct rb_contact_point *m)
 {
 	return s->struck ? rounds(s, m) : integrates(s, m);
 }
 
-/* A contact that was held and is hit or pulled apart by a change is no longer one. */
+/* True if a held contact separates or has left its features. */
 static bool parts(const struct rb_settling *s, const struct rb_contact_point *m)
 {
 	const double max = drifts(s, m);
 
-	/* and one whose body has been put elsewhere */
+	/* and if its body was moved elsewhere */
 	return rb_vec3_dot(m->velocity, m->normal) > max || rb_set_has_left(s->l, m) ||
 	       m->gap > fmax(rb_drift_correct * rb_contact_point_size(s->l, m),
 	                     rb_contact_point_band(s->l, m, s->t));
 }
 
-/*
- * A contact that ends: either others of its pair go on, with what has been told of the pair, or the
- * bodies part.
- */
+/* Ends a contact: others of its pair inherit what was reported, or a lift is recorded. */
 static void end_contact(struct rb_settling *s, int k, const bool *kept)
 {
 	int first;
@@ -144,8 +150,8 @@ static void end_contact(struct rb_settling *s, int k, const bool *kept)
 }
 
 /*
- * A point that has just been passed on to other features opens by as much as it has come too far.
- * Whether it lasts, its force will say; brought back, a body that leaves would be pulled.
+ * True if a point that was passed on to other features opens by its overshoot. Whether it lasts,
+ * its force decides; corrected, a separating body would be pulled back.
  */
 static bool opens_anew(const struct rb_settling *s, int k)
 {
@@ -156,8 +162,7 @@ static bool opens_anew(const struct rb_settling *s, int k)
 }
 
 /*
- * One that has come to slip by more than drift, as where it rolls on to another feature, does not
- * stick.
+ * A contact that has come to slip by more than drift, as where it rolls to another feature, slips.
  */
 static void let_slip(const struct rb_settling *s, int k)
 {
@@ -171,6 +176,7 @@ static void let_slip(const struct rb_settling *s, int k)
 	}
 }
 
+/* Removes drift and drops the contacts that ended. */
 static void keep_what_lasts(struct rb_settling *s)
 {
 	bool *const kept = rb_slips_take(s, s->contact_point_count, sizeof *kept);
@@ -187,7 +193,7 @@ static void keep_what_lasts(struct rb_settling *s)
 		return;
 	for (int k = 0; k < s->contact_point_count; k++) {
 		let_slip(s, k);
-		/* an impact has left velocities that are right */
+		/* after an impact velocities are exact */
 		kept[k] = s->before[k].a >= 0 && !s->struck && !parts(s, &s->contact_point[k]) &&
 		          !opens_anew(s, k);
 	}
@@ -209,6 +215,7 @@ static void keep_what_lasts(struct rb_settling *s)
 
 /* ---- forces ---- */
 
+/* External accelerations of the set. */
 static void pulls(struct rb_settling *s)
 {
 	struct rb_located *l = s->l;
@@ -222,7 +229,7 @@ static void pulls(struct rb_settling *s)
 	}
 }
 
-/* The body of a pair that contacts move; of two, the first. */
+/* A dynamic body of the pair; of two, the first. */
 static int yielding(const struct rb_settling *s, int k)
 {
 	return rb_located_fixed(s->l, s->contact_point[k].a) ? s->contact_point[k].b
@@ -231,6 +238,7 @@ static int yielding(const struct rb_settling *s, int k)
 
 /* ---- who goes on with whom ---- */
 
+/* Root of a union-find tree, with path halving. */
 static int root_of(int *root, int k)
 {
 	while (root[k] != k)
@@ -238,6 +246,7 @@ static int root_of(int *root, int k)
 	return k;
 }
 
+/* Joins the parts of two bodies; the smaller place becomes the root. */
 static void join(struct rb_settling *s, int a, int b)
 {
 	const struct rb_located *l = s->l;
@@ -248,6 +257,7 @@ static void join(struct rb_settling *s, int a, int b)
 	s->root[x > y ? x : y] = x > y ? y : x;
 }
 
+/* Joins what presses on each other and what force elements connect. */
 static void join_all(struct rb_settling *s)
 {
 	const struct rb_model *model = s->l->model;
@@ -260,6 +270,7 @@ static void join_all(struct rb_settling *s)
 			join(s, model->elements[k].end[m][0], model->elements[k].end[m][1]);
 }
 
+/* Mode of a contact for reports. */
 static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -269,7 +280,7 @@ static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
 
 	if (c->slipping || c->mode == RB_SOLVER_SLIDE)
 		return RB_HELD_SLIDE;
-	/* without slip, and without turning against each other */
+	/* neither slip nor relative rotation */
 	return rb_vec3_length(m->velocity) <= noise &&
 	                       rb_vec3_length(turn) * rb_contact_point_size(s->l, m) <= noise
 	               ? RB_HELD_REST
@@ -279,8 +290,8 @@ static enum rb_held_mode mode_of(const struct rb_settling *s, int k)
 /* ---- writing ---- */
 
 /*
- * The solution has less friction than the law where the law has none (constraint/simultaneous);
- * what follows keeps to it.
+ * Coefficient that the solution has: less than the material's where the law has no solution
+ * (constraint/simultaneous); what follows keeps to it.
  */
 static double friction_of(const struct rb_solver_contact *c)
 {
@@ -290,6 +301,7 @@ static double friction_of(const struct rb_solver_contact *c)
 	return push > 0 && rubs < c->friction * push * (1 - gave_way) ? rubs / push : c->friction;
 }
 
+/* The held contact for a point of the solution. */
 static struct rb_held held_of(struct rb_settling *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -321,7 +333,7 @@ static struct rb_held held_of(struct rb_settling *s, int k)
 		rb_record_transition(s->l, s->t, RB_EVENT_EDGE, m);
 	held.on_rim = m->on_rim;
 	if (c->slipping && c->mode == RB_SOLVER_STICK) {
-		/* slip sets in against its friction */
+		/* slip begins against its friction */
 		const rb_vec3 friction = rb_vec3_reject(c->impulse, m->normal);
 		const double size = rb_vec3_length(friction);
 
@@ -331,8 +343,8 @@ static struct rb_held held_of(struct rb_settling *s, int k)
 }
 
 /*
- * Tells what the points of a pair do together, unless it was told already or an accumulation is
- * still to end: they slide if one of them does, rest if all do, and else they roll, rock or topple.
+ * Records what the points of a pair do together, unless it was recorded or an accumulation is still
+ * to end: they slide if one slides, rest if all rest, else they roll, rock or topple.
  */
 static void record_mode(struct rb_settling *s, struct rb_held *held, const int *contact_point,
                         int count)
@@ -371,8 +383,8 @@ static void record_mode(struct rb_settling *s, struct rb_held *held, const int *
 }
 
 /*
- * Speeds and accelerations that are nothing to a member: rounding of a fall by its own size, and of
- * what presses it.
+ * True if a member's speed and acceleration are rounding: of a fall by its own size, and of its
+ * load.
  */
 static bool is_nothing(const struct rb_settling *s, int k, double external, rb_vec3 speed,
                        rb_vec3 rate)
@@ -385,13 +397,13 @@ static bool is_nothing(const struct rb_settling *s, int k, double external, rb_v
 	               fmax(rest_share * external, LOAD_ULP * DBL_EPSILON * s->load[k]);
 }
 
-/* Neither a closed form nor without turning. */
+/* True if the member rotates and its rotation has no closed form. */
 static bool turns_oddly(const struct rb_settling *s, int k)
 {
 	const struct rb_located *l = s->l;
 	const double radius = rb_model_reach(l->model, l->set[k]);
 
-	/* what turns evenly is in closed form only where it is round */
+	/* uniform rotation has a closed form only for spheres */
 	if (!l->top || (l->top_body[l->set[k]].kind == RB_TOP_CONSTANT &&
 	                l->model->shape[l->set[k]].kind == RB_SHAPE_SPHERE))
 		return false;
@@ -399,7 +411,7 @@ static bool turns_oddly(const struct rb_settling *s, int k)
 	                   rb_vec3_scale(radius, s->joint.body[k].angular));
 }
 
-/* Constant accelerations from here to the next transition? */
+/* True if accelerations are constant until the next transition. */
 static bool in_closed_form(const struct rb_settling *s, int part, const struct rb_cluster *c)
 {
 	const struct rb_located *l = s->l;
@@ -416,7 +428,7 @@ static bool in_closed_form(const struct rb_settling *s, int part, const struct r
 		if (s->contact_point[k].b < l->n || s->contact_point[k].on_rim ||
 		    l->model->shape[s->contact_point[k].b].kind == RB_SHAPE_SPHERE)
 			return false;
-		/* nobody looks for where a point leaves its features, or another one comes */
+		/* nothing would detect that a point leaves its features, or a new one */
 		if (!rb_set_is_single(l, s->contact_point[k].a, s->contact_point[k].b) &&
 		    l->model->shape[s->contact_point[k].b].kind != RB_SHAPE_PLANE)
 			return false;
@@ -426,7 +438,7 @@ static bool in_closed_form(const struct rb_settling *s, int part, const struct r
 	return true;
 }
 
-/* What drives it may be still at this moment only. */
+/* True if a driven body moves although it is at rest at this moment. */
 static bool will_move(const struct rb_settling *s, int body, double external)
 {
 	const struct rb_located *l = s->l;
@@ -444,8 +456,8 @@ static bool will_move(const struct rb_settling *s, int body, double external)
 }
 
 /*
- * All of a cluster stands still and nothing moves it: static means static. Still is a speed within
- * rounding of that of a fall by its own size.
+ * True if the whole cluster is at rest and nothing moves it. At rest is a speed within rounding of
+ * that of a fall by its own size.
  */
 static bool is_at_rest(const struct rb_settling *s, int part)
 {
@@ -476,8 +488,8 @@ static bool is_at_rest(const struct rb_settling *s, int part)
 }
 
 /*
- * What contacts with fixed bodies do while all of the cluster is on parabolas; others leave its
- * momentum.
+ * Rates for the ledger of contacts with fixed bodies while the cluster is on parabolas; contacts
+ * within leave its momentum.
  */
 static void rate_contact(const struct rb_settling *s, int k, bool rest_speed,
                          struct rb_account_rates *rates)
@@ -508,6 +520,7 @@ static void rate_contact(const struct rb_settling *s, int k, bool rest_speed,
 	torque[2] = rb_vec3_add_scaled(torque[2], 0.5, rb_vec3_cross(body->linear, force));
 }
 
+/* Starts a part on arcs or on its first piece. */
 static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
                        const int *contact_point)
 {
@@ -525,7 +538,7 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 		if (rest_speed)
 			s->pose[k].velocity = s->pose[k].spin = none;
 		if (closed)
-			s->pose[k].rest = none; /* closed forms go from one number */
+			s->pose[k].rest = none; /* closed forms start from one number */
 		if (!rest_speed && closed && l->top &&
 		    l->model->shape[l->set[k]].kind != RB_SHAPE_SPHERE)
 			s->pose[k].spin = s->joint.body[k].angular = none;
@@ -539,7 +552,7 @@ static void start_part(struct rb_settling *s, int part, struct rb_cluster *c,
 		rb_integrate_piece(l, (int)(c - l->cluster), s->t);
 }
 
-/* The contacts of a part, for its cluster; `meet`: room for as many numbers. */
+/* Writes the contacts of a part to its cluster. */
 static void write_held(struct rb_settling *s, int part, struct rb_cluster *c, int *contact_point)
 {
 	const struct rb_located *l = s->l;
@@ -563,6 +576,7 @@ static void write_held(struct rb_settling *s, int part, struct rb_cluster *c, in
 		}
 }
 
+/* Puts a body without contacts on a free arc. */
 static void fly(struct rb_settling *s, int body)
 {
 	const int place = s->l->place[body];
@@ -572,6 +586,7 @@ static void fly(struct rb_settling *s, int body)
 	              rb_external_turning(s->l, body));
 }
 
+/* Writes each part as a cluster or free arcs. */
 static void write_parts(struct rb_settling *s, double try_s)
 {
 	struct rb_located *l = s->l;
@@ -610,6 +625,7 @@ static void write_parts(struct rb_settling *s, double try_s)
 	}
 }
 
+/* Closes the old clusters; `*try_s` is the shortest step length they had. */
 static void forget_before(struct rb_settling *s, double *try_s)
 {
 	struct rb_located *l = s->l;
@@ -630,7 +646,7 @@ static void forget_before(struct rb_settling *s, double *try_s)
 	}
 }
 
-/* Of a pair that does not press at any of its points any more. */
+/* Records the lift of pairs that no longer press at any point. */
 static void record_lifts(struct rb_settling *s)
 {
 	for (int k = 0, first; k < s->contact_point_count; k++) {
@@ -648,8 +664,8 @@ static void record_lifts(struct rb_settling *s)
 }
 
 /*
- * What stands is solved once, whatever that costs, and costs nothing from then on; what moves is
- * solved again soon, and so is what is found after steps, which may have to take over again.
+ * True if the set moves: what is at rest is solved once at any cost; what moves is solved again
+ * soon, as is what is found after steps.
  */
 static bool is_moving(const struct rb_settling *s)
 {
@@ -670,8 +686,8 @@ static bool is_moving(const struct rb_settling *s)
 }
 
 /*
- * Is it another point of bodies that touch already? An impact has dealt with all of them, but of a
- * flat rim with some: where it has begun to turn, another point of it may be the lowest.
+ * True if it is another point of bodies in contact. An impact has resolved all of them, but of a
+ * flat rim only some: where it turns, another may be the lowest.
  */
 static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_point *m)
 {
@@ -680,8 +696,8 @@ static bool comes_to_touch(const struct rb_settling *s, const struct rb_contact_
 }
 
 /*
- * The first contact that has lasted and approaches, or comes to where its bodies touch already, -1:
- * none. What steps have left is not that of an impact.
+ * The first lasting contact that approaches, or a new point of bodies in contact; -1: none. What
+ * steps have left is no impact.
  */
 static int find_hit(const struct rb_settling *s)
 {
@@ -694,7 +710,7 @@ static int find_hit(const struct rb_settling *s)
 	return -1;
 }
 
-/* One look at the set, first for impacts: true, it is to be looked at anew. */
+/* One attempt, impacts first; true: to be repeated. */
 static bool resolve_once(struct rb_settling *s, bool looks, bool may_seize)
 {
 	struct rb_located *l = s->l;
@@ -730,7 +746,7 @@ bool rb_resolve_contacts(struct rb_located *l, double t, bool struck, double sla
 
 	RB_ASSERT(t >= l->now_s);
 	RB_ASSERT(slack >= 0);
-	/* each impulse ends a slip, and what it makes approach is an impact */
+	/* each Painleve impulse ends a slip; what it makes approach is an impact */
 	for (int round = 0; again; round++) {
 		struct rb_settling s = {
 			.l = l, .t = t, .slack = slack, .struck = struck || round > 0, .hit = -1};

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Impacts: two plain spheres, or sphere and plane, in closed form; otherwise all that touches is
+ * solved simultaneously (constraint/simultaneous) with Newton's restitution and Coulomb's friction.
+ * A rebound that would stay below rounding is the start of an infinite series (Zeno): it ends at
+ * once and is reported at the time of its limit, 2 u / (a (1 - e)).
+ */
 #include "located/resolve_impact.h"
 
 #include "base/error.h"
@@ -18,16 +24,20 @@
 #include "geom/distance.h"
 
 /*
- * By how many times a rebound may change speeds when it is stopped: more is not what stopping it
- * takes.
+ * Factor by which stopping rebounds may change velocities: more means that it is not a matter of
+ * rebounds.
  */
 static const double dear = 1e3;
 
+/*
+ * Height of the smallest rebound in ulp of the size, of spheres and of corners; passes of stopping;
+ * rounds of impact and contacts, each of which doubles the digits of a rim's point.
+ */
 enum { SMALLEST_ULP = 8, SMALLEST_CORNER_ULP = 64, STOP_PASSES = 64, ROUNDS_MAX = 16 };
 
 /* ---- one pair ---- */
 
-/* A sphere about its centre, or what does not yield. */
+/* True for a free sphere about its centre, or a fixed body. */
 static bool is_plain(const struct rb_located *l, int i)
 {
 	if (i >= l->n)
@@ -37,7 +47,7 @@ static bool is_plain(const struct rb_located *l, int i)
 	       (!l->top || l->top_body[i].kind == RB_TOP_CONSTANT);
 }
 
-/* The normal part passes through the centre: only what is across it turns the body. */
+/* Applies an impulse: its normal part passes through the centre, only the tangential part turns. */
 static void kick(struct rb_located *l, int i, const rb_vec3 impulse[2], rb_vec3 arm,
                  struct rb_pose *pose)
 {
@@ -49,6 +59,7 @@ static void kick(struct rb_located *l, int i, const rb_vec3 impulse[2], rb_vec3 
 		                                rb_vec3_cross(arm, impulse[1]));
 }
 
+/* Inverse effective mass at the surface along a tangent. */
 static double turn_inverse_mass(const struct rb_located *l, int i)
 {
 	if (i >= l->n)
@@ -59,26 +70,23 @@ static double turn_inverse_mass(const struct rb_located *l, int i)
 	       (l->top ? radius * radius * l->model->inverse_inertia_scalar[i] : 0);
 }
 
-/* Acceleration by which two bodies that part now are brought together again, m/s^2. */
+/* Acceleration that brings two separating bodies together again, m/s^2. */
 static double closing_of(const struct rb_located *l, const struct rb_contact_point *m, double t)
 {
 	const struct rb_held *held = rb_set_held_like(l, m);
 
-	if (held) /* what its force has held back */
+	if (held) /* what its force has balanced */
 		return fabs(rb_vec3_dot(held->force, m->normal)) *
 		       (l->model->inverse_mass[m->a] + l->model->inverse_mass[m->b]);
 	return -rb_contact_point_bend(l, m, t);
 }
 
-/*
- * Would it open the gap no further than the rounding of the body's size? Where it is does not
- * matter.
- */
+/* True if the rebound would stay within rounding of the size; positions do not matter. */
 static bool ends_here(const struct rb_located *l, const struct rb_contact_point *m,
                       double target_velocity, double t)
 {
 	const double closing = closing_of(l, m, t);
-	/* where a corner is, is known less well than where a sphere's surface is */
+	/* a corner's position is less exact than a sphere's surface */
 	const double ulp = rb_set_is_single(l, m->a, m->b) ? SMALLEST_ULP : SMALLEST_CORNER_ULP;
 
 	return closing > 0 && target_velocity * target_velocity <=
@@ -87,13 +95,14 @@ static bool ends_here(const struct rb_located *l, const struct rb_contact_point 
 
 /* ---- one pair in flight ---- */
 
-/* A sphere about its centre on a parabola of gravity alone, in no cluster; nothing turns. */
+/* True for a sphere on a parabola of gravity alone, in no cluster, without rotation. */
 static bool flies(const struct rb_located *l, int i)
 {
 	return l->arc[i].plain_radius > 0 && l->cluster_of[i] < 0 && !l->top &&
 	       !rb_located_on_piece(l, i) && !rb_located_driven(l, i);
 }
 
+/* New anchor with the same acceleration. */
 static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_vec3 velocity)
 {
 	struct rb_arc *arc = &l->arc[i];
@@ -105,9 +114,8 @@ static void fly_on(struct rb_located *l, int i, double t, rb_vec3 position, rb_v
 }
 
 /*
- * What rb_resolve_impact_of_pair does, to the bit, where all that it looks at is known to be
- * nothing: spins, friction, differences of acceleration, somebody who is told. False: it is not, or
- * the rebound is so slow that it has to be looked at.
+ * rb_resolve_impact_of_pair, bit for bit, where spins, friction, differences of acceleration and
+ * listeners are known to be absent; false: they are not, or the rebound is slow.
  */
 static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 {
@@ -162,7 +170,7 @@ static bool collide_in_flight(struct rb_located *l, int a, int b, double t)
 	return true;
 }
 
-/* Of b's point relative to a's, by the poses as they are now. */
+/* Velocity of b's point relative to a's, by the present poses. */
 static rb_vec3 velocity_of(const struct rb_contact_point *m)
 {
 	return rb_vec3_sub(
@@ -188,7 +196,10 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 	if (!(approach > c.noise) || m.on_rim || !(target_velocity > c.noise) ||
 	    ends_here(l, &m, target_velocity, t))
 		return false;
-	/* by n.n, which is 1 to rounding only: a wall is hit a million times by the same normal */
+	/*
+	 * divided by n.n, which is 1 only to rounding: a wall is hit a million times along one
+	 * normal
+	 */
 	const double normal = (1 + c.restitution) * approach /
 	                      ((inverse_a + inverse_b) * rb_vec3_dot(m.normal, m.normal));
 	rb_vec3 tangent = {0, 0, 0};
@@ -221,6 +232,7 @@ bool rb_resolve_impact_of_pair(struct rb_located *l, int a, int b, double t)
 
 /* ---- all that touch ---- */
 
+/* A simultaneous impact in work. */
 struct striking {
 	struct rb_located *l;
 	double t;
@@ -231,6 +243,7 @@ struct striking {
 	double slack; /* m/s: rounding of the velocities that came in */
 };
 
+/* Place of a member, or a new copy of a fixed body. */
 static int joint_body(struct striking *s, int body, const struct rb_pose *pose)
 {
 	struct rb_located *l = s->l;
@@ -254,8 +267,8 @@ static struct rb_drift drift_of(struct striking *s, const bool *kept)
 }
 
 /*
- * What bodies with several points that have been held, and come to touch at another, have drifted:
- * it would feed a series of impacts that comes to its end.
+ * Removes the drift of pairs held at several points that now touch at another: it would feed a
+ * series of impacts.
  */
 static bool put_right(struct striking *s)
 {
@@ -272,6 +285,7 @@ static bool put_right(struct striking *s)
 	return true;
 }
 
+/* Bodies and contacts for the solver. */
 static bool build(struct striking *s)
 {
 	struct rb_located *l = s->l;
@@ -310,6 +324,7 @@ static bool build(struct striking *s)
 	return true;
 }
 
+/* Relative velocity at contact k after the impact. */
 static rb_vec3 velocity_after(const struct striking *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -319,10 +334,7 @@ static rb_vec3 velocity_after(const struct striking *s, int k)
 	                   rb_solver_point_velocity(a, c->arm_a));
 }
 
-/*
- * Across which a normal impulse turns the body, m; nothing but rounding where it passes through its
- * centre.
- */
+/* Lever arm of a normal impulse, m; zero where only rounding keeps it from the centre. */
 static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
 {
 	const rb_vec3 lever = rb_vec3_cross(arm, normal);
@@ -331,7 +343,7 @@ static rb_vec3 lever_of(rb_vec3 arm, rb_vec3 normal)
 	return central ? (rb_vec3){0, 0, 0} : lever;
 }
 
-/* rad/s by a unit impulse along the normal */
+/* Change of spin by a unit normal impulse. */
 static rb_vec3 turn_by(const struct striking *s, int place, rb_vec3 lever)
 {
 	if (place >= s->l->set_count || !s->l->top || !(rb_vec3_max_abs(lever) > 0))
@@ -339,6 +351,7 @@ static rb_vec3 turn_by(const struct striking *s, int place, rb_vec3 lever)
 	return rb_effective_mass_inverse(s->l, s->l->set[place], s->pose[place].orientation, lever);
 }
 
+/* Takes the normal velocity of contact k away. */
 static void stop_normal(struct striking *s, int k, double target_velocity)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -362,7 +375,9 @@ static void stop_normal(struct striking *s, int k, double target_velocity)
 	               before, velocity_after(s, k));
 }
 
-/* Does another contact hold its body at the same place, so that nothing brings this one back? */
+/*
+ * True if another contact at the same place holds the body, so that nothing brings this one back.
+ */
 static bool is_taken_over(const struct striking *s, int k)
 {
 	for (int i = 0; i < s->contact_point_count; i++)
@@ -374,10 +389,7 @@ static bool is_taken_over(const struct striking *s, int k)
 	return false;
 }
 
-/*
- * Seconds that infinitely many rebounds take which begin with this one; < 0: it is not of that
- * kind.
- */
+/* Duration of the infinite series of rebounds that begins with this one, s; < 0: it is none. */
 static double accumulation(const struct striking *s, int k)
 {
 	const struct rb_located *l = s->l;
@@ -396,7 +408,7 @@ static double accumulation(const struct striking *s, int k)
 	                                              : rb_contact_point_of(l, &name, &pose_a,
 	                                                                    &pose_b);
 	const double target_velocity = rb_vec3_dot(velocity_after(s, k), c->normal);
-	/* the other end of a body that rocks lifts without an impulse */
+	/* the other end of a rocking body lifts without an impulse */
 	const bool took_part = c->approach > 0 || rb_vec3_dot(c->impulse, c->normal) > 0 ||
 	                       (!rb_set_is_single(l, m->a, m->b) && rb_set_held_like(l, m));
 	if (!took_part || !(target_velocity > 0) || !ends_here(l, &after, target_velocity, s->t) ||
@@ -407,7 +419,7 @@ static double accumulation(const struct striking *s, int k)
 	return c->restitution < 1 ? 2 * target_velocity / (closing * (1 - c->restitution)) : 0;
 }
 
-/* Impacts that go on without end between bodies that nothing presses together. */
+/* Records the end of impact series between bodies that nothing presses together. */
 static void record_ends(struct striking *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++) {
@@ -422,10 +434,10 @@ static void record_ends(struct striking *s)
 	}
 }
 
-/* Of contacts that are to end, what is left of their rebounds is taken away. */
+/* Stops contacts one after the other, repeatedly, since stopping one may move another. */
 static void stop_one_by_one(struct striking *s, const bool *ends)
 {
-	/* stopping one may move another that ends as well: until all stand */
+	/* until all are at rest */
 	for (int pass = 0; pass < STOP_PASSES; pass++) {
 		bool moved = false;
 
@@ -444,8 +456,7 @@ static void stop_one_by_one(struct striking *s, const bool *ends)
 }
 
 /*
- * Of the contacts that are not `kept`, those are that approach now, or leave where they stood;
- * true: there were such.
+ * Adds the contacts that approach now, or separate where they were at rest; true: there were any.
  */
 static bool keep_what_moves(const struct striking *s, const bool *stood, bool *kept)
 {
@@ -463,7 +474,7 @@ static bool keep_what_moves(const struct striking *s, const bool *stood, bool *k
 	return any;
 }
 
-/* The largest change of a member since then, at its surface, m/s. */
+/* Largest change of a member's velocity, at its surface, m/s. */
 static double largest_change(const struct striking *s, const struct rb_solver_body *before)
 {
 	double max = 0;
@@ -480,6 +491,7 @@ static double largest_change(const struct striking *s, const struct rb_solver_bo
 	return max;
 }
 
+/* Largest rebound among those that end, m/s. */
 static double largest_rebound(const struct striking *s, const bool *ends)
 {
 	double max = 0;
@@ -491,7 +503,7 @@ static double largest_rebound(const struct striking *s, const bool *ends)
 	return max;
 }
 
-/* Bodies as they were, and from there without the rebounds of `tidy`. */
+/* Velocities from `before` without the rebounds of `drift`. */
 static void stop_from(struct striking *s, struct rb_drift *drift,
                       const struct rb_solver_body *before)
 {
@@ -507,10 +519,10 @@ static void stop_from(struct striking *s, struct rb_drift *drift,
 }
 
 /*
- * The same where points of bodies hang together: the smallest change that leaves no rebound, which
- * takes energy. What it would have approach, or lift where it stood, is stopped as well: that would
- * be the next impact. Not at any price: where a body rolls over an edge that stands out by
- * rounding, only standing still would serve both sides of it.
+ * Stops contacts of connected points together: the smallest change that leaves no rebound, which
+ * dissipates. Contacts that it would make approach, or lift from rest, are stopped too. Not at any
+ * price: for a body rolling over an edge that stands out by rounding, only rest would satisfy both
+ * sides.
  */
 static void stop_together(struct striking *s, bool *ends)
 {
@@ -537,16 +549,15 @@ static void stop_together(struct striking *s, bool *ends)
 		s->l->status = RB_FAIL(s->l->err, RB_ERR_MEMORY, "no memory for a contact");
 	else if (!(largest_change(s, before) <= dear * rebound))
 		memcpy(s->joint.body, before, count * sizeof *before);
-	else if (s->l->account_s) { /* the same once more, for good */
+	else if (s->l->account_s) { /* repeated with ledger entries */
 		drift.tries = false;
 		stop_from(s, &drift, before);
 	}
 }
 
 /*
- * A rebound that would stay within the rounding of sizes is the beginning of infinitely many: the
- * contact lasts from here, and is told when the last of them would be over, after 2 u / (a (1 -
- * e)).
+ * Ends series of rebounds that stay within rounding of sizes: the contact lasts from here and is
+ * reported at the limit of the series, 2 u / (a (1 - e)) later.
  */
 static void end_accumulations(struct striking *s)
 {
@@ -580,7 +591,7 @@ static void end_accumulations(struct striking *s)
 		stop_together(s, ends);
 }
 
-/* One event a pair: the impulses of its points together, where they act on the whole. */
+/* One event for each pair: the sum of its impulses at their centre. */
 static void record_pair(struct striking *s, int first, int end)
 {
 	struct rb_contact_point m = s->contact_point[first];
@@ -592,7 +603,7 @@ static void record_pair(struct striking *s, int first, int end)
 		const double own = rb_vec3_dot(c->impulse, c->normal);
 
 		impulse = rb_vec3_add(impulse, c->impulse);
-		if (own > 0) /* from the first one: far away that costs no digits */
+		if (own > 0) /* relative to the first point, for the digits */
 			point = rb_vec3_add_scaled(point, own,
 			                           rb_vec3_sub(s->contact_point[k].point,
 			                                       s->contact_point[first].point));
@@ -609,6 +620,7 @@ static void record_pair(struct striking *s, int first, int end)
 	rb_record_impact(s->l, s->t, &m, impulse, approach);
 }
 
+/* Events of all pairs. */
 static void record_impacts(struct striking *s)
 {
 	int first = 0;
@@ -624,7 +636,7 @@ static void record_impacts(struct striking *s)
 
 /* ---- the ledger ---- */
 
-/* Velocities before the impact; NULL where nobody asks. */
+/* Relative velocities before the impact, for the ledger; NULL without one. */
 static rb_vec3 *see_approaches(struct striking *s)
 {
 	struct rb_located *l = s->l;
@@ -641,6 +653,7 @@ static rb_vec3 *see_approaches(struct striking *s)
 	return approach;
 }
 
+/* Enters the work of the impulses. */
 static void enter_impulses(struct striking *s, const rb_vec3 *approach)
 {
 	for (int k = 0; approach && k < s->contact_point_count; k++)
@@ -648,6 +661,7 @@ static void enter_impulses(struct striking *s, const rb_vec3 *approach)
 		               velocity_after(s, k));
 }
 
+/* Solves the impact, ends series, anchors the members. */
 static void collide(struct striking *s)
 {
 	struct rb_located *l = s->l;
@@ -677,13 +691,13 @@ static void collide(struct striking *s)
 
 		s->pose[k].velocity = s->joint.body[k].linear;
 		s->pose[k].spin = s->joint.body[k].angular;
-		/* for the moment only: settling gives it its forces */
+		/* provisional: resolving contacts gives them their forces */
 		rb_arc_anchor(l, i, s->t, &s->pose[k], rb_arc_acceleration(l, i, s->t),
 		              (rb_vec3){0, 0, 0});
 	}
 }
 
-/* One impact of all that touches; m/s: the rounding that it leaves. */
+/* One simultaneous impact; returns the rounding of velocities that it leaves, m/s. */
 static double collide_once(struct rb_located *l, int a, int b, double t)
 {
 	struct striking s = {.l = l, .t = t};
@@ -705,10 +719,12 @@ static double collide_once(struct rb_located *l, int a, int b, double t)
 
 void rb_resolve_impacts(struct rb_located *l, int a, int b, double t)
 {
+	RB_ASSERT(rb_located_is_body(l, a) && rb_located_is_body(l, b) && a != b);
+
 	int hit[2] = {a, b};
 	bool more = true;
 
-	/* the lowest point of a rim is found as a root is, with twice the digits each time */
+	/* a rim's lowest point is found like a root, with twice the digits each round */
 	for (int round = 0; more; round++) {
 		const double slack = collide_once(l, hit[0], hit[1], t);
 

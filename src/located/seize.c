@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Painleve's paradox (1895): with large friction a sliding contact may have no finite force. The
+ * solver then reports less friction than the material's; here the slip is stopped by an impulse
+ * (impact without collision), of a pair alone by constraint/eccentric, of several by
+ * located/painleve.
+ */
 #include "located/seize.h"
 
 #include <float.h>
@@ -10,17 +16,16 @@
 #include "located/work.h"
 #include "constraint/eccentric.h"
 
-/*
- * Friction that the solver leaves out where it has found no solution with all of it; its residue is
- * less.
- */
+/* Share of friction that the solver left out where no solution has all of it; above its residue. */
 static const double left_out = 1e-9;
 
+/* True for a member of the set. */
 static bool is_yielding(const struct rb_settling *s, int body)
 {
 	return body < s->l->n && s->l->place[body] >= 0;
 }
 
+/* Root of a part. */
 static int root_of(const struct rb_settling *s, int place)
 {
 	while (s->root[place] != place)
@@ -28,7 +33,7 @@ static int root_of(const struct rb_settling *s, int place)
 	return place;
 }
 
-/* The root of the bodies that a contact moves. */
+/* Part that contact k belongs to. */
 static int part_of(const struct rb_settling *s, int k)
 {
 	const struct rb_contact_point *m = &s->contact_point[k];
@@ -36,7 +41,7 @@ static int part_of(const struct rb_settling *s, int k)
 	return root_of(s, s->l->place[is_yielding(s, m->a) ? m->a : m->b]);
 }
 
-/* Does it slip with less than its friction? Only where the law has no force for it. */
+/* True if it slips with less than its friction, which means that the law has no force. */
 static bool is_seized(const struct rb_settling *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -46,7 +51,7 @@ static bool is_seized(const struct rb_settling *s, int k)
 	return c->mode == RB_SOLVER_SLIDE && push > 0 && rubs < c->friction * push * (1 - left_out);
 }
 
-/* Do other pairs press in this part? */
+/* True if no other pair presses in this part. */
 static bool is_alone(const struct rb_settling *s, int k)
 {
 	int first;
@@ -59,13 +64,13 @@ static bool is_alone(const struct rb_settling *s, int k)
 	return true;
 }
 
-/* Of a body that yields: what does not may be anywhere. */
+/* Arm on a dynamic body: a fixed one may be anywhere. */
 static rb_vec3 arm_of(const struct rb_settling *s, const struct rb_contact_point *m)
 {
 	return is_yielding(s, m->a) ? m->arm_a : m->arm_b;
 }
 
-/* The points of a pair as one, where their pushes together act. */
+/* The points of a pair as one, at the centre of their normal forces. */
 static struct rb_contact_point middle_of(const struct rb_settling *s, int k)
 {
 	struct rb_contact_point all = s->contact_point[k];
@@ -92,6 +97,7 @@ static struct rb_contact_point middle_of(const struct rb_settling *s, int k)
 	return all;
 }
 
+/* Change of relative velocity at the point by an impulse: the inverse effective mass, 3 x 3. */
 static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
                                          const struct rb_contact_point *m)
 {
@@ -116,8 +122,8 @@ static rb_mat3 inverse_effective_mass_of(const struct rb_settling *s,
 }
 
 /*
- * Its normal velocity is rounding: an approach of that size instead. Where the contact yields after
- * all, so is the impulse, and none.
+ * Impulse for an approach of rounding size, since the normal velocity is rounding. Where the
+ * contact has a solution after all, the impulse is that small, and none is applied.
  */
 static rb_vec3 impulse_at(const struct rb_settling *s, const struct rb_contact_point *m,
                           const struct rb_solver_contact *c, rb_vec3 *change)
@@ -133,6 +139,7 @@ static rb_vec3 impulse_at(const struct rb_settling *s, const struct rb_contact_p
 	return rb_vec3_length(*change) > sqrt(DBL_EPSILON) * speed ? impulse : (rb_vec3){0, 0, 0};
 }
 
+/* Applies an impulse to a member. */
 static void push(struct rb_settling *s, int body, const struct rb_pose *pose, rb_vec3 arm,
                  rb_vec3 impulse)
 {
@@ -147,6 +154,7 @@ static void push(struct rb_settling *s, int body, const struct rb_pose *pose, rb
 		                                                  rb_vec3_cross(arm, impulse)));
 }
 
+/* Stops the slip at one point; false: no impulse does. */
 static bool seize_at(struct rb_settling *s, const struct rb_contact_point *m,
                      const struct rb_solver_contact *c)
 {
@@ -162,7 +170,7 @@ static bool seize_at(struct rb_settling *s, const struct rb_contact_point *m,
 	return true;
 }
 
-/* All pressing contacts of a part are stopped. */
+/* Stops all pressing contacts of a part; false: impulses within friction do not. */
 static bool seize_part(struct rb_settling *s, int part)
 {
 	struct rb_located *l = s->l;
@@ -204,7 +212,7 @@ static bool seize_part(struct rb_settling *s, int part)
 		s->pose[k].spin = rb_vec3_add(s->pose[k].spin, painleve.angular[k]);
 	}
 	for (int k = 0; k < painleve.count; k++) {
-		/* jam.scratch: what the impulses have added */
+		/* painleve.scratch: what the impulses have added */
 		rb_work_impact(l, &contact_point[k], painleve.impulse[k], contact_point[k].velocity,
 		               rb_vec3_add(contact_point[k].velocity, painleve.scratch[k]));
 		rb_record_impact(l, s->t, &contact_point[k], painleve.impulse[k], 0);
@@ -226,15 +234,15 @@ bool rb_seize(struct rb_settling *s)
 		int first;
 
 		/*
-		 * points of a pair that come to stand together are all stopped: that is more than
-		 * their middle is
+		 * points of a pair that stop together are all stopped, which is more than their
+		 * middle
 		 */
 		any = (!alone ||
 		       (rb_slips_pair(s, k, &first) > first + 1 && c->restitution == 0)) &&
 		      seize_part(s, part_of(s, k));
 		any = any || (alone && seize_at(s, &middle, c));
 	}
-	/* for the moment only: settling anew gives them their forces */
+	/* provisional: resolving again gives them their forces */
 	for (int k = 0; k < s->l->set_count && any; k++)
 		rb_arc_anchor(s->l, s->l->set[k], s->t, &s->pose[k], none, none);
 	return any;

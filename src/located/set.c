@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The set: bodies that an event concerns. It grows from its first members by clusters, force
+ * elements and touching pairs until nothing is added; each pair is examined once. Points of held
+ * contacts are matched to found ones by name, then by place, so that a contact keeps its identity
+ * while it rolls over features.
+ */
 #include "located/set.h"
 
 #include "base/error.h"
@@ -12,6 +18,7 @@ void rb_set_add(struct rb_located *l, int i)
 	RB_ASSERT_COSTLY(rb_located_is_body(l, i));
 	if (rb_located_fixed(l, i) || l->place[i] >= 0)
 		return;
+	RB_ASSERT_COSTLY(l->set_count < l->n);
 	l->place[i] = l->set_count;
 	l->set[l->set_count++] = i;
 }
@@ -88,17 +95,15 @@ struct rb_contact_point rb_set_contact_point(const struct rb_located *l, const s
 }
 
 /*
- * Points of a pair closer than this share of its size are one; rounding of places by their features
- * is far below.
+ * Share of the size within which points of a pair are one; rounding by their features is far below.
  */
 static const double one_place = 1e-9;
-/* Share of the speeds below which a slip creeps. */
-/* Share of what friction does to speeds by which a slip that creeps may change its own. */
+/* Share of friction's deceleration by which the speed of a creeping slip may change. */
 static const double slowly = 0.05;
+/* Share of the speeds below which a slip creeps. */
 static const double creeping = 1e-5;
 /*
- * Share of the size by which rounding and integration let a point be beyond the end of its
- * features.
+ * Share of the size by which rounding and integration let a point be past the end of its features.
  */
 static const double beyond_end = 1e-11;
 
@@ -260,14 +265,15 @@ bool rb_set_lasting(const struct rb_located *l, const struct rb_contact_point *m
 	const double rate = rb_vec3_dot(m->velocity, m->normal);
 	const double rest_speed = rb_contact_point_noise(l, m) + slack;
 
-	/* impacts have been dealt with; but not those that another method has left to come */
+	/* impacts were resolved before, but not those that another method has left */
 	return m->gap <= rb_contact_point_band(l, m, t) && rate <= rest_speed &&
 	       (!l->starting || rate >= -rest_speed);
 }
 
-/* Share of the size that a held point may be off touching. */
+/* Share of the size by which a held point may be off contact. */
 static const double drifted = 1e-9;
 
+/* Contact points found so far, and what decides whether one joins. */
 struct pairs {
 	double t, slack;
 	rb_set_joins *joins;
@@ -276,6 +282,7 @@ struct pairs {
 	bool failed;
 };
 
+/* Appends a point; the array doubles within the arena. */
 static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_contact_point *m)
 {
 	if (pairs->count == pairs->capacity) {
@@ -295,7 +302,7 @@ static void keep(struct rb_located *l, struct pairs *pairs, const struct rb_cont
 	pairs->row[pairs->count++] = *m;
 }
 
-/* m: by how much the held points of a pair are off touching; integrating leaves some roundings. */
+/* Largest drift of a pair's held points, m; integration leaves some roundings. */
 static double drift_of(const struct rb_located *l, const struct rb_held *first,
                        const struct rb_held *end, double t)
 {
@@ -309,10 +316,7 @@ static double drift_of(const struct rb_located *l, const struct rb_held *first,
 	return drift;
 }
 
-/*
- * Has the point come over the end of its features, as far as this one has or others that go with
- * it?
- */
+/* True if the point has passed the end of its features, as far as it did or others beside it. */
 static bool passes_on(const struct rb_located *l, const struct rb_contact_point *m, bool others)
 {
 	return m->beyond != 0 &&
@@ -320,8 +324,8 @@ static bool passes_on(const struct rb_located *l, const struct rb_contact_point 
 }
 
 /*
- * Another point that touches at this place and does not part: of another part of the body, which
- * begins where one ends.
+ * Another touching point at this place that does not separate: of a part that begins where one
+ * ends.
  */
 static const struct rb_contact_point *instead_of(const struct rb_located *l,
                                                  const struct rb_contact_point *m,
@@ -336,9 +340,9 @@ static const struct rb_contact_point *instead_of(const struct rb_located *l,
 }
 
 /*
- * A point that is held and rolls from one feature to the next is the same contact: neither does it
- * end, nor is the next one new, though its normal is off by as much as the point has gone too far.
- * Those of a pair that roll there together do so together.
+ * Passes held points on to the next features: it is the same contact, neither ended nor new,
+ * although its normal is off by the overshoot. Points of a pair that roll together are passed on
+ * together.
  */
 static void pass_on(const struct rb_located *l, struct rb_contact_point *m, int count,
                     const struct rb_contact_point *all, int all_count)
@@ -356,6 +360,7 @@ static void pass_on(const struct rb_located *l, struct rb_contact_point *m, int 
 	}
 }
 
+/* True if a point of that name or place is among those. */
 static bool is_known(const struct rb_located *l, const struct rb_contact_point *m,
                      const struct rb_contact_point *of, int count)
 {
@@ -370,10 +375,7 @@ static bool is_known(const struct rb_located *l, const struct rb_contact_point *
 	return false;
 }
 
-/*
- * Of a rim that has come to lie flat, the points that it lands on instead of that on which it
- * rolled there.
- */
+/* Replaces the point on which a rim rolled by those on which it has come to lie flat. */
 static void come_to_lie_on(struct rb_contact_point *m, const struct rb_contact_point *all,
                            int count)
 {
@@ -389,7 +391,7 @@ static void come_to_lie_on(struct rb_contact_point *m, const struct rb_contact_p
 	}
 }
 
-/* The points of a pair that may have several: those that are held, and whatever else touches. */
+/* Points of a pair with features: those held, and whatever else touches. */
 static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int b, bool come)
 {
 	struct rb_contact_point all[RB_CONTACT_POINTS_MAX], held[RB_CONTACT_POINTS_MAX];
@@ -405,7 +407,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	}
 	int count = rb_pair_contact_points(l, a, b, pairs->t, drift, all);
 
-	/* what is no farther than those that are held touches as they do */
+	/* what is as close as the held points counts as touching */
 	for (int k = 0; k < count && drift > 0; k++)
 		all[k].gap = fmin(all[k].gap, 0);
 	int held_count = 0;
@@ -417,10 +419,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	for (int h = 0; h < held_count; h++) {
 		int left = 0;
 
-		/*
-		 * one that has left its features stays only if nothing else is there that could end
-		 * it
-		 */
+		/* a point that has left its features stays only if nothing else could end it */
 		if (rb_set_has_left(l, &held[h]) && (count > 0 || held_count > 1))
 			continue;
 		if (is_known(l, &held[h], held, h))
@@ -445,7 +444,7 @@ static void inspect_points(struct rb_located *l, struct pairs *pairs, int a, int
 	}
 }
 
-/* A pair whose far side is not yet dealt with. */
+/* Examines a pair once. */
 static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j)
 {
 	if (!rb_pair_can_touch(l, i, j))
@@ -459,7 +458,7 @@ static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j
 		return;
 	}
 	struct rb_contact_point m = rb_contact_point_at(l, i < j ? i : j, i < j ? j : i, pairs->t);
-	/* those whose touch has been located do touch, whatever rounding makes of their gap */
+	/* a located touch counts as touching, whatever rounding makes of the gap */
 	if (come)
 		m.gap = fmin(m.gap, 0);
 	if (!held && !pairs->joins(l, &m, pairs->t, pairs->slack))
@@ -468,7 +467,7 @@ static void inspect_pair(struct rb_located *l, struct pairs *pairs, int i, int j
 	rb_set_add(l, j);
 }
 
-/* Who is at the other end of a force element. */
+/* Adds the bodies at the other ends of force elements. */
 static void add_partners(struct rb_located *l, int i)
 {
 	const struct rb_model *model = l->model;

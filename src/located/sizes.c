@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Scales of errors for the integrator, and the first step length. Rounding of a stack is that of
+ * its loads, not of the small differences that are left: asking for less would shorten steps
+ * without end.
+ */
 #include "located/sizes.h"
 
-/*
- * m/s^2: what the force alone would do to the point of the body that it acts on, by moving and by
- * turning it.
- */
+/* Acceleration, m/s^2, that the force alone would give to the body's point. */
 static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 force)
 {
 	const int place = rb_modes_place(w, body);
@@ -18,8 +20,7 @@ static double load_of(const struct rb_modes *w, int body, rb_vec3 arm, rb_vec3 f
 }
 
 /*
- * The largest of a member. What is solved together rounds together: the last of a column is not
- * better known than the first.
+ * Largest of a member. Forces solved together round together: all have the rounding of the largest.
  */
 static double largest_load(const struct rb_modes *w)
 {
@@ -35,8 +36,8 @@ static double largest_load(const struct rb_modes *w)
 }
 
 /*
- * m/s: what the speed of a member is nothing against. Where forces balance, rounding is that of the
- * forces, not of what is left of them: over a piece, and not more than a fall by its own size.
+ * Speed, m/s, below which a member's speed is rounding. Where forces balance, rounding is that of
+ * the forces: over a piece, and at most that of a fall by its own size.
  */
 static double balanced(const struct rb_modes *w, double load, double radius)
 {
@@ -61,7 +62,7 @@ double rb_sizes_of(struct rb_modes *w, double *scale)
 		double *const s = scale + (size_t)k * (size_t)w->row;
 
 		for (int m = 0; m < 3; m++) {
-			/* of a long way, its rounding */
+			/* over a long path, its rounding */
 			s[RB_PIECE_POSITION + m] = fmax(radius, speed * w->c->try_s / 32);
 			s[RB_PIECE_VELOCITY + m] = speed > 0 ? speed : radius / l->end_s;
 		}

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Directions of slip. Forces and modes come from the simultaneous solver; directions of slow slips
+ * are known from velocities only to rounding over speed, so those of before are kept while they are
+ * consistent, and slips that begin or end are tested in the direction in which they would go.
+ */
 #include "located/slips.h"
 
 #include "base/error.h"
@@ -9,8 +14,9 @@
 #include "located/mechanics.h"
 #include "located/drift.h"
 
+/* Length of a slip that has ended, ulp of the size; rounding of accelerations aside, ulp. */
 enum { SLIP_ULP = 1, STRAIGHT_ULP = 64 };
-/* Cosine of the angle, of rounding only, between normals that are one. */
+/* Cosine above which two normals are one, to rounding. */
 static const double same_way = 1 - 1e-12;
 
 void *rb_slips_take(struct rb_settling *s, int count, size_t size)
@@ -39,6 +45,7 @@ int rb_slips_pair(const struct rb_settling *s, int k, int *first)
 
 /* ---- forces ---- */
 
+/* Place of a member, or a copy of a fixed body's accelerations. */
 static int joint_body(struct rb_settling *s, int body)
 {
 	const struct rb_located *l = s->l;
@@ -49,6 +56,7 @@ static int joint_body(struct rb_settling *s, int body)
 	return s->joint.body_count++;
 }
 
+/* Members with their external accelerations. */
 static void joint_set(struct rb_settling *s, rb_mat3 *root)
 {
 	const struct rb_located *l = s->l;
@@ -61,11 +69,13 @@ static void joint_set(struct rb_settling *s, rb_mat3 *root)
 	s->joint.body_count = l->set_count;
 }
 
+/* True if a direction is given. */
 static bool is_given(rb_vec3 slip)
 {
 	return rb_vec3_max_abs(slip) > 0;
 }
 
+/* Contact k for the solver, with its mode: stick, or slip in the given or present direction. */
 static void joint_contact(struct rb_settling *s, int k)
 {
 	struct rb_located *l = s->l;
@@ -107,9 +117,9 @@ bool rb_slips_press(const struct rb_settling *s, int k)
 }
 
 /*
- * A contact that begins where another one holds the body already, on a surface that goes on in the
- * same plane, takes half of that load: neither of the two is the first. Forces of either kind move
- * the body alike.
+ * Shares loads: a contact that begins where another holds the body, on a coplanar surface, takes
+ * half of its load as the initial force, so that neither has precedence. The bodies move alike for
+ * any sharing.
  */
 static void share_loads(struct rb_settling *s)
 {
@@ -131,12 +141,14 @@ static void share_loads(struct rb_settling *s)
 		}
 }
 
+/* Adds a force to a member's load. */
 static void add_load(struct rb_settling *s, int body, double force)
 {
 	if (body < s->l->n && s->l->place[body] >= 0)
 		s->load[s->l->place[body]] += s->l->model->inverse_mass[body] * force;
 }
 
+/* Sum of contact forces over mass for each member, m/s^2: the scale of rounding. */
 static void find_loads(struct rb_settling *s)
 {
 	for (int k = 0; k < s->l->set_count; k++)
@@ -156,6 +168,7 @@ void rb_slips_too_many(const struct rb_settling *s)
 	                       s->contact_point_count);
 }
 
+/* Forces and modes in the given directions. */
 static bool solve(struct rb_settling *s)
 {
 	s->joint.arena = s->l->arena;
@@ -185,7 +198,7 @@ static bool solve(struct rb_settling *s)
 
 /* ---- which way ---- */
 
-/* Rate at which the contact point's slip changes, across the normal. */
+/* Rate of the slip velocity, m/s^2, across the normal. */
 static rb_vec3 slip_rate(const struct rb_settling *s, int k)
 {
 	const struct rb_solver_contact *c = &s->joint.contact[k];
@@ -209,7 +222,7 @@ bool rb_slips_straight(const struct rb_settling *s, int k, rb_vec3 slip)
 
 	if (aside <= STRAIGHT_ULP * DBL_EPSILON * s->external_max)
 		return true;
-	/* nor is there time to turn where it ends within the rounding of the time */
+	/* nor does it turn where it ends within the rounding of time */
 	return along < 0 && (aside * speed <= -along * 16 * DBL_EPSILON * largest ||
 	                     speed <= -along * 16 * DBL_EPSILON * s->t);
 }
@@ -223,9 +236,8 @@ bool rb_slips_creep(const struct rb_settling *s, int k, const struct rb_held *he
 }
 
 /*
- * A slip that would end within the rounding of sizes has ended: of bodies that touch at several
- * points it may turn at the end as fast as it slows down. Returns whether there was one; then the
- * forces are to be found again.
+ * Ends slips that would stop within rounding of sizes: with several points they may turn at the end
+ * as fast as they slow down. True if there was one: forces are to be found again.
  */
 static bool stop_slow_slips(struct rb_settling *s)
 {
@@ -250,7 +262,7 @@ static bool stop_slow_slips(struct rb_settling *s)
 		                  rb_vec3_dot(slip, slip) <= 2 * slows * SLIP_ULP * DBL_EPSILON *
 		                                                     rb_contact_point_size(s->l, m);
 
-		/* what does not press is not to lift for it */
+		/* what does not press must not lift for it */
 		kept[k] = true;
 		s->before[k].slipping = slides && !ends;
 		s->before[k].ending = ends;
@@ -280,10 +292,9 @@ static bool slipped(const struct rb_settling *s, int k, rb_vec3 *way)
 }
 
 /*
- * The velocity of a slow slip says its direction to rounding over speed only, and against friction
- * in a direction that is wrong by that it would turn back within speed / (friction g), all the way.
- * So where slips are straight in the directions that they had, within rounding, these are kept.
- * True: there are such.
+ * Keeps directions of straight slips. A velocity gives the direction only to rounding over speed,
+ * and friction in a direction wrong by that would turn it back within speed / (friction g), all the
+ * way. True: there are some.
  */
 static bool keep_directions(struct rb_settling *s)
 {
@@ -311,9 +322,8 @@ static bool keep_directions(struct rb_settling *s)
 }
 
 /*
- * Where slip sets in at all points of a pair, each against its own friction, whose direction is
- * known to the root of rounding only: the cones leave it so much room. Do they go one way, against
- * all of it? True: there are such pairs.
+ * Slips that begin at all points of a pair together: each friction's direction is known only to the
+ * root of rounding, so one common direction against their sum is tried. True: there are such pairs.
  */
 static bool begin_together(struct rb_settling *s)
 {
@@ -351,8 +361,8 @@ static bool begin_together(struct rb_settling *s)
 }
 
 /*
- * Contacts whose rest has come to its end slip against the friction that it would have taken. True:
- * there are such.
+ * Contacts whose stick has ended slip against the friction that it would have needed. True: there
+ * are some.
  */
 static bool end_rest(struct rb_settling *s)
 {
@@ -371,7 +381,7 @@ static bool end_rest(struct rb_settling *s)
 	return any;
 }
 
-/* Do they begin to, and not the other way? */
+/* True if they do begin to slip, and in that direction. */
 static bool rest_has_ended(const struct rb_settling *s)
 {
 	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
@@ -384,7 +394,7 @@ static bool rest_has_ended(const struct rb_settling *s)
 	return true;
 }
 
-/* Are the slips that go given ways straight? Do those that begin not begin the other way? */
+/* True if slips in given directions are straight and do not begin backwards. */
 static bool go_as_given(const struct rb_settling *s, bool begin)
 {
 	const double rounding = STRAIGHT_ULP * DBL_EPSILON * s->external_max;
@@ -397,13 +407,14 @@ static bool go_as_given(const struct rb_settling *s, bool begin)
 	return true;
 }
 
+/* No direction is given. */
 static void forget_directions(struct rb_settling *s)
 {
 	for (int k = 0; k < s->contact_point_count; k++)
 		s->slip[k] = (rb_vec3){0, 0, 0};
 }
 
-/* Contacts as they are, with the slips that are known to go their ways. */
+/* Solves with kept directions, without them if inconsistent, then with common beginnings. */
 static bool solve_ways(struct rb_settling *s)
 {
 	const bool keeps = keep_directions(s);

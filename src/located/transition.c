@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The next change of a cluster on parabolas in closed form: the end of a slip, a body leaving a
+ * rectangle, drift out of the touching band. Clusters on pieces change at the end of their piece,
+ * which mode_checks has cut there.
+ */
 #include "located/transition.h"
 
 #include "base/error.h"
@@ -16,7 +21,8 @@ static double leaves(double x, double v, double a, double half)
 		const double root = speed * speed + 2 * external * clearance;
 
 		/*
-		 * outward through the wall: room = speed s + pull s^2 / 2 with speed + pull s > 0
+		 * outward through the edge: clearance = speed s + external s^2 / 2 with speed +
+		 * external s > 0
 		 */
 		if (clearance <= 0 && (speed > 0 || (speed == 0 && external > 0)))
 			return 0;
@@ -29,6 +35,7 @@ static double leaves(double x, double v, double a, double half)
 	return first;
 }
 
+/* Seconds until the body leaves the rectangle it lies on. */
 static double leaves_face(const struct rb_located *l, const struct rb_held *held)
 {
 	const struct rb_arc *arc = &l->arc[held->a];
@@ -43,7 +50,7 @@ static double leaves_face(const struct rb_located *l, const struct rb_held *held
 	                   rb_vec3_dot(arc->acceleration, sheet.axis_y), sheet.half_y));
 }
 
-/* Seconds in which rounding may take a body out of the touching band of a plane. */
+/* Seconds in which rounding may take a body out of a plane's touching band. */
 static double keeps_in_band(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const struct rb_contact_point m = rb_set_contact_point(l, held, t);
@@ -57,7 +64,7 @@ static double keeps_in_band(const struct rb_located *l, const struct rb_held *he
 	return 2 * band / (drift + sqrt(drift * drift + 2 * external * band));
 }
 
-/* Seconds until the slip of this contact of constant accelerations has ended. */
+/* Seconds until the slip ends under constant accelerations. */
 static double slip_ends(const struct rb_located *l, const struct rb_held *held, double t)
 {
 	const struct rb_contact_point m = rb_set_contact_point(l, held, t);

@@ -1,15 +1,23 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Work and momentum for the ledger. Energy goes by cause; momentum is entered where it leaves the
+ * dynamic bodies, at static and driven ones. Work of an impulse is its product with the mean of the
+ * velocities before and after, exactly.
+ */
 #include "located/work.h"
 
 #include "base/error.h"
 
-/* Whom the ledger names for a body that contacts do not move. */
+/* Cause of momentum for a fixed body. */
 static enum rb_ledger_momentum cause_of(const struct rb_located *l, int body)
 {
 	return rb_located_driven(l, body) ? RB_MOMENTUM_DRIVEN : RB_MOMENTUM_STATIC;
 }
 
-/* A fixed body acts on what moves, by an impulse or a force, where it has that velocity. */
+/*
+ * Enters the impulse or force of a fixed body on a dynamic one, at a point moving with that
+ * velocity.
+ */
 static void add_fixed(const struct rb_located *l, int body, rb_vec3 impulse, rb_vec3 point,
                       rb_vec3 velocity, struct rb_entries *e)
 {
@@ -20,16 +28,17 @@ static void add_fixed(const struct rb_located *l, int body, rb_vec3 impulse, rb_
 		rb_entries_energy(e, RB_ENERGY_DRIVEN, rb_vec3_dot(impulse, velocity));
 }
 
+/* Velocity of a body's point. */
 static rb_vec3 velocity_at(const struct rb_pose *pose, rb_vec3 arm)
 {
 	return rb_vec3_add(pose->velocity, rb_vec3_cross(pose->spin, arm));
 }
 
-/* Both sides of a contact whose force or impulse on b is that. */
+/* Enters both sides of a contact; `on_b` is the force or impulse on b. */
 static void add_sides(const struct rb_located *l, const struct rb_contact_point *m, rb_vec3 on_b,
                       struct rb_entries *e)
 {
-	/* at the point of the body that moves: across a gap the other one is elsewhere */
+	/* at the point of the dynamic body: across a gap the other one is elsewhere */
 	add_fixed(l, m->a, on_b, rb_vec3_add(m->pose_b.position, m->arm_b),
 	          velocity_at(&m->pose_a, m->arm_a), e);
 	add_fixed(l, m->b, rb_vec3_neg(on_b), rb_vec3_add(m->pose_a.position, m->arm_a),
@@ -57,6 +66,7 @@ void rb_work_impact(struct rb_located *l, const struct rb_contact_point *m, rb_v
 
 /* ---- forces ---- */
 
+/* Rates by external forces on a member. */
 static void add_member(const struct rb_external_parts *parts, const struct rb_pose *pose,
                        rb_features features, struct rb_entries *rate)
 {
@@ -94,12 +104,13 @@ static void add_member(const struct rb_external_parts *parts, const struct rb_po
 	}
 }
 
+/* True for a body of this cluster. */
 static bool is_member(const struct rb_modes *w, int body)
 {
 	return body < w->l->n && w->l->cluster_of[body] == (int)(w->c - w->l->cluster);
 }
 
-/* A body that contacts do not move holds its end of a force element. */
+/* Rates at a fixed end of a force element. */
 static void add_fixed_end(const struct rb_modes *w, const struct rb_elements *elements, int k,
                           int body, const struct rb_element_query *query, struct rb_entries *rate)
 {
@@ -120,7 +131,7 @@ static void add_fixed_end(const struct rb_modes *w, const struct rb_elements *el
 		                    rb_vec3_dot(on.torque, pose.spin)));
 }
 
-/* Those between bodies; one end may be fixed. */
+/* Rates of elements between bodies; one end may be fixed. */
 static void add_elements(const struct rb_modes *w, const struct rb_elements *elements, double t,
                          struct rb_entries *rate)
 {
@@ -131,7 +142,7 @@ static void add_elements(const struct rb_modes *w, const struct rb_elements *ele
 	for (int k = 0; k < elements->count; k++) {
 		const int *const end = elements->end[k];
 
-		/* places are also those of what is settled with this cluster */
+		/* places also exist for other bodies of the set */
 		if (!is_member(w, end[0]) && !is_member(w, end[1]))
 			continue;
 		if (elements->kind->dissipation)
