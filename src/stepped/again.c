@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A second look at a step. The constraint is on the gap at the end of the step, linearized at its
+ * beginning; rotation by an angle t about an arm r leaves an error of r t^2 / 2 in it. Where that
+ * makes an overlap beyond what the projection may close, the islands concerned get contact points
+ * from the poses at the end, with gaps such that the linear model is exact there, and are solved
+ * again from warm impulses: one Newton step on the nonlinear gap.
+ *
+ * Other islands keep their solution, and candidates of bodies that are not concerned keep their
+ * points; lists are merged pair by pair in the order of candidates.
+ */
 #include "stepped/again.h"
 
 #include <string.h>
@@ -8,7 +18,7 @@
 #include "stepped/impact_pass.h"
 #include "stepped/projection.h"
 
-/* The candidates between bodies of groups that are looked at again. */
+/* Bodies and candidate pairs of the islands that are solved again. */
 struct view {
 	unsigned char *again; /* by body: of a group that is looked at again */
 	int *body;            /* those, then driven ones */
@@ -17,7 +27,7 @@ struct view {
 	size_t pair_count;
 };
 
-/* The group of a body of the cohort; -1: it has none, or stands. */
+/* Island of a body in the cohort; -1: no contacts, or asleep. */
 static int group_of(const struct rb_world *world, int i)
 {
 	const struct rb_stepped *s = world->stepped;
@@ -25,7 +35,7 @@ static int group_of(const struct rb_world *world, int i)
 	return rb_stepped_is_dynamic(world, i) && !s->sleep.sleeps[i] ? s->solver.island_of[i] : -1;
 }
 
-/* Groups of the deepest pairs; false: there are none. */
+/* Marks islands with an overlap that the projection may not close; false: there are none. */
 static bool mark_groups(const struct rb_world *world, const struct rb_depths *found,
                         unsigned char *of_group)
 {
@@ -50,12 +60,17 @@ static bool mark_groups(const struct rb_world *world, const struct rb_depths *fo
 	return any;
 }
 
+/*
+ * Whether both bodies of a pair are in islands that are solved again, or one is and the other is
+ * not dynamic.
+ */
 static bool is_seen(const struct rb_world *world, const struct view *view, struct rb_pair pair)
 {
 	return view->again[pair.a] &&
 	       (!rb_stepped_is_dynamic(world, pair.b) || view->again[pair.b]);
 }
 
+/* False: no memory. */
 static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
                       const unsigned char *of_group, struct view *view)
 {
@@ -83,7 +98,7 @@ static bool take_view(struct rb_world *world, const struct rb_cohort *cohort,
 	return true;
 }
 
-/* Bodies' velocities are not ways ahead any more. */
+/* Points are found from velocities as ways ahead; at the end of the step there is no way left. */
 static void clear_velocities(struct rb_world *world, const struct view *view)
 {
 	for (int k = 0; k < view->count; k++) {
@@ -102,7 +117,7 @@ static bool is_same(const struct rb_step_point *x, const struct rb_step_point *y
 	return x->a == y->a && x->b == y->b && x->parts == y->parts && x->key == y->key;
 }
 
-/* Impulses of a pair's points go on where these have kept their names. */
+/* Warm start: points with the same feature key take over the impulses. */
 static void inherit(struct rb_step_point *fresh, size_t fresh_count,
                     const struct rb_step_point *old, size_t old_count)
 {
@@ -116,7 +131,10 @@ static void inherit(struct rb_step_point *fresh, size_t fresh_count,
 		}
 }
 
-/* The gap as it would be from the beginning on straight ways to here. */
+/*
+ * Gap at the beginning of the step for which the linear model gives the gap that was found at its
+ * end; the difference is `bend`.
+ */
 static void bend(const struct rb_solver *solver, struct rb_step_point *point)
 {
 	const struct rb_constraint row = {

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One try of a step, in the order of the figure in stepped.h: drive, forces, points, impacts,
+ * solution, motion, another look where turning has made overlaps, and rebound. It is the same code
+ * for all bodies (`all`) and for a group that takes substeps (`part`). Nothing is committed here:
+ * on failure the caller copies the mark back.
+ *
+ * Positions of bodies without contacts move with the mean of the old and the new velocity, which is
+ * exact for constant forces (a parabola); bodies in contact move with the solved velocity, since
+ * that is the one for which gaps were closed (Moreau; Anitescu and Potra 1997).
+ */
 #include "stepped/attempt.h"
 
 #include <string.h>
@@ -13,7 +23,10 @@
 #include "stepped/sleep.h"
 #include "stepped/tally.h"
 
-/* Times that a step is looked at again. */
+/*
+ * Looks at a step again, at most: one Newton step. What it leaves is of higher order in the angle,
+ * and the projection closes it.
+ */
 enum { INSPECTIONS_MAX = 1 };
 
 struct flow {
@@ -23,8 +36,10 @@ struct flow {
 };
 
 /*
- * A body with unequal moments: in closed form or by a series to rounding where nothing touches or
- * turns it, else so that energy and angular momentum stay.
+ * Free rotation of a body with unequal moments of inertia: without torque in closed form
+ * (math/top); where contacts or impacts have changed its spin in this step, by the integrator that
+ * conserves energy and angular momentum. False: the inertia is a scalar, and rotation about the
+ * present axis is exact.
  */
 static bool turn_freely(struct rb_world *world, int i, double h)
 {
@@ -51,9 +66,10 @@ static bool turn_freely(struct rb_world *world, int i, double h)
 }
 
 /*
- * The velocity that moves a body: where it has points, what was solved for; else the mean of before
- * and after, a parabola, but for forces that vary: of those all, since half of them would feed
- * oscillations.
+ * The velocity with which the centre of mass moves through the step, m/s: the solved one for a body
+ * in an island; else the mean of before and after. `varied` adds the other half of forces that
+ * depend on position or velocity: their impulse moves the body in full, as symplectic Euler has it,
+ * since the half would make springs gain energy.
  */
 static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 {
@@ -68,6 +84,7 @@ static rb_vec3 moving_velocity(const struct rb_world *world, int i)
 	return rb_vec3_scale(0.5, sum);
 }
 
+/* Moves one block of the cohort's bodies; blocks write disjoint rows. */
 static void move_block(void *user, int block, int worker)
 {
 	const struct flow *flow = user;
@@ -105,7 +122,7 @@ static void move(struct rb_world *world, const struct rb_cohort *cohort, double 
 	            move_block, &flow);
 }
 
-/* Before the projection takes the solver for its own. */
+/* Adds up the sweeps of the islands; the projection reuses the solver afterwards. */
 static void count_work(struct rb_world *world)
 {
 	const struct rb_solver *solver = &world->stepped->solver;
@@ -122,7 +139,10 @@ static void count_work(struct rb_world *world)
 	}
 }
 
-/* Where turning has made overlaps, from their end again, a few times. */
+/*
+ * Moves bodies; where that has made overlaps that a linearized rotation does not see, the solution
+ * is repeated from the poses at the end (again.c).
+ */
 static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort *cohort, double h,
                                        struct rb_error *err)
 {
@@ -141,6 +161,10 @@ static enum rb_status move_and_inspect(struct rb_world *world, struct rb_cohort 
 	return status;
 }
 
+/*
+ * Contact points of the cohort within the reach of the step. Sleeping groups exist only for the
+ * cohort of all.
+ */
 static enum rb_status find_points(struct rb_world *world, struct rb_cohort *cohort, double start,
                                   double h, struct rb_error *err)
 {

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Broadphase with fat boxes (Verlet lists): boxes are grown by a margin that is meant to last some
+ * steps, and pairs are searched again only when a body could leave its box. For shapes of several
+ * convex parts the list also caches, per pair of parts, a separating axis and a lower bound of the
+ * distance, together with the path that each body has gone since.
+ *
+ * Margins trade the cost of a search against the number of false pairs. Where few bodies move
+ * (`share`), boxes last longer, up to the body's size.
+ */
 #include "stepped/candidates.h"
 
 #include <float.h>
@@ -15,8 +24,9 @@ enum {
 };
 
 /*
- * Points of a body that turns by an angle t move by 2 sin(t / 2) of their distance at most;
- * quaternions by 2 sin(t / 4).
+ * Adds to `path` an upper bound of how far any point of a body has moved. Rotation by t moves a
+ * point at distance r by 2 r sin(t / 2); the difference of the quaternions has length 2 sin(t / 4)
+ * >= sin(t / 2), hence 2 r |dq|. 1e-9 and the ulp cover rounding, so that the bound stays a bound.
  */
 static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
 {
@@ -34,6 +44,7 @@ static void go_on(struct rb_candidates *near, int i, rb_vec3 to, rb_quat turn)
 		                 4 * DBL_EPSILON * (fabs(to.x) + fabs(to.y) + fabs(to.z));
 }
 
+/* World pose of every convex part of a body. */
 static void place(struct rb_candidates *near, const struct rb_model *model, int i, rb_vec3 origin,
                   rb_quat orientation)
 {
@@ -47,6 +58,7 @@ static void place(struct rb_candidates *near, const struct rb_model *model, int 
 		placed[k] = rb_body_part_place(&parts->part[k], origin, orientation);
 }
 
+/* False: no memory. */
 static bool take_parts(struct rb_candidates *near, const struct rb_model *model)
 {
 	const int count = model->body_count + model->static_count;
@@ -129,6 +141,7 @@ double rb_candidates_way(const struct rb_world *world, const struct rb_state *st
 	return distance;
 }
 
+/* Distance of the origin from where the box was built, m. */
 static double from_built(const struct rb_candidates *near, const struct rb_world *world, int i)
 {
 	return rb_vec3_length(
@@ -158,8 +171,8 @@ static bool may_touch(const struct rb_model *model, int a, int b)
 }
 
 /*
- * A pair with the body that yields first; false: none does, or a driven plane is in it, which boxes
- * know nothing of.
+ * Puts the dynamic body first. False: neither is dynamic, or a driven plane is in it: planes have
+ * no boxes, and order_pairs adds their pairs.
  */
 static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
 {
@@ -171,7 +184,10 @@ static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
 	return pair->a < model->body_count && !model->driven[pair->a];
 }
 
-/* Pairs of the boxes, and of driven planes with all that yields, in order of the first. */
+/*
+ * Pairs in order of the first body (counting sort), with those of driven planes and every dynamic
+ * body added.
+ */
 static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_world *world,
                                   struct rb_error *err)
 {
@@ -256,6 +272,7 @@ enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error 
 	return RB_OK;
 }
 
+/* Asks the broadphase and forgets all caches by pair. */
 static enum rb_status search(struct rb_candidates *near, struct rb_world *world,
                              struct rb_error *err)
 {
@@ -286,6 +303,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *
 	return search(near, world, err);
 }
 
+/* New boxes around the present positions. */
 static enum rb_status build(struct rb_candidates *near, struct rb_world *world,
                             struct rb_error *err)
 {
@@ -301,7 +319,10 @@ static enum rb_status build(struct rb_candidates *near, struct rb_world *world,
 		const double size = rb_candidates_size(model, i);
 
 		near->built_at[i] = c;
-		/* forces add their share again in every step */
+		/*
+		 * a body at rest speeds up by the forces of each step: its margin is at least that
+		 * of an average body
+		 */
 		const double margin = STEPS_PER_BOX * fmax(near->reach[i], mean);
 		near->margin[i] = fmax(margin, fmin(lasting * near->reach[i], size)) + size / 64;
 		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
@@ -373,6 +394,7 @@ struct places {
 	int count;
 };
 
+/* How far rotation may move a point of the body within h, m: at most the diameter. */
 static double turn_reach(const struct rb_world *world, int i, double h)
 {
 	if (!world->state.spin)

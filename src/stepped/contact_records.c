@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * From solved points to what users see: contacts with mean forces over the step, and collision
+ * events. A point is reported either as a force or as an impact, never both. Lists are in order of
+ * bodies; contacts of sleeping groups are not recomputed but merged in from the last step's list.
+ */
 #include "stepped/contact_records.h"
 
 #include <stdlib.h>
@@ -7,12 +12,16 @@
 #include "base/error.h"
 #include "base/memory.h"
 
+/* From the centre of mass of a to where the impulse acts, m. */
 static rb_vec3 lever_of(const struct rb_step_point *point)
 {
 	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
 }
 
-/* A driven body comes second, wherever it is in the scene. */
+/*
+ * Public order is by index; within the method a driven body is always second, so the pair may have
+ * to be turned round, with the signs of its vectors.
+ */
 static struct rb_contact in_order(struct rb_contact contact)
 {
 	const int a = contact.a;
@@ -28,9 +37,9 @@ static struct rb_contact in_order(struct rb_contact contact)
 }
 
 /*
- * A point's force is the mean over the step, with what rebounds at its end; none is told twice, as
- * a force and as an impact. It acts where the step's solution has had it. Of what still rests it is
- * what it was: the rounding of the step's length is not in it.
+ * Force = impulse / h, with the rebound at the end of the step; points reported as impacts have
+ * none. A resting group keeps the numbers of the step that put it to rest: recomputing them from a
+ * step of slightly different length would change the last bits.
  */
 static struct rb_contact contact_of(const struct rb_world *world, const struct rb_cohort *cohort,
                                     size_t at, double h)
@@ -65,6 +74,7 @@ static struct rb_contact contact_of(const struct rb_world *world, const struct r
 	return in_order(contact);
 }
 
+/* Number of points of the pair that begins at `first`; points of a pair are adjacent. */
 static size_t pair_length(const struct rb_step_points *points, size_t first)
 {
 	size_t end = first + 1;
@@ -76,7 +86,8 @@ static size_t pair_length(const struct rb_step_points *points, size_t first)
 }
 
 /*
- * Those of what stands, from there on, up to a pair, are as before; returns where it has come to.
+ * Merges in the contacts of sleeping bodies from the last step's list that come before `before`;
+ * returns where the list goes on.
  */
 static size_t add_standing(const struct rb_world *world, size_t from, const unsigned char *skip,
                            const struct rb_contact *before, struct rb_contacts *to)
@@ -154,8 +165,8 @@ enum rb_status rb_record_part(const struct rb_cohort *cohort, const struct rb_co
 }
 
 /*
- * An impact is told where a pair that did not touch in the step before has come together, by more
- * than the residual. The whole impulse of the step counts.
+ * An impact: the pair was not in contact before the step, and approached by more than the solver's
+ * residual. Its impulse is that of the whole step.
  */
 static bool is_impact(const struct rb_world *world, const struct rb_cohort *cohort, size_t first,
                       size_t length, struct rb_event *event)
@@ -188,7 +199,7 @@ static bool is_impact(const struct rb_world *world, const struct rb_cohort *coho
 	return true;
 }
 
-/* With ids, the smaller one first. */
+/* Appends an event with public ids, the smaller first. */
 static enum rb_status add_recorded(struct rb_world *world, struct rb_event event,
                                    struct rb_error *err)
 {
@@ -208,7 +219,9 @@ static enum rb_status add_recorded(struct rb_world *world, struct rb_event event
 	return RB_OK;
 }
 
-/* Impacts that were resolved within the step; those that were left to its end are only counted. */
+/*
+ * Events of impacts resolved within the step; crowded ones, left to its end, enter only the counts.
+ */
 static enum rb_status record_hits(struct rb_world *world, const struct rb_cohort *cohort,
                                   double time, const unsigned char *skip, struct rb_error *err)
 {
@@ -262,6 +275,7 @@ enum rb_status rb_record_impacts(struct rb_world *world, struct rb_cohort *cohor
 	return status;
 }
 
+/* Events by time, then by ids: independent of the order in which groups were solved. */
 static int by_time(const void *left, const void *right)
 {
 	const struct rb_event *x = left, *y = right;

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Penetration depths of the candidate pairs, in parallel blocks of pairs with one result per block;
+ * blocks are joined in order, so that the result does not depend on the number of threads.
+ *
+ * Most pairs do not have to be measured. Only the maximum is reported, so a pair whose depth is
+ * provably below the largest so far in its block gets the bound -least instead of a number; spheres
+ * are compared by squares, and convex parts by the cached separating axis before GJK/EPA is asked
+ * (stepped/clearance). A negative entry in `depth` is such a bound, NAN asks for a measurement.
+ */
 #include "stepped/depth.h"
 
 #include <float.h>
@@ -20,13 +29,15 @@ struct depths {
 };
 
 /*
- * Farther apart by this, and the square root is seen to be no less than the smallest that matters.
+ * Factor on a squared distance, 16 ulp, that covers the rounding of the squares and of the root
+ * which is not taken.
  */
 static const double rounding = 1 + 16 * DBL_EPSILON;
 
 /*
- * How deep parts of a pair overlap, or, if that is no more than `least` > 0, mostly -least: to see
- * that costs little.
+ * Depth in m of the deepest pair of convex parts; if that is provably at most `least` > 0, usually
+ * -least. Updates the clues and the clearance of the pair, which spares the test while both bodies
+ * move less than that.
  */
 static double depth_of_parts(const struct rb_candidates *near, size_t k, double path, double least)
 {
@@ -65,7 +76,7 @@ static double depth_of_parts(const struct rb_candidates *near, size_t k, double 
 	return bounded && depth < least ? -least : depth;
 }
 
-/* The same of any pair. */
+/* Depth of any pair in m; a negative value is a bound, as above. */
 static double depth_of(const struct rb_world *world, const struct rb_candidates *near, size_t k,
                        double least)
 {
@@ -93,6 +104,7 @@ static double depth_of(const struct rb_world *world, const struct rb_candidates 
 	return fmax(0, -rb_gap_of(world, &world->state, pair.a, pair.b).gap);
 }
 
+/* Appends to an array in the worker's arena; grows by doubling, the old copy stays in the arena. */
 static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb_deep deep)
 {
 	RB_ASSERT_COSTLY(deep.a >= 0 && deep.b >= 0 && deep.depth > 0);
@@ -112,7 +124,7 @@ static void add_deep(struct rb_depths *depths, struct rb_arena *arena, struct rb
 	depths->deep[depths->deep_count++] = deep;
 }
 
-/* Of live pairs, ascending, the first from there on. */
+/* Index of the first live pair that is not before `pair` (binary search). */
 static size_t first_live(const struct rb_candidates *near, size_t pair)
 {
 	size_t low = 0, high = near->live ? near->live_count : 0;
@@ -128,11 +140,13 @@ static size_t first_live(const struct rb_candidates *near, size_t pair)
 	return low;
 }
 
+/* Whether a body of the pair has a mark; statics have none. */
 static bool is_marked(const struct rb_world *world, const unsigned char *mark, struct rb_pair pair)
 {
 	return mark && (mark[pair.a] || (pair.b < world->model->body_count && mark[pair.b]));
 }
 
+/* Depths of one block of pairs: maxima, and the list of those beyond the tolerance. */
 static void depth_block(void *user, int block, int worker)
 {
 	const struct depths *work = user;
@@ -154,7 +168,7 @@ static void depth_block(void *user, int block, int worker)
 			near->depth[k] = (double)NAN;
 			continue;
 		}
-		/* nobody asks how deep those are that are less deep than others */
+		/* only maxima are reported: below them a bound suffices */
 		const double least = is_live ? depths.max : depths.resting;
 		const bool due = work->moved ? is_marked(work->world, work->moved, pair) : is_live;
 

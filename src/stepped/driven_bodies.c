@@ -1,18 +1,27 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Driven (kinematic) bodies: their motion is given by a function of the scene. For the step each
+ * moves with the constant velocity (x(t + h) - x(t)) / h and the constant spin that leads from one
+ * orientation to the other, so that contacts see exactly the way that it goes. At the end it gets
+ * the velocity that the function states, if it states any.
+ *
+ * An orientation does not tell whole turns; they are taken from the stated angular velocity.
+ */
 #include "stepped/driven_bodies.h"
 
 #include "step/motion.h"
 
 static const double full_turn = 6.28318530717958647692;
 /*
- * Share of the way by which velocities and places may differ: what constants of seven digits are
- * worth, and no step sees.
+ * Relative difference up to which stated velocities and finite differences of poses agree:
+ * constants in scenes are often written with seven digits, and a difference of 1e-6 of the way is
+ * far below the tolerance of a step.
  */
 static const double agreement = 1e-6;
 
 /*
- * The turn, as a vector, that leads from one orientation to another: of whole turns more as many as
- * `expected` has.
+ * Rotation vector (rad, world axes) from one orientation to another, with the number of whole turns
+ * for which its component along `expected` is closest to that of `expected`.
  */
 static rb_vec3 turn_between(rb_quat from, rb_quat to, rb_vec3 expected)
 {
@@ -32,7 +41,10 @@ static rb_vec3 turn_between(rb_quat from, rb_quat to, rb_vec3 expected)
 	return rb_vec3_scale((angle + full_turn * whole) / sine, axis);
 }
 
-/* What the function says of the step's end, looked at on the way there. */
+/*
+ * Pose at the end of the step from the scene's function, with the checks of step/motion on the way
+ * there.
+ */
 static enum rb_status ask(const struct rb_world *world, int i, double start, double h,
                           struct rb_driven_pose *pose, struct rb_error *err)
 {

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Binary min-heap in an array. Elements are moved into the hole, not swapped, on the way up and
+ * down. A point may be in it several times: to decrease a key in place would need the index of each
+ * point's entry, and stale entries cost the caller one comparison.
+ */
 #include "stepped/due_queue.h"
 
 #include <stdbool.h>
@@ -6,6 +11,10 @@
 #include "base/error.h"
 #include "base/memory.h"
 
+/*
+ * A total order, since ties go by point: which of two simultaneous impacts comes first does not
+ * depend on the history of the heap.
+ */
 static bool is_sooner(const struct rb_due *x, const struct rb_due *y)
 {
 	return x->t_s < y->t_s || (x->t_s == y->t_s && x->point < y->point);

@@ -1,10 +1,19 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Ledger of a step: entries of momentum and energy by cause. Every impulse p of a step that acts at
+ * the contact with relative velocities u before and u' after does the work p . (u + u') / 2,
+ * exactly: kinetic energy changes by the sum of these products.
+ *
+ * Bodies at rest get no entries of their own contacts: their forces are entered, and the holder
+ * (static or driven) gives the opposite. At the end dissipation is limited to what the bodies have
+ * lost (keep_to), as roundoff may make it negative.
+ */
 #include "stepped/enter.h"
 
 #include "base/error.h"
 #include "step/force_stages.h"
 
-/* Bodies that weigh, summed up. */
+/* Sums over bodies with weight, for gravity (per mass) and gravity_force (per body). */
 struct weights {
 	double mass, count;
 	rb_vec3 moment, place; /* kg m; m: sums of where their weights act */
@@ -30,24 +39,25 @@ static rb_vec3 mean(rb_vec3 x, rb_vec3 y)
 	return rb_vec3_scale(0.5, rb_vec3_add(x, y));
 }
 
+/* Velocity of the point at that arm from {velocity, spin}. */
 static rb_vec3 velocity_at(const rb_vec3 motion[2], rb_vec3 arm)
 {
 	return rb_vec3_add(motion[0], rb_vec3_cross(motion[1], arm));
 }
 
-/* Of bodies that yield. */
+/* Whether a dynamic body takes part in this entry. */
 static bool is_in(const struct entering *n, int i)
 {
 	return !n->skip || !n->skip[i];
 }
 
-/* Whom the ledger names for a body that contacts do not move. */
+/* Cause of impulses from a body that is not dynamic. */
 static enum rb_ledger_momentum cause_of(const struct entering *n, int i)
 {
 	return i < n->world->model->body_count ? RB_MOMENTUM_DRIVEN : RB_MOMENTUM_STATIC;
 }
 
-/* A fixed body's velocity at a place, while the step is solved. */
+/* Velocity of a static or driven body at a point, m/s, as the solver saw it. */
 static rb_vec3 fixed_velocity(const struct entering *n, int i, rb_vec3 at)
 {
 	if (i >= n->world->model->body_count)
@@ -59,7 +69,7 @@ static rb_vec3 fixed_velocity(const struct entering *n, int i, rb_vec3 at)
 	return velocity_at(motion, arm);
 }
 
-/* A fixed body acts on what moves, there. */
+/* Impulse of a static or driven body at a point, and the work that a driven one does. */
 static void enter_fixed(struct entering *n, int i, rb_vec3 impulse, rb_vec3 at)
 {
 	rb_entries_impulse(&n->e, cause_of(n, i), impulse, at);
@@ -71,8 +81,7 @@ static void enter_fixed(struct entering *n, int i, rb_vec3 impulse, rb_vec3 at)
 /* ---- forces ---- */
 
 /*
- * What a body's forces have come to, but for its weight: so much has to hold it, if it stands
- * still.
+ * Impulses of all forces on a body except weight; the holder of a body at rest gives the opposite.
  */
 struct held {
 	rb_vec3 linear, angular; /* N s; N m s about the origin */
@@ -92,6 +101,7 @@ static void add_weight(struct weights *weights, double mass, rb_vec3 at)
 	weights->place = rb_vec3_add(weights->place, at);
 }
 
+/* Impulse and moment of gravity on all bodies of the sum at once. */
 static void enter_weights(struct entering *n, enum rb_ledger_momentum cause, double seconds,
                           const struct weights *weights)
 {
@@ -105,13 +115,13 @@ static void enter_weights(struct entering *n, enum rb_ledger_momentum cause, dou
 	                    rb_vec3_scale(seconds, torque));
 }
 
-/* Who holds what stands still. */
+/* Who balances forces on bodies at rest: statics if there are any. */
 static enum rb_ledger_momentum holder(const struct entering *n)
 {
 	return n->world->model->static_count > 0 ? RB_MOMENTUM_STATIC : RB_MOMENTUM_DRIVEN;
 }
 
-/* A force without potential, and a turn. */
+/* Work of an impulse that has no potential, at the mean of velocities. */
 static void enter_force(struct entering *n, const struct rb_tally_body *body,
                         enum rb_ledger_momentum cause, rb_vec3 impulse, rb_vec3 turn)
 {
@@ -136,9 +146,7 @@ static void enter_even(struct entering *n, int i, const struct rb_force_impulse 
 	held->angular = rb_vec3_add(held->angular, force->turn);
 }
 
-/*
- * Where forces act that are the same throughout the step: of a free body on the way that they bend.
- */
+/* Place at which constant forces act, m: for a free body the middle of its way without them. */
 static rb_vec3 even_place(const struct entering *n, int i)
 {
 	const struct rb_tally_body *body = &n->tally->body[i];
@@ -187,7 +195,7 @@ static void enter_varied(struct entering *n, int i, enum rb_ledger_momentum caus
 	enter_impulse(n, i, cause, impulse, held);
 }
 
-/* What holds a body that stands still gives what its forces take, and what motion it had left. */
+/* The holder's impulse on a body at rest: the change of momentum minus all forces. */
 static void enter_held(struct entering *n, int i, const struct held *held)
 {
 	const struct rb_model *model = n->world->model;
@@ -202,6 +210,10 @@ static void enter_held(struct entering *n, int i, const struct held *held)
 	                    rb_vec3_sub(angular, held->angular));
 }
 
+/*
+ * What closing of overlaps has done to a body, unless it was done by other dynamic bodies: momentum
+ * within the group cancels.
+ */
 static void enter_closing(struct entering *n, int i)
 {
 	const struct rb_tally_body *body = &n->tally->body[i];
@@ -212,6 +224,7 @@ static void enter_closing(struct entering *n, int i)
 		rb_entries_energy(&n->e, RB_ENERGY_DRIVEN, body->lifted);
 }
 
+/* At rest before and after: no motion was taken. */
 static bool is_resting(const struct rb_tally_body *body)
 {
 	return rb_vec3_max_abs(body->begin[0]) == 0 && rb_vec3_max_abs(body->begin[1]) == 0 &&
@@ -248,7 +261,7 @@ static void enter_body(struct entering *n, int i)
 
 /* ---- force elements between bodies ---- */
 
-/* As the step began, with the mean of velocities in it. */
+/* Pose at the beginning with mean velocities: the wrench acts there, its power is at the mean. */
 static struct rb_pose mean_pose(const struct rb_element_query *query, int i)
 {
 	const struct entering *n = query->user;
@@ -268,10 +281,7 @@ static struct rb_pose end_pose(const struct rb_element_query *query, int i)
 	return rb_world_pose(n->world, &n->world->state, i);
 }
 
-/*
- * An end that is fixed, or stands still, gives what moves the opposite of what the element does to
- * it.
- */
+/* Reaction of an element's end on a static or driven body, or on a body at rest. */
 static void enter_end(struct entering *n, int i, const struct rb_wrench *on,
                       const struct rb_pose *pose)
 {
@@ -289,8 +299,8 @@ static void enter_end(struct entering *n, int i, const struct rb_wrench *on,
 }
 
 /*
- * A damper takes what its rate is worth, and no more than bodies and element have lost; an element
- * without an energy gives its work.
+ * Dissipation of a damper: its power times h, limited to what bodies and element have lost. An
+ * element without a potential does work instead.
  */
 static void enter_element(struct entering *n, const struct rb_elements *elements, int k,
                           const struct rb_tally_element *tally)
@@ -322,7 +332,7 @@ static void enter_element(struct entering *n, const struct rb_elements *elements
 	rb_entries_energy(&n->e, RB_ENERGY_DAMPING, fmax(0, fmin(taken, lost)));
 }
 
-/* An element is of a step that one of its bodies was part of. */
+/* Elements with an end in the cohort. */
 static void enter_elements(struct entering *n)
 {
 	const struct rb_model *model = n->world->model;
@@ -346,14 +356,15 @@ static void enter_elements(struct entering *n)
 
 /* ---- contacts ---- */
 
+/* Friction in a collision, or of sliding contact. */
 static enum rb_ledger_energy friction_of(const struct rb_step_point *point)
 {
 	return point->struck ? RB_ENERGY_IMPACT_FRICTION : RB_ENERGY_SLIDING;
 }
 
 /*
- * The impulse of a contact on b, at the mean of relative velocities, takes that along and across
- * the normal.
+ * Splits the work of an impulse on b at the mean relative velocity u into a normal and a tangential
+ * part.
  */
 static void enter_work(struct entering *n, const struct rb_step_point *point, rb_vec3 impulse,
                        rb_vec3 u)
@@ -365,20 +376,23 @@ static void enter_work(struct entering *n, const struct rb_step_point *point, rb
 	rb_entries_energy(&n->e, friction_of(point), along - work);
 }
 
-/* Where impulses act on a, from its centre of mass. */
+/* Arm of a to the point of action, m. */
 static rb_vec3 arm_of_a(const struct rb_step_point *point)
 {
 	return point->central ? rb_vec3_scale(point->arm_a.x, point->normal) : point->lever;
 }
 
-/* Arms end where impulses act, beside the point. */
+/* Arm of b to the same point. */
 static rb_vec3 arm_of_b(const struct rb_step_point *point)
 {
 	return point->central ? rb_vec3_scale(point->arm_b.x, point->normal)
 	                      : rb_vec3_add(point->arm_b, rb_vec3_sub(point->lever, point->arm_a));
 }
 
-/* The mean of the relative velocity. */
+/*
+ * Mean of the relative velocity before and after, m/s. For spheres the term of the arms is written
+ * without their difference of large vectors.
+ */
 static rb_vec3 mean_at(const struct entering *n, const struct rb_step_point *point, bool is_dynamic,
                        rb_vec3 on_fixed)
 {
@@ -415,7 +429,7 @@ static void enter_point(struct entering *n, const struct rb_step_point *point)
 	rb_entries_energy(&n->e, friction_of(point), -rb_vec3_dot(u, point->friction_impulse));
 }
 
-/* Between that and the velocity that it has now. */
+/* Mean of this velocity and the present one at that arm. */
 static rb_vec3 mean_since(const struct entering *n, int i, const rb_vec3 motion[2], rb_vec3 arm)
 {
 	const struct rb_state *now = &n->world->state;
@@ -478,7 +492,10 @@ static void enter_blow(struct entering *n, const struct rb_blow *blow)
 
 /* ---- all ---- */
 
-/* J: of kinetic energy and that under gravity, by a body. */
+/*
+ * Kinetic and potential energy that a body has lost in the step, J; differences are factored, (v -
+ * v') . (v + v'), to keep their digits.
+ */
 static double lost_by(const struct entering *n, int i)
 {
 	const struct rb_world *world = n->world;
@@ -503,14 +520,14 @@ static double lost_by(const struct entering *n, int i)
 	                     rb_vec3_dot(w_now, rb_tally_spin(world, now, i, w_now)));
 }
 
-/* On parabolas nothing is lost, nor by what stands still. */
+/* A free body under constant forces conserves energy, and a resting one has none to lose. */
 static bool may_lose(const struct entering *n, const struct rb_tally_body *body)
 {
 	return body->is_closed || body->kind == RB_TALLY_JOINED ||
 	       (body->kind == RB_TALLY_FREE && rb_tally_works(n->world->model));
 }
 
-/* Contacts, impacts and drag have taken no less than nothing, and no more than was lost. */
+/* Limits dissipation to [0, energy lost] where no force varies, scaling all takers alike. */
 static void keep_to(struct entering *n)
 {
 	static const enum rb_ledger_energy taker[] = {RB_ENERGY_IMPACTS, RB_ENERGY_IMPACT_FRICTION,

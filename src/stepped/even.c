@@ -1,12 +1,29 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Redundant contacts: bodies that touch at more points than there are degrees of freedom (a box on
+ * four corners) have pushes that are determined only up to the null space of the map from pushes to
+ * wrenches. Gauss-Seidel leaves the component in the null space at whatever the order of rows has
+ * made of it; where contacts slide, that would turn a symmetric box.
+ *
+ * Of all pushes p with the same wrenches A p the one of least norm is the projection of p on the
+ * row space of A. It is spanned here by modified Gram-Schmidt with one reorthogonalization ("twice
+ * is enough": Giraud, Langou, Rozloznik 2005) on the rows of A, six per dynamic body. Cheaper than
+ * an SVD, and a row that is dependent is recognized on the way. Where the projection would make a
+ * push negative, the step towards it is shortened.
+ */
 #include "stepped/even.h"
 
 #include "base/error.h"
 
-/* Share of a cone's edge at which friction slides. */
+/*
+ * A friction impulse counts as sliding from this share of mu p on, since after scaling to the
+ * cone's edge its length is there only up to rounding.
+ */
 static const double at_edge = 1 - 1e-9;
 
 static bool slides(const struct rb_constraint *row)
+/* Whether the friction impulse of a row is at the edge of Coulomb's cone. */
+static bool slides(const struct rb_system_row *row)
 {
 	const double max = at_edge * row->friction * row->impulse.n;
 
@@ -15,12 +32,19 @@ static bool slides(const struct rb_constraint *row)
 }
 
 static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y)
+/* Rows of one pair of bodies; rows of a pair are adjacent. */
+static bool is_pair(const struct rb_system_row *x, const struct rb_system_row *y)
 {
 	return x->a == y->a && x->b == y->b;
 }
 
 /* Rows that bear, of pairs of which one slides and that touch at several; returns how many. */
 static int take_rows(const struct rb_row_system *rows, struct rb_constraint **taken)
+/*
+ * Rows with a push of those pairs that have several rows and slide at one of them; returns their
+ * number.
+ */
+static int take_rows(const struct rb_row_system *rows, struct rb_system_row **taken)
 {
 	int count = 0;
 
@@ -38,15 +62,18 @@ static int take_rows(const struct rb_row_system *rows, struct rb_constraint **ta
 }
 
 /*
- * For each triple of rows: loads are one and a half as many as rows, where bodies touch with faces;
- * two passes of two products.
+ * Cost of a pass in multiplications per n^3: span_loads takes about 1.5 n vectors (six per body,
+ * four points per face), each orthogonalized against up to n units by two products of n, twice.
  */
 static const double multiplications = 6;
 
-/* Share of a component that has to be left for it to be one of its own. */
+/*
+ * A vector is independent if this share of its length is orthogonal to the span: far above rounding
+ * (1e-16 times the number of vectors), far below the ratio of lever arms in any scene.
+ */
 static const double own_share = 1e-6;
 
-/* What is spanned by so many orthogonal unit vectors of n entries. */
+/* Orthonormal basis of a subspace of R^n. */
 struct span {
 	double *unit; /* [count][n] */
 	int n, count;
@@ -61,7 +88,7 @@ static double dot(const double *x, const double *y, int n)
 	return sum;
 }
 
-/* Takes one more in, `v` being used up, if it is not spanned: Gram and Schmidt, twice. */
+/* Adds the direction of v, which is overwritten, unless the span contains it already. */
 static void extend(struct span *span, double *v)
 {
 	const double size = dot(v, v, span->n);
@@ -90,6 +117,11 @@ static double component(rb_vec3 v, int k)
 
 /* One component of the force and torque that units of the pushes are on a body; [n]. */
 static void load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
+/*
+ * Row of the matrix A: component `which` (0 to 2 force, 3 to 5 torque) of the wrench on a body per
+ * unit of each push; v is [n].
+ */
+static void load(struct rb_system_row *const *taken, int n, int body, int which, double *v)
 {
 	for (int i = 0; i < n; i++) {
 		const struct rb_constraint *row = taken[i];
@@ -108,6 +140,8 @@ static void load(struct rb_constraint *const *taken, int n, int body, int which,
 
 /* All of what the pushes do to bodies. */
 static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
+/* Row space of A: six rows for each dynamic body, each body once. */
+static void span_loads(const struct rb_row_system *rows, struct rb_system_row *const *taken,
                        struct span *span, double *scratch)
 {
 	for (int k = 0; k < span->n; k++) {
@@ -127,8 +161,8 @@ static void span_loads(const struct rb_row_system *rows, struct rb_constraint *c
 }
 
 /*
- * Goes to the push; friction at the cone's edge stays there. Returns how much it changes a
- * velocity, m/s.
+ * Sets the push of a row and scales its friction to stay in the cone (sliding friction stays at the
+ * edge). Returns the largest change of velocity in m/s that this makes at the contact.
  */
 static double put(const struct rb_row_system *rows, struct rb_constraint *row, double push)
 {

@@ -1,13 +1,30 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Times of impact within a step. Motion is the parabola x(t) = x + shift + t (v + t a), with a =
+ * (v' - v) / h from the forces of the step; for bodies that rest on contacts a is zero, since the
+ * contacts will carry the forces.
+ *
+ * Two spheres: the distance is a convex function of t on a straight way, so Newton's method from
+ * below converges monotonically without overshoot. All other contacts keep the normal and arm of
+ * their point, and the time is the smaller root of a quadratic, written in the form without
+ * cancellation.
+ *
+ * An approach is an impact only above `least`: what forces add in a step, and what the solver has
+ * left, are no impacts but lasting contact.
+ */
 #include "stepped/flight.h"
 
 #include <float.h>
 
 #include "base/error.h"
 
-/* Newton's steps to a touch; rounding of a gap, over the sizes; of an approach, over the speeds. */
+/*
+ * STEPS_MAX: Newton steps to a touch; from far off each halves the way at worst near a grazing
+ * pass. GAP_ULP: rounding of a distance, in ulp of the radii. SPEED_ULP: rounding of an approach,
+ * in ulp of the speeds that enter it.
+ */
 enum { STEPS_MAX = 32, GAP_ULP = 4, SPEED_ULP = 64 };
-/* Over what a solution has left of a body's contacts: approaches by which these may differ. */
+/* Approaches below this many residuals of the previous solution are its error, not impacts. */
 static const double left_share = 16;
 
 static double larger(double a, double b)
@@ -47,7 +64,7 @@ bool rb_flight_is_plain(const struct rb_flight *flight, const struct rb_step_poi
 	return point->central && flight->world->model->shape[point->b].kind == RB_SHAPE_SPHERE;
 }
 
-/* Of b relative to a, at the point; of plain ones, of the centres. */
+/* Motion of b relative to a at the point; for spheres, of the centres. */
 static struct rb_flight_motion relative(const struct rb_flight *flight,
                                         const struct rb_step_point *point)
 {
@@ -63,11 +80,13 @@ static struct rb_flight_motion relative(const struct rb_flight *flight,
 	                                 rb_vec3_sub(b.shift, a.shift)};
 }
 
+/* Displacement after t seconds, m. */
 static rb_vec3 way(const struct rb_flight_motion *motion, double t)
 {
 	return rb_vec3_add_scaled(motion->shift, t, rb_flight_velocity(motion, t));
 }
 
+/* Sum of radii, m: arms along the normal are r_a and -r_b. */
 static double radii_of(const struct rb_step_point *point)
 {
 	return point->arm_a.x - point->arm_b.x;
@@ -87,6 +106,7 @@ static rb_vec3 between(const struct rb_flight *flight, const struct rb_step_poin
 	return rb_vec3_sub(center_of(flight, point->b), center_of(flight, point->a));
 }
 
+/* Signed distance in m at time t, and the normal there. */
 static double gap_of(const struct rb_flight *flight, const struct rb_step_point *point,
                      const struct rb_flight_motion *motion, double t, rb_vec3 *normal)
 {
@@ -116,7 +136,7 @@ double rb_flight_approach(const struct rb_flight *flight, const struct rb_step_p
 	return -rb_vec3_dot(relative(flight, point).velocity, normal);
 }
 
-/* m/s: what the solution before has left of the contacts of either. */
+/* Residual of the previous solution at the contacts of either body, m/s. */
 static double left_of(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	const struct rb_solver *solver = &flight->world->stepped->solver;
@@ -156,7 +176,7 @@ double rb_flight_least(const struct rb_flight *flight, const struct rb_step_poin
 	return larger(SPEED_ULP * rounding, some < flight->tolerance ? some : flight->tolerance);
 }
 
-/* Newton's steps: along a straight way the distance is convex, so that they do not go too far. */
+/* Time at which two spheres touch, from `now` on; INFINITY: not within the step. */
 static double spheres_touch(const struct rb_flight *flight, const struct rb_step_point *point,
                             const struct rb_flight_motion *motion, double now)
 {
@@ -181,7 +201,10 @@ static double spheres_touch(const struct rb_flight *flight, const struct rb_step
 	return t;
 }
 
-/* Along one normal: gap + t u + t^2 a = 0. */
+/*
+ * Time at which a fixed plane is met: root of gap + t u + t^2 a = 0 from `now` on; at once if it
+ * overlaps.
+ */
 static double face_meets(const struct rb_flight *flight, const struct rb_step_point *point,
                          const struct rb_flight_motion *motion, double now)
 {

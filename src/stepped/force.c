@@ -1,4 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * External impulses of a step. Constant forces are those of classic. Springs are semi-implicit
+ * where the step resolves them and fully implicit where it does not (see impulse_of), so that stiff
+ * springs stay stable with the frame's step; drag is implicit, a scalar quadratic equation per
+ * body. Elements are evaluated for the state at the beginning (Jacobi, not Gauss-Seidel), so their
+ * order does not matter.
+ *
+ * The alternative, one implicit system of all springs (Baraff and Witkin 1998), needs a sparse
+ * solve in every step. Here each spring is solved alone, for bodies lighter by the number of their
+ * springs (add_inverse_mass).
+ */
 #include "stepped/force.h"
 
 #include <string.h>
@@ -17,6 +28,7 @@ struct flow {
 	double start_s, h_s;
 };
 
+/* Forces shared with the classic methods, for one block of bodies. */
 static void run_stages(void *user, int block, int worker)
 {
 	static const struct rb_stage *const stages[] = {&rb_stage_gravity, &rb_stage_gravity_force,
@@ -40,12 +52,13 @@ static void run_stages(void *user, int block, int worker)
 
 /* ---- force elements between bodies ---- */
 
-/* A body at one end of a spring; what does not yield has no mass. */
+/* State of a spring's end; a body that is not dynamic has infinite mass. */
 struct end {
 	int i;
 	rb_vec3 arm, at, velocity;
 };
 
+/* In world axes: arm from the centre of mass, point, and velocity of the point. */
 static struct end end_of(const struct rb_world *world, int i, rb_vec3 point)
 {
 	const struct rb_pose pose = rb_world_pose(world, &world->state, i);
@@ -59,8 +72,9 @@ static struct end end_of(const struct rb_world *world, int i, rb_vec3 point)
 }
 
 /*
- * Adds what an impulse at that end changes of its velocity, 1/kg. A body with several springs is
- * shared out among them, so that all of them together are as stable as each is alone.
+ * Adds the inverse mass matrix of the body at that end, 1/kg, times the number of its springs: each
+ * spring then sees a body lighter by that factor, and all of them together are as stable as each
+ * alone.
  */
 static void add_inverse_mass(const struct rb_world *world, const struct rb_elements *springs,
                              const struct end *end, rb_mat3 *inverse_effective_mass)
@@ -85,7 +99,7 @@ static void add_inverse_mass(const struct rb_world *world, const struct rb_eleme
 	}
 }
 
-/* No eigenvalue is larger. */
+/* Frobenius norm, an upper bound of the largest eigenvalue. */
 static double size_of(const rb_mat3 *a)
 {
 	double square = 0;
@@ -97,11 +111,11 @@ static double size_of(const rb_mat3 *a)
 }
 
 /*
- * The impulse of a spring on its end b. With f the force now, K = -df/dx (what would push sideways
- * left out), C = -df/dv, Y the inverse effective mass and A = h (h K + C): the force at the step's
- * end has the impulse p of (1 + A Y) p = h f - h^2 K v. A spring with h^2 k + h c below 1/Y is
- * resolved, and acts as it is now: semi-implicit steps keep its oscillation, up to four times as
- * stiff.
+ * Impulse of a spring on its end b, N s. With f the force now, K = -df/dx (without the negative
+ * stiffness across a compressed spring), C = -df/dv, Y the inverse effective mass and A = h (h K +
+ * C): implicit Euler gives (1 + A Y) p = h f - h^2 K v. A spring with (h^2 k + h c) |Y| <= 1 is
+ * resolved and acts explicitly: semi-implicit Euler, stable up to h^2 k |Y| = 4, keeps its
+ * oscillation.
  */
 static rb_vec3 impulse_of(const struct rb_world *world, const struct rb_elements *springs,
                           int number, double h, const struct end end[2])
@@ -136,7 +150,7 @@ static rb_vec3 impulse_of(const struct rb_world *world, const struct rb_elements
 	return rb_vec3_neg(rb_mat3_apply(&inverse, right));
 }
 
-/* What an element does in the step to the bodies at its ends, N s, N m s. */
+/* Impulses of an element on the bodies at its ends, N s and N m s. */
 struct external {
 	struct rb_wrench on[2];
 	bool acts;
@@ -163,7 +177,7 @@ static struct rb_pose begin_pose(const struct rb_element_query *query, int index
 	return rb_world_pose(world, &world->mark, index);
 }
 
-/* The force on a body as the step begins, for all of it. */
+/* Wrench at the beginning of the step times h. */
 static struct rb_wrench even_impulse(const struct rb_world *world,
                                      const struct rb_elements *elements, int k, int index,
                                      const struct flow *flow)
@@ -179,6 +193,7 @@ static struct rb_wrench even_impulse(const struct rb_world *world,
 	                          rb_vec3_scale(flow->h_s, on.torque)};
 }
 
+/* Springs may be implicit; every other kind acts with its wrench at the beginning. */
 static struct external impulses_of(const struct flow *flow, const struct rb_elements *elements,
                                    int k)
 {
@@ -194,6 +209,7 @@ static struct external impulses_of(const struct flow *flow, const struct rb_elem
 	return external;
 }
 
+/* Changes velocity and spin of a dynamic body by an impulse. */
 static void apply(struct rb_world *world, int i, const struct rb_wrench *impulse)
 {
 	if (!rb_stepped_is_dynamic(world, i))
@@ -214,7 +230,10 @@ static bool is_here(const struct rb_world *world, const unsigned char *here, int
 	return rb_stepped_is_dynamic(world, i) && here[i];
 }
 
-/* All see the same velocities: their order is not in the result but for the rounding of sums. */
+/*
+ * Elements with two ends. First all impulses, then all changes of velocities: the result depends on
+ * the order only by the rounding of sums.
+ */
 static enum rb_status add_between(const struct flow *flow, const unsigned char *here,
                                   struct rb_error *err)
 {
@@ -259,7 +278,7 @@ static enum rb_status add_between(const struct flow *flow, const unsigned char *
 
 /* ---- force elements on every body, fields and drag ---- */
 
-/* Those that act as they are when the step begins. */
+/* Elements with one body, evaluated at the beginning of the step. */
 static void add_even(const struct flow *flow, const struct rb_elements *elements)
 {
 	struct rb_world *world = flow->world;
@@ -286,7 +305,7 @@ static void add_even(const struct flow *flow, const struct rb_elements *elements
 	}
 }
 
-/* Functions of the scene: one after the other, in the simulator's thread. */
+/* Force fields are callbacks: one after the other, in the simulator's thread. */
 static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort *cohort,
                                  double start, double h, struct rb_error *err)
 {
@@ -311,10 +330,10 @@ static enum rb_status add_fields(struct rb_world *world, const struct rb_cohort 
 }
 
 /*
- * m (v - u) = -h (l + q |v|) v has v along u, and |v| is the root of a quadratic, written without
- * cancellation. Of what drag leaves of the velocity, s = |v| / |u|, the way is s times that of a
- * parabola and 1 - s times that of the velocity at the end: with h (v - s (v - v0) / 2) gravity and
- * drag together never give energy, however stiff drag is.
+ * Implicit drag: m (v - u) = -h (l + q |v|) v. v is parallel to u, and |v| is the root of a
+ * quadratic, written without cancellation; s = |v| / |u|. The body moves by s times the parabola
+ * plus 1 - s times the end velocity: with the displacement h (v - s (v - v0) / 2) gravity and drag
+ * together never add energy, however stiff drag is.
  */
 static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {
@@ -355,7 +374,7 @@ static void add_drag(struct rb_world *world, const struct rb_cohort *cohort, dou
 
 /* ---- all ---- */
 
-/* Marks of the bodies of a cohort, for springs. */
+/* Marks dynamic bodies of the cohort; NULL: no memory. */
 static unsigned char *marks_of(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	const size_t n = (size_t)world->model->body_count;
@@ -369,6 +388,10 @@ static unsigned char *marks_of(struct rb_world *world, const struct rb_cohort *c
 	return here;
 }
 
+/*
+ * Called before (sign -1) and after (+1) the varying forces: `varied` is the change of velocity
+ * between.
+ */
 static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, double sign)
 {
 	double *const varied = world->stepped->varied;
@@ -383,8 +406,8 @@ static void note_varied(struct rb_world *world, const struct rb_cohort *cohort, 
 }
 
 /*
- * Where forces that do not vary act on what flies: half way along what those that do have left of
- * its velocity.
+ * For the ledger: the displacement of a free body at which constant forces do their work, half of
+ * that which the varying ones alone would give.
  */
 static void note_carry(struct rb_world *world, const struct rb_cohort *cohort, double h)
 {

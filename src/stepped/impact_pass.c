@@ -1,4 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Event-driven impacts inside a step: times of impact (flight.c) in a priority queue; each event
+ * gathers all contacts that touch at that moment, up to RB_IMPACT_CONTACTS, and solves the
+ * simultaneous impact law; bodies get a kick (change of velocity, and the shift that makes the
+ * parabola continuous), and their other points are predicted again. Larger groups rebound at the
+ * end of the step and are counted as crowded; so that accumulating impacts end, what is left after
+ * EVENTS_MAX rebounds there too.
+ */
 #include "stepped/impact_pass.h"
 
 #include <float.h>
@@ -11,7 +19,7 @@
 #include "stepped/flight.h"
 #include "stepped/tally.h"
 
-/* Impacts in a step, and for each of its points, after which what is left rebounds at the end. */
+/* Limit of events in a step: after 64 + 4 per point what is left rebounds at the end. */
 enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4 };
 /*
  * Products with the matrix of a group's contacts, times these, that one impact may cost: several
@@ -21,10 +29,10 @@ enum { EVENTS_MAX = 64, EVENTS_PER_POINT = 4 };
 static const long work_max = 200000, work_max_plastic = 20000;
 /* Of the approach of an impact: speeds to which what follows from it is resolved. */
 static const double fine_share = 1e-9;
-/* Over the largest speed in a group: what rebounds leave of an approach by rounding. */
+/* Rounding of an approach after an impact, in ulp of the largest speed of the group. */
 static const double noise_ulp = 32;
 
-/* One try's search; arrays in the arena but for the queue. */
+/* Working data of one try. */
 struct impacts {
 	struct rb_world *world;
 	struct rb_stepped *s;
@@ -71,6 +79,7 @@ void rb_impacts_release(struct rb_stepped *s)
 
 /* ---- the queue ---- */
 
+/* Queues the next impact of a point, from `now` on. */
 static enum rb_status predict(struct impacts *all, size_t point, double now, struct rb_error *err)
 {
 	RB_ASSERT_COSTLY(point < all->points->count && now >= 0 && now <= all->flight.h_s);
@@ -81,7 +90,7 @@ static enum rb_status predict(struct impacts *all, size_t point, double now, str
 
 /* ---- which points could be one ---- */
 
-/* Cheap, and true of each that is an impact unless others come first. */
+/* Cheap necessary condition for an impact, from approach and gap. */
 static bool could_touch(const struct rb_flight *flight, const struct rb_step_point *point)
 {
 	const struct rb_world *world = flight->world;
@@ -107,6 +116,10 @@ static bool any_could_touch(const struct rb_flight *flight, const struct rb_step
 
 /* ---- the search ---- */
 
+/*
+ * Points by body in compressed rows: of[first[i]] to of[first[i + 1] - 1]. Counts are stored two
+ * places on, so that filling moves each start to its place.
+ */
 static void index_points(struct impacts *all)
 {
 	const struct rb_step_points *points = all->points;
@@ -190,7 +203,10 @@ static bool take_body(struct impacts *all, int i)
 	return true;
 }
 
-/* False: too many, or one of those that were. */
+/*
+ * Breadth-first over touching contacts from the due point. False: more than the limit, or a body of
+ * a crowded group.
+ */
 static bool gather(struct impacts *all, size_t due)
 {
 	const struct rb_step_point *row = all->points->row;
@@ -230,6 +246,7 @@ static void forget_set(struct impacts *all)
 
 /* ---- the law ---- */
 
+/* Velocity of a body at the moment, with its inverse mass and inertia. */
 static struct rb_solver_body joint_body(const struct impacts *all, int i)
 {
 	const struct rb_world *world = all->world;
@@ -276,6 +293,9 @@ static int joint_place(const struct impacts *all, struct rb_simultaneous *joint,
 	return joint->body_count++;
 }
 
+/*
+ * Contact of the simultaneous problem; `noise` is the approach below which it is lasting contact.
+ */
 static void fill_contact(const struct impacts *all, struct rb_simultaneous *joint, int k)
 {
 	struct rb_step_point *point = &all->points->row[all->contact[k]];
@@ -298,10 +318,7 @@ static void fill_contact(const struct impacts *all, struct rb_simultaneous *join
 	c->noise = point->from > 0 ? fmax(least, all->noise) : all->noise;
 }
 
-/*
- * m/s: rounding of the speeds that come in, and of what the steps before have made of that of
- * places.
- */
+/* Rounding of approaches in this group, m/s: of speeds, and of positions over the step. */
 static double noise_of(const struct impacts *all, const struct rb_simultaneous *joint)
 {
 	double max = 0;
@@ -326,7 +343,7 @@ static double noise_of(const struct impacts *all, const struct rb_simultaneous *
 	return noise_ulp * max;
 }
 
-/* What approaches gives nothing back. */
+/* Whether no approaching contact has restitution. */
 static bool is_plastic(const struct impacts *all)
 {
 	for (int k = 0; k < all->contact_count; k++) {
@@ -344,6 +361,7 @@ static long work_max_of(const struct impacts *all)
 	return is_plastic(all) ? work_max_plastic : work_max;
 }
 
+/* False: no memory. */
 static bool build(struct impacts *all, double approach, struct rb_simultaneous *joint)
 {
 	struct rb_arena *arena = &all->world->arena[0];
@@ -371,6 +389,7 @@ static bool build(struct impacts *all, double approach, struct rb_simultaneous *
 	return true;
 }
 
+/* Adds the change of velocity at t, and -t times it to the shift: x(t) stays continuous. */
 static void kick(struct impacts *all, int i, const struct rb_solver_body *after)
 {
 	struct rb_stepped *s = all->s;
@@ -389,7 +408,7 @@ static void kick(struct impacts *all, int i, const struct rb_solver_body *after)
 
 /* ---- what is told ---- */
 
-/* After all that has happened at the end of the step before. */
+/* Time of the event; strictly after the end of the last step, so that events are in order. */
 static double time_of(const struct impacts *all)
 {
 	return fmax(all->start_s + all->t_s, nextafter(all->start_s, (double)INFINITY));

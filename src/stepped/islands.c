@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Islands and rows of the linear complementarity problem. Union-find over points with two dynamic
+ * bodies; the smaller index is always the root, so numbering does not depend on the order of
+ * points. Bodies, members and rows are laid out by counting sorts into contiguous ranges per
+ * island, which the sweeps then read in order.
+ *
+ * Rows hold scalar effective masses along the normal and the worst one across it. Contacts of one
+ * face get arms in one plane (level_arms), so that a face that turns does not work against its own
+ * friction.
+ */
 #include "stepped/islands.h"
 
 #include "base/error.h"
@@ -9,7 +19,7 @@
 
 /* ---- bodies ---- */
 
-/* World axes: R I^-1 R^T. */
+/* Inverse inertia in world axes, R I^-1 R^T. */
 static rb_mat3 turned_tensor(const rb_mat3 *inverse, rb_quat orientation)
 {
 	const rb_mat3 r = rb_quat_to_mat3(orientation), t = rb_mat3_transposed(&r);
@@ -18,6 +28,7 @@ static rb_mat3 turned_tensor(const rb_mat3 *inverse, rb_quat orientation)
 	return rb_mat3_multiply(&half, &t);
 }
 
+/* State of a body for the solver; `free` keeps the velocity without contacts. */
 static void fill_body(struct rb_solver *solver, const struct rb_world *world, int i)
 {
 	const struct rb_model *model = world->model;
@@ -45,7 +56,7 @@ static void store_body(const struct rb_solver *solver, struct rb_world *world, i
 		rb_vec3_to(world->state.spin + 3 * (size_t)i, solver->dense.bodies.body[i].angular);
 }
 
-/* What is done to every body, point or row on its own, in blocks. */
+/* A parallel pass over bodies, points or rows; each writes only its own. */
 struct pass {
 	struct rb_solver *solver;
 	struct rb_world *world;
@@ -94,6 +105,7 @@ static bool is_dynamic(const struct rb_solver *solver, int i)
 
 /* ---- standing still ---- */
 
+/* Whether the vector of a body is zero (a column that does not exist is). */
 static bool is_zero(const double *column, int i)
 {
 	const double *v = column ? column + 3 * (size_t)i : NULL;
@@ -101,7 +113,10 @@ static bool is_zero(const double *column, int i)
 	return !v || (v[0] == 0 && v[1] == 0 && v[2] == 0);
 }
 
-/* Nothing has changed since the group was found to stand still: it would be found so again. */
+/*
+ * Whether all members rested in the last step and feel the same external accelerations, and nothing
+ * driven moves at them: the solution would be the same, and the island gets no rows.
+ */
 static bool goes_on_resting(const struct rb_solver *solver, const struct rb_island *island)
 {
 	for (int k = 0; k < island->member_count; k++) {
@@ -116,7 +131,7 @@ static bool goes_on_resting(const struct rb_solver *solver, const struct rb_isla
 	return !island->carried;
 }
 
-/* Whether what does not yield moves under or against the other. */
+/* Whether a driven body of this contact moves. */
 static bool is_moved(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	const int ends[2] = {point->a, point->b};
@@ -134,13 +149,13 @@ static bool is_moved(const struct rb_solver *solver, const struct rb_step_point 
 
 /* ---- groups ---- */
 
-/* The body of a point that yields: the group is its. */
+/* The dynamic body of a point, whose island it belongs to. */
 static int owner_of(const struct rb_solver *solver, const struct rb_step_point *point)
 {
 	return is_dynamic(solver, point->a) ? point->a : point->b;
 }
 
-/* Owners of the points go to `place`. */
+/* Union-find over the points; place[k] becomes the dynamic body of point k. */
 static void join_all(struct rb_solver *solver, const struct rb_step_points *points, int *place)
 {
 	for (int k = 0; k < solver->active_count; k++)
@@ -191,7 +206,10 @@ static enum rb_status number_groups(struct rb_solver *solver, const struct rb_st
 	return RB_OK;
 }
 
-/* Members and rows, whose places replace the owners; what still rests needs no rows. */
+/*
+ * Counting sorts of members and rows by island. place[k] becomes the row of point k, -1 in islands
+ * that stay at rest.
+ */
 static void lay_out(struct rb_solver *solver, const struct rb_step_points *points, int *place)
 {
 	int row = 0, member = 0;
@@ -241,13 +259,62 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 	solver->dense.row_count = row;
 }
 
+/* Adds the inverse effective mass (1/kg) of a body at that arm in the basis n, x, y. */
+static void add_inverse_mass(const struct rb_row_system *dense, int body, rb_vec3 arm,
+                             const rb_vec3 axis[3], double inverse_effective_mass[3][3])
+{
+	rb_vec3 turn[3];
+
+	for (int i = 0; i < 3; i++)
+		turn[i] = dense->body[body].inverse_inertia != 0
+		                  ? rb_vec3_cross(rb_system_turn(dense, body,
+		                                                 rb_vec3_cross(arm, axis[i])),
+		                                  arm)
+		                  : (rb_vec3){0, 0, 0};
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			inverse_effective_mass[i][j] += rb_vec3_dot(axis[i], turn[j]) +
+			                                (i == j ? dense->body[body].inverse_mass
+			                                        : 0);
+}
+
+/*
+ * Inverse effective masses: along the normal, and the larger eigenvalue of the 2x2 tangential
+ * block.
+ */
+static void fill_dynamic(const struct rb_row_system *dense, struct rb_system_row *row)
+{
+	const struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
+
+	if (row->central) {
+		row->inverse_mass_n = a->inverse_mass + b->inverse_mass;
+		row->inverse_mass_t = row->inverse_mass_n +
+		                      a->inverse_inertia * row->arm_a.x * row->arm_a.x +
+		                      b->inverse_inertia * row->arm_b.x * row->arm_b.x;
+		return;
+	}
+	const rb_vec3 x = rb_vec3_across(row->normal);
+	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
+	double inverse_effective_mass[3][3] = {{0}};
+
+	add_inverse_mass(dense, row->a, row->arm_a, axis, inverse_effective_mass);
+	add_inverse_mass(dense, row->b, row->arm_b, axis, inverse_effective_mass);
+	RB_ASSERT_COSTLY(inverse_effective_mass[0][0] > 0);
+	row->inverse_mass_n = inverse_effective_mass[0][0];
+	row->inverse_mass_t = 0.5 * (inverse_effective_mass[1][1] + inverse_effective_mass[2][2]) +
+	                      hypot(0.5 * (inverse_effective_mass[1][1] -
+	                                   inverse_effective_mass[2][2]),
+	                            inverse_effective_mass[1][2]);
+}
+
+/* Points of one face of a pair have bit for bit the same normal and are adjacent. */
 static bool share_face(const struct rb_step_point *p, const struct rb_step_point *q)
 {
 	return p->a == q->a && p->b == q->b && p->normal.x == q->normal.x &&
 	       p->normal.y == q->normal.y && p->normal.z == q->normal.z;
 }
 
-/* Of the points of one face, which stand together, the one with the least gap. */
+/* The point with the smallest gap among those of the same face. */
 static const struct rb_step_point *nearest_of_face(const struct rb_step_points *points, int number)
 {
 	const struct rb_step_point *const point = &points->row[number], *const first = points->row;
@@ -260,6 +327,7 @@ static const struct rb_step_point *nearest_of_face(const struct rb_step_points *
 	return nearest;
 }
 
+/* Moves an arm along the normal into the plane of the nearest point. */
 static rb_vec3 level(rb_vec3 arm, rb_vec3 nearest, rb_vec3 normal)
 {
 	return rb_vec3_add_scaled(arm, rb_vec3_dot(rb_vec3_sub(nearest, arm), normal), normal);
@@ -278,6 +346,10 @@ static void level_arms(const struct rb_step_point *nearest, struct rb_constraint
 
 /* Those at which impulses act. */
 static void set_arms(const struct pass *pass, struct rb_constraint *row, int number)
+/*
+ * Sets the arms at which impulses act, with the mean of arms over the step where the pair pivots.
+ */
+static void set_arms(const struct pass *pass, struct rb_system_row *row, int number)
 {
 	const struct rb_step_point *const point = &pass->points->row[number];
 
@@ -391,6 +463,7 @@ enum rb_status rb_islands_make(struct rb_solver *solver, struct rb_world *world,
 
 /* ---- the end of a step ---- */
 
+/* Marks bodies with an impulse on them. */
 static void find_pushed(struct rb_solver *solver, const struct rb_step_points *points)
 {
 	for (int k = 0; k < solver->active_count; k++)
@@ -404,7 +477,10 @@ static void find_pushed(struct rb_solver *solver, const struct rb_step_points *p
 	}
 }
 
-/* What impulses that were taken back have left is rounding: nothing has touched the body. */
+/*
+ * A body whose impulses all ended at zero gets its free velocity back exactly: the sum has rounding
+ * in it, and a top without torque should take the closed form.
+ */
 static void free_unpushed(struct rb_solver *solver)
 {
 	for (int k = 0; k < solver->active_count; k++) {
@@ -415,7 +491,10 @@ static void free_unpushed(struct rb_solver *solver)
 	}
 }
 
-/* Positions that are closed leave nothing. */
+/*
+ * Residuals that the next step takes into account; not after the projection, which has no
+ * velocities.
+ */
 static void note_left(struct rb_solver *solver)
 {
 	for (int k = 0; solver->before && k < solver->active_count; k++) {

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Verdict on a try of a step, in order of cost: values that are not finite, residuals of the
+ * solver, bodies that impacts have thrown too far, then overlaps, which are measured only where the
+ * rest is good or where other bodies keep the step. An impact shares its verdict between both
+ * bodies (rb_impacts_blame), since taking back one of them would lose momentum.
+ *
+ * Overlap is the last criterion and the only one that is mended rather than judged: the projection
+ * moves positions first.
+ */
 #include "stepped/judge.h"
 
 #include <string.h>
@@ -9,6 +18,7 @@
 #include "stepped/projection.h"
 #include "stepped/sleep.h"
 
+/* Bodies with a state that is not finite; the first is kept for the message. */
 static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
                        struct rb_attempt_outcome *outcome)
 {
@@ -23,6 +33,10 @@ static void blame_wild(struct rb_world *world, const struct rb_cohort *cohort,
 	}
 }
 
+/*
+ * An island is bad if its residual closes a gap by more than the tolerance in h. With rollback
+ * `none` the residual is only recorded.
+ */
 static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_outcome *outcome)
 {
 	struct rb_stepped *s = world->stepped;
@@ -45,8 +59,8 @@ static void blame_residuals(struct rb_world *world, double h, struct rb_attempt_
 }
 
 /*
- * A body that impacts have thrown farther than it would have flown, by more than half its size, may
- * have passed others that it was not foreseen to meet.
+ * A body farther from its start than it would have flown without impacts, by more than half its
+ * size, may have tunnelled through bodies that are not among its candidates.
  */
 static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 {
@@ -61,7 +75,7 @@ static void blame_thrown(struct rb_world *world, const struct rb_cohort *cohort)
 	}
 }
 
-/* So that boxes about the others can be made. */
+/* The broadphase needs finite positions, also of bodies that will be taken back. */
 static void restore_bad(struct rb_world *world, const struct rb_cohort *cohort)
 {
 	for (int k = 0; k < cohort->body_count; k++)
@@ -92,7 +106,7 @@ enum rb_status rb_judge(struct rb_world *world, struct rb_cohort *cohort, double
 		return RB_OK;
 	if (s->bad_count > 0)
 		restore_bad(world, cohort);
-	/* where overlaps are known already, nobody had gone too far for it */
+	/* depths measured by rb_again imply that the candidates held for these poses */
 	if (cohort->near == &s->near && !(cohort->is_measured && s->bad_count == 0) &&
 	    !rb_candidates_holds(&s->near, world, cohort->body, cohort->body_count)) {
 		s->near.valid = false;

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Energy balance of closing overlaps by moving positions. Moving a body against gravity adds
+ * potential energy that no contact force has given; it is taken back from kinetic energy of the
+ * same group, in the order of rb_lift_pay: spin about the contacts, motion along the directions of
+ * closing, all motion. A body whose group cannot pay is marked bad, and the step is halved.
+ *
+ * Sums are kept per group at its root (union-find of islands, joined where closing connects them).
+ * For a change of velocities by -s d the kinetic energy changes by -s <v, d>_M + s^2 <d, d>_M / 2;
+ * `share_of` solves that for s.
+ */
 #include "stepped/lift.h"
 
 #include <string.h>
@@ -9,10 +19,16 @@
 #include "stepped/energy.h"
 #include "stepped/tally.h"
 
-/* Of the sums of a group. */
+/*
+ * Sums of a group, J: potential energy gained, kinetic energy, and <v, d> and <d, d> in the mass
+ * metric for d = torque of closing (TURN_*) and d = displacement of closing.
+ */
 enum { RISE, KINETIC, TURN_MIXED, TURN_SQUARE, MIXED, SQUARE, SUMS };
 
-/* What points that had overlap at the beginning of the step have held up by so much less. */
+/*
+ * Energy that contacts with an initial overlap have missed: gap times force. Rising again by that
+ * much is not a gain.
+ */
 static void add_sunk(struct rb_lift *lift, const struct rb_step_points *points, double h)
 {
 	RB_ASSERT(h > 0);
@@ -139,13 +155,14 @@ void rb_lift_add(struct rb_lift *lift, struct rb_world *world, int i)
 	           rb_quat_rotate(rb_quat_from_turn(body->angular), rb_vec3_from(aside + 3)));
 }
 
-/* rad/s, of an angular momentum. */
+/* Spin in rad/s for an angular momentum about the centre of mass. */
 static rb_vec3 spin_of(const struct rb_world *world, int i, const double *momentum)
 {
 	return world->state.spin ? rb_world_turn(world, &world->state, i, rb_vec3_from(momentum))
 	                         : (rb_vec3){0, 0, 0};
 }
 
+/* Adds <w, L> and <L, I^-1 L> for the angular momentum L. */
 static void add_turn(const struct rb_world *world, int i, const double *momentum, double *mixed,
                      double *square)
 {
@@ -157,6 +174,7 @@ static void add_turn(const struct rb_world *world, int i, const double *momentum
 	*square += rb_vec3_dot(turn, spin_of(world, i, momentum));
 }
 
+/* Adds one body to the sums of its group. */
 static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 {
 	const struct rb_world_def *of = &world->model->scene->world;
@@ -175,8 +193,8 @@ static void add_up(struct rb_lift *lift, const struct rb_world *world, int i)
 }
 
 /*
- * How velocities change: v (1 - slowed) - pace way, spins by -twist turn as well. NAN: there is not
- * as much.
+ * Change of a group's velocities: v (1 - slowed) - pace * displacement of closing - twist * torque
+ * of closing. NAN: the group does not have the energy.
  */
 struct payment {
 	double twist, pace, slowed;
@@ -184,7 +202,10 @@ struct payment {
 
 static const struct payment nothing = {0, 0, 0}, impossible = {(double)NAN, 0, 0};
 
-/* How often a momentum is taken for kinetic energy to fall by `need`. NAN: it never does. */
+/*
+ * The smaller root s of s mixed - s^2 square / 2 = need, without cancellation. NAN: the parabola
+ * does not reach `need`.
+ */
 static double share_of(double need, double mixed, double square)
 {
 	const double left = mixed * mixed - 2 * need * square;
@@ -192,6 +213,10 @@ static double share_of(double need, double mixed, double square)
 	return left >= 0 ? 2 * need / (mixed + copysign(sqrt(left), mixed)) : (double)NAN;
 }
 
+/*
+ * The first way of paying `need` J that suffices. `anyhow` allows those that change linear
+ * momentum.
+ */
 static struct payment payment_of(const double *sum, double need, bool held, bool anyhow)
 {
 	if (!(need > 0))
@@ -208,6 +233,7 @@ static struct payment payment_of(const double *sum, double need, bool held, bool
 	return impossible;
 }
 
+/* Changes the velocities of one body as its group pays. */
 static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct payment payment)
 {
 	double *const v = world->state.velocity + 3 * (size_t)i;
@@ -230,8 +256,7 @@ static void pay(struct rb_lift *lift, struct rb_world *world, int i, struct paym
 }
 
 /*
- * Whom the ledger names for what closing has done to a body: the fixed one that its group has been
- * closed against.
+ * Ledger entry for closing: by a driven body, a static one, or other dynamic bodies of the group.
  */
 static void record_closed(const struct rb_lift *lift, struct rb_world *world, int i)
 {

@@ -1,4 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Selective rollback: after a try of the whole step that failed for some bodies, groups with a
+ * failed body return to the beginning and take adaptive substeps (halved on failure, doubled on
+ * success), the others keep the try. Groups are independent as long as bodies stay in their swept
+ * boxes; if one leaves, its box grows, groups are formed again, and only groups that have changed
+ * start over. A box at least doubles each time, so this ends.
+ *
+ * Results of settled groups are collected in lists with the body that they belong to, and joined
+ * once at the end, sorted by body: the outcome is the same whatever the order in which groups were
+ * run. Compare the time-warp scheme of Mirtich (2000).
+ */
 #include "stepped/local_rollback.h"
 
 #include <string.h>
@@ -45,6 +56,7 @@ struct rb_entries_of {
 	int body;
 };
 
+/* Allocated when a step fails for the first time. */
 static enum rb_status create(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -105,7 +117,7 @@ static void forget_contacts(const struct rb_world *world, struct rb_contacts *co
 	contacts->count = kept;
 }
 
-/* Of groups that were settled and have changed nothing is left. */
+/* Removes results of groups that have changed since they were settled. */
 static void forget_unsettled(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
@@ -127,7 +139,10 @@ static void forget_unsettled(struct rb_world *world)
 	local->event_count = events;
 }
 
-/* Marks by body as groups have them now; counts what is taken back. */
+/*
+ * Carries `failed` and `settled` from groups to bodies; groups that start over add to the counts of
+ * discarded work.
+ */
 static void mark_bodies(struct rb_world *world)
 {
 	struct rb_local_rollback *local = world->stepped->local;
@@ -156,6 +171,7 @@ static void mark_bodies(struct rb_world *world)
 
 /* ---- one group ---- */
 
+/* The part-cohort becomes the group's bodies, the driven ones, and the group's pairs. */
 static void cohort_of(struct rb_world *world, const struct rb_swept_group *group)
 {
 	struct rb_stepped *s = world->stepped;
@@ -171,6 +187,7 @@ static void cohort_of(struct rb_world *world, const struct rb_swept_group *group
 	s->part.near = &local->swept.near;
 }
 
+/* Keeps a good substep: counts, events, ledger, contacts, warm-start impulses. */
 static enum rb_status keep_step(struct rb_world *world, double time, double h,
                                 const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
@@ -242,6 +259,7 @@ static enum rb_status begin_group(struct rb_world *world, struct rb_error *err)
 	return RB_OK;
 }
 
+/* The group has reached the end of the step: its results join those of settled groups. */
 static enum rb_status resolve(struct rb_world *world, struct rb_swept_group *group, double dt,
                               struct rb_error *err)
 {
@@ -304,8 +322,8 @@ static void reset_arenas(struct rb_world *world)
 }
 
 /*
- * With the territories as they are now: whether the group is still apart from all others. Its
- * candidates are new.
+ * Forms groups again after a box has grown: whether this group has met no other. If so its
+ * candidate pairs are replaced, and it goes on from where it is.
  */
 static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
                         enum rb_status *status, struct rb_error *err)
@@ -325,7 +343,7 @@ static bool is_separate(struct rb_world *world, struct rb_swept_group *group,
 	return true;
 }
 
-/* Back to the beginning of the attempt under way. */
+/* Restores the beginning of the current substep. */
 static void take_back(struct rb_world *world)
 {
 	const struct rb_cohort *part = &world->stepped->part;
@@ -335,8 +353,8 @@ static void take_back(struct rb_world *world)
 }
 
 /*
- * The whole step has failed for it: halves of it, and so on. `*left`: somebody has left the
- * territory and could meet others; there it stops.
+ * Adaptive substeps of one group over dt. `*left`: a body has left its box and the group has met
+ * another; it has to start over.
  */
 static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *group, double start,
                                 double dt, bool *left, struct rb_error *err)
@@ -387,7 +405,7 @@ static enum rb_status run_group(struct rb_world *world, struct rb_swept_group *g
 
 /* ---- the step ---- */
 
-/* Until nobody leaves the territory any more; it at least doubles each time. */
+/* Runs all failed groups, again after each regrouping. */
 static enum rb_status run_groups(struct rb_world *world, double start, double dt,
                                  struct rb_error *err)
 {
@@ -418,7 +436,7 @@ static enum rb_status run_groups(struct rb_world *world, double start, double dt
 	return status;
 }
 
-/* For the frames, beside those that keep the whole step. */
+/* Contacts for output, averaged over dt. */
 static enum rb_status show_contacts(struct rb_world *world, double dt,
                                     const struct rb_contacts *whole, struct rb_error *err)
 {
@@ -435,7 +453,7 @@ static enum rb_status show_contacts(struct rb_world *world, double dt,
 	return status;
 }
 
-/* The world's contacts are those of both kinds. */
+/* Contacts of bodies that keep the whole step, and of settled groups. */
 static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -459,7 +477,7 @@ static enum rb_status join_contacts(struct rb_world *world, double dt, struct rb
 	return RB_OK;
 }
 
-/* Of those that keep the whole step, then of groups that took shorter ones. */
+/* Ledger entries of the bodies that keep the whole step, then those of groups. */
 static void enter_all(struct rb_world *world, double start, double dt)
 {
 	const struct rb_local_rollback *local = world->stepped->local;
@@ -471,10 +489,7 @@ static void enter_all(struct rb_world *world, double start, double dt)
 		rb_ledger_enter(&world->ledger, &local->book[k].entries);
 }
 
-/*
- * Impulses for the next step: of what was kept of the whole one, then of groups that took shorter
- * ones; by body.
- */
+/* Warm-start impulses of both kinds, sorted by body. */
 static enum rb_status join_pushes(struct rb_world *world, double dt, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -530,7 +545,7 @@ static enum rb_status join_impacts(struct rb_world *world, double end, struct rb
 	return RB_OK;
 }
 
-/* What those have come to that keep the whole step, and how many steps all have taken. */
+/* Counts and largest overlap of the bodies that keep the whole step. */
 static enum rb_status count_steps(struct rb_world *world, double dt,
                                   const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
@@ -566,7 +581,7 @@ static enum rb_status count_steps(struct rb_world *world, double dt,
 	return status;
 }
 
-/* Driven bodies have gone with each group; they end where the step does. */
+/* Driven bodies were moved with each group's substeps; they end at the pose of the whole step. */
 static enum rb_status end_drive(struct rb_world *world, double start, double dt,
                                 struct rb_error *err)
 {

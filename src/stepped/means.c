@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Time averages of contact forces over a step that was taken in substeps: sums of impulses per
+ * contact, divided by the whole step at the end. Contacts are matched by (a, b, key) by merging two
+ * sorted lists, O(n) per substep; both buffers are kept and swapped.
+ *
+ * With impulse P_i = p_i n_i and friction T_i of substep i: the normal is that of sum P_i, and the
+ * part of sum T_i along it belongs to the normal force, so that the total impulse is reported
+ * exactly although normals of substeps differ. The point is the mean of points weighted by p_i.
+ */
 #include "stepped/means.h"
 
 #include <stdlib.h>
@@ -14,6 +23,7 @@ void rb_means_release(struct rb_means *means)
 	*means = (struct rb_means){0};
 }
 
+/* Order of contacts by bodies and by feature key, for qsort. */
 static int by_name(const void *left, const void *right)
 {
 	const struct rb_contact_name x = rb_contact_name_in(left), y = rb_contact_name_in(right);
@@ -21,6 +31,7 @@ static int by_name(const void *left, const void *right)
 	return rb_contact_name_compare(&x, &y);
 }
 
+/* Adds one substep of h seconds to the sums of a contact. */
 static void add(struct rb_mean *mean, const struct rb_contact *contact, double h)
 {
 	const double push = contact->normal_force * h;

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Sleeping without a threshold: a group sleeps only if a whole step has left its state bit for bit
+ * unchanged under the same forces, and every step checks that the inputs are still the same bits. A
+ * run with sleeping is therefore identical to one without, unlike one with thresholds on velocity
+ * and time. The price is that bodies which creep by an ulp never sleep.
+ *
+ * A group is a ring through `next`; waking one body wakes the ring. What a sleeping group touches
+ * anew wakes it before the step is solved, and waking propagates until no new point touches a
+ * sleeper.
+ */
 #include "stepped/sleep.h"
 
 #include <string.h>
@@ -9,8 +19,8 @@
 enum { POSE = 7 };
 
 /*
- * Of the smallest size: a way in which the touch of spheres is met where they stand, whatever the
- * rounding of the step.
+ * A group sleeps only if its reach in a step is below this share of the smallest size: contacts of
+ * spheres are then evaluated where they stand, whatever the rounding of the step's length.
  */
 static const double small_share = 0.05;
 
@@ -49,6 +59,7 @@ void rb_sleep_release(struct rb_sleep *sleep)
 
 /* ---- who ---- */
 
+/* Whether the vector of a body is zero (a column that does not exist is). */
 static bool is_none(const double *column, int i)
 {
 	const double *v = column ? column + 3 * (size_t)i : NULL;
@@ -64,12 +75,13 @@ static inline uint64_t bits(const double *number)
 	return all;
 }
 
-/* Bits in which two vectors differ. */
+/* Nonzero where two vectors differ in a bit, the sign of zero included. */
 static inline uint64_t differ(const double *a, const double *b)
 {
 	return (bits(a) ^ bits(b)) | (bits(a + 1) ^ bits(b + 1)) | (bits(a + 2) ^ bits(b + 2));
 }
 
+/* Position and orientation are bit for bit these. */
 static inline bool has_pose(const struct rb_state *state, int i, const double *pose)
 {
 	uint64_t sum = differ(state->position + 3 * (size_t)i, pose);
@@ -98,7 +110,7 @@ static bool is_unmoved(const struct rb_world *world, int i)
 	return has_pose(&world->state, i, pose);
 }
 
-/* The group of a body, or a driven one on its own. */
+/* Wakes the group of a body; a driven body is a group of its own. */
 static void rouse(struct rb_sleep *sleep, int i)
 {
 	int k = i;
@@ -114,6 +126,10 @@ static void rouse(struct rb_sleep *sleep, int i)
 	sleep->settled = false;
 }
 
+/*
+ * The conditions under which the step that put it to sleep would do the same again: no velocity,
+ * the same pose, the same external acceleration.
+ */
 static bool goes_on_standing(const struct rb_world *world, int i, double h)
 {
 	const struct rb_stepped *s = world->stepped;
@@ -136,7 +152,9 @@ struct pass {
 	double h_s;
 };
 
-/* Reaches too, which hang on the rounding of the step's length. */
+/*
+ * Checks a block of sleeping bodies and renews their reaches, which follow the length of the step.
+ */
 static void check_block(void *user, int block, int worker)
 {
 	const struct pass *pass = user;
@@ -168,6 +186,7 @@ void rb_sleep_wake(struct rb_world *world, const unsigned char *mark)
 			rouse(sleep, i);
 }
 
+/* Wakes groups whose inputs have changed since the last step. */
 static void check(struct rb_world *world, double start, double h)
 {
 	struct rb_stepped *s = world->stepped;
@@ -199,7 +218,7 @@ void rb_sleep_gather(struct rb_stepped *s)
 	s->all.body_count = s->member_count + s->driven_count;
 }
 
-/* Driven bodies are always among the cohort. */
+/* List of awake dynamic bodies, then all driven ones. */
 static void shrink(struct rb_stepped *s)
 {
 	struct rb_sleep *sleep = &s->sleep;
@@ -215,6 +234,7 @@ static void shrink(struct rb_stepped *s)
 	sleep->live_bodies = count;
 }
 
+/* The cohort of all becomes the awake bodies. */
 static void show(struct rb_stepped *s)
 {
 	s->all.body = s->sleep.body;
@@ -228,8 +248,8 @@ static bool sleeps_or_is_static(const struct rb_sleep *sleep, int n, int i)
 }
 
 /*
- * Those of which one does not stand. Of the others it is known how deep they overlap, while all of
- * them stand.
+ * Live pairs: those with an awake body. The largest overlap of the others is remembered as long as
+ * all of them sleep.
  */
 static enum rb_status list_pairs(struct rb_world *world, struct rb_error *err)
 {
@@ -267,7 +287,10 @@ enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error *err)
 	return !s->near.live && s->sleep.count > 0 ? list_pairs(world, err) : RB_OK;
 }
 
-/* Groups that the points from there on touch, whose bodies get a mark. */
+/*
+ * Wakes groups touched by the points from `first` on and marks their bodies; whether there were
+ * any.
+ */
 static bool rouse_touched(struct rb_world *world, size_t first)
 {
 	struct rb_stepped *s = world->stepped;
@@ -290,7 +313,8 @@ static bool rouse_touched(struct rb_world *world, size_t first)
 }
 
 /*
- * Pairs of those with a mark among themselves and with what stands: the others have been looked at.
+ * Points of pairs among the bodies just woken, and between them and sleepers; pairs with others
+ * have been examined before.
  */
 static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_error *err)
 {
@@ -322,7 +346,10 @@ static enum rb_status inspect_woken(struct rb_world *world, double h, struct rb_
 	return status;
 }
 
-/* What stands has felt the forces of the step, and nothing of them is left. */
+/*
+ * Forces were added to all bodies before it was known who sleeps; sleepers get their zero velocity
+ * back.
+ */
 static void stop(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;
@@ -403,6 +430,7 @@ void rb_sleep_note(struct rb_world *world)
 	}
 }
 
+/* Not failed, moved by no bit, and with a small reach. */
 static bool may_sleep(const struct rb_world *world, int i, const unsigned char *failed)
 {
 	const struct rb_stepped *s = world->stepped;
@@ -422,6 +450,7 @@ static void fall_asleep(struct rb_world *world, int i)
 	sleep->changed = true;
 }
 
+/* Driven bodies sleep while their function leaves them where they are. */
 static void end_driven(struct rb_world *world)
 {
 	struct rb_stepped *s = world->stepped;

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Top level of the stepped method: memory, the loop of tries and halvings, commit, and the
+ * checkpoint. What happens to a step that fails is the scene's choice: only the groups concerned go
+ * back (local_rollback.c), or all bodies, or with RB_ROLLBACK_NONE nobody unless a value is not
+ * finite.
+ *
+ * Until commit the beginning of the step stands in world->mark; every error copies it back, so that
+ * a failed step leaves the world as it was.
+ */
 #include "stepped/stepped.h"
 
 #include <string.h>
@@ -16,7 +25,7 @@
 
 /* ---- what it needs ---- */
 
-/* Bodies that yield, ascending, then driven ones: `member_count` says where. */
+/* List of bodies: dynamic ones ascending, then driven ones ascending. */
 static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *model,
                                   struct rb_error *err)
 {
@@ -43,7 +52,7 @@ static enum rb_status take_bodies(struct rb_stepped *s, const struct rb_model *m
 	return RB_OK;
 }
 
-/* For forces that vary within a step. */
+/* Arrays for springs, fields and drag. */
 static enum rb_status take_forces(struct rb_stepped *s, const struct rb_model *model,
                                   struct rb_error *err)
 {
@@ -62,6 +71,7 @@ static enum rb_status take_forces(struct rb_stepped *s, const struct rb_model *m
 	return RB_OK;
 }
 
+/* Principal axes for bodies with unequal moments of inertia. */
 static enum rb_status take_tops(struct rb_stepped *s, const struct rb_model *model,
                                 struct rb_error *err)
 {
@@ -76,6 +86,10 @@ static enum rb_status take_tops(struct rb_stepped *s, const struct rb_model *mod
 	return RB_OK;
 }
 
+/*
+ * Allocates once, on the first step or when a checkpoint is loaded; a failure leaves a partial
+ * structure that rb_stepped_destroy releases.
+ */
 static enum rb_status prepare(struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
@@ -150,6 +164,7 @@ void rb_stepped_destroy(struct rb_stepped *stepped)
 
 /* ---- the step ---- */
 
+/* Contacts and warm-start impulses become those of the world. */
 static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_error *err)
 {
 	struct rb_stepped *s = world->stepped;
@@ -180,6 +195,10 @@ static enum rb_status keep_contacts(struct rb_world *world, double h, struct rb_
 	return status;
 }
 
+/*
+ * Makes a good try the state of the world. Everything that can fail comes before the first change
+ * that cannot be undone.
+ */
 static enum rb_status commit(struct rb_world *world, double end, double h,
                              const struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
@@ -195,7 +214,7 @@ static enum rb_status commit(struct rb_world *world, double end, double h,
 	counts->slip_m = fmax(counts->slip_m, outcome->slip);
 	s->reported.count = 0;
 	enum rb_status status = rb_record_impacts(world, &s->all, end, &world->contacts, NULL, err);
-	/* else the lists are those of before */
+	/* if everything sleeps and nothing touches, the lists stay as they are */
 	if (status == RB_OK && !(s->sleep.settled && s->all.points.count == 0))
 		status = keep_contacts(world, h, err);
 	if (status == RB_OK && !rb_record_reserve(world, s->reported.count))
@@ -223,6 +242,7 @@ static void reset_arenas(struct rb_world *world)
 	}
 }
 
+/* One try for all bodies; on an error the state is that of the beginning. */
 static enum rb_status try_all(struct rb_world *world, double start, double h,
                               struct rb_attempt_outcome *outcome, struct rb_error *err)
 {
@@ -245,7 +265,7 @@ static enum rb_status try_all(struct rb_world *world, double start, double h,
 	return status;
 }
 
-/* Bodies for which the whole step has failed go on in shorter ones, the others keep it. */
+/* RB_ROLLBACK_SELECTIVE: bodies for which the whole step has failed take substeps. */
 static enum rb_status step_locally(struct rb_world *world, double start, double dt,
                                    struct rb_error *err)
 {
@@ -264,7 +284,7 @@ static enum rb_status step_locally(struct rb_world *world, double start, double 
 	return rb_record_all(world, err);
 }
 
-/* For the frames: over the whole step, which was taken in parts. */
+/* Contact forces averaged over the substeps of a step, for output. */
 static enum rb_status show_means(struct rb_world *world, double dt, struct rb_error *err)
 {
 	world->shown.count = 0;
@@ -276,7 +296,10 @@ static enum rb_status show_means(struct rb_world *world, double dt, struct rb_er
 	return status;
 }
 
-/* What fails is halved for all; with `none`, only what is not finite fails. */
+/*
+ * Substeps common to all bodies: halves the substep for all bodies until it is good, doubles it
+ * after each success. With RB_ROLLBACK_NONE only values that are not finite count as failure.
+ */
 static enum rb_status step_together(struct rb_world *world, double start, double dt,
                                     struct rb_error *err)
 {
@@ -332,6 +355,26 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 
 /* ---- to bytes and back ---- */
 
+enum { PUSH_SIZE = 48 };
+
+static void pack_push(const struct rb_world *world, struct rb_named_push *push,
+                      struct rb_pack *pack)
+{
+	double numbers[4] = {push->force, push->friction_impulse.x, push->friction_impulse.y,
+	                     push->friction_impulse.z};
+
+	rb_pack_int(pack, &push->a, 0, world->model->body_count - 1);
+	rb_pack_int(pack, &push->b, 0, world->model->body_count + world->model->static_count - 1);
+	rb_pack_u64(pack, &push->key);
+	rb_pack_finite(pack, numbers, 4);
+	push->force = numbers[0];
+	push->friction_impulse = rb_vec3_from(numbers + 1);
+}
+
+/*
+ * Warm-start impulses, sorted by first body, since the index by body relies on it; a checkpoint may
+ * be damaged, so that is checked.
+ */
 static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 {
 	const struct rb_limits limits = rb_limits_of(world->model);
@@ -352,6 +395,10 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 }
 
 /* Columns by body; the forces only of those that rest. */
+/*
+ * Which bodies rest, and under which external accelerations; groups are put to sleep again by the
+ * next step.
+ */
 static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 {
 	struct rb_solver *solver = &world->stepped->solver;

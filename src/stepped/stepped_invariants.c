@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Checks of the stepped method's state between steps: sleeping groups, candidate pairs and the
+ * lists of bodies. A failure is a bug of this program (RB_ERR_BUG), never of the input.
+ */
 #include "stepped/stepped_invariants.h"
 
 #include "base/error.h"
 
-/* Every group that stands is a ring of bodies that stand, and all of them are counted. */
+/*
+ * Sleeping groups are rings through `next`: every successor of a sleeping body sleeps, and the
+ * counts of bodies and of contact points agree with the marks.
+ */
 static enum rb_status validate_sleep(const struct rb_stepped *s, int bodies, struct rb_error *err)
 {
 	const struct rb_sleep *const sleep = &s->sleep;
@@ -29,6 +36,7 @@ static enum rb_status validate_sleep(const struct rb_stepped *s, int bodies, str
 	return RB_OK;
 }
 
+/* Indices in range, the first body of each pair dynamic, live pairs strictly ascending. */
 static enum rb_status validate_candidates(const struct rb_world *world,
                                           const struct rb_candidates *near, struct rb_error *err)
 {
@@ -51,6 +59,7 @@ static enum rb_status validate_candidates(const struct rb_world *world,
 	return RB_OK;
 }
 
+/* `body` holds dynamic bodies, ascending, then driven ones, ascending; together all bodies. */
 static enum rb_status validate_bodies(const struct rb_world *world, struct rb_error *err)
 {
 	const struct rb_stepped *const s = world->stepped;

@@ -1,10 +1,22 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Bodies that may meet within a step: each gets a box that its origin does not leave ("territory"),
+ * overlaps of the boxes are found by the broadphase, and union-find joins them to groups. As long
+ * as all stay in their boxes, groups are independent and can be stepped with different substeps;
+ * that is checked afterwards (rb_swept_bounds_left), not assumed.
+ *
+ * The root of a group is its smallest body, and groups are numbered in that order, so that
+ * numbering does not depend on the order of pairs.
+ */
 #include "stepped/swept_bounds.h"
 
 #include "base/forest.h"
 #include "base/memory.h"
 
-/* Of a body's size, what its territory has beyond its way. */
+/*
+ * Padding of a box as a share of the body's size: an eighth. Less makes bodies leave their boxes
+ * more often, and each time the group starts again; more joins groups that would not meet.
+ */
 static const double clearance_share = 0.125;
 
 enum rb_status rb_swept_bounds_create(struct rb_swept_bounds *swept, const struct rb_model *model,
@@ -54,7 +66,7 @@ static rb_vec3 upper(rb_vec3 a, rb_vec3 b)
 	return (rb_vec3){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
 }
 
-/* The box of a straight way, with so much to all sides. */
+/* Bounding box of the segment, grown by pad m to all sides. */
 static rb_aabb box_of_way(rb_vec3 from, rb_vec3 to, double pad)
 {
 	const rb_vec3 all = {pad, pad, pad};
@@ -68,7 +80,10 @@ static bool is_inside(const rb_aabb *box, rb_vec3 p)
 	       p.y <= box->high.y && p.z <= box->high.z;
 }
 
-/* An impact on the way: it has come from where its velocity before was taking it. */
+/*
+ * After an impact the way has a kink: the body first went along its old velocity. `shift` bounds
+ * how far the two straight ways are apart at the kink.
+ */
 static void turn_round(rb_aabb *bounds, rb_vec3 from, const struct rb_kick *kick, rb_vec3 way,
                        double pad)
 {
@@ -103,6 +118,7 @@ void rb_swept_bounds_set(struct rb_swept_bounds *swept, const struct rb_world *w
 
 /* ---- groups ---- */
 
+/* Union of the groups of two dynamic bodies; a driven or static body joins nobody. */
 static void join(const struct rb_world *world, int *parent, int a, int b)
 {
 	if (!rb_stepped_is_dynamic(world, a) || !rb_stepped_is_dynamic(world, b))
@@ -112,6 +128,10 @@ static void join(const struct rb_world *world, int *parent, int a, int b)
 	parent[a > b ? a : b] = a > b ? b : a;
 }
 
+/*
+ * Groups in order of their smallest body, members ascending (counting sort). A group stays settled
+ * only if all of its members were settled as one group.
+ */
 static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct rb_world *world,
                                     struct rb_error *err)
 {
@@ -151,7 +171,10 @@ static enum rb_status number_groups(struct rb_swept_bounds *swept, const struct 
 	return RB_OK;
 }
 
-/* Pairs by group: those of a group's candidates stay in their order. */
+/*
+ * Counting sort of candidate pairs by group; stable, so that the order within a group does not
+ * depend on other groups.
+ */
 static enum rb_status sort_pairs(struct rb_swept_bounds *swept, struct rb_error *err)
 {
 	struct rb_candidates *near = &swept->near;
@@ -206,7 +229,7 @@ enum rb_status rb_swept_bounds_form(struct rb_swept_bounds *swept, struct rb_wor
 		swept->parent[i] = i;
 	for (size_t k = 0; k < swept->near.pair_count; k++)
 		join(world, swept->parent, swept->near.pair[k].a, swept->near.pair[k].b);
-	/* who has pushed another in the try goes back with it, or its impulse would be half lost */
+	/* bodies that exchanged an impulse go back together, or momentum would be lost */
 	for (size_t k = 0; k < points->count; k++)
 		if (points->row[k].push > 0)
 			join(world, swept->parent, points->row[k].a, points->row[k].b);

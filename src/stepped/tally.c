@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Per-body record of a try for the ledger (see tally.h): velocities before and after the solution,
+ * impulses of forces that vary, and the momentum that closing of overlaps has added. It is filled
+ * while the numbers exist and read by enter.c if the step is kept; a try that is taken back is
+ * simply overwritten. Nothing of the simulation reads it, so trajectories are the same with and
+ * without a ledger.
+ */
 #include "stepped/tally.h"
 
 #include "base/error.h"
@@ -49,11 +56,13 @@ bool rb_tally_works(const struct rb_model *model)
 	return model->features & (RB_FEATURE_FORCES | RB_FEATURE_PUSHES | RB_FEATURES_VARIED);
 }
 
+/* rad/s; zero in scenes without rotation. */
 static rb_vec3 spin_of(const struct rb_state *state, int i)
 {
 	return state->spin ? rb_world_row3(state->spin, i) : (rb_vec3){0, 0, 0};
 }
 
+/* Velocities of one body at the beginning (with impacts in it) and as solved, and their mean. */
 static void note_solved(const struct rb_world *world, int i, bool sleeps,
                         struct rb_tally_body *body)
 {
@@ -65,7 +74,10 @@ static void note_solved(const struct rb_world *world, int i, bool sleeps,
 		body->begin[0] = rb_vec3_add(body->begin[0], s->kick[i].linear);
 		body->begin[1] = rb_vec3_add(body->begin[1], s->kick[i].angular);
 	}
-	/* the state's spin has turned with the body since; what stands has not been looked at */
+	/*
+	 * the solver's velocity, since move has already rotated the state's spin; sleeping bodies
+	 * have no valid entry in the solver
+	 */
 	body->end[0] = body->end[1] = (rb_vec3){0, 0, 0};
 	if (!sleeps) {
 		body->end[0] = s->solver.dense.bodies.body[i].linear;
@@ -88,7 +100,7 @@ void rb_tally_solved(struct rb_world *world, const struct rb_cohort *cohort)
 	for (int k = 0; k < count; k++) {
 		const int i = member[k];
 		struct rb_tally_body *body = &s->tally->body[i];
-		/* whoever takes shorter steps stands no longer, though nobody has been told yet */
+		/* marks are those of the whole step: a group that takes substeps is awake */
 		const bool sleeps = all && s->sleep.sleeps[i];
 
 		body->is_closed = false;
@@ -114,7 +126,10 @@ rb_vec3 rb_tally_spin(const struct rb_world *world, const struct rb_state *state
 	return rb_quat_rotate(q, rb_mat3_apply(&model->inertia[i], rb_quat_rotate_back(q, spin)));
 }
 
-/* Adds so many times its momentum, about the origin. */
+/*
+ * Adds sign times the linear momentum and the angular momentum about the origin of a body with this
+ * velocity and spin at its present place.
+ */
 static void add_momentum(const struct rb_world *world, int i, const rb_vec3 motion[2], double sign,
                          rb_vec3 sum[2])
 {
