@@ -76,6 +76,7 @@ static const double sliver = 0x1p-8;
 	X(double, try_s, , "s", "length of the next piece", RB_FINITE)                       \
 	X(double, near_ulp, , "1", "of the function, as far as is known", RB_FINITE)         \
 	X(int, calm, , "", "pieces in a row that were as long as tried", RB_WITHIN(0, INT_MAX))
+
 /* What is kept of a driven body from piece to piece. */
 struct rb_driven {
 	DRIVEN_FIELDS(RB_FIELD_MEMBER)

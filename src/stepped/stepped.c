@@ -355,22 +355,6 @@ static enum rb_status step(struct rb_world *world, double start, double dt, stru
 
 /* ---- to bytes and back ---- */
 
-enum { PUSH_SIZE = 48 };
-
-static void pack_push(const struct rb_world *world, struct rb_named_push *push,
-                      struct rb_pack *pack)
-{
-	double numbers[4] = {push->force, push->friction_impulse.x, push->friction_impulse.y,
-	                     push->friction_impulse.z};
-
-	rb_pack_int(pack, &push->a, 0, world->model->body_count - 1);
-	rb_pack_int(pack, &push->b, 0, world->model->body_count + world->model->static_count - 1);
-	rb_pack_u64(pack, &push->key);
-	rb_pack_finite(pack, numbers, 4);
-	push->force = numbers[0];
-	push->friction_impulse = rb_vec3_from(numbers + 1);
-}
-
 /*
  * Warm-start impulses, sorted by first body, since the index by body relies on it; a checkpoint may
  * be damaged, so that is checked.
@@ -394,10 +378,9 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 		rb_step_points_index(points, world->model);
 }
 
-/* Columns by body; the forces only of those that rest. */
 /*
- * Which bodies rest, and under which external accelerations; groups are put to sleep again by the
- * next step.
+ * Which bodies rest, as columns by body, and the external accelerations of those that do; groups are
+ * put to sleep again by the next step.
  */
 static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 {
