@@ -379,8 +379,8 @@ static void pack_pushes(struct rb_world *world, struct rb_pack *pack)
 }
 
 /*
- * Which bodies rest, as columns by body, and the external accelerations of those that do; groups are
- * put to sleep again by the next step.
+ * Which bodies rest, as columns by body, and the external accelerations of those that do; groups
+ * are put to sleep again by the next step.
  */
 static void pack_rests(struct rb_world *world, struct rb_pack *pack)
 {
