@@ -21,9 +21,8 @@
  */
 static const double at_edge = 1 - 1e-9;
 
-static bool slides(const struct rb_constraint *row)
 /* Whether the friction impulse of a row is at the edge of Coulomb's cone. */
-static bool slides(const struct rb_system_row *row)
+static bool slides(const struct rb_constraint *row)
 {
 	const double max = at_edge * row->friction * row->impulse.n;
 
@@ -31,20 +30,17 @@ static bool slides(const struct rb_system_row *row)
 	       rb_vec3_dot(row->impulse.t, row->impulse.t) >= max * max;
 }
 
-static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y)
 /* Rows of one pair of bodies; rows of a pair are adjacent. */
-static bool is_pair(const struct rb_system_row *x, const struct rb_system_row *y)
+static bool is_pair(const struct rb_constraint *x, const struct rb_constraint *y)
 {
 	return x->a == y->a && x->b == y->b;
 }
 
-/* Rows that bear, of pairs of which one slides and that touch at several; returns how many. */
-static int take_rows(const struct rb_row_system *rows, struct rb_constraint **taken)
 /*
  * Rows with a push of those pairs that have several rows and slide at one of them; returns their
  * number.
  */
-static int take_rows(const struct rb_row_system *rows, struct rb_system_row **taken)
+static int take_rows(const struct rb_row_system *rows, struct rb_constraint **taken)
 {
 	int count = 0;
 
@@ -115,13 +111,11 @@ static double component(rb_vec3 v, int k)
 	return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-/* One component of the force and torque that units of the pushes are on a body; [n]. */
-static void load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
 /*
  * Row of the matrix A: component `which` (0 to 2 force, 3 to 5 torque) of the wrench on a body per
  * unit of each push; v is [n].
  */
-static void load(struct rb_system_row *const *taken, int n, int body, int which, double *v)
+static void load(struct rb_constraint *const *taken, int n, int body, int which, double *v)
 {
 	for (int i = 0; i < n; i++) {
 		const struct rb_constraint *row = taken[i];
@@ -138,10 +132,8 @@ static void load(struct rb_system_row *const *taken, int n, int body, int which,
 	}
 }
 
-/* All of what the pushes do to bodies. */
-static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
 /* Row space of A: six rows for each dynamic body, each body once. */
-static void span_loads(const struct rb_row_system *rows, struct rb_system_row *const *taken,
+static void span_loads(const struct rb_row_system *rows, struct rb_constraint *const *taken,
                        struct span *span, double *scratch)
 {
 	for (int k = 0; k < span->n; k++) {

@@ -259,54 +259,6 @@ static void lay_out(struct rb_solver *solver, const struct rb_step_points *point
 	solver->dense.row_count = row;
 }
 
-/* Adds the inverse effective mass (1/kg) of a body at that arm in the basis n, x, y. */
-static void add_inverse_mass(const struct rb_row_system *dense, int body, rb_vec3 arm,
-                             const rb_vec3 axis[3], double inverse_effective_mass[3][3])
-{
-	rb_vec3 turn[3];
-
-	for (int i = 0; i < 3; i++)
-		turn[i] = dense->body[body].inverse_inertia != 0
-		                  ? rb_vec3_cross(rb_system_turn(dense, body,
-		                                                 rb_vec3_cross(arm, axis[i])),
-		                                  arm)
-		                  : (rb_vec3){0, 0, 0};
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			inverse_effective_mass[i][j] += rb_vec3_dot(axis[i], turn[j]) +
-			                                (i == j ? dense->body[body].inverse_mass
-			                                        : 0);
-}
-
-/*
- * Inverse effective masses: along the normal, and the larger eigenvalue of the 2x2 tangential
- * block.
- */
-static void fill_dynamic(const struct rb_row_system *dense, struct rb_system_row *row)
-{
-	const struct rb_system_body *a = &dense->body[row->a], *b = &dense->body[row->b];
-
-	if (row->central) {
-		row->inverse_mass_n = a->inverse_mass + b->inverse_mass;
-		row->inverse_mass_t = row->inverse_mass_n +
-		                      a->inverse_inertia * row->arm_a.x * row->arm_a.x +
-		                      b->inverse_inertia * row->arm_b.x * row->arm_b.x;
-		return;
-	}
-	const rb_vec3 x = rb_vec3_across(row->normal);
-	const rb_vec3 axis[3] = {row->normal, x, rb_vec3_cross(row->normal, x)};
-	double inverse_effective_mass[3][3] = {{0}};
-
-	add_inverse_mass(dense, row->a, row->arm_a, axis, inverse_effective_mass);
-	add_inverse_mass(dense, row->b, row->arm_b, axis, inverse_effective_mass);
-	RB_ASSERT_COSTLY(inverse_effective_mass[0][0] > 0);
-	row->inverse_mass_n = inverse_effective_mass[0][0];
-	row->inverse_mass_t = 0.5 * (inverse_effective_mass[1][1] + inverse_effective_mass[2][2]) +
-	                      hypot(0.5 * (inverse_effective_mass[1][1] -
-	                                   inverse_effective_mass[2][2]),
-	                            inverse_effective_mass[1][2]);
-}
-
 /* Points of one face of a pair have bit for bit the same normal and are adjacent. */
 static bool share_face(const struct rb_step_point *p, const struct rb_step_point *q)
 {
@@ -344,12 +296,10 @@ static void level_arms(const struct rb_step_point *nearest, struct rb_constraint
 	row->arm_b = level(row->arm_b, nearest->arm_b, row->normal);
 }
 
-/* Those at which impulses act. */
-static void set_arms(const struct pass *pass, struct rb_constraint *row, int number)
 /*
  * Sets the arms at which impulses act, with the mean of arms over the step where the pair pivots.
  */
-static void set_arms(const struct pass *pass, struct rb_system_row *row, int number)
+static void set_arms(const struct pass *pass, struct rb_constraint *row, int number)
 {
 	const struct rb_step_point *const point = &pass->points->row[number];
 
