@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Decimals are kept as integers times a power of ten, never as doubles: the k-th value of a
+ * progression is first + k * step exactly, and is written back as the shortest decimal text, so
+ * that recordings, labels and file comparisons show 0.3 and not 0.30000000000000004. All three
+ * numbers of a range are brought to the smallest of their exponents; where that overflows 64 bits
+ * the range is refused.
+ */
 #include "sweep/axis.h"
 
 #include <math.h>
@@ -6,8 +13,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
+/*
+ * DIGITS_MAX: any 18 decimal digits fit into int64_t. EXPONENT_MAX: beyond the range of double
+ * (1e-324 to 1e308), with room for the digits.
+ */
 enum { DIGITS_MAX = 18, EXPONENT_MAX = 400 };
 
 /* digits * 10^exponent */
@@ -36,7 +48,10 @@ static bool take_exponent(const char *text, int *exponent)
 	return *at == '\0' && value <= EXPONENT_MAX;
 }
 
-/* A whole text that is a decimal number of at most DIGITS_MAX digits. */
+/*
+ * Reads a whole text that is a decimal number of at most DIGITS_MAX digits, without trailing zeros:
+ * two equal numbers become equal structs. False: it is not one.
+ */
 static bool read_decimal(const char *text, struct decimal *out)
 {
 	const bool minus = *text == '-';
@@ -70,9 +85,10 @@ static bool read_decimal(const char *text, struct decimal *out)
 	return true;
 }
 
-/* False: it does not fit. */
+/* Brings a number to a smaller exponent. False: the digits do not fit 64 bits. */
 static bool scale_to(struct decimal *number, int exponent)
 {
+	RB_ASSERT(exponent <= number->exponent || number->digits == 0);
 	for (; number->exponent > exponent && number->digits != 0; number->exponent--)
 		if (__builtin_mul_overflow(number->digits, 10, &number->digits))
 			return false;
@@ -85,7 +101,10 @@ static int smaller(int a, int b)
 	return a < b ? a : b;
 }
 
-/* low:high:step, cut at its colons. */
+/*
+ * Makes a progression of low, high, step. Counted by integer division of exact numbers, so that
+ * `high` is included whenever it is low plus a multiple of step.
+ */
 static enum rb_status take_range(struct rb_axis_piece *piece, const struct rb_axis *axis,
                                  const char *const part[3], struct rb_error *err)
 {
@@ -98,6 +117,9 @@ static enum rb_status take_range(struct rb_axis_piece *piece, const struct rb_ax
 			err, RB_ERR_USAGE,
 			"option '--param': '%s' has a range with a number of more than %d digits",
 			axis->text, DIGITS_MAX);
+	/*
+	 * compared as doubles, which is exact enough for the direction and needs no common exponent
+	 */
 	const bool rises = strtod(part[1], NULL) >= strtod(part[0], NULL);
 	const bool falls = strtod(part[1], NULL) <= strtod(part[0], NULL);
 	if (step.digits == 0 || (step.digits > 0 ? !rises : !falls))
@@ -111,6 +133,8 @@ static enum rb_status take_range(struct rb_axis_piece *piece, const struct rb_ax
 			err, RB_ERR_USAGE,
 			"option '--param': '%s': from %s to %s in steps of %s is too long a way",
 			axis->text, part[0], part[1], part[2]);
+	/* span and step have the same sign here: the quotient is not negative */
+	RB_ASSERT(span / step.digits >= 0);
 	*piece = (struct rb_axis_piece){.count = (uint64_t)(span / step.digits) + 1,
 	                                .first = low.digits,
 	                                .step = step.digits,
@@ -154,7 +178,10 @@ static int cut_range(char *text, const char *part[3])
 	return right ? count + 1 : 0;
 }
 
-/* One text between two commas. */
+/*
+ * Makes a piece of one text between two commas; `alone`: it is the only one, where it may be empty
+ * or a range without a step.
+ */
 static enum rb_status take_piece(struct rb_axis *axis, char *text, bool alone, struct rb_error *err)
 {
 	struct rb_axis_piece *const piece = &axis->pieces[axis->piece_count++];
@@ -187,6 +214,10 @@ static enum rb_status take_piece(struct rb_axis *axis, char *text, bool alone, s
 	return RB_OK;
 }
 
+/*
+ * Cuts the values at their commas. More than `most` are refused before anything is allocated for
+ * them.
+ */
 static enum rb_status take_values(struct rb_axis *axis, uint64_t most, struct rb_error *err)
 {
 	const bool alone = !strchr(axis->values, ',');
@@ -199,6 +230,7 @@ static enum rb_status take_values(struct rb_axis *axis, uint64_t most, struct rb
 		if (status)
 			return status;
 		const uint64_t count = axis->pieces[axis->piece_count - 1].count;
+		/* the first comparison keeps the sum from wrapping */
 		if (count > most || axis->count + count > most)
 			return RB_FAIL(err, RB_ERR_USAGE,
 			               "option '--param': '%s' has more than %llu values",
@@ -247,6 +279,10 @@ void rb_axis_release(struct rb_axis *axis)
 
 /* ---- values as texts ---- */
 
+/*
+ * digits * 10^exponent without an exponent where that takes no more than DIGITS_MAX characters,
+ * else as 12e-30. Fits RB_AXIS_NUMBER_SIZE: sign, 19 digits, point, 18 zeros.
+ */
 static const char *decimal_text(int64_t digits, int exponent, char out[RB_AXIS_NUMBER_SIZE])
 {
 	char plain[24];
@@ -279,6 +315,7 @@ const char *rb_axis_value(const struct rb_axis *axis, uint64_t k, char out[RB_AX
 {
 	const struct rb_axis_piece *piece = axis->pieces;
 
+	RB_ASSERT(k < axis->count);
 	for (; k >= piece->count; piece++)
 		k -= piece->count;
 	if (piece->text)
@@ -288,7 +325,9 @@ const char *rb_axis_value(const struct rb_axis *axis, uint64_t k, char out[RB_AX
 
 const char *rb_axis_at(const struct rb_axis *axis, double unit, char out[RB_AXIS_NUMBER_SIZE])
 {
+	RB_ASSERT(unit >= 0 && unit <= 1);
 	if (axis->count > 0) {
+		/* rounding of the product may give count itself */
 		uint64_t k = (uint64_t)(unit * (double)axis->count);
 		return rb_axis_value(axis, k < axis->count ? k : axis->count - 1, out);
 	}

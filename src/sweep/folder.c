@@ -1,4 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * plan.csv is written last and under its name only when whole, so its presence means that all
+ * copies are there: two sweeps that start on one folder at once both write equal copies, one of
+ * them publishes the plan, the other one finds it and checks that it is its own. Every later use
+ * compares the copies' hashes with the plan's, because a result must not silently belong to a scene
+ * that has been edited.
+ *
+ * Loading parses the head into the same wish that a command line gives and plans again; the plan's
+ * own lines are then compared with the file. So there is one reader of values, and a damaged head
+ * cannot pass.
+ */
 #include "sweep/folder.h"
 
 #include <dirent.h>
@@ -11,10 +22,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/outfile.h"
 
+/* 1 GiB: a scene's file may be a texture, but a larger one is not to be taken into memory. */
 static const size_t file_bytes_max = (size_t)1 << 30;
 
 /* ---- names ---- */
@@ -32,6 +45,10 @@ enum rb_status rb_folder_name(const char *folder, const char *name, char out[RB_
 const char *rb_folder_path(const struct rb_plan *plan, const char *folder, uint64_t index,
                            const char *ending, char out[RB_FOLDER_PATH_SIZE])
 {
+	/*
+	 * five digits at least, so that listings of usual sweeps look alike; more where indices
+	 * have them
+	 */
 	const int digits = plan->count > 100000 ? snprintf(NULL, 0, "%" PRIu64, plan->count - 1)
 	                                        : 5;
 
@@ -40,6 +57,7 @@ const char *rb_folder_path(const struct rb_plan *plan, const char *folder, uint6
 	return out;
 }
 
+/* Whether the name ends in .png; the scene language takes no other pictures. */
 static bool is_texture(const char *name)
 {
 	const size_t size = strlen(name);
@@ -48,8 +66,9 @@ static bool is_texture(const char *name)
 }
 
 /*
- * Where the copy of a file of the scene is; false: it has none, since its name leads out of the
- * scene's folder.
+ * Name within the sweep's folder of the copy of a file of the scene: modules as Lua's require finds
+ * them (dots become folders). False: it has none, since its name leads out of the scene's folder;
+ * only its hash is kept then.
  */
 static bool copy_name(const char *name, bool is_scene, char out[RB_FOLDER_PATH_SIZE])
 {
@@ -85,6 +104,7 @@ enum rb_status rb_folder_read(const char *path, size_t most, char **text, size_t
 	*size = 0;
 	if (!file)
 		return RB_FAIL(err, RB_ERR_INPUT, "cannot open '%s': %s", path, strerror(errno));
+	/* a pipe or device could block or never end */
 	if (fstat(fileno(file), &about) != 0 || !S_ISREG(about.st_mode) ||
 	    (uint64_t)about.st_size > most) {
 		fclose(file);
@@ -110,7 +130,10 @@ bool rb_folder_has_plan(const char *folder)
 	       access(path, F_OK) == 0;
 }
 
-/* The lines of plan.csv that begin with '#': parted by zeros, with an empty one behind. */
+/*
+ * Reads the lines of plan.csv that begin with '#' into `*head`, owned by the caller: each ended by
+ * a zero, with an empty one behind. Lines may be longer than one read.
+ */
 static enum rb_status read_head(const char *path, char **head, struct rb_error *err)
 {
 	size_t size = 0, capacity = 0;
@@ -146,7 +169,9 @@ static enum rb_status read_head(const char *path, char **head, struct rb_error *
 
 /* ---- the plan of a folder ---- */
 
-/* What a head says; texts point into it. */
+/*
+ * What a head says, as if it were a command line; texts are borrowed from the text that was read.
+ */
 struct head {
 	struct rb_plan_wish wish;
 	const char **params, **words;
@@ -154,7 +179,7 @@ struct head {
 	int file_count;
 };
 
-/* The value of a line with this key; NULL: it has another one. */
+/* The value of the line "# KEY VALUE"; NULL: it has another key. */
 static const char *value_of(const char *line, const char *key)
 {
 	const size_t size = strlen(key);
@@ -165,6 +190,9 @@ static const char *value_of(const char *line, const char *key)
 	return line + 3 + size;
 }
 
+/*
+ * Takes one line of a head; unknown keys are skipped here and found by the comparison that follows.
+ */
 static void take_line(struct head *head, const char *line)
 {
 	struct rb_plan_wish *const wish = &head->wish;
@@ -188,6 +216,7 @@ static void take_line(struct head *head, const char *line)
 		wish->records = *value == 'y';
 	else if ((value = value_of(line, "films")))
 		wish->films = *value == 'y';
+	/* 64 hexadecimal digits of SHA-256, a space, a name */
 	else if ((value = value_of(line, "file")) && strlen(value) > 65) {
 		struct rb_source_file *const file = &head->files[head->file_count++];
 		memcpy(file->sha256, value, 64);
@@ -195,6 +224,10 @@ static void take_line(struct head *head, const char *line)
 	}
 }
 
+/*
+ * Plans again what the head says. Errors of usage become errors of input, because the user has not
+ * given these words now. `plan` is to be released in any case.
+ */
 static enum rb_status take_head(struct rb_plan *plan, const char *text, const char *path,
                                 const char *version, struct rb_error *err)
 {
@@ -231,6 +264,7 @@ static enum rb_status take_head(struct rb_plan *plan, const char *text, const ch
 	return status;
 }
 
+/* Compares the hashes of the copies with the plan's. */
 static enum rb_status check_copies(const char *folder, const struct rb_plan *plan,
                                    struct rb_error *err)
 {
@@ -278,12 +312,16 @@ enum rb_status rb_folder_load(const char *folder, struct rb_plan *plan, const ch
 
 /* ---- is it the same? ---- */
 
-/* How two lines differ, for people; NULL: one is missing. */
+/*
+ * Says how two lines differ, for people; NULL: the line is missing. A scene's file that has changed
+ * has a message of its own, as the usual case. Always fails.
+ */
 static enum rb_status differs(const char *path, const char *found, const char *wanted,
                               struct rb_error *err)
 {
 	const char *const file = wanted ? value_of(wanted, "file") : NULL;
 
+	RB_ASSERT(found || wanted);
 	if (file && found && value_of(found, "file") &&
 	    strcmp(file + 64, value_of(found, "file") + 64) == 0)
 		return RB_FAIL(err, RB_ERR_INPUT,
@@ -296,16 +334,24 @@ static enum rb_status differs(const char *path, const char *found, const char *w
 	               path, found ? found : "", wanted ? wanted : "");
 }
 
-/* A line of the file is this text; `room` for the longest that may come, and a line break. */
+/*
+ * Fails unless the next line of the file is `wanted`. `line`: room for the longest that may come,
+ * and a line break; a longer one is cut there and differs.
+ */
 static enum rb_status compare_line(FILE *file, const char *path, const char *wanted, char *line,
                                    size_t room, struct rb_error *err)
 {
+	RB_ASSERT(room > strlen(wanted) + 1);
 	if (!fgets(line, (int)room, file))
 		return differs(path, NULL, wanted, err);
 	line[strcspn(line, "\n")] = '\0';
 	return strcmp(line, wanted) == 0 ? RB_OK : differs(path, line, wanted, err);
 }
 
+/*
+ * Compares the head, the titles and, with `rows`, all rows of a file with a plan, and with `rows`
+ * that nothing follows.
+ */
 static enum rb_status compare(FILE *file, const char *path, const struct rb_plan *plan, bool rows,
                               struct rb_error *err)
 {
@@ -354,8 +400,8 @@ enum rb_status rb_folder_check(const char *folder, const struct rb_plan *plan, b
 /* ---- writing ---- */
 
 /*
- * A folder in which nothing stands but what a sweep that was stopped at its very beginning may have
- * left.
+ * Fails if the folder holds anything but what a sweep that was stopped at its very beginning may
+ * have left. No folder at all is right.
  */
 static enum rb_status check_empty(const char *folder, struct rb_error *err)
 {
@@ -379,6 +425,10 @@ static enum rb_status check_empty(const char *folder, struct rb_error *err)
 	return status;
 }
 
+/*
+ * Writes the copy of a file of the scene; RB_OK without one where it leads out of the scene's
+ * folder.
+ */
 static enum rb_status write_copy(const char *folder, const struct rb_source_file *from,
                                  bool is_scene, struct rb_error *err)
 {
@@ -399,6 +449,7 @@ static enum rb_status write_copy(const char *folder, const struct rb_source_file
 	return rb_outfile_publish(&out, err);
 }
 
+/* Writes all of plan.csv; RB_ERR_CREATE where another sweep has published one meanwhile. */
 static enum rb_status write_plan(const char *path, const struct rb_plan *plan, struct rb_error *err)
 {
 	struct rb_outfile out;
@@ -439,6 +490,7 @@ enum rb_status rb_folder_write(const char *folder, const struct rb_plan *plan,
 		status = write_copy(folder, &files[i], i == 0, err);
 	if (!status)
 		status = write_plan(path, plan, err);
+	/* whatever failed: if there is a plan now, somebody else has written it at the same time */
 	if (status && rb_folder_has_plan(folder)) {
 		*there = true;
 		return RB_OK;

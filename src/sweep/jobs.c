@@ -1,4 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A single-threaded loop: fill free places with due points, wait for a signal, see to bounds, reap,
+ * repeat. All signals are blocked and taken by sigtimedwait, so there are no handlers, and SIGCHLD
+ * cannot be missed between looking and waiting. Children are waited for one by one by their number,
+ * because the program may have others.
+ *
+ * What a run computes is never passed back through memory: each child writes its result to its
+ * file, and the state of a point is derived from there (sweep/point). So a killed sweep loses
+ * nothing. A point is guarded by a lock on its log, which the child inherits: it holds while any of
+ * both lives.
+ */
 #include "sweep/jobs.h"
 
 #include <errno.h>
@@ -16,20 +27,26 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/place.h"
 #include "base/program.h"
 #include "sweep/usage.h"
 
 enum { DUE = 1, ELSEWHERE };
-/* Of a run that was ended because it took too long, as timeout(1) has it, or too much. */
+/*
+ * Exit status stored for a run that was ended because it took too long, as timeout(1) has it, or
+ * too much disk.
+ */
 enum { EXIT_OVERDUE = 124 };
-/* From asking a run to end, which leaves a checkpoint, to ending it. */
+/* s: from asking a run to end, which leaves time to write a checkpoint, to killing it. */
 static const double overdue_s = 30;
-/* Between two looks at what runs have taken of the disk. */
+/*
+ * s: between two looks at what runs have taken of the disk; a look reads the folder of the sweep.
+ */
 static const double look_s = 1;
 
-/* A run under way. */
+/* A run under way; free where process is 0. */
 struct place {
 	pid_t process; /* 0: free */
 	uint64_t index;
@@ -55,6 +72,7 @@ struct jobs {
 
 /* ---- signals ---- */
 
+/* The signals that stop a sweep. */
 static sigset_t heard(void)
 {
 	sigset_t signals;
@@ -75,18 +93,24 @@ void rb_jobs_hold_signals(sigset_t *mask_before)
 
 /* ---- what is due ---- */
 
+/* Index in the plan of the point that has this number within our share. */
 static uint64_t index_of(const struct jobs *jobs, uint64_t number)
 {
+	RB_ASSERT(number < jobs->tally->total);
 	return jobs->order->share + number * jobs->order->shares;
 }
 
+/* Reports a point to the caller, who may not want to know. */
 static void tell(const struct jobs *jobs, uint64_t index, const struct rb_point *point)
 {
 	if (jobs->order->told)
 		jobs->order->told(jobs->order->user, index, point);
 }
 
-/* All points of the share, as they are now. */
+/*
+ * Looks at all points of the share and counts them. Failed points that stay so are reported here,
+ * so that a sweep that goes on lists all failures, not only new ones.
+ */
 static enum rb_status survey(struct jobs *jobs, struct rb_error *err)
 {
 	const struct rb_jobs_order *const order = jobs->order;
@@ -114,12 +138,20 @@ static enum rb_status survey(struct jobs *jobs, struct rb_error *err)
 
 /* ---- one run ---- */
 
+/*
+ * Appends a word, borrowed, to the command line; prepare has reserved room for 16 besides those of
+ * the plan.
+ */
 static void add_word(struct jobs *jobs, int *count, const char *word)
 {
 	jobs->words[(*count)++] = word;
 }
 
-/* The command line of a point, from the folder where it runs. */
+/*
+ * Composes the command line of a point in jobs->words and jobs->text, valid until the next call.
+ * Paths are relative to the folder where the run works: the sweep's, or the point's own, one level
+ * below, where it makes films.
+ */
 static void command_of(struct jobs *jobs, uint64_t index, bool goes_on)
 {
 	const struct rb_plan *const plan = jobs->order->plan;
@@ -129,6 +161,7 @@ static void command_of(struct jobs *jobs, uint64_t index, bool goes_on)
 	char *const end = at + jobs->text_size;
 	int count = 0;
 
+	RB_ASSERT(index < plan->count);
 	add_word(jobs, &count, "rbsim");
 	add_word(jobs, &count, "run");
 	add_word(jobs, &count, "--json");
@@ -147,11 +180,16 @@ static void command_of(struct jobs *jobs, uint64_t index, bool goes_on)
 		ADD("--output=%s%s", up, rb_folder_path(plan, NULL, index, ".h5", path));
 	add_word(jobs, &count, "--");
 	ADD("%sscene/%s", up, plan->scene);
+	RB_ASSERT(at <= end);
 #undef ADD
 	add_word(jobs, &count, NULL);
 }
 
-/* After fork, in the child: only what may be done there. */
+/*
+ * The child after fork: connects the standard descriptors, enters the folder and becomes the run.
+ * Only async-signal-safe calls. `folder`, `result`, `log`: descriptors. The exit statuses are those
+ * of a shell: 126 cannot execute, 127 not found.
+ */
 static _Noreturn void become_run(const struct jobs *jobs, int folder, int result, int log,
                                  pid_t parent)
 {
@@ -161,6 +199,9 @@ static _Noreturn void become_run(const struct jobs *jobs, int folder, int result
 	const struct rlimit disk = {.rlim_cur = isnan(most) ? 0 : (rlim_t)most,
 	                            .rlim_max = isnan(most) ? 0 : (rlim_t)most};
 
+	/*
+	 * a group of its own, so that Ctrl-C at the terminal reaches the run only through pass_on
+	 */
 	setpgid(0, 0);
 	prctl(PR_SET_PDEATHSIG, SIGTERM);
 	if (!isnan(most) && setrlimit(RLIMIT_FSIZE, &disk) != 0)
@@ -175,7 +216,10 @@ static _Noreturn void become_run(const struct jobs *jobs, int folder, int result
 	_exit(127);
 }
 
-/* Where a point's run works, and the new file that its result goes to. */
+/*
+ * Opens where a point's run works, and an empty file for its result: an older result is removed
+ * first, so that a run that is killed leaves none. On success both descriptors are the caller's.
+ */
 static enum rb_status open_point(const struct rb_jobs_order *order, uint64_t index, int *folder,
                                  int *result, struct rb_error *err)
 {
@@ -208,12 +252,17 @@ static enum rb_status open_point(const struct rb_jobs_order *order, uint64_t ind
 	return status;
 }
 
+/*
+ * Starts a process for the point of a place that is locked. On success the child holds all
+ * descriptors but the log, which both hold.
+ */
 static enum rb_status start_run(struct jobs *jobs, struct place *place, struct rb_error *err)
 {
 	const struct rb_jobs_order *const order = jobs->order;
 	const pid_t parent = getpid();
 	int folder, result;
 
+	RB_ASSERT(place->process == 0 && place->log >= 0);
 	const enum rb_status status = open_point(order, place->index, &folder, &result, err);
 	if (status)
 		return status;
@@ -234,8 +283,8 @@ static enum rb_status start_run(struct jobs *jobs, struct place *place, struct r
 }
 
 /*
- * From its checkpoint, unless that is what the run before has refused: then all would go on
- * refusing it.
+ * Whether the run continues from its checkpoint. Not if the run before has refused it (usage or
+ * input error): every later run would refuse it again; it then starts anew.
  */
 static bool goes_on(const struct rb_point *point)
 {
@@ -245,14 +294,18 @@ static bool goes_on(const struct rb_point *point)
 	       code != rb_status_exit_code(RB_ERR_INPUT);
 }
 
-/* Another process has the point of that number within the share. */
+/* Marks the point with that number within the share as run by another process. */
 static void leave_elsewhere(struct jobs *jobs, uint64_t number)
 {
+	RB_ASSERT(number < jobs->tally->total);
 	jobs->due[number] = ELSEWHERE;
 	jobs->tally->elsewhere++;
 }
 
-/* What has become, at the end, of points that other processes had. */
+/*
+ * At the end, counts what has become of the points that other processes had; those that still run
+ * stay counted as elsewhere.
+ */
 static enum rb_status look_elsewhere(struct jobs *jobs, struct rb_error *err)
 {
 	const struct rb_jobs_order *const order = jobs->order;
@@ -267,6 +320,7 @@ static enum rb_status look_elsewhere(struct jobs *jobs, struct rb_error *err)
 		                       order->module, &point, err);
 		if (status || (point.state != RB_POINT_DONE && point.state != RB_POINT_FAILED))
 			continue;
+		RB_ASSERT(tally->elsewhere > 0);
 		tally->elsewhere--;
 		tally->done += point.state == RB_POINT_DONE;
 		tally->failed += point.state == RB_POINT_FAILED;
@@ -275,7 +329,9 @@ static enum rb_status look_elsewhere(struct jobs *jobs, struct rb_error *err)
 }
 
 /*
- * Takes a point that is due into a free place, unless somebody else has taken or done it meanwhile.
+ * Takes the next due point into a free place, unless another process has taken or ended it since
+ * the survey: it is looked at again, then locked, so that of two sweeps that reach it only one runs
+ * it. Leaves the place free where there is nothing to start.
  */
 static enum rb_status take_point(struct jobs *jobs, struct place *place, struct rb_error *err)
 {
@@ -283,11 +339,13 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 	struct rb_jobs_tally *const tally = jobs->tally;
 	struct rb_point point;
 
+	RB_ASSERT(place->process == 0);
 	while (jobs->next < tally->total && jobs->due[jobs->next] != DUE)
 		jobs->next++;
 	if (jobs->next >= tally->total)
 		return RB_OK;
 	*place = (struct place){.index = index_of(jobs, jobs->next++), .log = -1};
+	RB_ASSERT(tally->due > 0);
 	tally->due--;
 	enum rb_status status = rb_point_look(order->folder, order->plan, place->index,
 	                                      order->module, &point, err);
@@ -314,7 +372,10 @@ static enum rb_status take_point(struct jobs *jobs, struct place *place, struct 
 	return status;
 }
 
-/* A run that has left no result: killed, or never begun. */
+/*
+ * Writes the result that a run could not write itself (killed, or without a word), with the reason
+ * as far as we know it, and fills the point alike.
+ */
 static enum rb_status tell_crash(const struct jobs *jobs, const struct place *place, int outcome,
                                  struct rb_point *point, struct rb_error *err)
 {
@@ -343,6 +404,10 @@ static enum rb_status tell_crash(const struct jobs *jobs, const struct place *pl
 	                     point->exit_code, err);
 }
 
+/*
+ * Accounts for a run that has ended with `outcome` (of wait4). The state comes from its files;
+ * where these say "begun" although nobody asked it to stop, it has crashed.
+ */
 static enum rb_status end_run(struct jobs *jobs, struct place *place, int outcome,
                               const struct rusage *used, struct rb_error *err)
 {
@@ -351,6 +416,8 @@ static enum rb_status end_run(struct jobs *jobs, struct place *place, int outcom
 	struct rb_point point;
 	const int code = WIFEXITED(outcome) ? WEXITSTATUS(outcome) : -1;
 
+	RB_ASSERT(place->process > 0 && jobs->tally->running > 0);
+	/* before the look below, which would see the point as running */
 	rb_point_unlock(place->log);
 	place->process = 0;
 	tally->running--;
@@ -372,6 +439,7 @@ static enum rb_status end_run(struct jobs *jobs, struct place *place, int outcom
 
 /* ---- all of them ---- */
 
+/* Sends a signal to every run under way. */
 static void pass_on(struct jobs *jobs, int signal)
 {
 	for (int i = 0; i < jobs->order->jobs; i++)
@@ -379,6 +447,10 @@ static void pass_on(struct jobs *jobs, int signal)
 			kill(jobs->places[i].process, signal);
 }
 
+/*
+ * Takes a request to stop: the first one asks the runs to end properly, a further SIGINT ends them
+ * at once.
+ */
 static void heed(struct jobs *jobs, int signal)
 {
 	if (jobs->tally->signal == 0) {
@@ -393,6 +465,7 @@ static void heed(struct jobs *jobs, int signal)
 	}
 }
 
+/* Calls the caller's `tick` if its time has come. */
 static void tick(struct jobs *jobs)
 {
 	const struct rb_jobs_order *const order = jobs->order;
@@ -405,9 +478,13 @@ static void tick(struct jobs *jobs)
 	order->tick(order->user, jobs->tally);
 }
 
-/* Asked to end, a run leaves a checkpoint; one that does not end is ended. */
+/*
+ * Asks a run to end, which makes it leave a checkpoint; kills it if it has not ended after
+ * overdue_s.
+ */
 static void warn(struct place *place, uint64_t now_ns)
 {
+	RB_ASSERT(place->process > 0);
 	if (place->warned > 0 && (double)(now_ns - place->warned_ns) * 1e-9 < overdue_s)
 		return;
 	kill(place->process, place->warned == 0 ? SIGTERM : SIGKILL);
@@ -415,7 +492,10 @@ static void warn(struct place *place, uint64_t now_ns)
 	place->warned_ns = now_ns;
 }
 
-/* Runs that have taken more time or disk than they may. */
+/*
+ * Warns the runs that have taken more time or disk than they may. Comparisons with NAN (no bound)
+ * are false.
+ */
 static void mind_bounds(struct jobs *jobs)
 {
 	const struct rb_jobs_order *const order = jobs->order;
@@ -439,7 +519,10 @@ static void mind_bounds(struct jobs *jobs)
 	}
 }
 
-/* Waits for the end of a run, a signal, or the time of the next tick. */
+/*
+ * Waits for the end of a run, a signal, or the time of the next tick. With bounds at most 200 ms,
+ * which is how exactly they are kept; else an hour, which stands for no limit.
+ */
 static void wait_for_some(struct jobs *jobs)
 {
 	const bool bounded = !isnan(jobs->order->point_time_s) ||
@@ -455,6 +538,7 @@ static void wait_for_some(struct jobs *jobs)
 		heed(jobs, signal);
 }
 
+/* Accounts for all runs that have ended; does not wait. */
 static enum rb_status reap(struct jobs *jobs, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -470,6 +554,7 @@ static enum rb_status reap(struct jobs *jobs, struct rb_error *err)
 	return status;
 }
 
+/* Starts runs in all free places while there are points and nobody has asked to stop. */
 static enum rb_status fill(struct jobs *jobs, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -481,6 +566,10 @@ static enum rb_status fill(struct jobs *jobs, struct rb_error *err)
 	return status;
 }
 
+/*
+ * The loop. On a failure of ours (not of a run) what still runs is stopped properly; the first
+ * failure is the one that is reported.
+ */
 static enum rb_status run_all(struct jobs *jobs, struct rb_error *err)
 {
 	enum rb_status status = fill(jobs, err);
@@ -510,11 +599,16 @@ static enum rb_status run_all(struct jobs *jobs, struct rb_error *err)
 	return status;
 }
 
+/*
+ * Counts the share (indices share, share + shares, ...), takes memory for the longest command line
+ * and blocks the signals.
+ */
 static enum rb_status prepare(struct jobs *jobs, struct rb_error *err)
 {
 	const struct rb_plan *const plan = jobs->order->plan;
 	const uint64_t share = jobs->order->share, shares = jobs->order->shares;
 
+	RB_ASSERT(share < shares && jobs->order->jobs > 0);
 	jobs->tally->total = plan->count > share ? (plan->count - share - 1) / shares + 1 : 0;
 	jobs->places = rb_memory_take((size_t)jobs->order->jobs, sizeof *jobs->places);
 	jobs->due = rb_memory_take((size_t)jobs->tally->total + 1, 1);
@@ -532,7 +626,10 @@ static enum rb_status prepare(struct jobs *jobs, struct rb_error *err)
 	return RB_OK;
 }
 
-/* Signals that came last are still ours to answer for. */
+/*
+ * Takes the signals that came after the last wait, and restores the caller's mask: else they would
+ * act only after the sweep had reported that nobody asked to stop.
+ */
 static void take_late_signals(struct jobs *jobs)
 {
 	const struct timespec none = {0};
@@ -550,6 +647,8 @@ enum rb_status rb_jobs_run(const struct rb_jobs_order *order, struct rb_jobs_tal
 	struct jobs jobs = {.order = order, .tally = tally, .start_ns = rb_clock_now_ns()};
 	char program[PATH_MAX];
 
+	RB_ASSERT(order->jobs > 0 && order->threads > 0 && order->tick_ms >= 0);
+	RB_ASSERT(order->tick_ms == 0 || order->tick);
 	*tally = (struct rb_jobs_tally){0};
 	jobs.ticked_ns = jobs.start_ns;
 	enum rb_status status = rb_program_path(program, err); /* every run is this program again */

@@ -1,4 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A point's index is a number in mixed radix: the seed is its lowest digit, then the axes from the
+ * last to the first, so that the first parameter given varies slowest and the runs that differ only
+ * in their seed stand together. Values are computed from the index whenever they are wanted.
+ *
+ * The plan keeps the head of plan.csv as the lines it will write, because comparing two plans then
+ * is comparing their texts: two sweeps are the same exactly if these lines are.
+ */
 #include "sweep/plan.h"
 
 #include <inttypes.h>
@@ -6,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
 /* ---- what is asked for ---- */
@@ -15,6 +24,10 @@ static enum rb_status no_memory(struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot plan the sweep: out of memory");
 }
 
+/*
+ * Reads "latin:N" (NULL: no sample) into plan->sample_count. The first digit may not be 0 or a
+ * sign: strtoull would accept both.
+ */
 static enum rb_status take_sample(struct rb_plan *plan, const char *text, struct rb_error *err)
 {
 	static const char kind[] = "latin:";
@@ -33,9 +46,14 @@ static enum rb_status take_sample(struct rb_plan *plan, const char *text, struct
 	               RB_PLAN_POINTS_MAX);
 }
 
+/*
+ * Makes an axis of every NAME=VALUES. A range without a step (count 0) is allowed only with a
+ * sample, which alone can choose values from it.
+ */
 static enum rb_status take_axes(struct rb_plan *plan, const struct rb_plan_wish *wish,
                                 struct rb_error *err)
 {
+	RB_ASSERT(plan->axis_count == 0);
 	plan->axes = rb_memory_take((size_t)wish->param_count + 1, sizeof *plan->axes);
 	if (!plan->axes)
 		return no_memory(err);
@@ -60,11 +78,16 @@ static enum rb_status take_axes(struct rb_plan *plan, const struct rb_plan_wish 
 	return RB_OK;
 }
 
+/*
+ * Sets plan->count to the product of all choices, or fails above RB_PLAN_POINTS_MAX. The product is
+ * formed in floating point, where it cannot wrap; the integer one follows only while it fits.
+ */
 static enum rb_status count_points(struct rb_plan *plan, struct rb_error *err)
 {
 	uint64_t count = plan->sample_count > 0 ? plan->sample_count : 1;
 	double wanted = (double)count * (double)plan->seeds;
 
+	RB_ASSERT(plan->seeds > 0);
 	for (int i = 0; plan->sample_count == 0 && i < plan->axis_count; i++) {
 		wanted *= (double)plan->axes[i].count;
 		if (wanted <= RB_PLAN_POINTS_MAX)
@@ -77,10 +100,15 @@ static enum rb_status count_points(struct rb_plan *plan, struct rb_error *err)
 	return RB_OK;
 }
 
+/*
+ * Copies what the plan needs of the wish and the scene's files. Control characters are refused: the
+ * words are lines of plan.csv and of a shell script.
+ */
 static enum rb_status take_texts(struct rb_plan *plan, const struct rb_plan_wish *wish,
                                  const struct rb_source_file *files, int file_count,
                                  struct rb_error *err)
 {
+	RB_ASSERT(wish->word_count >= 0 && file_count >= 0);
 	plan->scene = rb_memory_copy_text(wish->scene);
 	plan->words = rb_memory_take((size_t)wish->word_count + 1, sizeof *plan->words);
 	plan->files = rb_memory_take((size_t)file_count + 1, sizeof *plan->files);
@@ -105,6 +133,10 @@ static enum rb_status take_texts(struct rb_plan *plan, const struct rb_plan_wish
 
 /* ---- the head of plan.csv ---- */
 
+/*
+ * Appends "# KEY VALUE MORE" to the head; `more` may be "". False: no memory. write_head has
+ * reserved the place.
+ */
 static bool add_line(struct rb_plan *plan, const char *key, const char *value, const char *more)
 {
 	const size_t size = strlen(key) + strlen(value) + strlen(more) + 8;
@@ -125,10 +157,15 @@ static bool add_number(struct rb_plan *plan, const char *key, uint64_t number)
 	return add_line(plan, key, text, "");
 }
 
+/* Composes the head of plan.csv in the order in which it is written and compared. */
 static enum rb_status write_head(struct rb_plan *plan, const struct rb_plan_wish *wish,
                                  struct rb_error *err)
 {
 	const size_t most = (size_t)(plan->axis_count + plan->word_count + plan->file_count) + 16;
+	/*
+	 * 16: more than the lines that do not depend on counts (sweep, scene, sample, seeds, seed,
+	 * recordings, films, points)
+	 */
 	bool right = (plan->lines = rb_memory_take(most, sizeof *plan->lines)) != NULL;
 
 	right = right && add_line(plan, "sweep", "of rbsim", wish->version);
@@ -146,6 +183,7 @@ static enum rb_status write_head(struct rb_plan *plan, const struct rb_plan_wish
 	right = right && add_line(plan, "recordings", plan->records ? "yes" : "no", "");
 	right = right && add_line(plan, "films", plan->films ? "yes" : "no", "");
 	right = right && add_number(plan, "points", plan->count);
+	RB_ASSERT(!right || (size_t)plan->line_count <= most);
 	return right ? RB_OK : no_memory(err);
 }
 
@@ -153,6 +191,7 @@ enum rb_status rb_plan_init(struct rb_plan *plan, const struct rb_plan_wish *wis
                             const struct rb_source_file *files, int file_count,
                             struct rb_error *err)
 {
+	RB_ASSERT(file_count >= 0 && (files || file_count == 0));
 	*plan = (struct rb_plan){.seeds = wish->seeds,
 	                         .base_seed = wish->base_seed,
 	                         .records = wish->records,
@@ -170,6 +209,7 @@ enum rb_status rb_plan_init(struct rb_plan *plan, const struct rb_plan_wish *wis
 		status = take_texts(plan, wish, files, file_count, err);
 	if (!status)
 		status = write_head(plan, wish, err);
+	/* index and seed, of 20 digits each at most, their comma and the final zero */
 	plan->row_size = 64;
 	for (int i = 0; !status && i < plan->axis_count; i++) {
 		const size_t name = strlen(plan->axes[i].name);
@@ -205,7 +245,9 @@ const char *rb_plan_value(const struct rb_plan *plan, uint64_t index, int axis,
 {
 	uint64_t k = index / plan->seeds;
 
+	RB_ASSERT(index < plan->count && axis >= 0 && axis < plan->axis_count);
 	if (plan->sample_count > 0)
+		/* with a sample the digits above the seed are the number of the sample's point */
 		return rb_axis_at(&plan->axes[axis], rb_sample_unit(&plan->sample, axis, k), out);
 	for (int i = plan->axis_count - 1; i > axis; i--)
 		k /= plan->axes[i].count;
@@ -232,7 +274,11 @@ const char *rb_plan_label(const struct rb_plan *plan, uint64_t index, char *out,
 	return out;
 }
 
-/* As RFC 4180 has it: quotes around what could be taken for something else, doubled within. */
+/*
+ * Appends a comma and the cell as RFC 4180 has it: in quotes where it could be taken for something
+ * else ('#' begins a line of the head), quotes doubled within. Returns the end; the caller's room
+ * is rb_plan.row_size.
+ */
 static char *put_cell(char *to, const char *text)
 {
 	const bool quoted = *text == '\0' || text[strcspn(text, ",\"# ")] != '\0';
@@ -255,6 +301,7 @@ void rb_plan_row(const struct rb_plan *plan, uint64_t index, char *out)
 {
 	char number[RB_AXIS_NUMBER_SIZE];
 
+	RB_ASSERT(index < plan->count);
 	out += sprintf(out, "%" PRIu64 ",%" PRIu64, index, rb_plan_seed(plan, index));
 	for (int i = 0; i < plan->axis_count; i++)
 		out = put_cell(out, rb_plan_value(plan, index, i, number));

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The state of a point is never stored: it is derived, each time it is asked for, from the files
+ * that its run has left. That way a killed sweep, two sweeps on one folder and a run repeated by
+ * hand need no bookkeeping to be repaired. Order of the questions: no log: never begun; log locked:
+ * running; result whole: done or failed, by the exit status in it; anything else: begun.
+ *
+ * The result file comes from our own program but may have been cut by a full disk or an editor, so
+ * it is recognised as whole by its first and last bytes before anything is taken from it.
+ */
 #include "sweep/point.h"
 
 #include <errno.h>
@@ -10,16 +19,22 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/memory.h"
 #include "base/outfile.h"
 #include "base/place.h"
 #include "sweep/told.h"
 
+/* 64 MiB: a result has a few hundred bytes for each expectation, so that more is not a result. */
 static const size_t result_bytes_max = (size_t)64 << 20;
 
 /* ---- what a run said at its end ---- */
 
+/*
+ * Number of places where `text` occurs; quotes inside JSON texts are escaped, so none is within
+ * one.
+ */
 static int count_of(const char *json, const char *text)
 {
 	int count = 0;
@@ -29,6 +44,10 @@ static int count_of(const char *json, const char *text)
 	return count;
 }
 
+/*
+ * Fills point->reason: the error of the run, else why it stopped, else how many expectations
+ * failed. Leaves it empty where the result has none of these.
+ */
 static void explain_failure(struct rb_point *point, const char *json)
 {
 	rb_told_text(json, "error", point->reason, sizeof point->reason);
@@ -40,12 +59,16 @@ static void explain_failure(struct rb_point *point, const char *json)
 		         failed, failed + count_of(json, "\"ok\":true"));
 }
 
-/* From a whole text; false: it is not whole. */
+/*
+ * Fills the point from the text of a result. False where the text is not whole; the point then
+ * keeps its state. `*refused`: the scene expected to be refused and was, so there is no recording.
+ */
 static bool take_result(struct rb_point *point, const char *json, size_t size, bool *refused)
 {
 	char status[16];
 	const char *const code = rb_told_value(json, "exit_status");
 
+	RB_ASSERT(json[size] == '\0');
 	if (size < 3 || *json != '{' || strcmp(json + size - 2, "}\n") != 0 || !code)
 		return false;
 	point->exit_code = atoi(code);
@@ -64,6 +87,11 @@ static bool take_result(struct rb_point *point, const char *json, size_t size, b
 		break;
 	default:
 		point->state = RB_POINT_FAILED;
+		/*
+		 * 1 expectations, 65 scene, 76 physics (RB_STATUS table in base/error.c):
+		 * deterministic, so that another try would end the same way. All other failures may
+		 * come from the machine.
+		 */
 		/* what expectations, scene and physics say, they would say again */
 		point->may_mend = point->exit_code != 1 && point->exit_code != 65 &&
 		                  point->exit_code != 76;
@@ -75,6 +103,7 @@ static bool take_result(struct rb_point *point, const char *json, size_t size, b
 
 /* ---- its recording ---- */
 
+/* Equal as texts, or as numbers: a recording stores "0.5" where the plan may say "5e-1". */
 static bool same_value(const char *a, const char *b)
 {
 	char *end_a, *end_b;
@@ -85,9 +114,14 @@ static bool same_value(const char *a, const char *b)
 	return end_a != a && end_b != b && *end_a == '\0' && *end_b == '\0' && x == y;
 }
 
+/*
+ * Whether the recording was made with the values that the plan has for this point; further
+ * parameters of the recording (defaults of the scene) do not count.
+ */
 static bool same_parameters(const struct rb_reading *reading, const struct rb_plan *plan,
                             uint64_t index)
 {
+	RB_ASSERT(index < plan->count);
 	for (int i = 0; i < plan->axis_count; i++) {
 		char number[RB_AXIS_NUMBER_SIZE];
 		const char *const value = rb_plan_value(plan, index, i, number);
@@ -101,12 +135,18 @@ static bool same_parameters(const struct rb_reading *reading, const struct rb_pl
 	return true;
 }
 
+/*
+ * Whether the recording at `path` is the whole result of this point: complete, with the state hash
+ * that the run reported, and of the same seed, parameters and scene text. A file that cannot be
+ * read is not right. Guards against a recording that was replaced or restored from elsewhere.
+ */
 static bool recording_is_right(const struct rb_plan *plan, uint64_t index, const char *path,
                                const struct rb_hdf5_module *module, const char *hash)
 {
 	struct rb_reader *reader;
 	char hex[65];
 
+	RB_ASSERT(plan->file_count > 0);
 	if (module->reader_open(&reader, path, NULL))
 		return false;
 	const struct rb_reading *const reading = module->reader_reading(reader);
@@ -133,6 +173,10 @@ static struct flock whole_file(void)
 	return (struct flock){.l_type = F_WRLCK, .l_whence = SEEK_SET};
 }
 
+/*
+ * Whether some process holds the log. A log that cannot be opened counts as free: the attempt to
+ * take it later tells why.
+ */
 static bool is_locked(const char *log)
 {
 	struct flock lock = whole_file();
@@ -154,6 +198,7 @@ enum rb_status rb_point_lock(const char *folder, const struct rb_plan *plan, uin
 	char path[RB_FOLDER_PATH_SIZE];
 	struct rb_place place;
 
+	RB_ASSERT(index < plan->count);
 	*descriptor = -1;
 	const enum rb_status status = rb_place_open(
 		&place, rb_folder_path(plan, folder, index, ".log", path), 0, err);
@@ -177,6 +222,7 @@ void rb_point_unlock(int descriptor)
 {
 	struct flock lock = whole_file();
 
+	RB_ASSERT(descriptor >= 0);
 	lock.l_type = F_UNLCK;
 	(void)fcntl(descriptor, F_OFD_SETLK, &lock);
 	close(descriptor);
@@ -191,6 +237,7 @@ enum rb_status rb_point_look(const char *folder, const struct rb_plan *plan, uin
 	char path[RB_FOLDER_PATH_SIZE];
 	bool refused = false;
 
+	RB_ASSERT(index < plan->count);
 	*point = (struct rb_point){.state = RB_POINT_MISSING};
 	rb_folder_path(plan, folder, index, ".log", path);
 	if (access(path, F_OK) != 0)
@@ -224,6 +271,7 @@ enum rb_status rb_point_look(const char *folder, const struct rb_plan *plan, uin
 
 bool rb_point_is_due(const struct rb_point *point, bool retry)
 {
+	RB_ASSERT(point->state < RB_POINT_STATE_COUNT);
 	return point->state == RB_POINT_MISSING || point->state == RB_POINT_BEGUN ||
 	       (point->state == RB_POINT_FAILED && (retry || point->may_mend));
 }

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The job script is the only interface with Slurm: it calls this program again with the number of
+ * its task, so nothing about points is known to Slurm, and a task that is requeued finds by itself
+ * what is left to do. Slurm sends USR1 to the shell one minute ahead of the time limit; the shell
+ * passes it on, the sweep stops its runs at checkpoints and ends with status 75, and the script
+ * puts itself in the queue again.
+ */
 #include "sweep/slurm.h"
 
 #include <errno.h>
@@ -13,20 +20,25 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
 #include "base/program.h"
 #include "base/visible.h"
 
-/* slurm.conf(5): MaxArraySize, one more than the largest index */
+/*
+ * ARRAY_SIZE_DEFAULT: MaxArraySize of slurm.conf(5), one more than the largest index. OUTPUT_SIZE:
+ * room for all that "scontrol show config" prints; what is beyond is cut.
+ */
 enum { ARRAY_SIZE_DEFAULT = 1001, OUTPUT_SIZE = 16384 };
 static const char tasks_line[] = "tasks=";
 
 /* ---- other programs ---- */
 
 /*
- * Runs a program in a folder (NULL: the current one) and takes what it says on both outputs, as far
- * as there is room.
+ * Runs a program (words[0], found in PATH) in a folder (NULL: the current one) and takes what it
+ * prints on both outputs, cut to `size` with the zero; the rest is read and dropped, so that it
+ * never blocks. `*outcome`: as of waitpid. False with errno: there was no process.
  */
 static bool run_program(const char *const *words, const char *folder, char *said, size_t size,
                         int *outcome)
@@ -34,6 +46,7 @@ static bool run_program(const char *const *words, const char *folder, char *said
 	size_t used = 0;
 	int ends[2];
 
+	RB_ASSERT(size > 0 && words[0]);
 	said[0] = '\0';
 	if (pipe2(ends, O_CLOEXEC) != 0)
 		return false;
@@ -85,7 +98,7 @@ uint64_t rb_slurm_tasks_max(void)
 
 /* ---- the script ---- */
 
-/* In a shell's single quotes. */
+/* In a shell's single quotes, in which nothing but a quote itself has a meaning. */
 static void put_quoted(FILE *file, const char *text)
 {
 	putc('\'', file);
@@ -97,7 +110,10 @@ static void put_quoted(FILE *file, const char *text)
 	putc('\'', file);
 }
 
-/* sbatch parts a line at spaces unless they stand in double quotes. */
+/*
+ * A line of sbatch, which parts it at spaces unless they stand in double quotes. NULL: no line. A
+ * double quote within the value cannot be expressed.
+ */
 static void put_directive(FILE *file, const char *option, const char *value)
 {
 	if (!value)
@@ -106,6 +122,7 @@ static void put_directive(FILE *file, const char *option, const char *value)
 	rb_print(file, "#SBATCH %s%s%s%s\n", option, quoted ? "\"" : "", value, quoted ? "\"" : "");
 }
 
+/* Refuses control characters, above all line breaks, which would end a directive. NULL is right. */
 static enum rb_status check_text(const char *option, const char *text, struct rb_error *err)
 {
 	for (const char *at = text; at && *at; at += rb_visible_size(at))
@@ -115,6 +132,10 @@ static enum rb_status check_text(const char *option, const char *text, struct rb
 	return RB_OK;
 }
 
+/*
+ * Checks all that comes from the command line into the script. Further options must begin with '-',
+ * because sbatch ignores anything else silently.
+ */
 static enum rb_status check_texts(const struct rb_slurm_order *order, struct rb_error *err)
 {
 	enum rb_status status = check_text("time", order->time, err);
@@ -134,8 +155,13 @@ static enum rb_status check_texts(const struct rb_slurm_order *order, struct rb_
 	return status;
 }
 
+/*
+ * Writes the script. The sweep runs in the background because a shell handles a trap only after its
+ * foreground command has ended.
+ */
 static void put_script(FILE *file, const struct rb_slurm_order *order, const char *program)
 {
+	RB_ASSERT(order->tasks > 0 && order->jobs > 0 && order->threads > 0);
 	fputs("#!/bin/sh\n"
 	      "# The points of this folder as a job array, made by rbsim sweep --slurm. To submit "
 	      "it by hand, here:\n"
@@ -213,12 +239,18 @@ uint64_t rb_slurm_tasks(const char *folder)
 		return 0;
 	const char *at = strstr(text, "\ntasks=");
 	if (at)
+		/*
+		 * sizeof counts the zero of tasks_line, which makes up for the line break before it
+		 */
 		tasks = strtoull(at + sizeof tasks_line, NULL, 10);
 	rb_memory_free(text);
 	return tasks <= RB_PLAN_POINTS_MAX ? tasks : 0;
 }
 
-/* A line that is JOBID or JOBID;CLUSTER; warnings may stand around it. */
+/*
+ * The last line of the form JOBID or JOBID;CLUSTER; warnings may stand around it. `id` is left
+ * alone where there is none.
+ */
 static void take_id(const char *said, char id[RB_SLURM_ID_SIZE])
 {
 	for (const char *line = said; *line;

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Looks at every point once; the tasks of a job array are the remainders of the indices, so a task
+ * is marked as soon as one of its points is due. Marks take one byte each, which at
+ * RB_PLAN_POINTS_MAX is 10 MB and needs no sorting.
+ */
 #include "sweep/status.h"
 
 #include <inttypes.h>
 #include <stdio.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
 const char *const rb_point_state_names[RB_POINT_STATE_COUNT] = {
@@ -12,7 +18,10 @@ const char *const rb_point_state_names[RB_POINT_STATE_COUNT] = {
 	[RB_POINT_FAILED] = "failed",
 };
 
-/* "3,7-9" of the marked ones. */
+/*
+ * Composes status->array, "3,7-9", from the marked tasks, and counts these. Ranges keep the text
+ * short: Slurm limits the length of a command line, and usually nearly all or nearly none are left.
+ */
 static enum rb_status write_array(struct rb_sweep_status *status, const unsigned char *marked,
                                   uint64_t count, struct rb_error *err)
 {
@@ -36,6 +45,7 @@ static enum rb_status write_array(struct rb_sweep_status *status, const unsigned
 		if (last > first)
 			used += (size_t)snprintf(status->array + used, RANGE_SIZE / 2, "-%" PRIu64,
 			                         last);
+		RB_ASSERT(used < capacity);
 		first = last;
 	}
 	return RB_OK;
@@ -54,6 +64,7 @@ enum rb_status rb_status_take(struct rb_sweep_status *status, const struct rb_st
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot look at the sweep: out of memory");
 	for (uint64_t i = 0; i < wish->plan->count && !failed; i++) {
 		failed = rb_point_look(wish->folder, wish->plan, i, wish->module, &point, err);
+		RB_ASSERT(failed || point.state < RB_POINT_STATE_COUNT);
 		if (failed)
 			break;
 		status->points[point.state]++;

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Built in one pass over the points, by columns: the fixed ones of a point first, then parameters,
+ * then results, then expectations, whose columns appear as the runs are read, since only runs know
+ * them. Columns of expectations are found by name in linear time; there are few, and the same scene
+ * asks the same ones in every run.
+ */
 #include "sweep/table.h"
 
 #include <inttypes.h>
@@ -6,11 +12,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "sweep/status.h"
 #include "sweep/told.h"
 
+/*
+ * NAME_SIZE: a column's name in HDF5 and CSV, longer texts are cut. EXPECTATIONS_MAX: bounds the
+ * number of columns, each of which has all rows.
+ */
 enum { NAME_SIZE = 200, EXPECTATIONS_MAX = 1000 };
+/* As in sweep/point.c: more is not a result. */
 static const size_t result_bytes_max = (size_t)64 << 20;
 
 /* Numbers that a run tells at its end, and the object in which they are; NULL: the top level. */
@@ -40,7 +52,11 @@ static enum rb_status no_memory(struct rb_error *err)
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot collect the sweep: out of memory");
 }
 
-/* A column with a name of its own; NULL: no memory. */
+/*
+ * Appends a column for all rows with a name of its own, of texts (NULL at first) or of numbers (NAN
+ * at first). NULL: no memory; rb_table_release frees what was made. Pointers to other columns
+ * become invalid.
+ */
 static struct rb_table_column *add_column(struct rb_table *table, const char *group,
                                           const char *name, bool texts)
 {
@@ -62,6 +78,7 @@ static struct rb_table_column *add_column(struct rb_table *table, const char *gr
 	return column->name && (column->texts || column->numbers) ? column : NULL;
 }
 
+/* The column of that group and name; NULL: there is none. The names of two groups may be equal. */
 static struct rb_table_column *column_named(struct rb_table *table, const char *group,
                                             const char *name)
 {
@@ -74,6 +91,7 @@ static struct rb_table_column *column_named(struct rb_table *table, const char *
 
 /* ---- parameters ---- */
 
+/* Whether all of the text is a finite number, which goes to `*value`. */
 static bool is_number(const char *text, double *value)
 {
 	char *end;
@@ -82,7 +100,10 @@ static bool is_number(const char *text, double *value)
 	return end != text && *end == '\0' && isfinite(*value);
 }
 
-/* Numbers where all values are. */
+/*
+ * Adds the column of a parameter: of numbers where every value is one, else of texts, so that
+ * "on,off,2" stays as it was given.
+ */
 static enum rb_status take_parameter(struct rb_table *table, const struct rb_plan *plan, int axis,
                                      struct rb_error *err)
 {
@@ -90,6 +111,7 @@ static enum rb_status take_parameter(struct rb_table *table, const struct rb_pla
 	bool numbers = true;
 	double value;
 
+	RB_ASSERT(axis >= 0 && axis < plan->axis_count);
 	for (uint64_t i = 0; i < table->rows && numbers; i++)
 		numbers = is_number(rb_plan_value(plan, i, axis, number), &value);
 	struct rb_table_column *const column = add_column(table, "parameters",
@@ -108,11 +130,16 @@ static enum rb_status take_parameter(struct rb_table *table, const struct rb_pla
 
 /* ---- results ---- */
 
+/*
+ * Reads the expectations of a result into three columns each, made when first met; runs without
+ * them keep NAN.
+ */
 static enum rb_status take_expectations(struct rb_table *table, uint64_t row, const char *json,
                                         struct rb_error *err)
 {
 	static const char *const parts[] = {"ok", "measured", "bound"};
 
+	RB_ASSERT(row < table->rows);
 	for (int k = 0; k < EXPECTATIONS_MAX; k++) {
 		const char *const one = rb_told_expectation(json, k);
 		char text[NAME_SIZE], name[NAME_SIZE + 16];
@@ -132,17 +159,27 @@ static enum rb_status take_expectations(struct rb_table *table, uint64_t row, co
 	return RB_OK;
 }
 
+/*
+ * Reads the numbers of `told` into their columns, which rb_table_init has made; absent ones become
+ * NAN.
+ */
 static void take_numbers(struct rb_table *table, uint64_t row, const char *json)
 {
+	RB_ASSERT(row < table->rows);
 	for (int i = 0; i < TOLD_COUNT; i++) {
 		struct rb_table_column *const column = column_named(table, "results", told[i].name);
 		const char *const from = told[i].object ? rb_told_value(json, told[i].object)
 		                                        : json;
+		RB_ASSERT(column != NULL);
 		if (from)
 			column->numbers[row] = rb_told_number(from, told[i].key);
 	}
 }
 
+/*
+ * Fills all columns of a row from the files of the point. A run that has not ended has only the
+ * columns of group "points".
+ */
 static enum rb_status take_row(struct rb_table *table, const char *folder,
                                const struct rb_plan *plan, uint64_t row, struct rb_error *err)
 {
@@ -153,8 +190,13 @@ static enum rb_status take_row(struct rb_table *table, const char *folder,
 	size_t size;
 	enum rb_status status = rb_point_look(folder, plan, row, NULL, &point, err);
 
+	RB_ASSERT(row < table->rows && table->column_count >= 5);
 	if (status)
 		return status;
+	/*
+	 * the first five columns in the order in which rb_table_init adds them; `columns` is not
+	 * used any more once expectations may have moved it
+	 */
 	columns[0].numbers[row] = (double)row;
 	columns[1].texts[row] = rb_memory_take(24, 1);
 	columns[2].texts[row] = rb_memory_copy_text(rb_point_state_names[point.state]);
@@ -219,6 +261,7 @@ void rb_table_release(struct rb_table *table)
 
 /* ---- CSV ---- */
 
+/* A cell as RFC 4180 has it: quoted where it holds a separator, a quote or a line break. */
 static void print_cell(FILE *file, const char *text)
 {
 	const bool quoted = text[strcspn(text, ",\"\n")] != '\0';
@@ -234,11 +277,14 @@ static void print_cell(FILE *file, const char *text)
 		putc('"', file);
 }
 
-/* The shortest digits that read back as the same number. */
+/*
+ * The shortest of 15, 16 or 17 significant digits that reads back as the same double; 17 always do.
+ */
 static void print_number(FILE *file, double value)
 {
 	char text[40];
 
+	RB_ASSERT(isfinite(value));
 	for (int digits = 15; digits <= 17; digits++) {
 		snprintf(text, sizeof text, "%.*g", digits, value);
 		if (strtod(text, NULL) == value)

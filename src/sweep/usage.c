@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Walks the folder of a sweep by descriptors, never by paths: a run may be renaming its files
+ * meanwhile, and nothing that a scene makes may lead the walk elsewhere through a symbolic link.
+ */
 #include "sweep/usage.h"
 
 #include <dirent.h>
@@ -7,12 +11,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Of folders in each other: a run makes no more than a scene names. */
+#include "base/error.h"
+
+/* Folders within each other: a run makes no more than a scene names. Bounds the recursion. */
 enum { DEPTH_MOST = 32 };
 
 /*
- * Of the files in an open folder, which is closed, whose names begin so, and of all in folders
- * whose names do.
+ * Sum of the sizes of the regular files in the open folder `folder` whose names begin with `start`,
+ * and of all files in the subfolders whose names do. Takes over the descriptor and closes it. A
+ * double, because only comparisons with a user's bound follow.
  */
 static double bytes_in(int folder, const char *start, int depth)
 {
@@ -20,6 +27,7 @@ static double bytes_in(int folder, const char *start, int depth)
 	const struct dirent *entry;
 	double sum = 0;
 
+	RB_ASSERT(folder >= 0 && depth <= DEPTH_MOST);
 	if (!list) {
 		close(folder);
 		return 0;
