@@ -1,4 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Interpolation must not invent physics: between two frames bodies fall freely except for what the
+ * events of the interval say. So the known jumps are subtracted first, a cubic is laid through what
+ * is left (rb_frame has positions and velocities at both ends: four conditions), and the jumps are
+ * added again. For constant gravity this reproduces the exact parabola arcs between bounces; any
+ * other force leaves an error of fourth order in the frame interval.
+ *
+ * Events are found by body through singly linked lists of indices in two arrays that are kept from
+ * call to call; a film asks for thousands of moments. Rotations cannot be interpolated by a
+ * polynomial: the angular momentum, which changes evenly, is integrated instead, and what that
+ * misses at the end is distributed over the interval.
+ */
 #include "flow/between.h"
 
 #include <float.h>
@@ -13,9 +25,13 @@
 #include "math/vec3.h"
 #include "method/method.h"
 
-/* A column of `to` as it is in `from`: absent there, absent here. */
+/*
+ * Makes `*to` a copy of `from`, count * width doubles: absent there, absent here. Storage is kept
+ * if the count is the same. False: no memory.
+ */
 static bool copy_column(double **to, const double *from, int old_count, int count, int width)
 {
+	RB_ASSERT(count >= 0 && width > 0);
 	if (!from || (*to && old_count != count)) {
 		rb_memory_free(*to);
 		*to = NULL;
@@ -30,12 +46,17 @@ static bool copy_column(double **to, const double *from, int old_count, int coun
 	return true;
 }
 
-/* A list that is kept for the next time, however short this one is. */
+/*
+ * Copies `count` items to the list whose pointer is at `list_address` (of any type of pointer,
+ * therefore memcpy). Storage is kept for the next time, however short this list is. False: no
+ * memory.
+ */
 static bool copy_list(void *list_address, int *capacity, const void *from, int count, size_t size)
 {
 	void *list;
 	size_t room = (size_t)*capacity;
 
+	RB_ASSERT(count >= 0 && *capacity >= 0);
 	memcpy(&list, list_address, sizeof list);
 	if (count == 0)
 		return true;
@@ -78,6 +99,7 @@ enum rb_status rb_frame_copy(struct rb_frame *to, const struct rb_frame *from, s
 	return RB_OK;
 }
 
+/* Linear interpolation, exact at part 0. */
 static double mix(double a, double b, double part)
 {
 	return a + part * (b - a);
@@ -110,8 +132,8 @@ struct interval {
 };
 
 /*
- * Bodies that an impact changes have a list of theirs, in order of time; links are 1 + 2 event +
- * side, 0: the end.
+ * Makes a list, in order of time, of the events that change each body that moves freely. Links are
+ * numbered 1 + 2 event + side, 0 ends a list. False: no memory.
  */
 static bool link_events(struct rb_between *between, const struct rb_model *model,
                         const struct rb_frame *b)
@@ -146,6 +168,7 @@ static bool link_events(struct rb_between *between, const struct rb_model *model
 	return true;
 }
 
+/* Whether link_events has made lists for this interval; between->first is stale otherwise. */
 static bool has_links(const struct interval *in)
 {
 	return in->b->has_events && in->b->event_count > 0;
@@ -158,16 +181,24 @@ static int first_link(const struct interval *in, int i)
 
 static int next_link(const struct interval *in, int link)
 {
+	RB_ASSERT_COSTLY(link > 0);
 	return in->links->next[link - 1];
 }
 
-/* What an event has made of its body's centre of mass, at once: velocity, m/s, and position, m. */
+/*
+ * What an event has made of its body's centre of mass, at once: change of velocity, m/s, and of
+ * position, m; when_s since the interval's beginning.
+ */
 struct jump {
 	const struct rb_event *event;
 	double when_s;
 	rb_vec3 velocity, position;
 };
 
+/*
+ * The jump of body i at this link. The impulse of a collision is the one on body b: a gets its
+ * negative. Events are put into the interval where rounding has them outside.
+ */
 static struct jump jump_of(const struct interval *in, int i, int link)
 {
 	const struct rb_event *const event = &in->b->events[(link - 1) / SIDES];
@@ -177,6 +208,7 @@ static struct jump jump_of(const struct interval *in, int i, int link)
 	const double sign = is_impact && !((link - 1) % SIDES) ? -1 : 1;
 	const double when_s = event->time_s - in->a->time_s - (is_impact ? in->early_s : 0);
 
+	RB_ASSERT_COSTLY(link > 0 && (link - 1) / SIDES < in->b->event_count);
 	return (struct jump){.event = event,
 	                     .when_s = fmin(fmax(when_s, 0), in->length_s),
 	                     .velocity = pushes ? rb_vec3_scale(sign * in->model->inverse_mass[i],
@@ -198,6 +230,7 @@ static void sum_jumps(const struct interval *in, int i, rb_vec3 *impacts, rb_vec
 	}
 }
 
+/* Unlinks the collisions of a body, and leaves what callbacks have changed. */
 static void drop_impacts(const struct interval *in, int i)
 {
 	int *last = &in->links->first[i];
@@ -210,9 +243,10 @@ static void drop_impacts(const struct interval *in, int i)
 }
 
 /*
+ * Drops the collisions of a stepped body where they explain its change of velocity worse than none.
  * A step resolves an impact on a pile together with what the pile presses back, and only the impact
- * is an event. So of what steps have moved, the impacts of a body count where the velocities of
- * both frames are nearer to a fall with them than to one without.
+ * is an event; so the impacts count where the velocities of both frames are nearer to a fall with
+ * them than to one without.
  */
 static void choose_impacts(const struct interval *in, int i)
 {
@@ -253,9 +287,8 @@ static rb_vec3 smooth_velocity(const struct smooth *m, double t)
 }
 
 /*
- * Less the jumps that events are, the motion is smooth, and its cubic with the
- * positions and velocities of both frames is exact where the acceleration is constant, however many
- * impacts there are.
+ * The cubic of body i with the jumps taken out: `from` and `to` are its centres of mass in both
+ * frames. Hermite's form; exact where the acceleration is constant, however many impacts there are.
  */
 static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, rb_vec3 to)
 {
@@ -263,6 +296,7 @@ static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, r
 	const rb_vec3 v0 = rb_vec3_from(in->a->velocity + 3 * i);
 	rb_vec3 v1 = rb_vec3_from(in->b->velocity + 3 * i);
 
+	RB_ASSERT_COSTLY(in->length_s > 0);
 	for (int link = first_link(in, i); link; link = next_link(in, link)) {
 		const struct jump jump = jump_of(in, i, link);
 		v1 = rb_vec3_sub(v1, jump.velocity);
@@ -280,20 +314,23 @@ static struct smooth smooth_of(const struct interval *in, int i, rb_vec3 from, r
 	};
 }
 
+/* Whether an event's time is the end of a step, within the rounding of the later frame's time. */
 static bool ends_step(const struct interval *in, const struct rb_event *event)
 {
 	const double step_s = in->length_s / in->step_count;
 	const double steps = (event->time_s - in->a->time_s) / step_s;
 
+	RB_ASSERT_COSTLY(in->step_count > 0);
 	return fabs(steps - nearbyint(steps)) * step_s <= 8 * DBL_EPSILON * in->b->time_s;
 }
 
 /*
- * s: impacts of groups that are too large are resolved as a whole and told at the end of the step.
- * What stops a body then has acted from the step's beginning on, what throws it back at its end;
- * one jump of both is where the step has the body if it acts earlier, by what leaves the least of
- * the motion that a constant acceleration does not explain. Never before the step; impacts of
- * single moments (then all) and changes are where they are told.
+ * s by which the impacts of a step are taken to act before the end of the step, at which they are
+ * recorded: groups that are too large are resolved as a whole. What stops a body has then acted
+ * from the step's beginning on, what throws it back at its end; one jump of both is where the step
+ * has the body if it acts earlier, by what leaves the least of the motion that a constant
+ * acceleration does not explain. Never before the step. Impacts at their own moments, and changes
+ * by callbacks, are where they are recorded: 0.
  */
 static double early_of(const struct interval *in, int i, const struct smooth *smooth)
 {
@@ -315,14 +352,15 @@ static double early_of(const struct interval *in, int i, const struct smooth *sm
 }
 
 /*
- * At `t`, with the events up to then; before the event of the link `until`, if that is at `t` (0:
- * after all of that time).
+ * Centre of mass of body i at `t` and, in `*velocity`, its velocity, with the events up to then; of
+ * those at `t` itself only the ones before the link `until` (0: all).
  */
 static rb_vec3 center_at(const struct interval *in, int i, const struct smooth *smooth, double t,
                          int until, rb_vec3 *velocity)
 {
 	rb_vec3 at = smooth_at(smooth, t);
 
+	RB_ASSERT_COSTLY(t >= 0);
 	*velocity = smooth_velocity(smooth, t);
 	for (int link = first_link(in, i); link != until; link = next_link(in, link)) {
 		const struct jump jump = jump_of(in, i, link);
@@ -337,7 +375,7 @@ static rb_vec3 center_at(const struct interval *in, int i, const struct smooth *
 
 /* ---- how it is turned ---- */
 
-/* The shortest turn that the unit quaternion stands for, as a rotation vector. */
+/* The shortest turn that a unit quaternion stands for, as a rotation vector, rad. */
 static rb_vec3 turn_of(rb_quat q)
 {
 	if (q.w < 0)
@@ -351,7 +389,7 @@ static rb_vec3 turn_of(rb_quat q)
 
 /*
  * A body that turns as its angular momentum says: that jumps by impacts and changes at an even rate
- * between.
+ * in between.
  */
 struct turning {
 	const rb_mat3 *inertia, *inverse;
@@ -359,6 +397,10 @@ struct turning {
 	rb_vec3 momentum, rate; /* kg m^2/s, of both frames but for impacts; N m */
 };
 
+/*
+ * kg m^2/s in world axes, from an angular velocity in world axes; with the inverse of the inertia,
+ * the other way.
+ */
 static rb_vec3 momentum_of(const rb_mat3 *inertia, rb_quat q, rb_vec3 spin)
 {
 	return rb_quat_rotate(q, rb_mat3_apply(inertia, rb_quat_rotate_back(q, spin)));
@@ -369,14 +411,17 @@ static rb_vec3 spin_of(const struct turning *turning)
 	return momentum_of(turning->inverse, turning->q, turning->momentum);
 }
 
+/* `q` after `s` seconds at this angular velocity. */
 static rb_quat turned_by(rb_quat q, double s, rb_vec3 spin)
 {
 	return rb_quat_multiply(rb_quat_from_turn(rb_vec3_scale(s, spin)), q);
 }
 
 /*
- * Steps of the midpoint rule, each about a fixed axis: right at any length about a principal axis,
- * else to the third order of a small angle. What the next frame knows better is corrected there.
+ * Goes on by `s` seconds in steps of the midpoint rule, each about a fixed axis: right at any
+ * length about a principal axis, else of third order in a small angle. A step turns by 1/16 rad,
+ * where the error is below what a picture shows; rotations beyond STEPS_MAX steps in a frame are
+ * only blur. What the next frame knows better is corrected there.
  */
 static void turn_on(struct turning *turning, double s)
 {
@@ -386,6 +431,7 @@ static void turn_on(struct turning *turning, double s)
 	const int count = steps < STEPS_MAX ? (int)fmax(steps, 1) : STEPS_MAX;
 	const double step = s / count;
 
+	RB_ASSERT_COSTLY(s >= 0);
 	for (int k = 0; k < count; k++) {
 		struct turning half = *turning;
 		half.q = turned_by(turning->q, step / 2, spin_of(turning));
@@ -396,7 +442,10 @@ static void turn_on(struct turning *turning, double s)
 	turning->q = rb_quat_unit(turning->q);
 }
 
-/* Change of angular momentum about where the centre of mass is then. */
+/*
+ * Change of angular momentum, kg m^2/s, by the event of a link, about where the centre of mass is
+ * then; `*when_s`: its time.
+ */
 static rb_vec3 twist_of(const struct interval *in, int i, const struct smooth *smooth, int link,
                         double *when_s)
 {
@@ -414,7 +463,9 @@ static rb_vec3 twist_of(const struct interval *in, int i, const struct smooth *s
 	return rb_vec3_cross(rb_vec3_sub(event->point, center), impulse);
 }
 
-/* From the earlier frame to `t`, orientation and angular momentum. */
+/*
+ * Turns from the earlier frame to `t`: orientation and angular momentum. `smooth` NULL: no events.
+ */
 static void follow(const struct interval *in, int i, const struct smooth *smooth, double t,
                    struct turning *turning)
 {
@@ -432,8 +483,10 @@ static void follow(const struct interval *in, int i, const struct smooth *smooth
 }
 
 /*
- * What spins tell of the interval, whole turns and all; what is then left to the later frame is the
- * shortest way, and gone in proportion. Without spins or moments of inertia: the great circle.
+ * Orientation of body i at in->t, and its angular velocity: what the angular velocities say of the
+ * interval, whole turns included; the rotation that is then missing to the later frame takes the
+ * shortest way and is distributed evenly. Without angular velocities or moments of inertia this is
+ * the great circle.
  */
 static rb_quat orientation_at(const struct interval *in, int i, const struct smooth *smooth,
                               rb_vec3 *spin)
@@ -469,13 +522,17 @@ static rb_quat orientation_at(const struct interval *in, int i, const struct smo
 
 /* ---- a frame ---- */
 
-/* From the object's origin to its centre of mass, world axes. */
+/* From the object's origin to its centre of mass, m, world axes. */
 static rb_vec3 center_arm(const struct rb_model *model, int i, rb_quat q)
 {
 	return model->center_of_mass ? rb_quat_rotate(q, model->center_of_mass[i])
 	                             : (rb_vec3){0, 0, 0};
 }
 
+/*
+ * Sets the columns of body i in `out` for in->t. Positions are those of origins, while motion is
+ * that of centres of mass, so they are converted there and back.
+ */
 static void move_body(struct interval *in, int i, struct rb_frame *out)
 {
 	const struct rb_frame *const a = in->a, *const b = in->b;
@@ -484,6 +541,7 @@ static void move_body(struct interval *in, int i, struct rb_frame *out)
 	const bool turns = out->orientation && a->orientation;
 	struct smooth smooth;
 
+	RB_ASSERT(i >= 0 && i < out->body_count);
 	in->early_s = 0;
 	if (arcs && in->step_count > 0)
 		choose_impacts(in, i);
@@ -516,6 +574,7 @@ static void move_body(struct interval *in, int i, struct rb_frame *out)
 		                                              center_arm(in->model, i, q)));
 }
 
+/* Interpolates what is continuous; counts stay those of the later frame. */
 static void mix_numbers(struct rb_frame_numbers *numbers, const struct rb_frame_numbers *before,
                         double part)
 {
@@ -551,6 +610,7 @@ enum rb_status rb_frame_between(struct rb_between *between, const struct rb_mode
 	                      .links = between,
 	                      .length_s = b->time_s - a->time_s,
 	                      .t = time_s - a->time_s};
+	RB_ASSERT(in.length_s > 0);
 	const double part = in.t / in.length_s;
 	if (b->numbers.stepped > 0)
 		in.step_count = (double)rb_frame_step_count(model, a->time_s, b->time_s);

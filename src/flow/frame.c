@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The columns are a macro list, because four functions must agree on them: what is counted against
+ * memory (rb_frame_bytes) is exactly what is allocated. A column that the model cannot change is
+ * NULL, and readers take the value from the model.
+ */
 #include "flow/frame.h"
 
 #include "base/error.h"
@@ -50,6 +55,7 @@ size_t rb_frame_bytes(const struct rb_model *model, unsigned fields)
 	const unsigned wanted = rb_frame_fields(model, fields);
 	size_t doubles = 0;
 
+	RB_ASSERT(model->body_count >= 0);
 #define X(field, name, width) doubles += wanted & (field) ? (size_t)(width) : 0;
 	COLUMNS(X)
 #undef X
@@ -103,9 +109,11 @@ enum rb_status rb_frame_add_shot(struct rb_frame *frame, const struct rb_frame_s
 {
 	size_t capacity = (size_t)frame->shot_capacity;
 
+	RB_ASSERT(frame->shot_count >= 0 && frame->shot_count <= frame->shot_capacity);
 	if (!rb_memory_reserve(&frame->shots, &capacity, (size_t)frame->shot_count + 1,
 	                       sizeof *frame->shots))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot hold a frame: out of memory");
+	RB_ASSERT(capacity <= INT32_MAX);
 	frame->shot_capacity = (int)capacity;
 	frame->shots[frame->shot_count++] = *shot;
 	return RB_OK;

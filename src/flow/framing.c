@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A camera is placed so that the boxes swept by the bodies fit its picture. Bodies that only ever
+ * get farther away (a ball that rolls off a plane) would make everything else a dot; they are
+ * sorted to the end and taken in, nearest first, as long as a body of typical size keeps
+ * pixels_least pixels. All is done with boxes and their eight corners: one pass over the frames,
+ * memory per body only, and a result that does not depend on the order of frames shown twice.
+ */
 #include "flow/framing.h"
 
 #include <math.h>
@@ -10,7 +17,10 @@
 #include "base/memory.h"
 #include "math/vec3.h"
 
-/* Where a body has been, with its whole size. */
+/*
+ * Box of where a body has been, with its whole size. `low` above `high`: it has no extent, as
+ * planes have none.
+ */
 struct rb_reach {
 	rb_vec3 low, high;
 	rb_vec3 last;            /* its origin */
@@ -18,9 +28,11 @@ struct rb_reach {
 	bool leaves, visible;
 };
 
-/* A picture shows its bodies where a typical one is so many pixels wide. */
+/*
+ * A body of typical size must stay this wide in the picture: smaller, it cannot be told from noise.
+ */
 static const double pixels_least = 2;
-/* What is left free of a picture's half at its edges. */
+/* Share of half the picture that is left free at its edges. */
 static const double margin = 0.1;
 
 static rb_vec3 least(rb_vec3 a, rb_vec3 b)
@@ -48,6 +60,10 @@ static double reach_of(const struct rb_framing *framing, int i)
 	return plate_m <= framing->plate_most_m ? plate_m : (double)NAN;
 }
 
+/*
+ * Extends a box by a ball of `radius` m at `at`; true if it became larger. An infinite radius
+ * (planes) gives a box without finite corners, which rb_framing_aim passes over.
+ */
 static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 {
 	const rb_vec3 r = {radius, radius, radius};
@@ -57,6 +73,7 @@ static bool grow(struct rb_reach *reach, rb_vec3 at, double radius)
 	                  high.x > reach->high.x || high.y > reach->high.y ||
 	                  high.z > reach->high.z;
 
+	RB_ASSERT(!(radius < 0));
 	reach->low = low;
 	reach->high = high;
 	return more;
@@ -125,6 +142,10 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 	for (int i = 0; frame->position && i < framing->count && i < frame->body_count; i++) {
 		struct rb_reach *const reach = &framing->reach[i];
 		const rb_vec3 at = rb_vec3_from(frame->position + 3 * (size_t)i);
+		/*
+		 * a run that has failed may have published such a state; the rest is still worth
+		 * seeing
+		 */
 		if (!rb_vec3_finite(at))
 			continue;
 		more |= grow(reach, at, reach_of(framing, i));
@@ -137,8 +158,8 @@ bool rb_framing_see(struct rb_framing *framing, const struct rb_frame *frame)
 }
 
 /*
- * A camera's axes and how much of a metre at a metre's distance is in its picture; of an
- * orthographic one, of each metre from the middle of the picture to its upper edge.
+ * A camera's axes, and how much of a metre at a metre's distance is in its picture; of an
+ * orthographic one, how much of each metre from the middle of the picture to its upper edge.
  */
 struct sight {
 	bool parallel;
@@ -147,6 +168,11 @@ struct sight {
 	double wide; /* 1, or how much larger all is taken to be where the sight turns */
 };
 
+/*
+ * How a camera that has no place of its own looks: along the default line of sight, with its own
+ * field of view, reduced by the margin. A camera that turns with time sees from all sides:
+ * everything is then taken to be twice as wide.
+ */
 static struct sight sight_of(const struct rb_camera_def *camera)
 {
 	const bool fixed = camera->look_at.source == RB_CAMERA_FIXED &&
@@ -176,13 +202,14 @@ static struct sight sight_of(const struct rb_camera_def *camera)
 }
 
 /*
- * How far from `target` the eye must be, or the edge of an orthographic picture, to see the corners
- * of a box.
+ * m: how far from `target` the eye must be, or the edge of an orthographic picture, to see the
+ * corners of a box. Exact, since each corner bounds the distance linearly.
  */
 static double distance_of(const struct sight *sight, rb_vec3 low, rb_vec3 high, rb_vec3 target)
 {
 	double distance = 0;
 
+	RB_ASSERT(sight->across > 0 && sight->upright > 0);
 	for (int k = 0; k < 8; k++) {
 		const rb_vec3 corner = {k & 1 ? high.x : low.x, k & 2 ? high.y : low.y,
 		                        k & 4 ? high.z : low.z};
@@ -196,6 +223,10 @@ static double distance_of(const struct sight *sight, rb_vec3 low, rb_vec3 high, 
 	return distance;
 }
 
+/*
+ * For qsort: bodies that stay before those that leave, then by distance, then by index, so that the
+ * order is total and does not depend on qsort.
+ */
 static int by_distance(const void *left, const void *right)
 {
 	const struct rb_reach *const x = *(const struct rb_reach *const *)left;
@@ -208,6 +239,10 @@ static int by_distance(const void *left, const void *right)
 	return x < y ? -1 : x > y;
 }
 
+/*
+ * Appends a body's name, or #ID where it has none, cut where it does not fit; `place`: how many
+ * were written before.
+ */
 static void name(const struct rb_framing *framing, const struct rb_reach *reach, int place,
                  char *text, size_t size)
 {
@@ -215,6 +250,7 @@ static void name(const struct rb_framing *framing, const struct rb_reach *reach,
 	const char *const own = framing->model->scene->bodies[id].name;
 	const size_t used = strlen(text);
 
+	RB_ASSERT(reach >= framing->reach && reach < framing->reach + framing->count);
 	if (used >= size)
 		return;
 	if (own)
@@ -236,6 +272,7 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 	double distance = 0;
 	int count = 0, taken = 0, left_out = 0;
 
+	RB_ASSERT(size > 0);
 	*text = '\0';
 	for (int i = 0; order && i < framing->count; i++)
 		if (framing->reach[i].visible && isfinite(framing->reach[i].high.x))
@@ -264,6 +301,7 @@ int rb_framing_aim(const struct rb_framing *framing, struct rb_camera_def *camer
 	if (left_out > 3 && strlen(text) < size)
 		snprintf(text + strlen(text), size - strlen(text), " and %d more", left_out - 3);
 	rb_memory_free(order);
+	RB_ASSERT(taken + left_out == count);
 	if (camera->look_at.source == RB_CAMERA_FIXED)
 		camera->look_at.value = target;
 	if (camera->orthographic && isnan(camera->height))

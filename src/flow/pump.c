@@ -1,13 +1,24 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A sink knows nothing of threads: the pump gives it one and calls it in order. Two flags pass
+ * between the threads, both one way: `opened`, so that rb_pump_start returns only when the output
+ * exists, and `must_stop`, which the producer asks for after each frame. Everything else becomes
+ * visible to the owner by pthread_join.
+ */
 #include "flow/pump.h"
 
 #include <pthread.h>
 #include <stdatomic.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/thread.h"
 
+/*
+ * s: how often a sink may work when nothing comes (flush, show progress): a quarter of a second is
+ * not felt as a delay and costs four wake-ups a second.
+ */
 static const double idle_s = 0.25;
 
 struct rb_pump {
@@ -31,16 +42,21 @@ struct rb_pump {
 	struct rb_error error;
 };
 
+/* Tells rb_pump_start that `open` has returned, with its status. */
 static void say_opened(struct rb_pump *pump)
 {
 	pthread_mutex_lock(&pump->lock);
+	RB_ASSERT(!pump->opened);
 	pump->opened = true;
 	pump->open_status = pump->status;
 	pthread_cond_signal(&pump->opened_changed);
 	pthread_mutex_unlock(&pump->lock);
 }
 
-/* Frames and pauses until the ring is closed or the sink fails. */
+/*
+ * Hands frames and pauses to the sink until the ring is closed or the sink fails. A frame is given
+ * back even if the sink failed on it.
+ */
 static enum rb_status feed(struct rb_pump *pump)
 {
 	const struct rb_sink *const sink = &pump->sink;
@@ -66,6 +82,7 @@ static enum rb_status feed(struct rb_pump *pump)
 	}
 }
 
+/* The pump's thread: the whole life of the sink. */
 static void *run(void *argument)
 {
 	struct rb_pump *const pump = argument;
@@ -99,6 +116,7 @@ static void *run(void *argument)
 	return NULL;
 }
 
+/* Frees a pump whose thread has ended or never began. */
 static void destroy(struct rb_pump *pump)
 {
 	pthread_cond_destroy(&pump->opened_changed);
@@ -110,6 +128,7 @@ enum rb_status rb_pump_start(struct rb_pump **pump, struct rb_ring *ring,
                              const struct rb_sink *sink, const struct rb_outcome *outcome,
                              struct rb_error *err)
 {
+	RB_ASSERT(sink->open && sink->frame && sink->close);
 	*pump = NULL;
 	struct rb_pump *p = rb_memory_take(1, sizeof *p);
 	if (!p)
@@ -147,6 +166,7 @@ enum rb_status rb_pump_start(struct rb_pump **pump, struct rb_ring *ring,
 
 bool rb_pump_must_stop(const struct rb_pump *pump)
 {
+	RB_ASSERT(pump != NULL);
 	return atomic_load(&pump->must_stop);
 }
 

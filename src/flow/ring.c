@@ -1,4 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One mutex and one condition variable for all: frames come some hundred times a second, at most
+ * some ten thousand, and a lock that nobody contends for costs less than a copy of the smallest
+ * frame. What matters is not to wake sleepers for nothing, so a consumer states in `wake_at` what
+ * it waits for, and publish signals only then.
+ *
+ * Protocol: slots in [tail, head) belong to readers, tail being the smallest `next` of the lossless
+ * cursors; the producer waits while head - tail is the number of slots. A consumer that skips
+ * frames is not counted in tail; what it reads may be in the slot that the producer wants next,
+ * which is why each of them brings one spare frame: the slot's storage is exchanged, never the
+ * reader's.
+ */
 #include "flow/ring.h"
 
 #include <errno.h>
@@ -9,8 +21,10 @@
 #include "base/memory.h"
 #include "flow/frame.h"
 
+/* 64 MiB: some seconds of the usual scenes, less than the world of the largest ones takes. */
 static const size_t bytes_wanted = (size_t)64 << 20;
 
+/* Where a consumer is. Protected by the ring's lock. */
 struct cursor {
 	bool lossless, attached;
 	const char *name;            /* NULL: nobody has said */
@@ -116,7 +130,7 @@ enum rb_status rb_ring_add_consumer(struct rb_ring *ring, bool lossless, int *co
 	return status;
 }
 
-/* The oldest frame that a lossless consumer still needs. */
+/* The oldest frame that a lossless consumer still needs; `head` where there is none. */
 static uint64_t tail_locked(const struct rb_ring *ring)
 {
 	uint64_t tail = ring->head;
@@ -125,10 +139,12 @@ static uint64_t tail_locked(const struct rb_ring *ring)
 		const struct cursor *cursor = &ring->cursor[i];
 		if (cursor->attached && cursor->lossless && cursor->next < tail)
 			tail = cursor->next;
+		RB_ASSERT(ring->head - tail <= (uint64_t)ring->slot_count);
 	}
 	return tail;
 }
 
+/* Whether some consumer is reading this frame. */
 static bool held_locked(const struct rb_ring *ring, const struct rb_frame *frame)
 {
 	for (int i = 0; i < ring->consumer_count; i++)
@@ -138,8 +154,9 @@ static bool held_locked(const struct rb_ring *ring, const struct rb_frame *frame
 }
 
 /*
- * There is one spare per consumer that skips and each holds one frame, so one of the spares is not
- * held.
+ * The slot for the next frame. If a skipping consumer still reads its storage, that is exchanged
+ * for a spare one: there is one spare per consumer that skips, and each holds one frame, so one of
+ * the spares is not held.
  */
 static struct rb_frame *free_slot_locked(struct rb_ring *ring)
 {
@@ -170,6 +187,8 @@ struct rb_frame *rb_ring_acquire(struct rb_ring *ring)
 void rb_ring_publish(struct rb_ring *ring)
 {
 	pthread_mutex_lock(&ring->lock);
+	RB_ASSERT(ring->aborted || ring->head - tail_locked(ring) < (uint64_t)ring->slot_count);
+	RB_ASSERT(!ring->closed);
 	ring->head++;
 	for (int i = 0; i < ring->consumer_count; i++)
 		if (ring->cursor[i].wake_at > 0 && ring->head >= ring->cursor[i].wake_at)
@@ -181,6 +200,7 @@ int rb_ring_used(struct rb_ring *ring, int *slot_count)
 {
 	pthread_mutex_lock(&ring->lock);
 	const uint64_t used = ring->head - tail_locked(ring);
+	RB_ASSERT(used <= (uint64_t)ring->slot_count);
 	pthread_mutex_unlock(&ring->lock);
 	*slot_count = ring->slot_count;
 	return (int)used;
@@ -188,6 +208,7 @@ int rb_ring_used(struct rb_ring *ring, int *slot_count)
 
 void rb_ring_name(struct rb_ring *ring, int consumer, const char *name)
 {
+	RB_ASSERT(consumer >= 0 && consumer < ring->consumer_count);
 	pthread_mutex_lock(&ring->lock);
 	ring->cursor[consumer].name = name;
 	pthread_mutex_unlock(&ring->lock);
@@ -225,10 +246,12 @@ void rb_ring_abort(struct rb_ring *ring)
 	pthread_mutex_unlock(&ring->lock);
 }
 
+/* A point of the monotonic clock, for pthread_cond_timedwait. `timeout_s` is not negative. */
 static struct timespec deadline_after(double timeout_s)
 {
 	struct timespec at;
 
+	RB_ASSERT(timeout_s >= 0);
 	clock_gettime(CLOCK_MONOTONIC, &at);
 	at.tv_sec += (time_t)timeout_s;
 	at.tv_nsec += (long)((timeout_s - (double)(time_t)timeout_s) * 1e9);
@@ -263,6 +286,7 @@ enum rb_ring_news rb_ring_wait(struct rb_ring *ring, int consumer, double timeou
 	if (ring->aborted) {
 		news = RB_RING_CLOSED;
 	} else if (cursor->next < ring->head) {
+		/* one who skips reads the newest frame */
 		if (!cursor->lossless)
 			cursor->next = ring->head - 1;
 		cursor->held = ring->slot[cursor->next % (uint64_t)ring->slot_count];
@@ -283,6 +307,7 @@ void rb_ring_give_back(struct rb_ring *ring, int consumer)
 	RB_ASSERT(cursor->held);
 	cursor->held = NULL;
 	cursor->next++;
+	RB_ASSERT(cursor->next <= ring->head);
 	pthread_cond_broadcast(&ring->changed);
 	pthread_mutex_unlock(&ring->lock);
 }
@@ -290,7 +315,9 @@ void rb_ring_give_back(struct rb_ring *ring, int consumer)
 void rb_ring_detach(struct rb_ring *ring, int consumer)
 {
 	pthread_mutex_lock(&ring->lock);
+	RB_ASSERT(consumer >= 0 && consumer < ring->consumer_count);
 	ring->cursor[consumer].attached = false;
+	/* wakes a producer that waits for this consumer */
 	ring->cursor[consumer].held = NULL;
 	pthread_cond_broadcast(&ring->changed);
 	pthread_mutex_unlock(&ring->lock);

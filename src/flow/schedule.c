@@ -1,10 +1,17 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Pictures are numbered and their times computed from the number, never summed: the
+ * hundred-thousandth picture is as exact as the first, and a film that is continued falls on the
+ * same times.
+ */
 #include "flow/schedule.h"
 
 #include <float.h>
 #include <math.h>
 
-/* Beyond that, numbers of pictures are no longer told apart. */
+#include "base/error.h"
+
+/* 2^53: beyond that a double does not tell numbers of pictures apart. */
 static const double count_max = 9007199254740992.0;
 
 struct rb_schedule rb_schedule_of(const struct rb_camera_def *camera, double frame_rate,
@@ -21,6 +28,7 @@ uint64_t rb_schedule_count(const struct rb_schedule *schedule)
 	const double from = schedule->from_s, to = schedule->to_s;
 	const double per_second = schedule->fps / schedule->speed; /* pictures, of simulated time */
 
+	RB_ASSERT(schedule->fps > 0 && schedule->speed > 0);
 	if (!(from <= to))
 		return 0;
 	const double steps = (to - from) * per_second;
@@ -40,6 +48,7 @@ double rb_schedule_time(const struct rb_schedule *schedule, uint64_t picture)
 {
 	const double since = (double)picture * schedule->speed / schedule->fps;
 
+	RB_ASSERT(schedule->fps > 0 && schedule->speed > 0);
 	return fmin(schedule->from_s + since, schedule->to_s);
 }
 
@@ -52,6 +61,10 @@ unsigned rb_schedule_fields(const struct rb_camera_def *camera, const struct rb_
 	const double rate = model->frame_rate / (every > 1 ? every : 1);
 	const double step = schedule.speed * rate / schedule.fps;
 	const double first = schedule.from_s * rate;
+	/*
+	 * relative; rates are given with few digits, so ratios that are meant to be whole are
+	 * within a few ulp of it
+	 */
 	const double noise = 1e-12;
 	unsigned fields = RB_FIELD_POSITION | RB_FIELD_ORIENTATION;
 
