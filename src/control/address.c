@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A socket's name is a file that outlives its owner. Whether the owner lives is found by
+ * connecting: a refused connection is the only sure sign of a stale socket. Between this look and
+ * the binding of our own, another run may do the same; therefore both happen under a lock on the
+ * folder. The inode is remembered, so that at the end only our own socket is removed, not that of a
+ * run which has replaced it.
+ */
 #include "control/address.h"
 
 #include <errno.h>
@@ -12,6 +19,12 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/error.h"
+
+/*
+ * BACKLOG: as many clients as the server has places. LOCK_TRIES times LOCK_EVERY_MS is 5 s: the
+ * lock is held for a few system calls, longer only by something that is stuck.
+ */
 enum { BACKLOG = 128, LOCK_TRIES = 250, LOCK_EVERY_MS = 20 };
 
 enum rb_status rb_address_of(struct sockaddr_un *address, const char *path, enum rb_status failure,
@@ -31,8 +44,9 @@ enum rb_status rb_address_of(struct sockaddr_un *address, const char *path, enum
 /* ---- taking a name ---- */
 
 /*
- * Two runs that find the same stale socket must not both replace it: the second would take away
- * what the first has just made. So one of them at a time looks and binds, by a lock on the folder.
+ * Locks the folder of `path` against other runs that take a name there. `*folder` is to be closed,
+ * which releases the lock. Two runs that find the same stale socket must not both replace it: the
+ * second would remove what the first has just made.
  */
 static enum rb_status lock_folder(int *folder, const char *path, struct rb_error *err)
 {
@@ -60,7 +74,10 @@ static enum rb_status lock_folder(int *folder, const char *path, struct rb_error
 	               path, name);
 }
 
-/* Makes room for the name: nothing stands there, or a socket that nobody listens on. */
+/*
+ * Makes sure that the name is free: nothing is there, or a socket on which nobody listens, which is
+ * removed.
+ */
 static enum rb_status clear(const char *path, const struct sockaddr_un *address,
                             struct rb_error *err)
 {
@@ -94,6 +111,7 @@ static enum rb_status clear(const char *path, const struct sockaddr_un *address,
 	return RB_OK;
 }
 
+/* Makes a socket at `path` that only its owner can connect to. `*fd` is the caller's on success. */
 static enum rb_status bind_private(int *fd, const char *path, const struct sockaddr_un *address,
                                    struct rb_error *err)
 {

@@ -1,17 +1,28 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Appends never fail at once: an answer that found no memory remembers it and is replaced by one
+ * error line at its end. So the code that composes answers has no error paths, and a client never
+ * sees half an answer as a whole one.
+ */
 #include "control/answer.h"
 
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "control/command.h"
 
+/*
+ * Bytes of one line, with the leading space and the end; longer ones are cut. A command line is as
+ * long.
+ */
 enum { LINE_SIZE = 1024 };
 
 void rb_answer_put(struct rb_answer *answer, const char *bytes, size_t size)
 {
+	RB_ASSERT(answer->size <= answer->capacity);
 	if (answer->lost ||
 	    !rb_memory_reserve(&answer->text, &answer->capacity, answer->size + size, 1)) {
 		answer->lost = true;
@@ -21,7 +32,10 @@ void rb_answer_put(struct rb_answer *answer, const char *bytes, size_t size)
 	answer->size += size;
 }
 
-/* A text that is not ours, such as a body's name, must neither end a line nor steer a terminal. */
+/*
+ * Replaces whatever is not printable by '?': a text that is not ours, such as a body's name, must
+ * neither end a line nor steer a terminal.
+ */
 static void clean(char *text)
 {
 	while (*text) {
@@ -51,6 +65,7 @@ void rb_answer_end(struct rb_answer *answer, enum rb_status status, const struct
 	static const char out_of_memory[] = "error out of memory\n";
 	char line[RB_ERROR_TEXT_SIZE + 16] = "ok";
 
+	RB_ASSERT(status == RB_OK || err);
 	if (answer->lost) {
 		/* room for it was there when the answer began, or is now */
 		answer->lost = false;

@@ -1,7 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Glyphs are Unicode code points, one for each column; the caller draws them in its own style.
+ * Every chart has a plain ASCII form for terminals without UTF-8.
+ */
 #include "control/charts.h"
 
 #include <math.h>
+
+#include "base/error.h"
 
 void rb_chart_range(const double *values, int count, double *low, double *high)
 {
@@ -23,6 +29,7 @@ void rb_chart_spark(uint32_t *glyphs, const double *values, int count, double lo
 	static const char ramp[] = "_.:-=+*#";
 	enum { STEPS = 8, LOWEST = 0x2581 };
 
+	RB_ASSERT(count >= 0);
 	for (int i = 0; i < count; i++) {
 		if (!isfinite(values[i])) {
 			glyphs[i] = ' ';
@@ -39,7 +46,7 @@ double rb_chart_timeline_at(int width, int column)
 	return width > 1 ? fmin(fmax((double)column / (width - 1), 0), 1) : 0;
 }
 
-/* The column of a share of the run. */
+/* The column of a share of the run; shares outside 0 to 1 go to the edges. */
 static int column_of(int width, double share)
 {
 	return (int)lround(fmin(fmax(share, 0), 1) * (width - 1));
@@ -51,6 +58,7 @@ void rb_chart_timeline(uint32_t *glyphs, int width, const struct rb_timeline *li
 	const uint32_t collision = blocks ? 0x2534 : '!', here = blocks ? 0x25cf : 'O';
 	const int at = column_of(width, line->position), last = column_of(width, line->available);
 
+	RB_ASSERT(width >= 0 && line->mark_count >= 0);
 	for (int i = 0; i < width; i++)
 		glyphs[i] = i < at ? passed : i <= last ? ahead : blocks ? 0x00b7 : '.';
 	for (int i = 0; i < line->mark_count; i++)

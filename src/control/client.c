@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The socket never blocks: every wait is a poll with the time that is left until the request's
+ * deadline, so that a run that hangs costs its client that time and no more. After a missing answer
+ * the connection is not used again, because the late answer would be taken for that of the next
+ * request.
+ *
+ * What arrives is checked as if it came from anybody: sizes are bounded, and a line that is no
+ * answer ends the connection.
+ */
 #include "control/client.h"
 
 #include <errno.h>
@@ -12,13 +21,18 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "control/address.h"
 #include "control/session.h"
 
-/* What a server may send for one request, so that a wrong one can't take all memory. */
+/*
+ * 1 GiB: what a server may send for one request, so that a wrong one cannot take all memory. The
+ * largest true answer is a frame, 70 bytes a body.
+ */
 static const size_t answer_max = (size_t)1 << 30;
 
+/* Bytes asked for at once: about what a Unix socket buffers. */
 enum { PIECE = 65536 };
 
 struct rb_client {
@@ -42,14 +56,19 @@ void rb_client_close(struct rb_client *client)
 	rb_memory_free(client);
 }
 
+/*
+ * A moment of base/clock; timeouts are bounded to 12 days, which keeps the product within 64 bits.
+ * NAN counts as 0.
+ */
 static uint64_t deadline_of(double timeout_s)
 {
 	return rb_clock_now_ns() + (uint64_t)(fmin(fmax(timeout_s, 0), 1e6) * 1e9);
 }
 
-/* False: the time is over. */
+/* Waits until the socket can be read or written (poll's `events`). False: the time is over. */
 static bool wait_for(const struct rb_client *client, short events, uint64_t deadline_ns)
 {
+	RB_ASSERT(client->fd >= 0);
 	for (;;) {
 		const uint64_t now = rb_clock_now_ns();
 		struct pollfd one = {.fd = client->fd, .events = events};
@@ -63,13 +82,14 @@ static bool wait_for(const struct rb_client *client, short events, uint64_t dead
 	}
 }
 
+/* Fails, and makes every later request fail. */
 static enum rb_status no_answer(struct rb_client *client, const char *why, struct rb_error *err)
 {
 	client->broken = true;
 	return RB_FAIL(err, RB_ERR_MISSING, "'%s' does not answer: %s", client->path, why);
 }
 
-/* Waits until more has come. */
+/* Waits until more has come, which is appended to client->in. */
 static enum rb_status hear(struct rb_client *client, uint64_t deadline_ns, struct rb_error *err)
 {
 	if (client->in_size > answer_max)
@@ -95,12 +115,16 @@ static enum rb_status hear(struct rb_client *client, uint64_t deadline_ns, struc
 	}
 }
 
-/* The line that begins at `at`: its size without the end, waiting for it. */
+/*
+ * Finds the end of the line that begins at byte `at` of what has come, waiting for it; `*size`
+ * without the line break.
+ */
 static enum rb_status take_line(struct rb_client *client, size_t at, uint64_t deadline_ns,
                                 size_t *size, struct rb_error *err)
 {
 	size_t looked = at;
 
+	RB_ASSERT(at <= client->in_size);
 	for (;;) {
 		const char *const end = client->in_size > looked ? memchr(client->in + looked, '\n',
 		                                                          client->in_size - looked)
@@ -116,13 +140,15 @@ static enum rb_status take_line(struct rb_client *client, size_t at, uint64_t de
 	}
 }
 
-/* What was taken is forgotten. */
+/* Forgets the first bytes of what has come. */
 static void consume(struct rb_client *client, size_t size)
 {
+	RB_ASSERT(size <= client->in_size);
 	client->in_size -= size;
 	memmove(client->in, client->in + size, client->in_size);
 }
 
+/* Reads the first line: is this a run of rbsim, with our protocol? */
 static enum rb_status check_greeting(struct rb_client *client, uint64_t deadline_ns,
                                      struct rb_error *err)
 {
@@ -150,6 +176,7 @@ static enum rb_status check_greeting(struct rb_client *client, uint64_t deadline
 	return RB_OK;
 }
 
+/* Connects and checks the greeting. On failure the caller closes the client. */
 static enum rb_status reach(struct rb_client *client, const struct sockaddr_un *address,
                             uint64_t deadline_ns, struct rb_error *err)
 {
@@ -191,6 +218,7 @@ enum rb_status rb_client_connect(struct rb_client **client, const char *path, do
 	return RB_OK;
 }
 
+/* Sends all bytes, waiting as the server takes them. */
 static enum rb_status say(struct rb_client *client, const char *bytes, size_t size,
                           uint64_t deadline_ns, struct rb_error *err)
 {
@@ -208,6 +236,7 @@ static enum rb_status say(struct rb_client *client, const char *bytes, size_t si
 	return RB_OK;
 }
 
+/* Appends a line to the answer. False: no memory. */
 static bool keep_line(struct rb_client *client, const char *text, size_t size)
 {
 	if (!rb_memory_reserve(&client->lines, &client->lines_capacity,
@@ -220,7 +249,10 @@ static bool keep_line(struct rb_client *client, const char *text, size_t size)
 	return true;
 }
 
-/* Lines up to the one that ends the answer. */
+/*
+ * Reads lines up to the one that ends the answer; RB_ERR_USAGE with the server's text where it is
+ * an error.
+ */
 static enum rb_status take_answer(struct rb_client *client, uint64_t deadline_ns,
                                   struct rb_error *err)
 {

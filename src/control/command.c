@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A recursive-descent parser without recursion: a line becomes words, the first word chooses a row,
+ * a function for its kind takes the arguments. Everything a user reads about commands (usage, help,
+ * manual, completion) comes from the rows above. Quoted words are names and never fixed words, so
+ * that a body may be called "all".
+ *
+ * Lines come from sockets and files: each byte is checked to be printable UTF-8 before anything
+ * else, sizes are bounded, and messages quote at most 40 bytes of them.
+ */
 #include "control/command.h"
 
 #include <errno.h>
@@ -62,9 +71,11 @@ const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
                              "leave the console; given to a run: end it as if interrupted"},
 };
 
+/* Frames of one step command: a bound that fits any integer type and that no run reaches. */
 static const double frames_max = 1e9;
 static const double degree = 0.017453292519943295; /* rad */
 
+/* Words of the longest command: film CAMERA move X Y Z. */
 enum { WORDS_MAX = 6 };
 
 /* A line taken apart. */
@@ -89,6 +100,7 @@ size_t rb_command_character(const char *text)
 	return *text == '\t' ? 1 : rb_visible_size(text);
 }
 
+/* Fails unless the line is printable UTF-8 of at most RB_COMMAND_LINE_SIZE bytes. */
 static enum rb_status check_bytes(const char *line, struct rb_error *err)
 {
 	size_t size = 0;
@@ -107,7 +119,7 @@ static enum rb_status check_bytes(const char *line, struct rb_error *err)
 	return RB_OK;
 }
 
-/* At most 40 bytes of a text, cut between characters. */
+/* At most 40 bytes of a text for a message, cut between characters, with dots where it was cut. */
 static const char *shown(const char *text, char out[48])
 {
 	size_t size = 0;
@@ -127,7 +139,10 @@ static bool is_space(char c)
 	return c == ' ' || c == '\t';
 }
 
-/* The word at *at, which moves behind it. */
+/*
+ * Appends the word at `*at`, which moves behind it. Within quotes only a quote ends it; there is no
+ * escape.
+ */
 static enum rb_status take_word(struct words *words, const char **at, struct rb_error *err)
 {
 	char beginning[48];
@@ -135,6 +150,7 @@ static enum rb_status take_word(struct words *words, const char **at, struct rb_
 	const char *const begin = *at + quoted;
 	const size_t size = strcspn(begin, quoted ? "\"" : " \t");
 
+	RB_ASSERT(words->count >= 0 && words->count <= WORDS_MAX);
 	if (quoted && begin[size] != '"')
 		return RB_FAIL(err, RB_ERR_USAGE, "'%s' has no quote at its end",
 		               shown(*at, beginning));
@@ -155,6 +171,7 @@ static enum rb_status take_word(struct words *words, const char **at, struct rb_
 	return RB_OK;
 }
 
+/* Cuts a line, of which the bytes were checked, into words. */
 static enum rb_status split(struct words *words, const char *line, struct rb_error *err)
 {
 	for (const char *at = line;;) {
@@ -173,15 +190,18 @@ static enum rb_status split(struct words *words, const char *line, struct rb_err
 /* The n-th argument from 1, NULL: there are fewer. */
 static const char *argument(const struct parse *parse, int n)
 {
+	RB_ASSERT(n >= 0);
 	return n < parse->words.count ? parse->words.text[n] : NULL;
 }
 
+/* Whether the n-th argument is this fixed word. */
 static bool is_word(const struct parse *parse, int n, const char *word)
 {
 	return n < parse->words.count && !parse->words.quoted[n] &&
 	       strcmp(parse->words.text[n], word) == 0;
 }
 
+/* Fails: argument `n` is not what was wanted, or missing. */
 static enum rb_status wrong(const struct parse *parse, int n, const char *wanted)
 {
 	const char *found = argument(parse, n);
@@ -194,6 +214,10 @@ static enum rb_status wrong(const struct parse *parse, int n, const char *wanted
 	               shown(found, text), wanted);
 }
 
+/*
+ * Fails if there are more than `count` arguments; returned by each of the functions below as its
+ * last check.
+ */
 static enum rb_status at_most(const struct parse *parse, int count)
 {
 	char text[48];
@@ -205,7 +229,7 @@ static enum rb_status at_most(const struct parse *parse, int count)
 	               *parse->row->arguments ? " " : "", parse->row->arguments);
 }
 
-/* A plain decimal number: no spaces, no hexadecimal, no infinity. */
+/* A plain decimal number: no spaces, no hexadecimal, no infinity. NULL is none. */
 static bool number(const char *text, double *value)
 {
 	char *end;
@@ -216,6 +240,7 @@ static bool number(const char *text, double *value)
 	return *end == '\0' && isfinite(*value);
 }
 
+/* Arguments [N]: a whole number, 1 by default. */
 static enum rb_status take_count(struct parse *parse)
 {
 	const char *text = argument(parse, 1);
@@ -228,6 +253,7 @@ static enum rb_status take_count(struct parse *parse)
 	return at_most(parse, 1);
 }
 
+/* Arguments TIME or PERCENT%. */
 static enum rb_status take_seek(struct parse *parse)
 {
 	static const char wanted[] = "a time in seconds from 0, or 0% to 100%";
@@ -248,6 +274,7 @@ static enum rb_status take_seek(struct parse *parse)
 	return at_most(parse, 1);
 }
 
+/* Argument n: a positive number. */
 static enum rb_status take_factor(struct parse *parse, int n)
 {
 	double value;
@@ -258,7 +285,7 @@ static enum rb_status take_factor(struct parse *parse, int n)
 	return at_most(parse, n);
 }
 
-/* One of two fixed words. */
+/* Argument n: one of two fixed words; is_on becomes whether it is the first. */
 static enum rb_status take_choice(struct parse *parse, int n, const char *yes, const char *no)
 {
 	char wanted[64];
@@ -270,6 +297,7 @@ static enum rb_status take_choice(struct parse *parse, int n, const char *yes, c
 	return at_most(parse, n);
 }
 
+/* Arguments at collision [on|off]. */
 static enum rb_status take_stop(struct parse *parse)
 {
 	if (!is_word(parse, 1, "at"))
@@ -280,6 +308,7 @@ static enum rb_status take_stop(struct parse *parse)
 	return argument(parse, 3) ? take_choice(parse, 3, "on", "off") : RB_OK;
 }
 
+/* Argument n as a text; `needed`: it may not be missing. An empty text is refused. */
 static enum rb_status take_text(struct parse *parse, int n, bool needed, const char *wanted)
 {
 	const char *text = argument(parse, n);
@@ -291,9 +320,10 @@ static enum rb_status take_text(struct parse *parse, int n, bool needed, const c
 	return at_most(parse, n);
 }
 
-/* From word n on. */
+/* Arguments n, n + 1, ...: two or three numbers, multiplied by `unit`. */
 static enum rb_status take_vector(struct parse *parse, int n, int count, double unit)
 {
+	RB_ASSERT(count == 2 || count == 3);
 	for (int i = 0; i < count; i++) {
 		if (!number(argument(parse, n + i), &parse->command->vector[i]))
 			return wrong(parse, n + i,
@@ -304,7 +334,10 @@ static enum rb_status take_vector(struct parse *parse, int n, int count, double 
 	return at_most(parse, n + count - 1);
 }
 
-/* How a camera is moved, if word n says that it is. */
+/*
+ * How a camera is moved, if argument n says that it is; else `*is_one` is false and nothing is
+ * taken.
+ */
 static enum rb_status take_movement(struct parse *parse, int n, bool *is_one)
 {
 	enum rb_camera_action *const action = &parse->command->action;
@@ -326,7 +359,7 @@ static enum rb_status take_movement(struct parse *parse, int n, bool *is_one)
 	return RB_OK;
 }
 
-/* A camera's name may be left out where there is but one. */
+/* Arguments of film. A camera's name may be left out where only one makes a film. */
 static enum rb_status take_film(struct parse *parse)
 {
 	if (is_word(parse, 1, "on") || is_word(parse, 1, "off"))
@@ -341,6 +374,7 @@ static enum rb_status take_film(struct parse *parse)
 	return status || parse->command->moves ? status : wrong(parse, 2, "move, orbit or zoom");
 }
 
+/* Arguments of camera: a movement, mount, all, or else a name. */
 static enum rb_status take_camera(struct parse *parse)
 {
 	enum rb_camera_action *const action = &parse->command->action;
@@ -362,6 +396,10 @@ static enum rb_status take_camera(struct parse *parse)
 	                 "the name of a camera, or move, orbit, zoom, mount or all");
 }
 
+/*
+ * Arguments PARAMETER VALUE. The name may not hold '=', which parts it from the value in the list
+ * of values set.
+ */
 static enum rb_status take_set(struct parse *parse)
 {
 	struct rb_command *const command = parse->command;
@@ -375,6 +413,10 @@ static enum rb_status take_set(struct parse *parse)
 	return at_most(parse, 2);
 }
 
+/*
+ * Takes the arguments of the command's kind; every kind is listed, so that the compiler reports a
+ * new one.
+ */
 static enum rb_status take_arguments(struct parse *parse)
 {
 	switch (parse->command->kind) {
@@ -421,6 +463,7 @@ static enum rb_status take_arguments(struct parse *parse)
 	return at_most(parse, 0);
 }
 
+/* The row of a command's name, NULL: there is none. */
 static const struct rb_command_row *row_of(const char *name)
 {
 	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++)
@@ -429,6 +472,7 @@ static const struct rb_command_row *row_of(const char *name)
 	return NULL;
 }
 
+/* Fails with the nearest name. */
 static enum rb_status unknown(const char *name, struct rb_error *err)
 {
 	struct rb_nearest nearest = rb_nearest_to(name);
@@ -501,8 +545,8 @@ static const char *const *fixed_words(enum rb_command_kind kind, int place)
 }
 
 /*
- * Whether names of bodies, cameras or parameters may stand at a place; `*kind` becomes that to ask
- * for.
+ * Whether names of bodies, cameras or parameters may stand at a place; `*kind` becomes the command
+ * whose names are to be asked for.
  */
 static bool takes_names(enum rb_command_kind *kind, int place, const char *first)
 {
@@ -521,6 +565,7 @@ struct offers {
 	int count, most;
 };
 
+/* Takes a candidate that begins as the word does, as far as there is room. */
 static void offer(struct offers *offers, const char *candidate)
 {
 	if (offers->count < offers->most &&
@@ -535,6 +580,7 @@ int rb_command_complete(const char *line, const struct rb_command_names *names, 
 	struct offers offers = {.out = out, .most = most};
 	int place = 0;
 
+	RB_ASSERT(most >= 0);
 	/* the words that are complete; the last one, maybe empty, has only begun */
 	for (const char *at = line;; place++) {
 		at += strspn(at, " \t");
@@ -580,7 +626,7 @@ void rb_command_print_help(FILE *file, const char *name)
 	}
 }
 
-/* Words of arguments in capitals are to be replaced, the others stand as they are. */
+/* Arguments as mdoc: words in capitals are to be replaced, the others stand as they are. */
 static void print_arguments(FILE *file, const char *text)
 {
 	static const char capitals[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The console's loop: take what the run says, tick the viewer, take keys, draw, wait until the
+ * viewer wants the next tick or a key comes. Keys become lines of the command language
+ * (control/orders); what is here of its own is the prompt, the help page and the mouse. Drawing
+ * goes through curses, which sends only differences, so all panels are drawn at every turn; only
+ * the picture is drawn again just when it has changed.
+ */
 #include "control/desk.h"
 
 #include <math.h>
@@ -19,6 +26,10 @@
 #include "control/prompt.h"
 #include "control/screen.h"
 
+/*
+ * HEARD_SIZE: bytes of a line of the run's standard error, longer ones are cut. CANDIDATES:
+ * completions that are looked at. WHEEL_PERCENT: of the run, for each notch of the wheel.
+ */
 enum { HEARD_SIZE = 512, CANDIDATES = 64, WHEEL_PERCENT = 1 };
 
 struct desk {
@@ -45,12 +56,15 @@ struct desk {
 
 /* ---- drawing ---- */
 
+/* Puts a picture of area.width by 2 area.height pixels into its cells. */
 static void fill_picture(struct desk *desk, const struct rb_pixmap *pixels)
 {
 	const rb_area area = desk->layout.picture;
 	const enum rb_palette palette = rb_screen_palette(desk->screen);
 	const bool blocks = rb_screen_blocks(desk->screen);
 
+	RB_ASSERT(pixels->width >= desk->layout.picture.width &&
+	          pixels->height >= 2 * desk->layout.picture.height);
 	for (int y = 0; y < area.height; y++)
 		for (int x = 0; x < area.width; x++) {
 			const uint8_t *const above = pixels->rgba +
@@ -62,6 +76,7 @@ static void fill_picture(struct desk *desk, const struct rb_pixmap *pixels)
 		}
 }
 
+/* Writes a line in the middle of where the picture would be. */
 static void say_in_picture(struct desk *desk, const char *text)
 {
 	const rb_area area = desk->layout.picture;
@@ -71,6 +86,7 @@ static void say_in_picture(struct desk *desk, const char *text)
 		               y == area.height / 2 ? text : "");
 }
 
+/* Draws the picture if the viewer has another one since, or all is to be drawn anew. */
 static void draw_picture(struct desk *desk)
 {
 	const struct rb_viewer *const viewer = desk->viewer;
@@ -93,7 +109,7 @@ static void draw_picture(struct desk *desk)
 	desk->told_failure = desk->picture.failure[0] != '\0';
 }
 
-/* Where the cursor belongs, or -1. */
+/* Draws the prompt, or hints where there is none. Column of the cursor, -1: none is wanted. */
 static int draw_bottom(struct desk *desk)
 {
 	/* as many as fit */
@@ -128,6 +144,7 @@ static int draw_bottom(struct desk *desk)
 	return before + 1;
 }
 
+/* Draws the whole screen. */
 static void draw(struct desk *desk)
 {
 	struct rb_screen *const screen = desk->screen;
@@ -167,6 +184,7 @@ static void draw(struct desk *desk)
 
 static void order(struct desk *desk, const char *format, ...) RB_PRINTF(2, 3);
 
+/* Executes a line of the command language, composed as by printf. */
 static void order(struct desk *desk, const char *format, ...)
 {
 	char line[RB_COMMAND_LINE_SIZE];
@@ -183,7 +201,10 @@ static void order(struct desk *desk, const char *format, ...)
 	}
 }
 
-/* A share of the run, but no less than a frame: a key that does nothing seems broken. */
+/*
+ * Seeks by a share of the run in percent, but by a frame at least: a key that does nothing seems
+ * broken.
+ */
 static void seek_by(struct desk *desk, double percent)
 {
 	const struct rb_source *const source = desk->viewer->options.source;
@@ -199,6 +220,7 @@ static void seek_by(struct desk *desk, double percent)
 	order(desk, "seek %.17g", fmin(fmax(now_s + step_s, 0), fmax(status->end_s, now_s)));
 }
 
+/* Goes to the last frame; of what still grows, stays with the newest one. */
 static void seek_end(struct desk *desk)
 {
 	struct rb_viewer *const viewer = desk->viewer;
@@ -210,7 +232,7 @@ static void seek_end(struct desk *desk)
 }
 
 /*
- * The one behind the one that is taken; behind the last one the first, or the default where there
+ * Takes the camera after the present one; after the last one the first, or the default where there
  * is none.
  */
 static void next_camera(struct desk *desk)
@@ -223,6 +245,7 @@ static void next_camera(struct desk *desk)
 	              desk->viewer->camera_name[0] ? desk->viewer->camera_name : "without a name");
 }
 
+/* Follows the body that is inspected, asks for one where there is none, or ends following. */
 static void follow(struct desk *desk)
 {
 	struct rb_viewer *const viewer = desk->viewer;
@@ -237,6 +260,7 @@ static void follow(struct desk *desk)
 		      rb_scene_body_label(viewer->options.model->scene, viewer->inspected, label));
 }
 
+/* Does what a key stands for. */
 static void run_key(struct desk *desk, const struct rb_key_row *row)
 {
 	struct rb_viewer *const viewer = desk->viewer;
@@ -283,6 +307,7 @@ static void run_key(struct desk *desk, const struct rb_key_row *row)
 	}
 }
 
+/* Inspects the first body whose name holds the text of the prompt. */
 static void search(struct desk *desk)
 {
 	const int id = rb_order_find_body(desk->viewer, desk->prompt.text, true);
@@ -295,6 +320,7 @@ static void search(struct desk *desk)
 		      rb_scene_body_label(desk->viewer->options.model->scene, id, label));
 }
 
+/* Completes the prompt's last word; several candidates are logged. */
 static void complete(struct desk *desk)
 {
 	const struct rb_command_names names = {rb_order_name, desk->viewer};
@@ -311,8 +337,10 @@ static void complete(struct desk *desk)
 		rb_viewer_say(desk->viewer, "%s", line);
 }
 
+/* A key for the open prompt; executes the line when it is finished. */
 static void type(struct desk *desk, uint32_t key)
 {
+	RB_ASSERT(desk->prompt.open);
 	if (key == RB_KEY_TAB) {
 		complete(desk);
 		return;
@@ -325,6 +353,7 @@ static void type(struct desk *desk, uint32_t key)
 		order(desk, "%s", desk->prompt.text);
 }
 
+/* Scrolls the help page. False: the key is none for that. */
 static bool scroll_help(struct desk *desk, uint32_t key)
 {
 	const int page = desk->layout.picture.height;
@@ -350,8 +379,8 @@ static bool scroll_help(struct desk *desk, uint32_t key)
 }
 
 /*
- * What closes the help does nothing else; what is another key's business is also done. True: the
- * key has been used.
+ * A key while the help is shown: scrolls or closes it. True: the key has been used; what closes the
+ * help by its nature does nothing else, any other key is also executed.
  */
 static bool leave_help(struct desk *desk, uint32_t key)
 {
@@ -363,8 +392,8 @@ static bool leave_help(struct desk *desk, uint32_t key)
 }
 
 /*
- * What the camera looks at turns with the pointer, half round over the width of the picture. A cell
- * is twice as high as wide.
+ * Turns the camera with the pointer, half round over the width of the picture. A cell is twice as
+ * high as wide.
  */
 static void drag(struct desk *desk, const struct rb_input_key *key)
 {
@@ -375,6 +404,10 @@ static void drag(struct desk *desk, const struct rb_input_key *key)
 		order(desk, "camera orbit %.17g %.17g", -degrees * right, 2 * degrees * down);
 }
 
+/*
+ * Takes an event of the mouse: wheel zooms over the picture and seeks elsewhere, a press on the
+ * time line seeks, dragging the picture turns the camera.
+ */
 static void click(struct desk *desk, const struct rb_input_key *key)
 {
 	const rb_area line = desk->layout.timeline, picture = desk->layout.picture;
@@ -403,6 +436,7 @@ static void click(struct desk *desk, const struct rb_input_key *key)
 	desk->drag_y = key->y;
 }
 
+/* Gives a key to whatever is open: prompt, help, or the table of keys. */
 static void take_key(struct desk *desk, const struct rb_input_key *key)
 {
 	if (key->key == RB_KEY_RESIZE) {
@@ -420,8 +454,8 @@ static void take_key(struct desk *desk, const struct rb_input_key *key)
 /* ---- the loop ---- */
 
 /*
- * Lines of the run's standard error; what redraws itself there, such as a progress bar, comes line
- * by line.
+ * Logs the lines of the run's standard error; what redraws itself there, such as a progress bar,
+ * comes line by line. Closed: it is not listened to any more.
  */
 static void hear(struct desk *desk)
 {
@@ -445,6 +479,7 @@ static void hear(struct desk *desk)
 		desk->listen = -1;
 }
 
+/* Until somebody wishes an end, or a signal does. */
 static void loop(struct desk *desk)
 {
 	struct rb_viewer *const viewer = desk->viewer;

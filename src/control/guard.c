@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A process that is killed by SIGKILL runs no handler, so only another process can reset the
+ * terminal after it. The guard is a forked copy that holds the reading end of a pipe: end of file
+ * without a byte before it means that the owner died in silence. It must outlive the owner,
+ * therefore it ignores the signals that a terminal sends to the whole group, and it keeps nothing
+ * open but the terminal and the pipe.
+ */
 #include "control/guard.h"
 
 #include <errno.h>
@@ -8,9 +15,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-/* The process of the guard, after fork: only what is safe in a handler. */
+#include "base/error.h"
+
+/*
+ * The guard's process after fork; does not return. Only async-signal-safe calls, because the owner
+ * may have had threads. `heard`: the reading end of the pipe.
+ */
 static void watch(int heard, const char *reset, size_t size, const struct termios *modes)
 {
+	RB_ASSERT(heard >= 0);
 	/*
 	 * meant for the owner, who may need a moment; SIGTTOU: the shell may have the terminal
 	 * already
@@ -55,6 +68,10 @@ void rb_guard_start(struct rb_guard *guard, const char *reset, size_t size,
 	*guard = (struct rb_guard){0};
 	if (pipe2(ends, O_CLOEXEC) != 0)
 		return;
+	/*
+	 * no signal may reach the child between fork and the reset of its handlers, which are the
+	 * owner's
+	 */
 	sigfillset(&all);
 	sigprocmask(SIG_SETMASK, &all, &before);
 	const pid_t process = fork();

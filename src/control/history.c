@@ -1,13 +1,22 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A ring without readers' cursors: a frame is overwritten by the one `slots` later, whoever may
+ * want it, and readers get copies. The lock is held for one copy of a frame; that is the longest
+ * that the simulator can wait for a client.
+ */
 #include "control/history.h"
 
 #include <inttypes.h>
 #include <pthread.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "flow/between.h"
 #include "flow/frame.h"
 
+/*
+ * 64 MiB, as in flow/ring: bounded, and small beside the world of a scene with frames that large.
+ */
 static const size_t bytes_wanted = (size_t)64 << 20;
 
 struct rb_history {
@@ -60,8 +69,13 @@ enum rb_status rb_history_keep(struct rb_history *history, const struct rb_frame
 	kept.shots = NULL;
 	kept.event_count = kept.contact_count = kept.shot_count = 0;
 	pthread_mutex_lock(&history->lock);
+	/*
+	 * without memory the frame counts as come, and all before it as gone: a gap would be
+	 * answered with a wrong frame
+	 */
 	const enum rb_status status = rb_frame_copy(&history->frame[frame->index % history->slots],
 	                                            &kept, err);
+	RB_ASSERT(frame->index >= history->count);
 	history->count = frame->index + 1;
 	if (status)
 		history->whole_from = frame->index + 1;
@@ -69,6 +83,7 @@ enum rb_status rb_history_keep(struct rb_history *history, const struct rb_frame
 	return status;
 }
 
+/* Index of the oldest frame that is kept; not less than `count` where there is none. */
 static uint64_t first_locked(const struct rb_history *history)
 {
 	const uint64_t first = history->count > history->slots ? history->count - history->slots
@@ -92,6 +107,7 @@ enum rb_status rb_history_copy(struct rb_history *history, uint64_t index, struc
 {
 	enum rb_status status;
 
+	RB_ASSERT(to != NULL);
 	pthread_mutex_lock(&history->lock);
 	const uint64_t first = first_locked(history), count = history->count;
 	if (first >= count)

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Keys stand for lines of the command language wherever that can say what they do, so that the
+ * console, the socket and files of commands cannot drift apart. Only what needs the state of the
+ * screen has an action of its own. The order is that of the help.
+ */
 #include "control/keys.h"
 
 #include <stddef.h>
@@ -62,6 +67,10 @@ void rb_keys_print_manual(FILE *file)
 		 * a full stop, a comma or a bracket would be taken for punctuation of the sentence
 		 */
 		fprintf(file, ".It Li \\&%s\n", row->name);
+		/*
+		 * the help begins in lower case, as in lists; the manual has sentences. toupper
+		 * would depend on the locale
+		 */
 		fputc(row->help[0] >= 'a' && row->help[0] <= 'z' ? row->help[0] - 'a' + 'A'
 		                                                 : row->help[0],
 		      file);

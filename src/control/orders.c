@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Each command is a function with the same signature in a table by kind. A command acts on the
+ * view, on the run, or on both: with a run attached, play and pause are for all clients, while what
+ * concerns only one's own view (seek, speed, camera) never leaves this process. Results and errors
+ * become lines of the log.
+ */
 #include "control/orders.h"
 
 #include <ctype.h>
@@ -13,7 +19,7 @@
 #include "math/vec3.h"
 #include "script/nearest.h"
 
-/* One command at work. */
+/* One command at work; all borrowed. */
 struct order {
 	struct rb_viewer *viewer;
 	const struct rb_command *command;
@@ -24,12 +30,13 @@ struct order {
 
 typedef enum rb_status execute(const struct order *order);
 
+/* State of the source as it was last asked. */
 static const struct rb_source_status *source_of(const struct order *order)
 {
 	return rb_source_status(order->viewer->options.source);
 }
 
-/* Hands a line to the run and its answer to the log, if that is wanted. */
+/* Hands a line to the run and, with `say`, its answer to the log. */
 static enum rb_status tell(const struct order *order, const char *line, bool say)
 {
 	const char *answer;
@@ -102,6 +109,7 @@ static enum rb_status execute_step(const struct order *order)
 			rb_viewer_say(viewer, "that is the last frame");
 		return status->is_run && !status->paused ? tell(order, "pause", false) : RB_OK;
 	}
+	/* the frames that exist are shown from where they are; only the rest is computed */
 	snprintf(line, sizeof line, "step %" PRIu64, to - last);
 	const enum rb_status told = tell(order, line, false);
 	viewer->has_goal = !told;
@@ -122,8 +130,8 @@ static enum rb_status execute_back(const struct order *order)
 }
 
 /*
- * The last row that is not after a time but for rounding: a sum of steps would miss the row that it
- * means by an ulp.
+ * The last row that is not after a time but for rounding: the time of a row, computed as a sum of
+ * steps, may miss it by an ulp.
  */
 static uint64_t row_for(const struct rb_source *source, double time_s)
 {
@@ -142,6 +150,7 @@ static enum rb_status execute_seek(const struct order *order)
 	const double time_s = order->command->is_percent ? 0.01 * value * status->duration_s
 	                                                 : value;
 
+	/* to the nearest there is; then why it was not reached */
 	rb_viewer_go(viewer, row_for(viewer->options.source, time_s), order->now_ns);
 	if (time_s > status->duration_s)
 		rb_viewer_say(viewer, "the run is %.6g s long", status->duration_s);
@@ -209,6 +218,7 @@ static enum rb_status execute_view(const struct order *order)
 
 /* ---- bodies ---- */
 
+/* Whether a text has a part, regardless of upper and lower case of ASCII. */
 static bool holds(const char *text, const char *part)
 {
 	const size_t size = strlen(part);
@@ -240,6 +250,7 @@ int rb_order_find_body(const struct rb_viewer *viewer, const char *name, bool pa
 	return -1;
 }
 
+/* Id of the body that the command names; RB_ERR_USAGE with the nearest name where there is none. */
 static enum rb_status need_body(const struct order *order, int *id)
 {
 	const struct rb_scene *const scene = order->viewer->options.model->scene;
@@ -257,6 +268,7 @@ static enum rb_status need_body(const struct order *order, int *id)
 	               nearest.best[0] ? rb_nearest_hint(&nearest, hint) : "");
 }
 
+/* A vector in columns, so that the numbers of several lines stand below each other. */
 static void print_vector(char out[96], const char *name, const double *v, const char *unit)
 {
 	snprintf(out, 96, "%-8s %8.3g %8.3g %8.3g %s", name, v[0], v[1], v[2], unit);
@@ -271,6 +283,7 @@ bool rb_order_body_line(const struct rb_viewer *viewer, int id, int line, char o
 	double at[3];
 	char label[64];
 
+	RB_ASSERT(id >= 0 && id < viewer->options.model->scene->body_count);
 	out[0] = '\0';
 	switch (line) {
 	case 0:
@@ -338,6 +351,7 @@ static enum rb_status execute_follow(const struct order *order)
 
 /* ---- cameras ---- */
 
+/* Takes the camera of the scene that the command names. */
 static enum rb_status name_camera(const struct order *order)
 {
 	const struct rb_scene *const scene = order->viewer->options.model->scene;
@@ -434,6 +448,7 @@ static enum rb_status execute_snapshot(const struct order *order)
 
 /* ---- telling ---- */
 
+/* Hands a command that only a run can serve to it, or says that there is none. */
 static enum rb_status execute_for_run(const struct order *order)
 {
 	if (!source_of(order)->is_run)
@@ -489,6 +504,7 @@ static enum rb_status execute_quit(const struct order *order)
 	return RB_OK;
 }
 
+/* What each kind does; the parser has no others. */
 static execute *const executes[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_PLAY] = execute_play,     [RB_COMMAND_PAUSE] = execute_pause,
 	[RB_COMMAND_TOGGLE] = execute_toggle, [RB_COMMAND_STEP] = execute_step,
@@ -503,7 +519,7 @@ static execute *const executes[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_HELP] = execute_help,     [RB_COMMAND_QUIT] = execute_quit,
 };
 
-/* What can be said before anything is shown. */
+/* Whether a command makes sense before anything is shown. */
 static bool is_early(enum rb_command_kind kind)
 {
 	return kind == RB_COMMAND_PLAY || kind == RB_COMMAND_PAUSE || kind == RB_COMMAND_TOGGLE ||
@@ -522,6 +538,8 @@ enum rb_status rb_order(struct rb_viewer *viewer, const char *line, uint64_t now
 	if (!status && given && !viewer->has_frame && !is_early(command.kind))
 		status = RB_FAIL(&err, RB_ERR_USAGE, "'%s': there is no frame yet",
 		                 rb_commands[command.kind].name);
+	RB_ASSERT(status || !given ||
+	          (command.kind < RB_COMMAND_KIND_COUNT && executes[command.kind]));
 	if (!status && given)
 		status = executes[command.kind](&order);
 	if (status)

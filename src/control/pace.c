@@ -1,13 +1,24 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Two directions of the same line: from the clock to simulated time, and back to the moment at
+ * which a frame is due. They are rounded apart by up to an ulp, so callers that need agreement
+ * decide by moments alone. Lateness is kept as sums and a histogram: constant memory, and quantiles
+ * exact to one bin.
+ */
 #include "control/pace.h"
 
 #include <math.h>
 
+#include "base/error.h"
+
+/* s: a tenth of a millisecond, far below the period of any display. */
 static const double bin_s = 1e-4;
+/* ns: 317 years, still within uint64_t (1.8e19). */
 static const double centuries_ns = 1e19;
 
 rb_pace rb_pace_start(double time_s, double speed, uint64_t now_ns)
 {
+	RB_ASSERT(speed > 0);
 	return (rb_pace){.start_s = time_s, .speed = speed, .start_ns = now_ns};
 }
 
@@ -63,6 +74,7 @@ double rb_lateness_within(const struct rb_lateness *lateness, double share)
 {
 	uint64_t count = 0;
 
+	RB_ASSERT(share >= 0 && share <= 1);
 	for (int i = 0; i < RB_LATENESS_BINS - 1; i++) {
 		count += lateness->bin[i];
 		if ((double)count >= share * (double)lateness->count)

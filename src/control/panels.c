@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Each panel reads the viewer and the source, and prints its lines; it keeps nothing. All rows of
+ * an area are written at every drawing, also empty ones, because curses sends only what has changed
+ * and nothing else clears what was there before.
+ */
 #include "control/panels.h"
 
 #include <inttypes.h>
@@ -6,14 +11,17 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "control/charts.h"
 #include "control/keys.h"
 #include "control/orders.h"
 
+/* CHART_MAX, TIMELINE_MAX: columns; wider screens leave the rest empty. */
 enum { LINE_SIZE = 512, CHART_MAX = 128, TIMELINE_MAX = 1024 };
 
 /* ---- one line each ---- */
 
+/* The speed as people say it: as a fraction where it is one of a whole number. */
 static void print_speed(char out[48], const struct rb_viewer *viewer)
 {
 	const double slower = 1 / viewer->speed;
@@ -72,6 +80,7 @@ void rb_panel_timeline(struct rb_screen *screen, rb_area area, const struct rb_v
 
 /* ---- beside the picture ---- */
 
+/* A size in decimal units with three digits. */
 static const char *print_bytes(uint64_t bytes, char out[32])
 {
 	static const char *const units[] = {"bytes", "kB", "MB", "GB", "TB"};
@@ -113,11 +122,12 @@ void rb_panel_numbers(struct rb_screen *screen, rb_area area, const struct rb_vi
 }
 
 /*
- * The bins of a chart's columns: the last one that is known of those that fall together, or the
- * largest.
+ * Values of a chart's columns from the source's bins, and `more` added (NULL: nothing): of those
+ * that fall into one column the last one that is known, or the largest.
  */
 static void gather(double *out, int width, const double *bins, const double *more, bool largest)
 {
+	RB_ASSERT(width > 0 && width <= CHART_MAX);
 	for (int x = 0; x < width; x++) {
 		double value = (double)NAN;
 		const int from = x * RB_SOURCE_BINS / width;
@@ -132,7 +142,7 @@ static void gather(double *out, int width, const double *bins, const double *mor
 	}
 }
 
-/* What has not been simulated yet. */
+/* Blanks the columns of what has not been simulated yet. */
 static void leave_open(double *values, int width, const struct rb_viewer *viewer)
 {
 	const struct rb_source_status *const status = rb_source_status(viewer->options.source);
@@ -142,6 +152,10 @@ static void leave_open(double *values, int width, const struct rb_viewer *viewer
 		values[x] = (double)NAN;
 }
 
+/*
+ * Draws a chart in row `row` of the area: name, curve from 0 (or the least value below it) to the
+ * largest, and the largest as text. Nothing where it does not fit.
+ */
 static void chart(struct rb_screen *screen, rb_area area, int row, const char *name,
                   const double *values)
 {
@@ -248,6 +262,7 @@ struct help {
 	int first, row;
 };
 
+/* One row of the help: counted, and drawn if it is on the page. */
 static void help_row(struct help *help, enum rb_style style, const char *text)
 {
 	const int row = help->row++ - help->first;
@@ -257,14 +272,15 @@ static void help_row(struct help *help, enum rb_style style, const char *text)
 }
 
 /*
- * `text` in lines that fit, behind `indent` columns of which the first hold `lead`, or below it
- * where it is longer.
+ * Rows for a text, broken at spaces to fit, behind `indent` columns of which the first hold `lead`;
+ * where `lead` is longer, it has a row of its own.
  */
 static void help_entry(struct help *help, const char *lead, int indent, const char *text)
 {
 	const int room = help->area.width - indent > 10 ? help->area.width - indent : 10;
 	char line[LINE_SIZE];
 
+	RB_ASSERT(indent > 0);
 	if ((int)strlen(lead) >= indent) {
 		help_row(help, RB_STYLE_PLAIN, lead);
 		lead = "";
@@ -285,6 +301,7 @@ static void help_entry(struct help *help, const char *lead, int indent, const ch
 	}
 }
 
+/* All rows of the help, from the tables of keys and commands. */
 static void help_rows(struct help *help)
 {
 	enum { KEYS = 14, COMMANDS = 31, NARROW = 6, WIDE = 80 };
@@ -309,6 +326,7 @@ void rb_panel_help(struct rb_screen *screen, rb_area area, int *first)
 {
 	struct help help = {.area = area};
 
+	/* twice: once to count, so that `first` can be put right, once to draw */
 	help_rows(&help);
 	const int last = help.row > area.height ? help.row - area.height : 0;
 	*first = *first < 0 ? 0 : *first > last ? last : *first;

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The renderer is optional twice: the module may be absent, and it may find no way to OpenGL. Both
+ * are noticed once, remembered with the reason, and answered with a sketch, which needs neither. A
+ * take is bound to a size and a camera of the scene; moving the camera by hand only changes its
+ * numbers.
+ */
 #include "control/picture.h"
 
 #include <stdio.h>
@@ -8,8 +14,10 @@
 #include "base/error.h"
 #include "control/sketch.h"
 
+/* Samples for each pixel: a cell of the terminal averages few pixels, so edges need no more. */
 enum { SAMPLES = 4 };
 
+/* Destroys the take, if there is one. */
 static void drop_take(struct rb_picture *picture)
 {
 	if (picture->take)
@@ -24,6 +32,7 @@ void rb_picture_release(struct rb_picture *picture)
 	*picture = (struct rb_picture){0};
 }
 
+/* Loads the renderer, once. */
 static void look(struct rb_picture *picture)
 {
 	struct rb_error err;
@@ -37,7 +46,11 @@ static void look(struct rb_picture *picture)
 		snprintf(picture->failure, sizeof picture->failure, "%s", err.text);
 }
 
-/* As the viewer's camera stands now; what a take can't change once it is made makes a new one. */
+/*
+ * Sets the camera for the next picture; makes a new take for what cannot be changed in one: the
+ * size, or another camera of the scene. Trails and overlays are left out: they would be unreadable
+ * in cells.
+ */
 static enum rb_status aim(struct rb_picture *picture, const struct rb_viewer *viewer, int width,
                           int height, struct rb_error *err)
 {
@@ -59,11 +72,13 @@ static enum rb_status aim(struct rb_picture *picture, const struct rb_viewer *vi
 	             : RB_OK;
 }
 
+/* Draws without a renderer into the picture's own pixels, which are kept while the size stays. */
 static enum rb_status sketch(struct rb_picture *picture, const struct rb_viewer *viewer, int width,
                              int height, struct rb_error *err)
 {
 	const struct rb_stand stand = rb_viewer_stand(viewer);
 
+	RB_ASSERT(width > 0 && height > 0);
 	if (picture->sketch.width != width || picture->sketch.height != height) {
 		rb_memory_free(picture->sketch.rgba);
 		picture->sketch = (struct rb_pixmap){
@@ -83,6 +98,7 @@ enum rb_status rb_picture_draw(struct rb_picture *picture, const struct rb_viewe
 {
 	struct rb_pixmap drawn;
 
+	RB_ASSERT(width > 0 && height > 0);
 	*pixels = &picture->sketch;
 	if (!picture->looked)
 		look(picture);

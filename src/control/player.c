@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * All state is behind one lock that is held for a few instructions; the gate is a loop over a
+ * condition. Requests are flags, not a queue: asking twice for the same is the same, and the
+ * simulator takes all that has been asked for at the next frame. Only movements of cameras are a
+ * queue, because each of them counts.
+ *
+ * The gate decides in the order keep, quit, restart: a checkpoint that was asked for before the end
+ * is still written.
+ */
 #include "control/player.h"
 
 #include <math.h>
@@ -7,9 +16,13 @@
 #include <time.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 
-/* How often a gate that waits asks for signals. */
+/*
+ * ms between two questions for signals while the gate waits: handlers cannot signal a condition
+ * variable, and 50 ms are not felt.
+ */
 enum { ASK_EVERY_MS = 50 };
 
 struct rb_player {
@@ -34,6 +47,7 @@ enum rb_status rb_player_create(struct rb_player **player, uint64_t frame_count,
 	struct rb_player *const p = rb_memory_take(1, sizeof *p);
 	pthread_condattr_t attributes;
 
+	RB_ASSERT(duration_s >= 0);
 	*player = p;
 	if (!p)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot make the run's player: out of memory");
@@ -60,6 +74,7 @@ void rb_player_destroy(struct rb_player *player)
 
 void rb_player_begin_again(struct rb_player *player, uint64_t frame_count, double duration_s)
 {
+	RB_ASSERT(duration_s >= 0);
 	pthread_mutex_lock(&player->lock);
 	player->status = (struct rb_player_status){
 		.frame_count = frame_count,
@@ -102,6 +117,7 @@ void rb_player_arrive(struct rb_player *player, const struct rb_player_frame *fr
 	s->potential_energy = n->potential_energy;
 	s->ring_used = frame->ring_used;
 	s->ring_slots = frame->ring_slots;
+	/* the last step of several is the pause */
 	if (player->steps > 0 && --player->steps == 0)
 		player->pausing = true;
 	if (s->stops_at_collision && n->collisions > 0) {
@@ -111,12 +127,17 @@ void rb_player_arrive(struct rb_player *player, const struct rb_player_frame *fr
 	pthread_mutex_unlock(&player->lock);
 }
 
+/*
+ * Whether the gate has to wait. Nobody attended, or an end, overrides a pause: a run must not stand
+ * still for ever without anybody who could say play.
+ */
 static bool waits_locked(const struct rb_player *player)
 {
 	return player->pausing && player->attended && !player->quitting && !player->restarting &&
 	       !player->status.ended;
 }
 
+/* The moment ASK_EVERY_MS from now on the monotonic clock. */
 static struct timespec soon(void)
 {
 	struct timespec at;
@@ -250,6 +271,7 @@ bool rb_player_take_aim(struct rb_player *player, struct rb_player_aim *aim)
 {
 	pthread_mutex_lock(&player->lock);
 	const bool waits = player->aim_count > 0;
+	RB_ASSERT(player->aim_count >= 0 && player->aim_count <= RB_PLAYER_AIMS_MAX);
 	if (waits) {
 		*aim = player->aim[0];
 		memmove(player->aim, player->aim + 1, (size_t)--player->aim_count * sizeof *aim);

@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A text with a cursor, edited in bytes of UTF-8: positions always are between characters, and
+ * deletions take whole ones. The commonest keys of GNU readline are understood. The history is a
+ * ring of lines; the line under way is not part of it until it is finished.
+ */
 #include "control/prompt.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "control/keys.h"
 
 void rb_prompt_open(struct rb_prompt *prompt, char lead, const char *text)
@@ -15,8 +21,10 @@ void rb_prompt_open(struct rb_prompt *prompt, char lead, const char *text)
 	prompt->browsed = prompt->count;
 }
 
+/* Inserts bytes at the cursor and moves it behind them; nothing happens where they do not fit. */
 static void insert(struct rb_prompt *prompt, const char *bytes, size_t size)
 {
+	RB_ASSERT(prompt->at <= prompt->size);
 	if (prompt->size + size >= sizeof prompt->text)
 		return;
 	memmove(prompt->text + prompt->at + size, prompt->text + prompt->at,
@@ -26,11 +34,13 @@ static void insert(struct rb_prompt *prompt, const char *bytes, size_t size)
 	prompt->at += size;
 }
 
+/* Inserts a code point as UTF-8 (RFC 3629). */
 static void insert_character(struct rb_prompt *prompt, uint32_t c)
 {
 	char bytes[4];
 	size_t size = 1;
 
+	RB_ASSERT(c < 0x110000);
 	if (c < 0x80) {
 		bytes[0] = (char)c;
 	} else {
@@ -42,34 +52,42 @@ static void insert_character(struct rb_prompt *prompt, uint32_t c)
 	insert(prompt, bytes, size);
 }
 
+/* Whether the byte continues a character of UTF-8. */
 static bool is_inside(char c)
 {
 	return ((unsigned char)c & 0xc0) == 0x80;
 }
 
+/* Where the character before `at` begins; 0 at the beginning. */
 static size_t before(const struct rb_prompt *prompt, size_t at)
 {
+	RB_ASSERT(at <= prompt->size);
 	do
 		at -= at > 0;
 	while (at > 0 && is_inside(prompt->text[at]));
 	return at;
 }
 
+/* Where the character at `at` ends; the size at the end. */
 static size_t behind(const struct rb_prompt *prompt, size_t at)
 {
+	RB_ASSERT(at <= prompt->size);
 	do
 		at += at < prompt->size;
 	while (at < prompt->size && is_inside(prompt->text[at]));
 	return at;
 }
 
+/* Removes the bytes of [from, to); the cursor is where they were. */
 static void erase(struct rb_prompt *prompt, size_t from, size_t to)
 {
+	RB_ASSERT(from <= to && to <= prompt->size);
 	memmove(prompt->text + from, prompt->text + to, prompt->size - to + 1);
 	prompt->size -= to - from;
 	prompt->at = from;
 }
 
+/* Appends the line to the history, unless it is empty or the same as the last one. */
 static void keep(struct rb_prompt *prompt)
 {
 	const char *const last = prompt->count > 0
@@ -82,12 +100,13 @@ static void keep(struct rb_prompt *prompt)
 	       sizeof prompt->text);
 }
 
-/* An earlier line (-1) or a later one (1); behind the last one an empty line. */
+/* Fetches an earlier line (by -1) or a later one (1); behind the last one an empty line. */
 static void browse(struct rb_prompt *prompt, int by)
 {
 	const uint64_t first = prompt->count > RB_PROMPT_HISTORY ? prompt->count - RB_PROMPT_HISTORY
 	                                                         : 0;
 
+	RB_ASSERT(by == -1 || by == 1);
 	if (by < 0 ? prompt->browsed <= first : prompt->browsed >= prompt->count)
 		return;
 	prompt->browsed += by < 0 ? (uint64_t)-1 : 1;
@@ -98,6 +117,7 @@ static void browse(struct rb_prompt *prompt, int by)
 	prompt->size = prompt->at = strlen(prompt->text);
 }
 
+/* Closes the prompt. */
 static enum rb_prompt_verdict leave(struct rb_prompt *prompt, enum rb_prompt_verdict verdict)
 {
 	prompt->open = false;
@@ -162,11 +182,12 @@ enum rb_prompt_verdict rb_prompt_key(struct rb_prompt *prompt, uint32_t key)
 	return RB_PROMPT_STAYS;
 }
 
-/* Bytes in which all candidates agree. */
+/* Bytes in which all candidates agree, cut between characters. */
 static size_t common(const char *const *names, int count)
 {
 	size_t size = strlen(names[0]);
 
+	RB_ASSERT(count > 0);
 	for (int i = 1; i < count; i++) {
 		size_t same = 0;
 		while (same < size && names[i][same] == names[0][same])
@@ -196,9 +217,11 @@ int rb_prompt_complete(struct rb_prompt *prompt, const struct rb_command_names *
 	const bool quoted = memchr(line, '"', prompt->at) != NULL;
 	while (begun > 0 && line[begun - 1] != (quoted ? '"' : ' '))
 		begun--;
+	RB_ASSERT(begun <= prompt->at);
 	const size_t size = common(out, count), typed = prompt->at - begun;
 	if (size < typed)
 		return count;
+	/* a name with spaces is put in quotes as soon as the space would be inserted */
 	if (!quoted && strcspn(out[0], " ") < size) {
 		erase(prompt, begun, prompt->at);
 		insert(prompt, "\"", 1);

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Curses does the drawing; what is around it is for the cases in which curses alone would leave a
+ * broken terminal: crashes (handlers that write a prepared reset string and restore the modes with
+ * async-signal-safe calls only), SIGKILL (control/guard), SIGTSTP and SIGWINCH (handled in the
+ * loop, not in curses' own handlers, which are not safe), and text on standard error (redirected to
+ * a memory file and printed at the end).
+ *
+ * A polite signal only sets a flag; the loop ends and the caller closes the screen. A second one,
+ * or three seconds without an end, gives the terminal back at once.
+ */
 #include "control/screen.h"
 
 #define NCURSES_WIDECHAR 1
@@ -28,6 +38,10 @@
 #include "control/guard.h"
 #include "control/keys.h"
 
+/*
+ * RESET_SIZE: bytes of the reset string, of five capabilities. WARNING_RED: number of a strong red
+ * in the palette of 256. NAME_SIZE: of an entry of terminfo.
+ */
 enum { RESET_SIZE = 256, WARNING_RED = 160, NAME_SIZE = 80 };
 
 struct rb_screen {
@@ -53,7 +67,10 @@ static struct {
 	struct rb_guard guard;
 } rescue = {.errors = -1, .errors_real = -1};
 
-/* What prepares for the mouse, turned back. */
+/*
+ * Turns reporting of the mouse off (xterm's modes 1000 clicks, 1002 drags, 1006 coordinates as
+ * text).
+ */
 static const char mouse_off[] = "\033[?1006;1002;1000l";
 
 static const int polite[] = {SIGINT, SIGTERM, SIGHUP};
@@ -61,7 +78,10 @@ static const int fatal[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGQUIT, S
 
 /* ---- giving it back ---- */
 
-/* What was said on standard error while the screen was there. Safe in a handler. */
+/*
+ * Prints on the real standard error what was said there while the screen was open. Safe in a
+ * handler.
+ */
 static void tell_errors(void)
 {
 	char bytes[512];
@@ -75,6 +95,7 @@ static void tell_errors(void)
 			break;
 }
 
+/* Handler of fatal signals: gives the terminal back, then dies of the signal. */
 static void give_back(int signal_number)
 {
 	rb_guard_dismiss(&rescue.guard);
@@ -89,7 +110,10 @@ static void give_back(int signal_number)
 	raise(signal_number == SIGALRM && rescue.asked ? rescue.asked : signal_number);
 }
 
-/* The loop ends as if told so; where it does not within three seconds, the alarm ends it. */
+/*
+ * Handler of polite signals: the loop ends as if asked to; where it does not within three seconds,
+ * the alarm ends the process.
+ */
 static void ask_for_end(int signal_number)
 {
 	if (rescue.asked) {
@@ -101,8 +125,8 @@ static void ask_for_end(int signal_number)
 }
 
 /*
- * The handler that curses has for this does what is not safe in one: it may change sizes, and so
- * memory.
+ * Handler of SIGTSTP. That of curses does what is not safe in a handler: it may change sizes, and
+ * so memory.
  */
 static void ask_for_stop(int signal_number)
 {
@@ -111,8 +135,8 @@ static void ask_for_stop(int signal_number)
 }
 
 /*
- * Curses does nothing where the size is what it was, though others may have been in between, and
- * the terminal cut or moved what stood on it.
+ * Handler of SIGWINCH. Curses does nothing where the size is what it was, though there may have
+ * been others in between, and the terminal may have cut or moved what was on it.
  */
 static void ask_for_redraw(int signal_number)
 {
@@ -120,6 +144,10 @@ static void ask_for_redraw(int signal_number)
 	rescue.resized = 1;
 }
 
+/*
+ * Appends a text to the reset string; NULL or -1 (terminfo: not a string capability) is nothing.
+ * One that does not fit is left out as a whole.
+ */
 static void add_reset(const char *text)
 {
 	const size_t size = text && text != (const char *)-1 ? strlen(text) : 0;
@@ -130,7 +158,7 @@ static void add_reset(const char *text)
 	rescue.reset_size += size;
 }
 
-/* Padding in terminfo's strings ("$<5>") is for terminals of long ago. */
+/* Appends a string of terminfo, without the padding ("$<5>") that was for terminals of long ago. */
 static void add_capability(const char *name)
 {
 	char text[RESET_SIZE];
@@ -149,6 +177,7 @@ static void add_capability(const char *name)
 	add_reset(text);
 }
 
+/* Composes the reset string: attributes, colours, keypad, cursor, main screen. */
 static void prepare_rescue(void)
 {
 	static const char *const names[] = {"sgr0", "op", "rmkx", "cnorm", "rmcup"};
@@ -161,6 +190,7 @@ static void prepare_rescue(void)
 	rescue.asked = 0;
 }
 
+/* Sets our handlers, or the default ones. */
 static void set_handlers(bool ours)
 {
 	struct sigaction action = {.sa_flags = (int)SA_RESETHAND};
@@ -181,7 +211,10 @@ static void set_handlers(bool ours)
 	}
 }
 
-/* What others write to the terminal would spoil the screen, and would be gone with it. */
+/*
+ * Redirects standard error to memory, if it is a terminal: what others write there would spoil the
+ * screen, and be gone with it.
+ */
 static void hold_errors(void)
 {
 	if (!isatty(STDERR_FILENO))
@@ -192,6 +225,7 @@ static void hold_errors(void)
 		(void)!dup2(rescue.errors, STDERR_FILENO);
 }
 
+/* Restores standard error and prints what was held. */
 static void release_errors(void)
 {
 	tell_errors();
@@ -204,12 +238,16 @@ static void release_errors(void)
 
 /* ---- opening ---- */
 
+/* Whether the present entry of terminfo has direct colours. */
 static bool shows_rgb(void)
 {
 	return tigetflag("RGB") > 0 || tigetnum("RGB") > 0;
 }
 
-/* The terminal's entry, or one with direct colours where the environment says that it has them. */
+/*
+ * Name of the terminal's entry, or of one with direct colours where the environment says that it
+ * has them (COLORTERM) and terminfo knows the entry.
+ */
 static const char *choose_entry(const char *term, char out[NAME_SIZE])
 {
 	const char *const hint = getenv("COLORTERM");
@@ -226,6 +264,7 @@ static const char *choose_entry(const char *term, char out[NAME_SIZE])
 	return good ? out : term;
 }
 
+/* What the terminal can show. 64 pairs: each of 8 colours on each. */
 static enum rb_palette choose_palette(void)
 {
 	if (!has_colors() || COLORS < 8 || COLOR_PAIRS < 64)
@@ -235,7 +274,10 @@ static enum rb_palette choose_palette(void)
 	return COLORS >= 256 ? RB_PALETTE_256 : COLORS >= 16 ? RB_PALETTE_16 : RB_PALETTE_8;
 }
 
-/* Curses asks for presses and releases only. */
+/*
+ * Turns reports of movements with a button held on or off; curses asks for presses and releases
+ * only.
+ */
 static void report_drags(bool on)
 {
 	if (!tigetstr("kmous") || tigetstr("kmous") == (char *)-1)
@@ -245,8 +287,8 @@ static void report_drags(bool on)
 }
 
 /*
- * What terminals send for these keys, whatever terminfo says: inside of others the entry is often
- * that of another one.
+ * Defines the sequences that terminals send for these keys, whatever terminfo says: inside of tmux
+ * or over a serial line the entry is often that of another terminal.
  */
 static void add_keys(void)
 {
@@ -268,6 +310,7 @@ static void add_keys(void)
 			define_key(keys[i].text, keys[i].code);
 }
 
+/* Sets the modes of curses and finds out what the screen can show. */
 static void set_modes(struct rb_screen *screen)
 {
 	cbreak();
@@ -363,6 +406,7 @@ bool rb_screen_blocks(const struct rb_screen *screen)
 	return screen->blocks;
 }
 
+/* Puts a glyph at a cell; places outside of the screen are ignored by curses. */
 static void put(int x, int y, uint32_t glyph, attr_t attributes, int pair)
 {
 	const wchar_t text[2] = {(wchar_t)glyph, L'\0'};
@@ -380,6 +424,7 @@ void rb_screen_cell(struct rb_screen *screen, int x, int y, rb_cell cell)
 	put(x, y, cell.glyph, A_NORMAL, colored ? alloc_pair(cell.fore, cell.back) : 0);
 }
 
+/* Attributes of curses for a style. */
 static attr_t attributes_of(enum rb_style style)
 {
 	static const attr_t attributes[] = {[RB_STYLE_PLAIN] = A_NORMAL,
@@ -388,6 +433,7 @@ static attr_t attributes_of(enum rb_style style)
 	                                    [RB_STYLE_BAR] = A_REVERSE,
 	                                    [RB_STYLE_WARNING] = A_BOLD};
 
+	RB_ASSERT(style <= RB_STYLE_WARNING);
 	return attributes[style];
 }
 
@@ -416,6 +462,7 @@ void rb_screen_text(struct rb_screen *screen, rb_area area, int row, enum rb_sty
 		}
 		const int width = wcwidth(c);
 		text += size;
+		/* combining characters would need the cell before them: they are left out */
 		if (width == 0)
 			continue;
 		if (width > 1 && x + width > area.width)
@@ -441,8 +488,8 @@ void rb_screen_redraw(struct rb_screen *screen)
 }
 
 /*
- * Curses ignores SIGTSTP while it sends, and what is ignored is lost; on a slow line that is most
- * of the time. What is blocked besides is kept until curses listens again.
+ * Sends what has changed. Curses ignores SIGTSTP while it sends, and what is ignored is lost; on a
+ * slow line that is most of the time. What is blocked besides is kept until curses listens again.
  */
 static void send_changes(void)
 {
@@ -479,7 +526,10 @@ static void take_size(void)
 	clearok(curscr, TRUE);
 }
 
-/* Stands still as the shell wishes; what the terminal is afterwards is looked at anew. */
+/*
+ * Stops the process as the shell wishes, with the terminal given back; afterwards takes the
+ * terminal as it is then.
+ */
 static void stop(void)
 {
 	struct sigaction action = {.sa_handler = SIG_DFL};
@@ -499,6 +549,7 @@ static void stop(void)
 
 /* ---- keys ---- */
 
+/* Our number for a key code of curses; 0: none. */
 static uint32_t special_key(wint_t code)
 {
 	static const struct {
@@ -528,6 +579,7 @@ static uint32_t special_key(wint_t code)
 	return 0;
 }
 
+/* Our number for a character; control characters that are keys of their own become these. */
 static uint32_t plain_key(wint_t c)
 {
 	switch (c) {
@@ -546,6 +598,7 @@ static uint32_t plain_key(wint_t c)
 	}
 }
 
+/* Fills in an event of the mouse; key 0 where it is none for us. */
 static void take_mouse(struct rb_input_key *key)
 {
 	MEVENT event;
@@ -600,6 +653,7 @@ void rb_screen_wait(struct rb_screen *screen, uint64_t until_ns)
 	if (until_ns <= rb_clock_now_ns() || rescue.asked || rescue.stops || rescue.resized)
 		return;
 	timerfd_settime(screen->timer, TFD_TIMER_ABSTIME, &at, NULL);
+	/* at most a second, should the timer be lost; until_ns is never later by much */
 	poll(wait, 2, 1000);
 	(void)!read(screen->timer, &times, sizeof times);
 	/* the terminal is gone: nobody will type any more */

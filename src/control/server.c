@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One thread, poll, and a state for each client: bytes that came and make no line yet, and an
+ * answer that was not taken yet. The states of a client: it hears and is answered; `ended`, it
+ * sends no more but still reads; `closing`, it gets what is left; dropped (fd -1). Nothing here
+ * ever blocks, so a client that reads slowly only fills its own buffer; beyond OUT_MAX no further
+ * line of it is looked at, and if it takes nothing for STALLED_MS it is dropped.
+ *
+ * Lines are executed one at a time in this thread. The session's lock is held meanwhile, and the
+ * simulator does not need it for its frames.
+ */
 #include "control/server.h"
 
 #include <errno.h>
@@ -12,6 +22,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/thread.h"
 #include "control/address.h"
@@ -56,21 +67,29 @@ struct rb_server {
 
 /* ---- one client ---- */
 
+/* Bytes of answers that the client has not taken. */
 static size_t pending(const struct client *client)
 {
+	RB_ASSERT(client->out_at <= client->out.size);
 	return client->out.size - client->out_at;
 }
 
+/* Closes the connection at once; the place is free. */
 static void drop(struct client *client)
 {
+	RB_ASSERT(client->fd >= 0);
 	close(client->fd);
 	rb_answer_release(&client->out);
 	client->fd = -1;
 }
 
-/* Sends what the client takes now. */
+/*
+ * Sends what the client takes now. May drop it: when all is sent and it is closing, or the
+ * connection is broken.
+ */
 static void flush(struct client *client)
 {
+	RB_ASSERT(client->fd >= 0);
 	while (pending(client) > 0) {
 		const ssize_t sent = send(client->fd, client->out.text + client->out_at,
 		                          pending(client), MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -93,6 +112,7 @@ static void flush(struct client *client)
 		drop(client);
 }
 
+/* Answers with an error. */
 static void refuse(struct client *client, const char *text)
 {
 	struct rb_error err;
@@ -100,16 +120,18 @@ static void refuse(struct client *client, const char *text)
 	rb_answer_end(&client->out, RB_FAIL(&err, RB_ERR_USAGE, "%s", text), &err);
 }
 
+/* The first line break of what has come; NULL: there is none. */
 static char *line_end(struct client *client)
 {
 	return memchr(client->in, '\n', client->in_size);
 }
 
-/* The first line of what has come, which is whole. */
+/* Executes the first line of what has come, which ends at `end`, and forgets it. */
 static void serve_line(struct rb_server *server, struct client *client, char *end)
 {
 	size_t size = (size_t)(end - client->in);
 
+	RB_ASSERT(end >= client->in && end < client->in + client->in_size);
 	if (size > 0 && client->in[size - 1] == '\r')
 		size--;
 	client->in[size] = '\0';
@@ -121,7 +143,7 @@ static void serve_line(struct rb_server *server, struct client *client, char *en
 	memmove(client->in, end + 1, client->in_size);
 }
 
-/* Answers what has come, as far as the answers are taken. */
+/* Executes what has come, as far as the answers are taken. May drop the client. */
 static void serve(struct rb_server *server, struct client *client)
 {
 	char *end;
@@ -141,12 +163,13 @@ static void serve(struct rb_server *server, struct client *client)
 	         line_end(client));
 }
 
-/* Takes what has come. */
+/* Takes what has come. May drop the client. */
 static void hear(struct client *client)
 {
 	const size_t room = IN_SIZE - client->in_size;
 	const ssize_t got = recv(client->fd, client->in + client->in_size, room, MSG_DONTWAIT);
 
+	RB_ASSERT(client->in_size < IN_SIZE);
 	if (got > 0)
 		client->in_size += (size_t)got;
 	else if (got == 0)
@@ -155,7 +178,7 @@ static void hear(struct client *client)
 		drop(client);
 }
 
-/* One who asks and asks, and does not read the answers. */
+/* Whether a client asks and asks and does not read the answers. */
 static bool is_stalled(const struct client *client, uint64_t now_ns)
 {
 	return pending(client) > 0 && (pending(client) > OUT_MAX || client->closing) &&
@@ -165,8 +188,8 @@ static bool is_stalled(const struct client *client, uint64_t now_ns)
 /* ---- who comes ---- */
 
 /*
- * The file's mode keeps others out, but not one who got in before it was changed, or a folder's
- * owner with another mask.
+ * Whether the peer is our own user, or root. The file's mode keeps others out, but not one who got
+ * in before it was changed, or through a folder with another mask.
  */
 static bool is_welcome(int fd)
 {
@@ -177,6 +200,7 @@ static bool is_welcome(int fd)
 	       (peer.uid == geteuid() || peer.uid == 0);
 }
 
+/* Says why and closes the connection. */
 static void turn_away(int fd, const char *text)
 {
 	char line[128];
@@ -186,6 +210,7 @@ static void turn_away(int fd, const char *text)
 	close(fd);
 }
 
+/* Gives a new connection a place and the greeting, or turns it away where all are taken. */
 static void greet(struct rb_server *server, int fd)
 {
 	struct client *client = server->clients;
@@ -207,6 +232,10 @@ static void greet(struct rb_server *server, int fd)
 	flush(client);
 }
 
+/*
+ * Accepts all that wait. Without free descriptors, listens again after a moment only: the waiting
+ * connection would keep poll awake.
+ */
 static void accept_all(struct rb_server *server)
 {
 	for (;;) {
@@ -231,7 +260,10 @@ static void accept_all(struct rb_server *server)
 
 /* ---- the thread ---- */
 
-/* What to wait for: [0] to be woken, [1] who comes, then every place. */
+/*
+ * Fills what to wait for: [0] to be woken, [1] who comes, then every place. Returns poll's
+ * time-out, ms; with answers under way a second, so that stalled clients are noticed.
+ */
 static int fill_polls(struct rb_server *server)
 {
 	const uint64_t now_ns = rb_clock_now_ns();
@@ -256,6 +288,7 @@ static int fill_polls(struct rb_server *server)
 	return timeout_ms;
 }
 
+/* Serves every client for which poll has news. */
 static void serve_all(struct rb_server *server)
 {
 	for (int i = 0; i < RB_SERVER_CLIENTS_MAX; i++) {
@@ -276,6 +309,7 @@ static void serve_all(struct rb_server *server)
 	}
 }
 
+/* Whether some client has not taken all of its answers. */
 static bool any_pending(const struct rb_server *server)
 {
 	for (int i = 0; i < RB_SERVER_CLIENTS_MAX; i++)
@@ -285,8 +319,8 @@ static bool any_pending(const struct rb_server *server)
 }
 
 /*
- * The last answers and "bye", for as long as those who read need for it, but not longer than a
- * moment.
+ * Sends the last answers and "bye", for as long as those who read need for it, but not longer than
+ * GOODBYE_MS; then drops all.
  */
 static void say_goodbye(struct rb_server *server)
 {
@@ -315,6 +349,7 @@ static void say_goodbye(struct rb_server *server)
 			drop(&server->clients[i]);
 }
 
+/* The server's thread. */
 static void *run(void *argument)
 {
 	struct rb_server *const server = argument;
@@ -334,6 +369,10 @@ static void *run(void *argument)
 
 /* ---- life ---- */
 
+/*
+ * Frees what there is of a server whose thread has ended or never began; removes the socket's name
+ * while the listener is still open.
+ */
 static void release(struct rb_server *server)
 {
 	if (server->listener >= 0) {

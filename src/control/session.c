@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One lock makes lines atomic: an answer describes one state, and two clients cannot interleave.
+ * The simulator's thread never takes it; it hands frames to the history and requests come to it
+ * through the player, so a slow answer costs the run nothing. Attaching and detaching take the
+ * lock, which is why nothing of a run is used after it was detached.
+ *
+ * The log of events has a lock of its own, taken last, because any thread may add to it, also while
+ * a line is executed. The last frame that was encoded is cached: many clients ask for the same one.
+ */
 #include "control/session.h"
 
 #include <inttypes.h>
@@ -19,6 +28,10 @@
 #include "script/load.h"
 #include "script/nearest.h"
 
+/*
+ * EVENTS_KEPT: the last ones, for clients that ask now and then; events have no bound over a run.
+ * EVENT_SIZE: bytes of a text, longer ones are cut.
+ */
 enum { EVENTS_KEPT = 256, EVENT_SIZE = 200 };
 
 struct event {
@@ -133,6 +146,7 @@ void rb_session_detach(struct rb_session *session)
 
 void rb_session_keep(struct rb_session *session, const struct rb_frame *frame)
 {
+	RB_ASSERT(session->history != NULL);
 	(void)!rb_history_keep(session->history, frame, NULL);
 }
 
@@ -152,6 +166,7 @@ void rb_session_tell(struct rb_session *session, const char *format, ...)
 	pthread_mutex_unlock(&session->log_lock);
 }
 
+/* Answers with the events from number `from` on that are still kept. */
 static void list_events(struct rb_session *session, uint64_t from, struct rb_answer *answer)
 {
 	pthread_mutex_lock(&session->log_lock);
@@ -166,6 +181,7 @@ static void list_events(struct rb_session *session, uint64_t from, struct rb_ans
 
 /* ---- what is answered ---- */
 
+/* RB_OK while a run is attached. */
 static enum rb_status need_run(const struct line *line)
 {
 	if (line->session->info)
@@ -188,6 +204,10 @@ void rb_session_title(struct rb_session *session, char out[128])
 	pthread_mutex_unlock(&session->lock);
 }
 
+/*
+ * Answers with the state of the run, one "key value" a line; keys are only ever added, clients skip
+ * those they do not know.
+ */
 static void answer_status(struct line *line)
 {
 	struct rb_session *const session = line->session;
@@ -226,6 +246,7 @@ static void answer_status(struct line *line)
 		rb_answer_line(answer, "set %s", session->sets[i].text);
 }
 
+/* Answers with what does not change over a run. */
 static enum rb_status answer_hello(struct line *line)
 {
 	const struct rb_session *const session = line->session;
@@ -252,7 +273,10 @@ static enum rb_status answer_hello(struct line *line)
 	return RB_OK;
 }
 
-/* " KEY BASE64 BASE64": texts that may hold anything. */
+/*
+ * Adds the line " KEY BASE64 BASE64" of two texts that may hold anything; `b` may be empty, which
+ * is "-".
+ */
 static enum rb_status answer_texts(struct line *line, const char *key, const char *a, const char *b,
                                    size_t b_size)
 {
@@ -279,7 +303,10 @@ static enum rb_status answer_texts(struct line *line, const char *key, const cha
 	return RB_OK;
 }
 
-/* All that is needed to load the scene elsewhere as this run did. */
+/*
+ * Answers with all that is needed to load the scene elsewhere as this run did: numbers, parameters
+ * and the texts of its files.
+ */
 static enum rb_status answer_scene(struct line *line)
 {
 	enum rb_status status = need_run(line);
@@ -304,6 +331,7 @@ static enum rb_status answer_scene(struct line *line)
 	return status;
 }
 
+/* Answers with the collisions by parts of the run's time, as one digit each. */
 static void answer_timeline(struct line *line)
 {
 	const struct rb_player_status s = rb_player_status(line->session->player);
@@ -322,6 +350,7 @@ static void answer_timeline(struct line *line)
 
 /* ---- frames ---- */
 
+/* Answers with a frame, RB_HISTORY_NEWEST: the newest; without `all` without velocities. */
 static enum rb_status answer_frame(struct line *line, uint64_t index, bool all)
 {
 	struct rb_session *const session = line->session;
@@ -354,7 +383,7 @@ static enum rb_status answer_frame(struct line *line, uint64_t index, bool all)
 	return RB_OK;
 }
 
-/* A number of a frame or an event. */
+/* A number of a frame or an event, of at most 18 digits. False: it is none. */
 static bool whole(const char *text, uint64_t *value)
 {
 	if (!*text || text[strspn(text, "0123456789")] != '\0' || strlen(text) > 18)
@@ -363,7 +392,10 @@ static bool whole(const char *text, uint64_t *value)
 	return true;
 }
 
-/* frame [N] [all], newer N [all]; `words` behind the first. */
+/*
+ * The words frame [N] [all] and newer N [all]; `words` are those behind the first. newer answers at
+ * once, with nothing where there is nothing newer.
+ */
 static enum rb_status serve_frame(struct line *line, bool newer, char *const *words, int count)
 {
 	enum rb_status status = need_run(line);
@@ -398,6 +430,7 @@ static int find_body(const struct rb_scene *scene, const char *name)
 	return -1;
 }
 
+/* Fails with the nearest name. */
 static enum rb_status no_body(struct line *line, const char *name)
 {
 	const struct rb_scene *const scene = line->session->info->scene;
@@ -412,7 +445,10 @@ static enum rb_status no_body(struct line *line, const char *name)
 	               rb_nearest_hint(&nearest, hint));
 }
 
-/* The camera of a film is moved. */
+/*
+ * Queues a movement of a film's camera for the simulator's thread. Only for cameras whose film is
+ * drawn during the run.
+ */
 static enum rb_status move_film(const struct line *line, const struct rb_command *command)
 {
 	const struct rb_scene *const scene = line->session->info->scene;
@@ -452,14 +488,17 @@ static enum rb_status move_film(const struct line *line, const struct rb_command
 	return RB_OK;
 }
 
+/* A line with three or four numbers in full. */
 static void put_vector(struct rb_answer *answer, const char *key, const double *v, int count)
 {
+	RB_ASSERT(count == 3 || count == 4);
 	if (count == 4)
 		rb_answer_line(answer, "%s %.17g %.17g %.17g %.17g", key, v[0], v[1], v[2], v[3]);
 	else
 		rb_answer_line(answer, "%s %.17g %.17g %.17g", key, v[0], v[1], v[2]);
 }
 
+/* A line that describes a shape. */
 static void put_shape(struct rb_answer *answer, const struct rb_solid *solids,
                       const struct rb_shape *shape)
 {
@@ -469,6 +508,7 @@ static void put_shape(struct rb_answer *answer, const struct rb_solid *solids,
 	rb_answer_line(answer, "shape %s", text);
 }
 
+/* Lines about a moving body at the session's frame. */
 static void put_moving(struct line *line, int index)
 {
 	const struct rb_model *const model = line->session->info->model;
@@ -477,6 +517,7 @@ static void put_moving(struct line *line, int index)
 	const size_t i = (size_t)index;
 	const bool driven = model->driven && model->driven[index];
 
+	RB_ASSERT(index >= 0 && index < line->session->info->model->body_count);
 	rb_answer_line(answer, "moves %s", driven ? "driven" : "yes");
 	put_shape(answer, model->scene->solids, &model->shape[index]);
 	if (!driven)
@@ -493,18 +534,21 @@ static void put_moving(struct line *line, int index)
 		put_vector(answer, "angular-velocity", frame->angular_velocity + 3 * i, 3);
 }
 
+/* Lines about a body that never moves, which frames do not hold. */
 static void put_static(struct line *line, int index)
 {
 	const struct rb_model *const model = line->session->info->model;
 	const rb_vec3 p = model->position[index];
 	const rb_quat q = model->orientation[index];
 
+	RB_ASSERT(index >= line->session->info->model->body_count);
 	rb_answer_line(line->answer, "moves no");
 	put_shape(line->answer, model->scene->solids, &model->shape[index]);
 	put_vector(line->answer, "position", (const double[]){p.x, p.y, p.z}, 3);
 	put_vector(line->answer, "orientation", (const double[]){q.w, q.x, q.y, q.z}, 4);
 }
 
+/* Answers with the numbers of a body at the newest frame. */
 static enum rb_status answer_body(struct line *line, const char *name)
 {
 	struct rb_session *const session = line->session;
@@ -545,6 +589,10 @@ int rb_session_sets(struct rb_session *session, struct rb_session_set *out)
 	return count;
 }
 
+/*
+ * Checks a parameter's value and keeps it for the next restart, in place of an earlier one of the
+ * same parameter.
+ */
 static enum rb_status set_param(struct line *line, const struct rb_command *command)
 {
 	struct rb_session *const session = line->session;
@@ -552,6 +600,7 @@ static enum rb_status set_param(struct line *line, const struct rb_command *comm
 	const size_t size = strlen(command->text);
 	int place = 0;
 
+	RB_ASSERT(line->session->set_count >= 0 && line->session->set_count <= RB_SESSION_SETS_MAX);
 	if (!status)
 		status = rb_script_check_param(session->info->scene, command->text, command->value,
 		                               line->err);
@@ -578,12 +627,14 @@ enum rb_status rb_session_serves(enum rb_command_kind kind, struct rb_error *err
 {
 	const struct rb_command_row *const row = &rb_commands[kind];
 
+	RB_ASSERT(kind < RB_COMMAND_KIND_COUNT);
 	if (row->needs & RB_NEEDS_VIEW)
 		return RB_FAIL(err, RB_ERR_USAGE, "'%s' needs a console: a run shows nothing",
 		               row->name);
 	return RB_OK;
 }
 
+/* Answers with all commands, or the one of that name. */
 static void answer_help(struct line *line, const char *name)
 {
 	for (int i = 0; i < RB_COMMAND_KIND_COUNT; i++) {
@@ -595,6 +646,10 @@ static void answer_help(struct line *line, const char *name)
 	}
 }
 
+/*
+ * Executes a command of the command language. Those that change something are logged with who gave
+ * them.
+ */
 static enum rb_status execute(struct line *line, const struct rb_command *command)
 {
 	struct rb_player *const player = line->session->player;
@@ -663,7 +718,7 @@ static enum rb_status execute(struct line *line, const struct rb_command *comman
 	return status;
 }
 
-/* The protocol's own words; false: it is none of them. */
+/* Serves the protocol's own words; false: the line begins with none of them, and is a command. */
 static bool serve_word(struct line *line, const char *text, enum rb_status *status)
 {
 	enum { MOST = 4 };

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Painter's algorithm with two kinds of things: grids of lines for flat bodies, drawn first, and
+ * discs for all others (their bounding spheres), from the farthest to the nearest. No depth buffer,
+ * no textures: enough to see what happens where there is no OpenGL, at a cost that does not disturb
+ * a run.
+ */
 #include "control/sketch.h"
 
 #include <math.h>
@@ -10,7 +16,12 @@
 #include "math/quat.h"
 #include "math/vec3.h"
 
+/* Cells of a grid along each side. */
 enum { GRID = 8 };
+/*
+ * Colours in sRGB. Bodies without a colour get one by their material, from the palette of Okabe and
+ * Ito (2008), which colour-blind people can tell apart.
+ */
 static const uint8_t sky[3] = {24, 26, 32}, lines[3] = {110, 110, 104};
 static const uint8_t colors[][3] = {{213, 94, 0},    {0, 114, 178},  {0, 158, 115}, {230, 159, 0},
                                     {204, 121, 167}, {86, 180, 233}, {240, 228, 66}};
@@ -30,6 +41,7 @@ struct disc {
 	int id;
 };
 
+/* A point in the camera's axes, m: to the right, up, forward. */
 static rb_vec3 seen(const struct drawing *d, rb_vec3 world)
 {
 	const rb_vec3 away = rb_vec3_sub(world, d->stand->eye);
@@ -38,12 +50,16 @@ static rb_vec3 seen(const struct drawing *d, rb_vec3 world)
 	                 -rb_vec3_dot(away, d->stand->back)};
 }
 
-/* What a point that lies so far along the line of sight is divided by. */
+/*
+ * Divisor of the perspective for a point that lies `z` m along the line of sight; 1 for an
+ * orthographic camera.
+ */
 static double away(const struct drawing *d, double z)
 {
 	return d->parallel ? 1 : z;
 }
 
+/* Sets a pixel if it is in the picture. The comparisons are written so that NAN is not. */
 static void dot(const struct drawing *d, double x, double y, const uint8_t rgb[3])
 {
 	if (!(x >= 0) || !(y >= 0) || x >= d->picture->width || y >= d->picture->height)
@@ -52,7 +68,10 @@ static void dot(const struct drawing *d, double x, double y, const uint8_t rgb[3
 	memcpy(d->picture->rgba + 4 * at, rgb, 3);
 }
 
-/* Of the part of a line from s[0] to s[1], that on which a coordinate lies in the picture. */
+/*
+ * Narrows the part [s[0], s[1]] of a line to where one of its coordinates, `at` + s `by`, lies from
+ * 0 to `most` (Liang and Barsky, 1984).
+ */
 static void cut(double at, double by, double most, double s[2])
 {
 	if (by == 0)
@@ -62,8 +81,8 @@ static void cut(double at, double by, double most, double s[2])
 }
 
 /*
- * Of what lies before the eye. A line that passes by the eye is many pictures long: dots go to what
- * is in this one.
+ * Draws a line between two points of the world. It is clipped before the division: at a plane just
+ * before the eye, and to the picture, because a line that passes by the eye is many pictures long.
  */
 static void line(const struct drawing *d, rb_vec3 a, rb_vec3 b)
 {
@@ -99,7 +118,10 @@ static bool is_flat(const struct rb_shape *shape)
 	return shape->kind == RB_SHAPE_PLANE || shape->kind == RB_SHAPE_RECTANGLE;
 }
 
-/* A grid: of a rectangle its own, of an infinite plane a part around what the camera looks at. */
+/*
+ * Draws a grid for body `index`: of a rectangle its own, of an infinite plane a part around what
+ * the camera looks at.
+ */
 static void plane(const struct drawing *d, int index)
 {
 	const struct rb_shape *const shape = &d->model->shape[index];
@@ -112,6 +134,7 @@ static void plane(const struct drawing *d, int index)
 	const rb_vec3 normal = rb_quat_rotate(q, (rb_vec3){0, 0, 1});
 	double half[2] = {0.5 * shape->size[0], 0.5 * shape->size[1]};
 
+	RB_ASSERT(index >= 0 && index < d->model->body_count + d->model->static_count);
 	if (shape->kind == RB_SHAPE_PLANE) {
 		const rb_vec3 away = rb_vec3_sub(d->stand->target, middle);
 		middle = rb_vec3_add_scaled(d->stand->target, -rb_vec3_dot(away, normal), normal);
@@ -128,7 +151,10 @@ static void plane(const struct drawing *d, int index)
 	}
 }
 
-/* Brighter in the middle, so that discs that overlap can be told apart. */
+/*
+ * Draws a disc, brighter in the middle, so that discs that overlap can be told apart. At least 0.6
+ * pixels: nothing vanishes.
+ */
 static void fill(const struct drawing *d, const struct disc *disc)
 {
 	const double r = fmax(disc->radius, 0.6);
@@ -160,6 +186,7 @@ static void fill(const struct drawing *d, const struct disc *disc)
 		}
 }
 
+/* For qsort; ids make the order total. */
 static int farther_first(const void *a, const void *b)
 {
 	const struct disc *const p = a, *const q = b;
@@ -169,6 +196,10 @@ static int farther_first(const void *a, const void *b)
 	return p->id - q->id;
 }
 
+/*
+ * Finds the discs of all visible bodies before the eye; `discs` has room for all bodies. How many
+ * there are. What is neither flat nor round is the sphere around it.
+ */
 static int find_discs(const struct drawing *d, struct disc *discs)
 {
 	int count = 0;
@@ -212,6 +243,7 @@ enum rb_status rb_sketch_draw(const struct rb_pixmap *picture, const struct rb_m
 	const int total = model->body_count + model->static_count;
 	struct disc *const discs = rb_memory_take((size_t)total + 1, sizeof *discs);
 
+	RB_ASSERT(picture->width > 0 && picture->height > 0 && picture->rgba);
 	if (!discs)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot draw: out of memory");
 	for (int i = 0; i < picture->width * picture->height; i++)

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Two sources behind one interface. A recording is read by rows; the time of each row and whether
+ * it has a collision are held in memory (9 bytes a row), for seeking. A run is asked through its
+ * socket, whose history holds only the last frames; older ones are read from its recording, as far
+ * as that is flushed. So a row of a run is a frame's number, while rows of its recording may be
+ * fewer (record every), and the two are related by time.
+ *
+ * A run may vanish at any moment. Every request can fail; then the source silently becomes the
+ * recording, and the rows keep their meaning.
+ */
 #include "control/source.h"
 
 #include <inttypes.h>
@@ -14,11 +24,25 @@
 #include "control/wire.h"
 #include "flow/frame.h"
 
-static const double answer_s = 2;           /* that a run may take for an answer */
-static const uint64_t ask_ns = 200000000;   /* between two looks at a run */
+/*
+ * s that a run may take for an answer: it answers between two frames, and a stuck one must not
+ * freeze the console for longer.
+ */
+static const double answer_s = 2; /* that a run may take for an answer */
+/* ns between two looks at a run: five a second, as fast as numbers can be read. */
+static const uint64_t ask_ns = 200000000; /* between two looks at a run */
+/* ns between two looks at a file, which is flushed as often. */
 static const uint64_t look_ns = 1000000000; /* at a file, which is flushed as often */
-static const uint64_t look_share = 20;      /* and no more than this part of the time */
-enum { COLLISION_LOOKS_MAX = 600 };         /* frames of a run without recording */
+/*
+ * Looking takes at most this fraction (1 / 20) of the time: a long recording takes long to look
+ * through.
+ */
+static const uint64_t look_share = 20; /* and no more than this part of the time */
+/*
+ * Requests for one search among the frames of a run without a recording: as many frames as a
+ * history keeps.
+ */
+enum { COLLISION_LOOKS_MAX = 600 }; /* frames of a run without recording */
 
 /* What of a recording is held in memory: as much as seeking in it needs. */
 struct rows {
@@ -48,6 +72,7 @@ struct rb_source {
 
 /* ---- life ---- */
 
+/* Nothing is known: NAN, and no collisions. */
 static void clear_bins(struct rb_source_bins *bins)
 {
 	for (int i = 0; i < RB_SOURCE_BINS; i++) {
@@ -56,6 +81,7 @@ static void clear_bins(struct rb_source_bins *bins)
 	}
 }
 
+/* A source with nothing in it; NULL: no memory, and `err` says so. `path` NULL: no recording. */
 static struct rb_source *create(const char *path, const struct rb_model *model,
                                 struct rb_error *err)
 {
@@ -91,12 +117,17 @@ void rb_source_destroy(struct rb_source *source)
 
 /* ---- the recording ---- */
 
+/* Fails. */
 static enum rb_status no_memory(const struct rb_source *source, struct rb_error *err)
 {
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot view '%s': out of memory",
 	               source->path ? source->path : "a run");
 }
 
+/*
+ * Grows the arrays for `count` rows; rows->count stays. False: no memory, and the arrays are as
+ * they were.
+ */
 static bool make_room(struct rows *rows, uint64_t count)
 {
 	double *const time_s = rb_memory_grow(rows->time_s, rows->count, count, sizeof *time_s);
@@ -111,6 +142,7 @@ static bool make_room(struct rows *rows, uint64_t count)
 	return true;
 }
 
+/* The bin of a time, also of times outside the run. */
 static int bin_of(const struct rb_source *source, double time_s)
 {
 	const double share = source->status.duration_s > 0 ? time_s / source->status.duration_s : 0;
@@ -118,13 +150,17 @@ static int bin_of(const struct rb_source *source, double time_s)
 	return (int)fmin(fmax(floor(share * RB_SOURCE_BINS), 0), RB_SOURCE_BINS - 1);
 }
 
-/* What an observable does to the bins. */
+/*
+ * Observables of a recording that the bins and the status are made of, in the order of
+ * observable_names. TIME comes first: the others need it to find their bins.
+ */
 enum observable { TIME, KINETIC, POTENTIAL, PENETRATION, COLLISIONS, ROLLBACKS, STEP };
 static const char *const observable_names[] = {
 	"time",       "kinetic_energy", "potential_energy", "max_penetration",
 	"collisions", "rollbacks",      "smallest_step"};
 enum { OBSERVABLE_COUNT = sizeof observable_names / sizeof *observable_names };
 
+/* Takes the value of an observable at a row into the bins and the status. */
 static void take_value(struct rb_source *source, enum observable what, uint64_t row, double value)
 {
 	struct rb_source_status *const status = &source->status;
@@ -159,13 +195,17 @@ static void take_value(struct rb_source *source, enum observable what, uint64_t 
 	}
 }
 
-/* All numbers of the recording, one kind after the other. */
+/*
+ * Reads all numbers of the recording, one observable after the other: each is one contiguous
+ * dataset. Observables that a recording lacks are passed over, except the times.
+ */
 static enum rb_status take_numbers(struct rb_source *source, uint64_t count, struct rb_error *err)
 {
 	double *const values = rb_memory_take(count, sizeof *values);
 	enum rb_status status = values && make_room(&source->rows, count) ? RB_OK
 	                                                                  : no_memory(source, err);
 
+	RB_ASSERT(count > 0);
 	clear_bins(&source->bins);
 	source->status.collisions = source->status.rollbacks = 0;
 	source->status.smallest_step_s = source->status.max_penetration_m = 0;
@@ -184,7 +224,7 @@ static enum rb_status take_numbers(struct rb_source *source, uint64_t count, str
 	return status;
 }
 
-/* A run that is there knows better what goes on than its recording. */
+/* Takes the status from the recording, unless there is a run, which knows better. */
 static void tell_recording(struct rb_source *source)
 {
 	const struct rb_reading *const reading = source->module->reader_reading(source->reader);
@@ -213,6 +253,7 @@ static void tell_recording(struct rb_source *source)
 		status->end_s = rb_source_time(source, status->row_count - 1);
 }
 
+/* Looks at the file, takes what is new, and decides when to look again. */
 static enum rb_status look(struct rb_source *source, bool *changed, struct rb_error *err)
 {
 	const uint64_t began_ns = rb_clock_now_ns();
@@ -233,8 +274,8 @@ static enum rb_status look(struct rb_source *source, bool *changed, struct rb_er
 }
 
 /*
- * The recording of a run comes into being with its first frame, and takes up its first rows when
- * they are flushed.
+ * Opens the recording of a run, which comes into being with its first frame; fails silently until
+ * it does.
  */
 static void open_late(struct rb_source *source)
 {
@@ -270,7 +311,10 @@ enum rb_status rb_source_of_recording(struct rb_source **source, const char *pat
 
 /* ---- the run ---- */
 
-/* The text behind "KEY " in lines, up to its end; NULL: there is no such line. */
+/*
+ * The text behind "KEY " in an answer, up to its line's end; NULL: there is no such line, as from
+ * an older run.
+ */
 static const char *line_of(const char *lines, const char *key)
 {
 	const size_t size = strlen(key);
@@ -284,6 +328,7 @@ static const char *line_of(const char *lines, const char *key)
 	return NULL;
 }
 
+/* The number of a line; NAN: there is none. */
 static double number_of(const char *lines, const char *key)
 {
 	const char *const text = line_of(lines, key);
@@ -291,6 +336,7 @@ static double number_of(const char *lines, const char *key)
 	return text ? strtod(text, NULL) : (double)NAN;
 }
 
+/* The whole number of a line; 0: there is none. */
 static uint64_t count_of(const char *lines, const char *key)
 {
 	const char *const text = line_of(lines, key);
@@ -298,6 +344,7 @@ static uint64_t count_of(const char *lines, const char *key)
 	return text ? strtoull(text, NULL, 10) : 0;
 }
 
+/* Whether a line's text is this word. */
 static bool word_is(const char *text, const char *word)
 {
 	const size_t size = strlen(word);
@@ -305,6 +352,7 @@ static bool word_is(const char *text, const char *word)
 	return text && strncmp(text, word, size) == 0 && (text[size] == '\n' || text[size] == '\0');
 }
 
+/* Takes an answer to "status". */
 static void take_status(struct rb_source *source, const char *lines)
 {
 	struct rb_source_status *const status = &source->status;
@@ -339,7 +387,10 @@ static void take_status(struct rb_source *source, const char *lines)
 	source->bins.potential[bin] = number_of(lines, "potential-energy");
 }
 
-/* Without a recording the marks of collisions come from the run. */
+/*
+ * Takes an answer to "timeline": without a recording the marks of collisions come from the run, one
+ * digit for each part.
+ */
 static void take_timeline(struct rb_source *source, const char *lines)
 {
 	const char *const marks = line_of(lines, "collisions");
@@ -362,6 +413,10 @@ static void lose(struct rb_source *source)
 	source->next_look_ns = 0;
 }
 
+/*
+ * Asks the run how it is; without a recording, now and then also for its time line. Failing, the
+ * run is gone.
+ */
 static void ask(struct rb_source *source, bool *changed)
 {
 	const uint64_t rows = source->status.row_count;
@@ -370,6 +425,7 @@ static void ask(struct rb_source *source, bool *changed)
 	struct rb_error err;
 	size_t size;
 
+	RB_ASSERT(source->client != NULL);
 	if (rb_client_request(source->client, "status", answer_s, &lines, &size, &err)) {
 		lose(source);
 		*changed = true;
@@ -463,11 +519,12 @@ uint64_t rb_source_row_at(const struct rb_source *source, double time_s)
 	return low;
 }
 
-/* The last row of the recording that is not after a time. */
+/* The last row of the recording that is not after a time; 0 where all are. */
 static uint64_t recorded_row(const struct rb_source *source, double time_s)
 {
 	uint64_t low = 0, high = source->rows.count;
 
+	RB_ASSERT(source->rows.count > 0);
 	while (high - low > 1) {
 		const uint64_t middle = low + (high - low) / 2;
 		if (source->rows.time_s[middle] > time_s)
@@ -478,6 +535,7 @@ static uint64_t recorded_row(const struct rb_source *source, double time_s)
 	return low;
 }
 
+/* Reads the frame of a row, or the last one before it, from the recording. */
 static enum rb_status frame_of_file(struct rb_source *source, uint64_t row,
                                     const struct rb_frame **frame, uint64_t *found,
                                     struct rb_error *err)
@@ -489,11 +547,13 @@ static enum rb_status frame_of_file(struct rb_source *source, uint64_t row,
 	const enum rb_status status = source->module->reader_frame(
 		source->reader, recorded < last ? recorded : last, &source->read, err);
 
+	RB_ASSERT(source->rows.count > 0);
 	*frame = &source->read;
 	*found = source->was_run ? source->read.index : recorded < last ? recorded : last;
 	return status;
 }
 
+/* Reads an answer to "frame" or "newer" into the source's frame. */
 static enum rb_status take_frame(struct rb_source *source, const char *answer, struct rb_error *err)
 {
 	const enum rb_status status = rb_wire_read_frame(&source->frame, source->model->body_count,
@@ -503,7 +563,10 @@ static enum rb_status take_frame(struct rb_source *source, const char *answer, s
 	return status;
 }
 
-/* A frame that the run still keeps, UINT64_MAX: its newest. */
+/*
+ * A frame that the run still keeps, UINT64_MAX: its newest. One that is already here is not asked
+ * for again.
+ */
 static enum rb_status frame_of_run(struct rb_source *source, uint64_t row,
                                    const struct rb_frame **frame, uint64_t *found,
                                    struct rb_error *err)
@@ -512,6 +575,7 @@ static enum rb_status frame_of_run(struct rb_source *source, uint64_t row,
 	const char *answer;
 	size_t size;
 
+	RB_ASSERT(source->client != NULL);
 	if (row == UINT64_MAX)
 		snprintf(line, sizeof line, "frame all");
 	else
@@ -580,7 +644,7 @@ enum rb_status rb_source_frame(struct rb_source *source, uint64_t row,
 	return RB_FAIL(err, RB_ERR_INPUT, "frame %" PRIu64 " is neither kept nor recorded", row);
 }
 
-/* In the rows of the file, behind or before one of its rows. */
+/* Searches the rows of the file behind or before one of them. */
 static bool collision_of_file(const struct rb_source *source, uint64_t row, bool forward,
                               uint64_t *found)
 {
@@ -602,7 +666,7 @@ static bool collision_of_file(const struct rb_source *source, uint64_t row, bool
 	return false;
 }
 
-/* Among the frames that the run keeps, one request each. */
+/* Searches the frames that the run keeps, with one request each. */
 static bool collision_of_run(struct rb_source *source, uint64_t row, bool forward, uint64_t *found)
 {
 	const struct rb_frame *frame;

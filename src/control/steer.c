@@ -1,17 +1,29 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Movements are relative to where the camera stands at this frame (struct rb_stand), which is
+ * computed with its mount, functions and followed bodies; the result is written back into the
+ * definition, so that it goes on from there. What depended on a function is then fixed, because a
+ * function cannot be moved.
+ */
 #include "control/steer.h"
 
 #include <math.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "math/vec3.h"
 
+/*
+ * rad between the line of sight and the horizon, a little below pi/2: at the pole "right" is not
+ * defined and the picture would flip.
+ */
 static const double steepest = 1.55; /* rad between the line of sight and the horizon */
 
 rb_vec3 rb_steer_body(const struct rb_model *model, const struct rb_frame *frame, int id)
 {
 	const int index = model->index_of[id];
 
+	RB_ASSERT(id >= 0 && id < model->body_count + model->static_count);
 	if (index < model->body_count && frame && frame->position)
 		return rb_vec3_from(frame->position + 3 * index);
 	return model->position[index];
@@ -36,6 +48,9 @@ struct rb_camera_def rb_steer_default(const struct rb_model *model)
 	if (!(radius > 0))
 		radius = 1;
 	const rb_vec3 side = camera.position.value;
+	/*
+	 * the ball around all fits the field of view at radius / sin(fov / 2); 1.4 leaves a margin
+	 */
 	const double distance = 1.4 * radius / sin(camera.fov / 2) / rb_vec3_length(side);
 	if (last > first)
 		camera.look_at.value = rb_vec3_scale(0.5, rb_vec3_add(low, high));
@@ -44,6 +59,10 @@ struct rb_camera_def rb_steer_default(const struct rb_model *model)
 	return camera;
 }
 
+/*
+ * World vector of a camera's property at a frame, m. `shot`: the value of its function, NULL: there
+ * is none.
+ */
 static rb_vec3 vector(const struct rb_camera_vector *from, const struct rb_model *model,
                       const struct rb_frame *frame, const rb_vec3 *shot)
 {
@@ -74,6 +93,7 @@ struct rb_stand rb_steer_stand(const struct rb_model *model, const struct rb_cam
 		if (!camera->level && camera->up.source == RB_CAMERA_FIXED)
 			up = rb_quat_rotate(q, up);
 	}
+	/* a body as "up" is a place: the direction to it is meant */
 	if (camera->up.source == RB_CAMERA_BODY)
 		up = rb_vec3_sub(up, stand.eye);
 	stand.back = rb_vec3_unit(rb_vec3_sub(stand.eye, stand.target), (rb_vec3){0, -1, 0});
@@ -82,12 +102,14 @@ struct rb_stand rb_steer_stand(const struct rb_model *model, const struct rb_cam
 	return stand;
 }
 
+/* From here on constant. */
 static void fix(struct rb_camera_vector *vector, rb_vec3 value)
 {
 	vector->source = RB_CAMERA_FIXED;
 	vector->value = value;
 }
 
+/* Moves the eye to `eye`, m, world; of a mounted camera, its offset from the body. */
 static void put_eye(struct rb_camera_def *camera, const struct rb_stand *stand, rb_vec3 eye)
 {
 	if (camera->mount < 0) {
@@ -120,6 +142,7 @@ void rb_steer_orbit(struct rb_camera_def *camera, const struct rb_stand *stand, 
 	const rb_vec3 vertical = camera->up.source == RB_CAMERA_FIXED
 	                                 ? rb_vec3_unit(camera->up.value, stand->up)
 	                                 : stand->up;
+	/* rad over the horizon; the clamp keeps rounding out of asin */
 	const double height = asin(fmin(fmax(rb_vec3_dot(stand->back, vertical), -1), 1));
 	const double wanted = fmin(fmax(height + over, -steepest), steepest);
 	const rb_vec3 tilt = rb_vec3_scale(height - wanted, stand->right);
@@ -136,6 +159,7 @@ void rb_steer_zoom(struct rb_camera_def *camera, const struct rb_stand *stand, d
 {
 	const rb_vec3 arm = rb_vec3_sub(stand->eye, stand->target);
 
+	RB_ASSERT(factor > 0);
 	/* Going nearer would not make anything larger. */
 	if (camera->orthographic) {
 		camera->height /= factor;

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The model of a console: which frame is shown, when the next one is due, from where it is seen,
+ * what is logged. It never draws and never waits; the desk calls tick with the time of the clock
+ * and asks when to come again.
+ *
+ * Three ways of going on: by the clock (pace), staying with the newest frame (live), or towards a
+ * goal that the run has yet to compute (step). A view that runs out of frames restarts its pace at
+ * the next frame; `wished` is the pace without such waits, and what it is behind decides whether
+ * people are told that the simulation cannot keep up.
+ */
 #include "control/viewer.h"
 
 #include <math.h>
@@ -11,13 +21,19 @@
 #include "flow/frame.h"
 #include "script/shots.h"
 
+/* ns between two looks when nothing goes on. */
 static const uint64_t rest_ns = 250000000; /* between two looks when nothing goes on */
 /*
- * A frame that is due this part of a picture's time before the next picture may be is that picture.
+ * A frame that is due within this part of a picture's time is taken for that picture: at equal
+ * rates of frames and pictures rounding would else skip or repeat one.
  */
 static const double early = 0.98;
-/* How far the view may fall behind before that is told: a file is flushed once a second. */
+/*
+ * ns that the view may fall behind before that is reported: a run is asked five times a second, a
+ * file is flushed once a second.
+ */
 static const uint64_t run_patience_ns = 250000000, file_patience_ns = 1500000000;
+/* s of frames ahead of the view, with which the simulation counts as keeping up again. */
 static const double ahead_s = 1.5; /* frames for so long: the simulation keeps up */
 
 void rb_viewer_say(struct rb_viewer *viewer, const char *format, ...)
@@ -56,7 +72,8 @@ void rb_viewer_aim(struct rb_viewer *viewer)
 }
 
 /*
- * Whatever the shape of the screen's picture, which is known to others and seldom higher than wide.
+ * Places a framed camera by what was seen so far, for a square picture: the screen's picture is
+ * seldom higher than wide and its shape changes with the window.
  */
 static void frame_all(struct rb_viewer *viewer)
 {
@@ -87,10 +104,16 @@ void rb_viewer_take_camera(struct rb_viewer *viewer, int number)
 	rb_viewer_aim(viewer);
 }
 
-/* Frames of a recording that are looked through to find where everything goes. */
+/*
+ * Frames of a recording that are looked through to find where everything goes: spread over it, read
+ * within a moment.
+ */
 enum { LOOKED_THROUGH = 256 };
 
-/* A recording tells at once where everything goes; of a run it is known as it comes. */
+/*
+ * Shows frames of all of a recording to the framing, the last one always; of a run it is known as
+ * it comes.
+ */
 static void look_through(struct rb_viewer *viewer)
 {
 	struct rb_source *const source = viewer->options.source;
@@ -160,6 +183,7 @@ void rb_viewer_destroy(struct rb_viewer *viewer)
 
 /* ---- going on ---- */
 
+/* The last row that there is; 0 also where there is none. */
 static uint64_t last_row(const struct rb_viewer *viewer)
 {
 	const uint64_t count = rb_source_status(viewer->options.source)->row_count;
@@ -180,7 +204,10 @@ void rb_viewer_pace(struct rb_viewer *viewer, uint64_t now_ns)
 	viewer->starved = false;
 }
 
-/* Fetches a row. What can't be had leaves the frame that is shown. */
+/*
+ * Fetches a row and copies its frame. What cannot be had leaves the frame that is shown, and a line
+ * in the log.
+ */
 static void fetch(struct rb_viewer *viewer, uint64_t row)
 {
 	const struct rb_frame *frame;
@@ -214,7 +241,7 @@ void rb_viewer_go(struct rb_viewer *viewer, uint64_t row, uint64_t now_ns)
 	rb_viewer_pace(viewer, now_ns);
 }
 
-/* The latest row that is due. */
+/* The latest row that is due, not before the one that is shown. */
 static uint64_t due_row(const struct rb_viewer *viewer, uint64_t now_ns)
 {
 	const struct rb_source *const source = viewer->options.source;
@@ -231,7 +258,7 @@ static uint64_t due_row(const struct rb_viewer *viewer, uint64_t now_ns)
 	return row > viewer->row ? row : viewer->row;
 }
 
-/* The time of the frame that will be the next one, as far as that is known. */
+/* s: the time of the frame that will be the next one; extrapolated where it does not exist yet. */
 static double next_time(const struct rb_viewer *viewer)
 {
 	const struct rb_source *const source = viewer->options.source;
@@ -241,6 +268,7 @@ static double next_time(const struct rb_viewer *viewer)
 	return next_s > viewer->frame.time_s ? next_s : 2 * viewer->frame.time_s - before_s;
 }
 
+/* Logs that the simulation cannot keep up with the view's speed. */
 static void tell_starved(struct rb_viewer *viewer)
 {
 	const double factor = rb_source_status(viewer->options.source)->real_time_factor;
@@ -278,11 +306,13 @@ static void reach_end(struct rb_viewer *viewer, uint64_t now_ns)
 	viewer->pace = rb_pace_start(next_s, viewer->speed, now_ns);
 }
 
+/* Goes on to the row that is due, or to a collision before it where the view stops at them. */
 static void play(struct rb_viewer *viewer, uint64_t now_ns)
 {
 	const uint64_t row = due_row(viewer, now_ns), last = last_row(viewer);
 	uint64_t collision;
 
+	RB_ASSERT(viewer->has_frame);
 	if (row > viewer->row) {
 		const bool stop = viewer->stops &&
 		                  rb_source_collision(viewer->options.source, viewer->row, true,
@@ -308,6 +338,7 @@ static void play(struct rb_viewer *viewer, uint64_t now_ns)
 	}
 }
 
+/* Goes on with the newest frame, or towards the goal. */
 static void follow_run(struct rb_viewer *viewer)
 {
 	const uint64_t last = last_row(viewer);
@@ -323,6 +354,7 @@ static void follow_run(struct rb_viewer *viewer)
 	}
 }
 
+/* Looks for news of the source and of what it says about itself. */
 static void look(struct rb_viewer *viewer, uint64_t now_ns)
 {
 	struct rb_source *const source = viewer->options.source;
@@ -349,6 +381,7 @@ static void look(struct rb_viewer *viewer, uint64_t now_ns)
 
 void rb_viewer_tick(struct rb_viewer *viewer, uint64_t now_ns)
 {
+	RB_ASSERT(now_ns >= viewer->tick_ns);
 	viewer->tick_ns = now_ns;
 	viewer->due_ns = 0;
 	look(viewer, now_ns);
@@ -381,6 +414,7 @@ uint64_t rb_viewer_next(const struct rb_viewer *viewer, uint64_t now_ns)
 	const double picture_s = 1 / viewer->options.fps;
 	const uint64_t picture_ns = (uint64_t)(1e9 * picture_s), rest = now_ns + rest_ns;
 
+	RB_ASSERT(viewer->options.fps > 0);
 	if (!viewer->has_frame || viewer->has_goal || (viewer->live && viewer->playing) ||
 	    (viewer->playing && viewer->row + 1 >= status->row_count)) {
 		const uint64_t soon = viewer->tick_ns + picture_ns;

@@ -1,4 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Text, because the protocol is lines that people can read and any language can split; base64 of
+ * single precision for the columns, because a viewer draws pixels and 4 bytes a number are a third
+ * of what 17 digits take. Numbers that are compared (energies, counts) are in full.
+ *
+ * Bytes are composed by shifts, so that the order does not depend on the machine. Reading accepts
+ * exactly what writing makes: one text for one frame.
+ */
 #include "control/wire.h"
 
 #include <float.h>
@@ -8,9 +16,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "flow/frame.h"
 
+/*
+ * NUMBERS_SIZE: all words before the columns; numbers take at most 24 bytes, counts 20. WORD_SIZE:
+ * the longest of them, and a zero.
+ */
 enum { NUMBERS_SIZE = 640, WORD_SIZE = 40 };
 
 static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -38,7 +51,7 @@ void rb_wire_base64_write(char *text, const void *bytes, size_t size)
 	}
 }
 
-/* Value of a digit, 64 where it is none. */
+/* Value of a digit of base64, 64 where it is none. */
 static unsigned value_of(char digit)
 {
 	if (digit >= 'A' && digit <= 'Z')
@@ -54,6 +67,7 @@ bool rb_wire_base64_read(void *bytes, size_t size, const char *text, size_t text
 {
 	unsigned char *const out = bytes;
 
+	/* the bound keeps the computed size from wrapping */
 	if (size > SIZE_MAX / 2 || text_size != rb_wire_base64_size(size))
 		return false;
 	for (size_t i = 0; i < size; i += 3, text += 4) {
@@ -78,29 +92,37 @@ bool rb_wire_base64_read(void *bytes, size_t size, const char *text, size_t text
 
 /* ---- columns ---- */
 
+/* The columns in the order of the protocol, with their numbers for each body. */
 enum { COLUMN_COUNT = 4 };
 static const struct {
 	char letter;
 	int width;
 } columns[COLUMN_COUNT] = {{'p', 3}, {'o', 4}, {'v', 3}, {'w', 3}};
 
+/* Address of the k-th column of a frame. */
 static double **column_of(struct rb_frame *frame, int k)
 {
 	double **const all[COLUMN_COUNT] = {&frame->position, &frame->orientation, &frame->velocity,
 	                                    &frame->angular_velocity};
 
+	RB_ASSERT(k >= 0 && k < COLUMN_COUNT);
 	return all[k];
 }
 
+/* The k-th column, NULL where the frame has none. */
 static const double *values_of(const struct rb_frame *frame, int k)
 {
 	const double *const all[COLUMN_COUNT] = {frame->position, frame->orientation,
 	                                         frame->velocity, frame->angular_velocity};
 
+	RB_ASSERT(k >= 0 && k < COLUMN_COUNT);
 	return all[k];
 }
 
-/* What is larger than single precision holds is as far away as that goes. */
+/*
+ * Writes a value as IEEE 754 single precision, little endian. What is larger than that holds is as
+ * far away as it goes.
+ */
 static void put_single(unsigned char out[4], double value)
 {
 	const float single = (float)fmin(fmax(value, -(double)FLT_MAX), (double)FLT_MAX);
@@ -111,6 +133,7 @@ static void put_single(unsigned char out[4], double value)
 		out[i] = (unsigned char)(bits >> 8 * i & 255);
 }
 
+/* False where the bytes are no finite number. */
 static bool get_single(const unsigned char in[4], double *value)
 {
 	uint32_t bits = 0;
@@ -125,6 +148,7 @@ static bool get_single(const unsigned char in[4], double *value)
 
 /* ---- writing ---- */
 
+/* Writes the words before the columns; returns their size, always below NUMBERS_SIZE. */
 static int put_head(char out[NUMBERS_SIZE], const struct rb_frame *frame)
 {
 	const struct rb_frame_numbers *const n = &frame->numbers;
@@ -151,8 +175,10 @@ struct packer {
 	size_t count;
 };
 
+/* Adds a value; 12 bytes at a time become 16 digits without padding. */
 static void pack(struct packer *packer, double value)
 {
+	RB_ASSERT_COSTLY(packer->count < sizeof packer->bytes);
 	put_single(packer->bytes + packer->count, value);
 	packer->count += 4;
 	if (packer->count < sizeof packer->bytes)
@@ -167,6 +193,7 @@ enum rb_status rb_wire_write_frame(char **text, size_t *capacity, size_t *size,
 {
 	char head[NUMBERS_SIZE];
 	const size_t head_size = (size_t)put_head(head, frame);
+	RB_ASSERT(head_size < NUMBERS_SIZE);
 	const size_t bodies = (size_t)frame->body_count;
 	size_t bytes = 0;
 
@@ -191,6 +218,7 @@ enum rb_status rb_wire_write_frame(char **text, size_t *capacity, size_t *size,
 		*packer.out++ = '-';
 	*packer.out = '\0';
 	*size = (size_t)(packer.out - *text);
+	RB_ASSERT(*size < needed);
 	return RB_OK;
 }
 
@@ -201,13 +229,17 @@ struct reader {
 	const char *at, *end;
 };
 
-/* The next word of at most WORD_SIZE - 1 bytes; one space parts words. */
+/*
+ * The next word of at most WORD_SIZE - 1 bytes; one space parts words. False: there is none, or it
+ * is longer, or it holds a zero.
+ */
 static bool take_word(struct reader *reader, char word[WORD_SIZE])
 {
 	const size_t left = (size_t)(reader->end - reader->at);
 	const char *const space = left > 0 ? memchr(reader->at, ' ', left) : NULL;
 	const size_t size = space ? (size_t)(space - reader->at) : 0;
 
+	RB_ASSERT(reader->at <= reader->end);
 	if (size == 0 || size >= WORD_SIZE)
 		return false;
 	memcpy(word, reader->at, size);
@@ -216,6 +248,7 @@ static bool take_word(struct reader *reader, char word[WORD_SIZE])
 	return memchr(word, '\0', size) == NULL;
 }
 
+/* A whole number of at most 19 digits, which fit 64 bits. */
 static bool take_count(struct reader *reader, uint64_t *value)
 {
 	char word[WORD_SIZE];
@@ -227,7 +260,10 @@ static bool take_count(struct reader *reader, uint64_t *value)
 	return true;
 }
 
-/* Numbers of the scene may be infinite or none, as in a run that has gone wrong. */
+/*
+ * A number as C prints it. Numbers of the scene may be infinite or NAN, as in a run that has gone
+ * wrong; hexadecimal ones are refused.
+ */
 static bool take_number(struct reader *reader, double *value)
 {
 	char word[WORD_SIZE], *end;
@@ -238,6 +274,7 @@ static bool take_number(struct reader *reader, double *value)
 	return end != word && *end == '\0';
 }
 
+/* The numbers of the scene, in the order of put_head. */
 static bool take_numbers(struct reader *reader, struct rb_frame_numbers *n)
 {
 	double *const before[] = {
@@ -254,7 +291,7 @@ static bool take_numbers(struct reader *reader, struct rb_frame_numbers *n)
 	return right && take_number(reader, &n->smallest_step) && take_number(reader, &n->stepped);
 }
 
-/* Which columns the letters name, in their order and once each; false: they are none. */
+/* Which columns the letters name, in their order and once each. False: they are none. */
 static bool take_columns(struct reader *reader, bool has[COLUMN_COUNT])
 {
 	char word[WORD_SIZE];
@@ -269,9 +306,12 @@ static bool take_columns(struct reader *reader, bool has[COLUMN_COUNT])
 	return *at == '\0';
 }
 
-/* Columns as the line has them; one that stays keeps its memory. */
+/*
+ * Gives the frame the columns that the line has; one that stays keeps its memory. False: no memory.
+ */
 static bool shape(struct rb_frame *frame, int body_count, const bool has[COLUMN_COUNT])
 {
+	RB_ASSERT(body_count >= 0);
 	if (frame->body_count != body_count)
 		rb_frame_release(frame);
 	frame->body_count = body_count;
@@ -290,7 +330,10 @@ static bool shape(struct rb_frame *frame, int body_count, const bool has[COLUMN_
 	return true;
 }
 
-/* All columns from the base64 text that is left of the line. */
+/*
+ * Reads all columns from the base64 text that is left of the line. False where its size or a digit
+ * is wrong, or a value is not finite.
+ */
 static bool take_values(struct reader *reader, struct rb_frame *frame)
 {
 	const size_t bodies = (size_t)frame->body_count;
