@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * What people write who come from other programs, by experience; the nearest name would be
+ * misleading for these, because it is another word altogether.
+ */
 #include "script/advice.h"
 
 #include <stddef.h>
@@ -47,6 +51,7 @@ static const struct advice keys[] = {
 	{"fps", "frame_rate, of world"},
 };
 
+/* The text for a word, NULL: none. */
 static const char *find(const struct advice *rows, size_t count, const char *word)
 {
 	for (size_t k = 0; k < count; k++)

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Each call reads its keys into a copy of the present definition and puts it into the scene only
+ * when it is the only one of its kind. Mistakes are noted and loading goes on; only what leaves
+ * nothing to go on with raises a Lua error.
+ */
 #include "script/bind.h"
 
 #include <math.h>
@@ -19,7 +24,10 @@
 
 /* ---- world, record ---- */
 
-/* A copy of the text that lives as long as the scene; NULL stays NULL. */
+/*
+ * A copy of the text that lives as long as the scene; NULL stays NULL. Charged to the script's
+ * memory.
+ */
 static const char *keep_text(struct rb_call *call, const char *text)
 {
 	if (!text)
@@ -31,7 +39,10 @@ static const char *keep_text(struct rb_call *call, const char *text)
 	return copy;
 }
 
-/* The only one of its kind: false when there was one before, which is noted. */
+/*
+ * Notes the call; false with a mistake noted if there was one before. -1 stands for a line that is
+ * not known.
+ */
 static bool only_call(struct rb_call *call, int *first_line)
 {
 	if (*first_line != 0) {
@@ -60,6 +71,7 @@ static int l_world(lua_State *L)
 	world.description = keep_text(&call, world.description);
 	if (script->options->has_seed)
 		world.seed = script->options->seed;
+	/* numbers drawn before would be those of another seed */
 	else if (rb_call_given(&call, "seed") && script->sandbox.random_used &&
 	         world.seed != script->sandbox.seed)
 		rb_call_mistake(&call, "'seed' must come before the first random number is drawn");
@@ -161,6 +173,7 @@ static int l_contact_pair(lua_State *L)
 	rb_call_read(&call, &def);
 	if (def.material_a < 0 || def.material_b < 0)
 		return 0;
+	/* the search is linear, so a scene pays for it */
 	rb_sandbox_charge(L, (uint64_t)scene->contact_pair_count);
 	for (int i = 0; i < scene->contact_pair_count; i++) {
 		const struct rb_contact_pair_def *other = &scene->contact_pairs[i];

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A body's call goes: defaults of its type, the keys of the rows, the shape's solid, what several
+ * keys say together, its name, the scene, its forces. Each step notes mistakes and goes on, so that
+ * the handle that the scene gets back always stands for a body, and later uses of it do not fail
+ * for a second reason.
+ */
 #include "script/body_calls.h"
 
 #include <math.h>
@@ -7,6 +13,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "geom/mass.h"
 #include "math/vec3.h"
 #include "model/validate.h"
@@ -40,6 +47,7 @@ void rb_name_take(const struct rb_call *call, const char *kind, const char *name
 
 /* ---- forces ---- */
 
+/* Reads one entry of `forces` and adds it to the body that was added last. */
 static void add_force(struct rb_call *part)
 {
 	struct rb_force_def def = rb_force_def_default();
@@ -72,7 +80,7 @@ static void add_force(struct rb_call *part)
 	rb_script_need(part->L, rb_scene_add_force(part->script->scene, &def, &err), &err);
 }
 
-/* Of the body that was added last. */
+/* Reads `forces`. `is_fixed`: nothing pushes the body. */
 static void add_forces(struct rb_call *call, bool is_fixed)
 {
 	lua_State *L = call->L;
@@ -105,7 +113,8 @@ static void add_forces(struct rb_call *call, bool is_fixed)
 /* ---- particles ---- */
 
 /*
- * A key that a particle must have. Where one is misspelt it may be this one: one message is enough.
+ * Whether a key that a particle must have was given; notes it as missing, unless another key is
+ * misspelt, which may be this one.
  */
 static bool has_key(struct rb_call *part, const char *key)
 {
@@ -114,7 +123,7 @@ static bool has_key(struct rb_call *part, const char *key)
 	return rb_call_given(part, key);
 }
 
-/* Reads the list on top of the stack; false: a mistake was noted. */
+/* Reads the list below the top of the stack; false: a mistake was noted. */
 static bool read_list(struct rb_call *call, struct rb_particle *particles, size_t count)
 {
 	bool right = true;
@@ -130,7 +139,7 @@ static bool read_list(struct rb_call *call, struct rb_particle *particles, size_
 	return right;
 }
 
-/* Mass, centre and inertia from the points. */
+/* Takes mass, centre and inertia from `particles`, if there are any. */
 static void read_particles(struct rb_call *call, struct rb_body_def *def)
 {
 	static const char *const others[] = {"mass", "density", "center_of_mass", "inertia"};
@@ -172,8 +181,10 @@ static void read_particles(struct rb_call *call, struct rb_body_def *def)
 
 /* ---- groups ---- */
 
-/* The number of the group named by the value on top of the stack, which is taken off; -1: a mistake
- * was noted. */
+/*
+ * The number of the group named by the value on top of the stack, which is taken off; -1: a mistake
+ * was noted.
+ */
 static int group_of(struct rb_call *call, const char *key)
 {
 	struct rb_error err;
@@ -197,6 +208,7 @@ static int group_of(struct rb_call *call, const char *key)
 	return group;
 }
 
+/* Reads `group` and `collides_with`. */
 static void read_groups(struct rb_call *call, struct rb_body_def *def)
 {
 	lua_State *L = call->L;
@@ -243,7 +255,7 @@ static void read_groups(struct rb_call *call, struct rb_body_def *def)
 
 /* ---- bodies ---- */
 
-/* Keys that say what pushes would do, of a body that is not pushed. */
+/* Notes keys that say what pushes would do, of a body that is not pushed. */
 static void check_driven(const struct rb_call *call, const struct rb_body_def *def)
 {
 	static const char *const pushed[] = {"mass",    "density",   "center_of_mass",
@@ -262,7 +274,7 @@ static void check_driven(const struct rb_call *call, const struct rb_body_def *d
 			                moved[i]);
 }
 
-/* What no single key can tell. */
+/* Notes what no single key can tell. */
 static void check_body(const struct rb_call *call, const struct rb_body_def *def)
 {
 	if (rb_call_tried(call, "mass") && rb_call_tried(call, "density"))
@@ -277,6 +289,7 @@ static void check_body(const struct rb_call *call, const struct rb_body_def *def
 		rb_call_mistake(call, "'angular_velocity' of a static body: it never moves");
 }
 
+/* Completes a body's call after its shape: adds the body and pushes its handle. */
 static int finish_body(struct rb_call *call, struct rb_body_def *def)
 {
 	struct rb_error err;
@@ -318,8 +331,7 @@ static int stand_in(lua_State *L, const struct rb_call *call)
 	return 1;
 }
 
-/* Reads a key that is a row of planes and has no place in the definition; false: not given, or
- * wrong. */
+/* Reads a key of planes that has no place in the definition; false: not given, or wrong. */
 static bool read_vector(struct rb_call *call, const char *key, rb_vec3 *value)
 {
 	const bool given = rb_call_push(call, key) != LUA_TNIL;
@@ -330,6 +342,7 @@ static bool read_vector(struct rb_call *call, const char *key, rb_vec3 *value)
 	return right;
 }
 
+/* Sets position and orientation of a plane from its point, normal and axis. */
 static void place_plane(struct rb_call *call, struct rb_body_def *def)
 {
 	rb_vec3 normal = {0, 0, 1};
@@ -389,6 +402,7 @@ static int l_plane(lua_State *L)
 	return finish_body(&call, &def);
 }
 
+/* The call of a body with a volume. */
 static int add_shape(lua_State *L, const char *word, enum rb_shape_kind kind)
 {
 	const struct rb_shape_type *const type = rb_shape_types[kind];
@@ -396,6 +410,7 @@ static int add_shape(lua_State *L, const char *word, enum rb_shape_kind kind)
 	struct rb_call call = rb_call_begin(L, word, &table, 1);
 	struct rb_body_def def = rb_body_def_default();
 
+	RB_ASSERT(kind < RB_SHAPE_KIND_COUNT);
 	def.call = word;
 	def.shape = (struct rb_shape){.kind = kind, .solid = -1};
 	rb_call_read(&call, &def);
@@ -408,7 +423,7 @@ static int add_shape(lua_State *L, const char *word, enum rb_shape_kind kind)
 	return finish_body(&call, &def);
 }
 
-/* The call of every type that has its keys in its row; the kind is an upvalue. */
+/* The call of a type whose keys are in its row; upvalue: the kind. */
 static int l_shape(lua_State *L)
 {
 	const enum rb_shape_kind kind = (enum rb_shape_kind)lua_tointeger(L, lua_upvalueindex(1));

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Where a mistake is, is found on Lua's stack: the innermost line of the scene's own file, because
+ * a helper's line is not what the user wrote; the helper is named beside it.
+ *
+ * Repetitions of the same text are dropped one after the other, so that a loop over a thousand
+ * bodies does not fill the screen.
+ */
 #include "script/call.h"
 
 #include <math.h>
@@ -8,6 +15,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 
 int rb_scene_line(lua_State *L, char *helper, size_t helper_size)
@@ -33,6 +41,7 @@ int rb_scene_line(lua_State *L, char *helper, size_t helper_size)
 	return 0;
 }
 
+/* Adds a mistake: made printable, with its place in front. */
 static void note(struct rb_script *script, int line, const char *text)
 {
 	char whole[1024];
@@ -86,7 +95,7 @@ static double unsigned_nan(double x)
 	return isnan(x) ? (double)NAN : x;
 }
 
-/* Numbers of a list that holds few: {1, 2}. */
+/* Writes a list of one to four numbers as {1, 2}; false: it is none, or too long. */
 static bool describe_list(lua_State *L, int index, char out[80])
 {
 	size_t used = 1;
@@ -153,6 +162,7 @@ int rb_handle_id(lua_State *L, int index)
 {
 	const int *handle = luaL_testudata(L, index, RB_HANDLE_TYPE);
 
+	/* any userdata may be asked */
 	return handle ? *handle : -1;
 }
 
@@ -192,6 +202,7 @@ struct rb_call rb_call_part(const struct rb_call *call, const struct rb_row_tabl
 	struct rb_call part = *call;
 	char found[80];
 
+	RB_ASSERT(number >= 1);
 	part.table = table;
 	part.given = part.wrong = 0;
 	part.index = lua_absindex(call->L, index);

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Most rules of a camera are about keys that go together, which rows cannot state; they are checked
+ * after all keys were read, by whether a key was tried, so that a key with a wrong value does not
+ * also count as missing.
+ */
 #include "script/camera.h"
 
 #include <math.h>
@@ -6,13 +11,16 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/vec3.h"
 #include "script/body_calls.h"
 #include "script/fields.h"
 #include "script/values.h"
 
-/* The list at `key`, pushed; its length, or -1 with nothing pushed when there is none or it is no
- * list. */
+/*
+ * Pushes the list at `key`, and returns its length; -1 with nothing pushed when there is none, or a
+ * mistake was noted because it is no list.
+ */
 static int push_list(struct rb_call *call, const char *key, const char *of, int most)
 {
 	lua_State *L = call->L;
@@ -44,6 +52,7 @@ static const struct {
 	{"angle", {0, 0, 1, 0}},    {"softness", {0, 0, 1, 0}},
 };
 
+/* Reads one light and checks the keys of its kind. */
 static void read_light(struct rb_call *part, struct rb_light_def *light)
 {
 	static const char *const names[] = {"a lamp", "a sun", "a spot", "an ambient light"};
@@ -78,6 +87,7 @@ static void read_light(struct rb_call *part, struct rb_light_def *light)
 		rb_call_mistake(part, "'look_at' is where the spot is");
 }
 
+/* Reads `lights`. */
 static void read_lights(struct rb_call *call, struct rb_camera_def *def)
 {
 	const int count = push_list(call, "lights", "tables", RB_CAMERA_LIGHTS_MAX);
@@ -94,6 +104,7 @@ static void read_lights(struct rb_call *call, struct rb_camera_def *def)
 	}
 }
 
+/* Reads `trails`: bodies by handle. */
 static void read_trails(struct rb_call *call, struct rb_camera_def *def)
 {
 	const int count = push_list(call, "trails", "bodies", RB_CAMERA_TRAILS_MAX);
@@ -117,6 +128,7 @@ bool rb_camera_is_numbered(const char *pattern)
 {
 	int numbers = 0;
 
+	RB_ASSERT(pattern != NULL);
 	for (const char *p = pattern; *p; p++) {
 		if (*p != '%')
 			continue;
@@ -134,6 +146,7 @@ bool rb_camera_is_numbered(const char *pattern)
 	return numbers == 1;
 }
 
+/* Notes names of files that no film can have. */
 static void check_outputs(const struct rb_call *call, const struct rb_camera_def *def)
 {
 	if (def->png && !rb_camera_is_numbered(def->png))
@@ -150,6 +163,7 @@ static void check_outputs(const struct rb_call *call, const struct rb_camera_def
 		                def->video);
 }
 
+/* Notes keys that belong to the other projection. */
 static void check_projection(const struct rb_call *call, const struct rb_camera_def *def)
 {
 	if (!def->orthographic && rb_call_tried(call, "height") &&
@@ -163,6 +177,7 @@ static void check_projection(const struct rb_call *call, const struct rb_camera_
 		rb_call_mistake(call, "an orthographic projection wants 'height', m");
 }
 
+/* Notes what no single key can tell, and sets what follows from several. */
 static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 {
 	const bool mounted = rb_call_tried(call, "mount");
@@ -203,6 +218,7 @@ static void check_camera(const struct rb_call *call, struct rb_camera_def *def)
 			rb_call_mistake(call,
 			                "'position' and 'look_at' must not be the same point");
 		else if (def->up.source == RB_CAMERA_FIXED &&
+		         /* the sine of the angle between them: below it "right" is only rounding */
 		         rb_vec3_length(rb_vec3_cross(sight, up)) <
 		                 1e-9 * length * rb_vec3_length(up))
 			rb_call_mistake(call, "'up' must not be along the line of sight");

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A scene may name files, so where they are is checked twice: by the name (relative, no ".."), and
+ * by the real path after all links have been followed. Reading goes through one buffer that the
+ * script owns, because a Lua error may jump out of whoever uses it.
+ */
 #include "script/disk.h"
 
 #include <errno.h>
@@ -10,8 +15,13 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
+/*
+ * 16 MiB of text is a scene of some hundred thousand bodies written out; textures are larger. Only
+ * the scene itself may come through a pipe: a module that is a pipe without a writer would hang.
+ */
 const struct rb_disk_limit rb_disk_scene = {(size_t)16 << 20, true};
 const struct rb_disk_limit rb_disk_module = {(size_t)16 << 20, false};
 const struct rb_disk_limit rb_disk_texture = {(size_t)64 << 20, false};
@@ -23,7 +33,10 @@ void rb_disk_forget(struct rb_script *script)
 	script->reading_size = 0;
 }
 
-/* All of an open file; its size is not known beforehand where it is a pipe. */
+/*
+ * Reads all of an open file into script->reading, with a zero behind it; the size of a pipe is not
+ * known beforehand.
+ */
 static enum rb_status read_all(struct rb_script *script, int file, const char *path,
                                size_t bytes_max, struct rb_error *err)
 {
@@ -78,6 +91,7 @@ enum rb_status rb_disk_read(struct rb_script *script, const char *path,
 
 bool rb_disk_path_stays(const char *path)
 {
+	RB_ASSERT(path != NULL);
 	if (path[0] == '/' || path[0] == '\0')
 		return false;
 	for (const char *part = path; part; part = strchr(part, '/')) {
@@ -103,6 +117,7 @@ bool rb_disk_find(const struct rb_script *script, const char *name, char path[RB
 		return true;
 	if (!realpath(path, real) || !realpath(script->folder, folder))
 		return false;
+	/* "/" has no name before its slash */
 	const size_t size = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
 	return strncmp(real, folder, size) == 0 && real[size] == '/';
 }

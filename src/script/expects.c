@@ -7,10 +7,12 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "script/call.h"
 
 /* ---- while loading ---- */
 
+/* Serves expect and expect_always. */
 static int add_expect(lua_State *L, const char *word, bool always)
 {
 	const struct rb_call call = rb_call_begin(L, word, NULL, 0);
@@ -108,7 +110,7 @@ void rb_expects_open(lua_State *L)
 
 /* ---- while running ---- */
 
-/* 0/0 has a sign on some processors, which would be printed. */
+/* NAN without a sign: 0/0 has one on some processors, and it would be printed. */
 static double plain_nan(double x)
 {
 	return isnan(x) ? (double)NAN : x;
@@ -119,6 +121,7 @@ void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_ex
 	const char *file = rb_script_of(L)->scene->file;
 	const int first = lua_type(L, -2), second = lua_type(L, -1);
 
+	RB_ASSERT(result != NULL);
 	if (first == LUA_TBOOLEAN && second == LUA_TNIL) {
 		result->ok = lua_toboolean(L, -2);
 		if (!result->ok)
@@ -140,7 +143,7 @@ void rb_expect_judge(lua_State *L, const struct rb_expect_def *def, struct rb_ex
 	}
 }
 
-/* How far beyond its bound; what is not a number is as far as can be. */
+/* How far a value is beyond its bound; what is not a number is as far as can be. */
 static double excess(double measured, double bound)
 {
 	const double difference = measured - bound;
@@ -151,6 +154,7 @@ static double excess(double measured, double bound)
 void rb_expect_remember(struct rb_expect_state *state, const struct rb_expect_result *now,
                         double time_s)
 {
+	/* the worst frame is the one that is reported */
 	if (now->has_numbers &&
 	    (!state->has_numbers ||
 	     excess(now->measured, now->bound) > excess(state->measured, state->bound))) {

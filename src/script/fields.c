@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Keys are read in the order of the rows, not of the table, so that the mistakes of a call come in
+ * the same order in every run. `given` and `wrong` hold one bit for each row of all tables of the
+ * call, counted through.
+ */
 #include "script/fields.h"
 
 #include <stdio.h>
@@ -6,11 +11,15 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "script/advice.h"
 #include "script/nearest.h"
 #include "script/values.h"
 
-/* Keys that no row knows, in the order of their names; also what stands without a key. */
+/*
+ * Notes the keys that no row knows, in the order of their names and at most 20, and what stands
+ * without a key. Each pass over the table finds the next name, which needs no memory.
+ */
 static void note_unknown(struct rb_call *call)
 {
 	lua_State *L = call->L;
@@ -62,11 +71,13 @@ void rb_call_read(struct rb_call *call, void *definition)
 	lua_State *L = call->L;
 	int index = 0;
 
+	RB_ASSERT(definition != NULL);
 	if (call->index == 0)
 		return;
 	for (const struct rb_row_table *table = call->table; table; table = table->more) {
 		for (int i = 0; i < table->count; i++, index++) {
 			const struct rb_row *row = &table->rows[i];
+			RB_ASSERT(index < 64);
 			lua_pushstring(L, row->key);
 			if (lua_rawget(L, call->index) == LUA_TNIL) {
 				lua_pop(L, 1);
@@ -86,6 +97,7 @@ void rb_call_read(struct rb_call *call, void *definition)
 	note_unknown(call);
 }
 
+/* The bit of a key in `given` and `wrong`; 0: no row has it. */
 static uint64_t bit_of(const struct rb_call *call, const char *key)
 {
 	int index;

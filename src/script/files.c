@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * require is ours and not Lua's: modules come from the scene's folder, from the shipped helpers,
+ * or, when a recording is loaded again, from the files stored in it, and from nowhere else; each
+ * becomes a file of the scene. A module under way is marked in the table of modules, by which
+ * circles are noticed.
+ */
 #include "script/files.h"
 
 #include <ctype.h>
@@ -36,8 +42,9 @@ const char *rb_files_body(const char *text, size_t *size)
 /* ---- require ---- */
 
 /*
- * Words of letters, digits, '_' and '-', parted by single dots: nothing that could lead out of a
- * folder. Not as textures are called: both are files of the scene, by name.
+ * Whether a name is words of letters, digits, '_' and '-', parted by single dots: nothing that
+ * could lead out of a folder. Not as textures are called, because both are files of the scene by
+ * name.
  */
 static bool is_module_name(const char *name, size_t size)
 {
@@ -52,7 +59,7 @@ static bool is_module_name(const char *name, size_t size)
 	return size < 4 || strcasecmp(name + size - 4, ".png") != 0;
 }
 
-/* folder/a/b.lua for "a.b"; false: too long. */
+/* FOLDER/a/b.lua for "a.b"; false: too long. */
 static bool module_path(char path[PATH_BYTES], const char *folder, size_t folder_size,
                         const char *name)
 {
@@ -66,13 +73,18 @@ static bool module_path(char path[PATH_BYTES], const char *folder, size_t folder
 	return true;
 }
 
+/* Whether there is such a module that can be read; its path. */
 static bool found_in(char path[PATH_BYTES], const char *folder, size_t folder_size,
                      const char *name)
 {
 	return module_path(path, folder, folder_size, name) && access(path, R_OK) == 0;
 }
 
-/* Where a shipped helper is. */
+/*
+ * Finds a shipped helper: in the folders of the options, else in those of RBSIM_LUA_PATH, else
+ * beside the program (build tree or installation). A user's choice is final: folders that are named
+ * and do not have it are not supplemented.
+ */
 static bool find_shipped(const struct rb_script *script, const char *name, char path[PATH_BYTES])
 {
 	static const char *const beside[] = {"../lua", "../../lua", "../share/rbsim/lua"};
@@ -100,12 +112,13 @@ static bool find_shipped(const struct rb_script *script, const char *name, char 
 	return false;
 }
 
+/* Whether a name is that of a shipped helper. */
 static bool is_shipped(const char *name)
 {
 	return strncmp(name, "rbsim.", 6) == 0;
 }
 
-/* A stored file of that name; NULL: none. */
+/* The stored file of that name; NULL: none. The first one is the scene itself. */
 static const struct rb_source_file *stored_file(const struct rb_script_options *options,
                                                 const char *name)
 {
@@ -115,8 +128,10 @@ static const struct rb_source_file *stored_file(const struct rb_script_options *
 	return NULL;
 }
 
-/* Finds and reads the file of a module: its text and the name that messages have for it. False:
- * there is none. */
+/*
+ * Finds and reads the file of a module: its text, borrowed, and the name that messages have for it.
+ * False: there is none.
+ */
 static bool get_module(lua_State *L, const char *name, const char **text, size_t *size,
                        char chunk[PATH_BYTES])
 {
@@ -153,7 +168,7 @@ static bool get_module(lua_State *L, const char *name, const char **text, size_t
 	return true;
 }
 
-/* Pushes the module's function. */
+/* Adds the file to the scene and pushes the module's function. */
 static void load_module(lua_State *L, const char *name, const char *text, size_t size,
                         const char *chunk)
 {
@@ -173,7 +188,9 @@ static void load_module(lua_State *L, const char *name, const char *text, size_t
 		lua_error(L);
 }
 
-/* What a trusted script's own `require` finds (upvalue 1). */
+/*
+ * Asks a trusted script's own require (upvalue 1) for what ours did not find, or raises an error.
+ */
 static int require_elsewhere(lua_State *L, const char *name)
 {
 	if (lua_type(L, lua_upvalueindex(1)) == LUA_TFUNCTION) {
@@ -188,9 +205,9 @@ static int require_elsewhere(lua_State *L, const char *name)
 }
 
 /*
- * Pushes the table of modules that the source has, then what it has under the name at index 1. What
- * a scene has found beside it is not what a file of cameras finds beside itself; functions of both
- * may ask for theirs later.
+ * Pushes the table of modules that the source has, then what it has under the name at index 1;
+ * returns the type of that. A file of cameras has a table of its own: what a scene has found beside
+ * it is not what the file finds beside itself. Functions of both may ask later.
  */
 static int push_known(lua_State *L)
 {

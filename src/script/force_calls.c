@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A kind of force element states its keys, defaults and checks in its row (model/element); one
+ * function serves them all. The definition is read into bytes that only the kind can interpret.
+ */
 #include "script/force_calls.h"
 
 #include <stddef.h>
@@ -6,11 +10,15 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "model/element.h"
 #include "script/call.h"
 #include "script/fields.h"
 
-/* A key that must be there. Where one is misspelt it may be this one: one message is enough. */
+/*
+ * Whether the keys that the element cannot do without are there; notes those that are missing.
+ * Where one is misspelt it may be this one: one message is enough.
+ */
 static bool has_required(struct rb_call *call, const struct rb_element_kind *kind)
 {
 	bool all = true;
@@ -28,6 +36,7 @@ static bool has_required(struct rb_call *call, const struct rb_element_kind *kin
 	return all;
 }
 
+/* Whether any key of the kind was tried. */
 static bool has_one(const struct rb_call *call, const struct rb_element_kind *kind)
 {
 	for (int k = 0; k < kind->keys.count; k++)
@@ -45,6 +54,7 @@ static int l_element(lua_State *L)
 	_Alignas(max_align_t) unsigned char row[RB_ELEMENT_ROW_MAX];
 	struct rb_error err;
 
+	RB_ASSERT(kind && kind->row_size <= RB_ELEMENT_ROW_MAX);
 	if (call.index == 0)
 		return 0;
 	memcpy(row, kind->defaults, kind->row_size);

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * These calls are the hottest path into Lua: a field is asked for every body at every step. So all
+ * that does not change is prepared once: the vectors for x and v are two tables that are
+ * overwritten, and the closures hold them and the functions as upvalues; a call makes no garbage of
+ * ours.
+ *
+ * A motion decides at time 0 whether it gives an orientation, a velocity, an angular velocity; it
+ * must do so always, because the solver has chosen by then what to derive numerically.
+ */
 #include "script/functions.h"
 
 #include <math.h>
@@ -7,19 +16,26 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "model/validate.h"
 #include "script/call.h"
 #include "script/vector.h"
 
-/* Registry: [id] = bit 0 the scene gave a position, bit 1 an orientation. */
+/* Registry: [id + 1] = bits of what the scene gave: a position, an orientation. */
 static const char placed_key[] = "rbsim.placed";
 enum { PLACED_POSITION = 1, PLACED_ORIENTATION = 2 };
 
-/* How far what the scene says of a body and what its motion says at time 0 may differ, relative. */
+/*
+ * Relative: how far what the scene says of a body and what its motion says at time 0 may differ.
+ * Far above the rounding of any formula, far below what one would mean.
+ */
 static const double agreement = 1e-6;
 
-/* What a call from outside hands to the closure that serves it. */
+/*
+ * What a call from outside hands to the closure that serves it. `placed` also gets, two bits
+ * higher, whether the motion gave an orientation.
+ */
 struct request {
 	double time_s;
 	rb_vec3 position, velocity, value;
@@ -31,7 +47,7 @@ struct request {
 /* Values below the results of a function: what the closures have as upvalues. */
 enum { UPVALUE_POSITION = 1, UPVALUE_VELOCITY, UPVALUE_FIRST_FIELD };
 
-/* "scene.lua:12: " of the function of this number. */
+/* Pushes "scene.lua:12: " for the function of this number. */
 static void push_place(lua_State *L, int function)
 {
 	lua_Debug at;
@@ -72,7 +88,10 @@ static bool read_vector(lua_State *L, int index, rb_vec3 *value)
 	return rb_vec3_finite(*value);
 }
 
-/* Pushes the vector of an upvalue with new numbers in it. */
+/*
+ * Pushes the vector of an upvalue with new numbers in it. The scene must not keep it; a copy is
+ * vec3(v).
+ */
 static void push_reused(lua_State *L, int upvalue, rb_vec3 v)
 {
 	const int index = lua_upvalueindex(upvalue);
@@ -86,7 +105,10 @@ static void push_reused(lua_State *L, int upvalue, rb_vec3 v)
 	lua_pushvalue(L, index);
 }
 
-/* Upvalues: a vector for x, one for v, the table of the fields' functions in their order. */
+/*
+ * Sum of all fields. Upvalues: a vector for x, one for v, the table of the fields' functions in
+ * their order.
+ */
 static int serve_field(lua_State *L)
 {
 	struct request *request = lua_touserdata(L, 1);
@@ -108,6 +130,10 @@ static int serve_field(lua_State *L)
 	return 0;
 }
 
+/*
+ * Takes the second result of a motion, at index 3; raises an error for what is none or was not
+ * announced.
+ */
 static void read_orientation(lua_State *L, const struct rb_body_def *body, struct request *request)
 {
 	struct rb_turn_found found;
@@ -147,7 +173,10 @@ static void read_orientation(lua_State *L, const struct rb_body_def *body, struc
 		request->placed |= PLACED_ORIENTATION << 2;
 }
 
-/* Stack: the request, then position, orientation, velocity, angular velocity. */
+/*
+ * Calls the motion of a body. Stack afterwards: the request, then position, orientation, velocity,
+ * angular velocity.
+ */
 static int serve_motion(lua_State *L)
 {
 	struct request *request = lua_touserdata(L, 1);
@@ -217,8 +246,10 @@ void rb_functions_placed(lua_State *L, int id, bool position, bool orientation)
 	lua_pop(L, 1);
 }
 
-/* One protected call of a closure. Nobody sees more of the world than its start meanwhile, though a
- * callback may be what led here. */
+/*
+ * One protected call of a closure. The world is taken away meanwhile: values may depend on nothing
+ * but their arguments, though a callback may be what led here.
+ */
 static enum rb_status ask(struct rb_script *script, int closure, struct request *request,
                           struct rb_error *err)
 {
@@ -269,11 +300,12 @@ enum rb_status rb_functions_motion(struct rb_script *script, int id, double time
 	struct rb_error own;
 	const enum rb_status status = ask(script, script->motion_closure, &request, &own);
 
+	RB_ASSERT(pose && id >= 0 && id < script->scene->body_count);
 	*pose = request.pose;
 	return status == RB_OK ? RB_OK : tell(script, id, time_s, status, &own, err);
 }
 
-/* Where the scene states a pose beside the motion, they must be the same. */
+/* Name of what the scene states beside the motion and differs from it; NULL: nothing. */
 static const char *disagreement(const struct rb_body_def *body, const struct request *request)
 {
 	const struct rb_driven_pose *pose = &request->pose;
@@ -296,6 +328,8 @@ enum rb_status rb_functions_start(struct rb_script *script, int id, struct rb_er
 	struct rb_error own;
 	enum rb_status status = ask(script, script->motion_closure, &request, &own);
 
+	RB_ASSERT(id >= 0 && id < script->scene->body_count);
+	RB_ASSERT(rb_body_is_driven(&script->scene->bodies[id]));
 	if (status != RB_OK)
 		return tell(script, id, 0, status, &own, err);
 	const char *what = disagreement(body, &request);

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A handle is a userdata that holds an id and nothing else; it is made once and kept in the
+ * registry, so that handles can be compared and be keys. Fields and methods are tables by name;
+ * reading asks script/moment, and changing is allowed only in callbacks that may change bodies.
+ */
 #include "script/handles.h"
 
 #include <math.h>
@@ -6,6 +11,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "model/validate.h"
 #include "script/call.h"
@@ -17,6 +23,7 @@ static const char handles_key[] = "rbsim.handles";
 
 void rb_handle_push(lua_State *L, int id)
 {
+	RB_ASSERT(id >= 0);
 	luaL_getsubtable(L, LUA_REGISTRYINDEX, handles_key);
 	if (lua_rawgeti(L, -1, id + 1) == LUA_TNIL) {
 		lua_pop(L, 1);
@@ -29,6 +36,7 @@ void rb_handle_push(lua_State *L, int id)
 	lua_remove(L, -2);
 }
 
+/* Id of the body that a method is called on, or an error that says how to call it. */
 static int self_id(lua_State *L, const char *method)
 {
 	const int id = rb_handle_id(L, 1);
@@ -38,8 +46,10 @@ static int self_id(lua_State *L, const char *method)
 	return id;
 }
 
+/* The body's definition. */
 static const struct rb_body_def *definition(lua_State *L, int id)
 {
+	RB_ASSERT(id >= 0 && id < rb_script_of(L)->scene->body_count);
 	return &rb_script_of(L)->scene->bodies[id];
 }
 
@@ -200,7 +210,7 @@ enum { FIELD_COUNT = sizeof fields / sizeof *fields };
 
 /* ---- changes ---- */
 
-/* The moving body that a method is called on, in a callback. */
+/* Id of the body that a method changes: moving, in a callback; else an error that says why not. */
 static int body_to_change(lua_State *L, const char *method)
 {
 	const struct rb_script *script = rb_script_of(L);
@@ -222,7 +232,7 @@ static int body_to_change(lua_State *L, const char *method)
 	return id;
 }
 
-/* Argument 3, a world position; left out, the centre of mass. */
+/* Argument 3, a world position, m; left out, the centre of mass. */
 static rb_vec3 point_to_push(lua_State *L, int id, const char *method)
 {
 	return lua_isnoneornil(L, 3) ? rb_world_center_of_mass(rb_script_of(L)->world, id)

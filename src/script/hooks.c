@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Calls into Lua are all made the same way: a request on the C stack, handed as a light userdata to
+ * a C function that runs in protected mode and calls the scene's function. What the function may do
+ * is given by the phase, and the world is set only while the call lasts, so a handle kept by the
+ * scene cannot reach a world that is gone.
+ */
 #include "script/hooks.h"
 
 #include <math.h>
@@ -7,6 +13,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "model/validate.h"
 #include "script/call.h"
@@ -27,7 +34,10 @@ static const struct {
 	[RB_ON_TRANSITION] = {"on_transition", RB_HOOK_TRANSITION},
 };
 
-/* Upvalue: which. Several functions of one kind are called in the order of the scene. */
+/*
+ * Serves on_step and its like; upvalue: which. Several functions of one kind are called in the
+ * order of the scene.
+ */
 static int l_callback(lua_State *L)
 {
 	const enum rb_callback which = (enum rb_callback)lua_tointeger(L, lua_upvalueindex(1));
@@ -74,6 +84,7 @@ static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_
 {
 	lua_State *L = script->sandbox.L;
 
+	RB_ASSERT(script->phase == RB_PHASE_REST);
 	script->phase = phase;
 	script->world = world;
 	lua_pushcfunction(L, serve);
@@ -85,8 +96,10 @@ static enum rb_status ask(struct rb_script *script, struct rb_world *world, lua_
 	return status;
 }
 
+/* Pushes the function of the request. */
 static void push_callback(lua_State *L, const struct request *request)
 {
+	RB_ASSERT(request->which < RB_CALLBACK_COUNT && request->number >= 1);
 	luaL_getsubtable(L, LUA_REGISTRYINDEX, callbacks[request->which].name);
 	lua_rawgeti(L, -1, request->number);
 	lua_remove(L, -2);
@@ -114,7 +127,7 @@ static int serve_frame(lua_State *L)
 	return 0;
 }
 
-/* What all events have in common. */
+/* Pushes a table with what all events have in common. */
 static void push_event(lua_State *L, const struct rb_event *event)
 {
 	lua_createtable(L, 0, 8);
@@ -157,7 +170,7 @@ static int serve_collision(lua_State *L)
 	return 0;
 }
 
-/* All functions of a kind, one after the other. */
+/* Calls all functions of a kind, one after the other, until one fails. */
 static enum rb_status call_all(struct rb_script *script, struct rb_world *world,
                                lua_CFunction serve, struct request *request, struct rb_error *err)
 {
@@ -207,6 +220,7 @@ static enum rb_status motion(void *user, int id, double time_s, struct rb_driven
 	return rb_functions_motion(user, id, time_s, pose, err);
 }
 
+/* Whether some body is driven by a function. */
 static bool has_driven(const struct rb_scene *scene)
 {
 	for (int i = 0; i < scene->body_count; i++)
@@ -229,6 +243,7 @@ struct rb_world_hooks rb_script_hooks(struct rb_script *script)
 
 /* ---- expectations ---- */
 
+/* Calls an expectation's function and judges what it returns; in protected mode. */
 static int serve_expect(lua_State *L)
 {
 	const struct request *request = lua_touserdata(L, 1);
@@ -241,12 +256,14 @@ static int serve_expect(lua_State *L)
 	return 0;
 }
 
+/* Calls expectation i; `result` is whole also where this fails. */
 static enum rb_status call_expect(struct rb_script *script, struct rb_world *world, int i,
                                   struct rb_expect_result *result, struct rb_error *err)
 {
 	const struct rb_expect_def *def = &script->scene->expects[i];
 	struct request request = {.expect = i, .result = result};
 
+	RB_ASSERT(i >= 0 && i < script->scene->expect_count);
 	*result = (struct rb_expect_result){.text = def->text,
 	                                    .line = def->line,
 	                                    .always = def->always,

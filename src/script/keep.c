@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One format written and read by base/pack: a tag for each value, then its bytes. Tables are
+ * numbered in the order in which they are met, by which shared ones and circles are found again.
+ * The walk needs no memory of its own: it lives on Lua's stack and in one table, since an error may
+ * jump out of it at any call.
+ *
+ * Loading fills the tables that the scene made for `state`, if they are plain ones: functions of
+ * the scene hold them as upvalues, and must see the restored values. Bytes come from a file, so
+ * every count is checked against what is left before anything is made.
+ */
 #include "script/keep.h"
 
 #include <math.h>
@@ -7,13 +17,18 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "script/call.h"
 #include "script/handles.h"
 #include "script/vector.h"
 
-/* How deep tables may stand in each other, and how long the name of one gets in a message. */
+/*
+ * How deep tables may stand in each other (C's stack: some hundred bytes a level), and how long the
+ * name of a value gets in a message.
+ */
 enum { DEPTH_MOST = 100, NAME_SIZE = 160 };
 
+/* Kinds of values; the numbers are part of the format. */
 enum tag {
 	TAG_NIL,
 	TAG_FALSE,
@@ -38,13 +53,14 @@ struct walk {
 
 /* ---- both ways: one byte, one number ---- */
 
+/* One tag, both ways; an unknown one fails the pack. */
 static int pack_tag(struct walk *walk, int tag)
 {
 	rb_pack_int(walk->pack, &tag, 0, TAG_COUNT - 1);
 	return tag;
 }
 
-/* A Lua error ends the walk: what a failed pack reads is nothing to go on with. */
+/* Raises an error if the pack has failed: what it reads then is nothing to go on with. */
 static void need(lua_State *L, const struct walk *walk)
 {
 	if (walk->pack->failed)
@@ -55,7 +71,7 @@ static void need(lua_State *L, const struct walk *walk)
 
 static void save_value(lua_State *L, struct walk *walk, int index, int seen, int depth);
 
-/* Appends ".key" or "[3]"; gives the length before. */
+/* Appends ".key" or "[3]" to the name at hand; returns the length before, to cut it again. */
 static size_t enter(lua_State *L, struct walk *walk, int key)
 {
 	const size_t before = strlen(walk->name);
@@ -71,12 +87,13 @@ static size_t enter(lua_State *L, struct walk *walk, int key)
 	return before;
 }
 
+/* Raises an error that names the value. */
 static int refuse(lua_State *L, const struct walk *walk, const char *what)
 {
 	return luaL_error(L, "%s: %s can't be kept in a checkpoint", walk->name, what);
 }
 
-/* Everything but a table. */
+/* Saves everything but a table. */
 static void save_plain(lua_State *L, struct walk *walk, int index)
 {
 	switch (lua_type(L, index)) {
@@ -121,6 +138,7 @@ static void save_plain(lua_State *L, struct walk *walk, int index)
 	}
 }
 
+/* Whether a table has the vectors' metatable. */
 static bool is_vector(lua_State *L, int index)
 {
 	if (!lua_getmetatable(L, index))
@@ -131,6 +149,7 @@ static bool is_vector(lua_State *L, int index)
 	return is;
 }
 
+/* Saves a table that is met for the first time. */
 static void save_table(lua_State *L, struct walk *walk, int index, int seen, int depth)
 {
 	const bool vector = is_vector(L, index);
@@ -161,7 +180,7 @@ static void save_table(lua_State *L, struct walk *walk, int index, int seen, int
 	}
 }
 
-/* `seen`: numbers by table. */
+/* Saves a value; `seen`: index of the numbers by table. */
 static void save_value(lua_State *L, struct walk *walk, int index, int seen, int depth)
 {
 	luaL_checkstack(L, 8, "state");
@@ -181,6 +200,7 @@ static void save_value(lua_State *L, struct walk *walk, int index, int seen, int
 	save_table(L, walk, index, seen, depth);
 }
 
+/* In protected mode: saves the global `state`. */
 static int save_state(lua_State *L)
 {
 	struct walk *const walk = lua_touserdata(L, 1);
@@ -196,7 +216,7 @@ static int save_state(lua_State *L)
 
 static void load_value(lua_State *L, struct walk *walk, int known, int old, int depth);
 
-/* Pushes it. */
+/* Pushes a value that is no table. */
 static void load_plain(lua_State *L, struct walk *walk, int tag)
 {
 	struct rb_pack *const pack = walk->pack;
@@ -205,6 +225,7 @@ static void load_plain(lua_State *L, struct walk *walk, int tag)
 	size_t size = 0;
 	int id = 0;
 
+	RB_ASSERT(tag >= 0 && tag < TAG_COUNT);
 	switch (tag) {
 	case TAG_FALSE:
 	case TAG_TRUE:
@@ -237,8 +258,8 @@ static void load_plain(lua_State *L, struct walk *walk, int tag)
 }
 
 /*
- * What the scene had there, at `old`, is filled anew where it is a plain table that nobody has
- * taken yet.
+ * Whether what the scene had at `old` is to be filled anew: a plain table that nobody has taken
+ * yet.
  */
 static bool can_take(lua_State *L, int known, int old)
 {
@@ -254,7 +275,7 @@ static bool can_take(lua_State *L, int known, int old)
 	return !taken;
 }
 
-/* Known from now on: by its number, and by itself as taken. */
+/* Pushes the table to fill, and makes it known: by its number, and by itself as taken. */
 static void push_table(lua_State *L, struct walk *walk, bool vector, int known, int old)
 {
 	if (!vector && can_take(L, known, old))
@@ -270,7 +291,10 @@ static void push_table(lua_State *L, struct walk *walk, bool vector, int known, 
 	lua_rawset(L, known);
 }
 
-/* Moves all that is in the table on top to a new one, which is pushed. */
+/*
+ * Moves all that is in the table on top to a new one, which is pushed. Two passes: a table must not
+ * get new keys while it is gone through.
+ */
 static void empty(lua_State *L)
 {
 	const int table = lua_gettop(L);
@@ -288,7 +312,7 @@ static void empty(lua_State *L)
 	}
 }
 
-/* A key that a table can have. */
+/* Raises an error unless the value on top can be a key. */
 static void check_key(lua_State *L, struct walk *walk)
 {
 	const bool bad = lua_isnil(L, -1) || lua_type(L, -1) == LUA_TTABLE ||
@@ -298,6 +322,7 @@ static void check_key(lua_State *L, struct walk *walk)
 	need(L, walk);
 }
 
+/* Loads a table and pushes it. */
 static void load_table(lua_State *L, struct walk *walk, bool vector, int known, int old, int depth)
 {
 	size_t pairs = 0, list = 0;
@@ -323,7 +348,10 @@ static void load_table(lua_State *L, struct walk *walk, bool vector, int known, 
 	lua_settop(L, table);
 }
 
-/* Pushes it. `known`: tables by number; `old`: what stood in its place. */
+/*
+ * Loads a value and pushes it. `known`: tables by number; `old`: index of what the scene had in its
+ * place.
+ */
 static void load_value(lua_State *L, struct walk *walk, int known, int old, int depth)
 {
 	uint64_t number = 0;
@@ -344,6 +372,7 @@ static void load_value(lua_State *L, struct walk *walk, int known, int old, int 
 	}
 }
 
+/* In protected mode: loads the global `state`. */
 static int load_state(lua_State *L)
 {
 	struct walk *const walk = lua_touserdata(L, 1);
@@ -358,6 +387,7 @@ static int load_state(lua_State *L)
 
 /* ---- the rest ---- */
 
+/* How an expect_always has gone so far, both ways. */
 static void pack_expect(struct rb_expect_state *state, struct rb_pack *pack)
 {
 	rb_pack_bool(pack, &state->seen);
@@ -378,6 +408,7 @@ enum rb_status rb_script_pack(struct rb_script *script, struct rb_pack *pack, st
 	struct walk walk = {.pack = pack, .name = "state", .body_count = script->scene->body_count};
 	int expects = count;
 
+	RB_ASSERT(script->scene && pack);
 	rb_pack_u64(pack, &sandbox->stream);
 	rb_pack_u64(pack, &sandbox->index);
 	rb_pack_bool(pack, &sandbox->random_used);

@@ -1,4 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Lua's own functions are wrapped, not replaced, wherever they may stay: `metered` charges for what
+ * they will go through and calls the original. Replaced are those whose results depend on addresses
+ * (pairs, tostring), on a hidden state (random), or that cannot be bounded (patterns).
+ *
+ * pairs sorts all keys first, with a heap sort that needs no memory: the sorted list is one
+ * userdata, and the keys that must stay alive are in a table beside it.
+ */
 #include "script/library.h"
 
 #include <math.h>
@@ -15,7 +23,7 @@
 
 /* ---- tostring, print ---- */
 
-/* The number of an object, given out in the order of first sight. */
+/* The number of an object, in the order of first sight; the table's keys are weak. */
 static lua_Integer object_number(lua_State *L, int index)
 {
 	index = lua_absindex(L, index);
@@ -103,6 +111,7 @@ static int l_print(lua_State *L)
 
 /* ---- pairs in an order that does not hang on addresses ---- */
 
+/* Order of the kinds of keys; KEY_OTHER has no order within. */
 enum key_rank { KEY_INTEGER, KEY_NUMBER, KEY_TEXT, KEY_BOOLEAN, KEY_OBJECT, KEY_OTHER };
 
 struct key {
@@ -148,6 +157,7 @@ static struct key key_at(lua_State *L, int index)
 	return key;
 }
 
+/* -1, 0, 1; a total order of all keys but KEY_OTHER. Texts by their bytes, not by the locale. */
 static int compare_keys(const struct key *a, const struct key *b)
 {
 	if (a->rank != b->rank)
@@ -175,7 +185,7 @@ static void sift(struct key *keys, size_t top, size_t count)
 	}
 }
 
-/* In place and without memory of its own: a jump out of here would leave nothing behind. */
+/* In place, without memory of its own that a jump would leave; sorted keys cost one pass. */
 static void sort_keys(struct key *keys, size_t count)
 {
 	bool sorted = true;
@@ -194,7 +204,6 @@ static void sort_keys(struct key *keys, size_t count)
 	}
 }
 
-/* `list`: where the list beside the keys is. */
 static void push_key(lua_State *L, const struct key *key, int list)
 {
 	if (key->rank == KEY_INTEGER)
@@ -216,8 +225,10 @@ static int no_order(lua_State *L)
 	                     "from run to run: keep a list beside it");
 }
 
-/* Iterator of pairs: upvalues the sorted keys, how many, where it is, and the one key without an
- * order. */
+/*
+ * Iterator of pairs: upvalues the sorted keys, how many, where it is, and the one key without an
+ * order.
+ */
 static int pairs_step(lua_State *L)
 {
 	const struct key *keys = lua_touserdata(L, lua_upvalueindex(1));
@@ -297,7 +308,7 @@ static int l_pairs(lua_State *L)
 	return 3;
 }
 
-/* The smallest key above the one given, by looking at all. */
+/* The smallest key above the one given, by looking at all: linear, and charged as such. */
 static int l_next(lua_State *L)
 {
 	luaL_checktype(L, 1, LUA_TTABLE);
@@ -347,7 +358,7 @@ static uint64_t random_bits(lua_State *L)
 	return rb_random_bits(sandbox->seed, sandbox->stream, sandbox->index++);
 }
 
-/* Uniform in [0, span] by rejection under the smallest mask that covers it. */
+/* Uniform in [0, span] by rejection under the smallest mask that covers it: < 2 tries. */
 static uint64_t random_below(lua_State *L, uint64_t span)
 {
 	uint64_t mask = span;
@@ -429,9 +440,11 @@ static int l_setmetatable(lua_State *L)
 	return 1;
 }
 
-/* Calls the original (upvalue 1, named by upvalue 2) after charging for what it goes through. The
+/*
+ * Calls the original (upvalue 1, named by upvalue 2) after charging for what it goes through. The
  * position in a message of its own would be that of this function, which has none: it is put in
- * here. */
+ * here.
+ */
 static int metered(lua_State *L)
 {
 	const int count = lua_gettop(L);
@@ -474,7 +487,7 @@ static int l_move(lua_State *L)
 	return metered(L);
 }
 
-/* n log n comparisons, which cost more than an instruction each. */
+/* n log n comparisons; 60 covers the logarithm of any table that fits. */
 static int l_sort(lua_State *L)
 {
 	luaL_checktype(L, 1, LUA_TTABLE);
@@ -537,6 +550,7 @@ static int l_format(lua_State *L)
  * variables of a coroutine that died are left alone.
  */
 
+/* The end of xpcall, also after a yield: calls the handler after the error has unwound. */
 static int finish_xpcall(lua_State *L, int status, lua_KContext context)
 {
 	(void)context;
@@ -575,8 +589,10 @@ static lua_State *checked_coroutine(lua_State *L)
 	return co;
 }
 
-/* A new coroutine counts its instructions by itself, from the start: the part below one count is
- * charged here. */
+/*
+ * Pushes a new coroutine. It counts its instructions by itself, from the start: the part below one
+ * count is charged here.
+ */
 static lua_State *new_coroutine(lua_State *L)
 {
 	rb_sandbox_charge(L, 4000);
@@ -593,7 +609,6 @@ static int l_create(lua_State *L)
 	return 1;
 }
 
-/* Upvalue: the coroutine. */
 static int wrapped(lua_State *L)
 {
 	lua_State *co = lua_tothread(L, lua_upvalueindex(1));
@@ -629,7 +644,6 @@ static int l_wrap(lua_State *L)
 	return 1;
 }
 
-/* Upvalue: the original, around which it is told who runs. */
 static int l_resume(lua_State *L)
 {
 	struct rb_sandbox *const sandbox = rb_sandbox_of(L);
@@ -648,7 +662,6 @@ static int l_resume(lua_State *L)
  */
 enum { CLOSING_MAX = 8 };
 
-/* Upvalue: the original, which closes what is suspended, or dead of itself. */
 static int l_close(lua_State *L)
 {
 	lua_State *co = checked_coroutine(L);

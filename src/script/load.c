@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Loading runs the scene in protected mode, then checks what only the whole tells: calls that were
+ * overwritten, parameters never declared, where driven bodies are. All mistakes are noted on the
+ * way and one status concludes. The same way serves files that may only add cameras; the phase says
+ * what is allowed.
+ *
+ * Lua's messages about unknown globals are the commonest error of scenes; they are completed with
+ * the nearest name or advice.
+ */
 #include "script/load.h"
 
 #include <ctype.h>
@@ -10,6 +19,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "base/log.h"
 #include "base/hash.h"
 #include "base/memory.h"
@@ -58,19 +68,22 @@ static const struct {
 };
 enum { CALL_COUNT = sizeof calls / sizeof *calls };
 
-/* Calls of force elements come after those of the table. */
+/* Number of calls: those of the table, then the force elements. */
 static int call_count(void)
 {
 	return CALL_COUNT + rb_element_kind_count;
 }
 
+/* Name of the i-th call. */
 static const char *call_name(int i)
 {
+	RB_ASSERT(i >= 0 && i < call_count());
 	return i < CALL_COUNT ? calls[i].name : rb_element_kinds[i - CALL_COUNT]->name;
 }
 
 static const char originals_key[] = "rbsim.calls";
 
+/* Keeps the calls as they are before the scene runs. */
 static void keep_originals(lua_State *L)
 {
 	lua_newtable(L);
@@ -81,6 +94,7 @@ static void keep_originals(lua_State *L)
 	lua_setfield(L, LUA_REGISTRYINDEX, originals_key);
 }
 
+/* Whether a character may be within a name of Lua. */
 static bool is_word(char c)
 {
 	return isalnum((unsigned char)c) || c == '_';
@@ -104,7 +118,10 @@ static bool is_assigned_at(const char *text, const char *at, size_t size)
 	return after[0] == '=' && after[1] != '=';
 }
 
-/* The line of a file on which a call's name is assigned to; 0: not found by looking at it. */
+/*
+ * The line of a file on which a call's name is assigned to; 0: not found by looking at it. A search
+ * in the text, without strings and long comments: it only makes a message better.
+ */
 static int assigned_line(const struct rb_source_file *file, const char *name)
 {
 	const size_t size = strlen(name);
@@ -125,7 +142,10 @@ static int assigned_line(const struct rb_source_file *file, const char *name)
 	return 0;
 }
 
-/* After the script has run, or has failed: which calls are no longer what they were. */
+/*
+ * In protected mode, after the script has run or has failed: notes which calls are no longer what
+ * they were.
+ */
 static int check_originals(lua_State *L)
 {
 	struct rb_script *script = rb_script_of(L);
@@ -152,8 +172,8 @@ static int check_originals(lua_State *L)
 }
 
 /*
- * What was assigned to the name of a key of world { } that the call does not have: nobody reads
- * that.
+ * In protected mode: warns of globals with the name of a key of world { } that the call does not
+ * have: nobody reads them.
  */
 static int warn_of_world(lua_State *L)
 {
@@ -176,6 +196,7 @@ static int warn_of_world(lua_State *L)
 
 /* What follows is in protected mode: it may be left by a jump, and owns nothing. */
 
+/* In protected mode, as all that follows: it may be left by a jump, and owns nothing. */
 static void run_source(lua_State *L)
 {
 	struct rb_script *script = rb_script_of(L);
@@ -190,6 +211,7 @@ static void run_source(lua_State *L)
 	lua_call(L, 0, 0);
 }
 
+/* Opens everything that a scene finds, then runs it. */
 static int run_scene(lua_State *L)
 {
 	rb_library_open(L);
@@ -203,7 +225,10 @@ static int run_scene(lua_State *L)
 	return 0;
 }
 
-/* Names that are taken are those of the cameras that are left. */
+/*
+ * Runs a file that may only add cameras. Names that are taken are those of the cameras that are
+ * left.
+ */
 static int run_cameras(lua_State *L)
 {
 	rb_camera_names(L);
@@ -211,14 +236,15 @@ static int run_cameras(lua_State *L)
 	return 0;
 }
 
+/* A message of Lua's, and the hint that find_misspelt has for it. */
 struct misspelt {
 	const char *message;
 	char hint[160];
 };
 
 /*
- * "attempt to call a nil value (global 'shpere')": advice, or the nearest of the globals that could
- * be meant.
+ * In protected mode: "attempt to call a nil value (global 'shpere')": advice, or the nearest of the
+ * globals that could be meant.
  */
 static int find_misspelt(lua_State *L)
 {
@@ -258,7 +284,7 @@ static int find_misspelt(lua_State *L)
 	return 0;
 }
 
-/* A message of Lua's becomes a mistake like the others: it has its place in front, or none. */
+/* Notes a message of Lua's as a mistake like the others: it has its place in front, or none. */
 static void note_error(struct rb_script *script, const struct rb_error *err)
 {
 	lua_State *L = script->sandbox.L;
@@ -282,7 +308,10 @@ static void note_error(struct rb_script *script, const struct rb_error *err)
 	rb_script_mistake(script, (int)line, "%s%s", text, misspelt.hint);
 }
 
-/* A recording or another binary that was taken for a scene; its first bytes show it. */
+/*
+ * Whether a file is a recording or another binary that was taken for a scene; its first 512 bytes
+ * show it.
+ */
 static bool looks_binary(const char *text, size_t size)
 {
 	for (size_t i = 0; i < size && i < 512; i++) {
@@ -293,7 +322,7 @@ static bool looks_binary(const char *text, size_t size)
 	return false;
 }
 
-/* The folder of a path is where it looks for files. */
+/* Keeps the folder of a path, where the source looks for files. False: no memory. */
 static bool set_folder(struct rb_script *script, const char *path)
 {
 	const char *slash = strrchr(path, '/');
@@ -305,7 +334,10 @@ static bool set_folder(struct rb_script *script, const char *path)
 	return script->folder != NULL;
 }
 
-/* The text of a source becomes the next of the scene's files; messages call it as its path does. */
+/*
+ * Makes the text of a source the next of the scene's files; messages name it as its path does.
+ * `what`: what it should be, for messages.
+ */
 static enum rb_status take_source(struct rb_script *script, const char *what, struct rb_error *err)
 {
 	const struct rb_script_options *options = script->options;
@@ -345,7 +377,10 @@ static enum rb_status take_source(struct rb_script *script, const char *what, st
 	return status;
 }
 
-/* Where driven bodies are at the start; a function that fails is a mistake like others. */
+/*
+ * Asks all motions where their bodies are at the start; a function that fails is a mistake like
+ * others.
+ */
 static enum rb_status start_driven(struct rb_script *script)
 {
 	struct rb_error err;
@@ -390,7 +425,7 @@ static enum rb_status run(struct rb_script *script, lua_CFunction part, struct r
 	return status;
 }
 
-/* With all that was noted on the way. */
+/* The status of all that was noted: RB_ERR_USAGE where all is of the command line. */
 static enum rb_status conclude(const struct rb_script *script, struct rb_error *err)
 {
 	const bool usage = script->usage_mistake_count == script->mistake_count;
@@ -401,7 +436,7 @@ static enum rb_status conclude(const struct rb_script *script, struct rb_error *
 }
 
 /*
- * What bodies may take, bytes: more than a million of them, or a quarter of a smaller machine's
+ * Bytes that bodies may take: more than a million of them, or a quarter of a smaller machine's
  * memory.
  */
 static size_t most_for_bodies(void)
@@ -413,6 +448,7 @@ static size_t most_for_bodies(void)
 	return share < most ? share : most;
 }
 
+/* Loads the scene of the options. */
 static enum rb_status load(struct rb_script *script, struct rb_error *err)
 {
 	const struct rb_script_options *options = script->options;
@@ -456,7 +492,7 @@ static enum rb_status load(struct rb_script *script, struct rb_error *err)
 	return RB_OK;
 }
 
-/* One source with what it is read with; all that is borrowed is given back. */
+/* Calls `part` with the options in place; all that is borrowed is given back. */
 static enum rb_status with_options(struct rb_script *script, enum rb_script_phase phase,
                                    const struct rb_script_options *options,
                                    enum rb_status (*part)(struct rb_script *, struct rb_error *),
@@ -491,6 +527,7 @@ enum rb_status rb_script_load(struct rb_script **script, struct rb_scene *scene,
 	return with_options(it, RB_PHASE_LOAD, options, load, err);
 }
 
+/* Loads the file of cameras of the options. */
 static enum rb_status add_cameras(struct rb_script *script, struct rb_error *err)
 {
 	enum rb_status status = take_source(script, "file of cameras", err);
@@ -508,6 +545,7 @@ enum rb_status rb_script_add_cameras(struct rb_script *script, const char *path,
 	struct rb_scene *const scene = script->scene;
 	const int camera_count = scene->camera_count, file_count = scene->file_count;
 
+	RB_ASSERT(script->phase == RB_PHASE_REST);
 	script->mistakes = mistakes;
 	script->mistake_count = script->usage_mistake_count = 0;
 	script->last_mistake = 0;

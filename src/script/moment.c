@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Three sources with the same functions, chosen at every call by what the script holds: a frame
+ * goes before a world, a world before the start. All derived numbers (energy, momenta, points) are
+ * computed once, from whatever the source knows, so that they mean the same everywhere.
+ */
 #include "script/moment.h"
 
 #include <math.h>
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "geom/mass.h"
 #include "math/quat.h"
 #include "model/validate.h"
@@ -20,8 +26,10 @@ struct source {
 	struct rb_frame_numbers (*numbers)(lua_State *L, const char *call, bool of_run);
 };
 
+/* The body's definition. */
 static const struct rb_body_def *definition(lua_State *L, int id)
 {
+	RB_ASSERT(id >= 0 && id < rb_script_of(L)->scene->body_count);
 	return &rb_script_of(L)->scene->bodies[id];
 }
 
@@ -113,7 +121,10 @@ static struct rb_frame_numbers world_numbers(lua_State *L, const char *call, boo
 
 /* ---- a frame ---- */
 
-/* The numbers of a body in a column; NULL: it has none there, because it never moves. */
+/*
+ * The numbers of a body in a column of the frame; NULL: it has none there, because it never moves.
+ * Raises an error where the frame lacks the column.
+ */
 static const double *row_of(lua_State *L, int id, const double *column, int width, const char *name)
 {
 	const struct rb_script *script = rb_script_of(L);
@@ -136,6 +147,7 @@ static rb_vec3 frame_position(lua_State *L, int id)
 	return row ? rb_vec3_from(row) : start_position(L, id);
 }
 
+/* Whether frames of this model have orientations; without rotation they stay as at the start. */
 static bool frame_turns(lua_State *L)
 {
 	return (rb_script_of(L)->frame_model->features & RB_FEATURE_ROTATION) != 0;
@@ -193,6 +205,7 @@ static struct rb_frame_numbers frame_numbers(lua_State *L, const char *call, boo
 
 /* ---- whichever it is ---- */
 
+/* What handles show now. */
 static const struct source *source_of(lua_State *L)
 {
 	static const struct source start = {
@@ -256,7 +269,7 @@ rb_mat3 rb_moment_inertia(lua_State *L, int id)
 	               : (rb_mat3){{{0}}};
 }
 
-/* Angular momentum about the centre of mass, world axes, of a free body. */
+/* Angular momentum of a free body about its centre of mass, kg m^2/s, world axes. */
 static rb_vec3 spin_momentum(lua_State *L, int id)
 {
 	const rb_mat3 inertia = rb_moment_inertia(L, id);

@@ -1,9 +1,21 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The restricted Damerau-Levenshtein distance (optimal string alignment): three rows of the table
+ * suffice. Words are near if they differ by one edit for two or three letters, two for up to seven,
+ * else three; a common beginning of three letters counts as near too, since abbreviations are the
+ * other usual mistake.
+ */
 #include "script/nearest.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
+
+/*
+ * Longer words are not compared: no name of the language is as long, and the time grows with the
+ * square.
+ */
 enum { WORD_MAX = 40 };
 
 static int least(int a, int b)
@@ -11,8 +23,10 @@ static int least(int a, int b)
 	return a < b ? a : b;
 }
 
-/* Edits (insert, delete, change, swap neighbours) between two words; words that are too long are
- * far apart. */
+/*
+ * Edits (insert, delete, change, swap neighbours) between two words; WORD_MAX, which is far apart,
+ * for words that are too long.
+ */
 static int distance_of(const char *a, size_t a_size, const char *b, size_t b_size)
 {
 	int rows[3][WORD_MAX + 1];
@@ -51,6 +65,7 @@ void rb_nearest_offer(struct rb_nearest *nearest, const char *candidate, size_t 
 	int distance = distance_of(nearest->word, word_size, candidate, size);
 	const int allowed = word_size <= 1 ? 0 : word_size <= 3 ? 1 : word_size <= 7 ? 2 : 3;
 
+	RB_ASSERT(nearest->word != NULL);
 	/* a word cut short, or written out: 'pos', 'angular' */
 	const size_t shorter = word_size < size ? word_size : size;
 	if (shorter >= 3 && memcmp(nearest->word, candidate, shorter) == 0 && distance > allowed)
@@ -71,6 +86,7 @@ void rb_nearest_offer(struct rb_nearest *nearest, const char *candidate, size_t 
 
 const char *rb_nearest_hint(const struct rb_nearest *nearest, char out[96])
 {
+	RB_ASSERT(strlen(nearest->best) < sizeof nearest->best);
 	out[0] = '\0';
 	if (nearest->best[0])
 		snprintf(out, 96, " (did you mean '%s'?)", nearest->best);

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * What the handler may do, in order of rising force as the ticks go on: set Lua's hook (allowed in
+ * a handler), which raises an error at the next instruction; jump out, if the interrupted code is
+ * Lua's own library; end the process. The jump is allowed only there, since Lua is written to be
+ * left by longjmp, but our own code and the allocator are not.
+ *
+ * Ticks count processor time of the thread, not wall time: a slow disk or a busy machine costs a
+ * scene nothing.
+ */
 #include "script/overtime.h"
 
 #include <errno.h>
@@ -13,13 +22,24 @@
 #include <ucontext.h>
 #include <unistd.h>
 
+#include "base/error.h"
+
+/*
+ * JUMP_TICKS: two ticks after the hook was set, in which an error would have ended the call.
+ * LAST_TICKS: after three times the seconds.
+ */
 enum { JUMP_TICKS = RB_OVERTIME_TICKS + 2, LAST_TICKS = 3 * RB_OVERTIME_TICKS };
 
+/* s: far beyond what any scene of the distribution takes to load. */
 static const double usual_seconds = 120;
 
 /* Set once, before any handler runs. */
 static pthread_once_t prepared_once = PTHREAD_ONCE_INIT;
 static double seconds;
+/*
+ * The code of Lua's library; empty where it is linked into our own, where the two cannot be told
+ * apart.
+ */
 static uintptr_t lua_from, lua_to; /* the code of Lua's library; empty where it is one with ours */
 static char last_words[160];
 
@@ -34,7 +54,10 @@ double rb_overtime_seconds(void)
 	return value > 0 && value < 1e9 ? value : usual_seconds;
 }
 
-/* Where the processor was when the signal came; 0: not known on this one. */
+/*
+ * Address at which the processor was when the signal came; 0: not known on this processor, so that
+ * no jump is made.
+ */
 static uintptr_t interrupted_at(const ucontext_t *context)
 {
 #if defined(__x86_64__)
@@ -47,6 +70,7 @@ static uintptr_t interrupted_at(const ucontext_t *context)
 #endif
 }
 
+/* Handler of the timer: see the top of this file. */
 static void tick(int number, siginfo_t *about, void *context)
 {
 	struct rb_overtime *const call = watched;
@@ -73,7 +97,9 @@ static void tick(int number, siginfo_t *about, void *context)
 	}
 }
 
-/* Finds the code of the library that Lua's functions are in. */
+/*
+ * For dl_iterate_phdr: finds the executable segment that Lua's functions are in. 1 ends the search.
+ */
 static int find_lua(struct dl_phdr_info *object, size_t size, void *user)
 {
 	(void)size;
@@ -94,12 +120,13 @@ static int find_lua(struct dl_phdr_info *object, size_t size, void *user)
 	return 0;
 }
 
-/* Timers do not follow into the child of a fork. */
+/* In the child after fork: timers are not inherited. */
 static void forget_timer(void)
 {
 	ticking = false;
 }
 
+/* What all threads share. */
 static void prepare_once(void)
 {
 	seconds = rb_overtime_seconds();
@@ -126,6 +153,7 @@ enum rb_status rb_overtime_prepare(struct rb_error *err)
 	struct itimerspec times = {0};
 	times.it_interval.tv_sec = (time_t)between;
 	times.it_interval.tv_nsec = (long)((between - floor(between)) * 1e9);
+	/* a timer of zero would not run; tests ask for fractions of a second */
 	if (times.it_interval.tv_sec == 0 && times.it_interval.tv_nsec < 1000000)
 		times.it_interval.tv_nsec = 1000000;
 	times.it_value = times.it_interval;
@@ -145,6 +173,7 @@ enum rb_status rb_overtime_prepare(struct rb_error *err)
 
 void rb_overtime_begin(struct rb_overtime *call)
 {
+	RB_ASSERT(watched == NULL && call->running && call->hook);
 	call->ticks = 0;
 	watched = call;
 }

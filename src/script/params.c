@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The type of a parameter is that of its default, so a text of the command line can be read without
+ * being told more. A value is checked at two times: while the scene runs, against Lua's values, and
+ * for a restart of a run, by rb_params_check_value, when there is no script: then against the texts
+ * that the scene's definition keeps.
+ */
 #include "script/params.h"
 
 #include <math.h>
@@ -8,14 +14,19 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "script/fields.h"
 #include "script/nearest.h"
 #include "script/sandbox.h"
 
+/*
+ * TEXT_MAX: of a value in messages and definitions of numbers; texts of a scene are kept whole.
+ * NAMES_MAX: of the list of parameters in a message.
+ */
 enum { TEXT_MAX = 256, NAMES_MAX = 512 };
 
-/* A value as it would be written: the shortest digits that read back as the same number. */
+/* Writes a value as the scene would: the shortest digits that read back as the same number. */
 static void value_text(lua_State *L, int index, char out[TEXT_MAX])
 {
 	switch (lua_type(L, index)) {
@@ -39,6 +50,7 @@ static void value_text(lua_State *L, int index, char out[TEXT_MAX])
 	}
 }
 
+/* The type that a default has. */
 static enum rb_param_type type_of(lua_State *L, int index)
 {
 	switch (lua_type(L, index)) {
@@ -62,8 +74,10 @@ static const char *given_text(const struct rb_script_options *options, const cha
 	return NULL;
 }
 
-/* Pushes the value that a text of the command line stands for; false with nothing pushed: it can't
- * be read as that type. */
+/*
+ * Pushes the value that a text stands for; false with nothing pushed: it cannot be read as that
+ * type.
+ */
 static bool push_given(lua_State *L, enum rb_param_type type, const char *text)
 {
 	lua_Integer whole;
@@ -101,7 +115,10 @@ static bool push_given(lua_State *L, enum rb_param_type type, const char *text)
 	return true;
 }
 
-/* A mistake in a value: of the command line, or of the scene's default. */
+/*
+ * Notes a mistake in a value: of the command line, which has a status of its own, or of the scene's
+ * default.
+ */
 static void value_mistake(struct rb_call *call, bool from_command_line, const char *name,
                           const char *wanted, const char *found)
 {
@@ -128,8 +145,10 @@ static bool is_chosen(lua_State *L, int index, int list)
 	return found;
 }
 
-/* Pushes "a, b, c" for the list of choices at the top of the stack; false: it is none, a mistake
- * was noted. */
+/*
+ * Pushes "a, b, c" for the list of choices on top of the stack; false: it is none, a mistake was
+ * noted.
+ */
 static bool push_choices(struct rb_call *call)
 {
 	lua_State *L = call->L;
@@ -163,8 +182,10 @@ static bool push_choices(struct rb_call *call)
 	return true;
 }
 
+/* A parameter's range in words; at least one bound is given. */
 static const char *range_text(const struct rb_param_def *def, char out[TEXT_MAX])
 {
+	RB_ASSERT(!(isnan(def->min) && isnan(def->max)));
 	if (isnan(def->max))
 		snprintf(out, TEXT_MAX, "at least %.12g", def->min);
 	else if (isnan(def->min))
@@ -174,8 +195,10 @@ static const char *range_text(const struct rb_param_def *def, char out[TEXT_MAX]
 	return out;
 }
 
-/* Range and choices of the value at `index`; false: a mistake was noted. `list`: where the choices
- * are, 0: none. */
+/*
+ * Checks range and choices of the value at `index`; false: a mistake was noted. `list`: index of
+ * the choices, 0: none.
+ */
 static bool allowed(struct rb_call *call, const struct rb_param_def *def, int index, int list,
                     bool from_command_line)
 {
@@ -198,8 +221,10 @@ static bool allowed(struct rb_call *call, const struct rb_param_def *def, int in
 	return true;
 }
 
-/* Arguments 1 to 4: name, default, help, what is allowed. False: a mistake that leaves nothing to
- * go on with. */
+/*
+ * Checks arguments 1 to 4: name, default, help, what is allowed. False: a mistake that leaves
+ * nothing to go on with.
+ */
 static bool check_arguments(struct rb_call *call)
 {
 	lua_State *L = call->L;
@@ -240,7 +265,7 @@ static bool check_arguments(struct rb_call *call)
 	return true;
 }
 
-/* What a text that can't be read as the type should have been. */
+/* What a text that cannot be read as the type should have been. */
 static void type_text(lua_State *L, enum rb_param_type type, const char *default_text,
                       const char *given, char out[TEXT_MAX])
 {
@@ -362,6 +387,7 @@ void rb_params_check(struct rb_script *script, bool whole)
 
 /* ---- values that are set while a run goes on ---- */
 
+/* lua_Alloc over base/memory. With block NULL, old_size is a kind of object. */
 static void *give_memory(void *user, void *block, size_t old_size, size_t size)
 {
 	(void)user;
@@ -372,7 +398,10 @@ static void *give_memory(void *user, void *block, size_t old_size, size_t size)
 	return rb_memory_grow(block, block ? old_size : 0, size, 1);
 }
 
-/* Whether "a, b, c" has a value; values are as value_text writes them. */
+/*
+ * Whether "a, b, c" has a value; values are as value_text writes them. One that holds ", " itself
+ * may be found across two choices, which is not worth a parser.
+ */
 static bool listed(const char *choices, const char *value)
 {
 	const size_t size = strlen(value);
@@ -386,8 +415,8 @@ static bool listed(const char *choices, const char *value)
 }
 
 /*
- * A Lua state of its own reads the text: what a number is, Lua says. Nothing here can raise an
- * error.
+ * Checks a text as a parameter's value. A Lua state of its own reads it: what a number is, Lua
+ * says. Nothing here can raise an error.
  */
 static enum rb_status check_value(lua_State *L, const struct rb_param_def *def, const char *text,
                                   struct rb_error *err)

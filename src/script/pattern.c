@@ -1,13 +1,25 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A backtracking matcher as in Lua's lstrlib.c: a pattern is walked together with the subject, and
+ * what can go on in several ways recurses. `steps` bounds the time, which can be exponential in the
+ * pattern, DEPTH_MAX the stack. A mistake is sticky: once set, everything returns at once.
+ */
 #include "script/pattern.h"
 
 #include <ctype.h>
 #include <string.h>
 
+#include "base/error.h"
+
+/*
+ * DEPTH_MAX: as MAXCCALLS of Lua. PLAIN_STEPS: a fraction of a second, for those who have no
+ * budget.
+ */
 enum { DEPTH_MAX = 200, PLAIN_STEPS = 10000000 };
 
 static const char *match_here(struct rb_match *m, const char *s, const char *p);
 
+/* Notes the first mistake; NULL, for the caller to return. */
 static const char *wrong(struct rb_match *m, const char *what)
 {
 	if (!m->mistake)
@@ -20,9 +32,10 @@ static int byte_at(const char *p)
 	return (unsigned char)*p;
 }
 
-/* For a walk along so many bytes: a set is as long as its author likes. */
+/* Takes steps for a walk along so many bytes; false: they are used up, or the call's time is. */
 static bool pay(struct rb_match *m, ptrdiff_t bytes)
 {
+	RB_ASSERT_COSTLY(bytes >= 0);
 	if (m->steps < (uint64_t)bytes || (m->overtime && rb_overtime_is_up(m->overtime))) {
 		m->steps = 0;
 		wrong(m, "the pattern takes too many steps on this text");
@@ -60,6 +73,9 @@ static const char *class_end(struct rb_match *m, const char *p)
 	return pay(m, p - set) ? p + 1 : NULL;
 }
 
+/*
+ * Whether a character is in the class %c named by `class`; of an upper-case one, whether it is not.
+ */
 static bool in_class(int c, int class)
 {
 	bool in;
@@ -101,7 +117,7 @@ static bool in_class(int c, int class)
 	return isupper(class) ? !in : in;
 }
 
-/* `p` at '[', `last` at its ']'. */
+/* Whether a character is in a set; `p` is at its '[', `last` at its ']'. */
 static bool in_set(int c, const char *p, const char *last)
 {
 	const bool inside = p[1] != '^';
@@ -124,6 +140,7 @@ static bool in_set(int c, const char *p, const char *last)
 	return !inside;
 }
 
+/* Whether the character at s matches the single item from p to `end`. */
 static bool single(struct rb_match *m, const char *s, const char *p, const char *end)
 {
 	if (!pay(m, *p == '[' ? end - p : 1) || s >= m->subject_end)
@@ -140,6 +157,7 @@ static bool single(struct rb_match *m, const char *s, const char *p, const char 
 	}
 }
 
+/* The end of a balanced text, %bxy with xy at p. */
 static const char *match_balance(struct rb_match *m, const char *s, const char *p)
 {
 	if (m->pattern_end - p < 2)
@@ -160,6 +178,7 @@ static const char *match_balance(struct rb_match *m, const char *s, const char *
 	return NULL;
 }
 
+/* As many repetitions of the item as can be, then fewer until the rest matches. */
 static const char *match_most(struct rb_match *m, const char *s, const char *p, const char *end)
 {
 	ptrdiff_t i = 0;
@@ -174,6 +193,7 @@ static const char *match_most(struct rb_match *m, const char *s, const char *p, 
 	return NULL;
 }
 
+/* As few repetitions of the item as the rest needs. */
 static const char *match_least(struct rb_match *m, const char *s, const char *p, const char *end)
 {
 	for (;; s++) {
@@ -185,6 +205,10 @@ static const char *match_least(struct rb_match *m, const char *s, const char *p,
 	}
 }
 
+/*
+ * Opens a capture at s and matches the rest; `what`: RB_CAPTURE_OPEN or RB_CAPTURE_POSITION. Undone
+ * when the rest does not match.
+ */
 static const char *capture_open(struct rb_match *m, const char *s, const char *p, ptrdiff_t what)
 {
 	if (m->capture_count >= RB_PATTERN_CAPTURES)
@@ -196,6 +220,7 @@ static const char *capture_open(struct rb_match *m, const char *s, const char *p
 	return end;
 }
 
+/* Closes the innermost open capture and matches the rest. */
 static const char *capture_close(struct rb_match *m, const char *s, const char *p)
 {
 	int i = m->capture_count - 1;
@@ -211,6 +236,7 @@ static const char *capture_close(struct rb_match *m, const char *s, const char *
 	return end;
 }
 
+/* The end of what equals capture `digit`. */
 static const char *match_again(struct rb_match *m, const char *s, int digit)
 {
 	const int i = digit - '1';
@@ -227,8 +253,10 @@ static const char *match_again(struct rb_match *m, const char *s, int digit)
 	return s + size;
 }
 
-/* At '%f[set]': a border between a character outside of the set and one in it. Behind the set, or
- * NULL. */
+/*
+ * %f[set] with the set at p: a border between a character outside of the set and one in it. Behind
+ * the set, or NULL.
+ */
 static const char *frontier(struct rb_match *m, const char *s, const char *p)
 {
 	if (p == m->pattern_end || *p != '[')
@@ -273,7 +301,7 @@ static const char *match_item(struct rb_match *m, const char **s, const char **p
 	}
 }
 
-/* At '%' with b, f or a digit. NULL with *go: goes on with *s and *p. */
+/* %b, %f or a back reference. NULL with *go: goes on with *s and *p. */
 static const char *match_special(struct rb_match *m, const char **s, const char **p, bool *go)
 {
 	const char what = (*p)[1];
@@ -296,6 +324,7 @@ static const char *match_special(struct rb_match *m, const char **s, const char 
 	return NULL;
 }
 
+/* Walks along the pattern until it ends or something recurses. The end of the match, or NULL. */
 static const char *match_steps(struct rb_match *m, const char *s, const char *p)
 {
 	for (;;) {
@@ -323,8 +352,10 @@ static const char *match_steps(struct rb_match *m, const char *s, const char *p)
 	}
 }
 
+/* match_steps with the depth counted. */
 static const char *match_here(struct rb_match *m, const char *s, const char *p)
 {
+	RB_ASSERT_COSTLY(m->depth >= 0);
 	if (m->depth >= DEPTH_MAX)
 		return wrong(m, "pattern too complex");
 	if (m->mistake)
@@ -338,6 +369,7 @@ static const char *match_here(struct rb_match *m, const char *s, const char *p)
 void rb_match_start(struct rb_match *match, const char *subject, size_t subject_size,
                     const char *pattern, size_t pattern_size, uint64_t steps)
 {
+	RB_ASSERT(subject && pattern);
 	match->subject = subject;
 	match->subject_end = subject + subject_size;
 	match->pattern_end = pattern + pattern_size;

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The function gives a table of bodies, by name or handle; each body is looked up in it, and only
+ * if the counts differ the table is searched for what no body has. So the usual case costs one
+ * look-up for each body.
+ */
 #include "script/reference.h"
 
 #include <math.h>
@@ -6,6 +11,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "script/call.h"
 #include "script/handles.h"
@@ -29,6 +35,10 @@ bool rb_script_has_reference(const struct rb_script *script)
 	return has;
 }
 
+/*
+ * The quaternion on top of the stack, made unit; raises an error unless its length is 1 within
+ * 1e-3, as for orientations of bodies.
+ */
 static rb_quat check_orientation(lua_State *L, const char *place, const char *body)
 {
 	double numbers[4];
@@ -46,7 +56,7 @@ static rb_quat check_orientation(lua_State *L, const char *place, const char *bo
 	return rb_quat_unit(rb_quat_from(numbers));
 }
 
-/* The table on top of the stack. */
+/* Reads the pose from the table on top of the stack; raises an error for what is none. */
 static void take_pose(lua_State *L, const char *place, const char *body,
                       struct rb_reference_pose *pose)
 {
@@ -80,7 +90,10 @@ static void take_pose(lua_State *L, const char *place, const char *body,
 	}
 }
 
-/* Bodies by name or by handle: pushes what the table at index 2 has of a body. */
+/*
+ * Pushes what the table at index 2 has for a body, by name or else by handle; false with nothing
+ * pushed: nothing.
+ */
 static bool push_body(lua_State *L, int id, const char *name)
 {
 	if (name) {
@@ -96,7 +109,9 @@ static bool push_body(lua_State *L, int id, const char *name)
 	return false;
 }
 
-/* A name that no body has would be measured nowhere without a word. */
+/*
+ * Raises an error for a key that is no body: it would otherwise be measured nowhere without a word.
+ */
 static void check_names(lua_State *L, const char *place, const struct rb_scene *scene)
 {
 	lua_pushnil(L);
@@ -111,6 +126,7 @@ static void check_names(lua_State *L, const char *place, const struct rb_scene *
 	}
 }
 
+/* Calls the function and fills the poses; in protected mode. */
 static int serve(lua_State *L)
 {
 	struct request *request = lua_touserdata(L, 1);
@@ -155,6 +171,7 @@ enum rb_status rb_script_reference(struct rb_script *script, struct rb_world *wo
 	lua_State *L = script->sandbox.L;
 	struct request request = {.time_s = time_s, .poses = poses};
 
+	RB_ASSERT(poses != NULL);
 	memset(poses, 0, (size_t)script->scene->body_count * sizeof *poses);
 	script->phase = RB_PHASE_LOOK;
 	script->world = world;

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The tables from which the checks, the messages and the manual's lists of keys are made; AT is the
+ * place of a key's value in the definition, HAND says that the call takes it itself. Tables are
+ * chained by `more`: a plane's keys are its own and then those of any body. The order is that of
+ * the manual.
+ */
 #include "script/rows.h"
 
 #include <stdio.h>
@@ -342,11 +348,13 @@ const char *rb_range_text(enum rb_row_range range)
 		[RB_RANGE_FOV] = "between 0 and pi, in radians: deg(45)",
 	};
 
+	RB_ASSERT(range < RB_RANGE_KIND_COUNT);
 	return texts[range];
 }
 
 size_t rb_choice_at(const char *choices, int k, const char **name)
 {
+	RB_ASSERT(k >= 0 && name);
 	while (choices && *choices) {
 		const size_t size = strcspn(choices, ",");
 		if (k-- == 0) {
@@ -386,9 +394,10 @@ static const char *const type_texts[RB_ROW_TYPE_COUNT] = {
 	[RB_ROW_LATER] = "not in this version",
 };
 
-/* An mdoc item; a '.' or a quote at the start of a line would be a request. */
+/* Prints an mdoc item; a '.' or a quote at the start of a line would be a request. */
 static void print_row(FILE *file, const struct rb_row *row)
 {
+	RB_ASSERT(row->type < RB_ROW_TYPE_COUNT);
 	fprintf(file, ".It Ic %s\n%s", row->key, type_texts[row->type]);
 	if (row->choices)
 		fprintf(file, "%s %s", row->type == RB_ROW_TEXTURE ? ", a file or one of" : "",
@@ -404,6 +413,7 @@ static void print_row(FILE *file, const struct rb_row *row)
 	fprintf(file, ".\nDefault: %s.\n", row->fallback);
 }
 
+/* Prints a table as an mdoc list between the marks by which the manual's check finds it. */
 static void print_table(FILE *file, const struct rb_row_table *table)
 {
 	fprintf(file, ".\\\" table %s\n.Bl -tag -width Ds -compact\n", table->name);
@@ -419,6 +429,7 @@ struct rb_row_table rb_rows_shape(const struct rb_shape_type *type)
 	return (struct rb_row_table){type->name, type->key, type->key_count, &rb_rows_body};
 }
 
+/* Place of a key among the rows so far; their count where it is new. */
 static int find_row(const struct rb_part_rows *rows, const char *key)
 {
 	int at = 0;
@@ -428,7 +439,7 @@ static int find_row(const struct rb_part_rows *rows, const char *key)
 	return at;
 }
 
-/* Adds the keys of one type, or its name to the help of a key that others have too. */
+/* Adds the keys of one type of part, or its name to the help of a key that others have too. */
 static void add_shape(struct rb_part_rows *rows, const struct rb_shape_type *type)
 {
 	const size_t used = strlen(rows->choices);
@@ -466,6 +477,7 @@ void rb_rows_part(struct rb_part_rows *rows)
 	rows->table = (struct rb_row_table){rows_part.name, rows->row, rows->count, &rows_part};
 }
 
+/* Prints the keys of each shape, then those of parts of unions. */
 static void print_shapes(FILE *file)
 {
 	struct rb_part_rows part;

@@ -1,4 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Three budgets, each enforced where Lua can be interrupted: memory in the allocator, instructions
+ * in the count hook and in rb_sandbox_charge, time in script/overtime. A budget that is used up
+ * stays so until the outermost call returns, because scripts can catch errors.
+ *
+ * The allocator is ours for two reasons: to count, and because a state that was left by a jump
+ * cannot be closed: its blocks are then freed from our own lists. Blocks up to 512 bytes come from
+ * chunks with one free list for each size; they are most of what a script takes, and never given
+ * back before the end.
+ */
 #include "script/sandbox.h"
 
 #include <stdio.h>
@@ -7,9 +17,16 @@
 #include <lauxlib.h>
 #include <lualib.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 
 enum {
+	/*
+	 * GRAIN: bytes, the alignment that Lua's values need. CHUNK_BYTES: some hundred objects.
+	 * HOOK_COUNT: instructions between two looks at the budget; its cost is then not
+	 * measurable. BYTES_PER_INSTRUCTION: what allocating costs, roughly that of clearing.
+	 * TRACEBACK_MAX: bytes that are kept of one.
+	 */
 	GRAIN = 16,
 	SMALL_MAX = GRAIN * RB_SANDBOX_CLASSES,
 	CHUNK_BYTES = 32768,
@@ -34,12 +51,16 @@ struct rb_sandbox_large {
 };
 _Static_assert(sizeof(struct rb_sandbox_large) % GRAIN == 0, "blocks keep their alignment");
 
-/* Small blocks are cut from chunks and kept in lists by size: base/memory zeroes, aligns and counts
- * each block, which is too dear for the millions of small ones that a script takes. */
+/*
+ * A block of class `class`, (class + 1) * GRAIN bytes; NULL: no memory. Small blocks are cut from
+ * chunks: base/memory zeroes, aligns and counts each block, which is too dear for the millions that
+ * a script takes.
+ */
 static void *small_take(struct rb_sandbox *sandbox, size_t class)
 {
 	void *block = sandbox->free_list[class];
 
+	RB_ASSERT_COSTLY(class < RB_SANDBOX_CLASSES);
 	if (block) {
 		memcpy(&sandbox->free_list[class], block, sizeof(void *));
 		return block;
@@ -58,6 +79,7 @@ static void *small_take(struct rb_sandbox *sandbox, size_t class)
 	return block;
 }
 
+/* A block of its own with a list's head before it; NULL: no memory. */
 static void *large_take(struct rb_sandbox *sandbox, size_t size)
 {
 	struct rb_sandbox_large *head = NULL;
@@ -73,6 +95,7 @@ static void *large_take(struct rb_sandbox *sandbox, size_t size)
 	return head + 1;
 }
 
+/* Frees a block of large_take. */
 static void large_give(struct rb_sandbox *sandbox, void *block)
 {
 	struct rb_sandbox_large *head = (struct rb_sandbox_large *)block - 1;
@@ -86,14 +109,18 @@ static void large_give(struct rb_sandbox *sandbox, void *block)
 	rb_memory_free(head);
 }
 
+/* A block of at least `size` bytes; NULL: no memory. */
 static void *block_take(struct rb_sandbox *sandbox, size_t size)
 {
+	RB_ASSERT_COSTLY(size > 0);
 	return size <= SMALL_MAX ? small_take(sandbox, (size - 1) / GRAIN)
 	                         : large_take(sandbox, size);
 }
 
+/* Gives a block of block_take back; `size` as it was asked for. */
 static void block_give(struct rb_sandbox *sandbox, void *block, size_t size)
 {
+	RB_ASSERT_COSTLY(block && size > 0);
 	if (size > SMALL_MAX) {
 		large_give(sandbox, block);
 		return;
@@ -103,6 +130,10 @@ static void block_give(struct rb_sandbox *sandbox, void *block, size_t size)
 	sandbox->free_list[class] = block;
 }
 
+/*
+ * Whether the state may grow from old_size to new_size bytes; charges work for it. `text`: it is
+ * for a string, which has a bound of its own.
+ */
 static bool within_budget(struct rb_sandbox *sandbox, size_t old_size, size_t new_size, bool text)
 {
 	if (new_size <= old_size || sandbox->trust)
@@ -164,7 +195,10 @@ struct rb_sandbox *rb_sandbox_of(lua_State *L)
 
 static void count_hook(lua_State *L, lua_Debug *activation);
 
-/* `level` of the Lua function to blame: 0 inside of a hook, 1 inside of a C function. */
+/*
+ * Raises the error of the budget that is used up. `level` of the Lua function to blame: 0 inside of
+ * a hook, 1 inside of a C function.
+ */
 static void raise_spent(lua_State *L, int level)
 {
 	const struct rb_sandbox *sandbox = rb_sandbox_of(L);
@@ -190,6 +224,7 @@ static void raise_spent(lua_State *L, int level)
 	lua_error(L);
 }
 
+/* Raises the error if a budget is used up, or was before. */
 static void verify(lua_State *L, int level)
 {
 	struct rb_sandbox *sandbox = rb_sandbox_of(L);
@@ -208,6 +243,7 @@ static void verify(lua_State *L, int level)
 	raise_spent(L, level);
 }
 
+/* Lua's count hook. */
 static void count_hook(lua_State *L, lua_Debug *activation)
 {
 	(void)activation;
@@ -258,6 +294,7 @@ void rb_sandbox_charge_body(lua_State *L, size_t bytes)
 	rb_sandbox_charge_bytes(L, bytes);
 }
 
+/* A state that finds its sandbox; NULL: no memory. */
 static lua_State *new_state(struct rb_sandbox *sandbox)
 {
 	lua_State *L = rb_lua_new(allocate, sandbox);
@@ -283,7 +320,8 @@ enum rb_status rb_sandbox_init(struct rb_sandbox *sandbox, size_t bytes_max, boo
 }
 
 /*
- * Finalizers (files of trusted scripts) may run here, without end if they wish: not ours to stop.
+ * Closes a state. Finalizers (files of trusted scripts) may run here, without end if they wish: not
+ * ours to stop.
  */
 static void close_state(lua_State *L)
 {
@@ -308,7 +346,7 @@ void rb_sandbox_release(struct rb_sandbox *sandbox)
 	*sandbox = (struct rb_sandbox){0};
 }
 
-/* An error object that is no text becomes one. */
+/* Replaces an error object at index 1 that is no text by one. */
 static void error_to_text(lua_State *L)
 {
 	if (luaL_getmetafield(L, 1, "__tostring") != LUA_TNIL) {
@@ -323,7 +361,10 @@ static void error_to_text(lua_State *L)
 	lua_replace(L, 1);
 }
 
-/* Message handler: leaves the message, keeps the traceback in the registry. */
+/*
+ * Message handler: leaves the message, keeps the traceback in the registry. Without memory for it
+ * there is none.
+ */
 static int keep_traceback(lua_State *L)
 {
 	if (lua_type(L, 1) != LUA_TSTRING)
@@ -335,7 +376,7 @@ static int keep_traceback(lua_State *L)
 	return 1;
 }
 
-/* The budget is for one call; it stays exhausted until then. */
+/* Begins the budget of an outermost call. */
 static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 {
 	sandbox->work = 0;
@@ -350,7 +391,7 @@ static void start_budget(struct rb_sandbox *sandbox, uint64_t instructions)
 		lua_sethook(sandbox->L, count_hook, LUA_MASKCOUNT, HOOK_COUNT);
 }
 
-/* In protected mode: the traceback out of the registry, cut. */
+/* In protected mode: takes the traceback out of the registry, cut. */
 static int fetch_traceback(lua_State *L)
 {
 	struct rb_sandbox *sandbox = rb_sandbox_of(L);
@@ -369,6 +410,10 @@ static int fetch_traceback(lua_State *L)
 	return 0;
 }
 
+/*
+ * Makes a status of Lua's error on top of the stack, which is taken off. Memory that the system
+ * refused is not the scene's fault.
+ */
 static enum rb_status explain(struct rb_sandbox *sandbox, int status, struct rb_error *err)
 {
 	lua_State *L = sandbox->L;
@@ -403,7 +448,7 @@ static int spent_text(lua_State *L)
 
 enum { STATUS_LOST = -1 };
 
-/* lua_pcall, out of which time leads too. */
+/* lua_pcall, out of which script/overtime may jump: STATUS_LOST. */
 static int timed_call(struct rb_sandbox *sandbox, int argument_count, int result_count, int handler)
 {
 	if (sigsetjmp(sandbox->overtime.way_out, 0) != 0)
@@ -424,6 +469,7 @@ static void lose(struct rb_sandbox *sandbox)
 	sandbox->work_max = UINT64_MAX;
 }
 
+/* Fails every call after the state was lost. */
 static enum rb_status refuse_lost(struct rb_sandbox *sandbox, struct rb_error *err)
 {
 	lua_settop(sandbox->L, 0);
@@ -440,6 +486,8 @@ enum rb_status rb_sandbox_call(struct rb_sandbox *sandbox, int argument_count, i
 	const int base = lua_gettop(L) - argument_count;
 	const bool outermost = sandbox->depth == 0, timed = outermost && !sandbox->trust;
 
+	RB_ASSERT(argument_count >= 0 && result_count >= 0);
+	RB_ASSERT(sandbox->depth >= 0);
 	if (sandbox->lost)
 		return refuse_lost(sandbox, err);
 	if (timed && rb_overtime_prepare(err) != RB_OK) {

@@ -1,18 +1,26 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Functions of the scene are kept in one table of the registry under consecutive numbers, so that
+ * the scene's C structs can hold an int where a Lua reference would need the state.
+ */
 #include "script/script.h"
 
 #include <string.h>
 
 #include <lauxlib.h>
 
+#include "base/error.h"
+
 static const char functions_key[] = "rbsim.functions";
 
 void rb_script_need(lua_State *L, enum rb_status status, const struct rb_error *err)
 {
+	RB_ASSERT(status == RB_OK || status == RB_ERR_MEMORY || err);
 	if (status == RB_OK)
 		return;
 	if (status == RB_ERR_MEMORY) {
 		rb_sandbox_of(L)->refused = true;
+		/* Lua's own words, by which sandbox/explain knows it */
 		luaL_error(L, "not enough memory");
 	}
 	luaL_error(L, "%s", err->text);
@@ -37,6 +45,7 @@ void rb_script_push_functions(lua_State *L)
 
 void rb_script_push_function(lua_State *L, int number)
 {
+	RB_ASSERT(number >= 1);
 	rb_script_push_functions(L);
 	lua_rawgeti(L, -1, number);
 	lua_remove(L, -2);

@@ -6,6 +6,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 #include "model/validate.h"
 #include "script/fields.h"
@@ -18,9 +19,13 @@
  */
 enum { WORK_A_POINT = 500 };
 
+/* Stands for a shape that is wrong, so that what depends on the body can still be checked. */
 static const struct rb_shape stand_in = {.kind = RB_SHAPE_SPHERE, .solid = -1, .radius = 1};
 
-/* Of a type's keys, which may be missing; false: a mistake was noted, or one was before. */
+/*
+ * Whether all keys of a type were given and right; notes those that are missing. False: a mistake
+ * was noted, here or before.
+ */
 static bool has_keys(struct rb_call *call, const struct rb_shape_type *type)
 {
 	bool all = true;
@@ -39,8 +44,8 @@ static bool has_keys(struct rb_call *call, const struct rb_shape_type *type)
 /* ---- hulls ---- */
 
 /*
- * Points of the list at `list` into memory that Lua owns, which is left on the stack; false: a
- * mistake was noted.
+ * Reads the points of the list at `list` into memory that Lua owns, which is left on the stack: an
+ * error in between may then jump. False: a mistake was noted.
  */
 static bool read_points(struct rb_call *call, int list, rb_vec3 **points, size_t *count)
 {
@@ -79,6 +84,7 @@ static bool read_points(struct rb_call *call, int list, rb_vec3 **points, size_t
 	return true;
 }
 
+/* Bytes that a solid takes, for the script's memory budget. */
 static size_t bytes_of(const struct rb_solid *solid)
 {
 	const size_t loops = solid->face_count > 0 ? (size_t)solid->face_first[solid->face_count]
@@ -90,7 +96,10 @@ static size_t bytes_of(const struct rb_solid *solid)
 	       (size_t)solid->part_count * sizeof *solid->parts;
 }
 
-/* Where a mistake of the scene is noted, and all else ends the loading; false: a mistake. */
+/*
+ * A status of the scene's as what it is: RB_ERR_SCENE becomes a mistake (false), everything else
+ * ends the loading.
+ */
 static bool take(struct rb_call *call, const char *key, enum rb_status status,
                  const struct rb_error *err)
 {
@@ -102,7 +111,7 @@ static bool take(struct rb_call *call, const char *key, enum rb_status status,
 	return true;
 }
 
-/* The hull of the points that `call` has been given; false: a mistake was noted. */
+/* Makes the hull of the points that the call was given; false: a mistake was noted. */
 static bool read_hull(struct rb_call *call, struct rb_shape *shape)
 {
 	struct rb_scene *scene = call->script->scene;
@@ -124,7 +133,10 @@ static bool read_hull(struct rb_call *call, struct rb_shape *shape)
 	return right;
 }
 
-/* The centroid is the centre of mass of what is pushed; what is not has none but its origin. */
+/*
+ * Sets the centre of mass of a body that is pushed to the solid's centroid, if the scene does not
+ * state one; of others the origin stays, which nothing uses.
+ */
 static void center(const struct rb_call *call, struct rb_body_def *def)
 {
 	if (rb_body_is_free(def) && !rb_call_tried(call, "center_of_mass"))
@@ -133,7 +145,7 @@ static void center(const struct rb_call *call, struct rb_body_def *def)
 
 /* ---- solids ---- */
 
-/* What the shape is made of, into the scene; false: a mistake was noted. */
+/* Puts what the shape is made of into the scene; false: a mistake was noted. */
 static bool make_solid(struct rb_call *call, struct rb_shape *shape)
 {
 	struct rb_scene *scene = call->script->scene;
@@ -171,7 +183,7 @@ void rb_shapes_sized(struct rb_call *call, struct rb_body_def *def)
 
 /* ---- unions ---- */
 
-/* Sizes that the part's type does not have. */
+/* Notes sizes that the part's type does not have. */
 static void check_part(struct rb_call *call, const struct rb_shape_type *type)
 {
 	for (int i = 1; i < call->table->count; i++) { /* 0 is `shape` */
@@ -190,14 +202,15 @@ static enum rb_shape_kind part_kind(int k)
 {
 	int kind = 0;
 
+	RB_ASSERT(k >= 0);
 	for (;; kind++)
 		if (rb_shape_types[kind]->is_part && k-- == 0)
 			return (enum rb_shape_kind)kind;
 }
 
 /*
- * One entry of `shapes`; its keys go to the places that a body's would. `density` is that of the
- * body.
+ * Reads one entry of `shapes`, with the rows of bodies. `density` is that of the body, kg/m^3: a
+ * part's share is relative to it. False: a mistake was noted.
  */
 static bool read_part(struct rb_call *call, double density, struct rb_solid_part *part)
 {
@@ -229,8 +242,8 @@ static bool read_part(struct rb_call *call, double density, struct rb_solid_part
 }
 
 /*
- * The list on top of the stack into memory that Lua owns, which is left there; NULL: a mistake was
- * noted.
+ * Reads the list on top of the stack into memory that Lua owns, which is left there; NULL: a
+ * mistake was noted.
  */
 static struct rb_solid_part *read_parts(struct rb_call *call, double density, size_t *count)
 {

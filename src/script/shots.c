@@ -6,12 +6,16 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/vec3.h"
 #include "script/call.h"
 #include "script/functions.h"
 #include "script/vector.h"
 
-/* What a call from outside hands to the protected function that serves it. */
+/*
+ * What a call from outside hands to the protected function that serves it. The value is copied out
+ * only when all went well.
+ */
 struct request {
 	const char *key;
 	int function;
@@ -20,6 +24,7 @@ struct request {
 	rb_vec3 value;
 };
 
+/* Calls the function with the time and takes its vector; in protected mode. */
 static int serve(lua_State *L)
 {
 	struct request *request = lua_touserdata(L, 1);
@@ -62,6 +67,10 @@ static enum rb_status ask(struct rb_script *script, struct request *request, str
 	return status;
 }
 
+/*
+ * The error, with the camera, the key and the time behind it. A camera without a name is named by
+ * its line.
+ */
 static enum rb_status tell(const struct rb_camera_def *camera, const struct request *request,
                            enum rb_status status, const struct rb_error *own, struct rb_error *err)
 {
@@ -93,6 +102,7 @@ enum rb_status rb_script_shot(struct rb_script *script, const struct rb_model *m
 	const enum rb_script_phase phase = script->phase;
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(frame && model && shot);
 	script->phase = RB_PHASE_LOOK;
 	script->frame = frame;
 	script->frame_model = model;

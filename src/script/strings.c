@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * As in Lua's lstrlib.c, with two differences: every search counts its steps against the script's
+ * budget, and its texts are never owned by C, because any call into Lua may jump. In gmatch and
+ * gsub the steps are settled after each match, since a callback in between may use up the same
+ * budget.
+ */
 #include "script/strings.h"
 
 #include <stdbool.h>
@@ -7,10 +13,14 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "script/pattern.h"
 #include "script/sandbox.h"
 
-/* Position of a 1-based start that may be negative, as a 0-based offset in [0, size + 1]. */
+/*
+ * A 1-based start that may be negative, as a 0-based offset in [0, size + 1]; size + 1 is behind
+ * the end.
+ */
 static size_t start_offset(lua_Integer start, size_t size)
 {
 	if (start > 0)
@@ -21,8 +31,10 @@ static size_t start_offset(lua_Integer start, size_t size)
 	                                                     : 0;
 }
 
-/* A step of the matcher costs as much as an instruction. Charges those taken since there were
- * `before`; raises the pattern's mistake. */
+/*
+ * Charges the steps taken since there were `before`, each as one instruction; raises the pattern's
+ * mistake.
+ */
 static void settle(lua_State *L, const struct rb_match *match, uint64_t before)
 {
 	rb_sandbox_charge(L, before - match->steps + (match->steps == 0));
@@ -30,7 +42,7 @@ static void settle(lua_State *L, const struct rb_match *match, uint64_t before)
 		luaL_error(L, "%s", match->mistake);
 }
 
-/* The match at `at`, its steps charged; NULL: none. */
+/* The end of the match at `at`, with its steps charged; NULL: none. */
 static const char *charged_match(lua_State *L, struct rb_match *match, const char *at,
                                  const char *pattern)
 {
@@ -41,9 +53,11 @@ static const char *charged_match(lua_State *L, struct rb_match *match, const cha
 	return end;
 }
 
+/* Pushes capture i, or the whole match where there are none and i is 0. */
 static void push_capture(lua_State *L, const struct rb_match *match, int i, const char *start,
                          const char *end)
 {
+	RB_ASSERT(i >= 0);
 	if (i >= match->capture_count) {
 		if (i != 0)
 			luaL_error(L, "invalid capture index %%%d", i + 1);
@@ -57,6 +71,7 @@ static void push_capture(lua_State *L, const struct rb_match *match, int i, cons
 	}
 }
 
+/* Pushes all captures, the whole match where there are none but one is wanted; how many. */
 static int push_captures(lua_State *L, const struct rb_match *match, const char *start,
                          const char *end, int least)
 {
@@ -68,12 +83,17 @@ static int push_captures(lua_State *L, const struct rb_match *match, const char 
 	return count;
 }
 
+/*
+ * string.find without a pattern. Charged by bytes, 16 to an instruction, about what memmem
+ * compares.
+ */
 static int find_plain(lua_State *L, const char *text, size_t size, size_t offset, const char *what,
                       size_t what_size)
 {
 	const char *found = what_size ? memmem(text + offset, size - offset, what, what_size)
 	                              : text + offset;
 
+	RB_ASSERT(offset <= size);
 	rb_sandbox_charge(L, (found ? (size_t)(found - text) - offset : size - offset) / 16);
 	if (!found) {
 		lua_pushnil(L);
@@ -84,6 +104,7 @@ static int find_plain(lua_State *L, const char *text, size_t size, size_t offset
 	return 2;
 }
 
+/* string.find and string.match. */
 static int find_or_match(lua_State *L, bool find)
 {
 	size_t size, pattern_size;
@@ -134,7 +155,10 @@ static int l_match(lua_State *L)
 	return find_or_match(L, false);
 }
 
-/* Upvalues: text, pattern, where to go on, where the last match ended (-1: none). */
+/*
+ * Iterator of gmatch. Upvalues: text, pattern, where to go on, where the last match ended (-1:
+ * none), so that an empty match is not found there again.
+ */
 static int gmatch_step(lua_State *L)
 {
 	size_t size, pattern_size;
@@ -172,6 +196,7 @@ static int l_gmatch(lua_State *L)
 	return 1;
 }
 
+/* Adds the replacement text of argument 3 with its %0 to %9 replaced. */
 static void add_template(lua_State *L, luaL_Buffer *out, const struct rb_match *match,
                          const char *start, const char *end)
 {
@@ -199,7 +224,10 @@ static void add_template(lua_State *L, luaL_Buffer *out, const struct rb_match *
 	}
 }
 
-/* Adds what stands for the match; the replacement is argument 3. */
+/*
+ * Adds what stands for a match: the text, or what the table or function of argument 3 gives; false
+ * and nil keep the match.
+ */
 static void add_replacement(lua_State *L, luaL_Buffer *out, const struct rb_match *match,
                             const char *start, const char *end)
 {

@@ -1,13 +1,19 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A texture becomes a file of the scene, so that a recording holds it and can be filmed elsewhere.
+ * Only the first bytes are looked at here: enough to refuse what is no PNG file or has more pixels
+ * than any graphics library takes; decoding is left to film/, which checks everything.
+ */
 #include "script/textures.h"
 
 #include <string.h>
 
+#include "base/error.h"
 #include "base/hash.h"
 #include "film/png.h"
 #include "script/disk.h"
 
-/* With that, names in a recording stay shorter than its readers take. */
+/* Names in a recording stay shorter than its readers take. */
 enum { NAME_MAX_BYTES = 120 };
 
 /*
@@ -16,6 +22,7 @@ enum { NAME_MAX_BYTES = 120 };
  */
 enum { SIGNATURE_SIZE = 8, WIDTH_AT = 16, HEIGHT_AT = 20, HEAD_SIZE = 33 };
 
+/* Four bytes as PNG has them. */
 static uint32_t big_endian(const char *bytes)
 {
 	uint32_t value = 0;
@@ -25,12 +32,13 @@ static uint32_t big_endian(const char *bytes)
 	return value;
 }
 
+/* Whether the bytes begin with the signature of PNG. */
 static bool is_png(const char *bytes, size_t size)
 {
 	return size >= SIGNATURE_SIZE && memcmp(bytes, "\x89PNG\r\n\x1a\n", SIGNATURE_SIZE) == 0;
 }
 
-/* Bytes that nobody vouches for; false: a mistake was noted. */
+/* Looks at bytes that nobody vouches for; false: a mistake was noted. */
 static bool check(const struct rb_call *call, const char *key, const char *name, const char *bytes,
                   size_t size)
 {
@@ -57,7 +65,7 @@ static bool check(const struct rb_call *call, const char *key, const char *name,
 	return false;
 }
 
-/* A file of that name; NULL: none. The first one of a list is the scene itself. */
+/* The file of that name; NULL: none. The first one of a list is the scene itself. */
 static const struct rb_source_file *named(const struct rb_source_file *files, int count,
                                           const char *name)
 {
@@ -67,6 +75,7 @@ static const struct rb_source_file *named(const struct rb_source_file *files, in
 	return NULL;
 }
 
+/* Checks the bytes and copies them into the scene; false: a mistake was noted. */
 static bool add(struct rb_call *call, const char *key, const char *name, const char *bytes,
                 size_t size)
 {
@@ -83,7 +92,7 @@ static bool add(struct rb_call *call, const char *key, const char *name, const c
 	return true;
 }
 
-/* Without a file on disk: a scene that was recorded brings its own. */
+/* Takes the file from those that came with a recorded scene; false: a mistake was noted. */
 static bool take_stored(struct rb_call *call, const char *key, const char *name)
 {
 	const struct rb_script_options *options = call->script->options;
@@ -96,6 +105,7 @@ static bool take_stored(struct rb_call *call, const char *key, const char *name)
 	return false;
 }
 
+/* Takes the file from the scene's folder; false: a mistake was noted. */
 static bool take_from_disk(struct rb_call *call, const char *key, const char *name)
 {
 	struct rb_script *script = call->script;
@@ -124,6 +134,7 @@ bool rb_texture_take(struct rb_call *call, const char *key, const char *name)
 {
 	const struct rb_scene *scene = call->script->scene;
 
+	RB_ASSERT(key && name);
 	if (strlen(name) > NAME_MAX_BYTES) {
 		rb_call_mistake(call, "'%s' must be a path of at most %d bytes (got %zu)", key,
 		                NAME_MAX_BYTES, strlen(name));

@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One function for each type of row. Each either writes the value and returns true, or notes one
+ * mistake with what was wanted and what was found; it never raises an error. Comparisons are
+ * written so that NAN is refused.
+ */
 #include "script/values.h"
 
 #include <float.h>
@@ -8,6 +13,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "geom/mass.h"
 #include "math/quat.h"
 #include "script/disk.h"
@@ -15,6 +21,7 @@
 #include "script/textures.h"
 #include "script/vector.h"
 
+/* Whether a number lies in a range; false for NAN. */
 static bool in_range(enum rb_row_range range, double value)
 {
 	switch (range) {
@@ -39,6 +46,7 @@ static bool in_range(enum rb_row_range range, double value)
 	}
 }
 
+/* Notes what a key must be and what was found; false, for the caller to return. */
 static bool is_wrong(struct rb_call *call, const struct rb_row *row, int index, const char *wanted)
 {
 	char found[80];
@@ -48,6 +56,7 @@ static bool is_wrong(struct rb_call *call, const struct rb_row *row, int index, 
 	return false;
 }
 
+/* The same for a number that is not in the row's range. */
 static bool out_of_range(struct rb_call *call, const struct rb_row *row, int index)
 {
 	const char *range = rb_range_text(row->range);
@@ -137,6 +146,7 @@ static bool read_file(struct rb_call *call, const struct rb_row *row, int index,
 	return true;
 }
 
+/* Whether a text is one of the choices. */
 static bool is_choice(const char *choices, const char *text)
 {
 	const char *name;
@@ -148,6 +158,7 @@ static bool is_choice(const char *choices, const char *text)
 	return false;
 }
 
+/* A built-in pattern's name, or a PNG file beside the scene. */
 static bool read_texture(struct rb_call *call, const struct rb_row *row, int index,
                          const char **value)
 {
@@ -182,12 +193,14 @@ static bool read_texture(struct rb_call *call, const struct rb_row *row, int ind
 	return true;
 }
 
+/* A list of row->count finite numbers in range. */
 static bool read_numbers(struct rb_call *call, const struct rb_row *row, int index, double *values)
 {
 	double numbers[16];
 	char wanted[48];
 	int found;
 
+	RB_ASSERT(row->count > 0 && row->count <= 16);
 	if (!rb_vector_numbers(call->L, index, row->count, numbers, &found)) {
 		if (row->type == RB_ROW_VECTOR || row->type == RB_ROW_SOURCE)
 			return is_wrong(call, row, index,
@@ -207,6 +220,7 @@ static bool read_numbers(struct rb_call *call, const struct rb_row *row, int ind
 	return true;
 }
 
+/* A vector; with RB_RANGE_NOT_ZERO one with a length that can be made 1. */
 static bool read_vector(struct rb_call *call, const struct rb_row *row, int index, rb_vec3 *value)
 {
 	struct rb_row three = *row;
@@ -222,10 +236,12 @@ static bool read_vector(struct rb_call *call, const struct rb_row *row, int inde
 	return true;
 }
 
+/* A list of whole numbers. */
 static bool read_integers(struct rb_call *call, const struct rb_row *row, int index, int *values)
 {
 	double numbers[16];
 
+	RB_ASSERT(row->count > 0 && row->count <= 16);
 	if (!read_numbers(call, row, index, numbers))
 		return false;
 	for (int i = 0; i < row->count; i++)
@@ -305,7 +321,7 @@ static bool read_color(struct rb_call *call, const struct rb_row *row, int index
 	return true;
 }
 
-/* The place of the text at `index` among the row's choices; -1: a mistake was noted. */
+/* Place of the text at `index` among the row's choices; -1: a mistake was noted. */
 static int read_choice(struct rb_call *call, const struct rb_row *row, int index)
 {
 	struct rb_nearest nearest;
@@ -345,6 +361,10 @@ bool rb_flags_add(lua_State *L, int index)
 	return adds;
 }
 
+/*
+ * A text or a list of texts as bits by their place; a list that begins with "+" adds to the value
+ * that is there.
+ */
 static bool read_flags(struct rb_call *call, const struct rb_row *row, int index, unsigned *value)
 {
 	lua_State *L = call->L;
@@ -422,6 +442,7 @@ int rb_body_named(lua_State *L, const char *name, char hint[96])
 	return -1;
 }
 
+/* A body's handle, or the name of one that is there already. */
 static bool read_body(struct rb_call *call, const struct rb_row *row, int index, int *value)
 {
 	int id = rb_handle_id(call->L, index);
@@ -442,6 +463,7 @@ static bool read_body(struct rb_call *call, const struct rb_row *row, int index,
 	return true;
 }
 
+/* A function, kept under a number. */
 static bool read_function(struct rb_call *call, const struct rb_row *row, int index, int *value)
 {
 	if (lua_type(call->L, index) != LUA_TFUNCTION)
@@ -450,6 +472,7 @@ static bool read_function(struct rb_call *call, const struct rb_row *row, int in
 	return true;
 }
 
+/* A vector of a camera: fixed, a body, or a function of time. */
 static bool read_source(struct rb_call *call, const struct rb_row *row, int index,
                         struct rb_camera_vector *value)
 {
@@ -468,6 +491,7 @@ static bool read_source(struct rb_call *call, const struct rb_row *row, int inde
 	return true;
 }
 
+/* Three principal moments, or a whole matrix, kg m^2, that a body can have. */
 static bool read_inertia(struct rb_call *call, const struct rb_row *row, int index, rb_mat3 *value)
 {
 	static const char wanted[] = "{Ix, Iy, Iz} or three rows of three numbers";
@@ -512,6 +536,7 @@ bool rb_call_value(struct rb_call *call, const struct rb_row *row, int index, vo
 {
 	int k;
 
+	RB_ASSERT(row && place);
 	index = lua_absindex(call->L, index);
 	switch (row->type) {
 	case RB_ROW_NUMBER:

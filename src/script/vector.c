@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A vector is a plain table with a metatable, not userdata: scenes write {0, 0, 1} everywhere, and
+ * both must be the same thing. All access is raw, so no metamethod of the scene's runs inside of
+ * ours.
+ */
 #include "script/vector.h"
 
 #include <float.h>
@@ -7,6 +12,7 @@
 
 #include <lauxlib.h>
 
+#include "base/error.h"
 #include "math/quat.h"
 
 void rb_vector_push(lua_State *L, rb_vec3 v)
@@ -26,6 +32,7 @@ bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *
 	int found = 0;
 	bool plain = lua_type(L, index) == LUA_TTABLE;
 
+	RB_ASSERT(count >= 0 && values);
 	index = lua_absindex(L, index);
 	while (plain && found <= count) {
 		const int type = lua_rawgeti(L, index, found + 1);
@@ -49,7 +56,7 @@ bool rb_vector_numbers(lua_State *L, int index, int count, double *values, int *
 	return keys == count;
 }
 
-/* {axis = {x, y, z}, angle = radians} and nothing else. */
+/* Reads {axis = {x, y, z}, angle = radians} and nothing else into the axis and the angle. */
 static bool axis_and_angle(lua_State *L, int index, double numbers[4])
 {
 	for (lua_pushnil(L); lua_next(L, index); lua_pop(L, 1)) {
@@ -96,6 +103,9 @@ enum rb_turn rb_vector_turn(lua_State *L, int index, rb_quat *value, struct rb_t
 	const rb_vec3 axis = rb_vec3_from(n);
 	if (!rb_vec3_finite(axis) || !isfinite(n[3]))
 		return RB_TURN_NOT_FINITE;
+	/*
+	 * smaller ones cannot be scaled to length 1 exactly enough; the comparison also refuses NAN
+	 */
 	if (!(rb_vec3_max_abs(axis) >= DBL_MIN))
 		return RB_TURN_NO_AXIS;
 	const rb_vec3 unit = rb_vec3_unit(axis, axis);
@@ -104,6 +114,7 @@ enum rb_turn rb_vector_turn(lua_State *L, int index, rb_quat *value, struct rb_t
 	return RB_TURN_RIGHT;
 }
 
+/* Reads a vector; false: it is none, `v` is then not to be used. */
 static bool get(lua_State *L, int index, rb_vec3 *v)
 {
 	double values[3] = {0};
@@ -125,7 +136,7 @@ rb_vec3 rb_vector_check(lua_State *L, int index, const char *what)
 	return v;
 }
 
-/* Operand of an operator. */
+/* An operand of an operator, or an error that names it. */
 static rb_vec3 operand(lua_State *L, int index, const char *operator)
 {
 	rb_vec3 v;
