@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Everything that is known before the first frame. Columns of structs (materials, bodies, cameras,
+ * forces) are described by tables of cells, name, kind and offset, and written by one function;
+ * what needs more than a copy has a function of its own. A table that is empty, or a feature that
+ * the scene lacks, leaves no dataset.
+ */
 #include "sink/h5about.h"
 
 #include "base/error.h"
@@ -102,6 +108,7 @@ struct rows {
 	size_t count, stride;
 };
 
+/* Records a failure, unless one stands already. */
 static void no_memory(struct rb_h5 *h5, const char *path)
 {
 	if (!h5->status)
@@ -109,6 +116,7 @@ static void no_memory(struct rb_h5 *h5, const char *path)
 		                     path);
 }
 
+/* Writes one column of an array of structs. */
 static void put_cells(struct rb_h5 *h5, const struct rows *rows, const struct cell *cell)
 {
 	static const size_t size_of[] = {sizeof(double), sizeof(int), sizeof(bool), sizeof(char *)};
@@ -116,6 +124,7 @@ static void put_cells(struct rb_h5 *h5, const struct rows *rows, const struct ce
 	const size_t bytes = size_of[cell->kind] * (size_t)cell->width;
 	char path[160];
 
+	RB_ASSERT(cell->width > 0);
 	snprintf(path, sizeof path, "%s/%s", rows->group, cell->name);
 	unsigned char *column = rb_memory_take(rows->count, bytes);
 	if (!column) {
@@ -136,6 +145,7 @@ static void put_cells(struct rb_h5 *h5, const struct rows *rows, const struct ce
 	rb_memory_free(column);
 }
 
+/* Writes a group with all columns of an array; an empty array leaves an empty group. */
 static void put_table(struct rb_h5 *h5, const struct rows *rows, const struct cell *cells,
                       size_t cell_count)
 {
@@ -146,6 +156,7 @@ static void put_table(struct rb_h5 *h5, const struct rows *rows, const struct ce
 
 #define COUNT(array) (sizeof(array) / sizeof(array)[0])
 
+/* What H5MD 1.1 asks for at the root. */
 static void put_h5md(struct rb_h5 *h5, const struct rb_run_info *info)
 {
 	rb_h5_group(h5, "/h5md");
@@ -161,7 +172,10 @@ static void put_h5md(struct rb_h5 *h5, const struct rb_run_info *info)
 	rb_h5_attribute_text(h5, "/h5md/modules/units", "system", "SI");
 }
 
-/* H5MD wants one text per axis. */
+/*
+ * The simulation box of H5MD, which we have not: no dimension is periodic. H5MD wants one text for
+ * each axis.
+ */
 static void put_box(struct rb_h5 *h5)
 {
 	static const char none[3][4] = {
@@ -186,13 +200,14 @@ static void put_box(struct rb_h5 *h5)
 	rb_h5_done(box);
 }
 
-/* id and species of the indices [first, first + count) */
+/* Writes id and species (material) of the indices [first, first + count). */
 static void put_who(struct rb_h5 *h5, const struct rb_model *model, const char *group, int first,
                     int count)
 {
 	char path[80];
 	int *species = rb_memory_take((size_t)count, sizeof *species);
 
+	RB_ASSERT(first >= 0 && count >= 0);
 	if (!species) {
 		no_memory(h5, group);
 		return;
@@ -207,6 +222,7 @@ static void put_who(struct rb_h5 *h5, const struct rb_model *model, const char *
 	rb_memory_free(species);
 }
 
+/* Writes what moving bodies keep over the run. */
 static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const hsize_t count = (hsize_t)model->body_count;
@@ -232,6 +248,7 @@ static void put_bodies(struct rb_h5 *h5, const struct rb_model *model)
 		          (rb_h5_shape){2, {count, 4}}, model->orientation);
 }
 
+/* Writes the bodies that never move. */
 static void put_statics(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const hsize_t count = (hsize_t)model->static_count;
@@ -245,6 +262,10 @@ static void put_statics(struct rb_h5 *h5, const struct rb_model *model)
 	          model->orientation + model->body_count);
 }
 
+/*
+ * Writes a parameter as a value of its type, with its text and all that the scene says of it as
+ * attributes.
+ */
 static void put_param(struct rb_h5 *h5, const struct rb_param_def *param)
 {
 	char name[256], path[300];
@@ -277,7 +298,10 @@ static void put_param(struct rb_h5 *h5, const struct rb_param_def *param)
 		rb_h5_attribute_text(h5, path, "choices", param->choices);
 }
 
-/* Texts end at their first zero byte for many readers: what has one is kept as numbers. */
+/*
+ * Writes a file of the scene. Texts end at their first zero byte for many readers: what has one is
+ * kept as numbers.
+ */
 static void put_source(struct rb_h5 *h5, const char *path, const struct rb_source_file *file)
 {
 	const size_t size = file->size_bytes;
@@ -292,6 +316,7 @@ static void put_source(struct rb_h5 *h5, const char *path, const struct rb_sourc
 	rb_h5_attribute_text(h5, path, "sha256", sha256);
 }
 
+/* Writes parameters and files, in the order of the scene. */
 static void put_scene(struct rb_h5 *h5, const struct rb_scene *scene)
 {
 	char name[400], path[440];
@@ -311,7 +336,7 @@ static void put_scene(struct rb_h5 *h5, const struct rb_scene *scene)
 	}
 }
 
-/* Which bodies a function of time moves, by id; absent where there is none. */
+/* Writes which bodies a function of time moves, by id; absent where there is none. */
 static void put_driven(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const size_t count = (size_t)model->scene->body_count;
@@ -330,8 +355,8 @@ static void put_driven(struct rb_h5 *h5, const struct rb_model *model)
 }
 
 /*
- * Who meets whom, by id: those that have each other's bit of `group` in `collides_with`. Absent
- * without such filters.
+ * Writes who meets whom, by id: those that have each other's bit of `group` in `collides_with`.
+ * Absent without such filters.
  */
 static void put_filters(struct rb_h5 *h5, const struct rb_model *model)
 {
@@ -354,7 +379,7 @@ static void put_filters(struct rb_h5 *h5, const struct rb_model *model)
 	rb_memory_free(column);
 }
 
-/* Those that bodies have of their own; `body` is an id. */
+/* Writes the forces that bodies have of their own; `body` is an id. */
 static void put_own_forces(struct rb_h5 *h5, const struct rb_scene *scene)
 {
 	const size_t count = (size_t)scene->force_count;
@@ -376,7 +401,7 @@ static void put_own_forces(struct rb_h5 *h5, const struct rb_scene *scene)
 	rb_memory_free(body);
 }
 
-/* A dataset for each key of the kind. */
+/* Writes a group for a kind of force element, with a dataset for each of its keys. */
 static void put_elements(struct rb_h5 *h5, const struct rb_elements *elements)
 {
 	static const struct {
@@ -404,7 +429,7 @@ static void put_elements(struct rb_h5 *h5, const struct rb_elements *elements)
 	}
 }
 
-/* Forces between and on bodies; a scene without them has none of these groups. */
+/* Writes forces between and on bodies; a scene without them has none of these groups. */
 static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 {
 	const struct rb_scene *scene = model->scene;
@@ -416,6 +441,7 @@ static void put_forces(struct rb_h5 *h5, const struct rb_model *model)
 		rb_h5_put_i64(h5, "/rbsim/fields", scene->field_count);
 }
 
+/* Writes the tables of materials, bodies, forces and cameras. */
 static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const struct rb_scene *scene)
 {
 	static const struct cell name = {"names", CELL_TEXT, 1, offsetof(struct rb_body_def, name),
@@ -464,6 +490,7 @@ static void put_tables(struct rb_h5 *h5, const struct rb_model *model, const str
 /* Position (of a sun, direction), kind, colour, intensity, look_at, angle, softness. */
 enum { LIGHT_CELLS = 13 };
 
+/* Writes the lights of all cameras as one table of numbers. */
 static void put_lights(struct rb_h5 *h5, const struct rb_scene *scene)
 {
 	const size_t count = (size_t)scene->camera_count;
@@ -492,6 +519,7 @@ static void put_lights(struct rb_h5 *h5, const struct rb_scene *scene)
 	rb_memory_free(lights);
 }
 
+/* Writes what identifies the run. */
 static void put_run(struct rb_h5 *h5, const struct rb_run_info *info)
 {
 	const struct rb_model *const model = info->model;
@@ -534,6 +562,7 @@ static void put_run(struct rb_h5 *h5, const struct rb_run_info *info)
 
 void rb_about_write(struct rb_h5 *h5, const struct rb_run_info *info)
 {
+	RB_ASSERT(info->model && info->scene);
 	put_h5md(h5, info);
 	put_bodies(h5, info->model);
 	put_statics(h5, info->model);

@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Two passes: sizes first, because a virtual dataset needs its whole shape when it is made; then
+ * one virtual dataset for each quantity, whose rows are the datasets of the recordings. Recordings
+ * that are shorter, or missing, read as NAN. Names of the files are relative to the collection, so
+ * that folder and collection can be moved together.
+ */
 #include "sink/h5collect.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "sink/h5input.h"
 #include "sink/h5output.h"
@@ -51,6 +58,7 @@ struct collect {
 
 /* ---- what the recordings have ---- */
 
+/* Sizes of the datasets of a recording; rank 0 where there is none. */
 static void measure(struct sizes *sizes, const char *name)
 {
 	struct rb_input input;
@@ -73,6 +81,7 @@ static void measure(struct sizes *sizes, const char *name)
 	rb_input_close(&input);
 }
 
+/* Measures all recordings, and the largest size of each dataset. */
 static void measure_all(struct collect *collect)
 {
 	const struct rb_collection *const c = collect->collection;
@@ -95,6 +104,7 @@ static void measure_all(struct collect *collect)
 
 /* ---- tables ---- */
 
+/* Writes the tables of the sweep. */
 static void put_tables(struct collect *collect)
 {
 	const struct rb_table *const table = collect->collection->table;
@@ -118,7 +128,7 @@ static void put_tables(struct collect *collect)
 
 /* ---- views ---- */
 
-/* A row of a view is a recording's dataset, or the last frame of it. */
+/* Maps a recording's dataset, or its last frame, to a row of a view. False: the library failed. */
 static bool add_source(struct collect *collect, hid_t properties, hid_t whole, int view, bool last,
                        uint64_t row)
 {
@@ -129,6 +139,7 @@ static bool add_source(struct collect *collect, hid_t properties, hid_t whole, i
 	hsize_t from[RANK_MAX + 1] = {row}, count[RANK_MAX + 1] = {1}, part[RANK_MAX];
 	const hsize_t begin[RANK_MAX] = {last ? size[0] - 1 : 0};
 
+	RB_ASSERT(view >= 0 && view < VIEW_COUNT && row < collect->collection->table->rows);
 	for (int k = 0; k < rank; k++)
 		part[k] = size[k];
 	for (int k = first; k < rank; k++)
@@ -146,6 +157,7 @@ static bool add_source(struct collect *collect, hid_t properties, hid_t whole, i
 	return right;
 }
 
+/* Makes one view; `last`: of the last frames. Nothing where no recording has such a dataset. */
 static void put_view(struct collect *collect, int view, bool last)
 {
 	const char *const path = last ? views[view].end : views[view].path;
@@ -153,6 +165,7 @@ static void put_view(struct collect *collect, int view, bool last)
 	const int rank = collect->most.rank[view], first = last ? 1 : 0;
 	hsize_t all[RANK_MAX + 1] = {collect->collection->table->rows};
 
+	RB_ASSERT(view >= 0 && view < VIEW_COUNT);
 	if (rank == 0 || !path || collect->h5.status)
 		return;
 	for (int k = first; k < rank; k++)
@@ -176,6 +189,7 @@ static void put_view(struct collect *collect, int view, bool last)
 	rb_h5_units(&collect->h5, path, views[view].units);
 }
 
+/* Makes the whole file. */
 static void put_all(struct collect *collect, const char *partial)
 {
 	struct rb_h5 *const h5 = &collect->h5;
@@ -229,7 +243,7 @@ enum rb_status rb_h5_collect(const struct rb_collection *collection, uint64_t *l
 
 /* ---- reading ---- */
 
-/* "e, small: ok, small: measured, frames, ...", as far as there is room. */
+/* Writes "e, small: ok, small: measured, frames, ...", as far as there is room. */
 static char *list_columns(hid_t file, char *out, size_t size)
 {
 	static const char *const groups[] = {"/parameters", "/expectations", "/results"};

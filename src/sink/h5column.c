@@ -1,6 +1,17 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The library's chunk cache is turned off for columns without a filter (size 0): each append then
+ * goes straight to its place in the file by one write. With a filter it cannot: a chunk is packed
+ * as a whole, so the cache must hold the chunks of all pieces of a row, and one.
+ *
+ * A frame of many bodies is split among several chunks along the bodies (`pieces`), because a chunk
+ * has a limit of 4 GiB and is the unit of reading.
+ */
 #include "sink/h5column.h"
 
+#include "base/error.h"
+
+/* Chunks that one row goes to. */
 static hsize_t pieces(const struct rb_h5_layout *layout)
 {
 	if (layout->row.rank == 0 || layout->chunk_first == 0 || layout->row.size[0] == 0)
@@ -18,16 +29,22 @@ uint64_t rb_h5_column_plain(const struct rb_h5_column *column, hsize_t rows)
 	return bytes;
 }
 
+/* Bytes of a whole chunk without a filter. */
 static uint64_t chunk_bytes(const struct rb_h5_layout *layout)
 {
 	uint64_t bytes = layout->chunk_rows * rb_h5_size(layout->kind);
 
+	RB_ASSERT(layout->chunk_rows > 0);
 	for (int i = 0; i < layout->row.rank; i++)
 		bytes *= i == 0 && layout->chunk_first > 0 ? layout->chunk_first
 		                                           : layout->row.size[i];
 	return bytes;
 }
 
+/*
+ * Sets chunks and filters. Deflate with shuffle: the bytes of doubles that change little in time
+ * then form long runs.
+ */
 static void set_creation(const struct rb_h5_layout *layout, hid_t creation)
 {
 	hsize_t chunk[RB_H5_RANK_MAX] = {layout->chunk_rows};
@@ -47,7 +64,10 @@ static void set_creation(const struct rb_h5_layout *layout, hid_t creation)
 	}
 }
 
-/* A cache for chunks with a filter only. */
+/*
+ * A cache for chunks with a filter only; 101 slots for each chunk keep its hash table without
+ * collisions, as the library's manual advises.
+ */
 static hid_t access_properties(const struct rb_h5_layout *layout)
 {
 	const hid_t access = H5Pcreate(H5P_DATASET_ACCESS);
@@ -61,7 +81,10 @@ static hid_t access_properties(const struct rb_h5_layout *layout)
 	return access;
 }
 
-/* The dataset that is there must be the one that would be made, of any length. */
+/*
+ * Opens the dataset that is there; it must be the one that would be made, of any length. `size`: of
+ * a row, from [1] on.
+ */
 static void reopen(struct rb_h5 *h5, struct rb_h5_column *column, const hsize_t *size)
 {
 	hsize_t found[RB_H5_RANK_MAX] = {0};
@@ -89,6 +112,7 @@ void rb_h5_column_create(struct rb_h5 *h5, struct rb_h5_column *column, const ch
 {
 	hsize_t size[RB_H5_RANK_MAX] = {0}, most[RB_H5_RANK_MAX] = {H5S_UNLIMITED};
 
+	RB_ASSERT(layout->row.rank < RB_H5_RANK_MAX && layout->chunk_rows > 0);
 	*column = (struct rb_h5_column){
 		.dataset = -1, .type = rb_h5_type(layout->kind), .layout = *layout, .path = path};
 	column->row_bytes = rb_h5_size(layout->kind);
@@ -136,6 +160,7 @@ void rb_h5_column_attach(struct rb_h5 *h5, struct rb_h5_column *column)
 	rb_h5_done(access);
 }
 
+/* Makes the dataset at least `rows` long; a longer one is never cut. False: the library failed. */
 static bool grow(struct rb_h5_column *column, hsize_t rows)
 {
 	const struct rb_h5_layout *const layout = &column->layout;
@@ -154,6 +179,7 @@ void rb_h5_column_append(struct rb_h5 *h5, struct rb_h5_column *column, hsize_t 
 	const struct rb_h5_layout *const layout = &column->layout;
 	hsize_t start[RB_H5_RANK_MAX] = {column->rows}, size[RB_H5_RANK_MAX] = {count};
 
+	RB_ASSERT(h5->status || count == 0 || data);
 	if (h5->status || count == 0)
 		return;
 	for (int i = 0; i < layout->row.rank; i++)
@@ -189,6 +215,7 @@ void rb_h5_column_close(struct rb_h5_column *column)
 	*column = (struct rb_h5_column){.dataset = -1};
 }
 
+/* Chunks of `rows` rows. */
 static uint64_t chunk_count(const struct rb_h5_column *column, hsize_t rows)
 {
 	const hsize_t along = (rows + column->layout.chunk_rows - 1) / column->layout.chunk_rows;
@@ -218,6 +245,7 @@ uint64_t rb_h5_column_need(const struct rb_h5_column *column, hsize_t count)
 	 * The index: 8 or 16 bytes a chunk, given out in blocks that grow with the root of their
 	 * number.
 	 */
+	/* the root: blocks of the extensible array double as it grows */
 	uint64_t block = 512;
 	while (block * block / 256 < chunk_count(column, column->rows + count))
 		block *= 2;
@@ -233,5 +261,6 @@ uint64_t rb_h5_column_bytes(const struct rb_h5_column *column, hsize_t rows)
 	 * the index: a header and blocks of addresses, each with room after it
 	 * (rb_frames_alignment)
 	 */
+	RB_ASSERT(column->layout.chunk_rows > 0);
 	return chunks * chunk_bytes(&column->layout) + 10 * chunks + 1360;
 }

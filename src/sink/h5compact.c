@@ -1,9 +1,19 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The file is copied object by object, not by H5Ocopy, because that keeps chunks and their indices,
+ * which are what is to go. Data are read and written in the type that they have on disk, so they
+ * stay the same to the bit. Hard links are recognised by the address of their object: it is copied
+ * at the first link, and linked at the others.
+ *
+ * The result is made in memory by the core driver; only files of at most COMPACT_MOST (recorder.c)
+ * are compacted.
+ */
 #include "sink/h5compact.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "sink/h5file.h"
 #include "sink/h5mark.h"
@@ -27,6 +37,10 @@ struct compaction {
 };
 
 #if H5_VERSION_GE(1, 12, 0)
+/*
+ * Where the object of a hard link stands, as 16 bytes: its token from HDF5 1.12 on, its address
+ * before.
+ */
 static void address_of(const H5L_info_t *link, unsigned char out[16])
 {
 	memcpy(out, &link->u.token, sizeof link->u.token);
@@ -39,11 +53,13 @@ static void address_of(const H5L_info_t *link, unsigned char out[16])
 }
 #endif
 
+/* Records a failure of the library. */
 static void fail(struct compaction *to, const char *path)
 {
 	rb_h5_fail(&to->h5, "copy", path);
 }
 
+/* Records a failure, unless one stands already. */
 static void no_memory(struct compaction *to)
 {
 	if (!to->h5.status)
@@ -53,7 +69,10 @@ static void no_memory(struct compaction *to)
 
 /* ---- values ---- */
 
-/* Room for all of a dataspace, `element` bytes each; `count`: of them. */
+/*
+ * Memory for all elements of a dataspace, to be freed; `count`: of them. NULL: no memory, or no
+ * such space.
+ */
 static void *room_for(struct compaction *to, hid_t space, hid_t type, hssize_t *count)
 {
 	*count = H5Sget_simple_extent_npoints(space);
@@ -65,6 +84,7 @@ static void *room_for(struct compaction *to, hid_t space, hid_t type, hssize_t *
 	return room;
 }
 
+/* Copies the index-th attribute of `from` to `object`. */
 static void copy_attribute(struct compaction *to, hid_t from, hid_t object, hsize_t index,
                            const char *path)
 {
@@ -91,6 +111,7 @@ static void copy_attribute(struct compaction *to, hid_t from, hid_t object, hsiz
 	rb_h5_done(old);
 }
 
+/* Copies all attributes, in the order of their names. */
 static void copy_attributes(struct compaction *to, hid_t from, hid_t object, const char *path)
 {
 	H5O_info_t info;
@@ -108,7 +129,10 @@ static void copy_attributes(struct compaction *to, hid_t from, hid_t object, con
 
 /* ---- datasets ---- */
 
-/* One that grew: of its rows now, in one piece, or as one chunk where they are compressed. */
+/*
+ * Properties for the copy of a dataset; to be closed. One that grew becomes contiguous, or one
+ * chunk where it is compressed.
+ */
 static hid_t layout_of(hid_t old, hid_t space)
 {
 	const hid_t was = H5Dget_create_plist(old);
@@ -131,6 +155,7 @@ static hid_t layout_of(hid_t old, hid_t space)
 	return properties;
 }
 
+/* Copies a dataset without its attributes; its id, negative: failed. */
 static hid_t make_dataset(struct compaction *to, hid_t group, const char *name, hid_t old,
                           const char *path)
 {
@@ -164,7 +189,7 @@ static hid_t make_dataset(struct compaction *to, hid_t group, const char *name, 
 
 /* ---- groups ---- */
 
-/* In the order in which they were made? */
+/* Whether the members of a group keep the order in which they were made. */
 static bool is_ordered(hid_t group)
 {
 	const hid_t properties = H5Gget_create_plist(group);
@@ -176,7 +201,7 @@ static bool is_ordered(hid_t group)
 	return order & H5P_CRT_ORDER_INDEXED;
 }
 
-/* A header that has room for the links of the old group, and for no more. */
+/* Asks for a header that has room for the links of the old group, and for no more. */
 static void fit_links(hid_t properties, hid_t old)
 {
 	H5G_info_t info;
@@ -193,7 +218,10 @@ static void fit_links(hid_t properties, hid_t old)
 	                     (unsigned)(bytes / info.nlinks + 1));
 }
 
-/* The old one's properties would not do: they hold where its own index stands. */
+/*
+ * Makes a group like the old one; its id, negative: failed. The old one's properties would not do:
+ * they hold where its own index stands.
+ */
 static hid_t make_group(hid_t group, const char *name, hid_t old)
 {
 	const hid_t properties = H5Pcreate(H5P_GROUP_CREATE), links = rb_h5_link_properties();
@@ -210,6 +238,7 @@ static hid_t make_group(hid_t group, const char *name, hid_t old)
 	return made;
 }
 
+/* Path of the copy of the object at this address; NULL: it has not been copied. */
 static const char *path_of_copy(const struct compaction *to, const unsigned char address[16])
 {
 	for (size_t k = 0; k < to->count; k++)
@@ -218,8 +247,10 @@ static const char *path_of_copy(const struct compaction *to, const unsigned char
 	return NULL;
 }
 
+/* Notes that the object at this address is copied to `path`. */
 static void remember(struct compaction *to, const unsigned char address[16], const char *path)
 {
+	RB_ASSERT(to->count <= to->capacity);
 	if (!rb_memory_reserve(&to->copied, &to->capacity, to->count + 1, sizeof *to->copied)) {
 		no_memory(to);
 		return;
@@ -236,6 +267,7 @@ static void remember(struct compaction *to, const unsigned char address[16], con
 static void copy_members(struct compaction *to, hid_t from, hid_t group, const char *path,
                          int depth);
 
+/* Copies a group or dataset with all that is in it. */
 static void copy_object(struct compaction *to, hid_t from, hid_t group, const char *name,
                         const char *path, int depth)
 {
@@ -257,6 +289,7 @@ static void copy_object(struct compaction *to, hid_t from, hid_t group, const ch
 	rb_h5_done(old);
 }
 
+/* Copies a soft link as it is. */
 static void copy_soft(struct compaction *to, hid_t from, hid_t group, const char *name,
                       const char *path)
 {
@@ -269,6 +302,7 @@ static void copy_soft(struct compaction *to, hid_t from, hid_t group, const char
 	rb_h5_done(links);
 }
 
+/* Copies one link and, at the first that leads to it, its object. */
 static void copy_link(struct compaction *to, hid_t from, hid_t group, const char *name,
                       const char *parent, int depth)
 {
@@ -276,6 +310,7 @@ static void copy_link(struct compaction *to, hid_t from, hid_t group, const char
 	char path[PATH_MOST];
 	H5L_info_t link;
 
+	RB_ASSERT(depth >= 0);
 	if (snprintf(path, sizeof path, "%s/%s", parent, name) >= (int)sizeof path ||
 	    H5Lget_info(from, name, &link, H5P_DEFAULT) < 0 ||
 	    (link.type != H5L_TYPE_HARD && link.type != H5L_TYPE_SOFT)) {
@@ -297,12 +332,14 @@ static void copy_link(struct compaction *to, hid_t from, hid_t group, const char
 		copy_object(to, from, group, name, path, depth);
 }
 
+/* Copies all links of a group. */
 static void copy_members(struct compaction *to, hid_t from, hid_t group, const char *path,
                          int depth)
 {
 	const H5_index_t index = is_ordered(from) ? H5_INDEX_CRT_ORDER : H5_INDEX_NAME;
 	H5G_info_t info;
 
+	RB_ASSERT(depth >= 0);
 	if (H5Gget_info(from, &info) < 0 || depth > DEPTH_MAX)
 		fail(to, path);
 	for (hsize_t k = 0; !to->h5.status && k < info.nlinks; k++) {
@@ -318,6 +355,7 @@ static void copy_members(struct compaction *to, hid_t from, hid_t group, const c
 
 /* ---- the file ---- */
 
+/* An empty file in memory, without room for growth; negative: failed. */
 static hid_t create_in_memory(void)
 {
 	const hid_t access = rb_h5_access(1), creation = H5Pcreate(H5P_FILE_CREATE);
@@ -334,6 +372,7 @@ static hid_t create_in_memory(void)
 	return file;
 }
 
+/* The bytes of the file in memory, marked as closed. */
 static void take_image(struct compaction *to, unsigned char **image, size_t *size)
 {
 	const ssize_t bytes = H5Fflush(to->h5.file, H5F_SCOPE_LOCAL) < 0

@@ -1,6 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The library's errors are a stack of its own; what a user needs of it is the innermost text and
+ * the system's errno, which HDF5 hides in a text ("errno = 28"). All ids are closed by rb_h5_done,
+ * whatever their kind, so that every function has one way out: it makes all ids, checks the last,
+ * and closes all, of which some may be -1.
+ *
+ * Objects are made without times and with fixed properties: two equal runs give equal bytes.
+ */
 #include "sink/h5file.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 
 #include <stdio.h>
@@ -51,6 +60,7 @@ size_t rb_h5_size(enum rb_h5_kind kind)
 {
 	static const size_t size[RB_H5_KIND_COUNT] = {8, 4, 8, 8, 4, 1, 1};
 
+	RB_ASSERT((unsigned)kind < RB_H5_KIND_COUNT);
 	return size[kind];
 }
 
@@ -66,6 +76,7 @@ hid_t rb_h5_access(unsigned attempts)
 {
 	const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
 
+	RB_ASSERT(attempts > 0);
 	/* whatever version this one is */
 	H5Pset_libver_bounds(access, H5F_LIBVER_V110, H5F_LIBVER_V110);
 	H5Pset_metadata_read_attempts(access, attempts);
@@ -78,11 +89,13 @@ void rb_h5_done(hid_t id)
 		H5Idec_ref(id);
 }
 
+/* What the library's error stack tells. */
 struct seen {
 	int number;
 	char text[160]; /* of the innermost failure */
 };
 
+/* For H5Ewalk2, from the innermost failure outwards. */
 static herr_t look(unsigned depth, const H5E_error2_t *entry, void *user)
 {
 	struct seen *seen = user;
@@ -96,6 +109,7 @@ static herr_t look(unsigned depth, const H5E_error2_t *entry, void *user)
 	return 0;
 }
 
+/* Reads this thread's error stack without changing it. */
 static struct seen look_at_stack(void)
 {
 	struct seen seen = {.number = 0};
@@ -147,6 +161,7 @@ hid_t rb_h5_link_properties(void)
 	return properties;
 }
 
+/* Makes a group; `ordered`: its members keep the order in which they were made. */
 static void make_group(struct rb_h5 *h5, const char *path, bool ordered)
 {
 	if (h5->status)
@@ -176,16 +191,22 @@ void rb_h5_group_ordered(struct rb_h5 *h5, const char *path)
 	make_group(h5, path, true);
 }
 
+/* A dataspace of fixed size; to be closed. */
 static hid_t make_space(rb_h5_shape shape)
 {
+	RB_ASSERT(shape.rank >= 0 && shape.rank <= RB_H5_RANK_MAX);
 	return shape.rank == 0 ? H5Screate(H5S_SCALAR)
 	                       : H5Screate_simple(shape.rank, shape.size, NULL);
 }
 
-/* A dataset that is given space at once, so that it can be overwritten when the disk is full. */
+/*
+ * Makes a dataset and writes it (`data` NULL: not). type[0] on disk, type[1] in memory. It is given
+ * space at once, so that it can be overwritten when the disk is full.
+ */
 static void put(struct rb_h5 *h5, const char *path, const hid_t type[2], rb_h5_shape shape,
                 const void *data)
 {
+	RB_ASSERT(shape.rank >= 0 && shape.rank <= RB_H5_RANK_MAX);
 	if (h5->status)
 		return;
 	const hid_t space = make_space(shape);
@@ -228,6 +249,7 @@ void rb_h5_put_i64(struct rb_h5 *h5, const char *path, int64_t value)
 	rb_h5_put(h5, path, RB_H5_I64, (rb_h5_shape){0}, &value);
 }
 
+/* A type of fixed length, at least 1, which HDF5 demands; to be closed. */
 static hid_t text_type(size_t size)
 {
 	const hid_t type = H5Tcopy(H5T_C_S1);
@@ -238,7 +260,7 @@ static hid_t text_type(size_t size)
 	return type;
 }
 
-/* Cut to `room` bytes, never inside a character of UTF-8. */
+/* Bytes of a text that fit into `room`, cut between characters of UTF-8. */
 static size_t cut_text(const char *text, size_t room)
 {
 	size_t size = strlen(text);
@@ -250,8 +272,10 @@ static size_t cut_text(const char *text, size_t room)
 	return size;
 }
 
+/* Writes `size` bytes of a text into a dataset of `room` bytes, padded with zeros. */
 static void put_text(struct rb_h5 *h5, const char *path, const char *text, size_t size, size_t room)
 {
+	RB_ASSERT(size <= room);
 	if (h5->status)
 		return;
 	char *copy = rb_memory_take(room + 1, 1);
@@ -315,6 +339,7 @@ void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text)
 	char copy[RB_H5_RETEXT_MAX] = {
 		0}; /* nothing is allocated: the run may have ended for want of memory */
 
+	/* the length is fixed when the dataset is made: H5Dwrite cannot change it */
 	if (room > 0 && room <= sizeof copy) {
 		memcpy(copy, text, cut_text(text, room));
 		if (H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, copy) < 0)
@@ -326,6 +351,7 @@ void rb_h5_retext(struct rb_h5 *h5, const char *path, const char *text)
 	rb_h5_done(dataset);
 }
 
+/* Makes an attribute of the object at `path`; closes `space`. */
 static void put_attribute(struct rb_h5 *h5, const char *path, const char *name, const hid_t type[2],
                           hid_t space, const void *data)
 {
@@ -346,6 +372,7 @@ void rb_h5_attribute(struct rb_h5 *h5, const char *path, const char *name, enum 
 {
 	const hid_t type[2] = {rb_h5_type_file(kind), rb_h5_type(kind)};
 
+	RB_ASSERT(count >= 0);
 	if (h5->status)
 		return;
 	put_attribute(h5, path, name, type, make_space((rb_h5_shape){count > 0, {(hsize_t)count}}),
@@ -404,6 +431,7 @@ char *rb_h5_escape(const char *name, char *out, size_t size)
 {
 	size_t at = 0;
 
+	RB_ASSERT(size >= 2);
 	for (const char *c = name; *c; c++) {
 		const bool special = *c == '/' || *c == '%' || (*c == '.' && c == name);
 		if (at + 4 > size)
@@ -420,6 +448,7 @@ char *rb_h5_escape(const char *name, char *out, size_t size)
 	return out;
 }
 
+/* Value of an upper-case hexadecimal digit, -1: it is none. */
 static int hex_digit(char c)
 {
 	return c >= '0' && c <= '9' ? c - '0' : c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "sink/h5frames.h"
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "flow/frame.h"
 
@@ -148,6 +149,7 @@ uint64_t rb_frames_expected(const struct rb_run_info *info)
 	return last / every + 1 + (last % every != 0);
 }
 
+/* RB_FIELD_* that the recording asks for and the model can change. */
 static unsigned stored_fields(const struct rb_run_info *info)
 {
 	return rb_frame_fields(info->model, info->scene->record.fields);
@@ -158,8 +160,10 @@ struct cut {
 	hsize_t chunk_rows, chunk_bodies, numbers_rows, table_rows, capacity;
 };
 
+/* A number of rows from 1 to `most`. */
 static hsize_t whole(double rows, hsize_t most)
 {
+	RB_ASSERT(most >= 1);
 	return rows < 1 ? 1 : rows > (double)most ? most : (hsize_t)rows;
 }
 
@@ -168,6 +172,7 @@ unsigned rb_frames_alignment(const struct rb_run_info *info)
 	return info->scene->record.compression > 0 ? ALIGNMENT_FILTER : ALIGNMENT;
 }
 
+/* Chooses chunks and buffers from the number of bodies and the length of the run. */
 static struct cut plan_cut(const struct rb_run_info *info)
 {
 	const bool compressed = info->scene->record.compression > 0;
@@ -203,12 +208,14 @@ static struct cut plan_cut(const struct rb_run_info *info)
 	return cut;
 }
 
+/* Makes the dataset ELEMENT/NAME. */
 static struct rb_frames_column *add_column(struct rb_h5 *h5, struct rb_frames *frames,
                                            const char *element, const char *name,
                                            const struct rb_h5_layout *layout)
 {
 	struct rb_frames_column *const column = &frames->columns[frames->column_count++];
 
+	RB_ASSERT(frames->column_count <= RB_FRAMES_COLUMNS_MAX);
 	snprintf(column->path, sizeof column->path, "%s/%s", element, name);
 	rb_h5_column_create(h5, &column->column, column->path, layout);
 	return column;
@@ -225,6 +232,7 @@ rb_h5_shape rb_frames_shape(const struct rb_frames_source *source, hsize_t bodie
 	return width > 1 ? (rb_h5_shape){1, {width}} : (rb_h5_shape){0};
 }
 
+/* Makes the dataset of a column of frames. */
 static void add_source(struct rb_h5 *h5, struct rb_frames *frames,
                        const struct rb_frames_source *source, const struct rb_run_info *info,
                        const struct cut *cut)
@@ -263,9 +271,11 @@ static void link_steps(struct rb_h5 *h5, const struct rb_frames *frames)
 	}
 }
 
+/* Makes the datasets of a table. */
 static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
                       const struct rb_table_cell *cells, int count, hsize_t chunk_rows)
 {
+	RB_ASSERT(count <= RB_TABLE_COLUMNS_MAX);
 	table->on = true;
 	table->cells = cells;
 	for (int i = 0; i < count; i++) {
@@ -278,7 +288,7 @@ static void add_table(struct rb_h5 *h5, struct rb_frames_table *table,
 	table->column_count = count;
 }
 
-/* "0 collision, 1 rest, ..." at the column of kinds. */
+/* Writes "0 collision, 1 rest, ..." at the column of kinds. */
 static void name_kinds(struct rb_h5 *h5)
 {
 	char text[256];
@@ -291,8 +301,10 @@ static void name_kinds(struct rb_h5 *h5)
 	rb_h5_attribute_text(h5, "/rbsim/events/kind", "kinds", text);
 }
 
+/* Takes memory for frames->capacity rows of every column. */
 static void take_buffers(struct rb_h5 *h5, struct rb_frames *frames)
 {
+	RB_ASSERT(frames->capacity > 0);
 	for (int i = 0; i < frames->column_count; i++) {
 		struct rb_frames_column *const column = &frames->columns[i];
 		/* A frame that is written before its call returns need not be copied. */
@@ -355,7 +367,7 @@ void rb_frames_create(struct rb_h5 *h5, struct rb_frames *frames, const struct r
 		take_buffers(h5, frames);
 }
 
-/* The last of `rows` numbers; false when it can't be had. */
+/* The last of `rows` numbers; false when it cannot be had. */
 static bool last_of(const struct rb_h5_column *column, hsize_t rows, void *number)
 {
 	const hsize_t start[1] = {rows - 1}, count[1] = {1};
@@ -367,11 +379,13 @@ static bool last_of(const struct rb_h5_column *column, hsize_t rows, void *numbe
 	                  H5Dread(column->dataset, column->type, memory, space, H5P_DEFAULT,
 	                          number) >= 0;
 
+	RB_ASSERT(rows > 0);
 	rb_h5_done(memory);
 	rb_h5_done(space);
 	return good;
 }
 
+/* Sets a table to where the frames before it end; false: it is shorter than that. */
 static bool go_on_table(struct rb_frames_table *table, const struct rb_frames_column *end,
                         hsize_t rows)
 {
@@ -395,6 +409,7 @@ void rb_frames_go_on(struct rb_h5 *h5, struct rb_frames *frames, hsize_t rows, u
 	int64_t step = -1;
 	bool good = true;
 
+	RB_ASSERT(h5->there || h5->status);
 	if (h5->status)
 		return;
 	frames->there = frames->step->column.there;
@@ -416,6 +431,7 @@ void rb_frames_go_on(struct rb_h5 *h5, struct rb_frames *frames, hsize_t rows, u
 		                     (unsigned long long)frame);
 }
 
+/* Calls `act` for every dataset, that of `step` last. */
 static void each_column(struct rb_frames *frames,
                         void (*act)(void *user, struct rb_h5_column *column), void *user)
 {
@@ -477,11 +493,14 @@ void rb_frames_release(struct rb_frames *frames)
 	*frames = (struct rb_frames){0};
 }
 
+/* The next row of a buffer. */
 static void *row_of(const struct rb_frames *frames, const struct rb_frames_column *column)
 {
+	RB_ASSERT(column->buffer && frames->count < frames->capacity);
 	return column->buffer + frames->count * column->column.row_bytes;
 }
 
+/* Copies a column of a frame, or notes where it is (`borrows`). */
 static enum rb_status copy_bodies(const struct rb_frames *frames, struct rb_frames_column *column,
                                   const struct rb_frame *frame, struct rb_error *err)
 {
@@ -527,12 +546,14 @@ static void join_numbers(struct rb_frames *frames, const struct rb_frame_numbers
 	frames->has_since = true;
 }
 
+/* Appends the events and contacts of a frame to the waiting rows. */
 static enum rb_status keep_rows(struct rb_frames *frames, const struct rb_frame *frame,
                                 struct rb_error *err)
 {
 	struct rb_frames_table *const events = &frames->events, *const contacts = &frames->contacts;
 	bool kept = true;
 
+	RB_ASSERT(frames->contacts.committed <= frames->contacts.count);
 	if (events->on && frame->event_count > 0) {
 		const size_t count = (size_t)frame->event_count;
 		kept = rb_memory_reserve(&events->rows, &events->capacity, events->count + count,
@@ -563,6 +584,7 @@ static enum rb_status keep_rows(struct rb_frames *frames, const struct rb_frame 
 enum rb_status rb_frames_take(struct rb_frames *frames, const struct rb_frame *frame,
                               struct rb_error *err)
 {
+	RB_ASSERT(frames->count < frames->capacity);
 	join_numbers(frames, &frame->numbers);
 	enum rb_status status = keep_rows(frames, frame, err);
 
@@ -600,6 +622,7 @@ void rb_frames_commit(struct rb_frames *frames)
 		return;
 	frames->pending = false;
 	frames->count++;
+	RB_ASSERT(frames->count <= frames->capacity);
 	frames->events.committed = frames->events.count;
 	frames->contacts.committed = frames->contacts.count;
 	frames->has_since = false;
@@ -627,8 +650,10 @@ uint64_t rb_frames_need(const struct rb_frames *frames)
 	return bytes;
 }
 
+/* Appends the committed rows of a table to its datasets, column by column. */
 static void write_table(struct rb_h5 *h5, struct rb_frames_table *table)
 {
+	RB_ASSERT(table->committed <= table->count);
 	if (table->committed == 0 || h5->status)
 		return;
 	/* as wide as the widest column: three numbers */
@@ -674,6 +699,7 @@ void rb_frames_write(struct rb_h5 *h5, struct rb_frames *frames)
 		memmove(frames->columns[i].buffer, row_of(frames, &frames->columns[i]),
 		        frames->columns[i].column.row_bytes);
 	frames->count = 0;
+	RB_ASSERT(!frames->pending || frames->capacity > 0);
 }
 
 uint64_t rb_frames_plain(const struct rb_frames *frames, uint64_t count)

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * HDF5 was not written for hostile files: it follows links out of the file, loads plugins,
+ * allocates what a header says. So everything is checked with calls that read metadata only, before
+ * a call that reads data: links part by part, storage, filters, type, shape. A size is bounded by
+ * that of the file, times the best ratio of deflate.
+ */
 #include "sink/h5input.h"
 
 #include <errno.h>
@@ -9,6 +15,14 @@
 #include <time.h>
 #include <unistd.h>
 
+#include "base/error.h"
+
+/*
+ * PATH_SIZE: of a path within a file. DEFLATE_MOST: the best ratio that deflate can reach (zlib's
+ * technical details: 1032:1). LOOKS: how often a file is looked at that a writer is making longer,
+ * 5 ms apart. BEING_WRITTEN: the mark of SWMR in the superblock's flags. READ_ATTEMPTS: of metadata
+ * that is being changed; after pauses twice as long each time about a minute.
+ */
 enum {
 	PATH_SIZE = 1024,
 	SUPERBLOCK_SIZE = 48,
@@ -18,6 +32,7 @@ enum {
 	READ_ATTEMPTS = 25
 };
 
+/* Eight bytes. */
 static uint64_t little_endian(const unsigned char *bytes)
 {
 	uint64_t value = 0;
@@ -36,7 +51,7 @@ void rb_input_look(struct rb_input *input)
 }
 
 /*
- * What HDF5 itself does not check, or not clearly: that this is a file of its kind and all there.
+ * Checks what HDF5 itself does not, or not clearly: that this is a file of its kind and all there.
  * In SWMR mode it reads zeros beyond the end of a file that was cut off.
  */
 static enum rb_status check_file(struct rb_input *input, struct rb_error *err)
@@ -44,6 +59,7 @@ static enum rb_status check_file(struct rb_input *input, struct rb_error *err)
 	static const unsigned char signature[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
 	unsigned char head[SUPERBLOCK_SIZE] = {0};
 
+	RB_ASSERT(input->fd >= 0);
 	/* A writer that is just making the file longer is waited for. */
 	for (int i = 0; i < LOOKS; i++) {
 		const ssize_t size = pread(input->fd, head, sizeof head, 0);
@@ -74,6 +90,7 @@ static enum rb_status check_file(struct rb_input *input, struct rb_error *err)
 	               (unsigned long long)little_endian(head + 28));
 }
 
+/* Whether the file is marked as being written by the rules of SWMR. */
 static bool marked_shared(const struct rb_input *input)
 {
 	unsigned char head[SUPERBLOCK_SIZE];
@@ -82,6 +99,7 @@ static bool marked_shared(const struct rb_input *input)
 	       (head[11] & BEING_WRITTEN) != 0;
 }
 
+/* Opens the file; input->file is negative where that fails. */
 static void open_with(struct rb_input *input, const char *name, unsigned flags, unsigned attempts)
 {
 	const hid_t access = rb_h5_access(attempts);
@@ -141,7 +159,7 @@ void rb_input_close(struct rb_input *input)
 	input->fd = -1;
 }
 
-/* The longest that `bytes` of data can be which this file holds. */
+/* Whether a file of this size cannot hold so many bytes of data. */
 static bool too_long(const struct rb_input *input, uint64_t bytes, bool filtered)
 {
 	return filtered ? bytes / DEFLATE_MOST > input->size_bytes : bytes > input->size_bytes;
@@ -152,6 +170,7 @@ bool rb_input_has(const struct rb_input *input, const char *path)
 	char part[PATH_SIZE];
 	H5L_info_t info;
 
+	RB_ASSERT(input->file >= 0);
 	if (strlen(path) >= sizeof part)
 		return false;
 	for (const char *end = path; *end;) {
@@ -166,7 +185,7 @@ bool rb_input_has(const struct rb_input *input, const char *path)
 	return true;
 }
 
-/* Data in this file and nowhere else, by filters that are part of every HDF5. */
+/* Whether the data are in this file and nowhere else, by filters that are part of every HDF5. */
 static bool plain_storage(hid_t dataset, bool *filtered)
 {
 	const hid_t properties = H5Dget_create_plist(dataset);
@@ -195,7 +214,7 @@ static bool plain_storage(hid_t dataset, bool *filtered)
 	return plain;
 }
 
-/* A chunk with a filter is unpacked as a whole. */
+/* Whether a chunk, which is unpacked as a whole, can come from a file of this size. */
 static bool chunk_fits(const struct rb_input *input, hid_t dataset, size_t element)
 {
 	const hid_t properties = H5Dget_create_plist(dataset);
@@ -212,12 +231,16 @@ static bool chunk_fits(const struct rb_input *input, hid_t dataset, size_t eleme
 	return fits && !too_long(input, bytes, true);
 }
 
-/* Rank and sizes; the number of elements, or 0 where it can't be. */
+/*
+ * Compares rank and sizes with `row`, of which sizes of 0 are filled in; `*count`: elements. False:
+ * it is another shape, or the count overflows.
+ */
 static bool check_shape(hid_t space, bool grows, rb_h5_shape *row, hsize_t *rows, uint64_t *count)
 {
 	hsize_t size[H5S_MAX_RANK];
 	const int rank = H5Sget_simple_extent_ndims(space);
 
+	RB_ASSERT(row->rank >= 0 && row->rank <= RB_H5_RANK_MAX);
 	*count = 1;
 	if (rank != row->rank + grows || H5Sget_simple_extent_type(space) == H5S_NULL ||
 	    H5Sget_simple_extent_dims(space, size, NULL) < 0)
@@ -269,6 +292,7 @@ bool rb_input_rows(hid_t dataset, enum rb_h5_kind kind, rb_h5_shape row, const h
 {
 	hsize_t start[RB_H5_RANK_MAX + 1] = {range[0]}, size[RB_H5_RANK_MAX + 1] = {range[1]};
 
+	RB_ASSERT(row.rank >= 0 && row.rank <= RB_H5_RANK_MAX);
 	if (range[1] == 0)
 		return true;
 	for (int i = 0; i < row.rank; i++)
@@ -298,7 +322,7 @@ bool rb_input_numbers(const struct rb_input *input, const char *path, enum rb_h5
 	return read;
 }
 
-/* A dataset of `count` fixed-length texts (0: a scalar). */
+/* A dataset of `count` fixed-length texts (0: a scalar), and the length of each; -1: it is none. */
 static hid_t text_dataset(const struct rb_input *input, const char *path, size_t count,
                           size_t *room)
 {
@@ -328,7 +352,7 @@ static hid_t text_dataset(const struct rb_input *input, const char *path, size_t
 	return -1;
 }
 
-/* As it is on disk: the type in the file is the type in memory. */
+/* Reads texts as they are on disk: the type in the file is the type in memory. */
 static bool read_text(hid_t dataset, char *out)
 {
 	const hid_t type = H5Dget_type(dataset);
@@ -339,6 +363,7 @@ static bool read_text(hid_t dataset, char *out)
 	return read;
 }
 
+/* Zeroed memory of the arena; NULL: out of memory. */
 static void *take_zeroed(struct rb_arena *arena, size_t count, size_t size)
 {
 	void *const block = rb_arena_take(arena, count, size);
@@ -459,6 +484,7 @@ int rb_input_members(const struct rb_input *input, const char *path, int most, c
 	H5G_info_t info;
 	int count = 0;
 
+	RB_ASSERT(most >= 0);
 	*names = NULL;
 	const hid_t group = rb_input_has(input, path) ? H5Gopen2(input->file, path, H5P_DEFAULT)
 	                                              : -1;

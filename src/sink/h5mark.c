@@ -7,6 +7,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/error.h"
+
 /* Places in the superblock of versions 2 and 3 with addresses of 8 bytes. */
 enum {
 	VERSION_AT = 8,
@@ -19,18 +21,24 @@ enum {
 };
 enum { FLAG_WRITE = 1, FLAG_SWMR = 4 };
 
+/* Rotated to the left. */
 static uint32_t turned(uint32_t x, int by)
 {
+	RB_ASSERT(by > 0 && by < 32);
 	return x << by | x >> (32 - by);
 }
 
+/* Four bytes, little endian. */
 static uint32_t word_at(const unsigned char *bytes)
 {
 	return (uint32_t)bytes[0] | (uint32_t)bytes[1] << 8 | (uint32_t)bytes[2] << 16 |
 	       (uint32_t)bytes[3] << 24;
 }
 
-/* lookup3 over the 44 bytes before the sum: three blocks of twelve, and eight that are left. */
+/*
+ * lookup3 over the 44 bytes before the sum, as H5_checksum_lookup3: three blocks of twelve bytes,
+ * and eight that are left.
+ */
 static uint32_t checksum(const unsigned char *bytes)
 {
 	uint32_t a, b, c;
@@ -67,14 +75,17 @@ static uint32_t checksum(const unsigned char *bytes)
 	return c;
 }
 
+/* Writes `size` bytes of a value, little endian. */
 static void put(unsigned char *to, uint64_t value, int size)
 {
+	RB_ASSERT(size >= 0 && size <= 8);
 	for (int i = 0; i < size; i++)
 		to[i] = (unsigned char)(value >> (8 * i));
 }
 
 void rb_mark_image(unsigned char *image, size_t size)
 {
+	RB_ASSERT(size >= SIZE);
 	image[FLAGS_AT] = 0;
 	put(image + END_AT, size, 8);
 	put(image + SUM_AT, checksum(image), 4);
@@ -99,6 +110,10 @@ enum rb_status rb_mark_clear(int fd, const char *name, bool *was, struct rb_erro
 	if (!*was)
 		return RB_OK;
 	const uint64_t end = word_at(bytes + END_AT) | (uint64_t)word_at(bytes + END_AT + 4) << 32;
+	/*
+	 * the killed writer may have written behind the mark: what is made next must not overwrite
+	 * it
+	 */
 	if (fstat(fd, &found) == 0 && (uint64_t)found.st_size > end)
 		put(bytes + END_AT, (uint64_t)found.st_size, 8);
 	bytes[FLAGS_AT] &= (unsigned char)~(FLAG_WRITE | FLAG_SWMR);

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Room is reserved before a write because HDF5 cannot cope with a full disk: a failed write in the
+ * middle of a flush leaves it with changes that it can neither write nor forget. fallocate asks the
+ * file system for blocks beforehand, so a full disk is noticed while nothing has happened yet.
+ * Reservations go ahead by a quarter of the file, between 1 and 64 MiB, so that they are few.
+ */
 #include "sink/h5output.h"
 
 #include <errno.h>
@@ -10,6 +16,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/error.h"
+
+/* Bytes that are reserved ahead of what is needed, at least and at most. */
 static const uint64_t ahead_min = (uint64_t)1 << 20, ahead_max = (uint64_t)64 << 20;
 
 enum rb_status rb_output_open(struct rb_output *output, const char *name, unsigned how,
@@ -46,6 +55,7 @@ bool rb_output_lock(const struct rb_output *output)
 {
 	struct flock lock = {.l_type = F_WRLCK, .l_whence = SEEK_SET};
 
+	RB_ASSERT(output->fd >= 0);
 	return fcntl(output->fd, F_OFD_SETLK, &lock) == 0 || (errno != EAGAIN && errno != EACCES);
 }
 
@@ -58,6 +68,7 @@ enum rb_status rb_output_attach(struct rb_output *output, struct rb_error *err)
 	return rb_place_link(output->fd, NULL, output->library, err);
 }
 
+/* Text for an errno of opening a file. */
 static const char *why_not(int number)
 {
 	return number == ELOOP ? "it is a symbolic link" : strerror(number);
@@ -87,6 +98,7 @@ enum rb_status rb_output_reopen(struct rb_output *output, const char *name, unsi
 
 enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err)
 {
+	RB_ASSERT(output->partial[0] || output->published);
 	if (output->published)
 		return RB_OK;
 	const enum rb_status status = rb_place_publish(&output->place, output->partial, err);
@@ -94,9 +106,13 @@ enum rb_status rb_output_publish(struct rb_output *output, struct rb_error *err)
 	return status;
 }
 
-/* Blocks are taken without the file growing: its length stays what HDF5 makes it. */
+/*
+ * Takes blocks up to `end`, without the file growing: its length stays what HDF5 makes it. 0, or an
+ * errno.
+ */
 static int take(struct rb_output *output, uint64_t end)
 {
+	RB_ASSERT(output->fd >= 0);
 	if (end <= output->reserved_bytes)
 		return 0;
 	while (fallocate(output->fd, FALLOC_FL_KEEP_SIZE, (off_t)output->reserved_bytes,
@@ -112,6 +128,7 @@ int rb_output_reserve(struct rb_output *output, uint64_t end, uint64_t need)
 	const uint64_t wanted = end + need;
 	struct rlimit limit;
 
+	RB_ASSERT(end <= UINT64_MAX - need);
 	/*
 	 * Where the kernel does not ask (KEEP_SIZE), the limit is ours to keep: a write over it
 	 * would come too late.
@@ -144,6 +161,7 @@ void rb_output_lengthen(struct rb_output *output, uint64_t end)
 		return;
 }
 
+/* Writes all bytes; 0, or an errno. */
 static int write_all(int fd, const unsigned char *bytes, size_t size)
 {
 	while (size > 0) {

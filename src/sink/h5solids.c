@@ -1,9 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Solids differ in the number of their vertices, faces and parts, so each quantity is one flat
+ * dataset over all of them, with counts beside. One table says where each column comes from; one
+ * loop writes them.
+ */
 #include "sink/h5solids.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "model/shape.h"
 
@@ -39,6 +45,7 @@ static const void *vertices(const struct rb_solid *solid)
 	return solid->vertices;
 }
 
+/* Corners of all faces; a solid of parts has no faces of its own. */
 static size_t corner_count(const struct rb_solid *solid)
 {
 	return solid->face_count > 0 ? (size_t)solid->face_first[solid->face_count] : 0;
@@ -102,6 +109,7 @@ static const struct list lists[] = {
 	{"/rbsim/solids/parts/share", NULL, RB_H5_F64, 1, PART(share)},
 };
 
+/* Records the failure, unless one stands already. */
 static void no_memory(struct rb_h5 *h5, const char *path)
 {
 	if (!h5->status)
@@ -109,11 +117,13 @@ static void no_memory(struct rb_h5 *h5, const char *path)
 		                     path);
 }
 
+/* Writes one column. */
 static void put_list(struct rb_h5 *h5, const struct rb_scene *scene, const struct list *list)
 {
 	const size_t bytes = (size_t)list->width * rb_h5_size(list->kind);
 	size_t total = 0, used = 0;
 
+	RB_ASSERT(list->width > 0);
 	for (int i = 0; i < scene->solid_count; i++)
 		total += list->count(&scene->solids[i]);
 	unsigned char *const column = rb_memory_take(total + 1, bytes);
@@ -134,12 +144,13 @@ static void put_list(struct rb_h5 *h5, const struct rb_scene *scene, const struc
 	rb_memory_free(column);
 }
 
+/* Writes a list of 32-bit integers. */
 static void put_numbers(struct rb_h5 *h5, const char *path, const int *number, size_t count)
 {
 	rb_h5_put(h5, path, RB_H5_I32, (rb_h5_shape){1, {count}}, number);
 }
 
-/* Which solid each body, and each part of a union, is made of; -1: it needs none. */
+/* Writes which solid each body, and each part of a union, is made of; -1: it needs none. */
 static void put_references(struct rb_h5 *h5, const struct rb_scene *scene)
 {
 	size_t bodies = (size_t)scene->body_count, all = 0, used = 0;
@@ -156,6 +167,7 @@ static void put_references(struct rb_h5 *h5, const struct rb_scene *scene)
 	for (int i = 0; i < scene->solid_count; i++)
 		for (int k = 0; k < scene->solids[i].part_count; k++)
 			number[used++] = rb_shape_solid(&scene->solids[i].parts[k].shape);
+	RB_ASSERT(used <= bodies + all);
 	put_numbers(h5, "/rbsim/shapes/solid", number, bodies);
 	put_numbers(h5, "/rbsim/solids/parts/solid", number + bodies, all);
 	rb_memory_free(number);
@@ -176,6 +188,7 @@ bool rb_solids_tally(const struct rb_input *input, size_t count, int *kind,
 {
 	static const char path[] = "/rbsim/shapes/kind";
 
+	RB_ASSERT(kind && counts);
 	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
 		counts[k] = 0;
 	/* a recording without bodies has no such column, and one of later versions other kinds */

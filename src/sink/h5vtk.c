@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * VTK wants [frames * bodies][width], the recording has [frames][bodies][width]. A virtual dataset
+ * maps one on the other, since both have the same order of elements; the same row of the source is
+ * so seen under two shapes. What VTK needs besides, mostly zeros, is made of datasets that are
+ * never written: they read as their fill value.
+ */
 #include "sink/h5vtk.h"
 
 #include "base/memory.h"
@@ -6,7 +12,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Columns that change in time. */
+/* Columns that change in time, by the name of VTK. The first is where the points are. */
 static const struct {
 	const char *name, *source;
 	unsigned field;
@@ -26,6 +32,7 @@ static const struct {
 	{"/VTKHDF/PointData/torque", "/particles/bodies/torque/value", RB_FIELD_TORQUE, 3},
 };
 
+/* The type of a dataset, to be closed; -1: there is none. */
 static hid_t type_of(struct rb_h5 *h5, const char *path)
 {
 	const hid_t dataset = H5Dopen2(h5->file, path, H5P_DEFAULT);
@@ -35,7 +42,10 @@ static hid_t type_of(struct rb_h5 *h5, const char *path)
 	return type;
 }
 
-/* [frames][bodies][width] seen as [frames * bodies][width] */
+/*
+ * Makes a view of a dataset [frames][bodies][width] as [frames * bodies][width]; `row`: bodies,
+ * width.
+ */
 static void put_view(struct rb_h5 *h5, const char *path, const char *source, hsize_t frames,
                      const hsize_t row[2])
 {
@@ -81,7 +91,7 @@ static void put_constant(struct rb_h5 *h5, const char *path, rb_h5_shape shape, 
 	rb_h5_done(space);
 }
 
-/* value(i) = i * step, for i in [0, count) */
+/* value(i) = i * step, for i in [0, count). */
 static void put_ramp(struct rb_h5 *h5, const char *path, hsize_t count, int64_t step)
 {
 	if (h5->status)
@@ -98,7 +108,10 @@ static void put_ramp(struct rb_h5 *h5, const char *path, hsize_t count, int64_t 
 	rb_memory_free(ramp);
 }
 
-/* One vertex a body, the same for all steps. */
+/*
+ * One vertex for each body, the same for all steps; VTK also asks for the other kinds of cells, of
+ * which there are none.
+ */
 static void put_cells(struct rb_h5 *h5, hsize_t bodies)
 {
 	static const char *const empty[] = {"Lines", "Polygons", "Strips"};
@@ -148,6 +161,7 @@ static void put_fixed(struct rb_h5 *h5, const struct rb_model *model, hsize_t fr
 	}
 }
 
+/* Where the points and values of each step begin. */
 static void put_steps(struct rb_h5 *h5, unsigned fields, hsize_t frames, hsize_t bodies)
 {
 	char path[80];
@@ -168,6 +182,7 @@ static void put_steps(struct rb_h5 *h5, unsigned fields, hsize_t frames, hsize_t
 
 uint64_t rb_vtk_need(const struct rb_model *model, uint64_t frames)
 {
+	/* 64 KiB of headers; a ramp over the frames, and for each body two ramps and a radius */
 	return 65536 + 8 * frames + 24 * (uint64_t)model->body_count;
 }
 

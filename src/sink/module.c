@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A module is looked for in RBSIM_MODULE_DIR if that is set, and nowhere else then; else beside the
+ * program (build tree) and in ../lib/rbsim (installed). The version in its table is compared before
+ * anything else of it is used, because an old module beside a new program would be called with
+ * wrong structs.
+ */
 #include "sink/module.h"
 
 #include <dlfcn.h>
@@ -11,6 +17,7 @@
 
 #include "base/program.h"
 
+/* Bytes of a folder's name. */
 enum { PATH_SIZE = 4096 };
 
 /* A module's file, its exported object and, after it was asked for, what became of it. */
@@ -50,11 +57,13 @@ _Static_assert(offsetof(struct rb_hdf5_module, version) == 0 &&
                        offsetof(struct rb_console_module, version) == 0,
                "load_from reads it from there");
 
+/* Notes why a module cannot be had. */
 static void refuse(struct module *module, const char *path, const char *why)
 {
 	RB_FAIL(&module->failure, RB_ERR_MISSING, "cannot load '%s': %s", path, why);
 }
 
+/* Loads the module of a file, or notes why not. */
 static void load_from(struct module *module, const char *path)
 {
 	void *const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -79,6 +88,7 @@ static void load_from(struct module *module, const char *path)
 	module->loaded = version;
 }
 
+/* Finds and loads a module, once; the outcome stays. */
 static void load(struct module *module)
 {
 	char name[64], path[PATH_SIZE + 64];
@@ -132,6 +142,7 @@ static void load_console(void)
 	load(&console);
 }
 
+/* The outcome of the one attempt; RB_OK: it is loaded. */
 static enum rb_status answer(const struct module *module, struct rb_error *err)
 {
 	if (module->loaded)

@@ -26,6 +26,7 @@
 #include "sink/recorder.h"
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "sink/h5about.h"
@@ -74,11 +75,12 @@ struct rb_recorder {
 	bool ended;
 };
 
-/* `alignment` 1: none. */
+/* Access properties with objects at multiples of `alignment`; 1: none. */
 static hid_t file_access(unsigned alignment)
 {
 	const hid_t access = rb_h5_access(1);
 
+	RB_ASSERT(alignment >= 1);
 	H5Pset_alignment(access, ALIGNED_FROM, alignment);
 	if (alignment > 1)
 		H5Pset_meta_block_size(access, 0);
@@ -86,6 +88,7 @@ static hid_t file_access(unsigned alignment)
 	return access;
 }
 
+/* Creation properties; to be closed. */
 static hid_t file_creation(void)
 {
 	const hid_t creation = H5Pcreate(H5P_FILE_CREATE);
@@ -99,6 +102,7 @@ static hid_t file_creation(void)
 	return creation;
 }
 
+/* Makes the file; negative: failed. */
 static hid_t create_file(const char *path, hid_t access)
 {
 	const hid_t creation = file_creation();
@@ -108,7 +112,7 @@ static hid_t create_file(const char *path, hid_t access)
 	return file;
 }
 
-/* Locks are refused on some file systems; the library can be told to do without. */
+/* Advice for a failure by locks, which are refused on some file systems. */
 static const char *lock_advice(int number)
 {
 	return number == EAGAIN || number == ENOLCK || number == ENOSYS || number == EOPNOTSUPP
@@ -116,9 +120,11 @@ static const char *lock_advice(int number)
 	               : "";
 }
 
+/* Keeps the first failure for the texts at the end; gives `status` back. */
 static enum rb_status note_failure(struct rb_recorder *recorder, enum rb_status status,
                                    struct rb_error *err)
 {
+	RB_ASSERT(status != RB_OK);
 	if (!recorder->failed) {
 		recorder->failed = true;
 		recorder->why = err ? *err : (struct rb_error){.status = status};
@@ -126,14 +132,16 @@ static enum rb_status note_failure(struct rb_recorder *recorder, enum rb_status 
 	return status;
 }
 
-/* A failure of the library. */
+/* The same for a failure of the library. */
 static enum rb_status note_h5(struct rb_recorder *recorder, struct rb_error *err)
 {
+	RB_ASSERT(recorder->h5.status != RB_OK);
 	if (err)
 		*err = recorder->h5.error;
 	return note_failure(recorder, recorder->h5.status, &recorder->h5.error);
 }
 
+/* Makes sure of room on the disk behind the end of the file. */
 static enum rb_status reserve(struct rb_recorder *recorder, uint64_t need, struct rb_error *err)
 {
 	haddr_t end = 0;
@@ -155,7 +163,10 @@ static bool is_asked(struct rb_recorder *recorder)
 	return asked;
 }
 
-/* All that has come is in the file; or nothing will be any more. */
+/*
+ * Wakes those who wait: all that has come is in the file; or, with `ended`, nothing will be any
+ * more.
+ */
 static void tell_held(struct rb_recorder *recorder, bool ended)
 {
 	pthread_mutex_lock(&recorder->lock);
@@ -175,6 +186,7 @@ void rb_recorder_ask(struct rb_recorder *recorder, uint64_t frame)
 
 bool rb_recorder_wait(struct rb_recorder *recorder, uint64_t frame)
 {
+	RB_ASSERT(recorder != NULL);
 	pthread_mutex_lock(&recorder->lock);
 	while (recorder->held <= frame && !recorder->ended)
 		pthread_cond_wait(&recorder->changed, &recorder->lock);
@@ -183,6 +195,7 @@ bool rb_recorder_wait(struct rb_recorder *recorder, uint64_t frame)
 	return held;
 }
 
+/* Flushes the file; after the first time it gets its name. */
 static enum rb_status flush(struct rb_recorder *recorder, struct rb_error *err)
 {
 	haddr_t end = 0;
@@ -206,7 +219,7 @@ static enum rb_status flush(struct rb_recorder *recorder, struct rb_error *err)
 	return RB_OK;
 }
 
-/* What is committed goes to the file and can be read from now on. */
+/* Writes what is committed, so that it can be read from now on. */
 static enum rb_status write_out(struct rb_recorder *recorder, struct rb_error *err)
 {
 	struct rb_error error;
@@ -226,6 +239,7 @@ static enum rb_status write_out(struct rb_recorder *recorder, struct rb_error *e
 	return recorder->frames.written > 0 ? flush(recorder, err) : RB_OK;
 }
 
+/* Records the library's failure as one to create the file. */
 static void fail_create(struct rb_h5 *h5)
 {
 	char reason[160];
@@ -236,7 +250,7 @@ static void fail_create(struct rb_h5 *h5)
 	                     rb_h5_reason(reason), lock_advice(rb_h5_errno()));
 }
 
-/* All that does not change: a complete file of its own. */
+/* Makes a complete file of all that does not change. */
 static void make_about(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
@@ -260,7 +274,7 @@ static void make_about(struct rb_recorder *recorder)
 	}
 }
 
-/* All that grows or changes, and the switch to where others may read. */
+/* Makes all that grows or changes, and switches to where others may read. */
 static void make_growing(struct rb_recorder *recorder)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
@@ -285,6 +299,7 @@ static void make_growing(struct rb_recorder *recorder)
 		rb_h5_fail(h5, "flush", "/");
 }
 
+/* Makes the whole file up to its first frame. */
 static enum rb_status make_file(struct rb_recorder *recorder, struct rb_error *err)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
@@ -333,8 +348,8 @@ static bool open_again(struct rb_recorder *recorder)
 }
 
 /*
- * What a close has added is of the frames that were there then. Its room is lost: nothing must take
- * it before the link is gone.
+ * Removes what an earlier close has added, which is of the frames that were there then. Its room is
+ * lost: nothing must take it before the link is gone.
  */
 static void drop_vtk(struct rb_recorder *recorder)
 {
@@ -349,7 +364,7 @@ static void drop_vtk(struct rb_recorder *recorder)
 		rb_h5_fail(h5, "close", "/");
 }
 
-/* A recording that stands there, to be written on where others may read. */
+/* Opens a recording that stands there, to be written on where others may read. */
 static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error *err)
 {
 	const struct rb_recorder_options *const options = &recorder->options;
@@ -389,11 +404,13 @@ static enum rb_status reopen_file(struct rb_recorder *recorder, struct rb_error 
 	return h5->status;
 }
 
+/* rb_sink.open. */
 static enum rb_status open_file(void *self, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
 	enum rb_status status;
 
+	RB_ASSERT(!recorder->file_open);
 	rb_h5_quiet();
 	if (recorder->options.resume) {
 		status = reopen_file(recorder, err);
@@ -421,12 +438,14 @@ static enum rb_status open_file(void *self, struct rb_error *err)
 	return status;
 }
 
+/* rb_sink.frame. */
 static enum rb_status take_frame(void *self, const struct rb_frame *frame, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
 	struct rb_frames *const frames = &recorder->frames;
 	struct rb_error error;
 
+	RB_ASSERT(recorder->file_open);
 	if (recorder->options.resume && frame->index <= recorder->options.frame)
 		return RB_OK; /* it is there; others see it again */
 	const enum rb_status status = rb_frames_take(frames, frame, &error);
@@ -445,6 +464,7 @@ static enum rb_status take_frame(void *self, const struct rb_frame *frame, struc
 	return RB_OK;
 }
 
+/* rb_sink.idle. */
 static enum rb_status flush_idle(void *self, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
@@ -452,6 +472,7 @@ static enum rb_status flush_idle(void *self, struct rb_error *err)
 	return recorder->oldest_ns != 0 || is_asked(recorder) ? write_out(recorder, err) : RB_OK;
 }
 
+/* What the recording says of how the run ended. */
 static const char *status_text(enum rb_status status)
 {
 	switch (status) {
@@ -468,7 +489,7 @@ static const char *status_text(enum rb_status status)
 	}
 }
 
-/* The texts that change; they have their place in the file since it was made. */
+/* Writes the texts that change; they have their place in the file since it was made. */
 static void write_end(struct rb_recorder *recorder, const struct rb_outcome *outcome)
 {
 	struct rb_h5 *const h5 = &recorder->h5;
@@ -493,7 +514,7 @@ static void write_end(struct rb_recorder *recorder, const struct rb_outcome *out
 		rb_h5_fail(h5, "flush", "/");
 }
 
-/* Columns that a failure left longer than `step`. */
+/* Cuts columns that a failure left longer than `step`. */
 static void trim(struct rb_h5 *h5, const struct rb_frames *frames, hsize_t rows)
 {
 	for (int i = 0; i < frames->column_count && !h5->status; i++) {
@@ -513,8 +534,8 @@ static void trim(struct rb_h5 *h5, const struct rb_frames *frames, hsize_t rows)
 }
 
 /*
- * What is added goes behind the old end; the only old bytes that change are the root's header, in
- * one small write.
+ * Adds /VTKHDF. It goes behind the old end; the only old bytes that change are the root's header,
+ * in one small write.
  */
 static void add_vtk(struct rb_recorder *recorder)
 {
@@ -552,9 +573,8 @@ static void add_vtk(struct rb_recorder *recorder)
 }
 
 /*
- * What stands at multiples of ALIGNMENT, and the indices of what grows, are of no use to a run that
- * is over: a small file is mostly that. It is written anew without; where that cannot be, the one
- * that is there stays.
+ * Writes a small finished file anew without what it needed to grow: what stands at multiples of
+ * ALIGNMENT, and the indices. Where that cannot be, the one that is there stays.
  */
 static void compact(struct rb_recorder *recorder)
 {
@@ -585,6 +605,7 @@ static void compact(struct rb_recorder *recorder)
 	rb_memory_free(image);
 }
 
+/* rb_sink.close. A failure that `frame` has reported is not reported again. */
 static enum rb_status close_file(void *self, const struct rb_outcome *outcome, struct rb_error *err)
 {
 	struct rb_recorder *const recorder = self;
@@ -700,7 +721,7 @@ void rb_recorder_destroy(struct rb_recorder *recorder)
 	rb_memory_free(recorder);
 }
 
-/* A file in memory. */
+/* A file in memory, for estimates. */
 static hid_t memory_file(unsigned alignment)
 {
 	const hid_t access = file_access(alignment);
@@ -723,6 +744,7 @@ static uint64_t memory_size(hid_t file)
 	return size < 0 ? 0 : (uint64_t)size;
 }
 
+/* Its size after compaction; 0: a failure. */
 static uint64_t compact_size(hid_t file)
 {
 	unsigned char *image;
