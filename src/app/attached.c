@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The scene of a run comes through its socket as texts, and is loaded as a recorded one would be;
+ * that both sides have the same bodies is checked by their counts. A run of a console's own is this
+ * program again with the same words, less those for the console; the address of its socket is made
+ * of our process number, and connecting is tried until it answers or has ended.
+ */
 #include "app/attached.h"
 
 #include <errno.h>
@@ -16,20 +22,27 @@
 #include "base/program.h"
 #include "control/wire.h"
 
+/* s for an answer, which the scene's texts may make long; for one attempt to connect. */
 static const double answer_s = 10, connect_s = 2;
+/*
+ * TRIES every TRY_MS: 10 s for a run that is starting anew. PATIENCE_MS: from asking a run to end
+ * to killing it.
+ */
 enum { TRIES = 500, TRY_MS = 20, PATIENCE_MS = 5000 };
 
+/* Sleeps. */
 static void rest(int milliseconds)
 {
 	const struct timespec pause = {.tv_sec = milliseconds / 1000,
 	                               .tv_nsec = milliseconds % 1000 * 1000000L};
 
+	RB_ASSERT(milliseconds >= 0);
 	nanosleep(&pause, NULL);
 }
 
 /* ---- the scene ---- */
 
-/* What a run tells of its scene; texts are owned. */
+/* What a run says of its scene; texts are owned. */
 struct told {
 	struct rb_source_file *files;
 	char **params;
@@ -40,6 +53,7 @@ struct told {
 	int body_count, static_count;
 };
 
+/* Frees all of it. */
 static void release(struct told *told)
 {
 	for (int i = 0; i < told->file_count; i++) {
@@ -53,8 +67,8 @@ static void release(struct told *told)
 }
 
 /*
- * A word of base64 as bytes with a zero behind them; NULL: it is none, or memory is out. "-" stands
- * for nothing.
+ * A word of base64 as bytes with a zero behind them, to be freed; NULL: it is none, or memory is
+ * out. "-" stands for nothing.
  */
 static char *decode(const char *word, size_t size, size_t *bytes)
 {
@@ -74,6 +88,7 @@ static char *decode(const char *word, size_t size, size_t *bytes)
 	return text;
 }
 
+/* Takes over name and text. False: no memory, and they are still the caller's. */
 static bool add_file(struct told *told, char *name, char *text, size_t size)
 {
 	if (!rb_memory_reserve(&told->files, &told->file_room, (size_t)told->file_count + 1,
@@ -84,6 +99,7 @@ static bool add_file(struct told *told, char *name, char *text, size_t size)
 	return true;
 }
 
+/* Appends NAME=VALUE. False: no memory. */
 static bool add_param(struct told *told, const char *name, const char *value)
 {
 	const size_t size = strlen(name) + strlen(value) + 2;
@@ -99,7 +115,10 @@ static bool add_param(struct told *told, const char *name, const char *value)
 	return true;
 }
 
-/* "file NAME TEXT" or "param NAME VALUE", the words in base64. */
+/*
+ * Takes "file NAME TEXT" or "param NAME VALUE", the words in base64. False: it is none, or no
+ * memory.
+ */
 static bool take_texts(struct told *told, const char *line, size_t size)
 {
 	const bool file = strncmp(line, "file ", 5) == 0;
@@ -124,6 +143,7 @@ static bool take_texts(struct told *told, const char *line, size_t size)
 	return good;
 }
 
+/* Takes one line of the answer; keys that are not known are skipped. */
 static bool take_line(struct told *told, const char *line, size_t size)
 {
 	static const struct {
@@ -147,6 +167,7 @@ static bool take_line(struct told *told, const char *line, size_t size)
 	return true;
 }
 
+/* Takes the whole answer. */
 static enum rb_status take_scene(struct told *told, const char *lines, struct rb_error *err)
 {
 	while (*lines) {
@@ -161,6 +182,7 @@ static enum rb_status take_scene(struct told *told, const char *lines, struct rb
 	return RB_OK;
 }
 
+/* Loads the scene and makes the model. */
 static enum rb_status load(struct rb_loaded *loaded, const struct told *told, bool trust,
                            struct rb_error *err)
 {
@@ -177,6 +199,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct told *told, bo
 	enum rb_status status = rb_script_load(&loaded->script, &loaded->scene, &loaded->mistakes,
 	                                       &options, err);
 
+	RB_ASSERT(told->file_count > 0);
 	if (status)
 		return status;
 	struct rb_world_def *const world = &loaded->scene.world;
@@ -193,7 +216,10 @@ static enum rb_status load(struct rb_loaded *loaded, const struct told *told, bo
 	return status;
 }
 
-/* Path of the recording, which the run tells from its own folder. */
+/*
+ * Path of the recording, to be freed, which the run states from its own folder; NULL: there is
+ * none.
+ */
 static enum rb_status find_recording(char **recording, const char *lines, struct rb_error *err)
 {
 	const char *folder = NULL, *name = NULL;
@@ -218,7 +244,7 @@ static enum rb_status find_recording(char **recording, const char *lines, struct
 	return RB_OK;
 }
 
-/* While a run starts anew it answers that it does. */
+/* Asks, again and again while the run answers that it is restarting. */
 static enum rb_status ask(struct rb_client *client, const char *line, const char **lines,
                           struct rb_error *err)
 {
@@ -260,7 +286,9 @@ enum rb_status rb_attached_load(struct rb_loaded *loaded, char **recording,
 
 /* ---- a process of its own ---- */
 
-/* A name of few letters, for the system allows no more than 107. */
+/*
+ * A name in the first usable folder of three, short enough for the system, which allows 107 bytes.
+ */
 static void name_socket(char address[108])
 {
 	const char *const places[] = {getenv("XDG_RUNTIME_DIR"), getenv("TMPDIR"), "/tmp"};
@@ -272,7 +300,7 @@ static void name_socket(char address[108])
 		}
 }
 
-/* Words of the command line that are for the console alone. */
+/* How many words from the i-th on are for the console alone; 0: none. */
 static int words_of_console(char *const *argv, int i, int argc)
 {
 	static const char *const options[] = {"--fps", "--speed"};
@@ -289,6 +317,7 @@ static int words_of_console(char *const *argv, int i, int argc)
 	return 0;
 }
 
+/* The words of the run, to be freed; NULL: no memory. */
 static const char **make_words(const struct rb_process *child, const struct rb_options *options,
                                bool again)
 {
@@ -317,7 +346,10 @@ static const char **make_words(const struct rb_process *child, const struct rb_o
 	return words;
 }
 
-/* In the child: only what may be called between fork and exec. */
+/*
+ * The child after fork: only what may be called between fork and exec. `errors`: where its standard
+ * error goes.
+ */
 _Noreturn static void become_run(const char **words, int errors, bool stays, pid_t parent)
 {
 	const int nothing = open("/dev/null", O_RDWR);

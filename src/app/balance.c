@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The ledger itself is kept by the methods; here its worst moments over a run are collected. Shares
+ * are relative to what moved over the run, not to the energy at hand, which may be zero.
+ */
 #include "app/balance.h"
 
 #include <math.h>
 
 #include "app/common.h"
+#include "base/error.h"
 #include "base/visible.h"
 #include "math/vec3.h"
 
@@ -12,6 +17,7 @@ void rb_balance_take(struct rb_balance *balance, const struct rb_frame_numbers *
 	const struct rb_ledger_values *const ledger = &numbers->ledger;
 	const double off = ledger->energy[RB_ENERGY_CAUSES];
 
+	RB_ASSERT(numbers != NULL);
 	if (!numbers->has_ledger)
 		return;
 	balance->kept = true;
@@ -27,6 +33,7 @@ void rb_balance_take(struct rb_balance *balance, const struct rb_frame_numbers *
 	}
 }
 
+/* A part of a whole; 0 where nothing moved. */
 static double share(double part, double whole)
 {
 	return whole > 0 ? part / whole : 0;
@@ -43,6 +50,7 @@ double rb_balance_momentum_share(const struct rb_balance *balance)
 	                 share(balance->momentum_unexplained[1], balance->momentum_scale[1]));
 }
 
+/* The causes that gave or took energy, with what takes it shown as positive. */
 static void print_causes(FILE *file, const struct rb_ledger_values *last)
 {
 	char text[64];

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A case says itself, by the choices of its parameters, which runs it asks for: parameters of its
+ * own span the bases (all combinations), those with the names of variations are applied to each
+ * base one at a time. So the list of runs needs no second file, and a case that lacks a variation
+ * states why in that parameter's help.
+ */
 #include "app/cases.h"
 
 #include <ctype.h>
@@ -10,15 +16,17 @@
 #include <unistd.h>
 
 #include "app/common.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/program.h"
 #include "script/nearest.h"
 
+/* PATH_BYTES: of a path. VALUE_BYTES: of one choice. */
 enum { PATH_BYTES = 4096, VALUE_BYTES = 64 };
 
 /* ---- which files ---- */
 
-/* The folder with the cases: as lua/ is found, beside the program. */
+/* Finds the folder with the cases: as lua/ is found, beside the program. */
 static bool find_folder(const struct rb_options *options, char folder[PATH_BYTES])
 {
 	static const char *const beside[] = {"../scenes/verify", "../../scenes/verify",
@@ -36,6 +44,7 @@ static bool find_folder(const struct rb_options *options, char folder[PATH_BYTES
 	return false;
 }
 
+/* For qsort. */
 static int by_name(const void *a, const void *b)
 {
 	const struct rb_case *const first = a, *const second = b;
@@ -43,7 +52,9 @@ static int by_name(const void *a, const void *b)
 	return strcmp(first->name, second->name);
 }
 
-/* S03_zeno.lua: a capital, digits, what it is. Other files are parts of cases. */
+/*
+ * Whether a file is a case: S03_zeno.lua: a capital, digits, what it is. Others are parts of cases.
+ */
 static bool is_case(const char *name)
 {
 	const size_t size = strlen(name);
@@ -52,11 +63,13 @@ static bool is_case(const char *name)
 	       strcmp(name + size - 4, ".lua") == 0;
 }
 
+/* Fails. */
 static enum rb_status no_memory(struct rb_error *err)
 {
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot list the cases: out of memory");
 }
 
+/* Appends a case without its runs. */
 static enum rb_status add_case(struct rb_cases *cases, const char *folder, const char *file,
                                struct rb_error *err)
 {
@@ -78,6 +91,7 @@ static enum rb_status add_case(struct rb_cases *cases, const char *folder, const
 	return RB_OK;
 }
 
+/* Lists the cases of the folder, by name. */
 static enum rb_status list_cases(struct rb_cases *cases, const struct rb_options *options,
                                  struct rb_error *err)
 {
@@ -104,11 +118,13 @@ static enum rb_status list_cases(struct rb_cases *cases, const struct rb_options
 
 /* ---- which of them ---- */
 
+/* Whether a name begins with a word, whatever their case. */
 static bool begins(const char *name, const char *word)
 {
 	return strncasecmp(name, word, strlen(word)) == 0;
 }
 
+/* Fails with the nearest name where no case begins with a word. */
 static enum rb_status check_word(const struct rb_cases *cases, const char *word,
                                  struct rb_error *err)
 {
@@ -128,6 +144,7 @@ static enum rb_status check_word(const struct rb_cases *cases, const char *word,
 	               cases->cases[cases->count - 1].name);
 }
 
+/* Frees a case with its runs. */
 static void case_release(struct rb_case *one)
 {
 	for (int i = 0; i < one->run_count; i++) {
@@ -144,6 +161,7 @@ static void case_release(struct rb_case *one)
 	*one = (struct rb_case){0};
 }
 
+/* Keeps the cases that the command line names, in their order; all where it names none. */
 static enum rb_status choose(struct rb_cases *cases, const struct rb_options *options,
                              struct rb_error *err)
 {
@@ -174,9 +192,10 @@ static enum rb_status choose(struct rb_cases *cases, const struct rb_options *op
 
 /* ---- which runs ---- */
 
+/* What of a case a quick run takes. */
 enum quick { QUICK_NONE, QUICK_BASE, QUICK_MORE, QUICK_ALL };
 
-/* What the case's parameters say while its runs are listed. */
+/* State while the runs of a case are listed. */
 struct plan {
 	struct rb_case *one;
 	const struct rb_scene *scene;
@@ -187,6 +206,7 @@ struct plan {
 	struct rb_error *err;
 };
 
+/* Whether a parameter is one of the variations that every case may have. */
 static bool is_variation(const struct rb_param_def *param)
 {
 	static const char *const names[] = {"time_step", "frame_rate", "turn",
@@ -198,6 +218,7 @@ static bool is_variation(const struct rb_param_def *param)
 	return false;
 }
 
+/* Whether a parameter is one of the case's own that spans bases. */
 static bool is_own(const struct rb_param_def *param)
 {
 	return param->choices && !is_variation(param) && strcmp(param->name, "quick") != 0;
@@ -208,6 +229,7 @@ static bool choice(const struct rb_param_def *param, int k, char out[VALUE_BYTES
 {
 	const char *at = param->choices;
 
+	RB_ASSERT(k >= 0);
 	for (; k > 0 && at; k--) {
 		at = strchr(at, ',');
 		at = at ? at + 2 : NULL;
@@ -218,6 +240,7 @@ static bool choice(const struct rb_param_def *param, int k, char out[VALUE_BYTES
 	return true;
 }
 
+/* NAME=VALUE, to be freed; NULL: no memory. */
 static const char *assignment(const struct rb_param_def *param, const char *value)
 {
 	char text[256];
@@ -226,7 +249,7 @@ static const char *assignment(const struct rb_param_def *param, const char *valu
 	return rb_memory_copy_text(text);
 }
 
-/* The base at hand, with one more parameter unless that is NULL. */
+/* Appends a run: the base at hand, with one more parameter unless that is NULL. */
 static enum rb_status add_run(struct plan *plan, const struct rb_param_def *varied,
                               const char *value)
 {
@@ -259,7 +282,10 @@ static enum rb_status add_run(struct plan *plan, const struct rb_param_def *vari
 	return right && run->label ? RB_OK : no_memory(plan->err);
 }
 
-/* In a quick run the oblique rotation, one other time step and the zero field, for some cases. */
+/*
+ * Whether a variation is run: in a quick run the oblique rotation, one other time step and the zero
+ * field, for some cases.
+ */
 static bool wanted(const struct plan *plan, const struct rb_param_def *param, const char *value,
                    int nth)
 {
@@ -273,6 +299,7 @@ static bool wanted(const struct plan *plan, const struct rb_param_def *param, co
 	       (strcmp(param->name, "time_step") == 0 && nth == 0);
 }
 
+/* Appends the base at hand and its variations. */
 static enum rb_status add_variations(struct plan *plan)
 {
 	char value[VALUE_BYTES];
@@ -291,12 +318,13 @@ static enum rb_status add_variations(struct plan *plan)
 	return status;
 }
 
-/* Every combination of the case's own parameters from the i-th on. */
+/* Appends all combinations of the case's own parameters from the i-th on. */
 static enum rb_status add_bases(struct plan *plan, int i)
 {
 	char value[VALUE_BYTES];
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(i >= 0);
 	while (i < plan->scene->param_count && !is_own(&plan->scene->params[i]))
 		i++;
 	if (i == plan->scene->param_count)
@@ -317,6 +345,7 @@ static enum rb_status add_bases(struct plan *plan, int i)
 	return status;
 }
 
+/* What the case's parameter `quick` says. */
 static enum quick quick_of(const char *text)
 {
 	static const char *const names[] = {"none", "base", "more", "all"};
@@ -327,7 +356,7 @@ static enum quick quick_of(const char *text)
 	return QUICK_BASE;
 }
 
-/* Parameters that are about the case and not about its physics. */
+/* Reads the parameters that are about the case and not about its physics. */
 static enum rb_status read_params(struct plan *plan)
 {
 	struct rb_case *const one = plan->one;
@@ -352,8 +381,8 @@ static enum rb_status read_params(struct plan *plan)
 }
 
 /*
- * A scene that does not load has the runs that its parameters ask for as far as they were read:
- * they tell why.
+ * Loads the case and lists its runs. A scene that does not load has the runs that its parameters
+ * ask for as far as they were read: they report why.
  */
 static enum rb_status plan_runs(struct rb_case *one, const struct rb_options *options,
                                 struct rb_error *err)

@@ -10,23 +10,28 @@
 
 /* ---- the picture ---- */
 
+/* Range of both axes; both are logarithmic. */
 struct frame_of_axes {
 	double x_low, x_high, y_low, y_high;
 	bool has_zero;
 };
 
-/* With room, so that no point hides in the frame. */
+/* The next whole decade below a value, with room, so that no point hides in the frame. */
 static double decade_below(double value)
 {
 	return pow(10, floor(log10(value / 1.5)));
 }
 
+/* The same above. */
 static double decade_above(double value)
 {
 	return pow(10, ceil(log10(value * 1.5)));
 }
 
-/* Whole decades around all points; one more to the left where an error is 0. */
+/*
+ * Whole decades around all points; one more to the left where an error is 0, which has no
+ * logarithm.
+ */
 static struct frame_of_axes axes_of(const struct rb_report *report)
 {
 	double x_low = (double)INFINITY, x_high = 0, y_low = (double)INFINITY, y_high = 0;
@@ -63,6 +68,7 @@ struct drawing {
 	char (*names)[64];
 };
 
+/* Takes memory for a line and its crosses for each method. False: no memory. */
 static bool drawing_init(struct drawing *drawing, const struct rb_report *report)
 {
 	const size_t methods = (size_t)report->method_count;
@@ -94,6 +100,7 @@ static void place_cross(const struct frame_of_axes *axes, int number, double *x,
 	*y = axes->y_high * pow(10, -rise * 0.07);
 }
 
+/* Makes the series from the rows. */
 static void fill(struct drawing *drawing, const struct rb_report *report,
                  const struct frame_of_axes *axes)
 {
@@ -172,7 +179,7 @@ enum rb_status rb_chart_draw(FILE *file, const struct rb_report *report, enum rb
 
 /* ---- CSV ---- */
 
-/* Nothing where there is no number. */
+/* A cell with a number; empty where there is none. */
 static void put_number(FILE *file, double value)
 {
 	if (isfinite(value))
@@ -181,6 +188,7 @@ static void put_number(FILE *file, double value)
 		putc(',', file);
 }
 
+/* A cell with a text. */
 static void put_quoted(FILE *file, const char *text)
 {
 	fputs(",\"", file);

@@ -29,16 +29,17 @@ struct needs {
 	uint64_t steps; /* of the longest kind, rollbacks apart */
 };
 
+/* The lesser of two counts. */
 static uint64_t smaller(uint64_t a, uint64_t b)
 {
 	return a < b ? a : b;
 }
 
 /*
- * What the recorder takes on top of the code of HDF5: the library's own tables, measured, and rows
- * that wait to be written, which are 2 MiB or a frame; with compression chunks of some frames, once
- * more in the library's cache. Never more than the run has. (sink/h5frames; held against real runs
- * by tests/cli/check-estimates.sh)
+ * Bytes that the recorder takes on top of the code of HDF5: the library's own tables, measured, and
+ * rows that wait to be written, which are 2 MiB or a frame; with compression chunks of some frames,
+ * once more in the library's cache. Never more than the run has (sink/h5frames; compared with real
+ * runs by tests/cli/check-estimates.sh).
  */
 static uint64_t recorder_bytes(const struct rb_model *model, const struct rb_record_def *record)
 {
@@ -58,6 +59,7 @@ static uint64_t recorder_bytes(const struct rb_model *model, const struct rb_rec
 	return tables + smaller(waiting, whole_run) + cache;
 }
 
+/* Bytes of the frames in the ring. */
 static uint64_t ring_bytes(const struct rb_model *model, unsigned fields)
 {
 	const uint64_t slots = (uint64_t)rb_ring_slots_for(model, fields);

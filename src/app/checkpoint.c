@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Two buffers and two files: the simulator packs into memory while the thread is idle; the thread
+ * hashes, syncs the recording, writes NAME.partial, syncs, and renames. The checkpoint before is
+ * kept under another name, so at every moment one whole checkpoint is on disk. `busy` is the only
+ * hand-over: while it is set the pack is the thread's, else the simulator's.
+ *
+ * The file: a head with magic, order of bytes, format, size and hash, then four sections, each with
+ * name, size and hash of its own. A damaged file is refused before anything of it is used.
+ */
 #include "app/checkpoint.h"
 
 #include <errno.h>
@@ -12,6 +21,7 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/hash.h"
 #include "base/log.h"
 #include "base/memory.h"
@@ -20,11 +30,16 @@
 #include "script/keep.h"
 #include "method/save.h"
 
+/*
+ * FORMAT: to be raised with every change of what a section holds. NAME_SIZE: of a section's name,
+ * without a zero.
+ */
 enum { FORMAT = 4, SECTION_COUNT = 4, NAME_SIZE = 8 };
 static const uint32_t order_mark = 0x04030201;
 static const char magic[8] = {'r', 'b', 's', 'i', 'm', '-', 'c', 'p'};
 static const char section_names[SECTION_COUNT][NAME_SIZE + 1] = {"about", "world", "script", "run"};
 
+/* Beginning of the file, 32 bytes without padding. */
 struct head {
 	char magic[8];
 	uint32_t order, format;
@@ -61,6 +76,7 @@ static const char last_ending[] = ".checkpoint", before_ending[] = ".checkpoint~
 
 /* ---- writing: the thread's ---- */
 
+/* The first section, both ways. */
 static void pack_about(struct rb_pack *pack, struct rb_checkpoint_about *about)
 {
 	rb_pack_u64(pack, &about->run);
@@ -71,12 +87,13 @@ static void pack_about(struct rb_pack *pack, struct rb_checkpoint_about *about)
 	rb_pack_u64(pack, &about->state_hash);
 }
 
-/* Hashes of the sections, then of the whole: what the simulator need not wait for. */
+/* Puts in the hashes of the sections, then of the whole: what the simulator need not wait for. */
 static void seal(struct rb_pack *pack)
 {
 	struct head head = {.order = order_mark, .format = FORMAT};
 	struct section section;
 
+	RB_ASSERT(pack->size >= sizeof head);
 	for (size_t at = sizeof head; at < pack->size;) {
 		unsigned char *const bytes = pack->bytes + at + sizeof section;
 
@@ -91,7 +108,7 @@ static void seal(struct rb_pack *pack)
 	memcpy(pack->bytes, &head, sizeof head);
 }
 
-/* `name` stands beside the recording and is told as that is. */
+/* Fails with errno. `name` stands beside the recording and is shown as that is. */
 static enum rb_status fail(struct rb_error *err, const char *what, const struct rb_place *place,
                            const char *name)
 {
@@ -101,6 +118,7 @@ static enum rb_status fail(struct rb_error *err, const char *what, const struct 
 	               (int)(place->name - place->path), place->path, name, strerror(number));
 }
 
+/* Writes all bytes; false with errno. */
 static bool write_all(int fd, const unsigned char *bytes, size_t size)
 {
 	while (size > 0) {
@@ -116,12 +134,13 @@ static bool write_all(int fd, const unsigned char *bytes, size_t size)
 	return true;
 }
 
-/* A file that can't be synced (a pipe, some network) is as safe as it gets. */
+/* False with errno. A file that cannot be synced (a pipe, some network) is as safe as it gets. */
 static bool sync_file(int fd)
 {
 	return fsync(fd) == 0 || errno == EINVAL || errno == EROFS || errno == ENOTSUP;
 }
 
+/* Makes sure that the recording is on disk before a checkpoint that refers to it. */
 static enum rb_status sync_recording(const struct rb_place *place, struct rb_error *err)
 {
 	const int fd = rb_place_reach(place, place->name, O_RDONLY);
@@ -135,7 +154,7 @@ static enum rb_status sync_recording(const struct rb_place *place, struct rb_err
 	return status;
 }
 
-/* A new file, `partial`; `name` is what it is to be. */
+/* Writes a new file, `partial`; `name` is what it is to be. */
 static enum rb_status write_partial(const struct rb_place *place, const struct rb_pack *pack,
                                     const char *name, char partial[RB_PLACE_NAME_SIZE],
                                     struct rb_error *err)
@@ -154,6 +173,7 @@ static enum rb_status write_partial(const struct rb_place *place, const struct r
 	return status;
 }
 
+/* Writes the checkpoint and gives it its name; the one before gets the other name. */
 static enum rb_status write_file(const struct rb_place *place, const struct rb_pack *pack,
                                  struct rb_error *err)
 {
@@ -175,6 +195,7 @@ static enum rb_status write_file(const struct rb_place *place, const struct rb_p
 	return RB_OK;
 }
 
+/* Writes what the simulator has packed; in the thread. */
 static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_error *err)
 {
 	const struct rb_checkpoints_options *const options = &checkpoints->options;
@@ -189,8 +210,9 @@ static enum rb_status write_one(struct rb_checkpoints *checkpoints, struct rb_er
 }
 
 /*
- * Pages that nobody has written to are found one by one, at the first write: here, and not while
- * the run stands still. With the lock, which it gives back meanwhile.
+ * Touches the pages of the pack once: pages that nobody has written to are found one by one, at the
+ * first write: here, and not while the run stands still. Called with the lock, which it gives back
+ * meanwhile.
  */
 static void make_ready(struct rb_checkpoints *checkpoints)
 {
@@ -216,6 +238,7 @@ static void make_ready(struct rb_checkpoints *checkpoints)
 	pthread_cond_broadcast(&checkpoints->changed);
 }
 
+/* The thread. */
 static void *work(void *argument)
 {
 	struct rb_checkpoints *const checkpoints = argument;
@@ -249,6 +272,7 @@ static void *work(void *argument)
 
 /* ---- the simulator's ---- */
 
+/* A condition variable with the monotonic clock. */
 static void init_condition(pthread_cond_t *condition)
 {
 	pthread_condattr_t as_clock;
@@ -301,26 +325,30 @@ bool rb_checkpoints_busy(struct rb_checkpoints *checkpoints)
 	return busy;
 }
 
-/* The section's head, whose size is put in when it ends. */
+/* Begins a section; its size is put in when it ends. */
 static size_t begin_section(struct rb_pack *pack, int which)
 {
 	struct section section = {.size = 0};
 
+	RB_ASSERT(which >= 0 && which < SECTION_COUNT);
 	memcpy(section.name, section_names[which], NAME_SIZE);
 	rb_pack_bytes(pack, &section, sizeof section);
 	return pack->size;
 }
 
+/* Puts in the size of the section that began at `begin`. */
 static void end_section(struct rb_pack *pack, size_t begin)
 {
 	const uint64_t size = pack->size - begin;
 
+	RB_ASSERT(pack->failed || (begin >= sizeof(struct section) && begin <= pack->size));
 	if (!pack->failed)
 		memcpy(pack->bytes + begin - sizeof(struct section) +
 		               offsetof(struct section, size),
 		       &size, sizeof size);
 }
 
+/* Packs a whole checkpoint. */
 static enum rb_status pack_all(struct rb_pack *pack, struct rb_checkpoint_about about,
                                const struct rb_checkpoint_parts *parts, struct rb_error *err)
 {
@@ -362,6 +390,7 @@ enum rb_status rb_checkpoints_take(struct rb_checkpoints *checkpoints,
 	const uint64_t taken_ns = rb_clock_now_ns() - start_ns;
 
 	pthread_mutex_lock(&checkpoints->lock);
+	RB_ASSERT(!checkpoints->busy);
 	checkpoints->busy = !status;
 	checkpoints->tally.stall_ns += taken_ns;
 	checkpoints->tally.stall_cpu_ns += rb_clock_cpu_ns() - cpu_ns;
@@ -423,13 +452,15 @@ void rb_checkpoints_remove(const char *recording, unsigned how)
 
 /* ---- reading ---- */
 
+/* Fails: a file is no checkpoint that can be used. */
 static enum rb_status refuse(struct rb_error *err, const char *name, const char *why)
 {
 	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no checkpoint to go on from: %s", name, why);
 }
 
 /*
- * The section that begins at `*at`, which moves behind it. NULL: it is whole; else what is wrong.
+ * Takes the section that begins at `*at`, which moves behind it. NULL: it is whole; else what is
+ * wrong.
  */
 static const char *take_section(const struct rb_checkpoint *checkpoint, int which, size_t *at,
                                 struct rb_pack *pack)
@@ -437,6 +468,7 @@ static const char *take_section(const struct rb_checkpoint *checkpoint, int whic
 	const size_t left = checkpoint->size - *at;
 	struct section section;
 
+	RB_ASSERT(which >= 0 && which < SECTION_COUNT);
 	if (left < sizeof section)
 		return "it ends too early";
 	memcpy(&section, checkpoint->bytes + *at, sizeof section);
@@ -453,6 +485,7 @@ static const char *take_section(const struct rb_checkpoint *checkpoint, int whic
 	return NULL;
 }
 
+/* NULL: the head is right; else what is wrong. */
 static const char *check_head(const struct rb_checkpoint *checkpoint)
 {
 	struct head head;
@@ -494,7 +527,7 @@ enum rb_status rb_checkpoint_parse(struct rb_checkpoint *checkpoint, unsigned ch
 	return why ? refuse(err, name, why) : RB_OK;
 }
 
-/* NULL where it can't be read; errno says why. */
+/* All bytes of a file, to be freed; NULL where it cannot be read; errno says why. */
 static unsigned char *read_all(const struct rb_place *place, const char *name, size_t *size)
 {
 	const int fd = rb_place_reach(place, name, O_RDONLY | O_NONBLOCK);
@@ -523,6 +556,7 @@ static unsigned char *read_all(const struct rb_place *place, const char *name, s
 	return bytes;
 }
 
+/* Reads one of the two files. `*found`: it is there. */
 static enum rb_status read_one(struct rb_checkpoint *checkpoint, bool *found,
                                const struct rb_place *place, const char *name, struct rb_error *err)
 {
@@ -539,6 +573,7 @@ static enum rb_status read_one(struct rb_checkpoint *checkpoint, bool *found,
 	return rb_checkpoint_parse(checkpoint, bytes, size, name, err);
 }
 
+/* Reads the last checkpoint, or where it is broken or missing the one before. */
 static enum rb_status read_both(struct rb_checkpoint *checkpoint, bool *found,
                                 const struct rb_place *place, struct rb_error *err)
 {
@@ -593,7 +628,7 @@ void rb_checkpoint_release(struct rb_checkpoint *checkpoint)
 	*checkpoint = (struct rb_checkpoint){0};
 }
 
-/* All of a part was asked for. */
+/* Fails unless all of a part was asked for. */
 static enum rb_status at_end(const struct rb_pack *pack, struct rb_error *err)
 {
 	if (pack->failed)

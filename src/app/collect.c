@@ -7,6 +7,7 @@
 
 #include "app/json.h"
 #include "app/planned.h"
+#include "base/error.h"
 #include "base/outfile.h"
 #include "base/visible.h"
 #include "sweep/table.h"
@@ -22,6 +23,7 @@ struct collect {
 	char name[RB_FOLDER_PATH_SIZE + 80];
 };
 
+/* Whether the table is wanted as CSV, by option or name. */
 static bool is_csv(const struct collect *collect)
 {
 	const size_t size = strlen(collect->output);
@@ -30,12 +32,16 @@ static bool is_csv(const struct collect *collect)
 	       (size > 4 && strcmp(collect->output + size - 4, ".csv") == 0);
 }
 
-/* From one absolute folder to another: up as far as they differ, then down. */
+/*
+ * The way from one absolute folder to another: up as far as they differ, then down, with a '/' at
+ * its end.
+ */
 static enum rb_status find_way(const char *from, const char *to, char out[RB_FOLDER_PATH_SIZE],
                                struct rb_error *err)
 {
 	size_t same = 0, used = 0;
 
+	RB_ASSERT(from[0] == '/' && to[0] == '/');
 	for (size_t i = 0;; i++) {
 		const bool end_from = from[i] == '\0' || from[i] == '/';
 		const bool end_to = to[i] == '\0' || to[i] == '/';
@@ -55,6 +61,7 @@ static enum rb_status find_way(const char *from, const char *to, char out[RB_FOL
 	return RB_OK;
 }
 
+/* Decides where the table goes, and how recordings are named from there. */
 static enum rb_status settle_output(struct collect *collect, struct rb_error *err)
 {
 	const struct rb_options *const options = collect->options;
@@ -81,6 +88,7 @@ static enum rb_status settle_output(struct collect *collect, struct rb_error *er
 	return find_way(real, collect->sweep.folder, collect->way, err);
 }
 
+/* rb_collection.file. */
 static const char *file_of(void *user, uint64_t row)
 {
 	struct collect *const collect = user;
@@ -89,6 +97,7 @@ static const char *file_of(void *user, uint64_t row)
 	                      collect->name);
 }
 
+/* rb_collection.link. */
 static const char *link_of(void *user, uint64_t row)
 {
 	struct collect *const collect = user;
@@ -99,6 +108,7 @@ static const char *link_of(void *user, uint64_t row)
 	return collect->name;
 }
 
+/* Writes the table as CSV. */
 static enum rb_status write_csv(const struct collect *collect, struct rb_error *err)
 {
 	struct rb_outfile out;
@@ -115,6 +125,7 @@ static enum rb_status write_csv(const struct collect *collect, struct rb_error *
 	return rb_outfile_publish(&out, err);
 }
 
+/* Writes the table in the form that is wanted. */
 static enum rb_status write_all(struct collect *collect, uint64_t *linked, struct rb_error *err)
 {
 	const struct rb_hdf5_module *module;
@@ -133,12 +144,14 @@ static enum rb_status write_all(struct collect *collect, uint64_t *linked, struc
 	return status ? status : module->collect(&collection, linked, err);
 }
 
+/* Prints what was collected. Column 2 is the state (sweep/table). */
 static void tell(const struct collect *collect, uint64_t linked)
 {
 	const uint64_t points = collect->table.rows;
 	struct rb_json json = {.file = stdout};
 	uint64_t done = 0;
 
+	RB_ASSERT(collect->table.column_count > 2);
 	for (uint64_t i = 0; i < points; i++)
 		done += strcmp(collect->table.columns[2].texts[i], "done") == 0;
 	if (collect->options->json) {

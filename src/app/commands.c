@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A file of commands is read and checked as a whole before the run begins: a mistake in its last
+ * line must not come after hours. Rows are sorted by time, stable, so that those of one time keep
+ * their order. Commands are executed by the simulator's thread at the first frame that is not
+ * before their time.
+ */
 #include "app/commands.h"
 
 #include <errno.h>
@@ -14,9 +20,16 @@
 #include "base/thread.h"
 #include "script/load.h"
 
+/*
+ * FILE_MAX: 1 MiB is more than anybody writes. PIECE: bytes read at once. WHO_SIZE: of who gave a
+ * command, for the log.
+ */
 enum { FILE_MAX = 1 << 20, PIECE = 4096, WHO_SIZE = 80 };
 
-/* Answers may come from several threads: one at a time, whole. */
+/*
+ * Executes a line and prints its answer. Answers may come from several threads: one at a time,
+ * whole.
+ */
 static bool execute(struct rb_session *session, const char *line, const char *who, FILE *out)
 {
 	struct rb_answer answer = {0};
@@ -61,6 +74,7 @@ void rb_commands_destroy(struct rb_commands *commands)
 	rb_memory_free(commands);
 }
 
+/* Reads all of the file. */
 static enum rb_status read_text(struct rb_commands *commands, struct rb_error *err)
 {
 	FILE *const file = fopen(commands->path, "re");
@@ -94,13 +108,17 @@ static enum rb_status read_text(struct rb_commands *commands, struct rb_error *e
 	return RB_OK;
 }
 
+/* Fails with the line of the file. */
 static enum rb_status wrong(const struct rb_commands *commands, const struct row *row,
                             const char *text, struct rb_error *err)
 {
 	return RB_FAIL(err, RB_ERR_INPUT, "%s:%d: %s", commands->path, row->line, text);
 }
 
-/* "at TIME command": the command stays. */
+/*
+ * Takes "at TIME" from the line: the command stays. Without it the command is executed before the
+ * first frame.
+ */
 static enum rb_status take_time(const struct rb_commands *commands, struct row *row,
                                 double duration_s, struct rb_error *err)
 {
@@ -124,6 +142,7 @@ static enum rb_status take_time(const struct rb_commands *commands, struct row *
 	return RB_OK;
 }
 
+/* Whether a command may leave the run paused. */
 static bool pauses(const struct rb_command *command)
 {
 	return command->kind == RB_COMMAND_PAUSE || command->kind == RB_COMMAND_TOGGLE ||

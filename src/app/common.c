@@ -8,6 +8,7 @@
 #include <sys/statvfs.h>
 
 #include "app/json.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/place.h"
 #include "base/visible.h"
@@ -42,7 +43,7 @@ bool rb_app_refused_as_expected(const struct rb_loaded *loaded, const struct rb_
 	return false;
 }
 
-/* A text that says where in a script it arose: FILE:LINE: ... */
+/* Whether a text says where in a script it arose: FILE:LINE: ... */
 static bool has_place(const struct rb_loaded *loaded, const char *text)
 {
 	const size_t size = loaded->scene.file ? strlen(loaded->scene.file) : 0;
@@ -54,7 +55,10 @@ static bool has_place(const struct rb_loaded *loaded, const char *text)
 	return digits > 0 && colon[1 + digits] == ':';
 }
 
-/* Of a callback always; of a scene that does not load, where the place says enough, on demand. */
+/*
+ * Prints the calls that led to an error: of a callback always; of a scene that does not load, where
+ * the place says enough, with --debug.
+ */
 static void print_traceback(const struct rb_options *options, const struct rb_loaded *loaded,
                             const struct rb_error *err)
 {
@@ -174,6 +178,7 @@ int rb_app_finish(const struct rb_options *options, int exit_code)
 {
 	struct rb_error err;
 
+	RB_ASSERT(exit_code >= 0 && exit_code < 256);
 	errno = 0;
 	if (fflush(stdout) == 0 && !ferror(stdout))
 		return exit_code;
@@ -183,6 +188,7 @@ int rb_app_finish(const struct rb_options *options, int exit_code)
 	return exit_code > rb_status_exit_code(RB_ERR_EXPECT) ? exit_code : failed;
 }
 
+/* Puts what the command line says in place of what the scene says. */
 static void override(struct rb_world_def *world, const struct rb_options *options)
 {
 	static const char *const rollback_names[] = {[RB_ROLLBACK_SELECTIVE] = "selective",
@@ -206,7 +212,10 @@ static void override(struct rb_world_def *world, const struct rb_options *option
 		world->seed = options->seed;
 }
 
-/* The scene's record file, or its own name with another ending, in the current folder. */
+/*
+ * The scene's record file, or its own name with another ending, in the current folder; to be freed.
+ * NULL: no memory.
+ */
 static char *default_output(const struct rb_scene *scene, const char *path)
 {
 	if (scene->record.file)
@@ -225,7 +234,7 @@ static char *default_output(const struct rb_scene *scene, const char *path)
 	return output;
 }
 
-/* All of the file system that `name` will be on; 0: not known. */
+/* Bytes of all of the file system that `name` will be on; 0: not known. */
 static double disk_bytes(const char *name)
 {
 	char *const folder = rb_memory_copy_text(name);
@@ -239,7 +248,7 @@ static double disk_bytes(const char *name)
 	return known ? (double)about.f_blocks * (double)about.f_frsize : 0;
 }
 
-/* What no disk and no patience is enough for is refused before anything is made. */
+/* Refuses what no disk and no patience is enough for, before anything is made. */
 static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error *err)
 {
 	/* the least that a frame takes, of any run on any machine; and more than anybody waits */
@@ -271,7 +280,10 @@ static enum rb_status check_size(const struct rb_loaded *loaded, struct rb_error
 	               disk > 0 ? ")" : "");
 }
 
-/* `from` NULL: the files on disk. */
+/*
+ * Loads the scene; `from` NULL: from its files on disk, else the texts that another one was loaded
+ * from.
+ */
 static enum rb_status load(struct rb_loaded *loaded, const struct rb_loaded *from,
                            const struct rb_options *options, struct rb_error *err)
 {
@@ -394,6 +406,7 @@ const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160])
 	size_t used = 0;
 	int others = 0;
 
+	RB_ASSERT(counts && out);
 	out[0] = '\0';
 	for (int k = 0; k < RB_SHAPE_KIND_COUNT; k++)
 		others += rb_shape_has_parts((enum rb_shape_kind)k) ? counts[k] : 0;
@@ -406,6 +419,7 @@ const char *rb_text_shapes(const int counts[RB_SHAPE_KIND_COUNT], char out[160])
 	return out;
 }
 
+/* Appends "3 springs" to a text; the size that would be used. */
 static size_t add_count(char *out, size_t used, int count, const char *name)
 {
 	if (count == 0 || used >= RB_FORCES_TEXT_SIZE)

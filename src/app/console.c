@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A console is a loop of viewers: each shows one source with one model until it is left, or until
+ * the run begins anew with what may be another scene; then everything is loaded again and the next
+ * viewer goes on with the same speed. A scene is run in a process of its own, so that the picture
+ * never costs the simulation time, and a crash of one does not end the other.
+ */
 #include "app/console.h"
 
 #include <math.h>
@@ -18,7 +24,12 @@
 #include "base/visible.h"
 #include "control/viewer.h"
 
+/* fps: what terminals can draw over most lines. connect_s: to find a run's socket, s. */
 static const double usual_fps = 30, connect_s = 2;
+/*
+ * nice value of an attached console: on a busy machine the picture comes after the run that it
+ * shows.
+ */
 enum { POLITENESS = 5 };
 
 /* One call of the verb. */
@@ -36,6 +47,7 @@ struct console {
 	int signal;
 };
 
+/* Fails unless there is a terminal to draw on. */
 static enum rb_status need_terminal(struct rb_error *err)
 {
 	if (isatty(STDIN_FILENO) && isatty(STDOUT_FILENO))
@@ -46,6 +58,7 @@ static enum rb_status need_terminal(struct rb_error *err)
 	               isatty(STDIN_FILENO) ? "output" : "input");
 }
 
+/* Whether a name is that of a scene. */
 static bool is_scene(const char *path)
 {
 	const size_t size = strlen(path);
@@ -55,6 +68,7 @@ static bool is_scene(const char *path)
 
 /* ---- one viewer ---- */
 
+/* Opens what is to be viewed: a run, or a recording. */
 static enum rb_status open_source(struct console *c, struct rb_error *err)
 {
 	const struct rb_model *const model = c->loaded.model;
@@ -67,6 +81,7 @@ static enum rb_status open_source(struct console *c, struct rb_error *err)
 	               "the run was over before it could be watched, and made no recording");
 }
 
+/* One viewer from beginning to end; `*wish`: why it ended. */
 static enum rb_status show(struct console *c, enum rb_viewer_wish *wish, struct rb_error *err)
 {
 	const struct rb_options *const options = c->options;
@@ -101,9 +116,10 @@ static enum rb_status show(struct console *c, enum rb_viewer_wish *wish, struct 
 	return status;
 }
 
-/* The scene that the run has now. */
+/* Loads the scene that the run has now. */
 static enum rb_status load_run(struct console *c, struct rb_error *err)
 {
+	RB_ASSERT(c->client != NULL);
 	rb_loaded_release(&c->loaded);
 	rb_memory_free(c->recording);
 	c->recording = NULL;
@@ -111,8 +127,8 @@ static enum rb_status load_run(struct console *c, struct rb_error *err)
 }
 
 /*
- * A run of one's own: what it says before it can be watched is told as if it had been started
- * alone.
+ * Starts a run of one's own, or starts it again. What it says before it can be watched is reported
+ * as if it had been started alone.
  */
 static enum rb_status start_run(struct console *c, bool again, struct rb_error *err)
 {
@@ -126,6 +142,7 @@ static enum rb_status start_run(struct console *c, bool again, struct rb_error *
 	return status;
 }
 
+/* Viewers, until one is left for good. */
 static enum rb_status watch(struct console *c, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -143,6 +160,7 @@ static enum rb_status watch(struct console *c, struct rb_error *err)
 
 /* ---- what there is to be viewed ---- */
 
+/* Loads the scene of the recording. */
 static enum rb_status open_recording(struct console *c, struct rb_error *err)
 {
 	const char *const path = c->options->operand[0];
@@ -163,7 +181,7 @@ static enum rb_status open_recording(struct console *c, struct rb_error *err)
 	return status;
 }
 
-/* Options of a run have no meaning for a recording. */
+/* Refuses options of a run, which have no meaning for a recording. */
 static enum rb_status check_options(const struct rb_options *options, struct rb_error *err)
 {
 	static const char *const flags[] = {
@@ -194,10 +212,7 @@ static enum rb_status check_options(const struct rb_options *options, struct rb_
 	return RB_OK;
 }
 
-/*
- * Mistakes of the scene and of the command line come out here, before there is a screen or a
- * process.
- */
+/* Checks the scene here, before there is a screen or a process, and starts its run. */
 static enum rb_status open_scene(struct console *c, struct rb_error *err)
 {
 	enum rb_status status = rb_loaded_init(&c->loaded, c->options, err);
@@ -213,7 +228,7 @@ static enum rb_status open_scene(struct console *c, struct rb_error *err)
 	return status ? status : start_run(c, false, err);
 }
 
-/* What a run of one's own said last, where it could not be watched. */
+/* Prints what a run of one's own said last, where it could not be watched. */
 static void tell_child(struct rb_process *child)
 {
 	char bytes[512];
@@ -223,6 +238,7 @@ static void tell_child(struct rb_process *child)
 		rb_print_lines(stderr, bytes, (size_t)size);
 }
 
+/* Ends a run of one's own, unless it is to go on alone. */
 static void end_child(struct console *c)
 {
 	if (c->child.address[0] == '\0')
@@ -239,6 +255,7 @@ static void end_child(struct console *c)
 	}
 }
 
+/* Reports, frees all, and ends by the signal that ended the console, if one did. */
 static int finish(struct console *c, enum rb_status status, const struct rb_error *err)
 {
 	int exit_code = 0;
@@ -264,6 +281,7 @@ static int finish(struct console *c, enum rb_status status, const struct rb_erro
 	return rb_app_finish(c->options, exit_code);
 }
 
+/* The state at the start. Warnings go nowhere: they would spoil the screen. */
 static struct console begin(const struct rb_options *options)
 {
 	/* what the program has to say would spoil the screen */

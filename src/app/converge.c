@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Order of work: ladder of settings, reference, then each method from coarse to fine within its
+ * share of the budget. A setting is not begun if the time that it will take, by how times grew so
+ * far, does not fit; coarser results are then complete, and what is missing is said. The reference
+ * is found with the located method where there is one, because its error does not come from the
+ * time step.
+ */
 #include "app/converge.h"
 
 #include <math.h>
@@ -11,15 +18,20 @@
 #include "app/progress.h"
 #include "app/refine.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
 #include "base/visible.h"
 #include "script/reference.h"
 #include "method/method.h"
 
+/*
+ * LIST_MOST: settings of a list. DEFAULT_STEPS: of the ladder, three decades. RUNS_DEFAULT:
+ * repetitions, of which the fastest counts.
+ */
 enum { LIST_MOST = 64, DEFAULT_STEPS = 7, RUNS_DEFAULT = 5 };
 static const double budget_default_s = 60, error_default = 1e-6;
-/* What of the budget looking for a reference may take. */
+/* Part of the budget that looking for a reference may take. */
 static const double reference_share = 0.4;
 static const double half_decade = 3.1622776601683795;
 
@@ -43,6 +55,7 @@ struct converge {
 
 /* ---- what is asked for ---- */
 
+/* Reads a list of positive numbers. */
 static enum rb_status take_list(const char *name, const char *text, double *values, int *count,
                                 struct rb_error *err)
 {
@@ -67,6 +80,7 @@ static enum rb_status take_list(const char *name, const char *text, double *valu
 	return RB_OK;
 }
 
+/* For qsort: the largest first. */
 static int falling(const void *a, const void *b)
 {
 	const double x = *(const double *)a, y = *(const double *)b;
@@ -74,7 +88,7 @@ static int falling(const void *a, const void *b)
 	return (x < y) - (x > y);
 }
 
-/* Whether this version has it, as the row of --method says. */
+/* Whether this version has a method, as the row of --method says. */
 static bool available(const char *method)
 {
 	const size_t length = strlen(method);
@@ -92,6 +106,7 @@ static bool available(const char *method)
 	return false;
 }
 
+/* The method of this name; NULL: none. */
 static const struct rb_ladder_method *method_named(const char *name, size_t length)
 {
 	for (int i = 0; i < rb_ladder_method_count; i++)
@@ -101,6 +116,7 @@ static const struct rb_ladder_method *method_named(const char *name, size_t leng
 	return NULL;
 }
 
+/* Fails with the names that there are. */
 static enum rb_status unknown_method(const char *name, size_t length, struct rb_error *err)
 {
 	char names[120];
@@ -114,6 +130,7 @@ static enum rb_status unknown_method(const char *name, size_t length, struct rb_
 	               (int)fmin((double)length, 40), name, names);
 }
 
+/* Reads --methods. */
 static enum rb_status take_methods(struct converge *converge, struct rb_error *err)
 {
 	struct rb_report *const report = &converge->report;
@@ -140,6 +157,7 @@ static enum rb_status take_methods(struct converge *converge, struct rb_error *e
 	return RB_OK;
 }
 
+/* Reads --output and checks that it can be made. */
 static enum rb_status take_output(struct converge *converge, struct rb_error *err)
 {
 	const char *const name = converge->options->output;
@@ -161,6 +179,7 @@ static enum rb_status take_output(struct converge *converge, struct rb_error *er
 	return status;
 }
 
+/* Takes all that the command line says. */
 static enum rb_status take_options(struct converge *converge, struct rb_error *err)
 {
 	const struct rb_options *const options = converge->options;
@@ -191,7 +210,10 @@ static enum rb_status take_options(struct converge *converge, struct rb_error *e
 
 /* ---- the ladder ---- */
 
-/* Steps as they are made, whole parts of a frame's interval; each once, coarse to fine. */
+/*
+ * Makes the ladder: steps as they are made, whole parts of a frame's interval; each once, coarse to
+ * fine.
+ */
 static void lay_steps(struct converge *converge)
 {
 	double *const steps = converge->steps_s;
@@ -215,6 +237,7 @@ static void lay_steps(struct converge *converge)
 	qsort(converge->tolerances_m, (size_t)converge->tolerance_count, sizeof(double), falling);
 }
 
+/* Number of settings of a method. */
 static int rung_count(const struct converge *converge)
 {
 	return converge->tolerance_count > 0 ? converge->tolerance_count : converge->step_count;
@@ -225,6 +248,7 @@ static double seconds_since(uint64_t start_ns)
 	return (double)(rb_clock_now_ns() - start_ns) * 1e-9;
 }
 
+/* Shows what is under way. */
 static void show(const struct converge *converge, const char *what, double time_step_s)
 {
 	if (converge->bar)
@@ -239,6 +263,7 @@ static void show_reference(double time_step_s, void *user)
 
 /* ---- the reference ---- */
 
+/* Looks for a reference with a method. */
 static enum rb_status refine_with(struct converge *converge, const struct rb_ladder_method *method,
                                   struct rb_error *err)
 {
@@ -264,10 +289,12 @@ static enum rb_status refine_with(struct converge *converge, const struct rb_lad
 		.user = converge,
 	};
 
+	RB_ASSERT(converge->step_count > 0);
 	rb_refined_release(&converge->refined);
 	return rb_refine(&converge->refined, &order, converge->loaded.model, err);
 }
 
+/* Puts into words what the reference is worth. */
 static void describe_reference(struct converge *converge, const struct rb_ladder_method *method)
 {
 	struct rb_report *const report = &converge->report;
@@ -313,6 +340,7 @@ static void describe_reference(struct converge *converge, const struct rb_ladder
 	}
 }
 
+/* Takes the scene's own reference, or makes one. */
 static enum rb_status find_reference(struct converge *converge, struct rb_error *err)
 {
 	struct rb_report *const report = &converge->report;
@@ -341,6 +369,7 @@ static enum rb_status find_reference(struct converge *converge, struct rb_error 
 
 /* ---- running ---- */
 
+/* The order for one setting. */
 static struct rb_rung_order order_of(const struct converge *converge,
                                      const struct rb_report_row *row, double left_s)
 {
@@ -364,8 +393,8 @@ static struct rb_rung_order order_of(const struct converge *converge,
 }
 
 /*
- * What would go beyond its method's part of the budget is not begun, nor is what is finer; NAN: not
- * for its time.
+ * Notes that finer settings are left out: what would go beyond its method's part of the budget is
+ * not begun. NAN: not for its time.
  */
 static void leave_out(struct converge *converge, int method, int rung, double expected_s)
 {
@@ -384,6 +413,7 @@ static void leave_out(struct converge *converge, int method, int rung, double ex
 	         converge->report.by_tolerance ? "m" : "s", why);
 }
 
+/* Runs the settings of a method from coarse to fine. */
 static enum rb_status run_method(struct converge *converge, int method, double budget_s,
                                  struct rb_error *err)
 {
@@ -430,7 +460,7 @@ static enum rb_status run_method(struct converge *converge, int method, double b
 }
 
 /*
- * A reference that says something else than the scene at its very start is a mistake more often
+ * Warns where the reference differs from the scene at its very start, which is a mistake more often
  * than not.
  */
 static void check_start(struct rb_report *report)
@@ -451,6 +481,7 @@ static void check_start(struct rb_report *report)
 	}
 }
 
+/* Runs everything and draws conclusions. */
 static enum rb_status run_all(struct converge *converge, struct rb_error *err)
 {
 	struct rb_report *const report = &converge->report;
@@ -476,6 +507,7 @@ static enum rb_status run_all(struct converge *converge, struct rb_error *err)
 
 /* ---- telling ---- */
 
+/* Writes the file of --output. */
 static enum rb_status write_output(const struct converge *converge, struct rb_error *err)
 {
 	const struct rb_report *const report = &converge->report;
@@ -508,6 +540,7 @@ static enum rb_status write_output(const struct converge *converge, struct rb_er
 	return status;
 }
 
+/* Prints table, picture and advice. */
 static enum rb_status print_all(const struct converge *converge, struct rb_error *err)
 {
 	const struct rb_report *const report = &converge->report;
@@ -537,6 +570,7 @@ static int exit_code_of(const struct rb_report *report)
 	return report->row_count > 0 ? report->rows[0].result.exit_status : 0;
 }
 
+/* Writes and prints the report; the exit status. */
 static int tell(const struct converge *converge)
 {
 	struct rb_error err;

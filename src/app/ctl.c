@@ -11,10 +11,12 @@
 #include "control/client.h"
 #include "control/command.h"
 
+/* s: to find a run that is busy starting; for an answer, longer than any frame should take. */
 static const double connect_s = 5, answer_s = 30;
 
 /*
- * The words as one line. A single word is a line already; of several those with spaces are quoted.
+ * Composes the words as one line. A single word is a line already; of several, those with spaces
+ * are quoted.
  */
 static enum rb_status join(char line[RB_COMMAND_LINE_SIZE + 1], const struct rb_options *options,
                            struct rb_error *err)
@@ -41,6 +43,7 @@ static enum rb_status join(char line[RB_COMMAND_LINE_SIZE + 1], const struct rb_
 	return RB_OK;
 }
 
+/* The whole answer as one object; its lines as an array. */
 static void print_json(const struct rb_options *options, const char *line, const char *lines,
                        const struct rb_error *err)
 {

@@ -1,15 +1,24 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A path is kept in shared anonymous memory, because runs are made in child processes: the child
+ * fills the path, the parent and later children read it. Errors are measured frame by frame in the
+ * run itself, against a path or against the function that the scene states, so nothing but maxima
+ * and sums is kept.
+ *
+ * Angles are 2 atan2(|v|, |w|): 2 acos(w) loses half of the digits near 0.
+ */
 #include "app/deviation.h"
 
 #include <math.h>
 #include <sys/mman.h>
 
 #include "app/common.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "math/quat.h"
 #include "script/reference.h"
 
-/* Room for a path; longer ones keep every other frame, or fewer. */
+/* 128 MiB for a path; longer runs keep every other frame, or fewer. */
 static const size_t path_bytes_max = (size_t)128 << 20;
 
 const struct rb_quantity_row rb_quantities[RB_QUANTITY_COUNT] = {
@@ -21,10 +30,15 @@ const struct rb_quantity_row rb_quantities[RB_QUANTITY_COUNT] = {
 	[RB_QUANTITY_PENETRATION] = {"penetration", "m", "overlap"},
 };
 
+/*
+ * Doubles of a sample: the energy; for each body position and velocity, with rotation also
+ * quaternion and angular velocity.
+ */
 enum { ENERGY_DOUBLES = 1, FLAT_DOUBLES = 6, TURNING_DOUBLES = 13 };
 
 /* ---- paths ---- */
 
+/* Doubles that a body takes. */
 static size_t doubles_of(unsigned fields)
 {
 	return fields & RB_FIELD_ORIENTATION ? TURNING_DOUBLES : FLAT_DOUBLES;
@@ -62,15 +76,19 @@ void rb_path_destroy(struct rb_path *path)
 	*path = (struct rb_path){0};
 }
 
+/* Where the sample of a frame is. */
 static double *sample(const struct rb_path *path, uint64_t frame)
 {
+	RB_ASSERT(path->stride > 0 && frame / path->stride < path->sample_count);
 	return path->samples + frame / path->stride * path->sample_doubles;
 }
 
+/* Keeps a frame. */
 static void keep(struct rb_path *path, const struct rb_frame *frame)
 {
 	double *to = sample(path, frame->index);
 
+	RB_ASSERT(frame->body_count == path->body_count);
 	*to++ = frame->numbers.kinetic_energy + frame->numbers.potential_energy;
 	for (int i = 0; i < path->body_count; i++) {
 		rb_vec3_to(to, rb_vec3_from(frame->position + 3 * i));
@@ -83,6 +101,7 @@ static void keep(struct rb_path *path, const struct rb_frame *frame)
 	}
 }
 
+/* The pose of a body in a kept frame. */
 static struct rb_reference_pose pose_of_path(const struct rb_path *path, uint64_t frame, int index)
 {
 	const double *from = sample(path, frame) + ENERGY_DOUBLES +
@@ -93,6 +112,7 @@ static struct rb_reference_pose pose_of_path(const struct rb_path *path, uint64_
 		.velocity = rb_vec3_from(from + 3),
 	};
 
+	RB_ASSERT(index >= 0 && index < path->body_count);
 	if (path->fields & RB_FIELD_ORIENTATION) {
 		pose.orientation = rb_quat_from(from + 6);
 		pose.angular_velocity = rb_vec3_from(from + 10);
@@ -102,12 +122,16 @@ static struct rb_reference_pose pose_of_path(const struct rb_path *path, uint64_
 
 /* ---- comparing ---- */
 
-/* One frame, quantity by quantity: the largest so far. */
+/* One frame, quantity by quantity: the largest deviation of any body. */
 struct moment {
 	double largest[RB_QUANTITY_COUNT];
 	bool known[RB_QUANTITY_COUNT];
 };
 
+/*
+ * Takes one distance of one quantity; `magnitude`: how large the quantity itself is, which bounds
+ * what rounding can do.
+ */
 static void compare(struct rb_watch *watch, struct moment *moment, enum rb_quantity quantity,
                     double distance, double magnitude)
 {
@@ -121,13 +145,14 @@ static void compare(struct rb_watch *watch, struct moment *moment, enum rb_quant
 	moment->known[quantity] = true;
 }
 
+/* The same for a vector. */
 static void compare_vectors(struct rb_watch *watch, struct moment *moment,
                             enum rb_quantity quantity, rb_vec3 is, rb_vec3 should)
 {
 	compare(watch, moment, quantity, rb_change_of(is, should), rb_vec3_length(should));
 }
 
-/* The angle of the turn from one to the other. */
+/* The angle of the turn from one orientation to the other, rad. */
 static double angle_between(rb_quat a, rb_quat b)
 {
 	const rb_quat turn = rb_quat_multiply(a, (rb_quat){b.w, -b.x, -b.y, -b.z});
@@ -136,7 +161,7 @@ static double angle_between(rb_quat a, rb_quat b)
 	return 2 * atan2(rb_vec3_length(axis), fabs(turn.w));
 }
 
-/* Twice the energy of turning. */
+/* Twice the energy of turning, J. */
 static double spin_energy(const rb_mat3 *inertia, rb_quat orientation, rb_vec3 spin)
 {
 	const rb_vec3 local = rb_quat_rotate_back(orientation, spin);
@@ -145,8 +170,9 @@ static double spin_energy(const rb_mat3 *inertia, rb_quat orientation, rb_vec3 s
 }
 
 /*
- * Kinetic energy and that of gravity, less what the reference has of them; false where it does not
- * say enough.
+ * Adds a body's kinetic energy and that of gravity, less what the reference has of them; false
+ * where it does not say enough. Written as products of differences and sums, so that equal states
+ * give exactly 0.
  */
 static bool energy_difference(const struct rb_watch *watch, const struct rb_frame *frame, int i,
                               const struct rb_reference_pose *pose, double *difference)
@@ -178,6 +204,7 @@ static bool energy_difference(const struct rb_watch *watch, const struct rb_fram
 	return true;
 }
 
+/* Compares a body in all quantities that the reference states. */
 static void compare_body(struct rb_watch *watch, struct moment *moment,
                          const struct rb_frame *frame, int i, const struct rb_reference_pose *pose)
 {
@@ -199,6 +226,10 @@ static void compare_body(struct rb_watch *watch, struct moment *moment,
 		                pose->angular_velocity);
 }
 
+/*
+ * Compares the energy of all bodies: with a path's, with the reference's, or else with that at the
+ * start (`energy_drifts`).
+ */
 static void compare_energy(struct rb_watch *watch, struct moment *moment,
                            const struct rb_frame *frame, bool stated, double difference)
 {
@@ -215,6 +246,7 @@ static void compare_energy(struct rb_watch *watch, struct moment *moment,
 	compare(watch, moment, RB_QUANTITY_ENERGY, fabs(difference), 0);
 }
 
+/* Keeps the last time up to which the wanted quantity agreed. */
 static void agree(struct rb_watch *watch, const struct moment *moment, double time_s)
 {
 	watch->disagreed = watch->disagreed ||
@@ -245,6 +277,7 @@ enum rb_status rb_watch_frame(struct rb_watch *watch, struct rb_world *world,
 	bool stated = true;
 	double difference = 0;
 
+	RB_ASSERT(watch->model && frame->body_count == watch->model->body_count);
 	if (frame->index % stride != 0 || frame->time_s > watch->until_s)
 		return RB_OK;
 	if (watch->store)

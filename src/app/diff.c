@@ -7,6 +7,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "base/error.h"
 #include "base/visible.h"
 #include "sink/module.h"
 
@@ -54,14 +55,17 @@ struct side {
 	struct rb_frame frame;
 };
 
+/* A column of the frame at hand, NULL: it has none. */
 static const double *column_of(const struct side *side, int column)
 {
 	const double *values;
 
+	RB_ASSERT(column >= 0 && column < COLUMN_COUNT);
 	memcpy(&values, (const char *)&side->frame + columns[column].offset, sizeof values);
 	return values;
 }
 
+/* The largest difference of a component; NAN where one has NAN. */
 static double distance(const double *a, const double *b, int width)
 {
 	double largest = 0;
@@ -73,7 +77,10 @@ static double distance(const double *a, const double *b, int width)
 	return largest;
 }
 
-/* The first body, in its first column, that differs in the two frames that were read. */
+/*
+ * The first body, in its first column, that differs in the two frames that were read. Compared as
+ * bytes: 0 and -0, or two NAN, are different bits.
+ */
 static bool compare_frames(const struct side *side, struct difference *found)
 {
 	int body_count = side[0].frame.body_count;
@@ -110,6 +117,10 @@ static bool compare_frames(const struct side *side, struct difference *found)
 	return true;
 }
 
+/*
+ * Finds the first difference of two recordings; frames in the order of rows, then what only one of
+ * them has.
+ */
 static enum rb_status compare(const struct rb_hdf5_module *module, struct side *side,
                               struct difference *found, struct rb_error *err)
 {
@@ -148,6 +159,7 @@ static enum rb_status compare(const struct rb_hdf5_module *module, struct side *
 	return RB_OK;
 }
 
+/* A body's name in quotes, or #ID. */
 static const char *label_of(const struct side *side, int body, char out[64])
 {
 	const int id = side->reading->id[body];
@@ -159,12 +171,13 @@ static const char *label_of(const struct side *side, int body, char out[64])
 	return out;
 }
 
-/* A sign of it says nothing, but would be printed. */
+/* NAN without a sign, which would be printed. */
 static double plain_nan(double x)
 {
 	return isnan(x) ? (double)NAN : x;
 }
 
+/* Prints the values of one side. */
 static void print_vector(const struct side *side, const struct difference *found, int i)
 {
 	rb_print(stdout, "  %s:", side[i].path);
@@ -173,6 +186,7 @@ static void print_vector(const struct side *side, const struct difference *found
 	putchar('\n');
 }
 
+/* Prints the columns that only one of them has. */
 static void print_fields(const struct side *side, const struct difference *found)
 {
 	for (int i = 0; i < 2; i++)

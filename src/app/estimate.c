@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Nothing but running tells how long a scene takes, so `check` runs it: at the real settings for
+ * the first two seconds of processor time; if that does not reach the end, a coarse world is
+ * carried through the whole time at low cost, and at six moments its state is handed to a world
+ * with the real settings, which is timed for a quarter of a second. Each trial is a forked process,
+ * because memory is measured too and a world keeps what it has taken.
+ */
 #include "app/estimate.h"
 
 #include <errno.h>
@@ -17,16 +24,19 @@
 #include "world/world.h"
 
 /*
- * So many moments of the rest, and how much of the processor each kind of trial may take; a coarse
- * state has left
- * what it owes to its tolerance behind after a part of the time.
+ * MOMENTS of the rest are tried. Seconds of the processor that each kind of trial may take: the
+ * parent's warm-up, the first trial, the coarse world, a moment until it has settled, and the
+ * measurement of a moment. A coarse state has left what it owes to its tolerance behind after a
+ * part of the time.
  */
 enum { MOMENTS = 6 };
 static const double warm_up_s = 0.02, first_s = 2, coarse_s = 4, settle_s = 0.5, measure_s = 0.25;
 /*
- * Of the smallest size: overlaps that a coarse step leaves. They are halved a step (stepped/drift).
+ * Part of the smallest size: overlaps that a coarse step leaves. They are halved at each step
+ * (stepped/drift).
  */
 static const double coarse_overlap = 0.02;
+/* Steps after which a moment counts as settled, by its own time step. */
 enum { SETTLE_STEPS = 96 };
 
 /* What a trial tells: of the run so far, or of one moment. */
@@ -52,7 +62,7 @@ struct trial {
 	int threads;
 };
 
-/* Asked between steps and events. */
+/* rb_world_options.stop: ends the trial when its time is over; notes when it has settled. */
 static bool is_up(void *user)
 {
 	struct trial *trial = user;
@@ -67,6 +77,9 @@ static bool is_up(void *user)
 	return trial->from_ns > 0 && cpu_ns > trial->deadline_ns;
 }
 
+/*
+ * Begins a trial's time: `settle` s of processor time at most until it is measured, then `seconds`.
+ */
 static void allow(struct trial *trial, double settle, double seconds)
 {
 	const uint64_t cpu_ns = rb_clock_cpu_ns();
@@ -76,6 +89,7 @@ static void allow(struct trial *trial, double settle, double seconds)
 	trial->allowed_ns = (uint64_t)(1e9 * seconds);
 }
 
+/* Makes a world as a run would. */
 static enum rb_status make_world(struct trial *trial, const struct rb_model *model, int threads,
                                  const struct rb_world_hooks *hooks)
 {
@@ -103,9 +117,9 @@ static bool go_on(struct trial *trial)
 }
 
 /*
- * Own pages that have come, and pages of the program and of libraries beyond those that the parent
- * has: a process that is forked has these only when it uses them again. What a world has taken it
- * keeps.
+ * Bytes that the trial has taken: own pages that have come, and pages of the program and of
+ * libraries beyond those that the parent has, since a forked process has these only when it uses
+ * them again.
  */
 static uint64_t grown(const struct trial *trial)
 {
@@ -119,6 +133,7 @@ static uint64_t grown(const struct trial *trial)
 
 typedef void trial_function(struct trial *trial, int to);
 
+/* Sends a report; a trial that cannot tell has told nothing. */
 static void send(int to, const struct report *report)
 {
 	const ssize_t sent = write(to, report, sizeof *report);
@@ -126,6 +141,7 @@ static void send(int to, const struct report *report)
 	(void)sent; /* a trial that cannot tell has told nothing */
 }
 
+/* Receives a report; false: the child has ended without one. */
 static bool receive(int from, struct report *report)
 {
 	ssize_t got;
@@ -136,7 +152,7 @@ static bool receive(int from, struct report *report)
 	return got == (ssize_t)sizeof *report;
 }
 
-/* -1: it cannot be. `from`: where its reports come. */
+/* Runs a trial in a forked process; -1: it cannot be. `from`: where its reports come. */
 static pid_t begin(trial_function *function, struct trial *trial, int *from)
 {
 	int ends[2];
@@ -162,6 +178,7 @@ static pid_t begin(trial_function *function, struct trial *trial, int *from)
 	return child;
 }
 
+/* Waits for a trial to end. */
 static void end(pid_t child, int from)
 {
 	close(from);
@@ -171,6 +188,7 @@ static void end(pid_t child, int from)
 
 /* ---- the three trials ---- */
 
+/* The run from its beginning. */
 static void try_run(struct trial *trial, int to)
 {
 	const struct rb_world_hooks hooks = rb_script_hooks(trial->loaded->script);
@@ -190,7 +208,7 @@ static void try_run(struct trial *trial, int to)
 	send(to, &report);
 }
 
-/* From the state of `trial`, which is a coarse one, as the run would. */
+/* From the state of `trial`, which is a coarse one, as the run would go on. */
 static void try_moment(struct trial *trial, int to)
 {
 	const struct rb_world_hooks hooks = rb_script_hooks(trial->loaded->script);
@@ -219,6 +237,7 @@ static void try_moment(struct trial *trial, int to)
 	send(to, &report);
 }
 
+/* Carries the coarse world to a time; false: it does not get there. */
 static bool coarse_to(struct trial *trial, double time_s)
 {
 	bool goes = true;
@@ -228,7 +247,7 @@ static bool coarse_to(struct trial *trial, double time_s)
 	return goes || !(rb_world_time(trial->world) < time_s);
 }
 
-/* The first trial has come to `reached_s`; moments lie in the middle of equal parts of the rest. */
+/* Tries the moments in the middle of equal parts of what the first trial has left. */
 static void try_coarse(struct trial *trial, int to)
 {
 	const struct rb_world_hooks hooks = rb_script_hooks(trial->loaded->script);
@@ -262,8 +281,8 @@ static void try_coarse(struct trial *trial, int to)
 /* ---- what they say together ---- */
 
 /*
- * The largest rate counts as no more than the next, where it is far beyond that: a state that was
- * made coarsely can hold bodies that are stuck in each other, and one such moment takes minutes.
+ * Reduces the largest rate to the next where it is far beyond that: a state that was made coarsely
+ * can hold bodies that are stuck in each other, and one such moment would stand for minutes.
  */
 static void tame_largest(double *rate, int count)
 {
@@ -279,10 +298,7 @@ static void tame_largest(double *rate, int count)
 		rate[largest] = next;
 }
 
-/*
- * Each moment stands for its part of the rest. One that tells nothing, or does not come, counts as
- * the one before it, the first of all as the first trial.
- */
+/* Adds the time of the rest, from the rates at its moments. */
 static void add_moments(struct trial *trial, const struct report *first,
                         struct rb_estimate *estimate)
 {
@@ -343,6 +359,7 @@ enum rb_status rb_estimate_run(const struct rb_loaded *loaded, int threads,
 	struct report first = {0};
 	int from;
 
+	RB_ASSERT(loaded->model && threads > 0);
 	*estimate = (struct rb_estimate){.run_s = (double)NAN};
 	if (warm_up(&trial))
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory to try the run");

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "app/plot.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/outfile.h"
 #include "math/vec3.h"
@@ -25,13 +26,16 @@ struct graph {
 	const char *x_label;
 };
 
+/* Fails. */
 static enum rb_status no_memory(struct rb_error *err)
 {
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot plot: out of memory");
 }
 
+/* The k-th quantity as the command line names it. */
 static const char *quantity(const struct graph *graph, int k)
 {
+	RB_ASSERT(k >= 0 && k < graph->quantity_count);
 	return graph->options->words[1 + k];
 }
 
@@ -67,7 +71,10 @@ static const char *label_of(const struct rb_reading *reading, int id, char out[1
 	return out;
 }
 
-/* "NAME.z", "#ID.z"; false: it is not of that form, or there is no such body that moves. */
+/*
+ * Takes "NAME.z" or "#ID.z" apart; false: it is not of that form, or there is no such body that
+ * moves.
+ */
 static bool find_body(const struct rb_reading *reading, const char *text, int *body, int *part)
 {
 	const char *const dot = strrchr(text, '.');
@@ -89,6 +96,7 @@ static bool find_body(const struct rb_reading *reading, const char *text, int *b
 	return false;
 }
 
+/* Reads a quantity of a body at all frames. */
 static enum rb_status read_body(struct graph *graph, int body, int part, double *out,
                                 struct rb_error *err)
 {
@@ -110,7 +118,7 @@ static enum rb_status read_body(struct graph *graph, int body, int part, double 
 	return RB_OK;
 }
 
-/* A number per frame; vectors by their length; the energy is the sum of both. */
+/* Reads a number for each frame; of vectors their length; the energy is the sum of both. */
 static enum rb_status read_observable(struct graph *graph, const char *name, double *out,
                                       struct rb_error *err)
 {
@@ -146,6 +154,7 @@ static enum rb_status read_observable(struct graph *graph, const char *name, dou
 	return status;
 }
 
+/* Reads all quantities of a recording. */
 static enum rb_status read_run(struct graph *graph, struct rb_error *err)
 {
 	const struct rb_reading *const reading = graph->module->reader_reading(graph->reader);
@@ -176,6 +185,7 @@ static enum rb_status read_run(struct graph *graph, struct rb_error *err)
 
 /* ---- a collected sweep: results against a parameter ---- */
 
+/* Reads a column of a collected sweep, looked for in its groups one after the other. */
 static enum rb_status read_column(struct graph *graph, const char *name, double **out,
                                   struct rb_error *err)
 {
@@ -197,6 +207,7 @@ static enum rb_status read_column(struct graph *graph, const char *name, double 
 	return RB_OK;
 }
 
+/* Reads the parameter and all quantities of a collected sweep. */
 static enum rb_status read_sweep(struct graph *graph, struct rb_error *err)
 {
 	const char *const against = graph->options->against ? graph->options->against : "index";
@@ -210,7 +221,7 @@ static enum rb_status read_sweep(struct graph *graph, struct rb_error *err)
 
 /* ---- the picture ---- */
 
-/* All values of a column with room around them, so that no cross hides in the frame. */
+/* Extends a range by the finite values of a column. */
 static void widen(const double *values, uint64_t count, double *low, double *high)
 {
 	for (uint64_t i = 0; i < count; i++) {
@@ -221,6 +232,7 @@ static void widen(const double *values, uint64_t count, double *low, double *hig
 	}
 }
 
+/* Adds room around a range, so that no cross hides in the frame. */
 static void add_room(double *low, double *high)
 {
 	const double span = *high - *low;
@@ -230,6 +242,7 @@ static void add_room(double *low, double *high)
 	*high += room;
 }
 
+/* Draws the diagram to where it is wanted. */
 static enum rb_status draw(const struct graph *graph, struct rb_error *err)
 {
 	const char *const output = graph->options->output;

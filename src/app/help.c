@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Help, the manual's option list and the completions of shells are printed from the table of
+ * options; an option that is added there is in all of them.
+ */
 #include "app/help.h"
 
 #include <math.h>
@@ -6,7 +10,10 @@
 
 #include "base/visible.h"
 
-/* Commands that can be copied with what is said of them. */
+/*
+ * Prints commands that can be copied, with what is said of them in a column behind; lines of
+ * "COMMAND\tTEXT".
+ */
 static void print_examples(FILE *file, const char *examples)
 {
 	size_t longest = 0;
@@ -25,6 +32,7 @@ static void print_examples(FILE *file, const char *examples)
 	}
 }
 
+/* Prints a row as --help shows it. */
 static void print_option(FILE *file, const struct rb_option_row *row)
 {
 	char left[64];
@@ -77,6 +85,7 @@ void rb_help_print(FILE *file, const struct rb_options *options)
 	fprintf(file, "\nSee rbsim(1), rbsim-scene(5) and rbsim-recording(5).\n");
 }
 
+/* Prints what values a parameter may have. */
 static void print_range(FILE *file, const struct rb_param_def *param)
 {
 	if (param->choices)
@@ -114,7 +123,7 @@ void rb_help_print_params(FILE *file, const struct rb_scene *scene)
 	}
 }
 
-/* "run, check": the verbs that take an option */
+/* Prints "run, check": the verbs that take an option. */
 static void print_verbs(FILE *file, unsigned verbs)
 {
 	const char *comma = "";
@@ -126,6 +135,7 @@ static void print_verbs(FILE *file, unsigned verbs)
 		}
 }
 
+/* Prints a row as an mdoc item. */
 static void print_option_item(FILE *file, const struct rb_option_row *row)
 {
 	fputs(".It ", file);
@@ -154,7 +164,7 @@ void rb_help_print_options(FILE *file)
 	fputs(".El\n.\\\" end\n", file);
 }
 
-/* A row above has the same name, for other verbs. */
+/* Whether a row above has the same name, for other verbs. */
 static bool named_before(const struct rb_option_row *row)
 {
 	for (const struct rb_option_row *before = rb_option_rows; before < row; before++)
@@ -169,7 +179,7 @@ static void print_verb_names(FILE *file)
 		fprintf(file, "%s%s", verb > 0 ? " " : "", rb_verbs[verb].name);
 }
 
-/* "auto classic" of "auto, classic" */
+/* Prints "auto classic" for "auto, classic". */
 static void print_words(FILE *file, const char *choices)
 {
 	for (; *choices; choices++)
@@ -177,6 +187,7 @@ static void print_words(FILE *file, const char *choices)
 			putc(*choices, file);
 }
 
+/* Prints a completion function for bash. */
 static void print_bash(FILE *file)
 {
 	fputs("# SPDX-License-Identifier: MIT\n"
@@ -231,7 +242,7 @@ static void print_bash(FILE *file)
 	fputs("' -- \"$word\"))\n}\ncomplete -F _rbsim rbsim\n", file);
 }
 
-/* Brackets and colons have a meaning in what _arguments takes, and a quote ends it. */
+/* Prints a text for _arguments: brackets and colons have a meaning there, and a quote ends it. */
 static void print_zsh_text(FILE *file, const char *text)
 {
 	for (; *text; text++) {
@@ -244,6 +255,7 @@ static void print_zsh_text(FILE *file, const char *text)
 	}
 }
 
+/* Prints a completion function for zsh. */
 static void print_zsh(FILE *file)
 {
 	fputs("#compdef rbsim\n# SPDX-License-Identifier: MIT\n"

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * How the run went is computed from the observables, which are one dataset each; frames are read
+ * only for their times. A quantity that the recording lacks is NAN, and its line is left out.
+ */
 #include "app/info.h"
 
 #include <inttypes.h>
@@ -8,6 +12,7 @@
 
 #include "app/common.h"
 #include "app/json.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/visible.h"
 #include "math/vec3.h"
@@ -30,13 +35,15 @@ struct observer {
 	double *values; /* room for 3 per frame */
 };
 
-/* False where the recording has no such observable. */
+/* Reads an observable into observer->values; false where the recording has no such. */
 static bool observe(const struct observer *observer, const char *name, int width)
 {
+	RB_ASSERT(width >= 1 && width <= 3);
 	return observer->module->reader_observable(observer->reader, name, width, observer->values,
 	                                           NULL) == RB_OK;
 }
 
+/* The sum over all frames; NAN: not recorded. */
 static double sum_of(const struct observer *observer, const char *name)
 {
 	double sum = 0;
@@ -48,6 +55,7 @@ static double sum_of(const struct observer *observer, const char *name)
 	return sum;
 }
 
+/* The largest |x(t) - x(0)| of a vector; NAN: not recorded. */
 static double largest_change(const struct observer *observer, const char *name)
 {
 	double largest = 0;
@@ -62,10 +70,12 @@ static double largest_change(const struct observer *observer, const char *name)
 	return largest;
 }
 
+/* Energies at both ends, and the largest kinetic one. */
 static void observe_energy(const struct observer *observer, struct course *course)
 {
 	const uint64_t last = observer->frame_count - 1;
 
+	RB_ASSERT(observer->frame_count > 0);
 	course->energy_first = course->energy_last = course->kinetic_max = (double)NAN;
 	if (!observe(observer, "kinetic_energy", 1))
 		return;
@@ -80,6 +90,7 @@ static void observe_energy(const struct observer *observer, struct course *cours
 	course->energy_last = kinetic_last + observer->values[last];
 }
 
+/* Reads all that is shown of how the run went. */
 static enum rb_status observe_all(const struct rb_hdf5_module *module, struct rb_reader *reader,
                                   struct course *course, struct rb_error *err)
 {
@@ -295,7 +306,7 @@ static void print_text(const char *path, const struct rb_reading *reading,
 	         *reading->state_hash ? reading->state_hash : "not told");
 }
 
-/* To the byte into files and pipes, where it is run again. */
+/* Prints the scene's text; to the byte into files and pipes, where it is run again. */
 static void print_scene(const char *text, size_t size)
 {
 	if (isatty(STDOUT_FILENO))
@@ -304,6 +315,7 @@ static void print_scene(const char *text, size_t size)
 		(void)!fwrite(text, 1, size, stdout);
 }
 
+/* Opens the recording and prints what is asked for. */
 static enum rb_status look(const struct rb_options *options, struct rb_error *err)
 {
 	const struct rb_hdf5_module *module;

@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Values are written as they come; the only state is whether a comma is due. What is not finite
+ * becomes null, since JSON has no NAN; numbers are printed with 17 digits, so that they read back
+ * to the bit. There is no white space between keys and values: sweep/told finds keys by that.
+ */
 #include "app/json.h"
 
 #include <inttypes.h>
 #include <math.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/visible.h"
 
 /* A character as JSON's escapes, of which one beyond 16 bits takes two. */
@@ -17,7 +23,11 @@ static void put_code(FILE *file, uint32_t code)
 	fprintf(file, "\\u%04x", (unsigned)code);
 }
 
-/* What would steer a terminal or turn the order of letters is escaped: JSON is read there too. */
+/*
+ * A text in quotes. Bytes that are no UTF-8 become U+FFFD, one each, because a reader would reject
+ * the whole object; characters that would steer a terminal or turn the order of letters are escaped,
+ * because JSON is read there, too.
+ */
 static void put_text(FILE *file, const char *text)
 {
 	const unsigned char *s = (const unsigned char *)text;
@@ -43,6 +53,7 @@ static void put_text(FILE *file, const char *text)
 	putc('"', file);
 }
 
+/* What comes before any value: a comma where one is due, and the name (NULL: within an array). */
 static void begin(struct rb_json *json, const char *name)
 {
 	if (json->follows)
@@ -56,6 +67,7 @@ static void begin(struct rb_json *json, const char *name)
 
 void rb_json_open(struct rb_json *json, const char *name, char bracket)
 {
+	RB_ASSERT(bracket == '{' || bracket == '[');
 	begin(json, name);
 	putc(bracket, json->file);
 	json->follows = false;
@@ -63,6 +75,7 @@ void rb_json_open(struct rb_json *json, const char *name, char bracket)
 
 void rb_json_close(struct rb_json *json, char bracket)
 {
+	RB_ASSERT(bracket == '}' || bracket == ']');
 	putc(bracket, json->file);
 	json->follows = true;
 }
@@ -99,6 +112,7 @@ void rb_json_bool(struct rb_json *json, const char *name, bool value)
 
 void rb_json_vector(struct rb_json *json, const char *name, const double *value, int count)
 {
+	RB_ASSERT(count >= 0);
 	rb_json_open(json, name, '[');
 	for (int i = 0; i < count; i++)
 		rb_json_number(json, NULL, value[i]);

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A rung is one setting (method, time step, tolerance) run in a child process: a crash, a lack of
+ * memory or a run without end is a result like any other. The child sends a struct through a pipe;
+ * paths go through shared memory (deviation). What is timed is the simulation without the
+ * comparison: the stopwatch is halted meanwhile.
+ */
 #include "app/ladder.h"
 
 #include <errno.h>
@@ -14,6 +20,7 @@
 
 #include "app/common.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "flow/frame.h"
 #include "math/vec3.h"
@@ -26,7 +33,7 @@ const struct rb_ladder_method rb_ladder_methods[] = {
 };
 const int rb_ladder_method_count = sizeof rb_ladder_methods / sizeof *rb_ladder_methods;
 
-/* A few operations' worth: what happens to it tells what happens to rounding. */
+/* 2^-50, four units of rounding: what happens to it shows what happens to rounding. */
 static const double nudge = 0x1p-50;
 
 const char *rb_rung_state_name(enum rb_rung_state state)
@@ -36,11 +43,13 @@ const char *rb_rung_state_name(enum rb_rung_state state)
 	                                    [RB_RUNG_TOO_LONG] = "too long",
 	                                    [RB_RUNG_CRASHED] = "crashed"};
 
+	RB_ASSERT(state <= RB_RUNG_CRASHED);
 	return names[state];
 }
 
 /* ---- in the child ---- */
 
+/* A clock in s. */
 static double seconds_of(clockid_t clock)
 {
 	struct timespec now;
@@ -54,19 +63,24 @@ struct stopwatch {
 	double wall_s, cpu_s;
 };
 
+/* Starts or continues. */
 static void go(struct stopwatch *watch)
 {
 	watch->wall_s -= seconds_of(CLOCK_MONOTONIC);
 	watch->cpu_s -= seconds_of(CLOCK_PROCESS_CPUTIME_ID);
 }
 
+/* Pauses. */
 static void halt(struct stopwatch *watch)
 {
 	watch->wall_s += seconds_of(CLOCK_MONOTONIC);
 	watch->cpu_s += seconds_of(CLOCK_PROCESS_CPUTIME_ID);
 }
 
-/* The speeds, once the world is there; gravity goes into the scene before. */
+/*
+ * Multiplies all speeds by 1 + nudge, once the world is there; gravity is changed in the scene
+ * before.
+ */
 static void nudge_speeds(struct rb_world *world)
 {
 	for (int id = 0; id < rb_world_id_count(world); id++) {
@@ -89,6 +103,7 @@ struct flight {
 	struct rb_rung_result *result;
 };
 
+/* Steps through the run, compares, and calls the script's callbacks. */
 static enum rb_status frames(struct flight *flight, struct rb_error *err)
 {
 	struct rb_script *const script = flight->loaded->script;
@@ -116,6 +131,7 @@ static enum rb_status frames(struct flight *flight, struct rb_error *err)
 	return RB_OK;
 }
 
+/* Makes a world and simulates to the end. */
 static enum rb_status fly(struct flight *flight, struct rb_error *err)
 {
 	const struct rb_model *const model = flight->loaded->model;
@@ -161,7 +177,7 @@ static struct rb_options options_of(const struct rb_rung_order *order)
 	return options;
 }
 
-/* Loads and simulates once. The first time it is compared as well. */
+/* Loads and simulates once. The first time it is compared as well; times are the least of all. */
 static enum rb_status run_once(const struct rb_rung_order *order, bool first,
                                struct rb_rung_result *result, struct rb_error *err)
 {
@@ -205,12 +221,17 @@ static enum rb_status run_once(const struct rb_rung_order *order, bool first,
 	return status;
 }
 
+/*
+ * Repeats short runs while they fit into repeat_s: the least time is the one that other processes
+ * disturbed least.
+ */
 static void run_all(const struct rb_rung_order *order, struct rb_rung_result *result)
 {
 	const double start_s = seconds_of(CLOCK_MONOTONIC);
 	struct rb_error err;
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(order->runs >= 1);
 	for (int i = 0; i < order->runs && !status; i++) {
 		if (i > 0 &&
 		    seconds_of(CLOCK_MONOTONIC) - start_s + result->wall_s > order->repeat_s)
@@ -225,7 +246,7 @@ static void run_all(const struct rb_rung_order *order, struct rb_rung_result *re
 	}
 }
 
-/* What a scene prints would stand here once for every run. */
+/* The child. What a scene prints would stand here once for every run, so it goes nowhere. */
 static _Noreturn void child(const struct rb_rung_order *order, int descriptor, pid_t parent)
 {
 	struct rb_rung_result result = {.state = RB_RUNG_OK};
@@ -250,7 +271,7 @@ static _Noreturn void child(const struct rb_rung_order *order, int descriptor, p
 
 /* ---- in the parent ---- */
 
-/* The whole result, or false: the child has ended or the time is up (*late). */
+/* Receives the whole result, or false: the child has ended, or the time is up (*late). */
 static bool receive(int descriptor, struct rb_rung_result *result, double deadline_s, bool *late)
 {
 	const double end_s = seconds_of(CLOCK_MONOTONIC) + deadline_s;
@@ -278,6 +299,7 @@ static bool receive(int descriptor, struct rb_rung_result *result, double deadli
 	return true;
 }
 
+/* The result of a child that has sent none. */
 static void tell_end(struct rb_rung_result *result, int status, bool late, double deadline_s)
 {
 	*result = (struct rb_rung_result){
@@ -301,6 +323,7 @@ enum rb_status rb_rung_run(struct rb_rung_result *result, const struct rb_rung_o
 	bool late = false;
 	int ends[2], status = 0;
 
+	RB_ASSERT(order->method && order->deadline_s > 0);
 	if (pipe(ends) != 0)
 		return RB_FAIL(err, RB_ERR_MISSING, "cannot make a pipe: %s", strerror(errno));
 	fflush(stdout);

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Loads every module only to ask it for its libraries: --version then also shows what is not
+ * installed, and why.
+ */
 #include "app/libraries.h"
 
 #include <string.h>
@@ -10,8 +14,10 @@
 #include "geom/hull.h"
 #include "sink/module.h"
 
+/* Bytes that a module's function may fill. */
 enum { TEXT_SIZE = 512 };
 
+/* The libraries that are linked into the program itself. */
 static void print_own(FILE *out)
 {
 	char hull[TEXT_SIZE];
@@ -23,12 +29,13 @@ static void print_own(FILE *out)
 	rb_print(out, "scenes: %.*s, %s\n", end ? (int)(end - lua) : 3, end ? lua : "Lua", hull);
 }
 
-/* `libraries` is the function of a module that was loaded. */
+/* The line of a module; `libraries` is its function, NULL where it could not be loaded. */
 static void print_module(FILE *out, const char *what, enum rb_status status,
                          const struct rb_error *err, void (*libraries)(char *out, size_t size))
 {
 	char text[TEXT_SIZE];
 
+	RB_ASSERT(status || libraries);
 	if (status) {
 		rb_print(out, "%s: not installed (%s)\n", what, err->text);
 		return;

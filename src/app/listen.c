@@ -1,10 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Brings the ways in (socket, standard input, file) together with the player and the session, which
+ * outlive a run: on a restart only the run is exchanged. The next scene is loaded while the old run
+ * still stands, so a mistake in a parameter leaves the old run paused and alive.
+ */
 #include "app/listen.h"
 
 #include <signal.h>
 #include <string.h>
 
 #include "app/commands.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "control/history.h"
@@ -31,7 +37,7 @@ struct rb_listen {
 
 /* ---- life ---- */
 
-/* Without a socket nobody is left to say play when standard input has ended. */
+/* Standard input has ended: without a socket nobody is left to say play. */
 static void input_ended(void *user)
 {
 	struct rb_listen *const listen = user;
@@ -40,11 +46,13 @@ static void input_ended(void *user)
 		rb_player_attend(listen->player, false);
 }
 
+/* Whether commands come from standard input. */
 static bool reads_stdin(const struct rb_options *options)
 {
 	return options->commands && strcmp(options->commands, "-") == 0;
 }
 
+/* Opens the ways in. What can be wrong with a file comes first: nobody has seen the socket then. */
 static enum rb_status open_ways(struct rb_listen *listen, struct rb_error *err)
 {
 	const struct rb_options *const options = listen->options;
@@ -65,6 +73,7 @@ static enum rb_status open_ways(struct rb_listen *listen, struct rb_error *err)
 	return status;
 }
 
+/* Blocks the signals that the progress thread takes, before any other thread is started. */
 static void block_signals(sigset_t *before)
 {
 	sigset_t signals;
@@ -135,6 +144,7 @@ unsigned rb_listen_fields(const struct rb_listen *listen)
 
 void rb_listen_frame(struct rb_listen *listen, const struct rb_frame *frame)
 {
+	RB_ASSERT(listen && frame);
 	rb_session_keep(listen->session, frame);
 }
 
@@ -180,7 +190,7 @@ static enum rb_status gather_params(struct rb_listen *listen, struct rb_error *e
 	return RB_OK;
 }
 
-/* The scene as it was read, not as its file may be by now. */
+/* Loads the scene for the next run as it was read, not as its file may be by now. */
 static enum rb_status load_next(struct rb_listen *listen, struct rb_error *err)
 {
 	enum rb_status status = gather_params(listen, err);
@@ -249,6 +259,7 @@ bool rb_listen_filming(const struct rb_listen *listen)
 
 void rb_listen_run_ends(struct rb_listen *listen)
 {
+	RB_ASSERT(listen->loaded != NULL);
 	rb_session_detach(listen->session);
 	listen->loaded = NULL;
 }

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Parses, sets up logging and signals, calls the verb. All exit statuses come from rb_app_finish,
+ * which also checks that standard output could be written.
+ */
 #include <inttypes.h>
 #include <signal.h>
 #include <stdio.h>
@@ -26,6 +30,7 @@
 #include "app/simulate.h"
 #include "app/sweep.h"
 #include "app/verify.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/visible.h"
@@ -44,7 +49,7 @@ static int (*const verb_main[RB_VERB_COUNT])(const struct rb_options *options) =
 	[RB_VERB_COLLECT] = rb_collect_main, [RB_VERB_PLOT] = rb_graph_main,
 };
 
-/* In one write, over a progress bar that may stand there. */
+/* For base/log: one message in one write, over a progress bar that may stand there. */
 static void tell(enum rb_log_level level, const char *text, void *user)
 {
 	const bool *const bar = user;
@@ -57,6 +62,7 @@ static void tell(enum rb_log_level level, const char *text, void *user)
 		rb_print(stderr, "%s%s\n", before, text);
 }
 
+/* Serves --version. */
 static int print_version(const struct rb_options *options)
 {
 	char build[128];
@@ -67,6 +73,7 @@ static int print_version(const struct rb_options *options)
 	return rb_app_finish(options, 0);
 }
 
+/* Serves --help; with a scene, also its parameters. */
 static int print_help(const struct rb_options *options)
 {
 	if (options->operand_count > 0 && options->verb == RB_VERB_RUN)
@@ -75,6 +82,7 @@ static int print_help(const struct rb_options *options)
 	return rb_app_finish(options, 0);
 }
 
+/* Serves --print-tables, for the manuals and completions. */
 static int print_table(const struct rb_options *options)
 {
 	switch (*options->print_tables) {
@@ -97,8 +105,10 @@ static int print_table(const struct rb_options *options)
 	return rb_app_finish(options, 0);
 }
 
+/* Serves the options that go before any verb, or the verb. */
 static int run_verb(const struct rb_options *options)
 {
+	RB_ASSERT(options->verb < RB_VERB_COUNT && verb_main[options->verb]);
 	if (options->print_tables)
 		return print_table(options);
 	if (options->version)
@@ -120,7 +130,9 @@ static int check_memory(int exit_code)
 	return rb_status_exit_code(RB_ERR_BUG);
 }
 
-/* `rbsim` alone on a terminal, and `rbsim help`; a scene may still be called help. */
+/*
+ * Whether this is `rbsim` alone on a terminal, or `rbsim help`; a scene may still be called help.
+ */
 static bool wants_overview(int argc, char **argv)
 {
 	if (argc == 1)
@@ -128,6 +140,7 @@ static bool wants_overview(int argc, char **argv)
 	return argc == 2 && strcmp(argv[1], "help") == 0 && access("help", F_OK) != 0;
 }
 
+/* Prints the verbs in a line or two each. */
 static int print_overview(void)
 {
 	static const struct rb_options options = {.verb = RB_VERB_RUN};

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The table of options is the only list: parsing, help, manual, completion and the options that a
+ * sweep hands on read it. A row says where its value goes in struct rb_options, so most options
+ * need no code. A name may have two rows, for different verbs; whether an option belongs to the
+ * verb is checked when the whole line was read, because the verb may come after it.
+ */
 #include "app/options.h"
 
 #include <errno.h>
@@ -11,6 +17,7 @@
 
 #include <rbsim/scene.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "script/nearest.h"
 
@@ -424,7 +431,7 @@ static enum rb_status take_value(struct parse *parse, const struct rb_option_row
 	return RB_OK;
 }
 
-/* `text` NULL: the next word. */
+/* Takes an option; `text` NULL: its value is the next word. */
 static enum rb_status take_option(struct parse *parse, const struct rb_option_row *row,
                                   const char *text)
 {
@@ -441,7 +448,10 @@ static enum rb_status take_option(struct parse *parse, const struct rb_option_ro
 	return take_value(parse, row, text);
 }
 
-/* The row of the verb, as far as that is known, where a name or a letter has two; NULL: none. */
+/*
+ * The row of a name or letter, that of the verb, as far as that is known, where there are two;
+ * NULL: none.
+ */
 static const struct rb_option_row *row_of(const struct parse *parse, const char *name,
                                           size_t length, char letter)
 {
@@ -458,6 +468,7 @@ static const struct rb_option_row *row_of(const struct parse *parse, const char 
 	return found;
 }
 
+/* Takes --NAME or --NAME=VALUE. */
 static enum rb_status take_long(struct parse *parse, const char *word)
 {
 	const size_t length = strcspn(word, "=");
@@ -468,7 +479,7 @@ static enum rb_status take_long(struct parse *parse, const char *word)
 	return take_option(parse, row, word[length] ? word + length + 1 : NULL);
 }
 
-/* -q, -qo FILE, -oFILE */
+/* Takes -q, -qo FILE, -oFILE. */
 static enum rb_status take_short(struct parse *parse, const char *letters)
 {
 	for (; *letters; letters++) {
@@ -484,7 +495,7 @@ static enum rb_status take_short(struct parse *parse, const char *letters)
 	return RB_OK;
 }
 
-/* A word that is no file and looks like none is a verb that is not known. */
+/* Fails where a word is no file and looks like a verb that is not known. */
 static enum rb_status check_not_verb(struct parse *parse, const char *word)
 {
 	char hint[96];
@@ -502,6 +513,7 @@ static enum rb_status check_not_verb(struct parse *parse, const char *word)
 	return RB_FAIL(parse->err, RB_ERR_USAGE, "'%s' is neither a verb nor a scene", word);
 }
 
+/* Takes a verb, a file, or a word of a command. */
 static enum rb_status take_operand(struct parse *parse, const char *word, bool may_be_verb)
 {
 	struct rb_options *const options = parse->options;
@@ -530,6 +542,7 @@ static enum rb_status take_operand(struct parse *parse, const char *word, bool m
 	return RB_OK;
 }
 
+/* Checks what only the whole line tells. */
 static enum rb_status check_whole(const struct parse *parse)
 {
 	const struct rb_options *const options = parse->options;
@@ -571,6 +584,7 @@ enum rb_status rb_options_parse(struct rb_options *options, int argc, char *cons
 		.options = options, .argv = argv, .argc = argc, .next = 1, .err = err};
 	bool first = true, only_operands = false;
 
+	RB_ASSERT(argc >= 1 && argv[0]);
 	*options = (struct rb_options){.duration_s = (double)NAN,
 	                               .time_step_s = (double)NAN,
 	                               .tolerance_m = (double)NAN,

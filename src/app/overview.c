@@ -9,8 +9,13 @@
 
 #include "app/common.h"
 #include "app/progress.h"
+#include "base/error.h"
 #include "base/visible.h"
 
+/*
+ * REDRAW_EVERY_MS on a terminal, LINE_EVERY_MS in a log. FAILURES_TOLD: the rest is counted;
+ * --status lists all. BAR_MOST, BAR_LEAST: columns of the bar; a shorter one is left out.
+ */
 enum {
 	REDRAW_EVERY_MS = 100,
 	LINE_EVERY_MS = 60000,
@@ -39,11 +44,13 @@ void rb_overview_line(char *line, size_t size, int width, const struct rb_jobs_t
 {
 	const uint64_t ready = tally->done + tally->failed;
 	const double fraction = tally->total > 0 ? (double)ready / (double)tally->total : 1;
+	RB_ASSERT(tally->done + tally->failed <= tally->total || tally->total == 0);
 	char text[160], left[32], bar[BAR_MOST + 4] = "";
 	int used = snprintf(text, sizeof text,
 	                    "%" PRIu64 " of %" PRIu64 " done, %" PRIu64 " running", tally->done,
 	                    tally->total, tally->running + tally->elsewhere);
 
+	RB_ASSERT(width > 0 && size > 0);
 	if (tally->failed > 0)
 		used += snprintf(text + used, sizeof text - (size_t)used, ", %" PRIu64 " failed",
 		                 tally->failed);
@@ -68,6 +75,7 @@ void rb_overview_line(char *line, size_t size, int width, const struct rb_jobs_t
 	snprintf(line, size, "%s%.*s", bar, width, text);
 }
 
+/* Clears the line, so that another one can be printed. */
 static void hide(struct rb_overview *overview)
 {
 	if (overview->shown)

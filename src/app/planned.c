@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * From a command line to a plan in a folder, or from a folder to its plan. Options that every run
+ * gets are taken from the table of options itself, as those that both `run` and `sweep` take, so
+ * that a new one needs no code here. Values are checked against the scene before anything is
+ * written, as far as that does not take long.
+ *
+ * What files a scene requires may depend on its parameters; it is therefore loaded once with each
+ * value of those that are texts or booleans.
+ */
 #include "app/planned.h"
 
 #include <errno.h>
@@ -8,12 +17,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "sink/module.h"
 
 /* Values of an axis that are held against the scene before anything runs; runs check their own. */
 enum { CHECKED_MOST = 1000, LOADED_MOST = 100, WORD_SIZE = 48 };
 
+/* Fails. */
 static enum rb_status no_memory(struct rb_error *err)
 {
 	return RB_FAIL(err, RB_ERR_MEMORY, "cannot plan the sweep: out of memory");
@@ -21,6 +32,7 @@ static enum rb_status no_memory(struct rb_error *err)
 
 /* ---- options that every run gets ---- */
 
+/* Where the value of a row is in the options. */
 static const void *field_of(const struct rb_options *options, const struct rb_option_row *row)
 {
 	return (const char *)options + row->offset;
@@ -42,6 +54,7 @@ static bool is_handed_on(const struct rb_option_row *row)
 	return (row->verbs & both) == both;
 }
 
+/* Whether the command line has given it; rows of other types are handled by name. */
 static bool is_given(const struct rb_options *options, const struct rb_option_row *row)
 {
 	const void *const field = field_of(options, row);
@@ -64,7 +77,7 @@ static bool is_given(const struct rb_options *options, const struct rb_option_ro
 	return false;
 }
 
-/* --name=value */
+/* Writes --NAME=VALUE as snprintf does. */
 static int put_word(const struct rb_options *options, const struct rb_option_row *row, char *out,
                     size_t size)
 {
@@ -83,6 +96,7 @@ static int put_word(const struct rb_options *options, const struct rb_option_row
 	}
 }
 
+/* Collects the options that every run gets. */
 static enum rb_status take_words(struct rb_planned *sweep, struct rb_error *err)
 {
 	const struct rb_options *const options = sweep->options;
@@ -106,7 +120,7 @@ static enum rb_status take_words(struct rb_planned *sweep, struct rb_error *err)
 
 /* ---- the scene ---- */
 
-/* The files and films of a loaded scene, as far as they are new. */
+/* Adds the files and films of a loaded scene, as far as they are new. */
 static enum rb_status take_files(struct rb_planned *sweep, const struct rb_scene *scene,
                                  struct rb_error *err)
 {
@@ -137,7 +151,7 @@ static enum rb_status take_files(struct rb_planned *sweep, const struct rb_scene
 	return RB_OK;
 }
 
-/* `param` NULL: the scene's defaults. */
+/* Loads the scene with one parameter (NULL: its defaults). */
 static enum rb_status load(const struct rb_planned *sweep, struct rb_loaded *loaded,
                            const char *param, struct rb_error *err)
 {
@@ -150,6 +164,7 @@ static enum rb_status load(const struct rb_planned *sweep, struct rb_loaded *loa
 	return rb_loaded_init(loaded, &options, err);
 }
 
+/* The type of a parameter; of one that the scene lacks, any. */
 static enum rb_param_type type_of(const struct rb_scene *scene, const char *name)
 {
 	for (int i = 0; i < scene->param_count; i++)
@@ -159,8 +174,8 @@ static enum rb_param_type type_of(const struct rb_scene *scene, const char *name
 }
 
 /*
- * What a scene requires may depend on what it is to be: on its parameters that are texts or
- * booleans. Values with which the scene does not load are for its runs to tell.
+ * Loads the scene with each value that could change what it requires, and takes its files. Values
+ * with which it does not load are for its runs to report.
  */
 static enum rb_status load_variants(struct rb_planned *sweep, const struct rb_plan *draft,
                                     struct rb_error *err)
@@ -189,7 +204,9 @@ static enum rb_status load_variants(struct rb_planned *sweep, const struct rb_pl
 	return status;
 }
 
-/* May the scene's parameters have these values? */
+/*
+ * Checks values against the scene's parameters, the first CHECKED_MOST of each axis and the last.
+ */
 static enum rb_status check_values(const struct rb_scene *scene, const struct rb_plan *plan,
                                    struct rb_error *err)
 {
@@ -214,6 +231,7 @@ static enum rb_status check_values(const struct rb_scene *scene, const struct rb
 
 /* ---- the plan ---- */
 
+/* Plans a sweep of a scene. */
 static enum rb_status plan_scene(struct rb_planned *sweep, struct rb_error *err)
 {
 	const struct rb_options *const options = sweep->options;
@@ -244,7 +262,10 @@ static enum rb_status plan_scene(struct rb_planned *sweep, struct rb_error *err)
 	return status;
 }
 
-/* What a signal leaves of a sweep that has its folder is told with how it goes on. */
+/*
+ * Holds back signals from here on where runs follow: a sweep that has its folder then reports how
+ * it goes on.
+ */
 static void hold_signals(struct rb_planned *sweep)
 {
 	const struct rb_options *const options = sweep->options;
@@ -253,6 +274,7 @@ static void hold_signals(struct rb_planned *sweep)
 		rb_jobs_hold_signals(&sweep->mask_before);
 }
 
+/* Writes the plan, or checks that the one that is there is the same. */
 static enum rb_status settle_folder(struct rb_planned *sweep, struct rb_error *err)
 {
 	enum rb_status status = RB_OK;
@@ -274,7 +296,7 @@ static enum rb_status settle_folder(struct rb_planned *sweep, struct rb_error *e
 	return status;
 }
 
-/* What the plan of a folder has settled cannot be asked for again. */
+/* Refuses options that the plan of a folder has settled. */
 static enum rb_status check_settled(const struct rb_options *options, struct rb_error *err)
 {
 	const char *name = options->param_count > 0 ? "param"
@@ -293,6 +315,7 @@ static enum rb_status check_settled(const struct rb_options *options, struct rb_
 	               options->operand[0]);
 }
 
+/* Whether a name is that of a folder. */
 static bool is_folder(const char *path)
 {
 	struct stat about;
@@ -303,6 +326,7 @@ static bool is_folder(const char *path)
 enum rb_status rb_planned_open(struct rb_planned *sweep, const struct rb_options *options,
                                const char *folder, struct rb_error *err)
 {
+	RB_ASSERT(folder != NULL);
 	*sweep = (struct rb_planned){.options = options, .shown = folder, .goes_on = true};
 	if (!rb_folder_has_plan(folder))
 		return RB_FAIL(err, RB_ERR_INPUT, "'%s' holds no sweep: there is no %s in it",

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * gnuplot draws; we compose its script and hand it down a pipe. Every text of ours is in single
+ * quotes with control characters made visible, so that names in scenes cannot be commands of
+ * gnuplot. Drawing and complaints go to temporary files, so that neither program waits for the
+ * other.
+ */
 #include "app/plot.h"
 
 #include "app/progress.h"
@@ -37,7 +43,9 @@ enum rb_status rb_plot_available(const char *instead, struct rb_error *err)
 
 /* ---- what gnuplot is told ---- */
 
-/* In single quotes nothing but the quote has a meaning; a line ends with the line. */
+/*
+ * A text in single quotes, in which nothing but the quote has a meaning; a line ends with the line.
+ */
 static void put_text(FILE *script, const char *text)
 {
 	putc('\'', script);
@@ -77,6 +85,7 @@ static void put_terminal(FILE *script, enum rb_plot_kind kind, struct rb_plot_si
 	}
 }
 
+/* The range of an axis; what is not finite is left to gnuplot. */
 static void put_range(FILE *script, const char *axis, bool logarithmic, double low, double high)
 {
 	if (logarithmic)
@@ -90,6 +99,7 @@ static void put_range(FILE *script, const char *axis, bool logarithmic, double l
 	fputs("]\n", script);
 }
 
+/* A label; NULL: an empty one. */
 static void put_label(FILE *script, const char *what, const char *text)
 {
 	fprintf(script, "set %s ", what);
@@ -97,11 +107,15 @@ static void put_label(FILE *script, const char *what, const char *text)
 	putc('\n', script);
 }
 
-/* A series may have no point at all; gnuplot would refuse to draw it. */
+/*
+ * Number of points that can be drawn. A series may have none at all; gnuplot would refuse to draw
+ * it.
+ */
 static int drawn(const struct rb_plot_series *series)
 {
 	int count = 0;
 
+	RB_ASSERT(series->count >= 0);
 	for (int i = 0; i < series->count; i++)
 		count += isfinite(series->x[i]) && isfinite(series->y[i]);
 	return count;
@@ -170,6 +184,7 @@ static void put_plot(FILE *script, const struct rb_plot *plot, enum rb_plot_kind
 
 /* ---- the child ---- */
 
+/* The child after fork. Without start-up files of the user. */
 static _Noreturn void become_gnuplot(int in, int out, int complaints)
 {
 	char name[] = "gnuplot", plain[] = "-d"; /* no start-up files of the user */
@@ -183,7 +198,7 @@ static _Noreturn void become_gnuplot(int in, int out, int complaints)
 	_exit(127);
 }
 
-/* The first line of gnuplot's that is not an echo of what it was told. */
+/* The line of gnuplot's that says what is wrong, not the echo of what it was given. */
 static void read_complaint(FILE *complaints, char *out, size_t size)
 {
 	char line[160];
@@ -197,10 +212,7 @@ static void read_complaint(FILE *complaints, char *out, size_t size)
 	}
 }
 
-/*
- * What gnuplot writes goes to files, so neither waits for the other while the script goes down the
- * pipe.
- */
+/* Runs gnuplot on the script of a plot. */
 static enum rb_status feed(const struct rb_plot *plot, enum rb_plot_kind kind,
                            struct rb_plot_size size, FILE *drawing, FILE *complaints,
                            struct rb_error *err)
@@ -234,7 +246,7 @@ static enum rb_status feed(const struct rb_plot *plot, enum rb_plot_kind kind,
 	               *complaint ? ": " : "", complaint);
 }
 
-/* A text begins with a form feed, which means nothing to whoever reads on. */
+/* Copies a drawing. A text begins with a form feed, which means nothing to whoever reads on. */
 static bool copy(FILE *from, FILE *to, bool text)
 {
 	char block[8192];
@@ -257,6 +269,7 @@ enum rb_status rb_plot_draw(const struct rb_plot *plot, enum rb_plot_kind kind,
 	FILE *const complaints = tmpfile();
 	enum rb_status status = RB_OK;
 
+	RB_ASSERT(plot->series_count > 0 && to);
 	if (!drawing || !complaints)
 		status = RB_FAIL(err, RB_ERR_CREATE, "cannot make a temporary file: %s",
 		                 strerror(errno));

@@ -1,4 +1,13 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * One thread does two things that must not disturb the simulation: it draws the bar, and it is the
+ * only one that takes SIGINT, SIGTERM and SIGUSR1, by sigtimedwait, so there are no handlers at
+ * all. The simulator stores the time that it has reached in an atomic; a double goes through its
+ * bits.
+ *
+ * The first signal is only noted, for the simulator to see at its next frame; a second SIGINT ends
+ * the process without waiting for anything.
+ */
 #include "app/progress.h"
 
 #include <errno.h>
@@ -14,9 +23,11 @@
 #include <unistd.h>
 
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/thread.h"
 
+/* BAR_FROM_MS: shorter runs show no bar. LINE_EVERY_MS: in a log. LINE_SIZE: bytes of a line. */
 enum { BAR_FROM_MS = 500, BAR_EVERY_MS = 100, LINE_EVERY_MS = 60000, LINE_SIZE = 256 };
 
 struct rb_progress {
@@ -69,6 +80,7 @@ double rb_progress_left(struct rb_pace_window *window, double time_s, double dur
 {
 	const double rest_s = fmax(0, duration_s - time_s);
 
+	RB_ASSERT(wall_s >= 0);
 	/* the middle becomes the beginning when it is a quarter of the time ago */
 	if (wall_s - window->middle_wall_s > wall_s / 4) {
 		window->begin_wall_s = window->middle_wall_s;
@@ -89,6 +101,7 @@ void rb_progress_line(char *line, int size, int width, const struct rb_progress_
 	char part[4][64] = {"", "", "", ""}, left[32];
 	enum { BAR_MOST = 40, BAR_LEAST = 10 };
 
+	RB_ASSERT(size > 0);
 	/* Down, so that 100 % is said of the end alone. */
 	snprintf(part[0], sizeof part[0], "%3d %%", (int)(100 * fraction));
 	snprintf(part[1], sizeof part[1], "  %.4g of %.4g s", time_s, duration_s);
@@ -123,6 +136,7 @@ void rb_progress_line(char *line, int size, int width, const struct rb_progress_
 	         kept > 1 ? part[1] : "", kept > 3 ? part[3] : "", kept > 2 ? part[2] : "");
 }
 
+/* s: the simulated time that the run has reached. */
 static double time_reached(const struct rb_progress *progress)
 {
 	const uint64_t bits = atomic_load_explicit(&progress->time_bits, memory_order_relaxed);
@@ -132,7 +146,10 @@ static double time_reached(const struct rb_progress *progress)
 	return time_s;
 }
 
-/* One write each, so that lines of other threads do not end up inside. */
+/*
+ * Writes a text to standard error in one write, so that lines of other threads do not end up
+ * inside.
+ */
 static void say(const char *text)
 {
 	const ssize_t written = write(STDERR_FILENO, text, strlen(text));
@@ -140,6 +157,7 @@ static void say(const char *text)
 	(void)written; /* nobody is left to be told */
 }
 
+/* Draws the bar, or prints a line where there is no terminal. */
 static void show(struct rb_progress *progress)
 {
 	char line[LINE_SIZE], waits[LINE_SIZE] = "", text[2 * LINE_SIZE + 16];
@@ -170,6 +188,7 @@ static void show(struct rb_progress *progress)
 	progress->bar_shown = progress->redraw;
 }
 
+/* Clears the bar. */
 static void hide(struct rb_progress *progress)
 {
 	if (progress->bar_shown)
@@ -177,6 +196,7 @@ static void hide(struct rb_progress *progress)
 	progress->bar_shown = false;
 }
 
+/* Takes a signal: notes the first one; a further SIGINT ends the process. */
 static void take_signal(struct rb_progress *progress, int signal)
 {
 	int none = 0;
@@ -200,6 +220,7 @@ static void take_signal(struct rb_progress *progress, int signal)
 	}
 }
 
+/* The thread. */
 static void *watch(void *argument)
 {
 	struct rb_progress *const progress = argument;

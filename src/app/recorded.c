@@ -1,9 +1,16 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A recording holds the texts of its scene; loading them again with the recorded parameters and
+ * seed gives the same model. Numbers that the command line may have overridden (duration, time
+ * step, ...) are then set as they were run. That it is the same scene is checked by the bodies: as
+ * many, and the same ones move.
+ */
 #include "app/recorded.h"
 
 #include <stdio.h>
 #include <string.h>
 
+#include "base/error.h"
 #include "base/memory.h"
 #include "model/descriptor.h"
 
@@ -14,6 +21,7 @@ struct stored {
 	int param_count;
 };
 
+/* Frees the arrays; texts are the reading's. */
 static void release(struct stored *stored)
 {
 	for (int i = 0; stored->params && i < stored->param_count; i++)
@@ -22,8 +30,13 @@ static void release(struct stored *stored)
 	rb_memory_free(stored->files);
 }
 
+/*
+ * Puts files and parameters into the form that script/load takes. False: no memory; `release` frees
+ * what there is.
+ */
 static bool gather(struct stored *stored, const struct rb_reading *reading)
 {
+	RB_ASSERT(reading->file_count > 0);
 	stored->files = rb_memory_take((size_t)reading->file_count, sizeof *stored->files);
 	stored->params = rb_memory_take((size_t)reading->param_count + 1, sizeof *stored->params);
 	if (!stored->files || !stored->params)
@@ -46,7 +59,7 @@ static bool gather(struct stored *stored, const struct rb_reading *reading)
 	return true;
 }
 
-/* The bodies are those of the recording: as many, and the same ones move. */
+/* Fails unless the bodies are those of the recording. */
 static enum rb_status compare(const struct rb_model *model, const struct rb_reading *reading,
                               const char *path, struct rb_error *err)
 {
@@ -64,6 +77,7 @@ static enum rb_status compare(const struct rb_model *model, const struct rb_read
 	               reading->static_count);
 }
 
+/* Loads the scene and makes the model. */
 static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *reading,
                            const struct stored *stored, bool trust, struct rb_error *err)
 {
@@ -95,7 +109,7 @@ static enum rb_status load(struct rb_loaded *loaded, const struct rb_reading *re
 	return rb_model_create(&loaded->model, &loaded->scene, &loaded->mistakes, err);
 }
 
-/* A word of the command that made it. */
+/* Whether the command that made the recording had --trust. */
 static bool was_trusted(const struct rb_reading *reading)
 {
 	static const char word[] = " --trust";
@@ -136,7 +150,10 @@ enum rb_status rb_recorded_load(struct rb_loaded *loaded, const struct rb_readin
 	return compare(loaded->model, reading, path, err);
 }
 
-/* By halving, on a quantity of frames that grows from row to row. */
+/*
+ * The last row whose frame is not after `than`, by halving on a quantity that grows from row to
+ * row; 0 where all are.
+ */
 static enum rb_status find_row(const struct rb_hdf5_module *module, struct rb_reader *reader,
                                bool (*is_after)(const struct rb_frame *frame, const void *than),
                                const void *than, uint64_t *row, struct rb_error *err)

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A reference is found by runs at steps that shrink by half a decade, each compared with the one
+ * before. Two successive differences give the ratio of a geometric series, whose rest estimates the
+ * error of the finest run. If differences stop falling before the error is small, the motion is
+ * chaotic or the method does not converge; a twin run with a nudge of rounding size tells which: if
+ * the twin departs, no reference can exist beyond the time up to which they agree.
+ */
 #include "app/refine.h"
 
 #include <float.h>
@@ -6,14 +13,19 @@
 #include <stdio.h>
 
 #include "app/common.h"
+#include "base/error.h"
 #include "method/method.h"
 
 /* Half a decade, as the ladders of converge. */
 static const double refinement = 3.1622776601683795;
-/* What of the wanted error the reference may have. */
+/* Part of the wanted error that the reference may have. */
 static const double share = 0.1;
 /* An order of 1 divides differences by 3.2; above this they do not fall. */
 static const double falls = 0.7;
+/*
+ * RUNS_MOST: eight decades of the time step, more than a double allows. STALLS_MOST: differences
+ * that do not fall in a row before the search gives up.
+ */
 enum { RUNS_MOST = 16, STALLS_MOST = 2 };
 
 /* Under way. */
@@ -29,6 +41,7 @@ struct search {
 	int stalls;
 };
 
+/* The order for a run at this step, compared with the finest run so far. */
 static struct rb_rung_order rung(const struct search *search, double time_step_s)
 {
 	const struct rb_refine_order *const order = search->order;
@@ -47,12 +60,16 @@ static struct rb_rung_order rung(const struct search *search, double time_step_s
 	};
 }
 
-/* Two differences in a row tell how much the next ones will be: a geometric series. */
+/*
+ * The error of the finest run from the last two differences: the rest of a geometric series with
+ * their ratio. Where they hardly fall, the last difference itself.
+ */
 static double estimate(double before, double now)
 {
 	return now > 0 && before > 1.5 * now ? now / (before / now - 1) : now;
 }
 
+/* Takes the deviation of a run from the one before it. */
 static void take_difference(struct search *search, const struct rb_rung_result *result)
 {
 	const struct rb_deviation *const of = &result->of[search->order->quantity];
@@ -71,6 +88,7 @@ static void take_difference(struct search *search, const struct rb_rung_result *
 	search->difference = now;
 }
 
+/* Whether the reference is good enough, or no better one can be had. */
 static bool finished(const struct search *search, double time_step_s)
 {
 	const struct rb_refined *const refined = search->refined;
@@ -79,6 +97,7 @@ static bool finished(const struct search *search, double time_step_s)
 	       (refined->agrees && time_step_s <= search->order->fine_s * (1 + 1e-9));
 }
 
+/* Runs at one step, and makes it the finest so far if it came to its end. */
 static enum rb_status run(struct search *search, double time_step_s, struct rb_error *err)
 {
 	struct rb_refined *const refined = search->refined;
@@ -108,7 +127,10 @@ static enum rb_status run(struct search *search, double time_step_s, struct rb_e
 	return RB_OK;
 }
 
-/* The same again, less what rounding does. */
+/*
+ * Runs the finest step again with speeds and gravity changed by a few roundings: how far that leads
+ * is what no refinement can remove.
+ */
 static enum rb_status run_twin(struct search *search, struct rb_error *err)
 {
 	struct rb_refined *const refined = search->refined;
@@ -148,6 +170,7 @@ enum rb_status rb_refine(struct rb_refined *refined, const struct rb_refine_orde
 	int64_t steps = rb_step_count(order->interval_s, order->time_step_s);
 	enum rb_status status = rb_path_create(&search.path[0], model, err);
 
+	RB_ASSERT(order->interval_s > 0 && order->time_step_s > 0);
 	*refined = (struct rb_refined){.estimate = (double)NAN, .horizon_s = (double)INFINITY};
 	if (!status)
 		status = rb_path_create(&search.path[1], model, err);

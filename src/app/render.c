@@ -21,7 +21,7 @@
 /* Frames ahead of the slowest camera: they are read faster than drawn. */
 enum { SLOTS = 4 };
 
-/* One call of the verb. */
+/* One call of the verb, or the late films of a run. */
 struct render {
 	const struct rb_options *options;
 	const char *path; /* of the recording */
@@ -40,6 +40,7 @@ struct render {
 	double wall_s;
 };
 
+/* Whether a text is longer than an ending and ends with it. */
 static bool ends_with(const char *text, const char *end)
 {
 	const size_t size = strlen(text), end_size = strlen(end);
@@ -47,6 +48,7 @@ static bool ends_with(const char *text, const char *end)
 	return size > end_size && strcmp(text + size - end_size, end) == 0;
 }
 
+/* Checks that the output's name goes with what is asked for. */
 static enum rb_status check_output(const struct rb_options *options, struct rb_error *err)
 {
 	const char *const output = options->output;
@@ -84,7 +86,7 @@ static enum rb_status check_output(const struct rb_options *options, struct rb_e
 	return RB_OK;
 }
 
-/* "1920x1080" */
+/* Reads "1920x1080". */
 static enum rb_status read_size(const char *text, int size_px[2], struct rb_error *err)
 {
 	char *end;
@@ -102,6 +104,7 @@ static enum rb_status read_size(const char *text, int size_px[2], struct rb_erro
 	return RB_OK;
 }
 
+/* Takes what the command line asks of films. */
 static enum rb_status read_wish(struct render *render, struct rb_error *err)
 {
 	const struct rb_options *const options = render->options;
@@ -129,6 +132,7 @@ static enum rb_status read_wish(struct render *render, struct rb_error *err)
 
 /* ---- the recording ---- */
 
+/* Opens the recording and finds where it ends. */
 static enum rb_status open_recording(struct render *render, struct rb_error *err)
 {
 	const char *const path = render->path;
@@ -159,7 +163,7 @@ static enum rb_status open_recording(struct render *render, struct rb_error *err
 	return RB_OK;
 }
 
-/* The time of the frame that --frame names becomes that of a film of one picture. */
+/* Makes the time of the frame that --frame names that of a film of one picture. */
 static enum rb_status aim_at_frame(struct render *render, struct rb_error *err)
 {
 	const uint64_t wanted = (uint64_t)render->options->frame;
@@ -181,6 +185,7 @@ static enum rb_status aim_at_frame(struct render *render, struct rb_error *err)
 	return RB_OK;
 }
 
+/* Reads the cameras of --with, which come instead of those of the scene. */
 static enum rb_status add_cameras(struct render *render, struct rb_error *err)
 {
 	const struct rb_options *const options = render->options;
@@ -199,6 +204,7 @@ static enum rb_status add_cameras(struct render *render, struct rb_error *err)
 
 /* ---- films ---- */
 
+/* Hands one recorded frame to the films. */
 static enum rb_status publish(struct render *render, uint64_t row, struct rb_error *err)
 {
 	struct rb_frame frame, *const slot = rb_ring_acquire(render->ring);
@@ -216,6 +222,10 @@ static enum rb_status publish(struct render *render, uint64_t row, struct rb_err
 	return RB_OK;
 }
 
+/*
+ * Hands the recorded frames that the films need to them, from the one before the first picture to
+ * the one behind the last.
+ */
 static enum rb_status feed(struct render *render, struct rb_error *err)
 {
 	const double first_s = rb_films_first_s(render->films);
@@ -238,6 +248,7 @@ static enum rb_status feed(struct render *render, struct rb_error *err)
 	return status;
 }
 
+/* rb_progress_options.heed. */
 static void cut_films(void *user, int signal)
 {
 	const struct render *const render = user;
@@ -245,7 +256,7 @@ static void cut_films(void *user, int signal)
 	rb_films_cut(render->films, signal);
 }
 
-/* RUN.mp4 beside RUN.h5, where no camera says where its film goes. */
+/* Names the film RUN.mp4 beside RUN.h5, where no camera says where its film goes. */
 static enum rb_status name_output(struct render *render, struct rb_error *err)
 {
 	static const char end[] = ".h5", other[] = ".mp4";
@@ -261,7 +272,10 @@ static enum rb_status name_output(struct render *render, struct rb_error *err)
 	return RB_OK;
 }
 
-/* The films are joined whatever happens before; the first failure is the one that is told. */
+/*
+ * Makes the films. They are joined whatever happens before; the first failure is the one that is
+ * reported.
+ */
 static enum rb_status film(struct render *render, struct rb_error *err)
 {
 	const struct rb_options *const options = render->options;
@@ -302,6 +316,7 @@ static enum rb_status film(struct render *render, struct rb_error *err)
 	return status;
 }
 
+/* Prepares and makes the films. */
 static enum rb_status make_films(struct render *render, struct rb_error *err)
 {
 	enum rb_status status = rb_films_create(&render->films, &render->loaded, &render->wish,
@@ -318,6 +333,7 @@ static enum rb_status make_films(struct render *render, struct rb_error *err)
 	return status ? status : film(render, err);
 }
 
+/* Makes a contact sheet. */
 static enum rb_status sheet(struct render *render, struct rb_error *err)
 {
 	const struct rb_camera_def *chosen;
@@ -345,6 +361,7 @@ static enum rb_status sheet(struct render *render, struct rb_error *err)
 
 /* ---- telling ---- */
 
+/* Prints what has been made. */
 static void tell(const struct render *render, enum rb_status status, const struct rb_error *err)
 {
 	const struct rb_options *const options = render->options;
@@ -378,6 +395,7 @@ static void tell(const struct render *render, enum rb_status status, const struc
 	}
 }
 
+/* Everything before the first picture. */
 static enum rb_status prepare(struct render *render, struct rb_error *err)
 {
 	enum rb_status status = read_wish(render, err);

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A file whose writer was killed is opened as the recorder would resume it, after its last whole
+ * frame, and closed as the run would have closed it: so there is one code that ends recordings. The
+ * scene stored in it is loaded first, because the recorder needs the model, and because a file that
+ * is not ours must not be written to.
+ */
 #include "app/repair.h"
 
 #include <string.h>
@@ -6,6 +12,7 @@
 #include "app/common.h"
 #include "app/json.h"
 #include "app/recorded.h"
+#include "base/error.h"
 #include "base/visible.h"
 #include "sink/module.h"
 
@@ -20,6 +27,10 @@ struct patient {
 	char reason[RB_ERROR_TEXT_SIZE], status[32];
 };
 
+/*
+ * What the file will say of the run's end: a run that was "running" was killed; anything else stays
+ * as it is.
+ */
 static void judge(struct patient *patient, const struct rb_reading *reading)
 {
 	const bool running = strcmp(reading->status, "running") == 0;
@@ -34,6 +45,7 @@ static void judge(struct patient *patient, const struct rb_reading *reading)
 	                                                                   : RB_ERR_TERMINATE;
 }
 
+/* Reads what is whole in the file, and loads its scene. */
 static enum rb_status examine(struct patient *patient, const struct rb_options *options,
                               struct rb_error *err)
 {
@@ -59,7 +71,7 @@ static enum rb_status examine(struct patient *patient, const struct rb_options *
 	return status;
 }
 
-/* As the run itself would have closed it. */
+/* Closes the file as the run itself would have. */
 static enum rb_status close_again(struct patient *patient, struct rb_error *err)
 {
 	const struct rb_recorder_options options = {.path = patient->path,
@@ -70,6 +82,7 @@ static enum rb_status close_again(struct patient *patient, struct rb_error *err)
 	struct rb_recorder *recorder;
 	struct rb_sink sink;
 
+	RB_ASSERT(patient->row_count > 0);
 	patient->info = (struct rb_run_info){.model = patient->loaded.model,
 	                                     .scene = &patient->loaded.scene};
 	enum rb_status status = patient->module->recorder_create(&recorder, &sink, &patient->info,
@@ -83,6 +96,7 @@ static enum rb_status close_again(struct patient *patient, struct rb_error *err)
 	return status;
 }
 
+/* Prints what was done. */
 static void tell(const struct patient *patient, const struct rb_options *options)
 {
 	struct rb_json json = {.file = stdout};

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Simulates the recorded scene again and compares each recorded frame, bit by bit, as it comes; the
+ * callbacks of the script are called as in the run, because they may change bodies. The run may
+ * have been cut short; then only what was recorded is compared, and the state hash, which is that
+ * of a run's end, only where the run was complete.
+ */
 #include "app/replay.h"
 
 #include <inttypes.h>
@@ -8,6 +14,7 @@
 #include "app/json.h"
 #include "app/recorded.h"
 #include "app/simulate.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "base/visible.h"
 #include "flow/frame.h"
@@ -45,15 +52,20 @@ struct replay {
 	uint64_t state_hash;
 };
 
+/* A column of a frame, NULL: it has none. */
 static const double *column_of(const struct rb_frame *frame, int column)
 {
 	const double *values;
 
+	RB_ASSERT(column >= 0 && column < COLUMN_COUNT);
 	memcpy(&values, (const char *)frame + columns[column].offset, sizeof values);
 	return values;
 }
 
-/* As it was recorded, which may be in single precision. */
+/*
+ * Whether a value is the recorded one, to the bit, and after rounding where it was recorded in
+ * single precision.
+ */
 static bool same(const struct replay *replay, double now, double then)
 {
 	if (replay->loaded.scene.record.single_precision)
@@ -61,6 +73,7 @@ static bool same(const struct replay *replay, double now, double then)
 	return memcmp(&now, &then, sizeof now) == 0;
 }
 
+/* Compares the columns that both frames have; notes the first difference. */
 static void compare(struct replay *replay, const struct rb_frame *then)
 {
 	char label[64];
@@ -84,7 +97,10 @@ static void compare(struct replay *replay, const struct rb_frame *then)
 	}
 }
 
-/* The frame of the run that the next row is of, and the script's callbacks for it. */
+/*
+ * Compares the frame of the run with the next row, if that is of it, and calls the script's
+ * callbacks.
+ */
 static enum rb_status look(struct replay *replay, struct rb_error *err)
 {
 	struct rb_frame then;
@@ -103,6 +119,7 @@ static enum rb_status look(struct replay *replay, struct rb_error *err)
 	return status;
 }
 
+/* Steps until a difference, or the end of what was recorded. */
 static enum rb_status run(struct replay *replay, struct rb_error *err)
 {
 	enum rb_status status = look(replay, err);
@@ -116,7 +133,10 @@ static enum rb_status run(struct replay *replay, struct rb_error *err)
 	return status;
 }
 
-/* Only of a run that came to its end is the state known that the hash is of. */
+/*
+ * Compares the state at the end: only of a run that came to its end is the state known that the
+ * hash is of.
+ */
 static void compare_hash(struct replay *replay)
 {
 	char text[24];
@@ -128,6 +148,7 @@ static void compare_hash(struct replay *replay)
 	                       strcmp(text, replay->reading->state_hash) != 0;
 }
 
+/* Opens the recording, loads its scene, makes the world. */
 static enum rb_status prepare(struct replay *replay, const struct rb_options *options,
                               struct rb_error *err)
 {
@@ -175,6 +196,7 @@ static void tell_json(const struct replay *replay, int exit_code)
 	rb_json_close(&json, '}');
 }
 
+/* Prints the outcome; the exit status. */
 static int tell(const struct replay *replay, const struct rb_options *options)
 {
 	const bool differ = replay->differs || replay->hash_differs;

@@ -1,4 +1,11 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * An order is the slope of log error over log dial, by least squares over the points above the
+ * floor of rounding and of the reference's own error; it is stated only where the points lie on a
+ * line and the error falls at all. Advice names the setting with the least wall time that reaches
+ * the wanted error; times within ten percent count as equal, because machines are not quieter than
+ * that.
+ */
 #include "app/report.h"
 
 #include <float.h>
@@ -7,10 +14,14 @@
 #include <string.h>
 
 #include "app/common.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/visible.h"
 
-/* Wall over processor time that is worth a word. */
+/*
+ * Ratio of wall time to processor time above which the machine was too busy for times to be taken
+ * at face value.
+ */
 static const double busy_most = 1.3;
 /* Squared correlation below which points do not lie on a line. */
 static const double line_least = 0.7;
@@ -34,6 +45,7 @@ double rb_report_least_error(const struct rb_report *report, const struct rb_rep
 	return !report->own_reference && judged && error < known ? known : error;
 }
 
+/* The setting that a ladder varies. */
 static double dial(const struct rb_report *report, const struct rb_report_row *row)
 {
 	return report->by_tolerance ? row->tolerance_m : row->time_step_s;
@@ -56,6 +68,9 @@ struct sums {
 	double least, most; /* of x */
 };
 
+/*
+ * Takes the slope as the order, or notes why there is none. `known`: points with an error at all.
+ */
 static void judge_fit(const struct rb_report *report, struct rb_report_method *of,
                       const struct sums *s, int known)
 {
@@ -93,6 +108,7 @@ static void fit(struct rb_report *report, int method)
 	struct sums s = {0};
 	int known = 0;
 
+	RB_ASSERT(method >= 0 && method < report->method_count);
 	of->order = (double)NAN;
 	of->order_points = 0;
 	for (int i = 0; i < report->row_count; i++) {
@@ -116,6 +132,7 @@ static void fit(struct rb_report *report, int method)
 	judge_fit(report, of, &s, known);
 }
 
+/* A time in s, ms or us. */
 static const char *seconds(double value, char out[32])
 {
 	if (value < 1e-3)
@@ -127,7 +144,7 @@ static const char *seconds(double value, char out[32])
 	return out;
 }
 
-/* "1e-06 m" */
+/* A value of the quantity with its unit: "1e-06 m". */
 static const char *measure(const struct rb_report *report, double value, char out[64])
 {
 	const char *unit = rb_quantities[report->quantity].unit;
@@ -136,6 +153,7 @@ static const char *measure(const struct rb_report *report, double value, char ou
 	return out;
 }
 
+/* A setting in words. */
 static const char *setting(const struct rb_report *report, const struct rb_report_row *row,
                            char out[160])
 {
@@ -155,7 +173,7 @@ static const double wall_noise = 1.1;
 
 /*
  * The least wall time of those that reach the wanted error; of equal ones the most accurate, then
- * the coarsest.
+ * the coarsest. -1: none does.
  */
 static int find_cheapest(const struct rb_report *report)
 {
@@ -176,6 +194,7 @@ static int find_cheapest(const struct rb_report *report)
 	return cheapest;
 }
 
+/* Composes the advice. */
 static void advise(struct rb_report *report)
 {
 	const int cheapest = find_cheapest(report);
@@ -239,6 +258,7 @@ void rb_report_conclude(struct rb_report *report)
 
 enum { CELL_SIZE = 32 };
 
+/* A cell with an error. */
 static void number(char *out, double value)
 {
 	if (isnan(value))
@@ -299,6 +319,7 @@ double rb_report_discarded(const struct rb_rung_result *result)
 	return tried > 0 ? (double)result->discarded_body_steps / tried : 0;
 }
 
+/* The text of a cell. */
 static void fill_cell(const struct rb_report *report, const struct rb_report_row *row,
                       enum column_id column, char *out)
 {
@@ -368,11 +389,13 @@ struct table {
 	int width[COLUMN_COUNT];
 };
 
+/* The unit below a column's head. */
 static const char *unit_of(const struct rb_report *report, enum column_id column)
 {
 	return columns[column].unit ? columns[column].unit : rb_quantities[report->quantity].unit;
 }
 
+/* Columns that the table takes. */
 static int total_width(const struct table *table)
 {
 	int total = 0;
@@ -397,6 +420,7 @@ static void narrow(struct table *table, int width)
 	}
 }
 
+/* Fills all cells and finds the widths of the columns. */
 static void lay_out(const struct rb_report *report, struct table *table, int width)
 {
 	for (int c = 0; c < COLUMN_COUNT; c++) {
@@ -437,6 +461,7 @@ static void print_head(FILE *file, const struct rb_report *report, const struct 
 	putc('\n', file);
 }
 
+/* Prints a row; of a run that failed, its settings and why. */
 static void print_row(FILE *file, const struct rb_report *report, const struct table *table, int i)
 {
 	const struct rb_rung_result *const result = &report->rows[i].result;
@@ -450,8 +475,8 @@ static void print_row(FILE *file, const struct rb_report *report, const struct t
 }
 
 /*
- * Of the runs' wall time to their processor time: what else goes on in the machine. 0 where threads
- * hide it.
+ * Largest ratio of a run's wall time to its processor time: what else goes on in the machine. 0
+ * where threads hide it.
  */
 static double busy(const struct rb_report *report)
 {

@@ -1,4 +1,12 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * --resume must continue the same run or none: scene texts, parameters, seed, method and numbers
+ * are compared with those that the recording states, and the checkpoint's hash with that of this
+ * command line. The comparison says what differs; the hash only that something does.
+ *
+ * Films have no checkpoints: they begin again, fed with the frames of the recording up to the
+ * checkpoint.
+ */
 #include "app/resume.h"
 
 #include <errno.h>
@@ -17,6 +25,7 @@
 
 /* ---- whose run ---- */
 
+/* Adds a text with the zero at its end: "ab" + "c" is not "a" + "bc". */
 static uint64_t hash_text(uint64_t hash, const char *text)
 {
 	/* with the zero at its end: "ab" + "c" is not "a" + "bc" */
@@ -47,6 +56,7 @@ uint64_t rb_resume_run_hash(const struct rb_loaded *loaded)
 	return rb_hash_bytes(numbers, sizeof numbers, hash);
 }
 
+/* Fails with what was and what is. */
 static enum rb_status differs(struct rb_error *err, const char *name, const char *what,
                               const char *then, const char *now)
 {
@@ -74,6 +84,7 @@ static enum rb_status compare_numbers(const char *name, const char *what, double
 	return differs(err, name, what, texts[0], texts[1]);
 }
 
+/* Compares the texts of the scene's files, to the byte. */
 static enum rb_status compare_files(const char *name, const struct rb_scene *scene,
                                     const struct rb_reading *reading, struct rb_error *err)
 {
@@ -96,6 +107,7 @@ static enum rb_status compare_files(const char *name, const struct rb_scene *sce
 	               name, reading->file_count, scene->file_count);
 }
 
+/* The recorded text of a parameter. */
 static const char *recorded_value(const struct rb_reading *reading, const char *param)
 {
 	for (int i = 0; i < reading->param_count; i++)
@@ -120,6 +132,7 @@ static enum rb_status compare_params(const char *name, const struct rb_scene *sc
 	return status;
 }
 
+/* Compares all that makes a run, in the order in which people would look for the difference. */
 static enum rb_status compare(const char *name, const struct rb_loaded *loaded,
                               const struct rb_reading *reading, struct rb_error *err)
 {
@@ -158,7 +171,10 @@ static enum rb_status compare(const char *name, const struct rb_loaded *loaded,
 
 /* ---- what is there ---- */
 
-/* A checkpoint that is not this recording's is of no use, and says nothing about it. */
+/*
+ * Whether the checkpoint can be used. One that is not this recording's is of no use, and says
+ * nothing about it.
+ */
 static enum rb_status judge(struct rb_resume *resume, const struct rb_loaded *loaded,
                             const struct rb_reading *reading, struct rb_error *err)
 {
@@ -186,7 +202,10 @@ static enum rb_status judge(struct rb_resume *resume, const struct rb_loaded *lo
 	return RB_OK;
 }
 
-/* What will be written to: no link. Its writer, if it has one, has a lock on it (sink/h5output). */
+/*
+ * Checks what will be written to: no link, and whether a living process writes it, which has a lock
+ * on it (sink/h5output).
+ */
 static enum rb_status check_file(const struct rb_loaded *loaded, bool *is_written,
                                  struct rb_error *err)
 {
@@ -207,6 +226,7 @@ static enum rb_status check_file(const struct rb_loaded *loaded, bool *is_writte
 	return status;
 }
 
+/* Decides what of a recording there is to continue. */
 static enum rb_status look(struct rb_resume *resume, const struct rb_loaded *loaded,
                            const struct rb_reading *reading, struct rb_error *err)
 {
@@ -267,7 +287,7 @@ void rb_resume_release(struct rb_resume *resume)
 
 /* ---- films ---- */
 
-/* A column of the ring's frame is filled where there is one. */
+/* Fills a column of the ring's frame, if it has one. False: the recording lacks it. */
 static bool copy_column(double *to, const double *from, int count, int width)
 {
 	if (to && from)
@@ -275,7 +295,7 @@ static bool copy_column(double *to, const double *from, int count, int width)
 	return !to || from;
 }
 
-/* A list that is kept for the next frame of the slot. */
+/* Fills a list, whose memory is kept for the next frame of the slot. False: no memory. */
 static bool copy_list(void **to, int *capacity, const void *from, int count, size_t size)
 {
 	size_t room = (size_t)*capacity;
@@ -289,6 +309,7 @@ static bool copy_list(void **to, int *capacity, const void *from, int count, siz
 	return true;
 }
 
+/* Fills events and contacts. False: no memory. */
 static bool copy_lists(struct rb_frame *to, const struct rb_frame *from)
 {
 	void *events = to->events, *contacts = to->contacts;
@@ -305,6 +326,7 @@ static bool copy_lists(struct rb_frame *to, const struct rb_frame *from)
 	return held;
 }
 
+/* Fills columns and numbers. False: the recording lacks a column. */
 static bool copy_frame(struct rb_frame *to, const struct rb_frame *from)
 {
 	to->index = from->index;
@@ -316,7 +338,10 @@ static bool copy_frame(struct rb_frame *to, const struct rb_frame *from)
 	       copy_column(to->angular_velocity, from->angular_velocity, to->body_count, 3);
 }
 
-/* What the films read and the recording does not have as it was. */
+/*
+ * Refuses films whose contents the recording does not have, and warns where it has them
+ * differently.
+ */
 static enum rb_status check_fields(const struct rb_loaded *loaded, const struct rb_films *films,
                                    const struct rb_reading *reading, struct rb_error *err)
 {
@@ -339,6 +364,7 @@ static enum rb_status check_fields(const struct rb_loaded *loaded, const struct 
 	return RB_OK;
 }
 
+/* Hands one recorded frame to the films. */
 static enum rb_status feed(const struct rb_hdf5_module *module, struct rb_reader *reader,
                            uint64_t row, struct rb_films *films, struct rb_ring *ring,
                            struct rb_error *err)

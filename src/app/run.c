@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A run is an attempt: scene, outputs, films, and where it continues from. A restart ends one
+ * attempt and begins the next with the same clients; therefore everything that belongs to one is in
+ * one struct that is released as a whole. Order of beginning: everything that can be refused is
+ * checked before anything is created or overwritten.
+ */
 #include "app/run.h"
 
 #include <stdlib.h>
@@ -12,9 +18,14 @@
 #include "app/render.h"
 #include "app/simulate.h"
 #include "app/summary.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/visible.h"
 
+/*
+ * Whether the summary may be coloured: on a capable terminal, unless NO_COLOR is set
+ * (no-color.org).
+ */
 static bool color_wanted(void)
 {
 	const char *no_color = getenv("NO_COLOR");
@@ -22,7 +33,10 @@ static bool color_wanted(void)
 	return rb_terminal_is_capable(STDERR_FILENO) && !(no_color && *no_color);
 }
 
-/* Talk first, then the result: whoever reads both has them in order. */
+/*
+ * Prints the summary, then the result; the exit status. Errors of the run go before those of its
+ * films, and these before its expectations.
+ */
 static int report(const struct rb_run_result *result, const struct rb_loaded *loaded,
                   const struct rb_options *options, const struct rb_run_info *info,
                   const struct rb_films *films)
@@ -54,7 +68,7 @@ static int report(const struct rb_run_result *result, const struct rb_loaded *lo
 	return exit_code;
 }
 
-/* The films that the scene's cameras ask for, checked before anything is simulated. */
+/* Makes the films that the scene's cameras ask for, checked before anything is simulated. */
 static enum rb_status prepare_films(struct rb_films **films, struct rb_loaded *loaded,
                                     const struct rb_options *options, struct rb_error *err)
 {
@@ -74,6 +88,7 @@ struct attempt {
 	struct rb_run_result result;
 };
 
+/* Frees an attempt, also one that never began. */
 static void release(struct attempt *attempt)
 {
 	rb_films_destroy(attempt->films);
@@ -86,13 +101,14 @@ static void release(struct attempt *attempt)
 	*attempt = (struct attempt){0};
 }
 
-/* What the outputs of a loaded scene need. */
+/* Makes what the outputs of a loaded scene need. */
 static enum rb_status prepare(struct attempt *attempt, const struct rb_options *options,
                               struct rb_error *err)
 {
 	const enum rb_status status = rb_simulate_info(&attempt->info, &attempt->texts,
 	                                               attempt->loaded, options, err);
 
+	RB_ASSERT(attempt->loaded != NULL);
 	return status ? status : prepare_films(&attempt->films, attempt->loaded, options, err);
 }
 
@@ -117,7 +133,7 @@ static enum rb_status begin(struct attempt *attempt, struct rb_listen **listen,
 	return status;
 }
 
-/* The run has ended to begin anew: the next one takes its place. Who watches it stays. */
+/* Makes the next attempt of a run that has ended to begin anew. Who watches it stays. */
 static enum rb_status begin_again(struct attempt *attempt, struct rb_listen *listen,
                                   struct rb_error *err)
 {
@@ -130,7 +146,7 @@ static enum rb_status begin_again(struct attempt *attempt, struct rb_listen *lis
 	              : rb_listen_begin_again(listen, attempt->loaded, &attempt->info, err);
 }
 
-/* Nothing is left to be done. */
+/* Says that nothing is left to be done, and removes a checkpoint that is of no more use. */
 static int tell_done(const struct rb_loaded *loaded, const struct rb_options *options)
 {
 	struct rb_json json = {.file = stdout};
@@ -150,6 +166,7 @@ static int tell_done(const struct rb_loaded *loaded, const struct rb_options *op
 	return 0;
 }
 
+/* The parts of an attempt that the simulation needs. */
 static struct rb_simulate_parts parts_of(struct attempt *attempt, struct rb_listen *listen)
 {
 	return (struct rb_simulate_parts){
@@ -159,7 +176,9 @@ static struct rb_simulate_parts parts_of(struct attempt *attempt, struct rb_list
 		.again = attempt->resume.kind == RB_RESUME_AGAIN};
 }
 
-/* Of a run that was not broken off, as far as it has come. */
+/*
+ * Makes the films that need the whole run, of one that was not broken off, as far as it has come.
+ */
 static void make_late_films(struct attempt *attempt, const struct rb_options *options)
 {
 	struct rb_run_result *const result = &attempt->result;

@@ -1,4 +1,10 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Decides when a checkpoint is taken: by the clock, by command, or when a signal ends the run. Only
+ * at frames that the recording has (record every), since a run continues its recording after a
+ * whole row. The simulator only packs; the checkpoint's thread writes, after it has waited until
+ * the recorder has the frame on disk, so a checkpoint never is ahead of its recording.
+ */
 #include "app/saving.h"
 
 #include <math.h>
@@ -6,6 +12,7 @@
 
 #include "app/resume.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "method/save.h"
@@ -33,7 +40,7 @@ struct rb_saving {
 		told;
 };
 
-/* In the thread that writes. */
+/* rb_checkpoints_options.recorded, in the thread that writes. */
 static bool recorded(void *user, uint64_t frame)
 {
 	const struct rb_saving *const saving = user;
@@ -47,6 +54,7 @@ enum rb_status rb_saving_start(struct rb_saving **made, const struct rb_saving_o
 	struct rb_saving *const saving = rb_memory_take(1, sizeof *saving);
 	const double every_s = isnan(options->every_s) ? default_every_s : options->every_s;
 
+	RB_ASSERT(options->module && options->recorder && options->loaded);
 	*made = NULL;
 	if (!saving)
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare checkpoints: out of memory");
@@ -101,8 +109,10 @@ bool rb_saving_waits(struct rb_saving *saving)
 	return now - saving->asked_ns < (uint64_t)(1e9 * patience_s);
 }
 
+/* Takes a checkpoint of this frame; errors are those of packing, writing is not waited for. */
 static enum rb_status take(struct rb_saving *saving, uint64_t frame, struct rb_error *err)
 {
+	RB_ASSERT(frame % saving->record_every == 0);
 	saving->about.frame = frame;
 	saving->about.row_count = frame / saving->record_every + 1;
 	saving->wanted = false;
@@ -112,6 +122,7 @@ static enum rb_status take(struct rb_saving *saving, uint64_t frame, struct rb_e
 	                           err);
 }
 
+/* No checkpoints from here on; said once. */
 static void give_up(struct rb_saving *saving, const struct rb_error *err)
 {
 	saving->broken = true;
@@ -119,7 +130,10 @@ static void give_up(struct rb_saving *saving, const struct rb_error *err)
 	rb_log(RB_LOG_WARNING, "this run has no checkpoints from here on: %s", err->text);
 }
 
-/* How the last one went. */
+/*
+ * Reports how the last one went; the same failure only once, so that a full disk is not told each
+ * minute.
+ */
 static void tell_last(struct rb_saving *saving)
 {
 	struct rb_error err;

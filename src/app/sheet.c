@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "app/recorded.h"
+#include "base/error.h"
 #include "film/pixmap.h"
 #include "film/png.h"
 #include "base/memory.h"
@@ -13,6 +14,10 @@
 #include "flow/frame.h"
 #include "script/shots.h"
 
+/*
+ * A sheet is 4 x 4 pictures, each CELL_SIDE pixels at its longer side, GAP pixels apart: 2
+ * megapixels, what a screen shows at once.
+ */
 enum { COLUMNS = 4, ROWS = 4, CELL_SIDE = 480, GAP = 8 };
 
 /* Everything of a sheet that is being drawn. */
@@ -27,7 +32,11 @@ struct drawing {
 	uint64_t seen; /* rows that the take has seen */
 };
 
-/* What lies at `time_s`: a frame of the recording or one between two. */
+/*
+ * What lies at `time_s`: a frame of the recording, in `after`, or one between two. `*moment` is
+ * borrowed until the next call. Trails want every frame on the way, all others only the two around
+ * the moment.
+ */
 static enum rb_status moment_at(struct drawing *d, double time_s, const struct rb_frame **moment,
                                 struct rb_frame *after, struct rb_error *err)
 {
@@ -58,17 +67,20 @@ static enum rb_status moment_at(struct drawing *d, double time_s, const struct r
 	return status;
 }
 
+/* Copies a picture into its cell of the sheet. */
 static void place(struct rb_pixmap *whole, const struct rb_pixmap *part, int cell)
 {
 	const int x = GAP + cell % COLUMNS * (part->width + GAP);
 	const int y = GAP + cell / COLUMNS * (part->height + GAP);
 
+	RB_ASSERT(cell >= 0 && cell < COLUMNS * ROWS);
 	for (int line = 0; line < part->height; line++)
 		memcpy(whole->rgba + 4 * ((size_t)(y + line) * (size_t)whole->width + (size_t)x),
 		       part->rgba + 4 * (size_t)line * (size_t)part->width,
 		       4 * (size_t)part->width);
 }
 
+/* Draws the picture of a moment into its cell. */
 static enum rb_status draw_cell(struct drawing *d, int cell, double time_s, struct rb_error *err)
 {
 	struct rb_frame_shot shot = {.picture = (uint64_t)cell};
@@ -87,6 +99,7 @@ static enum rb_status draw_cell(struct drawing *d, int cell, double time_s, stru
 	return status;
 }
 
+/* Draws and writes the sheet. */
 static enum rb_status draw(struct drawing *d, size_t *bytes, struct rb_error *err)
 {
 	const struct rb_sheet *const sheet = d->sheet;

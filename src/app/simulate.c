@@ -68,7 +68,10 @@ void rb_build_text(char *out, size_t size)
 #endif
 }
 
-/* The words as a shell would read them again. Words of plain characters stay as they are. */
+/*
+ * The words as a shell would read them again, to be freed; words of plain characters stay as they
+ * are.
+ */
 static char *command_text(int argc, char *const *argv)
 {
 	static const char plain[] =
@@ -131,7 +134,7 @@ void rb_run_texts_release(struct rb_run_texts *texts)
 	*texts = (struct rb_run_texts){0};
 }
 
-/* A name that is wished for a film, not for a recording. */
+/* Whether a name is wished for a film, not for a recording. */
 static bool is_film_name(const char *name)
 {
 	static const char *const endings[] = {".mp4", ".webm", ".gif", ".png"};
@@ -167,14 +170,15 @@ enum rb_status rb_simulate_check_output(const struct rb_loaded *loaded,
 	return RB_OK;
 }
 
+/* Whether an essential sink has failed. */
 static bool must_stop(const struct run *run)
 {
 	return run->pump && rb_pump_must_stop(run->pump);
 }
 
 /*
- * Polled by the world between attempts: within a frame a signal waits for its end, where it can be
- * kept.
+ * rb_world_options.stop: polled between attempts. Within a frame a signal waits for its end, where
+ * it can be kept.
  */
 static bool stop_wanted(void *user)
 {
@@ -185,7 +189,7 @@ static bool stop_wanted(void *user)
 	       (rb_progress_signal(run->progress) != 0 && !rb_saving_waits(run->saving));
 }
 
-/* After a frame: a signal ends the run here. */
+/* Whether a signal ends the run after this frame. */
 static bool ends_here(const struct run *run)
 {
 	return rb_progress_signal(run->progress) != 0 &&
@@ -193,7 +197,7 @@ static bool ends_here(const struct run *run)
 	        !rb_saving_waits(run->saving));
 }
 
-/* What consumers of frames read. */
+/* RB_FIELD_* that consumers of frames read. */
 static unsigned fields_wanted(const struct run *run)
 {
 	return rb_films_fields(run->films) | rb_listen_fields(run->listen) |
@@ -214,6 +218,7 @@ static enum rb_status start_world(struct run *run, struct rb_error *err)
 	return rb_world_create(&run->world, run->loaded->model, &options, &hooks, err);
 }
 
+/* Makes the recorder, new or on what is there. */
 static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 {
 	const struct rb_resume *const resume = run->resume;
@@ -234,7 +239,7 @@ static enum rb_status make_recorder(struct run *run, struct rb_error *err)
 	return run->module->recorder_create(&run->recorder, &run->sink, run->info, &options, err);
 }
 
-/* Films have begun again. */
+/* Feeds films, which have begun again, with what was recorded before. */
 static enum rb_status feed_films(struct run *run, struct rb_error *err)
 {
 	if (!run->films || !run->resume)
@@ -471,8 +476,8 @@ static void take_numbers(struct rb_run_result *result, const struct rb_frame *fr
 }
 
 /*
- * The frame of this moment to the consumers, then to the script. `*ended`: an essential sink has
- * failed.
+ * Hands the frame of this moment to the consumers, then to the script. `*ended`: an essential sink
+ * has failed.
  */
 static enum rb_status emit(struct run *run, bool *ended, struct rb_error *err)
 {
@@ -507,7 +512,7 @@ static bool waits_no_more(void *user)
 	return must_stop(run) || rb_progress_signal(run->progress) != 0;
 }
 
-/* What commands have said of films since the frame before. */
+/* Takes what commands have said of films since the frame before. */
 static enum rb_status heed_films(const struct run *run, struct rb_error *err)
 {
 	const double time_s = rb_world_time(run->world);

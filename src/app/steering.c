@@ -1,8 +1,15 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Movements are rows in the order in which they were given; each is applied to what the one before
+ * it left. A movement takes effect at the first frame after it was given, and is computed there,
+ * once, from where the camera then stands. So a film is the same however often its pictures are
+ * drawn, and after a restart from a checkpoint, which keeps the rows and computes the rest again.
+ */
 #include "app/steering.h"
 
 #include <math.h>
 
+#include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "control/steer.h"
@@ -27,6 +34,7 @@ void rb_steering_release(struct rb_steering *steering)
 enum rb_status rb_steering_add(struct rb_steering *steering, int film, double time_s,
                                const struct rb_player_aim *aim, struct rb_error *err)
 {
+	RB_ASSERT(film >= 0);
 	if (!rb_memory_reserve(&steering->row, &steering->capacity, steering->count + 1,
 	                       sizeof *steering->row))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot move a camera: out of memory");
@@ -48,6 +56,7 @@ static const struct rb_camera_def *camera_at(const struct rb_steering *steering,
 	return camera;
 }
 
+/* Fills the shot with what the camera's functions say of the moment. */
 static enum rb_status ask_functions(const struct rb_steering_film *film,
                                     const struct rb_camera_def *camera,
                                     const struct rb_frame *moment, struct rb_frame_shot *shot,
@@ -58,7 +67,10 @@ static enum rb_status ask_functions(const struct rb_steering_film *film,
 	                              : RB_OK;
 }
 
-/* What it looks at is away from it by more than rounding. */
+/*
+ * Whether what the camera looks at is away from it by more than rounding: 1e-9 of the coordinates
+ * leaves half of the digits for the direction.
+ */
 static bool can_look(const struct rb_steering_film *film, const struct rb_camera_def *camera,
                      const struct rb_frame *frame, const struct rb_frame_shot *shot)
 {

@@ -1,4 +1,8 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * The same result twice: for people, where what did not happen is left out, and as JSON, where
+ * every key is always there, with null for what is not known, so that scripts need no cases.
+ */
 #include "app/summary.h"
 
 #include <inttypes.h>
@@ -9,6 +13,7 @@
 #include "base/visible.h"
 #include "model/descriptor.h"
 
+/* A rate; NAN without any time. */
 static double per_second(uint64_t count, double seconds)
 {
 	return seconds > 0 ? (double)count / seconds : (double)NAN;
@@ -35,6 +40,7 @@ void rb_summary_print_expects(FILE *file, const struct rb_run_result *result, bo
 	}
 }
 
+/* Prints what the run has cost. */
 static void print_work(FILE *file, const struct rb_run_result *result)
 {
 	const struct rb_world_work *const work = &result->work;
@@ -69,6 +75,7 @@ static void print_work(FILE *file, const struct rb_run_result *result)
 	putc('\n', file);
 }
 
+/* Prints how many frames there are, and how many of them are recorded. */
 static void print_frames(FILE *file, const struct rb_run_result *result)
 {
 	rb_print(file, "  frames        %" PRIu64 " of %" PRIu64, result->frames,
@@ -81,6 +88,7 @@ static void print_frames(FILE *file, const struct rb_run_result *result)
 	putc('\n', file);
 }
 
+/* Prints energy and momentum, and by how much they changed at most. */
 static void print_changes(FILE *file, const struct rb_run_result *result)
 {
 	const double first = result->first.kinetic_energy + result->first.potential_energy;
@@ -100,7 +108,7 @@ static void print_changes(FILE *file, const struct rb_run_result *result)
 	                         text[1]));
 }
 
-/* Which method was used for how much of the run. */
+/* Prints which method was used for how much of the run. */
 static void print_method(FILE *file, const struct rb_run_result *result,
                          const struct rb_loaded *loaded, const struct rb_run_info *info)
 {
@@ -198,6 +206,7 @@ static void json_expects(struct rb_json *json, const struct rb_run_result *resul
 	rb_json_close(json, ']');
 }
 
+/* What checkpoints have cost the run. */
 static void json_checkpoints(struct rb_json *json, const struct rb_checkpoints_tally *tally)
 {
 	rb_json_open(json, "checkpoints", '{');

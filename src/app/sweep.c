@@ -19,7 +19,7 @@
 
 /* ---- what becomes of it ---- */
 
-/* Of a run with the defaults of the scene's parameters; run_s NAN: nobody knows. */
+/* Estimates a run with the defaults of the scene's parameters; run_s NAN: it is not known. */
 static struct rb_estimate estimate_run(const struct rb_planned *sweep)
 {
 	struct rb_estimate run = {.run_s = (double)NAN};
@@ -29,6 +29,7 @@ static struct rb_estimate estimate_run(const struct rb_planned *sweep)
 	return run;
 }
 
+/* Serves --plan. */
 static int tell_plan(const struct rb_planned *sweep)
 {
 	const struct rb_plan *const plan = &sweep->plan;
@@ -64,6 +65,7 @@ static int tell_plan(const struct rb_planned *sweep)
 	return 0;
 }
 
+/* A failed point as an object. */
 static void json_point(struct rb_json *json, const struct rb_plan *plan, uint64_t index,
                        const struct rb_point *point)
 {
@@ -82,14 +84,15 @@ static void json_point(struct rb_json *json, const struct rb_plan *plan, uint64_
 }
 
 /*
- * A failed point, while the status is taken: into the array of the JSON object, or a line below the
- * first one.
+ * Where failed points are reported while the status is taken: the array of the JSON object, or
+ * lines.
  */
 struct failures {
 	const struct rb_planned *sweep;
 	struct rb_json *json; /* NULL: lines */
 };
 
+/* rb_status_wish.failed. */
 static void tell_failure(void *user, uint64_t index, const struct rb_point *point)
 {
 	const struct failures *const failures = user;
@@ -104,6 +107,7 @@ static void tell_failure(void *user, uint64_t index, const struct rb_point *poin
 		         *point->reason ? point->reason : "it gave no reason");
 }
 
+/* Prints how many points are in which state, and what is left. */
 static void print_status(const struct rb_planned *sweep, const struct rb_sweep_status *status,
                          uint64_t tasks)
 {
@@ -128,6 +132,7 @@ static void print_status(const struct rb_planned *sweep, const struct rb_sweep_s
 		         status->due, sweep->shown, tasks, status->array);
 }
 
+/* Serves --status. */
 static enum rb_status tell_status(const struct rb_planned *sweep, int *exit_code,
                                   struct rb_error *err)
 {
@@ -175,6 +180,7 @@ static enum rb_status tell_status(const struct rb_planned *sweep, int *exit_code
 	return failed;
 }
 
+/* Serves --slurm: writes the script and submits the tasks with something left to do. */
 static enum rb_status submit(const struct rb_planned *sweep, struct rb_error *err)
 {
 	const struct rb_options *const options = sweep->options;
@@ -235,7 +241,7 @@ static enum rb_status submit(const struct rb_planned *sweep, struct rb_error *er
 
 /* ---- runs on this machine ---- */
 
-/* 75: another call goes on. */
+/* 75: another call goes on; 1: points failed; 0: all are done. */
 static int exit_code_of(const struct rb_jobs_tally *tally)
 {
 	if (tally->done + tally->failed < tally->total)
@@ -243,7 +249,7 @@ static int exit_code_of(const struct rb_jobs_tally *tally)
 	return tally->failed > 0 ? rb_status_exit_code(RB_ERR_EXPECT) : 0;
 }
 
-/* Helpers that come with rbsim are looked for in the sweep's folder, from where the runs are. */
+/* Makes runs look for helpers that come with rbsim in the sweep's folder, from where they work. */
 static void set_helpers(const struct rb_plan *plan)
 {
 	for (int i = 0; i < plan->file_count; i++)
@@ -251,6 +257,7 @@ static void set_helpers(const struct rb_plan *plan)
 			setenv("RBSIM_LUA_PATH", plan->films ? "../lua" : "lua", 1);
 }
 
+/* Prints the outcome as an object. */
 static void json_tally(const struct rb_planned *sweep, const struct rb_jobs_tally *tally,
                        int exit_code)
 {
@@ -271,6 +278,7 @@ static void json_tally(const struct rb_planned *sweep, const struct rb_jobs_tall
 	putchar('\n');
 }
 
+/* Runs the points on this machine. */
 static enum rb_status run_points(const struct rb_planned *sweep, int *exit_code,
                                  struct rb_error *err)
 {
@@ -310,7 +318,7 @@ static enum rb_status run_points(const struct rb_planned *sweep, int *exit_code,
 	return status;
 }
 
-/* Options that ask for different things. */
+/* Refuses options that ask for different things. */
 static enum rb_status check_options(const struct rb_options *options, struct rb_error *err)
 {
 	const char *const slurm = options->slurm_time               ? "time"

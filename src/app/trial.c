@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * A run in a forked process: crashes, endless runs and leaks stay there, and several can run at a
+ * time. The result is a struct and an array of structs through a pipe; both ends are the same
+ * program, so no format is needed. A result that is short is none.
+ */
 #include "app/trial.h"
 
 #include <errno.h>
@@ -13,12 +18,13 @@
 
 #include "app/simulate.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/log.h"
 #include "base/memory.h"
 
 /* ---- in the process of the run ---- */
 
-/* All of it or nothing that counts: the other end sees that something is missing. */
+/* Writes all or gives up: the other end sees that something is missing. */
 static void send(int fd, const void *bytes, size_t size)
 {
 	for (const char *at = bytes; size > 0;) {
@@ -32,6 +38,7 @@ static void send(int fd, const void *bytes, size_t size)
 	}
 }
 
+/* Sends one expectation; texts are cut to the struct's size. */
 static void send_expect(int fd, const struct rb_expect_result *from)
 {
 	struct rb_trial_expect to = {.ok = from->ok,
@@ -44,7 +51,7 @@ static void send_expect(int fd, const struct rb_expect_result *from)
 	send(fd, &to, sizeof to);
 }
 
-/* What `rbsim run` would make of it. */
+/* The exit status and reason that `rbsim run` would have. */
 static void judge(struct rb_trial_result *result, const struct rb_loaded *loaded,
                   const struct rb_run_result *run, enum rb_status status,
                   const struct rb_error *err)
@@ -67,6 +74,7 @@ static void judge(struct rb_trial_result *result, const struct rb_loaded *loaded
 	}
 }
 
+/* Loads and simulates, and sends the result; in the child. */
 static void run_scene(const struct rb_trial_job *job, int fd)
 {
 	struct rb_options options = *job->options;
@@ -77,6 +85,7 @@ static void run_scene(const struct rb_trial_job *job, int fd)
 	struct rb_trial_result result = {0};
 	struct rb_error err;
 
+	RB_ASSERT(job->param_count >= 0);
 	options.operand[0] = job->path;
 	options.operand_count = 1;
 	options.params = (const char **)(uintptr_t)job->params;
@@ -114,6 +123,7 @@ enum rb_status rb_trial_start(struct rb_trial *trial, const struct rb_trial_job 
 {
 	int ends[2];
 
+	RB_ASSERT(job->limit_s > 0);
 	*trial = (struct rb_trial){.fd = -1, .start_ns = rb_clock_now_ns()};
 	trial->deadline_ns = trial->start_ns + (uint64_t)(job->limit_s * 1e9);
 	if (pipe2(ends, O_CLOEXEC) != 0)
@@ -161,7 +171,7 @@ enum rb_status rb_trial_read(struct rb_trial *trial, bool *ended, struct rb_erro
 	}
 }
 
-/* The result as it came through the pipe; false: not all of it is there. */
+/* Takes the result as it came through the pipe; false: not all of it is there. */
 static bool unpack(const struct rb_trial *trial, struct rb_trial_result *result)
 {
 	const size_t head = sizeof *result;
@@ -190,6 +200,7 @@ enum rb_status rb_trial_end(struct rb_trial *trial, const struct rb_trial_job *j
 	bool ended = false;
 	int how = 0;
 
+	RB_ASSERT(trial->process > 0);
 	*result = (struct rb_trial_result){.exit_code = rb_status_exit_code(RB_ERR_BUG)};
 	/* the result of a run that ended at the last moment counts */
 	enum rb_status status = rb_trial_read(trial, &ended, err);

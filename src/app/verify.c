@@ -1,4 +1,9 @@
 /* SPDX-License-Identifier: MIT */
+/*
+ * Runs go through a pool of processes; cases are printed in their order as soon as all runs of one
+ * are there. Each expectation is one line, at the run where it did worst. A run without any
+ * expectation fails: it proves nothing.
+ */
 #include "app/verify.h"
 
 #include <errno.h>
@@ -13,6 +18,7 @@
 #include "app/progress.h"
 #include "app/trial.h"
 #include "base/clock.h"
+#include "base/error.h"
 #include "base/memory.h"
 #include "base/team.h"
 #include "base/visible.h"
@@ -42,13 +48,14 @@ struct verify {
 
 /* ---- what it comes to ---- */
 
+/* Whether a run passed: a scene that states nothing proves nothing. */
 static bool run_passed(const struct rb_trial_result *result)
 {
 	/* a scene that states nothing proves nothing */
 	return result->exit_code == 0 && (result->refused || result->expect_count > 0);
 }
 
-/* How bad a measured value is: above 1 fails. */
+/* How bad a measured value is, relative to its bound: above 1 fails. */
 static double badness(const struct rb_trial_expect *expect)
 {
 	if (!expect->has_numbers || isnan(expect->measured) || isnan(expect->bound))
@@ -63,6 +70,7 @@ static int worst_run(const struct verify *verify, int one, int k)
 {
 	int worst = -1;
 
+	RB_ASSERT(k >= 0);
 	for (int run = 0; run < verify->cases.cases[one].run_count; run++) {
 		const struct rb_trial_result *const result = &verify->results[one][run];
 		if (k < result->expect_count &&
@@ -73,6 +81,7 @@ static int worst_run(const struct verify *verify, int one, int k)
 	return worst;
 }
 
+/* The largest number of expectations of the case's runs. */
 static int expect_count(const struct verify *verify, int one)
 {
 	int count = 0;
@@ -85,6 +94,7 @@ static int expect_count(const struct verify *verify, int one)
 
 /* ---- the table ---- */
 
+/* Ends a line. */
 static void print_verdict(const struct verify *verify, bool passed)
 {
 	const char *const paint = passed ? "\033[32m" : "\033[31m";
@@ -95,19 +105,24 @@ static void print_verdict(const struct verify *verify, bool passed)
 
 enum { NAME_COLUMNS = 22, TEXT_COLUMNS = 48, LABEL_COLUMNS = 30 };
 
+/* The columns of a line before its numbers. */
 static void print_line(const char *name, const char *text, const char *label)
 {
 	rb_print(stdout, "%-*.*s %-*.*s %-*.*s", NAME_COLUMNS, NAME_COLUMNS, name, TEXT_COLUMNS,
 	         TEXT_COLUMNS, text, LABEL_COLUMNS, LABEL_COLUMNS, label);
 }
 
+/* Prints the table's head. */
 static void print_head(void)
 {
 	print_line("case", "what", "worst at");
 	rb_print(stdout, " %10s %10s\n", "measured", "bound");
 }
 
-/* Returns the name that the next line of this case has: none. */
+/*
+ * Prints the worst run of an expectation. Returns the name that the next line of this case has:
+ * none.
+ */
 static const char *print_expect(const struct verify *verify, int one, int k, const char *name)
 {
 	const int run = worst_run(verify, one, k);
