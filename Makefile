@@ -111,6 +111,11 @@ console_objects := $(call objects,$(console_sources))
 lib_objects := $(call objects,$(filter-out $(h5_sources) $(film_sources) $(console_sources) $(main_source),$(sources)))
 untested := $(if $(filter 0,$(WITH_FILM)),tests/test_film% $(addprefix tests/cli/,film-%.sh scenes-film.sh control-film.sh)) \
 	$(if $(filter 0,$(WITH_CONSOLE)),tests/test_panels.c tests/cli/console-%.sh)
+# A data race needs threads: of the tests in C those that start some, and no scripts that are about numbers alone.
+ifeq ($(MODE),tsan)
+untested += $(filter-out $(shell grep -lE 'team|thread|pump|_ring|server|overtime' tests/test_*.c),$(wildcard tests/test_*.c)) \
+	$(addprefix tests/cli/,oracle.sh random.sh mutate.sh physics-stress.sh physics-auto-ends.sh physics-drops.sh physics-located.sh)
+endif
 test_sources := $(filter-out $(untested),$(wildcard tests/test_*.c))
 tests := $(test_sources:%.c=$(BUILD)/%)
 cli_tests := $(filter-out $(untested),$(wildcard tests/cli/*.sh))
