@@ -117,7 +117,22 @@ static void boxes(struct lab *lab)
 	}
 }
 
-static lay_out *const recipes[] = {gas, stack, boxes, classic, classic_global, stepped};
+/* Too dense to locate: from frame 18 on steps have taken over, and arcs are those of before. */
+static void dense(struct lab *lab)
+{
+	lab_open(lab, 0.45, 60);
+	lab->scene.world.time_step_s = 0.01;
+	lab->scene.world.gravity = (rb_vec3){0, 0, -9.81};
+	lab_surface(lab, 0.5, 0.1);
+	lab_plane(lab, none, up);
+	for (int k = 0; k < 40; k++)
+		lab_sphere(lab, 0.05, 1,
+		           (rb_vec3){0.102 * (k % 3) + 0.0001 * k, 0.102 * (k / 3 % 3),
+		                     0.06 + 0.11 * (k / 9)},
+		           none);
+}
+
+static lay_out *const recipes[] = {gas, stack, boxes, dense, classic, classic_global, stepped};
 enum { RECIPE_COUNT = sizeof recipes / sizeof *recipes };
 
 /* ---- running ---- */

@@ -37,7 +37,9 @@ static bool fits(const struct rb_located *l, int i)
 	const double radius = l->arc[i].plain_radius;
 	const int walls = l->cells ? rb_cells_wall_count(l->cells, i) : 0;
 
-	if (!isnan(radius) && !(radius == (l->started ? l->model->shape[i].radius : 0)))
+	/* before the start zero; after steps have taken over, of the arc before */
+	if (!isnan(radius) && !(radius == l->model->shape[i].radius) &&
+	    !(radius == 0 && !l->started))
 		return false;
 	if (isfinite(next->touch_s) && (next->partner < 0 || next->partner == i))
 		return false;
