@@ -187,7 +187,7 @@ static void an_error_that_is_no_number_reaches_nothing(void **state)
 	add(made, 0, 0.1, (double)NAN, 0.001);
 	rb_report_conclude(&made->report);
 	assert_int_equal(made->report.advised, -1);
-	says(made->report.advice, "there is no error");
+	says(made->report.advice, "no error of position is available");
 }
 
 static void a_narrow_table_keeps_what_matters(void **state)

@@ -208,7 +208,7 @@ static void a_client_knows_its_server(void **state)
 	(void)state;
 	support_folder(folder);
 	snprintf(path, sizeof path, "%s/s", folder);
-	assert_refused(path, "220 mail\n", "no run of rbsim");
+	assert_refused(path, "220 mail\n", "is not a run of rbsim");
 	assert_refused(path, "rbsim 2 x\n", "protocol 2, wanted 1");
 	assert_refused(path, "error too many clients\n", "too many clients");
 	assert_refused(path, "rbsim 1", "the time is over");
