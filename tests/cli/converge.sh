@@ -90,7 +90,7 @@ exits 0 converge throw.lua $classic --dt 0.01,0.001 --param limit=0.005
 says out 'classic +0.00833333  failed: throw.lua:5: too coarse'
 says out 'classic +0.000980392 +2.45e-03'
 exits 65 converge throw.lua $classic --dt 0.01 --param limit=0.005
-says out 'there is no error'
+says out 'no error of position is available'
 # a first setting that takes longer than all of the budget
 long_scene >long.lua
 exits 76 converge long.lua --methods classic --dt 0.00001 --budget 0.5
