@@ -17,8 +17,7 @@
  * tolerance too. What rounding leaves of the values goes on from step to step, so that its error
  * grows as that of a random walk does (Hairer, McLachlan, Razakarivony, BIT 48 (2008) 231).
  *
- * Where constants come from: tables in gauss.c from 70 digits; limits of iteration beside it, and
- * from `tests/bench/integrator.sh`.
+ * Where constants come from: tables in gauss.c from 70 digits; limits of iteration beside it.
  */
 #ifndef RB_MATH_GAUSS_H
 #define RB_MATH_GAUSS_H
