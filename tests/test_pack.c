@@ -122,14 +122,14 @@ static void read_digit(struct rb_pack *pack)
 
 static void read_time(struct rb_pack *pack)
 {
-	double value;
+	double value = 0;
 
 	rb_pack_times(pack, &value, 1);
 }
 
 static void read_finite(struct rb_pack *pack)
 {
-	double value;
+	double value = 0;
 
 	rb_pack_finite(pack, &value, 1);
 }
