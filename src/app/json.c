@@ -25,8 +25,8 @@ static void put_code(FILE *file, uint32_t code)
 
 /*
  * A text in quotes. Bytes that are no UTF-8 become U+FFFD, one each, because a reader would reject
- * the whole object; characters that would steer a terminal or turn the order of letters are escaped,
- * because JSON is read there, too.
+ * the whole object. What would steer a terminal or turn the order of letters is escaped, because
+ * JSON is read there, too.
  */
 static void put_text(FILE *file, const char *text)
 {
