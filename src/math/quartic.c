@@ -32,7 +32,7 @@ static double value(const double *c, int degree, double t)
 /* The first double after the sign change between low and high, of which there is one. */
 static double bisect(const double *c, int degree, double low, double high)
 {
-	RB_ASSERT_COSTLY(low < high);
+	RB_ASSERT_COSTLY(low <= high); /* equal: two turning points that rounding makes one */
 
 	const bool rises = value(c, degree, high) > 0;
 
