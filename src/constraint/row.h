@@ -131,24 +131,6 @@ static inline __attribute__((always_inline)) rb_vec3 rb_constraint_velocity(
 	                                  rb_vec3_cross(a->angular, row->arm_a)));
 }
 
-/* Impulses and torques of an impulse on b and its opposite on a, as each of the two feels them. */
-struct rb_constraint_load {
-	rb_vec3 impulse, torque_a, torque_b; /* the impulse of b */
-};
-
-static inline struct rb_constraint_load rb_constraint_load(const struct rb_constraint *row,
-                                                           rb_vec3 impulse)
-{
-	if (row->couple) {
-		const rb_vec3 torque = rb_vec3_scale(row->arm_a.x, impulse);
-
-		return (struct rb_constraint_load){{0, 0, 0}, rb_vec3_neg(torque), torque};
-	}
-	return (struct rb_constraint_load){
-		impulse, rb_vec3_neg(rb_vec3_cross(rb_constraint_arm_a(row), impulse)),
-		rb_vec3_cross(rb_constraint_arm_b(row), impulse)};
-}
-
 /* An impulse on b and its opposite on a. */
 static inline void rb_constraint_apply(const struct rb_solver_bodies *bodies,
                                        const struct rb_constraint *row, rb_vec3 impulse)
