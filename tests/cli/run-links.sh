@@ -127,14 +127,24 @@ says err "'l.h5': it is a symbolic link"
 cmp -s ../outside/folder/l.h5 ../outside/folder/want || fail "a recording was changed through a link"
 rm -f l.h5* ../outside/folder/*
 
+# stopped: every thread of process $pid has come to rest, which the signal alone does not wait for
+stopped()
+{
+	[ -d /proc/$pid/task ] || return 1
+	for stat in /proc/$pid/task/*/stat; do
+		case $(sed 's/.*) //' "$stat" 2>/dev/null) in T*) ;; *) return 1 ;; esac
+	done
+}
+
 # changed while it runs: the folder that was there when it began is what holds
 scene "camera { $camera, png = \"films/%04d.png\" } on_frame(function() local x = 0 for i = 1, 1e6 do x = x + i end end)"
-sed -i 's/duration = 0.1/duration = 3/' s.lua
+sed -i 's/duration = 0.1/duration = 20/' s.lua
 "$RBSIM" s.lua -q >out 2>err &
 pid=$!
 until_true [ -f films/0002.png ]
 # the program finds the folder or the link, never neither
 kill -STOP $pid
+until_true stopped
 mv films before && ln -s ../outside/folder films
 kill -CONT $pid
 wait $pid
