@@ -15,6 +15,7 @@
 
 #include "base/error.h"
 #include "base/memory.h"
+#include "geom/distance.h"
 #include "model/parts.h"
 
 enum {
@@ -22,6 +23,9 @@ enum {
 	BOXES_MAX = 8,     /* times as many, within a size, where nearly nothing moves */
 	BODIES_PER_BLOCK = 512
 };
+
+/* rad: margin of planes that do not turn yet; decides cost only. */
+static const double turn_margin_min = 1.0 / 64;
 
 /*
  * Adds to `path` an upper bound of how far any point of a body has moved. Rotation by t moves a
@@ -101,7 +105,12 @@ enum rb_status rb_candidates_create(struct rb_candidates *near, const struct rb_
 	near->margin = rb_memory_take(n, sizeof *near->margin);
 	near->reach = rb_memory_take(n, sizeof *near->reach);
 	near->box = rb_memory_take(n, sizeof *near->box);
-	if (near->built_at && near->margin && near->reach && near->box && take_parts(near, model))
+	if (model->driven) {
+		near->built_turn = rb_memory_take(n, sizeof *near->built_turn);
+		near->turn_margin = rb_memory_take(n, sizeof *near->turn_margin);
+	}
+	if ((!model->driven || (near->built_turn && near->turn_margin)) && near->built_at &&
+	    near->margin && near->reach && near->box && take_parts(near, model))
 		return RB_OK;
 	rb_candidates_release(near);
 	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the boxes of %zu bodies", n);
@@ -113,6 +122,8 @@ void rb_candidates_release(struct rb_candidates *near)
 	rb_memory_free(near->margin);
 	rb_memory_free(near->reach);
 	rb_memory_free(near->box);
+	rb_memory_free(near->built_turn);
+	rb_memory_free(near->turn_margin);
 	rb_memory_free(near->own_depth);
 	rb_memory_free(near->own_clearance);
 	rb_memory_free(near->clue);
@@ -163,6 +174,54 @@ static bool is_plane(const struct rb_model *model, int i)
 	return i < model->body_count && model->shape[i].kind == RB_SHAPE_PLANE;
 }
 
+/* rad: what a driven plane turns by in the step at most. */
+static double turn_ahead(const struct rb_candidates *near, const struct rb_world *world, int i)
+{
+	if (!world->state.spin)
+		return 0;
+	return near->h_s * fmax(rb_vec3_length(rb_world_row3(world->state.spin, i)),
+	                        rb_vec3_length(rb_world_row3(world->mark.spin, i)));
+}
+
+/* rad: upper bound of the angle that a driven plane has turned by since the boxes were made. */
+static double turned(const struct rb_candidates *near, const struct rb_world *world, int i)
+{
+	static const double pi = 3.14159265358979323846;
+	const rb_quat q = near->built_turn[i];
+	const rb_quat now = rb_world_orientation_at(world, &world->state, i);
+	const double w = now.w - q.w, x = now.x - q.x, y = now.y - q.y, z = now.z - q.z;
+
+	/* |dq| = 2 sin(t / 4) >= t / pi for t <= 2 pi */
+	return pi * sqrt(w * w + x * x + y * y + z * z);
+}
+
+/* True if no driven plane has turned, or in the step under way will turn, beyond its margin. */
+static bool is_turn_within(const struct rb_candidates *near, const struct rb_world *world, int i,
+                           double ahead)
+{
+	/* written so that NaN asks for new boxes */
+	return !is_plane(world->model, i) || turned(near, world, i) + ahead <= near->turn_margin[i];
+}
+
+/*
+ * True if a driven plane may reach a body while both stay within their margins. The plane turns
+ * about its origin, by which what is at distance r from there gets nearer by at most r times the
+ * angle. NaN counts as within reach.
+ */
+static bool is_in_reach(const struct rb_candidates *near, int i, int plane)
+{
+	const rb_vec3 from = rb_vec3_sub(near->built_at[i], near->built_at[plane]);
+	const double half = 0.5 * (near->box[i].high.x - near->box[i].low.x);
+	const double gap = rb_vec3_dot(from, rb_plane_normal(near->built_turn[plane])) - half;
+	const double far = rb_vec3_length(from) + half + near->margin[plane];
+	const double rounding = 16 * DBL_EPSILON *
+	                        fmax(rb_vec3_max_abs(near->built_at[i]),
+	                             rb_vec3_max_abs(near->built_at[plane]));
+
+	return !(gap >
+	         (near->margin[plane] + near->turn_margin[plane] * far) * (1 + 1e-9) + rounding);
+}
+
 static bool may_touch(const struct rb_model *model, int a, int b)
 {
 	RB_ASSERT_COSTLY(a >= 0 && b >= 0);
@@ -185,11 +244,11 @@ static bool turn_round(const struct rb_model *model, struct rb_pair *pair)
 }
 
 /*
- * Pairs in order of the first body (counting sort), with those of driven planes and every dynamic
- * body added.
+ * Pairs in order of the first body (counting sort), with those of driven planes and the dynamic
+ * bodies added: those that they can reach, or, where boxes are no margins, all.
  */
 static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_world *world,
-                                  struct rb_error *err)
+                                  bool all, struct rb_error *err)
 {
 	const struct rb_model *model = world->model;
 	const int n = model->body_count;
@@ -211,7 +270,8 @@ static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_wo
 	}
 	for (int i = 0; i < n; i++) {
 		for (int k = 0; k < planes && !model->driven[i]; k++)
-			first[i + 1] += may_touch(model, i, plane[k]);
+			first[i + 1] += may_touch(model, i, plane[k]) &&
+			                (all || is_in_reach(near, i, plane[k]));
 		first[i + 1] += first[i];
 	}
 	count = first[n];
@@ -225,7 +285,8 @@ static enum rb_status order_pairs(struct rb_candidates *near, const struct rb_wo
 	}
 	for (int i = 0; i < n; i++)
 		for (int k = 0; k < planes && !model->driven[i]; k++)
-			if (may_touch(model, i, plane[k]))
+			if (may_touch(model, i, plane[k]) &&
+			    (all || is_in_reach(near, i, plane[k])))
 				near->own[first[i]++] = (struct rb_pair){i, plane[k]};
 	near->pair = near->own;
 	near->pair_count = count;
@@ -273,14 +334,14 @@ enum rb_status rb_candidates_forget(struct rb_candidates *near, struct rb_error 
 }
 
 /* Asks the broadphase and forgets all caches by pair. */
-static enum rb_status search(struct rb_candidates *near, struct rb_world *world,
+static enum rb_status search(struct rb_candidates *near, struct rb_world *world, bool all,
                              struct rb_error *err)
 {
 	enum rb_status status = rb_broadphase_find(world->broadphase, near->box, &near->pair,
 	                                           &near->pair_count, err);
 
 	if (status == RB_OK && world->model->driven)
-		status = order_pairs(near, world, err);
+		status = order_pairs(near, world, all, err);
 	return status == RB_OK ? rb_candidates_forget(near, err) : status;
 }
 
@@ -300,7 +361,7 @@ enum rb_status rb_candidates_pairs(struct rb_candidates *near, struct rb_world *
 		near->box[i] = (rb_aabb){{low.x - half, low.y - half, low.z - half},
 		                         {high.x + half, high.y + half, high.z + half}};
 	}
-	return search(near, world, err);
+	return search(near, world, true, err);
 }
 
 /* New boxes around the present positions. */
@@ -325,11 +386,16 @@ static enum rb_status build(struct rb_candidates *near, struct rb_world *world,
 		 */
 		const double margin = STEPS_PER_BOX * fmax(near->reach[i], mean);
 		near->margin[i] = fmax(margin, fmin(lasting * near->reach[i], size)) + size / 64;
+		if (is_plane(model, i)) {
+			near->built_turn[i] = rb_world_orientation_at(world, &world->state, i);
+			near->turn_margin[i] = STEPS_PER_BOX * turn_ahead(near, world, i) +
+			                       turn_margin_min;
+		}
 		const double half = (size + near->margin[i] + model->tolerance_m) * (1 + 1e-12);
 		near->box[i] = (rb_aabb){{c.x - half, c.y - half, c.z - half},
 		                         {c.x + half, c.y + half, c.z + half}};
 	}
-	const enum rb_status status = search(near, world, err);
+	const enum rb_status status = search(near, world, false, err);
 	near->valid = status == RB_OK;
 	return status;
 }
@@ -370,7 +436,8 @@ enum rb_status rb_candidates_find(struct rb_candidates *near, struct rb_world *w
 		const int i = body[k];
 
 		/* written so that NaN asks for new boxes */
-		if (!(from_built(near, world, i) + near->reach[i] <= near->margin[i]))
+		if (!(from_built(near, world, i) + near->reach[i] <= near->margin[i]) ||
+		    !is_turn_within(near, world, i, turn_ahead(near, world, i)))
 			near->valid = false;
 	}
 	return near->valid ? RB_OK : build(near, world, err);
@@ -380,7 +447,8 @@ bool rb_candidates_holds(const struct rb_candidates *near, const struct rb_world
                          const int *body, int count)
 {
 	for (int k = 0; k < count; k++)
-		if (!(from_built(near, world, body[k]) <= near->margin[body[k]]))
+		if (!(from_built(near, world, body[k]) <= near->margin[body[k]]) ||
+		    !is_turn_within(near, world, body[k], 0))
 			return false;
 	return true;
 }
