@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "app/estimate.h"
+#include "app/film_summary.h"
 #include "app/json.h"
 #include "app/progress.h"
 #include "app/simulate.h"

@@ -10,37 +10,12 @@
 #ifndef RB_APP_FILMS_H
 #define RB_APP_FILMS_H
 
-#include <stdio.h>
-
 #include "app/common.h"
-#include "app/json.h"
+#include "app/film_choice.h"
 #include "base/pack.h"
 #include "control/player.h"
 #include "flow/ring.h"
 #include "sink/module.h"
-
-struct rb_films;
-
-/* What the command line changes of cameras. NAN, 0, NULL: as the camera says. */
-struct rb_films_wish {
-	const char *names;   /* "main, side": only these; NULL: all that have an output */
-	double from_s, to_s; /* of the film */
-	double fps, speed;
-	int size_px[2];
-	const char *output;    /* instead of the camera's own: a film, or pictures with one %d */
-	bool still;            /* one picture, to `output`, at from_s */
-	bool runs;             /* the run that is recorded is still to come */
-	bool fallback;         /* without a camera in the scene, one that shows the start */
-	const char *recording; /* that is written or read: no film may take its place; NULL: none */
-	bool replace;          /* existing files */
-	double patience_s;     /* with an encoder that hangs; 0: as usual */
-	bool trust;            /* cameras may name files anywhere */
-	double end_s;          /* of the run */
-};
-
-/* Nothing is changed but what the command line of a run can say. */
-struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
-                                          const struct rb_options *options);
 
 /*
  * Chooses the cameras and checks that their films can be made, before anything is written or
@@ -136,11 +111,5 @@ void rb_films_pack(struct rb_films *films, struct rb_pack *pack);
  * camera, or that they were cut.
  */
 RB_CHECKED enum rb_status rb_films_join(struct rb_films *films, struct rb_error *err);
-
-/* Before the start: a line for each film that will be made, as rbsim check has it. */
-void rb_films_print_plan(FILE *file, const struct rb_films *films);
-/* After the join: a line for each film, as in the summary. */
-void rb_films_print(FILE *file, const struct rb_films *films);
-void rb_films_print_json(struct rb_json *json, const struct rb_films *films);
 
 #endif

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "app/film_summary.h"
 #include "app/films.h"
 #include "app/json.h"
 #include "app/progress.h"

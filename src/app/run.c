@@ -11,6 +11,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "app/film_summary.h"
 #include "app/help.h"
 #include "app/json.h"
 #include "app/listen.h"

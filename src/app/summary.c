@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "app/film_summary.h"
 #include "app/json.h"
 #include "base/visible.h"
 #include "model/descriptor.h"

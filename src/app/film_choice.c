@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+#include "app/film_choice.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "control/steer.h"
+#include "flow/framing.h"
+#include "script/shots.h"
+
+/* One slot of the ring's consumers is the recorder's. */
+enum { FILMS_MAX = RB_RING_CONSUMERS_MAX - 1, NAME_SIZE = 4352 };
+
+struct rb_films_wish rb_films_wish_of_run(const struct rb_loaded *loaded,
+                                          const struct rb_options *options)
+{
+	return (struct rb_films_wish){
+		.names = options->camera,
+		.from_s = (double)NAN,
+		.to_s = (double)NAN,
+		.fps = (double)NAN,
+		.speed = (double)NAN,
+		.recording = loaded->output,
+		.runs = true,
+		.replace = options->force || options->resume,
+		.trust = options->trust,
+		.patience_s = options->film_timeout_s,
+		.end_s = loaded->model->duration_s,
+	};
+}
+
+static bool is_named(const char *names, const char *name)
+{
+	const size_t size = name ? strlen(name) : 0;
+
+	for (const char *at = names; size > 0 && *at;) {
+		at += strspn(at, ", ");
+		const size_t one = strcspn(at, ",");
+		if (one == size && memcmp(at, name, one) == 0)
+			return true;
+		at += one;
+	}
+	return false;
+}
+
+/* The cameras' names, for who wished for another. */
+static void list_names(const struct rb_scene *scene, char *out, size_t size)
+{
+	size_t used = 0;
+
+	snprintf(out, size, "none has a name");
+	for (int i = 0; i < scene->camera_count && used < size; i++)
+		if (scene->cameras[i].name)
+			used += (size_t)snprintf(out + used, size - used, "%s%s",
+			                         used > 0 ? ", " : "", scene->cameras[i].name);
+}
+
+static enum rb_status check_names(const struct rb_scene *scene, const char *names,
+                                  struct rb_error *err)
+{
+	char known[160];
+
+	for (const char *at = names; at && *at;) {
+		at += strspn(at, ", ");
+		const size_t size = strcspn(at, ",");
+		bool found = size == 0;
+		for (int i = 0; i < scene->camera_count && !found; i++)
+			found = scene->cameras[i].name && strlen(scene->cameras[i].name) == size &&
+			        memcmp(scene->cameras[i].name, at, size) == 0;
+		if (!found) {
+			list_names(scene, known, sizeof known);
+			return RB_FAIL(
+				err, RB_ERR_USAGE,
+				"option '--camera': there is no camera '%.*s' (there are: %s)",
+				(int)size, at, known);
+		}
+		at += size;
+	}
+	return RB_OK;
+}
+
+static void apply(struct rb_camera_def *camera, const struct rb_films_wish *wish)
+{
+	if (!isnan(wish->from_s))
+		camera->from_s = wish->from_s;
+	if (!isnan(wish->to_s))
+		camera->to_s = wish->to_s;
+	if (!isnan(wish->fps))
+		camera->fps = wish->fps;
+	if (!isnan(wish->speed))
+		camera->speed = wish->speed;
+	for (int i = 0; wish->size_px[0] > 0 && i < 2; i++)
+		camera->size_px[i] = wish->size_px[i];
+	if (!wish->output)
+		return;
+	const char *const dot = strrchr(wish->output, '.');
+	const bool png = dot && strcmp(dot, ".png") == 0;
+	camera->png = png ? wish->output : NULL;
+	camera->video = png ? NULL : wish->output;
+}
+
+static void add(struct rb_films *films, const struct rb_camera_def *camera, int number,
+                const struct rb_films_wish *wish)
+{
+	struct film *const film = &films->film[films->count++];
+
+	film->camera = *camera;
+	apply(&film->camera, wish);
+	film->late = camera->framed && wish->runs && wish->recording;
+	/* one picture shows what it would in the film */
+	film->from_s = wish->still ? camera->from_s : film->camera.from_s;
+	film->to_s = wish->still ? camera->to_s : film->camera.to_s;
+	if (camera->name)
+		snprintf(film->label, sizeof film->label, "camera '%.60s'", camera->name);
+	else
+		snprintf(film->label, sizeof film->label, "camera %d", number + 1);
+	film->schedule = rb_schedule_of(&film->camera, films->loaded->model->frame_rate,
+	                                wish->end_s);
+	if (rb_schedule_count(&film->schedule) == 0) {
+		rb_log(RB_LOG_WARNING,
+		       "%s begins at %.9g s, after the end at %.9g s: it makes no film",
+		       film->label, film->schedule.from_s, wish->end_s);
+		films->count--;
+		return;
+	}
+	if (camera->framed && wish->runs && !wish->recording) {
+		char left_out[1];
+		struct rb_framing start;
+		if (rb_framing_init(&start, films->loaded->model, NULL) == RB_OK)
+			(void)rb_framing_aim(&start, &film->camera, left_out, sizeof left_out);
+		rb_framing_release(&start);
+		rb_log(RB_LOG_WARNING,
+		       "%s has no 'position', and without a recording it cannot know where "
+		       "bodies move: it shows the start",
+		       film->label);
+	}
+	films->shoots |= rb_shot_wanted(&film->camera);
+}
+
+enum rb_status rb_film_choice(struct rb_films *films, const struct rb_films_wish *wish,
+                              struct rb_error *err)
+{
+	const struct rb_scene *const scene = &films->loaded->scene;
+	const enum rb_status status = check_names(scene, wish->names, err);
+	char known[160];
+
+	if (status)
+		return status;
+	films->film = rb_memory_take((size_t)scene->camera_count + 1, sizeof *films->film);
+	if (!films->film)
+		return RB_FAIL(err, RB_ERR_MEMORY, "cannot prepare films: out of memory");
+	for (int i = 0; i < scene->camera_count; i++) {
+		const struct rb_camera_def *const camera = &scene->cameras[i];
+		const bool has_output = camera->png || camera->video || wish->output;
+		if (has_output && (!wish->names || is_named(wish->names, camera->name)))
+			add(films, camera, i, wish);
+	}
+	if (scene->camera_count == 0 && wish->fallback && wish->output) {
+		const struct rb_camera_def camera = rb_steer_default(films->loaded->model);
+		add(films, &camera, 0, wish);
+	}
+	if (wish->output && films->count == 0)
+		return RB_FAIL(err, RB_ERR_USAGE, "option '--camera' chooses no camera");
+	if (wish->output && films->count > 1) {
+		list_names(scene, known, sizeof known);
+		return RB_FAIL(err, RB_ERR_USAGE,
+		               "option '--output' names one film, and there are %d cameras: choose "
+		               "one with --camera (%s)",
+		               films->count, known);
+	}
+	if (films->count > FILMS_MAX)
+		return RB_FAIL(
+			err, RB_ERR_USAGE,
+			"cannot film with %d cameras at once: %d are possible (--camera chooses)",
+			films->count, FILMS_MAX);
+	return RB_OK;
+}
+
+/* A name without what says nothing: "./", double slashes, "%1d" for "%d". False: too long. */
+static bool plain_name(const char *name, char out[NAME_SIZE])
+{
+	size_t used = 0;
+
+	for (const char *at = name; *at; at++) {
+		const bool begins = at == name || at[-1] == '/';
+		if (begins && at[0] == '.' && at[1] == '/')
+			at++;
+		else if (begins && at != name && at[0] == '/')
+			continue;
+		else if (used + 1 < NAME_SIZE)
+			out[used++] = *at;
+		else
+			return false;
+		if (at[0] == '%' && at[1] == '1' && at[2] == 'd')
+			at++;
+	}
+	out[used] = '\0';
+	return true;
+}
+
+/* Where a name leads: the real folder, as far as it is there, and the last part. */
+static bool settle_name(const char *name, char out[NAME_SIZE])
+{
+	char plain[NAME_SIZE];
+
+	if (!plain_name(name, plain))
+		return false;
+	char *const slash = strrchr(plain, '/');
+	const char *const base = slash ? slash + 1 : plain;
+	if (slash)
+		*slash = '\0';
+	char *const real = realpath(slash ? plain : ".", NULL);
+	const int size = snprintf(out, NAME_SIZE, "%s/%s", real ? real : plain, base);
+	free(real);
+	return size > 0 && size < NAME_SIZE;
+}
+
+static bool same(const char *a, const char *b)
+{
+	char settled[2][NAME_SIZE];
+
+	return a && b && settle_name(a, settled[0]) && settle_name(b, settled[1]) &&
+	       strcmp(settled[0], settled[1]) == 0;
+}
+
+enum rb_status rb_film_choice_check_outputs(const struct rb_films *films,
+                                            const struct rb_films_wish *wish, struct rb_error *err)
+{
+	for (int i = 0; i < films->count; i++) {
+		const struct rb_camera_def *const camera = &films->film[i].camera;
+		if (same(camera->png, wish->recording) || same(camera->video, wish->recording))
+			return RB_FAIL(err, RB_ERR_USAGE,
+			               "%s writes to '%s', which is the recording",
+			               films->film[i].label, wish->recording);
+	}
+	for (int i = 0; i < films->count; i++)
+		for (int k = 0; k < i; k++) {
+			const struct rb_camera_def *const a = &films->film[k].camera;
+			const struct rb_camera_def *const b = &films->film[i].camera;
+			if (same(a->png, b->png) || same(a->video, b->video))
+				return RB_FAIL(err, RB_ERR_SCENE,
+				               "%s:%d: %s writes to '%s', as %s does in line %d",
+				               films->loaded->scene.file, b->line,
+				               films->film[i].label,
+				               same(a->png, b->png) ? b->png : b->video,
+				               films->film[k].label, a->line);
+		}
+	return RB_OK;
+}
