@@ -89,6 +89,54 @@ static void keys_that_are_advised_are_keys_of_the_call_that_is_named(void **stat
 	assert_int_equal(rb_row_find(&rb_rows_body, "static", NULL)->type, RB_ROW_BOOLEAN);
 }
 
+/* Some shape has a key of that name. */
+static bool is_shape_key(const char *word)
+{
+	for (int kind = 0; kind < RB_SHAPE_KIND_COUNT; kind++)
+		for (int i = 0; i < rb_shape_types[kind]->key_count; i++)
+			if (strcmp(rb_shape_types[kind]->key[i].key, word) == 0)
+				return true;
+	return false;
+}
+
+static void synonyms_are_keys_of_some_call(void **state)
+{
+	static const struct {
+		const char *word;
+		const struct rb_row_table *table; /* NULL: of a shape */
+	} rows[] = {
+		{"r", NULL},
+		{"diameter", NULL},
+		{"height", NULL},
+		{"height", &rb_rows_plane},
+		{"offset", &rb_rows_plane},
+		{"half", NULL},
+		{"width", NULL},
+		{"rotation", &rb_rows_body},
+		{"mu", &rb_rows_material},
+		{"e", &rb_rows_material},
+		{"g", &rb_rows_world},
+		{"end_time", &rb_rows_world},
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+		const struct rb_row_table *const table = rows[i].table;
+		const char *key;
+		bool found = false;
+
+		assert_false(table ? is_key(table, rows[i].word) : is_shape_key(rows[i].word));
+		for (int k = 0; (key = rb_advice_synonym(rows[i].word, k)) != NULL; k++)
+			found |= table ? is_key(table, key) : is_shape_key(key);
+		if (!found)
+			fail_msg("'%s' leads to no key", rows[i].word);
+	}
+	assert_null(rb_advice_synonym("r", 1));
+	assert_null(rb_advice_synonym("r", 3));
+	assert_null(rb_advice_synonym("r", -1));
+	assert_null(rb_advice_synonym("radius", 0));
+}
+
 /* A scene that writes these means them: advice would come where nothing is wrong. */
 static void words_of_the_language_are_not_advised_against(void **state)
 {
@@ -151,6 +199,7 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(words_for_bodies_lead_to_shapes_that_there_are),
+		cmocka_unit_test(synonyms_are_keys_of_some_call),
 		cmocka_unit_test(keys_that_are_advised_are_keys_of_the_call_that_is_named),
 		cmocka_unit_test(words_of_the_language_are_not_advised_against),
 		cmocka_unit_test(only_the_whole_word_counts),

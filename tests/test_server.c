@@ -192,13 +192,18 @@ static void assert_refused(const char *path, const char *greeting, const char *m
 		(void)!write(fd, greeting, strlen(greeting));
 		pause();
 	}
-	assert_int_equal(rb_client_connect(&client, path, 0.5, &err), RB_ERR_MISSING);
-	if (!strstr(err.text, message))
-		fail_msg("'%s': \"%s\"", greeting, err.text);
-	kill(child, SIGKILL);
-	waitpid(child, NULL, 0);
+	/* the child ends before anything can fail: an assertion leaves this function */
+	const enum rb_status status = child < 0 ? RB_OK
+	                                        : rb_client_connect(&client, path, 0.5, &err);
+	if (child > 0) {
+		kill(child, SIGKILL);
+		waitpid(child, NULL, 0);
+	}
 	close(listener);
 	unlink(path);
+	assert_int_equal(status, RB_ERR_MISSING);
+	if (!strstr(err.text, message))
+		fail_msg("'%s': \"%s\"", greeting, err.text);
 }
 
 static void a_client_knows_its_server(void **state)

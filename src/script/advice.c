@@ -31,6 +31,23 @@ static const struct advice globals[] = {
 	{"io", outside},
 	{"debug", "a scene has no 'debug'"},
 	{"ball", "sphere { ... }"},
+	{"light", "a key of camera: camera { lights = { ... } }"},
+	{"lights", "a key of camera: camera { lights = { ... } }"},
+	{"wall", "plane { ... }, or box { static = true, ... }"},
+	{"rigidbody", "a body is its shape: sphere { ... }, box { ... }, union { ... }"},
+	{"RigidBody", "a body is its shape: sphere { ... }, box { ... }, union { ... }"},
+	{"addBody", "a body is its shape: sphere { ... }, box { ... }, union { ... }"},
+	{"particle", "sphere { ... }"},
+	{"compound", "union { ... }"},
+	{"scene", "world { ... }; bodies stand by themselves: sphere { ... }"},
+	{"simulation", "world { ... }"},
+	{"setGravity", "a key of world: world { gravity = {0, 0, -9.81} }"},
+	{"set_gravity", "a key of world: world { gravity = {0, 0, -9.81} }"},
+	{"damper", "spring { stiffness = 0, damping = ... }"},
+	{"damping", "drag { linear = ... }"},
+	{"include", "require 'name'"},
+	{"vector", "vec3(x, y, z)"},
+	{"vec", "vec3(x, y, z)"},
 	{"cube", "box { ... }"},
 	{"cuboid", "box { ... }"},
 	{"ground", "plane { ... }"},
@@ -63,6 +80,57 @@ static const char *find(const struct advice *rows, size_t count, const char *wor
 const char *rb_advice_for_global(const char *name)
 {
 	return find(globals, sizeof globals / sizeof *globals, name);
+}
+
+/* Words for keys, and the keys that may be meant, the likelier one first. */
+static const struct {
+	const char *word, *key[3];
+} synonyms[] = {
+	{"r", {"radius"}},
+	{"diameter", {"radius"}},
+	{"height", {"length", "point"}},
+	{"offset", {"point", "position"}},
+	{"half", {"size"}},
+	{"half_extents", {"size"}},
+	{"half_size", {"size"}},
+	{"extents", {"size"}},
+	{"dimensions", {"size"}},
+	{"width", {"size"}},
+	{"depth", {"size"}},
+	{"x", {"position"}},
+	{"at", {"position"}},
+	{"origin", {"position"}},
+	{"center", {"position"}},
+	{"rotation", {"orientation"}},
+	{"quaternion", {"orientation"}},
+	{"quat", {"orientation"}},
+	{"kinematic", {"motion"}},
+	{"v", {"velocity"}},
+	{"k", {"stiffness"}},
+	{"c", {"damping"}},
+	{"length", {"rest_length"}},
+	{"l0", {"rest_length"}},
+	{"mu", {"friction"}},
+	{"e", {"restitution"}},
+	{"cor", {"restitution"}},
+	{"bounce", {"restitution"}},
+	{"colour", {"color"}},
+	{"layer", {"group"}},
+	{"mask", {"collides_with"}},
+	{"vertices", {"points"}},
+	{"children", {"shapes"}},
+	{"parts", {"shapes"}},
+	{"g", {"gravity"}},
+	{"end_time", {"duration"}},
+	{"t_end", {"duration"}},
+};
+
+const char *rb_advice_synonym(const char *word, int k)
+{
+	for (size_t i = 0; k >= 0 && k < 3 && i < sizeof synonyms / sizeof *synonyms; i++)
+		if (strcmp(synonyms[i].word, word) == 0)
+			return synonyms[i].key[k];
+	return NULL;
 }
 
 const char *rb_advice_for_key(const char *key)

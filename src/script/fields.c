@@ -16,6 +16,17 @@
 #include "script/nearest.h"
 #include "script/values.h"
 
+/* The key of this call that a word of another program means; NULL: none. */
+static const char *synonym_of(const struct rb_call *call, const char *word)
+{
+	const char *key;
+
+	for (int k = 0; (key = rb_advice_synonym(word, k)) != NULL; k++)
+		if (rb_row_find(call->table, key, NULL))
+			return key;
+	return NULL;
+}
+
 /*
  * Notes the keys that no row knows, in the order of their names and at most 20, and what stands
  * without a key. Each pass over the table finds the next name, which needs no memory.
@@ -53,9 +64,13 @@ static void note_unknown(struct rb_call *call)
 				rb_nearest_offer(&nearest, table->rows[i].key,
 				                 strlen(table->rows[i].key));
 		char hint[96];
+		const char *const synonym = synonym_of(call, next);
 		const char *advice = rb_advice_for_key(next);
 		call->unknown++;
-		if (advice)
+		if (synonym)
+			rb_call_mistake(call, "unknown key '%s' (did you mean '%s'?)", next,
+			                synonym);
+		else if (advice)
 			rb_call_mistake(call, "unknown key '%s' (%s)", next, advice);
 		else
 			rb_call_mistake(call, "unknown key '%s'%s", next,
