@@ -48,8 +48,8 @@ static void contacts_that_cannot_be_are_found(void **state)
 
 	(void)state;
 	assert_true(all->count >= 3);
-	assert_number(&first->normal.x, 0.3, "has no place");
-	assert_number(&first->gap, (double)NAN, "has no place");
+	assert_number(&first->normal.x, 0.3, "the normal of bodies");
+	assert_number(&first->gap, (double)NAN, "'gap' is out of its range");
 	assert_number(&first->normal_force, -1, "pull at each other");
 	assert_number(&first->tangent_force.z, 0.1 + first->normal_force, "along the normal");
 	const struct rb_contact kept = *first;
@@ -71,7 +71,7 @@ static void events_out_of_order_are_found(void **state)
 	lab_assert_wrong(&lab, "out of order");
 	rows[1].time_s = 2;
 	rows[1].b = 77;
-	lab_assert_wrong(&lab, "of bodies 0 and 77");
+	lab_assert_wrong(&lab, "event 1 of 2: 'b' is out of its range");
 	lab.world->events = kept;
 }
 

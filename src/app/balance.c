@@ -12,6 +12,10 @@
 #include "base/visible.h"
 #include "math/vec3.h"
 
+RB_FIELDS_DEFINE(rb_balance_fields, struct rb_balance, RB_BALANCE_FIELDS);
+RB_FIELDS_DEFINE(rb_frame_numbers_fields, struct rb_frame_numbers, RB_FRAME_NUMBERS_FIELDS);
+_Static_assert(sizeof(struct rb_ledger_values) % sizeof(double) == 0, "it consists of doubles");
+
 void rb_balance_take(struct rb_balance *balance, const struct rb_frame_numbers *numbers)
 {
 	const struct rb_ledger_values *const ledger = &numbers->ledger;
@@ -111,18 +115,5 @@ void rb_balance_print_json(struct rb_json *json, const struct rb_balance *balanc
 
 void rb_balance_pack(struct rb_balance *balance, struct rb_pack *pack)
 {
-	rb_pack_bool(pack, &balance->kept);
-	rb_pack_doubles(pack, &balance->energy_scale, 1);
-	rb_pack_doubles(pack, &balance->unexplained, 1);
-	rb_pack_doubles(pack, &balance->gained, 1);
-	rb_pack_doubles(pack, balance->momentum_scale, 2);
-	rb_pack_doubles(pack, balance->momentum_unexplained, 2);
-}
-
-void rb_ledger_values_pack(struct rb_ledger_values *values, struct rb_pack *pack)
-{
-	rb_pack_doubles(pack, values->energy, RB_ENERGY_CAUSES + 1);
-	rb_pack_doubles(pack, &values->momentum[0][0].x, (size_t)6 * (RB_MOMENTUM_CAUSES + 1));
-	rb_pack_doubles(pack, &values->energy_scale, 1);
-	rb_pack_doubles(pack, values->momentum_scale, 2);
+	rb_fields_pack(rb_balance_fields(), balance, 1, NULL, pack);
 }

@@ -11,14 +11,37 @@
 #include <rbsim/frame.h>
 
 #include "app/json.h"
-#include "base/pack.h"
+#include "base/field_list.h"
 
-/* Zeros: no frame yet. Scales and what is unexplained are the largest of all frames, each. */
+/* Largest values of all frames so far; zeros: no frame yet. */
+#define RB_BALANCE_FIELDS(X)                                                                  \
+	X(bool, kept, , "", "some frame had a ledger", RB_FLAG)                               \
+	X(double, energy_scale, , "J", "as of struct rb_ledger_values", RB_NUMBER)            \
+	X(double, unexplained, , "J", "either sign", RB_NUMBER)                               \
+	X(double, gained, , "J", "unexplained above zero", RB_NUMBER)                         \
+	X(double, momentum_scale, [2], "kg m/s, kg m^2/s", "linear, then angular", RB_NUMBER) \
+	X(double, momentum_unexplained, [2], "kg m/s, kg m^2/s", "of the same", RB_NUMBER)
 struct rb_balance {
-	bool kept;
-	double energy_scale, unexplained, gained; /* J; gained: unexplained above zero */
-	double momentum_scale[2], momentum_unexplained[2];
+	RB_BALANCE_FIELDS(RB_FIELD_MEMBER)
 };
+RB_FIELDS_DECLARE(rb_balance_fields);
+
+/* The list of struct rb_frame_numbers (<rbsim/frame.h>): the first and last ones of a run. */
+#define RB_FRAME_NUMBERS_FIELDS(X)                                                  \
+	X(double, kinetic_energy, , "J", "at the frame", RB_NUMBER)                 \
+	X(double, potential_energy, , "J", "zero at the origin", RB_NUMBER)         \
+	X(rb_vec3, momentum, , "kg m/s", "of all bodies", RB_NUMBER)                \
+	X(rb_vec3, angular_momentum, , "kg m^2/s", "about the origin", RB_NUMBER)   \
+	X(double, max_penetration, , "m", "since the frame before", RB_NUMBER)      \
+	X(uint64_t, contacts, , "", "lasting ones", RB_ANY_BITS)                    \
+	X(uint64_t, collisions, , "", "since the frame before", RB_ANY_BITS)        \
+	X(uint64_t, rollbacks, , "", "since the frame before", RB_ANY_BITS)         \
+	X(uint64_t, substeps, , "", "accepted since the frame before", RB_ANY_BITS) \
+	X(double, smallest_step, , "s", "of those tried", RB_NUMBER)                \
+	X(double, stepped, , "s", "simulated by steps", RB_NUMBER)                  \
+	X(bool, has_ledger, , "", "`ledger` is kept", RB_FLAG)                      \
+	X(struct rb_ledger_values, ledger, , "J, kg m/s, kg m^2/s", "zeros without one", RB_NUMBER)
+RB_FIELDS_DECLARE(rb_frame_numbers_fields);
 
 void rb_balance_take(struct rb_balance *balance, const struct rb_frame_numbers *numbers);
 
@@ -34,7 +57,5 @@ void rb_balance_print_json(struct rb_json *json, const struct rb_balance *balanc
                            const struct rb_ledger_values *last);
 
 void rb_balance_pack(struct rb_balance *balance, struct rb_pack *pack);
-/* The values of a frame, which a resumed run starts from. */
-void rb_ledger_values_pack(struct rb_ledger_values *values, struct rb_pack *pack);
 
 #endif

@@ -34,7 +34,7 @@
  * FORMAT: to be raised with every change of what a section holds. NAME_SIZE: of a section's name,
  * without a zero.
  */
-enum { FORMAT = 4, SECTION_COUNT = 4, NAME_SIZE = 8 };
+enum { FORMAT = 5, SECTION_COUNT = 4, NAME_SIZE = 8 };
 static const uint32_t order_mark = 0x04030201;
 static const char magic[8] = {'r', 'b', 's', 'i', 'm', '-', 'c', 'p'};
 static const char section_names[SECTION_COUNT][NAME_SIZE + 1] = {"about", "world", "script", "run"};
@@ -76,15 +76,13 @@ static const char last_ending[] = ".checkpoint", before_ending[] = ".checkpoint~
 
 /* ---- writing: the thread's ---- */
 
+static RB_FIELDS_DEFINE(about_fields, struct rb_checkpoint_about, RB_CHECKPOINT_ABOUT_FIELDS);
+
 /* The first section, both ways. */
 static void pack_about(struct rb_pack *pack, struct rb_checkpoint_about *about)
 {
-	rb_pack_u64(pack, &about->run);
-	rb_pack_bytes(pack, about->started, sizeof about->started);
+	rb_fields_pack(about_fields(), about, 1, NULL, pack);
 	about->started[sizeof about->started - 1] = '\0';
-	rb_pack_u64(pack, &about->frame);
-	rb_pack_u64(pack, &about->row_count);
-	rb_pack_u64(pack, &about->state_hash);
 }
 
 /* Puts in the hashes of the sections, then of the whole: what the simulator need not wait for. */

@@ -22,17 +22,21 @@
 
 #include <rbsim/world.h>
 
-#include "base/pack.h"
+#include "base/field_list.h"
 
 struct rb_script;
 struct rb_checkpoints;
 
 /* Whose state it is. */
+#define RB_CHECKPOINT_ABOUT_FIELDS(X)                                                         \
+	X(uint64_t, run, , "", "hash of scene, parameters, settings and version: app/resume", \
+	  RB_ANY_BITS)                                                                        \
+	X(char, started, [32], "", "of the recording it belongs to", RB_ANY_BITS)             \
+	X(uint64_t, frame, , "", "reached", RB_ANY_BITS)                                      \
+	X(uint64_t, row_count, , "", "rows of the recording up to it", RB_ANY_BITS)           \
+	X(uint64_t, state_hash, , "", "of the world's state", RB_ANY_BITS)
 struct rb_checkpoint_about {
-	uint64_t run;              /* hash of scene, parameters, settings and version: app/resume */
-	char started[32];          /* of the recording it belongs to */
-	uint64_t frame, row_count; /* reached; rows of the recording up to it */
-	uint64_t state_hash;
+	RB_CHECKPOINT_ABOUT_FIELDS(RB_FIELD_MEMBER)
 };
 
 /* What keeps a part of it, for whoever has something that this module doesn't know. */

@@ -342,47 +342,23 @@ static void cut_films(void *films, int signal)
 	rb_films_cut(films, signal);
 }
 
-static void pack_numbers(struct rb_frame_numbers *n, struct rb_pack *pack)
-{
-	rb_pack_doubles(pack, &n->kinetic_energy, 1);
-	rb_pack_doubles(pack, &n->potential_energy, 1);
-	for (int i = 0; i < 2; i++) {
-		rb_vec3 *const v = i == 0 ? &n->momentum : &n->angular_momentum;
-		double numbers[3] = {v->x, v->y, v->z};
-
-		rb_pack_doubles(pack, numbers, 3);
-		*v = (rb_vec3){numbers[0], numbers[1], numbers[2]};
-	}
-	rb_pack_doubles(pack, &n->max_penetration, 1);
-	rb_pack_u64(pack, &n->contacts);
-	rb_pack_u64(pack, &n->collisions);
-	rb_pack_u64(pack, &n->rollbacks);
-	rb_pack_u64(pack, &n->substeps);
-	rb_pack_doubles(pack, &n->smallest_step, 1);
-	rb_pack_doubles(pack, &n->stepped, 1);
-	rb_pack_bool(pack, &n->has_ledger);
-	rb_ledger_values_pack(&n->ledger, pack);
-}
+static RB_FIELDS_DEFINE_PART(run_sum_fields, struct rb_run_result, RB_RUN_SUM_FIELDS);
 
 /* What the summary tells of all frames so far, and which pictures films leave out. */
 static void pack_result(void *user, struct rb_pack *pack)
 {
 	struct run *const run = user;
 	struct rb_run_result *const result = run->result;
-	double wall_s = result->wall_before_s + (double)(rb_clock_now_ns() - run->start_ns) * 1e-9;
+	const double before_s = result->wall_before_s;
 
-	rb_pack_u64(pack, &result->frames);
-	rb_pack_doubles(pack, &result->time_s, 1);
-	rb_pack_doubles(pack, &wall_s, 1);
-	if (pack->loading)
-		result->wall_before_s = wall_s;
-	pack_numbers(&result->first, pack);
-	pack_numbers(&result->last, pack);
-	rb_pack_doubles(pack, &result->kinetic_max_j, 1);
-	rb_pack_doubles(pack, &result->max_penetration_m, 1);
-	rb_pack_doubles(pack, &result->energy_drift_j, 1);
-	rb_pack_doubles(pack, &result->momentum_drift, 1);
-	rb_pack_doubles(pack, &result->angular_momentum_drift, 1);
+	/* saved: with the time of this process */
+	if (!pack->loading)
+		result->wall_before_s += (double)(rb_clock_now_ns() - run->start_ns) * 1e-9;
+	rb_fields_pack(run_sum_fields(), result, 1, NULL, pack);
+	if (!pack->loading)
+		result->wall_before_s = before_s;
+	rb_fields_pack(rb_frame_numbers_fields(), &result->first, 1, NULL, pack);
+	rb_fields_pack(rb_frame_numbers_fields(), &result->last, 1, NULL, pack);
 	rb_balance_pack(&result->balance, pack);
 	rb_films_pack(run->films, pack);
 }

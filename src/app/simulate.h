@@ -18,10 +18,21 @@
 #include "app/films.h"
 #include "app/listen.h"
 #include "app/resume.h"
+#include "base/field_list.h"
 #include "flow/run_info.h"
 #include "script/hooks.h"
 
 /* What a run tells of itself; filled as far as it came. */
+/* Sums and extremes of all frames so far. Drifts: largest |x(t) - x(0)|; NAN: some was none. */
+#define RB_RUN_SUM_FIELDS(X)                                                                 \
+	X(uint64_t, frames, , "", "made", RB_ANY_BITS)                                       \
+	X(double, time_s, , "s", "reached", RB_NUMBER)                                       \
+	X(double, wall_before_s, , "s", "taken by the processes before this one", RB_NUMBER) \
+	X(double, kinetic_max_j, , "J", "largest kinetic energy", RB_NUMBER)                 \
+	X(double, max_penetration_m, , "m", "largest overlap", RB_NUMBER)                    \
+	X(double, energy_drift_j, , "J", "drift", RB_NUMBER)                                 \
+	X(double, momentum_drift, , "kg m/s", "drift", RB_NUMBER)                            \
+	X(double, angular_momentum_drift, , "kg m^2/s", "drift", RB_NUMBER)
 struct rb_run_result {
 	enum rb_status
 		status; /* of the simulation and its recording; films and expectations apart */
@@ -34,11 +45,13 @@ struct rb_run_result {
 	enum rb_status expect_status; /* RB_ERR_SCENE: an expectation is broken, as told here */
 	struct rb_error expect_error;
 
-	uint64_t frames, frame_count; /* made; of the whole run */
-	double time_s, wall_s;        /* reached; taken, by all processes that it took */
-	double wall_before_s;         /* by those before this one */
-	uint64_t memory_bytes;        /* largest resident set of the process */
-	uint64_t recording_bytes;     /* size of the file */
+	/* what a run that goes on from a checkpoint continues */
+	RB_RUN_SUM_FIELDS(RB_FIELD_MEMBER)
+
+	uint64_t frame_count;     /* of the whole run */
+	double wall_s;            /* taken, by all processes that it took */
+	uint64_t memory_bytes;    /* largest resident set of the process */
+	uint64_t recording_bytes; /* size of the file */
 	struct rb_checkpoints_tally checkpoints;
 	bool recorder_failed; /* then the file may hold fewer frames than were made */
 	bool recorded_known;
@@ -46,9 +59,6 @@ struct rb_run_result {
 	uint64_t state_hash;
 
 	struct rb_frame_numbers first, last; /* of frame 0 and of the last one made */
-	double kinetic_max_j, max_penetration_m;
-	/* largest |x(t) - x(0)|; NAN once a value was none */
-	double energy_drift_j, momentum_drift, angular_momentum_drift;
 	struct rb_balance balance;
 	struct rb_frame_numbers totals; /* counts of the whole run */
 	struct rb_world_work work;

@@ -8,22 +8,32 @@
 #include "app/steering.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/error.h"
+#include "base/field_list.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "control/steer.h"
 #include "math/vec3.h"
 #include "script/shots.h"
 
+enum { LIMIT_FILM = 1, LIMIT_COUNT };
+
+#define STEERING_FIELDS(X)                                                     \
+	X(double, time_s, , "s", "of the frame before it", RB_FINITE)          \
+	X(int, film, , "", "whose camera", RB_UP_TO(LIMIT_FILM))               \
+	X(enum rb_camera_action, action, , "", "what it does",                 \
+	  RB_WITHIN(RB_CAMERA_MOVE, RB_CAMERA_ZOOM))                           \
+	X(double, vector, [3], "m, rad", "as of struct rb_command", RB_FINITE) \
+	X(double, factor, , "1", "as of struct rb_command", RB_FINITE)         \
+	X(bool, is_made, , "", "the next frame has come", RB_DERIVED)          \
+	X(double, made_s, , "s", "its time", RB_DERIVED)                       \
+	X(struct rb_camera_def, camera, , "", "the camera since then", RB_DERIVED)
 struct rb_steering_row {
-	double time_s; /* of the frame before it */
-	int film;
-	struct rb_player_aim aim;
-	bool is_made;                /* the next frame has come: */
-	double made_s;               /* its time; */
-	struct rb_camera_def camera; /* as it stands since then */
+	STEERING_FIELDS(RB_FIELD_MEMBER)
 };
+static RB_FIELDS_DEFINE(steering_fields, struct rb_steering_row, STEERING_FIELDS);
 
 void rb_steering_release(struct rb_steering *steering)
 {
@@ -39,7 +49,12 @@ enum rb_status rb_steering_add(struct rb_steering *steering, int film, double ti
 	                       sizeof *steering->row))
 		return RB_FAIL(err, RB_ERR_MEMORY, "cannot move a camera: out of memory");
 	steering->row[steering->count++] = (struct rb_steering_row){
-		.time_s = time_s, .film = film, .aim = *aim};
+		.time_s = time_s,
+		.film = film,
+		.action = aim->action,
+		.vector = {aim->vector[0], aim->vector[1], aim->vector[2]},
+		.factor = aim->factor,
+	};
 	return RB_OK;
 }
 
@@ -89,7 +104,6 @@ enum rb_status rb_steering_advance(struct rb_steering *steering,
 {
 	for (size_t k = 0; k < steering->count; k++) {
 		struct rb_steering_row *const row = &steering->row[k];
-		const struct rb_player_aim *const aim = &row->aim;
 		struct rb_frame_shot shot = {.camera = film->number};
 
 		if (row->film != film->number || row->is_made || !(row->time_s < frame->time_s))
@@ -101,12 +115,12 @@ enum rb_status rb_steering_advance(struct rb_steering *steering,
 			return status;
 		const struct rb_stand stand = rb_steer_stand(film->loaded->model, &row->camera,
 		                                             frame, &shot);
-		if (aim->action == RB_CAMERA_MOVE)
-			rb_steer_move(&row->camera, &stand, rb_vec3_from(aim->vector));
-		else if (aim->action == RB_CAMERA_ORBIT)
-			rb_steer_orbit(&row->camera, &stand, aim->vector[0], aim->vector[1]);
+		if (row->action == RB_CAMERA_MOVE)
+			rb_steer_move(&row->camera, &stand, rb_vec3_from(row->vector));
+		else if (row->action == RB_CAMERA_ORBIT)
+			rb_steer_orbit(&row->camera, &stand, row->vector[0], row->vector[1]);
 		else
-			rb_steer_zoom(&row->camera, &stand, aim->factor);
+			rb_steer_zoom(&row->camera, &stand, row->factor);
 		if (!can_look(film, &row->camera, frame, &shot)) {
 			rb_log(RB_LOG_WARNING,
 			       "a camera does not move: it would reach the point that it looks at");
@@ -147,23 +161,24 @@ enum rb_status rb_steering_shot(const struct rb_steering *steering,
 
 void rb_steering_pack(struct rb_steering *steering, int film_count, struct rb_pack *pack)
 {
+	const int limit[LIMIT_COUNT] = {[LIMIT_FILM] = film_count - 1};
 	size_t count = steering ? steering->count : 0;
 
-	rb_pack_count(pack, &count, INT32_MAX, 5 * sizeof(double));
-	for (size_t k = 0; k < count && !pack->failed; k++) {
-		struct rb_steering_row row = {.aim = {.action = RB_CAMERA_MOVE, .factor = 1}};
-		if (!pack->loading)
-			row = steering->row[k];
-		int action = (int)row.aim.action;
-
-		rb_pack_finite(pack, &row.time_s, 1);
-		rb_pack_int(pack, &row.film, 0, film_count - 1);
-		rb_pack_int(pack, &action, RB_CAMERA_MOVE, RB_CAMERA_ZOOM);
-		rb_pack_finite(pack, row.aim.vector, 3);
-		rb_pack_finite(pack, &row.aim.factor, 1);
-		row.aim.action = (enum rb_camera_action)action;
-		if (pack->loading && !pack->failed &&
-		    rb_steering_add(steering, row.film, row.time_s, &row.aim, NULL) != RB_OK)
-			pack->failed = pack->no_memory = true;
+	rb_pack_count(pack, &count, INT32_MAX, rb_fields_bytes(steering_fields()));
+	if (count == 0 || pack->failed)
+		return;
+	if (!steering) {
+		rb_pack_fail(pack, "movements of cameras that make no film");
+		return;
 	}
+	if (pack->loading) {
+		if (!rb_memory_reserve(&steering->row, &steering->capacity, count,
+		                       sizeof *steering->row)) {
+			rb_pack_fail_memory(pack);
+			return;
+		}
+		memset(steering->row, 0, count * sizeof *steering->row);
+	}
+	rb_fields_pack(steering_fields(), steering->row, count, limit, pack);
+	steering->count = pack->failed ? 0 : count;
 }

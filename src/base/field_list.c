@@ -181,8 +181,11 @@ void rb_fields_pack(const struct rb_fields *fields, void *objects, size_t count,
 	if (pack->failed)
 		return;
 	bad = rb_fields_bad(fields, objects, count, limit, NULL);
-	if (!bad)
+	if (!bad) {
+		if (pack->loaded)
+			pack->loaded(pack->loaded_user, fields, objects, count);
 		return;
+	}
 	rb_pack_fail_at(pack, bad->name, why_bad(bad));
 	load(fields, &plan, objects, count, NULL);
 }

@@ -24,6 +24,8 @@
 
 #include <rbsim/error.h>
 
+struct rb_fields;
+
 struct rb_pack {
 	bool loading;
 	unsigned char *bytes; /* saving: owned */
@@ -34,6 +36,12 @@ struct rb_pack {
 	bool no_memory;    /* ... for that reason */
 	const char *why;   /* ... else for this: static text */
 	const char *where; /* ... in this field; NULL: in none that has a name */
+	/*
+	 * loading, for tests: called with objects that have been loaded by a list of fields
+	 * (base/field_list), which it may change; NULL: nobody
+	 */
+	void (*loaded)(void *user, const struct rb_fields *fields, void *objects, size_t count);
+	void *loaded_user;
 };
 
 /* Saving: gives the block back. */

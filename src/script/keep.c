@@ -18,6 +18,7 @@
 #include <lauxlib.h>
 
 #include "base/error.h"
+#include "base/field_list.h"
 #include "script/call.h"
 #include "script/handles.h"
 #include "script/vector.h"
@@ -387,17 +388,15 @@ static int load_state(lua_State *L)
 
 /* ---- the rest ---- */
 
-/* How an expect_always has gone so far, both ways. */
-static void pack_expect(struct rb_expect_state *state, struct rb_pack *pack)
+static RB_FIELDS_DEFINE(expect_state_fields, struct rb_expect_state, RB_EXPECT_STATE_FIELDS);
+static RB_FIELDS_DEFINE_PART(random_fields, struct rb_sandbox, RB_SANDBOX_RANDOM_FIELDS);
+
+/* How expect_always have gone so far, both ways. */
+static void pack_expects(struct rb_expect_state *states, int count, struct rb_pack *pack)
 {
-	rb_pack_bool(pack, &state->seen);
-	rb_pack_bool(pack, &state->failed);
-	rb_pack_bool(pack, &state->has_numbers);
-	rb_pack_doubles(pack, &state->measured, 1);
-	rb_pack_doubles(pack, &state->bound, 1);
-	rb_pack_doubles(pack, &state->failed_s, 1);
-	rb_pack_bytes(pack, state->message, sizeof state->message);
-	state->message[sizeof state->message - 1] = '\0';
+	rb_fields_pack(expect_state_fields(), states, (size_t)count, NULL, pack);
+	for (int i = 0; i < count; i++)
+		states[i].message[sizeof states[i].message - 1] = '\0';
 }
 
 enum rb_status rb_script_pack(struct rb_script *script, struct rb_pack *pack, struct rb_error *err)
@@ -409,12 +408,10 @@ enum rb_status rb_script_pack(struct rb_script *script, struct rb_pack *pack, st
 	int expects = count;
 
 	RB_ASSERT(script->scene && pack);
-	rb_pack_u64(pack, &sandbox->stream);
-	rb_pack_u64(pack, &sandbox->index);
-	rb_pack_bool(pack, &sandbox->random_used);
+	rb_fields_pack(random_fields(), sandbox, 1, NULL, pack);
 	rb_pack_int(pack, &expects, count, count);
-	for (int i = 0; i < count && script->expects && !pack->failed; i++)
-		pack_expect(&script->expects[i], pack);
+	if (script->expects && !pack->failed)
+		pack_expects(script->expects, count, pack);
 	if (pack->failed)
 		return rb_pack_status(pack, what, err);
 	/* what it does is no random number of the run */

@@ -23,6 +23,7 @@
 
 #include <rbsim/error.h>
 
+#include "base/field_list.h"
 #include "script/overtime.h"
 
 /* A state of any version of Lua that we know. */
@@ -45,6 +46,13 @@ enum rb_spent {
 };
 
 enum { RB_SANDBOX_CLASSES = 32 }; /* blocks of 16, 32, ... 512 bytes come from chunks */
+
+/* State of math.random that a run continues from a checkpoint. */
+#define RB_SANDBOX_RANDOM_FIELDS(X)                                                      \
+	X(uint64_t, stream, , "", "chosen by math.randomseed, or by a camera's picture", \
+	  RB_ANY_BITS)                                                                   \
+	X(uint64_t, index, , "", "numbers drawn from the stream", RB_ANY_BITS)           \
+	X(bool, random_used, , "", "some number was drawn", RB_FLAG)
 
 struct rb_sandbox {
 	lua_State *L; /* owned */
@@ -73,9 +81,8 @@ struct rb_sandbox {
 	struct rb_overtime overtime;
 	enum rb_spent spent;
 
-	/* math.random: number = f(seed, stream, index) */
-	uint64_t seed, stream, index;
-	bool random_used;
+	uint64_t seed; /* of math.random: number = f(seed, stream, index) */
+	RB_SANDBOX_RANDOM_FIELDS(RB_FIELD_MEMBER)
 
 	char *traceback; /* owned, NULL: none */
 };

@@ -8,6 +8,7 @@
 #include <rbsim/scene.h>
 #include <rbsim/world.h>
 
+#include "base/field_list.h"
 #include "script/sandbox.h"
 #include "script/types.h"
 
@@ -23,10 +24,16 @@ enum rb_script_phase {
 enum rb_callback { RB_ON_STEP, RB_ON_FRAME, RB_ON_COLLISION, RB_ON_TRANSITION, RB_CALLBACK_COUNT };
 
 /* What is known of an expectation while the run goes on. */
+#define RB_EXPECT_STATE_FIELDS(X)                                                \
+	X(bool, seen, , "", "its function was called", RB_FLAG)                  \
+	X(bool, failed, , "", "at failed_s, for the first time", RB_FLAG)        \
+	X(bool, has_numbers, , "", "`measured` and `bound` are given", RB_FLAG)  \
+	X(double, measured, , "", "by the function, in its own unit", RB_NUMBER) \
+	X(double, bound, , "", "of the same", RB_NUMBER)                         \
+	X(double, failed_s, , "s", "when it failed", RB_NUMBER)                  \
+	X(char, message, [RB_EXPECT_MESSAGE_SIZE], "", "of the failure", RB_ANY_BITS)
 struct rb_expect_state {
-	bool seen, failed, has_numbers;
-	double measured, bound, failed_s;
-	char message[RB_EXPECT_MESSAGE_SIZE];
+	RB_EXPECT_STATE_FIELDS(RB_FIELD_MEMBER)
 };
 
 struct rb_script {

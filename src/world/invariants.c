@@ -6,6 +6,8 @@
 #include "world/invariants.h"
 
 #include "base/error.h"
+#include "base/field_list.h"
+#include "world/limits.h"
 
 /*
  * Largest deviation of unit vectors and quaternions from length 1. A step normalizes what it makes
@@ -55,6 +57,21 @@ enum rb_status rb_validate_state(const struct rb_world *world, struct rb_error *
 	return RB_OK;
 }
 
+/* RB_ERR_BUG, with the field, unless all fields of all objects are in the ranges of their list. */
+static enum rb_status validate_fields(const struct rb_world *world, const char *what,
+                                      const struct rb_fields *fields, const void *objects,
+                                      size_t count, struct rb_error *err)
+{
+	const struct rb_limits limits = rb_limits_of(world->model);
+	size_t which = 0;
+	const struct rb_field *const bad = rb_fields_bad(fields, objects, count, limits.high,
+	                                                 &which);
+
+	return bad ? RB_FAIL(err, RB_ERR_BUG, "%s %zu of %zu: '%s' is out of its range", what,
+	                     which, count, bad->name)
+	           : RB_OK;
+}
+
 /*
  * One contact: bodies, place, and a force within the friction cone's geometry (pushing,
  * tangential).
@@ -62,17 +79,14 @@ enum rb_status rb_validate_state(const struct rb_world *world, struct rb_error *
 static enum rb_status validate_contact(const struct rb_world *world, const struct rb_contact *c,
                                        struct rb_error *err)
 {
-	const int bodies = world->model->body_count;
-
-	if (c->a < 0 || c->a >= bodies || c->b <= c->a ||
-	    c->b >= bodies + world->model->static_count)
+	if (c->b <= c->a)
 		return RB_FAIL(err, RB_ERR_BUG, "a contact of bodies %d and %d, of %d", c->a, c->b,
-		               bodies);
-	if (!is_unit(c->normal) || !rb_vec3_finite(c->point) || !isfinite(c->gap))
-		return RB_FAIL(err, RB_ERR_BUG, "the contact of bodies %d and %d has no place",
-		               c->a, c->b);
-	if (!(c->normal_force >= 0) || !isfinite(c->normal_force) ||
-	    !rb_vec3_finite(c->tangent_force))
+		               world->model->body_count);
+	if (!is_unit(c->normal))
+		return RB_FAIL(err, RB_ERR_BUG,
+		               "the normal of bodies %d and %d has the length %.17g", c->a, c->b,
+		               rb_vec3_length(c->normal));
+	if (!(c->normal_force >= 0))
 		return RB_FAIL(err, RB_ERR_BUG, "bodies %d and %d pull at each other, with %g N",
 		               c->a, c->b, c->normal_force);
 	const double across = fabs(rb_vec3_dot(c->tangent_force, c->normal));
@@ -91,6 +105,8 @@ enum rb_status rb_validate_contacts(const struct rb_world *world,
 	if (contacts->count > contacts->capacity)
 		return RB_FAIL(err, RB_ERR_BUG, "%zu contacts in room for %zu", contacts->count,
 		               contacts->capacity);
+	status = validate_fields(world, "contact", rb_contact_fields(), contacts->row,
+	                         contacts->count, err);
 	for (size_t k = 0; k < contacts->count && status == RB_OK; k++) {
 		const struct rb_contact *const c = &contacts->row[k];
 
@@ -118,16 +134,18 @@ static bool has_energies(const struct rb_world *world)
 
 enum rb_status rb_validate_records(const struct rb_world *world, struct rb_error *err)
 {
-	const int bodies = world->model->scene->body_count;
 	const struct rb_ledger *const ledger = &world->ledger;
+	enum rb_status status = validate_fields(world, "event", rb_event_fields(),
+	                                        world->events.row, world->events.count, err);
 
-	for (size_t k = 0; k < world->events.count; k++) {
+	if (status == RB_OK)
+		status = validate_fields(world, "world", rb_world_fields(), world, 1, err);
+	if (status != RB_OK)
+		return status;
+	for (size_t k = 1; k < world->events.count; k++) {
 		const struct rb_event *const e = &world->events.row[k];
 
-		if (e->a < -1 || e->a >= bodies || e->b < -1 || e->b >= bodies)
-			return RB_FAIL(err, RB_ERR_BUG, "event %zu is of bodies %d and %d", k, e->a,
-			               e->b);
-		if (!isfinite(e->time_s) || (k > 0 && e->time_s < e[-1].time_s))
+		if (e->time_s < e[-1].time_s)
 			return RB_FAIL(err, RB_ERR_BUG, "event %zu is at %.17g s, out of order", k,
 			               e->time_s);
 	}

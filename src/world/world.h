@@ -28,30 +28,35 @@ struct rb_located;
 struct rb_stepped;
 struct rb_loads;
 
-/* Counts since some moment; all are sums or extremes, so the order of adding does not matter. */
-#define RB_COUNTS_FIELDS(X)                                                                      \
-	X(uint64_t, collisions, , "", "impacts", RB_ANY_BITS)                                    \
-	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                            \
-	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                         \
-	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                            \
-	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)              \
-	X(uint64_t, plastic_ends, , "",                                                          \
-	  "clusters of impacts that had not settled after all rounds: ended with e = 0",         \
-	  RB_ANY_BITS)                                                                           \
-	X(uint64_t, crowded_impacts, , "",                                                       \
-	  "stepped: impacts of groups too large for the law of lone ones", RB_ANY_BITS)          \
-	X(uint64_t, rows, , "", "stepped: contact points of steps", RB_ANY_BITS)                 \
-	X(uint64_t, row_sweeps, , "", "stepped: times that one was swept", RB_ANY_BITS)          \
-	X(uint64_t, factors, , "", "stepped: factorizations", RB_ANY_BITS)                       \
-	X(uint64_t, closings, , "", "stepped: moves of positions only", RB_ANY_BITS)             \
-	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_FINITE)      \
-	X(double, smallest_step_s, , "s", "HUGE_VAL: no step yet", RB_TIME)                      \
-	X(double, stepped_s, , "s", "simulated by steps: classic or stepped", RB_FINITE)         \
+/*
+ * Counts since some moment: sums and extremes, so the order of adding does not matter, to rounding
+ * of the seconds and joules.
+ */
+#define RB_COUNTS_SUMS(X)                                                                   \
+	X(uint64_t, collisions, , "", "impacts", RB_ANY_BITS)                               \
+	X(uint64_t, rollbacks, , "", "tries taken back", RB_ANY_BITS)                       \
+	X(uint64_t, substeps, , "", "kept", RB_ANY_BITS)                                    \
+	X(uint64_t, body_steps, , "", "of all substeps", RB_ANY_BITS)                       \
+	X(uint64_t, discarded_body_steps, , "", "of tries taken back", RB_ANY_BITS)         \
+	X(uint64_t, plastic_ends, , "",                                                     \
+	  "clusters of impacts that had not settled after all rounds: ended with e = 0",    \
+	  RB_ANY_BITS)                                                                      \
+	X(uint64_t, crowded_impacts, , "",                                                  \
+	  "stepped: impacts of groups too large for the law of lone ones", RB_ANY_BITS)     \
+	X(uint64_t, rows, , "", "stepped: contact points of steps", RB_ANY_BITS)            \
+	X(uint64_t, row_sweeps, , "", "stepped: times that one was swept", RB_ANY_BITS)     \
+	X(uint64_t, factors, , "", "stepped: factorizations", RB_ANY_BITS)                  \
+	X(uint64_t, closings, , "", "stepped: moves of positions only", RB_ANY_BITS)        \
+	X(double, crowded_energy_j, , "J", "of the approach of crowded impacts", RB_FINITE) \
+	X(double, stepped_s, , "s", "simulated by steps: classic or stepped", RB_FINITE)
+#define RB_COUNTS_SMALLEST(X) X(double, smallest_step_s, , "s", "HUGE_VAL: no step yet", RB_TIME)
+#define RB_COUNTS_LARGEST(X)                                                                     \
 	X(double, residual_m, , "m", "stepped: largest that a solution left of a gap's closing", \
 	  RB_FINITE)                                                                             \
 	X(double, slip_m, , "m", "stepped: largest left of friction's where that was held",      \
 	  RB_FINITE)                                                                             \
 	X(double, max_penetration_m, , "m", "largest overlap", RB_FINITE)
+#define RB_COUNTS_FIELDS(X) RB_COUNTS_SUMS(X) RB_COUNTS_SMALLEST(X) RB_COUNTS_LARGEST(X)
 struct rb_counts {
 	RB_COUNTS_FIELDS(RB_FIELD_MEMBER)
 };
@@ -61,23 +66,15 @@ static const struct rb_counts rb_counts_none = {.smallest_step_s = HUGE_VAL};
 
 static inline void rb_counts_add(struct rb_counts *to, const struct rb_counts *from)
 {
-	to->collisions += from->collisions;
-	to->rollbacks += from->rollbacks;
-	to->substeps += from->substeps;
-	to->stepped_s += from->stepped_s;
-	to->body_steps += from->body_steps;
-	to->discarded_body_steps += from->discarded_body_steps;
-	to->plastic_ends += from->plastic_ends;
-	to->crowded_impacts += from->crowded_impacts;
-	to->crowded_energy_j += from->crowded_energy_j;
-	to->rows += from->rows;
-	to->row_sweeps += from->row_sweeps;
-	to->factors += from->factors;
-	to->closings += from->closings;
-	to->residual_m = fmax(to->residual_m, from->residual_m);
-	to->slip_m = fmax(to->slip_m, from->slip_m);
-	to->smallest_step_s = fmin(to->smallest_step_s, from->smallest_step_s);
-	to->max_penetration_m = fmax(to->max_penetration_m, from->max_penetration_m);
+#define RB_COUNTS_SUM(type, name, ...) to->name += from->name;
+#define RB_COUNTS_SMALLER(type, name, ...) to->name = fmin(to->name, from->name);
+#define RB_COUNTS_LARGER(type, name, ...) to->name = fmax(to->name, from->name);
+	RB_COUNTS_SUMS(RB_COUNTS_SUM)
+	RB_COUNTS_SMALLEST(RB_COUNTS_SMALLER)
+	RB_COUNTS_LARGEST(RB_COUNTS_LARGER)
+#undef RB_COUNTS_SUM
+#undef RB_COUNTS_SMALLER
+#undef RB_COUNTS_LARGER
 }
 
 /* The list of struct rb_event (<rbsim/frame.h>). */
