@@ -141,17 +141,17 @@ static void files_that_are_no_sockets_stay(void **state)
 	const int file = open(place.path, O_CREAT | O_WRONLY, 0600);
 	assert_int_equal(write(file, "mine", 4), 4);
 	close(file);
-	assert_refused(&place, "a file that is no socket has that name");
+	assert_refused(&place, "a file that is not a socket has that name");
 	assert_int_equal(stat(place.path, &about), 0);
 	assert_int_equal(about.st_size, 4);
 	unlink(place.path);
 	assert_int_equal(mkdir(place.path, 0700), 0);
-	assert_refused(&place, "a file that is no socket has that name");
+	assert_refused(&place, "a file that is not a socket has that name");
 	assert_int_equal(rmdir(place.path), 0);
 	/* a link to one that is left over: what it leads to is not ours to take away */
 	snprintf(target, sizeof target, "%s/t", place.folder);
 	assert_int_equal(symlink(target, place.path), 0);
-	assert_refused(&place, "a file that is no socket has that name");
+	assert_refused(&place, "a file that is not a socket has that name");
 	unlink(place.path);
 	close_place(&place);
 	assert_refused(&place, "No such file or directory");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/script/expects.c: expectations as a scene states them, judged and remembered */
-#include "support.h"
+#include "loaded.h"
 
 #include <lauxlib.h>
 
@@ -8,38 +8,6 @@
 
 #include "script/expects.h"
 #include "script/load.h"
-
-struct loaded {
-	struct rb_script *script;
-	struct rb_scene scene;
-	struct rb_mistakes mistakes;
-	struct rb_error err;
-	enum rb_status status;
-};
-
-static void load(struct loaded *it, const char *text)
-{
-	const struct rb_source_file file = {
-		.name = "t.lua", .text = text, .size_bytes = strlen(text)};
-	const struct rb_script_options options = {.path = "t.lua", .files = &file, .file_count = 1};
-
-	*it = (struct loaded){0};
-	it->status = rb_script_load(&it->script, &it->scene, &it->mistakes, &options, &it->err);
-}
-
-static void must_load(struct loaded *it, const char *text)
-{
-	load(it, text);
-	if (it->status != RB_OK)
-		fail_msg("'%s': %s", text, it->err.text);
-}
-
-static void unload(struct loaded *it)
-{
-	rb_script_destroy(it->script);
-	rb_scene_release(&it->scene);
-	rb_mistakes_release(&it->mistakes);
-}
 
 static void assert_mistake(const char *text, const char *part)
 {
@@ -86,17 +54,18 @@ static void expectations_arrive_in_their_order_with_their_lines(void **state)
 static void what_is_no_expectation_is_a_mistake(void **state)
 {
 	(void)state;
-	assert_mistake("expect(5, function() end)", "t.lua:1: expect: wants a text and a function "
-	                                            "(got 5 for the text)");
+	assert_mistake("expect(5, function() end)",
+	               "t.lua:1: expect: expected a text and a function "
+	               "(got 5 for the text)");
 	assert_mistake("expect('x', true)", "(got true for the function)");
 	assert_mistake("expect_always()",
-	               "expect_always: wants a text and a function (got nothing");
-	assert_mistake("expect_refused(66.5)", "wants an exit status of rbsim(1) first");
+	               "expect_always: expected a text and a function (got nothing");
+	assert_mistake("expect_refused(66.5)", "expected an exit status of rbsim(1) first");
 	assert_mistake("expect_refused('65')", "(got the text '65')");
 	assert_mistake("expect_refused(0)", "(got 0)");
 	assert_mistake("expect_refused(70)", "(got 70)"); /* a bug is never expected */
-	assert_mistake("expect_refused(65, 5)", "wants a pattern as a text (got 5)");
-	assert_mistake("reference(5)", "reference: wants a function of t (got 5)");
+	assert_mistake("expect_refused(65, 5)", "expected a pattern as a text (got 5)");
+	assert_mistake("reference(5)", "reference: expected a function of t (got 5)");
 }
 
 static void a_refusal_is_kept_with_its_pattern(void **state)

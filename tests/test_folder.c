@@ -284,7 +284,7 @@ static void what_is_too_long_or_too_large_is_told(void **state)
 	rb_memory_free(text);
 	assert_int_equal(rb_folder_read(path_in(top, "x"), 4, &text, &size, &err), RB_ERR_INPUT);
 	assert_null(text);
-	assert_non_null(strstr(err.text, "it is no file, or too large"));
+	assert_non_null(strstr(err.text, "it is not a file, or too large"));
 	assert_int_equal(rb_folder_read(top, 400, &text, &size, &err), RB_ERR_INPUT);
 	assert_int_equal(rb_folder_read(path_in(top, "y"), 4, &text, &size, &err), RB_ERR_INPUT);
 	assert_non_null(strstr(err.text, "No such file"));

@@ -33,7 +33,7 @@ static void begin(struct course *c, int n, rb_gauss_rates *rates, void *user, co
 	c->piece.n = n;
 	c->piece.start = c->value;
 	c->piece.coefficient = c->coefficient;
-	assert_true(rb_gauss_room(n) <= sizeof c->scratch / sizeof *c->scratch);
+	assert_true(rb_gauss_scratch_size(n) <= sizeof c->scratch / sizeof *c->scratch);
 	for (size_t i = 0; i < sizeof c->scratch / sizeof *c->scratch; i++)
 		c->scratch[i] = (double)NAN; /* what is left in there must not matter */
 }
@@ -45,8 +45,8 @@ static enum rb_status step(struct course *c, double end, struct rb_error *err)
 	c->steps++;
 	const enum rb_status status = rb_gauss_step(&c->problem, c->time_s, &c->try_s, c->least_s,
 	                                            &c->piece, err);
-	for (size_t i = rb_gauss_room(c->problem.n); i < sizeof c->scratch / sizeof *c->scratch;
-	     i++)
+	for (size_t i = rb_gauss_scratch_size(c->problem.n);
+	     i < sizeof c->scratch / sizeof *c->scratch; i++)
 		assert_true(isnan(c->scratch[i])); /* that room is nobody's */
 	return status;
 }

@@ -402,7 +402,7 @@ static void what_is_no_hdf5_file_is_not_marked(void **state)
 		else
 			assert_int_equal(ftruncate(fd, 40), 0);
 		assert_int_equal(rb_mark_clear(fd, "a.h5", &was, &err), RB_ERR_INPUT);
-		assert_string_equal(err.text, "'a.h5' is no HDF5 file");
+		assert_string_equal(err.text, "'a.h5' is not an HDF5 file");
 		assert_false(was);
 		if (k < 8) {
 			assert_int_equal(pwrite(fd, before + k, 1, k), 1);

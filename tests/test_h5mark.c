@@ -184,7 +184,7 @@ static void a_changed_byte_of_the_marks_is_found(void **state)
 			bytes[at] ^= (unsigned char)(1 << bit);
 			const int fd = put_bytes(place.copy, bytes, size);
 			assert_int_equal(rb_mark_clear(fd, "f", &was, &place.err), RB_ERR_INPUT);
-			assert_non_null(strstr(place.err.text, at < 8    ? "'f' is no HDF5 file"
+			assert_non_null(strstr(place.err.text, at < 8    ? "'f' is not an HDF5 file"
 			                                       : at < 11 ? "'f' is"
 			                                                 : "'f' is damaged"));
 			assert_false(was);

@@ -1,34 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* src/math/mat3.h */
-#include "support.h"
+#include "turns.h"
 
 #include "math/mat3.h"
-#include "math/quat.h"
-#include "math/random.h"
-
-static double between(double low, double high, uint64_t stream, uint64_t index)
-{
-	return low + (high - low) * rb_random_unit(1, stream, index);
-}
-
-static rb_vec3 some_vector(uint64_t index)
-{
-	return rb_vec3_of(between(-2, 2, 10, index), between(-2, 2, 11, index),
-	                  between(-2, 2, 12, index));
-}
-
-static rb_quat some_rotation(uint64_t index)
-{
-	return rb_quat_unit((rb_quat){between(-1, 1, 20, index), between(-1, 1, 21, index),
-	                              between(-1, 1, 22, index), between(-1, 1, 23, index)});
-}
-
-static void assert_same_vector(rb_vec3 a, rb_vec3 b, double tol)
-{
-	assert_near(a.x, b.x, tol);
-	assert_near(a.y, b.y, tol);
-	assert_near(a.z, b.z, tol);
-}
 
 static void assert_same_matrix(const rb_mat3 *a, const rb_mat3 *b, double tol)
 {

@@ -126,8 +126,8 @@ static void what_cannot_be_its_value_is_a_mistake_of_the_command_line(void **sta
 		{"'a', '', {choices = {'a', 'b'}}", "p=c", "must be one of a, b (got 'c')"},
 		{"1, '', {choices = {1, 2, 4}}", "p=3", "must be one of 1, 2, 4 (got '3')"},
 		{"2", "q=1", "--param q: the scene has no such parameter"},
-		{"2", "p", "--param 'p': wants NAME=VALUE"},
-		{"2", "=1", "--param '': wants NAME=VALUE"},
+		{"2", "p", "--param 'p': expected NAME=VALUE"},
+		{"2", "=1", "--param '': expected NAME=VALUE"},
 	};
 	char text[200];
 
@@ -156,7 +156,7 @@ static void of_two_values_the_last_holds(void **state)
 static void a_declaration_that_makes_no_sense_is_a_mistake_of_the_scene(void **state)
 {
 	static const char *const cases[][2] = {
-		{"param()", "wants a name, a default, a help text (got nothing for the name)"},
+		{"param()", "expected a name, a default, a help text (got nothing for the name)"},
 		{"param('', 1)", "must not be empty nor hold '='"},
 		{"param('a=b', 1)", "must not be empty nor hold '='"},
 		{"param('a\\0b', 1)", "must not be empty"},
@@ -174,7 +174,7 @@ static void a_declaration_that_makes_no_sense_is_a_mistake_of_the_scene(void **s
 		{"param('p', 5, '', {choices = {5, {}}})", "'choices' must be a list"},
 		{"param('p', 5, '', {choices = '5'})", "'choices' must be a list"},
 		{"param('p', 5, '', {mini = 1})", "mini"},
-		{"param('p', 5, '', 5)", "wants a table of keys"},
+		{"param('p', 5, '', 5)", "expected a table of keys"},
 	};
 
 	(void)state;

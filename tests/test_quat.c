@@ -1,35 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* src/math/quat.h */
-#include "support.h"
-
-#include "math/quat.h"
-#include "math/random.h"
+#include "turns.h"
 
 static const double pi = 3.14159265358979323846;
-
-static double between(double low, double high, uint64_t stream, uint64_t index)
-{
-	return low + (high - low) * rb_random_unit(1, stream, index);
-}
-
-static rb_vec3 some_vector(uint64_t index)
-{
-	return rb_vec3_of(between(-2, 2, 10, index), between(-2, 2, 11, index),
-	                  between(-2, 2, 12, index));
-}
-
-static rb_quat some_rotation(uint64_t index)
-{
-	return rb_quat_unit((rb_quat){between(-1, 1, 20, index), between(-1, 1, 21, index),
-	                              between(-1, 1, 22, index), between(-1, 1, 23, index)});
-}
-
-static void assert_same_vector(rb_vec3 a, rb_vec3 b, double tol)
-{
-	assert_near(a.x, b.x, tol);
-	assert_near(a.y, b.y, tol);
-	assert_near(a.z, b.z, tol);
-}
 
 static void a_turn_of_a_quarter_about_z_takes_x_to_y(void **state)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/script/reference.c: the exact motion that a scene states, at one time */
-#include "support.h"
+#include "loaded.h"
 
 #include <float.h>
 
@@ -10,38 +10,6 @@
 #include "script/load.h"
 #include "script/reference.h"
 #include "script/script.h"
-
-struct loaded {
-	struct rb_script *script;
-	struct rb_scene scene;
-	struct rb_mistakes mistakes;
-	struct rb_error err;
-	enum rb_status status;
-};
-
-static void load(struct loaded *it, const char *text)
-{
-	const struct rb_source_file file = {
-		.name = "t.lua", .text = text, .size_bytes = strlen(text)};
-	const struct rb_script_options options = {.path = "t.lua", .files = &file, .file_count = 1};
-
-	*it = (struct loaded){0};
-	it->status = rb_script_load(&it->script, &it->scene, &it->mistakes, &options, &it->err);
-}
-
-static void must_load(struct loaded *it, const char *text)
-{
-	load(it, text);
-	if (it->status != RB_OK)
-		fail_msg("'%s': %s", text, it->err.text);
-}
-
-static void unload(struct loaded *it)
-{
-	rb_script_destroy(it->script);
-	rb_scene_release(&it->scene);
-	rb_mistakes_release(&it->mistakes);
-}
 
 enum { BODIES = 3 };
 
@@ -145,12 +113,12 @@ static void mistakes_are_told_with_place_and_body(void **state)
 	assert_wrong("return {[b] = 5}", "'sphere' must be a table");
 	assert_wrong("return {a = {place = {0, 0, 0}}}", "'a': unknown key 'place'");
 	assert_wrong("return {a = {{0, 0, 0}}}", "'a': unknown key ''");
-	assert_wrong("return {a = {position = {0, 0}}}", "'a': 'position': wants a vector");
-	assert_wrong("return {a = {velocity = 0}}", "'a': 'velocity': wants a vector");
+	assert_wrong("return {a = {position = {0, 0}}}", "'a': 'position': expected a vector");
+	assert_wrong("return {a = {velocity = 0}}", "'a': 'velocity': expected a vector");
 	assert_wrong("return {a = {angular_velocity = {0, 0, 1/0}}}",
-	             "'a': 'angular_velocity': wants finite");
+	             "'a': 'angular_velocity': expected finite");
 	assert_wrong("return {floor = {position = {0/0, 0, 0}}}",
-	             "'floor': 'position': wants finite");
+	             "'floor': 'position': expected finite");
 	assert_wrong("return {a = {orientation = {1, 0, 0}}}",
 	             "quaternion {w, x, y, z} of length 1");
 	assert_wrong("return {a = {orientation = {1, 0, 0, 0.1}}}", "of length 1");

@@ -255,7 +255,7 @@ static void parameters_take_the_type_of_their_default(void **state)
 	assert_string_equal(it.mistakes.line[4],
 	                    "t.lua: --param aa: the scene has no such parameter (did you mean "
 	                    "'a'?); it has a, n, b, s");
-	assert_string_equal(it.mistakes.line[5], "t.lua: --param 'q': wants NAME=VALUE");
+	assert_string_equal(it.mistakes.line[5], "t.lua: --param 'q': expected NAME=VALUE");
 	unload(&it);
 }
 
@@ -652,7 +652,7 @@ static void a_refusal_is_expected_with_a_status_there_is(void **state)
 		snprintf(text, sizeof text, "world { duration = 1 }\nexpect_refused(%s)", wrong[i]);
 		load_text(&it, text);
 		assert_int_equal(it.status, RB_ERR_SCENE);
-		assert_non_null(strstr(it.error.text, "wants an exit status of rbsim(1) first"));
+		assert_non_null(strstr(it.error.text, "expected an exit status of rbsim(1) first"));
 		unload(&it);
 	}
 	must_load(&it, "world { duration = 1 }\nexpect_refused(76, 'too deep')");

@@ -114,7 +114,7 @@ static void require_does_not_leave_its_folders(void **state)
 		snprintf(text, sizeof text, "require '%s'", names[i]);
 		must_fail(text, "require '");
 	}
-	must_fail("require(5)", "require: wants a name");
+	must_fail("require(5)", "require: expected a name");
 }
 
 static void metatables_lead_nowhere(void **state)
@@ -142,7 +142,7 @@ static void bodies_of_handles_cannot_be_forged(void **state)
 {
 	(void)state;
 	must_fail("local b = sphere { radius = 1 } local point = b.point point(5)",
-	          "wants a vector");
+	          "expected a vector");
 	must_fail("local b = sphere { radius = 1 } b.set_velocity({}, {1, 2, 3})",
 	          "without its body");
 	must_fail("camera { mount = {} }", "must be a body");
@@ -252,7 +252,7 @@ static void memory_that_grows_counts_once(void **state)
 	memory_bytes = (size_t)5 << 20;
 	must_run(text);
 	memory_bytes = (size_t)3 << 20;
-	must_fail(text, "wants more than 3 MiB of memory");
+	must_fail(text, "needs more than 3 MiB of memory");
 	memory_bytes = (size_t)8 << 20;
 }
 
@@ -303,11 +303,11 @@ static void hulls_count_with_what_they_take(void **state)
 static void memory_is_bounded(void **state)
 {
 	static const char message[] =
-		"t.lua: the script wants more than 8 MiB of memory (--trust lifts this)";
+		"t.lua: the script needs more than 8 MiB of memory (--trust lifts this)";
 
 	(void)state;
 	must_fail("local t = {} for i = 1, 1e9 do t[i] = i end", message);
-	must_fail("local t = {} for i = 1, 1e9 do t[i] = {} end", "wants more than 8 MiB");
+	must_fail("local t = {} for i = 1, 1e9 do t[i] = {} end", "needs more than 8 MiB");
 	must_fail("local s = 'x' while true do s = s .. s end", message);
 	must_fail("while true do local ok = pcall(function() local s = 'x' while true do s = s .. "
 	          "s end end) end",

@@ -112,7 +112,7 @@ static void what_is_no_socket_is_not_touched(void **state)
 	assert_true(fd >= 0);
 	close(fd);
 	assert_int_equal(rb_server_create(&second, target, host.session, &err), RB_ERR_CREATE);
-	assert_non_null(strstr(err.text, "no socket"));
+	assert_non_null(strstr(err.text, "not a socket"));
 	assert_int_equal(access(target, F_OK), 0);
 	unlink(target);
 	assert_int_equal(symlink("nowhere", target), 0);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/script/shapes.c: sizes, points and parts of bodies with a volume, as scenes write them */
-#include "support.h"
+#include "loaded.h"
 
 #include <float.h>
 
@@ -11,38 +11,6 @@
 #include "model/shape.h"
 #include "script/load.h"
 #include "script/shapes.h"
-
-struct loaded {
-	struct rb_script *script;
-	struct rb_scene scene;
-	struct rb_mistakes mistakes;
-	struct rb_error err;
-	enum rb_status status;
-};
-
-static void load(struct loaded *it, const char *text)
-{
-	const struct rb_source_file file = {
-		.name = "t.lua", .text = text, .size_bytes = strlen(text)};
-	const struct rb_script_options options = {.path = "t.lua", .files = &file, .file_count = 1};
-
-	*it = (struct loaded){0};
-	it->status = rb_script_load(&it->script, &it->scene, &it->mistakes, &options, &it->err);
-}
-
-static void must_load(struct loaded *it, const char *text)
-{
-	load(it, text);
-	if (it->status != RB_OK)
-		fail_msg("'%s': %s", text, it->err.text);
-}
-
-static void unload(struct loaded *it)
-{
-	rb_script_destroy(it->script);
-	rb_scene_release(&it->scene);
-	rb_mistakes_release(&it->mistakes);
-}
 
 /* One mistake, told with the line and call. */
 static void assert_mistake(const char *text, const char *part)
@@ -165,8 +133,8 @@ static void what_is_missing_or_too_much_is_told(void **state)
 	assert_mistake("sphere { raduis = 1 }", "raduis");
 	assert_mistake("hull { point = {{0, 0, 0}} }", "point");
 	assert_mistake("body { shape = {} }", "shape");
-	assert_mistake("sphere(5)", "sphere: wants a table of keys");
-	assert_mistake("body(5)", "body: wants the name of a body or a table of keys (got 5)");
+	assert_mistake("sphere(5)", "sphere: expected a table of keys");
+	assert_mistake("body(5)", "body: expected the name of a body or a table of keys (got 5)");
 	assert_mistake("box { size = {1, 2} }", "'size' must be a list of 3 numbers");
 	assert_mistake("box { size = {1, 2, 0} }", "'size' must be positive");
 	assert_mistake("sphere { radius = -1 }", "'radius' must be positive");

@@ -482,7 +482,7 @@ static void a_file_of_cameras_that_cannot_be_read_is_told(void **state)
 	assert_int_equal(add(&it, "none.lua"), RB_ERR_INPUT);
 	assert_string_equal(it.error.text, "cannot read 'none.lua': No such file or directory");
 	assert_int_equal(add(&it, put_file("more.lua", "\x89HDF\r\n\x1a\n")), RB_ERR_INPUT);
-	assert_non_null(strstr(it.error.text, "is no file of cameras: it begins with bytes"));
+	assert_non_null(strstr(it.error.text, "is not a file of cameras: it begins with bytes"));
 	assert_int_equal(it.scene.camera_count, 1);
 	must_shoot(&it, 0);
 	lower(&it);

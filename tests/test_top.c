@@ -285,7 +285,7 @@ static void integrate(struct reference *r, double *y, double end)
 	struct rb_gauss_piece piece = {7, 0, y, coefficient, NULL};
 	struct rb_error err;
 
-	assert_true(rb_gauss_room(7) <= 256);
+	assert_true(rb_gauss_scratch_size(7) <= 256);
 	for (; t < end; t += piece.length_s) {
 		h = fmin(h, end - t);
 		assert_ok(rb_gauss_step(&problem, t, &h, 0, &piece, &err));

@@ -108,7 +108,7 @@ static void a_spin_that_wanders_is_followed(void **state)
 	                                         .scratch = scratch,
 	                                         .calls = &calls};
 	struct rb_gauss_piece piece = {4, 0, value, coefficient, NULL};
-	assert_true(rb_gauss_room(4) <= sizeof scratch / sizeof *scratch);
+	assert_true(rb_gauss_scratch_size(4) <= sizeof scratch / sizeof *scratch);
 	rb_quat_to(value, rb_quat_identity);
 	while (time_s < 1.5) {
 		double end[4];

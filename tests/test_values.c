@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* src/script/values.c: single values of a scene, checked as their row says */
-#include "support.h"
+#include "loaded.h"
 
 #include <float.h>
 
@@ -10,38 +10,6 @@
 
 #include "script/load.h"
 #include "script/values.h"
-
-struct loaded {
-	struct rb_script *script;
-	struct rb_scene scene;
-	struct rb_mistakes mistakes;
-	struct rb_error err;
-	enum rb_status status;
-};
-
-static void load(struct loaded *it, const char *text)
-{
-	const struct rb_source_file file = {
-		.name = "t.lua", .text = text, .size_bytes = strlen(text)};
-	const struct rb_script_options options = {.path = "t.lua", .files = &file, .file_count = 1};
-
-	*it = (struct loaded){0};
-	it->status = rb_script_load(&it->script, &it->scene, &it->mistakes, &options, &it->err);
-}
-
-static void must_load(struct loaded *it, const char *text)
-{
-	load(it, text);
-	if (it->status != RB_OK)
-		fail_msg("'%s': %s", text, it->err.text);
-}
-
-static void unload(struct loaded *it)
-{
-	rb_script_destroy(it->script);
-	rb_scene_release(&it->scene);
-	rb_mistakes_release(&it->mistakes);
-}
 
 static void assert_mistake(const char *text, const char *part)
 {

@@ -453,7 +453,7 @@ void rb_checkpoints_remove(const char *recording, unsigned how)
 /* Fails: a file is no checkpoint that can be used. */
 static enum rb_status refuse(struct rb_error *err, const char *name, const char *why)
 {
-	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no checkpoint to go on from: %s", name, why);
+	return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not a checkpoint to resume from: %s", name, why);
 }
 
 /*

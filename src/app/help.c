@@ -56,7 +56,7 @@ void rb_help_print_overview(FILE *file)
 		fprintf(file, "  %-8s %s\n             %.*s\n", verb->name, verb->help,
 		        (int)strcspn(verb->examples, "\t\n"), verb->examples);
 	}
-	fprintf(file, "\n'rbsim help VERB' tells more of one, rbsim(1) all.\n");
+	fprintf(file, "\nSee 'rbsim help VERB' for one of them, rbsim(1) for all.\n");
 }
 
 void rb_help_print(FILE *file, const struct rb_options *options)
@@ -76,7 +76,7 @@ void rb_help_print(FILE *file, const struct rb_options *options)
 		for (int i = 0; i < RB_VERB_COUNT; i++)
 			fprintf(file, "  %-8s %-17s %s\n", rb_verbs[i].name, rb_verbs[i].operands,
 			        rb_verbs[i].help);
-		fprintf(file, "  'rbsim VERB --help' tells more.\n");
+		fprintf(file, "  See 'rbsim VERB --help' for one of them.\n");
 	}
 	fprintf(file, "\nOptions%s:\n", options->verb_given ? "" : " of run");
 	for (int i = 0; i < rb_option_row_count; i++)

@@ -170,7 +170,7 @@ int main(int argc, char **argv)
 	if (rb_options_parse(&options, argc, argv, &err)) {
 		exit_code = rb_app_refuse(&options, &err);
 		if (err.status == RB_ERR_USAGE)
-			rb_print(stderr, "rbsim: 'rbsim --help' tells more\n");
+			rb_print(stderr, "rbsim: see 'rbsim --help'\n");
 		exit_code = rb_app_finish(&options, exit_code);
 	} else {
 		if (!options.quiet)

@@ -183,7 +183,7 @@ const struct rb_option_row rb_option_rows[] = {
          "whose error counts (default: position)"},
 	{"error", 0, "VALUE", RB_OPTION_NUMBER, AT(error), VERB(CONVERGE), 0, (double)INFINITY,
          true, NULL,
-         "wanted error, in the unit of the quantity, for which the cheapest setting is told "
+         "error, in the unit of the quantity, for which the cheapest setting is printed "
          "(default: 1e-6)"},
 	{"runs", 0, "N", RB_OPTION_INTEGER, AT(runs), VERB(CONVERGE), 1, 1000, false, NULL,
          "runs of each setting, of which the shortest counts (default: up to 5)"},

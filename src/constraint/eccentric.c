@@ -163,7 +163,7 @@ static struct pair against(const struct law *law, double g, struct pair n)
  * whose left side falls with g, so that Newton's method for its inverse comes to the root from one
  * side (More, Sorensen, SIAM J. Sci. Stat. Comput. 4 (1983) 553).
  */
-static void leave_rest(struct course *c)
+static void begin_slip(struct course *c)
 {
 	const struct law *const law = &c->law;
 	const double trace = law->xx + law->yy;
@@ -393,7 +393,7 @@ static void run(struct course *c)
 		const double turn = rate.y * c->along.x - rate.x * c->along.y;
 
 		if (!(c->speed > ended))
-			leave_rest(c);
+			begin_slip(c);
 		else if (fabs(turn) * c->law.unit <= turning || step == STEPS - 2)
 			slip_straight(c);
 		else

@@ -87,7 +87,7 @@ static enum rb_status clear(const char *path, const struct sockaddr_un *address,
 		return RB_OK; /* what else is wrong with it shows when it is bound */
 	if (!S_ISSOCK(file.st_mode))
 		return RB_FAIL(err, RB_ERR_CREATE,
-		               "cannot make socket '%s': a file that is no socket has that name",
+		               "cannot make socket '%s': a file that is not a socket has that name",
 		               path);
 	const int probe = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
 	if (probe < 0)

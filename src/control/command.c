@@ -22,7 +22,7 @@
 const struct rb_command_row rb_commands[RB_COMMAND_KIND_COUNT] = {
 	[RB_COMMAND_PLAY] = {"play", "", 0, "continue the run"},
 	[RB_COMMAND_PAUSE] = {"pause", "", 0, "pause at the next frame, for all clients"},
-	[RB_COMMAND_TOGGLE] = {"toggle", "", 0, "play what is paused, pause what plays"},
+	[RB_COMMAND_TOGGLE] = {"toggle", "", 0, "play or pause"},
 	[RB_COMMAND_STEP] = {"step", "[N]", 0, "advance N frames (default: 1), then pause"},
 	[RB_COMMAND_BACK] = {"back", "[N]", RB_NEEDS_VIEW | RB_NEEDS_FRAMES,
                              "show the frame N before this one (default: 1)"},

@@ -377,7 +377,7 @@ enum rb_status rb_wire_read_frame(struct rb_frame *frame, int body_count, const 
 	if (!take_word(&reader, word) || strcmp(word, "frame") != 0 ||
 	    !take_count(&reader, &index) || !take_number(&reader, &time_s) || !isfinite(time_s) ||
 	    !take_count(&reader, &bodies) || !take_columns(&reader, has))
-		return RB_FAIL(err, RB_ERR_INPUT, "a line of %zu bytes is no frame", size);
+		return RB_FAIL(err, RB_ERR_INPUT, "a line of %zu bytes is not a frame", size);
 	if (body_count < 0 || bodies != (uint64_t)body_count)
 		return RB_FAIL(err, RB_ERR_INPUT, "a frame has %" PRIu64 " bodies, wanted %d",
 		               bodies, body_count);

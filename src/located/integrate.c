@@ -38,7 +38,8 @@ size_t rb_integrate_kept_size(int n)
 
 size_t rb_integrate_scratch_size(int n)
 {
-	return rb_integrate_kept_size(n) + (size_t)n * (2 + RB_GAUSS_NODES) + rb_gauss_room(n);
+	return rb_integrate_kept_size(n) + (size_t)n * (2 + RB_GAUSS_NODES) +
+	       rb_gauss_scratch_size(n);
 }
 
 void rb_integrate_lay_out(struct rb_cluster *c, int n)

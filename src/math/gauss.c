@@ -175,7 +175,7 @@ struct attempt {
 	struct rb_error *err;
 };
 
-size_t rb_gauss_room(int n)
+size_t rb_gauss_scratch_size(int n)
 {
 	return (size_t)(NODES + 6) * (size_t)n;
 }
@@ -352,7 +352,7 @@ static bool guess(const struct attempt *a)
  * then (a chain q' = w, w' = f(q) that is none of rows shows it in every other visit), so that two
  * visits without halving the smallest change so far are wanted before giving up.
  */
-static enum rb_status settle(struct attempt *a, double *rate, int *sweeps, double *left)
+static enum rb_status converge(struct attempt *a, double *rate, int *sweeps, double *left)
 {
 	double change, before, least;
 	int stalled = 0;
@@ -606,7 +606,7 @@ enum rb_status rb_gauss_step(const struct rb_gauss_problem *problem, double time
 		for (size_t i = 0; i < n; i++)
 			a.g[0][i] = a.h_s * a.first[i];
 		find_sizes(&a);
-		status = settle(&a, rate, &sweeps, &left);
+		status = converge(&a, rate, &sweeps, &left);
 		if (status != RB_OK)
 			return status;
 		if (sweeps > 0) {

@@ -78,7 +78,7 @@ struct rb_gauss_problem {
 	struct rb_gauss_guess guess;
 	const double *scale; /* [n]: sizes that the errors are relative to, > 0 */
 	double tolerance;    /* of scale, per step, >= a few ulp */
-	double *scratch;     /* [rb_gauss_room(n)] */
+	double *scratch;     /* [rb_gauss_scratch_size(n)] */
 	uint64_t *calls;     /* grows by the calls of rates */
 	/*
 	 * Called after the rates at node 0 .. RB_GAUSS_NODES - 1, in visits that may be the last;
@@ -94,7 +94,7 @@ struct rb_gauss_problem {
 };
 
 /* Doubles of scratch that a step needs. */
-size_t rb_gauss_room(int n);
+size_t rb_gauss_scratch_size(int n);
 
 /*
  * One step from piece->start at time `time_s` (added to the piece's own times in calls of `rates`),

@@ -123,7 +123,7 @@ static bool needs_parts(const struct rb_scene *scene)
 }
 
 /* Allocates for the distinct shapes, which shape_of[id] == id marks. */
-static bool take_room(struct rb_parts_table *table, const struct rb_scene *scene)
+static bool allocate(struct rb_parts_table *table, const struct rb_scene *scene)
 {
 	size_t shapes = 0, parts = 0;
 
@@ -150,7 +150,7 @@ enum rb_status rb_parts_table_create(struct rb_parts_table **table, const struct
 	if (made)
 		made->shape_of = rb_memory_take((size_t)scene->body_count, sizeof *made->shape_of);
 	if (!made || !made->shape_of || !find_firsts(scene, made->shape_of) ||
-	    !take_room(made, scene))
+	    !allocate(made, scene))
 		status = RB_FAIL(err, RB_ERR_MEMORY, "out of memory for the shapes of %d bodies",
 		                 scene->body_count);
 	for (int i = 0; status == RB_OK && i < scene->body_count; i++) {

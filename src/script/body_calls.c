@@ -67,7 +67,7 @@ static void add_force(struct rb_call *part)
 		   neither = !has_direction && !has_magnitude;
 	if (has_vector ? !neither : !both && !(has_torque && neither)) {
 		rb_call_mistake(part,
-		                "wants 'vector', or 'direction' and 'magnitude', or 'torque'");
+		                "needs 'vector', or 'direction' and 'magnitude', or 'torque'");
 	} else if (both) {
 		const bool right = rb_call_value(part, rb_row_find(table, "direction", NULL), -2,
 		                                 &direction);
@@ -451,7 +451,7 @@ static int l_body(lua_State *L)
 	if (named)
 		rb_call_mistake(&call, "no body is named '%.60s' so far%s", name, hint);
 	else
-		rb_call_mistake(&call, "wants the name of a body or a table of keys (got %s)",
+		rb_call_mistake(&call, "expected the name of a body or a table of keys (got %s)",
 		                rb_describe(L, 1, found));
 	return stand_in(L, &call);
 }

@@ -180,11 +180,11 @@ struct rb_call rb_call_begin(lua_State *L, const char *word, const struct rb_row
 	char found[80];
 	const bool table_given = lua_type(L, index) == LUA_TTABLE;
 	if (!table_given)
-		rb_call_mistake(&call, "wants a table of keys, like %s { ... } (got %s)", word,
+		rb_call_mistake(&call, "expected a table of keys, like %s { ... } (got %s)", word,
 		                rb_describe(L, index, found));
 	else if (luaL_getmetafield(L, index, "__index") !=
 	         LUA_TNIL) /* what it inherits would be passed over */
-		rb_call_mistake(&call, "wants a plain table of keys (got one with '__index')");
+		rb_call_mistake(&call, "expected a plain table of keys (got one with '__index')");
 	else
 		call.index = index;
 	if (call.index == 0)

@@ -65,7 +65,7 @@ static void read_light(struct rb_call *part, struct rb_light_def *light)
 	if (!rb_call_tried(part, "kind")) {
 		if (rb_call_tried(part, "position") == rb_call_tried(part, "direction")) {
 			rb_call_mistake(part,
-			                "wants a 'kind', or one of 'position' and 'direction'");
+			                "needs a 'kind', or one of 'position' and 'direction'");
 			return;
 		}
 		light->kind = rb_call_tried(part, "position") ? RB_LIGHT_LAMP : RB_LIGHT_SUN;
@@ -78,7 +78,7 @@ static void read_light(struct rb_call *part, struct rb_light_def *light)
 			rb_call_mistake(part, "%s has no '%s'", names[light->kind],
 			                light_keys[k].key);
 		if (!given && light_keys[k].of[light->kind] == 2)
-			rb_call_mistake(part, "%s wants '%s'", names[light->kind],
+			rb_call_mistake(part, "%s needs '%s'", names[light->kind],
 			                light_keys[k].key);
 	}
 	if (light->kind == RB_LIGHT_SPOT && rb_call_given(part, "position") &&
@@ -174,7 +174,7 @@ static void check_projection(const struct rb_call *call, const struct rb_camera_
 		rb_call_mistake(call, "an orthographic projection has no 'fov' (use 'height', m)");
 	if (def->orthographic && !def->framed && !rb_call_tried(call, "height") &&
 	    !rb_call_tried(call, "frustum"))
-		rb_call_mistake(call, "an orthographic projection wants 'height', m");
+		rb_call_mistake(call, "an orthographic projection needs 'height', m");
 }
 
 /* Notes what no single key can tell, and sets what follows from several. */

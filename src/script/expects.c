@@ -21,7 +21,7 @@ static int add_expect(lua_State *L, const char *word, bool always)
 	char found[80];
 
 	if (lua_type(L, 1) != LUA_TSTRING || lua_type(L, 2) != LUA_TFUNCTION) {
-		rb_call_mistake(&call, "wants a text and a function (got %s%s)",
+		rb_call_mistake(&call, "expected a text and a function (got %s%s)",
 		                rb_describe(L, lua_type(L, 1) != LUA_TSTRING ? 1 : 2, found),
 		                lua_type(L, 1) != LUA_TSTRING ? " for the text"
 		                                              : " for the function");
@@ -63,12 +63,13 @@ static int l_expect_refused(lua_State *L)
 	for (size_t i = 0; i < sizeof statuses / sizeof *statuses; i++)
 		known = known || (whole && statuses[i] == status);
 	if (lua_type(L, 1) != LUA_TNUMBER || !known) {
-		rb_call_mistake(&call, "wants an exit status of rbsim(1) first, like 65 (got %s)",
+		rb_call_mistake(&call,
+		                "expected an exit status of rbsim(1) first, like 65 (got %s)",
 		                rb_describe(L, 1, found));
 		return 0;
 	}
 	if (!lua_isnoneornil(L, 2) && lua_type(L, 2) != LUA_TSTRING) {
-		rb_call_mistake(&call, "wants a pattern as a text (got %s)",
+		rb_call_mistake(&call, "expected a pattern as a text (got %s)",
 		                rb_describe(L, 2, found));
 		return 0;
 	}
@@ -89,7 +90,8 @@ static int l_reference(lua_State *L)
 	char found[80];
 
 	if (lua_type(L, 1) != LUA_TFUNCTION) {
-		rb_call_mistake(&call, "wants a function of t (got %s)", rb_describe(L, 1, found));
+		rb_call_mistake(&call, "expected a function of t (got %s)",
+		                rb_describe(L, 1, found));
 		return 0;
 	}
 	lua_settop(L, 1);

@@ -234,7 +234,7 @@ static int l_require(lua_State *L)
 
 	lua_settop(L, 1);
 	if (lua_type(L, 1) != LUA_TSTRING)
-		return luaL_error(L, "require: wants a name (got %s)", luaL_typename(L, 1));
+		return luaL_error(L, "require: expected a name (got %s)", luaL_typename(L, 1));
 	const char *name = lua_tolstring(L, 1, &name_size);
 	const int known = push_known(L);
 	if (known == LUA_TLIGHTUSERDATA)

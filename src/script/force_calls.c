@@ -63,7 +63,7 @@ static int l_element(lua_State *L)
 	if (!has_required(&call, kind))
 		return 0;
 	if (kind->wants_one && !call.unknown && !has_one(&call, kind))
-		rb_call_mistake(&call, "wants %s", kind->wants_one);
+		rb_call_mistake(&call, "needs %s", kind->wants_one);
 	const char *fault = rb_element_ends_fault(scene, kind, row);
 	if (fault)
 		rb_call_mistake(&call, "%s", fault);
@@ -79,7 +79,7 @@ static int l_field(lua_State *L)
 	char found[80];
 
 	if (lua_type(L, 1) != LUA_TFUNCTION) {
-		rb_call_mistake(&call, "wants a function of t, x and v (got %s)",
+		rb_call_mistake(&call, "expected a function of t, x and v (got %s)",
 		                rb_describe(L, 1, found));
 		return 0;
 	}

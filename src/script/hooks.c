@@ -46,7 +46,7 @@ static int l_callback(lua_State *L)
 	char found[80];
 
 	if (lua_type(L, 1) != LUA_TFUNCTION) {
-		rb_call_mistake(&call, "wants a function (got %s)", rb_describe(L, 1, found));
+		rb_call_mistake(&call, "expected a function (got %s)", rb_describe(L, 1, found));
 		return 0;
 	}
 	luaL_getsubtable(L, LUA_REGISTRYINDEX, callbacks[which].name);

@@ -363,10 +363,11 @@ static enum rb_status take_source(struct rb_script *script, const char *what, st
 		size = script->reading_size;
 		if (looks_binary(text, size)) {
 			rb_disk_forget(script);
-			return RB_FAIL(err, RB_ERR_INPUT,
-			               "'%s' is no %s: it begins with bytes that are no text (a "
-			               "recording? see rbsim info)",
-			               options->path, what);
+			return RB_FAIL(
+				err, RB_ERR_INPUT,
+				"'%s' is not a %s: it begins with bytes that are not text (a "
+				"recording? see rbsim info)",
+				options->path, what);
 		}
 	}
 	rb_hash_sha256(text, size, hex);

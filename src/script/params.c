@@ -232,7 +232,8 @@ static bool check_arguments(struct rb_call *call)
 	size_t size;
 
 	if (lua_type(L, 1) != LUA_TSTRING) {
-		rb_call_mistake(call, "wants a name, a default, a help text (got %s for the name)",
+		rb_call_mistake(call,
+		                "expected a name, a default, a help text (got %s for the name)",
 		                rb_describe(L, 1, found));
 		return false;
 	}
@@ -365,7 +366,7 @@ void rb_params_check(struct rb_script *script, bool whole)
 		snprintf(name, sizeof name, "%.*s", (int)(size < 60 ? size : 60), given);
 		if (given[size] != '=' || size == 0) {
 			script->usage_mistake_count++;
-			rb_script_mistake(script, 0, "--param '%s': wants NAME=VALUE", name);
+			rb_script_mistake(script, 0, "--param '%s': expected NAME=VALUE", name);
 			continue;
 		}
 		struct rb_nearest nearest = rb_nearest_to(name);

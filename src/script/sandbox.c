@@ -212,7 +212,7 @@ static void raise_spent(lua_State *L, int level)
 	if (sandbox->spent == RB_SPENT_TIME)
 		lua_pushfstring(L, "the script ran longer than %s seconds %s", seconds, lifted);
 	else if (sandbox->spent == RB_SPENT_MEMORY)
-		lua_pushfstring(L, "the script wants more than %d MiB of memory %s",
+		lua_pushfstring(L, "the script needs more than %d MiB of memory %s",
 		                (int)(sandbox->bytes_max >> 20), lifted);
 	else if (sandbox->work_max >= 1000000)
 		lua_pushfstring(L, "the script ran longer than %d million instructions %s",
@@ -431,7 +431,7 @@ static enum rb_status explain(struct rb_sandbox *sandbox, int status, struct rb_
 	else if (memory)
 		result = RB_FAIL(
 			err, RB_ERR_SCENE,
-			"the script wants more than %zu MiB of memory (--trust lifts this)",
+			"the script needs more than %zu MiB of memory (--trust lifts this)",
 			sandbox->bytes_max >> 20);
 	else
 		result = RB_FAIL(err, RB_ERR_SCENE, "%s", text);

@@ -129,10 +129,11 @@ rb_vec3 rb_vector_check(lua_State *L, int index, const char *what)
 	rb_vec3 v;
 
 	if (!get(L, index, &v))
-		luaL_error(L, "%s: wants a vector {x, y, z} (got %s)", what,
+		luaL_error(L, "%s: expected a vector {x, y, z} (got %s)", what,
 		           luaL_typename(L, index));
 	if (!rb_vec3_finite(v))
-		luaL_error(L, "%s: wants finite numbers (got {%f, %f, %f})", what, v.x, v.y, v.z);
+		luaL_error(L, "%s: expected finite numbers (got {%f, %f, %f})", what, v.x, v.y,
+		           v.z);
 	return v;
 }
 
@@ -142,7 +143,7 @@ static rb_vec3 operand(lua_State *L, int index, const char *operator)
 	rb_vec3 v;
 
 	if (!get(L, index, &v))
-		luaL_error(L, "vec3: '%s' wants two vectors (got %s)", operator,
+		luaL_error(L, "vec3: '%s' needs two vectors (got %s)", operator,
 		           luaL_typename(L, index));
 	return v;
 }
@@ -157,7 +158,7 @@ static int l_vec3(lua_State *L)
 	}
 	for (int i = 1; i <= 3; i++)
 		if (lua_type(L, i) != LUA_TNUMBER)
-			return luaL_error(L, "vec3: wants three numbers (got %s for number %d)",
+			return luaL_error(L, "vec3: expected three numbers (got %s for number %d)",
 			                  luaL_typename(L, i), i);
 	rb_vector_push(L, (rb_vec3){lua_tonumber(L, 1), lua_tonumber(L, 2), lua_tonumber(L, 3)});
 	return 1;
@@ -187,7 +188,7 @@ static int l_mul(lua_State *L)
 	rb_vec3 v;
 
 	if (lua_type(L, number) != LUA_TNUMBER || !get(L, 3 - number, &v))
-		return luaL_error(L, "vec3: '*' wants a number and a vector (a:dot(b) and "
+		return luaL_error(L, "vec3: '*' needs a number and a vector (a:dot(b) and "
 		                     "a:cross(b) multiply vectors)");
 	rb_vector_push(L, rb_vec3_scale(lua_tonumber(L, number), v));
 	return 1;
@@ -198,7 +199,7 @@ static int l_div(lua_State *L)
 	rb_vec3 v;
 
 	if (lua_type(L, 2) != LUA_TNUMBER || !get(L, 1, &v))
-		return luaL_error(L, "vec3: '/' wants a vector and a number");
+		return luaL_error(L, "vec3: '/' needs a vector and a number");
 	const double by = lua_tonumber(L, 2);
 	rb_vector_push(L, (rb_vec3){v.x / by, v.y / by, v.z / by});
 	return 1;

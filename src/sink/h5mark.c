@@ -99,7 +99,7 @@ enum rb_status rb_mark_clear(int fd, const char *name, bool *was, struct rb_erro
 
 	*was = false;
 	if (pread(fd, bytes, SIZE, 0) != SIZE || memcmp(bytes, signature, sizeof signature) != 0)
-		return RB_FAIL(err, RB_ERR_INPUT, "'%s' is no HDF5 file", name);
+		return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not an HDF5 file", name);
 	if (bytes[VERSION_AT] < 2 || bytes[VERSION_AT] > 3 || bytes[OFFSETS_AT] != 8 ||
 	    bytes[LENGTHS_AT] != 8)
 		return RB_FAIL(err, RB_ERR_INPUT, "'%s' is not a recording of rbsim", name);

@@ -108,8 +108,8 @@ enum rb_status rb_folder_read(const char *path, size_t most, char **text, size_t
 	if (fstat(fileno(file), &about) != 0 || !S_ISREG(about.st_mode) ||
 	    (uint64_t)about.st_size > most) {
 		fclose(file);
-		return RB_FAIL(err, RB_ERR_INPUT, "cannot read '%s': it is no file, or too large",
-		               path);
+		return RB_FAIL(err, RB_ERR_INPUT,
+		               "cannot read '%s': it is not a file, or too large", path);
 	}
 	*text = rb_memory_take((size_t)about.st_size + 1, 1);
 	if (!*text) {

@@ -24,7 +24,7 @@ const struct rb_state_column *rb_state_columns(int *count)
 }
 
 /* Doubles that a column takes: padded to whole cache lines, so that columns are aligned. */
-static size_t column_room(int body_count, int columns)
+static size_t column_numbers(int body_count, int columns)
 {
 	return ((size_t)body_count * (size_t)columns + 7) & ~(size_t)7;
 }
@@ -32,29 +32,29 @@ static size_t column_room(int body_count, int columns)
 enum rb_status rb_state_init(struct rb_state *state, int body_count, rb_features features,
                              struct rb_error *err)
 {
-	size_t room = 0;
+	size_t numbers = 0;
 
 	*state = (struct rb_state){.body_count = body_count};
 #define X(name, columns, feature, unit, what)                \
 	if ((feature) == 0u || (features & (feature)) != 0u) \
-		room += column_room(body_count, columns);
+		numbers += column_numbers(body_count, columns);
 	RB_STATE_FIELDS(X)
 #undef X
-	state->block = rb_memory_take(room, sizeof(double));
+	state->block = rb_memory_take(numbers, sizeof(double));
 	if (!state->block)
 		return RB_FAIL(err, RB_ERR_MEMORY, "no memory for the state of %d bodies",
 		               body_count);
-	state->size_bytes = room * sizeof(double);
+	state->size_bytes = numbers * sizeof(double);
 
 	double *next = state->block;
 #define X(name, columns, feature, unit, what)                  \
 	if ((feature) == 0u || (features & (feature)) != 0u) { \
 		state->name = next;                            \
-		next += column_room(body_count, columns);      \
+		next += column_numbers(body_count, columns);   \
 	}
 	RB_STATE_FIELDS(X)
 #undef X
-	RB_ASSERT((size_t)(next - state->block) == room);
+	RB_ASSERT((size_t)(next - state->block) == numbers);
 	return RB_OK;
 }
 

@@ -135,7 +135,7 @@ rm -f s
 # what is no socket stays
 echo text >s
 exits 73 s.lua --no-record --listen s
-says err "'s': a file that is no socket has that name"
+says err "'s': a file that is not a socket has that name"
 [ "$(cat s)" = text ] || fail "the file was changed"
 rm s
 mkdir s

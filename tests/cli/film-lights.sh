@@ -28,12 +28,12 @@ refused()
 	exits 65 bad.lua
 	grep -qF "bad.lua:3: camera: lights[1]: $2" err || fail "not told: $2: $(cat err)"
 }
-refused '{}' "wants a 'kind', or one of 'position' and 'direction'"
-refused '{kind = "spot", position = {0, 0, 1}}' "a spot wants 'look_at'"
+refused '{}' "needs a 'kind', or one of 'position' and 'direction'"
+refused '{kind = "spot", position = {0, 0, 1}}' "a spot needs 'look_at'"
 refused '{kind = "spot", position = {0, 0, 1}, look_at = {0, 0, 1}}' "'look_at' is where the spot is"
-refused '{kind = "spot", look_at = {0, 0, 1}}' "a spot wants 'position'"
+refused '{kind = "spot", look_at = {0, 0, 1}}' "a spot needs 'position'"
 refused '{kind = "sun", position = {0, 0, 1}}' "a sun has no 'position'"
-refused '{kind = "sun"}' "a sun wants 'direction'"
+refused '{kind = "sun"}' "a sun needs 'direction'"
 refused '{kind = "lamp", position = {0, 0, 1}, angle = 0.5}' "a lamp has no 'angle'"
 refused '{kind = "ambient", direction = {0, 0, 1}}' "an ambient light has no 'direction'"
 refused '{kind = "moon"}' "'kind' must be one of lamp, sun, spot, ambient (got 'moon')"

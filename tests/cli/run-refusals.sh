@@ -112,7 +112,7 @@ if grep -q 'no such parameter' err; then fail "a parameter is unknown that was n
 small_scene >s.lua
 exits 0 s.lua -q
 exits 66 s.h5 --no-record
-says err "'s.h5' is no scene: it begins with bytes that are no text \(a recording\? see rbsim info\)"
+says err "'s.h5' is not a scene: it begins with bytes that are not text \(a recording\? see rbsim info\)"
 
 cat >refused.lua <<'END'
 expect_refused(65, "raduis")

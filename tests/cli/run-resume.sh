@@ -292,7 +292,7 @@ cp kept/* .
 head -c 100 kept/cut.h5.checkpoint >cut.h5.checkpoint
 head -c 100 kept/cut.h5.checkpoint~ >cut.h5.checkpoint~
 exits 66 short.lua -o cut.h5 --resume
-says err "is no checkpoint to go on from"
+says err "is not a checkpoint to resume from"
 # of another run of the same scene
 cp kept/* .
 exits 0 short.lua -q -o cut.h5 --force

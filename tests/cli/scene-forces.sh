@@ -86,4 +86,4 @@ world { duration = 1 }
 sphere { radius = 1, forces = { { start = 1 } } }
 LUA
 exits 65 check nothing.lua
-says err "wants 'vector', or 'direction' and 'magnitude', or 'torque'"
+says err "needs 'vector', or 'direction' and 'magnitude', or 'torque'"

@@ -14,4 +14,4 @@ local t = {}
 for i = 1, 1e9 do t[i] = {} end
 END
 exits 65 table.lua --param n=10 --no-record --quiet
-says err 'wants more than 256 MiB of memory'
+says err 'needs more than 256 MiB of memory'

@@ -27,7 +27,7 @@ refused 'sphere { radius = 1, texture = "link.png" }' "sphere: 'texture': there 
 refused 'record { file = "../x.h5" }' "record: 'file' must be a path within the output folder"
 echo 'local t = {} for i = 1, 1e9 do t[i] = {} end' >scene/bad.lua
 exits 65 scene/bad.lua
-says err 'wants more than 256 MiB of memory \(--trust lifts this\)'
+says err 'needs more than 256 MiB of memory \(--trust lifts this\)'
 [ ! -e touched ] || fail "a scene ran a program"
 
 echo 'sphere { radius = 1, texture = "own.png" } world { duration = 0.1 }' >scene/good.lua
@@ -43,6 +43,6 @@ exits 0 scene/mine.lua --no-record --quiet --trust
 # Bytecode is no scene.
 printf '\033Lua\124\000' >code.lua
 exits 66 code.lua
-says err "'code.lua' is no scene: it begins with bytes that are no text"
+says err "'code.lua' is not a scene: it begins with bytes that are not text"
 exits 66 nothing.lua
 says err "nothing.lua.*No such file"

@@ -41,10 +41,10 @@ camera { projection = "parallel", height = 0 }
 -- expect: :11: camera: 'png' must be a path within the output folder (--trust lifts this) (got the text '/tmp/%d.png')
 -- expect: :11: camera: 'video' must be a path within the output folder (--trust lifts this) (got the text '../film.mp4')
 -- expect: :12: camera: unknown key 'postion' (did you mean 'position'?)
--- expect: :12: camera: lights[1]: wants a 'kind', or one of 'position' and 'direction'
+-- expect: :12: camera: lights[1]: needs a 'kind', or one of 'position' and 'direction'
 -- expect: :12: camera: lights[2]: 'intensity' must be 0 or more (got -1)
 -- expect: :12: camera: lights[3]: 'direction' must be a vector with a length (got {0, 0, 0})
--- expect: :13: camera: an orthographic projection wants 'height', m
+-- expect: :13: camera: an orthographic projection needs 'height', m
 -- expect: :14: camera: an orthographic projection has no 'fov' (use 'height', m)
 -- expect: :15: camera: 'height' goes with projection = "orthographic" (a perspective has 'fov')
 -- expect: :16: camera: 'frustum' excludes 'fov', 'height', 'near' and 'far'

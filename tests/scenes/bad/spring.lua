@@ -31,15 +31,15 @@ on_transition(5)
 -- expect: :12: spring: 'rest_length' must be a number (got the text 'long')
 -- expect: :12: spring: 'at_a' must be a vector {x, y, z} (got {1, 2})
 -- expect: :12: spring: 'at_b' must be a vector {x, y, z} (got 3)
--- expect: :13: spring: wants a table of keys, like spring { ... } (got a body)
+-- expect: :13: spring: expected a table of keys, like spring { ... } (got a body)
 -- expect: :14: spring: a value without a name (write key = value)
 -- expect: :14: spring: 'a' is missing
 -- expect: :14: spring: 'b' is missing
--- expect: :15: drag: wants 'linear', 'quadratic' or both
+-- expect: :15: drag: needs 'linear', 'quadratic' or both
 -- expect: :16: drag: 'linear' must be 0 or more (got -1)
 -- expect: :17: drag: 'quadratic' must be finite (got nan)
 -- expect: :17: drag: unknown key 'cubic'
--- expect: :18: drag: wants a table of keys, like drag { ... } (got 1)
--- expect: :19: field: wants a function of t, x and v (got nothing)
--- expect: :20: field: wants a function of t, x and v (got {1, 2, 3})
--- expect: :21: on_transition: wants a function (got 5)
+-- expect: :18: drag: expected a table of keys, like drag { ... } (got 1)
+-- expect: :19: field: expected a function of t, x and v (got nothing)
+-- expect: :20: field: expected a function of t, x and v (got {1, 2, 3})
+-- expect: :21: on_transition: expected a function (got 5)

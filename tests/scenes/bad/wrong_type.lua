@@ -17,7 +17,7 @@ sphere { 0.1 }
 -- expect: :3: sphere 'list': 'group' must be the name of a group (got 7)
 -- expect: :3: sphere 'list': 'collides_with' must be a list of names of groups (got 3)
 -- expect: :3: sphere 'list': 'forces' must be a list of tables {{vector = {...}}, ...} (got 1)
--- expect: :4: sphere: wants a table of keys, like sphere { ... } (got 0.1)
--- expect: :5: sphere: wants a table of keys, like sphere { ... } (got the text 'ball')
+-- expect: :4: sphere: expected a table of keys, like sphere { ... } (got 0.1)
+-- expect: :5: sphere: expected a table of keys, like sphere { ... } (got the text 'ball')
 -- expect: :6: sphere: a value without a name (write key = value)
 -- expect: :6: sphere: 'radius' is missing
