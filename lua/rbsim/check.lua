@@ -48,7 +48,7 @@ end
 
 function check.options(call, options, needed, optional)
 	if type(options) ~= "table" then
-		error(("%s: wants a table of options (got %s)"):format(call, type(options)), 3)
+		error(("%s: expected a table of options (got %s)"):format(call, type(options)), 3)
 	end
 	for key in pairs(options) do
 		if not (needed[key] or optional[key]) then

@@ -38,7 +38,7 @@ end
 
 function path.through(stops)
 	check.value("path.through", "stops", stops, "table")
-	if #stops < 2 then error("path.through: wants two stops {t, {x, y, z}} or more", 2) end
+	if #stops < 2 then error("path.through: needs two stops {t, {x, y, z}} or more", 2) end
 	local times, points = {}, {}
 	for i, stop in ipairs(stops) do
 		if type(stop) ~= "table" then error(("path.through: stop %d is no {t, {x, y, z}}"):format(i), 2) end

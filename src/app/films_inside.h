@@ -14,14 +14,14 @@
 #include "flow/schedule.h"
 #include "sink/module.h"
 
-/* One camera at work. */
+/* One camera that is filmed. */
 struct film {
-	struct rb_camera_def camera; /* as wished */
+	struct rb_camera_def camera; /* of the scene, with the changes of the command line */
 	char label[80];              /* "camera 'main'", for messages */
 	struct rb_schedule schedule;
-	uint64_t next;       /* picture whose shot comes next */
-	bool late;           /* made when the run has ended */
-	double from_s, to_s; /* of what a camera without a position sees */
+	uint64_t next;       /* the next picture to compute a shot for */
+	bool late;           /* made from the recording after the run */
+	double from_s, to_s; /* span of motion that it frames if it has no position */
 	struct rb_film *film;
 	struct rb_sink sink;
 	struct rb_pump *pump;
@@ -34,15 +34,15 @@ struct rb_films {
 	const struct rb_film_module *module;
 	struct film *film; /* [count] */
 	int count;
-	bool late;     /* those that are made when the run has ended are at work */
+	bool late;     /* the late ones are being made */
 	bool shoots;   /* some camera has functions */
-	bool has_last; /* then: `last` is the frame before */
+	bool has_last; /* `last` is the previous frame */
 	struct rb_frame last;
 	struct rb_between between;
 	struct rb_steering steering;
-	double *switched_s; /* when pictures were left out, drawn again, ... */
+	double *switched_s; /* times at which pictures were switched off, on, ... */
 	size_t switch_count, switch_capacity;
-	atomic_int cut; /* the signal; set by anybody, after every film's own; 0: not */
+	atomic_int cut; /* signal that ends all films, 0: none; any thread */
 };
 
 /* Whether a film ended before its last picture. */

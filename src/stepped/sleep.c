@@ -41,7 +41,7 @@ enum rb_status rb_sleep_create(struct rb_sleep *sleep, const struct rb_model *mo
 	    sleep->body && sleep->pose)
 		return RB_OK;
 	rb_sleep_release(sleep);
-	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for what stands of %zu bodies", n);
+	return RB_FAIL(err, RB_ERR_MEMORY, "no memory for sleeping groups of %zu bodies", n);
 }
 
 void rb_sleep_release(struct rb_sleep *sleep)
@@ -111,7 +111,7 @@ static bool is_unmoved(const struct rb_world *world, int i)
 }
 
 /* Wakes the group of a body; a driven body is a group of its own. */
-static void rouse(struct rb_sleep *sleep, int i)
+static void wake(struct rb_sleep *sleep, int i)
 {
 	int k = i;
 
@@ -130,7 +130,7 @@ static void rouse(struct rb_sleep *sleep, int i)
  * The conditions under which the step that put it to sleep would do the same again: no velocity,
  * the same pose, the same external acceleration.
  */
-static bool goes_on_standing(const struct rb_world *world, int i, double h)
+static bool remains_asleep(const struct rb_world *world, int i, double h)
 {
 	const struct rb_stepped *s = world->stepped;
 	const struct rb_state *state = &world->state, *before = &world->mark;
@@ -166,7 +166,7 @@ static void check_block(void *user, int block, int worker)
 	for (int k = first; k < n && k < first + RB_BODIES_PER_BLOCK; k++) {
 		const int i = s->body[k];
 
-		s->sleep.mark[i] = s->sleep.sleeps[i] && !goes_on_standing(world, i, pass->h_s);
+		s->sleep.mark[i] = s->sleep.sleeps[i] && !remains_asleep(world, i, pass->h_s);
 		if (!s->sleep.sleeps[i])
 			continue;
 		s->near.reach[i] = rb_candidates_way(world, &world->state, i, pass->h_s);
@@ -183,7 +183,7 @@ void rb_sleep_wake(struct rb_world *world, const unsigned char *mark)
 
 	for (int i = 0; i < world->model->body_count; i++)
 		if (mark[i] && sleep->sleeps[i])
-			rouse(sleep, i);
+			wake(sleep, i);
 }
 
 /* Wakes groups whose inputs have changed since the last step. */
@@ -194,7 +194,7 @@ static void check(struct rb_world *world, double start, double h)
 	const int n = world->model->body_count;
 	struct pass pass = {world, h};
 
-	/* other methods may have had the world since, or a callback has changed what stands */
+	/* another method may have advanced the world since, or a callback may have changed bodies */
 	if (!(fabs(start - sleep->end_s) <= 1e-3 * h) ||
 	    world->contacts.count != sleep->contact_count)
 		rb_sleep_forget(s);
@@ -209,7 +209,7 @@ static void check(struct rb_world *world, double start, double h)
 	memset(sleep->mark, 0, (size_t)n);
 }
 
-/* ---- what does not stand ---- */
+/* ---- awake bodies ---- */
 
 void rb_sleep_gather(struct rb_stepped *s)
 {
@@ -291,7 +291,7 @@ enum rb_status rb_sleep_list(struct rb_world *world, struct rb_error *err)
  * Wakes groups touched by the points from `first` on and marks their bodies; whether there were
  * any.
  */
-static bool rouse_touched(struct rb_world *world, size_t first)
+static bool wake_touched(struct rb_world *world, size_t first)
 {
 	struct rb_stepped *s = world->stepped;
 	struct rb_sleep *sleep = &s->sleep;
@@ -304,7 +304,7 @@ static bool rouse_touched(struct rb_world *world, size_t first)
 			if (!rb_stepped_is_dynamic(world, ends[e]) || !sleep->sleeps[ends[e]])
 				continue;
 			any = true;
-			rouse(sleep, ends[e]);
+			wake(sleep, ends[e]);
 			for (int i = ends[e]; !sleep->mark[i]; i = sleep->next[i])
 				sleep->mark[i] = 1;
 		}
@@ -393,7 +393,7 @@ enum rb_status rb_sleep_points(struct rb_world *world, double start, double h, s
 	points->count = 0;
 	if (status == RB_OK)
 		status = rb_step_points_add(points, world, near, h, HUGE_VAL, err);
-	while (status == RB_OK && sleep->count > 0 && rouse_touched(world, first)) {
+	while (status == RB_OK && sleep->count > 0 && wake_touched(world, first)) {
 		first = points->count;
 		shrink(s);
 		show(s);
@@ -466,7 +466,7 @@ static void end_driven(struct rb_world *world)
 		if (asleep && !sleep->sleeps[i])
 			fall_asleep(world, i);
 		else if (!asleep && sleep->sleeps[i])
-			rouse(sleep, i);
+			wake(sleep, i);
 	}
 }
 
