@@ -194,7 +194,7 @@ static void check(struct rb_world *world, double start, double h)
 	const int n = world->model->body_count;
 	struct pass pass = {world, h};
 
-	/* another method may have advanced the world since, or a callback may have changed bodies */
+	/* another method may have advanced the world, or a callback may have moved bodies */
 	if (!(fabs(start - sleep->end_s) <= 1e-3 * h) ||
 	    world->contacts.count != sleep->contact_count)
 		rb_sleep_forget(s);
